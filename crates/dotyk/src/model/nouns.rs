@@ -1,0 +1,346 @@
+//! What the user writes: bodies, supports, loads, contacts, solver options, probes.
+
+use crate::geometry::{Field, Point};
+use crate::mesh::Mesh;
+
+/// The kind of analysis; D = 2 for all but [`Analysis::Solid`].
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Analysis {
+    /// Plane strain, per unit thickness unless the body has one.
+    PlaneStrain,
+    /// Plane stress, per unit thickness unless the body has one.
+    PlaneStress,
+    /// x = r, y = z; forces for the full 2π.
+    Axisymmetric,
+    /// Three-dimensional.
+    Solid,
+}
+
+impl Analysis {
+    /// The name in a case file.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::PlaneStrain => "plane-strain",
+            Self::PlaneStress => "plane-stress",
+            Self::Axisymmetric => "axisymmetric",
+            Self::Solid => "3d",
+        }
+    }
+}
+
+/// Isotropic linear elasticity: Young's modulus (force / area) and Poisson's ratio.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Elastic {
+    /// Young's modulus, > 0.
+    pub young: f64,
+    /// Poisson's ratio, in (−1, 0.5).
+    pub poisson: f64,
+}
+
+/// A material for the cells of one group of the mesh, or for all cells.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Material {
+    /// Cell group that it applies to; `None`: every cell of the body.
+    pub group: Option<String>,
+    /// The law.
+    pub elastic: Elastic,
+}
+
+/// Names of units; they label the report and change no number.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Units {
+    /// Unit of length, such as "m".
+    pub length: Option<String>,
+    /// Unit of force, such as "N".
+    pub force: Option<String>,
+}
+
+/// Where a support holds: a whole side, or the node nearest to a point.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Place<const D: usize> {
+    /// All nodes of a side of the body.
+    Side(String),
+    /// The nearest node; an error when it is farther than half an edge.
+    Point(Point<D>),
+}
+
+/// Prescribed displacements.
+#[derive(Debug, Clone)]
+pub struct Support<const D: usize> {
+    /// Where.
+    pub place: Place<D>,
+    /// Prescribed component along each axis; `None` is free.
+    pub components: [Option<Field>; D],
+    /// Prescribed displacement along the outward normal (a roller on a side of any orientation).
+    pub normal: Option<Field>,
+}
+
+/// An external load on the undeformed body.
+#[derive(Debug, Clone)]
+pub enum Load<const D: usize> {
+    /// Force per area in global axes on a side.
+    Traction {
+        /// Side of the body.
+        side: String,
+        /// Components.
+        traction: [Field; D],
+    },
+    /// Pressure on a side; positive pushes into the body.
+    Pressure {
+        /// Side of the body.
+        side: String,
+        /// Force per area.
+        pressure: Field,
+    },
+    /// Force at the node nearest to a point.
+    Force {
+        /// The point.
+        point: Point<D>,
+        /// Components.
+        force: [Field; D],
+    },
+}
+
+/// One elastic body.
+#[derive(Debug, Clone)]
+pub struct Body<const D: usize> {
+    /// Unique name.
+    pub name: String,
+    /// Its mesh with named sides.
+    pub mesh: Mesh<D>,
+    /// One material for all cells, or one per cell group.
+    pub materials: Vec<Material>,
+    /// Thickness in plane analyses, > 0.
+    pub thickness: f64,
+    /// Force per volume.
+    pub body_force: [Field; D],
+    /// Prescribed displacements.
+    pub supports: Vec<Support<D>>,
+    /// External loads.
+    pub loads: Vec<Load<D>>,
+}
+
+/// A side of a body.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub struct BodyId(pub usize);
+
+/// A named side of one of the model's bodies.
+#[derive(Debug, Clone, PartialEq)]
+pub struct SideRef {
+    /// Index of the body in [`Model::bodies`].
+    pub body: BodyId,
+    /// Name of the side in its mesh.
+    pub side: String,
+}
+
+/// A rigid obstacle: `gap` is its distance from the undeformed nonmortar point along the contact normal.
+#[derive(Debug, Clone)]
+pub struct Obstacle<const D: usize> {
+    /// Initial distance at a point of the nonmortar side; negative is an interference.
+    pub gap: Field,
+    /// Prescribed displacement of the obstacle.
+    pub displacement: [Field; D],
+}
+
+/// Who touches whom.
+#[derive(Debug, Clone)]
+pub enum Pair<const D: usize> {
+    /// The first side carries the multipliers.
+    Given {
+        /// Carries the multipliers; its outward normal is the contact normal.
+        nonmortar: SideRef,
+        /// The other side.
+        mortar: SideRef,
+    },
+    /// The more compliant body becomes the nonmortar side; within a factor 10 the finer one.
+    Automatic([SideRef; 2]),
+    /// A body against a rigid obstacle.
+    Obstacle {
+        /// Carries the multipliers.
+        nonmortar: SideRef,
+        /// What it touches.
+        obstacle: Obstacle<D>,
+    },
+}
+
+/// How the two sides are coupled.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Pairing {
+    /// One multiplier for each pair of coincident nodes.
+    NodeToNode,
+    /// Mortar integration over the common part of both sides.
+    Mortar,
+}
+
+/// The initial gap.
+#[derive(Debug, Clone)]
+pub enum Gap {
+    /// Measured between the two sides.
+    Geometric,
+    /// Zero by design, whatever the meshes say.
+    Closed,
+    /// Clearance > 0 or interference < 0 along the normal.
+    Given(Field),
+}
+
+/// The contact law.
+#[derive(Debug, Clone)]
+pub enum Law {
+    /// Unilateral, without friction.
+    Frictionless,
+    /// Unilateral with Coulomb friction (coefficient).
+    Coulomb(Field),
+    /// Unilateral with a given bound of the shear traction.
+    Tresca(Field),
+    /// Both sides move together; tension is allowed.
+    Tied,
+}
+
+/// A contact between two sides, or a side and a rigid obstacle.
+#[derive(Debug, Clone)]
+pub struct Contact<const D: usize> {
+    /// Unique name.
+    pub name: String,
+    /// The sides.
+    pub pair: Pair<D>,
+    /// `None`: node-to-node where nodes coincide and all nodal weights are positive, else mortar.
+    pub pairing: Option<Pairing>,
+    /// `None`: closed where node-to-node, else geometric.
+    pub gap: Option<Gap>,
+    /// What the interface can bear.
+    pub law: Law,
+}
+
+/// Which algorithm solves the contact problem.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Method {
+    /// The best for the problem: semismooth Newton, safeguarded by MPRGP.
+    #[default]
+    Auto,
+    /// Semismooth Newton (primal-dual active set).
+    Newton,
+    /// MPRGP with SMALBE for the balance.
+    Mprgp,
+    /// Projected gradient with exact projection.
+    Gradient,
+    /// Accelerated projected gradient with restart.
+    Accelerated,
+    /// The paper's p,A-algorithm with bolts.
+    Uzawa,
+}
+
+impl Method {
+    /// All methods that name one algorithm.
+    pub const NAMED: [Self; 5] = [
+        Self::Newton,
+        Self::Mprgp,
+        Self::Gradient,
+        Self::Accelerated,
+        Self::Uzawa,
+    ];
+
+    /// The name on the command line and in a case file.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Auto => "auto",
+            Self::Newton => "newton",
+            Self::Mprgp => "mprgp",
+            Self::Gradient => "gradient",
+            Self::Accelerated => "accelerated",
+            Self::Uzawa => "uzawa",
+        }
+    }
+
+    /// The method of that name.
+    pub fn from_name(name: &str) -> Option<Self> {
+        [Self::Auto]
+            .into_iter()
+            .chain(Self::NAMED)
+            .find(|m| m.name() == name)
+    }
+}
+
+/// Where the p,A-algorithm puts its bolts.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Bolts<const D: usize> {
+    /// Chosen from a bilateral solve, one per rigid mode.
+    Automatic,
+    /// The contact nodes nearest to these points, one per rigid mode.
+    Points(Vec<Point<D>>),
+}
+
+/// Solver options; the default needs no word from the user.
+#[derive(Debug, Clone, PartialEq)]
+pub struct SolverOptions<const D: usize> {
+    /// The algorithm.
+    pub method: Method,
+    /// Limit of every relative figure of the certificate (imbalances: 1e-10).
+    pub tolerance: f64,
+    /// Most iterations; `None`: the method's own default.
+    pub max_iterations: Option<usize>,
+    /// Step of gradient and uzawa, for λ in forces, unscaled; `None`: automatic.
+    pub rho: Option<f64>,
+    /// Bolts of uzawa.
+    pub bolts: Bolts<D>,
+}
+
+impl<const D: usize> Default for SolverOptions<D> {
+    fn default() -> Self {
+        Self {
+            method: Method::Auto,
+            tolerance: 1e-8,
+            max_iterations: None,
+            rho: None,
+            bolts: Bolts::Automatic,
+        }
+    }
+}
+
+/// A number to read off the solution.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Probe<const D: usize> {
+    /// Unique name.
+    pub name: String,
+    /// What is read, as in the case file: `BODY.displacement.x`, `CONTACT.pressure`, ...
+    pub quantity: String,
+    /// Where; `None` for resultants and reductions.
+    pub at: Option<Point<D>>,
+    /// Largest or smallest value instead of the value at a point.
+    pub reduce: Option<Reduce>,
+    /// Mean of the two neighbouring nodes instead of interpolation (the paper's B and C).
+    pub mean_of_neighbours: bool,
+    /// Minus the least-squares amplitude of the rigid modes that this body's supports leave free.
+    pub minus_rigid: Option<String>,
+}
+
+/// Reduction of a probe over all nodes.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Reduce {
+    /// Largest value.
+    Max,
+    /// Smallest value.
+    Min,
+}
+
+/// A complete problem.
+#[derive(Debug, Clone)]
+pub struct Model<const D: usize> {
+    /// Title of the report.
+    pub title: String,
+    /// Where the problem comes from.
+    pub source: String,
+    /// Kind of analysis.
+    pub analysis: Analysis,
+    /// Labels of the report.
+    pub units: Units,
+    /// The bodies.
+    pub bodies: Vec<Body<D>>,
+    /// The contacts.
+    pub contacts: Vec<Contact<D>>,
+    /// How to solve.
+    pub solver: SolverOptions<D>,
+    /// What to read off.
+    pub probes: Vec<Probe<D>>,
+    /// Time at which loads and supports are taken.
+    pub time: f64,
+}

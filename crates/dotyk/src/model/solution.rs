@@ -1,0 +1,235 @@
+//! What comes out: displacements, stresses, reactions, contact state, certificate.
+
+use super::nouns::SideRef;
+use crate::dual::Certificate;
+use crate::geometry::Point;
+
+/// Wall seconds of each stage.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct Seconds {
+    /// Reading the case and making the meshes.
+    pub read: f64,
+    /// Stiffness, loads, supports, interfaces.
+    pub assemble: f64,
+    /// Fill-reducing orderings and symbolic analysis.
+    pub order: f64,
+    /// Numerical factorisations.
+    pub factor: f64,
+    /// Compliance F and overlap d on the contact unknowns.
+    pub condense: f64,
+    /// The contact solver.
+    pub contact: f64,
+    /// Displacements, stresses, reactions, certificate.
+    pub recover: f64,
+    /// Writing files.
+    pub write: f64,
+    /// All of it.
+    pub total: f64,
+}
+
+/// State of a contact node.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Status {
+    /// No force.
+    Open,
+    /// In contact, frictionless.
+    Closed,
+    /// In contact, below the friction bound.
+    Stick,
+    /// In contact, at the friction bound.
+    Slip,
+    /// Tied.
+    Tied,
+    /// Its normal displacement is prescribed on both sides: no unknown.
+    Fixed,
+}
+
+impl Status {
+    /// The name in `contact.csv`.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Open => "open",
+            Self::Closed => "closed",
+            Self::Stick => "stick",
+            Self::Slip => "slip",
+            Self::Tied => "tied",
+            Self::Fixed => "fixed",
+        }
+    }
+}
+
+/// One node of a nonmortar side.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ContactNode<const D: usize> {
+    /// Index in the nonmortar body's mesh.
+    pub node: usize,
+    /// Partner node in the mortar body's mesh (node-to-node only).
+    pub partner: Option<usize>,
+    /// Undeformed position.
+    pub point: Point<D>,
+    /// Outward unit normal of the nonmortar side.
+    pub normal: Point<D>,
+    /// ∫ψ of the node's multiplier (area, times thickness or 2πr); all positive.
+    pub weight: f64,
+    /// Gap after deformation, ≥ 0 open; NaN where nothing is opposite.
+    pub gap: f64,
+    /// Contact pressure λ / weight, ≥ 0 compression; NaN where fixed.
+    pub pressure: f64,
+    /// Tangential traction ON the nonmortar body in global axes (zero without friction).
+    pub shear: Point<D>,
+    /// Tangential displacement relative to the mortar body in global axes; NaN where undefined.
+    pub slip: Point<D>,
+    /// Displacement of the nonmortar side along the normal.
+    pub displacement_nonmortar: f64,
+    /// Displacement of the mortar side (or obstacle) along the same normal; NaN where nothing is opposite.
+    pub displacement_mortar: f64,
+    /// State.
+    pub status: Status,
+}
+
+/// Solution of one contact.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ContactSolution<const D: usize> {
+    /// Name of the contact.
+    pub name: String,
+    /// The side that carries the multipliers.
+    pub nonmortar: SideRef,
+    /// The other side; `None` for a rigid obstacle.
+    pub mortar: Option<SideRef>,
+    /// Nodes of the nonmortar side in the order of the side (along the chain in 2D).
+    pub nodes: Vec<ContactNode<D>>,
+    /// The chain closes on itself (a full ring).
+    pub cyclic: bool,
+    /// Force ON the nonmortar body.
+    pub resultant: Point<D>,
+    /// Length or area in contact, times thickness or 2πr left out.
+    pub length: f64,
+    /// Sum of the forces on both sides, relative to the sum of the nodal forces' magnitudes.
+    pub imbalance: f64,
+}
+
+/// A rigid motion that a body's supports leave free, in words and numbers.
+#[derive(Debug, Clone, PartialEq)]
+pub struct RigidMode<const D: usize> {
+    /// "translation along y", "rotation about (0, 0)", ...
+    pub description: String,
+    /// Displacement of every node, scaled to largest length 1.
+    pub displacement: Vec<Point<D>>,
+}
+
+/// Best rigid motion of a body, least squares over its nodes.
+#[derive(Debug, Clone, PartialEq)]
+pub struct RigidMotion<const D: usize> {
+    /// Translation of the centroid of the nodes.
+    pub translation: Point<D>,
+    /// Rotation about the centroid: one angle in 2D, three components in 3D.
+    pub rotation: Vec<f64>,
+}
+
+/// Solution of one body.
+#[derive(Debug, Clone, PartialEq)]
+pub struct BodySolution<const D: usize> {
+    /// Name of the body.
+    pub name: String,
+    /// Displacement of every node.
+    pub displacement: Vec<Point<D>>,
+    /// Stress at every node: xx yy zz xy yz xz.
+    pub stress: Vec<[f64; 6]>,
+    /// Von Mises stress at every node.
+    pub von_mises: Vec<f64>,
+    /// Force of its supports ON the body at every node (zero where not held).
+    pub reactions: Vec<Point<D>>,
+    /// Rigid motions that its supports leave free.
+    pub floating_modes: Vec<RigidMode<D>>,
+    /// Best rigid motion.
+    pub rigid: RigidMotion<D>,
+    /// Sum of the reactions.
+    pub reaction: Point<D>,
+    /// Elastic energy 1/2 uᵀKu.
+    pub strain_energy: f64,
+    /// Degrees of freedom, prescribed ones included.
+    pub dofs: usize,
+}
+
+/// One line of the convergence history.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct HistoryPoint {
+    /// Iteration, from 1.
+    pub iteration: usize,
+    /// Largest relative violation of the optimality conditions at that iterate.
+    pub residual: f64,
+    /// Contact unknowns with a force.
+    pub active: usize,
+}
+
+/// A bolt of the p,A-algorithm.
+#[derive(Debug, Clone, PartialEq)]
+pub struct BoltReport<const D: usize> {
+    /// Contact and node that held the bolt.
+    pub contact: String,
+    /// Undeformed position.
+    pub point: Point<D>,
+    /// Its force at the limit: negative is tension, that is, improper.
+    pub force: f64,
+    /// It was moved away from here because it was improper.
+    pub moved: bool,
+}
+
+/// How the contact problem was solved.
+#[derive(Debug, Clone, PartialEq)]
+pub struct SolverReport<const D: usize> {
+    /// Method that was used (never "auto").
+    pub method: &'static str,
+    /// Iterations.
+    pub iterations: usize,
+    /// Products with the compliance F.
+    pub products: usize,
+    /// Fixed step, where there is one.
+    pub rho: Option<f64>,
+    /// Convergence history.
+    pub history: Vec<HistoryPoint>,
+    /// Bolts, in the order in which they were used.
+    pub bolts: Vec<BoltReport<D>>,
+}
+
+/// Value of a probe.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ProbeValue {
+    /// Name of the probe.
+    pub name: String,
+    /// What was read.
+    pub quantity: String,
+    /// The number.
+    pub value: f64,
+}
+
+/// The answer, with its certificate.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Solution<const D: usize> {
+    /// Time at which loads and supports were taken.
+    pub time: f64,
+    /// One per body of the model, in its order.
+    pub bodies: Vec<BodySolution<D>>,
+    /// One per contact of the model, in its order.
+    pub contacts: Vec<ContactSolution<D>>,
+    /// What was checked, and by how much it holds.
+    pub certificate: Certificate,
+    /// The certificate holds.
+    pub converged: bool,
+    /// How it was solved.
+    pub solver: SolverReport<D>,
+    /// What the user should know.
+    pub warnings: Vec<String>,
+    /// Values of the model's probes.
+    pub probes: Vec<ProbeValue>,
+    /// Degrees of freedom of all bodies, prescribed ones included.
+    pub dofs: usize,
+    /// Number of multipliers.
+    pub contact_unknowns: usize,
+    /// Threads that were used.
+    pub threads: usize,
+    /// Largest resident memory of the process so far.
+    pub peak_memory_bytes: u64,
+    /// Wall time by stage.
+    pub seconds: Seconds,
+}
