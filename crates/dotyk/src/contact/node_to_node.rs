@@ -11,7 +11,7 @@ use super::{ContactError, End, InitialGap, Interface, InterfaceNode, Role, Row};
 use crate::fem::{Analysis, node_normals, show, side_facets};
 use crate::geometry::{Field, Point, add_scaled, distance, dot, norm, sub};
 use crate::mesh::Mesh;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 /// Two nodes coincide within this fraction of the local edge.
 const COINCIDENT: f64 = 1e-6;
@@ -23,8 +23,9 @@ pub fn matching_nodes<const D: usize>(
     mortar: End<'_, D>,
 ) -> Result<BTreeMap<usize, (Option<usize>, f64)>, ContactError> {
     let (s, m) = (&nonmortar.body.mesh, &mortar.body.mesh);
-    let mut partners: Vec<usize> = m.side_nodes(mortar.side);
     facets(mortar)?;
+    let mut partners: Vec<usize> =
+        m.side_nodes(mortar.side).unwrap_or_default().into_iter().map(|node| node as usize).collect();
     // sorted along x: candidates lie in a short window
     partners.sort_by(|&a, &b| m.points()[a][0].total_cmp(&m.points()[b][0]));
     let edges = shortest_edges(s, facets(nonmortar)?);
@@ -70,7 +71,7 @@ fn nearest_sorted<const D: usize>(
 fn shortest_edges<const D: usize>(mesh: &Mesh<D>, facets: &[crate::mesh::Facet]) -> BTreeMap<usize, f64> {
     let mut edges = BTreeMap::new();
     for &facet in facets {
-        let nodes: Vec<usize> = mesh.facet_nodes(facet).collect();
+        let nodes: Vec<usize> = mesh.facet_nodes(facet).map(|node| node as usize).collect();
         let length = distance(mesh.points()[nodes[0]], mesh.points()[nodes[1]]);
         for node in nodes {
             let edge = edges.entry(node).or_insert(f64::INFINITY);
@@ -147,10 +148,14 @@ fn build<const D: usize>(
     let mesh = &nonmortar.body.mesh;
     let facets = facets(nonmortar)?;
     let normals = node_normals(mesh, facets);
-    let facing = facets.iter().copied().filter(|&facet| mesh.facet_nodes(facet).all(&faces));
+    let facing = facets.iter().copied().filter(|&facet| mesh.facet_nodes(facet).all(|node| faces(node as usize)));
     let weights = nodal_weights(mesh, facing, analysis, nonmortar.body.thickness);
     let whole = nodal_weights(mesh, facets.iter().copied(), analysis, nonmortar.body.thickness);
-    let (order, cyclic) = mesh.side_order(nonmortar.side);
+    let chains = mesh.chain(nonmortar.side).unwrap_or_default();
+    let cyclic = chains.len() == 1 && chains[0].cyclic;
+    let mut seen = BTreeSet::new();
+    let along = chains.iter().flat_map(|chain| &chain.nodes).map(|&node| node as usize);
+    let order: Vec<usize> = along.filter(|&node| seen.insert(node)).collect();
     let mut interface = Interface { nodes: Vec::new(), cyclic, nonmortar: Vec::new(), mortar: Vec::new() };
     for node in order {
         let Some(&normal) = normals.get(&node) else { continue };

@@ -202,7 +202,10 @@ pub(crate) struct CellTable<const D: usize> {
 impl<const D: usize> CellTable<D> {
     /// At the points of a rule that integrates polynomials of the given degree.
     pub fn new(kind: CellKind, degree: usize) -> Self {
-        Self::at(kind, &quadrature::cell_rule::<D>(kind, degree))
+        let rule = quadrature::rule(kind, degree);
+        let points: Vec<(Point<D>, f64)> =
+            rule.iter().map(|point| (std::array::from_fn(|i| point.xi[i]), point.weight)).collect();
+        Self::at(kind, &points)
     }
 
     /// At given reference points with weights.
@@ -256,7 +259,7 @@ impl<const D: usize> CellTable<D> {
 }
 
 /// Inverse and determinant of a small matrix (D ≤ 3) by cofactors.
-fn invert<const D: usize>(m: [[f64; D]; D]) -> ([[f64; D]; D], f64) {
+pub(crate) fn invert<const D: usize>(m: [[f64; D]; D]) -> ([[f64; D]; D], f64) {
     let mut inverse = [[0.0; D]; D];
     let det = match D {
         2 => {

@@ -3,9 +3,10 @@
 use super::assemble::{CellTable, measure};
 use super::error::FemError;
 use super::nouns::{Analysis, Body, Load};
-use super::quadrature;
+use super::quadrature::{self, QuadraturePoint};
 use super::supports::{finite, nearest_node, side_facets};
 use crate::geometry::{Point, norm};
+use crate::mesh::MAX_FACET_NODES;
 
 /// Nodal forces of all loads of a body at a time, (D·nodes,) in global axes.
 pub(crate) fn nodal_loads<const D: usize>(
@@ -57,22 +58,17 @@ fn add_side_load<const D: usize>(
     let mesh = &body.mesh;
     for &facet in side_facets(mesh, side)? {
         let kind = mesh.facet_kind(facet);
-        let mut shape = [0.0; 9];
-        for (xi, weight) in quadrature::facet_rule(kind, LOAD_DEGREE) {
-            kind.shape(xi, &mut shape);
-            let mut point = [0.0; D];
-            for (node, n) in mesh.facet_nodes(facet).zip(shape) {
-                for i in 0..D {
-                    point[i] += n * mesh.points()[node][i];
-                }
-            }
-            let normal = mesh.facet_normal(facet, xi);
+        let mut shape = [0.0; MAX_FACET_NODES];
+        for QuadraturePoint { xi, weight } in quadrature::facet_rule(kind, LOAD_DEGREE) {
+            kind.shape(&xi, &mut shape);
+            let point = mesh.facet_point(facet, &xi);
+            let normal = mesh.outward_normal(facet, &xi);
             let area = norm(normal);
             let t = traction(point, normal.map(|n| n / area))?;
             let w = weight * area * measure(analysis, body.thickness, point);
             for (node, n) in mesh.facet_nodes(facet).zip(shape) {
                 for i in 0..D {
-                    forces[D * node + i] += w * n * t[i];
+                    forces[D * node as usize + i] += w * n * t[i];
                 }
             }
         }

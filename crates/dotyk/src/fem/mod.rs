@@ -20,7 +20,12 @@ mod supports;
 
 pub use assemble::{BodySystem, assemble};
 pub use error::FemError;
-pub use modes::{describe_motion, RigidBasis};
+pub use modes::{RigidBasis, describe_motion};
 pub use nouns::{Analysis, Body, Elastic, Load, Material, Place, Support};
 pub use stress::{recover_stress, von_mises};
 pub use supports::{Constraints, Held, nearest_node, node_normals};
+
+pub(crate) use assemble::{invert, measure};
+pub(crate) use error::show;
+pub(crate) use modes::fit_rigid;
+pub(crate) use supports::side_facets;

@@ -7,7 +7,7 @@ use super::error::Short;
 use super::nouns::Analysis;
 use super::supports::Constraints;
 use crate::geometry::{Point, add_scaled, bounding_box, dot, norm, sub};
-use crate::linalg::{Mat, null_space};
+use crate::linalg::{Mat, least_squares, null_space};
 use crate::mesh::Mesh;
 
 /// Which rigid motions an analysis knows.
@@ -99,7 +99,8 @@ fn amplitudes(rows: &[Vec<f64>], unknowns: usize) -> Vec<Vec<f64>> {
         return (0..unknowns).map(unit).collect();
     }
     let matrix = Mat::from_fn(rows.len(), unknowns, |i, j| rows[i][j]);
-    let null = null_space(&matrix, RANK_TOLERANCE);
+    // the conditions are finite: directions are unit vectors and points were checked by the mesh
+    let Ok(null) = null_space(&matrix, RANK_TOLERANCE) else { return Vec::new() };
     let mut basis: Vec<Vec<f64>> =
         (0..null.ncols()).map(|j| (0..unknowns).map(|i| null[(i, j)]).collect()).collect();
     reduce(&mut basis);
@@ -239,7 +240,10 @@ pub(crate) fn fit_rigid<const D: usize>(
             }
         }
     }
-    let amplitudes = crate::linalg::least_norm(&normal, &rhs);
+    let rhs = Mat::from_fn(count, 1, |i, _| rhs[i]);
+    // finite input cannot fail; a motion that is not finite has no best rigid motion
+    let amplitudes = least_squares(&normal, &rhs, RANK_TOLERANCE)
+        .map_or_else(|_| vec![f64::NAN; count], |x| x.col_as_slice(0).to_vec());
     let rotations = D * (D - 1) / 2;
     let spin = amplitudes[..rotations].iter().map(|a| a / size).collect();
     (std::array::from_fn(|i| amplitudes[rotations + i]), spin)

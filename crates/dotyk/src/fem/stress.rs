@@ -99,7 +99,7 @@ fn sampling_points<const D: usize>(kind: CellKind) -> Vec<(Point<D>, f64)> {
 /// Weights of the samples at each node of the cell: the (bi)linear function through the samples, evaluated there.
 fn extrapolation(kind: CellKind) -> Vec<Vec<f64>> {
     let nodes = kind.reference_nodes();
-    let weights = |xi: &[f64]| match kind {
+    let weights = |xi: &[f64; 3]| match kind {
         CellKind::Tri3 => vec![1.0],
         CellKind::Tri6 => [1.0 - xi[0] - xi[1], xi[0], xi[1]].map(|l| 2.0 * l - 1.0 / 3.0).to_vec(),
         CellKind::Quad4 | CellKind::Quad8 | CellKind::Quad9 => {
@@ -109,7 +109,7 @@ fn extrapolation(kind: CellKind) -> Vec<Vec<f64>> {
                 .to_vec()
         }
     };
-    nodes.iter().map(|xi| weights(&xi[..])).collect()
+    nodes.iter().map(|xi| weights(xi)).collect()
 }
 
 /// Von Mises stress of (xx yy zz xy yz xz).

@@ -154,8 +154,8 @@ pub fn node_normals<const D: usize>(mesh: &Mesh<D>, facets: &[Facet]) -> BTreeMa
     for &facet in facets {
         let kind = mesh.facet_kind(facet);
         for (node, xi) in mesh.facet_nodes(facet).zip(kind.reference_nodes()) {
-            if let Some(normal) = unit(mesh.facet_normal(facet, xi)) {
-                let sum = sums.entry(node).or_insert([0.0; D]);
+            if let Some(normal) = unit(mesh.outward_normal(facet, xi)) {
+                let sum = sums.entry(node as usize).or_insert([0.0; D]);
                 *sum = add_scaled(*sum, 1.0, normal);
             }
         }

@@ -124,7 +124,13 @@ pub(crate) struct Ordered {
 }
 
 /// Orders a body: free dofs, contact nodes last (when F is assembled), grounded dofs left out.
-pub(crate) fn order<const D: usize>(system: &BodySystem<D>, rows: &BodyRows, dense: bool) -> Ordered {
+pub(crate) fn order<const D: usize>(
+    model: &Model<D>,
+    body: usize,
+    system: &BodySystem<D>,
+    rows: &BodyRows,
+    dense: bool,
+) -> Result<Ordered, Error<D>> {
     let mut contact_node = vec![false; system.graph.nodes()];
     for local in 0..rows.index.len() {
         for (dof, _) in rows.matrix.row(local) {
@@ -143,7 +149,9 @@ pub(crate) fn order<const D: usize>(system: &BodySystem<D>, rows: &BodyRows, den
     let nodes = fill_reducing_order(&system.graph, &keep_node, &last);
     let dofs = expand_to_dofs(&nodes, D, &keep);
     let trailing = expand_to_dofs(&last, D, &keep);
-    Ordered { analysis: Analysis::new(&system.stiffness, &dofs, trailing.len()), trailing }
+    let analysis = Analysis::new(&system.stiffness, &dofs, trailing.len())
+        .map_err(|source| singular(model, body, source))?;
+    Ok(Ordered { analysis, trailing })
 }
 
 /// Dofs that hold the free rigid modes for the factorisation: complete pivoting on R, away from the contacts if possible.
@@ -191,17 +199,20 @@ pub(crate) fn factor<const D: usize>(
     system: &BodySystem<D>,
     ordered: &Ordered,
 ) -> Result<Cholesky, Error<D>> {
-    ordered.analysis.factor(&system.stiffness).map_err(|source| {
-        let dof = match &source {
-            LinalgError::NotPositiveDefinite { dof } | LinalgError::NearlySingular { dof, .. } => *dof,
-            LinalgError::NotFinite { row } => *row,
-            _ => 0,
-        };
-        let node = dof / D;
-        let body = &model.bodies[body];
-        let point = show(body.mesh.points()[node]);
-        Error::Body { body: body.name.clone(), source: FemError::Singular { node, point, source } }
-    })
+    ordered.analysis.factor(&system.stiffness).map_err(|source| singular(model, body, source))
+}
+
+/// Names the node of a dof where the linear algebra failed.
+fn singular<const D: usize>(model: &Model<D>, body: usize, source: LinalgError) -> Error<D> {
+    let dof = match &source {
+        LinalgError::NotPositiveDefinite { dof } | LinalgError::NearlySingular { dof, .. } => *dof,
+        LinalgError::NotFinite { row } => *row,
+        _ => 0,
+    };
+    let node = dof / D;
+    let body = &model.bodies[body];
+    let point = show(body.mesh.points()[node]);
+    Error::Body { body: body.name.clone(), source: FemError::Singular { node, point, source } }
 }
 
 /// Solves for the displacement without contact.
@@ -370,7 +381,7 @@ fn boundary_part<const D: usize>(body: &LoadedBody<D>) -> Option<BoundaryPart> {
     let keep_node: Vec<bool> = keep.chunks_exact(D).map(|dofs| dofs.contains(&true)).collect();
     let nodes = fill_reducing_order(&system.graph, &keep_node, &[]);
     let dofs = expand_to_dofs(&nodes, D, &keep);
-    let inner = Analysis::new(&system.stiffness, &dofs, 0).factor(&system.stiffness).ok()?;
+    let inner = Analysis::new(&system.stiffness, &dofs, 0).ok()?.factor(&system.stiffness).ok()?;
     // softness of the body as one number: mean of 1/K_ii over its contact dofs
     let diagonal = system.stiffness.diagonal();
     let softness = contact.iter().map(|&dof| 1.0 / diagonal[dof]).sum::<f64>() / contact.len().max(1) as f64;

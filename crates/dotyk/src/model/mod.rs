@@ -21,5 +21,4 @@ pub use compare::{Comparison, ComparisonRow};
 pub use error::Error;
 pub use nouns::*;
 pub use pipeline::Event;
-pub use probe::parse_quantity;
 pub use solution::*;

@@ -117,7 +117,7 @@ fn mean_edge<const D: usize>(model: &Model<D>, side: &SideRef) -> Result<f64, Co
     let total: f64 = facets
         .iter()
         .map(|&facet| {
-            let ends: Vec<usize> = body.mesh.facet_nodes(facet).take(2).collect();
+            let ends: Vec<usize> = body.mesh.facet_nodes(facet).take(2).map(|node| node as usize).collect();
             distance(body.mesh.points()[ends[0]], body.mesh.points()[ends[1]])
         })
         .sum();

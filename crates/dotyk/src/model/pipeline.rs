@@ -86,7 +86,7 @@ impl<const D: usize> Model<D> {
         let dense = gaps.len() <= dense_limit;
         observe(Event::Stage("order"));
         let ordered: Vec<Ordered> =
-            systems.par_iter().zip(&rows).map(|(system, rows)| order(system, rows, dense)).collect();
+            (&systems, &rows).into_par_iter().enumerate().map(|(body, (s, r))| order(self, body, s, r, dense)).collect::<Result<_, _>>()?;
         seconds.order = lap();
         observe(Event::Stage("factor"));
         let loaded = systems.into_par_iter().zip(rows).map(|(system, rows)| LoadedBody::new(system, rows));

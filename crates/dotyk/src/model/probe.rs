@@ -320,7 +320,7 @@ fn locate<const D: usize>(mesh: &Mesh<D>, point: Point<D>) -> Result<(Vec<usize>
                 continue;
             }
             let Some(xi) = invert_map(block.kind, &corners, point) else { continue };
-            let outside = block.kind.outside(&xi);
+            let outside = outside(block.kind, &xi);
             if best.as_ref().is_none_or(|b| outside < b.0) {
                 let mut shape = [0.0; MAX_CELL_NODES];
                 block.kind.shape(&xi, &mut shape);
@@ -337,13 +337,23 @@ fn locate<const D: usize>(mesh: &Mesh<D>, point: Point<D>) -> Result<(Vec<usize>
     }
 }
 
+/// By how much reference coordinates lie outside a plane cell; negative inside.
+fn outside(kind: crate::mesh::CellKind, xi: &[f64]) -> f64 {
+    match kind.corners() {
+        3 => (xi[0] + xi[1] - 1.0).max(-xi[0]).max(-xi[1]),
+        _ => xi.iter().fold(f64::NEG_INFINITY, |largest, c| largest.max(c.abs() - 1.0)),
+    }
+}
+
 /// Reference coordinates of a point in a cell by Newton's method; `None` when it does not settle.
 fn invert_map<const D: usize>(
     kind: crate::mesh::CellKind,
     nodes: &[Point<D>],
     point: Point<D>,
 ) -> Option<[f64; D]> {
-    let mut xi = kind.centre::<D>();
+    let corners = kind.corners();
+    let mut xi: [f64; D] =
+        std::array::from_fn(|i| kind.reference_nodes()[..corners].iter().map(|node| node[i]).sum::<f64>() / corners as f64);
     for _ in 0..30 {
         let (mut shape, mut gradients) = ([0.0; MAX_CELL_NODES], [[0.0; D]; MAX_CELL_NODES]);
         kind.shape(&xi, &mut shape);
