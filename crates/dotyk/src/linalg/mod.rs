@@ -1,5 +1,7 @@
 //! Sparse matrices, orderings and factorisations; the only module that names the linear-algebra library.
 
+pub(crate) mod dense;
+
 pub use faer::{Mat, MatMut, MatRef};
 
 /// A symmetric linear map of vectors of length `len`.
