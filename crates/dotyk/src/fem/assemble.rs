@@ -9,7 +9,7 @@ use super::quadrature;
 use super::supports::Constraints;
 use crate::fem::error::show;
 use crate::geometry::{Point, add_scaled, dot, norm};
-use crate::linalg::{CellMatrices, Connectivity, Graph, SymmetricMatrix, assemble_blocks};
+use crate::linalg::{CellMatrices, Connectivity, Graph, LinalgError, SymmetricMatrix, assemble_blocks};
 use crate::mesh::{CellBlock, CellKind, MAX_CELL_NODES};
 use rayon::prelude::*;
 use std::collections::BTreeMap;
@@ -326,7 +326,15 @@ fn stiffness<const D: usize>(
         .zip(&matrices)
         .map(|(block, values)| CellMatrices { nodes: &block.nodes, nodes_per_cell: block.kind.nodes(), values })
         .collect();
-    Ok(assemble_blocks::<D>(graph, &cells))
+    assemble_blocks::<D>(graph, &cells).map_err(|source| not_finite(body, source))
+}
+
+fn not_finite<const D: usize>(body: &Body<D>, source: LinalgError) -> FemError {
+    let node = match source {
+        LinalgError::NotFinite { row } => row / D,
+        _ => 0,
+    };
+    FemError::Singular { node, point: show(body.mesh.points()[node]), source }
 }
 
 /// Degree that integrates the stiffness of an undistorted cell exactly, and that of a curved one well.

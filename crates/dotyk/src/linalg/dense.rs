@@ -146,10 +146,12 @@ pub fn solve_lower_transpose_in_place(l: &Mat<f64>, b: &mut Mat<f64>) {
     });
 }
 
-/// B ← (LLᵀ)⁻¹B; l (n, n) lower, b (n, k).
-pub fn solve_cholesky_in_place(l: &Mat<f64>, b: &mut Mat<f64>) {
-    solve_lower_in_place(l, b);
-    solve_lower_transpose_in_place(l, b);
+/// b ← (LLᵀ)⁻¹b; l (n, n) lower, b (n,).
+pub fn solve_cholesky_in_place(l: &Mat<f64>, b: &mut [f64]) {
+    let n = b.len();
+    let mut column = MatMut::from_column_major_slice_mut(b, n, 1);
+    triangular_solve::solve_lower_triangular_in_place(l.as_ref(), column.as_mut(), Par::Seq);
+    triangular_solve::solve_upper_triangular_in_place(l.as_ref().transpose(), column, Par::Seq);
 }
 
 /// Eigenvalues of a symmetric matrix, ascending; only its lower triangle is read.
@@ -490,7 +492,8 @@ mod tests {
             let mut l = definite(201);
             cholesky_in_place(&mut l).unwrap();
             let mut x = a.clone();
-            solve_cholesky_in_place(&l, &mut x);
+            solve_lower_in_place(&l, &mut x);
+            solve_lower_transpose_in_place(&l, &mut x);
             (gram(&a), product(&l, &a), x)
         };
         assert!(grid::on_threads(1, run) == grid::on_threads(2, run));
@@ -505,7 +508,9 @@ mod tests {
         assert_close(&plain_product(l.as_ref(), l.as_ref().transpose()), &a, 1e-12);
         let expected = noise(150, 70);
         let mut x = product(&a, &expected);
-        solve_cholesky_in_place(&l, &mut x);
+        for column in 0..x.ncols() {
+            solve_cholesky_in_place(&l, x.col_as_slice_mut(column));
+        }
         assert_close(&x, &expected, 1e-11);
         let mut half = expected.clone();
         solve_lower_transpose_in_place(&l, &mut half);

@@ -12,7 +12,7 @@
 //! Units are those of the caller. Indices are stored as `u32`: at most 2³¹ entries in a matrix or a factor.
 
 mod cholesky;
-mod dense;
+pub(crate) mod dense;
 mod order;
 mod sparse;
 

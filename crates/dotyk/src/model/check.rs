@@ -6,7 +6,7 @@ use super::floating::Floating;
 use super::nouns::*;
 use super::pair::{Paired, pair_all};
 use crate::contact::Role;
-use crate::dual::{AdmissibleSet, Block, Feasibility, feasibility};
+use crate::dual::{AdmissibleSet, Block, Feasibility};
 use crate::fem::{BodySystem, describe_motion, show};
 use crate::geometry::{Point, add_scaled};
 use std::fmt;
@@ -119,7 +119,7 @@ impl<const D: usize> Model<D> {
         check.warnings.extend(floating.warnings.iter().cloned());
         self.describe_floating(&floating, &paired, check);
         let admissible = AdmissibleSet::new(vec![Block::Unilateral; gaps.len()]);
-        match feasibility(&admissible, &floating.equilibrium, 0.0) {
+        match Feasibility::of(&admissible, &floating.equilibrium, 0.0) {
             Feasibility::Feasible { .. } => Ok(()),
             Feasibility::Infeasible { direction } => Err(floating.pulled_away(self, &bodies, &direction)),
         }

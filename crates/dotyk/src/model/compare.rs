@@ -4,7 +4,7 @@ use super::condense::DENSE_LIMIT;
 use super::error::Error;
 use super::nouns::{Method, Model};
 use super::pipeline::{Attempt, Event};
-use crate::solve::largest_eigenvalue;
+use crate::solve::SAFE_STEP;
 use std::time::Instant;
 
 /// One run of one method.
@@ -74,7 +74,7 @@ impl<const D: usize> Model<D> {
             let automatic = Self { solver: super::nouns::SolverOptions { rho: None, ..self.solver.clone() }, ..self.clone() };
             let natural = automatic.run_solver(&condensed, method, &mut |_| {})?;
             let Some(rho) = natural.outcome.rho else { continue };
-            let lambda_max = largest_eigenvalue(rho);
+            let lambda_max = SAFE_STEP / rho;
             let (low, high) = range.unwrap_or((0.02 / lambda_max, 3.0 / lambda_max));
             for step in 0..SWEEP {
                 let fraction = step as f64 / (SWEEP - 1) as f64;
@@ -99,7 +99,7 @@ fn row(attempt: Attempt, seconds: f64, rho: Option<(f64, f64)>, reference: &[f64
     ComparisonRow {
         method: attempt.method,
         rho: rho.map(|r| r.0).or(attempt.outcome.rho),
-        rho_lambda_max: rho.map(|r| r.1).or(attempt.outcome.rho.map(|_| crate::solve::SAFE_STEP)),
+        rho_lambda_max: rho.map(|r| r.1).or(attempt.outcome.rho.map(|_| SAFE_STEP)),
         converged: attempt.failure.is_none(),
         iterations: attempt.outcome.iterations,
         products: attempt.outcome.products,

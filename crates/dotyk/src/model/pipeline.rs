@@ -144,7 +144,7 @@ impl<const D: usize> Model<D> {
         }
     }
 
-    fn validate(&self) -> Result<(), Error<D>> {
+    pub(crate) fn validate(&self) -> Result<(), Error<D>> {
         if self.bodies.is_empty() {
             return Err(Error::Model("the model has no body".to_string()));
         }
