@@ -40,7 +40,9 @@ pub enum ContactError {
         distance: f64,
     },
     /// Nodal weights are not all positive.
-    #[error("node {node} of {side} at {point} has no positive nodal weight; use pairing \"mortar\"")]
+    #[error(
+        "node {node} of {side} at {point} has no positive nodal weight; use pairing \"mortar\""
+    )]
     Weight {
         /// The nonmortar side.
         side: String,

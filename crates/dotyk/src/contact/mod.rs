@@ -98,6 +98,8 @@ impl<const D: usize> Interface<D> {
 
     /// The nodes that carry multipliers, in the order of the rows.
     pub fn carriers(&self) -> impl Iterator<Item = &InterfaceNode<D>> {
-        self.nodes.iter().filter(|node| matches!(node.role, Role::Multiplier(_)))
+        self.nodes
+            .iter()
+            .filter(|node| matches!(node.role, Role::Multiplier(_)))
     }
 }

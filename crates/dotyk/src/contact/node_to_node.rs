@@ -24,8 +24,12 @@ pub fn matching_nodes<const D: usize>(
 ) -> Result<BTreeMap<usize, (Option<usize>, f64)>, ContactError> {
     let (s, m) = (&nonmortar.body.mesh, &mortar.body.mesh);
     facets(mortar)?;
-    let mut partners: Vec<usize> =
-        m.side_nodes(mortar.side).unwrap_or_default().into_iter().map(|node| node as usize).collect();
+    let mut partners: Vec<usize> = m
+        .side_nodes(mortar.side)
+        .unwrap_or_default()
+        .into_iter()
+        .map(|node| node as usize)
+        .collect();
     // sorted along x: candidates lie in a short window
     partners.sort_by(|&a, &b| m.points()[a][0].total_cmp(&m.points()[b][0]));
     let edges = shortest_edges(s, facets(nonmortar)?);
@@ -68,7 +72,10 @@ fn nearest_sorted<const D: usize>(
 }
 
 /// Shortest facet that meets at each node of a side.
-fn shortest_edges<const D: usize>(mesh: &Mesh<D>, facets: &[crate::mesh::Facet]) -> BTreeMap<usize, f64> {
+fn shortest_edges<const D: usize>(
+    mesh: &Mesh<D>,
+    facets: &[crate::mesh::Facet],
+) -> BTreeMap<usize, f64> {
     let mut edges = BTreeMap::new();
     for &facet in facets {
         let nodes: Vec<usize> = mesh.facet_nodes(facet).map(|node| node as usize).collect();
@@ -82,8 +89,10 @@ fn shortest_edges<const D: usize>(mesh: &Mesh<D>, facets: &[crate::mesh::Facet])
 }
 
 fn facets<'a, const D: usize>(end: End<'a, D>) -> Result<&'a [crate::mesh::Facet], ContactError> {
-    side_facets(&end.body.mesh, end.side)
-        .map_err(|source| ContactError::Side { body: end.body.name.clone(), source })
+    side_facets(&end.body.mesh, end.side).map_err(|source| ContactError::Side {
+        body: end.body.name.clone(),
+        source,
+    })
 }
 
 /// Pairs the coincident nodes of two sides.
@@ -98,19 +107,34 @@ pub fn pair_nodes<const D: usize>(
 ) -> Result<Interface<D>, ContactError> {
     let matches = matching_nodes(nonmortar, mortar)?;
     let (s, m) = (&nonmortar.body.mesh, &mortar.body.mesh);
-    build(nonmortar, analysis, |node| matches[&node].0.is_some(), |node, normal| {
-        let partner = matches[&node].0;
-        let Some(j) = partner else { return Ok(Opposite::Nothing) };
-        let free = project(normal, shared(nonmortar.constraints.at(node), mortar.constraints.at(j)));
-        let point = s.points()[node];
-        let normal = free.unwrap_or(normal);
-        let gap = match gap {
-            InitialGap::Measured => dot(normal, sub(m.points()[j], point)),
-            InitialGap::Closed => 0.0,
-            InitialGap::Given(field) => finite_gap(field, point, time, nonmortar)?,
-        };
-        Ok(Opposite::Something { partner, normal, gap, fixed: free.is_none() })
-    })
+    build(
+        nonmortar,
+        analysis,
+        |node| matches[&node].0.is_some(),
+        |node, normal| {
+            let partner = matches[&node].0;
+            let Some(j) = partner else {
+                return Ok(Opposite::Nothing);
+            };
+            let free = project(
+                normal,
+                shared(nonmortar.constraints.at(node), mortar.constraints.at(j)),
+            );
+            let point = s.points()[node];
+            let normal = free.unwrap_or(normal);
+            let gap = match gap {
+                InitialGap::Measured => dot(normal, sub(m.points()[j], point)),
+                InitialGap::Closed => 0.0,
+                InitialGap::Given(field) => finite_gap(field, point, time, nonmortar)?,
+            };
+            Ok(Opposite::Something {
+                partner,
+                normal,
+                gap,
+                fixed: free.is_none(),
+            })
+        },
+    )
 }
 
 /// A side against a rigid obstacle whose distance along the normal is given, and which moves by `displacement`.
@@ -124,19 +148,40 @@ pub fn pair_obstacle<const D: usize>(
     time: f64,
 ) -> Result<Interface<D>, ContactError> {
     let mesh = &nonmortar.body.mesh;
-    build(nonmortar, analysis, |_| true, |node, normal| {
-        let held: Vec<Point<D>> = nonmortar.constraints.at(node).iter().map(|h| h.axis).collect();
-        let free = project(normal, held);
-        let normal = free.unwrap_or(normal);
-        let gap = finite_gap(distance, mesh.points()[node], time, nonmortar)? + dot(normal, displacement);
-        Ok(Opposite::Something { partner: None, normal, gap, fixed: free.is_none() })
-    })
+    build(
+        nonmortar,
+        analysis,
+        |_| true,
+        |node, normal| {
+            let held: Vec<Point<D>> = nonmortar
+                .constraints
+                .at(node)
+                .iter()
+                .map(|h| h.axis)
+                .collect();
+            let free = project(normal, held);
+            let normal = free.unwrap_or(normal);
+            let gap = finite_gap(distance, mesh.points()[node], time, nonmortar)?
+                + dot(normal, displacement);
+            Ok(Opposite::Something {
+                partner: None,
+                normal,
+                gap,
+                fixed: free.is_none(),
+            })
+        },
+    )
 }
 
 /// What lies opposite a node.
 enum Opposite<const D: usize> {
     Nothing,
-    Something { partner: Option<usize>, normal: Point<D>, gap: f64, fixed: bool },
+    Something {
+        partner: Option<usize>,
+        normal: Point<D>,
+        gap: f64,
+        fixed: bool,
+    },
 }
 
 fn build<const D: usize>(
@@ -148,19 +193,41 @@ fn build<const D: usize>(
     let mesh = &nonmortar.body.mesh;
     let facets = facets(nonmortar)?;
     let normals = node_normals(mesh, facets);
-    let facing = facets.iter().copied().filter(|&facet| mesh.facet_nodes(facet).all(|node| faces(node as usize)));
+    let facing = facets
+        .iter()
+        .copied()
+        .filter(|&facet| mesh.facet_nodes(facet).all(|node| faces(node as usize)));
     let weights = nodal_weights(mesh, facing, analysis, nonmortar.body.thickness);
-    let whole = nodal_weights(mesh, facets.iter().copied(), analysis, nonmortar.body.thickness);
+    let whole = nodal_weights(
+        mesh,
+        facets.iter().copied(),
+        analysis,
+        nonmortar.body.thickness,
+    );
     let chains = mesh.chain(nonmortar.side).unwrap_or_default();
     let cyclic = chains.len() == 1 && chains[0].cyclic;
     let mut seen = BTreeSet::new();
-    let along = chains.iter().flat_map(|chain| &chain.nodes).map(|&node| node as usize);
+    let along = chains
+        .iter()
+        .flat_map(|chain| &chain.nodes)
+        .map(|&node| node as usize);
     let order: Vec<usize> = along.filter(|&node| seen.insert(node)).collect();
-    let mut interface = Interface { nodes: Vec::new(), cyclic, nonmortar: Vec::new(), mortar: Vec::new() };
+    let mut interface = Interface {
+        nodes: Vec::new(),
+        cyclic,
+        nonmortar: Vec::new(),
+        mortar: Vec::new(),
+    };
     for node in order {
-        let Some(&normal) = normals.get(&node) else { continue };
+        let Some(&normal) = normals.get(&node) else {
+            continue;
+        };
         // a node whose partner exists but none of whose facets faces the other side carries nothing
-        let state = if weights.contains_key(&node) { opposite(node, normal)? } else { Opposite::Nothing };
+        let state = if weights.contains_key(&node) {
+            opposite(node, normal)?
+        } else {
+            Opposite::Nothing
+        };
         let entry = match state {
             Opposite::Nothing => InterfaceNode {
                 node,
@@ -170,19 +237,39 @@ fn build<const D: usize>(
                 gap: f64::NAN,
                 role: Role::Alone,
             },
-            Opposite::Something { partner, normal, gap, fixed } => {
+            Opposite::Something {
+                partner,
+                normal,
+                gap,
+                fixed,
+            } => {
                 let weight = weights[&node];
                 if !(weight > 0.0) {
                     let point = show(mesh.points()[node]);
-                    return Err(ContactError::Weight { side: nonmortar.name(), node, point });
+                    return Err(ContactError::Weight {
+                        side: nonmortar.name(),
+                        node,
+                        point,
+                    });
                 }
-                let role = if fixed { Role::Fixed } else { Role::Multiplier(interface.nonmortar.len()) };
+                let role = if fixed {
+                    Role::Fixed
+                } else {
+                    Role::Multiplier(interface.nonmortar.len())
+                };
                 if !fixed {
                     interface.nonmortar.push(vec![(node, normal)]);
                     let row: Row<D> = partner.iter().map(|&j| (j, normal.map(|c| -c))).collect();
                     interface.mortar.push(row);
                 }
-                InterfaceNode { node, partner, normal, weight, gap, role }
+                InterfaceNode {
+                    node,
+                    partner,
+                    normal,
+                    weight,
+                    gap,
+                    role,
+                }
             }
         };
         interface.nodes.push(entry);
@@ -200,14 +287,20 @@ fn finite_gap<const D: usize>(
     if value.is_finite() {
         Ok(value)
     } else {
-        Err(ContactError::NotFinite { side: end.name(), text: field.to_string(), point: show(point) })
+        Err(ContactError::NotFinite {
+            side: end.name(),
+            text: field.to_string(),
+            point: show(point),
+        })
     }
 }
 
 /// Directions that both sets of held directions contain.
 fn shared<const D: usize>(a: &[crate::fem::Held<D>], b: &[crate::fem::Held<D>]) -> Vec<Point<D>> {
     let inside = |axis: Point<D>| {
-        let rest = b.iter().fold(axis, |rest, h| add_scaled(rest, -dot(axis, h.axis), h.axis));
+        let rest = b
+            .iter()
+            .fold(axis, |rest, h| add_scaled(rest, -dot(axis, h.axis), h.axis));
         norm(rest) < COINCIDENT
     };
     let all: Vec<Point<D>> = if b.len() == D {
@@ -215,14 +308,19 @@ fn shared<const D: usize>(a: &[crate::fem::Held<D>], b: &[crate::fem::Held<D>]) 
     } else if a.len() == D {
         b.iter().map(|h| h.axis).collect()
     } else {
-        a.iter().map(|h| h.axis).filter(|&axis| inside(axis)).collect()
+        a.iter()
+            .map(|h| h.axis)
+            .filter(|&axis| inside(axis))
+            .collect()
     };
     all
 }
 
 /// Unit vector along the part of the normal that is orthogonal to some orthonormal directions; `None` if nothing is left.
 fn project<const D: usize>(normal: Point<D>, directions: Vec<Point<D>>) -> Option<Point<D>> {
-    let rest = directions.iter().fold(normal, |rest, &axis| add_scaled(rest, -dot(rest, axis), axis));
+    let rest = directions.iter().fold(normal, |rest, &axis| {
+        add_scaled(rest, -dot(rest, axis), axis)
+    });
     let size = norm(rest);
     (size > COINCIDENT).then(|| rest.map(|c| c / size))
 }

@@ -20,7 +20,9 @@ pub(crate) fn nodal_weights<const D: usize>(
         for QuadraturePoint { xi, weight } in quadrature::facet_rule(kind, 2 * kind.order() + 1) {
             kind.shape(&xi, &mut shape);
             let point = mesh.facet_point(facet, &xi);
-            let area = weight * norm(mesh.outward_normal(facet, &xi)) * measure(analysis, thickness, point);
+            let area = weight
+                * norm(mesh.outward_normal(facet, &xi))
+                * measure(analysis, thickness, point);
             for (node, n) in mesh.facet_nodes(facet).zip(shape) {
                 *weights.entry(node as usize).or_insert(0.0) += area * n;
             }

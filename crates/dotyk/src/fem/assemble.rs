@@ -9,7 +9,9 @@ use super::quadrature;
 use super::supports::Constraints;
 use crate::fem::error::show;
 use crate::geometry::{Point, add_scaled, dot, norm};
-use crate::linalg::{CellMatrices, Connectivity, Graph, LinalgError, SymmetricMatrix, assemble_blocks};
+use crate::linalg::{
+    CellMatrices, Connectivity, Graph, LinalgError, SymmetricMatrix, assemble_blocks,
+};
 use crate::mesh::{CellBlock, CellKind, MAX_CELL_NODES};
 use rayon::prelude::*;
 use std::collections::BTreeMap;
@@ -39,30 +41,53 @@ impl<const D: usize> Body<D> {
     pub(crate) fn elastic(&self, block: &CellBlock) -> Result<Elastic, FemError> {
         let fits = |group: &Option<String>| group.is_none() || *group == block.group;
         let found = self.materials.iter().find(|m| fits(&m.group));
-        found.map(|m| m.elastic).ok_or_else(|| FemError::NoMaterial {
-            group: block.group.clone().unwrap_or_else(|| "(none)".to_string()),
-        })
+        found
+            .map(|m| m.elastic)
+            .ok_or_else(|| FemError::NoMaterial {
+                group: block.group.clone().unwrap_or_else(|| "(none)".to_string()),
+            })
     }
 
     fn check_materials(&self) -> Result<(), FemError> {
         for material in &self.materials {
             let Elastic { young, poisson } = material.elastic;
             if !(young > 0.0 && young.is_finite()) {
-                return Err(FemError::Material { name: "young", value: young, range: "it must be positive" });
+                return Err(FemError::Material {
+                    name: "young",
+                    value: young,
+                    range: "it must be positive",
+                });
             }
             if !(poisson > -1.0 && poisson < 0.5) {
-                let range = "it must lie in (-1, 0.5); incompressible materials (0.5) are not supported";
-                return Err(FemError::Material { name: "poisson", value: poisson, range });
+                let range =
+                    "it must lie in (-1, 0.5); incompressible materials (0.5) are not supported";
+                return Err(FemError::Material {
+                    name: "poisson",
+                    value: poisson,
+                    range,
+                });
             }
             if let Some(group) = &material.group {
-                let groups: Vec<&str> = self.mesh.blocks().iter().filter_map(|b| b.group.as_deref()).collect();
+                let groups: Vec<&str> = self
+                    .mesh
+                    .blocks()
+                    .iter()
+                    .filter_map(|b| b.group.as_deref())
+                    .collect();
                 if !groups.contains(&group.as_str()) {
-                    return Err(FemError::UnknownGroup { group: group.clone(), known: groups.join(", ") });
+                    return Err(FemError::UnknownGroup {
+                        group: group.clone(),
+                        known: groups.join(", "),
+                    });
                 }
             }
         }
         if !(self.thickness > 0.0 && self.thickness.is_finite()) {
-            return Err(FemError::Material { name: "thickness", value: self.thickness, range: "it must be positive" });
+            return Err(FemError::Material {
+                name: "thickness",
+                value: self.thickness,
+                range: "it must be positive",
+            });
         }
         Ok(())
     }
@@ -86,7 +111,10 @@ pub fn assemble<const D: usize>(
         .mesh
         .blocks()
         .iter()
-        .map(|block| Connectivity { nodes: &block.nodes, nodes_per_cell: block.kind.nodes() })
+        .map(|block| Connectivity {
+            nodes: &block.nodes,
+            nodes_per_cell: block.kind.nodes(),
+        })
         .collect();
     let graph = Graph::from_cells(body.mesh.points().len(), &blocks);
     let stiffness = stiffness(body, analysis, &frames, &graph)?;
@@ -95,9 +123,17 @@ pub fn assemble<const D: usize>(
     let (mut held, mut prescribed) = (vec![false; dofs], vec![0.0; dofs]);
     for (&node, directions) in &constraints.nodes {
         for (k, h) in directions.iter().enumerate() {
-            let component = if frames.contains_key(&node) { k } else { axis_of(h.axis).unwrap_or(k) };
+            let component = if frames.contains_key(&node) {
+                k
+            } else {
+                axis_of(h.axis).unwrap_or(k)
+            };
             held[D * node + component] = true;
-            prescribed[D * node + component] = if frames.contains_key(&node) { h.value } else { h.value * sign(h.axis) };
+            prescribed[D * node + component] = if frames.contains_key(&node) {
+                h.value
+            } else {
+                h.value * sign(h.axis)
+            };
         }
     }
     let mut modes = free_modes(&body.mesh, &constraints, RigidBasis::of(analysis));
@@ -110,7 +146,16 @@ pub fn assemble<const D: usize>(
             *value = 0.0;
         }
     }
-    Ok(BodySystem { graph, stiffness, load, constraints, held, prescribed, frames, modes })
+    Ok(BodySystem {
+        graph,
+        stiffness,
+        load,
+        constraints,
+        held,
+        prescribed,
+        frames,
+        modes,
+    })
 }
 
 impl<const D: usize> BodySystem<D> {
@@ -121,8 +166,10 @@ impl<const D: usize> BodySystem<D> {
 
     /// Rotates a vector of frame components (D·n,) into global axes, node by node.
     pub fn to_global(&self, vector: &[f64]) -> Vec<Point<D>> {
-        let mut points: Vec<Point<D>> =
-            vector.chunks_exact(D).map(|c| std::array::from_fn(|i| c[i])).collect();
+        let mut points: Vec<Point<D>> = vector
+            .chunks_exact(D)
+            .map(|c| std::array::from_fn(|i| c[i]))
+            .collect();
         for (&node, axes) in &self.frames {
             let local = points[node];
             points[node] = (0..D).fold([0.0; D], |sum, k| add_scaled(sum, local[k], axes[k]));
@@ -132,7 +179,9 @@ impl<const D: usize> BodySystem<D> {
 
     /// Components of a global row vector at a node along its frame.
     pub fn row_in_frame(&self, node: usize, row: Point<D>) -> Point<D> {
-        self.frames.get(&node).map_or(row, |axes| std::array::from_fn(|k| dot(axes[k], row)))
+        self.frames
+            .get(&node)
+            .map_or(row, |axes| std::array::from_fn(|k| dot(axes[k], row)))
     }
 }
 
@@ -156,13 +205,18 @@ fn sign<const D: usize>(direction: Point<D>) -> f64 {
 
 /// Frames of the nodes with oblique held directions: these first, then any orthonormal completion.
 fn frames<const D: usize>(constraints: &Constraints<D>) -> BTreeMap<usize, [[f64; D]; D]> {
-    let oblique = constraints.nodes.iter().filter(|(_, held)| held.iter().any(|h| axis_of(h.axis).is_none()));
+    let oblique = constraints
+        .nodes
+        .iter()
+        .filter(|(_, held)| held.iter().any(|h| axis_of(h.axis).is_none()));
     oblique
         .map(|(&node, held)| {
             let mut axes: Vec<Point<D>> = held.iter().map(|h| h.axis).collect();
             for i in 0..D {
                 let unit: Point<D> = std::array::from_fn(|j| if i == j { 1.0 } else { 0.0 });
-                let rest = axes.iter().fold(unit, |rest, &axis| add_scaled(rest, -dot(unit, axis), axis));
+                let rest = axes
+                    .iter()
+                    .fold(unit, |rest, &axis| add_scaled(rest, -dot(unit, axis), axis));
                 // of D + |held| candidates at least one per missing direction keeps this much
                 if axes.len() < D && norm(rest) > 0.5 / (D as f64).sqrt() {
                     let size = norm(rest);
@@ -178,7 +232,10 @@ fn check_radii<const D: usize>(body: &Body<D>) -> Result<(), FemError> {
     let tolerance = -1e-9 * body.mesh.diameter();
     match body.mesh.points().iter().position(|p| p[0] < tolerance) {
         None => Ok(()),
-        Some(node) => Err(FemError::NegativeRadius { node, point: show(body.mesh.points()[node]) }),
+        Some(node) => Err(FemError::NegativeRadius {
+            node,
+            point: show(body.mesh.points()[node]),
+        }),
     }
 }
 
@@ -203,15 +260,21 @@ impl<const D: usize> CellTable<D> {
     /// At the points of a rule that integrates polynomials of the given degree.
     pub fn new(kind: CellKind, degree: usize) -> Self {
         let rule = quadrature::rule(kind, degree);
-        let points: Vec<(Point<D>, f64)> =
-            rule.iter().map(|point| (std::array::from_fn(|i| point.xi[i]), point.weight)).collect();
+        let points: Vec<(Point<D>, f64)> = rule
+            .iter()
+            .map(|point| (std::array::from_fn(|i| point.xi[i]), point.weight))
+            .collect();
         Self::at(kind, &points)
     }
 
     /// At given reference points with weights.
     pub fn at(kind: CellKind, rule: &[(Point<D>, f64)]) -> Self {
-        let mut table =
-            Self { nodes: kind.nodes(), weights: Vec::new(), shapes: Vec::new(), gradients: Vec::new() };
+        let mut table = Self {
+            nodes: kind.nodes(),
+            weights: Vec::new(),
+            shapes: Vec::new(),
+            gradients: Vec::new(),
+        };
         for &(xi, weight) in rule {
             let (mut shape, mut gradient) = ([0.0; MAX_CELL_NODES], [[0.0; D]; MAX_CELL_NODES]);
             kind.shape(&xi, &mut shape);
@@ -234,7 +297,11 @@ impl<const D: usize> CellTable<D> {
     }
 
     /// Image of point q, gradients ∇Nₐ there and the volume weight·det J, for a cell whose nodes lie at `at(local)`.
-    pub fn map(&self, q: usize, at: impl Fn(usize) -> Point<D>) -> (Point<D>, [[f64; D]; MAX_CELL_NODES], f64) {
+    pub fn map(
+        &self,
+        q: usize,
+        at: impl Fn(usize) -> Point<D>,
+    ) -> (Point<D>, [[f64; D]; MAX_CELL_NODES], f64) {
         let (shape, reference) = (&self.shapes[q], &self.gradients[q]);
         let mut point = [0.0; D];
         let mut jacobian = [[0.0; D]; D]; // ∂xᵢ/∂ξⱼ
@@ -305,18 +372,21 @@ fn stiffness<const D: usize>(
         let size = D * k;
         let packed = size * (size + 1) / 2;
         let mut values = vec![0.0; packed * (block.nodes.len() / k)];
-        values.par_chunks_mut(packed * CHUNK).zip(block.nodes.par_chunks(k * CHUNK)).for_each(|(out, cells)| {
-            let mut matrix = vec![0.0; size * size];
-            for (out, cell) in out.chunks_exact_mut(packed).zip(cells.chunks_exact(k)) {
-                matrix.fill(0.0);
-                cell_stiffness(body, analysis, lame, &table, cell, &mut matrix);
-                rotate(frames, cell, &mut matrix);
-                for i in 0..size {
-                    let row = i * (i + 1) / 2;
-                    out[row..=row + i].copy_from_slice(&matrix[i * size..=i * size + i]);
+        values
+            .par_chunks_mut(packed * CHUNK)
+            .zip(block.nodes.par_chunks(k * CHUNK))
+            .for_each(|(out, cells)| {
+                let mut matrix = vec![0.0; size * size];
+                for (out, cell) in out.chunks_exact_mut(packed).zip(cells.chunks_exact(k)) {
+                    matrix.fill(0.0);
+                    cell_stiffness(body, analysis, lame, &table, cell, &mut matrix);
+                    rotate(frames, cell, &mut matrix);
+                    for i in 0..size {
+                        let row = i * (i + 1) / 2;
+                        out[row..=row + i].copy_from_slice(&matrix[i * size..=i * size + i]);
+                    }
                 }
-            }
-        });
+            });
         matrices.push(values);
     }
     let cells: Vec<CellMatrices<'_>> = body
@@ -324,7 +394,11 @@ fn stiffness<const D: usize>(
         .blocks()
         .iter()
         .zip(&matrices)
-        .map(|(block, values)| CellMatrices { nodes: &block.nodes, nodes_per_cell: block.kind.nodes(), values })
+        .map(|(block, values)| CellMatrices {
+            nodes: &block.nodes,
+            nodes_per_cell: block.kind.nodes(),
+            values,
+        })
         .collect();
     assemble_blocks::<D>(graph, &cells).map_err(|source| not_finite(body, source))
 }
@@ -334,7 +408,11 @@ fn not_finite<const D: usize>(body: &Body<D>, source: LinalgError) -> FemError {
         LinalgError::NotFinite { row } => row / D,
         _ => 0,
     };
-    FemError::Singular { node, point: show(body.mesh.points()[node]), source }
+    FemError::Singular {
+        node,
+        point: show(body.mesh.points()[node]),
+        source,
+    }
 }
 
 /// Degree that integrates the stiffness of an undistorted cell exactly, and that of a curved one well.
@@ -399,13 +477,19 @@ fn cell_stiffness<const D: usize>(
 }
 
 /// Turns the rows and columns of nodes with frames: QKQᵀ.
-fn rotate<const D: usize>(frames: &BTreeMap<usize, [[f64; D]; D]>, cell: &[u32], matrix: &mut [f64]) {
+fn rotate<const D: usize>(
+    frames: &BTreeMap<usize, [[f64; D]; D]>,
+    cell: &[u32],
+    matrix: &mut [f64],
+) {
     if frames.is_empty() {
         return;
     }
     let size = D * cell.len();
     for (local, node) in cell.iter().enumerate() {
-        let Some(axes) = frames.get(&(*node as usize)) else { continue };
+        let Some(axes) = frames.get(&(*node as usize)) else {
+            continue;
+        };
         for other in 0..size {
             let column: Point<D> = std::array::from_fn(|i| matrix[(D * local + i) * size + other]);
             for k in 0..D {

@@ -28,21 +28,44 @@ impl Lame {
         let mu = young / (2.0 * (1.0 + poisson));
         let lambda = young * poisson / ((1.0 + poisson) * (1.0 - 2.0 * poisson));
         match analysis {
-            Analysis::PlaneStress => Self { lambda: 2.0 * lambda * mu / (lambda + 2.0 * mu), mu, out_of_plane: 0.0 },
-            _ => Self { lambda, mu, out_of_plane: lambda },
+            Analysis::PlaneStress => Self {
+                lambda: 2.0 * lambda * mu / (lambda + 2.0 * mu),
+                mu,
+                out_of_plane: 0.0,
+            },
+            _ => Self {
+                lambda,
+                mu,
+                out_of_plane: lambda,
+            },
         }
     }
 
     /// Stress (xx yy zz xy yz xz) of a displacement gradient `h[i][j] = ∂uᵢ/∂xⱼ` and a hoop strain (zero unless axisymmetric).
     pub fn stress<const D: usize>(self, gradient: [[f64; D]; D], hoop: f64) -> [f64; 6] {
         let strain = |i: usize, j: usize| {
-            if i < D && j < D { 0.5 * (gradient[i][j] + gradient[j][i]) } else { 0.0 }
+            if i < D && j < D {
+                0.5 * (gradient[i][j] + gradient[j][i])
+            } else {
+                0.0
+            }
         };
         let trace = (0..D).map(|i| gradient[i][i]).sum::<f64>() + hoop;
         let direct = |i: usize| self.lambda * trace + 2.0 * self.mu * strain(i, i);
-        let zz = if D == 3 { direct(2) } else { self.out_of_plane * trace + 2.0 * self.mu * hoop };
+        let zz = if D == 3 {
+            direct(2)
+        } else {
+            self.out_of_plane * trace + 2.0 * self.mu * hoop
+        };
         let shear = |i: usize, j: usize| 2.0 * self.mu * strain(i, j);
-        [direct(0), direct(1), zz, shear(0, 1), shear(1, 2), shear(0, 2)]
+        [
+            direct(0),
+            direct(1),
+            zz,
+            shear(0, 1),
+            shear(1, 2),
+            shear(0, 2),
+        ]
     }
 }
 
@@ -50,7 +73,10 @@ impl Lame {
 mod tests {
     use super::*;
 
-    const STEEL: Elastic = Elastic { young: 210.0, poisson: 0.3 };
+    const STEEL: Elastic = Elastic {
+        young: 210.0,
+        poisson: 0.3,
+    };
 
     #[test]
     fn uniaxial_stress_follows_hooke() {
@@ -58,7 +84,8 @@ mod tests {
         let s = Lame::new(STEEL, Analysis::PlaneStress).stress([[1.0, 0.0], [0.0, -0.3]], 0.0);
         assert!((s[0] - 210.0).abs() < 1e-12 && s[1].abs() < 1e-12 && s[2] == 0.0);
         // in 3D with lateral contraction
-        let s = Lame::new(STEEL, Analysis::Solid).stress([[1.0, 0.0, 0.0], [0.0, -0.3, 0.0], [0.0, 0.0, -0.3]], 0.0);
+        let s = Lame::new(STEEL, Analysis::Solid)
+            .stress([[1.0, 0.0, 0.0], [0.0, -0.3, 0.0], [0.0, 0.0, -0.3]], 0.0);
         assert!((s[0] - 210.0).abs() < 1e-10 && s[1].abs() < 1e-10 && s[2].abs() < 1e-10);
     }
 

@@ -30,7 +30,9 @@ pub enum FemError {
         point: String,
     },
     /// Two supports prescribe different values for the same displacement.
-    #[error("node {node} at {point}: {first} and {second} prescribe contradictory displacements ({a} and {b}); remove one of the two")]
+    #[error(
+        "node {node} at {point}: {first} and {second} prescribe contradictory displacements ({a} and {b}); remove one of the two"
+    )]
     Contradiction {
         /// Node of the mesh.
         node: usize,
@@ -46,7 +48,9 @@ pub enum FemError {
         b: f64,
     },
     /// No node is near enough to a point.
-    #[error("{what}: the nearest node, {node} at {at}, is {distance:.4e} away from {point}, farther than half an edge ({limit:.4e}); move the point onto a node")]
+    #[error(
+        "{what}: the nearest node, {node} at {at}, is {distance:.4e} away from {point}, farther than half an edge ({limit:.4e}); move the point onto a node"
+    )]
     NoNodeNear {
         /// Such as "support".
         what: String,
@@ -68,7 +72,9 @@ pub enum FemError {
         group: String,
     },
     /// A material names a group that the mesh lacks.
-    #[error("a material is given for group \"{group}\", but the mesh has no such group; the groups are: {known}")]
+    #[error(
+        "a material is given for group \"{group}\", but the mesh has no such group; the groups are: {known}"
+    )]
     UnknownGroup {
         /// The group.
         group: String,
@@ -86,7 +92,9 @@ pub enum FemError {
         range: &'static str,
     },
     /// Points with r < 0 in an axisymmetric analysis.
-    #[error("node {node} at {point} has a negative radius: in an axisymmetric analysis x is the radius")]
+    #[error(
+        "node {node} at {point} has a negative radius: in an axisymmetric analysis x is the radius"
+    )]
     NegativeRadius {
         /// Node of the mesh.
         node: usize,
@@ -94,7 +102,9 @@ pub enum FemError {
         point: String,
     },
     /// The stiffness cannot be factored.
-    #[error("the stiffness is singular at node {node} at {point}: {source}; check the cells around that node")]
+    #[error(
+        "the stiffness is singular at node {node} at {point}: {source}; check the cells around that node"
+    )]
     Singular {
         /// Node of the mesh.
         node: usize,

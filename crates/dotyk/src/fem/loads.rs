@@ -38,8 +38,9 @@ pub(crate) fn nodal_loads<const D: usize>(
             Load::Force { point, force } => {
                 let node = nearest_node(&body.mesh, *point, "point force")?;
                 for (i, field) in force.iter().enumerate() {
-                    forces[D * node + i] +=
-                        finite(field, body.mesh.points()[node], time, || "point force".to_string())?;
+                    forces[D * node + i] += finite(field, body.mesh.points()[node], time, || {
+                        "point force".to_string()
+                    })?;
                 }
             }
         }
@@ -85,7 +86,11 @@ fn add_body_force<const D: usize>(
     time: f64,
     forces: &mut [f64],
 ) -> Result<(), FemError> {
-    if body.body_force.iter().all(|field| field.as_constant() == Some(0.0)) {
+    if body
+        .body_force
+        .iter()
+        .all(|field| field.as_constant() == Some(0.0))
+    {
         return Ok(());
     }
     let mesh = &body.mesh;

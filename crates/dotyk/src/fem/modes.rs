@@ -22,12 +22,20 @@ pub enum RigidBasis {
 impl RigidBasis {
     /// The motions that strain nothing in an analysis.
     pub fn of(analysis: Analysis) -> Self {
-        if analysis == Analysis::Axisymmetric { Self::Axial } else { Self::Full }
+        if analysis == Analysis::Axisymmetric {
+            Self::Axial
+        } else {
+            Self::Full
+        }
     }
 
     /// Number of motions of one component in D dimensions.
     pub fn len(self, dimension: usize) -> usize {
-        if self == Self::Axial { 1 } else { dimension * (dimension + 1) / 2 }
+        if self == Self::Axial {
+            1
+        } else {
+            dimension * (dimension + 1) / 2
+        }
     }
 
     /// Whether there are none (never).
@@ -46,7 +54,15 @@ impl RigidBasis {
         }
         // rotation in the plane (p, q): (x_p, x_q) ↦ (−x_q, x_p)
         let (p, q) = [(0, 1), (1, 2), (2, 0)][k];
-        std::array::from_fn(|i| if i == p { -x[q] } else if i == q { x[p] } else { 0.0 })
+        std::array::from_fn(|i| {
+            if i == p {
+                -x[q]
+            } else if i == q {
+                x[p]
+            } else {
+                0.0
+            }
+        })
     }
 }
 
@@ -89,20 +105,30 @@ pub(crate) fn free_modes<const D: usize>(
             }
         }
     }
-    amplitudes(&rows, unknowns).iter().map(|a| expand(mesh, &members, count, a, &motion)).collect()
+    amplitudes(&rows, unknowns)
+        .iter()
+        .map(|a| expand(mesh, &members, count, a, &motion))
+        .collect()
 }
 
 /// Null space of the conditions, reduced so that pure motions show as such.
 fn amplitudes(rows: &[Vec<f64>], unknowns: usize) -> Vec<Vec<f64>> {
     if rows.is_empty() {
-        let unit = |k: usize| (0..unknowns).map(|i| if i == k { 1.0 } else { 0.0 }).collect();
+        let unit = |k: usize| {
+            (0..unknowns)
+                .map(|i| if i == k { 1.0 } else { 0.0 })
+                .collect()
+        };
         return (0..unknowns).map(unit).collect();
     }
     let matrix = Mat::from_fn(rows.len(), unknowns, |i, j| rows[i][j]);
     // the conditions are finite: directions are unit vectors and points were checked by the mesh
-    let Ok(null) = null_space(&matrix, RANK_TOLERANCE) else { return Vec::new() };
-    let mut basis: Vec<Vec<f64>> =
-        (0..null.ncols()).map(|j| (0..unknowns).map(|i| null[(i, j)]).collect()).collect();
+    let Ok(null) = null_space(&matrix, RANK_TOLERANCE) else {
+        return Vec::new();
+    };
+    let mut basis: Vec<Vec<f64>> = (0..null.ncols())
+        .map(|j| (0..unknowns).map(|i| null[(i, j)]).collect())
+        .collect();
     reduce(&mut basis);
     basis
 }
@@ -113,7 +139,12 @@ fn reduce(basis: &mut [Vec<f64>]) {
     for k in 0..basis.len() {
         let pivot = (0..basis[k].len())
             .filter(|i| !used.contains(i))
-            .max_by(|&i, &j| basis[k][i].abs().total_cmp(&basis[k][j].abs()).then(j.cmp(&i)));
+            .max_by(|&i, &j| {
+                basis[k][i]
+                    .abs()
+                    .total_cmp(&basis[k][j].abs())
+                    .then(j.cmp(&i))
+            });
         let Some(pivot) = pivot else { return };
         used.push(pivot);
         let scale = basis[k][pivot];
@@ -122,7 +153,10 @@ fn reduce(basis: &mut [Vec<f64>]) {
         for (other, vector) in basis.iter_mut().enumerate() {
             if other != k {
                 let factor = vector[pivot];
-                vector.iter_mut().zip(&row).for_each(|(value, r)| *value -= factor * r);
+                vector
+                    .iter_mut()
+                    .zip(&row)
+                    .for_each(|(value, r)| *value -= factor * r);
             }
         }
     }
@@ -145,7 +179,11 @@ fn expand<const D: usize>(
     for (node, owners) in members.iter().enumerate().take(mesh.points().len()) {
         let component = owners[0];
         let u = (0..count).fold([0.0; D], |sum, k| {
-            add_scaled(sum, amplitudes[count * component + k], motion(component, k, node))
+            add_scaled(
+                sum,
+                amplitudes[count * component + k],
+                motion(component, k, node),
+            )
         });
         largest = largest.max(norm(u));
         mode.extend(u);
@@ -201,7 +239,12 @@ pub fn describe_motion<const D: usize>(points: &[Point<D>], motion: &[Point<D>])
         // the centre of rotation c solves t + ω × (c − centre) = 0
         let w = spin[0];
         let c: Point<D> = std::array::from_fn(|i| {
-            centre[i] + if i == 0 { -translation[1] / w } else { translation[0] / w }
+            centre[i]
+                + if i == 0 {
+                    -translation[1] / w
+                } else {
+                    translation[0] / w
+                }
         });
         let clean = c.map(|v| if v.abs() < 1e-9 * size { 0.0 } else { v });
         return format!("rotation about ({}, {})", Short(clean[0]), Short(clean[1]));

@@ -29,25 +29,37 @@ pub fn recover_stress<const D: usize>(
         let k = block.kind.nodes();
         // each cell writes its own slice: (stress, volume) of its samples; the gather below is in cell order
         let mut samples = vec![[0.0; 7]; table.len() * (block.nodes.len() / k)];
-        samples.par_chunks_mut(table.len() * CHUNK).zip(block.nodes.par_chunks(k * CHUNK)).for_each(|(out, cells)| {
-            for (out, cell) in out.chunks_exact_mut(table.len()).zip(cells.chunks_exact(k)) {
-                for (q, sample) in out.iter_mut().enumerate() {
-                    *sample = sample_stress(&table, q, body, analysis, lame, cell, displacement);
+        samples
+            .par_chunks_mut(table.len() * CHUNK)
+            .zip(block.nodes.par_chunks(k * CHUNK))
+            .for_each(|(out, cells)| {
+                for (out, cell) in out.chunks_exact_mut(table.len()).zip(cells.chunks_exact(k)) {
+                    for (q, sample) in out.iter_mut().enumerate() {
+                        *sample =
+                            sample_stress(&table, q, body, analysis, lame, cell, displacement);
+                    }
                 }
-            }
-        });
+            });
         for (cell, samples) in block.cells().zip(samples.chunks_exact(table.len())) {
             let volume: f64 = samples.iter().map(|s| s[6]).sum();
             for (&node, weights) in cell.iter().zip(&extrapolation) {
                 let sum = &mut sums[node as usize];
                 for c in 0..6 {
-                    sum[c] += volume * samples.iter().zip(weights).map(|(s, w)| w * s[c]).sum::<f64>();
+                    sum[c] += volume
+                        * samples
+                            .iter()
+                            .zip(weights)
+                            .map(|(s, w)| w * s[c])
+                            .sum::<f64>();
                 }
                 sum[6] += volume;
             }
         }
     }
-    Ok(sums.iter().map(|s| std::array::from_fn(|c| s[c] / s[6])).collect())
+    Ok(sums
+        .iter()
+        .map(|s| std::array::from_fn(|c| s[c] / s[6]))
+        .collect())
 }
 
 /// Cells per parallel task.
@@ -75,24 +87,41 @@ fn sample_stress<const D: usize>(
         }
         radial += table.shape(q)[local] * u[0];
     }
-    let hoop = if analysis == Analysis::Axisymmetric { radial / point[0] } else { 0.0 };
+    let hoop = if analysis == Analysis::Axisymmetric {
+        radial / point[0]
+    } else {
+        0.0
+    };
     let s = lame.stress(h, hoop);
-    [s[0], s[1], s[2], s[3], s[4], s[5], volume * measure(analysis, body.thickness, point)]
+    [
+        s[0],
+        s[1],
+        s[2],
+        s[3],
+        s[4],
+        s[5],
+        volume * measure(analysis, body.thickness, point),
+    ]
 }
 
 /// Reference points where the stress is sampled, with weights that sum to the reference volume.
 fn sampling_points<const D: usize>(kind: CellKind) -> Vec<(Point<D>, f64)> {
     let plane = |list: &[([f64; 2], f64)]| -> Vec<(Point<D>, f64)> {
-        list.iter().map(|&(p, w)| (std::array::from_fn(|i| p[i]), w)).collect()
+        list.iter()
+            .map(|&(p, w)| (std::array::from_fn(|i| p[i]), w))
+            .collect()
     };
     let (a, b, third) = (1.0 / 6.0, 2.0 / 3.0, 1.0 / 3.0);
     let g = 1.0 / 3f64.sqrt();
     match kind {
         CellKind::Tri3 => plane(&[([third, third], 0.5)]),
         CellKind::Tri6 => plane(&[([a, a], a), ([b, a], a), ([a, b], a)]),
-        CellKind::Quad4 | CellKind::Quad8 | CellKind::Quad9 => {
-            plane(&[([-g, -g], 1.0), ([g, -g], 1.0), ([g, g], 1.0), ([-g, g], 1.0)])
-        }
+        CellKind::Quad4 | CellKind::Quad8 | CellKind::Quad9 => plane(&[
+            ([-g, -g], 1.0),
+            ([g, -g], 1.0),
+            ([g, g], 1.0),
+            ([-g, g], 1.0),
+        ]),
     }
 }
 
@@ -101,7 +130,9 @@ fn extrapolation(kind: CellKind) -> Vec<Vec<f64>> {
     let nodes = kind.reference_nodes();
     let weights = |xi: &[f64; 3]| match kind {
         CellKind::Tri3 => vec![1.0],
-        CellKind::Tri6 => [1.0 - xi[0] - xi[1], xi[0], xi[1]].map(|l| 2.0 * l - 1.0 / 3.0).to_vec(),
+        CellKind::Tri6 => [1.0 - xi[0] - xi[1], xi[0], xi[1]]
+            .map(|l| 2.0 * l - 1.0 / 3.0)
+            .to_vec(),
         CellKind::Quad4 | CellKind::Quad8 | CellKind::Quad9 => {
             let (x, y) = (xi[0] * 3f64.sqrt(), xi[1] * 3f64.sqrt());
             [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)]

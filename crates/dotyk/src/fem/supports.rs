@@ -33,7 +33,9 @@ const PARALLEL: f64 = 1e-8;
 impl<const D: usize> Constraints<D> {
     /// Evaluates the supports of a body at a time.
     pub fn new(body: &Body<D>, time: f64) -> Result<Self, FemError> {
-        let mut constraints = Self { nodes: BTreeMap::new() };
+        let mut constraints = Self {
+            nodes: BTreeMap::new(),
+        };
         for (index, support) in body.supports.iter().enumerate() {
             let (nodes, normals) = match &support.place {
                 Place::Side(side) => {
@@ -41,7 +43,10 @@ impl<const D: usize> Constraints<D> {
                     let normals = node_normals(&body.mesh, facets);
                     (normals.keys().copied().collect::<Vec<_>>(), normals)
                 }
-                Place::Point(point) => (vec![nearest_node(&body.mesh, *point, "support")?], BTreeMap::new()),
+                Place::Point(point) => (
+                    vec![nearest_node(&body.mesh, *point, "support")?],
+                    BTreeMap::new(),
+                ),
             };
             for node in nodes {
                 let point = body.mesh.points()[node];
@@ -85,13 +90,21 @@ impl<const D: usize> Constraints<D> {
         let size = norm(rest);
         if size > PARALLEL {
             let axis = rest.map(|c| c / size);
-            held.push(Held { axis, value: (value - implied) / size, supports: vec![support] });
+            held.push(Held {
+                axis,
+                value: (value - implied) / size,
+                supports: vec![support],
+            });
             return Ok(());
         }
         let scale = value.abs().max(implied.abs());
         if (value - implied).abs() > 1e-9 * scale {
             let name = |index: usize| describe(&body.supports[index].place);
-            let first = held.iter().max_by(|a, b| dot(direction, a.axis).abs().total_cmp(&dot(direction, b.axis).abs()));
+            let first = held.iter().max_by(|a, b| {
+                dot(direction, a.axis)
+                    .abs()
+                    .total_cmp(&dot(direction, b.axis).abs())
+            });
             return Err(FemError::Contradiction {
                 node,
                 point: show(body.mesh.points()[node]),
@@ -129,18 +142,27 @@ pub(crate) fn finite<const D: usize>(
     if value.is_finite() {
         Ok(value)
     } else {
-        Err(FemError::NotFinite { what: what(), text: field.to_string(), point: show(point) })
+        Err(FemError::NotFinite {
+            what: what(),
+            text: field.to_string(),
+            point: show(point),
+        })
     }
 }
 
 /// Facets of a side; an error when it is unknown or empty.
-pub(crate) fn side_facets<'a, const D: usize>(mesh: &'a Mesh<D>, side: &str) -> Result<&'a [Facet], FemError> {
+pub(crate) fn side_facets<'a, const D: usize>(
+    mesh: &'a Mesh<D>,
+    side: &str,
+) -> Result<&'a [Facet], FemError> {
     match mesh.side(side) {
         None => Err(FemError::UnknownSide {
             side: side.to_string(),
             known: mesh.side_names().collect::<Vec<_>>().join(", "),
         }),
-        Some([]) => Err(FemError::EmptySide { side: side.to_string() }),
+        Some([]) => Err(FemError::EmptySide {
+            side: side.to_string(),
+        }),
         Some(facets) => Ok(facets),
     }
 }
@@ -160,18 +182,29 @@ pub fn node_normals<const D: usize>(mesh: &Mesh<D>, facets: &[Facet]) -> BTreeMa
             }
         }
     }
-    sums.into_iter().filter_map(|(node, sum)| Some((node, unit(sum)?))).collect()
+    sums.into_iter()
+        .filter_map(|(node, sum)| Some((node, unit(sum)?)))
+        .collect()
 }
 
 /// The node nearest to a point; an error when it is farther than half the longest edge that meets there.
-pub fn nearest_node<const D: usize>(mesh: &Mesh<D>, point: Point<D>, what: &str) -> Result<usize, FemError> {
+pub fn nearest_node<const D: usize>(
+    mesh: &Mesh<D>,
+    point: Point<D>,
+    what: &str,
+) -> Result<usize, FemError> {
     let nearest = (0..mesh.points().len())
-        .min_by(|&a, &b| distance(mesh.points()[a], point).total_cmp(&distance(mesh.points()[b], point)))
+        .min_by(|&a, &b| {
+            distance(mesh.points()[a], point).total_cmp(&distance(mesh.points()[b], point))
+        })
         .unwrap_or(0);
     let at = mesh.points()[nearest];
     let mut longest: f64 = 0.0;
     for block in mesh.blocks() {
-        for cell in block.cells().filter(|cell| cell.contains(&(nearest as u32))) {
+        for cell in block
+            .cells()
+            .filter(|cell| cell.contains(&(nearest as u32)))
+        {
             for facet in block.kind.facets() {
                 let ends = [facet[0], facet[1]].map(|local| mesh.points()[cell[local] as usize]);
                 longest = longest.max(distance(ends[0], ends[1]));

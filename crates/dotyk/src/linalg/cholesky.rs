@@ -23,7 +23,9 @@ use dyn_stack::{MemBuffer, MemStack};
 use faer::linalg::cholesky::llt::factor::LltError;
 use faer::sparse::linalg::SymbolicSupernodalParams;
 use faer::sparse::linalg::cholesky::simplicial;
-use faer::sparse::linalg::cholesky::supernodal::{self, SupernodalLltRef, SymbolicSupernodalCholesky};
+use faer::sparse::linalg::cholesky::supernodal::{
+    self, SupernodalLltRef, SymbolicSupernodalCholesky,
+};
 use faer::sparse::{SparseColMatRef, SymbolicSparseColMatRef};
 use faer::{Conj, Mat, MatMut, Par};
 use rayon::prelude::*;
@@ -290,9 +292,8 @@ fn supernodes(upper: &Pattern) -> Option<SymbolicSupernodalCholesky<u32>> {
     let (mut tree, mut counts) = (vec![0i32; n], vec![0u32; n]);
     let entries = upper.row_index.len();
     let mut memory = MemBuffer::new(
-        simplicial::prefactorize_symbolic_cholesky_scratch::<u32>(n, entries).or(
-            supernodal::factorize_supernodal_symbolic_cholesky_scratch::<u32>(n),
-        ),
+        simplicial::prefactorize_symbolic_cholesky_scratch::<u32>(n, entries)
+            .or(supernodal::factorize_supernodal_symbolic_cholesky_scratch::<u32>(n)),
     );
     let tree = simplicial::prefactorize_symbolic_cholesky(
         &mut tree,
@@ -359,7 +360,11 @@ impl Cholesky {
     /// When the length is not that of the matrix.
     pub fn solve(&self, rhs: &mut [f64]) {
         let mut kept = self.gather(rhs);
-        self.solve_kept(MatMut::from_column_major_slice_mut(&mut kept, self.kept(), 1));
+        self.solve_kept(MatMut::from_column_major_slice_mut(
+            &mut kept,
+            self.kept(),
+            1,
+        ));
         self.scatter(&kept, rhs);
     }
 
@@ -407,7 +412,8 @@ impl Cholesky {
         let x = MatMut::from_column_major_slice_mut(&mut y, self.kept(), 1);
         let mut memory = self.scratch(1);
         let stack = MemStack::new(&mut memory);
-        self.view().l_transpose_solve_with_conj(Conj::No, x, Par::Seq, stack);
+        self.view()
+            .l_transpose_solve_with_conj(Conj::No, x, Par::Seq, stack);
         let mut u = vec![0.0; self.structure.dofs];
         self.scatter(&y, &mut u);
         u
@@ -448,7 +454,8 @@ impl Cholesky {
     fn solve_kept(&self, x: MatMut<'_, f64>) {
         let mut memory = self.scratch(x.ncols());
         let stack = MemStack::new(&mut memory);
-        self.view().solve_in_place_with_conj(Conj::No, x, Par::Seq, stack);
+        self.view()
+            .solve_in_place_with_conj(Conj::No, x, Par::Seq, stack);
     }
 
     fn gather(&self, full: &[f64]) -> Vec<f64> {
@@ -492,7 +499,9 @@ impl Cholesky {
         unit[place] = 1.0;
         let u = self.backward(unit);
         let order = self.structure.order.iter().enumerate();
-        let scale: f64 = order.map(|(j, &dof)| diagonal(j) * u[dof as usize].powi(2)).sum();
+        let scale: f64 = order
+            .map(|(j, &dof)| diagonal(j) * u[dof as usize].powi(2))
+            .sum();
         let ratio = 1.0 / scale;
         if ratio < SMALLEST_ENERGY {
             let dof = self.structure.order[place] as usize;
@@ -578,7 +587,9 @@ mod tests {
         solve_general(&mut dense(matrix, inner), &mut x).unwrap();
         let through_inner = product(&coupling.transpose().to_owned(), &x);
         let block = dense(matrix, last);
-        Mat::from_fn(trailing, trailing, |i, j| block[(i, j)] - through_inner[(i, j)])
+        Mat::from_fn(trailing, trailing, |i, j| {
+            block[(i, j)] - through_inner[(i, j)]
+        })
     }
 
     #[test]

@@ -269,11 +269,7 @@ pub fn null_space(a: &Mat<f64>, tolerance: f64) -> Result<Mat<f64>, LinalgError>
 ///
 /// # Errors
 /// [`LinalgError::NotFinite`], [`LinalgError::NoConvergence`].
-pub fn least_squares(
-    a: &Mat<f64>,
-    b: &Mat<f64>,
-    tolerance: f64,
-) -> Result<Mat<f64>, LinalgError> {
+pub fn least_squares(a: &Mat<f64>, b: &Mat<f64>, tolerance: f64) -> Result<Mat<f64>, LinalgError> {
     check_matrix(b)?;
     let size = a.nrows().min(a.ncols());
     if size == 0 {
@@ -288,7 +284,10 @@ pub fn least_squares(
             *c /= s;
         }
     }
-    Ok(product_of(spectrum.right.subcols(0, rank), coefficients.as_ref()))
+    Ok(product_of(
+        spectrum.right.subcols(0, rank),
+        coefficients.as_ref(),
+    ))
 }
 
 /// Splits the rows of a symmetric positive semidefinite matrix into a largest independent set and the rest, both
@@ -311,13 +310,15 @@ pub fn pivoted_cholesky(
     if let Some(dof) = all.clone().find(|&i| a[(i, i)] < 0.0) {
         return Err(LinalgError::NotPositiveDefinite { dof });
     }
-    let (candidates, mut dependent): (Vec<usize>, Vec<usize>) =
-        all.partition(|&i| a[(i, i)] > 0.0);
+    let (candidates, mut dependent): (Vec<usize>, Vec<usize>) = all.partition(|&i| a[(i, i)] > 0.0);
     let n = candidates.len();
     if n == 0 {
         return Ok((Vec::new(), dependent));
     }
-    let scale: Vec<f64> = candidates.iter().map(|&i| a[(i, i)].sqrt().recip()).collect();
+    let scale: Vec<f64> = candidates
+        .iter()
+        .map(|&i| a[(i, i)].sqrt().recip())
+        .collect();
     let mut scaled = Mat::from_fn(n, n, |i, j| {
         let (row, column) = (candidates[i.max(j)], candidates[i.min(j)]);
         a[(row, column)] * scale[i] * scale[j]
@@ -336,11 +337,11 @@ pub fn pivoted_cholesky(
         MemStack::new(&mut MemBuffer::new(scratch)),
         Default::default(),
     )
-    .map_err(|llt_pivoting::factor::LltError::NonPositivePivot { index }| {
-        LinalgError::NotFinite {
+    .map_err(
+        |llt_pivoting::factor::LltError::NonPositivePivot { index }| LinalgError::NotFinite {
             row: candidates[index],
-        }
-    })?;
+        },
+    )?;
     let rank = (0..info.rank)
         .take_while(|&k| scaled[(k, k)].powi(2) > tolerance)
         .count();
@@ -462,7 +463,11 @@ mod tests {
     #[test]
     fn products_follow_their_definition() {
         let (a, b) = (noise(37, 21), noise(21, 150));
-        assert_close(&product(&a, &b), &plain_product(a.as_ref(), b.as_ref()), 1e-13);
+        assert_close(
+            &product(&a, &b),
+            &plain_product(a.as_ref(), b.as_ref()),
+            1e-13,
+        );
         let c = noise(37, 80);
         let expected = plain_product(a.as_ref().transpose(), c.as_ref());
         assert_close(&transpose_product(&a, &c), &expected, 1e-13);
@@ -481,7 +486,11 @@ mod tests {
     fn gram_is_the_exactly_symmetric_product() {
         let a = noise(91, 2 * COLUMNS_PER_TASK + 11);
         let g = gram(&a);
-        assert_close(&g, &plain_product(a.as_ref().transpose(), a.as_ref()), 1e-13);
+        assert_close(
+            &g,
+            &plain_product(a.as_ref().transpose(), a.as_ref()),
+            1e-13,
+        );
         assert!(g == g.transpose().to_owned());
     }
 
@@ -505,7 +514,11 @@ mod tests {
         let mut l = a.clone();
         cholesky_in_place(&mut l).unwrap();
         assert_eq!(l[(3, 90)], 0.0);
-        assert_close(&plain_product(l.as_ref(), l.as_ref().transpose()), &a, 1e-12);
+        assert_close(
+            &plain_product(l.as_ref(), l.as_ref().transpose()),
+            &a,
+            1e-12,
+        );
         let expected = noise(150, 70);
         let mut x = product(&a, &expected);
         for column in 0..x.ncols() {
@@ -612,7 +625,9 @@ mod tests {
     #[test]
     fn saddle_point_systems_are_solved_and_singular_ones_refused() {
         // A zero on the diagonal forces a row exchange.
-        let mut a = Mat::from_fn(3, 3, |i, j| [[0.0, 2.0, 1.0], [2.0, 1.0, 0.0], [1.0, 0.0, 0.0]][i][j]);
+        let mut a = Mat::from_fn(3, 3, |i, j| {
+            [[0.0, 2.0, 1.0], [2.0, 1.0, 0.0], [1.0, 0.0, 0.0]][i][j]
+        });
         let mut b = Mat::from_fn(3, 1, |i, _| [7.0, 4.0, 1.0][i]);
         solve_general(&mut a, &mut b).unwrap();
         assert_close(&b, &Mat::from_fn(3, 1, |i, _| [1.0, 2.0, 3.0][i]), 1e-15);

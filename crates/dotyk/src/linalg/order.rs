@@ -54,7 +54,11 @@ fn minimum_degree(graph: &Graph, nodes: &[u32]) -> Vec<u32> {
     for (j, &node) in nodes.iter().enumerate() {
         let neighbours = graph.neighbours(node as usize).iter();
         let before = neighbours.take_while(|&&other| other < node);
-        row_index.extend(before.map(|&other| local[other as usize]).filter(|&i| i != NONE));
+        row_index.extend(
+            before
+                .map(|&other| local[other as usize])
+                .filter(|&i| i != NONE),
+        );
         row_index.push(j as u32);
         col_start.push(row_index.len() as u32);
     }
@@ -62,7 +66,13 @@ fn minimum_degree(graph: &Graph, nodes: &[u32]) -> Vec<u32> {
     let (mut order, mut inverse) = (vec![0u32; n], vec![0u32; n]);
     let mut memory = MemBuffer::new(amd::order_scratch::<u32>(n, row_index.len()));
     let stack = MemStack::new(&mut memory);
-    match amd::order(&mut order, &mut inverse, upper, amd::Control::default(), stack) {
+    match amd::order(
+        &mut order,
+        &mut inverse,
+        upper,
+        amd::Control::default(),
+        stack,
+    ) {
         Ok(_) => order.iter().map(|&j| nodes[j as usize]).collect(),
         // Only a graph beyond 32-bit indices fails; any order is a valid one.
         Err(_) => nodes.to_vec(),

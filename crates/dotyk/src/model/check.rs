@@ -64,7 +64,12 @@ const POOR: f64 = 0.1;
 impl<const D: usize> Model<D> {
     /// Checks meshes, supports, loads, floating bodies and contacts; solves nothing.
     pub fn check(&self) -> Check<D> {
-        let mut check = Check { bodies: Vec::new(), contacts: Vec::new(), errors: Vec::new(), warnings: Vec::new() };
+        let mut check = Check {
+            bodies: Vec::new(),
+            contacts: Vec::new(),
+            errors: Vec::new(),
+            warnings: Vec::new(),
+        };
         if let Err(error) = self.fill(&mut check) {
             check.errors.push(error.to_string());
         }
@@ -88,11 +93,21 @@ impl<const D: usize> Model<D> {
         let paired = pair_all(self, &systems)?;
         for (contact, pair) in self.contacts.iter().zip(&paired) {
             let nodes = &pair.interface.nodes;
-            let gaps = || nodes.iter().filter(|n| matches!(n.role, Role::Multiplier(_))).map(|n| n.gap);
+            let gaps = || {
+                nodes
+                    .iter()
+                    .filter(|n| matches!(n.role, Role::Multiplier(_)))
+                    .map(|n| n.gap)
+            };
             let name = |side: &SideRef| format!("{}.{}", self.bodies[side.body.0].name, side.side);
             let found = ContactCheck {
                 name: contact.name.clone(),
-                sides: [name(&pair.nonmortar), pair.mortar.as_ref().map_or("rigid obstacle".to_string(), name)],
+                sides: [
+                    name(&pair.nonmortar),
+                    pair.mortar
+                        .as_ref()
+                        .map_or("rigid obstacle".to_string(), name),
+                ],
                 unknowns: gaps().count(),
                 unpaired: nodes.iter().filter(|n| n.role == Role::Alone).count(),
                 penetration: gaps().fold(0.0, |largest, gap| f64::max(largest, -gap)),
@@ -113,7 +128,10 @@ impl<const D: usize> Model<D> {
             check.contacts.push(found);
         }
         let (rows, gaps) = body_rows(self, &systems, &paired);
-        let loaded = systems.into_iter().zip(rows).map(|(system, rows)| LoadedBody::new(system, rows));
+        let loaded = systems
+            .into_iter()
+            .zip(rows)
+            .map(|(system, rows)| LoadedBody::new(system, rows));
         let bodies: Vec<LoadedBody<D>> = loaded.collect();
         let floating = Floating::new(self, &bodies, gaps.len())?;
         check.warnings.extend(floating.warnings.iter().cloned());
@@ -121,7 +139,9 @@ impl<const D: usize> Model<D> {
         let admissible = AdmissibleSet::new(vec![Block::Unilateral; gaps.len()]);
         match Feasibility::of(&admissible, &floating.equilibrium, 0.0) {
             Feasibility::Feasible { .. } => Ok(()),
-            Feasibility::Infeasible { direction } => Err(floating.pulled_away(self, &bodies, &direction)),
+            Feasibility::Infeasible { direction } => {
+                Err(floating.pulled_away(self, &bodies, &direction))
+            }
         }
     }
 
@@ -137,10 +157,22 @@ impl<const D: usize> Model<D> {
             })
             .collect();
         for (k, &(body, mode)) in floating.modes.iter().enumerate() {
-            let works = |range: &std::ops::Range<usize>| range.clone().any(|i| floating.work(k, i).abs() > 1e-8);
-            let holders = self.contacts.iter().zip(&ranges).filter(|(_, range)| works(range));
-            let names: Vec<String> = holders.map(|(contact, _)| format!("\"{}\"", contact.name)).collect();
-            let held = if names.is_empty() { "held by nothing".to_string() } else { format!("held by contact {}", names.join(", ")) };
+            let works = |range: &std::ops::Range<usize>| {
+                range.clone().any(|i| floating.work(k, i).abs() > 1e-8)
+            };
+            let holders = self
+                .contacts
+                .iter()
+                .zip(&ranges)
+                .filter(|(_, range)| works(range));
+            let names: Vec<String> = holders
+                .map(|(contact, _)| format!("\"{}\"", contact.name))
+                .collect();
+            let held = if names.is_empty() {
+                "held by nothing".to_string()
+            } else {
+                format!("held by contact {}", names.join(", "))
+            };
             let found = &mut check.bodies[body].floating;
             found[mode] = format!("{}: {held}", found[mode]);
         }
@@ -149,15 +181,23 @@ impl<const D: usize> Model<D> {
 
 fn check_body<const D: usize>(body: &Body<D>, system: &BodySystem<D>) -> BodyCheck<D> {
     let mesh = &body.mesh;
-    let cells = mesh.blocks().iter().enumerate().flat_map(|(b, block)| (0..block.cells().len()).map(move |c| (b, c)));
-    let worst = cells.map(|(b, c)| mesh.cell_quality(b, c)).fold(1.0, f64::min);
+    let cells = mesh
+        .blocks()
+        .iter()
+        .enumerate()
+        .flat_map(|(b, block)| (0..block.cells().len()).map(move |c| (b, c)));
+    let worst = cells
+        .map(|(b, c)| mesh.cell_quality(b, c))
+        .fold(1.0, f64::min);
     let forces = system.to_global(&system.load);
     let describe = |mode: &Vec<f64>| describe_motion(mesh.points(), &system.to_global(mode));
     BodyCheck {
         name: body.name.clone(),
         size: [mesh.points().len(), mesh.cell_count()],
         worst_quality: worst,
-        load: forces.iter().fold([0.0; D], |sum, &f| add_scaled(sum, 1.0, f)),
+        load: forces
+            .iter()
+            .fold([0.0; D], |sum, &f| add_scaled(sum, 1.0, f)),
         held: system.held.iter().filter(|held| **held).count(),
         floating: system.modes.iter().map(describe).collect(),
     }
@@ -169,11 +209,18 @@ impl<const D: usize> fmt::Display for Check<D> {
             writeln!(
                 f,
                 "body \"{}\": {} nodes, {} cells, worst cell quality {:.3}, {} dofs held, load {}",
-                body.name, body.size[0], body.size[1], body.worst_quality, body.held, show(body.load)
+                body.name,
+                body.size[0],
+                body.size[1],
+                body.worst_quality,
+                body.held,
+                show(body.load)
             )?;
             match body.floating.as_slice() {
                 [] => writeln!(f, "  held by its supports")?,
-                modes => modes.iter().try_for_each(|mode| writeln!(f, "  floats: {mode}"))?,
+                modes => modes
+                    .iter()
+                    .try_for_each(|mode| writeln!(f, "  floats: {mode}"))?,
             }
         }
         for contact in &self.contacts {

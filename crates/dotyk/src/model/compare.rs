@@ -46,12 +46,28 @@ impl<const D: usize> Model<D> {
     /// Errors: those of [`Model::solve`] that come before the contact solver.
     pub fn compare(&self, observe: &mut dyn FnMut(Event)) -> Result<Comparison, Error<D>> {
         let condensed = self.condense(DENSE_LIMIT, observe)?;
-        let reference = self.run_solver(&condensed, Method::Newton, observe)?.outcome.multipliers.lambda;
+        let reference = self
+            .run_solver(
+                &condensed,
+                Method::Newton,
+                self.solver.tolerance,
+                None,
+                observe,
+            )?
+            .outcome
+            .multipliers
+            .lambda;
         let mut rows = Vec::new();
         for method in Method::NAMED {
             let clock = Instant::now();
-            let attempt = self.run_solver(&condensed, method, observe)?;
-            rows.push(row(attempt, clock.elapsed().as_secs_f64(), None, &reference));
+            let attempt =
+                self.run_solver(&condensed, method, self.solver.tolerance, None, observe)?;
+            rows.push(row(
+                attempt,
+                clock.elapsed().as_secs_f64(),
+                None,
+                &reference,
+            ));
         }
         Ok(Comparison { rows })
     }
@@ -67,13 +83,37 @@ impl<const D: usize> Model<D> {
         observe: &mut dyn FnMut(Event),
     ) -> Result<Comparison, Error<D>> {
         let condensed = self.condense(DENSE_LIMIT, observe)?;
-        let reference = self.run_solver(&condensed, Method::Newton, observe)?.outcome.multipliers.lambda;
+        let reference = self
+            .run_solver(
+                &condensed,
+                Method::Newton,
+                self.solver.tolerance,
+                None,
+                observe,
+            )?
+            .outcome
+            .multipliers
+            .lambda;
         let mut rows = Vec::new();
         for method in [Method::Uzawa, Method::Gradient] {
             // the automatic run tells the operator's λ_max: ρ = 1.9/λ_max
-            let automatic = Self { solver: super::nouns::SolverOptions { rho: None, ..self.solver.clone() }, ..self.clone() };
-            let natural = automatic.run_solver(&condensed, method, &mut |_| {})?;
-            let Some(rho) = natural.outcome.rho else { continue };
+            let automatic = Self {
+                solver: super::nouns::SolverOptions {
+                    rho: None,
+                    ..self.solver.clone()
+                },
+                ..self.clone()
+            };
+            let natural = automatic.run_solver(
+                &condensed,
+                method,
+                self.solver.tolerance,
+                None,
+                &mut |_| {},
+            )?;
+            let Some(rho) = natural.outcome.rho else {
+                continue;
+            };
             let lambda_max = SAFE_STEP / rho;
             let (low, high) = range.unwrap_or((0.02 / lambda_max, 3.0 / lambda_max));
             for step in 0..SWEEP {
@@ -83,19 +123,44 @@ impl<const D: usize> Model<D> {
                 model.solver.rho = Some(rho);
                 model.solver.max_iterations = Some(SWEEP_ITERATIONS);
                 let clock = Instant::now();
-                let attempt = model.run_solver(&condensed, method, &mut |_| {})?;
-                observe(Event::Iteration { iteration: rows.len() + 1, residual: f64::NAN, active: 0 });
-                rows.push(row(attempt, clock.elapsed().as_secs_f64(), Some((rho, rho * lambda_max)), &reference));
+                let attempt = model.run_solver(
+                    &condensed,
+                    method,
+                    self.solver.tolerance,
+                    None,
+                    &mut |_| {},
+                )?;
+                observe(Event::Iteration {
+                    iteration: rows.len() + 1,
+                    residual: f64::NAN,
+                    active: 0,
+                });
+                rows.push(row(
+                    attempt,
+                    clock.elapsed().as_secs_f64(),
+                    Some((rho, rho * lambda_max)),
+                    &reference,
+                ));
             }
         }
         Ok(Comparison { rows })
     }
 }
 
-fn row(attempt: Attempt, seconds: f64, rho: Option<(f64, f64)>, reference: &[f64]) -> ComparisonRow {
+fn row(
+    attempt: Attempt,
+    seconds: f64,
+    rho: Option<(f64, f64)>,
+    reference: &[f64],
+) -> ComparisonRow {
     let lambda = &attempt.outcome.multipliers.lambda;
     let size: f64 = reference.iter().map(|l| l * l).sum::<f64>().sqrt();
-    let rest: f64 = lambda.iter().zip(reference).map(|(a, b)| (a - b) * (a - b)).sum::<f64>().sqrt();
+    let rest: f64 = lambda
+        .iter()
+        .zip(reference)
+        .map(|(a, b)| (a - b) * (a - b))
+        .sum::<f64>()
+        .sqrt();
     ComparisonRow {
         method: attempt.method,
         rho: rho.map(|r| r.0).or(attempt.outcome.rho),

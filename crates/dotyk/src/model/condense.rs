@@ -19,8 +19,8 @@ use super::pair::Paired;
 use crate::dual::Compliance;
 use crate::fem::{BodySystem, FemError, show};
 use crate::linalg::{
-    Analysis, Cholesky, LinalgError, LinearOperator, Mat, SparseMatrix, expand_to_dofs, fill_reducing_order, gram,
-    solve_lower_in_place,
+    Analysis, Cholesky, LinalgError, LinearOperator, Mat, SparseMatrix, expand_to_dofs,
+    fill_reducing_order, gram, solve_lower_in_place,
 };
 use rayon::prelude::*;
 use std::sync::Arc;
@@ -53,12 +53,23 @@ impl<const D: usize> LoadedBody<D> {
         if system.prescribed.iter().any(|&value| value != 0.0) {
             let mut product = vec![0.0; reduced_load.len()];
             system.stiffness.mul(&system.prescribed, &mut product);
-            reduced_load.iter_mut().zip(&product).for_each(|(f, ku)| *f -= ku);
+            reduced_load
+                .iter_mut()
+                .zip(&product)
+                .for_each(|(f, ku)| *f -= ku);
         }
-        for (value, _) in reduced_load.iter_mut().zip(&system.held).filter(|(_, held)| **held) {
+        for (value, _) in reduced_load
+            .iter_mut()
+            .zip(&system.held)
+            .filter(|(_, held)| **held)
+        {
             *value = 0.0;
         }
-        Self { system, rows: Arc::new(rows), reduced_load }
+        Self {
+            system,
+            rows: Arc::new(rows),
+            reduced_load,
+        }
     }
 }
 
@@ -141,9 +152,14 @@ pub(crate) fn order<const D: usize>(
     for dof in grounded_dofs(system, &keep, &contact_node) {
         keep[dof] = false;
     }
-    let keep_node: Vec<bool> = keep.chunks_exact(D).map(|dofs| dofs.contains(&true)).collect();
+    let keep_node: Vec<bool> = keep
+        .chunks_exact(D)
+        .map(|dofs| dofs.contains(&true))
+        .collect();
     let last: Vec<usize> = match dense {
-        true => (0..contact_node.len()).filter(|&node| contact_node[node] && keep_node[node]).collect(),
+        true => (0..contact_node.len())
+            .filter(|&node| contact_node[node] && keep_node[node])
+            .collect(),
         false => Vec::new(),
     };
     let nodes = fill_reducing_order(&system.graph, &keep_node, &last);
@@ -155,11 +171,17 @@ pub(crate) fn order<const D: usize>(
 }
 
 /// Dofs that hold the free rigid modes for the factorisation: complete pivoting on R, away from the contacts if possible.
-fn grounded_dofs<const D: usize>(system: &BodySystem<D>, keep: &[bool], contact_node: &[bool]) -> Vec<usize> {
+fn grounded_dofs<const D: usize>(
+    system: &BodySystem<D>,
+    keep: &[bool],
+    contact_node: &[bool],
+) -> Vec<usize> {
     let mut modes = system.modes.clone();
     let mut grounded: Vec<usize> = Vec::new();
     let mut open: Vec<usize> = (0..modes.len()).collect();
-    let candidates = |away: bool| (0..keep.len()).filter(move |&dof| keep[dof] && (!away || !contact_node[dof / D]));
+    let candidates = |away: bool| {
+        (0..keep.len()).filter(move |&dof| keep[dof] && (!away || !contact_node[dof / D]))
+    };
     while !open.is_empty() {
         let best = |away: bool| {
             let mut best = (0.0, 0, 0);
@@ -186,7 +208,10 @@ fn grounded_dofs<const D: usize>(system: &BodySystem<D>, keep: &[bool], contact_
         let row = modes[mode].clone();
         for &other in &open {
             let factor = modes[other][dof] / row[dof];
-            modes[other].iter_mut().zip(&row).for_each(|(value, r)| *value -= factor * r);
+            modes[other]
+                .iter_mut()
+                .zip(&row)
+                .for_each(|(value, r)| *value -= factor * r);
         }
     }
     grounded
@@ -199,7 +224,10 @@ pub(crate) fn factor<const D: usize>(
     system: &BodySystem<D>,
     ordered: &Ordered,
 ) -> Result<Cholesky, Error<D>> {
-    ordered.analysis.factor(&system.stiffness).map_err(|source| singular(model, body, source))
+    ordered
+        .analysis
+        .factor(&system.stiffness)
+        .map_err(|source| singular(model, body, source))
 }
 
 /// Names the node of a dof where the linear algebra failed.
@@ -212,15 +240,30 @@ fn singular<const D: usize>(model: &Model<D>, body: usize, source: LinalgError) 
     let node = dof / D;
     let body = &model.bodies[body];
     let point = show(body.mesh.points()[node]);
-    Error::Body { body: body.name.clone(), source: FemError::Singular { node, point, source } }
+    Error::Body {
+        body: body.name.clone(),
+        source: FemError::Singular {
+            node,
+            point,
+            source,
+        },
+    }
 }
 
 /// Solves for the displacement without contact.
-pub(crate) fn base_solution<const D: usize>(body: &LoadedBody<D>, factor: Cholesky) -> FactoredBody {
+pub(crate) fn base_solution<const D: usize>(
+    body: &LoadedBody<D>,
+    factor: Cholesky,
+) -> FactoredBody {
     let mut base = body.reduced_load.clone();
     factor.solve(&mut base);
-    base.iter_mut().zip(&body.system.prescribed).for_each(|(u, lift)| *u += lift);
-    FactoredBody { factor: Arc::new(factor), base }
+    base.iter_mut()
+        .zip(&body.system.prescribed)
+        .for_each(|(u, lift)| *u += lift);
+    FactoredBody {
+        factor: Arc::new(factor),
+        base,
+    }
 }
 
 /// F and d of all bodies.
@@ -235,16 +278,29 @@ pub(crate) fn compliance_and_overlap<const D: usize>(
     let mut overlap: Vec<f64> = gaps.iter().map(|gap| -gap).collect();
     for (body, factored) in bodies.iter().zip(factored) {
         for (local, &row) in body.rows.index.iter().enumerate() {
-            overlap[row] += body.rows.matrix.row(local).map(|(dof, value)| value * factored.base[dof]).sum::<f64>();
+            overlap[row] += body
+                .rows
+                .matrix
+                .row(local)
+                .map(|(dof, value)| value * factored.base[dof])
+                .sum::<f64>();
         }
     }
     if !dense {
         let apply = Box::new(CompliantBodies::new(m, bodies, factored));
         let preconditioner = Box::new(BoundaryStiffness::new(m, bodies));
-        return (Compliance::Operator { apply, preconditioner }, overlap);
+        return (
+            Compliance::Operator {
+                apply,
+                preconditioner,
+            },
+            overlap,
+        );
     }
-    let blocks: Vec<Mat<f64>> =
-        (bodies, factored, ordered).into_par_iter().map(|(b, f, o)| boundary_compliance(b, f, o)).collect();
+    let blocks: Vec<Mat<f64>> = (bodies, factored, ordered)
+        .into_par_iter()
+        .map(|(b, f, o)| boundary_compliance(b, f, o))
+        .collect();
     let mut f = Mat::<f64>::zeros(m, m);
     for (body, block) in bodies.iter().zip(&blocks) {
         let index = &body.rows.index;
@@ -258,7 +314,11 @@ pub(crate) fn compliance_and_overlap<const D: usize>(
 }
 
 /// F of one body on its own rows: XᵀX with X = L_c⁻¹ B_cᵀ.
-fn boundary_compliance<const D: usize>(body: &LoadedBody<D>, factored: &FactoredBody, ordered: &Ordered) -> Mat<f64> {
+fn boundary_compliance<const D: usize>(
+    body: &LoadedBody<D>,
+    factored: &FactoredBody,
+    ordered: &Ordered,
+) -> Mat<f64> {
     let rows = &body.rows;
     let mut position = vec![usize::MAX; body.system.load.len()];
     for (k, &dof) in ordered.trailing.iter().enumerate() {
@@ -284,9 +344,21 @@ struct CompliantBodies {
 }
 
 impl CompliantBodies {
-    fn new<const D: usize>(len: usize, bodies: &[LoadedBody<D>], factored: &[FactoredBody]) -> Self {
-        let touched = bodies.iter().zip(factored).filter(|(body, _)| !body.rows.index.is_empty());
-        Self { len, bodies: touched.map(|(body, f)| (f.factor.clone(), body.rows.clone())).collect() }
+    fn new<const D: usize>(
+        len: usize,
+        bodies: &[LoadedBody<D>],
+        factored: &[FactoredBody],
+    ) -> Self {
+        let touched = bodies
+            .iter()
+            .zip(factored)
+            .filter(|(body, _)| !body.rows.index.is_empty());
+        Self {
+            len,
+            bodies: touched
+                .map(|(body, f)| (f.factor.clone(), body.rows.clone()))
+                .collect(),
+        }
     }
 }
 
@@ -309,7 +381,15 @@ impl LinearOperator for CompliantBodies {
                 out
             })
             .collect();
-        scatter(&self.bodies.iter().map(|(_, rows)| rows.clone()).collect::<Vec<_>>(), &parts, y);
+        scatter(
+            &self
+                .bodies
+                .iter()
+                .map(|(_, rows)| rows.clone())
+                .collect::<Vec<_>>(),
+            &parts,
+            y,
+        );
     }
 }
 
@@ -355,7 +435,12 @@ impl BoundaryStiffness {
         }
         for part in &mut parts {
             for (local, &row) in part.rows.index.iter().enumerate() {
-                let size: f64 = part.rows.matrix.row(local).map(|(_, value)| value * value).sum();
+                let size: f64 = part
+                    .rows
+                    .matrix
+                    .row(local)
+                    .map(|(_, value)| value * value)
+                    .sum();
                 part.weight[local] /= total[row] * size;
             }
         }
@@ -376,17 +461,35 @@ fn boundary_part<const D: usize>(body: &LoadedBody<D>) -> Option<BoundaryPart> {
             on_contact[dof] = true;
         }
     }
-    let contact: Vec<usize> = (0..on_contact.len()).filter(|&dof| on_contact[dof] && !system.held[dof]).collect();
-    let keep: Vec<bool> = (0..on_contact.len()).map(|dof| !on_contact[dof] && !system.held[dof]).collect();
-    let keep_node: Vec<bool> = keep.chunks_exact(D).map(|dofs| dofs.contains(&true)).collect();
+    let contact: Vec<usize> = (0..on_contact.len())
+        .filter(|&dof| on_contact[dof] && !system.held[dof])
+        .collect();
+    let keep: Vec<bool> = (0..on_contact.len())
+        .map(|dof| !on_contact[dof] && !system.held[dof])
+        .collect();
+    let keep_node: Vec<bool> = keep
+        .chunks_exact(D)
+        .map(|dofs| dofs.contains(&true))
+        .collect();
     let nodes = fill_reducing_order(&system.graph, &keep_node, &[]);
     let dofs = expand_to_dofs(&nodes, D, &keep);
-    let inner = Analysis::new(&system.stiffness, &dofs, 0).ok()?.factor(&system.stiffness).ok()?;
+    let inner = Analysis::new(&system.stiffness, &dofs, 0)
+        .ok()?
+        .factor(&system.stiffness)
+        .ok()?;
     // softness of the body as one number: mean of 1/K_ii over its contact dofs
     let diagonal = system.stiffness.diagonal();
-    let softness = contact.iter().map(|&dof| 1.0 / diagonal[dof]).sum::<f64>() / contact.len().max(1) as f64;
+    let softness =
+        contact.iter().map(|&dof| 1.0 / diagonal[dof]).sum::<f64>() / contact.len().max(1) as f64;
     let weight = vec![softness; rows.index.len()];
-    Some(BoundaryPart { rows, inner, stiffness: system.stiffness.clone(), contact, held: system.held.clone(), weight })
+    Some(BoundaryPart {
+        rows,
+        inner,
+        stiffness: system.stiffness.clone(),
+        contact,
+        held: system.held.clone(),
+        weight,
+    })
 }
 
 impl LinearOperator for BoundaryStiffness {
@@ -404,7 +507,13 @@ impl LinearOperator for BoundaryStiffness {
 impl BoundaryPart {
     /// δ B S Bᵀ δ x on the local rows.
     fn apply(&self, x: &[f64]) -> Vec<f64> {
-        let local: Vec<f64> = self.rows.index.iter().zip(&self.weight).map(|(&row, w)| w * x[row]).collect();
+        let local: Vec<f64> = self
+            .rows
+            .index
+            .iter()
+            .zip(&self.weight)
+            .map(|(&row, w)| w * x[row])
+            .collect();
         let n = self.held.len();
         let mut v = vec![0.0; n];
         self.rows.matrix.mul_transpose_add(&local, &mut v);
@@ -426,7 +535,9 @@ impl BoundaryPart {
         }
         let mut out = vec![0.0; local.len()];
         self.rows.matrix.mul(&boundary, &mut out);
-        out.iter_mut().zip(&self.weight).for_each(|(value, w)| *value *= w);
+        out.iter_mut()
+            .zip(&self.weight)
+            .for_each(|(value, w)| *value *= w);
         out
     }
 }

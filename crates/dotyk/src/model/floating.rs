@@ -30,7 +30,11 @@ pub(crate) struct Floating {
 
 impl Floating {
     /// Sets up G and e. Errors: a body that floats without any contact, or whose load drives what nothing controls.
-    pub fn new<const D: usize>(model: &Model<D>, bodies: &[LoadedBody<D>], m: usize) -> Result<Self, Error<D>> {
+    pub fn new<const D: usize>(
+        model: &Model<D>,
+        bodies: &[LoadedBody<D>],
+        m: usize,
+    ) -> Result<Self, Error<D>> {
         let modes: Vec<(usize, usize)> = bodies
             .iter()
             .enumerate()
@@ -43,7 +47,12 @@ impl Floating {
             let b = &bodies[body];
             let column = &b.system.modes[mode];
             for (local, &row) in b.rows.index.iter().enumerate() {
-                g[(k, row)] = b.rows.matrix.row(local).map(|(dof, value)| value * column[dof]).sum();
+                g[(k, row)] = b
+                    .rows
+                    .matrix
+                    .row(local)
+                    .map(|(dof, value)| value * column[dof])
+                    .sum();
             }
             e[k] = column.iter().zip(&b.reduced_load).map(|(r, f)| r * f).sum();
         }
@@ -63,14 +72,32 @@ impl Floating {
             warnings.push(check_undriven(model, bodies, &modes, &z, &e)?);
         }
         let (controlled, equilibrium) = if split.uncontrolled.ncols() == 0 {
-            (Mat::<f64>::identity(r, r), Equilibrium { moments: moments(bodies, &modes), modes: g.clone(), load: e })
+            (
+                Mat::<f64>::identity(r, r),
+                Equilibrium {
+                    moments: moments(bodies, &modes),
+                    modes: g.clone(),
+                    load: e,
+                },
+            )
         } else {
             let c = split.controlled;
-            let reduced = Mat::from_fn(c.ncols(), m, |j, i| (0..r).map(|k| c[(k, j)] * g[(k, i)]).sum::<f64>());
-            let load = (0..c.ncols()).map(|j| (0..r).map(|k| c[(k, j)] * e[k]).sum()).collect();
+            let reduced = Mat::from_fn(c.ncols(), m, |j, i| {
+                (0..r).map(|k| c[(k, j)] * g[(k, i)]).sum::<f64>()
+            });
+            let load = (0..c.ncols())
+                .map(|j| (0..r).map(|k| c[(k, j)] * e[k]).sum())
+                .collect();
             (c, Equilibrium::new(reduced, load))
         };
-        Ok(Self { modes, controlled, uncontrolled: split.uncontrolled, all: g, equilibrium, warnings })
+        Ok(Self {
+            modes,
+            controlled,
+            uncontrolled: split.uncontrolled,
+            all: g,
+            equilibrium,
+            warnings,
+        })
     }
 
     /// Work of a unit force of multiplier i on mode k.
@@ -81,7 +108,13 @@ impl Floating {
     /// Amplitudes of all modes from those of the controlled combinations.
     pub fn amplitudes(&self, alpha: &[f64]) -> Vec<f64> {
         (0..self.modes.len())
-            .map(|k| alpha.iter().enumerate().map(|(j, a)| self.controlled[(k, j)] * a).sum())
+            .map(|k| {
+                alpha
+                    .iter()
+                    .enumerate()
+                    .map(|(j, a)| self.controlled[(k, j)] * a)
+                    .sum()
+            })
             .collect()
     }
 
@@ -94,10 +127,16 @@ impl Floating {
     ) -> Error<D> {
         let z = self.amplitudes(direction);
         let body = main_body(&self.modes, &z);
-        let load = direction.iter().zip(&self.equilibrium.load).map(|(z, e)| z * e).sum();
+        let load = direction
+            .iter()
+            .zip(&self.equilibrium.load)
+            .map(|(z, e)| z * e)
+            .sum();
         Error::PulledAway {
             body: model.bodies[body].name.clone(),
-            motion: describe(model, bodies, body, |mode| amplitude(&self.modes, &z, body, mode)),
+            motion: describe(model, bodies, body, |mode| {
+                amplitude(&self.modes, &z, body, mode)
+            }),
             load,
         }
     }
@@ -108,7 +147,9 @@ fn moments<const D: usize>(bodies: &[LoadedBody<D>], modes: &[(usize, usize)]) -
     modes
         .iter()
         .map(|&(body, mode)| {
-            let u = bodies[body].system.to_global(&bodies[body].system.modes[mode]);
+            let u = bodies[body]
+                .system
+                .to_global(&bodies[body].system.modes[mode]);
             u.iter().any(|&v| (norm(v) - 1.0).abs() > 1e-9)
         })
         .collect()
@@ -120,7 +161,10 @@ fn main_body(modes: &[(usize, usize)], z: &[f64]) -> usize {
 }
 
 fn amplitude(modes: &[(usize, usize)], z: &[f64], body: usize, mode: usize) -> f64 {
-    modes.iter().position(|&m| m == (body, mode)).map_or(0.0, |k| z[k])
+    modes
+        .iter()
+        .position(|&m| m == (body, mode))
+        .map_or(0.0, |k| z[k])
 }
 
 /// A rigid motion of one body in words.
@@ -153,11 +197,22 @@ fn check_undriven<const D: usize>(
     let work: f64 = z.iter().zip(e).map(|(z, e)| z * e).sum();
     let scale: f64 = modes
         .iter()
-        .map(|&(body, _)| bodies[body].reduced_load.iter().map(|f| f.abs()).sum::<f64>())
+        .map(|&(body, _)| {
+            bodies[body]
+                .reduced_load
+                .iter()
+                .map(|f| f.abs())
+                .sum::<f64>()
+        })
         .fold(0.0, f64::max);
     if work.abs() > NO_WORK * scale {
-        let reason = format!("its load does work on it (resultant {work:.4e}) and no contact can resist it");
-        return Err(Error::NotHeld { body: name, motion, reason });
+        let reason =
+            format!("its load does work on it (resultant {work:.4e}) and no contact can resist it");
+        return Err(Error::NotHeld {
+            body: name,
+            motion,
+            reason,
+        });
     }
     Ok(format!(
         "body \"{name}\": nothing controls its {motion} and no load drives it; it is fixed by least norm of the displacement"
@@ -178,10 +233,16 @@ pub(crate) fn settle<const D: usize>(
     // orthonormalise the motions over all nodes, so that the least norm of amplitudes is that of displacements
     let mut motions: Vec<Vec<Vec<f64>>> = Vec::new();
     for z in free {
-        let mut motion: Vec<Vec<f64>> = bodies.iter().map(|b| vec![0.0; b.system.load.len()]).collect();
+        let mut motion: Vec<Vec<f64>> = bodies
+            .iter()
+            .map(|b| vec![0.0; b.system.load.len()])
+            .collect();
         for (&(body, mode), a) in floating.modes.iter().zip(z) {
             let column = &bodies[body].system.modes[mode];
-            motion[body].iter_mut().zip(column).for_each(|(u, r)| *u += a * r);
+            motion[body]
+                .iter_mut()
+                .zip(column)
+                .for_each(|(u, r)| *u += a * r);
         }
         for other in &motions {
             let part = -inner(&motion, other);
@@ -202,9 +263,14 @@ pub(crate) fn settle<const D: usize>(
     for (j, motion) in motions.iter().enumerate() {
         let mut change = vec![0.0; gaps.len()];
         add_rows(bodies, 1.0, motion, &mut change);
-        closing.iter_mut().zip(&change).for_each(|(row, c)| row[j] = *c);
+        closing
+            .iter_mut()
+            .zip(&change)
+            .for_each(|(row, c)| row[j] = *c);
     }
-    let touched: Vec<usize> = (0..gaps.len()).filter(|&i| closing[i].iter().any(|c| c.abs() > 1e-12)).collect();
+    let touched: Vec<usize> = (0..gaps.len())
+        .filter(|&i| closing[i].iter().any(|c| c.abs() > 1e-12))
+        .collect();
     if touched.iter().all(|&i| gaps[i] >= 0.0) {
         return;
     }
@@ -218,11 +284,18 @@ pub(crate) fn settle<const D: usize>(
 }
 
 fn inner(a: &[Vec<f64>], b: &[Vec<f64>]) -> f64 {
-    a.iter().flatten().zip(b.iter().flatten()).map(|(x, y)| x * y).sum()
+    a.iter()
+        .flatten()
+        .zip(b.iter().flatten())
+        .map(|(x, y)| x * y)
+        .sum()
 }
 
 fn add(a: &mut [Vec<f64>], factor: f64, b: &[Vec<f64>]) {
-    a.iter_mut().flatten().zip(b.iter().flatten()).for_each(|(x, y)| *x += factor * y);
+    a.iter_mut()
+        .flatten()
+        .zip(b.iter().flatten())
+        .for_each(|(x, y)| *x += factor * y);
 }
 
 fn move_by<const D: usize>(
@@ -237,11 +310,21 @@ fn move_by<const D: usize>(
 }
 
 /// out += factor · B u.
-pub(crate) fn add_rows<const D: usize>(bodies: &[LoadedBody<D>], factor: f64, u: &[Vec<f64>], out: &mut [f64]) {
+pub(crate) fn add_rows<const D: usize>(
+    bodies: &[LoadedBody<D>],
+    factor: f64,
+    u: &[Vec<f64>],
+    out: &mut [f64],
+) {
     for (body, u) in bodies.iter().zip(u) {
         for (local, &row) in body.rows.index.iter().enumerate() {
-            out[row] += factor * body.rows.matrix.row(local).map(|(dof, value)| value * u[dof]).sum::<f64>();
+            out[row] += factor
+                * body
+                    .rows
+                    .matrix
+                    .row(local)
+                    .map(|(dof, value)| value * u[dof])
+                    .sum::<f64>();
         }
     }
 }
-

@@ -11,12 +11,30 @@ use crate::mesh::{Facet, MAX_CELL_NODES, Mesh};
 /// A quantity of the contract, parsed.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Quantity<'a> {
-    Displacement { body: usize, component: &'a str },
-    Stress { body: usize, component: &'a str },
-    Reaction { body: usize, side: Option<&'a str>, axis: usize },
-    Contact { contact: usize, field: &'a str },
-    Resultant { contact: usize, axis: usize },
-    Length { contact: usize },
+    Displacement {
+        body: usize,
+        component: &'a str,
+    },
+    Stress {
+        body: usize,
+        component: &'a str,
+    },
+    Reaction {
+        body: usize,
+        side: Option<&'a str>,
+        axis: usize,
+    },
+    Contact {
+        contact: usize,
+        field: &'a str,
+    },
+    Resultant {
+        contact: usize,
+        axis: usize,
+    },
+    Length {
+        contact: usize,
+    },
 }
 
 impl<const D: usize> Model<D> {
@@ -27,8 +45,15 @@ impl<const D: usize> Model<D> {
         let read = |probe: &Probe<D>| {
             let value = self
                 .read_probe(solution, probe)
-                .map_err(|message| Error::Probe { probe: probe.name.clone(), message })?;
-            Ok(ProbeValue { name: probe.name.clone(), quantity: probe.quantity.clone(), value })
+                .map_err(|message| Error::Probe {
+                    probe: probe.name.clone(),
+                    message,
+                })?;
+            Ok(ProbeValue {
+                name: probe.name.clone(),
+                quantity: probe.quantity.clone(),
+                value,
+            })
         };
         self.probes.iter().map(read).collect()
     }
@@ -36,13 +61,19 @@ impl<const D: usize> Model<D> {
     /// Checks that every probe can be read, before anything is solved.
     pub(crate) fn check_probes(&self) -> Result<(), Error<D>> {
         for probe in &self.probes {
-            let check = self.parse(&probe.quantity).and_then(|quantity| match (quantity, probe.at) {
-                (Quantity::Displacement { body, .. } | Quantity::Stress { body, .. }, Some(at)) => {
-                    locate(&self.bodies[body].mesh, at).map(|_| ())
-                }
-                _ => Ok(()),
-            });
-            check.map_err(|message| Error::Probe { probe: probe.name.clone(), message })?;
+            let check =
+                self.parse(&probe.quantity)
+                    .and_then(|quantity| match (quantity, probe.at) {
+                        (
+                            Quantity::Displacement { body, .. } | Quantity::Stress { body, .. },
+                            Some(at),
+                        ) => locate(&self.bodies[body].mesh, at).map(|_| ()),
+                        _ => Ok(()),
+                    });
+            check.map_err(|message| Error::Probe {
+                probe: probe.name.clone(),
+                message,
+            })?;
         }
         Ok(())
     }
@@ -50,26 +81,41 @@ impl<const D: usize> Model<D> {
     fn parse<'a>(&self, text: &'a str) -> Result<Quantity<'a>, String> {
         let words: Vec<&str> = text.split('.').collect();
         let axis = |name: &str| {
-            let found = ["x", "y", "z"].iter().take(D).position(|&axis| axis == name);
+            let found = ["x", "y", "z"]
+                .iter()
+                .take(D)
+                .position(|&axis| axis == name);
             found.ok_or_else(|| format!("\"{text}\": there is no component {name}"))
         };
         let body = self.bodies.iter().position(|body| body.name == words[0]);
-        let contact = self.contacts.iter().position(|contact| contact.name == words[0]);
+        let contact = self
+            .contacts
+            .iter()
+            .position(|contact| contact.name == words[0]);
         match (&words[1..], body, contact) {
-            (["displacement", component], Some(body), _) => Ok(Quantity::Displacement { body, component }),
+            (["displacement", component], Some(body), _) => {
+                Ok(Quantity::Displacement { body, component })
+            }
             (["stress", component], Some(body), _) => Ok(Quantity::Stress { body, component }),
-            (["reaction", component], Some(body), _) => {
-                Ok(Quantity::Reaction { body, side: None, axis: axis(component)? })
-            }
-            ([side, "reaction", component], Some(body), _) => {
-                Ok(Quantity::Reaction { body, side: Some(side), axis: axis(component)? })
-            }
-            (["resultant", component], _, Some(contact)) => {
-                Ok(Quantity::Resultant { contact, axis: axis(component)? })
-            }
+            (["reaction", component], Some(body), _) => Ok(Quantity::Reaction {
+                body,
+                side: None,
+                axis: axis(component)?,
+            }),
+            ([side, "reaction", component], Some(body), _) => Ok(Quantity::Reaction {
+                body,
+                side: Some(side),
+                axis: axis(component)?,
+            }),
+            (["resultant", component], _, Some(contact)) => Ok(Quantity::Resultant {
+                contact,
+                axis: axis(component)?,
+            }),
             (["length"], _, Some(contact)) => Ok(Quantity::Length { contact }),
             ([field], _, Some(contact)) => Ok(Quantity::Contact { contact, field }),
-            _ => Err(format!("\"{text}\" is not a quantity of a body or contact of this model")),
+            _ => Err(format!(
+                "\"{text}\" is not a quantity of a body or contact of this model"
+            )),
         }
     }
 
@@ -86,20 +132,33 @@ impl<const D: usize> Model<D> {
             Quantity::Displacement { body, component } => {
                 let u = &solution.bodies[body].displacement;
                 let mesh = &self.bodies[body].mesh;
-                let relative: Vec<Point<D>> =
-                    u.iter().zip(mesh.points()).map(|(&u, &x)| sub(u, minus(x))).collect();
+                let relative: Vec<Point<D>> = u
+                    .iter()
+                    .zip(mesh.points())
+                    .map(|(&u, &x)| sub(u, minus(x)))
+                    .collect();
                 if component == "magnitude" {
-                    let reduced = probe.reduce.map(|reduce| reduce_over(reduce, relative.iter().map(|&u| norm(u))));
+                    let reduced = probe
+                        .reduce
+                        .map(|reduce| reduce_over(reduce, relative.iter().map(|&u| norm(u))));
                     return match reduced {
                         Some(value) => Ok(value),
                         None => {
-                            let parts = (0..D).map(|i| at_node_or_cell(mesh, probe, |node| relative[node][i]));
-                            Ok(parts.map(|p| p.map(|v| v * v)).sum::<Result<f64, _>>()?.sqrt())
+                            let parts = (0..D)
+                                .map(|i| at_node_or_cell(mesh, probe, |node| relative[node][i]));
+                            Ok(parts
+                                .map(|p| p.map(|v| v * v))
+                                .sum::<Result<f64, _>>()?
+                                .sqrt())
                         }
                     };
                 }
-                let axis = ["x", "y", "z"].iter().take(D).position(|&axis| axis == component);
-                let axis = axis.ok_or_else(|| format!("there is no displacement component \"{component}\""))?;
+                let axis = ["x", "y", "z"]
+                    .iter()
+                    .take(D)
+                    .position(|&axis| axis == component);
+                let axis = axis
+                    .ok_or_else(|| format!("there is no displacement component \"{component}\""))?;
                 read_nodal(mesh, probe, |node| relative[node][axis])
             }
             Quantity::Stress { body, component } => {
@@ -107,7 +166,9 @@ impl<const D: usize> Model<D> {
                 let stress = &solution.bodies[body].stress;
                 read_nodal(&self.bodies[body].mesh, probe, |node| pick(stress[node]))
             }
-            Quantity::Contact { contact, field } => self.read_contact(&solution.contacts[contact], probe, field, &minus),
+            Quantity::Contact { contact, field } => {
+                self.read_contact(&solution.contacts[contact], probe, field, &minus)
+            }
         }
     }
 
@@ -119,7 +180,13 @@ impl<const D: usize> Model<D> {
         minus: &dyn Fn(Point<D>) -> Point<D>,
     ) -> Result<f64, String> {
         let tangent = |n: &ContactNode<D>| -> Point<D> {
-            std::array::from_fn(|i| if D == 2 { [-n.normal[1], n.normal[0]][i] } else { 0.0 })
+            std::array::from_fn(|i| {
+                if D == 2 {
+                    [-n.normal[1], n.normal[0]][i]
+                } else {
+                    0.0
+                }
+            })
         };
         let value = |n: &ContactNode<D>| -> f64 {
             match field {
@@ -127,22 +194,41 @@ impl<const D: usize> Model<D> {
                 "gap" => n.gap,
                 "shear" => dot(n.shear, tangent(n)),
                 "slip" => dot(n.slip, tangent(n)),
-                "displacement_nonmortar" => n.displacement_nonmortar - dot(n.normal, minus(n.point)),
+                "displacement_nonmortar" => {
+                    n.displacement_nonmortar - dot(n.normal, minus(n.point))
+                }
                 "displacement_mortar" => n.displacement_mortar - dot(n.normal, minus(n.point)),
                 _ => f64::NAN,
             }
         };
-        let known = ["pressure", "gap", "shear", "slip", "displacement_nonmortar", "displacement_mortar"];
+        let known = [
+            "pressure",
+            "gap",
+            "shear",
+            "slip",
+            "displacement_nonmortar",
+            "displacement_mortar",
+        ];
         if !known.contains(&field) {
-            return Err(format!("a contact has no quantity \"{field}\"; it has {}", known.join(", ")));
+            return Err(format!(
+                "a contact has no quantity \"{field}\"; it has {}",
+                known.join(", ")
+            ));
         }
         if let Some(reduce) = probe.reduce {
             return Ok(reduce_over(reduce, contact.nodes.iter().map(value)));
         }
         let at = probe.at.ok_or("`at` or `reduce` is missing")?;
         let mesh = &self.bodies[contact.nonmortar.body.0].mesh;
-        let nodal = |node: usize| contact.nodes.iter().find(|n| n.node == node).map_or(f64::NAN, value);
-        let facets = side_facets(mesh, &contact.nonmortar.side).map_err(|error| error.to_string())?;
+        let nodal = |node: usize| {
+            contact
+                .nodes
+                .iter()
+                .find(|n| n.node == node)
+                .map_or(f64::NAN, value)
+        };
+        let facets =
+            side_facets(mesh, &contact.nonmortar.side).map_err(|error| error.to_string())?;
         let (facet, xi) = nearest_facet(mesh, facets, at)?;
         let kind = mesh.facet_kind(facet);
         let mut shape = [0.0; MAX_CELL_NODES];
@@ -151,7 +237,16 @@ impl<const D: usize> Model<D> {
         if probe.mean_of_neighbours {
             return Ok(mean_of_neighbours(mesh, nodes, at, nodal));
         }
-        Ok(nodes.zip(shape).map(|(node, n)| if n.abs() < 1e-12 { 0.0 } else { n * nodal(node) }).sum())
+        Ok(nodes
+            .zip(shape)
+            .map(|(node, n)| {
+                if n.abs() < 1e-12 {
+                    0.0
+                } else {
+                    n * nodal(node)
+                }
+            })
+            .sum())
     }
 
     fn reaction(
@@ -184,7 +279,11 @@ impl<const D: usize> Model<D> {
     ) -> Result<impl Fn(Point<D>) -> Point<D> + use<D>, String> {
         let index = self.bodies.iter().position(|body| body.name == name);
         let index = index.ok_or_else(|| format!("minus_rigid: there is no body \"{name}\""))?;
-        let BodySolution { displacement, floating_modes, .. } = &solution.bodies[index];
+        let BodySolution {
+            displacement,
+            floating_modes,
+            ..
+        } = &solution.bodies[index];
         let points = self.bodies[index].mesh.points();
         let centre = centroid(points);
         let mut rest: Vec<Point<D>> = displacement.clone();
@@ -196,11 +295,15 @@ impl<const D: usize> Model<D> {
             for _ in 0..2 {
                 for other in &basis {
                     let part = inner(&own, other) / inner(other, other);
-                    own.iter_mut().zip(other).for_each(|(u, v)| *u = add_scaled(*u, -part, *v));
+                    own.iter_mut()
+                        .zip(other)
+                        .for_each(|(u, v)| *u = add_scaled(*u, -part, *v));
                 }
             }
             let amplitude = inner(&rest, &own) / inner(&own, &own);
-            rest.iter_mut().zip(&own).for_each(|(u, v)| *u = add_scaled(*u, -amplitude, *v));
+            rest.iter_mut()
+                .zip(&own)
+                .for_each(|(u, v)| *u = add_scaled(*u, -amplitude, *v));
             let (translation, spin) = fit_rigid(points, &own, centre);
             motions.push((translation.map(|t| amplitude * t), amplitude * spin[0]));
             basis.push(own);
@@ -240,7 +343,9 @@ fn mean_of_neighbours<const D: usize>(
 ) -> f64 {
     // on a curved facet the middle node splits it: the neighbours are the two nodes nearest to the point
     let mut nodes: Vec<usize> = nodes.collect();
-    nodes.sort_by(|&a, &b| distance(mesh.points()[a], at).total_cmp(&distance(mesh.points()[b], at)));
+    nodes.sort_by(|&a, &b| {
+        distance(mesh.points()[a], at).total_cmp(&distance(mesh.points()[b], at))
+    });
     let spacing = distance(mesh.points()[nodes[0]], mesh.points()[nodes[1]]);
     if distance(mesh.points()[nodes[0]], at) < 1e-6 * spacing {
         return value(nodes[0]);
@@ -269,13 +374,22 @@ fn at_node_or_cell<const D: usize>(
     if probe.mean_of_neighbours {
         return Ok(mean_of_neighbours(mesh, nodes.into_iter(), at, value));
     }
-    Ok(nodes.into_iter().zip(shape).map(|(node, n)| n * value(node)).sum())
+    Ok(nodes
+        .into_iter()
+        .zip(shape)
+        .map(|(node, n)| n * value(node))
+        .sum())
 }
 
 fn stress_component(name: &str) -> Result<impl Fn([f64; 6]) -> f64, String> {
     let names = ["xx", "yy", "zz", "xy", "yz", "xz", "von_mises", "s1", "s3"];
     let index = names.iter().position(|&n| n == name);
-    let index = index.ok_or_else(|| format!("there is no stress component \"{name}\"; there are {}", names.join(", ")))?;
+    let index = index.ok_or_else(|| {
+        format!(
+            "there is no stress component \"{name}\"; there are {}",
+            names.join(", ")
+        )
+    })?;
     Ok(move |s: [f64; 6]| match index {
         0..=5 => s[index],
         6 => crate::fem::von_mises(s),
@@ -309,22 +423,34 @@ fn principal(s: [f64; 6]) -> [f64; 3] {
 const OUTSIDE: f64 = 0.1;
 
 /// Nodes and shape functions of the cell that contains a point.
-fn locate<const D: usize>(mesh: &Mesh<D>, point: Point<D>) -> Result<(Vec<usize>, Vec<f64>), String> {
+fn locate<const D: usize>(
+    mesh: &Mesh<D>,
+    point: Point<D>,
+) -> Result<(Vec<usize>, Vec<f64>), String> {
     let mut best: Option<(f64, Vec<usize>, [f64; MAX_CELL_NODES])> = None;
     for block in mesh.blocks() {
         for cell in block.cells() {
-            let corners: Vec<Point<D>> = cell.iter().map(|&node| mesh.points()[node as usize]).collect();
+            let corners: Vec<Point<D>> = cell
+                .iter()
+                .map(|&node| mesh.points()[node as usize])
+                .collect();
             let (low, high) = crate::geometry::bounding_box(&corners);
             let margin = 0.2 * distance(low, high);
             if (0..D).any(|i| point[i] < low[i] - margin || point[i] > high[i] + margin) {
                 continue;
             }
-            let Some(xi) = invert_map(block.kind, &corners, point) else { continue };
+            let Some(xi) = invert_map(block.kind, &corners, point) else {
+                continue;
+            };
             let outside = outside(block.kind, &xi);
             if best.as_ref().is_none_or(|b| outside < b.0) {
                 let mut shape = [0.0; MAX_CELL_NODES];
                 block.kind.shape(&xi, &mut shape);
-                best = Some((outside, cell.iter().map(|&node| node as usize).collect(), shape));
+                best = Some((
+                    outside,
+                    cell.iter().map(|&node| node as usize).collect(),
+                    shape,
+                ));
             }
         }
     }
@@ -341,7 +467,9 @@ fn locate<const D: usize>(mesh: &Mesh<D>, point: Point<D>) -> Result<(Vec<usize>
 fn outside(kind: crate::mesh::CellKind, xi: &[f64]) -> f64 {
     match kind.corners() {
         3 => (xi[0] + xi[1] - 1.0).max(-xi[0]).max(-xi[1]),
-        _ => xi.iter().fold(f64::NEG_INFINITY, |largest, c| largest.max(c.abs() - 1.0)),
+        _ => xi
+            .iter()
+            .fold(f64::NEG_INFINITY, |largest, c| largest.max(c.abs() - 1.0)),
     }
 }
 
@@ -352,8 +480,13 @@ fn invert_map<const D: usize>(
     point: Point<D>,
 ) -> Option<[f64; D]> {
     let corners = kind.corners();
-    let mut xi: [f64; D] =
-        std::array::from_fn(|i| kind.reference_nodes()[..corners].iter().map(|node| node[i]).sum::<f64>() / corners as f64);
+    let mut xi: [f64; D] = std::array::from_fn(|i| {
+        kind.reference_nodes()[..corners]
+            .iter()
+            .map(|node| node[i])
+            .sum::<f64>()
+            / corners as f64
+    });
     for _ in 0..30 {
         let (mut shape, mut gradients) = ([0.0; MAX_CELL_NODES], [[0.0; D]; MAX_CELL_NODES]);
         kind.shape(&xi, &mut shape);
@@ -397,11 +530,15 @@ fn nearest_facet<const D: usize>(
         let ends: Vec<Point<D>> = mesh.facet_points(facet).take(2).collect();
         let length = distance(ends[0], ends[1]);
         let chord = sub(ends[1], ends[0]);
-        let mut xi = (2.0 * dot(sub(point, ends[0]), chord) / (length * length) - 1.0).clamp(-1.0, 1.0);
+        let mut xi =
+            (2.0 * dot(sub(point, ends[0]), chord) / (length * length) - 1.0).clamp(-1.0, 1.0);
         for _ in 0..20 {
             let h = 1e-6;
-            let (back, here, ahead) =
-                (mesh.facet_point(facet, &[xi - h]), mesh.facet_point(facet, &[xi]), mesh.facet_point(facet, &[xi + h]));
+            let (back, here, ahead) = (
+                mesh.facet_point(facet, &[xi - h]),
+                mesh.facet_point(facet, &[xi]),
+                mesh.facet_point(facet, &[xi + h]),
+            );
             let tangent = sub(ahead, back).map(|c| c / (2.0 * h));
             let step = dot(sub(point, here), tangent) / dot(tangent, tangent);
             let next = (xi + step).clamp(-1.0, 1.0);
@@ -418,7 +555,10 @@ fn nearest_facet<const D: usize>(
     }
     match best {
         Some((gap, facet, xi, length)) if gap <= 0.5 * length => Ok((facet, xi)),
-        _ => Err(format!("the point {} does not lie on the nonmortar side", show(point))),
+        _ => Err(format!(
+            "the point {} does not lie on the nonmortar side",
+            show(point)
+        )),
     }
 }
 
@@ -429,8 +569,17 @@ mod tests {
     #[test]
     fn principal_stresses_of_known_states() {
         let close = |a: [f64; 3], b: [f64; 3]| a.iter().zip(b).all(|(x, y)| (x - y).abs() < 1e-12);
-        assert!(close(principal([3.0, 1.0, -2.0, 0.0, 0.0, 0.0]), [3.0, 1.0, -2.0]));
-        assert!(close(principal([0.0, 0.0, 0.0, 5.0, 0.0, 0.0]), [5.0, 0.0, -5.0]));
-        assert!(close(principal([-2.0, -2.0, -2.0, 0.0, 0.0, 0.0]), [-2.0; 3]));
+        assert!(close(
+            principal([3.0, 1.0, -2.0, 0.0, 0.0, 0.0]),
+            [3.0, 1.0, -2.0]
+        ));
+        assert!(close(
+            principal([0.0, 0.0, 0.0, 5.0, 0.0, 0.0]),
+            [5.0, 0.0, -5.0]
+        ));
+        assert!(close(
+            principal([-2.0, -2.0, -2.0, 0.0, 0.0, 0.0]),
+            [-2.0; 3]
+        ));
     }
 }

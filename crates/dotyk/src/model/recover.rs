@@ -8,6 +8,7 @@ use super::error::Error;
 use super::floating::{Floating, add_rows, settle};
 use super::nouns::{Law, Model, Place};
 use super::pair::Paired;
+use super::pipeline::Condensed;
 use super::solution::*;
 use crate::contact::Role;
 use crate::dual::{Certificate, DualProblem, Multipliers, Recomputed};
@@ -16,55 +17,80 @@ use crate::geometry::{Point, add_scaled, dot, norm, sub};
 use rayon::prelude::*;
 use std::collections::BTreeMap;
 
-/// What the recovery of all bodies yields before it is dressed up.
-pub(crate) struct Recovered<const D: usize> {
-    /// Solutions of the bodies.
-    pub bodies: Vec<BodySolution<D>>,
-    /// Solutions of the contacts.
-    pub contacts: Vec<ContactSolution<D>>,
+/// Displacements and forces of all bodies, judged but not yet dressed up.
+pub(crate) struct Judged<const D: usize> {
+    states: Vec<BodyState<D>>,
+    gaps: Vec<f64>,
     /// What was checked.
     pub certificate: Certificate,
     /// Bodies that touch nothing and carry no load.
     pub hovering: Vec<String>,
 }
 
-/// Recovers the answer of all bodies and contacts.
-pub(crate) fn recover<const D: usize>(
+/// Displacements of all bodies under some contact forces, and their certificate.
+pub(crate) fn judge<const D: usize>(
     model: &Model<D>,
-    bodies: &[LoadedBody<D>],
-    factored: &[FactoredBody],
-    paired: &[Paired<D>],
-    initial_gaps: &[f64],
-    floating: &Floating,
-    problem: &DualProblem,
+    condensed: &Condensed<D>,
     multipliers: &Multipliers,
-) -> Result<Recovered<D>, Error<D>> {
+) -> Judged<D> {
+    let Condensed {
+        bodies,
+        factored,
+        floating,
+        problem,
+        ..
+    } = condensed;
     let lambda = &multipliers.lambda;
     let amplitudes = floating.amplitudes(&multipliers.alpha);
     let mut u: Vec<Vec<f64>> = bodies
         .par_iter()
         .zip(factored)
         .enumerate()
-        .map(|(index, (body, factored))| displacement(body, factored, lambda, floating, &amplitudes, index))
+        .map(|(index, (body, factored))| {
+            displacement(body, factored, lambda, floating, &amplitudes, index)
+        })
         .collect();
-    let mut gaps = initial_gaps.to_vec();
+    let mut gaps = condensed.gaps.clone();
     add_rows(bodies, -1.0, &u, &mut gaps);
     let (open, hovering) = open_motions(model, bodies, floating, problem, lambda);
     if !open.is_empty() {
         settle(bodies, floating, &open, &mut u, &mut gaps);
     }
-    let states: Vec<BodyState<D>> =
-        bodies.par_iter().zip(&u).map(|(body, u)| BodyState::new(body, u, lambda)).collect();
-    let certificate = certify(model, &states, problem, multipliers, &gaps, bodies, factored);
-    let contacts = contact_solutions(model, paired, &states, &gaps, lambda);
-    let bodies = model
-        .bodies
+    let states: Vec<BodyState<D>> = bodies
         .par_iter()
-        .zip(bodies)
-        .zip(states)
-        .map(|((body, factored), state)| body_solution(model, body, factored, state))
-        .collect::<Result<Vec<_>, _>>()?;
-    Ok(Recovered { bodies, contacts, certificate, hovering })
+        .zip(&u)
+        .map(|(body, u)| BodyState::new(body, u, lambda))
+        .collect();
+    let certificate = certify(model, &states, condensed, multipliers, &gaps);
+    Judged {
+        states,
+        gaps,
+        certificate,
+        hovering,
+    }
+}
+
+impl<const D: usize> Judged<D> {
+    /// Stresses, reactions and contact state.
+    ///
+    /// Errors: a group of cells without a material.
+    pub fn dress(
+        self,
+        model: &Model<D>,
+        condensed: &Condensed<D>,
+        lambda: &[f64],
+    ) -> Result<(Vec<BodySolution<D>>, Vec<ContactSolution<D>>), Error<D>> {
+        let contacts =
+            contact_solutions(model, &condensed.paired, &self.states, &self.gaps, lambda);
+        let bodies = model
+            .bodies
+            .par_iter()
+            .zip(&condensed.bodies)
+            .zip(self.states)
+            .map(|((body, loaded), state)| body_solution(model, body, loaded, state))
+            .collect::<Result<Vec<_>, _>>()?;
+        Ok((bodies, contacts))
+    }
 }
 
 fn displacement<const D: usize>(
@@ -85,7 +111,9 @@ fn displacement<const D: usize>(
     }
     for (&(owner, mode), &a) in floating.modes.iter().zip(amplitudes) {
         if owner == index {
-            u.iter_mut().zip(&body.system.modes[mode]).for_each(|(u, r)| *u += a * r);
+            u.iter_mut()
+                .zip(&body.system.modes[mode])
+                .for_each(|(u, r)| *u += a * r);
         }
     }
     u
@@ -103,15 +131,26 @@ fn open_motions<const D: usize>(
     let mut open: Vec<Vec<f64>> = (0..floating.uncontrolled.ncols())
         .map(|j| (0..r).map(|k| floating.uncontrolled[(k, j)]).collect())
         .collect();
-    let force = lambda.iter().fold(problem.scales.force, |s, l| s.max(l.abs()));
+    let force = lambda
+        .iter()
+        .fold(problem.scales.force, |s, l| s.max(l.abs()));
     let mut hovering = Vec::new();
     for (index, body) in bodies.iter().enumerate() {
-        let touched = body.rows.index.iter().any(|&row| lambda[row].abs() > 1e-12 * force);
+        let touched = body
+            .rows
+            .index
+            .iter()
+            .any(|&row| lambda[row].abs() > 1e-12 * force);
         if body.system.modes.is_empty() || touched {
             continue;
         }
         hovering.push(model.bodies[index].name.clone());
-        for (k, _) in floating.modes.iter().enumerate().filter(|(_, mode)| mode.0 == index) {
+        for (k, _) in floating
+            .modes
+            .iter()
+            .enumerate()
+            .filter(|(_, mode)| mode.0 == index)
+        {
             open.push((0..r).map(|i| f64::from(i == k)).collect());
         }
     }
@@ -160,11 +199,9 @@ impl<const D: usize> BodyState<D> {
 fn certify<const D: usize>(
     model: &Model<D>,
     states: &[BodyState<D>],
-    problem: &DualProblem,
+    condensed: &Condensed<D>,
     multipliers: &Multipliers,
     gaps: &[f64],
-    bodies: &[LoadedBody<D>],
-    factored: &[FactoredBody],
 ) -> Certificate {
     let (mut force, mut moment) = (0.0f64, 0.0f64);
     for (body, state) in model.bodies.iter().zip(states) {
@@ -178,25 +215,32 @@ fn certify<const D: usize>(
         gap: gaps,
         imbalance_force: force,
         imbalance_moment: moment,
-        energy_gap: (primal - dual_energy(problem, multipliers, bodies, factored)).abs(),
+        energy_gap: (primal - dual_energy(condensed, multipliers)).abs(),
         elastic_energy,
     };
-    problem.certify_with(multipliers, &recomputed, model.solver.tolerance)
+    condensed
+        .problem
+        .certify_with(multipliers, &recomputed, model.solver.tolerance)
 }
 
 /// Dual energy −1/2 λᵀFλ + dᵀλ + c with c the energy of the bodies without contact; equals the primal energy at the
 /// solution. The part of d that is the initial gap enters as work of λ on it.
-fn dual_energy<const D: usize>(
-    problem: &DualProblem,
-    multipliers: &Multipliers,
-    bodies: &[LoadedBody<D>],
-    factored: &[FactoredBody],
-) -> f64 {
+fn dual_energy<const D: usize>(condensed: &Condensed<D>, multipliers: &Multipliers) -> f64 {
+    let Condensed {
+        bodies,
+        factored,
+        problem,
+        ..
+    } = condensed;
     let lambda = &multipliers.lambda;
     let mut product = vec![0.0; lambda.len()];
     problem.compliance.apply(lambda, &mut product);
-    let contact: f64 =
-        lambda.iter().zip(&product).zip(&problem.shift).map(|((l, p), d)| l * (d - 0.5 * p)).sum();
+    let contact: f64 = lambda
+        .iter()
+        .zip(&product)
+        .zip(&problem.shift)
+        .map(|((l, p), d)| l * (d - 0.5 * p))
+        .sum();
     let separate: f64 = bodies
         .iter()
         .zip(factored)
@@ -204,16 +248,25 @@ fn dual_energy<const D: usize>(
             let mut internal = vec![0.0; base.len()];
             body.system.stiffness.mul(base, &mut internal);
             // 1/2 bᵀKb − fᵀb at b = u_D + K⁺(f − K u_D); dofs that only hold K⁺ do not move, so they add nothing
-            base.iter().zip(internal.iter().zip(&body.system.load)).map(|(b, (k, f))| b * (0.5 * k - f)).sum::<f64>()
+            base.iter()
+                .zip(internal.iter().zip(&body.system.load))
+                .map(|(b, (k, f))| b * (0.5 * k - f))
+                .sum::<f64>()
         })
         .sum();
     contact + separate
 }
 
 /// Resultant force and moment about the centroid that are left over.
-fn imbalance<const D: usize>(model: &Model<D>, points: &[Point<D>], total: &[Point<D>]) -> (f64, f64) {
+fn imbalance<const D: usize>(
+    model: &Model<D>,
+    points: &[Point<D>],
+    total: &[Point<D>],
+) -> (f64, f64) {
     use super::nouns::Analysis;
-    let resultant = total.iter().fold([0.0; D], |sum, &f| add_scaled(sum, 1.0, f));
+    let resultant = total
+        .iter()
+        .fold([0.0; D], |sum, &f| add_scaled(sum, 1.0, f));
     if model.analysis == Analysis::Axisymmetric {
         // radial forces balance over the full turn, and moments vanish
         return (resultant[1].abs(), 0.0);
@@ -221,7 +274,10 @@ fn imbalance<const D: usize>(model: &Model<D>, points: &[Point<D>], total: &[Poi
     let centre = centroid(points);
     let mut moment = [0.0; 3];
     for (&x, &f) in points.iter().zip(total) {
-        let (a, f) = (crate::geometry::padded(sub(x, centre)), crate::geometry::padded(f));
+        let (a, f) = (
+            crate::geometry::padded(sub(x, centre)),
+            crate::geometry::padded(f),
+        );
         for (i, m) in moment.iter_mut().enumerate() {
             let (j, k) = ((i + 1) % 3, (i + 2) % 3);
             *m += a[j] * f[k] - a[k] * f[j];
@@ -232,7 +288,9 @@ fn imbalance<const D: usize>(model: &Model<D>, points: &[Point<D>], total: &[Poi
 
 /// Mean of some points.
 pub(crate) fn centroid<const D: usize>(points: &[Point<D>]) -> Point<D> {
-    let sum = points.iter().fold([0.0; D], |sum, &x| add_scaled(sum, 1.0, x));
+    let sum = points
+        .iter()
+        .fold([0.0; D], |sum, &x| add_scaled(sum, 1.0, x));
     sum.map(|c| c / points.len() as f64)
 }
 
@@ -242,8 +300,10 @@ fn body_solution<const D: usize>(
     factored: &LoadedBody<D>,
     state: BodyState<D>,
 ) -> Result<BodySolution<D>, Error<D>> {
-    let stress = recover_stress(body, model.analysis, &state.u)
-        .map_err(|source| Error::Body { body: body.name.clone(), source })?;
+    let stress = recover_stress(body, model.analysis, &state.u).map_err(|source| Error::Body {
+        body: body.name.clone(),
+        source,
+    })?;
     let points = body.mesh.points();
     let (translation, rotation) = fit_rigid(points, &state.u, centroid(points));
     let floating_modes = factored
@@ -252,7 +312,10 @@ fn body_solution<const D: usize>(
         .iter()
         .map(|mode| {
             let displacement = factored.system.to_global(mode);
-            RigidMode { description: describe_motion(points, &displacement), displacement }
+            RigidMode {
+                description: describe_motion(points, &displacement),
+                displacement,
+            }
         })
         .collect();
     Ok(BodySolution {
@@ -260,10 +323,16 @@ fn body_solution<const D: usize>(
         von_mises: stress.iter().map(|&s| von_mises(s)).collect(),
         stress,
         side_reactions: side_reactions(body, factored, &state.reactions),
-        reaction: state.reactions.iter().fold([0.0; D], |sum, &f| add_scaled(sum, 1.0, f)),
+        reaction: state
+            .reactions
+            .iter()
+            .fold([0.0; D], |sum, &f| add_scaled(sum, 1.0, f)),
         reactions: state.reactions,
         floating_modes,
-        rigid: RigidMotion { translation, rotation },
+        rigid: RigidMotion {
+            translation,
+            rotation,
+        },
         strain_energy: state.strain_energy,
         dofs: D * points.len(),
         displacement: state.u,
@@ -374,7 +443,9 @@ fn contact_solution<const D: usize>(
     // forces as the rows of B apply them to both bodies
     let sum = |rows: &[crate::contact::Row<D>]| {
         rows.iter().zip(lambda).fold([0.0; D], |sum, (row, &l)| {
-            row.iter().fold(sum, |sum, &(_, coefficients)| add_scaled(sum, -l, coefficients))
+            row.iter().fold(sum, |sum, &(_, coefficients)| {
+                add_scaled(sum, -l, coefficients)
+            })
         })
     };
     let resultant = sum(&pair.interface.nonmortar);
@@ -385,7 +456,9 @@ fn contact_solution<const D: usize>(
         }
         _ => 0.0,
     };
-    let length = nodes.iter().filter(|n| n.status != Status::Open && n.status != Status::Fixed);
+    let length = nodes
+        .iter()
+        .filter(|n| n.status != Status::Open && n.status != Status::Fixed);
     let length = length.map(|n| n.weight).sum::<f64>() / body.thickness;
     ContactSolution {
         name: name.to_string(),
