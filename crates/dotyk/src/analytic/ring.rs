@@ -331,8 +331,9 @@ fn solve<const N: usize>(mut matrix: [[f64; N]; N], mut right: [f64; N]) -> [f64
         right.swap(k, pivot);
         for i in k + 1..N {
             let factor = matrix[i][k] / matrix[k][k];
-            for j in k..N {
-                matrix[i][j] -= factor * matrix[k][j];
+            let above = matrix[k];
+            for (value, pivot) in matrix[i].iter_mut().zip(above).skip(k) {
+                *value -= factor * pivot;
             }
             right[i] -= factor * right[k];
         }
