@@ -26,6 +26,14 @@ impl CellKind {
             Self::Quad9 => 9,
         }
     }
+
+    /// Corners per cell.
+    pub fn corners(self) -> usize {
+        match self {
+            Self::Tri3 | Self::Tri6 => 3,
+            Self::Quad4 | Self::Quad8 | Self::Quad9 => 4,
+        }
+    }
 }
 
 /// Kinds of facets.

@@ -45,3 +45,70 @@ pub struct Mesh<const D: usize> {
     blocks: Vec<CellBlock>,
     sides: BTreeMap<String, Vec<Facet>>,
 }
+
+impl<const D: usize> Mesh<D> {
+    /// Coordinates of the nodes.
+    pub fn points(&self) -> &[Point<D>] {
+        &self.points
+    }
+
+    /// Blocks of cells.
+    pub fn blocks(&self) -> &[CellBlock] {
+        &self.blocks
+    }
+
+    /// Facets of a side.
+    pub fn side(&self, name: &str) -> Option<&[Facet]> {
+        self.sides.get(name).map(Vec::as_slice)
+    }
+
+    /// Nodes of a facet: its ends, then its middle node.
+    pub fn facet_nodes(&self, facet: Facet) -> Vec<u32> {
+        let block = &self.blocks[facet.block as usize];
+        let (corners, local) = (block.kind.corners(), facet.local as usize);
+        let nodes = &block.nodes[facet.cell as usize * block.kind.nodes()..];
+        let mut list = vec![nodes[local], nodes[(local + 1) % corners]];
+        if block.kind.nodes() > corners {
+            list.push(nodes[corners + local]);
+        }
+        list
+    }
+
+    /// Facets that belong to one cell only.
+    pub fn boundary_facets(&self) -> Vec<Facet> {
+        let mut count = BTreeMap::new();
+        for (b, block) in self.blocks.iter().enumerate() {
+            for (c, _) in block.cells().enumerate() {
+                for local in 0..block.kind.corners() {
+                    let facet = Facet {
+                        block: b as u32,
+                        cell: c as u32,
+                        local: local as u32,
+                    };
+                    let nodes = self.facet_nodes(facet);
+                    let key = (nodes[0].min(nodes[1]), nodes[0].max(nodes[1]));
+                    count.entry(key).or_insert_with(Vec::new).push(facet);
+                }
+            }
+        }
+        count
+            .into_values()
+            .filter(|facets| facets.len() == 1)
+            .flatten()
+            .collect()
+    }
+
+    /// A mesh of its parts, unchecked.
+    #[cfg(test)]
+    pub(crate) fn from_parts(
+        points: Vec<Point<D>>,
+        blocks: Vec<CellBlock>,
+        sides: BTreeMap<String, Vec<Facet>>,
+    ) -> Self {
+        Self {
+            points,
+            blocks,
+            sides,
+        }
+    }
+}
