@@ -1110,7 +1110,7 @@ proptest! {
             Ok(mesh) => {
                 assert_closed(&mesh);
                 prop_assert!((area(&mesh) / area_of_cells(&mesh) - 1.0).abs() < 1e-11);
-                let angle = span.to_radians();
+                let angle: f64 = f64::to_radians(span);
                 let exact = 0.5 * angle * ((inner + thickness).powi(2) - inner * inner);
                 prop_assert!(area(&mesh) < 1.02 * exact);
             }

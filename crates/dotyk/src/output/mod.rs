@@ -1,76 +1,249 @@
-//! To come.
+//! VTU, CSV, JSON, pictures and the report of a solution.
+//!
+//! Result files appear whole or not at all: see [`write`]. Numbers and signs are those of the solution; only the report
+//! rounds. The same solution gives the same bytes, but for the timings.
 
-// ---- Stand-ins for the result files, so that the command line compiles without them: to be dropped by the merge. ----
+mod colour;
+mod compare;
+mod csv;
+mod deformed;
+mod encode;
+mod history;
+mod interface;
+mod json;
+mod memory;
+mod plot;
+mod report;
+#[cfg(test)]
+mod sample;
+mod scene;
+mod setup;
+mod stage;
+mod svg;
+mod text;
+mod vtu;
 
-use crate::model::{Model, Solution};
+pub use memory::peak_memory_bytes;
+
+use crate::model::{Comparison, Model, Solution};
+use stage::Stage;
 use std::path::{Path, PathBuf};
+use std::time::Instant;
 
 /// Why a result file could not be written.
 #[derive(Debug, thiserror::Error)]
-#[error("this build cannot write")]
-pub struct Error;
-
-/// One solver on the case.
-#[derive(Debug, Clone, PartialEq)]
-pub struct ComparisonRow {
-    /// Name of the method.
-    pub method: String,
-    /// Fixed step.
-    pub rho: Option<f64>,
-    /// The step times the largest eigenvalue of F.
-    pub rho_lambda_max: Option<f64>,
-    /// The certificate holds.
-    pub converged: bool,
-    /// Iterations.
-    pub iterations: usize,
-    /// Products with F.
-    pub products: usize,
-    /// Wall seconds of the contact solver.
-    pub seconds: f64,
-    /// Largest difference of λ, relative.
-    pub difference: f64,
+pub enum Error {
+    /// The system refused.
+    #[error("cannot write {}: {source}; choose another folder with --out, or make it writable", path.display())]
+    Unwritable {
+        /// The file or folder.
+        path: PathBuf,
+        /// What the system says.
+        source: std::io::Error,
+    },
+    /// The output folder is a file.
+    #[error("{} is not a folder; remove it, or choose another folder with --out", path.display())]
+    NotADirectory {
+        /// The path.
+        path: PathBuf,
+    },
+    /// A folder has the name of a result file.
+    #[error("{} is a folder, a result file needs its name; remove it, or choose another folder with --out", path.display())]
+    IsADirectory {
+        /// The path.
+        path: PathBuf,
+    },
+    /// A body's name cannot be the name of a file.
+    #[error("body name \"{name}\" cannot name its file; use letters, digits, \"_\" and \"-\" only")]
+    Name {
+        /// The name.
+        name: String,
+    },
+    /// Model and solution do not belong together.
+    #[error("the solution has {found} {what}, the model has {expected}: they do not belong together")]
+    Mismatch {
+        /// Bodies, contacts or nodes of a body.
+        what: String,
+        /// In the model.
+        expected: usize,
+        /// In the solution.
+        found: usize,
+    },
 }
 
-/// What `dotyk compare` measured.
-#[derive(Debug, Clone, PartialEq, Default)]
-pub struct Comparison {
-    /// Title of the case.
-    pub title: String,
-    /// The runs.
-    pub rows: Vec<ComparisonRow>,
-}
-
-/// Writes all result files.
+/// Writes all result files into a folder and returns their paths: a VTU file per body, `case.pvd`, `contact.csv`,
+/// `summary.json`, `report.html`.
+///
+/// `stem` is the name of the case. `seconds.write` in summary and report is the time that fields and tables took, and
+/// `seconds.total` is the solution's total with it; what the caller spends afterwards is not in them.
+/// The folder is made where it does not exist; files of other names in it stay.
+/// Errors: any [`Error`]; then the folder is as it was before.
 pub fn write(
-    _model: &Model<2>,
-    _solution: &Solution<2>,
-    _stem: &str,
-    _dir: &Path,
+    model: &Model<2>,
+    solution: &Solution<2>,
+    stem: &str,
+    dir: &Path,
 ) -> Result<Vec<PathBuf>, Error> {
-    Err(Error)
+    let start = Instant::now();
+    check(model, solution)?;
+    let mut stage = Stage::open(dir)?;
+    for (i, body) in model.bodies.iter().enumerate() {
+        let content = vtu::body_vtu(model, solution, i);
+        stage.put(&format!("{}.vtu", body.name), content.as_bytes())?;
+    }
+    stage.put("case.pvd", vtu::collection(solution).as_bytes())?;
+    stage.put("contact.csv", csv::contact_csv(model, &[solution]).as_bytes())?;
+
+    let mut timed = solution.clone();
+    timed.seconds.write = start.elapsed().as_secs_f64();
+    timed.seconds.total += timed.seconds.write;
+    let summary = json::summary(model, &timed, stem, timed.converged);
+    stage.put("summary.json", summary.as_bytes())?;
+    stage.put("report.html", report::page(model, &timed, stem).as_bytes())?;
+    stage.commit(&[])
 }
 
-/// Writes the summary alone.
+/// Writes `summary.json` alone, with `"converged": false`, and removes the other result files of an earlier run of this
+/// case: a failed run leaves none.
+///
+/// Errors: any [`Error`]; then the folder is as it was before.
 pub fn write_summary(
-    _model: &Model<2>,
-    _solution: &Solution<2>,
-    _stem: &str,
-    _dir: &Path,
+    model: &Model<2>,
+    solution: &Solution<2>,
+    stem: &str,
+    dir: &Path,
 ) -> Result<PathBuf, Error> {
-    Err(Error)
+    check(model, solution)?;
+    let mut stage = Stage::open(dir)?;
+    let summary = json::summary(model, solution, stem, false);
+    stage.put("summary.json", summary.as_bytes())?;
+    let mut stale: Vec<String> = model.bodies.iter().map(|b| format!("{}.vtu", b.name)).collect();
+    stale.extend(["case.pvd", "contact.csv", "report.html"].map(String::from));
+    stage.commit(&stale)?;
+    Ok(dir.join("summary.json"))
 }
 
-/// Writes the page of an unsolved model.
+/// Writes `check.html`, the mesh-and-supports page of an unsolved model; `text` is what `dotyk check` found.
+///
+/// Errors: any [`Error`]; then the folder is as it was before.
 pub fn write_check_page(
-    _model: &Model<2>,
-    _text: &str,
-    _stem: &str,
-    _dir: &Path,
+    model: &Model<2>,
+    text: &str,
+    stem: &str,
+    dir: &Path,
 ) -> Result<PathBuf, Error> {
-    Err(Error)
+    let mut stage = Stage::open(dir)?;
+    stage.put("check.html", report::check_page(model, text, stem).as_bytes())?;
+    stage.commit(&[])?;
+    Ok(dir.join("check.html"))
 }
 
-/// Writes a comparison.
-pub fn write_comparison(_comparison: &Comparison, _dir: &Path) -> Result<Vec<PathBuf>, Error> {
-    Err(Error)
+/// Writes `compare.csv` and `compare.svg`, and returns their paths.
+///
+/// Errors: any [`Error`]; then the folder is as it was before.
+pub fn write_comparison(comparison: &Comparison, dir: &Path) -> Result<Vec<PathBuf>, Error> {
+    let mut stage = Stage::open(dir)?;
+    stage.put("compare.csv", compare::comparison_csv(comparison).as_bytes())?;
+    stage.put("compare.svg", compare::comparison_svg(comparison).as_bytes())?;
+    stage.commit(&[])
+}
+
+/// Names that can be files, and counts that agree.
+fn check<const D: usize>(model: &Model<D>, solution: &Solution<D>) -> Result<(), Error> {
+    let same = |what: &str, expected: usize, found: usize| {
+        if expected == found {
+            Ok(())
+        } else {
+            Err(Error::Mismatch { what: what.to_string(), expected, found })
+        }
+    };
+    same("bodies", model.bodies.len(), solution.bodies.len())?;
+    same("contacts", model.contacts.len(), solution.contacts.len())?;
+    for (body, answer) in model.bodies.iter().zip(&solution.bodies) {
+        let good = |c: char| c.is_ascii_alphanumeric() || c == '_' || c == '-';
+        if body.name.is_empty() || !body.name.chars().all(good) {
+            return Err(Error::Name { name: body.name.clone() });
+        }
+        let what = format!("nodes of body {}", body.name);
+        for found in [answer.displacement.len(), answer.stress.len(), answer.von_mises.len()] {
+            same(&what, body.mesh.points().len(), found)?;
+        }
+    }
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::fs;
+
+    fn names(dir: &Path) -> Vec<String> {
+        let mut list: Vec<String> = fs::read_dir(dir)
+            .unwrap()
+            .map(|e| e.unwrap().file_name().into_string().unwrap())
+            .collect();
+        list.sort();
+        list
+    }
+
+    #[test]
+    fn all_files_are_written_and_foreign_ones_stay() {
+        let scratch = sample::Scratch::new("write");
+        fs::write(scratch.path().join("notes.txt"), b"mine").unwrap();
+        fs::write(scratch.path().join("contact.csv"), b"old").unwrap();
+        let (model, solution) = sample::tunnel(16);
+        let paths = write(&model, &solution, "case_1", scratch.path()).unwrap();
+        let mut expected = vec![
+            "case.pvd", "contact.csv", "notes.txt", "report.html", "ring.vtu", "rock.vtu", "summary.json",
+        ];
+        assert_eq!(names(scratch.path()), expected);
+        expected.retain(|n| *n != "notes.txt");
+        assert_eq!(paths.len(), expected.len());
+        assert!(fs::read_to_string(scratch.path().join("contact.csv")).unwrap().starts_with("step,"));
+    }
+
+    #[test]
+    fn a_failing_target_leaves_nothing() {
+        let scratch = sample::Scratch::new("failing");
+        let (model, solution) = sample::tunnel(16);
+        // The last file cannot get its name.
+        let dir = scratch.path().join("out");
+        fs::create_dir_all(dir.join("report.html")).unwrap();
+        let error = write(&model, &solution, "case_1", &dir).unwrap_err();
+        assert!(matches!(error, Error::IsADirectory { .. }), "{error}");
+        assert_eq!(names(&dir), ["report.html"]);
+
+        let file = scratch.path().join("file");
+        fs::write(&file, b"mine").unwrap();
+        for target in [file.clone(), file.join("below")] {
+            let error = write(&model, &solution, "case_1", &target).unwrap_err();
+            assert!(error.to_string().contains("--out"), "{error}");
+        }
+        assert_eq!(fs::read(&file).unwrap(), b"mine");
+        assert_eq!(names(scratch.path()), ["file", "out"]);
+    }
+
+    #[test]
+    fn a_failed_run_leaves_its_summary_only() {
+        let scratch = sample::Scratch::new("summary");
+        let (model, solution) = sample::tunnel(16);
+        write(&model, &solution, "case_1", scratch.path()).unwrap();
+        write_summary(&model, &solution, "case_1", scratch.path()).unwrap();
+        assert_eq!(names(scratch.path()), ["summary.json"]);
+        let text = fs::read_to_string(scratch.path().join("summary.json")).unwrap();
+        assert!(text.contains("\"converged\": false"));
+    }
+
+    #[test]
+    fn strange_names_and_foreign_solutions_are_refused() {
+        let scratch = sample::Scratch::new("names");
+        let (mut model, mut solution) = sample::tunnel(16);
+        solution.bodies[1].von_mises.pop();
+        let error = write(&model, &solution, "case_1", scratch.path()).unwrap_err();
+        assert!(error.to_string().contains("nodes of body rock"), "{error}");
+        model.bodies[0].name = "../ring".to_string();
+        let error = write(&model, &solution, "case_1", scratch.path()).unwrap_err();
+        assert!(matches!(error, Error::Name { .. }), "{error}");
+        assert!(names(scratch.path()).is_empty());
+    }
 }

@@ -1,0 +1,329 @@
+//! Figure "Contact pressure and gap along the interface": aligned plots against arc length, and the pressure as arrows
+//! on the interface.
+//!
+//! Signs: gap ≥ 0 open, pressure ≥ 0 compression. The arc length runs along the nonmortar side, undeformed.
+
+use crate::geometry::{Point, add_scaled, bounding_box, distance, dot, sub};
+use crate::model::{ContactNode, ContactSolution, Law, Status};
+use crate::output::csv::tangent;
+use crate::output::json::{in_contact, largest};
+use crate::output::plot::{Axis, Frame};
+use crate::output::scene::{Scene, WIDTH, circle_through, outline_path, polyline};
+use crate::output::svg::{
+    Anchor, CLOSED, INK, MUTED, OPEN, Pixel, SERIES, Svg, TINTS, Type, segments, text_width,
+};
+use crate::output::text::{Labels, number, quantity};
+
+/// More nodes than this are drawn as a line without dots.
+const MOST_DOTS: usize = 120;
+
+/// The figure as an SVG element; nothing for a contact without nodes.
+pub fn interface_figure(scene: &Scene, contact: &ContactSolution<2>, law: &Law, id: &str) -> Option<String> {
+    if contact.nodes.is_empty() {
+        return None;
+    }
+    let labels = Labels::of(scene.model);
+    let mut chain: Vec<&ContactNode<2>> = contact.nodes.iter().collect();
+    if contact.cyclic {
+        chain.push(&contact.nodes[0]);
+    }
+    let arcs = arc_lengths(&chain);
+    let points: Vec<Point<2>> = chain.iter().map(|n| n.point).collect();
+    let (low, high) = bounding_box(&points);
+    let extent = sub(high, low);
+    let beside = extent[1] > 0.4 * extent[0];
+    let panels = panels(&chain, law, scene.model.time, &labels);
+    let picture_width = if beside { 236.0 } else { WIDTH };
+    let heights: f64 = panels.iter().map(|p| p.height + 12.0).sum();
+    let angles = circle_through(&points).map(|(center, _)| angles(&points, center));
+    let head = if angles.is_some() { 46.0 } else { 26.0 };
+
+    let description = format!("Contact pressure and gap along {}", contact.name);
+    let mut svg = Svg::new(id, &description, WIDTH, 0.0);
+    let strip = if beside { 0.0 } else { (extent[1] / extent[0].max(f64::MIN_POSITIVE) * 560.0 + 96.0).min(260.0) };
+    let left = 74.0;
+    let width = if beside { WIDTH - picture_width - left - 30.0 } else { WIDTH - left - 16.0 };
+    let top = strip + head;
+    draw_panels(&mut svg, &panels, &chain, &arcs, angles.as_deref(), [left, top], width, &labels);
+    let bottom = top + heights + 44.0;
+    if beside {
+        picture(&mut svg, scene, contact, &chain, [WIDTH - picture_width, 6.0], [picture_width - 2.0, bottom - 12.0], &labels);
+    } else {
+        picture(&mut svg, scene, contact, &chain, [left, 4.0], [width, strip - 8.0], &labels);
+    }
+    svg.set_height(bottom);
+    Some(svg.finish())
+}
+
+/// One plot of the stack.
+struct Panel {
+    axis: Axis,
+    values: Vec<f64>,
+    height: f64,
+    colour: &'static str,
+    /// Upper bound and its negative, of shear.
+    bound: Option<Vec<f64>>,
+}
+
+fn panels(chain: &[&ContactNode<2>], law: &Law, time: f64, labels: &Labels) -> Vec<Panel> {
+    let panel = |name: &str, unit: &str, values: Vec<f64>, bound: Option<Vec<f64>>, height: f64, series: usize| {
+        let mut seen = values.clone();
+        seen.extend(bound.iter().flatten());
+        Panel {
+            axis: Axis::linear(name, unit, &seen, true, 5).widened(0.06),
+            values,
+            height,
+            colour: SERIES[series],
+            bound,
+        }
+    };
+    let pressures: Vec<f64> = chain.iter().map(|n| n.pressure).collect();
+    let gaps: Vec<f64> = chain.iter().map(|n| n.gap).collect();
+    let mut list = vec![
+        panel("Pressure", &labels.stress, pressures, None, 170.0, 0),
+        panel("Gap", &labels.length, gaps, None, 118.0, 1),
+    ];
+    if !matches!(law, Law::Frictionless) {
+        let shear = chain.iter().map(|n| dot(n.shear, tangent(n.normal))).collect();
+        let slip = chain.iter().map(|n| dot(n.slip, tangent(n.normal))).collect();
+        let bound = match law {
+            Law::Coulomb(f) => Some(chain.iter().map(|n| f.at(n.point, time) * n.pressure).collect()),
+            Law::Tresca(f) => Some(chain.iter().map(|n| f.at(n.point, time)).collect()),
+            _ => None,
+        };
+        let both = bound.map(|b: Vec<f64>| b.iter().copied().chain(b.iter().map(|v| -v)).collect());
+        list.push(panel("Shear", &labels.stress, shear, both, 118.0, 2));
+        list.push(panel("Slip", &labels.length, slip, None, 100.0, 3));
+    }
+    list
+}
+
+#[allow(clippy::too_many_arguments)]
+fn draw_panels(
+    svg: &mut Svg,
+    panels: &[Panel],
+    chain: &[&ContactNode<2>],
+    arcs: &[f64],
+    angles: Option<&[f64]>,
+    corner: Pixel,
+    width: f64,
+    labels: &Labels,
+) {
+    let x = Axis::linear("Arc length along the interface", &labels.length, arcs, false, 8);
+    let mut top = corner[1];
+    for (k, panel) in panels.iter().enumerate() {
+        let frame = Frame {
+            corner: [corner[0], top],
+            size: [width, panel.height],
+            x: x.clone(),
+            y: panel.axis.clone(),
+        };
+        shade(svg, &frame, chain, arcs);
+        frame.draw(svg, k + 1 == panels.len());
+        if let Some(bound) = &panel.bound {
+            for half in bound.chunks(arcs.len()) {
+                let curve: Vec<[f64; 2]> = arcs.iter().copied().zip(half.iter().copied()).map(<[f64; 2]>::from).collect();
+                frame.curve(svg, &curve, MUTED, 0.9);
+            }
+        }
+        let curve: Vec<[f64; 2]> = arcs.iter().zip(&panel.values).map(|(&s, &v)| [s, v]).collect();
+        frame.curve(svg, &curve, panel.colour, 1.8);
+        if chain.len() <= MOST_DOTS {
+            for (node, p) in chain.iter().zip(&curve).filter(|(_, p)| p[1].is_finite()) {
+                let title = format!("node {}: {}", node.node, number(p[1]));
+                svg.circle(frame.at(p[0], p[1]), 2.2, panel.colour, "#fff", &title);
+            }
+        }
+        if k == 0 {
+            key(svg, [corner[0] + width, top - if angles.is_some() { 36.0 } else { 10.0 }], chain);
+            if let Some(angles) = angles {
+                angle_axis(svg, &frame, arcs, angles);
+            }
+        }
+        top += panel.height + 12.0;
+    }
+}
+
+/// Light bands where the interface is open, warm ones where it bears force.
+fn shade(svg: &mut Svg, frame: &Frame, chain: &[&ContactNode<2>], arcs: &[f64]) {
+    let fill = |node: &ContactNode<2>| {
+        if in_contact(node.status) {
+            Some(CLOSED)
+        } else if node.status == Status::Open {
+            Some(OPEN)
+        } else {
+            None
+        }
+    };
+    let mut start = 0;
+    for i in 1..=chain.len() {
+        if i < chain.len() && fill(chain[i]) == fill(chain[start]) {
+            continue;
+        }
+        let from = if start == 0 { arcs[0] } else { 0.5 * (arcs[start - 1] + arcs[start]) };
+        let to = if i == chain.len() { arcs[i - 1] } else { 0.5 * (arcs[i - 1] + arcs[i]) };
+        if let Some(colour) = fill(chain[start]) {
+            frame.band(svg, from, to, colour);
+        }
+        start = i;
+    }
+}
+
+/// What the bands mean, right-aligned at `end`.
+fn key(svg: &mut Svg, end: Pixel, chain: &[&ContactNode<2>]) {
+    let mut x = end[0];
+    let kinds = [
+        ("open", OPEN, chain.iter().any(|n| n.status == Status::Open)),
+        ("closed", CLOSED, chain.iter().any(|n| in_contact(n.status))),
+    ];
+    for (name, fill, _) in kinds.iter().filter(|k| k.2) {
+        let small = Type { size: 10.5, ..Type::LABEL }.coloured(MUTED);
+        x -= text_width(name, 10.5);
+        svg.text([x, end[1]], name, small.anchored(Anchor::Start));
+        x -= 18.0;
+        svg.rectangle([x, end[1] - 8.5], [13.0, 9.0], MUTED, fill);
+        x -= 14.0;
+    }
+}
+
+/// A second scale above the plot where the interface is a circle: the angle from +x.
+fn angle_axis(svg: &mut Svg, frame: &Frame, arcs: &[f64], angles: &[f64]) {
+    let (first, last) = (angles[0], angles[angles.len() - 1]);
+    let span = (last - first).abs();
+    let every = [5.0, 10.0, 15.0, 30.0, 45.0, 60.0, 90.0]
+        .into_iter()
+        .find(|e| span / e <= 9.0)
+        .unwrap_or(90.0);
+    let small = Type { size: 10.5, ..Type::LABEL }.coloured(MUTED);
+    let y = frame.corner[1];
+    let (low, high) = (first.min(last), first.max(last));
+    let mut k = (low / every - 1e-6).ceil();
+    while k * every <= high + 1e-6 * every {
+        let angle = k * every;
+        let t = (angle - first) / (last - first);
+        let x = frame.across(arcs[0] + t * (arcs[arcs.len() - 1] - arcs[0]));
+        svg.line([x, y - 4.0], [x, y], INK, 0.8);
+        // Beyond a full turn the scale starts again.
+        let shown = if angle > 180.0 + 1e-6 { angle - 360.0 } else { angle } + 0.0;
+        svg.text([x, y - 8.0], &format!("{shown:.0}°").replace('-', "−"), small);
+        k += 1.0;
+    }
+    let at = [frame.corner[0], y - 25.0];
+    svg.text(at, "Angle from +x", small.anchored(Anchor::Start));
+}
+
+/// The interface as it lies, with the pressure on the nonmortar body as arrows.
+fn picture(
+    svg: &mut Svg,
+    scene: &Scene,
+    contact: &ContactSolution<2>,
+    chain: &[&ContactNode<2>],
+    corner: Pixel,
+    size: Pixel,
+    labels: &Labels,
+) {
+    let most = largest(chain.iter().map(|n| n.pressure)).max(0.0);
+    let points: Vec<Point<2>> = chain.iter().map(|n| n.point).collect();
+    let (low, high) = bounding_box(&points);
+    let caption = 18.0;
+    let room = [size[0] - 12.0, size[1] - 12.0 - caption];
+    // Arrows take 15 % of the interface's size, at least what can be seen.
+    let reach = 0.16 * (high[0] - low[0]).max(high[1] - low[1]).max(f64::MIN_POSITIVE);
+    let tips = chain.iter().map(|n| add_scaled(n.point, reach, n.normal));
+    let (low, high) = bounding_box(&points.iter().copied().chain(tips).collect::<Vec<_>>());
+    let margin = 0.25 * reach;
+    let scale = [0, 1]
+        .map(|i| room[i] / (high[i] - low[i] + 2.0 * margin))
+        .into_iter()
+        .fold(f64::INFINITY, f64::min);
+    let middle = [0, 1].map(|i| 0.5 * (low[i] + high[i]));
+    let center = [corner[0] + 0.5 * size[0], corner[1] + 0.5 * (size[1] - caption)];
+    let pixel = |p: Point<2>| [center[0] + scale * (p[0] - middle[0]), center[1] - scale * (p[1] - middle[1])];
+
+    svg.begin_clip(corner, [size[0], size[1] - caption]);
+    for (i, body) in scene.model.bodies.iter().enumerate() {
+        let path = outline_path(&scene.outlines[i], &|n| pixel(body.mesh.points()[n]));
+        svg.path(&path, "#9aa5b0", 0.8, TINTS[i % TINTS.len()], "fill-rule=\"evenodd\"");
+    }
+    let length = |pressure: f64| if most > 0.0 && pressure.is_finite() { reach * pressure.max(0.0) / most } else { 0.0 };
+    let tops: Vec<Pixel> = chain.iter().map(|n| pixel(add_scaled(n.point, length(n.pressure), n.normal))).collect();
+    let feet: Vec<Pixel> = chain.iter().map(|n| pixel(n.point)).collect();
+    let fence: Vec<Pixel> = feet.iter().copied().chain(tops.iter().rev().copied()).collect();
+    svg.path(&segments(&fence, true), "none", 0.0, SERIES[0], "fill-opacity=\"0.14\"");
+    // As many arrows as can stand side by side.
+    let along: f64 = feet.windows(2).map(|w| distance(w[0], w[1])).sum();
+    let every = (chain.len() as f64 * 7.0 / along.max(1.0)).ceil().max(1.0) as usize;
+    for i in (0..chain.len()).step_by(every) {
+        svg.arrow(tops[i], feet[i], SERIES[0], 0.8);
+    }
+    svg.path(&polyline(&tops), SERIES[0], 1.2, "none", "stroke-linejoin=\"round\"");
+    interface_line(svg, chain, &feet);
+    svg.end_clip();
+    let text = format!("{}: p ≤ {}", contact.name, quantity(most, &labels.stress));
+    svg.text([center[0], corner[1] + size[1] - 3.0], &text, Type { size: 10.5, ..Type::LABEL }.coloured(MUTED));
+}
+
+/// Heavy where closed, thin and grey where open.
+fn interface_line(svg: &mut Svg, chain: &[&ContactNode<2>], feet: &[Pixel]) {
+    for (closed, colour, width) in [(false, MUTED, 1.2), (true, INK, 2.4)] {
+        let path: String = (1..chain.len())
+            .filter(|&i| (in_contact(chain[i].status) && in_contact(chain[i - 1].status)) == closed)
+            .map(|i| segments(&[feet[i - 1], feet[i]], false))
+            .collect();
+        svg.path(&path, colour, width, "none", "stroke-linecap=\"round\"");
+    }
+}
+
+/// Distance along the chain.
+pub fn arc_lengths(chain: &[&ContactNode<2>]) -> Vec<f64> {
+    let mut arc = 0.0;
+    (0..chain.len())
+        .map(|i| {
+            if i > 0 {
+                arc += distance(chain[i - 1].point, chain[i].point);
+            }
+            arc
+        })
+        .collect()
+}
+
+/// Angles of points on a circle in degrees from +x, without jumps.
+fn angles(points: &[Point<2>], center: Point<2>) -> Vec<f64> {
+    let mut before = f64::NAN;
+    points
+        .iter()
+        .map(|&p| {
+            let [x, y] = sub(p, center);
+            let mut angle = y.atan2(x).to_degrees();
+            if before.is_finite() {
+                angle += 360.0 * ((before - angle) / 360.0).round();
+            }
+            before = angle;
+            angle
+        })
+        .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::output::sample;
+
+    #[test]
+    fn angles_run_on_past_half_a_turn() {
+        let points: Vec<Point<2>> = (0..=8).map(|i| f64::from(i) * 45f64.to_radians()).map(|t: f64| [t.cos(), t.sin()]).collect();
+        let list = angles(&points, [0.0, 0.0]);
+        assert!((list[8] - 360.0).abs() < 1e-9 && (list[5] - 225.0).abs() < 1e-9);
+    }
+
+    #[test]
+    fn friction_adds_shear_and_slip() {
+        let (model, solution) = sample::tunnel(16);
+        let scene = Scene::new(&model);
+        let plain = interface_figure(&scene, &solution.contacts[0], &Law::Frictionless, "a").unwrap();
+        assert!(plain.contains("Pressure [MN/m²]") && !plain.contains("Slip"));
+        let law = Law::Coulomb(0.3.into());
+        let with = interface_figure(&scene, &solution.contacts[0], &law, "a").unwrap();
+        assert!(with.contains("Shear [MN/m²]") && with.contains("Slip ["));
+    }
+}

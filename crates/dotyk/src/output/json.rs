@@ -1,0 +1,346 @@
+//! `summary.json`: the answer in numbers for programs.
+//!
+//! The order of the keys is that of the structs. A number that is not finite becomes `null`.
+
+use crate::dual::Figure;
+use crate::model::{BodySolution, ContactNode, ContactSolution, Model, Seconds, Solution, Status};
+use serde::Serialize;
+
+/// Version that every file names.
+pub const VERSION: &str = env!("CARGO_PKG_VERSION");
+
+/// Content of `summary.json`.
+///
+/// `converged` is given apart: a run that ends in failure says `false` whatever its last iterate looks like.
+pub fn summary(model: &Model<2>, solution: &Solution<2>, stem: &str, converged: bool) -> String {
+    let summary = Summary {
+        case: stem,
+        version: VERSION,
+        converged,
+        solver: solution.solver.method,
+        iterations: solution.solver.iterations,
+        dofs: solution.dofs,
+        contact_unknowns: solution.contact_unknowns,
+        threads: solution.threads,
+        peak_memory_bytes: crate::output::peak_memory_bytes(),
+        seconds: SecondsEntry::from(solution.seconds),
+        certificate: CertificateEntry {
+            penetration: solution.certificate.penetration.into(),
+            tension: solution.certificate.tension.into(),
+            complementarity: solution.certificate.complementarity.into(),
+            imbalance_force: solution.certificate.imbalance_force.into(),
+            imbalance_moment: solution.certificate.imbalance_moment.into(),
+            energy_gap: solution.certificate.energy_gap.into(),
+            slip_violation: solution.certificate.slip_violation.into(),
+        },
+        contacts: solution.contacts.iter().map(contact_entry).collect(),
+        bodies: model
+            .bodies
+            .iter()
+            .zip(&solution.bodies)
+            .map(|(body, answer)| {
+                let cells = body.mesh.blocks().iter().map(|b| b.cells().len()).sum();
+                body_entry(answer, body.mesh.points().len(), cells)
+            })
+            .collect(),
+        probes: solution
+            .probes
+            .iter()
+            .map(|probe| ProbeEntry {
+                name: &probe.name,
+                quantity: &probe.quantity,
+                value: probe.value,
+            })
+            .collect(),
+        warnings: &solution.warnings,
+    };
+    // Strings, numbers and lists: nothing here can fail to serialise.
+    let mut text = serde_json::to_string_pretty(&summary).unwrap_or_default();
+    text.push('\n');
+    text
+}
+
+/// Largest value, NaN passed over; NaN when there is none.
+pub fn largest(values: impl IntoIterator<Item = f64>) -> f64 {
+    values.into_iter().fold(f64::NAN, f64::max)
+}
+
+/// A node bears a force.
+pub fn in_contact(status: Status) -> bool {
+    matches!(
+        status,
+        Status::Closed | Status::Stick | Status::Slip | Status::Tied
+    )
+}
+
+/// Nodes that bear a force, and open ones.
+pub fn closed_and_open<const D: usize>(nodes: &[ContactNode<D>]) -> (usize, usize) {
+    let closed = nodes.iter().filter(|n| in_contact(n.status)).count();
+    let open = nodes.iter().filter(|n| n.status == Status::Open).count();
+    (closed, open)
+}
+
+/// Largest penetration of a contact, ≥ 0; NaN when no node has a gap.
+pub fn max_penetration<const D: usize>(nodes: &[ContactNode<D>]) -> f64 {
+    largest(nodes.iter().map(|n| n.gap).filter(|g| !g.is_nan()).map(|g| (-g).max(0.0)))
+}
+
+/// Largest length of the displacement.
+pub fn max_displacement<const D: usize>(body: &BodySolution<D>) -> f64 {
+    largest(body.displacement.iter().map(|&u| crate::geometry::norm(u)))
+}
+
+#[derive(Serialize)]
+struct Summary<'a> {
+    case: &'a str,
+    version: &'a str,
+    converged: bool,
+    solver: &'a str,
+    iterations: usize,
+    dofs: usize,
+    contact_unknowns: usize,
+    threads: usize,
+    peak_memory_bytes: u64,
+    seconds: SecondsEntry,
+    certificate: CertificateEntry,
+    contacts: Vec<ContactEntry<'a>>,
+    bodies: Vec<BodyEntry<'a>>,
+    probes: Vec<ProbeEntry<'a>>,
+    warnings: &'a [String],
+}
+
+#[derive(Serialize)]
+struct SecondsEntry {
+    read: f64,
+    assemble: f64,
+    order: f64,
+    factor: f64,
+    condense: f64,
+    contact: f64,
+    recover: f64,
+    write: f64,
+    total: f64,
+}
+
+impl From<Seconds> for SecondsEntry {
+    fn from(s: Seconds) -> Self {
+        Self {
+            read: s.read,
+            assemble: s.assemble,
+            order: s.order,
+            factor: s.factor,
+            condense: s.condense,
+            contact: s.contact,
+            recover: s.recover,
+            write: s.write,
+            total: s.total,
+        }
+    }
+}
+
+#[derive(Serialize)]
+struct FigureEntry {
+    value: f64,
+    relative: f64,
+    limit: f64,
+}
+
+impl From<Figure> for FigureEntry {
+    fn from(figure: Figure) -> Self {
+        Self {
+            value: figure.value,
+            relative: figure.relative,
+            limit: figure.limit,
+        }
+    }
+}
+
+#[derive(Serialize)]
+struct CertificateEntry {
+    penetration: FigureEntry,
+    tension: FigureEntry,
+    complementarity: FigureEntry,
+    imbalance_force: FigureEntry,
+    imbalance_moment: FigureEntry,
+    energy_gap: FigureEntry,
+    slip_violation: FigureEntry,
+}
+
+#[derive(Serialize)]
+struct ContactEntry<'a> {
+    name: &'a str,
+    resultant: &'a [f64],
+    closed: usize,
+    open: usize,
+    length: f64,
+    max_pressure: f64,
+    max_penetration: f64,
+    imbalance: f64,
+}
+
+fn contact_entry<const D: usize>(contact: &ContactSolution<D>) -> ContactEntry<'_> {
+    let (closed, open) = closed_and_open(&contact.nodes);
+    ContactEntry {
+        name: &contact.name,
+        resultant: &contact.resultant,
+        closed,
+        open,
+        length: contact.length,
+        max_pressure: largest(contact.nodes.iter().map(|n| n.pressure)),
+        max_penetration: max_penetration(&contact.nodes),
+        imbalance: contact.imbalance,
+    }
+}
+
+/// One angle in 2D, three components in 3D.
+#[derive(Serialize)]
+#[serde(untagged)]
+enum Rotation<'a> {
+    Angle(f64),
+    Vector(&'a [f64]),
+}
+
+#[derive(Serialize)]
+struct RigidEntry<'a> {
+    translation: &'a [f64],
+    rotation: Rotation<'a>,
+}
+
+#[derive(Serialize)]
+struct BodyEntry<'a> {
+    name: &'a str,
+    nodes: usize,
+    cells: usize,
+    dofs: usize,
+    floating_modes: usize,
+    rigid: RigidEntry<'a>,
+    reaction: &'a [f64],
+    max_displacement: f64,
+    max_von_mises: f64,
+    strain_energy: f64,
+}
+
+fn body_entry<const D: usize>(body: &BodySolution<D>, nodes: usize, cells: usize) -> BodyEntry<'_> {
+    BodyEntry {
+        name: &body.name,
+        nodes,
+        cells,
+        dofs: body.dofs,
+        floating_modes: body.floating_modes.len(),
+        rigid: RigidEntry {
+            translation: &body.rigid.translation,
+            rotation: match body.rigid.rotation.as_slice() {
+                [angle] => Rotation::Angle(*angle),
+                components => Rotation::Vector(components),
+            },
+        },
+        reaction: &body.reaction,
+        max_displacement: max_displacement(body),
+        max_von_mises: largest(body.von_mises.iter().copied()),
+        strain_energy: body.strain_energy,
+    }
+}
+
+#[derive(Serialize)]
+struct ProbeEntry<'a> {
+    name: &'a str,
+    quantity: &'a str,
+    value: f64,
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::output::sample;
+    use serde_json::Value;
+
+    fn keys(value: &Value) -> Vec<&str> {
+        value.as_object().unwrap().keys().map(String::as_str).collect()
+    }
+
+    /// serde_json sorts the keys of what it parses.
+    fn sorted<const N: usize>(mut names: [&str; N]) -> Vec<&str> {
+        names.sort_unstable();
+        names.to_vec()
+    }
+
+    #[test]
+    fn summary_has_exactly_the_contracted_keys() {
+        let (model, solution) = sample::tunnel(16);
+        let text = summary(&model, &solution, "case_1", solution.converged);
+        let value: Value = serde_json::from_str(&text).unwrap();
+        assert_eq!(
+            keys(&value),
+            sorted([
+                "case", "version", "converged", "solver", "iterations", "dofs", "contact_unknowns", "threads",
+                "peak_memory_bytes", "seconds", "certificate", "contacts", "bodies", "probes", "warnings",
+            ])
+        );
+        assert_eq!(
+            keys(&value["seconds"]),
+            sorted([
+                "read", "assemble", "order", "factor", "condense", "contact", "recover", "write", "total",
+            ])
+        );
+        assert_eq!(
+            keys(&value["certificate"]),
+            sorted([
+                "penetration", "tension", "complementarity", "imbalance_force", "imbalance_moment", "energy_gap",
+                "slip_violation",
+            ])
+        );
+        assert_eq!(
+            keys(&value["certificate"]["tension"]),
+            sorted(["value", "relative", "limit"])
+        );
+        assert_eq!(
+            keys(&value["contacts"][0]),
+            sorted([
+                "name", "resultant", "closed", "open", "length", "max_pressure", "max_penetration", "imbalance",
+            ])
+        );
+        assert_eq!(
+            keys(&value["bodies"][0]),
+            sorted([
+                "name", "nodes", "cells", "dofs", "floating_modes", "rigid", "reaction", "max_displacement",
+                "max_von_mises", "strain_energy",
+            ])
+        );
+        assert_eq!(
+            keys(&value["bodies"][0]["rigid"]),
+            sorted(["translation", "rotation"])
+        );
+        assert_eq!(keys(&value["probes"][0]), sorted(["name", "quantity", "value"]));
+    }
+
+    #[test]
+    fn numbers_keep_their_kind_and_undefined_ones_are_null() {
+        let (model, mut solution) = sample::tunnel(16);
+        solution.probes[0].value = f64::NAN;
+        solution.certificate.energy_gap.relative = f64::INFINITY;
+        let text = summary(&model, &solution, "case_1", false);
+        let value: Value = serde_json::from_str(&text).unwrap();
+        assert_eq!(value["converged"], false);
+        assert_eq!(value["probes"][0]["value"], Value::Null);
+        assert_eq!(value["certificate"]["energy_gap"]["relative"], Value::Null);
+        assert_eq!(value["bodies"][0]["rigid"]["rotation"].as_f64(), Some(1e-5));
+        assert_eq!(value["bodies"][0]["floating_modes"], 1);
+        let contact = &value["contacts"][0];
+        let (closed, open) = (contact["closed"].as_u64(), contact["open"].as_u64());
+        assert_eq!(closed.unwrap() + open.unwrap(), 17);
+        assert!(text.starts_with("{\n  \"case\": \"case_1\",\n  \"version\""));
+    }
+
+    #[test]
+    fn penetration_is_the_largest_negative_gap() {
+        let (_, solution) = sample::tunnel(16);
+        let mut nodes = solution.contacts[0].nodes.clone();
+        nodes[3].gap = -2e-9;
+        nodes[4].gap = f64::NAN;
+        assert_eq!(max_penetration(&nodes), 2e-9);
+        for node in &mut nodes {
+            node.gap = f64::NAN;
+        }
+        assert!(max_penetration(&nodes).is_nan());
+    }
+}

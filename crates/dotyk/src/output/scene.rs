@@ -1,0 +1,525 @@
+//! Bodies on paper: outlines, mesh lines, and the windows through which the figures look at them.
+//!
+//! World coordinates have y upward, pixels have y downward. Facets run counterclockwise around their body, so that
+//! its outside lies to their right.
+
+use crate::geometry::{Point, add_scaled, bounding_box, distance, sub, unit};
+use crate::mesh::{Facet, Mesh};
+use crate::model::{Model, Pair, SideRef};
+use crate::output::svg::{Pixel, segments, short};
+use std::collections::BTreeMap;
+use std::fmt::Write;
+
+/// Width of every figure.
+pub const WIDTH: f64 = 760.0;
+/// Mesh lines closer than this are left out.
+const LEAST_SPACING: f64 = 4.0;
+/// A contact smaller than this part of the model gets a window of its own.
+const DETAIL: f64 = 0.4;
+
+/// One facet of a strand: its ends and its middle node.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Link {
+    /// Start and end.
+    pub ends: [usize; 2],
+    /// Middle node of a quadratic facet.
+    pub middle: Option<usize>,
+}
+
+/// Facets in a row.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Strand {
+    /// The facets, each starting where the one before ends.
+    pub links: Vec<Link>,
+    /// The last ends where the first starts.
+    pub closed: bool,
+}
+
+/// A point of a strand.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Station {
+    /// Undeformed position.
+    pub point: Point<2>,
+    /// Outward unit normal.
+    pub normal: Point<2>,
+    /// Arc length from the start.
+    pub arc: f64,
+}
+
+impl Strand {
+    /// Path commands; quadratic facets become parabolas.
+    pub fn path(&self, place: &dyn Fn(usize) -> Pixel) -> String {
+        let mut out = String::new();
+        for (i, link) in self.links.iter().enumerate() {
+            let (a, b) = (place(link.ends[0]), place(link.ends[1]));
+            if i == 0 {
+                let _ = write!(out, "M{} {}", short(a[0]), short(a[1]));
+            }
+            out.push_str(&curve_to(a, link.middle.map(place), b));
+        }
+        if self.closed {
+            out.push('Z');
+        }
+        out
+    }
+
+    /// The strand as a fine polygon, with outward normals of its facets.
+    fn fine(&self, points: &[Point<2>]) -> Vec<Station> {
+        let mut stations: Vec<Station> = Vec::new();
+        let mut arc = 0.0;
+        for link in &self.links {
+            let [a, b] = link.ends.map(|n| points[n]);
+            let parts = if link.middle.is_some() { 6 } else { 1 };
+            let mut before = a;
+            for k in 1..=parts {
+                let t = f64::from(k) / f64::from(parts);
+                let next = link.middle.map_or(b, |m| parabola(a, points[m], b, t));
+                let along = unit(sub(next, before)).unwrap_or([1.0, 0.0]);
+                let normal = [along[1], -along[0]];
+                stations.push(Station { point: before, normal, arc });
+                arc += distance(before, next);
+                stations.push(Station { point: next, normal, arc });
+                before = next;
+            }
+        }
+        stations
+    }
+
+    /// `parts` + 1 points at equal distances, the ends included; or the middles of `parts` equal pieces.
+    pub fn stations(&self, points: &[Point<2>], parts: usize, middles: bool) -> Vec<Station> {
+        let fine = self.fine(points);
+        let length = fine.last().map_or(0.0, |s| s.arc);
+        let count = if middles { parts } else { parts + 1 };
+        let shift = if middles { 0.5 } else { 0.0 };
+        let mut at = 0;
+        (0..count)
+            .filter_map(|i| {
+                let arc = length * (i as f64 + shift) / parts as f64;
+                while at + 2 < fine.len() && fine[at + 1].arc < arc {
+                    at += 2;
+                }
+                let (a, b) = (fine.get(at)?, fine.get(at + 1)?);
+                let t = if b.arc > a.arc { (arc - a.arc) / (b.arc - a.arc) } else { 0.0 };
+                Some(Station {
+                    point: add_scaled(a.point, t, sub(b.point, a.point)),
+                    normal: a.normal,
+                    arc,
+                })
+            })
+            .collect()
+    }
+
+    /// Length of the strand.
+    pub fn length(&self, points: &[Point<2>]) -> f64 {
+        self.fine(points).last().map_or(0.0, |s| s.arc)
+    }
+}
+
+/// Path command from a through `middle` to b.
+fn curve_to(a: Pixel, middle: Option<Pixel>, b: Pixel) -> String {
+    match middle {
+        None => format!("L{} {}", short(b[0]), short(b[1])),
+        Some(m) => {
+            let control = [0, 1].map(|i| 2.0 * m[i] - 0.5 * (a[i] + b[i]));
+            format!(
+                "Q{} {} {} {}",
+                short(control[0]),
+                short(control[1]),
+                short(b[0]),
+                short(b[1])
+            )
+        }
+    }
+}
+
+/// Point of the parabola through a (t = 0), m (t = 1/2) and b (t = 1).
+pub fn parabola(a: Point<2>, m: Point<2>, b: Point<2>, t: f64) -> Point<2> {
+    let (na, nm, nb) = ((1.0 - t) * (1.0 - 2.0 * t), 4.0 * t * (1.0 - t), t * (2.0 * t - 1.0));
+    std::array::from_fn(|i| na * a[i] + nm * m[i] + nb * b[i])
+}
+
+/// Joins facets into strands; each facet is used once.
+pub fn strands(mesh: &Mesh<2>, facets: &[Facet]) -> Vec<Strand> {
+    let links: Vec<Link> = facets
+        .iter()
+        .map(|&facet| {
+            let nodes: Vec<u32> = mesh.facet_nodes(facet).collect();
+            Link {
+                ends: [nodes[0] as usize, nodes[1] as usize],
+                middle: nodes.get(2).map(|&n| n as usize),
+            }
+        })
+        .collect();
+    let mut from: BTreeMap<usize, Vec<usize>> = BTreeMap::new();
+    let mut arrivals: BTreeMap<usize, usize> = BTreeMap::new();
+    for (i, link) in links.iter().enumerate() {
+        from.entry(link.ends[0]).or_default().push(i);
+        *arrivals.entry(link.ends[1]).or_default() += 1;
+    }
+    // Open strands start where no facet arrives; what is left after them are rings.
+    let starts = links.iter().filter(|l| !arrivals.contains_key(&l.ends[0]));
+    let order: Vec<usize> = starts.chain(&links).map(|l| l.ends[0]).collect();
+    let mut out = Vec::new();
+    for start in order {
+        let mut strand = Vec::new();
+        let mut node = start;
+        while let Some(next) = from.get_mut(&node).and_then(Vec::pop) {
+            node = links[next].ends[1];
+            strand.push(links[next]);
+        }
+        if !strand.is_empty() {
+            out.push(Strand { links: strand, closed: node == start });
+        }
+    }
+    out
+}
+
+/// A window onto the bodies.
+#[derive(Debug, Clone, PartialEq)]
+pub struct View {
+    /// Upper left corner of the window.
+    pub corner: Pixel,
+    /// Its size.
+    pub size: Pixel,
+    /// World box that it is meant to show.
+    pub low: Point<2>,
+    /// Upper corner of that box.
+    pub high: Point<2>,
+    /// Pixels per unit of length.
+    pub scale: f64,
+    /// It shows a part of the model, larger.
+    pub detail: bool,
+}
+
+impl View {
+    /// The box in the middle of a window, with a margin around it.
+    fn fitted(low: Point<2>, high: Point<2>, corner: Pixel, size: Pixel, margin: f64) -> Self {
+        let room = [0, 1].map(|i| (size[i] - 2.0 * margin).max(1.0));
+        let extent = sub(high, low);
+        let scale = (room[0] / extent[0]).min(room[1] / extent[1]);
+        Self {
+            corner,
+            size,
+            low,
+            high,
+            scale: if scale.is_finite() { scale } else { 1.0 },
+            detail: false,
+        }
+    }
+
+    /// Pixel of a point.
+    pub fn pixel(&self, p: Point<2>) -> Pixel {
+        let middle = [0, 1].map(|i| 0.5 * (self.low[i] + self.high[i]));
+        [
+            self.corner[0] + 0.5 * self.size[0] + self.scale * (p[0] - middle[0]),
+            self.corner[1] + 0.5 * self.size[1] - self.scale * (p[1] - middle[1]),
+        ]
+    }
+
+    /// Point at a pixel.
+    pub fn point(&self, p: Pixel) -> Point<2> {
+        let origin = self.pixel([0.0, 0.0]);
+        [(p[0] - origin[0]) / self.scale, (origin[1] - p[1]) / self.scale]
+    }
+
+    /// A pixel lies inside the window.
+    pub fn sees(&self, p: Pixel) -> bool {
+        (0..2).all(|i| p[i] >= self.corner[i] && p[i] <= self.corner[i] + self.size[i])
+    }
+}
+
+/// What all figures of a model share.
+pub struct Scene<'a> {
+    /// The model.
+    pub model: &'a Model<2>,
+    /// Boundary of each body.
+    pub outlines: Vec<Vec<Strand>>,
+    /// Box around everything.
+    pub bounds: (Point<2>, Point<2>),
+    /// Box around the contacts, where they are small.
+    pub detail: Option<(Point<2>, Point<2>)>,
+}
+
+impl<'a> Scene<'a> {
+    /// Outlines and boxes of a model.
+    pub fn new(model: &'a Model<2>) -> Self {
+        let outlines = model
+            .bodies
+            .iter()
+            .map(|body| {
+                let facets: Vec<Facet> = body.mesh.boundary_facets().iter().copied().collect();
+                strands(&body.mesh, &facets)
+            })
+            .collect();
+        let all: Vec<Point<2>> = model.bodies.iter().flat_map(|b| b.mesh.points()).copied().collect();
+        let bounds = bounding_box(&all);
+        let touching: Vec<Point<2>> = model
+            .contacts
+            .iter()
+            .flat_map(|contact| contact_sides(&contact.pair))
+            .flat_map(|side| side_points(model, side))
+            .collect();
+        Self {
+            model,
+            outlines,
+            bounds,
+            detail: detail_box(bounds, &touching),
+        }
+    }
+
+    /// Windows for a figure with this margin around the bodies, `right` pixels kept free; and the height of the figure.
+    ///
+    /// `strip` is kept free below each window's bodies, for the scale bar.
+    pub fn views(&self, margin: f64, strip: f64, right: f64) -> (Vec<View>, f64) {
+        let (low, high) = self.bounds;
+        let aspect = (high[0] - low[0]) / (high[1] - low[1]).max(f64::MIN_POSITIVE);
+        let width = WIDTH - right;
+        let room = width - 2.0 * margin;
+        let cut = |mut view: View| {
+            // The strip lies below the window.
+            view.size[1] -= strip;
+            View::fitted(view.low, view.high, view.corner, view.size, if view.detail { 6.0 } else { margin })
+        };
+        let Some((detail_low, detail_high)) = self.detail else {
+            let height = (room / aspect).clamp(120.0, 480.0) + 2.0 * margin;
+            let view = View::fitted(low, high, [0.0, 0.0], [width, height], margin);
+            return (vec![view], height + strip);
+        };
+        let between = 18.0;
+        if aspect < 1.2 {
+            // Side by side.
+            let own = (460.0 * aspect).clamp(60.0, 0.46 * width - 2.0 * margin) + 2.0 * margin;
+            let height = ((own - 2.0 * margin) / aspect).min(460.0) + 2.0 * margin + strip;
+            let whole = View::fitted(low, high, [0.0, 0.0], [own, height], margin);
+            let corner = [own + between, 8.0];
+            let size = [width - own - between - 1.0, height - 8.0];
+            let mut detail = View::fitted(detail_low, detail_high, corner, size, 6.0);
+            detail.detail = true;
+            let detail = View { detail: true, ..cut(detail) };
+            return (vec![cut(whole), detail], height);
+        }
+        let upper = (room / aspect).clamp(80.0, 400.0) + 2.0 * margin + strip;
+        let whole = View::fitted(low, high, [0.0, 0.0], [width, upper], margin);
+        let flat = (detail_high[1] - detail_low[1]) / (detail_high[0] - detail_low[0]).max(f64::MIN_POSITIVE);
+        let lower = (flat * (width - 14.0)).clamp(120.0, 400.0) + 12.0 + strip;
+        let corner = [1.0, upper + between];
+        let mut detail = View::fitted(detail_low, detail_high, corner, [width - 2.0, lower], 6.0);
+        detail.detail = true;
+        let detail = View { detail: true, ..cut(detail) };
+        (vec![cut(whole), detail], upper + between + lower)
+    }
+
+    /// Facets of a named side as strands; nothing when there is no such side.
+    pub fn side(&self, side: &SideRef) -> Vec<Strand> {
+        self.body_side(side.body.0, &side.side)
+    }
+
+    /// The same by index of the body.
+    pub fn body_side(&self, body: usize, side: &str) -> Vec<Strand> {
+        let Some(body) = self.model.bodies.get(body) else {
+            return Vec::new();
+        };
+        let facets: Vec<Facet> = body.mesh.side(side).unwrap_or(&[]).to_vec();
+        strands(&body.mesh, &facets)
+    }
+}
+
+/// The sides that a contact names, the nonmortar side first where it is known.
+pub fn contact_sides(pair: &Pair<2>) -> Vec<&SideRef> {
+    match pair {
+        Pair::Given { nonmortar, mortar } => vec![nonmortar, mortar],
+        Pair::Automatic([a, b]) => vec![a, b],
+        Pair::Obstacle { nonmortar, .. } => vec![nonmortar],
+    }
+}
+
+fn side_points(model: &Model<2>, side: &SideRef) -> Vec<Point<2>> {
+    let Some(body) = model.bodies.get(side.body.0) else {
+        return Vec::new();
+    };
+    let facets = body.mesh.side(&side.side).unwrap_or(&[]);
+    facets
+        .iter()
+        .flat_map(|&facet| body.mesh.facet_nodes(facet))
+        .map(|node| body.mesh.points()[node as usize])
+        .collect()
+}
+
+/// The box of the contacts with room around it, where it is much smaller than the model.
+fn detail_box(bounds: (Point<2>, Point<2>), touching: &[Point<2>]) -> Option<(Point<2>, Point<2>)> {
+    if touching.is_empty() {
+        return None;
+    }
+    let size = |(low, high): (Point<2>, Point<2>)| (high[0] - low[0]).max(high[1] - low[1]);
+    let contact = bounding_box(touching);
+    let extent = size(contact);
+    if !(extent > 0.0 && extent < DETAIL * size(bounds)) {
+        return None;
+    }
+    let room = 0.16 * extent;
+    let low = [0, 1].map(|i| (contact.0[i] - room).max(bounds.0[i] - 0.4 * room));
+    let high = [0, 1].map(|i| (contact.1[i] + room).min(bounds.1[i] + 0.4 * room));
+    Some((low, high))
+}
+
+/// Edges of cells, where they are at least a few pixels apart and in sight.
+pub fn mesh_lines(mesh: &Mesh<2>, view: &View, place: &dyn Fn(usize) -> Pixel) -> String {
+    const NONE: u32 = u32::MAX;
+    // (smaller node, larger node, middle node, pixels to the next line)
+    let mut edges: Vec<(u32, u32, u32, f64)> = Vec::new();
+    for block in mesh.blocks() {
+        let corners = block.kind.corners();
+        for cell in block.cells() {
+            let pixels: Vec<Pixel> = cell[..corners].iter().map(|&n| place(n as usize)).collect();
+            if !pixels.iter().any(|&p| view.sees(p)) {
+                continue;
+            }
+            let area = polygon_area(&pixels);
+            for i in 0..corners {
+                let (a, b) = (cell[i], cell[(i + 1) % corners]);
+                let length = distance(pixels[i], pixels[(i + 1) % corners]);
+                let middle = if cell.len() > corners { cell[corners + i] } else { NONE };
+                edges.push((a.min(b), a.max(b), middle, area / length.max(1e-9)));
+            }
+        }
+    }
+    // Of the two cells at an edge the wider comes first and decides.
+    edges.sort_by(|x, y| (x.0, x.1).cmp(&(y.0, y.1)).then(y.3.total_cmp(&x.3)));
+    edges.dedup_by_key(|e| (e.0, e.1));
+    let mut out = String::new();
+    for &(a, b, middle, _) in edges.iter().filter(|e| e.3 >= LEAST_SPACING) {
+        let (start, end) = (place(a as usize), place(b as usize));
+        let _ = write!(out, "M{} {}", short(start[0]), short(start[1]));
+        if middle == NONE {
+            let _ = write!(out, "l{} {}", short(end[0] - start[0]), short(end[1] - start[1]));
+        } else {
+            out.push_str(&curve_to(start, Some(place(middle as usize)), end));
+        }
+    }
+    out
+}
+
+/// Area of a polygon, whatever its sense.
+pub fn polygon_area(points: &[Pixel]) -> f64 {
+    let twice: f64 = (0..points.len())
+        .map(|i| {
+            let (a, b) = (points[i], points[(i + 1) % points.len()]);
+            a[0] * b[1] - a[1] * b[0]
+        })
+        .sum();
+    0.5 * twice.abs()
+}
+
+/// One path around a body, holes included (fill rule evenodd).
+pub fn outline_path(outline: &[Strand], place: &dyn Fn(usize) -> Pixel) -> String {
+    outline.iter().map(|strand| strand.path(place)).collect()
+}
+
+/// A circle through points (centre, radius), where they lie on one within half a per cent.
+///
+/// Source: algebraic least-squares fit, I. Kåsa, IEEE Trans. Instrum. Meas. 25 (1976), as described in textbooks.
+pub fn circle_through(points: &[Point<2>]) -> Option<(Point<2>, f64)> {
+    let count = points.len() as f64;
+    if points.len() < 4 {
+        return None;
+    }
+    let mean = [0, 1].map(|i| points.iter().map(|p| p[i]).sum::<f64>() / count);
+    let (mut xx, mut xy, mut yy, mut xr, mut yr) = (0.0, 0.0, 0.0, 0.0, 0.0);
+    let mut spread = 0.0;
+    for p in points {
+        let [x, y] = sub(*p, mean);
+        let r = x * x + y * y;
+        xx += x * x;
+        xy += x * y;
+        yy += y * y;
+        xr += x * r;
+        yr += y * r;
+        spread += r;
+    }
+    let det = xx * yy - xy * xy;
+    if det <= 1e-6 * spread * spread {
+        return None;
+    }
+    let center = [0.5 * (xr * yy - yr * xy) / det, 0.5 * (yr * xx - xr * xy) / det];
+    let radius = (spread / count + center[0] * center[0] + center[1] * center[1]).sqrt();
+    let center = [center[0] + mean[0], center[1] + mean[1]];
+    let off = points.iter().map(|&p| (distance(p, center) - radius).abs());
+    (off.fold(0.0, f64::max) < 0.005 * radius).then_some((center, radius))
+}
+
+/// Straight segments of a polygon in pixels.
+pub fn polyline(points: &[Pixel]) -> String {
+    segments(points, false)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::mesh::CellKind;
+    use crate::output::sample;
+
+    #[test]
+    fn boundary_of_a_ring_sector_is_one_loop() {
+        let (model, _) = sample::tunnel_of(12, CellKind::Quad8);
+        let scene = Scene::new(&model);
+        for outline in &scene.outlines {
+            assert_eq!(outline.len(), 1);
+            assert!(outline[0].closed);
+        }
+    }
+
+    #[test]
+    fn stations_stay_on_a_curved_side_with_outward_normals() {
+        let (model, _) = sample::tunnel_of(12, CellKind::Quad8);
+        let scene = Scene::new(&model);
+        let side = scene.body_side(0, "outer");
+        assert_eq!((side.len(), side[0].closed), (1, false));
+        let stations = side[0].stations(model.bodies[0].mesh.points(), 40, true);
+        assert_eq!(stations.len(), 40);
+        for s in stations {
+            let radius = s.point[0].hypot(s.point[1]);
+            // 12 parabolas over half a circle: off by far less than a thousandth.
+            assert!((radius / sample::RADIUS - 1.0).abs() < 1e-3);
+            let outward = (s.normal[0] * s.point[0] + s.normal[1] * s.point[1]) / radius;
+            assert!(outward > 0.99, "{outward}");
+        }
+    }
+
+    #[test]
+    fn small_contacts_get_a_window_of_their_own() {
+        let (model, _) = sample::tunnel(16);
+        let scene = Scene::new(&model);
+        let (views, height) = scene.views(60.0, 30.0, 0.0);
+        assert_eq!(views.len(), 2);
+        for view in &views {
+            assert!(view.corner[0] >= 0.0 && view.corner[0] + view.size[0] <= WIDTH);
+            assert!(view.corner[1] + view.size[1] <= height);
+            for corner in [view.low, view.high] {
+                assert!(view.sees(view.pixel(corner)));
+            }
+        }
+    }
+
+    #[test]
+    fn circles_are_recognised_and_lines_are_not() {
+        let arc: Vec<Point<2>> = (0..9).map(|i| f64::from(i) * 0.2).map(|t: f64| [1.0 + 3.0 * t.cos(), 3.0 * t.sin()]).collect();
+        let (center, radius) = circle_through(&arc).unwrap();
+        assert!(distance(center, [1.0, 0.0]) < 1e-12 && (radius - 3.0).abs() < 1e-12);
+        let line: Vec<Point<2>> = (0..9).map(|i| [f64::from(i), 2.0]).collect();
+        assert_eq!(circle_through(&line), None);
+    }
+
+    #[test]
+    fn lines_too_close_to_see_are_left_out() {
+        let (model, _) = sample::tunnel(16);
+        let scene = Scene::new(&model);
+        let (views, _) = scene.views(60.0, 30.0, 0.0);
+        let mesh = &model.bodies[1].mesh;
+        let place = |view: &View, n: usize| view.pixel(mesh.points()[n]);
+        let near = &views[1];
+        assert!(!mesh_lines(mesh, near, &|n| place(near, n)).is_empty());
+        let mut far = views[0].clone();
+        far.scale /= 100.0;
+        assert!(mesh_lines(mesh, &far, &|n| place(&far, n)).is_empty());
+    }
+}

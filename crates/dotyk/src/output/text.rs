@@ -1,0 +1,235 @@
+//! Numbers, units and names as a reader sees them: four significant digits, thin spaces, true minus signs.
+//!
+//! Invariant: the same number gives the same text on every machine; what is not finite gives a dash.
+
+use crate::model::{Analysis, Model};
+
+/// Thin space that does not break.
+const THIN: char = '\u{202f}';
+/// Significant digits of every number in the report.
+const DIGITS: i32 = 4;
+
+/// A number with four significant digits: `1 234`, `−0.012 34` without inner spaces, `3.142 × 10⁻⁷` outside [1e-3, 1e6).
+pub fn number(value: f64) -> String {
+    if !value.is_finite() {
+        return "–".to_string();
+    }
+    if value == 0.0 {
+        return "0".to_string();
+    }
+    let scientific = format!("{:.*e}", DIGITS as usize - 1, value.abs());
+    let (mantissa, exponent) = scientific.split_once('e').unwrap_or((&scientific, "0"));
+    let exponent: i32 = exponent.parse().unwrap_or(0);
+    let sign = if value < 0.0 { "−" } else { "" };
+    if (-3..6).contains(&exponent) {
+        let decimals = (DIGITS - 1 - exponent).max(0) as usize;
+        let rounded: f64 = scientific.parse().unwrap_or(value.abs());
+        let fixed = format!("{rounded:.decimals$}");
+        return format!("{sign}{}", grouped(trimmed(&fixed)));
+    }
+    format!(
+        "{sign}{}{THIN}×{THIN}10{}",
+        trimmed(mantissa),
+        superscript(exponent)
+    )
+}
+
+/// A small or large figure such as a residual: two significant digits and a power of ten.
+pub fn power(value: f64) -> String {
+    if !value.is_finite() {
+        return "–".to_string();
+    }
+    if value == 0.0 {
+        return "0".to_string();
+    }
+    let scientific = format!("{value:.1e}");
+    let (mantissa, exponent) = scientific.split_once('e').unwrap_or((&scientific, "0"));
+    let exponent: i32 = exponent.parse().unwrap_or(0);
+    let mantissa = mantissa.replace('-', "−");
+    match trimmed(&mantissa) {
+        "1" => format!("10{}", superscript(exponent)),
+        other => format!("{other}{THIN}×{THIN}10{}", superscript(exponent)),
+    }
+}
+
+/// A count with thin spaces between thousands.
+pub fn count(value: usize) -> String {
+    grouped(&value.to_string())
+}
+
+/// Seconds with a sensible number of digits.
+pub fn seconds(value: f64) -> String {
+    if !value.is_finite() {
+        "–".to_string()
+    } else if value < 0.1 {
+        format!("{:.1}{THIN}ms", value * 1e3)
+    } else {
+        format!("{value:.2}{THIN}s")
+    }
+}
+
+/// Integer exponent in raised digits.
+pub fn superscript(exponent: i32) -> String {
+    exponent
+        .to_string()
+        .chars()
+        .map(|c| match c {
+            '-' => '⁻',
+            '1' => '¹',
+            '2' => '²',
+            '3' => '³',
+            digit => char::from_u32('⁰' as u32 + (digit as u32 - '0' as u32)).unwrap_or(digit),
+        })
+        .collect()
+}
+
+/// Text that is safe inside HTML, XML and their attributes.
+pub fn escape(text: &str) -> String {
+    let mut out = String::with_capacity(text.len());
+    for c in text.chars() {
+        match c {
+            '&' => out.push_str("&amp;"),
+            '<' => out.push_str("&lt;"),
+            '>' => out.push_str("&gt;"),
+            '"' => out.push_str("&quot;"),
+            '\'' => out.push_str("&#39;"),
+            // XML has no place for control characters.
+            c if c.is_control() && c != '\n' && c != '\t' => out.push('\u{fffd}'),
+            c => out.push(c),
+        }
+    }
+    out
+}
+
+/// Zeros after the decimal point say nothing.
+fn trimmed(fixed: &str) -> &str {
+    if fixed.contains('.') {
+        fixed.trim_end_matches('0').trim_end_matches('.')
+    } else {
+        fixed
+    }
+}
+
+/// Thin spaces between thousands of the integer part, from five digits on.
+fn grouped(fixed: &str) -> String {
+    let (whole, rest) = match fixed.find('.') {
+        Some(dot) => fixed.split_at(dot),
+        None => (fixed, ""),
+    };
+    if whole.len() < 5 {
+        return fixed.to_string();
+    }
+    let mut out = String::new();
+    for (i, c) in whole.chars().enumerate() {
+        if i > 0 && (whole.len() - i).is_multiple_of(3) {
+            out.push(THIN);
+        }
+        out.push(c);
+    }
+    out + rest
+}
+
+/// Labels of the quantities of a model; empty where the user named no unit.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Labels {
+    /// Length.
+    pub length: String,
+    /// Force.
+    pub force: String,
+    /// Force per area.
+    pub stress: String,
+    /// Force per volume.
+    pub density: String,
+    /// Force times length.
+    pub energy: String,
+    /// Names of the two axes in the plane.
+    pub axes: [&'static str; 2],
+}
+
+impl Labels {
+    /// Labels of a model.
+    pub fn of<const D: usize>(model: &Model<D>) -> Self {
+        let length = model.units.length.clone().unwrap_or_default();
+        let force = model.units.force.clone().unwrap_or_default();
+        let both = !length.is_empty() && !force.is_empty();
+        let join = |text: String| if both { text } else { String::new() };
+        Self {
+            stress: join(format!("{force}/{length}²")),
+            density: join(format!("{force}/{length}³")),
+            energy: join(format!("{force}{THIN}{length}")),
+            axes: match model.analysis {
+                Analysis::Axisymmetric => ["r", "z"],
+                _ => ["x", "y"],
+            },
+            length,
+            force,
+        }
+    }
+}
+
+/// A number and its unit.
+pub fn quantity(value: f64, unit: &str) -> String {
+    if unit.is_empty() || !value.is_finite() {
+        number(value)
+    } else {
+        format!("{}{THIN}{unit}", number(value))
+    }
+}
+
+/// A vector and its unit.
+pub fn vector(values: &[f64], unit: &str) -> String {
+    let list: Vec<String> = values.iter().map(|&v| number(v)).collect();
+    let list = format!("({})", list.join(", "));
+    if unit.is_empty() {
+        list
+    } else {
+        format!("{list}{THIN}{unit}")
+    }
+}
+
+/// A name with its unit in brackets, for axes and table heads.
+pub fn with_unit(name: &str, unit: &str) -> String {
+    if unit.is_empty() {
+        name.to_string()
+    } else {
+        format!("{name} [{unit}]")
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_keep_four_significant_digits() {
+        assert_eq!(number(1.79018), "1.79");
+        assert_eq!(number(-0.793434), "−0.7934");
+        assert_eq!(number(123456.0), "123\u{202f}500");
+        assert_eq!(number(9999.6), "10\u{202f}000");
+        assert_eq!(number(0.00123456), "0.001235");
+        assert_eq!(
+            number(-3.04760e-5),
+            "−3.048\u{202f}×\u{202f}10⁻⁵"
+        );
+        assert_eq!(number(2.1e11), "2.1\u{202f}×\u{202f}10¹¹");
+        assert_eq!(number(0.0), "0");
+        assert_eq!(number(f64::NAN), "–");
+    }
+
+    #[test]
+    fn powers_of_ten_lose_their_one() {
+        assert_eq!(power(1e-8), "10⁻⁸");
+        assert_eq!(power(2.34e-12), "2.3\u{202f}×\u{202f}10⁻¹²");
+    }
+
+    #[test]
+    fn counts_are_grouped_from_five_digits_on() {
+        assert_eq!(count(1234), "1234");
+        assert_eq!(count(1234567), "1\u{202f}234\u{202f}567");
+    }
+
+    #[test]
+    fn markup_is_escaped() {
+        assert_eq!(escape("a<b & \"c\"\u{1}"), "a&lt;b &amp; &quot;c&quot;\u{fffd}");
+    }
+}

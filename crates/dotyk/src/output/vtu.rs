@@ -1,0 +1,251 @@
+//! `BODY.vtu` and `case.pvd` for ParaView: undeformed points, cell kinds kept, point data at the nodes.
+//!
+//! Stress components are in the order xx yy zz xy yz xz. `pressure` and `gap` are NaN off the contact: they are defined
+//! at the nodes of a nonmortar side and, where the contact pairs nodes, at their partners.
+//! Arrays are inline, little-endian, zlib in blocks, base64.
+//! Source: VTK file formats, section "XML file formats" (vtk.org).
+
+use crate::geometry::padded;
+use crate::mesh::CellKind;
+use crate::model::{Model, Solution};
+use crate::output::encode::{base64, zlib};
+use crate::output::text::escape;
+use std::fmt::Write;
+
+/// Uncompressed bytes per block.
+const BLOCK: usize = 1 << 20;
+
+/// VTK's number of a cell kind.
+pub fn vtk_type(kind: CellKind) -> u8 {
+    match kind {
+        CellKind::Tri3 => 5,
+        CellKind::Tri6 => 22,
+        CellKind::Quad4 => 9,
+        CellKind::Quad8 => 23,
+        CellKind::Quad9 => 28,
+    }
+}
+
+/// Content of the VTU file of one body.
+///
+/// `body` is an index into both `model.bodies` and `solution.bodies`.
+pub fn body_vtu<const D: usize>(model: &Model<D>, solution: &Solution<D>, body: usize) -> String {
+    let mesh = &model.bodies[body].mesh;
+    let answer = &solution.bodies[body];
+    let points: Vec<f64> = mesh.points().iter().flat_map(|&p| padded(p)).collect();
+    let displacement: Vec<f64> = answer.displacement.iter().flat_map(|&u| padded(u)).collect();
+    let (pressure, gap) = contact_fields(solution, body, mesh.points().len());
+    let (mut connectivity, mut offsets, mut types) = (Vec::new(), Vec::new(), Vec::new());
+    for block in mesh.blocks() {
+        for cell in block.cells() {
+            connectivity.extend(cell.iter().map(|&n| i64::from(n)));
+            offsets.push(connectivity.len() as i64);
+            types.push(vtk_type(block.kind));
+        }
+    }
+
+    let mut out = String::from(
+        "<?xml version=\"1.0\"?>\n<VTKFile type=\"UnstructuredGrid\" version=\"1.0\" byte_order=\"LittleEndian\" \
+         header_type=\"UInt64\" compressor=\"vtkZLibDataCompressor\">\n<UnstructuredGrid>\n",
+    );
+    let _ = writeln!(
+        out,
+        "<Piece NumberOfPoints=\"{}\" NumberOfCells=\"{}\">",
+        mesh.points().len(),
+        types.len()
+    );
+    out.push_str("<PointData Vectors=\"displacement\" Scalars=\"von_mises\">\n");
+    floats(&mut out, "displacement", 3, &displacement);
+    floats(&mut out, "stress", 6, answer.stress.as_flattened());
+    floats(&mut out, "von_mises", 1, &answer.von_mises);
+    floats(&mut out, "pressure", 1, &pressure);
+    floats(&mut out, "gap", 1, &gap);
+    out.push_str("</PointData>\n<Points>\n");
+    floats(&mut out, "points", 3, &points);
+    out.push_str("</Points>\n<Cells>\n");
+    integers(&mut out, "connectivity", &connectivity);
+    integers(&mut out, "offsets", &offsets);
+    array(&mut out, "UInt8", "types", 1, &types);
+    out.push_str("</Cells>\n</Piece>\n</UnstructuredGrid>\n</VTKFile>\n");
+    out
+}
+
+/// Content of `case.pvd`: all bodies at their times.
+pub fn collection<const D: usize>(solution: &Solution<D>) -> String {
+    let mut out = String::from(
+        "<?xml version=\"1.0\"?>\n<VTKFile type=\"Collection\" version=\"1.0\" byte_order=\"LittleEndian\">\n<Collection>\n",
+    );
+    for (part, body) in solution.bodies.iter().enumerate() {
+        let name = escape(&body.name);
+        let _ = writeln!(
+            out,
+            "<DataSet timestep=\"{:?}\" part=\"{part}\" name=\"{name}\" file=\"{name}.vtu\"/>",
+            solution.time
+        );
+    }
+    out.push_str("</Collection>\n</VTKFile>\n");
+    out
+}
+
+/// Pressure and gap at the nodes of a body; a node of several contacts keeps the first that defines a number.
+fn contact_fields<const D: usize>(
+    solution: &Solution<D>,
+    body: usize,
+    nodes: usize,
+) -> (Vec<f64>, Vec<f64>) {
+    let mut pressure = vec![f64::NAN; nodes];
+    let mut gap = vec![f64::NAN; nodes];
+    // Own sides first: what is read off a partner must not hide what a body says itself.
+    for own in [true, false] {
+        for contact in &solution.contacts {
+            let side = if own { Some(&contact.nonmortar) } else { contact.mortar.as_ref() };
+            if side.is_none_or(|side| side.body.0 != body) {
+                continue;
+            }
+            for node in &contact.nodes {
+                let Some(at) = (if own { Some(node.node) } else { node.partner }) else {
+                    continue;
+                };
+                for (field, value) in [(&mut pressure, node.pressure), (&mut gap, node.gap)] {
+                    if field[at].is_nan() {
+                        field[at] = value;
+                    }
+                }
+            }
+        }
+    }
+    (pressure, gap)
+}
+
+fn floats(out: &mut String, name: &str, components: usize, values: &[f64]) {
+    let bytes: Vec<u8> = values.iter().flat_map(|v| v.to_le_bytes()).collect();
+    array(out, "Float64", name, components, &bytes);
+}
+
+fn integers(out: &mut String, name: &str, values: &[i64]) {
+    let bytes: Vec<u8> = values.iter().flat_map(|v| v.to_le_bytes()).collect();
+    array(out, "Int64", name, 1, &bytes);
+}
+
+/// One data array: a header of (blocks, block size, last block size, compressed sizes..), then the blocks.
+fn array(out: &mut String, kind: &str, name: &str, components: usize, bytes: &[u8]) {
+    let blocks: Vec<Vec<u8>> = bytes.chunks(BLOCK).map(zlib).collect();
+    let mut header = vec![
+        blocks.len() as u64,
+        BLOCK as u64,
+        // Zero says that the last block is full.
+        (bytes.len() % BLOCK) as u64,
+    ];
+    header.extend(blocks.iter().map(|b| b.len() as u64));
+    let header: Vec<u8> = header.iter().flat_map(|v| v.to_le_bytes()).collect();
+    let _ = writeln!(
+        out,
+        "<DataArray type=\"{kind}\" Name=\"{name}\" NumberOfComponents=\"{components}\" format=\"binary\">\n{}{}\n</DataArray>",
+        base64(&header),
+        base64(&blocks.concat())
+    );
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::model::Status;
+    use crate::output::sample;
+    use std::io::Read;
+
+    fn unbase64(text: &str) -> Vec<u8> {
+        let mut out = Vec::new();
+        for quad in text.as_bytes().chunks(4) {
+            let digit = |c: u8| match c {
+                b'A'..=b'Z' => u32::from(c - b'A'),
+                b'a'..=b'z' => u32::from(c - b'a') + 26,
+                b'0'..=b'9' => u32::from(c - b'0') + 52,
+                b'+' => 62,
+                b'/' => 63,
+                _ => 0,
+            };
+            let word = quad.iter().fold(0, |w, &c| w << 6 | digit(c));
+            let kept = 3 - quad.iter().filter(|&&c| c == b'=').count();
+            out.extend(&word.to_be_bytes()[1..1 + kept]);
+        }
+        out
+    }
+
+    /// The numbers of an array, read back by the rules of the format.
+    fn read(vtu: &str, name: &str) -> Vec<f64> {
+        let tag = format!("Name=\"{name}\"");
+        let text = vtu.split(&tag).nth(1).unwrap();
+        let line = text.lines().nth(1).unwrap();
+        let word = |b: &[u8], i: usize| u64::from_le_bytes(b[8 * i..8 * i + 8].try_into().unwrap()) as usize;
+        let blocks = word(&unbase64(&line[..32]), 0);
+        let length = (8 * (3 + blocks)).div_ceil(3) * 4;
+        let (header, data) = (unbase64(&line[..length]), unbase64(&line[length..]));
+        let (mut bytes, mut start) = (Vec::new(), 0);
+        for b in 0..blocks {
+            let end = start + word(&header, 3 + b);
+            flate2::read::ZlibDecoder::new(&data[start..end])
+                .read_to_end(&mut bytes)
+                .unwrap();
+            start = end;
+        }
+        assert_eq!(start, data.len());
+        assert_eq!(bytes.len() % BLOCK, word(&header, 2));
+        bytes
+            .chunks(8)
+            .map(|c| f64::from_le_bytes(c.try_into().unwrap()))
+            .collect()
+    }
+
+    #[test]
+    fn arrays_read_back_with_their_counts() {
+        let (model, solution) = sample::tunnel(16);
+        let ring = body_vtu(&model, &solution, 0);
+        let nodes = model.bodies[0].mesh.points().len();
+        assert!(ring.contains(&format!("NumberOfPoints=\"{nodes}\"")));
+        let displacement = read(&ring, "displacement");
+        assert_eq!(displacement.len(), 3 * nodes);
+        assert_eq!(displacement[3..5], solution.bodies[0].displacement[1]);
+        assert_eq!(displacement[5], 0.0);
+        assert_eq!(read(&ring, "stress"), solution.bodies[0].stress.as_flattened());
+        assert_eq!(read(&ring, "von_mises").len(), nodes);
+        assert_eq!(read(&ring, "points").len(), 3 * nodes);
+    }
+
+    #[test]
+    fn long_arrays_are_cut_into_blocks() {
+        let values: Vec<f64> = (0..BLOCK / 8 * 2 + 5).map(|i| i as f64).collect();
+        let mut out = String::new();
+        floats(&mut out, "long", 1, &values);
+        assert_eq!(read(&out, "long"), values);
+    }
+
+    #[test]
+    fn pressure_is_nan_off_the_contact_and_reaches_the_partner() {
+        let (model, solution) = sample::tunnel(16);
+        let contact = &solution.contacts[0];
+        for body in 0..2 {
+            let pressure = read(&body_vtu(&model, &solution, body), "pressure");
+            let defined = pressure.iter().filter(|p| !p.is_nan()).count();
+            assert_eq!(defined, contact.nodes.len());
+            for node in &contact.nodes {
+                let at = if body == contact.nonmortar.body.0 { node.node } else { node.partner.unwrap() };
+                assert_eq!(pressure[at], node.pressure);
+            }
+        }
+        assert!(contact.nodes.iter().any(|n| n.status == Status::Open));
+    }
+
+    #[test]
+    fn quadratic_cells_stay_quadratic() {
+        let (model, solution) = sample::tunnel_of(8, CellKind::Quad8);
+        let vtu = body_vtu(&model, &solution, 0);
+        let cells: usize = model.bodies[0].mesh.blocks().iter().map(|b| b.cells().len()).sum();
+        let text = vtu.split("Name=\"types\"").nth(1).unwrap();
+        let line = text.lines().nth(1).unwrap();
+        let mut types = Vec::new();
+        flate2::read::ZlibDecoder::new(&unbase64(&line[44..])[..])
+            .read_to_end(&mut types)
+            .unwrap();
+        assert_eq!(types, vec![23; cells]);
+    }
+}
