@@ -238,6 +238,14 @@ fn probes(solution: &Solution<2>) -> String {
     columns(&["probe", "quantity", "value"], &rows, 2..3)
 }
 
+/// Two digits: the size of a violation matters, not its digits.
+fn short(value: f64) -> String {
+    if value == 0.0 {
+        return "0".to_string();
+    }
+    format!("{value:.1e}")
+}
+
 /// The verdict, every figure of the certificate, and the time.
 pub fn certificate(solution: &Solution<2>) -> String {
     let figures = solution.certificate.figures();
@@ -246,8 +254,8 @@ pub fn certificate(solution: &Solution<2>) -> String {
         .map(|(name, figure)| {
             vec![
                 name.replace('_', " "),
-                format!("{:.1e}", figure.relative),
-                format!("{:.0e}", figure.limit),
+                short(figure.relative),
+                short(figure.limit),
                 if figure.holds() { "" } else { "VIOLATED" }.to_string(),
             ]
         })

@@ -176,7 +176,9 @@ impl Node {
         let field = expression::parse(text).map_err(|e| {
             // The string opens with one quote in all but multi-line strings, where the place is off by two.
             let start = (self.span.start + 1 + e.offset).min(self.span.end.saturating_sub(1));
-            Fault::new(&(start..start + 1), format!("expression \"{text}\": {e}")).label("here")
+            Fault::new(&(start..start + 1), format!("expression \"{text}\": {e}"))
+                .label("here")
+                .help(expression::VOCABULARY)
         })?;
         match field.as_constant() {
             Some(value) if !value.is_finite() => {

@@ -13,7 +13,7 @@
 //! Angles in radians. A division by zero and the like give values that are not finite: the caller knows which
 //! side and point to name. Evaluation walks a tree and allocates nothing.
 
-use crate::case::suggest::{listed, nearest};
+use crate::case::suggest::nearest;
 use crate::geometry::Field;
 
 /// Deepest nesting of parentheses and signs: beyond it a text is refused instead of exhausting the stack.
@@ -21,6 +21,10 @@ const DEEPEST: usize = 200;
 
 /// Longest text, in bytes: it bounds the depth of the tree that a chain of operators makes.
 const LONGEST: usize = 4000;
+
+/// What an expression may hold, for messages.
+pub(crate) const VOCABULARY: &str = "an expression is made of numbers, x y z t pi, + - * / ^ ( ), sin cos tan asin acos \
+    atan atan2 sinh cosh tanh sqrt exp ln abs min max pow";
 
 /// What is wrong with an expression, and where.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
@@ -308,13 +312,10 @@ impl Parser<'_> {
             let ab = self.arguments(name, start)?;
             return Ok(Tree::Binary(*f, Box::new(ab)));
         }
-        let known = || {
-            let functions = UNARY.iter().map(|f| f.0).chain(BINARY.iter().map(|f| f.0));
-            VARIABLES.into_iter().chain(["pi"]).chain(functions)
-        };
-        let near = nearest(name, known()).unwrap_or_default();
-        let all = listed(known());
-        let message = format!("unknown name `{name}`, the nearest known is `{near}` (of {all})");
+        let functions = UNARY.iter().map(|f| f.0).chain(BINARY.iter().map(|f| f.0));
+        let known = VARIABLES.into_iter().chain(["pi"]).chain(functions);
+        let near = nearest(name, known).unwrap_or_default();
+        let message = format!("unknown name `{name}`, the nearest known is `{near}`");
         Err(self.error_at(start, message))
     }
 
@@ -483,6 +484,17 @@ mod tests {
         assert!(error(&"2^".repeat(2000)).1.contains("deeply"));
         assert!(error(&"1+".repeat(100_000)).1.contains("longer"));
         assert_eq!(value(&("1+".repeat(1999) + "x")), 2002.0);
+    }
+
+    #[test]
+    fn the_vocabulary_lists_every_name() {
+        let functions = UNARY.iter().map(|f| f.0).chain(BINARY.iter().map(|f| f.0));
+        for name in functions.chain(VARIABLES).chain(["pi"]) {
+            assert!(
+                VOCABULARY.split([' ', ',']).any(|word| word == name),
+                "{name}"
+            );
+        }
     }
 
     proptest! {
