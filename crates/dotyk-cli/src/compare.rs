@@ -6,8 +6,8 @@ use crate::progress::Progress;
 use crate::run::{output_folder, positive};
 use crate::text::{columns, number, print, written};
 use dotyk::case::Case;
-use dotyk::model::MethodRun;
-use dotyk::output::{self, Comparison, ComparisonRow};
+use dotyk::model::{Comparison, ComparisonRow};
+use dotyk::output;
 use std::path::PathBuf;
 
 /// Arguments of `dotyk compare`.
@@ -72,7 +72,7 @@ pub fn compare(arguments: &Arguments) -> Result<Outcome, Failure> {
     if arguments.rho.is_some() || arguments.out.is_some() {
         let comparison = Comparison {
             title: case.model.title.clone(),
-            rows: methods.iter().chain(&steps).map(row).collect(),
+            rows: methods.iter().chain(&steps).cloned().collect(),
         };
         let files = output::write_comparison(&comparison, &folder);
         let files = files.map_err(|e| Failure::Message(e.to_string()))?;
@@ -87,28 +87,15 @@ pub fn compare(arguments: &Arguments) -> Result<Outcome, Failure> {
     })
 }
 
-fn row(run: &MethodRun) -> ComparisonRow {
-    ComparisonRow {
-        method: run.method.clone(),
-        rho: run.rho,
-        rho_lambda_max: run.rho_lambda_max,
-        converged: run.converged,
-        iterations: run.iterations,
-        products: run.products,
-        seconds: run.seconds,
-        difference: run.difference,
-    }
-}
-
 fn optional(value: Option<f64>) -> String {
     value.map_or_else(|| "-".to_string(), number)
 }
 
-fn converged(run: &MethodRun) -> String {
+fn converged(run: &ComparisonRow) -> String {
     if run.converged { "yes" } else { "NO" }.to_string()
 }
 
-fn method_table(runs: &[MethodRun]) -> String {
+fn method_table(runs: &[ComparisonRow]) -> String {
     let rows: Vec<Vec<String>> = runs
         .iter()
         .map(|run| {
@@ -137,7 +124,7 @@ fn method_table(runs: &[MethodRun]) -> String {
     columns(&header, &rows, 2..8)
 }
 
-fn step_table(runs: &[MethodRun]) -> String {
+fn step_table(runs: &[ComparisonRow]) -> String {
     let rows: Vec<Vec<String>> = runs
         .iter()
         .map(|run| {

@@ -66,7 +66,7 @@ pub fn run(arguments: &Arguments) -> Result<Outcome, Failure> {
     progress.finish();
     let mut solution = match solved {
         Ok(solution) => solution,
-        Err(Error::NotConverged(last)) => *last,
+        Err(Error::NotConverged { solution, .. }) => *solution,
         Err(error) => return Err(Failure::of(&arguments.case, error)),
     };
     solution.seconds.read = read;

@@ -204,7 +204,7 @@ fn solve(path: &Path, case: &Case, quiet: bool, tally: &mut Tally) -> Option<Sol
             tally.certified += usize::from(solution.converged);
             Some(solution)
         }
-        Err(Error::NotConverged(last)) => Some(*last),
+        Err(Error::NotConverged { solution, .. }) => Some(*solution),
         Err(error) => {
             Failure::of(path, error).print();
             tally.refused = true;

@@ -1111,7 +1111,8 @@ proptest! {
                 assert_closed(&mesh);
                 prop_assert!((area(&mesh) / area_of_cells(&mesh) - 1.0).abs() < 1e-11);
                 let angle: f64 = f64::to_radians(span);
-                let exact = 0.5 * angle * ((inner + thickness).powi(2) - inner * inner);
+                let (outer, inner): (f64, f64) = (inner + thickness, inner);
+                let exact = 0.5 * angle * (outer * outer - inner * inner);
                 prop_assert!(area(&mesh) < 1.02 * exact);
             }
             // Three or four cells on nearly a full turn bend quadratic cells too far, if anything does.
