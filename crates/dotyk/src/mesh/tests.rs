@@ -514,6 +514,7 @@ fn a_chain_ends_where_the_boundary_touches_itself() {
     let mut lengths: Vec<usize> = chains.iter().map(|chain| chain.facets.len()).collect();
     lengths.sort_unstable();
     assert_eq!(lengths, [3, 4]);
+    assert!(chains.iter().all(|chain| !chain.cyclic));
 }
 
 #[test]
