@@ -613,8 +613,8 @@ mod tests {
                 let at = |x: f64| { let mut v = vec![0.0; kind.nodes()]; kind.shape(&[x], &mut v); v };
                 let mut gradients = vec![[f64::NAN; 1]; kind.nodes()];
                 kind.gradients(&[x], &mut gradients);
-                for i in 0..kind.nodes() {
-                    prop_assert!((gradients[i][0] - (at(x + h)[i] - at(x - h)[i]) / (2.0 * h)).abs() < 1e-11);
+                for (i, gradient) in gradients.iter().enumerate() {
+                    prop_assert!((gradient[0] - (at(x + h)[i] - at(x - h)[i]) / (2.0 * h)).abs() < 1e-11);
                 }
             }
         }

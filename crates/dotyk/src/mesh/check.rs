@@ -199,7 +199,7 @@ fn range<const D: usize>(x: &[Point<D>], samples: &[[[f64; D]; MAX_CELL_NODES]])
 }
 
 /// ∂x/∂ξ, one row per reference coordinate.
-pub(crate) fn jacobian<const D: usize>(x: &[Point<D>], gradients: &[[f64; D]]) -> [[f64; D]; D] {
+fn jacobian<const D: usize>(x: &[Point<D>], gradients: &[[f64; D]]) -> [[f64; D]; D] {
     let mut rows = [[0.0; D]; D];
     for (point, gradient) in x.iter().zip(gradients) {
         for (row, g) in rows.iter_mut().zip(gradient) {

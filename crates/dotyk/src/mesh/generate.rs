@@ -8,8 +8,8 @@
 //! Angles are in degrees from +x. Around, sizes are symmetric about the middle of the arc (the springline of an arc from
 //! −90 to 90) and a cell k places away from it has size ∝ gradeᵏ; outward, cell k has size ∝ ratioᵏ.
 //! Invariants: nodes lie on the true circles and exactly on the straight sides, `0` and `from`/`to` are met to the last
-//! bit; the outer nodes of a [`Ring`] from −90 to 90 about the origin and the hole nodes of a [`TunnelRock`] of the same radius, `cells[0]`
-//! and `grade` are the same numbers.
+//! bit; the outer nodes of a [`Ring`] from −90 to 90 about the origin and the hole nodes of a [`TunnelRock`] of the same
+//! radius, `cells[0]` and `grade` are the same numbers.
 
 use crate::geometry::{Point, add_scaled};
 use crate::mesh::{CellBlock, CellKind, Facet, Mesh, MeshError};
@@ -372,6 +372,9 @@ enum Edge {
     Left,
 }
 
+/// Consecutive squares along an edge of the lattice.
+type Piece = (Edge, Range<usize>);
+
 /// How one square of 3 × 3 places, numbered row by row from the lower left, is cut into cells.
 struct Cut {
     /// Places of the nodes of each cell, in the numbering of the quadratic kind.
@@ -460,7 +463,7 @@ impl Lattice {
     }
 
     /// A whole edge of the lattice.
-    fn edge(&self, edge: Edge) -> (Edge, Range<usize>) {
+    fn edge(&self, edge: Edge) -> Piece {
         match edge {
             Edge::Bottom | Edge::Top => (edge, 0..self.squares[0]),
             Edge::Left | Edge::Right => (edge, 0..self.squares[1]),
@@ -484,7 +487,7 @@ impl Lattice {
     fn mesh(
         &self,
         point: impl Fn(usize, usize) -> Point<2>,
-        sides: &[(&str, Vec<(Edge, Range<usize>)>)],
+        sides: &[(&str, Vec<Piece>)],
     ) -> Result<Mesh<2>, MeshError> {
         let (points, numbers) = self.points(point);
         let nodes = self.nodes(&numbers);
@@ -544,7 +547,7 @@ impl Lattice {
     }
 
     /// The facets along pieces of the edges of the lattice.
-    fn facets(&self, pieces: &[(Edge, Range<usize>)]) -> Vec<Facet> {
+    fn facets(&self, pieces: &[Piece]) -> Vec<Facet> {
         let [nu, nv] = self.squares;
         let mut facets = Vec::new();
         for (edge, range) in pieces {
