@@ -275,7 +275,7 @@ impl Canvas {
         let xs = [a.0[0], b.0[0], c.0[0]];
         let ys = [a.0[1], b.0[1], c.0[1]];
         let twice = (xs[1] - xs[0]) * (ys[2] - ys[0]) - (xs[2] - xs[0]) * (ys[1] - ys[0]);
-        if !(twice.abs() > 1e-12) {
+        if !twice.is_finite() || twice.abs() <= 1e-12 {
             return;
         }
         let span = |v: [f64; 3], size: usize| {

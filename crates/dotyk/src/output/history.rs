@@ -24,7 +24,7 @@ pub fn history_figure(solution: &Solution<2>, tolerance: f64) -> Option<String> 
         330.0,
     );
     let at = |h: &HistoryPoint| h.iteration as f64;
-    let iterations: Vec<f64> = history.iter().map(|h| at(h)).collect();
+    let iterations: Vec<f64> = history.iter().map(at).collect();
     let residuals: Vec<f64> = history.iter().map(|h| h.residual).collect();
     let limits: Vec<f64> = residuals.iter().copied().chain([tolerance]).collect();
     // Room on both sides keeps the first and last points off the frame.

@@ -34,7 +34,7 @@ impl Axis {
                 ticks: vec![(0.0, "0".to_string())],
             };
         }
-        if !(high - low > 1e-12 * high.abs().max(low.abs())) {
+        if high - low <= 1e-12 * high.abs().max(low.abs()) {
             let room = 0.5 * high.abs();
             (low, high) = (low - room, high + room);
         }

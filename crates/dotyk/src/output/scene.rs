@@ -296,10 +296,7 @@ impl<'a> Scene<'a> {
         let outlines = model
             .bodies
             .iter()
-            .map(|body| {
-                let facets: Vec<Facet> = body.mesh.boundary_facets().iter().copied().collect();
-                strands(&body.mesh, &facets)
-            })
+            .map(|body| strands(&body.mesh, &body.mesh.boundary_facets()))
             .collect();
         let all: Vec<Point<2>> = model
             .bodies
