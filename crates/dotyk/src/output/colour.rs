@@ -26,7 +26,9 @@ pub fn viridis(t: f64) -> [u8; 3] {
 /// Palette of [`index`].
 pub fn palette() -> Vec<[u8; 3]> {
     let step = |i: usize| viridis(i as f64 / (STEPS - 1) as f64);
-    std::iter::once([255; 3]).chain((0..STEPS).map(step)).collect()
+    std::iter::once([255; 3])
+        .chain((0..STEPS).map(step))
+        .collect()
 }
 
 /// Index into [`palette`] of t in [0, 1].

@@ -5,14 +5,15 @@
 
 use crate::model::{Comparison, ComparisonRow};
 use crate::output::plot::{Axis, Frame};
-use crate::output::svg::{ALARM, Anchor, INK, MUTED, SERIES, Svg, Type, short};
+use crate::output::svg::{ALARM, Anchor, MUTED, SERIES, Svg, Type, short};
 use crate::output::text::{count, seconds};
 use std::fmt::Write;
 
 /// Content of `compare.csv`; an empty field says that the method has no ρ.
 pub fn comparison_csv(comparison: &Comparison) -> String {
-    let mut out =
-        String::from("method,rho,rho_lambda_max,converged,iterations,products,seconds,difference\n");
+    let mut out = String::from(
+        "method,rho,rho_lambda_max,converged,iterations,products,seconds,difference\n",
+    );
     let optional = |value: Option<f64>| value.map_or_else(String::new, |v| format!("{v:?}"));
     for row in &comparison.rows {
         // Writing to a String cannot fail.
@@ -34,8 +35,15 @@ pub fn comparison_csv(comparison: &Comparison) -> String {
 
 /// Content of `compare.svg`: curves where ρ was varied, otherwise bars.
 pub fn comparison_svg(comparison: &Comparison) -> String {
-    let varied = comparison.rows.iter().any(|r| r.rho_lambda_max.is_some_and(|x| x > 0.0));
-    if varied { curves(comparison) } else { bars(comparison) }
+    let varied = comparison
+        .rows
+        .iter()
+        .any(|r| r.rho_lambda_max.is_some_and(|x| x > 0.0));
+    if varied {
+        curves(comparison)
+    } else {
+        bars(comparison)
+    }
 }
 
 fn methods(comparison: &Comparison) -> Vec<&str> {
@@ -50,57 +58,128 @@ fn methods(comparison: &Comparison) -> Vec<&str> {
 
 fn curves(comparison: &Comparison) -> String {
     let mut svg = canvas("Iterations as a function of rho times lambda max", 470.0);
-    svg.text([70.0, 26.0], &comparison.title, Type { size: 14.0, ..Type::LABEL }.bold().anchored(Anchor::Start));
-    let places: Vec<f64> = comparison.rows.iter().filter_map(|r| r.rho_lambda_max).chain([2.0]).collect();
-    let counts: Vec<f64> = comparison.rows.iter().filter(|r| r.converged).map(|r| r.iterations as f64).collect();
+    svg.text(
+        [70.0, 26.0],
+        &comparison.title,
+        Type {
+            size: 14.0,
+            ..Type::LABEL
+        }
+        .bold()
+        .anchored(Anchor::Start),
+    );
+    let places: Vec<f64> = comparison
+        .rows
+        .iter()
+        .filter_map(|r| r.rho_lambda_max)
+        .chain([2.0])
+        .collect();
+    let counts: Vec<f64> = comparison
+        .rows
+        .iter()
+        .filter(|r| r.converged)
+        .map(|r| r.iterations as f64)
+        .collect();
     let frame = Frame {
         corner: [70.0, 62.0],
-        size: [530.0, 350.0],
-        x: Axis::log("ρ · λmax", &places),
+        size: [488.0, 350.0],
+        x: Axis::log("ρ · λₘₐₓ", &places),
         y: Axis::log("Iterations", &counts),
     };
-    frame.draw(&mut svg, true);
     let [left, top] = frame.corner;
     // Beyond the wall the fixed step cannot contract.
     let wall = frame.across(2.0);
-    svg.rectangle([wall, top], [left + frame.size[0] - wall, frame.size[1]], "none", "#f6e3e1");
+    svg.rectangle(
+        [wall, top],
+        [left + frame.size[0] - wall, frame.size[1]],
+        "none",
+        "#f6e3e1",
+    );
+    frame.draw(&mut svg, true);
     svg.line([wall, top], [wall, top + frame.size[1]], ALARM, 1.4);
-    svg.text([wall - 5.0, top + frame.size[1] - 8.0], "2/λmax", Type::LABEL.coloured(ALARM).anchored(Anchor::End));
+    let label = Type::LABEL.coloured(ALARM).anchored(Anchor::End).rimmed();
+    svg.text([wall - 6.0, top + 16.0], "ρ = 2/λₘₐₓ", label);
     let mut key = top + 8.0;
     let mut diverged = false;
     for (i, method) in methods(comparison).into_iter().enumerate() {
         let colour = SERIES[i % SERIES.len()];
-        let rows: Vec<&ComparisonRow> = comparison.rows.iter().filter(|r| r.method == method).collect();
+        let rows: Vec<&ComparisonRow> = comparison
+            .rows
+            .iter()
+            .filter(|r| r.method == method)
+            .collect();
         let fixed = rows.iter().find(|r| r.rho_lambda_max.is_none());
         let mut curve: Vec<[f64; 2]> = rows
             .iter()
-            .filter_map(|r| r.rho_lambda_max.map(|x| [x, if r.converged { r.iterations as f64 } else { f64::NAN }]))
+            .filter_map(|r| {
+                r.rho_lambda_max.map(|x| {
+                    [
+                        x,
+                        if r.converged {
+                            r.iterations as f64
+                        } else {
+                            f64::NAN
+                        },
+                    ]
+                })
+            })
             .collect();
         curve.sort_by(|a, b| a[0].total_cmp(&b[0]));
         frame.curve(&mut svg, &curve, colour, 1.8);
         for p in &curve {
             if p[1].is_finite() {
-                svg.circle(frame.at(p[0], p[1]), 2.6, colour, "#fff", &format!("{method}: {} iterations", p[1]));
+                svg.circle(
+                    frame.at(p[0], p[1]),
+                    2.6,
+                    colour,
+                    "#fff",
+                    &format!("{method}: {} iterations", p[1]),
+                );
             } else {
                 diverged = true;
                 // Methods side by side, not on top of each other.
-                cross(&mut svg, [frame.across(p[0]), top - 8.0 - 9.0 * i as f64 % 27.0], colour);
+                cross(
+                    &mut svg,
+                    [frame.across(p[0]), top - 8.0 - 9.0 * i as f64 % 27.0],
+                    colour,
+                );
             }
         }
         let mut text = method.to_string();
         if let Some(row) = fixed.filter(|r| r.converged && r.iterations > 0) {
             let y = frame.up(row.iterations as f64);
-            let path = format!("M{} {}H{}", short(left), short(y), short(left + frame.size[0]));
+            let path = format!(
+                "M{} {}H{}",
+                short(left),
+                short(y),
+                short(left + frame.size[0])
+            );
             svg.path(&path, colour, 1.4, "none", "stroke-dasharray=\"6 3\"");
             text = format!("{method}, no ρ: {}", count(row.iterations));
         }
-        svg.line([618.0, key], [638.0, key], colour, 2.0);
-        svg.text([644.0, key + 4.0], &text, Type { size: 11.0, ..Type::LABEL }.anchored(Anchor::Start));
+        svg.line([572.0, key], [592.0, key], colour, 2.0);
+        svg.text(
+            [598.0, key + 4.0],
+            &text,
+            Type {
+                size: 11.0,
+                ..Type::LABEL
+            }
+            .anchored(Anchor::Start),
+        );
         key += 20.0;
     }
     if diverged {
-        cross(&mut svg, [628.0, key], MUTED);
-        svg.text([644.0, key + 4.0], "not converged", Type { size: 11.0, ..Type::LABEL }.anchored(Anchor::Start));
+        cross(&mut svg, [582.0, key], MUTED);
+        svg.text(
+            [598.0, key + 4.0],
+            "not converged",
+            Type {
+                size: 11.0,
+                ..Type::LABEL
+            }
+            .anchored(Anchor::Start),
+        );
     }
     svg.finish()
 }
@@ -115,15 +194,47 @@ fn bars(comparison: &Comparison) -> String {
     let each = 34.0;
     let height = 66.0 + each * comparison.rows.len() as f64;
     let mut svg = canvas("Products with the compliance by method", height);
-    svg.text([16.0, 26.0], &comparison.title, Type { size: 14.0, ..Type::LABEL }.bold().anchored(Anchor::Start));
-    svg.text([110.0, 48.0], "Products with the compliance F (logarithmic)", Type { size: 10.5, ..Type::LABEL }.coloured(MUTED).anchored(Anchor::Start));
-    let most = comparison.rows.iter().map(|r| r.products).max().unwrap_or(1).max(2) as f64;
+    svg.text(
+        [16.0, 26.0],
+        &comparison.title,
+        Type {
+            size: 14.0,
+            ..Type::LABEL
+        }
+        .bold()
+        .anchored(Anchor::Start),
+    );
+    svg.text(
+        [110.0, 48.0],
+        "Products with the compliance F (logarithmic)",
+        Type {
+            size: 10.5,
+            ..Type::LABEL
+        }
+        .coloured(MUTED)
+        .anchored(Anchor::Start),
+    );
+    let most = comparison
+        .rows
+        .iter()
+        .map(|r| r.products)
+        .max()
+        .unwrap_or(1)
+        .max(2) as f64;
     for (i, row) in comparison.rows.iter().enumerate() {
         let y = 60.0 + each * i as f64;
         // One product is still a bar that can be seen.
         let part = (1.0 + row.products as f64).ln() / (1.0 + most).ln();
-        let colour = if row.converged { SERIES[i % SERIES.len()] } else { "#b9c0c7" };
-        svg.text([100.0, y + 15.0], &row.method, Type::LABEL.anchored(Anchor::End));
+        let colour = if row.converged {
+            SERIES[i % SERIES.len()]
+        } else {
+            "#b9c0c7"
+        };
+        svg.text(
+            [100.0, y + 15.0],
+            &row.method,
+            Type::LABEL.anchored(Anchor::End),
+        );
         svg.rectangle([110.0, y + 2.0], [370.0 * part, 18.0], "none", colour);
         let state = if row.converged { "" } else { ", not converged" };
         let text = format!(
@@ -132,7 +243,15 @@ fn bars(comparison: &Comparison) -> String {
             count(row.iterations),
             seconds(row.seconds)
         );
-        svg.text([118.0 + 370.0 * part, y + 15.0], &text, Type { size: 10.5, ..Type::LABEL }.anchored(Anchor::Start));
+        svg.text(
+            [118.0 + 370.0 * part, y + 15.0],
+            &text,
+            Type {
+                size: 10.5,
+                ..Type::LABEL
+            }
+            .anchored(Anchor::Start),
+        );
     }
     svg.finish()
 }
@@ -140,16 +259,15 @@ fn bars(comparison: &Comparison) -> String {
 fn canvas(description: &str, height: f64) -> Svg {
     let mut svg = Svg::new("compare", description, 760.0, height);
     svg.rectangle([0.0, 0.0], [760.0, height], "none", "#fff");
-    svg.path("", INK, 1.0, "none", "");
     svg
 }
 
 #[cfg(test)]
-pub mod tests {
+mod tests {
     use super::*;
 
     /// Iterations of about C/ρ up to the wall.
-    pub fn example() -> Comparison {
+    fn example() -> Comparison {
         let mut rows = Vec::new();
         for (method, constant, wall) in [("uzawa", 600.0, 2.0), ("gradient", 115.0, 2.05)] {
             for i in 0..25 {
@@ -160,7 +278,11 @@ pub mod tests {
                     rho: Some(18.0 * x),
                     rho_lambda_max: Some(x),
                     converged,
-                    iterations: if converged { (constant / x) as usize } else { 5000 },
+                    iterations: if converged {
+                        (constant / x) as usize
+                    } else {
+                        5000
+                    },
                     products: (constant / x) as usize + 1,
                     seconds: 0.01,
                     difference: if converged { 1e-9 } else { f64::NAN },
@@ -179,7 +301,10 @@ pub mod tests {
                 difference: 0.0,
             });
         }
-        Comparison { title: "Case 1".to_string(), rows }
+        Comparison {
+            title: "Case 1".to_string(),
+            rows,
+        }
     }
 
     #[test]
@@ -193,7 +318,7 @@ pub mod tests {
     #[test]
     fn diverged_runs_are_crossed_above_the_frame() {
         let svg = comparison_svg(&example());
-        assert!(svg.contains("not converged") && svg.contains("2/λmax"));
+        assert!(svg.contains("not converged") && svg.contains("2/λₘₐₓ"));
         let mut calm = example();
         calm.rows.retain(|r| r.converged);
         assert!(!comparison_svg(&calm).contains("not converged"));

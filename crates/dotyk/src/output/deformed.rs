@@ -9,7 +9,7 @@ use crate::output::colour;
 use crate::output::encode::png;
 use crate::output::json::largest;
 use crate::output::plot::{Axis, round_down_to_125};
-use crate::output::scene::{Scene, View, WIDTH, mesh_lines, outline_path, parabola};
+use crate::output::scene::{Margin, Scene, View, WIDTH, mesh_lines, outline_path, parabola};
 use crate::output::setup::{mark_detail, scale_bar};
 use crate::output::svg::{Anchor, INK, MUTED, Pixel, Svg, Type};
 use crate::output::text::{Labels, number};
@@ -26,8 +26,13 @@ const BAR: f64 = 92.0;
 /// The figure as an SVG element, and its caption.
 pub fn deformed_figure(scene: &Scene, solution: &Solution<2>) -> (String, String) {
     let labels = Labels::of(scene.model);
-    let (views, height) = scene.views(26.0, 34.0, BAR);
-    let mut svg = Svg::new("deformed", "Deformed shape coloured by von Mises stress", WIDTH, height);
+    let (views, height) = scene.views(Margin::all(26.0), 34.0, BAR);
+    let mut svg = Svg::new(
+        "deformed",
+        "Deformed shape coloured by von Mises stress",
+        WIDTH,
+        height,
+    );
     let scales = stress_scales(solution);
     let mut factors = Vec::new();
     for view in &views {
@@ -36,8 +41,16 @@ pub fn deformed_figure(scene: &Scene, solution: &Solution<2>) -> (String, String
         draw_view(&mut svg, scene, solution, view, factor, &scales);
         scale_bar(&mut svg, view, &labels);
         let text = format!("displacements × {}", number(factor));
-        let at = [view.corner[0] + view.size[0] - 6.0, view.corner[1] + view.size[1] + 23.0];
-        let style = Type { size: 10.5, ..Type::LABEL }.coloured(MUTED).anchored(Anchor::End);
+        let at = [
+            view.corner[0] + view.size[0] - 6.0,
+            view.corner[1] + view.size[1] + 23.0,
+        ];
+        let style = Type {
+            size: 10.5,
+            ..Type::LABEL
+        }
+        .coloured(MUTED)
+        .anchored(Anchor::End);
         // Beside the scale bar there is room for it only in wide windows.
         if view.size[0] > 330.0 {
             svg.text(at, &text, style);
@@ -73,7 +86,11 @@ fn magnification(scene: &Scene, solution: &Solution<2>, view: &View) -> f64 {
     }
     let extent = sub(view.high, view.low);
     let factor = SHOWN * extent[0].max(extent[1]) / most;
-    if factor.is_finite() { round_down_to_125(factor).max(1.0) } else { 1.0 }
+    if factor.is_finite() {
+        round_down_to_125(factor).max(1.0)
+    } else {
+        1.0
+    }
 }
 
 /// Groups of bodies that share a colour scale: the bodies' indices and the largest stress.
@@ -86,7 +103,11 @@ fn stress_scales(solution: &Solution<2>) -> Vec<(Vec<usize>, f64)> {
     let high = largest(most.iter().copied());
     let low = most.iter().copied().fold(f64::INFINITY, f64::min);
     if most.len() <= 4 && low > 0.0 && high > APART * low {
-        return most.iter().enumerate().map(|(i, &m)| (vec![i], m)).collect();
+        return most
+            .iter()
+            .enumerate()
+            .map(|(i, &m)| (vec![i], m))
+            .collect();
     }
     vec![((0..most.len()).collect(), high)]
 }
@@ -102,7 +123,10 @@ fn draw_view(
     let mut canvas = Canvas::new(view);
     for (i, body) in scene.model.bodies.iter().enumerate() {
         let u = &solution.bodies[i].displacement;
-        let high = scales.iter().find(|s| s.0.contains(&i)).map_or(1.0, |s| s.1);
+        let high = scales
+            .iter()
+            .find(|s| s.0.contains(&i))
+            .map_or(1.0, |s| s.1);
         let places: Vec<Pixel> = body
             .mesh
             .points()
@@ -117,7 +141,12 @@ fn draw_view(
     for (i, body) in scene.model.bodies.iter().enumerate() {
         let points = body.mesh.points();
         let u = &solution.bodies[i].displacement;
-        let moved = |n: usize| view.pixel([points[n][0] + factor * u[n][0], points[n][1] + factor * u[n][1]]);
+        let moved = |n: usize| {
+            view.pixel([
+                points[n][0] + factor * u[n][0],
+                points[n][1] + factor * u[n][1],
+            ])
+        };
         svg.path(
             &mesh_lines(&body.mesh, view, &moved),
             "#fff",
@@ -127,9 +156,21 @@ fn draw_view(
         );
         let original = outline_path(&scene.outlines[i], &|n| view.pixel(points[n]));
         svg.path(&original, "#fff", 1.6, "none", "stroke-opacity=\"0.55\"");
-        svg.path(&original, "#4a545e", 0.9, "none", "stroke-dasharray=\"4 3\"");
+        svg.path(
+            &original,
+            "#4a545e",
+            0.9,
+            "none",
+            "stroke-dasharray=\"4 3\"",
+        );
         let outline = outline_path(&scene.outlines[i], &moved);
-        svg.path(&outline, "#10161c", 0.9, "none", "stroke-linejoin=\"round\"");
+        svg.path(
+            &outline,
+            "#10161c",
+            0.9,
+            "none",
+            "stroke-linejoin=\"round\"",
+        );
     }
     svg.end_clip();
 }
@@ -150,10 +191,18 @@ fn colour_bars(
     for (k, (bodies, high)) in scales.iter().enumerate() {
         let top = 16.0 + each * k as f64;
         let axis = Axis::linear("Von Mises", &labels.stress, &[0.0, *high], true, 5);
-        let small = Type { size: 10.5, ..Type::LABEL }.anchored(Anchor::Start);
+        let small = Type {
+            size: 10.5,
+            ..Type::LABEL
+        }
+        .anchored(Anchor::Start);
         let mut start = top + 4.0;
         if bodies.len() == 1 && scales.len() > 1 {
-            svg.text([left, start], &solution.bodies[bodies[0]].name, small.bold());
+            svg.text(
+                [left, start],
+                &solution.bodies[bodies[0]].name,
+                small.bold(),
+            );
             start += 13.0;
         }
         for line in axis.label.split_inclusive("Mises ") {
@@ -181,7 +230,10 @@ struct Canvas {
 
 impl Canvas {
     fn new(view: &View) -> Self {
-        let (width, height) = ((view.size[0] * FINE).ceil() as usize, (view.size[1] * FINE).ceil() as usize);
+        let (width, height) = (
+            (view.size[0] * FINE).ceil() as usize,
+            (view.size[1] * FINE).ceil() as usize,
+        );
         Self {
             corner: view.corner,
             width,
@@ -223,7 +275,7 @@ impl Canvas {
         let xs = [a.0[0], b.0[0], c.0[0]];
         let ys = [a.0[1], b.0[1], c.0[1]];
         let twice = (xs[1] - xs[0]) * (ys[2] - ys[0]) - (xs[2] - xs[0]) * (ys[1] - ys[0]);
-        if !(twice.abs() > 1e-12) {
+        if !twice.is_finite() || twice.abs() <= 1e-12 {
             return;
         }
         let span = |v: [f64; 3], size: usize| {
@@ -253,7 +305,12 @@ impl Canvas {
 type Vertex = ([f64; 2], f64);
 
 /// Rim of a cell (quadratic edges as four pieces) and its centre: a fan of triangles.
-fn fan(kind: CellKind, cell: &[u32], vertex: &dyn Fn(u32) -> Vertex, rim: &mut Vec<Vertex>) -> Vertex {
+fn fan(
+    kind: CellKind,
+    cell: &[u32],
+    vertex: &dyn Fn(u32) -> Vertex,
+    rim: &mut Vec<Vertex>,
+) -> Vertex {
     let corners = kind.corners();
     let quadratic = cell.len() > corners;
     for i in 0..corners {
@@ -297,7 +354,12 @@ mod tests {
         let places: Vec<Pixel> = mesh.points().to_vec();
         let values: Vec<f64> = places.iter().map(|p| p[0]).collect();
         let (width, height) = (60, 40);
-        let mut canvas = Canvas { corner: [0.0, 0.0], width, height, pixels: vec![0; width * height] };
+        let mut canvas = Canvas {
+            corner: [0.0, 0.0],
+            width,
+            height,
+            pixels: vec![0; width * height],
+        };
         canvas.mesh(&mesh, &places, &values, 20.0);
         let inside = canvas.pixels.iter().filter(|&&p| p > 0).count();
         // 20 × 10 at two pixels each way.
@@ -310,9 +372,14 @@ mod tests {
     fn largest_displacement_is_drawn_as_about_five_per_cent() {
         let (model, solution) = sample::tunnel(16);
         let scene = Scene::new(&model);
-        let (views, _) = scene.views(26.0, 34.0, BAR);
+        let (views, _) = scene.views(Margin::all(26.0), 34.0, BAR);
         let factor = magnification(&scene, &solution, &views[0]);
-        let most = largest(solution.bodies.iter().map(crate::output::json::max_displacement));
+        let most = largest(
+            solution
+                .bodies
+                .iter()
+                .map(crate::output::json::max_displacement),
+        );
         let part = factor * most / 40.0;
         assert!(part <= SHOWN && part > 0.4 * SHOWN, "{part}");
     }

@@ -17,14 +17,18 @@ pub fn history_figure(solution: &Solution<2>, tolerance: f64) -> Option<String> 
     if history.is_empty() {
         return None;
     }
-    let mut svg = Svg::new("history", "Residual and active contact unknowns against iterations", WIDTH, 330.0);
+    let mut svg = Svg::new(
+        "history",
+        "Residual and active contact unknowns against iterations",
+        WIDTH,
+        330.0,
+    );
     let at = |h: &HistoryPoint| h.iteration as f64;
-    let iterations: Vec<f64> = history.iter().map(|h| at(h)).collect();
+    let iterations: Vec<f64> = history.iter().map(at).collect();
     let residuals: Vec<f64> = history.iter().map(|h| h.residual).collect();
     let limits: Vec<f64> = residuals.iter().copied().chain([tolerance]).collect();
     // Room on both sides keeps the first and last points off the frame.
-    let mut x = Axis::linear("Iteration", "", &iterations, false, 10);
-    x.ticks.retain(|(value, _)| value.fract() == 0.0);
+    let mut x = Axis::counts("Iteration", &iterations, false, 10);
     let room = 0.02 * (x.range[1] - x.range[0]);
     x.range = [x.range[0] - room, x.range[1] + room];
     let upper = Frame {
@@ -35,26 +39,53 @@ pub fn history_figure(solution: &Solution<2>, tolerance: f64) -> Option<String> 
     };
     upper.draw(&mut svg, false);
     upper.level(&mut svg, tolerance, MUTED);
-    let small = Type { size: 10.5, ..Type::LABEL }.coloured(MUTED).rimmed();
+    let small = Type {
+        size: 10.5,
+        ..Type::LABEL
+    }
+    .coloured(MUTED)
+    .rimmed();
     let place = [upper.corner[0] + 8.0, upper.up(tolerance) - 5.0];
-    svg.text(place, &format!("tolerance {}", power(tolerance)), small.anchored(Anchor::Start));
+    svg.text(
+        place,
+        &format!("tolerance {}", power(tolerance)),
+        small.anchored(Anchor::Start),
+    );
     let [least, _] = upper.y.range;
     // An exact zero has no logarithm: it sits on the floor of the plot.
-    let curve: Vec<[f64; 2]> = history.iter().map(|h| [at(h), h.residual.max(least)]).collect();
+    let curve: Vec<[f64; 2]> = history
+        .iter()
+        .map(|h| [at(h), h.residual.max(least)])
+        .collect();
     upper.curve(&mut svg, &curve, SERIES[1], 1.8);
 
     let actives: Vec<f64> = history.iter().map(|h| h.active as f64).collect();
-    let mut y = Axis::linear("Active", "", &actives, true, 4).widened(0.08);
-    y.ticks.retain(|(value, _)| value.fract() == 0.0);
-    let lower = Frame { corner: [78.0, 196.0], size: [WIDTH - 94.0, 84.0], x, y };
+    let y = Axis::counts("Active", &actives, true, 4).widened(0.08);
+    let lower = Frame {
+        corner: [78.0, 196.0],
+        size: [WIDTH - 94.0, 84.0],
+        x,
+        y,
+    };
     lower.draw(&mut svg, true);
     let steps: Vec<[f64; 2]> = history.iter().map(|h| [at(h), h.active as f64]).collect();
     lower.curve(&mut svg, &steps, SERIES[2], 1.6);
     if history.len() <= MOST_DOTS {
         for (point, h) in curve.iter().zip(&history) {
-            let title = format!("iteration {}: residual {}, {} active", h.iteration, power(h.residual), h.active);
+            let title = format!(
+                "iteration {}: residual {}, {} active",
+                h.iteration,
+                power(h.residual),
+                h.active
+            );
             svg.circle(upper.at(point[0], point[1]), 2.6, SERIES[1], "#fff", &title);
-            svg.circle(lower.at(point[0], h.active as f64), 2.6, SERIES[2], "#fff", &title);
+            svg.circle(
+                lower.at(point[0], h.active as f64),
+                2.6,
+                SERIES[2],
+                "#fff",
+                &title,
+            );
         }
     }
     Some(svg.finish())
@@ -78,10 +109,18 @@ mod tests {
 
     #[test]
     fn long_histories_keep_their_end() {
-        let history: Vec<HistoryPoint> =
-            (1..=10_000).map(|iteration| HistoryPoint { iteration, residual: 1.0, active: 0 }).collect();
+        let history: Vec<HistoryPoint> = (1..=10_000)
+            .map(|iteration| HistoryPoint {
+                iteration,
+                residual: 1.0,
+                active: 0,
+            })
+            .collect();
         let list = thinned(&history);
         assert!(list.len() <= MOST + 1);
-        assert_eq!((list[0].iteration, list.last().unwrap().iteration), (1, 10_000));
+        assert_eq!(
+            (list[0].iteration, list.last().unwrap().iteration),
+            (1, 10_000)
+        );
     }
 }

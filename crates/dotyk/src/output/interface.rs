@@ -14,11 +14,18 @@ use crate::output::svg::{
 };
 use crate::output::text::{Labels, number, quantity};
 
+/// Lengths below this part of the displacements are rounding errors: the plots show them as zero.
+const NOISE: f64 = 1e-10;
 /// More nodes than this are drawn as a line without dots.
 const MOST_DOTS: usize = 120;
 
 /// The figure as an SVG element; nothing for a contact without nodes.
-pub fn interface_figure(scene: &Scene, contact: &ContactSolution<2>, law: &Law, id: &str) -> Option<String> {
+pub fn interface_figure(
+    scene: &Scene,
+    contact: &ContactSolution<2>,
+    law: &Law,
+    id: &str,
+) -> Option<String> {
     if contact.nodes.is_empty() {
         return None;
     }
@@ -40,16 +47,47 @@ pub fn interface_figure(scene: &Scene, contact: &ContactSolution<2>, law: &Law, 
 
     let description = format!("Contact pressure and gap along {}", contact.name);
     let mut svg = Svg::new(id, &description, WIDTH, 0.0);
-    let strip = if beside { 0.0 } else { (extent[1] / extent[0].max(f64::MIN_POSITIVE) * 560.0 + 96.0).min(260.0) };
+    let strip = if beside {
+        0.0
+    } else {
+        (extent[1] / extent[0].max(f64::MIN_POSITIVE) * 560.0 + 96.0).min(260.0)
+    };
     let left = 74.0;
-    let width = if beside { WIDTH - picture_width - left - 30.0 } else { WIDTH - left - 16.0 };
+    let width = if beside {
+        WIDTH - picture_width - left - 30.0
+    } else {
+        WIDTH - left - 16.0
+    };
     let top = strip + head;
-    draw_panels(&mut svg, &panels, &chain, &arcs, angles.as_deref(), [left, top], width, &labels);
+    draw_panels(
+        &mut svg,
+        &panels,
+        (&chain, &arcs, angles.as_deref()),
+        [left, top],
+        width,
+        &labels,
+    );
     let bottom = top + heights + 44.0;
     if beside {
-        picture(&mut svg, scene, contact, &chain, [WIDTH - picture_width, 6.0], [picture_width - 2.0, bottom - 12.0], &labels);
+        picture(
+            &mut svg,
+            scene,
+            contact,
+            &chain,
+            [WIDTH - picture_width, 6.0],
+            [picture_width - 2.0, bottom - 12.0],
+            &labels,
+        );
     } else {
-        picture(&mut svg, scene, contact, &chain, [left, 4.0], [width, strip - 8.0], &labels);
+        picture(
+            &mut svg,
+            scene,
+            contact,
+            &chain,
+            [left, 4.0],
+            [width, strip - 8.0],
+            &labels,
+        );
     }
     svg.set_height(bottom);
     Some(svg.finish())
@@ -66,7 +104,12 @@ struct Panel {
 }
 
 fn panels(chain: &[&ContactNode<2>], law: &Law, time: f64, labels: &Labels) -> Vec<Panel> {
-    let panel = |name: &str, unit: &str, values: Vec<f64>, bound: Option<Vec<f64>>, height: f64, series: usize| {
+    let panel = |name: &str,
+                 unit: &str,
+                 values: Vec<f64>,
+                 bound: Option<Vec<f64>>,
+                 height: f64,
+                 series: usize| {
         let mut seen = values.clone();
         seen.extend(bound.iter().flatten());
         Panel {
@@ -78,16 +121,38 @@ fn panels(chain: &[&ContactNode<2>], law: &Law, time: f64, labels: &Labels) -> V
         }
     };
     let pressures: Vec<f64> = chain.iter().map(|n| n.pressure).collect();
-    let gaps: Vec<f64> = chain.iter().map(|n| n.gap).collect();
+    let moved = chain
+        .iter()
+        .flat_map(|n| [n.displacement_nonmortar, n.displacement_mortar, n.gap]);
+    let scale = largest(moved.map(f64::abs));
+    let quiet = |length: f64| {
+        if length.abs() < NOISE * scale {
+            0.0
+        } else {
+            length
+        }
+    };
+    let gaps: Vec<f64> = chain.iter().map(|n| quiet(n.gap)).collect();
     let mut list = vec![
         panel("Pressure", &labels.stress, pressures, None, 170.0, 0),
         panel("Gap", &labels.length, gaps, None, 118.0, 1),
     ];
     if !matches!(law, Law::Frictionless) {
-        let shear = chain.iter().map(|n| dot(n.shear, tangent(n.normal))).collect();
-        let slip = chain.iter().map(|n| dot(n.slip, tangent(n.normal))).collect();
+        let shear = chain
+            .iter()
+            .map(|n| dot(n.shear, tangent(n.normal)))
+            .collect();
+        let slip = chain
+            .iter()
+            .map(|n| quiet(dot(n.slip, tangent(n.normal))))
+            .collect();
         let bound = match law {
-            Law::Coulomb(f) => Some(chain.iter().map(|n| f.at(n.point, time) * n.pressure).collect()),
+            Law::Coulomb(f) => Some(
+                chain
+                    .iter()
+                    .map(|n| f.at(n.point, time) * n.pressure)
+                    .collect(),
+            ),
             Law::Tresca(f) => Some(chain.iter().map(|n| f.at(n.point, time)).collect()),
             _ => None,
         };
@@ -98,18 +163,21 @@ fn panels(chain: &[&ContactNode<2>], law: &Law, time: f64, labels: &Labels) -> V
     list
 }
 
-#[allow(clippy::too_many_arguments)]
 fn draw_panels(
     svg: &mut Svg,
     panels: &[Panel],
-    chain: &[&ContactNode<2>],
-    arcs: &[f64],
-    angles: Option<&[f64]>,
+    (chain, arcs, angles): (&[&ContactNode<2>], &[f64], Option<&[f64]>),
     corner: Pixel,
     width: f64,
     labels: &Labels,
 ) {
-    let x = Axis::linear("Arc length along the interface", &labels.length, arcs, false, 8);
+    let x = Axis::linear(
+        "Arc length along the interface",
+        &labels.length,
+        arcs,
+        false,
+        8,
+    );
     let mut top = corner[1];
     for (k, panel) in panels.iter().enumerate() {
         let frame = Frame {
@@ -122,11 +190,20 @@ fn draw_panels(
         frame.draw(svg, k + 1 == panels.len());
         if let Some(bound) = &panel.bound {
             for half in bound.chunks(arcs.len()) {
-                let curve: Vec<[f64; 2]> = arcs.iter().copied().zip(half.iter().copied()).map(<[f64; 2]>::from).collect();
+                let curve: Vec<[f64; 2]> = arcs
+                    .iter()
+                    .copied()
+                    .zip(half.iter().copied())
+                    .map(<[f64; 2]>::from)
+                    .collect();
                 frame.curve(svg, &curve, MUTED, 0.9);
             }
         }
-        let curve: Vec<[f64; 2]> = arcs.iter().zip(&panel.values).map(|(&s, &v)| [s, v]).collect();
+        let curve: Vec<[f64; 2]> = arcs
+            .iter()
+            .zip(&panel.values)
+            .map(|(&s, &v)| [s, v])
+            .collect();
         frame.curve(svg, &curve, panel.colour, 1.8);
         if chain.len() <= MOST_DOTS {
             for (node, p) in chain.iter().zip(&curve).filter(|(_, p)| p[1].is_finite()) {
@@ -135,7 +212,14 @@ fn draw_panels(
             }
         }
         if k == 0 {
-            key(svg, [corner[0] + width, top - if angles.is_some() { 36.0 } else { 10.0 }], chain);
+            key(
+                svg,
+                [
+                    corner[0] + width,
+                    top - if angles.is_some() { 36.0 } else { 10.0 },
+                ],
+                chain,
+            );
             if let Some(angles) = angles {
                 angle_axis(svg, &frame, arcs, angles);
             }
@@ -160,8 +244,16 @@ fn shade(svg: &mut Svg, frame: &Frame, chain: &[&ContactNode<2>], arcs: &[f64]) 
         if i < chain.len() && fill(chain[i]) == fill(chain[start]) {
             continue;
         }
-        let from = if start == 0 { arcs[0] } else { 0.5 * (arcs[start - 1] + arcs[start]) };
-        let to = if i == chain.len() { arcs[i - 1] } else { 0.5 * (arcs[i - 1] + arcs[i]) };
+        let from = if start == 0 {
+            arcs[0]
+        } else {
+            0.5 * (arcs[start - 1] + arcs[start])
+        };
+        let to = if i == chain.len() {
+            arcs[i - 1]
+        } else {
+            0.5 * (arcs[i - 1] + arcs[i])
+        };
         if let Some(colour) = fill(chain[start]) {
             frame.band(svg, from, to, colour);
         }
@@ -177,7 +269,11 @@ fn key(svg: &mut Svg, end: Pixel, chain: &[&ContactNode<2>]) {
         ("closed", CLOSED, chain.iter().any(|n| in_contact(n.status))),
     ];
     for (name, fill, _) in kinds.iter().filter(|k| k.2) {
-        let small = Type { size: 10.5, ..Type::LABEL }.coloured(MUTED);
+        let small = Type {
+            size: 10.5,
+            ..Type::LABEL
+        }
+        .coloured(MUTED);
         x -= text_width(name, 10.5);
         svg.text([x, end[1]], name, small.anchored(Anchor::Start));
         x -= 18.0;
@@ -194,7 +290,11 @@ fn angle_axis(svg: &mut Svg, frame: &Frame, arcs: &[f64], angles: &[f64]) {
         .into_iter()
         .find(|e| span / e <= 9.0)
         .unwrap_or(90.0);
-    let small = Type { size: 10.5, ..Type::LABEL }.coloured(MUTED);
+    let small = Type {
+        size: 10.5,
+        ..Type::LABEL
+    }
+    .coloured(MUTED);
     let y = frame.corner[1];
     let (low, high) = (first.min(last), first.max(last));
     let mut k = (low / every - 1e-6).ceil();
@@ -204,8 +304,16 @@ fn angle_axis(svg: &mut Svg, frame: &Frame, arcs: &[f64], angles: &[f64]) {
         let x = frame.across(arcs[0] + t * (arcs[arcs.len() - 1] - arcs[0]));
         svg.line([x, y - 4.0], [x, y], INK, 0.8);
         // Beyond a full turn the scale starts again.
-        let shown = if angle > 180.0 + 1e-6 { angle - 360.0 } else { angle } + 0.0;
-        svg.text([x, y - 8.0], &format!("{shown:.0}°").replace('-', "−"), small);
+        let shown = if angle > 180.0 + 1e-6 {
+            angle - 360.0
+        } else {
+            angle
+        } + 0.0;
+        svg.text(
+            [x, y - 8.0],
+            &format!("{shown:.0}°").replace('-', "−"),
+            small,
+        );
         k += 1.0;
     }
     let at = [frame.corner[0], y - 25.0];
@@ -228,7 +336,10 @@ fn picture(
     let caption = 18.0;
     let room = [size[0] - 12.0, size[1] - 12.0 - caption];
     // Arrows take 15 % of the interface's size, at least what can be seen.
-    let reach = 0.16 * (high[0] - low[0]).max(high[1] - low[1]).max(f64::MIN_POSITIVE);
+    let reach = 0.16
+        * (high[0] - low[0])
+            .max(high[1] - low[1])
+            .max(f64::MIN_POSITIVE);
     let tips = chain.iter().map(|n| add_scaled(n.point, reach, n.normal));
     let (low, high) = bounding_box(&points.iter().copied().chain(tips).collect::<Vec<_>>());
     let margin = 0.25 * reach;
@@ -237,30 +348,77 @@ fn picture(
         .into_iter()
         .fold(f64::INFINITY, f64::min);
     let middle = [0, 1].map(|i| 0.5 * (low[i] + high[i]));
-    let center = [corner[0] + 0.5 * size[0], corner[1] + 0.5 * (size[1] - caption)];
-    let pixel = |p: Point<2>| [center[0] + scale * (p[0] - middle[0]), center[1] - scale * (p[1] - middle[1])];
+    let center = [
+        corner[0] + 0.5 * size[0],
+        corner[1] + 0.5 * (size[1] - caption),
+    ];
+    let pixel = |p: Point<2>| {
+        [
+            center[0] + scale * (p[0] - middle[0]),
+            center[1] - scale * (p[1] - middle[1]),
+        ]
+    };
 
     svg.begin_clip(corner, [size[0], size[1] - caption]);
     for (i, body) in scene.model.bodies.iter().enumerate() {
         let path = outline_path(&scene.outlines[i], &|n| pixel(body.mesh.points()[n]));
-        svg.path(&path, "#9aa5b0", 0.8, TINTS[i % TINTS.len()], "fill-rule=\"evenodd\"");
+        svg.path(
+            &path,
+            "#9aa5b0",
+            0.8,
+            TINTS[i % TINTS.len()],
+            "fill-rule=\"evenodd\"",
+        );
     }
-    let length = |pressure: f64| if most > 0.0 && pressure.is_finite() { reach * pressure.max(0.0) / most } else { 0.0 };
-    let tops: Vec<Pixel> = chain.iter().map(|n| pixel(add_scaled(n.point, length(n.pressure), n.normal))).collect();
+    let length = |pressure: f64| {
+        if most > 0.0 && pressure.is_finite() {
+            reach * pressure.max(0.0) / most
+        } else {
+            0.0
+        }
+    };
+    let tops: Vec<Pixel> = chain
+        .iter()
+        .map(|n| pixel(add_scaled(n.point, length(n.pressure), n.normal)))
+        .collect();
     let feet: Vec<Pixel> = chain.iter().map(|n| pixel(n.point)).collect();
-    let fence: Vec<Pixel> = feet.iter().copied().chain(tops.iter().rev().copied()).collect();
-    svg.path(&segments(&fence, true), "none", 0.0, SERIES[0], "fill-opacity=\"0.14\"");
+    let fence: Vec<Pixel> = feet
+        .iter()
+        .copied()
+        .chain(tops.iter().rev().copied())
+        .collect();
+    svg.path(
+        &segments(&fence, true),
+        "none",
+        0.0,
+        SERIES[0],
+        "fill-opacity=\"0.14\"",
+    );
     // As many arrows as can stand side by side.
     let along: f64 = feet.windows(2).map(|w| distance(w[0], w[1])).sum();
     let every = (chain.len() as f64 * 7.0 / along.max(1.0)).ceil().max(1.0) as usize;
     for i in (0..chain.len()).step_by(every) {
         svg.arrow(tops[i], feet[i], SERIES[0], 0.8);
     }
-    svg.path(&polyline(&tops), SERIES[0], 1.2, "none", "stroke-linejoin=\"round\"");
+    svg.path(
+        &polyline(&tops),
+        SERIES[0],
+        1.2,
+        "none",
+        "stroke-linejoin=\"round\"",
+    );
     interface_line(svg, chain, &feet);
     svg.end_clip();
     let text = format!("{}: p ≤ {}", contact.name, quantity(most, &labels.stress));
-    svg.text([center[0], corner[1] + size[1] - 3.0], &text, Type { size: 10.5, ..Type::LABEL }.coloured(MUTED));
+    svg.text(
+        [center[0], corner[1] + size[1] - 3.0],
+        &text,
+        Type {
+            size: 10.5,
+            ..Type::LABEL
+        }
+        .coloured(MUTED),
+    );
 }
 
 /// Heavy where closed, thin and grey where open.
@@ -311,7 +469,10 @@ mod tests {
 
     #[test]
     fn angles_run_on_past_half_a_turn() {
-        let points: Vec<Point<2>> = (0..=8).map(|i| f64::from(i) * 45f64.to_radians()).map(|t: f64| [t.cos(), t.sin()]).collect();
+        let points: Vec<Point<2>> = (0..=8)
+            .map(|i| f64::from(i) * 45f64.to_radians())
+            .map(|t: f64| [t.cos(), t.sin()])
+            .collect();
         let list = angles(&points, [0.0, 0.0]);
         assert!((list[8] - 360.0).abs() < 1e-9 && (list[5] - 225.0).abs() < 1e-9);
     }
@@ -320,7 +481,8 @@ mod tests {
     fn friction_adds_shear_and_slip() {
         let (model, solution) = sample::tunnel(16);
         let scene = Scene::new(&model);
-        let plain = interface_figure(&scene, &solution.contacts[0], &Law::Frictionless, "a").unwrap();
+        let plain =
+            interface_figure(&scene, &solution.contacts[0], &Law::Frictionless, "a").unwrap();
         assert!(plain.contains("Pressure [MN/m²]") && !plain.contains("Slip"));
         let law = Law::Coulomb(0.3.into());
         let with = interface_figure(&scene, &solution.contacts[0], &law, "a").unwrap();

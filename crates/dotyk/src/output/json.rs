@@ -82,7 +82,13 @@ pub fn closed_and_open<const D: usize>(nodes: &[ContactNode<D>]) -> (usize, usiz
 
 /// Largest penetration of a contact, ≥ 0; NaN when no node has a gap.
 pub fn max_penetration<const D: usize>(nodes: &[ContactNode<D>]) -> f64 {
-    largest(nodes.iter().map(|n| n.gap).filter(|g| !g.is_nan()).map(|g| (-g).max(0.0)))
+    largest(
+        nodes
+            .iter()
+            .map(|n| n.gap)
+            .filter(|g| !g.is_nan())
+            .map(|g| (-g).max(0.0)),
+    )
 }
 
 /// Largest length of the displacement.
@@ -255,7 +261,12 @@ mod tests {
     use serde_json::Value;
 
     fn keys(value: &Value) -> Vec<&str> {
-        value.as_object().unwrap().keys().map(String::as_str).collect()
+        value
+            .as_object()
+            .unwrap()
+            .keys()
+            .map(String::as_str)
+            .collect()
     }
 
     /// serde_json sorts the keys of what it parses.
@@ -272,20 +283,39 @@ mod tests {
         assert_eq!(
             keys(&value),
             sorted([
-                "case", "version", "converged", "solver", "iterations", "dofs", "contact_unknowns", "threads",
-                "peak_memory_bytes", "seconds", "certificate", "contacts", "bodies", "probes", "warnings",
+                "case",
+                "version",
+                "converged",
+                "solver",
+                "iterations",
+                "dofs",
+                "contact_unknowns",
+                "threads",
+                "peak_memory_bytes",
+                "seconds",
+                "certificate",
+                "contacts",
+                "bodies",
+                "probes",
+                "warnings",
             ])
         );
         assert_eq!(
             keys(&value["seconds"]),
             sorted([
-                "read", "assemble", "order", "factor", "condense", "contact", "recover", "write", "total",
+                "read", "assemble", "order", "factor", "condense", "contact", "recover", "write",
+                "total",
             ])
         );
         assert_eq!(
             keys(&value["certificate"]),
             sorted([
-                "penetration", "tension", "complementarity", "imbalance_force", "imbalance_moment", "energy_gap",
+                "penetration",
+                "tension",
+                "complementarity",
+                "imbalance_force",
+                "imbalance_moment",
+                "energy_gap",
                 "slip_violation",
             ])
         );
@@ -296,21 +326,39 @@ mod tests {
         assert_eq!(
             keys(&value["contacts"][0]),
             sorted([
-                "name", "resultant", "closed", "open", "length", "max_pressure", "max_penetration", "imbalance",
+                "name",
+                "resultant",
+                "closed",
+                "open",
+                "length",
+                "max_pressure",
+                "max_penetration",
+                "imbalance",
             ])
         );
         assert_eq!(
             keys(&value["bodies"][0]),
             sorted([
-                "name", "nodes", "cells", "dofs", "floating_modes", "rigid", "reaction", "max_displacement",
-                "max_von_mises", "strain_energy",
+                "name",
+                "nodes",
+                "cells",
+                "dofs",
+                "floating_modes",
+                "rigid",
+                "reaction",
+                "max_displacement",
+                "max_von_mises",
+                "strain_energy",
             ])
         );
         assert_eq!(
             keys(&value["bodies"][0]["rigid"]),
             sorted(["translation", "rotation"])
         );
-        assert_eq!(keys(&value["probes"][0]), sorted(["name", "quantity", "value"]));
+        assert_eq!(
+            keys(&value["probes"][0]),
+            sorted(["name", "quantity", "value"])
+        );
     }
 
     #[test]

@@ -60,7 +60,9 @@ pub enum Error {
         name: String,
     },
     /// Model and solution do not belong together.
-    #[error("the solution has {found} {what}, the model has {expected}: they do not belong together")]
+    #[error(
+        "the solution has {found} {what}, the model has {expected}: they do not belong together"
+    )]
     Mismatch {
         /// Bodies, contacts or nodes of a body.
         what: String,
@@ -92,7 +94,10 @@ pub fn write(
         stage.put(&format!("{}.vtu", body.name), content.as_bytes())?;
     }
     stage.put("case.pvd", vtu::collection(solution).as_bytes())?;
-    stage.put("contact.csv", csv::contact_csv(model, &[solution]).as_bytes())?;
+    stage.put(
+        "contact.csv",
+        csv::contact_csv(model, &[solution]).as_bytes(),
+    )?;
 
     let mut timed = solution.clone();
     timed.seconds.write = start.elapsed().as_secs_f64();
@@ -117,7 +122,11 @@ pub fn write_summary(
     let mut stage = Stage::open(dir)?;
     let summary = json::summary(model, solution, stem, false);
     stage.put("summary.json", summary.as_bytes())?;
-    let mut stale: Vec<String> = model.bodies.iter().map(|b| format!("{}.vtu", b.name)).collect();
+    let mut stale: Vec<String> = model
+        .bodies
+        .iter()
+        .map(|b| format!("{}.vtu", b.name))
+        .collect();
     stale.extend(["case.pvd", "contact.csv", "report.html"].map(String::from));
     stage.commit(&stale)?;
     Ok(dir.join("summary.json"))
@@ -133,7 +142,10 @@ pub fn write_check_page(
     dir: &Path,
 ) -> Result<PathBuf, Error> {
     let mut stage = Stage::open(dir)?;
-    stage.put("check.html", report::check_page(model, text, stem).as_bytes())?;
+    stage.put(
+        "check.html",
+        report::check_page(model, text, stem).as_bytes(),
+    )?;
     stage.commit(&[])?;
     Ok(dir.join("check.html"))
 }
@@ -143,8 +155,14 @@ pub fn write_check_page(
 /// Errors: any [`Error`]; then the folder is as it was before.
 pub fn write_comparison(comparison: &Comparison, dir: &Path) -> Result<Vec<PathBuf>, Error> {
     let mut stage = Stage::open(dir)?;
-    stage.put("compare.csv", compare::comparison_csv(comparison).as_bytes())?;
-    stage.put("compare.svg", compare::comparison_svg(comparison).as_bytes())?;
+    stage.put(
+        "compare.csv",
+        compare::comparison_csv(comparison).as_bytes(),
+    )?;
+    stage.put(
+        "compare.svg",
+        compare::comparison_svg(comparison).as_bytes(),
+    )?;
     stage.commit(&[])
 }
 
@@ -154,7 +172,11 @@ fn check<const D: usize>(model: &Model<D>, solution: &Solution<D>) -> Result<(),
         if expected == found {
             Ok(())
         } else {
-            Err(Error::Mismatch { what: what.to_string(), expected, found })
+            Err(Error::Mismatch {
+                what: what.to_string(),
+                expected,
+                found,
+            })
         }
     };
     same("bodies", model.bodies.len(), solution.bodies.len())?;
@@ -162,10 +184,16 @@ fn check<const D: usize>(model: &Model<D>, solution: &Solution<D>) -> Result<(),
     for (body, answer) in model.bodies.iter().zip(&solution.bodies) {
         let good = |c: char| c.is_ascii_alphanumeric() || c == '_' || c == '-';
         if body.name.is_empty() || !body.name.chars().all(good) {
-            return Err(Error::Name { name: body.name.clone() });
+            return Err(Error::Name {
+                name: body.name.clone(),
+            });
         }
         let what = format!("nodes of body {}", body.name);
-        for found in [answer.displacement.len(), answer.stress.len(), answer.von_mises.len()] {
+        for found in [
+            answer.displacement.len(),
+            answer.stress.len(),
+            answer.von_mises.len(),
+        ] {
             same(&what, body.mesh.points().len(), found)?;
         }
     }
@@ -194,12 +222,22 @@ mod tests {
         let (model, solution) = sample::tunnel(16);
         let paths = write(&model, &solution, "case_1", scratch.path()).unwrap();
         let mut expected = vec![
-            "case.pvd", "contact.csv", "notes.txt", "report.html", "ring.vtu", "rock.vtu", "summary.json",
+            "case.pvd",
+            "contact.csv",
+            "notes.txt",
+            "report.html",
+            "ring.vtu",
+            "rock.vtu",
+            "summary.json",
         ];
         assert_eq!(names(scratch.path()), expected);
         expected.retain(|n| *n != "notes.txt");
         assert_eq!(paths.len(), expected.len());
-        assert!(fs::read_to_string(scratch.path().join("contact.csv")).unwrap().starts_with("step,"));
+        assert!(
+            fs::read_to_string(scratch.path().join("contact.csv"))
+                .unwrap()
+                .starts_with("step,")
+        );
     }
 
     #[test]

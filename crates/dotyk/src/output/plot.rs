@@ -25,8 +25,17 @@ impl Axis {
         if zero {
             (low, high) = (low.min(0.0), high.max(0.0));
         }
-        if !(high - low > 1e-12 * high.abs().max(low.abs()).max(f64::MIN_POSITIVE)) {
-            let room = if high == 0.0 { 1.0 } else { 0.5 * high.abs() };
+        if low == 0.0 && high == 0.0 {
+            // Nothing but zeros: no other number would mean anything.
+            return Self {
+                label: with_unit(name, unit),
+                range: [-1.0, 1.0],
+                log: false,
+                ticks: vec![(0.0, "0".to_string())],
+            };
+        }
+        if high - low <= 1e-12 * high.abs().max(low.abs()) {
+            let room = 0.5 * high.abs();
             (low, high) = (low - room, high + room);
         }
         let step = round_up_to_125((high - low) / most as f64);
@@ -66,10 +75,26 @@ impl Axis {
         self
     }
 
+    /// An axis of whole numbers.
+    pub fn counts(name: &str, values: &[f64], zero: bool, most: usize) -> Self {
+        let mut axis = Self::linear(name, "", values, zero, most);
+        axis.label = name.to_string();
+        axis.ticks
+            .retain(|(value, _)| (value - value.round()).abs() < 1e-6);
+        for (value, text) in &mut axis.ticks {
+            *text = crate::output::text::count(value.max(0.0).round() as usize);
+        }
+        axis
+    }
+
     /// A logarithmic axis over the positive values.
     pub fn log(name: &str, values: &[f64]) -> Self {
         let (low, high) = finite_range(values.iter().copied().filter(|&v| v > 0.0));
-        let (low, high) = if low > 0.0 && high > 0.0 { (low, high) } else { (0.1, 1.0) };
+        let (low, high) = if low > 0.0 && high > 0.0 {
+            (low, high)
+        } else {
+            (0.1, 1.0)
+        };
         // Room of a tenth of the span, at least of a factor 1.2, keeps points off the frame.
         let room = (high / low).powf(0.05).max(1.2);
         let (low, high) = (low / room, high * room);
@@ -77,7 +102,7 @@ impl Axis {
         let every = (decades / 7.0).ceil().max(1.0) as i32;
         let mut ticks = Vec::new();
         for decade in low.log10().floor() as i32..=high.log10().ceil() as i32 {
-            let multiples: &[i32] = if decades < 1.0 { &[1, 2, 5] } else { &[1] };
+            let multiples: &[i32] = if decades < 2.0 { &[1, 2, 5] } else { &[1] };
             for &m in multiples {
                 let value = f64::from(m) * 10f64.powi(decade);
                 if value >= low && value <= high && decade % every == 0 {
@@ -119,7 +144,9 @@ pub fn round_up_to_125(value: f64) -> f64 {
     let decade = 10f64.powf(value.log10().floor());
     let mantissa = value / decade;
     // A power of ten may come out a rounding error above one.
-    let round = [1.0, 2.0, 5.0].into_iter().find(|m| mantissa <= m * (1.0 + 1e-9));
+    let round = [1.0, 2.0, 5.0]
+        .into_iter()
+        .find(|m| mantissa <= m * (1.0 + 1e-9));
     round.unwrap_or(10.0) * decade
 }
 
@@ -127,7 +154,9 @@ pub fn round_up_to_125(value: f64) -> f64 {
 pub fn round_down_to_125(value: f64) -> f64 {
     let decade = 10f64.powf(value.log10().floor());
     let mantissa = value / decade;
-    let round = [5.0, 2.0].into_iter().find(|m| mantissa >= m * (1.0 - 1e-9));
+    let round = [5.0, 2.0]
+        .into_iter()
+        .find(|m| mantissa >= m * (1.0 - 1e-9));
     round.unwrap_or(1.0) * decade
 }
 
@@ -188,7 +217,11 @@ impl Frame {
     pub fn draw(&self, svg: &mut Svg, with_x_numbers: bool) {
         let [left, top] = self.corner;
         let (right, bottom) = (left + self.size[0], top + self.size[1]);
-        let small = Type { size: 10.5, ..Type::LABEL }.coloured(MUTED);
+        let small = Type {
+            size: 10.5,
+            ..Type::LABEL
+        }
+        .coloured(MUTED);
         for (value, text) in &self.x.ticks {
             let x = self.across(*value);
             svg.line([x, top], [x, bottom], RULE, 0.7);
@@ -207,7 +240,11 @@ impl Frame {
         }
         svg.rectangle(self.corner, self.size, INK, "none");
         if with_x_numbers {
-            svg.text([(left + right) / 2.0, bottom + 33.0], &self.x.label, Type::LABEL);
+            svg.text(
+                [(left + right) / 2.0, bottom + 33.0],
+                &self.x.label,
+                Type::LABEL,
+            );
         }
         let at = [left - 15.0 - widest, (top + bottom) / 2.0];
         svg.turned_text(at, &self.y.label, Type::LABEL, -90.0);
@@ -223,7 +260,12 @@ impl Frame {
     /// A dashed horizontal line at a value.
     pub fn level(&self, svg: &mut Svg, y: f64, colour: &str) {
         let y = self.up(y);
-        let path = format!("M{} {}H{}", short(self.corner[0]), short(y), short(self.corner[0] + self.size[0]));
+        let path = format!(
+            "M{} {}H{}",
+            short(self.corner[0]),
+            short(y),
+            short(self.corner[0] + self.size[0])
+        );
         svg.path(&path, colour, 1.0, "none", "stroke-dasharray=\"5 3\"");
     }
 }
@@ -234,7 +276,12 @@ mod tests {
 
     #[test]
     fn round_numbers_enclose_the_value() {
-        for (value, down, up) in [(3.0, 2.0, 5.0), (1.0, 1.0, 1.0), (0.07, 0.05, 0.1), (700.0, 500.0, 1000.0)] {
+        for (value, down, up) in [
+            (3.0, 2.0, 5.0),
+            (1.0, 1.0, 1.0),
+            (0.07, 0.05, 0.1),
+            (700.0, 500.0, 1000.0),
+        ] {
             assert!((round_down_to_125(value) / down - 1.0).abs() < 1e-12);
             assert!((round_up_to_125(value) / up - 1.0).abs() < 1e-12);
         }
@@ -252,14 +299,23 @@ mod tests {
         for values in [vec![2.0; 3], vec![0.0], vec![f64::NAN], vec![]] {
             let axis = Axis::linear("q", "", &values, false, 5);
             assert!(axis.range[0] < axis.range[1], "{values:?}");
-            assert!(axis.ticks.len() >= 2, "{values:?}");
+            assert!(!axis.ticks.is_empty(), "{values:?}");
         }
+        assert_eq!(
+            Axis::linear("q", "", &[0.0; 3], true, 5).ticks,
+            [(0.0, "0".to_string())]
+        );
         assert!(Axis::log("r", &[f64::NAN, 0.0]).ticks.len() >= 2);
     }
 
     #[test]
     fn log_axis_is_linear_in_the_exponent() {
-        let axis = Axis { label: String::new(), range: [1e-8, 1.0], log: true, ticks: Vec::new() };
+        let axis = Axis {
+            label: String::new(),
+            range: [1e-8, 1.0],
+            log: true,
+            ticks: Vec::new(),
+        };
         assert!((axis.fraction(1e-4) - 0.5).abs() < 1e-12);
     }
 }

@@ -9,7 +9,9 @@ use crate::model::{Analysis, BodySolution, ContactSolution, Model, Solution};
 use crate::output::deformed::deformed_figure;
 use crate::output::history::history_figure;
 use crate::output::interface::{arc_lengths, interface_figure};
-use crate::output::json::{VERSION, closed_and_open, in_contact, largest, max_displacement, max_penetration};
+use crate::output::json::{
+    VERSION, closed_and_open, in_contact, largest, max_displacement, max_penetration,
+};
 use crate::output::scene::Scene;
 use crate::output::setup::setup_figure;
 use crate::output::text::{Labels, count, escape, number, power, quantity, seconds, vector};
@@ -24,17 +26,21 @@ pub fn page(model: &Model<2>, solution: &Solution<2>, stem: &str) -> String {
     let mut out = head(model, stem);
     out += &banner(solution);
     out += &warnings(&solution.warnings);
-    out += &key_figures(model, solution, &labels);
+    out += &key_figures(solution, &labels);
     out += &probes(model, solution, &labels);
     out += "<h2>Model</h2>\n";
-    out += &figure(&setup_figure(&scene), "Mesh, supports and loads", &mesh_caption(model));
+    out += &figure(
+        &setup_figure(&scene),
+        "Mesh, supports and loads",
+        &mesh_caption(model),
+    );
     out += "<h2>Deformation and stress</h2>\n";
     let (svg, caption) = deformed_figure(&scene, solution);
     let more = " Dashed: undeformed outline. Colour: von Mises stress, recovered at the nodes.";
     out += &figure(&svg, "Deformed shape", &format!("{caption}{more}"));
     out += &bodies(model, solution, &labels);
     out += &contacts(model, solution, &scene, &labels);
-    out += &balance(model, solution, &labels);
+    out += &balance(solution, &labels);
     out += &certificate(solution, &labels);
     out += &solver(model, solution, &labels);
     out += &contact_nodes(solution, &labels);
@@ -48,14 +54,24 @@ pub fn check_page(model: &Model<2>, text: &str, stem: &str) -> String {
     let scene = Scene::new(model);
     let mut out = head(model, stem);
     out += "<h2>Mesh, supports and loads</h2>\n";
-    out += &figure(&setup_figure(&scene), "Mesh, supports and loads", &mesh_caption(model));
+    out += &figure(
+        &setup_figure(&scene),
+        "Mesh, supports and loads",
+        &mesh_caption(model),
+    );
     out += &format!("<h2>Findings</h2>\n<pre>{}</pre>\n", escape(text));
-    out += &format!("<footer>Checked with dotyk {VERSION}. Nothing has been solved.</footer>\n</main>\n</body>\n</html>\n");
+    out += &format!(
+        "<footer>Checked with dotyk {VERSION}. Nothing has been solved.</footer>\n</main>\n</body>\n</html>\n"
+    );
     out
 }
 
 fn head(model: &Model<2>, stem: &str) -> String {
-    let title = if model.title.is_empty() { stem } else { &model.title };
+    let title = if model.title.is_empty() {
+        stem
+    } else {
+        &model.title
+    };
     let source = if model.source.is_empty() {
         String::new()
     } else {
@@ -92,10 +108,15 @@ fn analysis_in_words(model: &Model<2>) -> String {
 }
 
 fn mesh_caption(model: &Model<2>) -> String {
-    let cells: usize = model.bodies.iter().flat_map(|b| b.mesh.blocks()).map(|b| b.cells().len()).sum();
+    let cells: usize = model
+        .bodies
+        .iter()
+        .flat_map(|b| b.mesh.blocks())
+        .map(|b| b.cells().len())
+        .sum();
     let nodes: usize = model.bodies.iter().map(|b| b.mesh.points().len()).sum();
     format!(
-        "{} cells, {} nodes. Mesh lines closer than four pixels are left out. Arrows of one load are to scale among \
+        "{} cells, {} nodes. Cells narrower than four pixels are drawn without their edges. Arrows of one load are to scale among \
          themselves.",
         count(cells),
         count(nodes)
@@ -121,7 +142,14 @@ fn banner(solution: &Solution<2>) -> String {
         .figures()
         .iter()
         .filter(|(_, f)| !f.holds())
-        .map(|(name, f)| format!("{} (relative {}, limit {})", name.replace('_', " "), power(f.relative), power(f.limit)))
+        .map(|(name, f)| {
+            format!(
+                "{} (relative {}, limit {})",
+                name.replace('_', " "),
+                power(f.relative),
+                power(f.limit)
+            )
+        })
         .collect();
     let reason = if failed.is_empty() {
         "The solver reports that it did not reach its goal.".to_string()
@@ -139,19 +167,34 @@ fn warnings(list: &[String]) -> String {
     if list.is_empty() {
         return String::new();
     }
-    let items: String = list.iter().map(|w| format!("<li>{}</li>\n", escape(w))).collect();
-    let title = if list.len() == 1 { "Warning".to_string() } else { format!("{} warnings", list.len()) };
+    let items: String = list
+        .iter()
+        .map(|w| format!("<li>{}</li>\n", escape(w)))
+        .collect();
+    let title = if list.len() == 1 {
+        "Warning".to_string()
+    } else {
+        format!("{} warnings", list.len())
+    };
     format!("<div class=\"banner warn\"><b>{title}</b><ul>\n{items}</ul></div>\n")
 }
 
-fn key_figures(model: &Model<2>, solution: &Solution<2>, labels: &Labels) -> String {
+fn key_figures(solution: &Solution<2>, labels: &Labels) -> String {
     let mut cards: Vec<(&str, String, String)> = Vec::new();
     if let Some((body, value)) = greatest(&solution.bodies, max_displacement) {
-        cards.push(("Largest displacement", quantity(value, &labels.length), body));
+        cards.push((
+            "Largest displacement",
+            quantity(value, &labels.length),
+            body,
+        ));
     }
     let stress = |b: &BodySolution<2>| largest(b.von_mises.iter().copied());
     if let Some((body, value)) = greatest(&solution.bodies, stress) {
-        cards.push(("Largest von Mises stress", quantity(value, &labels.stress), body));
+        cards.push((
+            "Largest von Mises stress",
+            quantity(value, &labels.stress),
+            body,
+        ));
     }
     let nodes = || solution.contacts.iter().flat_map(|c| &c.nodes);
     if !solution.contacts.is_empty() {
@@ -161,7 +204,11 @@ fn key_figures(model: &Model<2>, solution: &Solution<2>, labels: &Labels) -> Str
             .iter()
             .max_by(|a, b| peak(a).total_cmp(&peak(b)))
             .map_or(String::new(), |c| c.name.clone());
-        cards.push(("Largest contact pressure", quantity(largest(solution.contacts.iter().map(peak)), &labels.stress), name));
+        cards.push((
+            "Largest contact pressure",
+            quantity(largest(solution.contacts.iter().map(peak)), &labels.stress),
+            name,
+        ));
         let whole: f64 = solution.contacts.iter().map(side_length).sum();
         let closed: f64 = solution.contacts.iter().map(|c| c.length).sum();
         cards.push((
@@ -170,26 +217,44 @@ fn key_figures(model: &Model<2>, solution: &Solution<2>, labels: &Labels) -> Str
             format!("of {}", quantity(whole, &labels.length)),
         ));
         let gap = largest(nodes().map(|n| n.gap));
-        cards.push(("Largest gap", quantity(gap, &labels.length), "after deformation".to_string()));
+        cards.push((
+            "Largest gap",
+            quantity(gap, &labels.length),
+            "after deformation".to_string(),
+        ));
     }
     let energy: f64 = solution.bodies.iter().map(|b| b.strain_energy).sum();
-    cards.push(("Elastic energy", quantity(energy, &labels.energy), "all bodies".to_string()));
+    cards.push((
+        "Elastic energy",
+        quantity(energy, &labels.energy),
+        "all bodies".to_string(),
+    ));
     cards.push((
         "Unknowns",
         count(solution.dofs),
-        format!("displacements; {} contact forces", count(solution.contact_unknowns)),
+        format!(
+            "displacements; {} contact forces",
+            count(solution.contact_unknowns)
+        ),
     ));
-    let plural = if solution.solver.iterations == 1 { "iteration" } else { "iterations" };
+    let plural = if solution.solver.iterations == 1 {
+        "iteration"
+    } else {
+        "iterations"
+    };
     cards.push((
         "Contact solver",
         solution.solver.method.to_string(),
         format!("{} {plural}", count(solution.solver.iterations)),
     ));
-    let _ = model;
     let cards: String = cards
         .iter()
         .map(|(name, value, note)| {
-            format!("<div><span>{name}</span><strong>{}</strong><span>{}</span></div>\n", escape(value), escape(note))
+            format!(
+                "<div><span>{name}</span><strong>{}</strong><span>{}</span></div>\n",
+                escape(value),
+                escape(note)
+            )
         })
         .collect();
     format!("<div class=\"keys\">\n{cards}</div>\n")
@@ -205,7 +270,10 @@ fn side_length(contact: &ContactSolution<2>) -> f64 {
 }
 
 /// Name and value of the body where a number is largest.
-fn greatest(bodies: &[BodySolution<2>], of: impl Fn(&BodySolution<2>) -> f64) -> Option<(String, f64)> {
+fn greatest(
+    bodies: &[BodySolution<2>],
+    of: impl Fn(&BodySolution<2>) -> f64,
+) -> Option<(String, f64)> {
     bodies
         .iter()
         .map(|b| (b.name.clone(), of(b)))
@@ -229,11 +297,22 @@ fn probes(model: &Model<2>, solution: &Solution<2>, labels: &Labels) -> String {
                 .and_then(|m| m.at)
                 .map_or("–".to_string(), |at| vector(&at, ""));
             let unit = unit_of(&p.quantity, labels);
-            vec![text(&p.name), text(&p.quantity), plain(at), plain(quantity(p.value, unit))]
+            vec![
+                text(&p.name),
+                text(&p.quantity),
+                plain(at),
+                plain(quantity(p.value, unit)),
+            ]
         })
         .collect();
     let at = column("at", &labels.length);
-    format!("<h2>Results asked for</h2>\n{}", table(&[left("probe"), left("quantity"), at, column("value", "")], rows))
+    format!(
+        "<h2>Results asked for</h2>\n{}",
+        table(
+            &[left("probe"), left("quantity"), at, column("value", "")],
+            rows
+        )
+    )
 }
 
 /// Unit of a probe's quantity, `NAME.WHAT...`.
@@ -263,7 +342,14 @@ fn bodies(model: &Model<2>, solution: &Solution<2>, labels: &Labels) -> String {
                 plain(number(largest(b.von_mises.iter().copied()))),
                 plain(number(b.strain_energy)),
                 plain(vector(&b.rigid.translation, "")),
-                plain(b.rigid.rotation.iter().map(|&r| number(r)).collect::<Vec<_>>().join(", ")),
+                plain(
+                    b.rigid
+                        .rotation
+                        .iter()
+                        .map(|&r| number(r))
+                        .collect::<Vec<_>>()
+                        .join(", "),
+                ),
             ]
         })
         .collect();
@@ -283,12 +369,19 @@ fn bodies(model: &Model<2>, solution: &Solution<2>, labels: &Labels) -> String {
         .iter()
         .filter(|b| !b.floating_modes.is_empty())
         .map(|b| {
-            let modes: Vec<&str> = b.floating_modes.iter().map(|m| m.description.as_str()).collect();
+            let modes: Vec<&str> = b
+                .floating_modes
+                .iter()
+                .map(|m| m.description.as_str())
+                .collect();
             format!("{}: {}", escape(&b.name), escape(&modes.join(", ")))
         })
         .collect();
     if !floating.is_empty() {
-        out += &format!("<p>Motions that supports leave to the contact: {}.</p>\n", floating.join("; "));
+        out += &format!(
+            "<p>Motions that supports leave to the contact: {}.</p>\n",
+            floating.join("; ")
+        );
     }
     out
 }
@@ -309,7 +402,11 @@ fn contacts(model: &Model<2>, solution: &Solution<2>, scene: &Scene, labels: &La
                 plain(number(c.length)),
                 plain(number(largest(c.nodes.iter().map(|n| n.pressure)))),
                 plain(number(largest(c.nodes.iter().map(|n| n.gap)))),
-                plain(if max_penetration(&c.nodes) == 0.0 { "0".to_string() } else { power(max_penetration(&c.nodes)) }),
+                plain(if max_penetration(&c.nodes) == 0.0 {
+                    "0".to_string()
+                } else {
+                    power(max_penetration(&c.nodes))
+                }),
                 plain(vector(&c.resultant, "")),
             ]
         })
@@ -324,25 +421,44 @@ fn contacts(model: &Model<2>, solution: &Solution<2>, scene: &Scene, labels: &La
         column("force on the nonmortar body", &labels.force),
     ];
     out += &table(&heads, rows);
-    for (i, (contact, law)) in solution.contacts.iter().zip(model.contacts.iter().map(|c| &c.law)).enumerate() {
-        let Some(svg) = interface_figure(scene, contact, law, &format!("interface{i}")) else { continue };
+    for (i, (contact, law)) in solution
+        .contacts
+        .iter()
+        .zip(model.contacts.iter().map(|c| &c.law))
+        .enumerate()
+    {
+        let Some(svg) = interface_figure(scene, contact, law, &format!("interface{i}")) else {
+            continue;
+        };
         let name = |side: &crate::model::SideRef| {
-            let body = model.bodies.get(side.body.0).map_or("?", |b| b.name.as_str());
+            let body = model
+                .bodies
+                .get(side.body.0)
+                .map_or("?", |b| b.name.as_str());
             format!("{body}.{}", side.side)
         };
-        let other = contact.mortar.as_ref().map_or("a rigid obstacle".to_string(), name);
+        let other = contact
+            .mortar
+            .as_ref()
+            .map_or("a rigid obstacle".to_string(), name);
         let caption = format!(
             "{} against {other}. Pressure is positive in compression, the gap is that after deformation. Arrows: pressure on {}.",
             name(&contact.nonmortar),
-            model.bodies.get(contact.nonmortar.body.0).map_or("the body", |b| b.name.as_str()),
+            model
+                .bodies
+                .get(contact.nonmortar.body.0)
+                .map_or("the body", |b| b.name.as_str()),
         );
-        let title = format!("Contact pressure and gap along the interface {}", contact.name);
+        let title = format!(
+            "Contact pressure and gap along the interface {}",
+            contact.name
+        );
         out += &figure(&svg, &title, &caption);
     }
     out
 }
 
-fn balance(model: &Model<2>, solution: &Solution<2>, labels: &Labels) -> String {
+fn balance(solution: &Solution<2>, labels: &Labels) -> String {
     let mut rows = Vec::new();
     for (i, body) in solution.bodies.iter().enumerate() {
         let mut contact: Point<2> = [0.0; 2];
@@ -377,11 +493,18 @@ fn balance(model: &Model<2>, solution: &Solution<2>, labels: &Labels) -> String 
         table(&heads, rows)
     );
     let c = &solution.certificate;
-    let sides: Vec<String> = solution.contacts.iter().map(|k| format!("{} {}", escape(&k.name), power(k.imbalance))).collect();
+    let sides: Vec<String> = solution
+        .contacts
+        .iter()
+        .map(|k| format!("{} {}", escape(&k.name), power(k.imbalance)))
+        .collect();
     let action = if sides.is_empty() {
         String::new()
     } else {
-        format!(" Action and reaction across the contacts differ by (relative): {}.", sides.join(", "))
+        format!(
+            " Action and reaction across the contacts differ by (relative): {}.",
+            sides.join(", ")
+        )
     };
     out += &format!(
         "<p>What is left over on the worst body: force {}, moment {} (relative {} and {}).{action}</p>\n",
@@ -390,7 +513,6 @@ fn balance(model: &Model<2>, solution: &Solution<2>, labels: &Labels) -> String 
         power(c.imbalance_force.relative),
         power(c.imbalance_moment.relative),
     );
-    let _ = model;
     out
 }
 
@@ -405,43 +527,91 @@ fn certificate(solution: &Solution<2>, labels: &Labels) -> String {
         slip_violation,
     } = solution.certificate;
     let lines: [(&str, &str, Figure, &str); 7] = [
-        ("Penetration", "No contact point lies inside the other body by more than", penetration, &labels.length),
-        ("Tension", "No contact that can open pulls by more than", tension, &labels.force),
+        (
+            "Penetration",
+            "No contact point lies inside the other body by more than",
+            penetration,
+            &labels.length,
+        ),
+        (
+            "Tension",
+            "No contact that can open pulls by more than",
+            tension,
+            &labels.force,
+        ),
         (
             "Complementarity",
             "Where there is force there is no gap: the sum of force times gap is",
             complementarity,
             &labels.energy,
         ),
-        ("Balance of forces", "The forces on every body add up to zero within", imbalance_force, &labels.force),
-        ("Balance of moments", "The moments on every body add up to zero within", imbalance_moment, &labels.energy),
+        (
+            "Balance of forces",
+            "The forces on every body add up to zero within",
+            imbalance_force,
+            &labels.force,
+        ),
+        (
+            "Balance of moments",
+            "The moments on every body add up to zero within",
+            imbalance_moment,
+            &labels.energy,
+        ),
         (
             "Energy",
             "The energies of displacements and of forces bound the exact discrete answer from two sides; they differ by",
             energy_gap,
             &labels.energy,
         ),
-        ("Friction", "No shear force exceeds or contradicts the friction law by more than", slip_violation, &labels.force),
+        (
+            "Friction",
+            "No shear force exceeds or contradicts the friction law by more than",
+            slip_violation,
+            &labels.force,
+        ),
     ];
     let rows = lines
         .iter()
         .map(|(name, sentence, figure, unit)| {
             let mark = if figure.holds() {
-                Cell { html: "<span class=\"yes\" title=\"within its limit\">✓</span>".to_string(), text: false }
+                Cell {
+                    html: "<span class=\"yes\" title=\"within its limit\">✓</span>".to_string(),
+                    text: false,
+                }
             } else {
-                Cell { html: "<span class=\"no\" title=\"out of its limit\">✗</span>".to_string(), text: false }
+                Cell {
+                    html: "<span class=\"no\" title=\"out of its limit\">✗</span>".to_string(),
+                    text: false,
+                }
             };
-            let value = if unit.is_empty() { power(figure.value) } else { format!("{}\u{202f}{unit}", power(figure.value)) };
+            let value = if unit.is_empty() {
+                power(figure.value)
+            } else {
+                format!("{}\u{202f}{unit}", power(figure.value))
+            };
             let words = Cell {
                 html: format!("<b>{name}.</b> {sentence} {}.", escape(&value)),
                 text: true,
             };
-            vec![words, plain(power(figure.relative)), plain(power(figure.limit)), mark]
+            vec![
+                words,
+                plain(power(figure.relative)),
+                plain(power(figure.limit)),
+                mark,
+            ]
         })
         .collect();
     format!(
         "<h2>Certificate</h2>\n<p>Checked on the answer itself, whichever method computed it.</p>\n{}",
-        table(&[left("what was checked"), column("relative", ""), column("limit", ""), column("", "")], rows)
+        table(
+            &[
+                left("what was checked"),
+                column("relative", ""),
+                column("limit", ""),
+                column("", "")
+            ],
+            rows
+        )
     )
 }
 
@@ -452,7 +622,9 @@ fn solver(model: &Model<2>, solution: &Solution<2>, labels: &Labels) -> String {
         escape(report.method),
         count(report.iterations),
         count(report.products),
-        report.rho.map_or(String::new(), |rho| format!(", step ρ = {}", number(rho)))
+        report
+            .rho
+            .map_or(String::new(), |rho| format!(", step ρ = {}", number(rho)))
     );
     if let Some(svg) = history_figure(solution, model.solver.tolerance) {
         let caption = "Largest relative violation of the optimality conditions, and the number of contact unknowns with a force.";
@@ -470,11 +642,21 @@ fn solver(model: &Model<2>, solution: &Solution<2>, labels: &Labels) -> String {
                 (false, true) => "improper",
                 (false, false) => "proper",
             };
-            vec![text(&b.contact), plain(vector(&b.point, "")), plain(number(b.force)), text(state)]
+            vec![
+                text(&b.contact),
+                plain(vector(&b.point, "")),
+                plain(number(b.force)),
+                text(state),
+            ]
         })
         .collect();
     out += "<h3>Bolts</h3>\n<p>A bolt holds a rigid motion while the forces are iterated. It is proper when it ends in compression.</p>\n";
-    let heads = [left("contact"), column("at", &labels.length), column("force", &labels.force), left("state")];
+    let heads = [
+        left("contact"),
+        column("at", &labels.length),
+        column("force", &labels.force),
+        left("state"),
+    ];
     out + &table(&heads, rows)
 }
 
@@ -518,12 +700,17 @@ fn contact_nodes(solution: &Solution<2>, labels: &Labels) -> String {
                     plain(number(n.pressure)),
                 ];
                 if shear {
-                    let along = crate::geometry::dot(n.shear, crate::output::csv::tangent(n.normal));
+                    let along =
+                        crate::geometry::dot(n.shear, crate::output::csv::tangent(n.normal));
                     row.push(plain(number(along)));
                 }
                 let status = n.status.name();
                 row.push(Cell {
-                    html: if in_contact(n.status) { format!("<b>{status}</b>") } else { status.to_string() },
+                    html: if in_contact(n.status) {
+                        format!("<b>{status}</b>")
+                    } else {
+                        status.to_string()
+                    },
                     text: false,
                 });
                 row
@@ -531,7 +718,11 @@ fn contact_nodes(solution: &Solution<2>, labels: &Labels) -> String {
             .collect();
         out += &format!(
             "<details{}>\n<summary>{}: {} nodes</summary>\n{}</details>\n",
-            if contact.nodes.len() <= 12 { " open" } else { "" },
+            if contact.nodes.len() <= 12 {
+                " open"
+            } else {
+                ""
+            },
             escape(&contact.name),
             count(contact.nodes.len()),
             table(&heads, rows)
@@ -553,14 +744,27 @@ fn timings(solution: &Solution<2>) -> String {
         ("write", s.write),
         ("total", s.total),
     ];
-    let heads: Vec<Head> = stages.iter().map(|(name, _)| Head { left: false, ..column(name, "") }).collect();
-    let row = stages.iter().map(|(_, value)| plain(seconds(*value))).collect();
+    let heads: Vec<Head> = stages
+        .iter()
+        .map(|(name, _)| Head {
+            left: false,
+            ..column(name, "")
+        })
+        .collect();
+    let row = stages
+        .iter()
+        .map(|(_, value)| plain(seconds(*value)))
+        .collect();
     format!(
         "<h2>Effort</h2>\n{}<p>{} {}, largest memory {} MB.</p>\n",
         table(&heads, vec![row]),
         solution.threads,
-        if solution.threads == 1 { "thread" } else { "threads" },
-        count((crate::output::peak_memory_bytes() as f64 / 1e6).round() as usize)
+        if solution.threads == 1 {
+            "thread"
+        } else {
+            "threads"
+        },
+        count((solution.peak_memory_bytes as f64 / 1e6).round() as usize)
     )
 }
 
@@ -580,11 +784,18 @@ struct Head {
 }
 
 fn column(name: &str, unit: &str) -> Head {
-    Head { name: name.to_string(), unit: unit.to_string(), left: false }
+    Head {
+        name: name.to_string(),
+        unit: unit.to_string(),
+        left: false,
+    }
 }
 
 fn left(name: &str) -> Head {
-    Head { left: true, ..column(name, "") }
+    Head {
+        left: true,
+        ..column(name, "")
+    }
 }
 
 /// Content of a table cell, already escaped.
@@ -594,18 +805,28 @@ struct Cell {
 }
 
 fn plain(text: String) -> Cell {
-    Cell { html: escape(&text), text: false }
+    Cell {
+        html: escape(&text),
+        text: false,
+    }
 }
 
 fn text(text: &str) -> Cell {
-    Cell { html: escape(text), text: true }
+    Cell {
+        html: escape(text),
+        text: true,
+    }
 }
 
 fn table(heads: &[Head], rows: Vec<Vec<Cell>>) -> String {
     let class = |is_text: bool| if is_text { " class=\"text\"" } else { "" };
     let mut out = String::from("<div class=\"scroll\"><table>\n<thead><tr>");
     for head in heads {
-        let unit = if head.unit.is_empty() { String::new() } else { format!("<small>{}</small>", escape(&head.unit)) };
+        let unit = if head.unit.is_empty() {
+            String::new()
+        } else {
+            format!("<small>{}</small>", escape(&head.unit))
+        };
         out += &format!("<th{}>{}{unit}</th>", class(head.left), escape(&head.name));
     }
     out += "</tr></thead>\n<tbody>\n";
@@ -631,10 +852,14 @@ mod tests {
         let (model, solution) = sample::tunnel(16);
         let page = page(&model, &solution, "case_1");
         let outside = page.replace("http://www.w3.org/2000/svg", "");
-        for word in ["http://", "https://", "//cdn", "@import", "<script", "<link"] {
+        for word in [
+            "http://", "https://", "//cdn", "@import", "<script", "<link",
+        ] {
             assert!(!outside.contains(word), "{word}");
         }
-        assert!(page.contains("✓ Certified") && page.contains("Lined tunnel under uneven pressure"));
+        assert!(
+            page.contains("✓ Certified") && page.contains("Lined tunnel under uneven pressure")
+        );
         // What comes from the user is escaped.
         assert!(page.contains("&quot;outer&quot; face nothing &amp; stay open"));
     }
@@ -658,12 +883,15 @@ mod tests {
     #[test]
     fn page_of_a_hundred_thousand_cells_is_small_and_quick() {
         let (model, solution) = sample::tunnel_with([500, 20], [500, 180], CellKind::Quad4);
-        let start = Instant::now();
-        let page = page(&model, &solution, "large");
-        let elapsed = start.elapsed().as_secs_f64();
-        assert!(page.len() < 5_000_000, "{} bytes", page.len());
-        // Measured 0.3 s; the bound leaves room for a busy machine.
-        assert!(elapsed < 3.0, "{elapsed} s");
+        let mut quickest = f64::INFINITY;
+        // The best of three: other work on the machine only adds.
+        for _ in 0..3 {
+            let start = Instant::now();
+            let page = page(&model, &solution, "large");
+            quickest = quickest.min(start.elapsed().as_secs_f64());
+            assert!(page.len() < 5_000_000, "{} bytes", page.len());
+        }
+        assert!(quickest < 1.0, "{quickest} s");
     }
 
     #[test]

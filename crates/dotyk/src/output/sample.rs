@@ -53,7 +53,10 @@ fn mapped(
                 continue;
             }
             number.insert((i, j), points.len() as u32);
-            points.push(map(i as f64 / (step * n) as f64, j as f64 / (step * m) as f64));
+            points.push(map(
+                i as f64 / (step * n) as f64,
+                j as f64 / (step * m) as f64,
+            ));
         }
     }
     let mut nodes = Vec::new();
@@ -71,22 +74,32 @@ fn mapped(
             nodes.extend(places.iter().map(|p| number[p]));
             let on = [j == 0, i + 1 == n, j + 1 == m, i == 0];
             for (local, _) in on.iter().enumerate().filter(|(_, on)| **on) {
-                sides.entry(names[local].to_string()).or_default().push(Facet {
-                    block: 0,
-                    cell: (j * n + i) as u32,
-                    local: local as u32,
-                });
+                sides
+                    .entry(names[local].to_string())
+                    .or_default()
+                    .push(Facet {
+                        block: 0,
+                        cell: (j * n + i) as u32,
+                        local: local as u32,
+                    });
             }
         }
     }
-    let block = CellBlock { kind, nodes, group: None };
-    Mesh::new(points, vec![block]).unwrap().with_sides(sides).unwrap()
+    let block = CellBlock {
+        kind,
+        nodes,
+        group: None,
+    };
+    Mesh::from_parts(points, vec![block], sides)
 }
 
 /// Rectangle with sides bottom right top left.
 pub fn rectangle(from: Point<2>, to: Point<2>, cells: [usize; 2], kind: CellKind) -> Mesh<2> {
     mapped(cells, kind, ["bottom", "right", "top", "left"], |s, t| {
-        [from[0] + s * (to[0] - from[0]), from[1] + t * (to[1] - from[1])]
+        [
+            from[0] + s * (to[0] - from[0]),
+            from[1] + t * (to[1] - from[1]),
+        ]
     })
 }
 
@@ -99,11 +112,17 @@ fn polar(radius: f64, angle: f64) -> Point<2> {
     [radius * angle.cos(), radius * angle.sin()]
 }
 
-pub fn body(name: &str, mesh: Mesh<2>, young: f64) -> Body<2> {
+fn body(name: &str, mesh: Mesh<2>, young: f64) -> Body<2> {
     Body {
         name: name.to_string(),
         mesh,
-        materials: vec![Material { group: None, elastic: Elastic { young, poisson: 0.3 } }],
+        materials: vec![Material {
+            group: None,
+            elastic: Elastic {
+                young,
+                poisson: 0.3,
+            },
+        }],
         thickness: 1.0,
         body_force: [Field::constant(0.0), Field::constant(0.0)],
         supports: Vec::new(),
@@ -112,17 +131,12 @@ pub fn body(name: &str, mesh: Mesh<2>, young: f64) -> Body<2> {
 }
 
 /// A support of a side.
-pub fn held(side: &str, components: [Option<f64>; 2]) -> Support<2> {
+fn held(side: &str, components: [Option<f64>; 2]) -> Support<2> {
     Support {
         place: Place::Side(side.to_string()),
         components: components.map(|c| c.map(Field::constant)),
         normal: None,
     }
-}
-
-/// A uniform traction on a side.
-pub fn traction(side: &str, components: [f64; 2]) -> Load<2> {
-    Load::Traction { side: side.to_string(), traction: components.map(Field::constant) }
 }
 
 /// The tunnel with `around` bilinear cells along the interface.
@@ -140,7 +154,9 @@ pub fn tunnel_with(ring: [usize; 2], rock: [usize; 2], kind: CellKind) -> (Model
     // Clockwise in the first direction, so that the second one points outward in a right-handed grid.
     let angle = |s: f64| PI * (0.5 - s);
     let names = ["inner", "end", "outer", "start"];
-    let ring = mapped(ring, kind, names, |s, t| polar(RADIUS - 0.4 * (1.0 - t), angle(s)));
+    let ring = mapped(ring, kind, names, |s, t| {
+        polar(RADIUS - 0.4 * (1.0 - t), angle(s))
+    });
     let names = ["hole", "axis_bottom", "far", "axis_top"];
     let rock = mapped(rock, kind, names, |s, t| {
         let a = angle(s);
@@ -148,8 +164,14 @@ pub fn tunnel_with(ring: [usize; 2], rock: [usize; 2], kind: CellKind) -> (Model
     });
     let mut ring = body("ring", ring, 30e3);
     let mut rock = body("rock", rock, 1e3);
-    ring.supports = vec![held("start", [Some(0.0), None]), held("end", [Some(0.0), None])];
-    rock.supports = vec![held("axis_top", [Some(0.0), None]), held("axis_bottom", [Some(0.0), None])];
+    ring.supports = vec![
+        held("start", [Some(0.0), None]),
+        held("end", [Some(0.0), None]),
+    ];
+    rock.supports = vec![
+        held("axis_top", [Some(0.0), None]),
+        held("axis_bottom", [Some(0.0), None]),
+    ];
     rock.loads = vec![Load::Pressure {
         side: "far".to_string(),
         pressure: Field::function("1 + 0.5*y/20", |p, _| 1.0 + 0.5 * p[1] / HALF),
@@ -159,16 +181,25 @@ pub fn tunnel_with(ring: [usize; 2], rock: [usize; 2], kind: CellKind) -> (Model
         components: [None, Some(Field::constant(0.0))],
         normal: None,
     });
-    let side = |body: usize, name: &str| SideRef { body: BodyId(body), side: name.to_string() };
+    let side = |body: usize, name: &str| SideRef {
+        body: BodyId(body),
+        side: name.to_string(),
+    };
     let model = Model {
         title: "Lined tunnel under uneven pressure".to_string(),
         source: "made-up fields for the tests of the report".to_string(),
         analysis: Analysis::PlaneStrain,
-        units: Units { length: Some("m".to_string()), force: Some("MN".to_string()) },
+        units: Units {
+            length: Some("m".to_string()),
+            force: Some("MN".to_string()),
+        },
         bodies: vec![ring, rock],
         contacts: vec![Contact {
             name: "lining".to_string(),
-            pair: Pair::Given { nonmortar: side(0, "outer"), mortar: side(1, "hole") },
+            pair: Pair::Given {
+                nonmortar: side(0, "outer"),
+                mortar: side(1, "hole"),
+            },
             pairing: None,
             gap: None,
             law: Law::Frictionless,
@@ -182,9 +213,13 @@ pub fn tunnel_with(ring: [usize; 2], rock: [usize; 2], kind: CellKind) -> (Model
 }
 
 /// Plausible fields on any model; contacts of given sides with matching nodes get 1 + cos 2θ, cut off where it is small.
-pub fn solution(model: &Model<2>) -> Solution<2> {
+fn solution(model: &Model<2>) -> Solution<2> {
     let bodies = model.bodies.iter().map(body_solution).collect();
-    let contacts: Vec<_> = model.contacts.iter().map(|c| contact_solution(model, c)).collect();
+    let contacts: Vec<_> = model
+        .contacts
+        .iter()
+        .map(|c| contact_solution(model, c))
+        .collect();
     let figure = |value: f64, limit: f64| Figure::new(value, 2.0, limit);
     let unknowns = contacts.iter().map(|c| c.nodes.len()).sum();
     Solution {
@@ -215,7 +250,9 @@ pub fn solution(model: &Model<2>) -> Solution<2> {
                 .collect(),
             bolts: Vec::new(),
         },
-        warnings: vec!["contact lining: 3 nodes of side \"outer\" face nothing & stay open".to_string()],
+        warnings: vec![
+            "contact lining: 3 nodes of side \"outer\" face nothing & stay open".to_string(),
+        ],
         probes: vec![ProbeValue {
             name: "crown".to_string(),
             quantity: "ring.displacement.y".to_string(),
@@ -241,8 +278,10 @@ pub fn solution(model: &Model<2>) -> Solution<2> {
 fn body_solution(body: &Body<2>) -> BodySolution<2> {
     let points = body.mesh.points();
     let soft = 1.0 / body.materials[0].elastic.young;
-    let displacement: Vec<Point<2>> =
-        points.iter().map(|p| [soft * 0.3 * p[0], -soft * (0.8 * p[1] + 2.0)]).collect();
+    let displacement: Vec<Point<2>> = points
+        .iter()
+        .map(|p| [soft * 0.3 * p[0], -soft * (0.8 * p[1] + 2.0)])
+        .collect();
     let stress: Vec<[f64; 6]> = points
         .iter()
         .map(|p| {
@@ -250,7 +289,14 @@ fn body_solution(body: &Body<2>) -> BodySolution<2> {
             let near = 9.0 / r2.max(1.0);
             let cos2 = (p[0] * p[0] - p[1] * p[1]) / r2.max(1e-9);
             let size = (30.0 * body.materials[0].elastic.young / 30e3).max(1.0);
-            [-size * (1.0 - near), -size * (1.0 + near * cos2), -0.3 * size, size * near * p[0] * p[1] / r2.max(1e-9), 0.0, 0.0]
+            [
+                -size * (1.0 - near),
+                -size * (1.0 + near * cos2),
+                -0.3 * size,
+                size * near * p[0] * p[1] / r2.max(1e-9),
+                0.0,
+                0.0,
+            ]
         })
         .collect();
     let von_mises = stress
@@ -271,8 +317,10 @@ fn body_solution(body: &Body<2>) -> BodySolution<2> {
             description: "translation along y".to_string(),
             displacement: vec![[0.0, 1.0]; points.len()],
         }],
-        rigid: RigidMotion { translation: [0.0, -2.0 * soft], rotation: vec![1e-5] },
-        side_reactions: BTreeMap::new(),
+        rigid: RigidMotion {
+            translation: [0.0, -2.0 * soft],
+            rotation: vec![1e-5],
+        },
         reaction: [-40.0, 0.0],
         strain_energy: 0.0123,
     }
@@ -304,7 +352,9 @@ fn contact_solution(model: &Model<2>, contact: &Contact<2>) -> ContactSolution<2
             let pressure = (1.0 + 1.4 * cos2).max(0.0);
             let partner = mortar.as_ref().and_then(|m| {
                 let other = model.bodies[m.body.0].mesh.points();
-                other.iter().position(|q| (q[0] - point[0]).hypot(q[1] - point[1]) < 1e-9)
+                other
+                    .iter()
+                    .position(|q| (q[0] - point[0]).hypot(q[1] - point[1]) < 1e-9)
             });
             ContactNode {
                 node,
@@ -318,7 +368,11 @@ fn contact_solution(model: &Model<2>, contact: &Contact<2>) -> ContactSolution<2
                 slip: [0.0, 0.0],
                 displacement_nonmortar: 1e-4,
                 displacement_mortar: 2e-4,
-                status: if pressure > 0.0 { Status::Closed } else { Status::Open },
+                status: if pressure > 0.0 {
+                    Status::Closed
+                } else {
+                    Status::Open
+                },
             }
         })
         .collect();

@@ -12,8 +12,8 @@ use std::fmt::Write;
 
 /// Width of every figure.
 pub const WIDTH: f64 = 760.0;
-/// Mesh lines closer than this are left out.
-const LEAST_SPACING: f64 = 4.0;
+/// Cells narrower than this are drawn without their edges.
+const LEAST_WIDTH: f64 = 4.0;
 /// A contact smaller than this part of the model gets a window of its own.
 const DETAIL: f64 = 0.4;
 
@@ -76,9 +76,17 @@ impl Strand {
                 let next = link.middle.map_or(b, |m| parabola(a, points[m], b, t));
                 let along = unit(sub(next, before)).unwrap_or([1.0, 0.0]);
                 let normal = [along[1], -along[0]];
-                stations.push(Station { point: before, normal, arc });
+                stations.push(Station {
+                    point: before,
+                    normal,
+                    arc,
+                });
                 arc += distance(before, next);
-                stations.push(Station { point: next, normal, arc });
+                stations.push(Station {
+                    point: next,
+                    normal,
+                    arc,
+                });
                 before = next;
             }
         }
@@ -99,7 +107,11 @@ impl Strand {
                     at += 2;
                 }
                 let (a, b) = (fine.get(at)?, fine.get(at + 1)?);
-                let t = if b.arc > a.arc { (arc - a.arc) / (b.arc - a.arc) } else { 0.0 };
+                let t = if b.arc > a.arc {
+                    (arc - a.arc) / (b.arc - a.arc)
+                } else {
+                    0.0
+                };
                 Some(Station {
                     point: add_scaled(a.point, t, sub(b.point, a.point)),
                     normal: a.normal,
@@ -134,7 +146,11 @@ fn curve_to(a: Pixel, middle: Option<Pixel>, b: Pixel) -> String {
 
 /// Point of the parabola through a (t = 0), m (t = 1/2) and b (t = 1).
 pub fn parabola(a: Point<2>, m: Point<2>, b: Point<2>, t: f64) -> Point<2> {
-    let (na, nm, nb) = ((1.0 - t) * (1.0 - 2.0 * t), 4.0 * t * (1.0 - t), t * (2.0 * t - 1.0));
+    let (na, nm, nb) = (
+        (1.0 - t) * (1.0 - 2.0 * t),
+        4.0 * t * (1.0 - t),
+        t * (2.0 * t - 1.0),
+    );
     std::array::from_fn(|i| na * a[i] + nm * m[i] + nb * b[i])
 }
 
@@ -168,10 +184,41 @@ pub fn strands(mesh: &Mesh<2>, facets: &[Facet]) -> Vec<Strand> {
             strand.push(links[next]);
         }
         if !strand.is_empty() {
-            out.push(Strand { links: strand, closed: node == start });
+            out.push(Strand {
+                links: strand,
+                closed: node == start,
+            });
         }
     }
     out
+}
+
+/// Lower and upper corner.
+pub type Box2 = (Point<2>, Point<2>);
+
+/// Room in pixels that a window keeps free around its bodies.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Margin {
+    /// On the left.
+    pub left: f64,
+    /// On the right.
+    pub right: f64,
+    /// Above.
+    pub top: f64,
+    /// Below.
+    pub bottom: f64,
+}
+
+impl Margin {
+    /// The same on all sides.
+    pub fn all(room: f64) -> Self {
+        Self {
+            left: room,
+            right: room,
+            top: room,
+            bottom: room,
+        }
+    }
 }
 
 /// A window onto the bodies.
@@ -185,6 +232,8 @@ pub struct View {
     pub low: Point<2>,
     /// Upper corner of that box.
     pub high: Point<2>,
+    /// Pixel of the middle of that box.
+    pub middle: Pixel,
     /// Pixels per unit of length.
     pub scale: f64,
     /// It shows a part of the model, larger.
@@ -192,9 +241,12 @@ pub struct View {
 }
 
 impl View {
-    /// The box in the middle of a window, with a margin around it.
-    fn fitted(low: Point<2>, high: Point<2>, corner: Pixel, size: Pixel, margin: f64) -> Self {
-        let room = [0, 1].map(|i| (size[i] - 2.0 * margin).max(1.0));
+    /// The box in the middle of a window, less the margins.
+    fn fitted((low, high): Box2, corner: Pixel, size: Pixel, margin: Margin) -> Self {
+        let room = [
+            (size[0] - margin.left - margin.right).max(1.0),
+            (size[1] - margin.top - margin.bottom).max(1.0),
+        ];
         let extent = sub(high, low);
         let scale = (room[0] / extent[0]).min(room[1] / extent[1]);
         Self {
@@ -202,6 +254,10 @@ impl View {
             size,
             low,
             high,
+            middle: [
+                corner[0] + margin.left + 0.5 * room[0],
+                corner[1] + margin.top + 0.5 * room[1],
+            ],
             scale: if scale.is_finite() { scale } else { 1.0 },
             detail: false,
         }
@@ -211,15 +267,9 @@ impl View {
     pub fn pixel(&self, p: Point<2>) -> Pixel {
         let middle = [0, 1].map(|i| 0.5 * (self.low[i] + self.high[i]));
         [
-            self.corner[0] + 0.5 * self.size[0] + self.scale * (p[0] - middle[0]),
-            self.corner[1] + 0.5 * self.size[1] - self.scale * (p[1] - middle[1]),
+            self.middle[0] + self.scale * (p[0] - middle[0]),
+            self.middle[1] - self.scale * (p[1] - middle[1]),
         ]
-    }
-
-    /// Point at a pixel.
-    pub fn point(&self, p: Pixel) -> Point<2> {
-        let origin = self.pixel([0.0, 0.0]);
-        [(p[0] - origin[0]) / self.scale, (origin[1] - p[1]) / self.scale]
     }
 
     /// A pixel lies inside the window.
@@ -235,9 +285,9 @@ pub struct Scene<'a> {
     /// Boundary of each body.
     pub outlines: Vec<Vec<Strand>>,
     /// Box around everything.
-    pub bounds: (Point<2>, Point<2>),
+    pub bounds: Box2,
     /// Box around the contacts, where they are small.
-    pub detail: Option<(Point<2>, Point<2>)>,
+    pub detail: Option<Box2>,
 }
 
 impl<'a> Scene<'a> {
@@ -246,12 +296,14 @@ impl<'a> Scene<'a> {
         let outlines = model
             .bodies
             .iter()
-            .map(|body| {
-                let facets: Vec<Facet> = body.mesh.boundary_facets().iter().copied().collect();
-                strands(&body.mesh, &facets)
-            })
+            .map(|body| strands(&body.mesh, &body.mesh.boundary_facets()))
             .collect();
-        let all: Vec<Point<2>> = model.bodies.iter().flat_map(|b| b.mesh.points()).copied().collect();
+        let all: Vec<Point<2>> = model
+            .bodies
+            .iter()
+            .flat_map(|b| b.mesh.points())
+            .copied()
+            .collect();
         let bounds = bounding_box(&all);
         let touching: Vec<Point<2>> = model
             .contacts
@@ -269,44 +321,36 @@ impl<'a> Scene<'a> {
 
     /// Windows for a figure with this margin around the bodies, `right` pixels kept free; and the height of the figure.
     ///
-    /// `strip` is kept free below each window's bodies, for the scale bar.
-    pub fn views(&self, margin: f64, strip: f64, right: f64) -> (Vec<View>, f64) {
-        let (low, high) = self.bounds;
-        let aspect = (high[0] - low[0]) / (high[1] - low[1]).max(f64::MIN_POSITIVE);
+    /// Below each window `strip` pixels are kept free for its scale bar.
+    pub fn views(&self, margin: Margin, strip: f64, right: f64) -> (Vec<View>, f64) {
+        let aspect = width_over_height(self.bounds);
         let width = WIDTH - right;
-        let room = width - 2.0 * margin;
-        let cut = |mut view: View| {
-            // The strip lies below the window.
-            view.size[1] -= strip;
-            View::fitted(view.low, view.high, view.corner, view.size, if view.detail { 6.0 } else { margin })
-        };
-        let Some((detail_low, detail_high)) = self.detail else {
-            let height = (room / aspect).clamp(120.0, 480.0) + 2.0 * margin;
-            let view = View::fitted(low, high, [0.0, 0.0], [width, height], margin);
+        let (across, along) = (margin.left + margin.right, margin.top + margin.bottom);
+        let Some(detail) = self.detail else {
+            let height = ((width - across) / aspect).clamp(120.0, 480.0) + along;
+            let view = View::fitted(self.bounds, [0.0, 0.0], [width, height], margin);
             return (vec![view], height + strip);
+        };
+        let inset = |corner: Pixel, size: Pixel| View {
+            detail: true,
+            ..View::fitted(detail, corner, size, Margin::all(6.0))
         };
         let between = 18.0;
         if aspect < 1.2 {
             // Side by side.
-            let own = (460.0 * aspect).clamp(60.0, 0.46 * width - 2.0 * margin) + 2.0 * margin;
-            let height = ((own - 2.0 * margin) / aspect).min(460.0) + 2.0 * margin + strip;
-            let whole = View::fitted(low, high, [0.0, 0.0], [own, height], margin);
-            let corner = [own + between, 8.0];
-            let size = [width - own - between - 1.0, height - 8.0];
-            let mut detail = View::fitted(detail_low, detail_high, corner, size, 6.0);
-            detail.detail = true;
-            let detail = View { detail: true, ..cut(detail) };
-            return (vec![cut(whole), detail], height);
+            let own = (460.0 * aspect).clamp(60.0, (0.46 * width - across).max(60.0)) + across;
+            let height = ((own - across) / aspect).min(460.0) + along;
+            let whole = View::fitted(self.bounds, [0.0, 0.0], [own, height], margin);
+            let start = own + between;
+            let size = [width - start - 1.0, height - 8.0];
+            return (vec![whole, inset([start, 8.0], size)], height + strip);
         }
-        let upper = (room / aspect).clamp(80.0, 400.0) + 2.0 * margin + strip;
-        let whole = View::fitted(low, high, [0.0, 0.0], [width, upper], margin);
-        let flat = (detail_high[1] - detail_low[1]) / (detail_high[0] - detail_low[0]).max(f64::MIN_POSITIVE);
-        let lower = (flat * (width - 14.0)).clamp(120.0, 400.0) + 12.0 + strip;
-        let corner = [1.0, upper + between];
-        let mut detail = View::fitted(detail_low, detail_high, corner, [width - 2.0, lower], 6.0);
-        detail.detail = true;
-        let detail = View { detail: true, ..cut(detail) };
-        (vec![cut(whole), detail], upper + between + lower)
+        let upper = ((width - across) / aspect).clamp(80.0, 400.0) + along;
+        let whole = View::fitted(self.bounds, [0.0, 0.0], [width, upper], margin);
+        let lower = (width / width_over_height(detail)).clamp(120.0, 400.0);
+        let corner = [1.0, upper + strip + between];
+        let height = corner[1] + lower + strip;
+        (vec![whole, inset(corner, [width - 2.0, lower])], height)
     }
 
     /// Facets of a named side as strands; nothing when there is no such side.
@@ -333,6 +377,15 @@ pub fn contact_sides(pair: &Pair<2>) -> Vec<&SideRef> {
     }
 }
 
+fn width_over_height((low, high): Box2) -> f64 {
+    let aspect = (high[0] - low[0]) / (high[1] - low[1]);
+    if aspect.is_finite() {
+        aspect.clamp(1e-3, 1e3)
+    } else {
+        1.0
+    }
+}
+
 fn side_points(model: &Model<2>, side: &SideRef) -> Vec<Point<2>> {
     let Some(body) = model.bodies.get(side.body.0) else {
         return Vec::new();
@@ -346,11 +399,11 @@ fn side_points(model: &Model<2>, side: &SideRef) -> Vec<Point<2>> {
 }
 
 /// The box of the contacts with room around it, where it is much smaller than the model.
-fn detail_box(bounds: (Point<2>, Point<2>), touching: &[Point<2>]) -> Option<(Point<2>, Point<2>)> {
+fn detail_box(bounds: Box2, touching: &[Point<2>]) -> Option<Box2> {
     if touching.is_empty() {
         return None;
     }
-    let size = |(low, high): (Point<2>, Point<2>)| (high[0] - low[0]).max(high[1] - low[1]);
+    let size = |(low, high): Box2| (high[0] - low[0]).max(high[1] - low[1]);
     let contact = bounding_box(touching);
     let extent = size(contact);
     if !(extent > 0.0 && extent < DETAIL * size(bounds)) {
@@ -362,36 +415,50 @@ fn detail_box(bounds: (Point<2>, Point<2>), touching: &[Point<2>]) -> Option<(Po
     Some((low, high))
 }
 
-/// Edges of cells, where they are at least a few pixels apart and in sight.
+/// Edges of the cells in sight that are at least a few pixels wide.
 pub fn mesh_lines(mesh: &Mesh<2>, view: &View, place: &dyn Fn(usize) -> Pixel) -> String {
     const NONE: u32 = u32::MAX;
-    // (smaller node, larger node, middle node, pixels to the next line)
-    let mut edges: Vec<(u32, u32, u32, f64)> = Vec::new();
+    // (smaller node, larger node, middle node)
+    let mut edges: Vec<(u32, u32, u32)> = Vec::new();
+    let mut pixels = Vec::new();
     for block in mesh.blocks() {
         let corners = block.kind.corners();
         for cell in block.cells() {
-            let pixels: Vec<Pixel> = cell[..corners].iter().map(|&n| place(n as usize)).collect();
+            pixels.clear();
+            pixels.extend(cell[..corners].iter().map(|&n| place(n as usize)));
             if !pixels.iter().any(|&p| view.sees(p)) {
                 continue;
             }
-            let area = polygon_area(&pixels);
+            let longest = (0..corners)
+                .map(|i| distance(pixels[i], pixels[(i + 1) % corners]))
+                .fold(0.0, f64::max);
+            if polygon_area(&pixels) < LEAST_WIDTH * longest {
+                continue;
+            }
             for i in 0..corners {
                 let (a, b) = (cell[i], cell[(i + 1) % corners]);
-                let length = distance(pixels[i], pixels[(i + 1) % corners]);
-                let middle = if cell.len() > corners { cell[corners + i] } else { NONE };
-                edges.push((a.min(b), a.max(b), middle, area / length.max(1e-9)));
+                let middle = if cell.len() > corners {
+                    cell[corners + i]
+                } else {
+                    NONE
+                };
+                edges.push((a.min(b), a.max(b), middle));
             }
         }
     }
-    // Of the two cells at an edge the wider comes first and decides.
-    edges.sort_by(|x, y| (x.0, x.1).cmp(&(y.0, y.1)).then(y.3.total_cmp(&x.3)));
-    edges.dedup_by_key(|e| (e.0, e.1));
+    edges.sort_unstable();
+    edges.dedup();
     let mut out = String::new();
-    for &(a, b, middle, _) in edges.iter().filter(|e| e.3 >= LEAST_SPACING) {
+    for (a, b, middle) in edges {
         let (start, end) = (place(a as usize), place(b as usize));
         let _ = write!(out, "M{} {}", short(start[0]), short(start[1]));
         if middle == NONE {
-            let _ = write!(out, "l{} {}", short(end[0] - start[0]), short(end[1] - start[1]));
+            let _ = write!(
+                out,
+                "l{} {}",
+                short(end[0] - start[0]),
+                short(end[1] - start[1])
+            );
         } else {
             out.push_str(&curve_to(start, Some(place(middle as usize)), end));
         }
@@ -440,7 +507,10 @@ pub fn circle_through(points: &[Point<2>]) -> Option<(Point<2>, f64)> {
     if det <= 1e-6 * spread * spread {
         return None;
     }
-    let center = [0.5 * (xr * yy - yr * xy) / det, 0.5 * (yr * xx - xr * xy) / det];
+    let center = [
+        0.5 * (xr * yy - yr * xy) / det,
+        0.5 * (yr * xx - xr * xy) / det,
+    ];
     let radius = (spread / count + center[0] * center[0] + center[1] * center[1]).sqrt();
     let center = [center[0] + mean[0], center[1] + mean[1]];
     let off = points.iter().map(|&p| (distance(p, center) - radius).abs());
@@ -489,7 +559,7 @@ mod tests {
     fn small_contacts_get_a_window_of_their_own() {
         let (model, _) = sample::tunnel(16);
         let scene = Scene::new(&model);
-        let (views, height) = scene.views(60.0, 30.0, 0.0);
+        let (views, height) = scene.views(Margin::all(60.0), 30.0, 0.0);
         assert_eq!(views.len(), 2);
         for view in &views {
             assert!(view.corner[0] >= 0.0 && view.corner[0] + view.size[0] <= WIDTH);
@@ -502,7 +572,10 @@ mod tests {
 
     #[test]
     fn circles_are_recognised_and_lines_are_not() {
-        let arc: Vec<Point<2>> = (0..9).map(|i| f64::from(i) * 0.2).map(|t: f64| [1.0 + 3.0 * t.cos(), 3.0 * t.sin()]).collect();
+        let arc: Vec<Point<2>> = (0..9)
+            .map(|i| f64::from(i) * 0.2)
+            .map(|t: f64| [1.0 + 3.0 * t.cos(), 3.0 * t.sin()])
+            .collect();
         let (center, radius) = circle_through(&arc).unwrap();
         assert!(distance(center, [1.0, 0.0]) < 1e-12 && (radius - 3.0).abs() < 1e-12);
         let line: Vec<Point<2>> = (0..9).map(|i| [f64::from(i), 2.0]).collect();
@@ -513,7 +586,7 @@ mod tests {
     fn lines_too_close_to_see_are_left_out() {
         let (model, _) = sample::tunnel(16);
         let scene = Scene::new(&model);
-        let (views, _) = scene.views(60.0, 30.0, 0.0);
+        let (views, _) = scene.views(Margin::all(60.0), 30.0, 0.0);
         let mesh = &model.bodies[1].mesh;
         let place = |view: &View, n: usize| view.pixel(mesh.points()[n]);
         let near = &views[1];

@@ -4,26 +4,29 @@ use crate::geometry::{Field, Point, add_scaled, bounding_box, distance, dot, nor
 use crate::model::{Body, Contact, Law, Load, Pair, Place, Support};
 use crate::output::plot::round_down_to_125;
 use crate::output::scene::{
-    Scene, Station, Strand, View, WIDTH, contact_sides, mesh_lines, outline_path, polyline,
+    Margin, Scene, Station, Strand, View, WIDTH, contact_sides, mesh_lines, outline_path, polyline,
 };
 use crate::output::svg::{
     Anchor, INK, LOAD, MUTED, Pixel, RULE, SERIES, SUPPORT, Svg, TINTS, Type, segments, text_width,
 };
 use crate::output::text::{Labels, number, quantity, vector};
+use std::ops::Range;
 
 /// Longest load arrow.
 const ARROW: f64 = 30.0;
 /// From one support symbol to the next.
 const SPACING: f64 = 30.0;
-/// Room around the bodies for symbols, arrows and their values.
-const MARGIN: f64 = 66.0;
+/// Room around the bodies for arrows and their values, where there are any.
+const LOADED: f64 = 68.0;
+/// Room around the bodies for support symbols.
+const BARE: f64 = 30.0;
 /// Room below them for axes and scale bar.
 const STRIP: f64 = 34.0;
 
 /// The figure as an SVG element.
 pub fn setup_figure(scene: &Scene) -> String {
     let labels = Labels::of(scene.model);
-    let (views, height) = scene.views(MARGIN, STRIP, 0.0);
+    let (views, height) = scene.views(margin(scene), STRIP, 0.0);
     let mut svg = Svg::new("setup", "Mesh, supports and loads", WIDTH, height);
     for view in &views {
         draw_view(&mut svg, scene, view, &labels);
@@ -36,13 +39,65 @@ pub fn setup_figure(scene: &Scene) -> String {
     svg.finish()
 }
 
+/// Room where arrows stand outside the bodies.
+fn margin(scene: &Scene) -> Margin {
+    let (low, high) = scene.bounds;
+    let near = 0.12 * (high[0] - low[0]).max(high[1] - low[1]);
+    let mut margin = Margin::all(BARE);
+    let mut mark = |point: Point<2>, outward: Point<2>| {
+        let sides = [
+            (&mut margin.left, point[0] - low[0], -outward[0]),
+            (&mut margin.right, high[0] - point[0], outward[0]),
+            (&mut margin.bottom, point[1] - low[1], -outward[1]),
+            (&mut margin.top, high[1] - point[1], outward[1]),
+        ];
+        for (room, distance, along) in sides {
+            if distance < near && along > 0.3 {
+                *room = LOADED;
+            }
+        }
+    };
+    for (i, body) in scene.model.bodies.iter().enumerate() {
+        let points = body.mesh.points();
+        for load in &body.loads {
+            match load {
+                Load::Traction { side, .. } | Load::Pressure { side, .. } => {
+                    for strand in scene.body_side(i, side) {
+                        let stations = strand.stations(points, 24, true);
+                        stations.iter().for_each(|s| mark(s.point, s.normal));
+                    }
+                }
+                Load::Force { point, force } => {
+                    let force: Point<2> = [0, 1].map(|k| force[k].at(*point, scene.model.time));
+                    if let Some(along) = unit(force) {
+                        mark(*point, along.map(|c| -c));
+                    }
+                }
+            }
+        }
+    }
+    margin
+}
+
 fn draw_view(svg: &mut Svg, scene: &Scene, view: &View, labels: &Labels) {
     svg.begin_clip(view.corner, view.size);
     for (i, body) in scene.model.bodies.iter().enumerate() {
         let place = |n: usize| view.pixel(body.mesh.points()[n]);
         let outline = outline_path(&scene.outlines[i], &place);
-        svg.path(&outline, "none", 0.0, TINTS[i % TINTS.len()], "fill-rule=\"evenodd\"");
-        svg.path(&mesh_lines(&body.mesh, view, &place), "#7c8894", 0.4, "none", "");
+        svg.path(
+            &outline,
+            "none",
+            0.0,
+            TINTS[i % TINTS.len()],
+            "fill-rule=\"evenodd\"",
+        );
+        svg.path(
+            &mesh_lines(&body.mesh, view, &place),
+            "#7c8894",
+            0.4,
+            "none",
+            "",
+        );
         svg.path(&outline, INK, 0.9, "none", "stroke-linejoin=\"round\"");
     }
     for (i, contact) in scene.model.contacts.iter().enumerate() {
@@ -51,7 +106,18 @@ fn draw_view(svg: &mut Svg, scene: &Scene, view: &View, labels: &Labels) {
     if labels.axes[0] == "r" {
         let x = view.pixel([0.0, 0.0])[0];
         let line = [[x, view.corner[1]], [x, view.corner[1] + view.size[1]]];
-        svg.path(&polyline(&line), MUTED, 0.8, "none", "stroke-dasharray=\"12 3 2 3\"");
+        svg.path(
+            &polyline(&line),
+            MUTED,
+            0.8,
+            "none",
+            "stroke-dasharray=\"12 3 2 3\"",
+        );
+    }
+    for (i, body) in scene.model.bodies.iter().enumerate() {
+        for load in &body.loads {
+            draw_load(svg, scene, view, i, load, labels);
+        }
     }
     for (i, body) in scene.model.bodies.iter().enumerate() {
         for support in &body.supports {
@@ -59,11 +125,6 @@ fn draw_view(svg: &mut Svg, scene: &Scene, view: &View, labels: &Labels) {
         }
     }
     svg.end_clip();
-    for (i, body) in scene.model.bodies.iter().enumerate() {
-        for load in &body.loads {
-            draw_load(svg, scene, view, i, load, labels);
-        }
-    }
     scale_bar(svg, view, labels);
 }
 
@@ -75,13 +136,25 @@ pub fn mark_detail(svg: &mut Svg, whole: &View, detail: &View) {
     );
     let path = segments(&[a, [b[0], a[1]], b, [a[0], b[1]]], true);
     svg.path(&path, INK, 0.8, "none", "stroke-dasharray=\"3 2\"");
-    let label = Type { size: 10.5, ..Type::LABEL }.coloured(MUTED).rimmed();
-    svg.text([b[0] + 4.0, a[1] + 9.0], "detail", label.anchored(Anchor::Start));
+    let label = Type {
+        size: 10.5,
+        ..Type::LABEL
+    }
+    .coloured(MUTED)
+    .rimmed();
+    svg.text(
+        [b[0] + 4.0, a[1] + 9.0],
+        "detail",
+        label.anchored(Anchor::Start),
+    );
     let path = segments(
         &[
             detail.corner,
             [detail.corner[0] + detail.size[0], detail.corner[1]],
-            [detail.corner[0] + detail.size[0], detail.corner[1] + detail.size[1]],
+            [
+                detail.corner[0] + detail.size[0],
+                detail.corner[1] + detail.size[1],
+            ],
             [detail.corner[0], detail.corner[1] + detail.size[1]],
         ],
         true,
@@ -98,7 +171,11 @@ fn contact_line(svg: &mut Svg, scene: &Scene, view: &View, contact: &Contact<2>,
             svg.path(&path, colour, 2.4, "none", "stroke-linecap=\"round\"");
         }
     }
-    if let Pair::Obstacle { nonmortar, obstacle } = &contact.pair {
+    if let Pair::Obstacle {
+        nonmortar,
+        obstacle,
+    } = &contact.pair
+    {
         let points = scene.model.bodies[nonmortar.body.0].mesh.points();
         for strand in scene.side(nonmortar) {
             let surface: Vec<(Pixel, Pixel)> = strand
@@ -106,7 +183,10 @@ fn contact_line(svg: &mut Svg, scene: &Scene, view: &View, contact: &Contact<2>,
                 .iter()
                 .map(|s| {
                     let gap = obstacle.gap.at(s.point, scene.model.time);
-                    (view.pixel(add_scaled(s.point, gap, s.normal)), [s.normal[0], -s.normal[1]])
+                    (
+                        view.pixel(add_scaled(s.point, gap, s.normal)),
+                        [s.normal[0], -s.normal[1]],
+                    )
                 })
                 .collect();
             let line: Vec<Pixel> = surface.iter().map(|s| s.0).collect();
@@ -152,17 +232,30 @@ fn hold(support: &Support<2>) -> Option<Hold> {
     }
 }
 
-fn draw_support(svg: &mut Svg, scene: &Scene, view: &View, body: usize, support: &Support<2>, labels: &Labels) {
+fn draw_support(
+    svg: &mut Svg,
+    scene: &Scene,
+    view: &View,
+    body: usize,
+    support: &Support<2>,
+    labels: &Labels,
+) {
     let Some(hold) = hold(support) else { return };
     let mesh = &scene.model.bodies[body].mesh;
     match &support.place {
         Place::Point(target) => {
-            let Some(&point) = nearest(mesh.points(), *target) else { return };
+            let Some(&point) = nearest(mesh.points(), *target) else {
+                return;
+            };
             let center = middle_of(mesh.points());
             let outward = |axis: usize| {
                 let mut d = [0.0, 0.0];
                 // Below the body unless the point is clearly in its upper part, and to the left likewise.
-                d[axis] = if point[axis] > center[axis] { 1.0 } else { -1.0 };
+                d[axis] = if point[axis] > center[axis] {
+                    1.0
+                } else {
+                    -1.0
+                };
                 d
             };
             let at = view.pixel(point);
@@ -178,7 +271,15 @@ fn draw_support(svg: &mut Svg, scene: &Scene, view: &View, body: usize, support:
                     continue;
                 }
                 side_support(svg, view, &strand, mesh.points(), hold);
-                prescribed(svg, view, &strand, mesh.points(), support, scene.model.time, labels);
+                prescribed(
+                    svg,
+                    view,
+                    &strand,
+                    mesh.points(),
+                    support,
+                    scene.model.time,
+                    labels,
+                );
             }
         }
     }
@@ -187,7 +288,13 @@ fn draw_support(svg: &mut Svg, scene: &Scene, view: &View, body: usize, support:
 fn side_support(svg: &mut Svg, view: &View, strand: &Strand, points: &[Point<2>], hold: Hold) {
     let length = strand.length(points) * view.scale;
     if hold == Hold::Clamp {
-        svg.path(&strand.path(&|n| view.pixel(points[n])), SUPPORT, 2.0, "none", "");
+        svg.path(
+            &strand.path(&|n| view.pixel(points[n])),
+            SUPPORT,
+            2.0,
+            "none",
+            "",
+        );
         let parts = ((length / 6.0) as usize).clamp(2, 4000);
         let surface: Vec<(Pixel, Pixel)> = strand
             .stations(points, parts, false)
@@ -201,17 +308,33 @@ fn side_support(svg: &mut Svg, view: &View, strand: &Strand, points: &[Point<2>]
     let parts = ((length / SPACING).round() as usize).clamp(1, 4000);
     for station in strand.stations(points, parts, true) {
         let at = view.pixel(station.point);
-        if !view.sees(at) {
+        // Half a symbol at the edge of the window would say nothing.
+        let whole = [-7.0, 7.0]
+            .iter()
+            .all(|step| view.sees([at[0], at[1] + step]));
+        if !(view.sees(at) && whole) {
             continue;
         }
         match hold {
             Hold::Axis(axis) => {
                 let mut d = [0.0, 0.0];
-                d[axis] = if station.normal[axis] < 0.0 { -1.0 } else { 1.0 };
+                d[axis] = if station.normal[axis] < 0.0 {
+                    -1.0
+                } else {
+                    1.0
+                };
                 // Along the side itself: beside it, so that it does not hide in the outline.
-                let beside = if station.normal[axis].abs() < 0.3 { 5.0 } else { 0.0 };
+                let beside = if station.normal[axis].abs() < 0.3 {
+                    5.0
+                } else {
+                    0.0
+                };
                 let n = on_paper(station.normal);
-                roller(svg, [at[0] + beside * n[0], at[1] + beside * n[1]], on_paper(d));
+                roller(
+                    svg,
+                    [at[0] + beside * n[0], at[1] + beside * n[1]],
+                    on_paper(d),
+                );
             }
             _ => roller(svg, at, on_paper(station.normal)),
         }
@@ -228,7 +351,9 @@ fn prescribed(
     time: f64,
     labels: &Labels,
 ) {
-    let Some(station) = strand.stations(points, 1, true).first().copied() else { return };
+    let Some(station) = strand.stations(points, 1, true).first().copied() else {
+        return;
+    };
     let value = |field: &Option<Field>| field.as_ref().map_or(0.0, |f| f.at(station.point, time));
     let along = value(&support.normal);
     let u: Point<2> = [0, 1].map(|i| value(&support.components[i]) + along * station.normal[i]);
@@ -240,7 +365,21 @@ fn prescribed(
     let tip = [0, 1].map(|i| tail[i] + 22.0 * d[i]);
     svg.arrow(tail, tip, SUPPORT, 2.0);
     let text = format!("u = {}", quantity(norm(u), &labels.length));
-    beside(svg, view, [0, 1].map(|i| base[i] + 46.0 * n[i]), &text, SUPPORT, false);
+    // Clear of the arrow on its outer side.
+    let level = n[0].abs() > n[1].abs();
+    let away = if level {
+        26.0 + 0.5 * text_width(&text, Type::LABEL.size)
+    } else {
+        52.0
+    };
+    beside(
+        svg,
+        view,
+        [0, 1].map(|i| base[i] + away * n[i]),
+        &text,
+        SUPPORT,
+        false,
+    );
 }
 
 /// A triangle on wheels whose tip supports the body at `at`; `d` points away from the body.
@@ -270,10 +409,22 @@ fn triangle(svg: &mut Svg, go: &dyn Fn(f64, f64) -> Pixel) {
 
 /// (outward, sideways) ↦ pixel.
 fn frame(at: Pixel, d: Pixel) -> impl Fn(f64, f64) -> Pixel {
-    move |out, aside| [at[0] + out * d[0] - aside * d[1], at[1] + out * d[1] + aside * d[0]]
+    move |out, aside| {
+        [
+            at[0] + out * d[0] - aside * d[1],
+            at[1] + out * d[1] + aside * d[0],
+        ]
+    }
 }
 
-fn draw_load(svg: &mut Svg, scene: &Scene, view: &View, body: usize, load: &Load<2>, labels: &Labels) {
+fn draw_load(
+    svg: &mut Svg,
+    scene: &Scene,
+    view: &View,
+    body: usize,
+    load: &Load<2>,
+    labels: &Labels,
+) {
     let time = scene.model.time;
     let mesh = &scene.model.bodies[body].mesh;
     match load {
@@ -286,9 +437,13 @@ fn draw_load(svg: &mut Svg, scene: &Scene, view: &View, body: usize, load: &Load
             draw_fence(svg, scene, view, body, side, &at, labels);
         }
         Load::Force { point, force } => {
-            let Some(&node) = nearest(mesh.points(), *point) else { return };
+            let Some(&node) = nearest(mesh.points(), *point) else {
+                return;
+            };
             let force: Point<2> = [0, 1].map(|i| force[i].at(node, time));
-            let (tip, Some(direction)) = (view.pixel(node), unit(force)) else { return };
+            let (tip, Some(direction)) = (view.pixel(node), unit(force)) else {
+                return;
+            };
             if !view.sees(tip) {
                 return;
             }
@@ -296,7 +451,14 @@ fn draw_load(svg: &mut Svg, scene: &Scene, view: &View, body: usize, load: &Load
             let tail = [0, 1].map(|i| tip[i] - (ARROW + 6.0) * d[i]);
             svg.arrow(tail, tip, LOAD, 2.0);
             let at = [0, 1].map(|i| tail[i] - 9.0 * d[i]);
-            beside(svg, view, at, &quantity(norm(force), &labels.force), LOAD, d[0].abs() > d[1].abs());
+            beside(
+                svg,
+                view,
+                at,
+                &quantity(norm(force), &labels.force),
+                LOAD,
+                d[0].abs() > d[1].abs(),
+            );
         }
     }
 }
@@ -312,7 +474,10 @@ fn draw_fence(
     labels: &Labels,
 ) {
     let points = scene.model.bodies[body].mesh.points();
-    let held = scene.model.bodies[body].supports.iter().any(|s| s.place == Place::Side(side.to_string()));
+    let held = scene.model.bodies[body]
+        .supports
+        .iter()
+        .any(|s| s.place == Place::Side(side.to_string()));
     let fences: Vec<(Strand, Vec<Station>, Vec<Point<2>>)> = scene
         .body_side(body, side)
         .into_iter()
@@ -324,7 +489,13 @@ fn draw_fence(
             (strand, stations, values)
         })
         .collect();
-    let sizes = || fences.iter().flat_map(|f| &f.2).map(|&t| norm(t)).filter(|s| s.is_finite());
+    let sizes = || {
+        fences
+            .iter()
+            .flat_map(|f| &f.2)
+            .map(|&t| norm(t))
+            .filter(|s| s.is_finite())
+    };
     let (low, high) = sizes().fold((f64::INFINITY, 0.0f64), |(l, h), s| (l.min(s), h.max(s)));
     if high == 0.0 {
         return;
@@ -365,18 +536,47 @@ fn draw_fence(
             }
             outer.push(if dot(d, n) < 0.0 { tail } else { tip });
         }
-        svg.path(&polyline(&outer), LOAD, 0.9, "none", "stroke-linejoin=\"round\"");
-        label_fence(svg, view, stations, &outer, &text);
+        let runs = runs(stations, &outer);
+        for run in &runs {
+            svg.path(
+                &polyline(&outer[run.clone()]),
+                LOAD,
+                0.9,
+                "none",
+                "stroke-linejoin=\"round\"",
+            );
+        }
+        if let Some(run) = runs.into_iter().max_by_key(std::ops::Range::len) {
+            label_fence(svg, view, &stations[run.clone()], &outer[run], &text);
+        }
     }
 }
 
-/// The value beside the middle of the fence, or of its part in sight.
+/// Pieces of a fence in sight and without a corner.
+fn runs(stations: &[Station], outer: &[Pixel]) -> Vec<Range<usize>> {
+    let mut list: Vec<Range<usize>> = Vec::new();
+    for i in (0..outer.len()).filter(|&i| outer[i][0].is_finite()) {
+        match list.last_mut() {
+            Some(run) if run.end == i && dot(stations[i - 1].normal, stations[i].normal) > 0.8 => {
+                run.end = i + 1
+            }
+            _ => list.push(i..i + 1),
+        }
+    }
+    list
+}
+
+/// The value beside the middle of a piece of the fence, clear of its highest arrow.
 fn label_fence(svg: &mut Svg, view: &View, stations: &[Station], outer: &[Pixel], text: &str) {
-    let seen: Vec<usize> = (0..outer.len()).filter(|&i| outer[i][0].is_finite()).collect();
-    let Some(&i) = seen.get(seen.len() / 2) else { return };
-    let n = on_paper(stations[i].normal);
+    let middle = outer.len() / 2;
+    let n = on_paper(stations[middle].normal);
+    let base = view.pixel(stations[middle].point);
+    let reach = outer
+        .iter()
+        .map(|p| dot([p[0] - base[0], p[1] - base[1]], n))
+        .fold(0.0, f64::max);
     let upright = n[0].abs() > n[1].abs();
-    let at = [0, 1].map(|k| outer[i][k] + 9.0 * n[k]);
+    let at = [0, 1].map(|k| base[k] + (reach + 10.0) * n[k]);
     beside(svg, view, at, text, LOAD, upright);
 }
 
@@ -388,8 +588,15 @@ fn beside(svg: &mut Svg, view: &View, at: Pixel, text: &str, colour: &'static st
     let style = Type::LABEL.coloured(colour).rimmed();
     let half = 0.5 * text_width(text, style.size) + 2.0;
     let keep = |value: f64, axis: usize, room: f64| {
-        let (low, high) = (view.corner[axis] + room, view.corner[axis] + view.size[axis] - room);
-        if low <= high { value.clamp(low, high) } else { 0.5 * (low + high) }
+        let (low, high) = (
+            view.corner[axis] + room,
+            view.corner[axis] + view.size[axis] - room,
+        );
+        if low <= high {
+            value.clamp(low, high)
+        } else {
+            0.5 * (low + high)
+        }
     };
     if upright {
         let (x, y) = (keep(at[0], 0, 9.0), keep(at[1], 1, half));
@@ -402,7 +609,12 @@ fn beside(svg: &mut Svg, view: &View, at: Pixel, text: &str, colour: &'static st
 
 /// A side so small in the whole that its symbols are drawn in the detail only.
 fn hidden(scene: &Scene, view: &View, strand: &Strand, points: &[Point<2>], least: f64) -> bool {
-    let ends: Vec<Point<2>> = strand.links.iter().flat_map(|l| l.ends).map(|n| points[n]).collect();
+    let ends: Vec<Point<2>> = strand
+        .links
+        .iter()
+        .flat_map(|l| l.ends)
+        .map(|n| points[n])
+        .collect();
     let (low, high) = bounding_box(&ends);
     let size = (high[0] - low[0]).max(high[1] - low[1]) * view.scale;
     let in_detail = scene
@@ -415,7 +627,11 @@ fn hidden(scene: &Scene, view: &View, strand: &Strand, points: &[Point<2>], leas
 pub fn scale_bar(svg: &mut Svg, view: &View, labels: &Labels) {
     let y = view.corner[1] + view.size[1] + STRIP - 14.0;
     let left = view.corner[0] + 8.0;
-    let small = Type { size: 10.5, ..Type::LABEL }.coloured(MUTED);
+    let small = Type {
+        size: 10.5,
+        ..Type::LABEL
+    }
+    .coloured(MUTED);
     let mut start = left;
     if !view.detail {
         let origin = [left + 2.0, y + 4.0];
@@ -429,22 +645,45 @@ pub fn scale_bar(svg: &mut Svg, view: &View, labels: &Labels) {
     let length = round_down_to_125(most / view.scale);
     let end = start + length * view.scale;
     let path = segments(
-        &[[start, y - 3.0], [start, y + 3.0], [start, y], [end, y], [end, y - 3.0], [end, y + 3.0]],
+        &[
+            [start, y - 3.0],
+            [start, y + 3.0],
+            [start, y],
+            [end, y],
+            [end, y - 3.0],
+            [end, y + 3.0],
+        ],
         false,
     );
     svg.path(&path, INK, 1.1, "none", "");
-    svg.text([end + 6.0, y + 3.8], &quantity(length, &labels.length), small.anchored(Anchor::Start));
+    svg.text(
+        [end + 6.0, y + 3.8],
+        &quantity(length, &labels.length),
+        small.anchored(Anchor::Start),
+    );
 }
 
 /// Names of tints, lines and symbols; returns the lower end.
 fn legend(svg: &mut Svg, scene: &Scene, labels: &Labels, top: f64) -> f64 {
     svg.line([0.0, top], [WIDTH, top], RULE, 1.0);
-    let mut flow = Flow { x: 4.0, y: top + 20.0 };
+    let mut flow = Flow {
+        x: 4.0,
+        y: top + 20.0,
+    };
     for (i, body) in scene.model.bodies.iter().enumerate() {
         let text = body_text(body, labels);
         let at = flow.next(&text);
-        svg.rectangle([at[0], at[1] - 9.0], [16.0, 10.0], INK, TINTS[i % TINTS.len()]);
-        svg.text([at[0] + 22.0, at[1]], &text, Type::LABEL.anchored(Anchor::Start));
+        svg.rectangle(
+            [at[0], at[1] - 9.0],
+            [16.0, 10.0],
+            INK,
+            TINTS[i % TINTS.len()],
+        );
+        svg.text(
+            [at[0] + 22.0, at[1]],
+            &text,
+            Type::LABEL.anchored(Anchor::Start),
+        );
     }
     for (i, contact) in scene.model.contacts.iter().enumerate() {
         let law = match &contact.law {
@@ -456,8 +695,17 @@ fn legend(svg: &mut Svg, scene: &Scene, labels: &Labels, top: f64) -> f64 {
         let text = format!("contact {} ({law})", contact.name);
         let at = flow.next(&text);
         let colour = SERIES[i % SERIES.len()];
-        svg.line([at[0], at[1] - 4.0], [at[0] + 16.0, at[1] - 4.0], colour, 2.6);
-        svg.text([at[0] + 22.0, at[1]], &text, Type::LABEL.anchored(Anchor::Start));
+        svg.line(
+            [at[0], at[1] - 4.0],
+            [at[0] + 16.0, at[1] - 4.0],
+            colour,
+            2.6,
+        );
+        svg.text(
+            [at[0] + 22.0, at[1]],
+            &text,
+            Type::LABEL.anchored(Anchor::Start),
+        );
     }
     symbols(svg, scene, &mut flow);
     flow.y + 12.0
@@ -478,9 +726,15 @@ fn symbols(svg: &mut Svg, scene: &Scene, flow: &mut Flow) {
     if supports().any(clamped) {
         let text = "both displacements held";
         let at = flow.next(text);
-        svg.line([at[0], at[1] - 8.0], [at[0] + 16.0, at[1] - 8.0], SUPPORT, 2.0);
-        let ground: Vec<(Pixel, Pixel)> =
-            (0..4).map(|k| ([at[0] + 3.0 + 4.5 * f64::from(k), at[1] - 8.0], [0.0, 1.0])).collect();
+        svg.line(
+            [at[0], at[1] - 8.0],
+            [at[0] + 16.0, at[1] - 8.0],
+            SUPPORT,
+            2.0,
+        );
+        let ground: Vec<(Pixel, Pixel)> = (0..4)
+            .map(|k| ([at[0] + 3.0 + 4.5 * f64::from(k), at[1] - 8.0], [0.0, 1.0]))
+            .collect();
         hatch(svg, &ground, SUPPORT);
         svg.text([at[0] + 22.0, at[1]], text, start);
     }
@@ -497,13 +751,20 @@ fn body_text(body: &Body<2>, labels: &Labels) -> String {
     let mut text = body.name.clone();
     if let [material] = body.materials.as_slice() {
         let elastic = material.elastic;
-        text += &format!(" (E = {}, ν = {})", quantity(elastic.young, &labels.stress), number(elastic.poisson));
+        text += &format!(
+            " (E = {}, ν = {})",
+            quantity(elastic.young, &labels.stress),
+            number(elastic.poisson)
+        );
     }
     if body.body_force.iter().any(|f| f.as_constant() != Some(0.0)) {
         let constant: Option<Vec<f64>> = body.body_force.iter().map(Field::as_constant).collect();
         text += &match constant {
             Some(values) => format!(", body force {}", vector(&values, &labels.density)),
-            None => format!(", body force ({}, {})", body.body_force[0], body.body_force[1]),
+            None => format!(
+                ", body force ({}, {})",
+                body.body_force[0], body.body_force[1]
+            ),
         };
     }
     text
@@ -534,7 +795,9 @@ fn on_paper(d: Point<2>) -> Pixel {
 }
 
 fn nearest(points: &[Point<2>], target: Point<2>) -> Option<&Point<2>> {
-    points.iter().min_by(|a, b| distance(**a, target).total_cmp(&distance(**b, target)))
+    points
+        .iter()
+        .min_by(|a, b| distance(**a, target).total_cmp(&distance(**b, target)))
 }
 
 fn middle_of(points: &[Point<2>]) -> Point<2> {

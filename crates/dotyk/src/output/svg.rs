@@ -120,12 +120,6 @@ impl Svg {
         self.height = height;
     }
 
-    /// Raw markup, for shapes with attributes of their own.
-    pub fn raw(&mut self, markup: &str) {
-        self.body.push_str(markup);
-        self.body.push('\n');
-    }
-
     /// A straight line.
     pub fn line(&mut self, a: Pixel, b: Pixel, colour: &str, width: f64) {
         let path = segments(&[a, b], false);
@@ -326,15 +320,16 @@ pub fn segments(points: &[Pixel], closed: bool) -> String {
     out
 }
 
-/// Rough width of a text in pixels, for keeping labels apart.
+/// Rough width of a text in pixels in a wide typeface, for keeping labels apart.
 pub fn text_width(text: &str, size: f64) -> f64 {
     let units: f64 = text
         .chars()
         .map(|c| match c {
-            '\u{202f}' | '.' | ',' | 'i' | 'l' | ' ' | '(' | ')' => 0.3,
-            'm' | 'w' | 'M' | 'W' => 0.85,
-            c if c.is_uppercase() => 0.66,
-            _ => 0.56,
+            '\u{202f}' | '.' | ',' | 'i' | 'l' | ' ' => 0.32,
+            '(' | ')' | 'r' | 't' | 'f' => 0.4,
+            'm' | 'w' | 'M' | 'W' => 0.95,
+            c if c.is_uppercase() => 0.72,
+            _ => 0.62,
         })
         .sum();
     units * size
@@ -355,7 +350,13 @@ mod tests {
     #[test]
     fn a_point_that_is_not_finite_lifts_the_pen() {
         let path = segments(
-            &[[0.0, 0.0], [1.0, 0.0], [f64::NAN, 0.0], [3.0, 0.0], [4.0, 0.0]],
+            &[
+                [0.0, 0.0],
+                [1.0, 0.0],
+                [f64::NAN, 0.0],
+                [3.0, 0.0],
+                [4.0, 0.0],
+            ],
             false,
         );
         assert_eq!(path, "M0 0L1 0M3 0L4 0");

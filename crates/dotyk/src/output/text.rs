@@ -207,10 +207,7 @@ mod tests {
         assert_eq!(number(123456.0), "123\u{202f}500");
         assert_eq!(number(9999.6), "10\u{202f}000");
         assert_eq!(number(0.00123456), "0.001235");
-        assert_eq!(
-            number(-3.04760e-5),
-            "−3.048\u{202f}×\u{202f}10⁻⁵"
-        );
+        assert_eq!(number(-3.04760e-5), "−3.048\u{202f}×\u{202f}10⁻⁵");
         assert_eq!(number(2.1e11), "2.1\u{202f}×\u{202f}10¹¹");
         assert_eq!(number(0.0), "0");
         assert_eq!(number(f64::NAN), "–");
@@ -230,6 +227,9 @@ mod tests {
 
     #[test]
     fn markup_is_escaped() {
-        assert_eq!(escape("a<b & \"c\"\u{1}"), "a&lt;b &amp; &quot;c&quot;\u{fffd}");
+        assert_eq!(
+            escape("a<b & \"c\"\u{1}"),
+            "a&lt;b &amp; &quot;c&quot;\u{fffd}"
+        );
     }
 }

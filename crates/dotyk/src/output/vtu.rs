@@ -33,7 +33,11 @@ pub fn body_vtu<const D: usize>(model: &Model<D>, solution: &Solution<D>, body: 
     let mesh = &model.bodies[body].mesh;
     let answer = &solution.bodies[body];
     let points: Vec<f64> = mesh.points().iter().flat_map(|&p| padded(p)).collect();
-    let displacement: Vec<f64> = answer.displacement.iter().flat_map(|&u| padded(u)).collect();
+    let displacement: Vec<f64> = answer
+        .displacement
+        .iter()
+        .flat_map(|&u| padded(u))
+        .collect();
     let (pressure, gap) = contact_fields(solution, body, mesh.points().len());
     let (mut connectivity, mut offsets, mut types) = (Vec::new(), Vec::new(), Vec::new());
     for block in mesh.blocks() {
@@ -98,7 +102,11 @@ fn contact_fields<const D: usize>(
     // Own sides first: what is read off a partner must not hide what a body says itself.
     for own in [true, false] {
         for contact in &solution.contacts {
-            let side = if own { Some(&contact.nonmortar) } else { contact.mortar.as_ref() };
+            let side = if own {
+                Some(&contact.nonmortar)
+            } else {
+                contact.mortar.as_ref()
+            };
             if side.is_none_or(|side| side.body.0 != body) {
                 continue;
             }
@@ -138,9 +146,14 @@ fn array(out: &mut String, kind: &str, name: &str, components: usize, bytes: &[u
     ];
     header.extend(blocks.iter().map(|b| b.len() as u64));
     let header: Vec<u8> = header.iter().flat_map(|v| v.to_le_bytes()).collect();
+    // Readers take a single component for a column of a matrix when it is spelled out.
+    let components = match components {
+        1 => String::new(),
+        several => format!(" NumberOfComponents=\"{several}\""),
+    };
     let _ = writeln!(
         out,
-        "<DataArray type=\"{kind}\" Name=\"{name}\" NumberOfComponents=\"{components}\" format=\"binary\">\n{}{}\n</DataArray>",
+        "<DataArray type=\"{kind}\" Name=\"{name}\"{components} format=\"binary\">\n{}{}\n</DataArray>",
         base64(&header),
         base64(&blocks.concat())
     );
@@ -176,7 +189,9 @@ mod tests {
         let tag = format!("Name=\"{name}\"");
         let text = vtu.split(&tag).nth(1).unwrap();
         let line = text.lines().nth(1).unwrap();
-        let word = |b: &[u8], i: usize| u64::from_le_bytes(b[8 * i..8 * i + 8].try_into().unwrap()) as usize;
+        let word = |b: &[u8], i: usize| {
+            u64::from_le_bytes(b[8 * i..8 * i + 8].try_into().unwrap()) as usize
+        };
         let blocks = word(&unbase64(&line[..32]), 0);
         let length = (8 * (3 + blocks)).div_ceil(3) * 4;
         let (header, data) = (unbase64(&line[..length]), unbase64(&line[length..]));
@@ -206,7 +221,10 @@ mod tests {
         assert_eq!(displacement.len(), 3 * nodes);
         assert_eq!(displacement[3..5], solution.bodies[0].displacement[1]);
         assert_eq!(displacement[5], 0.0);
-        assert_eq!(read(&ring, "stress"), solution.bodies[0].stress.as_flattened());
+        assert_eq!(
+            read(&ring, "stress"),
+            solution.bodies[0].stress.as_flattened()
+        );
         assert_eq!(read(&ring, "von_mises").len(), nodes);
         assert_eq!(read(&ring, "points").len(), 3 * nodes);
     }
@@ -228,7 +246,11 @@ mod tests {
             let defined = pressure.iter().filter(|p| !p.is_nan()).count();
             assert_eq!(defined, contact.nodes.len());
             for node in &contact.nodes {
-                let at = if body == contact.nonmortar.body.0 { node.node } else { node.partner.unwrap() };
+                let at = if body == contact.nonmortar.body.0 {
+                    node.node
+                } else {
+                    node.partner.unwrap()
+                };
                 assert_eq!(pressure[at], node.pressure);
             }
         }
@@ -239,7 +261,12 @@ mod tests {
     fn quadratic_cells_stay_quadratic() {
         let (model, solution) = sample::tunnel_of(8, CellKind::Quad8);
         let vtu = body_vtu(&model, &solution, 0);
-        let cells: usize = model.bodies[0].mesh.blocks().iter().map(|b| b.cells().len()).sum();
+        let cells: usize = model.bodies[0]
+            .mesh
+            .blocks()
+            .iter()
+            .map(|b| b.cells().len())
+            .sum();
         let text = vtu.split("Name=\"types\"").nth(1).unwrap();
         let line = text.lines().nth(1).unwrap();
         let mut types = Vec::new();
