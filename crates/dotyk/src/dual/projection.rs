@@ -64,15 +64,20 @@ impl<'a> Projector<'a> {
         match self.balance.rank() {
             0 => {
                 self.admissible.project(y, lambda);
-                0.0
+                return 0.0;
             }
-            1 if self.bounds_only => {
-                tau[0] = self.breakpoint_search(y, lambda);
-                self.balance.imbalance(lambda, &mut self.imbalance);
-                self.imbalance[0].abs()
-            }
+            1 if self.bounds_only => tau[0] = self.breakpoint_search(y, lambda),
             _ => self.newton(y, tau, lambda),
         }
+        // y − Ĝᵀτ is rounded; what is left of a force below that is none (it would press an open contact).
+        let rounding = 16.0 * f64::EPSILON * y.iter().fold(0.0, |s: f64, y| s.max(y.abs()));
+        for (block, range) in self.admissible.iter() {
+            if *block == Block::Unilateral && lambda[range.start] <= rounding {
+                lambda[range.start] = 0.0;
+            }
+        }
+        self.balance.imbalance(lambda, &mut self.imbalance);
+        norm(&self.imbalance)
     }
 
     /// k = 1: the τ between two neighbouring breakpoints where the falling h crosses zero.
@@ -149,7 +154,7 @@ impl<'a> Projector<'a> {
     }
 
     /// Any k: semismooth Newton on h(τ) = 0 with line search on the convex function whose gradient is −h.
-    fn newton(&mut self, y: &[f64], tau: &mut [f64], lambda: &mut [f64]) -> f64 {
+    fn newton(&mut self, y: &[f64], tau: &mut [f64], lambda: &mut [f64]) {
         let k = self.balance.rank();
         let size = norm(y) + norm(&self.balance.load);
         let mut value = self.evaluate(y, tau, lambda);
@@ -197,7 +202,6 @@ impl<'a> Projector<'a> {
             self.imbalance.copy_from_slice(&self.trial_imbalance);
             rest = trial_rest;
         }
-        rest
     }
 
     /// Convex function, λ and h at `tau`.

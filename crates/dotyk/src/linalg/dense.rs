@@ -136,6 +136,9 @@ pub fn solve_general(a: &Mat<f64>, b: &mut [f64]) -> Result<(), DenseError> {
 /// Errors: `NoEigenvalues` when entries are not finite.
 pub fn symmetric_eigen(a: &Mat<f64>) -> Result<(Vec<f64>, Mat<f64>), DenseError> {
     let n = a.nrows();
+    if n == 0 {
+        return Ok((Vec::new(), Mat::zeros(0, 0)));
+    }
     let mut values = Diag::<f64>::zeros(n);
     let mut vectors = Mat::<f64>::zeros(n, n);
     let scratch = evd::self_adjoint_evd_scratch::<f64>(

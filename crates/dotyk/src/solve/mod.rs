@@ -32,8 +32,8 @@ pub use uzawa::Uzawa;
 use std::ops::ControlFlow;
 
 use crate::dual::{
-    Balance, Block, Component, DualError, DualProblem, Feasibility, Multipliers, Projector,
-    Violations,
+    Balance, Block, Compliance, Component, DualError, DualProblem, Feasibility, Multipliers,
+    Projector, Violations,
 };
 
 /// What an observer sees once per iteration.
@@ -209,6 +209,22 @@ impl<'a> Setup<'a> {
         self.components[i] == Component::Normal
     }
 
+    /// `bound`, an eigenvalue bound, or a number of its order where it is rounding: then the balance alone determines
+    /// the forces, and any step is right that is comparable with them.
+    pub fn usable_bound(&self, bound: f64) -> f64 {
+        let diagonal = match &self.problem.compliance {
+            Compliance::Dense(matrix) => {
+                (0..self.len()).map(|i| matrix[(i, i)]).fold(0.0, f64::max)
+            }
+            Compliance::Operator { .. } => 0.0,
+        };
+        if self.len() > self.modes() && bound > 1e-13 * diagonal {
+            return bound;
+        }
+        let or_one = |scale: f64| if scale > 0.0 { scale } else { 1.0 };
+        or_one(self.problem.scales.length) / or_one(self.problem.scales.force)
+    }
+
     /// Workspace for projections.
     pub fn projector(&self) -> Projector<'_> {
         Projector::new(&self.problem.admissible, &self.balance)
@@ -219,16 +235,20 @@ impl<'a> Setup<'a> {
         let Some(guess) = guess else {
             return Ok(vec![0.0; self.len()]);
         };
-        if guess.lambda.len() != self.len() {
+        let expected = (self.len(), self.balance.original_len());
+        if (guess.lambda.len(), guess.alpha.len()) != expected {
             return Err(SolveError::Invalid(format!(
-                "the starting point has {} contact forces, the problem {}",
+                "the starting point has {} contact forces and {} rigid amplitudes, the problem {} and {}",
                 guess.lambda.len(),
-                self.len()
+                guess.alpha.len(),
+                expected.0,
+                expected.1
             )));
         }
-        if let Some(value) = guess.lambda.iter().find(|value| !value.is_finite()) {
+        let mut values = guess.lambda.iter().chain(&guess.alpha);
+        if let Some(value) = values.find(|value| !value.is_finite()) {
             return Err(SolveError::Invalid(format!(
-                "the starting point has a contact force {value}: it must be finite"
+                "the starting point holds {value}: it must be finite"
             )));
         }
         Ok(guess.lambda.clone())

@@ -56,7 +56,7 @@ impl ContactSolver for Mprgp {
         let setup = Setup::new(problem, self.name())?;
         let start = setup.start(guess)?;
         let mut projector = setup.projector();
-        let mut state = State::new(&setup, &start, guess.is_some());
+        let mut state = State::new(&setup, &start, guess);
         // The estimate of the residual that asks for a verdict.
         let mut ask = self.tolerance;
         let mut iteration = 0;
@@ -144,7 +144,7 @@ struct State {
 }
 
 impl State {
-    fn new(setup: &Setup<'_>, start: &[f64], guessed: bool) -> Self {
+    fn new(setup: &Setup<'_>, start: &[f64], guess: Option<&Multipliers>) -> Self {
         let (m, k) = (setup.len(), setup.modes());
         let mut products = 0;
         let bound = projected_bound(setup, &mut products);
@@ -163,7 +163,13 @@ impl State {
             .collect();
         // Without a guess x is the projection of zero, as in the unbounded problem.
         let x = (0..m)
-            .map(|i| if guessed { start[i] - offset[i] } else { 0.0 })
+            .map(|i| {
+                if guess.is_some() {
+                    start[i] - offset[i]
+                } else {
+                    0.0
+                }
+            })
             .zip(&floor)
             .map(|(x, floor)| f64::max(x, *floor))
             .collect();
@@ -202,10 +208,30 @@ impl State {
         };
         state.prepare(setup);
         state.refresh(setup);
+        if let Some(guess) = guess {
+            state.adopt(setup, &guess.alpha);
+        }
         if state.size == 0.0 {
             state.size = norm(&state.gradient);
         }
         state
+    }
+
+    /// Begins with the μ that makes the gradient the gap of the guess.
+    fn adopt(&mut self, setup: &Setup<'_>, alpha: &[f64]) {
+        setup.balance.from_original(alpha, &mut self.alpha);
+        setup.balance.apply(&self.x, &mut self.modes_x);
+        for j in 0..self.alpha.len() {
+            self.multiplier[j] = self.modes_product[j]
+                - self.modes_shift[j]
+                - self.alpha[j]
+                - self.penalty * self.modes_x[j];
+        }
+        setup
+            .balance
+            .add_transposed(1.0, &self.multiplier, &mut self.gradient);
+        self.split();
+        self.direction.copy_from_slice(&self.free);
     }
 
     /// Right-hand side of the shifted problem.

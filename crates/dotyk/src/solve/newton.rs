@@ -28,6 +28,9 @@ use crate::solve::{
 /// Steps without a smaller residual that end a phase.
 const PATIENCE: usize = 8;
 
+/// Forces below this part of the largest are rounding of the linear solves.
+const ROUNDING: f64 = 1e-14;
+
 /// Phases with MPRGP steps between them before MPRGP finishes alone.
 const PHASES: u32 = 4;
 
@@ -143,6 +146,8 @@ struct Search {
     judge: Judge,
     residual: f64,
     tolerance: f64,
+    /// Largest force of any step.
+    force: f64,
     /// Relative accuracy asked of conjugate gradients.
     inner: f64,
     /// Active-set steps.
@@ -158,6 +163,7 @@ impl Search {
             judge: setup.judge(),
             residual: f64::INFINITY,
             tolerance,
+            force: 0.0,
             inner: 1e-3,
             steps: 0,
             iterations: 0,
@@ -214,7 +220,8 @@ impl Search {
             if repeated && (exact || self.inner <= self.tight()) || waited >= PATIENCE {
                 return Phase::Stuck;
             }
-            self.inner = (0.1 * change(&before, &self.face.lambda)).clamp(self.tight(), self.inner);
+            self.inner =
+                (0.1 * change(&before, &self.face.lambda).min(self.inner)).max(self.tight());
             *active = next;
             if !carries(setup, active) {
                 return Phase::Stuck;
@@ -228,10 +235,27 @@ impl Search {
         self.face.solve(setup, active, self.inner);
         self.steps += 1;
         self.iterations += 1;
+        self.drop_rounding(setup);
         self.judge(setup);
         if !self.face.loose.is_empty() {
             self.open_gaps(setup, active);
             self.judge(setup);
+        }
+    }
+
+    /// Forces that are rounding of the largest one met so far are none: their signs mean nothing.
+    fn drop_rounding(&mut self, setup: &Setup<'_>) {
+        let largest = |s: f64, force: &f64| s.max(force.abs());
+        self.force = self.face.lambda.iter().fold(self.force, largest);
+        let mut rest = false;
+        for (i, force) in self.face.lambda.iter_mut().enumerate() {
+            if setup.bounded(i) && force.abs() <= ROUNDING * self.force {
+                *force = 0.0;
+            }
+            rest |= *force != 0.0;
+        }
+        if !rest {
+            self.face.product.fill(0.0);
         }
     }
 

@@ -440,7 +440,7 @@ impl Run {
     }
 }
 
-/// Upper bound of λ_max(S_A), S_A = ZᵀFZ; 1 for the zero operator.
+/// Upper bound of λ_max(S_A), S_A = ZᵀFZ; see [`Setup::usable_bound`] for the zero operator.
 fn reduced_bound(setup: &Setup<'_>, bolted: &Bolted, products: &mut usize) -> f64 {
     let (m, k) = (setup.len(), setup.modes());
     let mut is_bolt = vec![false; m];
@@ -470,5 +470,5 @@ fn reduced_bound(setup: &Setup<'_>, bolted: &Bolted, products: &mut usize) -> f6
         }
     });
     *products += count;
-    if bound > 0.0 { bound } else { 1.0 }
+    setup.usable_bound(bound)
 }
