@@ -849,7 +849,7 @@ fn dependent_rows_of_the_compliance_do_no_harm() {
     let modes = Mat::from_fn(1, 8, |_, j| 1.0 + 0.1 * source(j) as f64);
     let lambda = vec![0.5, 0.5, 1.0, 0.7, 0.0, 0.9, 0.0, 1.2];
     let gap = vec![0.0, 0.0, 0.0, 0.0, 0.3, 0.0, 0.4, 0.0];
-    let known = super_known(matrix, modes, lambda, gap);
+    let known = dependent_rows(matrix, modes, lambda, gap);
     for (solver, _) in solvers() {
         let outcome = solver.solve(&known.problem, None, &mut silent).unwrap();
         let certificate = known.problem.certify(&outcome.multipliers, 1e-9);
@@ -869,7 +869,7 @@ fn dependent_rows_of_the_compliance_do_no_harm() {
     }
 }
 
-fn super_known(matrix: Mat<f64>, modes: Mat<f64>, lambda: Vec<f64>, gap: Vec<f64>) -> Known {
+fn dependent_rows(matrix: Mat<f64>, modes: Mat<f64>, lambda: Vec<f64>, gap: Vec<f64>) -> Known {
     let blocks = vec![Block::Unilateral; lambda.len()];
     known(
         "dependent rows".to_string(),
@@ -878,6 +878,50 @@ fn super_known(matrix: Mat<f64>, modes: Mat<f64>, lambda: Vec<f64>, gap: Vec<f64
         blocks,
         (lambda, gap, vec![0.4]),
     )
+}
+
+#[test]
+fn local_contact_of_a_floating_punch_takes_few_iterations() {
+    // A rounded punch that may sink and tilt, over part of a half plane with logarithmic compliance.
+    let m = 100;
+    let at = |i: usize| i as f64 / m as f64;
+    let matrix = Mat::from_fn(m, m, |i, j| {
+        1.0 - ((at(i) - at(j)).abs() + 0.3 / m as f64).ln() / 3.0
+    });
+    let modes = Mat::from_fn(2, m, |i, j| if i == 0 { 1.0 } else { at(j) - 0.5 });
+    let problem = DualProblem::new(
+        Compliance::Dense(matrix),
+        (0..m).map(|i| -40.0 * (at(i) - 0.45).powi(2)).collect(),
+        AdmissibleSet::new(vec![Block::Unilateral; m]),
+        Equilibrium::new(modes, vec![1.0, -0.02]),
+    )
+    .unwrap();
+    let exact = Newton::default()
+        .solve(&problem, None, &mut silent)
+        .unwrap();
+    assert!(exact.iterations <= 12, "newton: {}", exact.iterations);
+    let closed = exact
+        .multipliers
+        .lambda
+        .iter()
+        .filter(|l| **l > 0.0)
+        .count();
+    assert!((10..30).contains(&closed), "{closed} contacts are closed");
+    for (solver, ceiling) in [
+        (&Mprgp::default() as &dyn ContactSolver, 100),
+        (&Accelerated::default(), 120),
+    ] {
+        let outcome = solver.solve(&problem, None, &mut silent).unwrap();
+        let (name, count) = (solver.name(), outcome.iterations);
+        assert!(count <= ceiling, "{name}: {count} iterations");
+        assert!(
+            problem.certify(&outcome.multipliers, 1e-8).holds(),
+            "{name}"
+        );
+        // The residual is 1e-8 of max|d|; the smallest stiffness on the contact magnifies it.
+        let error = worst(&outcome.multipliers.lambda, &exact.multipliers.lambda);
+        assert!(error < 1e-5, "{name}: {error:e}");
+    }
 }
 
 #[test]

@@ -17,6 +17,7 @@
 //! [`DualProblem::certify`] with the same tolerance. Not converging is an error that carries the last iterate.
 //! Blocks with friction are refused for now.
 
+mod exchange;
 mod face;
 mod gradient;
 mod mprgp;
@@ -48,7 +49,7 @@ pub struct Iterate<'a> {
     /// Contact unknowns with a force.
     pub active: usize,
     /// Kind of step: `u` p,A-step, `g` gradient, `a` accelerated, `r` restarted, `c` conjugate gradient, `e` expansion,
-    /// `p` proportioning, `n` active-set step.
+    /// `p` proportioning, `n` active-set step, `x` exchange of one contact.
     pub step: char,
 }
 

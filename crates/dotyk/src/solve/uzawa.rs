@@ -350,9 +350,11 @@ impl Run {
                 return Err(self.not_converged(options, setup, bolted, residual));
             }
             previous.copy_from_slice(&self.lambda);
-            for i in 0..m {
-                let trial = self.lambda[i] - self.rho * self.judge.gap[i];
-                self.lambda[i] = if bounded[i] { trial.max(0.0) } else { trial };
+            let step = self.rho;
+            for ((force, gap), bounded) in self.lambda.iter_mut().zip(&self.judge.gap).zip(&bounded)
+            {
+                let trial = *force - step * gap;
+                *force = if *bounded { trial.max(0.0) } else { trial };
             }
             bolted.close(setup, &mut self.lambda, &mut parts);
             self.iterations += 1;
