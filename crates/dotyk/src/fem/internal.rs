@@ -28,15 +28,19 @@ pub(crate) fn internal_forces<const D: usize>(
         let k = block.kind.nodes();
         let mut cells = vec![([0.0; D], 0.0); block.nodes.len()];
         // each cell writes its own slice; the gather below is in cell order
-        cells.par_chunks_mut(k * CHUNK).zip(block.nodes.par_chunks(k * CHUNK)).for_each(|(out, nodes)| {
-            for (out, cell) in out.chunks_exact_mut(k).zip(nodes.chunks_exact(k)) {
-                let (own, stored) = cell_forces(body, analysis, lame, &table, cell, displacement);
-                for (slot, force) in out.iter_mut().zip(own) {
-                    slot.0 = force;
+        cells
+            .par_chunks_mut(k * CHUNK)
+            .zip(block.nodes.par_chunks(k * CHUNK))
+            .for_each(|(out, nodes)| {
+                for (out, cell) in out.chunks_exact_mut(k).zip(nodes.chunks_exact(k)) {
+                    let (own, stored) =
+                        cell_forces(body, analysis, lame, &table, cell, displacement);
+                    for (slot, force) in out.iter_mut().zip(own) {
+                        slot.0 = force;
+                    }
+                    out[0].1 = stored;
                 }
-                out[0].1 = stored;
-            }
-        });
+            });
         for (&node, (force, stored)) in block.nodes.iter().zip(&cells) {
             forces[node as usize] = add_scaled(forces[node as usize], 1.0, *force);
             energy += stored;
@@ -74,7 +78,11 @@ fn cell_forces<const D: usize>(
             }
             radial += table.shape(q)[local] * u[0];
         }
-        let hoop = if analysis == Analysis::Axisymmetric { radial / point[0] } else { 0.0 };
+        let hoop = if analysis == Analysis::Axisymmetric {
+            radial / point[0]
+        } else {
+            0.0
+        };
         let s = lame.stress(h, hoop);
         let sigma = |i: usize, j: usize| s[[[0, 3, 5], [3, 1, 4], [5, 4, 2]][i][j]];
         let w = volume * measure(analysis, body.thickness, point);
@@ -87,8 +95,17 @@ fn cell_forces<const D: usize>(
                 forces[local][0] += w * s[2] * table.shape(q)[local] / point[0];
             }
         }
-        let work: f64 = (0..D).map(|i| (0..D).map(|j| sigma(i, j) * h[i][j]).sum::<f64>()).sum();
-        energy += 0.5 * w * (work + if analysis == Analysis::Axisymmetric { s[2] * hoop } else { 0.0 });
+        let work: f64 = (0..D)
+            .map(|i| (0..D).map(|j| sigma(i, j) * h[i][j]).sum::<f64>())
+            .sum();
+        energy += 0.5
+            * w
+            * (work
+                + if analysis == Analysis::Axisymmetric {
+                    s[2] * hoop
+                } else {
+                    0.0
+                });
     }
     (forces, energy)
 }

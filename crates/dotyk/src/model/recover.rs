@@ -12,7 +12,9 @@ use super::pipeline::Condensed;
 use super::solution::*;
 use crate::contact::Role;
 use crate::dual::{Certificate, DualProblem, IMBALANCE_LIMIT, Multipliers, Recomputed, Scales};
-use crate::fem::{FemError, describe_motion, fit_rigid, internal_forces, recover_stress, von_mises};
+use crate::fem::{
+    FemError, describe_motion, fit_rigid, internal_forces, recover_stress, von_mises,
+};
 use crate::geometry::{Point, add_scaled, dot, norm, sub};
 use rayon::prelude::*;
 use std::collections::BTreeMap;
@@ -58,15 +60,20 @@ pub(crate) fn judge<const D: usize>(
     }
     let states = (&model.bodies, bodies, factored, u)
         .into_par_iter()
-        .map(|(body, loaded, factored, u)| balanced_state(model, body, loaded, factored, u, lambda, problem.scales))
+        .map(|(body, loaded, factored, u)| {
+            balanced_state(model, body, loaded, factored, u, lambda, problem.scales)
+        })
         .collect::<Result<Vec<_>, _>>()?;
+    let (states, u): (Vec<_>, Vec<_>) = states.into_iter().unzip();
+    let mut gaps = condensed.gaps.clone();
+    add_rows(bodies, -1.0, &u, &mut gaps);
     let certificate = certify(model, &states, condensed, multipliers, &gaps);
-    Judged {
+    Ok(Judged {
         states,
         gaps,
         certificate,
         hovering,
-    }
+    })
 }
 
 impl<const D: usize> Judged<D> {
@@ -179,16 +186,21 @@ fn balanced_state<const D: usize>(
     mut u: Vec<f64>,
     lambda: &[f64],
     scales: Scales,
-) -> Result<BodyState<D>, Error<D>> {
-    let force = lambda.iter().fold(scales.force, |largest, l| largest.max(l.abs()));
-    let fail = |source| Error::Body { body: body.name.clone(), source };
+) -> Result<(BodyState<D>, Vec<f64>), Error<D>> {
+    let force = lambda
+        .iter()
+        .fold(scales.force, |largest, l| largest.max(l.abs()));
+    let fail = |source| Error::Body {
+        body: body.name.clone(),
+        source,
+    };
     let mut refinements = 0;
     loop {
         let (state, residual) = BodyState::new(model, body, loaded, &u, lambda).map_err(fail)?;
         let (f, m) = imbalance(model, body.mesh.points(), &state.total);
         let worst = f.max(m / scales.moment_arm);
         if worst <= 0.1 * IMBALANCE_LIMIT * force || refinements == 2 {
-            return Ok(state);
+            return Ok((state, u));
         }
         refinements += 1;
         let mut correction = residual;
@@ -215,7 +227,8 @@ impl<const D: usize> BodyState<D> {
         let local: Vec<f64> = loaded.rows.index.iter().map(|&row| lambda[row]).collect();
         let mut push = vec![0.0; u.len()];
         loaded.rows.matrix.mul_transpose_add(&local, &mut push);
-        let (mut reactions, mut total, mut residual) = (vec![0.0; u.len()], vec![0.0; u.len()], vec![0.0; u.len()]);
+        let (mut reactions, mut total, mut residual) =
+            (vec![0.0; u.len()], vec![0.0; u.len()], vec![0.0; u.len()]);
         for i in 0..u.len() {
             if system.held[i] {
                 reactions[i] = internal[i] - system.load[i] + push[i];

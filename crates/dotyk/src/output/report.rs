@@ -764,7 +764,7 @@ fn timings(solution: &Solution<2>) -> String {
         } else {
             "threads"
         },
-        count((solution.peak_memory_bytes as f64 / 1e6).round() as usize)
+        count((crate::output::peak_memory_bytes() as f64 / 1e6).round() as usize)
     )
 }
 

@@ -90,7 +90,10 @@ fn mapped(
         nodes,
         group: None,
     };
-    Mesh::from_parts(points, vec![block], sides)
+    Mesh::new(points, vec![block])
+        .unwrap()
+        .with_sides(sides)
+        .unwrap()
 }
 
 /// Rectangle with sides bottom right top left.
@@ -321,6 +324,7 @@ fn body_solution(body: &Body<2>) -> BodySolution<2> {
             translation: [0.0, -2.0 * soft],
             rotation: vec![1e-5],
         },
+        side_reactions: BTreeMap::new(),
         reaction: [-40.0, 0.0],
         strain_energy: 0.0123,
     }
