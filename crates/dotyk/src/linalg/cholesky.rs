@@ -23,7 +23,9 @@ use dyn_stack::{MemBuffer, MemStack};
 use faer::linalg::cholesky::llt::factor::LltError;
 use faer::sparse::linalg::SymbolicSupernodalParams;
 use faer::sparse::linalg::cholesky::simplicial;
-use faer::sparse::linalg::cholesky::supernodal::{self, SupernodalLltRef, SymbolicSupernodalCholesky};
+use faer::sparse::linalg::cholesky::supernodal::{
+    self, SupernodalLltRef, SymbolicSupernodalCholesky,
+};
 use faer::sparse::{SparseColMatRef, SymbolicSparseColMatRef};
 use faer::{Conj, Mat, MatMut, Par};
 use rayon::prelude::*;
@@ -34,12 +36,12 @@ const NONE: u32 = u32::MAX;
 /// Right-hand sides solved together by one task: enough to reuse each entry of L, few enough for the cache.
 const COLUMNS_PER_TASK: usize = 16;
 
-/// Pivots below this part of their diagonal entry are looked at more closely.
-const SUSPICIOUS_PIVOT: f64 = 1e-6;
+/// Pivots below this part of their diagonal entry are looked at more closely, for the price of half a solution.
+const SUSPICIOUS_PIVOT: f64 = 1e-4;
 
-/// Smallest relative energy uᵀAu / Σ aᵢᵢuᵢ² that is told from zero: 45 times the unit of rounding. Cholesky commits an
-/// error of a few units of it; a slender beam of 1000 times its depth is at 1e-12.
-const SMALLEST_ENERGY: f64 = 1e-14;
+/// Smallest relative energy uᵀAu / Σ aᵢᵢuᵢ² that is told from zero. Rounding leaves mechanisms below 1e-16 (the half unit
+/// of rounding) at every size tried, up to 161 200 dofs; a sound beam, one cell thick and 5000 long, is at 2.5e-15.
+const SMALLEST_ENERGY: f64 = 1e-15;
 
 /// What is known of a factorisation before the values: elimination order, pattern of L, places of the entries of A.
 #[derive(Debug)]
@@ -106,13 +108,13 @@ impl Analysis {
         }
         let position = positions(matrix.len(), order)?;
         let (upper, upper_source) = permuted_upper(matrix, &position, order.len());
-        let symbolic = supernodes(&upper).ok_or(too_large)?;
-        let (lower, source) = transposed(&upper, &upper_source);
+        let (symbolic, (lower, source)) =
+            rayon::join(|| supernodes(&upper), || transposed(&upper, &upper_source));
         let structure = Structure {
             dofs: matrix.len(),
             order: order.iter().map(|&dof| dof as u32).collect(),
             trailing,
-            symbolic,
+            symbolic: symbolic.ok_or(too_large)?,
         };
         Ok(Self {
             structure: Arc::new(structure),
@@ -290,9 +292,8 @@ fn supernodes(upper: &Pattern) -> Option<SymbolicSupernodalCholesky<u32>> {
     let (mut tree, mut counts) = (vec![0i32; n], vec![0u32; n]);
     let entries = upper.row_index.len();
     let mut memory = MemBuffer::new(
-        simplicial::prefactorize_symbolic_cholesky_scratch::<u32>(n, entries).or(
-            supernodal::factorize_supernodal_symbolic_cholesky_scratch::<u32>(n),
-        ),
+        simplicial::prefactorize_symbolic_cholesky_scratch::<u32>(n, entries)
+            .or(supernodal::factorize_supernodal_symbolic_cholesky_scratch::<u32>(n)),
     );
     let tree = simplicial::prefactorize_symbolic_cholesky(
         &mut tree,
@@ -359,7 +360,11 @@ impl Cholesky {
     /// When the length is not that of the matrix.
     pub fn solve(&self, rhs: &mut [f64]) {
         let mut kept = self.gather(rhs);
-        self.solve_kept(MatMut::from_column_major_slice_mut(&mut kept, self.kept(), 1));
+        self.solve_kept(MatMut::from_column_major_slice_mut(
+            &mut kept,
+            self.kept(),
+            1,
+        ));
         self.scatter(&kept, rhs);
     }
 
@@ -407,7 +412,8 @@ impl Cholesky {
         let x = MatMut::from_column_major_slice_mut(&mut y, self.kept(), 1);
         let mut memory = self.scratch(1);
         let stack = MemStack::new(&mut memory);
-        self.view().l_transpose_solve_with_conj(Conj::No, x, Par::Seq, stack);
+        self.view()
+            .l_transpose_solve_with_conj(Conj::No, x, Par::Seq, stack);
         let mut u = vec![0.0; self.structure.dofs];
         self.scatter(&y, &mut u);
         u
@@ -448,7 +454,8 @@ impl Cholesky {
     fn solve_kept(&self, x: MatMut<'_, f64>) {
         let mut memory = self.scratch(x.ncols());
         let stack = MemStack::new(&mut memory);
-        self.view().solve_in_place_with_conj(Conj::No, x, Par::Seq, stack);
+        self.view()
+            .solve_in_place_with_conj(Conj::No, x, Par::Seq, stack);
     }
 
     fn gather(&self, full: &[f64]) -> Vec<f64> {
@@ -466,8 +473,9 @@ impl Cholesky {
 
     /// Finds displacements without energy.
     ///
-    /// A small pivot alone proves nothing: it is small too where a long lever moves. With u = L⁻ᵀeⱼ for the smallest
-    /// relative pivot j, uᵀAu = 1, and the comparison with Σ aᵢᵢuᵢ² is independent of levers and of units.
+    /// A small pivot alone proves nothing: a long lever magnifies the rounding of a mechanism (to 1e-10 of the diagonal at
+    /// 40 times the depth) and lowers the pivots of a sound beam alike. With u = L⁻ᵀeⱼ for the smallest relative pivot j,
+    /// uᵀAu = 1, and the comparison with Σ aᵢᵢuᵢ² depends neither on levers nor on units.
     fn check_definite(&self, diagonal: impl Fn(usize) -> f64) -> Result<(), LinalgError> {
         let (mut smallest, mut place) = (f64::INFINITY, 0);
         for s in 0..self.structure.symbolic.n_supernodes() {
@@ -492,7 +500,9 @@ impl Cholesky {
         unit[place] = 1.0;
         let u = self.backward(unit);
         let order = self.structure.order.iter().enumerate();
-        let scale: f64 = order.map(|(j, &dof)| diagonal(j) * u[dof as usize].powi(2)).sum();
+        let scale: f64 = order
+            .map(|(j, &dof)| diagonal(j) * u[dof as usize].powi(2))
+            .sum();
         let ratio = 1.0 / scale;
         if ratio < SMALLEST_ENERGY {
             let dof = self.structure.order[place] as usize;
@@ -578,7 +588,9 @@ mod tests {
         solve_general(&mut dense(matrix, inner), &mut x).unwrap();
         let through_inner = product(&coupling.transpose().to_owned(), &x);
         let block = dense(matrix, last);
-        Mat::from_fn(trailing, trailing, |i, j| block[(i, j)] - through_inner[(i, j)])
+        Mat::from_fn(trailing, trailing, |i, j| {
+            block[(i, j)] - through_inner[(i, j)]
+        })
     }
 
     #[test]
@@ -616,7 +628,7 @@ mod tests {
         let mut expected = schur_complement(&matrix, &[3, 0, 4, 1, 2], 4);
         cholesky_in_place(&mut expected).unwrap();
         for j in 0..4 {
-            assert!(largest_difference(l.col_as_slice(j), expected.col_as_slice(j)) < 1e-15);
+            assert!(largest_difference(l.col_as_slice(j), expected.col_as_slice(j)) < 1e-14);
         }
         assert_eq!(l[(1, 1)], 4.0);
     }
@@ -766,7 +778,7 @@ mod tests {
 
     #[test]
     fn a_mechanism_is_found_whatever_its_size() {
-        for (nx, ny) in [(1, 1), (3, 2), (20, 7), (90, 80)] {
+        for (nx, ny) in [(1, 1), (3, 2), (20, 7), (200, 5), (90, 80)] {
             let (matrix, order) = hinged(nx, ny);
             let refused = Cholesky::factor(&matrix, &order, 0).unwrap_err();
             assert!(
@@ -781,7 +793,7 @@ mod tests {
 
     #[test]
     fn a_slender_beam_is_not_taken_for_a_mechanism() {
-        let (matrix, order, _) = clamped(1000, 1);
+        let (matrix, order, _) = clamped(5000, 1);
         assert!(Cholesky::factor(&matrix, &order, 0).is_ok());
     }
 

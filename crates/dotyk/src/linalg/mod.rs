@@ -18,10 +18,9 @@ mod sparse;
 
 pub use cholesky::{Analysis, Cholesky};
 pub use dense::{
-    DenseOperator, cholesky_in_place, dot, gram, least_squares, matvec, matvec_transpose,
-    null_space, pivoted_cholesky, product, solve_cholesky_in_place, solve_general,
-    solve_lower_in_place, solve_lower_transpose_in_place, symmetric_eigen, symmetric_eigenvalues,
-    transpose_product,
+    DenseOperator, cholesky_in_place, gram, least_squares, matvec, matvec_transpose, null_space,
+    pivoted_cholesky, product, solve_cholesky_in_place, solve_general, solve_lower_in_place,
+    solve_lower_transpose_in_place, symmetric_eigen, symmetric_eigenvalues, transpose_product,
 };
 pub use faer::{Mat, MatMut, MatRef};
 pub use order::{expand_to_dofs, fill_reducing_order};
@@ -63,13 +62,17 @@ pub enum LinalgError {
         ratio: f64,
     },
     /// An entry is infinite or NaN.
-    #[error("an entry in row {row} of the matrix is not finite: check the coordinates and the data")]
+    #[error(
+        "an entry in row {row} of the matrix is not finite: check the coordinates and the data"
+    )]
     NotFinite {
         /// The row.
         row: usize,
     },
     /// The elimination order names a dof twice, or one that the matrix does not have.
-    #[error("the elimination order is invalid at dof {dof}: name each dof of the matrix at most once")]
+    #[error(
+        "the elimination order is invalid at dof {dof}: name each dof of the matrix at most once"
+    )]
     InvalidOrder {
         /// The dof.
         dof: usize,
@@ -83,7 +86,9 @@ pub enum LinalgError {
         found: usize,
     },
     /// More entries than the indices can count, or than the memory holds.
-    #[error("the problem of {unknowns} unknowns is too large for a direct factorisation: use a coarser mesh")]
+    #[error(
+        "the problem of {unknowns} unknowns is too large for a direct factorisation: use a coarser mesh"
+    )]
     TooLarge {
         /// Number of unknowns.
         unknowns: usize,
@@ -112,8 +117,8 @@ mod grid {
     /// Packed lower triangle of the plane-strain stiffness of a linear triangle, E = 1, ν = 0.3.
     pub fn triangle(x: [[f64; 2]; 3]) -> Vec<f64> {
         let (lame, shear) = (0.3 / (1.3 * 0.4), 0.5 / 1.3);
-        let twice_area = (x[1][0] - x[0][0]) * (x[2][1] - x[0][1])
-            - (x[2][0] - x[0][0]) * (x[1][1] - x[0][1]);
+        let twice_area =
+            (x[1][0] - x[0][0]) * (x[2][1] - x[0][1]) - (x[2][0] - x[0][0]) * (x[1][1] - x[0][1]);
         let gradient: Vec<[f64; 2]> = (0..3)
             .map(|a| {
                 let (b, c) = (x[(a + 1) % 3], x[(a + 2) % 3]);
@@ -125,7 +130,11 @@ mod grid {
             for column in 0..=row {
                 let (a, i, b, j) = (row / 2, row % 2, column / 2, column % 2);
                 let (g, h) = (gradient[a], gradient[b]);
-                let trace = if i == j { g[0] * h[0] + g[1] * h[1] } else { 0.0 };
+                let trace = if i == j {
+                    g[0] * h[0] + g[1] * h[1]
+                } else {
+                    0.0
+                };
                 let value = lame * g[i] * h[j] + shear * (g[j] * h[i] + trace);
                 packed.push(0.5 * twice_area * value);
             }

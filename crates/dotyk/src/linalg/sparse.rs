@@ -30,7 +30,10 @@ impl SparseMatrix {
     pub fn from_triplets(rows: usize, cols: usize, triplets: &[(usize, usize, f64)]) -> Self {
         let mut row_start = vec![0; rows + 1];
         for &(row, col, _) in triplets {
-            assert!(row < rows && col < cols, "entry ({row}, {col}) of a ({rows}, {cols}) matrix");
+            assert!(
+                row < rows && col < cols,
+                "entry ({row}, {col}) of a ({rows}, {cols}) matrix"
+            );
             row_start[row + 1] += 1;
         }
         accumulate(&mut row_start);
@@ -83,7 +86,9 @@ impl SparseMatrix {
     /// (column, value) of the entries of a row, columns ascending.
     pub fn row(&self, i: usize) -> impl Iterator<Item = (usize, f64)> {
         let entries = self.row_start[i]..self.row_start[i + 1];
-        let columns = self.col_index[entries.clone()].iter().map(|&col| col as usize);
+        let columns = self.col_index[entries.clone()]
+            .iter()
+            .map(|&col| col as usize);
         columns.zip(self.values[entries].iter().copied())
     }
 
@@ -335,7 +340,9 @@ impl SymmetricMatrix {
 
     /// The diagonal, (n,).
     pub fn diagonal(&self) -> Vec<f64> {
-        (0..self.len()).map(|j| self.values[self.col_start[j]]).collect()
+        (0..self.len())
+            .map(|j| self.values[self.col_start[j]])
+            .collect()
     }
 
     /// y = Ax, both (n,).
@@ -405,10 +412,7 @@ pub fn assemble_blocks<const D: usize>(
     })
 }
 
-fn check_blocks<const D: usize>(
-    graph: &Graph,
-    blocks: &[CellMatrices],
-) -> Result<(), LinalgError> {
+fn check_blocks<const D: usize>(graph: &Graph, blocks: &[CellMatrices]) -> Result<(), LinalgError> {
     for block in blocks {
         let dofs = D * block.nodes_per_cell;
         let cells = block.nodes.len() / block.nodes_per_cell.max(1);
@@ -468,10 +472,10 @@ fn gather_node<const D: usize>(
             }
             // The block of the node itself is a lower triangle, that of a neighbour is full.
             let place = greater.binary_search(&other).ok();
-            for column in 0..D {
+            for (column, &start) in column_start.iter().enumerate() {
                 let (first_row, offset) = match place {
-                    None => (column, column_start[column]),
-                    Some(place) => (0, column_start[column] + D - column + D * place),
+                    None => (column, start),
+                    Some(place) => (0, start + D - column + D * place),
                 };
                 for row in first_row..D {
                     let (i, j) = (D * other_local + row, D * local + column);
@@ -500,7 +504,13 @@ mod tests {
         let a = SparseMatrix::from_triplets(
             3,
             4,
-            &[(2, 3, 1.0), (0, 1, 2.0), (2, 0, 5.0), (2, 3, 0.25), (0, 1, -1.0)],
+            &[
+                (2, 3, 1.0),
+                (0, 1, 2.0),
+                (2, 0, 5.0),
+                (2, 3, 0.25),
+                (0, 1, -1.0),
+            ],
         );
         assert_eq!((a.rows(), a.cols(), a.nonzeros()), (3, 4, 3));
         assert_eq!(a.row(0).collect::<Vec<_>>(), [(1, 1.0)]);
