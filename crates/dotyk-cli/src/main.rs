@@ -1,2 +1,72 @@
-//! Command line of dotyk.
-fn main() {}
+//! Command line of dotyk: arguments, progress and printing, nothing else.
+//!
+//! Results go to standard output, progress and messages to standard error. Exit status: 0 done, with or without
+//! warnings; 1 not converged or not verified; 2 bad input.
+
+mod check;
+mod compare;
+mod failure;
+mod keys;
+mod progress;
+mod run;
+mod text;
+mod verify;
+
+use clap::{Parser, Subcommand};
+use std::process::ExitCode;
+
+/// Elastic contact mechanics: bodies pressed against each other, with a certificate for every answer.
+#[derive(Parser)]
+#[command(
+    name = "dotyk",
+    version,
+    after_help = "`dotyk help keys` lists every key of a case file.\n\
+                  Exit status: 0 done, 1 not converged or not verified, 2 bad input."
+)]
+struct Cli {
+    #[command(subcommand)]
+    command: Command,
+}
+
+#[derive(Subcommand)]
+enum Command {
+    /// Solve a case, write its results and the report
+    Run(run::Arguments),
+    /// Look at meshes, supports, floating bodies and contacts without solving
+    Check(check::Arguments),
+    /// Solve every case that has references and compare with them
+    Verify(verify::Arguments),
+    /// Solve one case with all solvers
+    Compare(compare::Arguments),
+    /// List every key of a case file
+    #[command(visible_alias = "keys", after_long_help = keys::TEXT)]
+    Reference,
+}
+
+/// How a command ended that was not refused.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Outcome {
+    Done,
+    Unsatisfied,
+}
+
+fn main() -> ExitCode {
+    let outcome = match Cli::parse().command {
+        Command::Run(arguments) => run::run(&arguments),
+        Command::Check(arguments) => check::check(&arguments),
+        Command::Verify(arguments) => verify::verify(&arguments),
+        Command::Compare(arguments) => compare::compare(&arguments),
+        Command::Reference => {
+            text::print(keys::TEXT);
+            Ok(Outcome::Done)
+        }
+    };
+    match outcome {
+        Ok(Outcome::Done) => ExitCode::SUCCESS,
+        Ok(Outcome::Unsatisfied) => ExitCode::from(1),
+        Err(failure) => {
+            failure.print();
+            ExitCode::from(2)
+        }
+    }
+}

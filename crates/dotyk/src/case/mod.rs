@@ -1,1 +1,232 @@
-//! To come.
+//! The TOML case file, its validation with locations, and published reference values.
+//!
+//! A case file becomes a [`Model`]: plain data, with every name, number and quantity checked, so that what is left
+//! to go wrong is mechanics. Unknown keys are errors. Keys of features that this version does not have are known,
+//! and refused as "not supported yet". Numbers are in any consistent units; paths are relative to the case file.
+
+mod body;
+mod contact;
+mod document;
+mod error;
+mod expression;
+pub mod keys;
+mod probe;
+mod reference;
+mod suggest;
+
+pub use error::CaseError;
+pub use expression::{ExpressionError, parse as parse_expression};
+pub use reference::{Criterion, Kind, Reference, References, Verdict};
+
+use crate::case::document::{Node, Value, later};
+use crate::case::error::{Fault, read_text};
+use crate::model::{Analysis, Bolts, Method, Model, SolverOptions, Units};
+use std::path::{Path, PathBuf};
+
+/// A case file, read and checked.
+#[derive(Debug, Clone)]
+pub struct Case {
+    /// Name of the file without its extension: the `case` of result files.
+    pub stem: String,
+    /// The file, or the name that the text was given.
+    pub path: PathBuf,
+    /// The problem.
+    pub model: Model<2>,
+}
+
+impl Case {
+    /// Reads a case file.
+    ///
+    /// Errors: what cannot be read; what is not TOML; every mistake with its line and column.
+    pub fn read(path: &Path) -> Result<Self, CaseError> {
+        let text = read_text(path)?;
+        let folder = path.parent().unwrap_or(Path::new(""));
+        Self::from_str(&text, &path.display().to_string(), folder)
+    }
+
+    /// Reads the text of a case file; `name` is how messages call it, and `folder` is where its paths start.
+    ///
+    /// Errors: as [`Case::read`].
+    pub fn from_str(text: &str, name: &str, folder: &Path) -> Result<Self, CaseError> {
+        let path = match Path::new(name).file_name() {
+            Some(file) => folder.join(file),
+            None => folder.join(name),
+        };
+        let stem = path.file_stem().unwrap_or(path.as_os_str());
+        let stem = stem.to_string_lossy().into_owned();
+        let model = document::parse(text).and_then(|document| model(&document, &stem));
+        let model = model.map_err(|fault| fault.in_source(name, text))?;
+        Ok(Self { stem, path, model })
+    }
+}
+
+const ANALYSES: [(&str, Analysis); 4] = [
+    ("plane-strain", Analysis::PlaneStrain),
+    ("plane-stress", Analysis::PlaneStress),
+    ("axisymmetric", Analysis::Axisymmetric),
+    ("3d", Analysis::Solid),
+];
+
+/// The model of a whole document.
+fn model(document: &Node, stem: &str) -> Result<Model<2>, Fault> {
+    let table = document.table(keys::CASE)?;
+    let text = |key: &str, default: &str| {
+        let node = table.get(key);
+        node.map_or(Ok(default), Node::text).map(str::to_string)
+    };
+    let title = text("title", stem)?;
+    let source = text("source", "")?;
+    let analysis_node = table.require("analysis", "a case")?;
+    let analysis = analysis_node.choice("analysis", &ANALYSES)?;
+    if matches!(analysis, Analysis::Axisymmetric | Analysis::Solid) {
+        let what = format!("`analysis = \"{}\"`", analysis.name());
+        return Err(later(&analysis_node.span, &what));
+    }
+    let units = table.get("units").map_or(Ok(Units::default()), units)?;
+
+    let bodies = table.list("body")?;
+    if bodies.is_empty() {
+        let span = table.get("body").map_or(table.span, |node| &node.span);
+        return Err(Fault::new(span, "the case has no body")
+            .label("no body")
+            .help("add a table `[[body]]` with `name`, `mesh` and `material`"));
+    }
+    unique_names(bodies, "bodies")?;
+    let bodies = bodies
+        .iter()
+        .map(body::body)
+        .collect::<Result<Vec<_>, _>>()?;
+
+    let contacts = table.list("contact")?;
+    unique_names(contacts, "contacts")?;
+    let contacts = contacts.iter().map(|node| contact::contact(node, &bodies));
+    let contacts = contacts.collect::<Result<Vec<_>, _>>()?;
+
+    let solver = table.get("solver");
+    let solver = solver.map_or(Ok(SolverOptions::default()), solver_options)?;
+    let time = time(table.list("step")?)?;
+
+    let probes = table.list("probe")?;
+    unique_names(probes, "probes")?;
+    let probes = probes.iter();
+    let probes = probes.map(|node| probe::probe(node, &bodies, &contacts));
+    let probes = probes.collect::<Result<Vec<_>, _>>()?;
+
+    Ok(Model {
+        title,
+        source,
+        analysis,
+        units,
+        bodies,
+        contacts,
+        solver,
+        probes,
+        time,
+    })
+}
+
+fn units(node: &Node) -> Result<Units, Fault> {
+    let table = node.table(keys::UNITS)?;
+    let label = |key: &str| {
+        let text = table.get(key).map(Node::text).transpose()?;
+        Ok(text.map(str::to_string))
+    };
+    Ok(Units {
+        length: label("length")?,
+        force: label("force")?,
+    })
+}
+
+/// Refuses two elements of a list of tables with the same `name`.
+fn unique_names(list: &[Node], what: &str) -> Result<(), Fault> {
+    let mut seen: Vec<&str> = Vec::new();
+    for node in list {
+        let entry = node.entries()?.iter().find(|e| e.key == "name");
+        let Some((name, node)) = entry.and_then(|e| Some((e.node.text().ok()?, &e.node))) else {
+            continue;
+        };
+        if seen.contains(&name) {
+            let message = format!("two {what} are named `{name}`");
+            return Err(Fault::new(&node.span, message).label("second use of the name"));
+        }
+        seen.push(name);
+    }
+    Ok(())
+}
+
+fn solver_options(node: &Node) -> Result<SolverOptions<2>, Fault> {
+    let table = node.table(keys::SOLVER)?;
+    let default = SolverOptions::default();
+    let methods = [Method::Auto].into_iter().chain(Method::NAMED);
+    let methods: Vec<_> = methods.map(|m| (m.name(), m)).collect();
+    let method = table.get("method");
+    let method = method.map_or(Ok(default.method), |node| node.choice("method", &methods))?;
+    let tolerance = table.get("tolerance");
+    let tolerance = tolerance.map_or(Ok(default.tolerance), |n| n.positive("`tolerance`"))?;
+    let iterations = table.get("max_iterations");
+    let iterations = iterations.map(|node| node.positive_integer("`max_iterations`"));
+
+    let only_for = |key: &str, methods: &[Method]| match table.entry(key) {
+        Some(entry) if !methods.contains(&method) => {
+            let names = listed_methods(methods);
+            let message = format!("`{key}` has no meaning for the method `{}`", method.name());
+            Err(Fault::new(&entry.key_span, message)
+                .label(format!("only for {names}"))
+                .help(format!("remove `{key}`, or set `method` to {names}")))
+        }
+        Some(entry) => Ok(Some(&entry.node)),
+        None => Ok(None),
+    };
+    let rho = only_for("rho", &[Method::Gradient, Method::Uzawa])?;
+    let bolts = only_for("bolt", &[Method::Uzawa])?;
+    Ok(SolverOptions {
+        method,
+        tolerance,
+        max_iterations: iterations.transpose()?,
+        rho: rho.map_or(Ok(None), step_length)?,
+        bolts: bolts.map_or(Ok(default.bolts), bolt_places)?,
+    })
+}
+
+fn listed_methods(methods: &[Method]) -> String {
+    let names: Vec<String> = methods.iter().map(|m| format!("`{}`", m.name())).collect();
+    names.join(" or ")
+}
+
+fn step_length(node: &Node) -> Result<Option<f64>, Fault> {
+    match &node.value {
+        Value::Text(text) if text == "auto" => Ok(None),
+        Value::Text(_) => Err(node.expected("a number or \"auto\"")),
+        _ => node.positive("`rho`").map(Some),
+    }
+}
+
+/// `"auto"`, one point, or a list of points.
+fn bolt_places(node: &Node) -> Result<Bolts<2>, Fault> {
+    let expected = || node.expected("\"auto\", a point [x, y] or a list of points");
+    match &node.value {
+        Value::Text(text) if text == "auto" => Ok(Bolts::Automatic),
+        Value::List(list) if list.is_empty() => Err(expected()),
+        Value::List(list) if list.iter().all(|n| matches!(n.value, Value::List(_))) => {
+            let points = list.iter().map(Node::point).collect::<Result<_, _>>()?;
+            Ok(Bolts::Points(points))
+        }
+        Value::List(_) => Ok(Bolts::Points(vec![node.point()?])),
+        _ => Err(expected()),
+    }
+}
+
+/// The time of the only step; 1 without steps.
+fn time(steps: &[Node]) -> Result<f64, Fault> {
+    for step in steps {
+        step.table(keys::STEP)?;
+    }
+    match steps {
+        [] => Ok(1.0),
+        [step] => step.table(keys::STEP)?.require("time", "a step")?.number(),
+        [_, second, ..] => Err(later(&second.span, "more than one `[[step]]`")),
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,1 +1,105 @@
-//! To come.
+//! Interfaces: from two sides to rows B, initial gaps g₀ and weights, so that
+//!
+//! ```text
+//!   gap = g₀ − B u ≥ 0,     (B u)ᵢ = nᵢ·(u_nonmortar − u_mortar),     pressure = λ / weight
+//! ```
+//!
+//! n is the outward normal of the nonmortar side. λ is a force, the gap a length, the weight ∫ψ an area.
+//! An interface knows the two meshes and what their supports hold, but no stiffness.
+
+mod error;
+mod node_to_node;
+mod weights;
+
+pub use error::ContactError;
+pub use node_to_node::{matching_nodes, pair_nodes, pair_obstacle};
+
+use crate::fem::{Body, Constraints};
+use crate::geometry::{Field, Point};
+
+/// One end of an interface: a side of a body, with what the body's supports hold.
+#[derive(Clone, Copy)]
+pub struct End<'a, const D: usize> {
+    /// The body.
+    pub body: &'a Body<D>,
+    /// Name of the side.
+    pub side: &'a str,
+    /// Held directions of the body's nodes.
+    pub constraints: &'a Constraints<D>,
+}
+
+impl<const D: usize> End<'_, D> {
+    /// `body.side`, as in the case file.
+    pub fn name(&self) -> String {
+        format!("{}.{}", self.body.name, self.side)
+    }
+}
+
+/// The initial gap of node pairs.
+#[derive(Clone, Copy)]
+pub enum InitialGap<'a> {
+    /// Measured between the nodes along the normal.
+    Measured,
+    /// Zero.
+    Closed,
+    /// Given at the undeformed nonmortar point.
+    Given(&'a Field),
+}
+
+/// What a node of the nonmortar side is to the interface.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Role {
+    /// It carries the multiplier of this row.
+    Multiplier(usize),
+    /// Nothing is opposite.
+    Alone,
+    /// Its normal displacement is prescribed on both sides.
+    Fixed,
+}
+
+/// A node of the nonmortar side.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct InterfaceNode<const D: usize> {
+    /// Node of the nonmortar mesh.
+    pub node: usize,
+    /// Coincident node of the mortar mesh (node-to-node).
+    pub partner: Option<usize>,
+    /// Outward unit normal, after the projection onto what the supports leave free.
+    pub normal: Point<D>,
+    /// ∫ψ: an area, times thickness or 2πr.
+    pub weight: f64,
+    /// Initial gap; NaN where nothing is opposite.
+    pub gap: f64,
+    /// What it is to the interface.
+    pub role: Role,
+}
+
+/// A row of B: coefficients of global displacement vectors at nodes.
+pub type Row<const D: usize> = Vec<(usize, Point<D>)>;
+
+/// Two sides, or a side and an obstacle, ready for condensation.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Interface<const D: usize> {
+    /// Nodes of the nonmortar side in the order of its chain.
+    pub nodes: Vec<InterfaceNode<D>>,
+    /// The chain closes on itself.
+    pub cyclic: bool,
+    /// Row of every multiplier on the nonmortar body.
+    pub nonmortar: Vec<Row<D>>,
+    /// Row of every multiplier on the mortar body (sign included); empty for an obstacle.
+    pub mortar: Vec<Row<D>>,
+}
+
+impl<const D: usize> Interface<D> {
+    /// Initial gap of every multiplier.
+    pub fn gaps(&self) -> Vec<f64> {
+        self.carriers().map(|node| node.gap).collect()
+    }
+
+    /// The nodes that carry multipliers, in the order of the rows.
+    pub fn carriers(&self) -> impl Iterator<Item = &InterfaceNode<D>> {
+        self.nodes
+            .iter()
+            .filter(|node| matches!(node.role, Role::Multiplier(_)))
+    }
+}

@@ -5,7 +5,33 @@
 //! ```
 //!
 //! It knows no mesh, no body, no dimension.
+//!
+//! | Symbol | Meaning | Shape | Unit |
+//! |---|---|---|---|
+//! | λ | contact forces | (m,) | force |
+//! | F | compliance of the bodies seen from the contact, symmetric, positive semidefinite | (m, m) | length / force |
+//! | d | overlap of the separately loaded bodies | (m,) | length |
+//! | G, e | balance of the floating bodies, modes scaled to largest displacement 1 | (r, m), (r,) | –, force |
+//! | α | rigid amplitudes, the multiplier of Gλ = e | (r,) | length |
+//!
+//! Signs: gap ≥ 0 is open, λ ≥ 0 is compression. The gap is the gradient of the dual functional, so that a solver needs
+//! nothing but products with F and the projection onto Λ ∩ {Gλ = e}, and every answer, whoever found it, is judged by the
+//! same [`Certificate`].
 
+mod admissible;
+mod balance;
+mod certificate;
+mod feasibility;
+mod projection;
+
+pub use admissible::{AdmissibleSet, Component};
+pub use balance::{Balance, ModeSplit, uncontrolled_modes};
+pub(crate) use certificate::Violations;
+pub use certificate::{Certificate, Figure, Recomputed};
+pub use feasibility::{Feasibility, NO_WORK, least_norm_within, least_squares_nonnegative};
+pub use projection::Projector;
+
+use crate::linalg::dense::matvec;
 use crate::linalg::{LinearOperator, Mat};
 
 /// F, the compliance of the bodies seen from the contact unknowns: (m, m), symmetric, positive semidefinite.
@@ -19,6 +45,29 @@ pub enum Compliance {
         /// x ↦ Mx, an approximation of F⁻¹ (scaled Dirichlet preconditioner).
         preconditioner: Box<dyn LinearOperator>,
     },
+}
+
+impl Compliance {
+    /// Number m of contact forces.
+    pub fn len(&self) -> usize {
+        match self {
+            Self::Dense(matrix) => matrix.nrows(),
+            Self::Operator { apply, .. } => apply.len(),
+        }
+    }
+
+    /// There is no contact force.
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    /// y = Fx. Shapes: both (m,). Units: x force, y length.
+    pub fn apply(&self, x: &[f64], y: &mut [f64]) {
+        match self {
+            Self::Dense(matrix) => matvec(matrix, x, y),
+            Self::Operator { apply, .. } => apply.apply(x, y),
+        }
+    }
 }
 
 /// What one contact node can bear; its block of λ is (normal, tangential..).
@@ -48,11 +97,32 @@ pub enum Block {
 }
 
 /// Gλ = e, the balance of the floating bodies; r = 0 when nothing floats.
+#[derive(Debug, Clone)]
 pub struct Equilibrium {
     /// G, (r, m).
     pub modes: Mat<f64>,
     /// e, (r,): work of the loads on each mode.
     pub load: Vec<f64>,
+    /// Which rows balance moments (r,). A mode is scaled to largest displacement 1, so the row of a rotation
+    /// is its moment over the largest distance from its axis: a force.
+    pub moments: Vec<bool>,
+}
+
+impl Equilibrium {
+    /// Gλ = e, all rows taken as forces.
+    pub fn new(modes: Mat<f64>, load: Vec<f64>) -> Self {
+        let moments = vec![false; load.len()];
+        Self {
+            modes,
+            load,
+            moments,
+        }
+    }
+
+    /// Nothing floats: r = 0 with `m` contact forces.
+    pub fn none(m: usize) -> Self {
+        Self::new(Mat::zeros(0, m), Vec::new())
+    }
 }
 
 /// λ and α: contact forces (m,) and rigid amplitudes (r,), the multiplier of Gλ = e.
@@ -64,69 +134,191 @@ pub struct Multipliers {
     pub alpha: Vec<f64>,
 }
 
-/// One figure of the certificate.
+/// What lengths, forces, moments and energies are compared with. A scale of zero counts as 1.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct Figure {
-    /// The violation in the problem's units.
-    pub value: f64,
-    /// The violation over its scale.
-    pub relative: f64,
-    /// Largest admissible `relative`.
-    pub limit: f64,
+pub struct Scales {
+    /// max|d|.
+    pub length: f64,
+    /// Largest resultant load; the largest contact force is added by the certificate where it is larger.
+    pub force: f64,
+    /// Largest body diameter: moments are compared with force times this.
+    pub moment_arm: f64,
+    /// Elastic energy that does not come from λ; 1/2 λᵀFλ is added by the certificate.
+    pub energy: f64,
 }
 
-impl Figure {
-    /// A violation against its scale (1 where the scale is zero).
-    pub fn new(value: f64, scale: f64, limit: f64) -> Self {
-        let relative = if scale > 0.0 { value / scale } else { value };
+impl Scales {
+    /// Scales that follow from d and e alone.
+    pub fn of(shift: &[f64], equilibrium: &Equilibrium) -> Self {
+        let largest = |v: &[f64]| v.iter().fold(0.0, |s: f64, x| s.max(x.abs()));
         Self {
-            value,
-            relative,
-            limit,
+            length: largest(shift),
+            force: largest(&equilibrium.load),
+            moment_arm: 0.0,
+            energy: 0.0,
+        }
+    }
+}
+
+/// Why a [`DualProblem`] is not one.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum DualError {
+    /// Two parts have different numbers of contact forces or modes.
+    #[error("{part} has length {found}, but {expected} is expected")]
+    Length {
+        /// Which part.
+        part: &'static str,
+        /// Its length.
+        found: usize,
+        /// The length that the compliance (m) or the load (r) asks for.
+        expected: usize,
+    },
+    /// An entry is not a finite number.
+    #[error("entry {index} of {part} is {value}: it must be finite")]
+    NotFinite {
+        /// Which part.
+        part: &'static str,
+        /// Index, column-major for matrices.
+        index: usize,
+        /// The entry.
+        value: f64,
+    },
+}
+
+/// The dual contact problem: min 1/2 λᵀFλ − dᵀλ over λ ∈ Λ with Gλ = e.
+pub struct DualProblem {
+    /// F.
+    pub compliance: Compliance,
+    /// d, (m,).
+    pub shift: Vec<f64>,
+    /// Λ.
+    pub admissible: AdmissibleSet,
+    /// Gλ = e.
+    pub equilibrium: Equilibrium,
+    /// What violations are compared with.
+    pub scales: Scales,
+}
+
+impl DualProblem {
+    /// The problem with scales from its data.
+    ///
+    /// Errors: lengths that differ, entries of d, G or e that are not finite.
+    pub fn new(
+        compliance: Compliance,
+        shift: Vec<f64>,
+        admissible: AdmissibleSet,
+        equilibrium: Equilibrium,
+    ) -> Result<Self, DualError> {
+        let scales = Scales::of(&shift, &equilibrium);
+        let problem = Self {
+            compliance,
+            shift,
+            admissible,
+            equilibrium,
+            scales,
+        };
+        problem.check()?;
+        Ok(problem)
+    }
+
+    /// Lengths agree, and d, G, e and an assembled F are finite.
+    pub fn check(&self) -> Result<(), DualError> {
+        let (m, r) = (self.compliance.len(), self.equilibrium.load.len());
+        let lengths = [
+            ("d", self.shift.len(), m),
+            ("the admissible set", self.admissible.len(), m),
+            ("a row of G", self.equilibrium.modes.ncols(), m),
+            ("a column of G", self.equilibrium.modes.nrows(), r),
+            ("the list of moment rows", self.equilibrium.moments.len(), r),
+        ];
+        for (part, found, expected) in lengths {
+            if found != expected {
+                return Err(DualError::Length {
+                    part,
+                    found,
+                    expected,
+                });
+            }
+        }
+        finite("d", self.shift.iter())?;
+        finite("e", self.equilibrium.load.iter())?;
+        finite("G", columns(&self.equilibrium.modes))?;
+        if let Compliance::Dense(matrix) = &self.compliance {
+            finite("F", columns(matrix))?;
+        }
+        Ok(())
+    }
+
+    /// Number m of contact forces.
+    pub fn len(&self) -> usize {
+        self.shift.len()
+    }
+
+    /// There is no contact force.
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    /// Gap at the contact unknowns, Fλ − d − Gᵀα; the gradient of the dual functional.
+    ///
+    /// Shapes: λ and the gap (m,), α (r,). Units: λ force, gap and α length. Panics if lengths differ.
+    /// Source: Janovský & Procházka (1980) III, section 7, STEP 1.
+    pub fn gap(&self, multipliers: &Multipliers) -> Vec<f64> {
+        let mut product = vec![0.0; self.len()];
+        self.compliance.apply(&multipliers.lambda, &mut product);
+        let mut gap = vec![0.0; self.len()];
+        self.gap_from_product(&product, &multipliers.alpha, &mut gap);
+        gap
+    }
+
+    /// Gap from the product Fλ. Shapes: `product` and `gap` (m,), `alpha` (r,).
+    pub(crate) fn gap_from_product(&self, product: &[f64], alpha: &[f64], gap: &mut [f64]) {
+        for (i, gap) in gap.iter_mut().enumerate() {
+            let rigid: f64 = self
+                .equilibrium
+                .modes
+                .col_as_slice(i)
+                .iter()
+                .zip(alpha)
+                .map(|(g, a)| g * a)
+                .sum();
+            *gap = product[i] - self.shift[i] - rigid;
         }
     }
 
-    /// The figure is within its limit; NaN is not.
-    pub fn holds(&self) -> bool {
-        self.relative <= self.limit
+    /// λ = P(y), the nearest force that is admissible and balanced; y − λ − Gᵀτ is normal to Λ at λ.
+    ///
+    /// Shapes: y, λ (m,), `tau` (r,), starting value on entry. Returns ‖Gλ − e‖ in orthonormal modes, which is far from
+    /// rounding only when no admissible force balances the load. Solvers keep a [`Projector`] instead.
+    pub fn project(&self, y: &[f64], tau: &mut [f64], lambda: &mut [f64]) -> f64 {
+        let balance = Balance::new(&self.equilibrium);
+        let mut reduced = vec![0.0; balance.rank()];
+        balance.from_original(tau, &mut reduced);
+        let rest = Projector::new(&self.admissible, &balance).project(y, &mut reduced, lambda);
+        balance.to_original(&reduced, tau);
+        rest
     }
 }
 
-/// What was checked of an answer: the only judge of convergence, whoever solved.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct Certificate {
-    /// Largest penetration, a length.
-    pub penetration: Figure,
-    /// Largest tension of a unilateral contact, a force.
-    pub tension: Figure,
-    /// Σ|λ·gap|, an energy.
-    pub complementarity: Figure,
-    /// Largest resultant force of a body that is not balanced.
-    pub imbalance_force: Figure,
-    /// Largest resultant moment of a body that is not balanced.
-    pub imbalance_moment: Figure,
-    /// Difference of primal and dual energy.
-    pub energy_gap: Figure,
-    /// Violation of the friction law, a force.
-    pub slip_violation: Figure,
+fn columns(matrix: &Mat<f64>) -> impl Iterator<Item = &f64> {
+    (0..matrix.ncols()).flat_map(|j| matrix.col_as_slice(j))
 }
 
-impl Certificate {
-    /// The figures with their names in `summary.json`, in its order.
-    pub fn figures(&self) -> [(&'static str, Figure); 7] {
-        [
-            ("penetration", self.penetration),
-            ("tension", self.tension),
-            ("complementarity", self.complementarity),
-            ("imbalance_force", self.imbalance_force),
-            ("imbalance_moment", self.imbalance_moment),
-            ("energy_gap", self.energy_gap),
-            ("slip_violation", self.slip_violation),
-        ]
-    }
-
-    /// Every figure is within its limit.
-    pub fn holds(&self) -> bool {
-        self.figures().iter().all(|(_, figure)| figure.holds())
+fn finite<'a>(
+    part: &'static str,
+    mut values: impl Iterator<Item = &'a f64>,
+) -> Result<(), DualError> {
+    let mut index = 0;
+    let found = values.find(|value| {
+        index += 1;
+        !value.is_finite()
+    });
+    match found {
+        None => Ok(()),
+        Some(&value) => Err(DualError::NotFinite {
+            part,
+            index: index - 1,
+            value,
+        }),
     }
 }

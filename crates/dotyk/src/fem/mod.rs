@@ -1,1 +1,31 @@
-//! To come.
+//! Linear elasticity of one body: from a mesh, materials, supports and loads to
+//!
+//! ```text
+//!   min 1/2 uᵀKu − fᵀu   over u with prescribed components,     K R = 0 for the rigid modes R left free
+//! ```
+//!
+//! Dof `D·node + component`. At nodes held in an oblique direction the components are taken along the axes of the
+//! node's own frame (first the held directions), so that a prescribed displacement is always one dof.
+//! Tensile stress is positive; forces in plane analyses are for the body's thickness.
+
+mod assemble;
+mod elasticity;
+mod error;
+mod loads;
+mod modes;
+mod nouns;
+pub mod quadrature;
+mod stress;
+mod supports;
+
+pub use assemble::{BodySystem, assemble};
+pub use error::FemError;
+pub use modes::{RigidBasis, describe_motion};
+pub use nouns::{Analysis, Body, Elastic, Load, Material, Place, Support};
+pub use stress::{recover_stress, von_mises};
+pub use supports::{Constraints, Held, nearest_node, node_normals};
+
+pub(crate) use assemble::{invert, measure};
+pub(crate) use error::show;
+pub(crate) use modes::fit_rigid;
+pub(crate) use supports::side_facets;

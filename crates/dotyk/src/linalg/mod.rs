@@ -1,6 +1,33 @@
 //! Sparse matrices, orderings and factorisations; the only module that names the linear-algebra library.
+//!
+//! A body's stiffness is gathered from its cell matrices ([`assemble_blocks`] on a [`Graph`]), its nodes are
+//! ordered ([`fill_reducing_order`]), and it is factored once ([`Analysis`], [`Cholesky`]) with the contact dofs
+//! last, so that the trailing block of the factor is the factor of the stiffness seen from the contact.
+//! The dense functions serve the small problems on the contact.
+//!
+//! Invariant: the same bits for any number of threads. Kernels are sequential; threads take disjoint blocks whose
+//! borders depend on the problem alone. The operators of [`Mat`] (`&a * &b`) choose threads by themselves: use
+//! [`product`] and its relatives instead.
+//!
+//! Units are those of the caller. Indices are stored as `u32`: at most 2³¹ entries in a matrix or a factor.
 
+mod cholesky;
+pub(crate) mod dense;
+mod order;
+mod sparse;
+
+pub use cholesky::{Analysis, Cholesky};
+pub use dense::{
+    DenseOperator, cholesky_in_place, dot, gram, least_squares, matvec, matvec_transpose,
+    null_space, pivoted_cholesky, product, solve_cholesky_in_place, solve_general,
+    solve_lower_in_place, solve_lower_transpose_in_place, symmetric_eigen, symmetric_eigenvalues,
+    transpose_product,
+};
 pub use faer::{Mat, MatMut, MatRef};
+pub use order::{expand_to_dofs, fill_reducing_order};
+pub use sparse::{
+    CellMatrices, Connectivity, Graph, SparseMatrix, SymmetricMatrix, assemble_blocks,
+};
 
 /// A symmetric linear map of vectors of length `len`.
 pub trait LinearOperator: Send + Sync {
@@ -12,4 +39,169 @@ pub trait LinearOperator: Send + Sync {
     }
     /// y = Ax.
     fn apply(&self, x: &[f64], y: &mut [f64]);
+}
+
+/// Why a matrix could not be factored or a system not be solved. Numbers of dofs are the caller's, not permuted.
+#[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
+pub enum LinalgError {
+    /// A pivot is zero or negative.
+    #[error(
+        "the matrix is not positive definite at dof {dof}: check the supports and the material"
+    )]
+    NotPositiveDefinite {
+        /// The dof of the pivot.
+        dof: usize,
+    },
+    /// The energy of some displacement is not distinguishable from rounding.
+    #[error(
+        "the matrix is singular to working precision (relative energy {ratio:.1e} at dof {dof}): part of the body can move freely, check its supports and joints"
+    )]
+    NearlySingular {
+        /// The dof of the smallest relative pivot.
+        dof: usize,
+        /// uᵀAu / Σ aᵢᵢuᵢ² of the free displacement u.
+        ratio: f64,
+    },
+    /// An entry is infinite or NaN.
+    #[error(
+        "an entry in row {row} of the matrix is not finite: check the coordinates and the data"
+    )]
+    NotFinite {
+        /// The row.
+        row: usize,
+    },
+    /// The elimination order names a dof twice, or one that the matrix does not have.
+    #[error(
+        "the elimination order is invalid at dof {dof}: name each dof of the matrix at most once"
+    )]
+    InvalidOrder {
+        /// The dof.
+        dof: usize,
+    },
+    /// The matrix has another size or pattern than the analysed one, or a wrong number of entries is given.
+    #[error("{found} entries where {expected} are expected: analyse this matrix first")]
+    WrongPattern {
+        /// Number of entries expected.
+        expected: usize,
+        /// Number of entries found.
+        found: usize,
+    },
+    /// More entries than the indices can count, or than the memory holds.
+    #[error(
+        "the problem of {unknowns} unknowns is too large for a direct factorisation: use a coarser mesh"
+    )]
+    TooLarge {
+        /// Number of unknowns.
+        unknowns: usize,
+    },
+    /// A dense system has no unique solution.
+    #[error("the system of equations is singular at column {column}")]
+    Singular {
+        /// The column of the vanishing pivot.
+        column: usize,
+    },
+    /// A spectral decomposition did not converge.
+    #[error("the spectral decomposition of a ({rows}, {columns}) matrix did not converge")]
+    NoConvergence {
+        /// Number of rows.
+        rows: usize,
+        /// Number of columns.
+        columns: usize,
+    },
+}
+
+/// Elastic grids for the tests of this module.
+#[cfg(test)]
+mod grid {
+    use crate::linalg::{CellMatrices, Graph, SymmetricMatrix, assemble_blocks};
+
+    /// Packed lower triangle of the plane-strain stiffness of a linear triangle, E = 1, ν = 0.3.
+    pub fn triangle(x: [[f64; 2]; 3]) -> Vec<f64> {
+        let (lame, shear) = (0.3 / (1.3 * 0.4), 0.5 / 1.3);
+        let twice_area =
+            (x[1][0] - x[0][0]) * (x[2][1] - x[0][1]) - (x[2][0] - x[0][0]) * (x[1][1] - x[0][1]);
+        let gradient: Vec<[f64; 2]> = (0..3)
+            .map(|a| {
+                let (b, c) = (x[(a + 1) % 3], x[(a + 2) % 3]);
+                [(b[1] - c[1]) / twice_area, (c[0] - b[0]) / twice_area]
+            })
+            .collect();
+        let mut packed = Vec::new();
+        for row in 0..6 {
+            for column in 0..=row {
+                let (a, i, b, j) = (row / 2, row % 2, column / 2, column % 2);
+                let (g, h) = (gradient[a], gradient[b]);
+                let trace = if i == j {
+                    g[0] * h[0] + g[1] * h[1]
+                } else {
+                    0.0
+                };
+                let value = lame * g[i] * h[j] + shear * (g[j] * h[i] + trace);
+                packed.push(0.5 * twice_area * value);
+            }
+        }
+        packed
+    }
+
+    /// Cells of nx × ny squares of side 1, each cut in two; node (i, j) is j(nx + 1) + i.
+    pub fn cells(nx: usize, ny: usize) -> Vec<u32> {
+        let node = |i: usize, j: usize| (j * (nx + 1) + i) as u32;
+        let mut nodes = Vec::new();
+        for j in 0..ny {
+            for i in 0..nx {
+                nodes.extend([node(i, j), node(i + 1, j), node(i + 1, j + 1)]);
+                nodes.extend([node(i, j), node(i + 1, j + 1), node(i, j + 1)]);
+            }
+        }
+        nodes
+    }
+
+    /// Cell matrices that go with [`cells`].
+    pub fn stiffness(nx: usize, ny: usize) -> Vec<f64> {
+        let lower = triangle([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0]]);
+        let upper = triangle([[0.0, 0.0], [1.0, 1.0], [0.0, 1.0]]);
+        let pair = [lower, upper].concat();
+        pair.repeat(nx * ny)
+    }
+
+    /// Graph and unsupported stiffness of the grid.
+    pub fn body(nx: usize, ny: usize) -> (Graph, SymmetricMatrix) {
+        let (nodes, values) = (cells(nx, ny), stiffness(nx, ny));
+        let block = CellMatrices {
+            nodes: &nodes,
+            nodes_per_cell: 3,
+            values: &values,
+        };
+        let graph = Graph::from_cells((nx + 1) * (ny + 1), &[block.connectivity()]);
+        let matrix = assemble_blocks::<2>(&graph, &[block]).unwrap();
+        (graph, matrix)
+    }
+
+    /// Dofs that remain when the left edge is clamped, by dof.
+    pub fn clamped_left(nx: usize, ny: usize) -> Vec<bool> {
+        (0..(nx + 1) * (ny + 1))
+            .flat_map(|node| [node % (nx + 1) != 0; 2])
+            .collect()
+    }
+
+    /// Repeatable numbers in (−1, 1) without a pattern.
+    pub fn noise(length: usize) -> Vec<f64> {
+        let mut state = 0x9E37_79B9_7F4A_7C15_u64;
+        let mut next = || {
+            state ^= state << 13;
+            state ^= state >> 7;
+            state ^= state << 17;
+            (state >> 11) as f64 / (1u64 << 52) as f64 - 1.0
+        };
+        (0..length).map(|_| next()).collect()
+    }
+
+    /// Runs on a pool of that many threads.
+    pub fn on_threads<R: Send>(threads: usize, run: impl FnOnce() -> R + Send) -> R {
+        rayon::ThreadPoolBuilder::new()
+            .num_threads(threads)
+            .build()
+            .unwrap()
+            .install(run)
+    }
 }

@@ -1,12 +1,25 @@
-//! Meshes: points, cell blocks, named sides.
+//! Meshes: points, cell blocks, named sides; structured generators.
+//!
+//! A [`Mesh`] is checked when it is made and never changed: what returns a mesh returns another one.
+//! Indices of points, blocks and cells are counted from zero; a cell is named by its block and its place there.
+//!
+//! Invariants: every coordinate is finite, every node belongs to a cell, the Jacobian of every cell is positive (plane
+//! cells run counter-clockwise), every facet of a side exists. Coincident nodes are not merged.
+//! Sides may overlap and need not cover the boundary. Units: lengths, whichever the user chose.
 
 mod cell;
+mod check;
+mod error;
+mod facets;
 mod generate;
 
-pub use cell::{CellKind, FacetKind};
+pub use cell::{CellKind, FacetKind, MAX_CELL_NODES, MAX_FACET_NODES};
+pub use error::MeshError;
+pub use facets::{Chain, FacetTable};
 pub use generate::{Diagonals, Rectangle, Ring, TunnelRock};
 
-use crate::geometry::Point;
+use crate::geometry::{Point, bounding_box, distance, norm, padded, sub};
+use crate::mesh::check::{check, determinant};
 use std::collections::BTreeMap;
 
 /// Cells of one kind, and of one group when the mesh file names groups.
@@ -47,68 +60,238 @@ pub struct Mesh<const D: usize> {
 }
 
 impl<const D: usize> Mesh<D> {
-    /// Coordinates of the nodes.
-    pub fn points(&self) -> &[Point<D>] {
-        &self.points
-    }
-
-    /// Blocks of cells.
-    pub fn blocks(&self) -> &[CellBlock] {
-        &self.blocks
-    }
-
-    /// Facets of a side.
-    pub fn side(&self, name: &str) -> Option<&[Facet]> {
-        self.sides.get(name).map(Vec::as_slice)
-    }
-
-    /// Nodes of a facet: its ends, then its middle node.
-    pub fn facet_nodes(&self, facet: Facet) -> Vec<u32> {
-        let block = &self.blocks[facet.block as usize];
-        let (corners, local) = (block.kind.corners(), facet.local as usize);
-        let nodes = &block.nodes[facet.cell as usize * block.kind.nodes()..];
-        let mut list = vec![nodes[local], nodes[(local + 1) % corners]];
-        if block.kind.nodes() > corners {
-            list.push(nodes[corners + local]);
-        }
-        list
-    }
-
-    /// Facets that belong to one cell only.
-    pub fn boundary_facets(&self) -> Vec<Facet> {
-        let mut count = BTreeMap::new();
-        for (b, block) in self.blocks.iter().enumerate() {
-            for (c, _) in block.cells().enumerate() {
-                for local in 0..block.kind.corners() {
-                    let facet = Facet {
-                        block: b as u32,
-                        cell: c as u32,
-                        local: local as u32,
-                    };
-                    let nodes = self.facet_nodes(facet);
-                    let key = (nodes[0].min(nodes[1]), nodes[0].max(nodes[1]));
-                    count.entry(key).or_insert_with(Vec::new).push(facet);
-                }
-            }
-        }
-        count
-            .into_values()
-            .filter(|facets| facets.len() == 1)
-            .flatten()
-            .collect()
-    }
-
-    /// A mesh of its parts, unchecked.
-    #[cfg(test)]
-    pub(crate) fn from_parts(
-        points: Vec<Point<D>>,
-        blocks: Vec<CellBlock>,
-        sides: BTreeMap<String, Vec<Facet>>,
-    ) -> Self {
+    /// A mesh without sides. Cells that are numbered the other way round are turned.
+    ///
+    /// Errors: no cells; cells of another dimension; a node list that does not divide into cells; coordinates that are
+    /// not finite; a node index out of range or repeated in its cell; a cell without volume or folded; a loose node.
+    pub fn new(points: Vec<Point<D>>, blocks: Vec<CellBlock>) -> Result<Self, MeshError> {
+        let sides = BTreeMap::new();
         Self {
             points,
             blocks,
             sides,
         }
+        .checked()
+    }
+
+    /// The same cells and sides with every point moved to f(point). Under a reflection the cells are turned.
+    ///
+    /// Errors: as [`Self::new`], where f gives no valid mesh.
+    pub fn map_points(mut self, f: impl Fn(Point<D>) -> Point<D>) -> Result<Self, MeshError> {
+        for point in &mut self.points {
+            *point = f(*point);
+        }
+        self.checked()
+    }
+
+    /// Checks what a mesh must be, turns cells with the facets of the sides, sorts the sides.
+    fn checked(mut self) -> Result<Self, MeshError> {
+        let turned = check(&self.points, &mut self.blocks)?;
+        let mirrored: Vec<Vec<u32>> = self
+            .blocks
+            .iter()
+            .map(|block| facets::mirrored(block.kind))
+            .collect();
+        for side in self.sides.values_mut() {
+            for facet in side.iter_mut() {
+                let block = facet.block as usize;
+                if turned[block].binary_search(&facet.cell).is_ok() {
+                    facet.local = mirrored[block][facet.local as usize];
+                }
+            }
+            side.sort_unstable();
+        }
+        Ok(self)
+    }
+
+    /// Coordinates of the nodes, (nodes,).
+    pub fn points(&self) -> &[Point<D>] {
+        &self.points
+    }
+
+    /// The blocks of cells.
+    pub fn blocks(&self) -> &[CellBlock] {
+        &self.blocks
+    }
+
+    /// Number of cells of all blocks.
+    pub fn cell_count(&self) -> usize {
+        self.blocks.iter().map(|block| block.cells().len()).sum()
+    }
+
+    /// Nodes of a cell.
+    pub fn cell_nodes(&self, block: usize, cell: usize) -> &[u32] {
+        let block = &self.blocks[block];
+        let n = block.kind.nodes();
+        &block.nodes[n * cell..n * (cell + 1)]
+    }
+
+    /// Length of the diagonal of the bounding box.
+    pub fn diameter(&self) -> f64 {
+        let (low, high) = bounding_box(&self.points);
+        distance(low, high)
+    }
+
+    /// Length of the longest straight edge between corners of a cell.
+    pub fn longest_edge(&self, block: usize, cell: usize) -> f64 {
+        let nodes = self.cell_nodes(block, cell);
+        let at = |local: usize| self.points[nodes[local] as usize];
+        self.blocks[block]
+            .kind
+            .corner_edges()
+            .iter()
+            .enumerate()
+            .flat_map(|(corner, ends)| ends.iter().map(move |&end| (corner, end)))
+            .map(|(corner, end)| distance(at(corner), at(end)))
+            .fold(0.0, f64::max)
+    }
+
+    /// Shape of a cell, in [0, 1]: 1 for a square or an equilateral triangle, 0 for a corner of 0° or 180°.
+    ///
+    /// The smallest over the corners of det(t₁..)/∏|tᵢ| with the tangents tᵢ of the edges there, over that of the regular
+    /// cell (at most 1). The middle nodes count through the tangents.
+    pub fn cell_quality(&self, block: usize, cell: usize) -> f64 {
+        let kind = self.blocks[block].kind;
+        let nodes = self.cell_nodes(block, cell);
+        let reference = kind.reference_nodes();
+        let mut gradients = [[0.0; D]; MAX_CELL_NODES];
+        let mut quality: f64 = 1.0;
+        for (corner, ends) in kind.corner_edges().iter().enumerate() {
+            kind.gradients(&reference[corner], &mut gradients);
+            let mut tangents = [[0.0; D]; D];
+            for (tangent, &end) in tangents.iter_mut().zip(ends.iter()) {
+                let along = sub(reference[end], reference[corner]);
+                for (&node, gradient) in nodes.iter().zip(&gradients) {
+                    let slope: f64 = gradient.iter().zip(along).map(|(g, a)| g * a).sum();
+                    for (t, x) in tangent.iter_mut().zip(self.points[node as usize]) {
+                        *t += slope * x;
+                    }
+                }
+            }
+            let lengths: f64 = tangents.iter().map(|&t| norm(t)).product();
+            let scaled = determinant(&tangents) / (lengths * kind.regular());
+            quality = if lengths > 0.0 {
+                quality.min(scaled)
+            } else {
+                0.0
+            };
+        }
+        quality.max(0.0)
+    }
+
+    /// All sides, by name.
+    pub fn sides(&self) -> &BTreeMap<String, Vec<Facet>> {
+        &self.sides
+    }
+
+    /// Facets of a side in ascending order; `None` when there is no such side.
+    pub fn side(&self, name: &str) -> Option<&[Facet]> {
+        self.sides.get(name).map(Vec::as_slice)
+    }
+
+    /// Names of the sides in alphabetic order.
+    pub fn side_names(&self) -> impl Iterator<Item = &str> {
+        self.sides.keys().map(String::as_str)
+    }
+
+    /// The mesh with one more side: the boundary facets all of whose nodes satisfy `on`. Replaces a side of that name.
+    ///
+    /// A side without facets is kept: who uses it knows which name to report.
+    pub fn with_side(mut self, name: &str, on: impl Fn(Point<D>) -> bool) -> Self {
+        let on: Vec<bool> = self.points.iter().map(|&point| on(point)).collect();
+        let mut facets = self.boundary_facets();
+        facets.retain(|&facet| self.facet_nodes(facet).all(|node| on[node as usize]));
+        self.sides.insert(name.to_string(), facets);
+        self
+    }
+
+    /// The mesh with these sides added; facets are sorted and repeated ones dropped.
+    ///
+    /// Errors: a name that exists already, a facet that does not exist.
+    pub fn with_sides(mut self, sides: BTreeMap<String, Vec<Facet>>) -> Result<Self, MeshError> {
+        for (side, mut facets) in sides {
+            if let Some(facet) = facets.iter().find(|&&facet| !self.has(facet)) {
+                return Err(MeshError::FacetOutOfRange {
+                    side,
+                    block: facet.block,
+                    cell: facet.cell,
+                    local: facet.local,
+                });
+            }
+            if self.sides.contains_key(&side) {
+                return Err(MeshError::SideExists { side });
+            }
+            facets.sort_unstable();
+            facets.dedup();
+            self.sides.insert(side, facets);
+        }
+        Ok(self)
+    }
+
+    /// The mesh with one more side: the whole facets of the side `of` whose corners lie in a box, its faces included.
+    ///
+    /// Coordinates are compared within 1e-9 of the diameter of the mesh, so that a box given in round numbers holds the
+    /// nodes that rounding moved.
+    /// Errors: unknown side, a name that exists already, no facet in the box.
+    pub fn with_patch(
+        mut self,
+        name: &str,
+        of: &str,
+        min: Point<D>,
+        max: Point<D>,
+    ) -> Result<Self, MeshError> {
+        let tolerance = 1e-9 * self.diameter();
+        let Some(side) = self.sides.get(of) else {
+            return Err(self.unknown_side(of));
+        };
+        if self.sides.contains_key(name) {
+            let side = name.to_string();
+            return Err(MeshError::SideExists { side });
+        }
+        let inside = |node: u32| {
+            let x = self.points[node as usize];
+            (0..D).all(|d| x[d] >= min[d] - tolerance && x[d] <= max[d] + tolerance)
+        };
+        let facets: Vec<Facet> = side
+            .iter()
+            .copied()
+            .filter(|&facet| {
+                let corners = self.facet_kind(facet).corners();
+                self.facet_nodes(facet).take(corners).all(inside)
+            })
+            .collect();
+        if facets.is_empty() {
+            return Err(MeshError::EmptyPatch {
+                patch: name.to_string(),
+                of: of.to_string(),
+                min: padded(min),
+                max: padded(max),
+            });
+        }
+        self.sides.insert(name.to_string(), facets);
+        Ok(self)
+    }
+
+    /// The error that names a side which is not there, and those which are.
+    pub fn unknown_side(&self, side: &str) -> MeshError {
+        let names: Vec<&str> = self.side_names().collect();
+        MeshError::UnknownSide {
+            side: side.to_string(),
+            known: match names.len() {
+                0 => "no sides".to_string(),
+                _ => names.join(", "),
+            },
+        }
+    }
+
+    /// Whether a facet exists.
+    fn has(&self, facet: Facet) -> bool {
+        self.blocks.get(facet.block as usize).is_some_and(|block| {
+            (facet.cell as usize) < block.cells().len()
+                && (facet.local as usize) < block.kind.facets().len()
+        })
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -3,8 +3,22 @@
 //! A [`Model`] is plain data: bodies with meshes, materials, supports and loads, contacts between their sides.
 //! [`Model::solve`] turns it into a [`Solution`]; nothing in between is visible or valid only after a second call.
 
+mod build;
+mod check;
+mod compare;
+mod condense;
+mod error;
+mod floating;
 mod nouns;
+mod pair;
+mod pipeline;
+mod probe;
+mod recover;
 mod solution;
 
+pub use check::{BodyCheck, Check, ContactCheck};
+pub use compare::{Comparison, ComparisonRow};
+pub use error::Error;
 pub use nouns::*;
+pub use pipeline::Event;
 pub use solution::*;

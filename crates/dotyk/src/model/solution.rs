@@ -3,6 +3,7 @@
 use super::nouns::SideRef;
 use crate::dual::Certificate;
 use crate::geometry::Point;
+use std::collections::BTreeMap;
 
 /// Wall seconds of each stage.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
@@ -139,6 +140,8 @@ pub struct BodySolution<const D: usize> {
     pub von_mises: Vec<f64>,
     /// Force of its supports ON the body at every node (zero where not held).
     pub reactions: Vec<Point<D>>,
+    /// Reactions by the side that is held.
+    pub side_reactions: BTreeMap<String, Point<D>>,
     /// Rigid motions that its supports leave free.
     pub floating_modes: Vec<RigidMode<D>>,
     /// Best rigid motion.
@@ -228,8 +231,6 @@ pub struct Solution<const D: usize> {
     pub contact_unknowns: usize,
     /// Threads that were used.
     pub threads: usize,
-    /// Largest resident memory of the process so far.
-    pub peak_memory_bytes: u64,
     /// Wall time by stage.
     pub seconds: Seconds,
 }

@@ -3,40 +3,11 @@
 //! The picture is that of Fig. 11 of V. Janovský, P. Procházka, Contact problem of two elastic bodies III,
 //! Apl. mat. 25 (1980): a long branch of about C/ρ, and a wall at ρ = 2/λ_max.
 
+use crate::model::{Comparison, ComparisonRow};
 use crate::output::plot::{Axis, Frame};
 use crate::output::svg::{ALARM, Anchor, MUTED, SERIES, Svg, Type, short};
 use crate::output::text::{count, seconds};
 use std::fmt::Write;
-
-/// One solver on the case, with one ρ where it has one.
-#[derive(Debug, Clone, PartialEq)]
-pub struct ComparisonRow {
-    /// Name of the method.
-    pub method: String,
-    /// Fixed step.
-    pub rho: Option<f64>,
-    /// The step times the largest eigenvalue of the compliance F on the admissible directions.
-    pub rho_lambda_max: Option<f64>,
-    /// The certificate holds.
-    pub converged: bool,
-    /// Iterations.
-    pub iterations: usize,
-    /// Products with the compliance F.
-    pub products: usize,
-    /// Wall seconds of the contact solver.
-    pub seconds: f64,
-    /// Largest difference of λ to the first converged row, relative to max|λ|; NaN where there is none.
-    pub difference: f64,
-}
-
-/// What `dotyk compare` measured.
-#[derive(Debug, Clone, PartialEq, Default)]
-pub struct Comparison {
-    /// Title of the case.
-    pub title: String,
-    /// The runs, in the order in which they were made.
-    pub rows: Vec<ComparisonRow>,
-}
 
 /// Content of `compare.csv`; an empty field says that the method has no ρ.
 pub fn comparison_csv(comparison: &Comparison) -> String {

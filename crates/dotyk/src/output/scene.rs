@@ -159,7 +159,7 @@ pub fn strands(mesh: &Mesh<2>, facets: &[Facet]) -> Vec<Strand> {
     let links: Vec<Link> = facets
         .iter()
         .map(|&facet| {
-            let nodes = mesh.facet_nodes(facet);
+            let nodes: Vec<u32> = mesh.facet_nodes(facet).collect();
             Link {
                 ends: [nodes[0] as usize, nodes[1] as usize],
                 middle: nodes.get(2).map(|&n| n as usize),
@@ -393,7 +393,7 @@ fn side_points(model: &Model<2>, side: &SideRef) -> Vec<Point<2>> {
     let facets = body.mesh.side(&side.side).unwrap_or(&[]);
     facets
         .iter()
-        .flat_map(|&facet| body.mesh.facet_nodes(facet).to_vec())
+        .flat_map(|&facet| body.mesh.facet_nodes(facet))
         .map(|node| body.mesh.points()[node as usize])
         .collect()
 }

@@ -1,0 +1,44 @@
+//! `dotyk check`: look at a case without solving it.
+
+use crate::Outcome;
+use crate::failure::Failure;
+use crate::run::output_folder;
+use crate::text::{print, written};
+use dotyk::case::Case;
+use dotyk::output;
+use std::path::PathBuf;
+
+/// Arguments of `dotyk check`.
+#[derive(clap::Args)]
+pub struct Arguments {
+    /// Case file
+    case: PathBuf,
+    /// Write the page of meshes and supports into this folder
+    #[arg(long, value_name = "DIR")]
+    out: Option<PathBuf>,
+}
+
+/// Checks, writes the page, prints.
+pub fn check(arguments: &Arguments) -> Result<Outcome, Failure> {
+    let case = Case::read(&arguments.case)?;
+    let folder = match &arguments.out {
+        Some(folder) => Some(output_folder(Some(folder), &case)?),
+        None => None,
+    };
+    let check = case.model.check();
+    let mut text = check.to_string();
+    if !text.ends_with('\n') {
+        text.push('\n');
+    }
+    // The page shows where an error is: it is written with errors, too.
+    if let Some(folder) = folder {
+        let page = output::write_check_page(&case.model, &text, &case.stem, &folder);
+        let page = page.map_err(|e| Failure::Message(e.to_string()))?;
+        text += &written(&[page]);
+    }
+    print(&text);
+    match check.errors.as_slice() {
+        [] => Ok(Outcome::Done),
+        errors => Err(Failure::of(&arguments.case, errors.join("; "))),
+    }
+}

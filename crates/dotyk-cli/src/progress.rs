@@ -1,0 +1,68 @@
+//! Progress on standard error: silent unless it is a terminal.
+
+use dotyk::model::Event;
+use indicatif::{ProgressBar, ProgressDrawTarget};
+use std::io::IsTerminal;
+use std::time::{Duration, Instant};
+
+/// A line that tells the stage and the iteration, and one finished line for each stage.
+pub struct Progress {
+    bar: ProgressBar,
+    stage: Option<(&'static str, Instant)>,
+}
+
+impl Progress {
+    /// Silent with `quiet`, and where standard error is not a terminal.
+    pub fn new(quiet: bool) -> Self {
+        let visible = !quiet && std::io::stderr().is_terminal();
+        let target = if visible {
+            ProgressDrawTarget::stderr()
+        } else {
+            ProgressDrawTarget::hidden()
+        };
+        let bar = ProgressBar::with_draw_target(None, target);
+        if visible {
+            bar.enable_steady_tick(Duration::from_millis(100));
+        }
+        Self { bar, stage: None }
+    }
+
+    /// Says what is being worked on before the first stage.
+    pub fn announce(&self, what: &str) {
+        self.bar.set_message(what.to_string());
+    }
+
+    /// Takes note of an event.
+    pub fn observe(&mut self, event: Event) {
+        match event {
+            Event::Stage(name) => {
+                self.end_stage();
+                self.stage = Some((name, Instant::now()));
+                self.bar.set_message(name);
+            }
+            Event::Iteration {
+                iteration,
+                residual,
+                active,
+            } => {
+                let stage = self.stage.map_or("", |(name, _)| name);
+                self.bar.set_message(format!(
+                    "{stage}: iteration {iteration}, residual {residual:.1e}, {active} active"
+                ));
+            }
+        }
+    }
+
+    /// Clears the line: what follows on standard error starts afresh.
+    pub fn finish(mut self) {
+        self.end_stage();
+        self.bar.finish_and_clear();
+    }
+
+    fn end_stage(&mut self) {
+        if let Some((name, start)) = self.stage.take() {
+            let seconds = start.elapsed().as_secs_f64();
+            self.bar.println(format!("  {name:<12} {seconds:8.3} s"));
+        }
+    }
+}

@@ -1,0 +1,111 @@
+//! Result lines: aligned columns and short numbers.
+
+use comfy_table::{Cell, CellAlignment, Table};
+use std::io::Write;
+use std::path::PathBuf;
+
+/// Writes to standard output. A reader that closes the pipe early ends the output and is no error.
+pub fn print(text: &str) {
+    let mut out = std::io::stdout().lock();
+    // As said above.
+    let _ = out.write_all(text.as_bytes()).and_then(|()| out.flush());
+}
+
+/// Six significant digits without trailing zeros; `-` where there is no number.
+pub fn number(value: f64) -> String {
+    if value.is_nan() {
+        return "-".to_string();
+    }
+    if value == 0.0 || value.is_infinite() {
+        return format!("{}", value + 0.0);
+    }
+    let scientific = format!("{value:.5e}");
+    let Some((mantissa, exponent)) = scientific.split_once('e') else {
+        return scientific;
+    };
+    match exponent.parse::<i32>() {
+        Ok(exponent @ -4..=5) => {
+            let decimals = usize::try_from(5 - exponent).unwrap_or(0);
+            trimmed(&format!("{value:.decimals$}")).to_string()
+        }
+        _ => format!("{}e{exponent}", trimmed(mantissa)),
+    }
+}
+
+/// A number without the zeros after its last decimal.
+fn trimmed(number: &str) -> &str {
+    if !number.contains('.') {
+        return number;
+    }
+    number.trim_end_matches('0').trim_end_matches('.')
+}
+
+/// Columns two blanks apart; those in `right` are flush right. Ends with a newline.
+pub fn columns(header: &[&str], rows: &[Vec<String>], right: std::ops::Range<usize>) -> String {
+    let mut table = Table::new();
+    table.load_style(comfy_table::presets::NOTHING);
+    table.set_content_arrangement(comfy_table::ContentArrangement::Disabled);
+    let aligned = |i: usize, text: &str| {
+        let alignment = if right.contains(&i) {
+            CellAlignment::Right
+        } else {
+            CellAlignment::Left
+        };
+        Cell::new(text).set_alignment(alignment)
+    };
+    table.set_header(header.iter().enumerate().map(|(i, text)| aligned(i, text)));
+    for row in rows {
+        table.add_row(row.iter().enumerate().map(|(i, text)| aligned(i, text)));
+    }
+    for column in table.column_iter_mut() {
+        column.set_padding((0, 2));
+    }
+    table
+        .lines()
+        .map(|line| format!("{}\n", line.trim_end()))
+        .collect()
+}
+
+/// "wrote FOLDER: a, b, c".
+pub fn written(files: &[PathBuf]) -> String {
+    let Some(folder) = files.first().and_then(|file| file.parent()) else {
+        return String::new();
+    };
+    let names = files.iter().filter_map(|file| file.file_name());
+    let names: Vec<_> = names.map(|name| name.to_string_lossy()).collect();
+    format!("wrote {}: {}\n", folder.display(), names.join(", "))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_have_six_digits() {
+        for (value, expected) in [
+            (0.0, "0"),
+            (-0.0, "0"),
+            (1.0, "1"),
+            (-1234567.0, "-1.23457e6"),
+            (123456.4, "123456"),
+            (0.1 + 0.2, "0.3"),
+            (1e-8, "1e-8"),
+            (-0.00012345678, "-0.000123457"),
+            (9.999999, "10"),
+            (999999.6, "1e6"),
+            (f64::NAN, "-"),
+        ] {
+            assert_eq!(number(value), expected);
+        }
+    }
+
+    #[test]
+    fn columns_are_aligned() {
+        let rows = [
+            vec!["a".into(), "1.5".into()],
+            vec!["long".into(), "10".into()],
+        ];
+        let text = columns(&["name", "value"], &rows, 1..2);
+        assert_eq!(text, "name  value\na       1.5\nlong     10\n");
+    }
+}

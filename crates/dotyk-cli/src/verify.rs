@@ -1,0 +1,257 @@
+//! `dotyk verify`: every case of a folder against its reference values.
+
+use crate::Outcome;
+use crate::failure::{Failure, warn};
+use crate::progress::Progress;
+use crate::text::{columns, number, print};
+use dotyk::case::{Case, Criterion, Reference, References, Verdict};
+use dotyk::model::{Error, Solution};
+use std::path::{Path, PathBuf};
+
+/// Arguments of `dotyk verify`.
+#[derive(clap::Args)]
+pub struct Arguments {
+    /// Folders of cases [default: all folders in cases/]
+    #[arg(value_name = "CASE_DIR")]
+    folders: Vec<PathBuf>,
+    /// No progress
+    #[arg(long)]
+    quiet: bool,
+}
+
+const REFERENCE_FILE: &str = "reference.toml";
+
+/// A folder, read and checked.
+struct Folder {
+    path: PathBuf,
+    cases: Vec<(String, Case)>,
+    references: Vec<Reference>,
+}
+
+/// What was found, over all folders.
+#[derive(Default)]
+struct Tally {
+    cases: usize,
+    certified: usize,
+    within: usize,
+    outside: usize,
+    shown: usize,
+    refused: bool,
+}
+
+/// Reads everything, then solves everything: a mistake in the last folder shows before the first minute is spent.
+pub fn verify(arguments: &Arguments) -> Result<Outcome, Failure> {
+    let folders = match arguments.folders.as_slice() {
+        [] => default_folders()?,
+        given => given.to_vec(),
+    };
+    let folders = folders.iter().map(|path| read_folder(path));
+    let folders = folders.collect::<Result<Vec<_>, _>>()?;
+    let mut tally = Tally::default();
+    for folder in &folders {
+        verify_folder(folder, arguments.quiet, &mut tally);
+    }
+    print(&format!(
+        "{} of {} cases certified; of {} reference values {} within, {} outside, {} not judged\n",
+        tally.certified,
+        tally.cases,
+        tally.within + tally.outside + tally.shown,
+        tally.within,
+        tally.outside,
+        tally.shown
+    ));
+    if tally.refused {
+        return Err(Failure::Message(
+            "not every case could be solved".to_string(),
+        ));
+    }
+    let verified = tally.certified == tally.cases && tally.outside == 0;
+    Ok(if verified {
+        Outcome::Done
+    } else {
+        Outcome::Unsatisfied
+    })
+}
+
+/// The folders in `cases/` of the working directory that hold a case.
+fn default_folders() -> Result<Vec<PathBuf>, Failure> {
+    let root = Path::new("cases");
+    if !root.is_dir() {
+        let message = "there is no such folder here; name the folders of cases to verify";
+        return Err(Failure::of(root, message));
+    }
+    let mut folders = Vec::new();
+    for path in entries(root)? {
+        if path.is_dir() && !case_files(&path)?.is_empty() {
+            folders.push(path);
+        }
+    }
+    if folders.is_empty() {
+        return Err(Failure::of(root, "there is no folder with a case in it"));
+    }
+    Ok(folders)
+}
+
+/// What a folder holds, sorted by name.
+fn entries(folder: &Path) -> Result<Vec<PathBuf>, Failure> {
+    let refused = |e| Failure::of(folder, e);
+    let list = std::fs::read_dir(folder).map_err(refused)?;
+    let paths = list.map(|entry| entry.map(|e| e.path()));
+    let mut paths = paths.collect::<Result<Vec<_>, _>>().map_err(refused)?;
+    paths.sort();
+    Ok(paths)
+}
+
+fn case_files(folder: &Path) -> Result<Vec<PathBuf>, Failure> {
+    let mut files = entries(folder)?;
+    files.retain(|path| {
+        let toml = path.extension().is_some_and(|e| e == "toml");
+        toml && path.is_file() && path.file_name().is_some_and(|n| n != REFERENCE_FILE)
+    });
+    Ok(files)
+}
+
+fn read_folder(path: &Path) -> Result<Folder, Failure> {
+    if !path.is_dir() {
+        let message = if path.exists() {
+            "is a file; name the folder of the case"
+        } else {
+            "there is no such folder"
+        };
+        return Err(Failure::of(path, message));
+    }
+    let mut cases = Vec::new();
+    for file in case_files(path)? {
+        let name = file.file_name().unwrap_or_default();
+        cases.push((name.to_string_lossy().into_owned(), Case::read(&file)?));
+    }
+    if cases.is_empty() {
+        return Err(Failure::of(path, "there is no case file in the folder"));
+    }
+    let file = path.join(REFERENCE_FILE);
+    let references = if file.exists() {
+        checked_references(&References::read(&file)?, &cases)?
+    } else {
+        Vec::new()
+    };
+    Ok(Folder {
+        path: path.to_path_buf(),
+        cases,
+        references,
+    })
+}
+
+/// The reference values, when all their cases and probes exist.
+fn checked_references(
+    references: &References,
+    cases: &[(String, Case)],
+) -> Result<Vec<Reference>, Failure> {
+    for reference in &references.values {
+        let Some((_, case)) = cases.iter().find(|(name, _)| *name == reference.case) else {
+            return Err(references.unknown_case(reference).into());
+        };
+        let names = || case.model.probes.iter().map(|p| p.name.as_str());
+        if !names().any(|name| name == reference.probe) {
+            return Err(references.unknown_probe(reference, names()).into());
+        }
+    }
+    Ok(references.values.clone())
+}
+
+/// Solves the cases of a folder and prints its table.
+fn verify_folder(folder: &Folder, quiet: bool, tally: &mut Tally) {
+    let mut text = format!("{}\n", folder.path.display());
+    let mut rows = Vec::new();
+    for (name, case) in &folder.cases {
+        tally.cases += 1;
+        let solution = solve(&folder.path.join(name), case, quiet, tally);
+        text += &match &solution {
+            Some(s) if s.converged => format!(
+                "  {name}: certified, {}, {} iterations, {:.2} s\n",
+                s.solver.method, s.solver.iterations, s.seconds.total
+            ),
+            _ => format!("  {name}: NOT CERTIFIED\n"),
+        };
+        let of_case = folder.references.iter().filter(|r| r.case == *name);
+        rows.extend(of_case.map(|reference| judged(reference, solution.as_ref(), tally)));
+    }
+    if !rows.is_empty() {
+        let header = [
+            "case",
+            "probe",
+            "kind",
+            "reference",
+            "computed",
+            "difference",
+            "verdict",
+        ];
+        text += &columns(&header, &rows, 4..6);
+    }
+    print(&(text + "\n"));
+}
+
+/// The certified or last solution; `None` where the case was refused, with a message on standard error.
+fn solve(path: &Path, case: &Case, quiet: bool, tally: &mut Tally) -> Option<Solution<2>> {
+    let mut progress = Progress::new(quiet);
+    progress.announce(&path.display().to_string());
+    let solved = case.model.solve_with(&mut |event| progress.observe(event));
+    progress.finish();
+    match solved {
+        Ok(solution) => {
+            let warnings = solution.warnings.iter();
+            let warnings = warnings.map(|w| format!("{}: {w}", path.display()));
+            warn(&warnings.collect::<Vec<_>>());
+            tally.certified += usize::from(solution.converged);
+            Some(solution)
+        }
+        Err(Error::NotConverged { solution, .. }) => Some(*solution),
+        Err(error) => {
+            Failure::of(path, error).print();
+            tally.refused = true;
+            None
+        }
+    }
+}
+
+/// One line of the table. An answer without a certificate agrees with nothing.
+fn judged(reference: &Reference, solution: Option<&Solution<2>>, tally: &mut Tally) -> Vec<String> {
+    let certified = solution.is_some_and(|s| s.converged);
+    let probes = solution.iter().flat_map(|s| &s.probes);
+    let computed = probes
+        .filter(|p| p.name == reference.probe)
+        .map(|p| p.value)
+        .next()
+        .unwrap_or(f64::NAN);
+    let verdict = match reference.judge(computed) {
+        Verdict::Within if !certified => Verdict::Outside,
+        verdict => verdict,
+    };
+    match verdict {
+        Verdict::Within => tally.within += 1,
+        Verdict::Outside => tally.outside += 1,
+        Verdict::NotJudged => tally.shown += 1,
+    }
+    let value = number(reference.value);
+    let expected = match reference.criterion {
+        Criterion::Band([low, high]) => format!("{value} in [{}, {}]", number(low), number(high)),
+        Criterion::Tolerance(t) if reference.value == 0.0 => format!("{value} ± {}", number(t)),
+        Criterion::Tolerance(t) => format!("{value} ± {} %", number(100.0 * t)),
+        Criterion::NotJudged => value,
+    };
+    let difference = reference.difference(computed);
+    let difference = match (difference.is_nan(), reference.value == 0.0) {
+        (true, _) => "-".to_string(),
+        (false, true) => format!("{difference:+.2e}"),
+        (false, false) if difference.abs() < 1e-6 => format!("{:+.1e} %", 100.0 * difference),
+        (false, false) => format!("{:+.4} %", 100.0 * difference),
+    };
+    vec![
+        reference.case.clone(),
+        reference.label.clone(),
+        reference.kind.name().to_string(),
+        expected,
+        number(computed),
+        difference,
+        verdict.name().to_string(),
+    ]
+}

@@ -1,0 +1,344 @@
+//! Every mistake ends with exit status 2, one clear message that names the place, and no result file.
+
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+
+const GOOD: &str = r#"title = "Floating punch on a block"
+analysis = "plane-strain"
+units = { length = "m", force = "N" }
+
+[[body]]
+name = "block"
+mesh = { rectangle = { from = [0.0, 0.0], to = [4.0, 1.0], cells = [8, 2] } }
+material = { young = 210e9, poisson = 0.3 }
+fix = [{ side = "bottom", x = 0.0, y = 0.0 }]
+
+[[body]]
+name = "punch"
+mesh = { rectangle = { from = [1.5, 1.0], to = [2.5, 2.0], cells = [2, 2] } }
+material = { young = 210e9, poisson = 0.3 }
+fix = [{ side = "left", x = 0.0 }, { side = "right", x = 0.0 }]
+load = [{ side = "top", traction = [0.0, "-1e6 * (1 + 0.1*x)"] }]
+
+[[contact]]
+name = "sole"
+nonmortar = "punch.bottom"
+mortar = "block.top"
+gap = "geometric"
+
+[solver]
+method = "uzawa"
+tolerance = 1e-8
+rho = 1e9
+
+[[probe]]
+name = "middle"
+quantity = "sole.pressure"
+at = [2.0, 1.0]
+"#;
+
+/// A mistake in the text: what is replaced, by what, text on the line that is to be reported, words of the message.
+type Mistake = (&'static str, &'static str, &'static str, &'static str);
+
+#[rustfmt::skip]
+const IN_THE_TEXT: &[Mistake] = &[
+    // TOML
+    ("title = \"Floating punch on a block\"", "title = \"Floating punch", "title", "not valid TOML"),
+    ("name = \"block\"", "name = \"block\"\nname = \"brick\"", "brick", "duplicate key"),
+    // keys
+    ("analysis =", "analisys =", "analisys", "`analysis`"),
+    ("young =", "joung =", "joung", "`young`"),
+    ("[solver]", "[sover]", "[sover]", "`solver`"),
+    ("mortar = \"block.top\"", "master = \"block.top\"", "master", "`mortar`"),
+    ("quantity =", "quantities =", "quantities", "`quantity`"),
+    ("analysis = \"plane-strain\"\n", "", "title", "needs the key `analysis`"),
+    ("name = \"punch\"\n", "", "[[body]]\nmesh", "needs the key `name`"),
+    (", cells = [8, 2]", "", "to = [4.0, 1.0]", "needs the key `cells`"),
+    (", poisson = 0.3 }\nfix = [{ side = \"bottom\"", " }\nfix = [{ side = \"bottom\"", "young = 210e9 }", "`poisson`"),
+    // types
+    ("\"-1e6 * (1 + 0.1*x)\"", "true", "true", "expected a number or an expression string, found a boolean"),
+    ("tolerance = 1e-8", "tolerance = \"small\"", "small", "expected a number, found a string"),
+    ("traction = [0.0, \"-1e6 * (1 + 0.1*x)\"]", "traction = [1, 2, 3]", "[1, 2, 3]", "found 3"),
+    ("at = [2.0, 1.0]", "at = 2.0", "at = 2.0", "expected a list of 2 numbers"),
+    ("cells = [8, 2]", "cells = [8.5, 2]", "8.5", "positive integer"),
+    ("cells = [8, 2]", "cells = [8, 0]", "[8, 0]", "positive integer"),
+    ("cells = [8, 2]", "cells = [1000000, 1000000]", "1000000", "cells"),
+    // words
+    ("\"plane-strain\"", "\"plain-strain\"", "plain", "`plane-strain`"),
+    ("method = \"uzawa\"", "method = \"uzava\"", "uzava", "`uzawa`"),
+    ("cells = [8, 2]", "cells = [8, 2], cell = \"quad5\"", "quad5", "`quad4`"),
+    // names
+    ("name = \"punch\"", "name = \"block\"", "name = \"block\"\nmesh = { rectangle = { from = [1.5", "two bodies"),
+    ("name = \"punch\"", "name = \"a punch\"", "a punch", "not a valid name"),
+    ("\"punch.bottom\"", "\"punsh.bottom\"", "punsh", "`punch`"),
+    ("\"block.top\"", "\"block.up\"", "block.up", "`top`"),
+    ("\"block.top\"", "\"block\"", "mortar = \"block\"", "BODY.SIDE"),
+    ("\"block.top\"", "\"punch.bottom\"", "\nmortar", "itself"),
+    ("side = \"bottom\", x", "side = \"botom\", x", "botom", "`bottom`"),
+    ("side = \"top\"", "side = \"topp\"", "topp", "`top`"),
+    // supports and loads
+    ("{ side = \"bottom\", x = 0.0, y = 0.0 }", "{ side = \"bottom\" }", "{ side = \"bottom\" }", "prescribes nothing"),
+    ("{ side = \"bottom\", x = 0.0, y = 0.0 }", "{ side = \"bottom\", point = [0, 0], x = 0 }", "point", "both `side` and `point`"),
+    ("x = 0.0, y = 0.0 }", "x = 0.0, z = 0.0 }", "z = 0.0", "no `z`"),
+    ("{ side = \"top\",", "{", "{ traction", "a load is"),
+    // numbers
+    ("young = 210e9, poisson = 0.3 }\nfix = [{ side = \"bottom\"", "young = -1.0, poisson = 0.3 }\nfix = [{ side = \"bottom\"", "-1.0", "must be positive"),
+    ("poisson = 0.3 }\nfix = [{ side = \"left\"", "poisson = 0.5 }\nfix = [{ side = \"left\"", "0.5", "incompressible"),
+    ("poisson = 0.3 }\nfix = [{ side = \"left\"", "poisson = 0.7 }\nfix = [{ side = \"left\"", "0.7", "between -1 and 0.5"),
+    ("poisson = 0.3 }\nfix = [{ side = \"left\"", "poisson = 0.3, thickness = 0 }\nfix = [{ side = \"left\"", "thickness", "positive"),
+    ("from = [0.0, 0.0]", "from = [nan, 0.0]", "nan", "finite"),
+    ("to = [4.0, 1.0]", "to = [-4.0, 1.0]", "-4.0", "block"),
+    ("tolerance = 1e-8", "tolerance = 0", "tolerance = 0", "positive"),
+    ("rho = 1e9", "rho = -1e9", "rho", "positive"),
+    ("method = \"uzawa\"", "method = \"newton\"", "rho", "no meaning for the method `newton`"),
+    // expressions
+    ("0.1*x)", "0.1*xx)", "0.1*xx)", "unknown name `xx`"),
+    ("0.1*x)", "0.1*x", "traction", "never closed"),
+    ("\"-1e6 * (1 + 0.1*x)\"", "\"1/0\"", "1/0", "not finite"),
+    ("gap = \"geometric\"", "gap = \"geometrical\"", "geometrical", "unknown name `geometrical`"),
+    // contacts
+    ("mortar = \"block.top\"\n", "", "[[contact]]", "what touches what"),
+    ("gap = \"geometric\"", "obstacle = { gap = 0.0 }", "[[contact]]", "what touches what"),
+    // probes
+    ("\"sole.pressure\"", "\"sole.presure\"", "presure", "`pressure`"),
+    ("\"sole.pressure\"", "\"soul.pressure\"", "soul", "`sole`"),
+    ("\"sole.pressure\"", "\"block.displacement.w\"", "displacement.w", "`magnitude`"),
+    ("\"sole.pressure\"", "\"sole.length\"", "\nat =", "takes no `at`"),
+    ("at = [2.0, 1.0]\n", "", "[[probe]]", "`at` or `reduce`"),
+    ("at = [2.0, 1.0]", "at = [2.0, 1.0]\nreduce = \"max\"", "reduce", "both"),
+    // meshes
+    ("{ rectangle = { from = [1.5, 1.0], to = [2.5, 2.0], cells = [2, 2] } }", "{}", "mesh = {}", "exactly one"),
+    ("cells = [2, 2] } }", "cells = [2, 2] }, ring = { inner = 1, outer = 2, cells = [8, 2] } }", "ring", "more than one generator"),
+    // later
+    ("\"plane-strain\"", "\"axisymmetric\"", "axisymmetric", "not supported yet"),
+    ("\"plane-strain\"", "\"3d\"", "3d", "not supported yet"),
+    ("gap = \"geometric\"", "friction = 0.3", "friction", "not supported yet"),
+    ("gap = \"geometric\"", "tied = true", "tied", "not supported yet"),
+    ("gap = \"geometric\"", "pairing = \"mortar\"", "pairing", "not supported yet"),
+    ("[solver]", "[[step]]\ntime = 1\n[[step]]\ntime = 2\n[solver]", "[[step]]\ntime = 2", "not supported yet"),
+    ("{ rectangle = { from = [1.5, 1.0], to = [2.5, 2.0], cells = [2, 2] } }", "{ file = { path = \"punch.msh\" } }", "punch.msh", "not supported yet"),
+];
+
+/// Mistakes of mechanics, which only assembling or solving finds: what is replaced, by what, words of the message.
+const IN_THE_MODEL: &[(&str, &str, &[&str])] = &[
+    // nothing holds the block
+    (
+        "fix = [{ side = \"bottom\", x = 0.0, y = 0.0 }]\n",
+        "",
+        &["block"],
+    ),
+    // the punch hangs on nothing
+    (
+        "[[contact]]\nname = \"sole\"\nnonmortar = \"punch.bottom\"\nmortar = \"block.top\"\ngap = \"geometric\"\n\n\
+         [solver]\nmethod = \"uzawa\"\ntolerance = 1e-8\nrho = 1e9\n\n\
+         [[probe]]\nname = \"middle\"\nquantity = \"sole.pressure\"\nat = [2.0, 1.0]\n",
+        "",
+        &["punch", "y"],
+    ),
+    // the load lifts the punch off
+    ("\"-1e6 * (1 + 0.1*x)\"", "1e6", &["punch", "y"]),
+    // no node is near this point
+    (
+        "{ side = \"left\", x = 0.0 }",
+        "{ point = [9.0, 9.0], x = 0.0 }",
+        &["punch", "9"],
+    ),
+    // the corner cannot be in two places
+    (
+        "{ side = \"left\", x = 0.0 }",
+        "{ side = \"left\", x = 0.0 }, { side = \"top\", x = 1e-3 }",
+        &["punch"],
+    ),
+    // a load that is not finite at a point of the side
+    (
+        "\"-1e6 * (1 + 0.1*x)\"",
+        "\"-1e6*sqrt(x - 2)\"",
+        &["punch", "top"],
+    ),
+    // outside of the contact
+    ("at = [2.0, 1.0]", "at = [9.0, 1.0]", &["middle"]),
+];
+
+/// A fresh folder for one test.
+fn folder(name: &str) -> PathBuf {
+    let path = Path::new(env!("CARGO_TARGET_TMPDIR"))
+        .join("bad_input")
+        .join(name);
+    if path.exists() {
+        std::fs::remove_dir_all(&path).unwrap();
+    }
+    std::fs::create_dir_all(&path).unwrap();
+    path
+}
+
+fn dotyk(folder: &Path, arguments: &[&str]) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_dotyk"))
+        .args(arguments)
+        .current_dir(folder)
+        .output()
+        .unwrap()
+}
+
+fn replaced(from: &str, to: &str) -> String {
+    let text = GOOD.replacen(from, to, 1);
+    assert_ne!(text, GOOD, "nothing is replaced by {to}");
+    text
+}
+
+/// Checks what holds for every refusal, and returns the message.
+#[track_caller]
+fn refused(output: &Output, what: &str) -> String {
+    let message = String::from_utf8(output.stderr.clone()).unwrap();
+    assert_eq!(output.status.code(), Some(2), "{what}: {message}");
+    assert!(output.stdout.is_empty(), "{what}: results are printed");
+    for internal in ["panicked", "RUST_BACKTRACE", "unwrap", "\u{1b}["] {
+        assert!(!message.contains(internal), "{what}: {message}");
+    }
+    let headlines = message.lines().filter(|line| line.starts_with("  x "));
+    assert_eq!(headlines.count(), 1, "{what}: {message}");
+    message
+}
+
+/// The line of the text on which `mark` begins, from 1; a leading line end of `mark` is only context.
+fn line_of(text: &str, mark: &str) -> usize {
+    let skip = usize::from(mark.starts_with('\n'));
+    let at = text.find(mark).unwrap() + skip;
+    text[..at].matches('\n').count() + 1
+}
+
+#[test]
+fn every_mistake_in_the_text_is_underlined_on_its_line() {
+    let folder = folder("text");
+    for (from, to, mark, words) in IN_THE_TEXT {
+        let text = replaced(from, to);
+        std::fs::write(folder.join("bad.toml"), &text).unwrap();
+        let message = refused(&dotyk(&folder, &["run", "bad.toml"]), to);
+        let line = format!("bad.toml, line {}, column ", line_of(&text, mark));
+        assert!(message.contains(&line), "{to}: no \"{line}\" in {message}");
+        assert!(message.contains(words), "{to}: no \"{words}\" in {message}");
+        assert!(!folder.join("bad-out").exists(), "{to}: a result folder");
+    }
+}
+
+#[test]
+fn every_mistake_in_the_text_stops_check_as_well() {
+    let folder = folder("check");
+    for (from, to, ..) in IN_THE_TEXT.iter().step_by(7) {
+        std::fs::write(folder.join("bad.toml"), replaced(from, to)).unwrap();
+        refused(&dotyk(&folder, &["check", "bad.toml", "--out", "page"]), to);
+        assert!(!folder.join("page").exists(), "{to}: a result folder");
+    }
+}
+
+#[test]
+fn every_mistake_of_mechanics_names_its_body_and_leaves_no_files() {
+    let folder = folder("model");
+    for (from, to, words) in IN_THE_MODEL {
+        std::fs::write(folder.join("bad.toml"), replaced(from, to)).unwrap();
+        let message = refused(&dotyk(&folder, &["run", "bad.toml", "--quiet"]), to);
+        assert!(message.contains("bad.toml"), "{to}: {message}");
+        for word in *words {
+            assert!(message.contains(word), "{to}: no \"{word}\" in {message}");
+        }
+        assert!(!folder.join("bad-out").exists(), "{to}: a result folder");
+    }
+}
+
+#[test]
+fn files_that_cannot_be_read_are_named() {
+    let folder = folder("unreadable");
+    std::fs::create_dir(folder.join("folder.toml")).unwrap();
+    std::fs::write(folder.join("latin.toml"), b"title = \"\xe9\"").unwrap();
+    std::fs::write(folder.join("empty.toml"), "").unwrap();
+    for (file, words) in [
+        ("missing.toml", "no such file"),
+        ("folder.toml", "folder"),
+        ("latin.toml", "UTF-8"),
+        ("empty.toml", "analysis"),
+    ] {
+        for command in ["run", "check", "compare"] {
+            let message = refused(&dotyk(&folder, &[command, file]), file);
+            assert!(
+                message.contains(file) && message.contains(words),
+                "{message}"
+            );
+        }
+    }
+}
+
+#[test]
+fn an_output_folder_that_cannot_be_is_refused_before_solving() {
+    let folder = folder("output");
+    std::fs::write(folder.join("good.toml"), GOOD).unwrap();
+    std::fs::write(folder.join("file"), "mine").unwrap();
+    for out in ["file", "file/below"] {
+        let message = refused(&dotyk(&folder, &["run", "good.toml", "--out", out]), out);
+        assert!(
+            message.contains("file") && message.contains("--out"),
+            "{message}"
+        );
+    }
+    assert_eq!(
+        std::fs::read_to_string(folder.join("file")).unwrap(),
+        "mine"
+    );
+}
+
+#[test]
+fn arguments_that_make_no_sense_are_refused() {
+    let folder = folder("arguments");
+    std::fs::write(folder.join("good.toml"), GOOD).unwrap();
+    for (arguments, words) in [
+        (&["run"][..], "CASE"),
+        (&["run", "good.toml", "--solver", "uzava"], "uzawa"),
+        (
+            &["run", "good.toml", "--solver", "newton", "--rho", "1e9"],
+            "--rho",
+        ),
+        (&["run", "good.toml", "--rho", "-1"], "--rho"),
+        (&["run", "good.toml", "--rho=-1"], "positive number"),
+        (&["run", "good.toml", "--threads", "0"], "--threads"),
+        (&["run", "good.toml", "--treads", "2"], "--threads"),
+        (&["compare", "good.toml", "--rho", "2..1"], "A < B"),
+        (&["compare", "good.toml", "--rho", "1"], "A..B"),
+        (&["solve", "good.toml"], "solve"),
+        (&["verify", "nowhere"], "nowhere"),
+        (&["verify", "good.toml"], "folder"),
+        (&["verify"], "cases"),
+    ] {
+        let output = dotyk(&folder, arguments);
+        let message = String::from_utf8(output.stderr).unwrap();
+        assert_eq!(output.status.code(), Some(2), "{arguments:?}: {message}");
+        assert!(message.contains(words), "{arguments:?}: {message}");
+        assert!(!message.contains("panicked"), "{message}");
+    }
+}
+
+#[test]
+fn mistakes_in_a_reference_file_are_found_before_solving() {
+    let folder = folder("reference");
+    std::fs::create_dir(folder.join("punch")).unwrap();
+    std::fs::write(folder.join("punch/good.toml"), GOOD).unwrap();
+    let reference = "[[value]]\ncase = \"good.toml\"\nprobe = \"middle\"\nkind = \"analytic\"\nvalue = 1\ntolerance = 0.1\n";
+    for (from, to, line, words) in [
+        ("good.toml", "god.toml", 2, "god.toml"),
+        ("\"middle\"", "\"midle\"", 3, "`middle`"),
+        ("analytic", "exact", 4, "`published`"),
+        ("value = 1", "valeu = 1", 5, "`value`"),
+        ("tolerance = 0.1", "tolerance = -1", 6, "negative"),
+        ("tolerance = 0.1", "judged = false", 6, "published"),
+        ("tolerance = 0.1", "", 1, "`tolerance` or `band`"),
+    ] {
+        let text = reference.replacen(from, to, 1);
+        std::fs::write(folder.join("punch/reference.toml"), text).unwrap();
+        let message = refused(&dotyk(&folder, &["verify", "punch"]), to);
+        let place = format!("reference.toml, line {line}, column ");
+        assert!(
+            message.contains(&place) && message.contains(words),
+            "{message}"
+        );
+    }
+    std::fs::remove_file(folder.join("punch/good.toml")).unwrap();
+    let message = refused(&dotyk(&folder, &["verify", "punch"]), "no case");
+    assert!(message.contains("no case file"), "{message}");
+}

@@ -1,0 +1,179 @@
+//! `[[contact]]` of a case file.
+
+use crate::case::body::known_side;
+use crate::case::document::{Node, Table, Value, later, name, zero};
+use crate::case::error::Fault;
+use crate::case::keys;
+use crate::case::suggest::{listed, nearest};
+use crate::geometry::Field;
+use crate::model::{Body, BodyId, Contact, Gap, Law, Obstacle, Pair, Pairing, SideRef};
+
+const PAIRINGS: [(&str, Pairing); 2] = [
+    ("node-to-node", Pairing::NodeToNode),
+    ("mortar", Pairing::Mortar),
+];
+
+/// One contact between sides of these bodies.
+pub(crate) fn contact(node: &Node, bodies: &[Body<2>]) -> Result<Contact<2>, Fault> {
+    let table = node.table(keys::CONTACT)?;
+    let name = name(table.require("name", "a contact")?)?;
+    let pair = pair(table, &name, bodies)?;
+    let law = law(table, &name)?;
+    let pairing = match table.get("pairing") {
+        None => None,
+        Some(node) => match node.choice("pairing", &PAIRINGS)? {
+            Pairing::Mortar => return Err(later(&node.span, "`pairing = \"mortar\"`")),
+            pairing => Some(pairing),
+        },
+    };
+    let gap = match (table.get("gap"), &pair) {
+        (None, _) => None,
+        (Some(node), Pair::Obstacle { .. }) => match gap(node)? {
+            // What an obstacle does anyway: its own `gap` is the distance.
+            Gap::Geometric => None,
+            _ => {
+                let message = format!("the obstacle of contact `{name}` has its own gap");
+                return Err(Fault::new(&node.span, message)
+                    .label("a second gap")
+                    .help("write the gap inside `obstacle`"));
+            }
+        },
+        (Some(node), _) => Some(gap(node)?),
+    };
+    Ok(Contact {
+        name,
+        pair,
+        pairing,
+        gap,
+        law,
+    })
+}
+
+/// Who touches whom: `nonmortar` with `mortar`, `nonmortar` with `obstacle`, or `sides`.
+fn pair(table: Table<'_>, contact: &str, bodies: &[Body<2>]) -> Result<Pair<2>, Fault> {
+    let get = |key: &str| table.get(key);
+    match (
+        get("nonmortar"),
+        get("mortar"),
+        get("sides"),
+        get("obstacle"),
+    ) {
+        (Some(nonmortar), Some(mortar), None, None) => {
+            let pair = [side_ref(nonmortar, bodies)?, side_ref(mortar, bodies)?];
+            different(&pair, mortar, contact)?;
+            let [nonmortar, mortar] = pair;
+            Ok(Pair::Given { nonmortar, mortar })
+        }
+        (None, None, Some(node), None) => {
+            let [a, b] = node.list()? else {
+                let message = format!("`sides` of contact `{contact}` needs two sides");
+                return Err(Fault::new(&node.span, message).label("not two"));
+            };
+            let pair = [side_ref(a, bodies)?, side_ref(b, bodies)?];
+            different(&pair, b, contact)?;
+            Ok(Pair::Automatic(pair))
+        }
+        (Some(nonmortar), None, None, Some(node)) => Ok(Pair::Obstacle {
+            nonmortar: side_ref(nonmortar, bodies)?,
+            obstacle: obstacle(node)?,
+        }),
+        _ => {
+            let given = ["nonmortar", "mortar", "sides", "obstacle"];
+            let given = given.into_iter().filter(|key| table.entry(key).is_some());
+            let given = listed(given);
+            let found = if given.is_empty() { "nothing" } else { &given };
+            let message = format!("contact `{contact}` must say what touches what, found {found}");
+            Err(Fault::new(table.span, message)
+                .label("incomplete or contradictory")
+                .help("give `nonmortar` and `mortar`, or `sides`, or `nonmortar` and `obstacle`"))
+        }
+    }
+}
+
+fn different(pair: &[SideRef; 2], second: &Node, contact: &str) -> Result<(), Fault> {
+    if pair[0] != pair[1] {
+        return Ok(());
+    }
+    let message = format!("contact `{contact}` presses a side against itself");
+    Err(Fault::new(&second.span, message).label("the same side"))
+}
+
+/// "BODY.SIDE".
+fn side_ref(node: &Node, bodies: &[Body<2>]) -> Result<SideRef, Fault> {
+    let text = node.text()?;
+    let Some((body, side)) = text.split_once('.') else {
+        return Err(Fault::new(&node.span, format!("`{text}` is not a side"))
+            .label("no dot")
+            .help("a side is written \"BODY.SIDE\", such as \"block.top\""));
+    };
+    let Some(index) = bodies.iter().position(|b| b.name == body) else {
+        let names = || bodies.iter().map(|b| b.name.as_str());
+        let near = nearest(body, names()).unwrap_or_default();
+        return Err(Fault::new(&node.span, format!("there is no body `{body}`"))
+            .label(format!("the nearest known body is `{near}`"))
+            .help(format!("bodies: {}", listed(names()))));
+    };
+    known_side(side, &node.span, body, &bodies[index].mesh)?;
+    Ok(SideRef {
+        body: BodyId(index),
+        side: side.to_string(),
+    })
+}
+
+fn obstacle(node: &Node) -> Result<Obstacle<2>, Fault> {
+    let table = node.table(keys::OBSTACLE)?;
+    table.refuse_later(&["plane", "circle", "sphere", "cylinder", "force"])?;
+    let displacement = table.get("displacement");
+    Ok(Obstacle {
+        gap: table.require("gap", "an obstacle")?.field()?,
+        displacement: displacement.map_or(Ok(zero()), Node::fields)?,
+    })
+}
+
+fn gap(node: &Node) -> Result<Gap, Fault> {
+    let Value::Text(text) = &node.value else {
+        return Ok(Gap::Given(node.field()?));
+    };
+    match text.as_str() {
+        "geometric" => Ok(Gap::Geometric),
+        "closed" => Ok(Gap::Closed),
+        _ => node.field().map(Gap::Given).map_err(|fault| {
+            fault.help("a gap is \"geometric\", \"closed\", a number or an expression")
+        }),
+    }
+}
+
+/// The contact law; only frictionless contact is solved by this version.
+fn law(table: Table<'_>, contact: &str) -> Result<Law, Fault> {
+    if let Some(node) = table.get("tied")
+        && node.boolean()?
+    {
+        return Err(later(&node.span, "`tied = true`"));
+    }
+    let friction = table.get("friction");
+    let Some(node) = friction else {
+        return Ok(Law::Frictionless);
+    };
+    let (value, field): (&Node, Field) = if let Value::Table(_) = node.value {
+        let kinds = node.table(keys::FRICTION)?;
+        match (kinds.get("coulomb"), kinds.get("tresca")) {
+            (Some(value), None) | (None, Some(value)) => (value, value.field()?),
+            _ => {
+                let message = format!("friction of contact `{contact}` needs one law");
+                return Err(Fault::new(&node.span, message)
+                    .label("not exactly one")
+                    .help("give `coulomb` (a coefficient) or `tresca` (a shear traction)"));
+            }
+        }
+    } else {
+        (node, node.field()?)
+    };
+    match field.as_constant() {
+        Some(0.0) => Ok(Law::Frictionless),
+        Some(negative) if negative < 0.0 => {
+            let message = format!("friction of contact `{contact}` is negative");
+            Err(Fault::new(&value.span, message).label("not ≥ 0"))
+        }
+        _ => Err(later(&value.span, "friction")),
+    }
+}

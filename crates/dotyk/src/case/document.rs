@@ -1,0 +1,375 @@
+//! A TOML text as a tree with places, and how to read typed values out of it.
+//!
+//! Every reader returns the value or a located error that says what was expected and what was found. Tables say
+//! which keys they know; any other key is an error that names the nearest known one.
+
+use crate::case::error::Fault;
+use crate::case::expression;
+use crate::case::suggest::{listed, nearest};
+use crate::geometry::{Field, Point};
+use std::ops::Range;
+use toml::de::{DeTable, DeValue};
+
+/// Bytes of the text.
+pub(crate) type Span = Range<usize>;
+
+/// A value and where it stands.
+#[derive(Debug)]
+pub(crate) struct Node {
+    pub value: Value,
+    pub span: Span,
+}
+
+#[derive(Debug)]
+pub(crate) enum Value {
+    Text(String),
+    Integer(i64),
+    Float(f64),
+    Boolean(bool),
+    Date,
+    List(Vec<Node>),
+    Table(Vec<Entry>),
+}
+
+/// A key with its value.
+#[derive(Debug)]
+pub(crate) struct Entry {
+    pub key: String,
+    pub key_span: Span,
+    pub node: Node,
+}
+
+/// The tree of a TOML text.
+pub(crate) fn parse(text: &str) -> Result<Node, Fault> {
+    let document = DeTable::parse(text).map_err(|e| {
+        let span = e.span().unwrap_or(0..0);
+        Fault::new(&span, format!("not valid TOML: {}", e.message())).label("here")
+    })?;
+    let span = document.span();
+    let value = table(document.into_inner())?;
+    Ok(Node { value, span })
+}
+
+fn table(table: DeTable<'_>) -> Result<Value, Fault> {
+    let mut entries = Vec::with_capacity(table.len());
+    for (key, value) in table {
+        entries.push(Entry {
+            key_span: key.span(),
+            key: key.into_inner().into_owned(),
+            node: node(value)?,
+        });
+    }
+    // The TOML reader sorts by name; messages and side patches follow the text.
+    entries.sort_by_key(|e| e.key_span.start);
+    Ok(Value::Table(entries))
+}
+
+fn node(spanned: toml::Spanned<DeValue<'_>>) -> Result<Node, Fault> {
+    let span = spanned.span();
+    let value = match spanned.into_inner() {
+        DeValue::String(text) => Value::Text(text.into_owned()),
+        DeValue::Integer(digits) => i64::from_str_radix(digits.as_str(), digits.radix())
+            .map(Value::Integer)
+            .map_err(|_| Fault::new(&span, "the number has too many digits"))?,
+        DeValue::Float(digits) => digits
+            .as_str()
+            .parse()
+            .map(Value::Float)
+            .map_err(|_| Fault::new(&span, "this is not a number"))?,
+        DeValue::Boolean(value) => Value::Boolean(value),
+        DeValue::Datetime(_) => Value::Date,
+        DeValue::Array(list) => Value::List(list.into_iter().map(node).collect::<Result<_, _>>()?),
+        DeValue::Table(entries) => table(entries)?,
+    };
+    Ok(Node { value, span })
+}
+
+impl Node {
+    /// What the value is, for messages: "a boolean".
+    pub fn kind(&self) -> &'static str {
+        match self.value {
+            Value::Text(_) => "a string",
+            Value::Integer(_) => "an integer",
+            Value::Float(_) => "a number",
+            Value::Boolean(_) => "a boolean",
+            Value::Date => "a date",
+            Value::List(_) => "a list",
+            Value::Table(_) => "a table",
+        }
+    }
+
+    /// "expected ..., found ...".
+    pub fn expected(&self, what: &str) -> Fault {
+        Fault::new(
+            &self.span,
+            format!("expected {what}, found {}", self.kind()),
+        )
+        .label(self.kind())
+    }
+
+    pub fn text(&self) -> Result<&str, Fault> {
+        match &self.value {
+            Value::Text(text) => Ok(text),
+            _ => Err(self.expected("a string")),
+        }
+    }
+
+    pub fn boolean(&self) -> Result<bool, Fault> {
+        match self.value {
+            Value::Boolean(value) => Ok(value),
+            _ => Err(self.expected("true or false")),
+        }
+    }
+
+    /// A finite number.
+    pub fn number(&self) -> Result<f64, Fault> {
+        self.number_or("a number")
+    }
+
+    fn number_or(&self, what: &str) -> Result<f64, Fault> {
+        let value = match self.value {
+            // Integers of a case file are small: beyond 2^53 the nearest double is meant.
+            Value::Integer(value) => value as f64,
+            Value::Float(value) => value,
+            _ => return Err(self.expected(what)),
+        };
+        if value.is_finite() {
+            Ok(value)
+        } else {
+            Err(Fault::new(&self.span, "the number must be finite").label("not finite"))
+        }
+    }
+
+    /// A finite number > 0; `name` is for the message.
+    pub fn positive(&self, name: &str) -> Result<f64, Fault> {
+        let value = self.number()?;
+        if value > 0.0 {
+            Ok(value)
+        } else {
+            Err(Fault::new(&self.span, format!("{name} must be positive")).label("not > 0"))
+        }
+    }
+
+    /// An integer ≥ 1.
+    pub fn positive_integer(&self, name: &str) -> Result<usize, Fault> {
+        match self.value {
+            Value::Integer(value) => {
+                usize::try_from(value)
+                    .ok()
+                    .filter(|v| *v > 0)
+                    .ok_or_else(|| {
+                        let message = format!("{name} must be a positive integer");
+                        Fault::new(&self.span, message).label("not ≥ 1")
+                    })
+            }
+            _ => Err(self.expected("a positive integer")),
+        }
+    }
+
+    /// A number, or a string with an expression in x, y, z and t.
+    pub fn field(&self) -> Result<Field, Fault> {
+        let Value::Text(text) = &self.value else {
+            return Ok(Field::constant(
+                self.number_or("a number or an expression string")?,
+            ));
+        };
+        let field = expression::parse(text).map_err(|e| {
+            // The string opens with one quote in all but multi-line strings, where the place is off by two.
+            let start = (self.span.start + 1 + e.offset).min(self.span.end.saturating_sub(1));
+            Fault::new(&(start..start + 1), format!("expression \"{text}\": {e}"))
+                .label("here")
+                .help(expression::VOCABULARY)
+        })?;
+        match field.as_constant() {
+            Some(value) if !value.is_finite() => {
+                let message = format!("the value of the expression \"{text}\" is not finite");
+                Err(Fault::new(&self.span, message).label(format!("{value}")))
+            }
+            _ => Ok(field),
+        }
+    }
+
+    pub fn list(&self) -> Result<&[Node], Fault> {
+        match &self.value {
+            Value::List(list) => Ok(list),
+            _ => Err(self.expected("a list")),
+        }
+    }
+
+    /// A list of exactly N values.
+    fn exactly<const N: usize>(&self, what: &str) -> Result<&[Node; N], Fault> {
+        let Value::List(list) = &self.value else {
+            return Err(self.expected(&format!("a list of {N} {what}")));
+        };
+        list.as_slice().try_into().map_err(|_| {
+            let message = format!("expected {N} {what}, found {}", list.len());
+            Fault::new(&self.span, message).label(format!("{} values", list.len()))
+        })
+    }
+
+    /// D finite numbers.
+    pub fn point<const D: usize>(&self) -> Result<Point<D>, Fault> {
+        let nodes = self.exactly::<D>("numbers")?;
+        let mut point = [0.0; D];
+        for (c, node) in point.iter_mut().zip(nodes) {
+            *c = node.number()?;
+        }
+        Ok(point)
+    }
+
+    /// D numbers or expressions.
+    pub fn fields<const D: usize>(&self) -> Result<[Field; D], Fault> {
+        let nodes = self.exactly::<D>("numbers or expressions")?;
+        let mut fields = zero();
+        for (f, node) in fields.iter_mut().zip(nodes) {
+            *f = node.field()?;
+        }
+        Ok(fields)
+    }
+
+    /// Two integers ≥ 1.
+    pub fn counts(&self, name: &str) -> Result<[usize; 2], Fault> {
+        let [a, b] = self.exactly::<2>("positive integers")?;
+        Ok([a.positive_integer(name)?, b.positive_integer(name)?])
+    }
+
+    /// One of a closed list of words.
+    pub fn choice<T: Copy>(&self, what: &str, choices: &[(&str, T)]) -> Result<T, Fault> {
+        let text = self.text()?;
+        let found = choices.iter().find(|(name, _)| *name == text);
+        found.map(|(_, value)| *value).ok_or_else(|| {
+            let names = || choices.iter().map(|(name, _)| *name);
+            let near = nearest(text, names()).unwrap_or_default();
+            Fault::new(&self.span, format!("unknown {what} `{text}`"))
+                .label(format!("the nearest known is `{near}`"))
+                .help(format!("known: {}", listed(names())))
+        })
+    }
+
+    /// The table with these keys and no other.
+    pub fn table(&self, keys: &'static [&'static str]) -> Result<Table<'_>, Fault> {
+        let entries = self.entries()?;
+        if let Some(entry) = entries.iter().find(|e| !keys.contains(&e.key.as_str())) {
+            let near = nearest(&entry.key, keys.iter().copied()).unwrap_or_default();
+            let message = format!("unknown key `{}`", entry.key);
+            return Err(Fault::new(&entry.key_span, message)
+                .label(format!("the nearest known key is `{near}`"))
+                .help(format!("known here: {}", listed(keys.iter().copied()))));
+        }
+        Ok(Table {
+            entries,
+            span: &self.span,
+        })
+    }
+
+    /// The entries of a table whose keys are the user's own names.
+    pub fn entries(&self) -> Result<&[Entry], Fault> {
+        match &self.value {
+            Value::Table(entries) => Ok(entries),
+            _ => Err(self.expected("a table")),
+        }
+    }
+}
+
+/// The zero vector as fields.
+pub(crate) fn zero<const D: usize>() -> [Field; D] {
+    std::array::from_fn(|_| Field::constant(0.0))
+}
+
+/// A table all of whose keys are known.
+#[derive(Clone, Copy)]
+pub(crate) struct Table<'n> {
+    entries: &'n [Entry],
+    pub span: &'n Span,
+}
+
+impl<'n> Table<'n> {
+    pub fn entry(&self, key: &str) -> Option<&'n Entry> {
+        self.entries.iter().find(|e| e.key == key)
+    }
+
+    pub fn get(&self, key: &str) -> Option<&'n Node> {
+        self.entry(key).map(|e| &e.node)
+    }
+
+    /// The value of a key that must be there; `what` names the table in the message.
+    pub fn require(&self, key: &str, what: &str) -> Result<&'n Node, Fault> {
+        self.get(key).ok_or_else(|| {
+            Fault::new(self.span, format!("{what} needs the key `{key}`"))
+                .label(format!("`{key}` is missing"))
+        })
+    }
+
+    /// The elements of a list that may be missing.
+    pub fn list(&self, key: &str) -> Result<&'n [Node], Fault> {
+        self.get(key).map_or(Ok(&[]), Node::list)
+    }
+
+    /// The first of these keys that is present, as an error that it is not supported yet.
+    pub fn refuse_later(&self, keys: &[&str]) -> Result<(), Fault> {
+        match keys.iter().find_map(|key| self.entry(key)) {
+            Some(entry) => Err(later(&entry.key_span, &format!("`{}`", entry.key))),
+            None => Ok(()),
+        }
+    }
+
+    /// The keys that are present, for messages.
+    pub fn present(&self) -> Vec<&'n str> {
+        self.entries.iter().map(|e| e.key.as_str()).collect()
+    }
+}
+
+/// A feature of the case file that this version does not have.
+pub(crate) fn later(span: &Span, what: &str) -> Fault {
+    Fault::new(span, format!("{what} is not supported yet")).label("not supported yet")
+}
+
+/// A name that may appear in file names and quantities.
+pub(crate) fn name(node: &Node) -> Result<String, Fault> {
+    let text = node.text()?;
+    check_name(text, &node.span)?;
+    Ok(text.to_string())
+}
+
+pub(crate) fn check_name(text: &str, span: &Span) -> Result<(), Fault> {
+    let valid = |c: char| c.is_ascii_alphanumeric() || c == '_' || c == '-';
+    if !text.is_empty() && text.chars().all(valid) {
+        return Ok(());
+    }
+    Err(Fault::new(span, format!("`{text}` is not a valid name"))
+        .label("not a valid name")
+        .help("names are made of the letters A to Z and a to z, digits, `_` and `-`"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_header_table_has_the_place_of_its_header() {
+        let text = "a = 1\n[[body]]\nname = 'b'\n[solver]\ntolerance = 2\n";
+        let document = parse(text).unwrap();
+        let root = document.table(&["a", "body", "solver"]).unwrap();
+        let first = &root.list("body").unwrap()[0];
+        assert_eq!(&text[first.span.clone()], "[[body]]");
+        assert_eq!(&text[root.get("solver").unwrap().span.clone()], "[solver]");
+    }
+
+    #[test]
+    fn an_error_in_an_expression_points_into_the_string() {
+        let text = "a = \"1 + 2*)\"";
+        let document = parse(text).unwrap();
+        let root = document.table(&["a"]).unwrap();
+        let fault = root.get("a").unwrap().field().unwrap_err();
+        assert_eq!(&text[fault.span], ")");
+    }
+
+    #[test]
+    fn radix_and_underscores_are_numbers() {
+        let document = parse("a = 0x10\nb = 1_000\nc = 1_0.5e1_0\nd = -3").unwrap();
+        let root = document.table(&["a", "b", "c", "d"]).unwrap();
+        let value = |key| root.get(key).unwrap().number().unwrap();
+        assert_eq!([value("a"), value("b"), value("d")], [16.0, 1000.0, -3.0]);
+        assert_eq!(value("c"), 10.5e10);
+    }
+}

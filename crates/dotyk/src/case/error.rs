@@ -1,0 +1,157 @@
+//! Errors of a text file, with the place in it.
+
+use std::fmt;
+use std::ops::Range;
+use std::sync::Arc;
+
+/// What is wrong in a file, where, and what to do.
+#[derive(Debug, Clone, PartialEq)]
+pub struct CaseError {
+    /// What is wrong.
+    pub message: String,
+    /// A word or two for the place itself; may be empty.
+    pub label: Box<str>,
+    /// What to do.
+    pub help: Option<Box<str>>,
+    /// Bytes of the text that the error is about, on one line; `None` when the file could not be read.
+    pub span: Option<Range<usize>>,
+    /// Name of the file as the user gave it.
+    pub source_name: Arc<str>,
+    /// Text of the file; empty when it could not be read.
+    pub source_text: Arc<str>,
+}
+
+impl CaseError {
+    /// Line of the error, from 1.
+    pub fn line(&self) -> Option<usize> {
+        let start = self.span.as_ref()?.start;
+        Some(self.source_text.get(..start)?.matches('\n').count() + 1)
+    }
+
+    /// Column of the error in characters, from 1.
+    pub fn column(&self) -> Option<usize> {
+        let before = self.source_text.get(..self.span.as_ref()?.start)?;
+        let line = before.rsplit('\n').next()?;
+        Some(line.chars().count() + 1)
+    }
+
+    /// A file that could not be read.
+    pub(crate) fn unreadable(name: &str, why: &str) -> Self {
+        Self {
+            message: format!("cannot read the file: {why}"),
+            label: "".into(),
+            help: None,
+            span: None,
+            source_name: name.into(),
+            source_text: "".into(),
+        }
+    }
+}
+
+impl fmt::Display for CaseError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}", self.source_name)?;
+        if let (Some(line), Some(column)) = (self.line(), self.column()) {
+            write!(f, ", line {line}, column {column}")?;
+        }
+        write!(f, ": {}", self.message)
+    }
+}
+
+impl std::error::Error for CaseError {}
+
+/// An error at a place of a text that the code below does not carry along.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Fault {
+    pub message: String,
+    pub label: Box<str>,
+    pub help: Option<Box<str>>,
+    pub span: Range<usize>,
+}
+
+impl Fault {
+    pub fn new(span: &Range<usize>, message: impl Into<String>) -> Self {
+        Self {
+            message: message.into(),
+            label: "".into(),
+            help: None,
+            span: span.clone(),
+        }
+    }
+
+    pub fn label(mut self, label: impl Into<Box<str>>) -> Self {
+        self.label = label.into();
+        self
+    }
+
+    pub fn help(mut self, help: impl Into<Box<str>>) -> Self {
+        self.help = Some(help.into());
+        self
+    }
+
+    /// The error with its file. A span over several lines is cut to its first one, which is what a report can underline.
+    pub fn in_source(self, name: &str, text: &str) -> CaseError {
+        let start = floor(text, self.span.start);
+        let end = floor(text, self.span.end.max(start));
+        let first_line = text[start..end].lines().next().map_or(0, str::len);
+        CaseError {
+            message: self.message,
+            label: self.label,
+            help: self.help,
+            span: Some(start..start + first_line),
+            source_name: name.into(),
+            source_text: text.into(),
+        }
+    }
+}
+
+/// The largest character boundary of `text` that is not beyond `index`.
+fn floor(text: &str, index: usize) -> usize {
+    (0..=index.min(text.len()))
+        .rev()
+        .find(|i| text.is_char_boundary(*i))
+        .unwrap_or(0)
+}
+
+/// The text of a file, or an error that names the file.
+pub(crate) fn read_text(path: &std::path::Path) -> Result<String, CaseError> {
+    let name = path.display().to_string();
+    if path.is_dir() {
+        return Err(CaseError::unreadable(&name, "it is a folder"));
+    }
+    let bytes = std::fs::read(path).map_err(|e| {
+        let why = match e.kind() {
+            std::io::ErrorKind::NotFound => "there is no such file".to_string(),
+            _ => e.to_string(),
+        };
+        CaseError::unreadable(&name, &why)
+    })?;
+    String::from_utf8(bytes).map_err(|e| {
+        let at = e.utf8_error().valid_up_to();
+        CaseError::unreadable(&name, &format!("byte {at} is not UTF-8 text"))
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn columns_count_characters_and_not_bytes() {
+        let text = "a = 1\nř = \"žlutý\" x\n";
+        let at = text.find('x').unwrap();
+        let error = Fault::new(&(at..at + 1), "m").in_source("f", text);
+        assert_eq!((error.line(), error.column()), (Some(2), Some(13)));
+        assert_eq!(error.to_string(), "f, line 2, column 13: m");
+    }
+
+    #[test]
+    fn spans_outside_the_text_are_cut() {
+        let error = Fault::new(&(3..99), "m").in_source("f", "ab\ncd\nef");
+        assert_eq!(error.span, Some(3..5));
+        assert_eq!(
+            Fault::new(&(50..99), "m").in_source("f", "ab").span,
+            Some(2..2)
+        );
+    }
+}

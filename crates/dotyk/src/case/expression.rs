@@ -1,0 +1,508 @@
+//! Expressions of a case file: text in, [`Field`] out.
+//!
+//! Grammar, loosest first, with the conventions of mathematics:
+//!
+//! ```text
+//!   sum     = product (("+" | "-") product)*                 left
+//!   product = signed (("*" | "/") signed)*                   left
+//!   signed  = ("+" | "-") signed | power                     -x^2 = -(x^2)
+//!   power   = atom ("^" signed)?                             right: 2^3^2 = 512; 2^-1 = 0.5
+//!   atom    = number | x | y | z | t | pi | name "(" sum ("," sum)* ")" | "(" sum ")"
+//! ```
+//!
+//! Angles in radians. A division by zero and the like give values that are not finite: the caller knows which
+//! side and point to name. Evaluation walks a tree and allocates nothing.
+
+use crate::case::suggest::nearest;
+use crate::geometry::Field;
+
+/// Deepest nesting of parentheses and signs: beyond it a text is refused instead of exhausting the stack.
+const DEEPEST: usize = 200;
+
+/// Longest text, in bytes: it bounds the depth of the tree that a chain of operators makes.
+const LONGEST: usize = 4000;
+
+/// What an expression may hold, for messages.
+pub(crate) const VOCABULARY: &str = "an expression is made of numbers, x y z t pi, + - * / ^ ( ), sin cos tan asin acos \
+    atan atan2 sinh cosh tanh sqrt exp ln abs min max pow";
+
+/// What is wrong with an expression, and where.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[error("{message}")]
+pub struct ExpressionError {
+    /// What is wrong.
+    pub message: String,
+    /// Byte offset in the text.
+    pub offset: usize,
+}
+
+/// The field that `text` describes, a function of x, y, z and t; without variables it is a constant.
+///
+/// Errors: unknown names (with the nearest known one), missing operands or parentheses, wrong number of arguments.
+pub fn parse(text: &str) -> Result<Field, ExpressionError> {
+    if text.len() > LONGEST {
+        return Err(ExpressionError {
+            message: format!("the expression is longer than {LONGEST} characters"),
+            offset: 0,
+        });
+    }
+    let mut parser = Parser {
+        text,
+        position: 0,
+        depth: 0,
+        last: Seen::Nothing,
+    };
+    let tree = parser.sum()?;
+    if let Some(c) = parser.peek() {
+        let message = if c == ')' {
+            "this parenthesis closes nothing".to_string()
+        } else {
+            format!("expected an operator or the end, found `{c}`")
+        };
+        return Err(parser.error_at(parser.position, message));
+    }
+    Ok(match tree.constant() {
+        Some(value) => Field::constant(value),
+        None => Field::function(text, move |[x, y, z], t| tree.value(&[x, y, z, t])),
+    })
+}
+
+const VARIABLES: [&str; 4] = ["x", "y", "z", "t"];
+
+type Unary = (&'static str, fn(f64) -> f64);
+type Binary = (&'static str, fn(f64, f64) -> f64);
+
+const UNARY: [Unary; 13] = [
+    ("sin", f64::sin),
+    ("cos", f64::cos),
+    ("tan", f64::tan),
+    ("asin", f64::asin),
+    ("acos", f64::acos),
+    ("atan", f64::atan),
+    ("sinh", f64::sinh),
+    ("cosh", f64::cosh),
+    ("tanh", f64::tanh),
+    ("sqrt", f64::sqrt),
+    ("exp", f64::exp),
+    ("ln", f64::ln),
+    ("abs", f64::abs),
+];
+
+const BINARY: [Binary; 4] = [
+    ("atan2", f64::atan2),
+    ("min", smaller),
+    ("max", larger),
+    ("pow", f64::powf),
+];
+
+/// Unlike `f64::min`, a NaN argument stays visible.
+fn smaller(a: f64, b: f64) -> f64 {
+    if a.is_nan() || b.is_nan() {
+        f64::NAN
+    } else {
+        a.min(b)
+    }
+}
+
+/// Unlike `f64::max`, a NaN argument stays visible.
+fn larger(a: f64, b: f64) -> f64 {
+    if a.is_nan() || b.is_nan() {
+        f64::NAN
+    } else {
+        a.max(b)
+    }
+}
+
+enum Tree {
+    Number(f64),
+    Variable(usize),
+    Unary(fn(f64) -> f64, Box<Tree>),
+    Binary(fn(f64, f64) -> f64, Box<[Tree; 2]>),
+}
+
+impl Tree {
+    fn value(&self, variables: &[f64; 4]) -> f64 {
+        match self {
+            Self::Number(value) => *value,
+            Self::Variable(index) => variables[*index],
+            Self::Unary(f, a) => f(a.value(variables)),
+            Self::Binary(f, ab) => f(ab[0].value(variables), ab[1].value(variables)),
+        }
+    }
+
+    fn constant(&self) -> Option<f64> {
+        match self {
+            Self::Number(value) => Some(*value),
+            Self::Variable(_) => None,
+            Self::Unary(f, a) => a.constant().map(f),
+            Self::Binary(f, ab) => Some(f(ab[0].constant()?, ab[1].constant()?)),
+        }
+    }
+}
+
+/// What stands before the place where an operand is missing.
+#[derive(Clone, Copy)]
+enum Seen {
+    Nothing,
+    Sign(char),
+}
+
+struct Parser<'t> {
+    text: &'t str,
+    position: usize,
+    depth: usize,
+    last: Seen,
+}
+
+impl Parser<'_> {
+    fn error_at(&self, offset: usize, message: String) -> ExpressionError {
+        ExpressionError { message, offset }
+    }
+
+    /// The next character that is not a blank.
+    fn peek(&mut self) -> Option<char> {
+        let rest = &self.text[self.position..];
+        self.position += rest.len() - rest.trim_start().len();
+        self.text[self.position..].chars().next()
+    }
+
+    /// Steps over the next character when it is one of `wanted`.
+    fn take(&mut self, wanted: &[char]) -> Option<char> {
+        let found = self.peek().filter(|c| wanted.contains(c))?;
+        self.position += found.len_utf8();
+        self.last = Seen::Sign(found);
+        Some(found)
+    }
+
+    fn sum(&mut self) -> Result<Tree, ExpressionError> {
+        self.left_associative(&['+', '-'], Self::product)
+    }
+
+    fn product(&mut self) -> Result<Tree, ExpressionError> {
+        self.left_associative(&['*', '/'], Self::signed)
+    }
+
+    fn left_associative(
+        &mut self,
+        operators: &[char],
+        operand: fn(&mut Self) -> Result<Tree, ExpressionError>,
+    ) -> Result<Tree, ExpressionError> {
+        let mut left = operand(self)?;
+        while let Some(operator) = self.take(operators) {
+            let right = operand(self)?;
+            let f: fn(f64, f64) -> f64 = match operator {
+                '+' => |a, b| a + b,
+                '-' => |a, b| a - b,
+                '*' => |a, b| a * b,
+                _ => |a, b| a / b,
+            };
+            left = Tree::Binary(f, Box::new([left, right]));
+        }
+        Ok(left)
+    }
+
+    fn signed(&mut self) -> Result<Tree, ExpressionError> {
+        self.depth += 1;
+        if self.depth > DEEPEST {
+            return Err(self.error_at(self.position, "nested too deeply".to_string()));
+        }
+        let tree = match self.take(&['+', '-']) {
+            Some('-') => Tree::Unary(|a| -a, Box::new(self.signed()?)),
+            Some(_) => self.signed()?,
+            None => self.power()?,
+        };
+        self.depth -= 1;
+        Ok(tree)
+    }
+
+    fn power(&mut self) -> Result<Tree, ExpressionError> {
+        let base = self.atom()?;
+        if self.take(&['^']).is_none() {
+            return Ok(base);
+        }
+        let exponent = self.signed()?;
+        Ok(Tree::Binary(f64::powf, Box::new([base, exponent])))
+    }
+
+    fn atom(&mut self) -> Result<Tree, ExpressionError> {
+        let Some(c) = self.peek() else {
+            let message = match self.last {
+                Seen::Nothing => "the expression is empty".to_string(),
+                Seen::Sign(sign) => format!("the expression ends after `{sign}`"),
+            };
+            return Err(self.error_at(self.text.len(), message));
+        };
+        let start = self.position;
+        if c.is_ascii_digit() || c == '.' {
+            self.number()
+        } else if c.is_alphabetic() || c == '_' {
+            self.name()
+        } else if self.take(&['(']).is_some() {
+            let inner = self.sum()?;
+            self.close(start)?;
+            Ok(inner)
+        } else {
+            let message = format!("expected a number, a name or `(`, found `{c}`");
+            Err(self.error_at(start, message))
+        }
+    }
+
+    /// Steps over `)`, or says which parenthesis is open.
+    fn close(&mut self, opened: usize) -> Result<(), ExpressionError> {
+        match self.peek() {
+            Some(')') => {
+                self.position += 1;
+                Ok(())
+            }
+            None => Err(self.error_at(opened, "this parenthesis is never closed".to_string())),
+            Some(c) => {
+                let message = format!("expected an operator or `)`, found `{c}`");
+                Err(self.error_at(self.position, message))
+            }
+        }
+    }
+
+    /// Digits, point, exponent: `1e-6`, `2.`, `.5`. The exponent belongs to the number only when digits follow.
+    fn number(&mut self) -> Result<Tree, ExpressionError> {
+        let start = self.position;
+        let bytes = self.text.as_bytes();
+        let digits = |from: usize| {
+            let count = bytes[from..].iter().take_while(|b| b.is_ascii_digit());
+            from + count.count()
+        };
+        let mut end = digits(start);
+        if bytes.get(end) == Some(&b'.') {
+            end = digits(end + 1);
+        }
+        if matches!(bytes.get(end), Some(b'e' | b'E')) {
+            let sign = usize::from(matches!(bytes.get(end + 1), Some(b'+' | b'-')));
+            let last = digits(end + 1 + sign);
+            if last > end + 1 + sign {
+                end = last;
+            }
+        }
+        let text = &self.text[start..end];
+        self.position = end;
+        match text.parse::<f64>() {
+            Ok(value) if value.is_finite() => Ok(Tree::Number(value)),
+            Ok(_) => Err(self.error_at(start, format!("the number `{text}` is too large"))),
+            Err(_) => Err(self.error_at(start, format!("`{text}` is not a number"))),
+        }
+    }
+
+    fn name(&mut self) -> Result<Tree, ExpressionError> {
+        let start = self.position;
+        let rest = &self.text[start..];
+        let length = rest
+            .find(|c: char| !(c.is_alphanumeric() || c == '_'))
+            .unwrap_or(rest.len());
+        let name = &rest[..length];
+        self.position += length;
+        if let Some(index) = VARIABLES.iter().position(|v| *v == name) {
+            return Ok(Tree::Variable(index));
+        }
+        if name == "pi" {
+            return Ok(Tree::Number(std::f64::consts::PI));
+        }
+        if let Some((_, f)) = UNARY.iter().find(|(n, _)| *n == name) {
+            let [a] = self.arguments(name, start)?;
+            return Ok(Tree::Unary(*f, Box::new(a)));
+        }
+        if let Some((_, f)) = BINARY.iter().find(|(n, _)| *n == name) {
+            let ab = self.arguments(name, start)?;
+            return Ok(Tree::Binary(*f, Box::new(ab)));
+        }
+        let functions = UNARY.iter().map(|f| f.0).chain(BINARY.iter().map(|f| f.0));
+        let known = VARIABLES.into_iter().chain(["pi"]).chain(functions);
+        let near = nearest(name, known).unwrap_or_default();
+        let message = format!("unknown name `{name}`, the nearest known is `{near}`");
+        Err(self.error_at(start, message))
+    }
+
+    /// The N arguments of a function, in parentheses.
+    fn arguments<const N: usize>(
+        &mut self,
+        name: &str,
+        start: usize,
+    ) -> Result<[Tree; N], ExpressionError> {
+        let opened = {
+            self.peek();
+            self.position
+        };
+        if self.take(&['(']).is_none() {
+            let message = format!("the function `{name}` needs its argument in parentheses");
+            return Err(self.error_at(start, message));
+        }
+        let mut arguments = vec![self.sum()?];
+        while self.take(&[',']).is_some() {
+            arguments.push(self.sum()?);
+        }
+        self.close(opened)?;
+        arguments.try_into().map_err(|given: Vec<Tree>| {
+            let plural = if N == 1 { "" } else { "s" };
+            let count = given.len();
+            self.error_at(
+                start,
+                format!("the function `{name}` takes {N} argument{plural}, found {count}"),
+            )
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    fn value(text: &str) -> f64 {
+        parse(text).unwrap().at([3.0, 5.0, 7.0], 0.5)
+    }
+
+    fn error(text: &str) -> (usize, String) {
+        let e = parse(text).unwrap_err();
+        (e.offset, e.message)
+    }
+
+    #[test]
+    fn the_sign_binds_looser_than_the_power() {
+        assert_eq!(value("-x^2"), -9.0);
+        assert_eq!(value("-2^2"), -4.0);
+        assert_eq!(value("1 - x^2"), -8.0);
+        assert_eq!(value("(-x)^2"), 9.0);
+        assert_eq!(value("2*-x^2"), -18.0);
+        assert_eq!(value("--2"), 2.0);
+        assert_eq!(value("-sin(0)^2 + 1"), 1.0);
+    }
+
+    #[test]
+    fn powers_associate_to_the_right_and_take_signed_exponents() {
+        assert_eq!(value("2^3^2"), 512.0);
+        assert_eq!(value("2^-1"), 0.5);
+        assert_eq!(value("2^-1^2"), 0.5);
+        assert_eq!(value("-2^-2"), -0.25);
+        assert_eq!(value("2^2*3"), 12.0);
+    }
+
+    #[test]
+    fn products_bind_tighter_than_sums_and_both_associate_to_the_left() {
+        assert_eq!(value("1 + 2*3"), 7.0);
+        assert_eq!(value("(1 + 2)*3"), 9.0);
+        assert_eq!(value("8 - 3 - 2"), 3.0);
+        assert_eq!(value("16/4/2"), 2.0);
+        assert_eq!(value("2*-3"), -6.0);
+        assert_eq!(value("6/-3 - -1"), -1.0);
+    }
+
+    #[test]
+    fn numbers_may_lack_digits_on_either_side_of_the_point() {
+        assert_eq!(value("1e-6"), 1e-6);
+        assert_eq!(value("2."), 2.0);
+        assert_eq!(value(".5"), 0.5);
+        assert_eq!(value("1.5E+3"), 1500.0);
+        assert_eq!(value("210e9"), 210e9);
+    }
+
+    #[test]
+    fn variables_are_the_place_and_the_time() {
+        assert_eq!(value("x + 10*y + 100*z + t"), 753.5);
+        assert_eq!(value("-1e6 * (1 + 0.1*x)"), -1e6 * (1.0 + 0.1 * 3.0));
+    }
+
+    #[test]
+    fn every_function_is_the_one_of_its_name() {
+        let expected = [
+            ("sin(pi/6)", 0.5),
+            ("cos(pi/3)", 0.5),
+            ("tan(pi/4)", 1.0),
+            ("asin(1)", std::f64::consts::FRAC_PI_2),
+            ("acos(0)", std::f64::consts::FRAC_PI_2),
+            ("atan(1)", std::f64::consts::FRAC_PI_4),
+            ("atan2(1, 0)", std::f64::consts::FRAC_PI_2),
+            ("sinh(ln(2))", 0.75),
+            ("cosh(ln(2))", 1.25),
+            ("tanh(ln(2))", 0.6),
+            ("sqrt(x*x + 16)", 5.0),
+            ("exp(0)", 1.0),
+            ("ln(exp(2))", 2.0),
+            ("abs(-x)", 3.0),
+            ("min(x, y)", 3.0),
+            ("max(x, y)", 5.0),
+            ("pow(x, 2)", 9.0),
+        ];
+        for (text, expected) in expected {
+            let found = value(text);
+            // a few roundings of functions of order one
+            assert!((found - expected).abs() < 1e-14, "{text}: {found}");
+        }
+    }
+
+    #[test]
+    fn an_expression_without_variables_is_a_constant() {
+        assert_eq!(parse("2*3 + 1").unwrap().as_constant(), Some(7.0));
+        assert_eq!(parse("0*x").unwrap().as_constant(), None);
+    }
+
+    #[test]
+    fn undefined_values_are_not_finite() {
+        assert!(value("1/0").is_infinite());
+        assert!(value("sqrt(-x)").is_nan());
+        assert!(value("max(0, ln(-1))").is_nan());
+        assert!(value("min(ln(-1), 0)").is_nan());
+    }
+
+    #[test]
+    fn errors_tell_the_position() {
+        assert_eq!(error("").1, "the expression is empty");
+        assert_eq!(error("1 + ").0, 4);
+        assert_eq!(error("2 * (x + 1").0, 4);
+        assert_eq!(error("x + 1)").0, 5);
+        assert_eq!(error("x + * 2").0, 4);
+        assert_eq!(error("2 x").0, 2);
+        assert_eq!(error("x y").0, 2);
+        assert_eq!(error("1 + $").0, 4);
+        assert_eq!(error("1.2.3").0, 3);
+        assert_eq!(error("min(1)").0, 0);
+        assert_eq!(error("1 + sin x").0, 4);
+        assert_eq!(error("sin(1, 2)").0, 0);
+        assert_eq!(error("1 + sin()").0, 8);
+        assert_eq!(error("ř + 1").0, 0);
+        assert_eq!(error(".").0, 0);
+    }
+
+    #[test]
+    fn an_unknown_name_brings_the_nearest_known_one() {
+        let (offset, message) = error("1 + sinn(x)");
+        assert_eq!(offset, 4);
+        assert!(message.contains("`sinn`") && message.contains("nearest known is `sin`"));
+        assert!(error("X").1.contains("nearest known is `x`"));
+    }
+
+    #[test]
+    fn deep_nesting_is_an_error_and_not_a_crash() {
+        assert!(error(&"(".repeat(4000)).1.contains("deeply"));
+        assert!(error(&"-".repeat(4000)).1.contains("deeply"));
+        assert!(error(&"2^".repeat(2000)).1.contains("deeply"));
+        assert!(error(&"1+".repeat(100_000)).1.contains("longer"));
+        assert_eq!(value(&("1+".repeat(1999) + "x")), 2002.0);
+    }
+
+    #[test]
+    fn the_vocabulary_lists_every_name() {
+        let functions = UNARY.iter().map(|f| f.0).chain(BINARY.iter().map(|f| f.0));
+        for name in functions.chain(VARIABLES).chain(["pi"]) {
+            assert!(
+                VOCABULARY.split([' ', ',']).any(|word| word == name),
+                "{name}"
+            );
+        }
+    }
+
+    proptest! {
+        #[test]
+        fn no_text_makes_the_parser_panic(text in "[-+*/^(),.0-9a-zxř ]{0,40}") {
+            if let Err(e) = parse(&text) {
+                prop_assert!(e.offset <= text.len() && text.is_char_boundary(e.offset));
+            }
+        }
+    }
+}

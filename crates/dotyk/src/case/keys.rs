@@ -1,0 +1,139 @@
+//! Every key of a case file and of a reference file, table by table.
+//!
+//! The readers refuse any other key; the reference of the command line is tested against the same lists.
+
+/// The top level of a case file.
+pub const CASE: &[&str] = &[
+    "title", "source", "analysis", "units", "body", "contact", "solver", "step", "probe",
+];
+/// `units`.
+pub const UNITS: &[&str] = &["length", "force"];
+/// `[[body]]`.
+pub const BODY: &[&str] = &[
+    "name",
+    "mesh",
+    "material",
+    "fix",
+    "load",
+    "body_force",
+    "surface",
+];
+/// `mesh` of a body.
+pub const MESH: &[&str] = &[
+    "rectangle",
+    "ring",
+    "tunnel_rock",
+    "box",
+    "outline",
+    "file",
+    "sides",
+];
+/// `mesh.rectangle`.
+pub const RECTANGLE: &[&str] = &["from", "to", "cells", "cell", "diagonals"];
+/// `mesh.ring`.
+pub const RING: &[&str] = &[
+    "center",
+    "inner",
+    "outer",
+    "from",
+    "to",
+    "cells",
+    "ratio",
+    "grade",
+    "cell",
+    "diagonals",
+];
+/// `mesh.tunnel_rock`.
+pub const TUNNEL_ROCK: &[&str] = &[
+    "radius",
+    "half_width",
+    "half_height",
+    "cells",
+    "ratio",
+    "grade",
+    "cell",
+    "diagonals",
+];
+/// One side of `mesh.sides`.
+pub const PATCH: &[&str] = &["of", "min", "max"];
+/// `material` of a body, or one element of its list.
+pub const MATERIAL: &[&str] = &["young", "poisson", "thickness", "group"];
+/// One element of `fix`.
+pub const FIX: &[&str] = &["side", "point", "x", "y", "z", "normal"];
+/// One element of `load`.
+pub const LOAD: &[&str] = &["side", "point", "traction", "pressure", "force"];
+/// `[[contact]]`.
+pub const CONTACT: &[&str] = &[
+    "name",
+    "nonmortar",
+    "mortar",
+    "sides",
+    "obstacle",
+    "pairing",
+    "gap",
+    "friction",
+    "tied",
+];
+/// `obstacle` of a contact.
+pub const OBSTACLE: &[&str] = &[
+    "gap",
+    "displacement",
+    "force",
+    "plane",
+    "circle",
+    "sphere",
+    "cylinder",
+];
+/// `friction` of a contact, when it is a table.
+pub const FRICTION: &[&str] = &["coulomb", "tresca"];
+/// `[solver]`.
+pub const SOLVER: &[&str] = &["method", "tolerance", "max_iterations", "rho", "bolt"];
+/// `[[step]]`.
+pub const STEP: &[&str] = &["time"];
+/// `[[probe]]`.
+pub const PROBE: &[&str] = &[
+    "name",
+    "quantity",
+    "at",
+    "reduce",
+    "mean_of_neighbours",
+    "minus_rigid",
+];
+/// The top level of a reference file.
+pub const REFERENCES: &[&str] = &["value"];
+/// `[[value]]` of a reference file.
+pub const REFERENCE: &[&str] = &[
+    "case",
+    "probe",
+    "kind",
+    "value",
+    "tolerance",
+    "band",
+    "judged",
+    "source",
+    "reason",
+    "label",
+];
+
+/// Every table with its keys.
+pub const ALL: [(&str, &[&str]); 19] = [
+    ("case", CASE),
+    ("units", UNITS),
+    ("body", BODY),
+    ("mesh", MESH),
+    ("rectangle", RECTANGLE),
+    ("ring", RING),
+    ("tunnel_rock", TUNNEL_ROCK),
+    ("sides", PATCH),
+    ("material", MATERIAL),
+    ("fix", FIX),
+    ("load", LOAD),
+    ("contact", CONTACT),
+    ("obstacle", OBSTACLE),
+    ("friction", FRICTION),
+    ("solver", SOLVER),
+    ("step", STEP),
+    ("probe", PROBE),
+    ("reference", REFERENCES),
+    ("value", REFERENCE),
+];

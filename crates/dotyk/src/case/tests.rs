@@ -1,0 +1,499 @@
+//! What a case file becomes, and what its mistakes are called.
+
+use super::*;
+use crate::model::{Gap, Law, Load, Pair, Place};
+
+/// The example of the documentation.
+const EXAMPLE: &str = r#"
+title    = "Floating punch on a block"
+source   = "verification case of this project"
+analysis = "plane-strain"            # plane-strain | plane-stress | axisymmetric | 3d
+units    = { length = "m", force = "N" }
+
+[[body]]
+name     = "block"
+mesh     = { rectangle = { from = [0.0, 0.0], to = [4.0, 1.0], cells = [80, 20], cell = "quad4" } }
+material = { young = 210e9, poisson = 0.3 }        # thickness = 1.0 (plane stress and plane strain)
+fix      = [{ side = "bottom", x = 0.0, y = 0.0 }]
+
+[[body]]
+name     = "punch"
+mesh     = { rectangle = { from = [1.5, 1.0], to = [2.5, 2.0], cells = [20, 20] } }
+material = { young = 210e9, poisson = 0.3 }
+fix      = [{ side = "left", x = 0.0 }, { side = "right", x = 0.0 }]
+load     = [{ side = "top", traction = [0.0, "-1e6 * (1 + 0.1*x)"] }]
+
+[[contact]]
+name      = "sole"
+nonmortar = "punch.bottom"
+mortar    = "block.top"
+gap       = "geometric"
+friction  = 0.0
+
+[solver]
+method    = "auto"
+tolerance = 1e-8
+
+[[probe]]
+name     = "middle pressure"
+quantity = "sole.pressure"
+at       = [2.0, 1.0]
+"#;
+
+fn read(text: &str) -> Result<Case, CaseError> {
+    Case::from_str(text, "punch.toml", Path::new(""))
+}
+
+fn example(from: &str, to: &str) -> String {
+    assert_eq!(EXAMPLE.matches(from).count(), 1, "{from}");
+    EXAMPLE.replace(from, to)
+}
+
+fn model_with(from: &str, to: &str) -> Model<2> {
+    read(&example(from, to)).unwrap().model
+}
+
+/// The message, and the text that is underlined.
+fn mistake(from: &str, to: &str) -> (String, String) {
+    let text = example(from, to);
+    let error = read(&text).unwrap_err();
+    let span = error.span.clone().unwrap();
+    let help = error.help.as_deref().unwrap_or_default();
+    let message = format!("{} | {} | {help}", error.message, error.label);
+    (message, text[span].to_string())
+}
+
+#[track_caller]
+fn assert_mistake(from: &str, to: &str, underlined: &str, fragments: &[&str]) {
+    let (message, span) = mistake(from, to);
+    for fragment in fragments {
+        assert!(message.contains(fragment), "{fragment}: {message}");
+    }
+    assert_eq!(span, underlined, "{message}");
+}
+
+#[test]
+fn the_example_of_the_documentation_parses() {
+    let case = read(EXAMPLE).unwrap();
+    assert_eq!(case.stem, "punch");
+    let model = case.model;
+    assert_eq!(model.title, "Floating punch on a block");
+    assert_eq!(model.analysis, Analysis::PlaneStrain);
+    assert_eq!(model.units.force.as_deref(), Some("N"));
+    assert_eq!(model.time, 1.0);
+    let [block, punch] = &model.bodies[..] else {
+        panic!("two bodies")
+    };
+    assert_eq!((block.thickness, block.supports.len()), (1.0, 1));
+    assert_eq!(punch.materials[0].elastic.young, 210e9);
+    assert!(punch.supports[0].components[1].is_none());
+    let Load::Traction { traction, .. } = &punch.loads[0] else {
+        panic!("a traction")
+    };
+    assert_eq!(traction[1].at([2.0, 0.0], 0.0), -1.2e6);
+    let contact = &model.contacts[0];
+    assert!(matches!(&contact.pair, Pair::Given { nonmortar, .. } if nonmortar.body.0 == 1));
+    assert!(matches!(contact.gap, Some(Gap::Geometric)));
+    assert!(matches!(contact.law, Law::Frictionless));
+    assert_eq!(model.probes[0].name, "middle pressure");
+    assert_eq!(model.solver, SolverOptions::default());
+}
+
+#[test]
+fn what_is_left_out_has_its_default() {
+    let text = example("title    = \"Floating punch on a block\"\n", "");
+    assert_eq!(read(&text).unwrap().model.title, "punch");
+    let model = model_with("gap       = \"geometric\"\n", "");
+    assert!(model.contacts[0].gap.is_none() && model.contacts[0].pairing.is_none());
+    let model = model_with("[solver]\nmethod    = \"auto\"\ntolerance = 1e-8\n", "");
+    assert_eq!(model.solver.tolerance, 1e-8);
+}
+
+#[test]
+fn one_step_sets_the_time_and_more_are_not_supported_yet() {
+    let with = |steps: &str| read(&format!("{EXAMPLE}{steps}"));
+    assert_eq!(with("[[step]]\ntime = 0.25\n").unwrap().model.time, 0.25);
+    let error = with("[[step]]\ntime = 1\n[[step]]\ntime = 2\n").unwrap_err();
+    assert!(error.message.contains("not supported yet"));
+    assert_eq!(error.line(), Some(37));
+}
+
+#[test]
+fn generators_parts_and_patches_are_read() {
+    let ring = "{ ring = { inner = 5.7, outer = 6, from = -90, to = 90, cells = [40, 2] }, \
+                sides = { crown = { of = \"outer\", min = [-1, 5], max = [1, 7] } } }";
+    let old = "{ rectangle = { from = [0.0, 0.0], to = [4.0, 1.0], cells = [80, 20], cell = \"quad4\" } }";
+    let text = example(old, ring);
+    let text = text
+        .replace("block.top", "block.crown")
+        .replace("\"bottom\", x", "\"start\", x");
+    let model = read(&text).unwrap().model;
+    let sides: Vec<&str> = model.bodies[0].mesh.side_names().collect();
+    assert_eq!(sides, ["crown", "end", "inner", "outer", "start"]);
+}
+
+#[test]
+fn supports_and_loads_have_all_their_forms() {
+    let model = model_with(
+        "fix      = [{ side = \"bottom\", x = 0.0, y = 0.0 }]",
+        "fix = [{ side = \"bottom\", normal = \"0.1*t\" }, { point = [0, 0], x = 0 }]\n\
+         load = [{ side = \"top\", pressure = 3 }, { point = [1, 1], force = [0, \"-x\"] }]\n\
+         body_force = [0, -9.81]",
+    );
+    let body = &model.bodies[0];
+    assert_eq!(
+        body.supports[0].normal.as_ref().unwrap().at([0.0; 2], 2.0),
+        0.2
+    );
+    assert_eq!(body.supports[1].place, Place::Point([0.0, 0.0]));
+    assert!(
+        matches!(&body.loads[0], Load::Pressure { pressure, .. } if pressure.as_constant() == Some(3.0))
+    );
+    assert!(matches!(&body.loads[1], Load::Force { point, .. } if *point == [1.0, 1.0]));
+    assert_eq!(body.body_force[1].as_constant(), Some(-9.81));
+}
+
+#[test]
+fn contacts_have_all_their_forms() {
+    let pair = "nonmortar = \"punch.bottom\"\nmortar    = \"block.top\"\ngap       = \"geometric\"";
+    let automatic = model_with(
+        pair,
+        "sides = [\"punch.bottom\", \"block.top\"]\ngap = \"-1e-3*x\"",
+    );
+    assert!(matches!(automatic.contacts[0].pair, Pair::Automatic(_)));
+    assert!(
+        matches!(&automatic.contacts[0].gap, Some(Gap::Given(gap)) if gap.at([2.0, 0.0], 0.0) == -2e-3)
+    );
+    let obstacle = model_with(
+        pair,
+        "nonmortar = \"punch.bottom\"\nobstacle = { gap = \"x^2/50\", displacement = [0, 0.1] }",
+    );
+    let Pair::Obstacle { obstacle, .. } = &obstacle.contacts[0].pair else {
+        panic!("an obstacle")
+    };
+    assert_eq!(obstacle.gap.at([5.0, 0.0], 0.0), 0.5);
+    assert_eq!(obstacle.displacement[1].as_constant(), Some(0.1));
+    for frictionless in ["{ coulomb = 0 }", "{ tresca = 0.0 }", "\"0\""] {
+        let model = model_with("friction  = 0.0", &format!("friction = {frictionless}"));
+        assert!(matches!(model.contacts[0].law, Law::Frictionless));
+    }
+}
+
+#[test]
+fn bolts_are_automatic_one_point_or_several() {
+    let with = |bolt: &str| {
+        model_with(
+            "method    = \"auto\"",
+            &format!("method = \"uzawa\"\n{bolt}"),
+        )
+    };
+    assert_eq!(with("bolt = \"auto\"\nrho = \"auto\"").solver.rho, None);
+    assert_eq!(with("rho = 2e9").solver.rho, Some(2e9));
+    let one = with("bolt = [2, 1.0]").solver.bolts;
+    assert_eq!(one, Bolts::Points(vec![[2.0, 1.0]]));
+    let two = with("bolt = [[2, 1.0], [1, 1]]").solver.bolts;
+    assert_eq!(two, Bolts::Points(vec![[2.0, 1.0], [1.0, 1.0]]));
+}
+
+#[test]
+fn every_quantity_is_known() {
+    let plain = [
+        "punch.reaction.y",
+        "block.bottom.reaction.x",
+        "sole.resultant.y",
+        "sole.length",
+    ];
+    let fields = [
+        "block.displacement.x",
+        "block.displacement.magnitude",
+        "block.stress.zz",
+        "block.stress.von_mises",
+        "block.stress.s3",
+        "sole.gap",
+        "sole.shear",
+        "sole.slip",
+        "sole.displacement_mortar",
+    ];
+    let old = "quantity = \"sole.pressure\"\nat       = [2.0, 1.0]";
+    for quantity in plain {
+        let model = model_with(old, &format!("quantity = \"{quantity}\""));
+        assert_eq!(model.probes[0].quantity, quantity);
+    }
+    for quantity in fields {
+        let model = model_with(old, &format!("quantity = \"{quantity}\"\nreduce = \"max\""));
+        assert!(model.probes[0].reduce.is_some());
+    }
+    let modified = "quantity = \"sole.displacement_nonmortar\"\nat = [2, 1]\n\
+                    mean_of_neighbours = true\nminus_rigid = \"punch\"";
+    let probe = &model_with(old, modified).probes[0];
+    assert_eq!(
+        (probe.mean_of_neighbours, probe.minus_rigid.as_deref()),
+        (true, Some("punch"))
+    );
+}
+
+#[test]
+fn wrong_quantities_are_refused_before_solving() {
+    for (quantity, fragments) in [
+        (
+            "sole.presure",
+            ["unknown quantity of a contact `presure`", "`pressure`"],
+        ),
+        (
+            "soul.pressure",
+            ["unknown body or contact `soul`", "`sole`"],
+        ),
+        (
+            "block.displacement.z",
+            ["unknown displacement `z`", "`magnitude`"],
+        ),
+        ("block.displacement", ["ends after", "`x`"]),
+        ("block.stress.mises", ["unknown stress", "`von_mises`"]),
+        (
+            "block.botom.reaction.x",
+            ["unknown side `botom`", "`bottom`"],
+        ),
+        (
+            "block.strain.xx",
+            ["unknown quantity of a body", "`stress`"],
+        ),
+        ("sole.pressure.x", ["has no components", "pressure"]),
+        ("sole", ["ends after", "`resultant`"]),
+        ("", ["unknown body or contact", "`sole`"]),
+    ] {
+        assert_mistake(
+            "sole.pressure",
+            quantity,
+            &format!("\"{quantity}\""),
+            &fragments,
+        );
+    }
+    let at = "at       = [2.0, 1.0]";
+    assert_mistake(at, "", "[[probe]]", &["`at` or `reduce` is missing"]);
+    assert_mistake(
+        at,
+        "reduce = \"sum\"",
+        "\"sum\"",
+        &["unknown reduction", "`max`, `min`"],
+    );
+    assert_mistake(at, "at = [2, 1]\nreduce = \"max\"", "reduce", &["both"]);
+    assert_mistake(
+        at,
+        "at = [2, 1]\nminus_rigid = \"punch\"",
+        "minus_rigid",
+        &["displacements"],
+    );
+    assert_mistake(
+        at,
+        "reduce = \"max\"\nmean_of_neighbours = true",
+        "mean_of_neighbours",
+        &["needs `at`"],
+    );
+    assert_mistake(
+        "\"sole.pressure\"",
+        "\"sole.length\"",
+        "at",
+        &["one number"],
+    );
+}
+
+#[test]
+fn unknown_keys_bring_the_nearest_known_one() {
+    assert_mistake("analysis =", "analisys =", "analisys", &["`analysis`"]);
+    assert_mistake(
+        "cell = \"quad4\"",
+        "cel = \"quad4\"",
+        "cel",
+        &["`cell`", "`cells`"],
+    );
+    assert_mistake(
+        "mortar    =",
+        "master =",
+        "master",
+        &["unknown key `master`", "`mortar`"],
+    );
+    assert_mistake("tolerance = 1e-8", "tol = 1e-8", "tol", &["`tolerance`"]);
+}
+
+#[test]
+fn missing_keys_are_named_where_they_are_missing() {
+    assert_mistake("name     = \"block\"\n", "", "[[body]]", &["`name`"]);
+    assert_mistake("analysis = \"plane-strain\"", "", "", &["`analysis`"]);
+    assert_mistake(
+        ", to = [4.0, 1.0]",
+        "",
+        "{ from = [0.0, 0.0], cells = [80, 20], cell = \"quad4\" }",
+        &["`to`"],
+    );
+}
+
+#[test]
+fn wrong_types_say_what_was_expected_and_found() {
+    assert_mistake(
+        "\"-1e6 * (1 + 0.1*x)\"",
+        "true",
+        "true",
+        &["expected a number or an expression string, found a boolean"],
+    );
+    assert_mistake(
+        "[0.0, \"-1e6 * (1 + 0.1*x)\"]",
+        "[1, 2, 3]",
+        "[1, 2, 3]",
+        &["expected 2 numbers or expressions, found 3"],
+    );
+    assert_mistake(
+        "tolerance = 1e-8",
+        "tolerance = \"1e-8\"",
+        "\"1e-8\"",
+        &["expected a number, found a string"],
+    );
+    assert_mistake(
+        "cells = [80, 20]",
+        "cells = [80.5, 20]",
+        "80.5",
+        &["expected a positive integer"],
+    );
+    assert_mistake(
+        "cells = [80, 20]",
+        "cells = [80, 0]",
+        "0",
+        &["positive integer"],
+    );
+    assert_mistake(
+        "cells = [80, 20]",
+        "cells = [100000, 100000]",
+        "[100000, 100000]",
+        &["cells"],
+    );
+    assert_mistake("tolerance = 1e-8", "tolerance = nan", "nan", &["finite"]);
+    assert_mistake(
+        "tolerance = 1e-8",
+        "tolerance = 1e999",
+        "1e999",
+        &["finite"],
+    );
+}
+
+#[test]
+fn expressions_are_underlined_at_the_wrong_word() {
+    assert_mistake("0.1*x)", "0.1*xx)", "x", &["unknown name `xx`", "`x`"]);
+    assert_mistake(
+        "\"-1e6 * (1 + 0.1*x)\"",
+        "\"1/0\"",
+        "\"1/0\"",
+        &["not finite"],
+    );
+    assert_mistake(
+        "\"geometric\"",
+        "\"geometrc\"",
+        "g",
+        &["\"geometric\", \"closed\""],
+    );
+}
+
+#[test]
+fn features_to_come_are_not_supported_yet() {
+    let later = "not supported yet";
+    assert_mistake(
+        "\"plane-strain\"            #",
+        "\"3d\" #",
+        "\"3d\"",
+        &[later],
+    );
+    assert_mistake(
+        "\"plane-strain\"            #",
+        "\"axisymmetric\" #",
+        "\"axisymmetric\"",
+        &[later],
+    );
+    assert_mistake("friction  = 0.0", "tied = true", "true", &[later]);
+    assert_mistake("friction  = 0.0", "friction = 0.3", "0.3", &[later]);
+    assert_mistake(
+        "friction  = 0.0",
+        "friction = { tresca = \"x\" }",
+        "\"x\"",
+        &[later],
+    );
+    assert_mistake(
+        "friction  = 0.0",
+        "pairing = \"mortar\"",
+        "\"mortar\"",
+        &[later],
+    );
+    assert_mistake(
+        "mortar    = \"block.top\"\ngap       = \"geometric\"",
+        "obstacle = { plane = { point = [0, 0], normal = [0, 1] } }",
+        "plane",
+        &[later],
+    );
+    assert_mistake(
+        "{ rectangle = { from = [1.5, 1.0], to = [2.5, 2.0], cells = [20, 20] } }",
+        "{ file = { path = \"a.msh\" } }",
+        "file",
+        &[later],
+    );
+    assert_mistake(
+        "load     =",
+        "surface = { top = { circle = { center = [0, 0], radius = 1 } } }\nload =",
+        "surface",
+        &[later],
+    );
+}
+
+#[test]
+fn solver_options_fit_the_method() {
+    assert_mistake(
+        "method    = \"auto\"",
+        "method = \"newtno\"",
+        "\"newtno\"",
+        &["`newton`", "`uzawa`"],
+    );
+    assert_mistake(
+        "method    = \"auto\"",
+        "rho = 1.0",
+        "rho",
+        &["`auto`", "`gradient` or `uzawa`"],
+    );
+    assert_mistake(
+        "method    = \"auto\"",
+        "method = \"gradient\"\nbolt = \"auto\"",
+        "bolt",
+        &["`gradient`", "`uzawa`"],
+    );
+    assert_mistake(
+        "method    = \"auto\"",
+        "method = \"uzawa\"\nrho = 0",
+        "0",
+        &["positive"],
+    );
+    assert_mistake("tolerance = 1e-8", "tolerance = 0", "0", &["positive"]);
+    assert_mistake(
+        "tolerance = 1e-8",
+        "max_iterations = 0",
+        "0",
+        &["positive integer"],
+    );
+}
+
+#[test]
+fn a_text_that_is_not_toml_has_its_place() {
+    let error = read(&example("name     = \"block\"", "name = \"block")).unwrap_err();
+    assert!(error.message.contains("TOML"));
+    assert_eq!(error.line(), Some(8));
+    let error = read(&example(
+        "name     = \"block\"",
+        "name = \"a\"\nname = \"b\"",
+    ))
+    .unwrap_err();
+    assert_eq!(error.line(), Some(9));
+}
+
+#[test]
+fn a_file_that_cannot_be_read_is_named() {
+    let error = Case::read(Path::new("no-such-folder/no-such.toml")).unwrap_err();
+    assert!(
+        error.to_string().contains("no-such.toml") && error.to_string().contains("no such file")
+    );
+    let error = Case::read(Path::new("src")).unwrap_err();
+    assert!(error.message.contains("folder"));
+}

@@ -1,0 +1,369 @@
+//! The certificate: what is checked of an answer, in the problem's units and relative to its scales.
+//!
+//! The only judge of convergence, whoever solved. Scales: lengths to max|d|, forces to the larger of max|λ| and the largest
+//! resultant load, moments to that times the largest body diameter, energies to the elastic energy; 1 where a scale is
+//! zero. Limits: the tolerance, and 1e-10 for imbalances.
+
+use std::fmt;
+
+use crate::dual::{Component, DualProblem, Multipliers};
+
+/// Limit of the relative imbalances, whatever the tolerance.
+pub const IMBALANCE_LIMIT: f64 = 1e-10;
+
+/// One figure of the certificate.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Figure {
+    /// The violation in the problem's units.
+    pub value: f64,
+    /// The violation over its scale.
+    pub relative: f64,
+    /// Largest admissible `relative`.
+    pub limit: f64,
+}
+
+impl Figure {
+    /// A violation against its scale (1 where the scale is zero).
+    pub fn new(value: f64, scale: f64, limit: f64) -> Self {
+        let relative = if scale > 0.0 { value / scale } else { value };
+        Self {
+            value,
+            relative,
+            limit,
+        }
+    }
+
+    /// The figure is within its limit; NaN is not.
+    pub fn holds(&self) -> bool {
+        self.relative <= self.limit
+    }
+}
+
+/// What was checked of an answer: the only judge of convergence, whoever solved.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Certificate {
+    /// Largest penetration, a length.
+    pub penetration: Figure,
+    /// Largest tension of a unilateral contact, a force.
+    pub tension: Figure,
+    /// Σ|λ·gap|, an energy.
+    pub complementarity: Figure,
+    /// Largest resultant force of a body that is not balanced.
+    pub imbalance_force: Figure,
+    /// Largest resultant moment of a body that is not balanced.
+    pub imbalance_moment: Figure,
+    /// Difference of primal and dual energy.
+    pub energy_gap: Figure,
+    /// Violation of the friction law, a force.
+    pub slip_violation: Figure,
+}
+
+impl Certificate {
+    /// The figures with their names in `summary.json`, in its order.
+    pub fn figures(&self) -> [(&'static str, Figure); 7] {
+        [
+            ("penetration", self.penetration),
+            ("tension", self.tension),
+            ("complementarity", self.complementarity),
+            ("imbalance_force", self.imbalance_force),
+            ("imbalance_moment", self.imbalance_moment),
+            ("energy_gap", self.energy_gap),
+            ("slip_violation", self.slip_violation),
+        ]
+    }
+
+    /// Every figure is within its limit.
+    pub fn holds(&self) -> bool {
+        self.figures().iter().all(|(_, figure)| figure.holds())
+    }
+}
+
+impl fmt::Display for Certificate {
+    /// One line per figure, in words.
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        for (index, (name, figure)) in self.figures().iter().enumerate() {
+            if index > 0 {
+                writeln!(f)?;
+            }
+            write!(
+                f,
+                "{:<16} {:>11.3e}, relative {:.1e}, limit {:.0e}: {}",
+                name.replace('_', " "),
+                figure.value,
+                figure.relative,
+                figure.limit,
+                if figure.holds() { "holds" } else { "VIOLATED" }
+            )?;
+        }
+        Ok(())
+    }
+}
+
+/// What a caller found from the displacements, independently of F.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Recomputed<'a> {
+    /// Gap at the contact unknowns (m,).
+    pub gap: &'a [f64],
+    /// Largest resultant force of a body that is not balanced.
+    pub imbalance_force: f64,
+    /// Largest resultant moment of a body that is not balanced.
+    pub imbalance_moment: f64,
+    /// Difference of primal and dual energy.
+    pub energy_gap: f64,
+    /// Elastic energy 1/2 uᵀKu of all bodies: the scale of energies.
+    pub elastic_energy: f64,
+}
+
+/// Violations of the optimality conditions in the problem's units, with the scales that λ implies.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Violations {
+    penetration: f64,
+    tension: f64,
+    /// Largest dimensionless min(λ, gap) of a component that carries force over an open gap.
+    mismatch: f64,
+    complementarity: f64,
+    imbalance_force: f64,
+    imbalance_moment: f64,
+    energy_gap: f64,
+    force: f64,
+    energy: f64,
+    length: f64,
+}
+
+impl Violations {
+    /// Violations at (λ, α) with the gap there; `components` may call a component free that is not (a bolt).
+    ///
+    /// `gap` must be Fλ − d − Gᵀα. Shapes: (m,), α (r,).
+    pub(crate) fn at(
+        problem: &DualProblem,
+        lambda: &[f64],
+        alpha: &[f64],
+        gap: &[f64],
+        components: &[Component],
+    ) -> Self {
+        let largest = lambda.iter().fold(0.0, |s: f64, x| s.max(x.abs()));
+        let force = problem.scales.force.max(largest);
+        let length = problem.scales.length;
+        let mut violations = Self {
+            penetration: 0.0,
+            tension: 0.0,
+            mismatch: 0.0,
+            complementarity: 0.0,
+            imbalance_force: 0.0,
+            imbalance_moment: 0.0,
+            energy_gap: 0.0,
+            force,
+            energy: 0.0,
+            length,
+        };
+        let (unit_force, unit_length) = (one_if_zero(force), one_if_zero(length));
+        let (mut primal_dual, mut stored) = (0.0, 0.0);
+        for (i, &component) in components.iter().enumerate() {
+            let (force, gap) = (lambda[i], gap[i]);
+            let rigid: f64 = dot(problem.equilibrium.modes.col_as_slice(i), alpha);
+            primal_dual += force * (gap + rigid);
+            stored += force * (gap + problem.shift[i] + rigid);
+            match component {
+                Component::Free => {
+                    violations.penetration = larger(violations.penetration, gap.abs());
+                }
+                Component::Normal => {
+                    violations.penetration = larger(violations.penetration, -gap);
+                    violations.tension = larger(violations.tension, -force);
+                    let both = (force / unit_force).min(gap / unit_length);
+                    violations.mismatch = larger(violations.mismatch, both);
+                }
+                Component::Tangent => {
+                    primal_dual -= force * gap;
+                    continue;
+                }
+            }
+            violations.complementarity += (force * gap).abs();
+        }
+        let arm = one_if_zero(problem.scales.moment_arm);
+        for (row, &load) in problem.equilibrium.load.iter().enumerate() {
+            let carried: f64 = (0..lambda.len())
+                .map(|i| problem.equilibrium.modes[(row, i)] * lambda[i])
+                .sum();
+            let rest = (carried - load).abs();
+            primal_dual -= alpha[row] * load;
+            if problem.equilibrium.moments[row] {
+                violations.imbalance_moment = larger(violations.imbalance_moment, rest * arm);
+            } else {
+                violations.imbalance_force = larger(violations.imbalance_force, rest);
+            }
+        }
+        violations.energy_gap = primal_dual.abs();
+        violations.energy = problem.scales.energy + 0.5 * stored;
+        violations
+    }
+
+    /// The largest relative violation.
+    pub(crate) fn residual(&self, moment_arm: f64) -> f64 {
+        let force = one_if_zero(self.force);
+        let energy = one_if_zero(self.energy);
+        [
+            self.penetration / one_if_zero(self.length),
+            self.tension / force,
+            self.mismatch,
+            self.complementarity / energy,
+            self.imbalance_force / force,
+            self.imbalance_moment / (force * one_if_zero(moment_arm)),
+            self.energy_gap / energy,
+        ]
+        .into_iter()
+        .fold(0.0, larger)
+    }
+}
+
+impl DualProblem {
+    /// The certificate of an answer, from the data of the dual problem alone.
+    ///
+    /// Figures are relative to the scales of the problem; imbalances have the limit 1e-10, the others `tolerance`.
+    /// Panics if lengths differ.
+    pub fn certify(&self, multipliers: &Multipliers, tolerance: f64) -> Certificate {
+        let gap = self.gap(multipliers);
+        let found = self.violations(multipliers, &gap);
+        let recomputed = Recomputed {
+            gap: &gap,
+            imbalance_force: found.imbalance_force,
+            imbalance_moment: found.imbalance_moment,
+            energy_gap: found.energy_gap,
+            elastic_energy: found.energy,
+        };
+        self.certify_with(multipliers, &recomputed, tolerance)
+    }
+
+    /// The certificate of an answer from what the caller recomputed from the displacements.
+    pub fn certify_with(
+        &self,
+        multipliers: &Multipliers,
+        recomputed: &Recomputed<'_>,
+        tolerance: f64,
+    ) -> Certificate {
+        let found = self.violations(multipliers, recomputed.gap);
+        let (length, force) = (found.length, found.force);
+        let energy = recomputed.elastic_energy;
+        let slip = self.admissible.slip_violation(
+            &multipliers.lambda,
+            recomputed.gap,
+            one_if_zero(length) / one_if_zero(force),
+        );
+        let moment = one_if_zero(force) * one_if_zero(self.scales.moment_arm);
+        Certificate {
+            penetration: Figure::new(found.penetration, length, tolerance),
+            tension: Figure::new(found.tension, force, tolerance),
+            complementarity: Figure::new(found.complementarity, energy, tolerance),
+            imbalance_force: Figure::new(recomputed.imbalance_force, force, IMBALANCE_LIMIT),
+            imbalance_moment: Figure::new(recomputed.imbalance_moment, moment, IMBALANCE_LIMIT),
+            energy_gap: Figure::new(recomputed.energy_gap, energy, tolerance),
+            slip_violation: Figure::new(slip, force, tolerance),
+        }
+    }
+
+    /// Largest relative violation of the optimality conditions without friction: what the solvers stop on.
+    ///
+    /// It bounds every figure of [`DualProblem::certify`] and, in addition, min(λ, gap) of each contact in units of
+    /// the force and length scales. Costs one product with F.
+    pub fn kkt_residual(&self, multipliers: &Multipliers) -> f64 {
+        let gap = self.gap(multipliers);
+        self.violations(multipliers, &gap)
+            .residual(self.scales.moment_arm)
+    }
+
+    fn violations(&self, multipliers: &Multipliers, gap: &[f64]) -> Violations {
+        let Multipliers { lambda, alpha } = multipliers;
+        Violations::at(self, lambda, alpha, gap, &self.admissible.components())
+    }
+}
+
+fn one_if_zero(scale: f64) -> f64 {
+    if scale > 0.0 { scale } else { 1.0 }
+}
+
+/// The larger of two numbers; NaN wins.
+fn larger(a: f64, b: f64) -> f64 {
+    if b.is_nan() || b > a { b } else { a }
+}
+
+fn dot(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(x, y)| x * y).sum()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::dual::{AdmissibleSet, Block, Compliance, Equilibrium, Mat};
+
+    /// Two springs of compliance 1 pressed by 3 into a floating plate: λ = (2, 1), both closed.
+    fn plate() -> (DualProblem, Multipliers) {
+        let problem = DualProblem::new(
+            Compliance::Dense(Mat::from_fn(2, 2, |i, j| f64::from(i == j))),
+            vec![1.0, 0.0],
+            AdmissibleSet::new(vec![Block::Unilateral; 2]),
+            Equilibrium::new(Mat::from_fn(1, 2, |_, _| 1.0), vec![3.0]),
+        )
+        .unwrap();
+        let answer = Multipliers {
+            lambda: vec![2.0, 1.0],
+            alpha: vec![1.0],
+        };
+        (problem, answer)
+    }
+
+    #[test]
+    fn right_answer_is_certified() {
+        let (problem, answer) = plate();
+        assert!(problem.certify(&answer, 1e-8).holds());
+        assert!(problem.kkt_residual(&answer) < 1e-15);
+    }
+
+    #[test]
+    fn each_wrong_answer_fails_in_its_own_figure() {
+        let (problem, answer) = plate();
+        let failing = |lambda: [f64; 2], alpha: f64| -> Vec<&'static str> {
+            let wrong = Multipliers {
+                lambda: lambda.to_vec(),
+                alpha: vec![alpha],
+            };
+            assert!(problem.kkt_residual(&wrong) > 1e-8);
+            let certificate = problem.certify(&wrong, 1e-8);
+            let violated =
+                |(name, figure): &(&'static str, Figure)| (!figure.holds()).then_some(*name);
+            certificate.figures().iter().filter_map(violated).collect()
+        };
+        assert!(failing([2.0, 1.0], 1.0 + 1e-6).contains(&"penetration"));
+        assert!(failing([2.0, 1.0], 1.0 - 1e-6).contains(&"complementarity"));
+        assert!(failing([2.0 + 1e-6, 1.0], 1.0).contains(&"imbalance_force"));
+        assert!(failing([3.0 + 1e-6, -1e-6], 1.0).contains(&"tension"));
+        assert!(failing([f64::NAN, 1.0], 1.0).len() >= 3);
+        assert!(problem.certify(&answer, 1e-8).to_string().lines().count() == 7);
+    }
+
+    #[test]
+    fn moments_are_compared_with_force_times_arm() {
+        let (mut problem, answer) = plate();
+        problem.equilibrium.moments = vec![true];
+        problem.scales.moment_arm = 10.0;
+        problem.equilibrium.load[0] = 3.3;
+        let certificate = problem.certify(&answer, 1e-8);
+        assert!((certificate.imbalance_moment.value - 3.0).abs() < 1e-12);
+        assert!((certificate.imbalance_moment.relative - 0.3 / 3.0).abs() < 1e-12);
+        assert_eq!(certificate.imbalance_force.value, 0.0);
+    }
+
+    #[test]
+    fn recomputed_gap_is_what_counts() {
+        let (problem, answer) = plate();
+        let recomputed = Recomputed {
+            gap: &[0.0, -1e-3],
+            imbalance_force: 0.0,
+            imbalance_moment: 0.0,
+            energy_gap: 0.0,
+            elastic_energy: 2.5,
+        };
+        let certificate = problem.certify_with(&answer, &recomputed, 1e-8);
+        assert!(!certificate.penetration.holds());
+        assert!((certificate.complementarity.relative - 1e-3 / 2.5).abs() < 1e-15);
+    }
+}

@@ -1,0 +1,394 @@
+//! Projection onto the admissible balanced forces: min 1/2‖λ − y‖² over λ ∈ Λ, Ĝλ = ê.
+//!
+//! λ(τ) = P_Λ(y − Ĝᵀτ) with the τ (k,) that balances it, h(τ) = Ĝλ(τ) − ê = 0. h is minus the gradient of a convex
+//! function of τ, and it is piecewise linear without friction.
+//! * k = 0: P_Λ alone.
+//! * k = 1, free and unilateral blocks: h falls monotonically between the points yᵢ/gᵢ; sorting them and bisecting finds
+//!   the root exactly, O(m log m) (continuous quadratic knapsack).
+//! * otherwise: semismooth Newton in τ with regularised Jacobian ĜP′Ĝᵀ and line search on the convex function. A step
+//!   of length 1 along h always descends, because the rows of Ĝ are orthonormal; it is taken when Newton's direction fails.
+//!
+//! No allocation after construction.
+
+use crate::dual::{AdmissibleSet, Balance, Block};
+
+/// Projects onto Λ ∩ {Ĝλ = ê}; keeps its workspace between calls.
+pub struct Projector<'a> {
+    admissible: &'a AdmissibleSet,
+    balance: &'a Balance,
+    bounds_only: bool,
+    bounded: Vec<bool>,
+    points: Vec<f64>,
+    shifted: Vec<f64>,
+    trial: Vec<f64>,
+    column: Vec<f64>,
+    imbalance: Vec<f64>,
+    trial_imbalance: Vec<f64>,
+    direction: Vec<f64>,
+    trial_tau: Vec<f64>,
+    jacobian: Vec<f64>,
+}
+
+impl<'a> Projector<'a> {
+    /// Workspace for the projections onto `admissible` ∩ {`balance`}.
+    pub fn new(admissible: &'a AdmissibleSet, balance: &'a Balance) -> Self {
+        let (m, k) = (admissible.len(), balance.rank());
+        let bounded: Vec<bool> = admissible
+            .iter()
+            .flat_map(|(block, range)| range.map(move |_| !matches!(block, Block::Free { .. })))
+            .collect();
+        Self {
+            admissible,
+            balance,
+            bounds_only: admissible
+                .blocks()
+                .iter()
+                .all(|block| matches!(block, Block::Free { .. } | Block::Unilateral)),
+            bounded,
+            points: Vec::with_capacity(m),
+            shifted: vec![0.0; m],
+            trial: vec![0.0; m],
+            column: vec![0.0; m],
+            imbalance: vec![0.0; k],
+            trial_imbalance: vec![0.0; k],
+            direction: vec![0.0; k],
+            trial_tau: vec![0.0; k],
+            jacobian: vec![0.0; k * k],
+        }
+    }
+
+    /// λ = P(y). `tau` (k,) holds the starting multiplier and receives the final one.
+    ///
+    /// Returns ‖Ĝλ − ê‖; it is far from rounding only when no admissible force balances the load.
+    pub fn project(&mut self, y: &[f64], tau: &mut [f64], lambda: &mut [f64]) -> f64 {
+        match self.balance.rank() {
+            0 => {
+                self.admissible.project(y, lambda);
+                0.0
+            }
+            1 if self.bounds_only => {
+                tau[0] = self.breakpoint_search(y, lambda);
+                self.balance.imbalance(lambda, &mut self.imbalance);
+                self.imbalance[0].abs()
+            }
+            _ => self.newton(y, tau, lambda),
+        }
+    }
+
+    /// k = 1: the τ between two neighbouring breakpoints where the falling h crosses zero.
+    fn breakpoint_search(&mut self, y: &[f64], lambda: &mut [f64]) -> f64 {
+        let (row, load) = (&self.balance.rows[0], self.balance.load[0]);
+        let bounded = &self.bounded;
+        self.points.clear();
+        self.points.extend(
+            (0..y.len())
+                .filter(|&i| bounded[i] && row[i] != 0.0)
+                .map(|i| y[i] / row[i])
+                .filter(|point| point.is_finite()),
+        );
+        self.points.sort_unstable_by(f64::total_cmp);
+        let imbalance = |tau: f64| -> f64 {
+            let force = |i: usize| {
+                let free = y[i] - tau * row[i];
+                if bounded[i] { free.max(0.0) } else { free }
+            };
+            (0..y.len()).map(|i| row[i] * force(i)).sum::<f64>() - load
+        };
+        let next = self.points.partition_point(|&point| imbalance(point) > 0.0);
+        let from = if next == 0 {
+            f64::NEG_INFINITY
+        } else {
+            self.points[next - 1]
+        };
+        let to = self.points.get(next).copied().unwrap_or(f64::INFINITY);
+        let carries = |i: usize| {
+            !bounded[i]
+                || if row[i] > 0.0 {
+                    y[i] / row[i] >= to
+                } else if row[i] < 0.0 {
+                    y[i] / row[i] <= from
+                } else {
+                    y[i] > 0.0
+                }
+        };
+        let (mut slope, mut value) = (0.0, -load);
+        for i in (0..y.len()).filter(|&i| carries(i)) {
+            slope += row[i] * row[i];
+            value += row[i] * y[i];
+        }
+        // Flat: nothing carries, any τ of the interval does; the smallest amplitude is taken.
+        let tau = if slope > 0.0 { value / slope } else { 0.0 };
+        let tau = tau.clamp(from, to);
+        for i in 0..y.len() {
+            let free = y[i] - tau * row[i];
+            lambda[i] = if bounded[i] { free.max(0.0) } else { free };
+        }
+        self.spread_rest(lambda);
+        tau
+    }
+
+    /// Rounding in λ leaves a rest of the imbalance: spread it over the forces that can take it.
+    fn spread_rest(&self, lambda: &mut [f64]) {
+        let row = &self.balance.rows[0];
+        let (mut slope, mut value) = (0.0, -self.balance.load[0]);
+        for i in 0..lambda.len() {
+            value += row[i] * lambda[i];
+            if !self.bounded[i] || lambda[i] > 0.0 {
+                slope += row[i] * row[i];
+            }
+        }
+        if slope == 0.0 {
+            return;
+        }
+        for i in 0..lambda.len() {
+            let change = value / slope * row[i];
+            if !self.bounded[i] || lambda[i] > change.max(0.0) {
+                lambda[i] -= change;
+            }
+        }
+    }
+
+    /// Any k: semismooth Newton on h(τ) = 0 with line search on the convex function whose gradient is −h.
+    fn newton(&mut self, y: &[f64], tau: &mut [f64], lambda: &mut [f64]) -> f64 {
+        let k = self.balance.rank();
+        let size = norm(y) + norm(&self.balance.load);
+        let mut value = self.evaluate(y, tau, lambda);
+        let mut rest = norm(&self.imbalance);
+        let mut still = 0;
+        for _ in 0..200 {
+            // Rounding of Ĝλ.
+            if rest <= 4e-16 * (size + norm(lambda)) || still == 3 {
+                break;
+            }
+            self.newton_direction(y, tau, rest / (size + norm(lambda)));
+            let slope = dot(&self.direction, &self.imbalance);
+            let (mut step, mut accepted) = (1.0, false);
+            while step > 1e-4 {
+                for i in 0..k {
+                    self.trial_tau[i] = tau[i] + step * self.direction[i];
+                }
+                let trial = self.evaluate_trial(y);
+                let trial_rest = norm(&self.trial_imbalance);
+                // Near the root the values no longer tell, the imbalance does.
+                if trial <= value - 1e-4 * step * slope || trial_rest < 0.5 * rest {
+                    (value, accepted) = (trial, true);
+                    break;
+                }
+                step *= 0.5;
+            }
+            if !accepted {
+                for i in 0..k {
+                    self.trial_tau[i] = tau[i] + self.imbalance[i];
+                }
+                value = self.evaluate_trial(y);
+            }
+            let trial_rest = norm(&self.trial_imbalance);
+            let small = trial_rest.min(rest) <= 1e-12 * (size + norm(lambda));
+            still = if small && trial_rest >= rest {
+                still + 1
+            } else {
+                0
+            };
+            if small && trial_rest >= rest {
+                continue;
+            }
+            tau.copy_from_slice(&self.trial_tau);
+            lambda.copy_from_slice(&self.trial);
+            self.imbalance.copy_from_slice(&self.trial_imbalance);
+            rest = trial_rest;
+        }
+        rest
+    }
+
+    /// Convex function, λ and h at `tau`.
+    fn evaluate(&mut self, y: &[f64], tau: &[f64], lambda: &mut [f64]) -> f64 {
+        self.trial_tau.copy_from_slice(tau);
+        let value = self.evaluate_trial(y);
+        lambda.copy_from_slice(&self.trial);
+        self.imbalance.copy_from_slice(&self.trial_imbalance);
+        value
+    }
+
+    /// −(1/2‖λ − y‖² + τ·h) at the trial τ, together with λ and h there.
+    fn evaluate_trial(&mut self, y: &[f64]) -> f64 {
+        self.shifted.copy_from_slice(y);
+        self.balance
+            .add_transposed(-1.0, &self.trial_tau, &mut self.shifted);
+        self.admissible.project(&self.shifted, &mut self.trial);
+        self.balance
+            .imbalance(&self.trial, &mut self.trial_imbalance);
+        let distance: f64 = self.trial.iter().zip(y).map(|(l, y)| (l - y).powi(2)).sum();
+        -0.5 * distance - dot(&self.trial_tau, &self.trial_imbalance)
+    }
+
+    /// direction = (ĜP′Ĝᵀ + εI)⁻¹h with ε in proportion to the relative imbalance.
+    fn newton_direction(&mut self, y: &[f64], tau: &[f64], relative: f64) {
+        let k = self.balance.rank();
+        self.shifted.copy_from_slice(y);
+        self.balance.add_transposed(-1.0, tau, &mut self.shifted);
+        for j in 0..k {
+            self.admissible.project_derivative(
+                &self.shifted,
+                &self.balance.rows[j],
+                &mut self.column,
+            );
+            for i in 0..=j {
+                self.jacobian[i * k + j] = dot(&self.balance.rows[i], &self.column);
+            }
+        }
+        for j in 0..k {
+            self.jacobian[j * k + j] += relative.clamp(1e-15, 1e-2);
+            for i in 0..j {
+                self.jacobian[j * k + i] = self.jacobian[i * k + j];
+            }
+        }
+        self.direction.copy_from_slice(&self.imbalance);
+        solve_positive(&mut self.jacobian, &mut self.direction);
+    }
+}
+
+/// x ← A⁻¹x for a small positive definite A (row-major, overwritten by its Cholesky factor); pivots below
+/// rounding are lifted.
+fn solve_positive(a: &mut [f64], x: &mut [f64]) {
+    let k = x.len();
+    for j in 0..k {
+        for i in j..k {
+            let known: f64 = (0..j).map(|l| a[i * k + l] * a[j * k + l]).sum();
+            let rest = a[i * k + j] - known;
+            a[i * k + j] = if i == j {
+                rest.max(1e-15).sqrt()
+            } else {
+                rest / a[j * k + j]
+            };
+        }
+    }
+    for i in 0..k {
+        let known: f64 = (0..i).map(|l| a[i * k + l] * x[l]).sum();
+        x[i] = (x[i] - known) / a[i * k + i];
+    }
+    for i in (0..k).rev() {
+        let known: f64 = (i + 1..k).map(|l| a[l * k + i] * x[l]).sum();
+        x[i] = (x[i] - known) / a[i * k + i];
+    }
+}
+
+fn dot(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(x, y)| x * y).sum()
+}
+
+fn norm(v: &[f64]) -> f64 {
+    dot(v, v).sqrt()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::dual::{Equilibrium, Mat};
+
+    fn wave(m: usize, seed: usize) -> Vec<f64> {
+        (0..m)
+            .map(|i| ((i * 37 + seed * 101) as f64 * 0.61).sin() + 0.3)
+            .collect()
+    }
+
+    fn mixed(m: usize, friction: bool) -> AdmissibleSet {
+        let mut blocks = vec![Block::Free { size: 2 }];
+        if friction {
+            blocks.push(Block::Tresca {
+                tangents: 2,
+                bound: 0.4,
+            });
+            blocks.push(Block::Coulomb {
+                tangents: 1,
+                coefficient: 0.3,
+            });
+        }
+        let rest = m - AdmissibleSet::new(blocks.clone()).len();
+        blocks.extend(vec![Block::Unilateral; rest]);
+        AdmissibleSet::new(blocks)
+    }
+
+    /// Balance of `k` smooth modes with a load that an admissible force carries.
+    fn balance(set: &AdmissibleSet, k: usize, seed: usize) -> Balance {
+        let m = set.len();
+        let modes = Mat::from_fn(k, m, |i, j| {
+            ((j as f64 / m as f64) * (i + 1) as f64 * 2.0).cos()
+        });
+        let mut carried = vec![0.0; m];
+        set.project(&wave(m, seed + 5), &mut carried);
+        let load = (0..k)
+            .map(|i| (0..m).map(|j| modes[(i, j)] * carried[j]).sum())
+            .collect();
+        Balance::new(&Equilibrium::new(modes, load))
+    }
+
+    #[test]
+    fn projection_is_admissible_balanced_and_nearest() {
+        // Nearest ⇔ y − λ − Ĝᵀτ is in the normal cone, that is λ = P_Λ(y − Ĝᵀτ).
+        for k in 0..=4 {
+            for friction in [false, true] {
+                for seed in 0..20 {
+                    let set = mixed(30, friction);
+                    let balance = balance(&set, k, seed);
+                    let mut projector = Projector::new(&set, &balance);
+                    let y: Vec<f64> = wave(30, seed).iter().map(|x| 10.0 * (x - 0.4)).collect();
+                    let (mut tau, mut lambda) = (vec![0.0; k], vec![0.0; 30]);
+                    let rest = projector.project(&y, &mut tau, &mut lambda);
+                    assert!(rest < 1e-12 * norm(&y), "k {k} seed {seed}: {rest:e}");
+                    let mut shifted = y.clone();
+                    balance.add_transposed(-1.0, &tau, &mut shifted);
+                    let mut again = vec![0.0; 30];
+                    set.project(&shifted, &mut again);
+                    let worst = (0..30)
+                        .map(|i| (again[i] - lambda[i]).abs())
+                        .fold(0.0, f64::max);
+                    assert!(worst < 1e-12 * norm(&y), "k {k} seed {seed}: {worst:e}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn breakpoint_search_and_newton_agree() {
+        for seed in 0..50 {
+            let set = mixed(25, false);
+            let balance = balance(&set, 1, seed);
+            let mut projector = Projector::new(&set, &balance);
+            let y = wave(25, seed + 1);
+            let (mut exact, mut iterated) = (vec![0.0; 25], vec![0.0; 25]);
+            let mut tau = [0.0];
+            projector.project(&y, &mut tau, &mut exact);
+            projector.newton(&y, &mut [0.0], &mut iterated);
+            for i in 0..25 {
+                assert!((exact[i] - iterated[i]).abs() < 1e-13);
+            }
+        }
+    }
+
+    #[test]
+    fn unloaded_hovering_body_gets_no_force() {
+        for k in [1, 2] {
+            let set = AdmissibleSet::new(vec![Block::Unilateral; 6]);
+            let modes = Mat::from_fn(k, 6, |i, j| 1.0 + (i * j) as f64 * 0.1);
+            let balance = Balance::new(&Equilibrium::new(modes, vec![0.0; k]));
+            let mut projector = Projector::new(&set, &balance);
+            let (mut tau, mut lambda) = (vec![0.0; k], vec![1.0; 6]);
+            projector.project(&[1.0, 2.0, -1.0, 0.5, 3.0, 0.0], &mut tau, &mut lambda);
+            assert!(norm(&lambda) < 1e-13);
+            projector.project(&[-1.0; 6], &mut [0.0, 0.0][..k], &mut lambda);
+            assert_eq!(norm(&lambda), 0.0);
+        }
+    }
+
+    #[test]
+    fn load_that_nothing_can_carry_leaves_an_imbalance() {
+        let set = AdmissibleSet::new(vec![Block::Unilateral; 4]);
+        for k in [1, 2] {
+            let modes = Mat::from_fn(k, 4, |i, j| 1.0 + (i * j) as f64);
+            let balance = Balance::new(&Equilibrium::new(modes, vec![-1.0; k]));
+            let rest =
+                Projector::new(&set, &balance).project(&[1.0; 4], &mut vec![0.0; k], &mut [0.0; 4]);
+            assert!(rest > 0.1);
+        }
+    }
+}

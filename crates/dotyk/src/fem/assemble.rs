@@ -1,0 +1,506 @@
+//! Stiffness, loads, held dofs and rigid modes of one body.
+
+use super::elasticity::Lame;
+use super::error::FemError;
+use super::loads::nodal_loads;
+use super::modes::{RigidBasis, free_modes};
+use super::nouns::{Analysis, Body, Elastic};
+use super::quadrature;
+use super::supports::Constraints;
+use crate::fem::error::show;
+use crate::geometry::{Point, add_scaled, dot, norm};
+use crate::linalg::{
+    CellMatrices, Connectivity, Graph, LinalgError, SymmetricMatrix, assemble_blocks,
+};
+use crate::mesh::{CellBlock, CellKind, MAX_CELL_NODES};
+use rayon::prelude::*;
+use std::collections::BTreeMap;
+
+/// The discrete equilibrium of one body, in the frames of its nodes.
+pub struct BodySystem<const D: usize> {
+    /// Node graph of the mesh.
+    pub graph: Graph,
+    /// K, (D·n, D·n), held dofs included.
+    pub stiffness: SymmetricMatrix,
+    /// f, (D·n,), a force.
+    pub load: Vec<f64>,
+    /// What is held, by node.
+    pub constraints: Constraints<D>,
+    /// Whether a dof is held, (D·n,).
+    pub held: Vec<bool>,
+    /// u_D, (D·n,): the prescribed displacement of held dofs, zero elsewhere.
+    pub prescribed: Vec<f64>,
+    /// Axes (rows) of the nodes whose held directions are not along the global axes.
+    pub frames: BTreeMap<usize, [[f64; D]; D]>,
+    /// Rigid motions that the supports leave free: R, one column (D·n,) each, largest displacement 1.
+    pub modes: Vec<Vec<f64>>,
+}
+
+impl<const D: usize> Body<D> {
+    /// The material of a block of cells.
+    pub(crate) fn elastic(&self, block: &CellBlock) -> Result<Elastic, FemError> {
+        let fits = |group: &Option<String>| group.is_none() || *group == block.group;
+        let found = self.materials.iter().find(|m| fits(&m.group));
+        found
+            .map(|m| m.elastic)
+            .ok_or_else(|| FemError::NoMaterial {
+                group: block.group.clone().unwrap_or_else(|| "(none)".to_string()),
+            })
+    }
+
+    fn check_materials(&self) -> Result<(), FemError> {
+        for material in &self.materials {
+            let Elastic { young, poisson } = material.elastic;
+            if !(young > 0.0 && young.is_finite()) {
+                return Err(FemError::Material {
+                    name: "young",
+                    value: young,
+                    range: "it must be positive",
+                });
+            }
+            if !(poisson > -1.0 && poisson < 0.5) {
+                let range =
+                    "it must lie in (-1, 0.5); incompressible materials (0.5) are not supported";
+                return Err(FemError::Material {
+                    name: "poisson",
+                    value: poisson,
+                    range,
+                });
+            }
+            if let Some(group) = &material.group {
+                let groups: Vec<&str> = self
+                    .mesh
+                    .blocks()
+                    .iter()
+                    .filter_map(|b| b.group.as_deref())
+                    .collect();
+                if !groups.contains(&group.as_str()) {
+                    return Err(FemError::UnknownGroup {
+                        group: group.clone(),
+                        known: groups.join(", "),
+                    });
+                }
+            }
+        }
+        if !(self.thickness > 0.0 && self.thickness.is_finite()) {
+            return Err(FemError::Material {
+                name: "thickness",
+                value: self.thickness,
+                range: "it must be positive",
+            });
+        }
+        Ok(())
+    }
+}
+
+/// Assembles one body at a time.
+///
+/// Errors: materials out of range, unknown or empty sides, contradictory supports, values that are not finite.
+pub fn assemble<const D: usize>(
+    body: &Body<D>,
+    analysis: Analysis,
+    time: f64,
+) -> Result<BodySystem<D>, FemError> {
+    body.check_materials()?;
+    if analysis == Analysis::Axisymmetric {
+        check_radii(body)?;
+    }
+    let constraints = Constraints::new(body, time)?;
+    let frames = frames(&constraints);
+    let blocks: Vec<Connectivity<'_>> = body
+        .mesh
+        .blocks()
+        .iter()
+        .map(|block| Connectivity {
+            nodes: &block.nodes,
+            nodes_per_cell: block.kind.nodes(),
+        })
+        .collect();
+    let graph = Graph::from_cells(body.mesh.points().len(), &blocks);
+    let stiffness = stiffness(body, analysis, &frames, &graph)?;
+    let mut load = nodal_loads(body, analysis, time)?;
+    let dofs = load.len();
+    let (mut held, mut prescribed) = (vec![false; dofs], vec![0.0; dofs]);
+    for (&node, directions) in &constraints.nodes {
+        for (k, h) in directions.iter().enumerate() {
+            let component = if frames.contains_key(&node) {
+                k
+            } else {
+                axis_of(h.axis).unwrap_or(k)
+            };
+            held[D * node + component] = true;
+            prescribed[D * node + component] = if frames.contains_key(&node) {
+                h.value
+            } else {
+                h.value * sign(h.axis)
+            };
+        }
+    }
+    let mut modes = free_modes(&body.mesh, &constraints, RigidBasis::of(analysis));
+    for vector in modes.iter_mut().chain([&mut load]) {
+        into_frames(&frames, vector);
+    }
+    for mode in &mut modes {
+        // held components of a free mode are zero up to rounding: make them exactly zero
+        for (value, _) in mode.iter_mut().zip(&held).filter(|(_, held)| **held) {
+            *value = 0.0;
+        }
+    }
+    Ok(BodySystem {
+        graph,
+        stiffness,
+        load,
+        constraints,
+        held,
+        prescribed,
+        frames,
+        modes,
+    })
+}
+
+impl<const D: usize> BodySystem<D> {
+    /// Rotates a vector of global components (D·n,) into the node frames.
+    pub fn to_frames(&self, vector: &mut [f64]) {
+        into_frames(&self.frames, vector);
+    }
+
+    /// Rotates a vector of frame components (D·n,) into global axes, node by node.
+    pub fn to_global(&self, vector: &[f64]) -> Vec<Point<D>> {
+        let mut points: Vec<Point<D>> = vector
+            .chunks_exact(D)
+            .map(|c| std::array::from_fn(|i| c[i]))
+            .collect();
+        for (&node, axes) in &self.frames {
+            let local = points[node];
+            points[node] = (0..D).fold([0.0; D], |sum, k| add_scaled(sum, local[k], axes[k]));
+        }
+        points
+    }
+
+    /// Components of a global row vector at a node along its frame.
+    pub fn row_in_frame(&self, node: usize, row: Point<D>) -> Point<D> {
+        self.frames
+            .get(&node)
+            .map_or(row, |axes| std::array::from_fn(|k| dot(axes[k], row)))
+    }
+}
+
+fn into_frames<const D: usize>(frames: &BTreeMap<usize, [[f64; D]; D]>, vector: &mut [f64]) {
+    for (&node, axes) in frames {
+        let global: Point<D> = std::array::from_fn(|i| vector[D * node + i]);
+        for k in 0..D {
+            vector[D * node + k] = dot(axes[k], global);
+        }
+    }
+}
+
+/// The global axis that a direction is along, either way.
+fn axis_of<const D: usize>(direction: Point<D>) -> Option<usize> {
+    direction.iter().position(|c| c.abs() == 1.0)
+}
+
+fn sign<const D: usize>(direction: Point<D>) -> f64 {
+    axis_of(direction).map_or(1.0, |axis| direction[axis].signum())
+}
+
+/// Frames of the nodes with oblique held directions: these first, then any orthonormal completion.
+fn frames<const D: usize>(constraints: &Constraints<D>) -> BTreeMap<usize, [[f64; D]; D]> {
+    let oblique = constraints
+        .nodes
+        .iter()
+        .filter(|(_, held)| held.iter().any(|h| axis_of(h.axis).is_none()));
+    oblique
+        .map(|(&node, held)| {
+            let mut axes: Vec<Point<D>> = held.iter().map(|h| h.axis).collect();
+            for i in 0..D {
+                let unit: Point<D> = std::array::from_fn(|j| if i == j { 1.0 } else { 0.0 });
+                let rest = axes
+                    .iter()
+                    .fold(unit, |rest, &axis| add_scaled(rest, -dot(unit, axis), axis));
+                // of D + |held| candidates at least one per missing direction keeps this much
+                if axes.len() < D && norm(rest) > 0.5 / (D as f64).sqrt() {
+                    let size = norm(rest);
+                    axes.push(rest.map(|c| c / size));
+                }
+            }
+            (node, std::array::from_fn(|k| axes[k]))
+        })
+        .collect()
+}
+
+fn check_radii<const D: usize>(body: &Body<D>) -> Result<(), FemError> {
+    let tolerance = -1e-9 * body.mesh.diameter();
+    match body.mesh.points().iter().position(|p| p[0] < tolerance) {
+        None => Ok(()),
+        Some(node) => Err(FemError::NegativeRadius {
+            node,
+            point: show(body.mesh.points()[node]),
+        }),
+    }
+}
+
+/// What an area in the (r, z) or (x, y) plane stands for: thickness, 2πr, or 1 in 3D.
+pub(crate) fn measure<const D: usize>(analysis: Analysis, thickness: f64, point: Point<D>) -> f64 {
+    match analysis {
+        Analysis::PlaneStrain | Analysis::PlaneStress => thickness,
+        Analysis::Axisymmetric => 2.0 * std::f64::consts::PI * point[0],
+        Analysis::Solid => 1.0,
+    }
+}
+
+/// Shape functions and their reference gradients at the points of a rule.
+pub(crate) struct CellTable<const D: usize> {
+    nodes: usize,
+    weights: Vec<f64>,
+    shapes: Vec<[f64; MAX_CELL_NODES]>,
+    gradients: Vec<[[f64; D]; MAX_CELL_NODES]>,
+}
+
+impl<const D: usize> CellTable<D> {
+    /// At the points of a rule that integrates polynomials of the given degree.
+    pub fn new(kind: CellKind, degree: usize) -> Self {
+        let rule = quadrature::rule(kind, degree);
+        let points: Vec<(Point<D>, f64)> = rule
+            .iter()
+            .map(|point| (std::array::from_fn(|i| point.xi[i]), point.weight))
+            .collect();
+        Self::at(kind, &points)
+    }
+
+    /// At given reference points with weights.
+    pub fn at(kind: CellKind, rule: &[(Point<D>, f64)]) -> Self {
+        let mut table = Self {
+            nodes: kind.nodes(),
+            weights: Vec::new(),
+            shapes: Vec::new(),
+            gradients: Vec::new(),
+        };
+        for &(xi, weight) in rule {
+            let (mut shape, mut gradient) = ([0.0; MAX_CELL_NODES], [[0.0; D]; MAX_CELL_NODES]);
+            kind.shape(&xi, &mut shape);
+            kind.gradients(&xi, &mut gradient);
+            table.weights.push(weight);
+            table.shapes.push(shape);
+            table.gradients.push(gradient);
+        }
+        table
+    }
+
+    /// Number of points.
+    pub fn len(&self) -> usize {
+        self.weights.len()
+    }
+
+    /// Shape functions at point q.
+    pub fn shape(&self, q: usize) -> &[f64] {
+        &self.shapes[q][..self.nodes]
+    }
+
+    /// Image of point q, gradients ∇Nₐ there and the volume weight·det J, for a cell whose nodes lie at `at(local)`.
+    pub fn map(
+        &self,
+        q: usize,
+        at: impl Fn(usize) -> Point<D>,
+    ) -> (Point<D>, [[f64; D]; MAX_CELL_NODES], f64) {
+        let (shape, reference) = (&self.shapes[q], &self.gradients[q]);
+        let mut point = [0.0; D];
+        let mut jacobian = [[0.0; D]; D]; // ∂xᵢ/∂ξⱼ
+        for a in 0..self.nodes {
+            let x = at(a);
+            for i in 0..D {
+                point[i] += shape[a] * x[i];
+                for j in 0..D {
+                    jacobian[i][j] += x[i] * reference[a][j];
+                }
+            }
+        }
+        let (inverse, det) = invert(jacobian);
+        let mut gradients = [[0.0; D]; MAX_CELL_NODES];
+        for a in 0..self.nodes {
+            for i in 0..D {
+                gradients[a][i] = (0..D).map(|j| reference[a][j] * inverse[j][i]).sum();
+            }
+        }
+        (point, gradients, det * self.weights[q])
+    }
+}
+
+/// Inverse and determinant of a small matrix (D ≤ 3) by cofactors.
+pub(crate) fn invert<const D: usize>(m: [[f64; D]; D]) -> ([[f64; D]; D], f64) {
+    let mut inverse = [[0.0; D]; D];
+    let det = match D {
+        2 => {
+            inverse[0][0] = m[1][1];
+            inverse[0][1] = -m[0][1];
+            inverse[1][0] = -m[1][0];
+            inverse[1][1] = m[0][0];
+            m[0][0] * m[1][1] - m[0][1] * m[1][0]
+        }
+        3 => {
+            for i in 0..3 {
+                for j in 0..3 {
+                    let (a, b, c, d) = ((j + 1) % 3, (j + 2) % 3, (i + 1) % 3, (i + 2) % 3);
+                    inverse[i][j] = m[a][c] * m[b][d] - m[a][d] * m[b][c];
+                }
+            }
+            (0..3).map(|j| m[0][j] * inverse[j][0]).sum()
+        }
+        _ => unreachable!("bodies have two or three dimensions"),
+    };
+    for row in &mut inverse {
+        for value in row {
+            *value /= det;
+        }
+    }
+    (inverse, det)
+}
+
+/// Cells per parallel task.
+const CHUNK: usize = 128;
+
+fn stiffness<const D: usize>(
+    body: &Body<D>,
+    analysis: Analysis,
+    frames: &BTreeMap<usize, [[f64; D]; D]>,
+    graph: &Graph,
+) -> Result<SymmetricMatrix, FemError> {
+    let mut matrices = Vec::new();
+    for block in body.mesh.blocks() {
+        let lame = Lame::new(body.elastic(block)?, analysis);
+        let table = CellTable::<D>::new(block.kind, stiffness_degree(block.kind));
+        let k = block.kind.nodes();
+        let size = D * k;
+        let packed = size * (size + 1) / 2;
+        let mut values = vec![0.0; packed * (block.nodes.len() / k)];
+        values
+            .par_chunks_mut(packed * CHUNK)
+            .zip(block.nodes.par_chunks(k * CHUNK))
+            .for_each(|(out, cells)| {
+                let mut matrix = vec![0.0; size * size];
+                for (out, cell) in out.chunks_exact_mut(packed).zip(cells.chunks_exact(k)) {
+                    matrix.fill(0.0);
+                    cell_stiffness(body, analysis, lame, &table, cell, &mut matrix);
+                    rotate(frames, cell, &mut matrix);
+                    for i in 0..size {
+                        let row = i * (i + 1) / 2;
+                        out[row..=row + i].copy_from_slice(&matrix[i * size..=i * size + i]);
+                    }
+                }
+            });
+        matrices.push(values);
+    }
+    let cells: Vec<CellMatrices<'_>> = body
+        .mesh
+        .blocks()
+        .iter()
+        .zip(&matrices)
+        .map(|(block, values)| CellMatrices {
+            nodes: &block.nodes,
+            nodes_per_cell: block.kind.nodes(),
+            values,
+        })
+        .collect();
+    assemble_blocks::<D>(graph, &cells).map_err(|source| not_finite(body, source))
+}
+
+fn not_finite<const D: usize>(body: &Body<D>, source: LinalgError) -> FemError {
+    let node = match source {
+        LinalgError::NotFinite { row } => row / D,
+        _ => 0,
+    };
+    FemError::Singular {
+        node,
+        point: show(body.mesh.points()[node]),
+        source,
+    }
+}
+
+/// Degree that integrates the stiffness of an undistorted cell exactly, and that of a curved one well.
+fn stiffness_degree(kind: CellKind) -> usize {
+    match kind {
+        CellKind::Tri3 => 1,
+        CellKind::Tri6 => 4,
+        CellKind::Quad4 => 3,
+        CellKind::Quad8 | CellKind::Quad9 => 5,
+    }
+}
+
+/// Stiffness of one cell, dense and row-major (D·k, D·k), in global axes.
+fn cell_stiffness<const D: usize>(
+    body: &Body<D>,
+    analysis: Analysis,
+    lame: Lame,
+    table: &CellTable<D>,
+    cell: &[u32],
+    matrix: &mut [f64],
+) {
+    let (k, axisymmetric) = (cell.len(), analysis == Analysis::Axisymmetric);
+    let size = D * k;
+    let points = body.mesh.points();
+    let mut at = [[0.0; D]; MAX_CELL_NODES];
+    for (x, &node) in at.iter_mut().zip(cell) {
+        *x = points[node as usize];
+    }
+    for q in 0..table.len() {
+        let (point, g, volume) = table.map(q, |local| at[local]);
+        let w = volume * measure(analysis, body.thickness, point);
+        let mut hoop = [0.0; MAX_CELL_NODES];
+        if axisymmetric {
+            for (h, n) in hoop.iter_mut().zip(table.shape(q)) {
+                *h = n / point[0];
+            }
+        }
+        for a in 0..k {
+            for b in a..k {
+                let gg = w * lame.mu * dot(g[a], g[b]);
+                for i in 0..D {
+                    for j in 0..D {
+                        // the hoop strain enters the trace through the first (radial) component only
+                        let (ta, tb) = (
+                            g[a][i] + if i == 0 { hoop[a] } else { 0.0 },
+                            g[b][j] + if j == 0 { hoop[b] } else { 0.0 },
+                        );
+                        matrix[(D * a + i) * size + D * b + j] +=
+                            w * (lame.lambda * ta * tb + lame.mu * g[a][j] * g[b][i]);
+                    }
+                    matrix[(D * a + i) * size + D * b + i] += gg;
+                }
+                matrix[D * a * size + D * b] += 2.0 * w * lame.mu * hoop[a] * hoop[b];
+            }
+        }
+    }
+    for row in 0..size {
+        for column in 0..row {
+            matrix[row * size + column] = matrix[column * size + row];
+        }
+    }
+}
+
+/// Turns the rows and columns of nodes with frames: QKQᵀ.
+fn rotate<const D: usize>(
+    frames: &BTreeMap<usize, [[f64; D]; D]>,
+    cell: &[u32],
+    matrix: &mut [f64],
+) {
+    if frames.is_empty() {
+        return;
+    }
+    let size = D * cell.len();
+    for (local, node) in cell.iter().enumerate() {
+        let Some(axes) = frames.get(&(*node as usize)) else {
+            continue;
+        };
+        for other in 0..size {
+            let column: Point<D> = std::array::from_fn(|i| matrix[(D * local + i) * size + other]);
+            for k in 0..D {
+                matrix[(D * local + k) * size + other] = dot(axes[k], column);
+            }
+        }
+        for other in 0..size {
+            let row: Point<D> = std::array::from_fn(|i| matrix[other * size + D * local + i]);
+            for k in 0..D {
+                matrix[other * size + D * local + k] = dot(axes[k], row);
+            }
+        }
+    }
+}

@@ -1,0 +1,98 @@
+//! Isotropic linear elasticity without Voigt notation, so that one expression serves every dimension.
+//!
+//! With λ, μ after Lamé, gradients gₐ = ∇Nₐ and Mₐᵦ = ∫ gₐ ⊗ gᵦ, the block of the stiffness that couples nodes a and b is
+//!
+//! ```text
+//!   Kₐᵦ = λ Mₐᵦ + μ Mₐᵦᵀ + μ tr(Mₐᵦ) I
+//! ```
+//!
+//! In plane stress λ is replaced by 2λμ/(λ+2μ). With axial symmetry the hoop strain Nₐ/r joins the trace and adds 2μ∫NₐNᵦ/r².
+
+use super::nouns::{Analysis, Elastic};
+
+/// Lamé's parameters as an analysis uses them.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Lame {
+    /// First parameter (reduced in plane stress).
+    pub lambda: f64,
+    /// Shear modulus.
+    pub mu: f64,
+    /// σzz = `out_of_plane` · (εxx + εyy) in plane analyses.
+    pub out_of_plane: f64,
+}
+
+impl Lame {
+    /// Parameters of a material in an analysis.
+    pub fn new(elastic: Elastic, analysis: Analysis) -> Self {
+        let Elastic { young, poisson } = elastic;
+        let mu = young / (2.0 * (1.0 + poisson));
+        let lambda = young * poisson / ((1.0 + poisson) * (1.0 - 2.0 * poisson));
+        match analysis {
+            Analysis::PlaneStress => Self {
+                lambda: 2.0 * lambda * mu / (lambda + 2.0 * mu),
+                mu,
+                out_of_plane: 0.0,
+            },
+            _ => Self {
+                lambda,
+                mu,
+                out_of_plane: lambda,
+            },
+        }
+    }
+
+    /// Stress (xx yy zz xy yz xz) of a displacement gradient `h[i][j] = ∂uᵢ/∂xⱼ` and a hoop strain (zero unless axisymmetric).
+    pub fn stress<const D: usize>(self, gradient: [[f64; D]; D], hoop: f64) -> [f64; 6] {
+        let strain = |i: usize, j: usize| {
+            if i < D && j < D {
+                0.5 * (gradient[i][j] + gradient[j][i])
+            } else {
+                0.0
+            }
+        };
+        let trace = (0..D).map(|i| gradient[i][i]).sum::<f64>() + hoop;
+        let direct = |i: usize| self.lambda * trace + 2.0 * self.mu * strain(i, i);
+        let zz = if D == 3 {
+            direct(2)
+        } else {
+            self.out_of_plane * trace + 2.0 * self.mu * hoop
+        };
+        let shear = |i: usize, j: usize| 2.0 * self.mu * strain(i, j);
+        [
+            direct(0),
+            direct(1),
+            zz,
+            shear(0, 1),
+            shear(1, 2),
+            shear(0, 2),
+        ]
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const STEEL: Elastic = Elastic {
+        young: 210.0,
+        poisson: 0.3,
+    };
+
+    #[test]
+    fn uniaxial_stress_follows_hooke() {
+        // plane stress, ε = (1, −ν): only σxx = E remains
+        let s = Lame::new(STEEL, Analysis::PlaneStress).stress([[1.0, 0.0], [0.0, -0.3]], 0.0);
+        assert!((s[0] - 210.0).abs() < 1e-12 && s[1].abs() < 1e-12 && s[2] == 0.0);
+        // in 3D with lateral contraction
+        let s = Lame::new(STEEL, Analysis::Solid)
+            .stress([[1.0, 0.0, 0.0], [0.0, -0.3, 0.0], [0.0, 0.0, -0.3]], 0.0);
+        assert!((s[0] - 210.0).abs() < 1e-10 && s[1].abs() < 1e-10 && s[2].abs() < 1e-10);
+    }
+
+    #[test]
+    fn plane_strain_keeps_the_out_of_plane_stress() {
+        let s = Lame::new(STEEL, Analysis::PlaneStrain).stress([[0.2, 0.1], [0.1, -0.5]], 0.0);
+        assert!((s[2] - 0.3 * (s[0] + s[1])).abs() < 1e-10);
+        assert!((s[3] - 0.2 * 210.0 / 2.6).abs() < 1e-12);
+    }
+}

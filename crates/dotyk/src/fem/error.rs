@@ -1,0 +1,150 @@
+//! What can be wrong with one body.
+
+use crate::linalg::LinalgError;
+
+/// An error of one body; the model adds the body's name.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum FemError {
+    /// A support, load or contact names a side that the mesh lacks.
+    #[error("there is no side \"{side}\"; the sides are: {known}")]
+    UnknownSide {
+        /// The name.
+        side: String,
+        /// The names that exist.
+        known: String,
+    },
+    /// A side has no facets.
+    #[error("side \"{side}\" has no facets")]
+    EmptySide {
+        /// Its name.
+        side: String,
+    },
+    /// A load, support, gap or friction value is NaN or infinite.
+    #[error("{what} = {text} is not finite at {point}")]
+    NotFinite {
+        /// Such as `load on side "top"`.
+        what: String,
+        /// The expression.
+        text: String,
+        /// Where.
+        point: String,
+    },
+    /// Two supports prescribe different values for the same displacement.
+    #[error(
+        "node {node} at {point}: {first} and {second} prescribe contradictory displacements ({a} and {b}); remove one of the two"
+    )]
+    Contradiction {
+        /// Node of the mesh.
+        node: usize,
+        /// Its position.
+        point: String,
+        /// One support.
+        first: String,
+        /// The other.
+        second: String,
+        /// Value implied by the first.
+        a: f64,
+        /// Value of the second.
+        b: f64,
+    },
+    /// No node is near enough to a point.
+    #[error(
+        "{what}: the nearest node, {node} at {at}, is {distance:.4e} away from {point}, farther than half an edge ({limit:.4e}); move the point onto a node"
+    )]
+    NoNodeNear {
+        /// Such as "support".
+        what: String,
+        /// The point.
+        point: String,
+        /// Nearest node.
+        node: usize,
+        /// Its position.
+        at: String,
+        /// Its distance.
+        distance: f64,
+        /// Largest admissible distance.
+        limit: f64,
+    },
+    /// No material applies to a group of cells.
+    #[error("no material for the cells of group {group}")]
+    NoMaterial {
+        /// The group.
+        group: String,
+    },
+    /// A material names a group that the mesh lacks.
+    #[error(
+        "a material is given for group \"{group}\", but the mesh has no such group; the groups are: {known}"
+    )]
+    UnknownGroup {
+        /// The group.
+        group: String,
+        /// The groups that exist.
+        known: String,
+    },
+    /// A material constant is out of range.
+    #[error("{name} = {value} is out of range: {range}")]
+    Material {
+        /// Its name.
+        name: &'static str,
+        /// Its value.
+        value: f64,
+        /// Admissible values.
+        range: &'static str,
+    },
+    /// Points with r < 0 in an axisymmetric analysis.
+    #[error(
+        "node {node} at {point} has a negative radius: in an axisymmetric analysis x is the radius"
+    )]
+    NegativeRadius {
+        /// Node of the mesh.
+        node: usize,
+        /// Its position.
+        point: String,
+    },
+    /// The stiffness cannot be factored.
+    #[error(
+        "the stiffness is singular at node {node} at {point}: {source}; check the cells around that node"
+    )]
+    Singular {
+        /// Node of the mesh.
+        node: usize,
+        /// Its position.
+        point: String,
+        /// What the factorisation said.
+        source: LinalgError,
+    },
+}
+
+/// A point as messages show it: `(1.5, -0.25)`.
+pub(crate) fn show<const D: usize>(point: [f64; D]) -> String {
+    let numbers: Vec<String> = point.iter().map(|&c| format!("{}", Short(c))).collect();
+    format!("({})", numbers.join(", "))
+}
+
+/// A number to six significant digits without trailing zeros.
+pub(crate) struct Short(pub f64);
+
+impl std::fmt::Display for Short {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let rounded: f64 = format!("{:.5e}", self.0).parse().unwrap_or(self.0);
+        let size = rounded.abs();
+        if rounded == 0.0 {
+            f.write_str("0")
+        } else if (1e-4..1e7).contains(&size) || !size.is_finite() {
+            write!(f, "{rounded}")
+        } else {
+            write!(f, "{rounded:e}")
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn points_are_short_and_readable() {
+        assert_eq!(show([1.0 / 3.0, -0.0]), "(0.333333, 0)");
+        assert_eq!(show([1e-12, 2.5e9]), "(1e-12, 2.5e9)");
+    }
+}

@@ -1,0 +1,293 @@
+//! Rigid motions that supports leave free: the kernel of K on the free dofs.
+//!
+//! Every facet-connected component c of a body may move as u(x) = Σ aₖ φₖ(x − x_c). Held directions, and nodes that two
+//! components share without sharing a facet, are linear conditions on the amplitudes a; their null space is the kernel.
+
+use super::error::Short;
+use super::nouns::Analysis;
+use super::supports::Constraints;
+use crate::geometry::{Point, add_scaled, bounding_box, dot, norm, sub};
+use crate::linalg::{Mat, least_squares, null_space};
+use crate::mesh::Mesh;
+
+/// Which rigid motions an analysis knows.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum RigidBasis {
+    /// All translations and rotations.
+    Full,
+    /// Translation along the axis of symmetry (y) only.
+    Axial,
+}
+
+impl RigidBasis {
+    /// The motions that strain nothing in an analysis.
+    pub fn of(analysis: Analysis) -> Self {
+        if analysis == Analysis::Axisymmetric {
+            Self::Axial
+        } else {
+            Self::Full
+        }
+    }
+
+    /// Number of motions of one component in D dimensions.
+    pub fn len(self, dimension: usize) -> usize {
+        if self == Self::Axial {
+            1
+        } else {
+            dimension * (dimension + 1) / 2
+        }
+    }
+
+    /// Whether there are none (never).
+    pub fn is_empty(self) -> bool {
+        false
+    }
+
+    /// Displacement of the k-th motion at a point relative to the centre: rotations first, then translations.
+    fn displacement<const D: usize>(self, k: usize, x: Point<D>) -> Point<D> {
+        if self == Self::Axial {
+            return std::array::from_fn(|i| if i == 1 { 1.0 } else { 0.0 });
+        }
+        let rotations = D * (D - 1) / 2;
+        if k >= rotations {
+            return std::array::from_fn(|i| if i == k - rotations { 1.0 } else { 0.0 });
+        }
+        // rotation in the plane (p, q): (x_p, x_q) ↦ (−x_q, x_p)
+        let (p, q) = [(0, 1), (1, 2), (2, 0)][k];
+        std::array::from_fn(|i| {
+            if i == p {
+                -x[q]
+            } else if i == q {
+                x[p]
+            } else {
+                0.0
+            }
+        })
+    }
+}
+
+/// Conditions count as satisfied below this fraction of the largest.
+const RANK_TOLERANCE: f64 = 1e-9;
+
+/// Columns of R in global axes, (D·n,) each, scaled to largest displacement 1.
+pub(crate) fn free_modes<const D: usize>(
+    mesh: &Mesh<D>,
+    constraints: &Constraints<D>,
+    basis: RigidBasis,
+) -> Vec<Vec<f64>> {
+    let (components, members) = node_components(mesh);
+    let count = basis.len(D);
+    let frames: Vec<(Point<D>, f64)> = components.iter().map(|nodes| centre(mesh, nodes)).collect();
+    let motion = |component: usize, k: usize, node: usize| -> Point<D> {
+        let (origin, size) = frames[component];
+        basis.displacement(k, sub(mesh.points()[node], origin).map(|c| c / size))
+    };
+    let unknowns = count * components.len();
+    let mut rows: Vec<Vec<f64>> = Vec::new();
+    for (&node, held) in &constraints.nodes {
+        for h in held {
+            let mut row = vec![0.0; unknowns];
+            for k in 0..count {
+                row[count * members[node][0] + k] = dot(h.axis, motion(members[node][0], k, node));
+            }
+            rows.push(row);
+        }
+    }
+    for (node, owners) in members.iter().enumerate() {
+        for pair in owners.windows(2) {
+            for i in 0..D {
+                let mut row = vec![0.0; unknowns];
+                for k in 0..count {
+                    row[count * pair[0] + k] = motion(pair[0], k, node)[i];
+                    row[count * pair[1] + k] = -motion(pair[1], k, node)[i];
+                }
+                rows.push(row);
+            }
+        }
+    }
+    amplitudes(&rows, unknowns)
+        .iter()
+        .map(|a| expand(mesh, &members, count, a, &motion))
+        .collect()
+}
+
+/// Null space of the conditions, reduced so that pure motions show as such.
+fn amplitudes(rows: &[Vec<f64>], unknowns: usize) -> Vec<Vec<f64>> {
+    if rows.is_empty() {
+        let unit = |k: usize| {
+            (0..unknowns)
+                .map(|i| if i == k { 1.0 } else { 0.0 })
+                .collect()
+        };
+        return (0..unknowns).map(unit).collect();
+    }
+    let matrix = Mat::from_fn(rows.len(), unknowns, |i, j| rows[i][j]);
+    // the conditions are finite: directions are unit vectors and points were checked by the mesh
+    let Ok(null) = null_space(&matrix, RANK_TOLERANCE) else {
+        return Vec::new();
+    };
+    let mut basis: Vec<Vec<f64>> = (0..null.ncols())
+        .map(|j| (0..unknowns).map(|i| null[(i, j)]).collect())
+        .collect();
+    reduce(&mut basis);
+    basis
+}
+
+/// Gauss–Jordan on the vectors, with the largest entry as pivot, entries below rounding cleared.
+fn reduce(basis: &mut [Vec<f64>]) {
+    let mut used: Vec<usize> = Vec::new();
+    for k in 0..basis.len() {
+        let pivot = (0..basis[k].len())
+            .filter(|i| !used.contains(i))
+            .max_by(|&i, &j| {
+                basis[k][i]
+                    .abs()
+                    .total_cmp(&basis[k][j].abs())
+                    .then(j.cmp(&i))
+            });
+        let Some(pivot) = pivot else { return };
+        used.push(pivot);
+        let scale = basis[k][pivot];
+        basis[k].iter_mut().for_each(|value| *value /= scale);
+        let row = basis[k].clone();
+        for (other, vector) in basis.iter_mut().enumerate() {
+            if other != k {
+                let factor = vector[pivot];
+                vector
+                    .iter_mut()
+                    .zip(&row)
+                    .for_each(|(value, r)| *value -= factor * r);
+            }
+        }
+    }
+    for value in basis.iter_mut().flatten() {
+        if value.abs() < 1e-12 {
+            *value = 0.0;
+        }
+    }
+}
+
+fn expand<const D: usize>(
+    mesh: &Mesh<D>,
+    members: &[Vec<usize>],
+    count: usize,
+    amplitudes: &[f64],
+    motion: &impl Fn(usize, usize, usize) -> Point<D>,
+) -> Vec<f64> {
+    let mut mode = Vec::with_capacity(D * members.len());
+    let mut largest: f64 = 0.0;
+    for (node, owners) in members.iter().enumerate().take(mesh.points().len()) {
+        let component = owners[0];
+        let u = (0..count).fold([0.0; D], |sum, k| {
+            add_scaled(
+                sum,
+                amplitudes[count * component + k],
+                motion(component, k, node),
+            )
+        });
+        largest = largest.max(norm(u));
+        mode.extend(u);
+    }
+    mode.iter_mut().for_each(|value| *value /= largest);
+    mode
+}
+
+/// Nodes of every facet-connected component, and the components of every node.
+fn node_components<const D: usize>(mesh: &Mesh<D>) -> (Vec<Vec<usize>>, Vec<Vec<usize>>) {
+    let of_cell = mesh.facet_components();
+    let mut members: Vec<Vec<usize>> = vec![Vec::new(); mesh.points().len()];
+    let cells = mesh.blocks().iter().flat_map(|block| block.cells());
+    let mut count = 0;
+    for (cell, &component) in cells.zip(&of_cell) {
+        let component = component as usize;
+        count = count.max(component + 1);
+        for &node in cell {
+            let owners = &mut members[node as usize];
+            if !owners.contains(&component) {
+                owners.push(component);
+            }
+        }
+    }
+    let mut components = vec![Vec::new(); count];
+    for (node, owners) in members.iter().enumerate() {
+        for &component in owners {
+            components[component].push(node);
+        }
+    }
+    (components, members)
+}
+
+/// Centroid of some nodes and half the diagonal of their bounding box.
+fn centre<const D: usize>(mesh: &Mesh<D>, nodes: &[usize]) -> (Point<D>, f64) {
+    let points: Vec<Point<D>> = nodes.iter().map(|&node| mesh.points()[node]).collect();
+    let (low, high) = bounding_box(&points);
+    let middle = std::array::from_fn(|i| 0.5 * (low[i] + high[i]));
+    (middle, 0.5 * norm(sub(high, low)))
+}
+
+/// A rigid motion in words, from the displacement it gives every node: "translation along y", "rotation about (1, 2)".
+pub fn describe_motion<const D: usize>(points: &[Point<D>], motion: &[Point<D>]) -> String {
+    let (low, high) = bounding_box(points);
+    let centre: Point<D> = std::array::from_fn(|i| 0.5 * (low[i] + high[i]));
+    let size = norm(sub(high, low));
+    let (translation, spin) = fit_rigid(points, motion, centre);
+    let turn = spin.iter().fold(0.0f64, |sum, s| sum.max(s.abs()));
+    if turn * size < 1e-6 * norm(translation) {
+        return format!("translation along {}", direction(translation));
+    }
+    if D == 2 {
+        // the centre of rotation c solves t + ω × (c − centre) = 0
+        let w = spin[0];
+        let c: Point<D> = std::array::from_fn(|i| {
+            centre[i]
+                + if i == 0 {
+                    -translation[1] / w
+                } else {
+                    translation[0] / w
+                }
+        });
+        let clean = c.map(|v| if v.abs() < 1e-9 * size { 0.0 } else { v });
+        return format!("rotation about ({}, {})", Short(clean[0]), Short(clean[1]));
+    }
+    "rotation".to_string()
+}
+
+fn direction<const D: usize>(vector: Point<D>) -> String {
+    let size = norm(vector);
+    let unit = vector.map(|c| if c.abs() < 1e-9 * size { 0.0 } else { c / size });
+    match unit.iter().position(|c| (c.abs() - 1.0).abs() < 1e-9) {
+        Some(axis) => ["x", "y", "z"][axis].to_string(),
+        None => format!("({})", unit.map(|c| Short(c).to_string()).join(", ")),
+    }
+}
+
+/// Least-squares rigid motion about a centre: translation, and one angle in 2D or three components in 3D.
+pub(crate) fn fit_rigid<const D: usize>(
+    points: &[Point<D>],
+    motion: &[Point<D>],
+    centre: Point<D>,
+) -> (Point<D>, Vec<f64>) {
+    let basis = RigidBasis::Full;
+    let count = basis.len(D);
+    let (low, high) = bounding_box(points);
+    let size = norm(sub(high, low)).max(f64::MIN_POSITIVE);
+    let mut normal = Mat::<f64>::zeros(count, count);
+    let mut rhs = vec![0.0; count];
+    for (&point, &u) in points.iter().zip(motion) {
+        let x = sub(point, centre).map(|c| c / size);
+        for k in 0..count {
+            let phi = basis.displacement(k, x);
+            rhs[k] += dot(phi, u);
+            for l in 0..count {
+                normal[(k, l)] += dot(phi, basis.displacement(l, x));
+            }
+        }
+    }
+    let rhs = Mat::from_fn(count, 1, |i, _| rhs[i]);
+    // finite input cannot fail; a motion that is not finite has no best rigid motion
+    let amplitudes = least_squares(&normal, &rhs, RANK_TOLERANCE)
+        .map_or_else(|_| vec![f64::NAN; count], |x| x.col_as_slice(0).to_vec());
+    let rotations = D * (D - 1) / 2;
+    let spin = amplitudes[..rotations].iter().map(|a| a / size).collect();
+    (std::array::from_fn(|i| amplitudes[rotations + i]), spin)
+}

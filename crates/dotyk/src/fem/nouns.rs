@@ -1,0 +1,112 @@
+//! What describes one elastic body: material, supports, loads.
+
+use crate::geometry::{Field, Point};
+use crate::mesh::Mesh;
+
+/// The kind of analysis; D = 2 for all but [`Analysis::Solid`].
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Analysis {
+    /// Plane strain, per unit thickness unless the body has one.
+    PlaneStrain,
+    /// Plane stress, per unit thickness unless the body has one.
+    PlaneStress,
+    /// x = r, y = z; forces for the full 2π.
+    Axisymmetric,
+    /// Three-dimensional.
+    Solid,
+}
+
+impl Analysis {
+    /// The name in a case file.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::PlaneStrain => "plane-strain",
+            Self::PlaneStress => "plane-stress",
+            Self::Axisymmetric => "axisymmetric",
+            Self::Solid => "3d",
+        }
+    }
+}
+
+/// Isotropic linear elasticity: Young's modulus (force / area) and Poisson's ratio.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Elastic {
+    /// Young's modulus, > 0.
+    pub young: f64,
+    /// Poisson's ratio, in (−1, 0.5).
+    pub poisson: f64,
+}
+
+/// A material for the cells of one group of the mesh, or for all cells.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Material {
+    /// Cell group that it applies to; `None`: every cell of the body.
+    pub group: Option<String>,
+    /// The law.
+    pub elastic: Elastic,
+}
+
+/// Where a support holds: a whole side, or the node nearest to a point.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Place<const D: usize> {
+    /// All nodes of a side of the body.
+    Side(String),
+    /// The nearest node; an error when it is farther than half an edge.
+    Point(Point<D>),
+}
+
+/// Prescribed displacements.
+#[derive(Debug, Clone)]
+pub struct Support<const D: usize> {
+    /// Where.
+    pub place: Place<D>,
+    /// Prescribed component along each axis; `None` is free.
+    pub components: [Option<Field>; D],
+    /// Prescribed displacement along the outward normal (a roller on a side of any orientation).
+    pub normal: Option<Field>,
+}
+
+/// An external load on the undeformed body.
+#[derive(Debug, Clone)]
+pub enum Load<const D: usize> {
+    /// Force per area in global axes on a side.
+    Traction {
+        /// Side of the body.
+        side: String,
+        /// Components.
+        traction: [Field; D],
+    },
+    /// Pressure on a side; positive pushes into the body.
+    Pressure {
+        /// Side of the body.
+        side: String,
+        /// Force per area.
+        pressure: Field,
+    },
+    /// Force at the node nearest to a point.
+    Force {
+        /// The point.
+        point: Point<D>,
+        /// Components.
+        force: [Field; D],
+    },
+}
+
+/// One elastic body.
+#[derive(Debug, Clone)]
+pub struct Body<const D: usize> {
+    /// Unique name.
+    pub name: String,
+    /// Its mesh with named sides.
+    pub mesh: Mesh<D>,
+    /// One material for all cells, or one per cell group.
+    pub materials: Vec<Material>,
+    /// Thickness in plane analyses, > 0.
+    pub thickness: f64,
+    /// Force per volume.
+    pub body_force: [Field; D],
+    /// Prescribed displacements.
+    pub supports: Vec<Support<D>>,
+    /// External loads.
+    pub loads: Vec<Load<D>>,
+}

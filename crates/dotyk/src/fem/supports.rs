@@ -1,0 +1,227 @@
+//! Supports as orthonormal held directions at nodes, with their prescribed displacements.
+//!
+//! Every support contributes conditions a·u = v at nodes. Conditions at one node are orthonormalised in the order in
+//! which they are written; a dependent one must agree with the earlier ones, else it is a contradiction.
+
+use super::error::{FemError, show};
+use super::nouns::{Body, Place};
+use crate::geometry::{Field, Point, add_scaled, distance, dot, norm, unit};
+use crate::mesh::{Facet, Mesh};
+use std::collections::BTreeMap;
+
+/// One prescribed displacement component: axis·u = value at a node.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Held<const D: usize> {
+    /// Unit direction.
+    pub axis: Point<D>,
+    /// Displacement along it.
+    pub value: f64,
+    /// Indices of the body's supports that ask for it.
+    pub supports: Vec<usize>,
+}
+
+/// All held directions of a body, by node.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Constraints<const D: usize> {
+    /// Orthonormal held directions of each supported node, in node order.
+    pub nodes: BTreeMap<usize, Vec<Held<D>>>,
+}
+
+/// Two directions count as the same below this sine.
+const PARALLEL: f64 = 1e-8;
+
+impl<const D: usize> Constraints<D> {
+    /// Evaluates the supports of a body at a time.
+    pub fn new(body: &Body<D>, time: f64) -> Result<Self, FemError> {
+        let mut constraints = Self {
+            nodes: BTreeMap::new(),
+        };
+        for (index, support) in body.supports.iter().enumerate() {
+            let (nodes, normals) = match &support.place {
+                Place::Side(side) => {
+                    let facets = side_facets(&body.mesh, side)?;
+                    let normals = node_normals(&body.mesh, facets);
+                    (normals.keys().copied().collect::<Vec<_>>(), normals)
+                }
+                Place::Point(point) => (
+                    vec![nearest_node(&body.mesh, *point, "support")?],
+                    BTreeMap::new(),
+                ),
+            };
+            for node in nodes {
+                let point = body.mesh.points()[node];
+                let what = || format!("support {}", describe(&support.place));
+                for (axis, field) in support.components.iter().enumerate() {
+                    if let Some(field) = field {
+                        let value = finite(field, point, time, what)?;
+                        let direction = std::array::from_fn(|i| if i == axis { 1.0 } else { 0.0 });
+                        constraints.hold(body, node, direction, value, index)?;
+                    }
+                }
+                if let (Some(field), Some(&normal)) = (&support.normal, normals.get(&node)) {
+                    let value = finite(field, point, time, what)?;
+                    constraints.hold(body, node, normal, value, index)?;
+                }
+            }
+        }
+        Ok(constraints)
+    }
+
+    /// Held directions of a node.
+    pub fn at(&self, node: usize) -> &[Held<D>] {
+        self.nodes.get(&node).map_or(&[], Vec::as_slice)
+    }
+
+    fn hold(
+        &mut self,
+        body: &Body<D>,
+        node: usize,
+        direction: Point<D>,
+        value: f64,
+        support: usize,
+    ) -> Result<(), FemError> {
+        let held = self.nodes.entry(node).or_default();
+        let (mut rest, mut implied) = (direction, 0.0);
+        for h in held.iter() {
+            let part = dot(direction, h.axis);
+            rest = add_scaled(rest, -part, h.axis);
+            implied += part * h.value;
+        }
+        let size = norm(rest);
+        if size > PARALLEL {
+            let axis = rest.map(|c| c / size);
+            held.push(Held {
+                axis,
+                value: (value - implied) / size,
+                supports: vec![support],
+            });
+            return Ok(());
+        }
+        let scale = value.abs().max(implied.abs());
+        if (value - implied).abs() > 1e-9 * scale {
+            let name = |index: usize| describe(&body.supports[index].place);
+            let first = held.iter().max_by(|a, b| {
+                dot(direction, a.axis)
+                    .abs()
+                    .total_cmp(&dot(direction, b.axis).abs())
+            });
+            return Err(FemError::Contradiction {
+                node,
+                point: show(body.mesh.points()[node]),
+                first: first.map_or_else(String::new, |h| name(h.supports[0])),
+                second: name(support),
+                a: implied,
+                b: value,
+            });
+        }
+        for h in held.iter_mut() {
+            if dot(direction, h.axis).abs() > PARALLEL && !h.supports.contains(&support) {
+                h.supports.push(support);
+            }
+        }
+        Ok(())
+    }
+}
+
+/// How messages name a place.
+pub(crate) fn describe<const D: usize>(place: &Place<D>) -> String {
+    match place {
+        Place::Side(side) => format!("on side \"{side}\""),
+        Place::Point(point) => format!("at point {}", show(*point)),
+    }
+}
+
+/// Value of a field at a point; an error when it is not finite.
+pub(crate) fn finite<const D: usize>(
+    field: &Field,
+    point: Point<D>,
+    time: f64,
+    what: impl FnOnce() -> String,
+) -> Result<f64, FemError> {
+    let value = field.at(point, time);
+    if value.is_finite() {
+        Ok(value)
+    } else {
+        Err(FemError::NotFinite {
+            what: what(),
+            text: field.to_string(),
+            point: show(point),
+        })
+    }
+}
+
+/// Facets of a side; an error when it is unknown or empty.
+pub(crate) fn side_facets<'a, const D: usize>(
+    mesh: &'a Mesh<D>,
+    side: &str,
+) -> Result<&'a [Facet], FemError> {
+    match mesh.side(side) {
+        None => Err(FemError::UnknownSide {
+            side: side.to_string(),
+            known: mesh.side_names().collect::<Vec<_>>().join(", "),
+        }),
+        Some([]) => Err(FemError::EmptySide {
+            side: side.to_string(),
+        }),
+        Some(facets) => Ok(facets),
+    }
+}
+
+/// Outward unit normals at the nodes of a set of facets: the mean of the unit normals of the facets that meet there,
+/// which for two straight edges is the bisector of their angle.
+///
+/// Source: the bisector rule of Janovský & Procházka (1980) III, section 7.
+pub fn node_normals<const D: usize>(mesh: &Mesh<D>, facets: &[Facet]) -> BTreeMap<usize, Point<D>> {
+    let mut sums: BTreeMap<usize, Point<D>> = BTreeMap::new();
+    for &facet in facets {
+        let kind = mesh.facet_kind(facet);
+        for (node, xi) in mesh.facet_nodes(facet).zip(kind.reference_nodes()) {
+            if let Some(normal) = unit(mesh.outward_normal(facet, xi)) {
+                let sum = sums.entry(node as usize).or_insert([0.0; D]);
+                *sum = add_scaled(*sum, 1.0, normal);
+            }
+        }
+    }
+    sums.into_iter()
+        .filter_map(|(node, sum)| Some((node, unit(sum)?)))
+        .collect()
+}
+
+/// The node nearest to a point; an error when it is farther than half the longest edge that meets there.
+pub fn nearest_node<const D: usize>(
+    mesh: &Mesh<D>,
+    point: Point<D>,
+    what: &str,
+) -> Result<usize, FemError> {
+    let nearest = (0..mesh.points().len())
+        .min_by(|&a, &b| {
+            distance(mesh.points()[a], point).total_cmp(&distance(mesh.points()[b], point))
+        })
+        .unwrap_or(0);
+    let at = mesh.points()[nearest];
+    let mut longest: f64 = 0.0;
+    for block in mesh.blocks() {
+        for cell in block
+            .cells()
+            .filter(|cell| cell.contains(&(nearest as u32)))
+        {
+            for facet in block.kind.facets() {
+                let ends = [facet[0], facet[1]].map(|local| mesh.points()[cell[local] as usize]);
+                longest = longest.max(distance(ends[0], ends[1]));
+            }
+        }
+    }
+    let (gap, limit) = (distance(at, point), 0.5 * longest);
+    if gap <= limit {
+        Ok(nearest)
+    } else {
+        Err(FemError::NoNodeNear {
+            what: what.to_string(),
+            point: show(point),
+            node: nearest,
+            at: show(at),
+            distance: gap,
+            limit,
+        })
+    }
+}

@@ -1,0 +1,246 @@
+//! Elimination orders that keep the Cholesky factor sparse.
+//!
+//! The nodes are ordered, not the dofs: the same fill at a fraction of the time. Approximate minimum degree is as
+//! good as nested dissection for plane meshes and several times faster to compute; in space it is not.
+//! The order is postordered by its elimination tree, which changes no fill but puts the columns of a supernode side
+//! by side, where the factorisation looks for them.
+//!
+//! Sources: P. R. Amestoy, T. A. Davis, I. S. Duff, SIAM J. Matrix Anal. Appl. 17 (1996) 886–905; J. W. H. Liu,
+//! The role of elimination trees in sparse factorization, SIAM J. Matrix Anal. Appl. 11 (1990) 134–172.
+
+use crate::linalg::Graph;
+use dyn_stack::{MemBuffer, MemStack};
+use faer::sparse::SymbolicSparseColMatRef;
+use faer::sparse::linalg::amd;
+
+const NONE: u32 = u32::MAX;
+
+/// Elimination order of the nodes with `keep`: first those not in `last`, by approximate minimum degree and
+/// postordered, then those of `last` in the given order.
+///
+/// `keep` (nodes,). Nodes of `last` that are not kept, or named before, are left out.
+pub fn fill_reducing_order(graph: &Graph, keep: &[bool], last: &[usize]) -> Vec<usize> {
+    let mut inner = keep.to_vec();
+    let mut trailing = Vec::with_capacity(last.len());
+    for &node in last {
+        if std::mem::take(&mut inner[node]) {
+            trailing.push(node as u32);
+        }
+    }
+    let inner: Vec<u32> = (0..graph.nodes() as u32)
+        .filter(|&node| inner[node as usize])
+        .collect();
+    let mut order = minimum_degree(graph, &inner);
+    order.extend_from_slice(&trailing);
+    postordered(graph, &order, trailing.len())
+}
+
+/// The dofs of the nodes in the same order, `dimension` for each node, without those that `keep` (by dof) excludes.
+pub fn expand_to_dofs(order: &[usize], dimension: usize, keep: &[bool]) -> Vec<usize> {
+    let mut dofs = Vec::with_capacity(order.len() * dimension);
+    for &node in order {
+        dofs.extend((dimension * node..dimension * (node + 1)).filter(|&dof| keep[dof]));
+    }
+    dofs
+}
+
+/// Approximate minimum degree of the subgraph of `nodes`, which ascend.
+fn minimum_degree(graph: &Graph, nodes: &[u32]) -> Vec<u32> {
+    let n = nodes.len();
+    let local = positions(graph.nodes(), nodes);
+    let mut col_start = Vec::with_capacity(n + 1);
+    let mut row_index = Vec::with_capacity(graph.edges() / 2 + n);
+    col_start.push(0u32);
+    for (j, &node) in nodes.iter().enumerate() {
+        let neighbours = graph.neighbours(node as usize).iter();
+        let before = neighbours.take_while(|&&other| other < node);
+        row_index.extend(
+            before
+                .map(|&other| local[other as usize])
+                .filter(|&i| i != NONE),
+        );
+        row_index.push(j as u32);
+        col_start.push(row_index.len() as u32);
+    }
+    let upper = SymbolicSparseColMatRef::new_checked(n, n, &col_start, None, &row_index);
+    let (mut order, mut inverse) = (vec![0u32; n], vec![0u32; n]);
+    let mut memory = MemBuffer::new(amd::order_scratch::<u32>(n, row_index.len()));
+    let stack = MemStack::new(&mut memory);
+    match amd::order(
+        &mut order,
+        &mut inverse,
+        upper,
+        amd::Control::default(),
+        stack,
+    ) {
+        Ok(_) => order.iter().map(|&j| nodes[j as usize]).collect(),
+        // Only a graph beyond 32-bit indices fails; any order is a valid one.
+        Err(_) => nodes.to_vec(),
+    }
+}
+
+/// Index of each node in the list, [`NONE`] where it is not listed.
+fn positions(nodes: usize, list: &[u32]) -> Vec<u32> {
+    let mut position = vec![NONE; nodes];
+    for (k, &node) in list.iter().enumerate() {
+        position[node as usize] = k as u32;
+    }
+    position
+}
+
+/// Postorder of the elimination tree; the last `fixed` stay where they are.
+fn postordered(graph: &Graph, order: &[u32], fixed: usize) -> Vec<usize> {
+    let parent = elimination_tree(graph, order);
+    let free = order.len() - fixed;
+    // Lists of children; those of the fixed nodes are roots.
+    let mut first_child = vec![NONE; free];
+    let mut next_sibling = vec![NONE; free];
+    let mut roots = Vec::new();
+    for node in (0..free).rev() {
+        match parent[node] as usize {
+            p if p < free => {
+                next_sibling[node] = first_child[p];
+                first_child[p] = node as u32;
+            }
+            _ => roots.push(node as u32),
+        }
+    }
+    let mut result = Vec::with_capacity(order.len());
+    let mut path = Vec::new();
+    for root in roots.into_iter().rev() {
+        path.push(root);
+        while let Some(&node) = path.last() {
+            let child = first_child[node as usize];
+            if child == NONE {
+                result.push(order[node as usize] as usize);
+                path.pop();
+            } else {
+                first_child[node as usize] = next_sibling[child as usize];
+                path.push(child);
+            }
+        }
+    }
+    result.extend(order[free..].iter().map(|&node| node as usize));
+    result
+}
+
+/// Parent of each position of the order in the elimination tree, [`NONE`] for roots (Liu 1990, algorithm 4.2).
+fn elimination_tree(graph: &Graph, order: &[u32]) -> Vec<u32> {
+    let position = positions(graph.nodes(), order);
+    let mut parent = vec![NONE; order.len()];
+    let mut ancestor = vec![NONE; order.len()];
+    for (k, &node) in order.iter().enumerate() {
+        let k = k as u32;
+        for &other in graph.neighbours(node as usize) {
+            let mut i = position[other as usize];
+            // The positions after k, and NONE, are not below k.
+            while i < k {
+                let next = std::mem::replace(&mut ancestor[i as usize], k);
+                if next == NONE {
+                    parent[i as usize] = k;
+                    break;
+                }
+                i = next;
+            }
+        }
+    }
+    parent
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::linalg::{Connectivity, grid};
+
+    /// Entries of the factor by elimination on sets, the definition of fill.
+    fn fill(graph: &Graph, order: &[usize]) -> usize {
+        let mut place = vec![usize::MAX; graph.nodes()];
+        for (k, &node) in order.iter().enumerate() {
+            place[node] = k;
+        }
+        let mut below: Vec<std::collections::BTreeSet<usize>> = order
+            .iter()
+            .enumerate()
+            .map(|(k, &node)| {
+                let others = graph.neighbours(node).iter().map(|&o| place[o as usize]);
+                others.filter(|&p| p != usize::MAX && p > k).collect()
+            })
+            .collect();
+        let mut entries = 0;
+        for k in 0..order.len() {
+            entries += 1 + below[k].len();
+            let column = std::mem::take(&mut below[k]);
+            if let Some(&parent) = column.first() {
+                below[parent].extend(column.into_iter().skip(1));
+            }
+        }
+        entries
+    }
+
+    #[test]
+    fn the_order_holds_each_kept_node_once_and_the_last_ones_last() {
+        let (graph, _) = grid::body(12, 9);
+        let mut keep = vec![true; graph.nodes()];
+        keep[3] = false;
+        keep[40] = false;
+        let order = fill_reducing_order(&graph, &keep, &[20, 3, 7, 100, 7]);
+        assert_eq!(order[order.len() - 3..], [20, 7, 100]);
+        let mut sorted = order.clone();
+        sorted.sort_unstable();
+        let kept: Vec<usize> = (0..graph.nodes()).filter(|&i| keep[i]).collect();
+        assert_eq!(sorted, kept);
+    }
+
+    #[test]
+    fn minimum_degree_fills_less_than_the_natural_order() {
+        let (graph, _) = grid::body(30, 30);
+        let order = fill_reducing_order(&graph, &vec![true; graph.nodes()], &[]);
+        let natural: Vec<usize> = (0..graph.nodes()).collect();
+        // A band of width 31 holds about 31 entries per column, a good order of this grid about 10.
+        assert!(2 * fill(&graph, &order) < fill(&graph, &natural));
+    }
+
+    #[test]
+    fn postordering_keeps_the_fill_and_makes_subtrees_contiguous() {
+        let (graph, _) = grid::body(17, 13);
+        let nodes: Vec<u32> = (0..graph.nodes() as u32).collect();
+        let before = minimum_degree(&graph, &nodes);
+        let after = postordered(&graph, &before, 0);
+        let plain: Vec<usize> = before.iter().map(|&n| n as usize).collect();
+        assert_eq!(fill(&graph, &plain), fill(&graph, &after));
+        let after: Vec<u32> = after.iter().map(|&n| n as u32).collect();
+        let parent = elimination_tree(&graph, &after);
+        let mut size = vec![1; parent.len()];
+        for k in 0..parent.len() {
+            if parent[k] != NONE {
+                let p = parent[k] as usize;
+                // A child's subtree ends right before its parent or before the next child's subtree.
+                assert!(k < p);
+                size[p] += size[k];
+            }
+        }
+        for k in 0..parent.len() {
+            let first = k + 1 - size[k];
+            assert!((first..k).all(|i| parent[i] as usize <= k));
+        }
+    }
+
+    #[test]
+    fn nodes_without_neighbours_are_ordered_too() {
+        let cell = Connectivity {
+            nodes: &[1, 3],
+            nodes_per_cell: 2,
+        };
+        let graph = Graph::from_cells(5, &[cell]);
+        let mut order = fill_reducing_order(&graph, &[true; 5], &[]);
+        order.sort_unstable();
+        assert_eq!(order, [0, 1, 2, 3, 4]);
+        assert!(fill_reducing_order(&graph, &[false; 5], &[2]).is_empty());
+    }
+
+    #[test]
+    fn dofs_follow_their_nodes() {
+        let keep = [true, false, true, true, true, true];
+        assert_eq!(expand_to_dofs(&[2, 0], 2, &keep), [4, 5, 0]);
+    }
+}

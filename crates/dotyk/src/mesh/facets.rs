@@ -1,0 +1,315 @@
+//! Facets: which cells share one, which lie on the boundary, how a side runs, where it looks.
+//!
+//! Conventions: a facet keeps its cell on the left, so a chain runs with the body on its left and the outward normal is
+//! its tangent turned by −90°. Two facets are the same when they have the same corner nodes.
+
+use crate::geometry::{Point, distance};
+use crate::mesh::cell::MAX_FACET_NODES;
+use crate::mesh::{CellKind, Facet, FacetKind, Mesh};
+use std::collections::BTreeMap;
+
+/// Most corners of a facet of any kind.
+const MAX_CORNERS: usize = 4;
+
+/// Corner nodes in ascending order, padded with `u32::MAX`: the same for both cells at a facet.
+type Key = [u32; MAX_CORNERS];
+
+fn key(corners: impl Iterator<Item = u32>) -> Key {
+    let mut key = [u32::MAX; MAX_CORNERS];
+    for (place, node) in key.iter_mut().zip(corners) {
+        *place = node;
+    }
+    key.sort_unstable();
+    key
+}
+
+/// Index of each facet of a cell after the cell was turned.
+pub(crate) fn mirrored(kind: CellKind) -> Vec<u32> {
+    let corners = kind.facet_kind().corners();
+    let keys: Vec<Key> = kind
+        .facets()
+        .iter()
+        .map(|facet| key(facet[..corners].iter().map(|&node| node as u32)))
+        .collect();
+    let turned: Vec<Key> = kind
+        .facets()
+        .iter()
+        .map(|facet| {
+            key(facet[..corners]
+                .iter()
+                .map(|&node| kind.mirror()[node] as u32))
+        })
+        .collect();
+    keys.iter()
+        .enumerate()
+        .map(|(local, key)| turned.iter().position(|t| t == key).unwrap_or(local) as u32)
+        .collect()
+}
+
+/// All facets of all cells, sorted by their corner nodes.
+#[derive(Debug, Clone, PartialEq)]
+pub struct FacetTable {
+    entries: Vec<(Key, Facet)>,
+}
+
+impl FacetTable {
+    /// The facets that have exactly these corner nodes, in any order: none, one on the boundary, two between cells.
+    pub fn find(&self, corners: &[u32]) -> impl Iterator<Item = Facet> + '_ {
+        let key = key(corners.iter().copied());
+        let start = self.entries.partition_point(|(k, _)| *k < key);
+        self.entries[start..]
+            .iter()
+            .take_while(move |(k, _)| *k == key)
+            .map(|&(_, facet)| facet)
+    }
+
+    /// Facets with the same corners, one slice for each set of corners.
+    fn groups(&self) -> impl Iterator<Item = &[(Key, Facet)]> {
+        self.entries.chunk_by(|(a, _), (b, _)| a == b)
+    }
+}
+
+/// Facets joined end to end along a side of a plane mesh, the body on the left.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Chain {
+    /// The facets in order.
+    pub facets: Vec<Facet>,
+    /// Their nodes in order, middle nodes included; a cyclic chain names its first node once.
+    pub nodes: Vec<u32>,
+    /// The last facet ends where the first begins.
+    pub cyclic: bool,
+}
+
+impl<const D: usize> Mesh<D> {
+    /// Kind of a facet.
+    pub fn facet_kind(&self, facet: Facet) -> FacetKind {
+        self.blocks[facet.block as usize].kind.facet_kind()
+    }
+
+    /// Nodes of a facet in its own order: ends with the cell on the left, then the middle.
+    pub fn facet_nodes(&self, facet: Facet) -> impl ExactSizeIterator<Item = u32> + '_ {
+        let block = facet.block as usize;
+        let nodes = self.cell_nodes(block, facet.cell as usize);
+        let local = self.blocks[block].kind.facets()[facet.local as usize];
+        local.iter().map(|&i| nodes[i])
+    }
+
+    /// Coordinates of the nodes of a facet in its own order.
+    pub fn facet_points(&self, facet: Facet) -> impl ExactSizeIterator<Item = Point<D>> + '_ {
+        self.facet_nodes(facet)
+            .map(|node| self.points[node as usize])
+    }
+
+    /// The point of a facet at the reference coordinate ξ (in [−1, 1] on a line).
+    pub fn facet_point(&self, facet: Facet, xi: &[f64]) -> Point<D> {
+        let mut values = [0.0; MAX_FACET_NODES];
+        self.facet_kind(facet).shape(xi, &mut values);
+        let mut sum = [0.0; D];
+        for (point, value) in self.facet_points(facet).zip(values) {
+            for (s, x) in sum.iter_mut().zip(point) {
+                *s += value * x;
+            }
+        }
+        sum
+    }
+
+    /// Outward normal of a facet at ξ, as long as dS/dξ: the tangent turned by −90°, in space the product of both tangents.
+    pub fn outward_normal(&self, facet: Facet, xi: &[f64]) -> Point<D> {
+        let mut gradients = [[0.0; D]; MAX_FACET_NODES];
+        self.facet_kind(facet).gradients(xi, &mut gradients);
+        let mut tangents = [[0.0; D]; D];
+        for (point, gradient) in self.facet_points(facet).zip(gradients) {
+            for (tangent, slope) in tangents.iter_mut().zip(gradient) {
+                for (t, x) in tangent.iter_mut().zip(point) {
+                    *t += slope * x;
+                }
+            }
+        }
+        match D {
+            2 => {
+                let [x, y] = [tangents[0][0], tangents[0][1]];
+                std::array::from_fn(|d| if d == 0 { y } else { -x })
+            }
+            _ => std::array::from_fn(|d| {
+                let (i, j) = ((d + 1) % D, (d + 2) % D);
+                tangents[0][i] * tangents[1][j] - tangents[0][j] * tangents[1][i]
+            }),
+        }
+    }
+
+    /// All facets, for looking them up by their corners.
+    pub fn facet_table(&self) -> FacetTable {
+        let mut entries = Vec::new();
+        for (block, cells) in self.blocks.iter().enumerate() {
+            let corners = cells.kind.facet_kind().corners();
+            for (cell, nodes) in cells.cells().enumerate() {
+                for (local, facet) in cells.kind.facets().iter().enumerate() {
+                    let facet_key = key(facet[..corners].iter().map(|&i| nodes[i]));
+                    let facet = Facet {
+                        block: block as u32,
+                        cell: cell as u32,
+                        local: local as u32,
+                    };
+                    entries.push((facet_key, facet));
+                }
+            }
+        }
+        entries.sort_unstable();
+        FacetTable { entries }
+    }
+
+    /// The facets that belong to one cell only, in ascending order.
+    pub fn boundary_facets(&self) -> Vec<Facet> {
+        let table = self.facet_table();
+        let mut boundary: Vec<Facet> = table
+            .groups()
+            .filter(|group| group.len() == 1)
+            .map(|group| group[0].1)
+            .collect();
+        boundary.sort_unstable();
+        boundary
+    }
+
+    /// Nodes of a side, each once, in ascending order; `None` when there is no such side.
+    pub fn side_nodes(&self, name: &str) -> Option<Vec<u32>> {
+        let mut nodes: Vec<u32> = self
+            .side(name)?
+            .iter()
+            .flat_map(|&facet| self.facet_nodes(facet))
+            .collect();
+        nodes.sort_unstable();
+        nodes.dedup();
+        Some(nodes)
+    }
+
+    /// For each cell, block after block, the number of the part of the mesh that it is connected with through facets.
+    ///
+    /// Parts are numbered from zero in the order of their first cells. Cells that share only a node are not connected.
+    pub fn facet_components(&self) -> Vec<u32> {
+        let mut first = vec![0];
+        for block in &self.blocks {
+            first.push(first[first.len() - 1] + block.cells().len());
+        }
+        let cell = |facet: Facet| first[facet.block as usize] + facet.cell as usize;
+        let mut parent: Vec<usize> = (0..self.cell_count()).collect();
+        for group in self.facet_table().groups() {
+            for pair in group.windows(2) {
+                let a = root(&mut parent, cell(pair[0].1));
+                let b = root(&mut parent, cell(pair[1].1));
+                parent[a.max(b)] = a.min(b);
+            }
+        }
+        // A root is the first cell of its part, so its number is known when the others ask for it.
+        let mut component = vec![0; parent.len()];
+        let mut count = 0;
+        for cell in 0..parent.len() {
+            let root = root(&mut parent, cell);
+            if root == cell {
+                component[cell] = count;
+                count += 1;
+            } else {
+                component[cell] = component[root];
+            }
+        }
+        component
+    }
+
+    /// Number of parts that [`Self::facet_components`] tells apart.
+    pub fn component_count(&self) -> usize {
+        self.facet_components()
+            .into_iter()
+            .max()
+            .map_or(0, |last| last as usize + 1)
+    }
+}
+
+impl<const D: usize> Mesh<D> {
+    /// Length of the polygon through the nodes of a facet: a local scale, not an integral over a curved facet.
+    pub fn facet_length(&self, facet: Facet) -> f64 {
+        let mut buffer = [[0.0; D]; MAX_FACET_NODES];
+        let mut count = 0;
+        for (place, point) in buffer.iter_mut().zip(self.facet_points(facet)) {
+            *place = point;
+            count += 1;
+        }
+        match count {
+            3 => distance(buffer[0], buffer[2]) + distance(buffer[2], buffer[1]),
+            _ => distance(buffer[0], buffer[1]),
+        }
+    }
+
+    /// The facets of a side joined end to end; `None` when there is no such side.
+    ///
+    /// Chains end where the side ends and at a node where more than two of its facets meet. They come in the order of
+    /// their first facets, open ones first; a cyclic one begins with the smallest of its facets.
+    pub fn chain(&self, name: &str) -> Option<Vec<Chain>> {
+        let side = self.side(name)?;
+        let ends: Vec<[u32; 2]> = side
+            .iter()
+            .map(|&facet| {
+                let mut nodes = self.facet_nodes(facet);
+                [nodes.next(), nodes.next()].map(|node| node.unwrap_or(u32::MAX))
+            })
+            .collect();
+        let mut leaving: BTreeMap<u32, (usize, usize)> = BTreeMap::new();
+        let mut arriving: BTreeMap<u32, usize> = BTreeMap::new();
+        for (index, &[from, to]) in ends.iter().enumerate() {
+            leaving.entry(from).or_insert((index, 0)).1 += 1;
+            *arriving.entry(to).or_insert(0) += 1;
+        }
+        // The next facet, where exactly one arrives and exactly one leaves.
+        let next = |index: usize| -> Option<usize> {
+            let node = ends[index][1];
+            let &(follower, count) = leaving.get(&node)?;
+            (count == 1 && arriving.get(&node) == Some(&1)).then_some(follower)
+        };
+        let mut follows = vec![false; side.len()];
+        for index in (0..side.len()).filter_map(next) {
+            follows[index] = true;
+        }
+        let heads = (0..side.len()).filter(|&index| !follows[index]);
+        let mut taken = vec![false; side.len()];
+        let mut chains = Vec::new();
+        for start in heads.chain(0..side.len()) {
+            let mut order = Vec::new();
+            let mut current = Some(start);
+            while let Some(index) = current.filter(|&index| !taken[index]) {
+                taken[index] = true;
+                order.push(index);
+                current = next(index);
+            }
+            if !order.is_empty() {
+                chains.push(self.joined(side, &order, current == Some(start)));
+            }
+        }
+        Some(chains)
+    }
+
+    fn joined(&self, side: &[Facet], order: &[usize], cyclic: bool) -> Chain {
+        let facets: Vec<Facet> = order.iter().map(|&index| side[index]).collect();
+        let mut nodes = Vec::new();
+        let mut last = None;
+        for &facet in &facets {
+            let mut along = self.facet_nodes(facet);
+            nodes.extend(along.next());
+            last = along.next();
+            nodes.extend(along);
+        }
+        if !cyclic {
+            nodes.extend(last);
+        }
+        Chain {
+            facets,
+            nodes,
+            cyclic,
+        }
+    }
+}
+
+fn root(parent: &mut [usize], mut cell: usize) -> usize {
+    while parent[cell] != cell {
+        parent[cell] = parent[parent[cell]];
+        cell = parent[cell];
+    }
+    cell
+}

@@ -1,0 +1,168 @@
+//! Building a model in Rust: every method returns what the next line needs.
+
+use super::nouns::*;
+use crate::geometry::Field;
+use crate::mesh::Mesh;
+
+impl<const D: usize> Default for Model<D> {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
+impl<const D: usize> Model<D> {
+    /// An empty model: plane strain in 2D.
+    pub fn new() -> Self {
+        Self {
+            title: String::new(),
+            source: String::new(),
+            analysis: if D == 3 {
+                Analysis::Solid
+            } else {
+                Analysis::PlaneStrain
+            },
+            units: Units::default(),
+            bodies: Vec::new(),
+            contacts: Vec::new(),
+            solver: SolverOptions::default(),
+            probes: Vec::new(),
+            time: 1.0,
+        }
+    }
+
+    /// Adds a body of one material.
+    pub fn body(&mut self, name: &str, mesh: Mesh<D>, elastic: Elastic) -> BodyId {
+        self.bodies.push(Body {
+            name: name.to_string(),
+            mesh,
+            materials: vec![Material {
+                group: None,
+                elastic,
+            }],
+            thickness: 1.0,
+            body_force: std::array::from_fn(|_| Field::constant(0.0)),
+            supports: Vec::new(),
+            loads: Vec::new(),
+        });
+        BodyId(self.bodies.len() - 1)
+    }
+
+    /// Holds components of a side; `None` leaves one free.
+    pub fn fix(&mut self, body: BodyId, side: &str, components: [Option<f64>; D]) -> &mut Self {
+        self.support(
+            body,
+            Place::Side(side.to_string()),
+            components.map(|c| c.map(Field::constant)),
+            None,
+        )
+    }
+
+    /// Holds components of the node nearest to a point.
+    pub fn pin(
+        &mut self,
+        body: BodyId,
+        point: [f64; D],
+        components: [Option<f64>; D],
+    ) -> &mut Self {
+        self.support(
+            body,
+            Place::Point(point),
+            components.map(|c| c.map(Field::constant)),
+            None,
+        )
+    }
+
+    /// A roller: prescribed displacement along the outward normal of a side.
+    pub fn roller(&mut self, body: BodyId, side: &str, displacement: f64) -> &mut Self {
+        let free = std::array::from_fn(|_| None);
+        self.support(
+            body,
+            Place::Side(side.to_string()),
+            free,
+            Some(Field::constant(displacement)),
+        )
+    }
+
+    fn support(
+        &mut self,
+        body: BodyId,
+        place: Place<D>,
+        components: [Option<Field>; D],
+        normal: Option<Field>,
+    ) -> &mut Self {
+        self.bodies[body.0].supports.push(Support {
+            place,
+            components,
+            normal,
+        });
+        self
+    }
+
+    /// A traction in global axes on a side.
+    pub fn pull(&mut self, body: BodyId, side: &str, traction: [f64; D]) -> &mut Self {
+        self.load(
+            body,
+            Load::Traction {
+                side: side.to_string(),
+                traction: traction.map(Field::constant),
+            },
+        )
+    }
+
+    /// A pressure on a side; positive pushes into the body.
+    pub fn press(&mut self, body: BodyId, side: &str, pressure: f64) -> &mut Self {
+        self.load(
+            body,
+            Load::Pressure {
+                side: side.to_string(),
+                pressure: Field::constant(pressure),
+            },
+        )
+    }
+
+    /// Any load.
+    pub fn load(&mut self, body: BodyId, load: Load<D>) -> &mut Self {
+        self.bodies[body.0].loads.push(load);
+        self
+    }
+
+    /// A frictionless unilateral contact between a nonmortar and a mortar side, named `contact_1`, `contact_2`, ...
+    pub fn contact(
+        &mut self,
+        nonmortar: (BodyId, &str),
+        mortar: (BodyId, &str),
+    ) -> &mut Contact<D> {
+        let side = |(body, side): (BodyId, &str)| SideRef {
+            body,
+            side: side.to_string(),
+        };
+        self.contacts.push(Contact {
+            name: format!("contact_{}", self.contacts.len() + 1),
+            pair: Pair::Given {
+                nonmortar: side(nonmortar),
+                mortar: side(mortar),
+            },
+            pairing: None,
+            gap: None,
+            law: Law::Frictionless,
+        });
+        let last = self.contacts.len() - 1;
+        &mut self.contacts[last]
+    }
+
+    /// A frictionless unilateral contact of a side with a fixed rigid obstacle at a distance along its normal.
+    pub fn obstacle(&mut self, nonmortar: (BodyId, &str), gap: Field) -> &mut Contact<D> {
+        let contact = self.contact(nonmortar, nonmortar);
+        if let Pair::Given { nonmortar, .. } = &contact.pair {
+            let obstacle = Obstacle {
+                gap,
+                displacement: std::array::from_fn(|_| Field::constant(0.0)),
+            };
+            contact.pair = Pair::Obstacle {
+                nonmortar: nonmortar.clone(),
+                obstacle,
+            };
+        }
+        contact
+    }
+}

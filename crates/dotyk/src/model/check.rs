@@ -1,0 +1,251 @@
+//! `check`: what can be said of a model before anything is solved.
+
+use super::condense::{LoadedBody, body_rows};
+use super::error::Error;
+use super::floating::Floating;
+use super::nouns::*;
+use super::pair::{Paired, pair_all};
+use crate::contact::Role;
+use crate::dual::{AdmissibleSet, Block, Feasibility};
+use crate::fem::{BodySystem, describe_motion, show};
+use crate::geometry::{Point, add_scaled};
+use std::fmt;
+
+/// What was found about one body.
+#[derive(Debug, Clone, PartialEq)]
+pub struct BodyCheck<const D: usize> {
+    /// Its name.
+    pub name: String,
+    /// Nodes and cells.
+    pub size: [usize; 2],
+    /// Quality of the worst cell, in (0, 1].
+    pub worst_quality: f64,
+    /// Resultant of its loads.
+    pub load: Point<D>,
+    /// Number of held dofs.
+    pub held: usize,
+    /// Rigid motions that the supports leave free, each with what holds it.
+    pub floating: Vec<String>,
+}
+
+/// What was found about one contact.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ContactCheck {
+    /// Its name.
+    pub name: String,
+    /// `body.side` of the side that carries the multipliers, and of what it touches.
+    pub sides: [String; 2],
+    /// Multipliers.
+    pub unknowns: usize,
+    /// Nodes of the nonmortar side that face nothing.
+    pub unpaired: usize,
+    /// Largest initial penetration (zero: none).
+    pub penetration: f64,
+    /// Smallest initial clearance.
+    pub clearance: f64,
+}
+
+/// The answer of [`Model::check`].
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Check<const D: usize> {
+    /// One per body.
+    pub bodies: Vec<BodyCheck<D>>,
+    /// One per contact.
+    pub contacts: Vec<ContactCheck>,
+    /// What makes a solution impossible.
+    pub errors: Vec<String>,
+    /// What the user should know.
+    pub warnings: Vec<String>,
+}
+
+/// Cells below this quality are worth a warning.
+const POOR: f64 = 0.1;
+
+impl<const D: usize> Model<D> {
+    /// Checks meshes, supports, loads, floating bodies and contacts; solves nothing.
+    pub fn check(&self) -> Check<D> {
+        let mut check = Check {
+            bodies: Vec::new(),
+            contacts: Vec::new(),
+            errors: Vec::new(),
+            warnings: Vec::new(),
+        };
+        if let Err(error) = self.fill(&mut check) {
+            check.errors.push(error.to_string());
+        }
+        check
+    }
+
+    fn fill(&self, check: &mut Check<D>) -> Result<(), Error<D>> {
+        self.validate()?;
+        self.check_probes()?;
+        let systems = self.systems()?;
+        for (body, system) in self.bodies.iter().zip(&systems) {
+            let found = check_body(body, system);
+            if found.worst_quality < POOR {
+                check.warnings.push(format!(
+                    "body \"{}\": the worst cell has quality {:.3} (1 is best); the result near it is poor",
+                    body.name, found.worst_quality
+                ));
+            }
+            check.bodies.push(found);
+        }
+        let paired = pair_all(self, &systems)?;
+        for (contact, pair) in self.contacts.iter().zip(&paired) {
+            let nodes = &pair.interface.nodes;
+            let gaps = || {
+                nodes
+                    .iter()
+                    .filter(|n| matches!(n.role, Role::Multiplier(_)))
+                    .map(|n| n.gap)
+            };
+            let name = |side: &SideRef| format!("{}.{}", self.bodies[side.body.0].name, side.side);
+            let found = ContactCheck {
+                name: contact.name.clone(),
+                sides: [
+                    name(&pair.nonmortar),
+                    pair.mortar
+                        .as_ref()
+                        .map_or("rigid obstacle".to_string(), name),
+                ],
+                unknowns: gaps().count(),
+                unpaired: nodes.iter().filter(|n| n.role == Role::Alone).count(),
+                penetration: gaps().fold(0.0, |largest, gap| f64::max(largest, -gap)),
+                clearance: gaps().fold(f64::INFINITY, f64::min),
+            };
+            if found.unpaired > 0 {
+                check.warnings.push(format!(
+                    "contact \"{}\": {} nodes of {} face nothing",
+                    found.name, found.unpaired, found.sides[0]
+                ));
+            }
+            if found.penetration > 0.0 {
+                check.warnings.push(format!(
+                    "contact \"{}\": initial penetration of {:.4e}; the bodies will be pressed apart by it",
+                    found.name, found.penetration
+                ));
+            }
+            check.contacts.push(found);
+        }
+        let (rows, gaps) = body_rows(self, &systems, &paired);
+        let loaded = systems
+            .into_iter()
+            .zip(rows)
+            .map(|(system, rows)| LoadedBody::new(system, rows));
+        let bodies: Vec<LoadedBody<D>> = loaded.collect();
+        let floating = Floating::new(self, &bodies, gaps.len())?;
+        check.warnings.extend(floating.warnings.iter().cloned());
+        self.describe_floating(&floating, &paired, check);
+        let admissible = AdmissibleSet::new(vec![Block::Unilateral; gaps.len()]);
+        match Feasibility::of(&admissible, &floating.equilibrium, 0.0) {
+            Feasibility::Feasible { .. } => Ok(()),
+            Feasibility::Infeasible { direction } => {
+                Err(floating.pulled_away(self, &bodies, &direction))
+            }
+        }
+    }
+
+    /// Which contacts do work on each free motion.
+    fn describe_floating(&self, floating: &Floating, paired: &[Paired<D>], check: &mut Check<D>) {
+        let mut start = 0;
+        let ranges: Vec<std::ops::Range<usize>> = paired
+            .iter()
+            .map(|pair| {
+                let range = start..start + pair.interface.nonmortar.len();
+                start = range.end;
+                range
+            })
+            .collect();
+        for (k, &(body, mode)) in floating.modes.iter().enumerate() {
+            let works = |range: &std::ops::Range<usize>| {
+                range.clone().any(|i| floating.work(k, i).abs() > 1e-8)
+            };
+            let holders = self
+                .contacts
+                .iter()
+                .zip(&ranges)
+                .filter(|(_, range)| works(range));
+            let names: Vec<String> = holders
+                .map(|(contact, _)| format!("\"{}\"", contact.name))
+                .collect();
+            let held = if names.is_empty() {
+                "held by nothing".to_string()
+            } else {
+                format!("held by contact {}", names.join(", "))
+            };
+            let found = &mut check.bodies[body].floating;
+            found[mode] = format!("{}: {held}", found[mode]);
+        }
+    }
+}
+
+fn check_body<const D: usize>(body: &Body<D>, system: &BodySystem<D>) -> BodyCheck<D> {
+    let mesh = &body.mesh;
+    let cells = mesh
+        .blocks()
+        .iter()
+        .enumerate()
+        .flat_map(|(b, block)| (0..block.cells().len()).map(move |c| (b, c)));
+    let worst = cells
+        .map(|(b, c)| mesh.cell_quality(b, c))
+        .fold(1.0, f64::min);
+    let forces = system.to_global(&system.load);
+    let describe = |mode: &Vec<f64>| describe_motion(mesh.points(), &system.to_global(mode));
+    BodyCheck {
+        name: body.name.clone(),
+        size: [mesh.points().len(), mesh.cell_count()],
+        worst_quality: worst,
+        load: forces
+            .iter()
+            .fold([0.0; D], |sum, &f| add_scaled(sum, 1.0, f)),
+        held: system.held.iter().filter(|held| **held).count(),
+        floating: system.modes.iter().map(describe).collect(),
+    }
+}
+
+impl<const D: usize> fmt::Display for Check<D> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        for body in &self.bodies {
+            writeln!(
+                f,
+                "body \"{}\": {} nodes, {} cells, worst cell quality {:.3}, {} dofs held, load {}",
+                body.name,
+                body.size[0],
+                body.size[1],
+                body.worst_quality,
+                body.held,
+                show(body.load)
+            )?;
+            match body.floating.as_slice() {
+                [] => writeln!(f, "  held by its supports")?,
+                modes => modes
+                    .iter()
+                    .try_for_each(|mode| writeln!(f, "  floats: {mode}"))?,
+            }
+        }
+        for contact in &self.contacts {
+            write!(
+                f,
+                "contact \"{}\": {} against {}, {} unknowns",
+                contact.name, contact.sides[0], contact.sides[1], contact.unknowns
+            )?;
+            if contact.unpaired > 0 {
+                write!(f, ", {} nodes face nothing", contact.unpaired)?;
+            }
+            match contact.penetration {
+                0.0 if contact.clearance > 0.0 && contact.clearance.is_finite() => {
+                    writeln!(f, ", initial clearance {:.4e}", contact.clearance)?
+                }
+                0.0 => writeln!(f, ", closed or open initially")?,
+                depth => writeln!(f, ", initial penetration {depth:.4e}")?,
+            }
+        }
+        for warning in &self.warnings {
+            writeln!(f, "warning: {warning}")?;
+        }
+        for error in &self.errors {
+            writeln!(f, "error: {error}")?;
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,120 @@
+//! All solvers on one condensed model, side by side: iterations, products, time, and the difference of their answers.
+
+use super::condense::DENSE_LIMIT;
+use super::error::Error;
+use super::nouns::{Method, Model};
+use super::pipeline::{Condensed, Event};
+use crate::solve::SAFE_STEP;
+use std::time::Instant;
+
+/// One run of one method.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ComparisonRow {
+    /// Name of the method.
+    pub method: String,
+    /// Fixed step, where there is one.
+    pub rho: Option<f64>,
+    /// ρ·λ_max of the operator that the method iterates on.
+    pub rho_lambda_max: Option<f64>,
+    /// It met the tolerance.
+    pub converged: bool,
+    /// Iterations.
+    pub iterations: usize,
+    /// Products with F.
+    pub products: usize,
+    /// Wall seconds of the contact solver.
+    pub seconds: f64,
+    /// ‖λ − λ_newton‖ / ‖λ_newton‖.
+    pub difference: f64,
+}
+
+/// Rows of all methods, or of a sweep of ρ.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Comparison {
+    /// Title of the model.
+    pub title: String,
+    /// One per run.
+    pub rows: Vec<ComparisonRow>,
+}
+
+/// Most iterations of one run of a sweep: enough for the left branch at a hundredth of the best step.
+const SWEEP_ITERATIONS: usize = 20_000;
+
+impl<const D: usize> Model<D> {
+    /// Runs every named method on the model.
+    ///
+    /// Errors: those of [`Model::solve`] that come before the contact solver.
+    pub fn compare(&self, observe: &mut dyn FnMut(Event)) -> Result<Vec<ComparisonRow>, Error<D>> {
+        let bench = Bench::new(self, observe)?;
+        Method::NAMED.into_iter().map(|method| bench.run(self, method, None, observe)).collect()
+    }
+
+    /// Iterations of the p,A-algorithm and of projected gradient for some steps ρ.
+    ///
+    /// A run that has not converged after 20 000 iterations counts as not converged.
+    /// Source: Janovský & Procházka (1980) III, Fig. 11.
+    pub fn compare_steps(
+        &self,
+        steps: &[f64],
+        observe: &mut dyn FnMut(Event),
+    ) -> Result<Vec<ComparisonRow>, Error<D>> {
+        let bench = Bench::new(self, observe)?;
+        let mut model = self.clone();
+        let mut rows = Vec::new();
+        for method in [Method::Uzawa, Method::Gradient] {
+            // the automatic step tells λ_max of the operator that the method iterates on
+            model.solver.rho = None;
+            model.solver.max_iterations = Some(1);
+            let natural = model.run_solver(&bench.condensed, method, self.solver.tolerance, None, &mut |_| {})?;
+            let lambda_max = natural.outcome.rho.map(|rho| SAFE_STEP / rho);
+            for &rho in steps {
+                model.solver.rho = Some(rho);
+                model.solver.max_iterations = Some(SWEEP_ITERATIONS);
+                let row = bench.run(&model, method, lambda_max, &mut |_| {})?;
+                observe(Event::Iteration { iteration: rows.len() + 1, residual: f64::NAN, active: row.iterations });
+                rows.push(row);
+            }
+        }
+        Ok(rows)
+    }
+}
+
+/// A condensed model with the answer that all runs are compared with.
+struct Bench<const D: usize> {
+    condensed: Condensed<D>,
+    reference: Vec<f64>,
+}
+
+impl<const D: usize> Bench<D> {
+    fn new(model: &Model<D>, observe: &mut dyn FnMut(Event)) -> Result<Self, Error<D>> {
+        let condensed = model.condense(DENSE_LIMIT, observe)?;
+        let newton = model.run_solver(&condensed, Method::Newton, model.solver.tolerance, None, &mut |_| {})?;
+        Ok(Self { condensed, reference: newton.outcome.multipliers.lambda })
+    }
+
+    fn run(
+        &self,
+        model: &Model<D>,
+        method: Method,
+        lambda_max: Option<f64>,
+        observe: &mut dyn FnMut(Event),
+    ) -> Result<ComparisonRow, Error<D>> {
+        let clock = Instant::now();
+        let attempt = model.run_solver(&self.condensed, method, model.solver.tolerance, None, observe)?;
+        let seconds = clock.elapsed().as_secs_f64();
+        let lambda = &attempt.outcome.multipliers.lambda;
+        let size: f64 = self.reference.iter().map(|l| l * l).sum::<f64>().sqrt();
+        let rest: f64 = lambda.iter().zip(&self.reference).map(|(a, b)| (a - b) * (a - b)).sum::<f64>().sqrt();
+        let rho = attempt.outcome.rho;
+        Ok(ComparisonRow {
+            method: attempt.method.to_string(),
+            rho,
+            rho_lambda_max: rho.map(|rho| lambda_max.map_or(SAFE_STEP, |largest| rho * largest)),
+            converged: attempt.failure.is_none(),
+            iterations: attempt.outcome.iterations,
+            products: attempt.outcome.products,
+            seconds,
+            difference: if size > 0.0 { rest / size } else { rest },
+        })
+    }
+}

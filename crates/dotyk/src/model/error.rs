@@ -1,0 +1,72 @@
+//! Why a model has no answer.
+
+use super::solution::Solution;
+use crate::contact::ContactError;
+use crate::fem::FemError;
+
+/// An error of the whole model: it names body, contact, side or node and says what to do.
+#[derive(Debug, thiserror::Error)]
+pub enum Error<const D: usize> {
+    /// A body cannot be assembled or factored.
+    #[error("body \"{body}\": {source}")]
+    Body {
+        /// Its name.
+        body: String,
+        /// What is wrong.
+        source: FemError,
+    },
+    /// A contact cannot be paired.
+    #[error("contact \"{contact}\": {source}")]
+    Contact {
+        /// Its name.
+        contact: String,
+        /// What is wrong.
+        source: ContactError,
+    },
+    /// The model itself is wrong.
+    #[error("{0}")]
+    Model(String),
+    /// Neither supports nor contacts hold a body.
+    #[error(
+        "body \"{body}\" is not held: its supports leave {motion} free, and {reason}; add a support or a contact"
+    )]
+    NotHeld {
+        /// Its name.
+        body: String,
+        /// The free motion in words.
+        motion: String,
+        /// Why that is an error.
+        reason: String,
+    },
+    /// The load pulls a floating body away from everything that could hold it.
+    #[error(
+        "the load pulls body \"{body}\" away from everything that could hold it ({motion}, resultant {load:.4e}): its contacts only push; add a support, turn the load, or tie the contact"
+    )]
+    PulledAway {
+        /// Its name.
+        body: String,
+        /// The motion in words.
+        motion: String,
+        /// Work of the load for a unit motion.
+        load: f64,
+    },
+    /// A probe cannot be read.
+    #[error("probe \"{probe}\": {message}")]
+    Probe {
+        /// Its name.
+        probe: String,
+        /// What is wrong.
+        message: String,
+    },
+    /// The contact solver cannot treat the problem.
+    #[error("solver: {0}")]
+    Solver(String),
+    /// The certificate does not hold; carries the last iterate.
+    #[error("not converged: {reason}")]
+    NotConverged {
+        /// Why.
+        reason: String,
+        /// The last iterate, with `converged` false.
+        solution: Box<Solution<D>>,
+    },
+}

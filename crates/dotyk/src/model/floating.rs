@@ -1,0 +1,330 @@
+//! Floating bodies: which rigid motions the contacts control, and what becomes of the others.
+//!
+//! The columns of R of all bodies are the modes; G = RᵀBᵀ and e = Rᵀ(f − K u_D). A combination z with Gᵀz = 0 is a
+//! motion that no contact can resist: driven by the load it is an error, else it is fixed by least norm with a warning.
+//! If no admissible λ satisfies Gλ = e, the load pulls a body away from everything that could hold it.
+
+use super::condense::LoadedBody;
+use super::error::Error;
+use super::nouns::Model;
+use crate::dual::{Equilibrium, NO_WORK, least_norm_within, uncontrolled_modes};
+use crate::fem::describe_motion;
+use crate::geometry::norm;
+use crate::linalg::Mat;
+
+/// Rigid modes of all bodies and what the contact does with them.
+pub(crate) struct Floating {
+    /// (body, index of the mode in its system) of every mode.
+    pub modes: Vec<(usize, usize)>,
+    /// Columns: the combinations of modes that enter the dual problem, (r, k).
+    pub controlled: Mat<f64>,
+    /// Columns: the combinations that no contact can control, (r, r − k).
+    pub uncontrolled: Mat<f64>,
+    /// G of all modes, (r, m).
+    all: Mat<f64>,
+    /// Gλ = e in the controlled combinations.
+    pub equilibrium: Equilibrium,
+    /// What the user should know.
+    pub warnings: Vec<String>,
+}
+
+impl Floating {
+    /// Sets up G and e. Errors: a body that floats without any contact, or whose load drives what nothing controls.
+    pub fn new<const D: usize>(
+        model: &Model<D>,
+        bodies: &[LoadedBody<D>],
+        m: usize,
+    ) -> Result<Self, Error<D>> {
+        let modes: Vec<(usize, usize)> = bodies
+            .iter()
+            .enumerate()
+            .flat_map(|(body, b)| (0..b.system.modes.len()).map(move |mode| (body, mode)))
+            .collect();
+        let r = modes.len();
+        let mut g = Mat::<f64>::zeros(r, m);
+        let mut e = vec![0.0; r];
+        for (k, &(body, mode)) in modes.iter().enumerate() {
+            let b = &bodies[body];
+            let column = &b.system.modes[mode];
+            for (local, &row) in b.rows.index.iter().enumerate() {
+                g[(k, row)] = b
+                    .rows
+                    .matrix
+                    .row(local)
+                    .map(|(dof, value)| value * column[dof])
+                    .sum();
+            }
+            e[k] = column.iter().zip(&b.reduced_load).map(|(r, f)| r * f).sum();
+        }
+        for &(body, mode) in &modes {
+            if bodies[body].rows.index.is_empty() {
+                return Err(Error::NotHeld {
+                    body: model.bodies[body].name.clone(),
+                    motion: describe(model, bodies, body, |k| f64::from(k == mode)),
+                    reason: "no contact faces it".to_string(),
+                });
+            }
+        }
+        let split = uncontrolled_modes(&g);
+        let mut warnings = Vec::new();
+        for j in 0..split.uncontrolled.ncols() {
+            let z: Vec<f64> = (0..r).map(|k| split.uncontrolled[(k, j)]).collect();
+            warnings.push(check_undriven(model, bodies, &modes, &z, &e)?);
+        }
+        let (controlled, equilibrium) = if split.uncontrolled.ncols() == 0 {
+            (
+                Mat::<f64>::identity(r, r),
+                Equilibrium {
+                    moments: moments(bodies, &modes),
+                    modes: g.clone(),
+                    load: e,
+                },
+            )
+        } else {
+            let c = split.controlled;
+            let reduced = Mat::from_fn(c.ncols(), m, |j, i| {
+                (0..r).map(|k| c[(k, j)] * g[(k, i)]).sum::<f64>()
+            });
+            let load = (0..c.ncols())
+                .map(|j| (0..r).map(|k| c[(k, j)] * e[k]).sum())
+                .collect();
+            (c, Equilibrium::new(reduced, load))
+        };
+        Ok(Self {
+            modes,
+            controlled,
+            uncontrolled: split.uncontrolled,
+            all: g,
+            equilibrium,
+            warnings,
+        })
+    }
+
+    /// Work of a unit force of multiplier i on mode k.
+    pub fn work(&self, k: usize, i: usize) -> f64 {
+        self.all[(k, i)]
+    }
+
+    /// Amplitudes of all modes from those of the controlled combinations.
+    pub fn amplitudes(&self, alpha: &[f64]) -> Vec<f64> {
+        (0..self.modes.len())
+            .map(|k| {
+                alpha
+                    .iter()
+                    .enumerate()
+                    .map(|(j, a)| self.controlled[(k, j)] * a)
+                    .sum()
+            })
+            .collect()
+    }
+
+    /// The error for a load that no admissible contact force balances; `direction` as the dual problem tells it.
+    pub fn pulled_away<const D: usize>(
+        &self,
+        model: &Model<D>,
+        bodies: &[LoadedBody<D>],
+        direction: &[f64],
+    ) -> Error<D> {
+        let z = self.amplitudes(direction);
+        let body = main_body(&self.modes, &z);
+        let load = direction
+            .iter()
+            .zip(&self.equilibrium.load)
+            .map(|(z, e)| z * e)
+            .sum();
+        Error::PulledAway {
+            body: model.bodies[body].name.clone(),
+            motion: describe(model, bodies, body, |mode| {
+                amplitude(&self.modes, &z, body, mode)
+            }),
+            load,
+        }
+    }
+}
+
+/// Rows of G that balance moments: modes with a rotation.
+fn moments<const D: usize>(bodies: &[LoadedBody<D>], modes: &[(usize, usize)]) -> Vec<bool> {
+    modes
+        .iter()
+        .map(|&(body, mode)| {
+            let u = bodies[body]
+                .system
+                .to_global(&bodies[body].system.modes[mode]);
+            u.iter().any(|&v| (norm(v) - 1.0).abs() > 1e-9)
+        })
+        .collect()
+}
+
+fn main_body(modes: &[(usize, usize)], z: &[f64]) -> usize {
+    let largest = (0..z.len()).max_by(|&a, &b| z[a].abs().total_cmp(&z[b].abs()).then(b.cmp(&a)));
+    largest.map_or(0, |k| modes[k].0)
+}
+
+fn amplitude(modes: &[(usize, usize)], z: &[f64], body: usize, mode: usize) -> f64 {
+    modes
+        .iter()
+        .position(|&m| m == (body, mode))
+        .map_or(0.0, |k| z[k])
+}
+
+/// A rigid motion of one body in words.
+pub(crate) fn describe<const D: usize>(
+    model: &Model<D>,
+    bodies: &[LoadedBody<D>],
+    body: usize,
+    amplitude: impl Fn(usize) -> f64,
+) -> String {
+    let system = &bodies[body].system;
+    let mut motion = vec![0.0; system.load.len()];
+    for (mode, column) in system.modes.iter().enumerate() {
+        let a = amplitude(mode);
+        motion.iter_mut().zip(column).for_each(|(u, r)| *u += a * r);
+    }
+    describe_motion(model.bodies[body].mesh.points(), &system.to_global(&motion))
+}
+
+/// Warning about a motion that nothing controls and no load drives; an error when the load does work on it.
+fn check_undriven<const D: usize>(
+    model: &Model<D>,
+    bodies: &[LoadedBody<D>],
+    modes: &[(usize, usize)],
+    z: &[f64],
+    e: &[f64],
+) -> Result<String, Error<D>> {
+    let body = main_body(modes, z);
+    let name = model.bodies[body].name.clone();
+    let motion = describe(model, bodies, body, |mode| amplitude(modes, z, body, mode));
+    let work: f64 = z.iter().zip(e).map(|(z, e)| z * e).sum();
+    let scale: f64 = modes
+        .iter()
+        .map(|&(body, _)| {
+            bodies[body]
+                .reduced_load
+                .iter()
+                .map(|f| f.abs())
+                .sum::<f64>()
+        })
+        .fold(0.0, f64::max);
+    if work.abs() > NO_WORK * scale {
+        let reason =
+            format!("its load does work on it (resultant {work:.4e}) and no contact can resist it");
+        return Err(Error::NotHeld {
+            body: name,
+            motion,
+            reason,
+        });
+    }
+    Ok(format!(
+        "body \"{name}\": nothing controls its {motion} and no load drives it; it is fixed by least norm of the displacement"
+    ))
+}
+
+/// Chooses the rigid amplitudes that the contact leaves open: least norm of the displacement without penetration.
+///
+/// `free` lists combinations of modes, (r,) each; `displacement` the nodal displacements of all bodies in their frames;
+/// `gaps` those of all multipliers. Both are updated.
+pub(crate) fn settle<const D: usize>(
+    bodies: &[LoadedBody<D>],
+    floating: &Floating,
+    free: &[Vec<f64>],
+    displacement: &mut [Vec<f64>],
+    gaps: &mut [f64],
+) {
+    // orthonormalise the motions over all nodes, so that the least norm of amplitudes is that of displacements
+    let mut motions: Vec<Vec<Vec<f64>>> = Vec::new();
+    for z in free {
+        let mut motion: Vec<Vec<f64>> = bodies
+            .iter()
+            .map(|b| vec![0.0; b.system.load.len()])
+            .collect();
+        for (&(body, mode), a) in floating.modes.iter().zip(z) {
+            let column = &bodies[body].system.modes[mode];
+            motion[body]
+                .iter_mut()
+                .zip(column)
+                .for_each(|(u, r)| *u += a * r);
+        }
+        for other in &motions {
+            let part = -inner(&motion, other);
+            add(&mut motion, part, other);
+        }
+        let size = inner(&motion, &motion).sqrt();
+        if size > 1e-12 {
+            motion.iter_mut().flatten().for_each(|u| *u /= size);
+            motions.push(motion);
+        }
+    }
+    for motion in &motions {
+        let part = -inner(displacement, motion);
+        move_by(bodies, part, motion, displacement, gaps);
+    }
+    // closing[i][j]: by how much motion j closes gap i; no gap may become negative
+    let mut closing = vec![vec![0.0; motions.len()]; gaps.len()];
+    for (j, motion) in motions.iter().enumerate() {
+        let mut change = vec![0.0; gaps.len()];
+        add_rows(bodies, 1.0, motion, &mut change);
+        closing
+            .iter_mut()
+            .zip(&change)
+            .for_each(|(row, c)| row[j] = *c);
+    }
+    let touched: Vec<usize> = (0..gaps.len())
+        .filter(|&i| closing[i].iter().any(|c| c.abs() > 1e-12))
+        .collect();
+    if touched.iter().all(|&i| gaps[i] >= 0.0) {
+        return;
+    }
+    let bounds: Vec<f64> = touched.iter().map(|&i| gaps[i]).collect();
+    let closing: Vec<Vec<f64>> = touched.iter().map(|&i| closing[i].clone()).collect();
+    if let Some(beta) = least_norm_within(&closing, &bounds, motions.len()) {
+        for (b, motion) in beta.iter().zip(&motions) {
+            move_by(bodies, *b, motion, displacement, gaps);
+        }
+    }
+}
+
+fn inner(a: &[Vec<f64>], b: &[Vec<f64>]) -> f64 {
+    a.iter()
+        .flatten()
+        .zip(b.iter().flatten())
+        .map(|(x, y)| x * y)
+        .sum()
+}
+
+fn add(a: &mut [Vec<f64>], factor: f64, b: &[Vec<f64>]) {
+    a.iter_mut()
+        .flatten()
+        .zip(b.iter().flatten())
+        .for_each(|(x, y)| *x += factor * y);
+}
+
+fn move_by<const D: usize>(
+    bodies: &[LoadedBody<D>],
+    factor: f64,
+    motion: &[Vec<f64>],
+    displacement: &mut [Vec<f64>],
+    gaps: &mut [f64],
+) {
+    add(displacement, factor, motion);
+    add_rows(bodies, -factor, motion, gaps);
+}
+
+/// out += factor · B u.
+pub(crate) fn add_rows<const D: usize>(
+    bodies: &[LoadedBody<D>],
+    factor: f64,
+    u: &[Vec<f64>],
+    out: &mut [f64],
+) {
+    for (body, u) in bodies.iter().zip(u) {
+        for (local, &row) in body.rows.index.iter().enumerate() {
+            out[row] += factor
+                * body
+                    .rows
+                    .matrix
+                    .row(local)
+                    .map(|(dof, value)| value * u[dof])
+                    .sum::<f64>();
+        }
+    }
+}

@@ -1,0 +1,180 @@
+//! Contacts as interfaces: which side carries the multipliers, and how the sides are coupled.
+
+use super::error::Error;
+use super::nouns::*;
+use crate::contact::{
+    ContactError, End, InitialGap, Interface, matching_nodes, pair_nodes, pair_obstacle,
+};
+use crate::fem::{BodySystem, FemError, side_facets};
+use crate::geometry::distance;
+use rayon::prelude::*;
+
+/// One contact of the model, paired.
+pub(crate) struct Paired<const D: usize> {
+    /// Side that carries the multipliers.
+    pub nonmortar: SideRef,
+    /// The other side; `None` for an obstacle.
+    pub mortar: Option<SideRef>,
+    /// Displacement of the obstacle.
+    pub obstacle_motion: [f64; D],
+    /// Rows, gaps and weights.
+    pub interface: Interface<D>,
+}
+
+/// Pairs all contacts.
+pub(crate) fn pair_all<const D: usize>(
+    model: &Model<D>,
+    systems: &[BodySystem<D>],
+) -> Result<Vec<Paired<D>>, Error<D>> {
+    model
+        .contacts
+        .par_iter()
+        .map(|contact| pair(model, systems, contact))
+        .collect()
+}
+
+fn pair<const D: usize>(
+    model: &Model<D>,
+    systems: &[BodySystem<D>],
+    contact: &Contact<D>,
+) -> Result<Paired<D>, Error<D>> {
+    let fail = |source: ContactError| Error::Contact {
+        contact: contact.name.clone(),
+        source,
+    };
+    let end = |side: &'_ SideRef| -> (usize, String) { (side.body.0, side.side.clone()) };
+    match &contact.law {
+        Law::Frictionless => {}
+        Law::Tied => {
+            return Err(fail(ContactError::NotYet {
+                what: "a tied interface",
+            }));
+        }
+        Law::Coulomb(_) | Law::Tresca(_) => {
+            return Err(fail(ContactError::NotYet { what: "friction" }));
+        }
+    }
+    if let Pair::Obstacle {
+        nonmortar,
+        obstacle,
+    } = &contact.pair
+    {
+        let (body, side) = end(nonmortar);
+        let ends = End {
+            body: &model.bodies[body],
+            side: &side,
+            constraints: &systems[body].constraints,
+        };
+        let mut motion = [0.0; D];
+        for (component, field) in motion.iter_mut().zip(&obstacle.displacement) {
+            *component = field.at([0.0; D], model.time);
+            if !component.is_finite() {
+                return Err(Error::Model(format!(
+                    "contact \"{}\": the displacement of the obstacle, {field}, is not finite",
+                    contact.name
+                )));
+            }
+        }
+        let interface =
+            pair_obstacle(ends, &obstacle.gap, motion, model.analysis, model.time).map_err(fail)?;
+        let nonmortar = nonmortar.clone();
+        return Ok(Paired {
+            nonmortar,
+            mortar: None,
+            obstacle_motion: motion,
+            interface,
+        });
+    }
+    let (nonmortar, mortar) = match &contact.pair {
+        Pair::Given { nonmortar, mortar } => (nonmortar.clone(), mortar.clone()),
+        Pair::Automatic([a, b]) => choose_nonmortar(model, a, b).map_err(fail)?,
+        Pair::Obstacle { .. } => unreachable!("obstacles are paired above"),
+    };
+    let (s, m) = (end(&nonmortar), end(&mortar));
+    let ends = [&s, &m].map(|(body, side)| End {
+        body: &model.bodies[*body],
+        side,
+        constraints: &systems[*body].constraints,
+    });
+    let matches = matching_nodes(ends[0], ends[1]).map_err(fail)?;
+    let facing = matches
+        .values()
+        .filter(|(partner, _)| partner.is_some())
+        .count();
+    if contact.pairing == Some(Pairing::Mortar) {
+        return Err(fail(ContactError::NotYet {
+            what: "pairing \"mortar\"",
+        }));
+    }
+    if facing == 0 && contact.pairing.is_none() {
+        return Err(fail(ContactError::NotYet {
+            what: "contact of sides whose nodes do not coincide (pairing \"mortar\")",
+        }));
+    }
+    // a partial overlap of matching sides is legal; with an explicit pairing any unmatched facing node is the user's error
+    let measured = if contact.pairing.is_some() {
+        InitialGap::Measured
+    } else {
+        InitialGap::Closed
+    };
+    let gap = match &contact.gap {
+        None | Some(Gap::Closed) => InitialGap::Closed,
+        Some(Gap::Geometric) => measured,
+        Some(Gap::Given(field)) => InitialGap::Given(field),
+    };
+    let interface = pair_nodes(ends[0], ends[1], gap, model.analysis, model.time).map_err(fail)?;
+    Ok(Paired {
+        nonmortar,
+        mortar: Some(mortar),
+        obstacle_motion: [0.0; D],
+        interface,
+    })
+}
+
+/// The more compliant body carries the multipliers; within a factor 10 the finer side.
+fn choose_nonmortar<const D: usize>(
+    model: &Model<D>,
+    a: &SideRef,
+    b: &SideRef,
+) -> Result<(SideRef, SideRef), ContactError> {
+    let softest = |side: &SideRef| {
+        let moduli = model.bodies[side.body.0]
+            .materials
+            .iter()
+            .map(|m| m.elastic.young);
+        moduli.fold(f64::INFINITY, f64::min)
+    };
+    let (soft_a, soft_b) = (softest(a), softest(b));
+    let a_first = if soft_a.max(soft_b) > 10.0 * soft_a.min(soft_b) {
+        soft_a < soft_b
+    } else {
+        mean_edge(model, a)? <= mean_edge(model, b)?
+    };
+    Ok(if a_first {
+        (a.clone(), b.clone())
+    } else {
+        (b.clone(), a.clone())
+    })
+}
+
+fn mean_edge<const D: usize>(model: &Model<D>, side: &SideRef) -> Result<f64, ContactError> {
+    let body = &model.bodies[side.body.0];
+    let facets =
+        side_facets(&body.mesh, &side.side).map_err(|source: FemError| ContactError::Side {
+            body: body.name.clone(),
+            source,
+        })?;
+    let total: f64 = facets
+        .iter()
+        .map(|&facet| {
+            let ends: Vec<usize> = body
+                .mesh
+                .facet_nodes(facet)
+                .take(2)
+                .map(|node| node as usize)
+                .collect();
+            distance(body.mesh.points()[ends[0]], body.mesh.points()[ends[1]])
+        })
+        .sum();
+    Ok(total / facets.len() as f64)
+}

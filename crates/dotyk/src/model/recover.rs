@@ -1,0 +1,473 @@
+//! From multipliers to the answer: displacements, stresses, reactions, contact state, and the certificate.
+//!
+//! u = u_D + K⁺(f − K u_D − Bᵀλ) + Rα for every body. The gaps, reactions, resultants and energies of the certificate
+//! are computed from u and λ afresh, not taken from F and d, so that an error of the condensation cannot hide.
+
+use super::condense::{FactoredBody, LoadedBody};
+use super::error::Error;
+use super::floating::{Floating, add_rows, settle};
+use super::nouns::{Law, Model, Place};
+use super::pair::Paired;
+use super::pipeline::Condensed;
+use super::solution::*;
+use crate::contact::Role;
+use crate::dual::{Certificate, DualProblem, Multipliers, Recomputed};
+use crate::fem::{describe_motion, fit_rigid, recover_stress, von_mises};
+use crate::geometry::{Point, add_scaled, dot, norm, sub};
+use rayon::prelude::*;
+use std::collections::BTreeMap;
+
+/// Displacements and forces of all bodies, judged but not yet dressed up.
+pub(crate) struct Judged<const D: usize> {
+    states: Vec<BodyState<D>>,
+    gaps: Vec<f64>,
+    /// What was checked.
+    pub certificate: Certificate,
+    /// Bodies that touch nothing and carry no load.
+    pub hovering: Vec<String>,
+}
+
+/// Displacements of all bodies under some contact forces, and their certificate.
+pub(crate) fn judge<const D: usize>(
+    model: &Model<D>,
+    condensed: &Condensed<D>,
+    multipliers: &Multipliers,
+) -> Judged<D> {
+    let Condensed {
+        bodies,
+        factored,
+        floating,
+        problem,
+        ..
+    } = condensed;
+    let lambda = &multipliers.lambda;
+    let amplitudes = floating.amplitudes(&multipliers.alpha);
+    let mut u: Vec<Vec<f64>> = bodies
+        .par_iter()
+        .zip(factored)
+        .enumerate()
+        .map(|(index, (body, factored))| {
+            displacement(body, factored, lambda, floating, &amplitudes, index)
+        })
+        .collect();
+    let mut gaps = condensed.gaps.clone();
+    add_rows(bodies, -1.0, &u, &mut gaps);
+    let (open, hovering) = open_motions(model, bodies, floating, problem, lambda);
+    if !open.is_empty() {
+        settle(bodies, floating, &open, &mut u, &mut gaps);
+    }
+    let states: Vec<BodyState<D>> = bodies
+        .par_iter()
+        .zip(&u)
+        .map(|(body, u)| BodyState::new(body, u, lambda))
+        .collect();
+    let certificate = certify(model, &states, condensed, multipliers, &gaps);
+    Judged {
+        states,
+        gaps,
+        certificate,
+        hovering,
+    }
+}
+
+impl<const D: usize> Judged<D> {
+    /// Stresses, reactions and contact state.
+    ///
+    /// Errors: a group of cells without a material.
+    pub fn dress(
+        self,
+        model: &Model<D>,
+        condensed: &Condensed<D>,
+        lambda: &[f64],
+    ) -> Result<(Vec<BodySolution<D>>, Vec<ContactSolution<D>>), Error<D>> {
+        let contacts =
+            contact_solutions(model, &condensed.paired, &self.states, &self.gaps, lambda);
+        let bodies = model
+            .bodies
+            .par_iter()
+            .zip(&condensed.bodies)
+            .zip(self.states)
+            .map(|((body, loaded), state)| body_solution(model, body, loaded, state))
+            .collect::<Result<Vec<_>, _>>()?;
+        Ok((bodies, contacts))
+    }
+}
+
+fn displacement<const D: usize>(
+    body: &LoadedBody<D>,
+    factored: &FactoredBody,
+    lambda: &[f64],
+    floating: &Floating,
+    amplitudes: &[f64],
+    index: usize,
+) -> Vec<f64> {
+    let mut u = factored.base.clone();
+    if !body.rows.index.is_empty() {
+        let local: Vec<f64> = body.rows.index.iter().map(|&row| lambda[row]).collect();
+        let mut push = vec![0.0; u.len()];
+        body.rows.matrix.mul_transpose_add(&local, &mut push);
+        factored.factor.solve(&mut push);
+        u.iter_mut().zip(&push).for_each(|(u, p)| *u -= p);
+    }
+    for (&(owner, mode), &a) in floating.modes.iter().zip(amplitudes) {
+        if owner == index {
+            u.iter_mut()
+                .zip(&body.system.modes[mode])
+                .for_each(|(u, r)| *u += a * r);
+        }
+    }
+    u
+}
+
+/// Combinations of modes that the contact forces leave open, and the bodies that hover.
+fn open_motions<const D: usize>(
+    model: &Model<D>,
+    bodies: &[LoadedBody<D>],
+    floating: &Floating,
+    problem: &DualProblem,
+    lambda: &[f64],
+) -> (Vec<Vec<f64>>, Vec<String>) {
+    let r = floating.modes.len();
+    let mut open: Vec<Vec<f64>> = (0..floating.uncontrolled.ncols())
+        .map(|j| (0..r).map(|k| floating.uncontrolled[(k, j)]).collect())
+        .collect();
+    let force = lambda
+        .iter()
+        .fold(problem.scales.force, |s, l| s.max(l.abs()));
+    let mut hovering = Vec::new();
+    for (index, body) in bodies.iter().enumerate() {
+        let touched = body
+            .rows
+            .index
+            .iter()
+            .any(|&row| lambda[row].abs() > 1e-12 * force);
+        if body.system.modes.is_empty() || touched {
+            continue;
+        }
+        hovering.push(model.bodies[index].name.clone());
+        for (k, _) in floating
+            .modes
+            .iter()
+            .enumerate()
+            .filter(|(_, mode)| mode.0 == index)
+        {
+            open.push((0..r).map(|i| f64::from(i == k)).collect());
+        }
+    }
+    (open, hovering)
+}
+
+/// Displacements, forces and energies of one body in global axes.
+struct BodyState<const D: usize> {
+    u: Vec<Point<D>>,
+    reactions: Vec<Point<D>>,
+    /// External, support and contact force of every node.
+    total: Vec<Point<D>>,
+    strain_energy: f64,
+    /// 1/2 uᵀKu − fᵀu.
+    potential: f64,
+}
+
+impl<const D: usize> BodyState<D> {
+    fn new(body: &LoadedBody<D>, u: &[f64], lambda: &[f64]) -> Self {
+        let system = &body.system;
+        let mut internal = vec![0.0; u.len()];
+        system.stiffness.mul(u, &mut internal);
+        let strain_energy = 0.5 * u.iter().zip(&internal).map(|(u, k)| u * k).sum::<f64>();
+        let work: f64 = u.iter().zip(&system.load).map(|(u, f)| u * f).sum();
+        let local: Vec<f64> = body.rows.index.iter().map(|&row| lambda[row]).collect();
+        let mut push = vec![0.0; u.len()];
+        body.rows.matrix.mul_transpose_add(&local, &mut push);
+        let mut reactions = vec![0.0; u.len()];
+        let mut total = vec![0.0; u.len()];
+        for i in 0..u.len() {
+            if system.held[i] {
+                reactions[i] = internal[i] - system.load[i] + push[i];
+            }
+            total[i] = system.load[i] + reactions[i] - push[i];
+        }
+        Self {
+            u: system.to_global(u),
+            reactions: system.to_global(&reactions),
+            total: system.to_global(&total),
+            strain_energy,
+            potential: strain_energy - work,
+        }
+    }
+}
+
+fn certify<const D: usize>(
+    model: &Model<D>,
+    states: &[BodyState<D>],
+    condensed: &Condensed<D>,
+    multipliers: &Multipliers,
+    gaps: &[f64],
+) -> Certificate {
+    let (mut force, mut moment) = (0.0f64, 0.0f64);
+    for (body, state) in model.bodies.iter().zip(states) {
+        let (f, m) = imbalance(model, body.mesh.points(), &state.total);
+        force = force.max(f);
+        moment = moment.max(m);
+    }
+    let elastic_energy: f64 = states.iter().map(|state| state.strain_energy).sum();
+    let primal: f64 = states.iter().map(|state| state.potential).sum();
+    let recomputed = Recomputed {
+        gap: gaps,
+        imbalance_force: force,
+        imbalance_moment: moment,
+        energy_gap: (primal - dual_energy(condensed, multipliers)).abs(),
+        elastic_energy,
+    };
+    condensed
+        .problem
+        .certify_with(multipliers, &recomputed, model.solver.tolerance)
+}
+
+/// Dual energy −1/2 λᵀFλ + dᵀλ + c with c the energy of the bodies without contact; equals the primal energy at the
+/// solution. The part of d that is the initial gap enters as work of λ on it.
+fn dual_energy<const D: usize>(condensed: &Condensed<D>, multipliers: &Multipliers) -> f64 {
+    let Condensed {
+        bodies,
+        factored,
+        problem,
+        ..
+    } = condensed;
+    let lambda = &multipliers.lambda;
+    let mut product = vec![0.0; lambda.len()];
+    problem.compliance.apply(lambda, &mut product);
+    let contact: f64 = lambda
+        .iter()
+        .zip(&product)
+        .zip(&problem.shift)
+        .map(|((l, p), d)| l * (d - 0.5 * p))
+        .sum();
+    let separate: f64 = bodies
+        .iter()
+        .zip(factored)
+        .map(|(body, FactoredBody { base, .. })| {
+            let mut internal = vec![0.0; base.len()];
+            body.system.stiffness.mul(base, &mut internal);
+            // 1/2 bᵀKb − fᵀb at b = u_D + K⁺(f − K u_D); dofs that only hold K⁺ do not move, so they add nothing
+            base.iter()
+                .zip(internal.iter().zip(&body.system.load))
+                .map(|(b, (k, f))| b * (0.5 * k - f))
+                .sum::<f64>()
+        })
+        .sum();
+    contact + separate
+}
+
+/// Resultant force and moment about the centroid that are left over.
+fn imbalance<const D: usize>(
+    model: &Model<D>,
+    points: &[Point<D>],
+    total: &[Point<D>],
+) -> (f64, f64) {
+    use super::nouns::Analysis;
+    let resultant = total
+        .iter()
+        .fold([0.0; D], |sum, &f| add_scaled(sum, 1.0, f));
+    if model.analysis == Analysis::Axisymmetric {
+        // radial forces balance over the full turn, and moments vanish
+        return (resultant[1].abs(), 0.0);
+    }
+    let centre = centroid(points);
+    let mut moment = [0.0; 3];
+    for (&x, &f) in points.iter().zip(total) {
+        let (a, f) = (
+            crate::geometry::padded(sub(x, centre)),
+            crate::geometry::padded(f),
+        );
+        for (i, m) in moment.iter_mut().enumerate() {
+            let (j, k) = ((i + 1) % 3, (i + 2) % 3);
+            *m += a[j] * f[k] - a[k] * f[j];
+        }
+    }
+    (norm(resultant), norm(moment))
+}
+
+/// Mean of some points.
+pub(crate) fn centroid<const D: usize>(points: &[Point<D>]) -> Point<D> {
+    let sum = points
+        .iter()
+        .fold([0.0; D], |sum, &x| add_scaled(sum, 1.0, x));
+    sum.map(|c| c / points.len() as f64)
+}
+
+fn body_solution<const D: usize>(
+    model: &Model<D>,
+    body: &super::nouns::Body<D>,
+    factored: &LoadedBody<D>,
+    state: BodyState<D>,
+) -> Result<BodySolution<D>, Error<D>> {
+    let stress = recover_stress(body, model.analysis, &state.u).map_err(|source| Error::Body {
+        body: body.name.clone(),
+        source,
+    })?;
+    let points = body.mesh.points();
+    let (translation, rotation) = fit_rigid(points, &state.u, centroid(points));
+    let floating_modes = factored
+        .system
+        .modes
+        .iter()
+        .map(|mode| {
+            let displacement = factored.system.to_global(mode);
+            RigidMode {
+                description: describe_motion(points, &displacement),
+                displacement,
+            }
+        })
+        .collect();
+    Ok(BodySolution {
+        name: body.name.clone(),
+        von_mises: stress.iter().map(|&s| von_mises(s)).collect(),
+        stress,
+        side_reactions: side_reactions(body, factored, &state.reactions),
+        reaction: state
+            .reactions
+            .iter()
+            .fold([0.0; D], |sum, &f| add_scaled(sum, 1.0, f)),
+        reactions: state.reactions,
+        floating_modes,
+        rigid: RigidMotion {
+            translation,
+            rotation,
+        },
+        strain_energy: state.strain_energy,
+        dofs: D * points.len(),
+        displacement: state.u,
+    })
+}
+
+/// Reactions by the side whose support holds the direction; shared directions are split evenly.
+fn side_reactions<const D: usize>(
+    body: &super::nouns::Body<D>,
+    loaded: &LoadedBody<D>,
+    reactions: &[Point<D>],
+) -> BTreeMap<String, Point<D>> {
+    let mut sums = BTreeMap::new();
+    for (&node, held) in &loaded.system.constraints.nodes {
+        for h in held {
+            let part = dot(reactions[node], h.axis) / h.supports.len() as f64;
+            for &support in &h.supports {
+                if let Place::Side(side) = &body.supports[support].place {
+                    let sum = sums.entry(side.clone()).or_insert([0.0; D]);
+                    *sum = add_scaled(*sum, part, h.axis);
+                }
+            }
+        }
+    }
+    sums
+}
+
+fn contact_solutions<const D: usize>(
+    model: &Model<D>,
+    paired: &[Paired<D>],
+    states: &[BodyState<D>],
+    gaps: &[f64],
+    lambda: &[f64],
+) -> Vec<ContactSolution<D>> {
+    let mut start = 0;
+    let mut contacts = Vec::new();
+    for (contact, pair) in model.contacts.iter().zip(paired) {
+        let count = pair.interface.nonmortar.len();
+        let rows = start..start + count;
+        start += count;
+        contacts.push(contact_solution(
+            model,
+            &contact.name,
+            &contact.law,
+            pair,
+            states,
+            &gaps[rows.clone()],
+            &lambda[rows],
+        ));
+    }
+    contacts
+}
+
+fn contact_solution<const D: usize>(
+    model: &Model<D>,
+    name: &str,
+    law: &Law,
+    pair: &Paired<D>,
+    states: &[BodyState<D>],
+    gaps: &[f64],
+    lambda: &[f64],
+) -> ContactSolution<D> {
+    let body = &model.bodies[pair.nonmortar.body.0];
+    let nodes: Vec<ContactNode<D>> = pair
+        .interface
+        .nodes
+        .iter()
+        .map(|node| {
+            let point = body.mesh.points()[node.node];
+            let along = |u: Point<D>| dot(node.normal, u);
+            let displacement_nonmortar = along(states[pair.nonmortar.body.0].u[node.node]);
+            let displacement_mortar = match (&pair.mortar, node.partner) {
+                (Some(mortar), Some(partner)) => along(states[mortar.body.0].u[partner]),
+                (None, _) => along(pair.obstacle_motion),
+                _ => f64::NAN,
+            };
+            let (gap, pressure, status) = match node.role {
+                Role::Multiplier(row) => {
+                    let status = match law {
+                        Law::Tied => Status::Tied,
+                        _ if lambda[row] > 0.0 => Status::Closed,
+                        _ => Status::Open,
+                    };
+                    (gaps[row], lambda[row] / node.weight, status)
+                }
+                Role::Alone => (f64::NAN, 0.0, Status::Open),
+                Role::Fixed => {
+                    let gap = node.gap - displacement_nonmortar + displacement_mortar;
+                    (gap, f64::NAN, Status::Fixed)
+                }
+            };
+            ContactNode {
+                node: node.node,
+                partner: node.partner,
+                point,
+                normal: node.normal,
+                weight: node.weight,
+                gap,
+                pressure,
+                shear: [0.0; D],
+                slip: [f64::NAN; D],
+                displacement_nonmortar,
+                displacement_mortar,
+                status,
+            }
+        })
+        .collect();
+    // forces as the rows of B apply them to both bodies
+    let sum = |rows: &[crate::contact::Row<D>]| {
+        rows.iter().zip(lambda).fold([0.0; D], |sum, (row, &l)| {
+            row.iter().fold(sum, |sum, &(_, coefficients)| {
+                add_scaled(sum, -l, coefficients)
+            })
+        })
+    };
+    let resultant = sum(&pair.interface.nonmortar);
+    let magnitude: f64 = lambda.iter().map(|l| l.abs()).sum();
+    let imbalance = match &pair.mortar {
+        Some(_) if magnitude > 0.0 => {
+            norm(add_scaled(resultant, 1.0, sum(&pair.interface.mortar))) / magnitude
+        }
+        _ => 0.0,
+    };
+    let length = nodes
+        .iter()
+        .filter(|n| n.status != Status::Open && n.status != Status::Fixed);
+    let length = length.map(|n| n.weight).sum::<f64>() / body.thickness;
+    ContactSolution {
+        name: name.to_string(),
+        nonmortar: pair.nonmortar.clone(),
+        mortar: pair.mortar.clone(),
+        nodes,
+        cyclic: pair.interface.cyclic,
+        resultant,
+        length,
+        imbalance,
+    }
+}

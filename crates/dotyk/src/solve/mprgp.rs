@@ -1,0 +1,512 @@
+//! MPRGP, conjugate gradients on faces of the bounds, inside SMALBE-M, an augmented Lagrangian for the balance.
+//!
+//! With λ = Ĝᵀê + x, P = I − ĜᵀĜ and Q = ĜᵀĜ:
+//!
+//! ```text
+//!   outer:  min 1/2 xᵀ(PFP + ϱQ)x − (P(d − FĜᵀê) − μ)ᵀx  over x ≥ −Ĝᵀê, until ‖gᴾ‖ ≤ min(M‖Qx‖, η‖b‖);  μ += ϱQx
+//!   inner:  ‖β‖² ≤ φ̃ᵀφ:  a conjugate gradient step, or, where it would leave the bounds, the feasible part of it and
+//!                        an expansion x ← max(l, x − ᾱφ)
+//!           else:        a proportioning step along β
+//! ```
+//!
+//! φ is the gradient on the free unknowns, β its part that releases active ones, φ̃ᵢ = min((xᵢ − lᵢ)/ᾱ, φᵢ). The rate
+//! depends on spectral bounds only, and nothing is asked of the user: ᾱ = 1.9/ϱ, ϱ = 1.1L, M = 100L halved when the
+//! Lagrangian does not grow, η = 0.1, L from Lanczos. The gradient is carried across outer steps at no product. The
+//! last step projects onto Gλ = e exactly and judges a fresh gap.
+//!
+//! Sources: MPRGP as described in Dostál & Schöberl, Comput. Optim. Appl. 30 (2005) 23–43; defaults of PERMON.
+
+use std::ops::ControlFlow;
+
+use crate::dual::{DualProblem, Multipliers};
+use crate::solve::gradient::projected_bound;
+use crate::solve::{
+    ContactSolver, Iterate, Judge, Observer, Outcome, Setup, SolveError, dot, loaded, norm,
+};
+
+/// MPRGP for the bounds, SMALBE-M for the balance.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Mprgp {
+    /// Residual at which it stops.
+    pub tolerance: f64,
+    /// Most inner iterations.
+    pub max_iterations: usize,
+}
+
+impl Default for Mprgp {
+    fn default() -> Self {
+        Self {
+            tolerance: 1e-8,
+            max_iterations: 20_000,
+        }
+    }
+}
+
+impl ContactSolver for Mprgp {
+    fn name(&self) -> &'static str {
+        "mprgp"
+    }
+
+    fn solve(
+        &self,
+        problem: &DualProblem,
+        guess: Option<&Multipliers>,
+        observe: Observer<'_>,
+    ) -> Result<Outcome, SolveError> {
+        let setup = Setup::new(problem, self.name())?;
+        let start = setup.start(guess)?;
+        let mut projector = setup.projector();
+        let mut state = State::new(&setup, &start, guess.is_some());
+        // The estimate of the residual that asks for a verdict.
+        let mut ask = self.tolerance;
+        let mut iteration = 0;
+        loop {
+            let estimate = state.estimate(&setup);
+            let stopped = iteration > 0
+                && observe(&Iterate {
+                    iteration,
+                    lambda: &state.lambda,
+                    residual: estimate,
+                    active: loaded(&state.lambda),
+                    step: state.kind,
+                }) == ControlFlow::Break(());
+            let ended = iteration == self.max_iterations || !estimate.is_finite();
+            if stopped {
+                return Ok(state.outcome(&setup, iteration, true));
+            }
+            if estimate <= ask || ended {
+                // An exact projection onto the balanced forces, and a fresh gap.
+                let trial = state.lambda.clone();
+                let mut tau = vec![0.0; setup.modes()];
+                projector.project(&trial, &mut tau, &mut state.lambda);
+                let residual = state.verdict(&setup);
+                if residual <= self.tolerance {
+                    return Ok(state.outcome(&setup, iteration, false));
+                }
+                if ended {
+                    return Err(SolveError::NotConverged {
+                        method: self.name(),
+                        outcome: Box::new(state.outcome(&setup, iteration, false)),
+                        residual,
+                        reason: "allow more iterations, or use newton".to_string(),
+                    });
+                }
+                ask *= 0.3;
+                state.refresh(&setup);
+            }
+            if state.settled() {
+                state.update_balance(&setup);
+            } else {
+                state.advance(&setup);
+                iteration += 1;
+            }
+        }
+    }
+}
+
+/// Iterate, gradient and workspace.
+struct State {
+    /// Ĝᵀê and the bounds −Ĝᵀê (−∞ for free forces).
+    offset: Vec<f64>,
+    floor: Vec<f64>,
+    /// P(d − FĜᵀê), ĜFĜᵀê and Ĝd.
+    right: Vec<f64>,
+    modes_offset: Vec<f64>,
+    modes_shift: Vec<f64>,
+    /// Size of the right-hand side.
+    size: f64,
+    /// ϱ, M, ᾱ.
+    penalty: f64,
+    precision: f64,
+    step_length: f64,
+    x: Vec<f64>,
+    /// Gradient of the augmented Lagrangian.
+    gradient: Vec<f64>,
+    direction: Vec<f64>,
+    /// φ and β.
+    free: Vec<f64>,
+    chopped: Vec<f64>,
+    /// μ = Ĝᵀ`multiplier`, ĜF(Ĝᵀê + Px), Ĝx.
+    multiplier: Vec<f64>,
+    modes_product: Vec<f64>,
+    modes_x: Vec<f64>,
+    lagrangian: Option<f64>,
+    /// Forces max(0, Ĝᵀê + x) and the α̂ that belongs to the gradient.
+    lambda: Vec<f64>,
+    alpha: Vec<f64>,
+    product: Vec<f64>,
+    inside: Vec<f64>,
+    image: Vec<f64>,
+    modes_image: Vec<f64>,
+    judge: Judge,
+    kind: char,
+    products: usize,
+}
+
+impl State {
+    fn new(setup: &Setup<'_>, start: &[f64], guessed: bool) -> Self {
+        let (m, k) = (setup.len(), setup.modes());
+        let mut products = 0;
+        let bound = projected_bound(setup, &mut products);
+        let mut offset = vec![0.0; m];
+        setup
+            .balance
+            .add_transposed(1.0, &setup.balance.load, &mut offset);
+        let floor: Vec<f64> = (0..m)
+            .map(|i| {
+                if setup.bounded(i) {
+                    -offset[i]
+                } else {
+                    f64::NEG_INFINITY
+                }
+            })
+            .collect();
+        // Without a guess x is the projection of zero, as in the unbounded problem.
+        let x = (0..m)
+            .map(|i| if guessed { start[i] - offset[i] } else { 0.0 })
+            .zip(&floor)
+            .map(|(x, floor)| f64::max(x, *floor))
+            .collect();
+        let mut state = Self {
+            offset,
+            floor,
+            right: setup.problem.shift.clone(),
+            modes_offset: vec![0.0; k],
+            modes_shift: vec![0.0; k],
+            size: 0.0,
+            penalty: 1.1 * bound,
+            precision: 100.0 * bound,
+            step_length: if k > 0 {
+                1.9 / (1.1 * bound)
+            } else {
+                1.9 / bound
+            },
+            x,
+            gradient: vec![0.0; m],
+            direction: vec![0.0; m],
+            free: vec![0.0; m],
+            chopped: vec![0.0; m],
+            multiplier: vec![0.0; k],
+            modes_product: vec![0.0; k],
+            modes_x: vec![0.0; k],
+            lagrangian: None,
+            lambda: vec![0.0; m],
+            alpha: vec![0.0; k],
+            product: vec![0.0; m],
+            inside: vec![0.0; m],
+            image: vec![0.0; m],
+            modes_image: vec![0.0; k],
+            judge: setup.judge(),
+            kind: 'c',
+            products,
+        };
+        state.prepare(setup);
+        state.refresh(setup);
+        if state.size == 0.0 {
+            state.size = norm(&state.gradient);
+        }
+        state
+    }
+
+    /// Right-hand side of the shifted problem.
+    fn prepare(&mut self, setup: &Setup<'_>) {
+        setup
+            .balance
+            .apply(&setup.problem.shift, &mut self.modes_shift);
+        if self.offset.iter().any(|x| *x != 0.0) {
+            setup
+                .problem
+                .compliance
+                .apply(&self.offset, &mut self.image);
+            self.products += 1;
+            setup.balance.apply(&self.image, &mut self.modes_offset);
+            for (right, image) in self.right.iter_mut().zip(&self.image) {
+                *right -= image;
+            }
+        }
+        let mut parts = vec![0.0; setup.modes()];
+        setup.balance.apply(&self.right, &mut parts);
+        setup.balance.add_transposed(-1.0, &parts, &mut self.right);
+        self.size = norm(&self.right);
+    }
+
+    /// `image` = (PFP + ϱQ)v and `modes_image` = ĜFPv.
+    fn multiply(&mut self, setup: &Setup<'_>, which: Vector) {
+        let v = match which {
+            Vector::Iterate => &self.x,
+            Vector::Direction => &self.direction,
+            Vector::Chopped => &self.chopped,
+        };
+        let mut parts = vec![0.0; setup.modes()];
+        setup.balance.apply(v, &mut parts);
+        self.inside.copy_from_slice(v);
+        setup.balance.add_transposed(-1.0, &parts, &mut self.inside);
+        setup
+            .problem
+            .compliance
+            .apply(&self.inside, &mut self.image);
+        self.products += 1;
+        setup.balance.apply(&self.image, &mut self.modes_image);
+        for (part, image) in parts.iter_mut().zip(&self.modes_image) {
+            *part = self.penalty * *part - image;
+        }
+        setup.balance.add_transposed(1.0, &parts, &mut self.image);
+    }
+
+    /// Gradient from scratch, and a new direction.
+    fn refresh(&mut self, setup: &Setup<'_>) {
+        self.multiply(setup, Vector::Iterate);
+        for i in 0..self.x.len() {
+            self.gradient[i] = self.image[i] - self.right[i];
+        }
+        setup
+            .balance
+            .add_transposed(1.0, &self.multiplier, &mut self.gradient);
+        for j in 0..self.modes_product.len() {
+            self.modes_product[j] = self.modes_offset[j] + self.modes_image[j];
+        }
+        self.split();
+        self.direction.copy_from_slice(&self.free);
+    }
+
+    /// φ and β of the gradient.
+    fn split(&mut self) {
+        for i in 0..self.x.len() {
+            let open = self.x[i] > self.floor[i];
+            let g = self.gradient[i];
+            self.free[i] = if open { g } else { 0.0 };
+            self.chopped[i] = if open { 0.0 } else { g.min(0.0) };
+        }
+    }
+
+    /// Residual at the forces of x, with the gradient as their gap.
+    fn estimate(&mut self, setup: &Setup<'_>) -> f64 {
+        setup.balance.apply(&self.x, &mut self.modes_x);
+        for j in 0..self.alpha.len() {
+            self.alpha[j] = self.modes_product[j]
+                - self.modes_shift[j]
+                - self.multiplier[j]
+                - self.penalty * self.modes_x[j];
+        }
+        for i in 0..self.x.len() {
+            let force = self.offset[i] + self.x[i];
+            self.lambda[i] = if setup.bounded(i) {
+                force.max(0.0)
+            } else {
+                force
+            };
+            self.product[i] = self.gradient[i] + setup.problem.shift[i];
+        }
+        setup
+            .balance
+            .add_transposed(1.0, &self.alpha, &mut self.product);
+        self.residual(setup)
+    }
+
+    /// Residual at `lambda` with a fresh product.
+    fn verdict(&mut self, setup: &Setup<'_>) -> f64 {
+        setup
+            .problem
+            .compliance
+            .apply(&self.lambda, &mut self.product);
+        self.products += 1;
+        self.residual(setup)
+    }
+
+    fn residual(&mut self, setup: &Setup<'_>) -> f64 {
+        self.judge.residual(
+            setup,
+            &setup.components,
+            &self.lambda,
+            &self.product,
+            &self.alpha,
+        )
+    }
+
+    /// The inner problem is solved well enough for the imbalance that is left.
+    fn settled(&self) -> bool {
+        if self.modes_x.is_empty() {
+            return false;
+        }
+        let projected = (dot(&self.free, &self.free) + dot(&self.chopped, &self.chopped)).sqrt();
+        let imbalance = norm(&self.modes_x);
+        imbalance > 0.0 && projected <= (self.precision * imbalance).min(0.1 * self.size)
+    }
+
+    /// μ += ϱQx; the gradient follows without a product.
+    fn update_balance(&mut self, setup: &Setup<'_>) {
+        let imbalance = dot(&self.modes_x, &self.modes_x);
+        // 1/2 xᵀHx − (b − μ)ᵀx with Hx = g + b − μ, and μᵀx = multiplier · Ĝx.
+        let value = 0.5
+            * (dot(&self.x, &self.gradient) - dot(&self.x, &self.right)
+                + dot(&self.multiplier, &self.modes_x));
+        if self
+            .lagrangian
+            .is_some_and(|before| value < before + 0.5 * self.penalty * imbalance)
+        {
+            self.precision *= 0.5;
+        }
+        self.lagrangian = Some(value);
+        for (multiplier, part) in self.multiplier.iter_mut().zip(&self.modes_x) {
+            *multiplier += self.penalty * part;
+        }
+        setup
+            .balance
+            .add_transposed(self.penalty, &self.modes_x, &mut self.gradient);
+        self.split();
+        self.direction.copy_from_slice(&self.free);
+    }
+
+    /// One inner step.
+    fn advance(&mut self, setup: &Setup<'_>) {
+        let reduced: f64 = (0..self.x.len())
+            .map(|i| {
+                let room = (self.x[i] - self.floor[i]) / self.step_length;
+                self.free[i] * self.free[i].min(room)
+            })
+            .sum();
+        if dot(&self.chopped, &self.chopped) > reduced {
+            self.proportion(setup);
+            return;
+        }
+        self.multiply(setup, Vector::Direction);
+        let curvature = dot(&self.direction, &self.image);
+        let descent = dot(&self.gradient, &self.direction);
+        let conjugate = if curvature > 0.0 {
+            descent / curvature
+        } else {
+            f64::INFINITY
+        };
+        let feasible = (0..self.x.len())
+            .filter(|&i| self.direction[i] > 0.0)
+            .map(|i| (self.x[i] - self.floor[i]) / self.direction[i])
+            .fold(f64::INFINITY, f64::min);
+        if conjugate <= feasible && conjugate.is_finite() {
+            self.kind = 'c';
+            self.walk(conjugate, Vector::Direction);
+            let turn = dot(&self.free, &self.image) / curvature;
+            for (direction, free) in self.direction.iter_mut().zip(&self.free) {
+                *direction = free - turn * *direction;
+            }
+        } else {
+            self.kind = 'e';
+            if feasible.is_finite() {
+                self.walk(feasible, Vector::Direction);
+            }
+            for i in 0..self.x.len() {
+                self.x[i] = (self.x[i] - self.step_length * self.free[i]).max(self.floor[i]);
+            }
+            self.refresh(setup);
+        }
+    }
+
+    /// Releases active unknowns along β with the exact step.
+    fn proportion(&mut self, setup: &Setup<'_>) {
+        self.kind = 'p';
+        self.multiply(setup, Vector::Chopped);
+        let curvature = dot(&self.chopped, &self.image);
+        let descent = dot(&self.gradient, &self.chopped);
+        let step = if curvature > 0.0 {
+            descent / curvature
+        } else {
+            self.step_length
+        };
+        self.walk(step, Vector::Chopped);
+        self.direction.copy_from_slice(&self.free);
+    }
+
+    /// x −= `step`·v with the gradient, from the product in `image`; then φ and β.
+    fn walk(&mut self, step: f64, which: Vector) {
+        let v = match which {
+            Vector::Direction => &self.direction,
+            _ => &self.chopped,
+        };
+        for i in 0..self.x.len() {
+            self.x[i] = (self.x[i] - step * v[i]).max(self.floor[i]);
+            self.gradient[i] -= step * self.image[i];
+        }
+        for (product, image) in self.modes_product.iter_mut().zip(&self.modes_image) {
+            *product -= step * image;
+        }
+        self.split();
+    }
+
+    fn outcome(&self, setup: &Setup<'_>, iterations: usize, stopped_by_observer: bool) -> Outcome {
+        Outcome {
+            multipliers: setup.multipliers(&self.lambda, &self.alpha),
+            iterations,
+            products: self.products,
+            rho: None,
+            bolts: Vec::new(),
+            stopped_by_observer,
+            remarks: Vec::new(),
+        }
+    }
+}
+
+/// Operand of a product.
+#[derive(Clone, Copy)]
+enum Vector {
+    Iterate,
+    Direction,
+    Chopped,
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::dual::{AdmissibleSet, Block, Compliance, Equilibrium};
+    use crate::linalg::Mat;
+
+    /// A plate on springs of compliance 1/(1 + j), loaded off centre: some springs open.
+    fn plate(m: usize) -> DualProblem {
+        let modes = Mat::from_fn(2, m, |i, j| {
+            if i == 0 {
+                1.0
+            } else {
+                2.0 * j as f64 / m as f64 - 1.0
+            }
+        });
+        DualProblem::new(
+            Compliance::Dense(Mat::from_fn(m, m, |i, j| {
+                if i == j { 1.0 / (1.0 + j as f64) } else { 0.0 }
+            })),
+            (0..m).map(|j| 0.01 * (j as f64).sin()).collect(),
+            AdmissibleSet::new(vec![Block::Unilateral; m]),
+            Equilibrium::new(modes, vec![1.0, 0.7]),
+        )
+        .unwrap()
+    }
+
+    #[test]
+    fn balance_is_exact_and_every_kind_of_step_occurs() {
+        let problem = plate(40);
+        let mut kinds = std::collections::BTreeSet::new();
+        let outcome = Mprgp::default()
+            .solve(&problem, None, &mut |iterate: &Iterate<'_>| {
+                kinds.insert(iterate.step);
+                ControlFlow::Continue(())
+            })
+            .unwrap();
+        assert!(problem.certify(&outcome.multipliers, 1e-8).holds());
+        assert!(outcome.multipliers.lambda.contains(&0.0));
+        assert_eq!(kinds.into_iter().collect::<String>(), "cep");
+    }
+
+    #[test]
+    fn too_few_iterations_are_an_error_with_the_last_iterate() {
+        let solver = Mprgp {
+            max_iterations: 3,
+            ..Mprgp::default()
+        };
+        let result = solver.solve(&plate(40), None, &mut |_| ControlFlow::Continue(()));
+        let Err(SolveError::NotConverged {
+            outcome, residual, ..
+        }) = result
+        else {
+            panic!("three iterations cannot suffice");
+        };
+        assert_eq!(outcome.iterations, 3);
+        assert!(residual > 1e-8);
+    }
+}

@@ -1,0 +1,102 @@
+//! Upper bound of the largest eigenvalue of a symmetric operator: a few Lanczos steps and a residual bound.
+//!
+//! The largest Ritz value θ plus the norm of its residual bounds an eigenvalue from above; in practice the largest
+//! one. The start is a fixed pseudo-random vector, so that the bits are the same in every run.
+
+use crate::linalg::Mat;
+use crate::linalg::dense::symmetric_eigen;
+use crate::solve::{dot, norm};
+
+/// Lanczos steps used by the solvers: each is one product.
+pub(crate) const STEPS: usize = 10;
+
+/// θ + residual after at most `steps` products y = Ax with vectors of length `n`; zero for the zero operator.
+///
+/// Returns the bound and the number of products.
+pub(crate) fn largest_eigenvalue(
+    n: usize,
+    steps: usize,
+    mut apply: impl FnMut(&[f64], &mut [f64]),
+) -> (f64, usize) {
+    let mut basis = vec![start(n)];
+    let (mut diagonal, mut beside) = (Vec::new(), Vec::new());
+    let mut image = vec![0.0; n];
+    for step in 0..steps.min(n) {
+        apply(&basis[step], &mut image);
+        diagonal.push(dot(&basis[step], &image));
+        let size = norm(&image);
+        for _ in 0..2 {
+            for q in &basis {
+                let part = dot(q, &image);
+                for (w, q) in image.iter_mut().zip(q) {
+                    *w -= part * q;
+                }
+            }
+        }
+        let rest = norm(&image);
+        // An invariant subspace, found to rounding.
+        if rest <= 1e-14 * size {
+            beside.push(0.0);
+            break;
+        }
+        beside.push(rest);
+        basis.push(image.iter().map(|w| w / rest).collect());
+    }
+    let k = diagonal.len();
+    let tridiagonal = Mat::from_fn(k, k, |i, j| match i.abs_diff(j) {
+        0 => diagonal[i],
+        1 => beside[i.min(j)],
+        _ => 0.0,
+    });
+    match symmetric_eigen(&tridiagonal) {
+        Ok((values, vectors)) if k > 0 => {
+            let residual = beside[k - 1] * vectors[(k - 1, k - 1)].abs();
+            (values[k - 1] + residual, k)
+        }
+        _ => (0.0, k),
+    }
+}
+
+/// Unit vector of uniform pseudo-random numbers (splitmix64).
+fn start(n: usize) -> Vec<f64> {
+    let mut state: u64 = 0x9e37_79b9_7f4a_7c15;
+    let mut vector: Vec<f64> = (0..n)
+        .map(|_| {
+            state = state.wrapping_add(0x9e37_79b9_7f4a_7c15);
+            let mut z = state;
+            z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+            z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+            ((z ^ (z >> 31)) >> 11) as f64 / (1u64 << 53) as f64 - 0.5
+        })
+        .collect();
+    let length = norm(&vector);
+    vector.iter_mut().for_each(|x| *x /= length);
+    vector
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn bound_lies_above_the_largest_eigenvalue_and_close() {
+        // Eigenvalues 1, 1/4, 1/9, ...: those of a compliance with smooth modes.
+        let apply = |x: &[f64], y: &mut [f64]| {
+            for (i, (y, x)) in y.iter_mut().zip(x).enumerate() {
+                *y = x / ((i + 1) * (i + 1)) as f64;
+            }
+        };
+        let (bound, products) = largest_eigenvalue(200, STEPS, apply);
+        assert!((1.0..1.01).contains(&bound), "{bound}");
+        assert_eq!(products, STEPS);
+    }
+
+    #[test]
+    fn small_and_zero_operators_are_exact() {
+        let (bound, _) = largest_eigenvalue(1, STEPS, |x, y| y[0] = 3.0 * x[0]);
+        assert!((bound - 3.0).abs() < 1e-15);
+        let (zero, _) = largest_eigenvalue(5, STEPS, |_, y| y.fill(0.0));
+        assert_eq!(zero, 0.0);
+        assert_eq!(largest_eigenvalue(0, STEPS, |_, _| ()).0, 0.0);
+    }
+}
