@@ -221,8 +221,8 @@ mod tests {
         Equilibrium::new(
             Mat::from_fn(3, m, |i, j| {
                 let (sin, cos) = angle(j).sin_cos();
-                // Row 2 is (tangent · normal) plus translations: the spin about another point.
-                [cos, sin, 0.3 * cos - 0.2 * sin + (cos * sin - sin * cos)][i]
+                // The spin about another point: tangent · normal = 0 plus translations.
+                [cos, sin, 0.3 * cos - 0.2 * sin][i]
             }),
             vec![1.0, -2.0, 0.3 * 1.0 + 0.2 * 2.0],
         )
@@ -241,7 +241,7 @@ mod tests {
             assert!(image.abs() < 1e-15);
         }
         let expected = [0.3, -0.2, -1.0].map(|x: f64| x / 1.13f64.sqrt());
-        let sign = split.uncontrolled[(2, 0)].signum() * -1.0;
+        let sign = -split.uncontrolled[(2, 0)].signum();
         for (i, expected) in expected.iter().enumerate() {
             assert!((sign * split.uncontrolled[(i, 0)] - expected).abs() < 1e-14);
         }
@@ -276,12 +276,12 @@ mod tests {
         balance.to_original(&reduced, &mut back);
         let mut image = vec![0.0; 24];
         balance.add_transposed(1.0, &reduced, &mut image);
-        for j in 0..24 {
+        for (j, image) in image.iter().enumerate() {
             let of = |alpha: &[f64]| -> f64 {
                 (0..3).map(|i| equilibrium.modes[(i, j)] * alpha[i]).sum()
             };
-            assert!((of(&alpha) - image[j]).abs() < 1e-14);
-            assert!((of(&back) - image[j]).abs() < 1e-14);
+            assert!((of(&alpha) - image).abs() < 1e-14);
+            assert!((of(&back) - image).abs() < 1e-14);
         }
         assert!(dot(&back, &back) < dot(&alpha, &alpha));
     }

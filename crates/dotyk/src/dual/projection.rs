@@ -64,15 +64,20 @@ impl<'a> Projector<'a> {
         match self.balance.rank() {
             0 => {
                 self.admissible.project(y, lambda);
-                0.0
+                return 0.0;
             }
-            1 if self.bounds_only => {
-                tau[0] = self.breakpoint_search(y, lambda);
-                self.balance.imbalance(lambda, &mut self.imbalance);
-                self.imbalance[0].abs()
-            }
+            1 if self.bounds_only => tau[0] = self.breakpoint_search(y, lambda),
             _ => self.newton(y, tau, lambda),
         }
+        // y − Ĝᵀτ is rounded; what is left of a force below that is none (it would press an open contact).
+        let rounding = 16.0 * f64::EPSILON * y.iter().fold(0.0, |s: f64, y| s.max(y.abs()));
+        for (block, range) in self.admissible.iter() {
+            if *block == Block::Unilateral && lambda[range.start] <= rounding {
+                lambda[range.start] = 0.0;
+            }
+        }
+        self.balance.imbalance(lambda, &mut self.imbalance);
+        norm(&self.imbalance)
     }
 
     /// k = 1: the τ between two neighbouring breakpoints where the falling h crosses zero.
@@ -149,8 +154,7 @@ impl<'a> Projector<'a> {
     }
 
     /// Any k: semismooth Newton on h(τ) = 0 with line search on the convex function whose gradient is −h.
-    fn newton(&mut self, y: &[f64], tau: &mut [f64], lambda: &mut [f64]) -> f64 {
-        let k = self.balance.rank();
+    fn newton(&mut self, y: &[f64], tau: &mut [f64], lambda: &mut [f64]) {
         let size = norm(y) + norm(&self.balance.load);
         let mut value = self.evaluate(y, tau, lambda);
         let mut rest = norm(&self.imbalance);
@@ -164,9 +168,7 @@ impl<'a> Projector<'a> {
             let slope = dot(&self.direction, &self.imbalance);
             let (mut step, mut accepted) = (1.0, false);
             while step > 1e-4 {
-                for i in 0..k {
-                    self.trial_tau[i] = tau[i] + step * self.direction[i];
-                }
+                self.try_tau(tau, step, Towards::Newton);
                 let trial = self.evaluate_trial(y);
                 let trial_rest = norm(&self.trial_imbalance);
                 // Near the root the values no longer tell, the imbalance does.
@@ -177,9 +179,7 @@ impl<'a> Projector<'a> {
                 step *= 0.5;
             }
             if !accepted {
-                for i in 0..k {
-                    self.trial_tau[i] = tau[i] + self.imbalance[i];
-                }
+                self.try_tau(tau, 1.0, Towards::Gradient);
                 value = self.evaluate_trial(y);
             }
             let trial_rest = norm(&self.trial_imbalance);
@@ -197,7 +197,17 @@ impl<'a> Projector<'a> {
             self.imbalance.copy_from_slice(&self.trial_imbalance);
             rest = trial_rest;
         }
-        rest
+    }
+
+    /// Trial τ = `tau` + `step` · direction.
+    fn try_tau(&mut self, tau: &[f64], step: f64, towards: Towards) {
+        let direction = match towards {
+            Towards::Newton => &self.direction,
+            Towards::Gradient => &self.imbalance,
+        };
+        for ((trial, tau), direction) in self.trial_tau.iter_mut().zip(tau).zip(direction) {
+            *trial = tau + step * direction;
+        }
     }
 
     /// Convex function, λ and h at `tau`.
@@ -245,6 +255,13 @@ impl<'a> Projector<'a> {
         self.direction.copy_from_slice(&self.imbalance);
         solve_positive(&mut self.jacobian, &mut self.direction);
     }
+}
+
+/// Direction of a trial step.
+#[derive(Clone, Copy)]
+enum Towards {
+    Newton,
+    Gradient,
 }
 
 /// x ← A⁻¹x for a small positive definite A (row-major, overwritten by its Cholesky factor); pivots below

@@ -416,7 +416,7 @@ fn not_finite<const D: usize>(body: &Body<D>, source: LinalgError) -> FemError {
 }
 
 /// Degree that integrates the stiffness of an undistorted cell exactly, and that of a curved one well.
-fn stiffness_degree(kind: CellKind) -> usize {
+pub(crate) fn stiffness_degree(kind: CellKind) -> usize {
     match kind {
         CellKind::Tri3 => 1,
         CellKind::Tri6 => 4,

@@ -11,6 +11,7 @@
 mod assemble;
 mod elasticity;
 mod error;
+mod internal;
 mod loads;
 mod modes;
 mod nouns;
@@ -27,5 +28,6 @@ pub use supports::{Constraints, Held, nearest_node, node_normals};
 
 pub(crate) use assemble::{invert, measure};
 pub(crate) use error::show;
+pub(crate) use internal::internal_forces;
 pub(crate) use modes::fit_rigid;
 pub(crate) use supports::side_facets;

@@ -46,7 +46,10 @@ impl<const D: usize> Model<D> {
     /// Errors: those of [`Model::solve`] that come before the contact solver.
     pub fn compare(&self, observe: &mut dyn FnMut(Event)) -> Result<Vec<ComparisonRow>, Error<D>> {
         let bench = Bench::new(self, observe)?;
-        Method::NAMED.into_iter().map(|method| bench.run(self, method, None, observe)).collect()
+        Method::NAMED
+            .into_iter()
+            .map(|method| bench.run(self, method, None, observe))
+            .collect()
     }
 
     /// Iterations of the p,A-algorithm and of projected gradient for some steps ρ.
@@ -65,13 +68,23 @@ impl<const D: usize> Model<D> {
             // the automatic step tells λ_max of the operator that the method iterates on
             model.solver.rho = None;
             model.solver.max_iterations = Some(1);
-            let natural = model.run_solver(&bench.condensed, method, self.solver.tolerance, None, &mut |_| {})?;
+            let natural = model.run_solver(
+                &bench.condensed,
+                method,
+                self.solver.tolerance,
+                None,
+                &mut |_| {},
+            )?;
             let lambda_max = natural.outcome.rho.map(|rho| SAFE_STEP / rho);
             for &rho in steps {
                 model.solver.rho = Some(rho);
                 model.solver.max_iterations = Some(SWEEP_ITERATIONS);
                 let row = bench.run(&model, method, lambda_max, &mut |_| {})?;
-                observe(Event::Iteration { iteration: rows.len() + 1, residual: f64::NAN, active: row.iterations });
+                observe(Event::Iteration {
+                    iteration: rows.len() + 1,
+                    residual: f64::NAN,
+                    active: row.iterations,
+                });
                 rows.push(row);
             }
         }
@@ -88,8 +101,17 @@ struct Bench<const D: usize> {
 impl<const D: usize> Bench<D> {
     fn new(model: &Model<D>, observe: &mut dyn FnMut(Event)) -> Result<Self, Error<D>> {
         let condensed = model.condense(DENSE_LIMIT, observe)?;
-        let newton = model.run_solver(&condensed, Method::Newton, model.solver.tolerance, None, &mut |_| {})?;
-        Ok(Self { condensed, reference: newton.outcome.multipliers.lambda })
+        let newton = model.run_solver(
+            &condensed,
+            Method::Newton,
+            model.solver.tolerance,
+            None,
+            &mut |_| {},
+        )?;
+        Ok(Self {
+            condensed,
+            reference: newton.outcome.multipliers.lambda,
+        })
     }
 
     fn run(
@@ -100,11 +122,22 @@ impl<const D: usize> Bench<D> {
         observe: &mut dyn FnMut(Event),
     ) -> Result<ComparisonRow, Error<D>> {
         let clock = Instant::now();
-        let attempt = model.run_solver(&self.condensed, method, model.solver.tolerance, None, observe)?;
+        let attempt = model.run_solver(
+            &self.condensed,
+            method,
+            model.solver.tolerance,
+            None,
+            observe,
+        )?;
         let seconds = clock.elapsed().as_secs_f64();
         let lambda = &attempt.outcome.multipliers.lambda;
         let size: f64 = self.reference.iter().map(|l| l * l).sum::<f64>().sqrt();
-        let rest: f64 = lambda.iter().zip(&self.reference).map(|(a, b)| (a - b) * (a - b)).sum::<f64>().sqrt();
+        let rest: f64 = lambda
+            .iter()
+            .zip(&self.reference)
+            .map(|(a, b)| (a - b) * (a - b))
+            .sum::<f64>()
+            .sqrt();
         let rho = attempt.outcome.rho;
         Ok(ComparisonRow {
             method: attempt.method.to_string(),

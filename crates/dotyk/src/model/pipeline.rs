@@ -82,7 +82,7 @@ impl<const D: usize> Model<D> {
         let mut tolerance = self.solver.tolerance;
         let mut attempt =
             self.run_solver(condensed, self.solver.method, tolerance, None, observe)?;
-        let mut judged = judge(self, condensed, &attempt.outcome.multipliers);
+        let mut judged = judge(self, condensed, &attempt.outcome.multipliers)?;
         for _ in 0..3 {
             if attempt.failure.is_some() || judged.certificate.holds() {
                 break;
@@ -106,7 +106,7 @@ impl<const D: usize> Model<D> {
                 observe,
             )?;
             attempt = attempt.followed_by(further);
-            judged = judge(self, condensed, &attempt.outcome.multipliers);
+            judged = judge(self, condensed, &attempt.outcome.multipliers)?;
         }
         Ok((attempt, judged))
     }

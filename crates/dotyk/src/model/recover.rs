@@ -6,13 +6,15 @@
 use super::condense::{FactoredBody, LoadedBody};
 use super::error::Error;
 use super::floating::{Floating, add_rows, settle};
-use super::nouns::{Law, Model, Place};
+use super::nouns::{Analysis, Body, Law, Model, Place};
 use super::pair::Paired;
 use super::pipeline::Condensed;
 use super::solution::*;
 use crate::contact::Role;
-use crate::dual::{Certificate, DualProblem, Multipliers, Recomputed};
-use crate::fem::{describe_motion, fit_rigid, recover_stress, von_mises};
+use crate::dual::{Certificate, DualProblem, IMBALANCE_LIMIT, Multipliers, Recomputed, Scales};
+use crate::fem::{
+    FemError, describe_motion, fit_rigid, internal_forces, recover_stress, von_mises,
+};
 use crate::geometry::{Point, add_scaled, dot, norm, sub};
 use rayon::prelude::*;
 use std::collections::BTreeMap;
@@ -32,7 +34,7 @@ pub(crate) fn judge<const D: usize>(
     model: &Model<D>,
     condensed: &Condensed<D>,
     multipliers: &Multipliers,
-) -> Judged<D> {
+) -> Result<Judged<D>, Error<D>> {
     let Condensed {
         bodies,
         factored,
@@ -56,18 +58,22 @@ pub(crate) fn judge<const D: usize>(
     if !open.is_empty() {
         settle(bodies, floating, &open, &mut u, &mut gaps);
     }
-    let states: Vec<BodyState<D>> = bodies
-        .par_iter()
-        .zip(&u)
-        .map(|(body, u)| BodyState::new(body, u, lambda))
-        .collect();
+    let states = (&model.bodies, bodies, factored, u)
+        .into_par_iter()
+        .map(|(body, loaded, factored, u)| {
+            balanced_state(model, body, loaded, factored, u, lambda, problem.scales)
+        })
+        .collect::<Result<Vec<_>, _>>()?;
+    let (states, u): (Vec<_>, Vec<_>) = states.into_iter().unzip();
+    let mut gaps = condensed.gaps.clone();
+    add_rows(bodies, -1.0, &u, &mut gaps);
     let certificate = certify(model, &states, condensed, multipliers, &gaps);
-    Judged {
+    Ok(Judged {
         states,
         gaps,
         certificate,
         hovering,
-    }
+    })
 }
 
 impl<const D: usize> Judged<D> {
@@ -168,31 +174,77 @@ struct BodyState<const D: usize> {
     potential: f64,
 }
 
+/// State of a body, its displacement refined until its forces balance.
+///
+/// The factorisation leaves residuals of the size of rounding times |K||u|, which a slender body turns into a resultant;
+/// one or two corrections by K⁺ with the residual of [`internal_forces`] remove it.
+fn balanced_state<const D: usize>(
+    model: &Model<D>,
+    body: &Body<D>,
+    loaded: &LoadedBody<D>,
+    factored: &FactoredBody,
+    mut u: Vec<f64>,
+    lambda: &[f64],
+    scales: Scales,
+) -> Result<(BodyState<D>, Vec<f64>), Error<D>> {
+    let force = lambda
+        .iter()
+        .fold(scales.force, |largest, l| largest.max(l.abs()));
+    let fail = |source| Error::Body {
+        body: body.name.clone(),
+        source,
+    };
+    let mut refinements = 0;
+    loop {
+        let (state, residual) = BodyState::new(model, body, loaded, &u, lambda).map_err(fail)?;
+        let (f, m) = imbalance(model, body.mesh.points(), &state.total);
+        let worst = f.max(m / scales.moment_arm);
+        if worst <= 0.1 * IMBALANCE_LIMIT * force || refinements == 2 {
+            return Ok((state, u));
+        }
+        refinements += 1;
+        let mut correction = residual;
+        factored.factor.solve(&mut correction);
+        u.iter_mut().zip(&correction).for_each(|(u, c)| *u += c);
+    }
+}
+
 impl<const D: usize> BodyState<D> {
-    fn new(body: &LoadedBody<D>, u: &[f64], lambda: &[f64]) -> Self {
-        let system = &body.system;
-        let mut internal = vec![0.0; u.len()];
-        system.stiffness.mul(u, &mut internal);
-        let strain_energy = 0.5 * u.iter().zip(&internal).map(|(u, k)| u * k).sum::<f64>();
+    /// The state, and the residual f − Bᵀλ − f_int of its free dofs in the node frames.
+    fn new(
+        model: &Model<D>,
+        body: &Body<D>,
+        loaded: &LoadedBody<D>,
+        u: &[f64],
+        lambda: &[f64],
+    ) -> Result<(Self, Vec<f64>), FemError> {
+        let system = &loaded.system;
+        let global = system.to_global(u);
+        let (forces, strain_energy) = internal_forces(body, model.analysis, &global)?;
+        let mut internal: Vec<f64> = forces.iter().flatten().copied().collect();
+        system.to_frames(&mut internal);
         let work: f64 = u.iter().zip(&system.load).map(|(u, f)| u * f).sum();
-        let local: Vec<f64> = body.rows.index.iter().map(|&row| lambda[row]).collect();
+        let local: Vec<f64> = loaded.rows.index.iter().map(|&row| lambda[row]).collect();
         let mut push = vec![0.0; u.len()];
-        body.rows.matrix.mul_transpose_add(&local, &mut push);
-        let mut reactions = vec![0.0; u.len()];
-        let mut total = vec![0.0; u.len()];
+        loaded.rows.matrix.mul_transpose_add(&local, &mut push);
+        let (mut reactions, mut total, mut residual) =
+            (vec![0.0; u.len()], vec![0.0; u.len()], vec![0.0; u.len()]);
         for i in 0..u.len() {
             if system.held[i] {
                 reactions[i] = internal[i] - system.load[i] + push[i];
+            } else {
+                residual[i] = system.load[i] - push[i] - internal[i];
             }
             total[i] = system.load[i] + reactions[i] - push[i];
         }
-        Self {
-            u: system.to_global(u),
+        let state = Self {
+            u: global,
             reactions: system.to_global(&reactions),
             total: system.to_global(&total),
             strain_energy,
             potential: strain_energy - work,
-        }
+        };
+        Ok((state, residual))
     }
 }
 
@@ -263,7 +315,6 @@ fn imbalance<const D: usize>(
     points: &[Point<D>],
     total: &[Point<D>],
 ) -> (f64, f64) {
-    use super::nouns::Analysis;
     let resultant = total
         .iter()
         .fold([0.0; D], |sum, &f| add_scaled(sum, 1.0, f));
@@ -296,7 +347,7 @@ pub(crate) fn centroid<const D: usize>(points: &[Point<D>]) -> Point<D> {
 
 fn body_solution<const D: usize>(
     model: &Model<D>,
-    body: &super::nouns::Body<D>,
+    body: &Body<D>,
     factored: &LoadedBody<D>,
     state: BodyState<D>,
 ) -> Result<BodySolution<D>, Error<D>> {
@@ -341,7 +392,7 @@ fn body_solution<const D: usize>(
 
 /// Reactions by the side whose support holds the direction; shared directions are split evenly.
 fn side_reactions<const D: usize>(
-    body: &super::nouns::Body<D>,
+    body: &Body<D>,
     loaded: &LoadedBody<D>,
     reactions: &[Point<D>],
 ) -> BTreeMap<String, Point<D>> {

@@ -105,7 +105,7 @@ impl Face {
         tolerance: f64,
     ) {
         let m = setup.len();
-        let tangent = Tangent::new(setup, active);
+        let mut tangent = Tangent::new(setup, active);
         self.loose = tangent.gram.null.clone();
         let shift = &setup.problem.shift;
         tangent.restore(setup, &mut self.lambda);
@@ -156,18 +156,24 @@ impl Face {
             })
             .collect();
         setup.balance.apply(&overlap, &mut self.alpha);
-        tangent.gram.solve(&mut self.alpha);
+        tangent.gram.solve(&mut self.alpha, &mut tangent.right);
     }
 }
 
 /// Whether some forces on the face, of any sign, balance the load.
 pub(crate) fn carries(setup: &Setup<'_>, active: &[bool]) -> bool {
-    let tangent = Tangent::new(setup, active);
-    let mut forces = vec![0.0; setup.len()];
-    tangent.restore(setup, &mut forces);
+    restore(setup, active, &mut vec![0.0; setup.len()])
+}
+
+/// Replaces `forces` by the nearest ones on the face with Ĝλ = ê; `false` where there are none.
+pub(crate) fn restore(setup: &Setup<'_>, active: &[bool], forces: &mut [f64]) -> bool {
+    let mut tangent = Tangent::new(setup, active);
+    // Twice: the second pass removes what rounding left.
+    tangent.restore(setup, forces);
+    tangent.restore(setup, forces);
     let mut rest = vec![0.0; setup.modes()];
-    setup.balance.imbalance(&forces, &mut rest);
-    norm(&rest) <= 1e-9 * norm(&setup.balance.load)
+    setup.balance.imbalance(forces, &mut rest);
+    norm(&rest) <= 1e-9 * norm(&setup.balance.load).max(1e-3 * norm(forces))
 }
 
 /// Pseudo-inverse of a small symmetric positive semidefinite matrix.
@@ -197,11 +203,12 @@ impl Pseudo {
         pseudo
     }
 
-    fn solve(&self, x: &mut [f64]) {
-        let right = x.to_vec();
+    /// x ← A⁺x; `right` is workspace of the same length.
+    fn solve(&self, x: &mut [f64], right: &mut [f64]) {
+        right.copy_from_slice(x);
         x.fill(0.0);
         for (value, vector) in &self.pairs {
-            let part = dot(vector, &right) / value;
+            let part = dot(vector, right) / value;
             for (x, v) in x.iter_mut().zip(vector) {
                 *x += part * v;
             }
@@ -213,6 +220,8 @@ impl Pseudo {
 struct Tangent<'a> {
     active: &'a [bool],
     gram: Pseudo,
+    parts: Vec<f64>,
+    right: Vec<f64>,
 }
 
 impl<'a> Tangent<'a> {
@@ -227,6 +236,8 @@ impl<'a> Tangent<'a> {
         Self {
             active,
             gram: Pseudo::new(&gram),
+            parts: vec![0.0; rows.len()],
+            right: vec![0.0; rows.len()],
         }
     }
 
@@ -239,22 +250,23 @@ impl<'a> Tangent<'a> {
     }
 
     /// v ← the nearest vector on the face with Ĝv = 0.
-    fn project(&self, setup: &Setup<'_>, v: &mut [f64]) {
+    fn project(&mut self, setup: &Setup<'_>, v: &mut [f64]) {
         self.mask(v);
-        let mut parts = vec![0.0; setup.modes()];
-        setup.balance.apply(v, &mut parts);
-        self.gram.solve(&mut parts);
-        setup.balance.add_transposed(-1.0, &parts, v);
-        self.mask(v);
+        setup.balance.apply(v, &mut self.parts);
+        self.subtract(setup, v);
     }
 
     /// v ← the nearest vector on the face with Ĝv = ê.
-    fn restore(&self, setup: &Setup<'_>, v: &mut [f64]) {
+    fn restore(&mut self, setup: &Setup<'_>, v: &mut [f64]) {
         self.mask(v);
-        let mut parts = vec![0.0; setup.modes()];
-        setup.balance.imbalance(v, &mut parts);
-        self.gram.solve(&mut parts);
-        setup.balance.add_transposed(-1.0, &parts, v);
+        setup.balance.imbalance(v, &mut self.parts);
+        self.subtract(setup, v);
+    }
+
+    /// v −= Ĝ_Iᵀ(Ĝ_IĜ_Iᵀ)⁺`parts`.
+    fn subtract(&mut self, setup: &Setup<'_>, v: &mut [f64]) {
+        self.gram.solve(&mut self.parts, &mut self.right);
+        setup.balance.add_transposed(-1.0, &self.parts, v);
         self.mask(v);
     }
 }
@@ -334,7 +346,7 @@ impl System {
             .zip(&self.rows)
             .map(|(rest, row)| rest - dot(row, &forces))
             .collect();
-        self.schur.solve(&mut shift);
+        self.schur.solve(&mut shift, &mut vec![0.0; rest.len()]);
         for (shift, solved) in shift.iter().zip(&self.solved) {
             for (force, x) in forces.iter_mut().zip(solved) {
                 *force += shift * x;

@@ -244,7 +244,7 @@ impl ContactSolver for Accelerated {
     }
 }
 
-/// Upper bound of the largest eigenvalue of PFP, P = I − ĜᵀĜ; 1 for the zero operator.
+/// Upper bound of the largest eigenvalue of PFP, P = I − ĜᵀĜ; see [`Setup::usable_bound`] for the zero operator.
 pub(crate) fn projected_bound(setup: &Setup<'_>, products: &mut usize) -> f64 {
     let (m, k) = (setup.len(), setup.modes());
     let (mut parts, mut inside) = (vec![0.0; k], vec![0.0; m]);
@@ -259,7 +259,7 @@ pub(crate) fn projected_bound(setup: &Setup<'_>, products: &mut usize) -> f64 {
         project(y);
     });
     *products += count;
-    if bound > 0.0 { bound } else { 1.0 }
+    setup.usable_bound(bound)
 }
 
 /// A given step must be a positive number.

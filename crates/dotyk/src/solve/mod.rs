@@ -17,6 +17,7 @@
 //! [`DualProblem::certify`] with the same tolerance. Not converging is an error that carries the last iterate.
 //! Blocks with friction are refused for now.
 
+mod exchange;
 mod face;
 mod gradient;
 mod mprgp;
@@ -32,8 +33,8 @@ pub use uzawa::Uzawa;
 use std::ops::ControlFlow;
 
 use crate::dual::{
-    Balance, Block, Component, DualError, DualProblem, Feasibility, Multipliers, Projector,
-    Violations,
+    Balance, Block, Compliance, Component, DualError, DualProblem, Feasibility, Multipliers,
+    Projector, Violations,
 };
 
 /// The automatic fixed step ρ times the upper bound of λ_max: below 2, where the iteration would stop converging.
@@ -51,7 +52,7 @@ pub struct Iterate<'a> {
     /// Contact unknowns with a force.
     pub active: usize,
     /// Kind of step: `u` p,A-step, `g` gradient, `a` accelerated, `r` restarted, `c` conjugate gradient, `e` expansion,
-    /// `p` proportioning, `n` active-set step.
+    /// `p` proportioning, `n` active-set step, `x` exchange of one contact.
     pub step: char,
 }
 
@@ -212,6 +213,22 @@ impl<'a> Setup<'a> {
         self.components[i] == Component::Normal
     }
 
+    /// `bound`, an eigenvalue bound, or a number of its order where it is rounding: then the balance alone determines
+    /// the forces, and any step is right that is comparable with them.
+    pub fn usable_bound(&self, bound: f64) -> f64 {
+        let diagonal = match &self.problem.compliance {
+            Compliance::Dense(matrix) => {
+                (0..self.len()).map(|i| matrix[(i, i)]).fold(0.0, f64::max)
+            }
+            Compliance::Operator { .. } => 0.0,
+        };
+        if self.len() > self.modes() && bound > 1e-13 * diagonal {
+            return bound;
+        }
+        let or_one = |scale: f64| if scale > 0.0 { scale } else { 1.0 };
+        or_one(self.problem.scales.length) / or_one(self.problem.scales.force)
+    }
+
     /// Workspace for projections.
     pub fn projector(&self) -> Projector<'_> {
         Projector::new(&self.problem.admissible, &self.balance)
@@ -222,16 +239,20 @@ impl<'a> Setup<'a> {
         let Some(guess) = guess else {
             return Ok(vec![0.0; self.len()]);
         };
-        if guess.lambda.len() != self.len() {
+        let expected = (self.len(), self.balance.original_len());
+        if (guess.lambda.len(), guess.alpha.len()) != expected {
             return Err(SolveError::Invalid(format!(
-                "the starting point has {} contact forces, the problem {}",
+                "the starting point has {} contact forces and {} rigid amplitudes, the problem {} and {}",
                 guess.lambda.len(),
-                self.len()
+                guess.alpha.len(),
+                expected.0,
+                expected.1
             )));
         }
-        if let Some(value) = guess.lambda.iter().find(|value| !value.is_finite()) {
+        let mut values = guess.lambda.iter().chain(&guess.alpha);
+        if let Some(value) = values.find(|value| !value.is_finite()) {
             return Err(SolveError::Invalid(format!(
-                "the starting point has a contact force {value}: it must be finite"
+                "the starting point holds {value}: it must be finite"
             )));
         }
         Ok(guess.lambda.clone())

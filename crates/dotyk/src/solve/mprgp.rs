@@ -11,18 +11,30 @@
 //!
 //! φ is the gradient on the free unknowns, β its part that releases active ones, φ̃ᵢ = min((xᵢ − lᵢ)/ᾱ, φᵢ). The rate
 //! depends on spectral bounds only, and nothing is asked of the user: ᾱ = 1.9/ϱ, ϱ = 1.1L, M = 100L halved when the
-//! Lagrangian does not grow, η = 0.1, L from Lanczos. The gradient is carried across outer steps at no product. The
-//! last step projects onto Gλ = e exactly and judges a fresh gap.
+//! Lagrangian does not grow, η = 0.1, L from Lanczos. Where the contact is a small part of the nodes, ϱQ is weak on its
+//! face and the outer steps crawl: then ϱ is raised. The gradient is carried across outer steps at no product. The last
+//! step balances the loaded forces exactly and judges a fresh gap. For a punch over 17 of 100 nodes these two take 55
+//! iterations where fixed ϱ and a projection that loads open contacts took 2891.
 //!
 //! Sources: MPRGP as described in Dostál & Schöberl, Comput. Optim. Appl. 30 (2005) 23–43; defaults of PERMON.
 
 use std::ops::ControlFlow;
 
-use crate::dual::{DualProblem, Multipliers};
+use crate::dual::{DualProblem, Multipliers, Projector};
+use crate::solve::face::restore;
 use crate::solve::gradient::projected_bound;
 use crate::solve::{
     ContactSolver, Iterate, Judge, Observer, Outcome, Setup, SolveError, dot, loaded, norm,
 };
+
+/// An outer step that leaves more than this part of the imbalance is slow; [`SLOW_STEPS`] in a row raise the penalty.
+const SLOW: f64 = 0.5;
+
+/// Slow outer steps in a row that raise the penalty.
+const SLOW_STEPS: usize = 3;
+
+/// Factor by which the penalty is raised.
+const GROWTH: f64 = 4.0;
 
 /// MPRGP for the bounds, SMALBE-M for the balance.
 #[derive(Debug, Clone, PartialEq)]
@@ -56,7 +68,7 @@ impl ContactSolver for Mprgp {
         let setup = Setup::new(problem, self.name())?;
         let start = setup.start(guess)?;
         let mut projector = setup.projector();
-        let mut state = State::new(&setup, &start, guess.is_some());
+        let mut state = State::new(&setup, &start, guess);
         // The estimate of the residual that asks for a verdict.
         let mut ask = self.tolerance;
         let mut iteration = 0;
@@ -75,10 +87,7 @@ impl ContactSolver for Mprgp {
                 return Ok(state.outcome(&setup, iteration, true));
             }
             if estimate <= ask || ended {
-                // An exact projection onto the balanced forces, and a fresh gap.
-                let trial = state.lambda.clone();
-                let mut tau = vec![0.0; setup.modes()];
-                projector.project(&trial, &mut tau, &mut state.lambda);
+                state.balance_exactly(&setup, &mut projector);
                 let residual = state.verdict(&setup);
                 if residual <= self.tolerance {
                     return Ok(state.outcome(&setup, iteration, false));
@@ -131,6 +140,9 @@ struct State {
     modes_product: Vec<f64>,
     modes_x: Vec<f64>,
     lagrangian: Option<f64>,
+    /// ‖Qx‖² of the last outer step, and how many in a row were slow.
+    imbalance: f64,
+    slow: usize,
     /// Forces max(0, Ĝᵀê + x) and the α̂ that belongs to the gradient.
     lambda: Vec<f64>,
     alpha: Vec<f64>,
@@ -138,13 +150,14 @@ struct State {
     inside: Vec<f64>,
     image: Vec<f64>,
     modes_image: Vec<f64>,
+    parts: Vec<f64>,
     judge: Judge,
     kind: char,
     products: usize,
 }
 
 impl State {
-    fn new(setup: &Setup<'_>, start: &[f64], guessed: bool) -> Self {
+    fn new(setup: &Setup<'_>, start: &[f64], guess: Option<&Multipliers>) -> Self {
         let (m, k) = (setup.len(), setup.modes());
         let mut products = 0;
         let bound = projected_bound(setup, &mut products);
@@ -163,7 +176,13 @@ impl State {
             .collect();
         // Without a guess x is the projection of zero, as in the unbounded problem.
         let x = (0..m)
-            .map(|i| if guessed { start[i] - offset[i] } else { 0.0 })
+            .map(|i| {
+                if guess.is_some() {
+                    start[i] - offset[i]
+                } else {
+                    0.0
+                }
+            })
             .zip(&floor)
             .map(|(x, floor)| f64::max(x, *floor))
             .collect();
@@ -190,22 +209,45 @@ impl State {
             modes_product: vec![0.0; k],
             modes_x: vec![0.0; k],
             lagrangian: None,
+            imbalance: f64::INFINITY,
+            slow: 0,
             lambda: vec![0.0; m],
             alpha: vec![0.0; k],
             product: vec![0.0; m],
             inside: vec![0.0; m],
             image: vec![0.0; m],
             modes_image: vec![0.0; k],
+            parts: vec![0.0; k],
             judge: setup.judge(),
             kind: 'c',
             products,
         };
         state.prepare(setup);
         state.refresh(setup);
+        if let Some(guess) = guess {
+            state.adopt(setup, &guess.alpha);
+        }
         if state.size == 0.0 {
             state.size = norm(&state.gradient);
         }
         state
+    }
+
+    /// Begins with the μ that makes the gradient the gap of the guess.
+    fn adopt(&mut self, setup: &Setup<'_>, alpha: &[f64]) {
+        setup.balance.from_original(alpha, &mut self.alpha);
+        setup.balance.apply(&self.x, &mut self.modes_x);
+        for j in 0..self.alpha.len() {
+            self.multiplier[j] = self.modes_product[j]
+                - self.modes_shift[j]
+                - self.alpha[j]
+                - self.penalty * self.modes_x[j];
+        }
+        setup
+            .balance
+            .add_transposed(1.0, &self.multiplier, &mut self.gradient);
+        self.split();
+        self.direction.copy_from_slice(&self.free);
     }
 
     /// Right-hand side of the shifted problem.
@@ -237,10 +279,10 @@ impl State {
             Vector::Direction => &self.direction,
             Vector::Chopped => &self.chopped,
         };
-        let mut parts = vec![0.0; setup.modes()];
-        setup.balance.apply(v, &mut parts);
+        let parts = &mut self.parts;
+        setup.balance.apply(v, parts);
         self.inside.copy_from_slice(v);
-        setup.balance.add_transposed(-1.0, &parts, &mut self.inside);
+        setup.balance.add_transposed(-1.0, parts, &mut self.inside);
         setup
             .problem
             .compliance
@@ -250,7 +292,7 @@ impl State {
         for (part, image) in parts.iter_mut().zip(&self.modes_image) {
             *part = self.penalty * *part - image;
         }
-        setup.balance.add_transposed(1.0, &parts, &mut self.image);
+        setup.balance.add_transposed(1.0, parts, &mut self.image);
     }
 
     /// Gradient from scratch, and a new direction.
@@ -303,6 +345,23 @@ impl State {
         self.residual(setup)
     }
 
+    /// Ĝλ = ê to rounding: by the loaded forces alone where they stay admissible, else by the projection, which also
+    /// loads open contacts a little.
+    fn balance_exactly(&mut self, setup: &Setup<'_>, projector: &mut Projector<'_>) {
+        let loaded: Vec<bool> = (0..self.lambda.len())
+            .map(|i| !setup.bounded(i) || self.lambda[i] > 0.0)
+            .collect();
+        let mut trial = self.lambda.clone();
+        let balanced = restore(setup, &loaded, &mut trial);
+        if balanced && (0..trial.len()).all(|i| !setup.bounded(i) || trial[i] >= 0.0) {
+            self.lambda = trial;
+        } else {
+            let mut tau = vec![0.0; setup.modes()];
+            trial.copy_from_slice(&self.lambda);
+            projector.project(&trial, &mut tau, &mut self.lambda);
+        }
+    }
+
     /// Residual at `lambda` with a fresh product.
     fn verdict(&mut self, setup: &Setup<'_>) -> f64 {
         setup
@@ -347,12 +406,27 @@ impl State {
             self.precision *= 0.5;
         }
         self.lagrangian = Some(value);
+        self.slow = if imbalance > SLOW * SLOW * self.imbalance {
+            self.slow + 1
+        } else {
+            0
+        };
+        self.imbalance = imbalance;
         for (multiplier, part) in self.multiplier.iter_mut().zip(&self.modes_x) {
             *multiplier += self.penalty * part;
         }
         setup
             .balance
             .add_transposed(self.penalty, &self.modes_x, &mut self.gradient);
+        if self.slow == SLOW_STEPS {
+            let more = (GROWTH - 1.0) * self.penalty;
+            self.penalty *= GROWTH;
+            self.step_length /= GROWTH;
+            setup
+                .balance
+                .add_transposed(more, &self.modes_x, &mut self.gradient);
+            self.slow = 0;
+        }
         self.split();
         self.direction.copy_from_slice(&self.free);
     }
@@ -421,9 +495,11 @@ impl State {
             Vector::Direction => &self.direction,
             _ => &self.chopped,
         };
-        for i in 0..self.x.len() {
-            self.x[i] = (self.x[i] - step * v[i]).max(self.floor[i]);
-            self.gradient[i] -= step * self.image[i];
+        for ((x, v), floor) in self.x.iter_mut().zip(v).zip(&self.floor) {
+            *x = (*x - step * v).max(*floor);
+        }
+        for (gradient, image) in self.gradient.iter_mut().zip(&self.image) {
+            *gradient -= step * image;
         }
         for (product, image) in self.modes_product.iter_mut().zip(&self.modes_image) {
             *product -= step * image;
@@ -482,8 +558,13 @@ mod tests {
     fn balance_is_exact_and_every_kind_of_step_occurs() {
         let problem = plate(40);
         let mut kinds = std::collections::BTreeSet::new();
+        // From no force at all, so that contacts must be released, too.
+        let nothing = Multipliers {
+            lambda: vec![0.0; 40],
+            alpha: vec![0.0; 2],
+        };
         let outcome = Mprgp::default()
-            .solve(&problem, None, &mut |iterate: &Iterate<'_>| {
+            .solve(&problem, Some(&nothing), &mut |iterate: &Iterate<'_>| {
                 kinds.insert(iterate.step);
                 ControlFlow::Continue(())
             })

@@ -12,7 +12,8 @@
 //! Guards, because convergence is a theorem for M-matrices only:
 //! * a new set that cannot balance the load is joined with the old one (the rank decides, not the signs);
 //! * a set that was seen before, or a residual that does not fall, ends the phase: some steps of [`Mprgp`], whose rate is
-//!   guaranteed, find a better face to begin again;
+//!   guaranteed, find a better face to begin again; the last resort is the exchange of one contact at a time
+//!   (`exchange.rs`), which is finite;
 //! * sets that flip between equal solutions (λᵢ = gapᵢ = 0) are accepted as soon as the residual passes;
 //! * active contacts that do not determine α leave the α of least norm that opens every gap.
 
@@ -28,8 +29,11 @@ use crate::solve::{
 /// Steps without a smaller residual that end a phase.
 const PATIENCE: usize = 8;
 
-/// Phases with MPRGP steps between them before MPRGP finishes alone.
-const PHASES: u32 = 4;
+/// Forces below this part of the largest are rounding of the linear solves.
+const ROUNDING: f64 = 1e-14;
+
+/// Phases, each followed by MPRGP steps, before contacts are exchanged one at a time.
+const PHASES: u32 = 2;
 
 /// Primal-dual active sets.
 #[derive(Debug, Clone, PartialEq)]
@@ -69,86 +73,86 @@ impl ContactSolver for Newton {
             active.fill(true);
         }
         let mut search = Search::new(&setup, self.tolerance, start);
-        for phase in 0..=PHASES {
+        for phase in 0..PHASES {
             let left = self.max_iterations.saturating_sub(search.steps);
             match search.phase(&setup, &mut active, left, observe) {
                 Phase::Converged => return Ok(search.outcome(&setup, false)),
                 Phase::Stopped => return Ok(search.outcome(&setup, true)),
                 Phase::Stuck => {}
             }
-            let last = phase == PHASES || search.steps >= self.max_iterations;
             let rescue = Mprgp {
                 tolerance: self.tolerance,
-                max_iterations: if last {
-                    Mprgp::default().max_iterations
-                } else {
-                    50 << phase
-                },
+                max_iterations: 50 << phase,
             };
-            let guess = search.multipliers(&setup);
-            let done = search.iterations;
-            let result = rescue.solve(problem, Some(&guess), &mut |iterate: &Iterate<'_>| {
-                observe(&Iterate {
-                    iteration: done + iterate.iteration,
-                    ..*iterate
-                })
-            });
-            match result {
-                Ok(outcome) if outcome.stopped_by_observer || last => {
-                    return Ok(search.finish_with(outcome));
-                }
-                Ok(outcome) => {
-                    // Solved; the exact solution on its face is cheap.
-                    let sharp = search.sharpen(&setup, &outcome.multipliers.lambda);
-                    return Ok(sharp.unwrap_or_else(|| search.finish_with(outcome)));
-                }
+            let found = match search.rescue(&setup, &rescue, observe)? {
+                Rescue::Solved(outcome) if outcome.stopped_by_observer => return Ok(outcome),
+                Rescue::Solved(outcome) => outcome.multipliers.lambda,
+                Rescue::Unfinished(lambda) => lambda,
+            };
+            for (i, active) in active.iter_mut().enumerate() {
+                *active = !setup.bounded(i) || found[i] > 0.0;
+            }
+            search.face.lambda = found;
+        }
+        match search.exchange(&setup, observe) {
+            Phase::Converged => return Ok(search.outcome(&setup, false)),
+            Phase::Stopped => return Ok(search.outcome(&setup, true)),
+            Phase::Stuck => {}
+        }
+        let residual = search.residual;
+        match search.rescue(
+            &setup,
+            &Mprgp {
+                tolerance: self.tolerance,
+                ..Mprgp::default()
+            },
+            observe,
+        )? {
+            Rescue::Solved(outcome) => Ok(outcome),
+            Rescue::Unfinished(lambda) => {
+                search.face.lambda = lambda;
                 Err(SolveError::NotConverged {
-                    outcome, residual, ..
-                }) => {
-                    if last {
-                        return Err(SolveError::NotConverged {
-                            method: self.name(),
-                            outcome: Box::new(search.finish_with(*outcome)),
-                            residual,
-                            reason: "neither active sets nor MPRGP reached the tolerance: \
-                                     check the units and the tolerance"
-                                .to_string(),
-                        });
-                    }
-                    search.iterations += outcome.iterations;
-                    search.face.products += outcome.products;
-                    for i in 0..setup.len() {
-                        active[i] = !setup.bounded(i) || outcome.multipliers.lambda[i] > 0.0;
-                    }
-                    search.face.lambda = outcome.multipliers.lambda;
-                }
-                Err(error) => return Err(error),
+                    method: self.name(),
+                    outcome: Box::new(search.outcome(&setup, false)),
+                    residual,
+                    reason: "neither active sets nor MPRGP reached the tolerance: \
+                             check the units, the supports and the tolerance"
+                        .to_string(),
+                })
             }
         }
-        Err(SolveError::Invalid(
-            "newton ended without a verdict: max_iterations must be positive".to_string(),
-        ))
     }
 }
 
-enum Phase {
+/// What MPRGP reached.
+enum Rescue {
+    /// An answer that passes, or with which the observer is satisfied; all work counted.
+    Solved(Outcome),
+    /// Its last forces.
+    Unfinished(Vec<f64>),
+}
+
+/// How a phase ended.
+pub(crate) enum Phase {
     Converged,
     Stopped,
     Stuck,
 }
 
 /// The iterate and its history.
-struct Search {
-    face: Face,
-    judge: Judge,
-    residual: f64,
-    tolerance: f64,
+pub(crate) struct Search {
+    pub face: Face,
+    pub judge: Judge,
+    pub residual: f64,
+    pub tolerance: f64,
+    /// Largest force of any step.
+    pub force: f64,
     /// Relative accuracy asked of conjugate gradients.
-    inner: f64,
+    pub inner: f64,
     /// Active-set steps.
-    steps: usize,
+    pub steps: usize,
     /// Active-set and MPRGP steps.
-    iterations: usize,
+    pub iterations: usize,
 }
 
 impl Search {
@@ -158,6 +162,7 @@ impl Search {
             judge: setup.judge(),
             residual: f64::INFINITY,
             tolerance,
+            force: 0.0,
             inner: 1e-3,
             steps: 0,
             iterations: 0,
@@ -165,7 +170,7 @@ impl Search {
     }
 
     /// Accuracy of conjugate gradients at the end.
-    fn tight(&self) -> f64 {
+    pub fn tight(&self) -> f64 {
         (1e-2 * self.tolerance).clamp(1e-13, 1e-10)
     }
 
@@ -214,7 +219,8 @@ impl Search {
             if repeated && (exact || self.inner <= self.tight()) || waited >= PATIENCE {
                 return Phase::Stuck;
             }
-            self.inner = (0.1 * change(&before, &self.face.lambda)).clamp(self.tight(), self.inner);
+            self.inner =
+                (0.1 * change(&before, &self.face.lambda).min(self.inner)).max(self.tight());
             *active = next;
             if !carries(setup, active) {
                 return Phase::Stuck;
@@ -224,14 +230,31 @@ impl Search {
     }
 
     /// Solves on the face and judges the result.
-    fn step(&mut self, setup: &Setup<'_>, active: &[bool]) {
+    pub fn step(&mut self, setup: &Setup<'_>, active: &[bool]) {
         self.face.solve(setup, active, self.inner);
         self.steps += 1;
         self.iterations += 1;
+        self.drop_rounding(setup);
         self.judge(setup);
         if !self.face.loose.is_empty() {
             self.open_gaps(setup, active);
             self.judge(setup);
+        }
+    }
+
+    /// Forces that are rounding of the largest one met so far are none: their signs mean nothing.
+    fn drop_rounding(&mut self, setup: &Setup<'_>) {
+        let largest = |s: f64, force: &f64| s.max(force.abs());
+        self.force = self.face.lambda.iter().fold(self.force, largest);
+        let mut rest = false;
+        for (i, force) in self.face.lambda.iter_mut().enumerate() {
+            if setup.bounded(i) && force.abs() <= ROUNDING * self.force {
+                *force = 0.0;
+            }
+            rest |= *force != 0.0;
+        }
+        if !rest {
+            self.face.product.fill(0.0);
         }
     }
 
@@ -291,15 +314,39 @@ impl Search {
         next
     }
 
-    /// The exact solution on the face of `lambda`, if it is one.
-    fn sharpen(&mut self, setup: &Setup<'_>, lambda: &[f64]) -> Option<Outcome> {
-        let active: Vec<bool> = (0..setup.len())
-            .map(|i| !setup.bounded(i) || lambda[i] > 0.0)
-            .collect();
-        self.face.lambda.copy_from_slice(lambda);
-        self.inner = self.tight();
-        self.step(setup, &active);
-        (self.residual <= self.tolerance).then(|| self.outcome(setup, false))
+    /// Some MPRGP steps from the current forces, seen by the observer.
+    fn rescue(
+        &mut self,
+        setup: &Setup<'_>,
+        method: &Mprgp,
+        observe: Observer<'_>,
+    ) -> Result<Rescue, SolveError> {
+        let guess = self.multipliers(setup);
+        let (done, products) = (self.iterations, self.face.products);
+        let result = method.solve(setup.problem, Some(&guess), &mut |iterate: &Iterate<'_>| {
+            observe(&Iterate {
+                iteration: done + iterate.iteration,
+                ..*iterate
+            })
+        });
+        match result {
+            Ok(outcome) => {
+                self.iterations += outcome.iterations;
+                self.face.products += outcome.products;
+                Ok(Rescue::Solved(Outcome {
+                    iterations: self.iterations,
+                    products: products + outcome.products,
+                    remarks: vec!["active sets did not settle; MPRGP finished".to_string()],
+                    ..outcome
+                }))
+            }
+            Err(SolveError::NotConverged { outcome, .. }) => {
+                self.iterations += outcome.iterations;
+                self.face.products += outcome.products;
+                Ok(Rescue::Unfinished(outcome.multipliers.lambda))
+            }
+            Err(error) => Err(error),
+        }
     }
 
     fn multipliers(&self, setup: &Setup<'_>) -> Multipliers {
@@ -315,16 +362,6 @@ impl Search {
             bolts: Vec::new(),
             stopped_by_observer,
             remarks: Vec::new(),
-        }
-    }
-
-    /// The answer of the rescue with all work counted.
-    fn finish_with(&self, rescue: Outcome) -> Outcome {
-        Outcome {
-            iterations: self.iterations + rescue.iterations,
-            products: self.face.products + rescue.products,
-            remarks: vec!["active sets did not settle; MPRGP finished".to_string()],
-            ..rescue
         }
     }
 }

@@ -345,9 +345,11 @@ impl Run {
                 return Err(self.not_converged(options, setup, bolted, residual));
             }
             previous.copy_from_slice(&self.lambda);
-            for i in 0..m {
-                let trial = self.lambda[i] - self.rho * self.judge.gap[i];
-                self.lambda[i] = if bounded[i] { trial.max(0.0) } else { trial };
+            let step = self.rho;
+            for ((force, gap), bounded) in self.lambda.iter_mut().zip(&self.judge.gap).zip(&bounded)
+            {
+                let trial = *force - step * gap;
+                *force = if *bounded { trial.max(0.0) } else { trial };
             }
             bolted.close(setup, &mut self.lambda, &mut parts);
             self.iterations += 1;
@@ -435,7 +437,7 @@ impl Run {
     }
 }
 
-/// Upper bound of λ_max(S_A), S_A = ZᵀFZ; 1 for the zero operator.
+/// Upper bound of λ_max(S_A), S_A = ZᵀFZ; see [`Setup::usable_bound`] for the zero operator.
 fn reduced_bound(setup: &Setup<'_>, bolted: &Bolted, products: &mut usize) -> f64 {
     let (m, k) = (setup.len(), setup.modes());
     let mut is_bolt = vec![false; m];
@@ -465,5 +467,5 @@ fn reduced_bound(setup: &Setup<'_>, bolted: &Bolted, products: &mut usize) -> f6
         }
     });
     *products += count;
-    if bound > 0.0 { bound } else { 1.0 }
+    setup.usable_bound(bound)
 }
