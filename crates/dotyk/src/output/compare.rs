@@ -35,11 +35,11 @@ pub fn comparison_csv(comparison: &Comparison) -> String {
 
 /// Content of `compare.svg`: curves where ρ was varied, otherwise bars.
 pub fn comparison_svg(comparison: &Comparison) -> String {
-    let varied = comparison
-        .rows
-        .iter()
-        .any(|r| r.rho_lambda_max.is_some_and(|x| x > 0.0));
-    if varied {
+    let steps = |method: &str| {
+        let rows = comparison.rows.iter().filter(|r| r.method == method);
+        rows.filter(|r| r.rho_lambda_max.is_some()).count()
+    };
+    if methods(comparison).into_iter().any(|m| steps(m) > 1) {
         curves(comparison)
     } else {
         bars(comparison)
@@ -327,7 +327,12 @@ mod tests {
     #[test]
     fn without_rho_there_are_bars() {
         let mut plain = example();
-        plain.rows.retain(|r| r.rho.is_none());
+        // One automatic step of a method is not a curve.
+        let mut first = true;
+        plain
+            .rows
+            .retain(|r| r.rho.is_none() || std::mem::take(&mut first));
+        assert_eq!(plain.rows.len(), 4);
         let svg = comparison_svg(&plain);
         assert!(svg.contains("Products with the compliance F") && svg.contains("mprgp"));
     }
