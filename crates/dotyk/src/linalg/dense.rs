@@ -168,6 +168,9 @@ pub fn symmetric_eigen(a: &Mat<f64>) -> Result<(Vec<f64>, Mat<f64>), LinalgError
 fn eigen(a: &Mat<f64>, vectors: Option<MatMut<'_, f64>>) -> Result<Vec<f64>, LinalgError> {
     let n = a.nrows();
     check_matrix(a)?;
+    if n == 0 {
+        return Ok(Vec::new());
+    }
     let wanted = match vectors {
         Some(_) => evd::ComputeEigenvectors::Yes,
         None => evd::ComputeEigenvectors::No,
@@ -564,6 +567,7 @@ mod tests {
         assert_close(&image, &scaled, 1e-13);
         assert_close(&gram(&vectors), &Mat::identity(n, n), 1e-13);
         assert_eq!(symmetric_eigenvalues(&Mat::zeros(0, 0)), Ok(vec![]));
+        assert_eq!(symmetric_eigen(&Mat::zeros(0, 0)).unwrap().0, vec![]);
     }
 
     #[test]
