@@ -23,4 +23,5 @@ pub mod linalg;
 pub mod mesh;
 pub mod model;
 pub mod output;
+pub mod prelude;
 pub mod solve;

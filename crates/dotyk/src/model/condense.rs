@@ -26,7 +26,7 @@ use rayon::prelude::*;
 use std::sync::Arc;
 
 /// Most contact unknowns for which F is assembled (134 MB); above, products with F go through the bodies' factors.
-pub(crate) const DENSE_LIMIT: usize = 4096;
+pub const DENSE_LIMIT: usize = 4096;
 
 /// The rows of B that touch one body, in the frames of its nodes, prescribed dofs included.
 pub(crate) struct BodyRows {

@@ -18,6 +18,7 @@ mod solution;
 
 pub use check::{BodyCheck, Check, ContactCheck};
 pub use compare::{Comparison, ComparisonRow};
+pub use condense::DENSE_LIMIT;
 pub use error::Error;
 pub use nouns::*;
 pub use pipeline::Event;

@@ -70,6 +70,17 @@ impl<const D: usize> Model<D> {
         self.finish(condensed, attempt, judged, start, observe)
     }
 
+    /// The dual contact problem of the model, for running or comparing solvers without the model: every multiplier in
+    /// the order of the contacts and, within one, of [`crate::model::ContactSolution::nodes`] (nodes whose normal
+    /// displacement is prescribed have none).
+    ///
+    /// F is assembled up to `dense_limit` unknowns ([`DENSE_LIMIT`] in [`Self::solve`]); above, each product is one solve
+    /// with every body.
+    /// Errors: as [`Self::solve`], but for those of the contact solver.
+    pub fn dual_problem(&self, dense_limit: usize) -> Result<DualProblem, Error<D>> {
+        Ok(self.condense(dense_limit, &mut |_| {})?.problem)
+    }
+
     /// Runs the solver until the certificate holds.
     ///
     /// The solver knows F and d, the certificate judges displacements and energies computed afresh. Where they differ
