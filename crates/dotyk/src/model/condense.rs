@@ -28,6 +28,9 @@ use std::sync::Arc;
 /// Most contact unknowns for which F is assembled (134 MB); above, products with F go through the bodies' factors.
 pub const DENSE_LIMIT: usize = 4096;
 
+/// Overlaps that are all below this part of the displacements they are differences of mean nothing.
+const ROUNDING: f64 = 1e-12;
+
 /// The rows of B that touch one body, in the frames of its nodes, prescribed dofs included.
 pub(crate) struct BodyRows {
     /// Global index of each local row, ascending.
@@ -276,15 +279,19 @@ pub(crate) fn compliance_and_overlap<const D: usize>(
 ) -> (Compliance, Vec<f64>) {
     let m = gaps.len();
     let mut overlap: Vec<f64> = gaps.iter().map(|gap| -gap).collect();
+    let mut largest = gaps.iter().fold(0.0, |s: f64, gap| s.max(gap.abs()));
     for (body, factored) in bodies.iter().zip(factored) {
         for (local, &row) in body.rows.index.iter().enumerate() {
-            overlap[row] += body
-                .rows
-                .matrix
-                .row(local)
-                .map(|(dof, value)| value * factored.base[dof])
-                .sum::<f64>();
+            for (dof, value) in body.rows.matrix.row(local) {
+                let moved = value * factored.base[dof];
+                overlap[row] += moved;
+                largest = largest.max(moved.abs());
+            }
         }
+    }
+    // Bodies that their supports carry along together do not overlap: what is left is rounding of the displacement.
+    if overlap.iter().all(|d| d.abs() <= ROUNDING * largest) {
+        overlap.fill(0.0);
     }
     if !dense {
         let apply = Box::new(CompliantBodies::new(m, bodies, factored));
