@@ -327,32 +327,39 @@ fn check_hertz(cell: CellKind, size: f64, finest: usize, energy: f64, pressure: 
     }
 }
 
+// Six meshes down to h/a = 1/128. The pressure behaves like √(a − x) at the edge, so that its order is one whatever the
+// cells; linear triangles reach it from below, 0.92, 0.95, 0.97 between the last meshes.
+
 #[test]
 fn hertz_converges_with_linear_cells() {
-    check_hertz(CellKind::Tri3, 2.0, 64, 0.95, 0.95);
-    check_hertz(CellKind::Quad4, 2.0, 64, 0.95, 0.95);
+    check_hertz(CellKind::Tri3, 2.0, 128, 0.95, 0.95);
+    check_hertz(CellKind::Quad4, 2.0, 128, 0.95, 0.95);
 }
 
 #[test]
-fn hertz_converges_with_quadratic_cells() {
-    for cell in [CellKind::Tri6, CellKind::Quad8, CellKind::Quad9] {
+fn hertz_converges_with_biquadratic_cells() {
+    check_hertz(CellKind::Quad9, 2.0, 128, 1.45, 0.95);
+}
+
+#[test]
+fn hertz_converges_with_other_quadratic_cells() {
+    for cell in [CellKind::Tri6, CellKind::Quad8] {
         check_hertz(cell, 2.0, 32, 1.45, 0.95);
     }
 }
 
-/// Six meshes of every kind down to h/a = 1/128 on the box [0, 2]².
+/// Six meshes of the quadratic cells that the suite stops at h/a = 1/32.
 #[test]
-#[ignore = "526 000 dofs: about a minute and 2 GB in release mode"]
+#[ignore = "526 000 dofs: half a minute, 1.5 GB"]
 fn hertz_converges_on_six_meshes() {
-    for cell in CellKind::ALL {
-        let energy = [0.95, 1.45][cell.order() - 1];
-        check_hertz(cell, 2.0, 128, energy, 0.95);
+    for cell in [CellKind::Tri6, CellKind::Quad8] {
+        check_hertz(cell, 2.0, 128, 1.45, 0.95);
     }
 }
 
-/// The box [0, 4]² of the case folder, linear cells and biquadratic ones.
+/// The box [0, 4]² of the case folder.
 #[test]
-#[ignore = "2.1 million dofs: some minutes and 8 GB in release mode"]
+#[ignore = "2.1 million dofs: a minute, 6 GB"]
 fn hertz_converges_on_six_meshes_of_the_large_box() {
     check_hertz(CellKind::Quad4, 4.0, 128, 0.95, 0.95);
     check_hertz(CellKind::Quad9, 4.0, 128, 1.45, 0.95);

@@ -230,25 +230,27 @@ fn check_table(case: usize, table: Table) {
             mprgp.products,
             bench.steps
         );
+        // The counts of the other program to the last; rounding may shift the crossing of 1e-8 by a step.
         within(
             paper.iterations,
             table.paper[column],
-            0.15,
+            0.02,
             &what("p,A, 1.9/L"),
         );
         within(
             gradient.iterations,
             table.exact_projection[column],
-            0.15,
+            0.02,
             &what("exact projection, 1.9/L"),
         );
         within(
             accelerated.iterations,
             table.accelerated[column],
-            0.15,
+            0.02,
             &what("accelerated"),
         );
-        let ceiling = (1.15 * table.smalbe_products[column] as f64) as usize;
+        // The penalty and the bound of the spectrum differ in detail: 0.8 to 1.2 of the products.
+        let ceiling = (1.25 * table.smalbe_products[column] as f64) as usize;
         assert!(
             mprgp.products <= ceiling,
             "{}: {} products",
@@ -302,7 +304,7 @@ fn half_the_step_costs_twice_the_iterations() {
         within(
             outcome.iterations,
             expected,
-            0.15,
+            0.02,
             &format!("{} nodes, 1/L", n + 1),
         );
     }
