@@ -36,12 +36,12 @@ const NONE: u32 = u32::MAX;
 /// Right-hand sides solved together by one task: enough to reuse each entry of L, few enough for the cache.
 const COLUMNS_PER_TASK: usize = 16;
 
-/// Pivots below this part of their diagonal entry are looked at more closely.
-const SUSPICIOUS_PIVOT: f64 = 1e-6;
+/// Pivots below this part of their diagonal entry are looked at more closely, for the price of half a solution.
+const SUSPICIOUS_PIVOT: f64 = 1e-4;
 
-/// Smallest relative energy uᵀAu / Σ aᵢᵢuᵢ² that is told from zero: 45 times the unit of rounding. Cholesky commits an
-/// error of a few units of it; a slender beam of 1000 times its depth is at 1e-12.
-const SMALLEST_ENERGY: f64 = 1e-14;
+/// Smallest relative energy uᵀAu / Σ aᵢᵢuᵢ² that is told from zero. Rounding leaves mechanisms below 1e-16 (the half unit
+/// of rounding) at every size tried, up to 161 200 dofs; a sound beam, one cell thick and 5000 long, is at 2.5e-15.
+const SMALLEST_ENERGY: f64 = 1e-15;
 
 /// What is known of a factorisation before the values: elimination order, pattern of L, places of the entries of A.
 #[derive(Debug)]
@@ -108,13 +108,13 @@ impl Analysis {
         }
         let position = positions(matrix.len(), order)?;
         let (upper, upper_source) = permuted_upper(matrix, &position, order.len());
-        let symbolic = supernodes(&upper).ok_or(too_large)?;
-        let (lower, source) = transposed(&upper, &upper_source);
+        let (symbolic, (lower, source)) =
+            rayon::join(|| supernodes(&upper), || transposed(&upper, &upper_source));
         let structure = Structure {
             dofs: matrix.len(),
             order: order.iter().map(|&dof| dof as u32).collect(),
             trailing,
-            symbolic,
+            symbolic: symbolic.ok_or(too_large)?,
         };
         Ok(Self {
             structure: Arc::new(structure),
@@ -473,8 +473,9 @@ impl Cholesky {
 
     /// Finds displacements without energy.
     ///
-    /// A small pivot alone proves nothing: it is small too where a long lever moves. With u = L⁻ᵀeⱼ for the smallest
-    /// relative pivot j, uᵀAu = 1, and the comparison with Σ aᵢᵢuᵢ² is independent of levers and of units.
+    /// A small pivot alone proves nothing: a long lever magnifies the rounding of a mechanism (to 1e-10 of the diagonal at
+    /// 40 times the depth) and lowers the pivots of a sound beam alike. With u = L⁻ᵀeⱼ for the smallest relative pivot j,
+    /// uᵀAu = 1, and the comparison with Σ aᵢᵢuᵢ² depends neither on levers nor on units.
     fn check_definite(&self, diagonal: impl Fn(usize) -> f64) -> Result<(), LinalgError> {
         let (mut smallest, mut place) = (f64::INFINITY, 0);
         for s in 0..self.structure.symbolic.n_supernodes() {
@@ -627,7 +628,7 @@ mod tests {
         let mut expected = schur_complement(&matrix, &[3, 0, 4, 1, 2], 4);
         cholesky_in_place(&mut expected).unwrap();
         for j in 0..4 {
-            assert!(largest_difference(l.col_as_slice(j), expected.col_as_slice(j)) < 1e-15);
+            assert!(largest_difference(l.col_as_slice(j), expected.col_as_slice(j)) < 1e-14);
         }
         assert_eq!(l[(1, 1)], 4.0);
     }
@@ -777,7 +778,7 @@ mod tests {
 
     #[test]
     fn a_mechanism_is_found_whatever_its_size() {
-        for (nx, ny) in [(1, 1), (3, 2), (20, 7), (90, 80)] {
+        for (nx, ny) in [(1, 1), (3, 2), (20, 7), (200, 5), (90, 80)] {
             let (matrix, order) = hinged(nx, ny);
             let refused = Cholesky::factor(&matrix, &order, 0).unwrap_err();
             assert!(
@@ -792,7 +793,7 @@ mod tests {
 
     #[test]
     fn a_slender_beam_is_not_taken_for_a_mechanism() {
-        let (matrix, order, _) = clamped(1000, 1);
+        let (matrix, order, _) = clamped(5000, 1);
         assert!(Cholesky::factor(&matrix, &order, 0).is_ok());
     }
 

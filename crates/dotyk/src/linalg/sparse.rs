@@ -472,10 +472,10 @@ fn gather_node<const D: usize>(
             }
             // The block of the node itself is a lower triangle, that of a neighbour is full.
             let place = greater.binary_search(&other).ok();
-            for column in 0..D {
+            for (column, &start) in column_start.iter().enumerate() {
                 let (first_row, offset) = match place {
-                    None => (column, column_start[column]),
-                    Some(place) => (0, column_start[column] + D - column + D * place),
+                    None => (column, start),
+                    Some(place) => (0, start + D - column + D * place),
                 };
                 for row in first_row..D {
                     let (i, j) = (D * other_local + row, D * local + column);

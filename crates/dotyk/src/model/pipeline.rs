@@ -65,18 +65,20 @@ impl<const D: usize> Model<D> {
         let mut condensed = self.condense(DENSE_LIMIT, observe)?;
         observe(Event::Stage("contact"));
         let clock = Instant::now();
-        let (attempt, judged) = self.certified_attempt(&condensed, observe)?;
+        let (attempt, judged) = self.certified_attempt(&mut condensed, observe)?;
         condensed.seconds.contact = clock.elapsed().as_secs_f64();
         self.finish(condensed, attempt, judged, start, observe)
     }
 
     /// Runs the solver until the certificate holds.
     ///
-    /// The solver stops on the data of the dual problem, the certificate judges displacements and energies computed
-    /// afresh. Where the two differ by a factor, the solver goes on from its answer with a tolerance that much smaller.
+    /// The solver knows F and d, the certificate judges displacements and energies computed afresh. Where they differ
+    /// (rounding of the factorisation in a slender body, another scale of the energy), d is corrected so that the gap of
+    /// the dual problem at the present λ is the gap of the displacements, and the solver goes on from its answer with a
+    /// tolerance that much smaller: iterative refinement of the contact problem.
     fn certified_attempt(
         &self,
-        condensed: &Condensed<D>,
+        condensed: &mut Condensed<D>,
         observe: &mut dyn FnMut(Event),
     ) -> Result<(Attempt, Judged<D>), Error<D>> {
         let mut tolerance = self.solver.tolerance;
@@ -87,17 +89,23 @@ impl<const D: usize> Model<D> {
             if attempt.failure.is_some() || judged.certificate.holds() {
                 break;
             }
-            let worst = judged
-                .certificate
-                .figures()
+            let figures = judged.certificate.figures();
+            let worst = figures
                 .iter()
                 .map(|(_, f)| f.relative / f.limit)
                 .fold(1.0, f64::max);
-            tolerance *= 0.5 / worst;
-            if !(tolerance > 1e-15) {
-                break;
-            }
+            tolerance *= 0.5 / worst.min(1e3);
             let guess = attempt.outcome.multipliers.clone();
+            let known = condensed.problem.gap(&guess);
+            for ((d, gap), known) in condensed
+                .problem
+                .shift
+                .iter_mut()
+                .zip(&judged.gaps)
+                .zip(&known)
+            {
+                *d -= gap - known;
+            }
             let further = self.run_solver(
                 condensed,
                 self.solver.method,

@@ -2,6 +2,8 @@
 //!
 //! u = u_D + K⁺(f − K u_D − Bᵀλ) + Rα for every body. The gaps, reactions, resultants and energies of the certificate
 //! are computed from u and λ afresh, not taken from F and d, so that an error of the condensation cannot hide.
+//! Its energy gap is that of the potential and the complementary energy, Π(u) − Π*(σ, λ) = λ·gap − r·u, with r what the
+//! nodal forces of any body leave unbalanced.
 
 use super::condense::{FactoredBody, LoadedBody};
 use super::error::Error;
@@ -22,7 +24,8 @@ use std::collections::BTreeMap;
 /// Displacements and forces of all bodies, judged but not yet dressed up.
 pub(crate) struct Judged<const D: usize> {
     states: Vec<BodyState<D>>,
-    gaps: Vec<f64>,
+    /// Gaps of all multipliers from the displacements.
+    pub gaps: Vec<f64>,
     /// What was checked.
     pub certificate: Certificate,
     /// Bodies that touch nothing and carry no load.
@@ -170,8 +173,8 @@ struct BodyState<const D: usize> {
     /// External, support and contact force of every node.
     total: Vec<Point<D>>,
     strain_energy: f64,
-    /// 1/2 uᵀKu − fᵀu.
-    potential: f64,
+    /// 2·(strain energy) − f·u − R·u: minus the work of the contact forces, when all forces balance.
+    unbalanced_work: f64,
 }
 
 /// State of a body, its displacement refined until its forces balance.
@@ -223,7 +226,6 @@ impl<const D: usize> BodyState<D> {
         let (forces, strain_energy) = internal_forces(body, model.analysis, &global)?;
         let mut internal: Vec<f64> = forces.iter().flatten().copied().collect();
         system.to_frames(&mut internal);
-        let work: f64 = u.iter().zip(&system.load).map(|(u, f)| u * f).sum();
         let local: Vec<f64> = loaded.rows.index.iter().map(|&row| lambda[row]).collect();
         let mut push = vec![0.0; u.len()];
         loaded.rows.matrix.mul_transpose_add(&local, &mut push);
@@ -237,12 +239,14 @@ impl<const D: usize> BodyState<D> {
             }
             total[i] = system.load[i] + reactions[i] - push[i];
         }
+        let applied = system.load.iter().zip(&reactions).map(|(f, r)| f + r);
+        let external: f64 = applied.zip(u).map(|(force, u)| force * u).sum();
         let state = Self {
             u: global,
             reactions: system.to_global(&reactions),
             total: system.to_global(&total),
             strain_energy,
-            potential: strain_energy - work,
+            unbalanced_work: 2.0 * strain_energy - external,
         };
         Ok((state, residual))
     }
@@ -262,51 +266,24 @@ fn certify<const D: usize>(
         moment = moment.max(m);
     }
     let elastic_energy: f64 = states.iter().map(|state| state.strain_energy).sum();
-    let primal: f64 = states.iter().map(|state| state.potential).sum();
+    // Π(u) − Π*(σ, λ) = (2·energy − f·u − R·u_D) summed over the bodies + λ·g₀, with Π* = −energy(σ) − λ·g₀ + R·u_D
+    let work: f64 = states.iter().map(|state| state.unbalanced_work).sum();
+    let on_gaps: f64 = multipliers
+        .lambda
+        .iter()
+        .zip(&condensed.gaps)
+        .map(|(l, g)| l * g)
+        .sum();
     let recomputed = Recomputed {
         gap: gaps,
         imbalance_force: force,
         imbalance_moment: moment,
-        energy_gap: (primal - dual_energy(condensed, multipliers)).abs(),
+        energy_gap: (work + on_gaps).abs(),
         elastic_energy,
     };
     condensed
         .problem
         .certify_with(multipliers, &recomputed, model.solver.tolerance)
-}
-
-/// Dual energy −1/2 λᵀFλ + dᵀλ + c with c the energy of the bodies without contact; equals the primal energy at the
-/// solution. The part of d that is the initial gap enters as work of λ on it.
-fn dual_energy<const D: usize>(condensed: &Condensed<D>, multipliers: &Multipliers) -> f64 {
-    let Condensed {
-        bodies,
-        factored,
-        problem,
-        ..
-    } = condensed;
-    let lambda = &multipliers.lambda;
-    let mut product = vec![0.0; lambda.len()];
-    problem.compliance.apply(lambda, &mut product);
-    let contact: f64 = lambda
-        .iter()
-        .zip(&product)
-        .zip(&problem.shift)
-        .map(|((l, p), d)| l * (d - 0.5 * p))
-        .sum();
-    let separate: f64 = bodies
-        .iter()
-        .zip(factored)
-        .map(|(body, FactoredBody { base, .. })| {
-            let mut internal = vec![0.0; base.len()];
-            body.system.stiffness.mul(base, &mut internal);
-            // 1/2 bᵀKb − fᵀb at b = u_D + K⁺(f − K u_D); dofs that only hold K⁺ do not move, so they add nothing
-            base.iter()
-                .zip(internal.iter().zip(&body.system.load))
-                .map(|(b, (k, f))| b * (0.5 * k - f))
-                .sum::<f64>()
-        })
-        .sum();
-    contact + separate
 }
 
 /// Resultant force and moment about the centroid that are left over.
