@@ -496,14 +496,19 @@ fn a_ring_of_32_quadratic_edges_is_right_to_a_fifth_of_a_percent() {
 #[test]
 fn a_ring_of_linear_cells_converges() {
     for cell in [CellKind::Tri3, CellKind::Quad4] {
-        let errors = [32, 64, 128].map(|n| ring_error(cell, n));
-        let p = order(errors[1].pressure, errors[2].pressure);
-        let u = order(errors[1].ovalisation, errors[2].ovalisation);
-        println!("{}: orders {p:.3} {u:.3}", cell.name());
-        assert!((p - 1.0).abs() < 0.1, "{}: pressure order {p}", cell.name());
+        let errors = [64, 128, 256].map(|n| ring_error(cell, n));
+        let [_, [p, u]] = [0, 1].map(|k| {
+            let [a, b] = [errors[k], errors[k + 1]];
+            let p = order(a.pressure, b.pressure);
+            let u = order(a.ovalisation, b.ovalisation);
+            println!("{}: orders {p:.3} {u:.3}", cell.name());
+            [p, u]
+        });
+        // One for triangles; on quadrilaterals, symmetric about every contact node, the pressure is better than that.
+        assert!(p > 0.95, "{}: pressure order {p}", cell.name());
         // Bending locks on coarse meshes, so that the order comes from below: 1.5, 1.85, 1.96 for triangles.
         assert!(
-            (u - 2.0).abs() < 0.2,
+            (u - 2.0).abs() < 0.1,
             "{}: ovalisation order {u}",
             cell.name()
         );
@@ -570,6 +575,7 @@ fn a_press_fit_converges() {
         let [_, coarse, fine] = [8, 16, 32].map(|n| press_fit_error(cell, n));
         let measured = order(coarse, fine);
         println!("{}: order {measured:.3}", cell.name());
+        // Two of the quadratic cells; linear quadrilaterals, promised one, gain from the symmetry of the state.
         let expected = cell.order() as f64;
         assert!(
             measured >= expected - 0.1,

@@ -1,6 +1,7 @@
 //! Every folder of `cases/`, as `dotyk verify` does: each case certified, each reference value within its band.
 
 use dotyk::case::{Case, References, Verdict};
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 fn entries(folder: &Path) -> Vec<PathBuf> {
@@ -17,47 +18,47 @@ fn is_case(path: &Path) -> bool {
 /// What is wrong in a folder; the number of its values that were judged.
 fn verify(folder: &Path) -> (Vec<String>, usize) {
     let (mut wrong, mut judged) = (Vec::new(), 0);
-    let reference = folder.join("reference.toml");
-    let references = reference
-        .exists()
-        .then(|| References::read(&reference).unwrap());
-    let mut values = references.map_or(Vec::new(), |r| r.values);
+    let mut solutions = BTreeMap::new();
     for path in entries(folder).into_iter().filter(|path| is_case(path)) {
-        let name = path.file_name().unwrap().to_string_lossy().into_owned();
         let case = Case::read(&path).unwrap_or_else(|error| panic!("{error}"));
-        let solution = match case.model.solve() {
-            Ok(solution) => solution,
-            Err(error) => {
-                wrong.push(format!("{}: {error}", path.display()));
-                continue;
+        match case.model.solve() {
+            Ok(solution) => {
+                assert!(solution.converged, "{}", path.display());
+                let name = path.file_name().unwrap().to_string_lossy();
+                solutions.insert(name.into_owned(), solution);
             }
-        };
-        if !solution.converged {
-            wrong.push(format!("{}: not certified", path.display()));
-        }
-        let (of_case, others) = values.into_iter().partition(|r| r.case == name);
-        values = others;
-        let of_case: Vec<dotyk::case::Reference> = of_case;
-        for value in of_case {
-            let found = solution.probes.iter().find(|p| p.name == value.probe);
-            match found.map(|p| (p.value, value.judge(p.value))) {
-                Some((_, Verdict::Within)) => judged += 1,
-                Some((_, Verdict::NotJudged)) => {}
-                Some((computed, Verdict::Outside)) => wrong.push(format!(
-                    "{}, {}: {computed}, not {} ({:?})",
-                    path.display(),
-                    value.probe,
-                    value.value,
-                    value.criterion
-                )),
-                None => wrong.push(format!("{}: no probe {}", path.display(), value.probe)),
-            }
+            Err(error) => wrong.push(format!("{}: {error}", path.display())),
         }
     }
-    let lost = values
-        .iter()
-        .map(|r| format!("{}: no case {}", folder.display(), r.case));
-    wrong.extend(lost);
+    let reference = folder.join("reference.toml");
+    if !reference.exists() {
+        return (wrong, judged);
+    }
+    let references = References::read(&reference).unwrap_or_else(|error| panic!("{error}"));
+    for value in references.values {
+        // A case or probe that is not there agrees with nothing.
+        let read = |case: &str| {
+            let probes = solutions.get(case).map(|s| s.probes.iter());
+            let found = probes.and_then(|mut p| p.find(|p| p.name == value.probe));
+            found.map_or(f64::NAN, |p| p.value)
+        };
+        let computed = value.computed(read(&value.case), value.against.as_deref().map(read));
+        match value.judge(computed) {
+            Verdict::Within => judged += 1,
+            Verdict::NotJudged if computed.is_nan() => {
+                wrong.push(format!("{}, {}: not computed", value.case, value.probe));
+            }
+            Verdict::NotJudged => {}
+            Verdict::Outside => wrong.push(format!(
+                "{}, {}, {}: {computed}, not {} ({:?})",
+                folder.display(),
+                value.case,
+                value.probe,
+                value.value,
+                value.criterion
+            )),
+        }
+    }
     (wrong, judged)
 }
 
