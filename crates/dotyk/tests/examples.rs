@@ -1,6 +1,8 @@
 //! Every example is run: its assertions are tests.
 
-// `main` prints and writes files; what it rests on is called here.
+// Where `main` writes files, what it rests on is called here.
+#[path = "../examples/identify.rs"]
+mod identify;
 #[allow(dead_code)]
 #[path = "../examples/punch.rs"]
 mod punch;
@@ -23,11 +25,16 @@ fn the_lining_is_pressed_as_the_exact_solution_says() {
 }
 
 #[test]
+fn the_identified_data_explain_the_tables_of_the_paper() {
+    identify::main();
+}
+
+#[test]
 fn every_example_is_run_here() {
     let folder = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("examples");
     for entry in std::fs::read_dir(folder).unwrap() {
         let name = entry.unwrap().file_name().into_string().unwrap();
-        let known = ["punch.rs", "ring.rs"].contains(&name.as_str());
+        let known = ["identify.rs", "punch.rs", "ring.rs"].contains(&name.as_str());
         assert!(known, "examples/{name} is not run by tests/examples.rs");
     }
 }

@@ -526,3 +526,31 @@ fn a_method_that_runs_out_of_iterations_hands_over_its_last_iterate() {
         other => panic!("{other:?}"),
     }
 }
+
+#[test]
+fn every_method_gives_the_same_certified_answer() {
+    for case in [1, 2] {
+        let exact = tunnel(case, 32).solve().unwrap();
+        let pressures = |solution: &Solution<2>| -> Vec<f64> {
+            solution.contacts[0]
+                .nodes
+                .iter()
+                .map(|n| n.pressure)
+                .collect()
+        };
+        let expected = pressures(&exact);
+        let peak = expected.iter().fold(0.0, |s: f64, p| s.max(*p));
+        for method in Method::NAMED {
+            let mut model = tunnel(case, 32);
+            model.solver.method = method;
+            let solution = model.solve().unwrap();
+            assert_eq!(solution.solver.method, method.name());
+            assert!(solution.converged && solution.certificate.holds());
+            for (found, expected) in pressures(&solution).iter().zip(&expected) {
+                // The tolerance 1e-8 bounds gaps; F is worse conditioned than that by a factor of hundreds.
+                let off = (found - expected).abs() / peak;
+                assert!(off <= 1e-5, "case {case}, {}: {off:e}", method.name());
+            }
+        }
+    }
+}
