@@ -118,7 +118,7 @@ fn mesh_caption(model: &Model<2>) -> String {
         .sum();
     let nodes: usize = model.bodies.iter().map(|b| b.mesh.points().len()).sum();
     format!(
-        "{} cells, {} nodes. Cells narrower than four pixels are drawn without their edges. Arrows of one load are to scale among \
+        "{} cells, {} nodes. Cells narrower than two pixels are drawn without their edges. Arrows of one load are to scale among \
          themselves.",
         count(cells),
         count(nodes)
