@@ -244,7 +244,7 @@ fn build<const D: usize>(
                 fixed,
             } => {
                 let weight = weights[&node];
-                if weight.is_nan() || weight <= 0.0 {
+                if !(weight > 0.0) {
                     let point = show(mesh.points()[node]);
                     return Err(ContactError::Weight {
                         side: nonmortar.name(),

@@ -337,10 +337,10 @@ pub(crate) fn invert<const D: usize>(m: [[f64; D]; D]) -> ([[f64; D]; D], f64) {
             m[0][0] * m[1][1] - m[0][1] * m[1][0]
         }
         3 => {
-            for (i, row) in inverse.iter_mut().enumerate() {
-                for (j, cofactor) in row.iter_mut().enumerate() {
+            for i in 0..3 {
+                for j in 0..3 {
                     let (a, b, c, d) = ((j + 1) % 3, (j + 2) % 3, (i + 1) % 3, (i + 2) % 3);
-                    *cofactor = m[a][c] * m[b][d] - m[a][d] * m[b][c];
+                    inverse[i][j] = m[a][c] * m[b][d] - m[a][d] * m[b][c];
                 }
             }
             (0..3).map(|j| m[0][j] * inverse[j][0]).sum()

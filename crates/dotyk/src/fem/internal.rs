@@ -87,9 +87,9 @@ fn cell_forces<const D: usize>(
         let sigma = |i: usize, j: usize| s[[[0, 3, 5], [3, 1, 4], [5, 4, 2]][i][j]];
         let w = volume * measure(analysis, body.thickness, point);
         for local in 0..cell.len() {
-            for (i, force) in forces[local].iter_mut().enumerate() {
+            for i in 0..D {
                 let along: f64 = (0..D).map(|j| sigma(i, j) * gradients[local][j]).sum();
-                *force += w * along;
+                forces[local][i] += w * along;
             }
             if analysis == Analysis::Axisymmetric {
                 forces[local][0] += w * s[2] * table.shape(q)[local] / point[0];

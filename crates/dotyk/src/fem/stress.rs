@@ -140,7 +140,7 @@ fn extrapolation(kind: CellKind) -> Vec<Vec<f64>> {
                 .to_vec()
         }
     };
-    nodes.iter().map(weights).collect()
+    nodes.iter().map(|xi| weights(xi)).collect()
 }
 
 /// Von Mises stress of (xx yy zz xy yz xz).

@@ -343,6 +343,7 @@ impl<const D: usize> Model<D> {
                 Box::new(Newton {
                     tolerance,
                     max_iterations: limit.unwrap_or(default.max_iterations),
+                    ..default
                 })
             }
             Method::Mprgp => {
@@ -350,6 +351,7 @@ impl<const D: usize> Model<D> {
                 Box::new(Mprgp {
                     tolerance,
                     max_iterations: limit.unwrap_or(default.max_iterations),
+                    ..default
                 })
             }
             Method::Gradient => {
