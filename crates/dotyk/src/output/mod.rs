@@ -1,6 +1,6 @@
 //! VTU, CSV, JSON, pictures and the report of a solution.
 //!
-//! Result files appear whole or not at all: see [`write`]. Numbers and signs are those of the solution; only the report
+//! Result files appear whole or not at all: see [`write()`]. Numbers and signs are those of the solution; only the report
 //! rounds. The same solution gives the same bytes, but for the timings.
 
 mod colour;
