@@ -5,7 +5,7 @@
 
 use crate::model::{Comparison, ComparisonRow};
 use crate::output::plot::{Axis, Frame};
-use crate::output::svg::{ALARM, Anchor, MUTED, SERIES, Svg, Type, short};
+use crate::output::svg::{ALARM, Anchor, MUTED, SERIES, Svg, Type, short, text_width};
 use crate::output::text::{count, seconds};
 use std::fmt::Write;
 
@@ -58,16 +58,7 @@ fn methods(comparison: &Comparison) -> Vec<&str> {
 
 fn curves(comparison: &Comparison) -> String {
     let mut svg = canvas("Iterations as a function of rho times lambda max", 470.0);
-    svg.text(
-        [70.0, 26.0],
-        &comparison.title,
-        Type {
-            size: 14.0,
-            ..Type::LABEL
-        }
-        .bold()
-        .anchored(Anchor::Start),
-    );
+    headline(&mut svg, 70.0, &comparison.title);
     let places: Vec<f64> = comparison
         .rows
         .iter()
@@ -81,7 +72,7 @@ fn curves(comparison: &Comparison) -> String {
         .map(|r| r.iterations as f64)
         .collect();
     let frame = Frame {
-        corner: [70.0, 62.0],
+        corner: [70.0, 70.0],
         size: [488.0, 350.0],
         x: Axis::log("ρ · λₘₐₓ", &places),
         y: Axis::log("Iterations", &counts),
@@ -194,16 +185,7 @@ fn bars(comparison: &Comparison) -> String {
     let each = 34.0;
     let height = 66.0 + each * comparison.rows.len() as f64;
     let mut svg = canvas("Products with the compliance by method", height);
-    svg.text(
-        [16.0, 26.0],
-        &comparison.title,
-        Type {
-            size: 14.0,
-            ..Type::LABEL
-        }
-        .bold()
-        .anchored(Anchor::Start),
-    );
+    headline(&mut svg, 16.0, &comparison.title);
     svg.text(
         [110.0, 48.0],
         "Products with the compliance F (logarithmic)",
@@ -254,6 +236,20 @@ fn bars(comparison: &Comparison) -> String {
         );
     }
     svg.finish()
+}
+
+/// The title in one line: long ones in smaller letters.
+fn headline(svg: &mut Svg, left: f64, title: &str) {
+    let room = 750.0 - left;
+    // Heavy letters are about a tenth wider.
+    let size = (14.0 * room / (1.1 * text_width(title, 14.0)).max(1.0)).clamp(8.0, 14.0);
+    let style = Type {
+        size,
+        ..Type::LABEL
+    }
+    .bold()
+    .anchored(Anchor::Start);
+    svg.text([left, 22.0], title, style);
 }
 
 fn canvas(description: &str, height: f64) -> Svg {
