@@ -139,7 +139,7 @@ fn no_file_names_a_path_of_a_machine() {
                     before.is_none_or(|c| c.is_whitespace() || "\"'`(=".contains(c))
                 })
             };
-            if folders.iter().any(|folder| absolute(folder)) {
+            if folders.iter().any(absolute) {
                 found.push(format!("{}:{}: {line}", path.display(), index + 1));
             }
         }
