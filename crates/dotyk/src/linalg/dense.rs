@@ -168,6 +168,10 @@ pub fn symmetric_eigen(a: &Mat<f64>) -> Result<(Vec<f64>, Mat<f64>), LinalgError
 fn eigen(a: &Mat<f64>, vectors: Option<MatMut<'_, f64>>) -> Result<Vec<f64>, LinalgError> {
     let n = a.nrows();
     check_matrix(a)?;
+    // the size of the scratch memory is not defined for an empty matrix
+    if n == 0 {
+        return Ok(Vec::new());
+    }
     let wanted = match vectors {
         Some(_) => evd::ComputeEigenvectors::Yes,
         None => evd::ComputeEigenvectors::No,

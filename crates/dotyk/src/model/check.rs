@@ -1,6 +1,7 @@
 //! `check`: what can be said of a model before anything is solved.
 
 use super::condense::{LoadedBody, body_rows};
+use super::dependent::drop_dependent;
 use super::error::Error;
 use super::floating::Floating;
 use super::nouns::*;
@@ -90,7 +91,10 @@ impl<const D: usize> Model<D> {
             }
             check.bodies.push(found);
         }
-        let paired = pair_all(self, &systems)?;
+        let mut paired = pair_all(self, &systems)?;
+        check
+            .warnings
+            .extend(drop_dependent(self, &systems, &mut paired));
         for (contact, pair) in self.contacts.iter().zip(&paired) {
             let nodes = &pair.interface.nodes;
             let gaps = || {

@@ -36,13 +36,23 @@ pub(crate) struct BodyRows {
     pub matrix: SparseMatrix,
 }
 
+impl BodyRows {
+    /// out += B u; shapes (D·n,) and (m,).
+    fn add_product(&self, u: &[f64], out: &mut [f64]) {
+        for (local, &row) in self.index.iter().enumerate() {
+            let product = self.matrix.row(local).map(|(dof, value)| value * u[dof]);
+            out[row] += product.sum::<f64>();
+        }
+    }
+}
+
 /// One body, ready to be factored.
 pub(crate) struct LoadedBody<const D: usize> {
     /// Its discrete equilibrium.
     pub system: BodySystem<D>,
     /// Its rows of B.
     pub rows: Arc<BodyRows>,
-    /// f − K u_D on the free dofs, zero on the held ones.
+    /// f − K u_D on the free dofs, zero on the held ones; u_D less the rigid motion that it contains.
     pub reduced_load: Vec<f64>,
 }
 
@@ -50,9 +60,9 @@ impl<const D: usize> LoadedBody<D> {
     /// Adds the lift of the prescribed displacements to the load.
     pub fn new(system: BodySystem<D>, rows: BodyRows) -> Self {
         let mut reduced_load = system.load.clone();
-        if system.prescribed.iter().any(|&value| value != 0.0) {
+        if system.lift.iter().any(|&value| value != 0.0) {
             let mut product = vec![0.0; reduced_load.len()];
-            system.stiffness.mul(&system.prescribed, &mut product);
+            system.stiffness.mul(&system.lift, &mut product);
             reduced_load
                 .iter_mut()
                 .zip(&product)
@@ -77,7 +87,7 @@ impl<const D: usize> LoadedBody<D> {
 pub(crate) struct FactoredBody {
     /// Factor of K on the free dofs, grounded ones left out.
     pub factor: Arc<Cholesky>,
-    /// u_D + K⁺(f − K u_D), (D·n,).
+    /// u_D + K⁺(f − K u_D), (D·n,), less the rigid motion that u_D contains.
     pub base: Vec<f64>,
 }
 
@@ -258,7 +268,7 @@ pub(crate) fn base_solution<const D: usize>(
     let mut base = body.reduced_load.clone();
     factor.solve(&mut base);
     base.iter_mut()
-        .zip(&body.system.prescribed)
+        .zip(&body.system.lift)
         .for_each(|(u, lift)| *u += lift);
     FactoredBody {
         factor: Arc::new(factor),
@@ -276,15 +286,12 @@ pub(crate) fn compliance_and_overlap<const D: usize>(
 ) -> (Compliance, Vec<f64>) {
     let m = gaps.len();
     let mut overlap: Vec<f64> = gaps.iter().map(|gap| -gap).collect();
+    // rigid motions first: they may cancel a clearance that is large beside the strains
+    for body in bodies {
+        body.rows.add_product(&body.system.carried, &mut overlap);
+    }
     for (body, factored) in bodies.iter().zip(factored) {
-        for (local, &row) in body.rows.index.iter().enumerate() {
-            overlap[row] += body
-                .rows
-                .matrix
-                .row(local)
-                .map(|(dof, value)| value * factored.base[dof])
-                .sum::<f64>();
-        }
+        body.rows.add_product(&factored.base, &mut overlap);
     }
     if !dense {
         let apply = Box::new(CompliantBodies::new(m, bodies, factored));

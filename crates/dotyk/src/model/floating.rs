@@ -1,6 +1,6 @@
 //! Floating bodies: which rigid motions the contacts control, and what becomes of the others.
 //!
-//! The columns of R of all bodies are the modes; G = RᵀBᵀ and e = Rᵀ(f − K u_D). A combination z with Gᵀz = 0 is a
+//! The columns of R of all bodies are the modes; G = RᵀBᵀ and e = Rᵀf. A combination z with Gᵀz = 0 is a
 //! motion that no contact can resist: driven by the load it is an error, else it is fixed by least norm with a warning.
 //! If no admissible λ satisfies Gλ = e, the load pulls a body away from everything that could hold it.
 
@@ -54,13 +54,17 @@ impl Floating {
                     .map(|(dof, value)| value * column[dof])
                     .sum();
             }
-            e[k] = column.iter().zip(&b.reduced_load).map(|(r, f)| r * f).sum();
+            // a free mode strains nothing: what is prescribed does no work on it
+            e[k] = column.iter().zip(&b.system.load).map(|(r, f)| r * f).sum();
         }
-        for &(body, mode) in &modes {
+        for &(body, _) in &modes {
             if bodies[body].rows.index.is_empty() {
+                let count = bodies[body].system.modes.len();
+                let motions =
+                    (0..count).map(|mode| describe(model, bodies, body, |k| f64::from(k == mode)));
                 return Err(Error::NotHeld {
                     body: model.bodies[body].name.clone(),
-                    motion: describe(model, bodies, body, |k| f64::from(k == mode)),
+                    motion: motions.collect::<Vec<_>>().join(", "),
                     reason: "no contact faces it".to_string(),
                 });
             }
@@ -199,7 +203,8 @@ fn check_undriven<const D: usize>(
         .iter()
         .map(|&(body, _)| {
             bodies[body]
-                .reduced_load
+                .system
+                .load
                 .iter()
                 .map(|f| f.abs())
                 .sum::<f64>()
@@ -221,13 +226,14 @@ fn check_undriven<const D: usize>(
 
 /// Chooses the rigid amplitudes that the contact leaves open: least norm of the displacement without penetration.
 ///
-/// `free` lists combinations of modes, (r,) each; `displacement` the nodal displacements of all bodies in their frames;
-/// `gaps` those of all multipliers. Both are updated.
+/// `free` lists combinations of modes, (r,) each; `elastic` and `rigid` are the two parts of the nodal displacements of all
+/// bodies in their frames; `gaps` those of all multipliers. The last two are updated.
 pub(crate) fn settle<const D: usize>(
     bodies: &[LoadedBody<D>],
     floating: &Floating,
     free: &[Vec<f64>],
-    displacement: &mut [Vec<f64>],
+    elastic: &[Vec<f64>],
+    rigid: &mut [Vec<f64>],
     gaps: &mut [f64],
 ) {
     // orthonormalise the motions over all nodes, so that the least norm of amplitudes is that of displacements
@@ -255,8 +261,8 @@ pub(crate) fn settle<const D: usize>(
         }
     }
     for motion in &motions {
-        let part = -inner(displacement, motion);
-        move_by(bodies, part, motion, displacement, gaps);
+        let part = -inner(elastic, motion) - inner(rigid, motion);
+        move_by(bodies, part, motion, rigid, gaps);
     }
     // closing[i][j]: by how much motion j closes gap i; no gap may become negative
     let mut closing = vec![vec![0.0; motions.len()]; gaps.len()];
@@ -278,7 +284,7 @@ pub(crate) fn settle<const D: usize>(
     let closing: Vec<Vec<f64>> = touched.iter().map(|&i| closing[i].clone()).collect();
     if let Some(beta) = least_norm_within(&closing, &bounds, motions.len()) {
         for (b, motion) in beta.iter().zip(&motions) {
-            move_by(bodies, *b, motion, displacement, gaps);
+            move_by(bodies, *b, motion, rigid, gaps);
         }
     }
 }

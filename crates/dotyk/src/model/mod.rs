@@ -7,6 +7,7 @@ mod build;
 mod check;
 mod compare;
 mod condense;
+mod dependent;
 mod error;
 mod floating;
 mod nouns;

@@ -4,6 +4,7 @@ use super::condense::{
     DENSE_LIMIT, FactoredBody, LoadedBody, Ordered, base_solution, body_rows,
     compliance_and_overlap, factor, order,
 };
+use super::dependent::drop_dependent;
 use super::error::Error;
 use super::floating::Floating;
 use super::nouns::*;
@@ -136,7 +137,8 @@ impl<const D: usize> Model<D> {
         observe(Event::Stage("assemble"));
         self.check_probes()?;
         let systems = self.systems()?;
-        let paired = pair_all(self, &systems)?;
+        let mut paired = pair_all(self, &systems)?;
+        let mut warnings = drop_dependent(self, &systems, &mut paired);
         let (rows, gaps) = body_rows(self, &systems, &paired);
         seconds.assemble = lap();
         let dense = gaps.len() <= dense_limit;
@@ -165,7 +167,7 @@ impl<const D: usize> Model<D> {
             .map_err(|error| Error::Solver(error.to_string()))?;
         problem.scales = self.scales(&bodies, &factored, &problem);
         seconds.condense = lap();
-        let warnings = floating.warnings.clone();
+        warnings.extend(floating.warnings.iter().cloned());
         Ok(Condensed {
             bodies,
             factored,
@@ -238,7 +240,10 @@ impl<const D: usize> Model<D> {
                 .shift
                 .iter()
                 .fold(0.0, |largest, d| largest.max(d.abs())),
-            force: bodies.iter().map(resultant).fold(0.0, f64::max),
+            force: bodies
+                .iter()
+                .map(|body| resultant(body).max(body.system.largest_load))
+                .fold(0.0, f64::max),
             moment_arm: self
                 .bodies
                 .iter()
@@ -478,8 +483,7 @@ impl<const D: usize> Model<D> {
         if solution.converged {
             return Ok(solution);
         }
-        let reason =
-            failure.unwrap_or_else(|| "the certificate of the answer does not hold".to_string());
+        let reason = failure.unwrap_or_else(|| solution.certificate.objection());
         Err(Error::NotConverged {
             reason,
             solution: Box::new(solution),
