@@ -154,6 +154,15 @@ fn checked_references(
         if !names().any(|name| name == reference.probe) {
             return Err(references.unknown_probe(reference, names()).into());
         }
+        if let Some(other) = &reference.against {
+            let Some((_, case)) = cases.iter().find(|(name, _)| name == other) else {
+                return Err(references.unknown_other(reference).into());
+            };
+            let names = || case.model.probes.iter().map(|p| p.name.as_str());
+            if !names().any(|name| name == reference.probe) {
+                return Err(references.unknown_probe(reference, names()).into());
+            }
+        }
     }
     Ok(references.values.clone())
 }
@@ -161,20 +170,36 @@ fn checked_references(
 /// Solves the cases of a folder and prints its table.
 fn verify_folder(folder: &Folder, quiet: bool, tally: &mut Tally) {
     let mut text = format!("{}\n", folder.path.display());
-    let mut rows = Vec::new();
+    let mut solutions: Vec<(&str, Option<Solution<2>>)> = Vec::new();
     for (name, case) in &folder.cases {
         tally.cases += 1;
         let solution = solve(&folder.path.join(name), case, quiet, tally);
         text += &match &solution {
             Some(s) if s.converged => format!(
-                "  {name}: certified, {}, {} iterations, {:.2} s\n",
-                s.solver.method, s.solver.iterations, s.seconds.total
+                "  {name}: certified, {}, {} iterations, {:.2} s{}\n",
+                s.solver.method,
+                s.solver.iterations,
+                s.seconds.total,
+                bolts(s)
             ),
             _ => format!("  {name}: NOT CERTIFIED\n"),
         };
-        let of_case = folder.references.iter().filter(|r| r.case == *name);
-        rows.extend(of_case.map(|reference| judged(reference, solution.as_ref(), tally)));
+        solutions.push((name, solution));
     }
+    let of = |name: &str| {
+        solutions
+            .iter()
+            .find(|(n, _)| *n == name)
+            .and_then(|(_, s)| s.as_ref())
+    };
+    let rows: Vec<Vec<String>> = folder
+        .references
+        .iter()
+        .map(|reference| {
+            let other = reference.against.as_deref().map(of);
+            judged(reference, of(&reference.case), other, tally)
+        })
+        .collect();
     if !rows.is_empty() {
         let header = [
             "case",
@@ -213,15 +238,41 @@ fn solve(path: &Path, case: &Case, quiet: bool, tally: &mut Tally) -> Option<Sol
     }
 }
 
-/// One line of the table. An answer without a certificate agrees with nothing.
-fn judged(reference: &Reference, solution: Option<&Solution<2>>, tally: &mut Tally) -> Vec<String> {
+/// The bolts of the p,A-algorithm with their forces: compression says that the choice was proper.
+fn bolts(solution: &Solution<2>) -> String {
+    let words = solution.solver.bolts.iter().map(|bolt| {
+        let kind = if bolt.force < 0.0 {
+            "tension: improper, moved"
+        } else {
+            "compression: proper"
+        };
+        let [x, y] = bolt.point;
+        format!(
+            ", bolt at ({}, {}) with force {} ({kind})",
+            number(x),
+            number(y),
+            number(bolt.force)
+        )
+    });
+    words.collect()
+}
+
+/// One line of the table; `other` is the solution that a percentage is taken against, where one is asked for.
+/// An answer without a certificate agrees with nothing.
+fn judged(
+    reference: &Reference,
+    solution: Option<&Solution<2>>,
+    other: Option<Option<&Solution<2>>>,
+    tally: &mut Tally,
+) -> Vec<String> {
     let certified = solution.is_some_and(|s| s.converged);
-    let probes = solution.iter().flat_map(|s| &s.probes);
-    let computed = probes
-        .filter(|p| p.name == reference.probe)
-        .map(|p| p.value)
-        .next()
-        .unwrap_or(f64::NAN);
+    let read = |solution: Option<&Solution<2>>| {
+        let mut probes = solution.iter().flat_map(|s| &s.probes);
+        probes
+            .find(|p| p.name == reference.probe)
+            .map_or(f64::NAN, |p| p.value)
+    };
+    let computed = reference.computed(read(solution), other.map(read));
     let verdict = match reference.judge(computed) {
         Verdict::Within if !certified => Verdict::Outside,
         verdict => verdict,
@@ -242,6 +293,8 @@ fn judged(reference: &Reference, solution: Option<&Solution<2>>, tally: &mut Tal
     let difference = match (difference.is_nan(), reference.value == 0.0) {
         (true, _) => "-".to_string(),
         (false, true) => format!("{difference:+.2e}"),
+        // a percentage differs by percent of the compared number, not of itself
+        (false, false) if other.is_some() => format!("{:+.4} points", computed - reference.value),
         (false, false) if difference.abs() < 1e-6 => format!("{:+.1e} %", 100.0 * difference),
         (false, false) => format!("{:+.4} %", 100.0 * difference),
     };

@@ -21,9 +21,10 @@ const CELLS_OF_THE_PLANE: [(&str, CellKind); 5] = [
 
 const CELLS_OF_SPACE: [&str; 5] = ["tet4", "tet10", "hex8", "hex20", "hex27"];
 
-const DIAGONALS: [(&str, Diagonals); 4] = [
+const DIAGONALS: [(&str, Diagonals); 5] = [
     ("checkerboard", Diagonals::Checkerboard),
     ("checkerboard-odd", Diagonals::CheckerboardOdd),
+    ("mirrored", Diagonals::Mirrored),
     ("forward", Diagonals::Forward),
     ("backward", Diagonals::Backward),
 ];

@@ -113,6 +113,8 @@ pub const REFERENCE: &[&str] = &[
     "source",
     "reason",
     "label",
+    "scale",
+    "against",
 ];
 
 /// Every table with its keys.

@@ -78,6 +78,10 @@ pub struct Reference {
     pub kind: Kind,
     /// The value; the middle of the band when only a band is given.
     pub value: f64,
+    /// The computed value is multiplied by this before it is compared (1 unless given): 1/q makes p/q of a pressure.
+    pub scale: f64,
+    /// Compare the percentage 100 (computed − other) / other, other being the same probe of this case.
+    pub against: Option<String>,
     /// When a computed value agrees.
     pub criterion: Criterion,
     /// Citation; may be empty.
@@ -86,9 +90,18 @@ pub struct Reference {
     pub reason: String,
     case_span: Span,
     probe_span: Span,
+    against_span: Span,
 }
 
 impl Reference {
+    /// What is compared: the probe's value scaled, or its percentage against the `other` case.
+    pub fn computed(&self, value: f64, other: Option<f64>) -> f64 {
+        match other {
+            None => self.scale * value,
+            Some(other) => 100.0 * (value - other) / other,
+        }
+    }
+
     /// Compares a computed value with the reference.
     pub fn judge(&self, computed: f64) -> Verdict {
         let within = match self.criterion {
@@ -158,6 +171,15 @@ impl References {
             .in_source(&self.source_name, &self.source_text)
     }
 
+    /// The error that the case it is compared against is not there.
+    pub fn unknown_other(&self, reference: &Reference) -> CaseError {
+        let other = reference.against.as_deref().unwrap_or_default();
+        let message = format!("there is no case file `{other}` in the folder");
+        Fault::new(&reference.against_span, message)
+            .label("no such case")
+            .in_source(&self.source_name, &self.source_text)
+    }
+
     /// The error that its case has no such probe; `known` are the probes that it has.
     pub fn unknown_probe<'a>(
         &self,
@@ -205,6 +227,12 @@ fn reference(node: &Node) -> Result<Reference, Fault> {
         node.map_or(Ok(""), Node::text).map(str::to_string)
     };
     let label = text("label")?;
+    let scale = table.get("scale").map_or(Ok(1.0), Node::number)?;
+    let against = table.get("against");
+    if let (Some(entry), Some(_)) = (table.entry("scale"), against) {
+        let message = "`scale` does not change a percentage";
+        return Err(Fault::new(&entry.key_span, message).label("superfluous beside `against`"));
+    }
     Ok(Reference {
         case: case.text()?.to_string(),
         probe: probe.text()?.to_string(),
@@ -215,11 +243,14 @@ fn reference(node: &Node) -> Result<Reference, Fault> {
         },
         kind,
         value,
+        scale,
+        against: against.map(Node::text).transpose()?.map(str::to_string),
         criterion,
         source: text("source")?,
         reason: text("reason")?,
         case_span: case.span.clone(),
         probe_span: probe.span.clone(),
+        against_span: against.map_or_else(|| case.span.clone(), |node| node.span.clone()),
     })
 }
 
@@ -324,6 +355,19 @@ tolerance = 1e-9
         assert_eq!(references.values[2].label, "gap at D");
         assert_eq!(references.values[0].label, "crown");
         assert!((references.values[0].difference(-2.2) + 0.1).abs() < 1e-15);
+    }
+
+    #[test]
+    fn values_are_scaled_and_percentages_taken_against_another_case() {
+        let text = GOOD.replacen("value = -2.0", "value = -2.0\nscale = 0.5", 1);
+        let references = References::from_str(&text, "reference.toml").unwrap();
+        assert_eq!(references.values[0].computed(-4.0, None), -2.0);
+        let text = GOOD.replacen("value = -2.0", "value = -2.0\nagainst = \"case_2.toml\"", 1);
+        let references = References::from_str(&text, "reference.toml").unwrap();
+        assert_eq!(references.values[0].against.as_deref(), Some("case_2.toml"));
+        assert_eq!(references.values[0].computed(-3.0, Some(-2.0)), 50.0);
+        let both = "value = -2.0\nscale = 2.0\nagainst = \"case_2.toml\"";
+        assert!(error("value = -2.0", both).to_string().contains("line 6"));
     }
 
     #[test]

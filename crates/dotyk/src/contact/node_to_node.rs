@@ -6,8 +6,8 @@
 //!
 //! Source: Janovský & Procházka (1980) III, section 7 (normals by the bisector rule, axis direction on the axis).
 
-use super::weights::nodal_weights;
-use super::{ContactError, End, InitialGap, Interface, InterfaceNode, Role, Row};
+use crate::contact::weights::nodal_weights;
+use crate::contact::{ContactError, End, InitialGap, Interface, InterfaceNode, Role, Row};
 use crate::fem::{Analysis, node_normals, show, side_facets};
 use crate::geometry::{Field, Point, add_scaled, distance, dot, norm, sub};
 use crate::mesh::Mesh;

@@ -1,13 +1,13 @@
 //! Stiffness, loads, held dofs and rigid modes of one body.
 
-use super::elasticity::Lame;
-use super::error::FemError;
-use super::loads::{NodalLoads, nodal_loads};
-use super::modes::{RigidBasis, carried_motion, free_modes};
-use super::nouns::{Analysis, Body, Elastic};
-use super::quadrature;
-use super::supports::Constraints;
+use crate::fem::elasticity::Lame;
+use crate::fem::error::FemError;
 use crate::fem::error::show;
+use crate::fem::loads::{NodalLoads, nodal_loads};
+use crate::fem::modes::{RigidBasis, carried_motion, free_modes};
+use crate::fem::nouns::{Analysis, Body, Elastic};
+use crate::fem::quadrature;
+use crate::fem::supports::Constraints;
 use crate::geometry::{Point, add_scaled, dot, norm};
 use crate::linalg::{
     CellMatrices, Connectivity, Graph, LinalgError, SymmetricMatrix, assemble_blocks,

@@ -8,7 +8,7 @@
 //!
 //! In plane stress λ is replaced by 2λμ/(λ+2μ). With axial symmetry the hoop strain Nₐ/r joins the trace and adds 2μ∫NₐNᵦ/r².
 
-use super::nouns::{Analysis, Elastic};
+use crate::fem::nouns::{Analysis, Elastic};
 
 /// Lamé's parameters as an analysis uses them.
 #[derive(Debug, Clone, Copy, PartialEq)]

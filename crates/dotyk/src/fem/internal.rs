@@ -4,10 +4,10 @@
 //! then misses its balance by 1e-9. Here displacements enter as differences within a cell, so that the forces of a cell
 //! sum to zero to the rounding of its stresses.
 
-use super::assemble::{CellTable, measure, stiffness_degree};
-use super::elasticity::Lame;
-use super::error::FemError;
-use super::nouns::{Analysis, Body};
+use crate::fem::assemble::{CellTable, measure, stiffness_degree};
+use crate::fem::elasticity::Lame;
+use crate::fem::error::FemError;
+use crate::fem::nouns::{Analysis, Body};
 use crate::geometry::{Point, add_scaled, sub};
 use crate::mesh::MAX_CELL_NODES;
 use rayon::prelude::*;

@@ -1,10 +1,10 @@
 //! Consistent nodal forces: f = ∫ N·b dV + ∫ N·t dS + point forces, on the undeformed body.
 
-use super::assemble::{CellTable, measure};
-use super::error::FemError;
-use super::nouns::{Analysis, Body, Load};
-use super::quadrature::{self, QuadraturePoint};
-use super::supports::{finite, nearest_node, side_facets};
+use crate::fem::assemble::{CellTable, measure};
+use crate::fem::error::FemError;
+use crate::fem::nouns::{Analysis, Body, Load};
+use crate::fem::quadrature::{self, QuadraturePoint};
+use crate::fem::supports::{finite, nearest_node, side_facets};
 use crate::geometry::{Point, add_scaled, norm};
 use crate::mesh::MAX_FACET_NODES;
 

@@ -3,9 +3,9 @@
 //! Every facet-connected component c of a body may move as u(x) = Σ aₖ φₖ(x − x_c). Held directions, and nodes that two
 //! components share without sharing a facet, are linear conditions on the amplitudes a; their null space is the kernel.
 
-use super::error::Short;
-use super::nouns::Analysis;
-use super::supports::Constraints;
+use crate::fem::error::Short;
+use crate::fem::nouns::Analysis;
+use crate::fem::supports::Constraints;
 use crate::geometry::{Point, add_scaled, bounding_box, dot, norm, sub};
 use crate::linalg::{Mat, least_squares, null_space};
 use crate::mesh::Mesh;

@@ -3,10 +3,10 @@
 //! In each cell the stress is sampled at the points where it is most accurate (one point in a linear triangle, three in
 //! a quadratic one, 2 × 2 in quadrilaterals), extrapolated to the nodes and averaged there with the cells' volumes.
 
-use super::assemble::{CellTable, measure};
-use super::elasticity::Lame;
-use super::error::FemError;
-use super::nouns::{Analysis, Body};
+use crate::fem::assemble::{CellTable, measure};
+use crate::fem::elasticity::Lame;
+use crate::fem::error::FemError;
+use crate::fem::nouns::{Analysis, Body};
 use crate::geometry::Point;
 use crate::mesh::CellKind;
 use rayon::prelude::*;

@@ -3,8 +3,8 @@
 //! Every support contributes conditions a·u = v at nodes. Conditions at one node are orthonormalised in the order in
 //! which they are written; a dependent one must agree with the earlier ones, else it is a contradiction.
 
-use super::error::{FemError, show};
-use super::nouns::{Body, Place};
+use crate::fem::error::{FemError, show};
+use crate::fem::nouns::{Body, Place};
 use crate::geometry::{Field, Point, add_scaled, distance, dot, norm, unit};
 use crate::mesh::{Facet, Mesh};
 use std::collections::BTreeMap;

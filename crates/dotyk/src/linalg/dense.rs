@@ -168,8 +168,8 @@ pub fn symmetric_eigen(a: &Mat<f64>) -> Result<(Vec<f64>, Mat<f64>), LinalgError
 fn eigen(a: &Mat<f64>, vectors: Option<MatMut<'_, f64>>) -> Result<Vec<f64>, LinalgError> {
     let n = a.nrows();
     check_matrix(a)?;
-    // the size of the scratch memory is not defined for an empty matrix
     if n == 0 {
+        // the library's decomposition counts down from n
         return Ok(Vec::new());
     }
     let wanted = match vectors {
@@ -487,6 +487,11 @@ mod tests {
             let expected: f64 = (0..21).map(|j| normal[(i, j)] * x[j]).sum();
             assert!((z[i] - expected).abs() < 1e-13);
         }
+    }
+
+    #[test]
+    fn an_empty_matrix_has_no_eigenvalues() {
+        assert!(symmetric_eigenvalues(&Mat::zeros(0, 0)).unwrap().is_empty());
     }
 
     #[test]

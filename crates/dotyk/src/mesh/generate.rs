@@ -33,6 +33,8 @@ pub enum Diagonals {
     Forward,
     /// All from the second to the fourth corner.
     Backward,
+    /// Forward in the second half of the second direction (y, or around a circle), backward in the first: symmetric.
+    Mirrored,
 }
 
 /// Axis-parallel rectangle; sides left right bottom top.
@@ -477,6 +479,7 @@ impl Lattice {
         let forward = match self.diagonals {
             Diagonals::Forward => true,
             Diagonals::Backward => false,
+            Diagonals::Mirrored => 2 * j >= self.squares[1],
             Diagonals::Checkerboard => (i + j).is_multiple_of(2),
             Diagonals::CheckerboardOdd => !(i + j).is_multiple_of(2),
         };

@@ -1,8 +1,8 @@
 //! Building a model in Rust: every method returns what the next line needs.
 
-use super::nouns::*;
 use crate::geometry::Field;
 use crate::mesh::Mesh;
+use crate::model::nouns::*;
 
 impl<const D: usize> Default for Model<D> {
     fn default() -> Self {

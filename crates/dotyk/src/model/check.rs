@@ -1,15 +1,15 @@
 //! `check`: what can be said of a model before anything is solved.
 
-use super::condense::{LoadedBody, body_rows};
-use super::dependent::drop_dependent;
-use super::error::Error;
-use super::floating::Floating;
-use super::nouns::*;
-use super::pair::{Paired, pair_all};
 use crate::contact::Role;
 use crate::dual::{AdmissibleSet, Block, Feasibility};
 use crate::fem::{BodySystem, describe_motion, show};
 use crate::geometry::{Point, add_scaled};
+use crate::model::condense::{LoadedBody, body_rows};
+use crate::model::dependent::drop_dependent;
+use crate::model::error::Error;
+use crate::model::floating::Floating;
+use crate::model::nouns::*;
+use crate::model::pair::{Paired, pair_all};
 use std::fmt;
 
 /// What was found about one body.

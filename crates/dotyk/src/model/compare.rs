@@ -1,9 +1,9 @@
 //! All solvers on one condensed model, side by side: iterations, products, time, and the difference of their answers.
 
-use super::condense::DENSE_LIMIT;
-use super::error::Error;
-use super::nouns::{Method, Model};
-use super::pipeline::{Condensed, Event};
+use crate::model::condense::DENSE_LIMIT;
+use crate::model::error::Error;
+use crate::model::nouns::{Method, Model};
+use crate::model::pipeline::{Condensed, Event};
 use crate::solve::SAFE_STEP;
 use std::time::Instant;
 

@@ -13,15 +13,15 @@
 //!
 //! Source: Janovský & Procházka (1980) III, section 7, (7.5)–(7.9).
 
-use super::error::Error;
-use super::nouns::Model;
-use super::pair::Paired;
 use crate::dual::Compliance;
 use crate::fem::{BodySystem, FemError, show};
 use crate::linalg::{
     Analysis, Cholesky, LinalgError, LinearOperator, Mat, SparseMatrix, expand_to_dofs,
     fill_reducing_order, gram, solve_lower_in_place,
 };
+use crate::model::error::Error;
+use crate::model::nouns::Model;
+use crate::model::pair::Paired;
 use rayon::prelude::*;
 use std::sync::Arc;
 

@@ -1,8 +1,8 @@
 //! Why a model has no answer.
 
-use super::solution::Solution;
 use crate::contact::ContactError;
 use crate::fem::FemError;
+use crate::model::solution::Solution;
 
 /// An error of the whole model: it names body, contact, side or node and says what to do.
 #[derive(Debug, thiserror::Error)]

@@ -4,13 +4,13 @@
 //! motion that no contact can resist: driven by the load it is an error, else it is fixed by least norm with a warning.
 //! If no admissible λ satisfies Gλ = e, the load pulls a body away from everything that could hold it.
 
-use super::condense::LoadedBody;
-use super::error::Error;
-use super::nouns::Model;
 use crate::dual::{Equilibrium, NO_WORK, least_norm_within, uncontrolled_modes};
 use crate::fem::describe_motion;
 use crate::geometry::norm;
 use crate::linalg::Mat;
+use crate::model::condense::LoadedBody;
+use crate::model::error::Error;
+use crate::model::nouns::Model;
 
 /// Rigid modes of all bodies and what the contact does with them.
 pub(crate) struct Floating {

@@ -1,12 +1,12 @@
 //! Contacts as interfaces: which side carries the multipliers, and how the sides are coupled.
 
-use super::error::Error;
-use super::nouns::*;
 use crate::contact::{
     ContactError, End, InitialGap, Interface, pair_nodes, pair_obstacle, unmatched_facing,
 };
 use crate::fem::{BodySystem, FemError, show, side_facets};
 use crate::geometry::distance;
+use crate::model::error::Error;
+use crate::model::nouns::*;
 use rayon::prelude::*;
 
 /// One contact of the model, paired.

@@ -1,19 +1,19 @@
 //! assemble → order → factor → condense → solve → recover, each stage a function of the one before.
 
-use super::condense::{
-    DENSE_LIMIT, FactoredBody, LoadedBody, Ordered, base_solution, body_rows,
-    compliance_and_overlap, factor, order,
-};
-use super::dependent::drop_dependent;
-use super::error::Error;
-use super::floating::Floating;
-use super::nouns::*;
-use super::pair::{Paired, pair_all};
-use super::recover::{Judged, judge};
-use super::solution::*;
 use crate::dual::{AdmissibleSet, Block, DualProblem, Multipliers, Scales};
 use crate::fem::{BodySystem, assemble};
 use crate::geometry::{bounding_box, distance, norm};
+use crate::model::condense::{
+    DENSE_LIMIT, FactoredBody, LoadedBody, Ordered, base_solution, body_rows,
+    compliance_and_overlap, factor, order,
+};
+use crate::model::dependent::drop_dependent;
+use crate::model::error::Error;
+use crate::model::floating::Floating;
+use crate::model::nouns::*;
+use crate::model::pair::{Paired, pair_all};
+use crate::model::recover::{Judged, judge};
+use crate::model::solution::*;
 use crate::solve::{
     Accelerated, ContactSolver, Gradient, Iterate, Mprgp, Newton, Outcome, SolveError, Uzawa,
 };

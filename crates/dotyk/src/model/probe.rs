@@ -1,12 +1,12 @@
 //! Probes: numbers read off a solution, interpolated in the containing cell or along the nonmortar side.
 
-use super::error::Error;
-use super::nouns::{Model, Probe, Reduce};
-use super::recover::centroid;
-use super::solution::{BodySolution, ContactNode, ContactSolution, ProbeValue, Solution};
 use crate::fem::{fit_rigid, show, side_facets};
 use crate::geometry::{Point, add_scaled, distance, dot, norm, sub};
 use crate::mesh::{Facet, MAX_CELL_NODES, Mesh};
+use crate::model::error::Error;
+use crate::model::nouns::{Model, Probe, Reduce};
+use crate::model::recover::centroid;
+use crate::model::solution::{BodySolution, ContactNode, ContactSolution, ProbeValue, Solution};
 
 /// A quantity of the contract, parsed.
 #[derive(Debug, Clone, Copy, PartialEq)]

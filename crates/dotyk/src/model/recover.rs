@@ -5,19 +5,19 @@
 //! Its energy gap is that of the potential and the complementary energy, Π(u) − Π*(σ, λ) = λ·gap − r·u, with r what the
 //! nodal forces of any body leave unbalanced.
 
-use super::condense::{FactoredBody, LoadedBody};
-use super::error::Error;
-use super::floating::{Floating, add_rows, settle};
-use super::nouns::{Analysis, Body, Law, Model, Place};
-use super::pair::Paired;
-use super::pipeline::Condensed;
-use super::solution::*;
 use crate::contact::Role;
 use crate::dual::{Certificate, DualProblem, IMBALANCE_LIMIT, Multipliers, Recomputed, Scales};
 use crate::fem::{
     FemError, describe_motion, fit_rigid, internal_forces, recover_stress, von_mises,
 };
 use crate::geometry::{Point, add_scaled, dot, norm, sub};
+use crate::model::condense::{FactoredBody, LoadedBody};
+use crate::model::error::Error;
+use crate::model::floating::{Floating, add_rows, settle};
+use crate::model::nouns::{Analysis, Body, Law, Model, Place};
+use crate::model::pair::Paired;
+use crate::model::pipeline::Condensed;
+use crate::model::solution::*;
 use rayon::prelude::*;
 use std::collections::BTreeMap;
 

@@ -1,8 +1,8 @@
 //! What comes out: displacements, stresses, reactions, contact state, certificate.
 
-use super::nouns::SideRef;
 use crate::dual::Certificate;
 use crate::geometry::Point;
+use crate::model::nouns::SideRef;
 use std::collections::BTreeMap;
 
 /// Wall seconds of each stage.

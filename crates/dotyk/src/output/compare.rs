@@ -5,7 +5,7 @@
 
 use crate::model::{Comparison, ComparisonRow};
 use crate::output::plot::{Axis, Frame};
-use crate::output::svg::{ALARM, Anchor, MUTED, SERIES, Svg, Type, short};
+use crate::output::svg::{ALARM, Anchor, MUTED, SERIES, Svg, Type, short, text_width};
 use crate::output::text::{count, seconds};
 use std::fmt::Write;
 
@@ -35,11 +35,11 @@ pub fn comparison_csv(comparison: &Comparison) -> String {
 
 /// Content of `compare.svg`: curves where ρ was varied, otherwise bars.
 pub fn comparison_svg(comparison: &Comparison) -> String {
-    let varied = comparison
-        .rows
-        .iter()
-        .any(|r| r.rho_lambda_max.is_some_and(|x| x > 0.0));
-    if varied {
+    let steps = |method: &str| {
+        let rows = comparison.rows.iter().filter(|r| r.method == method);
+        rows.filter(|r| r.rho_lambda_max.is_some()).count()
+    };
+    if methods(comparison).into_iter().any(|m| steps(m) > 1) {
         curves(comparison)
     } else {
         bars(comparison)
@@ -58,16 +58,7 @@ fn methods(comparison: &Comparison) -> Vec<&str> {
 
 fn curves(comparison: &Comparison) -> String {
     let mut svg = canvas("Iterations as a function of rho times lambda max", 470.0);
-    svg.text(
-        [70.0, 26.0],
-        &comparison.title,
-        Type {
-            size: 14.0,
-            ..Type::LABEL
-        }
-        .bold()
-        .anchored(Anchor::Start),
-    );
+    headline(&mut svg, 70.0, &comparison.title);
     let places: Vec<f64> = comparison
         .rows
         .iter()
@@ -81,7 +72,7 @@ fn curves(comparison: &Comparison) -> String {
         .map(|r| r.iterations as f64)
         .collect();
     let frame = Frame {
-        corner: [70.0, 62.0],
+        corner: [70.0, 70.0],
         size: [488.0, 350.0],
         x: Axis::log("ρ · λₘₐₓ", &places),
         y: Axis::log("Iterations", &counts),
@@ -194,16 +185,7 @@ fn bars(comparison: &Comparison) -> String {
     let each = 34.0;
     let height = 66.0 + each * comparison.rows.len() as f64;
     let mut svg = canvas("Products with the compliance by method", height);
-    svg.text(
-        [16.0, 26.0],
-        &comparison.title,
-        Type {
-            size: 14.0,
-            ..Type::LABEL
-        }
-        .bold()
-        .anchored(Anchor::Start),
-    );
+    headline(&mut svg, 16.0, &comparison.title);
     svg.text(
         [110.0, 48.0],
         "Products with the compliance F (logarithmic)",
@@ -254,6 +236,20 @@ fn bars(comparison: &Comparison) -> String {
         );
     }
     svg.finish()
+}
+
+/// The title in one line: long ones in smaller letters.
+fn headline(svg: &mut Svg, left: f64, title: &str) {
+    let room = 750.0 - left;
+    // Heavy letters are about a tenth wider.
+    let size = (14.0 * room / (1.1 * text_width(title, 14.0)).max(1.0)).clamp(8.0, 14.0);
+    let style = Type {
+        size,
+        ..Type::LABEL
+    }
+    .bold()
+    .anchored(Anchor::Start);
+    svg.text([left, 22.0], title, style);
 }
 
 fn canvas(description: &str, height: f64) -> Svg {
@@ -327,7 +323,12 @@ mod tests {
     #[test]
     fn without_rho_there_are_bars() {
         let mut plain = example();
-        plain.rows.retain(|r| r.rho.is_none());
+        // One automatic step of a method is not a curve.
+        let mut first = true;
+        plain
+            .rows
+            .retain(|r| r.rho.is_none() || std::mem::take(&mut first));
+        assert_eq!(plain.rows.len(), 4);
         let svg = comparison_svg(&plain);
         assert!(svg.contains("Products with the compliance F") && svg.contains("mprgp"));
     }

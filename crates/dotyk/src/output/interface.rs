@@ -12,10 +12,8 @@ use crate::output::scene::{Scene, WIDTH, circle_through, outline_path, polyline}
 use crate::output::svg::{
     Anchor, CLOSED, INK, MUTED, OPEN, Pixel, SERIES, Svg, TINTS, Type, segments, text_width,
 };
-use crate::output::text::{Labels, number, quantity};
+use crate::output::text::{Labels, number, quantity, without_noise};
 
-/// Lengths below this part of the displacements are rounding errors: the plots show them as zero.
-const NOISE: f64 = 1e-10;
 /// More nodes than this are drawn as a line without dots.
 const MOST_DOTS: usize = 120;
 
@@ -50,7 +48,7 @@ pub fn interface_figure(
     let strip = if beside {
         0.0
     } else {
-        (extent[1] / extent[0].max(f64::MIN_POSITIVE) * 560.0 + 96.0).min(260.0)
+        ((extent[1] / extent[0].max(f64::MIN_POSITIVE) + 0.24) * 610.0 + 36.0).min(300.0)
     };
     let left = 74.0;
     let width = if beside {
@@ -121,17 +119,8 @@ fn panels(chain: &[&ContactNode<2>], law: &Law, time: f64, labels: &Labels) -> V
         }
     };
     let pressures: Vec<f64> = chain.iter().map(|n| n.pressure).collect();
-    let moved = chain
-        .iter()
-        .flat_map(|n| [n.displacement_nonmortar, n.displacement_mortar, n.gap]);
-    let scale = largest(moved.map(f64::abs));
-    let quiet = |length: f64| {
-        if length.abs() < NOISE * scale {
-            0.0
-        } else {
-            length
-        }
-    };
+    let scale = length_scale(chain.iter().copied());
+    let quiet = |length: f64| without_noise(length, scale);
     let gaps: Vec<f64> = chain.iter().map(|n| quiet(n.gap)).collect();
     let mut list = vec![
         panel("Pressure", &labels.stress, pressures, None, 170.0, 0),
@@ -430,6 +419,18 @@ fn interface_line(svg: &mut Svg, chain: &[&ContactNode<2>], feet: &[Pixel]) {
             .collect();
         svg.path(&path, colour, width, "none", "stroke-linecap=\"round\"");
     }
+}
+
+/// The largest length that a gap is the difference of.
+fn length_scale<'a>(nodes: impl Iterator<Item = &'a ContactNode<2>>) -> f64 {
+    let moved = nodes.flat_map(|n| [n.displacement_nonmortar, n.displacement_mortar, n.gap]);
+    largest(moved.map(f64::abs))
+}
+
+/// Largest gap of a contact, zero where there are rounding errors only; NaN when no node has a gap.
+pub fn largest_gap(nodes: &[ContactNode<2>]) -> f64 {
+    let gap = largest(nodes.iter().map(|n| n.gap));
+    without_noise(gap, length_scale(nodes.iter()))
 }
 
 /// Distance along the chain.

@@ -12,7 +12,14 @@ pub const VERSION: &str = env!("CARGO_PKG_VERSION");
 /// Content of `summary.json`.
 ///
 /// `converged` is given apart: a run that ends in failure says `false` whatever its last iterate looks like.
-pub fn summary(model: &Model<2>, solution: &Solution<2>, stem: &str, converged: bool) -> String {
+/// `peak_memory` is in bytes.
+pub fn summary(
+    model: &Model<2>,
+    solution: &Solution<2>,
+    stem: &str,
+    converged: bool,
+    peak_memory: u64,
+) -> String {
     let summary = Summary {
         case: stem,
         version: VERSION,
@@ -22,7 +29,7 @@ pub fn summary(model: &Model<2>, solution: &Solution<2>, stem: &str, converged: 
         dofs: solution.dofs,
         contact_unknowns: solution.contact_unknowns,
         threads: solution.threads,
-        peak_memory_bytes: crate::output::peak_memory_bytes(),
+        peak_memory_bytes: peak_memory,
         seconds: SecondsEntry::from(solution.seconds),
         certificate: CertificateEntry {
             penetration: solution.certificate.penetration.into(),
@@ -278,7 +285,7 @@ mod tests {
     #[test]
     fn summary_has_exactly_the_contracted_keys() {
         let (model, solution) = sample::tunnel(16);
-        let text = summary(&model, &solution, "case_1", solution.converged);
+        let text = summary(&model, &solution, "case_1", solution.converged, 1 << 20);
         let value: Value = serde_json::from_str(&text).unwrap();
         assert_eq!(
             keys(&value),
@@ -366,7 +373,7 @@ mod tests {
         let (model, mut solution) = sample::tunnel(16);
         solution.probes[0].value = f64::NAN;
         solution.certificate.energy_gap.relative = f64::INFINITY;
-        let text = summary(&model, &solution, "case_1", false);
+        let text = summary(&model, &solution, "case_1", false, 1 << 20);
         let value: Value = serde_json::from_str(&text).unwrap();
         assert_eq!(value["converged"], false);
         assert_eq!(value["probes"][0]["value"], Value::Null);

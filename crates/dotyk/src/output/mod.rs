@@ -102,9 +102,13 @@ pub fn write(
     let mut timed = solution.clone();
     timed.seconds.write = start.elapsed().as_secs_f64();
     timed.seconds.total += timed.seconds.write;
-    let summary = json::summary(model, &timed, stem, timed.converged);
+    let peak_memory = peak_memory_bytes();
+    let summary = json::summary(model, &timed, stem, timed.converged, peak_memory);
     stage.put("summary.json", summary.as_bytes())?;
-    stage.put("report.html", report::page(model, &timed, stem).as_bytes())?;
+    stage.put(
+        "report.html",
+        report::page(model, &timed, stem, peak_memory).as_bytes(),
+    )?;
     stage.commit(&[])
 }
 
@@ -120,7 +124,7 @@ pub fn write_summary(
 ) -> Result<PathBuf, Error> {
     check(model, solution)?;
     let mut stage = Stage::open(dir)?;
-    let summary = json::summary(model, solution, stem, false);
+    let summary = json::summary(model, solution, stem, false, peak_memory_bytes());
     stage.put("summary.json", summary.as_bytes())?;
     let mut stale: Vec<String> = model
         .bodies

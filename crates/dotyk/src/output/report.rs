@@ -4,23 +4,25 @@
 //! same solution gives the same bytes, but for the block of timings.
 
 use crate::dual::{Certificate, Figure};
-use crate::geometry::{Point, norm};
+use crate::geometry::{Point, add_scaled, norm};
 use crate::model::{Analysis, BodySolution, ContactSolution, Model, Solution};
 use crate::output::deformed::deformed_figure;
 use crate::output::history::history_figure;
-use crate::output::interface::{arc_lengths, interface_figure};
+use crate::output::interface::{arc_lengths, interface_figure, largest_gap};
 use crate::output::json::{
     VERSION, closed_and_open, in_contact, largest, max_displacement, max_penetration,
 };
 use crate::output::scene::Scene;
 use crate::output::setup::setup_figure;
-use crate::output::text::{Labels, count, escape, number, power, quantity, seconds, vector};
+use crate::output::text::{
+    Labels, count, escape, number, power, quantity, seconds, vector, vector_on,
+};
 
 /// More contact nodes than this are left to `contact.csv`.
 const MOST_ROWS: usize = 600;
 
-/// Content of `report.html`.
-pub fn page(model: &Model<2>, solution: &Solution<2>, stem: &str) -> String {
+/// Content of `report.html`; `peak_memory` in bytes.
+pub fn page(model: &Model<2>, solution: &Solution<2>, stem: &str, peak_memory: u64) -> String {
     let labels = Labels::of(model);
     let scene = Scene::new(model);
     let mut out = head(model, stem);
@@ -44,7 +46,7 @@ pub fn page(model: &Model<2>, solution: &Solution<2>, stem: &str) -> String {
     out += &certificate(solution, &labels);
     out += &solver(model, solution, &labels);
     out += &contact_nodes(solution, &labels);
-    out += &timings(solution);
+    out += &timings(solution, peak_memory);
     out += &foot(stem);
     out
 }
@@ -116,7 +118,7 @@ fn mesh_caption(model: &Model<2>) -> String {
         .sum();
     let nodes: usize = model.bodies.iter().map(|b| b.mesh.points().len()).sum();
     format!(
-        "{} cells, {} nodes. Cells narrower than four pixels are drawn without their edges. Arrows of one load are to scale among \
+        "{} cells, {} nodes. Cells narrower than two pixels are drawn without their edges. Arrows of one load are to scale among \
          themselves.",
         count(cells),
         count(nodes)
@@ -196,7 +198,6 @@ fn key_figures(solution: &Solution<2>, labels: &Labels) -> String {
             body,
         ));
     }
-    let nodes = || solution.contacts.iter().flat_map(|c| &c.nodes);
     if !solution.contacts.is_empty() {
         let peak = |c: &ContactSolution<2>| largest(c.nodes.iter().map(|n| n.pressure));
         let name = solution
@@ -216,7 +217,7 @@ fn key_figures(solution: &Solution<2>, labels: &Labels) -> String {
             quantity(closed, &labels.length),
             format!("of {}", quantity(whole, &labels.length)),
         ));
-        let gap = largest(nodes().map(|n| n.gap));
+        let gap = largest(solution.contacts.iter().map(|c| largest_gap(&c.nodes)));
         cards.push((
             "Largest gap",
             quantity(gap, &labels.length),
@@ -341,15 +342,6 @@ fn bodies(model: &Model<2>, solution: &Solution<2>, labels: &Labels) -> String {
                 plain(number(max_displacement(b))),
                 plain(number(largest(b.von_mises.iter().copied()))),
                 plain(number(b.strain_energy)),
-                plain(vector(&b.rigid.translation, "")),
-                plain(
-                    b.rigid
-                        .rotation
-                        .iter()
-                        .map(|&r| number(r))
-                        .collect::<Vec<_>>()
-                        .join(", "),
-                ),
             ]
         })
         .collect();
@@ -360,29 +352,48 @@ fn bodies(model: &Model<2>, solution: &Solution<2>, labels: &Labels) -> String {
         column("largest displacement", &labels.length),
         column("largest von Mises", &labels.stress),
         column("elastic energy", &labels.energy),
-        column("rigid translation", &labels.length),
-        column("rotation", "rad"),
     ];
     let mut out = format!("<h3>Bodies</h3>\n{}", table(&heads, rows));
-    let floating: Vec<String> = solution
+    let rows = solution
         .bodies
         .iter()
-        .filter(|b| !b.floating_modes.is_empty())
         .map(|b| {
             let modes: Vec<&str> = b
                 .floating_modes
                 .iter()
                 .map(|m| m.description.as_str())
                 .collect();
-            format!("{}: {}", escape(&b.name), escape(&modes.join(", ")))
+            let held = if modes.is_empty() {
+                "held by its supports".to_string()
+            } else {
+                format!("{} held by contact alone", modes.join(", "))
+            };
+            vec![
+                text(&b.name),
+                plain(vector(&b.rigid.translation, "")),
+                plain(
+                    b.rigid
+                        .rotation
+                        .iter()
+                        .map(|&r| number(r))
+                        .collect::<Vec<_>>()
+                        .join(", "),
+                ),
+                text(&held),
+            ]
         })
         .collect();
-    if !floating.is_empty() {
-        out += &format!(
-            "<p>Motions that supports leave to the contact: {}.</p>\n",
-            floating.join("; ")
-        );
-    }
+    let heads = [
+        left("body"),
+        column("rigid translation", &labels.length),
+        column("rotation", "rad"),
+        left("rigid motions"),
+    ];
+    out += &format!(
+        "<h3>Rigid motion</h3>\n<p>The rigid motion that comes closest to the displacements of the nodes, about their \
+         centroid.</p>\n{}",
+        table(&heads, rows)
+    );
     out
 }
 
@@ -401,7 +412,7 @@ fn contacts(model: &Model<2>, solution: &Solution<2>, scene: &Scene, labels: &La
                 plain(format!("{} / {}", count(closed), count(open))),
                 plain(number(c.length)),
                 plain(number(largest(c.nodes.iter().map(|n| n.pressure)))),
-                plain(number(largest(c.nodes.iter().map(|n| n.gap)))),
+                plain(number(largest_gap(&c.nodes))),
                 plain(if max_penetration(&c.nodes) == 0.0 {
                     "0".to_string()
                 } else {
@@ -459,27 +470,28 @@ fn contacts(model: &Model<2>, solution: &Solution<2>, scene: &Scene, labels: &La
 }
 
 fn balance(solution: &Solution<2>, labels: &Labels) -> String {
-    let mut rows = Vec::new();
-    for (i, body) in solution.bodies.iter().enumerate() {
-        let mut contact: Point<2> = [0.0; 2];
-        for c in &solution.contacts {
-            let sign = if c.nonmortar.body.0 == i {
-                1.0
-            } else if c.mortar.as_ref().is_some_and(|m| m.body.0 == i) {
-                -1.0
-            } else {
-                0.0
-            };
-            contact = crate::geometry::add_scaled(contact, sign, c.resultant);
-        }
-        let rest: Point<2> = std::array::from_fn(|k| -(body.reaction[k] + contact[k]) + 0.0);
-        rows.push(vec![
-            text(&body.name),
-            plain(vector(&body.reaction, "")),
-            plain(vector(&contact, "")),
-            plain(vector(&rest, "")),
-        ]);
-    }
+    let forces: Vec<(Point<2>, Point<2>)> = solution
+        .bodies
+        .iter()
+        .enumerate()
+        .map(|(i, body)| (body.reaction, contact_force(solution, i)))
+        .collect();
+    let scale = largest(forces.iter().flat_map(|(a, b)| [norm(*a), norm(*b)]));
+    let rows = solution
+        .bodies
+        .iter()
+        .zip(&forces)
+        .map(|(body, (reaction, contact))| {
+            let rest: Point<2> = std::array::from_fn(|k| -(reaction[k] + contact[k]));
+            let force = |f: &Point<2>| plain(vector_on(f, scale, ""));
+            vec![
+                text(&body.name),
+                force(reaction),
+                force(contact),
+                force(&rest),
+            ]
+        })
+        .collect();
     let heads = [
         left("body"),
         column("reaction of its supports", &labels.force),
@@ -487,7 +499,7 @@ fn balance(solution: &Solution<2>, labels: &Labels) -> String {
         column("applied load, by balance", &labels.force),
     ];
     let mut out = format!(
-        "<h2>Reactions and balance</h2>\n<p>Forces ON each body, as ({}, {}). The three add up to zero.</p>\n{}",
+        "<h2>Reactions and balance</h2>\n<p>Forces ON each body, as ({}, {}). The three add up to zero; what is below 10⁻¹⁰ of the largest is shown as 0.</p>\n{}",
         labels.axes[0],
         labels.axes[1],
         table(&heads, rows)
@@ -514,6 +526,20 @@ fn balance(solution: &Solution<2>, labels: &Labels) -> String {
         power(c.imbalance_moment.relative),
     );
     out
+}
+
+/// Force of all contacts ON a body.
+fn contact_force(solution: &Solution<2>, body: usize) -> Point<2> {
+    let mut force: Point<2> = [0.0; 2];
+    for contact in &solution.contacts {
+        if contact.nonmortar.body.0 == body {
+            force = add_scaled(force, 1.0, contact.resultant);
+        }
+        if contact.mortar.as_ref().is_some_and(|m| m.body.0 == body) {
+            force = add_scaled(force, -1.0, contact.resultant);
+        }
+    }
+    force
 }
 
 fn certificate(solution: &Solution<2>, labels: &Labels) -> String {
@@ -731,7 +757,7 @@ fn contact_nodes(solution: &Solution<2>, labels: &Labels) -> String {
     out
 }
 
-fn timings(solution: &Solution<2>) -> String {
+fn timings(solution: &Solution<2>, peak_memory: u64) -> String {
     let s = solution.seconds;
     let stages = [
         ("read", s.read),
@@ -764,7 +790,7 @@ fn timings(solution: &Solution<2>) -> String {
         } else {
             "threads"
         },
-        count((crate::output::peak_memory_bytes() as f64 / 1e6).round() as usize)
+        count((peak_memory as f64 / 1e6).round() as usize)
     )
 }
 
@@ -850,7 +876,7 @@ mod tests {
     #[test]
     fn page_needs_no_network_and_no_script() {
         let (model, solution) = sample::tunnel(16);
-        let page = page(&model, &solution, "case_1");
+        let page = page(&model, &solution, "case_1", 0);
         let outside = page.replace("http://www.w3.org/2000/svg", "");
         for word in [
             "http://", "https://", "//cdn", "@import", "<script", "<link",
@@ -867,7 +893,8 @@ mod tests {
     #[test]
     fn same_solution_gives_the_same_bytes() {
         let (model, solution) = sample::tunnel(16);
-        assert!(page(&model, &solution, "a") == page(&model, &solution, "a"));
+        let once = page(&model, &solution, "a", 1 << 20);
+        assert!(once == page(&model, &solution, "a", 1 << 20));
     }
 
     #[test]
@@ -875,7 +902,7 @@ mod tests {
         let (model, mut solution) = sample::tunnel(16);
         solution.converged = false;
         solution.certificate.energy_gap = Figure::new(0.1, 1.0, 1e-8);
-        let page = page(&model, &solution, "case_1");
+        let page = page(&model, &solution, "case_1", 0);
         assert!(page.contains("✗ Not converged") && page.contains("energy gap (relative 10⁻¹"));
         assert!(!page.contains("✓ Certified"));
     }
@@ -887,7 +914,7 @@ mod tests {
         // The best of three: other work on the machine only adds.
         for _ in 0..3 {
             let start = Instant::now();
-            let page = page(&model, &solution, "large");
+            let page = page(&model, &solution, "large", 0);
             quickest = quickest.min(start.elapsed().as_secs_f64());
             assert!(page.len() < 5_000_000, "{} bytes", page.len());
         }
@@ -900,7 +927,7 @@ mod tests {
         model.contacts.clear();
         solution.contacts.clear();
         solution.solver.history.clear();
-        let page = page(&model, &solution, "plain");
+        let page = page(&model, &solution, "plain", 0);
         assert!(page.contains("Reactions and balance") && !page.contains("Contact nodes"));
     }
 

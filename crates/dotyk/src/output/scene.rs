@@ -13,7 +13,7 @@ use std::fmt::Write;
 /// Width of every figure.
 pub const WIDTH: f64 = 760.0;
 /// Cells narrower than this are drawn without their edges.
-const LEAST_WIDTH: f64 = 4.0;
+const LEAST_WIDTH: f64 = 2.0;
 /// A contact smaller than this part of the model gets a window of its own.
 const DETAIL: f64 = 0.4;
 
@@ -432,7 +432,9 @@ pub fn mesh_lines(mesh: &Mesh<2>, view: &View, place: &dyn Fn(usize) -> Pixel) -
             let longest = (0..corners)
                 .map(|i| distance(pixels[i], pixels[(i + 1) % corners]))
                 .fold(0.0, f64::max);
-            if polygon_area(&pixels) < LEAST_WIDTH * longest {
+            // the altitude of a triangle, the width of a quadrilateral
+            let width = polygon_area(&pixels) * if corners == 3 { 2.0 } else { 1.0 } / longest;
+            if width < LEAST_WIDTH {
                 continue;
             }
             for i in 0..corners {

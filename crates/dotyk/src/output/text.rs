@@ -176,9 +176,28 @@ pub fn quantity(value: f64, unit: &str) -> String {
     }
 }
 
-/// A vector and its unit.
+/// A value, or zero where it is a rounding error on this scale.
+pub fn without_noise(value: f64, scale: f64) -> f64 {
+    const NOISE: f64 = 1e-10;
+    if value.abs() < NOISE * scale {
+        0.0
+    } else {
+        value
+    }
+}
+
+/// A vector and its unit; components that are rounding errors of the largest are zero.
 pub fn vector(values: &[f64], unit: &str) -> String {
-    let list: Vec<String> = values.iter().map(|&v| number(v)).collect();
+    vector_on(values, 0.0, unit)
+}
+
+/// The same, where rounding errors come from numbers as large as `scale`.
+pub fn vector_on(values: &[f64], scale: f64, unit: &str) -> String {
+    let scale = values.iter().fold(scale, |s, v| s.max(v.abs()));
+    let list: Vec<String> = values
+        .iter()
+        .map(|&v| number(without_noise(v, scale)))
+        .collect();
     let list = format!("({})", list.join(", "));
     if unit.is_empty() {
         list
@@ -223,6 +242,16 @@ mod tests {
     fn counts_are_grouped_from_five_digits_on() {
         assert_eq!(count(1234), "1234");
         assert_eq!(count(1234567), "1\u{202f}234\u{202f}567");
+    }
+
+    #[test]
+    fn rounding_errors_of_a_vector_are_zero() {
+        assert_eq!(vector(&[612.0, -1.8e-13], ""), "(612, 0)");
+        assert_eq!(
+            vector(&[1e-13, 0.0], "N"),
+            "(1\u{202f}×\u{202f}10⁻¹³, 0)\u{202f}N"
+        );
+        assert_eq!(vector_on(&[1e-9, 0.0], 1e6, ""), "(0, 0)");
     }
 
     #[test]
