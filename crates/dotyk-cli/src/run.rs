@@ -67,7 +67,11 @@ pub fn run(arguments: &Arguments) -> Result<Outcome, Failure> {
     let (mut solution, objection) = match solved {
         Ok(solution) => (solution, String::new()),
         Err(Error::NotConverged { solution, reason }) => (*solution, reason),
-        Err(error) => return Err(Failure::of(&arguments.case, error)),
+        Err(error) => {
+            return Err(case
+                .error(error.subject().as_ref(), &error.to_string())
+                .into());
+        }
     };
     solution.seconds.read = read;
     solution.seconds.total += read;

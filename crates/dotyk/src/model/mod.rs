@@ -19,7 +19,7 @@ mod solution;
 
 pub use check::{BodyCheck, Check, ContactCheck};
 pub use compare::{Comparison, ComparisonRow};
-pub use error::Error;
+pub use error::{Error, Subject};
 pub use nouns::*;
 pub use pipeline::Event;
 pub use solution::*;

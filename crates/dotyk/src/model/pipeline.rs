@@ -1,7 +1,7 @@
 //! assemble → order → factor → condense → solve → recover, each stage a function of the one before.
 
 use crate::dual::{AdmissibleSet, Block, DualProblem, Multipliers, Scales};
-use crate::fem::{BodySystem, assemble};
+use crate::fem::{BodySystem, assemble, show};
 use crate::geometry::{bounding_box, distance, norm};
 use crate::model::condense::{
     DENSE_LIMIT, FactoredBody, LoadedBody, Ordered, base_solution, body_rows,
@@ -160,7 +160,7 @@ impl<const D: usize> Model<D> {
         observe(Event::Stage("condense"));
         let (compliance, shift) =
             compliance_and_overlap(&bodies, &factored, &ordered, &gaps, dense);
-        let floating = Floating::new(self, &bodies, gaps.len())?;
+        let floating = Floating::new(self, &bodies, &gaps)?;
         let equilibrium = floating.equilibrium.clone();
         let admissible = AdmissibleSet::new(vec![Block::Unilateral; gaps.len()]);
         let mut problem = DualProblem::new(compliance, shift, admissible, equilibrium)
@@ -324,6 +324,14 @@ impl<const D: usize> Model<D> {
                     .floating
                     .pulled_away(self, &condensed.bodies, &direction));
             }
+            Err(SolveError::DependentBolts { bolts, modes }) => {
+                let carriers = self.carriers(&condensed.paired);
+                let places: Vec<String> = bolts.iter().map(|&i| show(carriers[i].1)).collect();
+                return Err(Error::Solver(format!(
+                    "the bolts at {} do not hold the rigid motions that the contacts control, {modes} in number: name one contact node for each, or leave out `bolt`",
+                    places.join(", ")
+                )));
+            }
             Err(other) => return Err(Error::Solver(other.to_string())),
         };
         Ok(Attempt {
@@ -407,7 +415,9 @@ impl<const D: usize> Model<D> {
                 let (low, high) = bounding_box(self.bodies[side.body.0].mesh.points());
                 if distance(at, point) > 0.1 * distance(low, high) {
                     return Err(Error::Solver(format!(
-                        "bolt {point:?}: the nearest contact node, {at:?}, is {:.3e} away; name a point on a contact",
+                        "bolt {}: the nearest contact node, {}, is {:.3e} away; name a point on a contact",
+                        show(point),
+                        show(at),
                         distance(at, point)
                     )));
                 }
@@ -512,7 +522,7 @@ impl<const D: usize> Model<D> {
             warnings.push(format!(
                 "the bolt of contact \"{}\" at {} was improper: its force was {:.6e}, a tension; it was moved",
                 bolt.contact,
-                crate::fem::show(bolt.point),
+                show(bolt.point),
                 bolt.force
             ));
         }

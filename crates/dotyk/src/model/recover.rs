@@ -492,12 +492,18 @@ fn contact_solution<const D: usize>(
         .map(|node| {
             let point = body.mesh.points()[node.node];
             let along = |u: Point<D>| dot(node.normal, u);
-            let displacement_nonmortar = along(states[pair.nonmortar.body.0].u[node.node]);
-            let displacement_mortar = match (&pair.mortar, node.partner) {
-                (Some(mortar), Some(partner)) => along(states[mortar.body.0].u[partner]),
-                (None, _) => along(pair.obstacle_motion),
-                _ => f64::NAN,
+            let u_nonmortar = states[pair.nonmortar.body.0].u[node.node];
+            let u_mortar = match (&pair.mortar, node.partner) {
+                (Some(mortar), Some(partner)) => Some(states[mortar.body.0].u[partner]),
+                (None, _) if node.role != Role::Alone => Some(pair.obstacle_motion),
+                _ => None,
             };
+            let displacement_nonmortar = along(u_nonmortar);
+            let displacement_mortar = u_mortar.map_or(f64::NAN, along);
+            let slip = u_mortar.map_or([f64::NAN; D], |u| {
+                let relative = sub(u_nonmortar, u);
+                add_scaled(relative, -along(relative), node.normal)
+            });
             let (gap, pressure, status) = match node.role {
                 Role::Multiplier(row) => {
                     let status = match law {
@@ -522,7 +528,7 @@ fn contact_solution<const D: usize>(
                 gap,
                 pressure,
                 shear: [0.0; D],
-                slip: [f64::NAN; D],
+                slip,
                 displacement_nonmortar,
                 displacement_mortar,
                 status,
@@ -548,7 +554,7 @@ fn contact_solution<const D: usize>(
     let length = nodes
         .iter()
         .filter(|n| n.status != Status::Open && n.status != Status::Fixed);
-    let length = length.map(|n| n.weight).sum::<f64>() / body.thickness;
+    let length = length.fold(0.0, |sum, n| sum + n.weight) / body.thickness;
     ContactSolution {
         name: name.to_string(),
         nonmortar: pair.nonmortar.clone(),
