@@ -39,6 +39,8 @@ pub fn check(arguments: &Arguments) -> Result<Outcome, Failure> {
     print(&text);
     match check.errors.as_slice() {
         [] => Ok(Outcome::Done),
-        errors => Err(Failure::of(&arguments.case, errors.join("; "))),
+        errors => Err(case
+            .error(check.subject.as_ref(), &errors.join("; "))
+            .into()),
     }
 }

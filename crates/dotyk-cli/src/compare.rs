@@ -6,7 +6,7 @@ use crate::progress::Progress;
 use crate::run::{output_folder, positive};
 use crate::text::{columns, number, print, written};
 use dotyk::case::Case;
-use dotyk::model::{Comparison, ComparisonRow};
+use dotyk::model::{Comparison, ComparisonRow, Error};
 use dotyk::output;
 use std::path::PathBuf;
 
@@ -60,7 +60,7 @@ pub fn compare(arguments: &Arguments) -> Result<Outcome, Failure> {
         _ => None,
     };
     progress.finish();
-    let refused = |e| Failure::of(&arguments.case, e);
+    let refused = |e: Error<2>| Failure::from(case.error(e.subject().as_ref(), &e.to_string()));
     let methods = methods.map_err(refused)?;
     let steps = steps.transpose().map_err(refused)?.unwrap_or_default();
 

@@ -64,10 +64,14 @@ pub fn run(arguments: &Arguments) -> Result<Outcome, Failure> {
     let mut progress = Progress::new(arguments.quiet);
     let solved = case.model.solve_with(&mut |event| progress.observe(event));
     progress.finish();
-    let mut solution = match solved {
-        Ok(solution) => solution,
-        Err(Error::NotConverged { solution, .. }) => *solution,
-        Err(error) => return Err(Failure::of(&arguments.case, error)),
+    let (mut solution, objection) = match solved {
+        Ok(solution) => (solution, String::new()),
+        Err(Error::NotConverged { solution, reason }) => (*solution, reason),
+        Err(error) => {
+            return Err(case
+                .error(error.subject().as_ref(), &error.to_string())
+                .into());
+        }
     };
     solution.seconds.read = read;
     solution.seconds.total += read;
@@ -83,7 +87,7 @@ pub fn run(arguments: &Arguments) -> Result<Outcome, Failure> {
     let file = file.map_err(refused)?;
     print(&(certificate(&solution) + &written(&[file])));
     let message = format!(
-        "not converged after {} iterations of {}",
+        "not converged after {} iterations of {}: {objection}",
         solution.solver.iterations, solution.solver.method
     );
     Failure::of(&arguments.case, message).print();

@@ -231,7 +231,7 @@ fn solve(path: &Path, case: &Case, quiet: bool, tally: &mut Tally) -> Option<Sol
         }
         Err(Error::NotConverged { solution, .. }) => Some(*solution),
         Err(error) => {
-            Failure::of(path, error).print();
+            Failure::from(case.error(error.subject().as_ref(), &error.to_string())).print();
             tally.refused = true;
             None
         }

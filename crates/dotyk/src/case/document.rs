@@ -302,7 +302,16 @@ impl<'n> Table<'n> {
 
     /// The elements of a list that may be missing.
     pub fn list(&self, key: &str) -> Result<&'n [Node], Fault> {
-        self.get(key).map_or(Ok(&[]), Node::list)
+        let Some(entry) = self.entry(key) else {
+            return Ok(&[]);
+        };
+        entry.node.list().map_err(|fault| {
+            let header = entry.node.span.start < entry.key_span.start;
+            fault.help(match header {
+                true => format!("write `[[{key}]]`, with two brackets on each side"),
+                false => format!("write `{key} = [...]`: there may be several"),
+            })
+        })
     }
 
     /// The first of these keys that is present, as an error that it is not supported yet.

@@ -37,8 +37,13 @@ impl CaseError {
 
     /// A file that could not be read.
     pub(crate) fn unreadable(name: &str, why: &str) -> Self {
+        Self::unplaced(name, &format!("cannot read the file: {why}"))
+    }
+
+    /// An error of a whole file.
+    pub(crate) fn unplaced(name: &str, message: &str) -> Self {
         Self {
-            message: format!("cannot read the file: {why}"),
+            message: message.to_string(),
             label: "".into(),
             help: None,
             span: None,

@@ -18,10 +18,11 @@ pub use error::CaseError;
 pub use expression::{ExpressionError, parse as parse_expression};
 pub use reference::{Criterion, Kind, Reference, References, Verdict};
 
-use crate::case::document::{Node, Value, later};
+use crate::case::document::{Node, Span, Value, later};
 use crate::case::error::{Fault, read_text};
-use crate::model::{Analysis, Bolts, Method, Model, SolverOptions, Units};
+use crate::model::{Analysis, Bolts, Method, Model, SolverOptions, Subject, Units};
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 /// A case file, read and checked.
 #[derive(Debug, Clone)]
@@ -32,6 +33,11 @@ pub struct Case {
     pub path: PathBuf,
     /// The problem.
     pub model: Model<2>,
+    /// The text, and how messages call it.
+    text: Arc<str>,
+    name: Arc<str>,
+    /// Where the names of bodies, contacts and probes stand.
+    places: Vec<(Subject, Span)>,
 }
 
 impl Case {
@@ -54,10 +60,59 @@ impl Case {
         };
         let stem = path.file_stem().unwrap_or(path.as_os_str());
         let stem = stem.to_string_lossy().into_owned();
-        let model = document::parse(text).and_then(|document| model(&document, &stem));
-        let model = model.map_err(|fault| fault.in_source(name, text))?;
-        Ok(Self { stem, path, model })
+        let read = document::parse(text)
+            .and_then(|document| Ok((model(&document, &stem)?, places(&document))));
+        let (model, places) = read.map_err(|fault| fault.in_source(name, text))?;
+        Ok(Self {
+            stem,
+            path,
+            model,
+            text: text.into(),
+            name: name.into(),
+            places,
+        })
     }
+
+    /// An error of the model as an error of the file, at the name of the body, contact or probe that it is about.
+    pub fn error(&self, subject: Option<&Subject>, message: &str) -> CaseError {
+        let place = self.places.iter().find(|(s, _)| Some(s) == subject);
+        match place {
+            Some((subject, span)) => {
+                let label = match subject {
+                    Subject::Body(_) => "this body",
+                    Subject::Contact(_) => "this contact",
+                    Subject::Probe(_) => "this probe",
+                };
+                Fault::new(span, message)
+                    .label(label)
+                    .in_source(&self.name, &self.text)
+            }
+            None => CaseError::unplaced(&self.name, message),
+        }
+    }
+}
+
+/// Where the names of bodies, contacts and probes stand.
+fn places(document: &Node) -> Vec<(Subject, Span)> {
+    type Named = fn(String) -> Subject;
+    let kinds: [(&str, Named); 3] = [
+        ("body", Subject::Body),
+        ("contact", Subject::Contact),
+        ("probe", Subject::Probe),
+    ];
+    let mut places = Vec::new();
+    let entries = document.entries().unwrap_or_default();
+    for (key, subject) in kinds {
+        let lists = entries.iter().filter(|entry| entry.key == key);
+        for element in lists.flat_map(|entry| entry.node.list().unwrap_or_default()) {
+            let fields = element.entries().unwrap_or_default();
+            let name = fields.iter().find(|entry| entry.key == "name");
+            if let Some((Ok(text), node)) = name.map(|entry| (entry.node.text(), &entry.node)) {
+                places.push((subject(text.to_string()), node.span.clone()));
+            }
+        }
+    }
+    places
 }
 
 const ANALYSES: [(&str, Analysis); 4] = [

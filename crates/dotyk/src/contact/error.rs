@@ -25,18 +25,20 @@ pub enum ContactError {
     },
     /// Node-to-node pairing was asked for sides whose nodes do not coincide.
     #[error(
-        "pairing \"node-to-node\" needs coincident nodes, but node {node} of {nonmortar} at {point} has no partner on {mortar} (nearest: {distance:.3e} away)"
+        "node {node} of {side} at {point} faces {other}, but coincides with none of its nodes (nearest: {distance:.3e} away): {consequence}; give both sides the same nodes"
     )]
     Unpaired {
-        /// The nonmortar side.
-        nonmortar: String,
-        /// The mortar side.
-        mortar: String,
+        /// The side of the node.
+        side: String,
+        /// The side that it faces.
+        other: String,
+        /// What follows for the pairing.
+        consequence: &'static str,
         /// First node without a partner.
         node: usize,
         /// Its position.
         point: String,
-        /// Distance of the nearest node of the mortar side.
+        /// Distance of the nearest node of the other side.
         distance: f64,
     },
     /// Nodal weights are not all positive.

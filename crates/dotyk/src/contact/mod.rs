@@ -8,10 +8,12 @@
 //! An interface knows the two meshes and what their supports hold, but no stiffness.
 
 mod error;
+mod facing;
 mod node_to_node;
 mod weights;
 
 pub use error::ContactError;
+pub use facing::{Unmatched, unmatched_facing};
 pub use node_to_node::{matching_nodes, pair_nodes, pair_obstacle};
 
 use crate::fem::{Body, Constraints};
@@ -53,7 +55,7 @@ pub enum Role {
     Multiplier(usize),
     /// Nothing is opposite.
     Alone,
-    /// Its normal displacement is prescribed on both sides.
+    /// Its normal displacement is prescribed on both sides, or its condition follows from others.
     Fixed,
 }
 
@@ -94,6 +96,33 @@ impl<const D: usize> Interface<D> {
     /// Initial gap of every multiplier.
     pub fn gaps(&self) -> Vec<f64> {
         self.carriers().map(|node| node.gap).collect()
+    }
+
+    /// Takes rows away: their nodes become fixed, and the rows after them move up.
+    pub fn drop_rows(&mut self, rows: &[usize]) {
+        let mut kept = vec![true; self.nonmortar.len()];
+        rows.iter().for_each(|&row| kept[row] = false);
+        let mut next = 0;
+        let place: Vec<Role> = kept
+            .iter()
+            .map(|&kept| {
+                next += usize::from(kept);
+                if kept {
+                    Role::Multiplier(next - 1)
+                } else {
+                    Role::Fixed
+                }
+            })
+            .collect();
+        for node in &mut self.nodes {
+            if let Role::Multiplier(row) = node.role {
+                node.role = place[row];
+            }
+        }
+        for side in [&mut self.nonmortar, &mut self.mortar] {
+            let mut kept = kept.iter();
+            side.retain(|_| kept.next().copied().unwrap_or(true));
+        }
     }
 
     /// The nodes that carry multipliers, in the order of the rows.

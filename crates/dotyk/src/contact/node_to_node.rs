@@ -88,7 +88,9 @@ fn shortest_edges<const D: usize>(
     edges
 }
 
-fn facets<'a, const D: usize>(end: End<'a, D>) -> Result<&'a [crate::mesh::Facet], ContactError> {
+pub(super) fn facets<'a, const D: usize>(
+    end: End<'a, D>,
+) -> Result<&'a [crate::mesh::Facet], ContactError> {
     side_facets(&end.body.mesh, end.side).map_err(|source| ContactError::Side {
         body: end.body.name.clone(),
         source,

@@ -1,7 +1,7 @@
 //! The certificate: what is checked of an answer, in the problem's units and relative to its scales.
 //!
 //! The only judge of convergence, whoever solved. Scales: lengths to max|d|, forces to the larger of max|λ| and the largest
-//! resultant load, moments to that times the largest body diameter, energies to the elastic energy; 1 where a scale is
+//! resultant load (that of a support that moves counts), moments to that times the largest body diameter, energies to the elastic energy; 1 where a scale is
 //! zero. Limits: the tolerance, and 1e-10 for imbalances.
 
 use std::fmt;
@@ -78,6 +78,21 @@ impl Certificate {
     }
 }
 
+impl Certificate {
+    /// Which figures do not hold, in words.
+    pub fn objection(&self) -> String {
+        let violated = |(name, figure): &(&str, Figure)| {
+            let Figure {
+                relative, limit, ..
+            } = figure;
+            let words = name.replace('_', " ");
+            (!figure.holds()).then(|| format!("{words} {relative:.1e} > {limit:.0e}"))
+        };
+        let violated: Vec<String> = self.figures().iter().filter_map(violated).collect();
+        format!("the certificate does not hold: {}", violated.join(", "))
+    }
+}
+
 impl fmt::Display for Certificate {
     /// One line per figure, in words.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
@@ -112,6 +127,8 @@ pub struct Recomputed<'a> {
     pub energy_gap: f64,
     /// Elastic energy 1/2 uᵀKu of all bodies: the scale of energies.
     pub elastic_energy: f64,
+    /// Largest resultant force of a support that moves: a load like any other.
+    pub driving_force: f64,
 }
 
 /// Violations of the optimality conditions in the problem's units, with the scales that λ implies.
@@ -230,6 +247,7 @@ impl DualProblem {
             imbalance_moment: found.imbalance_moment,
             energy_gap: found.energy_gap,
             elastic_energy: found.energy,
+            driving_force: 0.0,
         };
         self.certify_with(multipliers, &recomputed, tolerance)
     }
@@ -242,7 +260,7 @@ impl DualProblem {
         tolerance: f64,
     ) -> Certificate {
         let found = self.violations(multipliers, recomputed.gap);
-        let (length, force) = (found.length, found.force);
+        let (length, force) = (found.length, found.force.max(recomputed.driving_force));
         let energy = recomputed.elastic_energy;
         let slip = self.admissible.slip_violation(
             &multipliers.lambda,
@@ -362,6 +380,7 @@ mod tests {
             imbalance_moment: 0.0,
             energy_gap: 0.0,
             elastic_energy: 2.5,
+            driving_force: 0.0,
         };
         let certificate = problem.certify_with(&answer, &recomputed, 1e-8);
         assert!(!certificate.penetration.holds());

@@ -3,8 +3,8 @@
 use crate::fem::elasticity::Lame;
 use crate::fem::error::FemError;
 use crate::fem::error::show;
-use crate::fem::loads::nodal_loads;
-use crate::fem::modes::{RigidBasis, free_modes};
+use crate::fem::loads::{NodalLoads, nodal_loads};
+use crate::fem::modes::{RigidBasis, carried_motion, free_modes};
 use crate::fem::nouns::{Analysis, Body, Elastic};
 use crate::fem::quadrature;
 use crate::fem::supports::Constraints;
@@ -24,12 +24,19 @@ pub struct BodySystem<const D: usize> {
     pub stiffness: SymmetricMatrix,
     /// f, (D·n,), a force.
     pub load: Vec<f64>,
+    /// Resultant of the largest single load.
+    pub largest_load: f64,
     /// What is held, by node.
     pub constraints: Constraints<D>,
     /// Whether a dof is held, (D·n,).
     pub held: Vec<bool>,
     /// u_D, (D·n,): the prescribed displacement of held dofs, zero elsewhere.
     pub prescribed: Vec<f64>,
+    /// The rigid motion that fits u_D best in the least-squares sense, (D·n,). It strains nothing; what is left of u_D
+    /// does, and is computed apart so that a large motion does not drown small strains in rounding.
+    pub carried: Vec<f64>,
+    /// u_D less `carried` on held dofs, zero elsewhere, (D·n,).
+    pub lift: Vec<f64>,
     /// Axes (rows) of the nodes whose held directions are not along the global axes.
     pub frames: BTreeMap<usize, [[f64; D]; D]>,
     /// Rigid motions that the supports leave free: R, one column (D·n,) each, largest displacement 1.
@@ -118,7 +125,10 @@ pub fn assemble<const D: usize>(
         .collect();
     let graph = Graph::from_cells(body.mesh.points().len(), &blocks);
     let stiffness = stiffness(body, analysis, &frames, &graph)?;
-    let mut load = nodal_loads(body, analysis, time)?;
+    let NodalLoads {
+        forces: mut load,
+        largest: largest_load,
+    } = nodal_loads(body, analysis, time)?;
     let dofs = load.len();
     let (mut held, mut prescribed) = (vec![false; dofs], vec![0.0; dofs]);
     for (&node, directions) in &constraints.nodes {
@@ -136,8 +146,10 @@ pub fn assemble<const D: usize>(
             };
         }
     }
-    let mut modes = free_modes(&body.mesh, &constraints, RigidBasis::of(analysis));
-    for vector in modes.iter_mut().chain([&mut load]) {
+    let basis = RigidBasis::of(analysis);
+    let mut modes = free_modes(&body.mesh, &constraints, basis);
+    let mut carried = carried_motion(&body.mesh, &constraints, basis);
+    for vector in modes.iter_mut().chain([&mut load, &mut carried]) {
         into_frames(&frames, vector);
     }
     for mode in &mut modes {
@@ -146,16 +158,30 @@ pub fn assemble<const D: usize>(
             *value = 0.0;
         }
     }
+    let lift = lift(&held, &prescribed, &carried);
     Ok(BodySystem {
         graph,
         stiffness,
         load,
+        largest_load,
         constraints,
         held,
         prescribed,
+        carried,
+        lift,
         frames,
         modes,
     })
+}
+
+/// u_D less the rigid motion on held dofs; exactly zero where only rounding is left.
+fn lift(held: &[bool], prescribed: &[f64], carried: &[f64]) -> Vec<f64> {
+    let largest = prescribed.iter().fold(0.0f64, |l, v| l.max(v.abs()));
+    let rest = |dof: usize| match prescribed[dof] - carried[dof] {
+        rest if held[dof] && rest.abs() > 1e-13 * largest => rest,
+        _ => 0.0,
+    };
+    (0..held.len()).map(rest).collect()
 }
 
 impl<const D: usize> BodySystem<D> {

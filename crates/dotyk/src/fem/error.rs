@@ -31,7 +31,7 @@ pub enum FemError {
     },
     /// Two supports prescribe different values for the same displacement.
     #[error(
-        "node {node} at {point}: {first} and {second} prescribe contradictory displacements ({a} and {b}); remove one of the two"
+        "node {node} at {point}: the supports {first} and {second} prescribe contradictory displacements there ({} and {}); remove one of the two, or make them agree", Short(*.a), Short(*.b)
     )]
     Contradiction {
         /// Node of the mesh.

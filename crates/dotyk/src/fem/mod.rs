@@ -27,7 +27,7 @@ pub use stress::{recover_stress, von_mises};
 pub use supports::{Constraints, Held, nearest_node, node_normals};
 
 pub(crate) use assemble::{invert, measure};
-pub(crate) use error::show;
+pub(crate) use error::{Short, show};
 pub(crate) use internal::internal_forces;
 pub(crate) use modes::fit_rigid;
 pub(crate) use supports::side_facets;

@@ -111,6 +111,53 @@ pub(crate) fn free_modes<const D: usize>(
         .collect()
 }
 
+/// The rigid motion of the whole body that fits the prescribed displacements best (least squares, of least norm where
+/// they leave it open), (D·n,) in global axes; zero when all prescribed values are.
+pub(crate) fn carried_motion<const D: usize>(
+    mesh: &Mesh<D>,
+    constraints: &Constraints<D>,
+    basis: RigidBasis,
+) -> Vec<f64> {
+    let none = || vec![0.0; D * mesh.points().len()];
+    let held: Vec<(usize, Point<D>, f64)> = constraints
+        .nodes
+        .iter()
+        .flat_map(|(&node, held)| held.iter().map(move |h| (node, h.axis, h.value)))
+        .collect();
+    if held.iter().all(|h| h.2 == 0.0) {
+        return none();
+    }
+    let all: Vec<usize> = (0..mesh.points().len()).collect();
+    let (origin, size) = centre(mesh, &all);
+    let motion = |k: usize, node: usize| {
+        basis.displacement(k, sub(mesh.points()[node], origin).map(|c| c / size))
+    };
+    // normal equations: a body may have many held nodes, and the motions are well scaled
+    let count = basis.len(D);
+    let mut normal = Mat::<f64>::zeros(count, count);
+    let mut rhs = Mat::<f64>::zeros(count, 1);
+    for &(node, axis, value) in &held {
+        let row: Vec<f64> = (0..count).map(|k| dot(axis, motion(k, node))).collect();
+        for (k, a) in row.iter().enumerate() {
+            rhs[(k, 0)] += a * value;
+            for (l, b) in row.iter().enumerate() {
+                normal[(k, l)] += a * b;
+            }
+        }
+    }
+    // finite input cannot fail
+    let Ok(amplitudes) = least_squares(&normal, &rhs, RANK_TOLERANCE) else {
+        return none();
+    };
+    (0..mesh.points().len())
+        .flat_map(|node| {
+            (0..count).fold([0.0; D], |sum, k| {
+                add_scaled(sum, amplitudes[(k, 0)], motion(k, node))
+            })
+        })
+        .collect()
+}
+
 /// Null space of the conditions, reduced so that pure motions show as such.
 fn amplitudes(rows: &[Vec<f64>], unknowns: usize) -> Vec<Vec<f64>> {
     if rows.is_empty() {

@@ -2,10 +2,11 @@
 
 use crate::contact::Role;
 use crate::dual::{AdmissibleSet, Block, Feasibility};
-use crate::fem::{BodySystem, describe_motion, show};
+use crate::fem::{BodySystem, Short, describe_motion, show};
 use crate::geometry::{Point, add_scaled};
 use crate::model::condense::{LoadedBody, body_rows};
-use crate::model::error::Error;
+use crate::model::dependent::drop_dependent;
+use crate::model::error::{Error, Subject};
 use crate::model::floating::Floating;
 use crate::model::nouns::*;
 use crate::model::pair::{Paired, pair_all};
@@ -54,6 +55,8 @@ pub struct Check<const D: usize> {
     pub contacts: Vec<ContactCheck>,
     /// What makes a solution impossible.
     pub errors: Vec<String>,
+    /// What the first error is about.
+    pub subject: Option<Subject>,
     /// What the user should know.
     pub warnings: Vec<String>,
 }
@@ -68,9 +71,11 @@ impl<const D: usize> Model<D> {
             bodies: Vec::new(),
             contacts: Vec::new(),
             errors: Vec::new(),
+            subject: None,
             warnings: Vec::new(),
         };
         if let Err(error) = self.fill(&mut check) {
+            check.subject = error.subject();
             check.errors.push(error.to_string());
         }
         check
@@ -90,7 +95,10 @@ impl<const D: usize> Model<D> {
             }
             check.bodies.push(found);
         }
-        let paired = pair_all(self, &systems)?;
+        let mut paired = pair_all(self, &systems)?;
+        check
+            .warnings
+            .extend(drop_dependent(self, &systems, &mut paired));
         for (contact, pair) in self.contacts.iter().zip(&paired) {
             let nodes = &pair.interface.nodes;
             let gaps = || {
@@ -133,7 +141,7 @@ impl<const D: usize> Model<D> {
             .zip(rows)
             .map(|(system, rows)| LoadedBody::new(system, rows));
         let bodies: Vec<LoadedBody<D>> = loaded.collect();
-        let floating = Floating::new(self, &bodies, gaps.len())?;
+        let floating = Floating::new(self, &bodies, &gaps)?;
         check.warnings.extend(floating.warnings.iter().cloned());
         self.describe_floating(&floating, &paired, check);
         let admissible = AdmissibleSet::new(vec![Block::Unilateral; gaps.len()]);
@@ -173,8 +181,9 @@ impl<const D: usize> Model<D> {
             } else {
                 format!("held by contact {}", names.join(", "))
             };
+            let load = Short(floating.load(k));
             let found = &mut check.bodies[body].floating;
-            found[mode] = format!("{}: {held}", found[mode]);
+            found[mode] = format!("{}: load on it {load}, {held}", found[mode]);
         }
     }
 }
@@ -208,7 +217,7 @@ impl<const D: usize> fmt::Display for Check<D> {
         for body in &self.bodies {
             writeln!(
                 f,
-                "body \"{}\": {} nodes, {} cells, worst cell quality {:.3}, {} dofs held, load {}",
+                "body \"{}\": {} nodes, {} cells, worst cell quality {:.3}, {} dofs held, resultant load {}",
                 body.name,
                 body.size[0],
                 body.size[1],
@@ -233,10 +242,11 @@ impl<const D: usize> fmt::Display for Check<D> {
                 write!(f, ", {} nodes face nothing", contact.unpaired)?;
             }
             match contact.penetration {
-                0.0 if contact.clearance > 0.0 && contact.clearance.is_finite() => {
+                _ if contact.unknowns == 0 => writeln!(f)?,
+                0.0 if contact.clearance > 0.0 => {
                     writeln!(f, ", initial clearance {:.4e}", contact.clearance)?
                 }
-                0.0 => writeln!(f, ", closed or open initially")?,
+                0.0 => writeln!(f, ", touching initially")?,
                 depth => writeln!(f, ", initial penetration {depth:.4e}")?,
             }
         }

@@ -39,13 +39,23 @@ pub(crate) struct BodyRows {
     pub matrix: SparseMatrix,
 }
 
+impl BodyRows {
+    /// out += B u; shapes (D·n,) and (m,).
+    fn add_product(&self, u: &[f64], out: &mut [f64]) {
+        for (local, &row) in self.index.iter().enumerate() {
+            let product = self.matrix.row(local).map(|(dof, value)| value * u[dof]);
+            out[row] += product.sum::<f64>();
+        }
+    }
+}
+
 /// One body, ready to be factored.
 pub(crate) struct LoadedBody<const D: usize> {
     /// Its discrete equilibrium.
     pub system: BodySystem<D>,
     /// Its rows of B.
     pub rows: Arc<BodyRows>,
-    /// f − K u_D on the free dofs, zero on the held ones.
+    /// f − K u_D on the free dofs, zero on the held ones; u_D less the rigid motion that it contains.
     pub reduced_load: Vec<f64>,
 }
 
@@ -53,9 +63,9 @@ impl<const D: usize> LoadedBody<D> {
     /// Adds the lift of the prescribed displacements to the load.
     pub fn new(system: BodySystem<D>, rows: BodyRows) -> Self {
         let mut reduced_load = system.load.clone();
-        if system.prescribed.iter().any(|&value| value != 0.0) {
+        if system.lift.iter().any(|&value| value != 0.0) {
             let mut product = vec![0.0; reduced_load.len()];
-            system.stiffness.mul(&system.prescribed, &mut product);
+            system.stiffness.mul(&system.lift, &mut product);
             reduced_load
                 .iter_mut()
                 .zip(&product)
@@ -80,7 +90,7 @@ impl<const D: usize> LoadedBody<D> {
 pub(crate) struct FactoredBody {
     /// Factor of K on the free dofs, grounded ones left out.
     pub factor: Arc<Cholesky>,
-    /// u_D + K⁺(f − K u_D), (D·n,).
+    /// u_D + K⁺(f − K u_D), (D·n,), less the rigid motion that u_D contains.
     pub base: Vec<f64>,
 }
 
@@ -261,7 +271,7 @@ pub(crate) fn base_solution<const D: usize>(
     let mut base = body.reduced_load.clone();
     factor.solve(&mut base);
     base.iter_mut()
-        .zip(&body.system.prescribed)
+        .zip(&body.system.lift)
         .for_each(|(u, lift)| *u += lift);
     FactoredBody {
         factor: Arc::new(factor),
@@ -279,15 +289,15 @@ pub(crate) fn compliance_and_overlap<const D: usize>(
 ) -> (Compliance, Vec<f64>) {
     let m = gaps.len();
     let mut overlap: Vec<f64> = gaps.iter().map(|gap| -gap).collect();
+    // rigid motions first: they may cancel a clearance that is large beside the strains
+    for body in bodies {
+        body.rows.add_product(&body.system.carried, &mut overlap);
+    }
     let mut largest = gaps.iter().fold(0.0, |s: f64, gap| s.max(gap.abs()));
     for (body, factored) in bodies.iter().zip(factored) {
-        for (local, &row) in body.rows.index.iter().enumerate() {
-            for (dof, value) in body.rows.matrix.row(local) {
-                let moved = value * factored.base[dof];
-                overlap[row] += moved;
-                largest = largest.max(moved.abs());
-            }
-        }
+        body.rows.add_product(&factored.base, &mut overlap);
+        let moved = body.system.carried.iter().chain(&factored.base);
+        largest = moved.fold(largest, |s, u| s.max(u.abs()));
     }
     // Bodies that their supports carry along together do not overlap: what is left is rounding of the displacement.
     if overlap.iter().all(|d| d.abs() <= ROUNDING * largest) {

@@ -4,6 +4,31 @@ use crate::contact::ContactError;
 use crate::fem::FemError;
 use crate::model::solution::Solution;
 
+/// The part of a model that an error is about, by name.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum Subject {
+    /// A body.
+    Body(String),
+    /// A contact.
+    Contact(String),
+    /// A probe.
+    Probe(String),
+}
+
+impl<const D: usize> Error<D> {
+    /// What the error is about, where it is one part of the model.
+    pub fn subject(&self) -> Option<Subject> {
+        match self {
+            Self::Body { body, .. }
+            | Self::NotHeld { body, .. }
+            | Self::PulledAway { body, .. } => Some(Subject::Body(body.clone())),
+            Self::Contact { contact, .. } => Some(Subject::Contact(contact.clone())),
+            Self::Probe { probe, .. } => Some(Subject::Probe(probe.clone())),
+            Self::Model(_) | Self::Solver(_) | Self::NotConverged { .. } => None,
+        }
+    }
+}
+
 /// An error of the whole model: it names body, contact, side or node and says what to do.
 #[derive(Debug, thiserror::Error)]
 pub enum Error<const D: usize> {

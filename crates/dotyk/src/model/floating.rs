@@ -1,6 +1,6 @@
 //! Floating bodies: which rigid motions the contacts control, and what becomes of the others.
 //!
-//! The columns of R of all bodies are the modes; G = RᵀBᵀ and e = Rᵀ(f − K u_D). A combination z with Gᵀz = 0 is a
+//! The columns of R of all bodies are the modes; G = RᵀBᵀ and e = Rᵀf. A combination z with Gᵀz = 0 is a
 //! motion that no contact can resist: driven by the load it is an error, else it is fixed by least norm with a warning.
 //! If no admissible λ satisfies Gλ = e, the load pulls a body away from everything that could hold it.
 
@@ -22,6 +22,8 @@ pub(crate) struct Floating {
     pub uncontrolled: Mat<f64>,
     /// G of all modes, (r, m).
     all: Mat<f64>,
+    /// e of all modes, (r,).
+    loads: Vec<f64>,
     /// Gλ = e in the controlled combinations.
     pub equilibrium: Equilibrium,
     /// What the user should know.
@@ -29,12 +31,14 @@ pub(crate) struct Floating {
 }
 
 impl Floating {
-    /// Sets up G and e. Errors: a body that floats without any contact, or whose load drives what nothing controls.
+    /// Sets up G and e for contacts with these initial gaps. Errors: a body that floats without any contact in reach, or
+    /// whose load drives what nothing controls.
     pub fn new<const D: usize>(
         model: &Model<D>,
         bodies: &[LoadedBody<D>],
-        m: usize,
+        gaps: &[f64],
     ) -> Result<Self, Error<D>> {
+        let m = gaps.len();
         let modes: Vec<(usize, usize)> = bodies
             .iter()
             .enumerate()
@@ -54,14 +58,18 @@ impl Floating {
                     .map(|(dof, value)| value * column[dof])
                     .sum();
             }
-            e[k] = column.iter().zip(&b.reduced_load).map(|(r, f)| r * f).sum();
+            // a free mode strains nothing: what is prescribed does no work on it
+            e[k] = column.iter().zip(&b.system.load).map(|(r, f)| r * f).sum();
         }
-        for &(body, mode) in &modes {
-            if bodies[body].rows.index.is_empty() {
+        for &(body, _) in &modes {
+            if let Some(reason) = unreachable_contacts(model, body, &bodies[body], gaps) {
+                let count = bodies[body].system.modes.len();
+                let motions =
+                    (0..count).map(|mode| describe(model, bodies, body, |k| f64::from(k == mode)));
                 return Err(Error::NotHeld {
                     body: model.bodies[body].name.clone(),
-                    motion: describe(model, bodies, body, |k| f64::from(k == mode)),
-                    reason: "no contact faces it".to_string(),
+                    motion: motions.collect::<Vec<_>>().join(", "),
+                    reason,
                 });
             }
         }
@@ -71,6 +79,9 @@ impl Floating {
             let z: Vec<f64> = (0..r).map(|k| split.uncontrolled[(k, j)]).collect();
             warnings.push(check_undriven(model, bodies, &modes, &z, &e)?);
         }
+        let silent = NO_WORK * load_scale(bodies, &modes);
+        let loads = e.iter().map(|&e| if e.abs() > silent { e } else { 0.0 });
+        let loads = loads.collect();
         let (controlled, equilibrium) = if split.uncontrolled.ncols() == 0 {
             (
                 Mat::<f64>::identity(r, r),
@@ -95,6 +106,7 @@ impl Floating {
             controlled,
             uncontrolled: split.uncontrolled,
             all: g,
+            loads,
             equilibrium,
             warnings,
         })
@@ -103,6 +115,11 @@ impl Floating {
     /// Work of a unit force of multiplier i on mode k.
     pub fn work(&self, k: usize, i: usize) -> f64 {
         self.all[(k, i)]
+    }
+
+    /// Work of the load on mode k, for a largest displacement of 1; rounding of loads that balance is zero.
+    pub fn load(&self, k: usize) -> f64 {
+        self.loads[k]
     }
 
     /// Amplitudes of all modes from those of the controlled combinations.
@@ -140,6 +157,29 @@ impl Floating {
             load,
         }
     }
+}
+
+/// A clearance of more diameters of the body than this cannot be meant: strains would drown in rounding.
+const OUT_OF_REACH: f64 = 1e6;
+
+/// Why no contact can hold a floating body; `None` when one may.
+fn unreachable_contacts<const D: usize>(
+    model: &Model<D>,
+    body: usize,
+    loaded: &LoadedBody<D>,
+    gaps: &[f64],
+) -> Option<String> {
+    let nearest = loaded.rows.index.iter().map(|&row| gaps[row]);
+    let nearest = nearest.fold(f64::INFINITY, f64::min);
+    if nearest == f64::INFINITY {
+        return Some("no contact faces it".to_string());
+    }
+    let far = nearest > OUT_OF_REACH * model.bodies[body].mesh.diameter();
+    far.then(|| {
+        format!(
+            "its contacts are out of reach: the smallest clearance, {nearest:.4e}, is more than a million times its size"
+        )
+    })
 }
 
 /// Rows of G that balance moments: modes with a rotation.
@@ -183,6 +223,15 @@ pub(crate) fn describe<const D: usize>(
     describe_motion(model.bodies[body].mesh.points(), &system.to_global(&motion))
 }
 
+/// Largest sum of nodal forces of a floating body: the load's own scale.
+fn load_scale<const D: usize>(bodies: &[LoadedBody<D>], modes: &[(usize, usize)]) -> f64 {
+    let size = |body: usize| -> f64 { bodies[body].system.load.iter().map(|f| f.abs()).sum() };
+    modes
+        .iter()
+        .map(|&(body, _)| size(body))
+        .fold(0.0, f64::max)
+}
+
 /// Warning about a motion that nothing controls and no load drives; an error when the load does work on it.
 fn check_undriven<const D: usize>(
     model: &Model<D>,
@@ -195,17 +244,7 @@ fn check_undriven<const D: usize>(
     let name = model.bodies[body].name.clone();
     let motion = describe(model, bodies, body, |mode| amplitude(modes, z, body, mode));
     let work: f64 = z.iter().zip(e).map(|(z, e)| z * e).sum();
-    let scale: f64 = modes
-        .iter()
-        .map(|&(body, _)| {
-            bodies[body]
-                .reduced_load
-                .iter()
-                .map(|f| f.abs())
-                .sum::<f64>()
-        })
-        .fold(0.0, f64::max);
-    if work.abs() > NO_WORK * scale {
+    if work.abs() > NO_WORK * load_scale(bodies, modes) {
         let reason =
             format!("its load does work on it (resultant {work:.4e}) and no contact can resist it");
         return Err(Error::NotHeld {
@@ -221,13 +260,14 @@ fn check_undriven<const D: usize>(
 
 /// Chooses the rigid amplitudes that the contact leaves open: least norm of the displacement without penetration.
 ///
-/// `free` lists combinations of modes, (r,) each; `displacement` the nodal displacements of all bodies in their frames;
-/// `gaps` those of all multipliers. Both are updated.
+/// `free` lists combinations of modes, (r,) each; `elastic` and `rigid` are the two parts of the nodal displacements of all
+/// bodies in their frames; `gaps` those of all multipliers. The last two are updated.
 pub(crate) fn settle<const D: usize>(
     bodies: &[LoadedBody<D>],
     floating: &Floating,
     free: &[Vec<f64>],
-    displacement: &mut [Vec<f64>],
+    elastic: &[Vec<f64>],
+    rigid: &mut [Vec<f64>],
     gaps: &mut [f64],
 ) {
     // orthonormalise the motions over all nodes, so that the least norm of amplitudes is that of displacements
@@ -255,8 +295,8 @@ pub(crate) fn settle<const D: usize>(
         }
     }
     for motion in &motions {
-        let part = -inner(displacement, motion);
-        move_by(bodies, part, motion, displacement, gaps);
+        let part = -inner(elastic, motion) - inner(rigid, motion);
+        move_by(bodies, part, motion, rigid, gaps);
     }
     // closing[i][j]: by how much motion j closes gap i; no gap may become negative
     let mut closing = vec![vec![0.0; motions.len()]; gaps.len()];
@@ -278,7 +318,7 @@ pub(crate) fn settle<const D: usize>(
     let closing: Vec<Vec<f64>> = touched.iter().map(|&i| closing[i].clone()).collect();
     if let Some(beta) = least_norm_within(&closing, &bounds, motions.len()) {
         for (b, motion) in beta.iter().zip(&motions) {
-            move_by(bodies, *b, motion, displacement, gaps);
+            move_by(bodies, *b, motion, rigid, gaps);
         }
     }
 }

@@ -1,9 +1,9 @@
 //! Contacts as interfaces: which side carries the multipliers, and how the sides are coupled.
 
 use crate::contact::{
-    ContactError, End, InitialGap, Interface, matching_nodes, pair_nodes, pair_obstacle,
+    ContactError, End, InitialGap, Interface, pair_nodes, pair_obstacle, unmatched_facing,
 };
-use crate::fem::{BodySystem, FemError, side_facets};
+use crate::fem::{BodySystem, FemError, show, side_facets};
 use crate::geometry::distance;
 use crate::model::error::Error;
 use crate::model::nouns::*;
@@ -96,30 +96,35 @@ fn pair<const D: usize>(
         side,
         constraints: &systems[*body].constraints,
     });
-    let matches = matching_nodes(ends[0], ends[1]).map_err(fail)?;
-    let facing = matches
-        .values()
-        .filter(|(partner, _)| partner.is_some())
-        .count();
     if contact.pairing == Some(Pairing::Mortar) {
         return Err(fail(ContactError::NotYet {
             what: "pairing \"mortar\"",
         }));
     }
-    if facing == 0 && contact.pairing.is_none() {
-        return Err(fail(ContactError::NotYet {
-            what: "contact of sides whose nodes do not coincide (pairing \"mortar\")",
+    // a partial overlap of matching sides is legal, and so are sides that do not face each other at all
+    if let Some(unmatched) = unmatched_facing(ends[0], ends[1]).map_err(fail)? {
+        let (own, other) = if unmatched.of_mortar {
+            (ends[1], ends[0])
+        } else {
+            (ends[0], ends[1])
+        };
+        return Err(fail(ContactError::Unpaired {
+            side: own.name(),
+            other: other.name(),
+            consequence: match contact.pairing {
+                Some(_) => "pairing \"node-to-node\" needs coincident nodes",
+                None => {
+                    "contact of sides with different nodes (pairing \"mortar\") is not supported yet"
+                }
+            },
+            node: unmatched.node,
+            point: show(unmatched.point),
+            distance: unmatched.distance,
         }));
     }
-    // a partial overlap of matching sides is legal; with an explicit pairing any unmatched facing node is the user's error
-    let measured = if contact.pairing.is_some() {
-        InitialGap::Measured
-    } else {
-        InitialGap::Closed
-    };
     let gap = match &contact.gap {
         None | Some(Gap::Closed) => InitialGap::Closed,
-        Some(Gap::Geometric) => measured,
+        Some(Gap::Geometric) => InitialGap::Measured,
         Some(Gap::Given(field)) => InitialGap::Given(field),
     };
     let interface = pair_nodes(ends[0], ends[1], gap, model.analysis, model.time).map_err(fail)?;

@@ -1,12 +1,13 @@
 //! assemble → order → factor → condense → solve → recover, each stage a function of the one before.
 
 use crate::dual::{AdmissibleSet, Block, DualProblem, Multipliers, Scales};
-use crate::fem::{BodySystem, assemble};
+use crate::fem::{BodySystem, assemble, show};
 use crate::geometry::{bounding_box, distance, norm};
 use crate::model::condense::{
     DENSE_LIMIT, FactoredBody, LoadedBody, Ordered, base_solution, body_rows,
     compliance_and_overlap, factor, order,
 };
+use crate::model::dependent::drop_dependent;
 use crate::model::error::Error;
 use crate::model::floating::Floating;
 use crate::model::nouns::*;
@@ -147,7 +148,8 @@ impl<const D: usize> Model<D> {
         observe(Event::Stage("assemble"));
         self.check_probes()?;
         let systems = self.systems()?;
-        let paired = pair_all(self, &systems)?;
+        let mut paired = pair_all(self, &systems)?;
+        let mut warnings = drop_dependent(self, &systems, &mut paired);
         let (rows, gaps) = body_rows(self, &systems, &paired);
         seconds.assemble = lap();
         let dense = gaps.len() <= dense_limit;
@@ -169,14 +171,14 @@ impl<const D: usize> Model<D> {
         observe(Event::Stage("condense"));
         let (compliance, shift) =
             compliance_and_overlap(&bodies, &factored, &ordered, &gaps, dense);
-        let floating = Floating::new(self, &bodies, gaps.len())?;
+        let floating = Floating::new(self, &bodies, &gaps)?;
         let equilibrium = floating.equilibrium.clone();
         let admissible = AdmissibleSet::new(vec![Block::Unilateral; gaps.len()]);
         let mut problem = DualProblem::new(compliance, shift, admissible, equilibrium)
             .map_err(|error| Error::Solver(error.to_string()))?;
         problem.scales = self.scales(&bodies, &factored, &problem);
         seconds.condense = lap();
-        let warnings = floating.warnings.clone();
+        warnings.extend(floating.warnings.iter().cloned());
         Ok(Condensed {
             bodies,
             factored,
@@ -249,7 +251,10 @@ impl<const D: usize> Model<D> {
                 .shift
                 .iter()
                 .fold(0.0, |largest, d| largest.max(d.abs())),
-            force: bodies.iter().map(resultant).fold(0.0, f64::max),
+            force: bodies
+                .iter()
+                .map(|body| resultant(body).max(body.system.largest_load))
+                .fold(0.0, f64::max),
             moment_arm: self
                 .bodies
                 .iter()
@@ -329,6 +334,14 @@ impl<const D: usize> Model<D> {
                 return Err(condensed
                     .floating
                     .pulled_away(self, &condensed.bodies, &direction));
+            }
+            Err(SolveError::DependentBolts { bolts, modes }) => {
+                let carriers = self.carriers(&condensed.paired);
+                let places: Vec<String> = bolts.iter().map(|&i| show(carriers[i].1)).collect();
+                return Err(Error::Solver(format!(
+                    "the bolts at {} do not hold the rigid motions that the contacts control, {modes} in number: name one contact node for each, or leave out `bolt`",
+                    places.join(", ")
+                )));
             }
             Err(other) => return Err(Error::Solver(other.to_string())),
         };
@@ -411,7 +424,9 @@ impl<const D: usize> Model<D> {
                 let (low, high) = bounding_box(self.bodies[side.body.0].mesh.points());
                 if distance(at, point) > 0.1 * distance(low, high) {
                     return Err(Error::Solver(format!(
-                        "bolt {point:?}: the nearest contact node, {at:?}, is {:.3e} away; name a point on a contact",
+                        "bolt {}: the nearest contact node, {}, is {:.3e} away; name a point on a contact",
+                        show(point),
+                        show(at),
                         distance(at, point)
                     )));
                 }
@@ -487,8 +502,7 @@ impl<const D: usize> Model<D> {
         if solution.converged {
             return Ok(solution);
         }
-        let reason =
-            failure.unwrap_or_else(|| "the certificate of the answer does not hold".to_string());
+        let reason = failure.unwrap_or_else(|| solution.certificate.objection());
         Err(Error::NotConverged {
             reason,
             solution: Box::new(solution),
@@ -517,7 +531,7 @@ impl<const D: usize> Model<D> {
             warnings.push(format!(
                 "the bolt of contact \"{}\" at {} was improper: its force was {:.6e}, a tension; it was moved",
                 bolt.contact,
-                crate::fem::show(bolt.point),
+                show(bolt.point),
                 bolt.force
             ));
         }

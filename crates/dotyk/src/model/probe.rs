@@ -519,6 +519,12 @@ fn invert_map<const D: usize>(
     xi.iter().all(|c| c.is_finite()).then_some(xi)
 }
 
+/// A point may lie beside a side by this fraction of a facet: the sagitta of a polygon, not more.
+const BESIDE: f64 = 0.1;
+
+/// A point may lie beyond the end of a side by this fraction of a facet: rounding, not more.
+const BEYOND: f64 = 1e-6;
+
 /// The facet of a side that is nearest to a point, and the coordinate of the nearest point on it.
 fn nearest_facet<const D: usize>(
     mesh: &Mesh<D>,
@@ -554,12 +560,41 @@ fn nearest_facet<const D: usize>(
         }
     }
     match best {
-        Some((gap, facet, xi, length)) if gap <= 0.5 * length => Ok((facet, xi)),
+        Some((gap, facet, xi, length))
+            if gap <= BESIDE * length
+                && beyond_the_end(mesh, facets, facet, xi, point) <= BEYOND * length =>
+        {
+            Ok((facet, xi))
+        }
         _ => Err(format!(
             "the point {} does not lie on the nonmortar side",
             show(point)
         )),
     }
+}
+
+/// By how much a point lies beyond the end of a side whose nearest place is ξ of a facet; zero elsewhere.
+fn beyond_the_end<const D: usize>(
+    mesh: &Mesh<D>,
+    facets: &[Facet],
+    facet: Facet,
+    xi: f64,
+    point: Point<D>,
+) -> f64 {
+    if xi.abs() < 1.0 {
+        return 0.0;
+    }
+    let ends: Vec<u32> = mesh.facet_nodes(facet).take(2).collect();
+    let node = ends[usize::from(xi > 0.0)];
+    let touching = facets
+        .iter()
+        .filter(|&&f| mesh.facet_nodes(f).take(2).any(|n| n == node));
+    if touching.count() > 1 {
+        return 0.0;
+    }
+    let [here, inside] = [xi, xi - 1e-6 * xi].map(|xi| mesh.facet_point(facet, &[xi]));
+    let outwards = sub(here, inside);
+    dot(sub(point, here), outwards) / norm(outwards)
 }
 
 #[cfg(test)]

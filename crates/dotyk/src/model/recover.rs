@@ -47,30 +47,44 @@ pub(crate) fn judge<const D: usize>(
     } = condensed;
     let lambda = &multipliers.lambda;
     let amplitudes = floating.amplitudes(&multipliers.alpha);
-    let mut u: Vec<Vec<f64>> = bodies
+    let elastic: Vec<Vec<f64>> = bodies
         .par_iter()
         .zip(factored)
+        .map(|(body, factored)| elastic_displacement(body, factored, lambda))
+        .collect();
+    let mut rigid: Vec<Vec<f64>> = bodies
+        .iter()
         .enumerate()
-        .map(|(index, (body, factored))| {
-            displacement(body, factored, lambda, floating, &amplitudes, index)
-        })
+        .map(|(index, body)| rigid_displacement(body, floating, &amplitudes, index))
         .collect();
     let mut gaps = condensed.gaps.clone();
-    add_rows(bodies, -1.0, &u, &mut gaps);
+    add_rows(bodies, -1.0, &rigid, &mut gaps);
+    add_rows(bodies, -1.0, &elastic, &mut gaps);
     let (open, hovering) = open_motions(model, bodies, floating, problem, lambda);
     if !open.is_empty() {
-        settle(bodies, floating, &open, &mut u, &mut gaps);
+        settle(bodies, floating, &open, &elastic, &mut rigid, &mut gaps);
     }
-    let states = (&model.bodies, bodies, factored, u)
+    let states = (&model.bodies, bodies, factored, elastic, &rigid)
         .into_par_iter()
-        .map(|(body, loaded, factored, u)| {
-            balanced_state(model, body, loaded, factored, u, lambda, problem.scales)
+        .map(|(body, loaded, factored, elastic, rigid)| {
+            balanced_state(
+                model,
+                body,
+                loaded,
+                factored,
+                [elastic, rigid.clone()],
+                lambda,
+                problem.scales,
+            )
         })
         .collect::<Result<Vec<_>, _>>()?;
-    let (states, u): (Vec<_>, Vec<_>) = states.into_iter().unzip();
+    let (states, elastic): (Vec<_>, Vec<_>) = states.into_iter().unzip();
+    // rigid motions first: they may cancel a clearance that is large beside the strains
     let mut gaps = condensed.gaps.clone();
-    add_rows(bodies, -1.0, &u, &mut gaps);
-    let certificate = certify(model, &states, condensed, multipliers, &gaps);
+    add_rows(bodies, -1.0, &rigid, &mut gaps);
+    let clearances = gaps.clone();
+    add_rows(bodies, -1.0, &elastic, &mut gaps);
+    let certificate = certify(model, &states, condensed, multipliers, &gaps, &clearances);
     Ok(Judged {
         states,
         gaps,
@@ -102,13 +116,11 @@ impl<const D: usize> Judged<D> {
     }
 }
 
-fn displacement<const D: usize>(
+/// u_D + K⁺(f − K u_D − Bᵀλ) less the rigid motion that u_D contains: the part that strains the body.
+fn elastic_displacement<const D: usize>(
     body: &LoadedBody<D>,
     factored: &FactoredBody,
     lambda: &[f64],
-    floating: &Floating,
-    amplitudes: &[f64],
-    index: usize,
 ) -> Vec<f64> {
     let mut u = factored.base.clone();
     if !body.rows.index.is_empty() {
@@ -118,6 +130,18 @@ fn displacement<const D: usize>(
         factored.factor.solve(&mut push);
         u.iter_mut().zip(&push).for_each(|(u, p)| *u -= p);
     }
+    u
+}
+
+/// The rigid motion that u_D contains, and Rα. A large motion is kept apart from the displacement that strains the body:
+/// added up, small strains would drown in its rounding.
+fn rigid_displacement<const D: usize>(
+    body: &LoadedBody<D>,
+    floating: &Floating,
+    amplitudes: &[f64],
+    index: usize,
+) -> Vec<f64> {
+    let mut u = body.system.carried.clone();
     for (&(owner, mode), &a) in floating.modes.iter().zip(amplitudes) {
         if owner == index {
             u.iter_mut()
@@ -173,11 +197,15 @@ struct BodyState<const D: usize> {
     /// External, support and contact force of every node.
     total: Vec<Point<D>>,
     strain_energy: f64,
-    /// 2·(strain energy) − f·u − R·u: minus the work of the contact forces, when all forces balance.
+    /// 2·(strain energy) − (f + R)·(elastic displacement): minus the work of the contact forces on it, when all forces
+    /// balance.
     unbalanced_work: f64,
+    /// Largest resultant of a support that moves.
+    driving_force: f64,
 }
 
-/// State of a body, its displacement refined until its forces balance.
+/// State of a body, its elastic displacement refined until its forces balance; `parts` are the elastic and the rigid
+/// displacement.
 ///
 /// The factorisation leaves residuals of the size of rounding times |K||u|, which a slender body turns into a resultant;
 /// one or two corrections by K⁺ with the residual of [`internal_forces`] remove it.
@@ -186,7 +214,7 @@ fn balanced_state<const D: usize>(
     body: &Body<D>,
     loaded: &LoadedBody<D>,
     factored: &FactoredBody,
-    mut u: Vec<f64>,
+    parts: [Vec<f64>; 2],
     lambda: &[f64],
     scales: Scales,
 ) -> Result<(BodyState<D>, Vec<f64>), Error<D>> {
@@ -197,18 +225,24 @@ fn balanced_state<const D: usize>(
         body: body.name.clone(),
         source,
     };
+    let [mut elastic, rigid] = parts;
     let mut refinements = 0;
     loop {
-        let (state, residual) = BodyState::new(model, body, loaded, &u, lambda).map_err(fail)?;
+        let (state, residual) =
+            BodyState::new(model, body, loaded, [&elastic, &rigid], lambda).map_err(fail)?;
+        let force = force.max(state.driving_force);
         let (f, m) = imbalance(model, body.mesh.points(), &state.total);
         let worst = f.max(m / scales.moment_arm);
         if worst <= 0.1 * IMBALANCE_LIMIT * force || refinements == 2 {
-            return Ok((state, u));
+            return Ok((state, elastic));
         }
         refinements += 1;
         let mut correction = residual;
         factored.factor.solve(&mut correction);
-        u.iter_mut().zip(&correction).for_each(|(u, c)| *u += c);
+        elastic
+            .iter_mut()
+            .zip(&correction)
+            .for_each(|(u, c)| *u += c);
     }
 }
 
@@ -218,7 +252,7 @@ impl<const D: usize> BodyState<D> {
         model: &Model<D>,
         body: &Body<D>,
         loaded: &LoadedBody<D>,
-        u: &[f64],
+        [u, rigid]: [&[f64]; 2],
         lambda: &[f64],
     ) -> Result<(Self, Vec<f64>), FemError> {
         let system = &loaded.system;
@@ -241,9 +275,15 @@ impl<const D: usize> BodyState<D> {
         }
         let applied = system.load.iter().zip(&reactions).map(|(f, r)| f + r);
         let external: f64 = applied.zip(u).map(|(force, u)| force * u).sum();
+        let mut whole: Vec<f64> = u.iter().zip(rigid).map(|(u, r)| u + r).collect();
+        for (dof, u) in whole.iter_mut().enumerate().filter(|d| system.held[d.0]) {
+            *u = system.prescribed[dof];
+        }
+        let reactions = system.to_global(&reactions);
         let state = Self {
-            u: global,
-            reactions: system.to_global(&reactions),
+            u: system.to_global(&whole),
+            driving_force: driving_force(body, loaded, &reactions),
+            reactions,
             total: system.to_global(&total),
             strain_energy,
             unbalanced_work: 2.0 * strain_energy - external,
@@ -258,6 +298,7 @@ fn certify<const D: usize>(
     condensed: &Condensed<D>,
     multipliers: &Multipliers,
     gaps: &[f64],
+    clearances: &[f64],
 ) -> Certificate {
     let (mut force, mut moment) = (0.0f64, 0.0f64);
     for (body, state) in model.bodies.iter().zip(states) {
@@ -266,12 +307,13 @@ fn certify<const D: usize>(
         moment = moment.max(m);
     }
     let elastic_energy: f64 = states.iter().map(|state| state.strain_energy).sum();
-    // Π(u) − Π*(σ, λ) = (2·energy − f·u − R·u_D) summed over the bodies + λ·g₀, with Π* = −energy(σ) − λ·g₀ + R·u_D
+    // Π(u) − Π*(σ, λ) = (2·energy − f·u − R·u_D) summed over the bodies + λ·g₀, with Π* = −energy(σ) − λ·g₀ + R·u_D;
+    // the work of balanced forces on rigid motions, which contact forces share, is left out on both sides
     let work: f64 = states.iter().map(|state| state.unbalanced_work).sum();
     let on_gaps: f64 = multipliers
         .lambda
         .iter()
-        .zip(&condensed.gaps)
+        .zip(clearances)
         .map(|(l, g)| l * g)
         .sum();
     let recomputed = Recomputed {
@@ -280,6 +322,7 @@ fn certify<const D: usize>(
         imbalance_moment: moment,
         energy_gap: (work + on_gaps).abs(),
         elastic_energy,
+        driving_force: states.iter().map(|s| s.driving_force).fold(0.0, f64::max),
     };
     condensed
         .problem
@@ -367,6 +410,24 @@ fn body_solution<const D: usize>(
     })
 }
 
+/// Largest resultant of a support with a prescribed displacement other than zero.
+fn driving_force<const D: usize>(
+    body: &Body<D>,
+    loaded: &LoadedBody<D>,
+    reactions: &[Point<D>],
+) -> f64 {
+    let mut sums = vec![[0.0; D]; body.supports.len()];
+    for (&node, held) in &loaded.system.constraints.nodes {
+        for h in held.iter().filter(|h| h.value != 0.0) {
+            let part = dot(reactions[node], h.axis) / h.supports.len() as f64;
+            for &support in &h.supports {
+                sums[support] = add_scaled(sums[support], part, h.axis);
+            }
+        }
+    }
+    sums.into_iter().map(norm).fold(0.0, f64::max)
+}
+
 /// Reactions by the side whose support holds the direction; shared directions are split evenly.
 fn side_reactions<const D: usize>(
     body: &Body<D>,
@@ -431,12 +492,18 @@ fn contact_solution<const D: usize>(
         .map(|node| {
             let point = body.mesh.points()[node.node];
             let along = |u: Point<D>| dot(node.normal, u);
-            let displacement_nonmortar = along(states[pair.nonmortar.body.0].u[node.node]);
-            let displacement_mortar = match (&pair.mortar, node.partner) {
-                (Some(mortar), Some(partner)) => along(states[mortar.body.0].u[partner]),
-                (None, _) => along(pair.obstacle_motion),
-                _ => f64::NAN,
+            let u_nonmortar = states[pair.nonmortar.body.0].u[node.node];
+            let u_mortar = match (&pair.mortar, node.partner) {
+                (Some(mortar), Some(partner)) => Some(states[mortar.body.0].u[partner]),
+                (None, _) if node.role != Role::Alone => Some(pair.obstacle_motion),
+                _ => None,
             };
+            let displacement_nonmortar = along(u_nonmortar);
+            let displacement_mortar = u_mortar.map_or(f64::NAN, along);
+            let slip = u_mortar.map_or([f64::NAN; D], |u| {
+                let relative = sub(u_nonmortar, u);
+                add_scaled(relative, -along(relative), node.normal)
+            });
             let (gap, pressure, status) = match node.role {
                 Role::Multiplier(row) => {
                     let status = match law {
@@ -461,7 +528,7 @@ fn contact_solution<const D: usize>(
                 gap,
                 pressure,
                 shear: [0.0; D],
-                slip: [f64::NAN; D],
+                slip,
                 displacement_nonmortar,
                 displacement_mortar,
                 status,
@@ -487,7 +554,7 @@ fn contact_solution<const D: usize>(
     let length = nodes
         .iter()
         .filter(|n| n.status != Status::Open && n.status != Status::Fixed);
-    let length = length.map(|n| n.weight).sum::<f64>() / body.thickness;
+    let length = length.fold(0.0, |sum, n| sum + n.weight) / body.thickness;
     ContactSolution {
         name: name.to_string(),
         nonmortar: pair.nonmortar.clone(),

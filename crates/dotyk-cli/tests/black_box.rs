@@ -1,0 +1,367 @@
+//! What a user sees of the program: exit status, result files and their numbers, on small cases with known answers.
+
+use serde_json::Value;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+/// What one run left behind.
+struct Run {
+    status: Option<i32>,
+    stdout: String,
+    stderr: String,
+    folder: PathBuf,
+}
+
+impl Run {
+    /// Runs `dotyk COMMAND case.toml ARGUMENTS` in a fresh folder of that name.
+    fn new(name: &str, text: &str, command: &str, arguments: &[&str]) -> Self {
+        let folder = Path::new(env!("CARGO_TARGET_TMPDIR"))
+            .join("black_box")
+            .join(name);
+        if folder.exists() {
+            std::fs::remove_dir_all(&folder).unwrap();
+        }
+        std::fs::create_dir_all(&folder).unwrap();
+        std::fs::write(folder.join("case.toml"), text).unwrap();
+        let output = Command::new(env!("CARGO_BIN_EXE_dotyk"))
+            .args([command, "case.toml"])
+            .args(arguments)
+            .current_dir(&folder)
+            .output()
+            .unwrap();
+        Self {
+            status: output.status.code(),
+            stdout: String::from_utf8(output.stdout).unwrap(),
+            stderr: String::from_utf8(output.stderr).unwrap(),
+            folder,
+        }
+    }
+
+    /// Runs a case that is to converge.
+    #[track_caller]
+    fn solved(name: &str, text: &str) -> Self {
+        let run = Self::new(name, text, "run", &[]);
+        assert_eq!(run.status, Some(0), "{name}: {}", run.stderr);
+        run
+    }
+
+    /// Runs a case that is to be refused, and returns the message.
+    #[track_caller]
+    fn refused(name: &str, text: &str) -> String {
+        let run = Self::new(name, text, "run", &[]);
+        assert_eq!(run.status, Some(2), "{name}: {}", run.stderr);
+        assert!(run.stdout.is_empty(), "{name}: {}", run.stdout);
+        assert_eq!(run.files(), [""; 0], "{name}");
+        run.stderr
+    }
+
+    /// Names of the result files.
+    fn files(&self) -> Vec<String> {
+        let Ok(list) = std::fs::read_dir(self.folder.join("case-out")) else {
+            return Vec::new();
+        };
+        let names = list.map(|entry| entry.unwrap().file_name().into_string().unwrap());
+        let mut names: Vec<String> = names.collect();
+        names.sort();
+        names
+    }
+
+    fn summary(&self) -> Value {
+        let text = std::fs::read_to_string(self.folder.join("case-out/summary.json")).unwrap();
+        serde_json::from_str(&text).unwrap()
+    }
+
+    /// Value of a probe; NaN where it is null.
+    fn probe(&self, name: &str) -> f64 {
+        let summary = self.summary();
+        let mut probes = summary["probes"].as_array().unwrap().iter();
+        let found = probes.find(|probe| probe["name"] == name).unwrap();
+        found["value"].as_f64().unwrap_or(f64::NAN)
+    }
+
+    fn warnings(&self) -> Vec<String> {
+        let summary = self.summary();
+        let list = summary["warnings"].as_array().unwrap().iter();
+        list.map(|w| w.as_str().unwrap().to_string()).collect()
+    }
+
+    /// One column of contact.csv.
+    fn column(&self, name: &str) -> Vec<String> {
+        let text = std::fs::read_to_string(self.folder.join("case-out/contact.csv")).unwrap();
+        let mut lines = text.lines();
+        let index = lines.next().unwrap().split(',').position(|c| c == name);
+        let cell = |line: &str| line.split(',').nth(index.unwrap()).unwrap().to_string();
+        lines.map(cell).collect()
+    }
+}
+
+#[track_caller]
+fn assert_near(found: f64, expected: f64, relative: f64) {
+    assert!(
+        (found - expected).abs() <= relative * expected.abs(),
+        "{found} instead of {expected}"
+    );
+}
+
+/// A body of steel with these cells, supports and loads.
+fn steel(name: &str, mesh: &str, fix: &str, load: &str) -> String {
+    format!(
+        "[[body]]\nname = \"{name}\"\nmesh = {{ {mesh} }}\nmaterial = {{ young = 210e9, poisson = 0.3 }}\nfix = [{fix}]\nload = [{load}]\n"
+    )
+}
+
+fn contact(name: &str, nonmortar: &str, mortar: &str, more: &str) -> String {
+    format!(
+        "[[contact]]\nname = \"{name}\"\nnonmortar = \"{nonmortar}\"\nmortar = \"{mortar}\"\n{more}\n"
+    )
+}
+
+fn probe(name: &str, quantity: &str, place: &str) -> String {
+    format!("[[probe]]\nname = \"{name}\"\nquantity = \"{quantity}\"\n{place}\n")
+}
+
+const HEAD: &str = "analysis = \"plane-strain\"\n";
+const LOW: &str = "rectangle = { from = [0, 0], to = [1, 1], cells = [4, 4] }";
+const UP: &str = "rectangle = { from = [0, 1], to = [1, 2], cells = [4, 4] }";
+const HELD: &str = "{ side = \"bottom\", x = 0, y = 0 }";
+const SLIDES: &str = "{ side = \"left\", x = 0 }";
+
+/// A block that may sink onto a held one under a pressure, with something added to the contact.
+fn stack(pressure: f64, gap: &str) -> String {
+    let load = format!("{{ side = \"top\", pressure = {pressure:e} }}");
+    [
+        HEAD.to_string(),
+        steel("low", LOW, HELD, ""),
+        steel("up", UP, SLIDES, &load),
+        contact("sole", "up.bottom", "low.top", gap),
+    ]
+    .concat()
+}
+
+#[test]
+fn loads_that_balance_each_other_are_measured_by_their_own_size() {
+    let bar = "rectangle = { from = [0, 0], to = [3, 1], cells = [7, 3] }";
+    let fix = "{ point = [0, 0], x = 0, y = 0 }, { point = [0, 1], x = 0 }";
+    let pull =
+        "{ side = \"left\", traction = [-1e6, 0] }, { side = \"right\", traction = [1e6, 0] }";
+    let text = HEAD.to_string()
+        + &steel("bar", bar, fix, pull)
+        + &probe("stress", "bar.stress.xx", "at = [1, 0.5]");
+    assert_near(Run::solved("bar", &text).probe("stress"), 1e6, 1e-10);
+
+    let ring = "ring = { inner = 1, outer = 2, cells = [32, 4] }";
+    let fix = "{ point = [1, 0], x = 0, y = 0 }, { point = [-1, 0], y = 0 }";
+    let text = HEAD.to_string() + &steel("ring", ring, fix, "{ side = \"outer\", pressure = 1e6 }");
+    Run::solved("pressed_ring", &text);
+}
+
+#[test]
+fn supports_that_move_are_loads() {
+    let bar = "rectangle = { from = [0, 0], to = [4, 1], cells = [16, 4] }";
+    let fix =
+        "{ side = \"left\", x = 0 }, { side = \"right\", x = 0.1 }, { point = [0, 0], y = 0 }";
+    let text =
+        HEAD.to_string() + &steel("bar", bar, fix, "") + &probe("pull", "bar.right.reaction.x", "");
+    // free to contract across: plane strain modulus E/(1 − ν²) times strain 0.1/4
+    let expected = 210e9 / (1.0 - 0.09) * 0.025;
+    assert_near(
+        Run::solved("stretched", &text).probe("pull"),
+        expected,
+        1e-9,
+    );
+}
+
+#[test]
+fn a_body_moved_as_a_whole_is_not_strained() {
+    let lift = "{ side = \"top\", x = \"-0.1*(y - 1)\", y = \"0.2 + 0.1*x\" }";
+    let text = [
+        HEAD.to_string(),
+        steel("low", LOW, HELD, ""),
+        steel("up", UP, lift, ""),
+        contact("sole", "up.bottom", "low.top", ""),
+        probe("corner", "up.displacement.y", "at = [1, 1]"),
+        probe("stress", "up.stress.von_mises", "reduce = \"max\""),
+    ]
+    .concat();
+    let run = Run::solved("lifted", &text);
+    assert_near(run.probe("corner"), 0.3, 1e-12);
+    // the strain is rounding of the rotation
+    assert!(run.probe("stress") < 210e9 * 1e-15);
+    assert!(run.column("status").iter().all(|status| status == "open"));
+}
+
+#[test]
+fn small_strains_do_not_drown_in_a_large_clearance() {
+    // the clearance is a hundred million times the compression
+    let text = stack(100.0, "gap = 1e-2") + &probe("force", "sole.resultant.y", "");
+    assert_near(Run::solved("clearance", &text).probe("force"), 100.0, 1e-9);
+    // driven by a support instead of a load
+    let driven = "{ side = \"top\", x = 0, y = -0.01000001 }";
+    let text = [
+        HEAD.to_string(),
+        steel("low", LOW, HELD, ""),
+        steel("up", UP, driven, ""),
+        contact("sole", "up.bottom", "low.top", "gap = 1e-2"),
+    ]
+    .concat();
+    Run::solved("driven", &text);
+}
+
+#[test]
+fn sides_with_different_nodes_are_refused_and_not_ignored() {
+    let load = "{ side = \"top\", pressure = 1 }";
+    for (cells, node, side) in [
+        ("[3, 3]", "node 1", "up.bottom"),
+        // every node of the coarse side coincides with one of the fine side, but not the other way round
+        ("[2, 2]", "node 21", "low.top"),
+        ("[8, 8]", "node 1", "up.bottom"),
+    ] {
+        for fix in [SLIDES, "{ side = \"top\", x = 0, y = 0 }"] {
+            let mesh = UP.replace("[4, 4]", cells);
+            let text = [
+                HEAD.to_string(),
+                steel("low", LOW, HELD, ""),
+                steel("up", &mesh, fix, load),
+                contact("sole", "up.bottom", "low.top", ""),
+            ]
+            .concat();
+            let message = Run::refused("different_nodes", &text);
+            for word in [node, side, "mortar", "not supported yet", "line 14"] {
+                assert!(message.contains(word), "{cells}: no {word} in {message}");
+            }
+        }
+    }
+    let message = Run::refused(
+        "apart",
+        &stack(1.0, "pairing = \"node-to-node\"")
+            .replace("[0, 1], to = [1, 2]", "[0, 1.1], to = [1, 2]"),
+    );
+    assert!(message.contains("needs coincident nodes"), "{message}");
+}
+
+#[test]
+fn sides_that_never_face_each_other_are_no_contact() {
+    let aside = UP.replace("[0, 1], to = [1, 2]", "[5, 1], to = [6, 2]");
+    let text = |fix: &str| {
+        [
+            HEAD.to_string(),
+            steel("low", LOW, HELD, ""),
+            steel("up", &aside, fix, "{ side = \"top\", pressure = 1 }"),
+            contact("sole", "up.bottom", "low.top", ""),
+        ]
+        .concat()
+    };
+    let run = Run::solved("aside", &text("{ side = \"top\", x = 0, y = 0 }"));
+    assert_eq!(run.summary()["contact_unknowns"], 0);
+    assert!(run.column("gap").iter().all(|gap| gap == "NaN"));
+    let message = Run::refused("aside_floating", &text(SLIDES));
+    for word in ["\"up\"", "translation along y", "no contact faces it"] {
+        assert!(message.contains(word), "{message}");
+    }
+}
+
+#[test]
+fn a_contact_beyond_all_reach_holds_nothing() {
+    let message = Run::refused("reach", &stack(1.0, "gap = 1e9"));
+    assert!(message.contains("\"up\"") && message.contains("out of reach"));
+}
+
+#[test]
+fn dependent_conditions_are_dropped_and_named() {
+    let text = stack(1e6, "") + &contact("again", "low.top", "up.bottom", "");
+    let run = Run::solved("dependent", &text);
+    let warnings = run.warnings();
+    assert_eq!(warnings.len(), 1, "{warnings:?}");
+    assert!(warnings[0].contains("\"again\"") && warnings[0].contains("dropped"));
+    let summary = run.summary();
+    assert_eq!(summary["contact_unknowns"], 5);
+    assert_near(
+        summary["contacts"][0]["resultant"][1].as_f64().unwrap(),
+        1e6,
+        1e-9,
+    );
+    let (contacts, status) = (run.column("contact"), run.column("status"));
+    let pressure = run.column("pressure");
+    for ((contact, status), pressure) in contacts.iter().zip(&status).zip(&pressure) {
+        let dropped = contact == "again";
+        assert_eq!(status == "fixed", dropped, "{contact} {status}");
+        assert_eq!(pressure == "NaN", dropped, "{contact} {pressure}");
+    }
+}
+
+#[test]
+fn a_probe_beside_a_side_is_refused() {
+    for (at, good) in [
+        ("[0.3, 1.0]", true),
+        ("[1.0, 1.0]", true),
+        ("[0.3, 1.1]", false),
+        ("[1.01, 1.0]", false),
+        ("[-0.01, 1.0]", false),
+        ("[0.3, 0.0]", false),
+    ] {
+        let text = stack(1e6, "") + &probe("here", "sole.pressure", &format!("at = {at}"));
+        if good {
+            Run::solved("probe", &text);
+        } else {
+            let message = Run::refused("probe", &text);
+            assert!(
+                message.contains("\"here\"") && message.contains("case.toml, line"),
+                "{message}"
+            );
+        }
+    }
+}
+
+#[test]
+fn slip_is_the_motion_along_the_tangent_without_friction() {
+    // the lower block is held along x, the upper one moves by 1e-3 along it
+    let text = [
+        HEAD.to_string(),
+        steel("low", LOW, HELD, ""),
+        steel("up", UP, "{ side = \"left\", x = 1e-3 }", ""),
+        contact("sole", "up.bottom", "low.top", ""),
+        probe("slip", "sole.slip", "at = [0.5, 1]"),
+    ]
+    .concat();
+    // the normal (0, −1) turned by +90° is (1, 0)
+    assert_near(Run::solved("slip", &text).probe("slip"), 1e-3, 1e-12);
+}
+
+#[test]
+fn a_run_that_does_not_converge_says_why_and_leaves_its_summary() {
+    let text = stack(1e6, "") + "[solver]\nmethod = \"uzawa\"\nmax_iterations = 3\n";
+    let run = Run::new("three_steps", &text, "run", &[]);
+    assert_eq!(run.status, Some(1), "{}", run.stderr);
+    assert_eq!(run.files(), ["summary.json"]);
+    let summary = run.summary();
+    assert_eq!(summary["converged"], false);
+    assert_eq!(summary["solver"], "uzawa");
+    assert!(run.stderr.contains("more iterations"), "{}", run.stderr);
+}
+
+#[test]
+fn check_tells_load_and_holder_of_each_free_motion() {
+    let run = Run::new("check", &stack(1e6, "gap = 0.5"), "check", &[]);
+    assert_eq!(run.status, Some(0), "{}", run.stderr);
+    for words in [
+        "translation along y: load on it -1000000, held by contact \"sole\"",
+        "initial clearance 5.0000e-1",
+    ] {
+        assert!(run.stdout.contains(words), "{}", run.stdout);
+    }
+    assert!(run.files().is_empty());
+    let run = Run::new("check_bad", &stack(-1e6, ""), "check", &[]);
+    assert_eq!(run.status, Some(2));
+    assert!(
+        run.stderr.contains("case.toml, line 9, column"),
+        "{}",
+        run.stderr
+    );
+}
+
+#[test]
+fn a_table_for_a_list_is_explained() {
+    let text = stack(1.0, "").replacen("[[contact]]", "[contact]", 1);
+    let message = Run::refused("brackets", &text);
+    assert!(message.contains("[[contact]]"), "{message}");
+}
