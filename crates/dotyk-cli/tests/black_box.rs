@@ -226,7 +226,7 @@ fn sides_with_different_nodes_are_refused_and_not_ignored() {
             ]
             .concat();
             let message = Run::refused("different_nodes", &text);
-            for word in [node, side, "mortar", "not supported yet", "line 14"] {
+            for word in [node, side, "mortar", "not supported yet", "line 15"] {
                 assert!(message.contains(word), "{cells}: no {word} in {message}");
             }
         }

@@ -307,8 +307,7 @@ fn certify<const D: usize>(
         moment = moment.max(m);
     }
     let elastic_energy: f64 = states.iter().map(|state| state.strain_energy).sum();
-    // Π(u) − Π*(σ, λ) = (2·energy − f·u − R·u_D) summed over the bodies + λ·g₀, with Π* = −energy(σ) − λ·g₀ + R·u_D;
-    // the work of balanced forces on rigid motions, which contact forces share, is left out on both sides
+    // the gap of potential and complementary energy: the sum over the bodies of 2·energy − f·u − R·u_D, and λ·g₀
     let work: f64 = states.iter().map(|state| state.unbalanced_work).sum();
     let on_gaps: f64 = multipliers
         .lambda
