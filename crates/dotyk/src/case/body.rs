@@ -4,6 +4,7 @@ use crate::case::document::{Entry, Node, Span, Table, Value, check_name, later, 
 use crate::case::error::Fault;
 use crate::case::keys;
 use crate::case::suggest::{listed, nearest};
+use crate::case::surface::true_surface;
 use crate::geometry::Field;
 use crate::mesh::{CellKind, Diagonals, Mesh, MeshError, Rectangle, Ring, TunnelRock};
 use crate::model::{Body, Elastic, Load, Material, Place, Support};
@@ -34,7 +35,6 @@ pub(crate) fn body(node: &Node) -> Result<Body<2>, Fault> {
     let table = node.table(keys::BODY)?;
     let body_name = name(table.require("name", "a body")?)?;
     let what = format!("body `{body_name}`");
-    table.refuse_later(&["surface"])?;
     let mesh = mesh(table.require("mesh", &what)?, &body_name)?;
     let (materials, thickness) = materials(table.require("material", &what)?, &body_name)?;
     let supports = table.list("fix")?.iter();
@@ -44,6 +44,12 @@ pub(crate) fn body(node: &Node) -> Result<Body<2>, Fault> {
     let loads = loads.map(|node| load(node, &body_name, &mesh));
     let loads = loads.collect::<Result<_, _>>()?;
     let body_force = table.get("body_force").map_or(Ok(zero()), Node::fields)?;
+    let surfaces = table.get("surface").map_or(Ok(&[][..]), Node::entries)?;
+    let surfaces = surfaces.iter().map(|entry| {
+        known_side(&entry.key, &entry.key_span, &body_name, &mesh)?;
+        Ok((entry.key.clone(), true_surface(&entry.node)?))
+    });
+    let surfaces = surfaces.collect::<Result<_, _>>()?;
     Ok(Body {
         name: body_name,
         mesh,
@@ -52,6 +58,7 @@ pub(crate) fn body(node: &Node) -> Result<Body<2>, Fault> {
         body_force,
         supports,
         loads,
+        surfaces,
     })
 }
 

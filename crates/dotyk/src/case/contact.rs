@@ -1,12 +1,15 @@
 //! `[[contact]]` of a case file.
 
 use crate::case::body::known_side;
-use crate::case::document::{Node, Table, Value, later, name, zero};
+use crate::case::document::{Entry, Node, Table, Value, later, name, zero};
 use crate::case::error::Fault;
 use crate::case::keys;
 use crate::case::suggest::{listed, nearest};
+use crate::case::surface::surface;
 use crate::geometry::Field;
-use crate::model::{Body, BodyId, Contact, Gap, Law, Obstacle, Pair, Pairing, SideRef};
+use crate::model::{
+    Body, BodyId, Contact, Gap, Law, Motion, Obstacle, Pair, Pairing, Rigid, SideRef,
+};
 
 const PAIRINGS: [(&str, Pairing); 2] = [
     ("node-to-node", Pairing::NodeToNode),
@@ -21,10 +24,7 @@ pub(crate) fn contact(node: &Node, bodies: &[Body<2>]) -> Result<Contact<2>, Fau
     let law = law(table, &name)?;
     let pairing = match table.get("pairing") {
         None => None,
-        Some(node) => match node.choice("pairing", &PAIRINGS)? {
-            Pairing::Mortar => return Err(later(&node.span, "`pairing = \"mortar\"`")),
-            pairing => Some(pairing),
-        },
+        Some(node) => Some(node.choice("pairing", &PAIRINGS)?),
     };
     let gap = match (table.get("gap"), &pair) {
         (None, _) => None,
@@ -120,14 +120,36 @@ fn side_ref(node: &Node, bodies: &[Body<2>]) -> Result<SideRef, Fault> {
     })
 }
 
+/// A shape, and what moves it.
 fn obstacle(node: &Node) -> Result<Obstacle<2>, Fault> {
     let table = node.table(keys::OBSTACLE)?;
-    table.refuse_later(&["plane", "circle", "sphere", "cylinder", "force"])?;
-    let displacement = table.get("displacement");
-    Ok(Obstacle {
-        gap: table.require("gap", "an obstacle")?.field()?,
-        displacement: displacement.map_or(Ok(zero()), Node::fields)?,
-    })
+    table.refuse_later(&["sphere", "cylinder"])?;
+    let shapes = ["plane", "circle", "gap"];
+    let given: Vec<&Entry> = shapes.iter().filter_map(|key| table.entry(key)).collect();
+    let [entry] = given[..] else {
+        return Err(Fault::new(table.span, "an obstacle has exactly one shape")
+            .label("not exactly one")
+            .help(format!("give one of {}", listed(shapes))));
+    };
+    let shape = match entry.key.as_str() {
+        "gap" => Rigid::Gap(entry.node.field()?),
+        _ => {
+            let (surface, inside) = surface(entry)?;
+            Rigid::Surface { surface, inside }
+        }
+    };
+    let motion = match (table.get("displacement"), table.get("force")) {
+        (None, None) => Motion::Prescribed(zero()),
+        (Some(displacement), None) => Motion::Prescribed(displacement.fields()?),
+        (None, Some(force)) => Motion::Loaded(force.fields()?),
+        (Some(_), Some(force)) => {
+            let message = "an obstacle is moved by a displacement or loaded by a force";
+            return Err(Fault::new(&force.span, message)
+                .label("both are given")
+                .help("remove `displacement` or `force`"));
+        }
+    };
+    Ok(Obstacle { shape, motion })
 }
 
 fn gap(node: &Node) -> Result<Gap, Fault> {
@@ -143,14 +165,22 @@ fn gap(node: &Node) -> Result<Gap, Fault> {
     }
 }
 
-/// The contact law; only frictionless contact is solved by this version.
+/// The contact law; friction is not solved by this version.
 fn law(table: Table<'_>, contact: &str) -> Result<Law, Fault> {
+    let friction = table.get("friction");
     if let Some(node) = table.get("tied")
         && node.boolean()?
     {
-        return Err(later(&node.span, "`tied = true`"));
+        return match friction {
+            None => Ok(Law::Tied),
+            Some(friction) => Err(Fault::new(
+                &friction.span,
+                format!("contact `{contact}` is tied and has friction"),
+            )
+            .label("a tie does not slip")
+            .help("remove `friction` or `tied`")),
+        };
     }
-    let friction = table.get("friction");
     let Some(node) = friction else {
         return Ok(Law::Frictionless);
     };

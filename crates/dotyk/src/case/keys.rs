@@ -58,6 +58,12 @@ pub const TUNNEL_ROCK: &[&str] = &[
 pub const PATCH: &[&str] = &["of", "min", "max"];
 /// `material` of a body, or one element of its list.
 pub const MATERIAL: &[&str] = &["young", "poisson", "thickness", "group"];
+/// One side of `surface`.
+pub const SURFACE: &[&str] = &["plane", "circle", "cylinder", "sphere"];
+/// A plane.
+pub const PLANE: &[&str] = &["point", "normal"];
+/// A circle.
+pub const CIRCLE: &[&str] = &["center", "radius", "inside"];
 /// One element of `fix`.
 pub const FIX: &[&str] = &["side", "point", "x", "y", "z", "normal"];
 /// One element of `load`.
@@ -118,7 +124,7 @@ pub const REFERENCE: &[&str] = &[
 ];
 
 /// Every table with its keys.
-pub const ALL: [(&str, &[&str]); 19] = [
+pub const ALL: [(&str, &[&str]); 22] = [
     ("case", CASE),
     ("units", UNITS),
     ("body", BODY),
@@ -128,6 +134,9 @@ pub const ALL: [(&str, &[&str]); 19] = [
     ("tunnel_rock", TUNNEL_ROCK),
     ("sides", PATCH),
     ("material", MATERIAL),
+    ("surface", SURFACE),
+    ("plane", PLANE),
+    ("circle", CIRCLE),
     ("fix", FIX),
     ("load", LOAD),
     ("contact", CONTACT),

@@ -13,6 +13,7 @@ pub mod keys;
 mod probe;
 mod reference;
 mod suggest;
+mod surface;
 
 pub use error::CaseError;
 pub use expression::{ExpressionError, parse as parse_expression};

@@ -25,15 +25,13 @@ pub enum ContactError {
     },
     /// Node-to-node pairing was asked for sides whose nodes do not coincide.
     #[error(
-        "node {node} of {side} at {point} faces {other}, but coincides with none of its nodes (nearest: {distance:.3e} away): {consequence}; give both sides the same nodes"
+        "node {node} of {side} at {point} faces {other}, but coincides with none of its nodes (nearest: {distance:.3e} away): pairing \"node-to-node\" needs coincident nodes; give both sides the same nodes, or leave out `pairing`"
     )]
     Unpaired {
         /// The side of the node.
         side: String,
         /// The side that it faces.
         other: String,
-        /// What follows for the pairing.
-        consequence: &'static str,
         /// First node without a partner.
         node: usize,
         /// Its position.
@@ -52,6 +50,28 @@ pub enum ContactError {
         node: usize,
         /// Its position.
         point: String,
+    },
+    /// A node does not lie on the true surface of its side.
+    #[error(
+        "node {node} of {side} at {point} lies {distance:.3e} off the `surface` of that side; correct the surface or the mesh"
+    )]
+    OffSurface {
+        /// The side.
+        side: String,
+        /// The node.
+        node: usize,
+        /// Its position.
+        point: String,
+        /// Its distance from the surface.
+        distance: f64,
+    },
+    /// Supports hold the whole nonmortar side: no unknown is left.
+    #[error(
+        "supports hold every node of the nonmortar side {side} along the normal, and with mortar pairing such nodes carry no pressure; swap nonmortar and mortar"
+    )]
+    AllFixed {
+        /// The nonmortar side.
+        side: String,
     },
     /// The capability comes later.
     #[error("{what} is not supported yet")]

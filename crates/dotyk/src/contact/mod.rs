@@ -1,23 +1,39 @@
 //! Interfaces: from two sides to rows B, initial gaps g₀ and weights, so that
 //!
 //! ```text
-//!   gap = g₀ − B u ≥ 0,     (B u)ᵢ = nᵢ·(u_nonmortar − u_mortar),     pressure = λ / weight
+//!   gap = g₀ − B u ≥ 0,     (B u)ᵢ = ∫ψᵢ n·(u_nonmortar − u_mortar) / ∫ψᵢ,     pressure = λ / weight,  weight = ∫ψᵢ
 //! ```
 //!
-//! n is the outward normal of the nonmortar side. λ is a force, the gap a length, the weight ∫ψ an area.
+//! n is the outward normal of the nonmortar side. λ is a force, the gap a length, the weight an area. Node-to-node
+//! pairing is the same with the integrals replaced by values at nodes. Tangential rows have t instead of n and no gap.
 //! An interface knows the two meshes and what their supports hold, but no stiffness.
 
 mod error;
 mod facing;
+mod mortar;
 mod node_to_node;
+mod normals;
+mod search;
 mod weights;
 
 pub use error::ContactError;
 pub use facing::{Unmatched, unmatched_facing};
-pub use node_to_node::{matching_nodes, pair_nodes, pair_obstacle};
+pub use mortar::{Against, pair_mortar};
+pub use node_to_node::{Rigid, matching_nodes, pair_nodes, pair_obstacle};
 
 use crate::fem::{Body, Constraints};
 use crate::geometry::{Field, Point};
+
+/// Which components of the displacement jump an interface couples.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Coupling {
+    /// The normal one.
+    Normal,
+    /// The normal one, and with it the tangential ones.
+    Frictional,
+    /// All, each by itself.
+    Tied,
+}
 
 /// One end of an interface: a side of a body, with what the body's supports hold.
 #[derive(Clone, Copy)]
@@ -51,21 +67,21 @@ pub enum InitialGap<'a> {
 /// What a node of the nonmortar side is to the interface.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Role {
-    /// It carries the multiplier of this row.
-    Multiplier(usize),
+    /// It carries multipliers.
+    Multiplier,
     /// Nothing is opposite.
     Alone,
-    /// Its normal displacement is prescribed on both sides, or its condition follows from others.
+    /// Its displacement is prescribed (node-to-node: on both sides), or its condition follows from others.
     Fixed,
 }
 
 /// A node of the nonmortar side.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct InterfaceNode<const D: usize> {
     /// Node of the nonmortar mesh.
     pub node: usize,
-    /// Coincident node of the mortar mesh (node-to-node).
-    pub partner: Option<usize>,
+    /// Nodes of the mortar mesh and their shape functions at the point opposite; empty where there is none.
+    pub opposite: Vec<(usize, f64)>,
     /// Outward unit normal, after the projection onto what the supports leave free.
     pub normal: Point<D>,
     /// ∫ψ: an area, times thickness or 2πr.
@@ -74,6 +90,28 @@ pub struct InterfaceNode<const D: usize> {
     pub gap: f64,
     /// What it is to the interface.
     pub role: Role,
+    /// Rows of its multipliers: normal, then tangential.
+    pub rows: [Option<usize>; D],
+}
+
+impl<const D: usize> InterfaceNode<D> {
+    /// The coincident node of the mortar mesh.
+    pub fn partner(&self) -> Option<usize> {
+        match self.opposite[..] {
+            [(node, _)] => Some(node),
+            _ => None,
+        }
+    }
+}
+
+/// The unit vectors in which a contact node's forces are counted: its normal, then the tangents (in the plane the normal
+/// turned by +90°).
+pub fn frame<const D: usize>(normal: Point<D>) -> [Point<D>; D] {
+    let mut frame = [normal; D];
+    if D == 2 {
+        (frame[1][0], frame[1][1]) = (-normal[1], normal[0]);
+    }
+    frame
 }
 
 /// A row of B: coefficients of global displacement vectors at nodes.
@@ -86,37 +124,50 @@ pub struct Interface<const D: usize> {
     pub nodes: Vec<InterfaceNode<D>>,
     /// The chain closes on itself.
     pub cyclic: bool,
+    /// What the rows couple.
+    pub coupling: Coupling,
     /// Row of every multiplier on the nonmortar body.
     pub nonmortar: Vec<Row<D>>,
-    /// Row of every multiplier on the mortar body (sign included); empty for an obstacle.
+    /// Row of every multiplier on the mortar body (sign included); of an obstacle, on its translation (node 0).
     pub mortar: Vec<Row<D>>,
 }
 
 impl<const D: usize> Interface<D> {
-    /// Initial gap of every multiplier.
+    /// Initial gap of every row; tangential rows have none.
     pub fn gaps(&self) -> Vec<f64> {
-        self.carriers().map(|node| node.gap).collect()
+        let mut gaps = vec![0.0; self.nonmortar.len()];
+        for node in &self.nodes {
+            if let Some(row) = node.rows[0] {
+                gaps[row] = node.gap;
+            }
+        }
+        gaps
     }
 
-    /// Takes rows away: their nodes become fixed, and the rows after them move up.
+    /// Takes rows away, and with a normal row under friction the tangential ones; the rows after them move up, and nodes
+    /// that lose all rows become fixed.
     pub fn drop_rows(&mut self, rows: &[usize]) {
         let mut kept = vec![true; self.nonmortar.len()];
         rows.iter().for_each(|&row| kept[row] = false);
+        if self.coupling == Coupling::Frictional {
+            for node in &self.nodes {
+                if node.rows[0].is_some_and(|row| !kept[row]) {
+                    node.rows.iter().flatten().for_each(|&row| kept[row] = false);
+                }
+            }
+        }
         let mut next = 0;
-        let place: Vec<Role> = kept
+        let place: Vec<Option<usize>> = kept
             .iter()
             .map(|&kept| {
                 next += usize::from(kept);
-                if kept {
-                    Role::Multiplier(next - 1)
-                } else {
-                    Role::Fixed
-                }
+                kept.then(|| next - 1)
             })
             .collect();
         for node in &mut self.nodes {
-            if let Role::Multiplier(row) = node.role {
-                node.role = place[row];
+            node.rows = node.rows.map(|row| row.and_then(|row| place[row]));
+            if node.role == Role::Multiplier && node.rows.iter().all(Option::is_none) {
+                node.role = Role::Fixed;
             }
         }
         for side in [&mut self.nonmortar, &mut self.mortar] {
@@ -129,6 +180,6 @@ impl<const D: usize> Interface<D> {
     pub fn carriers(&self) -> impl Iterator<Item = &InterfaceNode<D>> {
         self.nodes
             .iter()
-            .filter(|node| matches!(node.role, Role::Multiplier(_)))
+            .filter(|node| node.role == Role::Multiplier)
     }
 }

@@ -1,15 +1,18 @@
 //! Node-to-node pairing: one multiplier for each pair of coincident nodes.
 //!
-//! Row i is nᵢ·(u_s,i − u_m,j(i)); the weight of a node is ∫Nᵢ over those facets of the nonmortar side all of whose
+//! Row i is nᵢ·(u_s,i − u_m,j(i)), and likewise with the tangent where friction or a tie couples it; the weight of a node is ∫Nᵢ over those facets of the nonmortar side all of whose
 //! nodes have a partner. Where supports hold the same direction on both sides (a plane of symmetry), the normal is
 //! projected onto what they leave free; if nothing is left, the node is fixed and carries no multiplier.
 //!
 //! Source: Janovský & Procházka (1980) III, section 7 (normals by the bisector rule, axis direction on the axis).
 
+use crate::contact::normals::Normals;
 use crate::contact::weights::nodal_weights;
-use crate::contact::{ContactError, End, InitialGap, Interface, InterfaceNode, Role, Row};
-use crate::fem::{Analysis, node_normals, show, side_facets};
-use crate::geometry::{Field, Point, add_scaled, distance, dot, norm, sub};
+use crate::contact::{
+    ContactError, Coupling, End, InitialGap, Interface, InterfaceNode, Role, frame,
+};
+use crate::fem::{Analysis, Held, show, side_facets};
+use crate::geometry::{Field, Point, Surface, add_scaled, distance, dot, norm, sub, unit};
 use crate::mesh::Mesh;
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -104,6 +107,7 @@ pub fn pair_nodes<const D: usize>(
     nonmortar: End<'_, D>,
     mortar: End<'_, D>,
     gap: InitialGap<'_>,
+    coupling: Coupling,
     analysis: Analysis,
     time: f64,
 ) -> Result<Interface<D>, ContactError> {
@@ -111,94 +115,161 @@ pub fn pair_nodes<const D: usize>(
     let (s, m) = (&nonmortar.body.mesh, &mortar.body.mesh);
     build(
         nonmortar,
+        coupling,
         analysis,
-        |node| matches[&node].0.is_some(),
+        |node, _| matches[&node].0.is_some(),
         |node, normal| {
-            let partner = matches[&node].0;
-            let Some(j) = partner else {
-                return Ok(Opposite::Nothing);
+            let Some(j) = matches[&node].0 else {
+                return Ok(None);
             };
-            let free = project(
-                normal,
-                shared(nonmortar.constraints.at(node), mortar.constraints.at(j)),
-            );
+            let held = shared(nonmortar.constraints.at(node), mortar.constraints.at(j));
             let point = s.points()[node];
-            let normal = free.unwrap_or(normal);
+            let normal = free_part(normal, held.iter().copied()).unwrap_or(normal);
             let gap = match gap {
                 InitialGap::Measured => dot(normal, sub(m.points()[j], point)),
                 InitialGap::Closed => 0.0,
                 InitialGap::Given(field) => finite_gap(field, point, time, nonmortar)?,
             };
-            Ok(Opposite::Something {
-                partner,
+            Ok(Some(Opposite {
+                nodes: vec![(j, 1.0)],
                 normal,
                 gap,
-                fixed: free.is_none(),
-            })
+                held,
+            }))
         },
     )
 }
 
-/// A side against a rigid obstacle whose distance along the normal is given, and which moves by `displacement`.
+/// The shape of a rigid obstacle.
+#[derive(Debug, Clone)]
+pub enum Rigid<const D: usize> {
+    /// Its distance from the undeformed nonmortar point along the contact normal; negative is an interference.
+    Gap(Field),
+    /// A plane or a circle. The plane's normal points towards the body; a circle is the obstacle, or with `inside` the hole
+    /// in the obstacle.
+    Surface {
+        /// The surface.
+        surface: Surface<D>,
+        /// The body is inside the circle.
+        inside: bool,
+    },
+}
+
+impl<const D: usize> Rigid<D> {
+    /// The point of the obstacle that lies opposite a point with this outward normal, or nearest to it: for drawing.
+    pub fn drawn(&self, point: Point<D>, normal: Point<D>, time: f64) -> Point<D> {
+        match self {
+            Self::Gap(field) => add_scaled(point, field.at(point, time), normal),
+            Self::Surface { surface, .. } => surface.closest(point),
+        }
+    }
+
+    /// Whether a point with this outward normal faces the obstacle.
+    pub(super) fn faces(&self, point: Point<D>, normal: Point<D>) -> bool {
+        match self {
+            Self::Gap(_) => true,
+            Self::Surface { surface, inside } => {
+                surface_opposite(surface, *inside, point, normal).is_some()
+            }
+        }
+    }
+
+    /// Contact normal and gap at a point with this outward normal; `None` where it faces nothing.
+    pub(super) fn opposite(
+        &self,
+        (point, normal): (Point<D>, Point<D>),
+        time: f64,
+        end: End<'_, D>,
+    ) -> Result<Option<(Point<D>, f64)>, ContactError> {
+        Ok(match self {
+            Self::Gap(field) => Some((normal, finite_gap(field, point, time, end)?)),
+            Self::Surface { surface, inside } => surface_opposite(surface, *inside, point, normal),
+        })
+    }
+}
+
+/// Surfaces count as opposed when the cosine between the normals is below this.
+const OPPOSED: f64 = -0.1;
+
+fn surface_opposite<const D: usize>(
+    surface: &Surface<D>,
+    inside: bool,
+    point: Point<D>,
+    normal: Point<D>,
+) -> Option<(Point<D>, f64)> {
+    if let Surface::Plane { normal: up, .. } = surface {
+        let facing = dot(normal, *up) < OPPOSED;
+        return facing.then(|| (up.map(|c| -c), surface.distance(point)));
+    }
+    let outward = |s: f64| {
+        let n = surface.normal(add_scaled(point, s, normal))?;
+        Some(if inside { n.map(|c| -c) } else { n })
+    };
+    let hits = surface.intersections(point, normal).into_iter();
+    let facing = hits.filter(|&s| outward(s).is_some_and(|n| dot(n, normal) < OPPOSED));
+    let nearest = facing.min_by(|a, b| a.abs().total_cmp(&b.abs()))?;
+    Some((normal, nearest))
+}
+
+/// A side against a rigid obstacle that is moved by `displacement`.
 ///
 /// Errors: as [`pair_nodes`].
 pub fn pair_obstacle<const D: usize>(
     nonmortar: End<'_, D>,
-    distance: &Field,
+    rigid: &Rigid<D>,
     displacement: Point<D>,
+    coupling: Coupling,
     analysis: Analysis,
     time: f64,
 ) -> Result<Interface<D>, ContactError> {
     let mesh = &nonmortar.body.mesh;
     build(
         nonmortar,
+        coupling,
         analysis,
-        |_| true,
+        |node, normal| rigid.faces(mesh.points()[node], normal),
         |node, normal| {
-            let held: Vec<Point<D>> = nonmortar
-                .constraints
-                .at(node)
-                .iter()
-                .map(|h| h.axis)
-                .collect();
-            let free = project(normal, held);
-            let normal = free.unwrap_or(normal);
-            let gap = finite_gap(distance, mesh.points()[node], time, nonmortar)?
-                + dot(normal, displacement);
-            Ok(Opposite::Something {
-                partner: None,
+            let held = nonmortar.constraints.at(node).iter().map(|h| h.axis);
+            let held: Vec<Point<D>> = held.collect();
+            let place = (mesh.points()[node], normal);
+            let Some((normal, gap)) = rigid.opposite(place, time, nonmortar)? else {
+                return Ok(None);
+            };
+            let normal = free_part(normal, held.iter().copied()).unwrap_or(normal);
+            let gap = gap + dot(normal, displacement);
+            Ok(Some(Opposite {
+                nodes: vec![(0, 1.0)],
                 normal,
                 gap,
-                fixed: free.is_none(),
-            })
+                held,
+            }))
         },
     )
 }
 
 /// What lies opposite a node.
-enum Opposite<const D: usize> {
-    Nothing,
-    Something {
-        partner: Option<usize>,
-        normal: Point<D>,
-        gap: f64,
-        fixed: bool,
-    },
+struct Opposite<const D: usize> {
+    nodes: Vec<(usize, f64)>,
+    normal: Point<D>,
+    gap: f64,
+    /// Directions in which supports leave no relative motion.
+    held: Vec<Point<D>>,
 }
 
 fn build<const D: usize>(
     nonmortar: End<'_, D>,
+    coupling: Coupling,
     analysis: Analysis,
-    faces: impl Fn(usize) -> bool,
-    opposite: impl Fn(usize, Point<D>) -> Result<Opposite<D>, ContactError>,
+    faces: impl Fn(usize, Point<D>) -> bool,
+    opposite: impl Fn(usize, Point<D>) -> Result<Option<Opposite<D>>, ContactError>,
 ) -> Result<Interface<D>, ContactError> {
     let mesh = &nonmortar.body.mesh;
     let facets = facets(nonmortar)?;
-    let normals = node_normals(mesh, facets);
-    let facing = facets
-        .iter()
-        .copied()
-        .filter(|&facet| mesh.facet_nodes(facet).all(|node| faces(node as usize)));
+    let normals = Normals::new(nonmortar, facets)?.nodal();
+    let facing = facets.iter().copied().filter(|&facet| {
+        let mut nodes = mesh.facet_nodes(facet).map(|node| node as usize);
+        nodes.all(|node| normals.get(&node).is_some_and(|&n| faces(node, n)))
+    });
     let weights = nodal_weights(mesh, facing, analysis, nonmortar.body.thickness);
     let whole = nodal_weights(
         mesh,
@@ -207,16 +278,16 @@ fn build<const D: usize>(
         nonmortar.body.thickness,
     );
     let chains = mesh.chain(nonmortar.side).unwrap_or_default();
-    let cyclic = chains.len() == 1 && chains[0].cyclic;
+    let along = chains.iter().flat_map(|chain| &chain.nodes);
     let mut seen = BTreeSet::new();
-    let along = chains
-        .iter()
-        .flat_map(|chain| &chain.nodes)
-        .map(|&node| node as usize);
-    let order: Vec<usize> = along.filter(|&node| seen.insert(node)).collect();
+    let order: Vec<usize> = along
+        .map(|&node| node as usize)
+        .filter(|&node| seen.insert(node))
+        .collect();
     let mut interface = Interface {
         nodes: Vec::new(),
-        cyclic,
+        cyclic: chains.len() == 1 && chains[0].cyclic,
+        coupling,
         nonmortar: Vec::new(),
         mortar: Vec::new(),
     };
@@ -225,61 +296,80 @@ fn build<const D: usize>(
             continue;
         };
         // a node whose partner exists but none of whose facets faces the other side carries nothing
-        let state = if weights.contains_key(&node) {
-            opposite(node, normal)?
-        } else {
-            Opposite::Nothing
+        let state = match weights.get(&node) {
+            Some(&weight) => opposite(node, normal)?.map(|state| (state, weight)),
+            None => None,
         };
-        let entry = match state {
-            Opposite::Nothing => InterfaceNode {
-                node,
-                partner: None,
-                normal,
-                weight: whole[&node],
-                gap: f64::NAN,
-                role: Role::Alone,
-            },
-            Opposite::Something {
-                partner,
-                normal,
-                gap,
-                fixed,
-            } => {
-                let weight = weights[&node];
-                if weight.is_nan() || weight <= 0.0 {
-                    let point = show(mesh.points()[node]);
-                    return Err(ContactError::Weight {
-                        side: nonmortar.name(),
-                        node,
-                        point,
-                    });
-                }
-                let role = if fixed {
-                    Role::Fixed
-                } else {
-                    Role::Multiplier(interface.nonmortar.len())
-                };
-                if !fixed {
-                    interface.nonmortar.push(vec![(node, normal)]);
-                    let row: Row<D> = partner.iter().map(|&j| (j, normal.map(|c| -c))).collect();
-                    interface.mortar.push(row);
-                }
-                InterfaceNode {
+        let mut entry = InterfaceNode {
+            node,
+            opposite: Vec::new(),
+            normal,
+            weight: whole[&node],
+            gap: f64::NAN,
+            role: Role::Alone,
+            rows: [None; D],
+        };
+        if let Some((state, weight)) = state {
+            if weight.is_nan() || weight <= 0.0 {
+                return Err(ContactError::Weight {
+                    side: nonmortar.name(),
                     node,
-                    partner,
-                    normal,
-                    weight,
-                    gap,
-                    role,
-                }
+                    point: show(mesh.points()[node]),
+                });
             }
-        };
+            entry.role = Role::Fixed;
+            let held = held_components(state.normal, &state.held, coupling);
+            for (component, direction) in frame(state.normal).into_iter().enumerate() {
+                if held[component] {
+                    continue;
+                }
+                entry.role = Role::Multiplier;
+                entry.rows[component] = Some(interface.nonmortar.len());
+                interface.nonmortar.push(vec![(node, direction)]);
+                let opposite = state.nodes.iter();
+                let row = opposite.map(|&(j, shape)| (j, direction.map(|c| -shape * c)));
+                interface.mortar.push(row.collect());
+            }
+            entry.opposite = state.nodes;
+            entry.normal = state.normal;
+            entry.weight = weight;
+            entry.gap = state.gap;
+        }
         interface.nodes.push(entry);
     }
     Ok(interface)
 }
 
-fn finite_gap<const D: usize>(
+/// Which components of a node's jump are prescribed by directions held there, or not coupled at all: normal, then
+/// tangential.
+pub(super) fn held_components<const D: usize>(
+    normal: Point<D>,
+    held: &[Point<D>],
+    coupling: Coupling,
+) -> [bool; D] {
+    let frame = frame(normal);
+    let along = |direction: Point<D>| held.iter().map(|&h| dot(h, direction).abs()).sum::<f64>();
+    let normal_held = free_part(normal, held.iter().copied()).is_none();
+    match coupling {
+        Coupling::Normal => std::array::from_fn(|c| c > 0 || normal_held),
+        Coupling::Frictional => std::array::from_fn(|c| match c {
+            0 => normal_held,
+            _ => normal_held || along(frame[c]) > COINCIDENT,
+        }),
+        Coupling::Tied => {
+            let mut order: Vec<usize> = (0..D).collect();
+            order.sort_by(|&a, &b| along(frame[b]).total_cmp(&along(frame[a])));
+            let mut components = [false; D];
+            order
+                .iter()
+                .take(held.len())
+                .for_each(|&c| components[c] = true);
+            components
+        }
+    }
+}
+
+pub(super) fn finite_gap<const D: usize>(
     field: &Field,
     point: Point<D>,
     time: f64,
@@ -298,7 +388,7 @@ fn finite_gap<const D: usize>(
 }
 
 /// Directions that both sets of held directions contain.
-fn shared<const D: usize>(a: &[crate::fem::Held<D>], b: &[crate::fem::Held<D>]) -> Vec<Point<D>> {
+fn shared<const D: usize>(a: &[Held<D>], b: &[Held<D>]) -> Vec<Point<D>> {
     let inside = |axis: Point<D>| {
         let rest = b
             .iter()
@@ -318,11 +408,13 @@ fn shared<const D: usize>(a: &[crate::fem::Held<D>], b: &[crate::fem::Held<D>]) 
     all
 }
 
-/// Unit vector along the part of the normal that is orthogonal to some orthonormal directions; `None` if nothing is left.
-fn project<const D: usize>(normal: Point<D>, directions: Vec<Point<D>>) -> Option<Point<D>> {
-    let rest = directions.iter().fold(normal, |rest, &axis| {
+/// Unit vector along the part of a normal that is orthogonal to some orthonormal directions; `None` if nothing is left.
+pub(super) fn free_part<const D: usize>(
+    normal: Point<D>,
+    directions: impl IntoIterator<Item = Point<D>>,
+) -> Option<Point<D>> {
+    let rest = directions.into_iter().fold(normal, |rest, axis| {
         add_scaled(rest, -dot(rest, axis), axis)
     });
-    let size = norm(rest);
-    (size > COINCIDENT).then(|| rest.map(|c| c / size))
+    unit(rest).filter(|_| norm(rest) > COINCIDENT)
 }

@@ -1,7 +1,8 @@
 //! What describes one elastic body: material, supports, loads.
 
-use crate::geometry::{Field, Point};
+use crate::geometry::{Field, Point, Surface};
 use crate::mesh::Mesh;
+use std::collections::BTreeMap;
 
 /// The kind of analysis; D = 2 for all but [`Analysis::Solid`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -109,4 +110,6 @@ pub struct Body<const D: usize> {
     pub supports: Vec<Support<D>>,
     /// External loads.
     pub loads: Vec<Load<D>>,
+    /// True surface behind a side, for contact gaps and normals.
+    pub surfaces: BTreeMap<String, Surface<D>>,
 }

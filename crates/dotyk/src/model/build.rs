@@ -3,6 +3,7 @@
 use crate::geometry::Field;
 use crate::mesh::Mesh;
 use crate::model::nouns::*;
+use std::collections::BTreeMap;
 
 impl<const D: usize> Default for Model<D> {
     fn default() -> Self {
@@ -43,6 +44,7 @@ impl<const D: usize> Model<D> {
             body_force: std::array::from_fn(|_| Field::constant(0.0)),
             supports: Vec::new(),
             loads: Vec::new(),
+            surfaces: BTreeMap::new(),
         });
         BodyId(self.bodies.len() - 1)
     }
@@ -155,8 +157,8 @@ impl<const D: usize> Model<D> {
         let contact = self.contact(nonmortar, nonmortar);
         if let Pair::Given { nonmortar, .. } = &contact.pair {
             let obstacle = Obstacle {
-                gap,
-                displacement: std::array::from_fn(|_| Field::constant(0.0)),
+                shape: Rigid::Gap(gap),
+                motion: Motion::Prescribed(std::array::from_fn(|_| Field::constant(0.0))),
             };
             contact.pair = Pair::Obstacle {
                 nonmortar: nonmortar.clone(),

@@ -1,7 +1,7 @@
 //! `check`: what can be said of a model before anything is solved.
 
 use crate::contact::Role;
-use crate::dual::{AdmissibleSet, Block, Feasibility};
+use crate::dual::Feasibility;
 use crate::fem::{BodySystem, Short, describe_motion, show};
 use crate::geometry::{Point, add_scaled};
 use crate::model::condense::{LoadedBody, body_rows};
@@ -9,7 +9,7 @@ use crate::model::dependent::drop_dependent;
 use crate::model::error::{Error, Subject};
 use crate::model::floating::Floating;
 use crate::model::nouns::*;
-use crate::model::pair::{Paired, pair_all};
+use crate::model::pair::{Paired, admissible_set, pair_all};
 use std::fmt;
 
 /// What was found about one body.
@@ -99,12 +99,14 @@ impl<const D: usize> Model<D> {
         check
             .warnings
             .extend(drop_dependent(self, &systems, &mut paired));
+        let remarks = paired.iter().flat_map(|pair| pair.warnings.clone());
+        check.warnings.extend(remarks);
         for (contact, pair) in self.contacts.iter().zip(&paired) {
             let nodes = &pair.interface.nodes;
             let gaps = || {
                 nodes
                     .iter()
-                    .filter(|n| matches!(n.role, Role::Multiplier(_)))
+                    .filter(|n| n.role == Role::Multiplier)
                     .map(|n| n.gap)
             };
             let name = |side: &SideRef| format!("{}.{}", self.bodies[side.body.0].name, side.side);
@@ -144,7 +146,7 @@ impl<const D: usize> Model<D> {
         let floating = Floating::new(self, &bodies, &gaps)?;
         check.warnings.extend(floating.warnings.iter().cloned());
         self.describe_floating(&floating, &paired, check);
-        let admissible = AdmissibleSet::new(vec![Block::Unilateral; gaps.len()]);
+        let admissible = admissible_set(&paired);
         match Feasibility::of(&admissible, &floating.equilibrium, 0.0) {
             Feasibility::Feasible { .. } => Ok(()),
             Feasibility::Infeasible { direction } => {

@@ -4,7 +4,6 @@
 //! BBᵀ on the free dofs with diagonal pivoting, dropped, and named in a warning. A row with a free dof of its own is
 //! independent; setting such rows aside again and again leaves few rows, mostly none, for the factorisation.
 
-use crate::contact::Role;
 use crate::fem::{BodySystem, show};
 use crate::linalg::{Mat, pivoted_cholesky};
 use crate::model::Model;
@@ -142,7 +141,7 @@ fn describe<const D: usize>(
     let body = &model.bodies[pair.nonmortar.body.0];
     let nodes = pair.interface.nodes.iter();
     let places: Vec<String> = nodes
-        .filter(|node| matches!(node.role, Role::Multiplier(row) if rows.contains(&row)))
+        .filter(|node| node.rows.iter().flatten().any(|row| rows.contains(row)))
         .map(|node| format!("{} at {}", node.node, show(body.mesh.points()[node.node])))
         .collect();
     let more = match places.len().saturating_sub(NAMED) {

@@ -2,6 +2,7 @@
 
 use crate::geometry::{Field, Point};
 
+pub use crate::contact::Rigid;
 pub use crate::fem::{Analysis, Body, Elastic, Load, Material, Place, Support};
 
 /// Names of units; they label the report and change no number.
@@ -29,13 +30,22 @@ pub struct SideRef {
     pub side: String,
 }
 
-/// A rigid obstacle: `gap` is its distance from the undeformed nonmortar point along the contact normal.
+/// A rigid obstacle: fixed, moved, or free to translate under a force.
 #[derive(Debug, Clone)]
 pub struct Obstacle<const D: usize> {
-    /// Initial distance at a point of the nonmortar side; negative is an interference.
-    pub gap: Field,
-    /// Prescribed displacement of the obstacle.
-    pub displacement: [Field; D],
+    /// Where its surface is.
+    pub shape: Rigid<D>,
+    /// Whether it moves as prescribed or as forces tell.
+    pub motion: Motion<D>,
+}
+
+/// What moves a rigid obstacle.
+#[derive(Debug, Clone)]
+pub enum Motion<const D: usize> {
+    /// A prescribed displacement.
+    Prescribed([Field; D]),
+    /// It is free to translate, and carries this force.
+    Loaded([Field; D]),
 }
 
 /// Who touches whom.

@@ -1,13 +1,19 @@
 //! Contacts as interfaces: which side carries the multipliers, and how the sides are coupled.
 
 use crate::contact::{
-    ContactError, End, InitialGap, Interface, pair_nodes, pair_obstacle, unmatched_facing,
+    Against, ContactError, Coupling, End, InitialGap, Interface, Role, pair_mortar, pair_nodes,
+    pair_obstacle, unmatched_facing,
 };
-use crate::fem::{BodySystem, FemError, show, side_facets};
-use crate::geometry::distance;
+use crate::dual::{AdmissibleSet, Block};
+use crate::fem::{BodySystem, FemError, node_normals, show, side_facets};
+use crate::geometry::dot;
 use crate::model::error::Error;
 use crate::model::nouns::*;
 use rayon::prelude::*;
+
+/// Bodies whose stiffness differs by more than this factor are soft and stiff; within it the finer side carries the
+/// multipliers.
+const STIFFER: f64 = 10.0;
 
 /// One contact of the model, paired.
 pub(crate) struct Paired<const D: usize> {
@@ -15,10 +21,12 @@ pub(crate) struct Paired<const D: usize> {
     pub nonmortar: SideRef,
     /// The other side; `None` for an obstacle.
     pub mortar: Option<SideRef>,
-    /// Displacement of the obstacle.
+    /// Prescribed displacement of the obstacle.
     pub obstacle_motion: [f64; D],
     /// Rows, gaps and weights.
     pub interface: Interface<D>,
+    /// What the user should know.
+    pub warnings: Vec<String>,
 }
 
 /// Pairs all contacts.
@@ -29,157 +37,277 @@ pub(crate) fn pair_all<const D: usize>(
     model
         .contacts
         .par_iter()
-        .map(|contact| pair(model, systems, contact))
+        .map(|contact| {
+            let pairing = Contacting {
+                model,
+                systems,
+                contact,
+            };
+            pairing.pair()
+        })
         .collect()
 }
 
-fn pair<const D: usize>(
-    model: &Model<D>,
-    systems: &[BodySystem<D>],
-    contact: &Contact<D>,
-) -> Result<Paired<D>, Error<D>> {
-    let fail = |source: ContactError| Error::Contact {
-        contact: contact.name.clone(),
-        source,
+/// Λ of all contacts, in the order of their rows.
+pub(crate) fn admissible_set<const D: usize>(paired: &[Paired<D>]) -> AdmissibleSet {
+    let nodes = paired.iter().flat_map(|pair| {
+        let coupling = pair.interface.coupling;
+        pair.interface.carriers().map(move |node| (coupling, node))
+    });
+    let block = |(coupling, node): (Coupling, &crate::contact::InterfaceNode<D>)| {
+        let size = node.rows.iter().flatten().count();
+        match coupling {
+            Coupling::Tied => Block::Free { size },
+            _ => Block::Unilateral,
+        }
     };
-    let end = |side: &'_ SideRef| -> (usize, String) { (side.body.0, side.side.clone()) };
-    match &contact.law {
-        Law::Frictionless => {}
-        Law::Tied => {
-            return Err(fail(ContactError::NotYet {
-                what: "a tied interface",
-            }));
-        }
-        Law::Coulomb(_) | Law::Tresca(_) => {
-            return Err(fail(ContactError::NotYet { what: "friction" }));
-        }
-    }
-    if let Pair::Obstacle {
-        nonmortar,
-        obstacle,
-    } = &contact.pair
-    {
-        let (body, side) = end(nonmortar);
-        let ends = End {
-            body: &model.bodies[body],
-            side: &side,
-            constraints: &systems[body].constraints,
+    AdmissibleSet::new(nodes.map(block).collect())
+}
+
+/// One contact on its way to becoming an interface.
+struct Contacting<'a, const D: usize> {
+    model: &'a Model<D>,
+    systems: &'a [BodySystem<D>],
+    contact: &'a Contact<D>,
+}
+
+impl<'a, const D: usize> Contacting<'a, D> {
+    fn pair(&self) -> Result<Paired<D>, Error<D>> {
+        let fail = |source: ContactError| Error::Contact {
+            contact: self.contact.name.clone(),
+            source,
         };
-        let mut motion = [0.0; D];
-        for (component, field) in motion.iter_mut().zip(&obstacle.displacement) {
-            *component = field.at([0.0; D], model.time);
-            if !component.is_finite() {
-                return Err(Error::Model(format!(
-                    "contact \"{}\": the displacement of the obstacle, {field}, is not finite",
-                    contact.name
-                )));
+        let coupling = match &self.contact.law {
+            Law::Frictionless => Coupling::Normal,
+            Law::Tied => Coupling::Tied,
+            Law::Coulomb(_) | Law::Tresca(_) => {
+                return Err(fail(ContactError::NotYet { what: "friction" }));
+            }
+        };
+        match &self.contact.pair {
+            Pair::Obstacle {
+                nonmortar,
+                obstacle,
+            } => {
+                if matches!(obstacle.motion, Motion::Loaded(_)) {
+                    let what = "an obstacle under a force";
+                    return Err(fail(ContactError::NotYet { what }));
+                }
+                let motion = self.motion(obstacle)?;
+                let interface = self.obstacle(nonmortar, obstacle, motion, coupling);
+                Ok(Paired {
+                    nonmortar: nonmortar.clone(),
+                    mortar: None,
+                    obstacle_motion: motion,
+                    interface: interface.map_err(fail)?,
+                    warnings: Vec::new(),
+                })
+            }
+            Pair::Given { nonmortar, mortar } => self.sides(nonmortar, mortar, coupling).map_err(fail),
+            Pair::Automatic(sides) => {
+                let [nonmortar, mortar] = self.choose(sides).map_err(fail)?;
+                self.sides(nonmortar, mortar, coupling).map_err(fail)
             }
         }
-        let interface =
-            pair_obstacle(ends, &obstacle.gap, motion, model.analysis, model.time).map_err(fail)?;
-        let nonmortar = nonmortar.clone();
-        return Ok(Paired {
-            nonmortar,
-            mortar: None,
-            obstacle_motion: motion,
-            interface,
-        });
     }
-    let (nonmortar, mortar) = match &contact.pair {
-        Pair::Given { nonmortar, mortar } => (nonmortar.clone(), mortar.clone()),
-        Pair::Automatic([a, b]) => choose_nonmortar(model, a, b).map_err(fail)?,
-        Pair::Obstacle { .. } => unreachable!("obstacles are paired above"),
-    };
-    let (s, m) = (end(&nonmortar), end(&mortar));
-    let ends = [&s, &m].map(|(body, side)| End {
-        body: &model.bodies[*body],
-        side,
-        constraints: &systems[*body].constraints,
-    });
-    if contact.pairing == Some(Pairing::Mortar) {
-        return Err(fail(ContactError::NotYet {
-            what: "pairing \"mortar\"",
-        }));
+
+    fn end(&self, side: &'a SideRef) -> End<'a, D> {
+        End {
+            body: &self.model.bodies[side.body.0],
+            side: &side.side,
+            constraints: &self.systems[side.body.0].constraints,
+        }
     }
-    // a partial overlap of matching sides is legal, and so are sides that do not face each other at all
-    if let Some(unmatched) = unmatched_facing(ends[0], ends[1]).map_err(fail)? {
-        let (own, other) = if unmatched.of_mortar {
-            (ends[1], ends[0])
-        } else {
-            (ends[0], ends[1])
-        };
-        return Err(fail(ContactError::Unpaired {
-            side: own.name(),
-            other: other.name(),
-            consequence: match contact.pairing {
-                Some(_) => "pairing \"node-to-node\" needs coincident nodes",
-                None => {
-                    "contact of sides with different nodes (pairing \"mortar\") is not supported yet"
+
+    /// Prescribed displacement of an obstacle; zero when it is free.
+    fn motion(&self, obstacle: &Obstacle<D>) -> Result<[f64; D], Error<D>> {
+        let mut motion = [0.0; D];
+        if let Motion::Prescribed(fields) = &obstacle.motion {
+            for (component, field) in motion.iter_mut().zip(fields) {
+                *component = field.at([0.0; D], self.model.time);
+                if !component.is_finite() {
+                    return Err(Error::Model(format!(
+                        "contact \"{}\": the displacement of the obstacle, {field}, is not finite",
+                        self.contact.name
+                    )));
                 }
-            },
-            node: unmatched.node,
-            point: show(unmatched.point),
-            distance: unmatched.distance,
-        }));
+            }
+        }
+        Ok(motion)
     }
-    let gap = match &contact.gap {
-        None | Some(Gap::Closed) => InitialGap::Closed,
-        Some(Gap::Geometric) => InitialGap::Measured,
-        Some(Gap::Given(field)) => InitialGap::Given(field),
-    };
-    let interface = pair_nodes(ends[0], ends[1], gap, model.analysis, model.time).map_err(fail)?;
-    Ok(Paired {
-        nonmortar,
-        mortar: Some(mortar),
-        obstacle_motion: [0.0; D],
-        interface,
-    })
-}
 
-/// The more compliant body carries the multipliers; within a factor 10 the finer side.
-fn choose_nonmortar<const D: usize>(
-    model: &Model<D>,
-    a: &SideRef,
-    b: &SideRef,
-) -> Result<(SideRef, SideRef), ContactError> {
-    let softest = |side: &SideRef| {
-        let moduli = model.bodies[side.body.0]
-            .materials
-            .iter()
-            .map(|m| m.elastic.young);
-        moduli.fold(f64::INFINITY, f64::min)
-    };
-    let (soft_a, soft_b) = (softest(a), softest(b));
-    let a_first = if soft_a.max(soft_b) > 10.0 * soft_a.min(soft_b) {
-        soft_a < soft_b
-    } else {
-        mean_edge(model, a)? <= mean_edge(model, b)?
-    };
-    Ok(if a_first {
-        (a.clone(), b.clone())
-    } else {
-        (b.clone(), a.clone())
-    })
-}
+    fn obstacle(
+        &self,
+        nonmortar: &'a SideRef,
+        obstacle: &Obstacle<D>,
+        motion: [f64; D],
+        coupling: Coupling,
+    ) -> Result<Interface<D>, ContactError> {
+        let (analysis, time) = (self.model.analysis, self.model.time);
+        let end = self.end(nonmortar);
+        let nodal = || pair_obstacle(end, &obstacle.shape, motion, coupling, analysis, time);
+        let integrated = || {
+            let against = Against::Obstacle(&obstacle.shape, motion);
+            pair_mortar(end, against, InitialGap::Measured, coupling, analysis, time)
+        };
+        match self.contact.pairing {
+            Some(Pairing::NodeToNode) => nodal(),
+            Some(Pairing::Mortar) => integrated(),
+            None => match nodal() {
+                Err(ContactError::Weight { .. }) => integrated(),
+                other => other,
+            },
+        }
+    }
 
-fn mean_edge<const D: usize>(model: &Model<D>, side: &SideRef) -> Result<f64, ContactError> {
-    let body = &model.bodies[side.body.0];
-    let facets =
-        side_facets(&body.mesh, &side.side).map_err(|source: FemError| ContactError::Side {
-            body: body.name.clone(),
-            source,
-        })?;
-    let total: f64 = facets
-        .iter()
-        .map(|&facet| {
-            let ends: Vec<usize> = body
-                .mesh
-                .facet_nodes(facet)
-                .take(2)
-                .map(|node| node as usize)
-                .collect();
-            distance(body.mesh.points()[ends[0]], body.mesh.points()[ends[1]])
+    fn sides(
+        &self,
+        nonmortar: &'a SideRef,
+        mortar: &'a SideRef,
+        coupling: Coupling,
+    ) -> Result<Paired<D>, ContactError> {
+        let ends = [self.end(nonmortar), self.end(mortar)];
+        let conforming = self.conforming(ends, coupling)?;
+        let interface = match conforming {
+            Some(interface) => interface,
+            None => {
+                let default = match coupling {
+                    Coupling::Tied => InitialGap::Closed,
+                    _ => InitialGap::Measured,
+                };
+                pair_mortar(
+                    ends[0],
+                    Against::Side(ends[1]),
+                    self.gap(default),
+                    coupling,
+                    self.model.analysis,
+                    self.model.time,
+                )?
+            }
+        };
+        let mut warnings = Vec::new();
+        let partners = interface.nodes.iter().filter(|n| n.role != Role::Alone);
+        if !partners.clone().all(|n| n.partner().is_some())
+            && self.stiffness(mortar) * STIFFER < self.stiffness(nonmortar)
+            && self.mean_edge(nonmortar)? < 0.99 * self.mean_edge(mortar)?
+        {
+            warnings.push(format!(
+                "contact \"{}\": multipliers finer than the softer side, pressures may oscillate; swap nonmortar and mortar",
+                self.contact.name
+            ));
+        }
+        Ok(Paired {
+            nonmortar: nonmortar.clone(),
+            mortar: Some(mortar.clone()),
+            obstacle_motion: [0.0; D],
+            interface,
+            warnings,
         })
-        .sum();
-    Ok(total / facets.len() as f64)
+    }
+
+    /// The interface of coincident nodes, where that is what is wanted and possible: a partial overlap of matching sides is
+    /// legal, and so are sides that do not face each other at all.
+    fn conforming(
+        &self,
+        ends: [End<'a, D>; 2],
+        coupling: Coupling,
+    ) -> Result<Option<Interface<D>>, ContactError> {
+        let [nonmortar, mortar] = ends;
+        let nodal = || {
+            let gap = self.gap(InitialGap::Closed);
+            let (analysis, time) = (self.model.analysis, self.model.time);
+            pair_nodes(nonmortar, mortar, gap, coupling, analysis, time)
+        };
+        match (self.contact.pairing, unmatched_facing(nonmortar, mortar)?) {
+            (Some(Pairing::Mortar), _) | (None, Some(_)) => Ok(None),
+            (Some(Pairing::NodeToNode), None) => nodal().map(Some),
+            (Some(Pairing::NodeToNode), Some(unmatched)) => {
+                let (own, other) = match unmatched.of_mortar {
+                    true => (mortar, nonmortar),
+                    false => (nonmortar, mortar),
+                };
+                Err(ContactError::Unpaired {
+                    side: own.name(),
+                    other: other.name(),
+                    node: unmatched.node,
+                    point: show(unmatched.point),
+                    distance: unmatched.distance,
+                })
+            }
+            (None, None) => match nodal() {
+                Err(ContactError::Weight { .. }) => Ok(None),
+                other => other.map(Some),
+            },
+        }
+    }
+
+    fn gap(&self, default: InitialGap<'a>) -> InitialGap<'a> {
+        match &self.contact.gap {
+            None => default,
+            Some(Gap::Closed) => InitialGap::Closed,
+            Some(Gap::Geometric) => InitialGap::Measured,
+            Some(Gap::Given(field)) => InitialGap::Given(field),
+        }
+    }
+
+    /// The more compliant body carries the multipliers; within a factor 10 the finer side. A side that supports hold
+    /// altogether cannot carry them.
+    fn choose(&self, [a, b]: &'a [SideRef; 2]) -> Result<[&'a SideRef; 2], ContactError> {
+        let (stiff_a, stiff_b) = (self.stiffness(a), self.stiffness(b));
+        let (held_a, held_b) = (self.held(a)?, self.held(b)?);
+        let a_first = if held_a != held_b {
+            held_b
+        } else if stiff_a.max(stiff_b) > STIFFER * stiff_a.min(stiff_b) {
+            stiff_a < stiff_b
+        } else {
+            self.mean_edge(a)? <= self.mean_edge(b)?
+        };
+        Ok(if a_first { [a, b] } else { [b, a] })
+    }
+
+    /// Smallest plane modulus E/(1 − ν²) of the cells at a side: what pressures that change from node to node feel.
+    fn stiffness(&self, side: &SideRef) -> f64 {
+        let body = &self.model.bodies[side.body.0];
+        let facets = body.mesh.side(&side.side).unwrap_or_default();
+        let blocks = facets
+            .iter()
+            .map(|facet| &body.mesh.blocks()[facet.block as usize]);
+        let elastic = blocks.filter_map(|block| body.elastic(block).ok());
+        elastic
+            .map(|e| e.young / (1.0 - e.poisson * e.poisson))
+            .fold(f64::INFINITY, f64::min)
+    }
+
+    /// Supports hold the normal displacement of every node of the side.
+    fn held(&self, side: &'a SideRef) -> Result<bool, ContactError> {
+        let end = self.end(side);
+        let normals = node_normals(&end.body.mesh, facets(end)?);
+        Ok(normals.iter().all(|(&node, &normal)| {
+            let held = end.constraints.at(node).iter();
+            let rest: f64 = 1.0 - held.map(|h| dot(h.axis, normal).powi(2)).sum::<f64>();
+            rest < 1e-12
+        }))
+    }
+
+    fn mean_edge(&self, side: &'a SideRef) -> Result<f64, ContactError> {
+        let end = self.end(side);
+        let mesh = &end.body.mesh;
+        let facets = facets(end)?;
+        // between neighbouring nodes: a quadratic facet counts as two
+        let count: usize = facets
+            .iter()
+            .map(|&facet| mesh.facet_kind(facet).order())
+            .sum();
+        let total: f64 = facets.iter().map(|&facet| mesh.facet_length(facet)).sum();
+        Ok(total / count as f64)
+    }
+}
+
+fn facets<'a, const D: usize>(
+    end: End<'a, D>,
+) -> Result<&'a [crate::mesh::Facet], ContactError> {
+    side_facets(&end.body.mesh, end.side).map_err(|source: FemError| ContactError::Side {
+        body: end.body.name.clone(),
+        source,
+    })
 }

@@ -1,6 +1,7 @@
 //! assemble → order → factor → condense → solve → recover, each stage a function of the one before.
 
-use crate::dual::{AdmissibleSet, Block, DualProblem, Multipliers, Scales};
+use crate::contact::InterfaceNode;
+use crate::dual::{DualProblem, Multipliers, Scales};
 use crate::fem::{BodySystem, assemble, show};
 use crate::geometry::{bounding_box, distance, norm};
 use crate::model::condense::{
@@ -11,7 +12,7 @@ use crate::model::dependent::drop_dependent;
 use crate::model::error::Error;
 use crate::model::floating::Floating;
 use crate::model::nouns::*;
-use crate::model::pair::{Paired, pair_all};
+use crate::model::pair::{Paired, admissible_set, pair_all};
 use crate::model::recover::{Judged, judge};
 use crate::model::solution::*;
 use crate::solve::{
@@ -150,6 +151,7 @@ impl<const D: usize> Model<D> {
         let systems = self.systems()?;
         let mut paired = pair_all(self, &systems)?;
         let mut warnings = drop_dependent(self, &systems, &mut paired);
+        warnings.extend(paired.iter().flat_map(|pair| pair.warnings.clone()));
         let (rows, gaps) = body_rows(self, &systems, &paired);
         seconds.assemble = lap();
         let dense = gaps.len() <= dense_limit;
@@ -173,7 +175,7 @@ impl<const D: usize> Model<D> {
             compliance_and_overlap(&bodies, &factored, &ordered, &gaps, dense);
         let floating = Floating::new(self, &bodies, &gaps)?;
         let equilibrium = floating.equilibrium.clone();
-        let admissible = AdmissibleSet::new(vec![Block::Unilateral; gaps.len()]);
+        let admissible = admissible_set(&paired);
         let mut problem = DualProblem::new(compliance, shift, admissible, equilibrium)
             .map_err(|error| Error::Solver(error.to_string()))?;
         problem.scales = self.scales(&bodies, &factored, &problem);
@@ -440,9 +442,10 @@ impl<const D: usize> Model<D> {
     fn carriers(&self, paired: &[Paired<D>]) -> Vec<(usize, [f64; D])> {
         let each = paired.iter().enumerate().flat_map(|(contact, pair)| {
             let points = self.bodies[pair.nonmortar.body.0].mesh.points();
+            let rows = |node: &InterfaceNode<D>| node.rows.iter().flatten().count();
             pair.interface
                 .carriers()
-                .map(move |node| (contact, points[node.node]))
+                .flat_map(move |node| vec![(contact, points[node.node]); rows(node)])
         });
         each.collect()
     }

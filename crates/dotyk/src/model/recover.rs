@@ -5,16 +5,16 @@
 //! Its energy gap is that of the potential and the complementary energy, Π(u) − Π*(σ, λ) = λ·gap − r·u, with r what the
 //! nodal forces of any body leave unbalanced.
 
-use crate::contact::Role;
-use crate::dual::{Certificate, DualProblem, IMBALANCE_LIMIT, Multipliers, Recomputed, Scales};
+use crate::contact::{Coupling, InterfaceNode, Role, Row, frame};
+use crate::dual::{Certificate, Component, DualProblem, IMBALANCE_LIMIT, Multipliers, Recomputed, Scales};
 use crate::fem::{
     FemError, describe_motion, fit_rigid, internal_forces, recover_stress, von_mises,
 };
-use crate::geometry::{Point, add_scaled, dot, norm, sub};
+use crate::geometry::{Point, add_scaled, bounding_box, cross, dot, norm, sub};
 use crate::model::condense::{FactoredBody, LoadedBody};
 use crate::model::error::Error;
 use crate::model::floating::{Floating, add_rows, settle};
-use crate::model::nouns::{Analysis, Body, Law, Model, Place};
+use crate::model::nouns::{Analysis, Body, Model, Place, SideRef};
 use crate::model::pair::Paired;
 use crate::model::pipeline::Condensed;
 use crate::model::solution::*;
@@ -167,13 +167,13 @@ fn open_motions<const D: usize>(
     let force = lambda
         .iter()
         .fold(problem.scales.force, |s, l| s.max(l.abs()));
+    let components = problem.admissible.components();
     let mut hovering = Vec::new();
     for (index, body) in bodies.iter().enumerate() {
-        let touched = body
-            .rows
-            .index
-            .iter()
-            .any(|&row| lambda[row].abs() > 1e-12 * force);
+        // a tie holds without force, too
+        let touched = body.rows.index.iter().any(|&row| {
+            lambda[row].abs() > 1e-12 * force || components[row] == Component::Free
+        });
         if body.system.modes.is_empty() || touched {
             continue;
         }
@@ -344,14 +344,7 @@ fn imbalance<const D: usize>(
     let centre = centroid(points);
     let mut moment = [0.0; 3];
     for (&x, &f) in points.iter().zip(total) {
-        let (a, f) = (
-            crate::geometry::padded(sub(x, centre)),
-            crate::geometry::padded(f),
-        );
-        for (i, m) in moment.iter_mut().enumerate() {
-            let (j, k) = ((i + 1) % 3, (i + 2) % 3);
-            *m += a[j] * f[k] - a[k] * f[j];
-        }
+        moment = add_scaled(moment, 1.0, cross(sub(x, centre), f));
     }
     (norm(resultant), norm(moment))
 }
@@ -464,7 +457,6 @@ fn contact_solutions<const D: usize>(
         contacts.push(contact_solution(
             model,
             &contact.name,
-            &contact.law,
             pair,
             states,
             &gaps[rows.clone()],
@@ -477,83 +469,78 @@ fn contact_solutions<const D: usize>(
 fn contact_solution<const D: usize>(
     model: &Model<D>,
     name: &str,
-    law: &Law,
     pair: &Paired<D>,
     states: &[BodyState<D>],
     gaps: &[f64],
     lambda: &[f64],
 ) -> ContactSolution<D> {
     let body = &model.bodies[pair.nonmortar.body.0];
-    let nodes: Vec<ContactNode<D>> = pair
-        .interface
-        .nodes
-        .iter()
-        .map(|node| {
-            let point = body.mesh.points()[node.node];
-            let along = |u: Point<D>| dot(node.normal, u);
-            let u_nonmortar = states[pair.nonmortar.body.0].u[node.node];
-            let u_mortar = match (&pair.mortar, node.partner) {
-                (Some(mortar), Some(partner)) => Some(states[mortar.body.0].u[partner]),
-                (None, _) if node.role != Role::Alone => Some(pair.obstacle_motion),
-                _ => None,
-            };
-            let displacement_nonmortar = along(u_nonmortar);
-            let displacement_mortar = u_mortar.map_or(f64::NAN, along);
-            let slip = u_mortar.map_or([f64::NAN; D], |u| {
-                let relative = sub(u_nonmortar, u);
-                add_scaled(relative, -along(relative), node.normal)
-            });
-            let (gap, pressure, status) = match node.role {
-                Role::Multiplier(row) => {
-                    let status = match law {
-                        Law::Tied => Status::Tied,
-                        _ if lambda[row] > 0.0 => Status::Closed,
-                        _ => Status::Open,
-                    };
-                    (gaps[row], lambda[row] / node.weight, status)
-                }
-                Role::Alone => (f64::NAN, 0.0, Status::Open),
-                Role::Fixed => {
-                    let gap = node.gap - displacement_nonmortar + displacement_mortar;
-                    (gap, f64::NAN, Status::Fixed)
-                }
-            };
-            ContactNode {
-                node: node.node,
-                partner: node.partner,
-                point,
-                normal: node.normal,
-                weight: node.weight,
-                gap,
-                pressure,
-                shear: [0.0; D],
-                slip,
-                displacement_nonmortar,
-                displacement_mortar,
-                status,
+    let coupling = pair.interface.coupling;
+    let node_state = |node: &InterfaceNode<D>| {
+        let u_nonmortar = states[pair.nonmortar.body.0].u[node.node];
+        let u_mortar = match &pair.mortar {
+            Some(_) if node.opposite.is_empty() => None,
+            Some(mortar) => {
+                let u = &states[mortar.body.0].u;
+                let opposite = node.opposite.iter();
+                Some(opposite.fold([0.0; D], |sum, &(j, n)| add_scaled(sum, n, u[j])))
             }
-        })
-        .collect();
-    // forces as the rows of B apply them to both bodies
-    let sum = |rows: &[crate::contact::Row<D>]| {
-        rows.iter().zip(lambda).fold([0.0; D], |sum, (row, &l)| {
-            row.iter().fold(sum, |sum, &(_, coefficients)| {
-                add_scaled(sum, -l, coefficients)
-            })
-        })
-    };
-    let resultant = sum(&pair.interface.nonmortar);
-    let magnitude: f64 = lambda.iter().map(|l| l.abs()).sum();
-    let imbalance = match &pair.mortar {
-        Some(_) if magnitude > 0.0 => {
-            norm(add_scaled(resultant, 1.0, sum(&pair.interface.mortar))) / magnitude
+            None if node.role == Role::Alone => None,
+            None => Some(pair.obstacle_motion),
+        };
+        let along = |u: Point<D>| dot(node.normal, u);
+        let displacement_nonmortar = along(u_nonmortar);
+        let displacement_mortar = u_mortar.map_or(f64::NAN, along);
+        let slip = u_mortar.map_or([f64::NAN; D], |u| {
+            let relative = sub(u_nonmortar, u);
+            add_scaled(relative, -along(relative), node.normal)
+        });
+        let (gap, pressure, status) = match (node.role, node.rows[0]) {
+            (Role::Alone, _) => (f64::NAN, 0.0, Status::Open),
+            (Role::Multiplier, Some(row)) => {
+                let status = match coupling {
+                    Coupling::Tied => Status::Tied,
+                    _ if lambda[row] > 0.0 => Status::Closed,
+                    _ => Status::Open,
+                };
+                (gaps[row], lambda[row] / node.weight, status)
+            }
+            (role, _) => {
+                let gap = node.gap - displacement_nonmortar + displacement_mortar;
+                let status = match role {
+                    Role::Multiplier => Status::Tied,
+                    _ => Status::Fixed,
+                };
+                (gap, f64::NAN, status)
+            }
+        };
+        // the rows push the nonmortar body by −λ
+        let directions = frame(node.normal).into_iter().zip(node.rows).skip(1);
+        let shear = directions.fold([0.0; D], |sum, (direction, row)| {
+            let traction = row.map_or(0.0, |row| -lambda[row] / node.weight);
+            add_scaled(sum, traction, direction)
+        });
+        ContactNode {
+            node: node.node,
+            partner: pair.mortar.as_ref().and_then(|_| node.partner()),
+            point: body.mesh.points()[node.node],
+            normal: node.normal,
+            weight: node.weight,
+            gap,
+            pressure,
+            shear,
+            slip,
+            displacement_nonmortar,
+            displacement_mortar,
+            status,
         }
-        _ => 0.0,
     };
+    let nodes: Vec<ContactNode<D>> = pair.interface.nodes.iter().map(node_state).collect();
     let length = nodes
         .iter()
         .filter(|n| n.status != Status::Open && n.status != Status::Fixed);
     let length = length.fold(0.0, |sum, n| sum + n.weight) / body.thickness;
+    let (resultant, imbalance) = balance(model, pair, lambda);
     ContactSolution {
         name: name.to_string(),
         nonmortar: pair.nonmortar.clone(),
@@ -564,4 +551,46 @@ fn contact_solution<const D: usize>(
         length,
         imbalance,
     }
+}
+
+/// The force on the nonmortar body, and how far the forces on both bodies, as the rows of B apply them, are from balance:
+/// forces relative to the sum of the nodal forces, moments to that times the size of the interface; the larger.
+fn balance<const D: usize>(
+    model: &Model<D>,
+    pair: &Paired<D>,
+    lambda: &[f64],
+) -> (Point<D>, f64) {
+    let points = |side: &SideRef| model.bodies[side.body.0].mesh.points();
+    let own = points(&pair.nonmortar);
+    let nodes: Vec<Point<D>> = pair.interface.nodes.iter().map(|n| own[n.node]).collect();
+    let (low, high) = bounding_box(&nodes);
+    let centre = centroid(&[low, high]);
+    let sum = |rows: &[Row<D>], points: &[Point<D>]| {
+        let (mut force, mut moment) = ([0.0; D], [0.0; 3]);
+        for (row, l) in rows.iter().zip(lambda) {
+            for &(node, coefficients) in row {
+                let push = coefficients.map(|c| -l * c);
+                force = add_scaled(force, 1.0, push);
+                let turn = cross(sub(points[node], centre), push);
+                moment = add_scaled(moment, 1.0, turn);
+            }
+        }
+        (force, moment)
+    };
+    let (resultant, moment) = sum(&pair.interface.nonmortar, own);
+    let magnitude: f64 = lambda.iter().map(|l| l.abs()).sum();
+    let Some(mortar) = pair.mortar.as_ref().filter(|_| magnitude > 0.0) else {
+        return (resultant, 0.0);
+    };
+    let (force, other) = sum(&pair.interface.mortar, points(mortar));
+    let (mut rest, mut turn) = (
+        add_scaled(resultant, 1.0, force),
+        norm(add_scaled(moment, 1.0, other)),
+    );
+    if model.analysis == Analysis::Axisymmetric {
+        // radial forces and moments balance over the full turn
+        (rest[0], turn) = (0.0, 0.0);
+    }
+    let size = crate::geometry::distance(low, high);
+    (resultant, norm(rest).max(turn / size) / magnitude)
 }

@@ -130,6 +130,7 @@ fn body(name: &str, mesh: Mesh<2>, young: f64) -> Body<2> {
         body_force: [Field::constant(0.0), Field::constant(0.0)],
         supports: Vec::new(),
         loads: Vec::new(),
+        surfaces: Default::default(),
     }
 }
 

@@ -1,6 +1,6 @@
 //! Figure "Mesh, supports and loads": the model as a textbook draws it.
 
-use crate::geometry::{Field, Point, add_scaled, bounding_box, distance, dot, norm, unit};
+use crate::geometry::{Field, Point, bounding_box, distance, dot, norm, unit};
 use crate::model::{Body, Contact, Law, Load, Pair, Place, Support};
 use crate::output::plot::round_down_to_125;
 use crate::output::scene::{
@@ -182,11 +182,8 @@ fn contact_line(svg: &mut Svg, scene: &Scene, view: &View, contact: &Contact<2>,
                 .stations(points, 60, false)
                 .iter()
                 .map(|s| {
-                    let gap = obstacle.gap.at(s.point, scene.model.time);
-                    (
-                        view.pixel(add_scaled(s.point, gap, s.normal)),
-                        [s.normal[0], -s.normal[1]],
-                    )
+                    let point = obstacle.shape.drawn(s.point, s.normal, scene.model.time);
+                    (view.pixel(point), [s.normal[0], -s.normal[1]])
                 })
                 .collect();
             let line: Vec<Pixel> = surface.iter().map(|s| s.0).collect();

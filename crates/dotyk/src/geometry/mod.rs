@@ -1,6 +1,10 @@
-//! Points and small vectors of `[f64; D]`, and scalar fields over them.
+//! Points and small vectors of `[f64; D]`, scalar fields over them, and analytic surfaces.
 //!
 //! Plain functions on arrays: nothing here knows a mesh or a body.
+
+mod surface;
+
+pub use surface::Surface;
 
 use std::fmt;
 use std::sync::Arc;
@@ -31,6 +35,15 @@ pub fn norm<const D: usize>(a: Point<D>) -> f64 {
 /// Distance of two points.
 pub fn distance<const D: usize>(a: Point<D>, b: Point<D>) -> f64 {
     norm(sub(a, b))
+}
+
+/// a × b in three dimensions, missing components zero; in the plane only the third component is not zero.
+pub fn cross<const D: usize>(a: Point<D>, b: Point<D>) -> [f64; 3] {
+    let (a, b) = (padded(a), padded(b));
+    std::array::from_fn(|i| {
+        let (j, k) = ((i + 1) % 3, (i + 2) % 3);
+        a[j] * b[k] - a[k] * b[j]
+    })
 }
 
 /// a/|a|, or `None` when a is zero or not finite.

@@ -1,0 +1,655 @@
+//! Mortar pairing in the plane: multipliers on the nonmortar side, integrated over exact intersections with the other.
+//!
+//! ```text
+//!   row j:  ∫ψⱼ n(x)·(u_s(x) − u_m(y)) dx / ∫ψⱼ dx,      y on the line x + s·n(x),      g₀ⱼ = ∫ψⱼ s dx / ∫ψⱼ dx
+//! ```
+//!
+//! * ψ are biorthogonal to the shape functions N of the side, facet by facet: ∫ψᵢNⱼ = δᵢⱼ∫Nⱼ over the part that faces the
+//!   other side. They sum to one, so that a uniform pressure is exact, and on matching meshes they give what pairing node
+//!   by node gives. Where a weight ∫N would not be positive (a quadratic facet that is covered in part, or ends at the axis
+//!   of revolution), ψ are hats between neighbouring nodes, middle nodes included.
+//! * Facets are cut where the line from them meets a node of the other side; on each piece all shape functions are smooth.
+//! * n is the field of [`Normals`]; both bodies feel the force at the ends of one line along n, so that forces and moments
+//!   balance whatever the two polygons are.
+//! * A node whose displacement is prescribed, or of whose support less than a thousandth faces the other side, carries no
+//!   multiplier; on its facets ψ are hats, and its own goes to the neighbours.
+//! * The gap s is measured between the true surfaces where a side has one.
+//!
+//! Against a rigid obstacle u_m is its translation. Not here: solids.
+//!
+//! Source of the biorthogonal functions: as described by B. I. Wohlmuth, SIAM J. Numer. Anal. 38 (2000) 989–1012.
+
+use crate::contact::node_to_node::{facets, finite_gap, held_components};
+use crate::contact::normals::{Normals, surface};
+use crate::contact::search::{Hit, Line, Search, meet};
+use crate::contact::{
+    ContactError, Coupling, End, InitialGap, Interface, InterfaceNode, Rigid, Role, Row, frame,
+};
+use crate::fem::{Analysis, invert, measure, quadrature};
+use crate::geometry::{Point, Surface, add_scaled, dot, norm};
+use crate::mesh::{Facet, MAX_FACET_NODES, Mesh};
+use rayon::prelude::*;
+use std::collections::{BTreeMap, BTreeSet};
+
+/// Nodes of whose support less than this part faces the other side carry no multiplier.
+const SLIVER: f64 = 1e-3;
+
+/// Gauss points on each piece: exact for straight sides, beyond rounding for curved ones.
+const POINTS: usize = 6;
+
+/// What a nonmortar side is paired with.
+#[derive(Clone, Copy)]
+pub enum Against<'a, const D: usize> {
+    /// A side of another body.
+    Side(End<'a, D>),
+    /// A rigid obstacle, moved by a displacement.
+    Obstacle(&'a Rigid<D>, Point<D>),
+}
+
+/// Part of a facet between two neighbouring nodes.
+struct Span {
+    facet: Facet,
+    /// Reference coordinates of its ends.
+    ends: [f64; 2],
+    nodes: [usize; 2],
+}
+
+/// Part of a span that faces one facet of the other side (or the obstacle).
+struct Piece {
+    span: usize,
+    ends: [f64; 2],
+    opposite: Option<Facet>,
+}
+
+/// Everything at one point of integration.
+struct Station<const D: usize> {
+    span: usize,
+    /// Values of the two hats of the span.
+    hats: [f64; 2],
+    area: f64,
+    normal: Point<D>,
+    gap: f64,
+    own: Vec<(usize, f64)>,
+    opposite: Vec<(usize, f64)>,
+}
+
+/// Sums over the stations of one node.
+struct Sums<const D: usize> {
+    /// ∫ of the node's hat, and times the gap.
+    own: [f64; 2],
+    weight: [f64; D],
+    gap: f64,
+    nonmortar: [BTreeMap<usize, Point<D>>; D],
+    mortar: [BTreeMap<usize, Point<D>>; D],
+}
+
+impl<const D: usize> Sums<D> {
+    fn new() -> Self {
+        Self {
+            own: [0.0; 2],
+            weight: [0.0; D],
+            gap: 0.0,
+            nonmortar: std::array::from_fn(|_| BTreeMap::new()),
+            mortar: std::array::from_fn(|_| BTreeMap::new()),
+        }
+    }
+
+    /// Adds ψ·area at a station to the row of a component.
+    fn add(&mut self, component: usize, psi: f64, station: &Station<D>) {
+        let weight = psi * station.area;
+        let direction = frame(station.normal)[component];
+        self.weight[component] += weight;
+        if component == 0 {
+            self.gap += weight * station.gap;
+        }
+        let sides = [
+            (&mut self.nonmortar[component], &station.own, weight),
+            (&mut self.mortar[component], &station.opposite, -weight),
+        ];
+        for (row, nodes, weight) in sides {
+            for &(node, shape) in nodes {
+                let entry = row.entry(node).or_insert([0.0; D]);
+                *entry = add_scaled(*entry, weight * shape, direction);
+            }
+        }
+    }
+
+    /// Rows of a component on both sides, divided by the weight.
+    fn rows(&self, component: usize) -> [Row<D>; 2] {
+        [&self.nonmortar[component], &self.mortar[component]].map(|row| {
+            let scale = 1.0 / self.weight[component];
+            row.iter()
+                .map(|(&node, c)| (node, c.map(|c| c * scale)))
+                .collect()
+        })
+    }
+}
+
+/// Pairs a side with another, or with an obstacle, by mortar integration.
+///
+/// Errors: unknown or empty sides, nodes off their true surface, a gap that is not finite, supports that hold the whole
+/// nonmortar side, solids.
+pub fn pair_mortar<const D: usize>(
+    nonmortar: End<'_, D>,
+    against: Against<'_, D>,
+    gap: InitialGap<'_>,
+    coupling: Coupling,
+    analysis: Analysis,
+    time: f64,
+) -> Result<Interface<D>, ContactError> {
+    if D != 2 {
+        let what = "mortar contact of solids";
+        return Err(ContactError::NotYet { what });
+    }
+    let pairing = Pairing::new(nonmortar, against, gap, analysis, time)?;
+    let pieces: Vec<Piece> = (0..pairing.spans.len())
+        .into_par_iter()
+        .flat_map_iter(|span| pairing.pieces(span))
+        .collect();
+    pairing.interface(&pieces, coupling)
+}
+
+struct Pairing<'a, const D: usize> {
+    nonmortar: End<'a, D>,
+    against: Against<'a, D>,
+    gap: InitialGap<'a>,
+    analysis: Analysis,
+    time: f64,
+    normals: Normals<'a, D>,
+    /// True surfaces of both sides.
+    surfaces: [Option<Surface<D>>; 2],
+    search: Option<Search<'a, D>>,
+    spans: Vec<Span>,
+    cyclic: bool,
+}
+
+impl<'a, const D: usize> Pairing<'a, D> {
+    fn new(
+        nonmortar: End<'a, D>,
+        against: Against<'a, D>,
+        gap: InitialGap<'a>,
+        analysis: Analysis,
+        time: f64,
+    ) -> Result<Self, ContactError> {
+        let mesh = &nonmortar.body.mesh;
+        let own = facets(nonmortar)?;
+        let mut surfaces = [surface(nonmortar, own)?, None];
+        let search = match against {
+            Against::Obstacle(..) => None,
+            Against::Side(mortar) => {
+                let other = facets(mortar)?;
+                surfaces[1] = surface(mortar, other)?;
+                Some(Search::new(mesh, &mortar.body.mesh, other))
+            }
+        };
+        let chains = mesh.chain(nonmortar.side).unwrap_or_default();
+        let cyclic = chains.len() == 1 && chains[0].cyclic;
+        let along = chains.iter().flat_map(|chain| &chain.facets);
+        let spans = along.flat_map(|&facet| spans(mesh, facet)).collect();
+        Ok(Self {
+            nonmortar,
+            against,
+            gap,
+            analysis,
+            time,
+            normals: Normals::new(nonmortar, own)?,
+            surfaces,
+            search,
+            spans,
+            cyclic,
+        })
+    }
+
+    fn mesh(&self) -> &'a Mesh<D> {
+        &self.nonmortar.body.mesh
+    }
+
+    fn line(&self, facet: Facet, xi: f64) -> Line<D> {
+        Line {
+            start: self.mesh().facet_point(facet, &[xi]),
+            direction: self.normals.at(facet, xi),
+        }
+    }
+
+    /// Cuts a span where its lines meet nodes of the other side; keeps the parts that face something.
+    fn pieces(&self, index: usize) -> Vec<Piece> {
+        let span = &self.spans[index];
+        let [from, to] = span.ends;
+        let mut cuts = vec![from, to];
+        cuts.extend(self.cuts(span));
+        cuts.sort_by(f64::total_cmp);
+        let shallow = self.mesh().facet_length(span.facet);
+        let parts = cuts.windows(2).filter(|ends| ends[1] - ends[0] > 1e-12);
+        let piece = |ends: &[f64]| {
+            let middle = self.line(span.facet, 0.5 * (ends[0] + ends[1]));
+            let opposite = match &self.search {
+                Some(search) => Some(search.opposite(middle, shallow)?.facet),
+                None => {
+                    let places = [ends[0], ends[1]].map(|xi| self.line(span.facet, xi));
+                    let Against::Obstacle(rigid, _) = self.against else {
+                        return None;
+                    };
+                    let faces = |line: &Line<D>| rigid.faces(line.start, line.direction);
+                    if !places.iter().chain([&middle]).all(faces) {
+                        return None;
+                    }
+                    None
+                }
+            };
+            Some(Piece {
+                span: index,
+                ends: [ends[0], ends[1]],
+                opposite,
+            })
+        };
+        parts.filter_map(piece).collect()
+    }
+
+    /// Where the lines of a span meet end nodes of the other side's facets.
+    fn cuts(&self, span: &Span) -> Vec<f64> {
+        let (Some(search), Against::Side(mortar)) = (&self.search, self.against) else {
+            return Vec::new();
+        };
+        let [from, to] = span.ends;
+        let line = |xi: f64| self.line(span.facet, xi);
+        let middle = line(0.5 * (from + to));
+        let other = &mortar.body.mesh;
+        let halves = [[line(from), middle], [middle, line(to)]];
+        let near = halves.into_iter().flat_map(|lines| search.between(lines));
+        let corners = near.flat_map(|facet| other.facet_nodes(facet).take(2));
+        let nodes: BTreeSet<u32> = corners.collect();
+        let points = nodes.iter().map(|&node| other.points()[node as usize]);
+        points
+            .filter_map(|y| root(span.ends, |xi| line(xi).across(y)))
+            .collect()
+    }
+
+    /// The hit of a line on the facet that its piece faces.
+    fn hit(&self, facet: Facet, line: Line<D>) -> Option<Hit> {
+        match self.against {
+            Against::Side(mortar) => meet(&mortar.body.mesh, facet, line),
+            Against::Obstacle(..) => None,
+        }
+    }
+
+    /// Everything at ξ of a piece; `None` where the line misses the facet by rounding of a tangent.
+    fn station(
+        &self,
+        piece: &Piece,
+        xi: f64,
+        reference: f64,
+    ) -> Result<Option<Station<D>>, ContactError> {
+        let span = &self.spans[piece.span];
+        let mesh = self.mesh();
+        let line = self.line(span.facet, xi);
+        let t = (xi - span.ends[0]) / (span.ends[1] - span.ends[0]);
+        let own = shape(mesh, span.facet, xi);
+        let tangent = norm(mesh.outward_normal(span.facet, &[xi]));
+        let thickness = self.nonmortar.body.thickness;
+        let area = reference * tangent * measure(self.analysis, thickness, line.start);
+        let (normal, opposite, distance) = match (self.against, piece.opposite) {
+            (Against::Side(mortar), Some(facet)) => {
+                let Some(hit) = self.hit(facet, line) else {
+                    return Ok(None);
+                };
+                let distance = self.true_distance(line, hit.distance);
+                (
+                    line.direction,
+                    shape(&mortar.body.mesh, facet, hit.xi),
+                    distance,
+                )
+            }
+            (Against::Obstacle(rigid, moved), _) => {
+                let place = (line.start, line.direction);
+                let Some((normal, gap)) = rigid.opposite(place, self.time, self.nonmortar)? else {
+                    return Ok(None);
+                };
+                (normal, vec![(0, 1.0)], gap + dot(normal, moved))
+            }
+            (Against::Side(_), None) => return Ok(None),
+        };
+        let gap = match self.gap {
+            InitialGap::Measured => distance,
+            InitialGap::Closed => 0.0,
+            InitialGap::Given(field) => finite_gap(field, line.start, self.time, self.nonmortar)?,
+        };
+        Ok(Some(Station {
+            span: piece.span,
+            hats: [1.0 - t, t],
+            area,
+            normal,
+            gap,
+            own,
+            opposite,
+        }))
+    }
+
+    /// The distance along a line between the true surfaces, where the sides have them.
+    fn true_distance(&self, line: Line<D>, polygons: f64) -> f64 {
+        let [own, other] = self.surfaces;
+        let start = own.map_or(0.0, |surface| line.along(surface.closest(line.start)));
+        let nearest = |hits: Vec<f64>| {
+            hits.into_iter()
+                .min_by(|a, b| (a - polygons).abs().total_cmp(&(b - polygons).abs()))
+        };
+        let end = other.and_then(|s| nearest(s.intersections(line.start, line.direction)));
+        end.unwrap_or(polygons) - start
+    }
+
+    fn interface(&self, pieces: &[Piece], coupling: Coupling) -> Result<Interface<D>, ContactError> {
+        let stations = self.stations(pieces)?;
+        let mut sums: BTreeMap<usize, Sums<D>> = BTreeMap::new();
+        for station in &stations {
+            let nodes = self.spans[station.span].nodes;
+            for (node, hat) in nodes.into_iter().zip(station.hats) {
+                let own = &mut sums.entry(node).or_insert_with(Sums::new).own;
+                own[0] += hat * station.area;
+                own[1] += hat * station.area * station.gap;
+            }
+        }
+        let whole = self.whole_weights();
+        let normals = self.normals.nodal();
+        let kept = self.kept(&sums, &whole, &normals, coupling, &stations);
+        // pieces follow the chain, so the stations of a facet follow one another
+        let facet = |station: &Station<D>| self.spans[station.span].facet;
+        for stations in stations.chunk_by(|a, b| facet(a) == facet(b)) {
+            for component in 0..D {
+                // under friction shear and pressure share their functions, and with them their weights
+                let shared = match coupling {
+                    Coupling::Tied => component,
+                    _ => 0,
+                };
+                let carries = |node: usize| kept[&node][shared];
+                let basis = Basis::new(stations, carries);
+                for station in stations {
+                    let nodes = self.spans[station.span].nodes;
+                    for (node, psi) in basis.values(station, nodes, carries) {
+                        if psi != 0.0
+                            && kept[&node][component]
+                            && let Some(sums) = sums.get_mut(&node)
+                        {
+                            sums.add(component, psi, station);
+                        }
+                    }
+                }
+            }
+        }
+        self.assembled(&sums, &whole, &normals, &kept, coupling)
+    }
+
+    /// The points of integration of all pieces.
+    fn stations(&self, pieces: &[Piece]) -> Result<Vec<Station<D>>, ContactError> {
+        let rule = quadrature::gauss(POINTS);
+        let each = pieces.par_iter().map(|piece| {
+            let half = 0.5 * (piece.ends[1] - piece.ends[0]);
+            let middle = 0.5 * (piece.ends[1] + piece.ends[0]);
+            let stations = rule.iter().filter_map(|&(x, weight)| {
+                self.station(piece, middle + half * x, half * weight)
+                    .transpose()
+            });
+            stations.collect::<Result<Vec<_>, _>>()
+        });
+        let each: Vec<Vec<_>> = each.collect::<Result<_, _>>()?;
+        Ok(each.into_iter().flatten().collect())
+    }
+
+    /// ∫ of the hat of every node over the whole side.
+    fn whole_weights(&self) -> BTreeMap<usize, f64> {
+        let rule = quadrature::gauss(POINTS);
+        let thickness = self.nonmortar.body.thickness;
+        let mut whole = BTreeMap::new();
+        for span in &self.spans {
+            let half = 0.5 * (span.ends[1] - span.ends[0]);
+            for &(x, weight) in &rule {
+                let t = 0.5 * (1.0 + x);
+                let xi = span.ends[0] + 2.0 * half * t;
+                let tangent = norm(self.mesh().outward_normal(span.facet, &[xi]));
+                let point = self.mesh().facet_point(span.facet, &[xi]);
+                let area = half * weight * tangent * measure(self.analysis, thickness, point);
+                for (node, hat) in span.nodes.into_iter().zip([1.0 - t, t]) {
+                    *whole.entry(node).or_insert(0.0) += hat * area;
+                }
+            }
+        }
+        whole
+    }
+
+    /// Which components of which nodes carry multipliers.
+    fn kept(
+        &self,
+        sums: &BTreeMap<usize, Sums<D>>,
+        whole: &BTreeMap<usize, f64>,
+        normals: &BTreeMap<usize, Point<D>>,
+        coupling: Coupling,
+        stations: &[Station<D>],
+    ) -> BTreeMap<usize, [bool; D]> {
+        let covered = |node: &usize| sums.get(node).map_or(0.0, |s| s.own[0]) / whole[node];
+        let mut kept: BTreeMap<usize, [bool; D]> = whole
+            .keys()
+            .map(|node| {
+                let held = self.nonmortar.constraints.at(*node);
+                let axes: Vec<Point<D>> = held.iter().map(|h| h.axis).collect();
+                let normal = normals.get(node).copied().unwrap_or([0.0; D]);
+                let free = held_components(normal, &axes, coupling).map(|held| !held);
+                (*node, free)
+            })
+            .collect();
+        // a sliver gives way to a neighbour that carries more
+        let spans: BTreeSet<usize> = stations.iter().map(|station| station.span).collect();
+        for span in spans {
+            let [a, b] = self.spans[span].nodes;
+            for (node, other) in [(a, b), (b, a)] {
+                let replaced = covered(&node) < SLIVER && covered(&other) > covered(&node);
+                if replaced && kept[&other][0] {
+                    kept.insert(node, [false; D]);
+                }
+            }
+        }
+        kept
+    }
+
+    fn assembled(
+        &self,
+        sums: &BTreeMap<usize, Sums<D>>,
+        whole: &BTreeMap<usize, f64>,
+        normals: &BTreeMap<usize, Point<D>>,
+        kept: &BTreeMap<usize, [bool; D]>,
+        coupling: Coupling,
+    ) -> Result<Interface<D>, ContactError> {
+        let mut interface = Interface {
+            nodes: Vec::new(),
+            cyclic: self.cyclic,
+            coupling,
+            nonmortar: Vec::new(),
+            mortar: Vec::new(),
+        };
+        let mut seen = BTreeSet::new();
+        let along = self.spans.iter().flat_map(|span| {
+            let places = span.nodes.into_iter().zip(span.ends);
+            places.map(|(node, xi)| (node, span.facet, xi))
+        });
+        for (node, facet, xi) in along {
+            if !seen.insert(node) {
+                continue;
+            }
+            let normal = normals.get(&node).copied().unwrap_or([0.0; D]);
+            let mut entry = InterfaceNode {
+                node,
+                opposite: Vec::new(),
+                normal,
+                weight: whole[&node],
+                gap: f64::NAN,
+                role: Role::Alone,
+                rows: [None; D],
+            };
+            let sums = sums.get(&node).filter(|s| s.own[0] > SLIVER * whole[&node]);
+            if let Some(sums) = sums {
+                entry.opposite = self.opposite(facet, xi);
+                entry.role = Role::Fixed;
+                entry.weight = sums.own[0];
+                entry.gap = sums.own[1] / sums.own[0];
+                for component in (0..D).filter(|&c| kept[&node][c] && sums.weight[c] > 0.0) {
+                    if entry.role == Role::Fixed {
+                        entry.weight = sums.weight[component];
+                    }
+                    entry.role = Role::Multiplier;
+                    entry.rows[component] = Some(interface.nonmortar.len());
+                    let [own, other] = sums.rows(component);
+                    interface.nonmortar.push(own);
+                    interface.mortar.push(other);
+                    if component == 0 {
+                        entry.gap = sums.gap / sums.weight[0];
+                    }
+                }
+            }
+            interface.nodes.push(entry);
+        }
+        let fixed = |node: &InterfaceNode<D>| node.role == Role::Fixed;
+        if interface.nonmortar.is_empty() && interface.nodes.iter().any(fixed) {
+            let side = self.nonmortar.name();
+            return Err(ContactError::AllFixed { side });
+        }
+        Ok(interface)
+    }
+
+    /// Nodes and shape functions of the other side opposite ξ of a facet.
+    fn opposite(&self, facet: Facet, xi: f64) -> Vec<(usize, f64)> {
+        let (Some(search), Against::Side(mortar)) = (&self.search, self.against) else {
+            return Vec::new();
+        };
+        let shallow = self.mesh().facet_length(facet);
+        let hit = search.opposite(self.line(facet, xi), shallow);
+        hit.map_or_else(Vec::new, |hit| {
+            shape(&mortar.body.mesh, hit.facet, hit.xi.clamp(-1.0, 1.0))
+        })
+    }
+}
+
+/// Weights below this part of their mean count as not positive.
+const POSITIVE: f64 = 0.1;
+
+/// The functions ψ on one facet, or on the part of it that faces the other side.
+enum Basis {
+    /// ψ = A N.
+    Biorthogonal([[f64; MAX_FACET_NODES]; MAX_FACET_NODES]),
+    Hats,
+}
+
+impl Basis {
+    /// A = diag(∫N) M⁻¹ with M = ∫NNᵀ, where all nodes of the facet carry multipliers and all weights are positive.
+    fn new<const D: usize>(stations: &[Station<D>], carries: impl Fn(usize) -> bool) -> Self {
+        let nodes: Vec<usize> = stations[0].own.iter().map(|&(node, _)| node).collect();
+        let mut weights = [0.0; MAX_FACET_NODES];
+        let mut mass = [[0.0; MAX_FACET_NODES]; MAX_FACET_NODES];
+        for station in stations {
+            for (i, &(_, a)) in station.own.iter().enumerate() {
+                weights[i] += a * station.area;
+                for (j, &(_, b)) in station.own.iter().enumerate() {
+                    mass[i][j] += a * b * station.area;
+                }
+            }
+        }
+        let mean = weights.iter().sum::<f64>() / nodes.len() as f64;
+        let smallest = weights[..nodes.len()].iter().fold(mean, |s, w| s.min(*w));
+        // a straight facet's weights are positive whatever part of it is covered
+        let positive = smallest > POSITIVE * mean || (nodes.len() == 2 && smallest > 0.0);
+        if !positive || !nodes.iter().all(|&node| carries(node)) {
+            return Self::Hats;
+        }
+        let mut matrix = match nodes.len() {
+            2 => {
+                let (inverse, _) = invert([[mass[0][0], mass[0][1]], [mass[1][0], mass[1][1]]]);
+                let mut padded = [[0.0; MAX_FACET_NODES]; MAX_FACET_NODES];
+                for (row, from) in padded.iter_mut().zip(inverse) {
+                    row[..2].copy_from_slice(&from);
+                }
+                padded
+            }
+            _ => invert(mass).0,
+        };
+        for (row, weight) in matrix.iter_mut().zip(weights) {
+            row.iter_mut().for_each(|a| *a *= weight);
+        }
+        match matrix.iter().flatten().all(|a| a.is_finite()) {
+            true => Self::Biorthogonal(matrix),
+            false => Self::Hats,
+        }
+    }
+
+    /// ψ of each node at a station.
+    fn values<const D: usize>(
+        &self,
+        station: &Station<D>,
+        nodes: [usize; 2],
+        carries: impl Fn(usize) -> bool,
+    ) -> Vec<(usize, f64)> {
+        match self {
+            Self::Biorthogonal(matrix) => {
+                let value = |row: &[f64]| -> f64 {
+                    let terms = row.iter().zip(&station.own);
+                    terms.map(|(a, (_, shape))| a * shape).sum()
+                };
+                let nodes = station.own.iter().map(|&(node, _)| node);
+                nodes
+                    .zip(matrix)
+                    .map(|(node, row)| (node, value(row)))
+                    .collect()
+            }
+            Self::Hats => {
+                let psi = match nodes.map(&carries) {
+                    [true, true] => station.hats,
+                    carries => carries.map(|c| f64::from(u8::from(c))),
+                };
+                nodes.into_iter().zip(psi).collect()
+            }
+        }
+    }
+}
+
+/// The parts of a facet between its nodes, in its own direction.
+fn spans<const D: usize>(mesh: &Mesh<D>, facet: Facet) -> Vec<Span> {
+    let nodes: Vec<usize> = mesh.facet_nodes(facet).map(|node| node as usize).collect();
+    let span = |ends, nodes| Span { facet, ends, nodes };
+    match nodes[..] {
+        [a, b, middle] => vec![
+            span([-1.0, 0.0], [a, middle]),
+            span([0.0, 1.0], [middle, b]),
+        ],
+        [a, b, ..] => vec![span([-1.0, 1.0], [a, b])],
+        _ => Vec::new(),
+    }
+}
+
+/// Nodes of a facet with their shape functions at ξ.
+fn shape<const D: usize>(mesh: &Mesh<D>, facet: Facet, xi: f64) -> Vec<(usize, f64)> {
+    let mut values = [0.0; MAX_FACET_NODES];
+    mesh.facet_kind(facet).shape(&[xi], &mut values);
+    let nodes = mesh.facet_nodes(facet).map(|node| node as usize);
+    nodes.zip(values).collect()
+}
+
+/// The zero of a function that changes its sign between two ends, by the Illinois method.
+fn root(ends: [f64; 2], f: impl Fn(f64) -> f64) -> Option<f64> {
+    let [mut a, mut b] = ends;
+    let (mut fa, mut fb) = (f(a), f(b));
+    if fa * fb >= 0.0 || !(fa * fb).is_finite() {
+        return None;
+    }
+    let mut last = f64::NAN;
+    for _ in 0..100 {
+        let x = (a * fb - b * fa) / (fb - fa);
+        let fx = f(x);
+        if fx == 0.0 || (x - last).abs() < 1e-15 {
+            return Some(x);
+        }
+        last = x;
+        if (fx < 0.0) == (fb < 0.0) {
+            // the other end stays: halve its value, so that the next step does not creep
+            fa *= 0.5;
+        } else {
+            (a, fa) = (b, fb);
+        }
+        (b, fb) = (x, fx);
+    }
+    Some(last)
+}

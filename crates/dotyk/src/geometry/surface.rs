@@ -1,0 +1,134 @@
+//! Analytic surfaces: planes, and circles or spheres, with their closest points and intersections with lines.
+//!
+//! A surface knows no inside: whoever uses it knows on which side of it the material lies.
+
+use crate::geometry::{Point, add_scaled, distance, dot, sub, unit};
+
+/// A surface given by its equation.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Surface<const D: usize> {
+    /// A line of the plane, or a plane of space.
+    Plane {
+        /// A point on it.
+        point: Point<D>,
+        /// Unit normal.
+        normal: Point<D>,
+    },
+    /// A circle of the plane, or a sphere of space.
+    Sphere {
+        /// Its centre.
+        center: Point<D>,
+        /// Its radius, > 0.
+        radius: f64,
+    },
+}
+
+impl<const D: usize> Surface<D> {
+    /// Unit normal at the point of the surface that is nearest to a point: the given one of a plane, outward on a sphere.
+    /// `None` at the centre of a sphere.
+    pub fn normal(&self, near: Point<D>) -> Option<Point<D>> {
+        match *self {
+            Self::Plane { normal, .. } => Some(normal),
+            Self::Sphere { center, .. } => unit(sub(near, center)),
+        }
+    }
+
+    /// Signed distance from the surface, positive on the side of its normal.
+    pub fn distance(&self, point: Point<D>) -> f64 {
+        match *self {
+            Self::Plane { point: on, normal } => dot(sub(point, on), normal),
+            Self::Sphere { center, radius } => distance(point, center) - radius,
+        }
+    }
+
+    /// The point of the surface nearest to a point; the point itself at the centre of a sphere.
+    pub fn closest(&self, point: Point<D>) -> Point<D> {
+        match self.normal(point) {
+            Some(normal) => add_scaled(point, -self.distance(point), normal),
+            None => point,
+        }
+    }
+
+    /// Parameters s of the intersections x + s·direction, ascending; the direction has unit length.
+    pub fn intersections(&self, x: Point<D>, direction: Point<D>) -> Vec<f64> {
+        match *self {
+            Self::Plane { normal, .. } => {
+                let slope = dot(direction, normal);
+                let s = -self.distance(x) / slope;
+                if s.is_finite() { vec![s] } else { Vec::new() }
+            }
+            Self::Sphere { center, radius } => {
+                let from = sub(x, center);
+                let half = -dot(from, direction);
+                let foot = add_scaled(from, half, direction);
+                // (r − |foot|)(r + |foot|): the difference of squares would drown a shallow sagitta
+                let rest = dot(foot, foot).sqrt();
+                let square = (radius - rest) * (radius + rest);
+                if square < 0.0 {
+                    return Vec::new();
+                }
+                let root = square.sqrt();
+                let far = half + root.copysign(half);
+                // the product of both roots is the power of the point: the near one without cancellation
+                let power = self.distance(x) * (distance(x, center) + radius);
+                let near = if far == 0.0 { 0.0 } else { power / far };
+                vec![near.min(far), near.max(far)]
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geometry::norm;
+
+    #[test]
+    fn lines_meet_a_circle_where_its_equation_holds() {
+        let circle = Surface::Sphere {
+            center: [1.0, -2.0],
+            radius: 3.0,
+        };
+        for k in 0..20 {
+            let angle = f64::from(k);
+            let direction = [angle.cos(), angle.sin()];
+            for x in [[1.5, -1.0], [4.0, -2.0], [8.0, 3.0], [1.0, -2.0]] {
+                for s in circle.intersections(x, direction) {
+                    let hit = add_scaled(x, s, direction);
+                    assert!(circle.distance(hit).abs() < 1e-13);
+                }
+            }
+            assert_eq!(circle.intersections([1.5, -1.0], direction).len(), 2);
+        }
+        assert!(circle.intersections([9.0, 9.0], [1.0, 0.0]).is_empty());
+    }
+
+    #[test]
+    fn a_point_just_off_a_large_circle_keeps_its_small_distance() {
+        // Beside a radius of 1e6 a distance of 1e-6 has lost most digits to rounding of the coordinates, but no more.
+        let circle = Surface::Sphere {
+            center: [0.0, 0.0],
+            radius: 1e6,
+        };
+        let near = circle.intersections([1e6 - 1e-6, 0.0], [1.0, 0.0]);
+        assert!((near[1] - 1e-6).abs() < 1e-9, "{near:?}");
+    }
+
+    #[test]
+    fn closest_points_lie_on_the_surface_along_its_normal() {
+        let plane = Surface::Plane {
+            point: [0.0, 1.0],
+            normal: [0.6, 0.8],
+        };
+        let closest = plane.closest([3.0, 5.0]);
+        assert!(plane.distance(closest).abs() < 1e-15);
+        assert!((plane.distance([3.0, 5.0]) - 5.0).abs() < 1e-15);
+        let sphere = Surface::Sphere {
+            center: [0.0; 3],
+            radius: 2.0,
+        };
+        let closest = sphere.closest([0.0, 3.0, 4.0]);
+        assert!((norm(closest) - 2.0).abs() < 1e-15);
+        assert_eq!(sphere.normal([0.0; 3]), None);
+    }
+}
