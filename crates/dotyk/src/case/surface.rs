@@ -13,11 +13,17 @@ const OF_SPACE: [&str; 2] = ["cylinder", "sphere"];
 pub(crate) fn true_surface(node: &Node) -> Result<Surface<2>, Fault> {
     let table = node.table(keys::SURFACE)?;
     table.refuse_later(&OF_SPACE)?;
-    let given: Vec<&Entry> = keys::SURFACE.iter().filter_map(|k| table.entry(k)).collect();
+    let given: Vec<&Entry> = keys::SURFACE
+        .iter()
+        .filter_map(|k| table.entry(k))
+        .collect();
     let [entry] = given[..] else {
         return Err(Fault::new(table.span, "a surface is exactly one shape")
             .label("not exactly one")
-            .help(format!("give one of {}", listed(keys::SURFACE.iter().copied()))));
+            .help(format!(
+                "give one of {}",
+                listed(keys::SURFACE.iter().copied())
+            )));
     };
     Ok(surface(entry)?.0)
 }

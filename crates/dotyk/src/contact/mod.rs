@@ -152,7 +152,10 @@ impl<const D: usize> Interface<D> {
         if self.coupling == Coupling::Frictional {
             for node in &self.nodes {
                 if node.rows[0].is_some_and(|row| !kept[row]) {
-                    node.rows.iter().flatten().for_each(|&row| kept[row] = false);
+                    node.rows
+                        .iter()
+                        .flatten()
+                        .for_each(|&row| kept[row] = false);
                 }
             }
         }

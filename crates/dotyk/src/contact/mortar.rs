@@ -336,7 +336,11 @@ impl<'a, const D: usize> Pairing<'a, D> {
         end.unwrap_or(polygons) - start
     }
 
-    fn interface(&self, pieces: &[Piece], coupling: Coupling) -> Result<Interface<D>, ContactError> {
+    fn interface(
+        &self,
+        pieces: &[Piece],
+        coupling: Coupling,
+    ) -> Result<Interface<D>, ContactError> {
         let stations = self.stations(pieces)?;
         let mut sums: BTreeMap<usize, Sums<D>> = BTreeMap::new();
         for station in &stations {

@@ -103,7 +103,9 @@ impl<'a, const D: usize> Contacting<'a, D> {
                     warnings: Vec::new(),
                 })
             }
-            Pair::Given { nonmortar, mortar } => self.sides(nonmortar, mortar, coupling).map_err(fail),
+            Pair::Given { nonmortar, mortar } => {
+                self.sides(nonmortar, mortar, coupling).map_err(fail)
+            }
             Pair::Automatic(sides) => {
                 let [nonmortar, mortar] = self.choose(sides).map_err(fail)?;
                 self.sides(nonmortar, mortar, coupling).map_err(fail)
@@ -303,9 +305,7 @@ impl<'a, const D: usize> Contacting<'a, D> {
     }
 }
 
-fn facets<'a, const D: usize>(
-    end: End<'a, D>,
-) -> Result<&'a [crate::mesh::Facet], ContactError> {
+fn facets<'a, const D: usize>(end: End<'a, D>) -> Result<&'a [crate::mesh::Facet], ContactError> {
     side_facets(&end.body.mesh, end.side).map_err(|source: FemError| ContactError::Side {
         body: end.body.name.clone(),
         source,

@@ -6,7 +6,9 @@
 //! nodal forces of any body leave unbalanced.
 
 use crate::contact::{Coupling, InterfaceNode, Role, Row, frame};
-use crate::dual::{Certificate, Component, DualProblem, IMBALANCE_LIMIT, Multipliers, Recomputed, Scales};
+use crate::dual::{
+    Certificate, Component, DualProblem, IMBALANCE_LIMIT, Multipliers, Recomputed, Scales,
+};
 use crate::fem::{
     FemError, describe_motion, fit_rigid, internal_forces, recover_stress, von_mises,
 };
@@ -171,9 +173,10 @@ fn open_motions<const D: usize>(
     let mut hovering = Vec::new();
     for (index, body) in bodies.iter().enumerate() {
         // a tie holds without force, too
-        let touched = body.rows.index.iter().any(|&row| {
-            lambda[row].abs() > 1e-12 * force || components[row] == Component::Free
-        });
+        let touched =
+            body.rows.index.iter().any(|&row| {
+                lambda[row].abs() > 1e-12 * force || components[row] == Component::Free
+            });
         if body.system.modes.is_empty() || touched {
             continue;
         }
@@ -555,11 +558,7 @@ fn contact_solution<const D: usize>(
 
 /// The force on the nonmortar body, and how far the forces on both bodies, as the rows of B apply them, are from balance:
 /// forces relative to the sum of the nodal forces, moments to that times the size of the interface; the larger.
-fn balance<const D: usize>(
-    model: &Model<D>,
-    pair: &Paired<D>,
-    lambda: &[f64],
-) -> (Point<D>, f64) {
+fn balance<const D: usize>(model: &Model<D>, pair: &Paired<D>, lambda: &[f64]) -> (Point<D>, f64) {
     let points = |side: &SideRef| model.bodies[side.body.0].mesh.points();
     let own = points(&pair.nonmortar);
     let nodes: Vec<Point<D>> = pair.interface.nodes.iter().map(|n| own[n.node]).collect();

@@ -1,5 +1,8 @@
 //! Errors against exact solutions, integrated over the cells and along the contact.
 
+// every test file uses its own part
+#![allow(dead_code)]
+
 use dotyk::fem::quadrature::{facet_rule, rule};
 use dotyk::geometry::Point;
 use dotyk::mesh::{CellKind, FacetKind, MAX_CELL_NODES, MAX_FACET_NODES, Mesh};
