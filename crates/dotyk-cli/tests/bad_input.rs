@@ -113,8 +113,6 @@ const IN_THE_TEXT: &[Mistake] = &[
     ("\"plane-strain\"", "\"axisymmetric\"", "axisymmetric", "not supported yet"),
     ("\"plane-strain\"", "\"3d\"", "3d", "not supported yet"),
     ("gap = \"geometric\"", "friction = 0.3", "friction", "not supported yet"),
-    ("gap = \"geometric\"", "tied = true", "tied", "not supported yet"),
-    ("gap = \"geometric\"", "pairing = \"mortar\"", "pairing", "not supported yet"),
     ("[solver]", "[[step]]\ntime = 1\n[[step]]\ntime = 2\n[solver]", "[[step]]\ntime = 2", "not supported yet"),
     ("{ rectangle = { from = [1.5, 1.0], to = [2.5, 2.0], cells = [2, 2] } }", "{ file = { path = \"punch.msh\" } }", "punch.msh", "not supported yet"),
 ];

@@ -208,35 +208,35 @@ fn small_strains_do_not_drown_in_a_large_clearance() {
 }
 
 #[test]
-fn sides_with_different_nodes_are_refused_and_not_ignored() {
+fn sides_with_different_nodes_are_integrated() {
     let load = "{ side = \"top\", pressure = 1 }";
-    for (cells, node, side) in [
-        ("[3, 3]", "node 1", "up.bottom"),
-        // every node of the coarse side coincides with one of the fine side, but not the other way round
-        ("[2, 2]", "node 21", "low.top"),
-        ("[8, 8]", "node 1", "up.bottom"),
-    ] {
-        for fix in [SLIDES, "{ side = \"top\", x = 0, y = 0 }"] {
-            let mesh = UP.replace("[4, 4]", cells);
-            let text = [
+    for cells in ["[3, 3]", "[2, 2]", "[8, 8]"] {
+        let mesh = UP.replace("[4, 4]", cells);
+        let text = |more: &str| {
+            [
                 HEAD.to_string(),
                 steel("low", LOW, HELD, ""),
-                steel("up", &mesh, fix, load),
-                contact("sole", "up.bottom", "low.top", ""),
+                steel("up", &mesh, SLIDES, load),
+                contact("sole", "up.bottom", "low.top", more),
+                probe("force", "sole.resultant.y", ""),
             ]
-            .concat();
-            let message = Run::refused("different_nodes", &text);
-            for word in [node, side, "mortar", "not supported yet", "line 15"] {
-                assert!(message.contains(word), "{cells}: no {word} in {message}");
-            }
+            .concat()
+        };
+        assert_near(
+            Run::solved("different_nodes", &text("")).probe("force"),
+            1.0,
+            1e-10,
+        );
+        let message = Run::refused("forced_nodes", &text("pairing = \"node-to-node\""));
+        for word in [
+            "sole",
+            "needs coincident nodes",
+            "leave out `pairing`",
+            "line 15",
+        ] {
+            assert!(message.contains(word), "{cells}: no {word} in {message}");
         }
     }
-    let message = Run::refused(
-        "apart",
-        &stack(1.0, "pairing = \"node-to-node\"")
-            .replace("[0, 1], to = [1, 2]", "[0, 1.1], to = [1, 2]"),
-    );
-    assert!(message.contains("needs coincident nodes"), "{message}");
 }
 
 #[test]

@@ -1,7 +1,7 @@
 //! What a case file becomes, and what its mistakes are called.
 
 use super::*;
-use crate::model::{Gap, Law, Load, Pair, Place};
+use crate::model::{Gap, Law, Load, Motion, Pair, Pairing, Place, Rigid};
 
 /// The example of the documentation.
 const EXAMPLE: &str = r#"
@@ -171,8 +171,24 @@ fn contacts_have_all_their_forms() {
     let Pair::Obstacle { obstacle, .. } = &obstacle.contacts[0].pair else {
         panic!("an obstacle")
     };
-    assert_eq!(obstacle.gap.at([5.0, 0.0], 0.0), 0.5);
-    assert_eq!(obstacle.displacement[1].as_constant(), Some(0.1));
+    assert!(matches!(&obstacle.shape, Rigid::Gap(gap) if gap.at([5.0, 0.0], 0.0) == 0.5));
+    assert!(matches!(&obstacle.motion, Motion::Prescribed([_, y]) if y.as_constant() == Some(0.1)));
+    let circle = model_with(
+        pair,
+        "nonmortar = \"punch.bottom\"\nobstacle = { circle = { center = [2, 9], radius = 9, inside = true }, force = [0, -1] }",
+    );
+    let Pair::Obstacle { obstacle, .. } = &circle.contacts[0].pair else {
+        panic!("an obstacle")
+    };
+    assert!(matches!(
+        obstacle.shape,
+        Rigid::Surface { inside: true, .. }
+    ));
+    assert!(matches!(&obstacle.motion, Motion::Loaded(_)));
+    let tied = model_with("friction  = 0.0", "tied = true");
+    assert!(matches!(tied.contacts[0].law, Law::Tied));
+    let mortar = model_with("friction  = 0.0", "pairing = \"mortar\"");
+    assert_eq!(mortar.contacts[0].pairing, Some(Pairing::Mortar));
     for frictionless in ["{ coulomb = 0 }", "{ tresca = 0.0 }", "\"0\""] {
         let model = model_with("friction  = 0.0", &format!("friction = {frictionless}"));
         assert!(matches!(model.contacts[0].law, Law::Frictionless));
@@ -406,7 +422,6 @@ fn features_to_come_are_not_supported_yet() {
         "\"axisymmetric\"",
         &[later],
     );
-    assert_mistake("friction  = 0.0", "tied = true", "true", &[later]);
     assert_mistake("friction  = 0.0", "friction = 0.3", "0.3", &[later]);
     assert_mistake(
         "friction  = 0.0",
@@ -415,28 +430,54 @@ fn features_to_come_are_not_supported_yet() {
         &[later],
     );
     assert_mistake(
-        "friction  = 0.0",
-        "pairing = \"mortar\"",
-        "\"mortar\"",
-        &[later],
-    );
-    assert_mistake(
-        "mortar    = \"block.top\"\ngap       = \"geometric\"",
-        "obstacle = { plane = { point = [0, 0], normal = [0, 1] } }",
-        "plane",
-        &[later],
-    );
-    assert_mistake(
         "{ rectangle = { from = [1.5, 1.0], to = [2.5, 2.0], cells = [20, 20] } }",
         "{ file = { path = \"a.msh\" } }",
         "file",
         &[later],
     );
+}
+
+#[test]
+fn surfaces_and_obstacles_have_one_shape_with_a_direction() {
+    let surface = "load     =";
+    let on_top = |shape: &str| format!("surface = {{ top = {{ {shape} }} }}\nload =");
+    for (shape, place, word) in [
+        (
+            "sphere = { center = [0, 0], radius = 1 }",
+            "sphere",
+            "not supported yet",
+        ),
+        (
+            "circle = { center = [0, 0], radius = -1 }",
+            "-1",
+            "positive",
+        ),
+        (
+            "plane = { point = [0, 0], normal = [0, 0] }",
+            "[0, 0] }",
+            "zero",
+        ),
+        ("circle = { radius = 1 }", "{ radius = 1 }", "`center`"),
+    ] {
+        assert_mistake(surface, &on_top(shape), place, &[word]);
+    }
+    assert_mistake(surface, "surface = { tpo = {} }\nload =", "tpo", &["`top`"]);
+    let pair = "mortar    = \"block.top\"\ngap       = \"geometric\"";
+    for (obstacle, place, word) in [
+        ("{ displacement = [0, 0] }", "{ disp", "exactly one shape"),
+        (
+            "{ gap = 0, displacement = [0, 0], force = [0, 1] }",
+            "[0, 1] }",
+            "both are given",
+        ),
+    ] {
+        assert_mistake(pair, &format!("obstacle = {obstacle}"), place, &[word]);
+    }
     assert_mistake(
-        "load     =",
-        "surface = { top = { circle = { center = [0, 0], radius = 1 } } }\nload =",
-        "surface",
-        &[later],
+        "friction  = 0.0",
+        "friction = 0.3\ntied = true",
+        "0.3",
+        &["does not slip"],
     );
 }
 
