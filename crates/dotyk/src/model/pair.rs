@@ -3,8 +3,8 @@
 use crate::contact::{
     ContactError, End, InitialGap, Interface, pair_nodes, pair_obstacle, unmatched_facing,
 };
-use crate::fem::{BodySystem, FemError, show, side_facets};
-use crate::geometry::distance;
+use crate::fem::{Constraints, FemError, show, side_facets};
+use crate::geometry::{Field, distance};
 use crate::model::error::Error;
 use crate::model::nouns::*;
 use rayon::prelude::*;
@@ -21,22 +21,58 @@ pub(crate) struct Paired<const D: usize> {
     pub interface: Interface<D>,
 }
 
-/// Pairs all contacts.
+/// Pairs all contacts, with the gaps at a time.
 pub(crate) fn pair_all<const D: usize>(
     model: &Model<D>,
-    systems: &[BodySystem<D>],
+    constraints: &[&Constraints<D>],
+    time: f64,
 ) -> Result<Vec<Paired<D>>, Error<D>> {
     model
         .contacts
         .par_iter()
-        .map(|contact| pair(model, systems, contact))
+        .map(|contact| pair(model, constraints, contact, time))
         .collect()
+}
+
+/// The same pairs with the gaps and the motion of obstacles at another time; rows, weights and roles stay.
+pub(crate) fn gaps_at<const D: usize>(
+    model: &Model<D>,
+    constraints: &[&Constraints<D>],
+    paired: Vec<Paired<D>>,
+    time: f64,
+) -> Result<Vec<Paired<D>>, Error<D>> {
+    let at_time = |(contact, mut before): (&Contact<D>, Paired<D>)| {
+        if moves(contact) {
+            let now = pair(model, constraints, contact, time)?;
+            before.obstacle_motion = now.obstacle_motion;
+            let nodes = before.interface.nodes.iter_mut();
+            nodes
+                .zip(now.interface.nodes)
+                .for_each(|(node, now)| node.gap = now.gap);
+        }
+        Ok(before)
+    };
+    let both = model.contacts.par_iter().zip(paired);
+    both.map(at_time).collect()
+}
+
+/// Whether the initial gap of a contact may depend on time.
+fn moves<const D: usize>(contact: &Contact<D>) -> bool {
+    let varies = |field: &Field| field.as_constant().is_none();
+    match (&contact.pair, &contact.gap) {
+        (Pair::Obstacle { obstacle, .. }, _) => {
+            varies(&obstacle.gap) || obstacle.displacement.iter().any(varies)
+        }
+        (_, Some(Gap::Given(field))) => varies(field),
+        _ => false,
+    }
 }
 
 fn pair<const D: usize>(
     model: &Model<D>,
-    systems: &[BodySystem<D>],
+    constraints: &[&Constraints<D>],
     contact: &Contact<D>,
+    time: f64,
 ) -> Result<Paired<D>, Error<D>> {
     let fail = |source: ContactError| Error::Contact {
         contact: contact.name.clone(),
@@ -63,11 +99,11 @@ fn pair<const D: usize>(
         let ends = End {
             body: &model.bodies[body],
             side: &side,
-            constraints: &systems[body].constraints,
+            constraints: constraints[body],
         };
         let mut motion = [0.0; D];
         for (component, field) in motion.iter_mut().zip(&obstacle.displacement) {
-            *component = field.at([0.0; D], model.time);
+            *component = field.at([0.0; D], time);
             if !component.is_finite() {
                 return Err(Error::Model(format!(
                     "contact \"{}\": the displacement of the obstacle, {field}, is not finite",
@@ -76,7 +112,7 @@ fn pair<const D: usize>(
             }
         }
         let interface =
-            pair_obstacle(ends, &obstacle.gap, motion, model.analysis, model.time).map_err(fail)?;
+            pair_obstacle(ends, &obstacle.gap, motion, model.analysis, time).map_err(fail)?;
         let nonmortar = nonmortar.clone();
         return Ok(Paired {
             nonmortar,
@@ -94,7 +130,7 @@ fn pair<const D: usize>(
     let ends = [&s, &m].map(|(body, side)| End {
         body: &model.bodies[*body],
         side,
-        constraints: &systems[*body].constraints,
+        constraints: constraints[*body],
     });
     if contact.pairing == Some(Pairing::Mortar) {
         return Err(fail(ContactError::NotYet {
@@ -127,7 +163,7 @@ fn pair<const D: usize>(
         Some(Gap::Geometric) => InitialGap::Measured,
         Some(Gap::Given(field)) => InitialGap::Given(field),
     };
-    let interface = pair_nodes(ends[0], ends[1], gap, model.analysis, model.time).map_err(fail)?;
+    let interface = pair_nodes(ends[0], ends[1], gap, model.analysis, time).map_err(fail)?;
     Ok(Paired {
         nonmortar,
         mortar: Some(mortar),

@@ -5,7 +5,7 @@ use crate::geometry::Point;
 use crate::model::nouns::SideRef;
 use std::collections::BTreeMap;
 
-/// Wall seconds of each stage.
+/// Wall seconds of each stage since the run began, earlier load steps included.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct Seconds {
     /// Reading the case and making the meshes.
