@@ -114,7 +114,6 @@ const IN_THE_TEXT: &[Mistake] = &[
     ("[solver]", "[[step]]\n[solver]", "[[step]]", "`time`"),
     ("[solver]", "[[step]]\ntime = inf\n[solver]", "time = inf", "finite"),
     // later
-    ("\"plane-strain\"", "\"axisymmetric\"", "axisymmetric", "not supported yet"),
     ("\"plane-strain\"", "\"3d\"", "3d", "not supported yet"),
     ("gap = \"geometric\"", "friction = 0.3", "friction", "not supported yet"),
     ("gap = \"geometric\"", "tied = true", "tied", "not supported yet"),

@@ -133,7 +133,7 @@ fn model(document: &Node, stem: &str) -> Result<Model<2>, Fault> {
     let source = text("source", "")?;
     let analysis_node = table.require("analysis", "a case")?;
     let analysis = analysis_node.choice("analysis", &ANALYSES)?;
-    if matches!(analysis, Analysis::Axisymmetric | Analysis::Solid) {
+    if analysis == Analysis::Solid {
         let what = format!("`analysis = \"{}\"`", analysis.name());
         return Err(later(&analysis_node.span, &what));
     }
@@ -147,6 +147,9 @@ fn model(document: &Node, stem: &str) -> Result<Model<2>, Fault> {
             .help("add a table `[[body]]` with `name`, `mesh` and `material`"));
     }
     unique_names(bodies, "bodies")?;
+    if analysis == Analysis::Axisymmetric {
+        bodies.iter().try_for_each(no_thickness)?;
+    }
     let bodies = bodies
         .iter()
         .map(body::body)
@@ -178,6 +181,23 @@ fn model(document: &Node, stem: &str) -> Result<Model<2>, Fault> {
         probes,
         times,
     })
+}
+
+/// Refuses a thickness, which a body of revolution does not have.
+fn no_thickness(body: &Node) -> Result<(), Fault> {
+    let materials = body.entries()?.iter().filter(|e| e.key == "material");
+    for entry in materials {
+        let one = std::slice::from_ref(&entry.node);
+        let list = entry.node.list().unwrap_or(one);
+        let fields = list.iter().flat_map(|m| m.entries().unwrap_or_default());
+        if let Some(thickness) = fields.into_iter().find(|e| e.key == "thickness") {
+            let message = "`thickness` has no meaning in an axisymmetric analysis";
+            return Err(Fault::new(&thickness.key_span, message)
+                .label("superfluous")
+                .help("forces are for the full turn"));
+        }
+    }
+    Ok(())
 }
 
 fn units(node: &Node) -> Result<Units, Fault> {

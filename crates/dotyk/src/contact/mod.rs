@@ -15,6 +15,7 @@ mod weights;
 pub use error::ContactError;
 pub use facing::{Unmatched, unmatched_facing};
 pub use node_to_node::{matching_nodes, pair_nodes, pair_obstacle};
+pub(crate) use weights::nodal_weights;
 
 use crate::fem::{Body, Constraints};
 use crate::geometry::{Field, Point};

@@ -7,7 +7,7 @@ use crate::fem::loads::{NodalLoads, nodal_loads};
 use crate::fem::modes::{RigidBasis, carried_motion, free_modes};
 use crate::fem::nouns::{Analysis, Body, Elastic};
 use crate::fem::quadrature;
-use crate::fem::supports::Constraints;
+use crate::fem::supports::{Constraints, ON_AXIS};
 use crate::geometry::{Point, add_scaled, dot, norm};
 use crate::linalg::{
     CellMatrices, Connectivity, Graph, LinalgError, SymmetricMatrix, assemble_blocks,
@@ -112,7 +112,7 @@ pub fn assemble<const D: usize>(
     if analysis == Analysis::Axisymmetric {
         check_radii(body)?;
     }
-    let constraints = Constraints::new(body, time)?;
+    let constraints = Constraints::new(body, analysis, time)?;
     let frames = frames(&constraints);
     let blocks: Vec<Connectivity<'_>> = body
         .mesh
@@ -225,7 +225,7 @@ impl<const D: usize> BodySystem<D> {
     /// `body` and `analysis` are those that the system was assembled from.
     /// Errors: contradictory supports, values that are not finite.
     pub fn at_time(self, body: &Body<D>, analysis: Analysis, time: f64) -> Result<Self, FemError> {
-        let constraints = Constraints::new(body, time)?;
+        let constraints = Constraints::new(body, analysis, time)?;
         let driving = Driving::new(body, analysis, time, &constraints, &self.frames)?;
         Ok(Self {
             constraints,
@@ -304,7 +304,7 @@ fn frames<const D: usize>(constraints: &Constraints<D>) -> BTreeMap<usize, [[f64
 }
 
 fn check_radii<const D: usize>(body: &Body<D>) -> Result<(), FemError> {
-    let tolerance = -1e-9 * body.mesh.diameter();
+    let tolerance = -ON_AXIS * body.mesh.diameter();
     match body.mesh.points().iter().position(|p| p[0] < tolerance) {
         None => Ok(()),
         Some(node) => Err(FemError::NegativeRadius {
@@ -442,7 +442,7 @@ fn stiffness<const D: usize>(
     let mut matrices = Vec::new();
     for block in body.mesh.blocks() {
         let lame = Lame::new(body.elastic(block)?, analysis);
-        let table = CellTable::<D>::new(block.kind, stiffness_degree(block.kind));
+        let table = CellTable::<D>::new(block.kind, stiffness_degree(block.kind, analysis));
         let k = block.kind.nodes();
         let size = D * k;
         let packed = size * (size + 1) / 2;
@@ -490,9 +490,11 @@ fn not_finite<const D: usize>(body: &Body<D>, source: LinalgError) -> FemError {
     }
 }
 
-/// Degree that integrates the stiffness of an undistorted cell exactly, and that of a curved one well.
-pub(crate) fn stiffness_degree(kind: CellKind) -> usize {
+/// Degree that integrates the stiffness of an undistorted cell exactly, and that of a curved one well. With axial
+/// symmetry it integrates the forces of a constant stress exactly, and one point is not enough: the hoop strain varies.
+pub(crate) fn stiffness_degree(kind: CellKind, analysis: Analysis) -> usize {
     match kind {
+        CellKind::Tri3 if analysis == Analysis::Axisymmetric => 2,
         CellKind::Tri3 => 1,
         CellKind::Tri6 => 4,
         CellKind::Quad4 => 3,

@@ -46,7 +46,7 @@ pub fn page(run: &Run<'_>) -> String {
     out += &figure(&svg, "Deformed shape", &format!("{caption}{more}"));
     out += &bodies(model, solution, &labels);
     out += &contacts(model, solution, &scene, &labels);
-    out += &balance(solution, &labels);
+    out += &balance(model, solution, &labels);
     out += &certificate(solution, &labels);
     out += &solver(model, solution, &labels);
     out += &contact_nodes(solution, &labels);
@@ -491,7 +491,7 @@ fn contacts(model: &Model<2>, solution: &Solution<2>, scene: &Scene, labels: &La
     out
 }
 
-fn balance(solution: &Solution<2>, labels: &Labels) -> String {
+fn balance(model: &Model<2>, solution: &Solution<2>, labels: &Labels) -> String {
     let forces: Vec<(Point<2>, Point<2>)> = solution
         .bodies
         .iter()
@@ -499,13 +499,18 @@ fn balance(solution: &Solution<2>, labels: &Labels) -> String {
         .map(|(i, body)| (body.reaction, contact_force(solution, i)))
         .collect();
     let scale = largest(forces.iter().flat_map(|(a, b)| [norm(*a), norm(*b)]));
+    let axial = model.analysis == Analysis::Axisymmetric;
     let rows = solution
         .bodies
         .iter()
         .zip(&forces)
         .map(|(body, (reaction, contact))| {
             let rest: Point<2> = std::array::from_fn(|k| -(reaction[k] + contact[k]));
-            let force = |f: &Point<2>| plain(vector_on(f, scale, ""));
+            // radial forces balance over the full turn
+            let force = |f: &Point<2>| match axial {
+                true => plain(vector_on(&f[1..], scale, "")),
+                false => plain(vector_on(f, scale, "")),
+            };
             vec![
                 text(&body.name),
                 force(reaction),
@@ -521,9 +526,11 @@ fn balance(solution: &Solution<2>, labels: &Labels) -> String {
         column("applied load, by balance", &labels.force),
     ];
     let mut out = format!(
-        "<h2>Reactions and balance</h2>\n<p>Forces ON each body, as ({}, {}). The three add up to zero; what is below 10⁻¹⁰ of the largest is shown as 0.</p>\n{}",
-        labels.axes[0],
-        labels.axes[1],
+        "<h2>Reactions and balance</h2>\n<p>Forces ON each body, {}. The three add up to zero; what is below 10⁻¹⁰ of the largest is shown as 0.</p>\n{}",
+        match axial {
+            true => "along the axis z, for the full turn".to_string(),
+            false => format!("as ({}, {})", labels.axes[0], labels.axes[1]),
+        },
         table(&heads, rows)
     );
     let c = &solution.certificate;

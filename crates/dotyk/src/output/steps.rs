@@ -8,7 +8,7 @@ use crate::output::plot::{Axis, Frame};
 use crate::output::report::{Head, column, figure, plain, table, unit_of};
 use crate::output::scene::WIDTH;
 use crate::output::svg::{Anchor, SERIES, Svg, Type, text_width};
-use crate::output::text::{Labels, count, escape, number, vector};
+use crate::output::text::{Labels, count, escape, number, vector, without_noise};
 
 /// More probes than this are left to the table.
 const MOST_PANELS: usize = 8;
@@ -230,8 +230,14 @@ fn probe_table(steps: &[&Solution<2>], chosen: &[usize], labels: &Labels) -> Str
         let probe = &last.probes[i];
         column(&probe.name, unit_of(&probe.quantity, labels))
     };
+    let scale = |i: usize| {
+        steps
+            .iter()
+            .fold(0.0, |s, step| f64::max(s, step.probes[i].value.abs()))
+    };
+    let value = |s: &Solution<2>, i: usize| number(without_noise(s.probes[i].value, scale(i)));
     rows(steps, chosen.iter().map(head).collect(), |s| {
-        chosen.iter().map(|&i| number(s.probes[i].value)).collect()
+        chosen.iter().map(|&i| value(s, i)).collect()
     })
 }
 
