@@ -130,6 +130,26 @@ fn steps_have_increasing_times() {
 }
 
 #[test]
+fn a_body_of_revolution_has_no_thickness() {
+    let text = example(
+        "analysis = \"plane-strain\" ",
+        "analysis = \"axisymmetric\" ",
+    );
+    assert_eq!(read(&text).unwrap().model.analysis, Analysis::Axisymmetric);
+    let (plain, thick) = (
+        "poisson = 0.3 }        #",
+        "poisson = 0.3, thickness = 2 } #",
+    );
+    assert!(read(&example(plain, thick)).is_ok());
+    let error = read(&text.replacen(plain, thick, 1)).unwrap_err();
+    assert!(
+        error.message.contains("`thickness` has no meaning"),
+        "{error}"
+    );
+    assert_eq!(error.line(), Some(10));
+}
+
+#[test]
 fn generators_parts_and_patches_are_read() {
     let ring = "{ ring = { inner = 5.7, outer = 6, from = -90, to = 90, cells = [40, 2] }, \
                 sides = { crown = { of = \"outer\", min = [-1, 5], max = [1, 7] } } }";

@@ -17,7 +17,7 @@ use crate::output::scene::Scene;
 use crate::output::setup::setup_figure;
 use crate::output::steps::steps_section;
 use crate::output::text::{
-    Labels, count, escape, number, power, quantity, seconds, vector, vector_on,
+    Labels, count, escape, number, power, quantity, seconds, vector, vector_on, without_noise,
 };
 
 /// More contact nodes than this are left to `contact.csv`.
@@ -508,7 +508,7 @@ fn balance(model: &Model<2>, solution: &Solution<2>, labels: &Labels) -> String 
             let rest: Point<2> = std::array::from_fn(|k| -(reaction[k] + contact[k]));
             // radial forces balance over the full turn
             let force = |f: &Point<2>| match axial {
-                true => plain(vector_on(&f[1..], scale, "")),
+                true => plain(number(without_noise(f[1], scale))),
                 false => plain(vector_on(f, scale, "")),
             };
             vec![
