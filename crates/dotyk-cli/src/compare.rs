@@ -1,4 +1,4 @@
-//! `dotyk compare`: all solvers on one case, and iterations as a function of rho.
+//! `dotyk compare`: all solvers on one case, and iterations as a function of rho; of several load steps on the last.
 
 use crate::Outcome;
 use crate::failure::Failure;
@@ -64,7 +64,11 @@ pub fn compare(arguments: &Arguments) -> Result<Outcome, Failure> {
     let methods = methods.map_err(refused)?;
     let steps = steps.transpose().map_err(refused)?.unwrap_or_default();
 
-    let mut text = format!("{}\n\n{}", case.model.title, method_table(&methods));
+    let step = match case.model.times.len() {
+        1 => String::new(),
+        count => format!("step {count} of {count}, from its own start\n"),
+    };
+    let mut text = format!("{}\n{step}\n{}", case.model.title, method_table(&methods));
     if !steps.is_empty() {
         text += "\n";
         text += &step_table(&steps);

@@ -8,6 +8,8 @@ use std::time::{Duration, Instant};
 /// A line that tells the stage and the iteration, and one finished line for each stage.
 pub struct Progress {
     bar: ProgressBar,
+    /// The load step before every message, where there are several.
+    step: String,
     stage: Option<(&'static str, Instant)>,
 }
 
@@ -24,7 +26,11 @@ impl Progress {
         if visible {
             bar.enable_steady_tick(Duration::from_millis(100));
         }
-        Self { bar, stage: None }
+        Self {
+            bar,
+            step: String::new(),
+            stage: None,
+        }
     }
 
     /// Says what is being worked on before the first stage.
@@ -35,19 +41,27 @@ impl Progress {
     /// Takes note of an event.
     pub fn observe(&mut self, event: Event) {
         match event {
+            Event::Step { steps: 1, .. } => {}
+            Event::Step { step, steps, time } => {
+                self.end_stage();
+                self.step = format!("step {step} of {steps}: ");
+                self.bar
+                    .println(format!("step {step} of {steps}, t = {time}"));
+            }
             Event::Stage(name) => {
                 self.end_stage();
                 self.stage = Some((name, Instant::now()));
-                self.bar.set_message(name);
+                self.bar.set_message(format!("{}{name}", self.step));
             }
             Event::Iteration {
                 iteration,
                 residual,
                 active,
             } => {
+                let step = &self.step;
                 let stage = self.stage.map_or("", |(name, _)| name);
                 self.bar.set_message(format!(
-                    "{stage}: iteration {iteration}, residual {residual:.1e}, {active} active"
+                    "{step}{stage}: iteration {iteration}, residual {residual:.1e}, {active} active"
                 ));
             }
         }

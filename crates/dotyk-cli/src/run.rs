@@ -6,7 +6,7 @@ use crate::progress::Progress;
 use crate::text::{columns, number, print, written};
 use dotyk::case::Case;
 use dotyk::geometry::norm;
-use dotyk::model::{Bolts, Error, Method, Model, Solution, SolverOptions, Status};
+use dotyk::model::{Bolts, ContactSolution, Error, Method, Model, Solution, SolverOptions, Status};
 use dotyk::output;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
@@ -62,36 +62,70 @@ pub fn run(arguments: &Arguments) -> Result<Outcome, Failure> {
     let read = start.elapsed().as_secs_f64();
 
     let mut progress = Progress::new(arguments.quiet);
-    let solved = case.model.solve_with(&mut |event| progress.observe(event));
+    let solved = case
+        .model
+        .solve_steps_with(&mut |event| progress.observe(event));
     progress.finish();
-    let (mut solution, objection) = match solved {
-        Ok(solution) => (solution, String::new()),
-        Err(Error::NotConverged { solution, reason }) => (*solution, reason),
+    let (mut steps, objection) = match solved {
+        Ok(steps) => (steps, None),
+        Err(Error::NotConverged {
+            solution,
+            reason,
+            mut earlier,
+        }) => {
+            earlier.push(*solution);
+            (earlier, Some(reason))
+        }
         Err(error) => {
             return Err(case
                 .error(error.subject().as_ref(), &error.to_string())
                 .into());
         }
     };
-    solution.seconds.read = read;
-    solution.seconds.total += read;
+    for step in &mut steps {
+        step.seconds.read = read;
+        step.seconds.total += read;
+    }
 
     let refused = |e: output::Error| Failure::Message(e.to_string());
-    warn(&solution.warnings);
-    if solution.converged {
-        let files = output::write(&case.model, &solution, &case.stem, &folder).map_err(refused)?;
-        print(&(results(&case.model, &solution) + &written(&files)));
+    warn(&all_warnings(&steps));
+    let Some(objection) = objection else {
+        let files = output::write(&case.model, &steps, &case.stem, &folder).map_err(refused)?;
+        print(&(results(&case.model, &steps) + &written(&files)));
         return Ok(Outcome::Done);
-    }
-    let file = output::write_summary(&case.model, &solution, &case.stem, &folder);
+    };
+    let file = output::write_summary(&case.model, &steps, &case.stem, &folder);
     let file = file.map_err(refused)?;
-    print(&(certificate(&solution) + &written(&[file])));
-    let message = format!(
-        "not converged after {} iterations of {}: {objection}",
-        solution.solver.iterations, solution.solver.method
-    );
-    Failure::of(&arguments.case, message).print();
+    print(&(verdict(&case.model, &steps) + &written(&[file])));
+    Failure::of(&arguments.case, failed(&case.model, &steps, &objection)).print();
     Ok(Outcome::Unsatisfied)
+}
+
+/// Warnings of all load steps, each once.
+pub fn all_warnings(steps: &[Solution<2>]) -> Vec<String> {
+    let mut list: Vec<String> = Vec::new();
+    for warning in steps.iter().flat_map(|step| &step.warnings) {
+        if !list.contains(warning) {
+            list.push(warning.clone());
+        }
+    }
+    list
+}
+
+/// Which step did not converge, and why.
+fn failed(model: &Model<2>, steps: &[Solution<2>], objection: &str) -> String {
+    let Some(last) = steps.last() else {
+        return objection.to_string();
+    };
+    let step = match model.times.len() {
+        1 => String::new(),
+        count => format!("step {} of {count} (t = {}): ", steps.len(), last.time),
+    };
+    let solver = &last.solver;
+    format!(
+        "{step}not converged after {} iterations of {}: {objection}",
+        solver.iterations, solver.method
+    )
 }
 
 /// The command line's solver and step instead of the case's; what belongs to the case's own method goes with it.
@@ -136,60 +170,86 @@ pub fn output_folder(given: Option<&Path>, case: &Case) -> Result<PathBuf, Failu
     }
 }
 
-/// The result lines.
-fn results(model: &Model<2>, solution: &Solution<2>) -> String {
+/// The result lines: of several load steps a line each, and the last in full.
+fn results(model: &Model<2>, steps: &[Solution<2>]) -> String {
+    let Some(last) = steps.last() else {
+        return String::new();
+    };
     let mut text = format!(
         "{}\n{}, {} bodies, {} dofs, {} contact unknowns\n",
         model.title,
         model.analysis.name(),
         model.bodies.len(),
-        solution.dofs,
-        solution.contact_unknowns
+        last.dofs,
+        last.contact_unknowns
     );
-    for table in [contacts(solution), bodies(solution), probes(solution)] {
+    if steps.len() > 1 {
+        text += &format!("\n{}", contacts_of_steps(steps));
+        text += &format!("\nlast step, t = {}\n", number(last.time));
+    }
+    for table in [contacts(last), bodies(last), probes(steps)] {
         if !table.is_empty() {
             text += "\n";
             text += &table;
         }
     }
-    text + "\n" + &certificate(solution)
+    text + "\n" + &verdict(model, steps)
+}
+
+/// A line for each step and contact.
+fn contacts_of_steps(steps: &[Solution<2>]) -> String {
+    let mut rows = Vec::new();
+    for (i, step) in steps.iter().enumerate() {
+        let start = |contact: Vec<String>| {
+            let mut row = vec![(i + 1).to_string(), number(step.time)];
+            row.push(step.solver.iterations.to_string());
+            row.extend(contact);
+            row
+        };
+        match step.contacts.as_slice() {
+            [] => rows.push(start(vec![String::new(); CONTACT_HEADER.len()])),
+            contacts => rows.extend(contacts.iter().map(|c| start(contact_row(c)))),
+        }
+    }
+    let mut header = vec!["step", "t", "iterations"];
+    header.extend(CONTACT_HEADER);
+    columns(&header, &rows, 4..10)
+}
+
+const CONTACT_HEADER: [&str; 7] = [
+    "contact",
+    "force x",
+    "force y",
+    "max pressure",
+    "length",
+    "closed",
+    "open",
+];
+
+fn contact_row(contact: &ContactSolution<2>) -> Vec<String> {
+    let open = |s: Status| s == Status::Open;
+    let count = |wanted: bool| {
+        let nodes = contact.nodes.iter();
+        nodes.filter(|n| open(n.status) == wanted).count()
+    };
+    let pressures = contact.nodes.iter().map(|n| n.pressure);
+    vec![
+        contact.name.clone(),
+        number(contact.resultant[0]),
+        number(contact.resultant[1]),
+        number(pressures.fold(0.0, f64::max)),
+        number(contact.length),
+        count(false).to_string(),
+        count(true).to_string(),
+    ]
 }
 
 fn contacts(solution: &Solution<2>) -> String {
     if solution.contacts.is_empty() {
         return String::new();
     }
-    let rows: Vec<Vec<String>> = solution
-        .contacts
-        .iter()
-        .map(|contact| {
-            let open = |s: Status| s == Status::Open;
-            let count = |wanted: bool| {
-                let nodes = contact.nodes.iter();
-                nodes.filter(|n| open(n.status) == wanted).count()
-            };
-            let pressures = contact.nodes.iter().map(|n| n.pressure);
-            vec![
-                contact.name.clone(),
-                number(contact.resultant[0]),
-                number(contact.resultant[1]),
-                number(pressures.fold(0.0, f64::max)),
-                number(contact.length),
-                count(false).to_string(),
-                count(true).to_string(),
-            ]
-        })
-        .collect();
-    let header = [
-        "contact",
-        "force x",
-        "force y",
-        "max pressure",
-        "length",
-        "closed",
-        "open",
-    ];
-    columns(&header, &rows, 1..7)
+    let rows: Vec<Vec<String>> = solution.contacts.iter().map(contact_row).collect();
+    columns(&CONTACT_HEADER, &rows, 1..7)
 }
 
 fn bodies(solution: &Solution<2>) -> String {
@@ -224,22 +284,38 @@ fn bodies(solution: &Solution<2>) -> String {
     columns(&header, &rows, 1..5)
 }
 
-fn probes(solution: &Solution<2>) -> String {
-    if solution.probes.is_empty() {
+/// More steps than this are left to `summary.json`.
+const MOST_STEPS: usize = 6;
+
+/// The values of the probes: of every step while there are few, else of the last.
+fn probes(steps: &[Solution<2>]) -> String {
+    let shown = match steps.len() {
+        0..=MOST_STEPS => steps,
+        count => &steps[count - 1..],
+    };
+    let Some(last) = shown.last().filter(|last| !last.probes.is_empty()) else {
         return String::new();
-    }
-    let rows: Vec<Vec<String>> = solution
+    };
+    let rows: Vec<Vec<String>> = last
         .probes
         .iter()
-        .map(|probe| {
-            vec![
-                probe.name.clone(),
-                probe.quantity.clone(),
-                number(probe.value),
-            ]
+        .enumerate()
+        .map(|(i, probe)| {
+            let values = shown.iter().map(|step| number(step.probes[i].value));
+            let names = [probe.name.clone(), probe.quantity.clone()];
+            names.into_iter().chain(values).collect()
         })
         .collect();
-    columns(&["probe", "quantity", "value"], &rows, 2..3)
+    let times: Vec<String> = match shown {
+        [_] => vec!["value".to_string()],
+        several => {
+            let times = several.iter().map(|s| format!("t = {}", number(s.time)));
+            times.collect()
+        }
+    };
+    let mut header = vec!["probe", "quantity"];
+    header.extend(times.iter().map(String::as_str));
+    columns(&header, &rows, 2..2 + shown.len())
 }
 
 /// Two digits: the size of a violation matters, not its digits.
@@ -250,9 +326,20 @@ fn short(value: f64) -> String {
     format!("{value:.1e}")
 }
 
-/// The verdict, every figure of the certificate, and the time.
-pub fn certificate(solution: &Solution<2>) -> String {
-    let figures = solution.certificate.figures();
+/// The figures of the certificate, the verdict, and the time; of several steps the largest of each figure.
+fn verdict(model: &Model<2>, steps: &[Solution<2>]) -> String {
+    let Some(last) = steps.last() else {
+        return String::new();
+    };
+    let mut figures = last.certificate.figures();
+    for step in steps {
+        for (worst, (_, figure)) in figures.iter_mut().zip(step.certificate.figures()) {
+            // NaN is worse than any number
+            if figure.relative.is_nan() || figure.relative > worst.1.relative {
+                worst.1 = figure;
+            }
+        }
+    }
     let rows: Vec<Vec<String>> = figures
         .iter()
         .map(|(name, figure)| {
@@ -264,15 +351,25 @@ pub fn certificate(solution: &Solution<2>) -> String {
             ]
         })
         .collect();
-    let table = columns(&["certificate", "relative", "limit", ""], &rows, 1..3);
-    let verdict = if solution.converged {
-        "converged"
-    } else {
-        "NOT CONVERGED"
+    let several = model.times.len() > 1;
+    let title = match several {
+        true => "certificate (worst step)",
+        false => "certificate",
     };
+    let table = columns(&[title, "relative", "limit", ""], &rows, 1..3);
+    let converged = steps.len() == model.times.len() && steps.iter().all(|s| s.converged);
+    let verdict = match converged {
+        true => "converged",
+        false => "NOT CONVERGED",
+    };
+    let count = match several {
+        true => format!("{} of {} steps, ", steps.len(), model.times.len()),
+        false => String::new(),
+    };
+    let iterations: usize = steps.iter().map(|s| s.solver.iterations).sum();
     format!(
-        "{table}\n{verdict}: {}, {} iterations, {:.2} s\n",
-        solution.solver.method, solution.solver.iterations, solution.seconds.total
+        "{table}\n{verdict}: {count}{}, {iterations} iterations, {:.2} s\n",
+        last.solver.method, last.seconds.total
     )
 }
 

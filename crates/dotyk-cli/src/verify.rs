@@ -3,6 +3,7 @@
 use crate::Outcome;
 use crate::failure::{Failure, warn};
 use crate::progress::Progress;
+use crate::run::all_warnings;
 use crate::text::{columns, number, print};
 use dotyk::case::{Case, Criterion, Reference, References, Verdict};
 use dotyk::model::{Error, Solution};
@@ -150,38 +151,74 @@ fn checked_references(
         let Some((_, case)) = cases.iter().find(|(name, _)| *name == reference.case) else {
             return Err(references.unknown_case(reference).into());
         };
-        let names = || case.model.probes.iter().map(|p| p.name.as_str());
-        if !names().any(|name| name == reference.probe) {
-            return Err(references.unknown_probe(reference, names()).into());
-        }
+        has_probe_and_step(references, reference, &reference.case, case)?;
         if let Some(other) = &reference.against {
             let Some((_, case)) = cases.iter().find(|(name, _)| name == other) else {
                 return Err(references.unknown_other(reference).into());
             };
-            let names = || case.model.probes.iter().map(|p| p.name.as_str());
-            if !names().any(|name| name == reference.probe) {
-                return Err(references.unknown_probe(reference, names()).into());
-            }
+            has_probe_and_step(references, reference, other, case)?;
         }
     }
     Ok(references.values.clone())
 }
 
+fn has_probe_and_step(
+    references: &References,
+    reference: &Reference,
+    name: &str,
+    case: &Case,
+) -> Result<(), Failure> {
+    let names = || case.model.probes.iter().map(|p| p.name.as_str());
+    if !names().any(|name| name == reference.probe) {
+        return Err(references.unknown_probe(reference, names()).into());
+    }
+    let count = case.model.times.len();
+    if reference.step.is_some_and(|step| step > count) {
+        return Err(references.unknown_step(reference, name, count).into());
+    }
+    Ok(())
+}
+
+/// What became of a case: its load steps so far, of so many.
+struct Solved {
+    steps: Vec<Solution<2>>,
+    count: usize,
+}
+
+impl Solved {
+    /// Every step has its certificate.
+    fn certified(&self) -> bool {
+        self.steps.len() == self.count && self.steps.iter().all(|step| step.converged)
+    }
+
+    /// Method, iterations, time and bolts.
+    fn words(&self) -> String {
+        let Some(last) = self.steps.last() else {
+            return String::new();
+        };
+        let steps = match self.count {
+            1 => String::new(),
+            count => format!("{count} steps, "),
+        };
+        let iterations: usize = self.steps.iter().map(|s| s.solver.iterations).sum();
+        format!(
+            "{steps}{}, {iterations} iterations, {:.2} s{}",
+            last.solver.method,
+            last.seconds.total,
+            bolts(last)
+        )
+    }
+}
+
 /// Solves the cases of a folder and prints its table.
 fn verify_folder(folder: &Folder, quiet: bool, tally: &mut Tally) {
     let mut text = format!("{}\n", folder.path.display());
-    let mut solutions: Vec<(&str, Option<Solution<2>>)> = Vec::new();
+    let mut solutions: Vec<(&str, Option<Solved>)> = Vec::new();
     for (name, case) in &folder.cases {
         tally.cases += 1;
         let solution = solve(&folder.path.join(name), case, quiet, tally);
         text += &match &solution {
-            Some(s) if s.converged => format!(
-                "  {name}: certified, {}, {} iterations, {:.2} s{}\n",
-                s.solver.method,
-                s.solver.iterations,
-                s.seconds.total,
-                bolts(s)
-            ),
+            Some(s) if s.certified() => format!("  {name}: certified, {}\n", s.words()),
             _ => format!("  {name}: NOT CERTIFIED\n"),
         };
         solutions.push((name, solution));
@@ -215,27 +252,39 @@ fn verify_folder(folder: &Folder, quiet: bool, tally: &mut Tally) {
     print(&(text + "\n"));
 }
 
-/// The certified or last solution; `None` where the case was refused, with a message on standard error.
-fn solve(path: &Path, case: &Case, quiet: bool, tally: &mut Tally) -> Option<Solution<2>> {
+/// The load steps as far as they went; `None` where the case was refused, with a message on standard error.
+fn solve(path: &Path, case: &Case, quiet: bool, tally: &mut Tally) -> Option<Solved> {
     let mut progress = Progress::new(quiet);
     progress.announce(&path.display().to_string());
-    let solved = case.model.solve_with(&mut |event| progress.observe(event));
+    let solved = case
+        .model
+        .solve_steps_with(&mut |event| progress.observe(event));
     progress.finish();
-    match solved {
-        Ok(solution) => {
-            let warnings = solution.warnings.iter();
+    let steps = match solved {
+        Ok(steps) => {
+            let warnings = all_warnings(&steps).into_iter();
             let warnings = warnings.map(|w| format!("{}: {w}", path.display()));
             warn(&warnings.collect::<Vec<_>>());
-            tally.certified += usize::from(solution.converged);
-            Some(solution)
+            steps
         }
-        Err(Error::NotConverged { solution, .. }) => Some(*solution),
+        Err(Error::NotConverged {
+            solution,
+            mut earlier,
+            ..
+        }) => {
+            earlier.push(*solution);
+            earlier
+        }
         Err(error) => {
             Failure::from(case.error(error.subject().as_ref(), &error.to_string())).print();
             tally.refused = true;
-            None
+            return None;
         }
-    }
+    };
+    let count = case.model.times.len();
+    let solved = Solved { steps, count };
+    tally.certified += usize::from(solved.certified());
+    Some(solved)
 }
 
 /// The bolts of the p,A-algorithm with their forces: compression says that the choice was proper.
@@ -257,22 +306,27 @@ fn bolts(solution: &Solution<2>) -> String {
     words.collect()
 }
 
-/// One line of the table; `other` is the solution that a percentage is taken against, where one is asked for.
+fn judged_step<'s>(reference: &Reference, solved: Option<&'s Solved>) -> Option<&'s Solution<2>> {
+    solved.and_then(|s| reference.of(&s.steps, s.count))
+}
+
+/// One line of the table; `other` is the case that a percentage is taken against, where one is asked for.
 /// An answer without a certificate agrees with nothing.
 fn judged(
     reference: &Reference,
-    solution: Option<&Solution<2>>,
-    other: Option<Option<&Solution<2>>>,
+    solved: Option<&Solved>,
+    other: Option<Option<&Solved>>,
     tally: &mut Tally,
 ) -> Vec<String> {
-    let certified = solution.is_some_and(|s| s.converged);
-    let read = |solution: Option<&Solution<2>>| {
-        let mut probes = solution.iter().flat_map(|s| &s.probes);
+    let certified = judged_step(reference, solved).is_some_and(|s| s.converged);
+    let read = |solved: Option<&Solved>| {
+        let step = judged_step(reference, solved);
+        let mut probes = step.iter().flat_map(|s| &s.probes);
         probes
             .find(|p| p.name == reference.probe)
             .map_or(f64::NAN, |p| p.value)
     };
-    let computed = reference.computed(read(solution), other.map(read));
+    let computed = reference.computed(read(solved), other.map(read));
     let verdict = match reference.judge(computed) {
         Verdict::Within if !certified => Verdict::Outside,
         verdict => verdict,
@@ -298,9 +352,13 @@ fn judged(
         (false, false) if difference.abs() < 1e-6 => format!("{:+.1e} %", 100.0 * difference),
         (false, false) => format!("{:+.4} %", 100.0 * difference),
     };
+    let label = match reference.step {
+        Some(step) => format!("{} (step {step})", reference.label),
+        None => reference.label.clone(),
+    };
     vec![
         reference.case.clone(),
-        reference.label.clone(),
+        label,
         reference.kind.name().to_string(),
         expected,
         number(computed),

@@ -109,11 +109,13 @@ const IN_THE_TEXT: &[Mistake] = &[
     // meshes
     ("{ rectangle = { from = [1.5, 1.0], to = [2.5, 2.0], cells = [2, 2] } }", "{}", "mesh = {}", "exactly one"),
     ("cells = [2, 2] } }", "cells = [2, 2] }, ring = { inner = 1, outer = 2, cells = [8, 2] } }", "ring", "more than one generator"),
+    // steps
+    ("[solver]", "[[step]]\ntime = 1\n[[step]]\ntime = 1\n[solver]", "\ntime = 1\n[solver]", "must increase"),
+    ("[solver]", "[[step]]\n[solver]", "[[step]]", "`time`"),
+    ("[solver]", "[[step]]\ntime = inf\n[solver]", "time = inf", "finite"),
     // later
-    ("\"plane-strain\"", "\"axisymmetric\"", "axisymmetric", "not supported yet"),
     ("\"plane-strain\"", "\"3d\"", "3d", "not supported yet"),
     ("gap = \"geometric\"", "friction = 0.3", "friction", "not supported yet"),
-    ("[solver]", "[[step]]\ntime = 1\n[[step]]\ntime = 2\n[solver]", "[[step]]\ntime = 2", "not supported yet"),
     ("{ rectangle = { from = [1.5, 1.0], to = [2.5, 2.0], cells = [2, 2] } }", "{ file = { path = \"punch.msh\" } }", "punch.msh", "not supported yet"),
 ];
 
@@ -321,6 +323,8 @@ fn mistakes_in_a_reference_file_are_found_before_solving() {
     for (from, to, line, words) in [
         ("good.toml", "god.toml", 2, "god.toml"),
         ("\"middle\"", "\"midle\"", 3, "`middle`"),
+        ("value = 1", "step = 2\nvalue = 1", 5, "no step 2"),
+        ("value = 1", "step = 0\nvalue = 1", 5, "`step`"),
         ("analytic", "exact", 4, "`published`"),
         ("value = 1", "valeu = 1", 5, "`value`"),
         ("tolerance = 0.1", "tolerance = -1", 6, "negative"),

@@ -339,6 +339,69 @@ fn a_run_that_does_not_converge_says_why_and_leaves_its_summary() {
     assert!(run.stderr.contains("more iterations"), "{}", run.stderr);
 }
 
+/// Load steps at these times.
+fn steps(times: &[f64]) -> String {
+    let step = |time: &f64| format!("[[step]]\ntime = {time:?}\n");
+    times.iter().map(step).collect()
+}
+
+#[test]
+fn every_step_leaves_its_fields_its_rows_and_its_summary() {
+    let gap = "gap = \"1e-6 * t\"\n";
+    let text = stack(1e6, gap).replacen("pressure = 1e6", "pressure = \"1e6 * t\"", 1)
+        + &probe("force", "sole.resultant.y", "")
+        + &steps(&[0.5, 1.0, 2.5]);
+    let run = Run::solved("steps", &text);
+    let mut expected = vec!["case.pvd".to_string(), "contact.csv".to_string()];
+    for body in ["low", "up"] {
+        expected.extend((1..4).map(|step| format!("{body}_{step:04}.vtu")));
+    }
+    expected.extend(["report.html", "summary.json"].map(String::from));
+    expected.sort();
+    assert_eq!(run.files(), expected);
+    let counts =
+        ["1", "2", "3"].map(|step| run.column("step").iter().filter(|s| *s == step).count());
+    assert_eq!(counts, [5, 5, 5]);
+    let summary = run.summary();
+    let list = summary["steps"].as_array().unwrap();
+    for (i, time) in [0.5, 1.0, 2.5].into_iter().enumerate() {
+        assert_eq!(
+            (&list[i]["step"], &list[i]["time"]),
+            (&(i + 1).into(), &time.into())
+        );
+        assert_eq!(list[i]["converged"], true);
+        let force = list[i]["probes"][0]["value"].as_f64().unwrap();
+        assert_near(force, 1e6 * time, 1e-10);
+    }
+    assert_eq!(list[2]["certificate"], summary["certificate"]);
+    assert_eq!(list[2]["contacts"], summary["contacts"]);
+    assert!(
+        run.stdout.contains("converged: 3 of 3 steps"),
+        "{}",
+        run.stdout
+    );
+}
+
+#[test]
+fn a_step_that_does_not_converge_leaves_the_summary_of_those_so_far() {
+    let text = stack(1e6, "").replacen("pressure = 1e6", "pressure = \"1e6 * t\"", 1)
+        + "[solver]\nmethod = \"uzawa\"\nmax_iterations = 3\n"
+        + &steps(&[0.0, 1.0, 2.0]);
+    let run = Run::new("failing_step", &text, "run", &[]);
+    assert_eq!(run.status, Some(1), "{}", run.stderr);
+    assert_eq!(run.files(), ["summary.json"]);
+    let summary = run.summary();
+    let converged: Vec<&Value> = summary["steps"]
+        .as_array()
+        .unwrap()
+        .iter()
+        .map(|step| &step["converged"])
+        .collect();
+    assert_eq!(converged, [true, false]);
+    assert_eq!(summary["converged"], false);
+    assert!(run.stderr.contains("step 2 of 3 (t = 1)"), "{}", run.stderr);
+}
+
 #[test]
 fn check_tells_load_and_holder_of_each_free_motion() {
     let run = Run::new("check", &stack(1e6, "gap = 0.5"), "check", &[]);

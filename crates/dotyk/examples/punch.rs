@@ -53,7 +53,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let solution = solve(&model)?;
     println!("{}", solution.certificate);
     let folder = std::path::Path::new("punch-out");
-    for file in dotyk::output::write(&model, &solution, "punch", folder)? {
+    for file in dotyk::output::write(&model, std::slice::from_ref(&solution), "punch", folder)? {
         println!("{}", file.display());
     }
     Ok(())

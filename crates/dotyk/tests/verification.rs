@@ -21,11 +21,11 @@ fn verify(folder: &Path) -> (Vec<String>, usize) {
     let mut solutions = BTreeMap::new();
     for path in entries(folder).into_iter().filter(|path| is_case(path)) {
         let case = Case::read(&path).unwrap_or_else(|error| panic!("{error}"));
-        match case.model.solve() {
-            Ok(solution) => {
-                assert!(solution.converged, "{}", path.display());
+        match case.model.solve_steps() {
+            Ok(steps) => {
+                assert!(steps.iter().all(|s| s.converged), "{}", path.display());
                 let name = path.file_name().unwrap().to_string_lossy();
-                solutions.insert(name.into_owned(), solution);
+                solutions.insert(name.into_owned(), steps);
             }
             Err(error) => wrong.push(format!("{}: {error}", path.display())),
         }
@@ -36,9 +36,11 @@ fn verify(folder: &Path) -> (Vec<String>, usize) {
     }
     let references = References::read(&reference).unwrap_or_else(|error| panic!("{error}"));
     for value in references.values {
-        // A case or probe that is not there agrees with nothing.
+        // A case, step or probe that is not there agrees with nothing.
         let read = |case: &str| {
-            let probes = solutions.get(case).map(|s| s.probes.iter());
+            let steps = solutions.get(case);
+            let step = steps.and_then(|steps| value.of(steps, steps.len()));
+            let probes = step.map(|s| s.probes.iter());
             let found = probes.and_then(|mut p| p.find(|p| p.name == value.probe));
             found.map_or(f64::NAN, |p| p.value)
         };

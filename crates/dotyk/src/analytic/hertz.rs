@@ -20,6 +20,19 @@
 //! Point contact (Johnson, section 4.2a): spheres under the force P touch over r ≤ a,
 //! a³ = 3PR/(4E*), p0 = 3P/(2πa²), approach δ = a²/R, p(r) = p0 √(1 − r²/a²).
 //!
+//! Stress below it (M. T. Huber, Ann. Phys. 14 (1904) 153–163): r from the axis, z into the body, u the larger root of
+//! r²/(a²+u) + z²/u = 1, s = √u, q = z/s, k = a²u/(u² + a²z²), t = s/a · atan(a/s):
+//!
+//! ```text
+//!   σr  =  p0 { (1−2ν)/3 · a²/r² (1−q³) + q³k + q [ (1−ν)u/(a²+u) + (1+ν)t − 2 ] }
+//!   σθ  = −p0 { (1−2ν)/3 · a²/r² (1−q³)       + q [ (1−ν)u/(a²+u) − (1+ν)t + 2ν ] }
+//!   σz  = −p0 q³k
+//!   τrz = −p0 · r z² / (u² + a²z²) · a²s/(a²+u)
+//! ```
+//!
+//! It is checked against equilibrium and compatibility. Beside the contact the surface sinks by
+//! p0/(2aE') [ (2a²−r²) asin(a/r) + a √(r²−a²) ] (Johnson, equation 3.42).
+//!
 //! Units: lengths, forces and moduli in any consistent ones. Pressure and P are positive in compression,
 //! stress in tension.
 
@@ -150,6 +163,34 @@ impl Sphere {
         self.p0 * (1.0 - s * s).max(0.0).sqrt()
     }
 
+    /// Stress [σr, σθ, σz, τrz] at distance r > 0 from the axis and depth z > 0 of a body with this Poisson's ratio, or at
+    /// the surface z = 0 beside the contact.
+    pub fn stress(&self, r: f64, z: f64, poisson: f64) -> [f64; 4] {
+        let a2 = self.a * self.a;
+        let half = 0.5 * (r * r + z * z - a2);
+        let u = half + half.hypot(self.a * z);
+        let s = u.sqrt();
+        let (q, squares) = (z / s, u * u + a2 * z * z);
+        let (q3, k) = (q.powi(3), a2 * u / squares);
+        let t = s / self.a * self.a.atan2(s);
+        let common = (1.0 - 2.0 * poisson) / 3.0 * a2 / (r * r) * (1.0 - q3);
+        let share = (1.0 - poisson) * u / (a2 + u);
+        let turn = (1.0 + poisson) * t;
+        [
+            self.p0 * (common + q3 * k + q * (share + turn - 2.0)),
+            -self.p0 * (common + q * (share - turn + 2.0 * poisson)),
+            -self.p0 * q3 * k,
+            -self.p0 * r * z * z / squares * a2 * s / (a2 + u),
+        ]
+    }
+
+    /// By how much the surface of a body with this material sinks at r ≥ a, relative to its distant points.
+    pub fn depression(&self, r: f64, material: Material) -> f64 {
+        let a = self.a;
+        let beside = (2.0 * a * a - r * r) * (a / r).asin() + a * (r * r - a * a).sqrt();
+        self.p0 / (2.0 * a * rigid_contact_modulus(material)) * beside
+    }
+
     /// Principal stresses [σr = σθ, σz] on the axis at depth z ≥ 0 of a body with this Poisson's ratio
     /// (Johnson, equations 3.45).
     pub fn axis_stress(&self, z: f64, poisson: f64) -> [f64; 2] {
@@ -194,6 +235,43 @@ mod tests {
             close(dx(0) + dz(2), 0.0, 1e-8);
             close(dx(2) + dz(1), 0.0, 1e-8);
         }
+    }
+
+    #[test]
+    fn the_stress_below_a_sphere_is_in_equilibrium_and_compatible() {
+        let sphere = Sphere {
+            a: 1.3,
+            p0: 0.7,
+            approach: 0.0,
+        };
+        let poisson = 0.3;
+        for [r, z] in [[0.6, 0.4], [1.9, 0.3], [2.0, 3.0], [0.2, 1.0]] {
+            let at = |r: f64, z: f64| sphere.stress(r, z, poisson);
+            let h = 1e-3;
+            let dr = |i: usize| derivative(|s| at(s, z)[i], r, h);
+            let dz = |i: usize| derivative(|s| at(r, s)[i], z, h);
+            let [radial, hoop, axial, shear] = at(r, z);
+            // Differences of fourth order with h = 1e-3 at distances ≥ 0.2 from axis and edge.
+            close(dr(0) + dz(3) + (radial - hoop) / r, 0.0, 1e-8);
+            close(dr(3) + dz(2) + shear / r, 0.0, 1e-8);
+            let moved = |s: f64| {
+                let [radial, hoop, axial, _] = at(s, z);
+                s * (hoop - poisson * (radial + axial))
+            };
+            let strain = radial - poisson * (hoop + axial);
+            close(derivative(moved, r, h), strain, 1e-8);
+        }
+        let [radial, hoop, axial, _] = sphere.stress(1e-5, 0.8, poisson);
+        let [across, along] = sphere.axis_stress(0.8, poisson);
+        close(radial, across, 1e-8);
+        close(hoop, across, 1e-8);
+        close(axial, along, 1e-8);
+        let [radial, ..] = sphere.stress(sphere.a + 1e-12, 0.0, poisson);
+        close(radial, sphere.edge_tension(poisson), 1e-8);
+        // the surface is continuous at the edge, where the gap of the parabola closes: δ − a²/(2R)
+        let touching = Sphere::under_force(1000.0, 10.0, rigid_contact_modulus(steel()));
+        let edge = touching.approach - touching.a * touching.a / 20.0;
+        close(touching.depression(touching.a, steel()), edge, 1e-12);
     }
 
     #[test]

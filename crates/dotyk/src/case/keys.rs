@@ -111,6 +111,7 @@ pub const REFERENCES: &[&str] = &["value"];
 pub const REFERENCE: &[&str] = &[
     "case",
     "probe",
+    "step",
     "kind",
     "value",
     "tolerance",

@@ -19,7 +19,7 @@ pub use error::CaseError;
 pub use expression::{ExpressionError, parse as parse_expression};
 pub use reference::{Criterion, Kind, Reference, References, Verdict};
 
-use crate::case::document::{Node, Span, Value, later};
+use crate::case::document::{Node, Span, Table, Value, later};
 use crate::case::error::{Fault, read_text};
 use crate::model::{Analysis, Bolts, Method, Model, SolverOptions, Subject, Units};
 use std::path::{Path, PathBuf};
@@ -134,7 +134,7 @@ fn model(document: &Node, stem: &str) -> Result<Model<2>, Fault> {
     let source = text("source", "")?;
     let analysis_node = table.require("analysis", "a case")?;
     let analysis = analysis_node.choice("analysis", &ANALYSES)?;
-    if matches!(analysis, Analysis::Axisymmetric | Analysis::Solid) {
+    if analysis == Analysis::Solid {
         let what = format!("`analysis = \"{}\"`", analysis.name());
         return Err(later(&analysis_node.span, &what));
     }
@@ -148,6 +148,9 @@ fn model(document: &Node, stem: &str) -> Result<Model<2>, Fault> {
             .help("add a table `[[body]]` with `name`, `mesh` and `material`"));
     }
     unique_names(bodies, "bodies")?;
+    if analysis == Analysis::Axisymmetric {
+        bodies.iter().try_for_each(no_thickness)?;
+    }
     let bodies = bodies
         .iter()
         .map(body::body)
@@ -160,7 +163,7 @@ fn model(document: &Node, stem: &str) -> Result<Model<2>, Fault> {
 
     let solver = table.get("solver");
     let solver = solver.map_or(Ok(SolverOptions::default()), solver_options)?;
-    let time = time(table.list("step")?)?;
+    let times = times(table)?;
 
     let probes = table.list("probe")?;
     unique_names(probes, "probes")?;
@@ -177,8 +180,25 @@ fn model(document: &Node, stem: &str) -> Result<Model<2>, Fault> {
         contacts,
         solver,
         probes,
-        time,
+        times,
     })
+}
+
+/// Refuses a thickness, which a body of revolution does not have.
+fn no_thickness(body: &Node) -> Result<(), Fault> {
+    let materials = body.entries()?.iter().filter(|e| e.key == "material");
+    for entry in materials {
+        let one = std::slice::from_ref(&entry.node);
+        let list = entry.node.list().unwrap_or(one);
+        let fields = list.iter().flat_map(|m| m.entries().unwrap_or_default());
+        if let Some(thickness) = fields.into_iter().find(|e| e.key == "thickness") {
+            let message = "`thickness` has no meaning in an axisymmetric analysis";
+            return Err(Fault::new(&thickness.key_span, message)
+                .label("superfluous")
+                .help("forces are for the full turn"));
+        }
+    }
+    Ok(())
 }
 
 fn units(node: &Node) -> Result<Units, Fault> {
@@ -272,16 +292,25 @@ fn bolt_places(node: &Node) -> Result<Bolts<2>, Fault> {
     }
 }
 
-/// The time of the only step; 1 without steps.
-fn time(steps: &[Node]) -> Result<f64, Fault> {
+/// The times of the steps; one at 1 without steps.
+fn times(table: Table<'_>) -> Result<Vec<f64>, Fault> {
+    let steps = table.list("step")?;
+    if let (Some(node), []) = (table.get("step"), steps) {
+        return Err(Fault::new(&node.span, "the list of steps is empty")
+            .label("no step")
+            .help("leave out `step` for one step at t = 1"));
+    }
+    let mut times = Vec::new();
     for step in steps {
-        step.table(keys::STEP)?;
+        let node = step.table(keys::STEP)?.require("time", "a step")?;
+        let time = node.number()?;
+        if let Some(before) = times.last().filter(|before| time <= **before) {
+            let message = format!("the times of the steps must increase: {time} follows {before}");
+            return Err(Fault::new(&node.span, message).label("not later than the step before"));
+        }
+        times.push(time);
     }
-    match steps {
-        [] => Ok(1.0),
-        [step] => step.table(keys::STEP)?.require("time", "a step")?.number(),
-        [_, second, ..] => Err(later(&second.span, "more than one `[[step]]`")),
-    }
+    Ok(if times.is_empty() { vec![1.0] } else { times })
 }
 
 #[cfg(test)]

@@ -80,6 +80,8 @@ pub struct Reference {
     pub value: f64,
     /// The computed value is multiplied by this before it is compared (1 unless given): 1/q makes p/q of a pressure.
     pub scale: f64,
+    /// Load step whose answer is judged, from 1; the last unless given.
+    pub step: Option<usize>,
     /// Compare the percentage 100 (computed − other) / other, other being the same probe of this case.
     pub against: Option<String>,
     /// When a computed value agrees.
@@ -90,6 +92,7 @@ pub struct Reference {
     pub reason: String,
     case_span: Span,
     probe_span: Span,
+    step_span: Span,
     against_span: Span,
 }
 
@@ -100,6 +103,13 @@ impl Reference {
             None => self.scale * value,
             Some(other) => 100.0 * (value - other) / other,
         }
+    }
+
+    /// The step that is judged, of the steps of a run; `None` where the run did not reach it.
+    ///
+    /// `count` is the number of steps of the case.
+    pub fn of<'s, T>(&self, steps: &'s [T], count: usize) -> Option<&'s T> {
+        steps.get(self.step.unwrap_or(count).checked_sub(1)?)
     }
 
     /// Compares a computed value with the reference.
@@ -180,6 +190,16 @@ impl References {
             .in_source(&self.source_name, &self.source_text)
     }
 
+    /// The error that a case has no such step; `count` is the number of its steps.
+    pub fn unknown_step(&self, reference: &Reference, case: &str, count: usize) -> CaseError {
+        let step = reference.step.unwrap_or(count);
+        let message = format!("`{case}` has no step {step}: it has {count}");
+        Fault::new(&reference.step_span, message)
+            .label("no such step")
+            .help("steps count from 1; without `step` the last is meant")
+            .in_source(&self.source_name, &self.source_text)
+    }
+
     /// The error that its case has no such probe; `known` are the probes that it has.
     pub fn unknown_probe<'a>(
         &self,
@@ -228,6 +248,7 @@ fn reference(node: &Node) -> Result<Reference, Fault> {
     };
     let label = text("label")?;
     let scale = table.get("scale").map_or(Ok(1.0), Node::number)?;
+    let step = table.get("step");
     let against = table.get("against");
     if let (Some(entry), Some(_)) = (table.entry("scale"), against) {
         let message = "`scale` does not change a percentage";
@@ -244,12 +265,16 @@ fn reference(node: &Node) -> Result<Reference, Fault> {
         kind,
         value,
         scale,
+        step: step
+            .map(|node| node.positive_integer("`step`"))
+            .transpose()?,
         against: against.map(Node::text).transpose()?.map(str::to_string),
         criterion,
         source: text("source")?,
         reason: text("reason")?,
         case_span: case.span.clone(),
         probe_span: probe.span.clone(),
+        step_span: step.map_or_else(|| case.span.clone(), |node| node.span.clone()),
         against_span: against.map_or_else(|| case.span.clone(), |node| node.span.clone()),
     })
 }
@@ -375,6 +400,25 @@ tolerance = 1e-9
         let e = error("tolerance = 1e-9", "judged = false");
         assert!(e.message.contains("always judged"));
         assert_eq!(e.line(), Some(30));
+    }
+
+    #[test]
+    fn a_value_may_name_its_step() {
+        let text = GOOD.replacen("value = -2.0", "value = -2.0\nstep = 2", 1);
+        let references = References::from_str(&text, "reference.toml").unwrap();
+        let [second, last] = [&references.values[0], &references.values[1]];
+        assert_eq!(second.of(&["a", "b", "c"], 3), Some(&"b"));
+        assert_eq!(last.of(&["a", "b", "c"], 3), Some(&"c"));
+        // a run that ended after its first step
+        assert_eq!((second.of(&["a"], 3), last.of(&["a"], 3)), (None, None));
+        let error = references.unknown_step(second, "case_1.toml", 1);
+        assert_eq!((error.line(), error.column()), (Some(6), Some(8)));
+        assert_eq!(error_of_step("0").line(), Some(6));
+        assert_eq!(error_of_step("1.5").line(), Some(6));
+    }
+
+    fn error_of_step(step: &str) -> CaseError {
+        error("value = -2.0", &format!("value = -2.0\nstep = {step}"))
     }
 
     #[test]

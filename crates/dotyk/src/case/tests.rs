@@ -80,7 +80,7 @@ fn the_example_of_the_documentation_parses() {
     assert_eq!(model.title, "Floating punch on a block");
     assert_eq!(model.analysis, Analysis::PlaneStrain);
     assert_eq!(model.units.force.as_deref(), Some("N"));
-    assert_eq!(model.time, 1.0);
+    assert_eq!(model.times, [1.0]);
     let [block, punch] = &model.bodies[..] else {
         panic!("two bodies")
     };
@@ -110,12 +110,43 @@ fn what_is_left_out_has_its_default() {
 }
 
 #[test]
-fn one_step_sets_the_time_and_more_are_not_supported_yet() {
+fn steps_have_increasing_times() {
     let with = |steps: &str| read(&format!("{EXAMPLE}{steps}"));
-    assert_eq!(with("[[step]]\ntime = 0.25\n").unwrap().model.time, 0.25);
-    let error = with("[[step]]\ntime = 1\n[[step]]\ntime = 2\n").unwrap_err();
-    assert!(error.message.contains("not supported yet"));
-    assert_eq!(error.line(), Some(37));
+    let times = |steps: &str| with(steps).unwrap().model.times;
+    assert_eq!(times("[[step]]\ntime = 0.25\n"), [0.25]);
+    let two = "[[step]]\ntime = 0\n[[step]]\ntime = 2.5\n";
+    assert_eq!(times(two), [0.0, 2.5]);
+    for later in ["0.25", "0.1"] {
+        let text = format!("[[step]]\ntime = 0.25\n[[step]]\ntime = {later}\n");
+        let error = with(&text).unwrap_err();
+        assert!(error.message.contains("must increase"), "{error}");
+        assert_eq!((error.line(), error.column()), (Some(38), Some(8)));
+    }
+    let error = with("[[step]]\n").unwrap_err();
+    assert!(error.message.contains("needs the key `time`"), "{error}");
+    let empty = example("title ", "step = []\ntitle ");
+    let error = read(&empty).unwrap_err();
+    assert!(error.message.contains("list of steps is empty"), "{error}");
+}
+
+#[test]
+fn a_body_of_revolution_has_no_thickness() {
+    let text = example(
+        "analysis = \"plane-strain\" ",
+        "analysis = \"axisymmetric\" ",
+    );
+    assert_eq!(read(&text).unwrap().model.analysis, Analysis::Axisymmetric);
+    let (plain, thick) = (
+        "poisson = 0.3 }        #",
+        "poisson = 0.3, thickness = 2 } #",
+    );
+    assert!(read(&example(plain, thick)).is_ok());
+    let error = read(&text.replacen(plain, thick, 1)).unwrap_err();
+    assert!(
+        error.message.contains("`thickness` has no meaning"),
+        "{error}"
+    );
+    assert_eq!(error.line(), Some(10));
 }
 
 #[test]

@@ -7,7 +7,7 @@ use crate::fem::loads::{NodalLoads, nodal_loads};
 use crate::fem::modes::{RigidBasis, carried_motion, free_modes};
 use crate::fem::nouns::{Analysis, Body, Elastic};
 use crate::fem::quadrature;
-use crate::fem::supports::Constraints;
+use crate::fem::supports::{Constraints, ON_AXIS};
 use crate::geometry::{Point, add_scaled, dot, norm};
 use crate::linalg::{
     CellMatrices, Connectivity, Graph, LinalgError, SymmetricMatrix, assemble_blocks,
@@ -112,7 +112,7 @@ pub fn assemble<const D: usize>(
     if analysis == Analysis::Axisymmetric {
         check_radii(body)?;
     }
-    let constraints = Constraints::new(body, time)?;
+    let constraints = Constraints::new(body, analysis, time)?;
     let frames = frames(&constraints);
     let blocks: Vec<Connectivity<'_>> = body
         .mesh
@@ -125,66 +125,119 @@ pub fn assemble<const D: usize>(
         .collect();
     let graph = Graph::from_cells(body.mesh.points().len(), &blocks);
     let stiffness = stiffness(body, analysis, &frames, &graph)?;
-    let NodalLoads {
-        forces: mut load,
-        largest: largest_load,
-    } = nodal_loads(body, analysis, time)?;
-    let dofs = load.len();
-    let (mut held, mut prescribed) = (vec![false; dofs], vec![0.0; dofs]);
-    for (&node, directions) in &constraints.nodes {
-        for (k, h) in directions.iter().enumerate() {
-            let component = if frames.contains_key(&node) {
-                k
-            } else {
-                axis_of(h.axis).unwrap_or(k)
-            };
-            held[D * node + component] = true;
-            prescribed[D * node + component] = if frames.contains_key(&node) {
-                h.value
-            } else {
-                h.value * sign(h.axis)
-            };
-        }
+    let mut held = vec![false; D * body.mesh.points().len()];
+    for (dof, _) in held_dofs(&constraints, &frames) {
+        held[dof] = true;
     }
-    let basis = RigidBasis::of(analysis);
-    let mut modes = free_modes(&body.mesh, &constraints, basis);
-    let mut carried = carried_motion(&body.mesh, &constraints, basis);
-    for vector in modes.iter_mut().chain([&mut load, &mut carried]) {
-        into_frames(&frames, vector);
-    }
+    let mut modes = free_modes(&body.mesh, &constraints, RigidBasis::of(analysis));
     for mode in &mut modes {
+        into_frames(&frames, mode);
         // held components of a free mode are zero up to rounding: make them exactly zero
         for (value, _) in mode.iter_mut().zip(&held).filter(|(_, held)| **held) {
             *value = 0.0;
         }
     }
-    let lift = lift(&held, &prescribed, &carried);
+    let driving = Driving::new(body, analysis, time, &constraints, &frames)?;
     Ok(BodySystem {
         graph,
         stiffness,
-        load,
-        largest_load,
+        load: driving.load,
+        largest_load: driving.largest_load,
         constraints,
         held,
-        prescribed,
-        carried,
-        lift,
+        prescribed: driving.prescribed,
+        carried: driving.carried,
+        lift: driving.lift,
         frames,
         modes,
     })
 }
 
-/// u_D less the rigid motion on held dofs; exactly zero where only rounding is left.
-fn lift(held: &[bool], prescribed: &[f64], carried: &[f64]) -> Vec<f64> {
-    let largest = prescribed.iter().fold(0.0f64, |l, v| l.max(v.abs()));
-    let rest = |dof: usize| match prescribed[dof] - carried[dof] {
-        rest if held[dof] && rest.abs() > 1e-13 * largest => rest,
-        _ => 0.0,
-    };
-    (0..held.len()).map(rest).collect()
+/// What a time gives a body: its loads and prescribed displacements.
+struct Driving {
+    load: Vec<f64>,
+    largest_load: f64,
+    prescribed: Vec<f64>,
+    carried: Vec<f64>,
+    lift: Vec<f64>,
+}
+
+impl Driving {
+    fn new<const D: usize>(
+        body: &Body<D>,
+        analysis: Analysis,
+        time: f64,
+        constraints: &Constraints<D>,
+        frames: &BTreeMap<usize, [[f64; D]; D]>,
+    ) -> Result<Self, FemError> {
+        let NodalLoads {
+            forces: mut load,
+            largest: largest_load,
+        } = nodal_loads(body, analysis, time)?;
+        let mut prescribed = vec![0.0; load.len()];
+        for (dof, value) in held_dofs(constraints, frames) {
+            prescribed[dof] = value;
+        }
+        let mut carried = carried_motion(&body.mesh, constraints, RigidBasis::of(analysis));
+        into_frames(frames, &mut load);
+        into_frames(frames, &mut carried);
+        let mut lift = vec![0.0; load.len()];
+        let largest = prescribed.iter().fold(0.0f64, |l, v| l.max(v.abs()));
+        for (dof, value) in held_dofs(constraints, frames) {
+            let rest = value - carried[dof];
+            // exactly zero where only rounding is left
+            if rest.abs() > 1e-13 * largest {
+                lift[dof] = rest;
+            }
+        }
+        Ok(Self {
+            load,
+            largest_load,
+            prescribed,
+            carried,
+            lift,
+        })
+    }
+}
+
+/// Held dofs in the frames of their nodes, with the prescribed displacements.
+fn held_dofs<const D: usize>(
+    constraints: &Constraints<D>,
+    frames: &BTreeMap<usize, [[f64; D]; D]>,
+) -> Vec<(usize, f64)> {
+    let mut dofs = Vec::new();
+    for (&node, directions) in &constraints.nodes {
+        let own_frame = frames.contains_key(&node);
+        for (k, h) in directions.iter().enumerate() {
+            dofs.push(match axis_of(h.axis) {
+                Some(axis) if !own_frame => (D * node + axis, h.value * h.axis[axis].signum()),
+                _ => (D * node + k, h.value),
+            });
+        }
+    }
+    dofs
 }
 
 impl<const D: usize> BodySystem<D> {
+    /// The same body at another time: loads and prescribed displacements are taken anew, and what is held, K and R stay,
+    /// because the directions in which supports hold do not depend on time.
+    ///
+    /// `body` and `analysis` are those that the system was assembled from.
+    /// Errors: contradictory supports, values that are not finite.
+    pub fn at_time(self, body: &Body<D>, analysis: Analysis, time: f64) -> Result<Self, FemError> {
+        let constraints = Constraints::new(body, analysis, time)?;
+        let driving = Driving::new(body, analysis, time, &constraints, &self.frames)?;
+        Ok(Self {
+            constraints,
+            load: driving.load,
+            largest_load: driving.largest_load,
+            prescribed: driving.prescribed,
+            carried: driving.carried,
+            lift: driving.lift,
+            ..self
+        })
+    }
+
     /// Rotates a vector of global components (D·n,) into the node frames.
     pub fn to_frames(&self, vector: &mut [f64]) {
         into_frames(&self.frames, vector);
@@ -225,10 +278,6 @@ fn axis_of<const D: usize>(direction: Point<D>) -> Option<usize> {
     direction.iter().position(|c| c.abs() == 1.0)
 }
 
-fn sign<const D: usize>(direction: Point<D>) -> f64 {
-    axis_of(direction).map_or(1.0, |axis| direction[axis].signum())
-}
-
 /// Frames of the nodes with oblique held directions: these first, then any orthonormal completion.
 fn frames<const D: usize>(constraints: &Constraints<D>) -> BTreeMap<usize, [[f64; D]; D]> {
     let oblique = constraints
@@ -255,7 +304,7 @@ fn frames<const D: usize>(constraints: &Constraints<D>) -> BTreeMap<usize, [[f64
 }
 
 fn check_radii<const D: usize>(body: &Body<D>) -> Result<(), FemError> {
-    let tolerance = -1e-9 * body.mesh.diameter();
+    let tolerance = -ON_AXIS * body.mesh.diameter();
     match body.mesh.points().iter().position(|p| p[0] < tolerance) {
         None => Ok(()),
         Some(node) => Err(FemError::NegativeRadius {
@@ -393,7 +442,7 @@ fn stiffness<const D: usize>(
     let mut matrices = Vec::new();
     for block in body.mesh.blocks() {
         let lame = Lame::new(body.elastic(block)?, analysis);
-        let table = CellTable::<D>::new(block.kind, stiffness_degree(block.kind));
+        let table = CellTable::<D>::new(block.kind, stiffness_degree(block.kind, analysis));
         let k = block.kind.nodes();
         let size = D * k;
         let packed = size * (size + 1) / 2;
@@ -441,9 +490,11 @@ fn not_finite<const D: usize>(body: &Body<D>, source: LinalgError) -> FemError {
     }
 }
 
-/// Degree that integrates the stiffness of an undistorted cell exactly, and that of a curved one well.
-pub(crate) fn stiffness_degree(kind: CellKind) -> usize {
+/// Degree that integrates the stiffness of an undistorted cell exactly, and that of a curved one well. With axial
+/// symmetry it integrates the forces of a constant stress exactly, and one point is not enough: the hoop strain varies.
+pub(crate) fn stiffness_degree(kind: CellKind, analysis: Analysis) -> usize {
     match kind {
+        CellKind::Tri3 if analysis == Analysis::Axisymmetric => 2,
         CellKind::Tri3 => 1,
         CellKind::Tri6 => 4,
         CellKind::Quad4 => 3,

@@ -24,7 +24,7 @@ pub(crate) fn internal_forces<const D: usize>(
     let mut energy = 0.0;
     for block in body.mesh.blocks() {
         let lame = Lame::new(body.elastic(block)?, analysis);
-        let table = CellTable::<D>::new(block.kind, stiffness_degree(block.kind));
+        let table = CellTable::<D>::new(block.kind, stiffness_degree(block.kind, analysis));
         let k = block.kind.nodes();
         let mut cells = vec![([0.0; D], 0.0); block.nodes.len()];
         // each cell writes its own slice; the gather below is in cell order

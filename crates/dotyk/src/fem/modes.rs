@@ -277,7 +277,7 @@ pub fn describe_motion<const D: usize>(points: &[Point<D>], motion: &[Point<D>])
     let (low, high) = bounding_box(points);
     let centre: Point<D> = std::array::from_fn(|i| 0.5 * (low[i] + high[i]));
     let size = norm(sub(high, low));
-    let (translation, spin) = fit_rigid(points, motion, centre);
+    let (translation, spin) = fit_rigid(RigidBasis::Full, points, motion, centre);
     let turn = spin.iter().fold(0.0f64, |sum, s| sum.max(s.abs()));
     if turn * size < 1e-6 * norm(translation) {
         return format!("translation along {}", direction(translation));
@@ -310,11 +310,11 @@ fn direction<const D: usize>(vector: Point<D>) -> String {
 
 /// Least-squares rigid motion about a centre: translation, and one angle in 2D or three components in 3D.
 pub(crate) fn fit_rigid<const D: usize>(
+    basis: RigidBasis,
     points: &[Point<D>],
     motion: &[Point<D>],
     centre: Point<D>,
 ) -> (Point<D>, Vec<f64>) {
-    let basis = RigidBasis::Full;
     let count = basis.len(D);
     let (low, high) = bounding_box(points);
     let size = norm(sub(high, low)).max(f64::MIN_POSITIVE);
@@ -335,6 +335,10 @@ pub(crate) fn fit_rigid<const D: usize>(
     let amplitudes = least_squares(&normal, &rhs, RANK_TOLERANCE)
         .map_or_else(|_| vec![f64::NAN; count], |x| x.col_as_slice(0).to_vec());
     let rotations = D * (D - 1) / 2;
+    if basis == RigidBasis::Axial {
+        let along = std::array::from_fn(|i| if i == 1 { amplitudes[0] } else { 0.0 });
+        return (along, vec![0.0; rotations]);
+    }
     let spin = amplitudes[..rotations].iter().map(|a| a / size).collect();
     (std::array::from_fn(|i| amplitudes[rotations + i]), spin)
 }

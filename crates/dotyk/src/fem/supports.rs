@@ -4,7 +4,7 @@
 //! which they are written; a dependent one must agree with the earlier ones, else it is a contradiction.
 
 use crate::fem::error::{FemError, show};
-use crate::fem::nouns::{Body, Place};
+use crate::fem::nouns::{Analysis, Body, Place};
 use crate::geometry::{Field, Point, add_scaled, distance, dot, norm, unit};
 use crate::mesh::{Facet, Mesh};
 use std::collections::BTreeMap;
@@ -16,7 +16,7 @@ pub struct Held<const D: usize> {
     pub axis: Point<D>,
     /// Displacement along it.
     pub value: f64,
-    /// Indices of the body's supports that ask for it.
+    /// Indices of the body's supports that ask for it; none where the axis of symmetry alone does.
     pub supports: Vec<usize>,
 }
 
@@ -31,11 +31,18 @@ pub struct Constraints<const D: usize> {
 const PARALLEL: f64 = 1e-8;
 
 impl<const D: usize> Constraints<D> {
-    /// Evaluates the supports of a body at a time.
-    pub fn new(body: &Body<D>, time: f64) -> Result<Self, FemError> {
+    /// Evaluates the supports of a body at a time. On the axis of an axisymmetric analysis the radius cannot change: its
+    /// nodes are held along it without a support.
+    pub fn new(body: &Body<D>, analysis: Analysis, time: f64) -> Result<Self, FemError> {
         let mut constraints = Self {
             nodes: BTreeMap::new(),
         };
+        if analysis == Analysis::Axisymmetric {
+            let radial = std::array::from_fn(|i| if i == 0 { 1.0 } else { 0.0 });
+            for node in nodes_on_axis(&body.mesh) {
+                constraints.hold(body, node, radial, 0.0, None)?;
+            }
+        }
         for (index, support) in body.supports.iter().enumerate() {
             let (nodes, normals) = match &support.place {
                 Place::Side(side) => {
@@ -55,12 +62,12 @@ impl<const D: usize> Constraints<D> {
                     if let Some(field) = field {
                         let value = finite(field, point, time, what)?;
                         let direction = std::array::from_fn(|i| if i == axis { 1.0 } else { 0.0 });
-                        constraints.hold(body, node, direction, value, index)?;
+                        constraints.hold(body, node, direction, value, Some(index))?;
                     }
                 }
                 if let (Some(field), Some(&normal)) = (&support.normal, normals.get(&node)) {
                     let value = finite(field, point, time, what)?;
-                    constraints.hold(body, node, normal, value, index)?;
+                    constraints.hold(body, node, normal, value, Some(index))?;
                 }
             }
         }
@@ -78,7 +85,7 @@ impl<const D: usize> Constraints<D> {
         node: usize,
         direction: Point<D>,
         value: f64,
-        support: usize,
+        support: Option<usize>,
     ) -> Result<(), FemError> {
         let held = self.nodes.entry(node).or_default();
         let (mut rest, mut implied) = (direction, 0.0);
@@ -93,13 +100,16 @@ impl<const D: usize> Constraints<D> {
             held.push(Held {
                 axis,
                 value: (value - implied) / size,
-                supports: vec![support],
+                supports: support.into_iter().collect(),
             });
             return Ok(());
         }
         let scale = value.abs().max(implied.abs());
         if (value - implied).abs() > 1e-9 * scale {
-            let name = |index: usize| describe(&body.supports[index].place);
+            let name = |index: Option<usize>| match index {
+                Some(index) => describe(&body.supports[index].place),
+                None => "by symmetry about the axis r = 0".to_string(),
+            };
             let first = held.iter().max_by(|a, b| {
                 dot(direction, a.axis)
                     .abs()
@@ -108,19 +118,30 @@ impl<const D: usize> Constraints<D> {
             return Err(FemError::Contradiction {
                 node,
                 point: show(body.mesh.points()[node]),
-                first: first.map_or_else(String::new, |h| name(h.supports[0])),
+                first: first.map_or_else(String::new, |h| name(h.supports.first().copied())),
                 second: name(support),
                 a: implied,
                 b: value,
             });
         }
         for h in held.iter_mut() {
-            if dot(direction, h.axis).abs() > PARALLEL && !h.supports.contains(&support) {
-                h.supports.push(support);
+            if dot(direction, h.axis).abs() > PARALLEL {
+                let other = support.filter(|index| !h.supports.contains(index));
+                h.supports.extend(other);
             }
         }
         Ok(())
     }
+}
+
+/// A radius below this part of the body's diameter is zero.
+pub(crate) const ON_AXIS: f64 = 1e-9;
+
+/// Nodes on the axis of symmetry.
+fn nodes_on_axis<const D: usize>(mesh: &Mesh<D>) -> impl Iterator<Item = usize> {
+    let limit = ON_AXIS * mesh.diameter();
+    let radii = mesh.points().iter().map(|point| point[0]).enumerate();
+    radii.filter(move |(_, r)| r.abs() <= limit).map(|(n, _)| n)
 }
 
 /// How messages name a place.

@@ -27,7 +27,7 @@ impl<const D: usize> Model<D> {
             contacts: Vec::new(),
             solver: SolverOptions::default(),
             probes: Vec::new(),
-            time: 1.0,
+            times: vec![1.0],
         }
     }
 

@@ -2,9 +2,9 @@
 
 use crate::contact::Role;
 use crate::dual::Feasibility;
-use crate::fem::{BodySystem, Short, describe_motion, show};
+use crate::fem::{BodySystem, Constraints, Short, describe_motion, show};
 use crate::geometry::{Point, add_scaled};
-use crate::model::condense::{LoadedBody, body_rows};
+use crate::model::condense::{LoadedBody, body_rows, initial_gaps};
 use crate::model::dependent::drop_dependent;
 use crate::model::error::{Error, Subject};
 use crate::model::floating::Floating;
@@ -81,10 +81,13 @@ impl<const D: usize> Model<D> {
         check
     }
 
+    /// Describes the model at its last load step, then looks at the loads of the steps before.
     fn fill(&self, check: &mut Check<D>) -> Result<(), Error<D>> {
         self.validate()?;
         self.check_probes()?;
-        let systems = self.systems()?;
+        let time = self.last_time();
+        let last = |error| self.in_step(self.times.len(), error);
+        let systems = self.systems(time).map_err(last)?;
         for (body, system) in self.bodies.iter().zip(&systems) {
             let found = check_body(body, system);
             if found.worst_quality < POOR {
@@ -95,7 +98,8 @@ impl<const D: usize> Model<D> {
             }
             check.bodies.push(found);
         }
-        let mut paired = pair_all(self, &systems)?;
+        let constraints: Vec<&Constraints<D>> = systems.iter().map(|s| &s.constraints).collect();
+        let mut paired = pair_all(self, &constraints, time).map_err(last)?;
         check
             .warnings
             .extend(drop_dependent(self, &systems, &mut paired));
@@ -137,20 +141,41 @@ impl<const D: usize> Model<D> {
             }
             check.contacts.push(found);
         }
-        let (rows, gaps) = body_rows(self, &systems, &paired);
+        let rows = body_rows(self, &systems, &paired);
         let loaded = systems
             .into_iter()
             .zip(rows)
             .map(|(system, rows)| LoadedBody::new(system, rows));
-        let bodies: Vec<LoadedBody<D>> = loaded.collect();
-        let floating = Floating::new(self, &bodies, &gaps)?;
+        let mut bodies: Vec<LoadedBody<D>> = loaded.collect();
+        let mut floating = Floating::new(self, &bodies, &initial_gaps(&paired)).map_err(last)?;
         check.warnings.extend(floating.warnings.iter().cloned());
         self.describe_floating(&floating, &paired, check);
-        let admissible = admissible_set(&paired);
+        self.check_balance(&floating, &bodies, &paired)
+            .map_err(last)?;
+        for (index, &time) in self.times.iter().enumerate().rev().skip(1) {
+            let at = |error| self.in_step(index + 1, error);
+            (bodies, paired) = self.driven(bodies, paired, time).map_err(at)?;
+            floating = floating
+                .at_time(self, &bodies, &initial_gaps(&paired))
+                .map_err(at)?;
+            self.check_balance(&floating, &bodies, &paired)
+                .map_err(at)?;
+        }
+        Ok(())
+    }
+
+    /// Errors: a load that no contact force can balance.
+    fn check_balance(
+        &self,
+        floating: &Floating,
+        bodies: &[LoadedBody<D>],
+        paired: &[Paired<D>],
+    ) -> Result<(), Error<D>> {
+        let admissible = admissible_set(paired);
         match Feasibility::of(&admissible, &floating.equilibrium, 0.0) {
             Feasibility::Feasible { .. } => Ok(()),
             Feasibility::Infeasible { direction } => {
-                Err(floating.pulled_away(self, &bodies, &direction))
+                Err(floating.pulled_away(self, bodies, &direction))
             }
         }
     }

@@ -41,7 +41,7 @@ pub struct Comparison {
 const SWEEP_ITERATIONS: usize = 20_000;
 
 impl<const D: usize> Model<D> {
-    /// Runs every named method on the model.
+    /// Runs every named method on the last load step of the model, each from its own start.
     ///
     /// Errors: those of [`Model::solve`] that come before the contact solver.
     pub fn compare(&self, observe: &mut dyn FnMut(Event)) -> Result<Vec<ComparisonRow>, Error<D>> {
@@ -100,7 +100,8 @@ struct Bench<const D: usize> {
 
 impl<const D: usize> Bench<D> {
     fn new(model: &Model<D>, observe: &mut dyn FnMut(Event)) -> Result<Self, Error<D>> {
-        let condensed = model.condense(DENSE_LIMIT, observe)?;
+        model.validate()?;
+        let condensed = model.condense(model.last_time(), DENSE_LIMIT, observe)?;
         let newton = model.run_solver(
             &condensed,
             Method::Newton,

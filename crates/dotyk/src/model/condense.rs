@@ -61,7 +61,7 @@ pub(crate) struct LoadedBody<const D: usize> {
 
 impl<const D: usize> LoadedBody<D> {
     /// Adds the lift of the prescribed displacements to the load.
-    pub fn new(system: BodySystem<D>, rows: BodyRows) -> Self {
+    pub fn new(system: BodySystem<D>, rows: Arc<BodyRows>) -> Self {
         let mut reduced_load = system.load.clone();
         if system.lift.iter().any(|&value| value != 0.0) {
             let mut product = vec![0.0; reduced_load.len()];
@@ -80,7 +80,7 @@ impl<const D: usize> LoadedBody<D> {
         }
         Self {
             system,
-            rows: Arc::new(rows),
+            rows,
             reduced_load,
         }
     }
@@ -94,17 +94,35 @@ pub(crate) struct FactoredBody {
     pub base: Vec<f64>,
 }
 
-/// Collects the rows of B of every body and the gaps g₀ of all multipliers.
+impl FactoredBody {
+    /// Solves for the displacement without contact.
+    pub fn new<const D: usize>(body: &LoadedBody<D>, factor: Arc<Cholesky>) -> Self {
+        let mut base = body.reduced_load.clone();
+        factor.solve(&mut base);
+        base.iter_mut()
+            .zip(&body.system.lift)
+            .for_each(|(u, lift)| *u += lift);
+        Self { factor, base }
+    }
+}
+
+/// The gaps g₀ of all multipliers.
+pub(crate) fn initial_gaps<const D: usize>(paired: &[Paired<D>]) -> Vec<f64> {
+    let each = paired.iter().map(|contact| contact.interface.gaps());
+    each.flatten().collect()
+}
+
+/// Collects the rows of B of every body.
 pub(crate) fn body_rows<const D: usize>(
     model: &Model<D>,
     systems: &[BodySystem<D>],
     paired: &[Paired<D>],
-) -> (Vec<BodyRows>, Vec<f64>) {
+) -> Vec<Arc<BodyRows>> {
     let mut triplets: Vec<Vec<(usize, usize, f64)>> = vec![Vec::new(); model.bodies.len()];
-    let mut gaps = Vec::new();
+    let mut next = 0;
     for contact in paired {
-        let start = gaps.len();
-        gaps.extend(contact.interface.gaps());
+        let start = next;
+        next += contact.interface.nonmortar.len();
         let mut add = |body: usize, rows: &[crate::contact::Row<D>]| {
             for (local, row) in rows.iter().enumerate() {
                 for &(node, coefficients) in row {
@@ -122,7 +140,7 @@ pub(crate) fn body_rows<const D: usize>(
             add(mortar.body.0, &contact.interface.mortar);
         }
     }
-    let rows = triplets
+    triplets
         .into_iter()
         .zip(systems)
         .map(|(triplets, system)| {
@@ -134,10 +152,9 @@ pub(crate) fn body_rows<const D: usize>(
                 .map(|(row, dof, value)| (index.partition_point(|&i| i < row), dof, value))
                 .collect();
             let matrix = SparseMatrix::from_triplets(index.len(), system.load.len(), &local);
-            BodyRows { index, matrix }
+            Arc::new(BodyRows { index, matrix })
         })
-        .collect();
-    (rows, gaps)
+        .collect()
 }
 
 /// Elimination order of one body, with its symbolic analysis.
@@ -263,31 +280,12 @@ fn singular<const D: usize>(model: &Model<D>, body: usize, source: LinalgError) 
     }
 }
 
-/// Solves for the displacement without contact.
-pub(crate) fn base_solution<const D: usize>(
-    body: &LoadedBody<D>,
-    factor: Cholesky,
-) -> FactoredBody {
-    let mut base = body.reduced_load.clone();
-    factor.solve(&mut base);
-    base.iter_mut()
-        .zip(&body.system.lift)
-        .for_each(|(u, lift)| *u += lift);
-    FactoredBody {
-        factor: Arc::new(factor),
-        base,
-    }
-}
-
-/// F and d of all bodies.
-pub(crate) fn compliance_and_overlap<const D: usize>(
+/// d of all bodies: by how much they overlap where there is no contact force.
+pub(crate) fn overlap<const D: usize>(
     bodies: &[LoadedBody<D>],
     factored: &[FactoredBody],
-    ordered: &[Ordered],
     gaps: &[f64],
-    dense: bool,
-) -> (Compliance, Vec<f64>) {
-    let m = gaps.len();
+) -> Vec<f64> {
     let mut overlap: Vec<f64> = gaps.iter().map(|gap| -gap).collect();
     // rigid motions first: they may cancel a clearance that is large beside the strains
     for body in bodies {
@@ -303,16 +301,24 @@ pub(crate) fn compliance_and_overlap<const D: usize>(
     if overlap.iter().all(|d| d.abs() <= ROUNDING * largest) {
         overlap.fill(0.0);
     }
+    overlap
+}
+
+/// F of all bodies: (m, m), assembled where `dense`.
+pub(crate) fn compliance<const D: usize>(
+    bodies: &[LoadedBody<D>],
+    factored: &[FactoredBody],
+    ordered: &[Ordered],
+    m: usize,
+    dense: bool,
+) -> Compliance {
     if !dense {
         let apply = Box::new(CompliantBodies::new(m, bodies, factored));
         let preconditioner = Box::new(BoundaryStiffness::new(m, bodies));
-        return (
-            Compliance::Operator {
-                apply,
-                preconditioner,
-            },
-            overlap,
-        );
+        return Compliance::Operator {
+            apply,
+            preconditioner,
+        };
     }
     let blocks: Vec<Mat<f64>> = (bodies, factored, ordered)
         .into_par_iter()
@@ -327,7 +333,7 @@ pub(crate) fn compliance_and_overlap<const D: usize>(
             }
         }
     }
-    (Compliance::Dense(f), overlap)
+    Compliance::Dense(f)
 }
 
 /// F of one body on its own rows: XᵀX with X = L_c⁻¹ B_cᵀ.

@@ -24,6 +24,7 @@ impl<const D: usize> Error<D> {
             | Self::PulledAway { body, .. } => Some(Subject::Body(body.clone())),
             Self::Contact { contact, .. } => Some(Subject::Contact(contact.clone())),
             Self::Probe { probe, .. } => Some(Subject::Probe(probe.clone())),
+            Self::Step { source, .. } => source.subject(),
             Self::Model(_) | Self::Solver(_) | Self::NotConverged { .. } => None,
         }
     }
@@ -86,6 +87,16 @@ pub enum Error<const D: usize> {
     /// The contact solver cannot treat the problem.
     #[error("solver: {0}")]
     Solver(String),
+    /// One load step of several has no answer.
+    #[error("step {step} (t = {time}): {source}")]
+    Step {
+        /// From 1.
+        step: usize,
+        /// Its time.
+        time: f64,
+        /// What is wrong there.
+        source: Box<Error<D>>,
+    },
     /// The certificate does not hold; carries the last iterate.
     #[error("not converged: {reason}")]
     NotConverged {
@@ -93,5 +104,7 @@ pub enum Error<const D: usize> {
         reason: String,
         /// The last iterate, with `converged` false.
         solution: Box<Solution<D>>,
+        /// The load steps before it, which have converged.
+        earlier: Vec<Solution<D>>,
     },
 }

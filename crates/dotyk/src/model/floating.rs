@@ -31,8 +31,7 @@ pub(crate) struct Floating {
 }
 
 impl Floating {
-    /// Sets up G and e for contacts with these initial gaps. Errors: a body that floats without any contact in reach, or
-    /// whose load drives what nothing controls.
+    /// Sets up G and e for contacts with these initial gaps. Errors: as [`Self::at_time`].
     pub fn new<const D: usize>(
         model: &Model<D>,
         bodies: &[LoadedBody<D>],
@@ -46,7 +45,6 @@ impl Floating {
             .collect();
         let r = modes.len();
         let mut g = Mat::<f64>::zeros(r, m);
-        let mut e = vec![0.0; r];
         for (k, &(body, mode)) in modes.iter().enumerate() {
             let b = &bodies[body];
             let column = &b.system.modes[mode];
@@ -58,37 +56,15 @@ impl Floating {
                     .map(|(dof, value)| value * column[dof])
                     .sum();
             }
-            // a free mode strains nothing: what is prescribed does no work on it
-            e[k] = column.iter().zip(&b.system.load).map(|(r, f)| r * f).sum();
-        }
-        for &(body, _) in &modes {
-            if let Some(reason) = unreachable_contacts(model, body, &bodies[body], gaps) {
-                let count = bodies[body].system.modes.len();
-                let motions =
-                    (0..count).map(|mode| describe(model, bodies, body, |k| f64::from(k == mode)));
-                return Err(Error::NotHeld {
-                    body: model.bodies[body].name.clone(),
-                    motion: motions.collect::<Vec<_>>().join(", "),
-                    reason,
-                });
-            }
         }
         let split = uncontrolled_modes(&g);
-        let mut warnings = Vec::new();
-        for j in 0..split.uncontrolled.ncols() {
-            let z: Vec<f64> = (0..r).map(|k| split.uncontrolled[(k, j)]).collect();
-            warnings.push(check_undriven(model, bodies, &modes, &z, &e)?);
-        }
-        let silent = NO_WORK * load_scale(bodies, &modes);
-        let loads = e.iter().map(|&e| if e.abs() > silent { e } else { 0.0 });
-        let loads = loads.collect();
         let (controlled, equilibrium) = if split.uncontrolled.ncols() == 0 {
             (
                 Mat::<f64>::identity(r, r),
                 Equilibrium {
                     moments: moments(bodies, &modes),
                     modes: g.clone(),
-                    load: e,
+                    load: vec![0.0; r],
                 },
             )
         } else {
@@ -96,20 +72,55 @@ impl Floating {
             let reduced = Mat::from_fn(c.ncols(), m, |j, i| {
                 (0..r).map(|k| c[(k, j)] * g[(k, i)]).sum::<f64>()
             });
-            let load = (0..c.ncols())
-                .map(|j| (0..r).map(|k| c[(k, j)] * e[k]).sum())
-                .collect();
+            let load = vec![0.0; c.ncols()];
             (c, Equilibrium::new(reduced, load))
         };
-        Ok(Self {
+        let unloaded = Self {
             modes,
             controlled,
             uncontrolled: split.uncontrolled,
             all: g,
-            loads,
+            loads: vec![0.0; r],
             equilibrium,
-            warnings,
-        })
+            warnings: Vec::new(),
+        };
+        unloaded.at_time(model, bodies, gaps)
+    }
+
+    /// The same motions under the loads and initial gaps of another time: G stays, e is taken anew. Errors: a body that
+    /// floats without any contact in reach, or whose load drives what nothing controls.
+    pub fn at_time<const D: usize>(
+        mut self,
+        model: &Model<D>,
+        bodies: &[LoadedBody<D>],
+        gaps: &[f64],
+    ) -> Result<Self, Error<D>> {
+        reachable(model, bodies, &self.modes, gaps)?;
+        let r = self.modes.len();
+        // a free mode strains nothing: what is prescribed does no work on it
+        let work = |&(body, mode): &(usize, usize)| -> f64 {
+            let system = &bodies[body].system;
+            let both = system.modes[mode].iter().zip(&system.load);
+            both.map(|(r, f)| r * f).sum()
+        };
+        let e: Vec<f64> = self.modes.iter().map(work).collect();
+        self.warnings.clear();
+        for j in 0..self.uncontrolled.ncols() {
+            let z: Vec<f64> = (0..r).map(|k| self.uncontrolled[(k, j)]).collect();
+            let warning = check_undriven(model, bodies, &self.modes, &z, &e)?;
+            self.warnings.push(warning);
+        }
+        let silent = NO_WORK * load_scale(bodies, &self.modes);
+        let loads = e.iter().map(|&e| if e.abs() > silent { e } else { 0.0 });
+        self.loads = loads.collect();
+        self.equilibrium.load = if self.uncontrolled.ncols() == 0 {
+            e
+        } else {
+            (0..self.controlled.ncols())
+                .map(|j| (0..r).map(|k| self.controlled[(k, j)] * e[k]).sum())
+                .collect()
+        };
+        Ok(self)
     }
 
     /// Work of a unit force of multiplier i on mode k.
@@ -161,6 +172,28 @@ impl Floating {
 
 /// A clearance of more diameters of the body than this cannot be meant: strains would drown in rounding.
 const OUT_OF_REACH: f64 = 1e6;
+
+/// Errors: a body that floats, and no contact is in reach.
+fn reachable<const D: usize>(
+    model: &Model<D>,
+    bodies: &[LoadedBody<D>],
+    modes: &[(usize, usize)],
+    gaps: &[f64],
+) -> Result<(), Error<D>> {
+    for &(body, _) in modes {
+        if let Some(reason) = unreachable_contacts(model, body, &bodies[body], gaps) {
+            let count = bodies[body].system.modes.len();
+            let motions =
+                (0..count).map(|mode| describe(model, bodies, body, |k| f64::from(k == mode)));
+            return Err(Error::NotHeld {
+                body: model.bodies[body].name.clone(),
+                motion: motions.collect::<Vec<_>>().join(", "),
+                reason,
+            });
+        }
+    }
+    Ok(())
+}
 
 /// Why no contact can hold a floating body; `None` when one may.
 fn unreachable_contacts<const D: usize>(

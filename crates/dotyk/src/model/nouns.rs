@@ -247,6 +247,14 @@ pub struct Model<const D: usize> {
     pub solver: SolverOptions<D>,
     /// What to read off.
     pub probes: Vec<Probe<D>>,
-    /// Time at which loads and supports are taken.
-    pub time: f64,
+    /// Times of the load steps, strictly increasing: loads, prescribed displacements, gaps and the motion of obstacles
+    /// are taken at these times.
+    pub times: Vec<f64>,
+}
+
+impl<const D: usize> Model<D> {
+    /// Time of the last load step.
+    pub fn last_time(&self) -> f64 {
+        self.times.last().copied().unwrap_or(1.0)
+    }
 }

@@ -5,8 +5,8 @@ use crate::contact::{
     pair_obstacle, unmatched_facing,
 };
 use crate::dual::{AdmissibleSet, Block};
-use crate::fem::{BodySystem, FemError, node_normals, show, side_facets};
-use crate::geometry::dot;
+use crate::fem::{Constraints, FemError, node_normals, show, side_facets};
+use crate::geometry::{Field, dot};
 use crate::model::error::Error;
 use crate::model::nouns::*;
 use rayon::prelude::*;
@@ -29,23 +29,65 @@ pub(crate) struct Paired<const D: usize> {
     pub warnings: Vec<String>,
 }
 
-/// Pairs all contacts.
+/// Pairs all contacts, with the gaps at a time.
 pub(crate) fn pair_all<const D: usize>(
     model: &Model<D>,
-    systems: &[BodySystem<D>],
+    constraints: &[&Constraints<D>],
+    time: f64,
 ) -> Result<Vec<Paired<D>>, Error<D>> {
-    model
-        .contacts
-        .par_iter()
-        .map(|contact| {
-            let pairing = Contacting {
+    let contacting = |contact| Contacting {
+        model,
+        constraints,
+        contact,
+        time,
+    };
+    let contacts = model.contacts.par_iter();
+    contacts.map(|contact| contacting(contact).pair()).collect()
+}
+
+/// The same pairs with the gaps and the motion of obstacles at another time; rows, weights and roles stay.
+pub(crate) fn gaps_at<const D: usize>(
+    model: &Model<D>,
+    constraints: &[&Constraints<D>],
+    paired: Vec<Paired<D>>,
+    time: f64,
+) -> Result<Vec<Paired<D>>, Error<D>> {
+    let at_time = |(contact, mut before): (&Contact<D>, Paired<D>)| {
+        if moves(contact) {
+            let contacting = Contacting {
                 model,
-                systems,
+                constraints,
                 contact,
+                time,
             };
-            pairing.pair()
-        })
-        .collect()
+            let now = contacting.pair()?;
+            before.obstacle_motion = now.obstacle_motion;
+            let nodes = before.interface.nodes.iter_mut();
+            nodes
+                .zip(now.interface.nodes)
+                .for_each(|(node, now)| node.gap = now.gap);
+        }
+        Ok(before)
+    };
+    let both = model.contacts.par_iter().zip(paired);
+    both.map(at_time).collect()
+}
+
+/// Whether the initial gap of a contact may depend on time.
+fn moves<const D: usize>(contact: &Contact<D>) -> bool {
+    let varies = |field: &Field| field.as_constant().is_none();
+    match (&contact.pair, &contact.gap) {
+        (Pair::Obstacle { obstacle, .. }, _) => {
+            let shape = matches!(&obstacle.shape, Rigid::Gap(gap) if varies(gap));
+            let motion = match &obstacle.motion {
+                Motion::Prescribed(displacement) => displacement.iter().any(varies),
+                Motion::Loaded(_) => false,
+            };
+            shape || motion
+        }
+        (_, Some(Gap::Given(field))) => varies(field),
+        _ => false,
+    }
 }
 
 /// Λ of all contacts, in the order of their rows.
@@ -67,8 +109,9 @@ pub(crate) fn admissible_set<const D: usize>(paired: &[Paired<D>]) -> Admissible
 /// One contact on its way to becoming an interface.
 struct Contacting<'a, const D: usize> {
     model: &'a Model<D>,
-    systems: &'a [BodySystem<D>],
+    constraints: &'a [&'a Constraints<D>],
     contact: &'a Contact<D>,
+    time: f64,
 }
 
 impl<'a, const D: usize> Contacting<'a, D> {
@@ -117,7 +160,7 @@ impl<'a, const D: usize> Contacting<'a, D> {
         End {
             body: &self.model.bodies[side.body.0],
             side: &side.side,
-            constraints: &self.systems[side.body.0].constraints,
+            constraints: self.constraints[side.body.0],
         }
     }
 
@@ -126,7 +169,7 @@ impl<'a, const D: usize> Contacting<'a, D> {
         let mut motion = [0.0; D];
         if let Motion::Prescribed(fields) = &obstacle.motion {
             for (component, field) in motion.iter_mut().zip(fields) {
-                *component = field.at([0.0; D], self.model.time);
+                *component = field.at([0.0; D], self.time);
                 if !component.is_finite() {
                     return Err(Error::Model(format!(
                         "contact \"{}\": the displacement of the obstacle, {field}, is not finite",
@@ -145,7 +188,7 @@ impl<'a, const D: usize> Contacting<'a, D> {
         motion: [f64; D],
         coupling: Coupling,
     ) -> Result<Interface<D>, ContactError> {
-        let (analysis, time) = (self.model.analysis, self.model.time);
+        let (analysis, time) = (self.model.analysis, self.time);
         let end = self.end(nonmortar);
         let nodal = || pair_obstacle(end, &obstacle.shape, motion, coupling, analysis, time);
         let integrated = || {
@@ -183,7 +226,7 @@ impl<'a, const D: usize> Contacting<'a, D> {
                     self.gap(default),
                     coupling,
                     self.model.analysis,
-                    self.model.time,
+                    self.time,
                 )?
             }
         };
@@ -217,7 +260,7 @@ impl<'a, const D: usize> Contacting<'a, D> {
         let [nonmortar, mortar] = ends;
         let nodal = || {
             let gap = self.gap(InitialGap::Closed);
-            let (analysis, time) = (self.model.analysis, self.model.time);
+            let (analysis, time) = (self.model.analysis, self.time);
             pair_nodes(nonmortar, mortar, gap, coupling, analysis, time)
         };
         match (self.contact.pairing, unmatched_facing(nonmortar, mortar)?) {

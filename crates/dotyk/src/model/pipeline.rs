@@ -1,18 +1,22 @@
 //! assemble → order → factor → condense → solve → recover, each stage a function of the one before.
+//!
+//! Load steps share everything but the data of their times: stiffness, factors, pairs and F are made once. A step takes
+//! loads, prescribed displacements and gaps anew, which changes d and e alone, and begins from the answer of the step
+//! before it.
 
 use crate::contact::InterfaceNode;
 use crate::dual::{DualProblem, Multipliers, Scales};
-use crate::fem::{BodySystem, assemble, show};
+use crate::fem::{BodySystem, Constraints, FemError, assemble, show};
 use crate::geometry::{bounding_box, distance, norm};
 use crate::model::condense::{
-    DENSE_LIMIT, FactoredBody, LoadedBody, Ordered, base_solution, body_rows,
-    compliance_and_overlap, factor, order,
+    DENSE_LIMIT, FactoredBody, LoadedBody, Ordered, body_rows, compliance, factor, initial_gaps,
+    order, overlap,
 };
 use crate::model::dependent::drop_dependent;
 use crate::model::error::Error;
 use crate::model::floating::Floating;
 use crate::model::nouns::*;
-use crate::model::pair::{Paired, admissible_set, pair_all};
+use crate::model::pair::{Paired, admissible_set, gaps_at, pair_all};
 use crate::model::recover::{Judged, judge};
 use crate::model::solution::*;
 use crate::solve::{
@@ -21,11 +25,21 @@ use crate::solve::{
 use rayon::prelude::*;
 use std::collections::BTreeSet;
 use std::ops::ControlFlow;
+use std::sync::Arc;
 use std::time::Instant;
 
 /// What an observer of [`Model::solve_with`] is told.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Event {
+    /// A load step begins; its stages and iterations follow.
+    Step {
+        /// From 1.
+        step: usize,
+        /// Number of steps of the model.
+        steps: usize,
+        /// Its time.
+        time: f64,
+    },
     /// A stage begins.
     Stage(&'static str),
     /// An iteration of the contact solver is done.
@@ -39,7 +53,7 @@ pub enum Event {
     },
 }
 
-/// The bodies of a model condensed onto the contact unknowns.
+/// The bodies of a model condensed onto the contact unknowns, at one time.
 pub(crate) struct Condensed<const D: usize> {
     pub bodies: Vec<LoadedBody<D>>,
     pub factored: Vec<FactoredBody>,
@@ -47,28 +61,109 @@ pub(crate) struct Condensed<const D: usize> {
     pub gaps: Vec<f64>,
     pub floating: Floating,
     pub problem: DualProblem,
+    /// What the user should know of the pairs.
     pub warnings: Vec<String>,
+    /// Spent so far, earlier steps included.
     pub seconds: Seconds,
+    pub time: f64,
+}
+
+/// A load step that is done: what the next one begins from.
+struct Step<const D: usize> {
+    multipliers: Multipliers,
+    solution: Solution<D>,
+}
+
+impl<const D: usize> Step<D> {
+    /// The answer as a starting point. Contacts that bear nothing tell nothing: the solver's own start is better.
+    fn guess(&self) -> Option<&Multipliers> {
+        let touching = self.multipliers.lambda.iter().any(|&force| force != 0.0);
+        touching.then_some(&self.multipliers)
+    }
 }
 
 impl<const D: usize> Model<D> {
-    /// Solves the model.
+    /// Solves the model and returns the solution of its last load step.
     ///
     /// Errors: see [`Error`]; `NotConverged` carries the last iterate.
     pub fn solve(&self) -> Result<Solution<D>, Error<D>> {
         self.solve_with(&mut |_| {})
     }
 
-    /// Solves the model and tells an observer what happens.
+    /// The same, and tells an observer what happens.
     ///
     /// Errors: see [`Error`]; `NotConverged` carries the last iterate.
     pub fn solve_with(&self, observe: &mut dyn FnMut(Event)) -> Result<Solution<D>, Error<D>> {
+        let last = self.solve_steps_with(observe)?.pop();
+        last.ok_or_else(|| Error::Model(NO_STEP.to_string()))
+    }
+
+    /// Solves all load steps and returns their solutions in the order of the times, at least one.
+    ///
+    /// Errors: see [`Error`]; `NotConverged` carries the last iterate and the steps before it.
+    pub fn solve_steps(&self) -> Result<Vec<Solution<D>>, Error<D>> {
+        self.solve_steps_with(&mut |_| {})
+    }
+
+    /// The same, and tells an observer what happens.
+    ///
+    /// Errors: see [`Error`]; `NotConverged` carries the last iterate and the steps before it.
+    pub fn solve_steps_with(
+        &self,
+        observe: &mut dyn FnMut(Event),
+    ) -> Result<Vec<Solution<D>>, Error<D>> {
         let start = Instant::now();
-        let mut condensed = self.condense(DENSE_LIMIT, observe)?;
+        self.validate()?;
+        let mut done: Vec<Step<D>> = Vec::with_capacity(self.times.len());
+        let mut condensed: Option<Condensed<D>> = None;
+        for (index, &time) in self.times.iter().enumerate() {
+            let (step, steps) = (index + 1, self.times.len());
+            observe(Event::Step { step, steps, time });
+            let here = match condensed.take() {
+                None => self.condense(time, DENSE_LIMIT, observe),
+                Some(before) => self.advance(before, time, observe),
+            };
+            let mut here = here.map_err(|error| self.in_step(step, error))?;
+            let solved = self.solve_step(&mut here, done.last(), start, observe);
+            let (solved, objection) = solved.map_err(|error| self.in_step(step, error))?;
+            if let Some(reason) = objection {
+                return Err(Error::NotConverged {
+                    reason,
+                    solution: Box::new(solved.solution),
+                    earlier: done.into_iter().map(|step| step.solution).collect(),
+                });
+            }
+            done.push(solved);
+            condensed = Some(here);
+        }
+        Ok(done.into_iter().map(|step| step.solution).collect())
+    }
+
+    /// An error of one step of several, which its message names.
+    pub(crate) fn in_step(&self, step: usize, error: Error<D>) -> Error<D> {
+        match self.times[..] {
+            [_] => error,
+            _ => Error::Step {
+                step,
+                time: self.times[step - 1],
+                source: Box::new(error),
+            },
+        }
+    }
+
+    /// Solves the contact problem of one step from the answer of the step before it, and why it is not an answer.
+    fn solve_step(
+        &self,
+        condensed: &mut Condensed<D>,
+        previous: Option<&Step<D>>,
+        start: Instant,
+        observe: &mut dyn FnMut(Event),
+    ) -> Result<(Step<D>, Option<String>), Error<D>> {
         observe(Event::Stage("contact"));
         let clock = Instant::now();
-        let (attempt, judged) = self.certified_attempt(&mut condensed, observe)?;
-        condensed.seconds.contact = clock.elapsed().as_secs_f64();
+        let guess = previous.and_then(Step::guess);
+        let (attempt, judged) = self.certified_attempt(condensed, guess, observe)?;
+        condensed.seconds.contact += clock.elapsed().as_secs_f64();
         self.finish(condensed, attempt, judged, start, observe)
     }
 
@@ -76,11 +171,13 @@ impl<const D: usize> Model<D> {
     /// the order of the contacts and, within one, of [`crate::model::ContactSolution::nodes`] (nodes whose normal
     /// displacement is prescribed have none).
     ///
-    /// F is assembled up to `dense_limit` unknowns ([`DENSE_LIMIT`] in [`Self::solve`]); above, each product is one solve
-    /// with every body.
+    /// It is that of the last load step. F is assembled up to `dense_limit` unknowns ([`DENSE_LIMIT`] in
+    /// [`Self::solve`]); above, each product is one solve with every body.
     /// Errors: as [`Self::solve`], but for those of the contact solver.
     pub fn dual_problem(&self, dense_limit: usize) -> Result<DualProblem, Error<D>> {
-        Ok(self.condense(dense_limit, &mut |_| {})?.problem)
+        self.validate()?;
+        let condensed = self.condense(self.last_time(), dense_limit, &mut |_| {})?;
+        Ok(condensed.problem)
     }
 
     /// Runs the solver until the certificate holds.
@@ -92,11 +189,12 @@ impl<const D: usize> Model<D> {
     fn certified_attempt(
         &self,
         condensed: &mut Condensed<D>,
+        guess: Option<&Multipliers>,
         observe: &mut dyn FnMut(Event),
     ) -> Result<(Attempt, Judged<D>), Error<D>> {
         let mut tolerance = self.solver.tolerance;
-        let mut attempt =
-            self.run_solver(condensed, self.solver.method, tolerance, None, observe)?;
+        let method = self.solver.method;
+        let mut attempt = self.run_solver(condensed, method, tolerance, guess, observe)?;
         let mut judged = judge(self, condensed, &attempt.outcome.multipliers)?;
         for _ in 0..3 {
             if attempt.failure.is_some() || judged.certificate.holds() {
@@ -119,41 +217,33 @@ impl<const D: usize> Model<D> {
             {
                 *d -= gap - known;
             }
-            let further = self.run_solver(
-                condensed,
-                self.solver.method,
-                tolerance,
-                Some(&guess),
-                observe,
-            )?;
+            let further = self.run_solver(condensed, method, tolerance, Some(&guess), observe)?;
             attempt = attempt.followed_by(further);
             judged = judge(self, condensed, &attempt.outcome.multipliers)?;
         }
         Ok((attempt, judged))
     }
 
-    /// Everything before the contact solver: the bodies as a dual problem of at most `dense_limit` assembled unknowns.
+    /// Everything before the contact solver: the bodies at a time as a dual problem of at most `dense_limit` assembled
+    /// unknowns. The model must be valid.
     pub(crate) fn condense(
         &self,
+        time: f64,
         dense_limit: usize,
         observe: &mut dyn FnMut(Event),
     ) -> Result<Condensed<D>, Error<D>> {
-        self.validate()?;
         let mut seconds = Seconds::default();
-        let mut clock = Instant::now();
-        let mut lap = || {
-            std::mem::replace(&mut clock, Instant::now())
-                .elapsed()
-                .as_secs_f64()
-        };
+        let mut lap = Lap::start();
         observe(Event::Stage("assemble"));
         self.check_probes()?;
-        let systems = self.systems()?;
-        let mut paired = pair_all(self, &systems)?;
+        let systems = self.systems(time)?;
+        let constraints: Vec<&Constraints<D>> = systems.iter().map(|s| &s.constraints).collect();
+        let mut paired = pair_all(self, &constraints, time)?;
         let mut warnings = drop_dependent(self, &systems, &mut paired);
         warnings.extend(paired.iter().flat_map(|pair| pair.warnings.clone()));
-        let (rows, gaps) = body_rows(self, &systems, &paired);
-        seconds.assemble = lap();
+        let rows = body_rows(self, &systems, &paired);
+        let gaps = initial_gaps(&paired);
+        seconds.assemble = lap.seconds();
         let dense = gaps.len() <= dense_limit;
         observe(Event::Stage("order"));
         let ordered: Vec<Ordered> = (&systems, &rows)
@@ -161,7 +251,7 @@ impl<const D: usize> Model<D> {
             .enumerate()
             .map(|(body, (s, r))| order(self, body, s, r, dense))
             .collect::<Result<_, _>>()?;
-        seconds.order = lap();
+        seconds.order = lap.seconds();
         observe(Event::Stage("factor"));
         let loaded = systems
             .into_par_iter()
@@ -169,18 +259,17 @@ impl<const D: usize> Model<D> {
             .map(|(system, rows)| LoadedBody::new(system, rows));
         let bodies: Vec<LoadedBody<D>> = loaded.collect();
         let factored = self.factor_bodies(&bodies, &ordered)?;
-        seconds.factor = lap();
+        seconds.factor = lap.seconds();
         observe(Event::Stage("condense"));
-        let (compliance, shift) =
-            compliance_and_overlap(&bodies, &factored, &ordered, &gaps, dense);
+        let compliance = compliance(&bodies, &factored, &ordered, gaps.len(), dense);
         let floating = Floating::new(self, &bodies, &gaps)?;
         let equilibrium = floating.equilibrium.clone();
         let admissible = admissible_set(&paired);
+        let shift = overlap(&bodies, &factored, &gaps);
         let mut problem = DualProblem::new(compliance, shift, admissible, equilibrium)
             .map_err(|error| Error::Solver(error.to_string()))?;
-        problem.scales = self.scales(&bodies, &factored, &problem);
-        seconds.condense = lap();
-        warnings.extend(floating.warnings.iter().cloned());
+        problem.scales = self.scales(&bodies, &factored, &problem.shift);
+        seconds.condense = lap.seconds();
         Ok(Condensed {
             bodies,
             factored,
@@ -190,20 +279,77 @@ impl<const D: usize> Model<D> {
             problem,
             warnings,
             seconds,
+            time,
         })
     }
 
-    /// Assembles all bodies.
-    pub(crate) fn systems(&self) -> Result<Vec<BodySystem<D>>, Error<D>> {
-        self.bodies
-            .par_iter()
-            .map(|body| {
-                assemble(body, self.analysis, self.time).map_err(|source| Error::Body {
-                    body: body.name.clone(),
-                    source,
-                })
+    /// The same bodies at another time: d and e are taken anew, all else stays.
+    fn advance(
+        &self,
+        before: Condensed<D>,
+        time: f64,
+        observe: &mut dyn FnMut(Event),
+    ) -> Result<Condensed<D>, Error<D>> {
+        let mut lap = Lap::start();
+        let mut seconds = before.seconds;
+        observe(Event::Stage("loads"));
+        let (bodies, paired) = self.driven(before.bodies, before.paired, time)?;
+        let gaps = initial_gaps(&paired);
+        seconds.assemble += lap.seconds();
+        observe(Event::Stage("condense"));
+        let factored: Vec<FactoredBody> = (&bodies, before.factored)
+            .into_par_iter()
+            .map(|(body, factored)| FactoredBody::new(body, factored.factor))
+            .collect();
+        let floating = before.floating.at_time(self, &bodies, &gaps)?;
+        let mut problem = before.problem;
+        problem.equilibrium = floating.equilibrium.clone();
+        problem.shift = overlap(&bodies, &factored, &gaps);
+        problem
+            .check()
+            .map_err(|error| Error::Solver(error.to_string()))?;
+        problem.scales = self.scales(&bodies, &factored, &problem.shift);
+        seconds.condense += lap.seconds();
+        Ok(Condensed {
+            bodies,
+            factored,
+            paired,
+            gaps,
+            floating,
+            problem,
+            warnings: before.warnings,
+            seconds,
+            time,
+        })
+    }
+
+    /// Bodies and pairs with the loads, prescribed displacements and gaps of another time.
+    pub(crate) fn driven(
+        &self,
+        bodies: Vec<LoadedBody<D>>,
+        paired: Vec<Paired<D>>,
+        time: f64,
+    ) -> Result<(Vec<LoadedBody<D>>, Vec<Paired<D>>), Error<D>> {
+        let bodies: Vec<LoadedBody<D>> = (&self.bodies, bodies)
+            .into_par_iter()
+            .map(|(body, loaded)| {
+                let system = loaded.system.at_time(body, self.analysis, time);
+                let system = system.map_err(|source| in_body(body, source))?;
+                Ok(LoadedBody::new(system, loaded.rows))
             })
-            .collect()
+            .collect::<Result<_, _>>()?;
+        let constraints: Vec<&Constraints<D>> =
+            bodies.iter().map(|b| &b.system.constraints).collect();
+        let paired = gaps_at(self, &constraints, paired, time)?;
+        Ok((bodies, paired))
+    }
+
+    /// Assembles all bodies at a time.
+    pub(crate) fn systems(&self, time: f64) -> Result<Vec<BodySystem<D>>, Error<D>> {
+        let bodies = self.bodies.par_iter();
+        let system =
+            |body| assemble(body, self.analysis, time).map_err(|source| in_body(body, source));
+        bodies.map(system).collect()
     }
 
     fn factor_bodies(
@@ -213,21 +359,14 @@ impl<const D: usize> Model<D> {
     ) -> Result<Vec<FactoredBody>, Error<D>> {
         let each = bodies.par_iter().zip(ordered).enumerate();
         each.map(|(index, (body, ordered))| {
-            Ok(base_solution(
-                body,
-                factor(self, index, &body.system, ordered)?,
-            ))
+            let factor = factor(self, index, &body.system, ordered)?;
+            Ok(FactoredBody::new(body, Arc::new(factor)))
         })
         .collect()
     }
 
     /// The scales of the certificate: see its documentation.
-    fn scales(
-        &self,
-        bodies: &[LoadedBody<D>],
-        factored: &[FactoredBody],
-        problem: &DualProblem,
-    ) -> Scales {
+    fn scales(&self, bodies: &[LoadedBody<D>], factored: &[FactoredBody], shift: &[f64]) -> Scales {
         let resultant = |body: &LoadedBody<D>| {
             let forces = body.system.to_global(&body.system.load);
             norm(
@@ -249,10 +388,7 @@ impl<const D: usize> Model<D> {
                 .sum()
         });
         Scales {
-            length: problem
-                .shift
-                .iter()
-                .fold(0.0, |largest, d| largest.max(d.abs())),
+            length: shift.iter().fold(0.0, |largest, d| largest.max(d.abs())),
             force: bodies
                 .iter()
                 .map(|body| resultant(body).max(body.system.largest_load))
@@ -274,6 +410,16 @@ impl<const D: usize> Model<D> {
             return Err(Error::Model(format!(
                 "analysis \"{}\" does not fit {D} dimensions",
                 self.analysis.name()
+            )));
+        }
+        if self.times.is_empty() {
+            return Err(Error::Model(NO_STEP.to_string()));
+        }
+        let rising = |pair: &[f64]| pair[0] < pair[1];
+        if !self.times.iter().all(|time| time.is_finite()) || !self.times.windows(2).all(rising) {
+            return Err(Error::Model(format!(
+                "the times of the load steps must be finite and increase, found {:?}",
+                self.times
             )));
         }
         let bodies = self.bodies.iter().map(|body| ("body", &body.name));
@@ -450,15 +596,15 @@ impl<const D: usize> Model<D> {
         each.collect()
     }
 
-    /// Recovers the solution of an attempt and judges it.
-    pub(crate) fn finish(
+    /// Recovers the solution of an attempt, and why it is not an answer.
+    fn finish(
         &self,
-        condensed: Condensed<D>,
+        condensed: &mut Condensed<D>,
         attempt: Attempt,
         judged: Judged<D>,
         start: Instant,
         observe: &mut dyn FnMut(Event),
-    ) -> Result<Solution<D>, Error<D>> {
+    ) -> Result<(Step<D>, Option<String>), Error<D>> {
         observe(Event::Stage("recover"));
         let clock = Instant::now();
         let Attempt {
@@ -469,6 +615,7 @@ impl<const D: usize> Model<D> {
         } = attempt;
         let Judged { certificate, .. } = judged;
         let mut warnings = condensed.warnings.clone();
+        warnings.extend(condensed.floating.warnings.iter().cloned());
         let bolts = self.bolt_reports(&outcome, &condensed.paired, &mut warnings);
         warnings.extend(outcome.remarks.iter().cloned());
         for body in &judged.hovering {
@@ -476,10 +623,10 @@ impl<const D: usize> Model<D> {
                 "body \"{body}\" hovers: it touches nothing and carries no load; it is placed by least norm of the displacement"
             ));
         }
-        let (bodies, contacts) = judged.dress(self, &condensed, &outcome.multipliers.lambda)?;
+        let (bodies, contacts) = judged.dress(self, condensed, &outcome.multipliers.lambda)?;
         let converged = failure.is_none() && certificate.holds();
         let mut solution = Solution {
-            time: self.time,
+            time: condensed.time,
             dofs: bodies.iter().map(|body| body.dofs).sum(),
             bodies,
             contacts,
@@ -500,16 +647,17 @@ impl<const D: usize> Model<D> {
             seconds: condensed.seconds,
         };
         solution.probes = self.read_probes(&solution)?;
-        solution.seconds.recover = clock.elapsed().as_secs_f64();
-        solution.seconds.total = start.elapsed().as_secs_f64();
-        if solution.converged {
-            return Ok(solution);
-        }
-        let reason = failure.unwrap_or_else(|| solution.certificate.objection());
-        Err(Error::NotConverged {
-            reason,
-            solution: Box::new(solution),
-        })
+        condensed.seconds.recover += clock.elapsed().as_secs_f64();
+        condensed.seconds.total = start.elapsed().as_secs_f64();
+        solution.seconds = condensed.seconds;
+        let certificate = &solution.certificate;
+        let objection = (!converged).then(|| failure.unwrap_or_else(|| certificate.objection()));
+        let multipliers = outcome.multipliers;
+        let step = Step {
+            multipliers,
+            solution,
+        };
+        Ok((step, objection))
     }
 
     fn bolt_reports(
@@ -539,6 +687,30 @@ impl<const D: usize> Model<D> {
             ));
         }
         reports
+    }
+}
+
+const NO_STEP: &str = "the model has no load step; give it at least one time";
+
+fn in_body<const D: usize>(body: &Body<D>, source: FemError) -> Error<D> {
+    Error::Body {
+        body: body.name.clone(),
+        source,
+    }
+}
+
+/// A stopwatch of stages.
+struct Lap(Instant);
+
+impl Lap {
+    fn start() -> Self {
+        Self(Instant::now())
+    }
+
+    /// Seconds since the last call.
+    fn seconds(&mut self) -> f64 {
+        let last = std::mem::replace(&mut self.0, Instant::now());
+        last.elapsed().as_secs_f64()
     }
 }
 

@@ -1,6 +1,6 @@
 //! Probes: numbers read off a solution, interpolated in the containing cell or along the nonmortar side.
 
-use crate::fem::{fit_rigid, show, side_facets};
+use crate::fem::{RigidBasis, fit_rigid, show, side_facets};
 use crate::geometry::{Point, add_scaled, distance, dot, norm, sub};
 use crate::mesh::{Facet, MAX_CELL_NODES, Mesh};
 use crate::model::error::Error;
@@ -304,7 +304,7 @@ impl<const D: usize> Model<D> {
             rest.iter_mut()
                 .zip(&own)
                 .for_each(|(u, v)| *u = add_scaled(*u, -amplitude, *v));
-            let (translation, spin) = fit_rigid(points, &own, centre);
+            let (translation, spin) = fit_rigid(RigidBasis::Full, points, &own, centre);
             motions.push((translation.map(|t| amplitude * t), amplitude * spin[0]));
             basis.push(own);
         }

@@ -5,12 +5,12 @@
 //! Its energy gap is that of the potential and the complementary energy, Π(u) − Π*(σ, λ) = λ·gap − r·u, with r what the
 //! nodal forces of any body leave unbalanced.
 
-use crate::contact::{Coupling, InterfaceNode, Role, Row, frame};
+use crate::contact::{Coupling, InterfaceNode, Role, Row, frame, nodal_weights};
 use crate::dual::{
     Certificate, Component, DualProblem, IMBALANCE_LIMIT, Multipliers, Recomputed, Scales,
 };
 use crate::fem::{
-    FemError, describe_motion, fit_rigid, internal_forces, recover_stress, von_mises,
+    FemError, RigidBasis, describe_motion, fit_rigid, internal_forces, recover_stress, von_mises,
 };
 use crate::geometry::{Point, add_scaled, bounding_box, cross, dot, norm, sub};
 use crate::model::condense::{FactoredBody, LoadedBody};
@@ -282,7 +282,7 @@ impl<const D: usize> BodyState<D> {
         for (dof, u) in whole.iter_mut().enumerate().filter(|d| system.held[d.0]) {
             *u = system.prescribed[dof];
         }
-        let reactions = system.to_global(&reactions);
+        let reactions = of_supports(loaded, system.to_global(&reactions));
         let state = Self {
             u: system.to_global(&whole),
             driving_force: driving_force(body, loaded, &reactions),
@@ -371,7 +371,8 @@ fn body_solution<const D: usize>(
         source,
     })?;
     let points = body.mesh.points();
-    let (translation, rotation) = fit_rigid(points, &state.u, centroid(points));
+    let basis = RigidBasis::of(model.analysis);
+    let (translation, rotation) = fit_rigid(basis, points, &state.u, centroid(points));
     let floating_modes = factored
         .system
         .modes
@@ -403,6 +404,20 @@ fn body_solution<const D: usize>(
         dofs: D * points.len(),
         displacement: state.u,
     })
+}
+
+/// Without what the axis of symmetry holds: no support does.
+fn of_supports<const D: usize>(
+    loaded: &LoadedBody<D>,
+    mut reactions: Vec<Point<D>>,
+) -> Vec<Point<D>> {
+    for (&node, held) in &loaded.system.constraints.nodes {
+        for h in held.iter().filter(|h| h.supports.is_empty()) {
+            let part = dot(reactions[node], h.axis);
+            reactions[node] = add_scaled(reactions[node], -part, h.axis);
+        }
+    }
+    reactions
 }
 
 /// Largest resultant of a support with a prescribed displacement other than zero.
@@ -467,6 +482,26 @@ fn contact_solutions<const D: usize>(
         ));
     }
     contacts
+}
+
+/// Length of a side per weight at each of its nodes: 1/thickness or, with axial symmetry, ∫N ds / ∫N 2πr ds.
+fn meridian<const D: usize>(
+    analysis: Analysis,
+    body: &Body<D>,
+    side: &str,
+) -> impl Fn(usize) -> f64 {
+    let mut share = BTreeMap::new();
+    if analysis == Analysis::Axisymmetric {
+        let facets = || body.mesh.side(side).unwrap_or_default().iter().copied();
+        let round = nodal_weights(&body.mesh, facets(), analysis, 1.0);
+        let plain = nodal_weights(&body.mesh, facets(), Analysis::PlaneStrain, 1.0);
+        let both = plain.into_iter().zip(round.into_values());
+        // a quadratic facet gives its node on the axis no weight
+        let part = |s: f64, w: f64| if w > 1e-12 * s * s { s / w } else { 0.0 };
+        share = both.map(|((node, s), w)| (node, part(s, w))).collect();
+    }
+    let thickness = body.thickness;
+    move |node| share.get(&node).copied().unwrap_or(1.0 / thickness)
 }
 
 fn contact_solution<const D: usize>(
@@ -542,7 +577,8 @@ fn contact_solution<const D: usize>(
     let length = nodes
         .iter()
         .filter(|n| n.status != Status::Open && n.status != Status::Fixed);
-    let length = length.fold(0.0, |sum, n| sum + n.weight) / body.thickness;
+    let along = meridian(model.analysis, body, &pair.nonmortar.side);
+    let length = length.fold(0.0, |sum, n| sum + n.weight * along(n.node));
     let (resultant, imbalance) = balance(model, pair, lambda);
     ContactSolution {
         name: name.to_string(),

@@ -5,7 +5,7 @@ use crate::geometry::Point;
 use crate::model::nouns::SideRef;
 use std::collections::BTreeMap;
 
-/// Wall seconds of each stage.
+/// Wall seconds of each stage since the run began, earlier load steps included.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct Seconds {
     /// Reading the case and making the meshes.
@@ -103,7 +103,7 @@ pub struct ContactSolution<const D: usize> {
     pub cyclic: bool,
     /// Force ON the nonmortar body.
     pub resultant: Point<D>,
-    /// Length or area in contact, times thickness or 2πr left out.
+    /// Length or area in contact, times thickness or 2πr left out: with axial symmetry the length of the meridian.
     pub length: f64,
     /// Sum of the forces on both sides, relative to the sum of the nodal forces' magnitudes.
     pub imbalance: f64,

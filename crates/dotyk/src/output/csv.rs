@@ -10,7 +10,7 @@ use std::fmt::Write;
 /// Content of `contact.csv` for the steps of one run (numbered from 1).
 ///
 /// The columns `shear` and `slip` are there as soon as one contact bears shear (friction or tied).
-pub fn contact_csv(model: &Model<2>, steps: &[&Solution<2>]) -> String {
+pub fn contact_csv(model: &Model<2>, steps: &[Solution<2>]) -> String {
     let shear = model
         .contacts
         .iter()
@@ -68,7 +68,7 @@ mod tests {
     #[test]
     fn frictionless_header_is_the_contracted_one() {
         let (model, solution) = sample::tunnel(16);
-        let text = contact_csv(&model, &[&solution]);
+        let text = contact_csv(&model, std::slice::from_ref(&solution));
         let mut lines = text.lines();
         assert_eq!(
             lines.next(),
@@ -88,7 +88,7 @@ mod tests {
         model.contacts[0].law = Law::Coulomb(Field::constant(0.3));
         let node = &mut solution.contacts[0].nodes[0];
         (node.normal, node.shear, node.slip) = ([0.0, -1.0], [2.5, 0.0], [f64::NAN; 2]);
-        let text = contact_csv(&model, &[&solution]);
+        let text = contact_csv(&model, std::slice::from_ref(&solution));
         let mut lines = text.lines();
         assert!(
             lines

@@ -37,7 +37,7 @@ pub fn interface_figure(
     let (low, high) = bounding_box(&points);
     let extent = sub(high, low);
     let beside = extent[1] > 0.4 * extent[0];
-    let panels = panels(&chain, law, scene.model.time, &labels);
+    let panels = panels(&chain, law, scene.model.last_time(), &labels);
     let picture_width = if beside { 236.0 } else { WIDTH };
     let heights: f64 = panels.iter().map(|p| p.height + 12.0).sum();
     let angles = circle_through(&points).map(|(center, _)| angles(&points, center));

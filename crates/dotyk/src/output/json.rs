@@ -3,34 +3,54 @@
 //! The order of the keys is that of the structs. A number that is not finite becomes `null`.
 
 use crate::dual::Figure;
-use crate::model::{BodySolution, ContactNode, ContactSolution, Model, Seconds, Solution, Status};
+use crate::model::{BodySolution, ContactNode, ContactSolution, Seconds, Solution, Status};
+use crate::output::Run;
 use serde::Serialize;
 
 /// Version that every file names.
 pub const VERSION: &str = env!("CARGO_PKG_VERSION");
 
-/// Content of `summary.json`.
+/// Content of `summary.json`: the last step and, where there are several, all of them in `steps`.
 ///
-/// `converged` is given apart: a run that ends in failure says `false` whatever its last iterate looks like.
-/// `peak_memory` is in bytes.
-pub fn summary(
-    model: &Model<2>,
-    solution: &Solution<2>,
-    stem: &str,
-    converged: bool,
-    peak_memory: u64,
-) -> String {
-    let summary = Summary {
-        case: stem,
+/// `converged` is that of the run: one that ends in failure says `false` whatever its last iterate looks like.
+pub fn summary(run: &Run<'_>) -> String {
+    let last = Summary {
+        converged: run.converged,
+        seconds: run.seconds.into(),
+        ..step_summary(run, run.last, run.earlier.len())
+    };
+    let earlier = run.earlier.iter().enumerate();
+    let earlier = earlier.map(|(i, solution)| step_summary(run, solution, i));
+    let summary = Document {
+        steps: run
+            .has_steps()
+            .then(|| earlier.chain([last.clone()]).collect()),
+        last,
+    };
+    // Strings, numbers and lists: nothing here can fail to serialise.
+    let mut text = serde_json::to_string_pretty(&summary).unwrap_or_default();
+    text.push('\n');
+    text
+}
+
+/// One step, counted from 0.
+fn step_summary<'a>(run: &Run<'a>, solution: &'a Solution<2>, index: usize) -> Summary<'a> {
+    let several = run.has_steps();
+    let bodies = run.model.bodies.iter().zip(&solution.bodies);
+    let probes = solution.probes.iter();
+    Summary {
+        case: run.stem,
         version: VERSION,
-        converged,
+        step: several.then_some(index + 1),
+        time: several.then_some(solution.time),
+        converged: solution.converged,
         solver: solution.solver.method,
         iterations: solution.solver.iterations,
         dofs: solution.dofs,
         contact_unknowns: solution.contact_unknowns,
         threads: solution.threads,
-        peak_memory_bytes: peak_memory,
-        seconds: SecondsEntry::from(solution.seconds),
+        peak_memory_bytes: run.peak_memory,
+        seconds: solution.seconds.into(),
         certificate: CertificateEntry {
             penetration: solution.certificate.penetration.into(),
             tension: solution.certificate.tension.into(),
@@ -41,18 +61,13 @@ pub fn summary(
             slip_violation: solution.certificate.slip_violation.into(),
         },
         contacts: solution.contacts.iter().map(contact_entry).collect(),
-        bodies: model
-            .bodies
-            .iter()
-            .zip(&solution.bodies)
+        bodies: bodies
             .map(|(body, answer)| {
                 let cells = body.mesh.blocks().iter().map(|b| b.cells().len()).sum();
                 body_entry(answer, body.mesh.points().len(), cells)
             })
             .collect(),
-        probes: solution
-            .probes
-            .iter()
+        probes: probes
             .map(|probe| ProbeEntry {
                 name: &probe.name,
                 quantity: &probe.quantity,
@@ -60,11 +75,7 @@ pub fn summary(
             })
             .collect(),
         warnings: &solution.warnings,
-    };
-    // Strings, numbers and lists: nothing here can fail to serialise.
-    let mut text = serde_json::to_string_pretty(&summary).unwrap_or_default();
-    text.push('\n');
-    text
+    }
 }
 
 /// Largest value, NaN passed over; NaN when there is none.
@@ -104,9 +115,22 @@ pub fn max_displacement<const D: usize>(body: &BodySolution<D>) -> f64 {
 }
 
 #[derive(Serialize)]
+struct Document<'a> {
+    #[serde(flatten)]
+    last: Summary<'a>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    steps: Option<Vec<Summary<'a>>>,
+}
+
+#[derive(Clone, Serialize)]
 struct Summary<'a> {
     case: &'a str,
     version: &'a str,
+    /// From 1; only where there are several steps, as is `time`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    step: Option<usize>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    time: Option<f64>,
     converged: bool,
     solver: &'a str,
     iterations: usize,
@@ -122,7 +146,7 @@ struct Summary<'a> {
     warnings: &'a [String],
 }
 
-#[derive(Serialize)]
+#[derive(Clone, Serialize)]
 struct SecondsEntry {
     read: f64,
     assemble: f64,
@@ -151,7 +175,7 @@ impl From<Seconds> for SecondsEntry {
     }
 }
 
-#[derive(Serialize)]
+#[derive(Clone, Serialize)]
 struct FigureEntry {
     value: f64,
     relative: f64,
@@ -168,7 +192,7 @@ impl From<Figure> for FigureEntry {
     }
 }
 
-#[derive(Serialize)]
+#[derive(Clone, Serialize)]
 struct CertificateEntry {
     penetration: FigureEntry,
     tension: FigureEntry,
@@ -179,7 +203,7 @@ struct CertificateEntry {
     slip_violation: FigureEntry,
 }
 
-#[derive(Serialize)]
+#[derive(Clone, Serialize)]
 struct ContactEntry<'a> {
     name: &'a str,
     resultant: &'a [f64],
@@ -206,20 +230,20 @@ fn contact_entry<const D: usize>(contact: &ContactSolution<D>) -> ContactEntry<'
 }
 
 /// One angle in 2D, three components in 3D.
-#[derive(Serialize)]
+#[derive(Clone, Serialize)]
 #[serde(untagged)]
 enum Rotation<'a> {
     Angle(f64),
     Vector(&'a [f64]),
 }
 
-#[derive(Serialize)]
+#[derive(Clone, Serialize)]
 struct RigidEntry<'a> {
     translation: &'a [f64],
     rotation: Rotation<'a>,
 }
 
-#[derive(Serialize)]
+#[derive(Clone, Serialize)]
 struct BodyEntry<'a> {
     name: &'a str,
     nodes: usize,
@@ -254,7 +278,7 @@ fn body_entry<const D: usize>(body: &BodySolution<D>, nodes: usize, cells: usize
     }
 }
 
-#[derive(Serialize)]
+#[derive(Clone, Serialize)]
 struct ProbeEntry<'a> {
     name: &'a str,
     quantity: &'a str,
@@ -285,7 +309,7 @@ mod tests {
     #[test]
     fn summary_has_exactly_the_contracted_keys() {
         let (model, solution) = sample::tunnel(16);
-        let text = summary(&model, &solution, "case_1", solution.converged, 1 << 20);
+        let text = summary(&sample::run(&model, &solution));
         let value: Value = serde_json::from_str(&text).unwrap();
         assert_eq!(
             keys(&value),
@@ -369,11 +393,34 @@ mod tests {
     }
 
     #[test]
+    fn several_steps_are_objects_of_the_same_shape_and_the_last_is_the_top_level() {
+        let (model, solution) = sample::tunnel(16);
+        let mut first = solution.clone();
+        first.time = 0.25;
+        let earlier = [first];
+        let text = summary(&Run {
+            earlier: &earlier,
+            ..sample::run(&model, &solution)
+        });
+        let mut value: Value = serde_json::from_str(&text).unwrap();
+        let steps = value.as_object_mut().unwrap().remove("steps").unwrap();
+        assert_eq!(steps[1], value);
+        assert_eq!(keys(&steps[0]), keys(&value));
+        for (step, time) in [(0, 0.25), (1, 1.0)] {
+            assert_eq!(steps[step]["step"], step + 1);
+            assert_eq!(steps[step]["time"], time);
+        }
+    }
+
+    #[test]
     fn numbers_keep_their_kind_and_undefined_ones_are_null() {
         let (model, mut solution) = sample::tunnel(16);
         solution.probes[0].value = f64::NAN;
         solution.certificate.energy_gap.relative = f64::INFINITY;
-        let text = summary(&model, &solution, "case_1", false, 1 << 20);
+        let text = summary(&Run {
+            converged: false,
+            ..sample::run(&model, &solution)
+        });
         let value: Value = serde_json::from_str(&text).unwrap();
         assert_eq!(value["converged"], false);
         assert_eq!(value["probes"][0]["value"], Value::Null);

@@ -19,13 +19,14 @@ mod sample;
 mod scene;
 mod setup;
 mod stage;
+mod steps;
 mod svg;
 mod text;
 mod vtu;
 
 pub use memory::peak_memory_bytes;
 
-use crate::model::{Comparison, Model, Solution};
+use crate::model::{Comparison, Model, Seconds, Solution};
 use stage::Stage;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
@@ -73,67 +74,127 @@ pub enum Error {
     },
 }
 
-/// Writes all result files into a folder and returns their paths: a VTU file per body, `case.pvd`, `contact.csv`,
-/// `summary.json`, `report.html`.
+/// What summary and report tell of.
+#[derive(Clone, Copy)]
+pub(crate) struct Run<'a> {
+    pub model: &'a Model<2>,
+    /// Steps before the last.
+    pub earlier: &'a [Solution<2>],
+    pub last: &'a Solution<2>,
+    /// Name of the case.
+    pub stem: &'a str,
+    /// All steps were solved.
+    pub converged: bool,
+    /// Spent on the whole run.
+    pub seconds: Seconds,
+    /// In bytes.
+    pub peak_memory: u64,
+}
+
+impl<'a> Run<'a> {
+    /// The model has several steps, even where the first of them has failed.
+    pub fn has_steps(&self) -> bool {
+        self.model.times.len() > 1 || !self.earlier.is_empty()
+    }
+
+    /// All steps in their order.
+    pub fn steps(&self) -> impl Iterator<Item = &'a Solution<2>> {
+        self.earlier.iter().chain([self.last])
+    }
+}
+
+/// Writes all result files into a folder and returns their paths: a VTU file per body and step, `case.pvd`,
+/// `contact.csv`, `summary.json`, `report.html`.
 ///
-/// `stem` is the name of the case. `seconds.write` in summary and report is the time that fields and tables took, and
-/// `seconds.total` is the solution's total with it; what the caller spends afterwards is not in them.
-/// The folder is made where it does not exist; files of other names in it stay.
+/// `steps` are the solutions of the model's load steps in their order, `stem` is the name of the case. `seconds.write` in
+/// summary and report is the time that fields and tables took, and `seconds.total` is the solution's total with it; what
+/// the caller spends afterwards is not in them.
+/// The folder is made where it does not exist; files of other names in it stay, but for the VTU files of an earlier run,
+/// which its `case.pvd` names.
 /// Errors: any [`Error`]; then the folder is as it was before.
 pub fn write(
     model: &Model<2>,
-    solution: &Solution<2>,
+    steps: &[Solution<2>],
     stem: &str,
     dir: &Path,
 ) -> Result<Vec<PathBuf>, Error> {
     let start = Instant::now();
-    check(model, solution)?;
+    check(model, steps)?;
+    let last = last(model, steps)?;
     let mut stage = Stage::open(dir)?;
-    for (i, body) in model.bodies.iter().enumerate() {
-        let content = vtu::body_vtu(model, solution, i);
-        stage.put(&format!("{}.vtu", body.name), content.as_bytes())?;
+    for (step, solution) in steps.iter().enumerate() {
+        for (i, body) in model.bodies.iter().enumerate() {
+            let name = vtu::file_name(&body.name, step, steps.len() > 1);
+            stage.put(&name, vtu::body_vtu(model, solution, i).as_bytes())?;
+        }
     }
-    stage.put("case.pvd", vtu::collection(solution).as_bytes())?;
-    stage.put(
-        "contact.csv",
-        csv::contact_csv(model, &[solution]).as_bytes(),
-    )?;
+    stage.put(COLLECTION, vtu::collection(steps).as_bytes())?;
+    stage.put("contact.csv", csv::contact_csv(model, steps).as_bytes())?;
 
-    let mut timed = solution.clone();
-    timed.seconds.write = start.elapsed().as_secs_f64();
-    timed.seconds.total += timed.seconds.write;
-    let peak_memory = peak_memory_bytes();
-    let summary = json::summary(model, &timed, stem, timed.converged, peak_memory);
-    stage.put("summary.json", summary.as_bytes())?;
-    stage.put(
-        "report.html",
-        report::page(model, &timed, stem, peak_memory).as_bytes(),
-    )?;
-    stage.commit(&[])
+    let mut seconds = last.seconds;
+    seconds.write = start.elapsed().as_secs_f64();
+    seconds.total += seconds.write;
+    let run = Run {
+        model,
+        earlier: &steps[..steps.len() - 1],
+        last,
+        stem,
+        converged: steps.iter().all(|step| step.converged),
+        seconds,
+        peak_memory: peak_memory_bytes(),
+    };
+    stage.put("summary.json", json::summary(&run).as_bytes())?;
+    stage.put("report.html", report::page(&run).as_bytes())?;
+    stage.commit(&earlier_fields(dir))
 }
 
 /// Writes `summary.json` alone, with `"converged": false`, and removes the other result files of an earlier run of this
 /// case: a failed run leaves none.
 ///
+/// `steps` are the load steps so far, the last of them the one that has failed.
 /// Errors: any [`Error`]; then the folder is as it was before.
 pub fn write_summary(
     model: &Model<2>,
-    solution: &Solution<2>,
+    steps: &[Solution<2>],
     stem: &str,
     dir: &Path,
 ) -> Result<PathBuf, Error> {
-    check(model, solution)?;
+    check(model, steps)?;
+    let last = last(model, steps)?;
     let mut stage = Stage::open(dir)?;
-    let summary = json::summary(model, solution, stem, false, peak_memory_bytes());
-    stage.put("summary.json", summary.as_bytes())?;
-    let mut stale: Vec<String> = model
-        .bodies
-        .iter()
-        .map(|b| format!("{}.vtu", b.name))
-        .collect();
-    stale.extend(["case.pvd", "contact.csv", "report.html"].map(String::from));
+    let run = Run {
+        model,
+        earlier: &steps[..steps.len() - 1],
+        last,
+        stem,
+        converged: false,
+        seconds: last.seconds,
+        peak_memory: peak_memory_bytes(),
+    };
+    stage.put("summary.json", json::summary(&run).as_bytes())?;
+    let mut stale = earlier_fields(dir);
+    stale.extend(model.bodies.iter().map(|b| format!("{}.vtu", b.name)));
+    stale.extend([COLLECTION, "contact.csv", "report.html"].map(String::from));
     stage.commit(&stale)?;
     Ok(dir.join("summary.json"))
+}
+
+/// The file that names all VTU files.
+const COLLECTION: &str = "case.pvd";
+
+/// VTU files of an earlier run in a folder, as its collection names them; none where it cannot be read.
+fn earlier_fields(dir: &Path) -> Vec<String> {
+    let text = std::fs::read_to_string(dir.join(COLLECTION)).unwrap_or_default();
+    vtu::collected(&text)
+}
+
+/// The last step; an error when there is none.
+fn last<'a>(model: &Model<2>, steps: &'a [Solution<2>]) -> Result<&'a Solution<2>, Error> {
+    steps.last().ok_or(Error::Mismatch {
+        what: "steps".to_string(),
+        expected: model.times.len(),
+        found: 0,
+    })
 }
 
 /// Writes `check.html`, the mesh-and-supports page of an unsolved model; `text` is what `dotyk check` found.
@@ -170,8 +231,12 @@ pub fn write_comparison(comparison: &Comparison, dir: &Path) -> Result<Vec<PathB
     stage.commit(&[])
 }
 
-/// Names that can be files, and counts that agree.
-fn check<const D: usize>(model: &Model<D>, solution: &Solution<D>) -> Result<(), Error> {
+/// Names that can be files, and counts that agree in every step.
+fn check<const D: usize>(model: &Model<D>, steps: &[Solution<D>]) -> Result<(), Error> {
+    steps.iter().try_for_each(|step| check_step(model, step))
+}
+
+fn check_step<const D: usize>(model: &Model<D>, solution: &Solution<D>) -> Result<(), Error> {
     let same = |what: &str, expected: usize, found: usize| {
         if expected == found {
             Ok(())
@@ -208,6 +273,7 @@ fn check<const D: usize>(model: &Model<D>, solution: &Solution<D>) -> Result<(),
 mod tests {
     use super::*;
     use std::fs;
+    use std::slice::from_ref;
 
     fn names(dir: &Path) -> Vec<String> {
         let mut list: Vec<String> = fs::read_dir(dir)
@@ -224,7 +290,7 @@ mod tests {
         fs::write(scratch.path().join("notes.txt"), b"mine").unwrap();
         fs::write(scratch.path().join("contact.csv"), b"old").unwrap();
         let (model, solution) = sample::tunnel(16);
-        let paths = write(&model, &solution, "case_1", scratch.path()).unwrap();
+        let paths = write(&model, from_ref(&solution), "case_1", scratch.path()).unwrap();
         let mut expected = vec![
             "case.pvd",
             "contact.csv",
@@ -245,20 +311,52 @@ mod tests {
     }
 
     #[test]
+    fn fewer_steps_take_the_fields_of_an_earlier_run_away() {
+        let scratch = sample::Scratch::new("fewer");
+        let (model, solution) = sample::tunnel(16);
+        let dir = scratch.path();
+        fs::write(dir.join("ring_0009.vtu"), b"mine").unwrap();
+        let three = vec![solution.clone(); 3];
+        write(&model, &three, "case_1", dir).unwrap();
+        let fields = |dir: &Path| -> Vec<String> {
+            let all = names(dir).into_iter();
+            all.filter(|n| n.ends_with(".vtu")).collect()
+        };
+        let of_three = ["ring_0001.vtu", "ring_0002.vtu", "ring_0003.vtu"];
+        assert_eq!(fields(dir)[..3], of_three);
+        assert_eq!(fields(dir).len(), 7);
+        write(&model, &three[..2], "case_1", dir).unwrap();
+        let two = [
+            "ring_0001.vtu",
+            "ring_0002.vtu",
+            "ring_0009.vtu",
+            "rock_0001.vtu",
+            "rock_0002.vtu",
+        ];
+        assert_eq!(fields(dir), two);
+        write(&model, from_ref(&solution), "case_1", dir).unwrap();
+        assert_eq!(fields(dir), ["ring.vtu", "ring_0009.vtu", "rock.vtu"]);
+        write_summary(&model, &three, "case_1", dir).unwrap();
+        assert_eq!(names(dir), ["ring_0009.vtu", "summary.json"]);
+        let empty = write(&model, &[], "case_1", dir).unwrap_err();
+        assert!(empty.to_string().contains("0 steps"), "{empty}");
+    }
+
+    #[test]
     fn a_failing_target_leaves_nothing() {
         let scratch = sample::Scratch::new("failing");
         let (model, solution) = sample::tunnel(16);
         // The last file cannot get its name.
         let dir = scratch.path().join("out");
         fs::create_dir_all(dir.join("report.html")).unwrap();
-        let error = write(&model, &solution, "case_1", &dir).unwrap_err();
+        let error = write(&model, from_ref(&solution), "case_1", &dir).unwrap_err();
         assert!(matches!(error, Error::IsADirectory { .. }), "{error}");
         assert_eq!(names(&dir), ["report.html"]);
 
         let file = scratch.path().join("file");
         fs::write(&file, b"mine").unwrap();
         for target in [file.clone(), file.join("below")] {
-            let error = write(&model, &solution, "case_1", &target).unwrap_err();
+            let error = write(&model, from_ref(&solution), "case_1", &target).unwrap_err();
             assert!(error.to_string().contains("--out"), "{error}");
         }
         assert_eq!(fs::read(&file).unwrap(), b"mine");
@@ -269,8 +367,8 @@ mod tests {
     fn a_failed_run_leaves_its_summary_only() {
         let scratch = sample::Scratch::new("summary");
         let (model, solution) = sample::tunnel(16);
-        write(&model, &solution, "case_1", scratch.path()).unwrap();
-        write_summary(&model, &solution, "case_1", scratch.path()).unwrap();
+        write(&model, from_ref(&solution), "case_1", scratch.path()).unwrap();
+        write_summary(&model, from_ref(&solution), "case_1", scratch.path()).unwrap();
         assert_eq!(names(scratch.path()), ["summary.json"]);
         let text = fs::read_to_string(scratch.path().join("summary.json")).unwrap();
         assert!(text.contains("\"converged\": false"));
@@ -281,10 +379,10 @@ mod tests {
         let scratch = sample::Scratch::new("names");
         let (mut model, mut solution) = sample::tunnel(16);
         solution.bodies[1].von_mises.pop();
-        let error = write(&model, &solution, "case_1", scratch.path()).unwrap_err();
+        let error = write(&model, from_ref(&solution), "case_1", scratch.path()).unwrap_err();
         assert!(error.to_string().contains("nodes of body rock"), "{error}");
         model.bodies[0].name = "../ring".to_string();
-        let error = write(&model, &solution, "case_1", scratch.path()).unwrap_err();
+        let error = write(&model, from_ref(&solution), "case_1", scratch.path()).unwrap_err();
         assert!(matches!(error, Error::Name { .. }), "{error}");
         assert!(names(scratch.path()).is_empty());
     }

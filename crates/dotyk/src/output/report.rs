@@ -6,6 +6,7 @@
 use crate::dual::{Certificate, Figure};
 use crate::geometry::{Point, add_scaled, norm};
 use crate::model::{Analysis, BodySolution, ContactSolution, Model, Solution};
+use crate::output::Run;
 use crate::output::deformed::deformed_figure;
 use crate::output::history::history_figure;
 use crate::output::interface::{arc_lengths, interface_figure, largest_gap};
@@ -14,22 +15,25 @@ use crate::output::json::{
 };
 use crate::output::scene::Scene;
 use crate::output::setup::setup_figure;
+use crate::output::steps::steps_section;
 use crate::output::text::{
-    Labels, count, escape, number, power, quantity, seconds, vector, vector_on,
+    Labels, count, escape, number, power, quantity, seconds, vector, vector_on, without_noise,
 };
 
 /// More contact nodes than this are left to `contact.csv`.
 const MOST_ROWS: usize = 600;
 
-/// Content of `report.html`; `peak_memory` in bytes.
-pub fn page(model: &Model<2>, solution: &Solution<2>, stem: &str, peak_memory: u64) -> String {
+/// Content of `report.html`.
+pub fn page(run: &Run<'_>) -> String {
+    let (model, solution) = (run.model, run.last);
     let labels = Labels::of(model);
     let scene = Scene::new(model);
-    let mut out = head(model, stem);
-    out += &banner(solution);
-    out += &warnings(&solution.warnings);
+    let mut out = head(model, run.stem);
+    out += &banner(run);
+    out += &warnings(&all_warnings(run));
     out += &key_figures(solution, &labels);
     out += &probes(model, solution, &labels);
+    out += &steps_section(run, &labels);
     out += "<h2>Model</h2>\n";
     out += &figure(
         &setup_figure(&scene),
@@ -42,13 +46,24 @@ pub fn page(model: &Model<2>, solution: &Solution<2>, stem: &str, peak_memory: u
     out += &figure(&svg, "Deformed shape", &format!("{caption}{more}"));
     out += &bodies(model, solution, &labels);
     out += &contacts(model, solution, &scene, &labels);
-    out += &balance(solution, &labels);
+    out += &balance(model, solution, &labels);
     out += &certificate(solution, &labels);
     out += &solver(model, solution, &labels);
     out += &contact_nodes(solution, &labels);
-    out += &timings(solution, peak_memory);
-    out += &foot(stem);
+    out += &timings(run);
+    out += &foot(run.stem);
     out
+}
+
+/// Warnings of all steps, each once.
+fn all_warnings(run: &Run<'_>) -> Vec<String> {
+    let mut list: Vec<String> = Vec::new();
+    for warning in run.steps().flat_map(|step| &step.warnings) {
+        if !list.contains(warning) {
+            list.push(warning.clone());
+        }
+    }
+    list
 }
 
 /// Content of `check.html`; `text` is what the check found, line by line.
@@ -125,7 +140,7 @@ fn mesh_caption(model: &Model<2>) -> String {
     )
 }
 
-fn figure(svg: &str, title: &str, caption: &str) -> String {
+pub fn figure(svg: &str, title: &str, caption: &str) -> String {
     format!(
         "<figure>\n{svg}<figcaption><b>{}.</b> {}</figcaption>\n</figure>\n",
         escape(title),
@@ -133,11 +148,18 @@ fn figure(svg: &str, title: &str, caption: &str) -> String {
     )
 }
 
-fn banner(solution: &Solution<2>) -> String {
-    if solution.converged {
-        return "<div class=\"banner good\"><b>✓ Certified</b>The computed answer satisfies equilibrium and the contact \
-                conditions: every figure of the certificate is within its limit.</div>\n"
-            .to_string();
+fn banner(run: &Run<'_>) -> String {
+    let solution = run.last;
+    if run.converged {
+        let steps = if run.earlier.is_empty() {
+            ""
+        } else {
+            " in every step"
+        };
+        return format!(
+            "<div class=\"banner good\"><b>✓ Certified</b>The computed answer satisfies equilibrium and the contact \
+             conditions: every figure of the certificate is within its limit{steps}.</div>\n"
+        );
     }
     let failed: Vec<String> = solution
         .certificate
@@ -317,7 +339,7 @@ fn probes(model: &Model<2>, solution: &Solution<2>, labels: &Labels) -> String {
 }
 
 /// Unit of a probe's quantity, `NAME.WHAT...`.
-fn unit_of<'a>(quantity: &str, labels: &'a Labels) -> &'a str {
+pub fn unit_of<'a>(quantity: &str, labels: &'a Labels) -> &'a str {
     let has = |word: &str| quantity.split('.').any(|part| part == word);
     if has("reaction") || has("resultant") {
         &labels.force
@@ -469,7 +491,7 @@ fn contacts(model: &Model<2>, solution: &Solution<2>, scene: &Scene, labels: &La
     out
 }
 
-fn balance(solution: &Solution<2>, labels: &Labels) -> String {
+fn balance(model: &Model<2>, solution: &Solution<2>, labels: &Labels) -> String {
     let forces: Vec<(Point<2>, Point<2>)> = solution
         .bodies
         .iter()
@@ -477,13 +499,18 @@ fn balance(solution: &Solution<2>, labels: &Labels) -> String {
         .map(|(i, body)| (body.reaction, contact_force(solution, i)))
         .collect();
     let scale = largest(forces.iter().flat_map(|(a, b)| [norm(*a), norm(*b)]));
+    let axial = model.analysis == Analysis::Axisymmetric;
     let rows = solution
         .bodies
         .iter()
         .zip(&forces)
         .map(|(body, (reaction, contact))| {
             let rest: Point<2> = std::array::from_fn(|k| -(reaction[k] + contact[k]));
-            let force = |f: &Point<2>| plain(vector_on(f, scale, ""));
+            // radial forces balance over the full turn
+            let force = |f: &Point<2>| match axial {
+                true => plain(number(without_noise(f[1], scale))),
+                false => plain(vector_on(f, scale, "")),
+            };
             vec![
                 text(&body.name),
                 force(reaction),
@@ -499,9 +526,11 @@ fn balance(solution: &Solution<2>, labels: &Labels) -> String {
         column("applied load, by balance", &labels.force),
     ];
     let mut out = format!(
-        "<h2>Reactions and balance</h2>\n<p>Forces ON each body, as ({}, {}). The three add up to zero; what is below 10⁻¹⁰ of the largest is shown as 0.</p>\n{}",
-        labels.axes[0],
-        labels.axes[1],
+        "<h2>Reactions and balance</h2>\n<p>Forces ON each body, {}. The three add up to zero; what is below 10⁻¹⁰ of the largest is shown as 0.</p>\n{}",
+        match axial {
+            true => "along the axis z, for the full turn".to_string(),
+            false => format!("as ({}, {})", labels.axes[0], labels.axes[1]),
+        },
         table(&heads, rows)
     );
     let c = &solution.certificate;
@@ -757,8 +786,8 @@ fn contact_nodes(solution: &Solution<2>, labels: &Labels) -> String {
     out
 }
 
-fn timings(solution: &Solution<2>, peak_memory: u64) -> String {
-    let s = solution.seconds;
+fn timings(run: &Run<'_>) -> String {
+    let (s, threads) = (run.seconds, run.last.threads);
     let stages = [
         ("read", s.read),
         ("assemble", s.assemble),
@@ -784,13 +813,9 @@ fn timings(solution: &Solution<2>, peak_memory: u64) -> String {
     format!(
         "<h2>Effort</h2>\n{}<p>{} {}, largest memory {} MB.</p>\n",
         table(&heads, vec![row]),
-        solution.threads,
-        if solution.threads == 1 {
-            "thread"
-        } else {
-            "threads"
-        },
-        count((peak_memory as f64 / 1e6).round() as usize)
+        threads,
+        if threads == 1 { "thread" } else { "threads" },
+        count((run.peak_memory as f64 / 1e6).round() as usize)
     )
 }
 
@@ -803,13 +828,13 @@ fn foot(stem: &str) -> String {
 }
 
 /// Head of a table column.
-struct Head {
+pub struct Head {
     name: String,
     unit: String,
     left: bool,
 }
 
-fn column(name: &str, unit: &str) -> Head {
+pub fn column(name: &str, unit: &str) -> Head {
     Head {
         name: name.to_string(),
         unit: unit.to_string(),
@@ -825,12 +850,12 @@ fn left(name: &str) -> Head {
 }
 
 /// Content of a table cell, already escaped.
-struct Cell {
+pub struct Cell {
     html: String,
     text: bool,
 }
 
-fn plain(text: String) -> Cell {
+pub fn plain(text: String) -> Cell {
     Cell {
         html: escape(&text),
         text: false,
@@ -844,7 +869,7 @@ fn text(text: &str) -> Cell {
     }
 }
 
-fn table(heads: &[Head], rows: Vec<Vec<Cell>>) -> String {
+pub fn table(heads: &[Head], rows: Vec<Vec<Cell>>) -> String {
     let class = |is_text: bool| if is_text { " class=\"text\"" } else { "" };
     let mut out = String::from("<div class=\"scroll\"><table>\n<thead><tr>");
     for head in heads {
@@ -876,7 +901,7 @@ mod tests {
     #[test]
     fn page_needs_no_network_and_no_script() {
         let (model, solution) = sample::tunnel(16);
-        let page = page(&model, &solution, "case_1", 0);
+        let page = page(&sample::run(&model, &solution));
         let outside = page.replace("http://www.w3.org/2000/svg", "");
         for word in [
             "http://", "https://", "//cdn", "@import", "<script", "<link",
@@ -893,8 +918,8 @@ mod tests {
     #[test]
     fn same_solution_gives_the_same_bytes() {
         let (model, solution) = sample::tunnel(16);
-        let once = page(&model, &solution, "a", 1 << 20);
-        assert!(once == page(&model, &solution, "a", 1 << 20));
+        let once = page(&sample::run(&model, &solution));
+        assert!(once == page(&sample::run(&model, &solution)));
     }
 
     #[test]
@@ -902,7 +927,7 @@ mod tests {
         let (model, mut solution) = sample::tunnel(16);
         solution.converged = false;
         solution.certificate.energy_gap = Figure::new(0.1, 1.0, 1e-8);
-        let page = page(&model, &solution, "case_1", 0);
+        let page = page(&sample::run(&model, &solution));
         assert!(page.contains("✗ Not converged") && page.contains("energy gap (relative 10⁻¹"));
         assert!(!page.contains("✓ Certified"));
     }
@@ -914,7 +939,7 @@ mod tests {
         // The best of three: other work on the machine only adds.
         for _ in 0..3 {
             let start = Instant::now();
-            let page = page(&model, &solution, "large", 0);
+            let page = page(&sample::run(&model, &solution));
             quickest = quickest.min(start.elapsed().as_secs_f64());
             assert!(page.len() < 5_000_000, "{} bytes", page.len());
         }
@@ -927,7 +952,7 @@ mod tests {
         model.contacts.clear();
         solution.contacts.clear();
         solution.solver.history.clear();
-        let page = page(&model, &solution, "plain", 0);
+        let page = page(&sample::run(&model, &solution));
         assert!(page.contains("Reactions and balance") && !page.contains("Contact nodes"));
     }
 

@@ -4,6 +4,7 @@ use crate::dual::{Certificate, Figure};
 use crate::geometry::{Field, Point};
 use crate::mesh::{CellBlock, CellKind, Facet, Mesh};
 use crate::model::*;
+use crate::output::Run;
 use std::collections::BTreeMap;
 use std::f64::consts::PI;
 use std::path::{Path, PathBuf};
@@ -210,10 +211,23 @@ pub fn tunnel_with(ring: [usize; 2], rock: [usize; 2], kind: CellKind) -> (Model
         }],
         solver: SolverOptions::default(),
         probes: Vec::new(),
-        time: 1.0,
+        times: vec![1.0],
     };
     let solution = solution(&model);
     (model, solution)
+}
+
+/// A run of one step.
+pub fn run<'a>(model: &'a Model<2>, solution: &'a Solution<2>) -> Run<'a> {
+    Run {
+        model,
+        earlier: &[],
+        last: solution,
+        stem: "case_1",
+        converged: solution.converged,
+        seconds: solution.seconds,
+        peak_memory: 1 << 20,
+    }
 }
 
 /// Plausible fields on any model; contacts of given sides with matching nodes get 1 + cos 2θ, cut off where it is small.

@@ -68,7 +68,8 @@ fn margin(scene: &Scene) -> Margin {
                     }
                 }
                 Load::Force { point, force } => {
-                    let force: Point<2> = [0, 1].map(|k| force[k].at(*point, scene.model.time));
+                    let force: Point<2> =
+                        [0, 1].map(|k| force[k].at(*point, scene.model.last_time()));
                     if let Some(along) = unit(force) {
                         mark(*point, along.map(|c| -c));
                     }
@@ -182,7 +183,9 @@ fn contact_line(svg: &mut Svg, scene: &Scene, view: &View, contact: &Contact<2>,
                 .stations(points, 60, false)
                 .iter()
                 .map(|s| {
-                    let point = obstacle.shape.drawn(s.point, s.normal, scene.model.time);
+                    let point = obstacle
+                        .shape
+                        .drawn(s.point, s.normal, scene.model.last_time());
                     (view.pixel(point), [s.normal[0], -s.normal[1]])
                 })
                 .collect();
@@ -274,7 +277,7 @@ fn draw_support(
                     &strand,
                     mesh.points(),
                     support,
-                    scene.model.time,
+                    scene.model.last_time(),
                     labels,
                 );
             }
@@ -422,7 +425,7 @@ fn draw_load(
     load: &Load<2>,
     labels: &Labels,
 ) {
-    let time = scene.model.time;
+    let time = scene.model.last_time();
     let mesh = &scene.model.bodies[body].mesh;
     match load {
         Load::Traction { side, traction } => {

@@ -74,21 +74,45 @@ pub fn body_vtu<const D: usize>(model: &Model<D>, solution: &Solution<D>, body: 
     out
 }
 
-/// Content of `case.pvd`: all bodies at their times.
-pub fn collection<const D: usize>(solution: &Solution<D>) -> String {
+/// Name of the VTU file of a body in a step, counted from 0, of several or of the only one.
+pub fn file_name(body: &str, step: usize, several: bool) -> String {
+    match several {
+        true => format!("{body}_{:04}.vtu", step + 1),
+        false => format!("{body}.vtu"),
+    }
+}
+
+/// Content of `case.pvd`: all bodies at all times.
+pub fn collection<const D: usize>(steps: &[Solution<D>]) -> String {
     let mut out = String::from(
         "<?xml version=\"1.0\"?>\n<VTKFile type=\"Collection\" version=\"1.0\" byte_order=\"LittleEndian\">\n<Collection>\n",
     );
-    for (part, body) in solution.bodies.iter().enumerate() {
-        let name = escape(&body.name);
-        let _ = writeln!(
-            out,
-            "<DataSet timestep=\"{:?}\" part=\"{part}\" name=\"{name}\" file=\"{name}.vtu\"/>",
-            solution.time
-        );
+    for (step, solution) in steps.iter().enumerate() {
+        for (part, body) in solution.bodies.iter().enumerate() {
+            let _ = writeln!(
+                out,
+                "<DataSet timestep=\"{:?}\" part=\"{part}\" name=\"{}\" {FILE}{}\"/>",
+                solution.time,
+                escape(&body.name),
+                escape(&file_name(&body.name, step, steps.len() > 1))
+            );
+        }
     }
     out.push_str("</Collection>\n</VTKFile>\n");
     out
+}
+
+/// How a collection names a file.
+const FILE: &str = "file=\"";
+
+/// VTU files that a collection of an earlier run names: they are ours. Other folders are not.
+pub fn collected(pvd: &str) -> Vec<String> {
+    let files = pvd
+        .split(FILE)
+        .skip(1)
+        .filter_map(|rest| rest.split('"').next());
+    let ours = |name: &&str| name.ends_with(".vtu") && !name.contains(['/', '\\']);
+    files.filter(ours).map(str::to_string).collect()
 }
 
 /// Pressure and gap at the nodes of a body; a node of several contacts keeps the first that defines a number.
@@ -227,6 +251,26 @@ mod tests {
         );
         assert_eq!(read(&ring, "von_mises").len(), nodes);
         assert_eq!(read(&ring, "points").len(), 3 * nodes);
+    }
+
+    #[test]
+    fn a_collection_names_every_body_at_every_time() {
+        let (_, solution) = sample::tunnel(16);
+        let one = collection(std::slice::from_ref(&solution));
+        assert_eq!(collected(&one), ["ring.vtu", "rock.vtu"]);
+        let mut first = solution.clone();
+        first.time = 0.25;
+        let text = collection(&[first, solution]);
+        let names = [
+            "ring_0001.vtu",
+            "rock_0001.vtu",
+            "ring_0002.vtu",
+            "rock_0002.vtu",
+        ];
+        assert_eq!(collected(&text), names);
+        assert!(text.contains("timestep=\"0.25\" part=\"1\" name=\"rock\" file=\"rock_0001.vtu\""));
+        let foreign = "<DataSet file=\"../mine.vtu\"/><DataSet file=\"notes.txt\"/>";
+        assert!(collected(foreign).is_empty());
     }
 
     #[test]

@@ -1,0 +1,270 @@
+//! Section "Load steps" of the report: curves against time and tables, one row for each step.
+
+use crate::geometry::norm;
+use crate::model::{ContactSolution, Solution};
+use crate::output::Run;
+use crate::output::json::{closed_and_open, largest, max_displacement};
+use crate::output::plot::{Axis, Frame};
+use crate::output::report::{Head, column, figure, plain, table, unit_of};
+use crate::output::scene::WIDTH;
+use crate::output::svg::{Anchor, SERIES, Svg, Type, text_width};
+use crate::output::text::{Labels, count, escape, number, vector, without_noise};
+
+/// More probes than this are left to the table.
+const MOST_PANELS: usize = 8;
+/// More steps than this are drawn without dots.
+const MOST_DOTS: usize = 60;
+/// Columns of values in one table of probes.
+const COLUMNS: usize = 4;
+
+/// The section; nothing where there is one step.
+pub fn steps_section(run: &Run<'_>, labels: &Labels) -> String {
+    if run.earlier.is_empty() {
+        return String::new();
+    }
+    let steps: Vec<&Solution<2>> = run.steps().collect();
+    let mut out = "<h2>Load steps</h2>\n".to_string();
+    out += &format!(
+        "<p>All else on this page shows the last of {} steps, at t = {}.</p>\n",
+        count(steps.len()),
+        number(run.last.time)
+    );
+    if let Some(svg) = steps_figure(&steps, labels) {
+        let caption = "Contact and probes against the time t of the steps.";
+        out += &figure(&svg, "Load steps", caption);
+    }
+    out += &overview(&steps, labels);
+    for contact in 0..run.last.contacts.len() {
+        out += &contact_table(&steps, contact, labels);
+    }
+    let probes: Vec<usize> = (0..run.last.probes.len()).collect();
+    for (part, chosen) in probes.chunks(COLUMNS).enumerate() {
+        out += if part == 0 { "<h3>Probes</h3>\n" } else { "" };
+        out += &probe_table(&steps, chosen, labels);
+    }
+    out
+}
+
+/// A curve with its name.
+struct Curve {
+    name: String,
+    values: Vec<f64>,
+}
+
+/// One small plot.
+struct Panel {
+    title: String,
+    unit: String,
+    curves: Vec<Curve>,
+}
+
+fn panels(steps: &[&Solution<2>], labels: &Labels) -> Vec<Panel> {
+    let Some(last) = steps.last() else {
+        return Vec::new();
+    };
+    let of_contacts = |title: &str, unit: &str, value: fn(&ContactSolution<2>) -> f64| Panel {
+        title: title.to_string(),
+        unit: unit.to_string(),
+        curves: (0..last.contacts.len())
+            .map(|i| Curve {
+                name: last.contacts[i].name.clone(),
+                values: steps.iter().map(|s| value(&s.contacts[i])).collect(),
+            })
+            .collect(),
+    };
+    let mut list = Vec::new();
+    if !last.contacts.is_empty() {
+        let pressure = |c: &ContactSolution<2>| largest(c.nodes.iter().map(|n| n.pressure));
+        list.push(of_contacts("Contact force", &labels.force, |c| {
+            norm(c.resultant)
+        }));
+        list.push(of_contacts("Largest pressure", &labels.stress, pressure));
+        list.push(of_contacts("Length in contact", &labels.length, |c| {
+            c.length
+        }));
+    }
+    let probes = last.probes.iter().enumerate().take(MOST_PANELS);
+    list.extend(probes.map(|(i, probe)| Panel {
+        title: probe.name.clone(),
+        unit: unit_of(&probe.quantity, labels).to_string(),
+        curves: vec![Curve {
+            name: String::new(),
+            values: steps.iter().map(|s| s.probes[i].value).collect(),
+        }],
+    }));
+    list
+}
+
+/// Room for one plot, with title, numbers and label.
+const PANEL: [f64; 2] = [WIDTH / 2.0, 190.0];
+
+fn steps_figure(steps: &[&Solution<2>], labels: &Labels) -> Option<String> {
+    let panels = panels(steps, labels);
+    if panels.is_empty() {
+        return None;
+    }
+    let times: Vec<f64> = steps.iter().map(|s| s.time).collect();
+    let rows = panels.len().div_ceil(2);
+    let height = rows as f64 * PANEL[1];
+    let mut svg = Svg::new(
+        "steps",
+        "Contact and probes against the time of the load steps",
+        WIDTH,
+        height,
+    );
+    for (i, panel) in panels.iter().enumerate() {
+        let corner = [(i % 2) as f64 * PANEL[0], (i / 2) as f64 * PANEL[1]];
+        draw_panel(&mut svg, panel, &times, corner);
+    }
+    Some(svg.finish())
+}
+
+fn draw_panel(svg: &mut Svg, panel: &Panel, times: &[f64], corner: [f64; 2]) {
+    let values: Vec<f64> = panel.curves.iter().flat_map(|c| c.values.clone()).collect();
+    let mut y = Axis::linear(&panel.title, &panel.unit, &values, true, 4).widened(0.08);
+    let title = std::mem::take(&mut y.label);
+    let mut x = Axis::linear("t", "", times, false, 6);
+    let room = 0.03 * (x.range[1] - x.range[0]);
+    x.range = [x.range[0] - room, x.range[1] + room];
+    let frame = Frame {
+        corner: [corner[0] + 52.0, corner[1] + 22.0],
+        size: [PANEL[0] - 70.0, PANEL[1] - 70.0],
+        x,
+        y,
+    };
+    frame.draw(svg, true);
+    let start = [frame.corner[0], frame.corner[1] - 8.0];
+    svg.text(start, &title, Type::LABEL.anchored(Anchor::Start).bold());
+    let mut key = start[0] + text_width(&title, Type::LABEL.size) * 1.1 + 12.0;
+    for (curve, colour) in panel.curves.iter().zip(SERIES.iter().cycle()) {
+        let points: Vec<[f64; 2]> = times
+            .iter()
+            .zip(&curve.values)
+            .map(|(&t, &v)| [t, v])
+            .collect();
+        frame.curve(svg, &points, colour, 1.8);
+        if times.len() <= MOST_DOTS {
+            let seen = points.iter().enumerate().filter(|(_, p)| p[1].is_finite());
+            for (i, p) in seen {
+                let hint = format!("step {}, t = {}: {}", i + 1, number(p[0]), number(p[1]));
+                svg.circle(frame.at(p[0], p[1]), 2.8, colour, "#fff", &hint);
+            }
+        }
+        if panel.curves.len() > 1 {
+            let style = Type::LABEL.anchored(Anchor::Start).coloured(colour);
+            svg.text([key, start[1]], &curve.name, style);
+            key += text_width(&curve.name, style.size) + 10.0;
+        }
+    }
+}
+
+fn first_cells(step: usize, solution: &Solution<2>) -> Vec<String> {
+    vec![count(step + 1), number(solution.time)]
+}
+
+fn heads(more: Vec<Head>) -> Vec<Head> {
+    let mut heads = vec![column("step", ""), column("t", "")];
+    heads.extend(more);
+    heads
+}
+
+fn rows(
+    steps: &[&Solution<2>],
+    heads: Vec<Head>,
+    row: impl Fn(&Solution<2>) -> Vec<String>,
+) -> String {
+    let rows = steps.iter().enumerate().map(|(i, solution)| {
+        let first = first_cells(i, solution).into_iter();
+        first.chain(row(solution)).map(plain).collect()
+    });
+    table(&self::heads(heads), rows.collect())
+}
+
+fn overview(steps: &[&Solution<2>], labels: &Labels) -> String {
+    let heads = vec![
+        column("iterations", ""),
+        column("largest displacement", &labels.length),
+        column("largest von Mises", &labels.stress),
+        column("elastic energy", &labels.energy),
+        column("certified", ""),
+    ];
+    rows(steps, heads, |s| {
+        let bodies = || s.bodies.iter();
+        let stresses = bodies().flat_map(|b| b.von_mises.iter().copied());
+        vec![
+            count(s.solver.iterations),
+            number(largest(bodies().map(max_displacement))),
+            number(largest(stresses)),
+            number(bodies().map(|b| b.strain_energy).sum()),
+            if s.converged { "✓" } else { "✗" }.to_string(),
+        ]
+    })
+}
+
+fn contact_table(steps: &[&Solution<2>], contact: usize, labels: &Labels) -> String {
+    let heads = vec![
+        column("nodes closed / open", ""),
+        column("length in contact", &labels.length),
+        column("largest pressure", &labels.stress),
+        column("force on the nonmortar body", &labels.force),
+    ];
+    let name = steps.last().map_or("", |s| &s.contacts[contact].name);
+    let body = rows(steps, heads, |s| {
+        let c = &s.contacts[contact];
+        let (closed, open) = closed_and_open(&c.nodes);
+        vec![
+            format!("{} / {}", count(closed), count(open)),
+            number(c.length),
+            number(largest(c.nodes.iter().map(|n| n.pressure))),
+            vector(&c.resultant, ""),
+        ]
+    });
+    format!("<h3>Contact {}</h3>\n{body}", escape(name))
+}
+
+fn probe_table(steps: &[&Solution<2>], chosen: &[usize], labels: &Labels) -> String {
+    let Some(last) = steps.last() else {
+        return String::new();
+    };
+    let head = |&i: &usize| {
+        let probe = &last.probes[i];
+        column(&probe.name, unit_of(&probe.quantity, labels))
+    };
+    let scale = |i: usize| {
+        steps
+            .iter()
+            .fold(0.0, |s, step| f64::max(s, step.probes[i].value.abs()))
+    };
+    let value = |s: &Solution<2>, i: usize| number(without_noise(s.probes[i].value, scale(i)));
+    rows(steps, chosen.iter().map(head).collect(), |s| {
+        chosen.iter().map(|&i| value(s, i)).collect()
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::output::sample;
+
+    #[test]
+    fn every_step_has_its_row_and_every_probe_its_plot() {
+        let (model, solution) = sample::tunnel(16);
+        let mut first = solution.clone();
+        first.time = 0.25;
+        first.probes[0].value = f64::NAN;
+        let earlier = [first];
+        let labels = Labels::of(&model);
+        let run = Run {
+            earlier: &earlier,
+            ..sample::run(&model, &solution)
+        };
+        let section = steps_section(&run, &labels);
+        // overview, contact and probes
+        assert_eq!(section.matches("<td>0.25</td>").count(), 3);
+        assert!(section.contains("last of 2 steps"));
+        // three plots of the contact and one of the probe, whose first value is undefined
+        assert_eq!(section.matches("step 1, t = 0.25").count(), 3);
+        assert_eq!(section.matches("step 2, t = 1").count(), 4);
+        assert!(steps_section(&sample::run(&model, &solution), &labels).is_empty());
+    }
+}

@@ -1,0 +1,258 @@
+//! Load steps: each is the answer that a run of its own gives, whatever came before it.
+
+use dotyk::mesh::Diagonals;
+use dotyk::model::{Event, Pair};
+use dotyk::prelude::*;
+
+fn field(text: &str) -> Field {
+    dotyk::case::parse_expression(text).unwrap()
+}
+
+fn rectangle(from: Point<2>, to: Point<2>, cells: [usize; 2]) -> Mesh<2> {
+    Rectangle {
+        from,
+        to,
+        cells,
+        cell: CellKind::Quad4,
+        diagonals: Diagonals::default(),
+    }
+    .build()
+    .unwrap()
+}
+
+const STEEL: Elastic = Elastic {
+    young: 210e3,
+    poisson: 0.3,
+};
+
+/// A punch that only contact holds along y, on a block: load, support, gap and body force change with time.
+fn punch(times: &[f64]) -> Model<2> {
+    let mut model = Model::<2>::new();
+    let block = model.body("block", rectangle([0.0, 0.0], [4.0, 1.0], [32, 8]), STEEL);
+    let punch = model.body("punch", rectangle([1.0, 1.0], [3.0, 2.0], [16, 8]), STEEL);
+    model
+        .fix(block, "bottom", [Some(0.0), None])
+        .fix(punch, "left", [Some(0.0), None])
+        .fix(punch, "right", [Some(0.0), None]);
+    model.bodies[0].supports[0].components[1] = Some(field("1e-3 * t * sin(3*x)"));
+    model.bodies[1].body_force[1] = field("-20 * t");
+    model.load(
+        punch,
+        Load::Traction {
+            side: "top".to_string(),
+            traction: [Field::constant(0.0), field("-300 * t * (1 + 0.6*(x - 2))")],
+        },
+    );
+    let sole = model.contact((punch, "bottom"), (block, "top"));
+    sole.name = "sole".to_string();
+    sole.gap = Some(Gap::Given(field("2e-3 * (x - 2)^2 * (2 - t)")));
+    model.probes = vec![Probe {
+        name: "tip".to_string(),
+        quantity: "punch.displacement.y".to_string(),
+        at: Some([2.0, 2.0]),
+        reduce: None,
+        mean_of_neighbours: false,
+        minus_rigid: None,
+    }];
+    model.times = times.to_vec();
+    model
+}
+
+/// All numbers of an answer that matter, with their largest values.
+fn numbers(solution: &Solution<2>) -> Vec<(&'static str, Vec<f64>)> {
+    let contacts = || solution.contacts.iter();
+    let nodes = || contacts().flat_map(|c| &c.nodes);
+    let bodies = || solution.bodies.iter();
+    vec![
+        ("pressure", nodes().map(|n| n.pressure).collect()),
+        ("gap", nodes().map(|n| n.gap).collect()),
+        (
+            "displacement",
+            bodies().flat_map(|b| b.displacement.concat()).collect(),
+        ),
+        ("stress", bodies().flat_map(|b| b.stress.concat()).collect()),
+        ("reaction", bodies().flat_map(|b| b.reaction).collect()),
+        ("force", contacts().flat_map(|c| c.resultant).collect()),
+        ("probe", solution.probes.iter().map(|p| p.value).collect()),
+    ]
+}
+
+#[track_caller]
+fn assert_same(a: &Solution<2>, b: &Solution<2>, tolerance: f64) {
+    for ((name, a), (_, b)) in numbers(a).into_iter().zip(numbers(b)) {
+        assert_eq!(a.len(), b.len());
+        let scale = a.iter().fold(0.0f64, |s, v| s.max(v.abs()));
+        for (a, b) in a.iter().zip(&b) {
+            assert!((a - b).abs() <= tolerance * scale, "{name}: {a} and {b}");
+        }
+    }
+}
+
+#[test]
+fn every_step_is_the_answer_of_a_run_of_its_own() {
+    let times = [0.2, 0.7, 1.0, 1.6];
+    let steps = punch(&times).solve_steps().unwrap();
+    assert_eq!(steps.len(), 4);
+    for (step, time) in steps.iter().zip(times) {
+        let alone = punch(&[time]).solve().unwrap();
+        assert!(step.converged && step.time == time);
+        // the same linear systems, another way to the active set: rounding times the condition of F
+        assert_same(step, &alone, 1e-11);
+    }
+    let closed = |s: &Solution<2>| {
+        s.contacts[0]
+            .nodes
+            .iter()
+            .filter(|n| n.pressure > 0.0)
+            .count()
+    };
+    let counts: Vec<usize> = steps.iter().map(closed).collect();
+    assert!(counts.windows(2).any(|w| w[0] != w[1]), "{counts:?}");
+    let last = punch(&times).solve().unwrap();
+    assert_same(&last, &steps[3], 0.0);
+}
+
+#[test]
+fn a_warm_start_from_a_similar_step_needs_no_more_iterations() {
+    for method in [Method::Newton, Method::Mprgp, Method::Accelerated] {
+        let mut model = punch(&[0.2, 0.21, 0.22]);
+        model.solver.method = method;
+        let warm = model.solve_steps().unwrap();
+        for step in &warm[1..] {
+            model.times = vec![step.time];
+            let cold = model.solve().unwrap().solver.iterations;
+            let found = step.solver.iterations;
+            assert!(found <= cold, "{}: {found} and {cold}", method.name());
+        }
+    }
+    let mut model = punch(&[0.2, 0.2001]);
+    model.solver.method = Method::Newton;
+    let warm = model.solve_steps().unwrap();
+    assert!(warm[1].solver.iterations < warm[0].solver.iterations);
+}
+
+#[test]
+fn a_closed_contact_is_homogeneous_in_the_load() {
+    let mut model = punch(&[0.01, 1.0, 100.0]);
+    model.bodies[0].supports[0].components[1] = Some(field("1e-2 * t * sin(3*x)"));
+    model.contacts[0].gap = Some(Gap::Closed);
+    let steps = model.solve_steps().unwrap();
+    let unit = &steps[1].contacts[0].nodes;
+    assert!(unit.iter().any(|n| n.status == Status::Open));
+    assert!(unit.iter().any(|n| n.status == Status::Closed));
+    let largest = unit.iter().fold(0.0f64, |s, n| s.max(n.pressure));
+    for step in &steps {
+        for (node, unit) in step.contacts[0].nodes.iter().zip(unit) {
+            assert_eq!(node.status, unit.status);
+            let expected = step.time * unit.pressure;
+            assert!((node.pressure - expected).abs() < 1e-11 * step.time * largest);
+        }
+    }
+}
+
+#[test]
+fn an_obstacle_that_moves_presses_from_the_time_on_when_it_touches() {
+    let mut model = Model::<2>::new();
+    let block = model.body("block", rectangle([0.0, 0.0], [2.0, 1.0], [4, 3]), STEEL);
+    model
+        .fix(block, "top", [None, Some(0.0)])
+        .fix(block, "left", [Some(0.0), None]);
+    let contact = model.obstacle((block, "bottom"), field("0.001 * (1 + t)"));
+    if let Pair::Obstacle { obstacle, .. } = &mut contact.pair {
+        obstacle.displacement[1] = field("0.004 * t");
+    }
+    model.times = vec![0.0, 0.25, 1.0, 2.0];
+    let steps = model.solve_steps().unwrap();
+    for step in &steps {
+        let approach = 0.004 * step.time - 0.001 * (1.0 + step.time);
+        let pressure = STEEL.young / (1.0 - 0.09) * f64::max(approach, 0.0);
+        for node in &step.contacts[0].nodes {
+            // uniform stress: rounding
+            assert!((node.pressure - pressure).abs() < 1e-9, "{}", step.time);
+            assert!((node.gap - f64::max(-approach, 0.0)).abs() < 1e-15);
+            assert!((node.displacement_mortar + 0.004 * step.time).abs() < 1e-15);
+        }
+    }
+}
+
+#[test]
+fn times_that_do_not_increase_are_refused() {
+    for times in [vec![], vec![1.0, 1.0], vec![2.0, 1.0], vec![f64::NAN]] {
+        let error = punch(&times).solve_steps().unwrap_err().to_string();
+        assert!(error.contains("step"), "{error}");
+        let check = punch(&times).check();
+        assert_eq!(check.errors.len(), 1);
+    }
+}
+
+#[test]
+fn an_error_of_one_step_names_it() {
+    let mut model = punch(&[0.5, 1.0]);
+    let traction = [Field::constant(0.0), field("800 * (2*t - 1.5)")];
+    let side = "top".to_string();
+    model.bodies[1].loads = vec![Load::Traction { side, traction }];
+    model.bodies[1].body_force[1] = Field::constant(0.0);
+    let error = model.solve_steps().unwrap_err();
+    assert!(
+        matches!(&error, Error::Step { step: 2, source, .. } if matches!(**source, Error::PulledAway { .. })),
+        "{error}"
+    );
+    assert!(error.to_string().starts_with("step 2 (t = 1): "), "{error}");
+    assert!(error.subject().is_some());
+    let found = model.check().errors;
+    assert!(found[0].starts_with("step 2 (t = 1): "), "{found:?}");
+
+    model.times = vec![1.0, 3.0];
+    model.bodies[1].loads = vec![Load::Traction {
+        side: "top".to_string(),
+        traction: [Field::constant(0.0), field("-1 / abs(1 - t)")],
+    }];
+    let found = model.check().errors;
+    assert!(found[0].starts_with("step 1 (t = 1): "), "{found:?}");
+    assert!(found[0].contains("not finite"), "{found:?}");
+}
+
+#[test]
+fn a_step_that_does_not_converge_keeps_those_before_it() {
+    let mut model = punch(&[0.0, 1.0, 2.0]);
+    model.contacts[0].gap = Some(Gap::Closed);
+    model.solver.method = Method::Mprgp;
+    model.solver.max_iterations = Some(1);
+    let Err(Error::NotConverged {
+        solution, earlier, ..
+    }) = model.solve_steps()
+    else {
+        panic!("one iteration cannot be enough");
+    };
+    // nothing happens at t = 0
+    let times: Vec<f64> = earlier.iter().map(|s| s.time).collect();
+    assert_eq!(times, [0.0]);
+    assert!(earlier[0].converged);
+    assert!(!solution.converged && solution.time == 1.0);
+}
+
+#[test]
+fn the_observer_hears_of_every_step_and_of_one_factorisation() {
+    let (mut steps, mut factored) = (Vec::new(), 0);
+    let mut observe = |event: Event| match event {
+        Event::Step {
+            step,
+            steps: of,
+            time,
+        } => steps.push((step, of, time)),
+        Event::Stage("factor") => factored += 1,
+        _ => {}
+    };
+    punch(&[0.5, 1.0]).solve_steps_with(&mut observe).unwrap();
+    assert_eq!(steps, [(1, 2, 0.5), (2, 2, 1.0)]);
+    assert_eq!(factored, 1);
+}
+
+#[test]
+fn comparing_and_condensing_take_the_last_step() {
+    use dotyk::model::DENSE_LIMIT;
+    let several = punch(&[0.2, 1.0]).dual_problem(DENSE_LIMIT).unwrap();
+    let alone = punch(&[1.0]).dual_problem(DENSE_LIMIT).unwrap();
+    assert_eq!(several.shift, alone.shift);
+    assert_eq!(several.equilibrium.load, alone.equilibrium.load);
+}
