@@ -75,6 +75,7 @@ pub fn run(arguments: &Arguments) -> Result<Outcome, Failure> {
     };
     solution.seconds.read = read;
     solution.seconds.total += read;
+    case.warn_first(&mut solution.warnings);
 
     let refused = |e: output::Error| Failure::Message(e.to_string());
     warn(&solution.warnings);

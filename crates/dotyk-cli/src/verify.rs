@@ -222,7 +222,8 @@ fn solve(path: &Path, case: &Case, quiet: bool, tally: &mut Tally) -> Option<Sol
     let solved = case.model.solve_with(&mut |event| progress.observe(event));
     progress.finish();
     match solved {
-        Ok(solution) => {
+        Ok(mut solution) => {
+            case.warn_first(&mut solution.warnings);
             let warnings = solution.warnings.iter();
             let warnings = warnings.map(|w| format!("{}: {w}", path.display()));
             warn(&warnings.collect::<Vec<_>>());
