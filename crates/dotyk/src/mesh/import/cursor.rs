@@ -80,6 +80,14 @@ impl<'b> Cursor<'b> {
         }
     }
 
+    /// The place of the next number, for messages: behind white space in a text.
+    pub fn next_at(&mut self) -> usize {
+        if self.encoding == Encoding::Text {
+            self.skip_space();
+        }
+        self.at
+    }
+
     /// Moves to the next byte that is no white space; false at the end of the file.
     pub fn skip_space(&mut self) -> bool {
         let rest = &self.bytes[self.at..];
@@ -199,21 +207,12 @@ impl<'b> Cursor<'b> {
 
     /// A finite number.
     pub fn real(&mut self, what: &str) -> Result<f64, ImportError> {
-        let start = self.at;
+        let start = self.next_at();
         let value = self.number(what)?;
         if value.is_finite() {
             return Ok(value);
         }
-        self.skip_to_word(start);
-        Err(self.malformed(self.at, format!("{what} must be finite, found {value}")))
-    }
-
-    /// Back to the first byte from `start` on that is no white space (in a text), for a message.
-    fn skip_to_word(&mut self, start: usize) {
-        self.at = start;
-        if self.encoding == Encoding::Text {
-            self.skip_space();
-        }
+        Err(self.malformed(start, format!("{what} must be finite, found {value}")))
     }
 
     /// A quoted name.

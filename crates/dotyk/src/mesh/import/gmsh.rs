@@ -67,6 +67,15 @@ const TYPES: [(i64, ElementType); 45] = [
     (118, kind("pyramid30", 3, 30)),
 ];
 
+/// Sections that are read; the format must be known before.
+const SECTIONS: [&str; 5] = [
+    "PhysicalNames",
+    "Entities",
+    "Nodes",
+    "ParametricNodes",
+    "Elements",
+];
+
 /// Reads a file that begins with `$`.
 pub(crate) fn read(cursor: Cursor<'_>) -> Result<Content, ImportError> {
     let mut reader = Reader {
@@ -124,7 +133,7 @@ impl Reader<'_> {
     }
 
     fn section(&mut self, name: &str, start: usize) -> Result<(), ImportError> {
-        let known = ["PhysicalNames", "Entities", "Nodes", "Elements"].contains(&name);
+        let known = SECTIONS.contains(&name);
         if known && self.version == Version::Unknown {
             let message = format!("`${name}` stands before `$MeshFormat`, which must come first");
             return Err(self.cursor.malformed(start, message));
@@ -138,16 +147,13 @@ impl Reader<'_> {
             ("PhysicalNames", _) => self.names()?,
             ("Entities", Version::V4) => self.entities()?,
             ("Nodes", Version::V4) => self.nodes_of_entities()?,
-            ("Nodes", _) => self.nodes()?,
+            ("Nodes", _) => self.nodes(false)?,
+            ("ParametricNodes", Version::V2) => self.nodes(true)?,
             ("Elements", Version::V4) => self.elements_of_entities()?,
             ("Elements", _) => self.elements()?,
             ("NOD" | "ELM", _) => return Err(self.version_refused("1")),
             ("PartitionedEntities", _) => {
                 let what = "the mesh is partitioned: save it without partitions (in Gmsh: Mesh, Unpartition)";
-                return Err(self.cursor.unsupported(what));
-            }
-            ("ParametricNodes", _) => {
-                let what = "nodes with parameters (`$ParametricNodes`) are read from version 4.1 only: save the mesh as 4.1, or without parameters";
                 return Err(self.cursor.unsupported(what));
             }
             ("Comments", _) => return self.cursor.skip_section(name),
@@ -171,7 +177,7 @@ impl Reader<'_> {
 
     /// Version, text or binary, bytes of a size, and in binary files the order of bytes.
     fn format(&mut self) -> Result<(), ImportError> {
-        let start = self.cursor.at();
+        let start = self.cursor.next_at();
         let version: f64 = self.cursor.parsed("the version")?;
         self.version = match version {
             2.2 => Version::V2,
@@ -264,20 +270,29 @@ impl Reader<'_> {
         Ok(())
     }
 
-    /// `$Nodes` of version 2.2.
-    fn nodes(&mut self) -> Result<(), ImportError> {
+    /// `$Nodes` and `$ParametricNodes` of version 2.2.
+    fn nodes(&mut self, parametric: bool) -> Result<(), ImportError> {
         for _ in 0..self.count("the number of nodes")? {
-            let start = self.cursor.at();
+            let start = self.cursor.next_at();
             let number = self.node_number()?;
             let point = self.point()?;
             self.add_point(number, start, point)?;
+            if parametric {
+                let dimension = self.cursor.integer("a dimension")?;
+                self.cursor.integer("the number of an entity")?;
+                // Nodes inside volumes have no parameters here.
+                let parameters = if dimension > 2 { 0 } else { dimension };
+                for _ in 0..parameters {
+                    self.cursor.real("a parameter")?;
+                }
+            }
         }
         Ok(())
     }
 
     /// The number of a node in version 2.2, where it is an integer.
     fn node_number(&mut self) -> Result<u64, ImportError> {
-        let start = self.cursor.at();
+        let start = self.cursor.next_at();
         let number = self.cursor.integer("the number of a node")?;
         u64::try_from(number).map_err(|_| {
             let message = format!("the number of a node must be positive, found {number}");
@@ -287,7 +302,7 @@ impl Reader<'_> {
 
     /// `$Nodes` of version 4.1.
     fn nodes_of_entities(&mut self) -> Result<(), ImportError> {
-        let start = self.cursor.at();
+        let start = self.cursor.next_at();
         let blocks = self.cursor.size("the number of blocks of nodes")?;
         let total = self.cursor.size("the number of nodes")?;
         self.cursor.size("the smallest number of a node")?;
@@ -299,7 +314,7 @@ impl Reader<'_> {
             let count = self.cursor.size("the number of nodes of a block")?;
             let mut numbers = Vec::new();
             for _ in 0..count {
-                let start = self.cursor.at();
+                let start = self.cursor.next_at();
                 numbers.push((self.cursor.size("the number of a node")?, start));
             }
             for (number, start) in numbers {
@@ -326,7 +341,7 @@ impl Reader<'_> {
     }
 
     fn element_type(&mut self) -> Result<ElementType, ImportError> {
-        let start = self.cursor.at();
+        let start = self.cursor.next_at();
         let number = self.cursor.integer("an element type")?;
         let found = TYPES.iter().find(|(known, _)| *known == number);
         found.map(|(_, element)| *element).ok_or_else(|| {
@@ -347,7 +362,7 @@ impl Reader<'_> {
     ) -> Result<(), ImportError> {
         let mut nodes = [0; MAX_CELL_NODES];
         for place in 0..element.nodes {
-            let start = self.cursor.at();
+            let start = self.cursor.next_at();
             let node = number(self)?;
             let Some(&index) = self.points.get(&node) else {
                 let message =
@@ -371,7 +386,7 @@ impl Reader<'_> {
         let mut read = 0;
         while read < total {
             let text = self.cursor.encoding == Encoding::Text;
-            let start = self.cursor.at();
+            let start = self.cursor.next_at();
             let mut label = if text {
                 self.cursor.integer("the number of an element")?
             } else {
@@ -418,7 +433,7 @@ impl Reader<'_> {
     /// `$Elements` of version 4.1.
     fn elements_of_entities(&mut self) -> Result<(), ImportError> {
         self.elements = true;
-        let start = self.cursor.at();
+        let start = self.cursor.next_at();
         let blocks = self.cursor.size("the number of blocks of elements")?;
         let total = self.cursor.size("the number of elements")?;
         self.cursor.size("the smallest number of an element")?;
