@@ -109,6 +109,9 @@ const IN_THE_TEXT: &[Mistake] = &[
     // meshes
     ("{ rectangle = { from = [1.5, 1.0], to = [2.5, 2.0], cells = [2, 2] } }", "{}", "mesh = {}", "exactly one"),
     ("cells = [2, 2] } }", "cells = [2, 2] }, ring = { inner = 1, outer = 2, cells = [8, 2] } }", "ring", "more than one generator"),
+    ("{ rectangle = { from = [1.5, 1.0], to = [2.5, 2.0], cells = [2, 2] } }", "{ file = { path = \"punch.msh\" } }", "punch.msh", "there is no such file"),
+    ("{ rectangle = { from = [1.5, 1.0], to = [2.5, 2.0], cells = [2, 2] } }", "{ file = { path = \"bad.toml\" } }", "{ file", "neither a Gmsh mesh"),
+    ("{ rectangle = { from = [1.5, 1.0], to = [2.5, 2.0], cells = [2, 2] } }", "{ file = { group = \"a\" } }", "{ file", "needs the key `path`"),
     // later
     ("\"plane-strain\"", "\"axisymmetric\"", "axisymmetric", "not supported yet"),
     ("\"plane-strain\"", "\"3d\"", "3d", "not supported yet"),
@@ -116,7 +119,6 @@ const IN_THE_TEXT: &[Mistake] = &[
     ("gap = \"geometric\"", "tied = true", "tied", "not supported yet"),
     ("gap = \"geometric\"", "pairing = \"mortar\"", "pairing", "not supported yet"),
     ("[solver]", "[[step]]\ntime = 1\n[[step]]\ntime = 2\n[solver]", "[[step]]\ntime = 2", "not supported yet"),
-    ("{ rectangle = { from = [1.5, 1.0], to = [2.5, 2.0], cells = [2, 2] } }", "{ file = { path = \"punch.msh\" } }", "punch.msh", "not supported yet"),
 ];
 
 /// Mistakes of mechanics, which only assembling or solving finds: what is replaced, by what, words of the message.

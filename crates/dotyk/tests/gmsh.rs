@@ -42,6 +42,9 @@ struct Element {
     nodes: Vec<u32>,
 }
 
+/// Elements with their places in the file.
+type Numbered<'e> = Vec<(usize, &'e Element)>;
+
 /// What is written into a file.
 #[derive(Clone, Default)]
 struct Content {
@@ -170,7 +173,7 @@ impl Content {
     }
 
     fn write_4(&self, out: &mut Output) {
-        let mut entities: BTreeMap<(i32, i32), Vec<(usize, &Element)>> = BTreeMap::new();
+        let mut entities: BTreeMap<(i32, i32), Numbered> = BTreeMap::new();
         for (index, element) in self.elements.iter().enumerate() {
             let key = (element.dimension, element.physical);
             entities.entry(key).or_default().push((index, element));
@@ -218,7 +221,7 @@ impl Content {
             }
         }
         // a block for each kind of an entity
-        let mut blocks: BTreeMap<(i32, i32, i32), Vec<(usize, &Element)>> = BTreeMap::new();
+        let mut blocks: BTreeMap<(i32, i32, i32), Numbered> = BTreeMap::new();
         for (index, element) in self.elements.iter().enumerate() {
             let key = (element.dimension, element.physical, element.kind);
             blocks.entry(key).or_default().push((index, element));
@@ -506,9 +509,18 @@ fn names_that_cannot_be_told_apart_are_refused() {
         matches!(&error, ImportError::NameClash { name, .. } if name == "a_b"),
         "{error}"
     );
+    // a number and a name
+    content.names[0].2 = String::new();
+    content.names[5].2 = "1".to_string();
+    let error = read(&content.write(VARIANTS[0])).unwrap_err();
+    assert!(
+        matches!(&error, ImportError::NameClash { name, .. } if name == "1"),
+        "{error}"
+    );
     // one name of two tags is one group
     content.names[0].2 = "ab".to_string();
-    for name in &mut content.names[5..] {
+    content.names[5].2 = "ab".to_string();
+    for name in &mut content.names[6..] {
         name.2 = name.2.replace("a.b", "ab");
     }
     let file = read(&content.write(VARIANTS[0])).unwrap();
@@ -902,6 +914,20 @@ fn what_makes_no_body_is_said() {
     let error = read(lines.as_bytes()).unwrap_err().to_string();
     assert!(
         error.contains("no cells of the plane") && error.contains("1 edges"),
+        "{error}"
+    );
+    // a quadratic triangle beside the square
+    let hanging = SQUARE
+        .replace("$Nodes\n6", "$Nodes\n9")
+        .replace("6 2 1 0", "6 2 1 0\n7 1.5 0 0\n8 1.5 0.5 0\n9 1 0.5 0")
+        .replace("3 3 2 2 1 2 5 6 3", "3 9 2 2 1 2 5 3 7 8 9");
+    let error = read(hanging.as_bytes())
+        .unwrap()
+        .mesh(&[])
+        .unwrap_err()
+        .to_string();
+    assert!(
+        error.contains("the elements 2, 3 do not fit together at one edge"),
         "{error}"
     );
     let error = read(SQUARE.as_bytes())

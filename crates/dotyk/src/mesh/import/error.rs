@@ -130,6 +130,17 @@ pub enum ImportError {
         /// Number of the other.
         second: u64,
     },
+    /// Cells that meet at an edge and do not fit together there.
+    #[error(
+        "{file}: the elements {} do not fit together at one edge: two cells may share it, with its middle node; mesh all of the body with one order",
+        listed(elements)
+    )]
+    NotConforming {
+        /// The file.
+        file: String,
+        /// Numbers of the elements in the file.
+        elements: Vec<u64>,
+    },
     /// The body does not lie in a plane z = constant.
     #[error(
         "{file}: z runs from {low} to {high} in the body: a plane mesh has one z, and its coordinates are x and y"
@@ -159,6 +170,11 @@ fn groups(known: &[String]) -> String {
         0 => "it has none: leave `group` out to take all cells".to_string(),
         _ => format!("it has {}", known.join(", ")),
     }
+}
+
+fn listed(elements: &[u64]) -> String {
+    let texts: Vec<String> = elements.iter().map(u64::to_string).collect();
+    texts.join(", ")
 }
 
 fn number(element: Option<u64>) -> String {

@@ -21,8 +21,8 @@ pub use error::{FilePlace, ImportError};
 use crate::geometry::Point;
 use crate::mesh::import::content::{Cell, Content, Edge, Refused};
 use crate::mesh::import::cursor::Cursor;
-use crate::mesh::{CellBlock, CellKind, Facet, Mesh, MeshError};
-use std::collections::{BTreeMap, BTreeSet, HashMap};
+use crate::mesh::{CellBlock, CellKind, Facet, FacetTable, Mesh, MeshError};
+use std::collections::{BTreeMap, BTreeSet, HashMap, HashSet};
 use std::path::Path;
 
 /// The side that every imported mesh has, unless a group of the file has its name.
@@ -71,16 +71,18 @@ pub struct Imported {
 #[derive(Debug, Clone, Default)]
 struct Groups {
     names: Vec<String>,
-    /// As the file calls them.
-    originals: Vec<String>,
+    /// As the file calls them; `None` where it gives a number only.
+    originals: Vec<Option<String>>,
     tags: BTreeMap<i64, usize>,
 }
 
 impl Groups {
     /// The group that a user calls so: by its name here, or as in the file.
     fn find(&self, name: &str) -> Option<usize> {
-        let called = |names: &[String]| names.iter().position(|known| known == name);
-        called(&self.names).or_else(|| called(&self.originals))
+        let called = |known: &String| known == name;
+        let original = |known: &Option<String>| known.as_deref() == Some(name);
+        let found = self.names.iter().position(called);
+        found.or_else(|| self.originals.iter().position(original))
     }
 
     /// Groups of one dimension that elements belong to. Tags of one name are one group.
@@ -92,23 +94,26 @@ impl Groups {
     ) -> Result<Self, ImportError> {
         let mut groups = Self::default();
         for &tag in used {
-            let given = names.get(&(dimension, tag)).filter(|name| !name.is_empty());
-            let original = given.cloned().unwrap_or_else(|| tag.to_string());
-            let name = valid_name(&original);
-            let index = match groups.names.iter().position(|known| *known == name) {
-                Some(index) if groups.originals[index] == original && given.is_some() => index,
-                Some(index) => {
-                    return Err(ImportError::NameClash {
-                        file: file.to_string(),
-                        first: groups.originals[index].clone(),
-                        second: original,
-                        name,
-                    });
-                }
+            let given = names.get(&(dimension, tag));
+            let original = given.filter(|name| !name.trim().is_empty()).cloned();
+            let called = original.clone().unwrap_or_else(|| tag.to_string());
+            let name = valid_name(&called);
+            let known = groups.names.iter().position(|known| *known == name);
+            let index = match known {
                 None => {
                     groups.names.push(name);
                     groups.originals.push(original);
                     groups.names.len() - 1
+                }
+                Some(index) if original.is_some() && groups.originals[index] == original => index,
+                Some(index) => {
+                    let first = groups.originals[index].clone();
+                    return Err(ImportError::NameClash {
+                        file: file.to_string(),
+                        first: first.unwrap_or_else(|| groups.names[index].clone()),
+                        second: called,
+                        name,
+                    });
                 }
             };
             groups.tags.insert(tag, index);
@@ -285,7 +290,7 @@ impl MeshFile {
         }
         for groups in [&self.cell_groups, &self.edge_groups] {
             for (name, original) in groups.names.iter().zip(&groups.originals) {
-                if name != original {
+                if let Some(original) = original.as_ref().filter(|o| *o != name) {
                     remarks.push(format!("the group `{original}` is called `{name}`: names consist of letters, digits, `_` and `-`"));
                 }
             }
@@ -311,39 +316,39 @@ impl MeshFile {
 
     /// Edges without a group, edges of no cell, nodes of no cell.
     fn edge_remarks(&self, remarks: &mut Vec<String>) {
-        let loose = self
-            .edges
-            .iter()
-            .filter(|edge| self.edge_sets[edge.tags as usize].is_empty());
+        let groups = |edge: &Edge| &self.edge_sets[edge.tags as usize];
+        let loose = self.edges.iter().filter(|edge| groups(edge).is_empty());
         let loose = loose.count();
         if loose > 0 {
             remarks.push(format!(
                 "{loose} edges belong to no physical group and are left out"
             ));
         }
-        let mut of_cells = BTreeSet::new();
+        let mut off: HashSet<[u32; 2]> = self.edges.iter().map(|e| ordered(e.ends)).collect();
         let mut in_cells = vec![false; self.points.len()];
         for cell in &self.cells {
             for facet in cell.kind.facets() {
-                of_cells.insert(ordered([cell.nodes[facet[0]], cell.nodes[facet[1]]]));
+                off.remove(&ordered([cell.nodes[facet[0]], cell.nodes[facet[1]]]));
             }
             for &node in cell.nodes() {
                 in_cells[node as usize] = true;
             }
         }
-        let mut off: BTreeMap<usize, usize> = BTreeMap::new();
+        let mut counts: BTreeMap<usize, usize> = BTreeMap::new();
         for edge in self
             .edges
             .iter()
-            .filter(|edge| !of_cells.contains(&ordered(edge.ends)))
+            .filter(|edge| off.contains(&ordered(edge.ends)))
         {
-            for &group in &self.edge_sets[edge.tags as usize] {
-                *off.entry(group).or_insert(0) += 1;
+            for &group in groups(edge) {
+                *counts.entry(group).or_insert(0) += 1;
             }
         }
-        for (group, count) in off {
+        for (group, count) in counts {
             let name = &self.edge_groups.names[group];
-            remarks.push(format!("{count} edges of the group `{name}` belong to no cell of the plane and are left out"));
+            remarks.push(format!(
+                "{count} edges of the group `{name}` belong to no cell of the plane and are left out"
+            ));
         }
         let nodes = in_cells.iter().filter(|used| !**used).count();
         if nodes > 0 {
@@ -370,7 +375,9 @@ impl MeshFile {
         let (points, renumbered) = self.plane_points(&body)?;
         let (blocks, numbers) = self.blocks(&body, &renumbered);
         let mesh = Mesh::new(points, blocks).map_err(|error| self.refused_mesh(error, &numbers))?;
-        let sides = self.sides(&mesh, &renumbered, &mut warnings);
+        let table = mesh.facet_table();
+        self.refuse_gaps(&mesh, &table, &numbers)?;
+        let sides = self.sides(&mesh, &table, &renumbered, &mut warnings);
         let unused_sides = self
             .edge_groups
             .names
@@ -467,6 +474,12 @@ impl MeshFile {
                 .collect();
             warnings.push(format!("some of its cells belong to several groups of {} ({}): materials cannot name these; list groups that do not overlap in `group`", self.name, quoted(&names)));
         }
+        if !chosen.is_empty() {
+            let refused = self.refused.iter().filter(|refused| {
+                refused.element.dimension == 2 && self.cell_sets[refused.tags as usize].is_empty()
+            });
+            selection.unused_loose += refused.map(|refused| refused.count).sum::<usize>();
+        }
         selection.unused = unused;
         Ok(selection)
     }
@@ -560,14 +573,39 @@ impl MeshFile {
         }
     }
 
+    /// Refuses cells that share the ends of an edge and not its middle, and more than two cells at one edge.
+    fn refuse_gaps(
+        &self,
+        mesh: &Mesh<2>,
+        table: &FacetTable,
+        numbers: &[Vec<u64>],
+    ) -> Result<(), ImportError> {
+        let number = |facet: Facet| numbers[facet.block as usize][facet.cell as usize];
+        let middle = |facet: Facet| mesh.facet_nodes(facet).nth(2);
+        for facets in table.groups() {
+            let fits = match facets {
+                [_] => true,
+                [(_, a), (_, b)] => middle(*a) == middle(*b),
+                _ => false,
+            };
+            if !fits {
+                return Err(ImportError::NotConforming {
+                    file: self.name.clone(),
+                    elements: facets.iter().map(|(_, facet)| number(*facet)).collect(),
+                });
+            }
+        }
+        Ok(())
+    }
+
     /// The groups of edges on the boundary of a body, and its whole boundary.
     fn sides(
         &self,
         mesh: &Mesh<2>,
+        table: &FacetTable,
         renumbered: &[u32],
         warnings: &mut Vec<String>,
     ) -> BTreeMap<String, Vec<Facet>> {
-        let table = mesh.facet_table();
         let mut sides: BTreeMap<String, Vec<Facet>> = BTreeMap::new();
         let mut inside: BTreeMap<usize, usize> = BTreeMap::new();
         for edge in &self.edges {
@@ -638,15 +676,15 @@ fn drop_repeated(file: &str, content: &mut Content) -> Result<usize, ImportError
             });
         }
         let tags = |cell: &Cell| content.tags[cell.tags as usize].clone();
-        let union = content_union(tags(first), tags(&cell));
-        repeated += usize::from(union.len() == content.tags[first.tags as usize].len());
-        first.tags = content.tag_set(union);
+        let both = union(tags(first), tags(&cell));
+        repeated += usize::from(both.len() == content.tags[first.tags as usize].len());
+        first.tags = content.tag_set(both);
     }
     content.cells = kept;
     Ok(repeated)
 }
 
-fn content_union(mut a: Vec<i64>, b: Vec<i64>) -> Vec<i64> {
+fn union(mut a: Vec<i64>, b: Vec<i64>) -> Vec<i64> {
     a.extend(b);
     a.sort_unstable();
     a.dedup();
