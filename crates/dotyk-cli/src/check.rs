@@ -25,7 +25,8 @@ pub fn check(arguments: &Arguments) -> Result<Outcome, Failure> {
         Some(folder) => Some(output_folder(Some(folder), &case)?),
         None => None,
     };
-    let check = case.model.check();
+    let mut check = case.model.check();
+    case.warn_first(&mut check.warnings);
     let mut text = check.to_string();
     if !text.ends_with('\n') {
         text.push('\n');

@@ -1,7 +1,7 @@
 //! `dotyk compare`: all solvers on one case, and iterations as a function of rho; of several load steps on the last.
 
 use crate::Outcome;
-use crate::failure::Failure;
+use crate::failure::{Failure, warn};
 use crate::progress::Progress;
 use crate::run::{output_folder, positive};
 use crate::text::{columns, number, print, written};
@@ -47,6 +47,7 @@ fn log_spaced((a, b): (f64, f64)) -> Vec<f64> {
 pub fn compare(arguments: &Arguments) -> Result<Outcome, Failure> {
     let case = Case::read(&arguments.case)?;
     let folder = output_folder(arguments.out.as_deref(), &case)?;
+    warn(&case.warnings);
     let mut progress = Progress::new(false);
     let methods = case.model.compare(&mut |event| progress.observe(event));
     let steps = match (&methods, arguments.rho) {

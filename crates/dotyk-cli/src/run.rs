@@ -85,6 +85,7 @@ pub fn run(arguments: &Arguments) -> Result<Outcome, Failure> {
     for step in &mut steps {
         step.seconds.read = read;
         step.seconds.total += read;
+        case.warn_first(&mut step.warnings);
     }
 
     let refused = |e: output::Error| Failure::Message(e.to_string());

@@ -261,7 +261,10 @@ fn solve(path: &Path, case: &Case, quiet: bool, tally: &mut Tally) -> Option<Sol
         .solve_steps_with(&mut |event| progress.observe(event));
     progress.finish();
     let steps = match solved {
-        Ok(steps) => {
+        Ok(mut steps) => {
+            for step in &mut steps {
+                case.warn_first(&mut step.warnings);
+            }
             let warnings = all_warnings(&steps).into_iter();
             let warnings = warnings.map(|w| format!("{}: {w}", path.display()));
             warn(&warnings.collect::<Vec<_>>());

@@ -113,10 +113,12 @@ const IN_THE_TEXT: &[Mistake] = &[
     ("[solver]", "[[step]]\ntime = 1\n[[step]]\ntime = 1\n[solver]", "\ntime = 1\n[solver]", "must increase"),
     ("[solver]", "[[step]]\n[solver]", "[[step]]", "`time`"),
     ("[solver]", "[[step]]\ntime = inf\n[solver]", "time = inf", "finite"),
+    ("{ rectangle = { from = [1.5, 1.0], to = [2.5, 2.0], cells = [2, 2] } }", "{ file = { path = \"punch.msh\" } }", "punch.msh", "there is no such file"),
+    ("{ rectangle = { from = [1.5, 1.0], to = [2.5, 2.0], cells = [2, 2] } }", "{ file = { path = \"bad.toml\" } }", "{ file", "neither a Gmsh mesh"),
+    ("{ rectangle = { from = [1.5, 1.0], to = [2.5, 2.0], cells = [2, 2] } }", "{ file = { group = \"a\" } }", "{ file", "needs the key `path`"),
     // later
     ("\"plane-strain\"", "\"3d\"", "3d", "not supported yet"),
     ("gap = \"geometric\"", "friction = 0.3", "friction", "not supported yet"),
-    ("{ rectangle = { from = [1.5, 1.0], to = [2.5, 2.0], cells = [2, 2] } }", "{ file = { path = \"punch.msh\" } }", "punch.msh", "not supported yet"),
 ];
 
 /// Mistakes of mechanics, which only assembling or solving finds: what is replaced, by what, words of the message.

@@ -428,3 +428,32 @@ fn a_table_for_a_list_is_explained() {
     let message = Run::refused("brackets", &text);
     assert!(message.contains("[[contact]]"), "{message}");
 }
+
+#[test]
+fn what_is_left_out_of_a_mesh_file_is_a_warning_everywhere() {
+    let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../cases/press-fit-gmsh/rings.msh");
+    let mesh = format!(
+        "file = {{ path = '{}', group = \"inner\" }}",
+        file.display()
+    );
+    let fix = "{ side = \"on-x\", y = 0 }, { side = \"on-y\", x = 0 }";
+    let load = "{ side = \"fit\", pressure = 1e6 }";
+    let text = format!("{HEAD}{}", steel("inner", &mesh, fix, load));
+    let run = Run::solved("mesh_file", &text);
+    let warnings = run.warnings();
+    assert_eq!(warnings.len(), 2, "{warnings:?}");
+    let check = Run::new("mesh_file_check", &text, "check", &[]);
+    assert_eq!(check.status, Some(0), "{}", check.stderr);
+    for (warning, words) in warnings.iter().zip([
+        "rings.msh: no body has the groups of cells `outer`",
+        "rings.msh: the groups of edges `rim` are on the boundary of no body",
+    ]) {
+        assert!(warning.contains(words), "{warning}");
+        assert!(
+            run.stderr.contains(&format!("warning: {warning}")),
+            "{}",
+            run.stderr
+        );
+        assert!(check.stdout.contains(words), "{}", check.stdout);
+    }
+}

@@ -3,6 +3,7 @@
 use crate::case::document::{Entry, Node, Span, Table, Value, check_name, later, name, zero};
 use crate::case::error::Fault;
 use crate::case::keys;
+use crate::case::mesh_file::MeshFiles;
 use crate::case::suggest::{listed, nearest};
 use crate::case::surface::true_surface;
 use crate::geometry::Field;
@@ -31,12 +32,12 @@ const DIAGONALS: [(&str, Diagonals); 5] = [
 ];
 
 /// One body with everything that is written inside it.
-pub(crate) fn body(node: &Node) -> Result<Body<2>, Fault> {
+pub(crate) fn body(node: &Node, files: &mut MeshFiles) -> Result<Body<2>, Fault> {
     let table = node.table(keys::BODY)?;
     let body_name = name(table.require("name", "a body")?)?;
     let what = format!("body `{body_name}`");
-    let mesh = mesh(table.require("mesh", &what)?, &body_name)?;
-    let (materials, thickness) = materials(table.require("material", &what)?, &body_name)?;
+    let mesh = mesh(table.require("mesh", &what)?, &body_name, files)?;
+    let (materials, thickness) = materials(table.require("material", &what)?, &body_name, &mesh)?;
     let supports = table.list("fix")?.iter();
     let supports = supports.map(|node| support(node, &body_name, &mesh));
     let supports = supports.collect::<Result<_, _>>()?;
@@ -62,7 +63,7 @@ pub(crate) fn body(node: &Node) -> Result<Body<2>, Fault> {
     })
 }
 
-fn mesh(node: &Node, body: &str) -> Result<Mesh<2>, Fault> {
+fn mesh(node: &Node, body: &str, files: &mut MeshFiles) -> Result<Mesh<2>, Fault> {
     let table = node.table(keys::MESH)?;
     let generators: Vec<&Entry> = keys::MESH
         .iter()
@@ -80,6 +81,7 @@ fn mesh(node: &Node, body: &str) -> Result<Mesh<2>, Fault> {
             .help(format!("give exactly one of {}", listed(known))));
     };
     let built = match generator.key.as_str() {
+        "file" => Ok(files.mesh(&generator.node, body)?),
         "rectangle" => rectangle(&generator.node)?.build(),
         "ring" => ring(&generator.node)?.build(),
         "tunnel_rock" => tunnel_rock(&generator.node)?.build(),
@@ -202,16 +204,60 @@ fn diagonals(table: Table<'_>) -> Result<Diagonals, Fault> {
     })
 }
 
-/// The materials and the thickness, which they share.
-fn materials(node: &Node, body: &str) -> Result<(Vec<Material>, f64), Fault> {
-    let Value::List(list) = &node.value else {
-        let (material, thickness) = material(node, body)?;
-        return Ok((vec![material], thickness));
+/// The materials and the thickness, which they share. One without `group` is for the cells of all other groups.
+fn materials(node: &Node, body: &str, mesh: &Mesh<2>) -> Result<(Vec<Material>, f64), Fault> {
+    let groups = groups(mesh);
+    let (mut materials, thickness) = match &node.value {
+        Value::List(list) => list_of_materials(node, list, body, &groups)?,
+        _ => {
+            let (material, thickness) = material(node, body, &groups)?;
+            (vec![material], thickness)
+        }
     };
+    let without = |group: &&str| !materials.iter().any(|m| m.group.as_deref() == Some(*group));
+    let rest: Vec<&str> = groups.iter().copied().filter(without).collect();
+    let loose = mesh.blocks().iter().any(|block| block.group.is_none());
+    let common = materials.iter().any(|m| m.group.is_none());
+    if !common && (loose || !rest.is_empty()) {
+        let cells = match rest.len() {
+            0 => "its cells of no group".to_string(),
+            _ => format!("its cells of {}", listed(rest)),
+        };
+        let message = format!("body `{body}` has no material for {cells}");
+        return Err(Fault::new(&node.span, message)
+            .label("a material is missing")
+            .help("a material without `group` is for all cells that have no other"));
+    }
+    // The first that fits is taken.
+    materials.sort_by_key(|material| material.group.is_none());
+    Ok((materials, thickness))
+}
+
+/// Names of the groups of cells of a mesh, each once.
+fn groups(mesh: &Mesh<2>) -> Vec<&str> {
+    let mut groups: Vec<&str> = Vec::new();
+    for group in mesh
+        .blocks()
+        .iter()
+        .filter_map(|block| block.group.as_deref())
+    {
+        if !groups.contains(&group) {
+            groups.push(group);
+        }
+    }
+    groups
+}
+
+fn list_of_materials(
+    node: &Node,
+    list: &[Node],
+    body: &str,
+    groups: &[&str],
+) -> Result<(Vec<Material>, f64), Fault> {
     let mut materials: Vec<Material> = Vec::new();
     let mut common = None;
     for node in list {
-        let (material, thickness) = material(node, body)?;
+        let (material, thickness) = material(node, body, groups)?;
         if *common.get_or_insert(thickness) != thickness {
             let message = format!("the materials of body `{body}` differ in thickness");
             return Err(Fault::new(&node.span, message).label("one thickness for the whole body"));
@@ -229,7 +275,7 @@ fn materials(node: &Node, body: &str) -> Result<(Vec<Material>, f64), Fault> {
     Ok((materials, thickness))
 }
 
-fn material(node: &Node, body: &str) -> Result<(Material, f64), Fault> {
+fn material(node: &Node, body: &str, groups: &[&str]) -> Result<(Material, f64), Fault> {
     let table = node.table(keys::MATERIAL)?;
     let group = table.get("group").map(name).transpose()?;
     let young = table.require("young", "a material")?.positive("`young`")?;
@@ -248,13 +294,27 @@ fn material(node: &Node, body: &str) -> Result<(Material, f64), Fault> {
         return Err(Fault::new(&poisson_node.span, message).label("not in (-1, 0.5)"));
     }
     if let (Some(group), Some(node)) = (&group, table.get("group")) {
-        let message = format!("body `{body}` has no group of cells `{group}`");
-        return Err(Fault::new(&node.span, message)
-            .label("no such group")
-            .help("generated meshes have no groups: give one material without `group`"));
+        known_group(group, &node.span, body, groups)?;
     }
     let elastic = Elastic { young, poisson };
     Ok((Material { group, elastic }, thickness))
+}
+
+/// Refuses a group of cells that the mesh does not have.
+fn known_group(group: &str, span: &Span, body: &str, groups: &[&str]) -> Result<(), Fault> {
+    if groups.contains(&group) {
+        return Ok(());
+    }
+    let message = format!("body `{body}` has no group of cells `{group}`");
+    let fault = Fault::new(span, message);
+    Err(match nearest(group, groups.iter().copied()) {
+        Some(near) => fault
+            .label(format!("the nearest known group is `{near}`"))
+            .help(format!("its groups: {}", listed(groups.iter().copied()))),
+        None => fault
+            .label("no such group")
+            .help("its mesh has no groups: give one material without `group`"),
+    })
 }
 
 /// The name of a side that the mesh has.

@@ -54,6 +54,8 @@ pub const TUNNEL_ROCK: &[&str] = &[
     "cell",
     "diagonals",
 ];
+/// `mesh.file`.
+pub const FILE: &[&str] = &["path", "group"];
 /// One side of `mesh.sides`.
 pub const PATCH: &[&str] = &["of", "min", "max"];
 /// `material` of a body, or one element of its list.
@@ -125,7 +127,7 @@ pub const REFERENCE: &[&str] = &[
 ];
 
 /// Every table with its keys.
-pub const ALL: [(&str, &[&str]); 22] = [
+pub const ALL: [(&str, &[&str]); 23] = [
     ("case", CASE),
     ("units", UNITS),
     ("body", BODY),
@@ -133,6 +135,7 @@ pub const ALL: [(&str, &[&str]); 22] = [
     ("rectangle", RECTANGLE),
     ("ring", RING),
     ("tunnel_rock", TUNNEL_ROCK),
+    ("file", FILE),
     ("sides", PATCH),
     ("material", MATERIAL),
     ("surface", SURFACE),

@@ -10,6 +10,7 @@ mod document;
 mod error;
 mod expression;
 pub mod keys;
+mod mesh_file;
 mod probe;
 mod reference;
 mod suggest;
@@ -21,6 +22,7 @@ pub use reference::{Criterion, Kind, Reference, References, Verdict};
 
 use crate::case::document::{Node, Span, Table, Value, later};
 use crate::case::error::{Fault, read_text};
+use crate::case::mesh_file::MeshFiles;
 use crate::model::{Analysis, Bolts, Method, Model, SolverOptions, Subject, Units};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -34,6 +36,8 @@ pub struct Case {
     pub path: PathBuf,
     /// The problem.
     pub model: Model<2>,
+    /// What was noticed while reading, such as parts of mesh files that no body uses.
+    pub warnings: Vec<String>,
     /// The text, and how messages call it.
     text: Arc<str>,
     name: Arc<str>,
@@ -61,17 +65,24 @@ impl Case {
         };
         let stem = path.file_stem().unwrap_or(path.as_os_str());
         let stem = stem.to_string_lossy().into_owned();
+        let mut files = MeshFiles::new(folder);
         let read = document::parse(text)
-            .and_then(|document| Ok((model(&document, &stem)?, places(&document))));
+            .and_then(|document| Ok((model(&document, &stem, &mut files)?, places(&document))));
         let (model, places) = read.map_err(|fault| fault.in_source(name, text))?;
         Ok(Self {
             stem,
             path,
             model,
+            warnings: files.warnings(),
             text: text.into(),
             name: name.into(),
             places,
         })
+    }
+
+    /// Puts what was noticed while reading before the warnings of a result.
+    pub fn warn_first(&self, warnings: &mut Vec<String>) {
+        warnings.splice(0..0, self.warnings.iter().cloned());
     }
 
     /// An error of the model as an error of the file, at the name of the body, contact or probe that it is about.
@@ -124,7 +135,7 @@ const ANALYSES: [(&str, Analysis); 4] = [
 ];
 
 /// The model of a whole document.
-fn model(document: &Node, stem: &str) -> Result<Model<2>, Fault> {
+fn model(document: &Node, stem: &str, files: &mut MeshFiles) -> Result<Model<2>, Fault> {
     let table = document.table(keys::CASE)?;
     let text = |key: &str, default: &str| {
         let node = table.get(key);
@@ -153,7 +164,7 @@ fn model(document: &Node, stem: &str) -> Result<Model<2>, Fault> {
     }
     let bodies = bodies
         .iter()
-        .map(body::body)
+        .map(|node| body::body(node, files))
         .collect::<Result<Vec<_>, _>>()?;
 
     let contacts = table.list("contact")?;

@@ -460,12 +460,6 @@ fn features_to_come_are_not_supported_yet() {
         "\"x\"",
         &[later],
     );
-    assert_mistake(
-        "{ rectangle = { from = [1.5, 1.0], to = [2.5, 2.0], cells = [20, 20] } }",
-        "{ file = { path = \"a.msh\" } }",
-        "file",
-        &[later],
-    );
 }
 
 #[test]

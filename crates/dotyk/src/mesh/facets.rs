@@ -64,7 +64,7 @@ impl FacetTable {
     }
 
     /// Facets with the same corners, one slice for each set of corners.
-    fn groups(&self) -> impl Iterator<Item = &[(Key, Facet)]> {
+    pub(crate) fn groups(&self) -> impl Iterator<Item = &[(Key, Facet)]> {
         self.entries.chunk_by(|(a, _), (b, _)| a == b)
     }
 }

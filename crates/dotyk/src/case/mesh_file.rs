@@ -1,0 +1,172 @@
+//! `mesh = { file = { path, group } }`: bodies from mesh files, each file read once for all bodies of a case.
+//!
+//! What of a file has no place in any body is known only when all bodies were read: [`MeshFiles::warnings`].
+
+use crate::case::document::{Node, Span, Value};
+use crate::case::error::Fault;
+use crate::case::keys;
+use crate::case::suggest::{listed, nearest};
+use crate::mesh::{ImportError, Imported, Mesh, MeshFile};
+use std::path::{Path, PathBuf};
+
+/// The mesh files of a case.
+pub(crate) struct MeshFiles {
+    /// Where relative paths start.
+    folder: PathBuf,
+    files: Vec<Opened>,
+    warnings: Vec<String>,
+}
+
+/// A file, and what no body has used of it so far.
+struct Opened {
+    path: PathBuf,
+    file: MeshFile,
+    unused: Option<Unused>,
+}
+
+struct Unused {
+    cells: Vec<String>,
+    sides: Vec<String>,
+    loose: usize,
+}
+
+impl MeshFiles {
+    pub fn new(folder: &Path) -> Self {
+        Self {
+            folder: folder.to_path_buf(),
+            files: Vec::new(),
+            warnings: Vec::new(),
+        }
+    }
+
+    /// The mesh of a body from the table `file`.
+    pub fn mesh(&mut self, node: &Node, body: &str) -> Result<Mesh<2>, Fault> {
+        let table = node.table(keys::FILE)?;
+        let path = table.require("path", "a mesh file")?;
+        let groups = table.get("group").map_or(Ok(Vec::new()), groups)?;
+        let group_span = table.get("group").map_or(&path.span, |node| &node.span);
+        let opened = self.open(path, body)?;
+        let names: Vec<&str> = groups.iter().map(|(name, _)| *name).collect();
+        let imported = opened.file.mesh(&names).map_err(|error| match &error {
+            ImportError::UnknownGroup { group, known, .. } => {
+                let named = groups.iter().find(|(name, _)| name == group);
+                let span = named.map_or(group_span, |(_, span)| span);
+                unknown_group(&error, group, known, span, body)
+            }
+            _ => refused(&error, &path.span, body),
+        })?;
+        opened.use_of(&imported);
+        let warnings = imported.warnings.iter();
+        self.warnings
+            .extend(warnings.map(|w| format!("body `{body}`: {w}")));
+        Ok(imported.mesh)
+    }
+
+    /// The file of a path, read when it is met first.
+    fn open(&mut self, node: &Node, body: &str) -> Result<&mut Opened, Fault> {
+        let path = self.folder.join(node.text()?);
+        let place = match self.files.iter().position(|opened| opened.path == path) {
+            Some(place) => place,
+            None => {
+                let file = MeshFile::read(&path);
+                let file = file.map_err(|error| refused(&error, &node.span, body))?;
+                self.warnings.extend(file.warnings().iter().cloned());
+                self.files.push(Opened {
+                    path,
+                    file,
+                    unused: None,
+                });
+                self.files.len() - 1
+            }
+        };
+        Ok(&mut self.files[place])
+    }
+
+    /// What was noticed, and what of the files no body uses.
+    pub fn warnings(self) -> Vec<String> {
+        let mut warnings = self.warnings;
+        for opened in self.files {
+            let Some(unused) = opened.unused else {
+                continue;
+            };
+            let name = opened.path.display();
+            let listed = |names: &[String]| listed(names.iter().map(String::as_str));
+            if !unused.cells.is_empty() {
+                let groups = listed(&unused.cells);
+                warnings.push(format!("{name}: no body has the groups of cells {groups}"));
+            }
+            if !unused.sides.is_empty() {
+                let groups = listed(&unused.sides);
+                warnings.push(format!(
+                    "{name}: the groups of edges {groups} are on the boundary of no body"
+                ));
+            }
+            if unused.loose > 0 {
+                let count = unused.loose;
+                warnings.push(format!(
+                    "{name}: {count} cells belong to no physical group and are in no body"
+                ));
+            }
+        }
+        warnings
+    }
+}
+
+impl Opened {
+    /// Takes what a body uses from the list of what is unused.
+    fn use_of(&mut self, imported: &Imported) {
+        let before = self.unused.take().unwrap_or_else(|| Unused {
+            cells: imported.unused_cells.clone(),
+            sides: imported.unused_sides.clone(),
+            loose: imported.unused_loose,
+        });
+        let common = |names: Vec<String>, other: &[String]| {
+            names
+                .into_iter()
+                .filter(|name| other.contains(name))
+                .collect()
+        };
+        self.unused = Some(Unused {
+            cells: common(before.cells, &imported.unused_cells),
+            sides: common(before.sides, &imported.unused_sides),
+            loose: before.loose.min(imported.unused_loose),
+        });
+    }
+}
+
+/// One name or a list of names, with their places.
+fn groups(node: &Node) -> Result<Vec<(&str, Span)>, Fault> {
+    match &node.value {
+        Value::Text(text) => Ok(vec![(text, node.span.clone())]),
+        Value::List(list) if !list.is_empty() => {
+            let names = list
+                .iter()
+                .map(|node| Ok((node.text()?, node.span.clone())));
+            names.collect()
+        }
+        _ => Err(node.expected("the name of a group or a list of names")),
+    }
+}
+
+fn unknown_group(
+    error: &ImportError,
+    group: &str,
+    known: &[String],
+    span: &Span,
+    body: &str,
+) -> Fault {
+    let names = || known.iter().map(String::as_str);
+    let Some(near) = nearest(group, names()) else {
+        return refused(error, span, body);
+    };
+    Fault::new(
+        span,
+        format!("the mesh of body `{body}`: the file has no group of cells `{group}`"),
+    )
+    .label(format!("the nearest known group is `{near}`"))
+    .help(format!("its groups of cells: {}", listed(names())))
+}
+
+fn refused(error: &ImportError, span: &Span, body: &str) -> Fault {
+    Fault::new(span, format!("the mesh of body `{body}`: {error}")).label("cannot be read")
+}

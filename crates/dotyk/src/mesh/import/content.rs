@@ -1,0 +1,136 @@
+//! What a mesh file says, in a form that all formats share: nodes, elements with their groups, names of groups.
+//!
+//! Only kinds that a plane mesh is made of are kept; of the others it is known how many there are and in which groups,
+//! so that they can be reported, or refused when a body needs them.
+
+use crate::mesh::{CellKind, FacetKind, MAX_CELL_NODES};
+use std::collections::BTreeMap;
+
+/// A kind of element as files know it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) struct ElementType {
+    pub name: &'static str,
+    pub dimension: u8,
+    pub nodes: usize,
+}
+
+/// A cell of the plane.
+#[derive(Debug, Clone)]
+pub(crate) struct Cell {
+    pub kind: CellKind,
+    /// Number in the file.
+    pub number: u64,
+    /// Indices of points, the first `kind.nodes()` count.
+    pub nodes: [u32; MAX_CELL_NODES],
+    /// Index into [`Content::tags`].
+    pub tags: u32,
+}
+
+impl Cell {
+    pub fn nodes(&self) -> &[u32] {
+        &self.nodes[..self.kind.nodes()]
+    }
+
+    /// The corners in ascending order: the same for two cells on the same corners.
+    pub fn corners(&self) -> [u32; 4] {
+        let mut corners = [u32::MAX; 4];
+        let count = self.kind.corners();
+        corners[..count].copy_from_slice(&self.nodes[..count]);
+        corners.sort_unstable();
+        corners
+    }
+}
+
+/// An edge by its ends.
+#[derive(Debug, Clone)]
+pub(crate) struct Edge {
+    pub ends: [u32; 2],
+    /// Index into [`Content::tags`].
+    pub tags: u32,
+}
+
+/// Elements that no plane mesh has, of one kind and with the same groups.
+#[derive(Debug, Clone)]
+pub(crate) struct Refused {
+    pub element: ElementType,
+    pub tags: u32,
+    pub count: usize,
+    /// Number in the file of the first one.
+    pub first: u64,
+}
+
+/// Everything that was read.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct Content {
+    pub points: Vec<[f64; 3]>,
+    pub cells: Vec<Cell>,
+    pub edges: Vec<Edge>,
+    pub refused: Vec<Refused>,
+    /// Physical tags that elements have in common: > 0, ascending, each once; elements hold an index.
+    pub tags: Vec<Vec<i64>>,
+    /// Index of each entry of `tags`.
+    places: BTreeMap<Vec<i64>, u32>,
+    /// Names by dimension and tag.
+    pub names: BTreeMap<(u8, i64), String>,
+    /// Tags of points.
+    pub point_tags: Vec<i64>,
+    /// What was left out, in words.
+    pub remarks: Vec<String>,
+}
+
+impl Content {
+    /// Index of a set of tags. Zero means no group, and the sign tells an orientation: neither is kept.
+    pub fn tag_set(&mut self, mut tags: Vec<i64>) -> u32 {
+        for tag in &mut tags {
+            *tag = tag.saturating_abs();
+        }
+        tags.retain(|tag| *tag != 0);
+        tags.sort_unstable();
+        tags.dedup();
+        if let Some(index) = self.places.get(&tags) {
+            return *index;
+        }
+        let index = self.tags.len() as u32;
+        self.tags.push(tags.clone());
+        self.places.insert(tags, index);
+        index
+    }
+
+    /// One more element; `nodes` has as many as its type says.
+    pub fn add(&mut self, element: ElementType, number: u64, nodes: &[u32], tags: u32) {
+        let facet = FacetKind::ALL
+            .iter()
+            .any(|kind| kind.name() == element.name);
+        match (element.dimension, CellKind::from_name(element.name)) {
+            (0, _) => self.point_tags.extend(&self.tags[tags as usize]),
+            (1, _) if facet => self.edges.push(Edge {
+                ends: [nodes[0], nodes[1]],
+                tags,
+            }),
+            (2, Some(kind)) => {
+                let mut own = [u32::MAX; MAX_CELL_NODES];
+                own[..nodes.len()].copy_from_slice(nodes);
+                self.cells.push(Cell {
+                    kind,
+                    number,
+                    nodes: own,
+                    tags,
+                });
+            }
+            _ => self.refuse(element, number, tags),
+        }
+    }
+
+    fn refuse(&mut self, element: ElementType, number: u64, tags: u32) {
+        let mut known = self.refused.iter_mut();
+        match known.find(|known| known.element == element && known.tags == tags) {
+            Some(known) => known.count += 1,
+            None => self.refused.push(Refused {
+                element,
+                tags,
+                count: 1,
+                first: number,
+            }),
+        }
+    }
+}
