@@ -10,8 +10,8 @@ use dotyk::analytic::hertz::{HalfPlane, rigid_contact_modulus};
 use dotyk::geometry::{Field, Point, Surface};
 use dotyk::mesh::{CellKind, Diagonals, Mesh, Rectangle, Ring};
 use dotyk::model::{
-    BodyId, Elastic, Gap, Law, Load, Model, Motion, Obstacle, Pair, Pairing, Place, Rigid,
-    Solution, Status, Support,
+    Analysis, BodyId, Elastic, Gap, Law, Load, Model, Motion, Obstacle, Pair, Pairing, Place,
+    Rigid, Solution, Status, Support,
 };
 use norms::{field_error, order, pressure_error};
 
@@ -661,4 +661,99 @@ fn mirrored_hertz_converges_on_non_matching_quadratic_cells() {
     for cell in [CellKind::Tri6, CellKind::Quad8, CellKind::Quad9] {
         check_mirrored(cell, 32, 1.45);
     }
+}
+
+// Obstacles that forces move
+
+/// A block held at its top, and a rigid plane below it that a force presses upwards.
+fn pressed_by_a_plate(force: [f64; 2], analysis: Analysis) -> Model<2> {
+    let mut model = Model::new();
+    model.analysis = analysis;
+    let mesh = block([0.0, 0.0], [2.0, 1.0], [5, 3], CellKind::Quad9, 0.0);
+    let body = model.body("block", mesh, SOFT);
+    model.fix(body, "top", [None, Some(0.0)]);
+    if analysis != Analysis::Axisymmetric {
+        model.fix(body, "left", [Some(0.0), None]);
+    }
+    let contact = model.obstacle((body, "bottom"), Field::constant(0.0));
+    contact.name = "plate".to_string();
+    if let Pair::Obstacle { obstacle, .. } = &mut contact.pair {
+        *obstacle = Obstacle {
+            shape: Rigid::Surface {
+                surface: Surface::Plane {
+                    point: [0.0, -0.25],
+                    normal: [0.0, 1.0],
+                },
+                inside: false,
+            },
+            motion: Motion::Loaded(force.map(Field::constant)),
+        };
+    }
+    model
+}
+
+#[test]
+fn a_free_rigid_plate_comes_to_rest_where_its_force_is_borne() {
+    let solution = pressed_by_a_plate([0.0, 8.0], Analysis::PlaneStress)
+        .solve()
+        .unwrap();
+    let contact = &solution.contacts[0];
+    assert!((contact.resultant[1] - 8.0).abs() < 1e-10);
+    for node in &contact.nodes {
+        assert!((node.pressure - 4.0).abs() < 4e-10, "{node:?}");
+        // the plate rises by its clearance and the compression of the block
+        assert!((node.displacement_mortar + 0.25 + 4.0 / SOFT.young).abs() < 1e-12);
+    }
+    // the same force over the full turn of a disc of radius 2
+    let area = std::f64::consts::PI * 4.0;
+    let round = pressed_by_a_plate([0.0, 4.0 * area], Analysis::Axisymmetric)
+        .solve()
+        .unwrap();
+    for node in &round.contacts[0].nodes {
+        assert!((node.pressure - 4.0).abs() < 4e-10, "{node:?}");
+    }
+}
+
+#[test]
+fn a_force_that_pulls_a_plate_away_or_along_itself_is_an_error() {
+    for (force, word) in [([0.0, -1.0], "pulls"), ([1.0, 8.0], "x")] {
+        let message = pressed_by_a_plate(force, Analysis::PlaneStrain)
+            .solve()
+            .unwrap_err();
+        let message = message.to_string();
+        assert!(
+            message.contains("obstacle of plate") && message.contains(word),
+            "{message}"
+        );
+    }
+    // nothing pulls it along itself: placed by least norm, with a warning
+    let solution = pressed_by_a_plate([0.0, 8.0], Analysis::PlaneStrain)
+        .solve()
+        .unwrap();
+    let told = solution
+        .warnings
+        .iter()
+        .filter(|w| w.contains("obstacle of plate"));
+    assert_eq!(told.count(), 1, "{:?}", solution.warnings);
+}
+
+#[test]
+fn crude_polygons_are_told_and_what_to_do() {
+    let warned = |model: &Model<2>| {
+        let solution = model.solve().unwrap();
+        solution
+            .warnings
+            .iter()
+            .any(|w| w.contains("\"closed\"") && w.contains("`surface`"))
+    };
+    assert!(warned(&two_rings(CellKind::Quad4, [20, 26], None)));
+    assert!(!warned(&two_rings(
+        CellKind::Quad4,
+        [20, 26],
+        Some(Gap::Closed)
+    )));
+    assert!(!warned(&two_rings(CellKind::Quad9, [20, 26], None)));
+    // a straight side is no polygon for anything
+    let (_, solution) = patch([CellKind::Quad4, CellKind::Quad4], false, 0.0);
+    assert_eq!(solution.warnings, Vec::<String>::new());
 }

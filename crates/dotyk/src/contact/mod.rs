@@ -20,6 +20,7 @@ pub use error::ContactError;
 pub use facing::{Unmatched, unmatched_facing};
 pub use mortar::{Against, pair_mortar};
 pub use node_to_node::{Rigid, matching_nodes, pair_nodes, pair_obstacle};
+pub use normals::sagitta;
 pub(crate) use weights::nodal_weights;
 
 use crate::fem::{Body, Constraints};

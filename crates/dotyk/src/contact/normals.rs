@@ -7,7 +7,7 @@
 //!
 //! Source: the bisector rule and the axis direction on the axis, Janovský & Procházka (1980) III, section 7.
 
-use crate::contact::node_to_node::free_part;
+use crate::contact::node_to_node::{facets, free_part};
 use crate::contact::{ContactError, End};
 use crate::fem::show;
 use crate::geometry::{Point, Surface, add_scaled, dot, unit};
@@ -101,6 +101,34 @@ impl<'a, const D: usize> Normals<'a, D> {
             .filter_map(|(node, sum)| Some((node, unit(sum)?)))
             .collect()
     }
+}
+
+/// Largest distance of a polygonal side from the smooth curve that it stands for: Lθ/8 for facets of length L that turn
+/// by θ at their common node. Zero where the side has a true surface or curved facets, and across sharp corners.
+///
+/// Errors: unknown or empty sides.
+pub fn sagitta<const D: usize>(end: End<'_, D>) -> Result<f64, ContactError> {
+    let mesh = &end.body.mesh;
+    if end.body.surfaces.contains_key(end.side) {
+        return Ok(0.0);
+    }
+    let mut around: BTreeMap<u32, Vec<(Point<D>, f64)>> = BTreeMap::new();
+    let straight = |facet: &&Facet| mesh.facet_kind(**facet).order() == 1;
+    for &facet in facets(end)?.iter().filter(straight) {
+        if let Some(normal) = unit(mesh.outward_normal(facet, &[0.0])) {
+            for node in mesh.facet_nodes(facet) {
+                let length = mesh.facet_length(facet);
+                around.entry(node).or_default().push((normal, length));
+            }
+        }
+    }
+    let at_node = |meeting: &Vec<(Point<D>, f64)>| match meeting[..] {
+        [(a, length), (b, other)] if dot(a, b) > SHARP => {
+            length.max(other) * dot(a, b).min(1.0).acos() / 8.0
+        }
+        _ => 0.0,
+    };
+    Ok(around.values().map(at_node).fold(0.0, f64::max))
 }
 
 /// The true surface of a side, when it has one.

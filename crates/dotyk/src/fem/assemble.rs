@@ -219,6 +219,37 @@ fn held_dofs<const D: usize>(
 }
 
 impl<const D: usize> BodySystem<D> {
+    /// A rigid body that can only translate, under a force: one node, no stiffness, the translations as its modes (with
+    /// axial symmetry the one along the axis).
+    pub fn rigid(force: Point<D>, analysis: Analysis) -> Self {
+        let node = Connectivity {
+            nodes: &[0],
+            nodes_per_cell: 1,
+        };
+        let held: Vec<bool> = (0..D)
+            .map(|i| analysis == Analysis::Axisymmetric && i != 1)
+            .collect();
+        let mut load = force.to_vec();
+        load.iter_mut()
+            .zip(&held)
+            .filter(|(_, held)| **held)
+            .for_each(|(f, _)| *f = 0.0);
+        let translation = |i: usize| (0..D).map(|j| f64::from(u8::from(i == j))).collect();
+        Self {
+            graph: Graph::from_cells(1, &[node]),
+            stiffness: SymmetricMatrix::from_triplets(D, &[]),
+            largest_load: norm(force),
+            load,
+            constraints: Constraints::default(),
+            prescribed: vec![0.0; D],
+            carried: vec![0.0; D],
+            lift: vec![0.0; D],
+            frames: BTreeMap::new(),
+            modes: (0..D).filter(|&i| !held[i]).map(translation).collect(),
+            held,
+        }
+    }
+
     /// The same body at another time: loads and prescribed displacements are taken anew, and what is held, K and R stay,
     /// because the directions in which supports hold do not depend on time.
     ///

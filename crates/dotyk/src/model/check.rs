@@ -141,7 +141,7 @@ impl<const D: usize> Model<D> {
             }
             check.contacts.push(found);
         }
-        let rows = body_rows(self, &systems, &paired);
+        let rows = body_rows(&systems, &paired);
         let loaded = systems
             .into_iter()
             .zip(rows)

@@ -114,11 +114,10 @@ pub(crate) fn initial_gaps<const D: usize>(paired: &[Paired<D>]) -> Vec<f64> {
 
 /// Collects the rows of B of every body.
 pub(crate) fn body_rows<const D: usize>(
-    model: &Model<D>,
     systems: &[BodySystem<D>],
     paired: &[Paired<D>],
 ) -> Vec<Arc<BodyRows>> {
-    let mut triplets: Vec<Vec<(usize, usize, f64)>> = vec![Vec::new(); model.bodies.len()];
+    let mut triplets: Vec<Vec<(usize, usize, f64)>> = vec![Vec::new(); systems.len()];
     let mut next = 0;
     for contact in paired {
         let start = next;
@@ -136,8 +135,8 @@ pub(crate) fn body_rows<const D: usize>(
             }
         };
         add(contact.nonmortar.body.0, &contact.interface.nonmortar);
-        if let Some(mortar) = &contact.mortar {
-            add(mortar.body.0, &contact.interface.mortar);
+        if let Some(part) = contact.opposite {
+            add(part, &contact.interface.mortar);
         }
     }
     triplets

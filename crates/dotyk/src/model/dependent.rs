@@ -75,8 +75,8 @@ fn free_part<const D: usize>(systems: &[BodySystem<D>], pair: &Paired<D>, row: u
         }
     };
     add(pair.nonmortar.body.0, &pair.interface.nonmortar[row]);
-    if let Some(mortar) = &pair.mortar {
-        add(mortar.body.0, &pair.interface.mortar[row]);
+    if let Some(part) = pair.opposite {
+        add(part, &pair.interface.mortar[row]);
     }
     sums.into_iter().collect()
 }

@@ -161,7 +161,7 @@ impl Floating {
             .map(|(z, e)| z * e)
             .sum();
         Error::PulledAway {
-            body: model.bodies[body].name.clone(),
+            body: model.part_name(body),
             motion: describe(model, bodies, body, |mode| {
                 amplitude(&self.modes, &z, body, mode)
             }),
@@ -186,7 +186,7 @@ fn reachable<const D: usize>(
             let motions =
                 (0..count).map(|mode| describe(model, bodies, body, |k| f64::from(k == mode)));
             return Err(Error::NotHeld {
-                body: model.bodies[body].name.clone(),
+                body: model.part_name(body),
                 motion: motions.collect::<Vec<_>>().join(", "),
                 reason,
             });
@@ -207,7 +207,10 @@ fn unreachable_contacts<const D: usize>(
     if nearest == f64::INFINITY {
         return Some("no contact faces it".to_string());
     }
-    let far = nearest > OUT_OF_REACH * model.bodies[body].mesh.diameter();
+    let own = model.bodies.get(body);
+    let sizes = own.map_or(&model.bodies[..], std::slice::from_ref).iter();
+    let size = sizes.map(|body| body.mesh.diameter()).fold(0.0, f64::max);
+    let far = nearest > OUT_OF_REACH * size;
     far.then(|| {
         format!(
             "its contacts are out of reach: the smallest clearance, {nearest:.4e}, is more than a million times its size"
@@ -253,7 +256,7 @@ pub(crate) fn describe<const D: usize>(
         let a = amplitude(mode);
         motion.iter_mut().zip(column).for_each(|(u, r)| *u += a * r);
     }
-    describe_motion(model.bodies[body].mesh.points(), &system.to_global(&motion))
+    describe_motion(&model.part_points(body), &system.to_global(&motion))
 }
 
 /// Largest sum of nodal forces of a floating body: the load's own scale.
@@ -274,7 +277,7 @@ fn check_undriven<const D: usize>(
     e: &[f64],
 ) -> Result<String, Error<D>> {
     let body = main_body(modes, z);
-    let name = model.bodies[body].name.clone();
+    let name = model.part_name(body);
     let motion = describe(model, bodies, body, |mode| amplitude(modes, z, body, mode));
     let work: f64 = z.iter().zip(e).map(|(z, e)| z * e).sum();
     if work.abs() > NO_WORK * load_scale(bodies, modes) {

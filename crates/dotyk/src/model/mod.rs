@@ -11,6 +11,7 @@ mod dependent;
 mod error;
 mod floating;
 mod nouns;
+mod obstacle;
 mod pair;
 mod pipeline;
 mod probe;

@@ -2,7 +2,7 @@
 
 use crate::contact::{
     Against, ContactError, Coupling, End, InitialGap, Interface, Role, pair_mortar, pair_nodes,
-    pair_obstacle, unmatched_facing,
+    pair_obstacle, sagitta, unmatched_facing,
 };
 use crate::dual::{AdmissibleSet, Block};
 use crate::fem::{Constraints, FemError, node_normals, show, side_facets};
@@ -21,10 +21,14 @@ pub(crate) struct Paired<const D: usize> {
     pub nonmortar: SideRef,
     /// The other side; `None` for an obstacle.
     pub mortar: Option<SideRef>,
+    /// The part that the rows of `interface.mortar` act on: a body, or a free obstacle.
+    pub opposite: Option<usize>,
     /// Prescribed displacement of the obstacle.
     pub obstacle_motion: [f64; D],
     /// Rows, gaps and weights.
     pub interface: Interface<D>,
+    /// How far the measured gaps are off because polygons stand for curves.
+    pub sagitta: f64,
     /// What the user should know.
     pub warnings: Vec<String>,
 }
@@ -132,17 +136,15 @@ impl<'a, const D: usize> Contacting<'a, D> {
                 nonmortar,
                 obstacle,
             } => {
-                if matches!(obstacle.motion, Motion::Loaded(_)) {
-                    let what = "an obstacle under a force";
-                    return Err(fail(ContactError::NotYet { what }));
-                }
                 let motion = self.motion(obstacle)?;
                 let interface = self.obstacle(nonmortar, obstacle, motion, coupling);
                 Ok(Paired {
                     nonmortar: nonmortar.clone(),
                     mortar: None,
+                    opposite: self.model.obstacle_part(self.contact),
                     obstacle_motion: motion,
                     interface: interface.map_err(fail)?,
+                    sagitta: 0.0,
                     warnings: Vec::new(),
                 })
             }
@@ -230,9 +232,18 @@ impl<'a, const D: usize> Contacting<'a, D> {
                 )?
             }
         };
+        let measured = match &self.contact.gap {
+            None => coupling != Coupling::Tied,
+            Some(gap) => matches!(gap, Gap::Geometric),
+        };
         let mut warnings = Vec::new();
-        let partners = interface.nodes.iter().filter(|n| n.role != Role::Alone);
-        if !partners.clone().all(|n| n.partner().is_some())
+        let mut partners = interface.nodes.iter().filter(|n| n.role != Role::Alone);
+        let matching = partners.all(|n| n.partner().is_some());
+        let sagitta = match measured && !matching {
+            true => sagitta(ends[0])?.max(sagitta(ends[1])?),
+            false => 0.0,
+        };
+        if !matching
             && self.stiffness(mortar) * STIFFER < self.stiffness(nonmortar)
             && self.mean_edge(nonmortar)? < 0.99 * self.mean_edge(mortar)?
         {
@@ -244,8 +255,10 @@ impl<'a, const D: usize> Contacting<'a, D> {
         Ok(Paired {
             nonmortar: nonmortar.clone(),
             mortar: Some(mortar.clone()),
+            opposite: Some(mortar.body.0),
             obstacle_motion: [0.0; D],
             interface,
+            sagitta,
             warnings,
         })
     }

@@ -241,7 +241,7 @@ impl<const D: usize> Model<D> {
         let mut paired = pair_all(self, &constraints, time)?;
         let mut warnings = drop_dependent(self, &systems, &mut paired);
         warnings.extend(paired.iter().flat_map(|pair| pair.warnings.clone()));
-        let rows = body_rows(self, &systems, &paired);
+        let rows = body_rows(&systems, &paired);
         let gaps = initial_gaps(&paired);
         seconds.assemble = lap.seconds();
         let dense = gaps.len() <= dense_limit;
@@ -330,7 +330,9 @@ impl<const D: usize> Model<D> {
         paired: Vec<Paired<D>>,
         time: f64,
     ) -> Result<(Vec<LoadedBody<D>>, Vec<Paired<D>>), Error<D>> {
-        let bodies: Vec<LoadedBody<D>> = (&self.bodies, bodies)
+        let mut obstacles = bodies;
+        let bodies = obstacles.drain(..self.bodies.len()).collect::<Vec<_>>();
+        let mut bodies: Vec<LoadedBody<D>> = (&self.bodies, bodies)
             .into_par_iter()
             .map(|(body, loaded)| {
                 let system = loaded.system.at_time(body, self.analysis, time);
@@ -338,18 +340,23 @@ impl<const D: usize> Model<D> {
                 Ok(LoadedBody::new(system, loaded.rows))
             })
             .collect::<Result<_, _>>()?;
+        let systems = self.obstacle_systems(time)?.into_iter();
+        let rows = obstacles.into_iter().map(|obstacle| obstacle.rows);
+        bodies.extend(systems.zip(rows).map(|(s, r)| LoadedBody::new(s, r)));
         let constraints: Vec<&Constraints<D>> =
             bodies.iter().map(|b| &b.system.constraints).collect();
         let paired = gaps_at(self, &constraints, paired, time)?;
         Ok((bodies, paired))
     }
 
-    /// Assembles all bodies at a time.
+    /// Assembles all bodies at a time; free obstacles follow them.
     pub(crate) fn systems(&self, time: f64) -> Result<Vec<BodySystem<D>>, Error<D>> {
         let bodies = self.bodies.par_iter();
         let system =
             |body| assemble(body, self.analysis, time).map_err(|source| in_body(body, source));
-        bodies.map(system).collect()
+        let mut systems = bodies.map(system).collect::<Result<Vec<_>, _>>()?;
+        systems.extend(self.obstacle_systems(time)?);
+        Ok(systems)
     }
 
     fn factor_bodies(
@@ -623,6 +630,7 @@ impl<const D: usize> Model<D> {
                 "body \"{body}\" hovers: it touches nothing and carries no load; it is placed by least norm of the displacement"
             ));
         }
+        warnings.extend(judged.crude_gaps(self, condensed));
         let (bodies, contacts) = judged.dress(self, condensed, &outcome.multipliers.lambda)?;
         let converged = failure.is_none() && certificate.holds();
         let mut solution = Solution {

@@ -10,7 +10,8 @@ use crate::dual::{
     Certificate, Component, DualProblem, IMBALANCE_LIMIT, Multipliers, Recomputed, Scales,
 };
 use crate::fem::{
-    FemError, RigidBasis, describe_motion, fit_rigid, internal_forces, recover_stress, von_mises,
+    FemError, RigidBasis, Short, describe_motion, fit_rigid, internal_forces, recover_stress,
+    von_mises,
 };
 use crate::geometry::{Point, add_scaled, bounding_box, cross, dot, norm, sub};
 use crate::model::condense::{FactoredBody, LoadedBody};
@@ -26,6 +27,8 @@ use std::collections::BTreeMap;
 /// Displacements and forces of all bodies, judged but not yet dressed up.
 pub(crate) struct Judged<const D: usize> {
     states: Vec<BodyState<D>>,
+    /// Displacements of the free obstacles.
+    obstacles: Vec<Point<D>>,
     /// Gaps of all multipliers from the displacements.
     pub gaps: Vec<f64>,
     /// What was checked.
@@ -87,15 +90,41 @@ pub(crate) fn judge<const D: usize>(
     let clearances = gaps.clone();
     add_rows(bodies, -1.0, &elastic, &mut gaps);
     let certificate = certify(model, &states, condensed, multipliers, &gaps, &clearances);
+    let obstacles = rigid[model.bodies.len()..].iter();
     Ok(Judged {
         states,
+        obstacles: obstacles.map(|u| std::array::from_fn(|i| u[i])).collect(),
         gaps,
         certificate,
         hovering,
     })
 }
 
+/// A polygon's distance from its curve matters when it is more than this part of the displacement jump.
+const SAGITTA: f64 = 0.01;
+
 impl<const D: usize> Judged<D> {
+    /// Warnings about gaps that were measured between polygons which stand for curves.
+    pub fn crude_gaps(&self, model: &Model<D>, condensed: &Condensed<D>) -> Vec<String> {
+        let mut start = 0;
+        let mut warnings = Vec::new();
+        for (contact, pair) in model.contacts.iter().zip(&condensed.paired) {
+            let rows = start..start + pair.interface.nonmortar.len();
+            start = rows.end;
+            let jumps = rows.map(|row| (self.gaps[row] - condensed.gaps[row]).abs());
+            let jump = jumps.fold(0.0, f64::max);
+            if pair.sagitta > SAGITTA * jump {
+                warnings.push(format!(
+                    "contact \"{}\": its sides are polygons up to {} off the curves that they stand for, and the displacement jump is {}: the measured gap is too crude; set gap = \"closed\", or give the true `surface` of both sides, or use quadratic cells",
+                    contact.name,
+                    Short(pair.sagitta),
+                    Short(jump)
+                ));
+            }
+        }
+        warnings
+    }
+
     /// Stresses, reactions and contact state.
     ///
     /// Errors: a group of cells without a material.
@@ -105,8 +134,7 @@ impl<const D: usize> Judged<D> {
         condensed: &Condensed<D>,
         lambda: &[f64],
     ) -> Result<(Vec<BodySolution<D>>, Vec<ContactSolution<D>>), Error<D>> {
-        let contacts =
-            contact_solutions(model, &condensed.paired, &self.states, &self.gaps, lambda);
+        let contacts = self.contact_solutions(model, &condensed.paired, lambda);
         let bodies = model
             .bodies
             .par_iter()
@@ -115,6 +143,35 @@ impl<const D: usize> Judged<D> {
             .map(|((body, loaded), state)| body_solution(model, body, loaded, state))
             .collect::<Result<Vec<_>, _>>()?;
         Ok((bodies, contacts))
+    }
+}
+
+impl<const D: usize> Judged<D> {
+    fn contact_solutions(
+        &self,
+        model: &Model<D>,
+        paired: &[Paired<D>],
+        lambda: &[f64],
+    ) -> Vec<ContactSolution<D>> {
+        let mut start = 0;
+        let mut contacts = Vec::new();
+        for (contact, pair) in model.contacts.iter().zip(paired) {
+            let rows = start..start + pair.interface.nonmortar.len();
+            start = rows.end;
+            let obstacle = match (&pair.mortar, pair.opposite) {
+                (None, Some(part)) => self.obstacles[part - model.bodies.len()],
+                _ => pair.obstacle_motion,
+            };
+            contacts.push(contact_solution(
+                model,
+                &contact.name,
+                pair,
+                (&self.states, obstacle),
+                &self.gaps[rows.clone()],
+                &lambda[rows],
+            ));
+        }
+        contacts
     }
 }
 
@@ -180,7 +237,7 @@ fn open_motions<const D: usize>(
         if body.system.modes.is_empty() || touched {
             continue;
         }
-        hovering.push(model.bodies[index].name.clone());
+        hovering.push(model.part_name(index));
         for (k, _) in floating
             .modes
             .iter()
@@ -309,6 +366,9 @@ fn certify<const D: usize>(
         force = force.max(f);
         moment = moment.max(m);
     }
+    for obstacle in &condensed.bodies[model.bodies.len()..] {
+        force = force.max(unbalanced(obstacle, &multipliers.lambda));
+    }
     let elastic_energy: f64 = states.iter().map(|state| state.strain_energy).sum();
     // the gap of potential and complementary energy: the sum over the bodies of 2·energy − f·u − R·u_D, and λ·g₀
     let work: f64 = states.iter().map(|state| state.unbalanced_work).sum();
@@ -329,6 +389,23 @@ fn certify<const D: usize>(
     condensed
         .problem
         .certify_with(multipliers, &recomputed, model.solver.tolerance)
+}
+
+/// What is left of the forces on a free obstacle.
+fn unbalanced<const D: usize>(obstacle: &LoadedBody<D>, lambda: &[f64]) -> f64 {
+    let local: Vec<f64> = obstacle
+        .rows
+        .index
+        .iter()
+        .map(|&row| -lambda[row])
+        .collect();
+    let mut rest = obstacle.system.load.clone();
+    obstacle.rows.matrix.mul_transpose_add(&local, &mut rest);
+    let free = rest
+        .iter()
+        .zip(&obstacle.system.held)
+        .filter(|(_, held)| !**held);
+    free.map(|(f, _)| f * f).sum::<f64>().sqrt()
 }
 
 /// Resultant force and moment about the centroid that are left over.
@@ -459,31 +536,6 @@ fn side_reactions<const D: usize>(
     sums
 }
 
-fn contact_solutions<const D: usize>(
-    model: &Model<D>,
-    paired: &[Paired<D>],
-    states: &[BodyState<D>],
-    gaps: &[f64],
-    lambda: &[f64],
-) -> Vec<ContactSolution<D>> {
-    let mut start = 0;
-    let mut contacts = Vec::new();
-    for (contact, pair) in model.contacts.iter().zip(paired) {
-        let count = pair.interface.nonmortar.len();
-        let rows = start..start + count;
-        start += count;
-        contacts.push(contact_solution(
-            model,
-            &contact.name,
-            pair,
-            states,
-            &gaps[rows.clone()],
-            &lambda[rows],
-        ));
-    }
-    contacts
-}
-
 /// Length of a side per weight at each of its nodes: 1/thickness or, with axial symmetry, ∫N ds / ∫N 2πr ds.
 fn meridian<const D: usize>(
     analysis: Analysis,
@@ -508,7 +560,7 @@ fn contact_solution<const D: usize>(
     model: &Model<D>,
     name: &str,
     pair: &Paired<D>,
-    states: &[BodyState<D>],
+    (states, obstacle): (&[BodyState<D>], Point<D>),
     gaps: &[f64],
     lambda: &[f64],
 ) -> ContactSolution<D> {
@@ -524,7 +576,7 @@ fn contact_solution<const D: usize>(
                 Some(opposite.fold([0.0; D], |sum, &(j, n)| add_scaled(sum, n, u[j])))
             }
             None if node.role == Role::Alone => None,
-            None => Some(pair.obstacle_motion),
+            None => Some(obstacle),
         };
         let along = |u: Point<D>| dot(node.normal, u);
         let displacement_nonmortar = along(u_nonmortar);
