@@ -1,7 +1,7 @@
 //! `[[contact]]` of a case file.
 
 use crate::case::body::known_side;
-use crate::case::document::{Entry, Node, Table, Value, later, name, zero};
+use crate::case::document::{Entry, Node, Table, Value, name, zero};
 use crate::case::error::Fault;
 use crate::case::keys;
 use crate::case::suggest::{listed, nearest};
@@ -165,7 +165,7 @@ fn gap(node: &Node) -> Result<Gap, Fault> {
     }
 }
 
-/// The contact law; friction is not solved by this version.
+/// The contact law.
 fn law(table: Table<'_>, contact: &str) -> Result<Law, Fault> {
     let friction = table.get("friction");
     if let Some(node) = table.get("tied")
@@ -198,12 +198,15 @@ fn law(table: Table<'_>, contact: &str) -> Result<Law, Fault> {
     } else {
         (node, node.field()?)
     };
+    let tresca =
+        matches!(&node.value, Value::Table(list) if list.iter().any(|e| e.key == "tresca"));
     match field.as_constant() {
         Some(0.0) => Ok(Law::Frictionless),
         Some(negative) if negative < 0.0 => {
             let message = format!("friction of contact `{contact}` is negative");
             Err(Fault::new(&value.span, message).label("not ≥ 0"))
         }
-        _ => Err(later(&value.span, "friction")),
+        _ if tresca => Ok(Law::Tresca(field)),
+        _ => Ok(Law::Coulomb(field)),
     }
 }

@@ -65,6 +65,20 @@ pub enum ContactError {
         /// Its distance from the surface.
         distance: f64,
     },
+    /// A coefficient or bound of friction makes no sense.
+    #[error(
+        "friction = {text} is {value} at {point} on side \"{side}\"; it must be finite and not negative"
+    )]
+    Friction {
+        /// The nonmortar side.
+        side: String,
+        /// The expression.
+        text: String,
+        /// Where.
+        point: String,
+        /// Its value there.
+        value: f64,
+    },
     /// Supports hold the whole nonmortar side: no unknown is left.
     #[error(
         "supports hold every node of the nonmortar side {side} along the normal, and with mortar pairing such nodes carry no pressure; swap nonmortar and mortar"

@@ -146,6 +146,16 @@ impl<const D: usize> Interface<D> {
         gaps
     }
 
+    /// Whether each row is tangential under friction.
+    pub fn tangential(&self) -> Vec<bool> {
+        let mut tangential = vec![false; self.nonmortar.len()];
+        if self.coupling == Coupling::Frictional {
+            let rows = self.nodes.iter().flat_map(|node| &node.rows[1..]);
+            rows.flatten().for_each(|&row| tangential[row] = true);
+        }
+        tangential
+    }
+
     /// Takes rows away, and with a normal row under friction the tangential ones; the rows after them move up, and nodes
     /// that lose all rows become fixed.
     pub fn drop_rows(&mut self, rows: &[usize]) {

@@ -150,7 +150,7 @@ impl<const D: usize> Model<D> {
         let mut floating = Floating::new(self, &bodies, &initial_gaps(&paired)).map_err(last)?;
         check.warnings.extend(floating.warnings.iter().cloned());
         self.describe_floating(&floating, &paired, check);
-        self.check_balance(&floating, &bodies, &paired)
+        self.check_balance(&floating, &bodies, &paired, time)
             .map_err(last)?;
         for (index, &time) in self.times.iter().enumerate().rev().skip(1) {
             let at = |error| self.in_step(index + 1, error);
@@ -158,7 +158,7 @@ impl<const D: usize> Model<D> {
             floating = floating
                 .at_time(self, &bodies, &initial_gaps(&paired))
                 .map_err(at)?;
-            self.check_balance(&floating, &bodies, &paired)
+            self.check_balance(&floating, &bodies, &paired, time)
                 .map_err(at)?;
         }
         Ok(())
@@ -170,8 +170,9 @@ impl<const D: usize> Model<D> {
         floating: &Floating,
         bodies: &[LoadedBody<D>],
         paired: &[Paired<D>],
+        time: f64,
     ) -> Result<(), Error<D>> {
-        let admissible = admissible_set(paired);
+        let admissible = admissible_set(self, paired, time)?;
         match Feasibility::of(&admissible, &floating.equilibrium, 0.0) {
             Feasibility::Feasible { .. } => Ok(()),
             Feasibility::Infeasible { direction } => {

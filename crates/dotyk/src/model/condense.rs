@@ -106,10 +106,16 @@ impl FactoredBody {
     }
 }
 
-/// The gaps g₀ of all multipliers.
+/// The gaps g₀ of all multipliers; those of tangential rows are zero.
 pub(crate) fn initial_gaps<const D: usize>(paired: &[Paired<D>]) -> Vec<f64> {
     let each = paired.iter().map(|contact| contact.interface.gaps());
     each.flatten().collect()
+}
+
+/// The gaps g₀ of a step that begins with a slip, (m,): friction counts the slip from there.
+pub(crate) fn gaps_after<const D: usize>(paired: &[Paired<D>], slip: &[f64]) -> Vec<f64> {
+    let gaps = initial_gaps(paired).into_iter().zip(slip);
+    gaps.map(|(gap, slip)| gap + slip).collect()
 }
 
 /// Collects the rows of B of every body.

@@ -94,20 +94,59 @@ fn moves<const D: usize>(contact: &Contact<D>) -> bool {
     }
 }
 
-/// Λ of all contacts, in the order of their rows.
-pub(crate) fn admissible_set<const D: usize>(paired: &[Paired<D>]) -> AdmissibleSet {
-    let nodes = paired.iter().flat_map(|pair| {
-        let coupling = pair.interface.coupling;
-        pair.interface.carriers().map(move |node| (coupling, node))
-    });
-    let block = |(coupling, node): (Coupling, &crate::contact::InterfaceNode<D>)| {
-        let size = node.rows.iter().flatten().count();
-        match coupling {
-            Coupling::Tied => Block::Free { size },
-            _ => Block::Unilateral,
+/// Λ of all contacts at a time, in the order of their rows.
+///
+/// Errors: a coefficient or bound of friction that is negative or not finite.
+pub(crate) fn admissible_set<const D: usize>(
+    model: &Model<D>,
+    paired: &[Paired<D>],
+    time: f64,
+) -> Result<AdmissibleSet, Error<D>> {
+    let mut blocks = Vec::new();
+    for (contact, pair) in model.contacts.iter().zip(paired) {
+        let points = model.bodies[pair.nonmortar.body.0].mesh.points();
+        for node in pair.interface.carriers() {
+            let size = node.rows.iter().flatten().count();
+            let value = |field: &Field| friction_at(contact, pair, field, points[node.node], time);
+            let tangents = size.saturating_sub(1);
+            blocks.push(match &contact.law {
+                Law::Tied => Block::Free { size },
+                Law::Coulomb(field) if tangents > 0 => Block::Coulomb {
+                    tangents,
+                    coefficient: value(field)?,
+                },
+                Law::Tresca(field) if tangents > 0 => Block::Tresca {
+                    tangents,
+                    bound: value(field)? * node.weight,
+                },
+                _ => Block::Unilateral,
+            });
         }
-    };
-    AdmissibleSet::new(nodes.map(block).collect())
+    }
+    Ok(AdmissibleSet::new(blocks))
+}
+
+/// Coefficient or bound of friction at a point.
+fn friction_at<const D: usize>(
+    contact: &Contact<D>,
+    pair: &Paired<D>,
+    field: &Field,
+    point: [f64; D],
+    time: f64,
+) -> Result<f64, Error<D>> {
+    let value = field.at(point, time);
+    if value.is_finite() && value >= 0.0 {
+        return Ok(value);
+    }
+    Err(Error::Contact {
+        contact: contact.name.clone(),
+        source: ContactError::Friction {
+            side: pair.nonmortar.side.clone(),
+            text: field.to_string(),
+            point: show(point),
+            value,
+        },
+    })
 }
 
 /// One contact on its way to becoming an interface.
@@ -127,9 +166,7 @@ impl<'a, const D: usize> Contacting<'a, D> {
         let coupling = match &self.contact.law {
             Law::Frictionless => Coupling::Normal,
             Law::Tied => Coupling::Tied,
-            Law::Coulomb(_) | Law::Tresca(_) => {
-                return Err(fail(ContactError::NotYet { what: "friction" }));
-            }
+            Law::Coulomb(_) | Law::Tresca(_) => Coupling::Frictional,
         };
         match &self.contact.pair {
             Pair::Obstacle {

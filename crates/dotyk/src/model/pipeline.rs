@@ -9,8 +9,8 @@ use crate::dual::{DualProblem, Multipliers, Scales};
 use crate::fem::{BodySystem, Constraints, FemError, assemble, show};
 use crate::geometry::{bounding_box, distance, norm};
 use crate::model::condense::{
-    DENSE_LIMIT, FactoredBody, LoadedBody, Ordered, body_rows, compliance, factor, initial_gaps,
-    order, overlap,
+    DENSE_LIMIT, FactoredBody, LoadedBody, Ordered, body_rows, compliance, factor, gaps_after,
+    initial_gaps, order, overlap,
 };
 use crate::model::dependent::drop_dependent;
 use crate::model::error::Error;
@@ -71,6 +71,8 @@ pub(crate) struct Condensed<const D: usize> {
 /// A load step that is done: what the next one begins from.
 struct Step<const D: usize> {
     multipliers: Multipliers,
+    /// Relative tangential displacement in every row under friction, zero in the others, (m,).
+    slip: Vec<f64>,
     solution: Solution<D>,
 }
 
@@ -119,9 +121,9 @@ impl<const D: usize> Model<D> {
         for (index, &time) in self.times.iter().enumerate() {
             let (step, steps) = (index + 1, self.times.len());
             observe(Event::Step { step, steps, time });
-            let here = match condensed.take() {
-                None => self.condense(time, DENSE_LIMIT, observe),
-                Some(before) => self.advance(before, time, observe),
+            let here = match (condensed.take(), done.last()) {
+                (Some(before), Some(last)) => self.advance(before, &last.slip, time, observe),
+                _ => self.condense(time, DENSE_LIMIT, observe),
             };
             let mut here = here.map_err(|error| self.in_step(step, error))?;
             let solved = self.solve_step(&mut here, done.last(), start, observe);
@@ -264,7 +266,7 @@ impl<const D: usize> Model<D> {
         let compliance = compliance(&bodies, &factored, &ordered, gaps.len(), dense);
         let floating = Floating::new(self, &bodies, &gaps)?;
         let equilibrium = floating.equilibrium.clone();
-        let admissible = admissible_set(&paired);
+        let admissible = admissible_set(self, &paired, time)?;
         let shift = overlap(&bodies, &factored, &gaps);
         let mut problem = DualProblem::new(compliance, shift, admissible, equilibrium)
             .map_err(|error| Error::Solver(error.to_string()))?;
@@ -283,10 +285,11 @@ impl<const D: usize> Model<D> {
         })
     }
 
-    /// The same bodies at another time: d and e are taken anew, all else stays.
+    /// The same bodies at another time, after a slip: d, e and the friction bounds are taken anew, all else stays.
     fn advance(
         &self,
         before: Condensed<D>,
+        slip: &[f64],
         time: f64,
         observe: &mut dyn FnMut(Event),
     ) -> Result<Condensed<D>, Error<D>> {
@@ -294,7 +297,7 @@ impl<const D: usize> Model<D> {
         let mut seconds = before.seconds;
         observe(Event::Stage("loads"));
         let (bodies, paired) = self.driven(before.bodies, before.paired, time)?;
-        let gaps = initial_gaps(&paired);
+        let gaps = gaps_after(&paired, slip);
         seconds.assemble += lap.seconds();
         observe(Event::Stage("condense"));
         let factored: Vec<FactoredBody> = (&bodies, before.factored)
@@ -303,6 +306,7 @@ impl<const D: usize> Model<D> {
             .collect();
         let floating = before.floating.at_time(self, &bodies, &gaps)?;
         let mut problem = before.problem;
+        problem.admissible = admissible_set(self, &paired, time)?;
         problem.equilibrium = floating.equilibrium.clone();
         problem.shift = overlap(&bodies, &factored, &gaps);
         problem
@@ -631,6 +635,7 @@ impl<const D: usize> Model<D> {
             ));
         }
         warnings.extend(judged.crude_gaps(self, condensed));
+        let slip = judged.slip(condensed);
         let (bodies, contacts) = judged.dress(self, condensed, &outcome.multipliers.lambda)?;
         let converged = failure.is_none() && certificate.holds();
         let mut solution = Solution {
@@ -663,6 +668,7 @@ impl<const D: usize> Model<D> {
         let multipliers = outcome.multipliers;
         let step = Step {
             multipliers,
+            slip,
             solution,
         };
         Ok((step, objection))

@@ -7,7 +7,8 @@
 
 use crate::contact::{Coupling, InterfaceNode, Role, Row, frame, nodal_weights};
 use crate::dual::{
-    Certificate, Component, DualProblem, IMBALANCE_LIMIT, Multipliers, Recomputed, Scales,
+    AdmissibleSet, Block, Certificate, Component, DualProblem, IMBALANCE_LIMIT, Multipliers,
+    Recomputed, Scales,
 };
 use crate::fem::{
     FemError, RigidBasis, Short, describe_motion, fit_rigid, internal_forces, recover_stress,
@@ -104,6 +105,19 @@ pub(crate) fn judge<const D: usize>(
 const SAGITTA: f64 = 0.01;
 
 impl<const D: usize> Judged<D> {
+    /// Relative tangential displacements in the rows under friction, zero in the others, (m,).
+    pub fn slip(&self, condensed: &Condensed<D>) -> Vec<f64> {
+        let tangential = condensed
+            .paired
+            .iter()
+            .flat_map(|p| p.interface.tangential());
+        let gaps = condensed.gaps.iter().zip(&self.gaps);
+        tangential
+            .zip(gaps)
+            .map(|(is, (before, after))| if is { before - after } else { 0.0 })
+            .collect()
+    }
+
     /// Warnings about gaps that were measured between polygons which stand for curves.
     pub fn crude_gaps(&self, model: &Model<D>, condensed: &Condensed<D>) -> Vec<String> {
         let mut start = 0;
@@ -134,7 +148,7 @@ impl<const D: usize> Judged<D> {
         condensed: &Condensed<D>,
         lambda: &[f64],
     ) -> Result<(Vec<BodySolution<D>>, Vec<ContactSolution<D>>), Error<D>> {
-        let contacts = self.contact_solutions(model, &condensed.paired, lambda);
+        let contacts = self.contact_solutions(model, condensed, lambda);
         let bodies = model
             .bodies
             .par_iter()
@@ -150,11 +164,14 @@ impl<const D: usize> Judged<D> {
     fn contact_solutions(
         &self,
         model: &Model<D>,
-        paired: &[Paired<D>],
+        Condensed {
+            paired, problem, ..
+        }: &Condensed<D>,
         lambda: &[f64],
     ) -> Vec<ContactSolution<D>> {
         let mut start = 0;
         let mut contacts = Vec::new();
+        let bounds = shear_bounds(&problem.admissible, lambda);
         for (contact, pair) in model.contacts.iter().zip(paired) {
             let rows = start..start + pair.interface.nonmortar.len();
             start = rows.end;
@@ -167,8 +184,11 @@ impl<const D: usize> Judged<D> {
                 &contact.name,
                 pair,
                 (&self.states, obstacle),
-                &self.gaps[rows.clone()],
-                &lambda[rows],
+                Rows {
+                    gaps: &self.gaps[rows.clone()],
+                    lambda: &lambda[rows.clone()],
+                    bounds: &bounds[rows],
+                },
             ));
         }
         contacts
@@ -378,11 +398,20 @@ fn certify<const D: usize>(
         .zip(clearances)
         .map(|(l, g)| l * g)
         .sum();
+    // friction takes its share: λ·gap of the tangential rows is minus the dissipated work
+    let tangential = condensed
+        .paired
+        .iter()
+        .flat_map(|p| p.interface.tangential());
+    let rows = tangential.zip(multipliers.lambda.iter().zip(gaps));
+    let dissipated: f64 = rows
+        .map(|(is, (l, gap))| if is { -l * gap } else { 0.0 })
+        .sum();
     let recomputed = Recomputed {
         gap: gaps,
         imbalance_force: force,
         imbalance_moment: moment,
-        energy_gap: (work + on_gaps).abs(),
+        energy_gap: (work + on_gaps + dissipated).abs(),
         elastic_energy,
         driving_force: states.iter().map(|s| s.driving_force).fold(0.0, f64::max),
     };
@@ -556,13 +585,40 @@ fn meridian<const D: usize>(
     move |node| share.get(&node).copied().unwrap_or(1.0 / thickness)
 }
 
+/// What the rows of one contact came out as.
+struct Rows<'a> {
+    gaps: &'a [f64],
+    lambda: &'a [f64],
+    /// Largest shear force of the nodes with friction, at their normal rows; NaN elsewhere.
+    bounds: &'a [f64],
+}
+
+/// Largest shear force of every node with friction, at its normal row; NaN elsewhere.
+fn shear_bounds(admissible: &AdmissibleSet, lambda: &[f64]) -> Vec<f64> {
+    let mut bounds = vec![f64::NAN; lambda.len()];
+    for (block, range) in admissible.iter() {
+        bounds[range.start] = match *block {
+            Block::Tresca { bound, .. } => bound,
+            Block::Coulomb { coefficient, .. } => coefficient * lambda[range.start].max(0.0),
+            Block::Free { .. } | Block::Unilateral => f64::NAN,
+        };
+    }
+    bounds
+}
+
+/// A node slips when its shear force is within this part of its bound.
+const AT_BOUND: f64 = 1e-7;
+
 fn contact_solution<const D: usize>(
     model: &Model<D>,
     name: &str,
     pair: &Paired<D>,
     (states, obstacle): (&[BodyState<D>], Point<D>),
-    gaps: &[f64],
-    lambda: &[f64],
+    Rows {
+        gaps,
+        lambda,
+        bounds,
+    }: Rows<'_>,
 ) -> ContactSolution<D> {
     let body = &model.bodies[pair.nonmortar.body.0];
     let coupling = pair.interface.coupling;
@@ -588,10 +644,14 @@ fn contact_solution<const D: usize>(
         let (gap, pressure, status) = match (node.role, node.rows[0]) {
             (Role::Alone, _) => (f64::NAN, 0.0, Status::Open),
             (Role::Multiplier, Some(row)) => {
+                let shear = node.rows[1..].iter().flatten().map(|&row| lambda[row]);
+                let shear = shear.map(|l| l * l).sum::<f64>().sqrt();
                 let status = match coupling {
                     Coupling::Tied => Status::Tied,
-                    _ if lambda[row] > 0.0 => Status::Closed,
-                    _ => Status::Open,
+                    _ if lambda[row] <= 0.0 => Status::Open,
+                    _ if bounds[row].is_nan() => Status::Closed,
+                    _ if shear < (1.0 - AT_BOUND) * bounds[row] => Status::Stick,
+                    _ => Status::Slip,
                 };
                 (gaps[row], lambda[row] / node.weight, status)
             }
@@ -632,6 +692,9 @@ fn contact_solution<const D: usize>(
     let along = meridian(model.analysis, body, &pair.nonmortar.side);
     let length = length.fold(0.0, |sum, n| sum + n.weight * along(n.node));
     let (resultant, imbalance) = balance(model, pair, lambda);
+    let tangential = pair.interface.tangential().into_iter();
+    let work = tangential.zip(lambda.iter().zip(gaps));
+    let dissipated = work.map(|(is, (l, gap))| if is { -l * gap } else { 0.0 });
     ContactSolution {
         name: name.to_string(),
         nonmortar: pair.nonmortar.clone(),
@@ -641,6 +704,7 @@ fn contact_solution<const D: usize>(
         resultant,
         length,
         imbalance,
+        dissipated: dissipated.sum(),
     }
 }
 

@@ -107,6 +107,8 @@ pub struct ContactSolution<const D: usize> {
     pub length: f64,
     /// Sum of the forces on both sides, relative to the sum of the nodal forces' magnitudes.
     pub imbalance: f64,
+    /// Work that friction dissipated in this step, ≥ 0.
+    pub dissipated: f64,
 }
 
 /// A rigid motion that a body's supports leave free, in words and numbers.

@@ -213,6 +213,7 @@ struct ContactEntry<'a> {
     max_pressure: f64,
     max_penetration: f64,
     imbalance: f64,
+    dissipated_work: f64,
 }
 
 fn contact_entry<const D: usize>(contact: &ContactSolution<D>) -> ContactEntry<'_> {
@@ -226,6 +227,7 @@ fn contact_entry<const D: usize>(contact: &ContactSolution<D>) -> ContactEntry<'
         max_pressure: largest(contact.nodes.iter().map(|n| n.pressure)),
         max_penetration: max_penetration(&contact.nodes),
         imbalance: contact.imbalance,
+        dissipated_work: contact.dissipated,
     }
 }
 
@@ -365,6 +367,7 @@ mod tests {
                 "max_pressure",
                 "max_penetration",
                 "imbalance",
+                "dissipated_work",
             ])
         );
         assert_eq!(

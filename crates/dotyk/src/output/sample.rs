@@ -404,5 +404,6 @@ fn contact_solution(model: &Model<2>, contact: &Contact<2>) -> ContactSolution<2
         resultant: [-6.2, 0.1],
         length: 7.1,
         imbalance: 3e-16,
+        dissipated: 0.0,
     }
 }
