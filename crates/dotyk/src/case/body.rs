@@ -3,6 +3,7 @@
 use crate::case::document::{Entry, Node, Span, Table, Value, check_name, later, name, zero};
 use crate::case::error::Fault;
 use crate::case::keys;
+use crate::case::outline;
 use crate::case::suggest::{listed, nearest};
 use crate::geometry::Field;
 use crate::mesh::{CellKind, Diagonals, Mesh, MeshError, Rectangle, Ring, TunnelRock};
@@ -76,6 +77,7 @@ fn mesh(node: &Node, body: &str) -> Result<Mesh<2>, Fault> {
         "rectangle" => rectangle(&generator.node)?.build(),
         "ring" => ring(&generator.node)?.build(),
         "tunnel_rock" => tunnel_rock(&generator.node)?.build(),
+        "outline" => Ok(outline::mesh(&generator.node, body)?),
         other => {
             return Err(later(
                 &generator.key_span,

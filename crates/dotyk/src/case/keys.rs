@@ -54,6 +54,27 @@ pub const TUNNEL_ROCK: &[&str] = &[
     "cell",
     "diagonals",
 ];
+/// `mesh.outline`.
+pub const OUTLINE: &[&str] = &[
+    "size", "cell", "growth", "from", "edges", "circle", "name", "holes", "refine",
+];
+/// One element of `holes`.
+pub const HOLE: &[&str] = &["from", "edges", "circle", "name", "size"];
+/// One element of `edges`.
+pub const EDGE: &[&str] = &[
+    "to",
+    "center",
+    "via",
+    "radius",
+    "clockwise",
+    "name",
+    "size",
+    "cells",
+];
+/// `circle` of an outline or a hole.
+pub const CIRCLE: &[&str] = &["center", "radius", "name", "size", "cells"];
+/// One element of `refine`.
+pub const REFINE: &[&str] = &["at", "size", "radius"];
 /// One side of `mesh.sides`.
 pub const PATCH: &[&str] = &["of", "min", "max"];
 /// `material` of a body, or one element of its list.
@@ -118,7 +139,7 @@ pub const REFERENCE: &[&str] = &[
 ];
 
 /// Every table with its keys.
-pub const ALL: [(&str, &[&str]); 19] = [
+pub const ALL: [(&str, &[&str]); 24] = [
     ("case", CASE),
     ("units", UNITS),
     ("body", BODY),
@@ -126,6 +147,11 @@ pub const ALL: [(&str, &[&str]); 19] = [
     ("rectangle", RECTANGLE),
     ("ring", RING),
     ("tunnel_rock", TUNNEL_ROCK),
+    ("outline", OUTLINE),
+    ("holes", HOLE),
+    ("edges", EDGE),
+    ("circle", CIRCLE),
+    ("refine", REFINE),
     ("sides", PATCH),
     ("material", MATERIAL),
     ("fix", FIX),

@@ -10,6 +10,7 @@ mod document;
 mod error;
 mod expression;
 pub mod keys;
+mod outline;
 mod probe;
 mod reference;
 mod suggest;

@@ -18,9 +18,7 @@ pub use cell::{CellKind, FacetKind, MAX_CELL_NODES, MAX_FACET_NODES};
 pub use error::MeshError;
 pub use facets::{Chain, FacetTable};
 pub use generate::{Diagonals, Rectangle, Ring, TunnelRock};
-pub use outline::{
-    Contour, Division, EdgeShape, Outline, OutlineEdge, OutlinePlace, SizePoint,
-};
+pub use outline::{Contour, Division, EdgeShape, Outline, OutlineEdge, OutlinePlace, SizePoint};
 
 use crate::geometry::{Point, bounding_box, distance, norm, padded, sub};
 use crate::mesh::check::{check, determinant};

@@ -269,6 +269,7 @@ impl Outline {
             });
         }
         let sizes = Sizes {
+            largest: self.size,
             growth: self.growth,
             refine: &self.refine,
         };
@@ -388,6 +389,13 @@ impl Outline {
             let problem = format!("the size {size} must be positive and finite");
             return Err(drawn.place.error(problem));
         }
+        if size > self.size {
+            let problem = format!(
+                "the size {size} exceeds that of the whole outline, {}: leave it out or make it smaller",
+                self.size
+            );
+            return Err(drawn.place.error(problem));
+        }
         if size > diameter {
             let problem = format!(
                 "the size {size} exceeds the whole outline, which is {diameter} across: check the units"
@@ -403,7 +411,7 @@ impl Outline {
         for k in 0..count {
             let drawn = &path[if turn { count - 1 - k } else { k }];
             let (size, pieces) = match drawn.division {
-                Some(Division::Size(size)) => (size.min(self.size), None),
+                Some(Division::Size(size)) => (size, None),
                 Some(Division::Cells(cells)) => (self.size, Some(cells)),
                 None => (self.size, None),
             };
@@ -418,10 +426,13 @@ impl Outline {
                 next: first + (k + 1) % count,
                 previous: first + (k + count - 1) % count,
             });
-            let side = drawn.name.clone().unwrap_or_else(|| match drawn.place.hole {
-                Some(hole) => format!("hole_{}", hole + 1),
-                None => "outline".to_string(),
-            });
+            let side = drawn
+                .name
+                .clone()
+                .unwrap_or_else(|| match drawn.place.hole {
+                    Some(hole) => format!("hole_{}", hole + 1),
+                    None => "outline".to_string(),
+                });
             drawing.sides.push(side);
             drawing.places.push(drawn.place.clone());
         }
@@ -499,15 +510,20 @@ impl Outline {
                         cell: cell as u32,
                         local: local as u32,
                     };
-                    sides.entry(side(piece).to_string()).or_default().push(facet);
+                    sides
+                        .entry(side(piece).to_string())
+                        .or_default()
+                        .push(facet);
                 }
                 if self.cell == CellKind::Tri6 {
                     let ends = [from, to].map(|node| points[node as usize]);
                     let straight = [0, 1].map(|d| 0.5 * (ends[0][d] + ends[1][d]));
-                    let node = *between.entry((from.min(to), from.max(to))).or_insert_with(|| {
-                        points.push(on_boundary.map_or(straight, |piece| middles[piece]));
-                        points.len() as u32 - 1
-                    });
+                    let node = *between
+                        .entry((from.min(to), from.max(to)))
+                        .or_insert_with(|| {
+                            points.push(on_boundary.map_or(straight, |piece| middles[piece]));
+                            points.len() as u32 - 1
+                        });
                     nodes.push(node);
                 }
             }
@@ -599,7 +615,11 @@ fn path_curves(
     let mut curves = Vec::with_capacity(edges.len());
     for (index, edge) in edges.iter().enumerate() {
         // To the bit, so that the last node is the first.
-        let end = if index + 1 == edges.len() { from } else { edge.to };
+        let end = if index + 1 == edges.len() {
+            from
+        } else {
+            edge.to
+        };
         let place = place(index);
         if distance(start, end) <= SAME * diameter {
             let problem = format!(
@@ -727,7 +747,8 @@ fn separate(paths: &[Vec<Drawn>], diameter: f64) -> Result<(), MeshError> {
             let margin = 1e-3 * a.curve.length().min(b.curve.length());
             let approach = a.curve.approach(&b.curve, &corners, margin);
             if let Some((gap, at)) = approach.filter(|(gap, _)| *gap <= near) {
-                let how = if gap > 0.0 { "touches" } else { "meets" };
+                let rounding = 64.0 * f64::EPSILON * diameter;
+                let how = if gap > rounding { "touches" } else { "meets" };
                 let problem = format!(
                     "it {how} {} near {at:?}: edges may meet at their common corners only",
                     b.place

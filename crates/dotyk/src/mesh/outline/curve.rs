@@ -239,11 +239,7 @@ fn line_and_circle(line: &Curve, arc: Arc, points: &mut Vec<Point<2>>) {
     let Some(along) = unit(sub(line.end, line.start)) else {
         return;
     };
-    let foot = add_scaled(
-        line.start,
-        dot(sub(arc.center, line.start), along),
-        along,
-    );
+    let foot = add_scaled(line.start, dot(sub(arc.center, line.start), along), along);
     let normal = turned(along);
     let half = arc.radius * arc.radius - dot(sub(foot, arc.center), sub(foot, arc.center));
     for sign in [-1.0, 1.0] {

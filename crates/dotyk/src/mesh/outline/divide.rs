@@ -47,17 +47,17 @@ pub(crate) struct Divided {
 
 /// What limits the size everywhere.
 pub(crate) struct Sizes<'a> {
+    pub largest: f64,
     pub growth: f64,
     pub refine: &'a [SizePoint],
 }
 
 impl Sizes<'_> {
-    /// The size that the points of refinement allow at a place.
+    /// The size that the whole outline and the points of refinement allow at a place.
     pub fn near(&self, p: Point<2>) -> f64 {
-        let allowed = |r: &SizePoint| {
-            r.size + self.growth * (distance(p, r.at) - r.radius).max(0.0)
-        };
-        self.refine.iter().map(allowed).fold(f64::INFINITY, f64::min)
+        let allowed =
+            |r: &SizePoint| r.size + self.growth * (distance(p, r.at) - r.radius).max(0.0);
+        self.refine.iter().map(allowed).fold(self.largest, f64::min)
     }
 }
 
@@ -99,7 +99,9 @@ pub(crate) fn divide(ribs: &[Rib], sizes: &Sizes<'_>) -> Option<Vec<Divided>> {
     }
     limit_growth(ribs, &mut profiles, sizes.growth);
     let divided = ribs.iter().zip(&profiles);
-    divided.map(|(rib, profile)| divided_rib(rib, profile)).collect()
+    divided
+        .map(|(rib, profile)| divided_rib(rib, profile))
+        .collect()
 }
 
 /// Length of the pieces of an edge that has no neighbours.
@@ -124,11 +126,7 @@ fn box_distance(x: Point<2>, (low, high): (Point<2>, Point<2>)) -> f64 {
 }
 
 /// Samples of h so close that it changes little between them. The body is on the left of the edge.
-fn profile(
-    rib: &Rib,
-    wanted: impl Fn(&Curve, f64, f64) -> f64,
-    most: usize,
-) -> Option<Profile> {
+fn profile(rib: &Rib, wanted: impl Fn(&Curve, f64, f64) -> f64, most: usize) -> Option<Profile> {
     let canonical = rib.curve.is_canonical();
     let (curve, inward) = match canonical {
         true => (rib.curve, 1.0),
@@ -234,7 +232,9 @@ fn parameters(rib: &Rib, curve: &Curve, profile: &Profile) -> Option<Vec<f64>> {
     let high = samples.iter().map(|s| s.1).fold(0.0, f64::max);
     let length = curve.length();
     if low >= high * (1.0 - 1e-9) {
-        let pieces = rib.pieces.map_or(whole(length / low), |pieces| pieces as f64);
+        let pieces = rib
+            .pieces
+            .map_or(whole(length / low), |pieces| pieces as f64);
         if pieces > MOST_VERTICES as f64 {
             return None;
         }

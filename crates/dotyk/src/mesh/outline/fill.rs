@@ -56,7 +56,12 @@ pub(crate) struct Filled {
 
 /// Fills a boundary.
 pub(crate) fn fill(boundary: &Boundary, sizes: &Sizes<'_>) -> Result<Filled, Unfilled> {
-    let mut fill = Fill::new(boundary, sizes, boundary.nodes.clone(), boundary.sizes.clone())?;
+    let mut fill = Fill::new(
+        boundary,
+        sizes,
+        boundary.nodes.clone(),
+        boundary.sizes.clone(),
+    )?;
     fill.advance()?;
     fill.improve()?;
     for _ in 0..ROUNDS {
@@ -162,7 +167,13 @@ impl<'a> Fill<'a> {
     }
 
     fn scaled(&self, p: Point<2>) -> Point2<f64> {
-        let [x, y] = p.map(|c| if (c * self.scale).abs() < TINY { 0.0 } else { c * self.scale });
+        let [x, y] = p.map(|c| {
+            if (c * self.scale).abs() < TINY {
+                0.0
+            } else {
+                c * self.scale
+            }
+        });
         Point2::new(x, y)
     }
 
@@ -272,12 +283,13 @@ impl<'a> Fill<'a> {
     /// The shortest edge of a large triangle beside which the front stands.
     fn front(&self, face: Face) -> Option<FixedDirectedEdgeHandle> {
         let face = self.triangulation.face(face);
-        let fronts = face.adjacent_edges().into_iter().filter(|edge| {
-            edge.is_constraint_edge()
-                || edge.rev().face().as_inner().is_none_or(|other| {
-                    !self.inside[other.index()] || self.is_done(other.fix())
-                })
-        });
+        let fronts =
+            face.adjacent_edges().into_iter().filter(|edge| {
+                edge.is_constraint_edge()
+                    || edge.rev().face().as_inner().is_none_or(|other| {
+                        !self.inside[other.index()] || self.is_done(other.fix())
+                    })
+            });
         fronts
             .min_by(|a, b| a.length_2().total_cmp(&b.length_2()))
             .map(|edge| edge.fix())
@@ -299,9 +311,9 @@ impl<'a> Fill<'a> {
                 continue;
             };
             let place = self.beside(face, edge);
-            let accepted = self.cavity(face, place).filter(|cavity| {
-                !cavity.encroaches && cavity.clearance > 0.5 * cavity.size
-            });
+            let accepted = self
+                .cavity(face, place)
+                .filter(|cavity| !cavity.encroaches && cavity.clearance > 0.5 * cavity.size);
             let changed = match accepted {
                 Some(cavity) => self.insert(face, place, cavity.size)?,
                 None => {
@@ -366,7 +378,10 @@ impl<'a> Fill<'a> {
     /// What a node at a place near a triangle would meet; `None` where it cannot stand.
     fn cavity(&self, near: Face, place: Point<2>) -> Option<Cavity> {
         let hint = self.triangulation.face(near).vertices()[0].fix();
-        let first = match self.triangulation.locate_with_hint(self.scaled(place), hint) {
+        let first = match self
+            .triangulation
+            .locate_with_hint(self.scaled(place), hint)
+        {
             PositionInTriangulation::OnFace(face) => face,
             PositionInTriangulation::OnEdge(edge) => {
                 let edge = self.triangulation.directed_edge(edge);
@@ -456,9 +471,9 @@ impl<'a> Fill<'a> {
             }
             let (center, _) = circumcircle(self.places(face));
             // A node nearer than this to another makes triangles worse than the one that it replaces.
-            let accepted = self.cavity(face, center).filter(|cavity| {
-                !cavity.encroaches && cavity.clearance > 0.3 * cavity.size
-            });
+            let accepted = self
+                .cavity(face, center)
+                .filter(|cavity| !cavity.encroaches && cavity.clearance > 0.3 * cavity.size);
             if let Some(cavity) = accepted {
                 for face in self.insert(face, center, cavity.size)? {
                     self.offer_thin(face, &mut heap);
@@ -582,17 +597,15 @@ fn smooth(nodes: &mut [Point<2>], triangles: &[[u32; 3]], sizes: &[f64], fixed: 
     }
 }
 
-fn centroid(
-    nodes: &[Point<2>],
-    triangles: &[[u32; 3]],
-    sizes: &[f64],
-    star: &[usize],
-) -> Point<2> {
+fn centroid(nodes: &[Point<2>], triangles: &[[u32; 3]], sizes: &[f64], star: &[usize]) -> Point<2> {
     let (mut sum, mut total) = ([0.0; 2], 0.0);
     for &triangle in star {
         let corners = triangles[triangle];
         let [a, b, c] = corners.map(|node| nodes[node as usize]);
-        let size = corners.iter().map(|&node| sizes[node as usize]).sum::<f64>();
+        let size = corners
+            .iter()
+            .map(|&node| sizes[node as usize])
+            .sum::<f64>();
         let weight = cross(sub(b, a), sub(c, a)) / size.powi(3);
         for d in 0..2 {
             sum[d] += weight * (a[d] + b[d] + c[d]) / 3.0;
