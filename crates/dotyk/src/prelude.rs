@@ -1,7 +1,10 @@
 //! What a program that builds and solves a model names: `use dotyk::prelude::*;`.
 
 pub use crate::geometry::{Field, Point};
-pub use crate::mesh::{CellKind, Diagonals, Mesh, MeshError, Rectangle, Ring, TunnelRock};
+pub use crate::mesh::{
+    CellKind, Contour, Diagonals, Division, EdgeShape, Mesh, MeshError, Outline, OutlineEdge,
+    Rectangle, Ring, SizePoint, TunnelRock,
+};
 pub use crate::model::{
     Analysis, BodyId, Bolts, Contact, Elastic, Error, Gap, Load, Method, Model, Place, Probe,
     Solution, SolverOptions, Status, Support,

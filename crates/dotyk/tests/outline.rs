@@ -701,6 +701,9 @@ fn sizes_that_make_no_sense_are_refused() {
     };
     assert_refused(&point([0.0, 0.0], 0.0, 0.0), &["refine", "positive"]);
     assert_refused(&point([f64::NAN, 0.0], 0.1, 0.0), &["refine", "finite"]);
+    assert_refused(&point([1.0, 0.5], 1e-7, 0.1), &["more than 2000000"]);
+    // Outside of the body, a fine place asks for nothing.
+    assert!(point([1.0, 5.0], 1e-7, 0.1).build().is_ok());
 }
 
 #[test]

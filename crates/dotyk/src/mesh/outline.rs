@@ -261,10 +261,10 @@ impl Outline {
     pub fn build(&self) -> Result<Mesh<2>, MeshError> {
         self.check_values()?;
         let drawing = self.drawing()?;
-        let wanted = 2.0 / 3.0_f64.sqrt() * drawing.area / self.size.powi(2);
+        let wanted = self.expected(&drawing);
         if wanted > MOST_VERTICES as f64 {
             return Err(MeshError::TooLarge {
-                nodes: wanted as u128,
+                nodes: wanted.min(u64::MAX as f64) as u128,
                 most: MOST_VERTICES,
             });
         }
@@ -290,6 +290,30 @@ impl Outline {
         })?;
         let side = |piece: usize| drawing.sides[ribs[piece]].as_str();
         self.mesh(filled, &boundary.pieces, side, &middles)
+    }
+
+    /// About the number of corners of cells that the sizes of the outline and of the points of refinement ask for at least.
+    fn expected(&self, drawing: &Drawing) -> f64 {
+        // Each corner of equilateral triangles has √3/2 h² of the area.
+        let corners = |area: f64, size: f64| 2.0 / 3.0_f64.sqrt() * area / (size * size);
+        let within = |p: Point<2>| {
+            let turns: f64 = drawing.ribs.iter().map(|rib| rib.curve.winding(p)).sum();
+            turns > 0.5 * TAU
+        };
+        // A share of each disc of refinement, by the middles of 20 × 20 squares.
+        let of_disc = |point: &SizePoint| {
+            let step = point.radius / 10.0;
+            let places = (0..400).map(|k| [k % 20, k / 20].map(|i| (f64::from(i) - 9.5) * step));
+            let inside = places.filter(|&d| {
+                d[0].hypot(d[1]) < point.radius && within(add_scaled(point.at, 1.0, d))
+            });
+            corners(
+                inside.count() as f64 * step * step,
+                point.size.min(self.size),
+            )
+        };
+        let discs = self.refine.iter().map(of_disc).fold(0.0, f64::max);
+        corners(drawing.area, self.size).max(discs)
     }
 
     fn check_values(&self) -> Result<(), MeshError> {

@@ -377,6 +377,10 @@ impl<'a> Fill<'a> {
 
     /// What a node at a place near a triangle would meet; `None` where it cannot stand.
     fn cavity(&self, near: Face, place: Point<2>) -> Option<Cavity> {
+        if !place.iter().all(|c| c.is_finite()) {
+            // The circumcentre of a triangle that is flat to rounding.
+            return None;
+        }
         let hint = self.triangulation.face(near).vertices()[0].fix();
         let first = match self
             .triangulation
@@ -551,7 +555,7 @@ fn hilbert(mut x: u32, mut y: u32) -> u64 {
     for level in (0..16).rev() {
         let side = 1 << level;
         let (right, upper) = ((x & side) != 0, (y & side) != 0);
-        let quarter = u64::from(3 * u32::from(right) ^ u32::from(upper));
+        let quarter = u64::from((3 * u32::from(right)) ^ u32::from(upper));
         place = 4 * place + quarter;
         if !upper {
             if right {
