@@ -11,6 +11,8 @@
 //! * Facets are cut where the line from them meets a node of the other side; on each piece all shape functions are smooth.
 //! * n is the field of [`Normals`]; both bodies feel the force at the ends of one line along n, so that forces and moments
 //!   balance whatever the two polygons are.
+//! * Tangential rows compare u_s with what u_m is at x when the other side is carried on rigidly from y to x, by the rotation
+//!   of its facet there: forces along t at two points a distance s apart would be a couple.
 //! * A node whose displacement is prescribed, or of whose support less than a thousandth faces the other side, carries no
 //!   multiplier; on its facets ψ are hats, and its own goes to the neighbours.
 //! * The gap s is measured between the true surfaces where a side has one.
@@ -71,6 +73,8 @@ struct Station<const D: usize> {
     gap: f64,
     own: Vec<(usize, f64)>,
     opposite: Vec<(usize, f64)>,
+    /// s times the rotation of the opposite facet, as coefficients of its nodes' displacements.
+    lever: Vec<(usize, Point<D>)>,
 }
 
 /// Sums over the stations of one node.
@@ -110,6 +114,12 @@ impl<const D: usize> Sums<D> {
             for &(node, shape) in nodes {
                 let entry = row.entry(node).or_insert([0.0; D]);
                 *entry = add_scaled(*entry, weight * shape, direction);
+            }
+        }
+        if component > 0 {
+            for &(node, coefficients) in &station.lever {
+                let entry = self.mortar[component].entry(node).or_insert([0.0; D]);
+                *entry = add_scaled(*entry, weight, coefficients);
             }
         }
     }
@@ -287,12 +297,14 @@ impl<'a, const D: usize> Pairing<'a, D> {
         let tangent = norm(mesh.outward_normal(span.facet, &[xi]));
         let thickness = self.nonmortar.body.thickness;
         let area = reference * tangent * measure(self.analysis, thickness, line.start);
+        let mut lever = Vec::new();
         let (normal, opposite, distance) = match (self.against, piece.opposite) {
             (Against::Side(mortar), Some(facet)) => {
                 let Some(hit) = self.hit(facet, line) else {
                     return Ok(None);
                 };
                 let distance = self.true_distance(line, hit.distance);
+                lever = rotation(&mortar.body.mesh, hit);
                 (
                     line.direction,
                     shape(&mortar.body.mesh, facet, hit.xi),
@@ -321,6 +333,7 @@ impl<'a, const D: usize> Pairing<'a, D> {
             gap,
             own,
             opposite,
+            lever,
         }))
     }
 
@@ -630,6 +643,21 @@ fn shape<const D: usize>(mesh: &Mesh<D>, facet: Facet, xi: f64) -> Vec<(usize, f
     mesh.facet_kind(facet).shape(&[xi], &mut values);
     let nodes = mesh.facet_nodes(facet).map(|node| node as usize);
     nodes.zip(values).collect()
+}
+
+/// Rotation of a facet at a hit, times the distance, as coefficients of its nodes' displacements: −Σ Nₐ' n·uₐ/|y'|.
+fn rotation<const D: usize>(mesh: &Mesh<D>, hit: Hit) -> Vec<(usize, Point<D>)> {
+    let mut slopes = [[0.0; D]; MAX_FACET_NODES];
+    mesh.facet_kind(hit.facet)
+        .gradients(&[hit.xi; D], &mut slopes);
+    // as long as |y'|
+    let normal = mesh.outward_normal(hit.facet, &[hit.xi]);
+    let scale = -hit.distance / dot(normal, normal);
+    let nodes = mesh.facet_nodes(hit.facet).map(|node| node as usize);
+    nodes
+        .zip(slopes)
+        .map(|(node, slope)| (node, normal.map(|c| scale * slope[0] * c)))
+        .collect()
 }
 
 /// The zero of a function that changes its sign between two ends, by the Illinois method.
