@@ -342,7 +342,11 @@ pub(crate) fn known_side(text: &str, span: &Span, body: &str, mesh: &Mesh<2>) ->
 /// Refuses a component along z, which plane analyses do not have.
 fn no_z(table: Table<'_>) -> Result<(), Fault> {
     table.entry("z").map_or(Ok(()), |entry| {
-        Err(Fault::new(&entry.key_span, "plane analyses have no `z`").label("only x and y"))
+        Err(Fault::new(
+            &entry.key_span,
+            "plane and axisymmetric analyses have no `z`",
+        )
+        .label("only x and y"))
     })
 }
 

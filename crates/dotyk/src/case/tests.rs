@@ -448,12 +448,6 @@ fn features_to_come_are_not_supported_yet() {
         "\"3d\"",
         &[later],
     );
-    assert_mistake(
-        "\"plane-strain\"            #",
-        "\"axisymmetric\" #",
-        "\"axisymmetric\"",
-        &[later],
-    );
     assert_mistake("friction  = 0.0", "friction = 0.3", "0.3", &[later]);
     assert_mistake(
         "friction  = 0.0",
