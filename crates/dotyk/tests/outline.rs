@@ -206,6 +206,17 @@ fn angles_are_at_least_25_degrees_without_sharp_corners() {
                 ..named_square(0.2)
             },
         ),
+        (
+            "tiny point",
+            Outline {
+                refine: vec![SizePoint {
+                    at: [1.3, 0.4],
+                    size: 1e-7,
+                    radius: 3e-6,
+                }],
+                ..named_square(0.2)
+            },
+        ),
     ];
     for (what, outline) in outlines {
         let mesh = outline.build().unwrap();

@@ -673,7 +673,12 @@ fn mistakes_in_an_outline_are_underlined() {
             "growth = 2: must be",
             "2",
         ),
-        ("size = 0.2,", "size = 20,", "edge 1", "{ to"),
+        (
+            "size = 0.2,",
+            "size = 20,",
+            "exceeds the whole outline",
+            "{ to",
+        ),
     ];
     for (from, to, message, underlined) in mistakes {
         assert_eq!(PUNCH.matches(from).count(), 1, "{from}");
