@@ -656,7 +656,7 @@ fn vtu_files_of_dotyk_read_back() {
         .pull(ring, "outer", [0.0, 1e-3]);
     let solution = model.solve().unwrap();
     let folder = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join("vtu");
-    output::write(&model, &solution, "ring", &folder).unwrap();
+    output::write(&model, std::slice::from_ref(&solution), "ring", &folder).unwrap();
     let file = MeshFile::read(&folder.join("ring.vtu")).unwrap();
     assert!(
         file.warnings()[0].contains("`displacement`, `stress`"),
