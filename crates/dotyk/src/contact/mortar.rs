@@ -298,17 +298,16 @@ impl<'a, const D: usize> Pairing<'a, D> {
         let thickness = self.nonmortar.body.thickness;
         let area = reference * tangent * measure(self.analysis, thickness, line.start);
         let mut lever = Vec::new();
-        let (normal, opposite, distance) = match (self.against, piece.opposite) {
+        let (normal, opposite, gap) = match (self.against, piece.opposite) {
             (Against::Side(mortar), Some(facet)) => {
                 let Some(hit) = self.hit(facet, line) else {
                     return Ok(None);
                 };
-                let distance = self.true_distance(line, hit.distance);
                 lever = rotation(&mortar.body.mesh, hit);
                 (
                     line.direction,
                     shape(&mortar.body.mesh, facet, hit.xi),
-                    distance,
+                    self.gap_at(line, hit.distance)?,
                 )
             }
             (Against::Obstacle(rigid, moved), _) => {
@@ -319,11 +318,6 @@ impl<'a, const D: usize> Pairing<'a, D> {
                 (normal, vec![(0, 1.0)], gap + dot(normal, moved))
             }
             (Against::Side(_), None) => return Ok(None),
-        };
-        let gap = match self.gap {
-            InitialGap::Measured => distance,
-            InitialGap::Closed => 0.0,
-            InitialGap::Given(field) => finite_gap(field, line.start, self.time, self.nonmortar)?,
         };
         Ok(Some(Station {
             span: piece.span,
@@ -496,15 +490,19 @@ impl<'a, const D: usize> Pairing<'a, D> {
                 normal,
                 weight: whole[&node],
                 gap: f64::NAN,
+                clearance: f64::NAN,
                 role: Role::Alone,
                 rows: [None; D],
             };
             let sums = sums.get(&node).filter(|s| s.own[0] > SLIVER * whole[&node]);
             if let Some(sums) = sums {
-                entry.opposite = self.opposite(facet, xi);
+                (entry.opposite, entry.clearance) = self.opposite(facet, xi)?;
                 entry.role = Role::Fixed;
                 entry.weight = sums.own[0];
                 entry.gap = sums.own[1] / sums.own[0];
+                if entry.clearance.is_nan() {
+                    entry.clearance = entry.gap;
+                }
                 for component in (0..D).filter(|&c| kept[&node][c] && sums.weight[c] > 0.0) {
                     if entry.role == Role::Fixed {
                         entry.weight = sums.weight[component];
@@ -529,16 +527,27 @@ impl<'a, const D: usize> Pairing<'a, D> {
         Ok(interface)
     }
 
-    /// Nodes and shape functions of the other side opposite ξ of a facet.
-    fn opposite(&self, facet: Facet, xi: f64) -> Vec<(usize, f64)> {
+    /// Nodes and shape functions of the other side opposite ξ of a facet, and the gap there; NaN where the line misses it.
+    fn opposite(&self, facet: Facet, xi: f64) -> Result<(Vec<(usize, f64)>, f64), ContactError> {
+        let line = self.line(facet, xi);
         let (Some(search), Against::Side(mortar)) = (&self.search, self.against) else {
-            return Vec::new();
+            return Ok((Vec::new(), f64::NAN));
         };
         let shallow = self.mesh().facet_length(facet);
-        let hit = search.opposite(self.line(facet, xi), shallow);
-        hit.map_or_else(Vec::new, |hit| {
-            shape(&mortar.body.mesh, hit.facet, hit.xi.clamp(-1.0, 1.0))
-        })
+        let Some(hit) = search.opposite(line, shallow) else {
+            return Ok((Vec::new(), f64::NAN));
+        };
+        let shape = shape(&mortar.body.mesh, hit.facet, hit.xi.clamp(-1.0, 1.0));
+        Ok((shape, self.gap_at(line, hit.distance)?))
+    }
+
+    /// The gap at a line whose polygons are a distance apart.
+    fn gap_at(&self, line: Line<D>, distance: f64) -> Result<f64, ContactError> {
+        match self.gap {
+            InitialGap::Measured => Ok(self.true_distance(line, distance)),
+            InitialGap::Closed => Ok(0.0),
+            InitialGap::Given(field) => finite_gap(field, line.start, self.time, self.nonmortar),
+        }
     }
 }
 

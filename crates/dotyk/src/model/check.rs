@@ -64,6 +64,9 @@ pub struct Check<const D: usize> {
 /// Cells below this quality are worth a warning.
 const POOR: f64 = 0.1;
 
+/// Gaps below this part of the body's size are rounding.
+const ROUNDING: f64 = 1e-12;
+
 impl<const D: usize> Model<D> {
     /// Checks meshes, supports, loads, floating bodies and contacts; solves nothing.
     pub fn check(&self) -> Check<D> {
@@ -111,8 +114,10 @@ impl<const D: usize> Model<D> {
                 nodes
                     .iter()
                     .filter(|n| n.role == Role::Multiplier)
-                    .map(|n| n.gap)
+                    .map(|n| n.clearance)
             };
+            let size = self.bodies[pair.nonmortar.body.0].mesh.diameter();
+            let negligible = ROUNDING * size;
             let name = |side: &SideRef| format!("{}.{}", self.bodies[side.body.0].name, side.side);
             let found = ContactCheck {
                 name: contact.name.clone(),
@@ -124,7 +129,10 @@ impl<const D: usize> Model<D> {
                 ],
                 unknowns: gaps().count(),
                 unpaired: nodes.iter().filter(|n| n.role == Role::Alone).count(),
-                penetration: gaps().fold(0.0, |largest, gap| f64::max(largest, -gap)),
+                penetration: gaps().fold(0.0, |largest, gap| match -gap > negligible {
+                    true => f64::max(largest, -gap),
+                    false => largest,
+                }),
                 clearance: gaps().fold(f64::INFINITY, f64::min),
             };
             if found.unpaired > 0 {
