@@ -33,7 +33,7 @@ pub fn check(arguments: &Arguments) -> Result<Outcome, Failure> {
     }
     // The page shows where an error is: it is written with errors, too.
     if let Some(folder) = folder {
-        let page = output::write_check_page(&case.model, &text, &case.stem, &folder);
+        let page = output::write_check_page(&case.model, &check, &case.stem, &folder);
         let page = page.map_err(|e| Failure::Message(e.to_string()))?;
         text += &written(&[page]);
     }

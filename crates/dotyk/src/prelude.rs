@@ -2,7 +2,8 @@
 
 pub use crate::geometry::{Field, Point};
 pub use crate::mesh::{
-    CellKind, Diagonals, Mesh, MeshError, MeshFile, Rectangle, Ring, TunnelRock,
+    CellKind, Contour, Diagonals, Division, EdgeShape, Mesh, MeshError, MeshFile, Outline,
+    OutlineEdge, Rectangle, Ring, SizePoint, TunnelRock,
 };
 pub use crate::model::{
     Analysis, BodyId, Bolts, Contact, Elastic, Error, Gap, Load, Method, Model, Place, Probe,

@@ -656,7 +656,7 @@ fn vtu_files_of_dotyk_read_back() {
         .pull(ring, "outer", [0.0, 1e-3]);
     let solution = model.solve().unwrap();
     let folder = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join("vtu");
-    output::write(&model, &solution, "ring", &folder).unwrap();
+    output::write(&model, std::slice::from_ref(&solution), "ring", &folder).unwrap();
     let file = MeshFile::read(&folder.join("ring.vtu")).unwrap();
     assert!(
         file.warnings()[0].contains("`displacement`, `stress`"),
@@ -1168,4 +1168,32 @@ fn each_group_has_its_material_and_one_without_group_serves_the_rest() {
         .collect();
     // the first that fits is taken
     assert_eq!(found, [(Some("outer"), 2.0), (None, 1.0)]);
+}
+
+/// Lamé in plane stress: u(b) of the inner ring under p at a and q at b, and of the outer ring under q at b, agree.
+#[test]
+fn two_materials_in_one_body_share_the_load_as_lame_says() {
+    let folder = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../cases/press-fit-gmsh");
+    let (inner, outer, nu) = (1000.0, 3000.0, 0.3);
+    let text = format!(
+        "analysis = \"plane-stress\"\n[[body]]\nname = \"b\"\n\
+         mesh = {{ file = {{ path = \"rings.msh\", group = [\"inner\", \"outer\"] }} }}\n\
+         material = [{{ group = \"inner\", young = {inner}, poisson = {nu} }}, {{ group = \"outer\", young = {outer}, poisson = {nu} }}]\n\
+         fix = [{{ side = \"on-x\", y = 0 }}, {{ side = \"on-y\", x = 0 }}]\n\
+         load = [{{ side = \"bore\", pressure = 1.0 }}]\n\
+         [[probe]]\nname = \"u\"\nquantity = \"b.displacement.x\"\nat = [40, 0]\n"
+    );
+    let case = Case::from_str(&text, "case.toml", &folder).unwrap();
+    let found = case.model.solve().unwrap().probes[0].value;
+    let [a2, b2, c2] = [20.0f64, 40.0, 80.0].map(|r| r * r);
+    let b = 40.0;
+    let under_q = b * ((1.0 - nu) * b2 + (1.0 + nu) * a2) / (inner * (b2 - a2));
+    let under_p = 2.0 * a2 * b / (inner * (b2 - a2));
+    let outside = b * ((1.0 - nu) * b2 + (1.0 + nu) * c2) / (outer * (c2 - b2));
+    let expected = outside * under_p / (under_q + outside);
+    // quadratic cells of h/r = 1/4 at the bore: (h/r)^4
+    assert!(
+        (found / expected - 1.0).abs() < 0.004,
+        "{found} instead of {expected}"
+    );
 }

@@ -260,6 +260,26 @@ fn forces_and_moments_balance_on_curved_non_matching_interfaces() {
 }
 
 #[test]
+fn moments_balance_on_tied_polygons_that_do_not_coincide() {
+    // A torque on the inner ring goes through the tie into the supports of the outer one.
+    for cell in [CellKind::Quad4, CellKind::Tri6] {
+        let mut model = two_rings(cell, [20, 26], Some(Gap::Closed));
+        model.contacts[0].law = Law::Tied;
+        let side = "inner".to_string();
+        let traction = [
+            Field::function("-y", |p, _| -p[1]),
+            Field::function("x", |p, _| p[0]),
+        ];
+        model.bodies[1].loads = vec![Load::Traction { side, traction }];
+        model.bodies[0].loads.clear();
+        let solution = model.solve().unwrap();
+        let contact = &solution.contacts[0];
+        assert!(contact.nodes.iter().any(|n| n.shear[0].abs() > 0.1));
+        assert!(contact.imbalance < 1e-12, "{}", contact.imbalance);
+    }
+}
+
+#[test]
 fn a_circle_may_spin_whatever_the_two_polygons_are() {
     // The rows of a spin are exactly zero: what is left would lock the inner ring against the outer like a gear.
     for cell in [CellKind::Quad4, CellKind::Quad9] {

@@ -4,6 +4,7 @@ use crate::case::document::{Entry, Node, Span, Table, Value, check_name, later, 
 use crate::case::error::Fault;
 use crate::case::keys;
 use crate::case::mesh_file::MeshFiles;
+use crate::case::outline;
 use crate::case::suggest::{listed, nearest};
 use crate::case::surface::true_surface;
 use crate::geometry::Field;
@@ -85,6 +86,7 @@ fn mesh(node: &Node, body: &str, files: &mut MeshFiles) -> Result<Mesh<2>, Fault
         "rectangle" => rectangle(&generator.node)?.build(),
         "ring" => ring(&generator.node)?.build(),
         "tunnel_rock" => tunnel_rock(&generator.node)?.build(),
+        "outline" => Ok(outline::mesh(&generator.node, body)?),
         other => {
             return Err(later(
                 &generator.key_span,
@@ -340,7 +342,11 @@ pub(crate) fn known_side(text: &str, span: &Span, body: &str, mesh: &Mesh<2>) ->
 /// Refuses a component along z, which plane analyses do not have.
 fn no_z(table: Table<'_>) -> Result<(), Fault> {
     table.entry("z").map_or(Ok(()), |entry| {
-        Err(Fault::new(&entry.key_span, "plane analyses have no `z`").label("only x and y"))
+        Err(Fault::new(
+            &entry.key_span,
+            "plane and axisymmetric analyses have no `z`",
+        )
+        .label("only x and y"))
     })
 }
 

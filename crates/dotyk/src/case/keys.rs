@@ -56,6 +56,27 @@ pub const TUNNEL_ROCK: &[&str] = &[
 ];
 /// `mesh.file`.
 pub const FILE: &[&str] = &["path", "group"];
+/// `mesh.outline`.
+pub const OUTLINE: &[&str] = &[
+    "size", "cell", "growth", "from", "edges", "circle", "name", "holes", "refine",
+];
+/// One element of `holes`.
+pub const HOLE: &[&str] = &["from", "edges", "circle", "name", "size"];
+/// One element of `edges`.
+pub const EDGE: &[&str] = &[
+    "to",
+    "center",
+    "via",
+    "radius",
+    "clockwise",
+    "name",
+    "size",
+    "cells",
+];
+/// `circle` of an outline or a hole.
+pub const OUTLINE_CIRCLE: &[&str] = &["center", "radius", "name", "size", "cells"];
+/// One element of `refine`.
+pub const REFINE: &[&str] = &["at", "size", "radius"];
 /// One side of `mesh.sides`.
 pub const PATCH: &[&str] = &["of", "min", "max"];
 /// `material` of a body, or one element of its list.
@@ -127,7 +148,7 @@ pub const REFERENCE: &[&str] = &[
 ];
 
 /// Every table with its keys.
-pub const ALL: [(&str, &[&str]); 23] = [
+pub const ALL: [(&str, &[&str]); 28] = [
     ("case", CASE),
     ("units", UNITS),
     ("body", BODY),
@@ -136,6 +157,11 @@ pub const ALL: [(&str, &[&str]); 23] = [
     ("ring", RING),
     ("tunnel_rock", TUNNEL_ROCK),
     ("file", FILE),
+    ("outline", OUTLINE),
+    ("holes", HOLE),
+    ("edges", EDGE),
+    ("circle", OUTLINE_CIRCLE),
+    ("refine", REFINE),
     ("sides", PATCH),
     ("material", MATERIAL),
     ("surface", SURFACE),

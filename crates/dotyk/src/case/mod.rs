@@ -11,6 +11,7 @@ mod error;
 mod expression;
 pub mod keys;
 mod mesh_file;
+mod outline;
 mod probe;
 mod reference;
 mod suggest;

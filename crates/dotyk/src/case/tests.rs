@@ -1,6 +1,7 @@
 //! What a case file becomes, and what its mistakes are called.
 
 use super::*;
+use crate::mesh::CellKind;
 use crate::model::{Gap, Law, Load, Motion, Pair, Pairing, Place, Rigid};
 
 /// The example of the documentation.
@@ -447,12 +448,6 @@ fn features_to_come_are_not_supported_yet() {
         "\"3d\"",
         &[later],
     );
-    assert_mistake(
-        "\"plane-strain\"            #",
-        "\"axisymmetric\" #",
-        "\"axisymmetric\"",
-        &[later],
-    );
     assert_mistake("friction  = 0.0", "friction = 0.3", "0.3", &[later]);
     assert_mistake(
         "friction  = 0.0",
@@ -562,4 +557,136 @@ fn a_file_that_cannot_be_read_is_named() {
     );
     let error = Case::read(Path::new("src")).unwrap_err();
     assert!(error.message.contains("folder"));
+}
+
+/// The example with a mesh from an outline for the punch.
+fn with_outline(outline: &str) -> String {
+    example(
+        "{ rectangle = { from = [1.5, 1.0], to = [2.5, 2.0], cells = [20, 20] } }",
+        &format!("{{ outline = {outline} }}"),
+    )
+}
+
+const PUNCH: &str = r#"{ size = 0.2, from = [1.5, 1.0], edges = [
+  { to = [2.5, 1.0], name = "bottom", cells = 20 },
+  { to = [2.5, 1.8], name = "right", size = 0.1 },
+  { to = [2.3, 2.0], radius = 0.2 },
+  { to = [1.5, 2.0], name = "top" },
+  { to = [1.5, 1.0], name = "left" } ],
+  holes = [{ circle = { center = [2.0, 1.5], radius = 0.2 }, name = "eye", size = 0.05 }],
+  refine = [{ at = [1.5, 1.0], size = 0.02 }] }"#;
+
+#[test]
+fn an_outline_is_read_with_edges_arcs_holes_and_sizes() {
+    let model = read(&with_outline(PUNCH)).unwrap().model;
+    let mesh = &model.bodies[1].mesh;
+    let names: Vec<&str> = mesh.side_names().collect();
+    assert_eq!(names, ["bottom", "eye", "left", "outline", "right", "top"]);
+    assert_eq!(mesh.side("bottom").unwrap().len(), 20);
+    assert_eq!(mesh.side("eye").unwrap().len(), 28);
+    assert_eq!(mesh.blocks()[0].kind, CellKind::Tri3);
+    let disc = r#"{ size = 0.3, cell = "tri6", name = "bottom", circle = { center = [2, 2], radius = 1 } }"#;
+    let text = with_outline(disc).replace("side = \"left\"", "side = \"bottom\"");
+    let text = text.replace("side = \"right\"", "side = \"bottom\"");
+    let text = text.replace("side = \"top\"", "side = \"bottom\"");
+    // The block's support was on its bottom already.
+    let mesh = &read(&text).unwrap().model.bodies[1].mesh;
+    assert_eq!(mesh.blocks()[0].kind, CellKind::Tri6);
+    assert_eq!(mesh.side("bottom").unwrap().len(), 24);
+}
+
+#[test]
+fn mistakes_in_an_outline_are_underlined() {
+    let mistakes = [
+        ("size = 0.2, from", "from", "needs the key `size`", "{ from"),
+        ("size = 0.2", "size = 0", "`size` must be positive", "0"),
+        ("size = 0.2", "sze = 0.2", "known key is `size`", "sze"),
+        (
+            "to = [2.5, 1.8]",
+            "too = [2.5, 1.8]",
+            "known key is `to`",
+            "too",
+        ),
+        (
+            "radius = 0.2 },\n  { to = [1.5, 2.0]",
+            "radius = 0.1 },\n  { to = [1.5, 2.0]",
+            "edge 3: its ends are",
+            "{ to = [2.3, 2.0], radius = 0.1 }",
+        ),
+        (
+            "radius = 0.2 },\n  { to = [1.5, 2.0]",
+            "radius = 0.2, via = [2, 3] },\n  { to = [1.5, 2.0]",
+            "both `via` and `radius`",
+            "radius",
+        ),
+        (
+            "name = \"top\"",
+            "clockwise = true",
+            "belongs to an arc",
+            "clockwise",
+        ),
+        (
+            "{ to = [1.5, 1.0], name",
+            "{ to = [1.4, 1.0], name",
+            "edge 5 (`left`): it ends at [1.4, 1.0]",
+            "{ to = [1.4, 1.0], name = \"left\" }",
+        ),
+        (
+            "cells = 20",
+            "cells = 20, size = 0.1",
+            "either `size` or `cells`",
+            "cells",
+        ),
+        (
+            "center = [2.0, 1.5]",
+            "center = [2.4, 1.5]",
+            "edge 2 (`right`): it meets hole 1 (`eye`)",
+            "{ to = [2.5, 1.8], name = \"right\", size = 0.1 }",
+        ),
+        (
+            "center = [2.0, 1.5]",
+            "center = [4.0, 1.5]",
+            "hole 1: it lies outside",
+            "{ center = [4.0, 1.5], radius = 0.2 }",
+        ),
+        (
+            "holes = [{ circle",
+            "holes = [{ edges = [], circle",
+            "both `circle` and `edges`",
+            "edges",
+        ),
+        (
+            "refine = [{ at",
+            "refine = [{ radius = 0, at",
+            "`radius` must be positive",
+            "0",
+        ),
+        (
+            "size = 0.2,",
+            "size = 0.2, cell = \"quad4\",",
+            "unknown cell of an outline",
+            "\"quad4\"",
+        ),
+        (
+            "size = 0.2,",
+            "size = 0.2, growth = 2,",
+            "growth = 2: must be",
+            "2",
+        ),
+        (
+            "size = 0.2,",
+            "size = 20,",
+            "exceeds the whole outline",
+            "{ to",
+        ),
+    ];
+    for (from, to, message, underlined) in mistakes {
+        assert_eq!(PUNCH.matches(from).count(), 1, "{from}");
+        let text = with_outline(&PUNCH.replace(from, to));
+        let error = read(&text).unwrap_err();
+        let said = format!("{} | {}", error.message, error.label);
+        assert!(said.contains(message), "{to}: {said}");
+        let span = &text[error.span.clone().unwrap()];
+        assert!(span.starts_with(underlined), "{to}: `{span}`: {said}");
+    }
 }

@@ -88,8 +88,10 @@ pub struct InterfaceNode<const D: usize> {
     pub normal: Point<D>,
     /// ∫ψ: an area, times thickness or 2πr.
     pub weight: f64,
-    /// Initial gap; NaN where nothing is opposite.
+    /// Initial gap, ∫ψ s/∫ψ; NaN where nothing is opposite.
     pub gap: f64,
+    /// Initial gap at the node itself: between the surfaces, or as given. NaN where nothing is opposite.
+    pub clearance: f64,
     /// What it is to the interface.
     pub role: Role,
     /// Rows of its multipliers: normal, then tangential.

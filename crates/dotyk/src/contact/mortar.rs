@@ -11,6 +11,8 @@
 //! * Facets are cut where the line from them meets a node of the other side; on each piece all shape functions are smooth.
 //! * n is the field of [`Normals`]; both bodies feel the force at the ends of one line along n, so that forces and moments
 //!   balance whatever the two polygons are.
+//! * Tangential rows compare u_s with what u_m is at x when the other side is carried on rigidly from y to x, by the rotation
+//!   of its facet there: forces along t at two points a distance s apart would be a couple.
 //! * A node whose displacement is prescribed, or of whose support less than a thousandth faces the other side, carries no
 //!   multiplier; on its facets ψ are hats, and its own goes to the neighbours.
 //! * The gap s is measured between the true surfaces where a side has one.
@@ -71,6 +73,8 @@ struct Station<const D: usize> {
     gap: f64,
     own: Vec<(usize, f64)>,
     opposite: Vec<(usize, f64)>,
+    /// s times the rotation of the opposite facet, as coefficients of its nodes' displacements.
+    lever: Vec<(usize, Point<D>)>,
 }
 
 /// Sums over the stations of one node.
@@ -110,6 +114,12 @@ impl<const D: usize> Sums<D> {
             for &(node, shape) in nodes {
                 let entry = row.entry(node).or_insert([0.0; D]);
                 *entry = add_scaled(*entry, weight * shape, direction);
+            }
+        }
+        if component > 0 {
+            for &(node, coefficients) in &station.lever {
+                let entry = self.mortar[component].entry(node).or_insert([0.0; D]);
+                *entry = add_scaled(*entry, weight, coefficients);
             }
         }
     }
@@ -287,16 +297,17 @@ impl<'a, const D: usize> Pairing<'a, D> {
         let tangent = norm(mesh.outward_normal(span.facet, &[xi]));
         let thickness = self.nonmortar.body.thickness;
         let area = reference * tangent * measure(self.analysis, thickness, line.start);
-        let (normal, opposite, distance) = match (self.against, piece.opposite) {
+        let mut lever = Vec::new();
+        let (normal, opposite, gap) = match (self.against, piece.opposite) {
             (Against::Side(mortar), Some(facet)) => {
                 let Some(hit) = self.hit(facet, line) else {
                     return Ok(None);
                 };
-                let distance = self.true_distance(line, hit.distance);
+                lever = rotation(&mortar.body.mesh, hit);
                 (
                     line.direction,
                     shape(&mortar.body.mesh, facet, hit.xi),
-                    distance,
+                    self.gap_at(line, hit.distance)?,
                 )
             }
             (Against::Obstacle(rigid, moved), _) => {
@@ -308,11 +319,6 @@ impl<'a, const D: usize> Pairing<'a, D> {
             }
             (Against::Side(_), None) => return Ok(None),
         };
-        let gap = match self.gap {
-            InitialGap::Measured => distance,
-            InitialGap::Closed => 0.0,
-            InitialGap::Given(field) => finite_gap(field, line.start, self.time, self.nonmortar)?,
-        };
         Ok(Some(Station {
             span: piece.span,
             hats: [1.0 - t, t],
@@ -321,6 +327,7 @@ impl<'a, const D: usize> Pairing<'a, D> {
             gap,
             own,
             opposite,
+            lever,
         }))
     }
 
@@ -483,15 +490,19 @@ impl<'a, const D: usize> Pairing<'a, D> {
                 normal,
                 weight: whole[&node],
                 gap: f64::NAN,
+                clearance: f64::NAN,
                 role: Role::Alone,
                 rows: [None; D],
             };
             let sums = sums.get(&node).filter(|s| s.own[0] > SLIVER * whole[&node]);
             if let Some(sums) = sums {
-                entry.opposite = self.opposite(facet, xi);
+                (entry.opposite, entry.clearance) = self.opposite(facet, xi)?;
                 entry.role = Role::Fixed;
                 entry.weight = sums.own[0];
                 entry.gap = sums.own[1] / sums.own[0];
+                if entry.clearance.is_nan() {
+                    entry.clearance = entry.gap;
+                }
                 for component in (0..D).filter(|&c| kept[&node][c] && sums.weight[c] > 0.0) {
                     if entry.role == Role::Fixed {
                         entry.weight = sums.weight[component];
@@ -516,16 +527,27 @@ impl<'a, const D: usize> Pairing<'a, D> {
         Ok(interface)
     }
 
-    /// Nodes and shape functions of the other side opposite ξ of a facet.
-    fn opposite(&self, facet: Facet, xi: f64) -> Vec<(usize, f64)> {
+    /// Nodes and shape functions of the other side opposite ξ of a facet, and the gap there; NaN where the line misses it.
+    fn opposite(&self, facet: Facet, xi: f64) -> Result<(Vec<(usize, f64)>, f64), ContactError> {
+        let line = self.line(facet, xi);
         let (Some(search), Against::Side(mortar)) = (&self.search, self.against) else {
-            return Vec::new();
+            return Ok((Vec::new(), f64::NAN));
         };
         let shallow = self.mesh().facet_length(facet);
-        let hit = search.opposite(self.line(facet, xi), shallow);
-        hit.map_or_else(Vec::new, |hit| {
-            shape(&mortar.body.mesh, hit.facet, hit.xi.clamp(-1.0, 1.0))
-        })
+        let Some(hit) = search.opposite(line, shallow) else {
+            return Ok((Vec::new(), f64::NAN));
+        };
+        let shape = shape(&mortar.body.mesh, hit.facet, hit.xi.clamp(-1.0, 1.0));
+        Ok((shape, self.gap_at(line, hit.distance)?))
+    }
+
+    /// The gap at a line whose polygons are a distance apart.
+    fn gap_at(&self, line: Line<D>, distance: f64) -> Result<f64, ContactError> {
+        match self.gap {
+            InitialGap::Measured => Ok(self.true_distance(line, distance)),
+            InitialGap::Closed => Ok(0.0),
+            InitialGap::Given(field) => finite_gap(field, line.start, self.time, self.nonmortar),
+        }
     }
 }
 
@@ -630,6 +652,21 @@ fn shape<const D: usize>(mesh: &Mesh<D>, facet: Facet, xi: f64) -> Vec<(usize, f
     mesh.facet_kind(facet).shape(&[xi], &mut values);
     let nodes = mesh.facet_nodes(facet).map(|node| node as usize);
     nodes.zip(values).collect()
+}
+
+/// Rotation of a facet at a hit, times the distance, as coefficients of its nodes' displacements: −Σ Nₐ' n·uₐ/|y'|.
+fn rotation<const D: usize>(mesh: &Mesh<D>, hit: Hit) -> Vec<(usize, Point<D>)> {
+    let mut slopes = [[0.0; D]; MAX_FACET_NODES];
+    mesh.facet_kind(hit.facet)
+        .gradients(&[hit.xi; D], &mut slopes);
+    // as long as |y'|
+    let normal = mesh.outward_normal(hit.facet, &[hit.xi]);
+    let scale = -hit.distance / dot(normal, normal);
+    let nodes = mesh.facet_nodes(hit.facet).map(|node| node as usize);
+    nodes
+        .zip(slopes)
+        .map(|(node, slope)| (node, normal.map(|c| scale * slope[0] * c)))
+        .collect()
 }
 
 /// The zero of a function that changes its sign between two ends, by the Illinois method.

@@ -311,6 +311,7 @@ fn build<const D: usize>(
             normal,
             weight: whole[&node],
             gap: f64::NAN,
+            clearance: f64::NAN,
             role: Role::Alone,
             rows: [None; D],
         };
@@ -338,7 +339,7 @@ fn build<const D: usize>(
             entry.opposite = state.nodes;
             entry.normal = state.normal;
             entry.weight = weight;
-            entry.gap = state.gap;
+            (entry.gap, entry.clearance) = (state.gap, state.gap);
         }
         interface.nodes.push(entry);
     }

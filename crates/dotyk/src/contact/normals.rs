@@ -109,12 +109,13 @@ impl<'a, const D: usize> Normals<'a, D> {
 /// Errors: unknown or empty sides.
 pub fn sagitta<const D: usize>(end: End<'_, D>) -> Result<f64, ContactError> {
     let mesh = &end.body.mesh;
-    if end.body.surfaces.contains_key(end.side) {
+    let facets = facets(end)?;
+    if given_surface(end, facets).is_some() {
         return Ok(0.0);
     }
     let mut around: BTreeMap<u32, Vec<(Point<D>, f64)>> = BTreeMap::new();
     let straight = |facet: &&Facet| mesh.facet_kind(**facet).order() == 1;
-    for &facet in facets(end)?.iter().filter(straight) {
+    for &facet in facets.iter().filter(straight) {
         if let Some(normal) = unit(mesh.outward_normal(facet, &[0.0])) {
             for node in mesh.facet_nodes(facet) {
                 let length = mesh.facet_length(facet);
@@ -131,12 +132,27 @@ pub fn sagitta<const D: usize>(end: End<'_, D>) -> Result<f64, ContactError> {
     Ok(around.values().map(at_node).fold(0.0, f64::max))
 }
 
+/// The surface given for a side, or for another side of the body that contains it.
+fn given_surface<const D: usize>(end: End<'_, D>, facets: &[Facet]) -> Option<Surface<D>> {
+    let surfaces = &end.body.surfaces;
+    let contains = |side: &str| {
+        let whole = end.body.mesh.side(side).unwrap_or_default();
+        facets
+            .iter()
+            .all(|facet| whole.binary_search(facet).is_ok())
+    };
+    let own = surfaces.get(end.side);
+    let around = || surfaces.iter().find(|(side, _)| contains(side));
+    own.or_else(|| around().map(|(_, surface)| surface))
+        .copied()
+}
+
 /// The true surface of a side, when it has one.
 pub(crate) fn surface<const D: usize>(
     end: End<'_, D>,
     facets: &[Facet],
 ) -> Result<Option<Surface<D>>, ContactError> {
-    let Some(&surface) = end.body.surfaces.get(end.side) else {
+    let Some(surface) = given_surface(end, facets) else {
         return Ok(None);
     };
     let mesh = &end.body.mesh;

@@ -3,12 +3,11 @@
 //! Gᵀ = Σ σⱼ gⱼ zⱼᵀ with orthonormal gⱼ (m,) and zⱼ (r,). Combinations z of modes with Gᵀz = 0 move no contact node
 //! along its normal: no contact force can hold them. The solvers work with the rows gⱼ of the others, so that
 //! dependent modes need no care there; amplitudes α come back with no part along the uncontrolled modes
-//! (least norm). Modes are expected scaled to largest displacement 1.
-//!
-//! The singular value decomposition is the one-sided Jacobi method, which finds small singular values to full
-//! relative accuracy (the eigenvalues of GGᵀ would lose half of the digits).
+//! (least norm). Modes are expected scaled to largest displacement 1. The eigenvalues of GGᵀ would lose half of the
+//! digits, hence the singular value decomposition.
 
 use crate::dual::{Equilibrium, Mat};
+use crate::linalg::dense::singular_value_decomposition;
 
 /// Largest |Gᵀz| of an uncontrolled mode over the largest |G|.
 const UNCONTROLLED: f64 = 1e-8;
@@ -152,58 +151,40 @@ struct Direction {
     controlled: bool,
 }
 
-/// One-sided Jacobi: turns pairs of rows of G until all are orthogonal.
+/// The singular triples of Gᵀ, and the modes without an image behind them.
 fn singular_directions(modes: &Mat<f64>) -> Vec<Direction> {
     let (r, m) = (modes.nrows(), modes.ncols());
-    let mut images: Vec<Vec<f64>> = (0..r)
-        .map(|i| (0..m).map(|j| modes[(i, j)]).collect())
-        .collect();
-    let mut z: Vec<Vec<f64>> = (0..r)
-        .map(|i| (0..r).map(|j| f64::from(i == j)).collect())
-        .collect();
-    let largest = largest_of(images.iter().flatten());
-    for _ in 0..30 {
-        let mut turned = false;
-        for p in 0..r {
-            for q in p + 1..r {
-                let (a, b) = (dot(&images[p], &images[p]), dot(&images[q], &images[q]));
-                let mixed = dot(&images[p], &images[q]);
-                if mixed.abs() <= 1e-15 * (a * b).sqrt() {
-                    continue;
-                }
-                turned = true;
-                let half = (b - a) / (2.0 * mixed);
-                let t = half.signum() / (half.abs() + half.hypot(1.0));
-                let c = 1.0 / t.hypot(1.0);
-                rotate(&mut images, p, q, c, c * t);
-                rotate(&mut z, p, q, c, c * t);
+    let transposed = Mat::from_fn(m, r, |i, j| modes[(j, i)]);
+    // a matrix that is not finite is an error of the problem, which its check tells
+    let Ok(spectrum) = singular_value_decomposition(&transposed) else {
+        return Vec::new();
+    };
+    let largest = (0..r)
+        .map(|i| largest_of((0..m).map(|j| modes[(i, j)])))
+        .fold(0.0, f64::max);
+    (0..r)
+        .map(|j| {
+            let sigma = spectrum.values.get(j).copied().unwrap_or(0.0);
+            let image: Vec<f64> = match j < spectrum.left.ncols() {
+                true => spectrum
+                    .left
+                    .col_as_slice(j)
+                    .iter()
+                    .map(|u| sigma * u)
+                    .collect(),
+                false => vec![0.0; m],
+            };
+            Direction {
+                mode: spectrum.right.col_as_slice(j).to_vec(),
+                controlled: largest_of(image.iter().copied()) > UNCONTROLLED * largest,
+                sigma,
+                image,
             }
-        }
-        if !turned {
-            break;
-        }
-    }
-    images
-        .into_iter()
-        .zip(z)
-        .map(|(image, mode)| Direction {
-            mode,
-            sigma: dot(&image, &image).sqrt(),
-            controlled: largest_of(image.iter()) > UNCONTROLLED * largest,
-            image,
         })
         .collect()
 }
 
-/// (row p, row q) ← (c·p − s·q, s·p + c·q).
-fn rotate(rows: &mut [Vec<f64>], p: usize, q: usize, c: f64, s: f64) {
-    let (head, tail) = rows.split_at_mut(q);
-    for (x, y) in head[p].iter_mut().zip(&mut tail[0]) {
-        (*x, *y) = (c * *x - s * *y, s * *x + c * *y);
-    }
-}
-
-fn largest_of<'a>(values: impl Iterator<Item = &'a f64>) -> f64 {
+fn largest_of(values: impl Iterator<Item = f64>) -> f64 {
     values.fold(0.0, |largest: f64, x| largest.max(x.abs()))
 }
 

@@ -98,44 +98,43 @@ impl Feasibility {
 pub fn least_squares_nonnegative(columns: &[Vec<f64>], target: &[f64]) -> (Vec<f64>, Vec<f64>) {
     let mut x = vec![0.0; columns.len()];
     let mut rest = target.to_vec();
-    let mut passive: Vec<usize> = Vec::new();
+    let mut passive = Passive::new(columns, target);
     let mut barred = vec![false; columns.len()];
     let lengths: Vec<f64> = columns.iter().map(|column| norm(column)).collect();
     for _ in 0..10 * target.len() + 100 {
         let gain = |j: usize| dot(&columns[j], &rest) / lengths[j];
         let entering = (0..columns.len())
-            .filter(|&j| lengths[j] > 0.0 && !barred[j] && !passive.contains(&j))
-            .max_by(|&a, &b| gain(a).total_cmp(&gain(b)));
-        let Some(entering) = entering.filter(|&j| gain(j) > 1e-13 * norm(target)) else {
+            .filter(|&j| lengths[j] > 0.0 && !barred[j] && !passive.has[j])
+            .map(|j| (j, gain(j)))
+            .max_by(|a, b| a.1.total_cmp(&b.1));
+        let Some((entering, _)) = entering.filter(|(_, gain)| *gain > 1e-13 * norm(target)) else {
             break;
         };
-        passive.push(entering);
         let before = norm(&rest);
-        loop {
-            let Some(solution) = least_squares(columns, &passive, target) else {
-                // The column depends on the passive ones: it cannot enter.
-                passive.retain(|&j| j != entering);
-                break;
-            };
-            // Walk towards the solution until a force reaches zero.
-            let (mut step, mut blocking) = (1.0, None);
-            for (&j, &value) in passive.iter().zip(&solution) {
-                if value <= 0.0 && x[j] <= step * (x[j] - value) {
-                    (step, blocking) = (x[j] / (x[j] - value).max(f64::MIN_POSITIVE), Some(j));
+        // A column that depends on the passive ones cannot enter.
+        if passive.enter(entering) {
+            loop {
+                let solution = passive.solve();
+                // Walk towards the solution until a force reaches zero.
+                let (mut step, mut blocking) = (1.0, None);
+                for (&j, &value) in passive.index.iter().zip(&solution) {
+                    if value <= 0.0 && x[j] <= step * (x[j] - value) {
+                        (step, blocking) = (x[j] / (x[j] - value).max(f64::MIN_POSITIVE), Some(j));
+                    }
                 }
-            }
-            for (&j, &value) in passive.iter().zip(&solution) {
-                x[j] = (x[j] + step * (value - x[j])).max(0.0);
-            }
-            let Some(blocking) = blocking else { break };
-            x[blocking] = 0.0;
-            passive.retain(|&j| x[j] > 0.0);
-            if passive.is_empty() {
-                break;
+                for (&j, &value) in passive.index.iter().zip(&solution) {
+                    x[j] = (x[j] + step * (value - x[j])).max(0.0);
+                }
+                let Some(blocking) = blocking else { break };
+                x[blocking] = 0.0;
+                passive.retain(|j| x[j] > 0.0);
+                if passive.index.is_empty() {
+                    break;
+                }
             }
         }
         rest.copy_from_slice(target);
-        for &j in &passive {
+        for &j in &passive.index {
             for (rest, column) in rest.iter_mut().zip(&columns[j]) {
                 *rest -= x[j] * column;
             }
@@ -148,6 +147,91 @@ pub fn least_squares_nonnegative(columns: &[Vec<f64>], target: &[f64]) -> (Vec<f
         }
     }
     (x, rest)
+}
+
+/// The columns that carry something, orthogonalised one after the other.
+struct Passive<'a> {
+    columns: &'a [Vec<f64>],
+    target: &'a [f64],
+    index: Vec<usize>,
+    has: Vec<bool>,
+    /// Orthonormal columns, and the upper triangle that leads back, column by column.
+    basis: Vec<Vec<f64>>,
+    upper: Vec<Vec<f64>>,
+    /// Components of the target in the basis.
+    parts: Vec<f64>,
+}
+
+impl<'a> Passive<'a> {
+    fn new(columns: &'a [Vec<f64>], target: &'a [f64]) -> Self {
+        Self {
+            columns,
+            target,
+            index: Vec::new(),
+            has: vec![false; columns.len()],
+            basis: Vec::new(),
+            upper: Vec::new(),
+            parts: Vec::new(),
+        }
+    }
+
+    /// Adds a column; `false` when it depends on the others.
+    fn enter(&mut self, index: usize) -> bool {
+        let mut column = self.columns[index].clone();
+        let length = norm(&column);
+        let mut upper = vec![0.0; self.basis.len()];
+        // Twice: the second pass removes what rounding left.
+        for _ in 0..2 {
+            for (upper, q) in upper.iter_mut().zip(&self.basis) {
+                let part = dot(q, &column);
+                *upper += part;
+                for (c, q) in column.iter_mut().zip(q) {
+                    *c -= part * q;
+                }
+            }
+        }
+        let left = norm(&column);
+        if left <= 1e-11 * length {
+            return false;
+        }
+        column.iter_mut().for_each(|c| *c /= left);
+        upper.push(left);
+        self.parts.push(dot(&column, self.target));
+        self.basis.push(column);
+        self.upper.push(upper);
+        self.index.push(index);
+        self.has[index] = true;
+        true
+    }
+
+    /// Keeps some columns: those behind the first that leaves are orthogonalised again.
+    fn retain(&mut self, keep: impl Fn(usize) -> bool) {
+        let first = self.index.iter().position(|&j| !keep(j));
+        let Some(first) = first else { return };
+        let behind = self.index.split_off(first);
+        self.basis.truncate(first);
+        self.upper.truncate(first);
+        self.parts.truncate(first);
+        for j in behind {
+            self.has[j] = false;
+            if keep(j) {
+                self.enter(j);
+            }
+        }
+    }
+
+    /// Least squares with these columns.
+    fn solve(&self) -> Vec<f64> {
+        let mut x = self.parts.clone();
+        for i in (0..x.len()).rev() {
+            x[i] /= self.upper[i][i];
+            let (head, tail) = x.split_at_mut(i);
+            for (x, u) in head.iter_mut().zip(&self.upper[i]) {
+                *x -= u * tail[0];
+            }
+        }
+        x
+    }
 }
 
 /// β (q,) of least norm with Σ βⱼ rowsᵢⱼ ≤ boundsᵢ for every i, or `None` when there is none.
@@ -171,39 +255,6 @@ pub fn least_norm_within(rows: &[Vec<f64>], bounds: &[f64], q: usize) -> Option<
         return None;
     }
     Some(rest[..q].iter().map(|x| -x / rest[q] * size).collect())
-}
-
-/// Least squares with the columns of `passive` by orthogonalisation; `None` when they are dependent.
-fn least_squares(columns: &[Vec<f64>], passive: &[usize], target: &[f64]) -> Option<Vec<f64>> {
-    let k = passive.len();
-    let mut basis: Vec<Vec<f64>> = Vec::with_capacity(k);
-    let mut upper = vec![vec![0.0; k]; k];
-    for (j, &index) in passive.iter().enumerate() {
-        let mut column = columns[index].clone();
-        let length = norm(&column);
-        // Twice: the second pass removes what rounding left.
-        for _ in 0..2 {
-            for (i, q) in basis.iter().enumerate() {
-                let part = dot(q, &column);
-                upper[i][j] += part;
-                for (c, q) in column.iter_mut().zip(q) {
-                    *c -= part * q;
-                }
-            }
-        }
-        let left = norm(&column);
-        if left <= 1e-11 * length {
-            return None;
-        }
-        upper[j][j] = left;
-        basis.push(column.iter().map(|c| c / left).collect());
-    }
-    let mut x: Vec<f64> = basis.iter().map(|q| dot(q, target)).collect();
-    for i in (0..k).rev() {
-        let known: f64 = (i + 1..k).map(|j| upper[i][j] * x[j]).sum();
-        x[i] = (x[i] - known) / upper[i][i];
-    }
-    Some(x)
 }
 
 fn unit(mut v: Vec<f64>) -> Vec<f64> {

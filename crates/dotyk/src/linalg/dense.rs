@@ -192,10 +192,29 @@ fn eigen(a: &Mat<f64>, vectors: Option<MatMut<'_, f64>>) -> Result<Vec<f64>, Lin
 }
 
 /// A = U diag(s) Vᵀ with s descending; U and V as wide as asked for.
-struct Spectrum {
-    left: Mat<f64>,
-    values: Vec<f64>,
-    right: Mat<f64>,
+pub struct Spectrum {
+    /// U.
+    pub left: Mat<f64>,
+    /// s, (min(m, n),).
+    pub values: Vec<f64>,
+    /// V.
+    pub right: Mat<f64>,
+}
+
+/// A = U diag(s) Vᵀ, a (m, n), U (m, min(m, n)) and the whole V (n, n), s descending.
+///
+/// # Errors
+/// [`LinalgError::NotFinite`], [`LinalgError::NoConvergence`].
+pub fn singular_value_decomposition(a: &Mat<f64>) -> Result<Spectrum, LinalgError> {
+    let n = a.ncols();
+    if a.nrows() == 0 || n == 0 {
+        return Ok(Spectrum {
+            left: Mat::zeros(a.nrows(), 0),
+            values: Vec::new(),
+            right: Mat::identity(n, n),
+        });
+    }
+    singular_values(a, a.nrows().min(n), n)
 }
 
 impl Spectrum {

@@ -1,5 +1,6 @@
 //! What can be wrong with a mesh: every error names the place, the datum and the way out.
 
+use crate::mesh::OutlinePlace;
 use thiserror::Error;
 
 /// Why there is no mesh, or no such side.
@@ -163,5 +164,13 @@ pub enum MeshError {
         value: String,
         /// What is needed.
         need: &'static str,
+    },
+    /// An outline that cannot be meshed.
+    #[error("outline, {place}: {problem}")]
+    Outline {
+        /// Where.
+        place: OutlinePlace,
+        /// What is wrong, and what to do.
+        problem: String,
     },
 }

@@ -1,4 +1,4 @@
-//! Meshes: points, cell blocks, named sides; structured generators, and meshes from files.
+//! Meshes: points, cell blocks, named sides; structured generators, triangles in an outline, and meshes from files.
 //!
 //! A [`Mesh`] is checked when it is made and never changed: what returns a mesh returns another one.
 //! Indices of points, blocks and cells are counted from zero; a cell is named by its block and its place there.
@@ -13,12 +13,14 @@ mod error;
 mod facets;
 mod generate;
 mod import;
+mod outline;
 
 pub use cell::{CellKind, FacetKind, MAX_CELL_NODES, MAX_FACET_NODES};
 pub use error::MeshError;
 pub use facets::{Chain, FacetTable};
 pub use generate::{Diagonals, Rectangle, Ring, TunnelRock};
 pub use import::{FilePlace, ImportError, Imported, MeshFile};
+pub use outline::{Contour, Division, EdgeShape, Outline, OutlineEdge, OutlinePlace, SizePoint};
 
 use crate::geometry::{Point, bounding_box, distance, norm, padded, sub};
 use crate::mesh::check::{check, determinant};

@@ -31,15 +31,15 @@ pub struct BodyCheck<const D: usize> {
 
 /// What was found about one contact.
 #[derive(Debug, Clone, PartialEq)]
-pub struct ContactCheck {
+pub struct ContactCheck<const D: usize> {
     /// Its name.
     pub name: String,
     /// `body.side` of the side that carries the multipliers, and of what it touches.
     pub sides: [String; 2],
     /// Multipliers.
     pub unknowns: usize,
-    /// Nodes of the nonmortar side that face nothing.
-    pub unpaired: usize,
+    /// Nodes of the nonmortar side that face nothing, by position.
+    pub alone: Vec<Point<D>>,
     /// Largest initial penetration (zero: none).
     pub penetration: f64,
     /// Smallest initial clearance.
@@ -52,7 +52,7 @@ pub struct Check<const D: usize> {
     /// One per body.
     pub bodies: Vec<BodyCheck<D>>,
     /// One per contact.
-    pub contacts: Vec<ContactCheck>,
+    pub contacts: Vec<ContactCheck<D>>,
     /// What makes a solution impossible.
     pub errors: Vec<String>,
     /// What the first error is about.
@@ -63,6 +63,9 @@ pub struct Check<const D: usize> {
 
 /// Cells below this quality are worth a warning.
 const POOR: f64 = 0.1;
+
+/// Gaps below this part of the body's size are rounding.
+const ROUNDING: f64 = 1e-12;
 
 impl<const D: usize> Model<D> {
     /// Checks meshes, supports, loads, floating bodies and contacts; solves nothing.
@@ -111,8 +114,12 @@ impl<const D: usize> Model<D> {
                 nodes
                     .iter()
                     .filter(|n| n.role == Role::Multiplier)
-                    .map(|n| n.gap)
+                    .map(|n| n.clearance)
             };
+            let mesh = &self.bodies[pair.nonmortar.body.0].mesh;
+            let (points, size) = (mesh.points(), mesh.diameter());
+            let alone = nodes.iter().filter(|n| n.role == Role::Alone);
+            let negligible = ROUNDING * size;
             let name = |side: &SideRef| format!("{}.{}", self.bodies[side.body.0].name, side.side);
             let found = ContactCheck {
                 name: contact.name.clone(),
@@ -123,14 +130,19 @@ impl<const D: usize> Model<D> {
                         .map_or("rigid obstacle".to_string(), name),
                 ],
                 unknowns: gaps().count(),
-                unpaired: nodes.iter().filter(|n| n.role == Role::Alone).count(),
-                penetration: gaps().fold(0.0, |largest, gap| f64::max(largest, -gap)),
+                alone: alone.map(|n| points[n.node]).collect(),
+                penetration: gaps().fold(0.0, |largest, gap| match -gap > negligible {
+                    true => f64::max(largest, -gap),
+                    false => largest,
+                }),
                 clearance: gaps().fold(f64::INFINITY, f64::min),
             };
-            if found.unpaired > 0 {
+            if !found.alone.is_empty() {
                 check.warnings.push(format!(
                     "contact \"{}\": {} nodes of {} face nothing",
-                    found.name, found.unpaired, found.sides[0]
+                    found.name,
+                    found.alone.len(),
+                    found.sides[0]
                 ));
             }
             if found.penetration > 0.0 {
@@ -266,8 +278,8 @@ impl<const D: usize> fmt::Display for Check<D> {
                 "contact \"{}\": {} against {}, {} unknowns",
                 contact.name, contact.sides[0], contact.sides[1], contact.unknowns
             )?;
-            if contact.unpaired > 0 {
-                write!(f, ", {} nodes face nothing", contact.unpaired)?;
+            if !contact.alone.is_empty() {
+                write!(f, ", {} nodes face nothing", contact.alone.len())?;
             }
             match contact.penetration {
                 _ if contact.unknowns == 0 => writeln!(f)?,

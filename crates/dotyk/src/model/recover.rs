@@ -101,6 +101,9 @@ pub(crate) fn judge<const D: usize>(
     })
 }
 
+/// Most contacts that a warning names.
+const NAMED: usize = 4;
+
 /// A polygon's distance from its curve matters when it is more than this part of the displacement jump.
 const SAGITTA: f64 = 0.01;
 
@@ -118,25 +121,36 @@ impl<const D: usize> Judged<D> {
             .collect()
     }
 
-    /// Warnings about gaps that were measured between polygons which stand for curves.
-    pub fn crude_gaps(&self, model: &Model<D>, condensed: &Condensed<D>) -> Vec<String> {
+    /// A warning about gaps that were measured between polygons which stand for curves.
+    pub fn crude_gaps(&self, model: &Model<D>, condensed: &Condensed<D>) -> Option<String> {
         let mut start = 0;
-        let mut warnings = Vec::new();
+        let mut crude: Vec<(f64, f64, &str)> = Vec::new();
         for (contact, pair) in model.contacts.iter().zip(&condensed.paired) {
             let rows = start..start + pair.interface.nonmortar.len();
             start = rows.end;
             let jumps = rows.map(|row| (self.gaps[row] - condensed.gaps[row]).abs());
             let jump = jumps.fold(0.0, f64::max);
             if pair.sagitta > SAGITTA * jump {
-                warnings.push(format!(
-                    "contact \"{}\": its sides are polygons up to {} off the curves that they stand for, and the displacement jump is {}: the measured gap is too crude; set gap = \"closed\", or give the true `surface` of both sides, or use quadratic cells",
-                    contact.name,
-                    Short(pair.sagitta),
-                    Short(jump)
-                ));
+                crude.push((pair.sagitta, jump, &contact.name));
             }
         }
-        warnings
+        let worst = crude
+            .iter()
+            .max_by(|a, b| (a.0 * b.1).total_cmp(&(b.0 * a.1)))?;
+        let names: Vec<String> = crude
+            .iter()
+            .map(|(.., name)| format!("\"{name}\""))
+            .collect();
+        let more = match names.len().saturating_sub(NAMED) {
+            0 => String::new(),
+            more => format!(" and {more} more"),
+        };
+        Some(format!(
+            "contact {}{more}: polygons stand for curves from which they are up to {} away, where the displacement jump is {}: measured gaps are too crude; set gap = \"closed\", or give the true `surface` of both sides, or use quadratic cells",
+            names[..names.len().min(NAMED)].join(", "),
+            Short(worst.0),
+            Short(worst.1)
+        ))
     }
 
     /// Stresses, reactions and contact state.

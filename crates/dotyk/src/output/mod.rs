@@ -26,7 +26,8 @@ mod vtu;
 
 pub use memory::peak_memory_bytes;
 
-use crate::model::{Comparison, Model, Seconds, Solution};
+use crate::geometry::Point;
+use crate::model::{Check, Comparison, Model, Seconds, Solution};
 use stage::Stage;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
@@ -197,19 +198,24 @@ fn last<'a>(model: &Model<2>, steps: &'a [Solution<2>]) -> Result<&'a Solution<2
     })
 }
 
-/// Writes `check.html`, the mesh-and-supports page of an unsolved model; `text` is what `dotyk check` found.
+/// Writes `check.html`, the mesh-and-supports page of an unsolved model, with what the check found.
 ///
 /// Errors: any [`Error`]; then the folder is as it was before.
 pub fn write_check_page(
     model: &Model<2>,
-    text: &str,
+    check: &Check<2>,
     stem: &str,
     dir: &Path,
 ) -> Result<PathBuf, Error> {
+    let alone: Vec<Point<2>> = check
+        .contacts
+        .iter()
+        .flat_map(|c| c.alone.clone())
+        .collect();
     let mut stage = Stage::open(dir)?;
     stage.put(
         "check.html",
-        report::check_page(model, text, stem).as_bytes(),
+        report::check_page(model, &check.to_string(), &alone, stem).as_bytes(),
     )?;
     stage.commit(&[])?;
     Ok(dir.join("check.html"))

@@ -35,8 +35,10 @@ pub fn page(run: &Run<'_>) -> String {
     out += &probes(model, solution, &labels);
     out += &steps_section(run, &labels);
     out += "<h2>Model</h2>\n";
+    let nodes = solution.contacts.iter().flat_map(|c| &c.nodes);
+    let alone: Vec<Point<2>> = nodes.filter(|n| n.gap.is_nan()).map(|n| n.point).collect();
     out += &figure(
-        &setup_figure(&scene),
+        &setup_figure(&scene, &alone),
         "Mesh, supports and loads",
         &mesh_caption(model),
     );
@@ -66,13 +68,13 @@ fn all_warnings(run: &Run<'_>) -> Vec<String> {
     list
 }
 
-/// Content of `check.html`; `text` is what the check found, line by line.
-pub fn check_page(model: &Model<2>, text: &str, stem: &str) -> String {
+/// Content of `check.html`; `text` is what the check found, line by line, and `alone` the contact nodes that face nothing.
+pub fn check_page(model: &Model<2>, text: &str, alone: &[Point<2>], stem: &str) -> String {
     let scene = Scene::new(model);
     let mut out = head(model, stem);
     out += "<h2>Mesh, supports and loads</h2>\n";
     out += &figure(
-        &setup_figure(&scene),
+        &setup_figure(&scene, alone),
         "Mesh, supports and loads",
         &mesh_caption(model),
     );
@@ -959,7 +961,7 @@ mod tests {
     #[test]
     fn check_page_shows_the_findings() {
         let (model, _) = sample::tunnel(16);
-        let page = check_page(&model, "ring: <held> by contact", "case_1");
+        let page = check_page(&model, "ring: <held> by contact", &[], "case_1");
         assert!(page.contains("ring: &lt;held&gt; by contact") && page.contains("<svg"));
     }
 }

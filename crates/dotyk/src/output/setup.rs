@@ -20,21 +20,28 @@ const SPACING: f64 = 30.0;
 const LOADED: f64 = 68.0;
 /// Room around the bodies for support symbols.
 const BARE: f64 = 30.0;
+/// Colour of contact nodes that face nothing.
+const ALONE: &str = "#b3261e";
+/// Most bodies and most contacts that the legend names.
+const NAMED: usize = 12;
 /// Room below them for axes and scale bar.
 const STRIP: f64 = 34.0;
 
-/// The figure as an SVG element.
-pub fn setup_figure(scene: &Scene) -> String {
+/// The figure as an SVG element; `alone` are contact nodes that face nothing.
+pub fn setup_figure(scene: &Scene, alone: &[Point<2>]) -> String {
     let labels = Labels::of(scene.model);
     let (views, height) = scene.views(margin(scene), STRIP, 0.0);
     let mut svg = Svg::new("setup", "Mesh, supports and loads", WIDTH, height);
     for view in &views {
         draw_view(&mut svg, scene, view, &labels);
+        for &point in alone.iter().filter(|p| view.sees(view.pixel(**p))) {
+            svg.circle(view.pixel(point), 2.6, ALONE, "white", "faces nothing");
+        }
     }
     if let [whole, detail] = views.as_slice() {
         mark_detail(&mut svg, whole, detail);
     }
-    let bottom = legend(&mut svg, scene, &labels, height + 6.0);
+    let bottom = legend(&mut svg, scene, &labels, !alone.is_empty(), height + 6.0);
     svg.set_height(bottom);
     svg.finish()
 }
@@ -664,13 +671,21 @@ pub fn scale_bar(svg: &mut Svg, view: &View, labels: &Labels) {
 }
 
 /// Names of tints, lines and symbols; returns the lower end.
-fn legend(svg: &mut Svg, scene: &Scene, labels: &Labels, top: f64) -> f64 {
+fn legend(svg: &mut Svg, scene: &Scene, labels: &Labels, alone: bool, top: f64) -> f64 {
     svg.line([0.0, top], [WIDTH, top], RULE, 1.0);
     let mut flow = Flow {
         x: 4.0,
         y: top + 20.0,
     };
-    for (i, body) in scene.model.bodies.iter().enumerate() {
+    let more = |svg: &mut Svg, flow: &mut Flow, count: usize, what: &str| {
+        if count > NAMED {
+            let text = format!("and {} more {what}", count - NAMED);
+            let at = flow.next(&text);
+            let start = Type::LABEL.coloured(MUTED).anchored(Anchor::Start);
+            svg.text([at[0] + 22.0, at[1]], &text, start);
+        }
+    };
+    for (i, body) in scene.model.bodies.iter().enumerate().take(NAMED) {
         let text = body_text(body, labels);
         let at = flow.next(&text);
         svg.rectangle(
@@ -685,7 +700,8 @@ fn legend(svg: &mut Svg, scene: &Scene, labels: &Labels, top: f64) -> f64 {
             Type::LABEL.anchored(Anchor::Start),
         );
     }
-    for (i, contact) in scene.model.contacts.iter().enumerate() {
+    more(svg, &mut flow, scene.model.bodies.len(), "bodies");
+    for (i, contact) in scene.model.contacts.iter().enumerate().take(NAMED) {
         let law = match &contact.law {
             Law::Frictionless => "frictionless".to_string(),
             Law::Coulomb(f) => format!("Coulomb friction {f}"),
@@ -706,6 +722,14 @@ fn legend(svg: &mut Svg, scene: &Scene, labels: &Labels, top: f64) -> f64 {
             &text,
             Type::LABEL.anchored(Anchor::Start),
         );
+    }
+    more(svg, &mut flow, scene.model.contacts.len(), "contacts");
+    if alone {
+        let text = "contact node that faces nothing";
+        let at = flow.next(text);
+        svg.circle([at[0] + 8.0, at[1] - 4.0], 2.6, ALONE, "white", "");
+        let start = Type::LABEL.anchored(Anchor::Start);
+        svg.text([at[0] + 22.0, at[1]], text, start);
     }
     symbols(svg, scene, &mut flow);
     flow.y + 12.0

@@ -13,7 +13,10 @@
 //! Where the active contacts do not determine α̂, its undetermined directions are returned in `loose`.
 
 use crate::dual::Compliance;
-use crate::linalg::dense::{cholesky_in_place, solve_cholesky_in_place, symmetric_eigen};
+use crate::linalg::dense::{
+    cholesky_in_place, gram, product, solve_cholesky_in_place, solve_lower_in_place,
+    solve_lower_transpose_in_place, symmetric_eigen, transpose_product,
+};
 use crate::linalg::{LinearOperator, Mat};
 use crate::solve::{Setup, dot, norm};
 
@@ -227,12 +230,8 @@ struct Tangent<'a> {
 impl<'a> Tangent<'a> {
     fn new(setup: &Setup<'_>, active: &'a [bool]) -> Self {
         let rows = &setup.balance.rows;
-        let gram = Mat::from_fn(rows.len(), rows.len(), |i, j| {
-            (0..active.len())
-                .filter(|&l| active[l])
-                .map(|l| rows[i][l] * rows[j][l])
-                .sum()
-        });
+        let on_face = |l: usize, j: usize| if active[l] { rows[j][l] } else { 0.0 };
+        let gram = gram(&Mat::from_fn(active.len(), rows.len(), on_face));
         Self {
             active,
             gram: Pseudo::new(&gram),
@@ -278,22 +277,23 @@ struct System {
     /// Cholesky factor of F_II + ρĜ_IᵀĜ_I.
     factor: Mat<f64>,
     rho: f64,
-    /// Ĝ_I, k rows, and (F_II + ρĜ_IᵀĜ_I)⁻¹Ĝ_Iᵀ, k columns.
-    rows: Vec<Vec<f64>>,
-    solved: Vec<Vec<f64>>,
+    /// Ĝ_Iᵀ and (F_II + ρĜ_IᵀĜ_I)⁻¹Ĝ_Iᵀ, k columns.
+    rows: Mat<f64>,
+    solved: Mat<f64>,
     schur: Pseudo,
 }
 
 impl System {
     fn new(setup: &Setup<'_>, matrix: &Mat<f64>, active: &[bool]) -> Self {
         let mut face: Vec<usize> = (0..active.len()).filter(|&i| active[i]).collect();
-        let rows_on = |face: &[usize]| -> Vec<Vec<f64>> {
-            let on = |row: &Vec<f64>| face.iter().map(|&i| row[i]).collect();
-            setup.balance.rows.iter().map(on).collect()
-        };
+        let k = setup.modes();
+        let rows_on =
+            |face: &[usize]| Mat::from_fn(face.len(), k, |i, j| setup.balance.rows[j][face[i]]);
         let mut rows = rows_on(&face);
         let stiffness: f64 = face.iter().map(|&i| matrix[(i, i)]).sum();
-        let weight: f64 = rows.iter().map(|row| dot(row, row)).sum();
+        let weight: f64 = (0..k)
+            .map(|j| dot(rows.col_as_slice(j), rows.col_as_slice(j)))
+            .sum();
         let rho = match (stiffness > 0.0, weight > 0.0) {
             (true, true) => stiffness / weight,
             (false, true) => 1.0,
@@ -313,17 +313,11 @@ impl System {
                 factor = Mat::zeros(0, 0);
             }
         }
-        let solved: Vec<Vec<f64>> = rows
-            .iter()
-            .map(|row| {
-                let mut x = row.clone();
-                solve_cholesky_in_place(&factor, &mut x);
-                x
-            })
-            .collect();
-        let schur = Mat::from_fn(rows.len(), rows.len(), |i, j| {
-            0.5 * (dot(&rows[i], &solved[j]) + dot(&rows[j], &solved[i]))
-        });
+        let mut solved = rows.clone();
+        solve_lower_in_place(&factor, &mut solved);
+        solve_lower_transpose_in_place(&factor, &mut solved);
+        let schur = transpose_product(&rows, &solved);
+        let schur = Mat::from_fn(k, k, |i, j| 0.5 * (schur[(i, j)] + schur[(j, i)]));
         Self {
             face,
             factor,
@@ -341,14 +335,12 @@ impl System {
         }
         let mut forces = displacement[..self.face.len()].to_vec();
         solve_cholesky_in_place(&self.factor, &mut forces);
-        let mut shift: Vec<f64> = rest
-            .iter()
-            .zip(&self.rows)
-            .map(|(rest, row)| rest - dot(row, &forces))
+        let mut shift: Vec<f64> = (0..rest.len())
+            .map(|j| rest[j] - dot(self.rows.col_as_slice(j), &forces))
             .collect();
         self.schur.solve(&mut shift, &mut vec![0.0; rest.len()]);
-        for (shift, solved) in shift.iter().zip(&self.solved) {
-            for (force, x) in forces.iter_mut().zip(solved) {
+        for (j, shift) in shift.iter().enumerate() {
+            for (force, x) in forces.iter_mut().zip(self.solved.col_as_slice(j)) {
                 *force += shift * x;
             }
         }
@@ -368,20 +360,13 @@ impl System {
 }
 
 /// F_II + ρĜ_IᵀĜ_I.
-fn augmented(matrix: &Mat<f64>, face: &[usize], rows: &[Vec<f64>], rho: f64) -> Mat<f64> {
-    let n = face.len();
-    let mut out = Mat::zeros(n, n);
-    for j in 0..n {
+fn augmented(matrix: &Mat<f64>, face: &[usize], rows: &Mat<f64>, rho: f64) -> Mat<f64> {
+    let scaled = Mat::from_fn(rows.ncols(), rows.nrows(), |j, i| rho * rows[(i, j)]);
+    let mut out = product(rows, &scaled);
+    for j in 0..face.len() {
         let from = matrix.col_as_slice(face[j]);
-        let to = out.col_as_slice_mut(j);
-        for (to, &i) in to.iter_mut().zip(face) {
-            *to = from[i];
-        }
-        for row in rows {
-            let scale = rho * row[j];
-            for (to, g) in to.iter_mut().zip(row) {
-                *to += scale * g;
-            }
+        for (to, &i) in out.col_as_slice_mut(j).iter_mut().zip(face) {
+            *to += from[i];
         }
     }
     out

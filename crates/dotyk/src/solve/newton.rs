@@ -35,6 +35,9 @@ const ROUNDING: f64 = 1e-14;
 /// Phases, each followed by MPRGP steps, before contacts are exchanged one at a time.
 const PHASES: u32 = 2;
 
+/// MPRGP steps after the first phase: a product with F each, cheaper than an active-set step of the same size.
+const RESCUE: usize = 400;
+
 /// Primal-dual active sets.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Newton {
@@ -82,7 +85,7 @@ impl ContactSolver for Newton {
             }
             let rescue = Mprgp {
                 tolerance: self.tolerance,
-                max_iterations: 50 << phase,
+                max_iterations: RESCUE << phase,
             };
             let found = match search.rescue(&setup, &rescue, observe)? {
                 Rescue::Solved(outcome) if outcome.stopped_by_observer => return Ok(outcome),
