@@ -108,6 +108,34 @@ impl AdmissibleSet {
             .collect()
     }
 
+    /// The set in which contacts with friction bear any shear beside their normal force: none of them can slip.
+    ///
+    /// λ keeps its length. A block that bears no shear at all stays one.
+    pub fn sticking(&self) -> Self {
+        let mut blocks = Vec::with_capacity(self.blocks.len());
+        for block in &self.blocks {
+            match block.bound(1.0) {
+                Some(bound) if bound > 0.0 => {
+                    let size = block.size() - 1;
+                    blocks.extend([Block::Unilateral, Block::Free { size }]);
+                }
+                _ => blocks.push(*block),
+            }
+        }
+        Self::new(blocks)
+    }
+
+    /// The set in which every block with friction is a Tresca block with the bound `bound`.
+    pub fn with_all_bounds(&self, bound: f64) -> Self {
+        let fixed = |block: &Block| match *block {
+            Block::Tresca { tangents, .. } | Block::Coulomb { tangents, .. } => {
+                Block::Tresca { tangents, bound }
+            }
+            other => other,
+        };
+        Self::new(self.blocks.iter().map(fixed).collect())
+    }
+
     /// The set in which every Coulomb block is a Tresca block with the given bound (one per block).
     pub fn with_bounds(&self, bounds: &[f64]) -> Self {
         let fixed = |(block, &bound): (&Block, &f64)| match *block {

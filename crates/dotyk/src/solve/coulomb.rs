@@ -12,7 +12,7 @@
 //!
 //! As described in Nečas, Jarušek & Haslinger (1980).
 
-use crate::dual::{AdmissibleSet, Block, Feasibility, Multipliers};
+use crate::dual::{Feasibility, Multipliers};
 use crate::solve::{FixedBounds, FixedPoint, Iterate, Observer, Outcome, Setup, SolveError};
 
 /// Most problems with given bounds.
@@ -46,7 +46,7 @@ pub(crate) fn fixed_point<S: FixedBounds>(
         None => Vec::new(),
     };
     if guess.is_none() || !carries(setup, &bounds) {
-        let sticking = setup.with_admissible(sticking(&setup.admissible));
+        let sticking = setup.with_admissible(setup.admissible.sticking());
         if let Some(outcome) = search.solve(&sticking, 1e-3, observe)? {
             return Ok(outcome);
         }
@@ -90,27 +90,6 @@ fn carries(setup: &Setup<'_>, bounds: &[f64]) -> bool {
         Feasibility::of(&given, equilibrium, force),
         Feasibility::Feasible { .. }
     )
-}
-
-/// The set in which contacts with friction may bear any shear: what they would bear if none could slip.
-fn sticking(admissible: &AdmissibleSet) -> AdmissibleSet {
-    let mut blocks = Vec::new();
-    for block in admissible.blocks() {
-        match *block {
-            Block::Coulomb {
-                tangents,
-                coefficient,
-            } if coefficient > 0.0 => {
-                blocks.extend([Block::Unilateral, Block::Free { size: tangents }]);
-            }
-            Block::Coulomb { tangents, .. } => blocks.push(Block::Tresca {
-                tangents,
-                bound: 0.0,
-            }),
-            other => blocks.push(other),
-        }
-    }
-    AdmissibleSet::new(blocks)
 }
 
 /// The iteration and its history.

@@ -11,8 +11,9 @@
 //! (1, coefficient · s). Each is tested by its row wₐ (gap · wₐ = 0), which is cₐ but for that node, where only the
 //! normal gap vanishes: the matrix is unsymmetric, and is solved by LU with pivoting.
 //!
-//! Next states: closed where λₙ > 0 or gapₙ < 0; slip where the trial z = λₜ − gapₜ/F is longer than the bound,
-//! along s = z/|z|. With one tangent s is a sign, so that the method ends exactly after finitely many states. With more,
+//! Next states: closed where λₙ > 0 or gapₙ < 0; slip where the trial z = λₜ − gapₜ/F is longer than the bound at
+//! λₙ − gapₙ/F, along s = z/|z|: a node that closes while it moves sideways slips at once (as sticking nodes those would
+//! bear large shears and open their neighbours again). With one tangent s is a sign, so that the method ends exactly after finitely many states. With more,
 //! the force across s is an unknown, too, with the linearised law (1 − β)λ + (β/F) gap = 0 across s, β = bound/|z| < 1,
 //! a term ≥ 0 on the diagonal; convergence is then superlinear.
 //!
@@ -459,20 +460,19 @@ impl<'a> Search<'a> {
         range: Range<usize>,
         closed: bool,
     ) -> (Shear, f64) {
-        let normal = self.lambda[range.start];
-        let Some(bound) = block.bound(normal) else {
+        let first = range.start;
+        let pressed = self.lambda[first] - self.judge.gap[first] / self.scale(first..first + 1);
+        let Some(bound) = block.bound(pressed) else {
             return (Shear::Stick, 0.0);
         };
         if is_smooth(block) {
             return (Shear::Smooth, 0.0);
         }
-        // A Coulomb node that opens or closes begins anew.
-        let coulomb = matches!(block, Block::Coulomb { .. });
-        if coulomb && !(closed && state.closed) {
+        if matches!(block, Block::Coulomb { .. }) && !closed {
             return (Shear::Stick, 0.0);
         }
         let tangents = range.start + 1..range.end;
-        let compliance = self.tangential_compliance(tangents.clone());
+        let compliance = self.scale(tangents.clone());
         let trial: Vec<f64> = tangents
             .map(|i| self.lambda[i] - self.judge.gap[i] / compliance)
             .collect();
@@ -504,9 +504,9 @@ impl<'a> Search<'a> {
     }
 
     /// Mean of F on the diagonal, a length over force; 1 where it vanishes.
-    fn tangential_compliance(&self, tangents: Range<usize>) -> f64 {
-        let count = tangents.len() as f64;
-        let mean = tangents.map(|i| self.matrix[(i, i)]).sum::<f64>() / count;
+    fn scale(&self, components: Range<usize>) -> f64 {
+        let count = components.len() as f64;
+        let mean = components.map(|i| self.matrix[(i, i)]).sum::<f64>() / count;
         if mean > 0.0 { mean } else { 1.0 }
     }
 
