@@ -26,6 +26,18 @@ impl Block {
             Self::Tresca { tangents, .. } | Self::Coulomb { tangents, .. } => 1 + tangents,
         }
     }
+
+    /// Largest tangential force beside the normal force `normal`; `None` where there is no friction law.
+    ///
+    /// The bound of Tresca does not depend on the normal force, not even where the contact is open: that keeps its
+    /// problem convex.
+    pub fn bound(&self, normal: f64) -> Option<f64> {
+        match *self {
+            Self::Free { .. } | Self::Unilateral => None,
+            Self::Tresca { bound, .. } => Some(bound),
+            Self::Coulomb { coefficient, .. } => Some(coefficient * normal.max(0.0)),
+        }
+    }
 }
 
 /// Λ: the blocks in order, and where each begins in λ.
@@ -75,6 +87,64 @@ impl AdmissibleSet {
             .zip(self.offsets.windows(2).map(|ends| ends[0]..ends[1]))
     }
 
+    /// Some block has a friction law.
+    pub fn has_friction(&self) -> bool {
+        self.blocks.iter().any(|block| block.bound(0.0).is_some())
+    }
+
+    /// Some block has a bound that depends on its normal force.
+    pub fn has_coulomb(&self) -> bool {
+        let coulomb = |block: &Block| matches!(block, Block::Coulomb { .. });
+        self.blocks.iter().any(coulomb)
+    }
+
+    /// Bound of the tangential force of each block at λ, 0 without friction; one per block.
+    pub fn bounds(&self, lambda: &[f64]) -> Vec<f64> {
+        self.iter()
+            .map(|(block, range)| {
+                let normal = lambda.get(range.start).copied().unwrap_or(0.0);
+                block.bound(normal).unwrap_or(0.0)
+            })
+            .collect()
+    }
+
+    /// The set in which contacts with friction bear any shear beside their normal force: none of them can slip.
+    ///
+    /// λ keeps its length. A block that bears no shear at all stays one.
+    pub fn sticking(&self) -> Self {
+        let mut blocks = Vec::with_capacity(self.blocks.len());
+        for block in &self.blocks {
+            match block.bound(1.0) {
+                Some(bound) if bound > 0.0 => {
+                    let size = block.size() - 1;
+                    blocks.extend([Block::Unilateral, Block::Free { size }]);
+                }
+                _ => blocks.push(*block),
+            }
+        }
+        Self::new(blocks)
+    }
+
+    /// The set in which every block with friction is a Tresca block with the bound `bound`.
+    pub fn with_all_bounds(&self, bound: f64) -> Self {
+        let fixed = |block: &Block| match *block {
+            Block::Tresca { tangents, .. } | Block::Coulomb { tangents, .. } => {
+                Block::Tresca { tangents, bound }
+            }
+            other => other,
+        };
+        Self::new(self.blocks.iter().map(fixed).collect())
+    }
+
+    /// The set in which every Coulomb block is a Tresca block with the given bound (one per block).
+    pub fn with_bounds(&self, bounds: &[f64]) -> Self {
+        let fixed = |(block, &bound): (&Block, &f64)| match *block {
+            Block::Coulomb { tangents, .. } => Block::Tresca { tangents, bound },
+            other => other,
+        };
+        Self::new(self.blocks.iter().zip(bounds).map(fixed).collect())
+    }
+
     /// What each component of λ is, (m,).
     pub fn components(&self) -> Vec<Component> {
         let mut components = Vec::with_capacity(self.len());
@@ -103,6 +173,19 @@ impl AdmissibleSet {
                     project_ball(&from[1..], bound, &mut to[1..]);
                 }
                 Block::Coulomb { coefficient, .. } => project_cone(from, coefficient, to),
+            }
+        }
+    }
+
+    /// Shortens the tangential forces of Tresca blocks to their bounds, in place; the rest of λ stays as it is.
+    pub fn bound_tangents(&self, lambda: &mut [f64]) {
+        for (block, range) in self.iter() {
+            if let Block::Tresca { bound, .. } = *block {
+                let tangents = &mut lambda[range.start + 1..range.end];
+                let length = norm(tangents);
+                if length > bound {
+                    tangents.iter_mut().for_each(|t| *t *= bound / length);
+                }
             }
         }
     }
@@ -148,34 +231,59 @@ impl AdmissibleSet {
     }
 
     /// Largest violation of the friction law, a force: λₜ against the projection of λₜ − gapₜ/`compliance`
-    /// onto the disc of its bound (for Coulomb the bound is coefficient · λₙ).
+    /// onto the disc of its bound (for Coulomb the bound is coefficient · λₙ). NaN if there is any.
     ///
     /// `compliance` (length over force) makes gap and force comparable.
     pub fn slip_violation(&self, lambda: &[f64], gap: &[f64], compliance: f64) -> f64 {
         let mut worst: f64 = 0.0;
         for (block, range) in self.iter() {
-            let bound = match *block {
-                Block::Free { .. } | Block::Unilateral => continue,
-                Block::Tresca { bound, .. } => bound,
-                Block::Coulomb { coefficient, .. } => coefficient * lambda[range.start].max(0.0),
+            let Some(bound) = lambda.get(range.start).and_then(|&n| block.bound(n)) else {
+                continue;
             };
             let tangents = range.start + 1..range.end;
-            let mut trial: Vec<f64> = tangents
+            let trial = |i: usize| lambda[i] - gap[i] / compliance;
+            let length = tangents
                 .clone()
-                .map(|i| lambda[i] - gap[i] / compliance)
-                .collect();
-            let length = norm(&trial);
-            if length > bound {
-                trial.iter_mut().for_each(|t| *t *= bound / length);
-            }
-            let distance = tangents
-                .zip(&trial)
-                .map(|(i, t)| (lambda[i] - t).powi(2))
+                .map(|i| trial(i).powi(2))
                 .sum::<f64>()
                 .sqrt();
-            worst = worst.max(distance);
+            let factor = if length > bound { bound / length } else { 1.0 };
+            let distance = tangents
+                .map(|i| (lambda[i] - factor * trial(i)).powi(2))
+                .sum::<f64>()
+                .sqrt();
+            if distance.is_nan() || distance > worst {
+                worst = distance;
+            }
         }
         worst
+    }
+
+    /// Work of the tangential forces on the slip of this step, λₜ·slip = −λₜ·gapₜ, one per block (0 without friction).
+    ///
+    /// Shapes: λ, gap (m,). Unit: energy. At a solution it is bound · |slip| ≥ 0: what friction dissipates.
+    pub fn dissipated(&self, lambda: &[f64], gap: &[f64]) -> Vec<f64> {
+        self.iter()
+            .map(|(block, range)| match block.bound(0.0) {
+                Some(_) => -dot(
+                    &lambda[range.start + 1..range.end],
+                    &gap[range.start + 1..range.end],
+                ),
+                None => 0.0,
+            })
+            .collect()
+    }
+
+    /// Σ bound·|slip|, the potential of the friction forces at bounds that follow from λ; an energy ≥ 0.
+    ///
+    /// At a solution it equals the sum of [`AdmissibleSet::dissipated`]; elsewhere in Λ it is larger.
+    pub fn slip_potential(&self, lambda: &[f64], gap: &[f64]) -> f64 {
+        self.iter()
+            .filter_map(|(block, range)| {
+                let bound = block.bound(*lambda.get(range.start)?)?;
+                Some(bound * norm(&gap[range.start + 1..range.end]))
+            })
+            .sum()
     }
 }
 
@@ -330,5 +438,25 @@ mod tests {
         assert_eq!(set.slip_violation(&[1.0, 1.0], &[0.0, -0.3], 1.0), 0.0);
         assert!(set.slip_violation(&[1.0, 1.0], &[0.0, 0.3], 1.0) > 0.29);
         assert!(set.slip_violation(&[1.0, 1.5], &[0.0, 0.0], 1.0) > 0.49);
+        assert!(
+            set.slip_violation(&[1.0, f64::NAN], &[0.0, 0.0], 1.0)
+                .is_nan()
+        );
+    }
+
+    #[test]
+    fn dissipation_is_the_bound_times_the_slip_and_less_where_the_law_is_violated() {
+        let set = friction();
+        // Free (2), unilateral, Tresca (3) at its bound 0.5, Coulomb (3) with μλₙ = 0.4.
+        let lambda = [1.0, 1.0, 1.0, 2.0, 0.3, 0.4, 1.0, 0.0, 0.4];
+        let mut gap = [9.0, 9.0, 0.0, 0.0, -0.6, -0.8, 0.0, 0.0, -2.0];
+        let dissipated = set.dissipated(&lambda, &gap);
+        for (found, expected) in dissipated.iter().zip([0.0, 0.0, 0.5, 0.8]) {
+            assert!((found - expected).abs() < 1e-15);
+        }
+        assert!((set.slip_potential(&lambda, &gap) - 1.3).abs() < 1e-15);
+        gap[8] = 2.0;
+        assert!(set.dissipated(&lambda, &gap)[3] < 0.0);
+        assert!((set.slip_potential(&lambda, &gap) - 1.3).abs() < 1e-15);
     }
 }

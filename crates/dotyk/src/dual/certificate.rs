@@ -6,7 +6,7 @@
 
 use std::fmt;
 
-use crate::dual::{Component, DualProblem, Multipliers};
+use crate::dual::{AdmissibleSet, Component, DualProblem, Multipliers};
 
 /// Limit of the relative imbalances, whatever the tolerance.
 pub const IMBALANCE_LIMIT: f64 = 1e-10;
@@ -142,6 +142,7 @@ pub(crate) struct Violations {
     imbalance_force: f64,
     imbalance_moment: f64,
     energy_gap: f64,
+    slip: f64,
     force: f64,
     energy: f64,
     length: f64,
@@ -150,9 +151,14 @@ pub(crate) struct Violations {
 impl Violations {
     /// Violations at (λ, α) with the gap there; `components` may call a component free that is not (a bolt).
     ///
-    /// `gap` must be Fλ − d − Gᵀα. Shapes: (m,), α (r,).
+    /// `gap` must be Fλ − d − Gᵀα; `admissible` has the bounds of friction, which may be other than those of the
+    /// problem. Shapes: (m,), α (r,).
+    ///
+    /// The energy gap is λ·gap + Σ bound·|slip| + α·(Gλ − e): with friction the tangential part of λ·gap is minus the
+    /// dissipated work, and bound·|slip| + λₜ·gapₜ ≥ 0 vanishes exactly where the friction law holds.
     pub(crate) fn at(
         problem: &DualProblem,
+        admissible: &AdmissibleSet,
         lambda: &[f64],
         alpha: &[f64],
         gap: &[f64],
@@ -169,6 +175,7 @@ impl Violations {
             imbalance_force: 0.0,
             imbalance_moment: 0.0,
             energy_gap: 0.0,
+            slip: 0.0,
             force,
             energy: 0.0,
             length,
@@ -190,10 +197,7 @@ impl Violations {
                     let both = (force / unit_force).min(gap / unit_length);
                     violations.mismatch = larger(violations.mismatch, both);
                 }
-                Component::Tangent => {
-                    primal_dual -= force * gap;
-                    continue;
-                }
+                Component::Tangent => continue,
             }
             violations.complementarity += (force * gap).abs();
         }
@@ -209,6 +213,10 @@ impl Violations {
             } else {
                 violations.imbalance_force = larger(violations.imbalance_force, rest);
             }
+        }
+        if admissible.has_friction() {
+            primal_dual += admissible.slip_potential(lambda, gap);
+            violations.slip = admissible.slip_violation(lambda, gap, unit_length / unit_force);
         }
         violations.energy_gap = primal_dual.abs();
         violations.energy = problem.scales.energy + 0.5 * stored;
@@ -227,6 +235,7 @@ impl Violations {
             self.imbalance_force / force,
             self.imbalance_moment / (force * one_if_zero(moment_arm)),
             self.energy_gap / energy,
+            self.slip / force,
         ]
         .into_iter()
         .fold(0.0, larger)
@@ -279,7 +288,7 @@ impl DualProblem {
         }
     }
 
-    /// Largest relative violation of the optimality conditions without friction: what the solvers stop on.
+    /// Largest relative violation of the optimality conditions and of the friction law: what the solvers stop on.
     ///
     /// It bounds every figure of [`DualProblem::certify`] and, in addition, min(λ, gap) of each contact in units of
     /// the force and length scales. Costs one product with F.
@@ -291,7 +300,22 @@ impl DualProblem {
 
     fn violations(&self, multipliers: &Multipliers, gap: &[f64]) -> Violations {
         let Multipliers { lambda, alpha } = multipliers;
-        Violations::at(self, lambda, alpha, gap, &self.admissible.components())
+        Violations::at(
+            self,
+            &self.admissible,
+            lambda,
+            alpha,
+            gap,
+            &self.admissible.components(),
+        )
+    }
+
+    /// Work that friction dissipates in this step, Σ λₜ·slip ≥ 0 at a solution.
+    ///
+    /// `gap` (m,) is that of [`DualProblem::gap`] or one recomputed from the displacements: its tangential part is minus
+    /// the slip of this step. Per block: [`AdmissibleSet::dissipated`]. Unit: energy. Panics if lengths differ.
+    pub fn dissipation(&self, lambda: &[f64], gap: &[f64]) -> f64 {
+        self.admissible.dissipated(lambda, gap).iter().sum()
     }
 }
 
@@ -311,7 +335,7 @@ fn dot(a: &[f64], b: &[f64]) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::dual::{AdmissibleSet, Block, Compliance, Equilibrium, Mat};
+    use crate::dual::{Block, Compliance, Equilibrium, Mat};
 
     /// Two springs of compliance 1 pressed by 3 into a floating plate: λ = (2, 1), both closed.
     fn plate() -> (DualProblem, Multipliers) {
@@ -385,5 +409,48 @@ mod tests {
         let certificate = problem.certify_with(&answer, &recomputed, 1e-8);
         assert!(!certificate.penetration.holds());
         assert!((certificate.complementarity.relative - 1e-3 / 2.5).abs() < 1e-15);
+    }
+
+    /// A block pressed by 2 that slips by 0.5 against Coulomb friction 0.5: springs of compliance 1.
+    fn slipping() -> (DualProblem, Multipliers) {
+        let problem = DualProblem::new(
+            Compliance::Dense(Mat::from_fn(2, 2, |i, j| f64::from(i == j))),
+            vec![2.0, 1.5],
+            AdmissibleSet::new(vec![Block::Coulomb {
+                tangents: 1,
+                coefficient: 0.5,
+            }]),
+            Equilibrium::none(2),
+        )
+        .unwrap();
+        let answer = Multipliers {
+            lambda: vec![2.0, 1.0],
+            alpha: Vec::new(),
+        };
+        (problem, answer)
+    }
+
+    #[test]
+    fn dissipated_work_is_no_energy_gap() {
+        let (problem, answer) = slipping();
+        let certificate = problem.certify(&answer, 1e-12);
+        assert!(certificate.holds(), "{certificate}");
+        assert!(problem.kkt_residual(&answer) < 1e-15);
+        let gap = problem.gap(&answer);
+        assert_eq!(problem.dissipation(&answer.lambda, &gap), 0.5);
+    }
+
+    #[test]
+    fn wrong_shear_fails_in_slip_and_in_energy() {
+        let (problem, answer) = slipping();
+        for shear in [1.0 + 1e-6, 1.0 - 1e-6, 0.0, -1.0, f64::NAN] {
+            let mut wrong = answer.clone();
+            wrong.lambda[1] = shear;
+            let certificate = problem.certify(&wrong, 1e-8);
+            assert!(!certificate.slip_violation.holds(), "{shear}");
+            assert!(!certificate.energy_gap.holds(), "{shear}");
+            let residual = problem.kkt_residual(&wrong);
+            assert!(residual > 1e-8 || residual.is_nan());
+        }
     }
 }

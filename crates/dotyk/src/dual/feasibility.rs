@@ -7,9 +7,18 @@
 //! Method: non-negative least squares by an active set in the manner of Lawson and Hanson; the dimension is r, the
 //! number of modes, and m only counts columns. The same routine finds the least amplitude that opens all gaps.
 //!
-//! Tangential forces are left out: with friction, a negative answer means that normal forces alone do not suffice.
+//! Friction adds generators. Coulomb: Λ is a cone, in the plane that of Gₙ ± coefficient · Gₜ of each node. Tresca: the
+//! bounded shears form a convex set of their own, written as the hull of its corners with weights that sum to one (a
+//! further row). Corners and, in space, edges of the round cones are generated where the rest asks for them. A
+//! positive answer is necessary for Coulomb's equilibrium, not sufficient: the elastic solution decides.
+//!
+//! Where friction does not suffice, the motion that is named is that of the bodies without friction, and the answer tells
+//! which part of the load along it friction can hold. If no friction whatever could hold the bodies (they tip or are
+//! lifted), it is the motion that remains when no contact slips, and that part is zero.
 
-use crate::dual::{AdmissibleSet, Component, DualProblem, Equilibrium, uncontrolled_modes};
+use crate::dual::{
+    AdmissibleSet, Block, DualProblem, Equilibrium, Mat, ModeSplit, uncontrolled_modes,
+};
 
 /// Work on a rigid motion below this part of the load's scale counts as none.
 pub const NO_WORK: f64 = 1e-9;
@@ -26,8 +35,20 @@ pub enum Feasibility {
     Infeasible {
         /// Amplitudes z (r,), unit length: the rigid motion along which the load pulls the bodies away.
         direction: Vec<f64>,
+        /// Largest part s in [0, 1) of the load along that motion which friction can hold: e − (1 − s)(z·e)z is
+        /// balanced by an admissible force. 0 without friction.
+        factor: f64,
     },
 }
+
+/// Rounds in which generators are added for round cones and for bounded shears.
+const ROUNDS: usize = 300;
+
+/// Most edges of round cones that are added in a round.
+const EDGES: usize = 20;
+
+/// Bisections of a load factor: below the rounding of a load.
+const BISECTIONS: usize = 48;
 
 impl DualProblem {
     /// Whether {λ ∈ Λ, Gλ = e} is empty, and why.
@@ -39,59 +60,295 @@ impl DualProblem {
 impl Feasibility {
     /// Whether {λ ∈ Λ, Gλ = e} is empty, and why; `force` is the scale of the loads, where it is larger than e.
     pub fn of(admissible: &AdmissibleSet, equilibrium: &Equilibrium, force: f64) -> Self {
+        let load = &equilibrium.load;
+        let no_work = NO_WORK * scale_of(load, force);
+        let carrier = Carrier::new(admissible, &equilibrium.modes);
+        let (driven, rest) = carrier.rest(load);
+        if norm(&driven) <= no_work && norm(&rest) <= no_work {
+            let target = carrier.reduce(load);
+            let carried: Vec<f64> = target.iter().zip(&rest).map(|(t, rest)| t - rest).collect();
+            return Feasibility::Feasible {
+                load: carrier.expand(&carried),
+            };
+        }
+        if admissible.has_friction() {
+            return Self::beyond_friction(admissible, equilibrium, no_work);
+        }
+        let direction = if norm(&driven) > no_work {
+            unit(driven)
+        } else {
+            unit(carrier.expand(&rest))
+        };
+        Feasibility::Infeasible {
+            direction,
+            factor: 0.0,
+        }
+    }
+
+    /// The motion and the part of the load along it that friction holds, where it does not hold all.
+    fn beyond_friction(
+        admissible: &AdmissibleSet,
+        equilibrium: &Equilibrium,
+        no_work: f64,
+    ) -> Self {
         let (modes, load) = (&equilibrium.modes, &equilibrium.load);
-        let r = load.len();
-        let scale = load.iter().fold(force, |s, e| s.max(e.abs()));
-        let no_work = NO_WORK * scale;
-        let split = uncontrolled_modes(modes);
-        // A driven mode that no contact controls.
-        let mut direction = vec![0.0; r];
-        for j in 0..split.uncontrolled.ncols() {
-            let z = split.uncontrolled.col_as_slice(j);
+        let motion = |set: &AdmissibleSet| -> Vec<f64> {
+            let carrier = Carrier::new(set, modes);
+            let (driven, rest) = carrier.rest(load);
+            let rest = carrier.expand(&rest);
+            driven.iter().zip(&rest).map(|(d, rest)| d + rest).collect()
+        };
+        let held = motion(&admissible.sticking());
+        if norm(&held) > no_work {
+            return Feasibility::Infeasible {
+                direction: unit(held),
+                factor: 0.0,
+            };
+        }
+        let smooth = admissible.with_all_bounds(0.0);
+        let direction = unit(motion(&smooth));
+        let work = dot(&direction, load);
+        let carrier = Carrier::new(admissible, modes);
+        let factor = largest_part(|part| {
+            let along = |(e, z): (&f64, &f64)| e - (1.0 - part) * work * z;
+            let reduced: Vec<f64> = load.iter().zip(&direction).map(along).collect();
+            carrier.carries(&reduced, no_work)
+        });
+        Feasibility::Infeasible { direction, factor }
+    }
+
+    /// Largest s in [0, 1] for which some admissible force balances e₀ + s(e − e₀), e₀ = `before` (r,) the load of the
+    /// step before and e that of `equilibrium`: where within the step equilibrium is lost. 1: nowhere.
+    ///
+    /// The loads that can be balanced are convex, so a load e₀ that is one of them makes the answer unique; 0 if it is not.
+    pub fn fraction(admissible: &AdmissibleSet, equilibrium: &Equilibrium, before: &[f64]) -> f64 {
+        let load = &equilibrium.load;
+        let no_work = NO_WORK * scale_of(before, scale_of(load, 0.0));
+        let carrier = Carrier::new(admissible, &equilibrium.modes);
+        largest_part(|part| {
+            let between = |(e, e0): (&f64, &f64)| e0 + part * (e - e0);
+            let mixed: Vec<f64> = load.iter().zip(before).map(between).collect();
+            carrier.carries(&mixed, no_work)
+        })
+    }
+}
+
+/// Largest s in [0, 1] that `holds`, if those that do form an interval from 0.
+fn largest_part(holds: impl Fn(f64) -> bool) -> f64 {
+    if holds(1.0) {
+        return 1.0;
+    }
+    let (mut low, mut high) = (0.0, 1.0);
+    for _ in 0..BISECTIONS {
+        let middle = 0.5 * (low + high);
+        if holds(middle) {
+            low = middle;
+        } else {
+            high = middle;
+        }
+    }
+    low
+}
+
+fn scale_of(load: &[f64], force: f64) -> f64 {
+    load.iter().fold(force, |s, e| s.max(e.abs()))
+}
+
+/// {Gλ: λ ∈ Λ} by generators, in the coordinates of the modes that the contact controls.
+struct Carrier {
+    split: ModeSplit,
+    /// Generators of a cone.
+    columns: Vec<Vec<f64>>,
+    /// Round cones: Gₙ and coefficient · Gₜ of a node.
+    cones: Vec<(Vec<f64>, Vec<Vec<f64>>)>,
+    /// Bounded shears: bound · Gₜ of a node.
+    shears: Vec<Vec<Vec<f64>>>,
+}
+
+impl Carrier {
+    fn new(admissible: &AdmissibleSet, modes: &Mat<f64>) -> Self {
+        let split = if admissible.has_friction() {
+            // What friction cannot bear controls nothing.
+            let mut borne = modes.clone();
+            for (block, range) in admissible.iter() {
+                if block.bound(1.0) == Some(0.0) {
+                    for i in range.skip(1) {
+                        borne.col_as_slice_mut(i).fill(0.0);
+                    }
+                }
+            }
+            uncontrolled_modes(&borne)
+        } else {
+            uncontrolled_modes(modes)
+        };
+        let mut carrier = Self {
+            split,
+            columns: Vec::new(),
+            cones: Vec::new(),
+            shears: Vec::new(),
+        };
+        for (block, range) in admissible.iter() {
+            let columns: Vec<Vec<f64>> = range
+                .map(|i| carrier.reduce(modes.col_as_slice(i)))
+                .collect();
+            carrier.add(block, columns);
+        }
+        carrier
+    }
+
+    /// Generators of one block from the columns of G.
+    fn add(&mut self, block: &Block, mut columns: Vec<Vec<f64>>) {
+        let scaled = |factor: f64, columns: &[Vec<f64>]| -> Vec<Vec<f64>> {
+            let scale = |column: &Vec<f64>| column.iter().map(|x| factor * x).collect();
+            columns.iter().map(scale).collect()
+        };
+        match *block {
+            Block::Free { .. } => {
+                for column in columns {
+                    self.columns.push(column.iter().map(|x| -x).collect());
+                    self.columns.push(column);
+                }
+            }
+            Block::Unilateral => self.columns.append(&mut columns),
+            Block::Tresca { bound, .. } => {
+                if bound > 0.0 {
+                    self.shears.push(scaled(bound, &columns[1..]));
+                }
+                self.columns.push(columns.swap_remove(0));
+            }
+            Block::Coulomb { coefficient, .. } => {
+                let shears = scaled(coefficient, &columns[1..]);
+                let normal = columns.swap_remove(0);
+                if coefficient <= 0.0 {
+                    self.columns.push(normal);
+                    return;
+                }
+                for shear in &shears {
+                    for sign in [-1.0, 1.0] {
+                        let edge = normal.iter().zip(shear).map(|(n, t)| n + sign * t);
+                        self.columns.push(edge.collect());
+                    }
+                }
+                if shears.len() > 1 {
+                    self.cones.push((normal, shears));
+                }
+            }
+        }
+    }
+
+    /// Coordinates of v (r,) in the controlled modes, (k,).
+    fn reduce(&self, v: &[f64]) -> Vec<f64> {
+        let modes = &self.split.controlled;
+        (0..modes.ncols())
+            .map(|j| (0..v.len()).map(|i| modes[(i, j)] * v[i]).sum())
+            .collect()
+    }
+
+    /// The vector (r,) with the coordinates v (k,) in the controlled modes.
+    fn expand(&self, v: &[f64]) -> Vec<f64> {
+        let modes = &self.split.controlled;
+        (0..modes.nrows())
+            .map(|i| (0..v.len()).map(|j| modes[(i, j)] * v[j]).sum())
+            .collect()
+    }
+
+    /// Some admissible force balances `load` up to `no_work`.
+    fn carries(&self, load: &[f64], no_work: f64) -> bool {
+        let (driven, rest) = self.rest(load);
+        norm(&driven) <= no_work && norm(&rest) <= no_work
+    }
+
+    /// What no admissible force balances of `load` (r,): along the modes that the contact does not control (r,), and in
+    /// the coordinates of those that it does (k,), where it separates the load from what can be carried.
+    fn rest(&self, load: &[f64]) -> (Vec<f64>, Vec<f64>) {
+        let mut driven = vec![0.0; load.len()];
+        for j in 0..self.split.uncontrolled.ncols() {
+            let z = self.split.uncontrolled.col_as_slice(j);
             let work = dot(z, load);
-            for (d, z) in direction.iter_mut().zip(z) {
+            for (d, z) in driven.iter_mut().zip(z) {
                 *d += work * z;
             }
         }
-        if norm(&direction) > no_work {
-            return Feasibility::Infeasible {
-                direction: unit(direction),
+        let target = self.reduce(load);
+        if self.cones.is_empty() && self.shears.is_empty() {
+            return (driven, least_squares_nonnegative(&self.columns, &target).1);
+        }
+        (driven, self.rest_with_generation(target))
+    }
+
+    /// The rest where generators are added as it asks for them. The further row makes the weights of the corners of the
+    /// bounded shears sum to one.
+    fn rest_with_generation(&self, mut target: Vec<f64>) -> Vec<f64> {
+        let k = target.len();
+        let weight = Some(norm(&target))
+            .filter(|size| *size > 0.0)
+            .unwrap_or(1.0);
+        target.push(weight);
+        let mut columns = self.columns.clone();
+        columns.iter_mut().for_each(|column| column.push(0.0));
+        let mut none = vec![0.0; k];
+        none.push(weight);
+        columns.push(none);
+        let mut rest = Vec::new();
+        for _ in 0..ROUNDS {
+            rest = least_squares_nonnegative(&columns, &target).1;
+            let mut wanted = self.edges(&rest[..k]);
+            wanted.iter_mut().for_each(|edge| edge.push(0.0));
+            let mut corner = self.corner(&rest[..k]);
+            corner.push(weight);
+            wanted.push(corner);
+            let gains = |column: &Vec<f64>| {
+                dot(column, &rest) > 1e-13 * norm(&target) * norm(column)
+                    && !columns.contains(column)
             };
-        }
-        // The rest in the coordinates of the controlled modes.
-        let k = split.controlled.ncols();
-        let reduce = |v: &dyn Fn(usize) -> f64| -> Vec<f64> {
-            (0..k)
-                .map(|j| (0..r).map(|i| split.controlled[(i, j)] * v(i)).sum())
-                .collect()
-        };
-        let mut columns: Vec<Vec<f64>> = Vec::new();
-        for (i, component) in admissible.components().into_iter().enumerate() {
-            let column = reduce(&|mode| modes[(mode, i)]);
-            if component == Component::Free {
-                columns.push(column.iter().map(|x| -x).collect());
+            let added: Vec<Vec<f64>> = wanted.into_iter().filter(gains).collect();
+            if added.is_empty() {
+                break;
             }
-            if component != Component::Tangent {
-                columns.push(column);
+            columns.extend(added);
+        }
+        rest.pop();
+        rest
+    }
+
+    /// Edges of the round cones that point most along `rest`.
+    fn edges(&self, rest: &[f64]) -> Vec<Vec<f64>> {
+        let edge = |(normal, shears): &(Vec<f64>, Vec<Vec<f64>>)| {
+            let turned = towards(shears, rest);
+            let edge: Vec<f64> = normal.iter().zip(&turned).map(|(n, t)| n + t).collect();
+            (dot(&edge, rest), edge)
+        };
+        let mut edges: Vec<(f64, Vec<f64>)> = self.cones.iter().map(edge).collect();
+        edges.sort_by(|a, b| b.0.total_cmp(&a.0));
+        edges.truncate(EDGES);
+        edges.into_iter().map(|(_, edge)| edge).collect()
+    }
+
+    /// The corner of the bounded shears that lies farthest along `rest`.
+    fn corner(&self, rest: &[f64]) -> Vec<f64> {
+        let mut corner = vec![0.0; rest.len()];
+        for shears in &self.shears {
+            for (corner, t) in corner.iter_mut().zip(towards(shears, rest)) {
+                *corner += t;
             }
         }
-        let target = reduce(&|mode| load[mode]);
-        let (_, rest) = least_squares_nonnegative(&columns, &target);
-        let back = |v: &[f64]| -> Vec<f64> {
-            (0..r)
-                .map(|i| (0..k).map(|j| split.controlled[(i, j)] * v[j]).sum())
-                .collect()
-        };
-        if norm(&rest) > no_work {
-            return Feasibility::Infeasible {
-                direction: unit(back(&rest)),
-            };
-        }
-        let carried: Vec<f64> = target.iter().zip(&rest).map(|(t, rest)| t - rest).collect();
-        Feasibility::Feasible {
-            load: back(&carried),
+        corner
+    }
+}
+
+/// Σ sⱼ shearsⱼ with the unit vector s for which it lies farthest along `rest`.
+fn towards(shears: &[Vec<f64>], rest: &[f64]) -> Vec<f64> {
+    let along: Vec<f64> = shears.iter().map(|shear| dot(shear, rest)).collect();
+    let length = norm(&along);
+    let mut sum = vec![0.0; rest.len()];
+    if length > 0.0 {
+        for (shear, along) in shears.iter().zip(&along) {
+            for (sum, x) in sum.iter_mut().zip(shear) {
+                *sum += along / length * x;
+            }
         }
     }
+    sum
 }
 
 /// x ≥ 0 that minimises ‖Σ xⱼ columnsⱼ − target‖, and the rest target − Σ xⱼ columnsⱼ.
@@ -300,7 +557,7 @@ mod tests {
     #[test]
     fn load_beside_the_supports_tips_the_plate() {
         let problem = plate([-1.0, -1.5], [Block::Unilateral; 2]);
-        let Feasibility::Infeasible { direction } = problem.feasibility() else {
+        let Feasibility::Infeasible { direction, .. } = problem.feasibility() else {
             panic!("the load lies beside the supports");
         };
         // It opens both contacts (G z ≤ 0 in each column), and the load works on it.
@@ -324,7 +581,7 @@ mod tests {
         let mut problem = plate([-1.0, 0.5], [Block::Unilateral; 2]);
         problem.equilibrium.modes[(1, 0)] = 0.0;
         problem.equilibrium.modes[(1, 1)] = 0.0;
-        let Feasibility::Infeasible { direction } = problem.feasibility() else {
+        let Feasibility::Infeasible { direction, .. } = problem.feasibility() else {
             panic!("nothing holds mode 1");
         };
         assert_eq!(direction, vec![0.0, 1.0]);
@@ -362,5 +619,155 @@ mod tests {
             least_norm_within(&[vec![1.0], vec![-1.0]], &[-1.0, -1.0], 1),
             None
         );
+    }
+
+    /// A block on a plane, two nodes at x = ∓1: (normal, tangential..) each; modes: sinking, sliding.., tipping.
+    fn block_on_plane(block: Block, load: &[f64]) -> Feasibility {
+        let size = block.size();
+        let modes = Mat::from_fn(1 + size, 2 * size, |mode, i| {
+            let component = i % size;
+            if mode == size {
+                // The normal force turns the block about its middle, 1 away.
+                if component == 0 {
+                    (i / size) as f64 * 2.0 - 1.0
+                } else {
+                    0.0
+                }
+            } else {
+                f64::from(mode == component)
+            }
+        });
+        let set = AdmissibleSet::new(vec![block; 2]);
+        Feasibility::of(&set, &Equilibrium::new(modes, load.to_vec()), 0.0)
+    }
+
+    fn feasible(block: Block, load: &[f64]) -> bool {
+        matches!(block_on_plane(block, load), Feasibility::Feasible { .. })
+    }
+
+    #[test]
+    fn friction_holds_a_block_up_to_its_coefficient_and_no_further() {
+        let coulomb = |tangents| Block::Coulomb {
+            tangents,
+            coefficient: 0.3,
+        };
+        assert!(feasible(coulomb(1), &[1.0, 0.3 - 1e-8, 0.0]));
+        assert!(!feasible(coulomb(1), &[1.0, 0.3 + 1e-8, 0.0]));
+        let oblique = |size: f64| [1.0, 0.6 * size, -0.8 * size, 0.2];
+        assert!(feasible(coulomb(2), &oblique(0.3 - 1e-6)));
+        assert!(!feasible(coulomb(2), &oblique(0.3 + 1e-6)));
+        let tresca = |tangents| Block::Tresca {
+            tangents,
+            bound: 0.15,
+        };
+        assert!(feasible(tresca(1), &[1.0, 0.3 - 1e-8, 0.2]));
+        assert!(!feasible(tresca(1), &[1.0, 0.3 + 1e-8, 0.2]));
+        assert!(feasible(tresca(2), &oblique(0.3 - 1e-6)));
+        assert!(!feasible(tresca(2), &oblique(0.3 + 1e-6)));
+    }
+
+    #[test]
+    fn sliding_block_is_told_its_motion_and_the_part_that_friction_holds() {
+        let block = Block::Coulomb {
+            tangents: 1,
+            coefficient: 0.3,
+        };
+        let Feasibility::Infeasible { direction, factor } =
+            block_on_plane(block, &[1.0, -0.4, 0.1])
+        else {
+            panic!("0.4 is more than 0.3");
+        };
+        assert!((direction[1] + 1.0).abs() < 1e-12, "{direction:?}");
+        assert!((factor - 0.75).abs() < 1e-8, "{factor}");
+    }
+
+    #[test]
+    fn tipping_block_is_not_held_by_any_friction() {
+        for coefficient in [0.3, 1e3] {
+            let block = Block::Coulomb {
+                tangents: 1,
+                coefficient,
+            };
+            let Feasibility::Infeasible { direction, factor } =
+                block_on_plane(block, &[1.0, 0.1, 1.2])
+            else {
+                panic!("the load lies beside the supports");
+            };
+            assert_eq!(factor, 0.0);
+            // It opens node 0 and lets node 1 rest: sinking against turning.
+            assert!(
+                direction[1].abs() < 1e-12 && direction[2] > 0.5,
+                "{direction:?}"
+            );
+            assert!((direction[0] + direction[2]).abs() < 1e-12, "{direction:?}");
+        }
+    }
+
+    #[test]
+    fn wedge_is_held_by_friction_above_its_slope() {
+        // One node whose normal pushes back at 45°: without friction it slips out.
+        let root = 0.5f64.sqrt();
+        let modes = Mat::from_fn(
+            2,
+            2,
+            |mode, i| if mode == 1 && i == 0 { -root } else { root },
+        );
+        let load = Equilibrium::new(modes, vec![1.0, 0.0]);
+        let held = |coefficient| {
+            let set = AdmissibleSet::new(vec![Block::Coulomb {
+                tangents: 1,
+                coefficient,
+            }]);
+            Feasibility::of(&set, &load, 0.0)
+        };
+        assert!(matches!(held(1.01), Feasibility::Feasible { .. }));
+        let Feasibility::Infeasible { factor, .. } = held(0.5) else {
+            panic!("the slope is 1");
+        };
+        // Along the slope the load is as large as across: half of it is held.
+        assert!((factor - 0.5).abs() < 1e-8, "{factor}");
+    }
+
+    #[test]
+    fn smooth_contacts_hold_no_sliding_even_with_tangents() {
+        for block in [
+            Block::Coulomb {
+                tangents: 1,
+                coefficient: 0.0,
+            },
+            Block::Tresca {
+                tangents: 1,
+                bound: 0.0,
+            },
+        ] {
+            assert!(feasible(block, &[1.0, 0.0, 0.3]));
+            let Feasibility::Infeasible { direction, factor } =
+                block_on_plane(block, &[1.0, 0.1, 0.3])
+            else {
+                panic!("nothing holds it");
+            };
+            assert!((direction[1] - 1.0).abs() < 1e-12 && factor == 0.0);
+        }
+    }
+
+    #[test]
+    fn fraction_of_a_step_ends_where_equilibrium_does() {
+        let modes = Mat::from_fn(2, 2, |mode, i| f64::from(mode == i));
+        let set = AdmissibleSet::new(vec![Block::Coulomb {
+            tangents: 1,
+            coefficient: 0.5,
+        }]);
+        let fraction = |load: [f64; 2], before: [f64; 2]| {
+            Feasibility::fraction(
+                &set,
+                &Equilibrium::new(modes.clone(), load.to_vec()),
+                &before,
+            )
+        };
+        assert_eq!(fraction([1.0, 0.4], [1.0, 0.0]), 1.0);
+        assert!((fraction([1.0, 0.8], [1.0, 0.2]) - 0.5).abs() < 1e-8);
+        // Unloading: T = 0.3 at N = 1 − 0.8 s is lost at N = 0.6.
+        assert!((fraction([0.2, 0.3], [1.0, 0.3]) - 0.5).abs() < 1e-8);
+        assert!(fraction([1.0, 0.9], [1.0, 0.8]) < 1e-8);
     }
 }

@@ -72,7 +72,8 @@ impl<'a> Projector<'a> {
         // y − Ĝᵀτ is rounded; what is left of a force below that is none (it would press an open contact).
         let rounding = 16.0 * f64::EPSILON * y.iter().fold(0.0, |s: f64, y| s.max(y.abs()));
         for (block, range) in self.admissible.iter() {
-            if *block == Block::Unilateral && lambda[range.start] <= rounding {
+            let normal = matches!(block, Block::Unilateral | Block::Tresca { .. });
+            if normal && lambda[range.start] <= rounding {
                 lambda[range.start] = 0.0;
             }
         }

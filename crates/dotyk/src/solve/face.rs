@@ -168,25 +168,32 @@ pub(crate) fn carries(setup: &Setup<'_>, active: &[bool]) -> bool {
     restore(setup, active, &mut vec![0.0; setup.len()])
 }
 
-/// Replaces `forces` by the nearest ones on the face with Ĝλ = ê; `false` where there are none.
+/// Replaces `forces` by the nearest ones with Ĝλ = ê that differ on the face only; `false` where there are none.
+///
+/// Outside the face they stay as they are where friction may load them, else they become zero.
 pub(crate) fn restore(setup: &Setup<'_>, active: &[bool], forces: &mut [f64]) -> bool {
     let mut tangent = Tangent::new(setup, active);
     // Twice: the second pass removes what rounding left.
-    tangent.restore(setup, forces);
-    tangent.restore(setup, forces);
+    for _ in 0..2 {
+        if setup.admissible.has_friction() {
+            tangent.rebalance(setup, forces);
+        } else {
+            tangent.restore(setup, forces);
+        }
+    }
     let mut rest = vec![0.0; setup.modes()];
     setup.balance.imbalance(forces, &mut rest);
     norm(&rest) <= 1e-9 * norm(&setup.balance.load).max(1e-3 * norm(forces))
 }
 
 /// Pseudo-inverse of a small symmetric positive semidefinite matrix.
-struct Pseudo {
+pub(crate) struct Pseudo {
     pairs: Vec<(f64, Vec<f64>)>,
-    null: Vec<Vec<f64>>,
+    pub null: Vec<Vec<f64>>,
 }
 
 impl Pseudo {
-    fn new(matrix: &Mat<f64>) -> Self {
+    pub fn new(matrix: &Mat<f64>) -> Self {
         let k = matrix.nrows();
         let (values, vectors) =
             symmetric_eigen(matrix).unwrap_or_else(|_| (vec![0.0; k], Mat::identity(k, k)));
@@ -260,6 +267,16 @@ impl<'a> Tangent<'a> {
         self.mask(v);
         setup.balance.imbalance(v, &mut self.parts);
         self.subtract(setup, v);
+    }
+
+    /// v ← the nearest vector with Ĝv = ê that differs on the face only.
+    fn rebalance(&mut self, setup: &Setup<'_>, v: &mut [f64]) {
+        setup.balance.imbalance(v, &mut self.parts);
+        let mut change = vec![0.0; v.len()];
+        self.subtract(setup, &mut change);
+        for (v, change) in v.iter_mut().zip(&change) {
+            *v += change;
+        }
     }
 
     /// v −= Ĝ_Iᵀ(Ĝ_IĜ_Iᵀ)⁺`parts`.

@@ -13,7 +13,8 @@ use std::ops::ControlFlow;
 
 use crate::dual::{DualProblem, Multipliers};
 use crate::solve::{
-    ContactSolver, Iterate, Observer, Outcome, Setup, SolveError, loaded, spectrum, steeper_than,
+    ContactSolver, FixedBounds, Iterate, Observer, Outcome, Setup, SolveError, loaded, solve_with,
+    spectrum, steeper_than,
 };
 
 /// Projected gradient with a fixed step.
@@ -57,7 +58,7 @@ impl Default for Accelerated {
 
 impl ContactSolver for Gradient {
     fn name(&self) -> &'static str {
-        "gradient"
+        Self::NAME
     }
 
     fn solve(
@@ -66,7 +67,32 @@ impl ContactSolver for Gradient {
         guess: Option<&Multipliers>,
         observe: Observer<'_>,
     ) -> Result<Outcome, SolveError> {
-        let setup = Setup::new(problem, self.name())?;
+        solve_with(self, problem, guess, observe)
+    }
+}
+
+impl FixedBounds for Gradient {
+    const NAME: &'static str = "gradient";
+
+    fn limits(&self) -> (f64, usize) {
+        (self.tolerance, self.max_iterations)
+    }
+
+    fn within(&self, tolerance: f64, max_iterations: usize) -> Self {
+        Self {
+            tolerance,
+            max_iterations,
+            ..self.clone()
+        }
+    }
+
+    fn run(
+        &self,
+        setup: &Setup<'_>,
+        guess: Option<&Multipliers>,
+        observe: Observer<'_>,
+    ) -> Result<Outcome, SolveError> {
+        let problem = setup.problem;
         check_rho(self.rho)?;
         let mut projector = setup.projector();
         let mut judge = setup.judge();
@@ -74,7 +100,7 @@ impl ContactSolver for Gradient {
         let mut products = 0;
         let mut bound = match self.rho {
             Some(rho) => 1.9 / rho,
-            None => projected_bound(&setup, &mut products),
+            None => projected_bound(setup, &mut products),
         };
         let mut rho = self.rho.unwrap_or(1.9 / bound);
         let start = setup.start(guess)?;
@@ -103,7 +129,7 @@ impl ContactSolver for Gradient {
             for (alpha, tau) in alpha.iter_mut().zip(&tau) {
                 *alpha = -tau / rho;
             }
-            residual = judge.residual(&setup, &setup.components, &lambda, &product, &alpha);
+            residual = judge.residual(setup, &setup.components, &lambda, &product, &alpha);
             let stopped = iteration > 0
                 && observe(&Iterate {
                     iteration,
@@ -121,12 +147,13 @@ impl ContactSolver for Gradient {
                     rho: Some(rho),
                     bolts: Vec::new(),
                     stopped_by_observer: stopped,
+                    fixed_point: None,
                     remarks: Vec::new(),
                 };
                 if stopped || residual <= self.tolerance {
                     return Ok(outcome);
                 }
-                return Err(self.not_converged(&setup, outcome, residual));
+                return Err(self.not_converged(setup, outcome, residual));
             }
             std::mem::swap(&mut lambda, &mut next);
         }
@@ -144,7 +171,7 @@ impl Gradient {
             Some(rho) => rho_reason(rho, projected_bound(setup, &mut 0)),
         };
         SolveError::NotConverged {
-            method: "gradient",
+            method: Self::NAME,
             outcome: Box::new(outcome),
             residual,
             reason,
@@ -154,7 +181,7 @@ impl Gradient {
 
 impl ContactSolver for Accelerated {
     fn name(&self) -> &'static str {
-        "accelerated"
+        Self::NAME
     }
 
     fn solve(
@@ -163,12 +190,36 @@ impl ContactSolver for Accelerated {
         guess: Option<&Multipliers>,
         observe: Observer<'_>,
     ) -> Result<Outcome, SolveError> {
-        let setup = Setup::new(problem, self.name())?;
+        solve_with(self, problem, guess, observe)
+    }
+}
+
+impl FixedBounds for Accelerated {
+    const NAME: &'static str = "accelerated";
+
+    fn limits(&self) -> (f64, usize) {
+        (self.tolerance, self.max_iterations)
+    }
+
+    fn within(&self, tolerance: f64, max_iterations: usize) -> Self {
+        Self {
+            tolerance,
+            max_iterations,
+        }
+    }
+
+    fn run(
+        &self,
+        setup: &Setup<'_>,
+        guess: Option<&Multipliers>,
+        observe: Observer<'_>,
+    ) -> Result<Outcome, SolveError> {
+        let problem = setup.problem;
         let mut projector = setup.projector();
         let mut judge = setup.judge();
         let (m, k) = (setup.len(), setup.modes());
         let mut products = 0;
-        let mut bound = 1.01 * projected_bound(&setup, &mut products);
+        let mut bound = 1.01 * projected_bound(setup, &mut products);
         let start = setup.start(guess)?;
         // x is the iterate, y the extrapolated point; their products with F follow by the same combination.
         let (mut x, mut y, mut next) = (vec![0.0; m], vec![0.0; m], vec![0.0; m]);
@@ -211,7 +262,7 @@ impl ContactSolver for Accelerated {
             }
             std::mem::swap(&mut x, &mut next);
             std::mem::swap(&mut product_x, &mut product_next);
-            let residual = judge.residual(&setup, &setup.components, &x, &product_x, &alpha);
+            let residual = judge.residual(setup, &setup.components, &x, &product_x, &alpha);
             let stopped = observe(&Iterate {
                 iteration,
                 lambda: &x,
@@ -228,13 +279,14 @@ impl ContactSolver for Accelerated {
                     rho: None,
                     bolts: Vec::new(),
                     stopped_by_observer: stopped,
+                    fixed_point: None,
                     remarks: Vec::new(),
                 };
                 if stopped || residual <= self.tolerance {
                     return Ok(outcome);
                 }
                 return Err(SolveError::NotConverged {
-                    method: self.name(),
+                    method: Self::NAME,
                     outcome: Box::new(outcome),
                     residual,
                     reason: "allow more iterations, or use newton".to_string(),

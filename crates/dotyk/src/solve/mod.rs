@@ -15,13 +15,17 @@
 //! Every solver stops on the same dimensionless measure, [`DualProblem::kkt_residual`], never on the size of its
 //! update alone: with a small step that would stop far from the solution. What a solver returns as converged passes
 //! [`DualProblem::certify`] with the same tolerance. Not converging is an error that carries the last iterate.
-//! Blocks with friction are refused for now.
+//!
+//! Friction: [`Newton`] treats the laws of Tresca and of Coulomb directly. The other methods solve the convex problem
+//! of Tresca, and Coulomb as a fixed point of such problems (`coulomb.rs`).
 
+mod coulomb;
 mod exchange;
 mod face;
 mod gradient;
 mod mprgp;
 mod newton;
+mod slip;
 mod spectrum;
 mod uzawa;
 
@@ -33,8 +37,8 @@ pub use uzawa::Uzawa;
 use std::ops::ControlFlow;
 
 use crate::dual::{
-    Balance, Block, Compliance, Component, DualError, DualProblem, Feasibility, Multipliers,
-    Projector, Violations,
+    AdmissibleSet, Balance, Block, Compliance, Component, DualError, DualProblem, Feasibility,
+    Multipliers, Projector, Violations,
 };
 
 /// The automatic fixed step ρ times the upper bound of λ_max: below 2, where the iteration would stop converging.
@@ -74,8 +78,20 @@ pub struct Outcome {
     pub bolts: Vec<Bolt>,
     /// The observer stopped it: the answer need not pass the certificate.
     pub stopped_by_observer: bool,
+    /// How Coulomb's law was reached, where by a fixed point of problems with given bounds.
+    pub fixed_point: Option<FixedPoint>,
     /// What the user should know, in words.
     pub remarks: Vec<String>,
+}
+
+/// Coulomb's law as the fixed point of bounds ↦ coefficient · λₙ.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct FixedPoint {
+    /// Problems with given bounds that were solved.
+    pub iterations: usize,
+    /// Estimated factor by which each of them reduces the error of the bounds; below 1 the map contracts here, which
+    /// speaks for a unique solution. `None`: the bounds settled before it could be told.
+    pub contraction: Option<f64>,
 }
 
 /// A bolt of the p,A-algorithm.
@@ -113,7 +129,7 @@ pub enum SolveError {
         direction: Vec<f64>,
     },
     /// The solver cannot treat a block of the admissible set.
-    #[error("{method} does not treat friction: block {block} of the admissible set is {found:?}")]
+    #[error("{method} cannot treat block {block} of the admissible set, {found:?}: {reason}")]
     Unsupported {
         /// Name of the solver.
         method: &'static str,
@@ -121,6 +137,8 @@ pub enum SolveError {
         block: usize,
         /// The block.
         found: Block,
+        /// Why, and what to use instead.
+        reason: &'static str,
     },
     /// The named bolts do not hold the floating bodies.
     #[error(
@@ -164,38 +182,77 @@ pub trait ContactSolver: Sync {
     ) -> Result<Outcome, SolveError>;
 }
 
+/// An algorithm for problems whose friction bounds are given, on prepared data.
+pub(crate) trait FixedBounds: Sized {
+    /// Its name in reports and case files.
+    const NAME: &'static str;
+
+    /// Residual at which it stops, and the most iterations.
+    fn limits(&self) -> (f64, usize);
+
+    /// The same algorithm with other limits.
+    fn within(&self, tolerance: f64, max_iterations: usize) -> Self;
+
+    /// Solves for the admissible set of `setup`, in which no bound depends on λ.
+    fn run(
+        &self,
+        setup: &Setup<'_>,
+        guess: Option<&Multipliers>,
+        observe: Observer<'_>,
+    ) -> Result<Outcome, SolveError>;
+}
+
+/// Runs `method`, once or, where a bound depends on λ, as often as the bounds change.
+pub(crate) fn solve_with<S: FixedBounds>(
+    method: &S,
+    problem: &DualProblem,
+    guess: Option<&Multipliers>,
+    observe: Observer<'_>,
+) -> Result<Outcome, SolveError> {
+    let setup = Setup::new(problem)?;
+    if setup.admissible.has_coulomb() {
+        coulomb::fixed_point(method, &setup, guess, observe)
+    } else {
+        method.run(&setup, guess, observe)
+    }
+}
+
 /// What every solver prepares: checked data, the balance in orthonormal modes, the kind of each force.
 pub(crate) struct Setup<'a> {
     pub problem: &'a DualProblem,
+    /// Λ: that of the problem, or with other friction blocks in the same places.
+    pub admissible: AdmissibleSet,
     pub balance: Balance,
     pub components: Vec<Component>,
 }
 
 impl<'a> Setup<'a> {
-    /// Checks the problem, refuses friction and loads that nothing can carry.
-    pub fn new(problem: &'a DualProblem, method: &'static str) -> Result<Self, SolveError> {
+    /// Checks the problem, refuses loads that nothing can carry.
+    pub fn new(problem: &'a DualProblem) -> Result<Self, SolveError> {
         problem.check()?;
-        for (block, found) in problem.admissible.blocks().iter().enumerate() {
-            if matches!(found, Block::Tresca { .. } | Block::Coulomb { .. }) {
-                return Err(SolveError::Unsupported {
-                    method,
-                    block,
-                    found: *found,
-                });
-            }
-        }
         let mut balance = Balance::new(&problem.equilibrium);
         match problem.feasibility() {
-            Feasibility::Infeasible { direction } => {
+            Feasibility::Infeasible { direction, .. } => {
                 return Err(SolveError::Infeasible { direction });
             }
             Feasibility::Feasible { load } => balance.set_load(&load),
         }
         Ok(Self {
             problem,
+            admissible: problem.admissible.clone(),
             balance,
             components: problem.admissible.components(),
         })
+    }
+
+    /// The same problem with the admissible set `admissible`, which must have the same length.
+    pub fn with_admissible(&self, admissible: AdmissibleSet) -> Self {
+        Self {
+            problem: self.problem,
+            components: admissible.components(),
+            admissible,
+            balance: self.balance.clone(),
+        }
     }
 
     /// Number m of contact forces.
@@ -231,7 +288,7 @@ impl<'a> Setup<'a> {
 
     /// Workspace for projections.
     pub fn projector(&self) -> Projector<'_> {
-        Projector::new(&self.problem.admissible, &self.balance)
+        Projector::new(&self.admissible, &self.balance)
     }
 
     /// Forces to begin with: those of the guess, or zero; not yet admissible or balanced.
@@ -298,8 +355,15 @@ impl Judge {
         setup
             .problem
             .gap_from_product(product, &self.alpha, &mut self.gap);
-        Violations::at(setup.problem, lambda, &self.alpha, &self.gap, components)
-            .residual(setup.problem.scales.moment_arm)
+        Violations::at(
+            setup.problem,
+            &setup.admissible,
+            lambda,
+            &self.alpha,
+            &self.gap,
+            components,
+        )
+        .residual(setup.problem.scales.moment_arm)
     }
 }
 

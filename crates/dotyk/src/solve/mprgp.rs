@@ -9,6 +9,8 @@
 //!           else:        a proportioning step along β
 //! ```
 //!
+//! Friction with given bounds adds upper bounds: |λₜ| ≤ bound is −bound ≤ λₜ ≤ bound. Only in the plane: discs are not boxes.
+//!
 //! φ is the gradient on the free unknowns, β its part that releases active ones, φ̃ᵢ = min((xᵢ − lᵢ)/ᾱ, φᵢ). The rate
 //! depends on spectral bounds only, and nothing is asked of the user: ᾱ = 1.9/ϱ, ϱ = 1.1L, M = 100L halved when the
 //! Lagrangian does not grow, η = 0.1, L from Lanczos. Where the contact is a small part of the nodes, ϱQ is weak on its
@@ -20,11 +22,12 @@
 
 use std::ops::ControlFlow;
 
-use crate::dual::{DualProblem, Multipliers, Projector};
+use crate::dual::{Block, DualProblem, Multipliers, Projector};
 use crate::solve::face::restore;
 use crate::solve::gradient::projected_bound;
 use crate::solve::{
-    ContactSolver, Iterate, Judge, Observer, Outcome, Setup, SolveError, dot, loaded, norm,
+    ContactSolver, FixedBounds, Iterate, Judge, Observer, Outcome, Setup, SolveError, dot, loaded,
+    norm, solve_with,
 };
 
 /// An outer step that leaves more than this part of the imbalance is slow; [`SLOW_STEPS`] in a row raise the penalty.
@@ -56,7 +59,7 @@ impl Default for Mprgp {
 
 impl ContactSolver for Mprgp {
     fn name(&self) -> &'static str {
-        "mprgp"
+        Self::NAME
     }
 
     fn solve(
@@ -65,15 +68,39 @@ impl ContactSolver for Mprgp {
         guess: Option<&Multipliers>,
         observe: Observer<'_>,
     ) -> Result<Outcome, SolveError> {
-        let setup = Setup::new(problem, self.name())?;
+        solve_with(self, problem, guess, observe)
+    }
+}
+
+impl FixedBounds for Mprgp {
+    const NAME: &'static str = "mprgp";
+
+    fn limits(&self) -> (f64, usize) {
+        (self.tolerance, self.max_iterations)
+    }
+
+    fn within(&self, tolerance: f64, max_iterations: usize) -> Self {
+        Self {
+            tolerance,
+            max_iterations,
+        }
+    }
+
+    fn run(
+        &self,
+        setup: &Setup<'_>,
+        guess: Option<&Multipliers>,
+        observe: Observer<'_>,
+    ) -> Result<Outcome, SolveError> {
+        check_tangents(setup)?;
         let start = setup.start(guess)?;
         let mut projector = setup.projector();
-        let mut state = State::new(&setup, &start, guess);
+        let mut state = State::new(setup, &start, guess);
         // The estimate of the residual that asks for a verdict.
         let mut ask = self.tolerance;
         let mut iteration = 0;
         loop {
-            let estimate = state.estimate(&setup);
+            let estimate = state.estimate(setup);
             let stopped = iteration > 0
                 && observe(&Iterate {
                     iteration,
@@ -84,29 +111,29 @@ impl ContactSolver for Mprgp {
                 }) == ControlFlow::Break(());
             let ended = iteration == self.max_iterations || !estimate.is_finite();
             if stopped {
-                return Ok(state.outcome(&setup, iteration, true));
+                return Ok(state.outcome(setup, iteration, true));
             }
             if estimate <= ask || ended {
-                state.balance_exactly(&setup, &mut projector);
-                let residual = state.verdict(&setup);
+                state.balance_exactly(setup, &mut projector);
+                let residual = state.verdict(setup);
                 if residual <= self.tolerance {
-                    return Ok(state.outcome(&setup, iteration, false));
+                    return Ok(state.outcome(setup, iteration, false));
                 }
                 if ended {
                     return Err(SolveError::NotConverged {
-                        method: self.name(),
-                        outcome: Box::new(state.outcome(&setup, iteration, false)),
+                        method: Self::NAME,
+                        outcome: Box::new(state.outcome(setup, iteration, false)),
                         residual,
                         reason: "allow more iterations, or use newton".to_string(),
                     });
                 }
                 ask *= 0.3;
-                state.refresh(&setup);
+                state.refresh(setup);
             }
             if state.settled() {
-                state.update_balance(&setup);
+                state.update_balance(setup);
             } else {
-                state.advance(&setup);
+                state.advance(setup);
                 iteration += 1;
             }
         }
@@ -115,9 +142,12 @@ impl ContactSolver for Mprgp {
 
 /// Iterate, gradient and workspace.
 struct State {
-    /// Ĝᵀê and the bounds −Ĝᵀê (−∞ for free forces).
+    /// Ĝᵀê and the lower bounds −Ĝᵀê (−∞ for free forces).
     offset: Vec<f64>,
     floor: Vec<f64>,
+    /// Upper bounds, and the bounds of tangential forces: infinite without friction.
+    ceiling: Vec<f64>,
+    shear: Vec<f64>,
     /// P(d − FĜᵀê), ĜFĜᵀê and Ĝd.
     right: Vec<f64>,
     modes_offset: Vec<f64>,
@@ -165,15 +195,17 @@ impl State {
         setup
             .balance
             .add_transposed(1.0, &setup.balance.load, &mut offset);
+        let shear = shear_bounds(setup);
         let floor: Vec<f64> = (0..m)
             .map(|i| {
                 if setup.bounded(i) {
                     -offset[i]
                 } else {
-                    f64::NEG_INFINITY
+                    -shear[i] - offset[i]
                 }
             })
             .collect();
+        let ceiling: Vec<f64> = (0..m).map(|i| shear[i] - offset[i]).collect();
         // Without a guess x is the projection of zero, as in the unbounded problem.
         let x = (0..m)
             .map(|i| {
@@ -183,12 +215,14 @@ impl State {
                     0.0
                 }
             })
-            .zip(&floor)
-            .map(|(x, floor)| f64::max(x, *floor))
+            .zip(floor.iter().zip(&ceiling))
+            .map(|(x, (floor, ceiling))| x.max(*floor).min(*ceiling))
             .collect();
         let mut state = Self {
             offset,
             floor,
+            ceiling,
+            shear,
             right: setup.problem.shift.clone(),
             modes_offset: vec![0.0; k],
             modes_shift: vec![0.0; k],
@@ -314,10 +348,14 @@ impl State {
     /// φ and β of the gradient.
     fn split(&mut self) {
         for i in 0..self.x.len() {
-            let open = self.x[i] > self.floor[i];
+            let (low, high) = (self.x[i] <= self.floor[i], self.x[i] >= self.ceiling[i]);
             let g = self.gradient[i];
-            self.free[i] = if open { g } else { 0.0 };
-            self.chopped[i] = if open { 0.0 } else { g.min(0.0) };
+            (self.free[i], self.chopped[i]) = match (low, high) {
+                (false, false) => (g, 0.0),
+                (true, false) => (0.0, g.min(0.0)),
+                (false, true) => (0.0, g.max(0.0)),
+                (true, true) => (0.0, 0.0),
+            };
         }
     }
 
@@ -335,7 +373,7 @@ impl State {
             self.lambda[i] = if setup.bounded(i) {
                 force.max(0.0)
             } else {
-                force
+                force.max(-self.shear[i]).min(self.shear[i])
             };
             self.product[i] = self.gradient[i] + setup.problem.shift[i];
         }
@@ -348,12 +386,26 @@ impl State {
     /// Ĝλ = ê to rounding: by the loaded forces alone where they stay admissible, else by the projection, which also
     /// loads open contacts a little.
     fn balance_exactly(&mut self, setup: &Setup<'_>, projector: &mut Projector<'_>) {
+        let shear = &self.shear;
         let loaded: Vec<bool> = (0..self.lambda.len())
-            .map(|i| !setup.bounded(i) || self.lambda[i] > 0.0)
+            .map(|i| {
+                if setup.bounded(i) {
+                    self.lambda[i] > 0.0
+                } else {
+                    self.lambda[i].abs() < shear[i]
+                }
+            })
             .collect();
         let mut trial = self.lambda.clone();
         let balanced = restore(setup, &loaded, &mut trial);
-        if balanced && (0..trial.len()).all(|i| !setup.bounded(i) || trial[i] >= 0.0) {
+        let admissible = |i: usize| {
+            if setup.bounded(i) {
+                trial[i] >= 0.0
+            } else {
+                trial[i].abs() <= shear[i]
+            }
+        };
+        if balanced && (0..trial.len()).all(admissible) {
             self.lambda = trial;
         } else {
             let mut tau = vec![0.0; setup.modes()];
@@ -436,7 +488,8 @@ impl State {
         let reduced: f64 = (0..self.x.len())
             .map(|i| {
                 let room = (self.x[i] - self.floor[i]) / self.step_length;
-                self.free[i] * self.free[i].min(room)
+                let above = (self.x[i] - self.ceiling[i]) / self.step_length;
+                self.free[i] * self.free[i].min(room).max(above)
             })
             .sum();
         if dot(&self.chopped, &self.chopped) > reduced {
@@ -451,10 +504,7 @@ impl State {
         } else {
             f64::INFINITY
         };
-        let feasible = (0..self.x.len())
-            .filter(|&i| self.direction[i] > 0.0)
-            .map(|i| (self.x[i] - self.floor[i]) / self.direction[i])
-            .fold(f64::INFINITY, f64::min);
+        let feasible = self.longest(&self.direction);
         if conjugate <= feasible && conjugate.is_finite() {
             self.kind = 'c';
             self.walk(conjugate, Vector::Direction);
@@ -468,7 +518,9 @@ impl State {
                 self.walk(feasible, Vector::Direction);
             }
             for i in 0..self.x.len() {
-                self.x[i] = (self.x[i] - self.step_length * self.free[i]).max(self.floor[i]);
+                self.x[i] = (self.x[i] - self.step_length * self.free[i])
+                    .max(self.floor[i])
+                    .min(self.ceiling[i]);
             }
             self.refresh(setup);
         }
@@ -485,8 +537,25 @@ impl State {
         } else {
             self.step_length
         };
-        self.walk(step, Vector::Chopped);
+        // A tangential force may reach its other bound.
+        self.walk(step.min(self.longest(&self.chopped)), Vector::Chopped);
         self.direction.copy_from_slice(&self.free);
+    }
+
+    /// The longest step for which x − step · v keeps its bounds.
+    fn longest(&self, v: &[f64]) -> f64 {
+        let limit = |i: usize| {
+            let bound = if v[i] > 0.0 {
+                self.floor[i]
+            } else {
+                self.ceiling[i]
+            };
+            (self.x[i] - bound) / v[i]
+        };
+        (0..v.len())
+            .filter(|&i| v[i] != 0.0)
+            .map(limit)
+            .fold(f64::INFINITY, f64::min)
     }
 
     /// x −= `step`·v with the gradient, from the product in `image`; then φ and β.
@@ -495,8 +564,10 @@ impl State {
             Vector::Direction => &self.direction,
             _ => &self.chopped,
         };
-        for ((x, v), floor) in self.x.iter_mut().zip(v).zip(&self.floor) {
-            *x = (*x - step * v).max(*floor);
+        for (i, v) in v.iter().enumerate() {
+            self.x[i] = (self.x[i] - step * v)
+                .max(self.floor[i])
+                .min(self.ceiling[i]);
         }
         for (gradient, image) in self.gradient.iter_mut().zip(&self.image) {
             *gradient -= step * image;
@@ -515,8 +586,35 @@ impl State {
             rho: None,
             bolts: Vec::new(),
             stopped_by_observer,
+            fixed_point: None,
             remarks: Vec::new(),
         }
+    }
+}
+
+/// Bounds of the tangential forces (m,): infinite for all others.
+fn shear_bounds(setup: &Setup<'_>) -> Vec<f64> {
+    let mut bounds = vec![f64::INFINITY; setup.len()];
+    for (block, range) in setup.admissible.iter() {
+        if let Block::Tresca { bound, .. } = *block {
+            bounds[range.start + 1..range.end].fill(bound);
+        }
+    }
+    bounds
+}
+
+/// Discs are not boxes.
+fn check_tangents(setup: &Setup<'_>) -> Result<(), SolveError> {
+    let disc = |block: &Block| block.bound(0.0).is_some() && block.size() > 2;
+    let blocks = setup.admissible.blocks();
+    match blocks.iter().position(disc) {
+        None => Ok(()),
+        Some(block) => Err(SolveError::Unsupported {
+            method: Mprgp::NAME,
+            block,
+            found: blocks[block],
+            reason: "it treats friction with one tangential force per node, not with two: use newton or accelerated",
+        }),
     }
 }
 
@@ -531,7 +629,7 @@ enum Vector {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::dual::{AdmissibleSet, Block, Compliance, Equilibrium};
+    use crate::dual::{AdmissibleSet, Compliance, Equilibrium};
     use crate::linalg::Mat;
 
     /// A plate on springs of compliance 1/(1 + j), loaded off centre: some springs open.

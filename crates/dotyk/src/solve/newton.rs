@@ -9,6 +9,8 @@
 //! Finite and exact: 3 to 10 linear solves from the full set. As described in Hintermüller, Ito & Kunisch (2003) and
 //! Hüeber & Wohlmuth (2005), here on the condensed dual problem.
 //!
+//! Problems with friction go to `slip.rs`.
+//!
 //! Guards, because convergence is a theorem for M-matrices only:
 //! * a new set that cannot balance the load is joined with the old one (the rank decides, not the signs);
 //! * a set that was seen before, or a residual that does not fall, ends the phase: some steps of [`Mprgp`], whose rate is
@@ -23,7 +25,8 @@ use std::ops::ControlFlow;
 use crate::dual::{Compliance, DualProblem, Multipliers, least_norm_within};
 use crate::solve::face::{Face, carries};
 use crate::solve::{
-    ContactSolver, Iterate, Judge, Mprgp, Observer, Outcome, Setup, SolveError, loaded,
+    ContactSolver, FixedBounds, Iterate, Judge, Mprgp, Observer, Outcome, Setup, SolveError,
+    loaded, slip,
 };
 
 /// Steps without a smaller residual that end a phase.
@@ -58,7 +61,7 @@ impl Default for Newton {
 
 impl ContactSolver for Newton {
     fn name(&self) -> &'static str {
-        "newton"
+        Self::NAME
     }
 
     fn solve(
@@ -67,27 +70,57 @@ impl ContactSolver for Newton {
         guess: Option<&Multipliers>,
         observe: Observer<'_>,
     ) -> Result<Outcome, SolveError> {
-        let setup = Setup::new(problem, self.name())?;
+        let setup = Setup::new(problem)?;
+        if setup.admissible.has_friction() {
+            return slip::solve(self, &setup, guess, observe);
+        }
+        self.run(&setup, guess, observe)
+    }
+}
+
+impl FixedBounds for Newton {
+    const NAME: &'static str = "newton";
+
+    fn limits(&self) -> (f64, usize) {
+        (self.tolerance, self.max_iterations)
+    }
+
+    fn within(&self, tolerance: f64, max_iterations: usize) -> Self {
+        Self {
+            tolerance,
+            max_iterations,
+        }
+    }
+
+    fn run(
+        &self,
+        setup: &Setup<'_>,
+        guess: Option<&Multipliers>,
+        observe: Observer<'_>,
+    ) -> Result<Outcome, SolveError> {
+        if setup.admissible.has_friction() {
+            return slip::solve(self, setup, guess, observe);
+        }
         let start = setup.start(guess)?;
         let mut active: Vec<bool> = (0..setup.len())
             .map(|i| guess.is_none() || start[i] > 0.0 || !setup.bounded(i))
             .collect();
-        if !carries(&setup, &active) {
+        if !carries(setup, &active) {
             active.fill(true);
         }
-        let mut search = Search::new(&setup, self.tolerance, start);
+        let mut search = Search::new(setup, self.tolerance, start);
         for phase in 0..PHASES {
             let left = self.max_iterations.saturating_sub(search.steps);
-            match search.phase(&setup, &mut active, left, observe) {
-                Phase::Converged => return Ok(search.outcome(&setup, false)),
-                Phase::Stopped => return Ok(search.outcome(&setup, true)),
+            match search.phase(setup, &mut active, left, observe) {
+                Phase::Converged => return Ok(search.outcome(setup, false)),
+                Phase::Stopped => return Ok(search.outcome(setup, true)),
                 Phase::Stuck => {}
             }
             let rescue = Mprgp {
                 tolerance: self.tolerance,
                 max_iterations: RESCUE << phase,
             };
-            let found = match search.rescue(&setup, &rescue, observe)? {
+            let found = match search.rescue(setup, &rescue, observe)? {
                 Rescue::Solved(outcome) if outcome.stopped_by_observer => return Ok(outcome),
                 Rescue::Solved(outcome) => outcome.multipliers.lambda,
                 Rescue::Unfinished(lambda) => lambda,
@@ -97,14 +130,14 @@ impl ContactSolver for Newton {
             }
             search.face.lambda = found;
         }
-        match search.exchange(&setup, observe) {
-            Phase::Converged => return Ok(search.outcome(&setup, false)),
-            Phase::Stopped => return Ok(search.outcome(&setup, true)),
+        match search.exchange(setup, observe) {
+            Phase::Converged => return Ok(search.outcome(setup, false)),
+            Phase::Stopped => return Ok(search.outcome(setup, true)),
             Phase::Stuck => {}
         }
         let residual = search.residual;
         match search.rescue(
-            &setup,
+            setup,
             &Mprgp {
                 tolerance: self.tolerance,
                 ..Mprgp::default()
@@ -115,8 +148,8 @@ impl ContactSolver for Newton {
             Rescue::Unfinished(lambda) => {
                 search.face.lambda = lambda;
                 Err(SolveError::NotConverged {
-                    method: self.name(),
-                    outcome: Box::new(search.outcome(&setup, false)),
+                    method: Self::NAME,
+                    outcome: Box::new(search.outcome(setup, false)),
                     residual,
                     reason: "neither active sets nor MPRGP reached the tolerance: \
                              check the units, the supports and the tolerance"
@@ -240,7 +273,9 @@ impl Search {
         self.drop_rounding(setup);
         self.judge(setup);
         if !self.face.loose.is_empty() {
-            self.open_gaps(setup, active);
+            let open = |i: usize| !active[i];
+            let Face { loose, alpha, .. } = &mut self.face;
+            open_gaps(setup, loose, &self.judge.gap, open, alpha);
             self.judge(setup);
         }
     }
@@ -273,30 +308,6 @@ impl Search {
             .residual(setup, &setup.components, lambda, product, alpha);
     }
 
-    /// Moves α̂ along its undetermined directions, by the least norm, until no inactive gap overlaps.
-    fn open_gaps(&mut self, setup: &Setup<'_>, active: &[bool]) {
-        let loose = &self.face.loose;
-        let (mut rows, mut bounds) = (Vec::new(), Vec::new());
-        for i in (0..setup.len()).filter(|&i| !active[i]) {
-            let row: Vec<f64> = loose
-                .iter()
-                .map(|z| (0..z.len()).map(|j| z[j] * setup.balance.rows[j][i]).sum())
-                .collect();
-            // A gap that the loose motion does not change is left to the active set.
-            if row.iter().any(|x: &f64| x.abs() > 1e-12) {
-                rows.push(row);
-                bounds.push(self.judge.gap[i]);
-            }
-        }
-        if let Some(motion) = least_norm_within(&rows, &bounds, loose.len()) {
-            for (motion, z) in motion.iter().zip(loose) {
-                for (alpha, z) in self.face.alpha.iter_mut().zip(z) {
-                    *alpha += motion * z;
-                }
-            }
-        }
-    }
-
     /// Forces that push stay, gaps that overlap join; never a set that cannot balance the load.
     fn next_set(&self, setup: &Setup<'_>, active: &[bool]) -> Vec<bool> {
         let mut next: Vec<bool> = (0..setup.len())
@@ -326,7 +337,7 @@ impl Search {
     ) -> Result<Rescue, SolveError> {
         let guess = self.multipliers(setup);
         let (done, products) = (self.iterations, self.face.products);
-        let result = method.solve(setup.problem, Some(&guess), &mut |iterate: &Iterate<'_>| {
+        let result = method.run(setup, Some(&guess), &mut |iterate: &Iterate<'_>| {
             observe(&Iterate {
                 iteration: done + iterate.iteration,
                 ..*iterate
@@ -364,7 +375,37 @@ impl Search {
             rho: None,
             bolts: Vec::new(),
             stopped_by_observer,
+            fixed_point: None,
             remarks: Vec::new(),
+        }
+    }
+}
+
+/// Moves α̂ along its undetermined directions `loose`, by the least norm, until no gap of an `open` contact overlaps.
+pub(crate) fn open_gaps(
+    setup: &Setup<'_>,
+    loose: &[Vec<f64>],
+    gap: &[f64],
+    open: impl Fn(usize) -> bool,
+    alpha: &mut [f64],
+) {
+    let (mut rows, mut bounds) = (Vec::new(), Vec::new());
+    for i in (0..setup.len()).filter(|&i| open(i)) {
+        let row: Vec<f64> = loose
+            .iter()
+            .map(|z| (0..z.len()).map(|j| z[j] * setup.balance.rows[j][i]).sum())
+            .collect();
+        // A gap that the loose motion does not change is left to the active set.
+        if row.iter().any(|x: &f64| x.abs() > 1e-12) {
+            rows.push(row);
+            bounds.push(gap[i]);
+        }
+    }
+    if let Some(motion) = least_norm_within(&rows, &bounds, loose.len()) {
+        for (motion, z) in motion.iter().zip(loose) {
+            for (alpha, z) in alpha.iter_mut().zip(z) {
+                *alpha += motion * z;
+            }
         }
     }
 }

@@ -13,6 +13,8 @@
 //! improper bolt has tension at A and is wrong, so the sign is always tested: an improper bolt is moved to the node with
 //! the largest λᵢ‖Gᵢ‖, at most three times, and then the exact projection takes over and says so.
 //!
+//! Friction with given bounds: tangential forces are projected onto them in STEP 2; bolts are normal forces.
+//!
 //! ρ: 1.9/L, with L an upper bound of λ_max(S_A) by Lanczos steps. Bolts: largest λᵢ‖Gᵢ‖ of the bilateral solution.
 //!
 //! Source: Janovský & Procházka, Contact problem of two elastic bodies III, Apl. mat. 25 (1980) 137–146, section 7
@@ -26,8 +28,8 @@ use crate::linalg::dense::solve_general;
 use crate::solve::face::Face;
 use crate::solve::gradient::{check_rho, rho_reason};
 use crate::solve::{
-    Bolt, ContactSolver, Gradient, Iterate, Judge, Observer, Outcome, Setup, SolveError, dot,
-    loaded, norm, spectrum, steeper_than,
+    Bolt, ContactSolver, FixedBounds, Gradient, Iterate, Judge, Observer, Outcome, Setup,
+    SolveError, dot, loaded, norm, solve_with, spectrum, steeper_than,
 };
 
 /// How often an improper bolt is moved before the exact projection takes over.
@@ -62,7 +64,7 @@ impl Default for Uzawa {
 
 impl ContactSolver for Uzawa {
     fn name(&self) -> &'static str {
-        "uzawa"
+        Self::NAME
     }
 
     fn solve(
@@ -71,27 +73,51 @@ impl ContactSolver for Uzawa {
         guess: Option<&Multipliers>,
         observe: Observer<'_>,
     ) -> Result<Outcome, SolveError> {
-        let setup = Setup::new(problem, self.name())?;
+        solve_with(self, problem, guess, observe)
+    }
+}
+
+impl FixedBounds for Uzawa {
+    const NAME: &'static str = "uzawa";
+
+    fn limits(&self) -> (f64, usize) {
+        (self.tolerance, self.max_iterations)
+    }
+
+    fn within(&self, tolerance: f64, max_iterations: usize) -> Self {
+        Self {
+            tolerance,
+            max_iterations,
+            ..self.clone()
+        }
+    }
+
+    fn run(
+        &self,
+        setup: &Setup<'_>,
+        guess: Option<&Multipliers>,
+        observe: Observer<'_>,
+    ) -> Result<Outcome, SolveError> {
         check_rho(self.rho)?;
-        let mut run = Run::new(&setup, setup.start(guess)?);
+        let mut run = Run::new(setup, setup.start(guess)?);
         let chosen = match &self.bolts {
-            Some(named) => Some(named_bolts(&setup, named)?),
-            None => run.bolts_of_bilateral_solution(&setup),
+            Some(named) => Some(named_bolts(setup, named)?),
+            None => run.bolts_of_bilateral_solution(setup),
         };
         let Some(mut bolted) = chosen else {
             return run.exact_projection(
                 self,
-                &setup,
+                setup,
                 observe,
                 "no contact is pressed when all are closed, so there is no place for a bolt",
             );
         };
         for moves in 0..=MOVES {
-            if run.iterate(self, &setup, &bolted, observe)? {
-                return Ok(run.outcome(&setup, true));
+            if run.iterate(self, setup, &bolted, observe)? {
+                return Ok(run.outcome(setup, true));
             }
             let forces: Vec<f64> = bolted.nodes.iter().map(|&node| run.lambda[node]).collect();
-            let tension = -self.tolerance * run.force(&setup);
+            let tension = -self.tolerance * run.force(setup);
             let improper =
                 |place: usize| setup.bounded(bolted.nodes[place]) && forces[place] < tension;
             let bolt = |place: usize, moved: bool| Bolt {
@@ -103,25 +129,24 @@ impl ContactSolver for Uzawa {
             let places = 0..bolted.nodes.len();
             let Some(first) = places.clone().find(|&place| improper(place)) else {
                 run.bolts.extend(places.map(|place| bolt(place, false)));
-                return Ok(run.outcome(&setup, false));
+                return Ok(run.outcome(setup, false));
             };
             if !self.move_improper {
                 return Err(SolveError::ImproperBolt {
                     bolt: bolt(first, false),
-                    outcome: Box::new(run.outcome(&setup, false)),
+                    outcome: Box::new(run.outcome(setup, false)),
                 });
             }
             let moved = places.filter(|&place| improper(place));
             run.bolts.extend(moved.map(|place| bolt(place, true)));
-            let pressed: Vec<f64> = run.lambda.iter().map(|force| force.max(0.0)).collect();
-            match choose(&setup, &pressed) {
+            match choose(setup, &pressed(setup, &run.lambda)) {
                 Some(next) if moves < MOVES && next.nodes != bolted.nodes => bolted = next,
                 _ => break,
             }
         }
         run.exact_projection(
             self,
-            &setup,
+            setup,
             observe,
             "every bolt that was tried ended in tension",
         )
@@ -183,6 +208,17 @@ impl Bolted {
                 .sum();
         }
     }
+}
+
+/// Forces that press, 0 for the others: no bolt is put on a tangential force.
+fn pressed(setup: &Setup<'_>, lambda: &[f64]) -> Vec<f64> {
+    let components = setup.components.iter().zip(lambda);
+    components
+        .map(|(component, force)| match component {
+            Component::Tangent => 0.0,
+            Component::Free | Component::Normal => force.max(0.0),
+        })
+        .collect()
 }
 
 /// Greedy choice: largest λᵢ times the part of column Ĝᵢ that the bolts before do not hold.
@@ -274,8 +310,7 @@ impl Run {
         let mut face = Face::new(setup, vec![0.0; setup.len()]);
         face.solve(setup, &vec![true; setup.len()], 1e-3);
         self.products += face.products;
-        let pressed: Vec<f64> = face.lambda.iter().map(|force| force.max(0.0)).collect();
-        choose(setup, &pressed)
+        choose(setup, &pressed(setup, &face.lambda))
     }
 
     /// Iterates with the bolts `bolted` until the residual passes with λ_A free; `true`: stopped by the observer.
@@ -304,6 +339,7 @@ impl Run {
         for (force, bounded) in self.lambda.iter_mut().zip(&bounded) {
             *force = if *bounded { force.max(0.0) } else { *force };
         }
+        setup.admissible.bound_tangents(&mut self.lambda);
         bolted.close(setup, &mut self.lambda, &mut parts);
         let (mut product, mut before) = (vec![0.0; m], vec![0.0; m]);
         let mut previous = self.lambda.clone();
@@ -351,6 +387,7 @@ impl Run {
                 let trial = *force - step * gap;
                 *force = if *bounded { trial.max(0.0) } else { trial };
             }
+            setup.admissible.bound_tangents(&mut self.lambda);
             bolted.close(setup, &mut self.lambda, &mut parts);
             self.iterations += 1;
             if first {
@@ -372,7 +409,7 @@ impl Run {
             Some(rho) => rho_reason(rho, reduced_bound(setup, bolted, &mut 0)),
         };
         SolveError::NotConverged {
-            method: "uzawa",
+            method: Uzawa::NAME,
             outcome: Box::new(self.outcome(setup, false)),
             residual,
             reason,
@@ -401,7 +438,7 @@ impl Run {
             remarks: vec![remark.clone()],
             ..outcome
         };
-        let result = exact.solve(setup.problem, Some(&guess), &mut |iterate: &Iterate<'_>| {
+        let result = exact.run(setup, Some(&guess), &mut |iterate: &Iterate<'_>| {
             observe(&Iterate {
                 iteration: self.iterations + iterate.iteration,
                 ..*iterate
@@ -415,7 +452,7 @@ impl Run {
                 reason,
                 ..
             }) => Err(SolveError::NotConverged {
-                method: "uzawa",
+                method: Uzawa::NAME,
                 outcome: Box::new(finish(*outcome)),
                 residual,
                 reason,
@@ -432,6 +469,7 @@ impl Run {
             rho: Some(self.rho),
             bolts: self.bolts.clone(),
             stopped_by_observer,
+            fixed_point: None,
             remarks: Vec::new(),
         }
     }

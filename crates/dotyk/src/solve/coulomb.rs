@@ -1,0 +1,256 @@
+//! Coulomb's law as a fixed point: solve with given bounds of the shear, set the bounds to coefficient · λₙ, repeat.
+//!
+//! ```text
+//!   boundₖ₊₁ = coefficient · λₙ(boundₖ),   λ(bound) the solution of the convex problem of Tresca
+//! ```
+//!
+//! Generic over the method that solves with given bounds. It begins with the bounds of the starting point, or of the
+//! solution in which every pressed contact sticks. The map contracts for small coefficients; the observed factor is
+//! reported, because it speaks for or against a unique solution. Bounds that cannot carry the load, although some
+//! force within Coulomb's cones can, are doubled until they do. The inner accuracy follows the outer one; what counts
+//! at the end is the residual of Coulomb's law itself.
+//!
+//! As described in Nečas, Jarušek & Haslinger (1980).
+
+use crate::dual::{Feasibility, Multipliers};
+use crate::solve::{FixedBounds, FixedPoint, Iterate, Observer, Outcome, Setup, SolveError};
+
+/// Most problems with given bounds.
+const ROUNDS: usize = 200;
+
+/// Rounds without a smaller change of the bounds that end the iteration.
+const PATIENCE: usize = 12;
+
+/// Most doublings of bounds that cannot carry the load.
+const DOUBLINGS: usize = 60;
+
+/// Changes of the bounds below this part of the largest force say nothing of the contraction.
+const ROUNDING: f64 = 1e-11;
+
+/// Solves the problem of `setup` with Coulomb's law by `method` for given bounds.
+///
+/// Errors: those of `method`; `NotConverged` when the bounds do not settle.
+pub(crate) fn fixed_point<S: FixedBounds>(
+    method: &S,
+    setup: &Setup<'_>,
+    guess: Option<&Multipliers>,
+    observe: Observer<'_>,
+) -> Result<Outcome, SolveError> {
+    let mut search = Search::new(method, setup);
+    let mut bounds = match guess {
+        Some(guess) => {
+            setup.start(Some(guess))?;
+            search.last = Some(guess.clone());
+            setup.admissible.bounds(&guess.lambda)
+        }
+        None => Vec::new(),
+    };
+    if guess.is_none() || !carries(setup, &bounds) {
+        let sticking = setup.with_admissible(setup.admissible.sticking());
+        if let Some(outcome) = search.solve(&sticking, 1e-3, observe)? {
+            return Ok(outcome);
+        }
+        bounds = search.bounds();
+    }
+    for _ in 0..ROUNDS {
+        for _ in 0..DOUBLINGS {
+            if carries(setup, &bounds) {
+                break;
+            }
+            bounds.iter_mut().for_each(|bound| *bound *= 2.0);
+        }
+        let given = setup.with_admissible(setup.admissible.with_bounds(&bounds));
+        let accuracy = (1e-2 * search.residual).clamp(0.3 * search.tolerance, 1e-3);
+        if let Some(outcome) = search.solve(&given, accuracy, observe)? {
+            return Ok(outcome);
+        }
+        search.rounds += 1;
+        let next = search.bounds();
+        search.compare(&bounds, &next);
+        search.judge();
+        if search.residual <= search.tolerance {
+            return Ok(search.outcome(false));
+        }
+        if search.still >= PATIENCE || !search.residual.is_finite() {
+            break;
+        }
+        bounds = next;
+    }
+    Err(search.not_converged())
+}
+
+/// Normal forces with these friction bounds balance the load.
+fn carries(setup: &Setup<'_>, bounds: &[f64]) -> bool {
+    if setup.modes() == 0 {
+        return true;
+    }
+    let given = setup.admissible.with_bounds(bounds);
+    let (equilibrium, force) = (&setup.problem.equilibrium, setup.problem.scales.force);
+    matches!(
+        Feasibility::of(&given, equilibrium, force),
+        Feasibility::Feasible { .. }
+    )
+}
+
+/// The iteration and its history.
+struct Search<'a, S> {
+    method: &'a S,
+    setup: &'a Setup<'a>,
+    tolerance: f64,
+    last: Option<Multipliers>,
+    residual: f64,
+    iterations: usize,
+    products: usize,
+    rounds: usize,
+    /// Change of the bounds in the last round, and their smallest change.
+    change: Option<f64>,
+    smallest: f64,
+    still: usize,
+    contraction: Option<f64>,
+    detail: Option<Outcome>,
+}
+
+impl<'a, S: FixedBounds> Search<'a, S> {
+    fn new(method: &'a S, setup: &'a Setup<'a>) -> Self {
+        Self {
+            method,
+            setup,
+            tolerance: method.limits().0,
+            last: None,
+            residual: f64::INFINITY,
+            iterations: 0,
+            products: 0,
+            rounds: 0,
+            change: None,
+            smallest: f64::INFINITY,
+            still: 0,
+            contraction: None,
+            detail: None,
+        }
+    }
+
+    /// Solves with given bounds from the last answer; an outcome when the observer is satisfied.
+    fn solve(
+        &mut self,
+        given: &Setup<'_>,
+        accuracy: f64,
+        observe: Observer<'_>,
+    ) -> Result<Option<Outcome>, SolveError> {
+        let done = self.iterations;
+        let left = self.method.limits().1.saturating_sub(done);
+        let method = self.method.within(accuracy, left);
+        let result = method.run(given, self.last.as_ref(), &mut |iterate: &Iterate<'_>| {
+            observe(&Iterate {
+                iteration: done + iterate.iteration,
+                ..*iterate
+            })
+        });
+        match result {
+            Ok(outcome) => {
+                let stopped = outcome.stopped_by_observer;
+                self.keep(outcome);
+                Ok(stopped.then(|| self.outcome(true)))
+            }
+            Err(SolveError::NotConverged {
+                method,
+                outcome,
+                residual,
+                reason,
+            }) => {
+                self.keep(*outcome);
+                Err(SolveError::NotConverged {
+                    method,
+                    outcome: Box::new(self.outcome(false)),
+                    residual,
+                    reason,
+                })
+            }
+            Err(error) => Err(error),
+        }
+    }
+
+    fn keep(&mut self, outcome: Outcome) {
+        self.iterations += outcome.iterations;
+        self.products += outcome.products;
+        self.last = Some(outcome.multipliers.clone());
+        self.detail = Some(outcome);
+    }
+
+    /// Bounds that follow from the last answer.
+    fn bounds(&self) -> Vec<f64> {
+        let none = Vec::new();
+        let lambda = self.last.as_ref().map_or(&none, |last| &last.lambda);
+        self.setup.admissible.bounds(lambda)
+    }
+
+    /// Residual of Coulomb's law at the last answer.
+    fn judge(&mut self) {
+        if let Some(last) = &self.last {
+            self.residual = self.setup.problem.kkt_residual(last);
+            self.products += 1;
+        }
+    }
+
+    fn compare(&mut self, bounds: &[f64], next: &[f64]) {
+        let largest = |values: &mut dyn Iterator<Item = f64>| values.fold(0.0, f64::max);
+        let change = largest(&mut bounds.iter().zip(next).map(|(a, b)| (a - b).abs()));
+        let size = largest(&mut next.iter().copied());
+        if let Some(before) = self.change
+            && change > ROUNDING * size
+        {
+            self.contraction = Some(change / before);
+        }
+        self.still = if change < self.smallest {
+            0
+        } else {
+            self.still + 1
+        };
+        self.smallest = self.smallest.min(change);
+        self.change = (change > ROUNDING * size).then_some(change);
+    }
+
+    fn outcome(&self, stopped_by_observer: bool) -> Outcome {
+        let (rho, bolts, mut remarks) = match &self.detail {
+            Some(detail) => (detail.rho, detail.bolts.clone(), detail.remarks.clone()),
+            None => (None, Vec::new(), Vec::new()),
+        };
+        if let Some(factor) = self.contraction.filter(|factor| *factor >= 1.0) {
+            remarks.push(format!(
+                "the bounds of friction did not contract (factor {factor:.2}): a solution may not be unique"
+            ));
+        }
+        Outcome {
+            multipliers: self.last.clone().unwrap_or(Multipliers {
+                lambda: vec![0.0; self.setup.len()],
+                alpha: vec![0.0; self.setup.balance.original_len()],
+            }),
+            iterations: self.iterations,
+            products: self.products,
+            rho,
+            bolts,
+            stopped_by_observer,
+            fixed_point: Some(FixedPoint {
+                iterations: self.rounds,
+                contraction: self.contraction,
+            }),
+            remarks,
+        }
+    }
+
+    fn not_converged(&self) -> SolveError {
+        let factor = match self.contraction {
+            Some(factor) => format!(" (factor {factor:.2} in the last round)"),
+            None => String::new(),
+        };
+        SolveError::NotConverged {
+            method: S::NAME,
+            outcome: Box::new(self.outcome(false)),
+            residual: self.residual,
+            reason: format!(
+                "the bounds of friction did not settle in {} rounds{factor}: a solution may not be unique; \
+                 use newton, smaller coefficients or smaller load steps",
+                self.rounds
+            ),
+        }
+    }
+}
