@@ -123,6 +123,9 @@ fn failed(model: &Model<2>, steps: &[Solution<2>], objection: &str) -> String {
         count => format!("step {} of {count} (t = {}): ", steps.len(), last.time),
     };
     let solver = &last.solver;
+    if solver.iterations == 0 {
+        return format!("{step}{objection}");
+    }
     format!(
         "{step}not converged after {} iterations of {}: {objection}",
         solver.iterations, solver.method

@@ -10,6 +10,7 @@ use crate::model::error::{Error, Subject};
 use crate::model::floating::Floating;
 use crate::model::nouns::*;
 use crate::model::pair::{Paired, admissible_set, pair_all};
+use crate::model::sliding::sliding;
 use std::fmt;
 
 /// What was found about one body.
@@ -162,7 +163,7 @@ impl<const D: usize> Model<D> {
         let mut floating = Floating::new(self, &bodies, &initial_gaps(&paired)).map_err(last)?;
         check.warnings.extend(floating.warnings.iter().cloned());
         self.describe_floating(&floating, &paired, check);
-        self.check_balance(&floating, &bodies, &paired, time)
+        self.check_balance(&floating, &bodies, &paired, time, &mut check.warnings)
             .map_err(last)?;
         for (index, &time) in self.times.iter().enumerate().rev().skip(1) {
             let at = |error| self.in_step(index + 1, error);
@@ -170,7 +171,7 @@ impl<const D: usize> Model<D> {
             floating = floating
                 .at_time(self, &bodies, &initial_gaps(&paired))
                 .map_err(at)?;
-            self.check_balance(&floating, &bodies, &paired, time)
+            self.check_balance(&floating, &bodies, &paired, time, &mut check.warnings)
                 .map_err(at)?;
         }
         Ok(())
@@ -183,12 +184,18 @@ impl<const D: usize> Model<D> {
         bodies: &[LoadedBody<D>],
         paired: &[Paired<D>],
         time: f64,
+        warnings: &mut Vec<String>,
     ) -> Result<(), Error<D>> {
         let admissible = admissible_set(self, paired, time)?;
         match Feasibility::of(&admissible, &floating.equilibrium, 0.0) {
             Feasibility::Feasible { .. } => Ok(()),
-            Feasibility::Infeasible { direction } => {
-                Err(floating.pulled_away(self, bodies, &direction))
+            Feasibility::Infeasible { direction, .. } => {
+                let slides = sliding(self, &admissible, floating, bodies, None);
+                match slides {
+                    Some(slides) => warnings.push(slides),
+                    None => return Err(floating.pulled_away(self, bodies, &direction)),
+                }
+                Ok(())
             }
         }
     }

@@ -153,20 +153,25 @@ impl Floating {
         bodies: &[LoadedBody<D>],
         direction: &[f64],
     ) -> Error<D> {
+        let (body, motion) = self.motion(model, bodies, direction);
+        let work = direction.iter().zip(&self.equilibrium.load);
+        let load = work.map(|(z, e)| z * e).sum();
+        Error::PulledAway { body, motion, load }
+    }
+
+    /// The part that moves most along a direction of the dual problem, and its motion in words.
+    pub fn motion<const D: usize>(
+        &self,
+        model: &Model<D>,
+        bodies: &[LoadedBody<D>],
+        direction: &[f64],
+    ) -> (String, String) {
         let z = self.amplitudes(direction);
         let body = main_body(&self.modes, &z);
-        let load = direction
-            .iter()
-            .zip(&self.equilibrium.load)
-            .map(|(z, e)| z * e)
-            .sum();
-        Error::PulledAway {
-            body: model.part_name(body),
-            motion: describe(model, bodies, body, |mode| {
-                amplitude(&self.modes, &z, body, mode)
-            }),
-            load,
-        }
+        let motion = describe(model, bodies, body, |mode| {
+            amplitude(&self.modes, &z, body, mode)
+        });
+        (model.part_name(body), motion)
     }
 }
 

@@ -16,6 +16,7 @@ mod pair;
 mod pipeline;
 mod probe;
 mod recover;
+mod sliding;
 mod solution;
 
 pub use check::{BodyCheck, Check, ContactCheck};

@@ -66,6 +66,8 @@ pub(crate) struct Condensed<const D: usize> {
     /// Spent so far, earlier steps included.
     pub seconds: Seconds,
     pub time: f64,
+    /// Time and e of the step before.
+    pub before: Option<(f64, Vec<f64>)>,
 }
 
 /// A load step that is done: what the next one begins from.
@@ -282,6 +284,7 @@ impl<const D: usize> Model<D> {
             warnings,
             seconds,
             time,
+            before: None,
         })
     }
 
@@ -306,6 +309,7 @@ impl<const D: usize> Model<D> {
             .collect();
         let floating = before.floating.at_time(self, &bodies, &gaps)?;
         let mut problem = before.problem;
+        let load_before = problem.equilibrium.load.clone();
         problem.admissible = admissible_set(self, &paired, time)?;
         problem.equilibrium = floating.equilibrium.clone();
         problem.shift = overlap(&bodies, &factored, &gaps);
@@ -324,6 +328,7 @@ impl<const D: usize> Model<D> {
             warnings: before.warnings,
             seconds,
             time,
+            before: Some((before.time, load_before)),
         })
     }
 
@@ -490,9 +495,15 @@ impl<const D: usize> Model<D> {
                 Some(format!("{reason} (residual {residual:.1e})")),
             ),
             Err(SolveError::Infeasible { direction }) => {
-                return Err(condensed
-                    .floating
-                    .pulled_away(self, &condensed.bodies, &direction));
+                let Some(slides) = self.sliding(condensed) else {
+                    let floating = &condensed.floating;
+                    return Err(floating.pulled_away(self, &condensed.bodies, &direction));
+                };
+                let multipliers = Multipliers {
+                    lambda: vec![0.0; condensed.gaps.len()],
+                    alpha: vec![0.0; condensed.problem.equilibrium.load.len()],
+                };
+                (Outcome::unsolved(multipliers), Some(slides))
             }
             Err(SolveError::DependentBolts { bolts, modes }) => {
                 let carriers = self.carriers(&condensed.paired);

@@ -94,6 +94,22 @@ pub struct FixedPoint {
     pub contraction: Option<f64>,
 }
 
+impl Outcome {
+    /// Forces that no solver has improved.
+    pub fn unsolved(multipliers: Multipliers) -> Self {
+        Self {
+            multipliers,
+            iterations: 0,
+            products: 0,
+            rho: None,
+            bolts: Vec::new(),
+            fixed_point: None,
+            stopped_by_observer: false,
+            remarks: Vec::new(),
+        }
+    }
+}
+
 /// A bolt of the p,A-algorithm.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Bolt {
