@@ -474,7 +474,7 @@ fn surfaces_and_obstacles_have_one_shape_with_a_direction() {
         ),
         (
             "plane = { point = [0, 0], normal = [0, 0] }",
-            "[0, 0] }",
+            "[0, 0]",
             "zero",
         ),
         ("circle = { radius = 1 }", "{ radius = 1 }", "`center`"),
@@ -484,10 +484,14 @@ fn surfaces_and_obstacles_have_one_shape_with_a_direction() {
     assert_mistake(surface, "surface = { tpo = {} }\nload =", "tpo", &["`top`"]);
     let pair = "mortar    = \"block.top\"\ngap       = \"geometric\"";
     for (obstacle, place, word) in [
-        ("{ displacement = [0, 0] }", "{ disp", "exactly one shape"),
+        (
+            "{ displacement = [0, 0] }",
+            "{ displacement = [0, 0] }",
+            "exactly one shape",
+        ),
         (
             "{ gap = 0, displacement = [0, 0], force = [0, 1] }",
-            "[0, 1] }",
+            "[0, 1]",
             "both are given",
         ),
     ] {

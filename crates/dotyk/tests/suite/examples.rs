@@ -1,13 +1,13 @@
 //! Every example is run: its assertions are tests.
 
 // Where `main` writes files, what it rests on is called here.
-#[path = "../examples/identify.rs"]
+#[path = "../../examples/identify.rs"]
 mod identify;
 #[allow(dead_code)]
-#[path = "../examples/punch.rs"]
+#[path = "../../examples/punch.rs"]
 mod punch;
 #[allow(dead_code)]
-#[path = "../examples/ring.rs"]
+#[path = "../../examples/ring.rs"]
 mod ring;
 
 #[test]
@@ -35,6 +35,9 @@ fn every_example_is_run_here() {
     for entry in std::fs::read_dir(folder).unwrap() {
         let name = entry.unwrap().file_name().into_string().unwrap();
         let known = ["identify.rs", "punch.rs", "ring.rs"].contains(&name.as_str());
-        assert!(known, "examples/{name} is not run by tests/examples.rs");
+        assert!(
+            known,
+            "examples/{name} is not run by tests/suite/examples.rs"
+        );
     }
 }

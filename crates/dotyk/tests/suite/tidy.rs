@@ -1,8 +1,6 @@
 //! Conventions of the text of the repository: headers, leftovers, paths of a machine, the change log.
 
-mod source;
-
-use source::{Source, files, library, sources};
+use crate::source::{Source, files, library, sources};
 use std::path::PathBuf;
 
 /// The folder that holds the workspace.

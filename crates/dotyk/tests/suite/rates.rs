@@ -3,8 +3,7 @@
 //! A measured rate between the two finest meshes lies within 0.1 of theory, or is bounded below where regularity is
 //! what limits it. Errors are relative, integrated by the test.
 
-mod norms;
-
+use crate::norms::{FieldError, field_error, order, pressure_error};
 use dotyk::analytic::hertz::{HalfPlane, rigid_contact_modulus};
 use dotyk::analytic::lame::PressFit;
 use dotyk::analytic::ring::{Interface, Part, RingInPlate};
@@ -12,7 +11,6 @@ use dotyk::analytic::{Material, Plane};
 use dotyk::geometry::{Field, Point};
 use dotyk::mesh::{CellKind, Diagonals, Mesh, Rectangle, Ring};
 use dotyk::model::{Elastic, Gap, Load, Model, Place, Solution, Support};
-use norms::{FieldError, field_error, order, pressure_error};
 use std::f64::consts::PI;
 
 // Smooth elasticity

@@ -4,9 +4,7 @@
 //! stand on it. Modules are named by `crate::` paths outside test modules, one module per `use`, so that this
 //! test can read them.
 
-mod source;
-
-use source::{Source, library, sources};
+use crate::source::{Source, library, sources};
 
 /// Each module and what it may use beside itself.
 const TABLE: [(&str, &str); 12] = [

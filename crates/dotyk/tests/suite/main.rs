@@ -1,0 +1,20 @@
+//! All tests that see the library from outside, in one binary: one link, and shared code is compiled once.
+//!
+//! A file is a module; `cargo test --test suite rates::` runs one of them.
+
+mod axisymmetric;
+mod determinism;
+mod examples;
+mod gmsh;
+mod layers;
+mod mortar;
+mod norms;
+mod outline;
+mod patch;
+mod rates;
+mod solvers;
+mod source;
+mod steps;
+mod tables;
+mod tidy;
+mod verification;
