@@ -5,6 +5,7 @@
 mod axisymmetric;
 mod determinism;
 mod examples;
+mod friction;
 mod gmsh;
 mod layers;
 mod mortar;
