@@ -158,7 +158,7 @@ struct Search<'a> {
     product: Vec<f64>,
     judge: Judge,
     residual: f64,
-    /// Largest force of any step.
+    /// Largest force of any step, or that of the overlaps.
     force: f64,
     iterations: usize,
     products: usize,
@@ -171,6 +171,17 @@ impl<'a> Search<'a> {
         matrix: &'a Mat<f64>,
         lambda: Vec<f64>,
     ) -> Self {
+        // The forces that the overlaps ask for: what is rounding of these is none, whatever the solution.
+        let largest = |s: f64, overlap: &f64| s.max(overlap.abs());
+        let overlap = setup.problem.shift.iter().fold(0.0, largest);
+        let softest = (0..lambda.len())
+            .map(|i| matrix[(i, i)])
+            .fold(0.0, f64::max);
+        let force = if softest > 0.0 {
+            overlap / softest
+        } else {
+            0.0
+        };
         Self {
             method,
             setup,
@@ -179,7 +190,7 @@ impl<'a> Search<'a> {
             alpha: vec![0.0; setup.modes()],
             judge: setup.judge(),
             residual: f64::INFINITY,
-            force: 0.0,
+            force,
             iterations: 0,
             products: 0,
             lambda,
@@ -305,9 +316,14 @@ impl<'a> Search<'a> {
     fn drop_rounding(&mut self) {
         let largest = |s: f64, force: &f64| s.max(force.abs());
         self.force = self.lambda.iter().fold(self.force, largest);
-        for (i, force) in self.lambda.iter_mut().enumerate() {
-            if self.setup.bounded(i) && force.abs() <= ROUNDING * self.force {
-                *force = 0.0;
+        for (block, range) in self.setup.admissible.iter() {
+            let forces = &mut self.lambda[range];
+            if matches!(block, Block::Free { .. }) || forces[0].abs() > ROUNDING * self.force {
+                continue;
+            }
+            forces[0] = 0.0;
+            if matches!(block, Block::Coulomb { .. }) {
+                forces.fill(0.0);
             }
         }
     }
