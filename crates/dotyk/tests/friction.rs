@@ -61,16 +61,20 @@ fn solvers() -> Vec<Box<dyn ContactSolver>> {
             tolerance: TOLERANCE,
             ..Gradient::default()
         }),
-        Box::new(Accelerated {
-            tolerance: TOLERANCE,
-            ..Accelerated::default()
-        }),
+        Box::new(accelerated()),
         Box::new(Mprgp {
             tolerance: TOLERANCE,
             ..Mprgp::default()
         }),
         Box::new(newton()),
     ]
+}
+
+fn accelerated() -> Accelerated {
+    Accelerated {
+        tolerance: TOLERANCE,
+        ..Accelerated::default()
+    }
 }
 
 fn newton() -> Newton {
@@ -480,7 +484,8 @@ fn block(nodes: usize, coefficient: f64, load: [f64; 3], overlap: [f64; 2]) -> D
 #[test]
 fn block_on_a_plane_rests_below_the_limit_of_friction_and_is_refused_above() {
     let (nodes, coefficient) = (7, 0.3);
-    for part in [0.0, 0.5, 0.99, -0.99] {
+    // At the limit itself every node is at its bound, and no gap tells how far the block has slid.
+    for part in [0.0, 0.5, 0.99, -0.99, 1.0] {
         let problem = block(
             nodes,
             coefficient,
@@ -712,4 +717,62 @@ fn too_few_iterations_are_an_error_with_the_last_iterate() {
     };
     assert_eq!((outcome.iterations, seen), (9, 9));
     assert!(residual > 1e-8 && outcome.multipliers.lambda.len() == 26);
+}
+
+/// A half space under n × n nodes of a unit square, (normal, two tangential) each, Poisson's ratio 0.3: the surface
+/// displacements of point loads after Boussinesq and Cerruti, with the distance cut off at part of the spacing.
+fn half_space(n: usize) -> Mat<f64> {
+    let poisson = 0.3;
+    let at = |node: usize| [(node % n) as f64 / n as f64, (node / n) as f64 / n as f64];
+    let cut = 0.4 / n as f64;
+    let m = 3 * n * n;
+    Mat::from_fn(m, m, |i, j| {
+        let (a, b) = (at(i / 3), at(j / 3));
+        let apart = [a[0] - b[0], a[1] - b[1]];
+        let distance = (apart[0].powi(2) + apart[1].powi(2) + cut * cut).sqrt();
+        let along = |component: usize| apart[component - 1] / distance;
+        let coupling = 0.5 * (1.0 - 2.0 * poisson);
+        let unit = match (i % 3, j % 3) {
+            (0, 0) => 1.0 - poisson,
+            (0, k) => -coupling * along(k),
+            (k, 0) => coupling * along(k),
+            (k, l) => (1.0 - poisson) * f64::from(k == l) + poisson * along(k) * along(l),
+        };
+        unit / distance
+    })
+}
+
+#[test]
+fn newton_takes_few_steps_in_space_where_directions_of_slip_turn() {
+    let n = 8;
+    for coefficient in [0.2, 0.5, 1.0] {
+        for slide in [0.0, 0.1, 0.5] {
+            for twist in [0.0, 0.3] {
+                let shift = (0..3 * n * n)
+                    .map(|i| {
+                        let x = (i / 3 % n) as f64 / n as f64 - 0.45;
+                        let y = (i / 3 / n) as f64 / n as f64 - 0.45;
+                        match i % 3 {
+                            0 => 1.0 - 3.0 * (x * x + y * y),
+                            1 => slide - twist * y,
+                            _ => twist * x,
+                        }
+                    })
+                    .collect();
+                let block = Block::Coulomb {
+                    tangents: 2,
+                    coefficient,
+                };
+                let set = AdmissibleSet::new(vec![block; n * n]);
+                let problem = held(half_space(n), shift, set);
+                let name = format!("coefficient {coefficient}, slide {slide}, twist {twist}");
+                let direct = answer(&newton(), &problem, &name).unwrap();
+                assert!(direct.iterations <= 10, "{name}: {}", direct.iterations);
+                assert_eq!(direct.fixed_point, None, "{name}");
+                let other = answer(&accelerated(), &problem, &name).unwrap();
+                let error = worst(&direct.multipliers.lambda, &other.multipliers.lambda);
+                assert!(error < 1e-8, "{name}: {error:e}");
+            }
+        }
+    }
 }

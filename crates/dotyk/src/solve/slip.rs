@@ -48,6 +48,9 @@ const PATIENCE: usize = 10;
 /// Forces below this part of the largest are rounding of the linear solves.
 const ROUNDING: f64 = 1e-14;
 
+/// Solves with given bounds for which the fixed point has steps.
+const SOLVES: usize = 40;
+
 /// Largest system that is solved by least norm where it is singular.
 const SINGULAR: usize = 1200;
 
@@ -604,7 +607,12 @@ impl<'a> Search<'a> {
             })
         };
         let (result, remark) = if self.setup.admissible.has_coulomb() {
-            let result = fixed_point(self.method, self.setup, guess.as_ref(), &mut shifted);
+            let Newton {
+                tolerance,
+                max_iterations,
+            } = *self.method;
+            let rounds = self.method.within(tolerance, SOLVES * max_iterations);
+            let result = fixed_point(&rounds, self.setup, guess.as_ref(), &mut shifted);
             (
                 result,
                 "the states of friction did not settle: bounds were iterated",
