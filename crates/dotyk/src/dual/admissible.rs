@@ -114,12 +114,16 @@ impl AdmissibleSet {
     pub fn sticking(&self) -> Self {
         let mut blocks = Vec::with_capacity(self.blocks.len());
         for block in &self.blocks {
+            let size = block.size() - 1;
             match block.bound(1.0) {
+                None => blocks.push(*block),
                 Some(bound) if bound > 0.0 => {
-                    let size = block.size() - 1;
                     blocks.extend([Block::Unilateral, Block::Free { size }]);
                 }
-                _ => blocks.push(*block),
+                Some(bound) => blocks.push(Block::Tresca {
+                    tangents: size,
+                    bound,
+                }),
             }
         }
         Self::new(blocks)

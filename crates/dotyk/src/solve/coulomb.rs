@@ -24,6 +24,9 @@ const PATIENCE: usize = 12;
 /// Most doublings of bounds that cannot carry the load.
 const DOUBLINGS: usize = 60;
 
+/// Changes of the bounds above this multiple of the accuracy of the problems tell the contraction.
+const TELLING: f64 = 100.0;
+
 /// Changes of the bounds below this part of the largest force say nothing of the contraction.
 const ROUNDING: f64 = 1e-11;
 
@@ -60,13 +63,13 @@ pub(crate) fn fixed_point<S: FixedBounds>(
             bounds.iter_mut().for_each(|bound| *bound *= 2.0);
         }
         let given = setup.with_admissible(setup.admissible.with_bounds(&bounds));
-        let accuracy = (1e-2 * search.residual).clamp(0.3 * search.tolerance, 1e-3);
+        let accuracy = (1e-3 * search.residual).clamp(0.3 * search.tolerance, 1e-3);
         if let Some(outcome) = search.solve(&given, accuracy, observe)? {
             return Ok(outcome);
         }
         search.rounds += 1;
         let next = search.bounds();
-        search.compare(&bounds, &next);
+        search.compare(&bounds, &next, accuracy);
         search.judge();
         if search.residual <= search.tolerance {
             return Ok(search.outcome(false));
@@ -191,12 +194,14 @@ impl<'a, S: FixedBounds> Search<'a, S> {
         }
     }
 
-    fn compare(&mut self, bounds: &[f64], next: &[f64]) {
+    /// Counts rounds without progress, and estimates the contraction from changes that are more than inaccuracy.
+    fn compare(&mut self, bounds: &[f64], next: &[f64], accuracy: f64) {
         let largest = |values: &mut dyn Iterator<Item = f64>| values.fold(0.0, f64::max);
         let change = largest(&mut bounds.iter().zip(next).map(|(a, b)| (a - b).abs()));
         let size = largest(&mut next.iter().copied());
+        let told = change > (TELLING * accuracy * size).max(ROUNDING * size);
         if let Some(before) = self.change
-            && change > ROUNDING * size
+            && (told || self.contraction.is_none() && change > ROUNDING * size)
         {
             self.contraction = Some(change / before);
         }
@@ -206,7 +211,7 @@ impl<'a, S: FixedBounds> Search<'a, S> {
             self.still + 1
         };
         self.smallest = self.smallest.min(change);
-        self.change = (change > ROUNDING * size).then_some(change);
+        self.change = told.then_some(change);
     }
 
     fn outcome(&self, stopped_by_observer: bool) -> Outcome {

@@ -51,7 +51,8 @@ pub struct Iterate<'a> {
     pub iteration: usize,
     /// Contact forces (m,).
     pub lambda: &'a [f64],
-    /// Largest relative violation of the optimality conditions at λ.
+    /// Largest relative violation of the optimality conditions at λ; of those with given bounds of friction, where
+    /// Coulomb's law is reached through these.
     pub residual: f64,
     /// Contact unknowns with a force.
     pub active: usize,

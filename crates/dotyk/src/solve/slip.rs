@@ -48,6 +48,9 @@ const PATIENCE: usize = 10;
 /// Forces below this part of the largest are rounding of the linear solves.
 const ROUNDING: f64 = 1e-14;
 
+/// Solves with given bounds for which the fixed point has steps.
+const SOLVES: usize = 40;
+
 /// Largest system that is solved by least norm where it is singular.
 const SINGULAR: usize = 1200;
 
@@ -158,7 +161,7 @@ struct Search<'a> {
     product: Vec<f64>,
     judge: Judge,
     residual: f64,
-    /// Largest force of any step.
+    /// Largest force of any step, or that of the overlaps.
     force: f64,
     iterations: usize,
     products: usize,
@@ -171,6 +174,17 @@ impl<'a> Search<'a> {
         matrix: &'a Mat<f64>,
         lambda: Vec<f64>,
     ) -> Self {
+        // The forces that the overlaps ask for: what is rounding of these is none, whatever the solution.
+        let largest = |s: f64, overlap: &f64| s.max(overlap.abs());
+        let overlap = setup.problem.shift.iter().fold(0.0, largest);
+        let softest = (0..lambda.len())
+            .map(|i| matrix[(i, i)])
+            .fold(0.0, f64::max);
+        let force = if softest > 0.0 {
+            overlap / softest
+        } else {
+            0.0
+        };
         Self {
             method,
             setup,
@@ -179,7 +193,7 @@ impl<'a> Search<'a> {
             alpha: vec![0.0; setup.modes()],
             judge: setup.judge(),
             residual: f64::INFINITY,
-            force: 0.0,
+            force,
             iterations: 0,
             products: 0,
             lambda,
@@ -305,9 +319,14 @@ impl<'a> Search<'a> {
     fn drop_rounding(&mut self) {
         let largest = |s: f64, force: &f64| s.max(force.abs());
         self.force = self.lambda.iter().fold(self.force, largest);
-        for (i, force) in self.lambda.iter_mut().enumerate() {
-            if self.setup.bounded(i) && force.abs() <= ROUNDING * self.force {
-                *force = 0.0;
+        for (block, range) in self.setup.admissible.iter() {
+            let forces = &mut self.lambda[range];
+            if matches!(block, Block::Free { .. }) || forces[0].abs() > ROUNDING * self.force {
+                continue;
+            }
+            forces[0] = 0.0;
+            if matches!(block, Block::Coulomb { .. }) {
+                forces.fill(0.0);
             }
         }
     }
@@ -588,7 +607,12 @@ impl<'a> Search<'a> {
             })
         };
         let (result, remark) = if self.setup.admissible.has_coulomb() {
-            let result = fixed_point(self.method, self.setup, guess.as_ref(), &mut shifted);
+            let Newton {
+                tolerance,
+                max_iterations,
+            } = *self.method;
+            let rounds = self.method.within(tolerance, SOLVES * max_iterations);
+            let result = fixed_point(&rounds, self.setup, guess.as_ref(), &mut shifted);
             (
                 result,
                 "the states of friction did not settle: bounds were iterated",

@@ -109,7 +109,12 @@ impl FixedBounds for Uzawa {
                 self,
                 setup,
                 observe,
-                "no contact is pressed when all are closed, so there is no place for a bolt",
+                if setup.components.contains(&Component::Tangent) {
+                    "the normal forces that press when all contacts are closed do not hold every motion, \
+                     so there is no place for a bolt"
+                } else {
+                    "no contact is pressed when all are closed, so there is no place for a bolt"
+                },
             );
         };
         for moves in 0..=MOVES {
