@@ -118,7 +118,8 @@ const IN_THE_TEXT: &[Mistake] = &[
     ("{ rectangle = { from = [1.5, 1.0], to = [2.5, 2.0], cells = [2, 2] } }", "{ file = { group = \"a\" } }", "{ file", "needs the key `path`"),
     // later
     ("\"plane-strain\"", "\"3d\"", "3d", "not supported yet"),
-    ("gap = \"geometric\"", "friction = 0.3", "friction", "not supported yet"),
+    ("gap = \"geometric\"", "friction = -0.3", "-0.3", "negative"),
+    ("gap = \"geometric\"", "friction = { coulomb = 0.3, tresca = 1 }", "friction", "one law"),
 ];
 
 /// Mistakes of mechanics, which only assembling or solving finds: what is replaced, by what, words of the message.

@@ -55,6 +55,15 @@ impl Run {
         run.stderr
     }
 
+    /// Runs a case that has no answer, and returns what it left with the message.
+    #[track_caller]
+    fn unsatisfied(name: &str, text: &str) -> (Self, String) {
+        let run = Self::new(name, text, "run", &[]);
+        assert_eq!(run.status, Some(1), "{name}: {}", run.stderr);
+        let message = run.stderr.clone();
+        (run, message)
+    }
+
     /// Names of the result files.
     fn files(&self) -> Vec<String> {
         let Ok(list) = std::fs::read_dir(self.folder.join("case-out")) else {
@@ -455,5 +464,67 @@ fn what_is_left_out_of_a_mesh_file_is_a_warning_everywhere() {
             run.stderr
         );
         assert!(check.stdout.contains(words), "{}", check.stdout);
+    }
+}
+
+/// A block on a slope: gravity turned by an angle whose tangent is the coefficient times a factor.
+fn slope(factor: f64, more: &str) -> String {
+    let (sin, cos) = (0.5 * factor).atan().sin_cos();
+    let block = "rectangle = { from = [0, 0], to = [4, 1], cells = [8, 2] }";
+    let gravity = format!("body_force = [{}, {}]\n", 10.0 * sin, -10.0 * cos);
+    let plane = "obstacle = { plane = { point = [0, 0], normal = [0, 1] } }\nfriction = 0.5";
+    [
+        HEAD.to_string(),
+        steel("block", block, "", ""),
+        gravity,
+        format!("[[contact]]\nname = \"slope\"\nnonmortar = \"block.bottom\"\n{plane}\n"),
+        probe("along", "slope.resultant.x", ""),
+        more.to_string(),
+    ]
+    .concat()
+}
+
+#[test]
+fn a_block_rests_on_a_slope_up_to_the_angle_of_friction() {
+    let run = Run::solved("rests", &slope(1.0 - 1e-6, ""));
+    let weight = 4.0 * 10.0;
+    assert_near(run.probe("along"), -weight * 0.5f64.atan().sin(), 1e-5);
+    let states = run.column("status");
+    assert!(
+        states
+            .iter()
+            .all(|s| s == "stick" || s == "slip" || s == "open")
+    );
+    assert!(states.iter().any(|s| s == "slip" || s == "stick"));
+    assert_eq!(run.warnings(), Vec::<String>::new());
+}
+
+#[test]
+fn a_block_that_slides_is_an_answer_with_body_direction_and_load_factor() {
+    let (run, message) = Run::unsatisfied("slides", &slope(1.25, ""));
+    for word in [
+        "loss of equilibrium",
+        "\"block\" slides",
+        "along x",
+        "0.8 of the load",
+    ] {
+        assert!(message.contains(word), "no {word} in {message}");
+    }
+    assert_eq!(run.files(), ["summary.json"]);
+    assert_eq!(run.summary()["converged"], false);
+    // over load steps: half of the second step
+    let steps = "[[step]]\ntime = 1\n[[step]]\ntime = 3\n";
+    let text = slope(0.75, steps);
+    let (sin, cos) = (0.5f64 * 0.75).atan().sin_cos();
+    let turned = format!("body_force = [\"{} * t\", {}]", 10.0 * sin, -10.0 * cos);
+    let plain = format!("body_force = [{}, {}]", 10.0 * sin, -10.0 * cos);
+    let (_, message) = Run::unsatisfied("slides_later", &text.replace(&plain, &turned));
+    // 0.75 t reaches 1 at t = 4/3: a sixth of the way from 1 to 3
+    for word in [
+        "step 2 of 2",
+        "0.166667 of the change of load",
+        "t = 1.33333",
+    ] {
+        assert!(message.contains(word), "no {word} in {message}");
     }
 }

@@ -225,6 +225,12 @@ fn contacts_have_all_their_forms() {
         let model = model_with("friction  = 0.0", &format!("friction = {frictionless}"));
         assert!(matches!(model.contacts[0].law, Law::Frictionless));
     }
+    for rough in ["0.3", "\"0.3 * x\"", "{ coulomb = 0.3 }"] {
+        let model = model_with("friction  = 0.0", &format!("friction = {rough}"));
+        assert!(matches!(model.contacts[0].law, Law::Coulomb(_)), "{rough}");
+    }
+    let given = model_with("friction  = 0.0", "friction = { tresca = \"x\" }");
+    assert!(matches!(&given.contacts[0].law, Law::Tresca(f) if f.at([2.0, 0.0], 0.0) == 2.0));
 }
 
 #[test]
@@ -446,13 +452,6 @@ fn features_to_come_are_not_supported_yet() {
         "\"plane-strain\"            #",
         "\"3d\" #",
         "\"3d\"",
-        &[later],
-    );
-    assert_mistake("friction  = 0.0", "friction = 0.3", "0.3", &[later]);
-    assert_mistake(
-        "friction  = 0.0",
-        "friction = { tresca = \"x\" }",
-        "\"x\"",
         &[later],
     );
 }

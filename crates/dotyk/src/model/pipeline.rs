@@ -248,7 +248,10 @@ impl<const D: usize> Model<D> {
         let rows = body_rows(&systems, &paired);
         let gaps = initial_gaps(&paired);
         seconds.assemble = lap.seconds();
-        let dense = gaps.len() <= dense_limit;
+        // under friction F must be assembled, and a node has one more row
+        let rough = paired.iter().flat_map(|p| p.interface.tangential());
+        let rows_per_node = 1 + usize::from(rough.into_iter().any(|tangential| tangential));
+        let dense = gaps.len() <= rows_per_node * dense_limit;
         observe(Event::Stage("order"));
         let ordered: Vec<Ordered> = (&systems, &rows)
             .into_par_iter()
@@ -640,7 +643,9 @@ impl<const D: usize> Model<D> {
         warnings.extend(condensed.floating.warnings.iter().cloned());
         let bolts = self.bolt_reports(&outcome, &condensed.paired, &mut warnings);
         warnings.extend(outcome.remarks.iter().cloned());
-        for body in &judged.hovering {
+        // a body that slides away has no position to tell of
+        let placed = failure.is_none() || outcome.iterations > 0;
+        for body in judged.hovering.iter().filter(|_| placed) {
             warnings.push(format!(
                 "body \"{body}\" hovers: it touches nothing and carries no load; it is placed by least norm of the displacement"
             ));
@@ -663,6 +668,7 @@ impl<const D: usize> Model<D> {
                 rho: outcome.rho,
                 history,
                 bolts,
+                contraction: outcome.fixed_point.and_then(|found| found.contraction),
             },
             warnings,
             probes: Vec::new(),

@@ -195,6 +195,9 @@ pub struct SolverReport<const D: usize> {
     pub history: Vec<HistoryPoint>,
     /// Bolts, in the order in which they were used.
     pub bolts: Vec<BoltReport<D>>,
+    /// Where Coulomb's law was solved as a fixed point of problems with given bounds: the factor by which each reduces the
+    /// error; below 1 speaks for a unique solution.
+    pub contraction: Option<f64>,
 }
 
 /// Value of a probe.

@@ -10,7 +10,7 @@ use crate::output::json::{in_contact, largest};
 use crate::output::plot::{Axis, Frame};
 use crate::output::scene::{Scene, WIDTH, circle_through, outline_path, polyline};
 use crate::output::svg::{
-    Anchor, CLOSED, INK, MUTED, OPEN, Pixel, SERIES, Svg, TINTS, Type, segments, text_width,
+    Anchor, CLOSED, INK, MUTED, OPEN, Pixel, SERIES, SLIP, STICK, Svg, TINTS, Type, segments, text_width,
 };
 use crate::output::text::{Labels, number, quantity, without_noise};
 
@@ -217,16 +217,21 @@ fn draw_panels(
     }
 }
 
-/// Light bands where the interface is open, warm ones where it bears force.
+/// Bands by state: open, closed or tied, stick, slip.
+const BANDS: [(&str, &str, fn(Status) -> bool); 4] = [
+    ("open", OPEN, |s| s == Status::Open),
+    ("closed", CLOSED, |s| {
+        in_contact(s) && s != Status::Stick && s != Status::Slip
+    }),
+    ("stick", STICK, |s| s == Status::Stick),
+    ("slip", SLIP, |s| s == Status::Slip),
+];
+
+/// Bands in the background, by the state of the nodes.
 fn shade(svg: &mut Svg, frame: &Frame, chain: &[&ContactNode<2>], arcs: &[f64]) {
     let fill = |node: &ContactNode<2>| {
-        if in_contact(node.status) {
-            Some(CLOSED)
-        } else if node.status == Status::Open {
-            Some(OPEN)
-        } else {
-            None
-        }
+        let band = BANDS.iter().find(|band| band.2(node.status));
+        band.map(|band| band.1)
     };
     let mut start = 0;
     for i in 1..=chain.len() {
@@ -253,11 +258,8 @@ fn shade(svg: &mut Svg, frame: &Frame, chain: &[&ContactNode<2>], arcs: &[f64]) 
 /// What the bands mean, right-aligned at `end`.
 fn key(svg: &mut Svg, end: Pixel, chain: &[&ContactNode<2>]) {
     let mut x = end[0];
-    let kinds = [
-        ("open", OPEN, chain.iter().any(|n| n.status == Status::Open)),
-        ("closed", CLOSED, chain.iter().any(|n| in_contact(n.status))),
-    ];
-    for (name, fill, _) in kinds.iter().filter(|k| k.2) {
+    let occurs = |band: &(_, _, fn(Status) -> bool)| chain.iter().any(|n| band.2(n.status));
+    for (name, fill, _) in BANDS.iter().filter(|band| occurs(band)) {
         let small = Type {
             size: 10.5,
             ..Type::LABEL

@@ -46,6 +46,7 @@ fn step_summary<'a>(run: &Run<'a>, solution: &'a Solution<2>, index: usize) -> S
         converged: solution.converged,
         solver: solution.solver.method,
         iterations: solution.solver.iterations,
+        contraction: solution.solver.contraction,
         dofs: solution.dofs,
         contact_unknowns: solution.contact_unknowns,
         threads: solution.threads,
@@ -134,6 +135,9 @@ struct Summary<'a> {
     converged: bool,
     solver: &'a str,
     iterations: usize,
+    /// Of the fixed point that solved Coulomb's law, where one did.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    contraction: Option<f64>,
     dofs: usize,
     contact_unknowns: usize,
     threads: usize,

@@ -267,6 +267,7 @@ fn solution(model: &Model<2>) -> Solution<2> {
                 })
                 .collect(),
             bolts: Vec::new(),
+            contraction: None,
         },
         warnings: vec![
             "contact lining: 3 nodes of side \"outer\" face nothing & stay open".to_string(),

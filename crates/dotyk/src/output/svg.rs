@@ -22,6 +22,10 @@ pub const LOAD: &str = "#1f5c99";
 pub const OPEN: &str = "#eef0f2";
 /// The part of an interface that bears force.
 pub const CLOSED: &str = "#fbe9e2";
+/// Background of sticking parts of an interface.
+pub const STICK: &str = "#e2eefb";
+/// Background of slipping parts of an interface.
+pub const SLIP: &str = "#fdf3d3";
 /// What is out of limits.
 pub const ALARM: &str = "#b3261e";
 /// Lines that must be told apart, also by readers who see red and green alike (after Okabe and Ito).
