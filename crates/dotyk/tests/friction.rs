@@ -776,3 +776,27 @@ fn newton_takes_few_steps_in_space_where_directions_of_slip_turn() {
         }
     }
 }
+
+#[test]
+fn friction_that_is_no_number_from_zero_on_is_an_error() {
+    for value in [-0.1, f64::NAN, f64::INFINITY] {
+        let coulomb = Block::Coulomb {
+            tangents: 1,
+            coefficient: value,
+        };
+        let tresca = Block::Tresca {
+            tangents: 1,
+            bound: value,
+        };
+        for block in [coulomb, tresca] {
+            let result = DualProblem::new(
+                Compliance::Dense(Mat::identity(3, 3)),
+                vec![0.0; 3],
+                AdmissibleSet::new(vec![Block::Unilateral, block]),
+                Equilibrium::none(3),
+            );
+            let text = result.err().unwrap().to_string();
+            assert!(text.contains("friction of block 1"), "{text}");
+        }
+    }
+}
