@@ -123,7 +123,8 @@ pub struct Recomputed<'a> {
     pub imbalance_force: f64,
     /// Largest resultant moment of a body that is not balanced.
     pub imbalance_moment: f64,
-    /// Difference of primal and dual energy.
+    /// Difference of primal and dual energy; with friction the primal one includes Σ bound·|slip|
+    /// ([`AdmissibleSet::slip_potential`]).
     pub energy_gap: f64,
     /// Elastic energy 1/2 uᵀKu of all bodies: the scale of energies.
     pub elastic_energy: f64,

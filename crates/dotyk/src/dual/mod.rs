@@ -14,7 +14,11 @@
 //! | G, e | balance of the floating bodies, modes scaled to largest displacement 1 | (r, m), (r,) | –, force |
 //! | α | rigid amplitudes, the multiplier of Gλ = e | (r,) | length |
 //!
-//! Signs: gap ≥ 0 is open, λ ≥ 0 is compression. The gap is the gradient of the dual functional, so that a solver needs
+//! Signs: gap ≥ 0 is open, λ ≥ 0 is compression. With friction the block of a node is (normal, tangential..); its
+//! tangential gap is minus the slip of the nonmortar body relative to the mortar body in this step (d holds the slip at the
+//! last one), and its tangential force is along the slip: λₜ = bound · slip/|slip|, less than the bound where it sticks.
+//!
+//! The gap is the gradient of the dual functional, so that a solver needs
 //! nothing but products with F and the projection onto Λ ∩ {Gλ = e}, and every answer, whoever found it, is judged by the
 //! same [`Certificate`].
 
@@ -80,7 +84,8 @@ pub enum Block {
     },
     /// One normal component, λₙ ≥ 0.
     Unilateral,
-    /// λₙ ≥ 0 and ‖λₜ‖ ≤ bound (a force).
+    /// λₙ ≥ 0 and ‖λₜ‖ ≤ bound (a force), whatever λₙ is: the shear of an open contact is bounded by it, too. This
+    /// keeps the problem convex.
     Tresca {
         /// Number of tangential components.
         tangents: usize,
@@ -173,6 +178,16 @@ pub enum DualError {
         /// The length that the compliance (m) or the load (r) asks for.
         expected: usize,
     },
+    /// A bound or a coefficient of friction is negative or not a finite number.
+    #[error(
+        "the friction of block {block} of the admissible set is {value}: it must be a number from 0 on"
+    )]
+    Friction {
+        /// Index of the block.
+        block: usize,
+        /// Its bound or its coefficient.
+        value: f64,
+    },
     /// An entry is not a finite number.
     #[error("entry {index} of {part} is {value}: it must be finite")]
     NotFinite {
@@ -202,7 +217,7 @@ pub struct DualProblem {
 impl DualProblem {
     /// The problem with scales from its data.
     ///
-    /// Errors: lengths that differ, entries of d, G or e that are not finite.
+    /// Errors: lengths that differ, entries of d, G or e that are not finite, friction that is negative.
     pub fn new(
         compliance: Compliance,
         shift: Vec<f64>,
@@ -221,7 +236,7 @@ impl DualProblem {
         Ok(problem)
     }
 
-    /// Lengths agree, and d, G, e and an assembled F are finite.
+    /// Lengths agree, d, G, e and an assembled F are finite, friction is finite and not negative.
     pub fn check(&self) -> Result<(), DualError> {
         let (m, r) = (self.compliance.len(), self.equilibrium.load.len());
         let lengths = [
@@ -245,6 +260,13 @@ impl DualProblem {
         finite("G", columns(&self.equilibrium.modes))?;
         if let Compliance::Dense(matrix) = &self.compliance {
             finite("F", columns(matrix))?;
+        }
+        for (block, law) in self.admissible.blocks().iter().enumerate() {
+            // Of a unit normal force: the bound itself, or the coefficient.
+            let value = law.bound(1.0).unwrap_or(0.0);
+            if !(value >= 0.0 && value.is_finite()) {
+                return Err(DualError::Friction { block, value });
+            }
         }
         Ok(())
     }

@@ -776,3 +776,81 @@ fn newton_takes_few_steps_in_space_where_directions_of_slip_turn() {
         }
     }
 }
+
+#[test]
+fn friction_that_is_no_number_from_zero_on_is_an_error() {
+    for value in [-0.1, f64::NAN, f64::INFINITY] {
+        let coulomb = Block::Coulomb {
+            tangents: 1,
+            coefficient: value,
+        };
+        let tresca = Block::Tresca {
+            tangents: 1,
+            bound: value,
+        };
+        for block in [coulomb, tresca] {
+            let result = DualProblem::new(
+                Compliance::Dense(Mat::identity(3, 3)),
+                vec![0.0; 3],
+                AdmissibleSet::new(vec![Block::Unilateral, block]),
+                Equilibrium::none(3),
+            );
+            let text = result.err().unwrap().to_string();
+            assert!(text.contains("friction of block 1"), "{text}");
+        }
+    }
+}
+
+/// The same problem with the compliance that a grounded floating body leaves: none along the rows of G.
+fn grounded(mut known: Known) -> Known {
+    let Compliance::Dense(matrix) = &known.problem.compliance else {
+        unreachable!("the family is dense");
+    };
+    let modes = &known.problem.equilibrium.modes;
+    let m = known.lambda.len();
+    let mut basis: Vec<Vec<f64>> = Vec::new();
+    for row in 0..modes.nrows() {
+        let mut v: Vec<f64> = (0..m).map(|i| modes[(row, i)]).collect();
+        for q in &basis {
+            let part: f64 = q.iter().zip(&v).map(|(q, v)| q * v).sum();
+            v.iter_mut().zip(q).for_each(|(v, q)| *v -= part * q);
+        }
+        basis.push(unit(v));
+    }
+    let across = Mat::from_fn(m, m, |i, j| {
+        let held: f64 = basis.iter().map(|q| q[i] * q[j]).sum();
+        f64::from(i == j) - held
+    });
+    let soft = &across * matrix * &across;
+    let (before, after) = (
+        product(matrix, &known.lambda),
+        product(&soft, &known.lambda),
+    );
+    for (d, (before, after)) in known
+        .problem
+        .shift
+        .iter_mut()
+        .zip(before.iter().zip(&after))
+    {
+        *d += after - before;
+    }
+    known.problem.compliance = Compliance::Dense(soft);
+    known.name += ", grounded";
+    known
+}
+
+#[test]
+fn compliance_of_grounded_bodies_is_semidefinite_and_does_no_harm() {
+    for known in family(1).into_iter().map(grounded) {
+        for solver in solvers() {
+            let outcome = answer(solver.as_ref(), &known.problem, &known.name).unwrap();
+            let error = worst(&outcome.multipliers.lambda, &known.lambda);
+            let what = format!("{}: {}", solver.name(), known.name);
+            assert!(error < 1e-9, "{what}: {error:e}");
+            if solver.name() == "newton" {
+                assert!(outcome.iterations <= 10, "{what}: {}", outcome.iterations);
+                assert!(outcome.remarks.is_empty(), "{what}: {:?}", outcome.remarks);
+            }
+        }
+    }
+}
