@@ -72,10 +72,15 @@ impl<'a> Projector<'a> {
         // y − Ĝᵀτ is rounded; what is left of a force below that is none (it would press an open contact).
         let rounding = 16.0 * f64::EPSILON * y.iter().fold(0.0, |s: f64, y| s.max(y.abs()));
         for (block, range) in self.admissible.iter() {
-            let normal = matches!(block, Block::Unilateral | Block::Tresca { .. });
-            if normal && lambda[range.start] <= rounding {
-                lambda[range.start] = 0.0;
+            if matches!(block, Block::Coulomb { .. }) && lambda[range.start] <= rounding {
+                lambda[range].fill(0.0);
+            } else if !matches!(block, Block::Free { .. }) {
+                let none = lambda[range].iter_mut().filter(|l| l.abs() <= rounding);
+                none.for_each(|l| *l = 0.0);
             }
+        }
+        if lambda.iter().all(|force| force.abs() <= rounding) {
+            lambda.fill(0.0);
         }
         self.balance.imbalance(lambda, &mut self.imbalance);
         norm(&self.imbalance)

@@ -10,7 +10,8 @@ use crate::output::json::{in_contact, largest};
 use crate::output::plot::{Axis, Frame};
 use crate::output::scene::{Scene, WIDTH, circle_through, outline_path, polyline};
 use crate::output::svg::{
-    Anchor, CLOSED, INK, MUTED, OPEN, Pixel, SERIES, SLIP, STICK, Svg, TINTS, Type, segments, text_width,
+    Anchor, CLOSED, INK, MUTED, OPEN, Pixel, SERIES, SLIP, STICK, Svg, TINTS, Type, segments,
+    text_width,
 };
 use crate::output::text::{Labels, number, quantity, without_noise};
 
