@@ -8,6 +8,7 @@ mod examples;
 mod friction;
 mod gmsh;
 mod layers;
+mod mindlin;
 mod mortar;
 mod norms;
 mod outline;
