@@ -441,7 +441,12 @@ impl<'a, const D: usize> Pairing<'a, D> {
                 let held = self.nonmortar.constraints.at(*node);
                 let axes: Vec<Point<D>> = held.iter().map(|h| h.axis).collect();
                 let normal = normals.get(node).copied().unwrap_or([0.0; D]);
-                let free = held_components(normal, &axes, coupling).map(|held| !held);
+                let mut free = held_components(normal, &axes, coupling).map(|held| !held);
+                if coupling == Coupling::Frictional && free[0] && free.contains(&false) {
+                    // it slips nevertheless where the other side moves
+                    let moves = frame(normal).map(|axis| self.other_moves(*node, axis));
+                    (1..D).for_each(|c| free[c] |= moves[c]);
+                }
                 (*node, free)
             })
             .collect();
@@ -539,6 +544,29 @@ impl<'a, const D: usize> Pairing<'a, D> {
         };
         let shape = shape(&mortar.body.mesh, hit.facet, hit.xi.clamp(-1.0, 1.0));
         Ok((shape, self.gap_at(line, hit.distance)?))
+    }
+
+    /// Whether the other side, where it lies opposite a node, is free to move along an axis.
+    fn other_moves(&self, node: usize, axis: Point<D>) -> bool {
+        let Against::Side(mortar) = self.against else {
+            return false;
+        };
+        let places = self.spans.iter().flat_map(|span| {
+            let ends = span.nodes.into_iter().zip(span.ends);
+            ends.map(|(node, xi)| (node, span.facet, xi))
+        });
+        let mut own = places.filter(|place| place.0 == node);
+        let opposite = own.find_map(|(_, facet, xi)| {
+            let (nodes, _) = self.opposite(facet, xi).ok()?;
+            (!nodes.is_empty()).then_some(nodes)
+        });
+        let held = |node: usize| {
+            let held = mortar.constraints.at(node).iter();
+            let part: f64 = held.map(|h| dot(h.axis, axis).powi(2)).sum();
+            part > 1.0 - 1e-6
+        };
+        let bearing = |&&(_, shape): &&(usize, f64)| shape.abs() > 1e-6;
+        opposite.is_some_and(|nodes| !nodes.iter().filter(bearing).all(|(node, _)| held(*node)))
     }
 
     /// The gap at a line whose polygons are a distance apart.

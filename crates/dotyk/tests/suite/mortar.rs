@@ -775,3 +775,45 @@ fn crude_polygons_are_told_and_what_to_do() {
     let (_, solution) = patch([CellKind::Quad4, CellKind::Quad4], false, 0.0);
     assert_eq!(solution.warnings, Vec::<String>::new());
 }
+
+// Friction on meshes that do not match
+
+#[test]
+fn a_node_held_along_the_interface_slips_where_the_other_side_moves() {
+    // A block held along x at its left side, a floor that is pulled under it: friction bears 0.3 · 40 = 12.
+    let soft = Elastic {
+        young: 1000.0,
+        poisson: 0.0,
+    };
+    for (pull, holds) in [(11.9, true), (12.1, false)] {
+        for swapped in [false, true] {
+            let mut model = Model::new();
+            let (from, to) = ([0.0, 0.0], [4.0, 1.0]);
+            let upper = model.body("block", block(from, to, [5, 2], CellKind::Quad4, 0.0), soft);
+            let (from, to) = ([0.0, -1.0], [4.0, 0.0]);
+            let lower = model.body("floor", block(from, to, [7, 2], CellKind::Quad4, 0.0), soft);
+            model.fix(upper, "left", [Some(0.0), None]);
+            model.fix(lower, "bottom", [None, Some(0.0)]);
+            model.press(upper, "top", 10.0);
+            model.pull(lower, "right", [pull, 0.0]);
+            let sides = [(upper, "bottom"), (lower, "top")];
+            let [a, b] = if swapped { [sides[1], sides[0]] } else { sides };
+            model.contact(a, b).law = Law::Coulomb(Field::constant(0.3));
+            let solved = model.solve();
+            assert_eq!(solved.is_ok(), holds, "{pull} {swapped}");
+            match solved {
+                Ok(solution) => {
+                    let force = solution.contacts[0].resultant[0].abs();
+                    assert!((force - pull).abs() < 1e-9, "{force}");
+                    assert!(solution.contacts[0].dissipated >= 0.0);
+                }
+                Err(error) => {
+                    let message = error.to_string();
+                    for word in ["loss of equilibrium", "\"floor\"", "along x", "0.991736"] {
+                        assert!(message.contains(word), "no {word} in {message}");
+                    }
+                }
+            }
+        }
+    }
+}
