@@ -10,7 +10,7 @@ use dotyk::analytic::hertz::{HalfPlane, contact_modulus};
 use dotyk::analytic::mindlin::{Cycle, Way};
 use dotyk::geometry::Field;
 use dotyk::mesh::{CellKind, Diagonals, Rectangle};
-use dotyk::model::{BodyId, ContactNode, Elastic, Gap, Law, Load, Model, Solution, Status};
+use dotyk::model::{BodyId, ContactNode, Elastic, Gap, Law, Load, Method, Model, Solution, Status};
 
 const CONTACT: HalfPlane = HalfPlane { a: 1.0, p0: 0.1 };
 const BOX: Elastic = Elastic {
@@ -381,8 +381,8 @@ fn both_choices_of_the_nonmortar_side_agree() {
         let off = distance(&a.shear(), |x| between(&other, x));
         let friction = size(|x| FRICTION * CONTACT.pressure(x));
         println!("t = {}: {:.4}", a.solution.time, off / friction);
-        // each is within 2 % of the closed form, the finer and the coarser side not in the same direction
-        assert!(off < 0.025 * friction, "t = {}", a.solution.time);
+        // each is off by some 1 % of the friction, where it has turned
+        assert!(off < 0.02 * friction, "t = {}", a.solution.time);
         let work = [&a, &b].map(|s| s.solution.contacts[0].dissipated);
         let whole = a.furthest().dissipated(modulus());
         assert!((work[0] - work[1]).abs() < 0.01 * whole, "{work:?}");
@@ -414,6 +414,25 @@ fn a_force_that_only_rises_may_come_at_once_or_in_ten_steps() {
             let [slow, fast] = [&ten, &steps]
                 .map(|steps| steps.iter().map(|s| s.contacts[0].dissipated).sum::<f64>());
             assert!((slow / fast - 1.0).abs() < in_work, "{slow} {fast}");
+        }
+    }
+}
+
+#[test]
+fn every_method_follows_the_turning_force() {
+    let mut model = Setup::of(CellKind::Quad4, [32, 24]).model(&[0.0, 1.0, 2.0, 3.0]);
+    let newton = model.solve_steps().unwrap();
+    for method in Method::NAMED {
+        model.solver.method = method;
+        for (a, b) in newton.iter().zip(model.solve_steps().unwrap()) {
+            assert!(b.certificate.holds(), "{}", method.name());
+            let pairs = a.contacts[0].nodes.iter().zip(&b.contacts[0].nodes);
+            let off = pairs.fold(0.0f64, |off, (a, b)| {
+                let shear = (a.shear[0] - b.shear[0]).abs() / FRICTION;
+                off.max(shear).max((a.pressure - b.pressure).abs())
+            });
+            // the certificate holds to 1e-8 in gaps and slip; the least eigenvalue of F costs up to four digits of forces
+            assert!(off < 1e-4 * CONTACT.p0, "{}: {off}", method.name());
         }
     }
 }
