@@ -614,6 +614,9 @@ fn shear_bounds(admissible: &AdmissibleSet, lambda: &[f64]) -> Vec<f64> {
     bounds
 }
 
+/// Forces below this part of the largest of a contact are none.
+const NONE: f64 = 1e-10;
+
 /// A node slips when its shear force is within this part of its bound.
 const AT_BOUND: f64 = 1e-7;
 
@@ -630,6 +633,8 @@ fn contact_solution<const D: usize>(
 ) -> ContactSolution<D> {
     let body = &model.bodies[pair.nonmortar.body.0];
     let coupling = pair.interface.coupling;
+    // projected methods leave traces of force where a contact is open
+    let none = NONE * lambda.iter().fold(0.0, |s: f64, l| s.max(l.abs()));
     let node_state = |node: &InterfaceNode<D>| {
         let u_nonmortar = states[pair.nonmortar.body.0].u[node.node];
         let u_mortar = match &pair.mortar {
@@ -656,7 +661,7 @@ fn contact_solution<const D: usize>(
                 let shear = shear.map(|l| l * l).sum::<f64>().sqrt();
                 let status = match coupling {
                     Coupling::Tied => Status::Tied,
-                    _ if lambda[row] <= 0.0 => Status::Open,
+                    _ if lambda[row] <= none => Status::Open,
                     _ if bounds[row].is_nan() => Status::Closed,
                     _ if shear < (1.0 - AT_BOUND) * bounds[row] => Status::Stick,
                     _ => Status::Slip,

@@ -218,8 +218,11 @@ fn draw_panels(
     }
 }
 
+/// Name, colour and states of a band.
+type Band = (&'static str, &'static str, fn(Status) -> bool);
+
 /// Bands by state: open, closed or tied, stick, slip.
-const BANDS: [(&str, &str, fn(Status) -> bool); 4] = [
+const BANDS: [Band; 4] = [
     ("open", OPEN, |s| s == Status::Open),
     ("closed", CLOSED, |s| {
         in_contact(s) && s != Status::Stick && s != Status::Slip
@@ -259,7 +262,7 @@ fn shade(svg: &mut Svg, frame: &Frame, chain: &[&ContactNode<2>], arcs: &[f64]) 
 /// What the bands mean, right-aligned at `end`.
 fn key(svg: &mut Svg, end: Pixel, chain: &[&ContactNode<2>]) {
     let mut x = end[0];
-    let occurs = |band: &(_, _, fn(Status) -> bool)| chain.iter().any(|n| band.2(n.status));
+    let occurs = |band: &&Band| chain.iter().any(|n| band.2(n.status));
     for (name, fill, _) in BANDS.iter().filter(|band| occurs(band)) {
         let small = Type {
             size: 10.5,
