@@ -681,8 +681,14 @@ impl<const D: usize> Model<D> {
         condensed.seconds.total = start.elapsed().as_secs_f64();
         solution.seconds = condensed.seconds;
         let certificate = &solution.certificate;
-        let objection = (!converged).then(|| failure.unwrap_or_else(|| certificate.objection()));
         let multipliers = outcome.multipliers;
+        let objection = (!converged).then(|| {
+            let reason = failure.unwrap_or_else(|| certificate.objection());
+            match outcome.iterations {
+                0 => reason,
+                _ => reason + &self.slipping_away(condensed, &multipliers),
+            }
+        });
         let step = Step {
             multipliers,
             slip,

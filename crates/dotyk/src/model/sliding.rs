@@ -3,7 +3,7 @@
 //! The load is infeasible: no forces within the friction cones balance it. If unlimited friction could, the body slides;
 //! if not, it is pulled away from everything that could hold it, which is an error of the model.
 
-use crate::dual::{AdmissibleSet, Block, Feasibility};
+use crate::dual::{AdmissibleSet, Block, Feasibility, Multipliers};
 use crate::fem::Short;
 use crate::model::condense::LoadedBody;
 use crate::model::floating::Floating;
@@ -27,6 +27,25 @@ impl<const D: usize> Model<D> {
             &condensed.floating,
             &condensed.bodies,
             step,
+        )
+    }
+}
+
+impl<const D: usize> Model<D> {
+    /// What an iteration that did not settle points at: the floating body that moved most, where there is friction.
+    pub(crate) fn slipping_away(&self, condensed: &Condensed<D>, last: &Multipliers) -> String {
+        let Condensed {
+            problem,
+            floating,
+            bodies,
+            ..
+        } = condensed;
+        if !problem.admissible.has_friction() || floating.modes.is_empty() {
+            return String::new();
+        }
+        let (body, motion) = floating.motion(self, bodies, &last.alpha);
+        format!(
+            "; the load may be more than friction can hold: body \"{body}\" moved most ({motion}); smaller load steps show how far it holds"
         )
     }
 }

@@ -253,7 +253,7 @@ impl<'a, S: FixedBounds> Search<'a, S> {
             residual: self.residual,
             reason: format!(
                 "the bounds of friction did not settle in {} rounds{factor}: a solution may not be unique; \
-                 use newton, smaller coefficients or smaller load steps",
+                 try smaller coefficients or smaller load steps",
                 self.rounds
             ),
         }

@@ -24,7 +24,8 @@
 //! * states in which a body could slide or fly off freely keep those nodes sticking that want to slip least, and
 //!   then those closed that were;
 //! * states that were seen before, or a residual that does not fall, give way to the fixed point of `coulomb.rs` for
-//!   Coulomb's law and to [`Accelerated`] for Tresca's, whose convergence is known.
+//!   Coulomb's law (first roughly, for better states to begin with) and to [`Accelerated`] for Tresca's, whose convergence
+//!   is known.
 //!
 //! As described in Alart & Curnier (1991) and Hüeber, Stadler & Wohlmuth (2008), here on the condensed dual problem.
 
@@ -51,6 +52,12 @@ const ROUNDING: f64 = 1e-14;
 /// Solves with given bounds for which the fixed point has steps.
 const SOLVES: usize = 40;
 
+/// A shear within this part of its bound is at it.
+const AT_BOUND: f64 = 1e-9;
+
+/// Accuracies of the bounds from whose states Newton begins again.
+const ROUGHLY: [f64; 2] = [1e-3, 1e-6];
+
 /// Largest system that is solved by least norm where it is singular.
 const SINGULAR: usize = 1200;
 
@@ -68,12 +75,12 @@ pub(crate) fn solve(
     };
     let start = setup.start(guess)?;
     let mut search = Search::new(method, setup, matrix, start);
-    let mut states = search.first_states(guess.is_some());
+    let mut states = search.first_states(guess.map(|_| AT_BOUND));
     search.hold(&mut states, None);
     match search.iterate(states, observe) {
         Ended::Converged => Ok(search.outcome(false)),
         Ended::Stopped => Ok(search.outcome(true)),
-        Ended::Stuck => search.fall_back(observe),
+        Ended::Stuck => search.begin_again(observe),
     }
 }
 
@@ -200,8 +207,11 @@ impl<'a> Search<'a> {
         }
     }
 
-    /// States of the starting point; without one all contacts are closed and stick.
-    fn first_states(&self, from_guess: bool) -> Vec<State> {
+    /// States of the present forces, shears within a part of their bounds at them; without that part, all contacts are
+    /// closed and stick.
+    fn first_states(&self, at_bound: Option<f64>) -> Vec<State> {
+        let from_guess = at_bound.is_some();
+        let at_bound = at_bound.unwrap_or(AT_BOUND);
         let state = |(block, range): (&Block, Range<usize>)| {
             let normal = self.lambda.get(range.start).copied().unwrap_or(0.0);
             let closed = !from_guess || normal > 0.0 || matches!(block, Block::Free { .. });
@@ -215,7 +225,7 @@ impl<'a> Search<'a> {
                 Some(bound) if from_guess => {
                     let shear = &self.lambda[range.start + 1..range.end];
                     let length = norm(shear);
-                    if length >= bound * (1.0 - 1e-9) && length > 0.0 {
+                    if length >= bound * (1.0 - at_bound) && length > 0.0 {
                         state.shear = Shear::Slip {
                             direction: shear.iter().map(|t| t / length).collect(),
                             softness: 0.0,
@@ -593,6 +603,54 @@ impl<'a> Search<'a> {
             let part: f64 = z.iter().zip(&rest).map(|(z, rest)| z * rest).sum();
             part.abs() <= 1e-9 * size
         })
+    }
+
+    /// Bounds that are iterated roughly tell better states to begin with; only where these do not settle either, the
+    /// method whose convergence is known finishes.
+    fn begin_again(mut self, observe: Observer<'_>) -> Result<Outcome, SolveError> {
+        if !self.setup.admissible.has_coulomb() {
+            return self.fall_back(observe);
+        }
+        for tolerance in ROUGHLY {
+            let rounds = self.method.within(tolerance, self.method.max_iterations);
+            let done = self.iterations;
+            let guess = self.setup.multipliers(&self.lambda, &self.alpha);
+            let finite = guess
+                .lambda
+                .iter()
+                .chain(&guess.alpha)
+                .all(|x| x.is_finite());
+            let mut shifted = |iterate: &Iterate<'_>| {
+                observe(&Iterate {
+                    iteration: done + iterate.iteration,
+                    ..*iterate
+                })
+            };
+            let result = fixed_point(&rounds, self.setup, finite.then_some(&guess), &mut shifted);
+            let outcome = match result {
+                Ok(outcome) => outcome,
+                Err(SolveError::NotConverged { outcome, .. }) => *outcome,
+                Err(error) => return Err(error),
+            };
+            self.iterations += outcome.iterations;
+            self.products += outcome.products;
+            if outcome.stopped_by_observer {
+                return Ok(Outcome {
+                    iterations: self.iterations,
+                    products: self.products,
+                    ..outcome
+                });
+            }
+            self.lambda = outcome.multipliers.lambda;
+            let mut states = self.first_states(Some(10.0 * tolerance));
+            self.hold(&mut states, None);
+            match self.iterate(states, observe) {
+                Ended::Converged => return Ok(self.outcome(false)),
+                Ended::Stopped => return Ok(self.outcome(true)),
+                Ended::Stuck => {}
+            }
+        }
+        self.fall_back(observe)
     }
 
     /// The method whose convergence is known takes over from the last forces.
