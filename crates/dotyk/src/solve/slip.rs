@@ -34,7 +34,7 @@ use std::ops::{ControlFlow, Range};
 
 use crate::dual::{Block, Compliance, Multipliers};
 use crate::linalg::Mat;
-use crate::linalg::dense::{least_squares, solve_general};
+use crate::linalg::dense::{least_squares, product, solve_general};
 use crate::solve::coulomb::fixed_point;
 use crate::solve::face::Pseudo;
 use crate::solve::newton::open_gaps;
@@ -57,6 +57,9 @@ const AT_BOUND: f64 = 1e-9;
 
 /// Accuracies of the bounds from whose states Newton begins again.
 const ROUGHLY: [f64; 2] = [1e-3, 1e-6];
+
+/// Largest system whose solution is refined: beyond, a second factorisation costs more than it gives.
+const REFINED: usize = 400;
 
 /// Largest system that is solved by least norm where it is singular.
 const SINGULAR: usize = 1200;
@@ -781,13 +784,53 @@ fn null_of(rows: &[Vec<f64>]) -> Vec<Vec<f64>> {
 }
 
 /// The solution of a square system; of least norm where it is singular and small, `None` where it is singular and large.
-fn factored(system: Mat<f64>, right: &Mat<f64>) -> Option<Vec<f64>> {
-    let (mut spoilt, mut x) = (system.clone(), right.clone());
-    if solve_general(&mut spoilt, &mut x).is_err() {
-        if system.nrows() > SINGULAR {
-            return None;
-        }
-        x = least_squares(&system, right, 1e-13).ok()?;
+///
+/// Rows and columns are scaled to size one by powers of two, which rounds nothing: a stiff body beside a soft one must not
+/// drown in its pivots. One step of refinement follows.
+fn factored(mut system: Mat<f64>, right: &Mat<f64>) -> Option<Vec<f64>> {
+    let n = system.nrows();
+    let power = |largest: f64| match largest > 0.0 && largest.is_finite() {
+        true => (-largest.log2().round()).exp2(),
+        false => 1.0,
+    };
+    let columns: Vec<f64> = (0..n)
+        .map(|j| {
+            let column = system.col_as_slice_mut(j);
+            let scale = power(column.iter().fold(0.0, |s: f64, a| s.max(a.abs())));
+            column.iter_mut().for_each(|a| *a *= scale);
+            scale
+        })
+        .collect();
+    let mut largest = vec![0.0f64; n];
+    for j in 0..n {
+        let column = system.col_as_slice(j).iter();
+        largest
+            .iter_mut()
+            .zip(column)
+            .for_each(|(s, a)| *s = s.max(a.abs()));
     }
-    Some(x.col_as_slice(0).to_vec())
+    let rows: Vec<f64> = largest.into_iter().map(power).collect();
+    for j in 0..n {
+        let column = system.col_as_slice_mut(j).iter_mut();
+        column.zip(&rows).for_each(|(a, scale)| *a *= scale);
+    }
+    let right = Mat::from_fn(n, 1, |i, _| rows[i] * right[(i, 0)]);
+    let solve = |right: &Mat<f64>| {
+        let (mut spoilt, mut x) = (system.clone(), right.clone());
+        if solve_general(&mut spoilt, &mut x).is_err() {
+            if n > SINGULAR {
+                return None;
+            }
+            x = least_squares(&system, right, 1e-13).ok()?;
+        }
+        Some(x)
+    };
+    let mut x = solve(&right)?;
+    let image = product(&system, &x);
+    let rest = Mat::from_fn(n, 1, |i, _| right[(i, 0)] - image[(i, 0)]);
+    if n <= REFINED {
+        let correction = solve(&rest)?;
+        x = Mat::from_fn(n, 1, |i, _| x[(i, 0)] + correction[(i, 0)]);
+    }
+    Some((0..n).map(|j| columns[j] * x[(j, 0)]).collect())
 }
