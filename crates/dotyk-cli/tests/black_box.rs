@@ -496,6 +496,10 @@ fn a_block_rests_on_a_slope_up_to_the_angle_of_friction() {
             .all(|s| s == "stick" || s == "slip" || s == "open")
     );
     assert!(states.iter().any(|s| s == "slip" || s == "stick"));
+    let fields = std::fs::read_to_string(run.folder.join("case-out/block.vtu")).unwrap();
+    for array in ["\"shear\"", "\"contact_state\""] {
+        assert!(fields.contains(array), "no {array}");
+    }
     assert_eq!(run.warnings(), Vec::<String>::new());
 }
 

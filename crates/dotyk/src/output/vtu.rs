@@ -1,13 +1,14 @@
 //! `BODY.vtu` and `case.pvd` for ParaView: undeformed points, cell kinds kept, point data at the nodes.
 //!
 //! Stress components are in the order xx yy zz xy yz xz. `pressure` and `gap` are NaN off the contact: they are defined
-//! at the nodes of a nonmortar side and, where the contact pairs nodes, at their partners.
+//! at the nodes of a nonmortar side and, where the contact pairs nodes, at their partners. With friction or a tie there are
+//! `shear` (the traction on this body) and `contact_state`: 0 open, 1 closed, 2 stick, 3 slip, 4 tied, 5 fixed.
 //! Arrays are inline, little-endian, zlib in blocks, base64.
 //! Source: VTK file formats, section "XML file formats" (vtk.org).
 
 use crate::geometry::padded;
 use crate::mesh::CellKind;
-use crate::model::{Model, Solution};
+use crate::model::{Law, Model, Solution, Status};
 use crate::output::encode::{base64, zlib};
 use crate::output::text::escape;
 use std::fmt::Write;
@@ -38,7 +39,7 @@ pub fn body_vtu<const D: usize>(model: &Model<D>, solution: &Solution<D>, body: 
         .iter()
         .flat_map(|&u| padded(u))
         .collect();
-    let (pressure, gap) = contact_fields(solution, body, mesh.points().len());
+    let fields = contact_fields(solution, body, mesh.points().len());
     let (mut connectivity, mut offsets, mut types) = (Vec::new(), Vec::new(), Vec::new());
     for block in mesh.blocks() {
         for cell in block.cells() {
@@ -62,8 +63,16 @@ pub fn body_vtu<const D: usize>(model: &Model<D>, solution: &Solution<D>, body: 
     floats(&mut out, "displacement", 3, &displacement);
     floats(&mut out, "stress", 6, answer.stress.as_flattened());
     floats(&mut out, "von_mises", 1, &answer.von_mises);
-    floats(&mut out, "pressure", 1, &pressure);
-    floats(&mut out, "gap", 1, &gap);
+    floats(&mut out, "pressure", 1, &fields.pressure);
+    floats(&mut out, "gap", 1, &fields.gap);
+    let laws = model.contacts.iter().map(|contact| &contact.law);
+    if laws
+        .into_iter()
+        .any(|law| !matches!(law, Law::Frictionless))
+    {
+        floats(&mut out, "shear", 3, fields.shear.as_flattened());
+        floats(&mut out, "contact_state", 1, &fields.state);
+    }
     out.push_str("</PointData>\n<Points>\n");
     floats(&mut out, "points", 3, &points);
     out.push_str("</Points>\n<Cells>\n");
@@ -115,14 +124,38 @@ pub fn collected(pvd: &str) -> Vec<String> {
     files.filter(ours).map(str::to_string).collect()
 }
 
-/// Pressure and gap at the nodes of a body; a node of several contacts keeps the first that defines a number.
+/// Contact at the nodes of a body; NaN off the contact.
+struct ContactFields {
+    pressure: Vec<f64>,
+    gap: Vec<f64>,
+    shear: Vec<[f64; 3]>,
+    state: Vec<f64>,
+}
+
+/// The number of a state.
+fn state_number(status: Status) -> f64 {
+    match status {
+        Status::Open => 0.0,
+        Status::Closed => 1.0,
+        Status::Stick => 2.0,
+        Status::Slip => 3.0,
+        Status::Tied => 4.0,
+        Status::Fixed => 5.0,
+    }
+}
+
+/// What the contacts do at the nodes of a body; a node of several contacts keeps the first that defines a number.
 fn contact_fields<const D: usize>(
     solution: &Solution<D>,
     body: usize,
     nodes: usize,
-) -> (Vec<f64>, Vec<f64>) {
-    let mut pressure = vec![f64::NAN; nodes];
-    let mut gap = vec![f64::NAN; nodes];
+) -> ContactFields {
+    let mut fields = ContactFields {
+        pressure: vec![f64::NAN; nodes],
+        gap: vec![f64::NAN; nodes],
+        shear: vec![[f64::NAN; 3]; nodes],
+        state: vec![f64::NAN; nodes],
+    };
     // Own sides first: what is read off a partner must not hide what a body says itself.
     for own in [true, false] {
         for contact in &solution.contacts {
@@ -138,7 +171,16 @@ fn contact_fields<const D: usize>(
                 let Some(at) = (if own { Some(node.node) } else { node.partner }) else {
                     continue;
                 };
-                for (field, value) in [(&mut pressure, node.pressure), (&mut gap, node.gap)] {
+                if fields.state[at].is_nan() {
+                    let sign = if own { 1.0 } else { -1.0 };
+                    fields.shear[at] = padded(node.shear).map(|s| sign * s);
+                    fields.state[at] = state_number(node.status);
+                }
+                let scalars = [
+                    (&mut fields.pressure, node.pressure),
+                    (&mut fields.gap, node.gap),
+                ];
+                for (field, value) in scalars {
                     if field[at].is_nan() {
                         field[at] = value;
                     }
@@ -146,7 +188,7 @@ fn contact_fields<const D: usize>(
             }
         }
     }
-    (pressure, gap)
+    fields
 }
 
 fn floats(out: &mut String, name: &str, components: usize, values: &[f64]) {
