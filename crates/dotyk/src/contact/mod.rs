@@ -19,7 +19,7 @@ mod weights;
 pub use error::ContactError;
 pub use facing::{Unmatched, unmatched_facing};
 pub use mortar::{Against, pair_mortar};
-pub use node_to_node::{Rigid, matching_nodes, pair_nodes, pair_obstacle};
+pub use node_to_node::{Driven, Rigid, matching_nodes, pair_nodes, pair_obstacle};
 pub use normals::sagitta;
 pub(crate) use weights::nodal_weights;
 
@@ -137,7 +137,7 @@ pub struct Interface<const D: usize> {
 }
 
 impl<const D: usize> Interface<D> {
-    /// Initial gap of every row; tangential rows have none.
+    /// Initial gap between the undeformed surfaces in every row; tangential rows have none.
     pub fn gaps(&self) -> Vec<f64> {
         let mut gaps = vec![0.0; self.nonmortar.len()];
         for node in &self.nodes {

@@ -17,15 +17,15 @@
 //!   multiplier; on its facets ψ are hats, and its own goes to the neighbours.
 //! * The gap s is measured between the true surfaces where a side has one.
 //!
-//! Against a rigid obstacle u_m is its translation. Not here: solids.
+//! Against a rigid obstacle u_m is its translation, and the rows on the other side act on it. Not here: solids.
 //!
 //! Source of the biorthogonal functions: as described by B. I. Wohlmuth, SIAM J. Numer. Anal. 38 (2000) 989–1012.
 
-use crate::contact::node_to_node::{facets, finite_gap, held_components};
+use crate::contact::node_to_node::{Relative, axes, facets, finite_gap};
 use crate::contact::normals::{Normals, surface};
 use crate::contact::search::{Hit, Line, Search, meet};
 use crate::contact::{
-    ContactError, Coupling, End, InitialGap, Interface, InterfaceNode, Rigid, Role, Row, frame,
+    ContactError, Coupling, Driven, End, InitialGap, Interface, InterfaceNode, Rigid, Role, Row, frame,
 };
 use crate::fem::{Analysis, invert, measure, quadrature};
 use crate::geometry::{Point, Surface, add_scaled, dot, norm};
@@ -44,8 +44,8 @@ const POINTS: usize = 6;
 pub enum Against<'a, const D: usize> {
     /// A side of another body.
     Side(End<'a, D>),
-    /// A rigid obstacle, moved by a displacement.
-    Obstacle(&'a Rigid<D>, Point<D>),
+    /// A rigid obstacle.
+    Obstacle(&'a Rigid<D>, Driven),
 }
 
 /// Part of a facet between two neighbouring nodes.
@@ -310,12 +310,12 @@ impl<'a, const D: usize> Pairing<'a, D> {
                     self.gap_at(line, hit.distance)?,
                 )
             }
-            (Against::Obstacle(rigid, moved), _) => {
+            (Against::Obstacle(rigid, _), _) => {
                 let place = (line.start, line.direction);
                 let Some((normal, gap)) = rigid.opposite(place, self.time, self.nonmortar)? else {
                     return Ok(None);
                 };
-                (normal, vec![(0, 1.0)], gap + dot(normal, moved))
+                (normal, vec![(0, 1.0)], gap)
             }
             (Against::Side(_), None) => return Ok(None),
         };
@@ -439,19 +439,28 @@ impl<'a, const D: usize> Pairing<'a, D> {
             .keys()
             .map(|node| {
                 let held = self.nonmortar.constraints.at(*node);
-                let axes: Vec<Point<D>> = held.iter().map(|h| h.axis).collect();
+                let relative = Relative {
+                    prescribed: axes(held, |_| true),
+                    still: axes(held, |h| h.still && self.opposite_held(*node, h.axis, true)),
+                };
                 let normal = normals.get(node).copied().unwrap_or([0.0; D]);
-                let mut free = held_components(normal, &axes, coupling).map(|held| !held);
-                if coupling == Coupling::Frictional && free[0] && free.contains(&false) {
-                    // it slips nevertheless where the other side moves
-                    let moves = frame(normal).map(|axis| self.other_moves(*node, axis));
-                    (1..D).for_each(|c| free[c] |= moves[c]);
-                }
-                (*node, free)
+                (*node, relative.decided(normal, coupling).map(|held| !held))
             })
             .collect();
-        // a sliver gives way to a neighbour that carries more
         let spans: BTreeSet<usize> = stations.iter().map(|station| station.span).collect();
+        // a prescribed node gives its functions to its neighbours; between two of them it keeps its own
+        let lone = |span: &usize| self.spans[*span].nodes.iter().all(|n| !kept[n][0]);
+        let alone: BTreeSet<usize> = spans.iter().copied().filter(lone).collect();
+        if coupling != Coupling::Tied && spans.iter().any(|span| !alone.contains(span)) {
+            for node in alone.iter().flat_map(|&span| self.spans[span].nodes) {
+                let normal = normals.get(&node).copied().unwrap_or([0.0; D]);
+                if !self.opposite_held(node, normal, false) {
+                    let frictional = coupling == Coupling::Frictional;
+                    kept.insert(node, std::array::from_fn(|c| c == 0 || frictional));
+                }
+            }
+        }
+        // a sliver gives way to a neighbour that carries more
         for span in spans {
             let [a, b] = self.spans[span].nodes;
             for (node, other) in [(a, b), (b, a)] {
@@ -546,10 +555,13 @@ impl<'a, const D: usize> Pairing<'a, D> {
         Ok((shape, self.gap_at(line, hit.distance)?))
     }
 
-    /// Whether the other side, where it lies opposite a node, is free to move along an axis.
-    fn other_moves(&self, node: usize, axis: Point<D>) -> bool {
-        let Against::Side(mortar) = self.against else {
-            return false;
+    /// Whether the motion of the other side along an axis is prescribed where it lies opposite a node, and if `still`
+    /// is asked, to be none at any time.
+    fn opposite_held(&self, node: usize, axis: Point<D>, still: bool) -> bool {
+        let mortar = match self.against {
+            Against::Obstacle(_, Driven::Free) => return false,
+            Against::Obstacle(_, driven) => return driven == Driven::Still || !still,
+            Against::Side(mortar) => mortar,
         };
         let places = self.spans.iter().flat_map(|span| {
             let ends = span.nodes.into_iter().zip(span.ends);
@@ -561,12 +573,12 @@ impl<'a, const D: usize> Pairing<'a, D> {
             (!nodes.is_empty()).then_some(nodes)
         });
         let held = |node: usize| {
-            let held = mortar.constraints.at(node).iter();
-            let part: f64 = held.map(|h| dot(h.axis, axis).powi(2)).sum();
+            let held = axes(mortar.constraints.at(node), |h| h.still || !still);
+            let part: f64 = held.iter().map(|&h| dot(h, axis).powi(2)).sum();
             part > 1.0 - 1e-6
         };
         let bearing = |&&(_, shape): &&(usize, f64)| shape.abs() > 1e-6;
-        opposite.is_some_and(|nodes| !nodes.iter().filter(bearing).all(|(node, _)| held(*node)))
+        opposite.is_none_or(|nodes| nodes.iter().filter(bearing).all(|(node, _)| held(*node)))
     }
 
     /// The gap at a line whose polygons are a distance apart.

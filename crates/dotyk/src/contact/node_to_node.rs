@@ -122,9 +122,13 @@ pub fn pair_nodes<const D: usize>(
             let Some(j) = matches[&node].0 else {
                 return Ok(None);
             };
-            let held = shared(nonmortar.constraints.at(node), mortar.constraints.at(j));
+            let (own, other) = (nonmortar.constraints.at(node), mortar.constraints.at(j));
+            let relative = Relative {
+                prescribed: shared(&axes(own, |_| true), &axes(other, |_| true)),
+                still: shared(&axes(own, |h| h.still), &axes(other, |h| h.still)),
+            };
             let point = s.points()[node];
-            let normal = free_part(normal, held.iter().copied()).unwrap_or(normal);
+            let normal = relative.free_normal(normal);
             let gap = match gap {
                 InitialGap::Measured => dot(normal, sub(m.points()[j], point)),
                 InitialGap::Closed => 0.0,
@@ -134,7 +138,7 @@ pub fn pair_nodes<const D: usize>(
                 nodes: vec![(j, 1.0)],
                 normal,
                 gap,
-                held,
+                relative,
             }))
         },
     )
@@ -211,13 +215,23 @@ fn surface_opposite<const D: usize>(
     Some((normal, nearest))
 }
 
-/// A side against a rigid obstacle that is moved by `displacement`.
+/// What moves a rigid obstacle.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Driven {
+    /// Nothing: it stays where it is at all times.
+    Still,
+    /// A prescribed displacement.
+    Prescribed,
+    /// Forces: it is free to translate.
+    Free,
+}
+
+/// A side against a rigid obstacle; its rows on the other side act on the translation of the obstacle.
 ///
 /// Errors: as [`pair_nodes`].
 pub fn pair_obstacle<const D: usize>(
     nonmortar: End<'_, D>,
-    rigid: &Rigid<D>,
-    displacement: Point<D>,
+    (rigid, driven): (&Rigid<D>, Driven),
     coupling: Coupling,
     analysis: Analysis,
     time: f64,
@@ -229,19 +243,21 @@ pub fn pair_obstacle<const D: usize>(
         analysis,
         |node, normal| rigid.faces(mesh.points()[node], normal),
         |node, normal| {
-            let held = nonmortar.constraints.at(node).iter().map(|h| h.axis);
-            let held: Vec<Point<D>> = held.collect();
+            let held = nonmortar.constraints.at(node);
+            let relative = Relative {
+                prescribed: axes(held, |_| driven != Driven::Free),
+                still: axes(held, |h| h.still && driven == Driven::Still),
+            };
             let place = (mesh.points()[node], normal);
             let Some((normal, gap)) = rigid.opposite(place, time, nonmortar)? else {
                 return Ok(None);
             };
-            let normal = free_part(normal, held.iter().copied()).unwrap_or(normal);
-            let gap = gap + dot(normal, displacement);
+            let normal = relative.free_normal(normal);
             Ok(Some(Opposite {
                 nodes: vec![(0, 1.0)],
                 normal,
                 gap,
-                held,
+                relative,
             }))
         },
     )
@@ -252,8 +268,56 @@ struct Opposite<const D: usize> {
     nodes: Vec<(usize, f64)>,
     normal: Point<D>,
     gap: f64,
-    /// Directions in which supports leave no relative motion.
-    held: Vec<Point<D>>,
+    relative: Relative<D>,
+}
+
+/// What supports leave of the relative motion of two opposite points; orthonormal directions.
+pub(super) struct Relative<const D: usize> {
+    /// Directions in which it is prescribed.
+    pub prescribed: Vec<Point<D>>,
+    /// Those of them in which there is none at any time: nothing can slip.
+    pub still: Vec<Point<D>>,
+}
+
+impl<const D: usize> Relative<D> {
+    /// The normal without what is prescribed; unchanged where nothing is left.
+    fn free_normal(&self, normal: Point<D>) -> Point<D> {
+        free_part(normal, self.prescribed.iter().copied()).unwrap_or(normal)
+    }
+
+    /// Which components carry no multiplier, because they are prescribed or not coupled at all: normal, then tangential.
+    pub fn decided(&self, normal: Point<D>, coupling: Coupling) -> [bool; D] {
+        let frame = frame(normal);
+        let part = |directions: &[Point<D>], axis: Point<D>| -> f64 {
+            directions.iter().map(|&h| dot(h, axis).abs()).sum()
+        };
+        let normal_held = free_part(normal, self.prescribed.iter().copied()).is_none();
+        match coupling {
+            Coupling::Normal => std::array::from_fn(|c| c > 0 || normal_held),
+            Coupling::Frictional => std::array::from_fn(|c| match c {
+                0 => normal_held,
+                _ => normal_held || part(&self.still, frame[c]) > COINCIDENT,
+            }),
+            Coupling::Tied => {
+                let held = |c: &usize| part(&self.prescribed, frame[*c]);
+                let mut order: Vec<usize> = (0..D).collect();
+                order.sort_by(|a, b| held(b).total_cmp(&held(a)));
+                let mut components = [false; D];
+                let prescribed = order.iter().take(self.prescribed.len());
+                prescribed.for_each(|&c| components[c] = true);
+                components
+            }
+        }
+    }
+}
+
+/// Held directions that satisfy a condition.
+pub(super) fn axes<const D: usize>(
+    held: &[Held<D>],
+    which: impl Fn(&Held<D>) -> bool,
+) -> Vec<Point<D>> {
+    let chosen = held.iter().filter(|h| which(h));
+    chosen.map(|h| h.axis).collect()
 }
 
 fn build<const D: usize>(
@@ -324,7 +388,7 @@ fn build<const D: usize>(
                 });
             }
             entry.role = Role::Fixed;
-            let held = held_components(state.normal, &state.held, coupling);
+            let held = state.relative.decided(state.normal, coupling);
             for (component, direction) in frame(state.normal).into_iter().enumerate() {
                 if held[component] {
                     continue;
@@ -346,35 +410,6 @@ fn build<const D: usize>(
     Ok(interface)
 }
 
-/// Which components of a node's jump are prescribed by directions held there, or not coupled at all: normal, then
-/// tangential.
-pub(super) fn held_components<const D: usize>(
-    normal: Point<D>,
-    held: &[Point<D>],
-    coupling: Coupling,
-) -> [bool; D] {
-    let frame = frame(normal);
-    let along = |direction: Point<D>| held.iter().map(|&h| dot(h, direction).abs()).sum::<f64>();
-    let normal_held = free_part(normal, held.iter().copied()).is_none();
-    match coupling {
-        Coupling::Normal => std::array::from_fn(|c| c > 0 || normal_held),
-        Coupling::Frictional => std::array::from_fn(|c| match c {
-            0 => normal_held,
-            _ => normal_held || along(frame[c]) > COINCIDENT,
-        }),
-        Coupling::Tied => {
-            let mut order: Vec<usize> = (0..D).collect();
-            order.sort_by(|&a, &b| along(frame[b]).total_cmp(&along(frame[a])));
-            let mut components = [false; D];
-            order
-                .iter()
-                .take(held.len())
-                .for_each(|&c| components[c] = true);
-            components
-        }
-    }
-}
-
 pub(super) fn finite_gap<const D: usize>(
     field: &Field,
     point: Point<D>,
@@ -393,25 +428,19 @@ pub(super) fn finite_gap<const D: usize>(
     }
 }
 
-/// Directions that both sets of held directions contain.
-fn shared<const D: usize>(a: &[Held<D>], b: &[Held<D>]) -> Vec<Point<D>> {
-    let inside = |axis: Point<D>| {
+/// Directions that both sets of orthonormal directions contain.
+fn shared<const D: usize>(a: &[Point<D>], b: &[Point<D>]) -> Vec<Point<D>> {
+    let inside = |axis: &Point<D>| {
         let rest = b
             .iter()
-            .fold(axis, |rest, h| add_scaled(rest, -dot(axis, h.axis), h.axis));
+            .fold(*axis, |rest, &h| add_scaled(rest, -dot(*axis, h), h));
         norm(rest) < COINCIDENT
     };
-    let all: Vec<Point<D>> = if b.len() == D {
-        a.iter().map(|h| h.axis).collect()
-    } else if a.len() == D {
-        b.iter().map(|h| h.axis).collect()
-    } else {
-        a.iter()
-            .map(|h| h.axis)
-            .filter(|&axis| inside(axis))
-            .collect()
-    };
-    all
+    match (a.len() == D, b.len() == D) {
+        (_, true) => a.to_vec(),
+        (true, _) => b.to_vec(),
+        _ => a.iter().copied().filter(inside).collect(),
+    }
 }
 
 /// Unit vector along the part of a normal that is orthogonal to some orthonormal directions; `None` if nothing is left.

@@ -16,6 +16,8 @@ pub struct Held<const D: usize> {
     pub axis: Point<D>,
     /// Displacement along it.
     pub value: f64,
+    /// It is zero at all times.
+    pub still: bool,
     /// Indices of the body's supports that ask for it; none where the axis of symmetry alone does.
     pub supports: Vec<usize>,
 }
@@ -40,7 +42,7 @@ impl<const D: usize> Constraints<D> {
         if analysis == Analysis::Axisymmetric {
             let radial = std::array::from_fn(|i| if i == 0 { 1.0 } else { 0.0 });
             for node in nodes_on_axis(&body.mesh) {
-                constraints.hold(body, node, radial, 0.0, None)?;
+                constraints.hold(body, node, radial, (0.0, true), None)?;
             }
         }
         for (index, support) in body.supports.iter().enumerate() {
@@ -62,11 +64,13 @@ impl<const D: usize> Constraints<D> {
                     if let Some(field) = field {
                         let value = finite(field, point, time, what)?;
                         let direction = std::array::from_fn(|i| if i == axis { 1.0 } else { 0.0 });
+                        let value = (value, field.as_constant() == Some(0.0));
                         constraints.hold(body, node, direction, value, Some(index))?;
                     }
                 }
                 if let (Some(field), Some(&normal)) = (&support.normal, normals.get(&node)) {
                     let value = finite(field, point, time, what)?;
+                    let value = (value, field.as_constant() == Some(0.0));
                     constraints.hold(body, node, normal, value, Some(index))?;
                 }
             }
@@ -79,12 +83,13 @@ impl<const D: usize> Constraints<D> {
         self.nodes.get(&node).map_or(&[], Vec::as_slice)
     }
 
+    /// Adds a condition: a displacement along a direction, and whether it is zero at all times.
     fn hold(
         &mut self,
         body: &Body<D>,
         node: usize,
         direction: Point<D>,
-        value: f64,
+        (value, mut still): (f64, bool),
         support: Option<usize>,
     ) -> Result<(), FemError> {
         let held = self.nodes.entry(node).or_default();
@@ -93,6 +98,7 @@ impl<const D: usize> Constraints<D> {
             let part = dot(direction, h.axis);
             rest = add_scaled(rest, -part, h.axis);
             implied += part * h.value;
+            still &= h.still || part.abs() <= PARALLEL;
         }
         let size = norm(rest);
         if size > PARALLEL {
@@ -100,6 +106,7 @@ impl<const D: usize> Constraints<D> {
             held.push(Held {
                 axis,
                 value: (value - implied) / size,
+                still,
                 supports: support.into_iter().collect(),
             });
             return Ok(());

@@ -3,7 +3,7 @@
 use crate::contact::Role;
 use crate::dual::Feasibility;
 use crate::fem::{BodySystem, Constraints, Short, describe_motion, show};
-use crate::geometry::{Point, add_scaled};
+use crate::geometry::{Point, add_scaled, dot};
 use crate::model::condense::{LoadedBody, body_rows, initial_gaps};
 use crate::model::dependent::drop_dependent;
 use crate::model::error::{Error, Subject};
@@ -115,7 +115,7 @@ impl<const D: usize> Model<D> {
                 nodes
                     .iter()
                     .filter(|n| n.role == Role::Multiplier)
-                    .map(|n| n.clearance)
+                    .map(|n| n.clearance + dot(n.normal, pair.obstacle_motion))
             };
             let mesh = &self.bodies[pair.nonmortar.body.0].mesh;
             let (points, size) = (mesh.points(), mesh.diameter());

@@ -106,10 +106,9 @@ impl FactoredBody {
     }
 }
 
-/// The gaps g₀ of all multipliers; those of tangential rows are zero.
+/// The gaps g₀ of all multipliers; in tangential rows the motion of a rigid obstacle.
 pub(crate) fn initial_gaps<const D: usize>(paired: &[Paired<D>]) -> Vec<f64> {
-    let each = paired.iter().map(|contact| contact.interface.gaps());
-    each.flatten().collect()
+    paired.iter().flat_map(Paired::gaps).collect()
 }
 
 /// The gaps g₀ of a step that begins with a slip, (m,): friction counts the slip from there.

@@ -1,7 +1,7 @@
 //! Contacts as interfaces: which side carries the multipliers, and how the sides are coupled.
 
 use crate::contact::{
-    Against, ContactError, Coupling, End, InitialGap, Interface, Role, pair_mortar, pair_nodes,
+    Against, ContactError, Coupling, Driven, End, InitialGap, Interface, Role, pair_mortar, pair_nodes,
     pair_obstacle, sagitta, unmatched_facing,
 };
 use crate::dual::{AdmissibleSet, Block};
@@ -23,7 +23,7 @@ pub(crate) struct Paired<const D: usize> {
     pub mortar: Option<SideRef>,
     /// The part that the rows of `interface.mortar` act on: a body, or a free obstacle.
     pub opposite: Option<usize>,
-    /// Prescribed displacement of the obstacle.
+    /// Prescribed displacement of the obstacle; zero where it is free.
     pub obstacle_motion: [f64; D],
     /// Rows, gaps and weights.
     pub interface: Interface<D>,
@@ -49,6 +49,20 @@ pub(crate) fn pair_all<const D: usize>(
     contacts.map(|contact| contacting(contact).pair()).collect()
 }
 
+impl<const D: usize> Paired<D> {
+    /// g₀ of every row: the initial gap where the row is a normal one, plus the motion of the obstacle along the row.
+    pub fn gaps(&self) -> Vec<f64> {
+        let mut gaps = self.interface.gaps();
+        if self.mortar.is_none() {
+            for (gap, row) in gaps.iter_mut().zip(&self.interface.mortar) {
+                let along = row.iter().map(|(_, c)| dot(*c, self.obstacle_motion));
+                *gap -= along.sum::<f64>();
+            }
+        }
+        gaps
+    }
+}
+
 /// The same pairs with the gaps and the motion of obstacles at another time; rows, weights and roles stay.
 pub(crate) fn gaps_at<const D: usize>(
     model: &Model<D>,
@@ -57,19 +71,21 @@ pub(crate) fn gaps_at<const D: usize>(
     time: f64,
 ) -> Result<Vec<Paired<D>>, Error<D>> {
     let at_time = |(contact, mut before): (&Contact<D>, Paired<D>)| {
-        if moves(contact) {
-            let contacting = Contacting {
-                model,
-                constraints,
-                contact,
-                time,
-            };
-            let now = contacting.pair()?;
-            before.obstacle_motion = now.obstacle_motion;
+        let contacting = Contacting {
+            model,
+            constraints,
+            contact,
+            time,
+        };
+        if let Pair::Obstacle { obstacle, .. } = &contact.pair {
+            before.obstacle_motion = contacting.motion(obstacle)?;
+        }
+        if gap_varies(contact) {
             let nodes = before.interface.nodes.iter_mut();
-            nodes
-                .zip(now.interface.nodes)
-                .for_each(|(node, now)| node.gap = now.gap);
+            let now = contacting.pair()?.interface.nodes;
+            nodes.zip(now).for_each(|(node, now)| {
+                (node.gap, node.clearance) = (now.gap, now.clearance);
+            });
         }
         Ok(before)
     };
@@ -78,20 +94,16 @@ pub(crate) fn gaps_at<const D: usize>(
 }
 
 /// Whether the initial gap of a contact may depend on time.
-fn moves<const D: usize>(contact: &Contact<D>) -> bool {
-    let varies = |field: &Field| field.as_constant().is_none();
-    match (&contact.pair, &contact.gap) {
-        (Pair::Obstacle { obstacle, .. }, _) => {
-            let shape = matches!(&obstacle.shape, Rigid::Gap(gap) if varies(gap));
-            let motion = match &obstacle.motion {
-                Motion::Prescribed(displacement) => displacement.iter().any(varies),
-                Motion::Loaded(_) => false,
-            };
-            shape || motion
-        }
-        (_, Some(Gap::Given(field))) => varies(field),
-        _ => false,
-    }
+fn gap_varies<const D: usize>(contact: &Contact<D>) -> bool {
+    let field = match (&contact.pair, &contact.gap) {
+        (Pair::Obstacle { obstacle, .. }, _) => match &obstacle.shape {
+            Rigid::Gap(field) => Some(field),
+            Rigid::Surface { .. } => None,
+        },
+        (_, Some(Gap::Given(field))) => Some(field),
+        _ => None,
+    };
+    field.is_some_and(|field| field.as_constant().is_none())
 }
 
 /// Λ of all contacts at a time, in the order of their rows.
@@ -174,7 +186,7 @@ impl<'a, const D: usize> Contacting<'a, D> {
                 obstacle,
             } => {
                 let motion = self.motion(obstacle)?;
-                let interface = self.obstacle(nonmortar, obstacle, motion, coupling);
+                let interface = self.obstacle(nonmortar, obstacle, coupling);
                 Ok(Paired {
                     nonmortar: nonmortar.clone(),
                     mortar: None,
@@ -224,14 +236,19 @@ impl<'a, const D: usize> Contacting<'a, D> {
         &self,
         nonmortar: &'a SideRef,
         obstacle: &Obstacle<D>,
-        motion: [f64; D],
         coupling: Coupling,
     ) -> Result<Interface<D>, ContactError> {
+        let still = |field: &Field| field.as_constant() == Some(0.0);
+        let driven = match &obstacle.motion {
+            Motion::Loaded(_) => Driven::Free,
+            Motion::Prescribed(motion) if motion.iter().all(still) => Driven::Still,
+            Motion::Prescribed(_) => Driven::Prescribed,
+        };
         let (analysis, time) = (self.model.analysis, self.time);
         let end = self.end(nonmortar);
-        let nodal = || pair_obstacle(end, &obstacle.shape, motion, coupling, analysis, time);
+        let nodal = || pair_obstacle(end, (&obstacle.shape, driven), coupling, analysis, time);
         let integrated = || {
-            let against = Against::Obstacle(&obstacle.shape, motion);
+            let against = Against::Obstacle(&obstacle.shape, driven);
             pair_mortar(end, against, InitialGap::Measured, coupling, analysis, time)
         };
         match self.contact.pairing {

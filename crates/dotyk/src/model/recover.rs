@@ -15,7 +15,7 @@ use crate::fem::{
     von_mises,
 };
 use crate::geometry::{Point, add_scaled, bounding_box, cross, dot, norm, sub};
-use crate::model::condense::{FactoredBody, LoadedBody};
+use crate::model::condense::{FactoredBody, LoadedBody, initial_gaps};
 use crate::model::error::Error;
 use crate::model::floating::{Floating, add_rows, settle};
 use crate::model::nouns::{Analysis, Body, Model, Place, SideRef};
@@ -114,10 +114,12 @@ impl<const D: usize> Judged<D> {
             .paired
             .iter()
             .flat_map(|p| p.interface.tangential());
-        let gaps = condensed.gaps.iter().zip(&self.gaps);
+        // gap = g₀ + slip at the last step − slip now
+        let undeformed = initial_gaps(&condensed.paired);
+        let slips = condensed.gaps.iter().zip(&undeformed).zip(&self.gaps);
         tangential
-            .zip(gaps)
-            .map(|(is, (before, after))| if is { before - after } else { 0.0 })
+            .zip(slips)
+            .map(|(is, ((before, g0), after))| if is { before - g0 - after } else { 0.0 })
             .collect()
     }
 
