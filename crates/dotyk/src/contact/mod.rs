@@ -21,7 +21,6 @@ pub use facing::{Unmatched, unmatched_facing};
 pub use mortar::{Against, pair_mortar};
 pub use node_to_node::{Driven, Rigid, matching_nodes, pair_nodes, pair_obstacle};
 pub use normals::sagitta;
-pub(crate) use weights::nodal_weights;
 
 use crate::fem::{Body, Constraints};
 use crate::geometry::{Field, Point};
@@ -88,6 +87,8 @@ pub struct InterfaceNode<const D: usize> {
     pub normal: Point<D>,
     /// ∫ψ: an area, times thickness or 2πr.
     pub weight: f64,
+    /// The part of the side that the multiplier stands for: a length (in space an area) without thickness or 2πr.
+    pub extent: f64,
     /// Initial gap, ∫ψ s/∫ψ; NaN where nothing is opposite.
     pub gap: f64,
     /// Initial gap at the node itself: between the surfaces, or as given. NaN where nothing is opposite.

@@ -4,10 +4,14 @@
 //!   row j:  ∫ψⱼ n(x)·(u_s(x) − u_m(y)) dx / ∫ψⱼ dx,      y on the line x + s·n(x),      g₀ⱼ = ∫ψⱼ s dx / ∫ψⱼ dx
 //! ```
 //!
-//! * ψ are biorthogonal to the shape functions N of the side, facet by facet: ∫ψᵢNⱼ = δᵢⱼ∫Nⱼ over the part that faces the
-//!   other side. They sum to one, so that a uniform pressure is exact, and on matching meshes they give what pairing node
-//!   by node gives. Where a weight ∫N would not be positive (a quadratic facet that is covered in part, or ends at the axis
-//!   of revolution), ψ are hats between neighbouring nodes, middle nodes included.
+//! * ψ are biorthogonal to the shape functions N of the side, facet by facet: ∫ψᵢNⱼ = δᵢⱼ∫Nⱼ. They sum to one, so that a
+//!   uniform pressure is exact, and on matching meshes they give what pairing node by node gives. Where a weight ∫N would
+//!   not be positive (a quadratic facet that ends at the axis of revolution), ψ are hats between neighbouring nodes, middle
+//!   nodes included.
+//! * Such a ψ acts as a force at its node, although it faces nothing there when the facet is covered in part. No force may
+//!   act where nothing faces: on such a facet ψ are biorthogonal to the hats of the covered part of each span between
+//!   neighbouring nodes, and act at the two ends of that part. In the limit of full cover both are the same on a straight
+//!   facet. Where the cover of a span has a hole, ψ are its hats.
 //! * Facets are cut where the line from them meets a node of the other side; on each piece all shape functions are smooth.
 //! * n is the field of [`Normals`]; both bodies feel the force at the ends of one line along n, so that forces and moments
 //!   balance whatever the two polygons are.
@@ -24,6 +28,7 @@
 use crate::contact::node_to_node::{Relative, axes, facets, finite_gap};
 use crate::contact::normals::{Normals, surface};
 use crate::contact::search::{Hit, Line, Search, meet};
+use crate::contact::weights::POSITIVE;
 use crate::contact::{
     ContactError, Coupling, Driven, End, InitialGap, Interface, InterfaceNode, Rigid, Role, Row, frame,
 };
@@ -66,9 +71,13 @@ struct Piece {
 /// Everything at one point of integration.
 struct Station<const D: usize> {
     span: usize,
+    /// Reference coordinate on the facet.
+    xi: f64,
     /// Values of the two hats of the span.
     hats: [f64; 2],
     area: f64,
+    /// Without thickness or 2πr.
+    length: f64,
     normal: Point<D>,
     gap: f64,
     own: Vec<(usize, f64)>,
@@ -81,6 +90,7 @@ struct Station<const D: usize> {
 struct Sums<const D: usize> {
     /// ∫ of the node's hat, and times the gap.
     own: [f64; 2],
+    extent: f64,
     weight: [f64; D],
     gap: f64,
     nonmortar: [BTreeMap<usize, Point<D>>; D],
@@ -91,6 +101,7 @@ impl<const D: usize> Sums<D> {
     fn new() -> Self {
         Self {
             own: [0.0; 2],
+            extent: 0.0,
             weight: [0.0; D],
             gap: 0.0,
             nonmortar: std::array::from_fn(|_| BTreeMap::new()),
@@ -292,11 +303,11 @@ impl<'a, const D: usize> Pairing<'a, D> {
         let span = &self.spans[piece.span];
         let mesh = self.mesh();
         let line = self.line(span.facet, xi);
-        let t = (xi - span.ends[0]) / (span.ends[1] - span.ends[0]);
         let own = shape(mesh, span.facet, xi);
         let tangent = norm(mesh.outward_normal(span.facet, &[xi]));
         let thickness = self.nonmortar.body.thickness;
-        let area = reference * tangent * measure(self.analysis, thickness, line.start);
+        let length = reference * tangent;
+        let area = length * measure(self.analysis, thickness, line.start);
         let mut lever = Vec::new();
         let (normal, opposite, gap) = match (self.against, piece.opposite) {
             (Against::Side(mortar), Some(facet)) => {
@@ -321,8 +332,10 @@ impl<'a, const D: usize> Pairing<'a, D> {
         };
         Ok(Some(Station {
             span: piece.span,
-            hats: [1.0 - t, t],
+            xi,
+            hats: hats_of(span.ends, xi),
             area,
+            length,
             normal,
             gap,
             own,
@@ -361,6 +374,7 @@ impl<'a, const D: usize> Pairing<'a, D> {
         let whole = self.whole_weights();
         let normals = self.normals.nodal();
         let kept = self.kept(&sums, &whole, &normals, coupling, &stations);
+        let cover = Cover::new(&self.spans, pieces);
         // pieces follow the chain, so the stations of a facet follow one another
         let facet = |station: &Station<D>| self.spans[station.span].facet;
         for stations in stations.chunk_by(|a, b| facet(a) == facet(b)) {
@@ -371,9 +385,34 @@ impl<'a, const D: usize> Pairing<'a, D> {
                     _ => 0,
                 };
                 let carries = |node: usize| kept[&node][shared];
-                let basis = Basis::new(stations, carries);
+                let whole = match cover.facet(facet(&stations[0])) {
+                    true => Basis::of_facet(stations, carries),
+                    false => None,
+                };
+                let mut in_part = (usize::MAX, Basis::Hats);
                 for station in stations {
                     let nodes = self.spans[station.span].nodes;
+                    let basis = match &whole {
+                        Some(basis) => basis,
+                        None if in_part.0 == station.span => &in_part.1,
+                        None => {
+                            let span = stations.iter().filter(|s| s.span == station.span);
+                            let hats = match nodes.into_iter().all(carries) {
+                                true => cover.interval(station.span),
+                                false => None,
+                            };
+                            let basis = hats.and_then(|ends| Basis::of_interval(span, ends));
+                            in_part = (station.span, basis.unwrap_or(Basis::Hats));
+                            &in_part.1
+                        }
+                    };
+                    for (node, share) in basis.shares(station, nodes, carries) {
+                        if component == 0
+                            && let Some(sums) = sums.get_mut(&node)
+                        {
+                            sums.extent += share * station.length;
+                        }
+                    }
                     for (node, psi) in basis.values(station, nodes, carries) {
                         if psi != 0.0
                             && kept[&node][component]
@@ -503,6 +542,7 @@ impl<'a, const D: usize> Pairing<'a, D> {
                 opposite: Vec::new(),
                 normal,
                 weight: whole[&node],
+                extent: 0.0,
                 gap: f64::NAN,
                 clearance: f64::NAN,
                 role: Role::Alone,
@@ -519,7 +559,7 @@ impl<'a, const D: usize> Pairing<'a, D> {
                 }
                 for component in (0..D).filter(|&c| kept[&node][c] && sums.weight[c] > 0.0) {
                     if entry.role == Role::Fixed {
-                        entry.weight = sums.weight[component];
+                        (entry.weight, entry.extent) = (sums.weight[component], sums.extent);
                     }
                     entry.role = Role::Multiplier;
                     entry.rows[component] = Some(interface.nonmortar.len());
@@ -591,19 +631,58 @@ impl<'a, const D: usize> Pairing<'a, D> {
     }
 }
 
-/// Weights below this part of their mean count as not positive.
-const POSITIVE: f64 = 0.1;
+/// A facet is covered when all but this part of it faces the other side: rounding.
+const COVERED: f64 = 1e-9;
 
-/// The functions ψ on one facet, or on the part of it that faces the other side.
+/// Which parts of the side face the other one.
+struct Cover {
+    /// How much of each facet, in its reference coordinate: 2 is all of it.
+    facets: BTreeMap<Facet, f64>,
+    /// The covered part of each span, where it is one interval; in reference coordinates of the facet.
+    spans: BTreeMap<usize, Option<[f64; 2]>>,
+}
+
+impl Cover {
+    fn new(all: &[Span], pieces: &[Piece]) -> Self {
+        let (mut facets, mut spans) = (BTreeMap::new(), BTreeMap::new());
+        for piece in pieces {
+            let [from, to] = piece.ends;
+            *facets.entry(all[piece.span].facet).or_insert(0.0) += to - from;
+            let interval = spans.entry(piece.span).or_insert(Some([from, from]));
+            *interval = interval.and_then(|[start, end]| {
+                let joins = (from - end).abs() <= COVERED;
+                joins.then_some([start, to])
+            });
+        }
+        Self { facets, spans }
+    }
+
+    /// All of a facet faces the other side.
+    fn facet(&self, facet: Facet) -> bool {
+        self.facets[&facet] > 2.0 * (1.0 - COVERED)
+    }
+
+    /// The covered part of a span; `None` where it has a hole.
+    fn interval(&self, span: usize) -> Option<[f64; 2]> {
+        self.spans[&span]
+    }
+}
+
+/// The functions ψ on one facet or span.
 enum Basis {
-    /// ψ = A N.
+    /// ψ = A N on a facet.
     Biorthogonal([[f64; MAX_FACET_NODES]; MAX_FACET_NODES]),
+    /// ψ = A h with the hats h of an interval.
+    Interval([f64; 2], [[f64; 2]; 2]),
     Hats,
 }
 
 impl Basis {
     /// A = diag(∫N) M⁻¹ with M = ∫NNᵀ, where all nodes of the facet carry multipliers and all weights are positive.
-    fn new<const D: usize>(stations: &[Station<D>], carries: impl Fn(usize) -> bool) -> Self {
+    fn of_facet<const D: usize>(
+        stations: &[Station<D>],
+        carries: impl Fn(usize) -> bool,
+    ) -> Option<Self> {
         let nodes: Vec<usize> = stations[0].own.iter().map(|&(node, _)| node).collect();
         let mut weights = [0.0; MAX_FACET_NODES];
         let mut mass = [[0.0; MAX_FACET_NODES]; MAX_FACET_NODES];
@@ -617,10 +696,8 @@ impl Basis {
         }
         let mean = weights.iter().sum::<f64>() / nodes.len() as f64;
         let smallest = weights[..nodes.len()].iter().fold(mean, |s, w| s.min(*w));
-        // a straight facet's weights are positive whatever part of it is covered
-        let positive = smallest > POSITIVE * mean || (nodes.len() == 2 && smallest > 0.0);
-        if !positive || !nodes.iter().all(|&node| carries(node)) {
-            return Self::Hats;
+        if smallest <= POSITIVE * mean || !nodes.iter().all(|&node| carries(node)) {
+            return None;
         }
         let mut matrix = match nodes.len() {
             2 => {
@@ -636,10 +713,31 @@ impl Basis {
         for (row, weight) in matrix.iter_mut().zip(weights) {
             row.iter_mut().for_each(|a| *a *= weight);
         }
-        match matrix.iter().flatten().all(|a| a.is_finite()) {
-            true => Self::Biorthogonal(matrix),
-            false => Self::Hats,
+        let finite = matrix.iter().flatten().all(|a| a.is_finite());
+        finite.then_some(Self::Biorthogonal(matrix))
+    }
+
+    /// A = diag(∫h) M⁻¹ with M = ∫hhᵀ and the hats h of an interval of the facet's reference coordinate.
+    fn of_interval<'s, const D: usize>(
+        stations: impl Iterator<Item = &'s Station<D>>,
+        ends: [f64; 2],
+    ) -> Option<Self> {
+        let (mut weights, mut mass) = ([0.0; 2], [[0.0; 2]; 2]);
+        for station in stations {
+            let hats = hats_of(ends, station.xi);
+            for (i, a) in hats.into_iter().enumerate() {
+                weights[i] += a * station.area;
+                for (j, b) in hats.into_iter().enumerate() {
+                    mass[i][j] += a * b * station.area;
+                }
+            }
         }
+        let (mut matrix, _) = invert(mass);
+        for (row, weight) in matrix.iter_mut().zip(weights) {
+            row.iter_mut().for_each(|a| *a *= weight);
+        }
+        let finite = matrix.iter().flatten().all(|a| a.is_finite());
+        finite.then_some(Self::Interval(ends, matrix))
     }
 
     /// ψ of each node at a station.
@@ -661,15 +759,50 @@ impl Basis {
                     .map(|(node, row)| (node, value(row)))
                     .collect()
             }
-            Self::Hats => {
-                let psi = match nodes.map(&carries) {
-                    [true, true] => station.hats,
-                    carries => carries.map(|c| f64::from(u8::from(c))),
-                };
+            Self::Interval(ends, matrix) => {
+                let hats = hats_of(*ends, station.xi);
+                let psi = matrix.map(|[a, b]| a * hats[0] + b * hats[1]);
                 nodes.into_iter().zip(psi).collect()
             }
+            Self::Hats => hats(station, nodes, carries),
         }
     }
+
+    /// The part of a station that each node stands for: positive functions that sum to one.
+    fn shares<const D: usize>(
+        &self,
+        station: &Station<D>,
+        nodes: [usize; 2],
+        carries: impl Fn(usize) -> bool,
+    ) -> Vec<(usize, f64)> {
+        match self {
+            Self::Biorthogonal(_) => station.own.clone(),
+            Self::Interval(ends, _) => {
+                let hats = hats_of(*ends, station.xi);
+                nodes.into_iter().zip(hats).collect()
+            }
+            Self::Hats => hats(station, nodes, carries),
+        }
+    }
+}
+
+/// The two hats of an interval.
+fn hats_of([from, to]: [f64; 2], xi: f64) -> [f64; 2] {
+    let t = (xi - from) / (to - from);
+    [1.0 - t, t]
+}
+
+/// Hats at a station; where one of the two nodes carries nothing the other takes its part.
+fn hats<const D: usize>(
+    station: &Station<D>,
+    nodes: [usize; 2],
+    carries: impl Fn(usize) -> bool,
+) -> Vec<(usize, f64)> {
+    let psi = match nodes.map(&carries) {
+        [true, true] => station.hats,
+        carries => carries.map(|c| f64::from(u8::from(c))),
+    };
+    nodes.into_iter().zip(psi).collect()
 }
 
 /// The parts of a facet between its nodes, in its own direction.

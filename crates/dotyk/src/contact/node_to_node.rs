@@ -341,11 +341,6 @@ fn build<const D: usize>(
         analysis,
         nonmortar.body.thickness,
     );
-    // at the axis of symmetry ∫N 2πr of a quadratic facet vanishes: what is left is rounding
-    let largest = weights
-        .values()
-        .fold(0.0, |largest, &w| f64::max(largest, w));
-    let negligible = 1e-12 * largest;
     let chains = mesh.chain(nonmortar.side).unwrap_or_default();
     let along = chains.iter().flat_map(|chain| &chain.nodes);
     let mut seen = BTreeSet::new();
@@ -373,14 +368,15 @@ fn build<const D: usize>(
             node,
             opposite: Vec::new(),
             normal,
-            weight: whole[&node],
+            weight: whole[&node].area,
+            extent: 0.0,
             gap: f64::NAN,
             clearance: f64::NAN,
             role: Role::Alone,
             rows: [None; D],
         };
         if let Some((state, weight)) = state {
-            if weight.is_nan() || weight <= negligible {
+            if weight.negligible {
                 return Err(ContactError::Weight {
                     side: nonmortar.name(),
                     node,
@@ -402,7 +398,7 @@ fn build<const D: usize>(
             }
             entry.opposite = state.nodes;
             entry.normal = state.normal;
-            entry.weight = weight;
+            (entry.weight, entry.extent) = (weight.area, weight.extent);
             (entry.gap, entry.clearance) = (state.gap, state.gap);
         }
         interface.nodes.push(entry);

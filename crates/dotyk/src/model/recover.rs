@@ -5,7 +5,7 @@
 //! Its energy gap is that of the potential and the complementary energy, Π(u) − Π*(σ, λ) = λ·gap − r·u, with r what the
 //! nodal forces of any body leave unbalanced.
 
-use crate::contact::{Coupling, InterfaceNode, Role, Row, frame, nodal_weights};
+use crate::contact::{Coupling, InterfaceNode, Role, Row, frame};
 use crate::dual::{
     AdmissibleSet, Block, Certificate, Component, DualProblem, IMBALANCE_LIMIT, Multipliers,
     Recomputed, Scales,
@@ -575,26 +575,6 @@ fn side_reactions<const D: usize>(
     sums
 }
 
-/// Length of a side per weight at each of its nodes: 1/thickness or, with axial symmetry, ∫N ds / ∫N 2πr ds.
-fn meridian<const D: usize>(
-    analysis: Analysis,
-    body: &Body<D>,
-    side: &str,
-) -> impl Fn(usize) -> f64 {
-    let mut share = BTreeMap::new();
-    if analysis == Analysis::Axisymmetric {
-        let facets = || body.mesh.side(side).unwrap_or_default().iter().copied();
-        let round = nodal_weights(&body.mesh, facets(), analysis, 1.0);
-        let plain = nodal_weights(&body.mesh, facets(), Analysis::PlaneStrain, 1.0);
-        let both = plain.into_iter().zip(round.into_values());
-        // a quadratic facet gives its node on the axis no weight
-        let part = |s: f64, w: f64| if w > 1e-12 * s * s { s / w } else { 0.0 };
-        share = both.map(|((node, s), w)| (node, part(s, w))).collect();
-    }
-    let thickness = body.thickness;
-    move |node| share.get(&node).copied().unwrap_or(1.0 / thickness)
-}
-
 /// What the rows of one contact came out as.
 struct Rows<'a> {
     gaps: &'a [f64],
@@ -701,11 +681,10 @@ fn contact_solution<const D: usize>(
         }
     };
     let nodes: Vec<ContactNode<D>> = pair.interface.nodes.iter().map(node_state).collect();
-    let length = nodes
-        .iter()
-        .filter(|n| n.status != Status::Open && n.status != Status::Fixed);
-    let along = meridian(model.analysis, body, &pair.nonmortar.side);
-    let length = length.fold(0.0, |sum, n| sum + n.weight * along(n.node));
+    let touching = |n: &ContactNode<D>| n.status != Status::Open && n.status != Status::Fixed;
+    let extents = nodes.iter().zip(&pair.interface.nodes);
+    let length = extents.filter(|(state, _)| touching(state));
+    let length = length.map(|(_, node)| node.extent).sum();
     let (resultant, imbalance) = balance(model, pair, lambda);
     let tangential = pair.interface.tangential().into_iter();
     let work = tangential.zip(lambda.iter().zip(gaps));
