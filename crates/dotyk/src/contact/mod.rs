@@ -13,6 +13,7 @@ mod facing;
 mod mortar;
 mod node_to_node;
 mod normals;
+mod sampling;
 mod search;
 mod weights;
 
@@ -21,6 +22,7 @@ pub use facing::{Unmatched, unmatched_facing};
 pub use mortar::{Against, pair_mortar};
 pub use node_to_node::{Driven, Rigid, matching_nodes, pair_nodes, pair_obstacle};
 pub use normals::sagitta;
+pub use sampling::{Sample, samples};
 
 use crate::fem::{Body, Constraints};
 use crate::geometry::{Field, Point};
@@ -135,6 +137,19 @@ pub struct Interface<const D: usize> {
     pub nonmortar: Vec<Row<D>>,
     /// Row of every multiplier on the mortar body (sign included); of an obstacle, on its translation (node 0).
     pub mortar: Vec<Row<D>>,
+    /// Conditions that others imply.
+    pub implied: Vec<Implied<D>>,
+}
+
+/// A condition without a multiplier, because others imply it. It is judged all the same.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Implied<const D: usize> {
+    /// Place of its node in [`Interface::nodes`].
+    pub node: usize,
+    /// 0: normal, else tangential.
+    pub component: usize,
+    /// Its rows on the nonmortar and on the mortar body.
+    pub rows: [Row<D>; 2],
 }
 
 impl<const D: usize> Interface<D> {
@@ -159,8 +174,8 @@ impl<const D: usize> Interface<D> {
         tangential
     }
 
-    /// Takes rows away, and with a normal row under friction the tangential ones; the rows after them move up, and nodes
-    /// that lose all rows become fixed.
+    /// Takes the multipliers of rows away, and with a normal row under friction those of the tangential ones: the rows
+    /// become implied ones, those after them move up, and nodes that lose all rows become fixed.
     pub fn drop_rows(&mut self, rows: &[usize]) {
         let mut kept = vec![true; self.nonmortar.len()];
         rows.iter().for_each(|&row| kept[row] = false);
@@ -171,6 +186,17 @@ impl<const D: usize> Interface<D> {
                         .iter()
                         .flatten()
                         .for_each(|&row| kept[row] = false);
+                }
+            }
+        }
+        for (place, node) in self.nodes.iter().enumerate() {
+            for (component, row) in node.rows.iter().enumerate() {
+                if let Some(row) = row.filter(|&row| !kept[row]) {
+                    self.implied.push(Implied {
+                        node: place,
+                        component,
+                        rows: [self.nonmortar[row].clone(), self.mortar[row].clone()],
+                    });
                 }
             }
         }

@@ -170,12 +170,12 @@ pub fn pair_mortar<const D: usize>(
     pairing.interface(&pieces, coupling)
 }
 
-struct Pairing<'a, const D: usize> {
-    nonmortar: End<'a, D>,
-    against: Against<'a, D>,
+pub(super) struct Pairing<'a, const D: usize> {
+    pub(super) nonmortar: End<'a, D>,
+    pub(super) against: Against<'a, D>,
     gap: InitialGap<'a>,
     analysis: Analysis,
-    time: f64,
+    pub(super) time: f64,
     normals: Normals<'a, D>,
     /// True surfaces of both sides.
     surfaces: [Option<Surface<D>>; 2],
@@ -185,7 +185,7 @@ struct Pairing<'a, const D: usize> {
 }
 
 impl<'a, const D: usize> Pairing<'a, D> {
-    fn new(
+    pub(super) fn new(
         nonmortar: End<'a, D>,
         against: Against<'a, D>,
         gap: InitialGap<'a>,
@@ -225,7 +225,8 @@ impl<'a, const D: usize> Pairing<'a, D> {
         &self.nonmortar.body.mesh
     }
 
-    fn line(&self, facet: Facet, xi: f64) -> Line<D> {
+    /// The line from ξ of a facet along the contact normal.
+    pub(super) fn line(&self, facet: Facet, xi: f64) -> Line<D> {
         Line {
             start: self.mesh().facet_point(facet, &[xi]),
             direction: self.normals.at(facet, xi),
@@ -283,6 +284,11 @@ impl<'a, const D: usize> Pairing<'a, D> {
         points
             .filter_map(|y| root(span.ends, |xi| line(xi).across(y)))
             .collect()
+    }
+
+    /// Where a line meets the other side's mesh, if it faces it; see [`Search::opposite`].
+    pub(super) fn facing(&self, line: Line<D>, shallow: f64) -> Option<Hit> {
+        self.search.as_ref()?.opposite(line, shallow)
     }
 
     /// The hit of a line on the facet that its piece faces.
@@ -526,6 +532,7 @@ impl<'a, const D: usize> Pairing<'a, D> {
             coupling,
             nonmortar: Vec::new(),
             mortar: Vec::new(),
+            implied: Vec::new(),
         };
         let mut seen = BTreeSet::new();
         let along = self.spans.iter().flat_map(|span| {
@@ -622,7 +629,7 @@ impl<'a, const D: usize> Pairing<'a, D> {
     }
 
     /// The gap at a line whose polygons are a distance apart.
-    fn gap_at(&self, line: Line<D>, distance: f64) -> Result<f64, ContactError> {
+    pub(super) fn gap_at(&self, line: Line<D>, distance: f64) -> Result<f64, ContactError> {
         match self.gap {
             InitialGap::Measured => Ok(self.true_distance(line, distance)),
             InitialGap::Closed => Ok(0.0),
@@ -820,7 +827,7 @@ fn spans<const D: usize>(mesh: &Mesh<D>, facet: Facet) -> Vec<Span> {
 }
 
 /// Nodes of a facet with their shape functions at ξ.
-fn shape<const D: usize>(mesh: &Mesh<D>, facet: Facet, xi: f64) -> Vec<(usize, f64)> {
+pub(super) fn shape<const D: usize>(mesh: &Mesh<D>, facet: Facet, xi: f64) -> Vec<(usize, f64)> {
     let mut values = [0.0; MAX_FACET_NODES];
     mesh.facet_kind(facet).shape(&[xi], &mut values);
     let nodes = mesh.facet_nodes(facet).map(|node| node as usize);

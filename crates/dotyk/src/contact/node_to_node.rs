@@ -354,6 +354,7 @@ fn build<const D: usize>(
         coupling,
         nonmortar: Vec::new(),
         mortar: Vec::new(),
+        implied: Vec::new(),
     };
     for node in order {
         let Some(&normal) = normals.get(&node) else {

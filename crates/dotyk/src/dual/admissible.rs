@@ -234,18 +234,17 @@ impl AdmissibleSet {
             .fold(0.0, f64::max)
     }
 
-    /// Largest violation of the friction law, a force: λₜ against the projection of λₜ − gapₜ/`compliance`
-    /// onto the disc of its bound (for Coulomb the bound is coefficient · λₙ). NaN if there is any.
+    /// Largest violation of the friction law, a force: λₜ against the projection of the trial forces onto the disc of its
+    /// bound (for Coulomb the bound is coefficient · λₙ). NaN if there is any.
     ///
-    /// `compliance` (length over force) makes gap and force comparable.
-    pub fn slip_violation(&self, lambda: &[f64], gap: &[f64], compliance: f64) -> f64 {
+    /// Shapes: λ (m,). `trial` gives λ − gap/softness of a component, the softness being a length over force.
+    pub fn slip_violation(&self, lambda: &[f64], trial: impl Fn(usize) -> f64) -> f64 {
         let mut worst: f64 = 0.0;
         for (block, range) in self.iter() {
             let Some(bound) = lambda.get(range.start).and_then(|&n| block.bound(n)) else {
                 continue;
             };
             let tangents = range.start + 1..range.end;
-            let trial = |i: usize| lambda[i] - gap[i] / compliance;
             let length = tangents
                 .clone()
                 .map(|i| trial(i).powi(2))
@@ -437,15 +436,15 @@ mod tests {
             tangents: 1,
             bound: 1.0,
         }]);
-        assert_eq!(set.slip_violation(&[1.0, 0.5], &[0.0, 0.0], 1.0), 0.0);
+        let violation = |lambda: [f64; 2], gap: f64| {
+            set.slip_violation(&lambda, |i| lambda[i] - [0.0, gap][i])
+        };
+        assert_eq!(violation([1.0, 0.5], 0.0), 0.0);
         // The gap is the gradient: a force at its bound has a gap of the opposite sign.
-        assert_eq!(set.slip_violation(&[1.0, 1.0], &[0.0, -0.3], 1.0), 0.0);
-        assert!(set.slip_violation(&[1.0, 1.0], &[0.0, 0.3], 1.0) > 0.29);
-        assert!(set.slip_violation(&[1.0, 1.5], &[0.0, 0.0], 1.0) > 0.49);
-        assert!(
-            set.slip_violation(&[1.0, f64::NAN], &[0.0, 0.0], 1.0)
-                .is_nan()
-        );
+        assert_eq!(violation([1.0, 1.0], -0.3), 0.0);
+        assert!(violation([1.0, 1.0], 0.3) > 0.29);
+        assert!(violation([1.0, 1.5], 0.0) > 0.49);
+        assert!(violation([1.0, f64::NAN], 0.0).is_nan());
     }
 
     #[test]

@@ -1,8 +1,14 @@
 //! The certificate: what is checked of an answer, in the problem's units and relative to its scales.
 //!
 //! The only judge of convergence, whoever solved. Scales: lengths to max|d|, forces to the larger of max|λ| and the largest
-//! resultant load (that of a support that moves counts), moments to that times the largest body diameter, energies to the elastic energy; 1 where a scale is
-//! zero. Limits: the tolerance, and 1e-10 for imbalances.
+//! resultant load (that of a support that moves counts), moments to that times the largest body diameter, energies to the
+//! elastic energy; 1 where a scale is zero. Limits: the tolerance, and 1e-10 for imbalances.
+//!
+//! Two figures see what the others cannot. A gap that is nothing beside max|d| may be much to two stiff bodies among soft
+//! ones: the *force error* asks of every component by how much its force changes where it answers its gap with its own
+//! softness, |λ − P(λ − gap/softness)|; gaps within the rounding of the displacements that they are differences of say
+//! nothing, however stiff the bodies are. *Between nodes* is the deepest penetration between the nodes of the sides, over
+//! what the meshes can resolve: it does not know which conditions were imposed.
 
 use std::fmt;
 
@@ -10,6 +16,15 @@ use crate::dual::{AdmissibleSet, Component, DualProblem, Multipliers};
 
 /// Limit of the relative imbalances, whatever the tolerance.
 pub const IMBALANCE_LIMIT: f64 = 1e-10;
+
+/// Limit of the force error, in tolerances: neighbouring forces share their errors, a component by itself overstates them.
+pub const FORCE_LIMIT: f64 = 10.0;
+
+/// Limit of the penetration between nodes, in depths that the meshes can resolve.
+pub const BETWEEN_LIMIT: f64 = 10.0;
+
+/// A gap is known to this part of the numbers that it is a difference of.
+pub(crate) const ROUNDING: f64 = 1e-15;
 
 /// One figure of the certificate.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -56,11 +71,15 @@ pub struct Certificate {
     pub energy_gap: Figure,
     /// Violation of the friction law, a force.
     pub slip_violation: Figure,
+    /// Largest change of a force that its own gap asks for.
+    pub force_error: Figure,
+    /// Deepest penetration between the nodes, a length; relative to what the meshes can resolve.
+    pub between_nodes: Figure,
 }
 
 impl Certificate {
     /// The figures with their names in `summary.json`, in its order.
-    pub fn figures(&self) -> [(&'static str, Figure); 7] {
+    pub fn figures(&self) -> [(&'static str, Figure); 9] {
         [
             ("penetration", self.penetration),
             ("tension", self.tension),
@@ -69,6 +88,8 @@ impl Certificate {
             ("imbalance_moment", self.imbalance_moment),
             ("energy_gap", self.energy_gap),
             ("slip_violation", self.slip_violation),
+            ("force_error", self.force_error),
+            ("between_nodes", self.between_nodes),
         ]
     }
 
@@ -119,6 +140,12 @@ impl fmt::Display for Certificate {
 pub struct Recomputed<'a> {
     /// Gap at the contact unknowns (m,).
     pub gap: &'a [f64],
+    /// To what these gaps are known (m,), a length.
+    pub rounding: &'a [f64],
+    /// Largest violation of a condition without a multiplier, a length.
+    pub implied: f64,
+    /// Deepest penetration between the nodes, and what the meshes can resolve there: lengths.
+    pub between: [f64; 2],
     /// Largest resultant force of a body that is not balanced.
     pub imbalance_force: f64,
     /// Largest resultant moment of a body that is not balanced.
@@ -137,8 +164,7 @@ pub struct Recomputed<'a> {
 pub(crate) struct Violations {
     penetration: f64,
     tension: f64,
-    /// Largest dimensionless min(λ, gap) of a component that carries force over an open gap.
-    mismatch: f64,
+    force_error: f64,
     complementarity: f64,
     imbalance_force: f64,
     imbalance_moment: f64,
@@ -171,7 +197,7 @@ impl Violations {
         let mut violations = Self {
             penetration: 0.0,
             tension: 0.0,
-            mismatch: 0.0,
+            force_error: 0.0,
             complementarity: 0.0,
             imbalance_force: 0.0,
             imbalance_moment: 0.0,
@@ -181,7 +207,13 @@ impl Violations {
             energy: 0.0,
             length,
         };
-        let (unit_force, unit_length) = (one_if_zero(force), one_if_zero(length));
+        // what is left of a gap beyond the rounding of the terms that it is the sum of
+        let told = |i: usize| {
+            let rigid = dot(problem.equilibrium.modes.col_as_slice(i), alpha);
+            let product = gap[i] + problem.shift[i] + rigid;
+            let terms = product.abs() + problem.shift[i].abs() + rigid.abs();
+            beyond(gap[i], ROUNDING * terms)
+        };
         let (mut primal_dual, mut stored) = (0.0, 0.0);
         for (i, &component) in components.iter().enumerate() {
             let (force, gap) = (lambda[i], gap[i]);
@@ -195,8 +227,6 @@ impl Violations {
                 Component::Normal => {
                     violations.penetration = larger(violations.penetration, -gap);
                     violations.tension = larger(violations.tension, -force);
-                    let both = (force / unit_force).min(gap / unit_length);
-                    violations.mismatch = larger(violations.mismatch, both);
                 }
                 Component::Tangent => continue,
             }
@@ -217,8 +247,13 @@ impl Violations {
         }
         if admissible.has_friction() {
             primal_dual += admissible.slip_potential(lambda, gap);
-            violations.slip = admissible.slip_violation(lambda, gap, unit_length / unit_force);
+            violations.slip =
+                admissible.slip_violation(lambda, |i| lambda[i] - told(i) / problem.softness[i]);
         }
+        violations.force_error = larger(
+            normal_error(components, lambda, told, &problem.softness),
+            violations.slip,
+        );
         violations.energy_gap = primal_dual.abs();
         violations.energy = problem.scales.energy + 0.5 * stored;
         violations
@@ -231,7 +266,7 @@ impl Violations {
         [
             self.penetration / one_if_zero(self.length),
             self.tension / force,
-            self.mismatch,
+            self.force_error / (FORCE_LIMIT * force),
             self.complementarity / energy,
             self.imbalance_force / force,
             self.imbalance_moment / (force * one_if_zero(moment_arm)),
@@ -253,6 +288,9 @@ impl DualProblem {
         let found = self.violations(multipliers, &gap);
         let recomputed = Recomputed {
             gap: &gap,
+            rounding: &vec![0.0; gap.len()],
+            implied: 0.0,
+            between: [0.0, 1.0],
             imbalance_force: found.imbalance_force,
             imbalance_moment: found.imbalance_moment,
             energy_gap: found.energy_gap,
@@ -272,27 +310,34 @@ impl DualProblem {
         let found = self.violations(multipliers, recomputed.gap);
         let (length, force) = (found.length, found.force.max(recomputed.driving_force));
         let energy = recomputed.elastic_energy;
-        let slip = self.admissible.slip_violation(
-            &multipliers.lambda,
-            recomputed.gap,
-            one_if_zero(length) / one_if_zero(force),
-        );
+        let lambda = &multipliers.lambda;
+        let told = |i: usize| beyond(recomputed.gap[i], recomputed.rounding[i]);
+        let trial = |i: usize| lambda[i] - told(i) / self.softness[i];
+        let slip = self.admissible.slip_violation(lambda, trial);
+        let components = self.admissible.components();
+        let error = normal_error(&components, lambda, told, &self.softness);
+        let [depth, resolved] = recomputed.between;
         let moment = one_if_zero(force) * one_if_zero(self.scales.moment_arm);
         Certificate {
-            penetration: Figure::new(found.penetration, length, tolerance),
+            penetration: Figure::new(
+                larger(found.penetration, recomputed.implied),
+                length,
+                tolerance,
+            ),
             tension: Figure::new(found.tension, force, tolerance),
             complementarity: Figure::new(found.complementarity, energy, tolerance),
             imbalance_force: Figure::new(recomputed.imbalance_force, force, IMBALANCE_LIMIT),
             imbalance_moment: Figure::new(recomputed.imbalance_moment, moment, IMBALANCE_LIMIT),
             energy_gap: Figure::new(recomputed.energy_gap, energy, tolerance),
             slip_violation: Figure::new(slip, force, tolerance),
+            force_error: Figure::new(larger(error, slip), force, FORCE_LIMIT * tolerance),
+            between_nodes: Figure::new(depth, resolved, BETWEEN_LIMIT),
         }
     }
 
     /// Largest relative violation of the optimality conditions and of the friction law: what the solvers stop on.
     ///
-    /// It bounds every figure of [`DualProblem::certify`] and, in addition, min(λ, gap) of each contact in units of
-    /// the force and length scales. Costs one product with F.
+    /// It bounds every figure of [`DualProblem::certify`] over its limit, in tolerances. Costs one product with F.
     pub fn kkt_residual(&self, multipliers: &Multipliers) -> f64 {
         let gap = self.gap(multipliers);
         self.violations(multipliers, &gap)
@@ -318,6 +363,35 @@ impl DualProblem {
     pub fn dissipation(&self, lambda: &[f64], gap: &[f64]) -> f64 {
         self.admissible.dissipated(lambda, gap).iter().sum()
     }
+}
+
+/// What is left of a number beyond an uncertainty.
+fn beyond(value: f64, uncertainty: f64) -> f64 {
+    // in this order a NaN stays one
+    if value.abs() <= uncertainty {
+        return 0.0;
+    }
+    value - uncertainty.copysign(value)
+}
+
+/// Largest |λ − P(λ − gap/softness)| of the free and normal components.
+fn normal_error(
+    components: &[Component],
+    lambda: &[f64],
+    gap: impl Fn(usize) -> f64,
+    softness: &[f64],
+) -> f64 {
+    let error = |(i, component): (usize, &Component)| match component {
+        Component::Free => (gap(i) / softness[i]).abs(),
+        Component::Normal => {
+            let trial = lambda[i] - gap(i) / softness[i];
+            let nearest = if trial < 0.0 { 0.0 } else { trial };
+            (lambda[i] - nearest).abs()
+        }
+        Component::Tangent => 0.0,
+    };
+    let errors = components.iter().enumerate().map(error);
+    errors.fold(0.0, larger)
 }
 
 fn one_if_zero(scale: f64) -> f64 {
@@ -381,7 +455,7 @@ mod tests {
         assert!(failing([2.0 + 1e-6, 1.0], 1.0).contains(&"imbalance_force"));
         assert!(failing([3.0 + 1e-6, -1e-6], 1.0).contains(&"tension"));
         assert!(failing([f64::NAN, 1.0], 1.0).len() >= 3);
-        assert!(problem.certify(&answer, 1e-8).to_string().lines().count() == 7);
+        assert!(problem.certify(&answer, 1e-8).to_string().lines().count() == 9);
     }
 
     #[test]
@@ -401,6 +475,9 @@ mod tests {
         let (problem, answer) = plate();
         let recomputed = Recomputed {
             gap: &[0.0, -1e-3],
+            rounding: &[0.0; 2],
+            implied: 0.0,
+            between: [0.0, 1.0],
             imbalance_force: 0.0,
             imbalance_moment: 0.0,
             energy_gap: 0.0,

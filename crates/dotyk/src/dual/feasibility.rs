@@ -542,6 +542,7 @@ mod tests {
             admissible: AdmissibleSet::new(blocks.to_vec()),
             equilibrium: Equilibrium::new(modes, load.to_vec()),
             scales: Scales::default(),
+            softness: vec![1.0; 2],
         }
     }
 

@@ -30,7 +30,7 @@ mod projection;
 
 pub use admissible::{AdmissibleSet, Component};
 pub use balance::{Balance, ModeSplit, uncontrolled_modes};
-pub(crate) use certificate::Violations;
+pub(crate) use certificate::{ROUNDING, Violations};
 pub use certificate::{Certificate, Figure, IMBALANCE_LIMIT, Recomputed};
 pub use feasibility::{Feasibility, NO_WORK, least_norm_within, least_squares_nonnegative};
 pub use projection::Projector;
@@ -212,10 +212,13 @@ pub struct DualProblem {
     pub equilibrium: Equilibrium,
     /// What violations are compared with.
     pub scales: Scales,
+    /// Compliance of every component by itself, (m,), length over force: it makes a gap and a force comparable.
+    pub softness: Vec<f64>,
 }
 
 impl DualProblem {
-    /// The problem with scales from its data.
+    /// The problem with scales from its data; the softness is the diagonal of an assembled F, its mean over the tangents
+    /// of a node, else the same for all components.
     ///
     /// Errors: lengths that differ, entries of d, G or e that are not finite, friction that is negative.
     pub fn new(
@@ -225,7 +228,8 @@ impl DualProblem {
         equilibrium: Equilibrium,
     ) -> Result<Self, DualError> {
         let scales = Scales::of(&shift, &equilibrium);
-        let problem = Self {
+        let mut problem = Self {
+            softness: vec![1.0; shift.len()],
             compliance,
             shift,
             admissible,
@@ -233,7 +237,30 @@ impl DualProblem {
             scales,
         };
         problem.check()?;
+        problem.softness = problem.diagonal_softness();
         Ok(problem)
+    }
+
+    fn diagonal_softness(&self) -> Vec<f64> {
+        let Compliance::Dense(matrix) = &self.compliance else {
+            let or_one = |scale: f64| if scale > 0.0 { scale } else { 1.0 };
+            let ratio = or_one(self.scales.length) / or_one(self.scales.force);
+            return vec![ratio; self.len()];
+        };
+        let mut softness: Vec<f64> = (0..self.len()).map(|i| matrix[(i, i)]).collect();
+        for (block, range) in self.admissible.iter() {
+            if block.bound(0.0).is_some() {
+                let tangents = &mut softness[range.start + 1..range.end];
+                let mean = tangents.iter().sum::<f64>() / tangents.len().max(1) as f64;
+                tangents.fill(mean);
+            }
+        }
+        // a component that nothing gives way to takes the scale of the others
+        let largest = softness.iter().fold(0.0, |s: f64, f| s.max(*f));
+        let fallback = if largest > 0.0 { largest } else { 1.0 };
+        let rigid = softness.iter_mut().filter(|f| **f <= 0.0);
+        rigid.for_each(|f| *f = fallback);
+        softness
     }
 
     /// Lengths agree, d, G, e and an assembled F are finite, friction is finite and not negative.
@@ -242,6 +269,7 @@ impl DualProblem {
         let lengths = [
             ("d", self.shift.len(), m),
             ("the admissible set", self.admissible.len(), m),
+            ("the softness", self.softness.len(), m),
             ("a row of G", self.equilibrium.modes.ncols(), m),
             ("a column of G", self.equilibrium.modes.nrows(), r),
             ("the list of moment rows", self.equilibrium.moments.len(), r),

@@ -38,6 +38,13 @@ pub struct Elastic {
     pub poisson: f64,
 }
 
+impl Elastic {
+    /// E/(1 − ν²), what a plane surface of the material feels.
+    pub fn plane_modulus(&self) -> f64 {
+        self.young / (1.0 - self.poisson * self.poisson)
+    }
+}
+
 /// A material for the cells of one group of the mesh, or for all cells.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Material {

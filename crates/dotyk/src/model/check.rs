@@ -5,7 +5,7 @@ use crate::dual::Feasibility;
 use crate::fem::{BodySystem, Constraints, Short, describe_motion, show};
 use crate::geometry::{Point, add_scaled, dot};
 use crate::model::condense::{LoadedBody, body_rows, initial_gaps};
-use crate::model::dependent::drop_dependent;
+use crate::model::dependent::drop_implied;
 use crate::model::error::{Error, Subject};
 use crate::model::floating::Floating;
 use crate::model::nouns::*;
@@ -106,7 +106,7 @@ impl<const D: usize> Model<D> {
         let mut paired = pair_all(self, &constraints, time).map_err(last)?;
         check
             .warnings
-            .extend(drop_dependent(self, &systems, &mut paired));
+            .extend(drop_implied(self, &systems, &mut paired));
         let remarks = paired.iter().flat_map(|pair| pair.warnings.clone());
         check.warnings.extend(remarks);
         for (contact, pair) in self.contacts.iter().zip(&paired) {

@@ -1,14 +1,22 @@
-//! Dependent contact conditions: rows of B that follow from others, such as those of a pair of nodes in two contacts.
+//! Conditions that follow from others, such as those of a pair of nodes in two contacts.
 //!
-//! With dependent rows the contact forces are not unique and F is singular. They are found by Cholesky factorisation of
-//! BBᵀ on the free dofs with diagonal pivoting, dropped, and named in a warning. A row with a free dof of its own is
-//! independent; setting such rows aside again and again leaves few rows, mostly none, for the factorisation.
+//! A condition that *ties and supports* imply has a gap that no contact force changes, and one of two frictionless
+//! conditions that say the same at all times says nothing: these get no multiplier, are named in a warning, and are judged
+//! all the same. Other inequalities imply nothing: of two obstacles under one side either may be the nearer one, and on the
+//! two rough walls of a corner a node may stick or slip. They keep their multipliers although F is singular; where
+//! dependent ones bear, how they share their sum is not unique, which a warning tells.
+//!
+//! Dependence is found by Cholesky factorisation of BBᵀ on the free dofs with diagonal pivoting. A row with a free dof of its
+//! own is independent; setting such rows aside again and again leaves few rows, mostly none, for the factorisation.
 
+use crate::contact::Coupling;
+use crate::dual::{AdmissibleSet, Block};
 use crate::fem::{BodySystem, show};
+use crate::linalg::dense::{cholesky_in_place, solve_lower_in_place};
 use crate::linalg::{Mat, pivoted_cholesky};
-use crate::model::Model;
-use crate::model::pair::Paired;
-use std::collections::BTreeMap;
+use crate::model::nouns::{Law, Model};
+use crate::model::pair::{Paired, gap_varies};
+use std::collections::{BTreeMap, BTreeSet};
 
 /// A row is dependent when less than this part of its square is its own.
 const DEPENDENT: f64 = 1e-12;
@@ -16,12 +24,107 @@ const DEPENDENT: f64 = 1e-12;
 /// Coefficients of one row on the free dofs, by (body, dof).
 type Sparse = Vec<((usize, usize), f64)>;
 
-/// Drops dependent rows: their nodes become fixed. Returns warnings, one for each contact that loses rows.
-pub(crate) fn drop_dependent<const D: usize>(
+/// Where a row is: its contact, and its index there.
+type Place = (usize, usize);
+
+/// Two gaps are the same within this part of the size of the body.
+const SAME_GAP: f64 = 1e-12;
+
+/// Takes the multipliers of implied conditions. Returns warnings, one for each contact that loses some.
+pub(crate) fn drop_implied<const D: usize>(
     model: &Model<D>,
     systems: &[BodySystem<D>],
     paired: &mut [Paired<D>],
 ) -> Vec<String> {
+    let refs: Vec<&BodySystem<D>> = systems.iter().collect();
+    let (places, rows) = suspects(&refs, paired);
+    let tied = |&(contact, _): &Place| paired[contact].interface.coupling == Coupling::Tied;
+    let equalities: Vec<usize> = (0..rows.len()).filter(|&i| tied(&places[i])).collect();
+    let (basis, mut implied) = split(&rows, &equalities);
+    let rest = (0..rows.len()).filter(|&i| !tied(&places[i]));
+    implied.extend(within(&rows, &basis, rest));
+    implied.extend(repeated(model, paired, &places, &rows));
+    implied.sort_unstable();
+    implied.dedup();
+    let mut dropped: BTreeMap<usize, Vec<usize>> = BTreeMap::new();
+    for index in implied {
+        let (contact, row) = places[index];
+        dropped.entry(contact).or_default().push(row);
+    }
+    let drop = |(contact, rows): (usize, Vec<usize>)| {
+        let nodes = describe(model, &paired[contact], &rows);
+        paired[contact].interface.drop_rows(&rows);
+        format!(
+            "contact \"{}\": the condition of {nodes} follows from supports and other contacts; it is dropped, and the pressure there is not defined",
+            model.contacts[contact].name
+        )
+    };
+    dropped.into_iter().map(drop).collect()
+}
+
+/// A warning about forces λ (m,) that are not unique, because those of several contacts at a node do the same.
+pub(crate) fn shared_forces<const D: usize>(
+    model: &Model<D>,
+    systems: &[&BodySystem<D>],
+    paired: &[Paired<D>],
+    admissible: &AdmissibleSet,
+    lambda: &[f64],
+) -> Option<String> {
+    let (places, rows) = suspects(systems, paired);
+    if rows.is_empty() {
+        return None;
+    }
+    let mut starts = vec![0];
+    for pair in paired {
+        starts.push(starts[starts.len() - 1] + pair.interface.nonmortar.len());
+    }
+    let row_of: BTreeMap<usize, usize> = (0..rows.len())
+        .map(|i| (starts[places[i].0] + places[i].1, i))
+        .collect();
+    // the forces that are free to change: normal ones that push, with the shear of nodes that slip, and shears that stick
+    let mut columns: Vec<Sparse> = Vec::new();
+    let mut owners: Vec<Place> = Vec::new();
+    for (block, range) in admissible.iter() {
+        let Some(&first) = row_of.get(&range.start) else {
+            continue;
+        };
+        let free = matches!(block, Block::Free { .. });
+        if !free && lambda[range.start] <= 0.0 {
+            continue;
+        }
+        let bound = block.bound(lambda[range.start]).unwrap_or(f64::INFINITY);
+        let shear = |i: usize| lambda[i].abs() < bound * (1.0 - 1e-9);
+        let mut normal = rows[first].clone();
+        for i in range.clone().skip(1) {
+            match row_of.get(&i) {
+                Some(&row) if shear(i) => {
+                    columns.push(rows[row].clone());
+                    owners.push(places[row]);
+                }
+                Some(&row) => normal = combine(&normal, lambda[i] / lambda[range.start], &rows[row]),
+                None => {}
+            }
+        }
+        columns.push(normal);
+        owners.push(places[first]);
+    }
+    let all: Vec<usize> = (0..columns.len()).collect();
+    let (_, dependent) = split(&columns, &all);
+    let (contact, _) = *dependent.iter().map(|&i| &owners[i]).min()?;
+    let own = dependent.iter().filter(|&&i| owners[i].0 == contact);
+    let own: Vec<usize> = own.map(|&i| owners[i].1).collect();
+    Some(format!(
+        "contact \"{}\": at {} several contacts bear the same force; how they share it is not unique",
+        model.contacts[contact].name,
+        describe(model, &paired[contact], &own)
+    ))
+}
+
+/// Rows that may depend on others, with their places.
+fn suspects<const D: usize>(
+    systems: &[&BodySystem<D>],
+    paired: &[Paired<D>],
+) -> (Vec<Place>, Vec<Sparse>) {
     let mut places = Vec::new();
     let mut rows = Vec::new();
     for (contact, pair) in paired.iter().enumerate() {
@@ -31,37 +134,18 @@ pub(crate) fn drop_dependent<const D: usize>(
         }
     }
     let suspects = without_own_dof(&rows);
-    if suspects.is_empty() {
-        return Vec::new();
-    }
-    let gram = Mat::from_fn(suspects.len(), suspects.len(), |i, j| {
-        product(&rows[suspects[i]], &rows[suspects[j]])
-    });
-    // finite rows cannot fail
-    let Ok((_, dependent)) = pivoted_cholesky(&gram, DEPENDENT) else {
-        return Vec::new();
-    };
-    let mut dropped: BTreeMap<usize, Vec<usize>> = BTreeMap::new();
-    for index in dependent {
-        let (contact, row) = places[suspects[index]];
-        dropped.entry(contact).or_default().push(row);
-    }
-    dropped
+    let mut rows: Vec<Option<Sparse>> = rows.into_iter().map(Some).collect();
+    suspects
         .into_iter()
-        .map(|(contact, rows)| {
-            let warning = describe(
-                model,
-                &model.contacts[contact].name,
-                &paired[contact],
-                &rows,
-            );
-            paired[contact].interface.drop_rows(&rows);
-            warning
-        })
-        .collect()
+        .filter_map(|i| Some((places[i], rows[i].take()?)))
+        .unzip()
 }
 
-fn free_part<const D: usize>(systems: &[BodySystem<D>], pair: &Paired<D>, row: usize) -> Sparse {
+fn free_part<const D: usize>(
+    systems: &[&BodySystem<D>],
+    pair: &Paired<D>,
+    row: usize,
+) -> Sparse {
     let mut sums: BTreeMap<(usize, usize), f64> = BTreeMap::new();
     let mut add = |body: usize, row: &[(usize, [f64; D])]| {
         for &(node, coefficients) in row {
@@ -113,6 +197,77 @@ fn without_own_dof(rows: &[Sparse]) -> Vec<usize> {
     (0..rows.len()).filter(|&index| !aside[index]).collect()
 }
 
+/// The chosen rows as independent ones and those that depend on them.
+fn split(rows: &[Sparse], chosen: &[usize]) -> (Vec<usize>, Vec<usize>) {
+    let gram = Mat::from_fn(chosen.len(), chosen.len(), |i, j| {
+        product(&rows[chosen[i]], &rows[chosen[j]])
+    });
+    let named = |list: Vec<usize>| list.into_iter().map(|i| chosen[i]).collect();
+    // finite rows cannot fail; rows that did would all count as independent
+    match pivoted_cholesky(&gram, DEPENDENT) {
+        Ok((independent, dependent)) => (named(independent), named(dependent)),
+        Err(_) => (chosen.to_vec(), Vec::new()),
+    }
+}
+
+/// Those of some rows that lie in the span of the independent rows `basis`.
+fn within(rows: &[Sparse], basis: &[usize], some: impl Iterator<Item = usize>) -> Vec<usize> {
+    let mut factor = Mat::from_fn(basis.len(), basis.len(), |i, j| {
+        product(&rows[basis[i]], &rows[basis[j]])
+    });
+    // independent rows cannot fail; without a factor nothing is implied but rows that vanish
+    let usable = cholesky_in_place(&mut factor).is_ok();
+    let implied = |&row: &usize| {
+        let square = product(&rows[row], &rows[row]);
+        let mut parts = Mat::from_fn(basis.len(), 1, |i, _| product(&rows[basis[i]], &rows[row]));
+        if usable {
+            solve_lower_in_place(&factor, &mut parts);
+        }
+        let inside: f64 = parts.col_as_slice(0).iter().map(|x| x * x).sum();
+        square == 0.0 || usable && square - inside <= DEPENDENT * square
+    };
+    some.filter(implied).collect()
+}
+
+/// Rows of frictionless contacts that say the same as an earlier one at all times.
+fn repeated<const D: usize>(
+    model: &Model<D>,
+    paired: &[Paired<D>],
+    places: &[Place],
+    rows: &[Sparse],
+) -> Vec<usize> {
+    let gaps: Vec<Vec<f64>> = paired.iter().map(Paired::gaps).collect();
+    let lasting = |contact: usize| {
+        let contact = &model.contacts[contact];
+        matches!(contact.law, Law::Frictionless) && !gap_varies(contact)
+    };
+    let mut alike: BTreeMap<Vec<(usize, usize)>, Vec<usize>> = BTreeMap::new();
+    let mut repeated = Vec::new();
+    for (i, row) in rows.iter().enumerate().filter(|(_, row)| !row.is_empty()) {
+        let (contact, own) = places[i];
+        if !lasting(contact) {
+            continue;
+        }
+        let square = product(row, row);
+        let gap = gaps[contact][own];
+        let size = model.bodies[paired[contact].nonmortar.body.0].mesh.diameter();
+        let same = |&other: &usize| {
+            let factor = product(row, &rows[other]) / square;
+            let rest = combine(&rows[other], -factor, row);
+            let (contact, other) = places[other];
+            factor > 0.0
+                && product(&rest, &rest) <= DEPENDENT * square * factor * factor
+                && (gaps[contact][other] - factor * gap).abs() <= SAME_GAP * size
+        };
+        let seen = alike.entry(row.iter().map(|(dof, _)| *dof).collect()).or_default();
+        match seen.iter().any(same) {
+            true => repeated.push(i),
+            false => seen.push(i),
+        }
+    }
+    repeated
+}
+
 fn product(a: &Sparse, b: &Sparse) -> f64 {
     let (mut i, mut j, mut sum) = (0, 0, 0.0);
     while i < a.len() && j < b.len() {
@@ -129,16 +284,22 @@ fn product(a: &Sparse, b: &Sparse) -> f64 {
     sum
 }
 
+/// a + factor · b.
+fn combine(a: &Sparse, factor: f64, b: &Sparse) -> Sparse {
+    let mut sums: BTreeMap<(usize, usize), f64> = a.iter().copied().collect();
+    for &(dof, value) in b {
+        *sums.entry(dof).or_insert(0.0) += factor * value;
+    }
+    sums.into_iter().collect()
+}
+
 /// Most nodes that a warning names.
 const NAMED: usize = 4;
 
-fn describe<const D: usize>(
-    model: &Model<D>,
-    contact: &str,
-    pair: &Paired<D>,
-    rows: &[usize],
-) -> String {
+/// The nodes of some rows of a contact, in words.
+fn describe<const D: usize>(model: &Model<D>, pair: &Paired<D>, rows: &[usize]) -> String {
     let body = &model.bodies[pair.nonmortar.body.0];
+    let rows: BTreeSet<usize> = rows.iter().copied().collect();
     let nodes = pair.interface.nodes.iter();
     let places: Vec<String> = nodes
         .filter(|node| node.rows.iter().flatten().any(|row| rows.contains(row)))
@@ -148,8 +309,9 @@ fn describe<const D: usize>(
         0 => String::new(),
         more => format!(" and {more} more"),
     };
+    let word = if places.len() > 1 { "nodes" } else { "node" };
     format!(
-        "contact \"{contact}\": the condition of node {}{more} of {}.{} follows from supports and other contacts; it is dropped, and the pressure there is not defined",
+        "{word} {}{more} of {}.{}",
         places[..places.len().min(NAMED)].join(", "),
         body.name,
         pair.nonmortar.side

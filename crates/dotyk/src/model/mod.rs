@@ -3,6 +3,7 @@
 //! A [`Model`] is plain data: bodies with meshes, materials, supports and loads, contacts between their sides.
 //! [`Model::solve`] turns it into a [`Solution`]; nothing in between is visible or valid only after a second call.
 
+mod between;
 mod build;
 mod check;
 mod compare;

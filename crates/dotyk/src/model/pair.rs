@@ -1,8 +1,8 @@
 //! Contacts as interfaces: which side carries the multipliers, and how the sides are coupled.
 
 use crate::contact::{
-    Against, ContactError, Coupling, Driven, End, InitialGap, Interface, Role, pair_mortar, pair_nodes,
-    pair_obstacle, sagitta, unmatched_facing,
+    Against, ContactError, Coupling, Driven, End, InitialGap, Interface, Role, Sample, pair_mortar,
+    pair_nodes, pair_obstacle, sagitta, samples, unmatched_facing,
 };
 use crate::dual::{AdmissibleSet, Block};
 use crate::fem::{Constraints, FemError, node_normals, show, side_facets};
@@ -27,6 +27,8 @@ pub(crate) struct Paired<const D: usize> {
     pub obstacle_motion: [f64; D],
     /// Rows, gaps and weights.
     pub interface: Interface<D>,
+    /// Points between the nodes that face something, for each facet of the nonmortar side.
+    pub samples: Vec<Vec<Sample<D>>>,
     /// How far the measured gaps are off because polygons stand for curves.
     pub sagitta: f64,
     /// What the user should know.
@@ -80,12 +82,13 @@ pub(crate) fn gaps_at<const D: usize>(
         if let Pair::Obstacle { obstacle, .. } = &contact.pair {
             before.obstacle_motion = contacting.motion(obstacle)?;
         }
-        if gap_varies(contact) {
+        if shape_varies(contact) {
+            let now = contacting.pair()?;
             let nodes = before.interface.nodes.iter_mut();
-            let now = contacting.pair()?.interface.nodes;
-            nodes.zip(now).for_each(|(node, now)| {
+            nodes.zip(now.interface.nodes).for_each(|(node, now)| {
                 (node.gap, node.clearance) = (now.gap, now.clearance);
             });
+            before.samples = now.samples;
         }
         Ok(before)
     };
@@ -93,8 +96,8 @@ pub(crate) fn gaps_at<const D: usize>(
     both.map(at_time).collect()
 }
 
-/// Whether the initial gap of a contact may depend on time.
-fn gap_varies<const D: usize>(contact: &Contact<D>) -> bool {
+/// Whether the initial gap of a contact between its undeformed surfaces may depend on time.
+fn shape_varies<const D: usize>(contact: &Contact<D>) -> bool {
     let field = match (&contact.pair, &contact.gap) {
         (Pair::Obstacle { obstacle, .. }, _) => match &obstacle.shape {
             Rigid::Gap(field) => Some(field),
@@ -104,6 +107,18 @@ fn gap_varies<const D: usize>(contact: &Contact<D>) -> bool {
         _ => None,
     };
     field.is_some_and(|field| field.as_constant().is_none())
+}
+
+/// Whether g₀ of a contact may depend on time, be it by its gap or by the motion of its obstacle.
+pub(crate) fn gap_varies<const D: usize>(contact: &Contact<D>) -> bool {
+    let moved = match &contact.pair {
+        Pair::Obstacle { obstacle, .. } => match &obstacle.motion {
+            Motion::Prescribed(motion) => motion.iter().any(|c| c.as_constant().is_none()),
+            Motion::Loaded(_) => false,
+        },
+        _ => false,
+    };
+    moved || shape_varies(contact)
 }
 
 /// Λ of all contacts at a time, in the order of their rows.
@@ -161,6 +176,16 @@ fn friction_at<const D: usize>(
     })
 }
 
+/// What moves an obstacle.
+fn driven<const D: usize>(obstacle: &Obstacle<D>) -> Driven {
+    let still = |field: &Field| field.as_constant() == Some(0.0);
+    match &obstacle.motion {
+        Motion::Loaded(_) => Driven::Free,
+        Motion::Prescribed(motion) if motion.iter().all(still) => Driven::Still,
+        Motion::Prescribed(_) => Driven::Prescribed,
+    }
+}
+
 /// One contact on its way to becoming an interface.
 struct Contacting<'a, const D: usize> {
     model: &'a Model<D>,
@@ -187,12 +212,15 @@ impl<'a, const D: usize> Contacting<'a, D> {
             } => {
                 let motion = self.motion(obstacle)?;
                 let interface = self.obstacle(nonmortar, obstacle, coupling);
+                let against = Against::Obstacle(&obstacle.shape, driven(obstacle));
+                let samples = self.samples(nonmortar, against, InitialGap::Measured);
                 Ok(Paired {
                     nonmortar: nonmortar.clone(),
                     mortar: None,
                     opposite: self.model.obstacle_part(self.contact),
                     obstacle_motion: motion,
                     interface: interface.map_err(fail)?,
+                    samples: samples.map_err(fail)?,
                     sagitta: 0.0,
                     warnings: Vec::new(),
                 })
@@ -213,6 +241,16 @@ impl<'a, const D: usize> Contacting<'a, D> {
             side: &side.side,
             constraints: self.constraints[side.body.0],
         }
+    }
+
+    fn samples(
+        &self,
+        nonmortar: &'a SideRef,
+        against: Against<'a, D>,
+        gap: InitialGap<'a>,
+    ) -> Result<Vec<Vec<Sample<D>>>, ContactError> {
+        let (analysis, time) = (self.model.analysis, self.time);
+        samples(self.end(nonmortar), against, gap, analysis, time)
     }
 
     /// Prescribed displacement of an obstacle; zero when it is free.
@@ -238,12 +276,7 @@ impl<'a, const D: usize> Contacting<'a, D> {
         obstacle: &Obstacle<D>,
         coupling: Coupling,
     ) -> Result<Interface<D>, ContactError> {
-        let still = |field: &Field| field.as_constant() == Some(0.0);
-        let driven = match &obstacle.motion {
-            Motion::Loaded(_) => Driven::Free,
-            Motion::Prescribed(motion) if motion.iter().all(still) => Driven::Still,
-            Motion::Prescribed(_) => Driven::Prescribed,
-        };
+        let driven = driven(obstacle);
         let (analysis, time) = (self.model.analysis, self.time);
         let end = self.end(nonmortar);
         let nodal = || pair_obstacle(end, (&obstacle.shape, driven), coupling, analysis, time);
@@ -269,23 +302,23 @@ impl<'a, const D: usize> Contacting<'a, D> {
     ) -> Result<Paired<D>, ContactError> {
         let ends = [self.end(nonmortar), self.end(mortar)];
         let conforming = self.conforming(ends, coupling)?;
+        let against = Against::Side(ends[1]);
+        let gap = self.gap(match (&conforming, coupling) {
+            (None, Coupling::Normal | Coupling::Frictional) => InitialGap::Measured,
+            _ => InitialGap::Closed,
+        });
         let interface = match conforming {
             Some(interface) => interface,
-            None => {
-                let default = match coupling {
-                    Coupling::Tied => InitialGap::Closed,
-                    _ => InitialGap::Measured,
-                };
-                pair_mortar(
-                    ends[0],
-                    Against::Side(ends[1]),
-                    self.gap(default),
-                    coupling,
-                    self.model.analysis,
-                    self.time,
-                )?
-            }
+            None => pair_mortar(
+                ends[0],
+                against,
+                gap,
+                coupling,
+                self.model.analysis,
+                self.time,
+            )?,
         };
+        let samples = self.samples(nonmortar, against, gap)?;
         let measured = match &self.contact.gap {
             None => coupling != Coupling::Tied,
             Some(gap) => matches!(gap, Gap::Geometric),
@@ -312,6 +345,7 @@ impl<'a, const D: usize> Contacting<'a, D> {
             opposite: Some(mortar.body.0),
             obstacle_motion: [0.0; D],
             interface,
+            samples,
             sagitta,
             warnings,
         })
@@ -386,7 +420,7 @@ impl<'a, const D: usize> Contacting<'a, D> {
             .map(|facet| &body.mesh.blocks()[facet.block as usize]);
         let elastic = blocks.filter_map(|block| body.elastic(block).ok());
         elastic
-            .map(|e| e.young / (1.0 - e.poisson * e.poisson))
+            .map(|e| e.plane_modulus())
             .fold(f64::INFINITY, f64::min)
     }
 

@@ -6,13 +6,13 @@
 
 use crate::contact::InterfaceNode;
 use crate::dual::{DualProblem, Multipliers, Scales};
-use crate::fem::{BodySystem, Constraints, FemError, assemble, show};
+use crate::fem::{BodySystem, Constraints, FemError, Short, assemble, show};
 use crate::geometry::{bounding_box, distance, norm};
 use crate::model::condense::{
     DENSE_LIMIT, FactoredBody, LoadedBody, Ordered, body_rows, compliance, factor, gaps_after,
     initial_gaps, order, overlap,
 };
-use crate::model::dependent::drop_dependent;
+use crate::model::dependent::{drop_implied, shared_forces};
 use crate::model::error::Error;
 use crate::model::floating::Floating;
 use crate::model::nouns::*;
@@ -243,7 +243,7 @@ impl<const D: usize> Model<D> {
         let systems = self.systems(time)?;
         let constraints: Vec<&Constraints<D>> = systems.iter().map(|s| &s.constraints).collect();
         let mut paired = pair_all(self, &constraints, time)?;
-        let mut warnings = drop_dependent(self, &systems, &mut paired);
+        let mut warnings = drop_implied(self, &systems, &mut paired);
         warnings.extend(paired.iter().flat_map(|pair| pair.warnings.clone()));
         let rows = body_rows(&systems, &paired);
         let gaps = initial_gaps(&paired);
@@ -638,7 +638,11 @@ impl<const D: usize> Model<D> {
             history,
             failure,
         } = attempt;
-        let Judged { certificate, .. } = judged;
+        let Judged {
+            certificate,
+            overlap,
+            ..
+        } = judged;
         let mut warnings = condensed.warnings.clone();
         warnings.extend(condensed.floating.warnings.iter().cloned());
         let bolts = self.bolt_reports(&outcome, &condensed.paired, &mut warnings);
@@ -651,6 +655,14 @@ impl<const D: usize> Model<D> {
             ));
         }
         warnings.extend(judged.crude_gaps(self, condensed));
+        let systems: Vec<&BodySystem<D>> = condensed.bodies.iter().map(|b| &b.system).collect();
+        warnings.extend(shared_forces(
+            self,
+            &systems,
+            &condensed.paired,
+            &condensed.problem.admissible,
+            &outcome.multipliers.lambda,
+        ));
         let slip = judged.slip(condensed);
         let (bodies, contacts) = judged.dress(self, condensed, &outcome.multipliers.lambda)?;
         let converged = failure.is_none() && certificate.holds();
@@ -683,7 +695,18 @@ impl<const D: usize> Model<D> {
         let certificate = &solution.certificate;
         let multipliers = outcome.multipliers;
         let objection = (!converged).then(|| {
-            let reason = failure.unwrap_or_else(|| certificate.objection());
+            let overlap = overlap.filter(|_| !certificate.between_nodes.holds());
+            let objection = || match overlap {
+                Some(place) => format!(
+                    "{}: the sides of contact \"{}\" overlap by {} at {}",
+                    certificate.objection(),
+                    self.contacts[place.contact].name,
+                    Short(place.depth),
+                    show(place.point)
+                ),
+                None => certificate.objection(),
+            };
+            let reason = failure.unwrap_or_else(objection);
             match outcome.iterations {
                 0 => reason,
                 _ => reason + &self.slipping_away(condensed, &multipliers),

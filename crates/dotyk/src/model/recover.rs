@@ -7,7 +7,7 @@
 
 use crate::contact::{Coupling, InterfaceNode, Role, Row, frame};
 use crate::dual::{
-    AdmissibleSet, Block, Certificate, Component, DualProblem, IMBALANCE_LIMIT, Multipliers,
+    AdmissibleSet, Block, Certificate, ROUNDING, Component, DualProblem, IMBALANCE_LIMIT, Multipliers,
     Recomputed, Scales,
 };
 use crate::fem::{
@@ -15,6 +15,7 @@ use crate::fem::{
     von_mises,
 };
 use crate::geometry::{Point, add_scaled, bounding_box, cross, dot, norm, sub};
+use crate::model::between::{Moved, Overlap, worst_overlap};
 use crate::model::condense::{FactoredBody, LoadedBody, initial_gaps};
 use crate::model::error::Error;
 use crate::model::floating::{Floating, add_rows, settle};
@@ -36,6 +37,8 @@ pub(crate) struct Judged<const D: usize> {
     pub certificate: Certificate,
     /// Bodies that touch nothing and carry no load.
     pub hovering: Vec<String>,
+    /// Where two sides overlap most between their nodes.
+    pub overlap: Option<Overlap<D>>,
 }
 
 /// Displacements of all bodies under some contact forces, and their certificate.
@@ -90,15 +93,122 @@ pub(crate) fn judge<const D: usize>(
     add_rows(bodies, -1.0, &rigid, &mut gaps);
     let clearances = gaps.clone();
     add_rows(bodies, -1.0, &elastic, &mut gaps);
-    let certificate = certify(model, &states, condensed, multipliers, &gaps, &clearances);
     let obstacles = rigid[model.bodies.len()..].iter();
+    let obstacles: Vec<Point<D>> = obstacles
+        .map(|u| std::array::from_fn(|i| u[i]))
+        .collect();
+    let negligible = model.solver.tolerance * problem.scales.length;
+    let overlap = deepest_overlap(model, condensed, &states, &obstacles, lambda, negligible);
+    let terms = |u: &[f64]| ROUNDING * u.iter().fold(0.0, |s: f64, u| s.max(u.abs()));
+    let mut rounding: Vec<f64> = condensed.gaps.iter().map(|g| ROUNDING * g.abs()).collect();
+    for (body, u) in bodies.iter().zip(elastic.iter().zip(&rigid)) {
+        let size = terms(u.0) + terms(u.1);
+        body.rows.index.iter().for_each(|&row| rounding[row] += size);
+    }
+    let certificate = certify(
+        model,
+        &states,
+        condensed,
+        multipliers,
+        Seen {
+            gaps: &gaps,
+            clearances: &clearances,
+            rounding: &rounding,
+            implied: implied_violation(model, condensed, &states, &obstacles),
+            between: overlap.map_or([0.0, 1.0], |o| [o.depth, o.resolved]),
+        },
+    );
     Ok(Judged {
         states,
-        obstacles: obstacles.map(|u| std::array::from_fn(|i| u[i])).collect(),
+        obstacles,
         gaps,
         certificate,
         hovering,
+        overlap,
     })
+}
+
+/// What each contact of a model moves with.
+fn moved<'a, const D: usize>(
+    model: &Model<D>,
+    pair: &Paired<D>,
+    states: &'a [BodyState<D>],
+    obstacles: &[Point<D>],
+) -> Moved<'a, D> {
+    Moved {
+        own: &states[pair.nonmortar.body.0].u,
+        other: pair.mortar.as_ref().map(|side| &states[side.body.0].u[..]),
+        obstacle: match (&pair.mortar, pair.opposite) {
+            (None, Some(part)) => obstacles[part - model.bodies.len()],
+            _ => pair.obstacle_motion,
+        },
+    }
+}
+
+/// The worst overlap between the nodes of all contacts.
+fn deepest_overlap<const D: usize>(
+    model: &Model<D>,
+    condensed: &Condensed<D>,
+    states: &[BodyState<D>],
+    obstacles: &[Point<D>],
+    lambda: &[f64],
+    negligible: f64,
+) -> Option<Overlap<D>> {
+    let mut start = 0;
+    let mut worst: Option<Overlap<D>> = None;
+    for (contact, pair) in condensed.paired.iter().enumerate() {
+        let rows = start..start + pair.interface.nonmortar.len();
+        start = rows.end;
+        let moved = moved(model, pair, states, obstacles);
+        let found = worst_overlap(contact, pair, &moved, &lambda[rows], negligible);
+        let deeper = |w: Overlap<D>, f: &Overlap<D>| f.depth * w.resolved > w.depth * f.resolved;
+        if let Some(found) = found.filter(|f| worst.is_none_or(|w| deeper(w, f))) {
+            worst = Some(found);
+        }
+    }
+    worst
+}
+
+/// Largest violation of a condition without a multiplier, a length.
+fn implied_violation<const D: usize>(
+    model: &Model<D>,
+    condensed: &Condensed<D>,
+    states: &[BodyState<D>],
+    obstacles: &[Point<D>],
+) -> f64 {
+    let mut worst = 0.0f64;
+    for pair in &condensed.paired {
+        let moved = moved(model, pair, states, obstacles);
+        let tied = pair.interface.coupling == Coupling::Tied;
+        for condition in pair.interface.implied.iter().filter(|c| tied || c.component == 0) {
+            let [own, other] = &condition.rows;
+            let along = |row: &Row<D>, u: &dyn Fn(usize) -> Point<D>| -> f64 {
+                row.iter().map(|&(node, c)| dot(c, u(node))).sum()
+            };
+            let gap = match condition.component {
+                0 => pair.interface.nodes[condition.node].gap,
+                _ => 0.0,
+            };
+            let other = match moved.other {
+                Some(u) => along(other, &|node| u[node]),
+                None => along(other, &|_| moved.obstacle),
+            };
+            let gap = gap - along(own, &|node| moved.own[node]) - other;
+            worst = worst.max(if tied { gap.abs() } else { -gap });
+        }
+    }
+    worst
+}
+
+/// What the certificate sees of the displacements.
+struct Seen<'a> {
+    gaps: &'a [f64],
+    /// Gaps after the rigid motions alone.
+    clearances: &'a [f64],
+    /// To what the gaps are known.
+    rounding: &'a [f64],
+    implied: f64,
+    between: [f64; 2],
 }
 
 /// Most contacts that a warning names.
@@ -191,10 +301,7 @@ impl<const D: usize> Judged<D> {
         for (contact, pair) in model.contacts.iter().zip(paired) {
             let rows = start..start + pair.interface.nonmortar.len();
             start = rows.end;
-            let obstacle = match (&pair.mortar, pair.opposite) {
-                (None, Some(part)) => self.obstacles[part - model.bodies.len()],
-                _ => pair.obstacle_motion,
-            };
+            let obstacle = moved(model, pair, &self.states, &self.obstacles).obstacle;
             contacts.push(contact_solution(
                 model,
                 &contact.name,
@@ -393,8 +500,7 @@ fn certify<const D: usize>(
     states: &[BodyState<D>],
     condensed: &Condensed<D>,
     multipliers: &Multipliers,
-    gaps: &[f64],
-    clearances: &[f64],
+    seen: Seen<'_>,
 ) -> Certificate {
     let (mut force, mut moment) = (0.0f64, 0.0f64);
     for (body, state) in model.bodies.iter().zip(states) {
@@ -411,14 +517,17 @@ fn certify<const D: usize>(
     let on_gaps: f64 = multipliers
         .lambda
         .iter()
-        .zip(clearances)
+        .zip(seen.clearances)
         .map(|(l, g)| l * g)
         .sum();
     // friction takes its share, bound · |slip|: λ·gap of the tangential rows is minus that where its law holds
     let admissible = &condensed.problem.admissible;
-    let friction = admissible.slip_potential(&multipliers.lambda, gaps);
+    let friction = admissible.slip_potential(&multipliers.lambda, seen.gaps);
     let recomputed = Recomputed {
-        gap: gaps,
+        gap: seen.gaps,
+        rounding: seen.rounding,
+        implied: seen.implied,
+        between: seen.between,
         imbalance_force: force,
         imbalance_moment: moment,
         energy_gap: (work + on_gaps + friction).abs(),

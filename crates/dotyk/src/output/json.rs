@@ -60,6 +60,8 @@ fn step_summary<'a>(run: &Run<'a>, solution: &'a Solution<2>, index: usize) -> S
             imbalance_moment: solution.certificate.imbalance_moment.into(),
             energy_gap: solution.certificate.energy_gap.into(),
             slip_violation: solution.certificate.slip_violation.into(),
+            force_error: solution.certificate.force_error.into(),
+            between_nodes: solution.certificate.between_nodes.into(),
         },
         contacts: solution.contacts.iter().map(contact_entry).collect(),
         bodies: bodies
@@ -205,6 +207,8 @@ struct CertificateEntry {
     imbalance_moment: FigureEntry,
     energy_gap: FigureEntry,
     slip_violation: FigureEntry,
+    force_error: FigureEntry,
+    between_nodes: FigureEntry,
 }
 
 #[derive(Clone, Serialize)]

@@ -582,8 +582,10 @@ fn certificate(solution: &Solution<2>, labels: &Labels) -> String {
         imbalance_moment,
         energy_gap,
         slip_violation,
+        force_error,
+        between_nodes,
     } = solution.certificate;
-    let lines: [(&str, &str, Figure, &str); 7] = [
+    let lines: [(&str, &str, Figure, &str); 9] = [
         (
             "Penetration",
             "No contact point lies inside the other body by more than",
@@ -625,6 +627,18 @@ fn certificate(solution: &Solution<2>, labels: &Labels) -> String {
             "No shear force exceeds or contradicts the friction law by more than",
             slip_violation,
             &labels.force,
+        ),
+        (
+            "Contact forces",
+            "No contact force would change, if it answered its own gap, by more than",
+            force_error,
+            &labels.force,
+        ),
+        (
+            "Between the nodes",
+            "Looked at between their nodes, whatever was imposed, the sides overlap, compared with what the meshes can resolve, by",
+            between_nodes,
+            &labels.length,
         ),
     ];
     let rows = lines

@@ -252,6 +252,8 @@ fn solution(model: &Model<2>) -> Solution<2> {
             imbalance_moment: figure(8e-14, 1e-10),
             energy_gap: figure(2e-11, 1e-8),
             slip_violation: figure(0.0, 1e-8),
+            force_error: figure(0.0, 1e-7),
+            between_nodes: figure(0.0, 10.0),
         },
         converged: true,
         solver: SolverReport {
