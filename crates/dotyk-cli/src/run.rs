@@ -66,40 +66,103 @@ pub fn run(arguments: &Arguments) -> Result<Outcome, Failure> {
         .model
         .solve_steps_with(&mut |event| progress.observe(event));
     progress.finish();
-    let (mut steps, objection) = match solved {
-        Ok(steps) => (steps, None),
-        Err(Error::NotConverged {
-            solution,
-            reason,
-            mut earlier,
-        }) => {
-            earlier.push(*solution);
-            (earlier, Some(reason))
-        }
-        Err(error) => {
-            return Err(case
-                .error(error.subject().as_ref(), &error.to_string())
-                .into());
-        }
-    };
-    for step in &mut steps {
+    let mut end = End::of(&case.model, solved);
+    for step in &mut end.steps {
         step.seconds.read = read;
         step.seconds.total += read;
         case.warn_first(&mut step.warnings);
     }
-
     let refused = |e: output::Error| Failure::Message(e.to_string());
-    warn(&all_warnings(&steps));
-    let Some(objection) = objection else {
-        let files = output::write(&case.model, &steps, &case.stem, &folder).map_err(refused)?;
-        print(&(results(&case.model, &steps) + &written(&files)));
-        return Ok(Outcome::Done);
+    warn(&all_warnings(&end.steps));
+    let record = output::Record {
+        model: &case.model,
+        steps: &end.steps,
+        stem: &case.stem,
+        failed: end.failed.clone(),
+        since: start,
     };
-    let file = output::write_summary(&case.model, &steps, &case.stem, &folder);
-    let file = file.map_err(refused)?;
-    print(&(verdict(&case.model, &steps) + &written(&[file])));
-    Failure::of(&arguments.case, failed(&case.model, &steps, &objection)).print();
-    Ok(Outcome::Unsatisfied)
+    if end.steps.last().is_some_and(|last| last.converged) {
+        let files = output::write(&record, &folder).map_err(refused)?;
+        print(&(results(&case.model, &end.steps) + &written(&files)));
+    } else if !end.steps.is_empty() {
+        let file = output::write_summary(&record, &folder).map_err(refused)?;
+        print(&(verdict(&case.model, &end.steps) + &written(&[file])));
+    }
+    match end.refusal {
+        Some(error) => {
+            let text = error.to_string();
+            Err(case.error(error.subject().as_ref(), &text).into())
+        }
+        None => match end.objection {
+            Some(objection) => {
+                Failure::of(&arguments.case, objection).print();
+                Ok(Outcome::Unsatisfied)
+            }
+            None => Ok(Outcome::Done),
+        },
+    }
+}
+
+/// How a run ended.
+struct End {
+    /// The steps that have an answer; if none has, the last iterate of the first.
+    steps: Vec<Solution<2>>,
+    /// The step that has none, of several.
+    failed: Option<output::FailedStep>,
+    /// Why it did not converge.
+    objection: Option<String>,
+    /// What is wrong with the input.
+    refusal: Option<Error<2>>,
+}
+
+impl End {
+    fn of(model: &Model<2>, solved: Result<Vec<Solution<2>>, Error<2>>) -> Self {
+        let mut end = Self {
+            steps: Vec::new(),
+            failed: None,
+            objection: None,
+            refusal: None,
+        };
+        let mut fail = |step: usize, reason: String| {
+            end.failed = (model.times.len() > 1).then(|| output::FailedStep {
+                step,
+                time: model.times[step - 1],
+                reason,
+            });
+        };
+        match solved {
+            Ok(steps) => end.steps = steps,
+            Err(Error::NotConverged {
+                solution,
+                reason,
+                earlier,
+            }) => {
+                fail(earlier.len() + 1, reason.clone());
+                end.objection = Some(objection(model, earlier.len(), &solution, &reason));
+                end.steps = match earlier.is_empty() {
+                    true => vec![*solution],
+                    false => earlier,
+                };
+            }
+            Err(Error::Step {
+                step,
+                time,
+                source,
+                earlier,
+            }) => {
+                fail(step, source.to_string());
+                end.steps = earlier;
+                end.refusal = Some(Error::Step {
+                    step,
+                    time,
+                    source,
+                    earlier: Vec::new(),
+                });
+            }
+            Err(error) => end.refusal = Some(error),
+        }
+        end
+    }
 }
 
 /// Warnings of all load steps, each once.
@@ -113,21 +176,18 @@ pub fn all_warnings(steps: &[Solution<2>]) -> Vec<String> {
     list
 }
 
-/// Which step did not converge, and why.
-fn failed(model: &Model<2>, steps: &[Solution<2>], objection: &str) -> String {
-    let Some(last) = steps.last() else {
-        return objection.to_string();
-    };
+/// Which step did not converge, and why; `done` steps are before it.
+fn objection(model: &Model<2>, done: usize, last: &Solution<2>, reason: &str) -> String {
     let step = match model.times.len() {
         1 => String::new(),
-        count => format!("step {} of {count} (t = {}): ", steps.len(), last.time),
+        count => format!("step {} of {count} (t = {}): ", done + 1, last.time),
     };
     let solver = &last.solver;
     if solver.iterations == 0 {
-        return format!("{step}{objection}");
+        return format!("{step}{reason}");
     }
     format!(
-        "{step}not converged after {} iterations of {}: {objection}",
+        "{step}not converged after {} iterations of {}: {reason}",
         solver.iterations, solver.method
     )
 }

@@ -53,7 +53,8 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let solution = solve(&model)?;
     println!("{}", solution.certificate);
     let folder = std::path::Path::new("punch-out");
-    for file in dotyk::output::write(&model, std::slice::from_ref(&solution), "punch", folder)? {
+    let record = dotyk::output::Record::of(&model, std::slice::from_ref(&solution), "punch");
+    for file in dotyk::output::write(&record, folder)? {
         println!("{}", file.display());
     }
     Ok(())

@@ -3,14 +3,17 @@
 use crate::contact::Role;
 use crate::dual::Feasibility;
 use crate::fem::{BodySystem, Constraints, Short, describe_motion, show};
-use crate::geometry::{Point, add_scaled, dot};
+use crate::geometry::{Point, add_scaled};
+use crate::mesh::Mesh;
 use crate::model::condense::{LoadedBody, body_rows, initial_gaps};
 use crate::model::dependent::drop_implied;
 use crate::model::error::{Error, Subject};
 use crate::model::floating::Floating;
 use crate::model::nouns::*;
 use crate::model::pair::{Paired, admissible_set, pair_all};
+use crate::model::pipeline::largest_load;
 use crate::model::sliding::sliding;
+use rayon::prelude::*;
 use std::fmt;
 
 /// What was found about one body.
@@ -39,12 +42,18 @@ pub struct ContactCheck<const D: usize> {
     pub sides: [String; 2],
     /// Multipliers.
     pub unknowns: usize,
+    /// Nodes of the nonmortar side.
+    pub nodes: usize,
     /// Nodes of the nonmortar side that face nothing, by position.
     pub alone: Vec<Point<D>>,
     /// Largest initial penetration (zero: none).
     pub penetration: f64,
     /// Smallest initial clearance.
     pub clearance: f64,
+    /// The gap is given, so that a penetration is an interference that is meant.
+    pub given: bool,
+    /// Mean length of the facets of the nonmortar side.
+    pub facet: f64,
 }
 
 /// The answer of [`Model::check`].
@@ -68,6 +77,9 @@ const POOR: f64 = 0.1;
 /// Gaps below this part of the body's size are rounding.
 const ROUNDING: f64 = 1e-12;
 
+/// Penetrations below this part of a facet are inaccuracies of coordinates: nodes that near coincide.
+const INACCURATE: f64 = 1e-6;
+
 impl<const D: usize> Model<D> {
     /// Checks meshes, supports, loads, floating bodies and contacts; solves nothing.
     pub fn check(&self) -> Check<D> {
@@ -90,17 +102,11 @@ impl<const D: usize> Model<D> {
         self.validate()?;
         self.check_probes()?;
         let time = self.last_time();
-        let last = |error| self.in_step(self.times.len(), error);
+        let last = |error| self.in_step(self.times.len(), error, Vec::new());
         let systems = self.systems(time).map_err(last)?;
         for (body, system) in self.bodies.iter().zip(&systems) {
-            let found = check_body(body, system);
-            if found.worst_quality < POOR {
-                check.warnings.push(format!(
-                    "body \"{}\": the worst cell has quality {:.3} (1 is best); the result near it is poor",
-                    body.name, found.worst_quality
-                ));
-            }
-            check.bodies.push(found);
+            check.warnings.extend(poor_cells(body));
+            check.bodies.push(check_body(body, system));
         }
         let constraints: Vec<&Constraints<D>> = systems.iter().map(|s| &s.constraints).collect();
         let mut paired = pair_all(self, &constraints, time).map_err(last)?;
@@ -109,51 +115,9 @@ impl<const D: usize> Model<D> {
             .extend(drop_implied(self, &systems, &mut paired));
         let remarks = paired.iter().flat_map(|pair| pair.warnings.clone());
         check.warnings.extend(remarks);
-        for (contact, pair) in self.contacts.iter().zip(&paired) {
-            let nodes = &pair.interface.nodes;
-            let gaps = || {
-                nodes
-                    .iter()
-                    .filter(|n| n.role == Role::Multiplier)
-                    .map(|n| n.clearance + dot(n.normal, pair.obstacle_motion))
-            };
-            let mesh = &self.bodies[pair.nonmortar.body.0].mesh;
-            let (points, size) = (mesh.points(), mesh.diameter());
-            let alone = nodes.iter().filter(|n| n.role == Role::Alone);
-            let negligible = ROUNDING * size;
-            let name = |side: &SideRef| format!("{}.{}", self.bodies[side.body.0].name, side.side);
-            let found = ContactCheck {
-                name: contact.name.clone(),
-                sides: [
-                    name(&pair.nonmortar),
-                    pair.mortar
-                        .as_ref()
-                        .map_or("rigid obstacle".to_string(), name),
-                ],
-                unknowns: gaps().count(),
-                alone: alone.map(|n| points[n.node]).collect(),
-                penetration: gaps().fold(0.0, |largest, gap| match -gap > negligible {
-                    true => f64::max(largest, -gap),
-                    false => largest,
-                }),
-                clearance: gaps().fold(f64::INFINITY, f64::min),
-            };
-            if !found.alone.is_empty() {
-                check.warnings.push(format!(
-                    "contact \"{}\": {} nodes of {} face nothing",
-                    found.name,
-                    found.alone.len(),
-                    found.sides[0]
-                ));
-            }
-            if found.penetration > 0.0 {
-                check.warnings.push(format!(
-                    "contact \"{}\": initial penetration of {:.4e}; the bodies will be pressed apart by it",
-                    found.name, found.penetration
-                ));
-            }
-            check.contacts.push(found);
-        }
+        check.contacts = self.check_contacts(&paired);
+        let remarks = check.contacts.iter().flat_map(ContactCheck::remarks);
+        check.warnings.extend(remarks);
         let rows = body_rows(&systems, &paired);
         let loaded = systems
             .into_iter()
@@ -166,7 +130,7 @@ impl<const D: usize> Model<D> {
         self.check_balance(&floating, &bodies, &paired, time, &mut check.warnings)
             .map_err(last)?;
         for (index, &time) in self.times.iter().enumerate().rev().skip(1) {
-            let at = |error| self.in_step(index + 1, error);
+            let at = |error| self.in_step(index + 1, error, Vec::new());
             (bodies, paired) = self.driven(bodies, paired, time).map_err(at)?;
             floating = floating
                 .at_time(self, &bodies, &initial_gaps(&paired))
@@ -175,6 +139,46 @@ impl<const D: usize> Model<D> {
                 .map_err(at)?;
         }
         Ok(())
+    }
+
+    /// What can be said of each contact before anything is solved.
+    fn check_contacts(&self, paired: &[Paired<D>]) -> Vec<ContactCheck<D>> {
+        let look = |(contact, pair): (&Contact<D>, &Paired<D>)| {
+            let nodes = &pair.interface.nodes;
+            let carriers = nodes.iter().filter(|n| n.role == Role::Multiplier);
+            let gaps: Vec<f64> = carriers.map(|n| n.clearance).collect();
+            let mesh = &self.bodies[pair.nonmortar.body.0].mesh;
+            let alone = nodes.iter().filter(|n| n.role == Role::Alone);
+            let negligible = ROUNDING * mesh.diameter();
+            let deep = gaps.iter().filter(|gap| -**gap > negligible);
+            let name = |side: &SideRef| format!("{}.{}", self.bodies[side.body.0].name, side.side);
+            ContactCheck {
+                name: contact.name.clone(),
+                sides: [
+                    name(&pair.nonmortar),
+                    pair.mortar
+                        .as_ref()
+                        .map_or("rigid obstacle".to_string(), name),
+                ],
+                unknowns: gaps.len(),
+                nodes: nodes.len(),
+                alone: alone.map(|n| mesh.points()[n.node]).collect(),
+                penetration: deep.fold(0.0, |largest, gap| f64::max(largest, -gap)),
+                clearance: gaps.iter().copied().fold(f64::INFINITY, f64::min),
+                given: matches!(contact.gap, Some(Gap::Given(_))),
+                facet: mean_facet(mesh, &pair.nonmortar.side),
+            }
+        };
+        self.contacts.iter().zip(paired).map(look).collect()
+    }
+
+    /// What a run should say of meshes and contacts, too.
+    pub(crate) fn remarks(&self, paired: &[Paired<D>]) -> Vec<String> {
+        let contacts = self.check_contacts(paired);
+        let cells = self.bodies.par_iter().map(poor_cells);
+        let mut remarks: Vec<String> = cells.flatten_iter().collect();
+        remarks.extend(contacts.iter().flat_map(ContactCheck::remarks));
+        remarks
     }
 
     /// Errors: a load that no contact force can balance.
@@ -187,7 +191,8 @@ impl<const D: usize> Model<D> {
         warnings: &mut Vec<String>,
     ) -> Result<(), Error<D>> {
         let admissible = admissible_set(self, paired, time)?;
-        match Feasibility::of(&admissible, &floating.equilibrium, 0.0) {
+        let force = largest_load(bodies);
+        match Feasibility::of(&admissible, &floating.equilibrium, force) {
             Feasibility::Feasible { .. } => Ok(()),
             Feasibility::Infeasible { direction, .. } => {
                 let slides = sliding(self, &admissible, floating, bodies, None);
@@ -235,22 +240,66 @@ impl<const D: usize> Model<D> {
     }
 }
 
+impl<const D: usize> ContactCheck<D> {
+    /// What the user should know of it.
+    fn remarks(&self) -> Vec<String> {
+        let Self { name, sides, .. } = self;
+        let mut remarks = Vec::new();
+        if !self.alone.is_empty() && self.alone.len() == self.nodes {
+            remarks.push(format!(
+                "contact \"{name}\": no node of {} faces {}; the contact does nothing",
+                sides[0], sides[1]
+            ));
+        } else if !self.alone.is_empty() {
+            remarks.push(format!(
+                "contact \"{name}\": {} of {} nodes of {} face nothing",
+                self.alone.len(),
+                self.nodes,
+                sides[0]
+            ));
+        }
+        if self.penetration > INACCURATE * self.facet && !self.given {
+            remarks.push(format!(
+                "contact \"{name}\": initial penetration of {:.4e}; the bodies will be pressed apart by it",
+                self.penetration
+            ));
+        }
+        remarks
+    }
+}
+
+/// A warning about a body whose cells are badly shaped.
+fn poor_cells<const D: usize>(body: &Body<D>) -> Option<String> {
+    let worst = worst_quality(body);
+    (worst < POOR).then(|| {
+        format!(
+            "body \"{}\": the worst cell has quality {worst:.3} (1 is best); the result near it is poor",
+            body.name
+        )
+    })
+}
+
+fn mean_facet<const D: usize>(mesh: &Mesh<D>, side: &str) -> f64 {
+    let facets = mesh.side(side).unwrap_or_default();
+    let total: f64 = facets.iter().map(|&facet| mesh.facet_length(facet)).sum();
+    total / facets.len().max(1) as f64
+}
+
+fn worst_quality<const D: usize>(body: &Body<D>) -> f64 {
+    let blocks = body.mesh.blocks().iter().enumerate();
+    let cells = blocks.flat_map(|(b, block)| (0..block.cells().len()).map(move |c| (b, c)));
+    let quality = cells.map(|(b, c)| body.mesh.cell_quality(b, c));
+    quality.fold(1.0, f64::min)
+}
+
 fn check_body<const D: usize>(body: &Body<D>, system: &BodySystem<D>) -> BodyCheck<D> {
     let mesh = &body.mesh;
-    let cells = mesh
-        .blocks()
-        .iter()
-        .enumerate()
-        .flat_map(|(b, block)| (0..block.cells().len()).map(move |c| (b, c)));
-    let worst = cells
-        .map(|(b, c)| mesh.cell_quality(b, c))
-        .fold(1.0, f64::min);
     let forces = system.to_global(&system.load);
     let describe = |mode: &Vec<f64>| describe_motion(mesh.points(), &system.to_global(mode));
     BodyCheck {
         name: body.name.clone(),
         size: [mesh.points().len(), mesh.cell_count()],
-        worst_quality: worst,
+        worst_quality: worst_quality(body),
         load: forces
             .iter()
             .fold([0.0; D], |sum, &f| add_scaled(sum, 1.0, f)),

@@ -96,6 +96,8 @@ pub enum Error<const D: usize> {
         time: f64,
         /// What is wrong there.
         source: Box<Error<D>>,
+        /// The load steps before it, which have converged.
+        earlier: Vec<Solution<D>>,
     },
     /// The certificate does not hold; carries the last iterate.
     #[error("not converged: {reason}")]

@@ -7,7 +7,7 @@
 use crate::contact::InterfaceNode;
 use crate::dual::{DualProblem, Multipliers, Scales};
 use crate::fem::{BodySystem, Constraints, FemError, Short, assemble, show};
-use crate::geometry::{bounding_box, distance, norm};
+use crate::geometry::{add_scaled, bounding_box, distance, norm};
 use crate::model::condense::{
     DENSE_LIMIT, FactoredBody, LoadedBody, Ordered, body_rows, compliance, factor, gaps_after,
     initial_gaps, order, overlap,
@@ -70,15 +70,14 @@ pub(crate) struct Condensed<const D: usize> {
     pub before: Option<(f64, Vec<f64>)>,
 }
 
-/// A load step that is done: what the next one begins from.
-struct Step<const D: usize> {
+/// How a load step ended: what the next one begins from.
+struct End {
     multipliers: Multipliers,
     /// Relative tangential displacement in every row under friction, zero in the others, (m,).
     slip: Vec<f64>,
-    solution: Solution<D>,
 }
 
-impl<const D: usize> Step<D> {
+impl End {
     /// The answer as a starting point. Contacts that bear nothing tell nothing: the solver's own start is better.
     fn guess(&self) -> Option<&Multipliers> {
         let touching = self.multipliers.lambda.iter().any(|&force| force != 0.0);
@@ -118,39 +117,52 @@ impl<const D: usize> Model<D> {
     ) -> Result<Vec<Solution<D>>, Error<D>> {
         let start = Instant::now();
         self.validate()?;
-        let mut done: Vec<Step<D>> = Vec::with_capacity(self.times.len());
+        let mut done: Vec<Solution<D>> = Vec::with_capacity(self.times.len());
         let mut condensed: Option<Condensed<D>> = None;
+        let mut last: Option<End> = None;
         for (index, &time) in self.times.iter().enumerate() {
             let (step, steps) = (index + 1, self.times.len());
             observe(Event::Step { step, steps, time });
-            let here = match (condensed.take(), done.last()) {
+            let solved = match (condensed.take(), &last) {
                 (Some(before), Some(last)) => self.advance(before, &last.slip, time, observe),
                 _ => self.condense(time, DENSE_LIMIT, observe),
-            };
-            let mut here = here.map_err(|error| self.in_step(step, error))?;
-            let solved = self.solve_step(&mut here, done.last(), start, observe);
-            let (solved, objection) = solved.map_err(|error| self.in_step(step, error))?;
-            if let Some(reason) = objection {
-                return Err(Error::NotConverged {
-                    reason,
-                    solution: Box::new(solved.solution),
-                    earlier: done.into_iter().map(|step| step.solution).collect(),
-                });
             }
-            done.push(solved);
-            condensed = Some(here);
+            .and_then(|mut here| {
+                let solved = self.solve_step(&mut here, last.as_ref(), start, observe)?;
+                Ok((here, solved))
+            });
+            match solved {
+                Err(error) => return Err(self.in_step(step, error, done)),
+                Ok((_, (_, solution, Some(reason)))) => {
+                    return Err(Error::NotConverged {
+                        reason,
+                        solution: Box::new(solution),
+                        earlier: done,
+                    });
+                }
+                Ok((here, (end, solution, None))) => {
+                    done.push(solution);
+                    (condensed, last) = (Some(here), Some(end));
+                }
+            }
         }
-        Ok(done.into_iter().map(|step| step.solution).collect())
+        Ok(done)
     }
 
-    /// An error of one step of several, which its message names.
-    pub(crate) fn in_step(&self, step: usize, error: Error<D>) -> Error<D> {
+    /// An error of one step of several, which its message names; `earlier` are the steps before it.
+    pub(crate) fn in_step(
+        &self,
+        step: usize,
+        error: Error<D>,
+        earlier: Vec<Solution<D>>,
+    ) -> Error<D> {
         match self.times[..] {
             [_] => error,
             _ => Error::Step {
                 step,
                 time: self.times[step - 1],
                 source: Box::new(error),
+                earlier,
             },
         }
     }
@@ -159,13 +171,13 @@ impl<const D: usize> Model<D> {
     fn solve_step(
         &self,
         condensed: &mut Condensed<D>,
-        previous: Option<&Step<D>>,
+        previous: Option<&End>,
         start: Instant,
         observe: &mut dyn FnMut(Event),
-    ) -> Result<(Step<D>, Option<String>), Error<D>> {
+    ) -> Result<(End, Solution<D>, Option<String>), Error<D>> {
         observe(Event::Stage("contact"));
         let clock = Instant::now();
-        let guess = previous.and_then(Step::guess);
+        let guess = previous.and_then(End::guess);
         let (attempt, judged) = self.certified_attempt(condensed, guess, observe)?;
         condensed.seconds.contact += clock.elapsed().as_secs_f64();
         self.finish(condensed, attempt, judged, start, observe)
@@ -245,6 +257,7 @@ impl<const D: usize> Model<D> {
         let mut paired = pair_all(self, &constraints, time)?;
         let mut warnings = drop_implied(self, &systems, &mut paired);
         warnings.extend(paired.iter().flat_map(|pair| pair.warnings.clone()));
+        warnings.extend(self.remarks(&paired));
         let rows = body_rows(&systems, &paired);
         let gaps = initial_gaps(&paired);
         seconds.assemble = lap.seconds();
@@ -386,14 +399,6 @@ impl<const D: usize> Model<D> {
 
     /// The scales of the certificate: see its documentation.
     fn scales(&self, bodies: &[LoadedBody<D>], factored: &[FactoredBody], shift: &[f64]) -> Scales {
-        let resultant = |body: &LoadedBody<D>| {
-            let forces = body.system.to_global(&body.system.load);
-            norm(
-                forces
-                    .iter()
-                    .fold([0.0; D], |sum, &f| crate::geometry::add_scaled(sum, 1.0, f)),
-            )
-        };
         // a floating body's energy without contact depends on how it is held for K⁺: leave it out
         let held = bodies
             .iter()
@@ -408,10 +413,7 @@ impl<const D: usize> Model<D> {
         });
         Scales {
             length: shift.iter().fold(0.0, |largest, d| largest.max(d.abs())),
-            force: bodies
-                .iter()
-                .map(|body| resultant(body).max(body.system.largest_load))
-                .fold(0.0, f64::max),
+            force: largest_load(bodies),
             moment_arm: self
                 .bodies
                 .iter()
@@ -629,7 +631,7 @@ impl<const D: usize> Model<D> {
         judged: Judged<D>,
         start: Instant,
         observe: &mut dyn FnMut(Event),
-    ) -> Result<(Step<D>, Option<String>), Error<D>> {
+    ) -> Result<(End, Solution<D>, Option<String>), Error<D>> {
         observe(Event::Stage("recover"));
         let clock = Instant::now();
         let Attempt {
@@ -712,12 +714,7 @@ impl<const D: usize> Model<D> {
                 _ => reason + &self.slipping_away(condensed, &multipliers),
             }
         });
-        let step = Step {
-            multipliers,
-            slip,
-            solution,
-        };
-        Ok((step, objection))
+        Ok((End { multipliers, slip }, solution, objection))
     }
 
     fn bolt_reports(
@@ -748,6 +745,16 @@ impl<const D: usize> Model<D> {
         }
         reports
     }
+}
+
+/// The largest resultant load of any body, and of any load by itself.
+pub(crate) fn largest_load<const D: usize>(bodies: &[LoadedBody<D>]) -> f64 {
+    let resultant = |body: &LoadedBody<D>| {
+        let forces = body.system.to_global(&body.system.load).into_iter();
+        norm(forces.fold([0.0; D], |sum, f| add_scaled(sum, 1.0, f)))
+    };
+    let loads = bodies.iter().map(|body| resultant(body).max(body.system.largest_load));
+    loads.fold(0.0, f64::max)
 }
 
 const NO_STEP: &str = "the model has no load step; give it at least one time";

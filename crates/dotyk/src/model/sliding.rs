@@ -8,7 +8,7 @@ use crate::fem::Short;
 use crate::model::condense::LoadedBody;
 use crate::model::floating::Floating;
 use crate::model::nouns::Model;
-use crate::model::pipeline::Condensed;
+use crate::model::pipeline::{Condensed, largest_load};
 
 /// A coefficient of friction beyond all that hold anything.
 const UNLIMITED: f64 = 1e6;
@@ -70,13 +70,14 @@ pub(crate) fn sliding<const D: usize>(
         return None;
     }
     let equilibrium = &floating.equilibrium;
+    let force = largest_load(bodies);
     let Feasibility::Infeasible { direction, factor } =
-        Feasibility::of(admissible, equilibrium, 0.0)
+        Feasibility::of(admissible, equilibrium, force)
     else {
         return None;
     };
     if !matches!(
-        Feasibility::of(&rough, equilibrium, 0.0),
+        Feasibility::of(&rough, equilibrium, force),
         Feasibility::Feasible { .. }
     ) {
         return None;

@@ -10,21 +10,27 @@ use serde::Serialize;
 /// Version that every file names.
 pub const VERSION: &str = env!("CARGO_PKG_VERSION");
 
-/// Content of `summary.json`: the last step and, where there are several, all of them in `steps`.
+/// Content of `summary.json`: the last step and, where there are several, all that were solved in `steps`.
 ///
 /// `converged` is that of the run: one that ends in failure says `false` whatever its last iterate looks like.
 pub fn summary(run: &Run<'_>) -> String {
     let last = Summary {
         converged: run.converged,
         seconds: run.seconds.into(),
+        failed_step: run.failed.map(|failed| FailedEntry {
+            step: failed.step,
+            time: failed.time,
+            name: None,
+            reason: &failed.reason,
+        }),
         ..step_summary(run, run.last, run.earlier.len())
     };
     let earlier = run.earlier.iter().enumerate();
     let earlier = earlier.map(|(i, solution)| step_summary(run, solution, i));
+    // the step that failed is not one of them
+    let good = run.last.converged.then(|| step_summary(run, run.last, run.earlier.len()));
     let summary = Document {
-        steps: run
-            .has_steps()
-            .then(|| earlier.chain([last.clone()]).collect()),
+        steps: run.has_steps().then(|| earlier.chain(good).collect()),
         last,
     };
     // Strings, numbers and lists: nothing here can fail to serialise.
@@ -78,6 +84,7 @@ fn step_summary<'a>(run: &Run<'a>, solution: &'a Solution<2>, index: usize) -> S
             })
             .collect(),
         warnings: &solution.warnings,
+        failed_step: None,
     }
 }
 
@@ -150,6 +157,16 @@ struct Summary<'a> {
     bodies: Vec<BodyEntry<'a>>,
     probes: Vec<ProbeEntry<'a>>,
     warnings: &'a [String],
+    #[serde(skip_serializing_if = "Option::is_none")]
+    failed_step: Option<FailedEntry<'a>>,
+}
+
+#[derive(Clone, Serialize)]
+struct FailedEntry<'a> {
+    step: usize,
+    time: f64,
+    name: Option<&'a str>,
+    reason: &'a str,
 }
 
 #[derive(Clone, Serialize)]

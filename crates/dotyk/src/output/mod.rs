@@ -30,7 +30,7 @@ use crate::geometry::Point;
 use crate::model::{Check, Comparison, Model, Seconds, Solution};
 use stage::Stage;
 use std::path::{Path, PathBuf};
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 /// Why a result file could not be written.
 #[derive(Debug, thiserror::Error)]
@@ -75,6 +75,46 @@ pub enum Error {
     },
 }
 
+/// A run that is to be written.
+pub struct Record<'a> {
+    /// What was solved.
+    pub model: &'a Model<2>,
+    /// Solutions of its load steps in their order, at least one.
+    pub steps: &'a [Solution<2>],
+    /// Name of the case.
+    pub stem: &'a str,
+    /// The step after these that has no answer.
+    pub failed: Option<FailedStep>,
+    /// When the run began.
+    pub since: Instant,
+}
+
+impl<'a> Record<'a> {
+    /// A run whose steps all have an answer; the time it took is that of the solution.
+    pub fn of(model: &'a Model<2>, steps: &'a [Solution<2>], stem: &'a str) -> Self {
+        let spent = steps.last().map_or(0.0, |last| last.seconds.total);
+        let now = Instant::now();
+        Self {
+            model,
+            steps,
+            stem,
+            failed: None,
+            since: now.checked_sub(Duration::from_secs_f64(spent)).unwrap_or(now),
+        }
+    }
+}
+
+/// A load step without an answer.
+#[derive(Debug, Clone, PartialEq)]
+pub struct FailedStep {
+    /// From 1.
+    pub step: usize,
+    /// Its time.
+    pub time: f64,
+    /// Why.
+    pub reason: String,
+}
+
 /// What summary and report tell of.
 #[derive(Clone, Copy)]
 pub(crate) struct Run<'a> {
@@ -86,6 +126,8 @@ pub(crate) struct Run<'a> {
     pub stem: &'a str,
     /// All steps were solved.
     pub converged: bool,
+    /// The step that was not.
+    pub failed: Option<&'a FailedStep>,
     /// Spent on the whole run.
     pub seconds: Seconds,
     /// In bytes.
@@ -107,59 +149,67 @@ impl<'a> Run<'a> {
 /// Writes all result files into a folder and returns their paths: a VTU file per body and step, `case.pvd`,
 /// `contact.csv`, `summary.json`, `report.html`.
 ///
-/// `steps` are the solutions of the model's load steps in their order, `stem` is the name of the case. `seconds.write` in
-/// summary and report is the time that fields and tables took, and `seconds.total` is the solution's total with it; what
-/// the caller spends afterwards is not in them.
+/// `seconds.write` in the summary is the time that all other files took, and `seconds.total` all of it since the run began;
+/// the report, which is one of these files, tells the time up to itself.
 /// The folder is made where it does not exist; files of other names in it stay, but for the VTU files of an earlier run,
 /// which its `case.pvd` names.
 /// Errors: any [`Error`]; then the folder is as it was before.
-pub fn write(
-    model: &Model<2>,
-    steps: &[Solution<2>],
-    stem: &str,
-    dir: &Path,
-) -> Result<Vec<PathBuf>, Error> {
+pub fn write(record: &Record<'_>, dir: &Path) -> Result<Vec<PathBuf>, Error> {
     let start = Instant::now();
+    let Record {
+        model,
+        steps,
+        stem,
+        ref failed,
+        since,
+    } = *record;
     check(model, steps)?;
     let last = last(model, steps)?;
     let mut stage = Stage::open(dir)?;
+    let several = model.times.len().max(steps.len()) > 1;
     for (step, solution) in steps.iter().enumerate() {
         for (i, body) in model.bodies.iter().enumerate() {
-            let name = vtu::file_name(&body.name, step, steps.len() > 1);
+            let name = vtu::file_name(&body.name, step, several);
             stage.put(&name, vtu::body_vtu(model, solution, i).as_bytes())?;
         }
     }
-    stage.put(COLLECTION, vtu::collection(steps).as_bytes())?;
+    stage.put(COLLECTION, vtu::collection(steps, several).as_bytes())?;
     stage.put("contact.csv", csv::contact_csv(model, steps).as_bytes())?;
 
-    let mut seconds = last.seconds;
-    seconds.write = start.elapsed().as_secs_f64();
-    seconds.total += seconds.write;
-    let run = Run {
+    let seconds = || Seconds {
+        write: start.elapsed().as_secs_f64(),
+        total: since.elapsed().as_secs_f64(),
+        ..last.seconds
+    };
+    let mut run = Run {
         model,
         earlier: &steps[..steps.len() - 1],
         last,
         stem,
-        converged: steps.iter().all(|step| step.converged),
-        seconds,
+        converged: failed.is_none() && steps.iter().all(|step| step.converged),
+        failed: failed.as_ref(),
+        seconds: seconds(),
         peak_memory: peak_memory_bytes(),
     };
-    stage.put("summary.json", json::summary(&run).as_bytes())?;
     stage.put("report.html", report::page(&run).as_bytes())?;
+    run.seconds = seconds();
+    stage.put("summary.json", json::summary(&run).as_bytes())?;
     stage.commit(&earlier_fields(dir))
 }
 
 /// Writes `summary.json` alone, with `"converged": false`, and removes the other result files of an earlier run of this
-/// case: a failed run leaves none.
+/// case: a run whose first step has no answer leaves none.
 ///
-/// `steps` are the load steps so far, the last of them the one that has failed.
+/// The steps of the record are the last iterate of that step alone.
 /// Errors: any [`Error`]; then the folder is as it was before.
-pub fn write_summary(
-    model: &Model<2>,
-    steps: &[Solution<2>],
-    stem: &str,
-    dir: &Path,
-) -> Result<PathBuf, Error> {
+pub fn write_summary(record: &Record<'_>, dir: &Path) -> Result<PathBuf, Error> {
+    let Record {
+        model,
+        steps,
+        stem,
+        ref failed,
+        since,
+    } = *record;
     check(model, steps)?;
     let last = last(model, steps)?;
     let mut stage = Stage::open(dir)?;
@@ -169,7 +219,11 @@ pub fn write_summary(
         last,
         stem,
         converged: false,
-        seconds: last.seconds,
+        failed: failed.as_ref(),
+        seconds: Seconds {
+            total: since.elapsed().as_secs_f64(),
+            ..last.seconds
+        },
         peak_memory: peak_memory_bytes(),
     };
     stage.put("summary.json", json::summary(&run).as_bytes())?;
@@ -281,6 +335,10 @@ mod tests {
     use std::fs;
     use std::slice::from_ref;
 
+    fn record<'a>(model: &'a Model<2>, steps: &'a [Solution<2>]) -> Record<'a> {
+        Record::of(model, steps, "case_1")
+    }
+
     fn names(dir: &Path) -> Vec<String> {
         let mut list: Vec<String> = fs::read_dir(dir)
             .unwrap()
@@ -296,7 +354,7 @@ mod tests {
         fs::write(scratch.path().join("notes.txt"), b"mine").unwrap();
         fs::write(scratch.path().join("contact.csv"), b"old").unwrap();
         let (model, solution) = sample::tunnel(16);
-        let paths = write(&model, from_ref(&solution), "case_1", scratch.path()).unwrap();
+        let paths = write(&record(&model, from_ref(&solution)), scratch.path()).unwrap();
         let mut expected = vec![
             "case.pvd",
             "contact.csv",
@@ -323,7 +381,7 @@ mod tests {
         let dir = scratch.path();
         fs::write(dir.join("ring_0009.vtu"), b"mine").unwrap();
         let three = vec![solution.clone(); 3];
-        write(&model, &three, "case_1", dir).unwrap();
+        write(&record(&model, &three), dir).unwrap();
         let fields = |dir: &Path| -> Vec<String> {
             let all = names(dir).into_iter();
             all.filter(|n| n.ends_with(".vtu")).collect()
@@ -331,7 +389,7 @@ mod tests {
         let of_three = ["ring_0001.vtu", "ring_0002.vtu", "ring_0003.vtu"];
         assert_eq!(fields(dir)[..3], of_three);
         assert_eq!(fields(dir).len(), 7);
-        write(&model, &three[..2], "case_1", dir).unwrap();
+        write(&record(&model, &three[..2]), dir).unwrap();
         let two = [
             "ring_0001.vtu",
             "ring_0002.vtu",
@@ -340,11 +398,11 @@ mod tests {
             "rock_0002.vtu",
         ];
         assert_eq!(fields(dir), two);
-        write(&model, from_ref(&solution), "case_1", dir).unwrap();
+        write(&record(&model, from_ref(&solution)), dir).unwrap();
         assert_eq!(fields(dir), ["ring.vtu", "ring_0009.vtu", "rock.vtu"]);
-        write_summary(&model, &three, "case_1", dir).unwrap();
+        write_summary(&record(&model, &three), dir).unwrap();
         assert_eq!(names(dir), ["ring_0009.vtu", "summary.json"]);
-        let empty = write(&model, &[], "case_1", dir).unwrap_err();
+        let empty = write(&record(&model, &[]), dir).unwrap_err();
         assert!(empty.to_string().contains("0 steps"), "{empty}");
     }
 
@@ -355,14 +413,14 @@ mod tests {
         // The last file cannot get its name.
         let dir = scratch.path().join("out");
         fs::create_dir_all(dir.join("report.html")).unwrap();
-        let error = write(&model, from_ref(&solution), "case_1", &dir).unwrap_err();
+        let error = write(&record(&model, from_ref(&solution)), &dir).unwrap_err();
         assert!(matches!(error, Error::IsADirectory { .. }), "{error}");
         assert_eq!(names(&dir), ["report.html"]);
 
         let file = scratch.path().join("file");
         fs::write(&file, b"mine").unwrap();
         for target in [file.clone(), file.join("below")] {
-            let error = write(&model, from_ref(&solution), "case_1", &target).unwrap_err();
+            let error = write(&record(&model, from_ref(&solution)), &target).unwrap_err();
             assert!(error.to_string().contains("--out"), "{error}");
         }
         assert_eq!(fs::read(&file).unwrap(), b"mine");
@@ -373,8 +431,8 @@ mod tests {
     fn a_failed_run_leaves_its_summary_only() {
         let scratch = sample::Scratch::new("summary");
         let (model, solution) = sample::tunnel(16);
-        write(&model, from_ref(&solution), "case_1", scratch.path()).unwrap();
-        write_summary(&model, from_ref(&solution), "case_1", scratch.path()).unwrap();
+        write(&record(&model, from_ref(&solution)), scratch.path()).unwrap();
+        write_summary(&record(&model, from_ref(&solution)), scratch.path()).unwrap();
         assert_eq!(names(scratch.path()), ["summary.json"]);
         let text = fs::read_to_string(scratch.path().join("summary.json")).unwrap();
         assert!(text.contains("\"converged\": false"));
@@ -385,10 +443,10 @@ mod tests {
         let scratch = sample::Scratch::new("names");
         let (mut model, mut solution) = sample::tunnel(16);
         solution.bodies[1].von_mises.pop();
-        let error = write(&model, from_ref(&solution), "case_1", scratch.path()).unwrap_err();
+        let error = write(&record(&model, from_ref(&solution)), scratch.path()).unwrap_err();
         assert!(error.to_string().contains("nodes of body rock"), "{error}");
         model.bodies[0].name = "../ring".to_string();
-        let error = write(&model, from_ref(&solution), "case_1", scratch.path()).unwrap_err();
+        let error = write(&record(&model, from_ref(&solution)), scratch.path()).unwrap_err();
         assert!(matches!(error, Error::Name { .. }), "{error}");
         assert!(names(scratch.path()).is_empty());
     }

@@ -163,6 +163,16 @@ fn banner(run: &Run<'_>) -> String {
              conditions: every figure of the certificate is within its limit{steps}.</div>\n"
         );
     }
+    if let Some(failed) = run.failed.filter(|_| solution.converged) {
+        return format!(
+            "<div class=\"banner bad\"><b>✗ Step {} of {} (t = {}) failed</b>{}. The numbers below are those of the step \
+             before it, which is certified.</div>\n",
+            failed.step,
+            run.model.times.len(),
+            number(failed.time),
+            escape(&failed.reason)
+        );
+    }
     let failed: Vec<String> = solution
         .certificate
         .figures()

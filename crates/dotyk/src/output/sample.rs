@@ -222,6 +222,7 @@ pub fn run<'a>(model: &'a Model<2>, solution: &'a Solution<2>) -> Run<'a> {
     Run {
         model,
         earlier: &[],
+        failed: None,
         last: solution,
         stem: "case_1",
         converged: solution.converged,

@@ -91,8 +91,8 @@ pub fn file_name(body: &str, step: usize, several: bool) -> String {
     }
 }
 
-/// Content of `case.pvd`: all bodies at all times.
-pub fn collection<const D: usize>(steps: &[Solution<D>]) -> String {
+/// Content of `case.pvd`: all bodies at all times; `several`: the model has several load steps.
+pub fn collection<const D: usize>(steps: &[Solution<D>], several: bool) -> String {
     let mut out = String::from(
         "<?xml version=\"1.0\"?>\n<VTKFile type=\"Collection\" version=\"1.0\" byte_order=\"LittleEndian\">\n<Collection>\n",
     );
@@ -103,7 +103,7 @@ pub fn collection<const D: usize>(steps: &[Solution<D>]) -> String {
                 "<DataSet timestep=\"{:?}\" part=\"{part}\" name=\"{}\" {FILE}{}\"/>",
                 solution.time,
                 escape(&body.name),
-                escape(&file_name(&body.name, step, steps.len() > 1))
+                escape(&file_name(&body.name, step, several))
             );
         }
     }
@@ -298,11 +298,11 @@ mod tests {
     #[test]
     fn a_collection_names_every_body_at_every_time() {
         let (_, solution) = sample::tunnel(16);
-        let one = collection(std::slice::from_ref(&solution));
+        let one = collection(std::slice::from_ref(&solution), false);
         assert_eq!(collected(&one), ["ring.vtu", "rock.vtu"]);
         let mut first = solution.clone();
         first.time = 0.25;
-        let text = collection(&[first, solution]);
+        let text = collection(&[first, solution], true);
         let names = [
             "ring_0001.vtu",
             "rock_0001.vtu",

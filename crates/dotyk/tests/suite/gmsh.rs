@@ -656,7 +656,8 @@ fn vtu_files_of_dotyk_read_back() {
         .pull(ring, "outer", [0.0, 1e-3]);
     let solution = model.solve().unwrap();
     let folder = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join("vtu");
-    output::write(&model, std::slice::from_ref(&solution), "ring", &folder).unwrap();
+    let steps = std::slice::from_ref(&solution);
+    output::write(&output::Record::of(&model, steps, "ring"), &folder).unwrap();
     let file = MeshFile::read(&folder.join("ring.vtu")).unwrap();
     assert!(
         file.warnings()[0].contains("`displacement`, `stress`"),
