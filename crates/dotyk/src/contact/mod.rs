@@ -8,6 +8,7 @@
 //! pairing is the same with the integrals replaced by values at nodes. Tangential rows have t instead of n and no gap.
 //! An interface knows the two meshes and what their supports hold, but no stiffness.
 
+mod curved;
 mod error;
 mod facing;
 mod mortar;
@@ -17,11 +18,11 @@ mod sampling;
 mod search;
 mod weights;
 
+pub use curved::{sagitta, straight_turn};
 pub use error::ContactError;
 pub use facing::{Unmatched, unmatched_facing};
 pub use mortar::{Against, pair_mortar};
 pub use node_to_node::{Driven, Rigid, matching_nodes, pair_nodes, pair_obstacle};
-pub use normals::sagitta;
 pub use sampling::{Sample, samples};
 
 use crate::fem::{Body, Constraints};
@@ -172,6 +173,13 @@ impl<const D: usize> Interface<D> {
             rows.flatten().for_each(|&row| tangential[row] = true);
         }
         tangential
+    }
+
+    /// Takes all initial gaps for zero.
+    pub fn close(&mut self) {
+        for node in self.nodes.iter_mut().filter(|node| !node.gap.is_nan()) {
+            (node.gap, node.clearance) = (0.0, 0.0);
+        }
     }
 
     /// Takes the multipliers of rows away, and with a normal row under friction those of the tangential ones: the rows

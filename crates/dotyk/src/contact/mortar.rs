@@ -26,14 +26,15 @@
 //! Source of the biorthogonal functions: as described by B. I. Wohlmuth, SIAM J. Numer. Anal. 38 (2000) 989–1012.
 
 use crate::contact::node_to_node::{Relative, axes, facets, finite_gap};
-use crate::contact::normals::{Normals, surface};
+use crate::contact::curved::TrueSurface;
+use crate::contact::normals::Normals;
 use crate::contact::search::{Hit, Line, Search, meet};
 use crate::contact::weights::POSITIVE;
 use crate::contact::{
     ContactError, Coupling, Driven, End, InitialGap, Interface, InterfaceNode, Rigid, Role, Row, frame,
 };
 use crate::fem::{Analysis, invert, measure, quadrature};
-use crate::geometry::{Point, Surface, add_scaled, dot, norm};
+use crate::geometry::{Point, add_scaled, dot, norm};
 use crate::mesh::{Facet, MAX_FACET_NODES, Mesh};
 use rayon::prelude::*;
 use std::collections::{BTreeMap, BTreeSet};
@@ -177,8 +178,8 @@ pub(super) struct Pairing<'a, const D: usize> {
     analysis: Analysis,
     pub(super) time: f64,
     normals: Normals<'a, D>,
-    /// True surfaces of both sides.
-    surfaces: [Option<Surface<D>>; 2],
+    /// True surfaces of both sides; none of an obstacle.
+    surfaces: [Option<TrueSurface<'a, D>>; 2],
     search: Option<Search<'a, D>>,
     spans: Vec<Span>,
     cyclic: bool,
@@ -194,12 +195,12 @@ impl<'a, const D: usize> Pairing<'a, D> {
     ) -> Result<Self, ContactError> {
         let mesh = &nonmortar.body.mesh;
         let own = facets(nonmortar)?;
-        let mut surfaces = [surface(nonmortar, own)?, None];
+        let mut surfaces = [Some(TrueSurface::of(nonmortar, own)?), None];
         let search = match against {
             Against::Obstacle(..) => None,
             Against::Side(mortar) => {
                 let other = facets(mortar)?;
-                surfaces[1] = surface(mortar, other)?;
+                surfaces[1] = Some(TrueSurface::of(mortar, other)?);
                 Some(Search::new(mesh, &mortar.body.mesh, other))
             }
         };
@@ -324,7 +325,7 @@ impl<'a, const D: usize> Pairing<'a, D> {
                 (
                     line.direction,
                     shape(&mortar.body.mesh, facet, hit.xi),
-                    self.gap_at(line, hit.distance)?,
+                    self.gap_at(span.facet, line, hit)?,
                 )
             }
             (Against::Obstacle(rigid, _), _) => {
@@ -350,9 +351,12 @@ impl<'a, const D: usize> Pairing<'a, D> {
         }))
     }
 
-    /// The distance along a line between the true surfaces, where the sides have them.
-    fn true_distance(&self, line: Line<D>, polygons: f64) -> f64 {
-        let [own, other] = self.surfaces;
+    /// The distance along a line from a facet to a hit, between the true surfaces where the sides have them.
+    fn true_distance(&self, facet: Facet, line: Line<D>, hit: Hit) -> f64 {
+        let [own, other] = &self.surfaces;
+        let own = own.as_ref().and_then(|surface| surface.at(facet));
+        let other = other.as_ref().and_then(|surface| surface.at(hit.facet));
+        let polygons = hit.distance;
         let start = own.map_or(0.0, |surface| line.along(surface.closest(line.start)));
         let nearest = |hits: Vec<f64>| {
             hits.into_iter()
@@ -599,7 +603,7 @@ impl<'a, const D: usize> Pairing<'a, D> {
             return Ok((Vec::new(), f64::NAN));
         };
         let shape = shape(&mortar.body.mesh, hit.facet, hit.xi.clamp(-1.0, 1.0));
-        Ok((shape, self.gap_at(line, hit.distance)?))
+        Ok((shape, self.gap_at(facet, line, hit)?))
     }
 
     /// Whether the motion of the other side along an axis is prescribed where it lies opposite a node, and if `still`
@@ -628,10 +632,15 @@ impl<'a, const D: usize> Pairing<'a, D> {
         opposite.is_none_or(|nodes| nodes.iter().filter(bearing).all(|(node, _)| held(*node)))
     }
 
-    /// The gap at a line whose polygons are a distance apart.
-    pub(super) fn gap_at(&self, line: Line<D>, distance: f64) -> Result<f64, ContactError> {
+    /// The gap at a line from a facet to where it meets the other side.
+    pub(super) fn gap_at(
+        &self,
+        facet: Facet,
+        line: Line<D>,
+        hit: Hit,
+    ) -> Result<f64, ContactError> {
         match self.gap {
-            InitialGap::Measured => Ok(self.true_distance(line, distance)),
+            InitialGap::Measured => Ok(self.true_distance(facet, line, hit)),
             InitialGap::Closed => Ok(0.0),
             InitialGap::Given(field) => finite_gap(field, line.start, self.time, self.nonmortar),
         }

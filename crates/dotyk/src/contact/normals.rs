@@ -7,24 +7,21 @@
 //!
 //! Source: the bisector rule and the axis direction on the axis, Janovský & Procházka (1980) III, section 7.
 
-use crate::contact::node_to_node::{facets, free_part};
+use crate::contact::curved::TrueSurface;
+use crate::contact::node_to_node::free_part;
 use crate::contact::{ContactError, End};
-use crate::fem::show;
-use crate::geometry::{Point, Surface, add_scaled, dot, unit};
+use crate::geometry::{Point, add_scaled, dot, unit};
 use crate::mesh::{Facet, MAX_FACET_NODES, Mesh};
 use std::collections::{BTreeMap, HashMap};
 
 /// Facets whose normals have a cosine below this meet at a corner: each keeps its own normal there.
-const SHARP: f64 = 0.7;
-
-/// Nodes may lie off the true surface of their side by this part of a facet.
-const OFF_SURFACE: f64 = 0.01;
+pub(super) const SHARP: f64 = 0.7;
 
 /// Outward unit normals of a side.
 pub(crate) struct Normals<'a, const D: usize> {
     mesh: &'a Mesh<D>,
     at_nodes: HashMap<Facet, [Point<D>; MAX_FACET_NODES]>,
-    surface: Option<Surface<D>>,
+    surface: TrueSurface<'a, D>,
 }
 
 impl<'a, const D: usize> Normals<'a, D> {
@@ -33,7 +30,7 @@ impl<'a, const D: usize> Normals<'a, D> {
     /// Errors: nodes off the true surface of the side.
     pub fn new(end: End<'a, D>, facets: &[Facet]) -> Result<Self, ContactError> {
         let mesh = &end.body.mesh;
-        let surface = surface(end, facets)?;
+        let surface = TrueSurface::of(end, facets)?;
         let mut at_nodes: HashMap<Facet, [Point<D>; MAX_FACET_NODES]> = HashMap::new();
         let mut around: BTreeMap<usize, Vec<(Facet, Point<D>)>> = BTreeMap::new();
         for &facet in facets {
@@ -76,7 +73,7 @@ impl<'a, const D: usize> Normals<'a, D> {
             .zip(shape)
             .fold([0.0; D], |sum, (&n, value)| add_scaled(sum, value, n));
         let normal = unit(sum).unwrap_or(sum);
-        match self.surface {
+        match self.surface.at(facet) {
             None => normal,
             Some(surface) => {
                 let true_normal = surface.normal(self.mesh.facet_point(facet, &[xi]));
@@ -101,77 +98,6 @@ impl<'a, const D: usize> Normals<'a, D> {
             .filter_map(|(node, sum)| Some((node, unit(sum)?)))
             .collect()
     }
-}
-
-/// Largest distance of a polygonal side from the smooth curve that it stands for: Lθ/8 for facets of length L that turn
-/// by θ at their common node. Zero where the side has a true surface or curved facets, and across sharp corners.
-///
-/// Errors: unknown or empty sides.
-pub fn sagitta<const D: usize>(end: End<'_, D>) -> Result<f64, ContactError> {
-    let mesh = &end.body.mesh;
-    let facets = facets(end)?;
-    if given_surface(end, facets).is_some() {
-        return Ok(0.0);
-    }
-    let mut around: BTreeMap<u32, Vec<(Point<D>, f64)>> = BTreeMap::new();
-    let straight = |facet: &&Facet| mesh.facet_kind(**facet).order() == 1;
-    for &facet in facets.iter().filter(straight) {
-        if let Some(normal) = unit(mesh.outward_normal(facet, &[0.0])) {
-            for node in mesh.facet_nodes(facet) {
-                let length = mesh.facet_length(facet);
-                around.entry(node).or_default().push((normal, length));
-            }
-        }
-    }
-    let at_node = |meeting: &Vec<(Point<D>, f64)>| match meeting[..] {
-        [(a, length), (b, other)] if dot(a, b) > SHARP => {
-            length.max(other) * dot(a, b).min(1.0).acos() / 8.0
-        }
-        _ => 0.0,
-    };
-    Ok(around.values().map(at_node).fold(0.0, f64::max))
-}
-
-/// The surface given for a side, or for another side of the body that contains it.
-fn given_surface<const D: usize>(end: End<'_, D>, facets: &[Facet]) -> Option<Surface<D>> {
-    let surfaces = &end.body.surfaces;
-    let contains = |side: &str| {
-        let whole = end.body.mesh.side(side).unwrap_or_default();
-        facets
-            .iter()
-            .all(|facet| whole.binary_search(facet).is_ok())
-    };
-    let own = surfaces.get(end.side);
-    let around = || surfaces.iter().find(|(side, _)| contains(side));
-    own.or_else(|| around().map(|(_, surface)| surface))
-        .copied()
-}
-
-/// The true surface of a side, when it has one.
-pub(crate) fn surface<const D: usize>(
-    end: End<'_, D>,
-    facets: &[Facet],
-) -> Result<Option<Surface<D>>, ContactError> {
-    let Some(surface) = given_surface(end, facets) else {
-        return Ok(None);
-    };
-    let mesh = &end.body.mesh;
-    for &facet in facets {
-        let limit = OFF_SURFACE * mesh.facet_length(facet);
-        for node in mesh.facet_nodes(facet) {
-            let point = mesh.points()[node as usize];
-            let distance = surface.distance(point).abs();
-            if distance > limit {
-                return Err(ContactError::OffSurface {
-                    side: end.name(),
-                    node: node as usize,
-                    point: show(point),
-                    distance,
-                });
-            }
-        }
-    }
-    Ok(Some(surface))
 }
 
 /// Mean of a facet's normal and those that meet it without a corner.

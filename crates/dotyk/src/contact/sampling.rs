@@ -79,7 +79,7 @@ fn sample<const D: usize>(
                 return Ok(None);
             };
             let nodes = shape(&mortar.body.mesh, hit.facet, hit.xi.clamp(-1.0, 1.0));
-            let gap = pairing.gap_at(line, hit.distance)?;
+            let gap = pairing.gap_at(facet, line, hit)?;
             (line.direction, gap, nodes, dent(mortar, hit.facet))
         }
     };

@@ -14,6 +14,7 @@
 use crate::geometry::{Point, add_scaled};
 use crate::mesh::{CellBlock, CellKind, Facet, Mesh, MeshError};
 use std::ops::Range;
+use std::collections::BTreeMap;
 
 /// Most lattice points: some gigabytes of mesh, long before an index overflows.
 const MOST_POINTS: usize = 100_000_000;
@@ -507,6 +508,7 @@ impl Lattice {
             points,
             blocks: vec![block],
             sides,
+            curves: BTreeMap::new(),
         }
         .checked()
     }

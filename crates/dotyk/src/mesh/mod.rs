@@ -22,7 +22,7 @@ pub use generate::{Diagonals, Rectangle, Ring, TunnelRock};
 pub use import::{FilePlace, ImportError, Imported, MeshFile};
 pub use outline::{Contour, Division, EdgeShape, Outline, OutlineEdge, OutlinePlace, SizePoint};
 
-use crate::geometry::{Point, bounding_box, distance, norm, padded, sub};
+use crate::geometry::{Point, Surface, bounding_box, distance, norm, padded, sub};
 use crate::mesh::check::{check, determinant};
 use std::collections::BTreeMap;
 
@@ -61,6 +61,8 @@ pub struct Mesh<const D: usize> {
     points: Vec<Point<D>>,
     blocks: Vec<CellBlock>,
     sides: BTreeMap<String, Vec<Facet>>,
+    /// The curves that facets stand for, where the maker of the mesh knew them.
+    curves: BTreeMap<Facet, Surface<D>>,
 }
 
 impl<const D: usize> Mesh<D> {
@@ -69,19 +71,21 @@ impl<const D: usize> Mesh<D> {
     /// Errors: no cells; cells of another dimension; a node list that does not divide into cells; coordinates that are
     /// not finite; a node index out of range or repeated in its cell; a cell without volume or folded; a loose node.
     pub fn new(points: Vec<Point<D>>, blocks: Vec<CellBlock>) -> Result<Self, MeshError> {
-        let sides = BTreeMap::new();
         Self {
             points,
             blocks,
-            sides,
+            sides: BTreeMap::new(),
+            curves: BTreeMap::new(),
         }
         .checked()
     }
 
-    /// The same cells and sides with every point moved to f(point). Under a reflection the cells are turned.
+    /// The same cells and sides with every point moved to f(point). Under a reflection the cells are turned. The curves that
+    /// facets stand for are not known any more.
     ///
     /// Errors: as [`Self::new`], where f gives no valid mesh.
     pub fn map_points(mut self, f: impl Fn(Point<D>) -> Point<D>) -> Result<Self, MeshError> {
+        self.curves.clear();
         for point in &mut self.points {
             *point = f(*point);
         }
@@ -181,6 +185,17 @@ impl<const D: usize> Mesh<D> {
             };
         }
         quality.max(0.0)
+    }
+
+    /// The curve that a facet stands for, where the maker of the mesh knew it and it is not straight.
+    pub fn curve(&self, facet: Facet) -> Option<Surface<D>> {
+        self.curves.get(&facet).copied()
+    }
+
+    /// The mesh with curves that facets stand for.
+    pub(crate) fn with_curves(mut self, curves: BTreeMap<Facet, Surface<D>>) -> Self {
+        self.curves = curves;
+        self
     }
 
     /// All sides, by name.

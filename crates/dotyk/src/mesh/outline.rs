@@ -7,7 +7,7 @@
 //! Sizes are lengths of cell edges. The size of the outline holds everywhere, that of an edge along it, that of a point of
 //! refinement around it; from each, the wanted size grows by `growth` per distance. Where two edges that do not share a
 //! corner come nearer through the body than the size, the size is their distance; a piece of an arc spans at most 30°.
-//! Nodes of the boundary lie on the true lines and arcs, for quadratic cells the middle nodes, too.
+//! Nodes of the boundary lie on the true lines and arcs, for quadratic cells the middle nodes, too; facets on arcs know them.
 //!
 //! **Matching nodes.** An edge is divided from its own data in a direction-independent way. The same edge of two
 //! outlines has the same nodes when both give the same number of cells, or the same size and nothing near that wants
@@ -20,7 +20,7 @@ mod curve;
 mod divide;
 mod fill;
 
-use crate::geometry::{Point, add_scaled, bounding_box, distance, sub, unit};
+use crate::geometry::{Point, Surface, add_scaled, bounding_box, distance, sub, unit};
 use crate::mesh::outline::curve::{Curve, cross};
 use crate::mesh::outline::divide::{Rib, Sizes, divide};
 use crate::mesh::outline::fill::{Boundary, Filled, Unfilled, fill};
@@ -240,6 +240,15 @@ struct Drawing {
     area: f64,
 }
 
+/// A piece of the boundary: one edge of a cell.
+struct Edge<'a> {
+    side: &'a str,
+    /// The circle that it is a part of.
+    circle: Option<Surface<2>>,
+    /// Its middle on the true curve.
+    middle: Point<2>,
+}
+
 impl Outline {
     /// An outline with cells of one size, linear triangles and growth 0.3.
     pub fn new(boundary: Contour, size: f64) -> Self {
@@ -288,8 +297,16 @@ impl Outline {
                 ))
             }
         })?;
-        let side = |piece: usize| drawing.sides[ribs[piece]].as_str();
-        self.mesh(filled, &boundary.pieces, side, &middles)
+        let edges: Vec<Edge<'_>> = ribs
+            .iter()
+            .zip(&middles)
+            .map(|(&rib, &middle)| Edge {
+                side: &drawing.sides[rib],
+                circle: drawing.ribs[rib].curve.circle(),
+                middle,
+            })
+            .collect();
+        self.mesh(filled, &boundary.pieces, &edges)
     }
 
     /// About the number of corners of cells that the sizes of the outline and of the points of refinement ask for at least.
@@ -504,12 +521,11 @@ impl Outline {
         (boundary, owners, middles)
     }
 
-    fn mesh<'s>(
+    fn mesh(
         &self,
         filled: Filled,
         pieces: &[[u32; 2]],
-        side: impl Fn(usize) -> &'s str,
-        middles: &[Point<2>],
+        edges: &[Edge<'_>],
     ) -> Result<Mesh<2>, MeshError> {
         let Filled {
             nodes: mut points,
@@ -521,6 +537,7 @@ impl Outline {
             found.filter(|p| p[1] == to).map(|p| p[0] as usize)
         };
         let mut sides: BTreeMap<String, Vec<Facet>> = BTreeMap::new();
+        let mut curves = BTreeMap::new();
         let mut between = BTreeMap::new();
         let mut nodes = Vec::with_capacity(triangles.len() * self.cell.nodes());
         for (cell, corners) in triangles.iter().enumerate() {
@@ -534,10 +551,9 @@ impl Outline {
                         cell: cell as u32,
                         local: local as u32,
                     };
-                    sides
-                        .entry(side(piece).to_string())
-                        .or_default()
-                        .push(facet);
+                    let edge = &edges[piece];
+                    sides.entry(edge.side.to_string()).or_default().push(facet);
+                    curves.extend(edge.circle.map(|circle| (facet, circle)));
                 }
                 if self.cell == CellKind::Tri6 {
                     let ends = [from, to].map(|node| points[node as usize]);
@@ -545,7 +561,7 @@ impl Outline {
                     let node = *between
                         .entry((from.min(to), from.max(to)))
                         .or_insert_with(|| {
-                            points.push(on_boundary.map_or(straight, |piece| middles[piece]));
+                            points.push(on_boundary.map_or(straight, |piece| edges[piece].middle));
                             points.len() as u32 - 1
                         });
                     nodes.push(node);
@@ -557,7 +573,8 @@ impl Outline {
             nodes,
             group: None,
         };
-        Mesh::new(points, vec![block])?.with_sides(sides)
+        let mesh = Mesh::new(points, vec![block])?.with_sides(sides)?;
+        Ok(mesh.with_curves(curves))
     }
 }
 
@@ -592,7 +609,7 @@ impl Contour {
                     Some(Division::Cells(cells)) => Some(Division::Cells(cells / 4)),
                     other => *other,
                 };
-                let quarters = Curve::circle(*center, *radius).map(|curve| Drawn {
+                let quarters = Curve::quarters(*center, *radius).map(|curve| Drawn {
                     curve,
                     place: place.clone(),
                     name: name.clone(),

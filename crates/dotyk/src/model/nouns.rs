@@ -58,7 +58,8 @@ pub enum Pair<const D: usize> {
         /// The other side.
         mortar: SideRef,
     },
-    /// The more compliant body becomes the nonmortar side; within a factor 10 the finer one.
+    /// The more compliant body becomes the nonmortar side; within a factor 10 the finer one, unless its pressures would
+    /// show the straight facets of the other.
     Automatic([SideRef; 2]),
     /// A body against a rigid obstacle.
     Obstacle {

@@ -3,7 +3,7 @@
 //! An arc is its centre, radius, angle of its start and signed sweep (counter-clockwise > 0, below a full turn); its
 //! ends are kept as given. The parameter t in [0, 1] runs with the length. Angles are in radians.
 
-use crate::geometry::{Point, add_scaled, bounding_box, distance, dot, sub, unit};
+use crate::geometry::{Point, Surface, add_scaled, bounding_box, distance, dot, sub, unit};
 use std::f64::consts::TAU;
 
 /// z of the product of two plane vectors.
@@ -74,7 +74,7 @@ impl Curve {
     }
 
     /// The four quarters of a circle, counter-clockwise from its rightmost point.
-    pub fn circle(center: Point<2>, radius: f64) -> [Self; 4] {
+    pub fn quarters(center: Point<2>, radius: f64) -> [Self; 4] {
         let corners = [[1.0, 0.0], [0.0, 1.0], [-1.0, 0.0], [0.0, -1.0]];
         let corners = corners.map(|direction| add_scaled(center, radius, direction));
         std::array::from_fn(|k| {
@@ -105,6 +105,12 @@ impl Curve {
             end: self.start,
             arc,
         }
+    }
+
+    /// The circle that an arc is a part of.
+    pub fn circle(&self) -> Option<Surface<2>> {
+        let Arc { center, radius, .. } = self.arc?;
+        Some(Surface::Sphere { center, radius })
     }
 
     /// Whether the curve runs in the direction in which it is divided: the same for a curve and its reverse.
@@ -285,7 +291,7 @@ mod tests {
 
     #[test]
     fn winding_counts_a_point_between_chord_and_arc_as_inside() {
-        let circle = Curve::circle([3.0, 4.0], 2.0);
+        let circle = Curve::quarters([3.0, 4.0], 2.0);
         let turns = |p| circle.iter().map(|c| c.winding(p)).sum::<f64>() / TAU;
         for (p, inside) in [
             ([3.0, 4.0], 1.0),
@@ -299,8 +305,8 @@ mod tests {
 
     #[test]
     fn two_curves_come_nearest_where_they_cross_or_along_the_line_of_centers() {
-        let a = Curve::circle([0.0, 0.0], 1.0)[0];
-        let b = Curve::circle([3.0, 3.0], 1.0)[2];
+        let a = Curve::quarters([0.0, 0.0], 1.0)[0];
+        let b = Curve::quarters([3.0, 3.0], 1.0)[2];
         let (gap, _) = a.approach(&b, &[], 0.0).unwrap();
         assert!((gap - (18.0_f64.sqrt() - 2.0)).abs() < 1e-14);
         let cut = Curve::line([0.5, 0.0], [0.5, 2.0]);
@@ -310,7 +316,7 @@ mod tests {
 
     #[test]
     fn the_area_of_a_circle_is_that_of_its_quarters() {
-        let circle = Curve::circle([1.0, -2.0], 3.0);
+        let circle = Curve::quarters([1.0, -2.0], 3.0);
         let twice: f64 = circle.iter().map(|c| c.twice_area([0.5, 0.5])).sum();
         assert!((twice - 18.0 * PI).abs() < 1e-13 * twice);
     }
