@@ -392,23 +392,61 @@ fn every_step_leaves_its_fields_its_rows_and_its_summary() {
 }
 
 #[test]
-fn a_step_that_does_not_converge_leaves_the_summary_of_those_so_far() {
+fn a_step_that_does_not_converge_leaves_the_good_ones() {
     let text = stack(1e6, "").replacen("pressure = 1e6", "pressure = \"1e6 * t\"", 1)
         + "[solver]\nmethod = \"uzawa\"\nmax_iterations = 3\n"
         + &steps(&[0.0, 1.0, 2.0]);
     let run = Run::new("failing_step", &text, "run", &[]);
     assert_eq!(run.status, Some(1), "{}", run.stderr);
-    assert_eq!(run.files(), ["summary.json"]);
+    let good = [
+        "case.pvd",
+        "contact.csv",
+        "low_0001.vtu",
+        "report.html",
+        "summary.json",
+        "up_0001.vtu",
+    ];
+    assert_eq!(run.files(), good);
     let summary = run.summary();
-    let converged: Vec<&Value> = summary["steps"]
-        .as_array()
-        .unwrap()
-        .iter()
-        .map(|step| &step["converged"])
-        .collect();
-    assert_eq!(converged, [true, false]);
-    assert_eq!(summary["converged"], false);
+    let steps = summary["steps"].as_array().unwrap();
+    assert_eq!(steps.len(), 1);
+    assert_eq!(steps[0]["converged"], true);
+    // the top level is the last good step, but the run has failed
+    assert_eq!(
+        (&summary["converged"], &summary["step"]),
+        (&Value::from(false), &Value::from(1))
+    );
+    let failed = &summary["failed_step"];
+    assert_eq!(
+        (&failed["step"], &failed["time"]),
+        (&Value::from(2), &Value::from(1.0))
+    );
+    assert!(
+        failed["reason"].as_str().unwrap().contains("3 steps"),
+        "{failed}"
+    );
     assert!(run.stderr.contains("step 2 of 3 (t = 1)"), "{}", run.stderr);
+    assert!(
+        run.stdout.contains("NOT CONVERGED: 1 of 3 steps"),
+        "{}",
+        run.stdout
+    );
+}
+
+#[test]
+fn a_mistake_in_a_later_step_is_bad_input_and_leaves_the_good_ones() {
+    let text = stack(1e6, "").replacen("pressure = 1e6", "pressure = \"1e6 / (2 - t)\"", 1)
+        + &steps(&[0.0, 1.0, 2.0]);
+    let run = Run::new("bad_step", &text, "run", &[]);
+    assert_eq!(run.status, Some(2), "{}", run.stderr);
+    assert!(run.stderr.contains("step 3 (t = 2)"), "{}", run.stderr);
+    let summary = run.summary();
+    assert_eq!(summary["steps"].as_array().unwrap().len(), 2);
+    assert_eq!(
+        (&summary["converged"], &summary["failed_step"]["step"]),
+        (&Value::from(false), &Value::from(3))
+    );
+    assert!(run.files().contains(&"up_0002.vtu".to_string()));
 }
 
 #[test]

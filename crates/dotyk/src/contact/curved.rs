@@ -123,7 +123,10 @@ pub fn sagitta<const D: usize>(end: End<'_, D>) -> Result<f64, ContactError> {
 pub fn straight_turn<const D: usize>(end: End<'_, D>) -> Result<Option<f64>, ContactError> {
     let mesh = &end.body.mesh;
     let facets = facets(end)?;
-    if facets.iter().any(|&facet| mesh.facet_kind(facet).order() > 1) {
+    if facets
+        .iter()
+        .any(|&facet| mesh.facet_kind(facet).order() > 1)
+    {
         return Ok(None);
     }
     let mut around: BTreeMap<u32, Vec<Point<D>>> = BTreeMap::new();

@@ -25,13 +25,14 @@
 //!
 //! Source of the biorthogonal functions: as described by B. I. Wohlmuth, SIAM J. Numer. Anal. 38 (2000) 989–1012.
 
-use crate::contact::node_to_node::{Relative, axes, facets, finite_gap};
 use crate::contact::curved::TrueSurface;
+use crate::contact::node_to_node::{Relative, axes, facets, finite_gap};
 use crate::contact::normals::Normals;
 use crate::contact::search::{Hit, Line, Search, meet};
 use crate::contact::weights::POSITIVE;
 use crate::contact::{
-    ContactError, Coupling, Driven, End, InitialGap, Interface, InterfaceNode, Rigid, Role, Row, frame,
+    ContactError, Coupling, Driven, End, InitialGap, Interface, InterfaceNode, Rigid, Role, Row,
+    frame,
 };
 use crate::fem::{Analysis, invert, measure, quadrature};
 use crate::geometry::{Point, add_scaled, dot, norm};

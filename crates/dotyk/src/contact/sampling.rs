@@ -97,5 +97,7 @@ fn sample<const D: usize>(
 fn dent<const D: usize>(end: End<'_, D>, facet: Facet) -> f64 {
     let block = &end.body.mesh.blocks()[facet.block as usize];
     let elastic = end.body.elastic(block);
-    elastic.map_or(0.0, |e| end.body.mesh.facet_length(facet) / e.plane_modulus())
+    elastic.map_or(0.0, |e| {
+        end.body.mesh.facet_length(facet) / e.plane_modulus()
+    })
 }

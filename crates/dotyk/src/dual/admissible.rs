@@ -436,9 +436,8 @@ mod tests {
             tangents: 1,
             bound: 1.0,
         }]);
-        let violation = |lambda: [f64; 2], gap: f64| {
-            set.slip_violation(&lambda, |i| lambda[i] - [0.0, gap][i])
-        };
+        let violation =
+            |lambda: [f64; 2], gap: f64| set.slip_violation(&lambda, |i| lambda[i] - [0.0, gap][i]);
         assert_eq!(violation([1.0, 0.5], 0.0), 0.0);
         // The gap is the gradient: a force at its bound has a gap of the opposite sign.
         assert_eq!(violation([1.0, 1.0], -0.3), 0.0);

@@ -30,8 +30,8 @@ mod projection;
 
 pub use admissible::{AdmissibleSet, Component};
 pub use balance::{Balance, ModeSplit, uncontrolled_modes};
-pub(crate) use certificate::{ROUNDING, Violations};
 pub use certificate::{Certificate, Figure, IMBALANCE_LIMIT, Recomputed};
+pub(crate) use certificate::{ROUNDING, Violations};
 pub use feasibility::{Feasibility, NO_WORK, least_norm_within, least_squares_nonnegative};
 pub use projection::Projector;
 

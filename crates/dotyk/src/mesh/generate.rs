@@ -13,8 +13,8 @@
 
 use crate::geometry::{Point, add_scaled};
 use crate::mesh::{CellBlock, CellKind, Facet, Mesh, MeshError};
-use std::ops::Range;
 use std::collections::BTreeMap;
+use std::ops::Range;
 
 /// Most lattice points: some gigabytes of mesh, long before an index overflows.
 const MOST_POINTS: usize = 100_000_000;

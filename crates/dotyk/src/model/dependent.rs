@@ -10,12 +10,13 @@
 //! own is independent; setting such rows aside again and again leaves few rows, mostly none, for the factorisation.
 
 use crate::contact::Coupling;
-use crate::dual::{AdmissibleSet, Block};
+use crate::dual::Block;
 use crate::fem::{BodySystem, show};
 use crate::linalg::dense::{cholesky_in_place, solve_lower_in_place};
 use crate::linalg::{Mat, pivoted_cholesky};
 use crate::model::nouns::{Law, Model};
 use crate::model::pair::{Paired, gap_varies};
+use crate::model::pipeline::Condensed;
 use std::collections::{BTreeMap, BTreeSet};
 
 /// A row is dependent when less than this part of its square is its own.
@@ -26,6 +27,9 @@ type Sparse = Vec<((usize, usize), f64)>;
 
 /// Where a row is: its contact, and its index there.
 type Place = (usize, usize);
+
+/// Tangential gaps above this part of the length scale are slip.
+const SLIP: f64 = 1e-9;
 
 /// Two gaps are the same within this part of the size of the body.
 const SAME_GAP: f64 = 1e-12;
@@ -62,15 +66,21 @@ pub(crate) fn drop_implied<const D: usize>(
     dropped.into_iter().map(drop).collect()
 }
 
-/// A warning about forces λ (m,) that are not unique, because those of several contacts at a node do the same.
+/// A warning about forces λ (m,) that are not unique, because those of several contacts at a node do the same; `gaps` (m,)
+/// tell which nodes slip.
 pub(crate) fn shared_forces<const D: usize>(
     model: &Model<D>,
-    systems: &[&BodySystem<D>],
-    paired: &[Paired<D>],
-    admissible: &AdmissibleSet,
+    Condensed {
+        bodies,
+        paired,
+        problem,
+        ..
+    }: &Condensed<D>,
     lambda: &[f64],
+    gaps: &[f64],
 ) -> Option<String> {
-    let (places, rows) = suspects(systems, paired);
+    let systems: Vec<&BodySystem<D>> = bodies.iter().map(|body| &body.system).collect();
+    let (places, rows) = suspects(&systems, paired);
     if rows.is_empty() {
         return None;
     }
@@ -81,10 +91,11 @@ pub(crate) fn shared_forces<const D: usize>(
     let row_of: BTreeMap<usize, usize> = (0..rows.len())
         .map(|i| (starts[places[i].0] + places[i].1, i))
         .collect();
+    let slips = |i: usize| gaps[i].abs() > SLIP * problem.scales.length;
     // the forces that are free to change: normal ones that push, with the shear of nodes that slip, and shears that stick
     let mut columns: Vec<Sparse> = Vec::new();
     let mut owners: Vec<Place> = Vec::new();
-    for (block, range) in admissible.iter() {
+    for (block, range) in problem.admissible.iter() {
         let Some(&first) = row_of.get(&range.start) else {
             continue;
         };
@@ -92,16 +103,16 @@ pub(crate) fn shared_forces<const D: usize>(
         if !free && lambda[range.start] <= 0.0 {
             continue;
         }
-        let bound = block.bound(lambda[range.start]).unwrap_or(f64::INFINITY);
-        let shear = |i: usize| lambda[i].abs() < bound * (1.0 - 1e-9);
         let mut normal = rows[first].clone();
         for i in range.clone().skip(1) {
             match row_of.get(&i) {
-                Some(&row) if shear(i) => {
+                Some(&row) if free || !slips(i) => {
                     columns.push(rows[row].clone());
                     owners.push(places[row]);
                 }
-                Some(&row) => normal = combine(&normal, lambda[i] / lambda[range.start], &rows[row]),
+                Some(&row) => {
+                    normal = combine(&normal, lambda[i] / lambda[range.start], &rows[row])
+                }
                 None => {}
             }
         }
@@ -141,11 +152,7 @@ fn suspects<const D: usize>(
         .unzip()
 }
 
-fn free_part<const D: usize>(
-    systems: &[&BodySystem<D>],
-    pair: &Paired<D>,
-    row: usize,
-) -> Sparse {
+fn free_part<const D: usize>(systems: &[&BodySystem<D>], pair: &Paired<D>, row: usize) -> Sparse {
     let mut sums: BTreeMap<(usize, usize), f64> = BTreeMap::new();
     let mut add = |body: usize, row: &[(usize, [f64; D])]| {
         for &(node, coefficients) in row {
@@ -250,7 +257,9 @@ fn repeated<const D: usize>(
         }
         let square = product(row, row);
         let gap = gaps[contact][own];
-        let size = model.bodies[paired[contact].nonmortar.body.0].mesh.diameter();
+        let size = model.bodies[paired[contact].nonmortar.body.0]
+            .mesh
+            .diameter();
         let same = |&other: &usize| {
             let factor = product(row, &rows[other]) / square;
             let rest = combine(&rows[other], -factor, row);
@@ -259,7 +268,9 @@ fn repeated<const D: usize>(
                 && product(&rest, &rest) <= DEPENDENT * square * factor * factor
                 && (gaps[contact][other] - factor * gap).abs() <= SAME_GAP * size
         };
-        let seen = alike.entry(row.iter().map(|(dof, _)| *dof).collect()).or_default();
+        let seen = alike
+            .entry(row.iter().map(|(dof, _)| *dof).collect())
+            .or_default();
         match seen.iter().any(same) {
             true => repeated.push(i),
             false => seen.push(i),

@@ -456,7 +456,11 @@ impl<'a, const D: usize> Contacting<'a, D> {
             let shown = |turn: f64| {
                 stiffer * finer > SHOWS || KINKS * turn * finer * stiffer.max(1.0) > VISIBLE
             };
-            if turn.is_some_and(shown) { coarse } else { fine }
+            if turn.is_some_and(shown) {
+                coarse
+            } else {
+                fine
+            }
         };
         Ok(if first == 0 { [a, b] } else { [b, a] })
     }

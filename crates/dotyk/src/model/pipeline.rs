@@ -657,13 +657,11 @@ impl<const D: usize> Model<D> {
             ));
         }
         warnings.extend(judged.crude_gaps(self, condensed));
-        let systems: Vec<&BodySystem<D>> = condensed.bodies.iter().map(|b| &b.system).collect();
         warnings.extend(shared_forces(
             self,
-            &systems,
-            &condensed.paired,
-            &condensed.problem.admissible,
+            condensed,
             &outcome.multipliers.lambda,
+            &judged.gaps,
         ));
         let slip = judged.slip(condensed);
         let (bodies, contacts) = judged.dress(self, condensed, &outcome.multipliers.lambda)?;
@@ -753,7 +751,9 @@ pub(crate) fn largest_load<const D: usize>(bodies: &[LoadedBody<D>]) -> f64 {
         let forces = body.system.to_global(&body.system.load).into_iter();
         norm(forces.fold([0.0; D], |sum, f| add_scaled(sum, 1.0, f)))
     };
-    let loads = bodies.iter().map(|body| resultant(body).max(body.system.largest_load));
+    let loads = bodies
+        .iter()
+        .map(|body| resultant(body).max(body.system.largest_load));
     loads.fold(0.0, f64::max)
 }
 

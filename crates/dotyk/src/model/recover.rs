@@ -7,8 +7,8 @@
 
 use crate::contact::{Coupling, InterfaceNode, Role, Row, frame};
 use crate::dual::{
-    AdmissibleSet, Block, Certificate, ROUNDING, Component, DualProblem, IMBALANCE_LIMIT, Multipliers,
-    Recomputed, Scales,
+    AdmissibleSet, Block, Certificate, Component, DualProblem, IMBALANCE_LIMIT, Multipliers,
+    ROUNDING, Recomputed, Scales,
 };
 use crate::fem::{
     FemError, RigidBasis, Short, describe_motion, fit_rigid, internal_forces, recover_stress,
@@ -94,16 +94,19 @@ pub(crate) fn judge<const D: usize>(
     let clearances = gaps.clone();
     add_rows(bodies, -1.0, &elastic, &mut gaps);
     let obstacles = rigid[model.bodies.len()..].iter();
-    let obstacles: Vec<Point<D>> = obstacles
-        .map(|u| std::array::from_fn(|i| u[i]))
-        .collect();
-    let negligible = model.solver.tolerance * problem.scales.length;
+    let obstacles: Vec<Point<D>> = obstacles.map(|u| std::array::from_fn(|i| u[i])).collect();
+    let moved = elastic.iter().chain(&rigid).flatten();
+    let rounding = 16.0 * ROUNDING * moved.fold(0.0, |s: f64, u| s.max(u.abs()));
+    let negligible = model.solver.tolerance * problem.scales.length + rounding;
     let overlap = deepest_overlap(model, condensed, &states, &obstacles, lambda, negligible);
     let terms = |u: &[f64]| ROUNDING * u.iter().fold(0.0, |s: f64, u| s.max(u.abs()));
     let mut rounding: Vec<f64> = condensed.gaps.iter().map(|g| ROUNDING * g.abs()).collect();
     for (body, u) in bodies.iter().zip(elastic.iter().zip(&rigid)) {
         let size = terms(u.0) + terms(u.1);
-        body.rows.index.iter().for_each(|&row| rounding[row] += size);
+        body.rows
+            .index
+            .iter()
+            .for_each(|&row| rounding[row] += size);
     }
     let certificate = certify(
         model,
@@ -180,7 +183,12 @@ fn implied_violation<const D: usize>(
     for pair in &condensed.paired {
         let moved = moved(model, pair, states, obstacles);
         let tied = pair.interface.coupling == Coupling::Tied;
-        for condition in pair.interface.implied.iter().filter(|c| tied || c.component == 0) {
+        for condition in pair
+            .interface
+            .implied
+            .iter()
+            .filter(|c| tied || c.component == 0)
+        {
             let [own, other] = &condition.rows;
             let along = |row: &Row<D>, u: &dyn Fn(usize) -> Point<D>| -> f64 {
                 row.iter().map(|&(node, c)| dot(c, u(node))).sum()

@@ -28,7 +28,10 @@ pub fn summary(run: &Run<'_>) -> String {
     let earlier = run.earlier.iter().enumerate();
     let earlier = earlier.map(|(i, solution)| step_summary(run, solution, i));
     // the step that failed is not one of them
-    let good = run.last.converged.then(|| step_summary(run, run.last, run.earlier.len()));
+    let good = run
+        .last
+        .converged
+        .then(|| step_summary(run, run.last, run.earlier.len()));
     let summary = Document {
         steps: run.has_steps().then(|| earlier.chain(good).collect()),
         last,
@@ -375,6 +378,8 @@ mod tests {
                 "imbalance_moment",
                 "energy_gap",
                 "slip_violation",
+                "force_error",
+                "between_nodes",
             ])
         );
         assert_eq!(

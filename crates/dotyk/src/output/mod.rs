@@ -99,7 +99,9 @@ impl<'a> Record<'a> {
             steps,
             stem,
             failed: None,
-            since: now.checked_sub(Duration::from_secs_f64(spent)).unwrap_or(now),
+            since: now
+                .checked_sub(Duration::from_secs_f64(spent))
+                .unwrap_or(now),
         }
     }
 }

@@ -7,6 +7,7 @@ mod determinism;
 mod examples;
 mod friction;
 mod gmsh;
+mod judge;
 mod layers;
 mod mindlin;
 mod mortar;

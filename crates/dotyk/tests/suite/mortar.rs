@@ -770,7 +770,15 @@ fn crude_polygons_are_told_and_what_to_do() {
         [20, 26],
         Some(Gap::Closed)
     )));
-    assert!(!warned(&two_rings(CellKind::Quad9, [20, 26], None)));
+    // curved cells miss so little that it counts as closed, which is said as well
+    let solution = two_rings(CellKind::Quad9, [20, 26], None).solve().unwrap();
+    assert!(
+        solution
+            .warnings
+            .iter()
+            .any(|w| w.contains("count as closed"))
+    );
+    assert!(solution.contacts[0].nodes.iter().all(|n| n.gap < 1e-12));
     // a straight side is no polygon for anything
     let (_, solution) = patch([CellKind::Quad4, CellKind::Quad4], false, 0.0);
     assert_eq!(solution.warnings, Vec::<String>::new());

@@ -1,0 +1,438 @@
+//! The certificate sees what was dropped, prescribed or moved: each problem here was once certified and wrong.
+
+use dotyk::case::Case;
+use dotyk::model::{ContactNode, Error, Solution, Status};
+use std::path::Path;
+
+const PLANE: &str = "analysis = \"plane-strain\"\n";
+
+fn case(text: &str) -> Case {
+    Case::from_str(text, "case.toml", Path::new(".")).unwrap()
+}
+
+fn solve(text: &str) -> Result<Solution<2>, Error<2>> {
+    case(text).model.solve()
+}
+
+/// A rectangle of E = 1000, ν = 0.3.
+fn block(name: &str, from: [f64; 2], to: [f64; 2], cells: [usize; 2], extra: &str) -> String {
+    format!(
+        "[[body]]\nname = \"{name}\"\nmesh = {{ rectangle = {{ from = {from:?}, to = {to:?}, cells = {cells:?} }} }}\n\
+         material = {{ young = 1000.0, poisson = 0.3 }}\n{extra}\n"
+    )
+}
+
+fn contact(name: &str, what: &str) -> String {
+    format!("[[contact]]\nname = \"{name}\"\n{what}\n")
+}
+
+fn obstacle(name: &str, side: &str, what: &str) -> String {
+    contact(name, &format!("nonmortar = \"{side}\"\nobstacle = {what}"))
+}
+
+/// Every node obeys Coulomb's law: within the bound, and at it where it slips, against the motion of the body.
+fn obeys(node: &ContactNode<2>, coefficient: f64, scale: f64) {
+    let bound = coefficient * node.pressure;
+    let (shear, slip) = (node.shear, node.slip);
+    let size = |v: [f64; 2]| v[0].hypot(v[1]);
+    assert!(size(shear) <= bound + 1e-9 * scale, "{node:?}");
+    if node.pressure > 0.0 && size(slip) > 1e-9 {
+        assert!(size(shear) >= bound - 1e-9 * scale, "{node:?}");
+        assert!(shear[0] * slip[0] + shear[1] * slip[1] < 0.0, "{node:?}");
+    }
+}
+
+#[test]
+fn a_corner_with_friction_on_both_walls_is_not_passed() {
+    let text = [
+        PLANE.to_string(),
+        block(
+            "block",
+            [0.0; 2],
+            [1.0; 2],
+            [4, 4],
+            "body_force = [-1.0, -1.0]",
+        ),
+        obstacle(
+            "floor",
+            "block.bottom",
+            "{ plane = { point = [0.0, 0.0], normal = [0.0, 1.0] } }\nfriction = 0.3",
+        ),
+        obstacle(
+            "wall",
+            "block.left",
+            "{ plane = { point = [0.0, 0.0], normal = [1.0, 0.0] } }\nfriction = 0.3",
+        ),
+    ]
+    .concat();
+    let solution = solve(&text).unwrap();
+    for contact in &solution.contacts {
+        for node in &contact.nodes {
+            assert!(node.gap > -1e-15, "{node:?}");
+            obeys(node, 0.3, 1.0);
+        }
+    }
+    let [floor, wall] = [0, 1].map(|k| solution.contacts[k].resultant);
+    for component in 0..2 {
+        assert!((floor[component] + wall[component] - 1.0).abs() < 1e-12);
+    }
+    let shared = |w: &String| w.contains("node 0 at (0, 0)") && w.contains("not unique");
+    assert!(
+        solution.warnings.iter().any(shared),
+        "{:?}",
+        solution.warnings
+    );
+}
+
+#[test]
+fn the_nearer_of_two_obstacles_counts_whatever_their_order() {
+    let body = "fix = [{ side = \"left\", x = 0.0 }, { side = \"right\", x = 0.0 }]\n\
+                load = [{ side = \"top\", traction = [0.0, -10.0] }]";
+    for gaps in [[0.1, 0.05], [0.05, 0.1]] {
+        let text = [
+            PLANE.to_string(),
+            block("block", [0.0; 2], [1.0; 2], [4, 4], body),
+            obstacle("first", "block.bottom", &format!("{{ gap = {} }}", gaps[0])),
+            obstacle(
+                "second",
+                "block.bottom",
+                &format!("{{ gap = {} }}", gaps[1]),
+            ),
+        ]
+        .concat();
+        let solution = solve(&text).unwrap();
+        for (contact, gap) in solution.contacts.iter().zip(gaps) {
+            let near = gap == 0.05;
+            assert!((contact.resultant[1] - if near { 10.0 } else { 0.0 }).abs() < 1e-12);
+            for node in &contact.nodes {
+                assert!((node.gap - (gap - 0.05)).abs() < 1e-14, "{node:?}");
+                assert_eq!(node.status == Status::Open, !near);
+            }
+        }
+    }
+}
+
+#[test]
+fn an_obstacle_that_moves_along_its_face_drags_the_body() {
+    let text = |motion: &str| {
+        let floor = format!(
+            "{{ plane = {{ point = [0.0, 0.0], normal = [0.0, 1.0] }}, displacement = {motion} }}\nfriction = 0.5"
+        );
+        let body = "fix = [{ side = \"top\", x = 0.0 }]\nload = [{ side = \"top\", traction = [0.0, -10.0] }]";
+        let steps = "[[step]]\ntime = 1.0\n[[step]]\ntime = 2.0\n";
+        [
+            PLANE.to_string(),
+            block("block", [0.0; 2], [1.0; 2], [4, 4], body),
+            obstacle("floor", "block.bottom", &floor),
+            steps.to_string(),
+        ]
+        .concat()
+    };
+    // far: it slips under the block; force on the block along the motion, at the limit but for nodes that lift
+    let far = solve(&text("[\"0.1*t\", 0.0]")).unwrap();
+    let floor = &far.contacts[0];
+    assert!(floor.resultant[0] > 4.9 && floor.resultant[0] < 5.0 + 1e-12);
+    // near: all stick, as if the bottom were moved
+    let near = solve(&text("[\"1e-4*t\", 0.0]")).unwrap();
+    let held = [
+        PLANE.to_string(),
+        block("block", [0.0; 2], [1.0; 2], [4, 4], "fix = [{ side = \"top\", x = 0.0 }, { side = \"bottom\", x = 2e-4, y = 0.0 }]\nload = [{ side = \"top\", traction = [0.0, -10.0] }]"),
+    ]
+    .concat();
+    let held = solve(&held).unwrap();
+    // the floor holds in the first step what Poisson's ratio pushes out; the sum of the shears is that of the motion
+    assert!(
+        (near.contacts[0].resultant[0] - held.bodies[0].side_reactions["bottom"][0]).abs() < 1e-9
+    );
+    for node in floor.nodes.iter().chain(&near.contacts[0].nodes) {
+        assert!(node.gap > -1e-14);
+    }
+    assert!(
+        near.contacts[0]
+            .nodes
+            .iter()
+            .all(|n| n.status == Status::Stick)
+    );
+}
+
+#[test]
+fn a_tipping_block_is_held_by_no_floor_beside_it() {
+    for (cells, sides) in [
+        (
+            [6, 2],
+            "nonmortar = \"floor.top\"\nmortar = \"block.bottom\"",
+        ),
+        (
+            [6, 2],
+            "nonmortar = \"block.bottom\"\nmortar = \"floor.top\"",
+        ),
+        (
+            [17, 3],
+            "nonmortar = \"floor.top\"\nmortar = \"block.bottom\"",
+        ),
+    ] {
+        for cell in ["quad4", "quad9"] {
+            // the resultant leaves the sole at a push of 0.5
+            for (push, held) in [(0.495, true), (0.505, false)] {
+                let text = [
+                    PLANE.to_string(),
+                    block(
+                        "floor",
+                        [-2.0, -1.0],
+                        [3.0, 0.0],
+                        cells,
+                        "fix = [{ side = \"bottom\", x = 0.0, y = 0.0 }]",
+                    ),
+                    block(
+                        "block",
+                        [0.0, 0.0],
+                        [1.0, 2.0],
+                        [4, 8],
+                        &format!("body_force = [-{push}, -1.0]"),
+                    ),
+                    contact("sole", &format!("{sides}\nfriction = 1.0")),
+                ]
+                .concat()
+                .replace("cells =", &format!("cell = \"{cell}\", cells ="));
+                match solve(&text) {
+                    Ok(_) => assert!(held, "{sides} {cell}"),
+                    Err(Error::PulledAway { body, .. }) => assert!(!held && body == "block"),
+                    Err(error) => panic!("{sides} {cell} {push}: {error}"),
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn a_quadratic_side_that_ends_at_the_axis_bears_what_hertz_says() {
+    let text = "analysis = \"axisymmetric\"\n\
+        [[body]]\nname = \"sphere\"\n\
+        mesh = { ring = { inner = 2.0, outer = 10.0, from = -90, to = 0, cells = [48, 10], grade = 0.9, cell = \"quad9\" } }\n\
+        material = { young = 1000.0, poisson = 0.3 }\n\
+        load = [{ side = \"inner\", traction = [0.0, -1.0] }]\n\
+        surface = { outer = { circle = { center = [0.0, 0.0], radius = 10.0 } } }\n"
+        .to_string()
+        + &obstacle("floor", "sphere.outer", "{ plane = { point = [0.0, -10.0], normal = [0.0, 1.0] } }");
+    let floor = &solve(&text).unwrap().contacts[0];
+    let (force, modulus) = (floor.resultant[1], 1000.0 / 0.91);
+    let radius = (0.75 * force * 10.0 / modulus).cbrt();
+    let peak = 1.5 * force / (std::f64::consts::PI * radius * radius);
+    let apex = floor
+        .nodes
+        .iter()
+        .find(|n| n.point[0].abs() < 1e-9)
+        .unwrap();
+    // the sphere is finite, and pressed from inside
+    assert!(
+        (apex.pressure / peak - 1.0).abs() < 0.03,
+        "{} {peak}",
+        apex.pressure
+    );
+    // a cell is 0.08 wide there
+    assert!(
+        (floor.length - radius).abs() < 0.08,
+        "{} {radius}",
+        floor.length
+    );
+}
+
+#[test]
+fn length_of_a_round_contact_is_that_of_its_meridian() {
+    for cell in ["quad4", "quad8", "quad9", "tri6"] {
+        let disc = |name: &str, y: f64, cells: [usize; 2], extra: &str| {
+            block(name, [0.0, y], [1.0, y + 1.0], cells, extra)
+        };
+        let text = [
+            "analysis = \"axisymmetric\"\n".to_string(),
+            disc("low", 0.0, [5, 3], "fix = [{ side = \"bottom\", y = 0.0 }]"),
+            disc(
+                "up",
+                1.0,
+                [7, 3],
+                "load = [{ side = \"top\", pressure = 2.0 }]",
+            ),
+            contact("sole", "nonmortar = \"up.bottom\"\nmortar = \"low.top\""),
+        ]
+        .concat()
+        .replace("cells =", &format!("cell = \"{cell}\", cells ="));
+        let sole = &solve(&text).unwrap().contacts[0];
+        assert!((sole.length - 1.0).abs() < 1e-12, "{cell}: {}", sole.length);
+    }
+}
+
+#[test]
+fn two_meshes_of_one_arc_press_evenly() {
+    let ring = |name: &str, a: f64, b: f64, size: f64, extra: &str| {
+        format!(
+            "[[body]]\nname = \"{name}\"\nmesh = {{ outline = {{ from = [{a:?}, 0.0], size = {size}, cell = \"tri6\", edges = [\
+             {{ to = [{b:?}, 0.0], name = \"start\" }}, {{ to = [0.0, {b:?}], center = [0.0, 0.0], name = \"outer\" }},\
+             {{ to = [0.0, {a:?}], name = \"end\" }}, {{ to = [{a:?}, 0.0], center = [0.0, 0.0], clockwise = true, name = \"inner\" }}] }} }}\n\
+             material = {{ young = 1e5, poisson = 0.3 }}\nfix = [{{ side = \"start\", y = 0.0 }}, {{ side = \"end\", x = 0.0 }}]\n{extra}\n"
+        )
+    };
+    let text = [
+        PLANE.to_string(),
+        ring("in", 1.0, 2.0, 0.15, ""),
+        ring(
+            "out",
+            2.0,
+            3.0,
+            0.4,
+            "load = [{ side = \"outer\", pressure = 1.0 }]",
+        ),
+        contact("fit", "sides = [\"in.outer\", \"out.inner\"]"),
+    ]
+    .concat();
+    let scatter = |text: &str| {
+        let solution = solve(text).unwrap();
+        let nodes = solution.contacts[0].nodes.iter().map(|n| n.pressure);
+        let (low, high) = nodes.fold((f64::INFINITY, 0.0f64), |(l, h), p| (l.min(p), h.max(p)));
+        ((high - low) / (high + low), solution.warnings)
+    };
+    let (known, warnings) = scatter(&text);
+    assert!(known < 0.005 && warnings.is_empty(), "{known} {warnings:?}");
+    // where nobody knows the arc, the gaps are below what the meshes miss of it
+    let rings = |cell: &str| {
+        let ring = |name: &str, inner: f64, cells: [usize; 2], extra: &str| {
+            format!(
+                "[[body]]\nname = \"{name}\"\nmesh = {{ ring = {{ inner = {inner:?}, outer = {:?}, from = 0, to = 90, cells = {cells:?}, cell = \"{cell}\" }} }}\n\
+                 material = {{ young = 1e5, poisson = 0.3 }}\nfix = [{{ side = \"start\", y = 0.0 }}, {{ side = \"end\", x = 0.0 }}]\n{extra}\n",
+                inner + 1.0
+            )
+        };
+        [
+            PLANE.to_string(),
+            ring("in", 1.0, [14, 6], ""),
+            ring(
+                "out",
+                2.0,
+                [9, 5],
+                "load = [{ side = \"outer\", pressure = 1.0 }]",
+            ),
+            contact("fit", "sides = [\"in.outer\", \"out.inner\"]"),
+        ]
+        .concat()
+    };
+    for (cell, most) in [("quad8", 0.001), ("quad9", 0.001), ("quad4", 0.03)] {
+        let (unknown, warnings) = scatter(&rings(cell));
+        assert!(unknown < most, "{cell}: {unknown}");
+        let [warning] = &warnings[..] else {
+            panic!("{warnings:?}");
+        };
+        for word in ["\"fit\"", "`surface`", "\"closed\""] {
+            assert!(warning.contains(word), "{warning}");
+        }
+    }
+}
+
+#[test]
+fn what_a_tie_implies_is_judged_although_it_has_no_multiplier() {
+    let text = |gap: f64| {
+        [
+            PLANE.to_string(),
+            block(
+                "low",
+                [0.0; 2],
+                [1.0; 2],
+                [2, 2],
+                "fix = [{ side = \"top\", x = 0.0, y = 0.0 }]",
+            ),
+            block(
+                "up",
+                [0.0, 1.0],
+                [1.0, 2.0],
+                [2, 2],
+                "load = [{ side = \"top\", pressure = 1.0 }]",
+            ),
+            contact(
+                "glue",
+                "nonmortar = \"up.bottom\"\nmortar = \"low.top\"\ntied = true",
+            ),
+            obstacle("stop", "up.bottom", &format!("{{ gap = {gap:?} }}")),
+        ]
+        .concat()
+    };
+    let solution = solve(&text(0.01)).unwrap();
+    let dropped = |w: &String| w.contains("\"stop\"") && w.contains("dropped");
+    assert!(
+        solution.warnings.iter().any(dropped),
+        "{:?}",
+        solution.warnings
+    );
+    let Err(Error::NotConverged { solution, .. }) = solve(&text(-0.01)) else {
+        panic!("the glue holds the body where the stop is");
+    };
+    assert!((solution.certificate.penetration.value - 0.01).abs() < 1e-12);
+}
+
+#[test]
+fn a_contact_that_faces_nothing_is_told_by_a_run() {
+    let text = [
+        PLANE.to_string(),
+        block(
+            "a",
+            [0.0; 2],
+            [1.0; 2],
+            [2, 2],
+            "fix = [{ side = \"bottom\", x = 0.0, y = 0.0 }]",
+        ),
+        block(
+            "b",
+            [5.0, 2.0],
+            [6.0, 3.0],
+            [2, 2],
+            "fix = [{ side = \"top\", x = 0.0, y = 0.0 }]",
+        ),
+        contact("touch", "sides = [\"a.top\", \"b.bottom\"]"),
+    ]
+    .concat();
+    let solution = solve(&text).unwrap();
+    assert!(solution.warnings[0].contains("\"touch\": no node of a.top faces b.bottom"));
+    assert_eq!(case(&text).model.check().warnings, solution.warnings);
+}
+
+#[test]
+fn loads_that_balance_to_rounding_are_so_for_check_and_for_run() {
+    let body = "load = [{ side = \"top\", pressure = 1.0 }, { side = \"bottom\", pressure = 1.000000000001 }]\n\
+                fix = [{ side = \"left\", x = 0.0 }]";
+    let text = [
+        PLANE.to_string(),
+        block("block", [0.0; 2], [1.0; 2], [2, 2], body),
+        obstacle("floor", "block.bottom", "{ gap = 0.001 }"),
+    ]
+    .concat();
+    assert_eq!(case(&text).model.check().errors, [""; 0]);
+    solve(&text).unwrap();
+}
+
+#[test]
+fn prescribed_nodes_in_the_middle_of_a_side_press_the_other_body() {
+    // the middle of the upper body's bottom is pushed into the lower one by its supports alone
+    let push = "sides = { patch = { of = \"bottom\", min = [0.5, 1.0], max = [1.5, 1.0] } }";
+    let upper = block(
+        "up",
+        [0.0, 1.0],
+        [2.0, 2.0],
+        [8, 4],
+        "fix = [{ side = \"patch\", x = 0.0, y = -0.01 }]",
+    )
+    .replace("cells = [8, 4] }", &format!("cells = [8, 4] }}, {push}"));
+    let text = [
+        PLANE.to_string(),
+        block(
+            "low",
+            [0.0, 0.0],
+            [2.0, 1.0],
+            [11, 5],
+            "fix = [{ side = \"bottom\", x = 0.0, y = 0.0 }]",
+        ),
+        upper,
+        contact("sole", "nonmortar = \"up.bottom\"\nmortar = \"low.top\""),
+    ]
+    .concat();
+    let solution = solve(&text).unwrap();
+    let force = solution.contacts[0].resultant[1];
+    assert!(force > 5.0, "{force}");
+    assert!((solution.bodies[0].reaction[1] - force).abs() < 1e-9 * force);
+}
