@@ -543,6 +543,7 @@ mod tests {
             equilibrium: Equilibrium::new(modes, load.to_vec()),
             scales: Scales::default(),
             softness: vec![1.0; 2],
+            neighbours: Vec::new(),
         }
     }
 

@@ -214,6 +214,9 @@ pub struct DualProblem {
     pub scales: Scales,
     /// Compliance of every component by itself, (m,), length over force: it makes a gap and a force comparable.
     pub softness: Vec<f64>,
+    /// Pairs of blocks that lie beside each other on a contact; may be empty. They tell solvers which contacts to take
+    /// together in coarser problems.
+    pub neighbours: Vec<[usize; 2]>,
 }
 
 impl DualProblem {
@@ -230,6 +233,7 @@ impl DualProblem {
         let scales = Scales::of(&shift, &equilibrium);
         let mut problem = Self {
             softness: vec![1.0; shift.len()],
+            neighbours: Vec::new(),
             compliance,
             shift,
             admissible,
@@ -288,6 +292,14 @@ impl DualProblem {
         finite("G", columns(&self.equilibrium.modes))?;
         if let Compliance::Dense(matrix) = &self.compliance {
             finite("F", columns(matrix))?;
+        }
+        let blocks = self.admissible.blocks().len();
+        if let Some(&found) = self.neighbours.iter().flatten().find(|&&block| block >= blocks) {
+            return Err(DualError::Length {
+                part: "the list of neighbours",
+                found: found + 1,
+                expected: blocks,
+            });
         }
         for (block, law) in self.admissible.blocks().iter().enumerate() {
             // Of a unit normal force: the bound itself, or the coefficient.

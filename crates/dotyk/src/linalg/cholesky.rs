@@ -516,7 +516,7 @@ impl Cholesky {
 mod tests {
     use super::*;
     use crate::linalg::{
-        cholesky_in_place, expand_to_dofs, fill_reducing_order, grid, product, solve_general,
+        Lu, cholesky_in_place, expand_to_dofs, fill_reducing_order, grid, product,
     };
 
     /// The listed rows and columns of a matrix.
@@ -527,7 +527,7 @@ mod tests {
     /// A⁻¹f on the listed dofs by dense elimination, zero elsewhere.
     fn dense_solution(matrix: &SymmetricMatrix, dofs: &[usize], rhs: &[f64]) -> Vec<f64> {
         let mut b = Mat::from_fn(dofs.len(), 1, |i, _| rhs[dofs[i]]);
-        solve_general(&mut dense(matrix, dofs), &mut b).unwrap();
+        Lu::new(dense(matrix, dofs)).unwrap().solve_in_place(&mut b);
         let mut u = vec![0.0; rhs.len()];
         for (i, &dof) in dofs.iter().enumerate() {
             u[dof] = b[(i, 0)];
@@ -585,7 +585,7 @@ mod tests {
         let (inner, last) = order.split_at(order.len() - trailing);
         let coupling = Mat::from_fn(inner.len(), trailing, |i, j| matrix.get(inner[i], last[j]));
         let mut x = coupling.clone();
-        solve_general(&mut dense(matrix, inner), &mut x).unwrap();
+        Lu::new(dense(matrix, inner)).unwrap().solve_in_place(&mut x);
         let through_inner = product(&coupling.transpose().to_owned(), &x);
         let block = dense(matrix, last);
         Mat::from_fn(trailing, trailing, |i, j| {

@@ -14,6 +14,7 @@ use faer::linalg::lu::partial_pivoting as lu;
 use faer::linalg::matmul::matmul;
 use faer::linalg::svd;
 use faer::linalg::triangular_solve;
+use faer::perm::PermRef;
 use faer::{Accum, Mat, MatMut, MatRef, Par};
 use rayon::prelude::*;
 
@@ -367,44 +368,62 @@ pub fn pivoted_cholesky(
     Ok((independent, dependent))
 }
 
-/// B ← A⁻¹B by LU factorisation with row pivoting; a (n, n) is spoilt, b (n, k).
-///
-/// # Errors
-/// [`LinalgError::NotFinite`]; [`LinalgError::Singular`] when a pivot is at most n·2⁻⁵² times the largest entry.
-pub fn solve_general(a: &mut Mat<f64>, b: &mut Mat<f64>) -> Result<(), LinalgError> {
-    check_matrix(a)?;
-    check_matrix(b)?;
-    let n = a.nrows();
-    let largest = (0..n)
-        .flat_map(|j| a.col_as_slice(j))
-        .fold(0.0, |m: f64, value| m.max(value.abs()));
-    let (mut order, mut inverse) = (vec![0usize; n], vec![0usize; n]);
-    let factor_scratch =
-        lu::factor::lu_in_place_scratch::<usize, f64>(n, n, Par::Seq, Default::default());
-    let solve_scratch = lu::solve::solve_in_place_scratch::<usize, f64>(n, b.ncols(), Par::Seq);
-    let mut memory = MemBuffer::new(factor_scratch.or(solve_scratch));
-    let (_, rows) = lu::factor::lu_in_place(
-        a.as_mut(),
-        &mut order,
-        &mut inverse,
-        Par::Seq,
-        MemStack::new(&mut memory),
-        Default::default(),
-    );
-    let smallest_pivot = n as f64 * f64::EPSILON * largest;
-    let vanishes = |pivot: f64| pivot.is_nan() || pivot.abs() <= smallest_pivot;
-    if let Some(column) = (0..n).find(|&k| vanishes(a[(k, k)])) {
-        return Err(LinalgError::Singular { column });
+/// A = P⁻¹LU of a square matrix, by rows exchanged for the largest pivot.
+pub struct Lu {
+    factors: Mat<f64>,
+    rows: Vec<usize>,
+    inverse: Vec<usize>,
+}
+
+impl Lu {
+    /// Factors a (n, n).
+    ///
+    /// # Errors
+    /// [`LinalgError::NotFinite`]; [`LinalgError::Singular`] when a pivot is at most n·2⁻⁵² times the largest entry.
+    pub fn new(mut a: Mat<f64>) -> Result<Self, LinalgError> {
+        check_matrix(&a)?;
+        let n = a.nrows();
+        let largest = (0..n)
+            .flat_map(|j| a.col_as_slice(j))
+            .fold(0.0, |m: f64, value| m.max(value.abs()));
+        let (mut rows, mut inverse) = (vec![0usize; n], vec![0usize; n]);
+        let scratch =
+            lu::factor::lu_in_place_scratch::<usize, f64>(n, n, Par::Seq, Default::default());
+        let mut memory = MemBuffer::new(scratch);
+        lu::factor::lu_in_place(
+            a.as_mut(),
+            &mut rows,
+            &mut inverse,
+            Par::Seq,
+            MemStack::new(&mut memory),
+            Default::default(),
+        );
+        let smallest_pivot = n as f64 * f64::EPSILON * largest;
+        let vanishes = |pivot: f64| pivot.is_nan() || pivot.abs() <= smallest_pivot;
+        match (0..n).find(|&k| vanishes(a[(k, k)])) {
+            Some(column) => Err(LinalgError::Singular { column }),
+            None => Ok(Self {
+                factors: a,
+                rows,
+                inverse,
+            }),
+        }
     }
-    lu::solve::solve_in_place(
-        a.as_ref(),
-        a.as_ref(),
-        rows,
-        b.as_mut(),
-        Par::Seq,
-        MemStack::new(&mut memory),
-    );
-    Ok(())
+
+    /// B ← A⁻¹B; b (n, k).
+    pub fn solve_in_place(&self, b: &mut Mat<f64>) {
+        let (n, columns) = (self.factors.nrows(), b.ncols());
+        let scratch = lu::solve::solve_in_place_scratch::<usize, f64>(n, columns, Par::Seq);
+        let mut memory = MemBuffer::new(scratch);
+        lu::solve::solve_in_place(
+            self.factors.as_ref(),
+            self.factors.as_ref(),
+            PermRef::new_checked(&self.rows, &self.inverse, n),
+            b.as_mut(),
+            Par::Seq,
+            MemStack::new(&mut memory),
+        );
+    }
 }
 
 /// A symmetric dense matrix as an operator; both triangles are stored and must agree.
@@ -658,15 +677,15 @@ mod tests {
     #[test]
     fn saddle_point_systems_are_solved_and_singular_ones_refused() {
         // A zero on the diagonal forces a row exchange.
-        let mut a = Mat::from_fn(3, 3, |i, j| {
+        let a = Mat::from_fn(3, 3, |i, j| {
             [[0.0, 2.0, 1.0], [2.0, 1.0, 0.0], [1.0, 0.0, 0.0]][i][j]
         });
         let mut b = Mat::from_fn(3, 1, |i, _| [7.0, 4.0, 1.0][i]);
-        solve_general(&mut a, &mut b).unwrap();
+        Lu::new(a).unwrap().solve_in_place(&mut b);
         assert_close(&b, &Mat::from_fn(3, 1, |i, _| [1.0, 2.0, 3.0][i]), 1e-15);
-        let mut singular = Mat::from_fn(3, 3, |i, j| (3 * i + j) as f64);
-        let refused = solve_general(&mut singular, &mut b).unwrap_err();
-        assert_eq!(refused, LinalgError::Singular { column: 2 });
+        let singular = Mat::from_fn(3, 3, |i, j| (3 * i + j) as f64);
+        let refused = Lu::new(singular).err();
+        assert_eq!(refused, Some(LinalgError::Singular { column: 2 }));
     }
 
     #[test]

@@ -10,6 +10,7 @@ use crate::geometry::{Field, dot};
 use crate::model::error::Error;
 use crate::model::nouns::*;
 use rayon::prelude::*;
+use std::collections::BTreeMap;
 
 /// Bodies whose stiffness differs by more than this factor, ten but for rounding, are soft and stiff; within it the finer
 /// side carries the multipliers, unless it would show the facets of the other.
@@ -165,6 +166,37 @@ pub(crate) fn admissible_set<const D: usize>(
         }
     }
     Ok(AdmissibleSet::new(blocks))
+}
+
+/// Pairs of blocks of [`admissible_set`] whose nodes share a facet.
+pub(crate) fn neighbours<const D: usize>(
+    model: &Model<D>,
+    paired: &[Paired<D>],
+) -> Vec<[usize; 2]> {
+    let mut pairs = Vec::new();
+    let mut first = 0;
+    for pair in paired {
+        let carriers = pair.interface.carriers().enumerate();
+        let block: BTreeMap<usize, usize> = carriers.map(|(k, n)| (n.node, first + k)).collect();
+        first += block.len();
+        let mesh = &model.bodies[pair.nonmortar.body.0].mesh;
+        for &facet in mesh.side(&pair.nonmortar.side).unwrap_or_default() {
+            // middle nodes lie between the corners: in the plane a facet is a chain of its nodes
+            let mut nodes: Vec<usize> = mesh.facet_nodes(facet).map(|n| n as usize).collect();
+            if let [_, _, middle] = nodes[..] {
+                nodes.swap(1, 2);
+                nodes[1] = middle;
+            }
+            let ends = nodes.windows(2).filter_map(|pair| {
+                let [a, b] = [block.get(&pair[0])?, block.get(&pair[1])?];
+                Some([*a.min(b), *a.max(b)])
+            });
+            pairs.extend(ends);
+        }
+    }
+    pairs.sort_unstable();
+    pairs.dedup();
+    pairs
 }
 
 /// Coefficient or bound of friction at a point.

@@ -16,7 +16,7 @@ use crate::model::dependent::{drop_implied, shared_forces};
 use crate::model::error::Error;
 use crate::model::floating::Floating;
 use crate::model::nouns::*;
-use crate::model::pair::{Paired, admissible_set, gaps_at, pair_all};
+use crate::model::pair::{Paired, admissible_set, gaps_at, neighbours, pair_all};
 use crate::model::recover::{Judged, judge};
 use crate::model::solution::*;
 use crate::solve::{
@@ -289,6 +289,7 @@ impl<const D: usize> Model<D> {
         let mut problem = DualProblem::new(compliance, shift, admissible, equilibrium)
             .map_err(|error| Error::Solver(error.to_string()))?;
         problem.scales = self.scales(&bodies, &factored, &problem.shift);
+        problem.neighbours = neighbours(self, &paired);
         seconds.condense = lap.seconds();
         Ok(Condensed {
             bodies,

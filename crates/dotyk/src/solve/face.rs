@@ -214,7 +214,7 @@ impl Pseudo {
     }
 
     /// x ← A⁺x; `right` is workspace of the same length.
-    fn solve(&self, x: &mut [f64], right: &mut [f64]) {
+    pub fn solve(&self, x: &mut [f64], right: &mut [f64]) {
         right.copy_from_slice(x);
         x.fill(0.0);
         for (value, vector) in &self.pairs {

@@ -20,13 +20,16 @@
 //! of Tresca, and Coulomb as a fixed point of such problems (`coulomb.rs`).
 
 mod coulomb;
-mod exchange;
 mod face;
 mod gradient;
+mod levels;
 mod mprgp;
 mod newton;
+mod proximal;
 mod slip;
 mod spectrum;
+mod states;
+mod system;
 mod uzawa;
 
 pub use gradient::{Accelerated, Gradient};

@@ -1,52 +1,66 @@
-//! Semismooth Newton = primal-dual active sets: solve on a face, drop the forces that pull, add the gaps that overlap.
+//! Newton's method on what contact nodes do: one linear problem for each guess of states, and a way that cannot cycle.
+//!
+//! *Exact steps* solve for the forces of the guessed states and guess anew from what comes out (primal-dual active sets).
+//! From a good start they are finite and exact after a few; on general compliances they may run in circles.
+//!
+//! *Proximal steps* solve, for a centre λ_c and a small compliance a beside F,
 //!
 //! ```text
-//!   repeat:  F_II λ_I − G_Iᵀα = d_I,  G_I λ_I = e,  λ = 0 elsewhere
-//!            I ← {i ∈ I: λᵢ > 0} ∪ {i ∉ I: gapᵢ < 0}
-//!   until I repeats itself
+//!   min 1/2 λᵀFλ − dᵀλ + 1/2 (λ − λ_c)ᵀa(λ − λ_c)   over λ ∈ Λ, Ĝλ = ê
 //! ```
 //!
-//! Finite and exact: 3 to 10 linear solves from the full set. As described in Hintermüller, Ito & Kunisch (2003) and
-//! Hüeber & Wohlmuth (2005), here on the condensed dual problem.
+//! whose minimiser is the next centre, with a smaller each time. Its dual is a convex, once differentiable function of the
+//! displacements, here written with forces μ that cause them and rigid amplitudes α̂,
 //!
-//! Problems with friction go to `slip.rs`.
+//! ```text
+//!   φ(μ, α̂) = 1/2 μᵀFμ − ê·α̂ + 1/2 |λ_c − gap/a|²_a − 1/2 |λ_c − gap/a − λ|²_a,   λ = P_Λ(λ_c − gap/a),
+//! ```
 //!
-//! Guards, because convergence is a theorem for M-matrices only:
-//! * a new set that cannot balance the load is joined with the old one (the rank decides, not the signs);
-//! * a set that was seen before, or a residual that does not fall, ends the phase: some steps of [`Mprgp`], whose rate is
-//!   guaranteed, find a better face to begin again; the last resort is the exchange of one contact at a time
-//!   (`exchange.rs`), which is finite;
-//! * sets that flip between equal solutions (λᵢ = gapᵢ = 0) are accepted as soon as the residual passes;
-//! * active contacts that do not determine α leave the α of least norm that opens every gap.
+//! Newton's direction is the linear problem of the states of the trial forces λ_c − gap/a, and the exact minimum along it is
+//! the zero of a monotone function of one variable, at the cost of no further product. φ falls in every step, so that no
+//! guess comes back; where no contact holds a body the load moves it until one does, without a linear solve. Redundant
+//! contacts do no harm: F + a is definite.
+//!
+//! Starting points: those of the caller, else a coarser problem (`levels.rs`). Problems with Coulomb's law, which minimise
+//! nothing, go to `slip.rs`.
+//!
+//! As described in Hintermüller, Ito & Kunisch (2003) for the exact steps; Rockafellar (1976) for the proximal point and
+//! augmented Lagrangian methods, and the semismooth Newton methods on them since.
 
 use std::collections::HashSet;
-use std::ops::ControlFlow;
+use std::ops::{ControlFlow, Range};
 
-use crate::dual::{Compliance, DualProblem, Multipliers, least_norm_within};
-use crate::solve::face::{Face, carries};
+use crate::dual::{Block, DualProblem, Multipliers, least_norm_within};
+use crate::solve::proximal::{Progress, Proximal};
+use crate::solve::states::{Shear, State, unknowns};
+use crate::solve::system::{Point, System};
 use crate::solve::{
-    ContactSolver, FixedBounds, Iterate, Judge, Mprgp, Observer, Outcome, Setup, SolveError,
+    ContactSolver, FixedBounds, Iterate, Judge, Observer, Outcome, Setup, SolveError, dot, levels,
     loaded, slip,
 };
 
-/// Steps without a smaller residual that end a phase.
-const PATIENCE: usize = 8;
+/// Exact steps before proximal ones.
+const EXACT: usize = 4;
+
+/// First compliance of proximal steps, relative to that of each contact, and by how much it falls from centre to centre.
+const FIRST: f64 = 1e-2;
+const FALL: f64 = 1e-2;
+
+/// Smallest compliance of proximal steps: below, rounding decides.
+const LEAST: f64 = 1e-12;
+
+/// Centres without a residual of half the size that end the search.
+const PATIENCE: usize = 4;
 
 /// Forces below this part of the largest are rounding of the linear solves.
 const ROUNDING: f64 = 1e-14;
 
-/// Phases, each followed by MPRGP steps, before contacts are exchanged one at a time.
-const PHASES: u32 = 2;
-
-/// MPRGP steps after the first phase: a product with F each, cheaper than an active-set step of the same size.
-const RESCUE: usize = 400;
-
-/// Primal-dual active sets.
+/// Newton's method.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Newton {
     /// Residual below which an answer is accepted.
     pub tolerance: f64,
-    /// Most active-set steps.
+    /// Most linear solves on the problem itself.
     pub max_iterations: usize,
 }
 
@@ -54,7 +68,7 @@ impl Default for Newton {
     fn default() -> Self {
         Self {
             tolerance: 1e-8,
-            max_iterations: 50,
+            max_iterations: 200,
         }
     }
 }
@@ -71,7 +85,7 @@ impl ContactSolver for Newton {
         observe: Observer<'_>,
     ) -> Result<Outcome, SolveError> {
         let setup = Setup::new(problem)?;
-        if setup.admissible.has_friction() {
+        if setup.admissible.has_coulomb() {
             return slip::solve(self, &setup, guess, observe);
         }
         self.run(&setup, guess, observe)
@@ -98,285 +112,377 @@ impl FixedBounds for Newton {
         guess: Option<&Multipliers>,
         observe: Observer<'_>,
     ) -> Result<Outcome, SolveError> {
-        if setup.admissible.has_friction() {
-            return slip::solve(self, setup, guess, observe);
-        }
-        let start = setup.start(guess)?;
-        let mut active: Vec<bool> = (0..setup.len())
-            .map(|i| guess.is_none() || start[i] > 0.0 || !setup.bounded(i))
-            .collect();
-        if !carries(setup, &active) {
-            active.fill(true);
-        }
-        let mut search = Search::new(setup, self.tolerance, start);
-        for phase in 0..PHASES {
-            let left = self.max_iterations.saturating_sub(search.steps);
-            match search.phase(setup, &mut active, left, observe) {
-                Phase::Converged => return Ok(search.outcome(setup, false)),
-                Phase::Stopped => return Ok(search.outcome(setup, true)),
-                Phase::Stuck => {}
-            }
-            let rescue = Mprgp {
-                tolerance: self.tolerance,
-                max_iterations: RESCUE << phase,
-            };
-            let found = match search.rescue(setup, &rescue, observe)? {
-                Rescue::Solved(outcome) if outcome.stopped_by_observer => return Ok(outcome),
-                Rescue::Solved(outcome) => outcome.multipliers.lambda,
-                Rescue::Unfinished(lambda) => lambda,
-            };
-            for (i, active) in active.iter_mut().enumerate() {
-                *active = !setup.bounded(i) || found[i] > 0.0;
-            }
-            search.face.lambda = found;
-        }
-        match search.exchange(setup, observe) {
-            Phase::Converged => return Ok(search.outcome(setup, false)),
-            Phase::Stopped => return Ok(search.outcome(setup, true)),
-            Phase::Stuck => {}
-        }
-        let residual = search.residual;
-        match search.rescue(
-            setup,
-            &Mprgp {
-                tolerance: self.tolerance,
-                ..Mprgp::default()
+        let mut search = Search::new(self, setup);
+        let states = match guess {
+            Some(_) => search.states_of_guess(guess)?,
+            None => match levels::start(setup, |method, coarse, tell| method.run(coarse, None, tell)) {
+                Some(start) => search.begin(start),
+                None => search.all_closed(),
             },
-            observe,
-        )? {
-            Rescue::Solved(outcome) => Ok(outcome),
-            Rescue::Unfinished(lambda) => {
-                search.face.lambda = lambda;
-                Err(SolveError::NotConverged {
-                    method: Self::NAME,
-                    outcome: Box::new(search.outcome(setup, false)),
-                    residual,
-                    reason: "neither active sets nor MPRGP reached the tolerance: \
-                             check the units, the supports and the tolerance"
-                        .to_string(),
-                })
-            }
+        };
+        let ended = match search.exact(states, EXACT, &|_, _| {}, observe) {
+            Ended::Stuck(states) => search.proximal(states, observe),
+            ended => ended,
+        };
+        match ended {
+            Ended::Converged => Ok(search.outcome(false)),
+            Ended::Stopped => Ok(search.outcome(true)),
+            Ended::Stuck(_) => Err(search.not_converged(
+                "the residual did not fall below the tolerance: check the units, the supports and the tolerance",
+            )),
         }
     }
-}
-
-/// What MPRGP reached.
-enum Rescue {
-    /// An answer that passes, or with which the observer is satisfied; all work counted.
-    Solved(Outcome),
-    /// Its last forces.
-    Unfinished(Vec<f64>),
 }
 
 /// How a phase ended.
-pub(crate) enum Phase {
+pub(crate) enum Ended {
     Converged,
     Stopped,
-    Stuck,
+    /// No answer; the states that come next.
+    Stuck(Vec<State>),
 }
 
 /// The iterate and its history.
-pub(crate) struct Search {
-    pub face: Face,
+pub(crate) struct Search<'a> {
+    pub method: &'a Newton,
+    pub setup: &'a Setup<'a>,
+    pub point: Point,
     pub judge: Judge,
     pub residual: f64,
-    pub tolerance: f64,
-    /// Largest force of any step.
-    pub force: f64,
-    /// Relative accuracy asked of conjugate gradients.
-    pub inner: f64,
-    /// Active-set steps.
+    /// Largest force of any step, or that of the overlaps.
+    force: f64,
+    /// Linear solves on the problem itself.
     pub steps: usize,
-    /// Active-set and MPRGP steps.
-    pub iterations: usize,
+    /// Those on coarser problems, in solves of this size.
+    coarse: f64,
+    pub products: usize,
+    /// Relative accuracy asked of iterations within a step.
+    accuracy: f64,
 }
 
-impl Search {
-    fn new(setup: &Setup<'_>, tolerance: f64, start: Vec<f64>) -> Self {
+impl<'a> Search<'a> {
+    /// Begins without any force.
+    pub fn new(method: &'a Newton, setup: &'a Setup<'a>) -> Self {
+        // the forces that the overlaps ask for: what is rounding of these is none, whatever the solution
+        let asked = setup.problem.shift.iter().zip(&setup.problem.softness);
+        let force = asked.fold(0.0, |s: f64, (d, c)| s.max((d / c).abs()));
+        let m = setup.len();
         Self {
-            face: Face::new(setup, start),
+            method,
+            setup,
+            point: Point {
+                lambda: vec![0.0; m],
+                alpha: vec![0.0; setup.modes()],
+                product: vec![0.0; m],
+            },
             judge: setup.judge(),
             residual: f64::INFINITY,
-            tolerance,
-            force: 0.0,
-            inner: 1e-3,
+            force: if force.is_finite() { force } else { 0.0 },
             steps: 0,
-            iterations: 0,
+            coarse: 0.0,
+            products: 0,
+            accuracy: 1e-2,
         }
     }
 
-    /// Accuracy of conjugate gradients at the end.
-    pub fn tight(&self) -> f64 {
-        (1e-2 * self.tolerance).clamp(1e-13, 1e-10)
+    /// The states of a starting point: contacts with a force are closed, shears at their bound slip.
+    ///
+    /// Errors: a starting point of another size, or one that is not finite.
+    pub fn states_of_guess(&mut self, guess: Option<&Multipliers>) -> Result<Vec<State>, SolveError> {
+        let lambda = self.setup.start(guess)?;
+        if let Some(guess) = guess {
+            self.setup.balance.from_original(&guess.alpha, &mut self.point.alpha);
+        }
+        self.point.lambda = lambda;
+        Ok(self.states_of_forces(1e-9))
     }
 
-    /// Active-set steps until the set repeats itself.
-    fn phase(
+    /// The states of the present forces, shears within a part of their bounds at them.
+    pub fn states_of_forces(&self, at_bound: f64) -> Vec<State> {
+        let blocks = self.setup.admissible.iter();
+        let state = |(block, range): (&_, Range<usize>)| {
+            let mut trial = self.point.lambda[range].to_vec();
+            trial[1..].iter_mut().for_each(|t| *t *= 1.0 + at_bound);
+            State::of_trial(block, &trial)
+        };
+        blocks.map(state).collect()
+    }
+
+    /// Every contact closed, none slips.
+    pub fn all_closed(&self) -> Vec<State> {
+        let blocks = self.setup.admissible.blocks().iter();
+        blocks.map(|block| State::sticking(block, true)).collect()
+    }
+
+    /// Takes over the forces and states of a coarser problem.
+    pub fn begin(&mut self, start: levels::Start) -> Vec<State> {
+        self.point.lambda = start.lambda;
+        self.point.alpha = start.alpha;
+        self.coarse = start.steps;
+        start.states
+    }
+
+    /// Accuracy of iterations at the end.
+    fn tight(&self) -> f64 {
+        (1e-2 * self.method.tolerance).clamp(1e-13, 1e-10)
+    }
+
+    /// All linear solves, in solves of this size.
+    pub fn iterations(&self) -> usize {
+        self.steps + self.coarse.ceil() as usize
+    }
+
+    fn softness(&self) -> &'a [f64] {
+        &self.setup.problem.softness
+    }
+
+    // Exact steps
+
+    /// At most `most` exact steps, until the states repeat themselves; `adjust` may change those that come next.
+    pub fn exact(
         &mut self,
-        setup: &Setup<'_>,
-        active: &mut Vec<bool>,
-        steps: usize,
+        mut states: Vec<State>,
+        most: usize,
+        adjust: &dyn Fn(&mut Vec<State>, &[State]),
         observe: Observer<'_>,
-    ) -> Phase {
-        let exact = matches!(setup.problem.compliance, Compliance::Dense(_));
-        let mut seen: HashSet<Vec<bool>> = HashSet::new();
-        let (mut best, mut waited) = (f64::INFINITY, 0);
-        for _ in 0..steps {
-            let before = self.face.lambda.clone();
-            self.step(setup, active);
-            let stopped = observe(&Iterate {
-                iteration: self.iterations,
-                lambda: &self.face.lambda,
-                residual: self.residual,
-                active: loaded(&self.face.lambda),
-                step: 'n',
-            });
-            if stopped == ControlFlow::Break(()) {
-                return Phase::Stopped;
+    ) -> Ended {
+        let mut seen = HashSet::new();
+        for _ in 0..most {
+            if self.steps >= self.method.max_iterations || !self.exact_step(&states) {
+                return Ended::Stuck(states);
             }
-            let next = self.next_set(setup, active);
-            let passes = self.residual <= self.tolerance;
-            if passes && (next == *active || self.residual <= 1e-3 * self.tolerance) {
-                return Phase::Converged;
+            if self.tell(observe) {
+                return Ended::Stopped;
             }
-            if next == *active {
-                if exact || self.inner <= self.tight() {
-                    return Phase::Stuck;
-                }
-                self.inner = self.tight();
+            let mut next = self.next_states(&states);
+            adjust(&mut next, &states);
+            let key = |states: &[State]| states.iter().map(State::key).collect::<Vec<_>>();
+            let (now, then) = (key(&states), key(&next));
+            let same = now == then;
+            let passes = self.residual <= self.method.tolerance;
+            if passes && (same || self.residual <= 1e-3 * self.method.tolerance) {
+                return Ended::Converged;
+            }
+            if same && self.accuracy > self.tight() {
+                self.accuracy = self.tight();
                 continue;
             }
-            let repeated = !seen.insert(active.clone());
+            let repeated = !seen.insert(now);
             if repeated && passes {
-                return Phase::Converged;
+                return Ended::Converged;
             }
-            waited = if self.residual < best { 0 } else { waited + 1 };
-            best = best.min(self.residual);
-            if repeated && (exact || self.inner <= self.tight()) || waited >= PATIENCE {
-                return Phase::Stuck;
+            if repeated || same {
+                return Ended::Stuck(next);
             }
-            self.inner =
-                (0.1 * change(&before, &self.face.lambda).min(self.inner)).max(self.tight());
-            *active = next;
-            if !carries(setup, active) {
-                return Phase::Stuck;
-            }
+            self.accuracy = (0.1 * self.residual).clamp(self.tight(), self.accuracy);
+            states = next;
         }
-        Phase::Stuck
+        Ended::Stuck(states)
     }
 
-    /// Solves on the face and judges the result.
-    pub fn step(&mut self, setup: &Setup<'_>, active: &[bool]) {
-        self.face.solve(setup, active, self.inner);
-        self.steps += 1;
-        self.iterations += 1;
-        self.drop_rounding(setup);
-        self.judge(setup);
-        if !self.face.loose.is_empty() {
-            let open = |i: usize| !active[i];
-            let Face { loose, alpha, .. } = &mut self.face;
-            open_gaps(setup, loose, &self.judge.gap, open, alpha);
-            self.judge(setup);
+    /// Solves for the forces of `states` and judges them; `false` where the system is singular or cannot balance the load.
+    pub fn exact_step(&mut self, states: &[State]) -> bool {
+        let setup = self.setup;
+        let mut offset = vec![0.0; setup.len()];
+        let list = unknowns(&setup.admissible, states, None, self.softness(), &mut offset);
+        let mut system = System::new(setup, &list, &offset);
+        if !system.carries() {
+            return false;
         }
+        self.steps += 1;
+        let solved = system.solve(&self.point, self.accuracy);
+        self.products += system.products;
+        let loose = std::mem::take(&mut system.loose);
+        let Some(point) = solved else { return false };
+        self.point = point;
+        self.drop_rounding();
+        self.judge();
+        if !loose.is_empty() {
+            let mut open = vec![false; setup.len()];
+            for (state, (_, range)) in states.iter().zip(setup.admissible.iter()) {
+                open[range.start] = !state.closed;
+            }
+            let gap = &self.judge.gap;
+            open_gaps(setup, &loose, gap, |i| open[i], &mut self.point.alpha);
+            self.judge();
+        }
+        true
     }
 
     /// Forces that are rounding of the largest one met so far are none: their signs mean nothing.
-    fn drop_rounding(&mut self, setup: &Setup<'_>) {
+    fn drop_rounding(&mut self) {
         let largest = |s: f64, force: &f64| s.max(force.abs());
-        self.force = self.face.lambda.iter().fold(self.force, largest);
+        self.force = self.point.lambda.iter().fold(self.force, largest);
         let mut rest = false;
-        for (i, force) in self.face.lambda.iter_mut().enumerate() {
-            if setup.bounded(i) && force.abs() <= ROUNDING * self.force {
-                *force = 0.0;
+        for (block, range) in self.setup.admissible.iter() {
+            let forces = &mut self.point.lambda[range];
+            if !matches!(block, Block::Free { .. })
+                && forces[0].abs() <= ROUNDING * self.force
+            {
+                forces[0] = 0.0;
+                if matches!(block, Block::Coulomb { .. }) {
+                    forces.fill(0.0);
+                }
             }
-            rest |= *force != 0.0;
+            rest |= forces.iter().any(|force| *force != 0.0);
         }
         if !rest {
-            self.face.product.fill(0.0);
+            self.point.product.fill(0.0);
         }
     }
 
-    fn judge(&mut self, setup: &Setup<'_>) {
-        let Face {
+    pub fn judge(&mut self) {
+        let Point {
             lambda,
-            product,
             alpha,
-            ..
-        } = &self.face;
-        self.residual = self
-            .judge
-            .residual(setup, &setup.components, lambda, product, alpha);
+            product,
+        } = &self.point;
+        let components = &self.setup.components;
+        self.residual = self.judge.residual(self.setup, components, lambda, product, alpha);
     }
 
-    /// Forces that push stay, gaps that overlap join; never a set that cannot balance the load.
-    fn next_set(&self, setup: &Setup<'_>, active: &[bool]) -> Vec<bool> {
-        let mut next: Vec<bool> = (0..setup.len())
-            .map(|i| {
-                !setup.bounded(i)
-                    || if active[i] {
-                        self.face.lambda[i] > 0.0
-                    } else {
-                        self.judge.gap[i] < 0.0
+    /// Tells the observer; `true` when it is satisfied.
+    pub fn tell(&self, observe: Observer<'_>) -> bool {
+        let iterate = Iterate {
+            iteration: self.iterations(),
+            lambda: &self.point.lambda,
+            residual: self.residual,
+            active: loaded(&self.point.lambda),
+            step: 'n',
+        };
+        observe(&iterate) == ControlFlow::Break(())
+    }
+
+    /// States that the forces and gaps of the last step ask for. A node whose slip turned against its shear sticks next: it
+    /// never flips its direction.
+    fn next_states(&self, states: &[State]) -> Vec<State> {
+        let (lambda, gap, softness) = (&self.point.lambda, &self.judge.gap, self.softness());
+        let blocks = self.setup.admissible.iter();
+        let next = |(state, (block, range)): (&State, (&_, Range<usize>))| {
+            let trial: Vec<f64> = range
+                .clone()
+                .map(|i| lambda[i] - gap[i] / softness[i])
+                .collect();
+            let mut next = State::of_trial(block, &trial);
+            if state.closed != next.closed && !matches!(block, Block::Free { .. }) {
+                // an active contact has no gap, an inactive one no force: rounding of the other must not decide
+                let first = range.start;
+                let closed = if state.closed { lambda[first] > 0.0 } else { gap[first] < 0.0 };
+                if closed == state.closed {
+                    next = State { closed, ..state.clone() };
+                }
+            }
+            if let (
+                Shear::Slip { direction, .. },
+                Shear::Slip { direction: new, .. },
+            ) = (&state.shear, &next.shear)
+                && dot(direction, new) <= 0.0
+            {
+                next.shear = Shear::Stick;
+            }
+            next
+        };
+        states.iter().zip(blocks).map(next).collect()
+    }
+
+    // Proximal steps
+
+    /// Proximal steps from `states`, each ended by an exact one; φ falls in every step.
+    fn proximal(&mut self, states: Vec<State>, observe: Observer<'_>) -> Ended {
+        let setup = self.setup;
+        let mut centre = vec![0.0; setup.len()];
+        setup.admissible.project(&self.point.lambda, &mut centre);
+        let mut at = self.at_forces(centre.clone(), self.point.alpha.clone());
+        let mut guessed = Some(states);
+        let (mut part, mut best, mut still) = (FIRST, f64::INFINITY, 0);
+        loop {
+            let compliance = self.softness().iter().map(|c| part * c).collect();
+            let mut proximal = Proximal::new(setup, centre, compliance, at);
+            loop {
+                if self.steps >= self.method.max_iterations {
+                    return Ended::Stuck(proximal.states());
+                }
+                let progress = proximal.step(guessed.take(), self.accuracy);
+                self.steps += 1;
+                self.show(&proximal);
+                if self.tell(observe) {
+                    return Ended::Stopped;
+                }
+                match progress {
+                    Progress::Moved => {}
+                    Progress::Minimal if self.accuracy > self.tight() => {
+                        self.accuracy = self.tight();
                     }
-            })
-            .collect();
-        if !carries(setup, &next) {
-            for (next, active) in next.iter_mut().zip(active) {
-                *next |= active;
+                    Progress::Minimal | Progress::Singular => break,
+                }
             }
-        }
-        next
-    }
-
-    /// Some MPRGP steps from the current forces, seen by the observer.
-    fn rescue(
-        &mut self,
-        setup: &Setup<'_>,
-        method: &Mprgp,
-        observe: Observer<'_>,
-    ) -> Result<Rescue, SolveError> {
-        let guess = self.multipliers(setup);
-        let (done, products) = (self.iterations, self.face.products);
-        let result = method.run(setup, Some(&guess), &mut |iterate: &Iterate<'_>| {
-            observe(&Iterate {
-                iteration: done + iterate.iteration,
-                ..*iterate
-            })
-        });
-        match result {
-            Ok(outcome) => {
-                self.iterations += outcome.iterations;
-                self.face.products += outcome.products;
-                Ok(Rescue::Solved(Outcome {
-                    iterations: self.iterations,
-                    products: products + outcome.products,
-                    remarks: vec!["active sets did not settle; MPRGP finished".to_string()],
-                    ..outcome
-                }))
+            self.products += proximal.products;
+            let states = proximal.states();
+            centre = proximal.forces();
+            // the exact forces of these states, where they are the answer
+            if self.exact_step(&states) {
+                if self.tell(observe) {
+                    return Ended::Stopped;
+                }
+                if self.residual <= self.method.tolerance {
+                    return Ended::Converged;
+                }
             }
-            Err(SolveError::NotConverged { outcome, .. }) => {
-                self.iterations += outcome.iterations;
-                self.face.products += outcome.products;
-                Ok(Rescue::Unfinished(outcome.multipliers.lambda))
+            at = proximal.at;
+            self.point = self.at_forces(centre.clone(), at.alpha.clone());
+            self.judge();
+            if self.residual <= self.method.tolerance {
+                return Ended::Converged;
             }
-            Err(error) => Err(error),
+            still = if self.residual < 0.5 * best { 0 } else { still + 1 };
+            best = best.min(self.residual);
+            if still > PATIENCE {
+                return Ended::Stuck(states);
+            }
+            part = (part * FALL).max(LEAST);
         }
     }
 
-    fn multipliers(&self, setup: &Setup<'_>) -> Multipliers {
-        setup.multipliers(&self.face.lambda, &self.face.alpha)
+    /// The point of some forces.
+    pub fn at_forces(&mut self, lambda: Vec<f64>, alpha: Vec<f64>) -> Point {
+        let mut product = vec![0.0; lambda.len()];
+        self.setup.problem.compliance.apply(&lambda, &mut product);
+        self.products += 1;
+        Point {
+            lambda,
+            alpha,
+            product,
+        }
     }
 
-    fn outcome(&self, setup: &Setup<'_>, stopped_by_observer: bool) -> Outcome {
+    /// Judges where a proximal problem is; its forces cause its displacements at its minimum.
+    fn show(&mut self, proximal: &Proximal<'_>) {
+        self.point = Point {
+            lambda: proximal.forces(),
+            ..proximal.at.clone()
+        };
+        self.judge();
+    }
+
+    pub fn outcome(&self, stopped_by_observer: bool) -> Outcome {
         Outcome {
-            multipliers: self.multipliers(setup),
-            iterations: self.iterations,
-            products: self.face.products,
+            multipliers: self.setup.multipliers(&self.point.lambda, &self.point.alpha),
+            iterations: self.iterations(),
+            products: self.products,
             rho: None,
             bolts: Vec::new(),
             stopped_by_observer,
             fixed_point: None,
             remarks: Vec::new(),
+        }
+    }
+
+    pub fn not_converged(&self, reason: &str) -> SolveError {
+        SolveError::NotConverged {
+            method: Newton::NAME,
+            outcome: Box::new(self.outcome(false)),
+            residual: self.residual,
+            reason: reason.to_string(),
         }
     }
 }
@@ -407,19 +513,5 @@ pub(crate) fn open_gaps(
                 *alpha += motion * z;
             }
         }
-    }
-}
-
-/// ‖after − before‖ / ‖after‖.
-fn change(before: &[f64], after: &[f64]) -> f64 {
-    let (mut difference, mut size) = (0.0, 0.0);
-    for (a, b) in after.iter().zip(before) {
-        difference += (a - b).powi(2);
-        size += a * a;
-    }
-    if size > 0.0 {
-        (difference / size).sqrt()
-    } else {
-        0.0
     }
 }

@@ -24,7 +24,7 @@ use std::ops::ControlFlow;
 
 use crate::dual::{Component, DualProblem, Multipliers};
 use crate::linalg::Mat;
-use crate::linalg::dense::solve_general;
+use crate::linalg::dense::Lu;
 use crate::solve::face::Face;
 use crate::solve::gradient::{check_rho, rho_reason};
 use crate::solve::{
@@ -171,9 +171,9 @@ struct Bolted {
 impl Bolted {
     fn new(setup: &Setup<'_>, nodes: Vec<usize>) -> Option<Self> {
         let k = setup.modes();
-        let mut matrix = Mat::from_fn(k, k, |i, j| setup.balance.rows[i][nodes[j]]);
+        let matrix = Mat::from_fn(k, k, |i, j| setup.balance.rows[i][nodes[j]]);
         let mut inverse = Mat::identity(k, k);
-        solve_general(&mut matrix, &mut inverse).ok()?;
+        Lu::new(matrix).ok()?.solve_in_place(&mut inverse);
         let mut modes: Vec<usize> = Vec::new();
         for &node in &nodes {
             let column = setup.problem.equilibrium.modes.col_as_slice(node);

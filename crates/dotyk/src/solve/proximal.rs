@@ -1,0 +1,265 @@
+//! The proximal problem of Newton's method and its steps: an energy φ of displacements that falls in every one.
+//!
+//! ```text
+//!   φ(μ, α̂) = 1/2 μᵀFμ − ê·α̂ + 1/2 |z|²_a − 1/2 |z − λ|²_a,     z = λ_c − gap/a,   λ = P_Λ(z),   gap = Fμ − d − Ĝᵀα̂
+//!   dφ = (μ − λ)·F dμ + (Ĝλ − ê)·dα̂
+//! ```
+//!
+//! φ is convex, and its derivative along a line is monotone: the exact step is its zero. At the minimum F(μ − λ) = 0 and
+//! Ĝλ = ê, so that λ solves the problem with F + a and d + aλ_c.
+
+use crate::solve::states::{Anchor, State, unknowns};
+use crate::solve::system::{Point, System};
+use crate::solve::{Setup, dot, norm};
+
+/// Balance that is missing below this part of the forces is rounding.
+const BALANCED: f64 = 1e-11;
+
+/// A slope below this part of the first one ends a search along a line.
+const FLAT: f64 = 1e-10;
+
+/// The problem around one centre, and where its minimisation is.
+pub(crate) struct Proximal<'a> {
+    setup: &'a Setup<'a>,
+    /// λ_c, (m,).
+    centre: Vec<f64>,
+    /// a, (m,).
+    compliance: Vec<f64>,
+    /// μ, α̂ and Fμ.
+    pub at: Point,
+    /// gap at μ and α̂, (m,).
+    gap: Vec<f64>,
+    /// Products with F so far.
+    pub products: usize,
+}
+
+/// What a Newton step did.
+pub(crate) enum Progress {
+    /// φ fell.
+    Moved,
+    /// The states are those of the minimum: φ has no lower value.
+    Minimal,
+    /// The linear problem could not be solved.
+    Singular,
+}
+
+impl<'a> Proximal<'a> {
+    /// The problem around `centre`, an admissible force, from the displacements of `at`.
+    pub fn new(setup: &'a Setup<'a>, centre: Vec<f64>, compliance: Vec<f64>, at: Point) -> Self {
+        let gap = vec![0.0; centre.len()];
+        let mut proximal = Self {
+            setup,
+            centre,
+            compliance,
+            at,
+            gap,
+            products: 0,
+        };
+        proximal.find_gap();
+        proximal
+    }
+
+    fn find_gap(&mut self) {
+        self.gap.copy_from_slice(&self.at.product);
+        let shift = self.setup.problem.shift.iter();
+        self.gap.iter_mut().zip(shift).for_each(|(gap, d)| *gap -= d);
+        self.setup.balance.add_transposed(-1.0, &self.at.alpha, &mut self.gap);
+    }
+
+    /// z = λ_c − (gap + t · change)/a.
+    fn trial(&self, t: f64, change: &[f64], z: &mut [f64]) {
+        for (i, z) in z.iter_mut().enumerate() {
+            *z = self.centre[i] - (self.gap[i] + t * change[i]) / self.compliance[i];
+        }
+    }
+
+    /// λ at the present displacements.
+    pub fn forces(&self) -> Vec<f64> {
+        let mut z = vec![0.0; self.gap.len()];
+        self.trial(0.0, &vec![0.0; self.gap.len()], &mut z);
+        let mut lambda = vec![0.0; z.len()];
+        self.setup.admissible.project(&z, &mut lambda);
+        lambda
+    }
+
+    /// States of the trial forces.
+    pub fn states(&self) -> Vec<State> {
+        let mut z = vec![0.0; self.gap.len()];
+        self.trial(0.0, &vec![0.0; self.gap.len()], &mut z);
+        let blocks = self.setup.admissible.iter();
+        blocks.map(|(block, range)| State::of_trial(block, &z[range])).collect()
+    }
+
+    /// One Newton step from the states guessed (or those of the trial forces) with the exact length.
+    pub fn step(&mut self, guessed: Option<Vec<State>>, accuracy: f64) -> Progress {
+        let setup = self.setup;
+        let mut states = guessed.unwrap_or_else(|| self.states());
+        // loads that no contact takes up move their bodies until one does
+        for _ in 0..setup.modes() + 3 {
+            let mut offset = vec![0.0; setup.len()];
+            let list = self.unknowns(&states, &mut offset);
+            let loose = System::new(setup, &list, &offset).loose;
+            if loose.is_empty() || !self.approach(&loose) {
+                break;
+            }
+            states = self.states();
+        }
+        let mut offset = vec![0.0; setup.len()];
+        let list = self.unknowns(&states, &mut offset);
+        let mut system = System::new(setup, &list, &offset);
+        let solved = system.solve(&self.at, accuracy);
+        self.products += system.products;
+        let Some(mut target) = solved else {
+            return Progress::Singular;
+        };
+        // where nothing holds a body it stays
+        for z in &system.loose {
+            let part = dot(z, &self.at.alpha);
+            target.alpha.iter_mut().zip(z).for_each(|(a, z)| *a += part * z);
+        }
+        self.move_towards(target, &states)
+    }
+
+    fn unknowns(&self, states: &[State], offset: &mut [f64]) -> Vec<crate::solve::states::Unknown> {
+        let anchor = Anchor {
+            centre: &self.centre,
+            compliance: &self.compliance,
+        };
+        unknowns(&self.setup.admissible, states, Some(anchor), &self.compliance, offset)
+    }
+
+    /// Moves along some directions of α̂ by the exact length; `false` where the load does not drive them.
+    fn approach(&mut self, loose: &[Vec<f64>]) -> bool {
+        let setup = self.setup;
+        let lambda = self.forces();
+        let mut rest = vec![0.0; setup.modes()];
+        setup.balance.imbalance(&lambda, &mut rest);
+        let mut direction = vec![0.0; rest.len()];
+        for z in loose {
+            let part = -dot(z, &rest);
+            direction.iter_mut().zip(z).for_each(|(d, z)| *d += part * z);
+        }
+        let size = norm(&setup.balance.load).max(norm(&lambda));
+        if norm(&direction) <= BALANCED * size {
+            return false;
+        }
+        let mut change = vec![0.0; setup.len()];
+        setup.balance.add_transposed(-1.0, &direction, &mut change);
+        let along = dot(&direction, &setup.balance.load);
+        let mut workspace = Workspace::new(setup.len());
+        // the slope is minus the part of the load that is not taken up
+        let mut slope = |t: f64, this: &Self| -along - workspace.work(this, t, &change);
+        let or_one = |scale: f64| if scale > 0.0 { scale } else { 1.0 };
+        let mut far = 1e-3 * or_one(setup.problem.scales.length) / norm(&direction);
+        for _ in 0..200 {
+            if slope(far, self) >= 0.0 {
+                break;
+            }
+            far *= 2.0;
+        }
+        let length = zero(far, |t| slope(t, self));
+        for (alpha, d) in self.at.alpha.iter_mut().zip(&direction) {
+            *alpha += length * d;
+        }
+        self.find_gap();
+        true
+    }
+
+    /// Moves towards a point by the exact length, at most all the way.
+    fn move_towards(&mut self, target: Point, states: &[State]) -> Progress {
+        let setup = self.setup;
+        let difference = |to: &[f64], from: &[f64]| -> Vec<f64> {
+            to.iter().zip(from).map(|(a, b)| a - b).collect()
+        };
+        let product = difference(&target.product, &self.at.product);
+        let alpha = difference(&target.alpha, &self.at.alpha);
+        let mut change = product.clone();
+        setup.balance.add_transposed(-1.0, &alpha, &mut change);
+        let mut z = vec![0.0; change.len()];
+        self.trial(1.0, &change, &mut z);
+        let blocks = setup.admissible.iter().zip(states);
+        let same = |((block, range), state): ((&_, std::ops::Range<usize>), &State)| {
+            State::of_trial(block, &z[range]).key() == state.key()
+        };
+        let settled = blocks.map(same).all(|same| same);
+        let work = dot(&setup.balance.load, &alpha);
+        let (own, further) = (dot(&self.at.lambda, &product), {
+            let mu = difference(&target.lambda, &self.at.lambda);
+            dot(&mu, &product)
+        });
+        let mut workspace = Workspace::new(change.len());
+        let mut slope =
+            |t: f64, this: &Self| own + t * further - work - workspace.work(this, t, &change);
+        let first = slope(0.0, self);
+        let whole = settled || slope(1.0, self) <= FLAT * first.abs();
+        let length = if whole { 1.0 } else { zero(1.0, |t| slope(t, self)) };
+        if whole {
+            self.at = target;
+        } else {
+            let part = |at: &mut [f64], by: &[f64]| {
+                at.iter_mut().zip(by).for_each(|(a, b)| *a += length * b);
+            };
+            let mu = difference(&target.lambda, &self.at.lambda);
+            part(&mut self.at.lambda, &mu);
+            part(&mut self.at.product, &product);
+            part(&mut self.at.alpha, &alpha);
+        }
+        self.find_gap();
+        match settled {
+            true => Progress::Minimal,
+            false => Progress::Moved,
+        }
+    }
+}
+
+/// Room for trial forces along a line.
+struct Workspace {
+    z: Vec<f64>,
+    lambda: Vec<f64>,
+}
+
+impl Workspace {
+    fn new(m: usize) -> Self {
+        Self {
+            z: vec![0.0; m],
+            lambda: vec![0.0; m],
+        }
+    }
+
+    /// λ(t)·change.
+    fn work(&mut self, proximal: &Proximal<'_>, t: f64, change: &[f64]) -> f64 {
+        proximal.trial(t, change, &mut self.z);
+        proximal.setup.admissible.project(&self.z, &mut self.lambda);
+        dot(&self.lambda, change)
+    }
+}
+
+/// The zero of a rising function that is not positive at 0 and not negative at `far`, by the Illinois method.
+fn zero(far: f64, mut f: impl FnMut(f64) -> f64) -> f64 {
+    let (mut low, mut high) = (0.0, far);
+    let (mut below, mut above) = (f(0.0), f(far));
+    let first = below.abs();
+    let mut kept = 0;
+    for _ in 0..200 {
+        if above <= 0.0 || !(above - below > 0.0) {
+            return high;
+        }
+        let guess = (low * above - high * below) / (above - below);
+        let inside = guess > low && guess < high && kept < 3;
+        let t = if inside { guess } else { 0.5 * (low + high) };
+        let value = f(t);
+        if value.abs() <= 1e-13 * first || high - low <= 1e-15 * high {
+            return t;
+        }
+        if value < 0.0 {
+            kept = if low > 0.0 { kept + 1 } else { 0 };
+            (low, below) = (t, value);
+            above *= 0.5;
+        } else {
+            kept = 0;
+            (high, above) = (t, value);
+            below *= 0.5;
+        }
+    }
+    0.5 * (low + high)
+}

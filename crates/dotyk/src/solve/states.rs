@@ -1,0 +1,236 @@
+//! What contact nodes do: open, stick or slip; and what that leaves unknown of their forces.
+//!
+//! ```text
+//!   open:   λₙ = 0, λₜ = 0
+//!   stick:  gapₙ = 0, gapₜ = 0
+//!   slip:   gapₙ = 0, λₜ = bound · s,     bound = coefficient · λₙ (Coulomb) or given (Tresca)
+//! ```
+//!
+//! The states follow from trial forces z = λ − gap/a with a compliance a: λₙ = max(0, zₙ), and λₜ is zₜ shortened to its
+//! bound. Tresca's bound holds in open contacts as well, which keeps that problem convex.
+//!
+//! *Anchored* conditions ask for gap + a(λ − centre) = 0 in place of gap = 0: those of the problem with F + a, the proximal
+//! point step from `centre`. Its matrix is definite whatever F is.
+//!
+//! The unknowns are the forces that are left: λ = offset + Σ xₐ cₐ, where the column cₐ of a slipping Coulomb node is
+//! (1, coefficient · s). Each is tested by its row wₐ (gap · wₐ + softness · xₐ = right side), which is cₐ but for that node,
+//! where only the normal gap counts: such a system is unsymmetric. With two tangents the force across s is an unknown, too,
+//! with the linearised law λ = β z across s, β = bound/|z| < 1.
+//!
+//! As described in Alart & Curnier (1991) and Hüeber, Stadler & Wohlmuth (2008), here on the condensed dual problem.
+
+use std::ops::Range;
+
+use crate::dual::{AdmissibleSet, Block};
+use crate::solve::norm;
+
+/// What the shear of a node does.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) enum Shear {
+    /// No slip.
+    Stick,
+    /// At the bound along `direction` (unit); `share` is the bound over the length of the trial shear, in (0, 1).
+    Slip { direction: Vec<f64>, share: f64 },
+    /// The bound is zero.
+    Smooth,
+}
+
+/// State of one block.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct State {
+    /// It bears a normal force.
+    pub closed: bool,
+    /// What its shear does.
+    pub shear: Shear,
+    /// |z| − bound of the trial, a force: how much the node wants to slip.
+    pub excess: f64,
+}
+
+impl State {
+    /// Closed, without slip where it may stick.
+    pub fn sticking(block: &Block, closed: bool) -> Self {
+        let shear = match is_smooth(block) {
+            true => Shear::Smooth,
+            false => Shear::Stick,
+        };
+        Self {
+            closed: closed || matches!(block, Block::Free { .. }),
+            shear,
+            excess: 0.0,
+        }
+    }
+
+    /// What trial forces z of a block ask for.
+    pub fn of_trial(block: &Block, trial: &[f64]) -> Self {
+        let closed = trial[0] > 0.0;
+        let mut state = Self::sticking(block, closed);
+        let Some(bound) = block.bound(trial[0]) else {
+            return state;
+        };
+        let bears = closed || !matches!(block, Block::Coulomb { .. });
+        if state.shear == Shear::Smooth || !bears {
+            return state;
+        }
+        let length = norm(&trial[1..]);
+        state.excess = length - bound;
+        if length > bound {
+            state.shear = Shear::Slip {
+                direction: trial[1..].iter().map(|z| z / length).collect(),
+                share: bound / length,
+            };
+        }
+        state
+    }
+
+    /// The same state for the purpose of finding one again: directions of slip in space never come back exactly.
+    pub fn key(&self) -> (bool, u8) {
+        let shear = match &self.shear {
+            Shear::Stick => 0,
+            Shear::Smooth => 1,
+            Shear::Slip { direction, .. } if direction[0] > 0.0 => 2,
+            Shear::Slip { .. } => 3,
+        };
+        (self.closed, shear)
+    }
+}
+
+/// The law can bear no shear at all.
+pub(crate) fn is_smooth(block: &Block) -> bool {
+    match *block {
+        Block::Tresca { bound, .. } => bound <= 0.0,
+        Block::Coulomb { coefficient, .. } => coefficient <= 0.0,
+        Block::Free { .. } | Block::Unilateral => false,
+    }
+}
+
+/// One unknown of the linear system.
+#[derive(Debug, Clone)]
+pub(crate) struct Unknown {
+    /// cₐ: components of λ that it moves.
+    pub force: Vec<(usize, f64)>,
+    /// wₐ: gaps that it closes.
+    pub row: Vec<(usize, f64)>,
+    /// A length over force ≥ 0.
+    pub softness: f64,
+    /// Right side beyond that of the problem, a length.
+    pub pull: f64,
+}
+
+impl Unknown {
+    /// c and w are the same.
+    pub fn is_symmetric(&self) -> bool {
+        self.force == self.row
+    }
+}
+
+/// Product of a short list of components with a vector.
+pub(crate) fn along(list: &[(usize, f64)], v: &[f64]) -> f64 {
+    list.iter().map(|&(i, weight)| weight * v[i]).sum()
+}
+
+/// The forces from which anchored conditions measure, and with which compliance (m,).
+#[derive(Clone, Copy)]
+pub(crate) struct Anchor<'a> {
+    pub centre: &'a [f64],
+    pub compliance: &'a [f64],
+}
+
+/// The forces that `states` leave unknown; those that are known are written to `offset` (m,), which must be zero.
+///
+/// Without an anchor `own` (m,) is the compliance of the trial forces, for slip in space.
+pub(crate) fn unknowns(
+    admissible: &AdmissibleSet,
+    states: &[State],
+    anchor: Option<Anchor<'_>>,
+    own: &[f64],
+    offset: &mut [f64],
+) -> Vec<Unknown> {
+    let plain = |i: usize| {
+        let (softness, pull) = match anchor {
+            Some(Anchor { centre, compliance }) => (compliance[i], compliance[i] * centre[i]),
+            None => (0.0, 0.0),
+        };
+        Unknown {
+            force: vec![(i, 1.0)],
+            row: vec![(i, 1.0)],
+            softness,
+            pull,
+        }
+    };
+    let mut unknowns = Vec::new();
+    for (state, (block, range)) in states.iter().zip(admissible.iter()) {
+        let first = range.start;
+        let tangents = first + 1..range.end;
+        match *block {
+            Block::Free { .. } => {
+                unknowns.extend(range.map(plain));
+                continue;
+            }
+            Block::Coulomb { .. } if !state.closed => continue,
+            _ => {}
+        }
+        if state.closed {
+            let mut normal = plain(first);
+            if let (Block::Coulomb { coefficient, .. }, Shear::Slip { direction, .. }) =
+                (block, &state.shear)
+            {
+                let shear = tangents.clone().zip(direction.iter().map(|s| coefficient * s));
+                normal.force.extend(shear);
+            }
+            unknowns.push(normal);
+        }
+        match (&state.shear, block) {
+            (Shear::Smooth, _) => {}
+            (Shear::Stick, _) => unknowns.extend(tangents.map(plain)),
+            (Shear::Slip { direction, share }, _) => {
+                if let Block::Tresca { bound, .. } = *block {
+                    for (i, s) in tangents.clone().zip(direction) {
+                        offset[i] = bound * s;
+                    }
+                }
+                across(direction, *share, tangents, anchor, own, &mut unknowns);
+            }
+        }
+    }
+    unknowns
+}
+
+/// Unknown forces across the slip of a node.
+fn across(
+    direction: &[f64],
+    share: f64,
+    tangents: Range<usize>,
+    anchor: Option<Anchor<'_>>,
+    own: &[f64],
+    unknowns: &mut Vec<Unknown>,
+) {
+    for vector in complement(direction) {
+        let list: Vec<(usize, f64)> = tangents.clone().zip(vector).collect();
+        let (softness, pull) = match anchor {
+            Some(Anchor { centre, compliance }) => {
+                let a = compliance[tangents.start];
+                (a / share, a * along(&list, centre))
+            }
+            None => (own[tangents.start] * (1.0 / share - 1.0).min(1e6), 0.0),
+        };
+        unknowns.push(Unknown {
+            force: list.clone(),
+            row: list,
+            softness,
+            pull,
+        });
+    }
+}
+
+/// Orthonormal vectors across the unit vector `direction`, by the reflection that turns it into the first axis.
+fn complement(direction: &[f64]) -> Vec<Vec<f64>> {
+    let mut mirror = direction.to_vec();
+    mirror[0] += 1.0_f64.copysign(direction[0]);
+    let square: f64 = mirror.iter().map(|x| x * x).sum();
+    let reflected = |axis: usize| -> Vec<f64> {
+        (0..direction.len())
+            .map(|i| f64::from(i == axis) - 2.0 * mirror[axis] * mirror[i] / square)
+            .collect()
+    };
+    (1..direction.len()).map(reflected).collect()
+}

@@ -1,0 +1,672 @@
+//! The linear problem that a guess of states leaves: unknown forces x and rigid amplitudes α̂ with
+//!
+//! ```text
+//!   wₐ·gap + softnessₐ xₐ = pullₐ,   gap = Fλ − d − Ĝᵀα̂,   Ĝλ = ê,   λ = offset + Σ xₐ cₐ
+//! ```
+//!
+//! Assembled F, symmetric (c = w): Cholesky of A = WᵀFW + softness and the Schur complement of the balance. Where A is
+//! semidefinite (grounded floating bodies, contacts that do the same) ϱĜᵀĜ is added, which changes nothing where Ĝλ = ê,
+//! and then a shift of rounding size; corrections with the true residual remove what that changes. Unsymmetric (slip with
+//! Coulomb's law): LU with pivoting. Unknowns are scaled to a unit diagonal by powers of two, which rounds nothing: stiff
+//! contacts beside soft ones must not drown.
+//!
+//! Applied F: conjugate gradients in the null space of the balance for symmetric systems, restarted minimal residuals for
+//! unsymmetric ones, both preconditioned and warm started.
+//!
+//! Directions of α̂ that no unknown determines come back in `loose`; α̂ has no part along them.
+
+use crate::dual::Compliance;
+use crate::linalg::dense::{
+    Lu, cholesky_in_place, gram, product, solve_cholesky_in_place, solve_lower_in_place,
+    solve_lower_transpose_in_place, transpose_product,
+};
+use crate::linalg::{LinearOperator, Mat};
+use crate::solve::face::Pseudo;
+use crate::solve::states::{Unknown, along};
+use crate::solve::{Setup, dot, norm};
+
+/// A squared Cholesky pivot below this part of its diagonal entry marks a dependent row.
+const DEPENDENT: f64 = 1e-13;
+
+/// Shift of a singular matrix, relative to its diagonal.
+const SHIFT: f64 = 1e-10;
+
+/// Most corrections of a solution; a shifted matrix needs more of them than rounding.
+const CORRECTIONS: usize = 8;
+
+/// Vectors that minimal residuals keep.
+const KRYLOV: usize = 60;
+
+/// Forces, amplitudes and the product with F.
+#[derive(Debug, Clone)]
+pub(crate) struct Point {
+    /// λ, (m,).
+    pub lambda: Vec<f64>,
+    /// α̂, (k,).
+    pub alpha: Vec<f64>,
+    /// Fλ, (m,).
+    pub product: Vec<f64>,
+}
+
+/// The linear problem of some unknowns.
+pub(crate) struct System<'a> {
+    setup: &'a Setup<'a>,
+    unknowns: &'a [Unknown],
+    offset: &'a [f64],
+    /// Ĝ cₐ and Ĝ wₐ, k rows over the unknowns.
+    forces: Vec<Vec<f64>>,
+    rows: Vec<Vec<f64>>,
+    /// Directions of α̂ that no row determines, orthonormal.
+    pub loose: Vec<Vec<f64>>,
+    /// Products with F so far.
+    pub products: usize,
+}
+
+impl<'a> System<'a> {
+    /// Sets up the problem of `unknowns` beside the known forces `offset` (m,).
+    pub fn new(setup: &'a Setup<'a>, unknowns: &'a [Unknown], offset: &'a [f64]) -> Self {
+        let modes = |side: fn(&Unknown) -> &[(usize, f64)]| -> Vec<Vec<f64>> {
+            let rows = setup.balance.rows.iter();
+            rows.map(|row| unknowns.iter().map(|u| along(side(u), row)).collect())
+                .collect()
+        };
+        let rows = modes(|u| &u.row);
+        Self {
+            setup,
+            unknowns,
+            offset,
+            forces: modes(|u| &u.force),
+            loose: null_of(&rows),
+            rows,
+            products: 0,
+        }
+    }
+
+    /// Whether some values of the unknowns balance the load.
+    pub fn carries(&self) -> bool {
+        let mut rest = vec![0.0; self.setup.modes()];
+        self.setup.balance.imbalance(self.offset, &mut rest);
+        let size = norm(&self.setup.balance.load).max(norm(&rest));
+        let null = null_of(&self.forces);
+        null.iter().all(|z| dot(z, &rest).abs() <= 1e-9 * size)
+    }
+
+    /// Solves from `guess`, with a relative accuracy that only iterations use; `None` where the system is singular.
+    pub fn solve(&mut self, guess: &Point, accuracy: f64) -> Option<Point> {
+        let point = match &self.setup.problem.compliance {
+            Compliance::Dense(matrix) => self.solve_assembled(matrix),
+            Compliance::Operator { preconditioner, .. } => {
+                self.solve_applied(preconditioner.as_ref(), guess, accuracy)
+            }
+        }?;
+        let finite = point.lambda.iter().chain(&point.alpha).all(|x| x.is_finite());
+        finite.then_some(point)
+    }
+
+    fn solve_assembled(&mut self, matrix: &Mat<f64>) -> Option<Point> {
+        let (n, k) = (self.unknowns.len(), self.setup.modes());
+        let factored = Factored::new(self, matrix)?;
+        let (mut x, mut alpha) = (vec![0.0; n], vec![0.0; k]);
+        let mut point = self.point(&x, alpha.clone());
+        let mut before = f64::INFINITY;
+        // the first pass solves, the later ones correct
+        for pass in 0..=CORRECTIONS {
+            let (right, rest) = self.residual(&point, &x);
+            let size = factored.size(&right, &rest);
+            if size == 0.0 || size >= 0.5 * before || (pass > 2 && !factored.shifted) {
+                break;
+            }
+            before = size;
+            let (dx, dalpha) = factored.solve(&right, &rest);
+            x.iter_mut().zip(&dx).for_each(|(x, d)| *x += d);
+            alpha.iter_mut().zip(&dalpha).for_each(|(a, d)| *a += d);
+            for z in &self.loose {
+                let part = dot(z, &alpha);
+                alpha.iter_mut().zip(z).for_each(|(a, z)| *a -= part * z);
+            }
+            point = self.point(&x, alpha.clone());
+        }
+        Some(point)
+    }
+
+    /// The forces of some values of the unknowns.
+    fn point(&mut self, x: &[f64], alpha: Vec<f64>) -> Point {
+        let mut lambda = self.offset.to_vec();
+        for (unknown, x) in self.unknowns.iter().zip(x) {
+            for &(i, weight) in &unknown.force {
+                lambda[i] += x * weight;
+            }
+        }
+        let mut product = vec![0.0; lambda.len()];
+        if lambda.iter().any(|force| *force != 0.0) {
+            self.setup.problem.compliance.apply(&lambda, &mut product);
+            self.products += 1;
+        }
+        Point {
+            lambda,
+            alpha,
+            product,
+        }
+    }
+
+    /// What is left of the conditions, (n,), and of the balance, (k,).
+    fn residual(&self, point: &Point, x: &[f64]) -> (Vec<f64>, Vec<f64>) {
+        let mut gap = point.product.clone();
+        let shift = &self.setup.problem.shift;
+        gap.iter_mut().zip(shift).for_each(|(gap, d)| *gap -= d);
+        self.setup.balance.add_transposed(-1.0, &point.alpha, &mut gap);
+        let open = self.unknowns.iter().zip(x);
+        let right = open.map(|(u, x)| u.pull - along(&u.row, &gap) - u.softness * x);
+        let mut rest = vec![0.0; self.setup.modes()];
+        self.setup.balance.imbalance(&point.lambda, &mut rest);
+        rest.iter_mut().for_each(|rest| *rest = -*rest);
+        (right.collect(), rest)
+    }
+}
+
+/// Orthonormal z (k,) with zᵀ`rows` = 0.
+fn null_of(rows: &[Vec<f64>]) -> Vec<Vec<f64>> {
+    let gram = Mat::from_fn(rows.len(), rows.len(), |i, j| dot(&rows[i], &rows[j]));
+    Pseudo::new(&gram).null
+}
+
+/// The nearest power of two to 1/√x, or 1.
+fn unit_scale(diagonal: f64) -> f64 {
+    match diagonal > 0.0 && diagonal.is_finite() {
+        true => (-0.5 * diagonal.log2()).round().exp2(),
+        false => 1.0,
+    }
+}
+
+/// A factored assembled system.
+struct Factored {
+    /// Scale of each unknown.
+    scale: Vec<f64>,
+    kind: Kind,
+    /// The matrix was changed: corrections must undo it.
+    shifted: bool,
+}
+
+enum Kind {
+    /// Cholesky factor of the scaled A + ϱĜᵀĜ, the scaled Ĝᵀ and A⁻¹Ĝᵀ (n, k), and the Schur complement.
+    Symmetric {
+        factor: Mat<f64>,
+        rho: f64,
+        rows: Mat<f64>,
+        solved: Mat<f64>,
+        schur: Pseudo,
+    },
+    /// LU of the whole, with the scale of every row of the balance.
+    General { lu: Lu, balance: Vec<f64> },
+}
+
+impl Factored {
+    fn new(system: &System<'_>, matrix: &Mat<f64>) -> Option<Self> {
+        let unknowns = system.unknowns;
+        let symmetric = unknowns.iter().all(Unknown::is_symmetric);
+        let mut whole = coupling(matrix, unknowns);
+        for (a, unknown) in unknowns.iter().enumerate() {
+            whole[(a, a)] += unknown.softness;
+        }
+        let scale: Vec<f64> = (0..unknowns.len())
+            .map(|a| unit_scale(whole[(a, a)].abs()))
+            .collect();
+        for b in 0..unknowns.len() {
+            let column = whole.col_as_slice_mut(b).iter_mut();
+            column.zip(&scale).for_each(|(value, s)| *value *= s * scale[b]);
+        }
+        match symmetric {
+            true => Self::symmetric(system, whole, scale),
+            false => Self::general(system, whole, scale),
+        }
+    }
+
+    fn symmetric(system: &System<'_>, whole: Mat<f64>, scale: Vec<f64>) -> Option<Self> {
+        let (n, k) = (scale.len(), system.rows.len());
+        let rows = Mat::from_fn(n, k, |a, j| system.rows[j][a] * scale[a]);
+        let weight: f64 = (0..k).map(|j| dot(rows.col_as_slice(j), rows.col_as_slice(j))).sum();
+        let soft = system.unknowns.iter().all(|u| u.softness > 0.0);
+        let rho = if weight > 0.0 { n as f64 / weight } else { 0.0 };
+        let mut attempts = Vec::new();
+        if soft || k == 0 {
+            attempts.push((0.0, 0.0));
+        }
+        if k > 0 {
+            attempts.push((rho, 0.0));
+        }
+        attempts.push((rho, SHIFT));
+        for (rho, shift) in attempts {
+            let mut factor = whole.clone();
+            if rho > 0.0 {
+                add_outer(&mut factor, rho, &rows);
+            }
+            for a in 0..n {
+                factor[(a, a)] += shift;
+            }
+            let diagonal: Vec<f64> = (0..n).map(|a| factor[(a, a)]).collect();
+            if cholesky_in_place(&mut factor).is_err() {
+                continue;
+            }
+            let dependent = |a: usize| factor[(a, a)].powi(2) <= DEPENDENT * diagonal[a];
+            if shift == 0.0 && (0..n).any(dependent) {
+                continue;
+            }
+            let mut solved = rows.clone();
+            solve_lower_in_place(&factor, &mut solved);
+            solve_lower_transpose_in_place(&factor, &mut solved);
+            let schur = transpose_product(&rows, &solved);
+            let schur = Mat::from_fn(k, k, |i, j| 0.5 * (schur[(i, j)] + schur[(j, i)]));
+            return Some(Self {
+                scale,
+                kind: Kind::Symmetric {
+                    factor,
+                    rho,
+                    rows,
+                    solved,
+                    schur: Pseudo::new(&schur),
+                },
+                shifted: shift > 0.0,
+            });
+        }
+        None
+    }
+
+    fn general(system: &System<'_>, whole: Mat<f64>, scale: Vec<f64>) -> Option<Self> {
+        let (n, k) = (scale.len(), system.rows.len());
+        let balance: Vec<f64> = (0..k)
+            .map(|j| {
+                let pushes = system.forces[j].iter().chain(&system.rows[j]);
+                let both = pushes.zip(scale.iter().chain(&scale));
+                unit_scale(both.fold(0.0, |s: f64, (g, c)| s.max((g * c).powi(2))))
+            })
+            .collect();
+        let bordered = |shift: f64| {
+            Mat::from_fn(n + k, n + k, |i, j| match (i < n, j < n) {
+                (true, true) => whole[(i, j)] + if i == j { shift } else { 0.0 },
+                (true, false) => -system.rows[j - n][i] * scale[i] * balance[j - n],
+                (false, true) => system.forces[i - n][j] * scale[j] * balance[i - n],
+                // α̂ has no part along directions that no row determines
+                (false, false) => {
+                    let loose = system.loose.iter().map(|z| z[i - n] * z[j - n]);
+                    loose.sum::<f64>() * balance[i - n] * balance[j - n]
+                }
+            })
+        };
+        for shift in [0.0, SHIFT] {
+            if let Ok(lu) = Lu::new(bordered(shift)) {
+                return Some(Self {
+                    scale,
+                    kind: Kind::General { lu, balance },
+                    shifted: shift > 0.0,
+                });
+            }
+        }
+        None
+    }
+
+    /// How large a residual is, in scaled units.
+    fn size(&self, right: &[f64], rest: &[f64]) -> f64 {
+        let scaled = right.iter().zip(&self.scale).map(|(r, s)| (r * s).powi(2));
+        scaled.sum::<f64>().sqrt() + norm(rest)
+    }
+
+    /// x and α̂ for the right sides (n,) and (k,).
+    fn solve(&self, right: &[f64], rest: &[f64]) -> (Vec<f64>, Vec<f64>) {
+        let n = right.len();
+        let scaled = right.iter().zip(&self.scale).map(|(r, s)| r * s);
+        match &self.kind {
+            Kind::Symmetric {
+                factor,
+                rho,
+                rows,
+                solved,
+                schur,
+            } => {
+                let mut x: Vec<f64> = scaled.collect();
+                solve_cholesky_in_place(factor, &mut x);
+                let mut alpha: Vec<f64> = (0..rest.len())
+                    .map(|j| rest[j] - dot(rows.col_as_slice(j), &x))
+                    .collect();
+                schur.solve(&mut alpha, &mut vec![0.0; rest.len()]);
+                for (j, alpha) in alpha.iter().enumerate() {
+                    let column = solved.col_as_slice(j).iter();
+                    x.iter_mut().zip(column).for_each(|(x, s)| *x += alpha * s);
+                }
+                // the added term pulls with ϱĜᵀ(Ĝλ − ê)
+                alpha.iter_mut().zip(rest).for_each(|(a, rest)| *a -= rho * rest);
+                x.iter_mut().zip(&self.scale).for_each(|(x, s)| *x *= s);
+                (x, alpha)
+            }
+            Kind::General { lu, balance } => {
+                let both = scaled.chain(rest.iter().zip(balance).map(|(r, s)| r * s));
+                let both: Vec<f64> = both.collect();
+                let mut x = Mat::from_fn(both.len(), 1, |i, _| both[i]);
+                lu.solve_in_place(&mut x);
+                let x = x.col_as_slice(0);
+                let forces = x[..n].iter().zip(&self.scale).map(|(x, s)| x * s);
+                let alpha = x[n..].iter().zip(balance).map(|(a, s)| a * s);
+                (forces.collect(), alpha.collect())
+            }
+        }
+    }
+}
+
+/// WᵀFC of some unknowns, (n, n).
+fn coupling(matrix: &Mat<f64>, unknowns: &[Unknown]) -> Mat<f64> {
+    let n = unknowns.len();
+    let mut out = Mat::zeros(n, n);
+    let mut sum = vec![0.0; matrix.nrows()];
+    for (b, unknown) in unknowns.iter().enumerate() {
+        let column: &[f64] = match unknown.force[..] {
+            [(i, 1.0)] => matrix.col_as_slice(i),
+            _ => {
+                sum.fill(0.0);
+                for &(i, weight) in &unknown.force {
+                    let column = matrix.col_as_slice(i).iter();
+                    sum.iter_mut().zip(column).for_each(|(s, f)| *s += weight * f);
+                }
+                &sum
+            }
+        };
+        for (out, other) in out.col_as_slice_mut(b).iter_mut().zip(unknowns) {
+            *out = match other.row[..] {
+                [(i, 1.0)] => column[i],
+                _ => along(&other.row, column),
+            };
+        }
+    }
+    out
+}
+
+/// a += ϱ rows rowsᵀ.
+fn add_outer(a: &mut Mat<f64>, rho: f64, rows: &Mat<f64>) {
+    let scaled = Mat::from_fn(rows.ncols(), rows.nrows(), |j, i| rho * rows[(i, j)]);
+    let outer = product(rows, &scaled);
+    for j in 0..a.ncols() {
+        let column = a.col_as_slice_mut(j).iter_mut();
+        column.zip(outer.col_as_slice(j)).for_each(|(a, o)| *a += o);
+    }
+}
+
+// Applied F
+
+impl System<'_> {
+    fn solve_applied(
+        &mut self,
+        preconditioner: &dyn LinearOperator,
+        guess: &Point,
+        accuracy: f64,
+    ) -> Option<Point> {
+        let symmetric = self.unknowns.iter().all(Unknown::is_symmetric);
+        // the unknowns nearest to the guess
+        let start: Vec<f64> = self
+            .unknowns
+            .iter()
+            .map(|u| {
+                let square: f64 = u.force.iter().map(|(_, weight)| weight * weight).sum();
+                let rest = u.force.iter().map(|&(i, w)| w * (guess.lambda[i] - self.offset[i]));
+                rest.sum::<f64>() / square
+            })
+            .collect();
+        match symmetric {
+            true => self.conjugate_gradients(preconditioner, start, accuracy),
+            false => self.minimal_residuals(preconditioner, start, accuracy),
+        }
+    }
+
+    /// out = WᵀFC x + softness x; `lambda` and `image` are workspace (m,).
+    fn apply(&mut self, x: &[f64], lambda: &mut [f64], image: &mut [f64], out: &mut [f64]) {
+        lambda.fill(0.0);
+        for (unknown, x) in self.unknowns.iter().zip(x) {
+            for &(i, weight) in &unknown.force {
+                lambda[i] += x * weight;
+            }
+        }
+        self.setup.problem.compliance.apply(lambda, image);
+        self.products += 1;
+        for ((out, unknown), x) in out.iter_mut().zip(self.unknowns).zip(x) {
+            *out = along(&unknown.row, image) + unknown.softness * x;
+        }
+    }
+
+    /// out = an approximation of (WᵀFC)⁻¹ r; `spread` and `image` are workspace (m,).
+    fn precondition(
+        &self,
+        preconditioner: &dyn LinearOperator,
+        r: &[f64],
+        spread: &mut [f64],
+        image: &mut [f64],
+        out: &mut [f64],
+    ) {
+        spread.fill(0.0);
+        for (unknown, r) in self.unknowns.iter().zip(r) {
+            for &(i, weight) in &unknown.row {
+                spread[i] += r * weight;
+            }
+        }
+        preconditioner.apply(spread, image);
+        for (out, unknown) in out.iter_mut().zip(self.unknowns) {
+            *out = along(&unknown.row, image);
+        }
+    }
+
+    /// Conjugate gradients on the forces that keep the balance.
+    fn conjugate_gradients(
+        &mut self,
+        preconditioner: &dyn LinearOperator,
+        mut x: Vec<f64>,
+        accuracy: f64,
+    ) -> Option<Point> {
+        let (n, m) = (x.len(), self.setup.len());
+        let mut null = Null::new(&self.rows);
+        let mut target = vec![0.0; self.setup.modes()];
+        self.setup.balance.imbalance(self.offset, &mut target);
+        target.iter_mut().for_each(|rest| *rest = -*rest);
+        null.restore(&self.rows, &target, &mut x);
+        let (mut lambda, mut image) = (vec![0.0; m], vec![0.0; m]);
+        let point = self.point(&x, vec![0.0; target.len()]);
+        let (mut residual, _) = self.residual(&point, &x);
+        let reference = self.reference(&mut null);
+        null.project(&self.rows, &mut residual);
+        let goal = accuracy * reference.max(1e-3 * norm(&residual));
+        let (mut z, mut out) = (vec![0.0; n], vec![0.0; n]);
+        self.precondition(preconditioner, &residual, &mut lambda, &mut image, &mut z);
+        null.project(&self.rows, &mut z);
+        let mut direction = z.clone();
+        let mut slope = dot(&residual, &z);
+        for _ in 0..2 * n + 50 {
+            if norm(&residual) <= goal || slope <= 0.0 {
+                break;
+            }
+            self.apply(&direction, &mut lambda, &mut image, &mut out);
+            null.project(&self.rows, &mut out);
+            let curvature = dot(&direction, &out);
+            if curvature <= 0.0 {
+                break;
+            }
+            let step = slope / curvature;
+            for i in 0..n {
+                x[i] += step * direction[i];
+                residual[i] -= step * out[i];
+            }
+            self.precondition(preconditioner, &residual, &mut lambda, &mut image, &mut z);
+            null.project(&self.rows, &mut z);
+            let next = dot(&residual, &z);
+            for i in 0..n {
+                direction[i] = z[i] + next / slope * direction[i];
+            }
+            slope = next;
+        }
+        null.restore(&self.rows, &target, &mut x);
+        let mut point = self.point(&x, vec![0.0; target.len()]);
+        let (open, _) = self.residual(&point, &x);
+        point.alpha = null.amplitudes(&self.rows, &open);
+        Some(point)
+    }
+
+    /// Size of the right side on the balanced forces.
+    fn reference(&self, null: &mut Null) -> f64 {
+        let shift = &self.setup.problem.shift;
+        let own = self.unknowns.iter().map(|u| u.pull + along(&u.row, shift));
+        let mut reference: Vec<f64> = own.collect();
+        null.project(&self.rows, &mut reference);
+        norm(&reference)
+    }
+
+    /// Minimal residuals on the bordered system, the balance eliminated by its own columns.
+    fn minimal_residuals(
+        &mut self,
+        preconditioner: &dyn LinearOperator,
+        x: Vec<f64>,
+        accuracy: f64,
+    ) -> Option<Point> {
+        let k = self.setup.modes();
+        let point = self.point(&x, vec![0.0; k]);
+        let (right, rest) = self.residual(&point, &x);
+        // A dx − Wᵀα̂ = right, C dx = rest: dx = A⁻¹right + Σ α̂ⱼ A⁻¹wⱼ
+        let own = self.krylov(preconditioner, &right, accuracy)?;
+        let rows = self.rows.clone();
+        let tight = accuracy.min(1e-10);
+        let columns = rows.iter().map(|row| self.krylov(preconditioner, row, tight));
+        let columns: Vec<Vec<f64>> = columns.collect::<Option<_>>()?;
+        let forces = &self.forces;
+        let schur = Mat::from_fn(k, k, |i, j| dot(&forces[i], &columns[j]));
+        let mut alpha = Mat::from_fn(k, 1, |i, _| rest[i] - dot(&forces[i], &own));
+        if k > 0 {
+            let shifted = Mat::from_fn(k, k, |i, j| {
+                schur[(i, j)] + self.loose.iter().map(|z| z[i] * z[j]).sum::<f64>()
+            });
+            Lu::new(shifted).ok()?.solve_in_place(&mut alpha);
+        }
+        let alpha = alpha.col_as_slice(0).to_vec();
+        let mut x: Vec<f64> = x.iter().zip(&own).map(|(x, d)| x + d).collect();
+        for (column, a) in columns.iter().zip(&alpha) {
+            x.iter_mut().zip(column).for_each(|(x, c)| *x += a * c);
+        }
+        Some(self.point(&x, alpha))
+    }
+
+    /// A⁻¹b by restarted minimal residuals, preconditioned from the right.
+    fn krylov(
+        &mut self,
+        preconditioner: &dyn LinearOperator,
+        b: &[f64],
+        accuracy: f64,
+    ) -> Option<Vec<f64>> {
+        let (n, m) = (b.len(), self.setup.len());
+        let (mut lambda, mut image) = (vec![0.0; m], vec![0.0; m]);
+        let mut x = vec![0.0; n];
+        let mut residual = b.to_vec();
+        let goal = accuracy * norm(b);
+        for _ in 0..20 {
+            let size = norm(&residual);
+            if size <= goal || size == 0.0 {
+                return Some(x);
+            }
+            let mut basis = vec![residual.iter().map(|r| r / size).collect::<Vec<f64>>()];
+            let mut directions: Vec<Vec<f64>> = Vec::new();
+            let mut triangle: Vec<Vec<f64>> = Vec::new();
+            let mut turns: Vec<(f64, f64)> = Vec::new();
+            let mut right = vec![size];
+            for j in 0..KRYLOV.min(n) {
+                let (mut z, mut w) = (vec![0.0; n], vec![0.0; n]);
+                self.precondition(preconditioner, &basis[j], &mut lambda, &mut image, &mut z);
+                self.apply(&z, &mut lambda, &mut image, &mut w);
+                directions.push(z);
+                let mut column: Vec<f64> = Vec::with_capacity(j + 2);
+                for q in &basis {
+                    let part = dot(q, &w);
+                    w.iter_mut().zip(q).for_each(|(w, q)| *w -= part * q);
+                    column.push(part);
+                }
+                let rest = norm(&w);
+                for (i, &(cos, sin)) in turns.iter().enumerate() {
+                    let (a, b) = (column[i], column[i + 1]);
+                    (column[i], column[i + 1]) = (cos * a + sin * b, cos * b - sin * a);
+                }
+                let length = column[j].hypot(rest);
+                let (cos, sin) = match length > 0.0 {
+                    true => (column[j] / length, rest / length),
+                    false => (1.0, 0.0),
+                };
+                column[j] = length;
+                turns.push((cos, sin));
+                triangle.push(column);
+                let last = right[j];
+                right[j] = cos * last;
+                right.push(-sin * last);
+                if right[j + 1].abs() <= goal || rest == 0.0 {
+                    break;
+                }
+                basis.push(w.iter().map(|w| w / rest).collect());
+            }
+            let count = triangle.len();
+            let mut y = right[..count].to_vec();
+            for i in (0..count).rev() {
+                y[i] /= triangle[i][i];
+                for row in 0..i {
+                    y[row] -= triangle[i][row] * y[i];
+                }
+            }
+            if !y.iter().all(|y| y.is_finite()) {
+                return None;
+            }
+            for (y, direction) in y.iter().zip(&directions) {
+                x.iter_mut().zip(direction).for_each(|(x, d)| *x += y * d);
+            }
+            self.apply(&x, &mut lambda, &mut image, &mut residual);
+            residual.iter_mut().zip(b).for_each(|(r, b)| *r = b - *r);
+        }
+        Some(x)
+    }
+}
+
+/// Null space of the balance on some unknowns.
+struct Null {
+    gram: Pseudo,
+    parts: Vec<f64>,
+    right: Vec<f64>,
+}
+
+impl Null {
+    fn new(rows: &[Vec<f64>]) -> Self {
+        let columns = Mat::from_fn(rows.first().map_or(0, Vec::len), rows.len(), |a, j| rows[j][a]);
+        Self {
+            gram: Pseudo::new(&gram(&columns)),
+            parts: vec![0.0; rows.len()],
+            right: vec![0.0; rows.len()],
+        }
+    }
+
+    /// v ← the nearest vector whose rows vanish.
+    fn project(&mut self, rows: &[Vec<f64>], v: &mut [f64]) {
+        for (part, row) in self.parts.iter_mut().zip(rows) {
+            *part = dot(row, v);
+        }
+        self.subtract(rows, v);
+    }
+
+    /// v ← the nearest vector whose rows are `target` (k,).
+    fn restore(&mut self, rows: &[Vec<f64>], target: &[f64], v: &mut [f64]) {
+        for ((part, row), target) in self.parts.iter_mut().zip(rows).zip(target) {
+            *part = dot(row, v) - target;
+        }
+        self.subtract(rows, v);
+    }
+
+    fn subtract(&mut self, rows: &[Vec<f64>], v: &mut [f64]) {
+        self.gram.solve(&mut self.parts, &mut self.right);
+        for (part, row) in self.parts.iter().zip(rows) {
+            v.iter_mut().zip(row).for_each(|(v, r)| *v -= part * r);
+        }
+    }
+
+    /// α̂ of least norm whose pull on the unknowns is nearest to minus what is `open` of their conditions.
+    fn amplitudes(&mut self, rows: &[Vec<f64>], open: &[f64]) -> Vec<f64> {
+        for (part, row) in self.parts.iter_mut().zip(rows) {
+            *part = -dot(row, open);
+        }
+        self.gram.solve(&mut self.parts, &mut self.right);
+        self.parts.clone()
+    }
+}
