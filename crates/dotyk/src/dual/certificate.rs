@@ -6,9 +6,11 @@
 //!
 //! Two figures see what the others cannot. A gap that is nothing beside max|d| may be much to two stiff bodies among soft
 //! ones: the *force error* asks of every component by how much its force changes where it answers its gap with its own
-//! softness, |λ − P(λ − gap/softness)|; gaps within the rounding of the displacements that they are differences of say
-//! nothing, however stiff the bodies are. *Between nodes* is the deepest penetration between the nodes of the sides, over
+//! softness, |λ − P(λ − gap/softness)|. *Between nodes* is the deepest penetration between the nodes of the sides, over
 //! what the meshes can resolve: it does not know which conditions were imposed.
+//!
+//! A gap is the difference of displacements that may be much larger (a stiff body carried along by a soft one): what lies
+//! within their rounding says nothing, and counts as none in every figure.
 
 use std::fmt;
 
@@ -178,8 +180,8 @@ pub(crate) struct Violations {
 impl Violations {
     /// Violations at (λ, α) with the gap there; `components` may call a component free that is not (a bolt).
     ///
-    /// `gap` must be Fλ − d − Gᵀα; `admissible` has the bounds of friction, which may be other than those of the
-    /// problem. Shapes: (m,), α (r,).
+    /// `gap` must be Fλ − d − Gᵀα, known to `rounding` (of the terms of that sum where there is none); `admissible` has
+    /// the bounds of friction, which may be other than those of the problem. Shapes: (m,), α (r,).
     ///
     /// The energy gap is λ·gap + Σ bound·|slip| + α·(Gλ − e): with friction the tangential part of λ·gap is minus the
     /// dissipated work, and bound·|slip| + λₜ·gapₜ ≥ 0 vanishes exactly where the friction law holds.
@@ -188,7 +190,7 @@ impl Violations {
         admissible: &AdmissibleSet,
         lambda: &[f64],
         alpha: &[f64],
-        gap: &[f64],
+        (gap, rounding): (&[f64], Option<&[f64]>),
         components: &[Component],
     ) -> Self {
         let largest = lambda.iter().fold(0.0, |s: f64, x| s.max(x.abs()));
@@ -207,19 +209,17 @@ impl Violations {
             energy: 0.0,
             length,
         };
-        // what is left of a gap beyond the rounding of the terms that it is the sum of
-        let told = |i: usize| {
-            let rigid = dot(problem.equilibrium.modes.col_as_slice(i), alpha);
-            let product = gap[i] + problem.shift[i] + rigid;
-            let terms = product.abs() + problem.shift[i].abs() + rigid.abs();
-            beyond(gap[i], ROUNDING * terms)
+        let told = |i: usize| match rounding {
+            Some(rounding) => beyond(gap[i], rounding[i]),
+            None => beyond(gap[i], problem.rounding(gap[i], alpha, i)),
         };
         let (mut primal_dual, mut stored) = (0.0, 0.0);
         for (i, &component) in components.iter().enumerate() {
-            let (force, gap) = (lambda[i], gap[i]);
+            let (force, known) = (lambda[i], gap[i]);
             let rigid: f64 = dot(problem.equilibrium.modes.col_as_slice(i), alpha);
-            primal_dual += force * (gap + rigid);
-            stored += force * (gap + problem.shift[i] + rigid);
+            stored += force * (known + problem.shift[i] + rigid);
+            let gap = told(i);
+            primal_dual += force * gap;
             match component {
                 Component::Free => {
                     violations.penetration = larger(violations.penetration, gap.abs());
@@ -238,7 +238,7 @@ impl Violations {
                 .map(|i| problem.equilibrium.modes[(row, i)] * lambda[i])
                 .sum();
             let rest = (carried - load).abs();
-            primal_dual -= alpha[row] * load;
+            primal_dual += alpha[row] * (carried - load);
             if problem.equilibrium.moments[row] {
                 violations.imbalance_moment = larger(violations.imbalance_moment, rest * arm);
             } else {
@@ -246,7 +246,7 @@ impl Violations {
             }
         }
         if admissible.has_friction() {
-            primal_dual += admissible.slip_potential(lambda, gap);
+            primal_dual += admissible.slip_potential(lambda, told);
             violations.slip =
                 admissible.slip_violation(lambda, |i| lambda[i] - told(i) / problem.softness[i]);
         }
@@ -285,10 +285,12 @@ impl DualProblem {
     /// Panics if lengths differ.
     pub fn certify(&self, multipliers: &Multipliers, tolerance: f64) -> Certificate {
         let gap = self.gap(multipliers);
-        let found = self.violations(multipliers, &gap);
+        let found = self.violations(multipliers, (&gap, None));
+        let own = |(i, gap): (usize, &f64)| self.rounding(*gap, &multipliers.alpha, i);
+        let rounding: Vec<f64> = gap.iter().enumerate().map(own).collect();
         let recomputed = Recomputed {
             gap: &gap,
-            rounding: &vec![0.0; gap.len()],
+            rounding: &rounding,
             implied: 0.0,
             between: [0.0, 1.0],
             imbalance_force: found.imbalance_force,
@@ -307,15 +309,10 @@ impl DualProblem {
         recomputed: &Recomputed<'_>,
         tolerance: f64,
     ) -> Certificate {
-        let found = self.violations(multipliers, recomputed.gap);
+        let seen = (recomputed.gap, Some(recomputed.rounding));
+        let found = self.violations(multipliers, seen);
         let (length, force) = (found.length, found.force.max(recomputed.driving_force));
         let energy = recomputed.elastic_energy;
-        let lambda = &multipliers.lambda;
-        let told = |i: usize| beyond(recomputed.gap[i], recomputed.rounding[i]);
-        let trial = |i: usize| lambda[i] - told(i) / self.softness[i];
-        let slip = self.admissible.slip_violation(lambda, trial);
-        let components = self.admissible.components();
-        let error = normal_error(&components, lambda, told, &self.softness);
         let [depth, resolved] = recomputed.between;
         let moment = one_if_zero(force) * one_if_zero(self.scales.moment_arm);
         Certificate {
@@ -329,8 +326,8 @@ impl DualProblem {
             imbalance_force: Figure::new(recomputed.imbalance_force, force, IMBALANCE_LIMIT),
             imbalance_moment: Figure::new(recomputed.imbalance_moment, moment, IMBALANCE_LIMIT),
             energy_gap: Figure::new(recomputed.energy_gap, energy, tolerance),
-            slip_violation: Figure::new(slip, force, tolerance),
-            force_error: Figure::new(larger(error, slip), force, FORCE_LIMIT * tolerance),
+            slip_violation: Figure::new(found.slip, force, tolerance),
+            force_error: Figure::new(found.force_error, force, FORCE_LIMIT * tolerance),
             between_nodes: Figure::new(depth, resolved, BETWEEN_LIMIT),
         }
     }
@@ -340,11 +337,18 @@ impl DualProblem {
     /// It bounds every figure of [`DualProblem::certify`] over its limit, in tolerances. Costs one product with F.
     pub fn kkt_residual(&self, multipliers: &Multipliers) -> f64 {
         let gap = self.gap(multipliers);
-        self.violations(multipliers, &gap)
+        self.violations(multipliers, (&gap, None))
             .residual(self.scales.moment_arm)
     }
 
-    fn violations(&self, multipliers: &Multipliers, gap: &[f64]) -> Violations {
+    /// To what component `i` of a gap is known, from the terms of Fλ − d − Gᵀα.
+    fn rounding(&self, gap: f64, alpha: &[f64], i: usize) -> f64 {
+        let rigid = dot(self.equilibrium.modes.col_as_slice(i), alpha);
+        let product = gap + self.shift[i] + rigid;
+        ROUNDING * (product.abs() + self.shift[i].abs() + rigid.abs())
+    }
+
+    fn violations(&self, multipliers: &Multipliers, gap: (&[f64], Option<&[f64]>)) -> Violations {
         let Multipliers { lambda, alpha } = multipliers;
         Violations::at(
             self,

@@ -294,7 +294,12 @@ impl DualProblem {
             finite("F", columns(matrix))?;
         }
         let blocks = self.admissible.blocks().len();
-        if let Some(&found) = self.neighbours.iter().flatten().find(|&&block| block >= blocks) {
+        if let Some(&found) = self
+            .neighbours
+            .iter()
+            .flatten()
+            .find(|&&block| block >= blocks)
+        {
             return Err(DualError::Length {
                 part: "the list of neighbours",
                 found: found + 1,

@@ -585,7 +585,9 @@ mod tests {
         let (inner, last) = order.split_at(order.len() - trailing);
         let coupling = Mat::from_fn(inner.len(), trailing, |i, j| matrix.get(inner[i], last[j]));
         let mut x = coupling.clone();
-        Lu::new(dense(matrix, inner)).unwrap().solve_in_place(&mut x);
+        Lu::new(dense(matrix, inner))
+            .unwrap()
+            .solve_in_place(&mut x);
         let through_inner = product(&coupling.transpose().to_owned(), &x);
         let block = dense(matrix, last);
         Mat::from_fn(trailing, trailing, |i, j| {

@@ -18,8 +18,8 @@ mod sparse;
 
 pub use cholesky::{Analysis, Cholesky};
 pub use dense::{
-    DenseOperator, Lu, cholesky_in_place, gram, least_squares, matvec, matvec_transpose, null_space,
-    pivoted_cholesky, product, solve_cholesky_in_place, solve_lower_in_place,
+    DenseOperator, Lu, cholesky_in_place, gram, least_squares, matvec, matvec_transpose,
+    null_space, pivoted_cholesky, product, solve_cholesky_in_place, solve_lower_in_place,
     solve_lower_transpose_in_place, symmetric_eigen, symmetric_eigenvalues, transpose_product,
 };
 pub use faer::{Mat, MatMut, MatRef};

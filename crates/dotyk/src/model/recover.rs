@@ -530,7 +530,7 @@ fn certify<const D: usize>(
         .sum();
     // friction takes its share, bound · |slip|: λ·gap of the tangential rows is minus that where its law holds
     let admissible = &condensed.problem.admissible;
-    let friction = admissible.slip_potential(&multipliers.lambda, seen.gaps);
+    let friction = admissible.slip_potential(&multipliers.lambda, |i| seen.gaps[i]);
     let recomputed = Recomputed {
         gap: seen.gaps,
         rounding: seen.rounding,

@@ -15,9 +15,6 @@ use crate::linalg::Mat;
 use crate::solve::states::State;
 use crate::solve::{Newton, Observer, Outcome, Setup, SolveError};
 
-/// Problems with fewer blocks than this are solved as they are.
-const SMALL: usize = 48;
-
 /// Connected contacts with at most this many blocks stay as they are.
 const FEW: usize = 8;
 
@@ -51,7 +48,7 @@ pub(crate) fn start(
         return None;
     };
     let blocks = setup.admissible.blocks();
-    if blocks.len() < SMALL || problem.neighbours.is_empty() {
+    if problem.neighbours.is_empty() {
         return None;
     }
     let clusters = Clusters::pairs(&setup.admissible, &problem.neighbours);
@@ -71,7 +68,12 @@ pub(crate) fn start(
         Err(_) => return None,
     };
     let found = &outcome.multipliers;
-    if !found.lambda.iter().chain(&found.alpha).all(|x| x.is_finite()) {
+    if !found
+        .lambda
+        .iter()
+        .chain(&found.alpha)
+        .all(|x| x.is_finite())
+    {
         return None;
     }
     let lambda = clusters.spread(&setup.admissible, &coarse.admissible, &found.lambda);
@@ -171,7 +173,10 @@ impl Clusters {
         let compliance = Compliance::Dense(compliance);
         let mut problem = DualProblem::new(compliance, shift, admissible, equilibrium).ok()?;
         problem.scales = fine.scales;
-        let joined = fine.neighbours.iter().map(|pair| pair.map(|block| self.of[block]));
+        let joined = fine
+            .neighbours
+            .iter()
+            .map(|pair| pair.map(|block| self.of[block]));
         let mut joined: Vec<[usize; 2]> = joined
             .filter(|[a, b]| a != b)
             .map(|[a, b]| [a.min(b), a.max(b)])
@@ -273,3 +278,48 @@ fn component_sizes(beside: &[Vec<usize>]) -> Vec<usize> {
     }
     component.into_iter().map(|c| counts[c]).collect()
 }
+
+/// What every component gives way while its neighbours stay behind, (m,), length over force: wᵀFw with w one there and
+/// minus the mean of the neighbours. Slender bodies give way as a whole far more than from node to node.
+pub(crate) fn local_softness(setup: &Setup<'_>) -> Vec<f64> {
+    let problem = setup.problem;
+    let mut local = problem.softness.clone();
+    let Compliance::Dense(matrix) = &problem.compliance else {
+        return local;
+    };
+    let blocks = setup.admissible.blocks();
+    let mut beside: Vec<Vec<usize>> = vec![Vec::new(); blocks.len()];
+    for &[a, b] in &problem.neighbours {
+        if blocks[a].size() == blocks[b].size() {
+            beside[a].push(b);
+            beside[b].push(a);
+        }
+    }
+    for (block, others) in beside
+        .iter()
+        .enumerate()
+        .filter(|(_, others)| !others.is_empty())
+    {
+        let range = setup.admissible.range(block);
+        let part = -1.0 / others.len() as f64;
+        let starts = others
+            .iter()
+            .map(|&other| setup.admissible.range(other).start);
+        let starts: Vec<usize> = starts.collect();
+        for (component, i) in range.enumerate() {
+            let own = [(i, 1.0)].into_iter();
+            let w: Vec<(usize, f64)> = own
+                .chain(starts.iter().map(|start| (start + component, part)))
+                .collect();
+            let product = |&(a, wa): &(usize, f64)| -> f64 {
+                w.iter().map(|&(b, wb)| wa * wb * matrix[(a, b)]).sum()
+            };
+            let value: f64 = w.iter().map(product).sum();
+            local[i] = value.clamp(LEAST * local[i], local[i]);
+        }
+    }
+    local
+}
+
+/// Below this part of its own softness a difference is rounding.
+const LEAST: f64 = 1e-12;

@@ -380,7 +380,7 @@ impl Judge {
             &setup.admissible,
             lambda,
             &self.alpha,
-            &self.gap,
+            (&self.gap, None),
             components,
         )
         .residual(setup.problem.scales.moment_arm)

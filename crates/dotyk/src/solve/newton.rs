@@ -30,7 +30,8 @@
 use std::collections::HashSet;
 use std::ops::{ControlFlow, Range};
 
-use crate::dual::{Block, DualProblem, Multipliers, least_norm_within};
+use crate::dual::{Block, Compliance, DualProblem, Multipliers, least_norm_within};
+use crate::solve::levels::local_softness;
 use crate::solve::proximal::{Progress, Proximal};
 use crate::solve::states::{Shear, State, unknowns};
 use crate::solve::system::{Point, System};
@@ -39,15 +40,31 @@ use crate::solve::{
     loaded, slip,
 };
 
-/// Exact steps before proximal ones.
-const EXACT: usize = 4;
+/// How long exact steps may go on.
+pub(crate) struct Patience {
+    /// Most steps.
+    pub steps: usize,
+    /// Each residual is to be at most this part of the one before.
+    pub factor: f64,
+}
 
-/// First compliance of proximal steps, relative to that of each contact, and by how much it falls from centre to centre.
-const FIRST: f64 = 1e-2;
+/// One step, and steps that are near the answer.
+const ONE: Patience = Patience {
+    steps: 1,
+    factor: 1.0,
+};
+const NEAR: Patience = Patience {
+    steps: 6,
+    factor: 0.5,
+};
+
+/// First compliance of proximal steps, relative to what a contact gives way between its neighbours, and by how much it falls
+/// from centre to centre.
+const FIRST: f64 = 0.3;
 const FALL: f64 = 1e-2;
 
 /// Smallest compliance of proximal steps: below, rounding decides.
-const LEAST: f64 = 1e-12;
+const LEAST: f64 = 1e-10;
 
 /// Centres without a residual of half the size that end the search.
 const PATIENCE: usize = 4;
@@ -113,16 +130,12 @@ impl FixedBounds for Newton {
         observe: Observer<'_>,
     ) -> Result<Outcome, SolveError> {
         let mut search = Search::new(self, setup);
-        let states = match guess {
-            Some(_) => search.states_of_guess(guess)?,
-            None => match levels::start(setup, |method, coarse, tell| method.run(coarse, None, tell)) {
-                Some(start) => search.begin(start),
-                None => search.all_closed(),
-            },
-        };
-        let ended = match search.exact(states, EXACT, &|_, _| {}, observe) {
-            Ended::Stuck(states) => search.proximal(states, observe),
-            ended => ended,
+        let ended = match guess {
+            Some(_) => {
+                let states = search.states_of_guess(guess)?;
+                search.from_start(states, observe)
+            }
+            None => search.from_nothing(observe),
         };
         match ended {
             Ended::Converged => Ok(search.outcome(false)),
@@ -140,6 +153,11 @@ pub(crate) enum Ended {
     Stopped,
     /// No answer; the states that come next.
     Stuck(Vec<State>),
+}
+
+/// Accuracy of iterations within a step at the end.
+fn tight(method: &Newton) -> f64 {
+    (1e-2 * method.tolerance).clamp(1e-13, 1e-10)
 }
 
 /// The iterate and its history.
@@ -181,17 +199,25 @@ impl<'a> Search<'a> {
             steps: 0,
             coarse: 0.0,
             products: 0,
-            accuracy: 1e-2,
+            accuracy: match setup.problem.compliance {
+                Compliance::Dense(_) => tight(method),
+                Compliance::Operator { .. } => 1e-2,
+            },
         }
     }
 
     /// The states of a starting point: contacts with a force are closed, shears at their bound slip.
     ///
     /// Errors: a starting point of another size, or one that is not finite.
-    pub fn states_of_guess(&mut self, guess: Option<&Multipliers>) -> Result<Vec<State>, SolveError> {
+    pub fn states_of_guess(
+        &mut self,
+        guess: Option<&Multipliers>,
+    ) -> Result<Vec<State>, SolveError> {
         let lambda = self.setup.start(guess)?;
         if let Some(guess) = guess {
-            self.setup.balance.from_original(&guess.alpha, &mut self.point.alpha);
+            self.setup
+                .balance
+                .from_original(&guess.alpha, &mut self.point.alpha);
         }
         self.point.lambda = lambda;
         Ok(self.states_of_forces(1e-9))
@@ -218,13 +244,8 @@ impl<'a> Search<'a> {
     pub fn begin(&mut self, start: levels::Start) -> Vec<State> {
         self.point.lambda = start.lambda;
         self.point.alpha = start.alpha;
-        self.coarse = start.steps;
+        self.coarse += start.steps;
         start.states
-    }
-
-    /// Accuracy of iterations at the end.
-    fn tight(&self) -> f64 {
-        (1e-2 * self.method.tolerance).clamp(1e-13, 1e-10)
     }
 
     /// All linear solves, in solves of this size.
@@ -236,18 +257,51 @@ impl<'a> Search<'a> {
         &self.setup.problem.softness
     }
 
+    /// Exact steps from a start that is thought to be near, then proximal ones from it: steps that led nowhere are taken
+    /// back.
+    fn from_start(&mut self, states: Vec<State>, observe: Observer<'_>) -> Ended {
+        let start = (states.clone(), self.point.clone());
+        match self.exact(states, &NEAR, &|_, _| {}, observe) {
+            Ended::Stuck(_) => {
+                self.point = start.1;
+                self.proximal(start.0, observe)
+            }
+            ended => ended,
+        }
+    }
+
+    /// A few exact steps from all contacts closed, then from a coarser problem where there is one.
+    fn from_nothing(&mut self, observe: Observer<'_>) -> Ended {
+        let setup = self.setup;
+        let first = match self.exact(self.all_closed(), &ONE, &|_, _| {}, observe) {
+            Ended::Stuck(states) => states,
+            ended => return ended,
+        };
+        match levels::start(setup, |method, coarse, tell| method.run(coarse, None, tell)) {
+            Some(start) => {
+                let states = self.begin(start);
+                self.from_start(states, observe)
+            }
+            None => {
+                self.point.lambda.fill(0.0);
+                self.from_start(first, observe)
+            }
+        }
+    }
+
     // Exact steps
 
-    /// At most `most` exact steps, until the states repeat themselves; `adjust` may change those that come next.
+    /// Exact steps while there is patience, until the states repeat themselves; `adjust` may change those that come next.
     pub fn exact(
         &mut self,
         mut states: Vec<State>,
-        most: usize,
+        patience: &Patience,
         adjust: &dyn Fn(&mut Vec<State>, &[State]),
         observe: Observer<'_>,
     ) -> Ended {
         let mut seen = HashSet::new();
-        for _ in 0..most {
+        let mut last = f64::INFINITY;
+        for _ in 0..patience.steps {
             if self.steps >= self.method.max_iterations || !self.exact_step(&states) {
                 return Ended::Stuck(states);
             }
@@ -263,18 +317,19 @@ impl<'a> Search<'a> {
             if passes && (same || self.residual <= 1e-3 * self.method.tolerance) {
                 return Ended::Converged;
             }
-            if same && self.accuracy > self.tight() {
-                self.accuracy = self.tight();
+            if same && self.accuracy > tight(self.method) {
+                self.accuracy = tight(self.method);
                 continue;
             }
             let repeated = !seen.insert(now);
             if repeated && passes {
                 return Ended::Converged;
             }
-            if repeated || same {
+            let falls = self.residual <= patience.factor * std::mem::replace(&mut last, self.residual);
+            if repeated || same || !falls {
                 return Ended::Stuck(next);
             }
-            self.accuracy = (0.1 * self.residual).clamp(self.tight(), self.accuracy);
+            self.accuracy = (0.1 * self.residual).clamp(tight(self.method), self.accuracy);
             states = next;
         }
         Ended::Stuck(states)
@@ -284,7 +339,13 @@ impl<'a> Search<'a> {
     pub fn exact_step(&mut self, states: &[State]) -> bool {
         let setup = self.setup;
         let mut offset = vec![0.0; setup.len()];
-        let list = unknowns(&setup.admissible, states, None, self.softness(), &mut offset);
+        let list = unknowns(
+            &setup.admissible,
+            states,
+            None,
+            self.softness(),
+            &mut offset,
+        );
         let mut system = System::new(setup, &list, &offset);
         if !system.carries() {
             return false;
@@ -297,6 +358,7 @@ impl<'a> Search<'a> {
         self.point = point;
         self.drop_rounding();
         self.judge();
+        if std::env::var("TRACE").is_ok() { eprintln!("TR exact m {} res {:.3e} closed {} loose {}", setup.len(), self.residual, states.iter().filter(|s| s.closed).count(), loose.len()); }
         if !loose.is_empty() {
             let mut open = vec![false; setup.len()];
             for (state, (_, range)) in states.iter().zip(setup.admissible.iter()) {
@@ -316,9 +378,7 @@ impl<'a> Search<'a> {
         let mut rest = false;
         for (block, range) in self.setup.admissible.iter() {
             let forces = &mut self.point.lambda[range];
-            if !matches!(block, Block::Free { .. })
-                && forces[0].abs() <= ROUNDING * self.force
-            {
+            if !matches!(block, Block::Free { .. }) && forces[0].abs() <= ROUNDING * self.force {
                 forces[0] = 0.0;
                 if matches!(block, Block::Coulomb { .. }) {
                     forces.fill(0.0);
@@ -338,7 +398,9 @@ impl<'a> Search<'a> {
             product,
         } = &self.point;
         let components = &self.setup.components;
-        self.residual = self.judge.residual(self.setup, components, lambda, product, alpha);
+        self.residual = self
+            .judge
+            .residual(self.setup, components, lambda, product, alpha);
     }
 
     /// Tells the observer; `true` when it is satisfied.
@@ -367,15 +429,20 @@ impl<'a> Search<'a> {
             if state.closed != next.closed && !matches!(block, Block::Free { .. }) {
                 // an active contact has no gap, an inactive one no force: rounding of the other must not decide
                 let first = range.start;
-                let closed = if state.closed { lambda[first] > 0.0 } else { gap[first] < 0.0 };
+                let closed = if state.closed {
+                    lambda[first] > 0.0
+                } else {
+                    gap[first] < 0.0
+                };
                 if closed == state.closed {
-                    next = State { closed, ..state.clone() };
+                    next = State {
+                        closed,
+                        ..state.clone()
+                    };
                 }
             }
-            if let (
-                Shear::Slip { direction, .. },
-                Shear::Slip { direction: new, .. },
-            ) = (&state.shear, &next.shear)
+            if let (Shear::Slip { direction, .. }, Shear::Slip { direction: new, .. }) =
+                (&state.shear, &next.shear)
                 && dot(direction, new) <= 0.0
             {
                 next.shear = Shear::Stick;
@@ -394,9 +461,10 @@ impl<'a> Search<'a> {
         setup.admissible.project(&self.point.lambda, &mut centre);
         let mut at = self.at_forces(centre.clone(), self.point.alpha.clone());
         let mut guessed = Some(states);
+        let local = local_softness(setup);
         let (mut part, mut best, mut still) = (FIRST, f64::INFINITY, 0);
         loop {
-            let compliance = self.softness().iter().map(|c| part * c).collect();
+            let compliance = local.iter().map(|c| part * c).collect();
             let mut proximal = Proximal::new(setup, centre, compliance, at);
             loop {
                 if self.steps >= self.method.max_iterations {
@@ -405,13 +473,14 @@ impl<'a> Search<'a> {
                 let progress = proximal.step(guessed.take(), self.accuracy);
                 self.steps += 1;
                 self.show(&proximal);
+                if std::env::var("TRACE").is_ok() { eprintln!("TR prox m {} part {part:.1e} res {:.3e} {} closed {} alpha {:.2e} acc {:.0e}", setup.len(), self.residual, match progress {Progress::Moved=>"moved",Progress::Minimal=>"minimal",Progress::Singular=>"singular"}, proximal.states().iter().filter(|s| s.closed).count(), crate::solve::norm(&self.point.alpha), self.accuracy); }
                 if self.tell(observe) {
                     return Ended::Stopped;
                 }
                 match progress {
                     Progress::Moved => {}
-                    Progress::Minimal if self.accuracy > self.tight() => {
-                        self.accuracy = self.tight();
+                    Progress::Minimal if self.accuracy > tight(self.method) => {
+                        self.accuracy = tight(self.method);
                     }
                     Progress::Minimal | Progress::Singular => break,
                 }
@@ -419,7 +488,10 @@ impl<'a> Search<'a> {
             self.products += proximal.products;
             let states = proximal.states();
             centre = proximal.forces();
-            // the exact forces of these states, where they are the answer
+            at = proximal.at;
+            let alpha = at.alpha.clone();
+            // the exact forces of these states, where they are the answer; else a good place to go on from: there the closed
+            // contacts have no gap
             if self.exact_step(&states) {
                 if self.tell(observe) {
                     return Ended::Stopped;
@@ -427,14 +499,18 @@ impl<'a> Search<'a> {
                 if self.residual <= self.method.tolerance {
                     return Ended::Converged;
                 }
+                at = self.point.clone();
             }
-            at = proximal.at;
-            self.point = self.at_forces(centre.clone(), at.alpha.clone());
+            self.point = self.at_forces(centre.clone(), alpha);
             self.judge();
             if self.residual <= self.method.tolerance {
                 return Ended::Converged;
             }
-            still = if self.residual < 0.5 * best { 0 } else { still + 1 };
+            still = if self.residual < 0.5 * best {
+                0
+            } else {
+                still + 1
+            };
             best = best.min(self.residual);
             if still > PATIENCE {
                 return Ended::Stuck(states);
@@ -466,7 +542,9 @@ impl<'a> Search<'a> {
 
     pub fn outcome(&self, stopped_by_observer: bool) -> Outcome {
         Outcome {
-            multipliers: self.setup.multipliers(&self.point.lambda, &self.point.alpha),
+            multipliers: self
+                .setup
+                .multipliers(&self.point.lambda, &self.point.alpha),
             iterations: self.iterations(),
             products: self.products,
             rho: None,

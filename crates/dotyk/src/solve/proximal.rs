@@ -31,7 +31,14 @@ pub(crate) struct Proximal<'a> {
     gap: Vec<f64>,
     /// Products with F so far.
     pub products: usize,
+    /// The steepest slope so far, without its sign.
+    steepest: f64,
 }
+
+/// A slope below this part of the steepest one of this centre leaves nothing to gain, and neither does one that is rounding
+/// of its terms.
+const GAINED: f64 = 1e-9;
+const ROUNDING: f64 = 1e-14;
 
 /// What a Newton step did.
 pub(crate) enum Progress {
@@ -54,6 +61,7 @@ impl<'a> Proximal<'a> {
             at,
             gap,
             products: 0,
+            steepest: 0.0,
         };
         proximal.find_gap();
         proximal
@@ -62,8 +70,13 @@ impl<'a> Proximal<'a> {
     fn find_gap(&mut self) {
         self.gap.copy_from_slice(&self.at.product);
         let shift = self.setup.problem.shift.iter();
-        self.gap.iter_mut().zip(shift).for_each(|(gap, d)| *gap -= d);
-        self.setup.balance.add_transposed(-1.0, &self.at.alpha, &mut self.gap);
+        self.gap
+            .iter_mut()
+            .zip(shift)
+            .for_each(|(gap, d)| *gap -= d);
+        self.setup
+            .balance
+            .add_transposed(-1.0, &self.at.alpha, &mut self.gap);
     }
 
     /// z = λ_c − (gap + t · change)/a.
@@ -87,7 +100,9 @@ impl<'a> Proximal<'a> {
         let mut z = vec![0.0; self.gap.len()];
         self.trial(0.0, &vec![0.0; self.gap.len()], &mut z);
         let blocks = self.setup.admissible.iter();
-        blocks.map(|(block, range)| State::of_trial(block, &z[range])).collect()
+        blocks
+            .map(|(block, range)| State::of_trial(block, &z[range]))
+            .collect()
     }
 
     /// One Newton step from the states guessed (or those of the trial forces) with the exact length.
@@ -115,7 +130,11 @@ impl<'a> Proximal<'a> {
         // where nothing holds a body it stays
         for z in &system.loose {
             let part = dot(z, &self.at.alpha);
-            target.alpha.iter_mut().zip(z).for_each(|(a, z)| *a += part * z);
+            target
+                .alpha
+                .iter_mut()
+                .zip(z)
+                .for_each(|(a, z)| *a += part * z);
         }
         self.move_towards(target, &states)
     }
@@ -125,7 +144,13 @@ impl<'a> Proximal<'a> {
             centre: &self.centre,
             compliance: &self.compliance,
         };
-        unknowns(&self.setup.admissible, states, Some(anchor), &self.compliance, offset)
+        unknowns(
+            &self.setup.admissible,
+            states,
+            Some(anchor),
+            &self.compliance,
+            offset,
+        )
     }
 
     /// Moves along some directions of α̂ by the exact length; `false` where the load does not drive them.
@@ -137,7 +162,10 @@ impl<'a> Proximal<'a> {
         let mut direction = vec![0.0; rest.len()];
         for z in loose {
             let part = -dot(z, &rest);
-            direction.iter_mut().zip(z).for_each(|(d, z)| *d += part * z);
+            direction
+                .iter_mut()
+                .zip(z)
+                .for_each(|(d, z)| *d += part * z);
         }
         let size = norm(&setup.balance.load).max(norm(&lambda));
         if norm(&direction) <= BALANCED * size {
@@ -188,11 +216,19 @@ impl<'a> Proximal<'a> {
             dot(&mu, &product)
         });
         let mut workspace = Workspace::new(change.len());
+        let size = own.abs() + work.abs() + workspace.size(self, &change);
         let mut slope =
             |t: f64, this: &Self| own + t * further - work - workspace.work(this, t, &change);
         let first = slope(0.0, self);
+        self.steepest = self.steepest.max(first.abs());
+        let settled = settled || first.abs() <= (GAINED * self.steepest).max(ROUNDING * size);
         let whole = settled || slope(1.0, self) <= FLAT * first.abs();
-        let length = if whole { 1.0 } else { zero(1.0, |t| slope(t, self)) };
+        let length = if whole {
+            1.0
+        } else {
+            zero(1.0, |t| slope(t, self))
+        };
+        if std::env::var("TRACE").is_ok() { eprintln!("TR   line first {first:.3e} own {own:.3e} end {:.3e} length {length:.3e} settled {settled} change {:.2e} closed {}", slope(1.0, self), norm(&change), states.iter().filter(|s| s.closed).count()); }
         if whole {
             self.at = target;
         } else {
@@ -224,6 +260,13 @@ impl Workspace {
             z: vec![0.0; m],
             lambda: vec![0.0; m],
         }
+    }
+
+    /// |λ|·|change|.
+    fn size(&mut self, proximal: &Proximal<'_>, change: &[f64]) -> f64 {
+        self.work(proximal, 0.0, change);
+        let terms = self.lambda.iter().zip(change);
+        terms.map(|(l, c)| (l * c).abs()).sum()
     }
 
     /// λ(t)·change.

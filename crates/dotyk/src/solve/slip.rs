@@ -17,14 +17,17 @@
 use crate::dual::{Block, Multipliers};
 use crate::solve::coulomb::fixed_point;
 use crate::solve::levels;
-use crate::solve::newton::{Ended, Search};
+use crate::solve::newton::{Ended, Patience, Search};
 use crate::solve::states::{Anchor, Shear, State, unknowns};
 use crate::solve::system::{Point, System};
 use crate::solve::{FixedBounds, Iterate, Newton, Observer, Outcome, Setup, SolveError};
 use std::collections::HashSet;
 
-/// Most exact steps.
-const EXACT: usize = 14;
+/// Exact steps: their residuals may rise on the way.
+const EXACT: Patience = Patience {
+    steps: 14,
+    factor: f64::INFINITY,
+};
 
 /// First compliance of proximal steps, relative to that of each contact; its factors after a success and a failure.
 const FIRST: f64 = 0.1;
@@ -50,14 +53,16 @@ pub(crate) fn solve(
     let mut search = Search::new(method, setup);
     let mut states = match guess {
         Some(_) => search.states_of_guess(guess)?,
-        None => match levels::start(setup, |method, coarse, tell| solve(method, coarse, None, tell)) {
+        None => match levels::start(setup, |method, coarse, tell| {
+            solve(method, coarse, None, tell)
+        }) {
             Some(start) => search.begin(start),
             None => search.all_closed(),
         },
     };
     hold(setup, &mut states, None);
     let adjust = |next: &mut Vec<State>, before: &[State]| hold(setup, next, Some(before));
-    let ended = match search.exact(states, EXACT, &adjust, observe) {
+    let ended = match search.exact(states, &EXACT, &adjust, observe) {
         Ended::Stuck(states) => proximal(&mut search, states, observe),
         ended => ended,
     };
@@ -109,7 +114,11 @@ fn proximal(search: &mut Search<'_>, states: Vec<State>, observe: Observer<'_>) 
         if search.residual <= search.method.tolerance {
             return Ended::Converged;
         }
-        still = if search.residual < 0.9 * best { 0 } else { still + 1 };
+        still = if search.residual < 0.9 * best {
+            0
+        } else {
+            still + 1
+        };
         best = best.min(search.residual);
         if still > 10 {
             break;
@@ -142,7 +151,13 @@ fn anchored(
             return Inner::Failed;
         }
         let mut offset = vec![0.0; setup.len()];
-        let list = unknowns(&setup.admissible, &states, Some(anchor), anchor.compliance, &mut offset);
+        let list = unknowns(
+            &setup.admissible,
+            &states,
+            Some(anchor),
+            anchor.compliance,
+            &mut offset,
+        );
         let mut system = System::new(setup, &list, &offset);
         search.steps += 1;
         let solved = system.solve(&at, 1e-10);
@@ -182,7 +197,11 @@ fn anchored(
 fn iterate_bounds(mut search: Search<'_>, observe: Observer<'_>) -> Result<Outcome, SolveError> {
     let setup = search.setup;
     let point = &search.point;
-    let finite = point.lambda.iter().chain(&point.alpha).all(|x| x.is_finite());
+    let finite = point
+        .lambda
+        .iter()
+        .chain(&point.alpha)
+        .all(|x| x.is_finite());
     let guess = finite.then(|| setup.multipliers(&point.lambda, &point.alpha));
     let done = search.iterations();
     let mut shifted = |iterate: &Iterate<'_>| {

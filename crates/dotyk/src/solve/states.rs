@@ -174,7 +174,9 @@ pub(crate) fn unknowns(
             if let (Block::Coulomb { coefficient, .. }, Shear::Slip { direction, .. }) =
                 (block, &state.shear)
             {
-                let shear = tangents.clone().zip(direction.iter().map(|s| coefficient * s));
+                let shear = tangents
+                    .clone()
+                    .zip(direction.iter().map(|s| coefficient * s));
                 normal.force.extend(shear);
             }
             unknowns.push(normal);

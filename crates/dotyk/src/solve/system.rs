@@ -99,7 +99,11 @@ impl<'a> System<'a> {
                 self.solve_applied(preconditioner.as_ref(), guess, accuracy)
             }
         }?;
-        let finite = point.lambda.iter().chain(&point.alpha).all(|x| x.is_finite());
+        let finite = point
+            .lambda
+            .iter()
+            .chain(&point.alpha)
+            .all(|x| x.is_finite());
         finite.then_some(point)
     }
 
@@ -154,7 +158,9 @@ impl<'a> System<'a> {
         let mut gap = point.product.clone();
         let shift = &self.setup.problem.shift;
         gap.iter_mut().zip(shift).for_each(|(gap, d)| *gap -= d);
-        self.setup.balance.add_transposed(-1.0, &point.alpha, &mut gap);
+        self.setup
+            .balance
+            .add_transposed(-1.0, &point.alpha, &mut gap);
         let open = self.unknowns.iter().zip(x);
         let right = open.map(|(u, x)| u.pull - along(&u.row, &gap) - u.softness * x);
         let mut rest = vec![0.0; self.setup.modes()];
@@ -213,7 +219,9 @@ impl Factored {
             .collect();
         for b in 0..unknowns.len() {
             let column = whole.col_as_slice_mut(b).iter_mut();
-            column.zip(&scale).for_each(|(value, s)| *value *= s * scale[b]);
+            column
+                .zip(&scale)
+                .for_each(|(value, s)| *value *= s * scale[b]);
         }
         match symmetric {
             true => Self::symmetric(system, whole, scale),
@@ -224,7 +232,9 @@ impl Factored {
     fn symmetric(system: &System<'_>, whole: Mat<f64>, scale: Vec<f64>) -> Option<Self> {
         let (n, k) = (scale.len(), system.rows.len());
         let rows = Mat::from_fn(n, k, |a, j| system.rows[j][a] * scale[a]);
-        let weight: f64 = (0..k).map(|j| dot(rows.col_as_slice(j), rows.col_as_slice(j))).sum();
+        let weight: f64 = (0..k)
+            .map(|j| dot(rows.col_as_slice(j), rows.col_as_slice(j)))
+            .sum();
         let soft = system.unknowns.iter().all(|u| u.softness > 0.0);
         let rho = if weight > 0.0 { n as f64 / weight } else { 0.0 };
         let mut attempts = Vec::new();
@@ -333,7 +343,10 @@ impl Factored {
                     x.iter_mut().zip(column).for_each(|(x, s)| *x += alpha * s);
                 }
                 // the added term pulls with ϱĜᵀ(Ĝλ − ê)
-                alpha.iter_mut().zip(rest).for_each(|(a, rest)| *a -= rho * rest);
+                alpha
+                    .iter_mut()
+                    .zip(rest)
+                    .for_each(|(a, rest)| *a -= rho * rest);
                 x.iter_mut().zip(&self.scale).for_each(|(x, s)| *x *= s);
                 (x, alpha)
             }
@@ -363,7 +376,9 @@ fn coupling(matrix: &Mat<f64>, unknowns: &[Unknown]) -> Mat<f64> {
                 sum.fill(0.0);
                 for &(i, weight) in &unknown.force {
                     let column = matrix.col_as_slice(i).iter();
-                    sum.iter_mut().zip(column).for_each(|(s, f)| *s += weight * f);
+                    sum.iter_mut()
+                        .zip(column)
+                        .for_each(|(s, f)| *s += weight * f);
                 }
                 &sum
             }
@@ -404,7 +419,10 @@ impl System<'_> {
             .iter()
             .map(|u| {
                 let square: f64 = u.force.iter().map(|(_, weight)| weight * weight).sum();
-                let rest = u.force.iter().map(|&(i, w)| w * (guess.lambda[i] - self.offset[i]));
+                let rest = u
+                    .force
+                    .iter()
+                    .map(|&(i, w)| w * (guess.lambda[i] - self.offset[i]));
                 rest.sum::<f64>() / square
             })
             .collect();
@@ -527,7 +545,9 @@ impl System<'_> {
         let own = self.krylov(preconditioner, &right, accuracy)?;
         let rows = self.rows.clone();
         let tight = accuracy.min(1e-10);
-        let columns = rows.iter().map(|row| self.krylov(preconditioner, row, tight));
+        let columns = rows
+            .iter()
+            .map(|row| self.krylov(preconditioner, row, tight));
         let columns: Vec<Vec<f64>> = columns.collect::<Option<_>>()?;
         let forces = &self.forces;
         let schur = Mat::from_fn(k, k, |i, j| dot(&forces[i], &columns[j]));
@@ -630,7 +650,9 @@ struct Null {
 
 impl Null {
     fn new(rows: &[Vec<f64>]) -> Self {
-        let columns = Mat::from_fn(rows.first().map_or(0, Vec::len), rows.len(), |a, j| rows[j][a]);
+        let columns = Mat::from_fn(rows.first().map_or(0, Vec::len), rows.len(), |a, j| {
+            rows[j][a]
+        });
         Self {
             gram: Pseudo::new(&gram(&columns)),
             parts: vec![0.0; rows.len()],
