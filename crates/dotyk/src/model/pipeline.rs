@@ -211,7 +211,7 @@ impl<const D: usize> Model<D> {
         let mut tolerance = self.solver.tolerance;
         let method = self.solver.method;
         let mut attempt = self.run_solver(condensed, method, tolerance, guess, observe)?;
-        let mut judged = judge(self, condensed, &attempt.outcome.multipliers)?;
+        let mut judged = judge(self, condensed, &attempt.outcome.multipliers, None)?;
         for _ in 0..3 {
             if attempt.failure.is_some() || judged.certificate.holds() {
                 break;
@@ -235,7 +235,8 @@ impl<const D: usize> Model<D> {
             }
             let further = self.run_solver(condensed, method, tolerance, Some(&guess), observe)?;
             attempt = attempt.followed_by(further);
-            judged = judge(self, condensed, &attempt.outcome.multipliers)?;
+            let before = Some(&judged);
+            judged = judge(self, condensed, &attempt.outcome.multipliers, before)?;
         }
         Ok((attempt, judged))
     }

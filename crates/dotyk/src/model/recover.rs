@@ -33,6 +33,8 @@ pub(crate) struct Judged<const D: usize> {
     obstacles: Vec<Point<D>>,
     /// Gaps of all multipliers from the displacements.
     pub gaps: Vec<f64>,
+    /// The part of the displacements that strains each body, and the contact forces that cause it.
+    strained: Strained,
     /// What was checked.
     pub certificate: Certificate,
     /// Bodies that touch nothing and carry no load.
@@ -41,11 +43,19 @@ pub(crate) struct Judged<const D: usize> {
     pub overlap: Option<Overlap<D>>,
 }
 
-/// Displacements of all bodies under some contact forces, and their certificate.
+/// Displacements that strain the bodies, and the contact forces of these.
+struct Strained {
+    displacements: Vec<Vec<f64>>,
+    lambda: Vec<f64>,
+}
+
+/// Displacements of all bodies under some contact forces, and their certificate; if some were found `before`, as what comes
+/// to these: rounding, which a slender body magnifies, is then the same in both, and a correction does what it should.
 pub(crate) fn judge<const D: usize>(
     model: &Model<D>,
     condensed: &Condensed<D>,
     multipliers: &Multipliers,
+    before: Option<&Judged<D>>,
 ) -> Result<Judged<D>, Error<D>> {
     let Condensed {
         bodies,
@@ -59,7 +69,12 @@ pub(crate) fn judge<const D: usize>(
     let elastic: Vec<Vec<f64>> = bodies
         .par_iter()
         .zip(factored)
-        .map(|(body, factored)| elastic_displacement(body, factored, lambda))
+        .enumerate()
+        .map(|(index, (body, factored))| {
+            let before = before.map(|judged| &judged.strained);
+            let before = before.map(|s| (&s.displacements[index][..], &s.lambda[..]));
+            elastic_displacement(body, factored, lambda, before)
+        })
         .collect();
     let mut rigid: Vec<Vec<f64>> = bodies
         .iter()
@@ -125,6 +140,10 @@ pub(crate) fn judge<const D: usize>(
         states,
         obstacles,
         gaps,
+        strained: Strained {
+            displacements: elastic,
+            lambda: lambda.clone(),
+        },
         certificate,
         hovering,
         overlap,
@@ -326,20 +345,24 @@ impl<const D: usize> Judged<D> {
     }
 }
 
-/// u_D + K⁺(f − K u_D − Bᵀλ) less the rigid motion that u_D contains: the part that strains the body.
+/// u_D + K⁺(f − K u_D − Bᵀλ) less the rigid motion that u_D contains: the part that strains the body. In one solve: load
+/// and contact forces alone may each bend a slender body far more than both together. `before` are a displacement and its
+/// contact forces to go on from.
 fn elastic_displacement<const D: usize>(
     body: &LoadedBody<D>,
     factored: &FactoredBody,
     lambda: &[f64],
+    before: Option<(&[f64], &[f64])>,
 ) -> Vec<f64> {
-    let mut u = factored.base.clone();
-    if !body.rows.index.is_empty() {
-        let local: Vec<f64> = body.rows.index.iter().map(|&row| lambda[row]).collect();
-        let mut push = vec![0.0; u.len()];
-        body.rows.matrix.mul_transpose_add(&local, &mut push);
-        factored.factor.solve(&mut push);
-        u.iter_mut().zip(&push).for_each(|(u, p)| *u -= p);
-    }
+    let push = |row: usize| before.map_or(0.0, |(_, before)| before[row]) - lambda[row];
+    let push: Vec<f64> = body.rows.index.iter().map(|&row| push(row)).collect();
+    let (mut u, base) = match before {
+        Some((displacement, _)) => (vec![0.0; displacement.len()], displacement),
+        None => (body.reduced_load.clone(), &body.system.lift[..]),
+    };
+    body.rows.matrix.mul_transpose_add(&push, &mut u);
+    factored.factor.solve(&mut u);
+    u.iter_mut().zip(base).for_each(|(u, base)| *u += base);
     u
 }
 

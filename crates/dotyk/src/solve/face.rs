@@ -163,11 +163,6 @@ impl Face {
     }
 }
 
-/// Whether some forces on the face, of any sign, balance the load.
-pub(crate) fn carries(setup: &Setup<'_>, active: &[bool]) -> bool {
-    restore(setup, active, &mut vec![0.0; setup.len()])
-}
-
 /// Replaces `forces` by the nearest ones with Ĝλ = ê that differ on the face only; `false` where there are none.
 ///
 /// Outside the face they stay as they are where friction may load them, else they become zero.

@@ -69,6 +69,9 @@ const LEAST: f64 = 1e-10;
 /// Centres without a residual of half the size that end the search.
 const PATIENCE: usize = 4;
 
+/// Most products with a compliance that is not assembled: where these do not do, the problem is too badly conditioned.
+const PRODUCTS: usize = 20_000;
+
 /// Forces below this part of the largest are rounding of the linear solves.
 const ROUNDING: f64 = 1e-14;
 
@@ -253,6 +256,11 @@ impl<'a> Search<'a> {
         self.steps + self.coarse.ceil() as usize
     }
 
+    /// Whether the work allowed is done.
+    pub fn exhausted(&self) -> bool {
+        self.steps >= self.method.max_iterations || self.products >= PRODUCTS
+    }
+
     fn softness(&self) -> &'a [f64] {
         &self.setup.problem.softness
     }
@@ -302,7 +310,7 @@ impl<'a> Search<'a> {
         let mut seen = HashSet::new();
         let mut last = f64::INFINITY;
         for _ in 0..patience.steps {
-            if self.steps >= self.method.max_iterations || !self.exact_step(&states) {
+            if self.exhausted() || !self.exact_step(&states) {
                 return Ended::Stuck(states);
             }
             if self.tell(observe) {
@@ -325,7 +333,8 @@ impl<'a> Search<'a> {
             if repeated && passes {
                 return Ended::Converged;
             }
-            let falls = self.residual <= patience.factor * std::mem::replace(&mut last, self.residual);
+            let falls =
+                self.residual <= patience.factor * std::mem::replace(&mut last, self.residual);
             if repeated || same || !falls {
                 return Ended::Stuck(next);
             }
@@ -358,7 +367,6 @@ impl<'a> Search<'a> {
         self.point = point;
         self.drop_rounding();
         self.judge();
-        if std::env::var("TRACE").is_ok() { eprintln!("TR exact m {} res {:.3e} closed {} loose {}", setup.len(), self.residual, states.iter().filter(|s| s.closed).count(), loose.len()); }
         if !loose.is_empty() {
             let mut open = vec![false; setup.len()];
             for (state, (_, range)) in states.iter().zip(setup.admissible.iter()) {
@@ -467,13 +475,12 @@ impl<'a> Search<'a> {
             let compliance = local.iter().map(|c| part * c).collect();
             let mut proximal = Proximal::new(setup, centre, compliance, at);
             loop {
-                if self.steps >= self.method.max_iterations {
+                if self.exhausted() {
                     return Ended::Stuck(proximal.states());
                 }
                 let progress = proximal.step(guessed.take(), self.accuracy);
                 self.steps += 1;
                 self.show(&proximal);
-                if std::env::var("TRACE").is_ok() { eprintln!("TR prox m {} part {part:.1e} res {:.3e} {} closed {} alpha {:.2e} acc {:.0e}", setup.len(), self.residual, match progress {Progress::Moved=>"moved",Progress::Minimal=>"minimal",Progress::Singular=>"singular"}, proximal.states().iter().filter(|s| s.closed).count(), crate::solve::norm(&self.point.alpha), self.accuracy); }
                 if self.tell(observe) {
                     return Ended::Stopped;
                 }

@@ -228,7 +228,6 @@ impl<'a> Proximal<'a> {
         } else {
             zero(1.0, |t| slope(t, self))
         };
-        if std::env::var("TRACE").is_ok() { eprintln!("TR   line first {first:.3e} own {own:.3e} end {:.3e} length {length:.3e} settled {settled} change {:.2e} closed {}", slope(1.0, self), norm(&change), states.iter().filter(|s| s.closed).count()); }
         if whole {
             self.at = target;
         } else {

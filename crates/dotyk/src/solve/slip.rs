@@ -82,7 +82,7 @@ fn proximal(search: &mut Search<'_>, states: Vec<State>, observe: Observer<'_>) 
     let mut states = states;
     let mut part = FIRST;
     let (mut best, mut still) = (f64::INFINITY, 0);
-    while part <= LARGEST && search.steps < search.method.max_iterations {
+    while part <= LARGEST && !search.exhausted() {
         let compliance: Vec<f64> = setup.problem.softness.iter().map(|c| part * c).collect();
         let anchor = Anchor {
             centre: &centre,
@@ -147,7 +147,7 @@ fn anchored(
     let mut seen = HashSet::new();
     let mut at = at.clone();
     for _ in 0..INNER {
-        if search.steps >= search.method.max_iterations {
+        if search.exhausted() {
             return Inner::Failed;
         }
         let mut offset = vec![0.0; setup.len()];

@@ -34,6 +34,9 @@ const SHIFT: f64 = 1e-10;
 /// Most corrections of a solution; a shifted matrix needs more of them than rounding.
 const CORRECTIONS: usize = 8;
 
+/// Most conjugate gradients of one linear problem.
+const CONJUGATE: usize = 500;
+
 /// Vectors that minimal residuals keep.
 const KRYLOV: usize = 60;
 
@@ -492,7 +495,7 @@ impl System<'_> {
         null.project(&self.rows, &mut z);
         let mut direction = z.clone();
         let mut slope = dot(&residual, &z);
-        for _ in 0..2 * n + 50 {
+        for _ in 0..CONJUGATE.min(2 * n + 50) {
             if norm(&residual) <= goal || slope <= 0.0 {
                 break;
             }
