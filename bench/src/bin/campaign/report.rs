@@ -1,0 +1,189 @@
+//! What a campaign found.
+
+use crate::problem::Known;
+use crate::run::{Result, Verdict};
+use std::collections::BTreeMap;
+
+/// All results, counted.
+pub struct Report<'a> {
+    results: &'a [Result],
+    seconds: f64,
+}
+
+/// Counts of one family.
+#[derive(Default)]
+struct Count {
+    right: usize,
+    wrong: usize,
+    rightly_refused: usize,
+    not_converged: usize,
+    refused: usize,
+    panicked: usize,
+    slow: usize,
+    /// Of the last three but panics: those that statics says can be held.
+    holdable: usize,
+}
+
+impl<'a> Report<'a> {
+    /// Of results in the order of their seeds.
+    pub fn new(results: &'a [Result], seconds: f64) -> Self {
+        Self { results, seconds }
+    }
+
+    /// Nothing certified is wrong, and nothing panics.
+    pub fn clean(&self) -> bool {
+        let bad = |r: &Result| matches!(r.verdict, Verdict::Wrong | Verdict::Panicked);
+        !self.results.iter().any(bad)
+    }
+
+    /// Prints it.
+    pub fn print(&self, margins: bool) {
+        self.print_failures();
+        self.print_families();
+        self.print_iterations();
+        self.print_comparisons();
+        if margins {
+            self.print_margins();
+        }
+        self.print_seconds();
+    }
+
+    fn print_failures(&self) {
+        for result in self.results {
+            let kind = match result.verdict {
+                Verdict::Wrong => "WRONG",
+                Verdict::Panicked => "PANIC",
+                _ => continue,
+            };
+            println!("{kind} {:>6} {:<14} {}", result.seed, result.family, result.message);
+        }
+        for result in self.results {
+            let lost = matches!(result.verdict, Verdict::NotConverged | Verdict::Refused);
+            if lost && result.known == Known::Holds {
+                println!("not converged {:>6} {:<14} {}", result.seed, result.family, result.message);
+            }
+        }
+        for result in self.results {
+            if result.verdict == Verdict::Slow {
+                println!("slow {:>6} {:<14} {}", result.seed, result.family, result.message);
+            }
+            if result.verdict == Verdict::Refused && result.known == Known::Open {
+                println!("refused {:>6} {:<14} {}", result.seed, result.family, result.message);
+            }
+            if result.verdict == Verdict::NotConverged && result.known == Known::Open {
+                println!("unknown, not converged {:>6} {:<14} {}", result.seed, result.family, result.message);
+            }
+            if result.verdict == Verdict::Right && !result.message.is_empty() {
+                println!("twin {:>6} {:<14} {}", result.seed, result.family, result.message);
+            }
+        }
+    }
+
+    fn print_families(&self) {
+        let mut counts: BTreeMap<&str, Count> = BTreeMap::new();
+        for result in self.results {
+            for name in [result.family, "~ all"] {
+                let count = counts.entry(name).or_default();
+                match result.verdict {
+                    Verdict::Right => count.right += 1,
+                    Verdict::Wrong => count.wrong += 1,
+                    Verdict::RightlyRefused => count.rightly_refused += 1,
+                    Verdict::NotConverged => count.not_converged += 1,
+                    Verdict::Refused => count.refused += 1,
+                    Verdict::Panicked => count.panicked += 1,
+                    Verdict::Slow => count.slow += 1,
+                }
+                let lost = matches!(result.verdict, Verdict::NotConverged | Verdict::Refused);
+                count.holdable += usize::from(lost && result.known == Known::Holds);
+            }
+        }
+        println!(
+            "\n{:<14} {:>7} {:>7} {:>15} {:>13} {:>8} {:>10} {:>5} {:>7}",
+            "family", "right", "WRONG", "rightly refused", "not converged", "refused", "(holdable)", "slow", "panics"
+        );
+        for (name, c) in counts {
+            println!(
+                "{name:<14} {:>7} {:>7} {:>15} {:>13} {:>8} {:>10} {:>5} {:>7}",
+                c.right, c.wrong, c.rightly_refused, c.not_converged, c.refused, c.holdable, c.slow, c.panicked
+            );
+        }
+    }
+
+    fn print_iterations(&self) {
+        println!();
+        for (name, rough) in [("frictionless", false), ("friction", true)] {
+            let chosen = self.results.iter().filter(|r| r.rough == rough);
+            let mut iterations: Vec<usize> = chosen.flat_map(|r| r.iterations.iter().copied()).collect();
+            iterations.sort_unstable();
+            if let Some(last) = iterations.last() {
+                let at = |part: f64| iterations[(part * (iterations.len() - 1) as f64) as usize];
+                println!(
+                    "iterations, {name}: {} steps, median {}, 99 % {}, most {last}",
+                    iterations.len(),
+                    at(0.5),
+                    at(0.99)
+                );
+            }
+        }
+    }
+
+    fn print_comparisons(&self) {
+        let mut twins: BTreeMap<&str, Vec<f64>> = BTreeMap::new();
+        for (name, off) in self.results.iter().filter_map(|r| r.twin) {
+            twins.entry(name).or_default().push(off);
+        }
+        for (name, offs) in twins {
+            let lost = offs.iter().filter(|o| o.is_nan()).count();
+            let apart = offs.iter().filter(|o| **o > 1e-6).count();
+            let most = offs.iter().copied().filter(|o| !o.is_nan()).fold(0.0, f64::max);
+            println!(
+                "twins, {name}: {} asked, {lost} without an answer, {apart} apart by more than 1e-6 (where answers may differ), most {most:.1e}",
+                offs.len()
+            );
+        }
+        let methods: Vec<(u64, f64)> =
+            self.results.iter().filter_map(|r| Some((r.seed, r.method?))).collect();
+        let lost = methods.iter().filter(|m| m.1.is_nan()).count();
+        let most = methods.iter().filter(|m| !m.1.is_nan()).max_by(|a, b| a.1.total_cmp(&b.1));
+        if let Some((seed, most)) = most {
+            println!(
+                "method `accelerated`: {} asked, {lost} not converged, contact forces apart by at most {most:.1e} (seed {seed})",
+                methods.len()
+            );
+        }
+    }
+
+    fn print_margins(&self) {
+        let mut all: BTreeMap<&str, Vec<(f64, u64)>> = BTreeMap::new();
+        for result in self.results {
+            for (&what, &times) in &result.margins {
+                all.entry(what).or_default().push((times, result.seed));
+            }
+        }
+        println!("\nviolations over their limits: median, 90 %, 99 %, most (seed)");
+        for (what, mut list) in all {
+            list.sort_by(|a, b| a.0.total_cmp(&b.0));
+            let at = |part: f64| list[(part * (list.len() - 1) as f64) as usize];
+            let (most, seed) = at(1.0);
+            println!(
+                "{what:<14} {:>6} seeds {:>9.1e} {:>9.1e} {:>9.1e} {most:>9.1e} ({seed})",
+                list.len(),
+                at(0.5).0,
+                at(0.9).0,
+                at(0.99).0
+            );
+        }
+    }
+
+    fn print_seconds(&self) {
+        let mut slow: Vec<&Result> = self.results.iter().collect();
+        slow.sort_by(|a, b| b.seconds.total_cmp(&a.seconds));
+        let slowest: Vec<String> = slow
+            .iter()
+            .take(5)
+            .map(|r| format!("{} {} {:.1} s ({} dofs)", r.seed, r.family, r.seconds, r.dofs))
+            .collect();
+        println!("slowest: {}", slowest.join(", "));
+        println!("{} seeds in {:.1} s", self.results.len(), self.seconds);
+    }
+}
