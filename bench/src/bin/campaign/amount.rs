@@ -65,12 +65,16 @@ impl Amount {
     /// Value at a point and a time.
     pub fn at(&self, x: Vector, t: f64) -> f64 {
         let terms = self.0.iter();
-        terms.map(|term| (term.constant + dot(term.slope, x)) * term.time.at(t)).sum()
+        terms
+            .map(|term| (term.constant + dot(term.slope, x)) * term.time.at(t))
+            .sum()
     }
 
     /// It is zero everywhere and always.
     pub fn is_zero(&self) -> bool {
-        self.0.iter().all(|term| term.constant == 0.0 && term.slope == [0.0; 2])
+        self.0
+            .iter()
+            .all(|term| term.constant == 0.0 && term.slope == [0.0; 2])
     }
 
     /// factor times the same at places that were moved from x to `lengths`·Qx, Q a rotation by an angle.

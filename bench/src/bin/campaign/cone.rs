@@ -126,7 +126,9 @@ mod tests {
             let mut sum = [0.0; 3];
             for column in &many {
                 let factor = random.unit();
-                sum.iter_mut().zip(column).for_each(|(s, c)| *s += factor * c);
+                sum.iter_mut()
+                    .zip(column)
+                    .for_each(|(s, c)| *s += factor * c);
             }
             assert!(distance(&many, sum) < 1e-11 * size(&sum));
             // all edges lie in the upper half space: nothing below the plane y = 0 is near

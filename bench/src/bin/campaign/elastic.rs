@@ -19,10 +19,9 @@ use std::f64::consts::TAU;
 /// Nodal forces of the stresses of a body.
 pub struct Internal {
     pub forces: Vec<Vector>,
-    /// Σ|K||u| at each node: rounding of the displacements shows in the forces with this times 2⁻⁵³.
+    /// Σ|K||u| at each node: rounding of the displacements shows in the forces with this times 2⁻⁵³. No displacement counts
+    /// less than the least one asked for.
     pub magnitudes: Vec<f64>,
-    /// Largest principal stress by magnitude, roughly: the largest component in any cell.
-    pub stress: f64,
 }
 
 /// The matrix of Hooke's law on (εxx, εyy, 2εxy, ε_θθ).
@@ -42,7 +41,11 @@ fn hooke(body: &Body, analysis: Analysis) -> [[f64; 4]; 4] {
         _ => {
             let c = e / ((1.0 + v) * (1.0 - 2.0 * v));
             let (a, b) = (c * (1.0 - v), c * v);
-            let hoop = if analysis.axisymmetric() { [a, b] } else { [0.0; 2] };
+            let hoop = if analysis.axisymmetric() {
+                [a, b]
+            } else {
+                [0.0; 2]
+            };
             [
                 [a, b, 0.0, hoop[1]],
                 [b, a, 0.0, hoop[1]],
@@ -87,8 +90,12 @@ fn station(mesh: &Mesh, cell: usize, xi: Vector, weight: f64) -> Station {
     let [[a, b], [c, d]] = jacobian;
     let volume = a * d - b * c;
     // gradients by the inverse transpose of the Jacobian
-    let gradient =
-        |s: &Vector| [(d * s[0] - c * s[1]) / volume, (a * s[1] - b * s[0]) / volume];
+    let gradient = |s: &Vector| {
+        [
+            (d * s[0] - c * s[1]) / volume,
+            (a * s[1] - b * s[0]) / volume,
+        ]
+    };
     Station {
         x,
         gradients: slopes.iter().map(gradient).collect(),
@@ -98,19 +105,26 @@ fn station(mesh: &Mesh, cell: usize, xi: Vector, weight: f64) -> Station {
 }
 
 /// Nodal forces of the stresses that displacements cause.
-pub fn internal(mesh: &Mesh, body: &Body, analysis: Analysis, moves: &[Vector]) -> Internal {
+pub fn internal(
+    mesh: &Mesh,
+    body: &Body,
+    analysis: Analysis,
+    moves: &[Vector],
+    least: f64,
+) -> Internal {
     let axisymmetric = analysis.axisymmetric();
     let law = hooke(body, analysis);
     let stiff = law.iter().flatten().fold(0.0, |s: f64, c| s.max(*c));
     let mut out = Internal {
         forces: vec![[0.0; 2]; moves.len()],
         magnitudes: vec![0.0; moves.len()],
-        stress: 0.0,
     };
     for (cell, (kind, nodes)) in mesh.cells.iter().enumerate() {
         // a translation of the cell strains nothing: without it less is rounded
         let first = moves[nodes[0]];
-        let largest = nodes.iter().fold(0.0, |s: f64, &n| s.max(length(moves[n])));
+        let largest = nodes
+            .iter()
+            .fold(least, |s: f64, &n| s.max(length(moves[n])));
         for (xi, weight) in kind.rule(axisymmetric) {
             let at = station(mesh, cell, xi, weight);
             let volume = at.area * depth(body, analysis, at.x);
@@ -128,7 +142,6 @@ pub fn internal(mesh: &Mesh, body: &Body, analysis: Analysis, moves: &[Vector]) 
             }
             let stress: [f64; 4] =
                 std::array::from_fn(|i| (0..4).map(|j| law[i][j] * strain[j]).sum());
-            out.stress = stress.iter().fold(out.stress, |s, c| s.max(c.abs()));
             for ((&node, g), n) in nodes.iter().zip(&at.gradients).zip(&at.shape) {
                 let mut force = [
                     stress[0] * g[0] + stress[2] * g[1],
@@ -345,7 +358,10 @@ mod tests {
             sides: BTreeMap::new(),
         };
         let add = |mesh: &mut Mesh, x: Vector| {
-            let found = mesh.points.iter().position(|p| length(minus(*p, x)) < 1e-12);
+            let found = mesh
+                .points
+                .iter()
+                .position(|p| length(minus(*p, x)) < 1e-12);
             found.unwrap_or_else(|| {
                 mesh.points.push(x);
                 mesh.points.len() - 1
@@ -394,20 +410,24 @@ mod tests {
                     .iter()
                     .map(|&x| plus([across, -0.7], turn, turned(x)))
                     .collect();
-                let found = internal(&mesh, &body, analysis, &rigid);
+                let found = internal(&mesh, &body, analysis, &rigid, 0.0);
                 assert!(found.forces.iter().all(|&f| length(f) < 1e-13), "{kind:?}");
                 let any: Vec<Vector> = mesh
                     .points
                     .iter()
                     .map(|x| [(3.0 * x[0] * x[1]).sin(), x[0] * x[0] - 0.4 * x[1]])
                     .collect();
-                let found = internal(&mesh, &body, analysis, &any);
+                let found = internal(&mesh, &body, analysis, &any, 0.0);
                 let sum = found.forces.iter().fold([0.0; 2], |s, &f| plus(s, 1.0, f));
                 let largest = found.forces.iter().fold(0.0, |s: f64, &f| s.max(length(f)));
                 assert!(sum[1].abs() < 1e-13 * largest);
                 if !analysis.axisymmetric() {
-                    let moment: f64 =
-                        mesh.points.iter().zip(&found.forces).map(|(&x, &f)| cross(x, f)).sum();
+                    let moment: f64 = mesh
+                        .points
+                        .iter()
+                        .zip(&found.forces)
+                        .map(|(&x, &f)| cross(x, f))
+                        .sum();
                     assert!(sum[0].abs() < 1e-13 * largest && moment.abs() < 1e-12 * largest);
                 }
             }
@@ -426,7 +446,7 @@ mod tests {
                     .iter()
                     .map(|x| [a * x[0] + c * x[1], c * x[0] + b * x[1]])
                     .collect();
-                let found = internal(&mesh, &body, analysis, &linear);
+                let found = internal(&mesh, &body, analysis, &linear, 0.0);
                 let (e, v) = (body.young, body.poisson);
                 let across = match analysis {
                     Analysis::PlaneStress => e / (1.0 - v * v) * (b + v * a),
@@ -447,7 +467,10 @@ mod tests {
                     false => 2.0 - 1.0 / 3.0,
                 };
                 let area = share * body.thickness;
-                assert!((top[1] - across * area).abs() < 1e-13, "{kind:?} {analysis:?}");
+                assert!(
+                    (top[1] - across * area).abs() < 1e-13,
+                    "{kind:?} {analysis:?}"
+                );
                 assert!((top[0] - shear * area).abs() < 1e-13);
             }
         }
@@ -460,7 +483,7 @@ mod tests {
             let (mesh, body) = (patch(kind), body(kind));
             let (a, c) = (0.01, -0.03);
             let linear: Vec<Vector> = mesh.points.iter().map(|x| [a * x[0], c * x[1]]).collect();
-            let found = internal(&mesh, &body, Analysis::Axisymmetric, &linear);
+            let found = internal(&mesh, &body, Analysis::Axisymmetric, &linear, 0.0);
             let (e, v) = (body.young, body.poisson);
             let factor = e / ((1.0 + v) * (1.0 - 2.0 * v));
             let along = factor * ((1.0 - v) * c + 2.0 * v * a);
@@ -489,7 +512,8 @@ mod tests {
                 .iter()
                 .flat_map(|(kind, nodes)| {
                     let corners = if kind.triangle() { 3 } else { 4 };
-                    (0..corners).map(|k| kind.facet(k).iter().map(|&i| nodes[i]).collect::<Vec<_>>())
+                    (0..corners)
+                        .map(|k| kind.facet(k).iter().map(|&i| nodes[i]).collect::<Vec<_>>())
                 })
                 .filter(|facet: &Vec<usize>| facet.iter().all(|&n| mesh.points[n][1] > 1.99))
                 .collect();

@@ -17,6 +17,8 @@ mod check;
 mod cone;
 mod elastic;
 mod families;
+#[cfg(test)]
+mod mutations;
 mod plane;
 mod problem;
 mod random;
@@ -66,7 +68,10 @@ fn options(mut words: impl Iterator<Item = String>) -> Result<Options, String> {
     };
     while let Some(word) = words.next() {
         let mut value = || words.next().ok_or_else(|| format!("{word} needs a value"));
-        let number = |text: String| text.parse::<u64>().map_err(|_| format!("{text} is no number"));
+        let number = |text: String| {
+            text.parse::<u64>()
+                .map_err(|_| format!("{text} is no number"))
+        };
         match word.as_str() {
             "--seeds" => {
                 let text = value()?;
@@ -81,7 +86,8 @@ fn options(mut words: impl Iterator<Item = String>) -> Result<Options, String> {
             "--family" => {
                 let name = value()?;
                 if !families::FAMILIES.iter().any(|(family, _)| *family == name) {
-                    let known: Vec<&str> = families::FAMILIES.iter().map(|(name, _)| *name).collect();
+                    let known: Vec<&str> =
+                        families::FAMILIES.iter().map(|(name, _)| *name).collect();
                     return Err(format!("no family {name}; there are {}", known.join(", ")));
                 }
                 options.family = Some(name);

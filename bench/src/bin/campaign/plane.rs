@@ -89,7 +89,8 @@ pub fn fitted_motion(
     axisymmetric: bool,
 ) -> (Vector, Vector, f64) {
     let n = points.len().max(1) as f64;
-    let mean = |list: &[Vector]| times(1.0 / n, list.iter().fold([0.0; 2], |s, &v| plus(s, 1.0, v)));
+    let mean =
+        |list: &[Vector]| times(1.0 / n, list.iter().fold([0.0; 2], |s, &v| plus(s, 1.0, v)));
     let (centre, shift) = (mean(points), mean(moves));
     if axisymmetric {
         return (centre, [0.0, shift[1]], 0.0);
@@ -100,15 +101,18 @@ pub fn fitted_motion(
         turn += cross(arm, minus(u, shift));
         inertia += dot(arm, arm);
     }
-    (centre, shift, if inertia > 0.0 { turn / inertia } else { 0.0 })
+    (
+        centre,
+        shift,
+        if inertia > 0.0 { turn / inertia } else { 0.0 },
+    )
 }
 
 /// Displacements without the rigid motion that fits them best.
 pub fn without_motion(points: &[Vector], moves: &[Vector], axisymmetric: bool) -> Vec<Vector> {
     let (centre, shift, turn) = fitted_motion(points, moves, axisymmetric);
-    let rest = |(&x, &u): (&Vector, &Vector)| {
-        plus(minus(u, shift), -turn, turned(minus(x, centre)))
-    };
+    let rest =
+        |(&x, &u): (&Vector, &Vector)| plus(minus(u, shift), -turn, turned(minus(x, centre)));
     points.iter().zip(moves).map(rest).collect()
 }
 

@@ -3,7 +3,7 @@
 //! Generators write it, the checker reads from it what acts, what is held and what touches what. Meshes are described
 //! here, not made: the checker takes points, cells and sides from the program's mesh.
 
-use crate::amount::{Amount, Time};
+use crate::amount::Amount;
 use crate::cells::Kind;
 use crate::plane::Vector;
 use std::fmt::Write;
@@ -60,7 +60,11 @@ pub enum Shape {
         ratio: f64,
     },
     /// Triangles inside a path.
-    Outline { size: f64, from: Vector, edges: Vec<Edge> },
+    Outline {
+        size: f64,
+        from: Vector,
+        edges: Vec<Edge>,
+    },
     /// Triangles inside a circle, whose side is "round".
     Disc {
         size: f64,
@@ -177,8 +181,14 @@ pub enum Drive {
 #[derive(Debug, Clone)]
 pub enum Against {
     /// The other side; named `nonmortar` and `mortar`, or only `sides`.
-    Side { side: Side, chosen: bool },
-    Obstacle { surface: Surface, drive: Drive },
+    Side {
+        side: Side,
+        chosen: bool,
+    },
+    Obstacle {
+        surface: Surface,
+        drive: Drive,
+    },
 }
 
 /// How sides are coupled.
@@ -247,6 +257,10 @@ pub struct Problem {
     pub known: Known,
     /// Why that is known, for the report.
     pub reason: String,
+    /// The pressure of all contacts, where it is known to be the same everywhere.
+    pub uniform: Option<Amount>,
+    /// Round bodies may spin: polygons let them spin by what rounding decides, until the next node touches.
+    pub spins: bool,
     pub method: &'static str,
 }
 
@@ -282,7 +296,10 @@ impl Problem {
             write_contact(&mut out, contact);
         }
         if self.method != "auto" {
-            line(&mut out, format_args!("\n[solver]\nmethod = \"{}\"", self.method));
+            line(
+                &mut out,
+                format_args!("\n[solver]\nmethod = \"{}\"", self.method),
+            );
         }
         if self.times != [1.0] {
             for time in &self.times {
@@ -299,7 +316,10 @@ fn line(out: &mut String, text: std::fmt::Arguments<'_>) {
 }
 
 fn write_body(out: &mut String, body: &Body, analysis: Analysis) {
-    line(out, format_args!("\n[[body]]\nname     = \"{}\"", body.name));
+    line(
+        out,
+        format_args!("\n[[body]]\nname     = \"{}\"", body.name),
+    );
     let patches: Vec<String> = body
         .patches
         .iter()
@@ -406,9 +426,16 @@ fn shape(body: &Body) -> String {
 }
 
 fn edge(edge: &Edge) -> String {
-    let arc = edge.center.map_or(String::new(), |c| format!(", center = {c:?}"));
-    let cells = edge.cells.map_or(String::new(), |n| format!(", cells = {n}"));
-    format!("{{ to = {:?}, name = \"{}\"{arc}{cells} }}", edge.to, edge.name)
+    let arc = edge
+        .center
+        .map_or(String::new(), |c| format!(", center = {c:?}"));
+    let cells = edge
+        .cells
+        .map_or(String::new(), |n| format!(", cells = {n}"));
+    format!(
+        "{{ to = {:?}, name = \"{}\"{arc}{cells} }}",
+        edge.to, edge.name
+    )
 }
 
 fn support(support: &Support) -> String {
@@ -443,7 +470,10 @@ fn pair(field: &[Amount; 2]) -> String {
 
 fn write_contact(out: &mut String, contact: &Contact) {
     let own = format!("{}.{}", contact.own.body, contact.own.side);
-    line(out, format_args!("\n[[contact]]\nname      = \"{}\"", contact.name));
+    line(
+        out,
+        format_args!("\n[[contact]]\nname      = \"{}\"", contact.name),
+    );
     match &contact.against {
         Against::Side { side, chosen } => {
             let other = format!("{}.{}", side.body, side.side);
@@ -494,7 +524,10 @@ fn write_contact(out: &mut String, contact: &Contact) {
         Law::Frictionless => {}
         Law::Coulomb(value) => line(out, format_args!("friction  = {}", value.text())),
         Law::Tresca(value) => {
-            line(out, format_args!("friction  = {{ tresca = {} }}", value.text()));
+            line(
+                out,
+                format_args!("friction  = {{ tresca = {} }}", value.text()),
+            );
         }
         Law::Tied => line(out, format_args!("tied      = true")),
     }
@@ -533,17 +566,4 @@ pub fn on(side: &str) -> Place {
 /// Times 1, 2, .. of some steps.
 pub fn steps(count: usize) -> Vec<f64> {
     (1..=count).map(|step| step as f64).collect()
-}
-
-/// Constant in a problem of one step, else one of some histories with that largest value: growing, waving, constant.
-pub fn history(random: &mut crate::random::Random, largest: f64, count: usize) -> Amount {
-    if count == 1 {
-        return Amount::from(largest);
-    }
-    let time = match random.count(0, 2) {
-        0 => Time::Line(0.0, 1.0 / count as f64),
-        1 => Time::Wave(random.between(0.5, 2.5), random.between(0.0, 6.0)),
-        _ => Time::Always,
-    };
-    Amount::timed(largest, time)
 }

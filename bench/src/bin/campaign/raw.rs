@@ -45,6 +45,8 @@ pub struct Row {
 pub struct Contact {
     pub nonmortar: (usize, String),
     pub rows: Vec<Row>,
+    /// Force on the nonmortar body.
+    pub resultant: Vector,
 }
 
 /// One load step that the program calls converged.
@@ -53,9 +55,13 @@ pub struct Step {
     pub time: f64,
     /// Of every node of every body, in the order of the problem.
     pub displacements: Vec<Vec<Vector>>,
+    /// Force of its supports on each body.
+    pub reactions: Vec<Vector>,
     /// In the order of the problem.
     pub contacts: Vec<Contact>,
     pub iterations: usize,
+    /// The program warns that it dropped conditions: for the report, the checker does not ask.
+    pub dropped: bool,
 }
 
 /// All of it.

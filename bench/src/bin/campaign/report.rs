@@ -55,26 +55,44 @@ impl<'a> Report<'a> {
                 Verdict::Panicked => "PANIC",
                 _ => continue,
             };
-            println!("{kind} {:>6} {:<14} {}", result.seed, result.family, result.message);
+            println!(
+                "{kind} {:>6} {:<14} {}",
+                result.seed, result.family, result.message
+            );
         }
         for result in self.results {
             let lost = matches!(result.verdict, Verdict::NotConverged | Verdict::Refused);
             if lost && result.known == Known::Holds {
-                println!("not converged {:>6} {:<14} {}", result.seed, result.family, result.message);
+                println!(
+                    "not converged {:>6} {:<14} {}",
+                    result.seed, result.family, result.message
+                );
             }
         }
         for result in self.results {
             if result.verdict == Verdict::Slow {
-                println!("slow {:>6} {:<14} {}", result.seed, result.family, result.message);
+                println!(
+                    "slow {:>6} {:<14} {}",
+                    result.seed, result.family, result.message
+                );
             }
             if result.verdict == Verdict::Refused && result.known == Known::Open {
-                println!("refused {:>6} {:<14} {}", result.seed, result.family, result.message);
+                println!(
+                    "refused {:>6} {:<14} {}",
+                    result.seed, result.family, result.message
+                );
             }
             if result.verdict == Verdict::NotConverged && result.known == Known::Open {
-                println!("unknown, not converged {:>6} {:<14} {}", result.seed, result.family, result.message);
+                println!(
+                    "unknown, not converged {:>6} {:<14} {}",
+                    result.seed, result.family, result.message
+                );
             }
             if result.verdict == Verdict::Right && !result.message.is_empty() {
-                println!("twin {:>6} {:<14} {}", result.seed, result.family, result.message);
+                println!(
+                    "twin {:>6} {:<14} {}",
+                    result.seed, result.family, result.message
+                );
             }
         }
     }
@@ -99,12 +117,27 @@ impl<'a> Report<'a> {
         }
         println!(
             "\n{:<14} {:>7} {:>7} {:>15} {:>13} {:>8} {:>10} {:>5} {:>7}",
-            "family", "right", "WRONG", "rightly refused", "not converged", "refused", "(holdable)", "slow", "panics"
+            "family",
+            "right",
+            "WRONG",
+            "rightly refused",
+            "not converged",
+            "refused",
+            "(holdable)",
+            "slow",
+            "panics"
         );
         for (name, c) in counts {
             println!(
                 "{name:<14} {:>7} {:>7} {:>15} {:>13} {:>8} {:>10} {:>5} {:>7}",
-                c.right, c.wrong, c.rightly_refused, c.not_converged, c.refused, c.holdable, c.slow, c.panicked
+                c.right,
+                c.wrong,
+                c.rightly_refused,
+                c.not_converged,
+                c.refused,
+                c.holdable,
+                c.slow,
+                c.panicked
             );
         }
     }
@@ -113,7 +146,8 @@ impl<'a> Report<'a> {
         println!();
         for (name, rough) in [("frictionless", false), ("friction", true)] {
             let chosen = self.results.iter().filter(|r| r.rough == rough);
-            let mut iterations: Vec<usize> = chosen.flat_map(|r| r.iterations.iter().copied()).collect();
+            let mut iterations: Vec<usize> =
+                chosen.flat_map(|r| r.iterations.iter().copied()).collect();
             iterations.sort_unstable();
             if let Some(last) = iterations.last() {
                 let at = |part: f64| iterations[(part * (iterations.len() - 1) as f64) as usize];
@@ -128,23 +162,38 @@ impl<'a> Report<'a> {
     }
 
     fn print_comparisons(&self) {
-        let mut twins: BTreeMap<&str, Vec<f64>> = BTreeMap::new();
-        for (name, off) in self.results.iter().filter_map(|r| r.twin) {
-            twins.entry(name).or_default().push(off);
+        let mut twins: BTreeMap<&str, Vec<(f64, u64)>> = BTreeMap::new();
+        for result in self.results {
+            if let Some((name, off)) = result.twin {
+                twins.entry(name).or_default().push((off, result.seed));
+            }
         }
-        for (name, offs) in twins {
-            let lost = offs.iter().filter(|o| o.is_nan()).count();
-            let apart = offs.iter().filter(|o| **o > 1e-6).count();
-            let most = offs.iter().copied().filter(|o| !o.is_nan()).fold(0.0, f64::max);
+        for (name, mut offs) in twins {
+            let lost = offs.iter().filter(|o| o.0.is_nan()).count();
+            let asked = offs.len();
+            offs.retain(|o| o.0 > 1e-6);
+            offs.sort_by(|a, b| b.0.total_cmp(&a.0));
+            let most: Vec<String> = offs
+                .iter()
+                .take(6)
+                .map(|(off, seed)| format!("{off:.1e} ({seed})"))
+                .collect();
             println!(
-                "twins, {name}: {} asked, {lost} without an answer, {apart} apart by more than 1e-6 (where answers may differ), most {most:.1e}",
-                offs.len()
+                "twins, {name}: {asked} asked, {lost} without an answer, {} apart by more than 1e-6 where they may be: {}",
+                offs.len(),
+                most.join(", ")
             );
         }
-        let methods: Vec<(u64, f64)> =
-            self.results.iter().filter_map(|r| Some((r.seed, r.method?))).collect();
+        let methods: Vec<(u64, f64)> = self
+            .results
+            .iter()
+            .filter_map(|r| Some((r.seed, r.method?)))
+            .collect();
         let lost = methods.iter().filter(|m| m.1.is_nan()).count();
-        let most = methods.iter().filter(|m| !m.1.is_nan()).max_by(|a, b| a.1.total_cmp(&b.1));
+        let most = methods
+            .iter()
+            .filter(|m| !m.1.is_nan())
+            .max_by(|a, b| a.1.total_cmp(&b.1));
         if let Some((seed, most)) = most {
             println!(
                 "method `accelerated`: {} asked, {lost} not converged, contact forces apart by at most {most:.1e} (seed {seed})",
@@ -155,12 +204,12 @@ impl<'a> Report<'a> {
 
     fn print_margins(&self) {
         let mut all: BTreeMap<&str, Vec<(f64, u64)>> = BTreeMap::new();
-        for result in self.results {
+        for result in self.results.iter().filter(|r| r.verdict == Verdict::Right) {
             for (&what, &times) in &result.margins {
                 all.entry(what).or_default().push((times, result.seed));
             }
         }
-        println!("\nviolations over their limits: median, 90 %, 99 %, most (seed)");
+        println!("\nright answers, violations over their limits: median, 90 %, 99 %, most (seed)");
         for (what, mut list) in all {
             list.sort_by(|a, b| a.0.total_cmp(&b.0));
             let at = |part: f64| list[(part * (list.len() - 1) as f64) as usize];
@@ -181,7 +230,12 @@ impl<'a> Report<'a> {
         let slowest: Vec<String> = slow
             .iter()
             .take(5)
-            .map(|r| format!("{} {} {:.1} s ({} dofs)", r.seed, r.family, r.seconds, r.dofs))
+            .map(|r| {
+                format!(
+                    "{} {} {:.1} s ({} dofs)",
+                    r.seed, r.family, r.seconds, r.dofs
+                )
+            })
             .collect();
         println!("slowest: {}", slowest.join(", "));
         println!("{} seeds in {:.1} s", self.results.len(), self.seconds);

@@ -27,30 +27,43 @@ pub fn placed_obstacle(
     contact: usize,
     state: &State,
 ) -> Option<Vector> {
-    let (mut matrix, mut right) = ([[0.0; 2]; 2], [0.0; 2]);
     let rows = &step.contacts[contact].rows;
-    let largest = rows.iter().fold(0.0, |s: f64, r| s.max(r.pressure * r.weight));
+    let largest = rows
+        .iter()
+        .fold(0.0, |s: f64, r| s.max(r.pressure * r.weight));
     if largest <= 1e-6 * state.force {
         return None;
     }
-    for row in rows.iter().filter(|r| r.pressure * r.weight > 1e-6 * largest) {
-        let sample = touch.at_nodes.get(&row.node)?;
-        let gap = touch.gap(sample, &step.displacements, [0.0; 2], step.time);
+    let bearing = rows
+        .iter()
+        .filter(|r| r.pressure * r.weight > 1e-6 * largest);
+    let samples: Vec<&Sample> = bearing
+        .filter_map(|r| touch.at_nodes.get(&r.node))
+        .collect();
+    let mut matrix = [[0.0; 2]; 2];
+    for n in samples.iter().map(|s| s.normal) {
         for i in 0..2 {
-            right[i] -= gap * sample.normal[i];
             for j in 0..2 {
-                matrix[i][j] += sample.normal[i] * sample.normal[j];
+                matrix[i][j] += n[i] * n[j];
             }
         }
     }
     // directions that no row feels stay where they are
     let small = 1e-9 * (matrix[0][0] + matrix[1][1]);
-    let [[a, b], [_, d]] = [[matrix[0][0] + small, matrix[0][1]], [0.0, matrix[1][1] + small]];
+    let (a, b, d) = (matrix[0][0] + small, matrix[0][1], matrix[1][1] + small);
     let volume = a * d - b * b;
-    Some([
-        (d * right[0] - b * right[1]) / volume,
-        (a * right[1] - b * right[0]) / volume,
-    ])
+    let mut moved = [0.0; 2];
+    // again and again: what that small number leaves shrinks by itself each time
+    for _ in 0..4 {
+        let mut right = [0.0; 2];
+        for sample in &samples {
+            let gap = touch.gap(sample, &step.displacements, moved, step.time);
+            right = plus(right, -gap, sample.normal);
+        }
+        moved[0] += (d * right[0] - b * right[1]) / volume;
+        moved[1] += (a * right[1] - b * right[0]) / volume;
+    }
+    Some(moved)
 }
 
 /// Slip of the own side relative to the other in this step, along the tangent.
@@ -103,7 +116,10 @@ fn check_weights(
     }
     if touch.nodal {
         // where a round side turns away from what it faces, nothing touches and weights say nothing
-        for row in rows.iter().filter(|r| touch.curve.straight() || r.pressure > 0.0) {
+        for row in rows
+            .iter()
+            .filter(|r| touch.curve.straight() || r.pressure > 0.0)
+        {
             if row.gap.is_nan() {
                 continue;
             }
@@ -111,17 +127,26 @@ fn check_weights(
             let off = (row.weight - own).abs();
             // on a curved facet the area is no polynomial: another rule gives another number
             let limit = if touch.curve.straight() { 1e-6 } else { 1e-3 };
-            judgement.compare("weight", off, limit * row.weight, || view.node(touch.own, row.node));
+            judgement.compare("weight", off, limit * row.weight, || {
+                view.node(touch.own, row.node)
+            });
         }
     } else if touch.curve.straight()
         && touch.opposite.as_ref().is_none_or(|o| o.straight())
         && rows.iter().any(|r| !r.gap.is_nan())
     {
-        let sum: f64 = rows.iter().filter(|r| !r.gap.is_nan()).map(|r| r.weight).sum();
+        let sum: f64 = rows
+            .iter()
+            .filter(|r| !r.gap.is_nan())
+            .map(|r| r.weight)
+            .sum();
         let area = touch.facing_area(view.problem);
         // a sliver of a facet that the program leaves out is less than a thousandth of its nodes' weight
         judgement.compare("weight", (sum - area).abs(), 1e-3 * area, || {
-            format!("contact {}: sum {sum:.6e}, facing {area:.6e}", touch.contact.name)
+            format!(
+                "contact {}: sum {sum:.6e}, facing {area:.6e}",
+                touch.contact.name
+            )
         });
     }
 }
@@ -152,7 +177,7 @@ fn check_row(judgement: &mut Judgement, view: &View<'_>, c: usize, row: &Row) {
     let smallest = if touch.nodal {
         view.state.tiny_length()
     } else {
-        resolution(view, c)
+        resolution(view, c)[sample.facet]
     };
     // held along the tangent on both sides: there is no shear to speak of
     let held = view.state.held[touch.own].get(&row.node);
@@ -166,7 +191,12 @@ fn check_row(judgement: &mut Judgement, view: &View<'_>, c: usize, row: &Row) {
         // the shear on the own body is against its slip, and as large as it may be
         let against = -shear * slip.signum();
         if touch.nodal {
-            judgement.compare("shear sign", most - against, 100.0 * limit + 1e-5 * most, place);
+            judgement.compare(
+                "shear sign",
+                most - against,
+                100.0 * limit + 1e-5 * most,
+                place,
+            );
         } else {
             judgement.compare("shear sign", -against, 100.0 * limit + 1e-2 * most, place);
         }
@@ -184,11 +214,17 @@ fn check_forces(judgement: &mut Judgement, view: &View<'_>) {
         };
     };
     for (c, touch) in view.touches.iter().enumerate() {
-        let sides = [(Some(touch.own), Some(&touch.curve)), (touch.other, touch.opposite.as_ref())];
+        let sides = [
+            (Some(touch.own), Some(&touch.curve)),
+            (touch.other, touch.opposite.as_ref()),
+        ];
         for (body, curve) in sides {
             if let (Some(body), Some(curve)) = (body, curve) {
                 let known = if touch.nodal { Some([0.0; 2]) } else { None };
-                curve.around.keys().for_each(|&node| add((body, node), known));
+                curve
+                    .around
+                    .keys()
+                    .for_each(|&node| add((body, node), known));
             }
         }
         if !touch.nodal {
@@ -204,7 +240,9 @@ fn check_forces(judgement: &mut Judgement, view: &View<'_>) {
     }
     for ((body, node), sum) in sums {
         let Some(sum) = sum else { continue };
-        let off = view.state.free(body, node, minus(view.state.rest[body][node], sum));
+        let off = view
+            .state
+            .free(body, node, minus(view.state.rest[body][node], sum));
         let limit = 10.0 * view.state.limits[body][node];
         judgement.compare("row force", length(off), limit, || view.node(body, node));
     }
@@ -218,19 +256,35 @@ fn check_pushes(judgement: &mut Judgement, view: &View<'_>) {
         if matches!(touch.contact.law, Law::Tied) || view.state.held[body].contains_key(&node) {
             continue;
         }
-        let curve = if own { Some(&touch.curve) } else { touch.opposite.as_ref() };
+        let curve = if own {
+            Some(&touch.curve)
+        } else {
+            touch.opposite.as_ref()
+        };
         let Some(curve) = curve else { continue };
+        // a parabola that carries biorthogonal multipliers pulls between its nodes
+        let parabolas = touch.curve.facets.iter().any(|f| f.nodes.len() == 3);
+        if parabolas && !touch.nodal && !own {
+            continue;
+        }
         let normal = curve.normal_at(node);
         let force = view.state.rest[body][node];
         let limit = 10.0 * view.state.limits[body][node];
         let allowed = if touch.nodal {
             // normals of both sides differ by the angle of a facet where friction or a curve turns the force
-            limit + (0.5 * curve.turn + f64::from(u8::from(touch.contact.law.rough())) * curve.turn) * length(force)
+            limit
+                + (0.5 * curve.turn + f64::from(u8::from(touch.contact.law.rough())) * curve.turn)
+                    * length(force)
         } else {
-            let around = curve.around.keys().map(|&n| -dot(view.state.rest[body][n], normal));
-            limit + around.fold(0.0, f64::max)
+            let around = curve
+                .around
+                .keys()
+                .map(|&n| -dot(view.state.rest[body][n], normal));
+            limit + 2.0 * around.fold(0.0, f64::max)
         };
-        judgement.compare("tension", dot(force, normal), allowed, || view.node(body, node));
+        judgement.compare("tension", dot(force, normal), allowed, || {
+            view.node(body, node)
+        });
     }
 }
 
@@ -244,11 +298,15 @@ pub fn check_corners(judgement: &mut Judgement, view: &View<'_>) {
                 (c, rows.into_iter().find(|r| own && r.node == node))
             })
             .collect();
-        let all_own = contacts.iter().all(|&(c, own)| own && view.touches[c].nodal);
-        let missing = rows.iter().any(|(_, row)| row.is_some_and(|r| r.pressure.is_nan()));
-        let tresca = rows.iter().any(|(c, _)| {
-            matches!(view.touches[*c].contact.law, Law::Tresca(_) | Law::Tied)
-        });
+        let all_own = contacts
+            .iter()
+            .all(|&(c, own)| own && view.touches[c].nodal);
+        let missing = rows
+            .iter()
+            .any(|(_, row)| row.is_some_and(|r| r.pressure.is_nan()));
+        let tresca = rows
+            .iter()
+            .any(|(c, _)| matches!(view.touches[*c].contact.law, Law::Tresca(_) | Law::Tied));
         if !all_own || !missing || tresca {
             continue;
         }
@@ -287,7 +345,10 @@ fn allowed(view: &View<'_>, c: usize, row: &Row) -> Vec<Vector> {
     if coefficient == 0.0 {
         return vec![push];
     }
-    let ends = [plus(push, coefficient, along), plus(push, -coefficient, along)];
+    let ends = [
+        plus(push, coefficient, along),
+        plus(push, -coefficient, along),
+    ];
     match slip(view, c, sample) {
         Some(slip) if slip > view.state.tiny_length() => vec![ends[1]],
         Some(slip) if slip < -view.state.tiny_length() => vec![ends[0]],

@@ -213,18 +213,33 @@ fn judge(
         Outcome::Certified(answer) => answer,
     };
     look(problem, &answer, result);
+    if options.show {
+        show_rows(problem, &answer);
+    }
     if problem.known == Known::Falls && result.verdict == Verdict::Right {
-        wrong(result, "held", f64::INFINITY, format!("cannot be held: {}", problem.reason));
+        wrong(
+            result,
+            "held",
+            f64::INFINITY,
+            format!("cannot be held: {}", problem.reason),
+        );
     }
     if result.verdict != Verdict::Right {
         return;
     }
     let mut random = Random::new(seed ^ 0x7717);
     if random.chance(options.twins) {
-        ask_twins(problem, &answer, (folder, options.limit), &mut random, result, kept);
+        ask_twins(
+            problem,
+            &answer,
+            (folder, options.limit, options.show),
+            &mut random,
+            result,
+            kept,
+        );
     }
     if !problem.rough() && result.dofs < 4000 && random.chance(2.0 * options.twins) {
-        result.method = Some(other_method(problem, &answer, folder, options.limit));
+        other_method(problem, &answer, (folder, options.limit), result);
     }
 }
 
@@ -244,13 +259,20 @@ fn look(problem: &Problem, answer: &Answer, result: &mut Result) {
             let most = others.entry(finding.what).or_insert(0.0);
             *most = most.max(finding.times);
         }
-        let others: Vec<String> =
-            others.iter().map(|(what, times)| format!("{what} {times:.1e}x")).collect();
+        let others: Vec<String> = others
+            .iter()
+            .map(|(what, times)| format!("{what} {times:.1e}x"))
+            .collect();
         let others = match others.len() {
             0 => String::new(),
             _ => format!("; also {}", others.join(", ")),
         };
-        let text = format!("{what} {times:.1e} times its limit, step {step}, {place}{others}");
+        let dropped = match answer.steps.iter().any(|s| s.dropped) {
+            true => " (the program dropped conditions)",
+            false => "",
+        };
+        let text =
+            format!("{what} {times:.1e} times its limit, step {step}, {place}{others}{dropped}");
         wrong(result, what, *times, text);
     }
     result.margins = judgement.margins;
@@ -264,7 +286,7 @@ fn wrong(result: &mut Result, what: &'static str, times: f64, message: String) {
 fn ask_twins(
     problem: &Problem,
     answer: &Answer,
-    (folder, limit): (&Folder, f64),
+    (folder, limit, show): (&Folder, f64, bool),
     random: &mut Random,
     result: &mut Result,
     kept: &mut Vec<Problem>,
@@ -287,6 +309,10 @@ fn ask_twins(
             }
         };
         let judgement = check(&twin.problem, &other);
+        if show {
+            println!("# twin `{}`", twin.name);
+            show_rows(&twin.problem, &other);
+        }
         if let Some(finding) = judgement.worst() {
             let text = format!(
                 "twin `{}`: {} {:.1e} times its limit, step {}, {}",
@@ -296,35 +322,87 @@ fn ask_twins(
             return;
         }
         let Some(off) = difference(problem, answer, &twin, &other) else {
-            wrong(result, "twin", f64::NAN, format!("twin `{}` has other nodes", twin.name));
+            wrong(
+                result,
+                "twin",
+                f64::NAN,
+                format!("twin `{}` has other nodes", twin.name),
+            );
             return;
         };
         let matching = crate::check::all_nodal(problem, answer);
-        let unique = !problem.coulomb() && (twin.name != "sides" || matching);
+        let unique = !problem.coulomb() && !problem.spins && (twin.name != "sides" || matching);
         if off > twin.tolerance && unique {
-            let text = format!("twin `{}` differs by {off:.1e} of the largest displacement", twin.name);
+            let text = format!(
+                "twin `{}` differs by {off:.1e} of the largest displacement",
+                twin.name
+            );
             wrong(result, "twin", off / twin.tolerance, text);
             return;
         }
-        result.twin = Some((twin.name, off));
+        if unique || !problem.coulomb() {
+            result.twin = Some((twin.name, off));
+        }
     }
 }
 
-/// Largest difference of the nodal contact forces by another method, relative to the force scale.
-fn other_method(problem: &Problem, answer: &Answer, folder: &Folder, limit: f64) -> f64 {
+/// Judges the answer of another method, and takes the largest difference of the nodal contact forces, relative to the force
+/// scale.
+fn other_method(
+    problem: &Problem,
+    answer: &Answer,
+    (folder, limit): (&Folder, f64),
+    result: &mut Result,
+) {
     let mut again = problem.clone();
     again.method = "accelerated";
     let Outcome::Certified(other) = solve(&again, folder, limit) else {
-        return f64::NAN;
+        result.method = Some(f64::NAN);
+        return;
     };
+    if let Some(finding) = check(problem, &other).worst() {
+        let text = format!(
+            "method `accelerated`: {} {:.1e} times its limit, step {}, {}",
+            finding.what, finding.times, finding.step, finding.place
+        );
+        wrong(result, finding.what, finding.times, text);
+        return;
+    }
     let mut worst: f64 = 0.0;
     for (a, b) in answer.steps.iter().zip(&other.steps) {
-        let (a, b) = (State::new(problem, answer, a), State::new(problem, answer, b));
+        let (a, b) = (
+            State::new(problem, answer, a),
+            State::new(problem, answer, b),
+        );
         for (mine, theirs) in a.rest.iter().flatten().zip(b.rest.iter().flatten()) {
             if a.force > 0.0 {
                 worst = worst.max(length(minus(*mine, *theirs)) / a.force);
             }
         }
     }
-    worst
+    result.method = Some(worst);
+}
+
+/// Prints the rows of all contacts.
+fn show_rows(problem: &Problem, answer: &Answer) {
+    for (index, step) in answer.steps.iter().enumerate() {
+        for (contact, raw) in problem.contacts.iter().zip(&step.contacts) {
+            println!("# step {} contact {}", index + 1, contact.name);
+            for row in &raw.rows {
+                let [x, y] = answer.meshes[raw.nonmortar.0].points[row.node];
+                println!(
+                    "#   {:>5} ({x:>13.6e}, {y:>13.6e}) n ({:>6.3}, {:>6.3}) weight {:>10.3e} gap {:>11.3e} pressure {:>11.3e} shear {:>11.3e} slip {:>11.3e} {:?}",
+                    row.node,
+                    row.normal[0],
+                    row.normal[1],
+                    row.weight,
+                    row.gap,
+                    row.pressure,
+                    row.shear,
+                    row.slip,
+                    row.status
+                );
+            }
+        }
+    }
 }

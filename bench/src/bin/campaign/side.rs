@@ -7,7 +7,7 @@
 //! All facets are asked in turn: slow, and nothing that a tree of boxes could forget.
 
 use crate::cells::along;
-use crate::plane::{Vector, cross, dot, length, minus, plus, turned, unit};
+use crate::plane::{Vector, cross, dot, length, minus, plus, unit};
 use crate::problem::Circle;
 use crate::raw::Mesh;
 use std::collections::BTreeMap;
@@ -71,6 +71,8 @@ pub struct Curve {
     pub facets: Vec<Facet>,
     /// Largest angle between neighbouring facets that meet smoothly, radians.
     pub turn: f64,
+    /// Neighbouring facets meet at a corner somewhere.
+    pub corners: bool,
     /// Largest length of a facet.
     pub longest: f64,
     circle: Option<(Vector, f64)>,
@@ -106,7 +108,7 @@ impl Curve {
             }
         }
         let own: Vec<Vec<Vector>> = facets.iter().map(|f| f.normals.clone()).collect();
-        let mut turn: f64 = 0.0;
+        let (mut turn, mut corners) = (0.0f64, false);
         for (index, facet) in facets.iter_mut().enumerate() {
             for (place, node) in facet.nodes.iter().enumerate() {
                 let mine = own[index][place];
@@ -117,6 +119,8 @@ impl Curve {
                     if cosine > SHARP {
                         sum = plus(sum, 1.0, at);
                         turn = turn.max(cosine.min(1.0).acos());
+                    } else {
+                        corners = true;
                     }
                 }
                 facet.normals[place] = unit(sum);
@@ -128,6 +132,7 @@ impl Curve {
         Self {
             longest: facets.iter().fold(0.0, |s: f64, f| s.max(f.length)),
             // the angle of a cosine that is one but for rounding
+            corners,
             turn: if turn < 1e-7 { 0.0 } else { turn },
             facets,
             circle: circle.map(|c| (c.center, c.radius)),
@@ -280,7 +285,11 @@ fn meetings(facet: &Facet, start: Vector, direction: Vector) -> Vec<f64> {
         _ => Vec::new(),
     };
     let inside = |xi: &f64| xi.abs() <= 1.0 + 1e-9;
-    roots.into_iter().filter(inside).map(|xi| xi.clamp(-1.0, 1.0)).collect()
+    roots
+        .into_iter()
+        .filter(inside)
+        .map(|xi| xi.clamp(-1.0, 1.0))
+        .collect()
 }
 
 /// Real roots of p ξ² + q ξ + r.
@@ -303,11 +312,6 @@ fn quadratic(p: f64, q: f64, r: f64) -> Vec<f64> {
     roots
 }
 
-/// The tangent that belongs to a contact normal.
-pub fn tangent(normal: Vector) -> Vector {
-    turned(normal)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -321,13 +325,15 @@ mod tests {
         let order = kinds - 1;
         for k in 0..=order * n {
             let angle = std::f64::consts::FRAC_PI_2 * k as f64 / (order * n) as f64;
-            mesh.points.push([radius * angle.cos(), radius * angle.sin()]);
+            mesh.points
+                .push([radius * angle.cos(), radius * angle.sin()]);
         }
         let facet = |k: usize| match order {
             1 => vec![k, k + 1],
             _ => vec![2 * k, 2 * k + 2, 2 * k + 1],
         };
-        mesh.sides.insert("arc".to_string(), (0..n).map(facet).collect());
+        mesh.sides
+            .insert("arc".to_string(), (0..n).map(facet).collect());
         mesh
     }
 

@@ -33,7 +33,8 @@ pub struct Folder(PathBuf);
 impl Folder {
     /// A folder of its own for each name.
     pub fn new(name: &str) -> std::io::Result<Self> {
-        let path = std::env::temp_dir().join(format!("dotyk-campaign-{}-{name}", std::process::id()));
+        let path =
+            std::env::temp_dir().join(format!("dotyk-campaign-{}-{name}", std::process::id()));
         std::fs::create_dir_all(&path)?;
         Ok(Self(path))
     }
@@ -129,12 +130,19 @@ pub fn mesh(mesh: &dotyk::mesh::Mesh<2>) -> Mesh {
             .into_iter()
             .find(|kind| kind.name() == block.kind.name())
             .unwrap_or_else(|| panic!("the plane has no cell {}", block.kind.name()));
-        cells.extend(block.cells().map(|nodes| (kind, nodes.iter().map(|&n| n as usize).collect::<Vec<_>>())));
+        cells.extend(
+            block
+                .cells()
+                .map(|nodes| (kind, nodes.iter().map(|&n| n as usize).collect::<Vec<_>>())),
+        );
     }
     let sides = mesh.sides().iter().map(|(name, facets)| {
         let nodes = facets.iter().map(|facet| {
             let (kind, nodes) = &cells[firsts[facet.block as usize] + facet.cell as usize];
-            kind.facet(facet.local as usize).iter().map(|&i| nodes[i]).collect()
+            kind.facet(facet.local as usize)
+                .iter()
+                .map(|&i| nodes[i])
+                .collect()
         });
         (name.clone(), nodes.collect())
     });
@@ -150,12 +158,22 @@ fn step(solution: &Solution<2>) -> Step {
     let contact = |contact: &dotyk::model::ContactSolution<2>| raw::Contact {
         nonmortar: (contact.nonmortar.body.0, contact.nonmortar.side.clone()),
         rows: contact.nodes.iter().map(row).collect(),
+        resultant: contact.resultant,
     };
     Step {
         time: solution.time,
-        displacements: solution.bodies.iter().map(|body| body.displacement.clone()).collect(),
+        displacements: solution
+            .bodies
+            .iter()
+            .map(|body| body.displacement.clone())
+            .collect(),
+        reactions: solution.bodies.iter().map(|body| body.reaction).collect(),
         contacts: solution.contacts.iter().map(contact).collect(),
         iterations: solution.solver.iterations,
+        dropped: solution
+            .warnings
+            .iter()
+            .any(|text| text.contains("it is dropped")),
     }
 }
 

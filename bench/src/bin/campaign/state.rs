@@ -5,7 +5,7 @@
 
 use crate::elastic::{Condition, conditions, external, free_part, held_axes, internal};
 use crate::plane::{Vector, bounds, length, minus};
-use crate::problem::Problem;
+use crate::problem::{Body, Problem};
 use crate::raw::{Answer, Step};
 use std::collections::BTreeMap;
 
@@ -19,6 +19,9 @@ pub const MOVE: f64 = 1e-6;
 /// Roundings of displacements in units of 2⁻⁵³ that add up at a node.
 const ROUNDINGS: f64 = 32.0;
 
+/// Force over modulus · displacement · thickness of the most slender body that is looked at closely.
+const SLENDER: f64 = 1e-4;
+
 /// One load step, seen from its displacements.
 pub struct State {
     /// What supports and contacts exert on each node of each body.
@@ -28,7 +31,8 @@ pub struct State {
     pub conditions: Vec<Vec<Condition>>,
     /// Held directions of nodes.
     pub held: Vec<BTreeMap<usize, Vec<Vector>>>,
-    /// Force scale: half the sum of the magnitudes of all nodal forces of the body where that is largest.
+    /// Force scale: half the sum of the magnitudes of all nodal forces of the body where that is largest, at least what the
+    /// displacements cause in a slender body.
     pub force: f64,
     /// Displacement scale: the largest displacement.
     pub moves: f64,
@@ -50,8 +54,16 @@ impl State {
             size: 0.0,
         };
         let mut magnitudes = Vec::new();
-        for ((body, mesh), moves) in problem.bodies.iter().zip(&answer.meshes).zip(&step.displacements) {
-            let inside = internal(mesh, body, analysis, moves);
+        // what other bodies move by hundreds leaves dust on one that hardly moves
+        let all = step.displacements.iter().flatten();
+        let largest = all.fold(0.0, |s: f64, &u| s.max(length(u)));
+        for ((body, mesh), moves) in problem
+            .bodies
+            .iter()
+            .zip(&answer.meshes)
+            .zip(&step.displacements)
+        {
+            let inside = internal(mesh, body, analysis, moves, 0.01 * largest);
             let outside = external(mesh, body, analysis, step.time);
             let rest: Vec<Vector> = inside
                 .forces
@@ -63,7 +75,10 @@ impl State {
             state.force = state.force.max(0.5 * sizes.sum::<f64>());
             state.moves = moves.iter().fold(state.moves, |s, &u| s.max(length(u)));
             let (low, high) = bounds(&mesh.points);
-            let corner = low.iter().chain(&high).fold(0.0, |s: f64, x| s.max(x.abs()));
+            let corner = low
+                .iter()
+                .chain(&high)
+                .fold(0.0, |s: f64, x| s.max(x.abs()));
             state.size = state.size.max(corner);
             state.rest.push(rest);
             magnitudes.push(inside.magnitudes);
@@ -82,9 +97,23 @@ impl State {
                 state.moves = state.moves.max(length(moved));
             }
         }
+        // where nothing presses, forces are dust of what such displacements could cause
+        let softest = problem
+            .bodies
+            .iter()
+            .map(Body::plane_modulus)
+            .fold(f64::INFINITY, f64::min);
+        let deep = match analysis.axisymmetric() {
+            true => std::f64::consts::TAU * state.size,
+            false => problem.bodies[0].thickness,
+        };
+        state.force = state.force.max(SLENDER * softest * state.moves * deep);
         let rounding = ROUNDINGS * f64::EPSILON / 2.0;
         let limit = |m: &f64| FORCE * state.force + rounding * m;
-        state.limits = magnitudes.iter().map(|m| m.iter().map(limit).collect()).collect();
+        state.limits = magnitudes
+            .iter()
+            .map(|m| m.iter().map(limit).collect())
+            .collect();
         state
     }
 

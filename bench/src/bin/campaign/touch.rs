@@ -37,6 +37,9 @@ pub struct Sample {
     distance: f64,
 }
 
+/// What lies opposite a point: contact normal, distance, and shape functions of the other side.
+type Opposite = (Vector, f64, Vec<(usize, f64)>);
+
 /// A contact, seen in the undeformed state.
 #[derive(Debug)]
 pub struct Touch<'a> {
@@ -66,7 +69,12 @@ pub struct Touch<'a> {
 
 impl<'a> Touch<'a> {
     /// A contact between the meshes of an answer; the rows tell which side is the nonmortar one.
-    pub fn new(problem: &'a Problem, contact: &'a Contact, answer: &Answer, raw: &raw::Contact) -> Self {
+    pub fn new(
+        problem: &'a Problem,
+        contact: &'a Contact,
+        answer: &Answer,
+        raw: &raw::Contact,
+    ) -> Self {
         let (own, side) = (raw.nonmortar.0, &raw.nonmortar.1);
         let curve_of = |body: usize, side: &str| {
             Curve::new(&answer.meshes[body], side, &problem.bodies[body].circles)
@@ -142,7 +150,7 @@ impl<'a> Touch<'a> {
     }
 
     /// What lies opposite ξ of a facet: contact normal, distance, and the other side's shape functions.
-    fn opposite_at(&self, facet: usize, xi: f64) -> Option<(Vector, f64, Vec<(usize, f64)>)> {
+    fn opposite_at(&self, facet: usize, xi: f64) -> Option<Opposite> {
         let x = self.curve.facets[facet].point(xi);
         let n = self.curve.normal(facet, xi);
         match &self.contact.against {
@@ -150,7 +158,8 @@ impl<'a> Touch<'a> {
                 let opposite = self.opposite.as_ref()?;
                 let hit = opposite.hit(x, n, self.deepest())?;
                 let y = plus(x, hit.distance, n);
-                let distance = hit.distance + opposite.true_offset(y, n) - self.curve.true_offset(x, n);
+                let distance =
+                    hit.distance + opposite.true_offset(y, n) - self.curve.true_offset(x, n);
                 let shape = opposite.facets[hit.facet].shape(hit.xi);
                 Some((n, distance, shape))
             }
@@ -203,7 +212,10 @@ impl<'a> Touch<'a> {
         let Some(opposite) = &self.opposite else {
             return cuts;
         };
-        let ends = opposite.facets.iter().flat_map(|f| [f.point(-1.0), f.point(1.0)]);
+        let ends = opposite
+            .facets
+            .iter()
+            .flat_map(|f| [f.point(-1.0), f.point(1.0)]);
         for y in ends {
             let across = |xi: f64| cross(self.curve.normal(index, xi), minus(y, facet.point(xi)));
             let (mut low, mut high) = (-1.0, 1.0);
@@ -245,7 +257,8 @@ impl<'a> Touch<'a> {
         // a quadratic facet that ends on the axis of revolution has no weight there
         let on_axis = problem.analysis.axisymmetric()
             && self.curve.facets.iter().any(|f| {
-                f.nodes.len() == 3 && (f.point(-1.0)[0].abs() < 1e-9 || f.point(1.0)[0].abs() < 1e-9)
+                f.nodes.len() == 3
+                    && (f.point(-1.0)[0].abs() < 1e-9 || f.point(1.0)[0].abs() < 1e-9)
             });
         let Some(opposite) = &self.opposite else {
             self.nodal = !on_axis;
@@ -261,7 +274,9 @@ impl<'a> Touch<'a> {
             let ends = [f.nodes[0], f.nodes[1]];
             ends.iter().all(|n| self.faced_other.contains(n))
         });
-        let theirs = others.into_iter().all(|f| f.nodes.iter().all(|n| paired.contains(n)));
+        let theirs = others
+            .into_iter()
+            .all(|f| f.nodes.iter().all(|n| paired.contains(n)));
         self.nodal = own && theirs && !on_axis;
     }
 
@@ -355,7 +370,9 @@ impl<'a> Touch<'a> {
     /// Displacement of the other side relative to the own one at a sample; `obstacle` is that of the obstacle.
     pub fn jump(&self, sample: &Sample, moves: &[Vec<Vector>], obstacle: Vector) -> Vector {
         let sum = |body: usize, shape: &[(usize, f64)]| {
-            shape.iter().fold([0.0; 2], |s, &(n, v)| plus(s, v, moves[body][n]))
+            shape
+                .iter()
+                .fold([0.0; 2], |s, &(n, v)| plus(s, v, moves[body][n]))
         };
         let other = self.other.map_or(obstacle, |body| sum(body, &sample.other));
         minus(other, sum(self.own, &sample.own))
@@ -388,7 +405,9 @@ impl<'a> Touch<'a> {
         for (index, facet) in self.curve.facets.iter().enumerate() {
             let counts = match &self.opposite {
                 Some(_) => facet.nodes.iter().all(|n| self.partners.contains_key(n)),
-                None => [-1.0, 1.0].iter().all(|&xi| self.opposite_at(index, xi).is_some()),
+                None => [-1.0, 1.0]
+                    .iter()
+                    .all(|&xi| self.opposite_at(index, xi).is_some()),
             };
             if !counts {
                 continue;
@@ -425,9 +444,8 @@ impl<'a> Touch<'a> {
 fn from_obstacle(surface: &Surface, x: Vector, n: Vector) -> Option<(Vector, f64)> {
     match surface {
         Surface::Gap(_) => Some((n, 0.0)),
-        Surface::Plane { point, normal } => {
-            (dot(n, *normal) < OPPOSED).then(|| (times(-1.0, *normal), dot(minus(x, *point), *normal)))
-        }
+        Surface::Plane { point, normal } => (dot(n, *normal) < OPPOSED)
+            .then(|| (times(-1.0, *normal), dot(minus(x, *point), *normal))),
         Surface::Circle {
             center,
             radius,
@@ -435,7 +453,11 @@ fn from_obstacle(surface: &Surface, x: Vector, n: Vector) -> Option<(Vector, f64
         } => {
             let faces = |s: &f64| {
                 let outward = crate::plane::unit(minus(plus(x, *s, n), *center));
-                let towards_body = if *inside { times(-1.0, outward) } else { outward };
+                let towards_body = if *inside {
+                    times(-1.0, outward)
+                } else {
+                    outward
+                };
                 dot(towards_body, n) < OPPOSED
             };
             let hits = on_circle(x, n, *center, *radius)?;
@@ -454,7 +476,10 @@ impl Touch<'_> {
             for part in [0.0, 0.25, 0.5, 0.75, 1.0] {
                 let inside = from + (0.5 + (part - 0.5) * (1.0 - 1e-9)) * (to - from);
                 if let Some((normal, ..)) = self.opposite_at(index, inside) {
-                    points.push((self.curve.facets[index].point(from + part * (to - from)), normal));
+                    points.push((
+                        self.curve.facets[index].point(from + part * (to - from)),
+                        normal,
+                    ));
                 }
             }
         }

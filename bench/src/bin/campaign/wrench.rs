@@ -31,10 +31,14 @@ struct Cluster {
     nodes: BTreeSet<usize>,
 }
 
-/// A force with its moment about a point, and by how much both may be off.
+/// The true force on a cluster with its moment about a point, and by how much both may be off.
 struct Wrench {
     force: Vector,
     moment: f64,
+    /// Directions in which no node is held: what is known of the force.
+    directions: Vec<Vector>,
+    /// No node is held: the moment is known, too.
+    free: bool,
     /// Σ|force|.
     magnitude: f64,
     /// Half the extent.
@@ -46,7 +50,10 @@ struct Wrench {
 fn clusters(view: &View<'_>) -> Vec<Cluster> {
     let mut all: Vec<Cluster> = Vec::new();
     for (c, touch) in view.touches.iter().enumerate() {
-        let sides = [(Some(touch.own), Some(&touch.curve)), (touch.other, touch.opposite.as_ref())];
+        let sides = [
+            (Some(touch.own), Some(&touch.curve)),
+            (touch.other, touch.opposite.as_ref()),
+        ];
         for (body, curve) in sides {
             let (Some(body), Some(curve)) = (body, curve) else {
                 continue;
@@ -70,96 +77,132 @@ fn clusters(view: &View<'_>) -> Vec<Cluster> {
     all
 }
 
-/// The wrench of the true forces on a cluster, in the directions in which nothing is held: those directions, too.
-fn wrench(view: &View<'_>, cluster: &Cluster) -> Option<(Wrench, Vec<Vector>, bool)> {
+/// The wrench of the true forces on a cluster; `None` where supports hold nodes in both directions.
+fn wrench(view: &View<'_>, cluster: &Cluster) -> Option<Wrench> {
     let body = cluster.body;
     let points = &view.answer.meshes[body].points;
     let places: Vec<Vector> = cluster.nodes.iter().map(|&n| points[n]).collect();
     let (low, high) = crate::plane::bounds(&places);
     let centre = times(0.5, plus(low, 1.0, high));
+    let mut held: Vec<Vector> = Vec::new();
+    for node in &cluster.nodes {
+        for &axis in view.state.held[body].get(node).into_iter().flatten() {
+            if held.iter().all(|&h| cross(h, axis).abs() > 1e-9) {
+                held.push(axis);
+            }
+        }
+    }
+    // radial forces sum to nothing around the axis
+    let radial = [1.0, 0.0];
+    if view.problem.analysis.axisymmetric() && held.iter().all(|&h| cross(h, radial).abs() > 1e-9) {
+        held.push(radial);
+    }
     let mut found = Wrench {
         force: [0.0; 2],
         moment: 0.0,
+        directions: match held[..] {
+            [] => vec![[1.0, 0.0], [0.0, 1.0]],
+            [axis] => vec![turned(axis)],
+            _ => return None,
+        },
+        free: held.is_empty(),
         magnitude: 0.0,
         arm: 0.5 * length(minus(high, low)),
         centre,
         slack: 0.0,
     };
-    let mut held: Vec<Vector> = Vec::new();
     for &node in &cluster.nodes {
-        for &axis in view.state.held[body].get(&node).into_iter().flatten() {
-            if held.iter().all(|&h| cross(h, axis).abs() > 1e-9) {
-                held.push(axis);
-            }
-        }
         let force = view.state.rest[body][node];
         found.force = plus(found.force, 1.0, force);
         found.moment += cross(minus(points[node], centre), force);
         found.magnitude += length(view.state.free(body, node, force));
         found.slack += view.state.limits[body][node];
     }
-    // radial forces sum to nothing around the axis
-    if view.problem.analysis.axisymmetric() {
-        held.push([1.0, 0.0]);
-        held.retain(|h| h[1].abs() < 1e-9 || h[0].abs() < 1e-9);
-        held.dedup_by(|a, b| cross(*a, *b).abs() < 1e-9);
-    }
-    let directions = match held[..] {
-        [] => vec![[1.0, 0.0], [0.0, 1.0]],
-        [axis] => vec![turned(axis)],
-        _ => return None,
-    };
-    Some((found, directions, held.is_empty()))
+    Some(found)
 }
 
 /// All checks of resultants.
 pub fn check_wrenches(judgement: &mut Judgement, view: &View<'_>) {
-    let clusters = clusters(view);
-    let mut single: BTreeMap<usize, Vec<(usize, Wrench, Vec<Vector>, bool)>> = BTreeMap::new();
-    for (index, cluster) in clusters.iter().enumerate() {
-        let Some((found, directions, free)) = wrench(view, cluster) else {
+    let mut single: BTreeMap<usize, Vec<Wrench>> = BTreeMap::new();
+    for cluster in &clusters(view) {
+        let Some(found) = wrench(view, cluster) else {
             continue;
         };
-        check_sum(judgement, view, cluster, &found, &directions);
-        check_footprint(judgement, view, cluster, &found, &directions, free);
+        check_sum(judgement, view, cluster, &found);
+        check_footprint(judgement, view, cluster, &found);
         if let [c] = cluster.contacts[..] {
-            single.entry(c).or_default().push((index, found, directions, free));
+            if view.touches[c].own == cluster.body {
+                let told = view.step.contacts[c].resultant;
+                compare_forces(judgement, "resultant", &found, told, || {
+                    places(view, cluster)
+                });
+            }
+            single.entry(c).or_default().push(found);
         }
     }
     for (c, sides) in single {
-        if let [(_, a, da, fa), (_, b, db, fb)] = &sides[..] {
-            let place = || format!("contact {}", view.touches[c].contact.name);
-            let limit = 10.0 * (a.slack + b.slack);
-            let sum = plus(a.force, 1.0, b.force);
-            let shared = da.iter().filter(|d| db.iter().any(|e| cross(**d, *e).abs() < 1e-9));
-            for &direction in shared {
-                judgement.compare("act and react", dot(direction, sum).abs(), limit, place);
-            }
-            if *fa && *fb {
-                let moved = b.moment + cross(minus(b.centre, a.centre), b.force);
-                let arm = a.arm.max(b.arm);
-                judgement.compare("act and react", (a.moment + moved).abs(), limit * arm, place);
-            }
-        } else if let [(_, found, directions, _)] = &sides[..] {
-            check_obstacle(judgement, view, c, found, directions);
+        match &sides[..] {
+            [own, other] => check_reaction(judgement, view, c, own, other),
+            [own] => check_obstacle(judgement, view, c, own),
+            _ => {}
         }
     }
 }
 
-/// The resultant of the rows of all contacts of a cluster is that of the forces.
-fn check_sum(
+/// Compares a force with one that is told, in the directions in which it is known.
+fn compare_forces(
+    judgement: &mut Judgement,
+    what: &'static str,
+    found: &Wrench,
+    told: Vector,
+    place: impl Fn() -> String,
+) {
+    for &direction in &found.directions {
+        let off = dot(direction, minus(found.force, told)).abs();
+        judgement.compare(what, off, 10.0 * found.slack, &place);
+    }
+}
+
+/// Forces and moments of both sides of a contact sum to nothing.
+fn check_reaction(
     judgement: &mut Judgement,
     view: &View<'_>,
-    cluster: &Cluster,
-    found: &Wrench,
-    directions: &[Vector],
+    c: usize,
+    own: &Wrench,
+    other: &Wrench,
 ) {
+    let place = || format!("contact {}", view.touches[c].contact.name);
+    let limit = 10.0 * (own.slack + other.slack);
+    let sum = plus(own.force, 1.0, other.force);
+    let known = |d: &&Vector| other.directions.iter().any(|e| cross(**d, *e).abs() < 1e-9);
+    for &direction in own.directions.iter().filter(known) {
+        judgement.compare("act and react", dot(direction, sum).abs(), limit, place);
+    }
+    if own.free && other.free {
+        let moved = other.moment + cross(minus(other.centre, own.centre), other.force);
+        let arm = own.arm.max(other.arm);
+        judgement.compare(
+            "act and react",
+            (own.moment + moved).abs(),
+            limit * arm,
+            place,
+        );
+    }
+}
+
+/// The resultant of the rows of all contacts of a cluster is that of the forces.
+fn check_sum(judgement: &mut Judgement, view: &View<'_>, cluster: &Cluster, found: &Wrench) {
     let (mut sum, mut turn) = ([0.0; 2], 0.0f64);
     for &c in &cluster.contacts {
         let touch = &view.touches[c];
         let sign = if touch.own == cluster.body { 1.0 } else { -1.0 };
         if !touch.nodal {
             turn = turn.max(touch.curve.turn);
+            // at a corner a row stands for two directions, against a plane it tells another one than it pushes along
+            let plane = touch.other.is_none() && !touch.curve.straight();
+            if touch.curve.corners || plane {
+                return;
+            }
         }
         for row in &view.step.contacts[c].rows {
             match force(row) {
@@ -169,27 +212,27 @@ fn check_sum(
         }
     }
     let limit = 10.0 * found.slack + turn * found.magnitude;
-    for &direction in directions {
+    for &direction in &found.directions {
         let off = dot(direction, minus(found.force, sum)).abs();
         judgement.compare("row sum", off, limit, || places(view, cluster));
     }
 }
 
 fn places(view: &View<'_>, cluster: &Cluster) -> String {
-    let names: Vec<&str> =
-        cluster.contacts.iter().map(|&c| view.touches[c].contact.name.as_str()).collect();
-    format!("contacts {} of {}", names.join(", "), view.problem.bodies[cluster.body].name)
+    let names: Vec<&str> = cluster
+        .contacts
+        .iter()
+        .map(|&c| view.touches[c].contact.name.as_str())
+        .collect();
+    format!(
+        "contacts {} of {}",
+        names.join(", "),
+        view.problem.bodies[cluster.body].name
+    )
 }
 
 /// The wrench lies in the cone of the points that face something.
-fn check_footprint(
-    judgement: &mut Judgement,
-    view: &View<'_>,
-    cluster: &Cluster,
-    found: &Wrench,
-    directions: &[Vector],
-    free: bool,
-) {
+fn check_footprint(judgement: &mut Judgement, view: &View<'_>, cluster: &Cluster, found: &Wrench) {
     if found.magnitude <= 1e-3 * view.state.force || found.magnitude <= 1e3 * found.slack {
         return;
     }
@@ -197,8 +240,8 @@ fn check_footprint(
     let mut turn: f64 = 0.0;
     let arm = found.arm.max(f64::MIN_POSITIVE);
     let flat = |force: Vector, moment: f64| {
-        let along = |k: usize| directions.get(k).map_or(0.0, |&d| dot(d, force));
-        let moment = if free { moment / arm } else { 0.0 };
+        let along = |k: usize| found.directions.get(k).map_or(0.0, |&d| dot(d, force));
+        let moment = if found.free { moment / arm } else { 0.0 };
         [along(0), along(1), moment]
     };
     for &c in &cluster.contacts {
@@ -260,26 +303,15 @@ fn edges(view: &View<'_>, c: usize, x: Vector, normal: Vector) -> Vec<Vector> {
 }
 
 /// Forces on a free obstacle balance.
-fn check_obstacle(
-    judgement: &mut Judgement,
-    view: &View<'_>,
-    c: usize,
-    found: &Wrench,
-    directions: &[Vector],
-) {
+fn check_obstacle(judgement: &mut Judgement, view: &View<'_>, c: usize, found: &Wrench) {
     let touch = &view.touches[c];
-    let Against::Obstacle {
+    if let Against::Obstacle {
         drive: Drive::Force(field),
         ..
     } = &touch.contact.against
-    else {
-        return;
-    };
-    let carried = crate::amount::vector_at(field, [0.0; 2], view.step.time);
-    for &direction in directions {
-        let off = dot(direction, minus(found.force, carried)).abs();
-        judgement.compare("obstacle", off, 10.0 * found.slack, || {
-            format!("contact {}", touch.contact.name)
-        });
+    {
+        let carried = crate::amount::vector_at(field, [0.0; 2], view.step.time);
+        let place = || format!("contact {}", touch.contact.name);
+        compare_forces(judgement, "obstacle", found, carried, place);
     }
 }

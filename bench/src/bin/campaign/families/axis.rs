@@ -15,7 +15,11 @@ fn revolve(scene: &mut Scene) {
 
 /// All bodies without a thickness.
 fn no_thickness(scene: &mut Scene) {
-    scene.problem.bodies.iter_mut().for_each(|body| body.thickness = 1.0);
+    scene
+        .problem
+        .bodies
+        .iter_mut()
+        .for_each(|body| body.thickness = 1.0);
 }
 
 /// Discs and rings on top of each other, pressed down.
@@ -33,19 +37,31 @@ pub fn stack(scene: &mut Scene) {
         let (inner, outer) = if matching {
             (if on_axis { 0.0 } else { 0.5 }, 1.5)
         } else {
-            let inner = if on_axis { 0.0 } else { scene.random.between(0.3, 0.7) };
+            let inner = if on_axis {
+                0.0
+            } else {
+                scene.random.between(0.3, 0.7)
+            };
             (inner, scene.random.between(1.0, 2.0))
         };
-        if matching {
+        if matching && scene.random.chance(0.5) {
             let up = ((along as f64 * h) as usize).max(1);
             scene.rectangle(&name, [inner, y], [outer, y + h], [along, up], kind);
         } else {
             scene.block(&name, [inner, y], [outer, y + h], n);
         }
         y += h;
-        let law = if rough { scene.law(1.0) } else { Law::Frictionless };
+        let law = if rough {
+            scene.law(1.0)
+        } else {
+            Law::Frictionless
+        };
         if k > 0 {
-            scene.touch(side(&name, "bottom"), side(&format!("b{}", k - 1), "top"), law);
+            scene.touch(
+                side(&name, "bottom"),
+                side(&format!("b{}", k - 1), "top"),
+                law,
+            );
         } else if scene.random.chance(0.5) {
             scene.problem.bodies[0].supports.push(hold(on("bottom"), 1));
         } else {
@@ -63,9 +79,28 @@ pub fn stack(scene: &mut Scene) {
     });
     if scene.problem.contacts.is_empty() {
         let surface = Surface::Gap(Amount::from(scene.strain * 0.1));
-        scene.stand(side("b0", "right"), surface, Drive::Nothing, Law::Frictionless);
+        scene.stand(
+            side("b0", "right"),
+            surface,
+            Drive::Nothing,
+            Law::Frictionless,
+        );
     }
     no_thickness(scene);
+    if matching && !rough {
+        scene.problem.uniform = Some(Amount::from(scene.strain));
+        scene.problem.contacts.retain(|c| c.own.side != "right");
+        if scene.problem.contacts.is_empty() {
+            scene.problem.uniform = None;
+            let surface = Surface::Gap(Amount::from(0.0));
+            scene.stand(
+                side("b0", "right"),
+                surface,
+                Drive::Nothing,
+                Law::Frictionless,
+            );
+        }
+    }
     scene.holds("pressed down along the axis");
 }
 

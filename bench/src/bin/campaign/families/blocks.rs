@@ -42,9 +42,11 @@ pub fn stack(scene: &mut Scene) {
     let equal = scene.random.chance(0.4);
     let rough = scene.random.chance(0.4);
     let guided = !rough && scene.random.chance(0.4);
-    let on_clamped = scene.random.chance(0.4);
+    let on_clamped = high > 1 && scene.random.chance(0.4);
     let count = scene.random.pick(&[1, 1, 2, 4]);
     scene.problem.times = steps(count);
+    // a little air between the boxes, or a little too much of them, or neither
+    let air = scene.strain * scene.random.pick(&[0.0, 0.0, 0.0, 0.3, -0.3]);
     let mut y = 0.0;
     let mut boxes: Vec<([f64; 2], f64)> = Vec::new();
     let matching = equal && scene.random.chance(0.5);
@@ -55,9 +57,16 @@ pub fn stack(scene: &mut Scene) {
         let (w, h) = if equal {
             (1.0, scene.random.between(0.3, 1.0))
         } else {
-            (scene.random.between(0.5, 1.5), scene.random.between(0.3, 1.0))
+            (
+                scene.random.between(0.5, 1.5),
+                scene.random.between(0.3, 1.0),
+            )
         };
-        let left = if equal { 0.0 } else { scene.random.between(-0.15, 0.15) - 0.5 * w };
+        let left = if equal {
+            0.0
+        } else {
+            scene.random.between(-0.15, 0.15) - 0.5 * w
+        };
         let (from, to) = ([left, y], [left + w, y + h]);
         if matching {
             let up = ((along as f64 * h).round() as usize).max(1);
@@ -66,7 +75,7 @@ pub fn stack(scene: &mut Scene) {
             scene.block(&name, from, to, high);
         }
         boxes.push(([left, left + w], y));
-        y += h;
+        y += h + air * scene.random.unit();
     }
     let top = high - 1;
     let [left, right] = boxes[top].0;
@@ -74,7 +83,7 @@ pub fn stack(scene: &mut Scene) {
     let body = &mut scene.problem.bodies[top];
     body.loads.push(Load::Pressure {
         side: "top".to_string(),
-        field: load,
+        field: load.clone(),
     });
     if scene.random.chance(0.4) {
         let weight = scene.strain * scene.random.between(0.1, 1.0);
@@ -83,7 +92,11 @@ pub fn stack(scene: &mut Scene) {
     }
     let mut coefficients = Vec::new();
     for k in 0..high {
-        let law = if rough { scene.law(1.0) } else { Law::Frictionless };
+        let law = if rough {
+            scene.law(1.0)
+        } else {
+            Law::Frictionless
+        };
         coefficients.push(match &law {
             Law::Coulomb(mu) => mu.at([0.0; 2], 0.0),
             _ => 0.0,
@@ -105,6 +118,13 @@ pub fn stack(scene: &mut Scene) {
             field: [Amount::timed(push, time), Amount::default()],
         });
     }
+    let first = scene.problem.bodies[0].thickness;
+    let plain = |b: &crate::problem::Body| b.weight[1].is_zero() && b.thickness == first;
+    let plain = scene.problem.bodies.iter().all(plain);
+    if let ([load], true) = (&load.0[..], equal && plain && !rough && !on_clamped) {
+        // a column under even pressure without friction: the same uniaxial stress in all boxes
+        scene.problem.uniform = (load.slope == [0.0; 2]).then(|| Amount(vec![load.clone()]));
+    }
     if guided {
         for body in &mut scene.problem.bodies {
             body.supports.push(hold(on("left"), 0));
@@ -118,7 +138,12 @@ pub fn stack(scene: &mut Scene) {
         }
     }
     // statics of every interface: all loads above it
-    let mut above: Vec<_> = scene.problem.times.iter().map(|_| ([0.0; 2], 0.0)).collect();
+    let mut above: Vec<_> = scene
+        .problem
+        .times
+        .iter()
+        .map(|_| ([0.0; 2], 0.0))
+        .collect();
     let mut parts = Vec::new();
     for k in (0..high).rev() {
         let own = scene.loads(k);
@@ -145,24 +170,34 @@ pub fn chain(scene: &mut Scene) {
     for k in 0..n {
         let name = format!("b{k}");
         let w = scene.random.between(0.3, 1.2);
-        let gap = if k > 0 { clearance * scene.random.between(-1.0, 1.0) } else { 0.0 };
+        let gap = if k > 0 {
+            clearance * scene.random.between(-1.0, 1.0)
+        } else {
+            0.0
+        };
         // a gap in the coordinates, or by a number below
         let body = scene.block(&name, [x, 0.0], [x + w, height], n);
-        scene.problem.bodies[body].supports.push(hold(on("bottom"), 1));
+        scene.problem.bodies[body]
+            .supports
+            .push(hold(on("bottom"), 1));
         x += w;
         if k > 0 {
-            let law = scene.law(0.3);
-            let c = scene.touch(side(&format!("b{}", k - 1), "right"), side(&name, "left"), law);
+            let law = scene.varied_law(0.3);
+            let c = scene.touch(
+                side(&format!("b{}", k - 1), "right"),
+                side(&name, "left"),
+                law,
+            );
             if gap != 0.0 {
-                scene.problem.contacts[c].gap = Gap::Given(Amount::from(gap));
+                // open at one end, mostly
+                let slope = gap * scene.random.pick(&[0.0, 0.0, 0.5, -1.0]) / height;
+                let gap = Amount::new(gap, [0.0, slope], Time::Always);
+                scene.problem.contacts[c].gap = Gap::Given(gap);
             }
         }
     }
     let stroke = scene.strain * x * scene.random.between(0.3, 2.0);
-    let time = match course(&mut scene.random, count) {
-        Time::Wave(omega, phase) => Time::Wave(omega, phase),
-        other => other,
-    };
+    let time = course(&mut scene.random, count);
     let law = scene.law(0.3);
     scene.stand(
         side("b0", "left"),
@@ -186,7 +221,9 @@ pub fn chain(scene: &mut Scene) {
         };
         scene.stand(side(&last, "right"), surface, Drive::Nothing, law);
     } else {
-        scene.problem.bodies[n - 1].supports.push(hold(on("right"), 0));
+        scene.problem.bodies[n - 1]
+            .supports
+            .push(hold(on("right"), 0));
     }
     scene.holds("walls press or leave, no load acts");
 }
@@ -223,13 +260,23 @@ pub fn masonry(scene: &mut Scene) {
         rows.push(row);
     }
     let weight = scene.strain * scene.random.between(0.2, 1.0);
-    scene.problem.bodies.iter_mut().for_each(|b| b.weight[1] = Amount::from(-weight));
-    let law = if rough { scene.law(1.0) } else { Law::Frictionless };
+    scene
+        .problem
+        .bodies
+        .iter_mut()
+        .for_each(|b| b.weight[1] = Amount::from(-weight));
+    let law = if rough {
+        scene.law(1.0)
+    } else {
+        Law::Frictionless
+    };
     for j in 0..courses {
         for (name, [a, b]) in rows[j].clone() {
             if j == 0 {
                 let body = scene.problem.body(&name);
-                scene.problem.bodies[body].supports.push(clamp(on("bottom")));
+                scene.problem.bodies[body]
+                    .supports
+                    .push(clamp(on("bottom")));
                 continue;
             }
             for (below, [c, d]) in rows[j - 1].clone() {
@@ -241,7 +288,11 @@ pub fn masonry(scene: &mut Scene) {
         for k in 1..rows[j].len() {
             if joints {
                 let (a, b) = (rows[j][k - 1].0.clone(), rows[j][k].0.clone());
-                let law = if rough { scene.law(0.5) } else { Law::Frictionless };
+                let law = if rough {
+                    scene.law(0.5)
+                } else {
+                    Law::Frictionless
+                };
                 scene.touch(side(&a, "right"), side(&b, "left"), law);
             }
         }
@@ -299,10 +350,27 @@ pub fn punch(scene: &mut Scene) {
     if style == 0 {
         scene.problem.bodies[1].supports.push(hold(on("left"), 0));
         scene.holds("the punch is guided and pressed down");
+        if scene.random.chance(0.15) {
+            // pressed first, pulled in the last step
+            let count = scene.problem.times.len() as f64;
+            let (a, b) = if count == 1.0 {
+                (-1.0, 0.0)
+            } else {
+                (1.0, -1.2 / count)
+            };
+            scene.problem.bodies[1].loads = vec![Load::Pressure {
+                side: "top".to_string(),
+                field: Amount::timed(scene.strain, Time::Line(a, b)),
+            }];
+            scene.problem.known = crate::problem::Known::Falls;
+            scene.problem.reason = "the punch is pulled away".to_string();
+        }
         return;
     }
     if friction == 0.0 && style == 1 {
-        scene.problem.bodies[1].supports.push(hold(Place::Point([left, deep]), 0));
+        scene.problem.bodies[1]
+            .supports
+            .push(hold(Place::Point([left, deep]), 0));
     }
     if friction > 0.0 {
         let push = scene.strain * friction * scene.random.between(-0.8, 0.8);
@@ -315,7 +383,10 @@ pub fn punch(scene: &mut Scene) {
     if scene.random.chance(0.2) {
         scene.problem.contacts[c].gap = Gap::Geometric;
     }
-    let parts = [(scene.loads(1), from_below([left, left + width], deep, friction))];
+    let parts = [(
+        scene.loads(1),
+        from_below([left, left + width], deep, friction),
+    )];
     scene.judge(&parts, "statics of the punch");
 }
 
@@ -342,7 +413,11 @@ pub fn beam(scene: &mut Scene) {
     scene.random.shuffle(&mut order);
     for k in order {
         let x = places[k].min(long - 1.1 * half);
-        let gap = if k > 0 && k + 1 < n { lower * scene.random.between(0.0, 0.3) } else { 0.0 };
+        let gap = if k > 0 && k + 1 < n {
+            lower * scene.random.between(0.0, 0.3)
+        } else {
+            0.0
+        };
         let law = scene.law(0.2);
         if blocks {
             let name = format!("s{k}");
@@ -367,7 +442,9 @@ pub fn beam(scene: &mut Scene) {
             let last = (high[0] / cell).floor() * cell;
             if last - first < 0.9 * cell {
                 let patch = scene.problem.bodies[0].patches.last_mut();
-                patch.into_iter().for_each(|p| (p.low[0], p.high[0]) = (x - 1.05 * cell, x + 1.05 * cell));
+                patch
+                    .into_iter()
+                    .for_each(|p| (p.low[0], p.high[0]) = (x - 1.05 * cell, x + 1.05 * cell));
             }
             let surface = Surface::Gap(Amount::from(gap));
             scene.stand(side("beam", &name), surface, Drive::Nothing, law);
@@ -405,7 +482,10 @@ pub fn hanging(scene: &mut Scene) {
     let mut length = 0.0;
     for k in 0..=n {
         let name = format!("h{k}");
-        let (w, h) = (scene.random.between(0.5, 1.2), scene.random.between(0.3, 1.0));
+        let (w, h) = (
+            scene.random.between(0.5, 1.2),
+            scene.random.between(0.3, 1.0),
+        );
         let x = scene.random.between(-0.2, 0.2);
         let body = scene.block(&name, [x - 0.5 * w, y - h], [x + 0.5 * w, y], n + 1);
         if k == 0 {
@@ -448,17 +528,33 @@ pub fn hook(scene: &mut Scene) {
     let half = 0.5 * stem + play + ledge;
     let head = 0.5 * stem + play + ledge * scene.random.between(0.4, 1.2);
     let matching = scene.random.chance(0.3);
-    let law = if rough { scene.law(1.0) } else { Law::Frictionless };
+    let law = if rough {
+        scene.law(1.0)
+    } else {
+        Law::Frictionless
+    };
     let thick = scene.random.between(0.3, 0.8);
-    for (name, [a, b]) in [("left", [-half, -half + ledge]), ("right", [half - ledge, half])] {
+    for (name, [a, b]) in [
+        ("left", [-half, -half + ledge]),
+        ("right", [half - ledge, half]),
+    ] {
         let body = scene.block(name, [a, -0.5], [b, 0.0], 4);
-        scene.problem.bodies[body].supports.push(clamp(on("bottom")));
+        scene.problem.bodies[body]
+            .supports
+            .push(clamp(on("bottom")));
     }
     scene.block("head", [-head, 0.0], [head, thick], 4);
     let long = scene.random.between(0.5, 2.0);
     // the stem begins at the lower face of the head
     let kind = scene.kind();
-    let cells = [if matching { 4 } else { scene.random.count(1, 8) }, scene.random.count(2, 12)];
+    let cells = [
+        if matching {
+            4
+        } else {
+            scene.random.count(1, 8)
+        },
+        scene.random.count(2, 12),
+    ];
     scene.rectangle("stem", [-0.5 * stem, -long], [0.5 * stem, 0.0], cells, kind);
     let pull = scene.strain * scene.random.between(0.2, 1.0);
     let stem_body = &mut scene.problem.bodies[3];
@@ -475,8 +571,16 @@ pub fn hook(scene: &mut Scene) {
     }
     if !glued {
         // beside the play the stem may touch the ledges
-        scene.touch(side("stem", "left"), side("left", "right"), Law::Frictionless);
-        scene.touch(side("stem", "right"), side("right", "left"), Law::Frictionless);
+        scene.touch(
+            side("stem", "left"),
+            side("left", "right"),
+            Law::Frictionless,
+        );
+        scene.touch(
+            side("stem", "right"),
+            side("right", "left"),
+            Law::Frictionless,
+        );
     }
     scene.holds("the pull acts between the ledges");
 }
@@ -500,7 +604,11 @@ pub fn tied(scene: &mut Scene) {
             scene.block(&name, [x, 0.0], [x + w, tall], n);
         }
         if k > 0 {
-            scene.touch(side(&format!("t{}", k - 1), "right"), side(&name, "left"), Law::Tied);
+            scene.touch(
+                side(&format!("t{}", k - 1), "right"),
+                side(&name, "left"),
+                Law::Tied,
+            );
         }
         x += w;
     }
@@ -538,4 +646,45 @@ pub fn tied(scene: &mut Scene) {
     };
     scene.problem.bodies[0].supports.push(support);
     scene.holds("the first part is guided, all are pressed down and glued");
+}
+
+/// A block whose sole is moved as a whole, or by a rotation, onto another block: supports on a contact side.
+pub fn indenter(scene: &mut Scene) {
+    let count = scene.random.pick(&[1, 1, 3]);
+    scene.problem.times = steps(count);
+    let width = scene.random.between(0.3, 1.0);
+    let left = scene.random.between(0.2, 1.8 - width);
+    let deep = scene.random.between(0.5, 1.0);
+    scene.block("block", [0.0, 0.0], [2.0, deep], 2);
+    scene.block("stamp", [left, deep], [left + width, deep + 0.4], 2);
+    scene.problem.bodies[0].supports.push(clamp(on("bottom")));
+    let stroke = scene.strain * scene.random.between(0.2, 1.0);
+    let turn = stroke * scene.random.between(-1.5, 1.5) / width;
+    let middle = left + 0.5 * width;
+    let time = course(&mut scene.random, count);
+    let down = Amount::new(-stroke - turn * middle, [turn, 0.0], time);
+    let stamp = &mut scene.problem.bodies[1];
+    stamp.supports.push(moved(on("bottom"), 1, down));
+    if scene.random.chance(0.5) {
+        let aside = stroke * scene.random.between(-0.5, 0.5);
+        let time = course(&mut scene.random, count);
+        let support = moved(on("bottom"), 0, Amount::timed(aside, time));
+        scene.problem.bodies[1].supports.push(support);
+    } else {
+        scene.problem.bodies[1].supports.push(hold(on("left"), 0));
+    }
+    let law = scene.varied_law(0.5);
+    let (own, other) = (side("block", "top"), side("stamp", "bottom"));
+    let c = scene.touch(own.clone(), other.clone(), law);
+    // a side whose displacement is prescribed cannot carry multipliers
+    let contact = &mut scene.problem.contacts[c];
+    let chosen = scene.random.chance(0.5);
+    (contact.own, contact.against) = (
+        own,
+        crate::problem::Against::Side {
+            side: other,
+            chosen,
+        },
+    );
+    scene.holds("the stamp moves as prescribed");
 }

@@ -1,6 +1,6 @@
 //! Several obstacles under one side, obstacles that move, obstacles that a force moves.
 
-use super::{Scene, course, from_below};
+use super::{Scene, course};
 use crate::amount::{Amount, Time};
 use crate::plane::rotated;
 use crate::problem::{
@@ -9,7 +9,10 @@ use crate::problem::{
 
 /// A block above two to four obstacles of all kinds, in any order, at different distances.
 pub fn floors(scene: &mut Scene) {
-    let (w, h) = (scene.random.between(0.8, 2.0), scene.random.between(0.4, 1.2));
+    let (w, h) = (
+        scene.random.between(0.8, 2.0),
+        scene.random.between(0.4, 1.2),
+    );
     scene.block("block", [0.0, 0.0], [w, h], 1);
     let reach = scene.strain * h * scene.random.magnitude(0.05, 2.0);
     let count = scene.random.pick(&[1, 1, 2]);
@@ -38,7 +41,11 @@ pub fn floors(scene: &mut Scene) {
             3 => {
                 whole = true;
                 let slope = reach * scene.random.between(-0.3, 0.3) / w;
-                Surface::Gap(Amount::new(gap - 0.5 * slope * w, [slope, 0.0], Time::Always))
+                Surface::Gap(Amount::new(
+                    gap - 0.5 * slope * w,
+                    [slope, 0.0],
+                    Time::Always,
+                ))
             }
             _ => {
                 let radius = scene.random.between(1.0, 5.0) * w;
@@ -50,7 +57,11 @@ pub fn floors(scene: &mut Scene) {
                 }
             }
         };
-        let law = if rough { scene.law(0.7) } else { Law::Frictionless };
+        let law = if rough {
+            scene.law(0.7)
+        } else {
+            Law::Frictionless
+        };
         scene.stand(side("block", "bottom"), surface, Drive::Nothing, law);
     }
     let p = scene.strain;
@@ -65,7 +76,9 @@ pub fn floors(scene: &mut Scene) {
     });
     match scene.random.count(0, 2) {
         0 => scene.problem.bodies[0].supports.push(hold(on("left"), 0)),
-        1 => scene.problem.bodies[0].supports.push(hold(Place::Point([0.0, 0.0]), 0)),
+        1 => scene.problem.bodies[0]
+            .supports
+            .push(hold(Place::Point([0.0, 0.0]), 0)),
         _ => {
             scene.problem.bodies[0].supports.push(hold(on("left"), 0));
             scene.problem.bodies[0].supports.push(hold(on("right"), 0));
@@ -79,7 +92,10 @@ pub fn floors(scene: &mut Scene) {
 
 /// A floor that moves across, along or both ways under a block that is held at its top, with or without friction.
 pub fn moving(scene: &mut Scene) {
-    let (w, h) = (scene.random.between(0.5, 1.5), scene.random.between(0.3, 1.0));
+    let (w, h) = (
+        scene.random.between(0.5, 1.5),
+        scene.random.between(0.3, 1.0),
+    );
     scene.block("block", [0.0, 0.0], [w, h], 1);
     let count = scene.random.count(1, 6);
     scene.problem.times = steps(count);
@@ -89,7 +105,10 @@ pub fn moving(scene: &mut Scene) {
             1 => Time::Always,
             _ => match scene.random.count(0, 2) {
                 0 => Time::Line(0.0, 1.0 / count as f64),
-                _ => Time::Wave(scene.random.between(0.6, 2.2), scene.random.between(0.0, 3.0)),
+                _ => Time::Wave(
+                    scene.random.between(0.6, 2.2),
+                    scene.random.between(0.0, 3.0),
+                ),
             },
         };
         Amount::timed(size, time)
@@ -97,7 +116,7 @@ pub fn moving(scene: &mut Scene) {
     let law = match scene.random.count(0, 3) {
         0 => Law::Frictionless,
         1 => Law::Tresca(Amount::from(scene.strain * scene.random.between(0.1, 0.6))),
-        _ => scene.law(1.0),
+        _ => scene.varied_law(1.0),
     };
     let size = stroke * scene.random.between(-2.0, 2.0);
     let along = wave(scene, size);
@@ -130,14 +149,18 @@ pub fn moving(scene: &mut Scene) {
         body.supports.push(clamp(on("top")));
     } else {
         body.supports.push(hold(on("top"), 0));
-        body.supports.push(moved(on("top"), 1, Amount::from(-0.8 * stroke)));
+        body.supports
+            .push(moved(on("top"), 1, Amount::from(-0.8 * stroke)));
     }
     scene.holds("the block is clamped at its top");
 }
 
 /// A stamp that a force presses against a clamped block or against a loose one between two of them.
 pub fn free_obstacle(scene: &mut Scene) {
-    let (w, h) = (scene.random.between(0.5, 1.5), scene.random.between(0.3, 1.0));
+    let (w, h) = (
+        scene.random.between(0.5, 1.5),
+        scene.random.between(0.3, 1.0),
+    );
     scene.block("block", [0.0, 0.0], [w, h], 1);
     let count = scene.random.pick(&[1, 1, 3]);
     scene.problem.times = steps(count);
@@ -162,7 +185,11 @@ pub fn free_obstacle(scene: &mut Scene) {
         }
     };
     let rough = scene.random.chance(0.3);
-    let law = if rough { scene.law(1.0) } else { Law::Frictionless };
+    let law = if rough {
+        scene.law(1.0)
+    } else {
+        Law::Frictionless
+    };
     let drawn = match &law {
         Law::Coulomb(mu) => force * mu.at([0.0; 2], 0.0) * scene.random.between(-0.8, 0.8),
         _ => 0.0,
@@ -172,14 +199,24 @@ pub fn free_obstacle(scene: &mut Scene) {
     scene.problem.bodies[0].supports.push(clamp(on("top")));
     scene.problem.known = if round { Known::Open } else { Known::Holds };
     scene.problem.reason = "the stamp presses a clamped block".to_string();
-    if scene.problem.times.iter().any(|&t| Amount::timed(1.0, time).at([0.0; 2], t) <= 0.0) {
+    if scene
+        .problem
+        .times
+        .iter()
+        .any(|&t| Amount::timed(1.0, time).at([0.0; 2], t) <= 0.0)
+    {
         scene.problem.known = Known::Falls;
         scene.problem.reason = "the stamp is pulled away".to_string();
     }
 }
 
 /// A polygon of straight edges with names.
-pub fn polygon(size: f64, corners: &[[f64; 2]], names: &[&'static str], cells: &[Option<usize>]) -> Shape {
+pub fn polygon(
+    size: f64,
+    corners: &[[f64; 2]],
+    names: &[&'static str],
+    cells: &[Option<usize>],
+) -> Shape {
     let n = corners.len();
     let edges = (0..n)
         .map(|k| Edge {
@@ -194,9 +231,4 @@ pub fn polygon(size: f64, corners: &[[f64; 2]], names: &[&'static str], cells: &
         from: corners[0],
         edges,
     }
-}
-
-/// Ends of an interval as pushes from below.
-pub fn below(a: f64, b: f64, y: f64, friction: f64) -> Vec<super::Push> {
-    from_below([a, b], y, friction)
 }

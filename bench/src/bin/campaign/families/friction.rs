@@ -3,13 +3,14 @@
 use super::{Push, Scene, course, from_below};
 use crate::amount::{Amount, Time};
 use crate::plane::{cross, dot, minus, rotated, times};
-use crate::problem::{
-    Drive, Edge, Law, Load, Shape, Surface, clamp, moved, on, side, steps,
-};
+use crate::problem::{Drive, Edge, Law, Load, Shape, Surface, clamp, moved, on, side, steps};
 
 /// A block in a corner of two planes or two bodies, pressed into it, with friction on one, both or none.
 pub fn corner(scene: &mut Scene) {
-    let (w, h) = (scene.random.between(0.5, 1.5), scene.random.between(0.5, 1.5));
+    let (w, h) = (
+        scene.random.between(0.5, 1.5),
+        scene.random.between(0.5, 1.5),
+    );
     let count = scene.random.pick(&[1, 1, 3]);
     scene.problem.times = steps(count);
     scene.block("block", [0.0, 0.0], [w, h], 1);
@@ -120,10 +121,21 @@ fn margin(scene: &mut Scene) -> f64 {
 
 /// A block whose load passes its edge by a hair, inside or outside.
 pub fn tip(scene: &mut Scene) {
-    let (w, h) = (scene.random.between(0.5, 1.5), scene.random.between(0.5, 1.5));
+    let (w, h) = (
+        scene.random.between(0.5, 1.5),
+        scene.random.between(0.5, 1.5),
+    );
     let rough = scene.random.chance(0.5);
-    let mu = if rough { scene.random.between(0.4, 1.0) } else { 0.0 };
-    let law = if rough { Law::Coulomb(Amount::from(mu)) } else { Law::Frictionless };
+    let mu = if rough {
+        scene.random.between(0.4, 1.0)
+    } else {
+        0.0
+    };
+    let law = if rough {
+        Law::Coulomb(Amount::from(mu))
+    } else {
+        Law::Frictionless
+    };
     place(scene, w, h, law);
     let [a, b] = sole(scene, w);
     let lever = margin(scene) * scene.random.sign() * 0.5 * (b - a);
@@ -143,7 +155,10 @@ pub fn tip(scene: &mut Scene) {
 
 /// A block drawn with a little less or a little more than friction bears, its resultant well inside its sole.
 pub fn slide(scene: &mut Scene) {
-    let (w, h) = (scene.random.between(0.8, 1.5), scene.random.between(0.2, 0.6));
+    let (w, h) = (
+        scene.random.between(0.8, 1.5),
+        scene.random.between(0.2, 0.6),
+    );
     let mu = scene.random.between(0.05, 0.6);
     let count = scene.random.pick(&[1, 1, 3]);
     scene.problem.times = steps(count);
@@ -152,7 +167,11 @@ pub fn slide(scene: &mut Scene) {
     let p = scene.strain;
     let part = margin(scene) * scene.random.sign();
     let draw = part * mu * p;
-    let time = if count == 1 { Time::Always } else { Time::Line(0.0, 1.0 / count as f64) };
+    let time = if count == 1 {
+        Time::Always
+    } else {
+        Time::Line(0.0, 1.0 / count as f64)
+    };
     let middle = 0.5 * (a + b) - 0.5 * w;
     // the shear of a uniform state on all sides keeps the resultant where it is
     let slope = p * middle * 12.0 / (w * w);
@@ -188,7 +207,9 @@ pub fn incline(scene: &mut Scene) {
             cells: (k == 0).then(|| scene.random.count(2, 12)),
         })
         .collect();
-    let kind = scene.random.pick(&[crate::cells::Kind::Tri3, crate::cells::Kind::Tri6]);
+    let kind = scene
+        .random
+        .pick(&[crate::cells::Kind::Tri3, crate::cells::Kind::Tri6]);
     let size = scene.cell_length(w * h, 1, kind).clamp(0.05, 0.5);
     let shape = Shape::Outline {
         size,
@@ -222,7 +243,10 @@ pub fn incline(scene: &mut Scene) {
 
 /// A block pressed and drawn to and fro against a bound of shear.
 pub fn tresca(scene: &mut Scene) {
-    let (w, h) = (scene.random.between(0.5, 1.5), scene.random.between(0.3, 1.0));
+    let (w, h) = (
+        scene.random.between(0.5, 1.5),
+        scene.random.between(0.3, 1.0),
+    );
     let count = scene.random.pick(&[1, 3, 5, 6]);
     scene.problem.times = steps(count);
     let bound = scene.strain * scene.random.between(0.05, 0.5);
@@ -235,14 +259,17 @@ pub fn tresca(scene: &mut Scene) {
     let pressed = scene.random.chance(0.5);
     let body = &mut scene.problem.bodies[0];
     if pressed {
-        body.supports.push(moved(on("left"), 0, Amount::timed(stroke, time)));
+        body.supports
+            .push(moved(on("left"), 0, Amount::timed(stroke, time)));
         body.loads.push(Load::Pressure {
             side: "top".to_string(),
             field: Amount::from(scene.strain),
         });
     } else {
-        body.supports.push(moved(on("top"), 0, Amount::timed(stroke, time)));
-        body.supports.push(moved(on("top"), 1, Amount::from(-scene.strain * h)));
+        body.supports
+            .push(moved(on("top"), 0, Amount::timed(stroke, time)));
+        body.supports
+            .push(moved(on("top"), 1, Amount::from(-scene.strain * h)));
     }
     scene.holds("the block is held across, and pressed down");
 }

@@ -26,11 +26,12 @@ use crate::twins::carried;
 type Make = fn(&mut Scene);
 
 /// All families.
-pub const FAMILIES: [(&str, Make); 24] = [
+pub const FAMILIES: [(&str, Make); 28] = [
     ("stack", blocks::stack),
     ("chain", blocks::chain),
     ("masonry", blocks::masonry),
     ("punch", blocks::punch),
+    ("indenter", blocks::indenter),
     ("beam", blocks::beam),
     ("hanging", blocks::hanging),
     ("hook", blocks::hook),
@@ -48,6 +49,9 @@ pub const FAMILIES: [(&str, Make); 24] = [
     ("disc_v", rounds::disc_v),
     ("disc_plates", rounds::disc_plates),
     ("rings", rounds::rings),
+    ("pin", rounds::pin),
+    ("bore", rounds::bore),
+    ("pocket", rounds::pocket),
     ("axi_stack", axis::stack),
     ("axi_sphere", axis::sphere),
     ("axi_fit", axis::fit),
@@ -113,14 +117,22 @@ impl Scene {
                 times: vec![1.0],
                 known: Known::Open,
                 reason: String::new(),
+                uniform: None,
+                spins: false,
                 method: "auto",
             },
             random,
         }
     }
 
-    /// The problem in random units.
+    /// The problem in random units, the softest modulus one before that.
     fn scaled(mut self) -> Problem {
+        let moduli = self.problem.bodies.iter().map(|b| b.young);
+        let softest = moduli.fold(f64::INFINITY, f64::min);
+        self.problem
+            .bodies
+            .iter_mut()
+            .for_each(|b| b.young /= softest);
         if self.random.chance(0.4) {
             return self.problem;
         }
@@ -154,6 +166,7 @@ impl Scene {
             _ => self.random.between(0.15, 0.4),
         };
         let thickness = match self.problem.bodies.first() {
+            Some(_) if self.random.chance(0.05) => self.random.magnitude(0.3, 3.0),
             Some(first) => first.thickness,
             None if self.random.chance(0.8) => 1.0,
             None => self.random.magnitude(0.1, 10.0),
@@ -194,8 +207,17 @@ impl Scene {
     }
 
     /// A rectangle with these cells.
-    pub fn rectangle(&mut self, name: &str, from: Vector, to: Vector, cells: [usize; 2], kind: Kind) -> usize {
-        let diagonals = self.random.pick(&["checkerboard", "forward", "backward", "checkerboard-odd"]);
+    pub fn rectangle(
+        &mut self,
+        name: &str,
+        from: Vector,
+        to: Vector,
+        cells: [usize; 2],
+        kind: Kind,
+    ) -> usize {
+        let diagonals =
+            self.random
+                .pick(&["checkerboard", "forward", "backward", "checkerboard-odd"]);
         let shape = Shape::Rectangle {
             from,
             to,
@@ -207,9 +229,20 @@ impl Scene {
 
     /// A contact of two sides, in either order and by either kind of name.
     pub fn touch(&mut self, a: Side, b: Side, law: Law) -> usize {
-        let (own, other) = if self.random.chance(0.5) { (a, b) } else { (b, a) };
+        let (own, other) = if self.random.chance(0.5) {
+            (a, b)
+        } else {
+            (b, a)
+        };
         let chosen = self.random.chance(0.3);
-        self.push(own, Against::Side { side: other, chosen }, law)
+        self.push(
+            own,
+            Against::Side {
+                side: other,
+                chosen,
+            },
+            law,
+        )
     }
 
     /// A contact with an obstacle.
@@ -253,6 +286,24 @@ impl Scene {
         }
     }
 
+    /// The same with a coefficient that may vary along x and in time, for problems whose statics does not ask for it.
+    pub fn varied_law(&mut self, rough: f64) -> Law {
+        let law = self.law(rough);
+        let Law::Coulomb(_) = law else { return law };
+        if self.random.chance(0.7) {
+            return law;
+        }
+        let (mu, slope) = (
+            self.random.between(0.2, 0.6),
+            self.random.between(-0.05, 0.05),
+        );
+        let time = match self.random.chance(0.5) {
+            true => Time::Always,
+            false => Time::Line(1.0, self.random.between(-0.1, 0.2)),
+        };
+        Law::Coulomb(Amount::new(mu, [slope, 0.0], time))
+    }
+
     /// Takes what is known of the answer from single bodies: each with the wrench of its loads (about the origin) at every
     /// time, and what may push it. Pushes of coarse meshes do not reach the ends of a side: what holds must hold without a
     /// quarter of the sides.
@@ -287,7 +338,9 @@ impl Scene {
     /// The loads of a rectangle at all times, about the origin.
     pub fn loads(&self, body: usize) -> Vec<Wrench> {
         let times = self.problem.times.iter();
-        times.map(|&t| rectangle_loads(&self.problem.bodies[body], t)).collect()
+        times
+            .map(|&t| rectangle_loads(&self.problem.bodies[body], t))
+            .collect()
     }
 
     /// It is known that the contacts hold.
@@ -313,7 +366,7 @@ pub fn sum(a: Wrench, b: Wrench) -> Wrench {
     (plus(a.0, 1.0, b.0), a.1 + b.1)
 }
 
-/// The loads of a rectangle, without thickness.
+/// The loads of a rectangle.
 pub fn rectangle_loads(body: &Body, t: f64) -> Wrench {
     let Shape::Rectangle { from, to, .. } = body.shape else {
         return ([0.0; 2], 0.0);
@@ -333,7 +386,7 @@ pub fn rectangle_loads(body: &Body, t: f64) -> Wrench {
                 (side, into.map(|c| field.times(c)))
             }
             Load::Force { point, field } => {
-                add(*point, times(1.0 / body.thickness, vector_at(field, *point, t)));
+                add(*point, vector_at(field, *point, t));
                 continue;
             }
         };
@@ -345,13 +398,14 @@ pub fn rectangle_loads(body: &Body, t: f64) -> Wrench {
         };
         for (s, weight) in gauss(3) {
             let x = plus(times(0.5 * (1.0 - s), a), 0.5 * (1.0 + s), b);
-            let area = 0.5 * weight * length(minus(b, a));
+            let area = 0.5 * weight * length(minus(b, a)) * body.thickness;
             add(x, times(area, vector_at(&field, x, t)));
         }
     }
     let middle = times(0.5, plus(from, 1.0, to));
     let [w, h] = minus(to, from);
-    add(middle, times(w * h, vector_at(&body.weight, middle, t)));
+    let volume = w * h * body.thickness;
+    add(middle, times(volume, vector_at(&body.weight, middle, t)));
     total
 }
 
@@ -368,7 +422,9 @@ fn held(load: &Wrench, pushes: &[Push], inside: f64) -> Known {
         1.0 / pushes.len() as f64,
         pushes.iter().fold([0.0; 2], |s, p| plus(s, 1.0, p.at)),
     );
-    let arm = pushes.iter().fold(1e-9, |s: f64, p| s.max(length(minus(p.at, middle))));
+    let arm = pushes
+        .iter()
+        .fold(1e-9, |s: f64, p| s.max(length(minus(p.at, middle))));
     let scale = scale.max(load.1.abs() / arm);
     let target = [
         -load.0[0] / scale,

@@ -14,22 +14,31 @@ use std::f64::consts::PI;
 pub fn wedge(scene: &mut Scene) {
     // half the angle at the tip
     let angle = scene.random.between(0.2, 1.1);
-    let (narrow, high) = (scene.random.between(0.2, 0.5), scene.random.between(0.5, 1.0));
+    let (narrow, high) = (
+        scene.random.between(0.2, 0.5),
+        scene.random.between(0.5, 1.0),
+    );
     let wide = narrow + high * angle.tan();
     let corners = [[-narrow, 0.0], [narrow, 0.0], [wide, high], [-wide, high]];
     let kind = scene.random.pick(&[Kind::Tri3, Kind::Tri6]);
-    let size = scene.cell_length((narrow + wide) * high, 2, kind).clamp(0.04, 0.5);
+    let size = scene
+        .cell_length((narrow + wide) * high, 2, kind)
+        .clamp(0.04, 0.5);
     let cells = scene.random.count(2, 14);
-    let shape = polygon(size, &corners, &["bottom", "right", "top", "left"], &[
-        None,
-        Some(cells),
-        None,
-        Some(cells),
-    ]);
+    let shape = polygon(
+        size,
+        &corners,
+        &["bottom", "right", "top", "left"],
+        &[None, Some(cells), None, Some(cells)],
+    );
     scene.add("wedge", shape, kind);
     let rough = scene.random.chance(0.5);
     let mu = if rough { scene.coefficient() } else { 0.0 };
-    let law = if rough { Law::Coulomb(Amount::from(mu)) } else { Law::Frictionless };
+    let law = if rough {
+        Law::Coulomb(Amount::from(mu))
+    } else {
+        Law::Frictionless
+    };
     // inward normals of the faces of the wedge
     let left = rotated([1.0, 0.0], angle);
     let right = rotated([-1.0, 0.0], -angle);
@@ -92,11 +101,22 @@ pub fn wedge(scene: &mut Scene) {
 }
 
 /// A disc: triangles in a circle, or a ring with a small hole. Its side is returned.
-fn disc(scene: &mut Scene, name: &str, center: [f64; 2], radius: f64, cells: usize, bodies: usize) -> &'static str {
+fn disc(
+    scene: &mut Scene,
+    name: &str,
+    center: [f64; 2],
+    radius: f64,
+    cells: usize,
+    bodies: usize,
+) -> &'static str {
+    scene.problem.spins = true;
     let outline = scene.random.chance(0.5);
     if outline {
         let kind = scene.random.pick(&[Kind::Tri3, Kind::Tri6]);
-        let size = scene.cell_length(PI * radius * radius, bodies, kind).clamp(0.05, 0.5) * 1.2;
+        let size = scene
+            .cell_length(PI * radius * radius, bodies, kind)
+            .clamp(0.05, 0.5)
+            * 1.2;
         let shape = Shape::Disc {
             size,
             center,
@@ -136,7 +156,11 @@ pub fn disc_box(scene: &mut Scene) {
     }
     let (width, height) = (2.0 * columns as f64, 2.0 * rows as f64);
     let rough = scene.random.chance(0.25);
-    let law = if rough { scene.law(1.0) } else { Law::Frictionless };
+    let law = if rough {
+        scene.law(1.0)
+    } else {
+        Law::Frictionless
+    };
     let closing = scene.strain * width * scene.random.between(0.2, 1.0);
     let walls = [
         ([0.0, 0.0], [1.0, 0.0], true),
@@ -171,7 +195,11 @@ pub fn disc_box(scene: &mut Scene) {
     }
     if scene.random.chance(0.5) {
         let weight = scene.strain * scene.random.between(0.01, 0.2);
-        scene.problem.bodies.iter_mut().for_each(|b| b.weight[1] = Amount::from(-weight));
+        scene
+            .problem
+            .bodies
+            .iter_mut()
+            .for_each(|b| b.weight[1] = Amount::from(-weight));
     }
     scene.holds("the box closes from two sides");
 }
@@ -181,10 +209,16 @@ pub fn disc_v(scene: &mut Scene) {
     let cells = 8 * scene.random.count(2, 8);
     let round = disc(scene, "disc", [0.0, 0.0], 1.0, cells, 1);
     // nodes lie at multiples of 45 degrees
-    let pair = scene.random.pick(&[[-0.75, -0.25], [-1.0, -0.25], [-0.5, 0.0], [-1.0, -0.5]]);
+    let pair = scene
+        .random
+        .pick(&[[-0.75, -0.25], [-1.0, -0.25], [-0.5, 0.0], [-1.0, -0.5]]);
     let rough = scene.random.chance(0.5);
     let mu = if rough { scene.coefficient() } else { 0.0 };
-    let law = if rough { Law::Coulomb(Amount::from(mu)) } else { Law::Frictionless };
+    let law = if rough {
+        Law::Coulomb(Amount::from(mu))
+    } else {
+        Law::Frictionless
+    };
     let mut order = pair;
     scene.random.shuffle(&mut order);
     let clearance = scene.strain * scene.random.pick(&[0.0, 0.0, 1.0]);
@@ -216,7 +250,9 @@ pub fn disc_v(scene: &mut Scene) {
         let point = rotated([1.0, 0.0], angle);
         let direction = rotated([0.0, -weight], scene.random.between(-0.6, 0.6));
         let field = direction.map(|c| Amount::from(c * thickness));
-        scene.problem.bodies[0].loads.push(Load::Force { point, field });
+        scene.problem.bodies[0]
+            .loads
+            .push(Load::Force { point, field });
         (direction, cross(point, direction))
     };
     if rough || force.1 == 0.0 {
@@ -248,7 +284,11 @@ pub fn disc_plates(scene: &mut Scene) {
     scene.block("below", [-wide, -radius - 0.6], [wide, -radius], 3);
     scene.problem.bodies[1].supports.push(clamp(on("bottom")));
     let rough = scene.random.chance(0.4);
-    let law = if rough { scene.law(1.0) } else { Law::Frictionless };
+    let law = if rough {
+        scene.law(1.0)
+    } else {
+        Law::Frictionless
+    };
     scene.touch(side("disc", round), side("below", "top"), law.clone());
     if scene.random.chance(0.6) {
         scene.block("above", [-wide, radius], [wide, radius + 0.5], 3);
@@ -280,7 +320,11 @@ pub fn rings(scene: &mut Scene) {
     let step_count = scene.random.pick(&[1, 1, 2]);
     scene.problem.times = steps(step_count);
     let matching = scene.random.chance(0.5);
-    let around = if full { 4 * scene.random.count(4, 10) } else { scene.random.count(4, 20) };
+    let around = if full {
+        4 * scene.random.count(4, 10)
+    } else {
+        scene.random.count(4, 20)
+    };
     let misfit = scene.strain * scene.random.pick(&[-1.0, 0.0, 0.3, 1.0]);
     let surfaces = scene.random.chance(0.4);
     for k in 0..n {
@@ -329,7 +373,11 @@ pub fn rings(scene: &mut Scene) {
             let c = scene.touch(side(&name, "inner"), side(&inside, "outer"), law);
             // the meshes fit; what does not is a number
             scene.problem.contacts[c].gap = if misfit == 0.0 {
-                if surfaces { Gap::Geometric } else { Gap::Closed }
+                if surfaces {
+                    Gap::Geometric
+                } else {
+                    Gap::Closed
+                }
             } else {
                 Gap::Given(Amount::from(-misfit * radius))
             };
@@ -341,10 +389,158 @@ pub fn rings(scene: &mut Scene) {
         other => other,
     };
     let p = scene.strain * scene.random.between(0.2, 2.0);
-    let (body, name) = if scene.random.chance(0.5) { (n - 1, "outer") } else { (0, "inner") };
+    let (body, name) = if scene.random.chance(0.5) {
+        (n - 1, "outer")
+    } else {
+        (0, "inner")
+    };
     scene.problem.bodies[body].loads.push(Load::Pressure {
         side: name.to_string(),
         field: Amount::timed(p, time),
     });
     scene.holds("rings under pressure");
+}
+
+/// A ring hangs on a rigid pin, or rests on it from outside.
+pub fn pin(scene: &mut Scene) {
+    scene.problem.spins = true;
+    let inner = scene.random.between(0.5, 1.0);
+    let outer = inner + scene.random.between(0.2, 0.8);
+    let cells = [4 * scene.random.count(4, 16), scene.random.count(1, 5)];
+    let kind = scene.kind();
+    let shape = Shape::Ring {
+        center: [0.0, 0.0],
+        radii: [inner, outer],
+        angles: None,
+        cells,
+        ratio: 1.0,
+    };
+    scene.add("ring", shape, kind);
+    let weight = scene.strain * scene.random.between(0.05, 0.3);
+    scene.problem.bodies[0].weight[1] = Amount::from(-weight);
+    let law = scene.law(0.4);
+    let play = scene.random.pick(&[0.0, 0.05, 0.3]) * inner;
+    let radius = inner - play - scene.random.unit() * scene.strain;
+    let surface = if scene.random.chance(0.6) {
+        // the pin touches the uppermost point of the bore
+        Surface::Circle {
+            center: [0.0, inner - radius],
+            radius,
+            inside: false,
+        }
+    } else {
+        // a wide rigid tube around the ring
+        let radius = outer * scene.random.between(1.05, 3.0);
+        Surface::Circle {
+            center: [0.0, radius - outer],
+            radius,
+            inside: true,
+        }
+    };
+    let name = match surface {
+        Surface::Circle { inside: true, .. } => "outer",
+        _ => "inner",
+    };
+    scene.stand(side("ring", name), surface, Drive::Nothing, law);
+    scene.holds("the ring hangs on a point");
+}
+
+/// An elastic disc in the bore of a block, with play or without, pressed to one side.
+pub fn bore(scene: &mut Scene) {
+    scene.problem.spins = true;
+    let radius = 0.5;
+    let cells = 4 * scene.random.count(4, 14);
+    let kind = scene.random.pick(&[Kind::Tri3, Kind::Tri6]);
+    let outer = scene.random.between(0.9, 1.5);
+    let shape = Shape::Ring {
+        center: [0.0, 0.0],
+        radii: [radius, outer],
+        angles: None,
+        cells: [4 * scene.random.count(4, 14), scene.random.count(2, 5)],
+        ratio: 1.0,
+    };
+    let plate = scene.kind();
+    scene.add("plate", shape, plate);
+    scene.problem.bodies[0].supports.push(clamp(on("outer")));
+    let play = scene.strain * scene.random.pick(&[0.0, 0.3, 3.0]);
+    let shape = Shape::Disc {
+        size: scene.random.between(0.1, 0.3),
+        center: [0.0, 0.0],
+        radius,
+        cells: Some(cells),
+    };
+    scene.add("disc", shape, kind);
+    let angle = scene.random.between(0.0, 2.0 * PI);
+    let force = rotated([scene.strain, 0.0], angle);
+    scene.problem.bodies[1].weight = force.map(Amount::from);
+    let law = scene.law(0.4);
+    let c = scene.touch(side("disc", "round"), side("plate", "inner"), law);
+    scene.problem.contacts[c].gap = if play > 0.0 {
+        Gap::Given(Amount::from(play))
+    } else {
+        Gap::Closed
+    };
+    scene.holds("pressed through the middle into a bore");
+}
+
+/// A block in a pocket that surrounds it from three sides; each of the two sides of the contact has corners.
+pub fn pocket(scene: &mut Scene) {
+    let (w, h) = (
+        scene.random.between(0.5, 1.5),
+        scene.random.between(0.4, 1.0),
+    );
+    let wall = scene.random.between(0.3, 0.6);
+    let play = scene.strain * scene.random.pick(&[0.0, 0.0, 0.5, -0.2]);
+    let kind = scene.random.pick(&[Kind::Tri3, Kind::Tri6]);
+    let size = scene
+        .cell_length((w + 2.0 * wall) * (h + wall), 2, kind)
+        .clamp(0.06, 0.5);
+    let same = scene.random.chance(0.5);
+    let mut cells = [0; 3].map(|_| scene.random.count(1, 8));
+    let inner = [[0.0, h], [0.0, 0.0], [w, 0.0], [w, h]];
+    let outside = [[w + wall, h], [w + wall, -wall], [-wall, -wall], [-wall, h]];
+    let corners: Vec<[f64; 2]> = inner.into_iter().chain(outside).collect();
+    let names = [
+        "pocket",
+        "pocket",
+        "pocket",
+        "rim_right",
+        "right",
+        "base",
+        "left",
+        "rim_left",
+    ];
+    let divided = cells.map(Some);
+    let shape = polygon(size, &corners, &names, &divided);
+    scene.add("box", shape, kind);
+    scene.problem.bodies[0].supports.push(clamp(on("base")));
+    if !same {
+        cells = [0; 3].map(|_| scene.random.count(1, 8));
+    }
+    // the block: down its left side, along its bottom, up its right side
+    let corners = [[0.0, h], [0.0, 0.0], [w, 0.0], [w, h]];
+    let shape = polygon(
+        size,
+        &corners,
+        &["sole", "sole", "sole", "top"],
+        &cells.map(Some),
+    );
+    let kind = if same {
+        kind
+    } else {
+        scene.random.pick(&[Kind::Tri3, Kind::Tri6])
+    };
+    scene.add("block", shape, kind);
+    let law = scene.law(0.4);
+    let c = scene.touch(side("block", "sole"), side("box", "pocket"), law);
+    if play != 0.0 {
+        scene.problem.contacts[c].gap = Gap::Given(Amount::from(play));
+    }
+    let p = scene.strain;
+    let aside = scene.random.between(-0.5, 0.5) * p;
+    scene.problem.bodies[1].loads.push(Load::Traction {
+        side: "top".to_string(),
+        field: [Amount::from(aside), Amount::from(-p)],
+    });
+    scene.holds("pressed into a pocket that surrounds it");
 }
