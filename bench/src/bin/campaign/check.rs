@@ -267,12 +267,18 @@ pub fn resolution(view: &View<'_>, contact: usize) -> Vec<f64> {
     {
         sagitta = sagitta.max(longest * longest / (8.0 * radius));
     }
+    // where a side turns a corner one integrated condition looks two ways
+    let dents = if touch.curve.corners {
+        4.0 * DENTS
+    } else {
+        DENTS
+    };
     let each = touch.curve.facets.iter().map(|facet| {
         let around = facet.nodes.iter().flat_map(|n| &touch.curve.around[n]);
         let nodes = around.flat_map(|&f| &touch.curve.facets[f].nodes);
         let pressures = nodes.filter_map(|n| tractions.get(n));
         let pressure = pressures.fold(0.0, |s: f64, p| s.max(*p));
-        DENTS * (give * pressure + sagitta) + view.state.tiny_length()
+        dents * (give * pressure + sagitta) + view.state.tiny_length()
     });
     each.collect()
 }

@@ -40,6 +40,7 @@ impl<'a> Report<'a> {
     pub fn print(&self, margins: bool) {
         self.print_failures();
         self.print_families();
+        self.print_kinds();
         self.print_iterations();
         self.print_comparisons();
         if margins {
@@ -139,6 +140,31 @@ impl<'a> Report<'a> {
                 c.slow,
                 c.panicked
             );
+        }
+    }
+
+    /// Wrong answers by check and family, each with the seed of the smallest one.
+    fn print_kinds(&self) {
+        let mut kinds: BTreeMap<(&str, bool, &str), Vec<&Result>> = BTreeMap::new();
+        for result in self.results.iter().filter(|r| r.verdict == Verdict::Wrong) {
+            let kind = (result.what, result.dropped, result.family);
+            kinds.entry(kind).or_default().push(result);
+        }
+        if !kinds.is_empty() {
+            println!(
+                "\nwrong answers by check, and the smallest of each (`dropped`: the program warned that it dropped conditions)"
+            );
+        }
+        for ((what, dropped, family), results) in kinds {
+            let dropped = if dropped { "dropped" } else { "" };
+            if let Some(least) = results.iter().min_by_key(|r| (r.dofs, r.seed)) {
+                println!(
+                    "{what:<14} {dropped:<8} {family:<14} {:>5}, seed {} ({} dofs)",
+                    results.len(),
+                    least.seed,
+                    least.dofs
+                );
+            }
         }
     }
 

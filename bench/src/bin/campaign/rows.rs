@@ -69,12 +69,10 @@ pub fn placed_obstacle(
 /// Slip of the own side relative to the other in this step, along the tangent.
 fn slip(view: &View<'_>, c: usize, sample: &Sample) -> Option<f64> {
     let touch = &view.touches[c];
-    let tangent = turned(sample.normal);
-    touch.driven(view.step.time)?;
-    let now = view.obstacles[c]?;
-    let jump = touch.jump(sample, &view.step.displacements, now);
-    let before = touch.jump(sample, &view.before.moves, view.before.obstacles[c]);
-    Some(-dot(tangent, minus(jump, before)))
+    let now = touch.driven(view.step.time)?;
+    let before = view.before.obstacles[c];
+    let after = touch.slip(sample, &view.step.displacements, now);
+    Some(after - touch.slip(sample, &view.before.moves, before))
 }
 
 /// Largest shear force of a row with this pushing force.

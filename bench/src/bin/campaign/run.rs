@@ -59,7 +59,8 @@ pub struct Result {
     pub message: String,
     /// Kind of the worst finding.
     pub what: &'static str,
-    pub times: f64,
+    /// The program warned that it dropped conditions.
+    pub dropped: bool,
     pub iterations: Vec<usize>,
     pub margins: BTreeMap<&'static str, f64>,
     /// Name of the twin with the difference of its answer, where it is none of the findings.
@@ -118,7 +119,7 @@ fn one(seed: u64, options: &Options) -> Result {
         verdict: Verdict::Right,
         message: String::new(),
         what: "",
-        times: 0.0,
+        dropped: false,
         iterations: Vec::new(),
         margins: BTreeMap::new(),
         twin: None,
@@ -220,7 +221,6 @@ fn judge(
         wrong(
             result,
             "held",
-            f64::INFINITY,
             format!("cannot be held: {}", problem.reason),
         );
     }
@@ -246,6 +246,7 @@ fn judge(
 fn look(problem: &Problem, answer: &Answer, result: &mut Result) {
     result.dofs = answer.meshes.iter().map(|m| 2 * m.points.len()).sum();
     result.iterations = answer.steps.iter().map(|s| s.iterations).collect();
+    result.dropped = answer.steps.iter().any(|s| s.dropped);
     let judgement = check(problem, answer);
     if let Some(Finding {
         step,
@@ -267,20 +268,20 @@ fn look(problem: &Problem, answer: &Answer, result: &mut Result) {
             0 => String::new(),
             _ => format!("; also {}", others.join(", ")),
         };
-        let dropped = match answer.steps.iter().any(|s| s.dropped) {
+        let dropped = match result.dropped {
             true => " (the program dropped conditions)",
             false => "",
         };
         let text =
             format!("{what} {times:.1e} times its limit, step {step}, {place}{others}{dropped}");
-        wrong(result, what, *times, text);
+        wrong(result, what, text);
     }
     result.margins = judgement.margins;
 }
 
-fn wrong(result: &mut Result, what: &'static str, times: f64, message: String) {
+fn wrong(result: &mut Result, what: &'static str, message: String) {
     result.verdict = Verdict::Wrong;
-    (result.what, result.times, result.message) = (what, times, message);
+    (result.what, result.message) = (what, message);
 }
 
 fn ask_twins(
@@ -318,14 +319,13 @@ fn ask_twins(
                 "twin `{}`: {} {:.1e} times its limit, step {}, {}",
                 twin.name, finding.what, finding.times, finding.step, finding.place
             );
-            wrong(result, finding.what, finding.times, text);
+            wrong(result, finding.what, text);
             return;
         }
         let Some(off) = difference(problem, answer, &twin, &other) else {
             wrong(
                 result,
                 "twin",
-                f64::NAN,
                 format!("twin `{}` has other nodes", twin.name),
             );
             return;
@@ -337,7 +337,7 @@ fn ask_twins(
                 "twin `{}` differs by {off:.1e} of the largest displacement",
                 twin.name
             );
-            wrong(result, "twin", off / twin.tolerance, text);
+            wrong(result, "twin", text);
             return;
         }
         if unique || !problem.coulomb() {
@@ -365,7 +365,7 @@ fn other_method(
             "method `accelerated`: {} {:.1e} times its limit, step {}, {}",
             finding.what, finding.times, finding.step, finding.place
         );
-        wrong(result, finding.what, finding.times, text);
+        wrong(result, finding.what, text);
         return;
     }
     let mut worst: f64 = 0.0;

@@ -49,6 +49,15 @@ impl Facet {
         [y, -x]
     }
 
+    /// Rotation of the facet at ξ as coefficients of its nodes' displacements: −n·u'/|x'|.
+    pub fn rotation(&self, xi: f64) -> Vec<(usize, Vector)> {
+        let (_, slopes) = along(self.points.len(), xi);
+        let (n, size) = (self.own_normal(xi), length(self.tangent(xi)));
+        let each = self.nodes.iter().zip(slopes);
+        each.map(|(&node, slope)| (node, crate::plane::times(-slope / size, n)))
+            .collect()
+    }
+
     /// Shape functions of the nodes at ξ.
     pub fn shape(&self, xi: f64) -> Vec<(usize, f64)> {
         let (n, _) = along(self.points.len(), xi);
@@ -369,6 +378,21 @@ mod tests {
                 assert!(curve.hit([0.0, 0.0], unit(start), 0.1).is_none());
             }
             assert!(curve.hit([3.0, -0.5], [-1.0, 0.0], 0.1).is_none());
+        }
+    }
+
+    #[test]
+    fn a_turned_side_tells_its_rotation() {
+        let mesh = arc(3, 4, 2.0);
+        let curve = Curve::new(&mesh, "arc", &[]);
+        for facet in &curve.facets {
+            let turn = |x: Vector| crate::plane::times(0.01, crate::plane::turned(x));
+            let found: f64 = facet
+                .rotation(0.3)
+                .iter()
+                .map(|&(n, c)| dot(c, turn(mesh.points[n])))
+                .sum();
+            assert!((found - 0.01).abs() < 1e-15, "{found}");
         }
     }
 

@@ -9,7 +9,7 @@
 
 use crate::cells::gauss;
 use crate::elastic::depth;
-use crate::plane::{Vector, cross, dot, length, minus, plus, times};
+use crate::plane::{Vector, cross, dot, length, minus, plus, times, turned};
 use crate::problem::{Against, Contact, Drive, Gap, Law, Pairing, Problem, Surface};
 use crate::raw::{self, Answer, Mesh};
 use crate::side::{Curve, OPPOSED, on_circle};
@@ -35,10 +35,34 @@ pub struct Sample {
     pub other: Vec<(usize, f64)>,
     /// Distance along the normal.
     distance: f64,
+    /// −s·ω of the opposite facet, as coefficients of its nodes' displacements: what the tangent feels when the other side is
+    /// carried on rigidly from y to x.
+    lever: Vec<(usize, Vector)>,
 }
 
-/// What lies opposite a point: contact normal, distance, and shape functions of the other side.
-type Opposite = (Vector, f64, Vec<(usize, f64)>);
+impl Sample {
+    fn new(facet: usize, x: Vector, own: Vec<(usize, f64)>, opposite: Opposite) -> Self {
+        Self {
+            facet,
+            x,
+            normal: opposite.normal,
+            own,
+            other: opposite.shape,
+            distance: opposite.distance,
+            lever: opposite.lever,
+        }
+    }
+}
+
+/// What lies opposite a point.
+struct Opposite {
+    /// Contact normal.
+    normal: Vector,
+    distance: f64,
+    /// Shape functions of the other side.
+    shape: Vec<(usize, f64)>,
+    lever: Vec<(usize, Vector)>,
+}
 
 /// A contact, seen in the undeformed state.
 #[derive(Debug)]
@@ -160,13 +184,19 @@ impl<'a> Touch<'a> {
                 let y = plus(x, hit.distance, n);
                 let distance =
                     hit.distance + opposite.true_offset(y, n) - self.curve.true_offset(x, n);
-                let shape = opposite.facets[hit.facet].shape(hit.xi);
-                Some((n, distance, shape))
+                let other = &opposite.facets[hit.facet];
+                let turn = other.rotation(hit.xi);
+                let lever = turn
+                    .into_iter()
+                    .map(|(node, c)| (node, times(-hit.distance, c)));
+                Some(Opposite {
+                    normal: n,
+                    distance,
+                    shape: other.shape(hit.xi),
+                    lever: lever.collect(),
+                })
             }
-            Against::Obstacle { surface, .. } => {
-                let (normal, distance) = from_obstacle(surface, x, n)?;
-                Some((normal, distance, Vec::new()))
-            }
+            Against::Obstacle { surface, .. } => from_obstacle(surface, x, n),
         }
     }
 
@@ -196,8 +226,9 @@ impl<'a> Touch<'a> {
         for &(index, [from, to]) in &facing {
             self.faced.extend(&self.curve.facets[index].nodes);
             for part in [0.25, 0.5, 0.75] {
-                if let Some((_, _, shape)) = self.opposite_at(index, from + part * (to - from)) {
-                    self.faced_other.extend(shape.iter().map(|(node, _)| node));
+                if let Some(found) = self.opposite_at(index, from + part * (to - from)) {
+                    self.faced_other
+                        .extend(found.shape.iter().map(|(node, _)| node));
                 }
             }
         }
@@ -290,58 +321,36 @@ impl<'a> Touch<'a> {
             let x = mesh.points[node];
             let facet = self.curve.around[&node][0];
             let found = match (&self.opposite, &self.contact.against) {
-                (Some(_), _) if self.nodal => self.partners.get(&node).map(|&partner| Sample {
-                    facet,
-                    x,
-                    normal,
-                    own: vec![(node, 1.0)],
-                    other: vec![(partner, 1.0)],
-                    distance: 0.0,
-                }),
-                (Some(_), _) => {
-                    let facets = &self.curve.around[&node];
-                    facets.iter().find_map(|&f| {
-                        let place = self.curve.facets[f].nodes.iter().position(|&n| n == node)?;
-                        let (normal, distance, other) =
-                            self.opposite_at(f, [-1.0, 1.0, 0.0][place])?;
-                        Some(Sample {
-                            facet: f,
-                            x,
-                            normal,
-                            own: vec![(node, 1.0)],
-                            other,
-                            distance,
-                        })
-                    })
-                }
-                (None, Against::Obstacle { surface, .. }) => {
-                    from_obstacle(surface, x, normal).map(|(normal, distance)| Sample {
-                        facet,
-                        x,
+                (Some(_), _) if self.nodal => self.partners.get(&node).map(|&partner| {
+                    let opposite = Opposite {
                         normal,
-                        own: vec![(node, 1.0)],
-                        other: Vec::new(),
-                        distance,
-                    })
+                        distance: 0.0,
+                        shape: vec![(partner, 1.0)],
+                        lever: Vec::new(),
+                    };
+                    (facet, opposite)
+                }),
+                (Some(_), _) => self.curve.around[&node].iter().find_map(|&f| {
+                    let place = self.curve.facets[f].nodes.iter().position(|&n| n == node)?;
+                    Some((f, self.opposite_at(f, [-1.0, 1.0, 0.0][place])?))
+                }),
+                (None, Against::Obstacle { surface, .. }) => {
+                    from_obstacle(surface, x, normal).map(|opposite| (facet, opposite))
                 }
                 _ => None,
             };
-            if let Some(sample) = found {
-                self.at_nodes.insert(node, sample);
+            if let Some((facet, opposite)) = found {
+                let own = vec![(node, 1.0)];
+                self.at_nodes
+                    .insert(node, Sample::new(facet, x, own, opposite));
             }
         }
-        for index in 0..self.curve.facets.len() {
+        for (index, facet) in self.curve.facets.iter().enumerate() {
             for k in 0..POINTS {
                 let xi = -1.0 + 2.0 * (k as f64 + 0.5) / POINTS as f64;
-                if let Some((normal, distance, other)) = self.opposite_at(index, xi) {
-                    self.between.push(Sample {
-                        facet: index,
-                        x: self.curve.facets[index].point(xi),
-                        normal,
-                        own: self.curve.facets[index].shape(xi),
-                        other,
-                        distance,
-                    });
+                if let Some(opposite) = self.opposite_at(index, xi) {
+                    let (x, own) = (facet.point(xi), facet.shape(xi));
+                    self.between.push(Sample::new(index, x, own, opposite));
                 }
             }
         }
@@ -376,6 +385,14 @@ impl<'a> Touch<'a> {
         };
         let other = self.other.map_or(obstacle, |body| sum(body, &sample.other));
         minus(other, sum(self.own, &sample.own))
+    }
+
+    /// Displacement of the own side along the tangent, relative to the other side carried on rigidly to it.
+    pub fn slip(&self, sample: &Sample, moves: &[Vec<Vector>], obstacle: Vector) -> f64 {
+        let along = dot(turned(sample.normal), self.jump(sample, moves, obstacle));
+        let turn =
+            |&(node, c): &(usize, Vector)| self.other.map_or(0.0, |b| dot(c, moves[b][node]));
+        -along - sample.lever.iter().map(turn).sum::<f64>()
     }
 
     /// The gap after deformation.
@@ -441,8 +458,8 @@ impl<'a> Touch<'a> {
 }
 
 /// Contact normal and distance of an obstacle's surface from a point with this outward normal.
-fn from_obstacle(surface: &Surface, x: Vector, n: Vector) -> Option<(Vector, f64)> {
-    match surface {
+fn from_obstacle(surface: &Surface, x: Vector, n: Vector) -> Option<Opposite> {
+    let (normal, distance) = match surface {
         Surface::Gap(_) => Some((n, 0.0)),
         Surface::Plane { point, normal } => (dot(n, *normal) < OPPOSED)
             .then(|| (times(-1.0, *normal), dot(minus(x, *point), *normal))),
@@ -465,7 +482,13 @@ fn from_obstacle(surface: &Surface, x: Vector, n: Vector) -> Option<(Vector, f64
             let nearest = facing.min_by(|a, b| a.abs().total_cmp(&b.abs()))?;
             Some((n, nearest))
         }
-    }
+    }?;
+    Some(Opposite {
+        normal,
+        distance,
+        shape: Vec::new(),
+        lever: Vec::new(),
+    })
 }
 
 impl Touch<'_> {
@@ -475,7 +498,7 @@ impl Touch<'_> {
         for &(index, [from, to]) in &self.facing {
             for part in [0.0, 0.25, 0.5, 0.75, 1.0] {
                 let inside = from + (0.5 + (part - 0.5) * (1.0 - 1e-9)) * (to - from);
-                if let Some((normal, ..)) = self.opposite_at(index, inside) {
+                if let Some(Opposite { normal, .. }) = self.opposite_at(index, inside) {
                     points.push((
                         self.curve.facets[index].point(from + part * (to - from)),
                         normal,
