@@ -64,7 +64,7 @@ fn options(mut words: impl Iterator<Item = String>) -> Result<Options, String> {
         twins: 0.25,
         margins: false,
         show: false,
-        limit: 20.0,
+        limit: 10.0,
     };
     while let Some(word) = words.next() {
         let mut value = || words.next().ok_or_else(|| format!("{word} needs a value"));

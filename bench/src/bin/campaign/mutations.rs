@@ -524,6 +524,45 @@ fn the_force_at_a_corner_must_be_one_that_its_contacts_allow() {
     });
 }
 
+/// Every kind of twin of a right answer agrees with it, and one under another load does not.
+#[test]
+fn twins_agree_and_strangers_do_not() {
+    let problem = matching();
+    let mine = answer(&problem, "twins");
+    let folder = Folder::new("mutations-twins-asked").unwrap();
+    let mut seen = std::collections::BTreeSet::new();
+    for seed in 0..60 {
+        let mut random = crate::random::Random::new(seed);
+        for mut twin in crate::twins::twins(&problem, &mine, &mut random) {
+            if !seen.insert(twin.name) {
+                continue;
+            }
+            let ask = |twin: &Problem| match solve(twin, &folder, 60.0) {
+                Outcome::Certified(other) => other,
+                other => panic!("{other:?}"),
+            };
+            let other = ask(&twin.problem);
+            assert_eq!(
+                found(&twin.problem, &other),
+                Vec::<&str>::new(),
+                "{}",
+                twin.name
+            );
+            let off = crate::twins::difference(&problem, &mine, &twin, &other).unwrap();
+            assert!(off < 1e-9, "{}: {off}", twin.name);
+            for load in twin.problem.bodies.iter_mut().flat_map(|b| &mut b.loads) {
+                if let Load::Traction { field, .. } = load {
+                    *field = [field[0].times(1.001), field[1].times(1.001)];
+                }
+            }
+            let other = ask(&twin.problem);
+            let off = crate::twins::difference(&problem, &mine, &twin, &other).unwrap();
+            assert!(off > 1e-4, "{}: {off}", twin.name);
+        }
+    }
+    assert_eq!(seen.len(), 5, "{seen:?}");
+}
+
 #[test]
 fn wrong_columns_and_sums_are_noticed() {
     noticed("gap", &drawn(), "gap", |_, answer| {
