@@ -1,0 +1,505 @@
+//! Random legal problems, by family.
+//!
+//! A family builds its bodies in units in which they are about one long and the softest modulus is one; strains are about
+//! 1e-5 to 1e-3, so that displacements stay small beside cells. Units are scaled afterwards.
+//! Where statics tells whether the contacts can hold the load, the family says so: with forces in the cones of friction at
+//! points that face each other, a margin to either side.
+
+mod axis;
+mod blocks;
+mod floors;
+mod friction;
+mod rounds;
+
+use crate::amount::{Amount, Time, vector_at};
+use crate::cells::{Kind, gauss};
+use crate::cone::{Column, distance};
+use crate::plane::{Vector, cross, length, minus, plus, times, turned};
+use crate::problem::{
+    Against, Analysis, Body, Contact, Drive, Gap, Known, Law, Load, Pairing, Problem, Shape, Side,
+    Surface,
+};
+use crate::random::Random;
+use crate::twins::carried;
+
+/// Makes a problem.
+type Make = fn(&mut Scene);
+
+/// All families.
+pub const FAMILIES: [(&str, Make); 28] = [
+    ("stack", blocks::stack),
+    ("chain", blocks::chain),
+    ("masonry", blocks::masonry),
+    ("punch", blocks::punch),
+    ("indenter", blocks::indenter),
+    ("beam", blocks::beam),
+    ("hanging", blocks::hanging),
+    ("hook", blocks::hook),
+    ("tied", blocks::tied),
+    ("corner", friction::corner),
+    ("tip", friction::tip),
+    ("slide", friction::slide),
+    ("incline", friction::incline),
+    ("tresca", friction::tresca),
+    ("floors", floors::floors),
+    ("moving", floors::moving),
+    ("free_obstacle", floors::free_obstacle),
+    ("wedge", rounds::wedge),
+    ("disc_box", rounds::disc_box),
+    ("disc_v", rounds::disc_v),
+    ("disc_plates", rounds::disc_plates),
+    ("rings", rounds::rings),
+    ("pin", rounds::pin),
+    ("bore", rounds::bore),
+    ("pocket", rounds::pocket),
+    ("axi_stack", axis::stack),
+    ("axi_sphere", axis::sphere),
+    ("axi_fit", axis::fit),
+];
+
+/// The problem of a seed; `only` is the family, else the seed chooses.
+pub fn problem(seed: u64, only: Option<&str>) -> Problem {
+    let mut random = Random::new(seed);
+    let chosen = random.count(0, FAMILIES.len() - 1);
+    let place = FAMILIES.iter().position(|(name, _)| Some(*name) == only);
+    let (family, make) = FAMILIES[place.unwrap_or(chosen)];
+    let mut scene = Scene::new(random, family);
+    make(&mut scene);
+    scene.scaled()
+}
+
+/// A problem in the making.
+pub struct Scene {
+    pub random: Random,
+    pub problem: Problem,
+    /// Nominal strain.
+    pub strain: f64,
+    /// Largest modulus over the smallest.
+    ratio: f64,
+    /// Unknowns of the displacements, about.
+    pub dofs: f64,
+    kinds: Vec<Kind>,
+}
+
+impl Scene {
+    fn new(mut random: Random, family: &'static str) -> Self {
+        let analysis = if random.chance(0.7) {
+            Analysis::PlaneStrain
+        } else {
+            Analysis::PlaneStress
+        };
+        let ratio = match random.count(0, 19) {
+            0..=7 => 1.0,
+            8..=15 => random.magnitude(1.0, 30.0),
+            16..=18 => random.magnitude(30.0, 1e4),
+            _ => random.magnitude(1e4, 1e12),
+        };
+        let dofs = if random.chance(0.02) {
+            random.magnitude(3000.0, 20_000.0)
+        } else {
+            random.magnitude(50.0, 3000.0)
+        };
+        let kinds = if random.chance(0.6) {
+            vec![random.pick(&Kind::ALL)]
+        } else {
+            Kind::ALL.to_vec()
+        };
+        Self {
+            strain: random.magnitude(1e-5, 1e-3),
+            ratio,
+            dofs,
+            kinds,
+            problem: Problem {
+                family,
+                analysis,
+                bodies: Vec::new(),
+                contacts: Vec::new(),
+                times: vec![1.0],
+                known: Known::Open,
+                reason: String::new(),
+                uniform: None,
+                spins: false,
+                method: "auto",
+            },
+            random,
+        }
+    }
+
+    /// The problem in random units, the softest modulus one before that.
+    fn scaled(mut self) -> Problem {
+        let moduli = self.problem.bodies.iter().map(|b| b.young);
+        let softest = moduli.fold(f64::INFINITY, f64::min);
+        self.problem
+            .bodies
+            .iter_mut()
+            .for_each(|b| b.young /= softest);
+        if self.random.chance(0.4) {
+            return self.problem;
+        }
+        let lengths = self.random.magnitude(1e-6, 1e6);
+        let forces = self.random.magnitude(1e-6, 1e6);
+        carried(&self.problem, lengths, forces, 0.0).unwrap_or(self.problem)
+    }
+
+    /// Kind of the next body's cells.
+    pub fn kind(&mut self) -> Kind {
+        self.random.pick(&self.kinds.clone())
+    }
+
+    fn modulus(&mut self) -> f64 {
+        if self.ratio > 1.0 && self.random.chance(0.5) {
+            match self.random.chance(0.5) {
+                true => self.ratio,
+                false => self.random.magnitude(1.0, self.ratio),
+            }
+        } else {
+            1.0
+        }
+    }
+
+    /// A body without supports and loads.
+    pub fn add(&mut self, name: &str, shape: Shape, kind: Kind) -> usize {
+        let young = self.modulus();
+        let poisson = match self.random.count(0, 9) {
+            0 => 0.0,
+            1 => 0.45,
+            _ => self.random.between(0.15, 0.4),
+        };
+        let thickness = match self.problem.bodies.first() {
+            Some(_) if self.random.chance(0.05) => self.random.magnitude(0.3, 3.0),
+            Some(first) => first.thickness,
+            None if self.random.chance(0.8) => 1.0,
+            None => self.random.magnitude(0.1, 10.0),
+        };
+        self.problem.bodies.push(Body {
+            name: name.to_string(),
+            shape,
+            kind,
+            patches: Vec::new(),
+            young,
+            poisson,
+            thickness,
+            supports: Vec::new(),
+            loads: Vec::new(),
+            weight: Default::default(),
+            circles: Vec::new(),
+        });
+        self.problem.bodies.len() - 1
+    }
+
+    /// Length of cells with which an area has its share of the unknowns.
+    pub fn cell_length(&self, area: f64, bodies: usize, kind: Kind) -> f64 {
+        let per_cell = match kind {
+            Kind::Tri3 | Kind::Quad4 => 2.0,
+            Kind::Quad8 => 6.0,
+            Kind::Tri6 | Kind::Quad9 => 8.0,
+        };
+        (area * per_cell * bodies as f64 / self.dofs).sqrt()
+    }
+
+    /// A rectangle whose cells have about their share of the unknowns, one of `bodies` bodies.
+    pub fn block(&mut self, name: &str, from: Vector, to: Vector, bodies: usize) -> usize {
+        let kind = self.kind();
+        let [w, h] = minus(to, from);
+        let cell = self.cell_length(w * h, bodies, kind) * self.random.magnitude(0.6, 1.7);
+        let cells = [w, h].map(|side| ((side / cell).round() as usize).clamp(1, 160));
+        self.rectangle(name, from, to, cells, kind)
+    }
+
+    /// A rectangle with these cells.
+    pub fn rectangle(
+        &mut self,
+        name: &str,
+        from: Vector,
+        to: Vector,
+        cells: [usize; 2],
+        kind: Kind,
+    ) -> usize {
+        let diagonals =
+            self.random
+                .pick(&["checkerboard", "forward", "backward", "checkerboard-odd"]);
+        let shape = Shape::Rectangle {
+            from,
+            to,
+            cells,
+            diagonals,
+        };
+        self.add(name, shape, kind)
+    }
+
+    /// A contact of two sides, in either order and by either kind of name.
+    pub fn touch(&mut self, a: Side, b: Side, law: Law) -> usize {
+        let (own, other) = if self.random.chance(0.5) {
+            (a, b)
+        } else {
+            (b, a)
+        };
+        let chosen = self.random.chance(0.3);
+        self.push(
+            own,
+            Against::Side {
+                side: other,
+                chosen,
+            },
+            law,
+        )
+    }
+
+    /// A contact with an obstacle.
+    pub fn stand(&mut self, own: Side, surface: Surface, drive: Drive, law: Law) -> usize {
+        self.push(own, Against::Obstacle { surface, drive }, law)
+    }
+
+    fn push(&mut self, own: Side, against: Against, law: Law) -> usize {
+        let name = format!("c{}", self.problem.contacts.len());
+        let pairing = if self.random.chance(0.12) {
+            Pairing::Mortar
+        } else {
+            Pairing::Default
+        };
+        self.problem.contacts.push(Contact {
+            name,
+            own,
+            against,
+            pairing,
+            gap: Gap::Default,
+            law,
+        });
+        self.problem.contacts.len() - 1
+    }
+
+    /// A coefficient of friction.
+    pub fn coefficient(&mut self) -> f64 {
+        match self.random.count(0, 9) {
+            0 => 0.05,
+            1 => self.random.between(1.0, 2.0),
+            _ => self.random.between(0.1, 0.8),
+        }
+    }
+
+    /// Frictionless or, with this probability, Coulomb's law.
+    pub fn law(&mut self, rough: f64) -> Law {
+        if self.random.chance(rough) {
+            Law::Coulomb(Amount::from(self.coefficient()))
+        } else {
+            Law::Frictionless
+        }
+    }
+
+    /// The same with a coefficient that may vary along x and in time, for problems whose statics does not ask for it.
+    pub fn varied_law(&mut self, rough: f64) -> Law {
+        let law = self.law(rough);
+        let Law::Coulomb(_) = law else { return law };
+        if self.random.chance(0.7) {
+            return law;
+        }
+        let (mu, slope) = (
+            self.random.between(0.2, 0.6),
+            self.random.between(-0.05, 0.05),
+        );
+        let time = match self.random.chance(0.5) {
+            true => Time::Always,
+            false => Time::Line(1.0, self.random.between(-0.1, 0.2)),
+        };
+        Law::Coulomb(Amount::new(mu, [slope, 0.0], time))
+    }
+
+    /// Takes what is known of the answer from single bodies: each with the wrench of its loads (about the origin) at every
+    /// time, and what may push it. Pushes of coarse meshes do not reach the ends of a side: what holds must hold without a
+    /// quarter of the sides.
+    pub fn judge(&mut self, parts: &[(Vec<Wrench>, Vec<Push>)], why: &str) {
+        self.judge_within(parts, why, 0.25);
+    }
+
+    /// The same with a hair's breadth as margin.
+    pub fn judge_sharply(&mut self, parts: &[(Vec<Wrench>, Vec<Push>)], why: &str) {
+        self.judge_within(parts, why, MARGIN);
+    }
+
+    fn judge_within(&mut self, parts: &[(Vec<Wrench>, Vec<Push>)], why: &str, inside: f64) {
+        let mut known = Known::Holds;
+        for (loads, pushes) in parts {
+            for load in loads {
+                match held(load, pushes, inside) {
+                    Known::Holds => {}
+                    Known::Falls => {
+                        self.problem.known = Known::Falls;
+                        self.problem.reason = why.to_string();
+                        return;
+                    }
+                    Known::Open => known = Known::Open,
+                }
+            }
+        }
+        self.problem.known = known;
+        self.problem.reason = why.to_string();
+    }
+
+    /// The loads of a rectangle at all times, about the origin.
+    pub fn loads(&self, body: usize) -> Vec<Wrench> {
+        let times = self.problem.times.iter();
+        times
+            .map(|&t| rectangle_loads(&self.problem.bodies[body], t))
+            .collect()
+    }
+
+    /// It is known that the contacts hold.
+    pub fn holds(&mut self, why: &str) {
+        self.problem.known = Known::Holds;
+        self.problem.reason = why.to_string();
+    }
+}
+
+/// Force and moment about the origin.
+pub type Wrench = (Vector, f64);
+
+/// A point that may be pushed: where, by which direction (into the body), with which coefficient of friction.
+#[derive(Debug, Clone, Copy)]
+pub struct Push {
+    pub at: Vector,
+    pub direction: Vector,
+    pub friction: f64,
+}
+
+/// The sum of two wrenches.
+pub fn sum(a: Wrench, b: Wrench) -> Wrench {
+    (plus(a.0, 1.0, b.0), a.1 + b.1)
+}
+
+/// The loads of a rectangle.
+pub fn rectangle_loads(body: &Body, t: f64) -> Wrench {
+    let Shape::Rectangle { from, to, .. } = body.shape else {
+        return ([0.0; 2], 0.0);
+    };
+    let mut total = ([0.0; 2], 0.0);
+    let mut add = |x: Vector, f: Vector| total = sum(total, (f, cross(x, f)));
+    for load in &body.loads {
+        let (side, field) = match load {
+            Load::Traction { side, field } => (side, field.clone()),
+            Load::Pressure { side, field } => {
+                let into: Vector = match side.as_str() {
+                    "top" => [0.0, -1.0],
+                    "bottom" => [0.0, 1.0],
+                    "left" => [1.0, 0.0],
+                    _ => [-1.0, 0.0],
+                };
+                (side, into.map(|c| field.times(c)))
+            }
+            Load::Force { point, field } => {
+                add(*point, vector_at(field, *point, t));
+                continue;
+            }
+        };
+        let (a, b) = match side.as_str() {
+            "top" => ([from[0], to[1]], to),
+            "bottom" => (from, [to[0], from[1]]),
+            "left" => (from, [from[0], to[1]]),
+            _ => ([to[0], from[1]], to),
+        };
+        for (s, weight) in gauss(3) {
+            let x = plus(times(0.5 * (1.0 - s), a), 0.5 * (1.0 + s), b);
+            let area = 0.5 * weight * length(minus(b, a)) * body.thickness;
+            add(x, times(area, vector_at(&field, x, t)));
+        }
+    }
+    let middle = times(0.5, plus(from, 1.0, to));
+    let [w, h] = minus(to, from);
+    let volume = w * h * body.thickness;
+    add(middle, times(volume, vector_at(&body.weight, middle, t)));
+    total
+}
+
+/// How much the margin to what falls is: this part of lengths, and of coefficients of friction.
+const MARGIN: f64 = 0.009;
+
+/// Whether pushes can hold a load; `inside` is the margin to what holds.
+fn held(load: &Wrench, pushes: &[Push], inside: f64) -> Known {
+    let scale = length(load.0);
+    if scale == 0.0 && load.1 == 0.0 {
+        return Known::Open;
+    }
+    let middle = times(
+        1.0 / pushes.len() as f64,
+        pushes.iter().fold([0.0; 2], |s, p| plus(s, 1.0, p.at)),
+    );
+    let arm = pushes
+        .iter()
+        .fold(1e-9, |s: f64, p| s.max(length(minus(p.at, middle))));
+    let scale = scale.max(load.1.abs() / arm);
+    let target = [
+        -load.0[0] / scale,
+        -load.0[1] / scale,
+        -(load.1 - cross(middle, load.0)) / (arm * scale),
+    ];
+    let off = |stretch: f64| {
+        let columns: Vec<Column> = pushes
+            .iter()
+            .flat_map(|p| {
+                let at = plus(middle, stretch, minus(p.at, middle));
+                let along = times(stretch * p.friction, turned(p.direction));
+                [1.0, -1.0].map(|s| {
+                    let f = plus(p.direction, s, along);
+                    [f[0], f[1], cross(minus(at, middle), f) / arm]
+                })
+            })
+            .collect();
+        distance(&columns, target)
+    };
+    if off(1.0 - inside) < 1e-12 {
+        Known::Holds
+    } else if off(1.0 + MARGIN) > 1e-4 * MARGIN {
+        Known::Falls
+    } else {
+        Known::Open
+    }
+}
+
+/// Pushes from below at the ends of an interval at a height.
+pub fn from_below(interval: [f64; 2], y: f64, friction: f64) -> Vec<Push> {
+    let push = |x: f64| Push {
+        at: [x, y],
+        direction: [0.0, 1.0],
+        friction,
+    };
+    interval.map(push).to_vec()
+}
+
+/// A load history: constant, or growing, or waving.
+pub fn course(random: &mut Random, steps: usize) -> Time {
+    if steps == 1 {
+        return Time::Always;
+    }
+    match random.count(0, 2) {
+        0 => Time::Line(0.0, 1.0 / steps as f64),
+        1 => Time::Wave(random.between(0.5, 2.5), random.between(0.0, 6.0)),
+        _ => Time::Always,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_family_writes_the_same_file_for_the_same_seed() {
+        for (name, _) in FAMILIES {
+            for seed in 0..20 {
+                let (a, b) = (problem(seed, Some(name)), problem(seed, Some(name)));
+                assert_eq!(a.text(), b.text());
+                assert!(!a.bodies.is_empty() && !a.contacts.is_empty(), "{name}");
+            }
+        }
+    }
+
+    #[test]
+    fn statics_knows_what_tips_and_what_slides() {
+        let floor = from_below([0.0, 2.0], 0.0, 0.5);
+        let at = |x: f64, f: Vector| (f, cross([x, 0.0], f));
+        assert_eq!(held(&at(1.97, [0.0, -1.0]), &floor, MARGIN), Known::Holds);
+        assert_eq!(held(&at(2.03, [0.0, -1.0]), &floor, MARGIN), Known::Falls);
+        assert_eq!(held(&at(1.999, [0.0, -1.0]), &floor, MARGIN), Known::Open);
+        assert_eq!(held(&at(1.0, [0.49, -1.0]), &floor, MARGIN), Known::Holds);
+        assert_eq!(held(&at(1.0, [0.51, -1.0]), &floor, MARGIN), Known::Falls);
+        assert_eq!(held(&at(1.0, [0.0, 1.0]), &floor, MARGIN), Known::Falls);
+    }
+}

@@ -1,0 +1,110 @@
+//! A campaign of random contact problems in the plane against a checker that shares nothing with the solver.
+//!
+//! ```text
+//! cargo run --release -p dotyk-bench --bin campaign -- [--seeds 0..1000] [--threads N] [--family NAME] [--keep DIR]
+//!                                                      [--twins PART] [--limit SECONDS] [--margins] [--seed K --show]
+//! ```
+//!
+//! A seed makes a problem ([`families`]), the problem makes a case file, the program answers, and [`check`] judges the
+//! answer from displacements and rows alone. What is hunted are answers that are certified and wrong. A part of the seeds
+//! is asked again in other words ([`twins`]), frictionless ones by another method.
+//! The same seeds give the same report for any number of threads, but for the seconds and what they stop.
+//! Exit status 1 when an answer is wrong or the program panics.
+
+mod amount;
+mod cells;
+mod check;
+mod cone;
+mod elastic;
+mod families;
+#[cfg(test)]
+mod mutations;
+mod plane;
+mod problem;
+mod random;
+mod raw;
+mod report;
+mod rows;
+mod run;
+mod side;
+mod solve;
+mod state;
+mod touch;
+mod twins;
+mod wrench;
+
+use run::{Options, run};
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+fn main() -> ExitCode {
+    let options = match options(std::env::args().skip(1)) {
+        Ok(options) => options,
+        Err(message) => {
+            eprintln!("{message}");
+            return ExitCode::from(2);
+        }
+    };
+    match run(&options) {
+        Ok(true) => ExitCode::SUCCESS,
+        Ok(false) => ExitCode::FAILURE,
+        Err(message) => {
+            eprintln!("{message}");
+            ExitCode::from(2)
+        }
+    }
+}
+
+fn options(mut words: impl Iterator<Item = String>) -> Result<Options, String> {
+    let mut options = Options {
+        seeds: 0..1000,
+        threads: std::thread::available_parallelism().map_or(1, |n| n.get()),
+        family: None,
+        keep: None,
+        twins: 0.25,
+        margins: false,
+        show: false,
+        limit: 10.0,
+    };
+    while let Some(word) = words.next() {
+        let mut value = || words.next().ok_or_else(|| format!("{word} needs a value"));
+        let number = |text: String| {
+            text.parse::<u64>()
+                .map_err(|_| format!("{text} is no number"))
+        };
+        match word.as_str() {
+            "--seeds" => {
+                let text = value()?;
+                let (from, to) = text.split_once("..").ok_or("--seeds needs FROM..TO")?;
+                options.seeds = number(from.to_string())?..number(to.to_string())?;
+            }
+            "--seed" => {
+                let seed = number(value()?)?;
+                options.seeds = seed..seed + 1;
+            }
+            "--threads" => options.threads = (number(value()?)? as usize).max(1),
+            "--family" => {
+                let name = value()?;
+                if !families::FAMILIES.iter().any(|(family, _)| *family == name) {
+                    let known: Vec<&str> =
+                        families::FAMILIES.iter().map(|(name, _)| *name).collect();
+                    return Err(format!("no family {name}; there are {}", known.join(", ")));
+                }
+                options.family = Some(name);
+            }
+            "--keep" => options.keep = Some(PathBuf::from(value()?)),
+            "--twins" => {
+                let text = value()?;
+                options.twins = text.parse().map_err(|_| format!("{text} is no number"))?;
+            }
+            "--limit" => {
+                let text = value()?;
+                options.limit = text.parse().map_err(|_| format!("{text} is no number"))?;
+            }
+            "--margins" => options.margins = true,
+            "--show" => options.show = true,
+            other => return Err(format!("unknown argument {other}")),
+        }
+    }
+    Ok(options)
+}

@@ -1,0 +1,569 @@
+//! A contact problem as plain data, and its case file.
+//!
+//! Generators write it, the checker reads from it what acts, what is held and what touches what. Meshes are described
+//! here, not made: the checker takes points, cells and sides from the program's mesh.
+
+use crate::amount::Amount;
+use crate::cells::Kind;
+use crate::plane::Vector;
+use std::fmt::Write;
+
+/// Kind of analysis.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Analysis {
+    PlaneStrain,
+    PlaneStress,
+    Axisymmetric,
+}
+
+impl Analysis {
+    /// The name in a case file.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::PlaneStrain => "plane-strain",
+            Self::PlaneStress => "plane-stress",
+            Self::Axisymmetric => "axisymmetric",
+        }
+    }
+
+    /// Bodies of revolution.
+    pub fn axisymmetric(self) -> bool {
+        self == Self::Axisymmetric
+    }
+}
+
+/// A path of an outline: corners with the name of the edge that leads there, and the centre of an arc.
+#[derive(Debug, Clone)]
+pub struct Edge {
+    pub to: Vector,
+    pub name: &'static str,
+    /// Centre of an arc, counter-clockwise.
+    pub center: Option<Vector>,
+    /// Number of cells, else the size of the outline.
+    pub cells: Option<usize>,
+}
+
+/// What makes a mesh.
+#[derive(Debug, Clone)]
+pub enum Shape {
+    Rectangle {
+        from: Vector,
+        to: Vector,
+        cells: [usize; 2],
+        diagonals: &'static str,
+    },
+    Ring {
+        center: Vector,
+        radii: [f64; 2],
+        angles: Option<[f64; 2]>,
+        cells: [usize; 2],
+        ratio: f64,
+    },
+    /// Triangles inside a path.
+    Outline {
+        size: f64,
+        from: Vector,
+        edges: Vec<Edge>,
+    },
+    /// Triangles inside a circle, whose side is "round".
+    Disc {
+        size: f64,
+        center: Vector,
+        radius: f64,
+        cells: Option<usize>,
+    },
+    /// A Gmsh file of that name with this text.
+    File { name: String, text: String },
+}
+
+/// The whole facets of a side in a box.
+#[derive(Debug, Clone)]
+pub struct Patch {
+    pub name: String,
+    pub of: &'static str,
+    pub low: Vector,
+    pub high: Vector,
+}
+
+/// Where a support holds.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Place {
+    Side(String),
+    /// The nearest node.
+    Point(Vector),
+}
+
+/// A support: prescribed components, or the displacement along the outward normal.
+#[derive(Debug, Clone)]
+pub struct Support {
+    pub place: Place,
+    pub axes: [Option<Amount>; 2],
+    pub normal: Option<Amount>,
+}
+
+/// An external load.
+#[derive(Debug, Clone)]
+pub enum Load {
+    Traction { side: String, field: [Amount; 2] },
+    Pressure { side: String, field: Amount },
+    Force { point: Vector, field: [Amount; 2] },
+}
+
+/// A true circle behind a side.
+#[derive(Debug, Clone)]
+pub struct Circle {
+    pub side: String,
+    pub center: Vector,
+    pub radius: f64,
+}
+
+/// One body.
+#[derive(Debug, Clone)]
+pub struct Body {
+    pub name: String,
+    pub shape: Shape,
+    pub kind: Kind,
+    pub patches: Vec<Patch>,
+    pub young: f64,
+    pub poisson: f64,
+    pub thickness: f64,
+    pub supports: Vec<Support>,
+    pub loads: Vec<Load>,
+    pub weight: [Amount; 2],
+    pub circles: Vec<Circle>,
+}
+
+impl Body {
+    /// E/(1 − ν²).
+    pub fn plane_modulus(&self) -> f64 {
+        self.young / (1.0 - self.poisson * self.poisson)
+    }
+}
+
+/// A side of a body, by names.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Side {
+    pub body: String,
+    pub side: String,
+}
+
+/// A side of a body.
+pub fn side(body: &str, side: &str) -> Side {
+    Side {
+        body: body.to_string(),
+        side: side.to_string(),
+    }
+}
+
+/// The surface of a rigid obstacle.
+#[derive(Debug, Clone)]
+pub enum Surface {
+    /// Distance along the contact normal.
+    Gap(Amount),
+    /// The normal has length one and points towards the body.
+    Plane { point: Vector, normal: Vector },
+    Circle {
+        center: Vector,
+        radius: f64,
+        inside: bool,
+    },
+}
+
+/// What moves an obstacle.
+#[derive(Debug, Clone)]
+pub enum Drive {
+    Nothing,
+    Displacement([Amount; 2]),
+    Force([Amount; 2]),
+}
+
+/// What a side touches.
+#[derive(Debug, Clone)]
+pub enum Against {
+    /// The other side; named `nonmortar` and `mortar`, or only `sides`.
+    Side {
+        side: Side,
+        chosen: bool,
+    },
+    Obstacle {
+        surface: Surface,
+        drive: Drive,
+    },
+}
+
+/// How sides are coupled.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Pairing {
+    Default,
+    Mortar,
+}
+
+/// The initial gap.
+#[derive(Debug, Clone)]
+pub enum Gap {
+    Default,
+    Closed,
+    Geometric,
+    Given(Amount),
+}
+
+/// What the interface bears.
+#[derive(Debug, Clone)]
+pub enum Law {
+    Frictionless,
+    Coulomb(Amount),
+    Tresca(Amount),
+    Tied,
+}
+
+impl Law {
+    /// It bears shear up to a bound.
+    pub fn rough(&self) -> bool {
+        matches!(self, Self::Coulomb(_) | Self::Tresca(_))
+    }
+}
+
+/// One contact.
+#[derive(Debug, Clone)]
+pub struct Contact {
+    pub name: String,
+    /// The nonmortar side, or the first of `sides`.
+    pub own: Side,
+    pub against: Against,
+    pub pairing: Pairing,
+    pub gap: Gap,
+    pub law: Law,
+}
+
+/// What is known of the answer before it is asked for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Known {
+    /// Some contact forces hold the load, with a margin.
+    Holds,
+    /// No contact forces hold the load of the last step, with a margin.
+    Falls,
+    /// Nothing.
+    Open,
+}
+
+/// A problem.
+#[derive(Debug, Clone)]
+pub struct Problem {
+    pub family: &'static str,
+    pub analysis: Analysis,
+    pub bodies: Vec<Body>,
+    pub contacts: Vec<Contact>,
+    pub times: Vec<f64>,
+    pub known: Known,
+    /// Why that is known, for the report.
+    pub reason: String,
+    /// The pressure of all contacts, where it is known to be the same everywhere.
+    pub uniform: Option<Amount>,
+    /// Round bodies may spin: polygons let them spin by what rounding decides, until the next node touches.
+    pub spins: bool,
+    pub method: &'static str,
+}
+
+impl Problem {
+    /// Index of a body.
+    pub fn body(&self, name: &str) -> usize {
+        let place = self.bodies.iter().position(|body| body.name == name);
+        place.unwrap_or_else(|| panic!("the generator names a body {name} that is not there"))
+    }
+
+    /// Some contact has friction.
+    pub fn rough(&self) -> bool {
+        self.contacts.iter().any(|contact| contact.law.rough())
+    }
+
+    /// Some contact follows Coulomb's law, which may have several answers.
+    pub fn coulomb(&self) -> bool {
+        let coulomb = |contact: &Contact| matches!(contact.law, Law::Coulomb(_));
+        self.contacts.iter().any(coulomb)
+    }
+
+    /// The case file.
+    pub fn text(&self) -> String {
+        let mut out = format!(
+            "title    = \"campaign: {}\"\nanalysis = \"{}\"\n",
+            self.family,
+            self.analysis.name()
+        );
+        for body in &self.bodies {
+            write_body(&mut out, body, self.analysis);
+        }
+        for contact in &self.contacts {
+            write_contact(&mut out, contact);
+        }
+        if self.method != "auto" {
+            line(
+                &mut out,
+                format_args!("\n[solver]\nmethod = \"{}\"", self.method),
+            );
+        }
+        if self.times != [1.0] {
+            for time in &self.times {
+                line(&mut out, format_args!("\n[[step]]\ntime = {time:?}"));
+            }
+        }
+        out
+    }
+}
+
+/// Writing to a String cannot fail.
+fn line(out: &mut String, text: std::fmt::Arguments<'_>) {
+    let _ = writeln!(out, "{text}");
+}
+
+fn write_body(out: &mut String, body: &Body, analysis: Analysis) {
+    line(
+        out,
+        format_args!("\n[[body]]\nname     = \"{}\"", body.name),
+    );
+    let patches: Vec<String> = body
+        .patches
+        .iter()
+        .map(|p| {
+            format!(
+                "{} = {{ of = \"{}\", min = {:?}, max = {:?} }}",
+                p.name, p.of, p.low, p.high
+            )
+        })
+        .collect();
+    let patches = match patches.len() {
+        0 => String::new(),
+        _ => format!(", sides = {{ {} }}", patches.join(", ")),
+    };
+    line(
+        out,
+        format_args!("mesh     = {{ {}{patches} }}", shape(body)),
+    );
+    let thickness = match analysis {
+        Analysis::Axisymmetric => String::new(),
+        _ if body.thickness == 1.0 => String::new(),
+        _ => format!(", thickness = {:?}", body.thickness),
+    };
+    line(
+        out,
+        format_args!(
+            "material = {{ young = {:?}, poisson = {:?}{thickness} }}",
+            body.young, body.poisson
+        ),
+    );
+    if !body.supports.is_empty() {
+        let each: Vec<String> = body.supports.iter().map(support).collect();
+        line(out, format_args!("fix      = [{}]", each.join(", ")));
+    }
+    if !body.loads.is_empty() {
+        let each: Vec<String> = body.loads.iter().map(load).collect();
+        line(out, format_args!("load     = [{}]", each.join(", ")));
+    }
+    if body.weight.iter().any(|w| !w.is_zero()) {
+        line(out, format_args!("body_force = {}", pair(&body.weight)));
+    }
+    if !body.circles.is_empty() {
+        let each: Vec<String> = body
+            .circles
+            .iter()
+            .map(|c| {
+                format!(
+                    "{} = {{ circle = {{ center = {:?}, radius = {:?} }} }}",
+                    c.side, c.center, c.radius
+                )
+            })
+            .collect();
+        line(out, format_args!("surface  = {{ {} }}", each.join(", ")));
+    }
+}
+
+fn shape(body: &Body) -> String {
+    let cell = body.kind.name();
+    match &body.shape {
+        Shape::Rectangle {
+            from,
+            to,
+            cells,
+            diagonals,
+        } => format!(
+            "rectangle = {{ from = {from:?}, to = {to:?}, cells = {cells:?}, cell = \"{cell}\", diagonals = \"{diagonals}\" }}"
+        ),
+        Shape::Ring {
+            center,
+            radii,
+            angles,
+            cells,
+            ratio,
+        } => {
+            let part = match angles {
+                Some([from, to]) => format!("from = {from:?}, to = {to:?}, "),
+                None => String::new(),
+            };
+            format!(
+                "ring = {{ center = {center:?}, inner = {:?}, outer = {:?}, {part}cells = {cells:?}, ratio = {ratio:?}, cell = \"{cell}\" }}",
+                radii[0], radii[1]
+            )
+        }
+        Shape::Outline { size, from, edges } => {
+            let each: Vec<String> = edges.iter().map(edge).collect();
+            format!(
+                "outline = {{ size = {size:?}, cell = \"{cell}\", from = {from:?}, edges = [{}] }}",
+                each.join(", ")
+            )
+        }
+        Shape::Disc {
+            size,
+            center,
+            radius,
+            cells,
+        } => {
+            let cells = cells.map_or(String::new(), |n| format!(", cells = {n}"));
+            format!(
+                "outline = {{ size = {size:?}, cell = \"{cell}\", circle = {{ center = {center:?}, radius = {radius:?}, name = \"round\"{cells} }} }}"
+            )
+        }
+        Shape::File { name, .. } => format!("file = {{ path = \"{name}\" }}"),
+    }
+}
+
+fn edge(edge: &Edge) -> String {
+    let arc = edge
+        .center
+        .map_or(String::new(), |c| format!(", center = {c:?}"));
+    let cells = edge
+        .cells
+        .map_or(String::new(), |n| format!(", cells = {n}"));
+    format!(
+        "{{ to = {:?}, name = \"{}\"{arc}{cells} }}",
+        edge.to, edge.name
+    )
+}
+
+fn support(support: &Support) -> String {
+    let mut keys = vec![match &support.place {
+        Place::Side(side) => format!("side = \"{side}\""),
+        Place::Point(point) => format!("point = {point:?}"),
+    }];
+    let named = support.axes.iter().zip(["x", "y"]);
+    for (value, name) in named.chain([(&support.normal, "normal")]) {
+        keys.extend(value.as_ref().map(|v| format!("{name} = {}", v.text())));
+    }
+    format!("{{ {} }}", keys.join(", "))
+}
+
+fn load(load: &Load) -> String {
+    match load {
+        Load::Traction { side, field } => {
+            format!("{{ side = \"{side}\", traction = {} }}", pair(field))
+        }
+        Load::Pressure { side, field } => {
+            format!("{{ side = \"{side}\", pressure = {} }}", field.text())
+        }
+        Load::Force { point, field } => {
+            format!("{{ point = {point:?}, force = {} }}", pair(field))
+        }
+    }
+}
+
+fn pair(field: &[Amount; 2]) -> String {
+    format!("[{}, {}]", field[0].text(), field[1].text())
+}
+
+fn write_contact(out: &mut String, contact: &Contact) {
+    let own = format!("{}.{}", contact.own.body, contact.own.side);
+    line(
+        out,
+        format_args!("\n[[contact]]\nname      = \"{}\"", contact.name),
+    );
+    match &contact.against {
+        Against::Side { side, chosen } => {
+            let other = format!("{}.{}", side.body, side.side);
+            if *chosen {
+                line(out, format_args!("sides     = [\"{own}\", \"{other}\"]"));
+            } else {
+                line(
+                    out,
+                    format_args!("nonmortar = \"{own}\"\nmortar    = \"{other}\""),
+                );
+            }
+        }
+        Against::Obstacle { surface, drive } => {
+            let surface = match surface {
+                Surface::Gap(gap) => format!("gap = {}", gap.text()),
+                Surface::Plane { point, normal } => {
+                    format!("plane = {{ point = {point:?}, normal = {normal:?} }}")
+                }
+                Surface::Circle {
+                    center,
+                    radius,
+                    inside,
+                } => format!(
+                    "circle = {{ center = {center:?}, radius = {radius:?}, inside = {inside} }}"
+                ),
+            };
+            let drive = match drive {
+                Drive::Nothing => String::new(),
+                Drive::Displacement(field) => format!(", displacement = {}", pair(field)),
+                Drive::Force(field) => format!(", force = {}", pair(field)),
+            };
+            line(
+                out,
+                format_args!("nonmortar = \"{own}\"\nobstacle  = {{ {surface}{drive} }}"),
+            );
+        }
+    }
+    if contact.pairing == Pairing::Mortar {
+        line(out, format_args!("pairing   = \"mortar\""));
+    }
+    match &contact.gap {
+        Gap::Default => {}
+        Gap::Closed => line(out, format_args!("gap       = \"closed\"")),
+        Gap::Geometric => line(out, format_args!("gap       = \"geometric\"")),
+        Gap::Given(gap) => line(out, format_args!("gap       = {}", gap.text())),
+    }
+    match &contact.law {
+        Law::Frictionless => {}
+        Law::Coulomb(value) => line(out, format_args!("friction  = {}", value.text())),
+        Law::Tresca(value) => {
+            line(
+                out,
+                format_args!("friction  = {{ tresca = {} }}", value.text()),
+            );
+        }
+        Law::Tied => line(out, format_args!("tied      = true")),
+    }
+}
+
+/// A support that holds one axis of a side or a point.
+pub fn hold(place: Place, axis: usize) -> Support {
+    moved(place, axis, Amount::from(0.0))
+}
+
+/// A support that moves one axis of a side or a point.
+pub fn moved(place: Place, axis: usize, value: Amount) -> Support {
+    let mut axes = [None, None];
+    axes[axis] = Some(value);
+    Support {
+        place,
+        axes,
+        normal: None,
+    }
+}
+
+/// A support that holds a place altogether.
+pub fn clamp(place: Place) -> Support {
+    Support {
+        place,
+        axes: [Some(Amount::from(0.0)), Some(Amount::from(0.0))],
+        normal: None,
+    }
+}
+
+/// A side as a place.
+pub fn on(side: &str) -> Place {
+    Place::Side(side.to_string())
+}
+
+/// Times 1, 2, .. of some steps.
+pub fn steps(count: usize) -> Vec<f64> {
+    (1..=count).map(|step| step as f64).collect()
+}

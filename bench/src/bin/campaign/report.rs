@@ -1,0 +1,269 @@
+//! What a campaign found.
+
+use crate::problem::Known;
+use crate::run::{Result, Verdict};
+use std::collections::BTreeMap;
+
+/// All results, counted.
+pub struct Report<'a> {
+    results: &'a [Result],
+    seconds: f64,
+}
+
+/// Counts of one family.
+#[derive(Default)]
+struct Count {
+    right: usize,
+    wrong: usize,
+    rightly_refused: usize,
+    not_converged: usize,
+    refused: usize,
+    panicked: usize,
+    slow: usize,
+    /// Of the last three but panics: those that statics says can be held.
+    holdable: usize,
+}
+
+impl<'a> Report<'a> {
+    /// Of results in the order of their seeds.
+    pub fn new(results: &'a [Result], seconds: f64) -> Self {
+        Self { results, seconds }
+    }
+
+    /// Nothing certified is wrong, and nothing panics.
+    pub fn clean(&self) -> bool {
+        let bad = |r: &Result| matches!(r.verdict, Verdict::Wrong | Verdict::Panicked);
+        !self.results.iter().any(bad)
+    }
+
+    /// Prints it.
+    pub fn print(&self, margins: bool) {
+        self.print_failures();
+        self.print_families();
+        self.print_kinds();
+        self.print_iterations();
+        self.print_comparisons();
+        if margins {
+            self.print_margins();
+        }
+        self.print_seconds();
+    }
+
+    fn print_failures(&self) {
+        for result in self.results {
+            let kind = match result.verdict {
+                Verdict::Wrong => "WRONG",
+                Verdict::Panicked => "PANIC",
+                _ => continue,
+            };
+            println!(
+                "{kind} {:>6} {:<14} {}",
+                result.seed, result.family, result.message
+            );
+        }
+        for result in self.results {
+            let lost = matches!(result.verdict, Verdict::NotConverged | Verdict::Refused);
+            if lost && result.known == Known::Holds {
+                println!(
+                    "not converged {:>6} {:<14} {}",
+                    result.seed, result.family, result.message
+                );
+            }
+        }
+        for result in self.results {
+            if result.verdict == Verdict::Slow {
+                println!(
+                    "slow {:>6} {:<14} {}",
+                    result.seed, result.family, result.message
+                );
+            }
+            if result.verdict == Verdict::Refused && result.known == Known::Open {
+                println!(
+                    "refused {:>6} {:<14} {}",
+                    result.seed, result.family, result.message
+                );
+            }
+            if result.verdict == Verdict::NotConverged && result.known == Known::Open {
+                println!(
+                    "unknown, not converged {:>6} {:<14} {}",
+                    result.seed, result.family, result.message
+                );
+            }
+            if result.verdict == Verdict::Right && !result.message.is_empty() {
+                println!(
+                    "twin {:>6} {:<14} {}",
+                    result.seed, result.family, result.message
+                );
+            }
+        }
+    }
+
+    fn print_families(&self) {
+        let mut counts: BTreeMap<&str, Count> = BTreeMap::new();
+        for result in self.results {
+            for name in [result.family, "~ all"] {
+                let count = counts.entry(name).or_default();
+                match result.verdict {
+                    Verdict::Right => count.right += 1,
+                    Verdict::Wrong => count.wrong += 1,
+                    Verdict::RightlyRefused => count.rightly_refused += 1,
+                    Verdict::NotConverged => count.not_converged += 1,
+                    Verdict::Refused => count.refused += 1,
+                    Verdict::Panicked => count.panicked += 1,
+                    Verdict::Slow => count.slow += 1,
+                }
+                let lost = matches!(result.verdict, Verdict::NotConverged | Verdict::Refused);
+                count.holdable += usize::from(lost && result.known == Known::Holds);
+            }
+        }
+        println!(
+            "\n{:<14} {:>7} {:>7} {:>15} {:>13} {:>8} {:>10} {:>5} {:>7}",
+            "family",
+            "right",
+            "WRONG",
+            "rightly refused",
+            "not converged",
+            "refused",
+            "(holdable)",
+            "slow",
+            "panics"
+        );
+        for (name, c) in counts {
+            println!(
+                "{name:<14} {:>7} {:>7} {:>15} {:>13} {:>8} {:>10} {:>5} {:>7}",
+                c.right,
+                c.wrong,
+                c.rightly_refused,
+                c.not_converged,
+                c.refused,
+                c.holdable,
+                c.slow,
+                c.panicked
+            );
+        }
+    }
+
+    /// Wrong answers by check and family, each with the seed of the smallest one.
+    fn print_kinds(&self) {
+        let mut kinds: BTreeMap<(&str, bool, &str), Vec<&Result>> = BTreeMap::new();
+        for result in self.results.iter().filter(|r| r.verdict == Verdict::Wrong) {
+            let kind = (result.what, result.dropped, result.family);
+            kinds.entry(kind).or_default().push(result);
+        }
+        if !kinds.is_empty() {
+            println!(
+                "\nwrong answers by check, and the smallest of each (`dropped`: the program warned that it dropped conditions)"
+            );
+        }
+        for ((what, dropped, family), results) in kinds {
+            let dropped = if dropped { "dropped" } else { "" };
+            if let Some(least) = results.iter().min_by_key(|r| (r.dofs, r.seed)) {
+                println!(
+                    "{what:<14} {dropped:<8} {family:<14} {:>5}, seed {} ({} dofs)",
+                    results.len(),
+                    least.seed,
+                    least.dofs
+                );
+            }
+        }
+    }
+
+    fn print_iterations(&self) {
+        println!();
+        for (name, rough) in [("frictionless", false), ("friction", true)] {
+            let chosen = self.results.iter().filter(|r| r.rough == rough);
+            let mut iterations: Vec<usize> =
+                chosen.flat_map(|r| r.iterations.iter().copied()).collect();
+            iterations.sort_unstable();
+            if let Some(last) = iterations.last() {
+                let at = |part: f64| iterations[(part * (iterations.len() - 1) as f64) as usize];
+                println!(
+                    "iterations, {name}: {} steps, median {}, 99 % {}, most {last}",
+                    iterations.len(),
+                    at(0.5),
+                    at(0.99)
+                );
+            }
+        }
+    }
+
+    fn print_comparisons(&self) {
+        let mut twins: BTreeMap<&str, Vec<(f64, u64)>> = BTreeMap::new();
+        for result in self.results {
+            if let Some((name, off)) = result.twin {
+                twins.entry(name).or_default().push((off, result.seed));
+            }
+        }
+        for (name, mut offs) in twins {
+            let lost = offs.iter().filter(|o| o.0.is_nan()).count();
+            let asked = offs.len();
+            offs.retain(|o| o.0 > 1e-6);
+            offs.sort_by(|a, b| b.0.total_cmp(&a.0));
+            let most: Vec<String> = offs
+                .iter()
+                .take(6)
+                .map(|(off, seed)| format!("{off:.1e} ({seed})"))
+                .collect();
+            println!(
+                "twins, {name}: {asked} asked, {lost} without an answer, {} apart by more than 1e-6 where they may be: {}",
+                offs.len(),
+                most.join(", ")
+            );
+        }
+        let methods: Vec<(u64, f64)> = self
+            .results
+            .iter()
+            .filter_map(|r| Some((r.seed, r.method?)))
+            .collect();
+        let lost = methods.iter().filter(|m| m.1.is_nan()).count();
+        let most = methods
+            .iter()
+            .filter(|m| !m.1.is_nan())
+            .max_by(|a, b| a.1.total_cmp(&b.1));
+        if let Some((seed, most)) = most {
+            println!(
+                "method `accelerated`: {} asked, {lost} not converged, contact forces apart by at most {most:.1e} (seed {seed})",
+                methods.len()
+            );
+        }
+    }
+
+    fn print_margins(&self) {
+        let mut all: BTreeMap<&str, Vec<(f64, u64)>> = BTreeMap::new();
+        for result in self.results.iter().filter(|r| r.verdict == Verdict::Right) {
+            for (&what, &times) in &result.margins {
+                all.entry(what).or_default().push((times, result.seed));
+            }
+        }
+        println!("\nright answers, violations over their limits: median, 90 %, 99 %, most (seed)");
+        for (what, mut list) in all {
+            list.sort_by(|a, b| a.0.total_cmp(&b.0));
+            let at = |part: f64| list[(part * (list.len() - 1) as f64) as usize];
+            let (most, seed) = at(1.0);
+            println!(
+                "{what:<14} {:>6} seeds {:>9.1e} {:>9.1e} {:>9.1e} {most:>9.1e} ({seed})",
+                list.len(),
+                at(0.5).0,
+                at(0.9).0,
+                at(0.99).0
+            );
+        }
+    }
+
+    fn print_seconds(&self) {
+        let mut slow: Vec<&Result> = self.results.iter().collect();
+        slow.sort_by(|a, b| b.seconds.total_cmp(&a.seconds));
+        let slowest: Vec<String> = slow
+            .iter()
+            .take(5)
+            .map(|r| {
+                format!(
+                    "{} {} {:.1} s ({} dofs)",
+                    r.seed, r.family, r.seconds, r.dofs
+                )
+            })
+            .collect();
+        println!("slowest: {}", slowest.join(", "));
+        println!("{} seeds in {:.1} s", self.results.len(), self.seconds);
+    }
+}

@@ -1,0 +1,408 @@
+//! The campaign itself: seeds on threads, each asked, judged, asked again.
+
+use crate::check::{Finding, check};
+use crate::families;
+use crate::plane::{length, minus};
+use crate::problem::{Known, Problem};
+use crate::random::Random;
+use crate::raw::Answer;
+use crate::report::Report;
+use crate::solve::{Folder, Outcome, solve, write_meshes};
+use crate::state::State;
+use crate::twins::{difference, twins};
+use std::collections::BTreeMap;
+use std::ops::Range;
+use std::path::{Path, PathBuf};
+use std::sync::Mutex;
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::time::Instant;
+
+/// What the command line asks for.
+pub struct Options {
+    pub seeds: Range<u64>,
+    pub threads: usize,
+    pub family: Option<String>,
+    /// Where case files of failing seeds go.
+    pub keep: Option<PathBuf>,
+    /// Part of the seeds that is asked again in other words.
+    pub twins: f64,
+    /// Tell how far everything is from its limit.
+    pub margins: bool,
+    /// Print case and findings.
+    pub show: bool,
+    /// Seconds after which a run is stopped.
+    pub limit: f64,
+}
+
+/// How a seed came out.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Verdict {
+    Right,
+    Wrong,
+    /// Statics says that the load cannot be held, and the program says so.
+    RightlyRefused,
+    NotConverged,
+    Refused,
+    Panicked,
+    /// Stopped at the limit of time.
+    Slow,
+}
+
+/// One seed.
+pub struct Result {
+    pub seed: u64,
+    pub family: &'static str,
+    pub known: Known,
+    pub rough: bool,
+    pub verdict: Verdict,
+    /// What is wrong, or what the program said.
+    pub message: String,
+    /// Kind of the worst finding.
+    pub what: &'static str,
+    /// The program warned that it dropped conditions.
+    pub dropped: bool,
+    pub iterations: Vec<usize>,
+    pub margins: BTreeMap<&'static str, f64>,
+    /// Name of the twin with the difference of its answer, where it is none of the findings.
+    pub twin: Option<(&'static str, f64)>,
+    /// Difference of the contact forces of another method; NaN where that one did not converge.
+    pub method: Option<f64>,
+    pub dofs: usize,
+    pub seconds: f64,
+}
+
+/// Runs all seeds; whether nothing is wrong.
+pub fn run(options: &Options) -> std::result::Result<bool, String> {
+    if let Some(folder) = &options.keep {
+        std::fs::create_dir_all(folder).map_err(|error| error.to_string())?;
+    }
+    // a panic is a result, told in the report
+    std::panic::set_hook(Box::new(|_| {}));
+    let next = AtomicU64::new(options.seeds.start);
+    let results = Mutex::new(Vec::new());
+    let clock = Instant::now();
+    std::thread::scope(|scope| {
+        for _ in 0..options.threads {
+            scope.spawn(|| {
+                let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build();
+                loop {
+                    let seed = next.fetch_add(1, Ordering::Relaxed);
+                    if seed >= options.seeds.end {
+                        break;
+                    }
+                    let result = match &pool {
+                        Ok(pool) => pool.install(|| one(seed, options)),
+                        Err(_) => one(seed, options),
+                    };
+                    if let Ok(mut results) = results.lock() {
+                        results.push(result);
+                    }
+                }
+            });
+        }
+    });
+    let mut results = results.into_inner().map_err(|error| error.to_string())?;
+    results.sort_by_key(|result: &Result| result.seed);
+    let report = Report::new(&results, clock.elapsed().as_secs_f64());
+    report.print(options.margins);
+    Ok(report.clean())
+}
+
+fn one(seed: u64, options: &Options) -> Result {
+    let problem = families::problem(seed, options.family.as_deref());
+    let clock = Instant::now();
+    let mut result = Result {
+        seed,
+        family: problem.family,
+        known: problem.known,
+        rough: problem.rough(),
+        verdict: Verdict::Right,
+        message: String::new(),
+        what: "",
+        dropped: false,
+        iterations: Vec::new(),
+        margins: BTreeMap::new(),
+        twin: None,
+        method: None,
+        dofs: 0,
+        seconds: 0.0,
+    };
+    let folder = match Folder::new(&format!("{seed}")) {
+        Ok(folder) => folder,
+        Err(error) => {
+            result.verdict = Verdict::Refused;
+            result.message = error.to_string();
+            return result;
+        }
+    };
+    let mut kept = vec![problem.clone()];
+    if options.show {
+        println!("{}", problem.text());
+        println!("# known: {:?}, {}", problem.known, problem.reason);
+    }
+    judge(&problem, &folder, seed, options, &mut result, &mut kept);
+    result.seconds = clock.elapsed().as_secs_f64();
+    if options.show {
+        for twin in &kept[1..] {
+            println!("# twin\n{}", twin.text());
+        }
+        println!("# {:?} {}", result.verdict, result.message);
+    }
+    let bad = matches!(result.verdict, Verdict::Wrong | Verdict::Panicked)
+        || (problem.known == Known::Holds && result.verdict != Verdict::Right);
+    if let (true, Some(folder)) = (bad, &options.keep) {
+        for (index, problem) in kept.iter().enumerate() {
+            if let Err(error) = keep(problem, folder, seed, index) {
+                result.message += &format!(" (not kept: {error})");
+            }
+        }
+    }
+    result
+}
+
+fn keep(problem: &Problem, folder: &Path, seed: u64, index: usize) -> std::io::Result<()> {
+    let name = match index {
+        0 => format!("{seed}_{}", problem.family),
+        _ => format!("{seed}_{}_twin", problem.family),
+    };
+    let own = folder.join(name);
+    std::fs::create_dir_all(&own)?;
+    write_meshes(problem, &own)?;
+    std::fs::write(own.join("case.toml"), problem.text())
+}
+
+fn judge(
+    problem: &Problem,
+    folder: &Folder,
+    seed: u64,
+    options: &Options,
+    result: &mut Result,
+    kept: &mut Vec<Problem>,
+) {
+    let answer = match solve(problem, folder, options.limit) {
+        Outcome::Slow => {
+            result.verdict = Verdict::Slow;
+            result.message = format!("stopped after {} s", options.limit);
+            return;
+        }
+        Outcome::Panicked(message) => {
+            (result.verdict, result.message) = (Verdict::Panicked, message);
+            return;
+        }
+        Outcome::Refused(message) => {
+            result.verdict = if problem.known == Known::Falls {
+                Verdict::RightlyRefused
+            } else {
+                Verdict::Refused
+            };
+            result.message = message;
+            return;
+        }
+        Outcome::NotConverged(message, steps) => {
+            result.verdict = if problem.known == Known::Falls {
+                Verdict::RightlyRefused
+            } else {
+                Verdict::NotConverged
+            };
+            result.message = message;
+            // the steps before are certified all the same
+            if let Some(answer) = steps {
+                look(problem, &answer, result);
+            }
+            return;
+        }
+        Outcome::Certified(answer) => answer,
+    };
+    look(problem, &answer, result);
+    if options.show {
+        show_rows(problem, &answer);
+    }
+    if problem.known == Known::Falls && result.verdict == Verdict::Right {
+        wrong(
+            result,
+            "held",
+            format!("cannot be held: {}", problem.reason),
+        );
+    }
+    if result.verdict != Verdict::Right {
+        return;
+    }
+    let mut random = Random::new(seed ^ 0x7717);
+    if random.chance(options.twins) {
+        ask_twins(
+            problem,
+            &answer,
+            (folder, options.limit, options.show),
+            &mut random,
+            result,
+            kept,
+        );
+    }
+    if !problem.rough() && result.dofs < 4000 && random.chance(2.0 * options.twins) {
+        other_method(problem, &answer, (folder, options.limit), result);
+    }
+}
+
+fn look(problem: &Problem, answer: &Answer, result: &mut Result) {
+    result.dofs = answer.meshes.iter().map(|m| 2 * m.points.len()).sum();
+    result.iterations = answer.steps.iter().map(|s| s.iterations).collect();
+    result.dropped = answer.steps.iter().any(|s| s.dropped);
+    let judgement = check(problem, answer);
+    if let Some(Finding {
+        step,
+        what,
+        place,
+        times,
+    }) = judgement.worst()
+    {
+        let mut others: BTreeMap<&str, f64> = BTreeMap::new();
+        for finding in judgement.findings.iter().filter(|f| f.what != *what) {
+            let most = others.entry(finding.what).or_insert(0.0);
+            *most = most.max(finding.times);
+        }
+        let others: Vec<String> = others
+            .iter()
+            .map(|(what, times)| format!("{what} {times:.1e}x"))
+            .collect();
+        let others = match others.len() {
+            0 => String::new(),
+            _ => format!("; also {}", others.join(", ")),
+        };
+        let dropped = match result.dropped {
+            true => " (the program dropped conditions)",
+            false => "",
+        };
+        let text =
+            format!("{what} {times:.1e} times its limit, step {step}, {place}{others}{dropped}");
+        wrong(result, what, text);
+    }
+    result.margins = judgement.margins;
+}
+
+fn wrong(result: &mut Result, what: &'static str, message: String) {
+    result.verdict = Verdict::Wrong;
+    (result.what, result.message) = (what, message);
+}
+
+fn ask_twins(
+    problem: &Problem,
+    answer: &Answer,
+    (folder, limit, show): (&Folder, f64, bool),
+    random: &mut Random,
+    result: &mut Result,
+    kept: &mut Vec<Problem>,
+) {
+    for twin in twins(problem, answer, random) {
+        kept.truncate(1);
+        kept.push(twin.problem.clone());
+        let other = match solve(&twin.problem, folder, limit) {
+            Outcome::Certified(other) => other,
+            Outcome::Slow => continue,
+            Outcome::Panicked(message) => {
+                (result.verdict, result.message) = (Verdict::Panicked, message);
+                return;
+            }
+            Outcome::NotConverged(message, _) | Outcome::Refused(message) => {
+                let text = format!("twin `{}` has no answer: {message}", twin.name);
+                result.twin = Some((twin.name, f64::NAN));
+                result.message = text;
+                continue;
+            }
+        };
+        let judgement = check(&twin.problem, &other);
+        if show {
+            println!("# twin `{}`", twin.name);
+            show_rows(&twin.problem, &other);
+        }
+        if let Some(finding) = judgement.worst() {
+            let text = format!(
+                "twin `{}`: {} {:.1e} times its limit, step {}, {}",
+                twin.name, finding.what, finding.times, finding.step, finding.place
+            );
+            wrong(result, finding.what, text);
+            return;
+        }
+        let Some(off) = difference(problem, answer, &twin, &other) else {
+            wrong(
+                result,
+                "twin",
+                format!("twin `{}` has other nodes", twin.name),
+            );
+            return;
+        };
+        let matching = crate::check::all_nodal(problem, answer);
+        let unique = !problem.coulomb() && !problem.spins && (twin.name != "sides" || matching);
+        if off > twin.tolerance && unique {
+            let text = format!(
+                "twin `{}` differs by {off:.1e} of the largest displacement",
+                twin.name
+            );
+            wrong(result, "twin", text);
+            return;
+        }
+        if unique || !problem.coulomb() {
+            result.twin = Some((twin.name, off));
+        }
+    }
+}
+
+/// Judges the answer of another method, and takes the largest difference of the nodal contact forces, relative to the force
+/// scale.
+fn other_method(
+    problem: &Problem,
+    answer: &Answer,
+    (folder, limit): (&Folder, f64),
+    result: &mut Result,
+) {
+    let mut again = problem.clone();
+    again.method = "accelerated";
+    let Outcome::Certified(other) = solve(&again, folder, limit) else {
+        result.method = Some(f64::NAN);
+        return;
+    };
+    if let Some(finding) = check(problem, &other).worst() {
+        let text = format!(
+            "method `accelerated`: {} {:.1e} times its limit, step {}, {}",
+            finding.what, finding.times, finding.step, finding.place
+        );
+        wrong(result, finding.what, text);
+        return;
+    }
+    let mut worst: f64 = 0.0;
+    for (a, b) in answer.steps.iter().zip(&other.steps) {
+        let (a, b) = (
+            State::new(problem, answer, a),
+            State::new(problem, answer, b),
+        );
+        for (mine, theirs) in a.rest.iter().flatten().zip(b.rest.iter().flatten()) {
+            if a.force > 0.0 {
+                worst = worst.max(length(minus(*mine, *theirs)) / a.force);
+            }
+        }
+    }
+    result.method = Some(worst);
+}
+
+/// Prints the rows of all contacts.
+fn show_rows(problem: &Problem, answer: &Answer) {
+    for (index, step) in answer.steps.iter().enumerate() {
+        for (contact, raw) in problem.contacts.iter().zip(&step.contacts) {
+            println!("# step {} contact {}", index + 1, contact.name);
+            for row in &raw.rows {
+                let [x, y] = answer.meshes[raw.nonmortar.0].points[row.node];
+                println!(
+                    "#   {:>5} ({x:>13.6e}, {y:>13.6e}) n ({:>6.3}, {:>6.3}) weight {:>10.3e} gap {:>11.3e} pressure {:>11.3e} shear {:>11.3e} slip {:>11.3e} {:?}",
+                    row.node,
+                    row.normal[0],
+                    row.normal[1],
+                    row.weight,
+                    row.gap,
+                    row.pressure,
+                    row.shear,
+                    row.slip,
+                    row.status
+                );
+            }
+        }
+    }
+}

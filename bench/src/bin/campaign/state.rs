@@ -1,0 +1,129 @@
+//! Forces at the nodes of one load step, from its displacements alone.
+//!
+//! rest = internal − external is what supports and contacts exert on a node. Off both it must vanish; on a contact side it
+//! is the true contact force.
+
+use crate::elastic::{Condition, conditions, external, free_part, held_axes, internal};
+use crate::plane::{Vector, bounds, length, minus};
+use crate::problem::{Body, Problem};
+use crate::raw::{Answer, Step};
+use std::collections::BTreeMap;
+
+/// Forces below this part of the force scale are rounding: a hundredth of what a wrong answer would show, ten times what
+/// the program promises (1e-8 of its own scale).
+pub const FORCE: f64 = 1e-7;
+
+/// Displacements below this part of the displacement scale are rounding: the brief's limit at nodes.
+pub const MOVE: f64 = 1e-6;
+
+/// Roundings of displacements in units of 2⁻⁵³ that add up at a node.
+const ROUNDINGS: f64 = 32.0;
+
+/// Force over modulus · displacement · thickness of the most slender body that is looked at closely.
+const SLENDER: f64 = 1e-4;
+
+/// One load step, seen from its displacements.
+pub struct State {
+    /// What supports and contacts exert on each node of each body.
+    pub rest: Vec<Vec<Vector>>,
+    /// How much of that may be rounding.
+    pub limits: Vec<Vec<f64>>,
+    pub conditions: Vec<Vec<Condition>>,
+    /// Held directions of nodes.
+    pub held: Vec<BTreeMap<usize, Vec<Vector>>>,
+    /// Force scale: half the sum of the magnitudes of all nodal forces of the body where that is largest, at least what the
+    /// displacements cause in a slender body.
+    pub force: f64,
+    /// Displacement scale: the largest displacement.
+    pub moves: f64,
+    /// Largest coordinate: positions are rounded to 2⁻⁵³ of it.
+    pub size: f64,
+}
+
+impl State {
+    /// The forces of a step.
+    pub fn new(problem: &Problem, answer: &Answer, step: &Step) -> Self {
+        let analysis = problem.analysis;
+        let mut state = Self {
+            rest: Vec::new(),
+            limits: Vec::new(),
+            conditions: Vec::new(),
+            held: Vec::new(),
+            force: 0.0,
+            moves: 0.0,
+            size: 0.0,
+        };
+        let mut magnitudes = Vec::new();
+        // what other bodies move by hundreds leaves dust on one that hardly moves
+        let all = step.displacements.iter().flatten();
+        let largest = all.fold(0.0, |s: f64, &u| s.max(length(u)));
+        for ((body, mesh), moves) in problem
+            .bodies
+            .iter()
+            .zip(&answer.meshes)
+            .zip(&step.displacements)
+        {
+            let inside = internal(mesh, body, analysis, moves, 0.01 * largest);
+            let outside = external(mesh, body, analysis, step.time);
+            let rest: Vec<Vector> = inside
+                .forces
+                .iter()
+                .zip(&outside)
+                .map(|(&i, &o)| minus(i, o))
+                .collect();
+            let sizes = rest.iter().chain(&outside).map(|&f| length(f));
+            state.force = state.force.max(0.5 * sizes.sum::<f64>());
+            state.moves = moves.iter().fold(state.moves, |s, &u| s.max(length(u)));
+            let (low, high) = bounds(&mesh.points);
+            let corner = low
+                .iter()
+                .chain(&high)
+                .fold(0.0, |s: f64, x| s.max(x.abs()));
+            state.size = state.size.max(corner);
+            state.rest.push(rest);
+            magnitudes.push(inside.magnitudes);
+            let conditions = conditions(mesh, body, analysis, step.time);
+            state.held.push(held_axes(&conditions));
+            state.conditions.push(conditions);
+        }
+        for (place, contact) in problem.contacts.iter().enumerate() {
+            if let crate::problem::Against::Obstacle {
+                drive: crate::problem::Drive::Displacement(field),
+                ..
+            } = &contact.against
+            {
+                let moved = crate::amount::vector_at(field, [0.0; 2], step.time);
+                debug_assert!(place < step.contacts.len());
+                state.moves = state.moves.max(length(moved));
+            }
+        }
+        // where nothing presses, forces are dust of what such displacements could cause
+        let softest = problem
+            .bodies
+            .iter()
+            .map(Body::plane_modulus)
+            .fold(f64::INFINITY, f64::min);
+        let deep = match analysis.axisymmetric() {
+            true => std::f64::consts::TAU * state.size,
+            false => problem.bodies[0].thickness,
+        };
+        state.force = state.force.max(SLENDER * softest * state.moves * deep);
+        let rounding = ROUNDINGS * f64::EPSILON / 2.0;
+        let limit = |m: &f64| FORCE * state.force + rounding * m;
+        state.limits = magnitudes
+            .iter()
+            .map(|m| m.iter().map(limit).collect())
+            .collect();
+        state
+    }
+
+    /// What is known of the force on a node: without the directions that supports hold.
+    pub fn free(&self, body: usize, node: usize, force: Vector) -> Vector {
+        free_part(force, self.held[body].get(&node))
+    }
+
+    /// Lengths below this are rounding.
+    pub fn tiny_length(&self) -> f64 {
+        MOVE * self.moves + 1e-14 * self.size
+    }
+}

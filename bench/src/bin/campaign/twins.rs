@@ -1,0 +1,614 @@
+//! The same problem, written another way: the answer must be the same.
+//!
+//! | Twin | What changes | What must agree |
+//! |---|---|---|
+//! | units | lengths and forces by two factors | everything, 1e-6 |
+//! | turned | all of it rotated; meshes from files with rotated nodes | everything, 1e-6 |
+//! | order | bodies and contacts in another order | everything, 1e-6 |
+//! | split | a rectangle cut in two that are glued node by node | everything, 1e-6 |
+//! | sides | nonmortar and mortar swapped | everything where nodes coincide, 1e-6; else what the mesh resolves |
+//!
+//! "Everything" is what is unique: displacements without the rigid motion of each body that supports leave free, relative to
+//! the largest of them. With Coulomb friction answers need not be unique; a difference is told, and is no finding.
+
+use crate::amount::carried_vector;
+use crate::elastic::{conditions, held_axes};
+use crate::plane::{Vector, cross, length, minus, rotated, times, without_motion};
+use crate::problem::{
+    Against, Body, Circle, Contact, Drive, Gap, Law, Load, Place, Problem, Shape, Side, Support,
+    Surface,
+};
+use crate::random::Random;
+use crate::raw::{Answer, Mesh};
+use std::fmt::Write;
+
+/// A twin, and how to find its answer in that of the original.
+pub struct Twin {
+    pub name: &'static str,
+    pub problem: Problem,
+    pub lengths: f64,
+    pub angle: f64,
+    /// Bodies of the twin that make each body of the original.
+    pub parts: Vec<Vec<usize>>,
+    /// Relative difference that is allowed.
+    pub tolerance: f64,
+}
+
+/// A problem in other units and turned by an angle about the origin; `None` where a generator of meshes cannot turn.
+pub fn carried(problem: &Problem, lengths: f64, forces: f64, angle: f64) -> Option<Problem> {
+    let stress = forces / (lengths * lengths);
+    let place = |x: Vector| times(lengths, rotated(x, angle));
+    let mut twin = problem.clone();
+    twin.uniform = problem
+        .uniform
+        .as_ref()
+        .map(|p| p.carried(stress, lengths, angle));
+    for body in &mut twin.bodies {
+        body.young *= stress;
+        if !problem.analysis.axisymmetric() {
+            body.thickness *= lengths;
+        }
+        body.weight = carried_vector(&body.weight, stress / lengths, lengths, angle);
+        let supports = body
+            .supports
+            .iter()
+            .map(|s| carried_support(s, lengths, angle));
+        body.supports = supports.collect::<Option<_>>()?;
+        for load in &mut body.loads {
+            match load {
+                Load::Traction { field, .. } => {
+                    *field = carried_vector(field, stress, lengths, angle);
+                }
+                Load::Pressure { field, .. } => *field = field.carried(stress, lengths, angle),
+                Load::Force { point, field } => {
+                    *point = place(*point);
+                    *field = carried_vector(field, forces, lengths, angle);
+                }
+            }
+        }
+        for circle in &mut body.circles {
+            *circle = Circle {
+                side: circle.side.clone(),
+                center: place(circle.center),
+                radius: circle.radius * lengths,
+            };
+        }
+        carry_shape(body, lengths, angle)?;
+    }
+    for contact in &mut twin.contacts {
+        if let Gap::Given(gap) = &mut contact.gap {
+            *gap = gap.carried(lengths, lengths, angle);
+        }
+        match &mut contact.law {
+            Law::Tresca(bound) => *bound = bound.carried(stress, lengths, angle),
+            Law::Coulomb(coefficient) => *coefficient = coefficient.carried(1.0, lengths, angle),
+            _ => {}
+        }
+        if let Against::Obstacle { surface, drive } = &mut contact.against {
+            match surface {
+                Surface::Gap(gap) => *gap = gap.carried(lengths, lengths, angle),
+                Surface::Plane { point, normal } => {
+                    (*point, *normal) = (place(*point), rotated(*normal, angle));
+                }
+                Surface::Circle { center, radius, .. } => {
+                    (*center, *radius) = (place(*center), *radius * lengths);
+                }
+            }
+            match drive {
+                Drive::Nothing => {}
+                Drive::Displacement(field) => {
+                    *field = carried_vector(field, lengths, lengths, angle);
+                }
+                Drive::Force(field) => *field = carried_vector(field, forces, lengths, angle),
+            }
+        }
+    }
+    Some(twin)
+}
+
+/// A support elsewhere; one axis alone can only be turned onto another, or into a normal by who knows the side.
+fn carried_support(support: &Support, lengths: f64, angle: f64) -> Option<Support> {
+    let place = match &support.place {
+        Place::Side(side) => Place::Side(side.clone()),
+        Place::Point(x) => Place::Point(times(lengths, rotated(*x, angle))),
+    };
+    let normal = support
+        .normal
+        .as_ref()
+        .map(|n| n.carried(lengths, lengths, angle));
+    let axes = match &support.axes {
+        [None, None] => [None, None],
+        [Some(x), Some(y)] => {
+            carried_vector(&[x.clone(), y.clone()], lengths, lengths, angle).map(Some)
+        }
+        one => {
+            let (axis, value) = match one {
+                [Some(x), _] => (0, x),
+                [_, Some(y)] => (1, y),
+                _ => return None,
+            };
+            let direction = rotated([[1.0, 0.0], [0.0, 1.0]][axis], angle);
+            let place = direction.iter().position(|c| c.abs() == 1.0)?;
+            let mut axes = [None, None];
+            axes[place] = Some(value.carried(lengths * direction[place], lengths, angle));
+            axes
+        }
+    };
+    Some(Support {
+        place,
+        axes,
+        normal,
+    })
+}
+
+fn carry_shape(body: &mut Body, lengths: f64, angle: f64) -> Option<()> {
+    let place = |x: Vector| times(lengths, rotated(x, angle));
+    let straight = angle == 0.0;
+    for patch in &mut body.patches {
+        if !straight {
+            return None;
+        }
+        (patch.low, patch.high) = (place(patch.low), place(patch.high));
+    }
+    match &mut body.shape {
+        Shape::Rectangle { from, to, .. } => {
+            if !straight {
+                return None;
+            }
+            (*from, *to) = (place(*from), place(*to));
+        }
+        Shape::Ring {
+            center,
+            radii,
+            angles,
+            ..
+        } => {
+            *center = place(*center);
+            *radii = radii.map(|r| r * lengths);
+            if !straight {
+                if angles.is_none() {
+                    return None;
+                }
+                *angles = angles.map(|a| a.map(|a| a + angle.to_degrees()));
+            }
+        }
+        Shape::Outline { size, from, edges } => {
+            (*size, *from) = (*size * lengths, place(*from));
+            for edge in edges {
+                edge.to = place(edge.to);
+                edge.center = edge.center.map(place);
+            }
+        }
+        Shape::Disc {
+            size,
+            center,
+            radius,
+            ..
+        } => {
+            if !straight {
+                return None;
+            }
+            (*size, *center, *radius) = (*size * lengths, place(*center), *radius * lengths);
+        }
+        Shape::File { .. } => return None,
+    }
+    Some(())
+}
+
+/// The problem turned by an angle, its meshes as files. Supports of one axis become rollers where their side looks along that
+/// axis; where there are others, the angle is a multiple of 90°.
+fn turned(problem: &Problem, answer: &Answer, random: &mut Random) -> Option<Twin> {
+    if problem.analysis.axisymmetric() {
+        return None;
+    }
+    let mut plain = problem.clone();
+    let mut any_angle = true;
+    for (body, mesh) in plain.bodies.iter_mut().zip(&answer.meshes) {
+        for support in &mut body.supports {
+            any_angle &= as_roller(support, mesh);
+        }
+    }
+    let angle = if any_angle {
+        random.between(0.1, 6.0)
+    } else {
+        plain = problem.clone();
+        std::f64::consts::FRAC_PI_2 * random.count(1, 3) as f64
+    };
+    for (body, mesh) in plain.bodies.iter_mut().zip(&answer.meshes) {
+        body.patches.clear();
+        body.shape = Shape::Outline {
+            size: 1.0,
+            from: [0.0; 2],
+            edges: Vec::new(),
+        };
+        let _ = mesh;
+    }
+    let mut twin = carried(&plain, 1.0, 1.0, angle)?;
+    for (body, mesh) in twin.bodies.iter_mut().zip(&answer.meshes) {
+        body.shape = Shape::File {
+            name: format!("{}.msh", body.name),
+            text: gmsh(mesh, angle),
+        };
+    }
+    Some(Twin {
+        name: "turned",
+        parts: (0..problem.bodies.len()).map(|b| vec![b]).collect(),
+        problem: twin,
+        lengths: 1.0,
+        angle,
+        tolerance: 1e-6,
+    })
+}
+
+/// Turns a support of one axis of a straight side that looks along that axis into a roller; whether it can now be turned.
+fn as_roller(support: &mut Support, mesh: &Mesh) -> bool {
+    let (axis, value) = match &support.axes {
+        [Some(x), None] => (0, x.clone()),
+        [None, Some(y)] => (1, y.clone()),
+        _ => return true,
+    };
+    let Place::Side(side) = &support.place else {
+        return false;
+    };
+    let normals = mesh.sides[side].iter().map(|facet| {
+        let along = minus(mesh.points[facet[1]], mesh.points[facet[0]]);
+        crate::plane::unit([along[1], -along[0]])
+    });
+    let mut sign = 0.0;
+    for normal in normals {
+        if (normal[axis].abs() - 1.0).abs() > 1e-12 || sign * normal[axis] < 0.0 {
+            return false;
+        }
+        sign = normal[axis].signum();
+    }
+    support.axes = [None, None];
+    support.normal = Some(value.times(sign));
+    true
+}
+
+/// A mesh file in Gmsh's text format 2.2, its nodes turned.
+pub fn gmsh(mesh: &Mesh, angle: f64) -> String {
+    let mut out = String::from("$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$PhysicalNames\n");
+    // writing to a String cannot fail
+    let _ = writeln!(out, "{}", mesh.sides.len() + 1);
+    for (tag, name) in mesh.sides.keys().enumerate() {
+        let _ = writeln!(out, "1 {} \"{name}\"", tag + 1);
+    }
+    let cells = mesh.sides.len() + 1;
+    let _ = writeln!(
+        out,
+        "2 {cells} \"cells\"\n$EndPhysicalNames\n$Nodes\n{}",
+        mesh.points.len()
+    );
+    for (index, &x) in mesh.points.iter().enumerate() {
+        let [x, y] = rotated(x, angle);
+        let _ = writeln!(out, "{} {x:?} {y:?} 0", index + 1);
+    }
+    let facets: usize = mesh.sides.values().map(Vec::len).sum();
+    let _ = writeln!(out, "$EndNodes\n$Elements\n{}", facets + mesh.cells.len());
+    let mut number = 0;
+    let mut element = |kind: usize, tag: usize, nodes: &[usize]| {
+        number += 1;
+        let nodes: Vec<String> = nodes.iter().map(|n| (n + 1).to_string()).collect();
+        let _ = writeln!(out, "{number} {kind} 2 {tag} {tag} {}", nodes.join(" "));
+    };
+    for (tag, facets) in mesh.sides.values().enumerate() {
+        for facet in facets {
+            element(if facet.len() == 2 { 1 } else { 8 }, tag + 1, facet);
+        }
+    }
+    use crate::cells::Kind;
+    for (kind, nodes) in &mesh.cells {
+        let code = match kind {
+            Kind::Tri3 => 2,
+            Kind::Tri6 => 9,
+            Kind::Quad4 => 3,
+            Kind::Quad8 => 16,
+            Kind::Quad9 => 10,
+        };
+        element(code, cells, nodes);
+    }
+    out + "$EndElements\n"
+}
+
+/// The bodies and contacts in another order.
+fn reordered(problem: &Problem, random: &mut Random) -> Twin {
+    let mut order: Vec<usize> = (0..problem.bodies.len()).collect();
+    random.shuffle(&mut order);
+    let mut twin = problem.clone();
+    twin.bodies = order.iter().map(|&b| problem.bodies[b].clone()).collect();
+    random.shuffle(&mut twin.contacts);
+    let place = |b: usize| order.iter().position(|&o| o == b).unwrap_or(b);
+    Twin {
+        name: "order",
+        parts: (0..order.len()).map(|b| vec![place(b)]).collect(),
+        problem: twin,
+        lengths: 1.0,
+        angle: 0.0,
+        tolerance: 1e-6,
+    }
+}
+
+/// Nonmortar and mortar sides swapped.
+fn swapped(problem: &Problem) -> Option<Twin> {
+    let mut twin = problem.clone();
+    let mut any = false;
+    for contact in &mut twin.contacts {
+        if let Against::Side { side, .. } = &mut contact.against {
+            std::mem::swap(&mut contact.own, side);
+            any = true;
+        }
+    }
+    any.then(|| Twin {
+        name: "sides",
+        parts: (0..problem.bodies.len()).map(|b| vec![b]).collect(),
+        problem: twin,
+        lengths: 1.0,
+        angle: 0.0,
+        tolerance: 1e-6,
+    })
+}
+
+/// A rectangle cut along x or y and glued, where the cut meets no contact side and no patch.
+fn split(problem: &Problem, random: &mut Random) -> Option<Twin> {
+    let mut candidates = Vec::new();
+    for (b, body) in problem.bodies.iter().enumerate() {
+        let Shape::Rectangle { cells, .. } = &body.shape else {
+            continue;
+        };
+        for axis in 0..2 {
+            // a cut across x meets top and bottom
+            let cut = [["bottom", "top"], ["left", "right"]][axis];
+            let free = |side: &&str| !touches(problem, &body.name, side);
+            let even = cells[axis] >= 4 || (!body.kind.triangle() && cells[axis] >= 2);
+            let forces = body.loads.iter().any(|l| matches!(l, Load::Force { .. }));
+            let points = body
+                .supports
+                .iter()
+                .any(|s| matches!(s.place, Place::Point(_)));
+            if cut.iter().all(free) && even && body.patches.is_empty() && !forces && !points {
+                candidates.push((b, axis));
+            }
+        }
+    }
+    if candidates.is_empty() {
+        return None;
+    }
+    let (b, axis) = random.pick(&candidates);
+    let body = &problem.bodies[b];
+    let Shape::Rectangle {
+        from,
+        to,
+        cells,
+        diagonals,
+    } = &body.shape
+    else {
+        return None;
+    };
+    // an even number of cells in the first part keeps the pattern of the diagonals
+    let first = if body.kind.triangle() {
+        cells[axis] / 4 * 2
+    } else {
+        cells[axis] / 2
+    };
+    let at = from[axis] + (to[axis] - from[axis]) * first as f64 / cells[axis] as f64;
+    let part = |low: bool| {
+        let (mut from, mut to, mut cells) = (*from, *to, *cells);
+        if low {
+            (to[axis], cells[axis]) = (at, first);
+        } else {
+            (from[axis], cells[axis]) = (at, cells[axis] - first);
+        }
+        let mut half = body.clone();
+        half.name = format!("{}_{}", body.name, if low { "a" } else { "b" });
+        half.shape = Shape::Rectangle {
+            from,
+            to,
+            cells,
+            diagonals,
+        };
+        // what is on the far side belongs to the other part
+        let gone = [["right", "top"], ["left", "bottom"]][usize::from(!low)][axis];
+        half.supports
+            .retain(|s| s.place != Place::Side(gone.to_string()));
+        half.loads.retain(|load| match load {
+            Load::Traction { side, .. } | Load::Pressure { side, .. } => side != gone,
+            Load::Force { .. } => true,
+        });
+        half
+    };
+    let mut twin = problem.clone();
+    // the glue is a contact, too
+    twin.uniform = None;
+    let (low, high) = (part(true), part(false));
+    let (names, meet) = (
+        [low.name.clone(), high.name.clone()],
+        [["right", "left"], ["top", "bottom"]][axis],
+    );
+    twin.bodies[b] = low;
+    twin.bodies.push(high);
+    for contact in &mut twin.contacts {
+        let rename = |side: &mut Side| {
+            if side.body == body.name {
+                let low_side = ["left", "bottom"][axis];
+                side.body = names[usize::from(side.side != low_side)].clone();
+            }
+        };
+        rename(&mut contact.own);
+        if let Against::Side { side, .. } = &mut contact.against {
+            rename(side);
+        }
+    }
+    twin.contacts.push(Contact {
+        name: "glue".to_string(),
+        own: crate::problem::side(&names[0], meet[0]),
+        against: Against::Side {
+            side: crate::problem::side(&names[1], meet[1]),
+            chosen: false,
+        },
+        pairing: crate::problem::Pairing::Default,
+        gap: Gap::Default,
+        law: Law::Tied,
+    });
+    let mut parts: Vec<Vec<usize>> = (0..problem.bodies.len()).map(|b| vec![b]).collect();
+    parts[b].push(problem.bodies.len());
+    Some(Twin {
+        name: "split",
+        problem: twin,
+        lengths: 1.0,
+        angle: 0.0,
+        parts,
+        tolerance: 1e-6,
+    })
+}
+
+fn touches(problem: &Problem, body: &str, name: &str) -> bool {
+    let is = |side: &Side| side.body == body && side.side == name;
+    problem.contacts.iter().any(|contact| {
+        is(&contact.own) || matches!(&contact.against, Against::Side { side, .. } if is(side))
+    })
+}
+
+/// Some twins of a problem.
+pub fn twins(problem: &Problem, answer: &Answer, random: &mut Random) -> Vec<Twin> {
+    let mut all = Vec::new();
+    match random.count(0, 4) {
+        0 => {
+            let forces = random.magnitude(1e-6, 1e6);
+            // a mesher meets other roundings with other lengths: powers of two round nothing
+            let outline = |b: &Body| matches!(b.shape, Shape::Outline { .. } | Shape::Disc { .. });
+            let lengths = if problem.bodies.iter().any(outline) {
+                2.0f64.powi(random.count(0, 40) as i32 - 20)
+            } else {
+                random.magnitude(1e-6, 1e6)
+            };
+            all.extend(carried(problem, lengths, forces, 0.0).map(|twin| Twin {
+                name: "units",
+                problem: twin,
+                lengths,
+                angle: 0.0,
+                parts: (0..problem.bodies.len()).map(|b| vec![b]).collect(),
+                tolerance: 1e-6,
+            }));
+        }
+        1 => all.extend(turned(problem, answer, random)),
+        2 => all.push(reordered(problem, random)),
+        3 => all.extend(split(problem, random)),
+        _ => all.extend(swapped(problem)),
+    }
+    all
+}
+
+/// The largest difference of the displacements of two answers in any step, relative to the largest displacement.
+///
+/// `None` where nodes of the twin cannot be found.
+pub fn difference(problem: &Problem, answer: &Answer, twin: &Twin, other: &Answer) -> Option<f64> {
+    let mut worst: f64 = 0.0;
+    let axisymmetric = problem.analysis.axisymmetric();
+    for (mine, theirs) in answer.steps.iter().zip(&other.steps) {
+        let largest = mine
+            .displacements
+            .iter()
+            .flatten()
+            .fold(0.0, |s: f64, &u| s.max(length(u)));
+        let mut off: f64 = 0.0;
+        for (b, parts) in twin.parts.iter().enumerate() {
+            let points = &answer.meshes[b].points;
+            let found = found(points, parts, other, twin, theirs)?;
+            let differences: Vec<Vector> = mine.displacements[b]
+                .iter()
+                .zip(&found)
+                .map(|(&u, &v)| minus(v, u))
+                .collect();
+            let held = fully_held(problem, b, &answer.meshes[b]);
+            let rest = if held {
+                differences
+            } else {
+                without_motion(points, &differences, axisymmetric)
+            };
+            off = rest.iter().fold(off, |s, &d| s.max(length(d)));
+        }
+        if largest > 0.0 {
+            worst = worst.max(off / largest);
+        }
+    }
+    Some(worst)
+}
+
+/// Displacements of a body in the answer of a twin, at its own nodes and in its own units.
+fn found(
+    points: &[Vector],
+    parts: &[usize],
+    other: &Answer,
+    twin: &Twin,
+    step: &crate::raw::Step,
+) -> Option<Vec<Vector>> {
+    let back = |x: Vector| times(1.0 / twin.lengths, rotated(x, -twin.angle));
+    let mut places: Vec<(Vector, Vector)> = Vec::new();
+    for &part in parts {
+        let moves = &step.displacements[part];
+        places.extend(
+            other.meshes[part]
+                .points
+                .iter()
+                .zip(moves)
+                .map(|(&x, &u)| (back(x), back(u))),
+        );
+    }
+    let (low, high) = crate::plane::bounds(points);
+    let near = 1e-7 * length(minus(high, low));
+    // the same order, mostly; else sorted along x
+    if places.len() == points.len()
+        && points
+            .iter()
+            .zip(&places)
+            .all(|(&x, (y, _))| length(minus(x, *y)) < near)
+    {
+        return Some(places.into_iter().map(|(_, u)| u).collect());
+    }
+    places.sort_by(|a, b| a.0[0].total_cmp(&b.0[0]));
+    let find = |&x: &Vector| {
+        let start = places.partition_point(|(y, _)| y[0] < x[0] - near);
+        let window = places[start..]
+            .iter()
+            .take_while(|(y, _)| y[0] <= x[0] + near);
+        let mut window = window.filter(|(y, _)| length(minus(*y, x)) < near);
+        window.next().map(|(_, u)| *u)
+    };
+    points.iter().map(find).collect()
+}
+
+/// Supports alone leave a body no rigid motion.
+pub fn fully_held(problem: &Problem, body: usize, mesh: &Mesh) -> bool {
+    let axes = held_axes(&conditions(
+        mesh,
+        &problem.bodies[body],
+        problem.analysis,
+        problem.times[0],
+    ));
+    if problem.analysis.axisymmetric() {
+        return axes.values().flatten().any(|a| a[1].abs() > 0.5);
+    }
+    // rows (axis, moment of the axis): three independent ones
+    let mut basis: Vec<[f64; 3]> = Vec::new();
+    let (low, high) = crate::plane::bounds(&mesh.points);
+    let (middle, size) = (
+        times(0.5, crate::plane::plus(low, 1.0, high)),
+        length(minus(high, low)),
+    );
+    for (&node, held) in &axes {
+        for &axis in held {
+            let arm = times(1.0 / size, minus(mesh.points[node], middle));
+            let mut row = [axis[0], axis[1], cross(arm, axis)];
+            for q in &basis {
+                let part: f64 = q.iter().zip(&row).map(|(a, b)| a * b).sum();
+                row.iter_mut().zip(q).for_each(|(r, q)| *r -= part * q);
+            }
+            let norm = row.iter().map(|r| r * r).sum::<f64>().sqrt();
+            if norm > 1e-6 {
+                basis.push(row.map(|r| r / norm));
+            }
+        }
+    }
+    basis.len() == 3
+}
