@@ -38,7 +38,7 @@ use std::io::{BufRead, BufReader};
 use std::path::{Path, PathBuf};
 use std::process::{Command, ExitCode, Stdio};
 use std::sync::mpsc::{Receiver, RecvTimeoutError, channel};
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 /// First argument of the processes that solve one problem.
 const SINGLE: &str = "--single";
@@ -316,40 +316,28 @@ fn in_own_process(
         .map_err(|error| format!("no process for {}: {error}", file.display()))?;
     let lines = lines_of(child.stdout.take());
     let errors = lines_of(child.stderr.take());
-    let facts = next_line(&lines, READING).and_then(|line| Facts::parse(&line));
+    let facts = within(&lines, READING).map(|line| Facts::parse(&line));
     let answer = match facts {
-        Some(_) => next_line(&lines, arguments.limit),
-        None => None,
+        Ok(Some(_)) => within(&lines, arguments.limit).map(|line| Answer::parse(&line)),
+        _ => Ok(None),
     };
     // Whatever it still does is of no interest; a process that has ended is no error.
-    let over = answer.is_none() && matches!(child.try_wait(), Ok(None)) && {
-        // It closed its output a moment ago, or its time is over.
-        !ends_within(&mut child, Duration::from_millis(200))
-    };
     let _ = child.kill();
     let _ = child.wait();
     let complaint = || {
         let said = errors.iter().last();
         said.unwrap_or_else(|| "without a word".to_string())
     };
-    let run = match answer.as_deref().and_then(Answer::parse) {
-        Some(answer) => Run::Answered(answer),
-        None if over && facts.is_some() => Run::Limit,
-        None if facts.is_none() => Run::Unreadable(complaint()),
-        None => Run::Ended(complaint()),
-    };
-    Ok((facts, run))
-}
-
-fn ends_within(child: &mut std::process::Child, time: Duration) -> bool {
-    let begin = Instant::now();
-    while begin.elapsed() < time {
-        if !matches!(child.try_wait(), Ok(None)) {
-            return true;
+    Ok(match (facts, answer) {
+        (Ok(Some(facts)), Ok(Some(answer))) => (Some(facts), Run::Answered(answer)),
+        (Ok(Some(facts)), Err(RecvTimeoutError::Timeout)) => (Some(facts), Run::Limit),
+        (Ok(Some(facts)), _) => (Some(facts), Run::Ended(complaint())),
+        (Err(RecvTimeoutError::Timeout), _) => {
+            let reason = format!("it was not read within {READING} s");
+            (None, Run::Unreadable(reason))
         }
-        std::thread::sleep(Duration::from_millis(5));
-    }
-    false
+        _ => (None, Run::Unreadable(complaint())),
+    })
 }
 
 /// The lines of a stream as they come.
@@ -367,11 +355,8 @@ fn lines_of(stream: Option<impl std::io::Read + Send + 'static>) -> Receiver<Str
     receiver
 }
 
-fn next_line(lines: &Receiver<String>, seconds: f64) -> Option<String> {
-    match lines.recv_timeout(Duration::from_secs_f64(seconds)) {
-        Ok(line) => Some(line),
-        Err(RecvTimeoutError::Timeout | RecvTimeoutError::Disconnected) => None,
-    }
+fn within(lines: &Receiver<String>, seconds: f64) -> Result<String, RecvTimeoutError> {
+    lines.recv_timeout(Duration::from_secs_f64(seconds))
 }
 
 /// Seconds of each problem that a peer solved.
