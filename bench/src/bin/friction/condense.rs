@@ -9,8 +9,8 @@
 //! of 1e-7 of the largest that lack their mirror image): then M is taken as it is, by a dense LU.
 
 use dotyk::linalg::{
-    Cholesky, Connectivity, Graph, Mat, SparseMatrix, SymmetricMatrix, fill_reducing_order, gram,
-    solve_general, transpose_product,
+    Cholesky, Connectivity, Graph, Lu, Mat, SparseMatrix, SymmetricMatrix, fill_reducing_order,
+    gram, transpose_product,
 };
 
 /// Parts of the largest entry by which an M that counts as symmetric may differ from its transpose.
@@ -102,8 +102,8 @@ fn solved(mass: &SparseMatrix, columns: &Mat<f64>) -> Result<Mat<f64>, String> {
         dense[(i, j)] = x;
     }
     let mut solution = columns.clone();
-    solve_general(&mut dense, &mut solution)
-        .map_err(|error| format!("M cannot be factored: {error}"))?;
+    let factors = Lu::new(dense).map_err(|error| format!("M cannot be factored: {error}"))?;
+    factors.solve_in_place(&mut solution);
     Ok(solution)
 }
 

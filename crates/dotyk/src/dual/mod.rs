@@ -30,8 +30,8 @@ mod projection;
 
 pub use admissible::{AdmissibleSet, Component};
 pub use balance::{Balance, ModeSplit, uncontrolled_modes};
+pub(crate) use certificate::{BETWEEN_NODES, ROUNDING, Violations};
 pub use certificate::{Certificate, Figure, IMBALANCE_LIMIT, Recomputed};
-pub(crate) use certificate::{ROUNDING, Violations};
 pub use feasibility::{Feasibility, NO_WORK, least_norm_within, least_squares_nonnegative};
 pub use projection::Projector;
 
@@ -246,12 +246,34 @@ impl DualProblem {
     }
 
     fn diagonal_softness(&self) -> Vec<f64> {
-        let Compliance::Dense(matrix) = &self.compliance else {
-            let or_one = |scale: f64| if scale > 0.0 { scale } else { 1.0 };
-            let ratio = or_one(self.scales.length) / or_one(self.scales.force);
-            return vec![ratio; self.len()];
+        match &self.compliance {
+            Compliance::Dense(matrix) => {
+                let diagonal = (0..self.len()).map(|i| matrix[(i, i)]).collect();
+                self.positive_softness(diagonal)
+            }
+            Compliance::Operator { .. } => {
+                let or_one = |scale: f64| if scale > 0.0 { scale } else { 1.0 };
+                let ratio = or_one(self.scales.length) / or_one(self.scales.force);
+                vec![ratio; self.len()]
+            }
+        }
+    }
+
+    /// Takes over what every component gives way at least, (m,). The diagonal of F falls below it where a body is grounded;
+    /// of an applied F it is not known.
+    pub(crate) fn soften(&mut self, least: Vec<f64>) {
+        self.softness = match &self.compliance {
+            Compliance::Dense(matrix) => {
+                let own = least.iter().enumerate();
+                let larger = own.map(|(i, least)| least.max(matrix[(i, i)])).collect();
+                self.positive_softness(larger)
+            }
+            Compliance::Operator { .. } => self.positive_softness(least),
         };
-        let mut softness: Vec<f64> = (0..self.len()).map(|i| matrix[(i, i)]).collect();
+    }
+
+    /// Means over the tangents of a node; a component that nothing gives way to takes the scale of the others.
+    fn positive_softness(&self, mut softness: Vec<f64>) -> Vec<f64> {
         for (block, range) in self.admissible.iter() {
             if block.bound(0.0).is_some() {
                 let tangents = &mut softness[range.start + 1..range.end];
@@ -259,7 +281,6 @@ impl DualProblem {
                 tangents.fill(mean);
             }
         }
-        // a component that nothing gives way to takes the scale of the others
         let largest = softness.iter().fold(0.0, |s: f64, f| s.max(*f));
         let fallback = if largest > 0.0 { largest } else { 1.0 };
         let rigid = softness.iter_mut().filter(|f| **f <= 0.0);

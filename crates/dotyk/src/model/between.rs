@@ -44,14 +44,30 @@ pub(crate) fn worst_overlap<const D: usize>(
     lambda: &[f64],
     negligible: f64,
 ) -> Option<Overlap<D>> {
-    let pressure = pressure_near(pair, lambda);
+    let own = |node: &InterfaceNode<D>| node.rows[0].map(|row| (lambda[row] / node.weight).abs());
+    let nodes = pair.interface.nodes.iter();
+    let pressures = nodes.filter_map(|n| Some((n.node, own(n)?))).collect();
+    let pressure = near(pair, &pressures);
+    let facets = pair.samples.iter().map(|samples| {
+        let gaps = samples.iter().map(|sample| gap(sample, moved));
+        gaps.collect::<Vec<f64>>()
+    });
+    let facets: Vec<Vec<f64>> = facets.collect();
+    let mut bends = BTreeMap::new();
+    for (samples, gaps) in pair.samples.iter().zip(&facets) {
+        let bend = bend(gaps);
+        nodes_of(samples).for_each(|node| raise(&mut bends, node, bend));
+    }
+    // a condition that is a mean over the facets of a node sees how the gap bends on all of them
+    let bends = near(pair, &bends);
     let mut worst: Option<Overlap<D>> = None;
-    for samples in &pair.samples {
-        let gaps: Vec<f64> = samples.iter().map(|sample| gap(sample, moved)).collect();
-        let bend = bend(&gaps);
+    for (samples, gaps) in pair.samples.iter().zip(facets) {
+        let largest = |of: &BTreeMap<usize, f64>| {
+            let values = nodes_of(samples).filter_map(|node| of.get(&node));
+            values.fold(0.0, |largest: f64, value| largest.max(*value))
+        };
+        let (pressure, bend) = (largest(&pressure), largest(&bends));
         for (sample, gap) in samples.iter().zip(gaps).filter(|(_, gap)| *gap < 0.0) {
-            let nodes = sample.own.iter().filter_map(|(node, _)| pressure.get(node));
-            let pressure = nodes.fold(0.0, |largest: f64, p| largest.max(*p));
             let found = Overlap {
                 contact,
                 point: sample.point,
@@ -90,21 +106,24 @@ fn bend(values: &[f64]) -> f64 {
     values.iter().enumerate().map(off).fold(0.0, f64::max)
 }
 
-/// Largest |pressure| at each node of the side or at a node that shares a facet with it.
-fn pressure_near<const D: usize>(pair: &Paired<D>, lambda: &[f64]) -> BTreeMap<usize, f64> {
-    let own = |node: &InterfaceNode<D>| node.rows[0].map(|row| (lambda[row] / node.weight).abs());
-    let nodes = pair.interface.nodes.iter();
-    let at: BTreeMap<usize, f64> = nodes.filter_map(|n| Some((n.node, own(n)?))).collect();
-    let mut near = at.clone();
-    for sample in pair.samples.iter().filter_map(|samples| samples.first()) {
-        let nodes = || sample.own.iter().map(|(node, _)| node);
-        let largest = nodes()
-            .filter_map(|node| at.get(node))
-            .fold(0.0, |s: f64, p| s.max(*p));
-        for &node in nodes() {
-            let near = near.entry(node).or_insert(0.0);
-            *near = near.max(largest);
-        }
+/// Nodes of the facet of some samples.
+fn nodes_of<const D: usize>(samples: &[Sample<D>]) -> impl Iterator<Item = usize> {
+    let nodes = samples.first().into_iter().flat_map(|sample| &sample.own);
+    nodes.map(|(node, _)| *node)
+}
+
+fn raise(values: &mut BTreeMap<usize, f64>, node: usize, value: f64) {
+    let at = values.entry(node).or_insert(0.0);
+    *at = at.max(value);
+}
+
+/// The largest of some nonnegative values at each node of the side or at a node that shares a facet with it.
+fn near<const D: usize>(pair: &Paired<D>, values: &BTreeMap<usize, f64>) -> BTreeMap<usize, f64> {
+    let mut near = values.clone();
+    for samples in &pair.samples {
+        let at = nodes_of(samples).filter_map(|node| values.get(&node));
+        let largest = at.fold(0.0, |s: f64, value| s.max(*value));
+        nodes_of(samples).for_each(|node| raise(&mut near, node, largest));
     }
     near
 }

@@ -106,6 +106,24 @@ impl FactoredBody {
     }
 }
 
+/// What every row gives way where only its own dofs move, (len,): Σ b²/K_ii over the free dofs of all bodies. It bounds the
+/// compliance of the row from below and does not depend on how floating bodies are grounded.
+pub(crate) fn least_softness<const D: usize>(bodies: &[LoadedBody<D>], len: usize) -> Vec<f64> {
+    let mut softness = vec![0.0; len];
+    for body in bodies {
+        let stiffness = body.system.stiffness.diagonal();
+        for (local, &row) in body.rows.index.iter().enumerate() {
+            let free = body
+                .rows
+                .matrix
+                .row(local)
+                .filter(|&(dof, _)| !body.system.held[dof] && stiffness[dof] > 0.0);
+            softness[row] += free.map(|(dof, b)| b * b / stiffness[dof]).sum::<f64>();
+        }
+    }
+    softness
+}
+
 /// The gaps g₀ of all multipliers; in tangential rows the motion of a rigid obstacle.
 pub(crate) fn initial_gaps<const D: usize>(paired: &[Paired<D>]) -> Vec<f64> {
     paired.iter().flat_map(Paired::gaps).collect()

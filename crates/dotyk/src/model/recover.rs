@@ -111,7 +111,7 @@ pub(crate) fn judge<const D: usize>(
     let obstacles = rigid[model.bodies.len()..].iter();
     let obstacles: Vec<Point<D>> = obstacles.map(|u| std::array::from_fn(|i| u[i])).collect();
     let moved = elastic.iter().chain(&rigid).flatten();
-    let rounding = 16.0 * ROUNDING * moved.fold(0.0, |s: f64, u| s.max(u.abs()));
+    let rounding = 4.0 * ROUNDING * moved.fold(0.0, |s: f64, u| s.max(u.abs()));
     let negligible = model.solver.tolerance * problem.scales.length + rounding;
     let overlap = deepest_overlap(model, condensed, &states, &obstacles, lambda, negligible);
     let terms = |u: &[f64]| ROUNDING * u.iter().fold(0.0, |s: f64, u| s.max(u.abs()));
@@ -436,6 +436,8 @@ struct BodyState<const D: usize> {
     unbalanced_work: f64,
     /// Largest resultant of a support that moves.
     driving_force: f64,
+    /// To what resultants of the nodal forces are known: these are differences of terms of the size K_ii u_i.
+    rounding: f64,
 }
 
 /// State of a body, its elastic displacement refined until its forces balance; `parts` are the elastic and the rigid
@@ -517,6 +519,7 @@ impl<const D: usize> BodyState<D> {
         let state = Self {
             u: system.to_global(&whole),
             driving_force: driving_force(body, loaded, &reactions),
+            rounding: ROUNDING * norm_of_terms(&system.stiffness.diagonal(), u),
             reactions,
             total: system.to_global(&total),
             strain_energy,
@@ -536,8 +539,9 @@ fn certify<const D: usize>(
     let (mut force, mut moment) = (0.0f64, 0.0f64);
     for (body, state) in model.bodies.iter().zip(states) {
         let (f, m) = imbalance(model, body.mesh.points(), &state.total);
-        force = force.max(f);
-        moment = moment.max(m);
+        let arm = condensed.problem.scales.moment_arm;
+        force = force.max(f - state.rounding);
+        moment = moment.max(m - state.rounding * arm);
     }
     for obstacle in &condensed.bodies[model.bodies.len()..] {
         force = force.max(unbalanced(obstacle, &multipliers.lambda));
@@ -568,6 +572,12 @@ fn certify<const D: usize>(
     condensed
         .problem
         .certify_with(multipliers, &recomputed, model.solver.tolerance)
+}
+
+/// √Σ(K_ii u_i)².
+fn norm_of_terms(diagonal: &[f64], u: &[f64]) -> f64 {
+    let terms = diagonal.iter().zip(u).map(|(k, u)| k * u);
+    terms.map(|term| term * term).sum::<f64>().sqrt()
 }
 
 /// What is left of the forces on a free obstacle.

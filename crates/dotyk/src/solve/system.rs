@@ -217,8 +217,16 @@ impl Factored {
         for (a, unknown) in unknowns.iter().enumerate() {
             whole[(a, a)] += unknown.softness;
         }
-        let scale: Vec<f64> = (0..unknowns.len())
-            .map(|a| unit_scale(whole[(a, a)].abs()))
+        // not the diagonal alone: it is rounding where a body is grounded
+        let softness = &system.setup.problem.softness;
+        let least = |u: &Unknown| -> f64 {
+            let weights = u.force.iter().zip(&u.row);
+            weights
+                .map(|(c, w)| (c.1 * w.1).abs() * softness[c.0])
+                .sum()
+        };
+        let scale: Vec<f64> = (unknowns.iter().enumerate())
+            .map(|(a, u)| unit_scale(whole[(a, a)].abs().max(least(u))))
             .collect();
         for b in 0..unknowns.len() {
             let column = whole.col_as_slice_mut(b).iter_mut();
