@@ -8,6 +8,7 @@
 //! pairing is the same with the integrals replaced by values at nodes. Tangential rows have t instead of n and no gap.
 //! An interface knows the two meshes and what their supports hold, but no stiffness.
 
+mod corners;
 mod curved;
 mod error;
 mod facing;
@@ -18,6 +19,7 @@ mod sampling;
 mod search;
 mod weights;
 
+pub use corners::smooth_parts;
 pub use curved::{sagitta, straight_turn};
 pub use error::ContactError;
 pub use facing::{Unmatched, unmatched_facing};
@@ -27,6 +29,7 @@ pub use sampling::{Sample, samples};
 
 use crate::fem::{Body, Constraints};
 use crate::geometry::{Field, Point};
+use crate::mesh::Facet;
 
 /// Which components of the displacement jump an interface couples.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -48,6 +51,8 @@ pub struct End<'a, const D: usize> {
     pub side: &'a str,
     /// Held directions of the body's nodes.
     pub constraints: &'a Constraints<D>,
+    /// These facets of the side alone.
+    pub part: Option<&'a [Facet]>,
 }
 
 impl<const D: usize> End<'_, D> {
@@ -154,6 +159,19 @@ pub struct Implied<const D: usize> {
 }
 
 impl<const D: usize> Interface<D> {
+    /// Takes over the nodes and rows of another part of the side. No condition of that may be implied yet.
+    pub fn append(&mut self, part: Self) {
+        let before = self.nonmortar.len();
+        let moved = part.nodes.into_iter().map(|node| InterfaceNode {
+            rows: node.rows.map(|row| row.map(|row| row + before)),
+            ..node
+        });
+        self.nodes.extend(moved);
+        self.nonmortar.extend(part.nonmortar);
+        self.mortar.extend(part.mortar);
+        self.cyclic = false;
+    }
+
     /// Initial gap between the undeformed surfaces in every row; tangential rows have none.
     pub fn gaps(&self) -> Vec<f64> {
         let mut gaps = vec![0.0; self.nonmortar.len()];

@@ -94,6 +94,9 @@ fn shortest_edges<const D: usize>(
 pub(super) fn facets<'a, const D: usize>(
     end: End<'a, D>,
 ) -> Result<&'a [crate::mesh::Facet], ContactError> {
+    if let Some(part) = end.part {
+        return Ok(part);
+    }
     side_facets(&end.body.mesh, end.side).map_err(|source| ContactError::Side {
         body: end.body.name.clone(),
         source,

@@ -2,11 +2,12 @@
 
 use crate::contact::{
     Against, ContactError, Coupling, Driven, End, InitialGap, Interface, Role, Sample, pair_mortar,
-    pair_nodes, pair_obstacle, sagitta, samples, straight_turn, unmatched_facing,
+    pair_nodes, pair_obstacle, sagitta, samples, smooth_parts, straight_turn, unmatched_facing,
 };
 use crate::dual::{AdmissibleSet, Block};
 use crate::fem::{Constraints, FemError, Short, node_normals, show, side_facets};
 use crate::geometry::{Field, dot};
+use crate::mesh::Facet;
 use crate::model::error::Error;
 use crate::model::nouns::*;
 use rayon::prelude::*;
@@ -67,6 +68,19 @@ pub(crate) fn pair_all<const D: usize>(
 }
 
 impl<const D: usize> Paired<D> {
+    /// This part of a contact and another one.
+    fn followed_by(mut self, further: Self) -> Self {
+        self.interface.append(further.interface);
+        self.samples.extend(further.samples);
+        self.sagitta = self.sagitta.max(further.sagitta);
+        let new = further.warnings.into_iter();
+        let new: Vec<String> = new
+            .filter(|warning| !self.warnings.contains(warning))
+            .collect();
+        self.warnings.extend(new);
+        self
+    }
+
     /// g₀ of every row: the initial gap where the row is a normal one, plus the motion of the obstacle along the row.
     pub fn gaps(&self) -> Vec<f64> {
         let mut gaps = self.interface.gaps();
@@ -246,6 +260,12 @@ fn driven<const D: usize>(obstacle: &Obstacle<D>) -> Driven {
     }
 }
 
+/// What a side may touch.
+enum Opposite<'a, const D: usize> {
+    Side(&'a SideRef),
+    Rigid(&'a Obstacle<D>),
+}
+
 /// One contact on its way to becoming an interface.
 struct Contacting<'a, const D: usize> {
     model: &'a Model<D>,
@@ -256,42 +276,53 @@ struct Contacting<'a, const D: usize> {
 
 impl<'a, const D: usize> Contacting<'a, D> {
     fn pair(&self) -> Result<Paired<D>, Error<D>> {
-        let fail = |source: ContactError| Error::Contact {
-            contact: self.contact.name.clone(),
-            source,
-        };
+        let fail = |source| self.fail(source);
         let coupling = match &self.contact.law {
             Law::Frictionless => Coupling::Normal,
             Law::Tied => Coupling::Tied,
             Law::Coulomb(_) | Law::Tresca(_) => Coupling::Frictional,
         };
-        match &self.contact.pair {
+        let (nonmortar, opposite) = match &self.contact.pair {
             Pair::Obstacle {
                 nonmortar,
                 obstacle,
-            } => {
-                let motion = self.motion(obstacle)?;
-                let interface = self.obstacle(nonmortar, obstacle, coupling);
-                let against = Against::Obstacle(&obstacle.shape, driven(obstacle));
-                let samples = self.samples(nonmortar, against, InitialGap::Measured);
-                Ok(Paired {
-                    nonmortar: nonmortar.clone(),
-                    mortar: None,
-                    opposite: self.model.obstacle_part(self.contact),
-                    obstacle_motion: motion,
-                    interface: interface.map_err(fail)?,
-                    samples: samples.map_err(fail)?,
-                    sagitta: 0.0,
-                    warnings: Vec::new(),
-                })
-            }
-            Pair::Given { nonmortar, mortar } => {
-                self.sides(nonmortar, mortar, coupling).map_err(fail)
-            }
+            } => (nonmortar, Opposite::Rigid(obstacle)),
+            Pair::Given { nonmortar, mortar } => (nonmortar, Opposite::Side(mortar)),
             Pair::Automatic(sides) => {
                 let [nonmortar, mortar] = self.choose(sides).map_err(fail)?;
-                self.sides(nonmortar, mortar, coupling).map_err(fail)
+                (nonmortar, Opposite::Side(mortar))
             }
+        };
+        let whole = self.end(nonmortar);
+        // a tie holds both faces of a corner by one condition
+        let parts = match coupling {
+            Coupling::Tied => vec![facets(whole).map_err(fail)?.to_vec()],
+            _ => smooth_parts(whole).map_err(fail)?,
+        };
+        let pair = |part: &Vec<Facet>| {
+            let end = End {
+                part: (parts.len() > 1).then_some(part.as_slice()),
+                ..whole
+            };
+            match opposite {
+                Opposite::Rigid(obstacle) => self.above(nonmortar, end, obstacle, coupling),
+                Opposite::Side(mortar) => {
+                    let sides = self.sides([nonmortar, mortar], end, coupling);
+                    sides.map_err(fail)
+                }
+            }
+        };
+        let mut paired = pair(&parts[0])?;
+        for part in &parts[1..] {
+            paired = paired.followed_by(pair(part)?);
+        }
+        Ok(paired)
+    }
+
+    fn fail(&self, source: ContactError) -> Error<D> {
+        Error::Contact {
+            contact: self.contact.name.clone(),
+            source,
         }
     }
 
@@ -300,17 +331,40 @@ impl<'a, const D: usize> Contacting<'a, D> {
             body: &self.model.bodies[side.body.0],
             side: &side.side,
             constraints: self.constraints[side.body.0],
+            part: None,
         }
     }
 
     fn samples(
         &self,
-        nonmortar: &'a SideRef,
-        against: Against<'a, D>,
-        gap: InitialGap<'a>,
+        nonmortar: End<'_, D>,
+        against: Against<'_, D>,
+        gap: InitialGap<'_>,
     ) -> Result<Vec<Vec<Sample<D>>>, ContactError> {
-        let (analysis, time) = (self.model.analysis, self.time);
-        samples(self.end(nonmortar), against, gap, analysis, time)
+        samples(nonmortar, against, gap, self.model.analysis, self.time)
+    }
+
+    /// A side, or a part of it, above an obstacle.
+    fn above(
+        &self,
+        nonmortar: &SideRef,
+        end: End<'_, D>,
+        obstacle: &Obstacle<D>,
+        coupling: Coupling,
+    ) -> Result<Paired<D>, Error<D>> {
+        let against = Against::Obstacle(&obstacle.shape, driven(obstacle));
+        let interface = self.obstacle(end, obstacle, coupling);
+        let samples = self.samples(end, against, InitialGap::Measured);
+        Ok(Paired {
+            nonmortar: nonmortar.clone(),
+            mortar: None,
+            opposite: self.model.obstacle_part(self.contact),
+            obstacle_motion: self.motion(obstacle)?,
+            interface: interface.map_err(|source| self.fail(source))?,
+            samples: samples.map_err(|source| self.fail(source))?,
+            sagitta: 0.0,
+            warnings: Vec::new(),
+        })
     }
 
     /// Prescribed displacement of an obstacle; zero when it is free.
@@ -332,13 +386,12 @@ impl<'a, const D: usize> Contacting<'a, D> {
 
     fn obstacle(
         &self,
-        nonmortar: &'a SideRef,
+        end: End<'_, D>,
         obstacle: &Obstacle<D>,
         coupling: Coupling,
     ) -> Result<Interface<D>, ContactError> {
         let driven = driven(obstacle);
         let (analysis, time) = (self.model.analysis, self.time);
-        let end = self.end(nonmortar);
         let nodal = || pair_obstacle(end, (&obstacle.shape, driven), coupling, analysis, time);
         let integrated = || {
             let against = Against::Obstacle(&obstacle.shape, driven);
@@ -354,13 +407,14 @@ impl<'a, const D: usize> Contacting<'a, D> {
         }
     }
 
+    /// A side, or a part of it, and a mortar side.
     fn sides(
         &self,
-        nonmortar: &'a SideRef,
-        mortar: &'a SideRef,
+        [nonmortar, mortar]: [&'a SideRef; 2],
+        end: End<'_, D>,
         coupling: Coupling,
     ) -> Result<Paired<D>, ContactError> {
-        let ends = [self.end(nonmortar), self.end(mortar)];
+        let ends = [end, self.end(mortar)];
         let conforming = self.conforming(ends, coupling)?;
         let against = Against::Side(ends[1]);
         let gap = self.gap(match (&conforming, coupling) {
@@ -378,7 +432,7 @@ impl<'a, const D: usize> Contacting<'a, D> {
                 self.time,
             )?,
         };
-        let mut samples = self.samples(nonmortar, against, gap)?;
+        let mut samples = self.samples(end, against, gap)?;
         let measured = match &self.contact.gap {
             None => coupling != Coupling::Tied,
             Some(gap) => matches!(gap, Gap::Geometric),
@@ -427,7 +481,7 @@ impl<'a, const D: usize> Contacting<'a, D> {
     /// legal, and so are sides that do not face each other at all.
     fn conforming(
         &self,
-        ends: [End<'a, D>; 2],
+        ends: [End<'_, D>; 2],
         coupling: Coupling,
     ) -> Result<Option<Interface<D>>, ContactError> {
         let [nonmortar, mortar] = ends;
