@@ -108,12 +108,14 @@ impl Judgement {
 /// Judges all steps of an answer.
 pub fn check(problem: &Problem, answer: &Answer) -> Judgement {
     let mut judgement = Judgement::default();
+    let (answer, owners) = crate::corners::split(problem, answer);
+    let answer = &answer;
     let Some(first) = answer.steps.first() else {
         return judgement;
     };
-    let contacts = problem.contacts.iter().zip(&first.contacts);
+    let contacts = owners.iter().zip(&first.contacts);
     let touches: Vec<Touch<'_>> = contacts
-        .map(|(contact, raw)| Touch::new(problem, contact, answer, raw))
+        .map(|(&c, raw)| Touch::new(problem, &problem.contacts[c], answer, raw))
         .collect();
     let rest: Vec<Vec<Vector>> = answer
         .meshes

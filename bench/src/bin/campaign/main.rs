@@ -15,6 +15,7 @@ mod amount;
 mod cells;
 mod check;
 mod cone;
+mod corners;
 mod elastic;
 mod families;
 #[cfg(test)]

@@ -13,7 +13,7 @@ use crate::raw::Mesh;
 use std::collections::BTreeMap;
 
 /// Facets whose normals have a smaller cosine meet at a corner.
-const SHARP: f64 = 0.7;
+pub const SHARP: f64 = 0.7;
 
 /// Surfaces face each other when the cosine of their normals is below this.
 pub const OPPOSED: f64 = -0.1;
@@ -137,7 +137,9 @@ impl Curve {
             let [first, last] = [own[index][0], own[index][1]];
             turn = turn.max(dot(first, last).clamp(-1.0, 1.0).acos());
         }
-        let circle = circles.iter().find(|c| c.side == side);
+        let circle = circles
+            .iter()
+            .find(|c| c.side == crate::corners::whole(side));
         Self {
             longest: facets.iter().fold(0.0, |s: f64, f| s.max(f.length)),
             // the angle of a cosine that is one but for rounding

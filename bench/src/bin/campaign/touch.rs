@@ -108,7 +108,8 @@ impl<'a> Touch<'a> {
             Against::Obstacle { .. } => None,
             Against::Side { side: second, .. } => {
                 let first = &contact.own;
-                let is_first = problem.bodies[own].name == first.body && *side == first.side;
+                let is_first = problem.bodies[own].name == first.body
+                    && crate::corners::whole(side) == first.side;
                 let mortar = if is_first { second } else { first };
                 Some((problem.body(&mortar.body), mortar.side.clone()))
             }

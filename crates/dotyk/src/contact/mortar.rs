@@ -206,8 +206,10 @@ impl<'a, const D: usize> Pairing<'a, D> {
             }
         };
         let chains = mesh.chain(nonmortar.side).unwrap_or_default();
-        let cyclic = chains.len() == 1 && chains[0].cyclic;
+        let cyclic = nonmortar.part.is_none() && chains.len() == 1 && chains[0].cyclic;
+        let of_part = |facet: &&Facet| nonmortar.part.is_none_or(|part| part.contains(facet));
         let along = chains.iter().flat_map(|chain| &chain.facets);
+        let along = along.filter(of_part);
         let spans = along.flat_map(|&facet| spans(mesh, facet)).collect();
         Ok(Self {
             nonmortar,

@@ -353,7 +353,7 @@ fn build<const D: usize>(
         .collect();
     let mut interface = Interface {
         nodes: Vec::new(),
-        cyclic: chains.len() == 1 && chains[0].cyclic,
+        cyclic: nonmortar.part.is_none() && chains.len() == 1 && chains[0].cyclic,
         coupling,
         nonmortar: Vec::new(),
         mortar: Vec::new(),
