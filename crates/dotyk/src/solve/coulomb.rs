@@ -77,7 +77,11 @@ pub(crate) fn fixed_point<S: FixedBounds>(
         if search.still >= PATIENCE || !search.residual.is_finite() {
             break;
         }
-        bounds = next;
+        // a map that does not contract may still when it goes but a part of the way
+        let part = 0.5f64.powi(search.still.min(3) as i32);
+        for (bound, next) in bounds.iter_mut().zip(next) {
+            *bound += part * (next - *bound);
+        }
     }
     Err(search.not_converged())
 }

@@ -179,12 +179,12 @@ fn anchored(
         let mut next: Vec<State> = blocks
             .map(|(block, range)| State::of_trial(block, &trial[range]))
             .collect();
-        hold(setup, &mut next, Some(&states));
         let key = |states: &[State]| states.iter().map(State::key).collect::<Vec<_>>();
-        let (now, then) = (key(&states), key(&next));
-        if now == then {
+        let now = key(&states);
+        if now == key(&next) {
             return Inner::Settled(at, next);
         }
+        hold(setup, &mut next, Some(&states));
         if !seen.insert(now) {
             return Inner::Failed;
         }
