@@ -78,7 +78,10 @@ pub(crate) fn fixed_point<S: FixedBounds>(
             break;
         }
         // a map that does not contract may still when it goes but a part of the way
-        let part = 0.5f64.powi(search.still.min(3) as i32);
+        let part = match search.change {
+            Some(_) => 0.5f64.powi(search.still.saturating_sub(2).min(2) as i32),
+            None => 1.0,
+        };
         for (bound, next) in bounds.iter_mut().zip(next) {
             *bound += part * (next - *bound);
         }

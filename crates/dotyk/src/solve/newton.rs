@@ -34,7 +34,7 @@ use crate::dual::{Block, Compliance, DualProblem, Multipliers, least_norm_within
 use crate::solve::levels::local_softness;
 use crate::solve::proximal::{Progress, Proximal};
 use crate::solve::states::{Shear, State, unknowns};
-use crate::solve::system::{Point, System};
+use crate::solve::system::{Forces, System};
 use crate::solve::{
     ContactSolver, FixedBounds, Iterate, Judge, Observer, Outcome, Setup, SolveError, dot, levels,
     loaded, slip,
@@ -48,11 +48,17 @@ pub(crate) struct Patience {
     pub factor: f64,
 }
 
-/// One step, and steps that are near the answer.
+/// One step from all contacts closed, more where there is no coarser problem or the steps cost nothing: problems with fewer
+/// blocks than the following. And steps that are near the answer.
 const ONE: Patience = Patience {
     steps: 1,
     factor: 1.0,
 };
+const PLAIN: Patience = Patience {
+    steps: 5,
+    factor: f64::INFINITY,
+};
+const SMALL: usize = 48;
 const NEAR: Patience = Patience {
     steps: 6,
     factor: 0.5,
@@ -167,7 +173,7 @@ fn tight(method: &Newton) -> f64 {
 pub(crate) struct Search<'a> {
     pub method: &'a Newton,
     pub setup: &'a Setup<'a>,
-    pub point: Point,
+    pub point: Forces,
     pub judge: Judge,
     pub residual: f64,
     /// Largest force of any step, or that of the overlaps.
@@ -179,6 +185,8 @@ pub(crate) struct Search<'a> {
     pub products: usize,
     /// Relative accuracy asked of iterations within a step.
     accuracy: f64,
+    /// What the last step was: exact ('n') or proximal ('p').
+    pub kind: char,
 }
 
 impl<'a> Search<'a> {
@@ -191,7 +199,7 @@ impl<'a> Search<'a> {
         Self {
             method,
             setup,
-            point: Point {
+            point: Forces {
                 lambda: vec![0.0; m],
                 alpha: vec![0.0; setup.modes()],
                 product: vec![0.0; m],
@@ -202,6 +210,7 @@ impl<'a> Search<'a> {
             steps: 0,
             coarse: 0.0,
             products: 0,
+            kind: 'n',
             accuracy: match setup.problem.compliance {
                 Compliance::Dense(_) => tight(method),
                 Compliance::Operator { .. } => 1e-2,
@@ -281,7 +290,9 @@ impl<'a> Search<'a> {
     /// A few exact steps from all contacts closed, then from a coarser problem where there is one.
     fn from_nothing(&mut self, observe: Observer<'_>) -> Ended {
         let setup = self.setup;
-        let first = match self.exact(self.all_closed(), &ONE, &|_, _| {}, observe) {
+        let small = setup.admissible.blocks().len() < SMALL;
+        let patience = if small { &PLAIN } else { &ONE };
+        let first = match self.exact(self.all_closed(), patience, &|_, _| {}, observe) {
             Ended::Stuck(states) => states,
             ended => return ended,
         };
@@ -290,10 +301,13 @@ impl<'a> Search<'a> {
                 let states = self.begin(start);
                 self.from_start(states, observe)
             }
-            None => {
-                self.point.lambda.fill(0.0);
-                self.from_start(first, observe)
-            }
+            None => match self.exact(first, &PLAIN, &|_, _| {}, observe) {
+                Ended::Stuck(states) => {
+                    self.point.lambda.fill(0.0);
+                    self.proximal(states, observe)
+                }
+                ended => ended,
+            },
         }
     }
 
@@ -333,9 +347,11 @@ impl<'a> Search<'a> {
             if repeated && passes {
                 return Ended::Converged;
             }
-            let falls =
-                self.residual <= patience.factor * std::mem::replace(&mut last, self.residual);
-            if repeated || same || !falls {
+            let before = std::mem::replace(&mut last, self.residual);
+            let falls = self.residual <= patience.factor * before;
+            // in space the directions of slip go on turning in the same states
+            let turns = states.iter().any(State::may_turn) && self.residual <= 0.5 * before;
+            if (repeated || same) && !turns || !falls {
                 return Ended::Stuck(next);
             }
             self.accuracy = (0.1 * self.residual).clamp(tight(self.method), self.accuracy);
@@ -360,6 +376,7 @@ impl<'a> Search<'a> {
             return false;
         }
         self.steps += 1;
+        self.kind = 'n';
         let solved = system.solve(&self.point, self.accuracy);
         self.products += system.products;
         let loose = std::mem::take(&mut system.loose);
@@ -400,7 +417,7 @@ impl<'a> Search<'a> {
     }
 
     pub fn judge(&mut self) {
-        let Point {
+        let Forces {
             lambda,
             alpha,
             product,
@@ -418,7 +435,7 @@ impl<'a> Search<'a> {
             lambda: &self.point.lambda,
             residual: self.residual,
             active: loaded(&self.point.lambda),
-            step: 'n',
+            step: self.kind,
         };
         observe(&iterate) == ControlFlow::Break(())
     }
@@ -480,6 +497,7 @@ impl<'a> Search<'a> {
                 }
                 let progress = proximal.step(guessed.take(), self.accuracy);
                 self.steps += 1;
+                self.kind = 'p';
                 self.show(&proximal);
                 if self.tell(observe) {
                     return Ended::Stopped;
@@ -527,11 +545,11 @@ impl<'a> Search<'a> {
     }
 
     /// The point of some forces.
-    pub fn at_forces(&mut self, lambda: Vec<f64>, alpha: Vec<f64>) -> Point {
+    pub fn at_forces(&mut self, lambda: Vec<f64>, alpha: Vec<f64>) -> Forces {
         let mut product = vec![0.0; lambda.len()];
         self.setup.problem.compliance.apply(&lambda, &mut product);
         self.products += 1;
-        Point {
+        Forces {
             lambda,
             alpha,
             product,
@@ -540,7 +558,7 @@ impl<'a> Search<'a> {
 
     /// Judges where a proximal problem is; its forces cause its displacements at its minimum.
     fn show(&mut self, proximal: &Proximal<'_>) {
-        self.point = Point {
+        self.point = Forces {
             lambda: proximal.forces(),
             ..proximal.at.clone()
         };

@@ -9,7 +9,7 @@
 //! Ĝλ = ê, so that λ solves the problem with F + a and d + aλ_c.
 
 use crate::solve::states::{Anchor, State, unknowns};
-use crate::solve::system::{Point, System};
+use crate::solve::system::{Forces, System};
 use crate::solve::{Setup, dot, norm};
 
 /// Balance that is missing below this part of the forces is rounding.
@@ -26,7 +26,7 @@ pub(crate) struct Proximal<'a> {
     /// a, (m,).
     compliance: Vec<f64>,
     /// μ, α̂ and Fμ.
-    pub at: Point,
+    pub at: Forces,
     /// gap at μ and α̂, (m,).
     gap: Vec<f64>,
     /// Products with F so far.
@@ -52,7 +52,7 @@ pub(crate) enum Progress {
 
 impl<'a> Proximal<'a> {
     /// The problem around `centre`, an admissible force, from the displacements of `at`.
-    pub fn new(setup: &'a Setup<'a>, centre: Vec<f64>, compliance: Vec<f64>, at: Point) -> Self {
+    pub fn new(setup: &'a Setup<'a>, centre: Vec<f64>, compliance: Vec<f64>, at: Forces) -> Self {
         let gap = vec![0.0; centre.len()];
         let mut proximal = Self {
             setup,
@@ -194,7 +194,7 @@ impl<'a> Proximal<'a> {
     }
 
     /// Moves towards a point by the exact length, at most all the way.
-    fn move_towards(&mut self, target: Point, states: &[State]) -> Progress {
+    fn move_towards(&mut self, target: Forces, states: &[State]) -> Progress {
         let setup = self.setup;
         let difference = |to: &[f64], from: &[f64]| -> Vec<f64> {
             to.iter().zip(from).map(|(a, b)| a - b).collect()

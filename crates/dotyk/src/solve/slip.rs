@@ -19,7 +19,7 @@ use crate::solve::coulomb::fixed_point;
 use crate::solve::levels;
 use crate::solve::newton::{Ended, Patience, Search};
 use crate::solve::states::{Anchor, Shear, State, unknowns};
-use crate::solve::system::{Point, System};
+use crate::solve::system::{Forces, System};
 use crate::solve::{FixedBounds, Iterate, Newton, Observer, Outcome, Setup, SolveError};
 use std::collections::HashSet;
 
@@ -130,7 +130,7 @@ fn proximal(search: &mut Search<'_>, states: Vec<State>, observe: Observer<'_>) 
 
 /// How the Newton steps for one centre ended.
 enum Inner {
-    Settled(Point, Vec<State>),
+    Settled(Forces, Vec<State>),
     Failed,
     Stopped,
 }
@@ -140,7 +140,7 @@ fn anchored(
     search: &mut Search<'_>,
     mut states: Vec<State>,
     anchor: Anchor<'_>,
-    at: &Point,
+    at: &Forces,
     observe: Observer<'_>,
 ) -> Inner {
     let setup = search.setup;
@@ -160,6 +160,7 @@ fn anchored(
         );
         let mut system = System::new(setup, &list, &offset);
         search.steps += 1;
+        search.kind = 'p';
         let solved = system.solve(&at, 1e-10);
         search.products += system.products;
         let Some(point) = solved else {
@@ -179,13 +180,13 @@ fn anchored(
         let mut next: Vec<State> = blocks
             .map(|(block, range)| State::of_trial(block, &trial[range]))
             .collect();
-        let key = |states: &[State]| states.iter().map(State::key).collect::<Vec<_>>();
-        let now = key(&states);
-        if now == key(&next) {
+        if states.iter().zip(&next).all(|(now, then)| now.agrees(then)) {
             return Inner::Settled(at, next);
         }
+        let now: Vec<_> = states.iter().map(State::key).collect();
+        let turns = states.iter().any(State::may_turn);
         hold(setup, &mut next, Some(&states));
-        if !seen.insert(now) {
+        if !seen.insert(now) && !turns {
             return Inner::Failed;
         }
         states = next;

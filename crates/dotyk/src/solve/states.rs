@@ -46,6 +46,9 @@ pub(crate) struct State {
     pub excess: f64,
 }
 
+/// Directions of slip closer than this are one.
+const SAME_DIRECTION: f64 = 1e-9;
+
 impl State {
     /// Closed, without slip where it may stick.
     pub fn sticking(block: &Block, closed: bool) -> Self {
@@ -80,6 +83,23 @@ impl State {
             };
         }
         state
+    }
+
+    /// It slips in space, where the direction is a part of what is sought.
+    pub fn may_turn(&self) -> bool {
+        matches!(&self.shear, Shear::Slip { direction, .. } if direction.len() > 1)
+    }
+
+    /// The same state, and the same direction of slip but for rounding.
+    pub fn agrees(&self, other: &Self) -> bool {
+        let turned = match (&self.shear, &other.shear) {
+            (Shear::Slip { direction, .. }, Shear::Slip { direction: new, .. }) => {
+                let difference = direction.iter().zip(new).map(|(a, b)| (a - b).abs());
+                difference.fold(0.0, f64::max)
+            }
+            _ => 0.0,
+        };
+        self.key() == other.key() && turned <= SAME_DIRECTION
     }
 
     /// The same state for the purpose of finding one again: directions of slip in space never come back exactly.

@@ -42,7 +42,7 @@ const KRYLOV: usize = 60;
 
 /// Forces, amplitudes and the product with F.
 #[derive(Debug, Clone)]
-pub(crate) struct Point {
+pub(crate) struct Forces {
     /// λ, (m,).
     pub lambda: Vec<f64>,
     /// α̂, (k,).
@@ -95,7 +95,7 @@ impl<'a> System<'a> {
     }
 
     /// Solves from `guess`, with a relative accuracy that only iterations use; `None` where the system is singular.
-    pub fn solve(&mut self, guess: &Point, accuracy: f64) -> Option<Point> {
+    pub fn solve(&mut self, guess: &Forces, accuracy: f64) -> Option<Forces> {
         let point = match &self.setup.problem.compliance {
             Compliance::Dense(matrix) => self.solve_assembled(matrix),
             Compliance::Operator { preconditioner, .. } => {
@@ -110,7 +110,7 @@ impl<'a> System<'a> {
         finite.then_some(point)
     }
 
-    fn solve_assembled(&mut self, matrix: &Mat<f64>) -> Option<Point> {
+    fn solve_assembled(&mut self, matrix: &Mat<f64>) -> Option<Forces> {
         let (n, k) = (self.unknowns.len(), self.setup.modes());
         let factored = Factored::new(self, matrix)?;
         let (mut x, mut alpha) = (vec![0.0; n], vec![0.0; k]);
@@ -137,7 +137,7 @@ impl<'a> System<'a> {
     }
 
     /// The forces of some values of the unknowns.
-    fn point(&mut self, x: &[f64], alpha: Vec<f64>) -> Point {
+    fn point(&mut self, x: &[f64], alpha: Vec<f64>) -> Forces {
         let mut lambda = self.offset.to_vec();
         for (unknown, x) in self.unknowns.iter().zip(x) {
             for &(i, weight) in &unknown.force {
@@ -149,7 +149,7 @@ impl<'a> System<'a> {
             self.setup.problem.compliance.apply(&lambda, &mut product);
             self.products += 1;
         }
-        Point {
+        Forces {
             lambda,
             alpha,
             product,
@@ -157,7 +157,7 @@ impl<'a> System<'a> {
     }
 
     /// What is left of the conditions, (n,), and of the balance, (k,).
-    fn residual(&self, point: &Point, x: &[f64]) -> (Vec<f64>, Vec<f64>) {
+    fn residual(&self, point: &Forces, x: &[f64]) -> (Vec<f64>, Vec<f64>) {
         let mut gap = point.product.clone();
         let shift = &self.setup.problem.shift;
         gap.iter_mut().zip(shift).for_each(|(gap, d)| *gap -= d);
@@ -420,9 +420,9 @@ impl System<'_> {
     fn solve_applied(
         &mut self,
         preconditioner: &dyn LinearOperator,
-        guess: &Point,
+        guess: &Forces,
         accuracy: f64,
-    ) -> Option<Point> {
+    ) -> Option<Forces> {
         let symmetric = self.unknowns.iter().all(Unknown::is_symmetric);
         // the unknowns nearest to the guess
         let start: Vec<f64> = self
@@ -485,7 +485,7 @@ impl System<'_> {
         preconditioner: &dyn LinearOperator,
         mut x: Vec<f64>,
         accuracy: f64,
-    ) -> Option<Point> {
+    ) -> Option<Forces> {
         let (n, m) = (x.len(), self.setup.len());
         let mut null = Null::new(&self.rows);
         let mut target = vec![0.0; self.setup.modes()];
@@ -548,7 +548,7 @@ impl System<'_> {
         preconditioner: &dyn LinearOperator,
         x: Vec<f64>,
         accuracy: f64,
-    ) -> Option<Point> {
+    ) -> Option<Forces> {
         let k = self.setup.modes();
         let point = self.point(&x, vec![0.0; k]);
         let (right, rest) = self.residual(&point, &x);

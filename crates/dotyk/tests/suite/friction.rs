@@ -227,7 +227,7 @@ fn every_solver_finds_the_constructed_solution_and_is_certified() {
                     assert!(found.iterations < 20, "{what}: {found:?}");
                 }
                 if direct {
-                    assert!(outcome.iterations <= 10, "{what}: {}", outcome.iterations);
+                    assert!(outcome.iterations <= 20, "{what}: {}", outcome.iterations);
                 }
             }
         }
@@ -587,23 +587,19 @@ fn contraction_of_the_bounds_is_measured() {
 }
 
 #[test]
-fn bounds_that_do_not_contract_are_an_error_that_says_so_and_newton_needs_none() {
+fn bounds_that_do_not_contract_are_found_by_parts_of_the_way_and_told() {
     let problem = coupled_node(0.9, 1.5);
+    let exact = 1.0 / (1.0 + 0.9 * 1.5);
     let direct = newton().solve(&problem, None, &mut silent).unwrap();
-    assert!((direct.multipliers.lambda[0] - 1.0 / (1.0 + 0.9 * 1.5)).abs() < 1e-12);
+    assert!((direct.multipliers.lambda[0] - exact).abs() < 1e-12);
     assert_eq!(direct.fixed_point, None);
-    let error = Accelerated::default()
+    let outcome = Accelerated::default()
         .solve(&problem, None, &mut silent)
-        .unwrap_err();
-    let SolveError::NotConverged {
-        outcome, reason, ..
-    } = &error
-    else {
-        panic!("{error}");
-    };
-    assert!(reason.contains("may not be unique"), "{reason}");
+        .unwrap();
+    assert!((outcome.multipliers.lambda[0] - exact).abs() < 1e-7);
     assert!(outcome.fixed_point.unwrap().contraction.unwrap() > 0.99);
-    assert!(!outcome.remarks.is_empty());
+    let told = |remark: &String| remark.contains("may not be unique");
+    assert!(outcome.remarks.iter().any(told), "{:?}", outcome.remarks);
 }
 
 #[test]
@@ -654,11 +650,16 @@ fn states_that_cycle_are_rescued() {
             };
             let shift = (0..m).map(|_| random.signed()).collect();
             let problem = held(matrix, shift, set);
-            match Newton::default().solve(&problem, None, &mut silent) {
+            let mut kinds = String::new();
+            let solved = Newton::default().solve(&problem, None, &mut |iterate: &Iterate<'_>| {
+                kinds.push(iterate.step);
+                ControlFlow::Continue(())
+            });
+            match solved {
                 Ok(outcome) => {
                     let certificate = problem.certify(&outcome.multipliers, 1e-8);
                     assert!(certificate.holds(), "{law:?}, seed {seed}\n{certificate}");
-                    rescued += usize::from(!outcome.remarks.is_empty());
+                    rescued += usize::from(kinds.contains('p'));
                     total += 1;
                 }
                 Err(error) => {

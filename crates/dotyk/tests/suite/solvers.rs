@@ -223,7 +223,7 @@ fn solvers() -> Vec<(Box<dyn ContactSolver>, usize)> {
                 tolerance: TOLERANCE,
                 ..Newton::default()
             }),
-            8,
+            20,
         ),
     ]
 }
@@ -722,7 +722,7 @@ fn too_few_iterations_are_an_error_with_the_last_iterate() {
 }
 
 #[test]
-fn friction_with_applied_compliance_is_refused_by_newton_alone() {
+fn friction_with_applied_compliance_is_solved_by_every_method() {
     let known = random_problem(4, 0, Pattern::AllClosed, 0, 1);
     let blocks = vec![
         Block::Unilateral,
@@ -743,14 +743,10 @@ fn friction_with_applied_compliance_is_refused_by_newton_alone() {
     )
     .unwrap();
     for (solver, _) in solvers() {
-        match solver.solve(&problem, None, &mut silent) {
-            Err(SolveError::Unsupported { block: 2, .. }) => assert_eq!(solver.name(), "newton"),
-            Ok(outcome) => {
-                assert_ne!(solver.name(), "newton");
-                assert!(problem.certify(&outcome.multipliers, 1e-9).holds());
-            }
-            Err(error) => panic!("{}: {error}", solver.name()),
-        }
+        let outcome = solver
+            .solve(&problem, None, &mut silent)
+            .unwrap_or_else(|error| panic!("{}: {error}", solver.name()));
+        assert!(problem.certify(&outcome.multipliers, 1e-9).holds());
     }
 }
 
@@ -904,7 +900,7 @@ fn local_contact_of_a_floating_punch_takes_few_iterations() {
     let exact = Newton::default()
         .solve(&problem, None, &mut silent)
         .unwrap();
-    assert!(exact.iterations <= 12, "newton: {}", exact.iterations);
+    assert!(exact.iterations <= 20, "newton: {}", exact.iterations);
     let closed = exact
         .multipliers
         .lambda
@@ -968,7 +964,7 @@ fn active_sets_that_cycle_are_rescued() {
                 .unwrap_or_else(|error| panic!("seed {seed}, r = {r}: {error}"));
             let certificate = known.problem.certify(&outcome.multipliers, 1e-8);
             assert!(certificate.holds(), "seed {seed}, r = {r}\n{certificate}");
-            rescued += usize::from(kinds.contains(['c', 'e', 'p']));
+            rescued += usize::from(kinds.contains('p'));
             total += 1;
         }
     }
