@@ -309,7 +309,19 @@ impl<'a> Touch<'a> {
         let theirs = others
             .into_iter()
             .all(|f| f.nodes.iter().all(|n| paired.contains(n)));
-        self.nodal = own && theirs && !on_axis;
+        // a quadratic facet over two linear ones has their nodes, and is none of them
+        let known: BTreeSet<BTreeSet<usize>> = opposite
+            .facets
+            .iter()
+            .map(|f| f.nodes.iter().copied().collect())
+            .collect();
+        let alike = self.facing.iter().all(|&(index, _)| {
+            let nodes = self.curve.facets[index].nodes.iter();
+            let partners: Option<BTreeSet<usize>> =
+                nodes.map(|n| self.partners.get(n).copied()).collect();
+            partners.is_some_and(|nodes| known.contains(&nodes))
+        });
+        self.nodal = own && theirs && alike && !on_axis;
     }
 
     fn find_samples(&mut self, mesh: &Mesh) {

@@ -9,6 +9,7 @@ use crate::contact::search::{Line, Search};
 use crate::contact::{ContactError, End};
 use crate::geometry::{Point, unit};
 use crate::mesh::{Facet, Mesh};
+use std::collections::BTreeSet;
 
 /// A node without a partner on a facet that faces the other side.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -53,6 +54,34 @@ pub fn unmatched_facing<const D: usize>(
         }
     }
     Ok(None)
+}
+
+/// Whether facets that face each other have the same nodes: else coincident nodes bear different parts of a pressure on the
+/// two sides (a quadratic facet over two linear ones), and node-to-node pairing does not pass a uniform one. Plane meshes
+/// only.
+///
+/// Errors: unknown or empty sides.
+pub fn facets_coincide<const D: usize>(
+    nonmortar: End<'_, D>,
+    mortar: End<'_, D>,
+) -> Result<bool, ContactError> {
+    let (mesh, other) = (&nonmortar.body.mesh, &mortar.body.mesh);
+    let matches = matching_nodes(nonmortar, mortar)?;
+    let opposite = facets(mortar)?;
+    let search = Search::new(mesh, other, opposite);
+    let nodes_of = |mesh: &Mesh<D>, facet: Facet| -> BTreeSet<usize> {
+        mesh.facet_nodes(facet).map(|node| node as usize).collect()
+    };
+    let known: BTreeSet<BTreeSet<usize>> = opposite
+        .iter()
+        .map(|&facet| nodes_of(other, facet))
+        .collect();
+    let own = facets(nonmortar)?.iter();
+    Ok(own.copied().all(|facet| {
+        let partners = nodes_of(mesh, facet).into_iter();
+        let partners: Option<BTreeSet<usize>> = partners.map(|node| matches[&node].0).collect();
+        partners.is_none_or(|nodes| known.contains(&nodes) || !sees(mesh, facet, &search))
+    }))
 }
 
 /// Points of a facet from which lines start.

@@ -1,8 +1,9 @@
 //! Contacts as interfaces: which side carries the multipliers, and how the sides are coupled.
 
 use crate::contact::{
-    Against, ContactError, Coupling, Driven, End, InitialGap, Interface, Role, Sample, pair_mortar,
-    pair_nodes, pair_obstacle, sagitta, samples, smooth_parts, straight_turn, unmatched_facing,
+    Against, ContactError, Coupling, Driven, End, InitialGap, Interface, Role, Sample,
+    facets_coincide, pair_mortar, pair_nodes, pair_obstacle, sagitta, samples, smooth_parts,
+    straight_turn, unmatched_facing,
 };
 use crate::dual::{AdmissibleSet, Block};
 use crate::fem::{Constraints, FemError, Short, node_normals, show, side_facets};
@@ -506,6 +507,7 @@ impl<'a, const D: usize> Contacting<'a, D> {
                     distance: unmatched.distance,
                 })
             }
+            (None, None) if !facets_coincide(nonmortar, mortar)? => Ok(None),
             (None, None) => match nodal() {
                 Err(ContactError::Weight { .. }) => Ok(None),
                 other => other.map(Some),
