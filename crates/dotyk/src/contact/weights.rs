@@ -49,7 +49,7 @@ pub(super) fn nodal_weights<const D: usize>(
             sum.area += own.area;
             sum.extent += own.extent;
             // a weight that is not a number is not positive either
-            sum.negligible |= !(own.area > POSITIVE * mean);
+            sum.negligible |= own.area <= POSITIVE * mean || own.area.is_nan();
         }
     }
     weights

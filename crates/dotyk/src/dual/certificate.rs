@@ -345,6 +345,18 @@ impl DualProblem {
             .residual(self.scales.moment_arm)
     }
 
+    /// The component whose force differs most from what its law makes of force and gap; `None` without a finite one.
+    pub(crate) fn least_settled(&self, multipliers: &Multipliers) -> Option<usize> {
+        let (lambda, gap) = (&multipliers.lambda, self.gap(multipliers));
+        let terms = lambda.iter().zip(&gap).zip(&self.softness);
+        let trial: Vec<f64> = terms.map(|((l, gap), c)| l - gap / c).collect();
+        let mut allowed = vec![0.0; trial.len()];
+        self.admissible.project(&trial, &mut allowed);
+        let off = |i: &usize| (lambda[*i] - allowed[*i]).abs();
+        let finite = (0..lambda.len()).filter(|i| off(i).is_finite());
+        finite.max_by(|a, b| off(a).total_cmp(&off(b)))
+    }
+
     /// To what gaps are known from Fλ, d and Gᵀα. A motion that is large in one component rounds the others too: rotations are
     /// told from translations by differences of these.
     fn rounding(&self, gap: &[f64], alpha: &[f64]) -> impl Fn(usize) -> f64 {

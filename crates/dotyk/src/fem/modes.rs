@@ -279,7 +279,8 @@ pub fn describe_motion<const D: usize>(points: &[Point<D>], motion: &[Point<D>])
     let size = norm(sub(high, low));
     let (translation, spin) = fit_rigid(RigidBasis::Full, points, motion, centre);
     let turn = spin.iter().fold(0.0f64, |sum, s| sum.max(s.abs()));
-    if turn * size < 1e-6 * norm(translation) {
+    // a centre a thousand sizes away tells nobody anything
+    if turn * size < 1e-3 * norm(translation) {
         return format!("translation along {}", direction(translation));
     }
     if D == 2 {

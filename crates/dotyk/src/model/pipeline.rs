@@ -619,7 +619,7 @@ impl<const D: usize> Model<D> {
     }
 
     /// Contact and undeformed position of every multiplier.
-    fn carriers(&self, paired: &[Paired<D>]) -> Vec<(usize, [f64; D])> {
+    pub(crate) fn carriers(&self, paired: &[Paired<D>]) -> Vec<(usize, [f64; D])> {
         let each = paired.iter().enumerate().flat_map(|(contact, pair)| {
             let points = self.bodies[pair.nonmortar.body.0].mesh.points();
             let rows = |node: &InterfaceNode<D>| node.rows.iter().flatten().count();
@@ -713,10 +713,12 @@ impl<const D: usize> Model<D> {
                 ),
                 None => certificate.objection(),
             };
-            let reason = failure.unwrap_or_else(objection);
-            match outcome.iterations {
-                0 => reason,
-                _ => reason + &self.slipping_away(condensed, &multipliers),
+            match failure {
+                Some(reason) if outcome.iterations > 0 => {
+                    reason + &self.unsettled(condensed, &multipliers)
+                }
+                Some(reason) => reason,
+                None => objection(),
             }
         });
         Ok((End { multipliers, slip }, solution, objection))

@@ -4,7 +4,7 @@
 //! if not, it is pulled away from everything that could hold it, which is an error of the model.
 
 use crate::dual::{AdmissibleSet, Block, Feasibility, Multipliers};
-use crate::fem::Short;
+use crate::fem::{Short, show};
 use crate::model::condense::LoadedBody;
 use crate::model::floating::Floating;
 use crate::model::nouns::Model;
@@ -32,20 +32,23 @@ impl<const D: usize> Model<D> {
 }
 
 impl<const D: usize> Model<D> {
-    /// What an iteration that did not settle points at: the floating body that moved most, where there is friction.
-    pub(crate) fn slipping_away(&self, condensed: &Condensed<D>, last: &Multipliers) -> String {
-        let Condensed {
-            problem,
-            floating,
-            bodies,
-            ..
-        } = condensed;
-        if !problem.admissible.has_friction() || floating.modes.is_empty() {
+    /// Where an iteration that did not settle is worst, and what to try, in words.
+    pub(crate) fn unsettled(&self, condensed: &Condensed<D>, last: &Multipliers) -> String {
+        let problem = &condensed.problem;
+        let Some(row) = problem.least_settled(last) else {
             return String::new();
-        }
-        let (body, motion) = floating.motion(self, bodies, &last.alpha);
+        };
+        let (contact, point) = self.carriers(&condensed.paired)[row];
+        let advice = match problem.admissible.has_coulomb() {
+            true => {
+                "within Coulomb's cones some forces balance the load, but those that go with the slips were not found, or are not unique: try smaller load steps or a smaller coefficient"
+            }
+            false => "try a larger `tolerance`, or stiffnesses that differ less",
+        };
         format!(
-            "; the load may be more than friction can hold: body \"{body}\" moved most ({motion}); smaller load steps show how far it holds"
+            "; it is worst at {} of contact \"{}\"; {advice}",
+            show(point),
+            self.contacts[contact].name
         )
     }
 }

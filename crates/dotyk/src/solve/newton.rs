@@ -142,16 +142,16 @@ impl FixedBounds for Newton {
         let ended = match guess {
             Some(_) => {
                 let states = search.states_of_guess(guess)?;
-                search.from_start(states, observe)
+                search.start_near(states, observe)
             }
-            None => search.from_nothing(observe),
+            None => search.start_anywhere(observe),
         };
         match ended {
             Ended::Converged => Ok(search.outcome(false)),
             Ended::Stopped => Ok(search.outcome(true)),
-            Ended::Stuck(_) => Err(search.not_converged(
-                "the residual did not fall below the tolerance: check the units, the supports and the tolerance",
-            )),
+            Ended::Stuck(_) => {
+                Err(search.not_converged("the residual did not fall below the tolerance"))
+            }
         }
     }
 }
@@ -276,7 +276,7 @@ impl<'a> Search<'a> {
 
     /// Exact steps from a start that is thought to be near, then proximal ones from it: steps that led nowhere are taken
     /// back.
-    fn from_start(&mut self, states: Vec<State>, observe: Observer<'_>) -> Ended {
+    fn start_near(&mut self, states: Vec<State>, observe: Observer<'_>) -> Ended {
         let start = (states.clone(), self.point.clone());
         match self.exact(states, &NEAR, &|_, _| {}, observe) {
             Ended::Stuck(_) => {
@@ -288,7 +288,7 @@ impl<'a> Search<'a> {
     }
 
     /// A few exact steps from all contacts closed, then from a coarser problem where there is one.
-    fn from_nothing(&mut self, observe: Observer<'_>) -> Ended {
+    fn start_anywhere(&mut self, observe: Observer<'_>) -> Ended {
         let setup = self.setup;
         let small = setup.admissible.blocks().len() < SMALL;
         let patience = if small { &PLAIN } else { &ONE };
@@ -299,7 +299,7 @@ impl<'a> Search<'a> {
         match levels::start(setup, |method, coarse, tell| method.run(coarse, None, tell)) {
             Some(start) => {
                 let states = self.begin(start);
-                self.from_start(states, observe)
+                self.start_near(states, observe)
             }
             None => match self.exact(first, &PLAIN, &|_, _| {}, observe) {
                 Ended::Stuck(states) => {

@@ -205,11 +205,11 @@ impl<'a> Proximal<'a> {
         setup.balance.add_transposed(-1.0, &alpha, &mut change);
         let mut z = vec![0.0; change.len()];
         self.trial(1.0, &change, &mut z);
-        let blocks = setup.admissible.iter().zip(states);
+        let mut blocks = setup.admissible.iter().zip(states);
         let same = |((block, range), state): ((&_, std::ops::Range<usize>), &State)| {
             State::of_trial(block, &z[range]).key() == state.key()
         };
-        let settled = blocks.map(same).all(|same| same);
+        let settled = blocks.all(same);
         let work = dot(&setup.balance.load, &alpha);
         let (own, further) = (dot(&self.at.lambda, &product), {
             let mu = difference(&target.lambda, &self.at.lambda);
@@ -283,7 +283,7 @@ fn zero(far: f64, mut f: impl FnMut(f64) -> f64) -> f64 {
     let first = below.abs();
     let mut kept = 0;
     for _ in 0..200 {
-        if above <= 0.0 || !(above - below > 0.0) {
+        if above <= 0.0 || above <= below || (above - below).is_nan() {
             return high;
         }
         let guess = (low * above - high * below) / (above - below);

@@ -436,3 +436,41 @@ fn prescribed_nodes_in_the_middle_of_a_side_press_the_other_body() {
     assert!(force > 5.0, "{force}");
     assert!((solution.bodies[0].reaction[1] - force).abs() < 1e-9 * force);
 }
+
+#[test]
+fn the_corner_of_a_block_has_a_condition_for_each_wall() {
+    // a block in the corner of an L, pushed down and away from the wall: one condition along the mean of both normals let
+    // its corner sink into the floor
+    let outline = "[[body]]\nname = \"frame\"\nmaterial = { young = 1000.0, poisson = 0.3 }\n\
+                   mesh = { outline = { size = 0.25, cell = \"tri3\", from = [0.0, 1.0], edges = [\
+                   { to = [0.0, 0.0], name = \"seat\" }, { to = [1.5, 0.0], name = \"seat\" }, \
+                   { to = [1.5, -0.5], name = \"right\" }, { to = [-0.5, -0.5], name = \"base\" }, \
+                   { to = [-0.5, 1.0], name = \"left\" }, { to = [0.0, 1.0], name = \"rim\" }] } }\n\
+                   fix = [{ side = \"base\", x = 0.0, y = 0.0 }]\n";
+    let body = "[[body]]\nname = \"block\"\nmaterial = { young = 1000.0, poisson = 0.3 }\n\
+                mesh = { outline = { size = 0.25, cell = \"tri3\", from = [0.0, 1.0], edges = [\
+                { to = [0.0, 0.0], name = \"sole\" }, { to = [1.0, 0.0], name = \"sole\" }, \
+                { to = [1.0, 1.0], name = \"far\" }, { to = [0.0, 1.0], name = \"top\" }] } }\n\
+                load = [{ side = \"top\", traction = [0.2, -1.0] }]\n";
+    let joint = "nonmortar = \"block.sole\"\nmortar = \"frame.seat\"\ngap = 1e-3\nfriction = 0.5";
+    let text = [PLANE, outline, body, &contact("joint", joint)].concat();
+    let solution = solve(&text).unwrap();
+    let nodes = &solution.contacts[0].nodes;
+    let corner: Vec<_> = nodes
+        .iter()
+        .filter(|n| n.point[0].hypot(n.point[1]) < 1e-12)
+        .collect();
+    let [a, b] = corner[..] else {
+        panic!("{corner:?}");
+    };
+    assert!((a.normal[0] * b.normal[0] + a.normal[1] * b.normal[1]).abs() < 1e-12);
+    for node in nodes {
+        assert!(node.gap.is_nan() || node.gap > -1e-15, "{node:?}");
+        obeys(node, 0.5, 1.0);
+    }
+    let sink = if a.normal[1] < -0.5 { a } else { b };
+    assert!((-sink.displacement_nonmortar).abs() > 0.9e-3, "{sink:?}");
+    assert!(solution.certificate.between_nodes.relative < 1.0);
+    let force = solution.contacts[0].resultant;
+    assert!((force[0] + 0.2).abs() < 1e-9 && (force[1] - 1.0).abs() < 1e-9);
+}
