@@ -121,7 +121,7 @@ pub struct Contact<const D: usize> {
 /// Which algorithm solves the contact problem.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Method {
-    /// The best for the problem: semismooth Newton, safeguarded by MPRGP.
+    /// The best for the problem: Newton.
     #[default]
     Auto,
     /// Semismooth Newton (primal-dual active set).

@@ -60,7 +60,7 @@ pub struct Iterate<'a> {
     /// Contact unknowns with a force.
     pub active: usize,
     /// Kind of step: `u` p,A-step, `g` gradient, `a` accelerated, `r` restarted, `c` conjugate gradient, `e` expansion,
-    /// `p` proportioning, `n` active-set step, `x` exchange of one contact.
+    /// `p` proportioning (MPRGP) or proximal step (Newton), `n` exact Newton step.
     pub step: char,
 }
 
