@@ -504,10 +504,10 @@ impl<'a> Search<'a> {
                 }
                 match progress {
                     Progress::Moved => {}
-                    Progress::Minimal if self.accuracy > tight(self.method) => {
-                        self.accuracy = tight(self.method);
+                    Progress::Minimal | Progress::Rough if self.accuracy > tight(self.method) => {
+                        self.accuracy = (1e-3 * self.accuracy).max(tight(self.method));
                     }
-                    Progress::Minimal | Progress::Singular => break,
+                    Progress::Minimal | Progress::Rough | Progress::Singular => break,
                 }
             }
             self.products += proximal.products;

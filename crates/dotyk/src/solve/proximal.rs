@@ -40,12 +40,17 @@ pub(crate) struct Proximal<'a> {
 const GAINED: f64 = 1e-9;
 const ROUNDING: f64 = 1e-14;
 
+/// A step by a smaller part of the way stands still.
+const STANDING: f64 = 1e-9;
+
 /// What a Newton step did.
 pub(crate) enum Progress {
     /// φ fell.
     Moved,
     /// The states are those of the minimum: φ has no lower value.
     Minimal,
+    /// φ did not fall: the linear problem was solved too roughly.
+    Rough,
     /// The linear problem could not be solved.
     Singular,
 }
@@ -240,9 +245,10 @@ impl<'a> Proximal<'a> {
             part(&mut self.at.alpha, &alpha);
         }
         self.find_gap();
-        match settled {
-            true => Progress::Minimal,
-            false => Progress::Moved,
+        match (settled, length > STANDING) {
+            (true, _) => Progress::Minimal,
+            (false, true) => Progress::Moved,
+            (false, false) => Progress::Rough,
         }
     }
 }
