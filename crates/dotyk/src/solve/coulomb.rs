@@ -24,6 +24,9 @@ const PATIENCE: usize = 12;
 /// Most doublings of bounds that cannot carry the load.
 const DOUBLINGS: usize = 60;
 
+/// Least part of the way from bounds to the next.
+const LEAST_PART: f64 = 0.125;
+
 /// Changes of the bounds above this multiple of the accuracy of the problems tell the contraction.
 const TELLING: f64 = 100.0;
 
@@ -77,13 +80,8 @@ pub(crate) fn fixed_point<S: FixedBounds>(
         if search.still >= PATIENCE || !search.residual.is_finite() {
             break;
         }
-        // a map that does not contract may still when it goes but a part of the way
-        let part = match search.change {
-            Some(_) => 0.5f64.powi(search.still.saturating_sub(2).min(2) as i32),
-            None => 1.0,
-        };
         for (bound, next) in bounds.iter_mut().zip(next) {
-            *bound += part * (next - *bound);
+            *bound += search.part * (next - *bound);
         }
     }
     Err(search.not_converged())
@@ -116,6 +114,8 @@ struct Search<'a, S> {
     change: Option<f64>,
     smallest: f64,
     still: usize,
+    /// The part of the way to the next bounds that is gone: a map that does not contract may still when it is less than all.
+    part: f64,
     contraction: Option<f64>,
     detail: Option<Outcome>,
 }
@@ -134,6 +134,7 @@ impl<'a, S: FixedBounds> Search<'a, S> {
             change: None,
             smallest: f64::INFINITY,
             still: 0,
+            part: 1.0,
             contraction: None,
             detail: None,
         }
@@ -210,7 +211,13 @@ impl<'a, S: FixedBounds> Search<'a, S> {
         if let Some(before) = self.change
             && (told || self.contraction.is_none() && change > ROUNDING * size)
         {
-            self.contraction = Some(change / before);
+            // the factor is that of the whole way
+            if self.part == 1.0 {
+                self.contraction = Some(change / before);
+            }
+            if told && change >= before {
+                self.part = (0.5 * self.part).max(LEAST_PART);
+            }
         }
         self.still = if change < self.smallest {
             0
