@@ -110,7 +110,7 @@ pub struct Contact<const D: usize> {
     pub name: String,
     /// The sides.
     pub pair: Pair<D>,
-    /// `None`: node-to-node where nodes coincide and all nodal weights are positive, else mortar.
+    /// `None`: node-to-node where facets coincide and all nodal weights are positive, else mortar.
     pub pairing: Option<Pairing>,
     /// `None`: closed where node-to-node, else geometric.
     pub gap: Option<Gap>,
