@@ -59,7 +59,7 @@ const PLAIN: Patience = Patience {
     factor: f64::INFINITY,
 };
 const SMALL: usize = 48;
-const NEAR: Patience = Patience {
+pub(crate) const NEAR: Patience = Patience {
     steps: 6,
     factor: 0.5,
 };

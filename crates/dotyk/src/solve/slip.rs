@@ -17,7 +17,7 @@
 use crate::dual::{Block, Multipliers};
 use crate::solve::coulomb::fixed_point;
 use crate::solve::levels;
-use crate::solve::newton::{Ended, Patience, Search};
+use crate::solve::newton::{Ended, NEAR, Patience, Search};
 use crate::solve::states::{Anchor, Shear, State, unknowns};
 use crate::solve::system::{Forces, System};
 use crate::solve::{FixedBounds, Iterate, Newton, Observer, Outcome, Setup, SolveError};
@@ -80,6 +80,7 @@ fn proximal(search: &mut Search<'_>, states: Vec<State>, observe: Observer<'_>) 
     setup.admissible.project(&search.point.lambda, &mut centre);
     let mut at = search.at_forces(centre.clone(), search.point.alpha.clone());
     let mut states = states;
+    let adjust = |next: &mut Vec<State>, before: &[State]| hold(setup, next, Some(before));
     let mut part = FIRST;
     let (mut best, mut still) = (f64::INFINITY, 0);
     while part <= LARGEST && !search.exhausted() {
@@ -98,14 +99,10 @@ fn proximal(search: &mut Search<'_>, states: Vec<State>, observe: Observer<'_>) 
             }
         };
         states = settled;
-        // the exact forces of these states, where they are the answer
-        if search.exact_step(&states) {
-            if search.tell(observe) {
-                return Ended::Stopped;
-            }
-            if search.residual <= search.method.tolerance {
-                return Ended::Converged;
-            }
+        // the exact forces of these states, where they are the answer or lead there
+        match search.exact(states.clone(), &NEAR, &adjust, observe) {
+            Ended::Stuck(_) => {}
+            ended => return ended,
         }
         centre = found.lambda.clone();
         at = found;
