@@ -10,7 +10,7 @@ use crate::geometry::{Point, dot, unit};
 use crate::mesh::Facet;
 use std::collections::BTreeMap;
 
-/// The parts of a side between its sharp corners, in the order of their first facets; the whole where it has none.
+/// The parts of a side between its sharp corners, in the order of its chain; the whole where it has none.
 ///
 /// Errors: unknown or empty sides.
 pub fn smooth_parts<const D: usize>(end: End<'_, D>) -> Result<Vec<Vec<Facet>>, ContactError> {
@@ -45,7 +45,13 @@ pub fn smooth_parts<const D: usize>(end: End<'_, D>) -> Result<Vec<Vec<Facet>>, 
         let first = root(&part, index);
         parts.entry(first).or_default().push(facet);
     }
-    Ok(parts.into_values().collect())
+    let chains = mesh.chain(end.side).unwrap_or_default();
+    let along = chains.iter().flat_map(|chain| &chain.facets).enumerate();
+    let place: BTreeMap<Facet, usize> = along.map(|(place, &facet)| (facet, place)).collect();
+    let first = |part: &Vec<Facet>| part.iter().filter_map(|facet| place.get(facet)).min();
+    let mut parts: Vec<Vec<Facet>> = parts.into_values().collect();
+    parts.sort_by_key(|part| first(part).copied());
+    Ok(parts)
 }
 
 /// The first facet of a part.
