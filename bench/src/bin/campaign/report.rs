@@ -194,37 +194,13 @@ impl<'a> Report<'a> {
                 twins.entry(name).or_default().push((off, result.seed));
             }
         }
-        for (name, mut offs) in twins {
-            let lost = offs.iter().filter(|o| o.0.is_nan()).count();
-            let asked = offs.len();
-            offs.retain(|o| o.0 > 1e-6);
-            offs.sort_by(|a, b| b.0.total_cmp(&a.0));
-            let most: Vec<String> = offs
-                .iter()
-                .take(6)
-                .map(|(off, seed)| format!("{off:.1e} ({seed})"))
-                .collect();
-            println!(
-                "twins, {name}: {asked} asked, {lost} without an answer, {} apart by more than 1e-6 where they may be: {}",
-                offs.len(),
-                most.join(", ")
-            );
+        for (name, offs) in twins {
+            println!("twins, {name}: {}", apart(offs));
         }
-        let methods: Vec<(u64, f64)> = self
-            .results
-            .iter()
-            .filter_map(|r| Some((r.seed, r.method?)))
-            .collect();
-        let lost = methods.iter().filter(|m| m.1.is_nan()).count();
-        let most = methods
-            .iter()
-            .filter(|m| !m.1.is_nan())
-            .max_by(|a, b| a.1.total_cmp(&b.1));
-        if let Some((seed, most)) = most {
-            println!(
-                "method `accelerated`: {} asked, {lost} not converged, contact forces apart by at most {most:.1e} (seed {seed})",
-                methods.len()
-            );
+        let methods = self.results.iter();
+        let methods: Vec<(f64, u64)> = methods.filter_map(|r| Some((r.method?, r.seed))).collect();
+        if !methods.is_empty() {
+            println!("method `accelerated`: {}", apart(methods));
         }
     }
 
@@ -266,4 +242,21 @@ impl<'a> Report<'a> {
         println!("slowest: {}", slowest.join(", "));
         println!("{} seeds in {:.1} s", self.results.len(), self.seconds);
     }
+}
+
+/// How far pairs of answers that should be the same are apart, in words; NaN is no answer.
+fn apart(mut offs: Vec<(f64, u64)>) -> String {
+    let lost = offs.iter().filter(|o| o.0.is_nan()).count();
+    let asked = offs.len();
+    offs.retain(|o| o.0 > 1e-6);
+    offs.sort_by(|a, b| b.0.total_cmp(&a.0));
+    let most = offs.iter().take(6);
+    let most: Vec<String> = most
+        .map(|(off, seed)| format!("{off:.1e} ({seed})"))
+        .collect();
+    format!(
+        "{asked} asked, {lost} without an answer, {} apart by more than 1e-6 where they may be: {}",
+        offs.len(),
+        most.join(", ")
+    )
 }

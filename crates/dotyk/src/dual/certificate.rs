@@ -6,8 +6,10 @@
 //!
 //! Two figures see what the others cannot. A gap that is nothing beside max|d| may be much to two stiff bodies among soft
 //! ones: the *force error* asks of every component by how much its force changes where it answers its gap with its own
-//! softness, |λ − P(λ − gap/softness)|. *Between nodes* is the deepest penetration between the nodes of the sides, over
-//! what the meshes can resolve: it does not know which conditions were imposed.
+//! softness, |λ − P(λ − gap/softness)|; forces that an iteration left are compared with those of one linear solve for what
+//! their contacts do, too, because neighbours may be much stiffer against each other than each by itself. *Between nodes* is
+//! the deepest penetration between the nodes of the sides, over what the meshes can resolve: it does not know which
+//! conditions were imposed.
 //!
 //! A gap is the difference of displacements that may be much larger (a stiff body carried along by a soft one): what lies
 //! within their rounding says nothing, and counts as none in every figure.
@@ -149,6 +151,8 @@ pub struct Recomputed<'a> {
     pub rounding: &'a [f64],
     /// Largest violation of a condition without a multiplier, a length.
     pub implied: f64,
+    /// Largest change of a force that solving for the forces of all closed contacts at once makes; 0 where not known.
+    pub exact: f64,
     /// Deepest penetration between the nodes, and what the meshes can resolve there: lengths.
     pub between: [f64; 2],
     /// Largest resultant force of a body that is not balanced.
@@ -296,6 +300,7 @@ impl DualProblem {
             gap: &gap,
             rounding: &rounding,
             implied: 0.0,
+            exact: 0.0,
             between: [0.0, 1.0],
             imbalance_force: found.imbalance_force,
             imbalance_moment: found.imbalance_moment,
@@ -331,7 +336,11 @@ impl DualProblem {
             imbalance_moment: Figure::new(recomputed.imbalance_moment, moment, IMBALANCE_LIMIT),
             energy_gap: Figure::new(recomputed.energy_gap, energy, tolerance),
             slip_violation: Figure::new(found.slip, force, tolerance),
-            force_error: Figure::new(found.force_error, force, FORCE_LIMIT * tolerance),
+            force_error: Figure::new(
+                larger(found.force_error, recomputed.exact),
+                force,
+                FORCE_LIMIT * tolerance,
+            ),
             between_nodes: Figure::new(depth, resolved, BETWEEN_LIMIT),
         }
     }
@@ -498,6 +507,7 @@ mod tests {
             gap: &[0.0, -1e-3],
             rounding: &[0.0; 2],
             implied: 0.0,
+            exact: 0.0,
             between: [0.0, 1.0],
             imbalance_force: 0.0,
             imbalance_moment: 0.0,

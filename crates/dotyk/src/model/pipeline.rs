@@ -211,7 +211,7 @@ impl<const D: usize> Model<D> {
         let mut tolerance = self.solver.tolerance;
         let method = self.solver.method;
         let mut attempt = self.run_solver(condensed, method, tolerance, guess, observe)?;
-        let mut judged = judge(self, condensed, &attempt.outcome.multipliers, None)?;
+        let mut judged = judge(self, condensed, &attempt.outcome, None)?;
         for _ in 0..3 {
             // what happens between the nodes is not the solver's
             let figures = judged.certificate.figures().into_iter();
@@ -240,7 +240,7 @@ impl<const D: usize> Model<D> {
             }
             attempt = attempt.followed_by(further);
             let before = Some(&judged);
-            judged = judge(self, condensed, &attempt.outcome.multipliers, before)?;
+            judged = judge(self, condensed, &attempt.outcome, before)?;
         }
         Ok((attempt, judged))
     }

@@ -23,6 +23,7 @@ use crate::model::nouns::{Analysis, Body, Model, Place, SideRef};
 use crate::model::pair::Paired;
 use crate::model::pipeline::Condensed;
 use crate::model::solution::*;
+use crate::solve::{Outcome, distance_to_exact};
 use rayon::prelude::*;
 use std::collections::BTreeMap;
 
@@ -54,7 +55,7 @@ struct Strained {
 pub(crate) fn judge<const D: usize>(
     model: &Model<D>,
     condensed: &Condensed<D>,
-    multipliers: &Multipliers,
+    outcome: &Outcome,
     before: Option<&Judged<D>>,
 ) -> Result<Judged<D>, Error<D>> {
     let Condensed {
@@ -64,6 +65,7 @@ pub(crate) fn judge<const D: usize>(
         problem,
         ..
     } = condensed;
+    let multipliers = &outcome.multipliers;
     let lambda = &multipliers.lambda;
     let amplitudes = floating.amplitudes(&multipliers.alpha);
     let elastic: Vec<Vec<f64>> = bodies
@@ -133,6 +135,10 @@ pub(crate) fn judge<const D: usize>(
             clearances: &clearances,
             rounding: &rounding,
             implied: implied_violation(model, condensed, &states, &obstacles),
+            exact: match outcome.exact {
+                true => 0.0,
+                false => distance_to_exact(problem, multipliers).unwrap_or(0.0),
+            },
             between: overlap.map_or([0.0, 1.0], |o| [o.depth, o.resolved]),
         },
     );
@@ -235,6 +241,8 @@ struct Seen<'a> {
     /// To what the gaps are known.
     rounding: &'a [f64],
     implied: f64,
+    /// By how much an exact step changes a force.
+    exact: f64,
     between: [f64; 2],
 }
 
@@ -562,6 +570,7 @@ fn certify<const D: usize>(
         gap: seen.gaps,
         rounding: seen.rounding,
         implied: seen.implied,
+        exact: seen.exact,
         between: seen.between,
         imbalance_force: force,
         imbalance_moment: moment,

@@ -247,6 +247,7 @@ impl<'a, S: FixedBounds> Search<'a, S> {
             products: self.products,
             rho,
             bolts,
+            exact: false,
             stopped_by_observer,
             fixed_point: Some(FixedPoint {
                 iterations: self.rounds,

@@ -35,6 +35,7 @@ mod uzawa;
 pub use gradient::{Accelerated, Gradient};
 pub use mprgp::Mprgp;
 pub use newton::Newton;
+pub(crate) use newton::distance_to_exact;
 pub use uzawa::Uzawa;
 
 use std::ops::ControlFlow;
@@ -80,6 +81,8 @@ pub struct Outcome {
     pub rho: Option<f64>,
     /// Bolts in the order in which they were used (p,A-algorithm only).
     pub bolts: Vec<Bolt>,
+    /// One linear solve on the problem itself made the forces from what every contact does.
+    pub exact: bool,
     /// The observer stopped it: the answer need not pass the certificate.
     pub stopped_by_observer: bool,
     /// How Coulomb's law was reached, where by a fixed point of problems with given bounds.
@@ -107,6 +110,7 @@ impl Outcome {
             products: 0,
             rho: None,
             bolts: Vec::new(),
+            exact: false,
             fixed_point: None,
             stopped_by_observer: false,
             remarks: Vec::new(),

@@ -585,6 +585,7 @@ impl State {
             products: self.products,
             rho: None,
             bolts: Vec::new(),
+            exact: false,
             stopped_by_observer,
             fixed_point: None,
             remarks: Vec::new(),

@@ -78,6 +78,9 @@ const PATIENCE: usize = 4;
 /// Most products with a compliance that is not assembled: where these do not do, the problem is too badly conditioned.
 const PRODUCTS: usize = 20_000;
 
+/// Shears of a starting point slip within this part of their bounds.
+const AT_BOUND: f64 = 1e-9;
+
 /// Forces below this part of the largest are rounding of the linear solves.
 const ROUNDING: f64 = 1e-14;
 
@@ -140,7 +143,7 @@ impl FixedBounds for Newton {
     ) -> Result<Outcome, SolveError> {
         let mut search = Search::new(self, setup);
         let ended = match guess {
-            Some(_) => {
+            Some(guess) => {
                 let states = search.states_of_guess(guess)?;
                 search.start_near(states, observe)
             }
@@ -154,6 +157,25 @@ impl FixedBounds for Newton {
             }
         }
     }
+}
+
+/// How far forces are from those that one exact step makes of them, the largest difference: by that much they are wrong,
+/// however small their gaps. `None` where states do not determine the forces, and where F is not assembled.
+pub(crate) fn distance_to_exact(problem: &DualProblem, multipliers: &Multipliers) -> Option<f64> {
+    if !matches!(problem.compliance, Compliance::Dense(_)) {
+        return None;
+    }
+    let setup = Setup::new(problem).ok()?;
+    let method = Newton::default();
+    let mut search = Search::new(&method, &setup);
+    let sticking = search.states_of_guess(multipliers).ok()?;
+    search.point = search.at_forces(multipliers.lambda.clone(), search.point.alpha.clone());
+    search.judge();
+    let states = search.next_states(&sticking);
+    let exact = search.exact_step(&states) && search.unique;
+    let difference = search.point.lambda.iter().zip(&multipliers.lambda);
+    let largest = difference.fold(0.0, |s: f64, (a, b)| s.max((a - b).abs()));
+    exact.then_some(largest)
 }
 
 /// How a phase ended.
@@ -187,6 +209,8 @@ pub(crate) struct Search<'a> {
     accuracy: f64,
     /// What the last step was: exact ('n') or proximal ('p').
     pub kind: char,
+    /// The states of the last exact step determine its forces.
+    unique: bool,
 }
 
 impl<'a> Search<'a> {
@@ -211,6 +235,7 @@ impl<'a> Search<'a> {
             coarse: 0.0,
             products: 0,
             kind: 'n',
+            unique: false,
             accuracy: match setup.problem.compliance {
                 Compliance::Dense(_) => tight(method),
                 Compliance::Operator { .. } => 1e-2,
@@ -221,29 +246,16 @@ impl<'a> Search<'a> {
     /// The states of a starting point: contacts with a force are closed, shears at their bound slip.
     ///
     /// Errors: a starting point of another size, or one that is not finite.
-    pub fn states_of_guess(
-        &mut self,
-        guess: Option<&Multipliers>,
-    ) -> Result<Vec<State>, SolveError> {
-        let lambda = self.setup.start(guess)?;
-        if let Some(guess) = guess {
-            self.setup
-                .balance
-                .from_original(&guess.alpha, &mut self.point.alpha);
-        }
-        self.point.lambda = lambda;
-        Ok(self.states_of_forces(1e-9))
-    }
-
-    /// The states of the present forces, shears within a part of their bounds at them.
-    pub fn states_of_forces(&self, at_bound: f64) -> Vec<State> {
-        let blocks = self.setup.admissible.iter();
+    pub fn states_of_guess(&mut self, guess: &Multipliers) -> Result<Vec<State>, SolveError> {
+        self.point.lambda = self.setup.start(Some(guess))?;
+        let balance = &self.setup.balance;
+        balance.from_original(&guess.alpha, &mut self.point.alpha);
         let state = |(block, range): (&_, Range<usize>)| {
             let mut trial = self.point.lambda[range].to_vec();
-            trial[1..].iter_mut().for_each(|t| *t *= 1.0 + at_bound);
+            trial[1..].iter_mut().for_each(|t| *t *= 1.0 + AT_BOUND);
             State::of_trial(block, &trial)
         };
-        blocks.map(state).collect()
+        Ok(self.setup.admissible.iter().map(state).collect())
     }
 
     /// Every contact closed, none slips.
@@ -379,6 +391,7 @@ impl<'a> Search<'a> {
         self.kind = 'n';
         let solved = system.solve(&self.point, self.accuracy);
         self.products += system.products;
+        self.unique = system.unique;
         let loose = std::mem::take(&mut system.loose);
         let Some(point) = solved else { return false };
         self.point = point;
@@ -574,6 +587,7 @@ impl<'a> Search<'a> {
             products: self.products,
             rho: None,
             bolts: Vec::new(),
+            exact: self.kind == 'n',
             stopped_by_observer,
             fixed_point: None,
             remarks: Vec::new(),

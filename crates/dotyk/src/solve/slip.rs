@@ -52,7 +52,7 @@ pub(crate) fn solve(
 ) -> Result<Outcome, SolveError> {
     let mut search = Search::new(method, setup);
     let mut states = match guess {
-        Some(_) => search.states_of_guess(guess)?,
+        Some(guess) => search.states_of_guess(guess)?,
         None => match levels::start(setup, |method, coarse, tell| {
             solve(method, coarse, None, tell)
         }) {

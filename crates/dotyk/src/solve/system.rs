@@ -61,6 +61,8 @@ pub(crate) struct System<'a> {
     rows: Vec<Vec<f64>>,
     /// Directions of α̂ that no row determines, orthonormal.
     pub loose: Vec<Vec<f64>>,
+    /// The solution was determined without a shift.
+    pub unique: bool,
     /// Products with F so far.
     pub products: usize,
 }
@@ -81,6 +83,7 @@ impl<'a> System<'a> {
             forces: modes(|u| &u.force),
             loose: null_of(&rows),
             rows,
+            unique: false,
             products: 0,
         }
     }
@@ -113,6 +116,7 @@ impl<'a> System<'a> {
     fn solve_assembled(&mut self, matrix: &Mat<f64>) -> Option<Forces> {
         let (n, k) = (self.unknowns.len(), self.setup.modes());
         let factored = Factored::new(self, matrix)?;
+        self.unique = !factored.shifted;
         let (mut x, mut alpha) = (vec![0.0; n], vec![0.0; k]);
         let mut point = self.point(&x, alpha.clone());
         let mut before = f64::INFINITY;

@@ -473,6 +473,7 @@ impl Run {
             products: self.products,
             rho: Some(self.rho),
             bolts: self.bolts.clone(),
+            exact: false,
             stopped_by_observer,
             fixed_point: None,
             remarks: Vec::new(),

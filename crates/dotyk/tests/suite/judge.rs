@@ -474,3 +474,35 @@ fn the_corner_of_a_block_has_a_condition_for_each_wall() {
     let force = solution.contacts[0].resultant;
     assert!((force[0] + 0.2).abs() < 1e-9 && (force[1] - 1.0).abs() < 1e-9);
 }
+
+#[test]
+fn forces_between_bodies_of_very_different_stiffness_do_not_depend_on_the_method() {
+    // the soft block hides in its compliance by how much the stiff walls of the pocket are apart
+    let text = |method: &str| {
+        let pocket = "[[body]]\nname = \"box\"\nmesh = { outline = { size = 0.6, cell = \"tri6\", from = [0.0, 1.1], edges = [\
+             { to = [0.0, 0.0], name = \"pocket\", cells = 4 }, { to = [1.0, 0.0], name = \"pocket\", cells = 6 }, \
+             { to = [1.0, 1.1], name = \"pocket\", cells = 1 }, { to = [1.9, 1.1] }, { to = [1.9, -0.9] }, \
+             { to = [-0.9, -0.9], name = \"base\" }, { to = [-0.9, 1.1] }, { to = [0.0, 1.1] }] } }\n\
+             material = { young = 5e5, poisson = 0.35 }\nfix = [{ side = \"base\", x = 0.0, y = 0.0 }]\n";
+        let soft = "[[body]]\nname = \"block\"\nmesh = { outline = { size = 0.6, from = [0.0, 1.1], edges = [\
+             { to = [0.0, 0.0], name = \"sole\", cells = 5 }, { to = [1.0, 0.0], name = \"sole\", cells = 2 }, \
+             { to = [1.0, 1.1], name = \"sole\", cells = 1 }, { to = [0.0, 1.1], name = \"top\" }] } }\n\
+             material = { young = 1.0, poisson = 0.28 }\nload = [{ side = \"top\", traction = [2e-5, -1.4e-4] }]\n";
+        let fit = contact(
+            "fit",
+            "nonmortar = \"box.pocket\"\nmortar = \"block.sole\"\npairing = \"mortar\"",
+        );
+        format!("{PLANE}{pocket}{soft}{fit}[solver]\nmethod = \"{method}\"\n")
+    };
+    let exact = solve(&text("newton")).unwrap();
+    let other = solve(&text("accelerated")).unwrap();
+    assert!(other.certificate.holds(), "{}", other.certificate);
+    let largest = |s: f64, node: &ContactNode<2>| s.max((node.pressure * node.weight).abs());
+    let force = exact.contacts[0].nodes.iter().fold(0.0, largest);
+    assert!(force > 0.0);
+    let pairs = exact.contacts[0].nodes.iter().zip(&other.contacts[0].nodes);
+    for (a, b) in pairs {
+        let off = (a.pressure - b.pressure) * a.weight / force;
+        assert!(off.abs() < 1e-6, "{off:e} at {:?}", a.point);
+    }
+}
