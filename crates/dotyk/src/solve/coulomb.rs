@@ -13,7 +13,7 @@
 //! As described in Nečas, Jarušek & Haslinger (1980).
 
 use crate::dual::{Feasibility, Multipliers};
-use crate::solve::{FixedBounds, FixedPoint, Iterate, Observer, Outcome, Setup, SolveError};
+use crate::solve::{FixedBounds, FixedPoint, Observer, Outcome, Setup, SolveError, counting_from};
 
 /// Most problems with given bounds.
 const ROUNDS: usize = 200;
@@ -150,12 +150,8 @@ impl<'a, S: FixedBounds> Search<'a, S> {
         let done = self.iterations;
         let left = self.method.limits().1.saturating_sub(done);
         let method = self.method.within(accuracy, left);
-        let result = method.run(given, self.last.as_ref(), &mut |iterate: &Iterate<'_>| {
-            observe(&Iterate {
-                iteration: done + iterate.iteration,
-                ..*iterate
-            })
-        });
+        let mut after = counting_from(done, observe);
+        let result = method.run(given, self.last.as_ref(), &mut after);
         match result {
             Ok(outcome) => {
                 let stopped = outcome.stopped_by_observer;

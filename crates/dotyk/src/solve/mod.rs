@@ -20,11 +20,11 @@
 //! of Tresca, and Coulomb as a fixed point of such problems (`coulomb.rs`).
 
 mod coulomb;
-mod face;
 mod gradient;
 mod levels;
 mod mprgp;
 mod newton;
+mod null;
 mod proximal;
 mod slip;
 mod spectrum;
@@ -388,6 +388,42 @@ impl Judge {
             components,
         )
         .residual(setup.problem.scales.moment_arm)
+    }
+}
+
+/// An observer of iterations that follow `done` others.
+pub(crate) fn counting_from<'a>(
+    done: usize,
+    observe: Observer<'a>,
+) -> impl FnMut(&Iterate<'_>) -> ControlFlow<()> + 'a {
+    move |iterate| {
+        observe(&Iterate {
+            iteration: done + iterate.iteration,
+            ..*iterate
+        })
+    }
+}
+
+/// What a method returns that ended in another one: the outcome of that, completed.
+pub(crate) fn completed(
+    method: &'static str,
+    result: Result<Outcome, SolveError>,
+    complete: impl FnOnce(Outcome) -> Outcome,
+) -> Result<Outcome, SolveError> {
+    match result {
+        Ok(outcome) => Ok(complete(outcome)),
+        Err(SolveError::NotConverged {
+            outcome,
+            residual,
+            reason,
+            ..
+        }) => Err(SolveError::NotConverged {
+            method,
+            outcome: Box::new(complete(*outcome)),
+            residual,
+            reason,
+        }),
+        Err(error) => Err(error),
     }
 }
 

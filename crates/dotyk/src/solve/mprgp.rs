@@ -23,8 +23,8 @@
 use std::ops::ControlFlow;
 
 use crate::dual::{Block, DualProblem, Multipliers, Projector};
-use crate::solve::face::restore;
 use crate::solve::gradient::projected_bound;
+use crate::solve::null::Null;
 use crate::solve::{
     ContactSolver, FixedBounds, Iterate, Judge, Observer, Outcome, Setup, SolveError, dot, loaded,
     norm, solve_with,
@@ -625,6 +625,29 @@ enum Vector {
     Iterate,
     Direction,
     Chopped,
+}
+
+/// Adds to the `loaded` forces what of least norm balances all of them; `false` where they cannot.
+fn restore(setup: &Setup<'_>, loaded: &[bool], forces: &mut [f64]) -> bool {
+    let list: Vec<usize> = (0..forces.len()).filter(|&i| loaded[i]).collect();
+    let rows = setup.balance.rows.iter();
+    let rows: Vec<Vec<f64>> = rows
+        .map(|row| list.iter().map(|&i| row[i]).collect())
+        .collect();
+    let mut null = Null::new(&rows);
+    let mut rest = vec![0.0; rows.len()];
+    // the second pass removes what rounding left
+    for _ in 0..2 {
+        setup.balance.imbalance(forces, &mut rest);
+        rest.iter_mut().for_each(|rest| *rest = -*rest);
+        let mut change = vec![0.0; list.len()];
+        null.restore(&rows, &rest, &mut change);
+        for (&i, change) in list.iter().zip(&change) {
+            forces[i] += change;
+        }
+    }
+    setup.balance.imbalance(forces, &mut rest);
+    norm(&rest) <= 1e-9 * norm(&setup.balance.load).max(1e-3 * norm(forces))
 }
 
 #[cfg(test)]

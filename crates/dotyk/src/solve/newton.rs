@@ -219,15 +219,10 @@ impl<'a> Search<'a> {
         // the forces that the overlaps ask for: what is rounding of these is none, whatever the solution
         let asked = setup.problem.shift.iter().zip(&setup.problem.softness);
         let force = asked.fold(0.0, |s: f64, (d, c)| s.max((d / c).abs()));
-        let m = setup.len();
         Self {
             method,
             setup,
-            point: Forces {
-                lambda: vec![0.0; m],
-                alpha: vec![0.0; setup.modes()],
-                product: vec![0.0; m],
-            },
+            point: Forces::none(setup),
             judge: setup.judge(),
             residual: f64::INFINITY,
             force: if force.is_finite() { force } else { 0.0 },
@@ -509,6 +504,7 @@ impl<'a> Search<'a> {
                     return Ended::Stuck(proximal.states());
                 }
                 let progress = proximal.step(guessed.take(), self.accuracy);
+                self.products += std::mem::take(&mut proximal.products);
                 self.steps += 1;
                 self.kind = 'p';
                 self.show(&proximal);
@@ -523,7 +519,6 @@ impl<'a> Search<'a> {
                     Progress::Minimal | Progress::Rough | Progress::Singular => break,
                 }
             }
-            self.products += proximal.products;
             let states = proximal.states();
             centre = proximal.forces();
             at = proximal.at;

@@ -20,7 +20,9 @@ use crate::solve::levels;
 use crate::solve::newton::{Ended, NEAR, Patience, Search};
 use crate::solve::states::{Anchor, Shear, State, unknowns};
 use crate::solve::system::{Forces, System};
-use crate::solve::{FixedBounds, Iterate, Newton, Observer, Outcome, Setup, SolveError};
+use crate::solve::{
+    FixedBounds, Newton, Observer, Outcome, Setup, SolveError, completed, counting_from,
+};
 use std::collections::HashSet;
 
 /// Exact steps: their residuals may rise on the way.
@@ -192,7 +194,7 @@ fn anchored(
 }
 
 /// Bounds of friction, and the convex problem of these bounds, again and again.
-fn iterate_bounds(mut search: Search<'_>, observe: Observer<'_>) -> Result<Outcome, SolveError> {
+fn iterate_bounds(search: Search<'_>, observe: Observer<'_>) -> Result<Outcome, SolveError> {
     let setup = search.setup;
     let point = &search.point;
     let finite = point
@@ -202,33 +204,13 @@ fn iterate_bounds(mut search: Search<'_>, observe: Observer<'_>) -> Result<Outco
         .all(|x| x.is_finite());
     let guess = finite.then(|| setup.multipliers(&point.lambda, &point.alpha));
     let done = search.iterations();
-    let mut shifted = |iterate: &Iterate<'_>| {
-        observe(&Iterate {
-            iteration: done + iterate.iteration,
-            ..*iterate
-        })
-    };
-    let result = fixed_point(search.method, setup, guess.as_ref(), &mut shifted);
-    let mut finish = |outcome: Outcome| Outcome {
+    let mut after = counting_from(done, observe);
+    let result = fixed_point(search.method, setup, guess.as_ref(), &mut after);
+    completed(Newton::NAME, result, |outcome| Outcome {
         iterations: done + outcome.iterations,
-        products: std::mem::take(&mut search.products) + outcome.products,
+        products: search.products + outcome.products,
         ..outcome
-    };
-    match result {
-        Ok(outcome) => Ok(finish(outcome)),
-        Err(SolveError::NotConverged {
-            outcome,
-            residual,
-            reason,
-            ..
-        }) => Err(SolveError::NotConverged {
-            method: Newton::NAME,
-            outcome: Box::new(finish(*outcome)),
-            residual,
-            reason,
-        }),
-        Err(error) => Err(error),
-    }
+    })
 }
 
 /// Changes `states` until they hold the floating bodies: nodes that want to slip least stick, then contacts of `before`

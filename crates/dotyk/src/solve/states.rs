@@ -137,6 +137,16 @@ pub(crate) struct Unknown {
 }
 
 impl Unknown {
+    /// Component `i` by itself, whose gap closes.
+    pub fn of(i: usize) -> Self {
+        Self {
+            force: vec![(i, 1.0)],
+            row: vec![(i, 1.0)],
+            softness: 0.0,
+            pull: 0.0,
+        }
+    }
+
     /// c and w are the same.
     pub fn is_symmetric(&self) -> bool {
         self.force == self.row
@@ -165,17 +175,13 @@ pub(crate) fn unknowns(
     own: &[f64],
     offset: &mut [f64],
 ) -> Vec<Unknown> {
-    let plain = |i: usize| {
-        let (softness, pull) = match anchor {
-            Some(Anchor { centre, compliance }) => (compliance[i], compliance[i] * centre[i]),
-            None => (0.0, 0.0),
-        };
-        Unknown {
-            force: vec![(i, 1.0)],
-            row: vec![(i, 1.0)],
-            softness,
-            pull,
-        }
+    let plain = |i: usize| match anchor {
+        Some(Anchor { centre, compliance }) => Unknown {
+            softness: compliance[i],
+            pull: compliance[i] * centre[i],
+            ..Unknown::of(i)
+        },
+        None => Unknown::of(i),
     };
     let mut unknowns = Vec::new();
     for (state, (block, range)) in states.iter().zip(admissible.iter()) {

@@ -17,11 +17,11 @@
 
 use crate::dual::Compliance;
 use crate::linalg::dense::{
-    Lu, cholesky_in_place, gram, product, solve_cholesky_in_place, solve_lower_in_place,
+    Lu, cholesky_in_place, product, solve_cholesky_in_place, solve_lower_in_place,
     solve_lower_transpose_in_place, transpose_product,
 };
 use crate::linalg::{LinearOperator, Mat};
-use crate::solve::face::Pseudo;
+use crate::solve::null::{Null, Pseudo};
 use crate::solve::states::{Unknown, along};
 use crate::solve::{Setup, dot, norm};
 
@@ -49,6 +49,17 @@ pub(crate) struct Forces {
     pub alpha: Vec<f64>,
     /// Fλ, (m,).
     pub product: Vec<f64>,
+}
+
+impl Forces {
+    /// No force and no motion.
+    pub fn none(setup: &Setup<'_>) -> Self {
+        Self {
+            lambda: vec![0.0; setup.len()],
+            alpha: vec![0.0; setup.modes()],
+            product: vec![0.0; setup.len()],
+        }
+    }
 }
 
 /// The linear problem of some unknowns.
@@ -653,57 +664,5 @@ impl System<'_> {
             residual.iter_mut().zip(b).for_each(|(r, b)| *r = b - *r);
         }
         Some(x)
-    }
-}
-
-/// Null space of the balance on some unknowns.
-struct Null {
-    gram: Pseudo,
-    parts: Vec<f64>,
-    right: Vec<f64>,
-}
-
-impl Null {
-    fn new(rows: &[Vec<f64>]) -> Self {
-        let columns = Mat::from_fn(rows.first().map_or(0, Vec::len), rows.len(), |a, j| {
-            rows[j][a]
-        });
-        Self {
-            gram: Pseudo::new(&gram(&columns)),
-            parts: vec![0.0; rows.len()],
-            right: vec![0.0; rows.len()],
-        }
-    }
-
-    /// v ← the nearest vector whose rows vanish.
-    fn project(&mut self, rows: &[Vec<f64>], v: &mut [f64]) {
-        for (part, row) in self.parts.iter_mut().zip(rows) {
-            *part = dot(row, v);
-        }
-        self.subtract(rows, v);
-    }
-
-    /// v ← the nearest vector whose rows are `target` (k,).
-    fn restore(&mut self, rows: &[Vec<f64>], target: &[f64], v: &mut [f64]) {
-        for ((part, row), target) in self.parts.iter_mut().zip(rows).zip(target) {
-            *part = dot(row, v) - target;
-        }
-        self.subtract(rows, v);
-    }
-
-    fn subtract(&mut self, rows: &[Vec<f64>], v: &mut [f64]) {
-        self.gram.solve(&mut self.parts, &mut self.right);
-        for (part, row) in self.parts.iter().zip(rows) {
-            v.iter_mut().zip(row).for_each(|(v, r)| *v -= part * r);
-        }
-    }
-
-    /// α̂ of least norm whose pull on the unknowns is nearest to minus what is `open` of their conditions.
-    fn amplitudes(&mut self, rows: &[Vec<f64>], open: &[f64]) -> Vec<f64> {
-        for (part, row) in self.parts.iter_mut().zip(rows) {
-            *part = -dot(row, open);
-        }
-        self.gram.solve(&mut self.parts, &mut self.right);
-        self.parts.clone()
     }
 }

@@ -25,11 +25,12 @@ use std::ops::ControlFlow;
 use crate::dual::{Component, DualProblem, Multipliers};
 use crate::linalg::Mat;
 use crate::linalg::dense::Lu;
-use crate::solve::face::Face;
 use crate::solve::gradient::{check_rho, rho_reason};
+use crate::solve::states::Unknown;
+use crate::solve::system::{Forces, System};
 use crate::solve::{
     Bolt, ContactSolver, FixedBounds, Gradient, Iterate, Judge, Observer, Outcome, Setup,
-    SolveError, dot, loaded, norm, solve_with, spectrum, steeper_than,
+    SolveError, completed, counting_from, dot, loaded, norm, solve_with, spectrum, steeper_than,
 };
 
 /// How often an improper bolt is moved before the exact projection takes over.
@@ -312,10 +313,13 @@ impl Run {
         if setup.modes() == 0 {
             return Bolted::new(setup, Vec::new());
         }
-        let mut face = Face::new(setup, vec![0.0; setup.len()]);
-        face.solve(setup, &vec![true; setup.len()], 1e-3);
-        self.products += face.products;
-        choose(setup, &pressed(setup, &face.lambda))
+        let none = vec![0.0; setup.len()];
+        let all: Vec<Unknown> = (0..setup.len()).map(Unknown::of).collect();
+        let mut system = System::new(setup, &all, &none);
+        let rest = Forces::none(setup);
+        let closed = system.solve(&rest, 1e-3);
+        self.products += system.products;
+        choose(setup, &pressed(setup, &closed?.lambda))
     }
 
     /// Iterates with the bolts `bolted` until the residual passes with λ_A free; `true`: stopped by the observer.
@@ -435,35 +439,17 @@ impl Run {
             max_iterations: options.max_iterations.saturating_sub(self.iterations),
         };
         let guess = setup.multipliers(&self.lambda, &self.alpha);
-        let remark = format!("{why}: solved with the exact projection instead of bolts");
-        let finish = |outcome: Outcome| Outcome {
+        let mut after = counting_from(self.iterations, observe);
+        let result = exact.run(setup, Some(&guess), &mut after);
+        completed(Uzawa::NAME, result, |outcome| Outcome {
             iterations: self.iterations + outcome.iterations,
             products: self.products + outcome.products,
-            bolts: self.bolts.clone(),
-            remarks: vec![remark.clone()],
+            bolts: self.bolts,
+            remarks: vec![format!(
+                "{why}: solved with the exact projection instead of bolts"
+            )],
             ..outcome
-        };
-        let result = exact.run(setup, Some(&guess), &mut |iterate: &Iterate<'_>| {
-            observe(&Iterate {
-                iteration: self.iterations + iterate.iteration,
-                ..*iterate
-            })
-        });
-        match result {
-            Ok(outcome) => Ok(finish(outcome)),
-            Err(SolveError::NotConverged {
-                outcome,
-                residual,
-                reason,
-                ..
-            }) => Err(SolveError::NotConverged {
-                method: Uzawa::NAME,
-                outcome: Box::new(finish(*outcome)),
-                residual,
-                reason,
-            }),
-            Err(error) => Err(error),
-        }
+        })
     }
 
     fn outcome(&self, setup: &Setup<'_>, stopped_by_observer: bool) -> Outcome {
