@@ -38,6 +38,14 @@ pub trait LinearOperator: Send + Sync {
     }
     /// y = Ax.
     fn apply(&self, x: &[f64], y: &mut [f64]);
+    /// AX, where that is cheaper than column by column.
+    fn apply_many(&self, x: &Mat<f64>) -> Mat<f64> {
+        let mut y = Mat::zeros(self.len(), x.ncols());
+        for j in 0..x.ncols() {
+            self.apply(x.col_as_slice(j), y.col_as_slice_mut(j));
+        }
+        y
+    }
 }
 
 /// Why a matrix could not be factored or a system not be solved. Numbers of dofs are the caller's, not permuted.

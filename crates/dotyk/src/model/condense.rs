@@ -436,7 +436,36 @@ impl LinearOperator for CompliantBodies {
             y,
         );
     }
+
+    fn apply_many(&self, x: &Mat<f64>) -> Mat<f64> {
+        let mut y = Mat::zeros(self.len, x.ncols());
+        y.par_col_chunks_mut(BLOCK)
+            .enumerate()
+            .for_each(|(chunk, mut y)| {
+                let first = chunk * BLOCK;
+                for (factor, rows) in &self.bodies {
+                    let mut u = Mat::zeros(rows.matrix.cols(), y.ncols());
+                    for j in 0..y.ncols() {
+                        let x = x.col_as_slice(first + j);
+                        let local: Vec<f64> = rows.index.iter().map(|&row| x[row]).collect();
+                        rows.matrix.mul_transpose_add(&local, u.col_as_slice_mut(j));
+                    }
+                    factor.solve_many(&mut u);
+                    let mut out = vec![0.0; rows.index.len()];
+                    for j in 0..y.ncols() {
+                        rows.matrix.mul(u.col_as_slice(j), &mut out);
+                        for (&row, value) in rows.index.iter().zip(&out) {
+                            y[(row, j)] += value;
+                        }
+                    }
+                }
+            });
+        y
+    }
 }
+
+/// Columns that products with F take at a time: enough to share the reading of a factor, few enough for the memory.
+const BLOCK: usize = 16;
 
 fn scatter(rows: &[Arc<BodyRows>], parts: &[Vec<f64>], y: &mut [f64]) {
     y.fill(0.0);

@@ -5,13 +5,18 @@
 //! ```
 //!
 //! Newton's method moves the edge of a contact by a few nodes in each step, however fine the mesh: its steps grow with the
-//! number of nodes. On the coarsest problem these are few and cheap, and from there each finer one begins with a contact
-//! that is right to a node. Clusters are pairs of neighbours; contacts with few nodes stay as they are.
+//! number of nodes. On a coarse problem these are few and cheap, and from there a finer one begins with a contact that is
+//! right to a node.
+//!
+//! Assembled F: clusters are pairs of neighbours, and the coarser problem begins from a coarser one itself. Applied F, where
+//! every column of FP costs a solve with the bodies: the clusters are a cut through the tree of pairs of pairs, coarse at
+//! first and then finer where contacts end or begin to slip, which takes few columns.
 
+use std::collections::HashMap;
 use std::ops::ControlFlow;
 
-use crate::dual::{AdmissibleSet, Block, Compliance, DualProblem, Equilibrium};
-use crate::linalg::Mat;
+use crate::dual::{AdmissibleSet, Block, Compliance, DualProblem, Equilibrium, Multipliers};
+use crate::linalg::{LinearOperator, Mat};
 use crate::solve::states::State;
 use crate::solve::{Newton, Observer, Outcome, Setup, SolveError};
 
@@ -27,6 +32,13 @@ const ACCURACY: f64 = 1e-4;
 /// Most linear solves on a coarser problem.
 const STEPS: usize = 40;
 
+/// Applied F: blocks of the coarsest problem, most columns of FP, by how many pairings clusters become finer at once, and up
+/// to how many clusters beside a change of states.
+const COARSEST: usize = 64;
+const COLUMNS: usize = 1024;
+const FINER: usize = 2;
+const BESIDE: usize = 2;
+
 /// Where to begin.
 pub(crate) struct Start {
     /// λ, (m,).
@@ -36,130 +48,167 @@ pub(crate) struct Start {
     pub states: Vec<State>,
     /// Linear solves, each counted by its share of unknowns.
     pub steps: f64,
+    /// Products with F.
+    pub products: usize,
 }
 
-/// Solves a coarser problem by `solve`; `None` where there is none, or it has no answer.
-pub(crate) fn start(
-    setup: &Setup<'_>,
-    solve: impl Fn(&Newton, &Setup<'_>, Observer<'_>) -> Result<Outcome, SolveError>,
-) -> Option<Start> {
+/// Solves coarser problems by `solve`; `None` where there are none, or the last of them has no answer.
+pub(crate) fn start(setup: &Setup<'_>, solve: CoarseSolver<'_>) -> Option<Start> {
     let problem = setup.problem;
-    let Compliance::Dense(matrix) = &problem.compliance else {
-        return None;
-    };
-    let blocks = setup.admissible.blocks();
     if problem.neighbours.is_empty() {
         return None;
     }
-    let clusters = Clusters::pairs(&setup.admissible, &problem.neighbours);
-    if clusters.members.len() as f64 > WORTH * blocks.len() as f64 {
-        return None;
+    match &problem.compliance {
+        Compliance::Dense(matrix) => {
+            let members = pairs(setup.admissible.blocks(), &problem.neighbours);
+            if members.len() as f64 > WORTH * setup.admissible.blocks().len() as f64 {
+                return None;
+            }
+            let clusters = Clusters::new(members, setup);
+            let found = clusters.solve(setup, clusters.reduced(matrix), solve)?;
+            Some(clusters.start(setup, &found))
+        }
+        Compliance::Operator { apply, .. } => Cut::new(setup)?.refine(setup, &**apply, solve),
     }
-    let coarse = clusters.problem(setup, matrix)?;
-    let coarse_setup = Setup::new(&coarse).ok()?;
-    let method = Newton {
-        tolerance: ACCURACY,
-        max_iterations: STEPS,
-    };
-    let outcome = match solve(&method, &coarse_setup, &mut |_| ControlFlow::Continue(())) {
-        Ok(outcome) => outcome,
-        // a guess that is rough is still one
-        Err(SolveError::NotConverged { outcome, .. }) => *outcome,
-        Err(_) => return None,
-    };
-    let found = &outcome.multipliers;
-    if !found
-        .lambda
-        .iter()
-        .chain(&found.alpha)
-        .all(|x| x.is_finite())
-    {
-        return None;
+}
+
+/// Solves a coarser problem.
+pub(crate) type CoarseSolver<'a> =
+    &'a dyn Fn(&Newton, &Setup<'_>, Observer<'_>) -> Result<Outcome, SolveError>;
+
+/// Blocks of each cluster: pairs of neighbours of one kind, in the order of the blocks; some remain alone.
+fn pairs(blocks: &[Block], neighbours: &[[usize; 2]]) -> Vec<Vec<usize>> {
+    let beside = beside(blocks.len(), neighbours);
+    let sizes = component_sizes(&beside);
+    let kind = |block: usize| std::mem::discriminant(&blocks[block]);
+    let alike = |a: usize, b: usize| kind(a) == kind(b) && blocks[a].size() == blocks[b].size();
+    let mut members: Vec<Vec<usize>> = Vec::new();
+    let mut taken = vec![false; blocks.len()];
+    for block in 0..blocks.len() {
+        if taken[block] {
+            continue;
+        }
+        let open = |other: &&usize| !taken[**other] && **other != block && alike(block, **other);
+        let partner = match sizes[block] > FEW {
+            true => beside[block].iter().filter(open).min().copied(),
+            false => None,
+        };
+        let pair: Vec<usize> = std::iter::once(block).chain(partner).collect();
+        pair.iter().for_each(|&member| taken[member] = true);
+        members.push(pair);
     }
-    let lambda = clusters.spread(&setup.admissible, &coarse.admissible, &found.lambda);
-    let mut alpha = vec![0.0; setup.modes()];
-    setup.balance.from_original(&found.alpha, &mut alpha);
-    let share = coarse.len() as f64 / setup.len() as f64;
-    Some(Start {
-        states: clusters.states(&setup.admissible, &problem.neighbours, &lambda),
-        lambda,
-        alpha,
-        steps: share * outcome.iterations as f64,
-    })
+    members
+}
+
+/// Neighbours of every one of `count` blocks.
+fn beside(count: usize, neighbours: &[[usize; 2]]) -> Vec<Vec<usize>> {
+    let mut beside: Vec<Vec<usize>> = vec![Vec::new(); count];
+    for &[a, b] in neighbours {
+        beside[a].push(b);
+        beside[b].push(a);
+    }
+    beside
+}
+
+/// Neighbours of clusters, each pair once; `of` is the cluster of each block.
+fn joined(neighbours: &[[usize; 2]], of: &[usize]) -> Vec<[usize; 2]> {
+    let pairs = neighbours.iter().map(|pair| pair.map(|block| of[block]));
+    let pairs = pairs.filter(|[a, b]| a != b);
+    let mut joined: Vec<[usize; 2]> = pairs.map(|[a, b]| [a.min(b), a.max(b)]).collect();
+    joined.sort_unstable();
+    joined.dedup();
+    joined
 }
 
 /// Blocks that become one.
 struct Clusters {
-    /// Blocks of each cluster, one or two.
-    members: Vec<Vec<usize>>,
-    /// Cluster of each block.
-    of: Vec<usize>,
+    /// Λ of the clusters: bounds add up, coefficients are means.
+    admissible: AdmissibleSet,
+    neighbours: Vec<[usize; 2]>,
+    /// Component of λ' that each component of λ is a part of, and the part.
+    place: Vec<(usize, f64)>,
+}
+
+/// A coarser problem and what came out.
+struct Coarse {
+    outcome: Outcome,
+    /// Its solves, each counted by its share of unknowns.
+    steps: f64,
 }
 
 impl Clusters {
-    /// Pairs of neighbours of one kind, in the order of the blocks.
-    fn pairs(admissible: &AdmissibleSet, neighbours: &[[usize; 2]]) -> Self {
-        let blocks = admissible.blocks();
-        let mut beside: Vec<Vec<usize>> = vec![Vec::new(); blocks.len()];
-        for &[a, b] in neighbours {
-            beside[a].push(b);
-            beside[b].push(a);
-        }
-        let sizes = component_sizes(&beside);
-        let kind = |block: usize| std::mem::discriminant(&blocks[block]);
-        let alike = |a: usize, b: usize| kind(a) == kind(b) && blocks[a].size() == blocks[b].size();
-        let mut clusters = Self {
-            members: Vec::new(),
-            of: vec![usize::MAX; blocks.len()],
-        };
-        for block in 0..blocks.len() {
-            if clusters.of[block] != usize::MAX {
-                continue;
-            }
-            let open = |other: &&usize| {
-                clusters.of[**other] == usize::MAX && **other != block && alike(block, **other)
-            };
-            let partner = match sizes[block] > FEW {
-                true => beside[block].iter().filter(open).min().copied(),
-                false => None,
-            };
-            let members: Vec<usize> = std::iter::once(block).chain(partner).collect();
-            for &member in &members {
-                clusters.of[member] = clusters.members.len();
-            }
-            clusters.members.push(members);
-        }
-        clusters
-    }
-
-    /// The problem of the clusters; `None` where its data are not those of a problem.
-    fn problem(&self, setup: &Setup<'_>, matrix: &Mat<f64>) -> Option<DualProblem> {
-        let fine = setup.problem;
-        let admissible = self.admissible(&setup.admissible);
-        let m = admissible.len();
-        // component of λ' that each component of λ is a part of, and the part
+    fn new(members: Vec<Vec<usize>>, setup: &Setup<'_>) -> Self {
+        let fine = &setup.admissible;
+        let together = members.iter().map(|members| together(fine, members));
+        let admissible = AdmissibleSet::new(together.collect());
+        let mut of = vec![0; fine.blocks().len()];
         let mut place = vec![(0, 0.0); setup.len()];
-        for (cluster, members) in self.members.iter().enumerate() {
+        for (cluster, members) in members.iter().enumerate() {
             let share = 1.0 / members.len() as f64;
             for &member in members {
-                let to = admissible.range(cluster);
-                for (from, to) in setup.admissible.range(member).zip(to) {
+                of[member] = cluster;
+                for (from, to) in fine.range(member).zip(admissible.range(cluster)) {
                     place[from] = (to, share);
                 }
             }
         }
+        Self {
+            neighbours: joined(&setup.problem.neighbours, &of),
+            admissible,
+            place,
+        }
+    }
+
+    /// PᵀFP.
+    fn reduced(&self, matrix: &Mat<f64>) -> Mat<f64> {
+        let m = self.admissible.len();
         let mut compliance = Mat::zeros(m, m);
-        for (j, &(to_j, share_j)) in place.iter().enumerate() {
+        for (j, &(to_j, share_j)) in self.place.iter().enumerate() {
             let from = matrix.col_as_slice(j);
             let to = compliance.col_as_slice_mut(to_j);
-            for (f, &(to_i, share_i)) in from.iter().zip(&place) {
+            for (f, &(to_i, share_i)) in from.iter().zip(&self.place) {
                 to[to_i] += share_i * share_j * f;
             }
         }
+        compliance
+    }
+
+    /// Solves the problem of the clusters, whose compliance is given; `None` where it has no answer.
+    fn solve(
+        &self,
+        setup: &Setup<'_>,
+        compliance: Mat<f64>,
+        solve: CoarseSolver<'_>,
+    ) -> Option<Coarse> {
+        let coarse = self.problem(setup, compliance)?;
+        let coarse_setup = Setup::new(&coarse).ok()?;
+        let method = Newton {
+            tolerance: ACCURACY,
+            max_iterations: STEPS,
+        };
+        let outcome = match solve(&method, &coarse_setup, &mut |_| ControlFlow::Continue(())) {
+            Ok(outcome) => outcome,
+            // a guess that is rough is still one
+            Err(SolveError::NotConverged { outcome, .. }) => *outcome,
+            Err(_) => return None,
+        };
+        let Multipliers { lambda, alpha } = &outcome.multipliers;
+        let finite = lambda.iter().chain(alpha).all(|x| x.is_finite());
+        let share = coarse.len() as f64 / setup.len() as f64;
+        finite.then(|| Coarse {
+            steps: share * outcome.iterations as f64,
+            outcome,
+        })
+    }
+
+    /// The problem of the clusters; `None` where its data are not those of a problem.
+    fn problem(&self, setup: &Setup<'_>, compliance: Mat<f64>) -> Option<DualProblem> {
+        let fine = setup.problem;
+        let m = self.admissible.len();
         let mut shift = vec![0.0; m];
         let modes = &fine.equilibrium.modes;
         let mut reduced = Mat::zeros(modes.nrows(), m);
-        for (i, &(to, share)) in place.iter().enumerate() {
+        for (i, &(to, share)) in self.place.iter().enumerate() {
             shift[to] += share * fine.shift[i];
             let from = modes.col_as_slice(i).iter();
             let column = reduced.col_as_slice_mut(to).iter_mut();
@@ -171,85 +220,248 @@ impl Clusters {
             moments: fine.equilibrium.moments.clone(),
         };
         let compliance = Compliance::Dense(compliance);
+        let admissible = self.admissible.clone();
         let mut problem = DualProblem::new(compliance, shift, admissible, equilibrium).ok()?;
         problem.scales = fine.scales;
-        let joined = fine
-            .neighbours
-            .iter()
-            .map(|pair| pair.map(|block| self.of[block]));
-        let mut joined: Vec<[usize; 2]> = joined
-            .filter(|[a, b]| a != b)
-            .map(|[a, b]| [a.min(b), a.max(b)])
-            .collect();
-        joined.sort_unstable();
-        joined.dedup();
-        problem.neighbours = joined;
+        problem.neighbours = self.neighbours.clone();
         Some(problem)
     }
 
-    /// Bounds add up, coefficients are means.
-    fn admissible(&self, fine: &AdmissibleSet) -> AdmissibleSet {
-        let cluster = |members: &Vec<usize>| {
-            let blocks = members.iter().map(|&member| fine.blocks()[member]);
-            let value = |block: Block| match block {
-                Block::Tresca { bound, .. } => bound,
-                Block::Coulomb { coefficient, .. } => coefficient,
-                Block::Free { .. } | Block::Unilateral => 0.0,
-            };
-            let sum: f64 = blocks.map(value).sum();
-            match fine.blocks()[members[0]] {
-                Block::Tresca { tangents, .. } => Block::Tresca {
-                    tangents,
-                    bound: sum,
-                },
-                Block::Coulomb { tangents, .. } => Block::Coulomb {
-                    tangents,
-                    coefficient: sum / members.len() as f64,
-                },
-                other => other,
+    /// Where the fine problem begins.
+    fn start(&self, setup: &Setup<'_>, found: &Coarse) -> Start {
+        let forces = &found.outcome.multipliers;
+        let part = |&(to, share): &(usize, f64)| share * forces.lambda[to];
+        let lambda: Vec<f64> = self.place.iter().map(part).collect();
+        let mut alpha = vec![0.0; setup.modes()];
+        setup.balance.from_original(&forces.alpha, &mut alpha);
+        let mut states = states(&setup.admissible, &lambda);
+        widen(&mut states, &setup.admissible, &setup.problem.neighbours);
+        Start {
+            lambda,
+            alpha,
+            states,
+            steps: found.steps,
+            products: 0,
+        }
+    }
+}
+
+/// The law of blocks that are one.
+fn together(fine: &AdmissibleSet, members: &[usize]) -> Block {
+    let value = |&member: &usize| match fine.blocks()[member] {
+        Block::Tresca { bound, .. } => bound,
+        Block::Coulomb { coefficient, .. } => coefficient,
+        Block::Free { .. } | Block::Unilateral => 0.0,
+    };
+    let sum: f64 = members.iter().map(value).sum();
+    match fine.blocks()[members[0]] {
+        Block::Tresca { tangents, .. } => Block::Tresca {
+            tangents,
+            bound: sum,
+        },
+        Block::Coulomb { tangents, .. } => Block::Coulomb {
+            tangents,
+            coefficient: sum / members.len() as f64,
+        },
+        other => other,
+    }
+}
+
+/// States of forces that are known roughly.
+fn states(admissible: &AdmissibleSet, lambda: &[f64]) -> Vec<State> {
+    let blocks = admissible.iter();
+    let state = |(block, range): (&Block, std::ops::Range<usize>)| {
+        let mut trial = lambda[range].to_vec();
+        trial[1..].iter_mut().for_each(|t| *t *= 1.0 + 1e-6);
+        State::of_trial(block, &trial)
+    };
+    blocks.map(state).collect()
+}
+
+/// Contacts become wider by one node, which does what the one beside it does: sticking, it would drag at the others.
+fn widen(states: &mut [State], admissible: &AdmissibleSet, neighbours: &[[usize; 2]]) {
+    let before = states.to_vec();
+    for &[a, b] in neighbours {
+        for (open, beside) in [(a, b), (b, a)] {
+            let alike = admissible.blocks()[open].size() == admissible.blocks()[beside].size();
+            if alike && !before[open].closed && before[beside].closed {
+                states[open] = before[beside].clone();
             }
+        }
+    }
+}
+
+// Applied F
+
+/// The tree of pairs of pairs, and clusters that are a cut through it.
+struct Cut {
+    /// Fine blocks of each node of the tree, and what it was made of.
+    blocks: Vec<Vec<usize>>,
+    children: Vec<Vec<usize>>,
+    /// Nodes of the tree that are the clusters.
+    cut: Vec<usize>,
+    /// F times the columns of P of a node, one for each component.
+    columns: HashMap<usize, Vec<Vec<f64>>>,
+}
+
+impl Cut {
+    /// The coarsest clusters; `None` where there are no coarser ones.
+    fn new(setup: &Setup<'_>) -> Option<Self> {
+        let fine = &setup.admissible;
+        let count = fine.blocks().len();
+        let mut tree = Self {
+            blocks: (0..count).map(|block| vec![block]).collect(),
+            children: vec![Vec::new(); count],
+            cut: (0..count).collect(),
+            columns: HashMap::new(),
         };
-        AdmissibleSet::new(self.members.iter().map(cluster).collect())
+        let mut neighbours = setup.problem.neighbours.clone();
+        while tree.cut.len() > COARSEST {
+            let laws = tree
+                .cut
+                .iter()
+                .map(|&node| together(fine, &tree.blocks[node]));
+            let laws: Vec<Block> = laws.collect();
+            let members = pairs(&laws, &neighbours);
+            if members.len() as f64 > WORTH * tree.cut.len() as f64 {
+                break;
+            }
+            let mut of = vec![0; tree.cut.len()];
+            let mut next = Vec::with_capacity(members.len());
+            for (cluster, members) in members.iter().enumerate() {
+                members.iter().for_each(|&member| of[member] = cluster);
+                next.push(tree.join(members));
+            }
+            tree.cut = next;
+            neighbours = joined(&neighbours, &of);
+        }
+        (tree.cut.len() < count).then_some(tree)
     }
 
-    /// Pλ'.
-    fn spread(&self, fine: &AdmissibleSet, coarse: &AdmissibleSet, forces: &[f64]) -> Vec<f64> {
-        let mut lambda = vec![0.0; fine.len()];
-        for (cluster, members) in self.members.iter().enumerate() {
-            for &member in members {
-                let to = fine.range(member);
-                for (to, from) in to.zip(coarse.range(cluster)) {
-                    lambda[to] = forces[from] / members.len() as f64;
-                }
-            }
+    /// The node of the tree that some places of the cut become.
+    fn join(&mut self, places: &[usize]) -> usize {
+        let nodes: Vec<usize> = places.iter().map(|&place| self.cut[place]).collect();
+        if let [node] = nodes[..] {
+            return node;
         }
-        lambda
+        let blocks = nodes.iter().flat_map(|&node| self.blocks[node].clone());
+        self.blocks.push(blocks.collect());
+        self.children.push(nodes);
+        self.blocks.len() - 1
     }
 
-    /// States of spread forces, contacts widened by one node.
-    fn states(
-        &self,
-        admissible: &AdmissibleSet,
-        neighbours: &[[usize; 2]],
-        lambda: &[f64],
-    ) -> Vec<State> {
-        let blocks = admissible.iter();
-        let mut states: Vec<State> = blocks
-            .map(|(block, range)| {
-                let mut trial = lambda[range].to_vec();
-                trial[1..].iter_mut().for_each(|t| *t *= 1.0 + 1e-6);
-                State::of_trial(block, &trial)
-            })
-            .collect();
-        let closed: Vec<bool> = states.iter().map(|state| state.closed).collect();
-        for &[a, b] in neighbours {
-            for (open, beside) in [(a, b), (b, a)] {
-                if !closed[open] && closed[beside] && !states[open].closed {
-                    states[open] = State::sticking(&admissible.blocks()[open], true);
-                }
+    /// Solves the problem of the clusters, again and again, finer where states change.
+    fn refine(
+        mut self,
+        setup: &Setup<'_>,
+        matrix: &dyn LinearOperator,
+        solve: CoarseSolver<'_>,
+    ) -> Option<Start> {
+        let mut steps = 0.0;
+        let mut last = None;
+        while self.fill(setup, matrix) {
+            let members = self.cut.iter().map(|&node| self.blocks[node].clone());
+            let clusters = Clusters::new(members.collect(), setup);
+            let compliance = self.compliance(&clusters);
+            let Some(found) = clusters.solve(setup, compliance, solve) else {
+                break;
+            };
+            steps += found.steps;
+            let start = clusters.start(setup, &found);
+            let products = self.columns.values().map(Vec::len).sum();
+            last = Some(Start {
+                steps,
+                products,
+                ..start
+            });
+            let states = states(&clusters.admissible, &found.outcome.multipliers.lambda);
+            if !self.split(&clusters, &states) {
+                break;
             }
         }
-        states
+        last
+    }
+
+    /// Finds the columns of F that the cut needs; `false` where they are too many.
+    fn fill(&mut self, setup: &Setup<'_>, matrix: &dyn LinearOperator) -> bool {
+        let fine = &setup.admissible;
+        let open = self
+            .cut
+            .iter()
+            .filter(|node| !self.columns.contains_key(*node));
+        let open: Vec<usize> = open.copied().collect();
+        let size = |node: usize| fine.blocks()[self.blocks[node][0]].size();
+        let count: usize = open.iter().map(|&node| size(node)).sum();
+        if self.columns.values().map(Vec::len).sum::<usize>() + count > COLUMNS {
+            return false;
+        }
+        let mut forces = Mat::zeros(setup.len(), count);
+        let mut next = 0;
+        for &node in &open {
+            let share = 1.0 / self.blocks[node].len() as f64;
+            for &block in &self.blocks[node] {
+                for (component, i) in fine.range(block).enumerate() {
+                    forces[(i, next + component)] = share;
+                }
+            }
+            next += size(node);
+        }
+        let gaps = matrix.apply_many(&forces);
+        let mut next = 0;
+        for &node in &open {
+            let own = next..next + size(node);
+            next = own.end;
+            let columns = own.map(|column| gaps.col_as_slice(column).to_vec());
+            self.columns.insert(node, columns.collect());
+        }
+        true
+    }
+
+    /// PᵀFP of the cut.
+    fn compliance(&self, clusters: &Clusters) -> Mat<f64> {
+        let m = clusters.admissible.len();
+        let mut compliance = Mat::<f64>::zeros(m, m);
+        let columns = self.cut.iter().flat_map(|node| &self.columns[node]);
+        for (j, column) in columns.enumerate() {
+            let to = compliance.col_as_slice_mut(j);
+            for (gap, &(i, share)) in column.iter().zip(&clusters.place) {
+                to[i] += share * gap;
+            }
+        }
+        Mat::from_fn(m, m, |i, j| 0.5 * (compliance[(i, j)] + compliance[(j, i)]))
+    }
+
+    /// Makes clusters finer that are beside a change of states; `false` where there are none.
+    fn split(&mut self, clusters: &Clusters, states: &[State]) -> bool {
+        let mut near: Vec<bool> = vec![false; states.len()];
+        for &[a, b] in &clusters.neighbours {
+            if states[a].key() != states[b].key() {
+                (near[a], near[b]) = (true, true);
+            }
+        }
+        for _ in 1..BESIDE {
+            let before = near.clone();
+            for &[a, b] in &clusters.neighbours {
+                near[a] |= before[b];
+                near[b] |= before[a];
+            }
+        }
+        let mut finer = false;
+        let mut cut = Vec::new();
+        for (&node, near) in self.cut.iter().zip(near) {
+            let mut parts = vec![node];
+            for _ in 0..if near { FINER } else { 0 } {
+                let halves = parts.iter().map(|&part| match &self.children[part][..] {
+                    [] => vec![part],
+                    halves => halves.to_vec(),
+                });
+                parts = halves.flatten().collect();
+            }
+            finer |= parts != [node];
+            cut.extend(parts);
+        }
+        self.cut = cut;
+        finer
     }
 }
 
@@ -288,13 +500,9 @@ pub(crate) fn local_softness(setup: &Setup<'_>) -> Vec<f64> {
         return local;
     };
     let blocks = setup.admissible.blocks();
-    let mut beside: Vec<Vec<usize>> = vec![Vec::new(); blocks.len()];
-    for &[a, b] in &problem.neighbours {
-        if blocks[a].size() == blocks[b].size() {
-            beside[a].push(b);
-            beside[b].push(a);
-        }
-    }
+    let alike = |&[a, b]: &[usize; 2]| blocks[a].size() == blocks[b].size();
+    let neighbours = problem.neighbours.iter().copied().filter(alike);
+    let beside = beside(blocks.len(), &neighbours.collect::<Vec<_>>());
     for (block, others) in beside
         .iter()
         .enumerate()

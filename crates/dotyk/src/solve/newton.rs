@@ -81,6 +81,9 @@ const PRODUCTS: usize = 20_000;
 /// Shears of a starting point slip within this part of their bounds.
 const AT_BOUND: f64 = 1e-9;
 
+/// Accuracy of iterations within a step where the start is good: rougher forces would spoil it.
+const CLOSE: f64 = 1e-9;
+
 /// Forces below this part of the largest are rounding of the linear solves.
 const ROUNDING: f64 = 1e-14;
 
@@ -264,6 +267,8 @@ impl<'a> Search<'a> {
         self.point.lambda = start.lambda;
         self.point.alpha = start.alpha;
         self.coarse += start.steps;
+        self.products += start.products;
+        self.accuracy = self.accuracy.min(CLOSE);
         start.states
     }
 
@@ -303,7 +308,9 @@ impl<'a> Search<'a> {
             Ended::Stuck(states) => states,
             ended => return ended,
         };
-        match levels::start(setup, |method, coarse, tell| method.run(coarse, None, tell)) {
+        match levels::start(setup, &|method, coarse, tell| {
+            method.run(coarse, None, tell)
+        }) {
             Some(start) => {
                 let states = self.begin(start);
                 self.start_near(states, observe)

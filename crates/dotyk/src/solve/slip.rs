@@ -55,7 +55,7 @@ pub(crate) fn solve(
     let mut search = Search::new(method, setup);
     let mut states = match guess {
         Some(guess) => search.states_of_guess(guess)?,
-        None => match levels::start(setup, |method, coarse, tell| {
+        None => match levels::start(setup, &|method, coarse, tell| {
             solve(method, coarse, None, tell)
         }) {
             Some(start) => search.begin(start),

@@ -37,8 +37,9 @@ const CORRECTIONS: usize = 8;
 /// Most conjugate gradients of one linear problem.
 const CONJUGATE: usize = 500;
 
-/// Vectors that minimal residuals keep.
+/// Vectors that minimal residuals keep, and how often they begin again.
 const KRYLOV: usize = 60;
+const RESTARTS: usize = 10;
 
 /// Forces, amplitudes and the product with F.
 #[derive(Debug, Clone)]
@@ -557,54 +558,53 @@ impl System<'_> {
         norm(&reference)
     }
 
-    /// Minimal residuals on the bordered system, the balance eliminated by its own columns.
+    /// Minimal residuals on the forces that keep the balance, tested by motions that are not rigid.
     fn minimal_residuals(
         &mut self,
         preconditioner: &dyn LinearOperator,
-        x: Vec<f64>,
+        mut x: Vec<f64>,
         accuracy: f64,
     ) -> Option<Forces> {
-        let k = self.setup.modes();
-        let point = self.point(&x, vec![0.0; k]);
-        let (right, rest) = self.residual(&point, &x);
-        // A dx − Wᵀα̂ = right, C dx = rest: dx = A⁻¹right + Σ α̂ⱼ A⁻¹wⱼ
-        let own = self.krylov(preconditioner, &right, accuracy)?;
-        let rows = self.rows.clone();
-        let tight = accuracy.min(1e-10);
-        let columns = rows
-            .iter()
-            .map(|row| self.krylov(preconditioner, row, tight));
-        let columns: Vec<Vec<f64>> = columns.collect::<Option<_>>()?;
-        let forces = &self.forces;
-        let schur = Mat::from_fn(k, k, |i, j| dot(&forces[i], &columns[j]));
-        let mut alpha = Mat::from_fn(k, 1, |i, _| rest[i] - dot(&forces[i], &own));
-        if k > 0 {
-            let shifted = Mat::from_fn(k, k, |i, j| {
-                schur[(i, j)] + self.loose.iter().map(|z| z[i] * z[j]).sum::<f64>()
-            });
-            Lu::new(shifted).ok()?.solve_in_place(&mut alpha);
-        }
-        let alpha = alpha.col_as_slice(0).to_vec();
-        let mut x: Vec<f64> = x.iter().zip(&own).map(|(x, d)| x + d).collect();
-        for (column, a) in columns.iter().zip(&alpha) {
-            x.iter_mut().zip(column).for_each(|(x, c)| *x += a * c);
-        }
-        Some(self.point(&x, alpha))
+        let mut forces = Null::new(&self.forces);
+        let mut rigid = Null::new(&self.rows);
+        let mut target = vec![0.0; self.setup.modes()];
+        self.setup.balance.imbalance(self.offset, &mut target);
+        target.iter_mut().for_each(|rest| *rest = -*rest);
+        forces.restore(&self.forces, &target, &mut x);
+        let none = vec![0.0; target.len()];
+        let point = self.point(&x, none.clone());
+        let (mut residual, _) = self.residual(&point, &x);
+        let reference = self.reference(&mut rigid);
+        rigid.project(&self.rows, &mut residual);
+        let goal = accuracy * reference.max(1e-3 * norm(&residual));
+        let change = self.krylov(
+            preconditioner,
+            &residual,
+            goal,
+            &mut [&mut forces, &mut rigid],
+        )?;
+        x.iter_mut().zip(&change).for_each(|(x, d)| *x += d);
+        forces.restore(&self.forces, &target, &mut x);
+        let mut point = self.point(&x, none);
+        let (open, _) = self.residual(&point, &x);
+        point.alpha = rigid.amplitudes(&self.rows, &open);
+        Some(point)
     }
 
-    /// A⁻¹b by restarted minimal residuals, preconditioned from the right.
+    /// x without resultant for which b − Ax is a rigid motion, to within a norm, by restarted minimal residuals,
+    /// preconditioned from the right; the null spaces are those of the forces and of the rigid motions.
     fn krylov(
         &mut self,
         preconditioner: &dyn LinearOperator,
         b: &[f64],
-        accuracy: f64,
+        goal: f64,
+        [forces, rigid]: &mut [&mut Null; 2],
     ) -> Option<Vec<f64>> {
         let (n, m) = (b.len(), self.setup.len());
         let (mut lambda, mut image) = (vec![0.0; m], vec![0.0; m]);
         let mut x = vec![0.0; n];
         let mut residual = b.to_vec();
-        let goal = accuracy * norm(b);
-        for _ in 0..20 {
+        for _ in 0..RESTARTS {
             let size = norm(&residual);
             if size <= goal || size == 0.0 {
                 return Some(x);
@@ -617,7 +617,9 @@ impl System<'_> {
             for j in 0..KRYLOV.min(n) {
                 let (mut z, mut w) = (vec![0.0; n], vec![0.0; n]);
                 self.precondition(preconditioner, &basis[j], &mut lambda, &mut image, &mut z);
+                forces.project(&self.forces, &mut z);
                 self.apply(&z, &mut lambda, &mut image, &mut w);
+                rigid.project(&self.rows, &mut w);
                 directions.push(z);
                 let mut column: Vec<f64> = Vec::with_capacity(j + 2);
                 for q in &basis {
@@ -661,6 +663,7 @@ impl System<'_> {
                 x.iter_mut().zip(direction).for_each(|(x, d)| *x += y * d);
             }
             self.apply(&x, &mut lambda, &mut image, &mut residual);
+            rigid.project(&self.rows, &mut residual);
             residual.iter_mut().zip(b).for_each(|(r, b)| *r = b - *r);
         }
         Some(x)
