@@ -32,9 +32,10 @@ const ACCURACY: f64 = 1e-4;
 /// Most linear solves on a coarser problem.
 const STEPS: usize = 40;
 
-/// Applied F: blocks of the coarsest problem, most columns of FP, by how many pairings clusters become finer at once, and up
-/// to how many clusters beside a change of states.
+/// Applied F: blocks of the coarsest problem and how many times fewer these must be, most columns of FP, by how many pairings
+/// clusters become finer at once, and up to how many clusters beside a change of states.
 const COARSEST: usize = 64;
+const FEWER: usize = 4;
 const COLUMNS: usize = 1024;
 const FINER: usize = 2;
 const BESIDE: usize = 2;
@@ -305,7 +306,7 @@ struct Cut {
 }
 
 impl Cut {
-    /// The coarsest clusters; `None` where there are no coarser ones.
+    /// The coarsest clusters; `None` where these are not few.
     fn new(setup: &Setup<'_>) -> Option<Self> {
         let fine = &setup.admissible;
         let count = fine.blocks().len();
@@ -335,7 +336,7 @@ impl Cut {
             tree.cut = next;
             neighbours = joined(&neighbours, &of);
         }
-        (tree.cut.len() < count).then_some(tree)
+        (FEWER * tree.cut.len() <= count).then_some(tree)
     }
 
     /// The node of the tree that some places of the cut become.
