@@ -9,6 +9,7 @@ mod friction;
 mod gmsh;
 mod judge;
 mod layers;
+mod levels;
 mod mindlin;
 mod mortar;
 mod norms;

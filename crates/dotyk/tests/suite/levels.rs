@@ -1,0 +1,65 @@
+//! Newton's steps do not grow with the number of contact nodes, whatever the shape of the cells: a tunnel whose sides are
+//! free, so that the lining loses contact at the springline, with many nodes around and few cells through the depth. There a
+//! plain active set moves the edge of the contact by one node in each step.
+
+use dotyk::case::Case;
+use dotyk::dual::DualProblem;
+use dotyk::solve::{ContactSolver, Newton, Outcome};
+use std::ops::ControlFlow;
+use std::path::Path;
+
+/// `n` intervals on the half circle.
+fn tunnel(n: usize, friction: &str, dense_limit: usize) -> DualProblem {
+    let text = format!(
+        "analysis = \"plane-strain\"\n\
+         [[body]]\nname = \"rock\"\n\
+         mesh = {{ tunnel_rock = {{ radius = 15.0, half_width = 40.0, half_height = 40.0, cells = [{n}, 12] }} }}\n\
+         material = {{ young = 2000.0, poisson = 0.25 }}\n\
+         fix = [{{ side = \"axis\", x = 0.0 }}, {{ side = \"bottom\", y = 0.0 }}]\n\
+         load = [{{ side = \"top\", traction = [0.0, -50.0] }}]\n\
+         [[body]]\nname = \"lining\"\n\
+         mesh = {{ ring = {{ inner = 12.0, outer = 15.0, from = -90, to = 90, cells = [{n}, 5] }} }}\n\
+         material = {{ young = 2.1e6, poisson = 0.15 }}\n\
+         fix = [{{ side = \"start\", x = 0.0 }}, {{ side = \"end\", x = 0.0 }}]\n\
+         [[contact]]\nname = \"gamma\"\nnonmortar = \"rock.hole\"\nmortar = \"lining.outer\"\n{friction}\n"
+    );
+    let case = Case::from_str(&text, "case.toml", Path::new(".")).unwrap();
+    case.model.dual_problem(dense_limit).unwrap()
+}
+
+fn solve(problem: &DualProblem) -> Outcome {
+    let outcome = Newton::default().solve(problem, None, &mut |_| ControlFlow::Continue(()));
+    let outcome = outcome.unwrap();
+    assert!(problem.certify(&outcome.multipliers, 1e-8).holds());
+    outcome
+}
+
+#[test]
+fn steps_do_not_grow_with_the_number_of_nodes() {
+    for friction in ["", "friction = 0.3"] {
+        for n in [75, 150, 300, 600] {
+            let outcome = solve(&tunnel(n, friction, usize::MAX));
+            let open = outcome.multipliers.lambda.iter().filter(|l| **l == 0.0);
+            assert!(open.count() > n / 4, "the contact opens");
+            let steps = outcome.iterations;
+            println!("{n} nodes, {friction:?}: {steps} steps");
+            assert!(steps <= 9, "{n} nodes, {friction:?}: {steps} steps");
+        }
+    }
+}
+
+#[test]
+fn a_compliance_that_is_applied_takes_as_few_steps_and_gives_the_same_forces() {
+    for friction in ["", "friction = 0.3"] {
+        let dense = solve(&tunnel(600, friction, usize::MAX));
+        let applied = solve(&tunnel(600, friction, 0));
+        let (steps, products) = (applied.iterations, applied.products);
+        println!("{friction:?}: {steps} steps, {products} products");
+        assert!(steps <= 9, "{friction:?}: {steps} steps");
+        assert!(products <= 500, "{friction:?}: {products} products");
+        let largest = |forces: &[f64]| forces.iter().fold(0.0, |s: f64, l| s.max(l.abs()));
+        let (a, b) = (&dense.multipliers.lambda, &applied.multipliers.lambda);
+        let off: Vec<f64> = a.iter().zip(b).map(|(a, b)| a - b).collect();
+        assert!(largest(&off) <= 1e-7 * largest(a), "{:e}", largest(&off));
+    }
+}
