@@ -170,20 +170,27 @@ impl<'a> Report<'a> {
 
     fn print_iterations(&self) {
         println!();
-        for (name, rough) in [("frictionless", false), ("friction", true)] {
+        for (name, rough, goal) in [("frictionless", false, 20), ("friction", true, 40)] {
             let chosen = self.results.iter().filter(|r| r.rough == rough);
-            let mut iterations: Vec<usize> =
-                chosen.flat_map(|r| r.iterations.iter().copied()).collect();
+            let each = chosen.flat_map(|r| r.iterations.iter().map(|&count| (count, r.seed)));
+            let mut iterations: Vec<(usize, u64)> = each.collect();
             iterations.sort_unstable();
-            if let Some(last) = iterations.last() {
-                let at = |part: f64| iterations[(part * (iterations.len() - 1) as f64) as usize];
-                println!(
-                    "iterations, {name}: {} steps, median {}, 99 % {}, most {last}",
-                    iterations.len(),
-                    at(0.5),
-                    at(0.99)
-                );
+            if iterations.is_empty() {
+                continue;
             }
+            let at = |part: f64| iterations[(part * (iterations.len() - 1) as f64) as usize].0;
+            let over = iterations.iter().filter(|(count, _)| *count > goal).count();
+            let most = iterations.iter().rev().take(6);
+            let most: Vec<String> = most
+                .map(|(count, seed)| format!("{count} ({seed})"))
+                .collect();
+            println!(
+                "iterations, {name}: {} steps, median {}, 99 % {}, {over} over {goal}, most {}",
+                iterations.len(),
+                at(0.5),
+                at(0.99),
+                most.join(", ")
+            );
         }
     }
 
