@@ -5,7 +5,9 @@
 //! min ‖Gλ − e‖ over λ ∈ Λ: its rest e − Gλ is zero, or it is such a z.
 //!
 //! Method: non-negative least squares by an active set in the manner of Lawson and Hanson; the dimension is r, the
-//! number of modes, and m only counts columns. The same routine finds the least amplitude that opens all gaps.
+//! number of modes, and m only counts columns. The same routine finds the least amplitude that opens all gaps. Of many
+//! bodies the columns are sparse, and an interior point method comes first (`cone.rs`): what it finds is checked, and is
+//! an answer by itself.
 //!
 //! Friction adds generators. Coulomb: Λ is a cone, in the plane that of Gₙ ± coefficient · Gₜ of each node. Tresca: the
 //! bounded shears form a convex set of their own, written as the hull of its corners with weights that sum to one (a
@@ -16,9 +18,12 @@
 //! which part of the load along it friction can hold. If no friction whatever could hold the bodies (they tip or are
 //! lifted), it is the motion that remains when no contact slips, and that part is zero.
 
+use crate::dual::cone;
+use crate::dual::grouped::MANY;
 use crate::dual::{
     AdmissibleSet, Block, DualProblem, Equilibrium, Mat, ModeSplit, uncontrolled_modes,
 };
+use crate::linalg::SparseVector;
 
 /// Work on a rigid motion below this part of the load's scale counts as none.
 pub const NO_WORK: f64 = 1e-9;
@@ -68,7 +73,7 @@ impl Feasibility {
             let target = carrier.reduce(load);
             let carried: Vec<f64> = target.iter().zip(&rest).map(|(t, rest)| t - rest).collect();
             return Feasibility::Feasible {
-                load: carrier.expand(&carried),
+                load: carrier.expand(&carried, load.len()),
             };
         }
         if admissible.has_friction() {
@@ -77,7 +82,7 @@ impl Feasibility {
         let direction = if norm(&driven) > no_work {
             unit(driven)
         } else {
-            unit(carrier.expand(&rest))
+            unit(carrier.expand(&rest, load.len()))
         };
         Feasibility::Infeasible {
             direction,
@@ -95,7 +100,7 @@ impl Feasibility {
         let motion = |set: &AdmissibleSet| -> Vec<f64> {
             let carrier = Carrier::new(set, modes);
             let (driven, rest) = carrier.rest(load);
-            let rest = carrier.expand(&rest);
+            let rest = carrier.expand(&rest, load.len());
             driven.iter().zip(&rest).map(|(d, rest)| d + rest).collect()
         };
         let held = motion(&admissible.sticking());
@@ -158,7 +163,7 @@ fn scale_of(load: &[f64], force: f64) -> f64 {
 struct Carrier {
     split: ModeSplit,
     /// Generators of a cone.
-    columns: Vec<Vec<f64>>,
+    columns: Vec<SparseVector>,
     /// Round cones: Gₙ and coefficient · Gₜ of a node.
     cones: Vec<(Vec<f64>, Vec<Vec<f64>>)>,
     /// Bounded shears: bound · Gₜ of a node.
@@ -202,31 +207,32 @@ impl Carrier {
             let scale = |column: &Vec<f64>| column.iter().map(|x| factor * x).collect();
             columns.iter().map(scale).collect()
         };
+        let mut generates = |column: &[f64]| self.columns.push(SparseVector::from_dense(column));
         match *block {
             Block::Free { .. } => {
                 for column in columns {
-                    self.columns.push(column.iter().map(|x| -x).collect());
-                    self.columns.push(column);
+                    generates(&column.iter().map(|x| -x).collect::<Vec<f64>>());
+                    generates(&column);
                 }
             }
-            Block::Unilateral => self.columns.append(&mut columns),
+            Block::Unilateral => generates(&columns[0]),
             Block::Tresca { bound, .. } => {
+                generates(&columns[0]);
                 if bound > 0.0 {
                     self.shears.push(scaled(bound, &columns[1..]));
                 }
-                self.columns.push(columns.swap_remove(0));
             }
             Block::Coulomb { coefficient, .. } => {
                 let shears = scaled(coefficient, &columns[1..]);
                 let normal = columns.swap_remove(0);
                 if coefficient <= 0.0 {
-                    self.columns.push(normal);
+                    generates(&normal);
                     return;
                 }
                 for shear in &shears {
                     for sign in [-1.0, 1.0] {
                         let edge = normal.iter().zip(shear).map(|(n, t)| n + sign * t);
-                        self.columns.push(edge.collect());
+                        generates(&edge.collect::<Vec<f64>>());
                     }
                 }
                 if shears.len() > 1 {
@@ -238,18 +244,17 @@ impl Carrier {
 
     /// Coordinates of v (r,) in the controlled modes, (k,).
     fn reduce(&self, v: &[f64]) -> Vec<f64> {
-        let modes = &self.split.controlled;
-        (0..modes.ncols())
-            .map(|j| (0..v.len()).map(|i| modes[(i, j)] * v[i]).sum())
-            .collect()
+        let modes = self.split.controlled.iter();
+        modes.map(|mode| mode.dot(v)).collect()
     }
 
     /// The vector (r,) with the coordinates v (k,) in the controlled modes.
-    fn expand(&self, v: &[f64]) -> Vec<f64> {
-        let modes = &self.split.controlled;
-        (0..modes.nrows())
-            .map(|i| (0..v.len()).map(|j| modes[(i, j)] * v[j]).sum())
-            .collect()
+    fn expand(&self, v: &[f64], r: usize) -> Vec<f64> {
+        let mut expanded = vec![0.0; r];
+        for (mode, part) in self.split.controlled.iter().zip(v) {
+            mode.add_to(*part, &mut expanded);
+        }
+        expanded
     }
 
     /// Some admissible force balances `load` up to `no_work`.
@@ -262,18 +267,30 @@ impl Carrier {
     /// the coordinates of those that it does (k,), where it separates the load from what can be carried.
     fn rest(&self, load: &[f64]) -> (Vec<f64>, Vec<f64>) {
         let mut driven = vec![0.0; load.len()];
-        for j in 0..self.split.uncontrolled.ncols() {
-            let z = self.split.uncontrolled.col_as_slice(j);
-            let work = dot(z, load);
-            for (d, z) in driven.iter_mut().zip(z) {
-                *d += work * z;
-            }
+        for z in &self.split.uncontrolled {
+            z.add_to(z.dot(load), &mut driven);
         }
         let target = self.reduce(load);
-        if self.cones.is_empty() && self.shears.is_empty() {
-            return (driven, least_squares_nonnegative(&self.columns, &target).1);
+        let rest = if self.cones.is_empty() && self.shears.is_empty() {
+            self.rest_of_cone(&target)
+        } else {
+            self.rest_with_generation(target)
+        };
+        (driven, rest)
+    }
+
+    /// The rest where the generators are all there are.
+    fn rest_of_cone(&self, target: &[f64]) -> Vec<f64> {
+        if target.len() >= MANY
+            && let Some(rest) = cone::rest(&self.columns, target)
+        {
+            return rest;
         }
-        (driven, self.rest_with_generation(target))
+        least_squares_nonnegative(&self.dense_columns(), target).1
+    }
+
+    fn dense_columns(&self) -> Vec<Vec<f64>> {
+        self.columns.iter().map(SparseVector::to_dense).collect()
     }
 
     /// The rest where generators are added as it asks for them. The further row makes the weights of the corners of the
@@ -284,7 +301,7 @@ impl Carrier {
             .filter(|size| *size > 0.0)
             .unwrap_or(1.0);
         target.push(weight);
-        let mut columns = self.columns.clone();
+        let mut columns = self.dense_columns();
         columns.iter_mut().for_each(|column| column.push(0.0));
         let mut none = vec![0.0; k];
         none.push(weight);

@@ -25,7 +25,9 @@
 mod admissible;
 mod balance;
 mod certificate;
+mod cone;
 mod feasibility;
+mod grouped;
 mod projection;
 
 pub use admissible::{AdmissibleSet, Component};

@@ -8,7 +8,7 @@
 //! * otherwise: semismooth Newton in τ with regularised Jacobian ĜP′Ĝᵀ and line search on the convex function. A step
 //!   of length 1 along h always descends, because the rows of Ĝ are orthonormal; it is taken when Newton's direction fails.
 //!
-//! No allocation after construction.
+//! One row of Ĝ at a time is written out; nothing else is allocated after construction.
 
 use crate::dual::{AdmissibleSet, Balance, Block};
 
@@ -88,7 +88,7 @@ impl<'a> Projector<'a> {
 
     /// k = 1: the τ between two neighbouring breakpoints where the falling h crosses zero.
     fn breakpoint_search(&mut self, y: &[f64], lambda: &mut [f64]) -> f64 {
-        let (row, load) = (&self.balance.rows[0], self.balance.load[0]);
+        let (row, load) = (self.balance.rows[0].to_dense(), self.balance.load[0]);
         let bounded = &self.bounded;
         self.points.clear();
         self.points.extend(
@@ -134,13 +134,12 @@ impl<'a> Projector<'a> {
             let free = y[i] - tau * row[i];
             lambda[i] = if bounded[i] { free.max(0.0) } else { free };
         }
-        self.spread_rest(lambda);
+        self.spread_rest(&row, lambda);
         tau
     }
 
     /// Rounding in λ leaves a rest of the imbalance: spread it over the forces that can take it.
-    fn spread_rest(&self, lambda: &mut [f64]) {
-        let row = &self.balance.rows[0];
+    fn spread_rest(&self, row: &[f64], lambda: &mut [f64]) {
         let (mut slope, mut value) = (0.0, -self.balance.load[0]);
         for i in 0..lambda.len() {
             value += row[i] * lambda[i];
@@ -245,11 +244,11 @@ impl<'a> Projector<'a> {
         for j in 0..k {
             self.admissible.project_derivative(
                 &self.shifted,
-                &self.balance.rows[j],
+                &self.balance.rows[j].to_dense(),
                 &mut self.column,
             );
             for i in 0..=j {
-                self.jacobian[i * k + j] = dot(&self.balance.rows[i], &self.column);
+                self.jacobian[i * k + j] = self.balance.rows[i].dot(&self.column);
             }
         }
         for j in 0..k {

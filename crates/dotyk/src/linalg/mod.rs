@@ -13,6 +13,7 @@
 
 mod cholesky;
 pub(crate) mod dense;
+mod gram;
 mod order;
 mod sparse;
 
@@ -23,9 +24,10 @@ pub use dense::{
     solve_lower_transpose_in_place, symmetric_eigen, symmetric_eigenvalues, transpose_product,
 };
 pub use faer::{Mat, MatMut, MatRef};
+pub use gram::WeightedGram;
 pub use order::{expand_to_dofs, fill_reducing_order};
 pub use sparse::{
-    CellMatrices, Connectivity, Graph, SparseMatrix, SymmetricMatrix, assemble_blocks,
+    CellMatrices, Connectivity, Graph, SparseMatrix, SparseVector, SymmetricMatrix, assemble_blocks,
 };
 
 /// A symmetric linear map of vectors of length `len`.

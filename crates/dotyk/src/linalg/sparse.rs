@@ -13,6 +13,98 @@ use rayon::prelude::*;
 /// Nodes per task: enough work to hide the cost of a task, enough tasks to share.
 const NODES_PER_TASK: usize = 1024;
 
+/// A vector of which few entries are not zero; 12 bytes for each that is not.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct SparseVector {
+    length: usize,
+    index: Vec<u32>,
+    values: Vec<f64>,
+}
+
+impl SparseVector {
+    /// A vector of `length` entries from those that are not zero, indices ascending.
+    ///
+    /// # Panics
+    /// When indices do not ascend or are out of range.
+    pub fn new(length: usize, entries: impl IntoIterator<Item = (usize, f64)>) -> Self {
+        let mut vector = Self {
+            length,
+            ..Self::default()
+        };
+        for (i, value) in entries.into_iter().filter(|entry| entry.1 != 0.0) {
+            let last = vector.index.last();
+            assert!(i < length && last.is_none_or(|&last| (last as usize) < i));
+            vector.index.push(i as u32);
+            vector.values.push(value);
+        }
+        vector
+    }
+
+    /// The entries of a dense vector that are not zero.
+    pub fn from_dense(v: &[f64]) -> Self {
+        Self::new(v.len(), v.iter().copied().enumerate())
+    }
+
+    /// Number of entries, zeros included.
+    pub fn len(&self) -> usize {
+        self.length
+    }
+
+    /// Whether it has no entries.
+    pub fn is_empty(&self) -> bool {
+        self.length == 0
+    }
+
+    /// All entries.
+    pub fn to_dense(&self) -> Vec<f64> {
+        let mut v = vec![0.0; self.length];
+        self.add_to(1.0, &mut v);
+        v
+    }
+
+    /// (index, value) of the entries that are not zero, ascending.
+    pub fn entries(&self) -> impl Iterator<Item = (usize, f64)> {
+        let index = self.index.iter().map(|&i| i as usize);
+        index.zip(self.values.iter().copied())
+    }
+
+    /// The product with a dense vector.
+    pub fn dot(&self, v: &[f64]) -> f64 {
+        self.entries().map(|(i, value)| value * v[i]).sum()
+    }
+
+    /// out += factor · self.
+    pub fn add_to(&self, factor: f64, out: &mut [f64]) {
+        for (i, value) in self.entries() {
+            out[i] += factor * value;
+        }
+    }
+
+    /// Multiplies all entries.
+    pub fn scale(&mut self, factor: f64) {
+        self.values.iter_mut().for_each(|value| *value *= factor);
+    }
+
+    /// Euclidean length.
+    pub fn norm(&self) -> f64 {
+        self.values.iter().map(|x| x * x).sum::<f64>().sqrt()
+    }
+}
+
+impl std::ops::Index<usize> for SparseVector {
+    type Output = f64;
+
+    fn index(&self, i: usize) -> &f64 {
+        if self.values.len() == self.length {
+            return &self.values[i];
+        }
+        match self.index.binary_search(&(i as u32)) {
+            Ok(place) => &self.values[place],
+            Err(_) => &0.0,
+        }
+    }
+}
+
 /// A general (rows, cols) matrix by rows; 12 bytes per entry and 8 per row.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SparseMatrix {

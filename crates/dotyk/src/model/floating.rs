@@ -7,21 +7,22 @@
 use crate::dual::{Equilibrium, NO_WORK, least_norm_within, uncontrolled_modes};
 use crate::fem::describe_motion;
 use crate::geometry::norm;
-use crate::linalg::Mat;
+use crate::linalg::{Mat, SparseVector};
 use crate::model::condense::LoadedBody;
 use crate::model::error::Error;
 use crate::model::nouns::Model;
+use std::collections::BTreeMap;
 
 /// Rigid modes of all bodies and what the contact does with them.
 pub(crate) struct Floating {
     /// (body, index of the mode in its system) of every mode.
     pub modes: Vec<(usize, usize)>,
-    /// Columns: the combinations of modes that enter the dual problem, (r, k).
-    pub controlled: Mat<f64>,
-    /// Columns: the combinations that no contact can control, (r, r − k).
-    pub uncontrolled: Mat<f64>,
-    /// G of all modes, (r, m).
-    all: Mat<f64>,
+    /// The k combinations (r,) of modes that enter the dual problem.
+    controlled: Vec<SparseVector>,
+    /// The r − k combinations (r,) that no contact can control.
+    pub uncontrolled: Vec<SparseVector>,
+    /// G of all modes, r rows (m,).
+    all: Vec<SparseVector>,
     /// e of all modes, (r,).
     loads: Vec<f64>,
     /// Gλ = e in the controlled combinations.
@@ -58,28 +59,29 @@ impl Floating {
             }
         }
         let split = uncontrolled_modes(&g);
-        let (controlled, equilibrium) = if split.uncontrolled.ncols() == 0 {
+        let all = (0..r).map(|k| SparseVector::new(m, (0..m).map(|i| (i, g[(k, i)]))));
+        let all = all.collect();
+        let (controlled, equilibrium) = if split.uncontrolled.is_empty() {
+            let unit = |k: usize| SparseVector::new(r, [(k, 1.0)]);
             (
-                Mat::<f64>::identity(r, r),
+                (0..r).map(unit).collect(),
                 Equilibrium {
                     moments: moments(bodies, &modes),
-                    modes: g.clone(),
+                    modes: g,
                     load: vec![0.0; r],
                 },
             )
         } else {
             let c = split.controlled;
-            let reduced = Mat::from_fn(c.ncols(), m, |j, i| {
-                (0..r).map(|k| c[(k, j)] * g[(k, i)]).sum::<f64>()
-            });
-            let load = vec![0.0; c.ncols()];
+            let reduced = Mat::from_fn(c.len(), m, |j, i| c[j].dot(g.col_as_slice(i)));
+            let load = vec![0.0; c.len()];
             (c, Equilibrium::new(reduced, load))
         };
         let unloaded = Self {
             modes,
             controlled,
             uncontrolled: split.uncontrolled,
-            all: g,
+            all,
             loads: vec![0.0; r],
             equilibrium,
             warnings: Vec::new(),
@@ -96,7 +98,6 @@ impl Floating {
         gaps: &[f64],
     ) -> Result<Self, Error<D>> {
         reachable(model, bodies, &self.modes, gaps)?;
-        let r = self.modes.len();
         // a free mode strains nothing: what is prescribed does no work on it
         let work = |&(body, mode): &(usize, usize)| -> f64 {
             let system = &bodies[body].system;
@@ -105,27 +106,21 @@ impl Floating {
         };
         let e: Vec<f64> = self.modes.iter().map(work).collect();
         self.warnings.clear();
-        for j in 0..self.uncontrolled.ncols() {
-            let z: Vec<f64> = (0..r).map(|k| self.uncontrolled[(k, j)]).collect();
-            let warning = check_undriven(model, bodies, &self.modes, &z, &e)?;
+        let silent = NO_WORK * load_scale(bodies, &self.modes);
+        for z in &self.uncontrolled {
+            let z = z.to_dense();
+            let warning = check_undriven(model, bodies, &self.modes, &z, &e, silent)?;
             self.warnings.push(warning);
         }
-        let silent = NO_WORK * load_scale(bodies, &self.modes);
         let loads = e.iter().map(|&e| if e.abs() > silent { e } else { 0.0 });
         self.loads = loads.collect();
-        self.equilibrium.load = if self.uncontrolled.ncols() == 0 {
-            e
-        } else {
-            (0..self.controlled.ncols())
-                .map(|j| (0..r).map(|k| self.controlled[(k, j)] * e[k]).sum())
-                .collect()
-        };
+        self.equilibrium.load = self.controlled.iter().map(|z| z.dot(&e)).collect();
         Ok(self)
     }
 
     /// Work of a unit force of multiplier i on mode k.
     pub fn work(&self, k: usize, i: usize) -> f64 {
-        self.all[(k, i)]
+        self.all[k][i]
     }
 
     /// Work of the load on mode k, for a largest displacement of 1; rounding of loads that balance is zero.
@@ -135,15 +130,11 @@ impl Floating {
 
     /// Amplitudes of all modes from those of the controlled combinations.
     pub fn amplitudes(&self, alpha: &[f64]) -> Vec<f64> {
-        (0..self.modes.len())
-            .map(|k| {
-                alpha
-                    .iter()
-                    .enumerate()
-                    .map(|(j, a)| self.controlled[(k, j)] * a)
-                    .sum()
-            })
-            .collect()
+        let mut amplitudes = vec![0.0; self.modes.len()];
+        for (z, a) in self.controlled.iter().zip(alpha) {
+            z.add_to(*a, &mut amplitudes);
+        }
+        amplitudes
     }
 
     /// The error for a load that no admissible contact force balances; `direction` as the dual problem tells it.
@@ -273,19 +264,21 @@ fn load_scale<const D: usize>(bodies: &[LoadedBody<D>], modes: &[(usize, usize)]
         .fold(0.0, f64::max)
 }
 
-/// Warning about a motion that nothing controls and no load drives; an error when the load does work on it.
+/// Warning about a motion that nothing controls and no load drives; an error when the load does more work on it than is
+/// `silent`.
 fn check_undriven<const D: usize>(
     model: &Model<D>,
     bodies: &[LoadedBody<D>],
     modes: &[(usize, usize)],
     z: &[f64],
     e: &[f64],
+    silent: f64,
 ) -> Result<String, Error<D>> {
     let body = main_body(modes, z);
     let name = model.part_name(body);
     let motion = describe(model, bodies, body, |mode| amplitude(modes, z, body, mode));
     let work: f64 = z.iter().zip(e).map(|(z, e)| z * e).sum();
-    if work.abs() > NO_WORK * load_scale(bodies, modes) {
+    if work.abs() > silent {
         let reason =
             format!("its load does work on it (resultant {work:.4e}) and no contact can resist it");
         return Err(Error::NotHeld {
@@ -299,6 +292,9 @@ fn check_undriven<const D: usize>(
     ))
 }
 
+/// A rigid motion: nodal displacements of the bodies that it moves.
+type Motion = BTreeMap<usize, Vec<f64>>;
+
 /// Chooses the rigid amplitudes that the contact leaves open: least norm of the displacement without penetration.
 ///
 /// `free` lists combinations of modes, (r,) each; `elastic` and `rigid` are the two parts of the nodal displacements of all
@@ -306,57 +302,62 @@ fn check_undriven<const D: usize>(
 pub(crate) fn settle<const D: usize>(
     bodies: &[LoadedBody<D>],
     floating: &Floating,
-    free: &[Vec<f64>],
+    free: &[SparseVector],
     elastic: &[Vec<f64>],
     rigid: &mut [Vec<f64>],
     gaps: &mut [f64],
 ) {
     // orthonormalise the motions over all nodes, so that the least norm of amplitudes is that of displacements
-    let mut motions: Vec<Vec<Vec<f64>>> = Vec::new();
+    let mut motions: Vec<Motion> = Vec::new();
     for z in free {
-        let mut motion: Vec<Vec<f64>> = bodies
-            .iter()
-            .map(|b| vec![0.0; b.system.load.len()])
-            .collect();
-        for (&(body, mode), a) in floating.modes.iter().zip(z) {
+        let mut motion = Motion::new();
+        for (mode, a) in z.entries() {
+            let (body, mode) = floating.modes[mode];
             let column = &bodies[body].system.modes[mode];
-            motion[body]
-                .iter_mut()
-                .zip(column)
-                .for_each(|(u, r)| *u += a * r);
+            add_to_body(&mut motion, body, a, column);
         }
         for other in &motions {
-            let part = -inner(&motion, other);
-            add(&mut motion, part, other);
+            let part = inner(&motion, other);
+            if part != 0.0 {
+                for (&body, u) in other {
+                    add_to_body(&mut motion, body, -part, u);
+                }
+            }
         }
         let size = inner(&motion, &motion).sqrt();
         if size > 1e-12 {
-            motion.iter_mut().flatten().for_each(|u| *u /= size);
+            motion.values_mut().flatten().for_each(|u| *u /= size);
             motions.push(motion);
         }
     }
     for motion in &motions {
-        let part = -inner(elastic, motion) - inner(rigid, motion);
-        move_by(bodies, part, motion, rigid, gaps);
+        let along =
+            |(body, u): (&usize, &Vec<f64>)| dot(u, &elastic[*body]) + dot(u, &rigid[*body]);
+        let part: f64 = motion.iter().map(along).sum();
+        move_by(bodies, -part, motion, rigid, gaps);
     }
-    // closing[i][j]: by how much motion j closes gap i; no gap may become negative
-    let mut closing = vec![vec![0.0; motions.len()]; gaps.len()];
+    // closing[i]: which motions close gap i, and by how much; no gap may become negative
+    let mut closing: Vec<Vec<(usize, f64)>> = vec![Vec::new(); gaps.len()];
     for (j, motion) in motions.iter().enumerate() {
-        let mut change = vec![0.0; gaps.len()];
-        add_rows(bodies, 1.0, motion, &mut change);
-        closing
-            .iter_mut()
-            .zip(&change)
-            .for_each(|(row, c)| row[j] = *c);
+        let mut change: BTreeMap<usize, f64> = BTreeMap::new();
+        for (&body, u) in motion {
+            closed_by(&bodies[body], u, |row, c| {
+                *change.entry(row).or_default() += c
+            });
+        }
+        change
+            .iter()
+            .for_each(|(&row, &c)| closing[row].push((j, c)));
     }
     let touched: Vec<usize> = (0..gaps.len())
-        .filter(|&i| closing[i].iter().any(|c| c.abs() > 1e-12))
+        .filter(|&i| closing[i].iter().any(|(_, c)| c.abs() > 1e-12))
         .collect();
     if touched.iter().all(|&i| gaps[i] >= 0.0) {
         return;
     }
     let bounds: Vec<f64> = touched.iter().map(|&i| gaps[i]).collect();
-    let closing: Vec<Vec<f64>> = touched.iter().map(|&i| closing[i].clone()).collect();
+    let row = |&i: &usize| SparseVector::new(motions.len(), closing[i].iter().copied()).to_dense();
+    let closing: Vec<Vec<f64>> = touched.iter().map(row).collect();
     if let Some(beta) = least_norm_within(&closing, &bounds, motions.len()) {
         for (b, motion) in beta.iter().zip(&motions) {
             move_by(bodies, *b, motion, rigid, gaps);
@@ -364,30 +365,46 @@ pub(crate) fn settle<const D: usize>(
     }
 }
 
-fn inner(a: &[Vec<f64>], b: &[Vec<f64>]) -> f64 {
-    a.iter()
-        .flatten()
-        .zip(b.iter().flatten())
-        .map(|(x, y)| x * y)
-        .sum()
+fn add_to_body(motion: &mut Motion, body: usize, factor: f64, u: &[f64]) {
+    let own = motion.entry(body).or_insert_with(|| vec![0.0; u.len()]);
+    own.iter_mut()
+        .zip(u)
+        .for_each(|(own, u)| *own += factor * u);
 }
 
-fn add(a: &mut [Vec<f64>], factor: f64, b: &[Vec<f64>]) {
-    a.iter_mut()
-        .flatten()
-        .zip(b.iter().flatten())
-        .for_each(|(x, y)| *x += factor * y);
+fn inner(a: &Motion, b: &Motion) -> f64 {
+    let common = a.iter().filter_map(|(body, u)| Some((u, b.get(body)?)));
+    common.map(|(u, v)| dot(u, v)).sum()
+}
+
+fn dot(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(x, y)| x * y).sum()
 }
 
 fn move_by<const D: usize>(
     bodies: &[LoadedBody<D>],
     factor: f64,
-    motion: &[Vec<f64>],
+    motion: &Motion,
     displacement: &mut [Vec<f64>],
     gaps: &mut [f64],
 ) {
-    add(displacement, factor, motion);
-    add_rows(bodies, -factor, motion, gaps);
+    for (&body, u) in motion {
+        let own = displacement[body].iter_mut().zip(u);
+        own.for_each(|(own, u)| *own += factor * u);
+        closed_by(&bodies[body], u, |row, c| gaps[row] -= factor * c);
+    }
+}
+
+/// By how much displacements of a body close its gaps: Bu, row by row.
+fn closed_by<const D: usize>(body: &LoadedBody<D>, u: &[f64], mut tell: impl FnMut(usize, f64)) {
+    for (local, &row) in body.rows.index.iter().enumerate() {
+        let product = body
+            .rows
+            .matrix
+            .row(local)
+            .map(|(dof, value)| value * u[dof]);
+        tell(row, product.sum());
+    }
 }
 
 /// out += factor · B u.
@@ -398,14 +415,6 @@ pub(crate) fn add_rows<const D: usize>(
     out: &mut [f64],
 ) {
     for (body, u) in bodies.iter().zip(u) {
-        for (local, &row) in body.rows.index.iter().enumerate() {
-            out[row] += factor
-                * body
-                    .rows
-                    .matrix
-                    .row(local)
-                    .map(|(dof, value)| value * u[dof])
-                    .sum::<f64>();
-        }
+        closed_by(body, u, |row, c| out[row] += factor * c);
     }
 }

@@ -15,6 +15,7 @@ use crate::fem::{
     von_mises,
 };
 use crate::geometry::{Point, add_scaled, bounding_box, cross, dot, norm, sub};
+use crate::linalg::SparseVector;
 use crate::model::between::{Moved, Overlap, worst_overlap};
 use crate::model::condense::{FactoredBody, LoadedBody, initial_gaps};
 use crate::model::error::Error;
@@ -400,11 +401,9 @@ fn open_motions<const D: usize>(
     floating: &Floating,
     problem: &DualProblem,
     lambda: &[f64],
-) -> (Vec<Vec<f64>>, Vec<String>) {
+) -> (Vec<SparseVector>, Vec<String>) {
     let r = floating.modes.len();
-    let mut open: Vec<Vec<f64>> = (0..floating.uncontrolled.ncols())
-        .map(|j| (0..r).map(|k| floating.uncontrolled[(k, j)]).collect())
-        .collect();
+    let mut open = floating.uncontrolled.clone();
     let force = lambda
         .iter()
         .fold(problem.scales.force, |s, l| s.max(l.abs()));
@@ -426,7 +425,7 @@ fn open_motions<const D: usize>(
             .enumerate()
             .filter(|(_, mode)| mode.0 == index)
         {
-            open.push((0..r).map(|i| f64::from(i == k)).collect());
+            open.push(SparseVector::new(r, [(k, 1.0)]));
         }
     }
     (open, hovering)

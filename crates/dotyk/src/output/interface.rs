@@ -355,7 +355,14 @@ fn picture(
     };
 
     svg.begin_clip(corner, [size[0], size[1] - caption]);
-    for (i, body) in scene.model.bodies.iter().enumerate() {
+    // a body out of sight is left out: each of many contacts has its own picture
+    let meets = |(low, high): (Point<2>, Point<2>)| {
+        let (low, high) = (pixel(low), pixel(high));
+        let (end, beside) = ([0, 1].map(|i| corner[i] + size[i]), (high[0] >= corner[0]));
+        beside && low[0] <= end[0] && high[1] <= end[1] && low[1] >= corner[1]
+    };
+    let bodies = scene.model.bodies.iter().enumerate();
+    for (i, body) in bodies.filter(|(i, _)| meets(scene.extents[*i])) {
         let path = outline_path(&scene.outlines[i], &|n| pixel(body.mesh.points()[n]));
         svg.path(
             &path,

@@ -284,6 +284,8 @@ pub struct Scene<'a> {
     pub model: &'a Model<2>,
     /// Boundary of each body.
     pub outlines: Vec<Vec<Strand>>,
+    /// Box around each body.
+    pub extents: Vec<Box2>,
     /// Box around everything.
     pub bounds: Box2,
     /// Box around the contacts, where they are small.
@@ -304,6 +306,7 @@ impl<'a> Scene<'a> {
             .flat_map(|b| b.mesh.points())
             .copied()
             .collect();
+        let extents = model.bodies.iter().map(|b| bounding_box(b.mesh.points()));
         let bounds = bounding_box(&all);
         let touching: Vec<Point<2>> = model
             .contacts
@@ -314,6 +317,7 @@ impl<'a> Scene<'a> {
         Self {
             model,
             outlines,
+            extents: extents.collect(),
             bounds,
             detail: detail_box(bounds, &touching),
         }

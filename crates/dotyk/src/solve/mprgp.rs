@@ -23,6 +23,7 @@
 use std::ops::ControlFlow;
 
 use crate::dual::{Block, DualProblem, Multipliers, Projector};
+use crate::linalg::SparseVector;
 use crate::solve::gradient::projected_bound;
 use crate::solve::null::Null;
 use crate::solve::{
@@ -631,10 +632,10 @@ enum Vector {
 fn restore(setup: &Setup<'_>, loaded: &[bool], forces: &mut [f64]) -> bool {
     let list: Vec<usize> = (0..forces.len()).filter(|&i| loaded[i]).collect();
     let rows = setup.balance.rows.iter();
-    let rows: Vec<Vec<f64>> = rows
-        .map(|row| list.iter().map(|&i| row[i]).collect())
+    let rows: Vec<SparseVector> = rows
+        .map(|row| SparseVector::new(list.len(), list.iter().map(|&i| row[i]).enumerate()))
         .collect();
-    let mut null = Null::new(&rows);
+    let mut null = Null::new(&rows, &[]);
     let mut rest = vec![0.0; rows.len()];
     // the second pass removes what rounding left
     for _ in 0..2 {

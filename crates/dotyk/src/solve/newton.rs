@@ -614,18 +614,27 @@ pub(crate) fn open_gaps(
     open: impl Fn(usize) -> bool,
     alpha: &mut [f64],
 ) {
-    let (mut rows, mut bounds) = (Vec::new(), Vec::new());
-    for i in (0..setup.len()).filter(|&i| open(i)) {
-        let row: Vec<f64> = loose
-            .iter()
-            .map(|z| (0..z.len()).map(|j| z[j] * setup.balance.rows[j][i]).sum())
-            .collect();
-        // A gap that the loose motion does not change is left to the active set.
-        if row.iter().any(|x: &f64| x.abs() > 1e-12) {
-            rows.push(row);
-            bounds.push(gap[i]);
-        }
+    let image = |z: &Vec<f64>| {
+        let mut image = vec![0.0; setup.len()];
+        setup.balance.add_transposed(1.0, z, &mut image);
+        image
+    };
+    let images: Vec<Vec<f64>> = loose.iter().map(image).collect();
+    let mut largest = vec![0.0f64; setup.len()];
+    for image in &images {
+        let both = largest.iter_mut().zip(image);
+        both.for_each(|(largest, x)| *largest = largest.max(x.abs()));
     }
+    // A gap that the loose motion does not change is left to the active set.
+    let moved: Vec<usize> = (0..setup.len())
+        .filter(|&i| open(i) && largest[i] > 1e-12)
+        .collect();
+    let bounds: Vec<f64> = moved.iter().map(|&i| gap[i]).collect();
+    if bounds.iter().all(|&gap| gap >= 0.0) {
+        return;
+    }
+    let row = |&i: &usize| images.iter().map(|image| image[i]).collect();
+    let rows: Vec<Vec<f64>> = moved.iter().map(row).collect();
     if let Some(motion) = least_norm_within(&rows, &bounds, loose.len()) {
         for (motion, z) in motion.iter().zip(loose) {
             for (alpha, z) in alpha.iter_mut().zip(z) {

@@ -17,11 +17,11 @@
 
 use crate::dual::Compliance;
 use crate::linalg::dense::{
-    Lu, cholesky_in_place, product, solve_cholesky_in_place, solve_lower_in_place,
+    Lu, cholesky_in_place, solve_cholesky_in_place, solve_lower_in_place,
     solve_lower_transpose_in_place, transpose_product,
 };
-use crate::linalg::{LinearOperator, Mat};
-use crate::solve::null::{Null, Pseudo};
+use crate::linalg::{LinearOperator, Mat, SparseVector};
+use crate::solve::null::{Null, Pseudo, add_outer, gram_of};
 use crate::solve::states::{Unknown, along};
 use crate::solve::{Setup, dot, norm};
 
@@ -69,8 +69,8 @@ pub(crate) struct System<'a> {
     unknowns: &'a [Unknown],
     offset: &'a [f64],
     /// Ĝ cₐ and Ĝ wₐ, k rows over the unknowns.
-    forces: Vec<Vec<f64>>,
-    rows: Vec<Vec<f64>>,
+    forces: Vec<SparseVector>,
+    rows: Vec<SparseVector>,
     /// Directions of α̂ that no row determines, orthonormal.
     pub loose: Vec<Vec<f64>>,
     /// The solution was determined without a shift.
@@ -82,18 +82,14 @@ pub(crate) struct System<'a> {
 impl<'a> System<'a> {
     /// Sets up the problem of `unknowns` beside the known forces `offset` (m,).
     pub fn new(setup: &'a Setup<'a>, unknowns: &'a [Unknown], offset: &'a [f64]) -> Self {
-        let modes = |side: fn(&Unknown) -> &[(usize, f64)]| -> Vec<Vec<f64>> {
-            let rows = setup.balance.rows.iter();
-            rows.map(|row| unknowns.iter().map(|u| along(side(u), row)).collect())
-                .collect()
-        };
-        let rows = modes(|u| &u.row);
+        let rows = on_unknowns(&setup.balance.rows, unknowns, |u| &u.row);
+        let forces = on_unknowns(&setup.balance.rows, unknowns, |u| &u.force);
         Self {
             setup,
             unknowns,
             offset,
-            forces: modes(|u| &u.force),
-            loose: null_of(&rows),
+            forces,
+            loose: null_of(setup, unknowns, &rows, |u| &u.row),
             rows,
             unique: false,
             products: 0,
@@ -105,7 +101,11 @@ impl<'a> System<'a> {
         let mut rest = vec![0.0; self.setup.modes()];
         self.setup.balance.imbalance(self.offset, &mut rest);
         let size = norm(&self.setup.balance.load).max(norm(&rest));
-        let null = null_of(&self.forces);
+        let symmetric = self.unknowns.iter().all(Unknown::is_symmetric);
+        let null = match symmetric {
+            true => self.loose.clone(),
+            false => null_of(self.setup, self.unknowns, &self.forces, |u| &u.force),
+        };
         null.iter().all(|z| dot(z, &rest).abs() <= 1e-9 * size)
     }
 
@@ -189,10 +189,29 @@ impl<'a> System<'a> {
     }
 }
 
-/// Orthonormal z (k,) with zᵀ`rows` = 0.
-fn null_of(rows: &[Vec<f64>]) -> Vec<Vec<f64>> {
-    let gram = Mat::from_fn(rows.len(), rows.len(), |i, j| dot(&rows[i], &rows[j]));
-    Pseudo::new(&gram).null
+/// What an unknown pushes, or what its condition weighs.
+type Side = fn(&Unknown) -> &[(usize, f64)];
+
+/// Rows over the forces as rows over the unknowns.
+fn on_unknowns(rows: &[SparseVector], unknowns: &[Unknown], side: Side) -> Vec<SparseVector> {
+    let along_row = |row: &SparseVector| {
+        let row = row.to_dense();
+        let parts = unknowns.iter().map(|u| along(side(u), &row));
+        SparseVector::new(unknowns.len(), parts.enumerate())
+    };
+    rows.iter().map(along_row).collect()
+}
+
+/// Orthonormal z (k,) with zᵀ`rows` = 0, `rows` those of the balance on a side of the unknowns.
+fn null_of(
+    setup: &Setup<'_>,
+    unknowns: &[Unknown],
+    rows: &[SparseVector],
+    side: Side,
+) -> Vec<Vec<f64>> {
+    let part = |images: &[SparseVector]| on_unknowns(images, unknowns, side);
+    let local = setup.balance.loose(part);
+    local.unwrap_or_else(|| Pseudo::new(&gram_of(rows), &[]).null)
 }
 
 /// The nearest power of two to 1/√x, or 1.
@@ -300,7 +319,7 @@ impl Factored {
                     rho,
                     rows,
                     solved,
-                    schur: Pseudo::new(&schur),
+                    schur: Pseudo::new(&schur, &system.loose),
                 },
                 shifted: shift > 0.0,
             });
@@ -312,9 +331,8 @@ impl Factored {
         let (n, k) = (scale.len(), system.rows.len());
         let balance: Vec<f64> = (0..k)
             .map(|j| {
-                let pushes = system.forces[j].iter().chain(&system.rows[j]);
-                let both = pushes.zip(scale.iter().chain(&scale));
-                unit_scale(both.fold(0.0, |s: f64, (g, c)| s.max((g * c).powi(2))))
+                let pushes = system.forces[j].entries().chain(system.rows[j].entries());
+                unit_scale(pushes.fold(0.0, |s: f64, (a, g)| s.max((g * scale[a]).powi(2))))
             })
             .collect();
         let bordered = |shift: f64| {
@@ -420,16 +438,6 @@ fn coupling(matrix: &Mat<f64>, unknowns: &[Unknown]) -> Mat<f64> {
     out
 }
 
-/// a += ϱ rows rowsᵀ.
-fn add_outer(a: &mut Mat<f64>, rho: f64, rows: &Mat<f64>) {
-    let scaled = Mat::from_fn(rows.ncols(), rows.nrows(), |j, i| rho * rows[(i, j)]);
-    let outer = product(rows, &scaled);
-    for j in 0..a.ncols() {
-        let column = a.col_as_slice_mut(j).iter_mut();
-        column.zip(outer.col_as_slice(j)).for_each(|(a, o)| *a += o);
-    }
-}
-
 // Applied F
 
 impl System<'_> {
@@ -503,7 +511,7 @@ impl System<'_> {
         accuracy: f64,
     ) -> Option<Forces> {
         let (n, m) = (x.len(), self.setup.len());
-        let mut null = Null::new(&self.rows);
+        let mut null = Null::new(&self.rows, &self.loose);
         let mut target = vec![0.0; self.setup.modes()];
         self.setup.balance.imbalance(self.offset, &mut target);
         target.iter_mut().for_each(|rest| *rest = -*rest);
@@ -565,8 +573,8 @@ impl System<'_> {
         mut x: Vec<f64>,
         accuracy: f64,
     ) -> Option<Forces> {
-        let mut forces = Null::new(&self.forces);
-        let mut rigid = Null::new(&self.rows);
+        let mut forces = Null::new(&self.forces, &[]);
+        let mut rigid = Null::new(&self.rows, &self.loose);
         let mut target = vec![0.0; self.setup.modes()];
         self.setup.balance.imbalance(self.offset, &mut target);
         target.iter_mut().for_each(|rest| *rest = -*rest);
