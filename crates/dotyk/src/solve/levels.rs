@@ -196,7 +196,7 @@ impl Clusters {
         let Multipliers { lambda, alpha } = &outcome.multipliers;
         let finite = lambda.iter().chain(alpha).all(|x| x.is_finite());
         let share = coarse.len() as f64 / setup.len() as f64;
-        finite.then(|| Coarse {
+        finite.then_some(Coarse {
             steps: share * outcome.iterations as f64,
             outcome,
         })
