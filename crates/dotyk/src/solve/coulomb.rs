@@ -51,7 +51,7 @@ pub(crate) fn fixed_point<S: FixedBounds>(
         }
         None => Vec::new(),
     };
-    if guess.is_none() || !carries(setup, &bounds) {
+    if guess.is_none() || !carry(setup, &bounds) {
         let sticking = setup.with_admissible(setup.admissible.sticking());
         if let Some(outcome) = search.solve(&sticking, 1e-3, observe)? {
             return Ok(outcome);
@@ -60,7 +60,7 @@ pub(crate) fn fixed_point<S: FixedBounds>(
     }
     for _ in 0..ROUNDS {
         for _ in 0..DOUBLINGS {
-            if carries(setup, &bounds) {
+            if carry(setup, &bounds) {
                 break;
             }
             bounds.iter_mut().for_each(|bound| *bound *= 2.0);
@@ -87,8 +87,8 @@ pub(crate) fn fixed_point<S: FixedBounds>(
     Err(search.not_converged())
 }
 
-/// Normal forces with these friction bounds balance the load.
-fn carries(setup: &Setup<'_>, bounds: &[f64]) -> bool {
+/// Whether normal forces with these friction bounds balance the load.
+pub(crate) fn carry(setup: &Setup<'_>, bounds: &[f64]) -> bool {
     if setup.modes() == 0 {
         return true;
     }

@@ -172,9 +172,8 @@ pub(crate) fn distance_to_exact(problem: &DualProblem, multipliers: &Multipliers
     let method = Newton::default();
     let mut search = Search::new(&method, &setup);
     let sticking = search.states_of_guess(multipliers).ok()?;
-    search.point = search.at_forces(multipliers.lambda.clone(), search.point.alpha.clone());
-    search.judge();
-    let states = search.next_states(&sticking);
+    search.move_to(multipliers.lambda.clone(), search.point.alpha.clone());
+    let states = search.next_states(&sticking, &search.judge.gap);
     let exact = search.exact_step(&states) && search.unique;
     let difference = search.point.lambda.iter().zip(&multipliers.lambda);
     let largest = difference.fold(0.0, |s: f64, (a, b)| s.max((a - b).abs()));
@@ -201,6 +200,8 @@ pub(crate) struct Search<'a> {
     pub point: Forces,
     pub judge: Judge,
     pub residual: f64,
+    /// The least residual so far, and where it was.
+    pub best: (f64, Forces),
     /// Largest force of any step, or that of the overlaps.
     force: f64,
     /// Linear solves on the problem itself.
@@ -228,6 +229,7 @@ impl<'a> Search<'a> {
             point: Forces::none(setup),
             judge: setup.judge(),
             residual: f64::INFINITY,
+            best: (f64::INFINITY, Forces::none(setup)),
             force: if force.is_finite() { force } else { 0.0 },
             steps: 0,
             coarse: 0.0,
@@ -344,7 +346,7 @@ impl<'a> Search<'a> {
             if self.tell(observe) {
                 return Ended::Stopped;
             }
-            let mut next = self.next_states(&states);
+            let mut next = self.next_states(&states, &self.judge.gap);
             adjust(&mut next, &states);
             let key = |states: &[State]| states.iter().map(State::key).collect::<Vec<_>>();
             let (now, then) = (key(&states), key(&next));
@@ -441,6 +443,9 @@ impl<'a> Search<'a> {
         self.residual = self
             .judge
             .residual(self.setup, components, lambda, product, alpha);
+        if self.residual < self.best.0 {
+            self.best = (self.residual, self.point.clone());
+        }
     }
 
     /// Tells the observer; `true` when it is satisfied.
@@ -455,10 +460,10 @@ impl<'a> Search<'a> {
         observe(&iterate) == ControlFlow::Break(())
     }
 
-    /// States that the forces and gaps of the last step ask for. A node whose slip turned against its shear sticks next: it
-    /// never flips its direction.
-    fn next_states(&self, states: &[State]) -> Vec<State> {
-        let (lambda, gap, softness) = (&self.point.lambda, &self.judge.gap, self.softness());
+    /// States that the forces of the last step and their gaps (m,) ask for. A node whose slip turned against its shear sticks
+    /// next: it never flips its direction.
+    pub fn next_states(&self, states: &[State], gap: &[f64]) -> Vec<State> {
+        let (lambda, softness) = (&self.point.lambda, self.softness());
         let blocks = self.setup.admissible.iter();
         let next = |(state, (block, range)): (&State, (&_, Range<usize>))| {
             let trial: Vec<f64> = range
@@ -541,8 +546,7 @@ impl<'a> Search<'a> {
                 }
                 at = self.point.clone();
             }
-            self.point = self.at_forces(centre.clone(), alpha);
-            self.judge();
+            self.move_to(centre.clone(), alpha);
             if self.residual <= self.method.tolerance {
                 return Ended::Converged;
             }
@@ -560,7 +564,7 @@ impl<'a> Search<'a> {
     }
 
     /// The point of some forces.
-    pub fn at_forces(&mut self, lambda: Vec<f64>, alpha: Vec<f64>) -> Forces {
+    fn at_forces(&mut self, lambda: Vec<f64>, alpha: Vec<f64>) -> Forces {
         let mut product = vec![0.0; lambda.len()];
         self.setup.problem.compliance.apply(&lambda, &mut product);
         self.products += 1;
@@ -569,6 +573,12 @@ impl<'a> Search<'a> {
             alpha,
             product,
         }
+    }
+
+    /// Goes to some forces and judges them.
+    pub fn move_to(&mut self, lambda: Vec<f64>, alpha: Vec<f64>) {
+        self.point = self.at_forces(lambda, alpha);
+        self.judge();
     }
 
     /// Judges where a proximal problem is; its forces cause its displacements at its minimum.

@@ -46,9 +46,6 @@ pub(crate) struct State {
     pub excess: f64,
 }
 
-/// Directions of slip closer than this are one.
-const SAME_DIRECTION: f64 = 1e-9;
-
 impl State {
     /// Closed, without slip where it may stick.
     pub fn sticking(block: &Block, closed: bool) -> Self {
@@ -88,18 +85,6 @@ impl State {
     /// It slips in space, where the direction is a part of what is sought.
     pub fn may_turn(&self) -> bool {
         matches!(&self.shear, Shear::Slip { direction, .. } if direction.len() > 1)
-    }
-
-    /// The same state, and the same direction of slip but for rounding.
-    pub fn agrees(&self, other: &Self) -> bool {
-        let turned = match (&self.shear, &other.shear) {
-            (Shear::Slip { direction, .. }, Shear::Slip { direction: new, .. }) => {
-                let difference = direction.iter().zip(new).map(|(a, b)| (a - b).abs());
-                difference.fold(0.0, f64::max)
-            }
-            _ => 0.0,
-        };
-        self.key() == other.key() && turned <= SAME_DIRECTION
     }
 
     /// The same state for the purpose of finding one again: directions of slip in space never come back exactly.
@@ -165,9 +150,21 @@ pub(crate) struct Anchor<'a> {
     pub compliance: &'a [f64],
 }
 
+impl Anchor<'_> {
+    /// What forces and their gaps (m,) leave of the anchored conditions, gap + a(λ − centre), (m,).
+    pub fn left(&self, lambda: &[f64], gap: &[f64]) -> Vec<f64> {
+        let apart = lambda.iter().zip(self.centre).map(|(force, c)| force - c);
+        let pulls = apart.zip(self.compliance).map(|(apart, a)| a * apart);
+        gap.iter()
+            .zip(pulls)
+            .map(|(gap, pull)| gap + pull)
+            .collect()
+    }
+}
+
 /// The forces that `states` leave unknown; those that are known are written to `offset` (m,), which must be zero.
 ///
-/// Without an anchor `own` (m,) is the compliance of the trial forces, for slip in space.
+/// `own` (m,) is the compliance of the trial forces, for slip in space.
 pub(crate) fn unknowns(
     admissible: &AdmissibleSet,
     states: &[State],
@@ -234,13 +231,14 @@ fn across(
 ) {
     for vector in complement(direction) {
         let list: Vec<(usize, f64)> = tangents.clone().zip(vector).collect();
-        let (softness, pull) = match anchor {
+        let (added, pull) = match anchor {
             Some(Anchor { centre, compliance }) => {
                 let a = compliance[tangents.start];
-                (a / share, a * along(&list, centre))
+                (a, a * along(&list, centre))
             }
-            None => (own[tangents.start] * (1.0 / share - 1.0).min(1e6), 0.0),
+            None => (0.0, 0.0),
         };
+        let softness = added + own[tangents.start] * (1.0 / share - 1.0).min(1e6);
         unknowns.push(Unknown {
             force: list.clone(),
             row: list,

@@ -750,6 +750,61 @@ fn friction_with_applied_compliance_is_solved_by_every_method() {
     }
 }
 
+/// Contacts in space, each between two of `bodies` rigid bodies with six motions; overlaps that some motion undoes.
+fn rigid_bodies(
+    contacts: usize,
+    bodies: usize,
+    coefficient: f64,
+    random: &mut Random,
+) -> DualProblem {
+    let (m, motions) = (3 * contacts, 6 * bodies);
+    let mut rows = Mat::zeros(m, motions);
+    for contact in 0..contacts {
+        let body = contact % bodies;
+        let further = 1 + (random.unit() * (bodies - 1) as f64) as usize;
+        let other = (body + further) % bodies;
+        for i in 3 * contact..3 * contact + 3 {
+            for motion in 0..6 {
+                rows[(i, 6 * body + motion)] = random.signed();
+                rows[(i, 6 * other + motion)] = random.signed();
+            }
+        }
+    }
+    let compliance = Mat::from_fn(m, m, |i, j| {
+        (0..motions).map(|l| rows[(i, l)] * rows[(j, l)]).sum()
+    });
+    let motion: Vec<f64> = (0..motions).map(|_| random.signed()).collect();
+    let block = Block::Coulomb {
+        tangents: 2,
+        coefficient,
+    };
+    DualProblem::new(
+        Compliance::Dense(compliance),
+        product(&rows, &motion),
+        AdmissibleSet::new(vec![block; contacts]),
+        Equilibrium::none(m),
+    )
+    .unwrap()
+}
+
+#[test]
+fn friction_in_space_on_a_compliance_of_low_rank_takes_few_steps() {
+    // half the rank: forces are not unique, and exact steps meet singular systems
+    for seed in 0..12 {
+        let problem = rigid_bodies(40, 10, 0.7, &mut Random(7000 + seed));
+        let outcome = Newton::default()
+            .solve(&problem, None, &mut silent)
+            .unwrap_or_else(|error| panic!("seed {seed}: {error}"));
+        let certificate = problem.certify(&outcome.multipliers, 1e-8);
+        assert!(certificate.holds(), "seed {seed}\n{certificate}");
+        assert!(
+            outcome.iterations <= 60,
+            "seed {seed}: {}",
+            outcome.iterations
+        );
+    }
+}
+
 #[test]
 fn bad_numbers_and_sizes_are_errors() {
     let known = random_problem(6, 1, Pattern::AllClosed, 0, 1);
