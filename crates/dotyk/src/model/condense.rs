@@ -25,8 +25,9 @@ use crate::model::pair::Paired;
 use rayon::prelude::*;
 use std::sync::Arc;
 
-/// Most contact unknowns for which F is assembled (134 MB); above, products with F go through the bodies' factors.
-pub const DENSE_LIMIT: usize = 4096;
+/// Most contact unknowns for which F is assembled (72 MB); above, products with F go through the bodies' factors, which takes
+/// less time from there on.
+pub const DENSE_LIMIT: usize = 3000;
 
 /// Overlaps that are all below this part of the displacements they are differences of mean nothing.
 const ROUNDING: f64 = 1e-12;

@@ -193,6 +193,11 @@ fn tight(method: &Newton) -> f64 {
     (1e-2 * method.tolerance).clamp(1e-13, 1e-10)
 }
 
+/// Accuracy where that does not do: in many contacts the error of one is small beside that of all.
+fn finest(method: &Newton) -> f64 {
+    1e-2 * tight(method)
+}
+
 /// The iterate and its history.
 pub(crate) struct Search<'a> {
     pub method: &'a Newton,
@@ -237,7 +242,7 @@ impl<'a> Search<'a> {
             kind: 'n',
             unique: false,
             accuracy: match setup.problem.compliance {
-                Compliance::Dense(_) => tight(method),
+                Compliance::Dense(_) => finest(method),
                 Compliance::Operator { .. } => 1e-2,
             },
         }
@@ -355,8 +360,11 @@ impl<'a> Search<'a> {
             if passes && (same || self.residual <= 1e-3 * self.method.tolerance) {
                 return Ended::Converged;
             }
-            if same && self.accuracy > tight(self.method) {
-                self.accuracy = tight(self.method);
+            if same && self.accuracy > finest(self.method) {
+                self.accuracy = match self.accuracy > tight(self.method) {
+                    true => tight(self.method),
+                    false => finest(self.method),
+                };
                 continue;
             }
             let repeated = !seen.insert(now);
@@ -370,7 +378,8 @@ impl<'a> Search<'a> {
             if (repeated || same) && !turns || !falls {
                 return Ended::Stuck(next);
             }
-            self.accuracy = (0.1 * self.residual).clamp(tight(self.method), self.accuracy);
+            let enough = (0.1 * self.residual).max(tight(self.method));
+            self.accuracy = self.accuracy.min(enough);
             states = next;
         }
         Ended::Stuck(states)
