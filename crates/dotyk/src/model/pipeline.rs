@@ -269,7 +269,7 @@ impl<const D: usize> Model<D> {
         // under friction F must be assembled, and a node has one more row
         let rough = paired.iter().flat_map(|p| p.interface.tangential());
         let rows_per_node = 1 + usize::from(rough.into_iter().any(|tangential| tangential));
-        let dense = gaps.len() <= rows_per_node * dense_limit;
+        let dense = gaps.len() <= dense_limit.saturating_mul(rows_per_node);
         observe(Event::Stage("order"));
         let ordered: Vec<Ordered> = (&systems, &rows)
             .into_par_iter()
