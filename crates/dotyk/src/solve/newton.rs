@@ -55,7 +55,7 @@ const ONE: Patience = Patience {
     factor: 1.0,
 };
 const PLAIN: Patience = Patience {
-    steps: 5,
+    steps: 7,
     factor: f64::INFINITY,
 };
 const SMALL: usize = 48;
@@ -322,13 +322,19 @@ impl<'a> Search<'a> {
                 let states = self.begin(start);
                 self.start_near(states, observe)
             }
-            None => match self.exact(first, &PLAIN, &|_, _| {}, observe) {
-                Ended::Stuck(states) => {
-                    self.point.lambda.fill(0.0);
-                    self.proximal(states, observe)
+            None => {
+                let ended = match small {
+                    true => Ended::Stuck(first),
+                    false => self.exact(first, &PLAIN, &|_, _| {}, observe),
+                };
+                match ended {
+                    Ended::Stuck(states) => {
+                        self.point.lambda.fill(0.0);
+                        self.proximal(states, observe)
+                    }
+                    ended => ended,
                 }
-                ended => ended,
-            },
+            }
         }
     }
 
