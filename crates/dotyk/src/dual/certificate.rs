@@ -368,7 +368,7 @@ impl DualProblem {
 
     /// To what gaps are known from Fλ, d and Gᵀα. A motion that is large in one component rounds the others too: rotations are
     /// told from translations by differences of these.
-    fn rounding(&self, gap: &[f64], alpha: &[f64]) -> impl Fn(usize) -> f64 {
+    pub(crate) fn rounding(&self, gap: &[f64], alpha: &[f64]) -> impl Fn(usize) -> f64 {
         let rigid = |i: usize| dot(self.equilibrium.modes.col_as_slice(i), alpha).abs();
         let moved = (0..gap.len()).fold(0.0, |s: f64, i| s.max(rigid(i) + self.shift[i].abs()));
         move |i| ROUNDING * (gap[i].abs() + moved)

@@ -163,7 +163,8 @@ impl FixedBounds for Newton {
 }
 
 /// How far forces are from those that one exact step makes of them, the largest difference: by that much they are wrong,
-/// however small their gaps. `None` where states do not determine the forces, and where F is not assembled.
+/// however small their gaps. `None` where states do not determine the forces, where the gaps that should be closed are rounding,
+/// and where F is not assembled.
 pub(crate) fn distance_to_exact(problem: &DualProblem, multipliers: &Multipliers) -> Option<f64> {
     if !matches!(problem.compliance, Compliance::Dense(_)) {
         return None;
@@ -174,6 +175,20 @@ pub(crate) fn distance_to_exact(problem: &DualProblem, multipliers: &Multipliers
     let sticking = search.states_of_guess(multipliers).ok()?;
     search.move_to(multipliers.lambda.clone(), search.point.alpha.clone());
     let states = search.next_states(&sticking, &search.judge.gap);
+    let mut offset = vec![0.0; setup.len()];
+    let list = unknowns(
+        &setup.admissible,
+        &states,
+        None,
+        search.softness(),
+        &mut offset,
+    );
+    let gap = search.judge.gap.clone();
+    let known = problem.rounding(&gap, &multipliers.alpha);
+    let rounding = |&(i, _): &(usize, f64)| gap[i].abs() <= known(i);
+    if list.iter().all(|unknown| unknown.row.iter().all(rounding)) {
+        return None;
+    }
     let exact = search.exact_step(&states) && search.unique;
     let difference = search.point.lambda.iter().zip(&multipliers.lambda);
     let largest = difference.fold(0.0, |s: f64, (a, b)| s.max((a - b).abs()));
