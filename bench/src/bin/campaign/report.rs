@@ -180,16 +180,12 @@ impl<'a> Report<'a> {
             }
             let at = |part: f64| iterations[(part * (iterations.len() - 1) as f64) as usize].0;
             let over = iterations.iter().filter(|(count, _)| *count > goal).count();
-            let most = iterations.iter().rev().take(6);
-            let most: Vec<String> = most
-                .map(|(count, seed)| format!("{count} ({seed})"))
-                .collect();
+            let most = with_seeds(iterations.iter().rev(), usize::to_string);
             println!(
-                "iterations, {name}: {} steps, median {}, 99 % {}, {over} over {goal}, most {}",
+                "iterations, {name}: {} steps, median {}, 99 % {}, {over} over {goal}, most {most}",
                 iterations.len(),
                 at(0.5),
-                at(0.99),
-                most.join(", ")
+                at(0.99)
             );
         }
     }
@@ -257,13 +253,20 @@ fn apart(mut offs: Vec<(f64, u64)>) -> String {
     let asked = offs.len();
     offs.retain(|o| o.0 > 1e-6);
     offs.sort_by(|a, b| b.0.total_cmp(&a.0));
-    let most = offs.iter().take(6);
-    let most: Vec<String> = most
-        .map(|(off, seed)| format!("{off:.1e} ({seed})"))
-        .collect();
+    let most = with_seeds(offs.iter(), |off| format!("{off:.1e}"));
     format!(
-        "{asked} asked, {lost} without an answer, {} apart by more than 1e-6 where they may be: {}",
-        offs.len(),
-        most.join(", ")
+        "{asked} asked, {lost} without an answer, {} apart by more than 1e-6 where they may be: {most}",
+        offs.len()
     )
+}
+
+/// The first few numbers with the seeds of their problems.
+fn with_seeds<'a, T: 'a>(
+    list: impl Iterator<Item = &'a (T, u64)>,
+    show: impl Fn(&T) -> String,
+) -> String {
+    let words = list
+        .take(6)
+        .map(|(x, seed)| format!("{} ({seed})", show(x)));
+    words.collect::<Vec<_>>().join(", ")
 }

@@ -5,6 +5,7 @@
 use std::ops::Range;
 
 use crate::dual::Block;
+use crate::linalg::dense::{dot, norm};
 
 /// What a single component of λ is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -290,14 +291,6 @@ impl AdmissibleSet {
             })
             .sum()
     }
-}
-
-fn norm(v: &[f64]) -> f64 {
-    v.iter().map(|x| x * x).sum::<f64>().sqrt()
-}
-
-fn dot(a: &[f64], b: &[f64]) -> f64 {
-    a.iter().zip(b).map(|(x, y)| x * y).sum()
 }
 
 /// Nearest point of the ball ‖t‖ ≤ bound.

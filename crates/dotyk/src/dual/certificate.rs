@@ -6,8 +6,8 @@
 //!
 //! Two figures see what the others cannot. A gap that is nothing beside max|d| may be much to two stiff bodies among soft
 //! ones: the *force error* asks of every component by how much its force changes where it answers its gap with its own
-//! softness, |λ − P(λ − gap/softness)|; forces that an iteration left are compared with those of one linear solve for what
-//! their contacts do, too, because neighbours may be much stiffer against each other than each by itself. *Between nodes* is
+//! softness, |λ − P(λ − gap/softness)|; forces that an iteration left are compared with those of the answer that exact
+//! steps find beside them, too, because neighbours may be much stiffer against each other than each by itself. *Between nodes* is
 //! the deepest penetration between the nodes of the sides, over what the meshes can resolve: it does not know which
 //! conditions were imposed.
 //!
@@ -17,6 +17,7 @@
 use std::fmt;
 
 use crate::dual::{AdmissibleSet, Component, DualProblem, Multipliers};
+use crate::linalg::dense::dot;
 
 /// Limit of the relative imbalances, whatever the tolerance.
 pub const IMBALANCE_LIMIT: f64 = 1e-10;
@@ -151,7 +152,7 @@ pub struct Recomputed<'a> {
     pub rounding: &'a [f64],
     /// Largest violation of a condition without a multiplier, a length.
     pub implied: f64,
-    /// Largest change of a force that solving for the forces of all closed contacts at once makes; 0 where not known.
+    /// Largest difference to the forces of the answer that exact steps find beside these; 0 where not known.
     pub exact: f64,
     /// Deepest penetration between the nodes, and what the meshes can resolve there: lengths.
     pub between: [f64; 2],
@@ -431,10 +432,6 @@ fn one_if_zero(scale: f64) -> f64 {
 /// The larger of two numbers; NaN wins.
 fn larger(a: f64, b: f64) -> f64 {
     if b.is_nan() || b > a { b } else { a }
-}
-
-fn dot(a: &[f64], b: &[f64]) -> f64 {
-    a.iter().zip(b).map(|(x, y)| x * y).sum()
 }
 
 #[cfg(test)]

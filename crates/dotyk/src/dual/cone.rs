@@ -17,6 +17,7 @@
 //!
 //! As described in Mehrotra (1992), On the implementation of a primal-dual interior point method.
 
+use crate::linalg::dense::{dot, norm};
 use crate::linalg::{Cholesky, LinalgError, SparseVector, WeightedGram};
 
 /// ε² for columns and a target of unit length.
@@ -250,14 +251,6 @@ impl Iterate {
         let falling = both.filter(|(direction, _)| **direction < 0.0);
         falling.fold(1.0 / BORDER, |reach: f64, (d, at)| reach.min(-at / d))
     }
-}
-
-fn dot(a: &[f64], b: &[f64]) -> f64 {
-    a.iter().zip(b).map(|(x, y)| x * y).sum()
-}
-
-fn norm(v: &[f64]) -> f64 {
-    dot(v, v).sqrt()
 }
 
 #[cfg(test)]

@@ -24,6 +24,7 @@ use crate::dual::{
     AdmissibleSet, Block, DualProblem, Equilibrium, Mat, ModeSplit, uncontrolled_modes,
 };
 use crate::linalg::SparseVector;
+use crate::linalg::dense::{dot, norm};
 
 /// Work on a rigid motion below this part of the load's scale counts as none.
 pub const NO_WORK: f64 = 1e-9;
@@ -535,14 +536,6 @@ fn unit(mut v: Vec<f64>) -> Vec<f64> {
     let length = norm(&v);
     v.iter_mut().for_each(|x| *x /= length);
     v
-}
-
-fn dot(a: &[f64], b: &[f64]) -> f64 {
-    a.iter().zip(b).map(|(x, y)| x * y).sum()
-}
-
-fn norm(v: &[f64]) -> f64 {
-    dot(v, v).sqrt()
 }
 
 #[cfg(test)]

@@ -11,6 +11,7 @@
 //! One row of Ĝ at a time is written out; nothing else is allocated after construction.
 
 use crate::dual::{AdmissibleSet, Balance, Block};
+use crate::linalg::dense::{dot, norm};
 
 /// Projects onto Λ ∩ {Ĝλ = ê}; keeps its workspace between calls.
 pub struct Projector<'a> {
@@ -292,14 +293,6 @@ fn solve_positive(a: &mut [f64], x: &mut [f64]) {
         let known: f64 = (i + 1..k).map(|l| a[l * k + i] * x[l]).sum();
         x[i] = (x[i] - known) / a[i * k + i];
     }
-}
-
-fn dot(a: &[f64], b: &[f64]) -> f64 {
-    a.iter().zip(b).map(|(x, y)| x * y).sum()
-}
-
-fn norm(v: &[f64]) -> f64 {
-    dot(v, v).sqrt()
 }
 
 #[cfg(test)]

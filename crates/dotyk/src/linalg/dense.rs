@@ -27,6 +27,16 @@ const SHARED_FROM: usize = 1024;
 /// Columns per task in a product with one vector.
 const COLUMNS_PER_PRODUCT: usize = 256;
 
+/// a · b.
+pub(crate) fn dot(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(x, y)| x * y).sum()
+}
+
+/// Euclidean length.
+pub(crate) fn norm(v: &[f64]) -> f64 {
+    dot(v, v).sqrt()
+}
+
 /// AB; a (m, k), b (k, n).
 pub fn product(a: &Mat<f64>, b: &Mat<f64>) -> Mat<f64> {
     product_of(a.as_ref(), b.as_ref())

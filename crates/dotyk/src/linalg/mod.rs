@@ -40,7 +40,7 @@ pub trait LinearOperator: Send + Sync {
     }
     /// y = Ax.
     fn apply(&self, x: &[f64], y: &mut [f64]);
-    /// AX, where that is cheaper than column by column.
+    /// AX, shapes (len, n): for operators to which many columns at a time cost less than one by one.
     fn apply_many(&self, x: &Mat<f64>) -> Mat<f64> {
         let mut y = Mat::zeros(self.len(), x.ncols());
         for j in 0..x.ncols() {

@@ -7,6 +7,7 @@
 use crate::dual::{Equilibrium, NO_WORK, least_norm_within, uncontrolled_modes};
 use crate::fem::describe_motion;
 use crate::geometry::norm;
+use crate::linalg::dense::dot;
 use crate::linalg::{Mat, SparseVector};
 use crate::model::condense::LoadedBody;
 use crate::model::error::Error;
@@ -375,10 +376,6 @@ fn add_to_body(motion: &mut Motion, body: usize, factor: f64, u: &[f64]) {
 fn inner(a: &Motion, b: &Motion) -> f64 {
     let common = a.iter().filter_map(|(body, u)| Some((u, b.get(body)?)));
     common.map(|(u, v)| dot(u, v)).sum()
-}
-
-fn dot(a: &[f64], b: &[f64]) -> f64 {
-    a.iter().zip(b).map(|(x, y)| x * y).sum()
 }
 
 fn move_by<const D: usize>(

@@ -266,7 +266,7 @@ impl<const D: usize> Model<D> {
         let rows = body_rows(&systems, &paired);
         let gaps = initial_gaps(&paired);
         seconds.assemble = lap.seconds();
-        // under friction F must be assembled, and a node has one more row
+        // the limit counts nodes: under friction each has one more row
         let rough = paired.iter().flat_map(|p| p.interface.tangential());
         let rows_per_node = 1 + usize::from(rough.into_iter().any(|tangential| tangential));
         let dense = gaps.len() <= dense_limit.saturating_mul(rows_per_node);

@@ -242,7 +242,7 @@ struct Seen<'a> {
     /// To what the gaps are known.
     rounding: &'a [f64],
     implied: f64,
-    /// By how much an exact step changes a force.
+    /// By how much exact steps change a force.
     exact: f64,
     between: [f64; 2],
 }

@@ -40,6 +40,8 @@ pub use uzawa::Uzawa;
 
 use std::ops::ControlFlow;
 
+pub(crate) use crate::linalg::dense::{dot, norm};
+
 use crate::dual::{
     AdmissibleSet, Balance, Block, Compliance, Component, DualError, DualProblem, Feasibility,
     Multipliers, Projector, Violations,
@@ -430,14 +432,6 @@ pub(crate) fn completed(
 /// Number of contact unknowns with a force.
 pub(crate) fn loaded(lambda: &[f64]) -> usize {
     lambda.iter().filter(|force| **force != 0.0).count()
-}
-
-pub(crate) fn dot(a: &[f64], b: &[f64]) -> f64 {
-    a.iter().zip(b).map(|(x, y)| x * y).sum()
-}
-
-pub(crate) fn norm(v: &[f64]) -> f64 {
-    dot(v, v).sqrt()
 }
 
 /// Whether (x − y)ᵀF(x − y) exceeds `bound`‖x − y‖² over the chosen components, and by which Rayleigh quotient;

@@ -162,9 +162,9 @@ impl FixedBounds for Newton {
     }
 }
 
-/// How far forces are from those that one exact step makes of them, the largest difference: by that much they are wrong,
-/// however small their gaps. `None` where states do not determine the forces, where the gaps that should be closed are rounding,
-/// and where F is not assembled.
+/// How far forces are from those of the answer that a few exact steps find beside them, the largest difference: by that much
+/// they are wrong, however small their gaps. `None` where exact steps find none, where states do not determine the forces,
+/// where the gaps that should be closed are rounding, and where F is not assembled.
 pub(crate) fn distance_to_exact(problem: &DualProblem, multipliers: &Multipliers) -> Option<f64> {
     if !matches!(problem.compliance, Compliance::Dense(_)) {
         return None;
@@ -189,7 +189,13 @@ pub(crate) fn distance_to_exact(problem: &DualProblem, multipliers: &Multipliers
     if list.iter().all(|unknown| unknown.row.iter().all(rounding)) {
         return None;
     }
-    let exact = search.exact_step(&states) && search.unique;
+    let found = search.exact(
+        states,
+        &NEAR,
+        &|_, _| {},
+        &mut |_| ControlFlow::Continue(()),
+    );
+    let exact = matches!(found, Ended::Converged) && search.unique;
     let difference = search.point.lambda.iter().zip(&multipliers.lambda);
     let largest = difference.fold(0.0, |s: f64, (a, b)| s.max((a - b).abs()));
     exact.then_some(largest)
@@ -605,8 +611,9 @@ impl<'a> Search<'a> {
         }
     }
 
-    /// Goes to some forces and judges them.
+    /// Goes to some forces, which no exact step made, and judges them.
     pub fn move_to(&mut self, lambda: Vec<f64>, alpha: Vec<f64>) {
+        self.kind = 'p';
         self.point = self.at_forces(lambda, alpha);
         self.judge();
     }
