@@ -5,7 +5,7 @@
 //! before it.
 
 use crate::contact::InterfaceNode;
-use crate::dual::{BETWEEN_NODES, DualProblem, Multipliers, Scales};
+use crate::dual::{BETWEEN_NODES, Certificate, DualProblem, Multipliers, Scales};
 use crate::fem::{BodySystem, Constraints, FemError, Short, assemble, show};
 use crate::geometry::{add_scaled, bounding_box, distance, norm};
 use crate::model::condense::{
@@ -21,6 +21,7 @@ use crate::model::recover::{Judged, judge};
 use crate::model::solution::*;
 use crate::solve::{
     Accelerated, ContactSolver, Gradient, Iterate, Mprgp, Newton, Outcome, SolveError, Uzawa,
+    correction, loaded,
 };
 use rayon::prelude::*;
 use std::collections::BTreeSet;
@@ -199,48 +200,110 @@ impl<const D: usize> Model<D> {
     /// Runs the solver until the certificate holds.
     ///
     /// The solver knows F and d, the certificate judges displacements and energies computed afresh. Where they differ
-    /// (rounding of the factorisation in a slender body, another scale of the energy), d is corrected so that the gap of
-    /// the dual problem at the present λ is the gap of the displacements, and the solver goes on from its answer with a
-    /// tolerance that much smaller: iterative refinement of the contact problem.
+    /// (rounding of the factorisation in a slender body, another scale of the energy), Newton's answer is corrected by exact
+    /// steps in increments, whose gaps are those of the displacements; then, and after other methods, the iteration goes on from there.
     fn certified_attempt(
         &self,
         condensed: &mut Condensed<D>,
         guess: Option<&Multipliers>,
         observe: &mut dyn FnMut(Event),
     ) -> Result<(Attempt, Judged<D>), Error<D>> {
-        let mut tolerance = self.solver.tolerance;
         let method = self.solver.method;
-        let mut attempt = self.run_solver(condensed, method, tolerance, guess, observe)?;
-        let mut judged = judge(self, condensed, &attempt.outcome, None)?;
+        let tolerance = self.solver.tolerance;
+        let attempt = self.run_solver(condensed, method, tolerance, guess, observe)?;
+        let judged = judge(self, condensed, &attempt.outcome, None)?;
+        let (attempt, judged) = match method {
+            Method::Auto | Method::Newton => self.corrected(condensed, attempt, judged, observe)?,
+            _ => (attempt, judged),
+        };
+        self.continued(condensed, attempt, judged, observe)
+    }
+
+    /// Corrects an answer by exact steps in increments until its certificate holds; the best one counts.
+    fn corrected(
+        &self,
+        condensed: &Condensed<D>,
+        mut attempt: Attempt,
+        judged: Judged<D>,
+        observe: &mut dyn FnMut(Event),
+    ) -> Result<(Attempt, Judged<D>), Error<D>> {
+        let solved = attempt.outcome.iterations > 0;
+        let mut least = excess(&judged.certificate);
+        let mut best = (attempt.outcome, judged);
+        // the last one, where it is not the best
+        let mut last: Option<(Outcome, Judged<D>)> = None;
+        for _ in 0..CORRECTIONS {
+            let (outcome, judged) = last.as_ref().unwrap_or(&best);
+            if least <= 1.0 || !solved {
+                break;
+            }
+            let known = (&judged.gaps[..], &judged.rounding[..]);
+            let Some(change) = correction(&condensed.problem, &outcome.multipliers, known) else {
+                break;
+            };
+            let outcome = outcome.corrected(&change);
+            let judged = judge(self, condensed, &outcome, Some((judged, &change.lambda)))?;
+            let left = excess(&judged.certificate);
+            let (iteration, residual) = (outcome.iterations, left * self.solver.tolerance);
+            let active = loaded(&outcome.multipliers.lambda);
+            observe(Event::Iteration {
+                iteration,
+                residual,
+                active,
+            });
+            attempt.history.push(HistoryPoint {
+                iteration,
+                residual,
+                active,
+            });
+            if left < least {
+                (least, best, last) = (left, (outcome, judged), None);
+            } else {
+                last = Some((outcome, judged));
+            }
+        }
+        if least <= 1.0 && best.0.exact {
+            attempt.failure = None;
+        }
+        let iterations = last.map_or(best.0.iterations, |(outcome, _)| outcome.iterations);
+        attempt.outcome = Outcome {
+            iterations,
+            ..best.0
+        };
+        Ok((attempt, best.1))
+    }
+
+    /// Goes on from an answer whose certificate does not hold, with a tolerance that much smaller and d corrected so that the
+    /// gap of the dual problem at its forces is the gap of the displacements.
+    fn continued(
+        &self,
+        condensed: &mut Condensed<D>,
+        mut attempt: Attempt,
+        mut judged: Judged<D>,
+        observe: &mut dyn FnMut(Event),
+    ) -> Result<(Attempt, Judged<D>), Error<D>> {
+        let mut tolerance = self.solver.tolerance;
         for _ in 0..3 {
-            // what happens between the nodes is not the solver's
-            let figures = judged.certificate.figures().into_iter();
-            let worst = figures
-                .filter(|(name, _)| *name != BETWEEN_NODES)
-                .map(|(_, f)| f.relative / f.limit)
-                .fold(0.0, f64::max);
+            let worst = excess(&judged.certificate);
             if attempt.failure.is_some() || worst <= 1.0 {
                 break;
             }
             tolerance *= 0.5 / worst.min(1e3);
             let guess = attempt.outcome.multipliers.clone();
             let known = condensed.problem.gap(&guess);
-            for ((d, gap), known) in condensed
-                .problem
-                .shift
-                .iter_mut()
-                .zip(&judged.gaps)
-                .zip(&known)
-            {
+            let shift = condensed.problem.shift.iter_mut();
+            for ((d, gap), known) in shift.zip(&judged.gaps).zip(&known) {
                 *d -= gap - known;
             }
+            let method = self.solver.method;
             let further = self.run_solver(condensed, method, tolerance, Some(&guess), observe)?;
             if further.failure.is_some() {
                 break;
             }
+            let change = further.outcome.multipliers.lambda.iter().zip(&guess.lambda);
+            let change: Vec<f64> = change.map(|(after, before)| after - before).collect();
             attempt = attempt.followed_by(further);
-            let before = Some(&judged);
-            judged = judge(self, condensed, &attempt.outcome, before)?;
+            judged = judge(self, condensed, &attempt.outcome, Some((&judged, &change)))?;
         }
         Ok((attempt, judged))
     }
@@ -504,7 +567,10 @@ impl<const D: usize> Model<D> {
                 ..
             }) => (
                 *outcome,
-                Some(format!("{reason} (residual {residual:.1e})")),
+                Some(match residual.is_finite() {
+                    true => format!("{reason} (residual {residual:.1e})"),
+                    false => reason,
+                }),
             ),
             Err(SolveError::Infeasible { direction }) => {
                 let Some(slides) = self.sliding(condensed) else {
@@ -788,6 +854,18 @@ impl Lap {
         let last = std::mem::replace(&mut self.0, Instant::now());
         last.elapsed().as_secs_f64()
     }
+}
+
+/// Most corrections of an answer.
+const CORRECTIONS: usize = 8;
+
+/// The worst figure of a certificate in its limits, but for what happens between the nodes, which is not the solver's.
+fn excess(certificate: &Certificate) -> f64 {
+    let figures = certificate.figures().into_iter();
+    figures
+        .filter(|(name, _)| *name != BETWEEN_NODES)
+        .map(|(_, f)| f.relative / f.limit)
+        .fold(0.0, f64::max)
 }
 
 /// One run of a method.

@@ -35,8 +35,10 @@ pub(crate) struct Judged<const D: usize> {
     obstacles: Vec<Point<D>>,
     /// Gaps of all multipliers from the displacements.
     pub gaps: Vec<f64>,
-    /// The part of the displacements that strains each body, and the contact forces that cause it.
-    strained: Strained,
+    /// To what these are known.
+    pub rounding: Vec<f64>,
+    /// The part of the displacements that strains each body.
+    strained: Vec<Vec<f64>>,
     /// What was checked.
     pub certificate: Certificate,
     /// Bodies that touch nothing and carry no load.
@@ -45,19 +47,14 @@ pub(crate) struct Judged<const D: usize> {
     pub overlap: Option<Overlap<D>>,
 }
 
-/// Displacements that strain the bodies, and the contact forces of these.
-struct Strained {
-    displacements: Vec<Vec<f64>>,
-    lambda: Vec<f64>,
-}
-
-/// Displacements of all bodies under some contact forces, and their certificate; if some were found `before`, as what comes
-/// to these: rounding, which a slender body magnifies, is then the same in both, and a correction does what it should.
+/// Displacements of all bodies under some contact forces, and their certificate; if some were found `before`, as what a change
+/// of the forces (m,) adds to these: rounding, which a slender body magnifies, is then the same in both, and a correction does
+/// what it should.
 pub(crate) fn judge<const D: usize>(
     model: &Model<D>,
     condensed: &Condensed<D>,
     outcome: &Outcome,
-    before: Option<&Judged<D>>,
+    before: Option<(&Judged<D>, &[f64])>,
 ) -> Result<Judged<D>, Error<D>> {
     let Condensed {
         bodies,
@@ -74,8 +71,7 @@ pub(crate) fn judge<const D: usize>(
         .zip(factored)
         .enumerate()
         .map(|(index, (body, factored))| {
-            let before = before.map(|judged| &judged.strained);
-            let before = before.map(|s| (&s.displacements[index][..], &s.lambda[..]));
+            let before = before.map(|(judged, change)| (&judged.strained[index][..], change));
             elastic_displacement(body, factored, lambda, before)
         })
         .collect();
@@ -147,10 +143,8 @@ pub(crate) fn judge<const D: usize>(
         states,
         obstacles,
         gaps,
-        strained: Strained {
-            displacements: elastic,
-            lambda: lambda.clone(),
-        },
+        rounding,
+        strained: elastic,
         certificate,
         hovering,
         overlap,
@@ -355,16 +349,16 @@ impl<const D: usize> Judged<D> {
 }
 
 /// u_D + K⁺(f − K u_D − Bᵀλ) less the rigid motion that u_D contains: the part that strains the body. In one solve: load
-/// and contact forces alone may each bend a slender body far more than both together. `before` are a displacement and its
-/// contact forces to go on from.
+/// and contact forces alone may each bend a slender body far more than both together. `before` are a displacement to go on from
+/// and the change of the contact forces since.
 fn elastic_displacement<const D: usize>(
     body: &LoadedBody<D>,
     factored: &FactoredBody,
     lambda: &[f64],
     before: Option<(&[f64], &[f64])>,
 ) -> Vec<f64> {
-    let push = |row: usize| before.map_or(0.0, |(_, before)| before[row]) - lambda[row];
-    let push: Vec<f64> = body.rows.index.iter().map(|&row| push(row)).collect();
+    let pushing = before.map_or(lambda, |(_, change)| change);
+    let push: Vec<f64> = body.rows.index.iter().map(|&row| -pushing[row]).collect();
     let (mut u, base) = match before {
         Some((displacement, _)) => (vec![0.0; displacement.len()], displacement),
         None => (body.reduced_load.clone(), &body.system.lift[..]),

@@ -19,6 +19,7 @@
 //! Friction: [`Newton`] treats the laws of Tresca and of Coulomb directly. The other methods solve the convex problem
 //! of Tresca, and Coulomb as a fixed point of such problems (`coulomb.rs`).
 
+mod correct;
 mod coulomb;
 mod gradient;
 mod levels;
@@ -32,10 +33,10 @@ mod states;
 mod system;
 mod uzawa;
 
+pub(crate) use correct::{correction, distance_to_exact};
 pub use gradient::{Accelerated, Gradient};
 pub use mprgp::Mprgp;
 pub use newton::Newton;
-pub(crate) use newton::distance_to_exact;
 pub use uzawa::Uzawa;
 
 use std::ops::ControlFlow;
@@ -116,6 +117,20 @@ impl Outcome {
             fixed_point: None,
             stopped_by_observer: false,
             remarks: Vec::new(),
+        }
+    }
+
+    /// The same answer with increments of one exact step.
+    pub(crate) fn corrected(&self, change: &Multipliers) -> Self {
+        let sum = |to: &[f64], by: &[f64]| to.iter().zip(by).map(|(to, by)| to + by).collect();
+        Self {
+            multipliers: Multipliers {
+                lambda: sum(&self.multipliers.lambda, &change.lambda),
+                alpha: sum(&self.multipliers.alpha, &change.alpha),
+            },
+            iterations: self.iterations + 1,
+            exact: true,
+            ..self.clone()
         }
     }
 }
@@ -246,6 +261,8 @@ pub(crate) fn solve_with<S: FixedBounds>(
 /// What every solver prepares: checked data, the balance in orthonormal modes, the kind of each force.
 pub(crate) struct Setup<'a> {
     pub problem: &'a DualProblem,
+    /// d, (m,): that of the problem, or what is left of it beside forces from which increments are sought.
+    pub shift: Vec<f64>,
     /// Λ: that of the problem, or with other friction blocks in the same places.
     pub admissible: AdmissibleSet,
     pub balance: Balance,
@@ -256,25 +273,32 @@ impl<'a> Setup<'a> {
     /// Checks the problem, refuses loads that nothing can carry.
     pub fn new(problem: &'a DualProblem) -> Result<Self, SolveError> {
         problem.check()?;
-        let mut balance = Balance::new(&problem.equilibrium);
+        let mut setup = Self::unchecked(problem);
         match problem.feasibility() {
-            Feasibility::Infeasible { direction, .. } => {
-                return Err(SolveError::Infeasible { direction });
+            Feasibility::Infeasible { direction, .. } => Err(SolveError::Infeasible { direction }),
+            Feasibility::Feasible { load } => {
+                setup.balance.set_load(&load);
+                Ok(setup)
             }
-            Feasibility::Feasible { load } => balance.set_load(&load),
         }
-        Ok(Self {
+    }
+
+    /// The same for a problem that was checked before.
+    pub fn unchecked(problem: &'a DualProblem) -> Self {
+        Self {
             problem,
+            shift: problem.shift.clone(),
             admissible: problem.admissible.clone(),
-            balance,
+            balance: Balance::new(&problem.equilibrium),
             components: problem.admissible.components(),
-        })
+        }
     }
 
     /// The same problem with the admissible set `admissible`, which must have the same length.
     pub fn with_admissible(&self, admissible: AdmissibleSet) -> Self {
         Self {
             problem: self.problem,
+            shift: self.shift.clone(),
             components: admissible.components(),
             admissible,
             balance: self.balance.clone(),

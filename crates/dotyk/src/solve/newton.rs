@@ -78,6 +78,9 @@ const PATIENCE: usize = 4;
 /// Most products with a compliance that is not assembled: where these do not do, the problem is too badly conditioned.
 const PRODUCTS: usize = 20_000;
 
+/// Residuals that are near an answer.
+pub(crate) const NEARBY: f64 = 1e-2;
+
 /// Shears of a starting point slip within this part of their bounds.
 const AT_BOUND: f64 = 1e-9;
 
@@ -162,45 +165,6 @@ impl FixedBounds for Newton {
     }
 }
 
-/// How far forces are from those of the answer that a few exact steps find beside them, the largest difference: by that much
-/// they are wrong, however small their gaps. `None` where exact steps find none, where states do not determine the forces,
-/// where the gaps that should be closed are rounding, and where F is not assembled.
-pub(crate) fn distance_to_exact(problem: &DualProblem, multipliers: &Multipliers) -> Option<f64> {
-    if !matches!(problem.compliance, Compliance::Dense(_)) {
-        return None;
-    }
-    let setup = Setup::new(problem).ok()?;
-    let method = Newton::default();
-    let mut search = Search::new(&method, &setup);
-    let sticking = search.states_of_guess(multipliers).ok()?;
-    search.move_to(multipliers.lambda.clone(), search.point.alpha.clone());
-    let states = search.next_states(&sticking, &search.judge.gap);
-    let mut offset = vec![0.0; setup.len()];
-    let list = unknowns(
-        &setup.admissible,
-        &states,
-        None,
-        search.softness(),
-        &mut offset,
-    );
-    let gap = search.judge.gap.clone();
-    let known = problem.rounding(&gap, &multipliers.alpha);
-    let rounding = |&(i, _): &(usize, f64)| gap[i].abs() <= known(i);
-    if list.iter().all(|unknown| unknown.row.iter().all(rounding)) {
-        return None;
-    }
-    let found = search.exact(
-        states,
-        &NEAR,
-        &|_, _| {},
-        &mut |_| ControlFlow::Continue(()),
-    );
-    let exact = matches!(found, Ended::Converged) && search.unique;
-    let difference = search.point.lambda.iter().zip(&multipliers.lambda);
-    let largest = difference.fold(0.0, |s: f64, (a, b)| s.max((a - b).abs()));
-    exact.then_some(largest)
-}
-
 /// How a phase ended.
 pub(crate) enum Ended {
     Converged,
@@ -215,7 +179,7 @@ fn tight(method: &Newton) -> f64 {
 }
 
 /// Accuracy where that does not do: in many contacts the error of one is small beside that of all.
-fn finest(method: &Newton) -> f64 {
+pub(crate) fn finest(method: &Newton) -> f64 {
     1e-2 * tight(method)
 }
 
@@ -240,7 +204,7 @@ pub(crate) struct Search<'a> {
     /// What the last step was: exact ('n') or proximal ('p').
     pub kind: char,
     /// The states of the last exact step determine its forces.
-    unique: bool,
+    pub unique: bool,
 }
 
 impl<'a> Search<'a> {
@@ -310,7 +274,7 @@ impl<'a> Search<'a> {
         self.steps >= self.method.max_iterations || self.products >= PRODUCTS
     }
 
-    fn softness(&self) -> &'a [f64] {
+    pub fn softness(&self) -> &'a [f64] {
         &self.setup.problem.softness
     }
 
@@ -627,6 +591,14 @@ impl<'a> Search<'a> {
         self.judge();
     }
 
+    /// Goes to the point of least residual, where that is near an answer.
+    pub fn go_back(&mut self) {
+        if self.best.0 < self.residual.min(NEARBY) {
+            (self.residual, self.point) = self.best.clone();
+            self.kind = 'p';
+        }
+    }
+
     pub fn outcome(&self, stopped_by_observer: bool) -> Outcome {
         Outcome {
             multipliers: self
@@ -643,7 +615,9 @@ impl<'a> Search<'a> {
         }
     }
 
-    pub fn not_converged(&self, reason: &str) -> SolveError {
+    /// No answer: the point of least residual.
+    fn not_converged(mut self, reason: &str) -> SolveError {
+        self.go_back();
         SolveError::NotConverged {
             method: Newton::NAME,
             outcome: Box::new(self.outcome(false)),

@@ -25,7 +25,7 @@
 use crate::dual::{Block, Multipliers};
 use crate::solve::coulomb::{carry, fixed_point};
 use crate::solve::levels;
-use crate::solve::newton::{Ended, NEAR, Patience, Search};
+use crate::solve::newton::{Ended, NEAR, NEARBY, Patience, Search};
 use crate::solve::states::{Anchor, Shear, State, unknowns};
 use crate::solve::system::System;
 use crate::solve::{
@@ -285,16 +285,25 @@ fn law_error(setup: &Setup<'_>, lambda: &[f64], gap: &[f64]) -> f64 {
     normal.fold(shear, f64::max)
 }
 
-/// Bounds of friction, and the convex problem of these bounds, again and again.
-fn iterate_bounds(search: Search<'_>, observe: Observer<'_>) -> Result<Outcome, SolveError> {
+/// Bounds of friction, and the convex problem of these bounds, again and again; where that does not converge, the best forces
+/// of all.
+fn iterate_bounds(mut search: Search<'_>, observe: Observer<'_>) -> Result<Outcome, SolveError> {
     let setup = search.setup;
     let (residual, point) = &search.best;
-    let guess = residual
-        .is_finite()
-        .then(|| setup.multipliers(&point.lambda, &point.alpha));
+    let guess = setup.multipliers(&point.lambda, &point.alpha);
+    let guess = residual.is_finite().then_some(&guess);
     let done = search.iterations();
     let mut after = counting_from(done, observe);
-    let result = fixed_point(search.method, setup, guess.as_ref(), &mut after);
+    let mut result = fixed_point(search.method, setup, guess, &mut after);
+    search.go_back();
+    if let Err(SolveError::NotConverged {
+        outcome, residual, ..
+    }) = &mut result
+        && search.residual < residual.min(NEARBY)
+    {
+        outcome.multipliers = setup.multipliers(&search.point.lambda, &search.point.alpha);
+        *residual = search.residual;
+    }
     completed(Newton::NAME, result, |outcome| Outcome {
         iterations: done + outcome.iterations,
         products: search.products + outcome.products,
@@ -304,7 +313,7 @@ fn iterate_bounds(search: Search<'_>, observe: Observer<'_>) -> Result<Outcome, 
 
 /// Changes `states` until they hold the floating bodies: nodes that want to slip least stick, then contacts of `before`
 /// stay closed (all of them where there is no before).
-fn hold(setup: &Setup<'_>, states: &mut [State], before: Option<&[State]>) {
+pub(crate) fn hold(setup: &Setup<'_>, states: &mut [State], before: Option<&[State]>) {
     if setup.modes() == 0 {
         return;
     }

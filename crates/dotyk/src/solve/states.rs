@@ -132,6 +132,12 @@ impl Unknown {
         }
     }
 
+    /// The x for which x c is nearest to the components of `lambda` (m,).
+    pub fn nearest(&self, lambda: &[f64]) -> f64 {
+        let square: f64 = self.force.iter().map(|(_, weight)| weight * weight).sum();
+        along(&self.force, lambda) / square
+    }
+
     /// c and w are the same.
     pub fn is_symmetric(&self) -> bool {
         self.force == self.row

@@ -175,7 +175,7 @@ impl<'a> System<'a> {
     /// What is left of the conditions, (n,), and of the balance, (k,).
     fn residual(&self, point: &Forces, x: &[f64]) -> (Vec<f64>, Vec<f64>) {
         let mut gap = point.product.clone();
-        let shift = &self.setup.problem.shift;
+        let shift = &self.setup.shift;
         gap.iter_mut().zip(shift).for_each(|(gap, d)| *gap -= d);
         self.setup
             .balance
@@ -449,18 +449,10 @@ impl System<'_> {
     ) -> Option<Forces> {
         let symmetric = self.unknowns.iter().all(Unknown::is_symmetric);
         // the unknowns nearest to the guess
-        let start: Vec<f64> = self
-            .unknowns
-            .iter()
-            .map(|u| {
-                let square: f64 = u.force.iter().map(|(_, weight)| weight * weight).sum();
-                let rest = u
-                    .force
-                    .iter()
-                    .map(|&(i, w)| w * (guess.lambda[i] - self.offset[i]));
-                rest.sum::<f64>() / square
-            })
-            .collect();
+        let apart = guess.lambda.iter().zip(self.offset);
+        let apart: Vec<f64> = apart.map(|(force, known)| force - known).collect();
+        let nearest = self.unknowns.iter().map(|u| u.nearest(&apart));
+        let start: Vec<f64> = nearest.collect();
         match symmetric {
             true => self.conjugate_gradients(preconditioner, start, accuracy),
             false => self.minimal_residuals(preconditioner, start, accuracy),
@@ -559,7 +551,7 @@ impl System<'_> {
 
     /// Size of the right side on the balanced forces.
     fn reference(&self, null: &mut Null) -> f64 {
-        let shift = &self.setup.problem.shift;
+        let shift = &self.setup.shift;
         let own = self.unknowns.iter().map(|u| u.pull + along(&u.row, shift));
         let mut reference: Vec<f64> = own.collect();
         null.project(&self.rows, &mut reference);

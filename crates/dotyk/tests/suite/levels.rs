@@ -3,7 +3,8 @@
 //! plain active set moves the edge of the contact by one node in each step.
 
 use dotyk::case::Case;
-use dotyk::dual::DualProblem;
+use dotyk::dual::{Compliance, DualProblem};
+use dotyk::linalg::Mat;
 use dotyk::solve::{ContactSolver, Newton, Outcome};
 use std::ops::ControlFlow;
 use std::path::Path;
@@ -61,5 +62,23 @@ fn a_compliance_that_is_applied_takes_as_few_steps_and_gives_the_same_forces() {
         let (a, b) = (&dense.multipliers.lambda, &applied.multipliers.lambda);
         let off: Vec<f64> = a.iter().zip(b).map(|(a, b)| a - b).collect();
         assert!(largest(&off) <= 1e-7 * largest(a), "{:e}", largest(&off));
+    }
+}
+
+#[test]
+fn products_with_many_vectors_at_once_are_those_with_each() {
+    let Compliance::Operator { apply, .. } = tunnel(75, "friction = 0.3", 0).compliance else {
+        panic!("F is assembled");
+    };
+    // more columns than are taken at a time, and not a multiple of them
+    let x = Mat::from_fn(apply.len(), 37, |i, j| ((i * 31 + j * 17) as f64).sin());
+    let together = apply.apply_many(&x);
+    for j in 0..x.ncols() {
+        let mut alone = vec![0.0; apply.len()];
+        apply.apply(x.col_as_slice(j), &mut alone);
+        let largest = alone.iter().fold(0.0, |s: f64, v| s.max(v.abs()));
+        for (a, b) in alone.iter().zip(together.col_as_slice(j)) {
+            assert!((a - b).abs() <= 1e-13 * largest, "column {j}: {a:e}, {b:e}");
+        }
     }
 }
