@@ -76,6 +76,9 @@ impl Compliance {
     }
 }
 
+/// Columns of F that are assembled at a time.
+const COLUMNS: usize = 256;
+
 /// What one contact node can bear; its block of λ is (normal, tangential..).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Block {
@@ -272,6 +275,37 @@ impl DualProblem {
             }
             Compliance::Operator { .. } => self.positive_softness(least),
         };
+    }
+
+    /// Assembles F where it is applied, by products with unit forces, if it has at most `limit` unknowns; `true` where it did.
+    pub fn assemble(&mut self, limit: usize) -> bool {
+        let m = self.len();
+        let Compliance::Operator { apply, .. } = &self.compliance else {
+            return false;
+        };
+        if m > limit {
+            return false;
+        }
+        let mut f = Mat::<f64>::zeros(m, m);
+        for first in (0..m).step_by(COLUMNS) {
+            let width = COLUMNS.min(m - first);
+            let units = Mat::from_fn(m, width, |i, j| f64::from(u8::from(i == first + j)));
+            let images = apply.apply_many(&units);
+            for j in 0..width {
+                let column = f.col_as_slice_mut(first + j);
+                column.copy_from_slice(images.col_as_slice(j));
+            }
+        }
+        for j in 0..m {
+            for i in 0..j {
+                let mean = 0.5 * (f[(i, j)] + f[(j, i)]);
+                (f[(i, j)], f[(j, i)]) = (mean, mean);
+            }
+        }
+        self.compliance = Compliance::Dense(f);
+        let least = std::mem::take(&mut self.softness);
+        self.soften(least);
+        true
     }
 
     /// Means over the tangents of a node; a component that nothing gives way to takes the scale of the others.

@@ -201,7 +201,8 @@ impl<const D: usize> Model<D> {
     ///
     /// The solver knows F and d, the certificate judges displacements and energies computed afresh. Where they differ
     /// (rounding of the factorisation in a slender body, another scale of the energy), Newton's answer is corrected by exact
-    /// steps in increments, whose gaps are those of the displacements; then, and after other methods, the iteration goes on from there.
+    /// steps in increments, whose gaps are those of the displacements; then, and after other methods, the iteration goes on
+    /// from there. Where products with an applied F do not do (slender bodies), F is assembled after all.
     fn certified_attempt(
         &self,
         condensed: &mut Condensed<D>,
@@ -210,12 +211,16 @@ impl<const D: usize> Model<D> {
     ) -> Result<(Attempt, Judged<D>), Error<D>> {
         let method = self.solver.method;
         let tolerance = self.solver.tolerance;
-        let attempt = self.run_solver(condensed, method, tolerance, guess, observe)?;
-        let judged = judge(self, condensed, &attempt.outcome, None)?;
-        let (attempt, judged) = match method {
-            Method::Auto | Method::Newton => self.corrected(condensed, attempt, judged, observe)?,
-            _ => (attempt, judged),
-        };
+        let exact = matches!(method, Method::Auto | Method::Newton);
+        let mut attempt = self.run_solver(condensed, method, tolerance, guess, observe)?;
+        if exact && attempt.unfinished() && condensed.problem.assemble(ASSEMBLED) {
+            let again = self.run_solver(condensed, method, tolerance, guess, observe)?;
+            attempt = attempt.followed_by(again);
+        }
+        let mut judged = judge(self, condensed, &attempt.outcome, None)?;
+        if exact {
+            (attempt, judged) = self.corrected(condensed, attempt, judged, observe)?;
+        }
         self.continued(condensed, attempt, judged, observe)
     }
 
@@ -856,6 +861,9 @@ impl Lap {
     }
 }
 
+/// Most contact unknowns for which F is assembled where iterations within a step do not do (512 MB).
+const ASSEMBLED: usize = 8192;
+
 /// Most corrections of an answer.
 const CORRECTIONS: usize = 8;
 
@@ -878,6 +886,11 @@ pub(crate) struct Attempt {
 }
 
 impl Attempt {
+    /// It began and did not converge.
+    fn unfinished(&self) -> bool {
+        self.failure.is_some() && self.outcome.iterations > 0
+    }
+
     /// This run and one that went on from its answer.
     fn followed_by(mut self, further: Self) -> Self {
         let done = self.outcome.iterations;

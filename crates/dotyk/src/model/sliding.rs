@@ -13,6 +13,9 @@ use crate::model::pipeline::{Condensed, largest_load};
 /// A coefficient of friction beyond all that hold anything.
 const UNLIMITED: f64 = 1e6;
 
+/// A body that gives way so many times as much as its cells do leaves the gaps few digits.
+const SLENDER: f64 = 1e9;
+
 impl<const D: usize> Model<D> {
     /// What slides under the loads of a step, in words; `None` where friction has no part in it.
     pub(crate) fn sliding(&self, condensed: &Condensed<D>) -> Option<String> {
@@ -39,17 +42,42 @@ impl<const D: usize> Model<D> {
             return String::new();
         };
         let (contact, point) = self.carriers(&condensed.paired)[row];
-        let advice = match problem.admissible.has_coulomb() {
-            true => {
-                "within Coulomb's cones some forces balance the load, but those that go with the slips were not found, or are not unique: try smaller load steps or a smaller coefficient"
-            }
-            false => "try a larger `tolerance`, or stiffnesses that differ less",
+        let slender = self.slender(condensed);
+        let advice = match (slender, problem.admissible.has_coulomb()) {
+            (Some((body, times)), _) => format!(
+                "body \"{body}\" is slender, it gives way {times:.0e} times as much as its cells do: divide it into bodies that are `tied` to each other"
+            ),
+            (None, true) => "within Coulomb's cones some forces balance the load, but those that go with the slips were not found, or are not unique: try smaller load steps or a smaller coefficient".to_string(),
+            (None, false) => "try a larger `tolerance`, or stiffnesses that differ less".to_string(),
         };
         format!(
             "; it is worst at {} of contact \"{}\"; {advice}",
             show(point),
             self.contacts[contact].name
         )
+    }
+
+    /// The body that gives way most beside what its cells do, and how many times that, where it leaves few digits.
+    fn slender(&self, condensed: &Condensed<D>) -> Option<(String, f64)> {
+        let softness = &condensed.problem.softness;
+        // of the bodies at a contact the one of softer material: the other may give way with it
+        let mut softest = vec![(usize::MAX, f64::INFINITY); softness.len()];
+        for (index, body) in condensed.bodies.iter().enumerate() {
+            let diagonal = body.system.stiffness.diagonal();
+            let stiffest = diagonal.iter().fold(0.0, |s: f64, k| s.max(*k));
+            for &row in body.rows.index.iter().filter(|_| stiffest > 0.0) {
+                if stiffest < softest[row].1 {
+                    softest[row] = (index, stiffest);
+                }
+            }
+        }
+        let known = softest
+            .iter()
+            .zip(softness)
+            .filter(|(s, _)| s.1.is_finite());
+        let times = known.map(|(&(index, stiffest), gives)| (index, gives * stiffest));
+        let (index, most) = times.max_by(|a, b| a.1.total_cmp(&b.1))?;
+        (most > SLENDER).then(|| (self.part_name(index), most))
     }
 }
 

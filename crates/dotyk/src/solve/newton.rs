@@ -75,8 +75,9 @@ const LEAST: f64 = 1e-10;
 /// Centres without a residual of half the size that end the search.
 const PATIENCE: usize = 4;
 
-/// Most products with a compliance that is not assembled: where these do not do, the problem is too badly conditioned.
-const PRODUCTS: usize = 20_000;
+/// Most products with a compliance that is not assembled, several times those of large problems: where these do not do, the
+/// problem is too badly conditioned for iterations within a step.
+const PRODUCTS: usize = 3000;
 
 /// Residuals that are near an answer.
 pub(crate) const NEARBY: f64 = 1e-2;

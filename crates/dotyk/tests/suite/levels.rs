@@ -66,19 +66,34 @@ fn a_compliance_that_is_applied_takes_as_few_steps_and_gives_the_same_forces() {
 }
 
 #[test]
-fn products_with_many_vectors_at_once_are_those_with_each() {
-    let Compliance::Operator { apply, .. } = tunnel(75, "friction = 0.3", 0).compliance else {
-        panic!("F is assembled");
+fn products_with_many_vectors_at_once_are_those_with_each_and_those_of_assembled_forces() {
+    let mut problem = tunnel(75, "friction = 0.3", 0);
+    let m = problem.len();
+    let product = |problem: &DualProblem, x: &[f64]| {
+        let mut y = vec![0.0; m];
+        problem.compliance.apply(x, &mut y);
+        y
+    };
+    let close = |a: &[f64], b: &[f64]| {
+        let largest = a.iter().fold(0.0, |s: f64, v| s.max(v.abs()));
+        for (a, b) in a.iter().zip(b) {
+            assert!((a - b).abs() <= 1e-12 * largest, "{a:e}, {b:e}");
+        }
     };
     // more columns than are taken at a time, and not a multiple of them
-    let x = Mat::from_fn(apply.len(), 37, |i, j| ((i * 31 + j * 17) as f64).sin());
+    let x = Mat::from_fn(m, 37, |i, j| ((i * 31 + j * 17) as f64).sin());
+    let Compliance::Operator { apply, .. } = &problem.compliance else {
+        panic!("F is assembled");
+    };
     let together = apply.apply_many(&x);
-    for j in 0..x.ncols() {
-        let mut alone = vec![0.0; apply.len()];
-        apply.apply(x.col_as_slice(j), &mut alone);
-        let largest = alone.iter().fold(0.0, |s: f64, v| s.max(v.abs()));
-        for (a, b) in alone.iter().zip(together.col_as_slice(j)) {
-            assert!((a - b).abs() <= 1e-13 * largest, "column {j}: {a:e}, {b:e}");
-        }
+    let alone: Vec<Vec<f64>> = (0..x.ncols())
+        .map(|j| product(&problem, x.col_as_slice(j)))
+        .collect();
+    assert!(!problem.assemble(m - 1), "it has more unknowns than that");
+    assert!(problem.assemble(m));
+    assert!(matches!(problem.compliance, Compliance::Dense(_)));
+    for (j, alone) in alone.iter().enumerate() {
+        close(alone, together.col_as_slice(j));
+        close(alone, &product(&problem, x.col_as_slice(j)));
     }
 }
