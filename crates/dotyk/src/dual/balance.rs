@@ -12,7 +12,7 @@
 //! body that is eliminated.
 
 use crate::dual::grouped::Grouped;
-use crate::dual::{Equilibrium, Mat};
+use crate::dual::{Equilibrium, Mat, Modes};
 use crate::linalg::dense::{
     cholesky_in_place, gram, singular_value_decomposition, solve_lower_in_place,
 };
@@ -31,11 +31,11 @@ pub struct ModeSplit {
 }
 
 /// Splits R^r into the modes that the contact controls and those with Gᵀz = 0. Shapes: `modes` (r, m).
-pub fn uncontrolled_modes(modes: &Mat<f64>) -> ModeSplit {
+pub fn uncontrolled_modes(modes: &Modes) -> ModeSplit {
     if let Some(grouped) = Grouped::new(modes) {
         return grouped.split;
     }
-    let split = singular_directions(modes, largest_entry(modes));
+    let split = singular_directions(&modes.to_dense(), modes.largest());
     let (controlled, uncontrolled): (Vec<_>, Vec<_>) =
         split.into_iter().partition(|d| d.controlled);
     let sparse = |list: Vec<Direction>| {
@@ -86,7 +86,7 @@ impl Balance {
         balance
     }
 
-    fn singular(modes: &Mat<f64>) -> Self {
+    fn singular(modes: &Modes) -> Self {
         let mut balance = Self {
             rows: Vec::new(),
             load: Vec::new(),
@@ -95,7 +95,7 @@ impl Balance {
             original: 0,
         };
         let mut values = Vec::new();
-        for direction in singular_directions(modes, largest_entry(modes)) {
+        for direction in singular_directions(&modes.to_dense(), modes.largest()) {
             if direction.controlled {
                 let mut row = SparseVector::from_dense(&direction.image);
                 row.scale(1.0 / direction.sigma);
@@ -255,12 +255,6 @@ pub(super) fn singular_directions(modes: &Mat<f64>, largest: f64) -> Vec<Directi
             }
         })
         .collect()
-}
-
-/// Largest |G|.
-fn largest_entry(modes: &Mat<f64>) -> f64 {
-    let columns = (0..modes.ncols()).flat_map(|j| modes.col_as_slice(j));
-    largest_of(columns.copied())
 }
 
 /// α̂ = Lᵀa = L⁻¹M(Mᵀa) of amplitudes a of the modes with the images M.

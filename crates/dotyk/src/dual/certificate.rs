@@ -17,7 +17,6 @@
 use std::fmt;
 
 use crate::dual::{AdmissibleSet, Component, DualProblem, Multipliers};
-use crate::linalg::dense::dot;
 
 /// Limit of the relative imbalances, whatever the tolerance.
 pub const IMBALANCE_LIMIT: f64 = 1e-10;
@@ -225,7 +224,7 @@ impl Violations {
         let (mut primal_dual, mut stored) = (0.0, 0.0);
         for (i, &component) in components.iter().enumerate() {
             let (force, known) = (lambda[i], gap[i]);
-            let rigid: f64 = dot(problem.equilibrium.modes.col_as_slice(i), alpha);
+            let rigid = problem.equilibrium.modes.motion(i, alpha);
             stored += force * (known + problem.shift[i] + rigid);
             let gap = told(i);
             primal_dual += force * gap;
@@ -242,10 +241,9 @@ impl Violations {
             violations.complementarity += (force * gap).abs();
         }
         let arm = one_if_zero(problem.scales.moment_arm);
+        let carried = problem.equilibrium.modes.product(lambda);
         for (row, &load) in problem.equilibrium.load.iter().enumerate() {
-            let carried: f64 = (0..lambda.len())
-                .map(|i| problem.equilibrium.modes[(row, i)] * lambda[i])
-                .sum();
+            let carried = carried[row];
             let rest = (carried - load).abs();
             primal_dual += alpha[row] * (carried - load);
             if problem.equilibrium.moments[row] {
@@ -370,7 +368,7 @@ impl DualProblem {
     /// To what gaps are known from Fλ, d and Gᵀα. A motion that is large in one component rounds the others too: rotations are
     /// told from translations by differences of these.
     pub(crate) fn rounding(&self, gap: &[f64], alpha: &[f64]) -> impl Fn(usize) -> f64 {
-        let rigid = |i: usize| dot(self.equilibrium.modes.col_as_slice(i), alpha).abs();
+        let rigid = |i: usize| self.equilibrium.modes.motion(i, alpha).abs();
         let moved = (0..gap.len()).fold(0.0, |s: f64, i| s.max(rigid(i) + self.shift[i].abs()));
         move |i| ROUNDING * (gap[i].abs() + moved)
     }

@@ -21,7 +21,7 @@
 use crate::dual::cone;
 use crate::dual::grouped::MANY;
 use crate::dual::{
-    AdmissibleSet, Block, DualProblem, Equilibrium, Mat, ModeSplit, uncontrolled_modes,
+    AdmissibleSet, Block, DualProblem, Equilibrium, ModeSplit, Modes, uncontrolled_modes,
 };
 use crate::linalg::SparseVector;
 use crate::linalg::dense::{dot, norm};
@@ -172,18 +172,18 @@ struct Carrier {
 }
 
 impl Carrier {
-    fn new(admissible: &AdmissibleSet, modes: &Mat<f64>) -> Self {
+    fn new(admissible: &AdmissibleSet, modes: &Modes) -> Self {
         let split = if admissible.has_friction() {
             // What friction cannot bear controls nothing.
-            let mut borne = modes.clone();
+            let mut borne = modes.columns().to_vec();
             for (block, range) in admissible.iter() {
                 if block.bound(1.0) == Some(0.0) {
-                    for i in range.skip(1) {
-                        borne.col_as_slice_mut(i).fill(0.0);
+                    for column in &mut borne[range.start + 1..range.end] {
+                        *column = SparseVector::new(modes.nrows(), []);
                     }
                 }
             }
-            uncontrolled_modes(&borne)
+            uncontrolled_modes(&Modes::new(modes.nrows(), borne))
         } else {
             uncontrolled_modes(modes)
         };
@@ -195,7 +195,7 @@ impl Carrier {
         };
         for (block, range) in admissible.iter() {
             let columns: Vec<Vec<f64>> = range
-                .map(|i| carrier.reduce(modes.col_as_slice(i)))
+                .map(|i| carrier.reduce(&modes.column(i).to_dense()))
                 .collect();
             carrier.add(block, columns);
         }
@@ -591,8 +591,9 @@ mod tests {
     #[test]
     fn driven_mode_without_contact_is_named() {
         let mut problem = plate([-1.0, 0.5], [Block::Unilateral; 2]);
-        problem.equilibrium.modes[(1, 0)] = 0.0;
-        problem.equilibrium.modes[(1, 1)] = 0.0;
+        let first = &problem.equilibrium.modes.rows()[0];
+        let none = SparseVector::new(2, []);
+        problem.equilibrium.modes = Modes::of_rows(&[first.clone(), none], 2);
         let Feasibility::Infeasible { direction, .. } = problem.feasibility() else {
             panic!("nothing holds mode 1");
         };

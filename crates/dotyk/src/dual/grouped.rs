@@ -11,7 +11,8 @@
 //! proved.
 
 use crate::dual::balance::singular_directions;
-use crate::dual::{Mat, ModeSplit};
+use crate::dual::modes::transposed;
+use crate::dual::{Mat, ModeSplit, Modes};
 use crate::linalg::{Cholesky, SparseVector, WeightedGram};
 use rayon::prelude::*;
 use std::collections::BTreeSet;
@@ -39,11 +40,11 @@ pub(super) struct Grouped {
 
 impl Grouped {
     /// Splits the modes G (r, m); `None` where there are few, or some are almost dependent.
-    pub fn new(modes: &Mat<f64>) -> Option<Self> {
+    pub fn new(modes: &Modes) -> Option<Self> {
         if modes.nrows() < MANY {
             return None;
         }
-        Self::of_rows(&sparse_rows(modes))
+        Self::of_rows(&modes.rows())
     }
 
     /// The same for the rows of G, each (m,).
@@ -93,23 +94,6 @@ impl Grouped {
         let columns: Vec<SparseVector> = self.columns.par_iter().map(forward).collect();
         transposed(&columns, self.images.len())
     }
-}
-
-/// The rows of a matrix without their zeros.
-fn sparse_rows(matrix: &Mat<f64>) -> Vec<SparseVector> {
-    let columns = (0..matrix.ncols()).map(|j| SparseVector::from_dense(matrix.col_as_slice(j)));
-    transposed(&columns.collect::<Vec<_>>(), matrix.nrows())
-}
-
-/// The columns of the matrix that has these rows, `columns` in number.
-fn transposed(rows: &[SparseVector], columns: usize) -> Vec<SparseVector> {
-    let mut entries: Vec<Vec<(usize, f64)>> = vec![Vec::new(); columns];
-    for (i, row) in rows.iter().enumerate() {
-        row.entries()
-            .for_each(|(j, value)| entries[j].push((i, value)));
-    }
-    let columns = entries.into_iter();
-    columns.map(|e| SparseVector::new(rows.len(), e)).collect()
 }
 
 /// Neighbouring rows that share most of their columns.
@@ -164,7 +148,7 @@ mod tests {
     fn many_bodies_split_as_one_decomposition_does() {
         let n = 40;
         let modes = row_of_discs(n);
-        let Some(grouped) = Grouped::new(&modes) else {
+        let Some(grouped) = Grouped::new(&modes.clone().into()) else {
             panic!("the joints hold every disc");
         };
         let sizes = (
@@ -225,6 +209,6 @@ mod tests {
         for joint in [0, 1, 80, 81] {
             modes.col_as_slice_mut(joint).fill(0.0);
         }
-        assert!(Grouped::new(&modes).is_none());
+        assert!(Grouped::new(&modes.into()).is_none());
     }
 }

@@ -28,6 +28,7 @@ mod certificate;
 mod cone;
 mod feasibility;
 mod grouped;
+mod modes;
 mod projection;
 
 pub use admissible::{AdmissibleSet, Component};
@@ -35,10 +36,11 @@ pub use balance::{Balance, ModeSplit, uncontrolled_modes};
 pub(crate) use certificate::{BETWEEN_NODES, ROUNDING, Violations};
 pub use certificate::{Certificate, Figure, IMBALANCE_LIMIT, Recomputed};
 pub use feasibility::{Feasibility, NO_WORK, least_norm_within, least_squares_nonnegative};
+pub use modes::Modes;
 pub use projection::Projector;
 
 use crate::linalg::dense::matvec;
-use crate::linalg::{LinearOperator, Mat};
+use crate::linalg::{LinearOperator, Mat, SparseVector};
 
 /// F, the compliance of the bodies seen from the contact unknowns: (m, m), symmetric, positive semidefinite.
 pub enum Compliance {
@@ -110,7 +112,7 @@ pub enum Block {
 #[derive(Debug, Clone)]
 pub struct Equilibrium {
     /// G, (r, m).
-    pub modes: Mat<f64>,
+    pub modes: Modes,
     /// e, (r,): work of the loads on each mode.
     pub load: Vec<f64>,
     /// Which rows balance moments (r,). A mode is scaled to largest displacement 1, so the row of a rotation
@@ -120,10 +122,10 @@ pub struct Equilibrium {
 
 impl Equilibrium {
     /// Gλ = e, all rows taken as forces.
-    pub fn new(modes: Mat<f64>, load: Vec<f64>) -> Self {
+    pub fn new(modes: impl Into<Modes>, load: Vec<f64>) -> Self {
         let moments = vec![false; load.len()];
         Self {
-            modes,
+            modes: modes.into(),
             load,
             moments,
         }
@@ -131,7 +133,7 @@ impl Equilibrium {
 
     /// Nothing floats: r = 0 with `m` contact forces.
     pub fn none(m: usize) -> Self {
-        Self::new(Mat::zeros(0, m), Vec::new())
+        Self::new(Modes::of_rows(&[], m), Vec::new())
     }
 }
 
@@ -346,7 +348,8 @@ impl DualProblem {
         }
         finite("d", self.shift.iter())?;
         finite("e", self.equilibrium.load.iter())?;
-        finite("G", columns(&self.equilibrium.modes))?;
+        let modes = self.equilibrium.modes.columns().iter();
+        finite("G", modes.flat_map(SparseVector::values))?;
         if let Compliance::Dense(matrix) = &self.compliance {
             finite("F", columns(matrix))?;
         }
@@ -398,14 +401,7 @@ impl DualProblem {
     /// Gap from the product Fλ. Shapes: `product` and `gap` (m,), `alpha` (r,).
     pub(crate) fn gap_from_product(&self, product: &[f64], alpha: &[f64], gap: &mut [f64]) {
         for (i, gap) in gap.iter_mut().enumerate() {
-            let rigid: f64 = self
-                .equilibrium
-                .modes
-                .col_as_slice(i)
-                .iter()
-                .zip(alpha)
-                .map(|(g, a)| g * a)
-                .sum();
+            let rigid = self.equilibrium.modes.motion(i, alpha);
             *gap = product[i] - self.shift[i] - rigid;
         }
     }

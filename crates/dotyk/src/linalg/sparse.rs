@@ -40,6 +40,22 @@ impl SparseVector {
         vector
     }
 
+    /// A vector of `length` entries from parts in any order, which add up where they have the same index.
+    ///
+    /// # Panics
+    /// When an index is out of range.
+    pub fn sum(length: usize, mut parts: Vec<(usize, f64)>) -> Self {
+        parts.sort_by_key(|part| part.0);
+        let mut entries: Vec<(usize, f64)> = Vec::with_capacity(parts.len());
+        for (i, value) in parts {
+            match entries.last_mut() {
+                Some(last) if last.0 == i => last.1 += value,
+                _ => entries.push((i, value)),
+            }
+        }
+        Self::new(length, entries)
+    }
+
     /// The entries of a dense vector that are not zero.
     pub fn from_dense(v: &[f64]) -> Self {
         Self::new(v.len(), v.iter().copied().enumerate())
@@ -66,6 +82,11 @@ impl SparseVector {
     pub fn entries(&self) -> impl Iterator<Item = (usize, f64)> {
         let index = self.index.iter().map(|&i| i as usize);
         index.zip(self.values.iter().copied())
+    }
+
+    /// The entries that are not zero.
+    pub fn values(&self) -> &[f64] {
+        &self.values
     }
 
     /// The product with a dense vector.

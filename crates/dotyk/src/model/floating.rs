@@ -4,11 +4,11 @@
 //! motion that no contact can resist: driven by the load it is an error, else it is fixed by least norm with a warning.
 //! If no admissible λ satisfies Gλ = e, the load pulls a body away from everything that could hold it.
 
-use crate::dual::{Equilibrium, NO_WORK, least_norm_within, uncontrolled_modes};
+use crate::dual::{Equilibrium, Modes, NO_WORK, least_norm_within, uncontrolled_modes};
 use crate::fem::describe_motion;
 use crate::geometry::norm;
+use crate::linalg::SparseVector;
 use crate::linalg::dense::dot;
-use crate::linalg::{Mat, SparseVector};
 use crate::model::condense::LoadedBody;
 use crate::model::error::Error;
 use crate::model::nouns::Model;
@@ -46,22 +46,18 @@ impl Floating {
             .flat_map(|(body, b)| (0..b.system.modes.len()).map(move |mode| (body, mode)))
             .collect();
         let r = modes.len();
-        let mut g = Mat::<f64>::zeros(r, m);
-        for (k, &(body, mode)) in modes.iter().enumerate() {
+        let work = |&(body, mode): &(usize, usize)| {
             let b = &bodies[body];
-            let column = &b.system.modes[mode];
-            for (local, &row) in b.rows.index.iter().enumerate() {
-                g[(k, row)] = b
-                    .rows
-                    .matrix
-                    .row(local)
-                    .map(|(dof, value)| value * column[dof])
-                    .sum();
-            }
-        }
+            let motion = &b.system.modes[mode];
+            let rows = b.rows.index.iter().enumerate().map(|(local, &row)| {
+                let parts = b.rows.matrix.row(local);
+                (row, parts.map(|(dof, value)| value * motion[dof]).sum())
+            });
+            SparseVector::sum(m, rows.collect())
+        };
+        let all: Vec<SparseVector> = modes.iter().map(work).collect();
+        let g = Modes::of_rows(&all, m);
         let split = uncontrolled_modes(&g);
-        let all = (0..r).map(|k| SparseVector::new(m, (0..m).map(|i| (i, g[(k, i)]))));
-        let all = all.collect();
         let (controlled, equilibrium) = if split.uncontrolled.is_empty() {
             let unit = |k: usize| SparseVector::new(r, [(k, 1.0)]);
             (
@@ -74,7 +70,15 @@ impl Floating {
             )
         } else {
             let c = split.controlled;
-            let reduced = Mat::from_fn(c.len(), m, |j, i| c[j].dot(g.col_as_slice(i)));
+            let combined = |z: &SparseVector| {
+                let parts = z.entries().flat_map(|(k, part)| {
+                    let row = all[k].entries();
+                    row.map(move |(i, g)| (i, part * g))
+                });
+                SparseVector::sum(m, parts.collect())
+            };
+            let reduced: Vec<SparseVector> = c.iter().map(combined).collect();
+            let reduced = Modes::of_rows(&reduced, m);
             let load = vec![0.0; c.len()];
             (c, Equilibrium::new(reduced, load))
         };

@@ -30,11 +30,9 @@ pub(crate) fn correction(
     let mut setup = Setup::unchecked(problem);
     setup.shift = gap.iter().map(|gap| -gap).collect();
     let equilibrium = &problem.equilibrium;
-    let left = equilibrium.load.iter().enumerate().map(|(row, load)| {
-        let carried =
-            (0..problem.len()).map(|i| equilibrium.modes[(row, i)] * multipliers.lambda[i]);
-        load - carried.sum::<f64>()
-    });
+    let carried = equilibrium.modes.product(&multipliers.lambda);
+    let left = equilibrium.load.iter().zip(&carried);
+    let left = left.map(|(load, carried)| load - carried);
     setup.balance.set_load(&left.collect::<Vec<f64>>());
     let mut search = Search::new(&method, &setup);
     let states = search.states_of_guess(multipliers).ok()?;

@@ -15,8 +15,8 @@
 use std::collections::HashMap;
 use std::ops::ControlFlow;
 
-use crate::dual::{AdmissibleSet, Block, Compliance, DualProblem, Equilibrium, Multipliers};
-use crate::linalg::{LinearOperator, Mat};
+use crate::dual::{AdmissibleSet, Block, Compliance, DualProblem, Equilibrium, Modes, Multipliers};
+use crate::linalg::{LinearOperator, Mat, SparseVector};
 use crate::solve::states::State;
 use crate::solve::{Newton, Observer, Outcome, Setup, SolveError};
 
@@ -208,15 +208,16 @@ impl Clusters {
         let m = self.admissible.len();
         let mut shift = vec![0.0; m];
         let modes = &fine.equilibrium.modes;
-        let mut reduced = Mat::zeros(modes.nrows(), m);
+        let mut sums: Vec<Vec<(usize, f64)>> = vec![Vec::new(); m];
         for (i, &(to, share)) in self.place.iter().enumerate() {
             shift[to] += share * fine.shift[i];
-            let from = modes.col_as_slice(i).iter();
-            let column = reduced.col_as_slice_mut(to).iter_mut();
-            column.zip(from).for_each(|(to, g)| *to += share * g);
+            let parts = modes.column(i).entries();
+            sums[to].extend(parts.map(|(row, g)| (row, share * g)));
         }
+        let columns = sums.into_iter();
+        let columns = columns.map(|parts| SparseVector::sum(modes.nrows(), parts));
         let equilibrium = Equilibrium {
-            modes: reduced,
+            modes: Modes::new(modes.nrows(), columns.collect()),
             load: fine.equilibrium.load.clone(),
             moments: fine.equilibrium.moments.clone(),
         };

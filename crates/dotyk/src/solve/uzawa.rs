@@ -177,7 +177,7 @@ impl Bolted {
         Lu::new(matrix).ok()?.solve_in_place(&mut inverse);
         let mut modes: Vec<usize> = Vec::new();
         for &node in &nodes {
-            let column = setup.problem.equilibrium.modes.col_as_slice(node);
+            let column = setup.problem.equilibrium.modes.column(node).to_dense();
             let best = (0..column.len())
                 .filter(|mode| !modes.contains(mode))
                 .max_by(|&a, &b| column[a].abs().total_cmp(&column[b].abs()).then(b.cmp(&a)));

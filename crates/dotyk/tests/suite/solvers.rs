@@ -605,7 +605,7 @@ fn improper_bolt_is_reported_and_never_accepted() {
 #[test]
 fn bolts_that_hold_nothing_are_named() {
     let mut known = random_problem(10, 1, Pattern::AllClosed, 0, 3);
-    let mut modes = known.problem.equilibrium.modes.clone();
+    let mut modes = known.problem.equilibrium.modes.to_dense();
     modes[(0, 4)] = 0.0;
     let load = product(&modes, &known.lambda);
     known.problem.equilibrium = Equilibrium::new(modes, load);
