@@ -30,6 +30,9 @@ use dotyk::linalg::{Mat, SparseMatrix};
 /// Largest size for which the rank is computed.
 const RANKED: usize = 2000;
 
+/// Largest size for which W is taken with its zeros.
+const SPARSE: usize = 600;
+
 /// Parts of the largest column below which a column adds nothing to the rank.
 const RANK_TOLERANCE: f64 = 1e-10;
 
@@ -104,6 +107,14 @@ impl Problem {
         dense
     }
 
+    /// W as it is, without its zeros where it is large.
+    fn compliance(&self) -> Compliance {
+        match self.size() > SPARSE {
+            true => Compliance::Sparse(self.matrix.clone()),
+            false => Compliance::Dense(self.dense()),
+        }
+    }
+
     /// The dual problem with F = W as it is and d = −q.
     pub fn dual(&self) -> Result<DualProblem, DualError> {
         let block = |&coefficient: &f64| Block::Coulomb {
@@ -111,7 +122,7 @@ impl Problem {
             coefficient,
         };
         DualProblem::new(
-            Compliance::Dense(self.dense()),
+            self.compliance(),
             self.free.iter().map(|q| -q).collect(),
             AdmissibleSet::new(self.friction.iter().map(block).collect()),
             Equilibrium::none(self.size()),

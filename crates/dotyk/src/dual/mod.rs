@@ -40,12 +40,14 @@ pub use modes::Modes;
 pub use projection::Projector;
 
 use crate::linalg::dense::matvec;
-use crate::linalg::{LinearOperator, Mat, SparseVector};
+use crate::linalg::{LinearOperator, Mat, SparseMatrix, SparseVector};
 
 /// F, the compliance of the bodies seen from the contact unknowns: (m, m), symmetric, positive semidefinite.
 pub enum Compliance {
     /// Assembled.
     Dense(Mat<f64>),
+    /// Assembled without its zeros: of many bodies each is touched by few contacts. It may be unsymmetric.
+    Sparse(SparseMatrix),
     /// Applied by one solve with each factored body.
     Operator {
         /// x ↦ Fx.
@@ -60,6 +62,7 @@ impl Compliance {
     pub fn len(&self) -> usize {
         match self {
             Self::Dense(matrix) => matrix.nrows(),
+            Self::Sparse(matrix) => matrix.rows(),
             Self::Operator { apply, .. } => apply.len(),
         }
     }
@@ -73,8 +76,22 @@ impl Compliance {
     pub fn apply(&self, x: &[f64], y: &mut [f64]) {
         match self {
             Self::Dense(matrix) => matvec(matrix, x, y),
+            Self::Sparse(matrix) => matrix.mul(x, y),
             Self::Operator { apply, .. } => apply.apply(x, y),
         }
+    }
+
+    /// The diagonal of an assembled F, (m,).
+    pub fn diagonal(&self) -> Option<Vec<f64>> {
+        let entry = |i: usize| match self {
+            Self::Dense(matrix) => Some(matrix[(i, i)]),
+            Self::Sparse(matrix) => {
+                let own = matrix.row(i).find(|&(j, _)| j == i);
+                Some(own.map_or(0.0, |(_, value)| value))
+            }
+            Self::Operator { .. } => None,
+        };
+        (0..self.len()).map(entry).collect()
     }
 }
 
@@ -253,12 +270,9 @@ impl DualProblem {
     }
 
     fn diagonal_softness(&self) -> Vec<f64> {
-        match &self.compliance {
-            Compliance::Dense(matrix) => {
-                let diagonal = (0..self.len()).map(|i| matrix[(i, i)]).collect();
-                self.positive_softness(diagonal)
-            }
-            Compliance::Operator { .. } => {
+        match self.compliance.diagonal() {
+            Some(diagonal) => self.positive_softness(diagonal),
+            None => {
                 let or_one = |scale: f64| if scale > 0.0 { scale } else { 1.0 };
                 let ratio = or_one(self.scales.length) / or_one(self.scales.force);
                 vec![ratio; self.len()]
@@ -269,13 +283,12 @@ impl DualProblem {
     /// Takes over what every component gives way at least, (m,). The diagonal of F falls below it where a body is grounded;
     /// of an applied F it is not known.
     pub(crate) fn soften(&mut self, least: Vec<f64>) {
-        self.softness = match &self.compliance {
-            Compliance::Dense(matrix) => {
-                let own = least.iter().enumerate();
-                let larger = own.map(|(i, least)| least.max(matrix[(i, i)])).collect();
-                self.positive_softness(larger)
+        self.softness = match self.compliance.diagonal() {
+            Some(diagonal) => {
+                let larger = least.iter().zip(&diagonal).map(|(a, b)| a.max(*b));
+                self.positive_softness(larger.collect())
             }
-            Compliance::Operator { .. } => self.positive_softness(least),
+            None => self.positive_softness(least),
         };
     }
 
@@ -350,8 +363,10 @@ impl DualProblem {
         finite("e", self.equilibrium.load.iter())?;
         let modes = self.equilibrium.modes.columns().iter();
         finite("G", modes.flat_map(SparseVector::values))?;
-        if let Compliance::Dense(matrix) = &self.compliance {
-            finite("F", columns(matrix))?;
+        match &self.compliance {
+            Compliance::Dense(matrix) => finite("F", columns(matrix))?,
+            Compliance::Sparse(matrix) => finite("F", matrix.values().iter())?,
+            Compliance::Operator { .. } => {}
         }
         let blocks = self.admissible.blocks().len();
         if let Some(&found) = self

@@ -16,6 +16,7 @@ pub(crate) mod dense;
 mod gram;
 mod order;
 mod sparse;
+mod sparse_lu;
 
 pub use cholesky::{Analysis, Cholesky};
 pub use dense::{
@@ -29,6 +30,8 @@ pub use order::{expand_to_dofs, fill_reducing_order};
 pub use sparse::{
     CellMatrices, Connectivity, Graph, SparseMatrix, SparseVector, SymmetricMatrix, assemble_blocks,
 };
+
+pub use sparse_lu::SparseLu;
 
 /// A symmetric linear map of vectors of length `len`.
 pub trait LinearOperator: Send + Sync {

@@ -196,6 +196,11 @@ impl SparseMatrix {
         self.values.len()
     }
 
+    /// All stored entries, row by row.
+    pub fn values(&self) -> &[f64] {
+        &self.values
+    }
+
     /// (column, value) of the entries of a row, columns ascending.
     pub fn row(&self, i: usize) -> impl Iterator<Item = (usize, f64)> {
         let entries = self.row_start[i]..self.row_start[i + 1];

@@ -29,6 +29,11 @@ use std::sync::Arc;
 /// less time from there on.
 pub const DENSE_LIMIT: usize = 3000;
 
+/// F of more unknowns than the first number, of which less than one in the second has an entry, is assembled without its
+/// zeros: many bodies.
+const FEW: usize = 500;
+const SCATTERED: usize = 8;
+
 /// Overlaps that are all below this part of the displacements they are differences of mean nothing.
 const ROUNDING: f64 = 1e-12;
 
@@ -327,6 +332,18 @@ pub(crate) fn overlap<const D: usize>(
     overlap
 }
 
+/// Whether F is assembled: up to `limit` nodes that carry `per_node` rows each, or as many entries in the bodies' parts.
+pub(crate) fn is_assembled(
+    rows: &[Arc<BodyRows>],
+    m: usize,
+    limit: usize,
+    per_node: usize,
+) -> bool {
+    let most = limit.saturating_mul(per_node);
+    let entries: usize = rows.iter().map(|rows| rows.index.len().pow(2)).sum();
+    m <= most || entries <= most.saturating_mul(most)
+}
+
 /// F of all bodies: (m, m), assembled where `dense`.
 pub(crate) fn compliance<const D: usize>(
     bodies: &[LoadedBody<D>],
@@ -347,6 +364,18 @@ pub(crate) fn compliance<const D: usize>(
         .into_par_iter()
         .map(|(b, f, o)| boundary_compliance(b, f, o))
         .collect();
+    let entries: usize = blocks.iter().map(|block| block.nrows().pow(2)).sum();
+    if m > FEW && entries < m * m / SCATTERED {
+        let mut triplets = Vec::with_capacity(entries);
+        for (body, block) in bodies.iter().zip(&blocks) {
+            let index = &body.rows.index;
+            for (j, &column) in index.iter().enumerate() {
+                let rows = index.iter().enumerate();
+                triplets.extend(rows.map(|(i, &row)| (row, column, block[(i, j)])));
+            }
+        }
+        return Compliance::Sparse(SparseMatrix::from_triplets(m, m, &triplets));
+    }
     let mut f = Mat::<f64>::zeros(m, m);
     for (body, block) in bodies.iter().zip(&blocks) {
         let index = &body.rows.index;

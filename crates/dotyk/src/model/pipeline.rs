@@ -10,7 +10,7 @@ use crate::fem::{BodySystem, Constraints, FemError, Short, assemble, show};
 use crate::geometry::{add_scaled, bounding_box, distance, norm};
 use crate::model::condense::{
     DENSE_LIMIT, FactoredBody, LoadedBody, Ordered, body_rows, compliance, factor, gaps_after,
-    initial_gaps, least_softness, order, overlap,
+    initial_gaps, is_assembled, least_softness, order, overlap,
 };
 use crate::model::dependent::{drop_implied, shared_forces};
 use crate::model::error::Error;
@@ -337,7 +337,7 @@ impl<const D: usize> Model<D> {
         // the limit counts nodes: under friction each has one more row
         let rough = paired.iter().flat_map(|p| p.interface.tangential());
         let rows_per_node = 1 + usize::from(rough.into_iter().any(|tangential| tangential));
-        let dense = gaps.len() <= dense_limit.saturating_mul(rows_per_node);
+        let dense = is_assembled(&rows, gaps.len(), dense_limit, rows_per_node);
         observe(Event::Stage("order"));
         let ordered: Vec<Ordered> = (&systems, &rows)
             .into_par_iter()

@@ -72,7 +72,7 @@ pub(crate) fn correction(
 /// they are wrong, however small their gaps. `None` where exact steps find none, where states do not determine the forces,
 /// where the gaps that should be closed are rounding, and where F is not assembled.
 pub(crate) fn distance_to_exact(problem: &DualProblem, multipliers: &Multipliers) -> Option<f64> {
-    if !matches!(problem.compliance, Compliance::Dense(_)) {
+    if matches!(problem.compliance, Compliance::Operator { .. }) {
         return None;
     }
     let setup = Setup::new(problem).ok()?;

@@ -69,6 +69,7 @@ pub(crate) fn start(setup: &Setup<'_>, solve: CoarseSolver<'_>) -> Option<Start>
             let found = clusters.solve(setup, clusters.reduced(matrix), solve)?;
             Some(clusters.start(setup, &found))
         }
+        Compliance::Sparse(_) => None,
         Compliance::Operator { apply, .. } => Cut::new(setup)?.refine(setup, &**apply, solve),
     }
 }

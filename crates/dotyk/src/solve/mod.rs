@@ -44,8 +44,8 @@ use std::ops::ControlFlow;
 pub(crate) use crate::linalg::dense::{dot, norm};
 
 use crate::dual::{
-    AdmissibleSet, Balance, Block, Compliance, Component, DualError, DualProblem, Feasibility,
-    Multipliers, Projector, Violations,
+    AdmissibleSet, Balance, Block, Component, DualError, DualProblem, Feasibility, Multipliers,
+    Projector, Violations,
 };
 
 /// The automatic fixed step ρ times the upper bound of λ_max: below 2, where the iteration would stop converging.
@@ -323,12 +323,8 @@ impl<'a> Setup<'a> {
     /// `bound`, an eigenvalue bound, or a number of its order where it is rounding: then the balance alone determines
     /// the forces, and any step is right that is comparable with them.
     pub fn usable_bound(&self, bound: f64) -> f64 {
-        let diagonal = match &self.problem.compliance {
-            Compliance::Dense(matrix) => {
-                (0..self.len()).map(|i| matrix[(i, i)]).fold(0.0, f64::max)
-            }
-            Compliance::Operator { .. } => 0.0,
-        };
+        let diagonal = self.problem.compliance.diagonal();
+        let diagonal = diagonal.map_or(0.0, |d| d.into_iter().fold(0.0, f64::max));
         if self.len() > self.modes() && bound > 1e-13 * diagonal {
             return bound;
         }

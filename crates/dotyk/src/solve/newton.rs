@@ -228,7 +228,7 @@ impl<'a> Search<'a> {
             kind: 'n',
             unique: false,
             accuracy: match setup.problem.compliance {
-                Compliance::Dense(_) => finest(method),
+                Compliance::Dense(_) | Compliance::Sparse(_) => finest(method),
                 Compliance::Operator { .. } => 1e-2,
             },
         }

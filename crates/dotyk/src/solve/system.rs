@@ -20,7 +20,7 @@ use crate::linalg::dense::{
     Lu, cholesky_in_place, solve_cholesky_in_place, solve_lower_in_place,
     solve_lower_transpose_in_place, transpose_product,
 };
-use crate::linalg::{LinearOperator, Mat, SparseVector};
+use crate::linalg::{LinearOperator, Mat, SparseLu, SparseMatrix, SparseVector};
 use crate::solve::null::{Null, Pseudo, add_outer, gram_of};
 use crate::solve::states::{Unknown, along};
 use crate::solve::{Setup, dot, norm};
@@ -30,6 +30,9 @@ const DEPENDENT: f64 = 1e-13;
 
 /// Shift of a singular matrix, relative to its diagonal.
 const SHIFT: f64 = 1e-10;
+
+/// Part of a right side that the factor of a regular matrix leaves at most.
+const SOLVED: f64 = 1e-6;
 
 /// Most corrections of a solution; a shifted matrix needs more of them than rounding.
 const CORRECTIONS: usize = 8;
@@ -112,7 +115,7 @@ impl<'a> System<'a> {
     /// Solves from `guess`, with a relative accuracy that only iterations use; `None` where the system is singular.
     pub fn solve(&mut self, guess: &Forces, accuracy: f64) -> Option<Forces> {
         let point = match &self.setup.problem.compliance {
-            Compliance::Dense(matrix) => self.solve_assembled(matrix),
+            Compliance::Dense(_) | Compliance::Sparse(_) => self.solve_assembled(),
             Compliance::Operator { preconditioner, .. } => {
                 self.solve_applied(preconditioner.as_ref(), guess, accuracy)
             }
@@ -125,9 +128,9 @@ impl<'a> System<'a> {
         finite.then_some(point)
     }
 
-    fn solve_assembled(&mut self, matrix: &Mat<f64>) -> Option<Forces> {
+    fn solve_assembled(&mut self) -> Option<Forces> {
         let (n, k) = (self.unknowns.len(), self.setup.modes());
-        let factored = Factored::new(self, matrix)?;
+        let factored = Factored::new(self)?;
         self.unique = !factored.shifted;
         let (mut x, mut alpha) = (vec![0.0; n], vec![0.0; k]);
         let mut point = self.point(&x, alpha.clone());
@@ -189,6 +192,26 @@ impl<'a> System<'a> {
     }
 }
 
+impl System<'_> {
+    /// Scale of the unknown `a` with the diagonal entry `own`, and not that alone: it is rounding where a body is grounded.
+    fn unit_of(&self, a: usize, own: f64) -> f64 {
+        let unknown = &self.unknowns[a];
+        let softness = &self.setup.problem.softness;
+        let weights = unknown.force.iter().zip(&unknown.row);
+        let least = weights.map(|(c, w)| (c.1 * w.1).abs() * softness[c.0]);
+        unit_scale(own.abs().max(least.sum()))
+    }
+
+    /// Scale of every row of the balance of scaled unknowns.
+    fn units_of_balance(&self, scale: &[f64]) -> Vec<f64> {
+        let unit = |(forces, rows): (&SparseVector, &SparseVector)| {
+            let pushes = forces.entries().chain(rows.entries());
+            unit_scale(pushes.fold(0.0, |s: f64, (a, g)| s.max((g * scale[a]).powi(2))))
+        };
+        self.forces.iter().zip(&self.rows).map(unit).collect()
+    }
+}
+
 /// What an unknown pushes, or what its condition weighs.
 type Side = fn(&Unknown) -> &[(usize, f64)];
 
@@ -242,26 +265,28 @@ enum Kind {
     },
     /// LU of the whole, with the scale of every row of the balance.
     General { lu: Lu, balance: Vec<f64> },
+    /// The same without its zeros.
+    Sparse { lu: SparseLu, balance: Vec<f64> },
 }
 
 impl Factored {
-    fn new(system: &System<'_>, matrix: &Mat<f64>) -> Option<Self> {
+    fn new(system: &System<'_>) -> Option<Self> {
+        match &system.setup.problem.compliance {
+            Compliance::Dense(matrix) => Self::dense(system, matrix),
+            Compliance::Sparse(matrix) => Self::sparse(system, matrix),
+            Compliance::Operator { .. } => None,
+        }
+    }
+
+    fn dense(system: &System<'_>, matrix: &Mat<f64>) -> Option<Self> {
         let unknowns = system.unknowns;
         let symmetric = unknowns.iter().all(Unknown::is_symmetric);
         let mut whole = coupling(matrix, unknowns);
         for (a, unknown) in unknowns.iter().enumerate() {
             whole[(a, a)] += unknown.softness;
         }
-        // not the diagonal alone: it is rounding where a body is grounded
-        let softness = &system.setup.problem.softness;
-        let least = |u: &Unknown| -> f64 {
-            let weights = u.force.iter().zip(&u.row);
-            weights
-                .map(|(c, w)| (c.1 * w.1).abs() * softness[c.0])
-                .sum()
-        };
-        let scale: Vec<f64> = (unknowns.iter().enumerate())
-            .map(|(a, u)| unit_scale(whole[(a, a)].abs().max(least(u))))
+        let scale: Vec<f64> = (0..unknowns.len())
+            .map(|a| system.unit_of(a, whole[(a, a)]))
             .collect();
         for b in 0..unknowns.len() {
             let column = whole.col_as_slice_mut(b).iter_mut();
@@ -329,12 +354,7 @@ impl Factored {
 
     fn general(system: &System<'_>, whole: Mat<f64>, scale: Vec<f64>) -> Option<Self> {
         let (n, k) = (scale.len(), system.rows.len());
-        let balance: Vec<f64> = (0..k)
-            .map(|j| {
-                let pushes = system.forces[j].entries().chain(system.rows[j].entries());
-                unit_scale(pushes.fold(0.0, |s: f64, (a, g)| s.max((g * scale[a]).powi(2))))
-            })
-            .collect();
+        let balance = system.units_of_balance(&scale);
         let bordered = |shift: f64| {
             Mat::from_fn(n + k, n + k, |i, j| match (i < n, j < n) {
                 (true, true) => whole[(i, j)] + if i == j { shift } else { 0.0 },
@@ -359,6 +379,47 @@ impl Factored {
         None
     }
 
+    /// LU of the bordered matrix without its zeros, of the coupling and the softness of the unknowns and the balance.
+    fn sparse(system: &System<'_>, matrix: &SparseMatrix) -> Option<Self> {
+        let mut whole = sparse_coupling(matrix, system.unknowns);
+        let n = system.unknowns.len();
+        let mut diagonal: Vec<f64> = system.unknowns.iter().map(|u| u.softness).collect();
+        whole.extend((0..n).map(|a| (a, a, diagonal[a])));
+        let own = whole.iter().take(whole.len() - n).filter(|e| e.0 == e.1);
+        own.for_each(|&(a, _, value)| diagonal[a] += value);
+        let scale: Vec<f64> = (0..n).map(|a| system.unit_of(a, diagonal[a])).collect();
+        let balance = system.units_of_balance(&scale);
+        let size = n + balance.len();
+        whole
+            .iter_mut()
+            .for_each(|(a, b, value)| *value *= scale[*a] * scale[*b]);
+        for (j, unit) in balance.iter().enumerate() {
+            let rows = system.rows[j].entries();
+            whole.extend(rows.map(|(a, g)| (a, n + j, -g * scale[a] * unit)));
+            let forces = system.forces[j].entries();
+            whole.extend(forces.map(|(a, g)| (n + j, a, g * scale[a] * unit)));
+        }
+        // α̂ has no part along directions that no row determines
+        for z in &system.loose {
+            let part = |i: &usize| z[*i] != 0.0;
+            let met: Vec<usize> = (0..z.len()).filter(part).collect();
+            let pairs = met.iter().flat_map(|&i| met.iter().map(move |&j| (i, j)));
+            whole.extend(pairs.map(|(i, j)| (n + i, n + j, z[i] * z[j] * balance[i] * balance[j])));
+        }
+        for shift in [0.0, SHIFT] {
+            whole.extend((0..n).map(|a| (a, a, shift)));
+            let a = SparseMatrix::from_triplets(size, size, &whole);
+            if let Some(lu) = SparseLu::new(&a).ok().filter(|lu| solves(lu, &a)) {
+                return Some(Self {
+                    scale,
+                    kind: Kind::Sparse { lu, balance },
+                    shifted: shift > 0.0,
+                });
+            }
+        }
+        None
+    }
+
     /// How large a residual is, in scaled units.
     fn size(&self, right: &[f64], rest: &[f64]) -> f64 {
         let scaled = right.iter().zip(&self.scale).map(|(r, s)| (r * s).powi(2));
@@ -367,8 +428,6 @@ impl Factored {
 
     /// x and α̂ for the right sides (n,) and (k,).
     fn solve(&self, right: &[f64], rest: &[f64]) -> (Vec<f64>, Vec<f64>) {
-        let n = right.len();
-        let scaled = right.iter().zip(&self.scale).map(|(r, s)| r * s);
         match &self.kind {
             Kind::Symmetric {
                 factor,
@@ -377,6 +436,7 @@ impl Factored {
                 solved,
                 schur,
             } => {
+                let scaled = right.iter().zip(&self.scale).map(|(r, s)| r * s);
                 let mut x: Vec<f64> = scaled.collect();
                 solve_cholesky_in_place(factor, &mut x);
                 let mut alpha: Vec<f64> = (0..rest.len())
@@ -395,18 +455,63 @@ impl Factored {
                 x.iter_mut().zip(&self.scale).for_each(|(x, s)| *x *= s);
                 (x, alpha)
             }
-            Kind::General { lu, balance } => {
-                let both = scaled.chain(rest.iter().zip(balance).map(|(r, s)| r * s));
-                let both: Vec<f64> = both.collect();
+            Kind::General { lu, balance } => self.solve_bordered(right, rest, balance, |both| {
                 let mut x = Mat::from_fn(both.len(), 1, |i, _| both[i]);
                 lu.solve_in_place(&mut x);
-                let x = x.col_as_slice(0);
-                let forces = x[..n].iter().zip(&self.scale).map(|(x, s)| x * s);
-                let alpha = x[n..].iter().zip(balance).map(|(a, s)| a * s);
-                (forces.collect(), alpha.collect())
+                both.copy_from_slice(x.col_as_slice(0));
+            }),
+            Kind::Sparse { lu, balance } => {
+                self.solve_bordered(right, rest, balance, |both| lu.solve(both))
             }
         }
     }
+
+    /// x and α̂ from the solution of the scaled bordered system.
+    fn solve_bordered(
+        &self,
+        right: &[f64],
+        rest: &[f64],
+        balance: &[f64],
+        solve: impl Fn(&mut [f64]),
+    ) -> (Vec<f64>, Vec<f64>) {
+        let units = self.scale.iter().chain(balance);
+        let both = right.iter().chain(rest).zip(units.clone());
+        let mut both: Vec<f64> = both.map(|(r, s)| r * s).collect();
+        solve(&mut both);
+        both.iter_mut().zip(units).for_each(|(x, s)| *x *= s);
+        let alpha = both.split_off(right.len());
+        (both, alpha)
+    }
+}
+
+/// Whether a factor of `a` solves a system with it to a few digits at least: those of a singular matrix do not.
+fn solves(lu: &SparseLu, a: &SparseMatrix) -> bool {
+    let n = a.rows();
+    let right: Vec<f64> = (0..n).map(|i| 1.0 + (i as f64).sin()).collect();
+    let (mut x, mut left) = (right.clone(), vec![0.0; n]);
+    lu.solve(&mut x);
+    a.mul(&x, &mut left);
+    let off = left.iter().zip(&right).map(|(l, r)| (l - r).powi(2));
+    off.sum::<f64>().sqrt() <= SOLVED * norm(&right)
+}
+
+/// Entries of WᵀFC of some unknowns, (n, n), in any order.
+fn sparse_coupling(matrix: &SparseMatrix, unknowns: &[Unknown]) -> Vec<(usize, usize, f64)> {
+    let mut moves: Vec<Vec<(usize, f64)>> = vec![Vec::new(); matrix.rows()];
+    for (b, unknown) in unknowns.iter().enumerate() {
+        let force = unknown.force.iter();
+        force.for_each(|&(j, weight)| moves[j].push((b, weight)));
+    }
+    let mut entries = Vec::new();
+    for (a, unknown) in unknowns.iter().enumerate() {
+        for &(i, weight) in &unknown.row {
+            for (j, value) in matrix.row(i) {
+                let moved = moves[j].iter();
+                entries.extend(moved.map(|&(b, c)| (a, b, weight * value * c)));
+            }
+        }
+    }
+    entries
 }
 
 /// WᵀFC of some unknowns, (n, n).
