@@ -181,6 +181,42 @@ impl Balance {
         }
     }
 
+    /// The modes M = LĜ behind the rows, whose entries are few: k rows (m,). `None` where the rows are all there is.
+    pub(crate) fn images(&self) -> Option<&[SparseVector]> {
+        match &self.scale {
+            Scale::Factored(images, _) => Some(images),
+            Scale::Singular(_) => None,
+        }
+    }
+
+    /// Amplitudes β of the images: Mᵀβ = Ĝᵀα̂.
+    pub(crate) fn to_images(&self, alpha: &[f64]) -> Vec<f64> {
+        match &self.scale {
+            Scale::Factored(_, factor) => factor.backward(alpha.to_vec()),
+            Scale::Singular(_) => alpha.to_vec(),
+        }
+    }
+
+    /// α̂ from amplitudes of the images.
+    pub(crate) fn from_images(&self, beta: Vec<f64>) -> Vec<f64> {
+        match &self.scale {
+            Scale::Factored(images, factor) => {
+                reduced(images, factor, beta.into_iter().enumerate())
+            }
+            Scale::Singular(_) => beta,
+        }
+    }
+
+    /// What is left of the balance of the images, L times that of the rows.
+    pub(crate) fn rest_of_images(&self, rest: &[f64]) -> Vec<f64> {
+        let Scale::Factored(images, _) = &self.scale else {
+            return rest.to_vec();
+        };
+        let mut push = vec![0.0; images.first().map_or(0, SparseVector::len)];
+        self.add_transposed(1.0, rest, &mut push);
+        images.iter().map(|image| image.dot(&push)).collect()
+    }
+
     /// Orthonormal α̂ whose pull vanishes on unknowns, on which `part` gives rows of forces; `None` where `grouped.rs` cannot
     /// tell.
     pub(crate) fn loose(

@@ -15,7 +15,7 @@
 //!
 //! Directions of α̂ that no unknown determines come back in `loose`; α̂ has no part along them.
 
-use crate::dual::Compliance;
+use crate::dual::{Balance, Compliance};
 use crate::linalg::dense::{
     Lu, cholesky_in_place, solve_cholesky_in_place, solve_lower_in_place,
     solve_lower_transpose_in_place, transpose_product,
@@ -30,6 +30,9 @@ const DEPENDENT: f64 = 1e-13;
 
 /// Shift of a singular matrix, relative to its diagonal.
 const SHIFT: f64 = 1e-10;
+
+/// Parts of a loose direction below this one are rounding.
+const LOOSE: f64 = 1e-9;
 
 /// Part of a right side that the factor of a regular matrix leaves at most.
 const SOLVED: f64 = 1e-6;
@@ -143,7 +146,7 @@ impl<'a> System<'a> {
                 break;
             }
             before = size;
-            let (dx, dalpha) = factored.solve(&right, &rest);
+            let (dx, dalpha) = factored.solve(&self.setup.balance, &right, &rest);
             x.iter_mut().zip(&dx).for_each(|(x, d)| *x += d);
             alpha.iter_mut().zip(&dalpha).for_each(|(a, d)| *a += d);
             for z in &self.loose {
@@ -201,15 +204,15 @@ impl System<'_> {
         let least = weights.map(|(c, w)| (c.1 * w.1).abs() * softness[c.0]);
         unit_scale(own.abs().max(least.sum()))
     }
+}
 
-    /// Scale of every row of the balance of scaled unknowns.
-    fn units_of_balance(&self, scale: &[f64]) -> Vec<f64> {
-        let unit = |(forces, rows): (&SparseVector, &SparseVector)| {
-            let pushes = forces.entries().chain(rows.entries());
-            unit_scale(pushes.fold(0.0, |s: f64, (a, g)| s.max((g * scale[a]).powi(2))))
-        };
-        self.forces.iter().zip(&self.rows).map(unit).collect()
-    }
+/// Scale of every row of the balance of scaled unknowns, of which `forces` and `rows` are the two sides.
+fn units_of_balance(forces: &[SparseVector], rows: &[SparseVector], scale: &[f64]) -> Vec<f64> {
+    let unit = |(forces, rows): (&SparseVector, &SparseVector)| {
+        let pushes = forces.entries().chain(rows.entries());
+        unit_scale(pushes.fold(0.0, |s: f64, (a, g)| s.max((g * scale[a]).powi(2))))
+    };
+    forces.iter().zip(rows).map(unit).collect()
 }
 
 /// What an unknown pushes, or what its condition weighs.
@@ -217,10 +220,18 @@ type Side = fn(&Unknown) -> &[(usize, f64)];
 
 /// Rows over the forces as rows over the unknowns.
 fn on_unknowns(rows: &[SparseVector], unknowns: &[Unknown], side: Side) -> Vec<SparseVector> {
+    let Some(m) = rows.first().map(SparseVector::len) else {
+        return Vec::new();
+    };
+    let mut met: Vec<Vec<(usize, f64)>> = vec![Vec::new(); m];
+    for (a, unknown) in unknowns.iter().enumerate() {
+        let parts = side(unknown).iter();
+        parts.for_each(|&(i, weight)| met[i].push((a, weight)));
+    }
     let along_row = |row: &SparseVector| {
-        let row = row.to_dense();
-        let parts = unknowns.iter().map(|u| along(side(u), &row));
-        SparseVector::new(unknowns.len(), parts.enumerate())
+        let entries = row.entries();
+        let parts = entries.flat_map(|(i, g)| met[i].iter().map(move |&(a, w)| (a, w * g)));
+        SparseVector::sum(unknowns.len(), parts.collect())
     };
     rows.iter().map(along_row).collect()
 }
@@ -354,7 +365,7 @@ impl Factored {
 
     fn general(system: &System<'_>, whole: Mat<f64>, scale: Vec<f64>) -> Option<Self> {
         let (n, k) = (scale.len(), system.rows.len());
-        let balance = system.units_of_balance(&scale);
+        let balance = units_of_balance(&system.forces, &system.rows, &scale);
         let bordered = |shift: f64| {
             Mat::from_fn(n + k, n + k, |i, j| match (i < n, j < n) {
                 (true, true) => whole[(i, j)] + if i == j { shift } else { 0.0 },
@@ -379,7 +390,8 @@ impl Factored {
         None
     }
 
-    /// LU of the bordered matrix without its zeros, of the coupling and the softness of the unknowns and the balance.
+    /// LU of the bordered matrix without its zeros: of the coupling and the softness of the unknowns, and of the balance in
+    /// its own modes, which are sparser than orthonormal ones.
     fn sparse(system: &System<'_>, matrix: &SparseMatrix) -> Option<Self> {
         let mut whole = sparse_coupling(matrix, system.unknowns);
         let n = system.unknowns.len();
@@ -388,20 +400,26 @@ impl Factored {
         let own = whole.iter().take(whole.len() - n).filter(|e| e.0 == e.1);
         own.for_each(|&(a, _, value)| diagonal[a] += value);
         let scale: Vec<f64> = (0..n).map(|a| system.unit_of(a, diagonal[a])).collect();
-        let balance = system.units_of_balance(&scale);
+        let own = &system.setup.balance;
+        let border = own.images().unwrap_or(&own.rows);
+        let rows = on_unknowns(border, system.unknowns, |u| &u.row);
+        let forces = on_unknowns(border, system.unknowns, |u| &u.force);
+        let balance = units_of_balance(&forces, &rows, &scale);
         let size = n + balance.len();
         whole
             .iter_mut()
             .for_each(|(a, b, value)| *value *= scale[*a] * scale[*b]);
         for (j, unit) in balance.iter().enumerate() {
-            let rows = system.rows[j].entries();
+            let rows = rows[j].entries();
             whole.extend(rows.map(|(a, g)| (a, n + j, -g * scale[a] * unit)));
-            let forces = system.forces[j].entries();
+            let forces = forces[j].entries();
             whole.extend(forces.map(|(a, g)| (n + j, a, g * scale[a] * unit)));
         }
-        // α̂ has no part along directions that no row determines
+        // the amplitudes have no part along directions that no row determines
         for z in &system.loose {
-            let part = |i: &usize| z[*i] != 0.0;
+            let z = own.to_images(z);
+            let least = LOOSE * z.iter().fold(0.0, |s: f64, z| s.max(z.abs()));
+            let part = |i: &usize| z[*i].abs() > least;
             let met: Vec<usize> = (0..z.len()).filter(part).collect();
             let pairs = met.iter().flat_map(|&i| met.iter().map(move |&j| (i, j)));
             whole.extend(pairs.map(|(i, j)| (n + i, n + j, z[i] * z[j] * balance[i] * balance[j])));
@@ -426,8 +444,8 @@ impl Factored {
         scaled.sum::<f64>().sqrt() + norm(rest)
     }
 
-    /// x and α̂ for the right sides (n,) and (k,).
-    fn solve(&self, right: &[f64], rest: &[f64]) -> (Vec<f64>, Vec<f64>) {
+    /// x and α̂ for the right sides (n,) and (k,), of the balance `own`.
+    fn solve(&self, own: &Balance, right: &[f64], rest: &[f64]) -> (Vec<f64>, Vec<f64>) {
         match &self.kind {
             Kind::Symmetric {
                 factor,
@@ -461,7 +479,10 @@ impl Factored {
                 both.copy_from_slice(x.col_as_slice(0));
             }),
             Kind::Sparse { lu, balance } => {
-                self.solve_bordered(right, rest, balance, |both| lu.solve(both))
+                let rest = own.rest_of_images(rest);
+                let solve = |both: &mut [f64]| lu.solve(both);
+                let (x, beta) = self.solve_bordered(right, &rest, balance, solve);
+                (x, own.from_images(beta))
             }
         }
     }
