@@ -292,31 +292,24 @@ impl DualProblem {
         };
     }
 
-    /// Assembles F where it is applied, by products with unit forces, if it has at most `limit` unknowns; `true` where it did.
+    /// Assembles F with all its zeros if it has at most `limit` unknowns: where it is applied, by products with unit forces.
+    /// `true` where it did.
     pub fn assemble(&mut self, limit: usize) -> bool {
         let m = self.len();
-        let Compliance::Operator { apply, .. } = &self.compliance else {
-            return false;
-        };
         if m > limit {
             return false;
         }
-        let mut f = Mat::<f64>::zeros(m, m);
-        for first in (0..m).step_by(COLUMNS) {
-            let width = COLUMNS.min(m - first);
-            let units = Mat::from_fn(m, width, |i, j| f64::from(u8::from(i == first + j)));
-            let images = apply.apply_many(&units);
-            for j in 0..width {
-                let column = f.col_as_slice_mut(first + j);
-                column.copy_from_slice(images.col_as_slice(j));
+        let f = match &self.compliance {
+            Compliance::Dense(_) => return false,
+            Compliance::Sparse(matrix) => {
+                let mut f = Mat::<f64>::zeros(m, m);
+                for i in 0..m {
+                    matrix.row(i).for_each(|(j, value)| f[(i, j)] = value);
+                }
+                f
             }
-        }
-        for j in 0..m {
-            for i in 0..j {
-                let mean = 0.5 * (f[(i, j)] + f[(j, i)]);
-                (f[(i, j)], f[(j, i)]) = (mean, mean);
-            }
-        }
+            Compliance::Operator { apply, .. } => of_products(apply.as_ref()),
+        };
         self.compliance = Compliance::Dense(f);
         let least = std::mem::take(&mut self.softness);
         self.soften(least);
@@ -433,6 +426,28 @@ impl DualProblem {
         balance.to_original(&reduced, tau);
         rest
     }
+}
+
+/// The symmetric matrix of an operator, from its products with unit vectors.
+fn of_products(operator: &dyn LinearOperator) -> Mat<f64> {
+    let m = operator.len();
+    let mut f = Mat::<f64>::zeros(m, m);
+    for first in (0..m).step_by(COLUMNS) {
+        let width = COLUMNS.min(m - first);
+        let units = Mat::from_fn(m, width, |i, j| f64::from(u8::from(i == first + j)));
+        let images = operator.apply_many(&units);
+        for j in 0..width {
+            let column = f.col_as_slice_mut(first + j);
+            column.copy_from_slice(images.col_as_slice(j));
+        }
+    }
+    for j in 0..m {
+        for i in 0..j {
+            let mean = 0.5 * (f[(i, j)] + f[(j, i)]);
+            (f[(i, j)], f[(j, i)]) = (mean, mean);
+        }
+    }
+    f
 }
 
 fn columns(matrix: &Mat<f64>) -> impl Iterator<Item = &f64> {

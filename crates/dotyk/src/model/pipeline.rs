@@ -202,7 +202,7 @@ impl<const D: usize> Model<D> {
     /// The solver knows F and d, the certificate judges displacements and energies computed afresh. Where they differ
     /// (rounding of the factorisation in a slender body, another scale of the energy), Newton's answer is corrected by exact
     /// steps in increments, whose gaps are those of the displacements; then, and after other methods, the iteration goes on
-    /// from there. Where products with an applied F do not do (slender bodies), F is assembled after all.
+    /// from there. Where an applied or sparse F does not do (slender bodies), F is assembled after all.
     fn certified_attempt(
         &self,
         condensed: &mut Condensed<D>,

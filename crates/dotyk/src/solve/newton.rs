@@ -48,8 +48,8 @@ pub(crate) struct Patience {
     pub factor: f64,
 }
 
-/// One step from all contacts closed, more where there is no coarser problem or the steps cost nothing: problems with fewer
-/// blocks than the following. And steps that are near the answer.
+/// One step from all contacts closed, more where there is no coarser problem; none is asked for with fewer blocks than the
+/// following. And steps that are near the answer.
 const ONE: Patience = Patience {
     steps: 1,
     factor: 1.0,
@@ -58,7 +58,7 @@ const PLAIN: Patience = Patience {
     steps: 7,
     factor: f64::INFINITY,
 };
-const SMALL: usize = 48;
+const SMALL: usize = 96;
 pub(crate) const NEAR: Patience = Patience {
     steps: 6,
     factor: 0.5,
@@ -292,35 +292,33 @@ impl<'a> Search<'a> {
         }
     }
 
-    /// A few exact steps from all contacts closed, then from a coarser problem where there is one.
+    /// Exact steps from all contacts closed; then, where there are many, from a coarser problem.
     fn start_anywhere(&mut self, observe: Observer<'_>) -> Ended {
         let setup = self.setup;
+        let mut ended = Ended::Stuck(self.all_closed());
         let small = setup.admissible.blocks().len() < SMALL;
-        let patience = if small { &PLAIN } else { &ONE };
-        let first = match self.exact(self.all_closed(), patience, &|_, _| {}, observe) {
-            Ended::Stuck(states) => states,
-            ended => return ended,
-        };
-        match levels::start(setup, &|method, coarse, tell| {
-            method.run(coarse, None, tell)
-        }) {
-            Some(start) => {
+        if !small {
+            ended = self.exact(self.all_closed(), &ONE, &|_, _| {}, observe);
+            if !matches!(ended, Ended::Stuck(_)) {
+                return ended;
+            }
+            let coarse = levels::start(setup, &|method, coarse, tell| {
+                method.run(coarse, None, tell)
+            });
+            if let Some(start) = coarse {
                 let states = self.begin(start);
-                self.start_near(states, observe)
+                return self.start_near(states, observe);
             }
-            None => {
-                let ended = match small {
-                    true => Ended::Stuck(first),
-                    false => self.exact(first, &PLAIN, &|_, _| {}, observe),
-                };
-                match ended {
-                    Ended::Stuck(states) => {
-                        self.point.lambda.fill(0.0);
-                        self.proximal(states, observe)
-                    }
-                    ended => ended,
-                }
+        }
+        if let Ended::Stuck(states) = ended {
+            ended = self.exact(states, &PLAIN, &|_, _| {}, observe);
+        }
+        match ended {
+            Ended::Stuck(states) => {
+                self.point.lambda.fill(0.0);
+                self.proximal(states, observe)
             }
+            ended => ended,
         }
     }
 
