@@ -7,7 +7,7 @@
 use std::ops::ControlFlow;
 
 use dotyk::dual::{AdmissibleSet, Block, Compliance, DualProblem, Equilibrium, Multipliers};
-use dotyk::linalg::Mat;
+use dotyk::linalg::{Mat, SparseMatrix};
 use dotyk::solve::{
     Accelerated, ContactSolver, FixedPoint, Gradient, Iterate, Mprgp, Newton, Outcome, SolveError,
     Uzawa,
@@ -230,6 +230,26 @@ fn every_solver_finds_the_constructed_solution_and_is_certified() {
                     assert!(outcome.iterations <= 20, "{what}: {}", outcome.iterations);
                 }
             }
+        }
+    }
+}
+
+#[test]
+fn sparse_compliance_gives_the_solution_of_the_assembled_one() {
+    for tangents in [1, 2] {
+        for mut known in family(tangents) {
+            let Compliance::Dense(matrix) = &known.problem.compliance else {
+                panic!("{}", known.name);
+            };
+            let m = matrix.nrows();
+            let all = (0..m).flat_map(|i| (0..m).map(move |j| (i, j)));
+            let entries: Vec<_> = all.map(|(i, j)| (i, j, matrix[(i, j)])).collect();
+            let sparse = SparseMatrix::from_triplets(m, m, &entries);
+            known.problem.compliance = Compliance::Sparse(sparse);
+            let outcome = answer(&newton(), &known.problem, &known.name).unwrap();
+            let error = worst(&outcome.multipliers.lambda, &known.lambda);
+            assert!(error < 1e-9, "{}: error {error:e}", known.name);
+            assert!(outcome.iterations <= 20, "{}", known.name);
         }
     }
 }

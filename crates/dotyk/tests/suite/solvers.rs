@@ -4,11 +4,13 @@
 //! freely, and then d = Fλ* − Gᵀα* − s* and e = Gλ*. Signs: gap ≥ 0 is open, λ ≥ 0 is compression. Units: none.
 
 use std::ops::ControlFlow;
+use std::path::Path;
 
+use dotyk::case::Case;
 use dotyk::dual::{
     AdmissibleSet, Block, Compliance, DualProblem, Equilibrium, Multipliers, Scales,
 };
-use dotyk::linalg::{LinearOperator, Mat};
+use dotyk::linalg::{LinearOperator, Mat, SparseMatrix};
 use dotyk::solve::{
     Accelerated, Bolt, ContactSolver, Gradient, Iterate, Mprgp, Newton, Outcome, SolveError, Uzawa,
 };
@@ -840,6 +842,84 @@ fn bad_numbers_and_sizes_are_errors() {
 
 /// A dense matrix as an operator.
 struct Applied(Mat<f64>);
+
+/// A matrix without its zeros.
+fn sparse(matrix: &Mat<f64>) -> SparseMatrix {
+    let (rows, columns) = (matrix.nrows(), matrix.ncols());
+    let all = (0..rows).flat_map(|i| (0..columns).map(move |j| (i, j)));
+    let entries: Vec<_> = all.map(|(i, j)| (i, j, matrix[(i, j)])).collect();
+    SparseMatrix::from_triplets(rows, columns, &entries)
+}
+
+#[test]
+fn sparse_compliance_gives_the_solution_of_the_assembled_one() {
+    for mut known in family() {
+        known.problem.compliance = Compliance::Sparse(sparse(&known.matrix));
+        for (solver, ceiling) in solvers() {
+            let what = format!("{}: {}", solver.name(), known.name);
+            let outcome = solver.solve(&known.problem, None, &mut silent);
+            let outcome = outcome.unwrap_or_else(|error| panic!("{what}: {error}"));
+            let error = worst(&outcome.multipliers.lambda, &known.lambda);
+            assert!(error < 1e-9, "{what}: {error:e}");
+            assert!(
+                outcome.iterations <= ceiling,
+                "{what}: {}",
+                outcome.iterations
+            );
+            assert!(known.problem.certify(&outcome.multipliers, 1e-9).holds());
+        }
+    }
+}
+
+/// Blocks on each other, pressed and pushed aside, with friction: `n` floating bodies, each of which touches two others.
+fn tower(n: usize) -> DualProblem {
+    let mut text = "analysis = \"plane-strain\"\n".to_string();
+    for k in 0..n {
+        let (low, high) = (k as f64, k as f64 + 1.0);
+        // meshes that do not match, stiff beside soft
+        let (cells, young) = (12 + k % 3, [1e3, 3e4][k % 2]);
+        text += &format!(
+            "[[body]]\nname = \"b{k}\"\n\
+             mesh = {{ rectangle = {{ from = [0.0, {low:?}], to = [2.0, {high:?}], cells = [{cells}, 3] }} }}\n\
+             material = {{ young = {young:?}, poisson = 0.3 }}\n"
+        );
+        if k + 1 == n {
+            text += "load = [{ side = \"top\", traction = [0.003, -1.0] }]\n";
+        }
+    }
+    text += "[[contact]]\nname = \"floor\"\nnonmortar = \"b0.bottom\"\nfriction = 0.4\n\
+             obstacle = { plane = { point = [0.0, 0.0], normal = [0.0, 1.0] } }\n";
+    for k in 1..n {
+        text += &format!(
+            "[[contact]]\nname = \"c{k}\"\nfriction = 0.4\nnonmortar = \"b{k}.bottom\"\nmortar = \"b{}.top\"\n",
+            k - 1
+        );
+    }
+    let case = Case::from_str(&text, "case.toml", Path::new(".")).unwrap();
+    case.model.dual_problem(usize::MAX).unwrap()
+}
+
+#[test]
+fn many_bodies_have_a_sparse_compliance_with_the_same_answer() {
+    let mut problem = tower(40);
+    assert!(matches!(problem.compliance, Compliance::Sparse(_)));
+    assert!(problem.equilibrium.load.len() > 96, "many modes");
+    let solve = |problem: &DualProblem| {
+        let outcome = Newton::default().solve(problem, None, &mut silent).unwrap();
+        let certificate = problem.certify(&outcome.multipliers, 1e-8);
+        assert!(certificate.holds(), "{certificate}");
+        outcome
+    };
+    let few = solve(&problem);
+    assert!(few.iterations <= 8, "{}", few.iterations);
+    // the weight of the load goes through every joint
+    let pressed = few.multipliers.lambda.iter().filter(|l| **l > 0.0).count();
+    assert!(pressed > 400, "{pressed}");
+    assert!(problem.assemble(usize::MAX));
+    let all = solve(&problem);
+    let error = worst(&few.multipliers.lambda, &all.multipliers.lambda);
+    assert!(error < 1e-9, "{error:e}");
+}
 
 impl LinearOperator for Applied {
     fn len(&self) -> usize {
