@@ -66,19 +66,47 @@ pub fn columns(header: &[&str], rows: &[Vec<String>], right: std::ops::Range<usi
         .collect()
 }
 
-/// "wrote FOLDER: a, b, c".
+/// Most files of one kind that are named.
+const NAMED: usize = 8;
+
+/// "wrote FOLDER: a, b, c"; of many files of one kind the first, and how many more.
 pub fn written(files: &[PathBuf]) -> String {
     let Some(folder) = files.first().and_then(|file| file.parent()) else {
         return String::new();
     };
-    let names = files.iter().filter_map(|file| file.file_name());
-    let names: Vec<_> = names.map(|name| name.to_string_lossy()).collect();
+    let kinds = files.chunk_by(|a, b| a.extension() == b.extension());
+    let mut names: Vec<String> = Vec::new();
+    for kind in kinds {
+        let shown = if kind.len() > NAMED { 1 } else { kind.len() };
+        let own = kind[..shown].iter().filter_map(|file| file.file_name());
+        names.extend(own.map(|name| name.to_string_lossy().into_owned()));
+        if let (Some(last), more @ 1..) = (names.last_mut(), kind.len() - shown) {
+            *last += &format!(" and {more} more");
+        }
+    }
     format!("wrote {}: {}\n", folder.display(), names.join(", "))
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn many_files_of_a_kind_are_counted() {
+        let files = |n: usize| -> Vec<PathBuf> {
+            let bodies = (0..n).map(|k| PathBuf::from(format!("out/b{k}.vtu")));
+            bodies.chain([PathBuf::from("out/contact.csv")]).collect()
+        };
+        assert_eq!(
+            written(&files(2)),
+            "wrote out: b0.vtu, b1.vtu, contact.csv\n"
+        );
+        assert_eq!(
+            written(&files(40)),
+            "wrote out: b0.vtu and 39 more, contact.csv\n"
+        );
+        assert_eq!(written(&[]), "");
+    }
 
     #[test]
     fn numbers_have_six_digits() {

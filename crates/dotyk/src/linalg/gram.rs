@@ -10,7 +10,11 @@ use crate::linalg::{
 
 /// The analysed pattern of C D Cᵀ.
 pub struct WeightedGram {
-    rows: usize,
+    /// The pattern, with zeros.
+    pattern: SymmetricMatrix,
+    /// Where the products of two entries of a column belong among its values: for each entry those with the entries up to it,
+    /// column by column.
+    places: Vec<u32>,
     analysis: Analysis,
 }
 
@@ -20,26 +24,31 @@ impl WeightedGram {
     /// # Errors
     /// [`LinalgError::TooLarge`].
     pub fn new(rows: usize, columns: &[SparseVector]) -> Result<Self, LinalgError> {
-        let mut edges: Vec<[u32; 2]> = Vec::new();
-        for column in columns {
-            for (i, _) in column.entries() {
-                let before = column.entries().take_while(|&(j, _)| j < i);
-                edges.extend(before.map(|(j, _)| [i as u32, j as u32]));
-            }
-        }
-        edges.sort_unstable();
-        edges.dedup();
-        let nodes: Vec<u32> = edges.into_iter().flatten().collect();
+        let edges = edges(rows, columns);
+        let nodes: Vec<u32> = edges.iter().flatten().copied().collect();
         let pairs = Connectivity {
             nodes: &nodes,
             nodes_per_cell: 2,
         };
         let graph = Graph::from_cells(rows, &[pairs]);
         let order = fill_reducing_order(&graph, &vec![true; rows], &[]);
-        let pattern = matrix(rows, columns, |_| 0.0, 0.0);
+        let zeros = edges.iter().map(|&[i, j]| (i as usize, j as usize, 0.0));
+        let pattern = SymmetricMatrix::from_triplets(rows, &zeros.collect::<Vec<_>>());
+        let mut places = Vec::new();
+        for column in columns {
+            for (i, _) in column.entries() {
+                let until = column.entries().take_while(|&(j, _)| j <= i);
+                places.extend(
+                    until
+                        .filter_map(|(j, _)| pattern.place(i, j))
+                        .map(|p| p as u32),
+                );
+            }
+        }
         Ok(Self {
-            rows,
             analysis: Analysis::new(&pattern, &order, 0)?,
+            pattern,
+            places,
         })
     }
 
@@ -53,26 +62,44 @@ impl WeightedGram {
         weight: impl Fn(usize) -> f64,
         shift: f64,
     ) -> Result<Cholesky, LinalgError> {
-        self.analysis
-            .factor(&matrix(self.rows, columns, weight, shift))
+        let mut values = self.pattern.values().to_vec();
+        for i in 0..self.pattern.len() {
+            let diagonal = self.pattern.place(i, i).expect("the diagonal is stored");
+            values[diagonal] = shift;
+        }
+        let mut places = self.places.iter();
+        for (index, column) in columns.iter().enumerate() {
+            let weight = weight(index);
+            for (i, x) in column.entries() {
+                let until = column.entries().take_while(|&(j, _)| j <= i);
+                for ((_, y), &place) in until.zip(places.by_ref()) {
+                    values[place as usize] += weight * x * y;
+                }
+            }
+        }
+        self.analysis.factor(&self.pattern.with_values(values))
     }
 }
 
-fn matrix(
-    rows: usize,
-    columns: &[SparseVector],
-    weight: impl Fn(usize) -> f64,
-    shift: f64,
-) -> SymmetricMatrix {
-    let mut triplets: Vec<(usize, usize, f64)> = (0..rows).map(|i| (i, i, shift)).collect();
+/// Pairs (i, j), j < i, of rows that some column has both, each once.
+fn edges(rows: usize, columns: &[SparseVector]) -> Vec<[u32; 2]> {
+    let mut met: Vec<Vec<usize>> = vec![Vec::new(); rows];
     for (place, column) in columns.iter().enumerate() {
-        let weight = weight(place);
-        for (i, x) in column.entries() {
-            let before = column.entries().take_while(|&(j, _)| j <= i);
-            triplets.extend(before.map(|(j, y)| (i, j, weight * x * y)));
+        column.entries().for_each(|(i, _)| met[i].push(place));
+    }
+    let mut last = vec![usize::MAX; rows];
+    let mut edges = Vec::new();
+    for (i, met) in met.iter().enumerate() {
+        for &place in met {
+            for (j, _) in columns[place].entries().take_while(|&(j, _)| j < i) {
+                if last[j] != i {
+                    last[j] = i;
+                    edges.push([i as u32, j as u32]);
+                }
+            }
         }
     }
-    SymmetricMatrix::from_triplets(rows, &triplets)
+    edges
 }
 
 #[cfg(test)]

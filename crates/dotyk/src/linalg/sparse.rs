@@ -434,6 +434,21 @@ impl SymmetricMatrix {
         12 * self.values.len() + 8 * self.col_start.len()
     }
 
+    /// Where the entry (i, j), j ≤ i, is among the values, if it is stored.
+    pub(super) fn place(&self, i: usize, j: usize) -> Option<usize> {
+        let found = self.rows_of(j).binary_search(&(i as u32)).ok()?;
+        Some(self.col_start[j] + found)
+    }
+
+    /// The matrix of the same pattern with other values.
+    pub(super) fn with_values(&self, values: Vec<f64>) -> Self {
+        assert_eq!(values.len(), self.values.len());
+        Self {
+            values,
+            ..self.clone()
+        }
+    }
+
     /// Row indices of the stored entries of a column: the column itself first, then ascending.
     pub fn rows_of(&self, column: usize) -> &[u32] {
         &self.row_index[self.col_start[column]..self.col_start[column + 1]]
@@ -452,8 +467,8 @@ impl SymmetricMatrix {
     /// Entry (i, j) of either triangle; zero where none is stored.
     pub fn get(&self, i: usize, j: usize) -> f64 {
         let (row, column) = (i.max(j), i.min(j));
-        let found = self.rows_of(column).binary_search(&(row as u32));
-        found.map_or(0.0, |k| self.values_of(column)[k])
+        let place = self.place(row, column);
+        place.map_or(0.0, |place| self.values[place])
     }
 
     /// The diagonal, (n,).
