@@ -277,7 +277,10 @@ enum Kind {
     /// LU of the whole, with the scale of every row of the balance.
     General { lu: Lu, balance: Vec<f64> },
     /// The same without its zeros.
-    Sparse { lu: SparseLu, balance: Vec<f64> },
+    Sparse {
+        lu: Box<SparseLu>,
+        balance: Vec<f64>,
+    },
 }
 
 impl Factored {
@@ -430,7 +433,10 @@ impl Factored {
             if let Some(lu) = SparseLu::new(&a).ok().filter(|lu| solves(lu, &a)) {
                 return Some(Self {
                     scale,
-                    kind: Kind::Sparse { lu, balance },
+                    kind: Kind::Sparse {
+                        lu: Box::new(lu),
+                        balance,
+                    },
                     shifted: shift > 0.0,
                 });
             }
