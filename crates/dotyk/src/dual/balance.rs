@@ -198,7 +198,7 @@ impl Balance {
     }
 
     /// α̂ from amplitudes of the images.
-    pub(crate) fn from_images(&self, beta: Vec<f64>) -> Vec<f64> {
+    pub(crate) fn amplitudes_of_images(&self, beta: Vec<f64>) -> Vec<f64> {
         match &self.scale {
             Scale::Factored(images, factor) => {
                 reduced(images, factor, beta.into_iter().enumerate())

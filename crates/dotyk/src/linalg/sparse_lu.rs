@@ -33,9 +33,9 @@ impl SparseLu {
         }
         let too_large = LinalgError::TooLarge { unknowns: n };
         let columns = SparseColMat::try_new_from_triplets(n, n, &entries);
-        let columns = columns.map_err(|_| too_large.clone())?;
+        let columns = columns.map_err(|_| too_large)?;
         let symbolic = factorize_symbolic_lu(columns.symbolic(), Default::default());
-        let symbolic = symbolic.map_err(|_| too_large.clone())?;
+        let symbolic = symbolic.map_err(|_| too_large)?;
         let mut numeric = NumericLu::new();
         let scratch = symbolic.factorize_numeric_lu_scratch::<f64>(Par::Seq, Default::default());
         let mut memory = MemBuffer::new(scratch);

@@ -488,7 +488,7 @@ impl Factored {
                 let rest = own.rest_of_images(rest);
                 let solve = |both: &mut [f64]| lu.solve(both);
                 let (x, beta) = self.solve_bordered(right, &rest, balance, solve);
-                (x, own.from_images(beta))
+                (x, own.amplitudes_of_images(beta))
             }
         }
     }
