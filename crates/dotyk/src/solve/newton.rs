@@ -193,8 +193,8 @@ pub(crate) struct Search<'a> {
     pub residual: f64,
     /// The least residual so far, and where it was.
     pub best: (f64, Forces),
-    /// Largest force of any step, or that of the overlaps.
-    force: f64,
+    /// Largest force that the overlaps ask for.
+    asked: f64,
     /// Linear solves on the problem itself.
     pub steps: usize,
     /// Those on coarser problems, in solves of this size.
@@ -221,7 +221,7 @@ impl<'a> Search<'a> {
             judge: setup.judge(),
             residual: f64::INFINITY,
             best: (f64::INFINITY, Forces::none(setup)),
-            force: if force.is_finite() { force } else { 0.0 },
+            asked: if force.is_finite() { force } else { 0.0 },
             steps: 0,
             coarse: 0.0,
             products: 0,
@@ -412,14 +412,14 @@ impl<'a> Search<'a> {
         true
     }
 
-    /// Forces that are rounding of the largest one met so far are none: their signs mean nothing.
+    /// Forces that are rounding of the largest one, or of what the overlaps ask for, are none: their signs mean nothing.
     fn drop_rounding(&mut self) {
         let largest = |s: f64, force: &f64| s.max(force.abs());
-        self.force = self.point.lambda.iter().fold(self.force, largest);
+        let force = self.point.lambda.iter().fold(self.asked, largest);
         let mut rest = false;
         for (block, range) in self.setup.admissible.iter() {
             let forces = &mut self.point.lambda[range];
-            if !matches!(block, Block::Free { .. }) && forces[0].abs() <= ROUNDING * self.force {
+            if !matches!(block, Block::Free { .. }) && forces[0].abs() <= ROUNDING * force {
                 forces[0] = 0.0;
                 if matches!(block, Block::Coulomb { .. }) {
                     forces.fill(0.0);
