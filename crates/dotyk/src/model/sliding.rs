@@ -3,15 +3,12 @@
 //! The load is infeasible: no forces within the friction cones balance it. If unlimited friction could, the body slides;
 //! if not, it is pulled away from everything that could hold it, which is an error of the model.
 
-use crate::dual::{AdmissibleSet, Block, Feasibility, Multipliers};
+use crate::dual::{AdmissibleSet, Feasibility, Multipliers};
 use crate::fem::{Short, show};
 use crate::model::condense::LoadedBody;
 use crate::model::floating::Floating;
 use crate::model::nouns::Model;
 use crate::model::pipeline::{Condensed, largest_load};
-
-/// A coefficient of friction beyond all that hold anything.
-const UNLIMITED: f64 = 1e6;
 
 /// A body that gives way so many times as much as its cells do leaves the gaps few digits.
 const SLENDER: f64 = 1e9;
@@ -89,17 +86,10 @@ pub(crate) fn sliding<const D: usize>(
     bodies: &[LoadedBody<D>],
     step: Option<(f64, f64, &[f64])>,
 ) -> Option<String> {
-    let unlimited = |block: &Block| match *block {
-        Block::Tresca { tangents, .. } | Block::Coulomb { tangents, .. } => Block::Coulomb {
-            tangents,
-            coefficient: UNLIMITED,
-        },
-        other => other,
-    };
-    let rough = AdmissibleSet::new(admissible.blocks().iter().map(unlimited).collect());
-    if rough.blocks() == admissible.blocks() {
+    if !admissible.has_friction() {
         return None;
     }
+    let rough = admissible.sticking();
     let equilibrium = &floating.equilibrium;
     let force = largest_load(bodies);
     let Feasibility::Infeasible { direction, factor } =
