@@ -25,7 +25,7 @@
 //! The projection is written here once more: the judge shares no code with the solvers.
 
 use dotyk::dual::{AdmissibleSet, Block, Compliance, DualError, DualProblem, Equilibrium};
-use dotyk::linalg::{Mat, SparseMatrix};
+use dotyk::linalg::SparseMatrix;
 
 /// Largest size for which the rank is computed.
 const RANKED: usize = 2000;
@@ -95,23 +95,11 @@ impl Problem {
         (low, self.friction.iter().copied().fold(0.0, f64::max))
     }
 
-    /// W as a dense matrix.
-    pub fn dense(&self) -> Mat<f64> {
-        let n = self.size();
-        let mut dense = Mat::zeros(n, n);
-        for i in 0..n {
-            for (j, x) in self.matrix.row(i) {
-                dense[(i, j)] = x;
-            }
-        }
-        dense
-    }
-
     /// W as it is, without its zeros where it is large.
     fn compliance(&self) -> Compliance {
         match self.size() > SPARSE {
             true => Compliance::Sparse(self.matrix.clone()),
-            false => Compliance::Dense(self.dense()),
+            false => Compliance::Dense(self.matrix.to_dense()),
         }
     }
 
@@ -182,7 +170,7 @@ impl Problem {
         if n > RANKED {
             return None;
         }
-        let dense = self.dense();
+        let dense = self.matrix.to_dense();
         let mut rest: Vec<Vec<f64>> = (0..n).map(|j| dense.col_as_slice(j).to_vec()).collect();
         let mut first = 0.0;
         for rank in 0..n {

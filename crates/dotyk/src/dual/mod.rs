@@ -301,13 +301,7 @@ impl DualProblem {
         }
         let f = match &self.compliance {
             Compliance::Dense(_) => return false,
-            Compliance::Sparse(matrix) => {
-                let mut f = Mat::<f64>::zeros(m, m);
-                for i in 0..m {
-                    matrix.row(i).for_each(|(j, value)| f[(i, j)] = value);
-                }
-                f
-            }
+            Compliance::Sparse(matrix) => matrix.to_dense(),
             Compliance::Operator { apply, .. } => of_products(apply.as_ref()),
         };
         self.compliance = Compliance::Dense(f);

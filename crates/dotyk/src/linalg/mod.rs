@@ -30,7 +30,6 @@ pub use order::{expand_to_dofs, fill_reducing_order};
 pub use sparse::{
     CellMatrices, Connectivity, Graph, SparseMatrix, SparseVector, SymmetricMatrix, assemble_blocks,
 };
-
 pub use sparse_lu::SparseLu;
 
 /// A symmetric linear map of vectors of length `len`.

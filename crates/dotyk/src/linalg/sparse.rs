@@ -7,7 +7,7 @@
 //! Invariants: row indices of a column and neighbours of a node ascend; the diagonal of a [`SymmetricMatrix`] is
 //! always stored, first in its column. Memory: 12 bytes per stored entry (value and `u32` index).
 
-use crate::linalg::LinalgError;
+use crate::linalg::{LinalgError, Mat};
 use rayon::prelude::*;
 
 /// Nodes per task: enough work to hide the cost of a task, enough tasks to share.
@@ -179,6 +179,23 @@ impl SparseMatrix {
             col_index,
             values,
         }
+    }
+
+    /// The entries of a dense (rows, cols) matrix that are not zero.
+    pub fn from_dense(dense: &Mat<f64>) -> Self {
+        let all = (0..dense.ncols()).flat_map(|j| (0..dense.nrows()).map(move |i| (i, j)));
+        let entries = all.map(|(i, j)| (i, j, dense[(i, j)]));
+        let entries: Vec<_> = entries.filter(|entry| entry.2 != 0.0).collect();
+        Self::from_triplets(dense.nrows(), dense.ncols(), &entries)
+    }
+
+    /// All entries, (rows, cols).
+    pub fn to_dense(&self) -> Mat<f64> {
+        let mut dense = Mat::zeros(self.rows(), self.cols());
+        for i in 0..self.rows() {
+            self.row(i).for_each(|(j, value)| dense[(i, j)] = value);
+        }
+        dense
     }
 
     /// Number of rows.

@@ -344,7 +344,7 @@ pub(crate) fn is_assembled(
     m <= most || entries <= most.saturating_mul(most)
 }
 
-/// F of all bodies: (m, m), assembled where `dense`.
+/// F of all bodies: (m, m), assembled where `dense`, without its zeros where these are most of it.
 pub(crate) fn compliance<const D: usize>(
     bodies: &[LoadedBody<D>],
     factored: &[FactoredBody],

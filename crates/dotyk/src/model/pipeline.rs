@@ -188,8 +188,9 @@ impl<const D: usize> Model<D> {
     /// the order of the contacts and, within one, of [`crate::model::ContactSolution::nodes`] (nodes whose normal
     /// displacement is prescribed have none).
     ///
-    /// It is that of the last load step. F is assembled up to `dense_limit` unknowns ([`DENSE_LIMIT`] in
-    /// [`Self::solve`]); above, each product is one solve with every body.
+    /// It is that of the last load step. F is assembled up to `dense_limit` nodes, or as many entries in all as theirs
+    /// ([`DENSE_LIMIT`] in [`Self::solve`]), of many bodies without its zeros; above, each product is one solve with every
+    /// body.
     /// Errors: as [`Self::solve`], but for those of the contact solver.
     pub fn dual_problem(&self, dense_limit: usize) -> Result<DualProblem, Error<D>> {
         self.validate()?;
@@ -867,13 +868,17 @@ const ASSEMBLED: usize = 8192;
 /// Most corrections of an answer.
 const CORRECTIONS: usize = 8;
 
-/// The worst figure of a certificate in its limits, but for what happens between the nodes, which is not the solver's.
+/// The worst figure of a certificate in its limits, infinite where one is no number; but for what happens between the nodes,
+/// which is not the solver's.
 fn excess(certificate: &Certificate) -> f64 {
     let figures = certificate.figures().into_iter();
     figures
         .filter(|(name, _)| *name != BETWEEN_NODES)
         .map(|(_, f)| f.relative / f.limit)
-        .fold(0.0, f64::max)
+        .fold(
+            0.0,
+            |s: f64, x| if x.is_nan() { f64::INFINITY } else { s.max(x) },
+        )
 }
 
 /// One run of a method.

@@ -21,7 +21,7 @@
 //! guess comes back; where no contact holds a body the load moves it until one does, without a linear solve. Redundant
 //! contacts do no harm: F + a is definite.
 //!
-//! Starting points: those of the caller, else a coarser problem (`levels.rs`). Problems with Coulomb's law, which minimise
+//! Starting points: those of the caller, else, where there are many contacts, a coarser problem (`levels.rs`). Problems with Coulomb's law, which minimise
 //! nothing, go to `slip.rs`.
 //!
 //! As described in Hintermüller, Ito & Kunisch (2003) for the exact steps; Rockafellar (1976) for the proximal point and

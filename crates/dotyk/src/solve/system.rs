@@ -10,6 +10,9 @@
 //! Coulomb's law): LU with pivoting. Unknowns are scaled to a unit diagonal by powers of two, which rounds nothing: stiff
 //! contacts beside soft ones must not drown.
 //!
+//! Sparse F: LU with pivoting of the whole without its zeros, and with the balance in the modes of the single bodies, which
+//! are sparser than orthonormal ones; the shift and the corrections are the same.
+//!
 //! Applied F: conjugate gradients in the null space of the balance for symmetric systems, restarted minimal residuals for
 //! unsymmetric ones, both preconditioned and warm started.
 //!

@@ -241,11 +241,7 @@ fn sparse_compliance_gives_the_solution_of_the_assembled_one() {
             let Compliance::Dense(matrix) = &known.problem.compliance else {
                 panic!("{}", known.name);
             };
-            let m = matrix.nrows();
-            let all = (0..m).flat_map(|i| (0..m).map(move |j| (i, j)));
-            let entries: Vec<_> = all.map(|(i, j)| (i, j, matrix[(i, j)])).collect();
-            let sparse = SparseMatrix::from_triplets(m, m, &entries);
-            known.problem.compliance = Compliance::Sparse(sparse);
+            known.problem.compliance = Compliance::Sparse(SparseMatrix::from_dense(matrix));
             let outcome = answer(&newton(), &known.problem, &known.name).unwrap();
             let error = worst(&outcome.multipliers.lambda, &known.lambda);
             assert!(error < 1e-9, "{}: error {error:e}", known.name);

@@ -843,18 +843,10 @@ fn bad_numbers_and_sizes_are_errors() {
 /// A dense matrix as an operator.
 struct Applied(Mat<f64>);
 
-/// A matrix without its zeros.
-fn sparse(matrix: &Mat<f64>) -> SparseMatrix {
-    let (rows, columns) = (matrix.nrows(), matrix.ncols());
-    let all = (0..rows).flat_map(|i| (0..columns).map(move |j| (i, j)));
-    let entries: Vec<_> = all.map(|(i, j)| (i, j, matrix[(i, j)])).collect();
-    SparseMatrix::from_triplets(rows, columns, &entries)
-}
-
 #[test]
 fn sparse_compliance_gives_the_solution_of_the_assembled_one() {
     for mut known in family() {
-        known.problem.compliance = Compliance::Sparse(sparse(&known.matrix));
+        known.problem.compliance = Compliance::Sparse(SparseMatrix::from_dense(&known.matrix));
         for (solver, ceiling) in solvers() {
             let what = format!("{}: {}", solver.name(), known.name);
             let outcome = solver.solve(&known.problem, None, &mut silent);
