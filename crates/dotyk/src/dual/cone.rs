@@ -165,7 +165,7 @@ impl Cone {
     }
 
     fn factor(&self, weight: impl Fn(usize) -> f64, shift: f64) -> Result<Cholesky, LinalgError> {
-        self.gram.factor(&self.columns, weight, shift)
+        self.gram.factor(&self.columns, |a, _| weight(a), shift)
     }
 
     /// Newton's direction towards xⱼsⱼ + `products`ⱼ.

@@ -19,7 +19,7 @@
 //! lifted), it is the motion that remains when no contact slips, and that part is zero.
 
 use crate::dual::cone;
-use crate::dual::grouped::MANY;
+use crate::dual::split::MANY;
 use crate::dual::{
     AdmissibleSet, Block, DualProblem, Equilibrium, ModeSplit, Modes, uncontrolled_modes,
 };

@@ -27,17 +27,18 @@ mod balance;
 mod certificate;
 mod cone;
 mod feasibility;
-mod grouped;
 mod modes;
 mod projection;
+mod split;
 
 pub use admissible::{AdmissibleSet, Component};
-pub use balance::{Balance, ModeSplit, uncontrolled_modes};
+pub use balance::Balance;
 pub(crate) use certificate::{BETWEEN_NODES, ROUNDING, Violations};
 pub use certificate::{Certificate, Figure, IMBALANCE_LIMIT, Recomputed};
 pub use feasibility::{Feasibility, NO_WORK, least_norm_within, least_squares_nonnegative};
 pub use modes::Modes;
 pub use projection::Projector;
+pub use split::{ModeSplit, uncontrolled_modes};
 
 use crate::linalg::dense::matvec;
 use crate::linalg::{LinearOperator, Mat, SparseMatrix, SparseVector};

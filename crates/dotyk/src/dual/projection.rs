@@ -8,10 +8,13 @@
 //! * otherwise: semismooth Newton in τ with regularised Jacobian ĜP′Ĝᵀ and line search on the convex function. A step
 //!   of length 1 along h always descends, because the rows of Ĝ are orthonormal; it is taken when Newton's direction fails.
 //!
-//! One row of Ĝ at a time is written out; nothing else is allocated after construction.
+//! Of many bodies the Jacobian is L⁻¹(MP′Mᵀ)L⁻ᵀ with the sparse M of [`Balance`]: entries only where two bodies touch, a
+//! sparse factor. Of few bodies nothing is allocated after construction but one row of Ĝ at a time.
 
 use crate::dual::{AdmissibleSet, Balance, Block};
+use crate::linalg::WeightedGram;
 use crate::linalg::dense::{dot, norm};
+use std::ops::Range;
 
 /// Projects onto Λ ∩ {Ĝλ = ê}; keeps its workspace between calls.
 pub struct Projector<'a> {
@@ -27,7 +30,32 @@ pub struct Projector<'a> {
     trial_imbalance: Vec<f64>,
     direction: Vec<f64>,
     trial_tau: Vec<f64>,
-    jacobian: Vec<f64>,
+    jacobian: Jacobian,
+}
+
+/// What the Jacobian of h is kept in.
+enum Jacobian {
+    /// (k, k), row-major.
+    Dense(Vec<f64>),
+    /// The pattern of MP′Mᵀ, none where its factor would be too large (steps then go along h), and the place of each force
+    /// in its block.
+    Sparse {
+        pattern: Option<WeightedGram>,
+        position: Vec<usize>,
+    },
+}
+
+impl Jacobian {
+    fn new(admissible: &AdmissibleSet, balance: &Balance) -> Self {
+        let k = balance.rank();
+        if balance.is_orthonormal() {
+            return Self::Dense(vec![0.0; k * k]);
+        }
+        let blocks: Vec<Range<usize>> = admissible.iter().map(|(_, range)| range).collect();
+        let position = blocks.iter().flat_map(|block| 0..block.len()).collect();
+        let pattern = WeightedGram::of_blocks(k, balance.columns(), blocks).ok();
+        Self::Sparse { pattern, position }
+    }
 }
 
 impl<'a> Projector<'a> {
@@ -54,7 +82,7 @@ impl<'a> Projector<'a> {
             trial_imbalance: vec![0.0; k],
             direction: vec![0.0; k],
             trial_tau: vec![0.0; k],
-            jacobian: vec![0.0; k * k],
+            jacobian: Jacobian::new(admissible, balance),
         }
     }
 
@@ -67,7 +95,9 @@ impl<'a> Projector<'a> {
                 self.admissible.project(y, lambda);
                 return 0.0;
             }
-            1 if self.bounds_only => tau[0] = self.breakpoint_search(y, lambda),
+            1 if self.bounds_only && self.balance.is_orthonormal() => {
+                tau[0] = self.breakpoint_search(y, lambda)
+            }
             _ => self.newton(y, tau, lambda),
         }
         // y − Ĝᵀτ is rounded; what is left of a force below that is none (it would press an open contact).
@@ -89,7 +119,7 @@ impl<'a> Projector<'a> {
 
     /// k = 1: the τ between two neighbouring breakpoints where the falling h crosses zero.
     fn breakpoint_search(&mut self, y: &[f64], lambda: &mut [f64]) -> f64 {
-        let (row, load) = (self.balance.rows[0].to_dense(), self.balance.load[0]);
+        let (row, load) = (self.balance.rows()[0].to_dense(), self.balance.load[0]);
         let bounded = &self.bounded;
         self.points.clear();
         self.points.extend(
@@ -239,27 +269,69 @@ impl<'a> Projector<'a> {
 
     /// direction = (ĜP′Ĝᵀ + εI)⁻¹h with ε in proportion to the relative imbalance.
     fn newton_direction(&mut self, y: &[f64], tau: &[f64], relative: f64) {
-        let k = self.balance.rank();
         self.shifted.copy_from_slice(y);
         self.balance.add_transposed(-1.0, tau, &mut self.shifted);
-        for j in 0..k {
-            self.admissible.project_derivative(
-                &self.shifted,
-                &self.balance.rows[j].to_dense(),
-                &mut self.column,
-            );
-            for i in 0..=j {
-                self.jacobian[i * k + j] = self.balance.rows[i].dot(&self.column);
-            }
-        }
-        for j in 0..k {
-            self.jacobian[j * k + j] += relative.clamp(1e-15, 1e-2);
-            for i in 0..j {
-                self.jacobian[j * k + i] = self.jacobian[i * k + j];
-            }
-        }
         self.direction.copy_from_slice(&self.imbalance);
-        solve_positive(&mut self.jacobian, &mut self.direction);
+        let shift = relative.clamp(1e-15, 1e-2);
+        match &mut self.jacobian {
+            Jacobian::Dense(jacobian) => {
+                dense_jacobian(
+                    (self.admissible, self.balance),
+                    &self.shifted,
+                    &mut self.column,
+                    jacobian,
+                );
+                let k = self.balance.rank();
+                (0..k).for_each(|j| jacobian[j * k + j] += shift);
+                solve_positive(jacobian, &mut self.direction);
+            }
+            Jacobian::Sparse { pattern, position } => {
+                let parts = derivative(self.admissible, &self.shifted, position);
+                let mut rest = self.balance.rest_of_rows(&self.imbalance);
+                // more than ε where rounding makes the matrix singular
+                let factor = [shift, 1e-12, 1e-8].into_iter().find_map(|least| {
+                    let weight = |a: usize, b: usize| {
+                        let own = if a == b { least.max(shift) } else { 0.0 };
+                        parts[position[b]][a] + own
+                    };
+                    let pattern = pattern.as_ref()?;
+                    pattern.factor(self.balance.columns(), weight, 0.0).ok()
+                });
+                if let Some(factor) = factor {
+                    factor.solve(&mut rest);
+                    self.direction = self.balance.from_rows(rest);
+                }
+            }
+        }
+    }
+}
+
+/// The columns of P′ at y, which is made of blocks: column c of all blocks together, (m,), for each place c in a block.
+fn derivative(admissible: &AdmissibleSet, y: &[f64], position: &[usize]) -> Vec<Vec<f64>> {
+    let last = position.iter().copied().max().unwrap_or(0);
+    let column = |c: usize| {
+        let units = position.iter().map(|&p| f64::from(u8::from(p == c)));
+        let mut column = vec![0.0; y.len()];
+        admissible.project_derivative(y, &units.collect::<Vec<f64>>(), &mut column);
+        column
+    };
+    (0..=last).map(column).collect()
+}
+
+/// ĜP′Ĝᵀ at y of few orthonormal rows, (k, k); `column` is workspace (m,).
+fn dense_jacobian(
+    (admissible, balance): (&AdmissibleSet, &Balance),
+    y: &[f64],
+    column: &mut [f64],
+    jacobian: &mut [f64],
+) {
+    let (rows, k) = (balance.rows(), balance.rank());
+    for j in 0..k {
+        admissible.project_derivative(y, &rows[j].to_dense(), column);
+        for i in 0..=j {
+            let product = rows[i].dot(column);
+            (jacobian[i * k + j], jacobian[j * k + i]) = (product, product);
+        }
     }
 }
 
@@ -298,6 +370,7 @@ fn solve_positive(a: &mut [f64], x: &mut [f64]) {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::dual::split::tests::row_of_discs;
     use crate::dual::{Equilibrium, Mat};
 
     fn wave(m: usize, seed: usize) -> Vec<f64> {
@@ -337,29 +410,58 @@ mod tests {
         Balance::new(&Equilibrium::new(modes, load))
     }
 
+    /// Nearest ⇔ y − λ − Ĝᵀτ is in the normal cone, that is λ = P_Λ(y − Ĝᵀτ).
+    fn nearest(set: &AdmissibleSet, balance: &Balance, y: &[f64]) {
+        let (mut tau, mut lambda) = (vec![0.0; balance.rank()], vec![0.0; y.len()]);
+        let rest = Projector::new(set, balance).project(y, &mut tau, &mut lambda);
+        assert!(rest < 1e-12 * norm(y), "{rest:e}");
+        let mut shifted = y.to_vec();
+        balance.add_transposed(-1.0, &tau, &mut shifted);
+        let mut again = vec![0.0; y.len()];
+        set.project(&shifted, &mut again);
+        let apart = again.iter().zip(&lambda).map(|(a, b)| (a - b).abs());
+        let worst = apart.fold(0.0, f64::max);
+        assert!(worst < 1e-12 * norm(y), "{worst:e}");
+    }
+
     #[test]
     fn projection_is_admissible_balanced_and_nearest() {
-        // Nearest ⇔ y − λ − Ĝᵀτ is in the normal cone, that is λ = P_Λ(y − Ĝᵀτ).
         for k in 0..=4 {
             for friction in [false, true] {
                 for seed in 0..20 {
                     let set = mixed(30, friction);
                     let balance = balance(&set, k, seed);
-                    let mut projector = Projector::new(&set, &balance);
                     let y: Vec<f64> = wave(30, seed).iter().map(|x| 10.0 * (x - 0.4)).collect();
-                    let (mut tau, mut lambda) = (vec![0.0; k], vec![0.0; 30]);
-                    let rest = projector.project(&y, &mut tau, &mut lambda);
-                    assert!(rest < 1e-12 * norm(&y), "k {k} seed {seed}: {rest:e}");
-                    let mut shifted = y.clone();
-                    balance.add_transposed(-1.0, &tau, &mut shifted);
-                    let mut again = vec![0.0; 30];
-                    set.project(&shifted, &mut again);
-                    let worst = (0..30)
-                        .map(|i| (again[i] - lambda[i]).abs())
-                        .fold(0.0, f64::max);
-                    assert!(worst < 1e-12 * norm(&y), "k {k} seed {seed}: {worst:e}");
+                    nearest(&set, &balance, &y);
                 }
             }
+        }
+    }
+
+    #[test]
+    fn projection_of_the_forces_between_many_bodies_is_admissible_balanced_and_nearest() {
+        let modes = row_of_discs(60);
+        let m = modes.ncols();
+        let pair = |j: usize| match j % 3 {
+            0 => vec![Block::Unilateral; 2],
+            1 => vec![Block::Tresca {
+                tangents: 1,
+                bound: 0.4,
+            }],
+            _ => vec![Block::Coulomb {
+                tangents: 1,
+                coefficient: 0.3,
+            }],
+        };
+        let set = AdmissibleSet::new((0..m / 2).flat_map(pair).collect());
+        for seed in 0..10 {
+            let mut carried = vec![0.0; m];
+            set.project(&wave(m, seed + 5), &mut carried);
+            let load = (0..modes.nrows()).map(|i| (0..m).map(|j| modes[(i, j)] * carried[j]).sum());
+            let balance = Balance::new(&Equilibrium::new(modes.clone(), load.collect()));
+            assert!(!balance.is_orthonormal());
+            let y: Vec<f64> = wave(m, seed).iter().map(|x| 10.0 * (x - 0.4)).collect();
+            nearest(&set, &balance, &y);
         }
     }
 

@@ -631,10 +631,10 @@ enum Vector {
 /// Adds to the `loaded` forces what of least norm balances all of them; `false` where they cannot.
 fn restore(setup: &Setup<'_>, loaded: &[bool], forces: &mut [f64]) -> bool {
     let list: Vec<usize> = (0..forces.len()).filter(|&i| loaded[i]).collect();
-    let rows = setup.balance.rows.iter();
-    let rows: Vec<SparseVector> = rows
-        .map(|row| SparseVector::new(list.len(), list.iter().map(|&i| row[i]).enumerate()))
-        .collect();
+    let rows = setup.balance.rows().iter();
+    let rows =
+        rows.map(|row| SparseVector::new(list.len(), list.iter().map(|&i| row[i]).enumerate()));
+    let rows = setup.balance.orthonormal_rows(rows.collect());
     let mut null = Null::new(&rows, &[]);
     let mut rest = vec![0.0; rows.len()];
     // the second pass removes what rounding left

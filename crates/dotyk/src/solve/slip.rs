@@ -348,11 +348,13 @@ fn stick_where_free(setup: &Setup<'_>, states: &mut [State]) {
         if loose.is_empty() {
             return;
         }
-        let rows = &setup.balance.rows;
-        let moves = |i: usize| {
-            let along = |z: &Vec<f64>| z.iter().zip(rows).map(|(z, row)| z * row[i]).sum::<f64>();
-            loose.iter().any(|z| along(z).abs() > 1e-9)
-        };
+        let motions = loose.iter().map(|z| {
+            let mut motion = vec![0.0; setup.len()];
+            setup.balance.add_transposed(1.0, z, &mut motion);
+            motion
+        });
+        let motions: Vec<Vec<f64>> = motions.collect();
+        let moves = |i: usize| motions.iter().any(|motion| motion[i].abs() > 1e-9);
         let slipping = |place: &usize| {
             let state = &states[*place];
             let coulomb = matches!(setup.admissible.blocks()[*place], Block::Coulomb { .. });

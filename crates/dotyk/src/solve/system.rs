@@ -77,7 +77,7 @@ pub(crate) struct System<'a> {
     setup: &'a Setup<'a>,
     unknowns: &'a [Unknown],
     offset: &'a [f64],
-    /// Ĝ cₐ and Ĝ wₐ, k rows over the unknowns.
+    /// Ĝ cₐ and Ĝ wₐ, k rows over the unknowns; beside a sparse F those of M = LĜ, of which fewer are not zero.
     forces: Vec<SparseVector>,
     rows: Vec<SparseVector>,
     /// Directions of α̂ that no row determines, orthonormal.
@@ -91,15 +91,22 @@ pub(crate) struct System<'a> {
 impl<'a> System<'a> {
     /// Sets up the problem of `unknowns` beside the known forces `offset` (m,).
     pub fn new(setup: &'a Setup<'a>, unknowns: &'a [Unknown], offset: &'a [f64]) -> Self {
-        let rows = on_unknowns(&setup.balance.rows, unknowns, |u| &u.row);
-        let forces = on_unknowns(&setup.balance.rows, unknowns, |u| &u.force);
+        let balance = &setup.balance;
+        let rows = on_unknowns(balance.rows(), unknowns, |u| &u.row);
+        let forces = on_unknowns(balance.rows(), unknowns, |u| &u.force);
+        let loose = null_of(balance, &rows);
+        let sparse = matches!(setup.problem.compliance, Compliance::Sparse(_));
+        let [rows, forces] = match sparse {
+            true => [rows, forces],
+            false => [rows, forces].map(|rows| balance.orthonormal_rows(rows)),
+        };
         Self {
             setup,
             unknowns,
             offset,
             forces,
-            loose: null_of(setup, unknowns, &rows, |u| &u.row),
             rows,
+            loose,
             unique: false,
             products: 0,
         }
@@ -113,7 +120,13 @@ impl<'a> System<'a> {
         let symmetric = self.unknowns.iter().all(Unknown::is_symmetric);
         let null = match symmetric {
             true => self.loose.clone(),
-            false => null_of(self.setup, self.unknowns, &self.forces, |u| &u.force),
+            false => {
+                let balance = &self.setup.balance;
+                null_of(
+                    balance,
+                    &on_unknowns(balance.rows(), self.unknowns, |u| &u.force),
+                )
+            }
         };
         null.iter().all(|z| dot(z, &rest).abs() <= 1e-9 * size)
     }
@@ -239,16 +252,10 @@ fn on_unknowns(rows: &[SparseVector], unknowns: &[Unknown], side: Side) -> Vec<S
     rows.iter().map(along_row).collect()
 }
 
-/// Orthonormal z (k,) with zᵀ`rows` = 0, `rows` those of the balance on a side of the unknowns.
-fn null_of(
-    setup: &Setup<'_>,
-    unknowns: &[Unknown],
-    rows: &[SparseVector],
-    side: Side,
-) -> Vec<Vec<f64>> {
-    let part = |images: &[SparseVector]| on_unknowns(images, unknowns, side);
-    let local = setup.balance.loose(part);
-    local.unwrap_or_else(|| Pseudo::new(&gram_of(rows), &[]).null)
+/// Orthonormal α̂ (k,) whose pull vanishes on unknowns on which M has these `rows`.
+fn null_of(balance: &Balance, rows: &[SparseVector]) -> Vec<Vec<f64>> {
+    let whole = || Pseudo::new(&gram_of(&balance.orthonormal_rows(rows.to_vec())), &[]).null;
+    balance.loose(rows).unwrap_or_else(whole)
 }
 
 /// The nearest power of two to 1/√x, or 1.
@@ -407,10 +414,8 @@ impl Factored {
         own.for_each(|&(a, _, value)| diagonal[a] += value);
         let scale: Vec<f64> = (0..n).map(|a| system.unit_of(a, diagonal[a])).collect();
         let own = &system.setup.balance;
-        let border = own.images().unwrap_or(&own.rows);
-        let rows = on_unknowns(border, system.unknowns, |u| &u.row);
-        let forces = on_unknowns(border, system.unknowns, |u| &u.force);
-        let balance = units_of_balance(&forces, &rows, &scale);
+        let (rows, forces) = (&system.rows, &system.forces);
+        let balance = units_of_balance(forces, rows, &scale);
         let size = n + balance.len();
         whole
             .iter_mut()
@@ -423,7 +428,7 @@ impl Factored {
         }
         // the amplitudes have no part along directions that no row determines
         for z in &system.loose {
-            let z = own.to_images(z);
+            let z = own.to_rows(z);
             let least = LOOSE * z.iter().fold(0.0, |s: f64, z| s.max(z.abs()));
             let part = |i: &usize| z[*i].abs() > least;
             let met: Vec<usize> = (0..z.len()).filter(part).collect();
@@ -488,10 +493,10 @@ impl Factored {
                 both.copy_from_slice(x.col_as_slice(0));
             }),
             Kind::Sparse { lu, balance } => {
-                let rest = own.rest_of_images(rest);
+                let rest = own.rest_of_rows(rest);
                 let solve = |both: &mut [f64]| lu.solve(both);
                 let (x, beta) = self.solve_bordered(right, &rest, balance, solve);
-                (x, own.amplitudes_of_images(beta))
+                (x, own.from_rows(beta))
             }
         }
     }

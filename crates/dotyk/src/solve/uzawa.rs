@@ -172,7 +172,8 @@ struct Bolted {
 impl Bolted {
     fn new(setup: &Setup<'_>, nodes: Vec<usize>) -> Option<Self> {
         let k = setup.modes();
-        let matrix = Mat::from_fn(k, k, |i, j| setup.balance.rows[i][nodes[j]]);
+        let columns: Vec<Vec<f64>> = nodes.iter().map(|&i| setup.balance.column(i)).collect();
+        let matrix = Mat::from_fn(k, k, |i, j| columns[j][i]);
         let mut inverse = Mat::identity(k, k);
         Lu::new(matrix).ok()?.solve_in_place(&mut inverse);
         let mut modes: Vec<usize> = Vec::new();
@@ -230,9 +231,7 @@ fn pressed(setup: &Setup<'_>, lambda: &[f64]) -> Vec<f64> {
 /// Greedy choice: largest λᵢ times the part of column Ĝᵢ that the bolts before do not hold.
 fn choose(setup: &Setup<'_>, weights: &[f64]) -> Option<Bolted> {
     let k = setup.modes();
-    let mut columns: Vec<Vec<f64>> = (0..setup.len())
-        .map(|i| setup.balance.rows.iter().map(|row| row[i]).collect())
-        .collect();
+    let mut columns: Vec<Vec<f64>> = (0..setup.len()).map(|i| setup.balance.column(i)).collect();
     let sizes: Vec<f64> = columns.iter().map(|column| norm(column)).collect();
     let mut nodes = Vec::with_capacity(k);
     for _ in 0..k {

@@ -1,0 +1,272 @@
+//! What the contact can control of the rigid modes, and what it cannot.
+//!
+//! Combinations z of modes with Gᵀz = 0 move no contact along its force: no contact force can hold them. Modes are expected
+//! scaled to largest displacement 1.
+//!
+//! Few modes: the singular triples Gᵀ = Σ σⱼ gⱼ zⱼᵀ, with orthonormal gⱼ (m,) and zⱼ (r,). The eigenvalues of GGᵀ would lose
+//! half of the digits.
+//!
+//! Modes of many bodies: G is sparse, because a contact does work on the modes of two bodies alone. Modes that lie side by
+//! side in G and meet the same contacts are those of one body. What a body by itself has no control of is found by a
+//! singular value decomposition of its own rows. Let Z (k, r) be the orthonormal rest, local to bodies, and M = ZG. That no
+//! combination of several bodies moves without work either is *proved* by a Cholesky factorisation of MMᵀ − δ·I, which
+//! exists only where all eigenvalues of MMᵀ exceed δ: singular values of G then reach from 1 to [`FAR`] times the largest,
+//! and the coarse problem MMᵀ = LLᵀ may stand for M. Where the proof fails (bodies that several contacts hold only together,
+//! say) G is decomposed as a whole. A row of bodies that press each other has singular values down to 1/(its length): rows
+//! of many hundred bodies are proved.
+
+use crate::dual::modes::transposed;
+use crate::dual::{Mat, Modes};
+use crate::linalg::dense::singular_value_decomposition;
+use crate::linalg::{Cholesky, SparseVector, WeightedGram};
+use std::collections::BTreeSet;
+use std::ops::Range;
+
+/// Fewest modes that are looked at body by body: below, the whole decomposition takes no time.
+pub(super) const MANY: usize = 96;
+
+/// Singular values above this part of the largest are far from zero.
+const FAR: f64 = 1e-3;
+
+/// Most modes that are taken together.
+const TOGETHER: usize = 12;
+
+/// Largest |Gᵀz| of an uncontrolled mode over the largest |G|.
+const UNCONTROLLED: f64 = 1e-8;
+
+/// Orthonormal basis of R^r, split by what the contact controls.
+#[derive(Debug, Clone, Default)]
+pub struct ModeSplit {
+    /// k modes (r,) that some contact force does work on.
+    pub controlled: Vec<SparseVector>,
+    /// r − k modes (r,) that no contact force does work on.
+    pub uncontrolled: Vec<SparseVector>,
+}
+
+/// Splits R^r into the modes that the contact controls and those with Gᵀz = 0. Shapes: `modes` (r, m).
+pub fn uncontrolled_modes(modes: &Modes) -> ModeSplit {
+    Split::new(modes).modes
+}
+
+/// Modes split by what the contact controls, and the coarse problem of those that it does.
+#[derive(Debug, Clone, Default)]
+pub(super) struct Split {
+    /// The modes.
+    pub modes: ModeSplit,
+    /// σⱼ of each controlled mode, of which its row in M is a part; 1 where the modes are those of many bodies.
+    pub sigma: Vec<f64>,
+    /// M = Σ⁻¹ZG, k rows (m,).
+    pub rows: Vec<SparseVector>,
+    /// L of the coarse problem MMᵀ = LLᵀ; none where the rows are orthonormal.
+    pub coarse: Option<Cholesky>,
+}
+
+impl Split {
+    /// Splits the modes G (r, m).
+    pub fn new(modes: &Modes) -> Self {
+        let many = modes.nrows() >= MANY;
+        let by_body = many.then(|| Self::by_body(&modes.rows())).flatten();
+        by_body.unwrap_or_else(|| Self::as_a_whole(modes))
+    }
+
+    fn as_a_whole(modes: &Modes) -> Self {
+        let mut split = Self::default();
+        for direction in singular_directions(&modes.to_dense(), modes.largest()) {
+            let mode = SparseVector::from_dense(&direction.mode);
+            if direction.controlled {
+                let mut row = SparseVector::from_dense(&direction.image);
+                row.scale(1.0 / direction.sigma);
+                split.rows.push(row);
+                split.modes.controlled.push(mode);
+                split.sigma.push(direction.sigma);
+            } else {
+                split.modes.uncontrolled.push(mode);
+            }
+        }
+        split
+    }
+
+    /// Splits the rows of G, each (m,), body by body; `None` where some bodies are held only together.
+    pub fn by_body(rows: &[SparseVector]) -> Option<Self> {
+        let (r, m) = (rows.len(), rows.first()?.len());
+        let entries = rows.iter().flat_map(SparseVector::entries);
+        let largest = entries.fold(0.0, |s: f64, (_, g)| s.max(g.abs()));
+        let mut split = Self::default();
+        for group in groups(rows) {
+            let met = met(&rows[group.clone()]);
+            let own = Mat::from_fn(group.len(), met.len(), |i, j| rows[group.start + i][met[j]]);
+            for direction in singular_directions(&own, largest) {
+                let parts = group.clone().zip(direction.mode);
+                let mode = SparseVector::new(r, parts);
+                if direction.controlled {
+                    let parts = met.iter().copied().zip(direction.image);
+                    split.rows.push(SparseVector::new(m, parts));
+                    split.modes.controlled.push(mode);
+                } else {
+                    split.modes.uncontrolled.push(mode);
+                }
+            }
+        }
+        split.sigma = vec![1.0; split.rows.len()];
+        let columns = transposed(&split.rows, m);
+        let gram = WeightedGram::new(split.rows.len(), &columns).ok()?;
+        let sizes = split.rows.iter().map(|row| row.norm().powi(2));
+        let size = sizes.fold(0.0, f64::max);
+        gram.factor(&columns, |_, _| 1.0, -FAR * FAR * size).ok()?;
+        split.coarse = Some(gram.factor(&columns, |_, _| 1.0, 0.0).ok()?);
+        Some(split)
+    }
+}
+
+/// One singular triple of Gᵀ.
+struct Direction {
+    /// z, (r,), unit.
+    mode: Vec<f64>,
+    /// Gᵀz = σ g, (m,).
+    image: Vec<f64>,
+    sigma: f64,
+    controlled: bool,
+}
+
+/// The singular triples of Gᵀ, and the modes without an image behind them; `largest` is that of all |G|.
+fn singular_directions(modes: &Mat<f64>, largest: f64) -> Vec<Direction> {
+    let (r, m) = (modes.nrows(), modes.ncols());
+    let transposed = Mat::from_fn(m, r, |i, j| modes[(j, i)]);
+    // a matrix that is not finite is an error of the problem, which its check tells
+    let Ok(spectrum) = singular_value_decomposition(&transposed) else {
+        return Vec::new();
+    };
+    (0..r)
+        .map(|j| {
+            let sigma = spectrum.values.get(j).copied().unwrap_or(0.0);
+            let image: Vec<f64> = match j < spectrum.left.ncols() {
+                true => {
+                    let left = spectrum.left.col_as_slice(j).iter();
+                    left.map(|u| sigma * u).collect()
+                }
+                false => vec![0.0; m],
+            };
+            let moved = image.iter().fold(0.0, |s: f64, x| s.max(x.abs()));
+            Direction {
+                mode: spectrum.right.col_as_slice(j).to_vec(),
+                controlled: moved > UNCONTROLLED * largest,
+                sigma,
+                image,
+            }
+        })
+        .collect()
+}
+
+/// Neighbouring rows that share most of their columns.
+fn groups(rows: &[SparseVector]) -> Vec<Range<usize>> {
+    let mut groups: Vec<Range<usize>> = Vec::new();
+    for (i, row) in rows.iter().enumerate() {
+        match groups.last_mut() {
+            Some(group) if group.len() < TOGETHER && meet_alike(&rows[i - 1], row) => {
+                group.end += 1
+            }
+            _ => groups.push(i..i + 1),
+        }
+    }
+    groups
+}
+
+/// At least half of the columns of the shorter row are among those of the other.
+fn meet_alike(a: &SparseVector, b: &SparseVector) -> bool {
+    let columns = |v: &SparseVector| v.entries().map(|e| e.0).collect::<BTreeSet<usize>>();
+    let (a, b) = (columns(a), columns(b));
+    2 * a.intersection(&b).count() >= a.len().min(b.len())
+}
+
+/// Columns in which some of the rows have an entry, ascending.
+fn met(rows: &[SparseVector]) -> Vec<usize> {
+    let columns = rows.iter().flat_map(SparseVector::entries).map(|e| e.0);
+    let columns: BTreeSet<usize> = columns.collect();
+    columns.into_iter().collect()
+}
+
+#[cfg(test)]
+pub(super) mod tests {
+    use super::*;
+    use crate::dual::{Balance, Equilibrium};
+
+    /// A row of discs between two walls, two contact nodes at each joint, modes: along the row, across it, spin. Joints lie
+    /// a little off the row, so that all are controlled but the spins.
+    pub fn row_of_discs(n: usize) -> Mat<f64> {
+        Mat::from_fn(3 * n, 2 * (n + 1), |i, j| {
+            let (disc, mode, joint, node) = (i / 3, i % 3, j / 2, j % 2);
+            let slope = [-0.2, 0.3][node];
+            let normal: f64 = [1.0, slope, 0.5 * slope][mode];
+            match joint {
+                _ if joint == disc => normal,
+                _ if joint == disc + 1 => -normal,
+                _ => 0.0,
+            }
+        })
+    }
+
+    #[test]
+    fn many_bodies_split_as_one_decomposition_does() {
+        let n = 40;
+        let modes = row_of_discs(n);
+        let split = Split::new(&modes.clone().into());
+        assert!(split.coarse.is_some(), "the joints hold every disc");
+        let sizes = (split.modes.controlled.len(), split.modes.uncontrolled.len());
+        assert_eq!(sizes, (2 * n, n));
+        let whole = singular_directions(&modes, 1.0);
+        assert_eq!(whole.iter().filter(|d| d.controlled).count(), 2 * n);
+        for z in &split.modes.uncontrolled {
+            for d in whole.iter().filter(|d| d.controlled) {
+                assert!(z.dot(&d.mode).abs() < 1e-13);
+            }
+        }
+    }
+
+    #[test]
+    fn balance_of_many_bodies_has_orthonormal_rows_and_the_same_amplitudes() {
+        let modes = row_of_discs(40);
+        let load: Vec<f64> = (0..120)
+            .map(|i| [(i as f64).sin(), 0.1, 0.05][i % 3])
+            .collect();
+        let balance = Balance::new(&Equilibrium::new(modes.clone(), load.clone()));
+        let (k, m) = (balance.rank(), modes.ncols());
+        let rows = balance.orthonormal_rows(balance.rows().to_vec());
+        for (i, a) in rows.iter().enumerate() {
+            for (j, b) in rows.iter().enumerate() {
+                let product = a.dot(&b.to_dense());
+                assert!(
+                    (product - f64::from(i == j)).abs() < 1e-11,
+                    "{i} {j} {product}"
+                );
+            }
+        }
+        let alpha: Vec<f64> = (0..120).map(|i| (0.7 * i as f64).cos()).collect();
+        let (mut reduced, mut back) = (vec![0.0; k], vec![0.0; 120]);
+        balance.from_original(&alpha, &mut reduced);
+        balance.to_original(&reduced, &mut back);
+        let mut image = vec![0.0; m];
+        balance.add_transposed(1.0, &reduced, &mut image);
+        for (j, image) in image.iter().enumerate() {
+            let of = |alpha: &[f64]| -> f64 { (0..120).map(|i| modes[(i, j)] * alpha[i]).sum() };
+            assert!((of(&alpha) - image).abs() < 1e-12);
+            assert!((of(&back) - image).abs() < 1e-12);
+        }
+        let mut forces = vec![0.0; m];
+        balance.add_transposed(1.0, &balance.load, &mut forces);
+        for i in 0..120 {
+            let sum: f64 = (0..m).map(|j| modes[(i, j)] * forces[j]).sum();
+            // the spins carry half of what goes across
+            assert!((sum - load[i]).abs() < 1e-11, "{i}: {sum}");
+        }
+    }
+
+    #[test]
+    fn modes_that_are_controlled_only_together_are_left_to_the_whole_decomposition() {
+        // without the walls the row moves as a whole
+        let mut modes = row_of_discs(40);
+        for joint in [0, 1, 80, 81] {
+            modes.col_as_slice_mut(joint).fill(0.0);
+        }
+        assert!(Split::new(&modes.into()).coarse.is_none());
+    }
+}
