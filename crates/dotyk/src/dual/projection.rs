@@ -40,7 +40,7 @@ enum Jacobian {
     /// The pattern of MP′Mᵀ, none where its factor would be too large (steps then go along h), and the place of each force
     /// in its block.
     Sparse {
-        pattern: Option<WeightedGram>,
+        pattern: Option<Box<WeightedGram>>,
         position: Vec<usize>,
     },
 }
@@ -53,8 +53,11 @@ impl Jacobian {
         }
         let blocks: Vec<Range<usize>> = admissible.iter().map(|(_, range)| range).collect();
         let position = blocks.iter().flat_map(|block| 0..block.len()).collect();
-        let pattern = WeightedGram::of_blocks(k, balance.columns(), blocks).ok();
-        Self::Sparse { pattern, position }
+        let pattern = WeightedGram::of_blocks(k, balance.columns(), blocks);
+        Self::Sparse {
+            pattern: pattern.ok().map(Box::new),
+            position,
+        }
     }
 }
 
