@@ -13,11 +13,12 @@
 use std::ops::ControlFlow;
 
 use crate::dual::{Compliance, DualProblem, Multipliers};
-use crate::solve::newton::{Ended, NEAR, Search, finest};
-use crate::solve::slip::hold;
+use crate::solve::exact::{Ended, NEAR, Search, finest};
+use crate::solve::hold::hold;
+use crate::solve::setup::Setup;
 use crate::solve::states::unknowns;
 use crate::solve::system::{Forces, System};
-use crate::solve::{Newton, Setup};
+use crate::solve::{FixedBounds, Newton};
 
 /// What one exact step adds to forces and rigid amplitudes whose displacements have the gaps `gap`, known to `rounding`; `None`
 /// where it cannot be solved. Shapes: (m,).
@@ -26,7 +27,7 @@ pub(crate) fn correction(
     multipliers: &Multipliers,
     (gap, rounding): (&[f64], &[f64]),
 ) -> Option<Multipliers> {
-    let method = Newton::default();
+    let limits = Newton::default().limits();
     let mut setup = Setup::unchecked(problem);
     setup.shift = gap.iter().map(|gap| -gap).collect();
     let equilibrium = &problem.equilibrium;
@@ -34,7 +35,7 @@ pub(crate) fn correction(
     let left = equilibrium.load.iter().zip(&carried);
     let left = left.map(|(load, carried)| load - carried);
     setup.balance.set_load(&left.collect::<Vec<f64>>());
-    let mut search = Search::new(&method, &setup);
+    let mut search = Search::new(limits, &setup);
     let states = search.states_of_guess(multipliers).ok()?;
     let told = gap.iter().zip(rounding);
     let told: Vec<f64> = told
@@ -44,10 +45,7 @@ pub(crate) fn correction(
     if setup.admissible.has_coulomb() {
         hold(&setup, &mut next, Some(&states));
     }
-    let states = next;
-    let mut offset = vec![0.0; setup.len()];
-    let softness = search.softness();
-    let mut list = unknowns(&setup.admissible, &states, None, softness, &mut offset);
+    let (mut list, mut offset) = unknowns(&setup.admissible, &next, None, search.softness());
     let apart = offset.iter_mut().zip(&multipliers.lambda);
     apart.for_each(|(offset, force)| *offset -= force);
     for unknown in &mut list {
@@ -58,11 +56,11 @@ pub(crate) fn correction(
         }
         unknown.pull += unknown.softness * x;
     }
-    let mut system = System::new(&setup, &list, &offset);
+    let mut system = System::new(&setup, list, offset);
     if !system.carries() {
         return None;
     }
-    let found = system.solve(&Forces::none(&setup), finest(&method))?;
+    let found = system.solve(&Forces::none(&setup), finest(limits.0))?;
     Some(setup.multipliers(&found.lambda, &found.alpha))
 }
 
@@ -74,19 +72,11 @@ pub(crate) fn distance_to_exact(problem: &DualProblem, multipliers: &Multipliers
         return None;
     }
     let setup = Setup::new(problem).ok()?;
-    let method = Newton::default();
-    let mut search = Search::new(&method, &setup);
+    let mut search = Search::new(Newton::default().limits(), &setup);
     let sticking = search.states_of_guess(multipliers).ok()?;
     search.move_to(multipliers.lambda.clone(), search.point.alpha.clone());
     let states = search.next_states(&sticking, &search.judge.gap);
-    let mut offset = vec![0.0; setup.len()];
-    let list = unknowns(
-        &setup.admissible,
-        &states,
-        None,
-        search.softness(),
-        &mut offset,
-    );
+    let (list, _) = unknowns(&setup.admissible, &states, None, search.softness());
     let gap = search.judge.gap.clone();
     let known = problem.rounding(&gap, &multipliers.alpha);
     let rounding = |&(i, _): &(usize, f64)| gap[i].abs() <= known(i);

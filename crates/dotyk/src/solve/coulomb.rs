@@ -13,7 +13,9 @@
 //! As described in Nečas, Jarušek & Haslinger (1980).
 
 use crate::dual::{Feasibility, Multipliers};
-use crate::solve::{FixedBounds, FixedPoint, Observer, Outcome, Setup, SolveError, counting_from};
+use crate::solve::iteration::{completed, counting_from};
+use crate::solve::setup::Setup;
+use crate::solve::{FixedBounds, FixedPoint, Observer, Outcome, SolveError};
 
 /// Most problems with given bounds.
 const ROUNDS: usize = 200;
@@ -46,7 +48,7 @@ pub(crate) fn fixed_point<S: FixedBounds>(
     let mut bounds = match guess {
         Some(guess) => {
             setup.start(Some(guess))?;
-            search.last = Some(guess.clone());
+            search.last = Some(Outcome::unsolved(guess.clone()));
             setup.admissible.bounds(&guess.lambda)
         }
         None => Vec::new(),
@@ -105,10 +107,9 @@ struct Search<'a, S> {
     method: &'a S,
     setup: &'a Setup<'a>,
     tolerance: f64,
-    last: Option<Multipliers>,
+    last: Option<Outcome>,
     residual: f64,
     iterations: usize,
-    products: usize,
     rounds: usize,
     /// Change of the bounds in the last round, and their smallest change.
     change: Option<f64>,
@@ -117,7 +118,6 @@ struct Search<'a, S> {
     /// The part of the way to the next bounds that is gone: a map that does not contract may still when it is less than all.
     part: f64,
     contraction: Option<f64>,
-    detail: Option<Outcome>,
 }
 
 impl<'a, S: FixedBounds> Search<'a, S> {
@@ -129,14 +129,12 @@ impl<'a, S: FixedBounds> Search<'a, S> {
             last: None,
             residual: f64::INFINITY,
             iterations: 0,
-            products: 0,
             rounds: 0,
             change: None,
             smallest: f64::INFINITY,
             still: 0,
             part: 1.0,
             contraction: None,
-            detail: None,
         }
     }
 
@@ -151,50 +149,33 @@ impl<'a, S: FixedBounds> Search<'a, S> {
         let left = self.method.limits().1.saturating_sub(done);
         let method = self.method.within(accuracy, left);
         let mut after = counting_from(done, observe);
-        let result = method.run(given, self.last.as_ref(), &mut after);
-        match result {
-            Ok(outcome) => {
-                let stopped = outcome.stopped_by_observer;
-                self.keep(outcome);
-                Ok(stopped.then(|| self.outcome(true)))
-            }
-            Err(SolveError::NotConverged {
-                method,
-                outcome,
-                residual,
-                reason,
-            }) => {
-                self.keep(*outcome);
-                Err(SolveError::NotConverged {
-                    method,
-                    outcome: Box::new(self.outcome(false)),
-                    residual,
-                    reason,
-                })
-            }
-            Err(error) => Err(error),
-        }
+        let guess = self.last.as_ref().map(|last| last.multipliers.clone());
+        let result = method.run(given, guess.as_ref(), &mut after);
+        let outcome = completed(S::NAME, result, |outcome| self.keep(outcome))?;
+        Ok(outcome.stopped_by_observer.then_some(outcome))
     }
 
-    fn keep(&mut self, outcome: Outcome) {
+    /// Keeps what a problem with given bounds gave; the outcome of all of them.
+    fn keep(&mut self, outcome: Outcome) -> Outcome {
         self.iterations += outcome.iterations;
-        self.products += outcome.products;
-        self.last = Some(outcome.multipliers.clone());
-        self.detail = Some(outcome);
+        let stopped = outcome.stopped_by_observer;
+        self.last = Some(outcome);
+        self.outcome(stopped)
     }
 
     /// Bounds that follow from the last answer.
     fn bounds(&self) -> Vec<f64> {
         let none = Vec::new();
-        let lambda = self.last.as_ref().map_or(&none, |last| &last.lambda);
+        let last = self.last.as_ref();
+        let lambda = last.map_or(&none, |last| &last.multipliers.lambda);
         self.setup.admissible.bounds(lambda)
     }
 
     /// Residual of Coulomb's law at the last answer.
     fn judge(&mut self) {
         if let Some(last) = &self.last {
-            self.residual = self.setup.problem.kkt_residual(last);
-            self.products += 1;
+            self.residual = self.setup.problem.kkt_residual(&last.multipliers);
+            self.setup.count(1);
         }
     }
 
@@ -225,31 +206,26 @@ impl<'a, S: FixedBounds> Search<'a, S> {
     }
 
     fn outcome(&self, stopped_by_observer: bool) -> Outcome {
-        let (rho, bolts, mut remarks) = match &self.detail {
-            Some(detail) => (detail.rho, detail.bolts.clone(), detail.remarks.clone()),
-            None => (None, Vec::new(), Vec::new()),
+        let none = || {
+            let (m, k) = (self.setup.len(), self.setup.modes());
+            self.setup.outcome(&vec![0.0; m], &vec![0.0; k])
         };
+        let mut outcome = self.last.clone().unwrap_or_else(none);
         if let Some(factor) = self.contraction.filter(|factor| *factor >= 1.0) {
-            remarks.push(format!(
+            outcome.remarks.push(format!(
                 "the bounds of friction did not contract (factor {factor:.2}): a solution may not be unique"
             ));
         }
         Outcome {
-            multipliers: self.last.clone().unwrap_or(Multipliers {
-                lambda: vec![0.0; self.setup.len()],
-                alpha: vec![0.0; self.setup.balance.original_len()],
-            }),
             iterations: self.iterations,
-            products: self.products,
-            rho,
-            bolts,
+            products: self.setup.products(),
             exact: false,
             stopped_by_observer,
             fixed_point: Some(FixedPoint {
                 iterations: self.rounds,
                 contraction: self.contraction,
             }),
-            remarks,
+            ..outcome
         }
     }
 

@@ -17,8 +17,9 @@ use std::ops::ControlFlow;
 
 use crate::dual::{AdmissibleSet, Block, Compliance, DualProblem, Equilibrium, Modes, Multipliers};
 use crate::linalg::{LinearOperator, Mat, SparseVector};
+use crate::solve::setup::Setup;
 use crate::solve::states::State;
-use crate::solve::{Newton, Observer, Outcome, Setup, SolveError};
+use crate::solve::{Observer, Outcome, SolveError};
 
 /// Connected contacts with at most this many blocks stay as they are.
 const FEW: usize = 8;
@@ -49,8 +50,6 @@ pub(crate) struct Start {
     pub states: Vec<State>,
     /// Linear solves, each counted by its share of unknowns.
     pub steps: f64,
-    /// Products with F.
-    pub products: usize,
 }
 
 /// Solves coarser problems by `solve`; `None` where there are none, or the last of them has no answer.
@@ -74,9 +73,9 @@ pub(crate) fn start(setup: &Setup<'_>, solve: CoarseSolver<'_>) -> Option<Start>
     }
 }
 
-/// Solves a coarser problem.
+/// Solves a coarser problem to a residual, with at most that many linear solves.
 pub(crate) type CoarseSolver<'a> =
-    &'a dyn Fn(&Newton, &Setup<'_>, Observer<'_>) -> Result<Outcome, SolveError>;
+    &'a dyn Fn((f64, usize), &Setup<'_>, Observer<'_>) -> Result<Outcome, SolveError>;
 
 /// Blocks of each cluster: pairs of neighbours of one kind, in the order of the blocks; some remain alone.
 fn pairs(blocks: &[Block], neighbours: &[[usize; 2]]) -> Vec<Vec<usize>> {
@@ -184,11 +183,8 @@ impl Clusters {
     ) -> Option<Coarse> {
         let coarse = self.problem(setup, compliance)?;
         let coarse_setup = Setup::new(&coarse).ok()?;
-        let method = Newton {
-            tolerance: ACCURACY,
-            max_iterations: STEPS,
-        };
-        let outcome = match solve(&method, &coarse_setup, &mut |_| ControlFlow::Continue(())) {
+        let limits = (ACCURACY, STEPS);
+        let outcome = match solve(limits, &coarse_setup, &mut |_| ControlFlow::Continue(())) {
             Ok(outcome) => outcome,
             // a guess that is rough is still one
             Err(SolveError::NotConverged { outcome, .. }) => *outcome,
@@ -244,7 +240,6 @@ impl Clusters {
             alpha,
             states,
             steps: found.steps,
-            products: 0,
         }
     }
 }
@@ -371,12 +366,7 @@ impl Cut {
             };
             steps += found.steps;
             let start = clusters.start(setup, &found);
-            let products = self.columns.values().map(Vec::len).sum();
-            last = Some(Start {
-                steps,
-                products,
-                ..start
-            });
+            last = Some(Start { steps, ..start });
             let states = states(&clusters.admissible, &found.outcome.multipliers.lambda);
             if !self.split(&clusters, &states) {
                 break;
@@ -410,6 +400,7 @@ impl Cut {
             next += size(node);
         }
         let gaps = matrix.apply_many(&forces);
+        setup.count(count);
         let mut next = 0;
         for &node in &open {
             let own = next..next + size(node);

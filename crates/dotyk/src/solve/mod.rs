@@ -19,22 +19,29 @@
 //! Friction: [`Newton`] treats the laws of Tresca and of Coulomb directly. The other methods solve the convex problem
 //! of Tresca, and Coulomb as a fixed point of such problems (`coulomb.rs`).
 
+mod accelerated;
+mod anchored;
 mod correct;
 mod coulomb;
+mod exact;
 mod gradient;
+mod hold;
+mod iteration;
 mod levels;
 mod mprgp;
 mod newton;
 mod null;
 mod proximal;
+mod setup;
 mod slip;
 mod spectrum;
 mod states;
 mod system;
 mod uzawa;
 
+pub use accelerated::Accelerated;
 pub(crate) use correct::{correction, distance_to_exact};
-pub use gradient::{Accelerated, Gradient};
+pub use gradient::Gradient;
 pub use mprgp::Mprgp;
 pub use newton::Newton;
 pub use uzawa::Uzawa;
@@ -43,10 +50,8 @@ use std::ops::ControlFlow;
 
 pub(crate) use crate::linalg::dense::{dot, norm};
 
-use crate::dual::{
-    AdmissibleSet, Balance, Block, Component, DualError, DualProblem, Feasibility, Multipliers,
-    Projector, Violations,
-};
+use crate::dual::{Block, DualError, DualProblem, Multipliers};
+use crate::solve::setup::Setup;
 
 /// The automatic fixed step ρ times the upper bound of λ_max: below 2, where the iteration would stop converging.
 pub const SAFE_STEP: f64 = 1.9;
@@ -224,7 +229,7 @@ pub trait ContactSolver: Sync {
 }
 
 /// An algorithm for problems whose friction bounds are given, on prepared data.
-pub(crate) trait FixedBounds: Sized {
+pub(crate) trait FixedBounds: Sized + Sync {
     /// Its name in reports and case files.
     const NAME: &'static str;
 
@@ -241,236 +246,38 @@ pub(crate) trait FixedBounds: Sized {
         guess: Option<&Multipliers>,
         observe: Observer<'_>,
     ) -> Result<Outcome, SolveError>;
-}
 
-/// Runs `method`, once or, where a bound depends on λ, as often as the bounds change.
-pub(crate) fn solve_with<S: FixedBounds>(
-    method: &S,
-    problem: &DualProblem,
-    guess: Option<&Multipliers>,
-    observe: Observer<'_>,
-) -> Result<Outcome, SolveError> {
-    let setup = Setup::new(problem)?;
-    if setup.admissible.has_coulomb() {
-        coulomb::fixed_point(method, &setup, guess, observe)
-    } else {
-        method.run(&setup, guess, observe)
-    }
-}
-
-/// What every solver prepares: checked data, the balance in orthonormal modes, the kind of each force.
-pub(crate) struct Setup<'a> {
-    pub problem: &'a DualProblem,
-    /// d, (m,): that of the problem, or what is left of it beside forces from which increments are sought.
-    pub shift: Vec<f64>,
-    /// Λ: that of the problem, or with other friction blocks in the same places.
-    pub admissible: AdmissibleSet,
-    pub balance: Balance,
-    pub components: Vec<Component>,
-}
-
-impl<'a> Setup<'a> {
-    /// Checks the problem, refuses loads that nothing can carry.
-    pub fn new(problem: &'a DualProblem) -> Result<Self, SolveError> {
-        problem.check()?;
-        let mut setup = Self::unchecked(problem);
-        match problem.feasibility() {
-            Feasibility::Infeasible { direction, .. } => Err(SolveError::Infeasible { direction }),
-            Feasibility::Feasible { load } => {
-                setup.balance.set_load(&load);
-                Ok(setup)
-            }
-        }
-    }
-
-    /// The same for a problem that was checked before.
-    pub fn unchecked(problem: &'a DualProblem) -> Self {
-        Self {
-            problem,
-            shift: problem.shift.clone(),
-            admissible: problem.admissible.clone(),
-            balance: Balance::new(&problem.equilibrium),
-            components: problem.admissible.components(),
-        }
-    }
-
-    /// The same problem with the admissible set `admissible`, which must have the same length.
-    pub fn with_admissible(&self, admissible: AdmissibleSet) -> Self {
-        Self {
-            problem: self.problem,
-            shift: self.shift.clone(),
-            components: admissible.components(),
-            admissible,
-            balance: self.balance.clone(),
-        }
-    }
-
-    /// Number m of contact forces.
-    pub fn len(&self) -> usize {
-        self.components.len()
-    }
-
-    /// Number k of rigid modes that contact controls.
-    pub fn modes(&self) -> usize {
-        self.balance.rank()
-    }
-
-    /// Force `i` is ≥ 0.
-    pub fn bounded(&self, i: usize) -> bool {
-        self.components[i] == Component::Normal
-    }
-
-    /// `bound`, an eigenvalue bound, or a number of its order where it is rounding: then the balance alone determines
-    /// the forces, and any step is right that is comparable with them.
-    pub fn usable_bound(&self, bound: f64) -> f64 {
-        let diagonal = self.problem.compliance.diagonal();
-        let diagonal = diagonal.map_or(0.0, |d| d.into_iter().fold(0.0, f64::max));
-        if self.len() > self.modes() && bound > 1e-13 * diagonal {
-            return bound;
-        }
-        let or_one = |scale: f64| if scale > 0.0 { scale } else { 1.0 };
-        or_one(self.problem.scales.length) / or_one(self.problem.scales.force)
-    }
-
-    /// Workspace for projections.
-    pub fn projector(&self) -> Projector<'_> {
-        Projector::new(&self.admissible, &self.balance)
-    }
-
-    /// Forces to begin with: those of the guess, or zero; not yet admissible or balanced.
-    pub fn start(&self, guess: Option<&Multipliers>) -> Result<Vec<f64>, SolveError> {
-        let Some(guess) = guess else {
-            return Ok(vec![0.0; self.len()]);
-        };
-        let expected = (self.len(), self.balance.original_len());
-        if (guess.lambda.len(), guess.alpha.len()) != expected {
-            return Err(SolveError::Invalid(format!(
-                "the starting point has {} contact forces and {} rigid amplitudes, the problem {} and {}",
-                guess.lambda.len(),
-                guess.alpha.len(),
-                expected.0,
-                expected.1
-            )));
-        }
-        let mut values = guess.lambda.iter().chain(&guess.alpha);
-        if let Some(value) = values.find(|value| !value.is_finite()) {
-            return Err(SolveError::Invalid(format!(
-                "the starting point holds {value}: it must be finite"
-            )));
-        }
-        Ok(guess.lambda.clone())
-    }
-
-    /// α from its amplitudes in orthonormal modes.
-    pub fn multipliers(&self, lambda: &[f64], alpha: &[f64]) -> Multipliers {
-        let mut original = vec![0.0; self.balance.original_len()];
-        self.balance.to_original(alpha, &mut original);
-        Multipliers {
-            lambda: lambda.to_vec(),
-            alpha: original,
-        }
-    }
-
-    /// Workspace of [`Judge::residual`].
-    pub fn judge(&self) -> Judge {
-        Judge {
-            alpha: vec![0.0; self.balance.original_len()],
-            gap: vec![0.0; self.len()],
-        }
-    }
-}
-
-/// Computes the stopping measure without allocating.
-pub(crate) struct Judge {
-    alpha: Vec<f64>,
-    /// Gap of the last call (m,).
-    pub gap: Vec<f64>,
-}
-
-impl Judge {
-    /// Residual at (λ, α̂) from the product Fλ; components called free are not held to λ ≥ 0.
-    pub fn residual(
-        &mut self,
+    /// Solves where bounds depend on λ: as often as these change.
+    fn run_coulomb(
+        &self,
         setup: &Setup<'_>,
-        components: &[Component],
-        lambda: &[f64],
-        product: &[f64],
-        alpha: &[f64],
-    ) -> f64 {
-        setup.balance.to_original(alpha, &mut self.alpha);
-        setup
-            .problem
-            .gap_from_product(product, &self.alpha, &mut self.gap);
-        Violations::at(
-            setup.problem,
-            &setup.admissible,
-            lambda,
-            &self.alpha,
-            (&self.gap, None),
-            components,
-        )
-        .residual(setup.problem.scales.moment_arm)
+        guess: Option<&Multipliers>,
+        observe: Observer<'_>,
+    ) -> Result<Outcome, SolveError> {
+        coulomb::fixed_point(self, setup, guess, observe)
     }
 }
 
-/// An observer of iterations that follow `done` others.
-pub(crate) fn counting_from<'a>(
-    done: usize,
-    observe: Observer<'a>,
-) -> impl FnMut(&Iterate<'_>) -> ControlFlow<()> + 'a {
-    move |iterate| {
-        observe(&Iterate {
-            iteration: done + iterate.iteration,
-            ..*iterate
-        })
+impl<S: FixedBounds> ContactSolver for S {
+    fn name(&self) -> &'static str {
+        Self::NAME
     }
-}
 
-/// What a method returns that ended in another one: the outcome of that, completed.
-pub(crate) fn completed(
-    method: &'static str,
-    result: Result<Outcome, SolveError>,
-    complete: impl FnOnce(Outcome) -> Outcome,
-) -> Result<Outcome, SolveError> {
-    match result {
-        Ok(outcome) => Ok(complete(outcome)),
-        Err(SolveError::NotConverged {
-            outcome,
-            residual,
-            reason,
-            ..
-        }) => Err(SolveError::NotConverged {
-            method,
-            outcome: Box::new(complete(*outcome)),
-            residual,
-            reason,
-        }),
-        Err(error) => Err(error),
+    fn solve(
+        &self,
+        problem: &DualProblem,
+        guess: Option<&Multipliers>,
+        observe: Observer<'_>,
+    ) -> Result<Outcome, SolveError> {
+        let setup = Setup::new(problem)?;
+        match setup.admissible.has_coulomb() {
+            true => self.run_coulomb(&setup, guess, observe),
+            false => self.run(&setup, guess, observe),
+        }
     }
 }
 
 /// Number of contact unknowns with a force.
 pub(crate) fn loaded(lambda: &[f64]) -> usize {
     lambda.iter().filter(|force| **force != 0.0).count()
-}
-
-/// Whether (x − y)ᵀF(x − y) exceeds `bound`‖x − y‖² over the chosen components, and by which Rayleigh quotient;
-/// differences that are rounding are not judged.
-pub(crate) fn steeper_than(
-    bound: f64,
-    x: (&[f64], &[f64]),
-    y: (&[f64], &[f64]),
-    counts: impl Fn(usize) -> bool,
-) -> Option<f64> {
-    let (mut energy, mut length, mut size) = (0.0, 0.0, 0.0);
-    for i in 0..x.0.len() {
-        let step = x.0[i] - y.0[i];
-        energy += step * (x.1[i] - y.1[i]);
-        size += x.0[i] * x.0[i];
-        if counts(i) {
-            length += step * step;
-        }
-    }
-    // Below 1e-6 of λ the quotient of differences loses too many digits.
-    (length > 1e-12 * size && energy > 1.000_001 * bound * length).then(|| energy / length)
 }

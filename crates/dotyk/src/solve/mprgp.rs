@@ -20,16 +20,13 @@
 //!
 //! Sources: MPRGP as described in Dostál & Schöberl, Comput. Optim. Appl. 30 (2005) 23–43; defaults of PERMON.
 
-use std::ops::ControlFlow;
-
-use crate::dual::{Block, DualProblem, Multipliers, Projector};
+use crate::dual::{Block, Multipliers, Projector};
 use crate::linalg::SparseVector;
 use crate::solve::gradient::projected_bound;
+use crate::solve::iteration::{Iteration, Point, iterate};
 use crate::solve::null::Null;
-use crate::solve::{
-    ContactSolver, FixedBounds, Iterate, Judge, Observer, Outcome, Setup, SolveError, dot, loaded,
-    norm, solve_with,
-};
+use crate::solve::setup::{Judge, Setup};
+use crate::solve::{FixedBounds, Observer, Outcome, SolveError, dot, norm};
 
 /// An outer step that leaves more than this part of the imbalance is slow; [`SLOW_STEPS`] in a row raise the penalty.
 const SLOW: f64 = 0.5;
@@ -58,21 +55,6 @@ impl Default for Mprgp {
     }
 }
 
-impl ContactSolver for Mprgp {
-    fn name(&self) -> &'static str {
-        Self::NAME
-    }
-
-    fn solve(
-        &self,
-        problem: &DualProblem,
-        guess: Option<&Multipliers>,
-        observe: Observer<'_>,
-    ) -> Result<Outcome, SolveError> {
-        solve_with(self, problem, guess, observe)
-    }
-}
-
 impl FixedBounds for Mprgp {
     const NAME: &'static str = "mprgp";
 
@@ -95,54 +77,79 @@ impl FixedBounds for Mprgp {
     ) -> Result<Outcome, SolveError> {
         check_tangents(setup)?;
         let start = setup.start(guess)?;
-        let mut projector = setup.projector();
-        let mut state = State::new(setup, &start, guess);
-        // The estimate of the residual that asks for a verdict.
-        let mut ask = self.tolerance;
-        let mut iteration = 0;
-        loop {
-            let estimate = state.estimate(setup);
-            let stopped = iteration > 0
-                && observe(&Iterate {
-                    iteration,
-                    lambda: &state.lambda,
-                    residual: estimate,
-                    active: loaded(&state.lambda),
-                    step: state.kind,
-                }) == ControlFlow::Break(());
-            let ended = iteration == self.max_iterations || !estimate.is_finite();
-            if stopped {
-                return Ok(state.outcome(setup, iteration, true));
-            }
-            if estimate <= ask || ended {
-                state.balance_exactly(setup, &mut projector);
-                let residual = state.verdict(setup);
-                if residual <= self.tolerance {
-                    return Ok(state.outcome(setup, iteration, false));
-                }
-                if ended {
-                    return Err(SolveError::NotConverged {
-                        method: Self::NAME,
-                        outcome: Box::new(state.outcome(setup, iteration, false)),
-                        residual,
-                        reason: "allow more iterations, or use newton".to_string(),
-                    });
-                }
-                ask *= 0.3;
-                state.refresh(setup);
-            }
-            if state.settled() {
-                state.update_balance(setup);
-            } else {
-                state.advance(setup);
-                iteration += 1;
-            }
+        let mut state = State::new(self, setup, &start, guess);
+        iterate(self, setup, &mut state, 0, observe)
+    }
+}
+
+impl Iteration for State<'_> {
+    /// The forces of x, with the gradient as their gap.
+    fn evaluate(&mut self) {
+        self.setup.balance.apply(&self.x, &mut self.modes_x);
+        for j in 0..self.alpha.len() {
+            self.alpha[j] = self.modes_product[j]
+                - self.modes_shift[j]
+                - self.multiplier[j]
+                - self.penalty * self.modes_x[j];
         }
+        for i in 0..self.x.len() {
+            let force = self.offset[i] + self.x[i];
+            self.lambda[i] = if self.setup.bounded(i) {
+                force.max(0.0)
+            } else {
+                force.max(-self.shear[i]).min(self.shear[i])
+            };
+            self.product[i] = self.gradient[i] + self.setup.problem.shift[i];
+        }
+        self.setup
+            .balance
+            .add_transposed(1.0, &self.alpha, &mut self.product);
+    }
+
+    fn point(&self) -> Point<'_> {
+        Point {
+            lambda: &self.lambda,
+            product: &self.product,
+            alpha: &self.alpha,
+            components: &self.setup.components,
+            step: self.kind,
+        }
+    }
+
+    /// An outer step, which is no iteration, or an inner one.
+    fn advance(&mut self, _gap: &[f64]) -> usize {
+        let settled = self.settled();
+        match settled {
+            true => self.update_balance(),
+            false => self.step(),
+        }
+        usize::from(!settled)
+    }
+
+    /// The residual of balanced forces with a fresh product; each one that does not pass asks for a better estimate.
+    fn verdict(&mut self, estimate: f64, judge: &mut Judge, last: bool) -> Option<f64> {
+        if estimate > self.ask && !last {
+            return None;
+        }
+        self.balance_exactly();
+        self.setup.multiply(&self.lambda, &mut self.product);
+        let residual = judge.residual(self.setup, &self.point());
+        let passes = residual <= self.tolerance;
+        if !passes && !last {
+            self.ask *= 0.3;
+            self.refresh();
+        }
+        Some(residual)
     }
 }
 
 /// Iterate, gradient and workspace.
-struct State {
+struct State<'a> {
+    setup: &'a Setup<'a>,
+    projector: Projector<'a>,
+    tolerance: f64,
+    /// The estimate of the residual that asks for a verdict.
+    ask: f64,
     /// Ĝᵀê and the lower bounds −Ĝᵀê (−∞ for free forces).
     offset: Vec<f64>,
     floor: Vec<f64>,
@@ -182,16 +189,18 @@ struct State {
     image: Vec<f64>,
     modes_image: Vec<f64>,
     parts: Vec<f64>,
-    judge: Judge,
     kind: char,
-    products: usize,
 }
 
-impl State {
-    fn new(setup: &Setup<'_>, start: &[f64], guess: Option<&Multipliers>) -> Self {
+impl<'a> State<'a> {
+    fn new(
+        method: &Mprgp,
+        setup: &'a Setup<'a>,
+        start: &[f64],
+        guess: Option<&Multipliers>,
+    ) -> Self {
         let (m, k) = (setup.len(), setup.modes());
-        let mut products = 0;
-        let bound = projected_bound(setup, &mut products);
+        let bound = projected_bound(setup);
         let mut offset = vec![0.0; m];
         setup
             .balance
@@ -220,6 +229,10 @@ impl State {
             .map(|(x, (floor, ceiling))| x.max(*floor).min(*ceiling))
             .collect();
         let mut state = Self {
+            setup,
+            projector: setup.projector(),
+            tolerance: method.tolerance,
+            ask: method.tolerance,
             offset,
             floor,
             ceiling,
@@ -253,14 +266,12 @@ impl State {
             image: vec![0.0; m],
             modes_image: vec![0.0; k],
             parts: vec![0.0; k],
-            judge: setup.judge(),
             kind: 'c',
-            products,
         };
-        state.prepare(setup);
-        state.refresh(setup);
+        state.prepare();
+        state.refresh();
         if let Some(guess) = guess {
-            state.adopt(setup, &guess.alpha);
+            state.adopt(&guess.alpha);
         }
         if state.size == 0.0 {
             state.size = norm(&state.gradient);
@@ -269,16 +280,16 @@ impl State {
     }
 
     /// Begins with the μ that makes the gradient the gap of the guess.
-    fn adopt(&mut self, setup: &Setup<'_>, alpha: &[f64]) {
-        setup.balance.from_original(alpha, &mut self.alpha);
-        setup.balance.apply(&self.x, &mut self.modes_x);
+    fn adopt(&mut self, alpha: &[f64]) {
+        self.setup.balance.from_original(alpha, &mut self.alpha);
+        self.setup.balance.apply(&self.x, &mut self.modes_x);
         for j in 0..self.alpha.len() {
             self.multiplier[j] = self.modes_product[j]
                 - self.modes_shift[j]
                 - self.alpha[j]
                 - self.penalty * self.modes_x[j];
         }
-        setup
+        self.setup
             .balance
             .add_transposed(1.0, &self.multiplier, &mut self.gradient);
         self.split();
@@ -286,57 +297,57 @@ impl State {
     }
 
     /// Right-hand side of the shifted problem.
-    fn prepare(&mut self, setup: &Setup<'_>) {
-        setup
+    fn prepare(&mut self) {
+        self.setup
             .balance
-            .apply(&setup.problem.shift, &mut self.modes_shift);
+            .apply(&self.setup.problem.shift, &mut self.modes_shift);
         if self.offset.iter().any(|x| *x != 0.0) {
-            setup
-                .problem
-                .compliance
-                .apply(&self.offset, &mut self.image);
-            self.products += 1;
-            setup.balance.apply(&self.image, &mut self.modes_offset);
+            self.setup.multiply(&self.offset, &mut self.image);
+            self.setup
+                .balance
+                .apply(&self.image, &mut self.modes_offset);
             for (right, image) in self.right.iter_mut().zip(&self.image) {
                 *right -= image;
             }
         }
-        let mut parts = vec![0.0; setup.modes()];
-        setup.balance.apply(&self.right, &mut parts);
-        setup.balance.add_transposed(-1.0, &parts, &mut self.right);
+        let mut parts = vec![0.0; self.setup.modes()];
+        self.setup.balance.apply(&self.right, &mut parts);
+        self.setup
+            .balance
+            .add_transposed(-1.0, &parts, &mut self.right);
         self.size = norm(&self.right);
     }
 
     /// `image` = (PFP + ϱQ)v and `modes_image` = ĜFPv.
-    fn multiply(&mut self, setup: &Setup<'_>, which: Vector) {
+    fn multiply(&mut self, which: Vector) {
         let v = match which {
             Vector::Iterate => &self.x,
             Vector::Direction => &self.direction,
             Vector::Chopped => &self.chopped,
         };
         let parts = &mut self.parts;
-        setup.balance.apply(v, parts);
+        self.setup.balance.apply(v, parts);
         self.inside.copy_from_slice(v);
-        setup.balance.add_transposed(-1.0, parts, &mut self.inside);
-        setup
-            .problem
-            .compliance
-            .apply(&self.inside, &mut self.image);
-        self.products += 1;
-        setup.balance.apply(&self.image, &mut self.modes_image);
+        self.setup
+            .balance
+            .add_transposed(-1.0, parts, &mut self.inside);
+        self.setup.multiply(&self.inside, &mut self.image);
+        self.setup.balance.apply(&self.image, &mut self.modes_image);
         for (part, image) in parts.iter_mut().zip(&self.modes_image) {
             *part = self.penalty * *part - image;
         }
-        setup.balance.add_transposed(1.0, parts, &mut self.image);
+        self.setup
+            .balance
+            .add_transposed(1.0, parts, &mut self.image);
     }
 
     /// Gradient from scratch, and a new direction.
-    fn refresh(&mut self, setup: &Setup<'_>) {
-        self.multiply(setup, Vector::Iterate);
+    fn refresh(&mut self) {
+        self.multiply(Vector::Iterate);
         for i in 0..self.x.len() {
             self.gradient[i] = self.image[i] - self.right[i];
         }
-        setup
+        self.setup
             .balance
             .add_transposed(1.0, &self.multiplier, &mut self.gradient);
         for j in 0..self.modes_product.len() {
@@ -360,34 +371,10 @@ impl State {
         }
     }
 
-    /// Residual at the forces of x, with the gradient as their gap.
-    fn estimate(&mut self, setup: &Setup<'_>) -> f64 {
-        setup.balance.apply(&self.x, &mut self.modes_x);
-        for j in 0..self.alpha.len() {
-            self.alpha[j] = self.modes_product[j]
-                - self.modes_shift[j]
-                - self.multiplier[j]
-                - self.penalty * self.modes_x[j];
-        }
-        for i in 0..self.x.len() {
-            let force = self.offset[i] + self.x[i];
-            self.lambda[i] = if setup.bounded(i) {
-                force.max(0.0)
-            } else {
-                force.max(-self.shear[i]).min(self.shear[i])
-            };
-            self.product[i] = self.gradient[i] + setup.problem.shift[i];
-        }
-        setup
-            .balance
-            .add_transposed(1.0, &self.alpha, &mut self.product);
-        self.residual(setup)
-    }
-
     /// Ĝλ = ê to rounding: by the loaded forces alone where they stay admissible, else by the projection, which also
     /// loads open contacts a little.
-    fn balance_exactly(&mut self, setup: &Setup<'_>, projector: &mut Projector<'_>) {
-        let shear = &self.shear;
+    fn balance_exactly(&mut self) {
+        let (setup, shear) = (self.setup, &self.shear);
         let loaded: Vec<bool> = (0..self.lambda.len())
             .map(|i| {
                 if setup.bounded(i) {
@@ -411,28 +398,8 @@ impl State {
         } else {
             let mut tau = vec![0.0; setup.modes()];
             trial.copy_from_slice(&self.lambda);
-            projector.project(&trial, &mut tau, &mut self.lambda);
+            self.projector.project(&trial, &mut tau, &mut self.lambda);
         }
-    }
-
-    /// Residual at `lambda` with a fresh product.
-    fn verdict(&mut self, setup: &Setup<'_>) -> f64 {
-        setup
-            .problem
-            .compliance
-            .apply(&self.lambda, &mut self.product);
-        self.products += 1;
-        self.residual(setup)
-    }
-
-    fn residual(&mut self, setup: &Setup<'_>) -> f64 {
-        self.judge.residual(
-            setup,
-            &setup.components,
-            &self.lambda,
-            &self.product,
-            &self.alpha,
-        )
     }
 
     /// The inner problem is solved well enough for the imbalance that is left.
@@ -446,7 +413,7 @@ impl State {
     }
 
     /// μ += ϱQx; the gradient follows without a product.
-    fn update_balance(&mut self, setup: &Setup<'_>) {
+    fn update_balance(&mut self) {
         let imbalance = dot(&self.modes_x, &self.modes_x);
         // 1/2 xᵀHx − (b − μ)ᵀx with Hx = g + b − μ, and μᵀx = multiplier · Ĝx.
         let value = 0.5
@@ -468,14 +435,14 @@ impl State {
         for (multiplier, part) in self.multiplier.iter_mut().zip(&self.modes_x) {
             *multiplier += self.penalty * part;
         }
-        setup
+        self.setup
             .balance
             .add_transposed(self.penalty, &self.modes_x, &mut self.gradient);
         if self.slow == SLOW_STEPS {
             let more = (GROWTH - 1.0) * self.penalty;
             self.penalty *= GROWTH;
             self.step_length /= GROWTH;
-            setup
+            self.setup
                 .balance
                 .add_transposed(more, &self.modes_x, &mut self.gradient);
             self.slow = 0;
@@ -485,7 +452,7 @@ impl State {
     }
 
     /// One inner step.
-    fn advance(&mut self, setup: &Setup<'_>) {
+    fn step(&mut self) {
         let reduced: f64 = (0..self.x.len())
             .map(|i| {
                 let room = (self.x[i] - self.floor[i]) / self.step_length;
@@ -494,10 +461,10 @@ impl State {
             })
             .sum();
         if dot(&self.chopped, &self.chopped) > reduced {
-            self.proportion(setup);
+            self.proportion();
             return;
         }
-        self.multiply(setup, Vector::Direction);
+        self.multiply(Vector::Direction);
         let curvature = dot(&self.direction, &self.image);
         let descent = dot(&self.gradient, &self.direction);
         let conjugate = if curvature > 0.0 {
@@ -523,14 +490,14 @@ impl State {
                     .max(self.floor[i])
                     .min(self.ceiling[i]);
             }
-            self.refresh(setup);
+            self.refresh();
         }
     }
 
     /// Releases active unknowns along β with the exact step.
-    fn proportion(&mut self, setup: &Setup<'_>) {
+    fn proportion(&mut self) {
         self.kind = 'p';
-        self.multiply(setup, Vector::Chopped);
+        self.multiply(Vector::Chopped);
         let curvature = dot(&self.chopped, &self.image);
         let descent = dot(&self.gradient, &self.chopped);
         let step = if curvature > 0.0 {
@@ -577,20 +544,6 @@ impl State {
             *product -= step * image;
         }
         self.split();
-    }
-
-    fn outcome(&self, setup: &Setup<'_>, iterations: usize, stopped_by_observer: bool) -> Outcome {
-        Outcome {
-            multipliers: setup.multipliers(&self.lambda, &self.alpha),
-            iterations,
-            products: self.products,
-            rho: None,
-            bolts: Vec::new(),
-            exact: false,
-            stopped_by_observer,
-            fixed_point: None,
-            remarks: Vec::new(),
-        }
     }
 }
 
@@ -654,8 +607,10 @@ fn restore(setup: &Setup<'_>, loaded: &[bool], forces: &mut [f64]) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::dual::{AdmissibleSet, Compliance, Equilibrium};
+    use crate::dual::{AdmissibleSet, Compliance, DualProblem, Equilibrium};
     use crate::linalg::Mat;
+    use crate::solve::{ContactSolver, Iterate};
+    use std::ops::ControlFlow;
 
     /// A plate on springs of compliance 1/(1 + j), loaded off centre: some springs open.
     fn plate(m: usize) -> DualProblem {

@@ -8,15 +8,111 @@
 //! φ is convex, and its derivative along a line is monotone: the exact step is its zero. At the minimum F(μ − λ) = 0 and
 //! Ĝλ = ê, so that λ solves the problem with F + a and d + aλ_c.
 
-use crate::solve::states::{Anchor, State, unknowns};
+use crate::solve::exact::{Ended, Search, tight};
+use crate::solve::levels::local_softness;
+use crate::solve::setup::Setup;
+use crate::solve::states::{Anchor, State};
 use crate::solve::system::{Forces, System};
-use crate::solve::{Setup, dot, norm};
+use crate::solve::{Observer, dot, norm};
+
+/// First compliance, relative to what a contact gives way between its neighbours, and by how much it falls from centre to
+/// centre.
+const FIRST: f64 = 0.3;
+const FALL: f64 = 1e-2;
+
+/// Smallest compliance: below, rounding decides.
+const LEAST: f64 = 1e-10;
+
+/// Centres without a residual of half the size that end the search.
+const PATIENCE: usize = 4;
 
 /// Balance that is missing below this part of the forces is rounding.
 const BALANCED: f64 = 1e-11;
 
 /// A slope below this part of the first one ends a search along a line.
 const FLAT: f64 = 1e-10;
+
+/// A slope below this part of the steepest one of this centre leaves nothing to gain, and neither does one that is rounding
+/// of its terms.
+const GAINED: f64 = 1e-9;
+const ROUNDING: f64 = 1e-14;
+
+/// A step by a smaller part of the way stands still.
+const STANDING: f64 = 1e-9;
+
+/// Proximal steps from `states`, each ended by an exact one; φ falls in every step.
+pub(crate) fn descend(search: &mut Search<'_>, states: Vec<State>, observe: Observer<'_>) -> Ended {
+    let setup = search.setup;
+    let mut centre = vec![0.0; setup.len()];
+    setup.admissible.project(&search.point.lambda, &mut centre);
+    let mut at = search.at_forces(centre.clone(), search.point.alpha.clone());
+    let mut guessed = Some(states);
+    let local = local_softness(setup);
+    let (mut part, mut best, mut still) = (FIRST, f64::INFINITY, 0);
+    loop {
+        let compliance = local.iter().map(|c| part * c).collect();
+        let mut proximal = Proximal::new(setup, centre, compliance, at);
+        loop {
+            if search.exhausted() {
+                return Ended::Stuck(proximal.states());
+            }
+            let progress = proximal.step(guessed.take(), search.accuracy);
+            search.steps += 1;
+            search.kind = 'p';
+            show(search, &proximal);
+            if search.tell(observe) {
+                return Ended::Stopped;
+            }
+            match progress {
+                Progress::Moved => {}
+                Progress::Minimal | Progress::Rough
+                    if search.accuracy > tight(search.tolerance) =>
+                {
+                    search.accuracy = (1e-3 * search.accuracy).max(tight(search.tolerance));
+                }
+                Progress::Minimal | Progress::Rough | Progress::Singular => break,
+            }
+        }
+        let states = proximal.states();
+        centre = proximal.forces();
+        at = proximal.at;
+        let alpha = at.alpha.clone();
+        // the exact forces of these states, where they are the answer; else a good place to go on from: there the closed
+        // contacts have no gap
+        if search.exact_step(&states) {
+            if search.tell(observe) {
+                return Ended::Stopped;
+            }
+            if search.residual <= search.tolerance {
+                return Ended::Converged;
+            }
+            at = search.point.clone();
+        }
+        search.move_to(centre.clone(), alpha);
+        if search.residual <= search.tolerance {
+            return Ended::Converged;
+        }
+        still = if search.residual < 0.5 * best {
+            0
+        } else {
+            still + 1
+        };
+        best = best.min(search.residual);
+        if still > PATIENCE {
+            return Ended::Stuck(states);
+        }
+        part = (part * FALL).max(LEAST);
+    }
+}
+
+/// Judges where a proximal problem is; its forces cause its displacements at its minimum.
+fn show(search: &mut Search<'_>, proximal: &Proximal<'_>) {
+    search.point = Forces {
+        lambda: proximal.forces(),
+        ..proximal.at.clone()
+    };
+    search.judge();
+}
 
 /// The problem around one centre, and where its minimisation is.
 pub(crate) struct Proximal<'a> {
@@ -29,19 +125,9 @@ pub(crate) struct Proximal<'a> {
     pub at: Forces,
     /// gap at μ and α̂, (m,).
     gap: Vec<f64>,
-    /// Products with F so far.
-    pub products: usize,
     /// The steepest slope so far, without its sign.
     steepest: f64,
 }
-
-/// A slope below this part of the steepest one of this centre leaves nothing to gain, and neither does one that is rounding
-/// of its terms.
-const GAINED: f64 = 1e-9;
-const ROUNDING: f64 = 1e-14;
-
-/// A step by a smaller part of the way stands still.
-const STANDING: f64 = 1e-9;
 
 /// What a Newton step did.
 pub(crate) enum Progress {
@@ -65,7 +151,6 @@ impl<'a> Proximal<'a> {
             compliance,
             at,
             gap,
-            products: 0,
             steepest: 0.0,
         };
         proximal.find_gap();
@@ -116,19 +201,14 @@ impl<'a> Proximal<'a> {
         let mut states = guessed.unwrap_or_else(|| self.states());
         // loads that no contact takes up move their bodies until one does
         for _ in 0..setup.modes() + 3 {
-            let mut offset = vec![0.0; setup.len()];
-            let list = self.unknowns(&states, &mut offset);
-            let loose = System::new(setup, &list, &offset).loose;
+            let loose = self.system(&states).loose;
             if loose.is_empty() || !self.approach(&loose) {
                 break;
             }
             states = self.states();
         }
-        let mut offset = vec![0.0; setup.len()];
-        let list = self.unknowns(&states, &mut offset);
-        let mut system = System::new(setup, &list, &offset);
+        let mut system = self.system(&states);
         let solved = system.solve(&self.at, accuracy);
-        self.products += system.products;
         let Some(mut target) = solved else {
             return Progress::Singular;
         };
@@ -144,18 +224,12 @@ impl<'a> Proximal<'a> {
         self.move_towards(target, &states)
     }
 
-    fn unknowns(&self, states: &[State], offset: &mut [f64]) -> Vec<crate::solve::states::Unknown> {
+    fn system(&self, states: &[State]) -> System<'a> {
         let anchor = Anchor {
             centre: &self.centre,
             compliance: &self.compliance,
         };
-        unknowns(
-            &self.setup.admissible,
-            states,
-            Some(anchor),
-            &self.compliance,
-            offset,
-        )
+        System::of(self.setup, states, Some(anchor), &self.compliance)
     }
 
     /// Moves along some directions of α̂ by the exact length; `false` where the load does not drive them.
@@ -310,4 +384,51 @@ fn zero(far: f64, mut f: impl FnMut(f64) -> f64) -> f64 {
         }
     }
     0.5 * (low + high)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::dual::{AdmissibleSet, Block, Compliance, DualProblem, Equilibrium};
+    use crate::linalg::Mat;
+    use crate::solve::Iterate;
+    use crate::solve::exact::Patience;
+    use std::ops::ControlFlow;
+
+    #[test]
+    fn descent_ends_where_exact_steps_run_in_circles() {
+        let a = [
+            [0.5, 0.1, 0.3, 0.9, 1.0, -0.3],
+            [0.2, 0.2, 0.7, 0.7, -0.1, 0.6],
+        ];
+        let f = Mat::from_fn(6, 6, |i, j| {
+            let sum: f64 = a.iter().map(|row| row[i] * row[j]).sum();
+            sum + if i == j { 0.01 } else { 0.0 }
+        });
+        let problem = DualProblem::new(
+            Compliance::Dense(f),
+            vec![0.6, -0.6, 0.6, -0.6, 0.2, 0.8],
+            AdmissibleSet::new(vec![Block::Unilateral; 6]),
+            Equilibrium::none(6),
+        )
+        .unwrap();
+        let setup = Setup::new(&problem).unwrap();
+        let mut search = Search::new((1e-8, 200), &setup);
+        let patience = Patience {
+            steps: 100,
+            factor: f64::INFINITY,
+        };
+        let silent = &mut |_: &Iterate<'_>| ControlFlow::Continue(());
+        let closed = search.all_closed();
+        let Ended::Stuck(states) = search.exact(closed, &patience, &|_, _| {}, silent) else {
+            panic!("no circle: the descent is not needed");
+        };
+        assert!(search.steps < 100, "no state came back");
+        assert!(matches!(
+            descend(&mut search, states, silent),
+            Ended::Converged
+        ));
+        let answer = search.outcome(false);
+        assert!(problem.certify(&answer.multipliers, 1e-8).holds());
+    }
 }

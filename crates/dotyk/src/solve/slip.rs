@@ -1,37 +1,30 @@
-//! Newton's method with Coulomb's law: open, stick or slip, one linear problem for each guess, in four stages.
+//! Coulomb's law by Newton's method: exact steps, and three further stages where they find no answer.
 //!
-//! The law minimises nothing, so that no energy tells a good step from a bad one. What is done instead:
+//! The bound of the shear of a node follows its normal force. Such a law minimises nothing, so that no energy tells a good
+//! step from a bad one. Each stage covers what the one before it cannot do:
 //!
-//! 1. Exact steps: few and exact where friction is moderate and the start is good.
-//! 2. Where bodies float, a convex problem whose bounds of friction are coefficient · λₙ of the best forces so far: its energy
-//!    falls, so that it moves the bodies to where contacts hold them. Exact steps go on from there.
-//! 3. Proximal steps: λ ← the solution with F + a and d + aλ. The compliance a outweighs what friction couples, so that these
-//!    Newton iterations end; it falls where they do and rises where they do not. Redundant contacts (F of low rank) do no harm.
-//! 4. Bounds ← coefficient · λₙ, and the convex problem of these bounds, again and again (`coulomb.rs`): a contraction for
-//!    small coefficients.
+//! 1. [`exact`]: guess what every node does, solve, guess anew. Few steps where friction is moderate and the start is good.
+//! 2. [`rest`], where bodies float: exact steps move such a body hither and thither while too few contacts hold it. With
+//!    bounds that are *given*, those of the best forces so far, the problem is convex and its solution moves the bodies to
+//!    where contacts hold them. Exact steps go on from there.
+//! 3. [`settle`]: proximal steps, on a problem to which compliance is added until Newton's iteration ends on it.
+//! 4. [`iterate_bounds`]: the convex problem with given bounds, again and again, each with the bounds that follow from the
+//!    forces of the one before. A contraction for small coefficients.
 //!
-//! The states of proximal steps come, as those of exact ones, from trial forces λ − g/c with the compliance c of each contact
-//! and what is left of its condition, g = gap + a(λ − centre). Trial forces centre − gap/a have the same solution, but they
-//! outgrow all bounds as a falls: nodes flip from one direction of slip to the other, and in space the linearised law forgets
-//! that a direction may turn.
+//! Stages 2 to 4 begin from the forces of least residual so far: the last ones may have grown without bound.
 //!
-//! A stage begins from the forces of least residual so far: others may have grown without bound.
-//!
-//! States in which a body could slide or fly off freely keep those nodes sticking that want to slip least, then those closed
-//! that were.
-//!
-//! As described in Alart & Curnier (1991); the proximal point loop around it as in Acary, Brémond & Huber (2018).
+//! As described in Alart & Curnier (1991) for the steps, Nečas, Jarušek & Haslinger (1980) for the bounds.
 
-use crate::dual::{Block, Multipliers};
+use crate::dual::Multipliers;
+use crate::solve::anchored::settle;
 use crate::solve::coulomb::{carry, fixed_point};
+use crate::solve::exact::{Ended, NEARBY, Patience, Search};
+use crate::solve::hold::{held, hold};
+use crate::solve::iteration::{completed, counting_from};
 use crate::solve::levels;
-use crate::solve::newton::{Ended, NEAR, NEARBY, Patience, Search};
-use crate::solve::states::{Anchor, Shear, State, unknowns};
-use crate::solve::system::System;
-use crate::solve::{
-    Component, FixedBounds, Newton, Observer, Outcome, Setup, SolveError, completed, counting_from,
-};
-use std::collections::HashSet;
+use crate::solve::setup::Setup;
+use crate::solve::states::State;
+use crate::solve::{FixedBounds, Observer, Outcome, SolveError};
 
 /// Exact steps: their residuals may rise on the way.
 const EXACT: Patience = Patience {
@@ -46,62 +39,45 @@ const COARSE: usize = 20;
 const ROUNDS: usize = 2;
 const RESTING: f64 = 1e-4;
 
-/// First compliance of proximal steps, relative to that of each contact; its factors after a success and a failure.
-const FIRST: f64 = 0.1;
-const FALL: f64 = 0.3;
-const RISE: f64 = 10.0;
+/// One stage: goes on from states, with what a method for given bounds can do.
+type Stage<S> = fn(&S, &mut Search<'_>, Vec<State>, Observer<'_>) -> Ended;
 
-/// Smallest and largest compliance of proximal steps.
-const LEAST: f64 = 1e-6;
-const LARGEST: f64 = 1e4;
+/// The first three stages, those of single forces.
+fn stages<S: FixedBounds>() -> [Stage<S>; 3] {
+    [exact, rest, |_, search, states, observe| {
+        settle(search, states, observe)
+    }]
+}
 
-/// Centres without a smaller residual that end the proximal steps.
-const PATIENCE: usize = 10;
-
-/// Most Newton steps for one centre.
-const INNER: usize = 40;
-
-/// Errors of the law that Newton steps for one centre leave: a part of the residual of the centre before, at least the second.
-const INEXACT: f64 = 1e-3;
-const ACCURATE: f64 = 1e-10;
-
-/// Newton on the problem of `setup`, which has Coulomb's law.
+/// Newton on the problem of `setup`, which has Coulomb's law; `method` is Newton with given bounds.
 ///
 /// Errors: `NotConverged`.
-pub(crate) fn solve(
-    method: &Newton,
+pub(crate) fn solve<S: FixedBounds>(
+    method: &S,
     setup: &Setup<'_>,
     guess: Option<&Multipliers>,
     observe: Observer<'_>,
 ) -> Result<Outcome, SolveError> {
-    let (search, ended) = steps(method, setup, guess, observe)?;
+    let (search, ended) = climb(method, setup, guess, &stages(), observe)?;
     match ended {
         Ended::Converged => Ok(search.outcome(false)),
         Ended::Stopped => Ok(search.outcome(true)),
-        Ended::Stuck(_) => iterate_bounds(search, observe),
+        Ended::Stuck(_) => iterate_bounds(method, search, observe),
     }
 }
 
-/// The best that a few steps find on a coarser problem.
-fn coarse(
-    method: &Newton,
-    setup: &Setup<'_>,
-    observe: Observer<'_>,
-) -> Result<Outcome, SolveError> {
-    let few = method.within(method.tolerance, COARSE);
-    let (mut search, _) = steps(&few, setup, None, observe)?;
-    search.point = search.best.1.clone();
-    Ok(search.outcome(false))
-}
-
-/// The first three stages.
-fn steps<'a>(
-    method: &'a Newton,
+/// Tries one stage after the other from a guess, or from a coarser problem.
+fn climb<'a, S: FixedBounds>(
+    method: &S,
     setup: &'a Setup<'a>,
     guess: Option<&Multipliers>,
+    stages: &[Stage<S>],
     observe: Observer<'_>,
 ) -> Result<(Search<'a>, Ended), SolveError> {
-    let mut search = Search::new(method, setup);
+    let mut search = Search::new(method.limits(), setup);
+    let coarse = |(tolerance, _), setup: &Setup<'_>, observe: Observer<'_>| {
+        coarse(&method.within(tolerance, COARSE), setup, observe)
+    };
     let mut states = match guess {
         Some(guess) => search.states_of_guess(guess)?,
         None => match levels::start(setup, &coarse) {
@@ -110,27 +86,60 @@ fn steps<'a>(
         },
     };
     hold(setup, &mut states, None);
-    let adjust = |next: &mut Vec<State>, before: &[State]| hold(setup, next, Some(before));
-    let mut ended = search.exact(states, &EXACT, &adjust, observe);
-    let rounds = if setup.modes() > 0 { ROUNDS } else { 0 };
-    for _ in 0..rounds {
-        if !matches!(ended, Ended::Stuck(_)) {
-            break;
-        }
-        let Some(states) = at_rest(&mut search, observe) else {
-            break;
+    let mut ended = Ended::Stuck(states);
+    for stage in stages {
+        ended = match ended {
+            Ended::Stuck(states) => stage(method, &mut search, states, observe),
+            ended => ended,
         };
-        ended = search.exact(states, &EXACT, &adjust, observe);
-    }
-    if let Ended::Stuck(states) = ended {
-        ended = proximal(&mut search, states, observe);
     }
     Ok((search, ended))
 }
 
+/// The best that a few steps find on a coarser problem.
+fn coarse<S: FixedBounds>(
+    method: &S,
+    setup: &Setup<'_>,
+    observe: Observer<'_>,
+) -> Result<Outcome, SolveError> {
+    let (mut search, _) = climb(method, setup, None, &stages(), observe)?;
+    search.point = search.best.1.clone();
+    Ok(search.outcome(false))
+}
+
+/// Exact steps in which floating bodies are held.
+fn exact<S>(_: &S, search: &mut Search<'_>, states: Vec<State>, observe: Observer<'_>) -> Ended {
+    search.exact(states, &EXACT, &held(search.setup), observe)
+}
+
+/// Exact steps from where floating bodies rest with given bounds, once and again.
+fn rest<S: FixedBounds>(
+    method: &S,
+    search: &mut Search<'_>,
+    states: Vec<State>,
+    observe: Observer<'_>,
+) -> Ended {
+    let mut ended = Ended::Stuck(states);
+    let rounds = if search.setup.modes() > 0 { ROUNDS } else { 0 };
+    for _ in 0..rounds {
+        if !matches!(ended, Ended::Stuck(_)) {
+            break;
+        }
+        let Some(states) = at_rest(method, search, observe) else {
+            break;
+        };
+        ended = exact(method, search, states, observe);
+    }
+    ended
+}
+
 /// Solves the convex problem whose bounds of friction are those of the best forces so far, or none where these cannot carry
 /// the load; the states that its answer asks for, `None` where it has none.
-fn at_rest(search: &mut Search<'_>, observe: Observer<'_>) -> Option<Vec<State>> {
+fn at_rest<S: FixedBounds>(
+    method: &S,
+    search: &mut Search<'_>,
+    observe: Observer<'_>,
+) -> Option<Vec<State>> {
     let setup = search.setup;
     let best = &search.best.1;
     let guess = setup.multipliers(&best.lambda, &best.alpha);
@@ -139,8 +148,7 @@ fn at_rest(search: &mut Search<'_>, observe: Observer<'_>) -> Option<Vec<State>>
         true => (setup.admissible.with_bounds(&bounds), Some(&guess)),
         false => (setup.admissible.sticking(), None),
     };
-    let left = search.method.max_iterations.saturating_sub(search.steps);
-    let method = search.method.within(RESTING, left);
+    let method = method.within(RESTING, search.most.saturating_sub(search.steps));
     let mut after = counting_from(search.iterations(), observe);
     let outcome = match method.run(&setup.with_admissible(admissible), guess, &mut after) {
         Ok(outcome) => outcome,
@@ -149,7 +157,6 @@ fn at_rest(search: &mut Search<'_>, observe: Observer<'_>) -> Option<Vec<State>>
         Err(_) => return None,
     };
     search.steps += outcome.iterations;
-    search.products += outcome.products;
     let states = search.states_of_guess(&outcome.multipliers).ok()?;
     search.move_to(search.point.lambda.clone(), search.point.alpha.clone());
     let mut next = search.next_states(&states, &search.judge.gap);
@@ -157,144 +164,20 @@ fn at_rest(search: &mut Search<'_>, observe: Observer<'_>) -> Option<Vec<State>>
     Some(next)
 }
 
-/// Proximal steps, and exact ones where two centres in a row have the same states.
-fn proximal(search: &mut Search<'_>, mut states: Vec<State>, observe: Observer<'_>) -> Ended {
-    let setup = search.setup;
-    let mut centre = vec![0.0; setup.len()];
-    setup.admissible.project(&search.best.1.lambda, &mut centre);
-    search.move_to(centre, search.best.1.alpha.clone());
-    let mut at = search.point.clone();
-    let adjust = |next: &mut Vec<State>, before: &[State]| hold(setup, next, Some(before));
-    let (mut part, mut error) = (FIRST, INEXACT);
-    let (mut best, mut still) = (f64::INFINITY, 0);
-    let mut before = Vec::new();
-    while part <= LARGEST && still <= PATIENCE && !search.exhausted() {
-        let compliance: Vec<f64> = setup.problem.softness.iter().map(|c| part * c).collect();
-        let anchor = Anchor {
-            centre: &at.lambda,
-            compliance: &compliance,
-        };
-        (at, states) = match anchored(search, states.clone(), anchor, error, observe) {
-            Inner::Stopped => return Ended::Stopped,
-            Inner::Settled(states) => (search.point.clone(), states),
-            Inner::Failed => {
-                part *= RISE;
-                continue;
-            }
-        };
-        let residual = search.residual;
-        if residual <= search.method.tolerance {
-            return Ended::Converged;
-        }
-        let settled: Vec<_> = states.iter().map(State::key).collect();
-        if settled == before {
-            match search.exact(states.clone(), &NEAR, &adjust, observe) {
-                Ended::Stuck(_) => {}
-                ended => return ended,
-            }
-        }
-        before = settled;
-        let falls = residual < 0.9 * best;
-        still = if falls { 0 } else { still + 1 };
-        best = best.min(residual);
-        error = (INEXACT * residual).clamp(ACCURATE, INEXACT);
-        part = (part * FALL).max(LEAST);
-    }
-    Ended::Stuck(states)
-}
-
-/// How the Newton steps for one centre ended.
-enum Inner {
-    /// The states that come next.
-    Settled(Vec<State>),
-    Failed,
-    Stopped,
-}
-
-/// Newton steps on anchored conditions until the error of the law is at most the part `accuracy` of the largest force.
-fn anchored(
-    search: &mut Search<'_>,
-    mut states: Vec<State>,
-    anchor: Anchor<'_>,
-    accuracy: f64,
-    observe: Observer<'_>,
-) -> Inner {
-    let setup = search.setup;
-    let mut seen = HashSet::new();
-    for _ in 0..INNER {
-        if search.exhausted() || !anchored_step(search, &states, anchor) {
-            return Inner::Failed;
-        }
-        if search.tell(observe) {
-            return Inner::Stopped;
-        }
-        let left = anchor.left(&search.point.lambda, &search.judge.gap);
-        let mut next = search.next_states(&states, &left);
-        let key = |states: &[State]| states.iter().map(State::key).collect::<Vec<_>>();
-        let (now, then) = (key(&states), key(&next));
-        // in space the directions of slip go on turning in the same states
-        let turns = states.iter().any(State::may_turn);
-        let largest = |s: f64, force: &f64| s.max(force.abs());
-        let force = search.point.lambda.iter().fold(0.0, largest);
-        let settled = law_error(setup, &search.point.lambda, &left) <= accuracy * force;
-        let answer = search.residual <= 1e-3 * search.method.tolerance;
-        if settled || answer || now == then && !turns {
-            return Inner::Settled(next);
-        }
-        hold(setup, &mut next, Some(&states));
-        if !seen.insert(now) && !turns {
-            return Inner::Failed;
-        }
-        states = next;
-    }
-    Inner::Failed
-}
-
-/// Solves for the forces of `states` with anchored conditions and judges them; `false` where the system is singular.
-fn anchored_step(search: &mut Search<'_>, states: &[State], anchor: Anchor<'_>) -> bool {
-    let setup = search.setup;
-    let mut offset = vec![0.0; setup.len()];
-    let list = unknowns(
-        &setup.admissible,
-        states,
-        Some(anchor),
-        &setup.problem.softness,
-        &mut offset,
-    );
-    let mut system = System::new(setup, &list, &offset);
-    search.steps += 1;
-    search.kind = 'p';
-    let solved = system.solve(&search.point, ACCURATE);
-    search.products += system.products;
-    let Some(point) = solved else { return false };
-    search.point = point;
-    search.judge();
-    true
-}
-
-/// Largest |λ − P(λ − gap/softness)|, a force; shears are held to the bounds that go with λₙ. Shapes: (m,).
-fn law_error(setup: &Setup<'_>, lambda: &[f64], gap: &[f64]) -> f64 {
-    let trial = |i: usize| lambda[i] - gap[i] / setup.problem.softness[i];
-    let error = |(i, component): (usize, &Component)| match component {
-        Component::Free => (lambda[i] - trial(i)).abs(),
-        Component::Normal => (lambda[i] - trial(i).max(0.0)).abs(),
-        Component::Tangent => 0.0,
-    };
-    let normal = setup.components.iter().enumerate().map(error);
-    let shear = setup.admissible.slip_violation(lambda, trial);
-    normal.fold(shear, f64::max)
-}
-
 /// Bounds of friction, and the convex problem of these bounds, again and again; where that does not converge, the best forces
 /// of all.
-fn iterate_bounds(mut search: Search<'_>, observe: Observer<'_>) -> Result<Outcome, SolveError> {
+fn iterate_bounds<S: FixedBounds>(
+    method: &S,
+    mut search: Search<'_>,
+    observe: Observer<'_>,
+) -> Result<Outcome, SolveError> {
     let setup = search.setup;
     let (residual, point) = &search.best;
     let guess = setup.multipliers(&point.lambda, &point.alpha);
     let guess = residual.is_finite().then_some(&guess);
     let done = search.iterations();
     let mut after = counting_from(done, observe);
-    let mut result = fixed_point(search.method, setup, guess, &mut after);
+    let mut result = fixed_point(method, setup, guess, &mut after);
     search.go_back();
     if let Err(SolveError::NotConverged {
         outcome, residual, ..
@@ -304,68 +187,127 @@ fn iterate_bounds(mut search: Search<'_>, observe: Observer<'_>) -> Result<Outco
         outcome.multipliers = setup.multipliers(&search.point.lambda, &search.point.alpha);
         *residual = search.residual;
     }
-    completed(Newton::NAME, result, |outcome| Outcome {
+    completed(S::NAME, result, |outcome| Outcome {
         iterations: done + outcome.iterations,
-        products: search.products + outcome.products,
         ..outcome
     })
 }
 
-/// Changes `states` until they hold the floating bodies: nodes that want to slip least stick, then contacts of `before`
-/// stay closed (all of them where there is no before).
-pub(crate) fn hold(setup: &Setup<'_>, states: &mut [State], before: Option<&[State]>) {
-    if setup.modes() == 0 {
-        return;
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::dual::{AdmissibleSet, Block, Compliance, DualProblem, Equilibrium};
+    use crate::linalg::Mat;
+    use crate::solve::{Iterate, Newton};
+    use std::ops::ControlFlow;
+
+    /// Two nodes in the plane with F = AᵀA + I/100, d, G, e and a coefficient of friction.
+    struct Frozen {
+        a: &'static [[f64; 4]],
+        shift: [f64; 4],
+        modes: &'static [[f64; 4]],
+        load: &'static [f64],
+        coefficient: f64,
     }
-    stick_where_free(setup, states);
-    if carries(setup, states) {
-        return;
-    }
-    for (place, state) in states.iter_mut().enumerate() {
-        match before.map(|before| &before[place]) {
-            Some(before) if before.closed && !state.closed => *state = before.clone(),
-            None => state.closed = true,
-            _ => {}
+
+    impl Frozen {
+        fn problem(&self) -> DualProblem {
+            let f = Mat::from_fn(4, 4, |i, j| {
+                let sum: f64 = self.a.iter().map(|row| row[i] * row[j]).sum();
+                sum + if i == j { 0.01 } else { 0.0 }
+            });
+            let block = Block::Coulomb {
+                tangents: 1,
+                coefficient: self.coefficient,
+            };
+            let modes = Mat::from_fn(self.modes.len(), 4, |i, j| self.modes[i][j]);
+            DualProblem::new(
+                Compliance::Dense(f),
+                self.shift.to_vec(),
+                AdmissibleSet::new(vec![block; 2]),
+                Equilibrium::new(modes, self.load.to_vec()),
+            )
+            .unwrap()
         }
     }
-    stick_where_free(setup, states);
-}
 
-fn carries(setup: &Setup<'_>, states: &[State]) -> bool {
-    let mut offset = vec![0.0; setup.len()];
-    let softness = &setup.problem.softness;
-    let list = unknowns(&setup.admissible, states, None, softness, &mut offset);
-    System::new(setup, &list, &offset).carries()
-}
+    fn silent(_: &Iterate<'_>) -> ControlFlow<()> {
+        ControlFlow::Continue(())
+    }
 
-/// Nodes stick, those first that want to slip least, until no body slides freely.
-fn stick_where_free(setup: &Setup<'_>, states: &mut [State]) {
-    loop {
-        let mut offset = vec![0.0; setup.len()];
-        let softness = &setup.problem.softness;
-        let list = unknowns(&setup.admissible, states, None, softness, &mut offset);
-        let loose = System::new(setup, &list, &offset).loose;
-        if loose.is_empty() {
-            return;
-        }
-        let motions = loose.iter().map(|z| {
-            let mut motion = vec![0.0; setup.len()];
-            setup.balance.add_transposed(1.0, z, &mut motion);
-            motion
-        });
-        let motions: Vec<Vec<f64>> = motions.collect();
-        let moves = |i: usize| motions.iter().any(|motion| motion[i].abs() > 1e-9);
-        let slipping = |place: &usize| {
-            let state = &states[*place];
-            let coulomb = matches!(setup.admissible.blocks()[*place], Block::Coulomb { .. });
-            matches!(state.shear, Shear::Slip { .. })
-                && (state.closed || !coulomb)
-                && setup.admissible.range(*place).skip(1).any(moves)
+    /// The first `count` stages leave the problem open, the next one ends with a certified answer.
+    fn needs_more_than(count: usize, frozen: &Frozen) {
+        let (problem, method) = (frozen.problem(), Newton::default());
+        let setup = Setup::new(&problem).unwrap();
+        let climb =
+            |stages: &[Stage<Newton>]| climb(&method, &setup, None, stages, &mut silent).unwrap();
+        let (_, before) = climb(&stages()[..count]);
+        assert!(matches!(before, Ended::Stuck(_)), "{count} stages do");
+        let answer = match stages().get(..=count) {
+            Some(stages) => {
+                let (search, ended) = climb(stages);
+                assert!(matches!(ended, Ended::Converged), "{count} + 1 do not");
+                search.outcome(false)
+            }
+            None => {
+                let outcome = solve(&method, &setup, None, &mut silent).unwrap();
+                assert!(outcome.fixed_point.is_some());
+                outcome
+            }
         };
-        let least = (0..states.len())
-            .filter(slipping)
-            .min_by(|&a, &b| states[a].excess.total_cmp(&states[b].excess));
-        let Some(place) = least else { return };
-        states[place].shear = Shear::Stick;
+        let certificate = problem.certify(&answer.multipliers, 1e-8);
+        assert!(certificate.holds(), "{certificate}");
+    }
+
+    #[test]
+    fn exact_steps_find_stick_and_slip() {
+        let frozen = Frozen {
+            a: &[[1.0, 0.0, 0.2, 0.0], [0.0, 1.0, 0.0, 0.2]],
+            shift: [1.0, 0.6, 0.9, 0.1],
+            modes: &[],
+            load: &[],
+            coefficient: 0.3,
+        };
+        needs_more_than(0, &frozen);
+    }
+
+    #[test]
+    fn given_bounds_move_a_body_to_where_contacts_hold_it() {
+        let frozen = Frozen {
+            a: &[[0.4, 0.6, 0.0, -0.1]],
+            shift: [-0.9, -0.9, -0.4, 0.2],
+            modes: &[[-0.4, -0.1, -0.6, -0.9]],
+            load: &[-1.8],
+            coefficient: 1.0,
+        };
+        needs_more_than(1, &frozen);
+    }
+
+    #[test]
+    fn proximal_steps_end_where_states_run_in_circles() {
+        let frozen = Frozen {
+            a: &[[-0.1, -0.3, 0.7, -0.4], [0.0, -0.9, 0.7, -0.4]],
+            shift: [-0.8, 0.0, -0.9, -0.9],
+            modes: &[[-0.8, 0.0, 0.0, 0.3], [0.6, -0.2, 0.4, 0.6]],
+            load: &[0.2, 1.3],
+            coefficient: 2.0,
+        };
+        needs_more_than(2, &frozen);
+    }
+
+    #[test]
+    fn bounds_that_follow_each_other_find_what_no_single_step_does() {
+        let frozen = Frozen {
+            a: &[
+                [-0.2, 0.7, -1.0, -0.7],
+                [-0.4, 0.4, -0.6, 0.9],
+                [-0.4, 0.1, -0.7, 0.4],
+            ],
+            shift: [-0.3, 0.9, -0.3, 1.0],
+            modes: &[[-0.2, 0.9, -0.7, 0.3], [-0.2, 0.7, 0.5, -0.8]],
+            load: &[0.4, -0.4],
+            coefficient: 2.0,
+        };
+        needs_more_than(3, &frozen);
     }
 }

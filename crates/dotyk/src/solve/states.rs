@@ -168,7 +168,7 @@ impl Anchor<'_> {
     }
 }
 
-/// The forces that `states` leave unknown; those that are known are written to `offset` (m,), which must be zero.
+/// The forces that `states` leave unknown, and those that are known (m,).
 ///
 /// `own` (m,) is the compliance of the trial forces, for slip in space.
 pub(crate) fn unknowns(
@@ -176,8 +176,8 @@ pub(crate) fn unknowns(
     states: &[State],
     anchor: Option<Anchor<'_>>,
     own: &[f64],
-    offset: &mut [f64],
-) -> Vec<Unknown> {
+) -> (Vec<Unknown>, Vec<f64>) {
+    let mut offset = vec![0.0; admissible.len()];
     let plain = |i: usize| match anchor {
         Some(Anchor { centre, compliance }) => Unknown {
             softness: compliance[i],
@@ -223,7 +223,7 @@ pub(crate) fn unknowns(
             }
         }
     }
-    unknowns
+    (unknowns, offset)
 }
 
 /// Unknown forces across the slip of a node.

@@ -24,9 +24,11 @@ use crate::linalg::dense::{
     solve_lower_transpose_in_place, transpose_product,
 };
 use crate::linalg::{LinearOperator, Mat, SparseLu, SparseMatrix, SparseVector};
+use crate::solve::iteration::Point;
 use crate::solve::null::{Null, Pseudo, add_outer, gram_of};
-use crate::solve::states::{Unknown, along};
-use crate::solve::{Setup, dot, norm};
+use crate::solve::setup::Setup;
+use crate::solve::states::{Anchor, State, Unknown, along, unknowns};
+use crate::solve::{dot, norm};
 
 /// A squared Cholesky pivot below this part of its diagonal entry marks a dependent row.
 const DEPENDENT: f64 = 1e-13;
@@ -70,13 +72,25 @@ impl Forces {
             product: vec![0.0; setup.len()],
         }
     }
+
+    /// These forces as a point that a step of some kind led to.
+    pub fn at<'a>(&'a self, setup: &'a Setup<'_>, step: char) -> Point<'a> {
+        Point {
+            lambda: &self.lambda,
+            product: &self.product,
+            alpha: &self.alpha,
+            components: &setup.components,
+            step,
+        }
+    }
 }
 
 /// The linear problem of some unknowns.
 pub(crate) struct System<'a> {
     setup: &'a Setup<'a>,
-    unknowns: &'a [Unknown],
-    offset: &'a [f64],
+    unknowns: Vec<Unknown>,
+    /// Known forces beside them, (m,).
+    offset: Vec<f64>,
     /// Ĝ cₐ and Ĝ wₐ, k rows over the unknowns; beside a sparse F those of M = LĜ, of which fewer are not zero.
     forces: Vec<SparseVector>,
     rows: Vec<SparseVector>,
@@ -84,16 +98,25 @@ pub(crate) struct System<'a> {
     pub loose: Vec<Vec<f64>>,
     /// The solution was determined without a shift.
     pub unique: bool,
-    /// Products with F so far.
-    pub products: usize,
 }
 
 impl<'a> System<'a> {
-    /// Sets up the problem of `unknowns` beside the known forces `offset` (m,).
-    pub fn new(setup: &'a Setup<'a>, unknowns: &'a [Unknown], offset: &'a [f64]) -> Self {
+    /// The problem that `states` leave, with the conditions and the compliance `own` as in [`unknowns`].
+    pub fn of(
+        setup: &'a Setup<'a>,
+        states: &[State],
+        anchor: Option<Anchor<'_>>,
+        own: &[f64],
+    ) -> Self {
+        let (unknowns, offset) = unknowns(&setup.admissible, states, anchor, own);
+        Self::new(setup, unknowns, offset)
+    }
+
+    /// The problem of `unknowns` beside the known forces `offset` (m,).
+    pub fn new(setup: &'a Setup<'a>, unknowns: Vec<Unknown>, offset: Vec<f64>) -> Self {
         let balance = &setup.balance;
-        let rows = on_unknowns(balance.rows(), unknowns, |u| &u.row);
-        let forces = on_unknowns(balance.rows(), unknowns, |u| &u.force);
+        let rows = on_unknowns(balance.rows(), &unknowns, |u| &u.row);
+        let forces = on_unknowns(balance.rows(), &unknowns, |u| &u.force);
         let loose = null_of(balance, &rows);
         let sparse = matches!(setup.problem.compliance, Compliance::Sparse(_));
         let [rows, forces] = match sparse {
@@ -108,24 +131,21 @@ impl<'a> System<'a> {
             rows,
             loose,
             unique: false,
-            products: 0,
         }
     }
 
     /// Whether some values of the unknowns balance the load.
     pub fn carries(&self) -> bool {
         let mut rest = vec![0.0; self.setup.modes()];
-        self.setup.balance.imbalance(self.offset, &mut rest);
+        self.setup.balance.imbalance(&self.offset, &mut rest);
         let size = norm(&self.setup.balance.load).max(norm(&rest));
         let symmetric = self.unknowns.iter().all(Unknown::is_symmetric);
         let null = match symmetric {
             true => self.loose.clone(),
             false => {
                 let balance = &self.setup.balance;
-                null_of(
-                    balance,
-                    &on_unknowns(balance.rows(), self.unknowns, |u| &u.force),
-                )
+                let forces = on_unknowns(balance.rows(), &self.unknowns, |u| &u.force);
+                null_of(balance, &forces)
             }
         };
         null.iter().all(|z| dot(z, &rest).abs() <= 1e-9 * size)
@@ -176,7 +196,7 @@ impl<'a> System<'a> {
 
     /// The forces of some values of the unknowns.
     fn point(&mut self, x: &[f64], alpha: Vec<f64>) -> Forces {
-        let mut lambda = self.offset.to_vec();
+        let mut lambda = self.offset.clone();
         for (unknown, x) in self.unknowns.iter().zip(x) {
             for &(i, weight) in &unknown.force {
                 lambda[i] += x * weight;
@@ -184,8 +204,7 @@ impl<'a> System<'a> {
         }
         let mut product = vec![0.0; lambda.len()];
         if lambda.iter().any(|force| *force != 0.0) {
-            self.setup.problem.compliance.apply(&lambda, &mut product);
-            self.products += 1;
+            self.setup.multiply(&lambda, &mut product);
         }
         Forces {
             lambda,
@@ -303,7 +322,7 @@ impl Factored {
     }
 
     fn dense(system: &System<'_>, matrix: &Mat<f64>) -> Option<Self> {
-        let unknowns = system.unknowns;
+        let unknowns = &system.unknowns;
         let symmetric = unknowns.iter().all(Unknown::is_symmetric);
         let mut whole = coupling(matrix, unknowns);
         for (a, unknown) in unknowns.iter().enumerate() {
@@ -406,7 +425,7 @@ impl Factored {
     /// LU of the bordered matrix without its zeros: of the coupling and the softness of the unknowns, and of the balance in
     /// its own modes, which are sparser than orthonormal ones.
     fn sparse(system: &System<'_>, matrix: &SparseMatrix) -> Option<Self> {
-        let mut whole = sparse_coupling(matrix, system.unknowns);
+        let mut whole = sparse_coupling(matrix, &system.unknowns);
         let n = system.unknowns.len();
         let mut diagonal: Vec<f64> = system.unknowns.iter().map(|u| u.softness).collect();
         whole.extend((0..n).map(|a| (a, a, diagonal[a])));
@@ -589,7 +608,7 @@ impl System<'_> {
     ) -> Option<Forces> {
         let symmetric = self.unknowns.iter().all(Unknown::is_symmetric);
         // the unknowns nearest to the guess
-        let apart = guess.lambda.iter().zip(self.offset);
+        let apart = guess.lambda.iter().zip(&self.offset);
         let apart: Vec<f64> = apart.map(|(force, known)| force - known).collect();
         let nearest = self.unknowns.iter().map(|u| u.nearest(&apart));
         let start: Vec<f64> = nearest.collect();
@@ -607,9 +626,8 @@ impl System<'_> {
                 lambda[i] += x * weight;
             }
         }
-        self.setup.problem.compliance.apply(lambda, image);
-        self.products += 1;
-        for ((out, unknown), x) in out.iter_mut().zip(self.unknowns).zip(x) {
+        self.setup.multiply(lambda, image);
+        for ((out, unknown), x) in out.iter_mut().zip(&self.unknowns).zip(x) {
             *out = along(&unknown.row, image) + unknown.softness * x;
         }
     }
@@ -630,7 +648,7 @@ impl System<'_> {
             }
         }
         preconditioner.apply(spread, image);
-        for (out, unknown) in out.iter_mut().zip(self.unknowns) {
+        for (out, unknown) in out.iter_mut().zip(&self.unknowns) {
             *out = along(&unknown.row, image);
         }
     }
@@ -645,7 +663,7 @@ impl System<'_> {
         let (n, m) = (x.len(), self.setup.len());
         let mut null = Null::new(&self.rows, &self.loose);
         let mut target = vec![0.0; self.setup.modes()];
-        self.setup.balance.imbalance(self.offset, &mut target);
+        self.setup.balance.imbalance(&self.offset, &mut target);
         target.iter_mut().for_each(|rest| *rest = -*rest);
         null.restore(&self.rows, &target, &mut x);
         let (mut lambda, mut image) = (vec![0.0; m], vec![0.0; m]);
@@ -708,7 +726,7 @@ impl System<'_> {
         let mut forces = Null::new(&self.forces, &[]);
         let mut rigid = Null::new(&self.rows, &self.loose);
         let mut target = vec![0.0; self.setup.modes()];
-        self.setup.balance.imbalance(self.offset, &mut target);
+        self.setup.balance.imbalance(&self.offset, &mut target);
         target.iter_mut().for_each(|rest| *rest = -*rest);
         forces.restore(&self.forces, &target, &mut x);
         let none = vec![0.0; target.len()];

@@ -20,17 +20,15 @@
 //! Source: Janovský & Procházka, Contact problem of two elastic bodies III, Apl. mat. 25 (1980) 137–146, section 7
 //! for the two steps; step length and choice of bolts are ours.
 
-use std::ops::ControlFlow;
-
-use crate::dual::{Component, DualProblem, Multipliers};
+use crate::dual::{Component, Multipliers};
 use crate::linalg::Mat;
 use crate::linalg::dense::Lu;
-use crate::solve::gradient::{check_rho, rho_reason};
+use crate::solve::iteration::{FixedStep, Iteration, Point, completed, counting_from, iterate};
+use crate::solve::setup::Setup;
 use crate::solve::states::Unknown;
 use crate::solve::system::{Forces, System};
 use crate::solve::{
-    Bolt, ContactSolver, FixedBounds, Gradient, Iterate, Judge, Observer, Outcome, Setup,
-    SolveError, completed, counting_from, dot, loaded, norm, solve_with, spectrum, steeper_than,
+    Bolt, FixedBounds, Gradient, Observer, Outcome, SolveError, dot, norm, spectrum,
 };
 
 /// How often an improper bolt is moved before the exact projection takes over.
@@ -63,21 +61,6 @@ impl Default for Uzawa {
     }
 }
 
-impl ContactSolver for Uzawa {
-    fn name(&self) -> &'static str {
-        Self::NAME
-    }
-
-    fn solve(
-        &self,
-        problem: &DualProblem,
-        guess: Option<&Multipliers>,
-        observe: Observer<'_>,
-    ) -> Result<Outcome, SolveError> {
-        solve_with(self, problem, guess, observe)
-    }
-}
-
 impl FixedBounds for Uzawa {
     const NAME: &'static str = "uzawa";
 
@@ -99,70 +82,197 @@ impl FixedBounds for Uzawa {
         guess: Option<&Multipliers>,
         observe: Observer<'_>,
     ) -> Result<Outcome, SolveError> {
-        check_rho(self.rho)?;
-        let mut run = Run::new(setup, setup.start(guess)?);
+        FixedStep::check(self.rho)?;
+        let mut outcome = setup.outcome(&setup.start(guess)?, &vec![0.0; setup.modes()]);
         let chosen = match &self.bolts {
             Some(named) => Some(named_bolts(setup, named)?),
-            None => run.bolts_of_bilateral_solution(setup),
+            None => bolts_of_bilateral_solution(setup),
         };
         let Some(mut bolted) = chosen else {
-            return run.exact_projection(
-                self,
-                setup,
-                observe,
-                if setup.components.contains(&Component::Tangent) {
+            let why = match setup.components.contains(&Component::Tangent) {
+                true => {
                     "the normal forces that press when all contacts are closed do not hold every motion, \
                      so there is no place for a bolt"
-                } else {
+                }
+                false => {
                     "no contact is pressed when all are closed, so there is no place for a bolt"
-                },
-            );
+                }
+            };
+            return self.project_exactly(setup, outcome, observe, why);
         };
         for moves in 0..=MOVES {
-            if run.iterate(self, setup, &bolted, observe)? {
-                return Ok(run.outcome(setup, true));
+            let Outcome {
+                multipliers,
+                iterations,
+                bolts,
+                ..
+            } = outcome;
+            let mut steps = Steps::new(self, setup, &bolted, multipliers.lambda);
+            let result = iterate(self, setup, &mut steps, iterations, observe);
+            outcome = completed(Self::NAME, result, |outcome| Outcome { bolts, ..outcome })?;
+            if outcome.stopped_by_observer {
+                return Ok(outcome);
             }
-            let forces: Vec<f64> = bolted.nodes.iter().map(|&node| run.lambda[node]).collect();
-            let tension = -self.tolerance * run.force(setup);
-            let improper =
-                |place: usize| setup.bounded(bolted.nodes[place]) && forces[place] < tension;
-            let bolt = |place: usize, moved: bool| Bolt {
-                index: bolted.nodes[place],
-                mode: bolted.modes[place],
-                force: forces[place],
-                moved,
-            };
-            let places = 0..bolted.nodes.len();
-            let Some(first) = places.clone().find(|&place| improper(place)) else {
-                run.bolts.extend(places.map(|place| bolt(place, false)));
-                return Ok(run.outcome(setup, false));
+            let lambda = &outcome.multipliers.lambda;
+            let tension = -self.tolerance * setup.largest_force(lambda);
+            let improper = |bolt: &Bolt| setup.bounded(bolt.index) && bolt.force < tension;
+            let mut bolts = bolted.forces(lambda);
+            let Some(first) = bolts.iter().copied().find(improper) else {
+                outcome.bolts.append(&mut bolts);
+                return Ok(outcome);
             };
             if !self.move_improper {
                 return Err(SolveError::ImproperBolt {
-                    bolt: bolt(first, false),
-                    outcome: Box::new(run.outcome(setup, false)),
+                    bolt: first,
+                    outcome: Box::new(outcome),
                 });
             }
-            let moved = places.filter(|&place| improper(place));
-            run.bolts.extend(moved.map(|place| bolt(place, true)));
-            match choose(setup, &pressed(setup, &run.lambda)) {
+            let next = choose(setup, &pressed(setup, lambda));
+            let moved = bolts.into_iter().filter(improper);
+            let moved = moved.map(|bolt| Bolt {
+                moved: true,
+                ..bolt
+            });
+            outcome.bolts.extend(moved);
+            match next {
                 Some(next) if moves < MOVES && next.nodes != bolted.nodes => bolted = next,
                 _ => break,
             }
         }
-        run.exact_projection(
-            self,
+        let why = "every bolt that was tried ended in tension";
+        self.project_exactly(setup, outcome, observe, why)
+    }
+}
+
+impl Uzawa {
+    /// Projected gradient with the exact projection, from the forces reached so far.
+    fn project_exactly(
+        &self,
+        setup: &Setup<'_>,
+        reached: Outcome,
+        observe: Observer<'_>,
+        why: &str,
+    ) -> Result<Outcome, SolveError> {
+        let done = reached.iterations;
+        let exact = Gradient {
+            rho: None,
+            tolerance: self.tolerance,
+            max_iterations: self.max_iterations.saturating_sub(done),
+        };
+        let mut after = counting_from(done, observe);
+        let result = exact.run(setup, Some(&reached.multipliers), &mut after);
+        completed(Self::NAME, result, |outcome| Outcome {
+            iterations: done + outcome.iterations,
+            bolts: reached.bolts,
+            remarks: vec![format!(
+                "{why}: solved with the exact projection instead of bolts"
+            )],
+            ..outcome
+        })
+    }
+}
+
+/// The iterate with some bolts.
+struct Steps<'a> {
+    setup: &'a Setup<'a>,
+    bolted: &'a Bolted,
+    step: FixedStep,
+    /// What λ is held to: the bolts are free.
+    components: Vec<Component>,
+    lambda: Vec<f64>,
+    previous: Vec<f64>,
+    /// Fλ of this iterate and of the one before.
+    product: Vec<f64>,
+    before: Vec<f64>,
+    alpha: Vec<f64>,
+    parts: Vec<f64>,
+}
+
+impl<'a> Steps<'a> {
+    /// Begins with the forces nearest to `lambda` but for the bolts.
+    fn new(method: &Uzawa, setup: &'a Setup<'a>, bolted: &'a Bolted, lambda: Vec<f64>) -> Self {
+        let (m, k) = (setup.len(), setup.modes());
+        let mut components = setup.components.clone();
+        for &node in &bolted.nodes {
+            components[node] = Component::Free;
+        }
+        let mut steps = Self {
             setup,
-            observe,
-            "every bolt that was tried ended in tension",
-        )
+            bolted,
+            step: FixedStep::new(method.rho, || reduced_bound(setup, bolted)),
+            components,
+            previous: vec![0.0; m],
+            lambda,
+            product: vec![0.0; m],
+            before: vec![0.0; m],
+            alpha: vec![0.0; k],
+            parts: vec![0.0; k],
+        };
+        steps.project();
+        steps.previous.copy_from_slice(&steps.lambda);
+        steps
+    }
+
+    /// The forces that are admissible and in balance: all others to their bounds, those of the bolts as the balance asks.
+    fn project(&mut self) {
+        for (force, component) in self.lambda.iter_mut().zip(&self.components) {
+            if *component == Component::Normal {
+                *force = force.max(0.0);
+            }
+        }
+        self.setup.admissible.bound_tangents(&mut self.lambda);
+        self.bolted
+            .close(self.setup, &mut self.lambda, &mut self.parts);
+    }
+}
+
+impl Iteration for Steps<'_> {
+    /// STEP 1: the gaps of the forces, with the rigid shift that closes those of the bolts.
+    fn evaluate(&mut self) {
+        let (setup, bolted) = (self.setup, self.bolted);
+        std::mem::swap(&mut self.product, &mut self.before);
+        setup.multiply(&self.lambda, &mut self.product);
+        let now = (&self.lambda[..], &self.product[..]);
+        let then = (&self.previous[..], &self.before[..]);
+        self.step.adapt(now, then, |i| !bolted.held[i]);
+        let overlap = |node: usize| self.product[node] - setup.shift[node];
+        bolted.shift(overlap, &mut self.alpha);
+    }
+
+    /// STEP 2: λᵢ ← max(0, λᵢ − ρ gapᵢ), and λ_A from the balance.
+    fn advance(&mut self, gap: &[f64]) -> usize {
+        self.previous.copy_from_slice(&self.lambda);
+        for (force, gap) in self.lambda.iter_mut().zip(gap) {
+            *force -= self.step.rho * gap;
+        }
+        self.project();
+        1
+    }
+
+    fn point(&self) -> Point<'_> {
+        Point {
+            lambda: &self.lambda,
+            product: &self.product,
+            alpha: &self.alpha,
+            components: &self.components,
+            step: 'u',
+        }
+    }
+
+    fn rho(&self) -> Option<f64> {
+        Some(self.step.rho)
+    }
+
+    fn advice(&self) -> String {
+        self.step.advice(|| reduced_bound(self.setup, self.bolted))
     }
 }
 
 /// Bolts that hold the k controlled modes.
 struct Bolted {
-    /// Contact unknowns.
+    /// Contact unknowns, and which they are of all (m,).
     nodes: Vec<usize>,
+    held: Vec<bool>,
     /// Rigid mode each was chosen for.
     modes: Vec<usize>,
     /// Ĝ_A⁻¹, (k, k).
@@ -184,11 +294,25 @@ impl Bolted {
                 .max_by(|&a, &b| column[a].abs().total_cmp(&column[b].abs()).then(b.cmp(&a)));
             modes.push(best.unwrap_or(0));
         }
+        let mut held = vec![false; setup.len()];
+        nodes.iter().for_each(|&node| held[node] = true);
         Some(Self {
             nodes,
+            held,
             modes,
             inverse,
         })
+    }
+
+    /// The bolts with their forces.
+    fn forces(&self, lambda: &[f64]) -> Vec<Bolt> {
+        let bolt = |(&index, &mode): (&usize, &usize)| Bolt {
+            index,
+            mode,
+            force: lambda[index],
+            moved: false,
+        };
+        self.nodes.iter().zip(&self.modes).map(bolt).collect()
     }
 
     /// λ_A from the balance of the others. `parts` is workspace (k,).
@@ -277,204 +401,24 @@ fn named_bolts(setup: &Setup<'_>, named: &[usize]) -> Result<Bolted, SolveError>
     choose(setup, &weights).ok_or_else(dependent)
 }
 
-/// The iterate and what it took.
-struct Run {
-    lambda: Vec<f64>,
-    alpha: Vec<f64>,
-    judge: Judge,
-    rho: f64,
-    iterations: usize,
-    products: usize,
-    bolts: Vec<Bolt>,
-}
-
-impl Run {
-    fn new(setup: &Setup<'_>, lambda: Vec<f64>) -> Self {
-        Self {
-            lambda,
-            alpha: vec![0.0; setup.modes()],
-            judge: setup.judge(),
-            rho: 0.0,
-            iterations: 0,
-            products: 0,
-            bolts: Vec::new(),
-        }
+/// Bolts where the solution with all contacts closed presses hardest; `None` where it presses nowhere.
+fn bolts_of_bilateral_solution(setup: &Setup<'_>) -> Option<Bolted> {
+    if setup.modes() == 0 {
+        return Bolted::new(setup, Vec::new());
     }
-
-    /// Scale of forces in the certificate.
-    fn force(&self, setup: &Setup<'_>) -> f64 {
-        let largest = |s: f64, force: &f64| s.max(force.abs());
-        self.lambda.iter().fold(setup.problem.scales.force, largest)
-    }
-
-    /// Bolts where the solution with all contacts closed presses hardest; `None` where it presses nowhere.
-    fn bolts_of_bilateral_solution(&mut self, setup: &Setup<'_>) -> Option<Bolted> {
-        if setup.modes() == 0 {
-            return Bolted::new(setup, Vec::new());
-        }
-        let none = vec![0.0; setup.len()];
-        let all: Vec<Unknown> = (0..setup.len()).map(Unknown::of).collect();
-        let mut system = System::new(setup, &all, &none);
-        let rest = Forces::none(setup);
-        let closed = system.solve(&rest, 1e-3);
-        self.products += system.products;
-        choose(setup, &pressed(setup, &closed?.lambda))
-    }
-
-    /// Iterates with the bolts `bolted` until the residual passes with λ_A free; `true`: stopped by the observer.
-    fn iterate(
-        &mut self,
-        options: &Uzawa,
-        setup: &Setup<'_>,
-        bolted: &Bolted,
-        observe: Observer<'_>,
-    ) -> Result<bool, SolveError> {
-        let problem = setup.problem;
-        let m = setup.len();
-        let mut components = setup.components.clone();
-        for &node in &bolted.nodes {
-            components[node] = Component::Free;
-        }
-        let bounded: Vec<bool> = components.iter().map(|c| *c == Component::Normal).collect();
-        let mut is_bolt = vec![false; m];
-        bolted.nodes.iter().for_each(|&node| is_bolt[node] = true);
-        let mut bound = match options.rho {
-            Some(rho) => 1.9 / rho,
-            None => reduced_bound(setup, bolted, &mut self.products),
-        };
-        self.rho = options.rho.unwrap_or(1.9 / bound);
-        let mut parts = vec![0.0; setup.modes()];
-        for (force, bounded) in self.lambda.iter_mut().zip(&bounded) {
-            *force = if *bounded { force.max(0.0) } else { *force };
-        }
-        setup.admissible.bound_tangents(&mut self.lambda);
-        bolted.close(setup, &mut self.lambda, &mut parts);
-        let (mut product, mut before) = (vec![0.0; m], vec![0.0; m]);
-        let mut previous = self.lambda.clone();
-        let mut ceiling = f64::INFINITY;
-        let mut first = true;
-        loop {
-            before.copy_from_slice(&product);
-            problem.compliance.apply(&self.lambda, &mut product);
-            self.products += 1;
-            if options.rho.is_none() && !first {
-                let (now, then) = (
-                    (&self.lambda[..], &product[..]),
-                    (&previous[..], &before[..]),
-                );
-                if let Some(quotient) = steeper_than(bound, now, then, |i| !is_bolt[i]) {
-                    bound = 1.05 * quotient;
-                    self.rho = 1.9 / bound;
-                }
-            }
-            bolted.shift(|node| product[node] - problem.shift[node], &mut self.alpha);
-            let residual =
-                self.judge
-                    .residual(setup, &components, &self.lambda, &product, &self.alpha);
-            let stopped = !first
-                && observe(&Iterate {
-                    iteration: self.iterations,
-                    lambda: &self.lambda,
-                    residual,
-                    active: loaded(&self.lambda),
-                    step: 'u',
-                }) == ControlFlow::Break(());
-            if stopped || residual <= options.tolerance {
-                return Ok(stopped);
-            }
-            // A fixed step beyond its limit grows by a factor per iteration.
-            let force = self.force(setup);
-            let diverged = !residual.is_finite() || force > ceiling;
-            if diverged || self.iterations >= options.max_iterations {
-                return Err(self.not_converged(options, setup, bolted, residual));
-            }
-            previous.copy_from_slice(&self.lambda);
-            let step = self.rho;
-            for ((force, gap), bounded) in self.lambda.iter_mut().zip(&self.judge.gap).zip(&bounded)
-            {
-                let trial = *force - step * gap;
-                *force = if *bounded { trial.max(0.0) } else { trial };
-            }
-            setup.admissible.bound_tangents(&mut self.lambda);
-            bolted.close(setup, &mut self.lambda, &mut parts);
-            self.iterations += 1;
-            if first {
-                ceiling = 1e12 * self.force(setup);
-                first = false;
-            }
-        }
-    }
-
-    fn not_converged(
-        &self,
-        options: &Uzawa,
-        setup: &Setup<'_>,
-        bolted: &Bolted,
-        residual: f64,
-    ) -> SolveError {
-        let reason = match options.rho {
-            None => "allow more iterations, or use newton".to_string(),
-            Some(rho) => rho_reason(rho, reduced_bound(setup, bolted, &mut 0)),
-        };
-        SolveError::NotConverged {
-            method: Uzawa::NAME,
-            outcome: Box::new(self.outcome(setup, false)),
-            residual,
-            reason,
-        }
-    }
-
-    /// Projected gradient with the exact projection, from the forces reached so far.
-    fn exact_projection(
-        self,
-        options: &Uzawa,
-        setup: &Setup<'_>,
-        observe: Observer<'_>,
-        why: &str,
-    ) -> Result<Outcome, SolveError> {
-        let exact = Gradient {
-            rho: None,
-            tolerance: options.tolerance,
-            max_iterations: options.max_iterations.saturating_sub(self.iterations),
-        };
-        let guess = setup.multipliers(&self.lambda, &self.alpha);
-        let mut after = counting_from(self.iterations, observe);
-        let result = exact.run(setup, Some(&guess), &mut after);
-        completed(Uzawa::NAME, result, |outcome| Outcome {
-            iterations: self.iterations + outcome.iterations,
-            products: self.products + outcome.products,
-            bolts: self.bolts,
-            remarks: vec![format!(
-                "{why}: solved with the exact projection instead of bolts"
-            )],
-            ..outcome
-        })
-    }
-
-    fn outcome(&self, setup: &Setup<'_>, stopped_by_observer: bool) -> Outcome {
-        Outcome {
-            multipliers: setup.multipliers(&self.lambda, &self.alpha),
-            iterations: self.iterations,
-            products: self.products,
-            rho: Some(self.rho),
-            bolts: self.bolts.clone(),
-            exact: false,
-            stopped_by_observer,
-            fixed_point: None,
-            remarks: Vec::new(),
-        }
-    }
+    let all = (0..setup.len()).map(Unknown::of).collect();
+    let closed =
+        System::new(setup, all, vec![0.0; setup.len()]).solve(&Forces::none(setup), 1e-3)?;
+    choose(setup, &pressed(setup, &closed.lambda))
 }
 
 /// Upper bound of λ_max(S_A), S_A = ZᵀFZ; see [`Setup::usable_bound`] for the zero operator.
-fn reduced_bound(setup: &Setup<'_>, bolted: &Bolted, products: &mut usize) -> f64 {
+fn reduced_bound(setup: &Setup<'_>, bolted: &Bolted) -> f64 {
     let (m, k) = (setup.len(), setup.modes());
-    let mut is_bolt = vec![false; m];
-    bolted.nodes.iter().for_each(|&node| is_bolt[node] = true);
-    let others: Vec<usize> = (0..m).filter(|&i| !is_bolt[i]).collect();
+    let others: Vec<usize> = (0..m).filter(|&i| !bolted.held[i]).collect();
     let (mut inside, mut image) = (vec![0.0; m], vec![0.0; m]);
     let (mut parts, mut forces) = (vec![0.0; k], vec![0.0; k]);
-    let (bound, count) = spectrum::largest_eigenvalue(others.len(), spectrum::STEPS, |x, y| {
+    let bound = spectrum::largest_eigenvalue(others.len(), spectrum::STEPS, |x, y| {
         inside.fill(0.0);
         for (x, &i) in x.iter().zip(&others) {
             inside[i] = *x;
@@ -488,13 +432,12 @@ fn reduced_bound(setup: &Setup<'_>, bolted: &Bolted, products: &mut usize) -> f6
         for (force, &node) in forces.iter().zip(&bolted.nodes) {
             inside[node] = *force;
         }
-        setup.problem.compliance.apply(&inside, &mut image);
+        setup.multiply(&inside, &mut image);
         bolted.shift(|node| image[node], &mut parts);
         setup.balance.add_transposed(-1.0, &parts, &mut image);
         for (y, &i) in y.iter_mut().zip(&others) {
             *y = image[i];
         }
     });
-    *products += count;
     setup.usable_bound(bound)
 }

@@ -1,0 +1,405 @@
+//! Exact steps on what contact nodes do: guess open, stick or slip for each of them, solve for the forces of that guess,
+//! and guess anew from what comes out.
+//!
+//! One step is one linear problem (`system.rs`). Its forces λ and gaps tell the next guess by the trial forces λ − gap/c
+//! with the compliance c of each contact: closed where these press, slipping where their shear is beyond its bound. The
+//! guess that asks for itself is the answer, exact but for the rounding of one solve. From a good start that takes a few
+//! steps; on general compliances the guesses may come back in a circle, and then the steps end and say which guess is next.
+//!
+//! [`Search`] is the iterate of these steps and of what comes to their rescue: forces, residual, the best forces so far,
+//! and what it took.
+//!
+//! As described in Hintermüller, Ito & Kunisch (2003) without friction, Alart & Curnier (1991) with it.
+
+use std::collections::HashSet;
+use std::ops::Range;
+
+use crate::dual::{Block, Compliance, Multipliers, least_norm_within};
+use crate::solve::iteration::tell;
+use crate::solve::levels;
+use crate::solve::setup::{Judge, Setup};
+use crate::solve::states::{Shear, State};
+use crate::solve::system::{Forces, System};
+use crate::solve::{Observer, Outcome, SolveError, dot};
+
+/// How long exact steps may go on.
+pub(crate) struct Patience {
+    /// Most steps.
+    pub steps: usize,
+    /// Each residual is to be at most this part of the one before.
+    pub factor: f64,
+}
+
+/// Steps that are near the answer.
+pub(crate) const NEAR: Patience = Patience {
+    steps: 6,
+    factor: 0.5,
+};
+
+/// Most products with a compliance that is not assembled, several times those of large problems: where these do not do, the
+/// problem is too badly conditioned for iterations within a step.
+const PRODUCTS: usize = 3000;
+
+/// Residuals that are near an answer.
+pub(crate) const NEARBY: f64 = 1e-2;
+
+/// Shears of a starting point slip within this part of their bounds.
+const AT_BOUND: f64 = 1e-9;
+
+/// Accuracy of iterations within a step where the start is good: rougher forces would spoil it.
+const CLOSE: f64 = 1e-9;
+
+/// Forces below this part of the largest are rounding of the linear solves.
+const ROUNDING: f64 = 1e-14;
+
+/// How a phase ended.
+pub(crate) enum Ended {
+    Converged,
+    Stopped,
+    /// No answer; the states that come next.
+    Stuck(Vec<State>),
+}
+
+/// Accuracy of iterations within a step at the end.
+pub(crate) fn tight(tolerance: f64) -> f64 {
+    (1e-2 * tolerance).clamp(1e-13, 1e-10)
+}
+
+/// Accuracy where that does not do: in many contacts the error of one is small beside that of all.
+pub(crate) fn finest(tolerance: f64) -> f64 {
+    1e-2 * tight(tolerance)
+}
+
+/// The iterate and its history.
+pub(crate) struct Search<'a> {
+    /// Residual below which an answer is accepted, and the most linear solves on the problem itself.
+    pub tolerance: f64,
+    pub most: usize,
+    pub setup: &'a Setup<'a>,
+    pub point: Forces,
+    pub judge: Judge,
+    pub residual: f64,
+    /// The least residual so far, and where it was.
+    pub best: (f64, Forces),
+    /// Largest force that the overlaps ask for.
+    asked: f64,
+    /// Linear solves on the problem itself.
+    pub steps: usize,
+    /// Those on coarser problems, in solves of this size.
+    coarse: f64,
+    /// Products with F that came before.
+    products: usize,
+    /// Relative accuracy asked of iterations within a step.
+    pub accuracy: f64,
+    /// What the last step was: exact ('n') or proximal ('p').
+    pub kind: char,
+    /// The states of the last exact step determine its forces.
+    pub unique: bool,
+}
+
+impl<'a> Search<'a> {
+    /// Begins without any force.
+    pub fn new((tolerance, most): (f64, usize), setup: &'a Setup<'a>) -> Self {
+        // the forces that the overlaps ask for: what is rounding of these is none, whatever the solution
+        let asked = setup.problem.shift.iter().zip(&setup.problem.softness);
+        let force = asked.fold(0.0, |s: f64, (d, c)| s.max((d / c).abs()));
+        Self {
+            tolerance,
+            most,
+            setup,
+            point: Forces::none(setup),
+            judge: setup.judge(),
+            residual: f64::INFINITY,
+            best: (f64::INFINITY, Forces::none(setup)),
+            asked: if force.is_finite() { force } else { 0.0 },
+            steps: 0,
+            coarse: 0.0,
+            products: setup.products(),
+            kind: 'n',
+            unique: false,
+            accuracy: match setup.problem.compliance {
+                Compliance::Dense(_) | Compliance::Sparse(_) => finest(tolerance),
+                Compliance::Operator { .. } => 1e-2,
+            },
+        }
+    }
+
+    /// The states of a starting point: contacts with a force are closed, shears at their bound slip.
+    ///
+    /// Errors: a starting point of another size, or one that is not finite.
+    pub fn states_of_guess(&mut self, guess: &Multipliers) -> Result<Vec<State>, SolveError> {
+        self.point.lambda = self.setup.start(Some(guess))?;
+        let balance = &self.setup.balance;
+        balance.from_original(&guess.alpha, &mut self.point.alpha);
+        let state = |(block, range): (&_, Range<usize>)| {
+            let mut trial = self.point.lambda[range].to_vec();
+            trial[1..].iter_mut().for_each(|t| *t *= 1.0 + AT_BOUND);
+            State::of_trial(block, &trial)
+        };
+        Ok(self.setup.admissible.iter().map(state).collect())
+    }
+
+    /// Every contact closed, none slips.
+    pub fn all_closed(&self) -> Vec<State> {
+        let blocks = self.setup.admissible.blocks().iter();
+        blocks.map(|block| State::sticking(block, true)).collect()
+    }
+
+    /// Takes over the forces and states of a coarser problem.
+    pub fn begin(&mut self, start: levels::Start) -> Vec<State> {
+        self.point.lambda = start.lambda;
+        self.point.alpha = start.alpha;
+        self.coarse += start.steps;
+        self.accuracy = self.accuracy.min(CLOSE);
+        start.states
+    }
+
+    /// All linear solves, in solves of this size.
+    pub fn iterations(&self) -> usize {
+        self.steps + self.coarse.ceil() as usize
+    }
+
+    /// Whether the work allowed is done.
+    pub fn exhausted(&self) -> bool {
+        let products = self.setup.products() - self.products;
+        self.steps >= self.most || products >= PRODUCTS
+    }
+
+    pub fn softness(&self) -> &'a [f64] {
+        &self.setup.problem.softness
+    }
+
+    /// Exact steps while there is patience, until the states repeat themselves; `adjust` may change those that come next.
+    pub fn exact(
+        &mut self,
+        mut states: Vec<State>,
+        patience: &Patience,
+        adjust: &dyn Fn(&mut Vec<State>, &[State]),
+        observe: Observer<'_>,
+    ) -> Ended {
+        let mut seen = HashSet::new();
+        let mut last = f64::INFINITY;
+        for _ in 0..patience.steps {
+            if self.exhausted() || !self.exact_step(&states) {
+                return Ended::Stuck(states);
+            }
+            if self.tell(observe) {
+                return Ended::Stopped;
+            }
+            let mut next = self.next_states(&states, &self.judge.gap);
+            adjust(&mut next, &states);
+            let key = |states: &[State]| states.iter().map(State::key).collect::<Vec<_>>();
+            let (now, then) = (key(&states), key(&next));
+            let same = now == then;
+            let passes = self.residual <= self.tolerance;
+            if passes && (same || self.residual <= 1e-3 * self.tolerance) {
+                return Ended::Converged;
+            }
+            if same && self.accuracy > finest(self.tolerance) {
+                self.accuracy = match self.accuracy > tight(self.tolerance) {
+                    true => tight(self.tolerance),
+                    false => finest(self.tolerance),
+                };
+                continue;
+            }
+            let repeated = !seen.insert(now);
+            if repeated && passes {
+                return Ended::Converged;
+            }
+            let before = std::mem::replace(&mut last, self.residual);
+            let falls = self.residual <= patience.factor * before;
+            // in space the directions of slip go on turning in the same states
+            let turns = states.iter().any(State::may_turn) && self.residual <= 0.5 * before;
+            if (repeated || same) && !turns || !falls {
+                return Ended::Stuck(next);
+            }
+            let enough = (0.1 * self.residual).max(tight(self.tolerance));
+            self.accuracy = self.accuracy.min(enough);
+            states = next;
+        }
+        Ended::Stuck(states)
+    }
+
+    /// Solves for the forces of `states` and judges them; `false` where the system is singular or cannot balance the load.
+    pub fn exact_step(&mut self, states: &[State]) -> bool {
+        let setup = self.setup;
+        let mut system = System::of(setup, states, None, self.softness());
+        if !system.carries() {
+            return false;
+        }
+        self.steps += 1;
+        self.kind = 'n';
+        let solved = system.solve(&self.point, self.accuracy);
+        self.unique = system.unique;
+        let loose = std::mem::take(&mut system.loose);
+        let Some(point) = solved else { return false };
+        self.point = point;
+        self.drop_rounding();
+        self.judge();
+        if !loose.is_empty() {
+            let mut open = vec![false; setup.len()];
+            for (state, (_, range)) in states.iter().zip(setup.admissible.iter()) {
+                open[range.start] = !state.closed;
+            }
+            let gap = &self.judge.gap;
+            open_gaps(setup, &loose, gap, |i| open[i], &mut self.point.alpha);
+            self.judge();
+        }
+        true
+    }
+
+    /// Forces that are rounding of the largest one, or of what the overlaps ask for, are none: their signs mean nothing.
+    fn drop_rounding(&mut self) {
+        let largest = |s: f64, force: &f64| s.max(force.abs());
+        let force = self.point.lambda.iter().fold(self.asked, largest);
+        let mut rest = false;
+        for (block, range) in self.setup.admissible.iter() {
+            let forces = &mut self.point.lambda[range];
+            if !matches!(block, Block::Free { .. }) && forces[0].abs() <= ROUNDING * force {
+                forces[0] = 0.0;
+                if matches!(block, Block::Coulomb { .. }) {
+                    forces.fill(0.0);
+                }
+            }
+            rest |= forces.iter().any(|force| *force != 0.0);
+        }
+        if !rest {
+            self.point.product.fill(0.0);
+        }
+    }
+
+    pub fn judge(&mut self) {
+        let point = self.point.at(self.setup, self.kind);
+        self.residual = self.judge.residual(self.setup, &point);
+        if self.residual < self.best.0 {
+            self.best = (self.residual, self.point.clone());
+        }
+    }
+
+    /// Tells the observer; `true` when it is satisfied.
+    pub fn tell(&self, observe: Observer<'_>) -> bool {
+        let point = self.point.at(self.setup, self.kind);
+        tell(observe, self.iterations(), &point, self.residual)
+    }
+
+    /// States that the forces of the last step and their gaps (m,) ask for. A node whose slip turned against its shear sticks
+    /// next: it never flips its direction.
+    pub fn next_states(&self, states: &[State], gap: &[f64]) -> Vec<State> {
+        let (lambda, softness) = (&self.point.lambda, self.softness());
+        let blocks = self.setup.admissible.iter();
+        let next = |(state, (block, range)): (&State, (&_, Range<usize>))| {
+            let trial: Vec<f64> = range
+                .clone()
+                .map(|i| lambda[i] - gap[i] / softness[i])
+                .collect();
+            let mut next = State::of_trial(block, &trial);
+            if state.closed != next.closed && !matches!(block, Block::Free { .. }) {
+                // an active contact has no gap, an inactive one no force: rounding of the other must not decide
+                let first = range.start;
+                let closed = if state.closed {
+                    lambda[first] > 0.0
+                } else {
+                    gap[first] < 0.0
+                };
+                if closed == state.closed {
+                    next = State {
+                        closed,
+                        ..state.clone()
+                    };
+                }
+            }
+            if let (Shear::Slip { direction, .. }, Shear::Slip { direction: new, .. }) =
+                (&state.shear, &next.shear)
+                && dot(direction, new) <= 0.0
+            {
+                next.shear = Shear::Stick;
+            }
+            next
+        };
+        states.iter().zip(blocks).map(next).collect()
+    }
+
+    /// The point of some forces.
+    pub fn at_forces(&mut self, lambda: Vec<f64>, alpha: Vec<f64>) -> Forces {
+        let mut product = vec![0.0; lambda.len()];
+        self.setup.multiply(&lambda, &mut product);
+        Forces {
+            lambda,
+            alpha,
+            product,
+        }
+    }
+
+    /// Goes to some forces, which no exact step made, and judges them.
+    pub fn move_to(&mut self, lambda: Vec<f64>, alpha: Vec<f64>) {
+        self.kind = 'p';
+        self.point = self.at_forces(lambda, alpha);
+        self.judge();
+    }
+
+    /// Goes to the point of least residual, where that is near an answer.
+    pub fn go_back(&mut self) {
+        if self.best.0 < self.residual.min(NEARBY) {
+            (self.residual, self.point) = self.best.clone();
+            self.kind = 'p';
+        }
+    }
+
+    pub fn outcome(&self, stopped_by_observer: bool) -> Outcome {
+        Outcome {
+            iterations: self.iterations(),
+            exact: self.kind == 'n',
+            stopped_by_observer,
+            ..self.setup.outcome(&self.point.lambda, &self.point.alpha)
+        }
+    }
+
+    /// No answer: the point of least residual.
+    pub fn not_converged(mut self, method: &'static str, reason: &str) -> SolveError {
+        self.go_back();
+        SolveError::NotConverged {
+            method,
+            outcome: Box::new(self.outcome(false)),
+            residual: self.residual,
+            reason: reason.to_string(),
+        }
+    }
+}
+
+/// Moves α̂ along its undetermined directions `loose`, by the least norm, until no gap of an `open` contact overlaps.
+fn open_gaps(
+    setup: &Setup<'_>,
+    loose: &[Vec<f64>],
+    gap: &[f64],
+    open: impl Fn(usize) -> bool,
+    alpha: &mut [f64],
+) {
+    let image = |z: &Vec<f64>| {
+        let mut image = vec![0.0; setup.len()];
+        setup.balance.add_transposed(1.0, z, &mut image);
+        image
+    };
+    let images: Vec<Vec<f64>> = loose.iter().map(image).collect();
+    let mut largest = vec![0.0f64; setup.len()];
+    for image in &images {
+        let both = largest.iter_mut().zip(image);
+        both.for_each(|(largest, x)| *largest = largest.max(x.abs()));
+    }
+    // A gap that the loose motion does not change is left to the active set.
+    let moved: Vec<usize> = (0..setup.len())
+        .filter(|&i| open(i) && largest[i] > 1e-12)
+        .collect();
+    let bounds: Vec<f64> = moved.iter().map(|&i| gap[i]).collect();
+    if bounds.iter().all(|&gap| gap >= 0.0) {
+        return;
+    }
+    let row = |&i: &usize| images.iter().map(|image| image[i]).collect();
+    let rows: Vec<Vec<f64>> = moved.iter().map(row).collect();
+    if let Some(motion) = least_norm_within(&rows, &bounds, loose.len()) {
+        for (motion, z) in motion.iter().zip(loose) {
+            for (alpha, z) in alpha.iter_mut().zip(z) {
+                *alpha += motion * z;
+            }
+        }
+    }
+}

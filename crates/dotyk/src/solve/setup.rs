@@ -1,0 +1,192 @@
+//! What every solver prepares, counts and is judged by.
+
+use std::cell::Cell;
+use std::rc::Rc;
+
+use crate::dual::{
+    AdmissibleSet, Balance, Component, DualProblem, Feasibility, Multipliers, Projector, Violations,
+};
+use crate::solve::iteration::Point;
+use crate::solve::{Outcome, SolveError};
+
+/// Checked data, the balance in orthonormal modes, the kind of each force.
+pub(crate) struct Setup<'a> {
+    pub problem: &'a DualProblem,
+    /// d, (m,): that of the problem, or what is left of it beside forces from which increments are sought.
+    pub shift: Vec<f64>,
+    /// Λ: that of the problem, or with other friction blocks in the same places.
+    pub admissible: AdmissibleSet,
+    pub balance: Balance,
+    pub components: Vec<Component>,
+    /// Products with F so far, those with other admissible sets included.
+    products: Rc<Cell<usize>>,
+}
+
+impl<'a> Setup<'a> {
+    /// Checks the problem, refuses loads that nothing can carry.
+    pub fn new(problem: &'a DualProblem) -> Result<Self, SolveError> {
+        problem.check()?;
+        let mut setup = Self::unchecked(problem);
+        match problem.feasibility() {
+            Feasibility::Infeasible { direction, .. } => Err(SolveError::Infeasible { direction }),
+            Feasibility::Feasible { load } => {
+                setup.balance.set_load(&load);
+                Ok(setup)
+            }
+        }
+    }
+
+    /// The same for a problem that was checked before.
+    pub fn unchecked(problem: &'a DualProblem) -> Self {
+        Self {
+            problem,
+            shift: problem.shift.clone(),
+            admissible: problem.admissible.clone(),
+            balance: Balance::new(&problem.equilibrium),
+            components: problem.admissible.components(),
+            products: Rc::default(),
+        }
+    }
+
+    /// The same problem with the admissible set `admissible`, which must have the same length.
+    pub fn with_admissible(&self, admissible: AdmissibleSet) -> Self {
+        Self {
+            problem: self.problem,
+            shift: self.shift.clone(),
+            components: admissible.components(),
+            admissible,
+            balance: self.balance.clone(),
+            products: Rc::clone(&self.products),
+        }
+    }
+
+    /// Number m of contact forces.
+    pub fn len(&self) -> usize {
+        self.components.len()
+    }
+
+    /// Number k of rigid modes that contact controls.
+    pub fn modes(&self) -> usize {
+        self.balance.rank()
+    }
+
+    /// Force `i` is ≥ 0.
+    pub fn bounded(&self, i: usize) -> bool {
+        self.components[i] == Component::Normal
+    }
+
+    /// `bound`, an eigenvalue bound, or a number of its order where it is rounding: then the balance alone determines
+    /// the forces, and any step is right that is comparable with them.
+    pub fn usable_bound(&self, bound: f64) -> f64 {
+        let diagonal = self.problem.compliance.diagonal();
+        let diagonal = diagonal.map_or(0.0, |d| d.into_iter().fold(0.0, f64::max));
+        if self.len() > self.modes() && bound > 1e-13 * diagonal {
+            return bound;
+        }
+        let or_one = |scale: f64| if scale > 0.0 { scale } else { 1.0 };
+        or_one(self.problem.scales.length) / or_one(self.problem.scales.force)
+    }
+
+    /// The largest of the forces λ (m,) and of the load: what forces are compared with.
+    pub fn largest_force(&self, lambda: &[f64]) -> f64 {
+        let largest = |s: f64, force: &f64| s.max(force.abs());
+        lambda.iter().fold(self.problem.scales.force, largest)
+    }
+
+    /// Workspace for projections.
+    pub fn projector(&self) -> Projector<'_> {
+        Projector::new(&self.admissible, &self.balance)
+    }
+
+    /// Forces to begin with: those of the guess, or zero; not yet admissible or balanced.
+    pub fn start(&self, guess: Option<&Multipliers>) -> Result<Vec<f64>, SolveError> {
+        let Some(guess) = guess else {
+            return Ok(vec![0.0; self.len()]);
+        };
+        let expected = (self.len(), self.balance.original_len());
+        if (guess.lambda.len(), guess.alpha.len()) != expected {
+            return Err(SolveError::Invalid(format!(
+                "the starting point has {} contact forces and {} rigid amplitudes, the problem {} and {}",
+                guess.lambda.len(),
+                guess.alpha.len(),
+                expected.0,
+                expected.1
+            )));
+        }
+        let mut values = guess.lambda.iter().chain(&guess.alpha);
+        if let Some(value) = values.find(|value| !value.is_finite()) {
+            return Err(SolveError::Invalid(format!(
+                "the starting point holds {value}: it must be finite"
+            )));
+        }
+        Ok(guess.lambda.clone())
+    }
+
+    /// y = Fx, counted. Shapes: both (m,).
+    pub fn multiply(&self, x: &[f64], y: &mut [f64]) {
+        self.problem.compliance.apply(x, y);
+        self.count(1);
+    }
+
+    /// Counts products with F that were made elsewhere.
+    pub fn count(&self, products: usize) {
+        self.products.set(self.products() + products);
+    }
+
+    /// Products with F so far.
+    pub fn products(&self) -> usize {
+        self.products.get()
+    }
+
+    /// What there is to return at λ (m,) and α̂ (k,).
+    pub fn outcome(&self, lambda: &[f64], alpha: &[f64]) -> Outcome {
+        Outcome {
+            products: self.products(),
+            ..Outcome::unsolved(self.multipliers(lambda, alpha))
+        }
+    }
+
+    /// α from its amplitudes in orthonormal modes.
+    pub fn multipliers(&self, lambda: &[f64], alpha: &[f64]) -> Multipliers {
+        let mut original = vec![0.0; self.balance.original_len()];
+        self.balance.to_original(alpha, &mut original);
+        Multipliers {
+            lambda: lambda.to_vec(),
+            alpha: original,
+        }
+    }
+
+    /// Workspace of [`Judge::residual`].
+    pub fn judge(&self) -> Judge {
+        Judge {
+            alpha: vec![0.0; self.balance.original_len()],
+            gap: vec![0.0; self.len()],
+        }
+    }
+}
+
+/// Computes the stopping measure without allocating.
+pub(crate) struct Judge {
+    alpha: Vec<f64>,
+    /// Gap of the last call (m,).
+    pub gap: Vec<f64>,
+}
+
+impl Judge {
+    /// Residual at a point; components called free are not held to λ ≥ 0.
+    pub fn residual(&mut self, setup: &Setup<'_>, point: &Point<'_>) -> f64 {
+        setup.balance.to_original(point.alpha, &mut self.alpha);
+        setup
+            .problem
+            .gap_from_product(point.product, &self.alpha, &mut self.gap);
+        Violations::at(
+            setup.problem,
+            &setup.admissible,
+            point.lambda,
+            &self.alpha,
+            (&self.gap, None),
+            point.components,
+        )
+        .residual(setup.problem.scales.moment_arm)
+    }
+}
