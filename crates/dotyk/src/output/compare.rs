@@ -152,11 +152,7 @@ fn curves(comparison: &Comparison) -> String {
         svg.text(
             [598.0, key + 4.0],
             &text,
-            Type {
-                size: 11.0,
-                ..Type::LABEL
-            }
-            .anchored(Anchor::Start),
+            Type::LABEL.sized(11.0).anchored(Anchor::Start),
         );
         key += 20.0;
     }
@@ -165,11 +161,7 @@ fn curves(comparison: &Comparison) -> String {
         svg.text(
             [598.0, key + 4.0],
             "not converged",
-            Type {
-                size: 11.0,
-                ..Type::LABEL
-            }
-            .anchored(Anchor::Start),
+            Type::LABEL.sized(11.0).anchored(Anchor::Start),
         );
     }
     svg.finish()
@@ -189,12 +181,7 @@ fn bars(comparison: &Comparison) -> String {
     svg.text(
         [110.0, 48.0],
         "Products with the compliance F (logarithmic)",
-        Type {
-            size: 10.5,
-            ..Type::LABEL
-        }
-        .coloured(MUTED)
-        .anchored(Anchor::Start),
+        Type::SMALL.coloured(MUTED).anchored(Anchor::Start),
     );
     let most = comparison
         .rows
@@ -228,11 +215,7 @@ fn bars(comparison: &Comparison) -> String {
         svg.text(
             [118.0 + 370.0 * part, y + 15.0],
             &text,
-            Type {
-                size: 10.5,
-                ..Type::LABEL
-            }
-            .anchored(Anchor::Start),
+            Type::SMALL.anchored(Anchor::Start),
         );
     }
     svg.finish()
@@ -243,12 +226,7 @@ fn headline(svg: &mut Svg, left: f64, title: &str) {
     let room = 750.0 - left;
     // Heavy letters are about a tenth wider.
     let size = (14.0 * room / (1.1 * text_width(title, 14.0)).max(1.0)).clamp(8.0, 14.0);
-    let style = Type {
-        size,
-        ..Type::LABEL
-    }
-    .bold()
-    .anchored(Anchor::Start);
+    let style = Type::LABEL.sized(size).bold().anchored(Anchor::Start);
     svg.text([left, 22.0], title, style);
 }
 

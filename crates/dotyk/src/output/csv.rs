@@ -63,11 +63,11 @@ pub fn tangent(normal: Point<2>) -> Point<2> {
 mod tests {
     use super::*;
     use crate::geometry::Field;
-    use crate::output::sample;
+    use crate::output::tunnel;
 
     #[test]
     fn frictionless_header_is_the_contracted_one() {
-        let (model, solution) = sample::tunnel(16);
+        let (model, solution) = tunnel::solved();
         let text = contact_csv(&model, std::slice::from_ref(&solution));
         let mut lines = text.lines();
         assert_eq!(
@@ -84,7 +84,7 @@ mod tests {
 
     #[test]
     fn friction_adds_scalars_along_the_tangent() {
-        let (mut model, mut solution) = sample::tunnel(16);
+        let (mut model, mut solution) = tunnel::solved();
         model.contacts[0].law = Law::Coulomb(Field::constant(0.3));
         let node = &mut solution.contacts[0].nodes[0];
         (node.normal, node.shear, node.slip) = ([0.0, -1.0], [2.5, 0.0], [f64::NAN; 2]);

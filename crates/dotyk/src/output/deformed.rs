@@ -9,10 +9,10 @@ use crate::output::colour;
 use crate::output::encode::png;
 use crate::output::json::largest;
 use crate::output::plot::{Axis, round_down_to_125};
-use crate::output::scene::{Margin, Scene, View, WIDTH, mesh_lines, outline_path, parabola};
-use crate::output::setup::{mark_detail, scale_bar};
+use crate::output::scene::{Scene, WIDTH, mesh_lines, outline_path, parabola};
 use crate::output::svg::{Anchor, INK, MUTED, Pixel, Svg, Type};
 use crate::output::text::{Labels, number};
+use crate::output::view::{Margin, View, mark_detail, scale_bar};
 
 /// Pixels of the picture per pixel of the drawing: crisp in print.
 const FINE: f64 = 2.0;
@@ -45,12 +45,7 @@ pub fn deformed_figure(scene: &Scene, solution: &Solution<2>) -> (String, String
             view.corner[0] + view.size[0] - 6.0,
             view.corner[1] + view.size[1] + 23.0,
         ];
-        let style = Type {
-            size: 10.5,
-            ..Type::LABEL
-        }
-        .coloured(MUTED)
-        .anchored(Anchor::End);
+        let style = Type::SMALL.coloured(MUTED).anchored(Anchor::End);
         // Beside the scale bar there is room for it only in wide windows.
         if view.size[0] > 330.0 {
             svg.text(at, &text, style);
@@ -191,11 +186,7 @@ fn colour_bars(
     for (k, (bodies, high)) in scales.iter().enumerate() {
         let top = 16.0 + each * k as f64;
         let axis = Axis::linear("Von Mises", &labels.stress, &[0.0, *high], true, 5);
-        let small = Type {
-            size: 10.5,
-            ..Type::LABEL
-        }
-        .anchored(Anchor::Start);
+        let small = Type::SMALL.anchored(Anchor::Start);
         let mut start = top + 4.0;
         if bodies.len() == 1 && scales.len() > 1 {
             svg.text(
@@ -346,11 +337,19 @@ fn fan(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::output::sample;
+    use crate::mesh::{Diagonals, Rectangle};
+    use crate::output::tunnel;
 
     #[test]
     fn colours_fill_the_body_and_nothing_else() {
-        let mesh = sample::rectangle([0.0, 0.0], [20.0, 10.0], [4, 2], CellKind::Quad8);
+        let mesh = Rectangle {
+            from: [0.0, 0.0],
+            to: [20.0, 10.0],
+            cells: [4, 2],
+            cell: CellKind::Quad8,
+            diagonals: Diagonals::default(),
+        };
+        let mesh = mesh.build().unwrap();
         let places: Vec<Pixel> = mesh.points().to_vec();
         let values: Vec<f64> = places.iter().map(|p| p[0]).collect();
         let (width, height) = (60, 40);
@@ -370,7 +369,7 @@ mod tests {
 
     #[test]
     fn largest_displacement_is_drawn_as_about_five_per_cent() {
-        let (model, solution) = sample::tunnel(16);
+        let (model, solution) = tunnel::solved();
         let scene = Scene::new(&model);
         let (views, _) = scene.views(Margin::all(26.0), 34.0, BAR);
         let factor = magnification(&scene, &solution, &views[0]);
@@ -386,7 +385,7 @@ mod tests {
 
     #[test]
     fn very_different_stresses_get_their_own_scales() {
-        let (_, mut solution) = sample::tunnel(16);
+        let (_, mut solution) = tunnel::solved();
         assert_eq!(stress_scales(&solution).len(), 2);
         let rock = solution.bodies[1].von_mises.clone();
         solution.bodies[0].von_mises = rock;

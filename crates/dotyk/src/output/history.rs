@@ -39,12 +39,7 @@ pub fn history_figure(solution: &Solution<2>, tolerance: f64) -> Option<String> 
     };
     upper.draw(&mut svg, false);
     upper.level(&mut svg, tolerance, MUTED);
-    let small = Type {
-        size: 10.5,
-        ..Type::LABEL
-    }
-    .coloured(MUTED)
-    .rimmed();
+    let small = Type::SMALL.coloured(MUTED).rimmed();
     let place = [upper.corner[0] + 8.0, upper.up(tolerance) - 5.0];
     svg.text(
         place,

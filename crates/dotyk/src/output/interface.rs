@@ -264,11 +264,7 @@ fn key(svg: &mut Svg, end: Pixel, chain: &[&ContactNode<2>]) {
     let mut x = end[0];
     let occurs = |band: &&Band| chain.iter().any(|n| band.2(n.status));
     for (name, fill, _) in BANDS.iter().filter(|band| occurs(band)) {
-        let small = Type {
-            size: 10.5,
-            ..Type::LABEL
-        }
-        .coloured(MUTED);
+        let small = Type::SMALL.coloured(MUTED);
         x -= text_width(name, 10.5);
         svg.text([x, end[1]], name, small.anchored(Anchor::Start));
         x -= 18.0;
@@ -285,11 +281,7 @@ fn angle_axis(svg: &mut Svg, frame: &Frame, arcs: &[f64], angles: &[f64]) {
         .into_iter()
         .find(|e| span / e <= 9.0)
         .unwrap_or(90.0);
-    let small = Type {
-        size: 10.5,
-        ..Type::LABEL
-    }
-    .coloured(MUTED);
+    let small = Type::SMALL.coloured(MUTED);
     let y = frame.corner[1];
     let (low, high) = (first.min(last), first.max(last));
     let mut k = (low / every - 1e-6).ceil();
@@ -415,11 +407,7 @@ fn picture(
     svg.text(
         [center[0], corner[1] + size[1] - 3.0],
         &text,
-        Type {
-            size: 10.5,
-            ..Type::LABEL
-        }
-        .coloured(MUTED),
+        Type::SMALL.coloured(MUTED),
     );
 }
 
@@ -479,7 +467,7 @@ fn angles(points: &[Point<2>], center: Point<2>) -> Vec<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::output::sample;
+    use crate::output::tunnel;
 
     #[test]
     fn angles_run_on_past_half_a_turn() {
@@ -493,7 +481,7 @@ mod tests {
 
     #[test]
     fn friction_adds_shear_and_slip() {
-        let (model, solution) = sample::tunnel(16);
+        let (model, solution) = tunnel::solved();
         let scene = Scene::new(&model);
         let plain =
             interface_figure(&scene, &solution.contacts[0], &Law::Frictionless, "a").unwrap();

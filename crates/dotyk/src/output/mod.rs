@@ -5,23 +5,28 @@
 
 mod colour;
 mod compare;
+mod contacts;
 mod csv;
 mod deformed;
 mod encode;
 mod history;
+mod html;
 mod interface;
 mod json;
 mod memory;
 mod plot;
 mod report;
-#[cfg(test)]
-mod sample;
 mod scene;
 mod setup;
 mod stage;
 mod steps;
 mod svg;
+mod symbols;
 mod text;
+#[cfg(test)]
+mod tunnel;
+mod verdict;
+mod view;
 mod vtu;
 
 pub use memory::peak_memory_bytes;
@@ -352,10 +357,10 @@ mod tests {
 
     #[test]
     fn all_files_are_written_and_foreign_ones_stay() {
-        let scratch = sample::Scratch::new("write");
+        let scratch = tunnel::Scratch::new("write");
         fs::write(scratch.path().join("notes.txt"), b"mine").unwrap();
         fs::write(scratch.path().join("contact.csv"), b"old").unwrap();
-        let (model, solution) = sample::tunnel(16);
+        let (model, solution) = tunnel::solved();
         let paths = write(&record(&model, from_ref(&solution)), scratch.path()).unwrap();
         let mut expected = vec![
             "case.pvd",
@@ -378,8 +383,8 @@ mod tests {
 
     #[test]
     fn fewer_steps_take_the_fields_of_an_earlier_run_away() {
-        let scratch = sample::Scratch::new("fewer");
-        let (model, solution) = sample::tunnel(16);
+        let scratch = tunnel::Scratch::new("fewer");
+        let (model, solution) = tunnel::solved();
         let dir = scratch.path();
         fs::write(dir.join("ring_0009.vtu"), b"mine").unwrap();
         let three = vec![solution.clone(); 3];
@@ -410,8 +415,8 @@ mod tests {
 
     #[test]
     fn a_failing_target_leaves_nothing() {
-        let scratch = sample::Scratch::new("failing");
-        let (model, solution) = sample::tunnel(16);
+        let scratch = tunnel::Scratch::new("failing");
+        let (model, solution) = tunnel::solved();
         // The last file cannot get its name.
         let dir = scratch.path().join("out");
         fs::create_dir_all(dir.join("report.html")).unwrap();
@@ -431,8 +436,8 @@ mod tests {
 
     #[test]
     fn a_failed_run_leaves_its_summary_only() {
-        let scratch = sample::Scratch::new("summary");
-        let (model, solution) = sample::tunnel(16);
+        let scratch = tunnel::Scratch::new("summary");
+        let (model, solution) = tunnel::solved();
         write(&record(&model, from_ref(&solution)), scratch.path()).unwrap();
         write_summary(&record(&model, from_ref(&solution)), scratch.path()).unwrap();
         assert_eq!(names(scratch.path()), ["summary.json"]);
@@ -442,8 +447,8 @@ mod tests {
 
     #[test]
     fn strange_names_and_foreign_solutions_are_refused() {
-        let scratch = sample::Scratch::new("names");
-        let (mut model, mut solution) = sample::tunnel(16);
+        let scratch = tunnel::Scratch::new("names");
+        let (mut model, mut solution) = tunnel::solved();
         solution.bodies[1].von_mises.pop();
         let error = write(&record(&model, from_ref(&solution)), scratch.path()).unwrap_err();
         assert!(error.to_string().contains("nodes of body rock"), "{error}");

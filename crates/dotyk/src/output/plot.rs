@@ -217,11 +217,7 @@ impl Frame {
     pub fn draw(&self, svg: &mut Svg, with_x_numbers: bool) {
         let [left, top] = self.corner;
         let (right, bottom) = (left + self.size[0], top + self.size[1]);
-        let small = Type {
-            size: 10.5,
-            ..Type::LABEL
-        }
-        .coloured(MUTED);
+        let small = Type::SMALL.coloured(MUTED);
         for (value, text) in &self.x.ticks {
             let x = self.across(*value);
             svg.line([x, top], [x, bottom], RULE, 0.7);

@@ -7,13 +7,16 @@ use crate::geometry::{Point, add_scaled, bounding_box, distance, sub, unit};
 use crate::mesh::{Facet, Mesh};
 use crate::model::{Model, Pair, SideRef};
 use crate::output::svg::{Pixel, segments, short};
+use crate::output::view::{Box2, Margin, View};
 use std::collections::BTreeMap;
 use std::fmt::Write;
 
 /// Width of every figure.
 pub const WIDTH: f64 = 760.0;
+
 /// Cells narrower than this are drawn without their edges.
 const LEAST_WIDTH: f64 = 2.0;
+
 /// A contact smaller than this part of the model gets a window of its own.
 const DETAIL: f64 = 0.4;
 
@@ -191,91 +194,6 @@ pub fn strands(mesh: &Mesh<2>, facets: &[Facet]) -> Vec<Strand> {
         }
     }
     out
-}
-
-/// Lower and upper corner.
-pub type Box2 = (Point<2>, Point<2>);
-
-/// Room in pixels that a window keeps free around its bodies.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Margin {
-    /// On the left.
-    pub left: f64,
-    /// On the right.
-    pub right: f64,
-    /// Above.
-    pub top: f64,
-    /// Below.
-    pub bottom: f64,
-}
-
-impl Margin {
-    /// The same on all sides.
-    pub fn all(room: f64) -> Self {
-        Self {
-            left: room,
-            right: room,
-            top: room,
-            bottom: room,
-        }
-    }
-}
-
-/// A window onto the bodies.
-#[derive(Debug, Clone, PartialEq)]
-pub struct View {
-    /// Upper left corner of the window.
-    pub corner: Pixel,
-    /// Its size.
-    pub size: Pixel,
-    /// World box that it is meant to show.
-    pub low: Point<2>,
-    /// Upper corner of that box.
-    pub high: Point<2>,
-    /// Pixel of the middle of that box.
-    pub middle: Pixel,
-    /// Pixels per unit of length.
-    pub scale: f64,
-    /// It shows a part of the model, larger.
-    pub detail: bool,
-}
-
-impl View {
-    /// The box in the middle of a window, less the margins.
-    fn fitted((low, high): Box2, corner: Pixel, size: Pixel, margin: Margin) -> Self {
-        let room = [
-            (size[0] - margin.left - margin.right).max(1.0),
-            (size[1] - margin.top - margin.bottom).max(1.0),
-        ];
-        let extent = sub(high, low);
-        let scale = (room[0] / extent[0]).min(room[1] / extent[1]);
-        Self {
-            corner,
-            size,
-            low,
-            high,
-            middle: [
-                corner[0] + margin.left + 0.5 * room[0],
-                corner[1] + margin.top + 0.5 * room[1],
-            ],
-            scale: if scale.is_finite() { scale } else { 1.0 },
-            detail: false,
-        }
-    }
-
-    /// Pixel of a point.
-    pub fn pixel(&self, p: Point<2>) -> Pixel {
-        let middle = [0, 1].map(|i| 0.5 * (self.low[i] + self.high[i]));
-        [
-            self.middle[0] + self.scale * (p[0] - middle[0]),
-            self.middle[1] - self.scale * (p[1] - middle[1]),
-        ]
-    }
-
-    /// A pixel lies inside the window.
-    pub fn sees(&self, p: Pixel) -> bool {
-        (0..2).all(|i| p[i] >= self.corner[i] && p[i] <= self.corner[i] + self.size[i])
-    }
 }
 
 /// What all figures of a model share.
@@ -532,11 +450,11 @@ pub fn polyline(points: &[Pixel]) -> String {
 mod tests {
     use super::*;
     use crate::mesh::CellKind;
-    use crate::output::sample;
+    use crate::output::tunnel;
 
     #[test]
     fn boundary_of_a_ring_sector_is_one_loop() {
-        let (model, _) = sample::tunnel_of(12, CellKind::Quad8);
+        let model = tunnel::model(12, [2, 6], CellKind::Quad8);
         let scene = Scene::new(&model);
         for outline in &scene.outlines {
             assert_eq!(outline.len(), 1);
@@ -546,7 +464,7 @@ mod tests {
 
     #[test]
     fn stations_stay_on_a_curved_side_with_outward_normals() {
-        let (model, _) = sample::tunnel_of(12, CellKind::Quad8);
+        let model = tunnel::model(12, [2, 6], CellKind::Quad8);
         let scene = Scene::new(&model);
         let side = scene.body_side(0, "outer");
         assert_eq!((side.len(), side[0].closed), (1, false));
@@ -555,7 +473,7 @@ mod tests {
         for s in stations {
             let radius = s.point[0].hypot(s.point[1]);
             // 12 parabolas over half a circle: off by far less than a thousandth.
-            assert!((radius / sample::RADIUS - 1.0).abs() < 1e-3);
+            assert!((radius / tunnel::RADIUS - 1.0).abs() < 1e-3);
             let outward = (s.normal[0] * s.point[0] + s.normal[1] * s.point[1]) / radius;
             assert!(outward > 0.99, "{outward}");
         }
@@ -563,7 +481,7 @@ mod tests {
 
     #[test]
     fn small_contacts_get_a_window_of_their_own() {
-        let (model, _) = sample::tunnel(16);
+        let (model, _) = tunnel::solved();
         let scene = Scene::new(&model);
         let (views, height) = scene.views(Margin::all(60.0), 30.0, 0.0);
         assert_eq!(views.len(), 2);
@@ -590,7 +508,7 @@ mod tests {
 
     #[test]
     fn lines_too_close_to_see_are_left_out() {
-        let (model, _) = sample::tunnel(16);
+        let (model, _) = tunnel::solved();
         let scene = Scene::new(&model);
         let (views, _) = scene.views(Margin::all(60.0), 30.0, 0.0);
         let mesh = &model.bodies[1].mesh;

@@ -138,7 +138,7 @@ fn unwritable(path: &Path, source: io::Error) -> Error {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::output::sample::Scratch;
+    use crate::output::tunnel::Scratch;
 
     fn names(dir: &Path) -> Vec<String> {
         let mut list: Vec<String> = fs::read_dir(dir)

@@ -3,17 +3,19 @@
 use crate::geometry::norm;
 use crate::model::{ContactSolution, Solution};
 use crate::output::Run;
+use crate::output::html::{Head, column, escape, figure, plain, table};
 use crate::output::json::{closed_and_open, largest, max_displacement};
 use crate::output::plot::{Axis, Frame};
-use crate::output::report::{Head, column, figure, plain, table, unit_of};
 use crate::output::scene::WIDTH;
 use crate::output::svg::{Anchor, SERIES, Svg, Type, text_width};
-use crate::output::text::{Labels, count, escape, number, vector, without_noise};
+use crate::output::text::{Labels, count, number, vector, without_noise};
 
 /// More probes than this are left to the table.
 const MOST_PANELS: usize = 8;
+
 /// More steps than this are drawn without dots.
 const MOST_DOTS: usize = 60;
+
 /// Columns of values in one table of probes.
 const COLUMNS: usize = 4;
 
@@ -86,7 +88,7 @@ fn panels(steps: &[&Solution<2>], labels: &Labels) -> Vec<Panel> {
     let probes = last.probes.iter().enumerate().take(MOST_PANELS);
     list.extend(probes.map(|(i, probe)| Panel {
         title: probe.name.clone(),
-        unit: unit_of(&probe.quantity, labels).to_string(),
+        unit: labels.of_probe(&probe.quantity).to_string(),
         curves: vec![Curve {
             name: String::new(),
             values: steps.iter().map(|s| s.probes[i].value).collect(),
@@ -228,7 +230,7 @@ fn probe_table(steps: &[&Solution<2>], chosen: &[usize], labels: &Labels) -> Str
     };
     let head = |&i: &usize| {
         let probe = &last.probes[i];
-        column(&probe.name, unit_of(&probe.quantity, labels))
+        column(&probe.name, labels.of_probe(&probe.quantity))
     };
     let scale = |i: usize| {
         steps
@@ -244,11 +246,11 @@ fn probe_table(steps: &[&Solution<2>], chosen: &[usize], labels: &Labels) -> Str
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::output::sample;
+    use crate::output::tunnel;
 
     #[test]
     fn every_step_has_its_row_and_every_probe_its_plot() {
-        let (model, solution) = sample::tunnel(16);
+        let (model, solution) = tunnel::solved();
         let mut first = solution.clone();
         first.time = 0.25;
         first.probes[0].value = f64::NAN;
@@ -256,7 +258,7 @@ mod tests {
         let labels = Labels::of(&model);
         let run = Run {
             earlier: &earlier,
-            ..sample::run(&model, &solution)
+            ..tunnel::run(&model, &solution)
         };
         let section = steps_section(&run, &labels);
         // overview, contact and probes
@@ -265,6 +267,6 @@ mod tests {
         // three plots of the contact and one of the probe, whose first value is undefined
         assert_eq!(section.matches("step 1, t = 0.25").count(), 3);
         assert_eq!(section.matches("step 2, t = 1").count(), 4);
-        assert!(steps_section(&sample::run(&model, &solution), &labels).is_empty());
+        assert!(steps_section(&tunnel::run(&model, &solution), &labels).is_empty());
     }
 }

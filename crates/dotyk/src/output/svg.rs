@@ -2,7 +2,7 @@
 //!
 //! Every shape carries its own colours, so that a drawing looks the same inside the report and as a file of its own.
 
-use crate::output::text::escape;
+use crate::output::html::escape;
 use std::fmt::Write;
 
 /// A point of the drawing, in pixels.
@@ -74,6 +74,17 @@ impl Type {
         bold: false,
         rim: false,
     };
+
+    /// Numbers at axes, and remarks.
+    pub const SMALL: Self = Self {
+        size: 10.5,
+        ..Self::LABEL
+    };
+
+    /// The same in another size.
+    pub const fn sized(self, size: f64) -> Self {
+        Self { size, ..self }
+    }
 
     /// The same at another anchor.
     pub const fn anchored(self, anchor: Anchor) -> Self {

@@ -6,6 +6,7 @@ use crate::model::{Analysis, Model};
 
 /// Thin space that does not break.
 const THIN: char = '\u{202f}';
+
 /// Significant digits of every number in the report.
 const DIGITS: i32 = 4;
 
@@ -83,24 +84,6 @@ pub fn superscript(exponent: i32) -> String {
         .collect()
 }
 
-/// Text that is safe inside HTML, XML and their attributes.
-pub fn escape(text: &str) -> String {
-    let mut out = String::with_capacity(text.len());
-    for c in text.chars() {
-        match c {
-            '&' => out.push_str("&amp;"),
-            '<' => out.push_str("&lt;"),
-            '>' => out.push_str("&gt;"),
-            '"' => out.push_str("&quot;"),
-            '\'' => out.push_str("&#39;"),
-            // XML has no place for control characters.
-            c if c.is_control() && c != '\n' && c != '\t' => out.push('\u{fffd}'),
-            c => out.push(c),
-        }
-    }
-    out
-}
-
 /// Zeros after the decimal point say nothing.
 fn trimmed(fixed: &str) -> &str {
     if fixed.contains('.') {
@@ -163,6 +146,18 @@ impl Labels {
             },
             length,
             force,
+        }
+    }
+
+    /// Unit of a probe's quantity, `NAME.WHAT...`.
+    pub fn of_probe(&self, quantity: &str) -> &str {
+        let has = |word: &str| quantity.split('.').any(|part| part == word);
+        if has("reaction") || has("resultant") {
+            &self.force
+        } else if has("stress") || has("pressure") || has("shear") {
+            &self.stress
+        } else {
+            &self.length
         }
     }
 }
@@ -252,13 +247,5 @@ mod tests {
             "(1\u{202f}×\u{202f}10⁻¹³, 0)\u{202f}N"
         );
         assert_eq!(vector_on(&[1e-9, 0.0], 1e6, ""), "(0, 0)");
-    }
-
-    #[test]
-    fn markup_is_escaped() {
-        assert_eq!(
-            escape("a<b & \"c\"\u{1}"),
-            "a&lt;b &amp; &quot;c&quot;\u{fffd}"
-        );
     }
 }

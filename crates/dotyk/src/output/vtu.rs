@@ -10,7 +10,7 @@ use crate::geometry::padded;
 use crate::mesh::CellKind;
 use crate::model::{Law, Model, Solution, Status};
 use crate::output::encode::{base64, zlib};
-use crate::output::text::escape;
+use crate::output::html::escape;
 use std::fmt::Write;
 
 /// Uncompressed bytes per block.
@@ -229,7 +229,7 @@ fn array(out: &mut String, kind: &str, name: &str, components: usize, bytes: &[u
 mod tests {
     use super::*;
     use crate::model::Status;
-    use crate::output::sample;
+    use crate::output::tunnel;
     use std::io::Read;
 
     fn unbase64(text: &str) -> Vec<u8> {
@@ -279,7 +279,7 @@ mod tests {
 
     #[test]
     fn arrays_read_back_with_their_counts() {
-        let (model, solution) = sample::tunnel(16);
+        let (model, solution) = tunnel::solved();
         let ring = body_vtu(&model, &solution, 0);
         let nodes = model.bodies[0].mesh.points().len();
         assert!(ring.contains(&format!("NumberOfPoints=\"{nodes}\"")));
@@ -297,7 +297,7 @@ mod tests {
 
     #[test]
     fn a_collection_names_every_body_at_every_time() {
-        let (_, solution) = sample::tunnel(16);
+        let (_, solution) = tunnel::solved();
         let one = collection(std::slice::from_ref(&solution), false);
         assert_eq!(collected(&one), ["ring.vtu", "rock.vtu"]);
         let mut first = solution.clone();
@@ -325,7 +325,7 @@ mod tests {
 
     #[test]
     fn pressure_is_nan_off_the_contact_and_reaches_the_partner() {
-        let (model, solution) = sample::tunnel(16);
+        let (model, solution) = tunnel::solved();
         let contact = &solution.contacts[0];
         for body in 0..2 {
             let pressure = read(&body_vtu(&model, &solution, body), "pressure");
@@ -345,7 +345,8 @@ mod tests {
 
     #[test]
     fn quadratic_cells_stay_quadratic() {
-        let (model, solution) = sample::tunnel_of(8, CellKind::Quad8);
+        let model = tunnel::model(8, [2, 4], CellKind::Quad8);
+        let solution = model.solve().unwrap();
         let vtu = body_vtu(&model, &solution, 0);
         let cells: usize = model.bodies[0]
             .mesh

@@ -1,8 +1,8 @@
 //! How a body is cut out of a mesh file: its cells, points, blocks and sides, and what does not fit.
 
 use crate::geometry::Point;
-use crate::mesh::import::ImportError;
 use crate::mesh::import::content::Cell;
+use crate::mesh::import::error::ImportError;
 use crate::mesh::import::remarks::quoted;
 use crate::mesh::{CellBlock, CellKind, Facet, FacetTable, Mesh, MeshError, MeshFile};
 use std::collections::{BTreeMap, BTreeSet, HashMap};

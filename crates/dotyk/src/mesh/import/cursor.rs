@@ -3,7 +3,7 @@
 //! The same calls read text and binary parts: [`Cursor::integer`], [`Cursor::size`] and [`Cursor::real`] take the next
 //! word of a text, or the next bytes of a binary part. Every error names the line, or the section and the byte.
 
-use crate::mesh::import::{FilePlace, ImportError};
+use crate::mesh::import::error::{FilePlace, ImportError};
 use std::str::FromStr;
 
 /// How numbers are stored.

@@ -5,9 +5,9 @@
 //! Source: Gmsh reference manual, section "Gmsh file formats".
 
 use crate::mesh::MAX_CELL_NODES;
-use crate::mesh::import::ImportError;
 use crate::mesh::import::content::{Content, ElementType};
 use crate::mesh::import::cursor::{Cursor, Encoding};
+use crate::mesh::import::error::ImportError;
 use std::collections::{BTreeMap, HashMap};
 
 const fn kind(name: &'static str, dimension: u8, nodes: usize) -> ElementType {

@@ -1,6 +1,6 @@
 //! Physical groups of one dimension: what they are called in the file and here, and which tags belong to them.
 
-use crate::mesh::import::ImportError;
+use crate::mesh::import::error::ImportError;
 use std::collections::{BTreeMap, BTreeSet};
 
 /// Groups of one dimension.

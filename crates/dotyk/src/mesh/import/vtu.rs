@@ -6,7 +6,7 @@
 
 use crate::mesh::MAX_CELL_NODES;
 use crate::mesh::import::content::{Content, ElementType};
-use crate::mesh::import::{FilePlace, ImportError};
+use crate::mesh::import::error::{FilePlace, ImportError};
 use flate2::read::ZlibDecoder;
 use std::io::Read;
 

@@ -14,7 +14,7 @@
 
 use crate::geometry::{Point, distance, dot, sub};
 use crate::mesh::outline::curve::Curve;
-use crate::mesh::outline::{MOST_VERTICES, SizePoint};
+use crate::mesh::outline::nouns::{MOST_VERTICES, SizePoint};
 use std::f64::consts::PI;
 
 /// Largest angle of a piece of an arc: twelve around a circle.

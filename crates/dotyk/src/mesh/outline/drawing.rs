@@ -1,0 +1,433 @@
+//! From what a user says of an outline to curves: checked, closed, apart from each other, each with the body on its left.
+
+use crate::geometry::{Point, add_scaled, bounding_box, distance, sub, unit};
+use crate::mesh::outline::curve::{Curve, cross};
+use crate::mesh::outline::divide::Rib;
+use crate::mesh::outline::nouns::{
+    Contour, Division, EdgeShape, MOST_VERTICES, Outline, OutlineEdge, OutlinePlace,
+};
+use crate::mesh::{CellKind, MeshError};
+use std::f64::consts::{FRAC_PI_2, TAU};
+
+/// Below this share of the diameter two points are one.
+const SAME: f64 = 1e-9;
+
+/// How much the two radii of an arc that is given by its centre may differ, relatively.
+const SAME_RADIUS: f64 = 1e-6;
+
+/// Magnitudes of coordinates and diameters whose squares are still numbers.
+const MAGNITUDES: [f64; 2] = [1e-100, 1e100];
+
+/// A curve of a contour, before it is known which ones meet.
+struct Drawn {
+    curve: Curve,
+    place: OutlinePlace,
+    name: Option<String>,
+    division: Option<Division>,
+}
+
+/// All curves of all contours, each contour with the body on the left.
+pub(crate) struct Drawing {
+    pub ribs: Vec<Rib>,
+    pub places: Vec<OutlinePlace>,
+    /// Name of the side of each.
+    pub sides: Vec<String>,
+    /// Of the outer path less the holes.
+    pub area: f64,
+}
+
+impl Drawing {
+    /// The contours of an outline as curves, checked and turned.
+    pub fn of(outline: &Outline) -> Result<Self, MeshError> {
+        check_values(outline)?;
+        let contours = std::iter::once((None, &outline.boundary));
+        let contours = contours.chain((0..).map(Some).zip(&outline.holes));
+        let mut paths = Vec::new();
+        for (hole, contour) in contours {
+            paths.push(contour.curves(hole)?);
+        }
+        let corners: Vec<Point<2>> = paths
+            .iter()
+            .flatten()
+            .flat_map(|drawn| <[Point<2>; 2]>::from(drawn.curve.bounds()))
+            .collect();
+        let (low, high) = bounding_box(&corners);
+        let diameter = distance(low, high);
+        for drawn in paths.iter().flatten() {
+            check_division(outline.size, drawn, diameter)?;
+        }
+        separate(&paths, diameter)?;
+        let mut drawing = Self {
+            ribs: Vec::new(),
+            places: Vec::new(),
+            sides: Vec::new(),
+            area: 0.0,
+        };
+        for (index, path) in paths.iter().enumerate() {
+            let twice: f64 = path.iter().map(|d| d.curve.twice_area(low)).sum();
+            let area = 0.5 * twice.abs();
+            if area <= SAME * diameter * diameter {
+                return Err(contour_place(path).error("it encloses no area"));
+            }
+            drawing.area += if index == 0 { area } else { -area };
+            drawing.add_path(path, (twice > 0.0) != (index == 0), outline.size);
+        }
+        nested(&paths)?;
+        Ok(drawing)
+    }
+
+    /// Takes over the curves of a contour, in the opposite direction where they are to `turn`.
+    fn add_path(&mut self, path: &[Drawn], turn: bool, largest: f64) {
+        let index = self.ribs.last().map_or(0, |rib| rib.path + 1);
+        let first = self.ribs.len();
+        let count = path.len();
+        for k in 0..count {
+            let drawn = &path[if turn { count - 1 - k } else { k }];
+            let (size, pieces) = match drawn.division {
+                Some(Division::Size(size)) => (size, None),
+                Some(Division::Cells(cells)) => (largest, Some(cells)),
+                None => (largest, None),
+            };
+            self.ribs.push(Rib {
+                curve: match turn {
+                    true => drawn.curve.reversed(),
+                    false => drawn.curve,
+                },
+                size,
+                pieces,
+                path: index,
+                next: first + (k + 1) % count,
+                previous: first + (k + count - 1) % count,
+            });
+            let side = drawn
+                .name
+                .clone()
+                .unwrap_or_else(|| match drawn.place.hole {
+                    Some(hole) => format!("hole_{}", hole + 1),
+                    None => "outline".to_string(),
+                });
+            self.sides.push(side);
+            self.places.push(drawn.place.clone());
+        }
+    }
+}
+
+fn check_values(outline: &Outline) -> Result<(), MeshError> {
+    let wrong = |key, value: String, need| MeshError::Parameter {
+        generator: "outline",
+        key,
+        value,
+        need,
+    };
+    if !matches!(outline.cell, CellKind::Tri3 | CellKind::Tri6) {
+        let need = "an outline is filled with `tri3` or `tri6`";
+        return Err(wrong("cell", outline.cell.name().to_string(), need));
+    }
+    if !(outline.size > 0.0 && outline.size.is_finite()) {
+        let need = "must be positive and finite";
+        return Err(wrong("size", outline.size.to_string(), need));
+    }
+    if !(outline.growth > 0.0 && outline.growth <= 1.0) {
+        let need = "must be positive and at most 1: 0.3 lets neighbours differ by a third";
+        return Err(wrong("growth", outline.growth.to_string(), need));
+    }
+    for point in &outline.refine {
+        if !(point.size > 0.0 && point.size.is_finite()) {
+            let need = "the size at a point must be positive and finite";
+            return Err(wrong("refine", point.size.to_string(), need));
+        }
+        let finite = point.at.iter().all(|c| c.is_finite());
+        if !(finite && point.radius >= 0.0 && point.radius.is_finite()) {
+            let value = format!("{:?}, radius {}", point.at, point.radius);
+            let need = "must have finite coordinates and a radius that is not negative";
+            return Err(wrong("refine", value, need));
+        }
+    }
+    Ok(())
+}
+
+fn check_division(largest: f64, drawn: &Drawn, diameter: f64) -> Result<(), MeshError> {
+    let size = match drawn.division {
+        Some(Division::Size(size)) => size,
+        None => largest,
+        Some(Division::Cells(cells)) => {
+            let sweep = drawn.curve.arc.map_or(0.0, |arc| arc.sweep.abs());
+            if cells == 0 || cells > MOST_VERTICES {
+                let problem = format!("it cannot have {cells} cells");
+                return Err(drawn.place.error(problem));
+            }
+            // A quarter of a circle may have one cell, whatever rounding says.
+            if sweep > FRAC_PI_2 * (cells as f64 + SAME) {
+                let problem = format!(
+                    "with {cells} cells, one spans {:.0} degrees: use more, at most 90 degrees each",
+                    (sweep / cells as f64).to_degrees()
+                );
+                return Err(drawn.place.error(problem));
+            }
+            return Ok(());
+        }
+    };
+    if !(size > 0.0 && size.is_finite()) {
+        let problem = format!("the size {size} must be positive and finite");
+        return Err(drawn.place.error(problem));
+    }
+    if size > largest {
+        let problem = format!(
+            "the size {size} exceeds that of the whole outline, {}: leave it out or make it smaller",
+            largest
+        );
+        return Err(drawn.place.error(problem));
+    }
+    if size > diameter {
+        let problem = format!(
+            "the size {size} exceeds the whole outline, which is {diameter} across: check the units"
+        );
+        return Err(drawn.place.error(problem));
+    }
+    Ok(())
+}
+
+impl Contour {
+    /// The curves in the order of the user.
+    fn curves(&self, hole: Option<usize>) -> Result<Vec<Drawn>, MeshError> {
+        match self {
+            Self::Path { from, edges } => path_curves(*from, edges, hole),
+            Self::Circle {
+                center,
+                radius,
+                name,
+                division,
+            } => {
+                let place = OutlinePlace {
+                    hole,
+                    edge: None,
+                    name: name.clone(),
+                };
+                check_points(&place, center)?;
+                if !(*radius > 0.0 && *radius < MAGNITUDES[1]) {
+                    let problem = format!("the radius {radius} must be positive and finite");
+                    return Err(place.error(problem));
+                }
+                let quarter = match division {
+                    Some(Division::Cells(cells)) if !cells.is_multiple_of(4) => {
+                        let problem = format!(
+                            "{cells} cells: a circle has a multiple of four, so that its outermost points are nodes"
+                        );
+                        return Err(place.error(problem));
+                    }
+                    Some(Division::Cells(cells)) => Some(Division::Cells(cells / 4)),
+                    other => *other,
+                };
+                let quarters = Curve::quarters(*center, *radius).map(|curve| Drawn {
+                    curve,
+                    place: place.clone(),
+                    name: name.clone(),
+                    division: quarter,
+                });
+                Ok(quarters.into())
+            }
+        }
+    }
+}
+
+fn path_curves(
+    from: Point<2>,
+    edges: &[OutlineEdge],
+    hole: Option<usize>,
+) -> Result<Vec<Drawn>, MeshError> {
+    let place = |edge: usize| OutlinePlace {
+        hole,
+        edge: Some(edge),
+        name: edges.get(edge).and_then(|e| e.name.clone()),
+    };
+    let whole = OutlinePlace {
+        hole,
+        ..OutlinePlace::default()
+    };
+    check_points(&whole, &from)?;
+    for (index, edge) in edges.iter().enumerate() {
+        check_points(&place(index), &edge.to)?;
+    }
+    let ends: Vec<Point<2>> = edges.iter().map(|edge| edge.to).chain([from]).collect();
+    let (low, high) = bounding_box(&ends);
+    let diameter = distance(low, high);
+    let Some(last) = edges.last() else {
+        return Err(whole.error("it has no edges"));
+    };
+    if distance(last.to, from) > SAME * diameter {
+        let problem = format!(
+            "it ends at {:?}, but the path begins at {from:?}: let the last edge end there",
+            last.to
+        );
+        return Err(place(edges.len() - 1).error(problem));
+    }
+    let mut start = from;
+    let mut curves = Vec::with_capacity(edges.len());
+    for (index, edge) in edges.iter().enumerate() {
+        // To the bit, so that the last node is the first.
+        let end = if index + 1 == edges.len() {
+            from
+        } else {
+            edge.to
+        };
+        let place = place(index);
+        if distance(start, end) <= SAME * diameter {
+            let problem = format!(
+                "it begins and ends at {end:?}: remove it, or use `circle` for a whole circle"
+            );
+            return Err(place.error(problem));
+        }
+        curves.push(Drawn {
+            curve: shaped(start, end, edge.shape, &place)?,
+            place,
+            name: edge.name.clone(),
+            division: edge.division,
+        });
+        start = end;
+    }
+    Ok(curves)
+}
+
+fn check_points(place: &OutlinePlace, point: &Point<2>) -> Result<(), MeshError> {
+    // Squares of what passes are numbers.
+    if point.iter().all(|c| c.abs() < MAGNITUDES[1]) {
+        return Ok(());
+    }
+    Err(place.error(format!("the coordinates {point:?} are not finite")))
+}
+
+/// The curve of an edge.
+fn shaped(
+    start: Point<2>,
+    end: Point<2>,
+    shape: EdgeShape,
+    place: &OutlinePlace,
+) -> Result<Curve, MeshError> {
+    let chord = sub(end, start);
+    let length = distance(start, end);
+    match shape {
+        EdgeShape::Line => Ok(Curve::line(start, end)),
+        EdgeShape::Center { center, clockwise } => {
+            check_points(place, &center)?;
+            let radii = [distance(start, center), distance(end, center)];
+            let [least, most] = [radii[0].min(radii[1]), radii[0].max(radii[1])];
+            if most - least > SAME_RADIUS * most || 2.0 * most < length {
+                return Err(place.error(format!(
+                    "its start is {} away from the center {center:?} and its end {}: they must be equal; correct one of them, or give `radius` or `via` instead",
+                    radii[0], radii[1]
+                )));
+            }
+            Ok(Curve::arc(start, end, center, clockwise))
+        }
+        EdgeShape::Via(via) => {
+            check_points(place, &via)?;
+            let side = cross(chord, sub(via, start));
+            // The height of the arc over its chord: below this the arc is a line but for rounding.
+            if side.abs() <= SAME * length * (length + distance(start, via)) {
+                return Err(place.error(format!(
+                    "the point {via:?} of `via` lies on the line through both ends: leave it out, or choose a point on the arc"
+                )));
+            }
+            let (u, v) = (sub(via, start), chord);
+            let (uu, vv) = (u[0] * u[0] + u[1] * u[1], v[0] * v[0] + v[1] * v[1]);
+            let twice = 2.0 * cross(u, v);
+            let center = [
+                start[0] + (v[1] * uu - u[1] * vv) / twice,
+                start[1] + (u[0] * vv - v[0] * uu) / twice,
+            ];
+            Ok(Curve::arc(start, end, center, side > 0.0))
+        }
+        EdgeShape::Radius { radius, clockwise } => {
+            if !(radius > 0.0 && radius < MAGNITUDES[1]) {
+                return Err(place.error(format!("the radius {radius} must be positive and finite")));
+            }
+            if length > 2.0 * radius * (1.0 + SAME) {
+                return Err(place.error(format!(
+                    "its ends are {length} apart, more than twice the radius {radius}: use a larger radius"
+                )));
+            }
+            let height = (radius * radius - 0.25 * length * length).max(0.0).sqrt();
+            let [x, y] = unit(chord).unwrap_or([0.0; 2]);
+            let middle = add_scaled(start, 0.5, chord);
+            let left = if clockwise { [y, -x] } else { [-y, x] };
+            let center = add_scaled(middle, height, left);
+            Ok(Curve::arc(start, end, center, clockwise))
+        }
+    }
+}
+
+fn contour_place(path: &[Drawn]) -> OutlinePlace {
+    OutlinePlace {
+        hole: path.first().and_then(|drawn| drawn.place.hole),
+        ..OutlinePlace::default()
+    }
+}
+
+/// Refuses curves that cross or touch elsewhere than at their common corners.
+fn separate(paths: &[Vec<Drawn>], diameter: f64) -> Result<(), MeshError> {
+    if !(MAGNITUDES[0]..MAGNITUDES[1]).contains(&diameter) {
+        let problem = format!("the outline is {diameter} across: use other units");
+        return Err(OutlinePlace::default().error(problem));
+    }
+    // Path, place in the path, curve, box.
+    let all: Vec<(usize, usize, &Drawn)> = paths
+        .iter()
+        .enumerate()
+        .flat_map(|(p, path)| path.iter().enumerate().map(move |(k, drawn)| (p, k, drawn)))
+        .collect();
+    let boxes: Vec<_> = all.iter().map(|(_, _, d)| d.curve.bounds()).collect();
+    let near = SAME * diameter;
+    for (i, &(path, k, a)) in all.iter().enumerate() {
+        for (j, &(other, l, b)) in all.iter().enumerate().skip(i + 1) {
+            let apart = |d: usize| {
+                boxes[i].1[d] + near < boxes[j].0[d] || boxes[j].1[d] + near < boxes[i].0[d]
+            };
+            if apart(0) || apart(1) {
+                continue;
+            }
+            let count = paths[path].len();
+            let mut corners = Vec::new();
+            if path == other && (k + 1) % count == l {
+                corners.push(a.curve.end);
+            }
+            if path == other && (l + 1) % count == k {
+                corners.push(b.curve.end);
+            }
+            // What happens within a thousandth of an edge from a corner is rounding of a tangent arc.
+            let margin = 1e-3 * a.curve.length().min(b.curve.length());
+            let approach = a.curve.approach(&b.curve, &corners, margin);
+            if let Some((gap, at)) = approach.filter(|(gap, _)| *gap <= near) {
+                let rounding = 64.0 * f64::EPSILON * diameter;
+                let how = if gap > rounding { "touches" } else { "meets" };
+                let problem = format!(
+                    "it {how} {} near {at:?}: edges may meet at their common corners only",
+                    b.place
+                );
+                return Err(a.place.error(problem));
+            }
+        }
+    }
+    Ok(())
+}
+
+/// Refuses holes that are not inside the outer path or inside another hole.
+fn nested(paths: &[Vec<Drawn>]) -> Result<(), MeshError> {
+    let inside = |p: Point<2>, path: &[Drawn]| {
+        let turns: f64 = path.iter().map(|drawn| drawn.curve.winding(p)).sum();
+        turns.abs() > 0.5 * TAU
+    };
+    let starts: Vec<Point<2>> = paths.iter().map(|path| path[0].curve.start).collect();
+    for (hole, &start) in starts.iter().enumerate().skip(1) {
+        let place = contour_place(&paths[hole]);
+        if !inside(start, &paths[0]) {
+            return Err(place.error("it lies outside of the outer path"));
+        }
+        for (other, path) in paths.iter().enumerate().skip(1) {
+            if other != hole && inside(start, path) {
+                let problem = format!("it lies inside of {}: remove it", contour_place(path));
+                return Err(place.error(problem));
+            }
+        }
+    }
+    Ok(())
+}

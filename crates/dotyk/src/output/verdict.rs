@@ -1,0 +1,223 @@
+//! Sections of the report on how far its numbers can be trusted: banner, warnings, certificate and convergence.
+
+use crate::dual::{Certificate, Figure};
+use crate::model::{Model, Solution};
+use crate::output::Run;
+use crate::output::history::history_figure;
+use crate::output::html::{
+    self, column, described, escape, figure, left, marked, plain, table, text,
+};
+use crate::output::text::{Labels, count, number, power, vector};
+
+/// Whether the answer is certified, and if not, why.
+pub fn banner(run: &Run<'_>) -> String {
+    let solution = run.last;
+    if run.converged {
+        let steps = match run.earlier {
+            [] => "",
+            _ => " in every step",
+        };
+        let body = format!(
+            "The computed answer satisfies equilibrium and the contact conditions: every figure of the certificate is \
+             within its limit{steps}."
+        );
+        return html::banner("good", "✓ Certified", &body);
+    }
+    if let Some(failed) = run.failed.filter(|_| solution.converged) {
+        let title = format!(
+            "✗ Step {} of {} (t = {}) failed",
+            failed.step,
+            run.model.times.len(),
+            number(failed.time)
+        );
+        let body = format!(
+            "{}. The numbers below are those of the step before it, which is certified.",
+            escape(&failed.reason)
+        );
+        return html::banner("bad", &title, &body);
+    }
+    let figures = solution.certificate.figures();
+    let failed = figures.iter().filter(|(_, f)| !f.holds()).map(|(name, f)| {
+        let (relative, limit) = (power(f.relative), power(f.limit));
+        format!(
+            "{} (relative {relative}, limit {limit})",
+            name.replace('_', " ")
+        )
+    });
+    let failed: Vec<String> = failed.collect();
+    let reason = match failed.len() {
+        0 => "The solver reports that it did not reach its goal.".to_string(),
+        _ => format!("Out of limits: {}.", failed.join(", ")),
+    };
+    let body = format!(
+        "The numbers below are those of the last iterate and must not be used. {}",
+        escape(&reason)
+    );
+    html::banner("bad", "✗ Not converged", &body)
+}
+
+/// Warnings of all steps, each once.
+pub fn warnings(run: &Run<'_>) -> String {
+    let mut list: Vec<&str> = Vec::new();
+    for warning in run.steps().flat_map(|step| &step.warnings) {
+        if !list.contains(&warning.as_str()) {
+            list.push(warning);
+        }
+    }
+    let items = list.iter().map(|w| format!("<li>{}</li>\n", escape(w)));
+    let body = format!("<ul>\n{}</ul>", items.collect::<String>());
+    match list.len() {
+        0 => String::new(),
+        1 => html::banner("warn", "Warning", &body),
+        count => html::banner("warn", &format!("{count} warnings"), &body),
+    }
+}
+
+/// The figures of the certificate in sentences.
+pub fn certificate(solution: &Solution<2>, labels: &Labels) -> String {
+    let Certificate {
+        penetration,
+        tension,
+        complementarity,
+        imbalance_force,
+        imbalance_moment,
+        energy_gap,
+        slip_violation,
+        force_error,
+        between_nodes,
+    } = solution.certificate;
+    let lines: [(&str, &str, Figure, &str); 9] = [
+        (
+            "Penetration",
+            "No contact point lies inside the other body by more than",
+            penetration,
+            &labels.length,
+        ),
+        (
+            "Tension",
+            "No contact that can open pulls by more than",
+            tension,
+            &labels.force,
+        ),
+        (
+            "Complementarity",
+            "Where there is force there is no gap: the sum of force times gap is",
+            complementarity,
+            &labels.energy,
+        ),
+        (
+            "Balance of forces",
+            "The forces on every body add up to zero within",
+            imbalance_force,
+            &labels.force,
+        ),
+        (
+            "Balance of moments",
+            "The moments on every body add up to zero within",
+            imbalance_moment,
+            &labels.energy,
+        ),
+        (
+            "Energy",
+            "The energies of displacements and of forces bound the exact discrete answer from two sides; they differ by",
+            energy_gap,
+            &labels.energy,
+        ),
+        (
+            "Friction",
+            "No shear force exceeds or contradicts the friction law by more than",
+            slip_violation,
+            &labels.force,
+        ),
+        (
+            "Contact forces",
+            "No contact force would change, if it answered its own gap, by more than",
+            force_error,
+            &labels.force,
+        ),
+        (
+            "Between the nodes",
+            "Looked at between their nodes, whatever was imposed, the sides overlap, compared with what the meshes can resolve, by",
+            between_nodes,
+            &labels.length,
+        ),
+    ];
+    let rows = lines
+        .iter()
+        .map(|(name, sentence, figure, unit)| {
+            let mark = match figure.holds() {
+                true => "<span class=\"yes\" title=\"within its limit\">✓</span>",
+                false => "<span class=\"no\" title=\"out of its limit\">✗</span>",
+            };
+            let value = match unit.is_empty() {
+                true => power(figure.value),
+                false => format!("{}\u{202f}{unit}", power(figure.value)),
+            };
+            let words = format!("<b>{name}.</b> {sentence} {}.", escape(&value));
+            vec![
+                described(words),
+                plain(power(figure.relative)),
+                plain(power(figure.limit)),
+                marked(mark.to_string()),
+            ]
+        })
+        .collect();
+    format!(
+        "<h2>Certificate</h2>\n<p>Checked on the answer itself, whichever method computed it.</p>\n{}",
+        table(
+            &[
+                left("what was checked"),
+                column("relative", ""),
+                column("limit", ""),
+                column("", "")
+            ],
+            rows
+        )
+    )
+}
+
+/// How the solver arrived, and what became of its bolts.
+pub fn solver(model: &Model<2>, solution: &Solution<2>, labels: &Labels) -> String {
+    let report = &solution.solver;
+    let mut out = format!(
+        "<h2>Convergence</h2>\n<p>Method {}: {} iterations, {} products with the compliance{}.</p>\n",
+        escape(report.method),
+        count(report.iterations),
+        count(report.products),
+        report
+            .rho
+            .map_or(String::new(), |rho| format!(", step ρ = {}", number(rho)))
+    );
+    if let Some(svg) = history_figure(solution, model.solver.tolerance) {
+        let caption = "Largest relative violation of the optimality conditions, and the number of contact unknowns with a force.";
+        out += &figure(&svg, "Convergence", caption);
+    }
+    if report.bolts.is_empty() {
+        return out;
+    }
+    let rows = report
+        .bolts
+        .iter()
+        .map(|b| {
+            let state = match (b.moved, b.force < 0.0) {
+                (true, _) => "improper, moved away",
+                (false, true) => "improper",
+                (false, false) => "proper",
+            };
+            vec![
+                text(&b.contact),
+                plain(vector(&b.point, "")),
+                plain(number(b.force)),
+                text(state),
+            ]
+        })
+        .collect();
+    out += "<h3>Bolts</h3>\n<p>A bolt holds a rigid motion while the forces are iterated. It is proper when it ends in compression.</p>\n";
+    let heads = [
+        left("contact"),
+        column("at", &labels.length),
+        column("force", &labels.force),
+        left("state"),
+    ];
+    out + &table(&heads, rows)
+}
