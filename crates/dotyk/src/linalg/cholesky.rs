@@ -8,7 +8,7 @@
 //! ```
 //!
 //! so that a body is condensed to its contact by the one factorisation that also solves with it. A floating body is
-//! made definite by a shift of the trailing diagonal: A + αE, S + αI.
+//! grounded first: dofs that hold it are left out of the order.
 //!
 //! Vectors are over all dofs of the matrix. Dofs that are not listed (prescribed, grounded) are ignored on entry and
 //! zero on return. Memory: 8 bytes per stored entry of L, 12 per entry of A for the analysis, 8 more while factoring.
@@ -135,23 +135,11 @@ impl Analysis {
     /// [`LinalgError::NotPositiveDefinite`], [`LinalgError::NearlySingular`], [`LinalgError::NotFinite`], or
     /// [`LinalgError::WrongPattern`] for another matrix than the analysed one.
     pub fn factor(&self, matrix: &SymmetricMatrix) -> Result<Cholesky, LinalgError> {
-        self.factor_shifted(matrix, 0.0)
-    }
-
-    /// Factors the matrix with `shift` added to the diagonal of the trailing dofs.
-    ///
-    /// # Errors
-    /// As [`factor`](Self::factor).
-    pub fn factor_shifted(
-        &self,
-        matrix: &SymmetricMatrix,
-        shift: f64,
-    ) -> Result<Cholesky, LinalgError> {
         if matrix.stored() != self.stored || matrix.len() != self.structure.dofs {
             let (expected, found) = (self.stored, matrix.stored());
             return Err(LinalgError::WrongPattern { expected, found });
         }
-        let values = self.permuted_values(matrix, shift)?;
+        let values = self.permuted_values(matrix)?;
         let structure = &self.structure;
         let symbolic = &structure.symbolic;
         let mut memory = MemBuffer::new(supernodal::factorize_supernodal_numeric_llt_scratch::<
@@ -182,21 +170,13 @@ impl Analysis {
         Ok(cholesky)
     }
 
-    fn permuted_values(
-        &self,
-        matrix: &SymmetricMatrix,
-        shift: f64,
-    ) -> Result<Vec<f64>, LinalgError> {
+    fn permuted_values(&self, matrix: &SymmetricMatrix) -> Result<Vec<f64>, LinalgError> {
         let all = matrix.values();
-        let mut values: Vec<f64> = self.source.iter().map(|&k| all[k as usize]).collect();
+        let values: Vec<f64> = self.source.iter().map(|&k| all[k as usize]).collect();
         if let Some(entry) = values.iter().position(|value| !value.is_finite()) {
             let row = self.lower.row_index[entry] as usize;
             let row = self.structure.order[row] as usize;
             return Err(LinalgError::NotFinite { row });
-        }
-        let n = self.lower.columns();
-        for j in n - self.structure.trailing..n {
-            values[self.lower.col_start[j] as usize] += shift;
         }
         Ok(values)
     }
@@ -636,29 +616,27 @@ mod tests {
     }
 
     #[test]
-    fn a_shift_of_the_trailing_block_makes_a_floating_body_definite() {
+    fn a_floating_body_is_refused_until_its_rigid_motions_are_grounded() {
         let (nx, ny) = (6, 5);
         let (graph, matrix) = grid::body(nx, ny);
-        let top: Vec<usize> = (0..=nx).map(|i| ny * (nx + 1) + i).collect();
-        let order = fill_reducing_order(&graph, &vec![true; graph.nodes()], &top);
-        let order = expand_to_dofs(&order, 2, &vec![true; matrix.len()]);
-        let trailing = 2 * top.len();
-        let analysis = Analysis::new(&matrix, &order, trailing).unwrap();
-        assert!(analysis.factor(&matrix).is_err());
-        let factor = analysis.factor_shifted(&matrix, 2.0).unwrap();
-        let l = factor.trailing_factor();
-        let shifted = product(&l, &l.transpose().to_owned());
-        // A rigid translation needs no force: (S + 2I)t = 2t.
-        for component in 0..2 {
-            for i in 0..trailing {
-                let sum: f64 = (component..trailing)
-                    .step_by(2)
-                    .map(|j| shifted[(i, j)])
-                    .sum();
-                let expected = if i % 2 == component { 2.0 } else { 0.0 };
-                assert!((sum - expected).abs() < 1e-12);
-            }
+        let order = fill_reducing_order(&graph, &vec![true; graph.nodes()], &[]);
+        let mut keep = vec![true; matrix.len()];
+        let order_of = |keep: &[bool]| expand_to_dofs(&order, 2, keep);
+        assert!(Cholesky::factor(&matrix, &order_of(&keep), 0).is_err());
+        // Both translations at the first corner, and the rotation at the next one.
+        for dof in [0, 1, 2 * nx + 1] {
+            keep[dof] = false;
         }
+        let factor = Cholesky::factor(&matrix, &order_of(&keep), 0).unwrap();
+        // Opposite pulls at two corners are balanced: the grounded dofs need no force.
+        let mut force = vec![0.0; matrix.len()];
+        let far = matrix.len() - 2;
+        let across = [(far - 2 * nx, -1.0), (far, 1.0)];
+        across.iter().for_each(|&(dof, value)| force[dof] = value);
+        let (mut u, mut found) = (force.clone(), vec![0.0; matrix.len()]);
+        factor.solve(&mut u);
+        matrix.mul(&u, &mut found);
+        assert!(largest_difference(&found, &force) < 1e-12);
     }
 
     #[test]

@@ -3,6 +3,8 @@
 //! Every shape carries its own colours, so that a drawing looks the same inside the report and as a file of its own.
 
 use crate::output::html::escape;
+use base64::Engine;
+use base64::engine::general_purpose::STANDARD;
 use std::fmt::Write;
 
 /// A point of the drawing, in pixels.
@@ -261,7 +263,7 @@ impl Svg {
             short(corner[1]),
             short(size[0]),
             short(size[1]),
-            crate::output::encode::base64(png)
+            STANDARD.encode(png)
         );
     }
 

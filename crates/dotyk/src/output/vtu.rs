@@ -9,8 +9,10 @@
 use crate::geometry::padded;
 use crate::mesh::CellKind;
 use crate::model::{Law, Model, Solution, Status};
-use crate::output::encode::{base64, zlib};
+use crate::output::encode::zlib;
 use crate::output::html::escape;
+use base64::Engine;
+use base64::engine::general_purpose::STANDARD;
 use std::fmt::Write;
 
 /// Uncompressed bytes per block.
@@ -220,8 +222,8 @@ fn array(out: &mut String, kind: &str, name: &str, components: usize, bytes: &[u
     let _ = writeln!(
         out,
         "<DataArray type=\"{kind}\" Name=\"{name}\"{components} format=\"binary\">\n{}{}\n</DataArray>",
-        base64(&header),
-        base64(&blocks.concat())
+        STANDARD.encode(&header),
+        STANDARD.encode(blocks.concat())
     );
 }
 
@@ -233,21 +235,7 @@ mod tests {
     use std::io::Read;
 
     fn unbase64(text: &str) -> Vec<u8> {
-        let mut out = Vec::new();
-        for quad in text.as_bytes().chunks(4) {
-            let digit = |c: u8| match c {
-                b'A'..=b'Z' => u32::from(c - b'A'),
-                b'a'..=b'z' => u32::from(c - b'a') + 26,
-                b'0'..=b'9' => u32::from(c - b'0') + 52,
-                b'+' => 62,
-                b'/' => 63,
-                _ => 0,
-            };
-            let word = quad.iter().fold(0, |w, &c| w << 6 | digit(c));
-            let kept = 3 - quad.iter().filter(|&&c| c == b'=').count();
-            out.extend(&word.to_be_bytes()[1..1 + kept]);
-        }
-        out
+        STANDARD.decode(text).unwrap()
     }
 
     /// The numbers of an array, read back by the rules of the format.

@@ -1,14 +1,22 @@
 //! VTU files (VTK's XML unstructured grids): one piece, arrays as text, base64 or appended, raw or zlib.
 //!
 //! The groups of cells and of their edges are the numbers of an integer cell array `gmsh:physical` or `group`; zero is
-//! no group. Other arrays are reported. Only as much XML is read as these files use: tags with attributes, no entities.
+//! no group. Other arrays are reported. The tags are read one after the other up to appended data, which may be any bytes
+//! and no XML: a tree of the whole document could not be made. Entities of a document's own are not expanded.
 //! Source: VTK file formats, section "XML file formats" (vtk.org).
 
 use crate::mesh::MAX_CELL_NODES;
 use crate::mesh::import::content::{Content, ElementType};
 use crate::mesh::import::error::{FilePlace, ImportError};
+use base64::Engine;
+use base64::engine::general_purpose::STANDARD;
 use flate2::read::ZlibDecoder;
+use quick_xml::events::{BytesStart, Event};
+use quick_xml::{Reader, XmlVersion};
 use std::io::Read;
+
+/// What to do with a file that ends too early or is no XML.
+const WRITE_AGAIN: &str = "the file is cut off or spoilt, write it again";
 
 /// Cell arrays that hold groups.
 const GROUPS: [&str; 2] = ["gmsh:physical", "group"];
@@ -66,74 +74,31 @@ fn find(bytes: &[u8], wanted: &[u8]) -> Option<usize> {
     bytes.windows(wanted.len()).position(|w| w == wanted)
 }
 
-/// A tag and the place behind it.
+/// A tag that opens or is empty.
 struct Tag {
-    /// With a slash in front where it closes.
     name: String,
     attributes: Vec<(String, String)>,
-    /// It ends with a slash.
-    empty: bool,
     at: usize,
-    end: usize,
 }
 
 impl Tag {
-    /// The next tag from a byte on, comments and the XML declaration left out; `Err` holds the place of one that does
-    /// not end.
-    fn next(bytes: &[u8], from: usize) -> Result<Option<Self>, usize> {
-        let mut from = from;
-        loop {
-            let Some(offset) = find(&bytes[from..], b"<") else {
-                return Ok(None);
-            };
-            let at = from + offset;
-            let rest = &bytes[at..];
-            let (end, mark): (&[u8], _) = match rest {
-                [b'<', b'!', b'-', b'-', ..] => (b"-->", true),
-                [b'<', b'?' | b'!', ..] => (b">", true),
-                _ => (b">", false),
-            };
-            let length = find(rest, end).ok_or(at)?;
-            from = at + length + end.len();
-            if mark {
-                continue;
-            }
-            let text = String::from_utf8_lossy(&rest[1..length]);
-            let text = text.trim();
-            let inner = text.trim_end_matches('/');
-            let name = inner.split_whitespace().next().unwrap_or("");
-            return Ok(Some(Self {
-                name: name.to_string(),
-                attributes: attributes(&inner[name.len()..]),
-                empty: text.ends_with('/'),
-                at,
-                end: from,
-            }));
-        }
+    fn new(start: &BytesStart<'_>, at: usize) -> Result<Self, quick_xml::Error> {
+        let attributes = start.attributes().map(|attribute| {
+            let attribute = attribute?;
+            let value = attribute.normalized_value(XmlVersion::Implicit1_0)?;
+            Ok((attribute.key.0.to_string(), value.into_owned()))
+        });
+        Ok(Self {
+            name: start.name().0.to_string(),
+            attributes: attributes.collect::<Result<_, quick_xml::Error>>()?,
+            at,
+        })
     }
 
     fn attribute(&self, key: &str) -> Option<&str> {
         let found = self.attributes.iter().find(|(k, _)| k == key);
         found.map(|(_, value)| value.as_str())
     }
-}
-
-/// `key="value"` pairs; what is none ends them.
-fn attributes(text: &str) -> Vec<(String, String)> {
-    let mut pairs = Vec::new();
-    let mut rest = text;
-    while let Some((key, after)) = rest.split_once('=') {
-        let after = after.trim_start();
-        let Some(quote) = after.chars().next().filter(|c| "\"'".contains(*c)) else {
-            break;
-        };
-        let Some((value, behind)) = after[1..].split_once(quote) else {
-            break;
-        };
-        pairs.push((key.trim().to_string(), value.to_string()));
-        rest = behind;
-    }
-    pairs
 }
 
 /// A data array, not yet decoded.
@@ -146,7 +111,10 @@ struct Array<'b> {
     offset: Option<usize>,
     /// What stands between the tags.
     inline: &'b [u8],
+    /// Byte of its tag.
     at: usize,
+    /// Byte behind its tag.
+    open: u64,
 }
 
 /// Where the bytes of arrays may be appended.
@@ -178,17 +146,36 @@ impl<'b> Document<'b> {
             arrays: Vec::new(),
             appended: None,
         };
-        let (mut at, mut parent, mut pieces) = (0, String::new(), 0);
-        let unclosed = |at| {
-            document_error(
-                file,
-                "a tag",
-                at,
-                "the tag does not end: the file is cut off",
-            )
-        };
-        while let Some(tag) = Tag::next(bytes, at).map_err(unclosed)? {
-            at = tag.end;
+        let (mut parent, mut pieces, mut closed) = (String::new(), 0, false);
+        let broken = |at: u64, what: String| document_error(file, "a tag", at as usize, &what);
+        let mut reader = Reader::from_reader(bytes);
+        loop {
+            let at = reader.buffer_position();
+            let event = reader
+                .read_event()
+                .map_err(|e| broken(reader.error_position(), format!("{e}: {WRITE_AGAIN}")))?;
+            let end = reader.buffer_position() as usize;
+            let start = match &event {
+                Event::Start(start) | Event::Empty(start) => start,
+                Event::Text(_) => {
+                    // What stands in the tag that was opened last; the first piece, where comments cut it.
+                    if let Some(array) = document.arrays.last_mut().filter(|a| a.open == at) {
+                        array.inline = &bytes[at as usize..end];
+                    }
+                    continue;
+                }
+                Event::End(tag) => {
+                    closed |= tag.name().0 == "VTKFile";
+                    continue;
+                }
+                Event::Eof if closed => return Ok(document),
+                Event::Eof => {
+                    return Err(broken(at, format!("a tag is not closed: {WRITE_AGAIN}")));
+                }
+                _ => continue,
+            };
+            let tag = Tag::new(start, at as usize)
+                .map_err(|e| broken(at, format!("{e}: {WRITE_AGAIN}")))?;
             match tag.name.as_str() {
                 "VTKFile" => document.attributes(&tag)?,
                 "Piece" => {
@@ -197,19 +184,17 @@ impl<'b> Document<'b> {
                 }
                 "Points" | "Cells" | "CellData" | "PointData" | "FieldData" => parent = tag.name,
                 "DataArray" | "Array" => {
-                    let length = match tag.empty {
-                        true => 0,
-                        false => find(&bytes[at..], b"<").ok_or_else(|| unclosed(tag.at))?,
-                    };
                     document
                         .arrays
-                        .push(array(&tag, &parent, &bytes[at..at + length]));
+                        .push(array(&tag, &parent, reader.buffer_position()));
                 }
                 "AppendedData" => {
-                    let start = find(&bytes[at..], b"_").ok_or_else(|| unclosed(tag.at))?;
+                    let start = find(&bytes[end..], b"_").ok_or_else(|| {
+                        broken(at, format!("it has no data behind `_`: {WRITE_AGAIN}"))
+                    })?;
                     document.appended = Some(Appended {
                         raw: tag.attribute("encoding") == Some("raw"),
-                        data: &bytes[at + start + 1..],
+                        data: &bytes[end + start + 1..],
                     });
                     // What follows may be any bytes.
                     return Ok(document);
@@ -217,10 +202,6 @@ impl<'b> Document<'b> {
                 _ => {}
             }
         }
-        if find(&bytes[bytes.len().saturating_sub(200)..], b"</VTKFile>").is_none() {
-            return Err(unclosed(bytes.len()));
-        }
-        Ok(document)
     }
 
     fn unsupported(&self, what: impl Into<String>) -> ImportError {
@@ -522,7 +503,7 @@ fn document_error(file: &str, section: &str, offset: usize, what: &str) -> Impor
     }
 }
 
-fn array<'b>(tag: &Tag, parent: &str, inline: &'b [u8]) -> Array<'b> {
+fn array<'b>(tag: &Tag, parent: &str, open: u64) -> Array<'b> {
     let text = |key: &str| tag.attribute(key).unwrap_or("").to_string();
     Array {
         parent: parent.to_string(),
@@ -532,39 +513,21 @@ fn array<'b>(tag: &Tag, parent: &str, inline: &'b [u8]) -> Array<'b> {
         offset: tag
             .attribute("offset")
             .and_then(|offset| offset.parse().ok()),
-        inline,
+        inline: &[],
         at: tag.at,
+        open,
     }
 }
 
 /// Decodes base64 (RFC 4648) until something else comes. Padding may stand inside: parts of an array are coded apart.
 fn base64(text: &[u8]) -> impl Iterator<Item = u8> + '_ {
     let mut symbols = text.iter().filter(|byte| !byte.is_ascii_whitespace());
-    std::iter::from_fn(move || {
-        let mut word = 0;
-        let mut kept = 3;
-        for _ in 0..4 {
-            let symbol = *symbols.next()?;
-            let digit = match symbol {
-                b'A'..=b'Z' => symbol - b'A',
-                b'a'..=b'z' => symbol - b'a' + 26,
-                b'0'..=b'9' => symbol - b'0' + 52,
-                b'+' => 62,
-                b'/' => 63,
-                b'=' => {
-                    kept -= 1;
-                    0
-                }
-                _ => return None,
-            };
-            word = word << 6 | u32::from(digit);
-        }
-        let [_, a, b, c] = word.to_be_bytes();
-        Some(
-            [a, b, c]
-                .into_iter()
-                .take(usize::try_from(kept).unwrap_or(0)),
-        )
-    })
-    .flatten()
+    let mut symbol = move || symbols.next().copied();
+    let parts = std::iter::from_fn(move || {
+        let four = [symbol()?, symbol()?, symbol()?, symbol()?];
+        let mut three = [0; 3];
+        let length = STANDARD.decode_slice(four, &mut three).ok()?;
+        Some(three.into_iter().take(length))
+    });
+    parts.flatten()
 }
