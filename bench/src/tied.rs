@@ -160,8 +160,8 @@ pub fn solve(
         .collect();
     let nodes = fill_reducing_order(&system.graph, &keep_node, &[]);
     let order = expand_to_dofs(&nodes, 2, &keep);
-    let analysis =
-        linalg::Analysis::new(&system.stiffness, &order, 0).map_err(|error| error.to_string())?;
+    let analysis = linalg::SymbolicCholesky::new(&system.stiffness, &order, 0)
+        .map_err(|error| error.to_string())?;
     stages.order = lap();
     let factor: Cholesky = analysis
         .factor(&system.stiffness)

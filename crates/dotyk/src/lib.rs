@@ -11,11 +11,23 @@
 //! contact normal points outward from the nonmortar side, tensile stress is positive.
 //! Numbers are in any consistent units. 2D forces are per unit thickness unless a thickness is given.
 //!
+//! # What is public, and for whom
+//!
+//! | Modules | For |
+//! |---|---|
+//! | [`prelude`], [`geometry`], [`mesh`], [`model`] | a program that builds a model and solves it |
+//! | [`case`], [`output`] | a front end that reads case files and writes results: the command line, a language binding |
+//! | [`dual`], [`solve`] | a solver of one's own: F, d, G and e as a [`DualProblem`](dual::DualProblem), an answer as `Multipliers` |
+//! | [`fem`], [`linalg`] | who assembles, factors and condenses bodies elsewhere, such as in several processes |
+//! | [`analytic`] | comparisons with closed-form solutions |
+//!
+//! How two sides become rows, and the dense algebra within solvers, is nobody's business: it changes with the methods.
+//!
 //! Source: V. Janovský, P. Procházka, Contact problem of two elastic bodies III, Apl. mat. 25 (1980) 137–146.
 
 pub mod analytic;
 pub mod case;
-pub mod contact;
+mod contact;
 pub mod dual;
 pub mod fem;
 pub mod geometry;

@@ -97,22 +97,26 @@ impl HalfPlane {
     /// Plane strain and plane stress alike; σy follows from the plane problem.
     pub fn stress(&self, x: f64, z: f64) -> [f64; 3] {
         let scale = -self.p0 / self.a;
-        let area = self.a * self.a - x * x + z * z;
-        let s = area.hypot(2.0 * x * z);
-        // m n = |x| z gives the smaller of the two without cancellation.
-        let larger = (0.5 * (s + area.abs())).sqrt();
-        let smaller = x.abs() * z / larger;
-        let (m, n) = if area >= 0.0 {
-            (larger, smaller)
-        } else {
-            (smaller, larger)
-        };
+        let (m, n, s) = self.root(x, z);
         let part = (z * z + n * n) / s;
         [
             scale * (m * (1.0 + part) - 2.0 * z),
             scale * m * (1.0 - part),
             scale * n * (m * m - z * z) / s * sign(x),
         ]
+    }
+
+    /// m, n ≥ 0 with m − i n sign x = √(a² − (x + iz)²), and s = m² + n².
+    pub(crate) fn root(&self, x: f64, z: f64) -> (f64, f64, f64) {
+        let area = self.a * self.a - x * x + z * z;
+        let s = area.hypot(2.0 * x * z);
+        // m n = |x| z gives the smaller of the two without cancellation.
+        let larger = (0.5 * (s + area.abs())).sqrt();
+        let smaller = x.abs() * z / larger;
+        match area >= 0.0 {
+            true => (larger, smaller, s),
+            false => (smaller, larger, s),
+        }
     }
 }
 

@@ -194,16 +194,8 @@ fn beyond(x: f64, b: f64) -> f64 {
 /// Stress [σx, σz, τxz] at (x, z), z ≥ 0, below the shear traction q0 √(1−x²/a²) along +x; `shear` holds q0 as its p0.
 fn sheared(shear: HalfPlane, x: f64, z: f64) -> [f64; 3] {
     let [along, _, across] = shear.stress(x, z);
-    let area = shear.a * shear.a - x * x + z * z;
-    let s = area.hypot(2.0 * x * z);
+    let (m, n, _) = shear.root(x, z);
     // n sign x − x is the real part of √(ζ²−a²) − ζ = −a²/(ζ + √(ζ²−a²)), ζ = x + iz: no cancellation far away
-    let larger = (0.5 * (s + area.abs())).sqrt();
-    let smaller = x.abs() * z / larger;
-    let (m, n) = if area >= 0.0 {
-        (larger, smaller)
-    } else {
-        (smaller, larger)
-    };
     let (real, imaginary) = (x + n.copysign(x), z + m);
     let decay = shear.a * shear.a * real / (real * real + imaginary * imaginary);
     [-2.0 * shear.p0 / shear.a * decay - across, across, along]

@@ -22,9 +22,9 @@ mod weights;
 pub use corners::smooth_parts;
 pub use curved::{sagitta, straight_turn};
 pub use error::ContactError;
-pub use facing::{Unmatched, facets_coincide, unmatched_facing};
+pub use facing::{facets_coincide, unmatched_facing};
 pub use mortar::{Against, pair_mortar};
-pub use node_to_node::{Driven, Rigid, matching_nodes, pair_nodes, pair_obstacle};
+pub use node_to_node::{Driven, Rigid, pair_nodes, pair_obstacle};
 pub use sampling::{Sample, samples};
 
 use crate::fem::{Body, Constraints};

@@ -34,8 +34,8 @@ use crate::contact::{
     ContactError, Coupling, Driven, End, InitialGap, Interface, InterfaceNode, Rigid, Role, Row,
     frame,
 };
-use crate::fem::{Analysis, invert, measure, quadrature};
-use crate::geometry::{Point, add_scaled, dot, norm};
+use crate::fem::{Analysis, measure, quadrature};
+use crate::geometry::{Point, add_scaled, dot, invert, norm};
 use crate::mesh::{Facet, MAX_FACET_NODES, Mesh};
 use rayon::prelude::*;
 use std::collections::{BTreeMap, BTreeSet};
@@ -720,14 +720,14 @@ impl Basis {
         }
         let mut matrix = match nodes.len() {
             2 => {
-                let (inverse, _) = invert([[mass[0][0], mass[0][1]], [mass[1][0], mass[1][1]]]);
+                let (inverse, _) = invert(&[[mass[0][0], mass[0][1]], [mass[1][0], mass[1][1]]]);
                 let mut padded = [[0.0; MAX_FACET_NODES]; MAX_FACET_NODES];
                 for (row, from) in padded.iter_mut().zip(inverse) {
                     row[..2].copy_from_slice(&from);
                 }
                 padded
             }
-            _ => invert(mass).0,
+            _ => invert(&mass).0,
         };
         for (row, weight) in matrix.iter_mut().zip(weights) {
             row.iter_mut().for_each(|a| *a *= weight);
@@ -751,7 +751,7 @@ impl Basis {
                 }
             }
         }
-        let (mut matrix, _) = invert(mass);
+        let (mut matrix, _) = invert(&mass);
         for (row, weight) in matrix.iter_mut().zip(weights) {
             row.iter_mut().for_each(|a| *a *= weight);
         }

@@ -8,7 +8,7 @@ use crate::fem::modes::{RigidBasis, carried_motion, free_modes};
 use crate::fem::nouns::{Analysis, Body, Elastic};
 use crate::fem::quadrature;
 use crate::fem::supports::{Constraints, ON_AXIS};
-use crate::geometry::{Point, add_scaled, dot, norm};
+use crate::geometry::{Point, add_scaled, dot, invert, norm};
 use crate::linalg::{
     CellMatrices, Connectivity, Graph, LinalgError, SymmetricMatrix, assemble_blocks,
 };
@@ -420,7 +420,7 @@ impl<const D: usize> CellTable<D> {
                 }
             }
         }
-        let (inverse, det) = invert(jacobian);
+        let (inverse, det) = invert(&jacobian);
         let mut gradients = [[0.0; D]; MAX_CELL_NODES];
         for a in 0..self.nodes {
             for i in 0..D {
@@ -429,36 +429,6 @@ impl<const D: usize> CellTable<D> {
         }
         (point, gradients, det * self.weights[q])
     }
-}
-
-/// Inverse and determinant of a small matrix (D ≤ 3) by cofactors.
-pub(crate) fn invert<const D: usize>(m: [[f64; D]; D]) -> ([[f64; D]; D], f64) {
-    let mut inverse = [[0.0; D]; D];
-    let det = match D {
-        2 => {
-            inverse[0][0] = m[1][1];
-            inverse[0][1] = -m[0][1];
-            inverse[1][0] = -m[1][0];
-            inverse[1][1] = m[0][0];
-            m[0][0] * m[1][1] - m[0][1] * m[1][0]
-        }
-        3 => {
-            for (i, row) in inverse.iter_mut().enumerate() {
-                for (j, value) in row.iter_mut().enumerate() {
-                    let (a, b, c, d) = ((j + 1) % 3, (j + 2) % 3, (i + 1) % 3, (i + 2) % 3);
-                    *value = m[a][c] * m[b][d] - m[a][d] * m[b][c];
-                }
-            }
-            (0..3).map(|j| m[0][j] * inverse[j][0]).sum()
-        }
-        _ => unreachable!("bodies have two or three dimensions"),
-    };
-    for row in &mut inverse {
-        for value in row {
-            *value /= det;
-        }
-    }
-    (inverse, det)
 }
 
 /// Cells per parallel task.

@@ -26,7 +26,7 @@ pub use nouns::{Analysis, Body, Elastic, Load, Material, Place, Support};
 pub use stress::{recover_stress, von_mises};
 pub use supports::{Constraints, Held, nearest_node, node_normals};
 
-pub(crate) use assemble::{invert, measure};
+pub(crate) use assemble::measure;
 pub(crate) use error::{Short, show};
 pub(crate) use internal::internal_forces;
 pub(crate) use modes::fit_rigid;

@@ -2,8 +2,10 @@
 //!
 //! Plain functions on arrays: nothing here knows a mesh or a body.
 
+mod matrix;
 mod surface;
 
+pub(crate) use matrix::{determinant, invert};
 pub use surface::Surface;
 
 use std::fmt;

@@ -45,7 +45,7 @@ const SMALLEST_ENERGY: f64 = 1e-15;
 
 /// What is known of a factorisation before the values: elimination order, pattern of L, places of the entries of A.
 #[derive(Debug)]
-pub struct Analysis {
+pub struct SymbolicCholesky {
     structure: Arc<Structure>,
     lower: Pattern,
     /// Place in the values of A of each entry of `lower`.
@@ -84,7 +84,7 @@ impl Pattern {
     }
 }
 
-impl Analysis {
+impl SymbolicCholesky {
     /// Analyses the pattern of a matrix; `order` lists the dofs to keep in elimination order, the last `trailing` of
     /// them form the trailing block.
     ///
@@ -299,7 +299,7 @@ pub struct Cholesky {
 }
 
 impl Cholesky {
-    /// Analyses and factors; see [`Analysis::new`] and [`Analysis::factor`].
+    /// Analyses and factors; see [`SymbolicCholesky::new`] and [`SymbolicCholesky::factor`].
     ///
     /// # Errors
     /// Those of the two steps.
@@ -308,7 +308,7 @@ impl Cholesky {
         order: &[usize],
         trailing: usize,
     ) -> Result<Self, LinalgError> {
-        Analysis::new(matrix, order, trailing)?.factor(matrix)
+        SymbolicCholesky::new(matrix, order, trailing)?.factor(matrix)
     }
 
     /// Number of dofs that take part.
@@ -495,9 +495,8 @@ impl Cholesky {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::linalg::{
-        Lu, cholesky_in_place, expand_to_dofs, fill_reducing_order, grid, product,
-    };
+    use crate::linalg::dense::cholesky_in_place;
+    use crate::linalg::{Lu, expand_to_dofs, fill_reducing_order, grid, product};
 
     /// The listed rows and columns of a matrix.
     fn dense(matrix: &SymmetricMatrix, dofs: &[usize]) -> Mat<f64> {
@@ -657,7 +656,9 @@ mod tests {
         let first = order.len() - trailing;
         let given = grid::noise(trailing);
         let l = factor.trailing_factor();
-        crate::linalg::matvec_transpose(&l, &given, &mut y[first..]);
+        for (j, y) in y[first..].iter_mut().enumerate() {
+            *y = (j..trailing).map(|i| l[(i, j)] * given[i]).sum();
+        }
         let u = factor.backward(y);
         let mut force = vec![0.0; matrix.len()];
         matrix.mul(&u, &mut force);

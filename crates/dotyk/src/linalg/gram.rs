@@ -4,7 +4,7 @@
 //! they touch. The pattern is ordered and analysed once.
 
 use crate::linalg::{
-    Analysis, Cholesky, Connectivity, Graph, LinalgError, SparseVector, SymmetricMatrix,
+    Cholesky, Connectivity, Graph, LinalgError, SparseVector, SymbolicCholesky, SymmetricMatrix,
     fill_reducing_order,
 };
 use std::ops::Range;
@@ -18,7 +18,7 @@ pub struct WeightedGram {
     /// Where the products of two entries belong among its values: for each entry of a column those with the entries up to it
     /// of every column of its block.
     places: Vec<u32>,
-    analysis: Analysis,
+    analysis: SymbolicCholesky,
 }
 
 impl WeightedGram {
@@ -58,7 +58,7 @@ impl WeightedGram {
             places.extend(pattern.place(i, j).map(|place| place as u32));
         });
         Ok(Self {
-            analysis: Analysis::new(&pattern, &order, 0)?,
+            analysis: SymbolicCholesky::new(&pattern, &order, 0)?,
             blocks,
             pattern,
             places,

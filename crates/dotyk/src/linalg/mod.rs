@@ -1,13 +1,14 @@
 //! Sparse matrices, orderings and factorisations; the only module that names the linear-algebra library.
 //!
 //! A body's stiffness is gathered from its cell matrices ([`assemble_blocks`] on a [`Graph`]), its nodes are
-//! ordered ([`fill_reducing_order`]), and it is factored once ([`Analysis`], [`Cholesky`]) with the contact dofs
+//! ordered ([`fill_reducing_order`]), and it is factored once ([`SymbolicCholesky`], [`Cholesky`]) with the contact dofs
 //! last, so that the trailing block of the factor is the factor of the stiffness seen from the contact.
-//! The dense functions serve the small problems on the contact.
+//! The dense functions serve the small problems on the contact. Public is what it takes to assemble, factor and condense a
+//! body elsewhere: matrices, orderings, factors and the products of dense matrices; decompositions of dense matrices are not.
 //!
 //! Invariant: the same bits for any number of threads. Kernels are sequential; threads take disjoint blocks whose
 //! borders depend on the problem alone. The operators of [`Mat`] (`&a * &b`) choose threads by themselves: use
-//! [`product`] and its relatives instead.
+//! [`product()`] and its relatives instead.
 //!
 //! Units are those of the caller. Indices are stored as `u32`: at most 2³¹ entries in a matrix or a factor.
 
@@ -18,21 +19,19 @@ mod order;
 mod sparse;
 mod sparse_lu;
 
-pub use cholesky::{Analysis, Cholesky};
-pub use dense::{
-    DenseOperator, Lu, cholesky_in_place, gram, least_squares, matvec, matvec_transpose,
-    null_space, pivoted_cholesky, product, solve_cholesky_in_place, solve_lower_in_place,
-    solve_lower_transpose_in_place, symmetric_eigen, symmetric_eigenvalues, transpose_product,
-};
-pub use faer::{Mat, MatMut, MatRef};
-pub use gram::WeightedGram;
+pub use cholesky::{Cholesky, SymbolicCholesky};
+pub use dense::{Lu, gram, product, transpose_product};
+pub use faer::Mat;
 pub use order::{expand_to_dofs, fill_reducing_order};
 pub use sparse::{
     CellMatrices, Connectivity, Graph, SparseMatrix, SparseVector, SymmetricMatrix, assemble_blocks,
 };
-pub use sparse_lu::SparseLu;
 
-/// A symmetric linear map of vectors of length `len`.
+pub(crate) use dense::{least_squares, null_space, pivoted_cholesky, solve_lower_in_place};
+pub(crate) use gram::WeightedGram;
+pub(crate) use sparse_lu::SparseLu;
+
+/// A symmetric linear map of vectors of length `len`, in the units of the caller.
 pub trait LinearOperator: Send + Sync {
     /// Length of its vectors.
     fn len(&self) -> usize;
@@ -40,9 +39,9 @@ pub trait LinearOperator: Send + Sync {
     fn is_empty(&self) -> bool {
         self.len() == 0
     }
-    /// y = Ax.
+    /// y = Ax. Shapes: both (len,); what y held before is lost.
     fn apply(&self, x: &[f64], y: &mut [f64]);
-    /// AX, shapes (len, n): for operators to which many columns at a time cost less than one by one.
+    /// AX. Shapes: both (len, n). For operators to which many columns at a time cost less than one by one.
     fn apply_many(&self, x: &Mat<f64>) -> Mat<f64> {
         let mut y = Mat::zeros(self.len(), x.ncols());
         for j in 0..x.ncols() {

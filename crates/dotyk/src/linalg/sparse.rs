@@ -7,6 +7,7 @@
 //! Invariants: row indices of a column and neighbours of a node ascend; the diagonal of a [`SymmetricMatrix`] is
 //! always stored, first in its column. Memory: 12 bytes per stored entry (value and `u32` index).
 
+use crate::linalg::dense::norm;
 use crate::linalg::{LinalgError, Mat};
 use rayon::prelude::*;
 
@@ -108,7 +109,7 @@ impl SparseVector {
 
     /// Euclidean length.
     pub fn norm(&self) -> f64 {
-        self.values.iter().map(|x| x * x).sum::<f64>().sqrt()
+        norm(&self.values)
     }
 }
 

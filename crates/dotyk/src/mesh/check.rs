@@ -5,7 +5,7 @@
 //! rules: at the nodes it may vanish (a corner of 180°, a quarter-point cell), inside it may not.
 //! A cell numbered the other way round is turned, which its facets follow.
 
-use crate::geometry::{Point, bounding_box, distance, padded};
+use crate::geometry::{Point, bounding_box, determinant, distance, padded};
 use crate::mesh::cell::MAX_CELL_NODES;
 use crate::mesh::{CellBlock, CellKind, MeshError};
 
@@ -209,19 +209,6 @@ fn jacobian<const D: usize>(x: &[Point<D>], gradients: &[[f64; D]]) -> [[f64; D]
         }
     }
     rows
-}
-
-/// Determinant of a matrix of order one, two or three.
-pub(crate) fn determinant<const D: usize>(m: &[[f64; D]; D]) -> f64 {
-    match D {
-        1 => m[0][0],
-        2 => m[0][0] * m[1][1] - m[0][1] * m[1][0],
-        _ => {
-            m[0][0] * (m[1][1] * m[2][2] - m[1][2] * m[2][1])
-                - m[0][1] * (m[1][0] * m[2][2] - m[1][2] * m[2][0])
-                + m[0][2] * (m[1][0] * m[2][1] - m[1][1] * m[2][0])
-        }
-    }
 }
 
 fn mean<const D: usize>(x: &[Point<D>]) -> [f64; 3] {

@@ -22,8 +22,8 @@ pub use generate::{Diagonals, Rectangle, Ring, TunnelRock};
 pub use import::{FilePlace, ImportError, Imported, MeshFile};
 pub use outline::{Contour, Division, EdgeShape, Outline, OutlineEdge, OutlinePlace, SizePoint};
 
-use crate::geometry::{Point, Surface, bounding_box, distance, norm, padded, sub};
-use crate::mesh::check::{check, determinant};
+use crate::geometry::{Point, Surface, bounding_box, determinant, distance, norm, padded, sub};
+use crate::mesh::check::check;
 use std::collections::BTreeMap;
 
 /// Cells of one kind, and of one group when the mesh file names groups.

@@ -16,7 +16,7 @@
 use crate::dual::Compliance;
 use crate::fem::{BodySystem, FemError, show};
 use crate::linalg::{
-    Analysis, Cholesky, LinalgError, LinearOperator, Mat, SparseMatrix, expand_to_dofs,
+    Cholesky, LinalgError, LinearOperator, Mat, SparseMatrix, SymbolicCholesky, expand_to_dofs,
     fill_reducing_order, gram, solve_lower_in_place,
 };
 use crate::model::error::Error;
@@ -187,7 +187,7 @@ pub(crate) fn body_rows<const D: usize>(
 
 /// Elimination order of one body, with its symbolic analysis.
 pub(crate) struct Ordered {
-    analysis: Analysis,
+    analysis: SymbolicCholesky,
     /// Contact dofs, the last ones of the order.
     trailing: Vec<usize>,
 }
@@ -223,7 +223,7 @@ pub(crate) fn order<const D: usize>(
     let nodes = fill_reducing_order(&system.graph, &keep_node, &last);
     let dofs = expand_to_dofs(&nodes, D, &keep);
     let trailing = expand_to_dofs(&last, D, &keep);
-    let analysis = Analysis::new(&system.stiffness, &dofs, trailing.len())
+    let analysis = SymbolicCholesky::new(&system.stiffness, &dofs, trailing.len())
         .map_err(|source| singular(model, body, source))?;
     Ok(Ordered { analysis, trailing })
 }
@@ -577,7 +577,7 @@ fn boundary_part<const D: usize>(body: &LoadedBody<D>) -> Option<BoundaryPart> {
         .collect();
     let nodes = fill_reducing_order(&system.graph, &keep_node, &[]);
     let dofs = expand_to_dofs(&nodes, D, &keep);
-    let inner = Analysis::new(&system.stiffness, &dofs, 0)
+    let inner = SymbolicCholesky::new(&system.stiffness, &dofs, 0)
         .ok()?
         .factor(&system.stiffness)
         .ok()?;

@@ -20,6 +20,7 @@ mod recover;
 mod sliding;
 mod solution;
 
+pub use crate::contact::ContactError;
 pub use check::{BodyCheck, Check, ContactCheck};
 pub use compare::{Comparison, ComparisonRow};
 pub use condense::DENSE_LIMIT;

@@ -501,7 +501,7 @@ fn invert_map<const D: usize>(
                 }
             }
         }
-        let (inverse, det) = crate::fem::invert(jacobian);
+        let (inverse, det) = crate::geometry::invert(&jacobian);
         if det == 0.0 || !det.is_finite() {
             return None;
         }

@@ -70,33 +70,33 @@ pub fn left(name: &str) -> Head {
 }
 
 /// Content of a table cell, already escaped.
-pub struct Cell {
+pub struct Entry {
     html: String,
     text: bool,
 }
 
 /// A cell with a number.
-pub fn plain(text: String) -> Cell {
+pub fn plain(text: String) -> Entry {
     marked(escape(&text))
 }
 
 /// A cell with words.
-pub fn text(text: &str) -> Cell {
+pub fn text(text: &str) -> Entry {
     described(escape(text))
 }
 
 /// A cell of markup.
-pub fn marked(html: String) -> Cell {
-    Cell { html, text: false }
+pub fn marked(html: String) -> Entry {
+    Entry { html, text: false }
 }
 
 /// A cell of markup that reads as words.
-pub fn described(html: String) -> Cell {
-    Cell { html, text: true }
+pub fn described(html: String) -> Entry {
+    Entry { html, text: true }
 }
 
 /// A table that scrolls where it is too wide.
-pub fn table(heads: &[Head], rows: Vec<Vec<Cell>>) -> String {
+pub fn table(heads: &[Head], rows: Vec<Vec<Entry>>) -> String {
     let class = |is_text: bool| if is_text { " class=\"text\"" } else { "" };
     let mut out = String::from("<div class=\"scroll\"><table>\n<thead><tr>");
     for head in heads {

@@ -109,6 +109,31 @@ impl<'a> Record<'a> {
                 .unwrap_or(now),
         }
     }
+
+    /// What summary and report tell of it, the time it took so far included.
+    ///
+    /// Errors: [`Error::Name`], [`Error::Mismatch`], there is no step.
+    fn run(&self) -> Result<Run<'_>, Error> {
+        check(self.model, self.steps)?;
+        let (last, earlier) = self.steps.split_last().ok_or(Error::Mismatch {
+            what: "steps".to_string(),
+            expected: self.model.times.len(),
+            found: 0,
+        })?;
+        Ok(Run {
+            model: self.model,
+            earlier,
+            last,
+            stem: self.stem,
+            converged: self.failed.is_none() && self.steps.iter().all(|step| step.converged),
+            failed: self.failed.as_ref(),
+            seconds: Seconds {
+                total: self.since.elapsed().as_secs_f64(),
+                ..last.seconds
+            },
+            peak_memory: peak_memory_bytes(),
+        })
+    }
 }
 
 /// A load step without an answer.
@@ -163,15 +188,8 @@ impl<'a> Run<'a> {
 /// Errors: any [`Error`]; then the folder is as it was before.
 pub fn write(record: &Record<'_>, dir: &Path) -> Result<Vec<PathBuf>, Error> {
     let start = Instant::now();
-    let Record {
-        model,
-        steps,
-        stem,
-        ref failed,
-        since,
-    } = *record;
-    check(model, steps)?;
-    let last = last(model, steps)?;
+    let (model, steps) = (record.model, record.steps);
+    let mut run = record.run()?;
     let mut stage = Stage::open(dir)?;
     let several = model.times.len().max(steps.len()) > 1;
     for (step, solution) in steps.iter().enumerate() {
@@ -185,19 +203,10 @@ pub fn write(record: &Record<'_>, dir: &Path) -> Result<Vec<PathBuf>, Error> {
 
     let seconds = || Seconds {
         write: start.elapsed().as_secs_f64(),
-        total: since.elapsed().as_secs_f64(),
-        ..last.seconds
+        total: record.since.elapsed().as_secs_f64(),
+        ..run.last.seconds
     };
-    let mut run = Run {
-        model,
-        earlier: &steps[..steps.len() - 1],
-        last,
-        stem,
-        converged: failed.is_none() && steps.iter().all(|step| step.converged),
-        failed: failed.as_ref(),
-        seconds: seconds(),
-        peak_memory: peak_memory_bytes(),
-    };
+    run.seconds = seconds();
     stage.put("report.html", report::page(&run).as_bytes())?;
     run.seconds = seconds();
     stage.put("summary.json", json::summary(&run).as_bytes())?;
@@ -210,32 +219,15 @@ pub fn write(record: &Record<'_>, dir: &Path) -> Result<Vec<PathBuf>, Error> {
 /// The steps of the record are the last iterate of that step alone.
 /// Errors: any [`Error`]; then the folder is as it was before.
 pub fn write_summary(record: &Record<'_>, dir: &Path) -> Result<PathBuf, Error> {
-    let Record {
-        model,
-        steps,
-        stem,
-        ref failed,
-        since,
-    } = *record;
-    check(model, steps)?;
-    let last = last(model, steps)?;
-    let mut stage = Stage::open(dir)?;
     let run = Run {
-        model,
-        earlier: &steps[..steps.len() - 1],
-        last,
-        stem,
         converged: false,
-        failed: failed.as_ref(),
-        seconds: Seconds {
-            total: since.elapsed().as_secs_f64(),
-            ..last.seconds
-        },
-        peak_memory: peak_memory_bytes(),
+        ..record.run()?
     };
+    let mut stage = Stage::open(dir)?;
     stage.put("summary.json", json::summary(&run).as_bytes())?;
     let mut stale = earlier_fields(dir);
-    stale.extend(model.bodies.iter().map(|b| format!("{}.vtu", b.name)));
+    let bodies = record.model.bodies.iter();
+    stale.extend(bodies.map(|b| format!("{}.vtu", b.name)));
     stale.extend([COLLECTION, "contact.csv", "report.html"].map(String::from));
     stage.commit(&stale)?;
     Ok(dir.join("summary.json"))
@@ -248,15 +240,6 @@ const COLLECTION: &str = "case.pvd";
 fn earlier_fields(dir: &Path) -> Vec<String> {
     let text = std::fs::read_to_string(dir.join(COLLECTION)).unwrap_or_default();
     vtu::collected(&text)
-}
-
-/// The last step; an error when there is none.
-fn last<'a>(model: &Model<2>, steps: &'a [Solution<2>]) -> Result<&'a Solution<2>, Error> {
-    steps.last().ok_or(Error::Mismatch {
-        what: "steps".to_string(),
-        expected: model.times.len(),
-        found: 0,
-    })
 }
 
 /// Writes `check.html`, the mesh-and-supports page of an unsolved model, with what the check found.
@@ -339,20 +322,12 @@ fn check_step<const D: usize>(model: &Model<D>, solution: &Solution<D>) -> Resul
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::output::tunnel::names;
     use std::fs;
     use std::slice::from_ref;
 
     fn record<'a>(model: &'a Model<2>, steps: &'a [Solution<2>]) -> Record<'a> {
         Record::of(model, steps, "case_1")
-    }
-
-    fn names(dir: &Path) -> Vec<String> {
-        let mut list: Vec<String> = fs::read_dir(dir)
-            .unwrap()
-            .map(|e| e.unwrap().file_name().into_string().unwrap())
-            .collect();
-        list.sort();
-        list
     }
 
     #[test]

@@ -38,9 +38,9 @@ pub struct Strand {
     pub closed: bool,
 }
 
-/// A point of a strand.
+/// A point of a strand where something is drawn.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Station {
+pub struct Mark {
     /// Undeformed position.
     pub point: Point<2>,
     /// Outward unit normal.
@@ -67,8 +67,8 @@ impl Strand {
     }
 
     /// The strand as a fine polygon, with outward normals of its facets.
-    fn fine(&self, points: &[Point<2>]) -> Vec<Station> {
-        let mut stations: Vec<Station> = Vec::new();
+    fn fine(&self, points: &[Point<2>]) -> Vec<Mark> {
+        let mut marks: Vec<Mark> = Vec::new();
         let mut arc = 0.0;
         for link in &self.links {
             let [a, b] = link.ends.map(|n| points[n]);
@@ -79,13 +79,13 @@ impl Strand {
                 let next = link.middle.map_or(b, |m| parabola(a, points[m], b, t));
                 let along = unit(sub(next, before)).unwrap_or([1.0, 0.0]);
                 let normal = [along[1], -along[0]];
-                stations.push(Station {
+                marks.push(Mark {
                     point: before,
                     normal,
                     arc,
                 });
                 arc += distance(before, next);
-                stations.push(Station {
+                marks.push(Mark {
                     point: next,
                     normal,
                     arc,
@@ -93,11 +93,11 @@ impl Strand {
                 before = next;
             }
         }
-        stations
+        marks
     }
 
     /// `parts` + 1 points at equal distances, the ends included; or the middles of `parts` equal pieces.
-    pub fn stations(&self, points: &[Point<2>], parts: usize, middles: bool) -> Vec<Station> {
+    pub fn marks(&self, points: &[Point<2>], parts: usize, middles: bool) -> Vec<Mark> {
         let fine = self.fine(points);
         let length = fine.last().map_or(0.0, |s| s.arc);
         let count = if middles { parts } else { parts + 1 };
@@ -115,7 +115,7 @@ impl Strand {
                 } else {
                     0.0
                 };
-                Some(Station {
+                Some(Mark {
                     point: add_scaled(a.point, t, sub(b.point, a.point)),
                     normal: a.normal,
                     arc,
@@ -463,14 +463,14 @@ mod tests {
     }
 
     #[test]
-    fn stations_stay_on_a_curved_side_with_outward_normals() {
+    fn marks_stay_on_a_curved_side_with_outward_normals() {
         let model = tunnel::model(12, [2, 6], CellKind::Quad8);
         let scene = Scene::new(&model);
         let side = scene.body_side(0, "outer");
         assert_eq!((side.len(), side[0].closed), (1, false));
-        let stations = side[0].stations(model.bodies[0].mesh.points(), 40, true);
-        assert_eq!(stations.len(), 40);
-        for s in stations {
+        let marks = side[0].marks(model.bodies[0].mesh.points(), 40, true);
+        assert_eq!(marks.len(), 40);
+        for s in marks {
             let radius = s.point[0].hypot(s.point[1]);
             // 12 parabolas over half a circle: off by far less than a thousandth.
             assert!((radius / tunnel::RADIUS - 1.0).abs() < 1e-3);

@@ -43,7 +43,7 @@ fn margin(scene: &Scene) -> Margin {
     let (low, high) = scene.bounds;
     let near = 0.12 * (high[0] - low[0]).max(high[1] - low[1]);
     let mut margin = Margin::all(BARE);
-    let mut mark = |point: Point<2>, outward: Point<2>| {
+    let mut widen = |point: Point<2>, outward: Point<2>| {
         let sides = [
             (&mut margin.left, point[0] - low[0], -outward[0]),
             (&mut margin.right, high[0] - point[0], outward[0]),
@@ -62,15 +62,15 @@ fn margin(scene: &Scene) -> Margin {
             match load {
                 Load::Traction { side, .. } | Load::Pressure { side, .. } => {
                     for strand in scene.body_side(i, side) {
-                        let stations = strand.stations(points, 24, true);
-                        stations.iter().for_each(|s| mark(s.point, s.normal));
+                        let marks = strand.marks(points, 24, true);
+                        marks.iter().for_each(|s| widen(s.point, s.normal));
                     }
                 }
                 Load::Force { point, force } => {
                     let force: Point<2> =
                         [0, 1].map(|k| force[k].at(*point, scene.model.last_time()));
                     if let Some(along) = unit(force) {
-                        mark(*point, along.map(|c| -c));
+                        widen(*point, along.map(|c| -c));
                     }
                 }
             }
@@ -145,7 +145,7 @@ fn contact_line(svg: &mut Svg, scene: &Scene, view: &View, contact: &Contact<2>,
         let points = scene.model.bodies[nonmortar.body.0].mesh.points();
         for strand in scene.side(nonmortar) {
             let surface: Vec<(Pixel, Pixel)> = strand
-                .stations(points, 60, false)
+                .marks(points, 60, false)
                 .iter()
                 .map(|s| {
                     let point = obstacle

@@ -138,16 +138,7 @@ fn unwritable(path: &Path, source: io::Error) -> Error {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::output::tunnel::Scratch;
-
-    fn names(dir: &Path) -> Vec<String> {
-        let mut list: Vec<String> = fs::read_dir(dir)
-            .unwrap()
-            .map(|e| e.unwrap().file_name().into_string().unwrap())
-            .collect();
-        list.sort();
-        list
-    }
+    use crate::output::tunnel::{Scratch, names};
 
     #[test]
     fn nothing_is_seen_before_the_commit() {

@@ -48,7 +48,7 @@ pub fn steps_section(run: &Run<'_>, labels: &Labels) -> String {
 }
 
 /// A curve with its name.
-struct Curve {
+struct Series {
     name: String,
     values: Vec<f64>,
 }
@@ -57,7 +57,7 @@ struct Curve {
 struct Panel {
     title: String,
     unit: String,
-    curves: Vec<Curve>,
+    curves: Vec<Series>,
 }
 
 fn panels(steps: &[&Solution<2>], labels: &Labels) -> Vec<Panel> {
@@ -68,7 +68,7 @@ fn panels(steps: &[&Solution<2>], labels: &Labels) -> Vec<Panel> {
         title: title.to_string(),
         unit: unit.to_string(),
         curves: (0..last.contacts.len())
-            .map(|i| Curve {
+            .map(|i| Series {
                 name: last.contacts[i].name.clone(),
                 values: steps.iter().map(|s| value(&s.contacts[i])).collect(),
             })
@@ -89,7 +89,7 @@ fn panels(steps: &[&Solution<2>], labels: &Labels) -> Vec<Panel> {
     list.extend(probes.map(|(i, probe)| Panel {
         title: probe.name.clone(),
         unit: labels.of_probe(&probe.quantity).to_string(),
-        curves: vec![Curve {
+        curves: vec![Series {
             name: String::new(),
             values: steps.iter().map(|s| s.probes[i].value).collect(),
         }],

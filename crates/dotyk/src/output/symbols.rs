@@ -2,7 +2,7 @@
 
 use crate::geometry::{Field, Point, bounding_box, distance, dot, norm, unit};
 use crate::model::{Load, Place, Support};
-use crate::output::scene::{Scene, Station, Strand, polyline};
+use crate::output::scene::{Mark, Scene, Strand, polyline};
 use crate::output::svg::{LOAD, Pixel, SUPPORT, Svg, Type, segments, text_width};
 use crate::output::text::{Labels, number, quantity};
 use crate::output::view::{View, beside, on_paper};
@@ -103,7 +103,7 @@ fn side_support(svg: &mut Svg, view: &View, strand: &Strand, points: &[Point<2>]
         );
         let parts = ((length / 6.0) as usize).clamp(2, 4000);
         let surface: Vec<(Pixel, Pixel)> = strand
-            .stations(points, parts, false)
+            .marks(points, parts, false)
             .iter()
             .map(|s| (view.pixel(s.point), on_paper(s.normal)))
             .filter(|(p, _)| view.sees(*p))
@@ -112,8 +112,8 @@ fn side_support(svg: &mut Svg, view: &View, strand: &Strand, points: &[Point<2>]
         return;
     }
     let parts = ((length / SPACING).round() as usize).clamp(1, 4000);
-    for station in strand.stations(points, parts, true) {
-        let at = view.pixel(station.point);
+    for mark in strand.marks(points, parts, true) {
+        let at = view.pixel(mark.point);
         // Half a symbol at the edge of the window would say nothing.
         let whole = [-7.0, 7.0]
             .iter()
@@ -124,25 +124,21 @@ fn side_support(svg: &mut Svg, view: &View, strand: &Strand, points: &[Point<2>]
         match hold {
             Hold::Axis(axis) => {
                 let mut d = [0.0, 0.0];
-                d[axis] = if station.normal[axis] < 0.0 {
-                    -1.0
-                } else {
-                    1.0
-                };
+                d[axis] = if mark.normal[axis] < 0.0 { -1.0 } else { 1.0 };
                 // Along the side itself: beside it, so that it does not hide in the outline.
-                let beside = if station.normal[axis].abs() < 0.3 {
+                let beside = if mark.normal[axis].abs() < 0.3 {
                     5.0
                 } else {
                     0.0
                 };
-                let n = on_paper(station.normal);
+                let n = on_paper(mark.normal);
                 roller(
                     svg,
                     [at[0] + beside * n[0], at[1] + beside * n[1]],
                     on_paper(d),
                 );
             }
-            _ => roller(svg, at, on_paper(station.normal)),
+            _ => roller(svg, at, on_paper(mark.normal)),
         }
     }
 }
@@ -157,16 +153,16 @@ fn prescribed(
     time: f64,
     labels: &Labels,
 ) {
-    let Some(station) = strand.stations(points, 1, true).first().copied() else {
+    let Some(mark) = strand.marks(points, 1, true).first().copied() else {
         return;
     };
-    let value = |field: &Option<Field>| field.as_ref().map_or(0.0, |f| f.at(station.point, time));
+    let value = |field: &Option<Field>| field.as_ref().map_or(0.0, |f| f.at(mark.point, time));
     let along = value(&support.normal);
-    let u: Point<2> = [0, 1].map(|i| value(&support.components[i]) + along * station.normal[i]);
+    let u: Point<2> = [0, 1].map(|i| value(&support.components[i]) + along * mark.normal[i]);
     let Some(direction) = unit(u) else { return };
-    let n = on_paper(station.normal);
+    let n = on_paper(mark.normal);
     let d = on_paper(direction);
-    let base = view.pixel(station.point);
+    let base = view.pixel(mark.point);
     let tail = [0, 1].map(|i| base[i] + 20.0 * n[i]);
     let tip = [0, 1].map(|i| tail[i] + 22.0 * d[i]);
     svg.arrow(tail, tip, SUPPORT, 2.0);
@@ -250,11 +246,11 @@ pub fn draw_load(
     let mesh = &scene.model.bodies[body].mesh;
     match load {
         Load::Traction { side, traction } => {
-            let at = |s: &Station| [0, 1].map(|i| traction[i].at(s.point, time));
+            let at = |s: &Mark| [0, 1].map(|i| traction[i].at(s.point, time));
             draw_fence(svg, scene, view, body, side, &at, labels);
         }
         Load::Pressure { side, pressure } => {
-            let at = |s: &Station| s.normal.map(|n| -n * pressure.at(s.point, time));
+            let at = |s: &Mark| s.normal.map(|n| -n * pressure.at(s.point, time));
             draw_fence(svg, scene, view, body, side, &at, labels);
         }
         Load::Force { point, force } => {
@@ -291,7 +287,7 @@ fn draw_fence(
     view: &View,
     body: usize,
     side: &str,
-    traction: &dyn Fn(&Station) -> Point<2>,
+    traction: &dyn Fn(&Mark) -> Point<2>,
     labels: &Labels,
 ) {
     let points = scene.model.bodies[body].mesh.points();
@@ -299,15 +295,15 @@ fn draw_fence(
         .supports
         .iter()
         .any(|s| s.place == Place::Side(side.to_string()));
-    let fences: Vec<(Strand, Vec<Station>, Vec<Point<2>>)> = scene
+    let fences: Vec<(Strand, Vec<Mark>, Vec<Point<2>>)> = scene
         .body_side(body, side)
         .into_iter()
         .map(|strand| {
             let pixels = strand.length(points) * view.scale;
             let parts = ((pixels / 15.0).round() as usize).clamp(1, 2000);
-            let stations = strand.stations(points, parts, false);
-            let values = stations.iter().map(traction).collect();
-            (strand, stations, values)
+            let marks = strand.marks(points, parts, false);
+            let values = marks.iter().map(traction).collect();
+            (strand, marks, values)
         })
         .collect();
     let sizes = || {
@@ -326,15 +322,15 @@ fn draw_fence(
     } else {
         format!("{} … {}", number(low), quantity(high, &labels.stress))
     };
-    for (strand, stations, values) in &fences {
+    for (strand, marks, values) in &fences {
         if hidden(scene, view, strand, points, 40.0) {
             continue;
         }
         let lift = if held { 16.0 } else { 2.0 };
         let mut outer = Vec::new();
-        for (station, &t) in stations.iter().zip(values) {
-            let n = on_paper(station.normal);
-            let base = view.pixel(station.point);
+        for (mark, &t) in marks.iter().zip(values) {
+            let n = on_paper(mark.normal);
+            let base = view.pixel(mark.point);
             let base = [0, 1].map(|i| base[i] + lift * n[i]);
             let size = ARROW * norm(t) / high;
             let d = on_paper(unit(t).unwrap_or([0.0, 0.0]));
@@ -348,7 +344,7 @@ fn draw_fence(
                     (base, [0, 1].map(|i| base[i] + step * d[i]))
                 }
             };
-            if !view.sees(view.pixel(station.point)) {
+            if !view.sees(view.pixel(mark.point)) {
                 outer.push([f64::NAN; 2]);
                 continue;
             }
@@ -357,7 +353,7 @@ fn draw_fence(
             }
             outer.push(if dot(d, n) < 0.0 { tail } else { tip });
         }
-        let runs = runs(stations, &outer);
+        let runs = runs(marks, &outer);
         for run in &runs {
             svg.path(
                 &polyline(&outer[run.clone()]),
@@ -368,17 +364,17 @@ fn draw_fence(
             );
         }
         if let Some(run) = runs.into_iter().max_by_key(std::ops::Range::len) {
-            label_fence(svg, view, &stations[run.clone()], &outer[run], &text);
+            label_fence(svg, view, &marks[run.clone()], &outer[run], &text);
         }
     }
 }
 
 /// Pieces of a fence in sight and without a corner.
-fn runs(stations: &[Station], outer: &[Pixel]) -> Vec<Range<usize>> {
+fn runs(marks: &[Mark], outer: &[Pixel]) -> Vec<Range<usize>> {
     let mut list: Vec<Range<usize>> = Vec::new();
     for i in (0..outer.len()).filter(|&i| outer[i][0].is_finite()) {
         match list.last_mut() {
-            Some(run) if run.end == i && dot(stations[i - 1].normal, stations[i].normal) > 0.8 => {
+            Some(run) if run.end == i && dot(marks[i - 1].normal, marks[i].normal) > 0.8 => {
                 run.end = i + 1
             }
             _ => list.push(i..i + 1),
@@ -388,10 +384,10 @@ fn runs(stations: &[Station], outer: &[Pixel]) -> Vec<Range<usize>> {
 }
 
 /// The value beside the middle of a piece of the fence, clear of its highest arrow.
-fn label_fence(svg: &mut Svg, view: &View, stations: &[Station], outer: &[Pixel], text: &str) {
+fn label_fence(svg: &mut Svg, view: &View, marks: &[Mark], outer: &[Pixel], text: &str) {
     let middle = outer.len() / 2;
-    let n = on_paper(stations[middle].normal);
-    let base = view.pixel(stations[middle].point);
+    let n = on_paper(marks[middle].normal);
+    let base = view.pixel(marks[middle].point);
     let reach = outer
         .iter()
         .map(|p| dot([p[0] - base[0], p[1] - base[1]], n))

@@ -35,6 +35,15 @@ impl Drop for Scratch {
     }
 }
 
+/// Names of all files and folders in a folder, sorted.
+pub fn names(dir: &Path) -> Vec<String> {
+    let entries = std::fs::read_dir(dir).unwrap();
+    let names = entries.map(|e| e.unwrap().file_name().into_string().unwrap());
+    let mut names: Vec<String> = names.collect();
+    names.sort();
+    names
+}
+
 /// The tunnel with `around` cells along the interface, and given numbers of them through ring and rock.
 pub fn model(around: usize, [ring, rock]: [usize; 2], cell: CellKind) -> Model<2> {
     let lining = Ring {
