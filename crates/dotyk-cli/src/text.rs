@@ -1,7 +1,7 @@
 //! Result lines: aligned columns and short numbers.
 
 use comfy_table::{Cell, CellAlignment, Table};
-use std::io::Write;
+use std::io::{IsTerminal, Write};
 use std::path::PathBuf;
 
 /// Writes to standard output. A reader that closes the pipe early ends the output and is no error.
@@ -9,6 +9,19 @@ pub fn print(text: &str) {
     let mut out = std::io::stdout().lock();
     // As said above.
     let _ = out.write_all(text.as_bytes()).and_then(|()| out.flush());
+}
+
+/// Whether a stream shows colours: on a terminal, unless the user wants none (<https://no-color.org>).
+pub fn colours(stream: &impl IsTerminal) -> bool {
+    stream.is_terminal() && std::env::var_os("NO_COLOR").is_none()
+}
+
+/// Words in red, where colours are shown.
+pub fn red(words: &str, shown: bool) -> String {
+    match shown {
+        true => format!("\u{1b}[31m{words}\u{1b}[0m"),
+        false => words.to_string(),
+    }
 }
 
 /// Six significant digits without trailing zeros; `-` where there is no number.

@@ -4,7 +4,7 @@ use crate::Outcome;
 use crate::failure::{Failure, warn};
 use crate::progress::Progress;
 use crate::run::all_warnings;
-use crate::text::{columns, number, print};
+use crate::text::{colours, columns, number, print, red};
 use dotyk::case::{Case, Criterion, Reference, References, Verdict};
 use dotyk::model::{Error, Solution};
 use std::path::{Path, PathBuf};
@@ -26,7 +26,7 @@ const REFERENCE_FILE: &str = "reference.toml";
 struct Folder {
     path: PathBuf,
     cases: Vec<(String, Case)>,
-    references: Vec<Reference>,
+    references: Option<References>,
 }
 
 /// What was found, over all folders.
@@ -36,8 +36,20 @@ struct Tally {
     certified: usize,
     within: usize,
     outside: usize,
+    known: usize,
     shown: usize,
     refused: bool,
+}
+
+impl Tally {
+    fn count(&mut self, verdict: Verdict) {
+        match verdict {
+            Verdict::Within => self.within += 1,
+            Verdict::Outside | Verdict::Unexpected => self.outside += 1,
+            Verdict::Known => self.known += 1,
+            Verdict::NotJudged => self.shown += 1,
+        }
+    }
 }
 
 /// Reads everything, then solves everything: a mistake in the last folder shows before the first minute is spent.
@@ -53,12 +65,13 @@ pub fn verify(arguments: &Arguments) -> Result<Outcome, Failure> {
         verify_folder(folder, arguments.quiet, &mut tally);
     }
     print(&format!(
-        "{} of {} cases certified; of {} reference values {} within, {} outside, {} not judged\n",
+        "{} of {} cases certified; of {} reference values {} within, {} outside, {} outside for a known reason, {} not judged\n",
         tally.certified,
         tally.cases,
-        tally.within + tally.outside + tally.shown,
+        tally.within + tally.outside + tally.known + tally.shown,
         tally.within,
         tally.outside,
+        tally.known,
         tally.shown
     ));
     if tally.refused {
@@ -130,53 +143,16 @@ fn read_folder(path: &Path) -> Result<Folder, Failure> {
         return Err(Failure::of(path, "there is no case file in the folder"));
     }
     let file = path.join(REFERENCE_FILE);
-    let references = if file.exists() {
-        checked_references(&References::read(&file)?, &cases)?
-    } else {
-        Vec::new()
-    };
+    let references = file.exists().then(|| References::read(&file)).transpose()?;
+    if let Some(references) = &references {
+        let case = |name: &str| cases.iter().find(|(n, _)| n == name);
+        references.check(|name| case(name).map(|(_, case)| &case.model))?;
+    }
     Ok(Folder {
         path: path.to_path_buf(),
         cases,
         references,
     })
-}
-
-/// The reference values, when all their cases and probes exist.
-fn checked_references(
-    references: &References,
-    cases: &[(String, Case)],
-) -> Result<Vec<Reference>, Failure> {
-    for reference in &references.values {
-        let Some((_, case)) = cases.iter().find(|(name, _)| *name == reference.case) else {
-            return Err(references.unknown_case(reference).into());
-        };
-        has_probe_and_step(references, reference, &reference.case, case)?;
-        if let Some(other) = &reference.against {
-            let Some((_, case)) = cases.iter().find(|(name, _)| name == other) else {
-                return Err(references.unknown_other(reference).into());
-            };
-            has_probe_and_step(references, reference, other, case)?;
-        }
-    }
-    Ok(references.values.clone())
-}
-
-fn has_probe_and_step(
-    references: &References,
-    reference: &Reference,
-    name: &str,
-    case: &Case,
-) -> Result<(), Failure> {
-    let names = || case.model.probes.iter().map(|p| p.name.as_str());
-    if !names().any(|name| name == reference.probe) {
-        return Err(references.unknown_probe(reference, names()).into());
-    }
-    let count = case.model.times.len();
-    if reference.step.is_some_and(|step| step > count) {
-        return Err(references.unknown_step(reference, name, count).into());
-    }
-    Ok(())
 }
 
 /// What became of a case: its load steps so far, of so many.
@@ -210,7 +186,7 @@ impl Solved {
     }
 }
 
-/// Solves the cases of a folder and prints its table.
+/// Solves the cases of a folder and prints its table, what is outside in red.
 fn verify_folder(folder: &Folder, quiet: bool, tally: &mut Tally) {
     let mut text = format!("{}\n", folder.path.display());
     let mut solutions: Vec<(&str, Option<Solved>)> = Vec::new();
@@ -229,14 +205,19 @@ fn verify_folder(folder: &Folder, quiet: bool, tally: &mut Tally) {
             .find(|(n, _)| *n == name)
             .and_then(|(_, s)| s.as_ref())
     };
-    let rows: Vec<Vec<String>> = folder
-        .references
-        .iter()
-        .map(|reference| {
+    let (mut rows, mut verdicts) = (Vec::new(), Vec::new());
+    if let Some(references) = &folder.references {
+        for reference in &references.values {
             let other = reference.against.as_deref().map(of);
-            judged(reference, of(&reference.case), other, tally)
-        })
-        .collect();
+            let (row, verdict) = judged(reference, of(&reference.case), other);
+            tally.count(verdict);
+            rows.push(row);
+            verdicts.push(verdict);
+            if verdict == Verdict::Unexpected {
+                Failure::from(references.unexpected(reference)).print();
+            }
+        }
+    }
     if !rows.is_empty() {
         let header = [
             "case",
@@ -247,7 +228,13 @@ fn verify_folder(folder: &Folder, quiet: bool, tally: &mut Tally) {
             "difference",
             "verdict",
         ];
-        text += &columns(&header, &rows, 4..6);
+        let table = columns(&header, &rows, 4..6);
+        let shown = colours(&std::io::stdout());
+        let agrees = |verdict: &Verdict| matches!(verdict, Verdict::Within | Verdict::NotJudged);
+        let reds = verdicts.iter().map(|verdict| shown && !agrees(verdict));
+        for (line, is_red) in table.lines().zip(std::iter::once(false).chain(reds)) {
+            text += &(red(line, is_red) + "\n");
+        }
     }
     print(&(text + "\n"));
 }
@@ -319,8 +306,7 @@ fn judged(
     reference: &Reference,
     solved: Option<&Solved>,
     other: Option<Option<&Solved>>,
-    tally: &mut Tally,
-) -> Vec<String> {
+) -> (Vec<String>, Verdict) {
     let certified = judged_step(reference, solved).is_some_and(|s| s.converged);
     let read = |solved: Option<&Solved>| {
         let step = judged_step(reference, solved);
@@ -331,14 +317,10 @@ fn judged(
     };
     let computed = reference.computed(read(solved), other.map(read));
     let verdict = match reference.judge(computed) {
-        Verdict::Within if !certified => Verdict::Outside,
+        Verdict::NotJudged => Verdict::NotJudged,
+        _ if !certified => Verdict::Outside,
         verdict => verdict,
     };
-    match verdict {
-        Verdict::Within => tally.within += 1,
-        Verdict::Outside => tally.outside += 1,
-        Verdict::NotJudged => tally.shown += 1,
-    }
     let value = number(reference.value);
     let expected = match reference.criterion {
         Criterion::Band([low, high]) => format!("{value} in [{}, {}]", number(low), number(high)),
@@ -359,13 +341,16 @@ fn judged(
         Some(step) => format!("{} (step {step})", reference.label),
         None => reference.label.clone(),
     };
-    vec![
+    let known = reference.known.iter().map(|reason| format!(": {reason}"));
+    let known: String = known.filter(|_| verdict == Verdict::Known).collect();
+    let row = vec![
         reference.case.clone(),
         label,
         reference.kind.name().to_string(),
         expected,
         number(computed),
         difference,
-        verdict.name().to_string(),
-    ]
+        verdict.name().to_string() + &known,
+    ];
+    (row, verdict)
 }

@@ -333,6 +333,24 @@ fn mistakes_in_a_reference_file_are_found_before_solving() {
         ("tolerance = 0.1", "tolerance = -1", 6, "negative"),
         ("tolerance = 0.1", "judged = false", 6, "published"),
         ("tolerance = 0.1", "", 1, "`tolerance` or `band`"),
+        (
+            "case = \"good.toml\"",
+            "cases = [\"good.toml\", \"god.toml\"]",
+            2,
+            "god.toml",
+        ),
+        (
+            "tolerance = 0.1",
+            "tolerance = 0.1\nagainst = \"bad.toml\"",
+            7,
+            "bad.toml",
+        ),
+        (
+            "case = \"good.toml\"",
+            "cases = [\"good.toml\", \"good.toml\"]",
+            2,
+            "listed twice",
+        ),
     ] {
         let text = reference.replacen(from, to, 1);
         std::fs::write(folder.join("punch/reference.toml"), text).unwrap();

@@ -570,3 +570,62 @@ fn a_block_that_slides_is_an_answer_with_body_direction_and_load_factor() {
         assert!(message.contains(word), "no {word} in {message}");
     }
 }
+
+/// Runs `dotyk verify` on some folders of another one: its status, standard output and standard error.
+fn verify(folder: &Path, cases: &[&str]) -> (Option<i32>, String, String) {
+    let output = Command::new(env!("CARGO_BIN_EXE_dotyk"))
+        .args(["verify", "--quiet"])
+        .args(cases)
+        .current_dir(folder)
+        .output()
+        .unwrap();
+    let text = |bytes| String::from_utf8(bytes).unwrap();
+    (
+        output.status.code(),
+        text(output.stdout),
+        text(output.stderr),
+    )
+}
+
+#[test]
+fn what_is_known_to_lie_outside_is_told_with_its_reason_until_it_lies_inside() {
+    let pressure = probe("pressure", "sole.pressure", "at = [0.5, 1]");
+    let case = Run::solved("known", &(stack(1e6, "") + &pressure));
+    let judged = |more: &str| {
+        let text = "[[value]]\ncase = \"case.toml\"\nprobe = \"pressure\"\nkind = \"published\"\n";
+        std::fs::write(case.folder.join("reference.toml"), text.to_string() + more).unwrap();
+        verify(case.folder.parent().unwrap(), &["known"])
+    };
+    let (inside, outside) = ("band = [5e5, 2e6]\n", "band = [2e6, 4e6]\n");
+    let known = "judged = true\nknown = \"a stiffer block\"\n";
+    let last = |output: &str| output.lines().last().unwrap().to_string();
+
+    let (status, output, _) = judged(outside);
+    assert_eq!(status, Some(1));
+    assert!(last(&output).contains("0 within, 1 outside, 0 outside for a known reason"));
+    let (status, output, _) = judged(&(outside.to_string() + known));
+    assert_eq!(status, Some(0));
+    assert!(
+        output.contains("OUTSIDE, known: a stiffer block"),
+        "{output}"
+    );
+    assert!(last(&output).contains("0 within, 0 outside, 1 outside for a known reason"));
+    let (status, output, message) = judged(&(inside.to_string() + known));
+    assert_eq!(status, Some(1));
+    assert!(
+        message.contains("reference.toml, line 7, column 9"),
+        "{message}"
+    );
+    assert!(last(&output).contains("0 within, 1 outside"), "{output}");
+    assert_eq!(judged(inside).0, Some(0));
+}
+
+#[test]
+fn every_case_is_certified_and_within_its_bands() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
+    let (status, output, message) = verify(&root, &[]);
+    assert_eq!(status, Some(0), "{output}{message}");
+    // an empty folder would pass as well
+    let judged = output.matches("  ok\n").count();
+    assert!(judged > 1000, "only {judged} values are judged");
+}

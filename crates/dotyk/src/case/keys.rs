@@ -133,6 +133,7 @@ pub const REFERENCES: &[&str] = &["value"];
 /// `[[value]]` of a reference file.
 pub const REFERENCE: &[&str] = &[
     "case",
+    "cases",
     "probe",
     "step",
     "kind",
@@ -140,6 +141,7 @@ pub const REFERENCE: &[&str] = &[
     "tolerance",
     "band",
     "judged",
+    "known",
     "source",
     "reason",
     "label",

@@ -1,12 +1,16 @@
 //! Published, analytic and earlier values of a case, and how a computed value is judged against them.
 //!
-//! `reference.toml` beside the case files holds `[[value]]` tables. A value is judged by a relative tolerance
-//! (|computed − value| ≤ tolerance·|value|; absolute where the value is zero) or by a band fixed beforehand
-//! (lo ≤ computed ≤ hi). A published value may be shown without a verdict.
+//! `reference.toml` beside the case files holds `[[value]]` tables, each for one case or several. A value is judged by a
+//! relative tolerance (|computed − value| ≤ tolerance·|value|; absolute where the value is zero) or by a band fixed
+//! beforehand (lo ≤ computed ≤ hi). A published value may be shown without a verdict. One that is known to lie outside
+//! keeps its band and says why (`known`): it is told with its reason, and is an error as soon as it lies inside.
 
 use crate::case::document::{self, Node, Span, Table};
 use crate::case::error::{CaseError, Fault, read_text};
 use crate::case::keys;
+use crate::case::suggest::listed;
+use crate::model::Model;
+use std::collections::HashSet;
 use std::path::Path;
 use std::sync::Arc;
 
@@ -50,6 +54,10 @@ pub enum Verdict {
     Within,
     /// Outside, or not a number.
     Outside,
+    /// Outside, as its reference says with a reason.
+    Known,
+    /// Inside, although its reference says that it lies outside.
+    Unexpected,
     /// Shown only.
     NotJudged,
 }
@@ -60,6 +68,8 @@ impl Verdict {
         match self {
             Self::Within => "ok",
             Self::Outside => "OUTSIDE",
+            Self::Known => "OUTSIDE, known",
+            Self::Unexpected => "inside, NOT AS KNOWN",
             Self::NotJudged => "not judged",
         }
     }
@@ -86,14 +96,15 @@ pub struct Reference {
     pub against: Option<String>,
     /// When a computed value agrees.
     pub criterion: Criterion,
+    /// Why a computed value lies outside, where that is known.
+    pub known: Option<String>,
     /// Citation; may be empty.
     pub source: String,
     /// Why the tolerance or band is what it is; may be empty.
     pub reason: String,
-    case_span: Span,
-    probe_span: Span,
-    step_span: Span,
-    against_span: Span,
+    /// Where its table stands, and the value of each key in it.
+    table: Span,
+    places: Vec<(&'static str, Span)>,
 }
 
 impl Reference {
@@ -118,29 +129,34 @@ impl Reference {
             Criterion::NotJudged => return Verdict::NotJudged,
             Criterion::Band([low, high]) => low <= computed && computed <= high,
             Criterion::Tolerance(tolerance) => {
-                let scale = if self.value == 0.0 {
-                    1.0
-                } else {
-                    self.value.abs()
-                };
-                (computed - self.value).abs() <= tolerance * scale
+                (computed - self.value).abs() <= tolerance * self.size()
             }
         };
-        if within {
-            Verdict::Within
-        } else {
-            Verdict::Outside
+        match (within, &self.known) {
+            (true, None) => Verdict::Within,
+            (true, Some(_)) => Verdict::Unexpected,
+            (false, Some(_)) if computed.is_finite() => Verdict::Known,
+            (false, _) => Verdict::Outside,
         }
+    }
+
+    /// A fault at the value of a key, or at the table where it has no such key.
+    fn fault(&self, key: &str, message: String) -> Fault {
+        let place = self.places.iter().find(|(name, _)| *name == key);
+        Fault::new(place.map_or(&self.table, |(_, span)| span), message)
     }
 
     /// (computed − value) / |value|; the plain difference where the value is zero.
     pub fn difference(&self, computed: f64) -> f64 {
-        let scale = if self.value == 0.0 {
-            1.0
-        } else {
-            self.value.abs()
-        };
-        (computed - self.value) / scale
+        (computed - self.value) / self.size()
+    }
+
+    /// What differences are relative to.
+    fn size(&self) -> f64 {
+        match self.value {
+            0.0 => 1.0,
+            value => value.abs(),
+        }
     }
 }
 
@@ -173,49 +189,50 @@ impl References {
         })
     }
 
-    /// The error that the case of this reference is not there.
-    pub fn unknown_case(&self, reference: &Reference) -> CaseError {
-        let message = format!("there is no case file `{}` in the folder", reference.case);
-        Fault::new(&reference.case_span, message)
-            .label("no such case")
-            .in_source(&self.source_name, &self.source_text)
+    /// Checks that all cases, probes and steps exist; `model` finds that of a case file.
+    ///
+    /// Errors: what is not there, with its place.
+    pub fn check<'m>(&self, model: impl Fn(&str) -> Option<&'m Model<2>>) -> Result<(), CaseError> {
+        for reference in &self.values {
+            let fault = |key, message, label: &str| reference.fault(key, message).label(label);
+            let against = reference.against.as_ref().map(|other| ("against", other));
+            for (key, case) in [("case", &reference.case)].into_iter().chain(against) {
+                let Some(model) = model(case) else {
+                    let message = format!("there is no case file `{case}` in the folder");
+                    return Err(self.located(fault(key, message, "no such case")));
+                };
+                let names = || model.probes.iter().map(|probe| probe.name.as_str());
+                if !names().any(|name| name == reference.probe) {
+                    let message = format!("`{case}` has no probe `{}`", reference.probe);
+                    let help = match listed(names()) {
+                        known if known.is_empty() => "it has no probes".to_string(),
+                        known => format!("its probes: {known}"),
+                    };
+                    let fault = fault("probe", message, "no such probe").help(help);
+                    return Err(self.located(fault));
+                }
+                let count = model.times.len();
+                if let Some(step) = reference.step.filter(|step| *step > count) {
+                    let message = format!("`{case}` has no step {step}: it has {count}");
+                    let fault = fault("step", message, "no such step")
+                        .help("steps count from 1; without `step` the last is meant");
+                    return Err(self.located(fault));
+                }
+            }
+        }
+        Ok(())
     }
 
-    /// The error that the case it is compared against is not there.
-    pub fn unknown_other(&self, reference: &Reference) -> CaseError {
-        let other = reference.against.as_deref().unwrap_or_default();
-        let message = format!("there is no case file `{other}` in the folder");
-        Fault::new(&reference.against_span, message)
-            .label("no such case")
-            .in_source(&self.source_name, &self.source_text)
+    /// The error that a value lies inside although it is known to lie outside.
+    pub fn unexpected(&self, reference: &Reference) -> CaseError {
+        let (probe, case) = (&reference.probe, &reference.case);
+        let message = format!("`{probe}` of `{case}` agrees, although it is known not to");
+        let fault = reference.fault("known", message);
+        self.located(fault.label("agrees by now").help("remove `known`"))
     }
 
-    /// The error that a case has no such step; `count` is the number of its steps.
-    pub fn unknown_step(&self, reference: &Reference, case: &str, count: usize) -> CaseError {
-        let step = reference.step.unwrap_or(count);
-        let message = format!("`{case}` has no step {step}: it has {count}");
-        Fault::new(&reference.step_span, message)
-            .label("no such step")
-            .help("steps count from 1; without `step` the last is meant")
-            .in_source(&self.source_name, &self.source_text)
-    }
-
-    /// The error that its case has no such probe; `known` are the probes that it has.
-    pub fn unknown_probe<'a>(
-        &self,
-        reference: &Reference,
-        known: impl IntoIterator<Item = &'a str>,
-    ) -> CaseError {
-        let known = crate::case::suggest::listed(known);
-        let help = match known.is_empty() {
-            true => "it has no probes".to_string(),
-            false => format!("its probes: {known}"),
-        };
-        let message = format!("`{}` has no probe `{}`", reference.case, reference.probe);
-        Fault::new(&reference.probe_span, message)
-            .label("no such probe")
-            .help(help)
-            .in_source(&self.source_name, &self.source_text)
+    fn located(&self, fault: Fault) -> CaseError {
+        fault.in_source(&self.source_name, &self.source_text)
     }
 }
 
@@ -227,14 +244,52 @@ const KINDS: [(&str, Kind); 3] = [
 
 fn values(document: &Node) -> Result<Vec<Reference>, Fault> {
     let table = document.table(keys::REFERENCES)?;
-    table.list("value")?.iter().map(reference).collect()
+    let mut values = Vec::new();
+    let mut known = HashSet::new();
+    for node in table.list("value")? {
+        let table = node.table(keys::REFERENCE)?;
+        let value = reference(table)?;
+        for node in cases(table)? {
+            let (case, probe) = (node.text()?.to_string(), value.probe.clone());
+            let fault = Fault::new(
+                &node.span,
+                format!("`{case}` is listed twice for the probe `{probe}`"),
+            );
+            let (against, source) = (value.against.clone(), value.source.clone());
+            if !known.insert((case.clone(), probe, value.step, against, source)) {
+                let help = "another value of the same number has another `source`";
+                return Err(fault.label("once more").help(help));
+            }
+            let mut value = value.clone();
+            value.case = case;
+            value.places.push(("case", node.span.clone()));
+            values.push(value);
+        }
+    }
+    Ok(values)
 }
 
-fn reference(node: &Node) -> Result<Reference, Fault> {
-    let table = node.table(keys::REFERENCE)?;
+/// The cases that a value is for: `case = "NAME"` or `cases = ["NAME", ..]`.
+fn cases(table: Table<'_>) -> Result<&[Node], Fault> {
+    let Some(entry) = table.entry("cases") else {
+        let case = table.require("case", "a reference value")?;
+        return Ok(std::slice::from_ref(case));
+    };
+    if table.get("case").is_some() {
+        let message = "a reference value takes one of `case` and `cases`";
+        return Err(Fault::new(&entry.key_span, message).label("superfluous beside `case`"));
+    }
+    let cases = entry.node.list()?;
+    if cases.is_empty() {
+        return Err(Fault::new(&entry.node.span, "`cases` lists no case").label("empty"));
+    }
+    Ok(cases)
+}
+
+/// A value, still of no case.
+fn reference(table: Table<'_>) -> Result<Reference, Fault> {
     let what = "a reference value";
-    let case = table.require("case", what)?;
-    let probe = table.require("probe", what)?;
+    let probe = table.require("probe", what)?.text()?.to_string();
     let kind = table.require("kind", what)?.choice("kind", &KINDS)?;
     let criterion = criterion(table, kind)?;
     let value = match (table.get("value"), criterion) {
@@ -243,39 +298,32 @@ fn reference(node: &Node) -> Result<Reference, Fault> {
         (None, _) => table.require("value", what)?.number()?,
     };
     let text = |key: &str| {
-        let node = table.get(key);
-        node.map_or(Ok(""), Node::text).map(str::to_string)
+        let text = table.get(key).map(Node::text).transpose()?;
+        Ok(text.map(str::to_string))
     };
-    let label = text("label")?;
-    let scale = table.get("scale").map_or(Ok(1.0), Node::number)?;
-    let step = table.get("step");
-    let against = table.get("against");
-    if let (Some(entry), Some(_)) = (table.entry("scale"), against) {
+    let against = text("against")?;
+    if let (Some(entry), Some(_)) = (table.entry("scale"), &against) {
         let message = "`scale` does not change a percentage";
         return Err(Fault::new(&entry.key_span, message).label("superfluous beside `against`"));
     }
+    let place = |key: &&'static str| Some((*key, table.get(key)?.span.clone()));
+    let step = table.get("step");
+    let step = step.map(|node| node.positive_integer("`step`"));
     Ok(Reference {
-        case: case.text()?.to_string(),
-        probe: probe.text()?.to_string(),
-        label: if label.is_empty() {
-            probe.text()?.to_string()
-        } else {
-            label
-        },
+        case: String::new(),
+        label: text("label")?.unwrap_or_else(|| probe.clone()),
+        probe,
         kind,
         value,
-        scale,
-        step: step
-            .map(|node| node.positive_integer("`step`"))
-            .transpose()?,
-        against: against.map(Node::text).transpose()?.map(str::to_string),
+        scale: table.get("scale").map_or(Ok(1.0), Node::number)?,
+        step: step.transpose()?,
+        against,
         criterion,
-        source: text("source")?,
-        reason: text("reason")?,
-        case_span: case.span.clone(),
-        probe_span: probe.span.clone(),
-        step_span: step.map_or_else(|| case.span.clone(), |node| node.span.clone()),
-        against_span: against.map_or_else(|| case.span.clone(), |node| node.span.clone()),
+        known: known(table, criterion)?,
+        source: text("source")?.unwrap_or_default(),
+        reason: text("reason")?.unwrap_or_default(),
+        table: table.span.clone(),
+        places: keys::REFERENCE.iter().filter_map(place).collect(),
     })
 }
 
@@ -309,6 +357,23 @@ fn criterion(table: Table<'_>, kind: Kind) -> Result<Criterion, Fault> {
             "a reference value takes one of `tolerance`, `band` and `judged = false`",
         )
         .label("more than one")),
+    }
+}
+
+/// Why a value that is judged is known to lie outside.
+fn known(table: Table<'_>, criterion: Criterion) -> Result<Option<String>, Fault> {
+    let Some(entry) = table.entry("known") else {
+        return Ok(None);
+    };
+    if criterion == Criterion::NotJudged {
+        let message = "`known` is of a value that is judged";
+        return Err(Fault::new(&entry.key_span, message)
+            .label("superfluous beside `judged = false`")
+            .help("give it `tolerance` or `band`, and `judged = true`"));
+    }
+    match entry.node.text()?.trim() {
+        "" => Err(Fault::new(&entry.node.span, "`known` needs a reason").label("empty")),
+        reason => Ok(Some(reason.to_string())),
     }
 }
 
@@ -403,6 +468,65 @@ tolerance = 1e-9
     }
 
     #[test]
+    fn one_table_may_be_for_many_cases() {
+        let text = GOOD.replacen(
+            "case = \"case_1.toml\"",
+            "cases = [\"a.toml\", \"b.toml\"]",
+            1,
+        );
+        let references = References::from_str(&text, "reference.toml").unwrap();
+        let cases: Vec<&str> = references.values.iter().map(|v| v.case.as_str()).collect();
+        assert_eq!(cases[..3], ["a.toml", "b.toml", "case_1.toml"]);
+        let probes: Vec<&str> = references.values.iter().map(|v| v.probe.as_str()).collect();
+        assert_eq!(probes[..3], ["crown", "crown", "force"]);
+        assert_eq!(references.values[1].value, -2.0);
+    }
+
+    #[test]
+    fn a_case_is_listed_once_for_a_probe_and_a_source() {
+        let one = "case = \"case_1.toml\"";
+        let place = |e: CaseError| (e.line(), e.column());
+        let twice = error(one, "cases = [\"a.toml\", \"a.toml\"]");
+        assert!(twice.message.contains("listed twice"), "{twice}");
+        assert_eq!(place(twice), (Some(2), Some(20)));
+        // in two tables: as long as both cite the same source
+        let again = |source: &str| {
+            let table = GOOD.split("\n\n").next().unwrap();
+            let second = table.replacen("a book", source, 1);
+            References::from_str(&format!("{table}\n\n{second}"), "reference.toml")
+        };
+        assert_eq!(place(again("a book").unwrap_err()), (Some(10), Some(8)));
+        assert_eq!(again("another book").unwrap().values.len(), 2);
+        let both = format!("{one}\ncases = [\"a.toml\"]");
+        assert_eq!(place(error(one, &both)), (Some(3), Some(1)));
+        assert_eq!(place(error(one, "cases = []")), (Some(2), Some(9)));
+        assert_eq!(place(error(one, "cases = \"a.toml\"")), (Some(2), Some(9)));
+        assert_eq!(place(error(one, "")), (Some(1), Some(1)));
+    }
+
+    #[test]
+    fn a_value_that_is_known_to_be_outside_must_be_outside() {
+        let known = "band = [1.4, 1.7]\njudged = true\nknown = \"another mesh\"";
+        let text = GOOD.replacen("band = [1.4, 1.7]", known, 1);
+        let references = References::from_str(&text, "reference.toml").unwrap();
+        let force = &references.values[1];
+        assert_eq!(force.known.as_deref(), Some("another mesh"));
+        assert_eq!(force.judge(1.71), Verdict::Known);
+        assert_eq!(force.judge(1.7), Verdict::Unexpected);
+        // what is not there is not what is known
+        assert_eq!(force.judge(f64::NAN), Verdict::Outside);
+        let error_of = references.unexpected(force);
+        assert_eq!((error_of.line(), error_of.column()), (Some(16), Some(9)));
+        // without a verdict or without words it says nothing
+        let e = error("judged = false", "judged = false\nknown = \"so\"");
+        assert_eq!(e.line(), Some(23));
+        assert_eq!(
+            error("value = 1.5", "value = 1.5\nknown = \" \"").line(),
+            Some(14)
+        );
+    }
+
+    #[test]
     fn a_value_may_name_its_step() {
         let text = GOOD.replacen("value = -2.0", "value = -2.0\nstep = 2", 1);
         let references = References::from_str(&text, "reference.toml").unwrap();
@@ -411,8 +535,6 @@ tolerance = 1e-9
         assert_eq!(last.of(&["a", "b", "c"], 3), Some(&"c"));
         // a run that ended after its first step
         assert_eq!((second.of(&["a"], 3), last.of(&["a"], 3)), (None, None));
-        let error = references.unknown_step(second, "case_1.toml", 1);
-        assert_eq!((error.line(), error.column()), (Some(6), Some(8)));
         assert_eq!(error_of_step("0").line(), Some(6));
         assert_eq!(error_of_step("1.5").line(), Some(6));
     }
@@ -433,17 +555,6 @@ tolerance = 1e-9
         assert_eq!(
             error("kind = \"published\"", "kind = \"rumour\"").line(),
             Some(12)
-        );
-    }
-
-    #[test]
-    fn an_unknown_probe_is_found_where_it_is_named() {
-        let references = References::from_str(GOOD, "reference.toml").unwrap();
-        let error = references.unknown_probe(&references.values[1], ["crown"]);
-        assert_eq!((error.line(), error.column()), (Some(11), Some(9)));
-        assert_eq!(
-            references.unknown_case(&references.values[1]).line(),
-            Some(10)
         );
     }
 }
