@@ -1,6 +1,6 @@
 //! All tests that see the library from outside, in one binary: one link, and shared code is compiled once.
 //!
-//! A file is a module; `cargo test --test suite rates::` runs one of them.
+//! A file is a module; `cargo test --release --test suite rates::` runs one of them.
 
 mod axisymmetric;
 mod determinism;
@@ -21,4 +21,3 @@ mod source;
 mod steps;
 mod tables;
 mod tidy;
-mod verification;
