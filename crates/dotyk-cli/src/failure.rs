@@ -1,9 +1,9 @@
 //! Bad input: one clear message on standard error, underlined in its file where it has a place.
 
+use crate::text::{colours, red};
 use dotyk::case::CaseError;
-use miette::{Diagnostic, GraphicalReportHandler, GraphicalTheme, LabeledSpan, NamedSource};
 use std::fmt;
-use std::io::{IsTerminal, Write};
+use std::io::Write;
 use std::path::Path;
 
 /// Why a command refuses to go on.
@@ -29,22 +29,56 @@ impl Failure {
 
     /// Prints the message: with colours on a terminal, plain elsewhere.
     pub fn print(self) {
-        let colours = std::io::stderr().is_terminal() && std::env::var_os("NO_COLOR").is_none();
-        let theme = if colours {
-            GraphicalTheme::unicode()
-        } else {
-            GraphicalTheme::none()
-        };
-        let handler = GraphicalReportHandler::new_themed(theme).with_wrap_lines(false);
-        let handler = handler.without_cause_chain();
-        let report = Report::new(self);
-        let mut rendered = String::new();
-        if handler.render_report(&mut rendered, &report).is_err() {
-            rendered = format!("{report}\n");
-        }
+        let rendered = self.rendered(colours(&std::io::stderr()));
         // Nobody is left to tell when standard error is closed.
         let _ = std::io::stderr().write_all(rendered.as_bytes());
     }
+
+    fn rendered(&self, colours: bool) -> String {
+        let mark = red("x", colours);
+        let error = match self {
+            Self::Message(message) => return format!("  {mark} {message}\n"),
+            Self::File(error) => error,
+        };
+        let mut text = format!("  {mark} {error}\n") + &underlined(error, colours);
+        if let Some(help) = &error.help {
+            text += &format!("  help: {}\n", help.replace('\n', "\n        "));
+        }
+        text
+    }
+}
+
+/// The line of a mistake between its neighbours, underlined; nothing where the mistake has no place.
+fn underlined(error: &CaseError, colours: bool) -> String {
+    let (Some(line), Some(column), Some(span)) = (error.line(), error.column(), &error.span) else {
+        return String::new();
+    };
+    let width = (line + 1).to_string().len();
+    let margin = " ".repeat(width + 2);
+    let length = error.source_text.get(span.clone()).unwrap_or_default();
+    let length = length.chars().count().max(1);
+    let mut text = format!("{margin},-[{}:{line}:{column}]\n", error.source_name);
+    let lines = (1..).zip(error.source_text.lines());
+    for (number, words) in lines
+        .skip_while(|(n, _)| n + 1 < line)
+        .take_while(|(n, _)| *n <= line + 1)
+    {
+        // a tab takes one column here, as it does in the number of the column
+        let shown = format!(" {number:>width$} | {}", words.replace('\t', " "));
+        text += &format!("{}\n", shown.trim_end());
+        if number == line {
+            let (before, middle) = (" ".repeat(column - 1), length / 2);
+            let stem = if error.label.is_empty() { "^" } else { "|" };
+            let marks = "^".repeat(middle) + stem + &"^".repeat(length - middle - 1);
+            text += &format!("{margin}: {before}{}\n", red(&marks, colours));
+            if !error.label.is_empty() {
+                let label = format!("`-- {}", error.label);
+                let before = before + &" ".repeat(middle);
+                text += &format!("{margin}: {before}{}\n", red(&label, colours));
+            }
+        }
+    }
+    text + &format!("{margin}`----\n")
 }
 
 /// Warnings of a result, one line each.
@@ -54,65 +88,34 @@ pub fn warn(warnings: &[String]) {
     let _ = std::io::stderr().write_all(lines.as_bytes());
 }
 
-/// A failure in the form that the renderer takes.
-#[derive(Debug)]
-struct Report {
-    message: String,
-    source: Option<NamedSource<String>>,
-    label: Option<LabeledSpan>,
-    help: Option<String>,
-}
+#[cfg(test)]
+mod tests {
+    use super::*;
 
-impl Report {
-    fn new(failure: Failure) -> Self {
-        let error = match failure {
-            Failure::File(error) => error,
-            Failure::Message(message) => {
-                return Self {
-                    message,
-                    source: None,
-                    label: None,
-                    help: None,
-                };
-            }
+    #[test]
+    fn a_mistake_is_underlined_between_its_neighbours() {
+        let text = "[[contact]]\nsides = [\"punch.botom\", \"block.top\"]\n\n[solver]\n";
+        let start = text.find("\"punch").unwrap();
+        let error = CaseError {
+            message: "body `punch` has no side `botom`".to_string(),
+            label: "the nearest known side is `bottom`".into(),
+            help: Some("its sides: `bottom`, `top`".into()),
+            span: Some(start..start + 13),
+            source_name: "punch.toml".into(),
+            source_text: text.into(),
         };
-        let text = error.source_text.to_string();
-        let label = error.span.as_ref().map(|span| {
-            let words = (!error.label.is_empty()).then(|| error.label.to_string());
-            LabeledSpan::new(words, span.start, span.len())
-        });
-        Self {
-            message: error.to_string(),
-            source: label
-                .is_some()
-                .then(|| NamedSource::new(error.source_name.as_ref(), text)),
-            label,
-            help: error.help.map(String::from),
-        }
-    }
-}
-
-impl fmt::Display for Report {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(&self.message)
-    }
-}
-
-impl std::error::Error for Report {}
-
-impl Diagnostic for Report {
-    fn help<'a>(&'a self) -> Option<Box<dyn fmt::Display + 'a>> {
-        let help = self.help.as_ref()?;
-        Some(Box::new(help))
-    }
-
-    fn source_code(&self) -> Option<&dyn miette::SourceCode> {
-        let source = self.source.as_ref()?;
-        Some(source)
-    }
-
-    fn labels(&self) -> Option<Box<dyn Iterator<Item = LabeledSpan> + '_>> {
-        let label = self.label.clone()?;
-        Some(Box::new(std::iter::once(label)))
+        let expected = r#"  x punch.toml, line 2, column 10: body `punch` has no side `botom`
+   ,-[punch.toml:2:10]
+ 1 | [[contact]]
+ 2 | sides = ["punch.botom", "block.top"]
+   :          ^^^^^^|^^^^^^
+   :                `-- the nearest known side is `bottom`
+ 3 |
+   `----
+  help: its sides: `bottom`, `top`
+"#;
+        assert_eq!(Failure::from(error).rendered(false), expected);
+        let plain = Failure::Message("no such folder".to_string());
+        assert_eq!(plain.rendered(false), "  x no such folder\n");
     }
 }
