@@ -5,16 +5,17 @@ use crate::dual::Feasibility;
 use crate::fem::{BodySystem, Constraints, Short, describe_motion, show};
 use crate::geometry::{Point, add_scaled};
 use crate::mesh::Mesh;
-use crate::model::condense::{LoadedBody, body_rows, initial_gaps};
+use crate::model::admissible::admissible_set;
+use crate::model::bodies::{LoadedBody, body_rows, driven, largest_load, systems};
 use crate::model::dependent::drop_implied;
 use crate::model::error::{Error, Subject};
 use crate::model::floating::Floating;
 use crate::model::nouns::*;
-use crate::model::pair::{Paired, admissible_set, pair_all};
-use crate::model::pipeline::largest_load;
+use crate::model::pair::{Paired, initial_gaps, pair_all, row_ranges};
 use crate::model::sliding::sliding;
 use rayon::prelude::*;
 use std::fmt;
+use std::ops::Range;
 
 /// What was found about one body.
 #[derive(Debug, Clone, PartialEq)]
@@ -56,7 +57,7 @@ pub struct ContactCheck<const D: usize> {
     pub facet: f64,
 }
 
-/// The answer of [`Model::check`].
+/// What was found about a model.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Check<const D: usize> {
     /// One per body.
@@ -80,163 +81,163 @@ const ROUNDING: f64 = 1e-12;
 /// Penetrations below this part of a facet are inaccuracies of coordinates: nodes that near coincide.
 const INACCURATE: f64 = 1e-6;
 
-impl<const D: usize> Model<D> {
-    /// Checks meshes, supports, loads, floating bodies and contacts; solves nothing.
-    pub fn check(&self) -> Check<D> {
-        let mut check = Check {
-            bodies: Vec::new(),
-            contacts: Vec::new(),
-            errors: Vec::new(),
-            subject: None,
-            warnings: Vec::new(),
-        };
-        if let Err(error) = self.fill(&mut check) {
-            check.subject = error.subject();
-            check.errors.push(error.to_string());
-        }
-        check
+/// What is found of a model that is `valid`, or why it is not.
+pub(crate) fn check<const D: usize>(model: &Model<D>, valid: Result<(), Error<D>>) -> Check<D> {
+    let mut check = Check::default();
+    if let Err(error) = valid.and_then(|()| fill(model, &mut check)) {
+        check.subject = error.subject();
+        check.errors.push(error.to_string());
     }
+    check
+}
 
-    /// Describes the model at its last load step, then looks at the loads of the steps before.
-    fn fill(&self, check: &mut Check<D>) -> Result<(), Error<D>> {
-        self.validate()?;
-        self.check_probes()?;
-        let time = self.last_time();
-        let last = |error| self.in_step(self.times.len(), error, Vec::new());
-        let systems = self.systems(time).map_err(last)?;
-        for (body, system) in self.bodies.iter().zip(&systems) {
-            check.warnings.extend(poor_cells(body));
-            check.bodies.push(check_body(body, system));
-        }
-        let constraints: Vec<&Constraints<D>> = systems.iter().map(|s| &s.constraints).collect();
-        let mut paired = pair_all(self, &constraints, time).map_err(last)?;
-        check
-            .warnings
-            .extend(drop_implied(self, &systems, &mut paired));
-        let remarks = paired.iter().flat_map(|pair| pair.warnings.clone());
-        check.warnings.extend(remarks);
-        check.contacts = self.check_contacts(&paired);
-        let remarks = check.contacts.iter().flat_map(ContactCheck::remarks);
-        check.warnings.extend(remarks);
-        let rows = body_rows(&systems, &paired);
-        let loaded = systems
-            .into_iter()
-            .zip(rows)
-            .map(|(system, rows)| LoadedBody::new(system, rows));
-        let mut bodies: Vec<LoadedBody<D>> = loaded.collect();
-        let mut floating = Floating::new(self, &bodies, &initial_gaps(&paired)).map_err(last)?;
-        check.warnings.extend(floating.warnings.iter().cloned());
-        self.describe_floating(&floating, &paired, check);
-        self.check_balance(&floating, &bodies, &paired, time, &mut check.warnings)
-            .map_err(last)?;
-        for (index, &time) in self.times.iter().enumerate().rev().skip(1) {
-            let at = |error| self.in_step(index + 1, error, Vec::new());
-            (bodies, paired) = self.driven(bodies, paired, time).map_err(at)?;
-            floating = floating
-                .at_time(self, &bodies, &initial_gaps(&paired))
-                .map_err(at)?;
-            self.check_balance(&floating, &bodies, &paired, time, &mut check.warnings)
-                .map_err(at)?;
-        }
-        Ok(())
+/// Describes the model at its last load step, then looks at the loads of the steps before.
+fn fill<const D: usize>(model: &Model<D>, check: &mut Check<D>) -> Result<(), Error<D>> {
+    model.check_probes()?;
+    let time = model.last_time();
+    let last = |error: Error<D>| error.in_step(model, model.times.len(), Vec::new());
+    let systems = systems(model, time).map_err(last)?;
+    for (body, system) in model.bodies.iter().zip(&systems) {
+        check.warnings.extend(poor_cells(body));
+        check.bodies.push(check_body(body, system));
     }
+    let constraints: Vec<&Constraints<D>> = systems.iter().map(|s| &s.constraints).collect();
+    let mut paired = pair_all(model, &constraints, time).map_err(last)?;
+    check
+        .warnings
+        .extend(drop_implied(model, &systems, &mut paired));
+    let remarks = paired.iter().flat_map(|pair| pair.warnings.clone());
+    check.warnings.extend(remarks);
+    check.contacts = check_contacts(model, &paired);
+    let remarks = check.contacts.iter().flat_map(ContactCheck::remarks);
+    check.warnings.extend(remarks);
+    let rows = body_rows(&systems, &paired);
+    let loaded = systems
+        .into_iter()
+        .zip(rows)
+        .map(|(system, rows)| LoadedBody::new(system, rows));
+    let mut bodies: Vec<LoadedBody<D>> = loaded.collect();
+    let mut floating = Floating::new(model, &bodies, &initial_gaps(&paired)).map_err(last)?;
+    check.warnings.extend(floating.warnings.iter().cloned());
+    describe_floating(model, &floating, &paired, check);
+    check_balance(
+        model,
+        &floating,
+        &bodies,
+        &paired,
+        time,
+        &mut check.warnings,
+    )
+    .map_err(last)?;
+    for (index, &time) in model.times.iter().enumerate().rev().skip(1) {
+        let at = |error: Error<D>| error.in_step(model, index + 1, Vec::new());
+        (bodies, paired) = driven(model, bodies, paired, time).map_err(at)?;
+        floating = floating
+            .at_time(model, &bodies, &initial_gaps(&paired))
+            .map_err(at)?;
+        check_balance(
+            model,
+            &floating,
+            &bodies,
+            &paired,
+            time,
+            &mut check.warnings,
+        )
+        .map_err(at)?;
+    }
+    Ok(())
+}
 
-    /// What can be said of each contact before anything is solved.
-    fn check_contacts(&self, paired: &[Paired<D>]) -> Vec<ContactCheck<D>> {
-        let look = |(contact, pair): (&Contact<D>, &Paired<D>)| {
-            let nodes = &pair.interface.nodes;
-            let carriers = nodes.iter().filter(|n| n.role == Role::Multiplier);
-            let gaps: Vec<f64> = carriers.map(|n| n.clearance).collect();
-            let mesh = &self.bodies[pair.nonmortar.body.0].mesh;
-            let alone = nodes.iter().filter(|n| n.role == Role::Alone);
-            let negligible = ROUNDING * mesh.diameter();
-            let deep = gaps.iter().filter(|gap| -**gap > negligible);
-            let name = |side: &SideRef| format!("{}.{}", self.bodies[side.body.0].name, side.side);
-            ContactCheck {
-                name: contact.name.clone(),
-                sides: [
-                    name(&pair.nonmortar),
-                    pair.mortar
-                        .as_ref()
-                        .map_or("rigid obstacle".to_string(), name),
-                ],
-                unknowns: gaps.len(),
-                nodes: nodes.len(),
-                alone: alone.map(|n| mesh.points()[n.node]).collect(),
-                penetration: deep.fold(0.0, |largest, gap| f64::max(largest, -gap)),
-                clearance: gaps.iter().copied().fold(f64::INFINITY, f64::min),
-                given: matches!(contact.gap, Some(Gap::Given(_))),
-                facet: mean_facet(mesh, &pair.nonmortar.side),
+/// What can be said of each contact before anything is solved.
+fn check_contacts<const D: usize>(model: &Model<D>, paired: &[Paired<D>]) -> Vec<ContactCheck<D>> {
+    let look = |(contact, pair): (&Contact<D>, &Paired<D>)| {
+        let nodes = &pair.interface.nodes;
+        let carriers = nodes.iter().filter(|n| n.role == Role::Multiplier);
+        let gaps: Vec<f64> = carriers.map(|n| n.clearance).collect();
+        let mesh = &model.bodies[pair.nonmortar.body.0].mesh;
+        let alone = nodes.iter().filter(|n| n.role == Role::Alone);
+        let negligible = ROUNDING * mesh.diameter();
+        let deep = gaps.iter().filter(|gap| -**gap > negligible);
+        let name = |side: &SideRef| format!("{}.{}", model.bodies[side.body.0].name, side.side);
+        ContactCheck {
+            name: contact.name.clone(),
+            sides: [
+                name(&pair.nonmortar),
+                pair.mortar
+                    .as_ref()
+                    .map_or("rigid obstacle".to_string(), name),
+            ],
+            unknowns: gaps.len(),
+            nodes: nodes.len(),
+            alone: alone.map(|n| mesh.points()[n.node]).collect(),
+            penetration: deep.fold(0.0, |largest, gap| f64::max(largest, -gap)),
+            clearance: gaps.iter().copied().fold(f64::INFINITY, f64::min),
+            given: matches!(contact.gap, Some(Gap::Given(_))),
+            facet: mean_facet(mesh, &pair.nonmortar.side),
+        }
+    };
+    model.contacts.iter().zip(paired).map(look).collect()
+}
+
+/// What a run should say of meshes and contacts, too.
+pub(crate) fn remarks<const D: usize>(model: &Model<D>, paired: &[Paired<D>]) -> Vec<String> {
+    let contacts = check_contacts(model, paired);
+    let cells = model.bodies.par_iter().map(poor_cells);
+    let mut remarks: Vec<String> = cells.flatten_iter().collect();
+    remarks.extend(contacts.iter().flat_map(ContactCheck::remarks));
+    remarks
+}
+
+/// Errors: a load that no contact force can balance.
+fn check_balance<const D: usize>(
+    model: &Model<D>,
+    floating: &Floating,
+    bodies: &[LoadedBody<D>],
+    paired: &[Paired<D>],
+    time: f64,
+    warnings: &mut Vec<String>,
+) -> Result<(), Error<D>> {
+    let admissible = admissible_set(model, paired, time)?;
+    let force = largest_load(bodies);
+    match Feasibility::of(&admissible, &floating.equilibrium, force) {
+        Feasibility::Feasible { .. } => Ok(()),
+        Feasibility::Infeasible { direction, .. } => {
+            let slides = sliding(model, &admissible, floating, bodies, None);
+            match slides {
+                Some(slides) => warnings.push(slides),
+                None => return Err(floating.pulled_away(model, bodies, &direction)),
             }
-        };
-        self.contacts.iter().zip(paired).map(look).collect()
-    }
-
-    /// What a run should say of meshes and contacts, too.
-    pub(crate) fn remarks(&self, paired: &[Paired<D>]) -> Vec<String> {
-        let contacts = self.check_contacts(paired);
-        let cells = self.bodies.par_iter().map(poor_cells);
-        let mut remarks: Vec<String> = cells.flatten_iter().collect();
-        remarks.extend(contacts.iter().flat_map(ContactCheck::remarks));
-        remarks
-    }
-
-    /// Errors: a load that no contact force can balance.
-    fn check_balance(
-        &self,
-        floating: &Floating,
-        bodies: &[LoadedBody<D>],
-        paired: &[Paired<D>],
-        time: f64,
-        warnings: &mut Vec<String>,
-    ) -> Result<(), Error<D>> {
-        let admissible = admissible_set(self, paired, time)?;
-        let force = largest_load(bodies);
-        match Feasibility::of(&admissible, &floating.equilibrium, force) {
-            Feasibility::Feasible { .. } => Ok(()),
-            Feasibility::Infeasible { direction, .. } => {
-                let slides = sliding(self, &admissible, floating, bodies, None);
-                match slides {
-                    Some(slides) => warnings.push(slides),
-                    None => return Err(floating.pulled_away(self, bodies, &direction)),
-                }
-                Ok(())
-            }
+            Ok(())
         }
     }
+}
 
-    /// Which contacts do work on each free motion.
-    fn describe_floating(&self, floating: &Floating, paired: &[Paired<D>], check: &mut Check<D>) {
-        let mut start = 0;
-        let ranges: Vec<std::ops::Range<usize>> = paired
+/// Which contacts do work on each free motion.
+fn describe_floating<const D: usize>(
+    model: &Model<D>,
+    floating: &Floating,
+    paired: &[Paired<D>],
+    check: &mut Check<D>,
+) {
+    let ranges: Vec<Range<usize>> = row_ranges(paired).map(|(rows, _)| rows).collect();
+    for (k, &(body, mode)) in floating.modes.iter().enumerate() {
+        let works = |range: &Range<usize>| range.clone().any(|i| floating.work(k, i).abs() > 1e-8);
+        let holders = model
+            .contacts
             .iter()
-            .map(|pair| {
-                let range = start..start + pair.interface.nonmortar.len();
-                start = range.end;
-                range
-            })
+            .zip(&ranges)
+            .filter(|(_, range)| works(range));
+        let names: Vec<String> = holders
+            .map(|(contact, _)| format!("\"{}\"", contact.name))
             .collect();
-        for (k, &(body, mode)) in floating.modes.iter().enumerate() {
-            let works = |range: &std::ops::Range<usize>| {
-                range.clone().any(|i| floating.work(k, i).abs() > 1e-8)
-            };
-            let holders = self
-                .contacts
-                .iter()
-                .zip(&ranges)
-                .filter(|(_, range)| works(range));
-            let names: Vec<String> = holders
-                .map(|(contact, _)| format!("\"{}\"", contact.name))
-                .collect();
-            let held = if names.is_empty() {
-                "held by nothing".to_string()
-            } else {
-                format!("held by contact {}", names.join(", "))
-            };
-            let load = Short(floating.load(k));
-            let found = &mut check.bodies[body].floating;
-            found[mode] = format!("{}: load on it {load}, {held}", found[mode]);
-        }
+        let held = if names.is_empty() {
+            "held by nothing".to_string()
+        } else {
+            format!("held by contact {}", names.join(", "))
+        };
+        let load = Short(floating.load(k));
+        let found = &mut check.bodies[body].floating;
+        found[mode] = format!("{}: load on it {load}, {held}", found[mode]);
     }
 }
 

@@ -1,9 +1,11 @@
 //! All solvers on one condensed model, side by side: iterations, products, time, and the difference of their answers.
 
-use crate::model::condense::DENSE_LIMIT;
+use crate::model::attempt::run_solver;
+use crate::model::compliance::DENSE_LIMIT;
+use crate::model::condense::{Condensed, condense};
 use crate::model::error::Error;
+use crate::model::event::Event;
 use crate::model::nouns::{Method, Model};
-use crate::model::pipeline::{Condensed, Event};
 use crate::solve::SAFE_STEP;
 use std::time::Instant;
 
@@ -40,56 +42,58 @@ pub struct Comparison {
 /// Most iterations of one run of a sweep: enough for the left branch at a hundredth of the best step.
 const SWEEP_ITERATIONS: usize = 20_000;
 
-impl<const D: usize> Model<D> {
-    /// Runs every named method on the last load step of the model, each from its own start.
-    ///
-    /// Errors: those of [`Model::solve`] that come before the contact solver.
-    pub fn compare(&self, observe: &mut dyn FnMut(Event)) -> Result<Vec<ComparisonRow>, Error<D>> {
-        let bench = Bench::new(self, observe)?;
-        Method::NAMED
-            .into_iter()
-            .map(|method| bench.run(self, method, None, observe))
-            .collect()
-    }
+/// Runs every named method on the last load step of the model, each from its own start.
+///
+/// Errors: those of [`Model::solve`] that come before the contact solver.
+pub(crate) fn compare<const D: usize>(
+    model: &Model<D>,
+    observe: &mut dyn FnMut(Event),
+) -> Result<Vec<ComparisonRow>, Error<D>> {
+    let bench = Bench::new(model, observe)?;
+    Method::NAMED
+        .into_iter()
+        .map(|method| bench.run(model, method, None, observe))
+        .collect()
+}
 
-    /// Iterations of the p,A-algorithm and of projected gradient for some steps ρ.
-    ///
-    /// A run that has not converged after 20 000 iterations counts as not converged.
-    /// Source: Janovský & Procházka (1980) III, Fig. 11.
-    pub fn compare_steps(
-        &self,
-        steps: &[f64],
-        observe: &mut dyn FnMut(Event),
-    ) -> Result<Vec<ComparisonRow>, Error<D>> {
-        let bench = Bench::new(self, observe)?;
-        let mut model = self.clone();
-        let mut rows = Vec::new();
-        for method in [Method::Uzawa, Method::Gradient] {
-            // the automatic step tells λ_max of the operator that the method iterates on
-            model.solver.rho = None;
-            model.solver.max_iterations = Some(1);
-            let natural = model.run_solver(
-                &bench.condensed,
-                method,
-                self.solver.tolerance,
-                None,
-                &mut |_| {},
-            )?;
-            let lambda_max = natural.outcome.rho.map(|rho| SAFE_STEP / rho);
-            for &rho in steps {
-                model.solver.rho = Some(rho);
-                model.solver.max_iterations = Some(SWEEP_ITERATIONS);
-                let row = bench.run(&model, method, lambda_max, &mut |_| {})?;
-                observe(Event::Iteration {
-                    iteration: rows.len() + 1,
-                    residual: f64::NAN,
-                    active: row.iterations,
-                });
-                rows.push(row);
-            }
+/// Iterations of the p,A-algorithm and of projected gradient for some steps ρ.
+///
+/// A run that has not converged after 20 000 iterations counts as not converged.
+/// Source: Janovský & Procházka (1980) III, Fig. 11.
+pub(crate) fn compare_steps<const D: usize>(
+    model: &Model<D>,
+    steps: &[f64],
+    observe: &mut dyn FnMut(Event),
+) -> Result<Vec<ComparisonRow>, Error<D>> {
+    let bench = Bench::new(model, observe)?;
+    let mut varied = model.clone();
+    let mut rows = Vec::new();
+    for method in [Method::Uzawa, Method::Gradient] {
+        // the automatic step tells λ_max of the operator that the method iterates on
+        varied.solver.rho = None;
+        varied.solver.max_iterations = Some(1);
+        let natural = run_solver(
+            &varied,
+            &bench.condensed,
+            method,
+            model.solver.tolerance,
+            None,
+            &mut |_| {},
+        )?;
+        let lambda_max = natural.outcome.rho.map(|rho| SAFE_STEP / rho);
+        for &rho in steps {
+            varied.solver.rho = Some(rho);
+            varied.solver.max_iterations = Some(SWEEP_ITERATIONS);
+            let row = bench.run(&varied, method, lambda_max, &mut |_| {})?;
+            observe(Event::Iteration {
+                iteration: rows.len() + 1,
+                residual: f64::NAN,
+                active: row.iterations,
+            });
+            rows.push(row);
         }
-        Ok(rows)
     }
+    Ok(rows)
 }
 
 /// A condensed model with the answer that all runs are compared with.
@@ -100,9 +104,9 @@ struct Bench<const D: usize> {
 
 impl<const D: usize> Bench<D> {
     fn new(model: &Model<D>, observe: &mut dyn FnMut(Event)) -> Result<Self, Error<D>> {
-        model.validate()?;
-        let condensed = model.condense(model.last_time(), DENSE_LIMIT, observe)?;
-        let newton = model.run_solver(
+        let condensed = condense(model, model.last_time(), DENSE_LIMIT, observe)?;
+        let newton = run_solver(
+            model,
             &condensed,
             Method::Newton,
             model.solver.tolerance,
@@ -123,7 +127,8 @@ impl<const D: usize> Bench<D> {
         observe: &mut dyn FnMut(Event),
     ) -> Result<ComparisonRow, Error<D>> {
         let clock = Instant::now();
-        let attempt = model.run_solver(
+        let attempt = run_solver(
+            model,
             &self.condensed,
             method,
             model.solver.tolerance,

@@ -10,13 +10,13 @@
 //! own is independent; setting such rows aside again and again leaves few rows, mostly none, for the factorisation.
 
 use crate::contact::Coupling;
-use crate::dual::Block;
+use crate::dual::{Block, DualProblem};
 use crate::fem::{BodySystem, show};
 use crate::linalg::dense::{cholesky_in_place, solve_lower_in_place};
 use crate::linalg::{Mat, pivoted_cholesky};
+use crate::model::bodies::LoadedBody;
 use crate::model::nouns::{Law, Model};
-use crate::model::pair::{Paired, gap_varies};
-use crate::model::pipeline::Condensed;
+use crate::model::pair::{Paired, gap_varies, row_ranges};
 use std::collections::{BTreeMap, BTreeSet};
 
 /// A row is dependent when less than this part of its square is its own.
@@ -66,16 +66,12 @@ pub(crate) fn drop_implied<const D: usize>(
     dropped.into_iter().map(drop).collect()
 }
 
-/// A warning about forces λ (m,) that are not unique, because those of several contacts at a node do the same; `gaps` (m,)
+/// A warning about forces λ (m,) of these bodies and pairs that are not unique, because those of several contacts at a node do the same; `gaps` (m,)
 /// tell which nodes slip.
 pub(crate) fn shared_forces<const D: usize>(
     model: &Model<D>,
-    Condensed {
-        bodies,
-        paired,
-        problem,
-        ..
-    }: &Condensed<D>,
+    (bodies, paired): (&[LoadedBody<D>], &[Paired<D>]),
+    problem: &DualProblem,
     lambda: &[f64],
     gaps: &[f64],
 ) -> Option<String> {
@@ -84,10 +80,7 @@ pub(crate) fn shared_forces<const D: usize>(
     if rows.is_empty() {
         return None;
     }
-    let mut starts = vec![0];
-    for pair in paired {
-        starts.push(starts[starts.len() - 1] + pair.interface.nonmortar.len());
-    }
+    let starts: Vec<usize> = row_ranges(paired).map(|(rows, _)| rows.start).collect();
     let row_of: BTreeMap<usize, usize> = (0..rows.len())
         .map(|i| (starts[places[i].0] + places[i].1, i))
         .collect();

@@ -2,6 +2,7 @@
 
 use crate::contact::ContactError;
 use crate::fem::FemError;
+use crate::model::nouns::{Body, Model};
 use crate::model::solution::Solution;
 
 /// The part of a model that an error is about, by name.
@@ -16,6 +17,27 @@ pub enum Subject {
 }
 
 impl<const D: usize> Error<D> {
+    /// What is wrong with a body.
+    pub(crate) fn in_body(body: &Body<D>, source: FemError) -> Self {
+        Self::Body {
+            body: body.name.clone(),
+            source,
+        }
+    }
+
+    /// The same of one step of several, which its message names; `earlier` are the steps before it.
+    pub(crate) fn in_step(self, model: &Model<D>, step: usize, earlier: Vec<Solution<D>>) -> Self {
+        match model.times[..] {
+            [_] => self,
+            _ => Self::Step {
+                step,
+                time: model.times[step - 1],
+                source: Box::new(self),
+                earlier,
+            },
+        }
+    }
+
     /// What the error is about, where it is one part of the model.
     pub fn subject(&self) -> Option<Subject> {
         match self {

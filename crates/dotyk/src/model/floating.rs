@@ -4,15 +4,14 @@
 //! motion that no contact can resist: driven by the load it is an error, else it is fixed by least norm with a warning.
 //! If no admissible λ satisfies Gλ = e, the load pulls a body away from everything that could hold it.
 
-use crate::dual::{Equilibrium, Modes, NO_WORK, least_norm_within, uncontrolled_modes};
+use crate::dual::{Equilibrium, Modes, NO_WORK, uncontrolled_modes};
 use crate::fem::describe_motion;
 use crate::geometry::norm;
 use crate::linalg::SparseVector;
-use crate::linalg::dense::dot;
-use crate::model::condense::LoadedBody;
+use crate::model::bodies::LoadedBody;
 use crate::model::error::Error;
 use crate::model::nouns::Model;
-use std::collections::BTreeMap;
+use crate::model::parts::{part_name, part_points};
 
 /// Rigid modes of all bodies and what the contact does with them.
 pub(crate) struct Floating {
@@ -167,7 +166,7 @@ impl Floating {
         let motion = describe(model, bodies, body, |mode| {
             amplitude(&self.modes, &z, body, mode)
         });
-        (model.part_name(body), motion)
+        (part_name(model, body), motion)
     }
 }
 
@@ -187,7 +186,7 @@ fn reachable<const D: usize>(
             let motions =
                 (0..count).map(|mode| describe(model, bodies, body, |k| f64::from(k == mode)));
             return Err(Error::NotHeld {
-                body: model.part_name(body),
+                body: part_name(model, body),
                 motion: motions.collect::<Vec<_>>().join(", "),
                 reason,
             });
@@ -257,7 +256,7 @@ pub(crate) fn describe<const D: usize>(
         let a = amplitude(mode);
         motion.iter_mut().zip(column).for_each(|(u, r)| *u += a * r);
     }
-    describe_motion(&model.part_points(body), &system.to_global(&motion))
+    describe_motion(&part_points(model, body), &system.to_global(&motion))
 }
 
 /// Largest sum of nodal forces of a floating body: the load's own scale.
@@ -280,7 +279,7 @@ fn check_undriven<const D: usize>(
     silent: f64,
 ) -> Result<String, Error<D>> {
     let body = main_body(modes, z);
-    let name = model.part_name(body);
+    let name = part_name(model, body);
     let motion = describe(model, bodies, body, |mode| amplitude(modes, z, body, mode));
     let work: f64 = z.iter().zip(e).map(|(z, e)| z * e).sum();
     if work.abs() > silent {
@@ -295,127 +294,4 @@ fn check_undriven<const D: usize>(
     Ok(format!(
         "body \"{name}\": nothing controls its {motion} and no load drives it; it is fixed by least norm of the displacement"
     ))
-}
-
-/// A rigid motion: nodal displacements of the bodies that it moves.
-type Motion = BTreeMap<usize, Vec<f64>>;
-
-/// Chooses the rigid amplitudes that the contact leaves open: least norm of the displacement without penetration.
-///
-/// `free` lists combinations of modes, (r,) each; `elastic` and `rigid` are the two parts of the nodal displacements of all
-/// bodies in their frames; `gaps` those of all multipliers. The last two are updated.
-pub(crate) fn settle<const D: usize>(
-    bodies: &[LoadedBody<D>],
-    floating: &Floating,
-    free: &[SparseVector],
-    elastic: &[Vec<f64>],
-    rigid: &mut [Vec<f64>],
-    gaps: &mut [f64],
-) {
-    // orthonormalise the motions over all nodes, so that the least norm of amplitudes is that of displacements
-    let mut motions: Vec<Motion> = Vec::new();
-    for z in free {
-        let mut motion = Motion::new();
-        for (mode, a) in z.entries() {
-            let (body, mode) = floating.modes[mode];
-            let column = &bodies[body].system.modes[mode];
-            add_to_body(&mut motion, body, a, column);
-        }
-        for other in &motions {
-            let part = inner(&motion, other);
-            if part != 0.0 {
-                for (&body, u) in other {
-                    add_to_body(&mut motion, body, -part, u);
-                }
-            }
-        }
-        let size = inner(&motion, &motion).sqrt();
-        if size > 1e-12 {
-            motion.values_mut().flatten().for_each(|u| *u /= size);
-            motions.push(motion);
-        }
-    }
-    for motion in &motions {
-        let along =
-            |(body, u): (&usize, &Vec<f64>)| dot(u, &elastic[*body]) + dot(u, &rigid[*body]);
-        let part: f64 = motion.iter().map(along).sum();
-        move_by(bodies, -part, motion, rigid, gaps);
-    }
-    // closing[i]: which motions close gap i, and by how much; no gap may become negative
-    let mut closing: Vec<Vec<(usize, f64)>> = vec![Vec::new(); gaps.len()];
-    for (j, motion) in motions.iter().enumerate() {
-        let mut change: BTreeMap<usize, f64> = BTreeMap::new();
-        for (&body, u) in motion {
-            closed_by(&bodies[body], u, |row, c| {
-                *change.entry(row).or_default() += c
-            });
-        }
-        change
-            .iter()
-            .for_each(|(&row, &c)| closing[row].push((j, c)));
-    }
-    let touched: Vec<usize> = (0..gaps.len())
-        .filter(|&i| closing[i].iter().any(|(_, c)| c.abs() > 1e-12))
-        .collect();
-    if touched.iter().all(|&i| gaps[i] >= 0.0) {
-        return;
-    }
-    let bounds: Vec<f64> = touched.iter().map(|&i| gaps[i]).collect();
-    let row = |&i: &usize| SparseVector::new(motions.len(), closing[i].iter().copied()).to_dense();
-    let closing: Vec<Vec<f64>> = touched.iter().map(row).collect();
-    if let Some(beta) = least_norm_within(&closing, &bounds, motions.len()) {
-        for (b, motion) in beta.iter().zip(&motions) {
-            move_by(bodies, *b, motion, rigid, gaps);
-        }
-    }
-}
-
-fn add_to_body(motion: &mut Motion, body: usize, factor: f64, u: &[f64]) {
-    let own = motion.entry(body).or_insert_with(|| vec![0.0; u.len()]);
-    own.iter_mut()
-        .zip(u)
-        .for_each(|(own, u)| *own += factor * u);
-}
-
-fn inner(a: &Motion, b: &Motion) -> f64 {
-    let common = a.iter().filter_map(|(body, u)| Some((u, b.get(body)?)));
-    common.map(|(u, v)| dot(u, v)).sum()
-}
-
-fn move_by<const D: usize>(
-    bodies: &[LoadedBody<D>],
-    factor: f64,
-    motion: &Motion,
-    displacement: &mut [Vec<f64>],
-    gaps: &mut [f64],
-) {
-    for (&body, u) in motion {
-        let own = displacement[body].iter_mut().zip(u);
-        own.for_each(|(own, u)| *own += factor * u);
-        closed_by(&bodies[body], u, |row, c| gaps[row] -= factor * c);
-    }
-}
-
-/// By how much displacements of a body close its gaps: Bu, row by row.
-fn closed_by<const D: usize>(body: &LoadedBody<D>, u: &[f64], mut tell: impl FnMut(usize, f64)) {
-    for (local, &row) in body.rows.index.iter().enumerate() {
-        let product = body
-            .rows
-            .matrix
-            .row(local)
-            .map(|(dof, value)| value * u[dof]);
-        tell(row, product.sum());
-    }
-}
-
-/// out += factor · B u.
-pub(crate) fn add_rows<const D: usize>(
-    bodies: &[LoadedBody<D>],
-    factor: f64,
-    u: &[Vec<f64>],
-    out: &mut [f64],
-) {
-    for (body, u) in bodies.iter().zip(u) {
-        closed_by(body, u, |row, c| out[row] += factor * c);
-    }
 }

@@ -1,30 +1,44 @@
-//! The user's nouns and the pipeline: assemble → condense → solve → recover.
+//! The user's nouns and what becomes of them: pair → condense → attempt → finish, step by step.
 //!
 //! A [`Model`] is plain data: bodies with meshes, materials, supports and loads, contacts between their sides.
 //! [`Model::solve`] turns it into a [`Solution`]; nothing in between is visible or valid only after a second call.
 
+mod admissible;
+mod applied;
+mod ask;
+mod attempt;
 mod between;
+mod bodies;
 mod build;
 mod check;
+mod choose;
 mod compare;
+mod compliance;
 mod condense;
 mod dependent;
 mod error;
+mod event;
+mod factor;
+mod fields;
+mod finish;
 mod floating;
+mod judge;
 mod nouns;
-mod obstacle;
+mod objection;
 mod pair;
-mod pipeline;
+mod parts;
 mod probe;
 mod recover;
+mod settle;
 mod sliding;
 mod solution;
+mod steps;
 
 pub use crate::contact::ContactError;
 pub use check::{BodyCheck, Check, ContactCheck};
 pub use compare::{Comparison, ComparisonRow};
-pub use condense::DENSE_LIMIT;
+pub use compliance::DENSE_LIMIT;
 pub use error::{Error, Subject};
+pub use event::Event;
 pub use nouns::*;
-pub use pipeline::Event;
 pub use solution::*;

@@ -1,36 +1,19 @@
-//! Contacts as interfaces: which side carries the multipliers, and how the sides are coupled.
+//! Contacts as interfaces: how their sides are coupled, and the gaps of their rows at a time.
 
 use crate::contact::{
-    Against, ContactError, Coupling, Driven, End, InitialGap, Interface, Role, Sample,
-    facets_coincide, pair_mortar, pair_nodes, pair_obstacle, sagitta, samples, smooth_parts,
-    straight_turn, unmatched_facing,
+    Against, ContactError, Coupling, Driven, End, InitialGap, Interface, InterfaceNode, Role,
+    Sample, facets_coincide, pair_mortar, pair_nodes, pair_obstacle, sagitta, samples,
+    smooth_parts, unmatched_facing,
 };
-use crate::dual::{AdmissibleSet, Block};
-use crate::fem::{Constraints, FemError, Short, node_normals, show, side_facets};
+use crate::fem::{Constraints, Short, show};
 use crate::geometry::{Field, dot};
 use crate::mesh::Facet;
+use crate::model::choose::{chosen, facets, finer_than_softer};
 use crate::model::error::Error;
 use crate::model::nouns::*;
+use crate::model::parts::obstacle_part;
 use rayon::prelude::*;
-use std::collections::BTreeMap;
-
-/// Bodies whose stiffness differs by more than this factor, ten but for rounding, are soft and stiff; within it the finer
-/// side carries the multipliers, unless it would show the facets of the other.
-const SOFTER: f64 = 10.0 * (1.0 + 1e-9);
-
-/// The displacement of straight facets of length H has kinks, which the pressures of a finer side with facets of length h
-/// answer: by its relative stiffness times ln(H/h), a few per cent where this is above the following.
-const SHOWS: f64 = 1.6;
-
-/// Around a curve, where they turn by θ, the pressures of the finer side oscillate by about this times θ ln(H/h) (measured
-/// on rings, 16 to 40 facets on a quarter of the circle, h = H/5 to H/2), times its relative stiffness if above 1.
-const KINKS: f64 = 0.19;
-
-/// Largest part of their mean by which they may.
-const VISIBLE: f64 = 0.02;
-
-/// Sides whose edges differ by less than this factor are equally fine.
-const ALIKE: f64 = 1.05;
+use std::ops::Range;
 
 /// One contact of the model, paired.
 pub(crate) struct Paired<const D: usize> {
@@ -95,6 +78,38 @@ impl<const D: usize> Paired<D> {
     }
 }
 
+/// Every contact with the range of its rows among those of all.
+pub(crate) fn row_ranges<const D: usize>(
+    paired: &[Paired<D>],
+) -> impl Iterator<Item = (Range<usize>, &Paired<D>)> {
+    let mut start = 0;
+    paired.iter().map(move |pair| {
+        let rows = start..start + pair.interface.nonmortar.len();
+        start = rows.end;
+        (rows, pair)
+    })
+}
+
+/// The gaps g₀ of all multipliers; in tangential rows the motion of a rigid obstacle.
+pub(crate) fn initial_gaps<const D: usize>(paired: &[Paired<D>]) -> Vec<f64> {
+    paired.iter().flat_map(Paired::gaps).collect()
+}
+
+/// Contact and undeformed position of every multiplier.
+pub(crate) fn carriers<const D: usize>(
+    model: &Model<D>,
+    paired: &[Paired<D>],
+) -> Vec<(usize, [f64; D])> {
+    let each = paired.iter().enumerate().flat_map(|(contact, pair)| {
+        let points = model.bodies[pair.nonmortar.body.0].mesh.points();
+        let rows = |node: &InterfaceNode<D>| node.rows.iter().flatten().count();
+        pair.interface
+            .carriers()
+            .flat_map(move |node| vec![(contact, points[node.node]); rows(node)])
+    });
+    each.collect()
+}
+
 /// The same pairs with the gaps and the motion of obstacles at another time; rows, weights and roles stay.
 pub(crate) fn gaps_at<const D: usize>(
     model: &Model<D>,
@@ -151,92 +166,6 @@ pub(crate) fn gap_varies<const D: usize>(contact: &Contact<D>) -> bool {
     moved || shape_varies(contact)
 }
 
-/// Λ of all contacts at a time, in the order of their rows.
-///
-/// Errors: a coefficient or bound of friction that is negative or not finite.
-pub(crate) fn admissible_set<const D: usize>(
-    model: &Model<D>,
-    paired: &[Paired<D>],
-    time: f64,
-) -> Result<AdmissibleSet, Error<D>> {
-    let mut blocks = Vec::new();
-    for (contact, pair) in model.contacts.iter().zip(paired) {
-        let points = model.bodies[pair.nonmortar.body.0].mesh.points();
-        for node in pair.interface.carriers() {
-            let size = node.rows.iter().flatten().count();
-            let value = |field: &Field| friction_at(contact, pair, field, points[node.node], time);
-            let tangents = size.saturating_sub(1);
-            blocks.push(match &contact.law {
-                Law::Tied => Block::Free { size },
-                Law::Coulomb(field) if tangents > 0 => Block::Coulomb {
-                    tangents,
-                    coefficient: value(field)?,
-                },
-                Law::Tresca(field) if tangents > 0 => Block::Tresca {
-                    tangents,
-                    bound: value(field)? * node.weight,
-                },
-                _ => Block::Unilateral,
-            });
-        }
-    }
-    Ok(AdmissibleSet::new(blocks))
-}
-
-/// Pairs of blocks of [`admissible_set`] whose nodes share a facet.
-pub(crate) fn neighbours<const D: usize>(
-    model: &Model<D>,
-    paired: &[Paired<D>],
-) -> Vec<[usize; 2]> {
-    let mut pairs = Vec::new();
-    let mut first = 0;
-    for pair in paired {
-        let carriers = pair.interface.carriers().enumerate();
-        let block: BTreeMap<usize, usize> = carriers.map(|(k, n)| (n.node, first + k)).collect();
-        first += block.len();
-        let mesh = &model.bodies[pair.nonmortar.body.0].mesh;
-        for &facet in mesh.side(&pair.nonmortar.side).unwrap_or_default() {
-            // middle nodes lie between the corners: in the plane a facet is a chain of its nodes
-            let mut nodes: Vec<usize> = mesh.facet_nodes(facet).map(|n| n as usize).collect();
-            if let [_, _, middle] = nodes[..] {
-                nodes.swap(1, 2);
-                nodes[1] = middle;
-            }
-            let ends = nodes.windows(2).filter_map(|pair| {
-                let [a, b] = [block.get(&pair[0])?, block.get(&pair[1])?];
-                Some([*a.min(b), *a.max(b)])
-            });
-            pairs.extend(ends);
-        }
-    }
-    pairs.sort_unstable();
-    pairs.dedup();
-    pairs
-}
-
-/// Coefficient or bound of friction at a point.
-fn friction_at<const D: usize>(
-    contact: &Contact<D>,
-    pair: &Paired<D>,
-    field: &Field,
-    point: [f64; D],
-    time: f64,
-) -> Result<f64, Error<D>> {
-    let value = field.at(point, time);
-    if value.is_finite() && value >= 0.0 {
-        return Ok(value);
-    }
-    Err(Error::Contact {
-        contact: contact.name.clone(),
-        source: ContactError::Friction {
-            side: pair.nonmortar.side.clone(),
-            text: field.to_string(),
-            point: show(point),
-            value,
-        },
-    })
-}
-
 /// The largest initial gap at nodes and between them, if all are within a bound and not all are rounding of it.
 fn all_within<const D: usize>(
     bound: f64,
@@ -290,8 +219,9 @@ impl<'a, const D: usize> Contacting<'a, D> {
             } => (nonmortar, Opposite::Rigid(obstacle)),
             Pair::Given { nonmortar, mortar } => (nonmortar, Opposite::Side(mortar)),
             Pair::Automatic(sides) => {
-                let [nonmortar, mortar] = self.choose(sides).map_err(fail)?;
-                (nonmortar, Opposite::Side(mortar))
+                let ends = sides.each_ref().map(|side| self.end(side));
+                let first = chosen(ends).map_err(fail)?;
+                (&sides[first], Opposite::Side(&sides[1 - first]))
             }
         };
         let whole = self.end(nonmortar);
@@ -359,7 +289,7 @@ impl<'a, const D: usize> Contacting<'a, D> {
         Ok(Paired {
             nonmortar: nonmortar.clone(),
             mortar: None,
-            opposite: self.model.obstacle_part(self.contact),
+            opposite: obstacle_part(self.model, self.contact),
             obstacle_motion: self.motion(obstacle)?,
             interface: interface.map_err(|source| self.fail(source))?,
             samples: samples.map_err(|source| self.fail(source))?,
@@ -457,10 +387,7 @@ impl<'a, const D: usize> Contacting<'a, D> {
                 ));
             }
         }
-        if !matching
-            && self.stiffness(mortar) * SOFTER < self.stiffness(nonmortar)
-            && self.mean_edge(nonmortar)? < 0.99 * self.mean_edge(mortar)?
-        {
+        if !matching && finer_than_softer(ends)? {
             warnings.push(format!(
                 "contact \"{}\": multipliers finer than the softer side, pressures may oscillate; swap nonmortar and mortar",
                 self.contact.name
@@ -523,77 +450,4 @@ impl<'a, const D: usize> Contacting<'a, D> {
             Some(Gap::Given(field)) => InitialGap::Given(field),
         }
     }
-
-    /// The more compliant body carries the multipliers; within a factor 10 the finer side, unless that would show the
-    /// straight facets of the other. A side that supports hold altogether cannot carry them.
-    fn choose(&self, [a, b]: &'a [SideRef; 2]) -> Result<[&'a SideRef; 2], ContactError> {
-        let stiff = [self.stiffness(a), self.stiffness(b)];
-        let held = [self.held(a)?, self.held(b)?];
-        let edge = [self.mean_edge(a)?, self.mean_edge(b)?];
-        let (fine, coarse) = if edge[0] <= edge[1] { (0, 1) } else { (1, 0) };
-        let first = if held[0] != held[1] {
-            usize::from(held[0])
-        } else if stiff[0].max(stiff[1]) > SOFTER * stiff[0].min(stiff[1]) {
-            usize::from(stiff[1] < stiff[0])
-        } else if edge[coarse] < ALIKE * edge[fine] {
-            fine
-        } else {
-            let turn = straight_turn(self.end([a, b][coarse]))?;
-            let stiffer = stiff[fine] / stiff[coarse];
-            let finer = (edge[coarse] / edge[fine]).ln();
-            let shown = |turn: f64| {
-                stiffer * finer > SHOWS || KINKS * turn * finer * stiffer.max(1.0) > VISIBLE
-            };
-            if turn.is_some_and(shown) {
-                coarse
-            } else {
-                fine
-            }
-        };
-        Ok(if first == 0 { [a, b] } else { [b, a] })
-    }
-
-    /// Smallest plane modulus E/(1 − ν²) of the cells at a side: what pressures that change from node to node feel.
-    fn stiffness(&self, side: &SideRef) -> f64 {
-        let body = &self.model.bodies[side.body.0];
-        let facets = body.mesh.side(&side.side).unwrap_or_default();
-        let blocks = facets
-            .iter()
-            .map(|facet| &body.mesh.blocks()[facet.block as usize]);
-        let elastic = blocks.filter_map(|block| body.elastic(block).ok());
-        elastic
-            .map(|e| e.plane_modulus())
-            .fold(f64::INFINITY, f64::min)
-    }
-
-    /// Supports hold the normal displacement of every node of the side.
-    fn held(&self, side: &'a SideRef) -> Result<bool, ContactError> {
-        let end = self.end(side);
-        let normals = node_normals(&end.body.mesh, facets(end)?);
-        Ok(normals.iter().all(|(&node, &normal)| {
-            let held = end.constraints.at(node).iter();
-            let rest: f64 = 1.0 - held.map(|h| dot(h.axis, normal).powi(2)).sum::<f64>();
-            rest < 1e-12
-        }))
-    }
-
-    fn mean_edge(&self, side: &'a SideRef) -> Result<f64, ContactError> {
-        let end = self.end(side);
-        let mesh = &end.body.mesh;
-        let facets = facets(end)?;
-        // between neighbouring nodes: a quadratic facet counts as two
-        let count: usize = facets
-            .iter()
-            .map(|&facet| mesh.facet_kind(facet).order())
-            .sum();
-        let total: f64 = facets.iter().map(|&facet| mesh.facet_length(facet)).sum();
-        Ok(total / count as f64)
-    }
-}
-
-fn facets<'a, const D: usize>(end: End<'a, D>) -> Result<&'a [crate::mesh::Facet], ContactError> {
-    side_facets(&end.body.mesh, end.side).map_err(|source: FemError| ContactError::Side {
-        body: end.body.name.clone(),
-        source,
-    })
 }

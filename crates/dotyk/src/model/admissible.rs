@@ -1,0 +1,96 @@
+//! Λ of all contacts: what each of their nodes can bear.
+
+use crate::contact::ContactError;
+use crate::dual::{AdmissibleSet, Block};
+use crate::fem::show;
+use crate::geometry::Field;
+use crate::model::error::Error;
+use crate::model::nouns::{Contact, Law, Model};
+use crate::model::pair::Paired;
+use std::collections::BTreeMap;
+
+/// Λ of all contacts at a time, in the order of their rows.
+///
+/// Errors: a coefficient or bound of friction that is negative or not finite.
+pub(crate) fn admissible_set<const D: usize>(
+    model: &Model<D>,
+    paired: &[Paired<D>],
+    time: f64,
+) -> Result<AdmissibleSet, Error<D>> {
+    let mut blocks = Vec::new();
+    for (contact, pair) in model.contacts.iter().zip(paired) {
+        let points = model.bodies[pair.nonmortar.body.0].mesh.points();
+        for node in pair.interface.carriers() {
+            let size = node.rows.iter().flatten().count();
+            let value = |field: &Field| friction_at(contact, pair, field, points[node.node], time);
+            let tangents = size.saturating_sub(1);
+            blocks.push(match &contact.law {
+                Law::Tied => Block::Free { size },
+                Law::Coulomb(field) if tangents > 0 => Block::Coulomb {
+                    tangents,
+                    coefficient: value(field)?,
+                },
+                Law::Tresca(field) if tangents > 0 => Block::Tresca {
+                    tangents,
+                    bound: value(field)? * node.weight,
+                },
+                _ => Block::Unilateral,
+            });
+        }
+    }
+    Ok(AdmissibleSet::new(blocks))
+}
+
+/// Coefficient or bound of friction at a point.
+fn friction_at<const D: usize>(
+    contact: &Contact<D>,
+    pair: &Paired<D>,
+    field: &Field,
+    point: [f64; D],
+    time: f64,
+) -> Result<f64, Error<D>> {
+    let value = field.at(point, time);
+    if value.is_finite() && value >= 0.0 {
+        return Ok(value);
+    }
+    Err(Error::Contact {
+        contact: contact.name.clone(),
+        source: ContactError::Friction {
+            side: pair.nonmortar.side.clone(),
+            text: field.to_string(),
+            point: show(point),
+            value,
+        },
+    })
+}
+
+/// Pairs of blocks of [`admissible_set`] whose nodes share a facet.
+pub(crate) fn neighbours<const D: usize>(
+    model: &Model<D>,
+    paired: &[Paired<D>],
+) -> Vec<[usize; 2]> {
+    let mut pairs = Vec::new();
+    let mut first = 0;
+    for pair in paired {
+        let carriers = pair.interface.carriers().enumerate();
+        let block: BTreeMap<usize, usize> = carriers.map(|(k, n)| (n.node, first + k)).collect();
+        first += block.len();
+        let mesh = &model.bodies[pair.nonmortar.body.0].mesh;
+        for &facet in mesh.side(&pair.nonmortar.side).unwrap_or_default() {
+            // middle nodes lie between the corners: in the plane a facet is a chain of its nodes
+            let mut nodes: Vec<usize> = mesh.facet_nodes(facet).map(|n| n as usize).collect();
+            if let [_, _, middle] = nodes[..] {
+                nodes.swap(1, 2);
+                nodes[1] = middle;
+            }
+            let ends = nodes.windows(2).filter_map(|pair| {
+                let [a, b] = [block.get(&pair[0])?, block.get(&pair[1])?];
+                Some([*a.min(b), *a.max(b)])
+            });
+            pairs.extend(ends);
+        }
+    }
+    pairs.sort_unstable();
+    pairs.dedup();
+    pairs
+}

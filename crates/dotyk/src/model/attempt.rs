@@ -1,0 +1,370 @@
+//! The contact solver and the certificate, in turns until the certificate holds.
+//!
+//! The solver knows F and d, the certificate judges displacements and energies computed afresh. Where they differ
+//! (rounding of the factorisation in a slender body, another scale of the energy), Newton's answer is corrected by exact
+//! steps in increments, whose gaps are those of the displacements; then, and after other methods, the iteration goes on
+//! from there. Where an applied or sparse F does not do (slender bodies), F is assembled after all.
+
+use crate::dual::{BETWEEN_NODES, Certificate, Multipliers};
+use crate::fem::show;
+use crate::geometry::{bounding_box, distance};
+use crate::model::condense::Condensed;
+use crate::model::error::Error;
+use crate::model::event::Event;
+use crate::model::judge::{Judged, judge};
+use crate::model::nouns::{Bolts, Method, Model};
+use crate::model::pair::carriers;
+use crate::model::sliding::sliding;
+use crate::model::solution::HistoryPoint;
+use crate::solve::{
+    Accelerated, ContactSolver, Gradient, Iterate, Mprgp, Newton, Outcome, SolveError, Uzawa,
+    correction, loaded,
+};
+use std::ops::ControlFlow;
+
+/// Most contact unknowns for which F is assembled where iterations within a step do not do (512 MB).
+const ASSEMBLED: usize = 8192;
+
+/// Most corrections of an answer.
+const CORRECTIONS: usize = 8;
+
+/// One run of a method.
+pub(crate) struct Attempt {
+    pub method: &'static str,
+    pub outcome: Outcome,
+    pub history: Vec<HistoryPoint>,
+    /// Why it did not converge.
+    pub failure: Option<String>,
+}
+
+impl Attempt {
+    /// It began and did not converge.
+    fn unfinished(&self) -> bool {
+        self.failure.is_some() && self.outcome.iterations > 0
+    }
+
+    /// This run and one that went on from its answer.
+    fn followed_by(mut self, further: Self) -> Self {
+        let done = self.outcome.iterations;
+        self.history
+            .extend(further.history.iter().map(|h| HistoryPoint {
+                iteration: done + h.iteration,
+                ..*h
+            }));
+        let (iterations, products) = (
+            done + further.outcome.iterations,
+            self.outcome.products + further.outcome.products,
+        );
+        let bolts = self
+            .outcome
+            .bolts
+            .into_iter()
+            .filter(|bolt| bolt.moved)
+            .chain(further.outcome.bolts)
+            .collect();
+        let outcome = Outcome {
+            iterations,
+            products,
+            bolts,
+            ..further.outcome
+        };
+        Self {
+            method: further.method,
+            outcome,
+            history: self.history,
+            failure: further.failure,
+        }
+    }
+}
+
+/// Runs the solver until the certificate holds.
+///
+/// The solver knows F and d, the certificate judges displacements and energies computed afresh. Where they differ
+/// (rounding of the factorisation in a slender body, another scale of the energy), Newton's answer is corrected by exact
+/// steps in increments, whose gaps are those of the displacements; then, and after other methods, the iteration goes on
+/// from there. Where an applied or sparse F does not do (slender bodies), F is assembled after all.
+pub(crate) fn certified_attempt<const D: usize>(
+    model: &Model<D>,
+    condensed: &mut Condensed<D>,
+    guess: Option<&Multipliers>,
+    observe: &mut dyn FnMut(Event),
+) -> Result<(Attempt, Judged<D>), Error<D>> {
+    let method = model.solver.method;
+    let tolerance = model.solver.tolerance;
+    let exact = matches!(method, Method::Auto | Method::Newton);
+    let mut attempt = run_solver(model, condensed, method, tolerance, guess, observe)?;
+    if exact && attempt.unfinished() && condensed.problem.assemble(ASSEMBLED) {
+        let again = run_solver(model, condensed, method, tolerance, guess, observe)?;
+        attempt = attempt.followed_by(again);
+    }
+    let mut judged = judge(model, condensed, &attempt.outcome, None)?;
+    if exact {
+        (attempt, judged) = corrected(model, condensed, attempt, judged, observe)?;
+    }
+    continued(model, condensed, attempt, judged, observe)
+}
+
+/// Corrects an answer by exact steps in increments until its certificate holds; the best one counts.
+fn corrected<const D: usize>(
+    model: &Model<D>,
+    condensed: &Condensed<D>,
+    mut attempt: Attempt,
+    judged: Judged<D>,
+    observe: &mut dyn FnMut(Event),
+) -> Result<(Attempt, Judged<D>), Error<D>> {
+    let solved = attempt.outcome.iterations > 0;
+    let mut least = excess(&judged.certificate);
+    let mut best = (attempt.outcome, judged);
+    // the last one, where it is not the best
+    let mut last: Option<(Outcome, Judged<D>)> = None;
+    for _ in 0..CORRECTIONS {
+        let (outcome, judged) = last.as_ref().unwrap_or(&best);
+        if least <= 1.0 || !solved {
+            break;
+        }
+        let known = (&judged.gaps[..], &judged.rounding[..]);
+        let Some(change) = correction(&condensed.problem, &outcome.multipliers, known) else {
+            break;
+        };
+        let outcome = outcome.corrected(&change);
+        let judged = judge(model, condensed, &outcome, Some((judged, &change.lambda)))?;
+        let left = excess(&judged.certificate);
+        let (iteration, residual) = (outcome.iterations, left * model.solver.tolerance);
+        let active = loaded(&outcome.multipliers.lambda);
+        observe(Event::Iteration {
+            iteration,
+            residual,
+            active,
+        });
+        attempt.history.push(HistoryPoint {
+            iteration,
+            residual,
+            active,
+        });
+        if left < least {
+            (least, best, last) = (left, (outcome, judged), None);
+        } else {
+            last = Some((outcome, judged));
+        }
+    }
+    if least <= 1.0 && best.0.exact {
+        attempt.failure = None;
+    }
+    let iterations = last.map_or(best.0.iterations, |(outcome, _)| outcome.iterations);
+    attempt.outcome = Outcome {
+        iterations,
+        ..best.0
+    };
+    Ok((attempt, best.1))
+}
+
+/// Goes on from an answer whose certificate does not hold, with a tolerance that much smaller and d corrected so that the
+/// gap of the dual problem at its forces is the gap of the displacements.
+fn continued<const D: usize>(
+    model: &Model<D>,
+    condensed: &mut Condensed<D>,
+    mut attempt: Attempt,
+    mut judged: Judged<D>,
+    observe: &mut dyn FnMut(Event),
+) -> Result<(Attempt, Judged<D>), Error<D>> {
+    let mut tolerance = model.solver.tolerance;
+    for _ in 0..3 {
+        let worst = excess(&judged.certificate);
+        if attempt.failure.is_some() || worst <= 1.0 {
+            break;
+        }
+        tolerance *= 0.5 / worst.min(1e3);
+        let guess = attempt.outcome.multipliers.clone();
+        let known = condensed.problem.gap(&guess);
+        let shift = condensed.problem.shift.iter_mut();
+        for ((d, gap), known) in shift.zip(&judged.gaps).zip(&known) {
+            *d -= gap - known;
+        }
+        let method = model.solver.method;
+        let further = run_solver(model, condensed, method, tolerance, Some(&guess), observe)?;
+        if further.failure.is_some() {
+            break;
+        }
+        let change = further.outcome.multipliers.lambda.iter().zip(&guess.lambda);
+        let change: Vec<f64> = change.map(|(after, before)| after - before).collect();
+        attempt = attempt.followed_by(further);
+        judged = judge(model, condensed, &attempt.outcome, Some((&judged, &change)))?;
+    }
+    Ok((attempt, judged))
+}
+
+/// The worst figure of a certificate in its limits, infinite where one is no number; but for what happens between the nodes,
+/// which is not the solver's.
+fn excess(certificate: &Certificate) -> f64 {
+    let figures = certificate.figures().into_iter();
+    figures
+        .filter(|(name, _)| *name != BETWEEN_NODES)
+        .map(|(_, f)| f.relative / f.limit)
+        .fold(
+            0.0,
+            |s: f64, x| if x.is_nan() { f64::INFINITY } else { s.max(x) },
+        )
+}
+
+/// Runs one method on the condensed problem; failing to converge is not yet an error.
+pub(crate) fn run_solver<const D: usize>(
+    model: &Model<D>,
+    condensed: &Condensed<D>,
+    method: Method,
+    tolerance: f64,
+    guess: Option<&Multipliers>,
+    observe: &mut dyn FnMut(Event),
+) -> Result<Attempt, Error<D>> {
+    let solver = solver(model, condensed, method, tolerance)?;
+    let mut history = Vec::new();
+    let mut watch = |iterate: &Iterate<'_>| {
+        let Iterate {
+            iteration,
+            residual,
+            active,
+            ..
+        } = *iterate;
+        history.push(HistoryPoint {
+            iteration,
+            residual,
+            active,
+        });
+        observe(Event::Iteration {
+            iteration,
+            residual,
+            active,
+        });
+        ControlFlow::Continue(())
+    };
+    let outcome = solver.solve(&condensed.problem, guess, &mut watch);
+    let (outcome, failure) = match outcome {
+        Ok(outcome) => (outcome, None),
+        Err(SolveError::NotConverged {
+            outcome,
+            residual,
+            reason,
+            ..
+        }) => (
+            *outcome,
+            Some(match residual.is_finite() {
+                true => format!("{reason} (residual {residual:.1e})"),
+                false => reason,
+            }),
+        ),
+        Err(SolveError::Infeasible { direction }) => {
+            let before = condensed.before.as_ref();
+            let step = before.map(|(time, load)| (*time, condensed.time, load.as_slice()));
+            let (bodies, floating) = (&condensed.bodies, &condensed.floating);
+            let admissible = &condensed.problem.admissible;
+            let Some(slides) = sliding(model, admissible, floating, bodies, step) else {
+                return Err(floating.pulled_away(model, bodies, &direction));
+            };
+            let multipliers = Multipliers {
+                lambda: vec![0.0; condensed.gaps.len()],
+                alpha: vec![0.0; condensed.problem.equilibrium.load.len()],
+            };
+            (Outcome::unsolved(multipliers), Some(slides))
+        }
+        Err(SolveError::DependentBolts { bolts, modes }) => {
+            let carriers = carriers(model, &condensed.paired);
+            let places: Vec<String> = bolts.iter().map(|&i| show(carriers[i].1)).collect();
+            return Err(Error::Solver(format!(
+                "the bolts at {} do not hold the rigid motions that the contacts control, {modes} in number: name one contact node for each, or leave out `bolt`",
+                places.join(", ")
+            )));
+        }
+        Err(other) => return Err(Error::Solver(other.to_string())),
+    };
+    Ok(Attempt {
+        method: solver.name(),
+        outcome,
+        history,
+        failure,
+    })
+}
+
+fn solver<const D: usize>(
+    model: &Model<D>,
+    condensed: &Condensed<D>,
+    method: Method,
+    tolerance: f64,
+) -> Result<Box<dyn ContactSolver>, Error<D>> {
+    let limit = model.solver.max_iterations;
+    let rho = model.solver.rho;
+    Ok(match method {
+        Method::Auto | Method::Newton => {
+            let default = Newton::default();
+            Box::new(Newton {
+                tolerance,
+                max_iterations: limit.unwrap_or(default.max_iterations),
+            })
+        }
+        Method::Mprgp => {
+            let default = Mprgp::default();
+            Box::new(Mprgp {
+                tolerance,
+                max_iterations: limit.unwrap_or(default.max_iterations),
+            })
+        }
+        Method::Gradient => {
+            let default = Gradient::default();
+            Box::new(Gradient {
+                rho,
+                tolerance,
+                max_iterations: limit.unwrap_or(default.max_iterations),
+            })
+        }
+        Method::Accelerated => {
+            let default = Accelerated::default();
+            Box::new(Accelerated {
+                tolerance,
+                max_iterations: limit.unwrap_or(default.max_iterations),
+            })
+        }
+        Method::Uzawa => {
+            let default = Uzawa::default();
+            let bolts = bolt_indices(model, condensed)?;
+            let max_iterations = limit.unwrap_or(default.max_iterations);
+            Box::new(Uzawa {
+                bolts,
+                rho,
+                tolerance,
+                max_iterations,
+                ..default
+            })
+        }
+    })
+}
+
+/// Contact unknowns nearest to the named bolts.
+fn bolt_indices<const D: usize>(
+    model: &Model<D>,
+    condensed: &Condensed<D>,
+) -> Result<Option<Vec<usize>>, Error<D>> {
+    let Bolts::Points(points) = &model.solver.bolts else {
+        return Ok(None);
+    };
+    let carriers = carriers(model, &condensed.paired);
+    points
+        .iter()
+        .map(|&point| {
+            let nearest = carriers.iter().enumerate().min_by(|(_, a), (_, b)| {
+                distance(a.1, point).total_cmp(&distance(b.1, point))
+            });
+            let (index, &(contact, at)) = nearest
+                .ok_or_else(|| Error::Solver("a bolt is named, but there is no contact".to_string()))?;
+            let side = &condensed.paired[contact].nonmortar;
+            let (low, high) = bounding_box(model.bodies[side.body.0].mesh.points());
+            if distance(at, point) > 0.1 * distance(low, high) {
+                return Err(Error::Solver(format!(
+                    "bolt {}: the nearest contact node, {}, is {:.3e} away; name a point on a contact",
+                    show(point),
+                    show(at),
+                    distance(at, point)
+                )));
+            }
+            Ok(index)
+        })
+        .collect::<Result<Vec<_>, _>>()
+        .map(Some)
+}

@@ -1,0 +1,201 @@
+//! Bodies at a time: K, f, R and what is held, assembled, with the rows of B that touch them.
+//!
+//! Free obstacles stand behind the bodies (`parts.rs`). A time changes loads, prescribed displacements, gaps and the motion
+//! of obstacles; K and B stay.
+
+use crate::contact::Row;
+use crate::fem::{BodySystem, Constraints, assemble};
+use crate::geometry::{add_scaled, norm};
+use crate::linalg::SparseMatrix;
+use crate::model::error::Error;
+use crate::model::nouns::Model;
+use crate::model::pair::{Paired, gaps_at, row_ranges};
+use crate::model::parts::obstacle_systems;
+use rayon::prelude::*;
+use std::sync::Arc;
+
+/// The rows of B that touch one body, in the frames of its nodes, prescribed dofs included.
+pub(crate) struct BodyRows {
+    /// Global index of each local row, ascending.
+    pub index: Vec<usize>,
+    /// Local rows by dofs of the body.
+    pub matrix: SparseMatrix,
+}
+
+impl BodyRows {
+    /// Bu: the global index of every row, and its product with the displacements of the body, (D·n,).
+    pub fn products(&self, u: &[f64]) -> impl Iterator<Item = (usize, f64)> {
+        let rows = self.index.iter().enumerate();
+        rows.map(|(local, &row)| {
+            let parts = self.matrix.row(local).map(|(dof, value)| value * u[dof]);
+            (row, parts.sum())
+        })
+    }
+
+    /// out += factor · Bᵀλ; shapes (m,) and (D·n,).
+    pub fn add_forces(&self, factor: f64, lambda: &[f64], out: &mut [f64]) {
+        let local: Vec<f64> = self.index.iter().map(|&row| factor * lambda[row]).collect();
+        self.matrix.mul_transpose_add(&local, out);
+    }
+}
+
+/// One body, ready to be factored.
+pub(crate) struct LoadedBody<const D: usize> {
+    /// Its discrete equilibrium.
+    pub system: BodySystem<D>,
+    /// Its rows of B.
+    pub rows: Arc<BodyRows>,
+    /// f − K u_D on the free dofs, zero on the held ones; u_D less the rigid motion that it contains.
+    pub reduced_load: Vec<f64>,
+}
+
+impl<const D: usize> LoadedBody<D> {
+    /// Adds the lift of the prescribed displacements to the load.
+    pub fn new(system: BodySystem<D>, rows: Arc<BodyRows>) -> Self {
+        let mut reduced_load = system.load.clone();
+        if system.lift.iter().any(|&value| value != 0.0) {
+            let mut product = vec![0.0; reduced_load.len()];
+            system.stiffness.mul(&system.lift, &mut product);
+            reduced_load
+                .iter_mut()
+                .zip(&product)
+                .for_each(|(f, ku)| *f -= ku);
+        }
+        for (value, _) in reduced_load
+            .iter_mut()
+            .zip(&system.held)
+            .filter(|(_, held)| **held)
+        {
+            *value = 0.0;
+        }
+        Self {
+            system,
+            rows,
+            reduced_load,
+        }
+    }
+}
+
+/// Assembles all bodies at a time; free obstacles follow them.
+pub(crate) fn systems<const D: usize>(
+    model: &Model<D>,
+    time: f64,
+) -> Result<Vec<BodySystem<D>>, Error<D>> {
+    let bodies = model.bodies.par_iter();
+    let system =
+        |body| assemble(body, model.analysis, time).map_err(|source| Error::in_body(body, source));
+    let mut systems = bodies.map(system).collect::<Result<Vec<_>, _>>()?;
+    systems.extend(obstacle_systems(model, time)?);
+    Ok(systems)
+}
+
+/// Bodies and pairs with the loads, prescribed displacements and gaps of another time.
+pub(crate) fn driven<const D: usize>(
+    model: &Model<D>,
+    bodies: Vec<LoadedBody<D>>,
+    paired: Vec<Paired<D>>,
+    time: f64,
+) -> Result<(Vec<LoadedBody<D>>, Vec<Paired<D>>), Error<D>> {
+    let mut obstacles = bodies;
+    let bodies = obstacles.drain(..model.bodies.len()).collect::<Vec<_>>();
+    let mut bodies: Vec<LoadedBody<D>> = (&model.bodies, bodies)
+        .into_par_iter()
+        .map(|(body, loaded)| {
+            let system = loaded.system.at_time(body, model.analysis, time);
+            let system = system.map_err(|source| Error::in_body(body, source))?;
+            Ok(LoadedBody::new(system, loaded.rows))
+        })
+        .collect::<Result<_, _>>()?;
+    let systems = obstacle_systems(model, time)?.into_iter();
+    let rows = obstacles.into_iter().map(|obstacle| obstacle.rows);
+    bodies.extend(systems.zip(rows).map(|(s, r)| LoadedBody::new(s, r)));
+    let constraints: Vec<&Constraints<D>> = bodies.iter().map(|b| &b.system.constraints).collect();
+    let paired = gaps_at(model, &constraints, paired, time)?;
+    Ok((bodies, paired))
+}
+
+/// Collects the rows of B of every body.
+pub(crate) fn body_rows<const D: usize>(
+    systems: &[BodySystem<D>],
+    paired: &[Paired<D>],
+) -> Vec<Arc<BodyRows>> {
+    let mut triplets: Vec<Vec<(usize, usize, f64)>> = vec![Vec::new(); systems.len()];
+    for (range, contact) in row_ranges(paired) {
+        let start = range.start;
+        let mut add = |body: usize, rows: &[Row<D>]| {
+            for (local, row) in rows.iter().enumerate() {
+                for &(node, coefficients) in row {
+                    let in_frame = systems[body].row_in_frame(node, coefficients);
+                    for (component, &value) in in_frame.iter().enumerate() {
+                        if value != 0.0 {
+                            triplets[body].push((start + local, D * node + component, value));
+                        }
+                    }
+                }
+            }
+        };
+        add(contact.nonmortar.body.0, &contact.interface.nonmortar);
+        if let Some(part) = contact.opposite {
+            add(part, &contact.interface.mortar);
+        }
+    }
+    triplets
+        .into_iter()
+        .zip(systems)
+        .map(|(triplets, system)| {
+            let mut index: Vec<usize> = triplets.iter().map(|t| t.0).collect();
+            index.sort_unstable();
+            index.dedup();
+            let local: Vec<(usize, usize, f64)> = triplets
+                .into_iter()
+                .map(|(row, dof, value)| (index.partition_point(|&i| i < row), dof, value))
+                .collect();
+            let matrix = SparseMatrix::from_triplets(index.len(), system.load.len(), &local);
+            Arc::new(BodyRows { index, matrix })
+        })
+        .collect()
+}
+
+/// What every row gives way where only its own dofs move, (len,): Σ b²/K_ii over the free dofs of all bodies. It bounds the
+/// compliance of the row from below and does not depend on how floating bodies are grounded.
+pub(crate) fn least_softness<const D: usize>(bodies: &[LoadedBody<D>], len: usize) -> Vec<f64> {
+    let mut softness = vec![0.0; len];
+    for body in bodies {
+        let stiffness = body.system.stiffness.diagonal();
+        for (local, &row) in body.rows.index.iter().enumerate() {
+            let free = body
+                .rows
+                .matrix
+                .row(local)
+                .filter(|&(dof, _)| !body.system.held[dof] && stiffness[dof] > 0.0);
+            softness[row] += free.map(|(dof, b)| b * b / stiffness[dof]).sum::<f64>();
+        }
+    }
+    softness
+}
+
+/// The largest resultant load of any body, and of any load by itself.
+pub(crate) fn largest_load<const D: usize>(bodies: &[LoadedBody<D>]) -> f64 {
+    let resultant = |body: &LoadedBody<D>| {
+        let forces = body.system.to_global(&body.system.load).into_iter();
+        norm(forces.fold([0.0; D], |sum, f| add_scaled(sum, 1.0, f)))
+    };
+    let loads = bodies
+        .iter()
+        .map(|body| resultant(body).max(body.system.largest_load));
+    loads.fold(0.0, f64::max)
+}
+
+/// out += factor · B u.
+pub(crate) fn add_rows<const D: usize>(
+    bodies: &[LoadedBody<D>],
+    factor: f64,
+    u: &[Vec<f64>],
+    out: &mut [f64],
+) {
+    for (body, u) in bodies.iter().zip(u) {
+        for (row, product) in body.rows.products(u) {
+            out[row] += factor * product;
+        }
+    }
+}

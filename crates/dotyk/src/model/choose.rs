@@ -1,0 +1,96 @@
+//! Which of two sides carries the multipliers.
+
+use crate::contact::{ContactError, End, straight_turn};
+use crate::fem::{node_normals, side_facets};
+use crate::geometry::dot;
+use crate::mesh::Facet;
+
+/// Bodies whose stiffness differs by more than this factor, ten but for rounding, are soft and stiff; within it the finer
+/// side carries the multipliers, unless it would show the facets of the other.
+const SOFTER: f64 = 10.0 * (1.0 + 1e-9);
+
+/// The displacement of straight facets of length H has kinks, which the pressures of a finer side with facets of length h
+/// answer: by its relative stiffness times ln(H/h), a few per cent where this is above the following.
+const SHOWS: f64 = 1.6;
+
+/// Around a curve, where they turn by θ, the pressures of the finer side oscillate by about this times θ ln(H/h) (measured
+/// on rings, 16 to 40 facets on a quarter of the circle, h = H/5 to H/2), times its relative stiffness if above 1.
+const KINKS: f64 = 0.19;
+
+/// Largest part of their mean by which they may.
+const VISIBLE: f64 = 0.02;
+
+/// Sides whose edges differ by less than this factor are equally fine.
+const ALIKE: f64 = 1.05;
+
+/// Index of the side that carries the multipliers: that of the more compliant body; within a factor 10 the finer one, unless
+/// that would show the straight facets of the other. A side that supports hold altogether cannot carry them.
+pub(crate) fn chosen<const D: usize>(ends: [End<'_, D>; 2]) -> Result<usize, ContactError> {
+    let stiff = ends.map(stiffness);
+    let held = [held(ends[0])?, held(ends[1])?];
+    let edge = [mean_edge(ends[0])?, mean_edge(ends[1])?];
+    let (fine, coarse) = if edge[0] <= edge[1] { (0, 1) } else { (1, 0) };
+    if held[0] != held[1] {
+        return Ok(usize::from(held[0]));
+    }
+    if stiff[0].max(stiff[1]) > SOFTER * stiff[0].min(stiff[1]) {
+        return Ok(usize::from(stiff[1] < stiff[0]));
+    }
+    if edge[coarse] < ALIKE * edge[fine] {
+        return Ok(fine);
+    }
+    let stiffer = stiff[fine] / stiff[coarse];
+    let finer = (edge[coarse] / edge[fine]).ln();
+    let shown =
+        |turn: f64| stiffer * finer > SHOWS || KINKS * turn * finer * stiffer.max(1.0) > VISIBLE;
+    Ok(match straight_turn(ends[coarse])?.is_some_and(shown) {
+        true => coarse,
+        false => fine,
+    })
+}
+
+/// Whether the nonmortar side, the first, is finer than a mortar side of much softer material.
+pub(crate) fn finer_than_softer<const D: usize>(
+    [nonmortar, mortar]: [End<'_, D>; 2],
+) -> Result<bool, ContactError> {
+    let softer = stiffness(mortar) * SOFTER < stiffness(nonmortar);
+    Ok(softer && mean_edge(nonmortar)? < 0.99 * mean_edge(mortar)?)
+}
+
+/// Smallest plane modulus E/(1 − ν²) of the cells at a side: what pressures that change from node to node feel.
+fn stiffness<const D: usize>(end: End<'_, D>) -> f64 {
+    let facets = end.body.mesh.side(end.side).unwrap_or_default().iter();
+    let blocks = facets.map(|facet| &end.body.mesh.blocks()[facet.block as usize]);
+    let elastic = blocks.filter_map(|block| end.body.elastic(block).ok());
+    let moduli = elastic.map(|e| e.plane_modulus());
+    moduli.fold(f64::INFINITY, f64::min)
+}
+
+/// Supports hold the normal displacement of every node of the side.
+fn held<const D: usize>(end: End<'_, D>) -> Result<bool, ContactError> {
+    let normals = node_normals(&end.body.mesh, facets(end)?);
+    Ok(normals.iter().all(|(&node, &normal)| {
+        let held = end.constraints.at(node).iter();
+        let rest: f64 = 1.0 - held.map(|h| dot(h.axis, normal).powi(2)).sum::<f64>();
+        rest < 1e-12
+    }))
+}
+
+/// Mean distance of neighbouring nodes: a quadratic facet counts as two.
+fn mean_edge<const D: usize>(end: End<'_, D>) -> Result<f64, ContactError> {
+    let mesh = &end.body.mesh;
+    let facets = facets(end)?.iter();
+    let edges = facets.map(|&facet| (mesh.facet_kind(facet).order(), mesh.facet_length(facet)));
+    let (count, total) = edges.fold((0, 0.0), |(n, sum), (order, length)| {
+        (n + order, sum + length)
+    });
+    Ok(total / count as f64)
+}
+
+/// The facets of a side.
+pub(crate) fn facets<'a, const D: usize>(end: End<'a, D>) -> Result<&'a [Facet], ContactError> {
+    side_facets(&end.body.mesh, end.side).map_err(|source| ContactError::Side {
+        body: end.body.name.clone(),
+        source,
+    })
+}

@@ -1,0 +1,43 @@
+//! What an observer of a run is told, and how long its stages take.
+
+use std::time::Instant;
+
+/// What an observer of [`Model::solve_with`] is told.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Event {
+    /// A load step begins; its stages and iterations follow.
+    Step {
+        /// From 1.
+        step: usize,
+        /// Number of steps of the model.
+        steps: usize,
+        /// Its time.
+        time: f64,
+    },
+    /// A stage begins.
+    Stage(&'static str),
+    /// An iteration of the contact solver is done.
+    Iteration {
+        /// From 1.
+        iteration: usize,
+        /// Largest relative violation of the optimality conditions.
+        residual: f64,
+        /// Contact unknowns with a force.
+        active: usize,
+    },
+}
+
+/// A stopwatch of stages.
+pub(crate) struct Lap(Instant);
+
+impl Lap {
+    pub fn start() -> Self {
+        Self(Instant::now())
+    }
+
+    /// Seconds since the last call.
+    pub fn seconds(&mut self) -> f64 {
+        let last = std::mem::replace(&mut self.0, Instant::now());
+        last.elapsed().as_secs_f64()
+    }
+}

@@ -1,0 +1,154 @@
+//! One factorisation per body, contact dofs last.
+//!
+//! A floating body is held for the factorisation at r dofs away from its contacts, chosen by pivoting on R. Which ones
+//! does not change the answer: a different choice changes F by Gᵀ(..) + (..)G only, which Gλ = e and α absorb.
+
+use crate::fem::{BodySystem, FemError, show};
+use crate::linalg::{Cholesky, LinalgError, SymbolicCholesky, expand_to_dofs, fill_reducing_order};
+use crate::model::bodies::{BodyRows, LoadedBody};
+use crate::model::error::Error;
+use crate::model::nouns::Model;
+use std::sync::Arc;
+
+/// Elimination order of one body, with its symbolic analysis.
+pub(crate) struct Ordered {
+    analysis: SymbolicCholesky,
+    /// Contact dofs, the last ones of the order.
+    pub trailing: Vec<usize>,
+}
+
+/// The factor of one body, and what it does without contact.
+pub(crate) struct FactoredBody {
+    /// Factor of K on the free dofs, grounded ones left out.
+    pub factor: Arc<Cholesky>,
+    /// u_D + K⁺(f − K u_D), (D·n,), less the rigid motion that u_D contains.
+    pub base: Vec<f64>,
+}
+
+impl FactoredBody {
+    /// Solves for the displacement without contact.
+    pub fn new<const D: usize>(body: &LoadedBody<D>, factor: Arc<Cholesky>) -> Self {
+        let mut base = body.reduced_load.clone();
+        factor.solve(&mut base);
+        base.iter_mut()
+            .zip(&body.system.lift)
+            .for_each(|(u, lift)| *u += lift);
+        Self { factor, base }
+    }
+}
+
+/// Orders a body: free dofs, contact nodes last (when F is assembled), grounded dofs left out.
+pub(crate) fn order<const D: usize>(
+    model: &Model<D>,
+    body: usize,
+    system: &BodySystem<D>,
+    rows: &BodyRows,
+    dense: bool,
+) -> Result<Ordered, Error<D>> {
+    let mut contact_node = vec![false; system.graph.nodes()];
+    for local in 0..rows.index.len() {
+        for (dof, _) in rows.matrix.row(local) {
+            contact_node[dof / D] = true;
+        }
+    }
+    let mut keep: Vec<bool> = system.held.iter().map(|held| !held).collect();
+    for dof in grounded_dofs(system, &keep, &contact_node) {
+        keep[dof] = false;
+    }
+    let keep_node: Vec<bool> = keep
+        .chunks_exact(D)
+        .map(|dofs| dofs.contains(&true))
+        .collect();
+    let last: Vec<usize> = match dense {
+        true => (0..contact_node.len())
+            .filter(|&node| contact_node[node] && keep_node[node])
+            .collect(),
+        false => Vec::new(),
+    };
+    let nodes = fill_reducing_order(&system.graph, &keep_node, &last);
+    let dofs = expand_to_dofs(&nodes, D, &keep);
+    let trailing = expand_to_dofs(&last, D, &keep);
+    let analysis = SymbolicCholesky::new(&system.stiffness, &dofs, trailing.len())
+        .map_err(|source| singular(model, body, source))?;
+    Ok(Ordered { analysis, trailing })
+}
+
+/// Dofs that hold the free rigid modes for the factorisation: complete pivoting on R, away from the contacts if possible.
+fn grounded_dofs<const D: usize>(
+    system: &BodySystem<D>,
+    keep: &[bool],
+    contact_node: &[bool],
+) -> Vec<usize> {
+    let mut modes = system.modes.clone();
+    let mut grounded: Vec<usize> = Vec::new();
+    let mut open: Vec<usize> = (0..modes.len()).collect();
+    let candidates = |away: bool| {
+        (0..keep.len()).filter(move |&dof| keep[dof] && (!away || !contact_node[dof / D]))
+    };
+    while !open.is_empty() {
+        let best = |away: bool| {
+            let mut best = (0.0, 0, 0);
+            for (position, &mode) in open.iter().enumerate() {
+                for dof in candidates(away) {
+                    let size = modes[mode][dof].abs();
+                    if size > best.0 {
+                        best = (size, position, dof);
+                    }
+                }
+            }
+            best
+        };
+        let mut pivot = best(true);
+        if pivot.0 < 1e-3 {
+            pivot = best(false);
+        }
+        let (size, position, dof) = pivot;
+        if size == 0.0 {
+            break;
+        }
+        let mode = open.remove(position);
+        grounded.push(dof);
+        let row = modes[mode].clone();
+        for &other in &open {
+            let factor = modes[other][dof] / row[dof];
+            modes[other]
+                .iter_mut()
+                .zip(&row)
+                .for_each(|(value, r)| *value -= factor * r);
+        }
+    }
+    grounded
+}
+
+/// Factors a body.
+pub(crate) fn factor<const D: usize>(
+    model: &Model<D>,
+    body: usize,
+    system: &BodySystem<D>,
+    ordered: &Ordered,
+) -> Result<Cholesky, Error<D>> {
+    ordered
+        .analysis
+        .factor(&system.stiffness)
+        .map_err(|source| singular(model, body, source))
+}
+
+/// Names the node of a dof where the linear algebra failed.
+fn singular<const D: usize>(model: &Model<D>, body: usize, source: LinalgError) -> Error<D> {
+    let dof = match &source {
+        LinalgError::NotPositiveDefinite { dof } | LinalgError::NearlySingular { dof, .. } => *dof,
+        LinalgError::NotFinite { row } => *row,
+        _ => 0,
+    };
+    let node = dof / D;
+    let body = &model.bodies[body];
+    let point = show(body.mesh.points()[node]);
+    Error::Body {
+        body: body.name.clone(),
+        source: FemError::Singular {
+            node,
+            point,
+            source,
+        },
+    }
+}

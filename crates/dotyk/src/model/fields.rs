@@ -1,0 +1,272 @@
+//! What a solution tells of bodies and contacts: stresses, reactions by side, and the state of every contact node.
+
+use crate::contact::{Coupling, InterfaceNode, Role, Row, frame};
+use crate::dual::{AdmissibleSet, Block};
+use crate::fem::{RigidBasis, describe_motion, fit_rigid, recover_stress, von_mises};
+use crate::geometry::{Point, add_scaled, bounding_box, cross, distance, dot, norm, sub};
+use crate::model::bodies::LoadedBody;
+use crate::model::condense::Condensed;
+use crate::model::error::Error;
+use crate::model::judge::{Judged, moved};
+use crate::model::nouns::{Analysis, Body, Model, Place, SideRef};
+use crate::model::pair::{Paired, row_ranges};
+use crate::model::recover::{BodyState, centroid};
+use crate::model::solution::*;
+use rayon::prelude::*;
+use std::collections::BTreeMap;
+
+/// Solutions of all bodies and contacts from their displacements, and forces `lambda` (m,).
+///
+/// Errors: a group of cells without a material.
+pub(crate) fn fields<const D: usize>(
+    model: &Model<D>,
+    condensed: &Condensed<D>,
+    judged: Judged<D>,
+    lambda: &[f64],
+) -> Result<(Vec<BodySolution<D>>, Vec<ContactSolution<D>>), Error<D>> {
+    let bounds = shear_bounds(&condensed.problem.admissible, lambda);
+    let contacts = model.contacts.iter().zip(row_ranges(&condensed.paired));
+    let contacts = contacts.map(|(contact, (rows, pair))| {
+        let obstacle = moved(model, pair, &judged.states, &judged.obstacles).obstacle;
+        let rows = Rows {
+            gaps: &judged.gaps[rows.clone()],
+            lambda: &lambda[rows.clone()],
+            bounds: &bounds[rows],
+        };
+        contact_solution(model, &contact.name, pair, (&judged.states, obstacle), rows)
+    });
+    let contacts = contacts.collect();
+    let bodies = (&model.bodies, &condensed.bodies, judged.states).into_par_iter();
+    let bodies = bodies.map(|(body, loaded, state)| body_solution(model, body, loaded, state));
+    Ok((bodies.collect::<Result<Vec<_>, _>>()?, contacts))
+}
+
+fn body_solution<const D: usize>(
+    model: &Model<D>,
+    body: &Body<D>,
+    factored: &LoadedBody<D>,
+    state: BodyState<D>,
+) -> Result<BodySolution<D>, Error<D>> {
+    let stress = recover_stress(body, model.analysis, &state.u);
+    let stress = stress.map_err(|source| Error::in_body(body, source))?;
+    let points = body.mesh.points();
+    let basis = RigidBasis::of(model.analysis);
+    let (translation, rotation) = fit_rigid(basis, points, &state.u, centroid(points));
+    let floating_modes = factored
+        .system
+        .modes
+        .iter()
+        .map(|mode| {
+            let displacement = factored.system.to_global(mode);
+            RigidMode {
+                description: describe_motion(points, &displacement),
+                displacement,
+            }
+        })
+        .collect();
+    Ok(BodySolution {
+        name: body.name.clone(),
+        von_mises: stress.iter().map(|&s| von_mises(s)).collect(),
+        stress,
+        side_reactions: side_reactions(body, factored, &state.reactions),
+        reaction: state
+            .reactions
+            .iter()
+            .fold([0.0; D], |sum, &f| add_scaled(sum, 1.0, f)),
+        reactions: state.reactions,
+        floating_modes,
+        rigid: RigidMotion {
+            translation,
+            rotation,
+        },
+        strain_energy: state.strain_energy,
+        dofs: D * points.len(),
+        displacement: state.u,
+    })
+}
+
+/// Reactions by the side whose support holds the direction; shared directions are split evenly.
+fn side_reactions<const D: usize>(
+    body: &Body<D>,
+    loaded: &LoadedBody<D>,
+    reactions: &[Point<D>],
+) -> BTreeMap<String, Point<D>> {
+    let mut sums = BTreeMap::new();
+    for (&node, held) in &loaded.system.constraints.nodes {
+        for h in held {
+            let part = dot(reactions[node], h.axis) / h.supports.len() as f64;
+            for &support in &h.supports {
+                if let Place::Side(side) = &body.supports[support].place {
+                    let sum = sums.entry(side.clone()).or_insert([0.0; D]);
+                    *sum = add_scaled(*sum, part, h.axis);
+                }
+            }
+        }
+    }
+    sums
+}
+
+/// What the rows of one contact came out as.
+struct Rows<'a> {
+    gaps: &'a [f64],
+    lambda: &'a [f64],
+    /// Largest shear force of the nodes with friction, at their normal rows; NaN elsewhere.
+    bounds: &'a [f64],
+}
+
+/// Largest shear force of every node with friction, at its normal row; NaN elsewhere.
+fn shear_bounds(admissible: &AdmissibleSet, lambda: &[f64]) -> Vec<f64> {
+    let mut bounds = vec![f64::NAN; lambda.len()];
+    for (block, range) in admissible.iter() {
+        bounds[range.start] = match *block {
+            Block::Tresca { bound, .. } => bound,
+            Block::Coulomb { coefficient, .. } => coefficient * lambda[range.start].max(0.0),
+            Block::Free { .. } | Block::Unilateral => f64::NAN,
+        };
+    }
+    bounds
+}
+
+/// Forces below this part of the largest of a contact are none.
+const NONE: f64 = 1e-10;
+
+/// A node slips when its shear force is within this part of its bound.
+const AT_BOUND: f64 = 1e-7;
+
+fn contact_solution<const D: usize>(
+    model: &Model<D>,
+    name: &str,
+    pair: &Paired<D>,
+    (states, obstacle): (&[BodyState<D>], Point<D>),
+    Rows {
+        gaps,
+        lambda,
+        bounds,
+    }: Rows<'_>,
+) -> ContactSolution<D> {
+    let body = &model.bodies[pair.nonmortar.body.0];
+    let coupling = pair.interface.coupling;
+    // projected methods leave traces of force where a contact is open
+    let none = NONE * lambda.iter().fold(0.0, |s: f64, l| s.max(l.abs()));
+    let node_state = |node: &InterfaceNode<D>| {
+        let u_nonmortar = states[pair.nonmortar.body.0].u[node.node];
+        let u_mortar = match &pair.mortar {
+            Some(_) if node.opposite.is_empty() => None,
+            Some(mortar) => {
+                let u = &states[mortar.body.0].u;
+                let opposite = node.opposite.iter();
+                Some(opposite.fold([0.0; D], |sum, &(j, n)| add_scaled(sum, n, u[j])))
+            }
+            None if node.role == Role::Alone => None,
+            None => Some(obstacle),
+        };
+        let along = |u: Point<D>| dot(node.normal, u);
+        let displacement_nonmortar = along(u_nonmortar);
+        let displacement_mortar = u_mortar.map_or(f64::NAN, along);
+        let slip = u_mortar.map_or([f64::NAN; D], |u| {
+            let relative = sub(u_nonmortar, u);
+            add_scaled(relative, -along(relative), node.normal)
+        });
+        let (gap, pressure, status) = match (node.role, node.rows[0]) {
+            (Role::Alone, _) => (f64::NAN, 0.0, Status::Open),
+            (Role::Multiplier, Some(row)) => {
+                let shear = node.rows[1..].iter().flatten().map(|&row| lambda[row]);
+                let shear = shear.map(|l| l * l).sum::<f64>().sqrt();
+                let status = match coupling {
+                    Coupling::Tied => Status::Tied,
+                    _ if lambda[row] <= none => Status::Open,
+                    _ if bounds[row].is_nan() => Status::Closed,
+                    _ if shear < (1.0 - AT_BOUND) * bounds[row] => Status::Stick,
+                    _ => Status::Slip,
+                };
+                (gaps[row], lambda[row] / node.weight, status)
+            }
+            (role, _) => {
+                let gap = node.gap - displacement_nonmortar + displacement_mortar;
+                let status = match role {
+                    Role::Multiplier => Status::Tied,
+                    _ => Status::Fixed,
+                };
+                (gap, f64::NAN, status)
+            }
+        };
+        // the rows push the nonmortar body by −λ
+        let directions = frame(node.normal).into_iter().zip(node.rows).skip(1);
+        let shear = directions.fold([0.0; D], |sum, (direction, row)| {
+            let traction = row.map_or(0.0, |row| -lambda[row] / node.weight);
+            add_scaled(sum, traction, direction)
+        });
+        ContactNode {
+            node: node.node,
+            partner: pair.mortar.as_ref().and_then(|_| node.partner()),
+            point: body.mesh.points()[node.node],
+            normal: node.normal,
+            weight: node.weight,
+            gap,
+            pressure,
+            shear,
+            slip,
+            displacement_nonmortar,
+            displacement_mortar,
+            status,
+        }
+    };
+    let nodes: Vec<ContactNode<D>> = pair.interface.nodes.iter().map(node_state).collect();
+    let touching = |n: &ContactNode<D>| n.status != Status::Open && n.status != Status::Fixed;
+    let extents = nodes.iter().zip(&pair.interface.nodes);
+    let length = extents.filter(|(state, _)| touching(state));
+    let length = length.map(|(_, node)| node.extent).sum();
+    let (resultant, imbalance) = balance(model, pair, lambda);
+    let tangential = pair.interface.tangential().into_iter();
+    let work = tangential.zip(lambda.iter().zip(gaps));
+    let dissipated = work.map(|(is, (l, gap))| if is { -l * gap } else { 0.0 });
+    ContactSolution {
+        name: name.to_string(),
+        nonmortar: pair.nonmortar.clone(),
+        mortar: pair.mortar.clone(),
+        nodes,
+        cyclic: pair.interface.cyclic,
+        resultant,
+        length,
+        imbalance,
+        dissipated: dissipated.sum(),
+    }
+}
+
+/// The force on the nonmortar body, and how far the forces on both bodies, as the rows of B apply them, are from balance:
+/// forces relative to the sum of the nodal forces, moments to that times the size of the interface; the larger.
+fn balance<const D: usize>(model: &Model<D>, pair: &Paired<D>, lambda: &[f64]) -> (Point<D>, f64) {
+    let points = |side: &SideRef| model.bodies[side.body.0].mesh.points();
+    let own = points(&pair.nonmortar);
+    let nodes: Vec<Point<D>> = pair.interface.nodes.iter().map(|n| own[n.node]).collect();
+    let (low, high) = bounding_box(&nodes);
+    let centre = centroid(&[low, high]);
+    let sum = |rows: &[Row<D>], points: &[Point<D>]| {
+        let (mut force, mut moment) = ([0.0; D], [0.0; 3]);
+        for (row, l) in rows.iter().zip(lambda) {
+            for &(node, coefficients) in row {
+                let push = coefficients.map(|c| -l * c);
+                force = add_scaled(force, 1.0, push);
+                let turn = cross(sub(points[node], centre), push);
+                moment = add_scaled(moment, 1.0, turn);
+            }
+        }
+        (force, moment)
+    };
+    let (resultant, moment) = sum(&pair.interface.nonmortar, own);
+    let magnitude: f64 = lambda.iter().map(|l| l.abs()).sum();
+    let Some(mortar) = pair.mortar.as_ref().filter(|_| magnitude > 0.0) else {
+        return (resultant, 0.0);
+    };
+    let (force, other) = sum(&pair.interface.mortar, points(mortar));
+    let (mut rest, mut turn) = (
+        add_scaled(resultant, 1.0, force),
+        norm(add_scaled(moment, 1.0, other)),
+    );
+    if model.analysis == Analysis::Axisymmetric {
+        // radial forces and moments balance over the full turn
+        (rest[0], turn) = (0.0, 0.0);
+    }
+    let size = distance(low, high);
+    (resultant, norm(rest).max(turn / size) / magnitude)
+}

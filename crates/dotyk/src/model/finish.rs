@@ -1,0 +1,146 @@
+//! From a judged attempt to the solution of a step, with what the user should know of it.
+
+use crate::fem::{Short, show};
+use crate::model::attempt::Attempt;
+use crate::model::condense::Condensed;
+use crate::model::dependent::shared_forces;
+use crate::model::error::Error;
+use crate::model::fields::fields;
+use crate::model::judge::Judged;
+use crate::model::nouns::Model;
+use crate::model::pair::{Paired, carriers, row_ranges};
+use crate::model::solution::*;
+use crate::solve::{Bolt, Outcome};
+
+/// The solution of a step, but for the times that it took.
+///
+/// Errors: a group of cells without a material; a probe that cannot be read.
+pub(crate) fn finish<const D: usize>(
+    model: &Model<D>,
+    condensed: &Condensed<D>,
+    attempt: Attempt,
+    judged: Judged<D>,
+    converged: bool,
+) -> Result<Solution<D>, Error<D>> {
+    let Attempt {
+        method,
+        outcome,
+        history,
+        failure,
+    } = attempt;
+    let lambda = &outcome.multipliers.lambda;
+    let mut warnings = condensed.warnings.clone();
+    warnings.extend(condensed.floating.warnings.iter().cloned());
+    let bolts = bolt_reports(model, &outcome, &condensed.paired, &mut warnings);
+    warnings.extend(outcome.remarks.iter().cloned());
+    // a body that slides away has no position to tell of
+    let placed = failure.is_none() || outcome.iterations > 0;
+    for body in judged.hovering.iter().filter(|_| placed) {
+        warnings.push(format!(
+            "body \"{body}\" hovers: it touches nothing and carries no load; it is placed by least norm of the displacement"
+        ));
+    }
+    warnings.extend(crude_gaps(model, condensed, &judged.gaps));
+    let pairs = (&condensed.bodies[..], &condensed.paired[..]);
+    warnings.extend(shared_forces(
+        model,
+        pairs,
+        &condensed.problem,
+        lambda,
+        &judged.gaps,
+    ));
+    let certificate = judged.certificate;
+    let (bodies, contacts) = fields(model, condensed, judged, lambda)?;
+    let mut solution = Solution {
+        time: condensed.time,
+        dofs: bodies.iter().map(|body| body.dofs).sum(),
+        bodies,
+        contacts,
+        certificate,
+        converged,
+        solver: SolverReport {
+            method,
+            iterations: outcome.iterations,
+            products: outcome.products,
+            rho: outcome.rho,
+            history,
+            bolts,
+            contraction: outcome.fixed_point.and_then(|found| found.contraction),
+        },
+        warnings,
+        probes: Vec::new(),
+        contact_unknowns: condensed.gaps.len(),
+        threads: rayon::current_num_threads(),
+        seconds: condensed.seconds,
+    };
+    solution.probes = model.read_probes(&solution)?;
+    Ok(solution)
+}
+
+fn bolt_reports<const D: usize>(
+    model: &Model<D>,
+    outcome: &Outcome,
+    paired: &[Paired<D>],
+    warnings: &mut Vec<String>,
+) -> Vec<BoltReport<D>> {
+    let carriers = carriers(model, paired);
+    let report = |bolt: &Bolt| {
+        let (contact, point) = carriers[bolt.index];
+        let contact = model.contacts[contact].name.clone();
+        BoltReport {
+            contact,
+            point,
+            force: bolt.force,
+            moved: bolt.moved,
+        }
+    };
+    let reports: Vec<BoltReport<D>> = outcome.bolts.iter().map(report).collect();
+    for bolt in reports.iter().filter(|bolt| bolt.moved) {
+        warnings.push(format!(
+            "the bolt of contact \"{}\" at {} was improper: its force was {:.6e}, a tension; it was moved",
+            bolt.contact,
+            show(bolt.point),
+            bolt.force
+        ));
+    }
+    reports
+}
+
+/// Most contacts that a warning names.
+const NAMED: usize = 4;
+
+/// A polygon's distance from its curve matters when it is more than this part of the displacement jump.
+const SAGITTA: f64 = 0.01;
+
+/// A warning about gaps that were measured between polygons which stand for curves; `gaps` (m,) are those of the answer.
+fn crude_gaps<const D: usize>(
+    model: &Model<D>,
+    condensed: &Condensed<D>,
+    gaps: &[f64],
+) -> Option<String> {
+    let mut crude: Vec<(f64, f64, &str)> = Vec::new();
+    for (contact, (rows, pair)) in model.contacts.iter().zip(row_ranges(&condensed.paired)) {
+        let jumps = rows.map(|row| (gaps[row] - condensed.gaps[row]).abs());
+        let jump = jumps.fold(0.0, f64::max);
+        if pair.sagitta > SAGITTA * jump {
+            crude.push((pair.sagitta, jump, &contact.name));
+        }
+    }
+    let worst = crude
+        .iter()
+        .max_by(|a, b| (a.0 * b.1).total_cmp(&(b.0 * a.1)))?;
+    let names: Vec<String> = crude
+        .iter()
+        .map(|(.., name)| format!("\"{name}\""))
+        .collect();
+    let more = match names.len().saturating_sub(NAMED) {
+        0 => String::new(),
+        more => format!(" and {more} more"),
+    };
+    Some(format!(
+        "contact {}{more}: polygons stand for curves from which they are up to {} away, where the displacement jump is {}: measured gaps are too crude; set gap = \"closed\", or give the true `surface` of both sides, or use quadratic cells",
+        names[..names.len().min(NAMED)].join(", "),
+        Short(worst.0),
+        Short(worst.1)
+    ))
+}

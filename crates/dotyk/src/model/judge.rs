@@ -1,0 +1,328 @@
+//! The judge of contact forces: gaps, reactions, resultants and energies of the displacements that they cause.
+//!
+//! All of it is computed from u and λ afresh, not taken from F and d, so that an error of the condensation cannot hide.
+//! The energy gap is that of the potential and the complementary energy, Π(u) − Π*(σ, λ) = λ·gap − r·u, with r what the
+//! nodal forces of any body leave unbalanced.
+
+use crate::contact::{Coupling, Row};
+use crate::dual::{Certificate, Component, DualProblem, Multipliers, ROUNDING, Recomputed};
+use crate::geometry::{Point, dot};
+use crate::linalg::SparseVector;
+use crate::model::between::{Moved, Overlap, worst_overlap};
+use crate::model::bodies::{LoadedBody, add_rows};
+use crate::model::condense::Condensed;
+use crate::model::error::Error;
+use crate::model::floating::Floating;
+use crate::model::nouns::Model;
+use crate::model::pair::{Paired, row_ranges};
+use crate::model::parts::part_name;
+use crate::model::recover::{
+    BodyState, balanced_state, elastic_displacement, imbalance, rigid_displacement,
+};
+use crate::model::settle::settle;
+use crate::solve::{Outcome, distance_to_exact};
+use rayon::prelude::*;
+
+/// Displacements and forces of all bodies, judged but not yet dressed up.
+pub(crate) struct Judged<const D: usize> {
+    pub states: Vec<BodyState<D>>,
+    /// Displacements of the free obstacles.
+    pub obstacles: Vec<Point<D>>,
+    /// Gaps of all multipliers from the displacements.
+    pub gaps: Vec<f64>,
+    /// To what these are known.
+    pub rounding: Vec<f64>,
+    /// The part of the displacements that strains each body.
+    strained: Vec<Vec<f64>>,
+    /// What was checked.
+    pub certificate: Certificate,
+    /// Bodies that touch nothing and carry no load.
+    pub hovering: Vec<String>,
+    /// Where two sides overlap most between their nodes.
+    pub overlap: Option<Overlap<D>>,
+}
+
+/// Displacements of all bodies under some contact forces, and their certificate; if some were found `before`, as what a change
+/// of the forces (m,) adds to these: rounding, which a slender body magnifies, is then the same in both, and a correction does
+/// what it should.
+pub(crate) fn judge<const D: usize>(
+    model: &Model<D>,
+    condensed: &Condensed<D>,
+    outcome: &Outcome,
+    before: Option<(&Judged<D>, &[f64])>,
+) -> Result<Judged<D>, Error<D>> {
+    let Condensed {
+        bodies,
+        factored,
+        floating,
+        problem,
+        ..
+    } = condensed;
+    let multipliers = &outcome.multipliers;
+    let lambda = &multipliers.lambda;
+    let amplitudes = floating.amplitudes(&multipliers.alpha);
+    let elastic: Vec<Vec<f64>> = bodies
+        .par_iter()
+        .zip(factored)
+        .enumerate()
+        .map(|(index, (body, factored))| {
+            let before = before.map(|(judged, change)| (&judged.strained[index][..], change));
+            elastic_displacement(body, factored, lambda, before)
+        })
+        .collect();
+    let mut rigid: Vec<Vec<f64>> = bodies
+        .iter()
+        .enumerate()
+        .map(|(index, body)| rigid_displacement(body, floating, &amplitudes, index))
+        .collect();
+    let mut gaps = condensed.gaps.clone();
+    add_rows(bodies, -1.0, &rigid, &mut gaps);
+    add_rows(bodies, -1.0, &elastic, &mut gaps);
+    let (open, hovering) = open_motions(model, bodies, floating, problem, lambda);
+    if !open.is_empty() {
+        settle(bodies, floating, &open, &elastic, &mut rigid, &mut gaps);
+    }
+    let states = (&model.bodies, bodies, factored, elastic, &rigid)
+        .into_par_iter()
+        .map(|(body, loaded, factored, elastic, rigid)| {
+            balanced_state(
+                model,
+                body,
+                loaded,
+                factored,
+                [elastic, rigid.clone()],
+                lambda,
+                problem.scales,
+            )
+        })
+        .collect::<Result<Vec<_>, _>>()?;
+    let (states, elastic): (Vec<_>, Vec<_>) = states.into_iter().unzip();
+    // rigid motions first: they may cancel a clearance that is large beside the strains
+    let mut gaps = condensed.gaps.clone();
+    add_rows(bodies, -1.0, &rigid, &mut gaps);
+    let clearances = gaps.clone();
+    add_rows(bodies, -1.0, &elastic, &mut gaps);
+    let obstacles = rigid[model.bodies.len()..].iter();
+    let obstacles: Vec<Point<D>> = obstacles.map(|u| std::array::from_fn(|i| u[i])).collect();
+    let moved = elastic.iter().chain(&rigid).flatten();
+    let rounding = 4.0 * ROUNDING * moved.fold(0.0, |s: f64, u| s.max(u.abs()));
+    let negligible = model.solver.tolerance * problem.scales.length + rounding;
+    let overlap = deepest_overlap(model, condensed, &states, &obstacles, lambda, negligible);
+    let terms = |u: &[f64]| ROUNDING * u.iter().fold(0.0, |s: f64, u| s.max(u.abs()));
+    let mut rounding: Vec<f64> = condensed.gaps.iter().map(|g| ROUNDING * g.abs()).collect();
+    for (body, u) in bodies.iter().zip(elastic.iter().zip(&rigid)) {
+        let size = terms(u.0) + terms(u.1);
+        body.rows
+            .index
+            .iter()
+            .for_each(|&row| rounding[row] += size);
+    }
+    let certificate = certify(
+        model,
+        &states,
+        condensed,
+        multipliers,
+        Seen {
+            gaps: &gaps,
+            clearances: &clearances,
+            rounding: &rounding,
+            implied: implied_violation(model, condensed, &states, &obstacles),
+            exact: match outcome.exact {
+                true => 0.0,
+                false => distance_to_exact(problem, multipliers).unwrap_or(0.0),
+            },
+            between: overlap.map_or([0.0, 1.0], |o| [o.depth, o.resolved]),
+        },
+    );
+    Ok(Judged {
+        states,
+        obstacles,
+        gaps,
+        rounding,
+        strained: elastic,
+        certificate,
+        hovering,
+        overlap,
+    })
+}
+
+/// What each contact of a model moves with.
+pub(crate) fn moved<'a, const D: usize>(
+    model: &Model<D>,
+    pair: &Paired<D>,
+    states: &'a [BodyState<D>],
+    obstacles: &[Point<D>],
+) -> Moved<'a, D> {
+    Moved {
+        own: &states[pair.nonmortar.body.0].u,
+        other: pair.mortar.as_ref().map(|side| &states[side.body.0].u[..]),
+        obstacle: match (&pair.mortar, pair.opposite) {
+            (None, Some(part)) => obstacles[part - model.bodies.len()],
+            _ => pair.obstacle_motion,
+        },
+    }
+}
+
+/// The worst overlap between the nodes of all contacts.
+fn deepest_overlap<const D: usize>(
+    model: &Model<D>,
+    condensed: &Condensed<D>,
+    states: &[BodyState<D>],
+    obstacles: &[Point<D>],
+    lambda: &[f64],
+    negligible: f64,
+) -> Option<Overlap<D>> {
+    let mut worst: Option<Overlap<D>> = None;
+    for (contact, (rows, pair)) in row_ranges(&condensed.paired).enumerate() {
+        let moved = moved(model, pair, states, obstacles);
+        let found = worst_overlap(contact, pair, &moved, &lambda[rows], negligible);
+        let deeper = |w: Overlap<D>, f: &Overlap<D>| f.depth * w.resolved > w.depth * f.resolved;
+        if let Some(found) = found.filter(|f| worst.is_none_or(|w| deeper(w, f))) {
+            worst = Some(found);
+        }
+    }
+    worst
+}
+
+/// Largest violation of a condition without a multiplier, a length.
+fn implied_violation<const D: usize>(
+    model: &Model<D>,
+    condensed: &Condensed<D>,
+    states: &[BodyState<D>],
+    obstacles: &[Point<D>],
+) -> f64 {
+    let mut worst = 0.0f64;
+    for pair in &condensed.paired {
+        let moved = moved(model, pair, states, obstacles);
+        let tied = pair.interface.coupling == Coupling::Tied;
+        for condition in pair
+            .interface
+            .implied
+            .iter()
+            .filter(|c| tied || c.component == 0)
+        {
+            let [own, other] = &condition.rows;
+            let along = |row: &Row<D>, u: &dyn Fn(usize) -> Point<D>| -> f64 {
+                row.iter().map(|&(node, c)| dot(c, u(node))).sum()
+            };
+            let gap = match condition.component {
+                0 => pair.interface.nodes[condition.node].gap,
+                _ => 0.0,
+            };
+            let other = match moved.other {
+                Some(u) => along(other, &|node| u[node]),
+                None => along(other, &|_| moved.obstacle),
+            };
+            let gap = gap - along(own, &|node| moved.own[node]) - other;
+            worst = worst.max(if tied { gap.abs() } else { -gap });
+        }
+    }
+    worst
+}
+
+/// What the certificate sees of the displacements.
+struct Seen<'a> {
+    gaps: &'a [f64],
+    /// Gaps after the rigid motions alone.
+    clearances: &'a [f64],
+    /// To what the gaps are known.
+    rounding: &'a [f64],
+    implied: f64,
+    /// By how much exact steps change a force.
+    exact: f64,
+    between: [f64; 2],
+}
+
+/// Combinations of modes that the contact forces leave open, and the bodies that hover.
+fn open_motions<const D: usize>(
+    model: &Model<D>,
+    bodies: &[LoadedBody<D>],
+    floating: &Floating,
+    problem: &DualProblem,
+    lambda: &[f64],
+) -> (Vec<SparseVector>, Vec<String>) {
+    let r = floating.modes.len();
+    let mut open = floating.uncontrolled.clone();
+    let force = lambda
+        .iter()
+        .fold(problem.scales.force, |s, l| s.max(l.abs()));
+    let components = problem.admissible.components();
+    let mut hovering = Vec::new();
+    for (index, body) in bodies.iter().enumerate() {
+        // a tie holds without force, too
+        let touched =
+            body.rows.index.iter().any(|&row| {
+                lambda[row].abs() > 1e-12 * force || components[row] == Component::Free
+            });
+        if body.system.modes.is_empty() || touched {
+            continue;
+        }
+        hovering.push(part_name(model, index));
+        for (k, _) in floating
+            .modes
+            .iter()
+            .enumerate()
+            .filter(|(_, mode)| mode.0 == index)
+        {
+            open.push(SparseVector::new(r, [(k, 1.0)]));
+        }
+    }
+    (open, hovering)
+}
+
+fn certify<const D: usize>(
+    model: &Model<D>,
+    states: &[BodyState<D>],
+    condensed: &Condensed<D>,
+    multipliers: &Multipliers,
+    seen: Seen<'_>,
+) -> Certificate {
+    let (mut force, mut moment) = (0.0f64, 0.0f64);
+    for (body, state) in model.bodies.iter().zip(states) {
+        let (f, m) = imbalance(model, body.mesh.points(), &state.total);
+        let arm = condensed.problem.scales.moment_arm;
+        force = force.max(f - state.rounding);
+        moment = moment.max(m - state.rounding * arm);
+    }
+    for obstacle in &condensed.bodies[model.bodies.len()..] {
+        force = force.max(unbalanced(obstacle, &multipliers.lambda));
+    }
+    let elastic_energy: f64 = states.iter().map(|state| state.strain_energy).sum();
+    // the gap of potential and complementary energy: the sum over the bodies of 2·energy − f·u − R·u_D, and λ·g₀
+    let work: f64 = states.iter().map(|state| state.unbalanced_work).sum();
+    let on_gaps: f64 = multipliers
+        .lambda
+        .iter()
+        .zip(seen.clearances)
+        .map(|(l, g)| l * g)
+        .sum();
+    // friction takes its share, bound · |slip|: λ·gap of the tangential rows is minus that where its law holds
+    let admissible = &condensed.problem.admissible;
+    let friction = admissible.slip_potential(&multipliers.lambda, |i| seen.gaps[i]);
+    let recomputed = Recomputed {
+        gap: seen.gaps,
+        rounding: seen.rounding,
+        implied: seen.implied,
+        exact: seen.exact,
+        between: seen.between,
+        imbalance_force: force,
+        imbalance_moment: moment,
+        energy_gap: (work + on_gaps + friction).abs(),
+        elastic_energy,
+        driving_force: states.iter().map(|s| s.driving_force).fold(0.0, f64::max),
+    };
+    condensed
+        .problem
+        .certify_with(multipliers, &recomputed, model.solver.tolerance)
+}
+
+/// What is left of the forces on a free obstacle.
+fn unbalanced<const D: usize>(obstacle: &LoadedBody<D>, lambda: &[f64]) -> f64 {
+    let mut rest = obstacle.system.load.clone();
+    obstacle.rows.add_forces(-1.0, lambda, &mut rest);
+    let free = rest
+        .iter()
+        .zip(&obstacle.system.held)
+        .filter(|(_, held)| !**held);
+    free.map(|(f, _)| f * f).sum::<f64>().sqrt()
+}

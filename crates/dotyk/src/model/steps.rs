@@ -1,0 +1,111 @@
+//! Load steps: each from the answer of the one before it, until one has none.
+
+use crate::dual::Multipliers;
+use crate::model::attempt::certified_attempt;
+use crate::model::compliance::DENSE_LIMIT;
+use crate::model::condense::{Condensed, advance, condense};
+use crate::model::error::Error;
+use crate::model::event::{Event, Lap};
+use crate::model::finish::finish;
+use crate::model::judge::Judged;
+use crate::model::nouns::Model;
+use crate::model::objection::objection;
+use crate::model::pair::initial_gaps;
+use crate::model::solution::Solution;
+use std::time::Instant;
+
+/// How a load step ended: what the next one begins from.
+struct End {
+    multipliers: Multipliers,
+    /// Relative tangential displacement in every row under friction, zero in the others, (m,).
+    slip: Vec<f64>,
+}
+
+impl End {
+    /// The answer as a starting point. Contacts that bear nothing tell nothing: the solver's own start is better.
+    fn guess(&self) -> Option<&Multipliers> {
+        let touching = self.multipliers.lambda.iter().any(|&force| force != 0.0);
+        touching.then_some(&self.multipliers)
+    }
+}
+
+/// Solves all load steps of a valid model, in the order of the times; an observer is told what happens.
+///
+/// Errors: see [`Error`]; `NotConverged` carries the last iterate and the steps before it.
+pub(crate) fn solve_steps<const D: usize>(
+    model: &Model<D>,
+    observe: &mut dyn FnMut(Event),
+) -> Result<Vec<Solution<D>>, Error<D>> {
+    let start = Instant::now();
+    let mut done: Vec<Solution<D>> = Vec::with_capacity(model.times.len());
+    let mut condensed: Option<Condensed<D>> = None;
+    let mut last: Option<End> = None;
+    for (index, &time) in model.times.iter().enumerate() {
+        let (step, steps) = (index + 1, model.times.len());
+        observe(Event::Step { step, steps, time });
+        let solved = match (condensed.take(), &last) {
+            (Some(before), Some(last)) => advance(model, before, &last.slip, time, observe),
+            _ => condense(model, time, DENSE_LIMIT, observe),
+        }
+        .and_then(|mut here| {
+            let solved = solve_step(model, &mut here, last.as_ref(), start, observe)?;
+            Ok((here, solved))
+        });
+        match solved {
+            Err(error) => return Err(error.in_step(model, step, done)),
+            Ok((_, (_, solution, Some(reason)))) => {
+                return Err(Error::NotConverged {
+                    reason,
+                    solution: Box::new(solution),
+                    earlier: done,
+                });
+            }
+            Ok((here, (end, solution, None))) => {
+                done.push(solution);
+                (condensed, last) = (Some(here), Some(end));
+            }
+        }
+    }
+    Ok(done)
+}
+
+/// Solves the contact problem of one step from the answer of the step before it, and why it is not an answer.
+fn solve_step<const D: usize>(
+    model: &Model<D>,
+    condensed: &mut Condensed<D>,
+    previous: Option<&End>,
+    start: Instant,
+    observe: &mut dyn FnMut(Event),
+) -> Result<(End, Solution<D>, Option<String>), Error<D>> {
+    observe(Event::Stage("contact"));
+    let mut lap = Lap::start();
+    let guess = previous.and_then(End::guess);
+    let (attempt, judged) = certified_attempt(model, condensed, guess, observe)?;
+    condensed.seconds.contact += lap.seconds();
+    observe(Event::Stage("recover"));
+    let objection = objection(model, condensed, &attempt, &judged);
+    let end = End {
+        multipliers: attempt.outcome.multipliers.clone(),
+        slip: slip(&judged, condensed),
+    };
+    let mut solution = finish(model, condensed, attempt, judged, objection.is_none())?;
+    condensed.seconds.recover += lap.seconds();
+    condensed.seconds.total = start.elapsed().as_secs_f64();
+    solution.seconds = condensed.seconds;
+    Ok((end, solution, objection))
+}
+
+/// Relative tangential displacements in the rows under friction, zero in the others, (m,).
+fn slip<const D: usize>(judged: &Judged<D>, condensed: &Condensed<D>) -> Vec<f64> {
+    let tangential = condensed
+        .paired
+        .iter()
+        .flat_map(|p| p.interface.tangential());
+    // gap = g₀ + slip at the last step − slip now
+    let undeformed = initial_gaps(&condensed.paired);
+    let slips = condensed.gaps.iter().zip(&undeformed).zip(&judged.gaps);
+    tangential
+        .zip(slips)
+        .map(|(is, ((before, g0), after))| if is { before - g0 - after } else { 0.0 })
+        .collect()
+}
