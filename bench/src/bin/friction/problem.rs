@@ -24,7 +24,7 @@
 //!
 //! The projection is written here once more: the judge shares no code with the solvers.
 
-use dotyk::dual::{AdmissibleSet, Block, Compliance, DualError, DualProblem, Equilibrium};
+use dotyk::dual::{AdmissibleSet, Compliance, DualError, DualProblem, Equilibrium, Friction};
 use dotyk::linalg::SparseMatrix;
 
 /// Largest size for which the rank is computed.
@@ -105,10 +105,8 @@ impl Problem {
 
     /// The dual problem with F = W as it is and d = −q.
     pub fn dual(&self) -> Result<DualProblem, DualError> {
-        let block = |&coefficient: &f64| Block::Coulomb {
-            tangents: self.dimension - 1,
-            coefficient,
-        };
+        let block =
+            |&coefficient: &f64| Friction::Coulomb { coefficient }.block(self.dimension - 1);
         DualProblem::new(
             self.compliance(),
             self.free.iter().map(|q| -q).collect(),

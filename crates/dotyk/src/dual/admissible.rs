@@ -1,10 +1,10 @@
-//! Λ, the forces that the contact nodes can bear: a product of small blocks, each with its projection.
+//! Λ, the forces that the contact nodes can bear: the product of their blocks, see `law.rs`.
 //!
 //! Sign: λₙ ≥ 0 is compression. Projections are Euclidean in the components of λ (forces).
 
 use std::ops::Range;
 
-use crate::dual::Block;
+use crate::dual::{Block, Friction};
 use crate::linalg::dense::{dot, norm};
 
 /// What a single component of λ is.
@@ -16,29 +16,6 @@ pub enum Component {
     Normal,
     /// A tangential force, bounded by its block.
     Tangent,
-}
-
-impl Block {
-    /// Number of components of λ in the block.
-    pub fn size(&self) -> usize {
-        match *self {
-            Self::Free { size } => size,
-            Self::Unilateral => 1,
-            Self::Tresca { tangents, .. } | Self::Coulomb { tangents, .. } => 1 + tangents,
-        }
-    }
-
-    /// Largest tangential force beside the normal force `normal`; `None` where there is no friction law.
-    ///
-    /// The bound of Tresca does not depend on the normal force, not even where the contact is open: that keeps its
-    /// problem convex.
-    pub fn bound(&self, normal: f64) -> Option<f64> {
-        match *self {
-            Self::Free { .. } | Self::Unilateral => None,
-            Self::Tresca { bound, .. } => Some(bound),
-            Self::Coulomb { coefficient, .. } => Some(coefficient * normal.max(0.0)),
-        }
-    }
 }
 
 /// Λ: the blocks in order, and where each begins in λ.
@@ -90,13 +67,13 @@ impl AdmissibleSet {
 
     /// Some block has a friction law.
     pub fn has_friction(&self) -> bool {
-        self.blocks.iter().any(|block| block.bound(0.0).is_some())
+        self.blocks.iter().any(|block| block.friction().is_some())
     }
 
-    /// Some block has a bound that depends on its normal force.
-    pub fn has_coulomb(&self) -> bool {
-        let coulomb = |block: &Block| matches!(block, Block::Coulomb { .. });
-        self.blocks.iter().any(coulomb)
+    /// Some bound of friction follows from its normal force: the problem is not the minimum of a convex functional.
+    pub fn bounds_follow(&self) -> bool {
+        let mut laws = self.blocks.iter().filter_map(Block::friction);
+        laws.any(|law| law.follows())
     }
 
     /// Bound of the tangential force of each block at λ, 0 without friction; one per block.
@@ -113,79 +90,58 @@ impl AdmissibleSet {
     ///
     /// λ keeps its length. A block that bears no shear at all stays one.
     pub fn sticking(&self) -> Self {
-        let mut blocks = Vec::with_capacity(self.blocks.len());
-        for block in &self.blocks {
-            let size = block.size() - 1;
-            match block.bound(1.0) {
-                None => blocks.push(*block),
-                Some(bound) if bound > 0.0 => {
-                    blocks.extend([Block::Unilateral, Block::Free { size }]);
-                }
-                Some(bound) => blocks.push(Block::Tresca {
-                    tangents: size,
-                    bound,
-                }),
-            }
-        }
-        Self::new(blocks)
+        let blocks = self.blocks.iter().flat_map(|block| block.sticking());
+        Self::new(blocks.collect())
     }
 
-    /// The set in which every block with friction is a Tresca block with the bound `bound`.
+    /// The set in which every block with friction has the given bound `bound`.
     pub fn with_all_bounds(&self, bound: f64) -> Self {
-        let fixed = |block: &Block| match *block {
-            Block::Tresca { tangents, .. } | Block::Coulomb { tangents, .. } => {
-                Block::Tresca { tangents, bound }
-            }
-            other => other,
-        };
-        Self::new(self.blocks.iter().map(fixed).collect())
+        let given = |block: &Block| block.with_friction(|_| Friction::Tresca { bound });
+        Self::new(self.blocks.iter().map(given).collect())
     }
 
-    /// The set in which every Coulomb block is a Tresca block with the given bound (one per block).
+    /// The set in which every bound that follows from a normal force is given (one per block).
     pub fn with_bounds(&self, bounds: &[f64]) -> Self {
-        let fixed = |(block, &bound): (&Block, &f64)| match *block {
-            Block::Coulomb { tangents, .. } => Block::Tresca { tangents, bound },
-            other => other,
+        let given = |(block, &bound): (&Block, &f64)| {
+            block.with_friction(|law| match law.follows() {
+                true => Friction::Tresca { bound },
+                false => law,
+            })
         };
-        Self::new(self.blocks.iter().zip(bounds).map(fixed).collect())
+        Self::new(self.blocks.iter().zip(bounds).map(given).collect())
     }
 
     /// What each component of λ is, (m,).
     pub fn components(&self) -> Vec<Component> {
-        let mut components = Vec::with_capacity(self.len());
-        for block in &self.blocks {
-            match *block {
-                Block::Free { size } => components.extend(vec![Component::Free; size]),
-                Block::Unilateral => components.push(Component::Normal),
-                Block::Tresca { tangents, .. } | Block::Coulomb { tangents, .. } => {
-                    components.push(Component::Normal);
-                    components.extend(vec![Component::Tangent; tangents]);
-                }
-            }
-        }
-        components
+        let of_block = |block: &Block| {
+            let (first, others) = match block.is_free() {
+                true => (Component::Free, Component::Free),
+                false => (Component::Normal, Component::Tangent),
+            };
+            let others = std::iter::repeat(others);
+            std::iter::once(first).chain(others).take(block.size())
+        };
+        self.blocks.iter().flat_map(of_block).collect()
     }
 
     /// λ = P_Λ(y), the nearest admissible force. Shapes: both (m,).
     pub fn project(&self, y: &[f64], lambda: &mut [f64]) {
         for (block, range) in self.iter() {
-            let (from, to) = (&y[range.clone()], &mut lambda[range]);
-            match *block {
-                Block::Free { .. } => to.copy_from_slice(from),
-                Block::Unilateral => to[0] = from[0].max(0.0),
-                Block::Tresca { bound, .. } => {
-                    to[0] = from[0].max(0.0);
-                    project_ball(&from[1..], bound, &mut to[1..]);
-                }
-                Block::Coulomb { coefficient, .. } => project_cone(from, coefficient, to),
-            }
+            block.project(&y[range.clone()], &mut lambda[range]);
         }
     }
 
-    /// Shortens the tangential forces of Tresca blocks to their bounds, in place; the rest of λ stays as it is.
+    /// Derivative of the projection at y in direction v: symmetric, between 0 and 1. Shapes: all (m,).
+    pub fn project_derivative(&self, y: &[f64], v: &[f64], out: &mut [f64]) {
+        for (block, range) in self.iter() {
+            block.project_derivative(&y[range.clone()], &v[range.clone()], &mut out[range]);
+        }
+    }
+
+    /// Shortens tangential forces to their bounds, in place; the rest of λ stays as it is.
     pub fn bound_tangents(&self, lambda: &mut [f64]) {
         for (block, range) in self.iter() {
-            if let Block::Tresca { bound, .. } = *block {
+            if let Some(bound) = block.bound(lambda[range.start]) {
                 let tangents = &mut lambda[range.start + 1..range.end];
                 let length = norm(tangents);
                 if length > bound {
@@ -195,48 +151,16 @@ impl AdmissibleSet {
         }
     }
 
-    /// Derivative of the projection at y in direction v: symmetric, between 0 and 1. Shapes: all (m,).
-    pub fn project_derivative(&self, y: &[f64], v: &[f64], out: &mut [f64]) {
-        for (block, range) in self.iter() {
-            let (y, v, out) = (&y[range.clone()], &v[range.clone()], &mut out[range]);
-            match *block {
-                Block::Free { .. } => out.copy_from_slice(v),
-                Block::Unilateral => out[0] = if y[0] > 0.0 { v[0] } else { 0.0 },
-                Block::Tresca { bound, .. } => {
-                    out[0] = if y[0] > 0.0 { v[0] } else { 0.0 };
-                    let length = norm(&y[1..]);
-                    if length <= bound {
-                        out[1..].copy_from_slice(&v[1..]);
-                    } else {
-                        turn(&y[1..], length, bound / length, 0.0, &v[1..], &mut out[1..]);
-                    }
-                }
-                Block::Coulomb { coefficient, .. } => cone_derivative(y, coefficient, v, out),
-            }
-        }
-    }
-
     /// Largest tension of a normal component, a force ≥ 0.
     pub fn tension(&self, lambda: &[f64]) -> f64 {
         self.iter()
-            .filter(|(block, _)| !matches!(block, Block::Free { .. }))
+            .filter(|(block, _)| !block.is_free())
             .map(|(_, range)| -lambda[range.start])
             .fold(0.0, f64::max)
     }
 
-    /// Distance of λ from Λ in its worst component, a force ≥ 0.
-    pub fn violation(&self, lambda: &[f64]) -> f64 {
-        let mut nearest = lambda.to_vec();
-        self.project(lambda, &mut nearest);
-        lambda
-            .iter()
-            .zip(&nearest)
-            .map(|(own, near)| (own - near).abs())
-            .fold(0.0, f64::max)
-    }
-
     /// Largest violation of the friction law, a force: λₜ against the projection of the trial forces onto the disc of its
-    /// bound (for Coulomb the bound is coefficient · λₙ). NaN if there is any.
+    /// bound (where it follows from λₙ, at λₙ). NaN if there is any.
     ///
     /// Shapes: λ (m,). `trial` gives λ − gap/softness of a component, the softness being a length over force.
     pub fn slip_violation(&self, lambda: &[f64], trial: impl Fn(usize) -> f64) -> f64 {
@@ -268,7 +192,7 @@ impl AdmissibleSet {
     /// Shapes: λ, gap (m,). Unit: energy. At a solution it is bound · |slip| ≥ 0: what friction dissipates.
     pub fn dissipated(&self, lambda: &[f64], gap: &[f64]) -> Vec<f64> {
         self.iter()
-            .map(|(block, range)| match block.bound(0.0) {
+            .map(|(block, range)| match block.friction() {
                 Some(_) => -dot(
                     &lambda[range.start + 1..range.end],
                     &gap[range.start + 1..range.end],
@@ -293,63 +217,6 @@ impl AdmissibleSet {
     }
 }
 
-/// Nearest point of the ball ‖t‖ ≤ bound.
-fn project_ball(from: &[f64], bound: f64, to: &mut [f64]) {
-    let length = norm(from);
-    let factor = if length > bound { bound / length } else { 1.0 };
-    for (to, from) in to.iter_mut().zip(from) {
-        *to = factor * from;
-    }
-}
-
-/// Nearest point of the cone ‖t‖ ≤ μn.
-fn project_cone(from: &[f64], mu: f64, to: &mut [f64]) {
-    let (n, length) = (from[0], norm(&from[1..]));
-    if length <= mu * n {
-        to.copy_from_slice(from);
-    } else if mu * length <= -n {
-        to.fill(0.0);
-    } else {
-        let normal = (n + mu * length) / (1.0 + mu * mu);
-        to[0] = normal;
-        for (to, from) in to[1..].iter_mut().zip(&from[1..]) {
-            *to = mu * normal / length * from;
-        }
-    }
-}
-
-/// Derivative of [`project_cone`].
-fn cone_derivative(y: &[f64], mu: f64, v: &[f64], out: &mut [f64]) {
-    let (n, length) = (y[0], norm(&y[1..]));
-    if length <= mu * n {
-        out.copy_from_slice(v);
-    } else if mu * length <= -n {
-        out.fill(0.0);
-    } else {
-        let normal = (n + mu * length) / (1.0 + mu * mu);
-        let along = dot(&y[1..], &v[1..]) / length;
-        let change = (v[0] + mu * along) / (1.0 + mu * mu);
-        out[0] = change;
-        turn(
-            &y[1..],
-            length,
-            mu * normal / length,
-            mu * change,
-            &v[1..],
-            &mut out[1..],
-        );
-    }
-}
-
-/// out = across · (v − t(t·v)) + along · t, with t = y/‖y‖.
-fn turn(y: &[f64], length: f64, across: f64, along: f64, v: &[f64], out: &mut [f64]) {
-    let component = dot(y, v) / length;
-    for ((out, v), y) in out.iter_mut().zip(v).zip(y) {
-        let t = y / length;
-        *out = across * (v - component * t) + along * t;
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -358,14 +225,8 @@ mod tests {
         AdmissibleSet::new(vec![
             Block::Free { size: 2 },
             Block::Unilateral,
-            Block::Tresca {
-                tangents: 2,
-                bound: 0.5,
-            },
-            Block::Coulomb {
-                tangents: 2,
-                coefficient: 0.4,
-            },
+            Friction::Tresca { bound: 0.5 }.block(2),
+            Friction::Coulomb { coefficient: 0.4 }.block(2),
         ])
     }
 
@@ -388,7 +249,8 @@ mod tests {
         let mut other = vec![0.0; 9];
         for y in points(60) {
             set.project(&y, &mut nearest);
-            assert!(set.violation(&nearest) < 1e-15);
+            set.project(&nearest, &mut other);
+            assert!((0..9).all(|i| (nearest[i] - other[i]).abs() < 1e-15));
             for z in points(60) {
                 set.project(&z, &mut other);
                 let product: f64 = (0..9)
@@ -427,10 +289,7 @@ mod tests {
 
     #[test]
     fn friction_law_holds_in_stick_and_in_slip_against_the_motion() {
-        let set = AdmissibleSet::new(vec![Block::Tresca {
-            tangents: 1,
-            bound: 1.0,
-        }]);
+        let set = AdmissibleSet::new(vec![Friction::Tresca { bound: 1.0 }.block(1)]);
         let violation =
             |lambda: [f64; 2], gap: f64| set.slip_violation(&lambda, |i| lambda[i] - [0.0, gap][i]);
         assert_eq!(violation([1.0, 0.5], 0.0), 0.0);

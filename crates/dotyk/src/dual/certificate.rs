@@ -1,18 +1,39 @@
-//! The certificate: what is checked of an answer, in the problem's units and relative to its scales.
+//! The certificate: nine figures that tell how far an answer is from being one. It is the only judge of convergence, whoever
+//! solved.
 //!
-//! The only judge of convergence, whoever solved. Scales: lengths to max|d|, forces to the larger of max|λ| and the largest
-//! resultant load (that of a support that moves counts), moments to that times the largest body diameter, energies to the
-//! elastic energy; 1 where a scale is zero. Limits: the tolerance, and 1e-10 for imbalances.
+//! Each figure is a violation in the problem's units; over its scale it must not exceed its limit.
 //!
-//! Two figures see what the others cannot. A gap that is nothing beside max|d| may be much to two stiff bodies among soft
-//! ones: the *force error* asks of every component by how much its force changes where it answers its gap with its own
-//! softness, |λ − P(λ − gap/softness)|; forces that an iteration left are compared with those of the answer that exact
-//! steps find beside them, too, because neighbours may be much stiffer against each other than each by itself. *Between nodes* is
-//! the deepest penetration between the nodes of the sides, over what the meshes can resolve: it does not know which
-//! conditions were imposed.
+//! | Figure | Violation | Scale | Limit |
+//! |---|---|---|---|
+//! | penetration | largest −gap of a unilateral contact, largest ‖gap‖ of a tied one | length | tolerance |
+//! | tension | largest −λₙ of a unilateral contact | force | tolerance |
+//! | complementarity | Σ‖λ·gap‖ over normal and tied components | energy | tolerance |
+//! | imbalance of forces | largest resultant force on a body | force | 1e-10 |
+//! | imbalance of moments | largest resultant moment on a body | force · arm | 1e-10 |
+//! | energy gap | difference of the primal and the dual energy | energy | tolerance |
+//! | slip violation | largest distance of λₜ from what friction makes of the bound and the slip | force | tolerance |
+//! | force error | largest change of a force that its gap asks for | force | 10 tolerances |
+//! | between nodes | deepest penetration between the nodes of the sides | what the meshes resolve | 10 |
 //!
-//! A gap is the difference of displacements that may be much larger (a stiff body carried along by a soft one): what lies
-//! within their rounding says nothing, and counts as none in every figure.
+//! Scales: length is max‖d‖; force is the larger of max‖λ‖ and the largest resultant load, where the force on a support that
+//! moves is a load like any other; arm is the largest diameter of a body; energy is the elastic energy of all bodies. A scale
+//! of zero counts as 1.
+//!
+//! *Force error.* The scale of gaps is one length for the whole problem. Between two stiff bodies a gap that is nothing beside
+//! that length may stand for a large force, and complementarity, a product, does not see it either. So every gap is turned into
+//! a force with the softness of its own contact, which is how far it gives way under a unit force: the figure is
+//! ‖λ − P(λ − gap/softness)‖, zero for an exact answer. Neighbouring contacts may be much stiffer against each other than each
+//! of them by itself, which the softness of one contact does not tell. So forces that an iteration has left are compared with
+//! those of the exact answer nearby as well, where exact steps find it.
+//!
+//! *Slip violation* is the same for the shear alone: λₜ against the trial shear λₜ − gapₜ/softness, shortened to the bound that
+//! the law of the node gives beside λₙ. Where the node sticks gapₜ = 0; where it slips the trial shear points along the slip.
+//!
+//! *Between nodes.* The conditions of a contact are imposed at its nodes. What the sides do between them is measured without
+//! knowing which conditions were imposed.
+//!
+//! *Rounding.* A gap is a difference of displacements that may be much larger than it: a soft body carries a stiff one along.
+//! The part of a gap that is rounding of these displacements says nothing, and every figure is computed without it.
 
 use std::fmt;
 
@@ -104,9 +125,7 @@ impl Certificate {
     pub fn holds(&self) -> bool {
         self.figures().iter().all(|(_, figure)| figure.holds())
     }
-}
 
-impl Certificate {
     /// Which figures do not hold, in words.
     pub fn objection(&self) -> String {
         let violated = |(name, figure): &(&str, Figure)| {
@@ -169,7 +188,7 @@ pub struct Recomputed<'a> {
 }
 
 /// Violations of the optimality conditions in the problem's units, with the scales that λ implies.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub(crate) struct Violations {
     penetration: f64,
     tension: f64,
@@ -202,19 +221,10 @@ impl Violations {
     ) -> Self {
         let largest = lambda.iter().fold(0.0, |s: f64, x| s.max(x.abs()));
         let force = problem.scales.force.max(largest);
-        let length = problem.scales.length;
         let mut violations = Self {
-            penetration: 0.0,
-            tension: 0.0,
-            force_error: 0.0,
-            complementarity: 0.0,
-            imbalance_force: 0.0,
-            imbalance_moment: 0.0,
-            energy_gap: 0.0,
-            slip: 0.0,
             force,
-            energy: 0.0,
-            length,
+            length: problem.scales.length,
+            ..Self::default()
         };
         let own = problem.rounding(gap, alpha);
         let told = |i: usize| match rounding {
@@ -435,7 +445,7 @@ fn larger(a: f64, b: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::dual::{Block, Compliance, Equilibrium, Mat};
+    use crate::dual::{Block, Compliance, Equilibrium, Friction, Mat};
 
     /// Two springs of compliance 1 pressed by 3 into a floating plate: λ = (2, 1), both closed.
     fn plate() -> (DualProblem, Multipliers) {
@@ -520,10 +530,7 @@ mod tests {
         let problem = DualProblem::new(
             Compliance::Dense(Mat::from_fn(2, 2, |i, j| f64::from(i == j))),
             vec![2.0, 1.5],
-            AdmissibleSet::new(vec![Block::Coulomb {
-                tangents: 1,
-                coefficient: 0.5,
-            }]),
+            AdmissibleSet::new(vec![Friction::Coulomb { coefficient: 0.5 }.block(1)]),
             Equilibrium::none(2),
         )
         .unwrap();

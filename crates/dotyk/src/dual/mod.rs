@@ -27,6 +27,8 @@ mod balance;
 mod certificate;
 mod cone;
 mod feasibility;
+mod law;
+mod least_squares;
 mod modes;
 mod projection;
 mod split;
@@ -35,7 +37,9 @@ pub use admissible::{AdmissibleSet, Component};
 pub use balance::Balance;
 pub(crate) use certificate::{BETWEEN_NODES, ROUNDING, Violations};
 pub use certificate::{Certificate, Figure, IMBALANCE_LIMIT, Recomputed};
-pub use feasibility::{Feasibility, NO_WORK, least_norm_within, least_squares_nonnegative};
+pub use feasibility::{Feasibility, NO_WORK};
+pub use law::{Block, Friction};
+pub(crate) use least_squares::least_norm_within;
 pub use modes::Modes;
 pub use projection::Projector;
 pub use split::{ModeSplit, uncontrolled_modes};
@@ -98,33 +102,6 @@ impl Compliance {
 
 /// Columns of F that are assembled at a time.
 const COLUMNS: usize = 256;
-
-/// What one contact node can bear; its block of λ is (normal, tangential..).
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Block {
-    /// Any force of that many components (tied).
-    Free {
-        /// Number of components.
-        size: usize,
-    },
-    /// One normal component, λₙ ≥ 0.
-    Unilateral,
-    /// λₙ ≥ 0 and ‖λₜ‖ ≤ bound (a force), whatever λₙ is: the shear of an open contact is bounded by it, too. This
-    /// keeps the problem convex.
-    Tresca {
-        /// Number of tangential components.
-        tangents: usize,
-        /// Bound of the tangential force.
-        bound: f64,
-    },
-    /// λₙ ≥ 0 and ‖λₜ‖ ≤ coefficient · λₙ.
-    Coulomb {
-        /// Number of tangential components.
-        tangents: usize,
-        /// Coefficient of friction.
-        coefficient: f64,
-    },
-}
 
 /// Gλ = e, the balance of the floating bodies; r = 0 when nothing floats.
 #[derive(Debug, Clone)]
@@ -314,7 +291,7 @@ impl DualProblem {
     /// Means over the tangents of a node; a component that nothing gives way to takes the scale of the others.
     fn positive_softness(&self, mut softness: Vec<f64>) -> Vec<f64> {
         for (block, range) in self.admissible.iter() {
-            if block.bound(0.0).is_some() {
+            if block.friction().is_some() {
                 let tangents = &mut softness[range.start + 1..range.end];
                 let mean = tangents.iter().sum::<f64>() / tangents.len().max(1) as f64;
                 tangents.fill(mean);
@@ -370,9 +347,9 @@ impl DualProblem {
             });
         }
         for (block, law) in self.admissible.blocks().iter().enumerate() {
-            // Of a unit normal force: the bound itself, or the coefficient.
-            let value = law.bound(1.0).unwrap_or(0.0);
-            if !(value >= 0.0 && value.is_finite()) {
+            let (given, growth) = law.friction().map_or((0.0, 0.0), |law| law.terms());
+            let wrong = |value: &f64| !(*value >= 0.0 && value.is_finite());
+            if let Some(value) = [given, growth].into_iter().find(wrong) {
                 return Err(DualError::Friction { block, value });
             }
         }

@@ -11,7 +11,7 @@
 //! Of many bodies the Jacobian is L⁻¹(MP′Mᵀ)L⁻ᵀ with the sparse M of [`Balance`]: entries only where two bodies touch, a
 //! sparse factor. Of few bodies nothing is allocated after construction but one row of Ĝ at a time.
 
-use crate::dual::{AdmissibleSet, Balance, Block};
+use crate::dual::{AdmissibleSet, Balance};
 use crate::linalg::WeightedGram;
 use crate::linalg::dense::{dot, norm};
 use std::ops::Range;
@@ -67,15 +67,12 @@ impl<'a> Projector<'a> {
         let (m, k) = (admissible.len(), balance.rank());
         let bounded: Vec<bool> = admissible
             .iter()
-            .flat_map(|(block, range)| range.map(move |_| !matches!(block, Block::Free { .. })))
+            .flat_map(|(block, range)| range.map(move |_| !block.is_free()))
             .collect();
         Self {
             admissible,
             balance,
-            bounds_only: admissible
-                .blocks()
-                .iter()
-                .all(|block| matches!(block, Block::Free { .. } | Block::Unilateral)),
+            bounds_only: !admissible.has_friction(),
             bounded,
             points: Vec::with_capacity(m),
             shifted: vec![0.0; m],
@@ -106,9 +103,10 @@ impl<'a> Projector<'a> {
         // y − Ĝᵀτ is rounded; what is left of a force below that is none (it would press an open contact).
         let rounding = 16.0 * f64::EPSILON * y.iter().fold(0.0, |s: f64, y| s.max(y.abs()));
         for (block, range) in self.admissible.iter() {
-            if matches!(block, Block::Coulomb { .. }) && lambda[range.start] <= rounding {
+            let bears = block.friction().is_none_or(|law| law.bears(false));
+            if !bears && lambda[range.start] <= rounding {
                 lambda[range].fill(0.0);
-            } else if !matches!(block, Block::Free { .. }) {
+            } else if !block.is_free() {
                 let none = lambda[range].iter_mut().filter(|l| l.abs() <= rounding);
                 none.for_each(|l| *l = 0.0);
             }
@@ -374,7 +372,7 @@ fn solve_positive(a: &mut [f64], x: &mut [f64]) {
 mod tests {
     use super::*;
     use crate::dual::split::tests::row_of_discs;
-    use crate::dual::{Equilibrium, Mat};
+    use crate::dual::{Block, Equilibrium, Friction, Mat};
 
     fn wave(m: usize, seed: usize) -> Vec<f64> {
         (0..m)
@@ -385,14 +383,8 @@ mod tests {
     fn mixed(m: usize, friction: bool) -> AdmissibleSet {
         let mut blocks = vec![Block::Free { size: 2 }];
         if friction {
-            blocks.push(Block::Tresca {
-                tangents: 2,
-                bound: 0.4,
-            });
-            blocks.push(Block::Coulomb {
-                tangents: 1,
-                coefficient: 0.3,
-            });
+            blocks.push(Friction::Tresca { bound: 0.4 }.block(2));
+            blocks.push(Friction::Coulomb { coefficient: 0.3 }.block(1));
         }
         let rest = m - AdmissibleSet::new(blocks.clone()).len();
         blocks.extend(vec![Block::Unilateral; rest]);
@@ -447,14 +439,8 @@ mod tests {
         let m = modes.ncols();
         let pair = |j: usize| match j % 3 {
             0 => vec![Block::Unilateral; 2],
-            1 => vec![Block::Tresca {
-                tangents: 1,
-                bound: 0.4,
-            }],
-            _ => vec![Block::Coulomb {
-                tangents: 1,
-                coefficient: 0.3,
-            }],
+            1 => vec![Friction::Tresca { bound: 0.4 }.block(1)],
+            _ => vec![Friction::Coulomb { coefficient: 0.3 }.block(1)],
         };
         let set = AdmissibleSet::new((0..m / 2).flat_map(pair).collect());
         for seed in 0..10 {

@@ -1,11 +1,11 @@
 //! Λ of all contacts: what each of their nodes can bear.
 
-use crate::contact::ContactError;
+use crate::contact::{ContactError, Coupling};
 use crate::dual::{AdmissibleSet, Block};
 use crate::fem::show;
 use crate::geometry::Field;
 use crate::model::error::Error;
-use crate::model::nouns::{Contact, Law, Model};
+use crate::model::nouns::{Contact, Model};
 use crate::model::pair::Paired;
 use std::collections::BTreeMap;
 
@@ -24,16 +24,9 @@ pub(crate) fn admissible_set<const D: usize>(
             let size = node.rows.iter().flatten().count();
             let value = |field: &Field| friction_at(contact, pair, field, points[node.node], time);
             let tangents = size.saturating_sub(1);
-            blocks.push(match &contact.law {
-                Law::Tied => Block::Free { size },
-                Law::Coulomb(field) if tangents > 0 => Block::Coulomb {
-                    tangents,
-                    coefficient: value(field)?,
-                },
-                Law::Tresca(field) if tangents > 0 => Block::Tresca {
-                    tangents,
-                    bound: value(field)? * node.weight,
-                },
+            blocks.push(match contact.law.friction(value, node.weight)? {
+                Some(law) if tangents > 0 => law.block(tangents),
+                None if pair.interface.coupling == Coupling::Tied => Block::Free { size },
                 _ => Block::Unilateral,
             });
         }

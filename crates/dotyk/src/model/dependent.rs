@@ -10,7 +10,7 @@
 //! own is independent; setting such rows aside again and again leaves few rows, mostly none, for the factorisation.
 
 use crate::contact::Coupling;
-use crate::dual::{Block, DualProblem};
+use crate::dual::DualProblem;
 use crate::fem::{BodySystem, show};
 use crate::linalg::dense::{cholesky_in_place, solve_lower_in_place};
 use crate::linalg::{Mat, pivoted_cholesky};
@@ -92,7 +92,7 @@ pub(crate) fn shared_forces<const D: usize>(
         let Some(&first) = row_of.get(&range.start) else {
             continue;
         };
-        let free = matches!(block, Block::Free { .. });
+        let free = block.is_free();
         if !free && lambda[range.start] <= 0.0 {
             continue;
         }

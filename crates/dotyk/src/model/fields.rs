@@ -1,7 +1,7 @@
 //! What a solution tells of bodies and contacts: stresses, reactions by side, and the state of every contact node.
 
 use crate::contact::{Coupling, InterfaceNode, Role, Row, frame};
-use crate::dual::{AdmissibleSet, Block};
+use crate::dual::AdmissibleSet;
 use crate::fem::{RigidBasis, describe_motion, fit_rigid, recover_stress, von_mises};
 use crate::geometry::{Point, add_scaled, bounding_box, cross, distance, dot, norm, sub};
 use crate::model::bodies::LoadedBody;
@@ -12,6 +12,7 @@ use crate::model::nouns::{Analysis, Body, Model, Place, SideRef};
 use crate::model::pair::{Paired, row_ranges};
 use crate::model::recover::{BodyState, centroid};
 use crate::model::solution::*;
+use crate::solve::{Shear, State};
 use rayon::prelude::*;
 use std::collections::BTreeMap;
 
@@ -24,14 +25,14 @@ pub(crate) fn fields<const D: usize>(
     judged: Judged<D>,
     lambda: &[f64],
 ) -> Result<(Vec<BodySolution<D>>, Vec<ContactSolution<D>>), Error<D>> {
-    let bounds = shear_bounds(&condensed.problem.admissible, lambda);
+    let shears = shears(&condensed.problem.admissible, lambda);
     let contacts = model.contacts.iter().zip(row_ranges(&condensed.paired));
     let contacts = contacts.map(|(contact, (rows, pair))| {
         let obstacle = moved(model, pair, &judged.states, &judged.obstacles).obstacle;
         let rows = Rows {
             gaps: &judged.gaps[rows.clone()],
             lambda: &lambda[rows.clone()],
-            bounds: &bounds[rows],
+            shears: &shears[rows],
         };
         contact_solution(model, &contact.name, pair, (&judged.states, obstacle), rows)
     });
@@ -110,28 +111,23 @@ fn side_reactions<const D: usize>(
 struct Rows<'a> {
     gaps: &'a [f64],
     lambda: &'a [f64],
-    /// Largest shear force of the nodes with friction, at their normal rows; NaN elsewhere.
-    bounds: &'a [f64],
+    /// What the shear of the nodes with friction does, at their normal rows; `None` elsewhere.
+    shears: &'a [Option<Shear>],
 }
 
-/// Largest shear force of every node with friction, at its normal row; NaN elsewhere.
-fn shear_bounds(admissible: &AdmissibleSet, lambda: &[f64]) -> Vec<f64> {
-    let mut bounds = vec![f64::NAN; lambda.len()];
+/// What the shear of every node with friction does, at its normal row (m,).
+fn shears(admissible: &AdmissibleSet, lambda: &[f64]) -> Vec<Option<Shear>> {
+    let mut shears = vec![None; lambda.len()];
     for (block, range) in admissible.iter() {
-        bounds[range.start] = match *block {
-            Block::Tresca { bound, .. } => bound,
-            Block::Coulomb { coefficient, .. } => coefficient * lambda[range.start].max(0.0),
-            Block::Free { .. } | Block::Unilateral => f64::NAN,
-        };
+        let first = range.start;
+        let state = State::of_forces(block, &lambda[range]);
+        shears[first] = block.friction().map(|_| state.shear);
     }
-    bounds
+    shears
 }
 
 /// Forces below this part of the largest of a contact are none.
 const NONE: f64 = 1e-10;
-
-/// A node slips when its shear force is within this part of its bound.
-const AT_BOUND: f64 = 1e-7;
 
 fn contact_solution<const D: usize>(
     model: &Model<D>,
@@ -141,7 +137,7 @@ fn contact_solution<const D: usize>(
     Rows {
         gaps,
         lambda,
-        bounds,
+        shears,
     }: Rows<'_>,
 ) -> ContactSolution<D> {
     let body = &model.bodies[pair.nonmortar.body.0];
@@ -170,14 +166,12 @@ fn contact_solution<const D: usize>(
         let (gap, pressure, status) = match (node.role, node.rows[0]) {
             (Role::Alone, _) => (f64::NAN, 0.0, Status::Open),
             (Role::Multiplier, Some(row)) => {
-                let shear = node.rows[1..].iter().flatten().map(|&row| lambda[row]);
-                let shear = shear.map(|l| l * l).sum::<f64>().sqrt();
-                let status = match coupling {
-                    Coupling::Tied => Status::Tied,
+                let status = match (coupling, &shears[row]) {
+                    (Coupling::Tied, _) => Status::Tied,
                     _ if lambda[row] <= none => Status::Open,
-                    _ if bounds[row].is_nan() => Status::Closed,
-                    _ if shear < (1.0 - AT_BOUND) * bounds[row] => Status::Stick,
-                    _ => Status::Slip,
+                    (_, None) => Status::Closed,
+                    (_, Some(Shear::Stick)) => Status::Stick,
+                    (_, Some(Shear::Slip { .. } | Shear::Smooth)) => Status::Slip,
                 };
                 (gaps[row], lambda[row] / node.weight, status)
             }

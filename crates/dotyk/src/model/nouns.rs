@@ -1,5 +1,9 @@
 //! What the user writes: bodies, supports, loads, contacts, solver options, probes.
 
+use std::convert::Infallible;
+use std::fmt;
+
+use crate::dual::Friction;
 use crate::geometry::{Field, Point};
 
 pub use crate::contact::Rigid;
@@ -101,6 +105,49 @@ pub enum Law {
     Tresca(Field),
     /// Both sides move together; tension is allowed.
     Tied,
+}
+
+impl Law {
+    /// The law of friction of a node, its fields evaluated by `at` and stresses taken times `weight`; `None` without friction.
+    pub(crate) fn friction<E>(
+        &self,
+        at: impl Fn(&Field) -> Result<f64, E>,
+        weight: f64,
+    ) -> Result<Option<Friction>, E> {
+        Ok(match self {
+            Self::Frictionless | Self::Tied => None,
+            Self::Coulomb(field) => Some(Friction::Coulomb {
+                coefficient: at(field)?,
+            }),
+            Self::Tresca(field) => Some(Friction::Tresca {
+                bound: at(field)? * weight,
+            }),
+        })
+    }
+
+    /// Largest shear traction beside a pressure at a point and a time; `None` without friction.
+    pub fn shear_limit<const D: usize>(
+        &self,
+        pressure: f64,
+        point: Point<D>,
+        time: f64,
+    ) -> Option<f64> {
+        let at = |field: &Field| Ok::<f64, Infallible>(field.at(point, time));
+        let Ok(law) = self.friction(at, 1.0);
+        Some(law?.bound(pressure))
+    }
+}
+
+impl fmt::Display for Law {
+    /// In words, with its fields.
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Frictionless => write!(f, "frictionless"),
+            Self::Coulomb(field) => write!(f, "Coulomb friction {field}"),
+            Self::Tresca(field) => write!(f, "Tresca friction {field}"),
+            Self::Tied => write!(f, "tied"),
+        }
+    }
 }
 
 /// A contact between two sides, or a side and a rigid obstacle.

@@ -53,7 +53,7 @@ fn unsettled<const D: usize>(
     };
     let (contact, point) = carriers(model, &condensed.paired)[row];
     let slender = slender(model, condensed);
-    let advice = match (slender, problem.admissible.has_coulomb()) {
+    let advice = match (slender, problem.admissible.bounds_follow()) {
         (Some((body, times)), _) => format!(
             "body \"{body}\" is slender, it gives way {times:.0e} times as much as its cells do: divide it into bodies that are `tied` to each other"
         ),

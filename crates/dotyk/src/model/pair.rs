@@ -210,7 +210,7 @@ impl<'a, const D: usize> Contacting<'a, D> {
         let coupling = match &self.contact.law {
             Law::Frictionless => Coupling::Normal,
             Law::Tied => Coupling::Tied,
-            Law::Coulomb(_) | Law::Tresca(_) => Coupling::Frictional,
+            _ => Coupling::Frictional,
         };
         let (nonmortar, opposite) = match &self.contact.pair {
             Pair::Obstacle {

@@ -136,16 +136,8 @@ fn panels(chain: &[&ContactNode<2>], law: &Law, time: f64, labels: &Labels) -> V
             .iter()
             .map(|n| quiet(dot(n.slip, tangent(n.normal))))
             .collect();
-        let bound = match law {
-            Law::Coulomb(f) => Some(
-                chain
-                    .iter()
-                    .map(|n| f.at(n.point, time) * n.pressure)
-                    .collect(),
-            ),
-            Law::Tresca(f) => Some(chain.iter().map(|n| f.at(n.point, time)).collect()),
-            _ => None,
-        };
+        let bound = |n: &&ContactNode<2>| law.shear_limit(n.pressure, n.point, time);
+        let bound = chain.iter().map(bound).collect::<Option<_>>();
         let both = bound.map(|b: Vec<f64>| b.iter().copied().chain(b.iter().map(|v| -v)).collect());
         list.push(panel("Shear", &labels.stress, shear, both, 118.0, 2));
         list.push(panel("Slip", &labels.length, slip, None, 100.0, 3));

@@ -1,7 +1,7 @@
 //! Figure "Mesh, supports and loads": the model as a textbook draws it.
 
 use crate::geometry::{Field, Point, unit};
-use crate::model::{Body, Contact, Law, Load, Pair, Support};
+use crate::model::{Body, Contact, Load, Pair, Support};
 use crate::output::scene::{Scene, WIDTH, contact_sides, mesh_lines, outline_path, polyline};
 use crate::output::svg::{
     ALARM, Anchor, INK, LOAD, MUTED, Pixel, RULE, SERIES, SUPPORT, Svg, TINTS, Type, text_width,
@@ -193,13 +193,7 @@ fn legend(svg: &mut Svg, scene: &Scene, labels: &Labels, alone: bool, top: f64) 
     }
     more(svg, &mut flow, scene.model.bodies.len(), "bodies");
     for (i, contact) in scene.model.contacts.iter().enumerate().take(NAMED) {
-        let law = match &contact.law {
-            Law::Frictionless => "frictionless".to_string(),
-            Law::Coulomb(f) => format!("Coulomb friction {f}"),
-            Law::Tresca(f) => format!("Tresca friction {f}"),
-            Law::Tied => "tied".to_string(),
-        };
-        let text = format!("contact {} ({law})", contact.name);
+        let text = format!("contact {} ({})", contact.name, contact.law);
         let at = flow.next(&text);
         let colour = SERIES[i % SERIES.len()];
         svg.line(

@@ -42,7 +42,7 @@ pub(crate) fn correction(
         .map(|(g, r)| if g.abs() <= *r { 0.0 } else { *g })
         .collect();
     let mut next = search.next_states(&states, &told);
-    if setup.admissible.has_coulomb() {
+    if setup.admissible.bounds_follow() {
         hold(&setup, &mut next, Some(&states));
     }
     let (mut list, mut offset) = unknowns(&setup.admissible, &next, None, search.softness());

@@ -14,7 +14,7 @@
 use std::collections::HashSet;
 use std::ops::Range;
 
-use crate::dual::{Block, Compliance, Multipliers, least_norm_within};
+use crate::dual::{Compliance, Multipliers, least_norm_within};
 use crate::solve::iteration::tell;
 use crate::solve::levels;
 use crate::solve::setup::{Judge, Setup};
@@ -42,9 +42,6 @@ const PRODUCTS: usize = 3000;
 
 /// Residuals that are near an answer.
 pub(crate) const NEARBY: f64 = 1e-2;
-
-/// Shears of a starting point slip within this part of their bounds.
-const AT_BOUND: f64 = 1e-9;
 
 /// Accuracy of iterations within a step where the start is good: rougher forces would spoil it.
 const CLOSE: f64 = 1e-9;
@@ -131,11 +128,8 @@ impl<'a> Search<'a> {
         self.point.lambda = self.setup.start(Some(guess))?;
         let balance = &self.setup.balance;
         balance.from_original(&guess.alpha, &mut self.point.alpha);
-        let state = |(block, range): (&_, Range<usize>)| {
-            let mut trial = self.point.lambda[range].to_vec();
-            trial[1..].iter_mut().for_each(|t| *t *= 1.0 + AT_BOUND);
-            State::of_trial(block, &trial)
-        };
+        let state =
+            |(block, range): (&_, Range<usize>)| State::of_forces(block, &self.point.lambda[range]);
         Ok(self.setup.admissible.iter().map(state).collect())
     }
 
@@ -255,9 +249,9 @@ impl<'a> Search<'a> {
         let mut rest = false;
         for (block, range) in self.setup.admissible.iter() {
             let forces = &mut self.point.lambda[range];
-            if !matches!(block, Block::Free { .. }) && forces[0].abs() <= ROUNDING * force {
+            if !block.is_free() && forces[0].abs() <= ROUNDING * force {
                 forces[0] = 0.0;
-                if matches!(block, Block::Coulomb { .. }) {
+                if block.friction().is_some_and(|law| !law.bears(false)) {
                     forces.fill(0.0);
                 }
             }
@@ -293,7 +287,7 @@ impl<'a> Search<'a> {
                 .map(|i| lambda[i] - gap[i] / softness[i])
                 .collect();
             let mut next = State::of_trial(block, &trial);
-            if state.closed != next.closed && !matches!(block, Block::Free { .. }) {
+            if state.closed != next.closed && !block.is_free() {
                 // an active contact has no gap, an inactive one no force: rounding of the other must not decide
                 let first = range.start;
                 let closed = if state.closed {

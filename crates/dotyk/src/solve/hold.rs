@@ -4,7 +4,6 @@
 //! to slip least then stick, one after the other, until no body can slide; where the load still has nothing to bear it,
 //! contacts that were closed before stay closed.
 
-use crate::dual::Block;
 use crate::solve::setup::Setup;
 use crate::solve::states::{Shear, State};
 use crate::solve::system::System;
@@ -50,9 +49,9 @@ fn stick_where_free(setup: &Setup<'_>, states: &mut [State]) {
         let moves = |i: usize| motions.iter().any(|motion| motion[i].abs() > 1e-9);
         let slipping = |place: &usize| {
             let state = &states[*place];
-            let coulomb = matches!(setup.admissible.blocks()[*place], Block::Coulomb { .. });
+            let law = setup.admissible.blocks()[*place].friction();
             matches!(state.shear, Shear::Slip { .. })
-                && (state.closed || !coulomb)
+                && law.is_some_and(|law| law.bears(state.closed))
                 && setup.admissible.range(*place).skip(1).any(moves)
         };
         let least = (0..states.len())

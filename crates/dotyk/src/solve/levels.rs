@@ -13,9 +13,12 @@
 //! first and then finer where contacts end or begin to slip, which takes few columns.
 
 use std::collections::HashMap;
+use std::mem::discriminant;
 use std::ops::ControlFlow;
 
-use crate::dual::{AdmissibleSet, Block, Compliance, DualProblem, Equilibrium, Modes, Multipliers};
+use crate::dual::{
+    AdmissibleSet, Block, Compliance, DualProblem, Equilibrium, Friction, Modes, Multipliers,
+};
 use crate::linalg::{LinearOperator, Mat, SparseVector};
 use crate::solve::setup::Setup;
 use crate::solve::states::State;
@@ -81,8 +84,15 @@ pub(crate) type CoarseSolver<'a> =
 fn pairs(blocks: &[Block], neighbours: &[[usize; 2]]) -> Vec<Vec<usize>> {
     let beside = beside(blocks.len(), neighbours);
     let sizes = component_sizes(&beside);
-    let kind = |block: usize| std::mem::discriminant(&blocks[block]);
-    let alike = |a: usize, b: usize| kind(a) == kind(b) && blocks[a].size() == blocks[b].size();
+    let kind = |block: usize| {
+        let (block, law) = (&blocks[block], blocks[block].friction());
+        (
+            block.size(),
+            discriminant(block),
+            law.as_ref().map(discriminant),
+        )
+    };
+    let alike = |a: usize, b: usize| kind(a) == kind(b);
     let mut members: Vec<Vec<usize>> = Vec::new();
     let mut taken = vec![false; blocks.len()];
     for block in 0..blocks.len() {
@@ -246,33 +256,18 @@ impl Clusters {
 
 /// The law of blocks that are one.
 fn together(fine: &AdmissibleSet, members: &[usize]) -> Block {
-    let value = |&member: &usize| match fine.blocks()[member] {
-        Block::Tresca { bound, .. } => bound,
-        Block::Coulomb { coefficient, .. } => coefficient,
-        Block::Free { .. } | Block::Unilateral => 0.0,
-    };
-    let sum: f64 = members.iter().map(value).sum();
-    match fine.blocks()[members[0]] {
-        Block::Tresca { tangents, .. } => Block::Tresca {
-            tangents,
-            bound: sum,
-        },
-        Block::Coulomb { tangents, .. } => Block::Coulomb {
-            tangents,
-            coefficient: sum / members.len() as f64,
-        },
-        other => other,
-    }
+    let laws = members
+        .iter()
+        .filter_map(|&member| fine.blocks()[member].friction());
+    let laws: Vec<Friction> = laws.collect();
+    fine.blocks()[members[0]].with_friction(|law| law.together(&laws))
 }
 
 /// States of forces that are known roughly.
 fn states(admissible: &AdmissibleSet, lambda: &[f64]) -> Vec<State> {
     let blocks = admissible.iter();
-    let state = |(block, range): (&Block, std::ops::Range<usize>)| {
-        let mut trial = lambda[range].to_vec();
-        trial[1..].iter_mut().for_each(|t| *t *= 1.0 + 1e-6);
-        State::of_trial(block, &trial)
-    };
+    let state =
+        |(block, range): (&Block, std::ops::Range<usize>)| State::of_forces(block, &lambda[range]);
     blocks.map(state).collect()
 }
 

@@ -16,8 +16,8 @@
 //! update alone: with a small step that would stop far from the solution. What a solver returns as converged passes
 //! [`DualProblem::certify`] with the same tolerance. Not converging is an error that carries the last iterate.
 //!
-//! Friction: [`Newton`] treats the laws of Tresca and of Coulomb directly. The other methods solve the convex problem
-//! of Tresca, and Coulomb as a fixed point of such problems (`coulomb.rs`).
+//! Friction: [`Newton`] treats every law directly. The other methods solve convex problems whose bounds of friction are given;
+//! bounds that follow from normal forces are reached as a fixed point of such problems (`coulomb.rs`).
 
 mod accelerated;
 mod anchored;
@@ -44,6 +44,7 @@ pub(crate) use correct::{correction, distance_to_exact};
 pub use gradient::Gradient;
 pub use mprgp::Mprgp;
 pub use newton::Newton;
+pub(crate) use states::{Shear, State};
 pub use uzawa::Uzawa;
 
 use std::ops::ControlFlow;
@@ -270,7 +271,7 @@ impl<S: FixedBounds> ContactSolver for S {
         observe: Observer<'_>,
     ) -> Result<Outcome, SolveError> {
         let setup = Setup::new(problem)?;
-        match setup.admissible.has_coulomb() {
+        match setup.admissible.bounds_follow() {
             true => self.run_coulomb(&setup, guess, observe),
             false => self.run(&setup, guess, observe),
         }

@@ -551,7 +551,7 @@ impl<'a> State<'a> {
 fn shear_bounds(setup: &Setup<'_>) -> Vec<f64> {
     let mut bounds = vec![f64::INFINITY; setup.len()];
     for (block, range) in setup.admissible.iter() {
-        if let Block::Tresca { bound, .. } = *block {
+        if let Some(bound) = block.bound(0.0) {
             bounds[range.start + 1..range.end].fill(bound);
         }
     }
@@ -560,7 +560,7 @@ fn shear_bounds(setup: &Setup<'_>) -> Vec<f64> {
 
 /// Discs are not boxes.
 fn check_tangents(setup: &Setup<'_>) -> Result<(), SolveError> {
-    let disc = |block: &Block| block.bound(0.0).is_some() && block.size() > 2;
+    let disc = |block: &Block| block.friction().is_some() && block.size() > 2;
     let blocks = setup.admissible.blocks();
     match blocks.iter().position(disc) {
         None => Ok(()),

@@ -196,7 +196,7 @@ fn iterate_bounds<S: FixedBounds>(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::dual::{AdmissibleSet, Block, Compliance, DualProblem, Equilibrium};
+    use crate::dual::{AdmissibleSet, Compliance, DualProblem, Equilibrium, Friction};
     use crate::linalg::Mat;
     use crate::solve::{Iterate, Newton};
     use std::ops::ControlFlow;
@@ -216,10 +216,8 @@ mod tests {
                 let sum: f64 = self.a.iter().map(|row| row[i] * row[j]).sum();
                 sum + if i == j { 0.01 } else { 0.0 }
             });
-            let block = Block::Coulomb {
-                tangents: 1,
-                coefficient: self.coefficient,
-            };
+            let coefficient = self.coefficient;
+            let block = Friction::Coulomb { coefficient }.block(1);
             let modes = Mat::from_fn(self.modes.len(), 4, |i, j| self.modes[i][j]);
             DualProblem::new(
                 Compliance::Dense(f),

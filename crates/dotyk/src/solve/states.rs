@@ -3,17 +3,17 @@
 //! ```text
 //!   open:   λₙ = 0, λₜ = 0
 //!   stick:  gapₙ = 0, gapₜ = 0
-//!   slip:   gapₙ = 0, λₜ = bound · s,     bound = coefficient · λₙ (Coulomb) or given (Tresca)
+//!   slip:   gapₙ = 0, λₜ = bound · s,     bound = given + growth · λₙ, see `dual/law.rs`
 //! ```
 //!
 //! The states follow from trial forces z = λ − gap/a with a compliance a: λₙ = max(0, zₙ), and λₜ is zₜ shortened to its
-//! bound. Tresca's bound holds in open contacts as well, which keeps that problem convex.
+//! bound. A bound that does not follow from λₙ holds in open contacts as well (`dual/law.rs`).
 //!
 //! *Anchored* conditions ask for gap + a(λ − centre) = 0 in place of gap = 0: those of the problem with F + a, the proximal
 //! point step from `centre`. Its matrix is definite whatever F is.
 //!
-//! The unknowns are the forces that are left: λ = offset + Σ xₐ cₐ, where the column cₐ of a slipping Coulomb node is
-//! (1, coefficient · s). Each is tested by its row wₐ (gap · wₐ + softness · xₐ = right side), which is cₐ but for that node,
+//! The unknowns are the forces that are left: λ = offset + Σ xₐ cₐ, where offset holds given · s, and the column cₐ of the
+//! normal force of a slipping node is (1, growth · s). Each is tested by its row wₐ (gap · wₐ + softness · xₐ = right side), which is cₐ but for that node,
 //! where only the normal gap counts: such a system is unsymmetric. With two tangents the force across s is an unknown, too,
 //! with the linearised law λ = β z across s, β = bound/|z| < 1.
 //!
@@ -23,6 +23,9 @@ use std::ops::Range;
 
 use crate::dual::{AdmissibleSet, Block};
 use crate::solve::norm;
+
+/// A shear within this part of its bound is at it.
+const AT_BOUND: f64 = 1e-7;
 
 /// What the shear of a node does.
 #[derive(Debug, Clone, PartialEq)]
@@ -49,29 +52,36 @@ pub(crate) struct State {
 impl State {
     /// Closed, without slip where it may stick.
     pub fn sticking(block: &Block, closed: bool) -> Self {
-        let shear = match is_smooth(block) {
+        let smooth = block.friction().is_some_and(|law| law.is_smooth());
+        let shear = match smooth {
             true => Shear::Smooth,
             false => Shear::Stick,
         };
         Self {
-            closed: closed || matches!(block, Block::Free { .. }),
+            closed: closed || block.is_free(),
             shear,
             excess: 0.0,
         }
+    }
+
+    /// What forces of a block tell by themselves: a contact with a force is closed, and a shear at its bound slips.
+    pub fn of_forces(block: &Block, forces: &[f64]) -> Self {
+        let mut trial = forces.to_vec();
+        trial[1..].iter_mut().for_each(|t| *t *= 1.0 + AT_BOUND);
+        Self::of_trial(block, &trial)
     }
 
     /// What trial forces z of a block ask for.
     pub fn of_trial(block: &Block, trial: &[f64]) -> Self {
         let closed = trial[0] > 0.0;
         let mut state = Self::sticking(block, closed);
-        let Some(bound) = block.bound(trial[0]) else {
+        let Some(law) = block.friction() else {
             return state;
         };
-        let bears = closed || !matches!(block, Block::Coulomb { .. });
-        if state.shear == Shear::Smooth || !bears {
+        if state.shear == Shear::Smooth || !law.bears(closed) {
             return state;
         }
-        let length = norm(&trial[1..]);
+        let (length, bound) = (norm(&trial[1..]), law.bound(trial[0]));
         state.excess = length - bound;
         if length > bound {
             state.shear = Shear::Slip {
@@ -96,15 +106,6 @@ impl State {
             Shear::Slip { .. } => 3,
         };
         (self.closed, shear)
-    }
-}
-
-/// The law can bear no shear at all.
-pub(crate) fn is_smooth(block: &Block) -> bool {
-    match *block {
-        Block::Tresca { bound, .. } => bound <= 0.0,
-        Block::Coulomb { coefficient, .. } => coefficient <= 0.0,
-        Block::Free { .. } | Block::Unilateral => false,
     }
 }
 
@@ -190,34 +191,31 @@ pub(crate) fn unknowns(
     for (state, (block, range)) in states.iter().zip(admissible.iter()) {
         let first = range.start;
         let tangents = first + 1..range.end;
-        match *block {
-            Block::Free { .. } => {
-                unknowns.extend(range.map(plain));
-                continue;
-            }
-            Block::Coulomb { .. } if !state.closed => continue,
-            _ => {}
+        if block.is_free() {
+            unknowns.extend(range.map(plain));
+            continue;
         }
+        let law = block.friction();
+        let (given, growth) = law.map_or((0.0, 0.0), |law| law.terms());
         if state.closed {
             let mut normal = plain(first);
-            if let (Block::Coulomb { coefficient, .. }, Shear::Slip { direction, .. }) =
-                (block, &state.shear)
+            if let Shear::Slip { direction, .. } = &state.shear
+                && growth > 0.0
             {
-                let shear = tangents
-                    .clone()
-                    .zip(direction.iter().map(|s| coefficient * s));
-                normal.force.extend(shear);
+                let shear = direction.iter().map(|s| growth * s);
+                normal.force.extend(tangents.clone().zip(shear));
             }
             unknowns.push(normal);
         }
-        match (&state.shear, block) {
-            (Shear::Smooth, _) => {}
-            (Shear::Stick, _) => unknowns.extend(tangents.map(plain)),
-            (Shear::Slip { direction, share }, _) => {
-                if let Block::Tresca { bound, .. } = *block {
-                    for (i, s) in tangents.clone().zip(direction) {
-                        offset[i] = bound * s;
-                    }
+        if !law.is_some_and(|law| law.bears(state.closed)) {
+            continue;
+        }
+        match &state.shear {
+            Shear::Smooth => {}
+            Shear::Stick => unknowns.extend(tangents.map(plain)),
+            Shear::Slip { direction, share } => {
+                for (i, s) in tangents.clone().zip(direction) {
+                    offset[i] = given * s;
                 }
                 across(direction, *share, tangents, anchor, own, &mut unknowns);
             }

@@ -6,7 +6,9 @@
 
 use std::ops::ControlFlow;
 
-use dotyk::dual::{AdmissibleSet, Block, Compliance, DualProblem, Equilibrium, Multipliers};
+use dotyk::dual::{
+    AdmissibleSet, Block, Compliance, DualProblem, Equilibrium, Friction, Multipliers,
+};
 use dotyk::linalg::{Mat, SparseMatrix};
 use dotyk::solve::{
     Accelerated, ContactSolver, FixedPoint, Gradient, Iterate, Mprgp, Newton, Outcome, SolveError,
@@ -148,11 +150,8 @@ fn random_problem(law: Law, tangents: usize, nodes: usize, r: usize, seed: u64) 
             gap.push(jump);
         }
         blocks.push(match law {
-            Law::Tresca => Block::Tresca { tangents, bound },
-            Law::Coulomb => Block::Coulomb {
-                tangents,
-                coefficient,
-            },
+            Law::Tresca => Friction::Tresca { bound }.block(tangents),
+            Law::Coulomb => Friction::Coulomb { coefficient }.block(tangents),
         });
     }
     let alpha: Vec<f64> = (0..r).map(|_| random.signed()).collect();
@@ -220,7 +219,7 @@ fn every_solver_finds_the_constructed_solution_and_is_certified() {
                 let certificate = known.problem.certify(&outcome.multipliers, 1e-9);
                 assert!(certificate.holds(), "{what}\n{certificate}");
                 let direct = solver.name() == "newton";
-                let coulomb = known.problem.admissible.has_coulomb();
+                let coulomb = known.problem.admissible.bounds_follow();
                 assert_eq!(outcome.fixed_point.is_some(), coulomb && !direct, "{what}");
                 if let Some(found) = outcome.fixed_point {
                     assert!(found.contraction.unwrap() < 0.5, "{what}: {found:?}");
@@ -364,13 +363,7 @@ fn half_plane(nodes: usize) -> Mat<f64> {
 }
 
 fn coulomb(nodes: usize, coefficient: f64) -> AdmissibleSet {
-    AdmissibleSet::new(vec![
-        Block::Coulomb {
-            tangents: 1,
-            coefficient,
-        };
-        nodes
-    ])
+    AdmissibleSet::new(vec![Friction::Coulomb { coefficient }.block(1); nodes])
 }
 
 /// Overlap of a punch at rest: `depth`, rounded by `curvature`, moved sideways by `slide`.
@@ -776,10 +769,7 @@ fn newton_takes_few_steps_in_space_where_directions_of_slip_turn() {
                         }
                     })
                     .collect();
-                let block = Block::Coulomb {
-                    tangents: 2,
-                    coefficient,
-                };
+                let block = Friction::Coulomb { coefficient }.block(2);
                 let set = AdmissibleSet::new(vec![block; n * n]);
                 let problem = held(half_space(n), shift, set);
                 let name = format!("coefficient {coefficient}, slide {slide}, twist {twist}");
@@ -797,14 +787,8 @@ fn newton_takes_few_steps_in_space_where_directions_of_slip_turn() {
 #[test]
 fn friction_that_is_no_number_from_zero_on_is_an_error() {
     for value in [-0.1, f64::NAN, f64::INFINITY] {
-        let coulomb = Block::Coulomb {
-            tangents: 1,
-            coefficient: value,
-        };
-        let tresca = Block::Tresca {
-            tangents: 1,
-            bound: value,
-        };
+        let coulomb = Friction::Coulomb { coefficient: value }.block(1);
+        let tresca = Friction::Tresca { bound: value }.block(1);
         for block in [coulomb, tresca] {
             let result = DualProblem::new(
                 Compliance::Dense(Mat::identity(3, 3)),

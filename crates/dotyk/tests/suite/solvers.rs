@@ -8,7 +8,7 @@ use std::path::Path;
 
 use dotyk::case::Case;
 use dotyk::dual::{
-    AdmissibleSet, Block, Compliance, DualProblem, Equilibrium, Multipliers, Scales,
+    AdmissibleSet, Block, Compliance, DualProblem, Equilibrium, Friction, Multipliers, Scales,
 };
 use dotyk::linalg::{LinearOperator, Mat, SparseMatrix};
 use dotyk::solve::{
@@ -729,10 +729,7 @@ fn friction_with_applied_compliance_is_solved_by_every_method() {
     let blocks = vec![
         Block::Unilateral,
         Block::Unilateral,
-        Block::Coulomb {
-            tangents: 1,
-            coefficient: 0.3,
-        },
+        Friction::Coulomb { coefficient: 0.3 }.block(1),
     ];
     let problem = DualProblem::new(
         Compliance::Operator {
@@ -776,10 +773,7 @@ fn rigid_bodies(
         (0..motions).map(|l| rows[(i, l)] * rows[(j, l)]).sum()
     });
     let motion: Vec<f64> = (0..motions).map(|_| random.signed()).collect();
-    let block = Block::Coulomb {
-        tangents: 2,
-        coefficient,
-    };
+    let block = Friction::Coulomb { coefficient }.block(2);
     DualProblem::new(
         Compliance::Dense(compliance),
         product(&rows, &motion),
