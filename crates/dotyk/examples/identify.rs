@@ -15,7 +15,7 @@
 //! Source: V. Janovský, P. Procházka, Contact problem of two elastic bodies III, Apl. mat. 25 (1980), section 8, Tables.
 
 use dotyk::mesh::{CellKind, Diagonals, Ring, TunnelRock};
-use dotyk::model::{ContactSolution, Elastic, Model, Probe, Solution};
+use dotyk::model::{ContactSolution, Elastic, Model, Reading, Solution};
 
 /// Contact nodes, and layers of lining and rock, of the paper's three models.
 const MESHES: [(usize, usize, usize); 3] = [(15, 2, 5), (31, 4, 10), (39, 5, 13)];
@@ -146,14 +146,15 @@ fn tunnel(reading: Reading) -> Model<2> {
     for quantity in ["pressure", "displacement_nonmortar", "displacement_mortar"] {
         for degrees in [0.0f64, 30.0, 60.0, 90.0] {
             let (sin, cos) = degrees.to_radians().sin_cos();
-            model.probes.push(Probe {
-                name: format!("{quantity} {degrees}"),
-                quantity: format!("gamma.{quantity}"),
-                at: Some([15.0 * cos, 15.0 * sin]),
-                reduce: None,
-                mean_of_neighbours: degrees == 30.0 || degrees == 60.0,
-                minus_rigid: (quantity != "pressure").then(|| "lining".to_string()),
-            });
+            let point = [15.0 * cos, 15.0 * sin];
+            let reading = match degrees {
+                30.0 | 60.0 => Reading::MeanOfNeighbours(point),
+                _ => Reading::At(point),
+            };
+            let (name, quantity) = (format!("{quantity} {degrees}"), format!("gamma.{quantity}"));
+            let probe = model.probe(&name, &quantity, reading);
+            let probe = probe.expect("a quantity of the contact");
+            probe.minus_rigid = quantity.contains("displacement").then_some(lining);
         }
     }
     model

@@ -7,5 +7,5 @@ pub use crate::mesh::{
 };
 pub use crate::model::{
     Analysis, BodyId, Bolts, Contact, Elastic, Error, Gap, Load, Method, Model, Place, Probe,
-    Solution, SolverOptions, Status, Support,
+    Reading, Solution, SolverOptions, Status, Support,
 };

@@ -114,6 +114,16 @@ impl Node {
         }
     }
 
+    /// Where a part of the text stands; all of it, where the part is empty.
+    pub fn part(&self, bytes: Range<usize>) -> Span {
+        if bytes.is_empty() {
+            return self.span.clone();
+        }
+        // the string opens with one quote in all but multi-line strings, where the place is off by two
+        let start = (self.span.start + 1 + bytes.start).min(self.span.end.saturating_sub(1));
+        start..start + bytes.len()
+    }
+
     pub fn boolean(&self) -> Result<bool, Fault> {
         match self.value {
             Value::Boolean(value) => Ok(value),
@@ -174,9 +184,8 @@ impl Node {
             ));
         };
         let field = expression::parse(text).map_err(|e| {
-            // The string opens with one quote in all but multi-line strings, where the place is off by two.
-            let start = (self.span.start + 1 + e.offset).min(self.span.end.saturating_sub(1));
-            Fault::new(&(start..start + 1), format!("expression \"{text}\": {e}"))
+            let place = self.part(e.offset..e.offset + 1);
+            Fault::new(&place, format!("expression \"{text}\": {e}"))
                 .label("here")
                 .help(expression::VOCABULARY)
         })?;

@@ -2,7 +2,7 @@
 
 use super::*;
 use crate::mesh::CellKind;
-use crate::model::{Gap, Law, Load, Motion, Pair, Pairing, Place, Rigid};
+use crate::model::{BodyId, Gap, Law, Load, Motion, Pair, Pairing, Place, Reading, Rigid};
 
 /// The example of the documentation.
 const EXAMPLE: &str = r#"
@@ -271,56 +271,64 @@ fn every_quantity_is_known() {
     let old = "quantity = \"sole.pressure\"\nat       = [2.0, 1.0]";
     for quantity in plain {
         let model = model_with(old, &format!("quantity = \"{quantity}\""));
-        assert_eq!(model.probes[0].quantity, quantity);
+        assert_eq!(model.probes[0].quantity.to_string(), quantity);
     }
     for quantity in fields {
         let model = model_with(old, &format!("quantity = \"{quantity}\"\nreduce = \"max\""));
-        assert!(model.probes[0].reduce.is_some());
+        assert_eq!(model.probes[0].reading, Reading::Largest);
     }
     let modified = "quantity = \"sole.displacement_nonmortar\"\nat = [2, 1]\n\
                     mean_of_neighbours = true\nminus_rigid = \"punch\"";
     let probe = &model_with(old, modified).probes[0];
     assert_eq!(
-        (probe.mean_of_neighbours, probe.minus_rigid.as_deref()),
-        (true, Some("punch"))
+        (probe.reading, probe.minus_rigid),
+        (Reading::MeanOfNeighbours([2.0, 1.0]), Some(BodyId(1)))
     );
 }
 
 #[test]
 fn wrong_quantities_are_refused_before_solving() {
-    for (quantity, fragments) in [
+    for (quantity, underlined, fragments) in [
         (
             "sole.presure",
+            "presure",
             ["unknown quantity of a contact `presure`", "`pressure`"],
         ),
         (
             "soul.pressure",
+            "soul",
             ["unknown body or contact `soul`", "`sole`"],
         ),
         (
             "block.displacement.z",
+            "z",
             ["unknown displacement `z`", "`magnitude`"],
         ),
-        ("block.displacement", ["ends after", "`x`"]),
-        ("block.stress.mises", ["unknown stress", "`von_mises`"]),
+        ("block.displacement", "displacement", ["ends after", "`x`"]),
+        (
+            "block.stress.mises",
+            "mises",
+            ["unknown stress", "`von_mises`"],
+        ),
         (
             "block.botom.reaction.x",
+            "botom",
             ["unknown side `botom`", "`bottom`"],
         ),
         (
             "block.strain.xx",
+            "strain",
             ["unknown quantity of a body", "`stress`"],
         ),
-        ("sole.pressure.x", ["has no components", "pressure"]),
-        ("sole", ["ends after", "`resultant`"]),
-        ("", ["unknown body or contact", "`sole`"]),
+        (
+            "sole.pressure.x",
+            "pressure",
+            ["has no components", "pressure"],
+        ),
+        ("sole", "sole", ["ends after", "`resultant`"]),
+        ("", "\"\"", ["unknown body or contact", "`sole`"]),
     ] {
-        assert_mistake(
-            "sole.pressure",
-            quantity,
-            &format!("\"{quantity}\""),
-            &fragments,
-        );
+        assert_mistake("sole.pressure", quantity, underlined, &fragments);
     }
     let at = "at       = [2.0, 1.0]";
     assert_mistake(at, "", "[[probe]]", &["`at` or `reduce` is missing"]);

@@ -44,7 +44,7 @@ impl RigidBasis {
     }
 
     /// Displacement of the k-th motion at a point relative to the centre: rotations first, then translations.
-    fn displacement<const D: usize>(self, k: usize, x: Point<D>) -> Point<D> {
+    pub(crate) fn displacement<const D: usize>(self, k: usize, x: Point<D>) -> Point<D> {
         if self == Self::Axial {
             return std::array::from_fn(|i| if i == 1 { 1.0 } else { 0.0 });
         }

@@ -3,6 +3,7 @@
 use crate::geometry::Field;
 use crate::mesh::Mesh;
 use crate::model::nouns::*;
+use crate::model::quantity::{Quantity, QuantityError};
 use std::collections::BTreeMap;
 
 impl<const D: usize> Default for Model<D> {
@@ -150,6 +151,28 @@ impl<const D: usize> Model<D> {
         });
         let last = self.contacts.len() - 1;
         &mut self.contacts[last]
+    }
+
+    /// Reads a quantity off the solution, such as `gamma.pressure`: its name, what is read, and where.
+    ///
+    /// Errors: the word that is wrong, and what is known in its place.
+    pub fn probe(
+        &mut self,
+        name: &str,
+        quantity: &str,
+        reading: Reading<D>,
+    ) -> Result<&mut Probe<D>, QuantityError> {
+        let contacts = self.contacts.iter().map(|contact| contact.name.as_str());
+        let contacts: Vec<&str> = contacts.collect();
+        let quantity = Quantity::parse(quantity, &self.bodies, &contacts)?;
+        self.probes.push(Probe {
+            name: name.to_string(),
+            quantity,
+            reading,
+            minus_rigid: None,
+        });
+        let last = self.probes.len() - 1;
+        Ok(&mut self.probes[last])
     }
 
     /// A frictionless unilateral contact of a side with a fixed rigid obstacle at a distance along its normal.

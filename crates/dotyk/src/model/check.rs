@@ -12,6 +12,7 @@ use crate::model::error::{Error, Subject};
 use crate::model::floating::Floating;
 use crate::model::nouns::*;
 use crate::model::pair::{Paired, initial_gaps, pair_all, row_ranges};
+use crate::model::probe::check_probes;
 use crate::model::sliding::sliding;
 use rayon::prelude::*;
 use std::fmt;
@@ -93,7 +94,7 @@ pub(crate) fn check<const D: usize>(model: &Model<D>, valid: Result<(), Error<D>
 
 /// Describes the model at its last load step, then looks at the loads of the steps before.
 fn fill<const D: usize>(model: &Model<D>, check: &mut Check<D>) -> Result<(), Error<D>> {
-    model.check_probes()?;
+    check_probes(model)?;
     let time = model.last_time();
     let last = |error: Error<D>| error.in_step(model, model.times.len(), Vec::new());
     let systems = systems(model, time).map_err(last)?;

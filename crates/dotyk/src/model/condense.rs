@@ -22,6 +22,7 @@ use crate::model::factor::{FactoredBody, Ordered, factor, order};
 use crate::model::floating::Floating;
 use crate::model::nouns::Model;
 use crate::model::pair::{Paired, initial_gaps, pair_all};
+use crate::model::probe::check_probes;
 use crate::model::solution::Seconds;
 use rayon::prelude::*;
 use std::sync::Arc;
@@ -57,7 +58,7 @@ pub(crate) fn condense<const D: usize>(
     let mut seconds = Seconds::default();
     let mut lap = Lap::start();
     observe(Event::Stage("assemble"));
-    model.check_probes()?;
+    check_probes(model)?;
     let systems = systems(model, time)?;
     let constraints: Vec<&Constraints<D>> = systems.iter().map(|s| &s.constraints).collect();
     let mut paired = pair_all(model, &constraints, time)?;

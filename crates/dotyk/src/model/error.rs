@@ -1,9 +1,36 @@
 //! Why a model has no answer.
 
 use crate::contact::ContactError;
-use crate::fem::FemError;
+use crate::fem::{FemError, show};
+use crate::geometry::Point;
 use crate::model::nouns::{Body, Model};
 use crate::model::solution::Solution;
+
+/// Why a probe cannot be read.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum ProbeError<const D: usize> {
+    /// A quantity that varies, without a place.
+    #[error("`at` or `reduce` is missing")]
+    NoPlace,
+    /// A point in no cell of the body.
+    #[error("the point {} lies outside the body", show(*point))]
+    Outside {
+        /// The point.
+        point: Point<D>,
+    },
+    /// A point beside the nonmortar side.
+    #[error("the point {} does not lie on the nonmortar side", show(*point))]
+    Beside {
+        /// The point.
+        point: Point<D>,
+    },
+    /// A body has no such side.
+    #[error(transparent)]
+    Side(#[from] FemError),
+    /// A point on a side of a body in space.
+    #[error("reading at a point of a side in space is not supported yet; use a reduction")]
+    SideInSpace,
+}
 
 /// The part of a model that an error is about, by name.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -99,12 +126,12 @@ pub enum Error<const D: usize> {
         load: f64,
     },
     /// A probe cannot be read.
-    #[error("probe \"{probe}\": {message}")]
+    #[error("probe \"{probe}\": {source}")]
     Probe {
         /// Its name.
         probe: String,
         /// What is wrong.
-        message: String,
+        source: ProbeError<D>,
     },
     /// The contact solver cannot treat the problem.
     #[error("solver: {0}")]

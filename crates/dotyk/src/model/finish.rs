@@ -9,6 +9,7 @@ use crate::model::fields::fields;
 use crate::model::judge::Judged;
 use crate::model::nouns::Model;
 use crate::model::pair::{Paired, carriers, row_ranges};
+use crate::model::probe::read_probes;
 use crate::model::solution::*;
 use crate::solve::{Bolt, Outcome};
 
@@ -73,7 +74,7 @@ pub(crate) fn finish<const D: usize>(
         threads: rayon::current_num_threads(),
         seconds: condensed.seconds,
     };
-    solution.probes = model.read_probes(&solution)?;
+    solution.probes = read_probes(model, &solution)?;
     Ok(solution)
 }
 

@@ -5,6 +5,7 @@ use std::fmt;
 
 use crate::dual::Friction;
 use crate::geometry::{Field, Point};
+use crate::model::quantity::Quantity;
 
 pub use crate::contact::Rigid;
 pub use crate::fem::{Analysis, Body, Elastic, Load, Material, Place, Support};
@@ -255,25 +256,37 @@ impl<const D: usize> Default for SolverOptions<D> {
 pub struct Probe<const D: usize> {
     /// Unique name.
     pub name: String,
-    /// What is read, as in the case file: `BODY.displacement.x`, `CONTACT.pressure`, ...
-    pub quantity: String,
-    /// Where; `None` for resultants and reductions.
-    pub at: Option<Point<D>>,
-    /// Largest or smallest value instead of the value at a point.
-    pub reduce: Option<Reduce>,
-    /// Mean of the two neighbouring nodes instead of interpolation (the paper's B and C).
-    pub mean_of_neighbours: bool,
+    /// What is read.
+    pub quantity: Quantity,
+    /// Where, or how its values become one number.
+    pub reading: Reading<D>,
     /// Minus the least-squares amplitude of the rigid modes that this body's supports leave free.
-    pub minus_rigid: Option<String>,
+    pub minus_rigid: Option<BodyId>,
 }
 
-/// Reduction of a probe over all nodes.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Reduce {
-    /// Largest value.
-    Max,
-    /// Smallest value.
-    Min,
+/// How a quantity that varies becomes one number.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Reading<const D: usize> {
+    /// It does not vary: a resultant, a length.
+    Whole,
+    /// Its value at a point, interpolated.
+    At(Point<D>),
+    /// Mean of the two nodes nearest to a point (the paper's B and C).
+    MeanOfNeighbours(Point<D>),
+    /// Its largest value at a node.
+    Largest,
+    /// Its smallest value at a node.
+    Smallest,
+}
+
+impl<const D: usize> Reading<D> {
+    /// The point that it is read at.
+    pub fn point(self) -> Option<Point<D>> {
+        match self {
+            Self::At(point) | Self::MeanOfNeighbours(point) => Some(point),
+            Self::Whole | Self::Largest | Self::Smallest => None,
+        }
+    }
 }
 
 /// A complete problem.

@@ -3,6 +3,7 @@
 use crate::dual::Certificate;
 use crate::geometry::Point;
 use crate::model::nouns::SideRef;
+use crate::model::quantity::Dimension;
 use std::collections::BTreeMap;
 
 /// Wall seconds of each stage since the run began, earlier load steps included.
@@ -207,6 +208,8 @@ pub struct ProbeValue {
     pub name: String,
     /// What was read.
     pub quantity: String,
+    /// What it is measured in.
+    pub dimension: Dimension,
     /// The number.
     pub value: f64,
 }

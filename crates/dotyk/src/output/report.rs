@@ -229,9 +229,9 @@ fn probes(model: &Model<2>, solution: &Solution<2>, labels: &Labels) -> String {
                 .probes
                 .iter()
                 .find(|m| m.name == p.name)
-                .and_then(|m| m.at)
+                .and_then(|m| m.reading.point())
                 .map_or("–".to_string(), |at| vector(&at, ""));
-            let unit = labels.of_probe(&p.quantity);
+            let unit = labels.unit(p.dimension);
             vec![
                 text(&p.name),
                 text(&p.quantity),

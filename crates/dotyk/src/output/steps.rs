@@ -88,7 +88,7 @@ fn panels(steps: &[&Solution<2>], labels: &Labels) -> Vec<Panel> {
     let probes = last.probes.iter().enumerate().take(MOST_PANELS);
     list.extend(probes.map(|(i, probe)| Panel {
         title: probe.name.clone(),
-        unit: labels.of_probe(&probe.quantity).to_string(),
+        unit: labels.unit(probe.dimension).to_string(),
         curves: vec![Series {
             name: String::new(),
             values: steps.iter().map(|s| s.probes[i].value).collect(),
@@ -230,7 +230,7 @@ fn probe_table(steps: &[&Solution<2>], chosen: &[usize], labels: &Labels) -> Str
     };
     let head = |&i: &usize| {
         let probe = &last.probes[i];
-        column(&probe.name, labels.of_probe(&probe.quantity))
+        column(&probe.name, labels.unit(probe.dimension))
     };
     let scale = |i: usize| {
         steps

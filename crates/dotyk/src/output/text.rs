@@ -2,7 +2,7 @@
 //!
 //! Invariant: the same number gives the same text on every machine; what is not finite gives a dash.
 
-use crate::model::{Analysis, Model};
+use crate::model::{Analysis, Dimension, Model};
 
 /// Thin space that does not break.
 const THIN: char = '\u{202f}';
@@ -149,15 +149,12 @@ impl Labels {
         }
     }
 
-    /// Unit of a probe's quantity, `NAME.WHAT...`.
-    pub fn of_probe(&self, quantity: &str) -> &str {
-        let has = |word: &str| quantity.split('.').any(|part| part == word);
-        if has("reaction") || has("resultant") {
-            &self.force
-        } else if has("stress") || has("pressure") || has("shear") {
-            &self.stress
-        } else {
-            &self.length
+    /// The label of what a quantity is measured in.
+    pub fn unit(&self, dimension: Dimension) -> &str {
+        match dimension {
+            Dimension::Length => &self.length,
+            Dimension::Force => &self.force,
+            Dimension::Stress => &self.stress,
         }
     }
 }

@@ -3,7 +3,7 @@
 
 use crate::geometry::Field;
 use crate::mesh::{CellKind, Diagonals, Ring, TunnelRock};
-use crate::model::{Elastic, Load, Model, Probe, Solution, Units};
+use crate::model::{Elastic, Load, Model, Reading, Solution, Units};
 use crate::output::Run;
 use std::path::{Path, PathBuf};
 use std::sync::OnceLock;
@@ -90,14 +90,8 @@ pub fn model(around: usize, [ring, rock]: [usize; 2], cell: CellKind) -> Model<2
         model.load(rock, Load::Pressure { side, pressure });
     }
     model.contact((ring, "outer"), (rock, "hole")).name = "lining".to_string();
-    model.probes.push(Probe {
-        name: "crown".to_string(),
-        quantity: "ring.displacement.y".to_string(),
-        at: Some([0.0, RADIUS]),
-        reduce: None,
-        mean_of_neighbours: false,
-        minus_rigid: None,
-    });
+    let crown = Reading::At([0.0, RADIUS]);
+    model.probe("crown", "ring.displacement.y", crown).unwrap();
     model
 }
 

@@ -46,14 +46,8 @@ fn punch(times: &[f64]) -> Model<2> {
     let sole = model.contact((punch, "bottom"), (block, "top"));
     sole.name = "sole".to_string();
     sole.gap = Some(Gap::Given(field("2e-3 * (x - 2)^2 * (2 - t)")));
-    model.probes = vec![Probe {
-        name: "tip".to_string(),
-        quantity: "punch.displacement.y".to_string(),
-        at: Some([2.0, 2.0]),
-        reduce: None,
-        mean_of_neighbours: false,
-        minus_rigid: None,
-    }];
+    let tip = Reading::At([2.0, 2.0]);
+    model.probe("tip", "punch.displacement.y", tip).unwrap();
     model.times = times.to_vec();
     model
 }

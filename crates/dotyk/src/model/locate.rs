@@ -1,0 +1,186 @@
+//! Where a point lies in a mesh: the cell that contains it, or the facet of a side that it lies on.
+
+use crate::geometry::{Point, bounding_box, distance, dot, invert, norm, sub};
+use crate::mesh::{CellKind, Facet, MAX_CELL_NODES, Mesh};
+
+/// A point may lie outside a cell by this much in reference coordinates: a polygon's sagitta, not more.
+const OUTSIDE: f64 = 0.1;
+
+/// Nodes and shape functions of the cell that contains a point; `None` where none does.
+pub(crate) fn locate<const D: usize>(
+    mesh: &Mesh<D>,
+    point: Point<D>,
+) -> Option<(Vec<usize>, Vec<f64>)> {
+    let mut best: Option<(f64, Vec<usize>, [f64; MAX_CELL_NODES])> = None;
+    for block in mesh.blocks() {
+        for cell in block.cells() {
+            let corners: Vec<Point<D>> = cell
+                .iter()
+                .map(|&node| mesh.points()[node as usize])
+                .collect();
+            let (low, high) = bounding_box(&corners);
+            let margin = 0.2 * distance(low, high);
+            if (0..D).any(|i| point[i] < low[i] - margin || point[i] > high[i] + margin) {
+                continue;
+            }
+            let Some(xi) = invert_map(block.kind, &corners, point) else {
+                continue;
+            };
+            let outside = outside(block.kind, &xi);
+            if best.as_ref().is_none_or(|b| outside < b.0) {
+                let mut shape = [0.0; MAX_CELL_NODES];
+                block.kind.shape(&xi, &mut shape);
+                best = Some((
+                    outside,
+                    cell.iter().map(|&node| node as usize).collect(),
+                    shape,
+                ));
+            }
+        }
+    }
+    let (outside, nodes, shape) = best?;
+    let shape = shape[..nodes.len()].to_vec();
+    (outside <= OUTSIDE).then_some((nodes, shape))
+}
+
+/// By how much reference coordinates lie outside a cell; negative inside.
+fn outside<const D: usize>(kind: CellKind, xi: &[f64; D]) -> f64 {
+    if kind.corners() == D + 1 {
+        let beyond = xi.iter().sum::<f64>() - 1.0;
+        return xi.iter().fold(beyond, |largest, c| largest.max(-c));
+    }
+    let beyond = |largest: f64, c: &f64| largest.max(c.abs() - 1.0);
+    xi.iter().fold(f64::NEG_INFINITY, beyond)
+}
+
+/// Reference coordinates of a point in a cell by Newton's method; `None` when it does not settle.
+fn invert_map<const D: usize>(
+    kind: CellKind,
+    nodes: &[Point<D>],
+    point: Point<D>,
+) -> Option<[f64; D]> {
+    let corners = kind.corners();
+    let mut xi: [f64; D] = std::array::from_fn(|i| {
+        kind.reference_nodes()[..corners]
+            .iter()
+            .map(|node| node[i])
+            .sum::<f64>()
+            / corners as f64
+    });
+    for _ in 0..30 {
+        let (mut shape, mut gradients) = ([0.0; MAX_CELL_NODES], [[0.0; D]; MAX_CELL_NODES]);
+        kind.shape(&xi, &mut shape);
+        kind.gradients(&xi, &mut gradients);
+        let mut x = [0.0; D];
+        let mut jacobian = [[0.0; D]; D];
+        for (a, node) in nodes.iter().enumerate() {
+            for i in 0..D {
+                x[i] += shape[a] * node[i];
+                for j in 0..D {
+                    jacobian[i][j] += node[i] * gradients[a][j];
+                }
+            }
+        }
+        let (inverse, det) = invert(&jacobian);
+        if det == 0.0 || !det.is_finite() {
+            return None;
+        }
+        let rest = sub(point, x);
+        let mut step: f64 = 0.0;
+        for i in 0..D {
+            let change = (0..D).map(|j| inverse[i][j] * rest[j]).sum::<f64>();
+            xi[i] += change;
+            step = step.max(change.abs());
+        }
+        if step < 1e-13 {
+            break;
+        }
+    }
+    xi.iter().all(|c| c.is_finite()).then_some(xi)
+}
+
+/// A point may lie beside a side by this fraction of a facet: the sagitta of a polygon, not more.
+const BESIDE: f64 = 0.1;
+
+/// A point may lie beyond the end of a side by this fraction of a facet: rounding, not more.
+const BEYOND: f64 = 1e-6;
+
+/// Nodes and shape functions of the facet of a plane side that is nearest to a point; `None` where the point lies beside.
+pub(crate) fn locate_on_side<const D: usize>(
+    mesh: &Mesh<D>,
+    facets: &[Facet],
+    point: Point<D>,
+) -> Option<(Vec<usize>, Vec<f64>)> {
+    let mut best: Option<(f64, Facet, f64, f64)> = None;
+    for &facet in facets {
+        let ends: Vec<Point<D>> = mesh.facet_points(facet).take(2).collect();
+        let length = distance(ends[0], ends[1]);
+        let xi = nearest_on_facet(mesh, facet, [ends[0], ends[1]], point);
+        let gap = distance(point, mesh.facet_point(facet, &[xi]));
+        if best.is_none_or(|b| gap < b.0) {
+            best = Some((gap, facet, xi, length));
+        }
+    }
+    let (gap, facet, xi, length) = best?;
+    let beyond = beyond_the_end(mesh, facets, facet, xi, point);
+    (gap <= BESIDE * length && beyond <= BEYOND * length).then(|| {
+        let mut shape = [0.0; MAX_CELL_NODES];
+        mesh.facet_kind(facet).shape(&[xi], &mut shape);
+        let nodes: Vec<usize> = mesh.facet_nodes(facet).map(|node| node as usize).collect();
+        let shape = shape[..nodes.len()].to_vec();
+        (nodes, shape)
+    })
+}
+
+/// Coordinate of the point of a facet that is nearest to a point.
+fn nearest_on_facet<const D: usize>(
+    mesh: &Mesh<D>,
+    facet: Facet,
+    ends: [Point<D>; 2],
+    point: Point<D>,
+) -> f64 {
+    let chord = sub(ends[1], ends[0]);
+    let length = norm(chord);
+    let mut xi = (2.0 * dot(sub(point, ends[0]), chord) / (length * length) - 1.0).clamp(-1.0, 1.0);
+    for _ in 0..20 {
+        let h = 1e-6;
+        let (back, here, ahead) = (
+            mesh.facet_point(facet, &[xi - h]),
+            mesh.facet_point(facet, &[xi]),
+            mesh.facet_point(facet, &[xi + h]),
+        );
+        let tangent = sub(ahead, back).map(|c| c / (2.0 * h));
+        let step = dot(sub(point, here), tangent) / dot(tangent, tangent);
+        let next = (xi + step).clamp(-1.0, 1.0);
+        let settled = (next - xi).abs() < 1e-12;
+        xi = next;
+        if settled {
+            break;
+        }
+    }
+    xi
+}
+
+/// By how much a point lies beyond the end of a side whose nearest place is ξ of a facet; zero elsewhere.
+fn beyond_the_end<const D: usize>(
+    mesh: &Mesh<D>,
+    facets: &[Facet],
+    facet: Facet,
+    xi: f64,
+    point: Point<D>,
+) -> f64 {
+    if xi.abs() < 1.0 {
+        return 0.0;
+    }
+    let ends: Vec<u32> = mesh.facet_nodes(facet).take(2).collect();
+    let node = ends[usize::from(xi > 0.0)];
+    let touching = facets
+        .iter()
+        .filter(|&&f| mesh.facet_nodes(f).take(2).any(|n| n == node));
+    if touching.count() > 1 {
+        return 0.0;
+    }
+    let [here, inside] = [xi, xi - 1e-6 * xi].map(|xi| mesh.facet_point(facet, &[xi]));
+    let outwards = sub(here, inside);
+    dot(sub(point, here), outwards) / norm(outwards)
+}
