@@ -6,7 +6,7 @@ use crate::progress::Progress;
 use crate::text::{columns, number, print, written};
 use dotyk::case::Case;
 use dotyk::geometry::norm;
-use dotyk::model::{Bolts, ContactSolution, Error, Method, Model, Solution, SolverOptions, Status};
+use dotyk::model::{Bolts, ContactSolution, Method, Model, Solution, SolverOptions, Status};
 use dotyk::output;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
@@ -59,137 +59,41 @@ pub fn run(arguments: &Arguments) -> Result<Outcome, Failure> {
     let mut case = Case::read(&arguments.case)?;
     override_solver(&mut case.model.solver, arguments.solver, arguments.rho)?;
     let folder = output_folder(arguments.out.as_deref(), &case)?;
-    let read = start.elapsed().as_secs_f64();
 
     let mut progress = Progress::new(arguments.quiet);
-    let solved = case
-        .model
-        .solve_steps_with(&mut |event| progress.observe(event));
+    let run = case.run(&mut |event| progress.observe(event));
     progress.finish();
-    let mut end = End::of(&case.model, solved);
-    for step in &mut end.steps {
-        step.seconds.read = read;
-        step.seconds.total += read;
-        case.warn_first(&mut step.warnings);
-    }
     let refused = |e: output::Error| Failure::Message(e.to_string());
-    warn(&all_warnings(&end.steps));
+    warn(&run.warnings());
+    let steps = run.standing();
+    let failed = run.failure.as_ref().filter(|_| run.count > 1);
     let record = output::Record {
         model: &case.model,
-        steps: &end.steps,
+        steps,
         stem: &case.stem,
-        failed: end.failed.clone(),
+        failed: failed.map(|failure| output::FailedStep {
+            step: failure.step,
+            time: failure.time,
+            reason: failure.reason.clone(),
+        }),
         since: start,
     };
-    if end.steps.last().is_some_and(|last| last.converged) {
+    if steps.last().is_some_and(|last| last.converged) {
         let files = output::write(&record, &folder).map_err(refused)?;
-        print(&(results(&case.model, &end.steps) + &written(&files)));
-    } else if !end.steps.is_empty() {
+        print(&(results(&case.model, steps) + &written(&files)));
+    } else if !steps.is_empty() {
         let file = output::write_summary(&record, &folder).map_err(refused)?;
-        print(&(verdict(&case.model, &end.steps) + &written(&[file])));
+        print(&(verdict(&case.model, steps) + &written(&[file])));
     }
-    match end.refusal {
-        Some(error) => {
-            let text = error.to_string();
-            Err(case.error(error.subject().as_ref(), &text).into())
+    let ended = run.to_string();
+    match run.failure.map(|failure| failure.refusal) {
+        None => Ok(Outcome::Done),
+        Some(None) => {
+            Failure::of(&arguments.case, ended).print();
+            Ok(Outcome::Unsatisfied)
         }
-        None => match end.objection {
-            Some(objection) => {
-                Failure::of(&arguments.case, objection).print();
-                Ok(Outcome::Unsatisfied)
-            }
-            None => Ok(Outcome::Done),
-        },
+        Some(Some(refusal)) => Err(refusal.into()),
     }
-}
-
-/// How a run ended.
-struct End {
-    /// The steps that have an answer; if none has, the last iterate of the first.
-    steps: Vec<Solution<2>>,
-    /// The step that has none, of several.
-    failed: Option<output::FailedStep>,
-    /// Why it did not converge.
-    objection: Option<String>,
-    /// What is wrong with the input.
-    refusal: Option<Error<2>>,
-}
-
-impl End {
-    fn of(model: &Model<2>, solved: Result<Vec<Solution<2>>, Error<2>>) -> Self {
-        let mut end = Self {
-            steps: Vec::new(),
-            failed: None,
-            objection: None,
-            refusal: None,
-        };
-        let mut fail = |step: usize, reason: String| {
-            end.failed = (model.times.len() > 1).then(|| output::FailedStep {
-                step,
-                time: model.times[step - 1],
-                reason,
-            });
-        };
-        match solved {
-            Ok(steps) => end.steps = steps,
-            Err(Error::NotConverged {
-                solution,
-                reason,
-                earlier,
-            }) => {
-                fail(earlier.len() + 1, reason.clone());
-                end.objection = Some(objection(model, earlier.len(), &solution, &reason));
-                end.steps = match earlier.is_empty() {
-                    true => vec![*solution],
-                    false => earlier,
-                };
-            }
-            Err(Error::Step {
-                step,
-                time,
-                source,
-                earlier,
-            }) => {
-                fail(step, source.to_string());
-                end.steps = earlier;
-                end.refusal = Some(Error::Step {
-                    step,
-                    time,
-                    source,
-                    earlier: Vec::new(),
-                });
-            }
-            Err(error) => end.refusal = Some(error),
-        }
-        end
-    }
-}
-
-/// Warnings of all load steps, each once.
-pub fn all_warnings(steps: &[Solution<2>]) -> Vec<String> {
-    let mut list: Vec<String> = Vec::new();
-    for warning in steps.iter().flat_map(|step| &step.warnings) {
-        if !list.contains(warning) {
-            list.push(warning.clone());
-        }
-    }
-    list
-}
-
-/// Which step did not converge, and why; `done` steps are before it.
-fn objection(model: &Model<2>, done: usize, last: &Solution<2>, reason: &str) -> String {
-    let step = match model.times.len() {
-        1 => String::new(),
-        count => format!("step {} of {count} (t = {}): ", done + 1, last.time),
-    };
-    let solver = &last.solver;
-    if solver.iterations == 0 {
-        return format!("{step}{reason}");
-    }
-    format!(
-        "{step}not converged after {} iterations of {}: {reason}",
-        solver.iterations, solver.method
-    )
 }
 
 /// The command line's solver and step instead of the case's; what belongs to the case's own method goes with it.

@@ -3,10 +3,9 @@
 use crate::Outcome;
 use crate::failure::{Failure, warn};
 use crate::progress::Progress;
-use crate::run::all_warnings;
 use crate::text::{colours, columns, number, print, red};
-use dotyk::case::{Case, Criterion, Reference, References, Verdict};
-use dotyk::model::{Error, Solution};
+use dotyk::case::{Case, Criterion, Reference, References, Run, Verdict};
+use dotyk::model::Solution;
 use std::path::{Path, PathBuf};
 
 /// Arguments of `dotyk verify`.
@@ -155,46 +154,33 @@ fn read_folder(path: &Path) -> Result<Folder, Failure> {
     })
 }
 
-/// What became of a case: its load steps so far, of so many.
-struct Solved {
-    steps: Vec<Solution<2>>,
-    count: usize,
-}
-
-impl Solved {
-    /// Every step has its certificate.
-    fn certified(&self) -> bool {
-        self.steps.len() == self.count && self.steps.iter().all(|step| step.converged)
-    }
-
-    /// Method, iterations, time and bolts.
-    fn words(&self) -> String {
-        let Some(last) = self.steps.last() else {
-            return String::new();
-        };
-        let steps = match self.count {
-            1 => String::new(),
-            count => format!("{count} steps, "),
-        };
-        let iterations: usize = self.steps.iter().map(|s| s.solver.iterations).sum();
-        format!(
-            "{steps}{}, {iterations} iterations, {:.2} s{}",
-            last.solver.method,
-            last.seconds.total,
-            bolts(last)
-        )
-    }
+/// Method, iterations, time and bolts.
+fn words(run: &Run) -> String {
+    let Some(last) = run.steps.last() else {
+        return String::new();
+    };
+    let steps = match run.count {
+        1 => String::new(),
+        count => format!("{count} steps, "),
+    };
+    format!(
+        "{steps}{}, {} iterations, {:.2} s{}",
+        last.solver.method,
+        run.iterations(),
+        last.seconds.total,
+        bolts(last)
+    )
 }
 
 /// Solves the cases of a folder and prints its table, what is outside in red.
 fn verify_folder(folder: &Folder, quiet: bool, tally: &mut Tally) {
     let mut text = format!("{}\n", folder.path.display());
-    let mut solutions: Vec<(&str, Option<Solved>)> = Vec::new();
+    let mut solutions: Vec<(&str, Option<Run>)> = Vec::new();
     for (name, case) in &folder.cases {
         tally.cases += 1;
         let solution = solve(&folder.path.join(name), case, quiet, tally);
         text += &match &solution {
-            Some(s) if s.certified() => format!("  {name}: certified, {}\n", s.words()),
+            Some(s) if s.certified() => format!("  {name}: certified, {}\n", words(s)),
             _ => format!("  {name}: NOT CERTIFIED\n"),
         };
         solutions.push((name, solution));
@@ -240,41 +226,27 @@ fn verify_folder(folder: &Folder, quiet: bool, tally: &mut Tally) {
 }
 
 /// The load steps as far as they went; `None` where the case was refused, with a message on standard error.
-fn solve(path: &Path, case: &Case, quiet: bool, tally: &mut Tally) -> Option<Solved> {
+fn solve(path: &Path, case: &Case, quiet: bool, tally: &mut Tally) -> Option<Run> {
     let mut progress = Progress::new(quiet);
     progress.announce(&path.display().to_string());
-    let solved = case
-        .model
-        .solve_steps_with(&mut |event| progress.observe(event));
+    let run = case.run(&mut |event| progress.observe(event));
     progress.finish();
-    let steps = match solved {
-        Ok(mut steps) => {
-            for step in &mut steps {
-                case.warn_first(&mut step.warnings);
-            }
-            let warnings = all_warnings(&steps).into_iter();
+    match &run.failure {
+        None => {
+            let warnings = run.warnings().into_iter();
             let warnings = warnings.map(|w| format!("{}: {w}", path.display()));
             warn(&warnings.collect::<Vec<_>>());
-            steps
+            tally.certified += 1;
         }
-        Err(Error::NotConverged {
-            solution,
-            mut earlier,
-            ..
-        }) => {
-            earlier.push(*solution);
-            earlier
+        Some(failure) => {
+            if let Some(refusal) = &failure.refusal {
+                Failure::from(refusal.clone()).print();
+                tally.refused = true;
+                return None;
+            }
         }
-        Err(error) => {
-            Failure::from(case.error(error.subject().as_ref(), &error.to_string())).print();
-            tally.refused = true;
-            return None;
-        }
-    };
-    let count = case.model.times.len();
-    let solved = Solved { steps, count };
-    tally.certified += usize::from(solved.certified());
-    Some(solved)
+    }
+    Some(run)
 }
 
 /// The bolts of the p,A-algorithm with their forces: compression says that the choice was proper.
@@ -296,7 +268,7 @@ fn bolts(solution: &Solution<2>) -> String {
     words.collect()
 }
 
-fn judged_step<'s>(reference: &Reference, solved: Option<&'s Solved>) -> Option<&'s Solution<2>> {
+fn judged_step<'s>(reference: &Reference, solved: Option<&'s Run>) -> Option<&'s Solution<2>> {
     solved.and_then(|s| reference.of(&s.steps, s.count))
 }
 
@@ -304,16 +276,14 @@ fn judged_step<'s>(reference: &Reference, solved: Option<&'s Solved>) -> Option<
 /// An answer without a certificate agrees with nothing.
 fn judged(
     reference: &Reference,
-    solved: Option<&Solved>,
-    other: Option<Option<&Solved>>,
+    solved: Option<&Run>,
+    other: Option<Option<&Run>>,
 ) -> (Vec<String>, Verdict) {
     let certified = judged_step(reference, solved).is_some_and(|s| s.converged);
-    let read = |solved: Option<&Solved>| {
+    let read = |solved: Option<&Run>| {
         let step = judged_step(reference, solved);
-        let mut probes = step.iter().flat_map(|s| &s.probes);
-        probes
-            .find(|p| p.name == reference.probe)
-            .map_or(f64::NAN, |p| p.value)
+        let value = step.and_then(|step| step.probe(&reference.probe));
+        value.unwrap_or(f64::NAN)
     };
     let computed = reference.computed(read(solved), other.map(read));
     let verdict = match reference.judge(computed) {

@@ -5,7 +5,7 @@ use crate::plane::{Vector, dot, turned};
 use crate::problem::{Problem, Shape};
 use crate::raw::{self, Answer, Mesh, Row, Step};
 use dotyk::case::Case;
-use dotyk::model::{ContactNode, Error, Model, Solution, Status};
+use dotyk::model::{ContactNode, Model, Solution, Status};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::{Path, PathBuf};
 use std::time::Instant;
@@ -91,26 +91,16 @@ fn attempt(text: &str, folder: &Path, seconds: f64) -> Outcome {
             std::panic::panic_any(TooSlow);
         }
     };
-    match case.model.solve_steps_with(&mut watch) {
-        Ok(steps) => Outcome::Certified(answer(&case.model, &steps)),
-        Err(error) => failure(&case.model, error, String::new()),
+    let run = case.run(&mut watch);
+    let Some(failure) = &run.failure else {
+        return Outcome::Certified(answer(&case.model, &run.steps));
+    };
+    if let Some(refusal) = &failure.refusal {
+        return Outcome::Refused(refusal.message.clone());
     }
-}
-
-/// Exit status 1 carries an iterate, everything else is 2.
-fn failure(model: &Model<2>, error: Error<2>, before: String) -> Outcome {
-    match error {
-        Error::NotConverged {
-            reason, earlier, ..
-        } => {
-            let steps = (!earlier.is_empty()).then(|| answer(model, &earlier));
-            Outcome::NotConverged(before + &reason, steps)
-        }
-        Error::Step { step, source, .. } => {
-            failure(model, *source, format!("{before}step {step}: "))
-        }
-        other => Outcome::Refused(before + &other.to_string()),
-    }
+    let certified = &run.steps[..failure.step - 1];
+    let steps = (!certified.is_empty()).then(|| answer(&case.model, certified));
+    Outcome::NotConverged(failure.reason.clone(), steps)
 }
 
 fn answer(model: &Model<2>, steps: &[Solution<2>]) -> Answer {

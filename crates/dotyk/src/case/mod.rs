@@ -14,12 +14,14 @@ mod mesh_file;
 mod outline;
 mod probe;
 mod reference;
+mod run;
 mod suggest;
 mod surface;
 
 pub use error::CaseError;
 pub use expression::{ExpressionError, parse as parse_expression};
 pub use reference::{Criterion, Kind, Reference, References, Verdict};
+pub use run::{Failure, Run};
 
 use crate::case::document::{Node, Span, Table, Value, later};
 use crate::case::error::{Fault, read_text};
@@ -27,6 +29,7 @@ use crate::case::mesh_file::MeshFiles;
 use crate::model::{Analysis, Bolts, Method, Model, SolverOptions, Subject, Units};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
+use std::time::Instant;
 
 /// A case file, read and checked.
 #[derive(Debug, Clone)]
@@ -39,6 +42,8 @@ pub struct Case {
     pub model: Model<2>,
     /// What was noticed while reading, such as parts of mesh files that no body uses.
     pub warnings: Vec<String>,
+    /// Wall seconds of reading and of making the meshes.
+    seconds: f64,
     /// The text, and how messages call it.
     text: Arc<str>,
     name: Arc<str>,
@@ -60,6 +65,7 @@ impl Case {
     ///
     /// Errors: as [`Case::read`].
     pub fn from_str(text: &str, name: &str, folder: &Path) -> Result<Self, CaseError> {
+        let start = Instant::now();
         let path = match Path::new(name).file_name() {
             Some(file) => folder.join(file),
             None => folder.join(name),
@@ -75,6 +81,7 @@ impl Case {
             path,
             model,
             warnings: files.warnings(),
+            seconds: start.elapsed().as_secs_f64(),
             text: text.into(),
             name: name.into(),
             places,

@@ -11,15 +11,13 @@ use crate::model::solution::Solution;
 use crate::model::steps::solve_steps;
 use std::collections::BTreeSet;
 
-const NO_STEP: &str = "the model has no load step; give it at least one time";
-
 impl<const D: usize> Model<D> {
     /// Solves the model and returns the solution of its last load step.
     ///
     /// Errors: see [`Error`]; `NotConverged` carries the last iterate.
     pub fn solve(&self) -> Result<Solution<D>, Error<D>> {
         let last = self.solve_steps()?.pop();
-        last.ok_or_else(|| Error::Model(NO_STEP.to_string()))
+        last.ok_or(Error::NoStep)
     }
 
     /// Solves all load steps and returns their solutions in the order of the times, at least one.
@@ -82,31 +80,28 @@ impl<const D: usize> Model<D> {
 
     /// Errors: what makes no model, whatever its bodies are.
     fn validate(&self) -> Result<(), Error<D>> {
+        let rising = |pair: &[f64]| pair[0] < pair[1];
         if self.bodies.is_empty() {
-            return Err(Error::Model("the model has no body".to_string()));
+            return Err(Error::NoBody);
         }
         if (self.analysis == Analysis::Solid) != (D == 3) {
-            return Err(Error::Model(format!(
-                "analysis \"{}\" does not fit {D} dimensions",
-                self.analysis.name()
-            )));
+            return Err(Error::Dimension(self.analysis));
         }
         if self.times.is_empty() {
-            return Err(Error::Model(NO_STEP.to_string()));
+            return Err(Error::NoStep);
         }
-        let rising = |pair: &[f64]| pair[0] < pair[1];
         if !self.times.iter().all(|time| time.is_finite()) || !self.times.windows(2).all(rising) {
-            return Err(Error::Model(format!(
-                "the times of the load steps must be finite and increase, found {:?}",
-                self.times
-            )));
+            return Err(Error::Times(self.times.clone()));
         }
         let bodies = self.bodies.iter().map(|body| ("body", &body.name));
         let contacts = self.contacts.iter();
         let contacts = contacts.map(|contact| ("contact", &contact.name));
         let mut seen = BTreeSet::new();
         match bodies.chain(contacts).find(|named| !seen.insert(*named)) {
-            Some((kind, name)) => Err(Error::Model(format!("two {kind}s are named \"{name}\""))),
+            Some((kind, name)) => Err(Error::SameName {
+                kind,
+                name: name.clone(),
+            }),
             None => Ok(()),
         }
     }

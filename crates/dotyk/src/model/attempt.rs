@@ -6,10 +6,9 @@
 //! from there. Where an applied or sparse F does not do (slender bodies), F is assembled after all.
 
 use crate::dual::{BETWEEN_NODES, Certificate, Multipliers};
-use crate::fem::show;
-use crate::geometry::{bounding_box, distance};
+use crate::geometry::{bounding_box, distance, norm, sub};
 use crate::model::condense::Condensed;
-use crate::model::error::Error;
+use crate::model::error::{Error, Objection};
 use crate::model::event::Event;
 use crate::model::judge::{Judged, judge};
 use crate::model::nouns::{Bolts, Method, Model};
@@ -29,15 +28,15 @@ const ASSEMBLED: usize = 8192;
 const CORRECTIONS: usize = 8;
 
 /// One run of a method.
-pub(crate) struct Attempt {
+pub(crate) struct Attempt<const D: usize> {
     pub method: &'static str,
     pub outcome: Outcome,
     pub history: Vec<HistoryPoint>,
     /// Why it did not converge.
-    pub failure: Option<String>,
+    pub failure: Option<Objection<D>>,
 }
 
-impl Attempt {
+impl<const D: usize> Attempt<D> {
     /// It began and did not converge.
     fn unfinished(&self) -> bool {
         self.failure.is_some() && self.outcome.iterations > 0
@@ -88,7 +87,7 @@ pub(crate) fn certified_attempt<const D: usize>(
     condensed: &mut Condensed<D>,
     guess: Option<&Multipliers>,
     observe: &mut dyn FnMut(Event),
-) -> Result<(Attempt, Judged<D>), Error<D>> {
+) -> Result<(Attempt<D>, Judged<D>), Error<D>> {
     let method = model.solver.method;
     let tolerance = model.solver.tolerance;
     let exact = matches!(method, Method::Auto | Method::Newton);
@@ -108,10 +107,10 @@ pub(crate) fn certified_attempt<const D: usize>(
 fn corrected<const D: usize>(
     model: &Model<D>,
     condensed: &Condensed<D>,
-    mut attempt: Attempt,
+    mut attempt: Attempt<D>,
     judged: Judged<D>,
     observe: &mut dyn FnMut(Event),
-) -> Result<(Attempt, Judged<D>), Error<D>> {
+) -> Result<(Attempt<D>, Judged<D>), Error<D>> {
     let solved = attempt.outcome.iterations > 0;
     let mut least = excess(&judged.certificate);
     let mut best = (attempt.outcome, judged);
@@ -163,10 +162,10 @@ fn corrected<const D: usize>(
 fn continued<const D: usize>(
     model: &Model<D>,
     condensed: &mut Condensed<D>,
-    mut attempt: Attempt,
+    mut attempt: Attempt<D>,
     mut judged: Judged<D>,
     observe: &mut dyn FnMut(Event),
-) -> Result<(Attempt, Judged<D>), Error<D>> {
+) -> Result<(Attempt<D>, Judged<D>), Error<D>> {
     let mut tolerance = model.solver.tolerance;
     for _ in 0..3 {
         let worst = excess(&judged.certificate);
@@ -214,7 +213,7 @@ pub(crate) fn run_solver<const D: usize>(
     tolerance: f64,
     guess: Option<&Multipliers>,
     observe: &mut dyn FnMut(Event),
-) -> Result<Attempt, Error<D>> {
+) -> Result<Attempt<D>, Error<D>> {
     let solver = solver(model, condensed, method, tolerance)?;
     let mut history = Vec::new();
     let mut watch = |iterate: &Iterate<'_>| {
@@ -244,16 +243,17 @@ pub(crate) fn run_solver<const D: usize>(
             residual,
             reason,
             ..
-        }) => (
-            *outcome,
-            Some(match residual.is_finite() {
-                true => format!("{reason} (residual {residual:.1e})"),
-                false => reason,
-            }),
-        ),
+        }) => {
+            let failure = Objection::Unsettled {
+                reason,
+                residual,
+                worst: None,
+            };
+            (*outcome, Some(failure))
+        }
         Err(SolveError::Infeasible { direction }) => {
             let before = condensed.before.as_ref();
-            let step = before.map(|(time, load)| (*time, condensed.time, load.as_slice()));
+            let step = before.map(|(time, load)| ([*time, condensed.time], load.as_slice()));
             let (bodies, floating) = (&condensed.bodies, &condensed.floating);
             let admissible = &condensed.problem.admissible;
             let Some(slides) = sliding(model, admissible, floating, bodies, step) else {
@@ -267,13 +267,10 @@ pub(crate) fn run_solver<const D: usize>(
         }
         Err(SolveError::DependentBolts { bolts, modes }) => {
             let carriers = carriers(model, &condensed.paired);
-            let places: Vec<String> = bolts.iter().map(|&i| show(carriers[i].1)).collect();
-            return Err(Error::Solver(format!(
-                "the bolts at {} do not hold the rigid motions that the contacts control, {modes} in number: name one contact node for each, or leave out `bolt`",
-                places.join(", ")
-            )));
+            let bolts = bolts.iter().map(|&i| carriers[i].1).collect();
+            return Err(Error::Bolts { bolts, modes });
         }
-        Err(other) => return Err(Error::Solver(other.to_string())),
+        Err(other) => return Err(Error::Solver(other)),
     };
     Ok(Attempt {
         method: solver.name(),
@@ -348,20 +345,20 @@ fn bolt_indices<const D: usize>(
     points
         .iter()
         .map(|&point| {
-            let nearest = carriers.iter().enumerate().min_by(|(_, a), (_, b)| {
-                distance(a.1, point).total_cmp(&distance(b.1, point))
-            });
-            let (index, &(contact, at)) = nearest
-                .ok_or_else(|| Error::Solver("a bolt is named, but there is no contact".to_string()))?;
+            let nearest = carriers
+                .iter()
+                .enumerate()
+                .min_by(|(_, a), (_, b)| distance(a.1, point).total_cmp(&distance(b.1, point)));
+            let (index, &(contact, at)) = nearest.ok_or(Error::BoltWithoutContact)?;
             let side = &condensed.paired[contact].nonmortar;
             let (low, high) = bounding_box(model.bodies[side.body.0].mesh.points());
-            if distance(at, point) > 0.1 * distance(low, high) {
-                return Err(Error::Solver(format!(
-                    "bolt {}: the nearest contact node, {}, is {:.3e} away; name a point on a contact",
-                    show(point),
-                    show(at),
-                    distance(at, point)
-                )));
+            let distance = distance(at, point);
+            if distance > 0.1 * norm(sub(high, low)) {
+                return Err(Error::BoltAway {
+                    bolt: point,
+                    nearest: at,
+                    distance,
+                });
             }
             Ok(index)
         })

@@ -205,7 +205,7 @@ fn check_balance<const D: usize>(
         Feasibility::Infeasible { direction, .. } => {
             let slides = sliding(model, &admissible, floating, bodies, None);
             match slides {
-                Some(slides) => warnings.push(slides),
+                Some(slides) => warnings.push(slides.to_string()),
                 None => return Err(floating.pulled_away(model, bodies, &direction)),
             }
             Ok(())

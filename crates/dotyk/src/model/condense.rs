@@ -94,7 +94,7 @@ pub(crate) fn condense<const D: usize>(
     let admissible = admissible_set(model, &paired, time)?;
     let shift = overlap(&bodies, &factored, &gaps);
     let mut problem = DualProblem::new(compliance, shift, admissible, equilibrium)
-        .map_err(|error| Error::Solver(error.to_string()))?;
+        .map_err(|error| Error::Solver(error.into()))?;
     problem.scales = scales(model, &bodies, &factored, &problem.shift);
     problem.soften(least_softness(&bodies, gaps.len()));
     problem.neighbours = neighbours(model, &paired);
@@ -140,7 +140,7 @@ pub(crate) fn advance<const D: usize>(
     problem.shift = overlap(&bodies, &factored, &gaps);
     problem
         .check()
-        .map_err(|error| Error::Solver(error.to_string()))?;
+        .map_err(|error| Error::Solver(error.into()))?;
     problem.scales = scales(model, &bodies, &factored, &problem.shift);
     seconds.condense += lap.seconds();
     Ok(Condensed {

@@ -1,10 +1,211 @@
 //! Why a model has no answer.
 
 use crate::contact::ContactError;
-use crate::fem::{FemError, show};
-use crate::geometry::Point;
-use crate::model::nouns::{Body, Model};
+use crate::dual::Certificate;
+use crate::fem::{Analysis, Body, FemError, Short, show};
+use crate::geometry::{Field, Point};
+use crate::model::nouns::Model;
 use crate::model::solution::Solution;
+use crate::solve::SolveError;
+use std::fmt;
+
+/// The part of a model that an error is about, by name.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum Subject {
+    /// A body.
+    Body(String),
+    /// A contact.
+    Contact(String),
+    /// A probe.
+    Probe(String),
+}
+
+/// An error of the whole model: it names body, contact, side or node and says what to do.
+#[derive(Debug, thiserror::Error)]
+pub enum Error<const D: usize> {
+    /// There is nothing to solve.
+    #[error("the model has no body")]
+    NoBody,
+    /// An analysis of the plane in space, or the other way round.
+    #[error("analysis \"{}\" does not fit {D} dimensions", .0.name())]
+    Dimension(Analysis),
+    /// There is no load step.
+    #[error("the model has no load step; give it at least one time")]
+    NoStep,
+    /// Times that are not finite or do not increase.
+    #[error("the times of the load steps must be finite and increase, found {0:?}")]
+    Times(Vec<f64>),
+    /// Two parts of one kind have one name.
+    #[error("two {kind}s are named \"{name}\"")]
+    SameName {
+        /// "body" or "contact".
+        kind: &'static str,
+        /// The name.
+        name: String,
+    },
+    /// A body cannot be assembled or factored.
+    #[error("body \"{body}\": {source}")]
+    Body {
+        /// Its name.
+        body: String,
+        /// What is wrong.
+        source: FemError,
+    },
+    /// A contact cannot be paired.
+    #[error("contact \"{contact}\": {source}")]
+    Contact {
+        /// Its name.
+        contact: String,
+        /// What is wrong.
+        source: ContactError,
+    },
+    /// A force or displacement of an obstacle is not finite.
+    #[error("contact \"{contact}\": the {what} the obstacle, {field}, is not finite")]
+    Obstacle {
+        /// Name of the contact.
+        contact: String,
+        /// "force on" or "displacement of".
+        what: &'static str,
+        /// The component that is not.
+        field: Field,
+    },
+    /// Neither supports nor contacts hold a body.
+    #[error(
+        "body \"{body}\" is not held: its supports leave {motion} free, and {reason}; add a support or a contact"
+    )]
+    NotHeld {
+        /// Its name.
+        body: String,
+        /// The free motion in words.
+        motion: String,
+        /// Why that is an error.
+        reason: NotHeld,
+    },
+    /// The load pulls a floating body away from everything that could hold it.
+    #[error(
+        "the load pulls body \"{body}\" away from everything that could hold it ({motion}, resultant {load:.4e}): its contacts only push; add a support, turn the load, or tie the contact"
+    )]
+    PulledAway {
+        /// Its name.
+        body: String,
+        /// The motion in words.
+        motion: String,
+        /// Work of the load for a unit motion.
+        load: f64,
+    },
+    /// A probe cannot be read.
+    #[error("probe \"{probe}\": {source}")]
+    Probe {
+        /// Its name.
+        probe: String,
+        /// What is wrong.
+        source: ProbeError<D>,
+    },
+    /// A bolt is named where no contact is.
+    #[error("solver: a bolt is named, but there is no contact")]
+    BoltWithoutContact,
+    /// A bolt is named beside the contacts.
+    #[error("solver: bolt {}: the nearest contact node, {}, is {distance:.3e} away; name a point on a contact", show(*bolt), show(*nearest))]
+    BoltAway {
+        /// Where it is named.
+        bolt: Point<D>,
+        /// The nearest contact node.
+        nearest: Point<D>,
+        /// How far that is.
+        distance: f64,
+    },
+    /// The named bolts do not hold the floating bodies.
+    #[error("solver: the bolts at {} do not hold the rigid motions that the contacts control, {modes} in number: name one contact node for each, or leave out `bolt`", bolts.iter().map(|&bolt| show(bolt)).collect::<Vec<_>>().join(", "))]
+    Bolts {
+        /// The contact nodes that were named.
+        bolts: Vec<Point<D>>,
+        /// Number of motions to be held.
+        modes: usize,
+    },
+    /// The contact solver cannot treat the problem.
+    #[error("solver: {0}")]
+    Solver(#[source] SolveError),
+    /// One load step of several has no answer.
+    #[error("step {step} (t = {time}): {source}")]
+    Step {
+        /// From 1.
+        step: usize,
+        /// Its time.
+        time: f64,
+        /// What is wrong there.
+        source: Box<Error<D>>,
+        /// The load steps before it, which have converged.
+        earlier: Vec<Solution<D>>,
+    },
+    /// The certificate does not hold; carries the last iterate.
+    #[error("not converged: {reason}")]
+    NotConverged {
+        /// Why.
+        reason: Box<Objection<D>>,
+        /// The last iterate, with `converged` false.
+        solution: Box<Solution<D>>,
+        /// The load steps before it, which have converged.
+        earlier: Vec<Solution<D>>,
+    },
+}
+
+impl<const D: usize> Error<D> {
+    /// What is wrong with a body.
+    pub(crate) fn in_body(body: &Body<D>, source: FemError) -> Self {
+        let body = body.name.clone();
+        Self::Body { body, source }
+    }
+
+    /// The same of one step of several, which its message names; `earlier` are the steps before it.
+    pub(crate) fn in_step(self, model: &Model<D>, step: usize, earlier: Vec<Solution<D>>) -> Self {
+        match model.times[..] {
+            [_] => self,
+            _ => Self::Step {
+                step,
+                time: model.times[step - 1],
+                source: Box::new(self),
+                earlier,
+            },
+        }
+    }
+
+    /// What the error is about, where it is one part of the model.
+    pub fn subject(&self) -> Option<Subject> {
+        match self {
+            Self::Body { body, .. }
+            | Self::NotHeld { body, .. }
+            | Self::PulledAway { body, .. } => Some(Subject::Body(body.clone())),
+            Self::Contact { contact, .. } | Self::Obstacle { contact, .. } => {
+                Some(Subject::Contact(contact.clone()))
+            }
+            Self::Probe { probe, .. } => Some(Subject::Probe(probe.clone())),
+            Self::Step { source, .. } => source.subject(),
+            _ => None,
+        }
+    }
+}
+
+/// Why a motion that supports leave free is an error.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum NotHeld {
+    /// There is no contact.
+    #[error("no contact faces it")]
+    Alone,
+    /// Contacts are so far away that strains would drown in rounding.
+    #[error(
+        "its contacts are out of reach: the smallest clearance, {clearance:.4e}, is more than a million times its size"
+    )]
+    OutOfReach {
+        /// The smallest clearance.
+        clearance: f64,
+    },
+    /// The load drives a motion that no contact controls.
+    #[error("its load does work on it (resultant {load:.4e}) and no contact can resist it")]
+    Driven {
+        /// Work of the load for a unit motion.
+        load: f64,
+    },
+}
 
 /// Why a probe cannot be read.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -32,130 +233,116 @@ pub enum ProbeError<const D: usize> {
     SideInSpace,
 }
 
-/// The part of a model that an error is about, by name.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub enum Subject {
-    /// A body.
-    Body(String),
-    /// A contact.
-    Contact(String),
-    /// A probe.
-    Probe(String),
+/// Why the last iterate is not an answer.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Objection<const D: usize> {
+    /// Loss of equilibrium: friction does not hold the load.
+    Slides {
+        /// The body that slides.
+        body: String,
+        /// Its motion in words.
+        motion: String,
+        /// The part that friction holds of the load along this motion, or of the change of load in the step.
+        held: f64,
+        /// Times of the step before and of this one.
+        step: Option<[f64; 2]>,
+    },
+    /// The iteration ended before the optimality conditions were met.
+    Unsettled {
+        /// What happened, in the words of the solver.
+        reason: String,
+        /// Its residual.
+        residual: f64,
+        /// Contact and place where it is worst, and what to try.
+        worst: Option<(String, Point<D>, Advice)>,
+    },
+    /// The certificate does not hold.
+    Violated {
+        /// What was checked.
+        certificate: Certificate,
+        /// Contact, place and depth where two sides overlap most between their nodes, if by too much.
+        overlap: Option<(String, Point<D>, f64)>,
+    },
 }
 
-impl<const D: usize> Error<D> {
-    /// What is wrong with a body.
-    pub(crate) fn in_body(body: &Body<D>, source: FemError) -> Self {
-        Self::Body {
-            body: body.name.clone(),
-            source,
-        }
-    }
+/// What to try where an iteration does not settle.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum Advice {
+    /// A body that gives way much more than its cells do.
+    #[error(
+        "body \"{body}\" is slender, it gives way {times:.0e} times as much as its cells do: divide it into bodies that are `tied` to each other"
+    )]
+    Divide {
+        /// The body.
+        body: String,
+        /// How many times.
+        times: f64,
+    },
+    /// Forces that go with the slips.
+    #[error(
+        "within Coulomb's cones some forces balance the load, but those that go with the slips were not found, or are not unique: try smaller load steps or a smaller coefficient"
+    )]
+    SmallerSteps,
+    /// Neither.
+    #[error("try a larger `tolerance`, or stiffnesses that differ less")]
+    LargerTolerance,
+}
 
-    /// The same of one step of several, which its message names; `earlier` are the steps before it.
-    pub(crate) fn in_step(self, model: &Model<D>, step: usize, earlier: Vec<Solution<D>>) -> Self {
-        match model.times[..] {
-            [_] => self,
-            _ => Self::Step {
-                step,
-                time: model.times[step - 1],
-                source: Box::new(self),
-                earlier,
-            },
-        }
-    }
-
-    /// What the error is about, where it is one part of the model.
-    pub fn subject(&self) -> Option<Subject> {
+impl<const D: usize> fmt::Display for Objection<D> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::Body { body, .. }
-            | Self::NotHeld { body, .. }
-            | Self::PulledAway { body, .. } => Some(Subject::Body(body.clone())),
-            Self::Contact { contact, .. } => Some(Subject::Contact(contact.clone())),
-            Self::Probe { probe, .. } => Some(Subject::Probe(probe.clone())),
-            Self::Step { source, .. } => source.subject(),
-            Self::Model(_) | Self::Solver(_) | Self::NotConverged { .. } => None,
+            Self::Slides {
+                body,
+                motion,
+                held,
+                step,
+            } => {
+                write!(
+                    f,
+                    "loss of equilibrium: body \"{body}\" slides ({motion}); friction holds "
+                )?;
+                let held_part = Short(*held);
+                match step {
+                    Some([before, now]) => write!(
+                        f,
+                        "it up to {held_part} of the change of load from t = {before} to t = {now} (t = {})",
+                        Short(before + held * (now - before))
+                    ),
+                    None => write!(f, "{held_part} of the load along this motion"),
+                }
+            }
+            Self::Unsettled {
+                reason,
+                residual,
+                worst,
+            } => {
+                f.write_str(reason)?;
+                if residual.is_finite() {
+                    write!(f, " (residual {residual:.1e})")?;
+                }
+                let Some((contact, point, advice)) = worst else {
+                    return Ok(());
+                };
+                let at = show(*point);
+                write!(
+                    f,
+                    "; it is worst at {at} of contact \"{contact}\"; {advice}"
+                )
+            }
+            Self::Violated {
+                certificate,
+                overlap,
+            } => {
+                f.write_str(&certificate.objection())?;
+                let Some((contact, point, depth)) = overlap else {
+                    return Ok(());
+                };
+                let (depth, at) = (Short(*depth), show(*point));
+                write!(
+                    f,
+                    ": the sides of contact \"{contact}\" overlap by {depth} at {at}"
+                )
+            }
         }
     }
-}
-
-/// An error of the whole model: it names body, contact, side or node and says what to do.
-#[derive(Debug, thiserror::Error)]
-pub enum Error<const D: usize> {
-    /// A body cannot be assembled or factored.
-    #[error("body \"{body}\": {source}")]
-    Body {
-        /// Its name.
-        body: String,
-        /// What is wrong.
-        source: FemError,
-    },
-    /// A contact cannot be paired.
-    #[error("contact \"{contact}\": {source}")]
-    Contact {
-        /// Its name.
-        contact: String,
-        /// What is wrong.
-        source: ContactError,
-    },
-    /// The model itself is wrong.
-    #[error("{0}")]
-    Model(String),
-    /// Neither supports nor contacts hold a body.
-    #[error(
-        "body \"{body}\" is not held: its supports leave {motion} free, and {reason}; add a support or a contact"
-    )]
-    NotHeld {
-        /// Its name.
-        body: String,
-        /// The free motion in words.
-        motion: String,
-        /// Why that is an error.
-        reason: String,
-    },
-    /// The load pulls a floating body away from everything that could hold it.
-    #[error(
-        "the load pulls body \"{body}\" away from everything that could hold it ({motion}, resultant {load:.4e}): its contacts only push; add a support, turn the load, or tie the contact"
-    )]
-    PulledAway {
-        /// Its name.
-        body: String,
-        /// The motion in words.
-        motion: String,
-        /// Work of the load for a unit motion.
-        load: f64,
-    },
-    /// A probe cannot be read.
-    #[error("probe \"{probe}\": {source}")]
-    Probe {
-        /// Its name.
-        probe: String,
-        /// What is wrong.
-        source: ProbeError<D>,
-    },
-    /// The contact solver cannot treat the problem.
-    #[error("solver: {0}")]
-    Solver(String),
-    /// One load step of several has no answer.
-    #[error("step {step} (t = {time}): {source}")]
-    Step {
-        /// From 1.
-        step: usize,
-        /// Its time.
-        time: f64,
-        /// What is wrong there.
-        source: Box<Error<D>>,
-        /// The load steps before it, which have converged.
-        earlier: Vec<Solution<D>>,
-    },
-    /// The certificate does not hold; carries the last iterate.
-    #[error("not converged: {reason}")]
-    NotConverged {
-        /// Why.
-        reason: String,
-        /// The last iterate, with `converged` false.
-        solution: Box<Solution<D>>,
-        /// The load steps before it, which have converged.
-        earlier: Vec<Solution<D>>,
-    },
 }

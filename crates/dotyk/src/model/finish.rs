@@ -19,7 +19,7 @@ use crate::solve::{Bolt, Outcome};
 pub(crate) fn finish<const D: usize>(
     model: &Model<D>,
     condensed: &Condensed<D>,
-    attempt: Attempt,
+    attempt: Attempt<D>,
     judged: Judged<D>,
     converged: bool,
 ) -> Result<Solution<D>, Error<D>> {

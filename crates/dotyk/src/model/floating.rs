@@ -9,7 +9,7 @@ use crate::fem::describe_motion;
 use crate::geometry::norm;
 use crate::linalg::SparseVector;
 use crate::model::bodies::LoadedBody;
-use crate::model::error::Error;
+use crate::model::error::{Error, NotHeld};
 use crate::model::nouns::Model;
 use crate::model::parts::{part_name, part_points};
 
@@ -201,21 +201,17 @@ fn unreachable_contacts<const D: usize>(
     body: usize,
     loaded: &LoadedBody<D>,
     gaps: &[f64],
-) -> Option<String> {
+) -> Option<NotHeld> {
     let nearest = loaded.rows.index.iter().map(|&row| gaps[row]);
     let nearest = nearest.fold(f64::INFINITY, f64::min);
     if nearest == f64::INFINITY {
-        return Some("no contact faces it".to_string());
+        return Some(NotHeld::Alone);
     }
     let own = model.bodies.get(body);
     let sizes = own.map_or(&model.bodies[..], std::slice::from_ref).iter();
     let size = sizes.map(|body| body.mesh.diameter()).fold(0.0, f64::max);
     let far = nearest > OUT_OF_REACH * size;
-    far.then(|| {
-        format!(
-            "its contacts are out of reach: the smallest clearance, {nearest:.4e}, is more than a million times its size"
-        )
-    })
+    far.then_some(NotHeld::OutOfReach { clearance: nearest })
 }
 
 /// Rows of G that balance moments: modes with a rotation.
@@ -283,12 +279,10 @@ fn check_undriven<const D: usize>(
     let motion = describe(model, bodies, body, |mode| amplitude(modes, z, body, mode));
     let work: f64 = z.iter().zip(e).map(|(z, e)| z * e).sum();
     if work.abs() > silent {
-        let reason =
-            format!("its load does work on it (resultant {work:.4e}) and no contact can resist it");
         return Err(Error::NotHeld {
             body: name,
             motion,
-            reason,
+            reason: NotHeld::Driven { load: work },
         });
     }
     Ok(format!(

@@ -40,7 +40,7 @@ pub use crate::contact::ContactError;
 pub use check::{BodyCheck, Check, ContactCheck};
 pub use compare::{Comparison, ComparisonRow};
 pub use compliance::DENSE_LIMIT;
-pub use error::{Error, ProbeError, Subject};
+pub use error::{Advice, Error, NotHeld, Objection, ProbeError, Subject};
 pub use event::Event;
 pub use nouns::*;
 pub use quantity::{Dimension, Mistake, Quantity, QuantityError};

@@ -1,9 +1,8 @@
-//! Why an attempt is no answer, in words.
+//! Why an attempt is no answer.
 
-use crate::dual::Multipliers;
-use crate::fem::{Short, show};
 use crate::model::attempt::Attempt;
 use crate::model::condense::Condensed;
+use crate::model::error::{Advice, Objection};
 use crate::model::judge::Judged;
 use crate::model::nouns::Model;
 use crate::model::pair::carriers;
@@ -16,55 +15,49 @@ const SLENDER: f64 = 1e9;
 pub(crate) fn objection<const D: usize>(
     model: &Model<D>,
     condensed: &Condensed<D>,
-    attempt: &Attempt,
+    attempt: &Attempt<D>,
     judged: &Judged<D>,
-) -> Option<String> {
-    let certificate = &judged.certificate;
-    let overlap = judged
-        .overlap
-        .filter(|_| !certificate.between_nodes.holds());
-    match (&attempt.failure, overlap) {
-        (Some(reason), _) if attempt.outcome.iterations > 0 => {
-            let multipliers = &attempt.outcome.multipliers;
-            Some(reason.clone() + &unsettled(model, condensed, multipliers))
+) -> Option<Objection<D>> {
+    let certificate = judged.certificate;
+    let contact = |index: usize| model.contacts[index].name.clone();
+    match &attempt.failure {
+        Some(Objection::Unsettled {
+            reason, residual, ..
+        }) if attempt.outcome.iterations > 0 => {
+            let row = condensed
+                .problem
+                .least_settled(&attempt.outcome.multipliers);
+            let worst = row.map(|row| {
+                let (index, point) = carriers(model, &condensed.paired)[row];
+                (contact(index), point, advice(model, condensed))
+            });
+            Some(Objection::Unsettled {
+                reason: reason.clone(),
+                residual: *residual,
+                worst,
+            })
         }
-        (Some(reason), _) => Some(reason.clone()),
-        (None, _) if certificate.holds() => None,
-        (None, Some(place)) => Some(format!(
-            "{}: the sides of contact \"{}\" overlap by {} at {}",
-            certificate.objection(),
-            model.contacts[place.contact].name,
-            Short(place.depth),
-            show(place.point)
-        )),
-        (None, None) => Some(certificate.objection()),
+        Some(failure) => Some(failure.clone()),
+        None if certificate.holds() => None,
+        None => {
+            let overlap = judged
+                .overlap
+                .filter(|_| !certificate.between_nodes.holds());
+            Some(Objection::Violated {
+                certificate,
+                overlap: overlap.map(|o| (contact(o.contact), o.point, o.depth)),
+            })
+        }
     }
 }
 
-/// Where an iteration that did not settle is worst, and what to try, in words.
-fn unsettled<const D: usize>(
-    model: &Model<D>,
-    condensed: &Condensed<D>,
-    last: &Multipliers,
-) -> String {
-    let problem = &condensed.problem;
-    let Some(row) = problem.least_settled(last) else {
-        return String::new();
-    };
-    let (contact, point) = carriers(model, &condensed.paired)[row];
-    let slender = slender(model, condensed);
-    let advice = match (slender, problem.admissible.bounds_follow()) {
-        (Some((body, times)), _) => format!(
-            "body \"{body}\" is slender, it gives way {times:.0e} times as much as its cells do: divide it into bodies that are `tied` to each other"
-        ),
-        (None, true) => "within Coulomb's cones some forces balance the load, but those that go with the slips were not found, or are not unique: try smaller load steps or a smaller coefficient".to_string(),
-        (None, false) => "try a larger `tolerance`, or stiffnesses that differ less".to_string(),
-    };
-    format!(
-        "; it is worst at {} of contact \"{}\"; {advice}",
-        show(point),
-        model.contacts[contact].name
-    )
+/// What to try where an iteration did not settle.
+fn advice<const D: usize>(model: &Model<D>, condensed: &Condensed<D>) -> Advice {
+    match slender(model, condensed) {
+        Some((body, times)) => Advice::Divide { body, times },
+        None if condensed.problem.admissible.bounds_follow() => Advice::SmallerSteps,
+        None => Advice::LargerTolerance,
+    }
 }
 
 /// The body that gives way most beside what its cells do, and how many times that, where it leaves few digits.

@@ -305,10 +305,11 @@ impl<'a, const D: usize> Contacting<'a, D> {
             for (component, field) in motion.iter_mut().zip(fields) {
                 *component = field.at([0.0; D], self.time);
                 if !component.is_finite() {
-                    return Err(Error::Model(format!(
-                        "contact \"{}\": the displacement of the obstacle, {field}, is not finite",
-                        self.contact.name
-                    )));
+                    return Err(Error::Obstacle {
+                        contact: self.contact.name.clone(),
+                        what: "displacement of",
+                        field: field.clone(),
+                    });
                 }
             }
         }

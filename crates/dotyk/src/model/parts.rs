@@ -43,10 +43,11 @@ pub(crate) fn obstacle_systems<const D: usize>(
         for (value, field) in value.iter_mut().zip(force) {
             *value = field.at([0.0; D], time);
             if !value.is_finite() {
-                return Err(Error::Model(format!(
-                    "contact \"{}\": the force on the obstacle, {field}, is not finite",
-                    contact.name
-                )));
+                return Err(Error::Obstacle {
+                    contact: contact.name.clone(),
+                    what: "force on",
+                    field: field.clone(),
+                });
             }
         }
         Ok(BodySystem::rigid(value, model.analysis))

@@ -4,53 +4,36 @@
 //! if not, it is pulled away from everything that could hold it, which is an error of the model.
 
 use crate::dual::{AdmissibleSet, Feasibility};
-use crate::fem::Short;
 use crate::model::bodies::{LoadedBody, largest_load};
+use crate::model::error::Objection;
 use crate::model::floating::Floating;
 use crate::model::nouns::Model;
 
-/// What slides, in words; `step` is the time of the step before, that of this one, and e of the one before.
+/// What slides; `step` is the time of the step before, that of this one, and e of the one before.
 pub(crate) fn sliding<const D: usize>(
     model: &Model<D>,
     admissible: &AdmissibleSet,
     floating: &Floating,
     bodies: &[LoadedBody<D>],
-    step: Option<(f64, f64, &[f64])>,
-) -> Option<String> {
+    step: Option<([f64; 2], &[f64])>,
+) -> Option<Objection<D>> {
     if !admissible.has_friction() {
         return None;
     }
-    let rough = admissible.sticking();
     let equilibrium = &floating.equilibrium;
     let force = largest_load(bodies);
-    let Feasibility::Infeasible { direction, factor } =
-        Feasibility::of(admissible, equilibrium, force)
-    else {
-        return None;
-    };
-    if !matches!(
-        Feasibility::of(&rough, equilibrium, force),
-        Feasibility::Feasible { .. }
-    ) {
-        return None;
-    }
-    let (body, motion) = floating.motion(model, bodies, &direction);
-    let when = match step {
-        Some((before, now, load)) => {
-            let part = Feasibility::fraction(admissible, equilibrium, load);
-            let time = before + part * (now - before);
-            format!(
-                "friction holds it up to {} of the change of load from t = {before} to t = {now} (t = {})",
-                Short(part),
-                Short(time)
-            )
+    let rough = Feasibility::of(&admissible.sticking(), equilibrium, force);
+    match (rough, Feasibility::of(admissible, equilibrium, force)) {
+        (Feasibility::Feasible { .. }, Feasibility::Infeasible { direction, factor }) => {
+            let (body, motion) = floating.motion(model, bodies, &direction);
+            let part = |(_, load)| Feasibility::fraction(admissible, equilibrium, load);
+            Some(Objection::Slides {
+                body,
+                motion,
+                held: step.map_or(factor, part),
+                step: step.map(|(times, _)| times),
+            })
         }
-        None => format!(
-            "friction holds {} of the load along this motion",
-            Short(factor)
-        ),
-    };
-    Some(format!(
-        "loss of equilibrium: body \"{body}\" slides ({motion}); {when}"
-    ))
+        _ => None,
+    }
 }

@@ -242,3 +242,11 @@ pub struct Solution<const D: usize> {
     /// Wall time by stage.
     pub seconds: Seconds,
 }
+
+impl<const D: usize> Solution<D> {
+    /// Value of the probe of this name.
+    pub fn probe(&self, name: &str) -> Option<f64> {
+        let probe = self.probes.iter().find(|probe| probe.name == name)?;
+        Some(probe.value)
+    }
+}

@@ -4,7 +4,7 @@ use crate::dual::Multipliers;
 use crate::model::attempt::certified_attempt;
 use crate::model::compliance::DENSE_LIMIT;
 use crate::model::condense::{Condensed, advance, condense};
-use crate::model::error::Error;
+use crate::model::error::{Error, Objection};
 use crate::model::event::{Event, Lap};
 use crate::model::finish::finish;
 use crate::model::judge::Judged;
@@ -55,7 +55,7 @@ pub(crate) fn solve_steps<const D: usize>(
             Err(error) => return Err(error.in_step(model, step, done)),
             Ok((_, (_, solution, Some(reason)))) => {
                 return Err(Error::NotConverged {
-                    reason,
+                    reason: Box::new(reason),
                     solution: Box::new(solution),
                     earlier: done,
                 });
@@ -76,7 +76,7 @@ fn solve_step<const D: usize>(
     previous: Option<&End>,
     start: Instant,
     observe: &mut dyn FnMut(Event),
-) -> Result<(End, Solution<D>, Option<String>), Error<D>> {
+) -> Result<(End, Solution<D>, Option<Objection<D>>), Error<D>> {
     observe(Event::Stage("contact"));
     let mut lap = Lap::start();
     let guess = previous.and_then(End::guess);

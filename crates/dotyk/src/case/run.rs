@@ -1,0 +1,129 @@
+//! A case as a run: solved step by step, with what stands where a step has no answer.
+
+use crate::case::{Case, CaseError};
+use crate::model::{Error, Event, Solution};
+use std::fmt;
+
+/// What came of a case.
+#[derive(Debug)]
+pub struct Run {
+    /// The load steps that have an answer, and after them the last iterate of the one that did not converge, if one did not.
+    pub steps: Vec<Solution<2>>,
+    /// Number of load steps of the case.
+    pub count: usize,
+    /// Why it ended early.
+    pub failure: Option<Failure>,
+}
+
+/// A load step without an answer.
+#[derive(Debug)]
+pub struct Failure {
+    /// Its number, from 1.
+    pub step: usize,
+    /// Its time.
+    pub time: f64,
+    /// Why, in words.
+    pub reason: String,
+    /// What is wrong with the input; `None` where the iteration did not converge.
+    pub refusal: Option<CaseError>,
+}
+
+impl Case {
+    /// Solves all load steps; an observer is told what happens.
+    pub fn run(&self, observe: &mut dyn FnMut(Event)) -> Run {
+        let times = &self.model.times;
+        let failed = |steps: &[Solution<2>], reason: String, refusal| Failure {
+            step: steps.len() + 1,
+            time: times.get(steps.len()).copied().unwrap_or(f64::NAN),
+            reason,
+            refusal,
+        };
+        let (mut steps, failure) = match self.model.solve_steps_with(observe) {
+            Ok(steps) => (steps, None),
+            Err(Error::NotConverged {
+                reason,
+                solution,
+                earlier: mut steps,
+            }) => {
+                let failure = failed(&steps, reason.to_string(), None);
+                steps.push(*solution);
+                (steps, Some(failure))
+            }
+            Err(error) => {
+                let refusal = self.error(error.subject().as_ref(), &error.to_string());
+                let (steps, reason) = match error {
+                    Error::Step {
+                        source, earlier, ..
+                    } => (earlier, source.to_string()),
+                    other => (Vec::new(), other.to_string()),
+                };
+                let failure = failed(&steps, reason, Some(refusal));
+                (steps, Some(failure))
+            }
+        };
+        for step in &mut steps {
+            step.seconds.read = self.seconds;
+            step.seconds.total += self.seconds;
+            self.warn_first(&mut step.warnings);
+        }
+        Run {
+            steps,
+            count: times.len(),
+            failure,
+        }
+    }
+}
+
+impl Run {
+    /// Every step has its certificate.
+    pub fn certified(&self) -> bool {
+        self.failure.is_none()
+    }
+
+    /// What is worth writing: the steps that have an answer; if none has, the last iterate of the first.
+    pub fn standing(&self) -> &[Solution<2>] {
+        let certified = self.steps.iter().filter(|step| step.converged).count();
+        &self.steps[..certified.max(1).min(self.steps.len())]
+    }
+
+    /// Iterations of all steps.
+    pub fn iterations(&self) -> usize {
+        self.steps.iter().map(|step| step.solver.iterations).sum()
+    }
+
+    /// Warnings of all steps that stand, each once.
+    pub fn warnings(&self) -> Vec<String> {
+        let mut list: Vec<String> = Vec::new();
+        for warning in self.standing().iter().flat_map(|step| &step.warnings) {
+            if !list.contains(warning) {
+                list.push(warning.clone());
+            }
+        }
+        list
+    }
+}
+
+impl fmt::Display for Run {
+    /// Why it ended early, with step and method; nothing if it did not.
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Some(failure) = &self.failure else {
+            return Ok(());
+        };
+        if let Some(refusal) = &failure.refusal {
+            return write!(f, "{refusal}");
+        }
+        if self.count > 1 {
+            let Failure { step, time, .. } = failure;
+            write!(f, "step {step} of {} (t = {time}): ", self.count)?;
+        }
+        let solver = self.steps.last().map(|last| &last.solver);
+        if let Some(solver) = solver.filter(|solver| solver.iterations > 0) {
+            let (iterations, method) = (solver.iterations, solver.method);
+            write!(
+                f,
+                "not converged after {iterations} iterations of {method}: "
+            )?;
+        }
+        f.write_str(&failure.reason)
+    }
+}
