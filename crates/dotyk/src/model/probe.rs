@@ -236,7 +236,7 @@ fn in_cell<const D: usize>(
     mesh: &Mesh<D>,
     at: Point<D>,
 ) -> Result<(Vec<usize>, Vec<f64>), ProbeError<D>> {
-    locate(mesh, at).ok_or_else(|| ProbeError::Outside { point: at })
+    locate(mesh, at).ok_or(ProbeError::Outside { point: at })
 }
 
 fn on_side<const D: usize>(
@@ -251,7 +251,7 @@ fn on_side<const D: usize>(
     }
     let mesh = &model.bodies[side.body.0].mesh;
     let found = locate_on_side(mesh, side_facets(mesh, &side.side)?, at);
-    let mut found = found.ok_or_else(|| ProbeError::Beside { point: at })?;
+    let mut found = found.ok_or(ProbeError::Beside { point: at })?;
     // a node with no part in the value may have none, which is NaN
     found
         .1
