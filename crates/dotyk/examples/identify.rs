@@ -15,7 +15,7 @@
 //! Source: V. Janovský, P. Procházka, Contact problem of two elastic bodies III, Apl. mat. 25 (1980), section 8, Tables.
 
 use dotyk::mesh::{CellKind, Diagonals, Ring, TunnelRock};
-use dotyk::model::{ContactSolution, Elastic, Model, Reading, Solution};
+use dotyk::model::{ContactSolution, Elastic, Model, Solution};
 
 /// Contact nodes, and layers of lining and rock, of the paper's three models.
 const MESHES: [(usize, usize, usize); 3] = [(15, 2, 5), (31, 4, 10), (39, 5, 13)];
@@ -148,8 +148,8 @@ fn tunnel(reading: Reading) -> Model<2> {
             let (sin, cos) = degrees.to_radians().sin_cos();
             let point = [15.0 * cos, 15.0 * sin];
             let reading = match degrees {
-                30.0 | 60.0 => Reading::MeanOfNeighbours(point),
-                _ => Reading::At(point),
+                30.0 | 60.0 => dotyk::model::Reading::MeanOfNeighbours(point),
+                _ => dotyk::model::Reading::At(point),
             };
             let (name, quantity) = (format!("{quantity} {degrees}"), format!("gamma.{quantity}"));
             let probe = model.probe(&name, &quantity, reading);
