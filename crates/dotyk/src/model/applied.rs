@@ -4,12 +4,13 @@
 //!   F = Σ B_b K_b⁺ B_bᵀ,        M = Σ δ_b² B_b S_b B_bᵀ ≈ F⁻¹ on the balanced forces
 //! ```
 
+use crate::fem::BodySystem;
 use crate::linalg::{
     Cholesky, LinearOperator, Mat, SymbolicCholesky, SymmetricMatrix, expand_to_dofs,
     fill_reducing_order,
 };
 use crate::model::bodies::{BodyRows, LoadedBody};
-use crate::model::factor::FactoredBody;
+use crate::model::factor::{FactoredBody, Ordered};
 use rayon::prelude::*;
 use std::sync::Arc;
 
@@ -119,8 +120,10 @@ struct BoundaryPart {
 }
 
 impl BoundaryStiffness {
-    pub fn new<const D: usize>(len: usize, bodies: &[LoadedBody<D>]) -> Self {
-        let parts: Vec<Option<BoundaryPart>> = bodies.par_iter().map(boundary_part).collect();
+    pub fn new<const D: usize>(len: usize, bodies: &[LoadedBody<D>], ordered: &[Ordered]) -> Self {
+        let parts = (bodies, ordered).into_par_iter();
+        let parts = parts.map(|(body, ordered)| boundary_part(body, &ordered.grounded));
+        let parts: Vec<Option<BoundaryPart>> = parts.collect();
         let mut parts: Vec<BoundaryPart> = parts.into_iter().flatten().collect();
         let mut total = vec![0.0; len];
         for part in &parts {
@@ -143,8 +146,8 @@ impl BoundaryStiffness {
     }
 }
 
-/// `None` where no row touches the body, or its interior cannot be factored (then it adds nothing).
-fn boundary_part<const D: usize>(body: &LoadedBody<D>) -> Option<BoundaryPart> {
+/// `None` where no row touches the body.
+fn boundary_part<const D: usize>(body: &LoadedBody<D>, grounded: &[usize]) -> Option<BoundaryPart> {
     let rows = body.rows.clone();
     if rows.index.is_empty() {
         return None;
@@ -159,19 +162,14 @@ fn boundary_part<const D: usize>(body: &LoadedBody<D>) -> Option<BoundaryPart> {
     let contact: Vec<usize> = (0..on_contact.len())
         .filter(|&dof| on_contact[dof] && !system.held[dof])
         .collect();
-    let keep: Vec<bool> = (0..on_contact.len())
+    let mut keep: Vec<bool> = (0..on_contact.len())
         .map(|dof| !on_contact[dof] && !system.held[dof])
         .collect();
-    let keep_node: Vec<bool> = keep
-        .chunks_exact(D)
-        .map(|dofs| dofs.contains(&true))
-        .collect();
-    let nodes = fill_reducing_order(&system.graph, &keep_node, &[]);
-    let dofs = expand_to_dofs(&nodes, D, &keep);
-    let inner = SymbolicCholesky::new(&system.stiffness, &dofs, 0)
-        .ok()?
-        .factor(&system.stiffness)
-        .ok()?;
+    let inner = factored(system, &keep).or_else(|| {
+        // a body that floats on few contact nodes; grounded, its interior cannot fail: it is a part of what was factored
+        grounded.iter().for_each(|&dof| keep[dof] = false);
+        factored(system, &keep)
+    })?;
     // softness of the body as one number: mean of 1/K_ii over its contact dofs
     let diagonal = system.stiffness.diagonal();
     let softness =
@@ -185,6 +183,15 @@ fn boundary_part<const D: usize>(body: &LoadedBody<D>) -> Option<BoundaryPart> {
         held: system.held.clone(),
         weight,
     })
+}
+
+/// The factor of K on the kept dofs, if these are held.
+fn factored<const D: usize>(system: &BodySystem<D>, keep: &[bool]) -> Option<Cholesky> {
+    let nodes = keep.chunks_exact(D).map(|dofs| dofs.contains(&true));
+    let nodes: Vec<bool> = nodes.collect();
+    let dofs = expand_to_dofs(&fill_reducing_order(&system.graph, &nodes, &[]), D, keep);
+    let analysis = SymbolicCholesky::new(&system.stiffness, &dofs, 0).ok()?;
+    analysis.factor(&system.stiffness).ok()
 }
 
 impl LinearOperator for BoundaryStiffness {

@@ -49,7 +49,7 @@ pub(crate) fn compliance<const D: usize>(
 ) -> Compliance {
     if !dense {
         let apply = Box::new(CompliantBodies::new(m, bodies, factored));
-        let preconditioner = Box::new(BoundaryStiffness::new(m, bodies));
+        let preconditioner = Box::new(BoundaryStiffness::new(m, bodies, ordered));
         return Compliance::Operator {
             apply,
             preconditioner,

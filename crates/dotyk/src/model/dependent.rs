@@ -203,7 +203,7 @@ fn split(rows: &[Sparse], chosen: &[usize]) -> (Vec<usize>, Vec<usize>) {
         product(&rows[chosen[i]], &rows[chosen[j]])
     });
     let named = |list: Vec<usize>| list.into_iter().map(|i| chosen[i]).collect();
-    // finite rows cannot fail; rows that did would all count as independent
+    // cannot fail: rows are finite (else the contact was refused), so that their products are, with squares ≥ 0
     match pivoted_cholesky(&gram, DEPENDENT) {
         Ok((independent, dependent)) => (named(independent), named(dependent)),
         Err(_) => (chosen.to_vec(), Vec::new()),
@@ -215,7 +215,7 @@ fn within(rows: &[Sparse], basis: &[usize], some: impl Iterator<Item = usize>) -
     let mut factor = Mat::from_fn(basis.len(), basis.len(), |i, j| {
         product(&rows[basis[i]], &rows[basis[j]])
     });
-    // independent rows cannot fail; without a factor nothing is implied but rows that vanish
+    // cannot fail: each of these rows has a part of its own, far above rounding
     let usable = cholesky_in_place(&mut factor).is_ok();
     let implied = |&row: &usize| {
         let square = product(&rows[row], &rows[row]);

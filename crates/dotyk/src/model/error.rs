@@ -59,6 +59,19 @@ pub enum Error<const D: usize> {
         /// What is wrong.
         source: ContactError,
     },
+    /// A condition of a contact is not finite.
+    #[error(
+        "contact \"{contact}\": the condition of node {node} at {} is not finite; check the coordinates and the `surface` of its sides",
+        show(*point)
+    )]
+    Unfit {
+        /// Name of the contact.
+        contact: String,
+        /// Node of the nonmortar body.
+        node: usize,
+        /// Its position.
+        point: Point<D>,
+    },
     /// A force or displacement of an obstacle is not finite.
     #[error("contact \"{contact}\": the {what} the obstacle, {field}, is not finite")]
     Obstacle {
@@ -175,9 +188,9 @@ impl<const D: usize> Error<D> {
             Self::Body { body, .. }
             | Self::NotHeld { body, .. }
             | Self::PulledAway { body, .. } => Some(Subject::Body(body.clone())),
-            Self::Contact { contact, .. } | Self::Obstacle { contact, .. } => {
-                Some(Subject::Contact(contact.clone()))
-            }
+            Self::Contact { contact, .. }
+            | Self::Unfit { contact, .. }
+            | Self::Obstacle { contact, .. } => Some(Subject::Contact(contact.clone())),
             Self::Probe { probe, .. } => Some(Subject::Probe(probe.clone())),
             Self::Step { source, .. } => source.subject(),
             _ => None,

@@ -15,6 +15,8 @@ pub(crate) struct Ordered {
     analysis: SymbolicCholesky,
     /// Contact dofs, the last ones of the order.
     pub trailing: Vec<usize>,
+    /// Dofs that hold the free rigid modes.
+    pub grounded: Vec<usize>,
 }
 
 /// The factor of one body, and what it does without contact.
@@ -52,9 +54,8 @@ pub(crate) fn order<const D: usize>(
         }
     }
     let mut keep: Vec<bool> = system.held.iter().map(|held| !held).collect();
-    for dof in grounded_dofs(system, &keep, &contact_node) {
-        keep[dof] = false;
-    }
+    let grounded = grounded_dofs(system, &keep, &contact_node);
+    grounded.iter().for_each(|&dof| keep[dof] = false);
     let keep_node: Vec<bool> = keep
         .chunks_exact(D)
         .map(|dofs| dofs.contains(&true))
@@ -70,7 +71,11 @@ pub(crate) fn order<const D: usize>(
     let trailing = expand_to_dofs(&last, D, &keep);
     let analysis = SymbolicCholesky::new(&system.stiffness, &dofs, trailing.len())
         .map_err(|source| singular(model, body, source))?;
-    Ok(Ordered { analysis, trailing })
+    Ok(Ordered {
+        analysis,
+        trailing,
+        grounded,
+    })
 }
 
 /// Dofs that hold the free rigid modes for the factorisation: complete pivoting on R, away from the contacts if possible.

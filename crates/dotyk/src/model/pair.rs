@@ -1,7 +1,7 @@
 //! Contacts as interfaces: how their sides are coupled, and the gaps of their rows at a time.
 
 use crate::contact::{
-    Against, ContactError, Coupling, Driven, End, InitialGap, Interface, InterfaceNode, Role,
+    Against, ContactError, Coupling, Driven, End, InitialGap, Interface, InterfaceNode, Role, Row,
     Sample, facets_coincide, pair_mortar, pair_nodes, pair_obstacle, sagitta, samples,
     smooth_parts, unmatched_facing,
 };
@@ -63,6 +63,20 @@ impl<const D: usize> Paired<D> {
             .collect();
         self.warnings.extend(new);
         self
+    }
+
+    /// A node whose condition has a coefficient that is not finite.
+    fn unfit(&self) -> Option<usize> {
+        let rows = self.interface.nonmortar.iter().zip(&self.interface.mortar);
+        let fit = |(own, other): (&Row<D>, &Row<D>)| {
+            let coefficients = own.iter().chain(other).flat_map(|(_, c)| c);
+            coefficients.into_iter().all(|c| c.is_finite())
+        };
+        let row = rows.map(fit).position(|fit| !fit)?;
+        let mut nodes = self.interface.nodes.iter();
+        nodes
+            .find(|node| node.rows.contains(&Some(row)))
+            .map(|node| node.node)
     }
 
     /// g₀ of every row: the initial gap where the row is a normal one, plus the motion of the obstacle along the row.
@@ -247,7 +261,14 @@ impl<'a, const D: usize> Contacting<'a, D> {
         for part in &parts[1..] {
             paired = paired.followed_by(pair(part)?);
         }
-        Ok(paired)
+        match paired.unfit() {
+            None => Ok(paired),
+            Some(node) => Err(Error::Unfit {
+                contact: self.contact.name.clone(),
+                node,
+                point: whole.body.mesh.points()[node],
+            }),
+        }
     }
 
     fn fail(&self, source: ContactError) -> Error<D> {

@@ -19,9 +19,15 @@ fn the_punch_sinks_into_the_block() {
 
 #[test]
 fn the_lining_is_pressed_as_the_exact_solution_says() {
-    let (solution, error) = ring::solve(&ring::model().unwrap()).unwrap();
-    assert_eq!(solution.contacts[0].nodes.len(), 65);
-    assert!(error > 0.0);
+    // the example itself holds the pressures against the exact ones
+    let (solution, _) = ring::solve(&ring::model().unwrap()).unwrap();
+    let nodes = &solution.contacts[0].nodes;
+    assert_eq!(nodes.len(), 65);
+    let most = nodes
+        .iter()
+        .max_by(|a, b| a.pressure.total_cmp(&b.pressure));
+    let [x, y] = most.unwrap().point;
+    assert!(x.abs() < 1e-9 * y.abs(), "the crown bears most, not ({x}, {y})");
 }
 
 #[test]
