@@ -27,7 +27,10 @@ fn the_lining_is_pressed_as_the_exact_solution_says() {
         .iter()
         .max_by(|a, b| a.pressure.total_cmp(&b.pressure));
     let [x, y] = most.unwrap().point;
-    assert!(x.abs() < 1e-9 * y.abs(), "the crown bears most, not ({x}, {y})");
+    assert!(
+        x.abs() < 1e-9 * y.abs(),
+        "the crown bears most, not ({x}, {y})"
+    );
 }
 
 #[test]
