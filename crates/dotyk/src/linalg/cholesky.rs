@@ -88,8 +88,7 @@ impl SymbolicCholesky {
     /// Analyses the pattern of a matrix; `order` lists the dofs to keep in elimination order, the last `trailing` of
     /// them form the trailing block.
     ///
-    /// # Errors
-    /// [`LinalgError::InvalidOrder`] when a dof is listed twice or does not exist, [`LinalgError::WrongPattern`] when
+    /// Errors: [`LinalgError::InvalidOrder`] when a dof is listed twice or does not exist, [`LinalgError::WrongPattern`] when
     /// the trailing block is longer than the order, [`LinalgError::TooLarge`] when L has more than 2³¹ entries.
     pub fn new(
         matrix: &SymmetricMatrix,
@@ -131,8 +130,7 @@ impl SymbolicCholesky {
 
     /// Factors a matrix of the analysed pattern.
     ///
-    /// # Errors
-    /// [`LinalgError::NotPositiveDefinite`], [`LinalgError::NearlySingular`], [`LinalgError::NotFinite`], or
+    /// Errors: [`LinalgError::NotPositiveDefinite`], [`LinalgError::NearlySingular`], [`LinalgError::NotFinite`], or
     /// [`LinalgError::WrongPattern`] for another matrix than the analysed one.
     pub fn factor(&self, matrix: &SymmetricMatrix) -> Result<Cholesky, LinalgError> {
         if matrix.stored() != self.stored || matrix.len() != self.structure.dofs {
@@ -301,8 +299,7 @@ pub struct Cholesky {
 impl Cholesky {
     /// Analyses and factors; see [`SymbolicCholesky::new`] and [`SymbolicCholesky::factor`].
     ///
-    /// # Errors
-    /// Those of the two steps.
+    /// Errors: Those of the two steps.
     pub fn factor(
         matrix: &SymmetricMatrix,
         order: &[usize],
@@ -336,8 +333,7 @@ impl Cholesky {
 
     /// u = A⁻¹f in place, over all dofs.
     ///
-    /// # Panics
-    /// When the length is not that of the matrix.
+    /// Panics when the length is not that of the matrix.
     pub fn solve(&self, rhs: &mut [f64]) {
         let mut kept = self.gather(rhs);
         self.solve_kept(MatMut::from_column_major_slice_mut(
@@ -350,8 +346,7 @@ impl Cholesky {
 
     /// U = A⁻¹F in place, each column over all dofs; columns are shared among threads.
     ///
-    /// # Panics
-    /// When the number of rows is not that of the matrix.
+    /// Panics when the number of rows is not that of the matrix.
     pub fn solve_many(&self, rhs: &mut Mat<f64>) {
         assert_eq!(rhs.nrows(), self.structure.dofs);
         let tasks = rhs.par_col_chunks_mut(COLUMNS_PER_TASK);
@@ -372,8 +367,7 @@ impl Cholesky {
 
     /// y = L⁻¹Pf, (kept,): the first half of a solution. Its last entries belong to the trailing block.
     ///
-    /// # Panics
-    /// When the length is not that of the matrix.
+    /// Panics when the length is not that of the matrix.
     pub fn forward(&self, rhs: &[f64]) -> Vec<f64> {
         let mut y = self.gather(rhs);
         let x = MatMut::from_column_major_slice_mut(&mut y, self.kept(), 1);
@@ -386,8 +380,7 @@ impl Cholesky {
     /// u = PᵀL⁻ᵀy over all dofs: the second half of a solution. With the trailing entries of y replaced by L_ccᵀu_c it
     /// continues given trailing displacements u_c to the inner dofs.
     ///
-    /// # Panics
-    /// When y is not of length [`kept`](Self::kept).
+    /// Panics when y is not of length [`kept`](Self::kept).
     pub fn backward(&self, mut y: Vec<f64>) -> Vec<f64> {
         let x = MatMut::from_column_major_slice_mut(&mut y, self.kept(), 1);
         let mut memory = self.scratch(1);

@@ -93,8 +93,7 @@ pub fn matvec(a: &Mat<f64>, x: &[f64], y: &mut [f64]) {
 
 /// Replaces the symmetric (n, n) matrix, of which only the lower triangle is read, by its lower factor L, A = LLᵀ.
 ///
-/// # Errors
-/// [`LinalgError::NotFinite`], [`LinalgError::NotPositiveDefinite`]; the matrix is then spoilt.
+/// Errors: [`LinalgError::NotFinite`], [`LinalgError::NotPositiveDefinite`]; the matrix is then spoilt.
 pub fn cholesky_in_place(a: &mut Mat<f64>) -> Result<(), LinalgError> {
     let n = a.nrows();
     for j in 0..n {
@@ -147,8 +146,7 @@ pub fn solve_cholesky_in_place(l: &Mat<f64>, b: &mut [f64]) {
 /// Eigenvalues of a symmetric matrix, ascending, and the orthonormal eigenvectors as columns; only its lower triangle
 /// is read.
 ///
-/// # Errors
-/// [`LinalgError::NotFinite`], [`LinalgError::NoConvergence`].
+/// Errors: [`LinalgError::NotFinite`], [`LinalgError::NoConvergence`].
 pub fn symmetric_eigen(a: &Mat<f64>) -> Result<(Vec<f64>, Mat<f64>), LinalgError> {
     let n = a.nrows();
     check_matrix(a)?;
@@ -183,8 +181,7 @@ pub struct Spectrum {
 
 /// A = U diag(s) Vᵀ, a (m, n), U (m, min(m, n)) and the whole V (n, n), s descending.
 ///
-/// # Errors
-/// [`LinalgError::NotFinite`], [`LinalgError::NoConvergence`].
+/// Errors: [`LinalgError::NotFinite`], [`LinalgError::NoConvergence`].
 pub fn singular_value_decomposition(a: &Mat<f64>) -> Result<Spectrum, LinalgError> {
     let n = a.ncols();
     if a.nrows() == 0 || n == 0 {
@@ -246,8 +243,7 @@ fn singular_values(a: &Mat<f64>, left: usize, right: usize) -> Result<Spectrum, 
 ///
 /// Singular values up to `tolerance` times the largest count as zero.
 ///
-/// # Errors
-/// [`LinalgError::NotFinite`], [`LinalgError::NoConvergence`].
+/// Errors: [`LinalgError::NotFinite`], [`LinalgError::NoConvergence`].
 pub fn null_space(a: &Mat<f64>, tolerance: f64) -> Result<Mat<f64>, LinalgError> {
     let n = a.ncols();
     if a.nrows() == 0 || n == 0 {
@@ -262,8 +258,7 @@ pub fn null_space(a: &Mat<f64>, tolerance: f64) -> Result<Mat<f64>, LinalgError>
 ///
 /// Singular values up to `tolerance` times the largest count as zero.
 ///
-/// # Errors
-/// [`LinalgError::NotFinite`], [`LinalgError::NoConvergence`].
+/// Errors: [`LinalgError::NotFinite`], [`LinalgError::NoConvergence`].
 pub fn least_squares(a: &Mat<f64>, b: &Mat<f64>, tolerance: f64) -> Result<Mat<f64>, LinalgError> {
     check_matrix(b)?;
     let size = a.nrows().min(a.ncols());
@@ -294,8 +289,7 @@ pub fn least_squares(a: &Mat<f64>, b: &Mat<f64>, tolerance: f64) -> Result<Mat<f
 ///
 /// Source: N. J. Higham, Accuracy and Stability of Numerical Algorithms, 2nd ed. (2002), section 10.3.
 ///
-/// # Errors
-/// [`LinalgError::NotFinite`], [`LinalgError::NotPositiveDefinite`] when a diagonal entry is negative.
+/// Errors: [`LinalgError::NotFinite`], [`LinalgError::NotPositiveDefinite`] when a diagonal entry is negative.
 pub fn pivoted_cholesky(
     a: &Mat<f64>,
     tolerance: f64,
@@ -357,8 +351,7 @@ pub struct Lu {
 impl Lu {
     /// Factors a (n, n).
     ///
-    /// # Errors
-    /// [`LinalgError::NotFinite`]; [`LinalgError::Singular`] when a pivot is at most n·2⁻⁵² times the largest entry.
+    /// Errors: [`LinalgError::NotFinite`]; [`LinalgError::Singular`] when a pivot is at most n·2⁻⁵² times the largest entry.
     pub fn new(mut a: Mat<f64>) -> Result<Self, LinalgError> {
         check_matrix(&a)?;
         let n = a.nrows();

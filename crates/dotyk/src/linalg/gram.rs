@@ -24,8 +24,7 @@ pub struct WeightedGram {
 impl WeightedGram {
     /// Analyses the pattern of `columns`, each (rows,), for a diagonal D.
     ///
-    /// # Errors
-    /// [`LinalgError::TooLarge`].
+    /// Errors: [`LinalgError::TooLarge`].
     pub fn new(rows: usize, columns: &[SparseVector]) -> Result<Self, LinalgError> {
         Self::of_blocks(
             rows,
@@ -36,8 +35,7 @@ impl WeightedGram {
 
     /// The same for a D that couples the columns of each of `blocks`, which follow each other.
     ///
-    /// # Errors
-    /// [`LinalgError::TooLarge`].
+    /// Errors: [`LinalgError::TooLarge`].
     pub fn of_blocks(
         rows: usize,
         columns: &[SparseVector],
@@ -67,8 +65,7 @@ impl WeightedGram {
 
     /// Factors C D Cᵀ + shift · I with the entries `weight(a, b)` of D; `columns` are those that were analysed.
     ///
-    /// # Errors
-    /// [`LinalgError::NotPositiveDefinite`], [`LinalgError::NearlySingular`], [`LinalgError::NotFinite`].
+    /// Errors: [`LinalgError::NotPositiveDefinite`], [`LinalgError::NearlySingular`], [`LinalgError::NotFinite`].
     pub fn factor(
         &self,
         columns: &[SparseVector],

@@ -25,8 +25,7 @@ pub struct SparseVector {
 impl SparseVector {
     /// A vector of `length` entries from those that are not zero, indices ascending.
     ///
-    /// # Panics
-    /// When indices do not ascend or are out of range.
+    /// Panics when indices do not ascend or are out of range.
     pub fn new(length: usize, entries: impl IntoIterator<Item = (usize, f64)>) -> Self {
         let mut vector = Self {
             length,
@@ -43,8 +42,7 @@ impl SparseVector {
 
     /// A vector of `length` entries from parts in any order, which add up where they have the same index.
     ///
-    /// # Panics
-    /// When an index is out of range.
+    /// Panics when an index is out of range.
     pub fn sum(length: usize, mut parts: Vec<(usize, f64)>) -> Self {
         parts.sort_by_key(|part| part.0);
         let mut entries: Vec<(usize, f64)> = Vec::with_capacity(parts.len());
@@ -139,8 +137,7 @@ pub struct SparseMatrix {
 impl SparseMatrix {
     /// Sums (row, column, value) triplets; duplicates are added in the order given.
     ///
-    /// # Panics
-    /// When an index is out of range.
+    /// Panics when an index is out of range.
     pub fn from_triplets(rows: usize, cols: usize, triplets: &[(usize, usize, f64)]) -> Self {
         let mut row_start = vec![0; rows + 1];
         for &(row, col, _) in triplets {
@@ -293,8 +290,7 @@ pub struct Graph {
 impl Graph {
     /// Adjacency of `nodes` nodes by the cells of all blocks.
     ///
-    /// # Panics
-    /// When a cell names a node that does not exist.
+    /// Panics when a cell names a node that does not exist.
     pub fn from_cells(nodes: usize, blocks: &[Connectivity]) -> Self {
         let (slot_start, slots) = incident_slots(nodes, blocks);
         let tasks: Vec<usize> = (0..nodes).step_by(NODES_PER_TASK).collect();
@@ -418,8 +414,7 @@ impl SymmetricMatrix {
     /// Sums (row, column, value) triplets of the lower triangle; those above the diagonal are ignored, so that the
     /// full matrix may be given. Missing diagonal entries are stored as zeros.
     ///
-    /// # Panics
-    /// When an index is out of range.
+    /// Panics when an index is out of range.
     pub fn from_triplets(n: usize, triplets: &[(usize, usize, f64)]) -> Self {
         let diagonal = (0..n).map(|i| (i, i, 0.0));
         let lower = triplets.iter().filter(|t| t.0 >= t.1);
@@ -514,8 +509,7 @@ impl SymmetricMatrix {
 
 /// Sums cell matrices into the matrix of D·nodes dofs; `graph` must be made of the same blocks.
 ///
-/// # Errors
-/// [`LinalgError::WrongPattern`] when a block has the wrong number of values or the graph other cells.
+/// Errors: [`LinalgError::WrongPattern`] when a block has the wrong number of values or the graph other cells.
 pub fn assemble_blocks<const D: usize>(
     graph: &Graph,
     blocks: &[CellMatrices],

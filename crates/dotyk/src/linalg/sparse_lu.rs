@@ -17,8 +17,7 @@ pub struct SparseLu {
 impl SparseLu {
     /// Factors a (n, n).
     ///
-    /// # Errors
-    /// [`LinalgError::NotFinite`]; [`LinalgError::Singular`] where its pattern leaves a column without pivot. Rounding hides
+    /// Errors: [`LinalgError::NotFinite`]; [`LinalgError::Singular`] where its pattern leaves a column without pivot. Rounding hides
     /// a matrix that is singular otherwise: compare what a solution leaves.
     pub fn new(a: &SparseMatrix) -> Result<Self, LinalgError> {
         let n = a.rows();

@@ -243,7 +243,7 @@ impl<const D: usize> Default for SolverOptions<D> {
     fn default() -> Self {
         Self {
             method: Method::Auto,
-            tolerance: 1e-8,
+            tolerance: crate::solve::TOLERANCE,
             max_iterations: None,
             rho: None,
             bolts: Bolts::Automatic,

@@ -13,7 +13,7 @@ use crate::dual::{Multipliers, Projector};
 use crate::solve::gradient::projected_bound;
 use crate::solve::iteration::{Iteration, Point, iterate, steeper_than};
 use crate::solve::setup::Setup;
-use crate::solve::{FixedBounds, Observer, Outcome, SolveError};
+use crate::solve::{FixedBounds, Observer, Outcome, SolveError, TOLERANCE};
 
 /// Projected gradient with extrapolation and restart.
 #[derive(Debug, Clone, PartialEq)]
@@ -27,7 +27,7 @@ pub struct Accelerated {
 impl Default for Accelerated {
     fn default() -> Self {
         Self {
-            tolerance: 1e-8,
+            tolerance: TOLERANCE,
             max_iterations: 100_000,
         }
     }

@@ -10,7 +10,7 @@
 use crate::dual::{Multipliers, Projector};
 use crate::solve::iteration::{FixedStep, Iteration, Point, iterate};
 use crate::solve::setup::Setup;
-use crate::solve::{FixedBounds, Observer, Outcome, SolveError, spectrum};
+use crate::solve::{FixedBounds, Observer, Outcome, SolveError, TOLERANCE, spectrum};
 
 /// Projected gradient with a fixed step.
 #[derive(Debug, Clone, PartialEq)]
@@ -27,7 +27,7 @@ impl Default for Gradient {
     fn default() -> Self {
         Self {
             rho: None,
-            tolerance: 1e-8,
+            tolerance: TOLERANCE,
             max_iterations: 200_000,
         }
     }

@@ -57,6 +57,9 @@ use crate::solve::setup::Setup;
 /// The automatic fixed step ρ times the upper bound of λ_max: below 2, where the iteration would stop converging.
 pub const SAFE_STEP: f64 = 1.9;
 
+/// Relative violation of the optimality conditions at which a solver stops, unless it is told otherwise.
+pub const TOLERANCE: f64 = 1e-8;
+
 /// What an observer sees once per iteration.
 #[derive(Debug, Clone, Copy)]
 pub struct Iterate<'a> {

@@ -26,7 +26,7 @@ use crate::solve::gradient::projected_bound;
 use crate::solve::iteration::{Iteration, Point, iterate};
 use crate::solve::null::Null;
 use crate::solve::setup::{Judge, Setup};
-use crate::solve::{FixedBounds, Observer, Outcome, SolveError, dot, norm};
+use crate::solve::{FixedBounds, Observer, Outcome, SolveError, TOLERANCE, dot, norm};
 
 /// An outer step that leaves more than this part of the imbalance is slow; [`SLOW_STEPS`] in a row raise the penalty.
 const SLOW: f64 = 0.5;
@@ -49,7 +49,7 @@ pub struct Mprgp {
 impl Default for Mprgp {
     fn default() -> Self {
         Self {
-            tolerance: 1e-8,
+            tolerance: TOLERANCE,
             max_iterations: 20_000,
         }
     }

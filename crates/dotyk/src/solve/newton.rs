@@ -21,7 +21,7 @@ use crate::solve::exact::{Ended, NEAR, Patience, Search};
 use crate::solve::proximal::descend;
 use crate::solve::setup::Setup;
 use crate::solve::states::State;
-use crate::solve::{FixedBounds, Observer, Outcome, SolveError, levels, slip};
+use crate::solve::{FixedBounds, Observer, Outcome, SolveError, TOLERANCE, levels, slip};
 
 /// One step from all contacts closed where a coarser problem may follow.
 const ONE: Patience = Patience {
@@ -50,7 +50,7 @@ pub struct Newton {
 impl Default for Newton {
     fn default() -> Self {
         Self {
-            tolerance: 1e-8,
+            tolerance: TOLERANCE,
             max_iterations: 200,
         }
     }

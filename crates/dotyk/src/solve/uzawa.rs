@@ -28,7 +28,7 @@ use crate::solve::setup::Setup;
 use crate::solve::states::Unknown;
 use crate::solve::system::{Forces, System};
 use crate::solve::{
-    Bolt, FixedBounds, Gradient, Observer, Outcome, SolveError, dot, norm, spectrum,
+    Bolt, FixedBounds, Gradient, Observer, Outcome, SolveError, TOLERANCE, dot, norm, spectrum,
 };
 
 /// How often an improper bolt is moved before the exact projection takes over.
@@ -54,7 +54,7 @@ impl Default for Uzawa {
         Self {
             bolts: None,
             rho: None,
-            tolerance: 1e-8,
+            tolerance: TOLERANCE,
             max_iterations: 200_000,
             move_improper: true,
         }

@@ -20,6 +20,9 @@ use std::f64::consts::PI;
 /// Largest angle of a piece of an arc: twelve around a circle.
 const WIDEST_PIECE: f64 = PI / 6.0;
 
+/// Sizes that differ by less than this part are one: where h is constant it must stay so to the last bit.
+const SAME_SIZE: f64 = 1e-9;
+
 /// Samples of h per wanted size.
 const SAMPLES: f64 = 2.0;
 
@@ -196,8 +199,7 @@ fn sweep(
                 false => 0.0,
             };
             let allowed = h_before + growth * step;
-            // A constant size must stay constant to the last bit.
-            if ribs[index].pieces.is_none() && allowed < h * (1.0 - 1e-9) {
+            if ribs[index].pieces.is_none() && allowed < h * (1.0 - SAME_SIZE) {
                 limited = allowed;
             }
         }
@@ -231,7 +233,7 @@ fn parameters(rib: &Rib, curve: &Curve, profile: &Profile) -> Option<Vec<f64>> {
     let low = samples.iter().map(|s| s.1).fold(f64::INFINITY, f64::min);
     let high = samples.iter().map(|s| s.1).fold(0.0, f64::max);
     let length = curve.length();
-    if low >= high * (1.0 - 1e-9) {
+    if low >= high * (1.0 - SAME_SIZE) {
         let pieces = rib
             .pieces
             .map_or(whole(length / low), |pieces| pieces as f64);
