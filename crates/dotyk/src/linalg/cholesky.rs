@@ -18,6 +18,7 @@
 //! Source: J. W. H. Liu, E. G. Ng, B. W. Peyton, On finding supernodes for sparse matrix computations,
 //! SIAM J. Matrix Anal. Appl. 14 (1993) 242–252.
 
+use crate::linalg::sparse::accumulate;
 use crate::linalg::{LinalgError, SymmetricMatrix};
 use dyn_stack::{MemBuffer, MemStack};
 use faer::linalg::cholesky::llt::factor::LltError;
@@ -256,12 +257,6 @@ fn transposed(pattern: &Pattern, source: &[u32]) -> (Pattern, Vec<u32>) {
         row_index,
     };
     (pattern, moved)
-}
-
-fn accumulate(counts: &mut [u32]) {
-    for i in 1..counts.len() {
-        counts[i] += counts[i - 1];
-    }
 }
 
 /// Supernodes of the factor; none when its entries cannot be counted.

@@ -10,6 +10,7 @@
 use crate::linalg::dense::norm;
 use crate::linalg::{LinalgError, Mat};
 use rayon::prelude::*;
+use std::ops::AddAssign;
 
 /// Nodes per task: enough work to hide the cost of a task, enough tasks to share.
 const NODES_PER_TASK: usize = 1024;
@@ -633,9 +634,10 @@ fn gather_node<const D: usize>(
 }
 
 /// Counts at 1.. become starts.
-pub(crate) fn accumulate(counts: &mut [usize]) {
+pub(crate) fn accumulate<T: Copy + AddAssign>(counts: &mut [T]) {
     for i in 1..counts.len() {
-        counts[i] += counts[i - 1];
+        let before = counts[i - 1];
+        counts[i] += before;
     }
 }
 

@@ -13,10 +13,8 @@ use base64::engine::general_purpose::STANDARD;
 use flate2::read::ZlibDecoder;
 use quick_xml::events::{BytesStart, Event};
 use quick_xml::{Reader, XmlVersion};
+use std::fmt::Display;
 use std::io::Read;
-
-/// What to do with a file that ends too early or is no XML.
-const WRITE_AGAIN: &str = "the file is cut off or spoilt, write it again";
 
 /// Cell arrays that hold groups.
 const GROUPS: [&str; 2] = ["gmsh:physical", "group"];
@@ -114,7 +112,7 @@ struct Array<'b> {
     /// Byte of its tag.
     at: usize,
     /// Byte behind its tag.
-    open: u64,
+    open: usize,
 }
 
 /// Where the bytes of arrays may be appended.
@@ -130,7 +128,11 @@ struct Document<'b> {
     /// Bytes of the counts before the data of an array.
     header: usize,
     compressed: bool,
+    pieces: usize,
+    /// Of points and cells.
     counts: [usize; 2],
+    /// Name of the tag that the next arrays belong to.
+    parent: String,
     arrays: Vec<Array<'b>>,
     appended: Option<Appended<'b>>,
 }
@@ -142,66 +144,66 @@ impl<'b> Document<'b> {
             big_endian: false,
             header: 4,
             compressed: false,
+            pieces: 0,
             counts: [0; 2],
+            parent: String::new(),
             arrays: Vec::new(),
             appended: None,
         };
-        let (mut parent, mut pieces, mut closed) = (String::new(), 0, false);
-        let broken = |at: u64, what: String| document_error(file, "a tag", at as usize, &what);
+        let mut closed = false;
         let mut reader = Reader::from_reader(bytes);
         loop {
-            let at = reader.buffer_position();
-            let event = reader
-                .read_event()
-                .map_err(|e| broken(reader.error_position(), format!("{e}: {WRITE_AGAIN}")))?;
+            let at = reader.buffer_position() as usize;
+            let event = reader.read_event();
+            let event =
+                event.map_err(|e| broken_tag(file, reader.error_position() as usize, &e))?;
             let end = reader.buffer_position() as usize;
-            let start = match &event {
-                Event::Start(start) | Event::Empty(start) => start,
-                Event::Text(_) => {
-                    // What stands in the tag that was opened last; the first piece, where comments cut it.
-                    if let Some(array) = document.arrays.last_mut().filter(|a| a.open == at) {
-                        array.inline = &bytes[at as usize..end];
+            match event {
+                Event::Start(start) | Event::Empty(start) => {
+                    let tag = Tag::new(&start, at).map_err(|e| broken_tag(file, at, &e))?;
+                    if tag.name == "AppendedData" {
+                        // What follows may be any bytes.
+                        document.append(&tag, &bytes[end..])?;
+                        return Ok(document);
                     }
-                    continue;
+                    document.open(tag, end)?;
                 }
-                Event::End(tag) => {
-                    closed |= tag.name().0 == "VTKFile";
-                    continue;
+                // What stands in the array that was opened last; the first piece, where comments cut it.
+                Event::Text(_) => {
+                    if let Some(array) = document.arrays.last_mut().filter(|a| a.open == at) {
+                        array.inline = &bytes[at..end];
+                    }
                 }
+                Event::End(tag) => closed |= tag.name().0 == "VTKFile",
                 Event::Eof if closed => return Ok(document),
-                Event::Eof => {
-                    return Err(broken(at, format!("a tag is not closed: {WRITE_AGAIN}")));
-                }
-                _ => continue,
-            };
-            let tag = Tag::new(start, at as usize)
-                .map_err(|e| broken(at, format!("{e}: {WRITE_AGAIN}")))?;
-            match tag.name.as_str() {
-                "VTKFile" => document.attributes(&tag)?,
-                "Piece" => {
-                    pieces += 1;
-                    document.piece(&tag, pieces)?;
-                }
-                "Points" | "Cells" | "CellData" | "PointData" | "FieldData" => parent = tag.name,
-                "DataArray" | "Array" => {
-                    document
-                        .arrays
-                        .push(array(&tag, &parent, reader.buffer_position()));
-                }
-                "AppendedData" => {
-                    let start = find(&bytes[end..], b"_").ok_or_else(|| {
-                        broken(at, format!("it has no data behind `_`: {WRITE_AGAIN}"))
-                    })?;
-                    document.appended = Some(Appended {
-                        raw: tag.attribute("encoding") == Some("raw"),
-                        data: &bytes[end + start + 1..],
-                    });
-                    // What follows may be any bytes.
-                    return Ok(document);
-                }
+                Event::Eof => return Err(broken_tag(file, at, &"a tag is not closed")),
                 _ => {}
             }
         }
+    }
+
+    /// Takes over a tag; `end` is the byte behind it.
+    fn open(&mut self, tag: Tag, end: usize) -> Result<(), ImportError> {
+        match tag.name.as_str() {
+            "VTKFile" => self.attributes(&tag)?,
+            "Piece" => self.piece(&tag)?,
+            "Points" | "Cells" | "CellData" | "PointData" | "FieldData" => self.parent = tag.name,
+            "DataArray" | "Array" => self.arrays.push(array(&tag, &self.parent, end)),
+            _ => {}
+        }
+        Ok(())
+    }
+
+    /// Takes over appended data; `rest` is what follows their tag.
+    fn append(&mut self, tag: &Tag, rest: &'b [u8]) -> Result<(), ImportError> {
+        let Some(start) = find(rest, b"_") else {
+            return Err(broken_tag(self.file, tag.at, &"no data follow behind `_`"));
+        };
+        self.appended = Some(Appended {
+            raw: tag.attribute("encoding") == Some("raw"),
+            data: &rest[start + 1..],
+        });
+        Ok(())
     }
 
     fn unsupported(&self, what: impl Into<String>) -> ImportError {
@@ -236,8 +238,9 @@ impl<'b> Document<'b> {
         Ok(())
     }
 
-    fn piece(&mut self, tag: &Tag, number: usize) -> Result<(), ImportError> {
-        if number > 1 {
+    fn piece(&mut self, tag: &Tag) -> Result<(), ImportError> {
+        self.pieces += 1;
+        if self.pieces > 1 {
             let what = "the grid comes in several pieces: merge them into one file";
             return Err(self.unsupported(what));
         }
@@ -503,7 +506,13 @@ fn document_error(file: &str, section: &str, offset: usize, what: &str) -> Impor
     }
 }
 
-fn array<'b>(tag: &Tag, parent: &str, open: u64) -> Array<'b> {
+/// A file that ends too early or is no XML.
+fn broken_tag(file: &str, at: usize, why: &dyn Display) -> ImportError {
+    let what = format!("{why}: the file is cut off or spoilt, write it again");
+    document_error(file, "a tag", at, &what)
+}
+
+fn array<'b>(tag: &Tag, parent: &str, open: usize) -> Array<'b> {
     let text = |key: &str| tag.attribute(key).unwrap_or("").to_string();
     Array {
         parent: parent.to_string(),
