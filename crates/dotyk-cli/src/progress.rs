@@ -1,6 +1,6 @@
 //! Progress on standard error: silent unless it is a terminal.
 
-use dotyk::model::Event;
+use dotyk::model::{Event, HistoryPoint};
 use indicatif::{ProgressBar, ProgressDrawTarget};
 use std::io::IsTerminal;
 use std::time::{Duration, Instant};
@@ -53,11 +53,11 @@ impl Progress {
                 self.stage = Some((name, Instant::now()));
                 self.bar.set_message(format!("{}{name}", self.step));
             }
-            Event::Iteration {
+            Event::Iteration(HistoryPoint {
                 iteration,
                 residual,
                 active,
-            } => {
+            }) => {
                 let step = &self.step;
                 let stage = self.stage.map_or("", |(name, _)| name);
                 self.bar.set_message(format!(

@@ -121,25 +121,20 @@ fn corrected<const D: usize>(
         if least <= 1.0 || !solved {
             break;
         }
-        let known = (&judged.gaps[..], &judged.rounding[..]);
+        let known = (&judged.displaced.gaps[..], &judged.displaced.rounding[..]);
         let Some(change) = correction(&condensed.problem, &outcome.multipliers, known) else {
             break;
         };
         let outcome = outcome.corrected(&change);
         let judged = judge(model, condensed, &outcome, Some((judged, &change.lambda)))?;
         let left = excess(&judged.certificate);
-        let (iteration, residual) = (outcome.iterations, left * model.solver.tolerance);
-        let active = loaded(&outcome.multipliers.lambda);
-        observe(Event::Iteration {
-            iteration,
-            residual,
-            active,
-        });
-        attempt.history.push(HistoryPoint {
-            iteration,
-            residual,
-            active,
-        });
+        let point = HistoryPoint {
+            iteration: outcome.iterations,
+            residual: left * model.solver.tolerance,
+            active: loaded(&outcome.multipliers.lambda),
+        };
+        observe(Event::Iteration(point));
+        attempt.history.push(point);
         if left < least {
             (least, best, last) = (left, (outcome, judged), None);
         } else {
@@ -176,7 +171,7 @@ fn continued<const D: usize>(
         let guess = attempt.outcome.multipliers.clone();
         let known = condensed.problem.gap(&guess);
         let shift = condensed.problem.shift.iter_mut();
-        for ((d, gap), known) in shift.zip(&judged.gaps).zip(&known) {
+        for ((d, gap), known) in shift.zip(&judged.displaced.gaps).zip(&known) {
             *d -= gap - known;
         }
         let method = model.solver.method;
@@ -217,22 +212,13 @@ pub(crate) fn run_solver<const D: usize>(
     let solver = solver(model, condensed, method, tolerance)?;
     let mut history = Vec::new();
     let mut watch = |iterate: &Iterate<'_>| {
-        let Iterate {
-            iteration,
-            residual,
-            active,
-            ..
-        } = *iterate;
-        history.push(HistoryPoint {
-            iteration,
-            residual,
-            active,
-        });
-        observe(Event::Iteration {
-            iteration,
-            residual,
-            active,
-        });
+        let point = HistoryPoint {
+            iteration: iterate.iteration,
+            residual: iterate.residual,
+            active: iterate.active,
+        };
+        observe(Event::Iteration(point));
+        history.push(point);
         ControlFlow::Continue(())
     };
     let outcome = solver.solve(&condensed.problem, guess, &mut watch);

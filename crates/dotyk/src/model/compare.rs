@@ -1,11 +1,13 @@
 //! All solvers on one condensed model, side by side: iterations, products, time, and the difference of their answers.
 
+use crate::linalg::dense::norm;
 use crate::model::attempt::run_solver;
 use crate::model::compliance::DENSE_LIMIT;
 use crate::model::condense::{Condensed, condense};
 use crate::model::error::Error;
 use crate::model::event::Event;
 use crate::model::nouns::{Method, Model};
+use crate::model::solution::HistoryPoint;
 use crate::solve::SAFE_STEP;
 use std::time::Instant;
 
@@ -85,11 +87,11 @@ pub(crate) fn compare_steps<const D: usize>(
             varied.solver.rho = Some(rho);
             varied.solver.max_iterations = Some(SWEEP_ITERATIONS);
             let row = bench.run(&varied, method, lambda_max, &mut |_| {})?;
-            observe(Event::Iteration {
+            observe(Event::Iteration(HistoryPoint {
                 iteration: rows.len() + 1,
                 residual: f64::NAN,
                 active: row.iterations,
-            });
+            }));
             rows.push(row);
         }
     }
@@ -137,13 +139,9 @@ impl<const D: usize> Bench<D> {
         )?;
         let seconds = clock.elapsed().as_secs_f64();
         let lambda = &attempt.outcome.multipliers.lambda;
-        let size: f64 = self.reference.iter().map(|l| l * l).sum::<f64>().sqrt();
-        let rest: f64 = lambda
-            .iter()
-            .zip(&self.reference)
-            .map(|(a, b)| (a - b) * (a - b))
-            .sum::<f64>()
-            .sqrt();
+        let size = norm(&self.reference);
+        let rest = lambda.iter().zip(&self.reference).map(|(a, b)| a - b);
+        let rest = norm(&rest.collect::<Vec<f64>>());
         let rho = attempt.outcome.rho;
         Ok(ComparisonRow {
             method: attempt.method.to_string(),

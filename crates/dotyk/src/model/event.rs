@@ -1,5 +1,6 @@
 //! What an observer of a run is told, and how long its stages take.
 
+use crate::model::solution::HistoryPoint;
 use std::time::Instant;
 
 /// What an observer of [`Model::solve_with`] is told.
@@ -17,14 +18,7 @@ pub enum Event {
     /// A stage begins.
     Stage(&'static str),
     /// An iteration of the contact solver is done.
-    Iteration {
-        /// From 1.
-        iteration: usize,
-        /// Largest relative violation of the optimality conditions.
-        residual: f64,
-        /// Contact unknowns with a force.
-        active: usize,
-    },
+    Iteration(HistoryPoint),
 }
 
 /// A stopwatch of stages.

@@ -7,7 +7,7 @@ use crate::geometry::{Point, add_scaled, bounding_box, cross, distance, dot, nor
 use crate::model::bodies::LoadedBody;
 use crate::model::condense::Condensed;
 use crate::model::error::Error;
-use crate::model::judge::{Judged, moved};
+use crate::model::judge::{Displaced, moved};
 use crate::model::nouns::{Analysis, Body, Model, Place, SideRef};
 use crate::model::pair::{Paired, row_ranges};
 use crate::model::recover::{BodyState, centroid};
@@ -22,22 +22,28 @@ use std::collections::BTreeMap;
 pub(crate) fn fields<const D: usize>(
     model: &Model<D>,
     condensed: &Condensed<D>,
-    judged: Judged<D>,
+    displaced: Displaced<D>,
     lambda: &[f64],
 ) -> Result<(Vec<BodySolution<D>>, Vec<ContactSolution<D>>), Error<D>> {
     let shears = shears(&condensed.problem.admissible, lambda);
     let contacts = model.contacts.iter().zip(row_ranges(&condensed.paired));
     let contacts = contacts.map(|(contact, (rows, pair))| {
-        let obstacle = moved(model, pair, &judged.states, &judged.obstacles).obstacle;
+        let obstacle = moved(model, pair, &displaced).obstacle;
         let rows = Rows {
-            gaps: &judged.gaps[rows.clone()],
+            gaps: &displaced.gaps[rows.clone()],
             lambda: &lambda[rows.clone()],
             shears: &shears[rows],
         };
-        contact_solution(model, &contact.name, pair, (&judged.states, obstacle), rows)
+        contact_solution(
+            model,
+            &contact.name,
+            pair,
+            (&displaced.states, obstacle),
+            rows,
+        )
     });
     let contacts = contacts.collect();
-    let bodies = (&model.bodies, &condensed.bodies, judged.states).into_par_iter();
+    let bodies = (&model.bodies, &condensed.bodies, displaced.states).into_par_iter();
     let bodies = bodies.map(|(body, loaded, state)| body_solution(model, body, loaded, state));
     Ok((bodies.collect::<Result<Vec<_>, _>>()?, contacts))
 }

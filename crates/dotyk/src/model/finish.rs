@@ -36,22 +36,22 @@ pub(crate) fn finish<const D: usize>(
     warnings.extend(outcome.remarks.iter().cloned());
     // a body that slides away has no position to tell of
     let placed = failure.is_none() || outcome.iterations > 0;
-    for body in judged.hovering.iter().filter(|_| placed) {
+    for body in judged.displaced.hovering.iter().filter(|_| placed) {
         warnings.push(format!(
             "body \"{body}\" hovers: it touches nothing and carries no load; it is placed by least norm of the displacement"
         ));
     }
-    warnings.extend(crude_gaps(model, condensed, &judged.gaps));
+    warnings.extend(crude_gaps(model, condensed, &judged.displaced.gaps));
     let pairs = (&condensed.bodies[..], &condensed.paired[..]);
     warnings.extend(shared_forces(
         model,
         pairs,
         &condensed.problem,
         lambda,
-        &judged.gaps,
+        &judged.displaced.gaps,
     ));
     let certificate = judged.certificate;
-    let (bodies, contacts) = fields(model, condensed, judged, lambda)?;
+    let (bodies, contacts) = fields(model, condensed, judged.displaced, lambda)?;
     let mut solution = Solution {
         time: condensed.time,
         dofs: bodies.iter().map(|body| body.dofs).sum(),

@@ -23,23 +23,32 @@ use crate::model::settle::settle;
 use crate::solve::{Outcome, distance_to_exact};
 use rayon::prelude::*;
 
-/// Displacements and forces of all bodies, judged but not yet dressed up.
+/// Displacements under some contact forces, and what is judged of them.
 pub(crate) struct Judged<const D: usize> {
+    pub displaced: Displaced<D>,
+    /// What was checked.
+    pub certificate: Certificate,
+    /// Where two sides overlap most between their nodes.
+    pub overlap: Option<Overlap<D>>,
+}
+
+/// All bodies and obstacles, displaced.
+pub(crate) struct Displaced<const D: usize> {
     pub states: Vec<BodyState<D>>,
     /// Displacements of the free obstacles.
     pub obstacles: Vec<Point<D>>,
-    /// Gaps of all multipliers from the displacements.
+    /// Gaps of all multipliers.
     pub gaps: Vec<f64>,
     /// To what these are known.
     pub rounding: Vec<f64>,
+    /// Gaps after the rigid motions alone.
+    clearances: Vec<f64>,
     /// The part of the displacements that strains each body.
     strained: Vec<Vec<f64>>,
-    /// What was checked.
-    pub certificate: Certificate,
+    /// Rounding of the largest displacement.
+    negligible: f64,
     /// Bodies that touch nothing and carry no load.
     pub hovering: Vec<String>,
-    /// Where two sides overlap most between their nodes.
-    pub overlap: Option<Overlap<D>>,
 }
 
 /// Displacements of all bodies under some contact forces, and their certificate; if some were found `before`, as what a change
@@ -51,6 +60,24 @@ pub(crate) fn judge<const D: usize>(
     outcome: &Outcome,
     before: Option<(&Judged<D>, &[f64])>,
 ) -> Result<Judged<D>, Error<D>> {
+    let displaced = displaced(model, condensed, &outcome.multipliers, before)?;
+    let lambda = &outcome.multipliers.lambda;
+    let overlap = deepest_overlap(model, condensed, &displaced, lambda);
+    let certificate = certify(model, condensed, &displaced, outcome, overlap);
+    Ok(Judged {
+        displaced,
+        certificate,
+        overlap,
+    })
+}
+
+/// Displacements of all bodies; `before` as in [`judge`].
+fn displaced<const D: usize>(
+    model: &Model<D>,
+    condensed: &Condensed<D>,
+    multipliers: &Multipliers,
+    before: Option<(&Judged<D>, &[f64])>,
+) -> Result<Displaced<D>, Error<D>> {
     let Condensed {
         bodies,
         factored,
@@ -58,91 +85,57 @@ pub(crate) fn judge<const D: usize>(
         problem,
         ..
     } = condensed;
-    let multipliers = &outcome.multipliers;
     let lambda = &multipliers.lambda;
     let amplitudes = floating.amplitudes(&multipliers.alpha);
-    let elastic: Vec<Vec<f64>> = bodies
-        .par_iter()
-        .zip(factored)
-        .enumerate()
-        .map(|(index, (body, factored))| {
-            let before = before.map(|(judged, change)| (&judged.strained[index][..], change));
-            elastic_displacement(body, factored, lambda, before)
-        })
-        .collect();
-    let mut rigid: Vec<Vec<f64>> = bodies
-        .iter()
-        .enumerate()
-        .map(|(index, body)| rigid_displacement(body, floating, &amplitudes, index))
-        .collect();
-    let mut gaps = condensed.gaps.clone();
-    add_rows(bodies, -1.0, &rigid, &mut gaps);
-    add_rows(bodies, -1.0, &elastic, &mut gaps);
+    let elastic = (bodies, factored).into_par_iter().enumerate();
+    let elastic = elastic.map(|(index, (body, factored))| {
+        let strained = |(judged, change)| {
+            let judged: &Judged<D> = judged;
+            (&judged.displaced.strained[index][..], change)
+        };
+        elastic_displacement(body, factored, lambda, before.map(strained))
+    });
+    let elastic: Vec<Vec<f64>> = elastic.collect();
+    let rigid = bodies.iter().enumerate();
+    let rigid = rigid.map(|(index, body)| rigid_displacement(body, floating, &amplitudes, index));
+    let mut rigid: Vec<Vec<f64>> = rigid.collect();
     let (open, hovering) = open_motions(model, bodies, floating, problem, lambda);
     if !open.is_empty() {
+        let mut gaps = condensed.gaps.clone();
+        add_rows(bodies, -1.0, &rigid, &mut gaps);
+        add_rows(bodies, -1.0, &elastic, &mut gaps);
         settle(bodies, floating, &open, &elastic, &mut rigid, &mut gaps);
     }
-    let states = (&model.bodies, bodies, factored, elastic, &rigid)
-        .into_par_iter()
-        .map(|(body, loaded, factored, elastic, rigid)| {
-            balanced_state(
-                model,
-                body,
-                loaded,
-                factored,
-                [elastic, rigid.clone()],
-                lambda,
-                problem.scales,
-            )
-        })
-        .collect::<Result<Vec<_>, _>>()?;
-    let (states, elastic): (Vec<_>, Vec<_>) = states.into_iter().unzip();
+    let states = (&model.bodies, bodies, factored, elastic, &rigid).into_par_iter();
+    let states = states.map(|(body, loaded, factored, elastic, rigid)| {
+        let parts = [elastic, rigid.clone()];
+        balanced_state(model, body, loaded, factored, parts, lambda, problem.scales)
+    });
+    let states = states.collect::<Result<Vec<_>, _>>()?;
+    let (states, strained): (Vec<_>, Vec<_>) = states.into_iter().unzip();
     // rigid motions first: they may cancel a clearance that is large beside the strains
-    let mut gaps = condensed.gaps.clone();
-    add_rows(bodies, -1.0, &rigid, &mut gaps);
-    let clearances = gaps.clone();
-    add_rows(bodies, -1.0, &elastic, &mut gaps);
-    let obstacles = rigid[model.bodies.len()..].iter();
-    let obstacles: Vec<Point<D>> = obstacles.map(|u| std::array::from_fn(|i| u[i])).collect();
-    let moved = elastic.iter().chain(&rigid).flatten();
-    let rounding = 4.0 * ROUNDING * moved.fold(0.0, |s: f64, u| s.max(u.abs()));
-    let negligible = model.solver.tolerance * problem.scales.length + rounding;
-    let overlap = deepest_overlap(model, condensed, &states, &obstacles, lambda, negligible);
+    let mut clearances = condensed.gaps.clone();
+    add_rows(bodies, -1.0, &rigid, &mut clearances);
+    let mut gaps = clearances.clone();
+    add_rows(bodies, -1.0, &strained, &mut gaps);
     let terms = |u: &[f64]| ROUNDING * u.iter().fold(0.0, |s: f64, u| s.max(u.abs()));
     let mut rounding: Vec<f64> = condensed.gaps.iter().map(|g| ROUNDING * g.abs()).collect();
-    for (body, u) in bodies.iter().zip(elastic.iter().zip(&rigid)) {
-        let size = terms(u.0) + terms(u.1);
-        body.rows
-            .index
-            .iter()
-            .for_each(|&row| rounding[row] += size);
+    for (body, (elastic, rigid)) in bodies.iter().zip(strained.iter().zip(&rigid)) {
+        let size = terms(elastic) + terms(rigid);
+        let rows = body.rows.index.iter();
+        rows.for_each(|&row| rounding[row] += size);
     }
-    let certificate = certify(
-        model,
-        &states,
-        condensed,
-        multipliers,
-        Seen {
-            gaps: &gaps,
-            clearances: &clearances,
-            rounding: &rounding,
-            implied: implied_violation(model, condensed, &states, &obstacles),
-            exact: match outcome.exact {
-                true => 0.0,
-                false => distance_to_exact(problem, multipliers).unwrap_or(0.0),
-            },
-            between: overlap.map_or([0.0, 1.0], |o| [o.depth, o.resolved]),
-        },
-    );
-    Ok(Judged {
+    let moved = strained.iter().chain(&rigid).flatten();
+    let obstacles = rigid[model.bodies.len()..].iter();
+    Ok(Displaced {
         states,
-        obstacles,
+        obstacles: obstacles.map(|u| std::array::from_fn(|i| u[i])).collect(),
         gaps,
         rounding,
-        strained: elastic,
-        certificate,
+        clearances,
+        negligible: 4.0 * ROUNDING * moved.fold(0.0, |s: f64, u| s.max(u.abs())),
+        strained,
         hovering,
-        overlap,
     })
 }
 
@@ -150,8 +143,9 @@ pub(crate) fn judge<const D: usize>(
 pub(crate) fn moved<'a, const D: usize>(
     model: &Model<D>,
     pair: &Paired<D>,
-    states: &'a [BodyState<D>],
-    obstacles: &[Point<D>],
+    Displaced {
+        states, obstacles, ..
+    }: &'a Displaced<D>,
 ) -> Moved<'a, D> {
     Moved {
         own: &states[pair.nonmortar.body.0].u,
@@ -167,14 +161,14 @@ pub(crate) fn moved<'a, const D: usize>(
 fn deepest_overlap<const D: usize>(
     model: &Model<D>,
     condensed: &Condensed<D>,
-    states: &[BodyState<D>],
-    obstacles: &[Point<D>],
+    displaced: &Displaced<D>,
     lambda: &[f64],
-    negligible: f64,
 ) -> Option<Overlap<D>> {
+    let negligible =
+        model.solver.tolerance * condensed.problem.scales.length + displaced.negligible;
     let mut worst: Option<Overlap<D>> = None;
     for (contact, (rows, pair)) in row_ranges(&condensed.paired).enumerate() {
-        let moved = moved(model, pair, states, obstacles);
+        let moved = moved(model, pair, displaced);
         let found = worst_overlap(contact, pair, &moved, &lambda[rows], negligible);
         let deeper = |w: Overlap<D>, f: &Overlap<D>| f.depth * w.resolved > w.depth * f.resolved;
         if let Some(found) = found.filter(|f| worst.is_none_or(|w| deeper(w, f))) {
@@ -188,12 +182,11 @@ fn deepest_overlap<const D: usize>(
 fn implied_violation<const D: usize>(
     model: &Model<D>,
     condensed: &Condensed<D>,
-    states: &[BodyState<D>],
-    obstacles: &[Point<D>],
+    displaced: &Displaced<D>,
 ) -> f64 {
     let mut worst = 0.0f64;
     for pair in &condensed.paired {
-        let moved = moved(model, pair, states, obstacles);
+        let moved = moved(model, pair, displaced);
         let tied = pair.interface.coupling == Coupling::Tied;
         for condition in pair
             .interface
@@ -218,19 +211,6 @@ fn implied_violation<const D: usize>(
         }
     }
     worst
-}
-
-/// What the certificate sees of the displacements.
-struct Seen<'a> {
-    gaps: &'a [f64],
-    /// Gaps after the rigid motions alone.
-    clearances: &'a [f64],
-    /// To what the gaps are known.
-    rounding: &'a [f64],
-    implied: f64,
-    /// By how much exact steps change a force.
-    exact: f64,
-    between: [f64; 2],
 }
 
 /// Combinations of modes that the contact forces leave open, and the bodies that hover.
@@ -272,48 +252,46 @@ fn open_motions<const D: usize>(
 
 fn certify<const D: usize>(
     model: &Model<D>,
-    states: &[BodyState<D>],
     condensed: &Condensed<D>,
-    multipliers: &Multipliers,
-    seen: Seen<'_>,
+    displaced: &Displaced<D>,
+    Outcome {
+        multipliers, exact, ..
+    }: &Outcome,
+    overlap: Option<Overlap<D>>,
 ) -> Certificate {
+    let Displaced { states, gaps, .. } = displaced;
+    let problem = &condensed.problem;
+    let lambda = &multipliers.lambda;
     let (mut force, mut moment) = (0.0f64, 0.0f64);
     for (body, state) in model.bodies.iter().zip(states) {
         let (f, m) = imbalance(model, body.mesh.points(), &state.total);
-        let arm = condensed.problem.scales.moment_arm;
         force = force.max(f - state.rounding);
-        moment = moment.max(m - state.rounding * arm);
+        moment = moment.max(m - state.rounding * problem.scales.moment_arm);
     }
     for obstacle in &condensed.bodies[model.bodies.len()..] {
-        force = force.max(unbalanced(obstacle, &multipliers.lambda));
+        force = force.max(unbalanced(obstacle, lambda));
     }
-    let elastic_energy: f64 = states.iter().map(|state| state.strain_energy).sum();
     // the gap of potential and complementary energy: the sum over the bodies of 2·energy − f·u − R·u_D, and λ·g₀
     let work: f64 = states.iter().map(|state| state.unbalanced_work).sum();
-    let on_gaps: f64 = multipliers
-        .lambda
-        .iter()
-        .zip(seen.clearances)
-        .map(|(l, g)| l * g)
-        .sum();
+    let on_gaps = lambda.iter().zip(&displaced.clearances).map(|(l, g)| l * g);
     // friction takes its share, bound · |slip|: λ·gap of the tangential rows is minus that where its law holds
-    let admissible = &condensed.problem.admissible;
-    let friction = admissible.slip_potential(&multipliers.lambda, |i| seen.gaps[i]);
+    let friction = problem.admissible.slip_potential(lambda, |i| gaps[i]);
     let recomputed = Recomputed {
-        gap: seen.gaps,
-        rounding: seen.rounding,
-        implied: seen.implied,
-        exact: seen.exact,
-        between: seen.between,
+        gap: gaps,
+        rounding: &displaced.rounding,
+        implied: implied_violation(model, condensed, displaced),
+        exact: match exact {
+            true => 0.0,
+            false => distance_to_exact(problem, multipliers).unwrap_or(0.0),
+        },
+        between: overlap.map_or([0.0, 1.0], |o| [o.depth, o.resolved]),
         imbalance_force: force,
         imbalance_moment: moment,
-        energy_gap: (work + on_gaps + friction).abs(),
-        elastic_energy,
+        energy_gap: (work + on_gaps.sum::<f64>() + friction).abs(),
+        elastic_energy: states.iter().map(|state| state.strain_energy).sum(),
         driving_force: states.iter().map(|s| s.driving_force).fold(0.0, f64::max),
     };
-    condensed
-        .problem
-        .certify_with(multipliers, &recomputed, model.solver.tolerance)
+    problem.certify_with(multipliers, &recomputed, model.solver.tolerance)
 }
 
 /// What is left of the forces on a free obstacle.

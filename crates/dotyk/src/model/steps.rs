@@ -103,7 +103,11 @@ fn slip<const D: usize>(judged: &Judged<D>, condensed: &Condensed<D>) -> Vec<f64
         .flat_map(|p| p.interface.tangential());
     // gap = g₀ + slip at the last step − slip now
     let undeformed = initial_gaps(&condensed.paired);
-    let slips = condensed.gaps.iter().zip(&undeformed).zip(&judged.gaps);
+    let slips = condensed
+        .gaps
+        .iter()
+        .zip(&undeformed)
+        .zip(&judged.displaced.gaps);
     tangential
         .zip(slips)
         .map(|(is, ((before, g0), after))| if is { before - g0 - after } else { 0.0 })
