@@ -50,8 +50,8 @@ pub enum Feasibility {
         /// Amplitudes z (r,), unit length: the rigid motion along which the load pulls the bodies away.
         direction: Vec<f64>,
         /// Largest part s in [0, 1) of the load along that motion which friction can hold: e − (1 − s)(z·e)z is
-        /// balanced by an admissible force. 0 without friction.
-        factor: f64,
+        /// balanced by an admissible force. `None`: no friction, however steep, could hold it.
+        factor: Option<f64>,
     },
 }
 
@@ -90,7 +90,7 @@ impl Feasibility {
                 true => unit(driven),
                 false => unit(carrier.expand(&rest, load.len())),
             };
-            let factor = 0.0;
+            let factor = None;
             return Feasibility::Infeasible { direction, factor };
         }
         let motion = |set: &AdmissibleSet| -> Vec<f64> {
@@ -101,16 +101,16 @@ impl Feasibility {
         };
         let held = motion(&admissible.sticking());
         if norm(&held) > no_work {
-            let (direction, factor) = (unit(held), 0.0);
+            let (direction, factor) = (unit(held), None);
             return Feasibility::Infeasible { direction, factor };
         }
         let direction = unit(motion(&admissible.with_all_bounds(0.0)));
         let work = dot(&direction, load);
-        let factor = largest_part(|part| {
+        let factor = Some(largest_part(|part| {
             let along = |(e, z): (&f64, &f64)| e - (1.0 - part) * work * z;
             let reduced: Vec<f64> = load.iter().zip(&direction).map(along).collect();
             carrier.carries(&reduced, no_work)
-        });
+        }));
         Feasibility::Infeasible { direction, factor }
     }
 
@@ -420,7 +420,7 @@ mod tests {
             panic!("0.4 is more than 0.3");
         };
         assert!((direction[1] + 1.0).abs() < 1e-12, "{direction:?}");
-        assert!((factor - 0.75).abs() < 1e-8, "{factor}");
+        assert!((factor.unwrap() - 0.75).abs() < 1e-8, "{factor:?}");
     }
 
     #[test]
@@ -432,7 +432,7 @@ mod tests {
             else {
                 panic!("the load lies beside the supports");
             };
-            assert_eq!(factor, 0.0);
+            assert_eq!(factor, None);
             // It opens node 0 and lets node 1 rest: sinking against turning.
             assert!(
                 direction[1].abs() < 1e-12 && direction[2] > 0.5,
@@ -461,7 +461,7 @@ mod tests {
             panic!("the slope is 1");
         };
         // Along the slope the load is as large as across: half of it is held.
-        assert!((factor - 0.5).abs() < 1e-8, "{factor}");
+        assert!((factor.unwrap() - 0.5).abs() < 1e-8, "{factor:?}");
     }
 
     #[test]
@@ -476,7 +476,7 @@ mod tests {
             else {
                 panic!("nothing holds it");
             };
-            assert!((direction[1] - 1.0).abs() < 1e-12 && factor == 0.0);
+            assert!((direction[1] - 1.0).abs() < 1e-12 && factor.is_none());
         }
     }
 

@@ -237,14 +237,12 @@ pub(crate) fn run_solver<const D: usize>(
             };
             (*outcome, Some(failure))
         }
-        Err(SolveError::Infeasible { direction }) => {
+        Err(SolveError::Infeasible { direction, factor }) => {
             let before = condensed.before.as_ref();
-            let step = before.map(|(time, load)| ([*time, condensed.time], load.as_slice()));
-            let (bodies, floating) = (&condensed.bodies, &condensed.floating);
             let admissible = &condensed.problem.admissible;
-            let Some(slides) = sliding(model, admissible, floating, bodies, step) else {
-                return Err(floating.pulled_away(model, bodies, &direction));
-            };
+            let step = before.map(|(time, e)| ([*time, condensed.time], &e[..], admissible));
+            let parts = (&condensed.floating, &condensed.bodies[..]);
+            let slides = sliding(model, parts, (&direction, factor), step)?;
             let multipliers = Multipliers {
                 lambda: vec![0.0; condensed.gaps.len()],
                 alpha: vec![0.0; condensed.problem.equilibrium.load.len()],

@@ -200,17 +200,12 @@ fn check_balance<const D: usize>(
 ) -> Result<(), Error<D>> {
     let admissible = admissible_set(model, paired, time)?;
     let force = largest_load(bodies);
-    match Feasibility::of(&admissible, &floating.equilibrium, force) {
-        Feasibility::Feasible { .. } => Ok(()),
-        Feasibility::Infeasible { direction, .. } => {
-            let slides = sliding(model, &admissible, floating, bodies, None);
-            match slides {
-                Some(slides) => warnings.push(slides.to_string()),
-                None => return Err(floating.pulled_away(model, bodies, &direction)),
-            }
-            Ok(())
-        }
+    let feasible = Feasibility::of(&admissible, &floating.equilibrium, force);
+    if let Feasibility::Infeasible { direction, factor } = feasible {
+        let slides = sliding(model, (floating, bodies), (&direction, factor), None)?;
+        warnings.push(slides.to_string());
     }
+    Ok(())
 }
 
 /// Which contacts do work on each free motion.

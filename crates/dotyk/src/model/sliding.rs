@@ -4,36 +4,32 @@
 //! if not, it is pulled away from everything that could hold it, which is an error of the model.
 
 use crate::dual::{AdmissibleSet, Feasibility};
-use crate::model::bodies::{LoadedBody, largest_load};
-use crate::model::error::Objection;
+use crate::model::bodies::LoadedBody;
+use crate::model::error::{Error, Objection};
 use crate::model::floating::Floating;
 use crate::model::nouns::Model;
 
-/// What slides; `step` is the time of the step before, that of this one, and e of the one before.
+/// What slides under a load that is infeasible along `direction` (r,), of which friction holds the part `factor`; `step` are
+/// the times of the step before and of this one, e of the one before, and the admissible set.
+///
+/// Errors: the body that no friction could hold.
 pub(crate) fn sliding<const D: usize>(
     model: &Model<D>,
-    admissible: &AdmissibleSet,
-    floating: &Floating,
-    bodies: &[LoadedBody<D>],
-    step: Option<([f64; 2], &[f64])>,
-) -> Option<Objection<D>> {
-    if !admissible.has_friction() {
-        return None;
-    }
-    let equilibrium = &floating.equilibrium;
-    let force = largest_load(bodies);
-    let rough = Feasibility::of(&admissible.sticking(), equilibrium, force);
-    match (rough, Feasibility::of(admissible, equilibrium, force)) {
-        (Feasibility::Feasible { .. }, Feasibility::Infeasible { direction, factor }) => {
-            let (body, motion) = floating.motion(model, bodies, &direction);
-            let part = |(_, load)| Feasibility::fraction(admissible, equilibrium, load);
-            Some(Objection::Slides {
-                body,
-                motion,
-                held: step.map_or(factor, part),
-                step: step.map(|(times, _)| times),
-            })
-        }
-        _ => None,
-    }
+    (floating, bodies): (&Floating, &[LoadedBody<D>]),
+    (direction, factor): (&[f64], Option<f64>),
+    step: Option<([f64; 2], &[f64], &AdmissibleSet)>,
+) -> Result<Objection<D>, Error<D>> {
+    let Some(factor) = factor else {
+        return Err(floating.pulled_away(model, bodies, direction));
+    };
+    let (body, motion) = floating.motion(model, bodies, direction);
+    let part = |(_, before, admissible): (_, &[f64], &AdmissibleSet)| {
+        Feasibility::fraction(admissible, &floating.equilibrium, before)
+    };
+    Ok(Objection::Slides {
+        body,
+        motion,
+        held: step.map_or(factor, part),
+        step: step.map(|(times, ..)| times),
+    })
 }

@@ -177,6 +177,8 @@ pub enum SolveError {
     Infeasible {
         /// Amplitudes (r,), unit length: the motion opens the contacts and the load works on it.
         direction: Vec<f64>,
+        /// Largest part of the load along that motion which friction can hold; `None`: no friction could hold it.
+        factor: Option<f64>,
     },
     /// The solver cannot treat a block of the admissible set.
     #[error("{method} cannot treat block {block} of the admissible set, {found:?}: {reason}")]

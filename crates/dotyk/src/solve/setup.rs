@@ -28,7 +28,9 @@ impl<'a> Setup<'a> {
         problem.check()?;
         let mut setup = Self::unchecked(problem);
         match problem.feasibility() {
-            Feasibility::Infeasible { direction, .. } => Err(SolveError::Infeasible { direction }),
+            Feasibility::Infeasible { direction, factor } => {
+                Err(SolveError::Infeasible { direction, factor })
+            }
             Feasibility::Feasible { load } => {
                 setup.balance.set_load(&load);
                 Ok(setup)

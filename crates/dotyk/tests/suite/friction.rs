@@ -521,7 +521,7 @@ fn block_on_a_plane_rests_below_the_limit_of_friction_and_is_refused_above() {
             [0.0; 2],
         );
         for solver in solvers() {
-            let Err(SolveError::Infeasible { direction }) =
+            let Err(SolveError::Infeasible { direction, .. }) =
                 solver.solve(&problem, None, &mut silent)
             else {
                 panic!("{} found a force that cannot exist", solver.name());

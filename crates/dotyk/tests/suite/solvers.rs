@@ -375,7 +375,8 @@ fn load_that_pulls_away_is_refused_with_its_direction() {
     )
     .unwrap();
     for (solver, _) in solvers() {
-        let Err(SolveError::Infeasible { direction }) = solver.solve(&problem, None, &mut silent)
+        let Err(SolveError::Infeasible { direction, .. }) =
+            solver.solve(&problem, None, &mut silent)
         else {
             panic!("{} found a force that cannot exist", solver.name());
         };
