@@ -33,7 +33,7 @@ pub(super) fn nodal_weights<const D: usize>(
         let kind = mesh.facet_kind(facet);
         let mut shape = [0.0; MAX_FACET_NODES];
         let mut own = [NodalWeight::default(); MAX_FACET_NODES];
-        for QuadraturePoint { xi, weight } in quadrature::facet_rule(kind, 2 * kind.order() + 1) {
+        for QuadraturePoint { xi, weight } in quadrature::rule(kind, 2 * kind.order() + 1) {
             kind.shape(&xi, &mut shape);
             let length = weight * norm(mesh.outward_normal(facet, &xi));
             let factor = measure(analysis, thickness, mesh.facet_point(facet, &xi));

@@ -365,16 +365,13 @@ pub(crate) struct CellTable<const D: usize> {
 impl<const D: usize> CellTable<D> {
     /// At the points of a rule that integrates polynomials of the given degree.
     pub fn new(kind: CellKind, degree: usize) -> Self {
-        let rule = quadrature::rule(kind, degree);
-        let points: Vec<(Point<D>, f64)> = rule
-            .iter()
-            .map(|point| (std::array::from_fn(|i| point.xi[i]), point.weight))
-            .collect();
+        let rule = quadrature::rule(kind, degree).into_iter();
+        let points: Vec<([f64; 3], f64)> = rule.map(|point| (point.xi, point.weight)).collect();
         Self::at(kind, &points)
     }
 
     /// At given reference points with weights.
-    pub fn at(kind: CellKind, rule: &[(Point<D>, f64)]) -> Self {
+    pub fn at(kind: CellKind, rule: &[([f64; 3], f64)]) -> Self {
         let mut table = Self {
             nodes: kind.nodes(),
             weights: Vec::new(),
@@ -491,15 +488,12 @@ fn not_finite<const D: usize>(body: &Body<D>, source: LinalgError) -> FemError {
     }
 }
 
-/// Degree that integrates the stiffness of an undistorted cell exactly, and that of a curved one well. With axial
-/// symmetry it integrates the forces of a constant stress exactly, and one point is not enough: the hoop strain varies.
+/// Degree of the quadrature of the stiffness. With axial symmetry it integrates the forces of a constant stress exactly,
+/// and one point is not enough: the hoop strain varies.
 pub(crate) fn stiffness_degree(kind: CellKind, analysis: Analysis) -> usize {
-    match kind {
-        CellKind::Tri3 if analysis == Analysis::Axisymmetric => 2,
-        CellKind::Tri3 => 1,
-        CellKind::Tri6 => 4,
-        CellKind::Quad4 => 3,
-        CellKind::Quad8 | CellKind::Quad9 => 5,
+    match analysis {
+        Analysis::Axisymmetric => kind.stiffness_degree().max(2),
+        _ => kind.stiffness_degree(),
     }
 }
 

@@ -108,7 +108,7 @@ fn add_side_load<const D: usize>(
     for &facet in side_facets(mesh, side)? {
         let kind = mesh.facet_kind(facet);
         let mut shape = [0.0; MAX_FACET_NODES];
-        for QuadraturePoint { xi, weight } in quadrature::facet_rule(kind, LOAD_DEGREE) {
+        for QuadraturePoint { xi, weight } in quadrature::rule(kind, LOAD_DEGREE) {
             kind.shape(&xi, &mut shape);
             let point = mesh.facet_point(facet, &xi);
             let normal = mesh.outward_normal(facet, &xi);

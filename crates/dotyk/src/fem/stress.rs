@@ -1,7 +1,8 @@
 //! Stress at the nodes, recovered from the displacements.
 //!
-//! In each cell the stress is sampled at the points where it is most accurate (one point in a linear triangle, three in
-//! a quadratic one, 2 × 2 in quadrilaterals), extrapolated to the nodes and averaged there with the cells' volumes.
+//! In each cell the stress is sampled at the points where it is most accurate (the centre of a linear simplex, else the
+//! corners drawn towards the centre: three points in a quadratic triangle, 2 × 2 in quadrilaterals), extrapolated to the
+//! nodes by the linear function through the samples and averaged there with the cells' volumes.
 
 use crate::fem::assemble::{CellTable, measure};
 use crate::fem::elasticity::Lame;
@@ -24,7 +25,7 @@ pub fn recover_stress<const D: usize>(
     let mut sums = vec![[0.0; 7]; mesh.points().len()];
     for block in mesh.blocks() {
         let lame = Lame::new(body.elastic(block)?, analysis);
-        let table = CellTable::<D>::at(block.kind, &sampling_points::<D>(block.kind));
+        let table = CellTable::<D>::at(block.kind, &sampling_points(block.kind));
         let extrapolation = extrapolation(block.kind);
         let k = block.kind.nodes();
         // each cell writes its own slice: (stress, volume) of its samples; the gather below is in cell order
@@ -104,43 +105,38 @@ fn sample_stress<const D: usize>(
     ]
 }
 
-/// Reference points where the stress is sampled, with weights that sum to the reference volume.
-fn sampling_points<const D: usize>(kind: CellKind) -> Vec<(Point<D>, f64)> {
-    let plane = |list: &[([f64; 2], f64)]| -> Vec<(Point<D>, f64)> {
-        list.iter()
-            .map(|&(p, w)| (std::array::from_fn(|i| p[i]), w))
-            .collect()
-    };
-    let (a, b, third) = (1.0 / 6.0, 2.0 / 3.0, 1.0 / 3.0);
-    let g = 1.0 / 3f64.sqrt();
-    match kind {
-        CellKind::Tri3 => plane(&[([third, third], 0.5)]),
-        CellKind::Tri6 => plane(&[([a, a], a), ([b, a], a), ([a, b], a)]),
-        CellKind::Quad4 | CellKind::Quad8 | CellKind::Quad9 => plane(&[
-            ([-g, -g], 1.0),
-            ([g, -g], 1.0),
-            ([g, g], 1.0),
-            ([-g, g], 1.0),
-        ]),
-    }
+/// A point drawn towards the centre of a reference cell by a factor.
+fn drawn(kind: CellKind, xi: [f64; 3], factor: f64) -> [f64; 3] {
+    let centre = kind.domain().centre();
+    std::array::from_fn(|d| centre[d] + factor * (xi[d] - centre[d]))
 }
 
-/// Weights of the samples at each node of the cell: the (bi)linear function through the samples, evaluated there.
-fn extrapolation(kind: CellKind) -> Vec<Vec<f64>> {
-    let nodes = kind.reference_nodes();
-    let weights = |xi: &[f64; 3]| match kind {
-        CellKind::Tri3 => vec![1.0],
-        CellKind::Tri6 => [1.0 - xi[0] - xi[1], xi[0], xi[1]]
-            .map(|l| 2.0 * l - 1.0 / 3.0)
-            .to_vec(),
-        CellKind::Quad4 | CellKind::Quad8 | CellKind::Quad9 => {
-            let (x, y) = (xi[0] * 3f64.sqrt(), xi[1] * 3f64.sqrt());
-            [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)]
-                .map(|(a, b)| 0.25 * (1.0 + a * x) * (1.0 + b * y))
-                .to_vec()
-        }
+/// Reference points where the stress is sampled, with weights that sum to the reference volume.
+fn sampling_points(kind: CellKind) -> Vec<([f64; 3], f64)> {
+    let count = if kind.sampling() > 0.0 {
+        kind.corners()
+    } else {
+        1
     };
-    nodes.iter().map(weights).collect()
+    let weight = kind.domain().volume() / count as f64;
+    let corners = kind.reference_nodes()[..count].iter();
+    corners
+        .map(|&corner| (drawn(kind, corner, kind.sampling()), weight))
+        .collect()
+}
+
+/// Weights of the samples at each node of the cell: the linear shape functions of the samples, evaluated there.
+fn extrapolation(kind: CellKind) -> Vec<Vec<f64>> {
+    let linear = kind.domain().linear();
+    let weights = |&xi: &[f64; 3]| {
+        if kind.sampling() == 0.0 {
+            return vec![1.0];
+        }
+        let mut shape = vec![0.0; linear.nodes()];
+        linear.shape(&drawn(kind, xi, 1.0 / kind.sampling()), &mut shape);
+        shape
+    };
+    kind.reference_nodes().iter().map(weights).collect()
 }
 
 /// Von Mises stress of (xx yy zz xy yz xz).

@@ -228,15 +228,10 @@ pub fn nearest_node<const D: usize>(
         .unwrap_or(0);
     let at = mesh.points()[nearest];
     let mut longest: f64 = 0.0;
-    for block in mesh.blocks() {
-        for cell in block
-            .cells()
-            .filter(|cell| cell.contains(&(nearest as u32)))
-        {
-            for facet in block.kind.facets() {
-                let ends = [facet[0], facet[1]].map(|local| mesh.points()[cell[local] as usize]);
-                longest = longest.max(distance(ends[0], ends[1]));
-            }
+    for (index, block) in mesh.blocks().iter().enumerate() {
+        let around = block.cells().enumerate();
+        for (cell, _) in around.filter(|(_, nodes)| nodes.contains(&(nearest as u32))) {
+            longest = longest.max(mesh.longest_edge(index, cell));
         }
     }
     let (gap, limit) = (distance(at, point), 0.5 * longest);

@@ -6,8 +6,9 @@
 //! A cell numbered the other way round is turned, which its facets follow.
 
 use crate::geometry::{Point, bounding_box, determinant, distance, padded};
-use crate::mesh::cell::MAX_CELL_NODES;
-use crate::mesh::{CellBlock, CellKind, MeshError};
+use crate::mesh::cell::{CellBlock, MAX_CELL_NODES};
+use crate::mesh::error::MeshError;
+use crate::mesh::reference::CellKind;
 
 /// Checks everything, turns cells; returns for each block the cells that were turned, ascending.
 pub(crate) fn check<const D: usize>(

@@ -5,7 +5,7 @@
 
 use crate::geometry::{Point, distance};
 use crate::mesh::cell::MAX_FACET_NODES;
-use crate::mesh::{CellKind, Facet, FacetKind, Mesh};
+use crate::mesh::{CellKind, Facet, Mesh};
 use std::collections::BTreeMap;
 
 /// Most corners of a facet of any kind.
@@ -25,22 +25,15 @@ fn key(corners: impl Iterator<Item = u32>) -> Key {
 
 /// Index of each facet of a cell after the cell was turned.
 pub(crate) fn mirrored(kind: CellKind) -> Vec<u32> {
-    let corners = kind.facet_kind().corners();
-    let keys: Vec<Key> = kind
-        .facets()
+    let keys = |node: &dyn Fn(usize) -> usize| -> Vec<Key> {
+        let of_facet = |&(facet, local): &(CellKind, &[usize])| {
+            key(local[..facet.corners()].iter().map(|&i| node(i) as u32))
+        };
+        kind.facets().iter().map(of_facet).collect()
+    };
+    let turned = keys(&|node| kind.mirror()[node]);
+    keys(&|node| node)
         .iter()
-        .map(|facet| key(facet[..corners].iter().map(|&node| node as u32)))
-        .collect();
-    let turned: Vec<Key> = kind
-        .facets()
-        .iter()
-        .map(|facet| {
-            key(facet[..corners]
-                .iter()
-                .map(|&node| kind.mirror()[node] as u32))
-        })
-        .collect();
-    keys.iter()
         .enumerate()
         .map(|(local, key)| turned.iter().position(|t| t == key).unwrap_or(local) as u32)
         .collect()
@@ -82,15 +75,15 @@ pub struct Chain {
 
 impl<const D: usize> Mesh<D> {
     /// Kind of a facet.
-    pub fn facet_kind(&self, facet: Facet) -> FacetKind {
-        self.blocks[facet.block as usize].kind.facet_kind()
+    pub fn facet_kind(&self, facet: Facet) -> CellKind {
+        self.blocks[facet.block as usize].kind.facets()[facet.local as usize].0
     }
 
     /// Nodes of a facet in its own order: ends with the cell on the left, then the middle.
     pub fn facet_nodes(&self, facet: Facet) -> impl ExactSizeIterator<Item = u32> + '_ {
         let block = facet.block as usize;
         let nodes = self.cell_nodes(block, facet.cell as usize);
-        let local = self.blocks[block].kind.facets()[facet.local as usize];
+        let (_, local) = self.blocks[block].kind.facets()[facet.local as usize];
         local.iter().map(|&i| nodes[i])
     }
 
@@ -141,10 +134,10 @@ impl<const D: usize> Mesh<D> {
     pub fn facet_table(&self) -> FacetTable {
         let mut entries = Vec::new();
         for (block, cells) in self.blocks.iter().enumerate() {
-            let corners = cells.kind.facet_kind().corners();
             for (cell, nodes) in cells.cells().enumerate() {
-                for (local, facet) in cells.kind.facets().iter().enumerate() {
-                    let facet_key = key(facet[..corners].iter().map(|&i| nodes[i]));
+                for (local, (kind, of_cell)) in cells.kind.facets().iter().enumerate() {
+                    let corners = of_cell[..kind.corners()].iter();
+                    let facet_key = key(corners.map(|&i| nodes[i]));
                     let facet = Facet {
                         block: block as u32,
                         cell: cell as u32,
@@ -224,17 +217,21 @@ impl<const D: usize> Mesh<D> {
 }
 
 impl<const D: usize> Mesh<D> {
-    /// Length of the polygon through the nodes of a facet: a local scale, not an integral over a curved facet.
+    /// Length of the polygon through the nodes of a line, in space the longest edge between corners of a facet: a local
+    /// scale, not an integral over a curved facet.
     pub fn facet_length(&self, facet: Facet) -> f64 {
-        let mut buffer = [[0.0; D]; MAX_FACET_NODES];
-        let mut count = 0;
-        for (place, point) in buffer.iter_mut().zip(self.facet_points(facet)) {
+        let kind = self.facet_kind(facet);
+        let mut at = [[0.0; D]; MAX_FACET_NODES];
+        for (place, point) in at.iter_mut().zip(self.facet_points(facet)) {
             *place = point;
-            count += 1;
         }
-        match count {
-            3 => distance(buffer[0], buffer[2]) + distance(buffer[2], buffer[1]),
-            _ => distance(buffer[0], buffer[1]),
+        match kind {
+            CellKind::Line3 => distance(at[0], at[2]) + distance(at[2], at[1]),
+            _ => {
+                let ends = kind.corner_edges().iter().enumerate();
+                let lengths = ends.flat_map(|(a, ends)| ends.iter().map(move |&b| (a, b)));
+                lengths.fold(0.0, |most, (a, b)| distance(at[a], at[b]).max(most))
+            }
         }
     }
 

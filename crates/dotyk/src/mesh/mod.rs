@@ -7,6 +7,7 @@
 //! cells run counter-clockwise), every facet of a side exists. Coincident nodes are not merged.
 //! Sides may overlap and need not cover the boundary. Units: lengths, whichever the user chose.
 
+mod basis;
 mod cell;
 mod check;
 mod error;
@@ -14,35 +15,19 @@ mod facets;
 mod generate;
 mod import;
 mod outline;
+mod reference;
 
-pub use cell::{CellKind, FacetKind, MAX_CELL_NODES, MAX_FACET_NODES};
+pub use cell::{CellBlock, MAX_CELL_NODES, MAX_FACET_NODES};
 pub use error::MeshError;
 pub use facets::{Chain, FacetTable};
 pub use generate::{Diagonals, Rectangle, Ring, TunnelRock};
 pub use import::{FilePlace, ImportError, Imported, MeshFile};
 pub use outline::{Contour, Division, EdgeShape, Outline, OutlineEdge, OutlinePlace, SizePoint};
+pub use reference::{CellKind, Domain};
 
 use crate::geometry::{Point, Surface, bounding_box, determinant, distance, norm, padded, sub};
 use crate::mesh::check::check;
 use std::collections::BTreeMap;
-
-/// Cells of one kind, and of one group when the mesh file names groups.
-#[derive(Debug, Clone, PartialEq)]
-pub struct CellBlock {
-    /// Kind of all cells of the block.
-    pub kind: CellKind,
-    /// Node indices, `kind.nodes()` per cell.
-    pub nodes: Vec<u32>,
-    /// Name of the group, for materials.
-    pub group: Option<String>,
-}
-
-impl CellBlock {
-    /// Nodes of each cell.
-    pub fn cells(&self) -> std::slice::ChunksExact<'_, u32> {
-        self.nodes.chunks_exact(self.kind.nodes())
-    }
-}
 
 /// A facet: the `local`-th facet of a cell of a block.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]

@@ -3,7 +3,7 @@
 //! The colours are a small picture of 256 colours under vector lines, so that its size does not grow with the mesh.
 
 use crate::geometry::{Point, norm, sub};
-use crate::mesh::{CellKind, Mesh};
+use crate::mesh::{CellKind, MAX_CELL_NODES, Mesh};
 use crate::model::Solution;
 use crate::output::colour;
 use crate::output::encode::png;
@@ -315,17 +315,10 @@ fn fan(
             }
         }
     }
-    // Values of the shape functions at the centre.
-    let (corner, middle) = match kind {
-        CellKind::Tri3 => (1.0 / 3.0, 0.0),
-        CellKind::Quad4 => (0.25, 0.0),
-        CellKind::Tri6 => (-1.0 / 9.0, 4.0 / 9.0),
-        CellKind::Quad8 => (-0.25, 0.5),
-        CellKind::Quad9 => return vertex(cell[8]),
-    };
+    let mut shape = [0.0; MAX_CELL_NODES];
+    kind.shape(&kind.domain().centre(), &mut shape);
     let mut center: Vertex = ([0.0; 2], 0.0);
-    for (i, &node) in cell.iter().enumerate() {
-        let weight = if i < corners { corner } else { middle };
+    for (&node, weight) in cell.iter().zip(shape) {
         let (p, value): (Point<2>, f64) = vertex(node);
         center.0[0] += weight * p[0];
         center.0[1] += weight * p[1];

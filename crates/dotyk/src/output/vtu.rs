@@ -7,7 +7,6 @@
 //! Source: VTK file formats, section "XML file formats" (vtk.org).
 
 use crate::geometry::padded;
-use crate::mesh::CellKind;
 use crate::model::{Law, Model, Solution, Status};
 use crate::output::encode::zlib;
 use crate::output::html::escape;
@@ -17,17 +16,6 @@ use std::fmt::Write;
 
 /// Uncompressed bytes per block.
 const BLOCK: usize = 1 << 20;
-
-/// VTK's number of a cell kind.
-pub fn vtk_type(kind: CellKind) -> u8 {
-    match kind {
-        CellKind::Tri3 => 5,
-        CellKind::Tri6 => 22,
-        CellKind::Quad4 => 9,
-        CellKind::Quad8 => 23,
-        CellKind::Quad9 => 28,
-    }
-}
 
 /// Content of the VTU file of one body.
 ///
@@ -47,7 +35,7 @@ pub fn body_vtu<const D: usize>(model: &Model<D>, solution: &Solution<D>, body: 
         for cell in block.cells() {
             connectivity.extend(cell.iter().map(|&n| i64::from(n)));
             offsets.push(connectivity.len() as i64);
-            types.push(vtk_type(block.kind));
+            types.push(block.kind.vtk());
         }
     }
 
@@ -230,6 +218,7 @@ fn array(out: &mut String, kind: &str, name: &str, components: usize, bytes: &[u
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::mesh::CellKind;
     use crate::model::Status;
     use crate::output::tunnel;
     use std::io::Read;

@@ -3,9 +3,9 @@
 // every test file uses its own part
 #![allow(dead_code)]
 
-use dotyk::fem::quadrature::{facet_rule, rule};
+use dotyk::fem::quadrature::rule;
 use dotyk::geometry::Point;
-use dotyk::mesh::{CellKind, FacetKind, MAX_CELL_NODES, MAX_FACET_NODES, Mesh};
+use dotyk::mesh::{CellKind, MAX_CELL_NODES, MAX_FACET_NODES, Mesh};
 use dotyk::model::{ContactSolution, Elastic};
 
 /// Displacement [ux, uy] and strains [εxx, εyy, γxy] at a point.
@@ -105,7 +105,7 @@ pub fn pressure_error(
     order: usize,
     exact: impl Fn(Point<2>) -> f64,
 ) -> f64 {
-    let kind = [FacetKind::Line2, FacetKind::Line3][order - 1];
+    let kind = [CellKind::Line2, CellKind::Line3][order - 1];
     let (mut error, mut size) = (0.0, 0.0);
     let mut shape = [0.0; MAX_FACET_NODES];
     let mut slope = [[0.0; 1]; MAX_FACET_NODES];
@@ -115,7 +115,7 @@ pub fn pressure_error(
         if order == 2 {
             facet.push(&contact.nodes[2 * k + 1]);
         }
-        for point in facet_rule(kind, 15) {
+        for point in rule(kind, 15) {
             kind.shape(&point.xi, &mut shape);
             kind.gradients(&point.xi, &mut slope);
             let (mut place, mut tangent, mut pressure) = ([0.0; 2], [0.0; 2], 0.0);

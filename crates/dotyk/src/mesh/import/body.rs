@@ -180,7 +180,10 @@ impl MeshFile {
                 kind: refused.element.name,
                 count: refused.count,
                 element: refused.first,
-                known: CellKind::ALL.map(CellKind::name).join(", "),
+                known: CellKind::of_dimension(2)
+                    .map(CellKind::name)
+                    .collect::<Vec<_>>()
+                    .join(", "),
             }),
         }
     }

@@ -3,7 +3,7 @@
 //! Only kinds that a plane mesh is made of are kept; of the others it is known how many there are and in which groups,
 //! so that they can be reported, or refused when a body needs them.
 
-use crate::mesh::{CellKind, FacetKind, MAX_CELL_NODES};
+use crate::mesh::{CellKind, MAX_CELL_NODES};
 use std::collections::BTreeMap;
 
 /// A kind of element as files know it.
@@ -12,6 +12,17 @@ pub(crate) struct ElementType {
     pub name: &'static str,
     pub dimension: u8,
     pub nodes: usize,
+}
+
+impl ElementType {
+    /// A kind that meshes consist of.
+    pub fn of(kind: CellKind) -> Self {
+        Self {
+            name: kind.name(),
+            dimension: kind.dimension() as u8,
+            nodes: kind.nodes(),
+        }
+    }
 }
 
 /// A cell of the plane.
@@ -98,12 +109,9 @@ impl Content {
 
     /// One more element; `nodes` has as many as its type says.
     pub fn add(&mut self, element: ElementType, number: u64, nodes: &[u32], tags: u32) {
-        let facet = FacetKind::ALL
-            .iter()
-            .any(|kind| kind.name() == element.name);
         match (element.dimension, CellKind::from_name(element.name)) {
             (0, _) => self.point_tags.extend(&self.tags[tags as usize]),
-            (1, _) if facet => self.edges.push(Edge {
+            (1, Some(_)) => self.edges.push(Edge {
                 ends: [nodes[0], nodes[1]],
                 tags,
             }),

@@ -81,7 +81,7 @@ impl MeshFile {
         let mut off: HashSet<[u32; 2]> = self.edges.iter().map(|e| ordered(e.ends)).collect();
         let mut in_cells = vec![false; self.points.len()];
         for cell in &self.cells {
-            for facet in cell.kind.facets() {
+            for (_, facet) in cell.kind.facets() {
                 off.remove(&ordered([cell.nodes[facet[0]], cell.nodes[facet[1]]]));
             }
             for &node in cell.nodes() {
