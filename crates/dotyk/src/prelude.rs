@@ -2,7 +2,7 @@
 
 pub use crate::geometry::{Field, Point};
 pub use crate::mesh::{
-    CellKind, Contour, Diagonals, Division, EdgeShape, Mesh, MeshError, MeshFile, Outline,
+    CellKind, Contour, Cuboid, Diagonals, Division, EdgeShape, Mesh, MeshError, MeshFile, Outline,
     OutlineEdge, Rectangle, Ring, SizePoint, TunnelRock,
 };
 pub use crate::model::{

@@ -1,18 +1,18 @@
 //! Stiffness, loads, held dofs and rigid modes of one body.
 
+use crate::fem::cells::{CellTable, measure, stiffness_degree};
 use crate::fem::elasticity::Lame;
 use crate::fem::error::FemError;
 use crate::fem::error::show;
 use crate::fem::loads::{NodalLoads, nodal_loads};
 use crate::fem::modes::{RigidBasis, carried_motion, free_modes};
 use crate::fem::nouns::{Analysis, Body, Elastic};
-use crate::fem::quadrature;
 use crate::fem::supports::{Constraints, ON_AXIS};
-use crate::geometry::{Point, add_scaled, dot, invert, norm};
+use crate::geometry::{Point, add_scaled, dot, norm};
 use crate::linalg::{
     CellMatrices, Connectivity, Graph, LinalgError, SymmetricMatrix, assemble_blocks,
 };
-use crate::mesh::{CellBlock, CellKind, MAX_CELL_NODES};
+use crate::mesh::{CellBlock, MAX_CELL_NODES};
 use rayon::prelude::*;
 use std::collections::BTreeMap;
 
@@ -102,13 +102,20 @@ impl<const D: usize> Body<D> {
 
 /// Assembles one body at a time.
 ///
-/// Errors: materials out of range, unknown or empty sides, contradictory supports, values that are not finite.
+/// Errors: materials out of range, an analysis of another dimension, unknown or empty sides, contradictory supports, values
+/// that are not finite.
 pub fn assemble<const D: usize>(
     body: &Body<D>,
     analysis: Analysis,
     time: f64,
 ) -> Result<BodySystem<D>, FemError> {
     body.check_materials()?;
+    if (analysis == Analysis::Solid) != (D == 3) {
+        return Err(FemError::Dimension {
+            analysis: analysis.name(),
+            dimension: D,
+        });
+    }
     if analysis == Analysis::Axisymmetric {
         check_radii(body)?;
     }
@@ -345,89 +352,6 @@ fn check_radii<const D: usize>(body: &Body<D>) -> Result<(), FemError> {
     }
 }
 
-/// What an area in the (r, z) or (x, y) plane stands for: thickness, 2πr, or 1 in 3D.
-pub(crate) fn measure<const D: usize>(analysis: Analysis, thickness: f64, point: Point<D>) -> f64 {
-    match analysis {
-        Analysis::PlaneStrain | Analysis::PlaneStress => thickness,
-        Analysis::Axisymmetric => 2.0 * std::f64::consts::PI * point[0],
-        Analysis::Solid => 1.0,
-    }
-}
-
-/// Shape functions and their reference gradients at the points of a rule.
-pub(crate) struct CellTable<const D: usize> {
-    nodes: usize,
-    weights: Vec<f64>,
-    shapes: Vec<[f64; MAX_CELL_NODES]>,
-    gradients: Vec<[[f64; D]; MAX_CELL_NODES]>,
-}
-
-impl<const D: usize> CellTable<D> {
-    /// At the points of a rule that integrates polynomials of the given degree.
-    pub fn new(kind: CellKind, degree: usize) -> Self {
-        let rule = quadrature::rule(kind, degree).into_iter();
-        let points: Vec<([f64; 3], f64)> = rule.map(|point| (point.xi, point.weight)).collect();
-        Self::at(kind, &points)
-    }
-
-    /// At given reference points with weights.
-    pub fn at(kind: CellKind, rule: &[([f64; 3], f64)]) -> Self {
-        let mut table = Self {
-            nodes: kind.nodes(),
-            weights: Vec::new(),
-            shapes: Vec::new(),
-            gradients: Vec::new(),
-        };
-        for &(xi, weight) in rule {
-            let (mut shape, mut gradient) = ([0.0; MAX_CELL_NODES], [[0.0; D]; MAX_CELL_NODES]);
-            kind.shape(&xi, &mut shape);
-            kind.gradients(&xi, &mut gradient);
-            table.weights.push(weight);
-            table.shapes.push(shape);
-            table.gradients.push(gradient);
-        }
-        table
-    }
-
-    /// Number of points.
-    pub fn len(&self) -> usize {
-        self.weights.len()
-    }
-
-    /// Shape functions at point q.
-    pub fn shape(&self, q: usize) -> &[f64] {
-        &self.shapes[q][..self.nodes]
-    }
-
-    /// Image of point q, gradients ∇Nₐ there and the volume weight·det J, for a cell whose nodes lie at `at(local)`.
-    pub fn map(
-        &self,
-        q: usize,
-        at: impl Fn(usize) -> Point<D>,
-    ) -> (Point<D>, [[f64; D]; MAX_CELL_NODES], f64) {
-        let (shape, reference) = (&self.shapes[q], &self.gradients[q]);
-        let mut point = [0.0; D];
-        let mut jacobian = [[0.0; D]; D]; // ∂xᵢ/∂ξⱼ
-        for a in 0..self.nodes {
-            let x = at(a);
-            for i in 0..D {
-                point[i] += shape[a] * x[i];
-                for j in 0..D {
-                    jacobian[i][j] += x[i] * reference[a][j];
-                }
-            }
-        }
-        let (inverse, det) = invert(&jacobian);
-        let mut gradients = [[0.0; D]; MAX_CELL_NODES];
-        for a in 0..self.nodes {
-            for i in 0..D {
-                gradients[a][i] = (0..D).map(|j| reference[a][j] * inverse[j][i]).sum();
-            }
-        }
-        (point, gradients, det * self.weights[q])
-    }
-}
-
 /// Cells per parallel task.
 const CHUNK: usize = 128;
 
@@ -485,15 +409,6 @@ fn not_finite<const D: usize>(body: &Body<D>, source: LinalgError) -> FemError {
         node,
         point: show(body.mesh.points()[node]),
         source,
-    }
-}
-
-/// Degree of the quadrature of the stiffness. With axial symmetry it integrates the forces of a constant stress exactly,
-/// and one point is not enough: the hoop strain varies.
-pub(crate) fn stiffness_degree(kind: CellKind, analysis: Analysis) -> usize {
-    match analysis {
-        Analysis::Axisymmetric => kind.stiffness_degree().max(2),
-        _ => kind.stiffness_degree(),
     }
 }
 

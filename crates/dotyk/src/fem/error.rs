@@ -91,6 +91,14 @@ pub enum FemError {
         /// Admissible values.
         range: &'static str,
     },
+    /// A plane analysis in space, or the other way round.
+    #[error("analysis \"{analysis}\" does not fit {dimension} dimensions")]
+    Dimension {
+        /// Its name.
+        analysis: &'static str,
+        /// Dimension of the mesh.
+        dimension: usize,
+    },
     /// Points with r < 0 in an axisymmetric analysis.
     #[error(
         "node {node} at {point} has a negative radius: in an axisymmetric analysis x is the radius"

@@ -4,7 +4,7 @@
 //! then misses its balance by 1e-9. Here displacements enter as differences within a cell, so that the forces of a cell
 //! sum to zero to the rounding of its stresses.
 
-use crate::fem::assemble::{CellTable, measure, stiffness_degree};
+use crate::fem::cells::{CellTable, measure, stiffness_degree};
 use crate::fem::elasticity::Lame;
 use crate::fem::error::FemError;
 use crate::fem::nouns::{Analysis, Body};

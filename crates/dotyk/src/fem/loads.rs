@@ -1,6 +1,6 @@
 //! Consistent nodal forces: f = ∫ N·b dV + ∫ N·t dS + point forces, on the undeformed body.
 
-use crate::fem::assemble::{CellTable, measure};
+use crate::fem::cells::{CellTable, measure};
 use crate::fem::error::FemError;
 use crate::fem::nouns::{Analysis, Body, Load};
 use crate::fem::quadrature::{self, QuadraturePoint};

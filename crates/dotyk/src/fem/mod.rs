@@ -9,6 +9,7 @@
 //! Tensile stress is positive; forces in plane analyses are for the body's thickness.
 
 mod assemble;
+mod cells;
 mod elasticity;
 mod error;
 mod internal;
@@ -26,8 +27,8 @@ pub use nouns::{Analysis, Body, Elastic, Load, Material, Place, Support};
 pub use stress::{recover_stress, von_mises};
 pub use supports::{Constraints, Held, nearest_node, node_normals};
 
-pub(crate) use assemble::measure;
+pub(crate) use cells::measure;
 pub(crate) use error::{Short, show};
 pub(crate) use internal::internal_forces;
-pub(crate) use modes::fit_rigid;
+pub(crate) use modes::{fit_rigid, spin_in_space};
 pub(crate) use supports::side_facets;

@@ -3,10 +3,10 @@
 //! Every facet-connected component c of a body may move as u(x) = Σ aₖ φₖ(x − x_c). Held directions, and nodes that two
 //! components share without sharing a facet, are linear conditions on the amplitudes a; their null space is the kernel.
 
-use crate::fem::error::Short;
+use crate::fem::error::{Short, show};
 use crate::fem::nouns::Analysis;
 use crate::fem::supports::Constraints;
-use crate::geometry::{Point, add_scaled, bounding_box, dot, norm, sub};
+use crate::geometry::{Point, add_scaled, bounding_box, cross, dot, norm, padded, sub};
 use crate::linalg::{Mat, least_squares, null_space};
 use crate::mesh::Mesh;
 
@@ -52,8 +52,11 @@ impl RigidBasis {
         if k >= rotations {
             return std::array::from_fn(|i| if i == k - rotations { 1.0 } else { 0.0 });
         }
-        // rotation in the plane (p, q): (x_p, x_q) ↦ (−x_q, x_p)
-        let (p, q) = [(0, 1), (1, 2), (2, 0)][k];
+        // rotation in the plane (p, q): (x_p, x_q) ↦ (−x_q, x_p); in space the k-th is about axis k
+        let (p, q) = match D {
+            2 => (0, 1),
+            _ => ((k + 1) % 3, (k + 2) % 3),
+        };
         std::array::from_fn(|i| {
             if i == p {
                 -x[q]
@@ -272,32 +275,41 @@ fn centre<const D: usize>(mesh: &Mesh<D>, nodes: &[usize]) -> (Point<D>, f64) {
     (middle, 0.5 * norm(sub(high, low)))
 }
 
-/// A rigid motion in words, from the displacement it gives every node: "translation along y", "rotation about (1, 2)".
+/// A rigid motion in words, from the displacement it gives every node: "translation along y", "rotation about (1, 2)", in
+/// space "rotation about z through (1, 2, 0)", or a screw, which moves along its axis, too.
 pub fn describe_motion<const D: usize>(points: &[Point<D>], motion: &[Point<D>]) -> String {
     let (low, high) = bounding_box(points);
     let centre: Point<D> = std::array::from_fn(|i| 0.5 * (low[i] + high[i]));
     let size = norm(sub(high, low));
     let (translation, spin) = fit_rigid(RigidBasis::Full, points, motion, centre);
-    let turn = spin.iter().fold(0.0f64, |sum, s| sum.max(s.abs()));
+    let spin = spin_in_space(&spin);
+    let turn = norm(spin);
     // a centre a thousand sizes away tells nobody anything
     if turn * size < 1e-3 * norm(translation) {
         return format!("translation along {}", direction(translation));
     }
+    // the axis passes through c = centre + ω × t/|ω|², where t + ω × (c − centre) lies along ω
+    let offset = cross(spin, padded(translation));
+    let c: Point<D> = std::array::from_fn(|i| centre[i] + offset[i] / (turn * turn));
+    let place = show(c.map(|v| if v.abs() < 1e-9 * size { 0.0 } else { v }));
     if D == 2 {
-        // the centre of rotation c solves t + ω × (c − centre) = 0
-        let w = spin[0];
-        let c: Point<D> = std::array::from_fn(|i| {
-            centre[i]
-                + if i == 0 {
-                    -translation[1] / w
-                } else {
-                    translation[0] / w
-                }
-        });
-        let clean = c.map(|v| if v.abs() < 1e-9 * size { 0.0 } else { v });
-        return format!("rotation about ({}, {})", Short(clean[0]), Short(clean[1]));
+        return format!("rotation about {place}");
     }
-    "rotation".to_string()
+    let along = dot(spin, padded(translation)).abs();
+    let motion = match along < 1e-3 * turn * turn * size {
+        true => "rotation",
+        false => "screw",
+    };
+    format!("{motion} about {} through {place}", direction(spin))
+}
+
+/// Angular velocity of a rigid motion from its components: about z in the plane.
+pub(crate) fn spin_in_space(spin: &[f64]) -> [f64; 3] {
+    match *spin {
+        [z] => [0.0, 0.0, z],
+        [x, y, z] => [x, y, z],
+        _ => [0.0; 3],
+    }
 }
 
 fn direction<const D: usize>(vector: Point<D>) -> String {
@@ -309,7 +321,7 @@ fn direction<const D: usize>(vector: Point<D>) -> String {
     }
 }
 
-/// Least-squares rigid motion about a centre: translation, and one angle in 2D or three components in 3D.
+/// Least-squares rigid motion about a centre: translation, and one angle in 2D or the angles about x, y, z in 3D.
 pub(crate) fn fit_rigid<const D: usize>(
     basis: RigidBasis,
     points: &[Point<D>],

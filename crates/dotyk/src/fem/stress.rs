@@ -4,7 +4,7 @@
 //! corners drawn towards the centre: three points in a quadratic triangle, 2 × 2 in quadrilaterals), extrapolated to the
 //! nodes by the linear function through the samples and averaged there with the cells' volumes.
 
-use crate::fem::assemble::{CellTable, measure};
+use crate::fem::cells::{CellTable, measure};
 use crate::fem::elasticity::Lame;
 use crate::fem::error::FemError;
 use crate::fem::nouns::{Analysis, Body};

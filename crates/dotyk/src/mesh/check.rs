@@ -59,7 +59,7 @@ fn indices<const D: usize>(
     used: &mut [bool],
 ) -> Result<(), MeshError> {
     let kind = cells.kind;
-    if kind.dimension() != D {
+    if kind.dimension() != D || D < 2 {
         return Err(MeshError::Dimension {
             block,
             kind: kind.name(),

@@ -20,7 +20,7 @@ mod reference;
 pub use cell::{CellBlock, MAX_CELL_NODES, MAX_FACET_NODES};
 pub use error::MeshError;
 pub use facets::{Chain, FacetTable};
-pub use generate::{Diagonals, Rectangle, Ring, TunnelRock};
+pub use generate::{Cuboid, Diagonals, Rectangle, Ring, TunnelRock};
 pub use import::{FilePlace, ImportError, Imported, MeshFile};
 pub use outline::{Contour, Division, EdgeShape, Outline, OutlineEdge, OutlinePlace, SizePoint};
 pub use reference::{CellKind, Domain};

@@ -2,6 +2,7 @@
 
 use crate::mesh::*;
 use proptest::prelude::*;
+use std::collections::BTreeSet;
 use std::f64::consts::PI;
 
 const DIAGONALS: [Diagonals; 4] = [
@@ -1228,4 +1229,155 @@ proptest! {
             assert_closed(&mesh);
         }
     }
+}
+
+// Space
+
+fn cuboid(cell: CellKind, cells: [usize; 3]) -> Mesh<3> {
+    let cuboid = Cuboid {
+        from: [-1.0, 0.5, 2.0],
+        to: [1.0, 1.5, 5.0],
+        cells,
+        cell,
+    };
+    cuboid.build().unwrap()
+}
+
+/// ∫n dS of some facets: their area where they are plane.
+fn area_vector(mesh: &Mesh<3>, facets: &[Facet]) -> [f64; 3] {
+    let mut sum = [0.0; 3];
+    for &facet in facets {
+        let kind = mesh.facet_kind(facet);
+        let centre = kind.domain().centre();
+        let normal = mesh.outward_normal(facet, &centre);
+        for (s, n) in sum.iter_mut().zip(normal) {
+            *s += kind.domain().volume() * n;
+        }
+    }
+    sum
+}
+
+#[test]
+fn a_box_has_its_counts_and_the_areas_of_its_sides() {
+    for (cell, per_hexahedron, per_square) in [(CellKind::Hex8, 1, 1), (CellKind::Tet4, 6, 2)] {
+        let mesh = cuboid(cell, [2, 3, 4]);
+        assert_eq!(mesh.points().len(), 3 * 4 * 5);
+        assert_eq!(mesh.cell_count(), 24 * per_hexahedron);
+        assert_eq!(mesh.component_count(), 1);
+        assert_eq!(mesh.boundary_facets().len(), 2 * (6 + 8 + 12) * per_square);
+        let sides = [
+            ("left", [-3.0, 0.0, 0.0]),
+            ("right", [3.0, 0.0, 0.0]),
+            ("front", [0.0, -6.0, 0.0]),
+            ("back", [0.0, 6.0, 0.0]),
+            ("bottom", [0.0, 0.0, -2.0]),
+            ("top", [0.0, 0.0, 2.0]),
+        ];
+        for (side, expected) in sides {
+            let area = area_vector(&mesh, mesh.side(side).unwrap());
+            let off = crate::geometry::distance(area, expected);
+            assert!(off < 1e-14, "{cell:?} {side} {area:?}");
+        }
+        // cubes: tetrahedra on the paths of a cube have edges 1, √2 and √3 at their sharpest corner
+        let cube = Cuboid {
+            from: [0.0; 3],
+            to: [1.0; 3],
+            cells: [2; 3],
+            cell,
+        };
+        let cube = cube.build().unwrap();
+        let worst = (0..cube.cell_count()).map(|c| cube.cell_quality(0, c));
+        let worst = worst.fold(1.0, f64::min);
+        let expected = [1.0, 1.0 / 3f64.sqrt()][usize::from(cell == CellKind::Tet4)];
+        close(worst, expected, 1e-14);
+    }
+}
+
+#[test]
+fn boxes_of_tetrahedra_match_on_all_sides() {
+    let mesh = cuboid(CellKind::Tet4, [2, 2, 2]);
+    for (side, opposite, d) in [
+        ("left", "right", 0),
+        ("front", "back", 1),
+        ("bottom", "top", 2),
+    ] {
+        let facets = |side: &str, shift: f64| -> BTreeSet<Vec<[i64; 3]>> {
+            let of_facet = |&facet: &Facet| {
+                let mut points: Vec<[i64; 3]> = mesh
+                    .facet_points(facet)
+                    .map(|mut x| {
+                        x[d] += shift;
+                        x.map(|c| (1e6 * c).round() as i64)
+                    })
+                    .collect();
+                points.sort_unstable();
+                points
+            };
+            mesh.side(side).unwrap().iter().map(of_facet).collect()
+        };
+        assert_eq!(facets(side, [2.0, 1.0, 3.0][d]), facets(opposite, 0.0));
+    }
+}
+
+#[test]
+fn cells_of_space_that_are_mirrored_are_turned_and_those_that_are_folded_refused() {
+    for cell in CellKind::of_dimension(3) {
+        let mesh = cuboid(cell, [2, 2, 1]);
+        let mirrored = mesh.clone().map_points(|[x, y, z]| [x, -y, z]).unwrap();
+        let area = area_vector(&mirrored, mirrored.side("front").unwrap());
+        assert!(crate::geometry::distance(area, [0.0, 6.0, 0.0]) < 1e-13);
+        assert!((0..mirrored.cell_count()).all(|c| mirrored.cell_quality(0, c) > 0.5));
+        let flat = mesh.clone().map_points(|[x, y, _]| [x, y, 0.0]);
+        assert!(
+            matches!(flat, Err(MeshError::ZeroVolume { .. })),
+            "{flat:?}"
+        );
+        let folded = mesh.map_points(|[x, y, z]| match x == 0.0 && z < 3.0 {
+            true => [3.0, y, z],
+            false => [x, y, z],
+        });
+        let folded = folded.map(|mesh| mesh.cell_count());
+        match cell {
+            // a tetrahedron has one orientation: it is turned, and the mesh overlaps, which its outline tells
+            CellKind::Tet4 => assert!(folded.is_ok()),
+            _ => assert!(
+                matches!(folded, Err(MeshError::Folded { .. })),
+                "{folded:?}"
+            ),
+        }
+    }
+}
+
+#[test]
+fn wrong_boxes_are_errors_that_name_the_key() {
+    let good = Cuboid {
+        from: [0.0; 3],
+        to: [1.0; 3],
+        cells: [1; 3],
+        cell: CellKind::Hex8,
+    };
+    let wrong = |cuboid: Cuboid, text: &str| {
+        let message = cuboid.build().unwrap_err().to_string();
+        assert!(message.contains(text), "{message}");
+    };
+    let (to, cells, cell) = ([1.0, 1.0, 0.0], [1, 0, 1], CellKind::Quad4);
+    wrong(Cuboid { to, ..good.clone() }, "every axis");
+    wrong(
+        Cuboid {
+            cells,
+            ..good.clone()
+        },
+        "at least one cell",
+    );
+    wrong(
+        Cuboid {
+            cell,
+            ..good.clone()
+        },
+        "tet4 or hex8",
+    );
+    let cells = [100_000; 3];
+    wrong(Cuboid { cells, ..good }, "nodes");
+    let rectangle = rectangle(CellKind::Hex8, [1, 1]).build();
+    assert!(matches!(rectangle, Err(MeshError::Dimension { .. })));
 }

@@ -126,7 +126,7 @@ pub struct RigidMode<const D: usize> {
 pub struct RigidMotion<const D: usize> {
     /// Translation of the centroid of the nodes.
     pub translation: Point<D>,
-    /// Rotation about the centroid: one angle in 2D, three components in 3D.
+    /// Rotation about the centroid: one angle in 2D, those about x, y and z in 3D.
     pub rotation: Vec<f64>,
 }
 

@@ -18,6 +18,7 @@ mod patch;
 mod rates;
 mod solvers;
 mod source;
+mod space;
 mod steps;
 mod tables;
 mod tidy;

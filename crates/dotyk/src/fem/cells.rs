@@ -1,0 +1,98 @@
+//! Cells as images of reference cells: shape functions at the points of a rule, gradients and volumes there.
+
+use crate::fem::nouns::Analysis;
+use crate::fem::quadrature;
+use crate::geometry::{Point, invert};
+use crate::mesh::{CellKind, MAX_CELL_NODES};
+
+/// What an area in the (r, z) or (x, y) plane stands for: thickness, 2πr, or 1 in 3D.
+pub(crate) fn measure<const D: usize>(analysis: Analysis, thickness: f64, point: Point<D>) -> f64 {
+    match analysis {
+        Analysis::PlaneStrain | Analysis::PlaneStress => thickness,
+        Analysis::Axisymmetric => 2.0 * std::f64::consts::PI * point[0],
+        Analysis::Solid => 1.0,
+    }
+}
+
+/// Shape functions and their reference gradients at the points of a rule.
+pub(crate) struct CellTable<const D: usize> {
+    nodes: usize,
+    weights: Vec<f64>,
+    shapes: Vec<[f64; MAX_CELL_NODES]>,
+    gradients: Vec<[[f64; D]; MAX_CELL_NODES]>,
+}
+
+impl<const D: usize> CellTable<D> {
+    /// At the points of a rule that integrates polynomials of the given degree.
+    pub fn new(kind: CellKind, degree: usize) -> Self {
+        let rule = quadrature::rule(kind, degree).into_iter();
+        let points: Vec<([f64; 3], f64)> = rule.map(|point| (point.xi, point.weight)).collect();
+        Self::at(kind, &points)
+    }
+
+    /// At given reference points with weights.
+    pub fn at(kind: CellKind, rule: &[([f64; 3], f64)]) -> Self {
+        let mut table = Self {
+            nodes: kind.nodes(),
+            weights: Vec::new(),
+            shapes: Vec::new(),
+            gradients: Vec::new(),
+        };
+        for &(xi, weight) in rule {
+            let (mut shape, mut gradient) = ([0.0; MAX_CELL_NODES], [[0.0; D]; MAX_CELL_NODES]);
+            kind.shape(&xi, &mut shape);
+            kind.gradients(&xi, &mut gradient);
+            table.weights.push(weight);
+            table.shapes.push(shape);
+            table.gradients.push(gradient);
+        }
+        table
+    }
+
+    /// Number of points.
+    pub fn len(&self) -> usize {
+        self.weights.len()
+    }
+
+    /// Shape functions at point q.
+    pub fn shape(&self, q: usize) -> &[f64] {
+        &self.shapes[q][..self.nodes]
+    }
+
+    /// Image of point q, gradients ∇Nₐ there and the volume weight·det J, for a cell whose nodes lie at `at(local)`.
+    pub fn map(
+        &self,
+        q: usize,
+        at: impl Fn(usize) -> Point<D>,
+    ) -> (Point<D>, [[f64; D]; MAX_CELL_NODES], f64) {
+        let (shape, reference) = (&self.shapes[q], &self.gradients[q]);
+        let mut point = [0.0; D];
+        let mut jacobian = [[0.0; D]; D]; // ∂xᵢ/∂ξⱼ
+        for a in 0..self.nodes {
+            let x = at(a);
+            for i in 0..D {
+                point[i] += shape[a] * x[i];
+                for j in 0..D {
+                    jacobian[i][j] += x[i] * reference[a][j];
+                }
+            }
+        }
+        let (inverse, det) = invert(&jacobian);
+        let mut gradients = [[0.0; D]; MAX_CELL_NODES];
+        for a in 0..self.nodes {
+            for i in 0..D {
+                gradients[a][i] = (0..D).map(|j| reference[a][j] * inverse[j][i]).sum();
+            }
+        }
+        (point, gradients, det * self.weights[q])
+    }
+}
+
+/// Degree of the quadrature of the stiffness. With axial symmetry it integrates the forces of a constant stress exactly,
+/// and one point is not enough: the hoop strain varies.
+pub(crate) fn stiffness_degree(kind: CellKind, analysis: Analysis) -> usize {
+    match analysis {
+        Analysis::Axisymmetric => kind.stiffness_degree().max(2),
+        _ => kind.stiffness_degree(),
+    }
+}
