@@ -1,20 +1,22 @@
-//! Sides with sharp corners, taken apart: a corner has a normal, and a condition, for each of its two faces.
+//! Sides with sharp corners, in space edges, taken apart: a corner has a normal, and a condition, for each of its faces.
 //!
 //! One condition along the mean of two normals would let the corner of a block slide through the floor of the pocket that
 //! it sits in, as soon as it leaves the wall.
 
-use crate::contact::node_to_node::facets;
-use crate::contact::normals::SHARP;
 use crate::contact::{ContactError, End};
 use crate::geometry::{Point, dot, unit};
 use crate::mesh::Facet;
 use std::collections::BTreeMap;
 
-/// The parts of a side between its sharp corners, in the order of its chain; the whole where it has none.
+/// Facets whose normals have a cosine below this meet at a corner: each keeps its own normal there.
+pub(super) const SHARP: f64 = 0.7;
+
+/// The parts of a side between its sharp corners or edges, in the order of its chain, in space of their first facets; the whole
+/// where it has none.
 ///
 /// Errors: unknown or empty sides.
 pub fn smooth_parts<const D: usize>(end: End<'_, D>) -> Result<Vec<Vec<Facet>>, ContactError> {
-    let (mesh, side) = (&end.body.mesh, facets(end)?);
+    let (mesh, side) = (&end.body.mesh, end.facets()?);
     let mut around: BTreeMap<usize, Vec<(usize, Point<D>)>> = BTreeMap::new();
     for (index, &facet) in side.iter().enumerate() {
         let kind = mesh.facet_kind(facet);
@@ -29,15 +31,16 @@ pub fn smooth_parts<const D: usize>(end: End<'_, D>) -> Result<Vec<Vec<Facet>>, 
     let mut part: Vec<usize> = (0..side.len()).collect();
     let mut sharp = false;
     for meeting in around.values() {
-        let pairs = meeting.iter().zip(&meeting[1..]);
-        for (&(a, normal), &(b, other)) in pairs {
-            match dot(normal, other) > SHARP {
-                true => join(&mut part, a, b),
-                false => sharp = true,
+        for (place, &(a, normal)) in meeting.iter().enumerate() {
+            for &(b, other) in &meeting[place + 1..] {
+                match dot(normal, other) > SHARP {
+                    true => join(&mut part, a, b),
+                    false => sharp = true,
+                }
             }
         }
     }
-    if D != 2 || !sharp {
+    if !sharp {
         return Ok(vec![side.to_vec()]);
     }
     let mut parts: BTreeMap<usize, Vec<Facet>> = BTreeMap::new();
@@ -45,12 +48,14 @@ pub fn smooth_parts<const D: usize>(end: End<'_, D>) -> Result<Vec<Vec<Facet>>, 
         let first = root(&part, index);
         parts.entry(first).or_default().push(facet);
     }
-    let chains = mesh.chain(end.side).unwrap_or_default();
-    let along = chains.iter().flat_map(|chain| &chain.facets).enumerate();
-    let place: BTreeMap<Facet, usize> = along.map(|(place, &facet)| (facet, place)).collect();
-    let first = |part: &Vec<Facet>| part.iter().filter_map(|facet| place.get(facet)).min();
     let mut parts: Vec<Vec<Facet>> = parts.into_values().collect();
-    parts.sort_by_key(|part| first(part).copied());
+    if let Some(plane) = mesh.in_plane() {
+        let chains = plane.chain(end.side).unwrap_or_default();
+        let along = chains.iter().flat_map(|chain| &chain.facets).enumerate();
+        let place: BTreeMap<Facet, usize> = along.map(|(place, &facet)| (facet, place)).collect();
+        let first = |part: &Vec<Facet>| part.iter().filter_map(|facet| place.get(facet)).min();
+        parts.sort_by_key(|part| first(part).copied());
+    }
     Ok(parts)
 }
 

@@ -1,7 +1,6 @@
 //! The curve behind a side: the true surface where it is known, and how far the mesh is off it where it is not.
 
-use crate::contact::node_to_node::facets;
-use crate::contact::normals::SHARP;
+use crate::contact::corners::SHARP;
 use crate::contact::{ContactError, End};
 use crate::fem::show;
 use crate::geometry::{Point, Surface, dot, sub, unit};
@@ -64,7 +63,7 @@ fn given_surface<const D: usize>(end: End<'_, D>, facets: &[Facet]) -> Option<Su
 }
 
 /// Largest distance of the facets of a side from the smooth curve that they stand for. Zero where their true surface is
-/// known, and across sharp corners. Plane meshes only.
+/// known, and across sharp corners.
 ///
 /// * Straight facets of length L that turn by θ at their common node: Lθ/8. Parabolas on a circle turn, too, but miss a
 ///   quarter of that.
@@ -72,14 +71,14 @@ fn given_surface<const D: usize>(end: End<'_, D>, facets: &[Facet]) -> Option<Su
 ///   through three points of a circle misses, Δκ L²/(72√3) what it misses of a curve whose curvature changes.
 ///
 /// Errors: unknown or empty sides.
-pub fn sagitta<const D: usize>(end: End<'_, D>) -> Result<f64, ContactError> {
+pub fn sagitta(end: End<'_, 2>) -> Result<f64, ContactError> {
     let mesh = &end.body.mesh;
-    let facets = facets(end)?;
+    let facets = end.facets()?;
     let surface = TrueSurface::of(end, facets)?;
-    let mut around: BTreeMap<u32, Vec<Piece<D>>> = BTreeMap::new();
+    let mut around: BTreeMap<u32, Vec<Piece>> = BTreeMap::new();
     let mut largest = 0.0f64;
     for &facet in facets.iter().filter(|&&facet| surface.at(facet).is_none()) {
-        let points: Vec<Point<D>> = mesh.facet_points(facet).collect();
+        let points: Vec<Point<2>> = mesh.facet_points(facet).collect();
         let [Some(first), Some(last)] = [-1.0, 1.0].map(|x| unit(mesh.outward_normal(facet, &[x])))
         else {
             continue;
@@ -100,11 +99,11 @@ pub fn sagitta<const D: usize>(end: End<'_, D>) -> Result<f64, ContactError> {
             });
         }
     }
-    let at_node = |meeting: &Vec<Piece<D>>| match meeting.as_slice() {
+    let at_node = |meeting: &Vec<Piece>| match meeting.as_slice() {
         [a, b] if dot(a.normal, b.normal) > SHARP => {
             let length = a.length.max(b.length);
             let turn = length * dot(a.normal, b.normal).min(1.0).acos() / 8.0;
-            let bent = |piece: &Piece<D>| piece.rise.abs() > turn;
+            let bent = |piece: &Piece| piece.rise.abs() > turn;
             let change = (a.curvature() - b.curvature()).abs();
             match bent(a) && bent(b) {
                 true => (0.25 * turn).max(change * length * length / (72.0 * 3f64.sqrt())),
@@ -120,23 +119,23 @@ pub fn sagitta<const D: usize>(end: End<'_, D>) -> Result<f64, ContactError> {
 /// facets of higher order.
 ///
 /// Errors: unknown or empty sides.
-pub fn straight_turn<const D: usize>(end: End<'_, D>) -> Result<Option<f64>, ContactError> {
+pub fn straight_turn(end: End<'_, 2>) -> Result<Option<f64>, ContactError> {
     let mesh = &end.body.mesh;
-    let facets = facets(end)?;
+    let facets = end.facets()?;
     if facets
         .iter()
         .any(|&facet| mesh.facet_kind(facet).order() > 1)
     {
         return Ok(None);
     }
-    let mut around: BTreeMap<u32, Vec<Point<D>>> = BTreeMap::new();
+    let mut around: BTreeMap<u32, Vec<Point<2>>> = BTreeMap::new();
     for &facet in facets {
-        let normal = unit(mesh.outward_normal(facet, &[0.0; D]));
+        let normal = unit(mesh.outward_normal(facet, &[0.0]));
         for node in mesh.facet_nodes(facet) {
             around.entry(node).or_default().extend(normal);
         }
     }
-    let turn = |normals: &Vec<Point<D>>| match normals[..] {
+    let turn = |normals: &Vec<Point<2>>| match normals[..] {
         [a, b] if dot(a, b) > SHARP => dot(a, b).min(1.0).acos(),
         _ => 0.0,
     };
@@ -144,13 +143,13 @@ pub fn straight_turn<const D: usize>(end: End<'_, D>) -> Result<Option<f64>, Con
 }
 
 /// A facet at one of its ends.
-struct Piece<const D: usize> {
-    normal: Point<D>,
+struct Piece {
+    normal: Point<2>,
     length: f64,
     rise: f64,
 }
 
-impl<const D: usize> Piece<D> {
+impl Piece {
     fn curvature(&self) -> f64 {
         8.0 * self.rise / (self.length * self.length)
     }

@@ -87,10 +87,12 @@ pub enum ContactError {
         /// The nonmortar side.
         side: String,
     },
-    /// The capability comes later.
-    #[error("{what} is not supported yet")]
-    NotYet {
-        /// What.
-        what: &'static str,
+    /// Sides in space whose facets do not coincide.
+    #[error(
+        "mortar contact in space is not supported yet: give {side} and what it touches the same nodes and facets, and leave out `pairing`"
+    )]
+    MortarInSpace {
+        /// The nonmortar side.
+        side: String,
     },
 }

@@ -2,12 +2,11 @@
 //!
 //! A facet sees the other side when the line from one of its points along its outward normal meets a facet there whose
 //! outward normal is opposed. Node-to-node pairing is right where no facet with a node of its own sees the other side.
-//! Plane meshes only: sides of solids see nothing here.
 
-use crate::contact::node_to_node::{facets, matching_nodes};
+use crate::contact::node_to_node::matching_nodes;
 use crate::contact::search::{Line, Search};
 use crate::contact::{ContactError, End};
-use crate::geometry::{Point, unit};
+use crate::geometry::{Point, add_scaled, sub, unit};
 use crate::mesh::{Facet, Mesh};
 use std::collections::BTreeSet;
 
@@ -35,8 +34,8 @@ pub fn unmatched_facing<const D: usize>(
     for (own, other, of_mortar) in [(nonmortar, mortar, false), (mortar, nonmortar, true)] {
         let matches = matching_nodes(own, other)?;
         let mesh = &own.body.mesh;
-        let search = Search::new(mesh, &other.body.mesh, facets(other)?);
-        for &facet in facets(own)? {
+        let search = Search::new(mesh, &other.body.mesh, other.facets()?);
+        for &facet in own.facets()? {
             let lonely = mesh
                 .facet_nodes(facet)
                 .map(|node| node as usize)
@@ -57,8 +56,8 @@ pub fn unmatched_facing<const D: usize>(
 }
 
 /// Whether facets that face each other have the same nodes: else coincident nodes bear different parts of a pressure on the
-/// two sides (a quadratic facet over two linear ones), and node-to-node pairing does not pass a uniform one. Plane meshes
-/// only.
+/// two sides (a quadratic facet over two linear ones, triangles over squares), and node-to-node pairing does not pass a uniform
+/// one.
 ///
 /// Errors: unknown or empty sides.
 pub fn facets_coincide<const D: usize>(
@@ -67,7 +66,7 @@ pub fn facets_coincide<const D: usize>(
 ) -> Result<bool, ContactError> {
     let (mesh, other) = (&nonmortar.body.mesh, &mortar.body.mesh);
     let matches = matching_nodes(nonmortar, mortar)?;
-    let opposite = facets(mortar)?;
+    let opposite = mortar.facets()?;
     let search = Search::new(mesh, other, opposite);
     let nodes_of = |mesh: &Mesh<D>, facet: Facet| -> BTreeSet<usize> {
         mesh.facet_nodes(facet).map(|node| node as usize).collect()
@@ -76,7 +75,7 @@ pub fn facets_coincide<const D: usize>(
         .iter()
         .map(|&facet| nodes_of(other, facet))
         .collect();
-    let own = facets(nonmortar)?.iter();
+    let own = nonmortar.facets()?.iter();
     Ok(own.copied().all(|facet| {
         let partners = nodes_of(mesh, facet).into_iter();
         let partners: Option<BTreeSet<usize>> = partners.map(|node| matches[&node].0).collect();
@@ -84,18 +83,23 @@ pub fn facets_coincide<const D: usize>(
     }))
 }
 
-/// Points of a facet from which lines start.
-const STARTS: [f64; 5] = [-0.9, -0.5, 0.0, 0.5, 0.9];
+/// Lines start at the middle of a facet and so far from it towards its corners.
+const STARTS: [f64; 3] = [0.0, 0.5, 0.9];
 
 fn sees<const D: usize>(mesh: &Mesh<D>, facet: Facet, search: &Search<'_, D>) -> bool {
     let shallow = mesh.facet_length(facet);
-    D == 2
-        && STARTS.iter().any(|&xi| {
-            let start = mesh.facet_point(facet, &[xi]);
-            let direction = unit(mesh.outward_normal(facet, &[xi]));
-            direction.is_some_and(|direction| {
-                let line = Line { start, direction };
-                search.opposite(line, shallow).is_some()
-            })
+    let kind = mesh.facet_kind(facet);
+    let (corners, centre) = (kind.corners(), kind.domain().centre());
+    let starts = STARTS.iter().flat_map(|part| {
+        let towards = kind.reference_nodes()[..corners].iter();
+        towards.map(move |corner| add_scaled(centre, *part, sub(*corner, centre)))
+    });
+    starts.into_iter().any(|xi| {
+        let start = mesh.facet_point(facet, &xi);
+        let direction = unit(mesh.outward_normal(facet, &xi));
+        direction.is_some_and(|direction| {
+            let line = Line { start, direction };
+            search.opposite(line, shallow).is_some()
         })
+    })
 }

@@ -5,16 +5,22 @@
 //! ```
 //!
 //! n is the outward normal of the nonmortar side. λ is a force, the gap a length, the weight an area. Node-to-node
-//! pairing is the same with the integrals replaced by values at nodes. Tangential rows have t instead of n and no gap.
+//! pairing is the same with the integrals replaced by values at nodes. Tangential rows, one in the plane and two in space, have
+//! t instead of n and no gap.
 //! An interface knows the two meshes and what their supports hold, but no stiffness.
 
 mod corners;
 mod curved;
 mod error;
 mod facing;
+mod gaps;
 mod mortar;
 mod node_to_node;
 mod normals;
+mod obstacle;
+mod opposite;
+mod pieces;
+mod relative;
 mod sampling;
 mod search;
 mod weights;
@@ -23,13 +29,17 @@ pub use corners::smooth_parts;
 pub use curved::{sagitta, straight_turn};
 pub use error::ContactError;
 pub use facing::{facets_coincide, unmatched_facing};
-pub use mortar::{Against, pair_mortar};
-pub use node_to_node::{Driven, Rigid, pair_nodes, pair_obstacle};
+pub use gaps::{GapPoint, GapShares, Moved};
+pub use mortar::pair_mortar;
+pub use node_to_node::{pair_nodes, pair_obstacle};
+pub use obstacle::{Driven, Rigid};
+pub use relative::frame;
 pub use sampling::{Sample, samples};
 
-use crate::fem::{Body, Constraints};
+use crate::fem::{Body, Constraints, side_facets};
 use crate::geometry::{Field, Point};
 use crate::mesh::Facet;
+use std::any::Any;
 
 /// Which components of the displacement jump an interface couples.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -55,10 +65,55 @@ pub struct End<'a, const D: usize> {
     pub part: Option<&'a [Facet]>,
 }
 
-impl<const D: usize> End<'_, D> {
+impl<'a, const D: usize> End<'a, D> {
     /// `body.side`, as in the case file.
     pub fn name(&self) -> String {
         format!("{}.{}", self.body.name, self.side)
+    }
+
+    /// Its facets; an error when the side is unknown or empty.
+    pub fn facets(&self) -> Result<&'a [Facet], ContactError> {
+        if let Some(part) = self.part {
+            return Ok(part);
+        }
+        side_facets(&self.body.mesh, self.side).map_err(|source| ContactError::Side {
+            body: self.body.name.clone(),
+            source,
+        })
+    }
+
+    /// The same end as one of a plane body; `None` in space.
+    pub(crate) fn in_plane(self) -> Option<End<'a, 2>> {
+        Some(End {
+            body: in_plane(self.body)?,
+            side: self.side,
+            constraints: in_plane(self.constraints)?,
+            part: self.part,
+        })
+    }
+}
+
+/// A thing of D dimensions as one of the plane, where it is one.
+fn in_plane<T: Any, P: Any>(thing: &T) -> Option<&P> {
+    (thing as &dyn Any).downcast_ref()
+}
+
+/// What a nonmortar side is paired with.
+#[derive(Clone, Copy)]
+pub enum Against<'a, const D: usize> {
+    /// A side of another body.
+    Side(End<'a, D>),
+    /// A rigid obstacle.
+    Obstacle(&'a Rigid<D>, Driven),
+}
+
+impl<'a, const D: usize> Against<'a, D> {
+    /// The same as one of the plane; `None` in space.
+    pub(crate) fn in_plane(self) -> Option<Against<'a, 2>> {
+        Some(match self {
+            Self::Side(end) => Against::Side(end.in_plane()?),
+            Self::Obstacle(rigid, driven) => Against::Obstacle(in_plane(rigid)?, driven),
+        })
     }
 }
 
@@ -91,8 +146,9 @@ pub struct InterfaceNode<const D: usize> {
     pub node: usize,
     /// Nodes of the mortar mesh and their shape functions at the point opposite; empty where there is none.
     pub opposite: Vec<(usize, f64)>,
-    /// Outward unit normal, after the projection onto what the supports leave free.
-    pub normal: Point<D>,
+    /// The unit vectors of its rows: the outward normal, after the projection onto what the supports leave free, then the
+    /// tangents.
+    pub frame: [Point<D>; D],
     /// ∫ψ: an area, times thickness or 2πr.
     pub weight: f64,
     /// The part of the side that the multiplier stands for: a length (in space an area) without thickness or 2πr.
@@ -101,6 +157,8 @@ pub struct InterfaceNode<const D: usize> {
     pub gap: f64,
     /// Initial gap at the node itself: between the surfaces, or as given. NaN where nothing is opposite.
     pub clearance: f64,
+    /// How both follow from the points of the interface.
+    pub shares: GapShares,
     /// What it is to the interface.
     pub role: Role,
     /// Rows of its multipliers: normal, then tangential.
@@ -108,6 +166,11 @@ pub struct InterfaceNode<const D: usize> {
 }
 
 impl<const D: usize> InterfaceNode<D> {
+    /// Outward unit normal.
+    pub fn normal(&self) -> Point<D> {
+        self.frame[0]
+    }
+
     /// The coincident node of the mortar mesh.
     pub fn partner(&self) -> Option<usize> {
         match self.opposite[..] {
@@ -117,23 +180,13 @@ impl<const D: usize> InterfaceNode<D> {
     }
 }
 
-/// The unit vectors in which a contact node's forces are counted: its normal, then the tangents (in the plane the normal
-/// turned by +90°).
-pub fn frame<const D: usize>(normal: Point<D>) -> [Point<D>; D] {
-    let mut frame = [normal; D];
-    if D == 2 {
-        (frame[1][0], frame[1][1]) = (-normal[1], normal[0]);
-    }
-    frame
-}
-
 /// A row of B: coefficients of global displacement vectors at nodes.
 pub type Row<const D: usize> = Vec<(usize, Point<D>)>;
 
 /// Two sides, or a side and an obstacle, ready for condensation.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Interface<const D: usize> {
-    /// Nodes of the nonmortar side in the order of its chain.
+    /// Nodes of the nonmortar side in its order: along its chain, in space ascending.
     pub nodes: Vec<InterfaceNode<D>>,
     /// The chain closes on itself.
     pub cyclic: bool,
@@ -143,6 +196,8 @@ pub struct Interface<const D: usize> {
     pub nonmortar: Vec<Row<D>>,
     /// Row of every multiplier on the mortar body (sign included); of an obstacle, on its translation (node 0).
     pub mortar: Vec<Row<D>>,
+    /// Where gaps are taken.
+    pub points: Vec<GapPoint<D>>,
     /// Conditions that others imply.
     pub implied: Vec<Implied<D>>,
 }
@@ -162,11 +217,14 @@ impl<const D: usize> Interface<D> {
     /// Takes over the nodes and rows of another part of the side. No condition of that may be implied yet.
     pub fn append(&mut self, part: Self) {
         let before = self.nonmortar.len();
+        let points = self.points.len();
         let moved = part.nodes.into_iter().map(|node| InterfaceNode {
             rows: node.rows.map(|row| row.map(|row| row + before)),
+            shares: node.shares.after(points),
             ..node
         });
         self.nodes.extend(moved);
+        self.points.extend(part.points);
         self.nonmortar.extend(part.nonmortar);
         self.mortar.extend(part.mortar);
         self.cyclic = false;
@@ -198,6 +256,7 @@ impl<const D: usize> Interface<D> {
         for node in self.nodes.iter_mut().filter(|node| !node.gap.is_nan()) {
             (node.gap, node.clearance) = (0.0, 0.0);
         }
+        self.points.iter_mut().for_each(|point| point.gap = 0.0);
     }
 
     /// Takes the multipliers of rows away, and with a normal row under friction those of the tangential ones: the rows

@@ -21,57 +21,37 @@
 //!   multiplier; on its facets ψ are hats, and its own goes to the neighbours.
 //! * The gap s is measured between the true surfaces where a side has one.
 //!
-//! Against a rigid obstacle u_m is its translation, and the rows on the other side act on it. Not here: solids.
+//! Against a rigid obstacle u_m is its translation, and the rows on the other side act on it. Not here: bodies in space.
 //!
 //! Source of the biorthogonal functions: as described by B. I. Wohlmuth, SIAM J. Numer. Anal. 38 (2000) 989–1012.
 
-use crate::contact::curved::TrueSurface;
-use crate::contact::node_to_node::{Relative, axes, facets, finite_gap};
-use crate::contact::normals::Normals;
-use crate::contact::search::{Hit, Line, Search, meet};
+use crate::contact::opposite::{Opposite, shape};
+use crate::contact::pieces::{Piece, Span, pieces, spans};
+use crate::contact::relative::{Relative, axes, frame};
+use crate::contact::search::{Hit, meet};
 use crate::contact::weights::POSITIVE;
 use crate::contact::{
-    ContactError, Coupling, Driven, End, InitialGap, Interface, InterfaceNode, Rigid, Role, Row,
-    frame,
+    Against, ContactError, Coupling, Driven, End, GapPoint, GapShares, InitialGap, Interface,
+    InterfaceNode, Role, Row,
 };
 use crate::fem::{Analysis, measure, quadrature};
 use crate::geometry::{Point, add_scaled, dot, invert, norm};
-use crate::mesh::{Facet, MAX_FACET_NODES, Mesh};
+use crate::mesh::{Facet, Mesh};
 use rayon::prelude::*;
+use std::any::Any;
 use std::collections::{BTreeMap, BTreeSet};
 
 /// Nodes of whose support less than this part faces the other side carry no multiplier.
 const SLIVER: f64 = 1e-3;
 
+/// Most nodes of a facet of the plane.
+const FACET_NODES: usize = 3;
+
 /// Gauss points on each piece: exact for straight sides, beyond rounding for curved ones.
 const POINTS: usize = 6;
 
-/// What a nonmortar side is paired with.
-#[derive(Clone, Copy)]
-pub enum Against<'a, const D: usize> {
-    /// A side of another body.
-    Side(End<'a, D>),
-    /// A rigid obstacle.
-    Obstacle(&'a Rigid<D>, Driven),
-}
-
-/// Part of a facet between two neighbouring nodes.
-struct Span {
-    facet: Facet,
-    /// Reference coordinates of its ends.
-    ends: [f64; 2],
-    nodes: [usize; 2],
-}
-
-/// Part of a span that faces one facet of the other side (or the obstacle).
-struct Piece {
-    span: usize,
-    ends: [f64; 2],
-    opposite: Option<Facet>,
-}
-
 /// Everything at one point of integration.
-struct Station<const D: usize> {
+struct Station {
     span: usize,
     /// Reference coordinate on the facet.
     xi: f64,
@@ -80,31 +60,36 @@ struct Station<const D: usize> {
     area: f64,
     /// Without thickness or 2πr.
     length: f64,
-    normal: Point<D>,
-    gap: f64,
-    own: Vec<(usize, f64)>,
-    opposite: Vec<(usize, f64)>,
+    /// The point of the interface that it is.
+    index: usize,
+    /// What it faces.
+    at: GapPoint<2>,
     /// s times the rotation of the opposite facet, as coefficients of its nodes' displacements.
-    lever: Vec<(usize, Point<D>)>,
+    lever: Vec<(usize, Point<2>)>,
 }
 
 /// Sums over the stations of one node.
-struct Sums<const D: usize> {
+struct Sums {
     /// ∫ of the node's hat, and times the gap.
     own: [f64; 2],
+    /// The weights of that at the stations, and those of ψ of the normal row.
+    hats: Vec<(usize, f64)>,
+    psi: Vec<(usize, f64)>,
     extent: f64,
-    weight: [f64; D],
+    weight: [f64; 2],
     gap: f64,
-    nonmortar: [BTreeMap<usize, Point<D>>; D],
-    mortar: [BTreeMap<usize, Point<D>>; D],
+    nonmortar: [BTreeMap<usize, Point<2>>; 2],
+    mortar: [BTreeMap<usize, Point<2>>; 2],
 }
 
-impl<const D: usize> Sums<D> {
+impl Sums {
     fn new() -> Self {
         Self {
             own: [0.0; 2],
+            hats: Vec::new(),
+            psi: Vec::new(),
             extent: 0.0,
-            weight: [0.0; D],
+            weight: [0.0; 2],
             gap: 0.0,
             nonmortar: std::array::from_fn(|_| BTreeMap::new()),
             mortar: std::array::from_fn(|_| BTreeMap::new()),
@@ -112,33 +97,34 @@ impl<const D: usize> Sums<D> {
     }
 
     /// Adds ψ·area at a station to the row of a component.
-    fn add(&mut self, component: usize, psi: f64, station: &Station<D>) {
+    fn add(&mut self, component: usize, psi: f64, station: &Station) {
         let weight = psi * station.area;
-        let direction = frame(station.normal)[component];
+        let direction = frame(station.at.normal, &[])[component];
         self.weight[component] += weight;
         if component == 0 {
-            self.gap += weight * station.gap;
+            self.gap += weight * station.at.gap;
+            self.psi.push((station.index, weight));
         }
         let sides = [
-            (&mut self.nonmortar[component], &station.own, weight),
-            (&mut self.mortar[component], &station.opposite, -weight),
+            (&mut self.nonmortar[component], &station.at.own, weight),
+            (&mut self.mortar[component], &station.at.opposite, -weight),
         ];
         for (row, nodes, weight) in sides {
             for &(node, shape) in nodes {
-                let entry = row.entry(node).or_insert([0.0; D]);
+                let entry = row.entry(node).or_insert([0.0; 2]);
                 *entry = add_scaled(*entry, weight * shape, direction);
             }
         }
         if component > 0 {
             for &(node, coefficients) in &station.lever {
-                let entry = self.mortar[component].entry(node).or_insert([0.0; D]);
+                let entry = self.mortar[component].entry(node).or_insert([0.0; 2]);
                 *entry = add_scaled(*entry, weight, coefficients);
             }
         }
     }
 
     /// Rows of a component on both sides, divided by the weight.
-    fn rows(&self, component: usize) -> [Row<D>; 2] {
+    fn rows(&self, component: usize) -> [Row<2>; 2] {
         [&self.nonmortar[component], &self.mortar[component]].map(|row| {
             let scale = 1.0 / self.weight[component];
             row.iter()
@@ -151,7 +137,7 @@ impl<const D: usize> Sums<D> {
 /// Pairs a side with another, or with an obstacle, by mortar integration.
 ///
 /// Errors: unknown or empty sides, nodes off their true surface, a gap that is not finite, supports that hold the whole
-/// nonmortar side, solids.
+/// nonmortar side, bodies in space.
 pub fn pair_mortar<const D: usize>(
     nonmortar: End<'_, D>,
     against: Against<'_, D>,
@@ -160,147 +146,43 @@ pub fn pair_mortar<const D: usize>(
     analysis: Analysis,
     time: f64,
 ) -> Result<Interface<D>, ContactError> {
-    if D != 2 {
-        let what = "mortar contact of solids";
-        return Err(ContactError::NotYet { what });
-    }
-    let pairing = Pairing::new(nonmortar, against, gap, analysis, time)?;
-    let pieces: Vec<Piece> = (0..pairing.spans.len())
-        .into_par_iter()
-        .flat_map_iter(|span| pairing.pieces(span))
-        .collect();
-    pairing.interface(&pieces, coupling)
+    let in_space = || ContactError::MortarInSpace {
+        side: nonmortar.name(),
+    };
+    let (Some(side), Some(against)) = (nonmortar.in_plane(), against.in_plane()) else {
+        return Err(in_space());
+    };
+    let pairing = Pairing::new(Opposite::new(side, against, gap, time)?, analysis);
+    let interface = pairing.interface(&pieces(&pairing.sides, &pairing.spans), coupling)?;
+    // the plane is what D is here
+    let same: Box<dyn Any> = Box::new(interface);
+    same.downcast().map(|same| *same).map_err(|_| in_space())
 }
 
-pub(super) struct Pairing<'a, const D: usize> {
-    pub(super) nonmortar: End<'a, D>,
-    pub(super) against: Against<'a, D>,
-    gap: InitialGap<'a>,
+struct Pairing<'a> {
+    sides: Opposite<'a, 2>,
     analysis: Analysis,
-    pub(super) time: f64,
-    normals: Normals<'a, D>,
-    /// True surfaces of both sides; none of an obstacle.
-    surfaces: [Option<TrueSurface<'a, D>>; 2],
-    search: Option<Search<'a, D>>,
     spans: Vec<Span>,
     cyclic: bool,
 }
 
-impl<'a, const D: usize> Pairing<'a, D> {
-    pub(super) fn new(
-        nonmortar: End<'a, D>,
-        against: Against<'a, D>,
-        gap: InitialGap<'a>,
-        analysis: Analysis,
-        time: f64,
-    ) -> Result<Self, ContactError> {
-        let mesh = &nonmortar.body.mesh;
-        let own = facets(nonmortar)?;
-        let mut surfaces = [Some(TrueSurface::of(nonmortar, own)?), None];
-        let search = match against {
-            Against::Obstacle(..) => None,
-            Against::Side(mortar) => {
-                let other = facets(mortar)?;
-                surfaces[1] = Some(TrueSurface::of(mortar, other)?);
-                Some(Search::new(mesh, &mortar.body.mesh, other))
-            }
-        };
+impl<'a> Pairing<'a> {
+    fn new(sides: Opposite<'a, 2>, analysis: Analysis) -> Self {
+        let (nonmortar, mesh) = (sides.nonmortar, sides.mesh());
         let chains = mesh.chain(nonmortar.side).unwrap_or_default();
-        let cyclic = nonmortar.part.is_none() && chains.len() == 1 && chains[0].cyclic;
         let of_part = |facet: &&Facet| nonmortar.part.is_none_or(|part| part.contains(facet));
         let along = chains.iter().flat_map(|chain| &chain.facets);
         let along = along.filter(of_part);
-        let spans = along.flat_map(|&facet| spans(mesh, facet)).collect();
-        Ok(Self {
-            nonmortar,
-            against,
-            gap,
+        Self {
+            spans: along.flat_map(|&facet| spans(mesh, facet)).collect(),
+            cyclic: nonmortar.part.is_none() && chains.len() == 1 && chains[0].cyclic,
+            sides,
             analysis,
-            time,
-            normals: Normals::new(nonmortar, own)?,
-            surfaces,
-            search,
-            spans,
-            cyclic,
-        })
-    }
-
-    fn mesh(&self) -> &'a Mesh<D> {
-        &self.nonmortar.body.mesh
-    }
-
-    /// The line from ξ of a facet along the contact normal.
-    pub(super) fn line(&self, facet: Facet, xi: f64) -> Line<D> {
-        Line {
-            start: self.mesh().facet_point(facet, &[xi]),
-            direction: self.normals.at(facet, xi),
         }
     }
 
-    /// Cuts a span where its lines meet nodes of the other side; keeps the parts that face something.
-    fn pieces(&self, index: usize) -> Vec<Piece> {
-        let span = &self.spans[index];
-        let [from, to] = span.ends;
-        let mut cuts = vec![from, to];
-        cuts.extend(self.cuts(span));
-        cuts.sort_by(f64::total_cmp);
-        let shallow = self.mesh().facet_length(span.facet);
-        let parts = cuts.windows(2).filter(|ends| ends[1] - ends[0] > 1e-12);
-        let piece = |ends: &[f64]| {
-            let middle = self.line(span.facet, 0.5 * (ends[0] + ends[1]));
-            let opposite = match &self.search {
-                Some(search) => Some(search.opposite(middle, shallow)?.facet),
-                None => {
-                    let places = [ends[0], ends[1]].map(|xi| self.line(span.facet, xi));
-                    let Against::Obstacle(rigid, _) = self.against else {
-                        return None;
-                    };
-                    let faces = |line: &Line<D>| rigid.faces(line.start, line.direction);
-                    if !places.iter().chain([&middle]).all(faces) {
-                        return None;
-                    }
-                    None
-                }
-            };
-            Some(Piece {
-                span: index,
-                ends: [ends[0], ends[1]],
-                opposite,
-            })
-        };
-        parts.filter_map(piece).collect()
-    }
-
-    /// Where the lines of a span meet end nodes of the other side's facets.
-    fn cuts(&self, span: &Span) -> Vec<f64> {
-        let (Some(search), Against::Side(mortar)) = (&self.search, self.against) else {
-            return Vec::new();
-        };
-        let [from, to] = span.ends;
-        let line = |xi: f64| self.line(span.facet, xi);
-        let middle = line(0.5 * (from + to));
-        let other = &mortar.body.mesh;
-        let halves = [[line(from), middle], [middle, line(to)]];
-        let near = halves.into_iter().flat_map(|lines| search.between(lines));
-        let corners = near.flat_map(|facet| other.facet_nodes(facet).take(2));
-        let nodes: BTreeSet<u32> = corners.collect();
-        let points = nodes.iter().map(|&node| other.points()[node as usize]);
-        points
-            .filter_map(|y| root(span.ends, |xi| line(xi).across(y)))
-            .collect()
-    }
-
-    /// Where a line meets the other side's mesh, if it faces it; see [`Search::opposite`].
-    pub(super) fn facing(&self, line: Line<D>, shallow: f64) -> Option<Hit> {
-        self.search.as_ref()?.opposite(line, shallow)
-    }
-
-    /// The hit of a line on the facet that its piece faces.
-    fn hit(&self, facet: Facet, line: Line<D>) -> Option<Hit> {
-        match self.against {
-            Against::Side(mortar) => meet(&mortar.body.mesh, facet, line),
-            Against::Obstacle(..) => None,
-        }
+    fn mesh(&self) -> &'a Mesh<2> {
+        self.sides.mesh()
     }
 
     /// Everything at ξ of a piece; `None` where the line misses the facet by rounding of a tangent.
@@ -309,31 +191,33 @@ impl<'a, const D: usize> Pairing<'a, D> {
         piece: &Piece,
         xi: f64,
         reference: f64,
-    ) -> Result<Option<Station<D>>, ContactError> {
+    ) -> Result<Option<Station>, ContactError> {
         let span = &self.spans[piece.span];
         let mesh = self.mesh();
-        let line = self.line(span.facet, xi);
-        let own = shape(mesh, span.facet, xi);
+        let line = self.sides.line(span.facet, &[xi]);
+        let own = shape(mesh, span.facet, &[xi]);
         let tangent = norm(mesh.outward_normal(span.facet, &[xi]));
-        let thickness = self.nonmortar.body.thickness;
+        let thickness = self.sides.nonmortar.body.thickness;
         let length = reference * tangent;
         let area = length * measure(self.analysis, thickness, line.start);
         let mut lever = Vec::new();
-        let (normal, opposite, gap) = match (self.against, piece.opposite) {
+        let (normal, opposite, gap) = match (self.sides.against, piece.opposite) {
             (Against::Side(mortar), Some(facet)) => {
-                let Some(hit) = self.hit(facet, line) else {
+                let Some(hit) = meet(&mortar.body.mesh, facet, line) else {
                     return Ok(None);
                 };
                 lever = rotation(&mortar.body.mesh, hit);
                 (
                     line.direction,
-                    shape(&mortar.body.mesh, facet, hit.xi),
-                    self.gap_at(span.facet, line, hit)?,
+                    shape(&mortar.body.mesh, facet, &hit.xi),
+                    self.sides.gap_at(span.facet, line, hit)?,
                 )
             }
             (Against::Obstacle(rigid, _), _) => {
                 let place = (line.start, line.direction);
-                let Some((normal, gap)) = rigid.opposite(place, self.time, self.nonmortar)? else {
+                let Some((normal, gap)) =
+                    rigid.opposite(place, self.sides.time, self.sides.nonmortar)?
+                else {
                     return Ok(None);
                 };
                 (normal, vec![(0, 1.0)], gap)
@@ -346,52 +230,42 @@ impl<'a, const D: usize> Pairing<'a, D> {
             hats: hats_of(span.ends, xi),
             area,
             length,
-            normal,
-            gap,
-            own,
-            opposite,
+            index: 0,
+            at: GapPoint {
+                own,
+                opposite,
+                normal,
+                along: line.direction,
+                gap,
+            },
             lever,
         }))
-    }
-
-    /// The distance along a line from a facet to a hit, between the true surfaces where the sides have them.
-    fn true_distance(&self, facet: Facet, line: Line<D>, hit: Hit) -> f64 {
-        let [own, other] = &self.surfaces;
-        let own = own.as_ref().and_then(|surface| surface.at(facet));
-        let other = other.as_ref().and_then(|surface| surface.at(hit.facet));
-        let polygons = hit.distance;
-        let start = own.map_or(0.0, |surface| line.along(surface.closest(line.start)));
-        let nearest = |hits: Vec<f64>| {
-            hits.into_iter()
-                .min_by(|a, b| (a - polygons).abs().total_cmp(&(b - polygons).abs()))
-        };
-        let end = other.and_then(|s| nearest(s.intersections(line.start, line.direction)));
-        end.unwrap_or(polygons) - start
     }
 
     fn interface(
         &self,
         pieces: &[Piece],
         coupling: Coupling,
-    ) -> Result<Interface<D>, ContactError> {
+    ) -> Result<Interface<2>, ContactError> {
         let stations = self.stations(pieces)?;
-        let mut sums: BTreeMap<usize, Sums<D>> = BTreeMap::new();
+        let mut sums: BTreeMap<usize, Sums> = BTreeMap::new();
         for station in &stations {
             let nodes = self.spans[station.span].nodes;
             for (node, hat) in nodes.into_iter().zip(station.hats) {
-                let own = &mut sums.entry(node).or_insert_with(Sums::new).own;
-                own[0] += hat * station.area;
-                own[1] += hat * station.area * station.gap;
+                let sums = sums.entry(node).or_insert_with(Sums::new);
+                sums.own[0] += hat * station.area;
+                sums.own[1] += hat * station.area * station.at.gap;
+                sums.hats.push((station.index, hat * station.area));
             }
         }
         let whole = self.whole_weights();
-        let normals = self.normals.nodal();
+        let normals = self.sides.normals.nodal();
         let kept = self.kept(&sums, &whole, &normals, coupling, &stations);
         let cover = Cover::new(&self.spans, pieces);
         // pieces follow the chain, so the stations of a facet follow one another
-        let facet = |station: &Station<D>| self.spans[station.span].facet;
+        let facet = |station: &Station| self.spans[station.span].facet;
         for stations in stations.chunk_by(|a, b| facet(a) == facet(b)) {
-            for component in 0..D {
+            for component in 0..2 {
                 // under friction shear and pressure share their functions, and with them their weights
                 let shared = match coupling {
                     Coupling::Tied => component,
@@ -437,11 +311,12 @@ impl<'a, const D: usize> Pairing<'a, D> {
                 }
             }
         }
-        self.assembled(&sums, &whole, &normals, &kept, coupling)
+        let points = stations.into_iter().map(|station| station.at).collect();
+        self.assembled(&sums, &whole, &normals, &kept, coupling, points)
     }
 
     /// The points of integration of all pieces.
-    fn stations(&self, pieces: &[Piece]) -> Result<Vec<Station<D>>, ContactError> {
+    fn stations(&self, pieces: &[Piece]) -> Result<Vec<Station>, ContactError> {
         let rule = quadrature::gauss(POINTS);
         let each = pieces.par_iter().map(|piece| {
             let half = 0.5 * (piece.ends[1] - piece.ends[0]);
@@ -453,13 +328,17 @@ impl<'a, const D: usize> Pairing<'a, D> {
             stations.collect::<Result<Vec<_>, _>>()
         });
         let each: Vec<Vec<_>> = each.collect::<Result<_, _>>()?;
-        Ok(each.into_iter().flatten().collect())
+        let mut stations: Vec<Station> = each.into_iter().flatten().collect();
+        for (index, station) in stations.iter_mut().enumerate() {
+            station.index = index;
+        }
+        Ok(stations)
     }
 
     /// ∫ of the hat of every node over the whole side.
     fn whole_weights(&self) -> BTreeMap<usize, f64> {
         let rule = quadrature::gauss(POINTS);
-        let thickness = self.nonmortar.body.thickness;
+        let thickness = self.sides.nonmortar.body.thickness;
         let mut whole = BTreeMap::new();
         for span in &self.spans {
             let half = 0.5 * (span.ends[1] - span.ends[0]);
@@ -480,23 +359,28 @@ impl<'a, const D: usize> Pairing<'a, D> {
     /// Which components of which nodes carry multipliers.
     fn kept(
         &self,
-        sums: &BTreeMap<usize, Sums<D>>,
+        sums: &BTreeMap<usize, Sums>,
         whole: &BTreeMap<usize, f64>,
-        normals: &BTreeMap<usize, Point<D>>,
+        normals: &BTreeMap<usize, Point<2>>,
         coupling: Coupling,
-        stations: &[Station<D>],
-    ) -> BTreeMap<usize, [bool; D]> {
+        stations: &[Station],
+    ) -> BTreeMap<usize, [bool; 2]> {
         let covered = |node: &usize| sums.get(node).map_or(0.0, |s| s.own[0]) / whole[node];
-        let mut kept: BTreeMap<usize, [bool; D]> = whole
+        let mut kept: BTreeMap<usize, [bool; 2]> = whole
             .keys()
             .map(|node| {
-                let held = self.nonmortar.constraints.at(*node);
+                let held = self.sides.nonmortar.constraints.at(*node);
                 let relative = Relative {
                     prescribed: axes(held, |_| true),
                     still: axes(held, |h| h.still && self.opposite_held(*node, h.axis, true)),
                 };
-                let normal = normals.get(node).copied().unwrap_or([0.0; D]);
-                (*node, relative.decided(normal, coupling).map(|held| !held))
+                let normal = normals.get(node).copied().unwrap_or([0.0; 2]);
+                (
+                    *node,
+                    relative
+                        .decided(frame(normal, &[]), coupling)
+                        .map(|held| !held),
+                )
             })
             .collect();
         let spans: BTreeSet<usize> = stations.iter().map(|station| station.span).collect();
@@ -505,7 +389,7 @@ impl<'a, const D: usize> Pairing<'a, D> {
         let alone: BTreeSet<usize> = spans.iter().copied().filter(lone).collect();
         if coupling != Coupling::Tied && spans.iter().any(|span| !alone.contains(span)) {
             for node in alone.iter().flat_map(|&span| self.spans[span].nodes) {
-                let normal = normals.get(&node).copied().unwrap_or([0.0; D]);
+                let normal = normals.get(&node).copied().unwrap_or([0.0; 2]);
                 if !self.opposite_held(node, normal, false) {
                     let frictional = coupling == Coupling::Frictional;
                     kept.insert(node, std::array::from_fn(|c| c == 0 || frictional));
@@ -518,7 +402,7 @@ impl<'a, const D: usize> Pairing<'a, D> {
             for (node, other) in [(a, b), (b, a)] {
                 let replaced = covered(&node) < SLIVER && covered(&other) > covered(&node);
                 if replaced && kept[&other][0] {
-                    kept.insert(node, [false; D]);
+                    kept.insert(node, [false; 2]);
                 }
             }
         }
@@ -527,18 +411,20 @@ impl<'a, const D: usize> Pairing<'a, D> {
 
     fn assembled(
         &self,
-        sums: &BTreeMap<usize, Sums<D>>,
+        sums: &BTreeMap<usize, Sums>,
         whole: &BTreeMap<usize, f64>,
-        normals: &BTreeMap<usize, Point<D>>,
-        kept: &BTreeMap<usize, [bool; D]>,
+        normals: &BTreeMap<usize, Point<2>>,
+        kept: &BTreeMap<usize, [bool; 2]>,
         coupling: Coupling,
-    ) -> Result<Interface<D>, ContactError> {
+        points: Vec<GapPoint<2>>,
+    ) -> Result<Interface<2>, ContactError> {
         let mut interface = Interface {
             nodes: Vec::new(),
             cyclic: self.cyclic,
             coupling,
             nonmortar: Vec::new(),
             mortar: Vec::new(),
+            points,
             implied: Vec::new(),
         };
         let mut seen = BTreeSet::new();
@@ -550,28 +436,41 @@ impl<'a, const D: usize> Pairing<'a, D> {
             if !seen.insert(node) {
                 continue;
             }
-            let normal = normals.get(&node).copied().unwrap_or([0.0; D]);
+            let normal = normals.get(&node).copied().unwrap_or([0.0; 2]);
             let mut entry = InterfaceNode {
                 node,
                 opposite: Vec::new(),
-                normal,
+                frame: frame(normal, &[]),
                 weight: whole[&node],
                 extent: 0.0,
                 gap: f64::NAN,
                 clearance: f64::NAN,
+                shares: GapShares::default(),
                 role: Role::Alone,
-                rows: [None; D],
+                rows: [None; 2],
             };
             let sums = sums.get(&node).filter(|s| s.own[0] > SLIVER * whole[&node]);
             if let Some(sums) = sums {
-                (entry.opposite, entry.clearance) = self.opposite(facet, xi)?;
+                if let Some(found) = self.sides.at(facet, &[xi])? {
+                    (entry.opposite, entry.clearance) = (found.nodes.clone(), found.gap);
+                    entry.shares.at_node = Some(interface.points.len());
+                    let along = self.sides.line(facet, &[xi]).direction;
+                    interface.points.push(GapPoint {
+                        own: vec![(node, 1.0)],
+                        opposite: found.nodes,
+                        normal: along,
+                        along,
+                        gap: found.gap,
+                    });
+                }
+                entry.shares.mean = sums.hats.clone();
                 entry.role = Role::Fixed;
                 entry.weight = sums.own[0];
                 entry.gap = sums.own[1] / sums.own[0];
                 if entry.clearance.is_nan() {
                     entry.clearance = entry.gap;
                 }
-                for component in (0..D).filter(|&c| kept[&node][c] && sums.weight[c] > 0.0) {
+                for component in (0..2).filter(|&c| kept[&node][c] && sums.weight[c] > 0.0) {
                     if entry.role == Role::Fixed {
                         (entry.weight, entry.extent) = (sums.weight[component], sums.extent);
                     }
@@ -582,37 +481,24 @@ impl<'a, const D: usize> Pairing<'a, D> {
                     interface.mortar.push(other);
                     if component == 0 {
                         entry.gap = sums.gap / sums.weight[0];
+                        entry.shares.mean = sums.psi.clone();
                     }
                 }
             }
             interface.nodes.push(entry);
         }
-        let fixed = |node: &InterfaceNode<D>| node.role == Role::Fixed;
+        let fixed = |node: &InterfaceNode<2>| node.role == Role::Fixed;
         if interface.nonmortar.is_empty() && interface.nodes.iter().any(fixed) {
-            let side = self.nonmortar.name();
+            let side = self.sides.nonmortar.name();
             return Err(ContactError::AllFixed { side });
         }
         Ok(interface)
     }
 
-    /// Nodes and shape functions of the other side opposite ξ of a facet, and the gap there; NaN where the line misses it.
-    fn opposite(&self, facet: Facet, xi: f64) -> Result<(Vec<(usize, f64)>, f64), ContactError> {
-        let line = self.line(facet, xi);
-        let (Some(search), Against::Side(mortar)) = (&self.search, self.against) else {
-            return Ok((Vec::new(), f64::NAN));
-        };
-        let shallow = self.mesh().facet_length(facet);
-        let Some(hit) = search.opposite(line, shallow) else {
-            return Ok((Vec::new(), f64::NAN));
-        };
-        let shape = shape(&mortar.body.mesh, hit.facet, hit.xi.clamp(-1.0, 1.0));
-        Ok((shape, self.gap_at(facet, line, hit)?))
-    }
-
     /// Whether the motion of the other side along an axis is prescribed where it lies opposite a node, and if `still`
     /// is asked, to be none at any time.
-    fn opposite_held(&self, node: usize, axis: Point<D>, still: bool) -> bool {
-        let mortar = match self.against {
+    fn opposite_held(&self, node: usize, axis: Point<2>, still: bool) -> bool {
+        let mortar = match self.sides.against {
             Against::Obstacle(_, Driven::Free) => return false,
             Against::Obstacle(_, driven) => return driven == Driven::Still || !still,
             Against::Side(mortar) => mortar,
@@ -622,10 +508,8 @@ impl<'a, const D: usize> Pairing<'a, D> {
             ends.map(|(node, xi)| (node, span.facet, xi))
         });
         let mut own = places.filter(|place| place.0 == node);
-        let opposite = own.find_map(|(_, facet, xi)| {
-            let (nodes, _) = self.opposite(facet, xi).ok()?;
-            (!nodes.is_empty()).then_some(nodes)
-        });
+        let opposite =
+            own.find_map(|(_, facet, xi)| Some(self.sides.at(facet, &[xi]).ok()??.nodes));
         let held = |node: usize| {
             let held = axes(mortar.constraints.at(node), |h| h.still || !still);
             let part: f64 = held.iter().map(|&h| dot(h, axis).powi(2)).sum();
@@ -633,20 +517,6 @@ impl<'a, const D: usize> Pairing<'a, D> {
         };
         let bearing = |&&(_, shape): &&(usize, f64)| shape.abs() > 1e-6;
         opposite.is_none_or(|nodes| nodes.iter().filter(bearing).all(|(node, _)| held(*node)))
-    }
-
-    /// The gap at a line from a facet to where it meets the other side.
-    pub(super) fn gap_at(
-        &self,
-        facet: Facet,
-        line: Line<D>,
-        hit: Hit,
-    ) -> Result<f64, ContactError> {
-        match self.gap {
-            InitialGap::Measured => Ok(self.true_distance(facet, line, hit)),
-            InitialGap::Closed => Ok(0.0),
-            InitialGap::Given(field) => finite_gap(field, line.start, self.time, self.nonmortar),
-        }
     }
 }
 
@@ -690,7 +560,7 @@ impl Cover {
 /// The functions ψ on one facet or span.
 enum Basis {
     /// ψ = A N on a facet.
-    Biorthogonal([[f64; MAX_FACET_NODES]; MAX_FACET_NODES]),
+    Biorthogonal([[f64; FACET_NODES]; FACET_NODES]),
     /// ψ = A h with the hats h of an interval.
     Interval([f64; 2], [[f64; 2]; 2]),
     Hats,
@@ -698,17 +568,14 @@ enum Basis {
 
 impl Basis {
     /// A = diag(∫N) M⁻¹ with M = ∫NNᵀ, where all nodes of the facet carry multipliers and all weights are positive.
-    fn of_facet<const D: usize>(
-        stations: &[Station<D>],
-        carries: impl Fn(usize) -> bool,
-    ) -> Option<Self> {
-        let nodes: Vec<usize> = stations[0].own.iter().map(|&(node, _)| node).collect();
-        let mut weights = [0.0; MAX_FACET_NODES];
-        let mut mass = [[0.0; MAX_FACET_NODES]; MAX_FACET_NODES];
+    fn of_facet(stations: &[Station], carries: impl Fn(usize) -> bool) -> Option<Self> {
+        let nodes: Vec<usize> = stations[0].at.own.iter().map(|&(node, _)| node).collect();
+        let mut weights = [0.0; FACET_NODES];
+        let mut mass = [[0.0; FACET_NODES]; FACET_NODES];
         for station in stations {
-            for (i, &(_, a)) in station.own.iter().enumerate() {
+            for (i, &(_, a)) in station.at.own.iter().enumerate() {
                 weights[i] += a * station.area;
-                for (j, &(_, b)) in station.own.iter().enumerate() {
+                for (j, &(_, b)) in station.at.own.iter().enumerate() {
                     mass[i][j] += a * b * station.area;
                 }
             }
@@ -721,7 +588,7 @@ impl Basis {
         let mut matrix = match nodes.len() {
             2 => {
                 let (inverse, _) = invert(&[[mass[0][0], mass[0][1]], [mass[1][0], mass[1][1]]]);
-                let mut padded = [[0.0; MAX_FACET_NODES]; MAX_FACET_NODES];
+                let mut padded = [[0.0; FACET_NODES]; FACET_NODES];
                 for (row, from) in padded.iter_mut().zip(inverse) {
                     row[..2].copy_from_slice(&from);
                 }
@@ -737,8 +604,8 @@ impl Basis {
     }
 
     /// A = diag(∫h) M⁻¹ with M = ∫hhᵀ and the hats h of an interval of the facet's reference coordinate.
-    fn of_interval<'s, const D: usize>(
-        stations: impl Iterator<Item = &'s Station<D>>,
+    fn of_interval<'s>(
+        stations: impl Iterator<Item = &'s Station>,
         ends: [f64; 2],
     ) -> Option<Self> {
         let (mut weights, mut mass) = ([0.0; 2], [[0.0; 2]; 2]);
@@ -760,19 +627,19 @@ impl Basis {
     }
 
     /// ψ of each node at a station.
-    fn values<const D: usize>(
+    fn values(
         &self,
-        station: &Station<D>,
+        station: &Station,
         nodes: [usize; 2],
         carries: impl Fn(usize) -> bool,
     ) -> Vec<(usize, f64)> {
         match self {
             Self::Biorthogonal(matrix) => {
                 let value = |row: &[f64]| -> f64 {
-                    let terms = row.iter().zip(&station.own);
+                    let terms = row.iter().zip(&station.at.own);
                     terms.map(|(a, (_, shape))| a * shape).sum()
                 };
-                let nodes = station.own.iter().map(|&(node, _)| node);
+                let nodes = station.at.own.iter().map(|&(node, _)| node);
                 nodes
                     .zip(matrix)
                     .map(|(node, row)| (node, value(row)))
@@ -788,14 +655,14 @@ impl Basis {
     }
 
     /// The part of a station that each node stands for: positive functions that sum to one.
-    fn shares<const D: usize>(
+    fn shares(
         &self,
-        station: &Station<D>,
+        station: &Station,
         nodes: [usize; 2],
         carries: impl Fn(usize) -> bool,
     ) -> Vec<(usize, f64)> {
         match self {
-            Self::Biorthogonal(_) => station.own.clone(),
+            Self::Biorthogonal(_) => station.at.own.clone(),
             Self::Interval(ends, _) => {
                 let hats = hats_of(*ends, station.xi);
                 nodes.into_iter().zip(hats).collect()
@@ -812,8 +679,8 @@ fn hats_of([from, to]: [f64; 2], xi: f64) -> [f64; 2] {
 }
 
 /// Hats at a station; where one of the two nodes carries nothing the other takes its part.
-fn hats<const D: usize>(
-    station: &Station<D>,
+fn hats(
+    station: &Station,
     nodes: [usize; 2],
     carries: impl Fn(usize) -> bool,
 ) -> Vec<(usize, f64)> {
@@ -824,65 +691,16 @@ fn hats<const D: usize>(
     nodes.into_iter().zip(psi).collect()
 }
 
-/// The parts of a facet between its nodes, in its own direction.
-fn spans<const D: usize>(mesh: &Mesh<D>, facet: Facet) -> Vec<Span> {
-    let nodes: Vec<usize> = mesh.facet_nodes(facet).map(|node| node as usize).collect();
-    let span = |ends, nodes| Span { facet, ends, nodes };
-    match nodes[..] {
-        [a, b, middle] => vec![
-            span([-1.0, 0.0], [a, middle]),
-            span([0.0, 1.0], [middle, b]),
-        ],
-        [a, b, ..] => vec![span([-1.0, 1.0], [a, b])],
-        _ => Vec::new(),
-    }
-}
-
-/// Nodes of a facet with their shape functions at ξ.
-pub(super) fn shape<const D: usize>(mesh: &Mesh<D>, facet: Facet, xi: f64) -> Vec<(usize, f64)> {
-    let mut values = [0.0; MAX_FACET_NODES];
-    mesh.facet_kind(facet).shape(&[xi], &mut values);
-    let nodes = mesh.facet_nodes(facet).map(|node| node as usize);
-    nodes.zip(values).collect()
-}
-
 /// Rotation of a facet at a hit, times the distance, as coefficients of its nodes' displacements: −Σ Nₐ' n·uₐ/|y'|.
-fn rotation<const D: usize>(mesh: &Mesh<D>, hit: Hit) -> Vec<(usize, Point<D>)> {
-    let mut slopes = [[0.0; D]; MAX_FACET_NODES];
-    mesh.facet_kind(hit.facet)
-        .gradients(&[hit.xi; D], &mut slopes);
+fn rotation(mesh: &Mesh<2>, hit: Hit) -> Vec<(usize, Point<2>)> {
+    let mut slopes = [[0.0; 2]; FACET_NODES];
+    mesh.facet_kind(hit.facet).gradients(&hit.xi, &mut slopes);
     // as long as |y'|
-    let normal = mesh.outward_normal(hit.facet, &[hit.xi]);
+    let normal = mesh.outward_normal(hit.facet, &hit.xi);
     let scale = -hit.distance / dot(normal, normal);
     let nodes = mesh.facet_nodes(hit.facet).map(|node| node as usize);
     nodes
         .zip(slopes)
         .map(|(node, slope)| (node, normal.map(|c| scale * slope[0] * c)))
         .collect()
-}
-
-/// The zero of a function that changes its sign between two ends, by the Illinois method.
-fn root(ends: [f64; 2], f: impl Fn(f64) -> f64) -> Option<f64> {
-    let [mut a, mut b] = ends;
-    let (mut fa, mut fb) = (f(a), f(b));
-    if fa * fb >= 0.0 || !(fa * fb).is_finite() {
-        return None;
-    }
-    let mut last = f64::NAN;
-    for _ in 0..100 {
-        let x = (a * fb - b * fa) / (fb - fa);
-        let fx = f(x);
-        if fx == 0.0 || (x - last).abs() < 1e-15 {
-            return Some(x);
-        }
-        last = x;
-        if (fx < 0.0) == (fb < 0.0) {
-            // the other end stays: halve its value, so that the next step does not creep
-            fa *= 0.5;
-        } else {
-            (a, fa) = (b, fb);
-        }
-        (b, fb) = (x, fx);
-    }
-    Some(last)
 }

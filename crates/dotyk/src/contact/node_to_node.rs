@@ -1,20 +1,22 @@
 //! Node-to-node pairing: one multiplier for each pair of coincident nodes.
 //!
-//! Row i is nᵢ·(u_s,i − u_m,j(i)), and likewise with the tangent where friction or a tie couples it; the weight of a node is ∫Nᵢ over those facets of the nonmortar side all of whose
-//! nodes have a partner. Where supports hold the same direction on both sides (a plane of symmetry), the normal is
+//! Row i is nᵢ·(u_s,i − u_m,j(i)), and likewise with the tangents where friction or a tie couples them; the weight of a node is
+//! ∫Nᵢ over those facets of the nonmortar side all of whose nodes have a partner. Where supports hold the same direction on both sides (a plane of symmetry), the normal is
 //! projected onto what they leave free; if nothing is left, the node is fixed and carries no multiplier.
 //!
 //! Source: Janovský & Procházka (1980) III, section 7 (normals by the bisector rule, axis direction on the axis).
 
 use crate::contact::normals::Normals;
+use crate::contact::obstacle::{Driven, Rigid, finite_gap};
+use crate::contact::relative::{Relative, axes, frame, shared};
 use crate::contact::weights::nodal_weights;
 use crate::contact::{
-    ContactError, Coupling, End, InitialGap, Interface, InterfaceNode, Role, frame,
+    ContactError, Coupling, End, GapPoint, GapShares, InitialGap, Interface, InterfaceNode, Role,
 };
-use crate::fem::{Analysis, Held, show, side_facets};
-use crate::geometry::{Field, Point, Surface, add_scaled, distance, dot, norm, sub, unit};
-use crate::mesh::Mesh;
-use std::collections::{BTreeMap, BTreeSet};
+use crate::fem::{Analysis, show};
+use crate::geometry::{Point, distance, dot, sub};
+use crate::mesh::{Facet, Mesh};
+use std::collections::BTreeMap;
 
 /// Two nodes coincide within this fraction of the local edge.
 const COINCIDENT: f64 = 1e-6;
@@ -26,7 +28,7 @@ pub fn matching_nodes<const D: usize>(
     mortar: End<'_, D>,
 ) -> Result<BTreeMap<usize, (Option<usize>, f64)>, ContactError> {
     let (s, m) = (&nonmortar.body.mesh, &mortar.body.mesh);
-    facets(mortar)?;
+    mortar.facets()?;
     let mut partners: Vec<usize> = m
         .side_nodes(mortar.side)
         .unwrap_or_default()
@@ -35,7 +37,7 @@ pub fn matching_nodes<const D: usize>(
         .collect();
     // sorted along x: candidates lie in a short window
     partners.sort_by(|&a, &b| m.points()[a][0].total_cmp(&m.points()[b][0]));
-    let edges = shortest_edges(s, facets(nonmortar)?);
+    let edges = shortest_edges(s, nonmortar.facets()?);
     let mut matches = BTreeMap::new();
     for (&node, &edge) in &edges {
         let point = s.points()[node];
@@ -74,33 +76,20 @@ fn nearest_sorted<const D: usize>(
     (best.0.filter(|_| best.1 <= limit), best.1)
 }
 
-/// Shortest facet that meets at each node of a side.
-fn shortest_edges<const D: usize>(
-    mesh: &Mesh<D>,
-    facets: &[crate::mesh::Facet],
-) -> BTreeMap<usize, f64> {
+/// Shortest edge of the facets that meet at each node of a side.
+fn shortest_edges<const D: usize>(mesh: &Mesh<D>, facets: &[Facet]) -> BTreeMap<usize, f64> {
     let mut edges = BTreeMap::new();
     for &facet in facets {
-        let nodes: Vec<usize> = mesh.facet_nodes(facet).map(|node| node as usize).collect();
-        let length = distance(mesh.points()[nodes[0]], mesh.points()[nodes[1]]);
-        for node in nodes {
-            let edge = edges.entry(node).or_insert(f64::INFINITY);
-            *edge = length.min(*edge);
+        let corners: Vec<Point<D>> = mesh.facet_points(facet).collect();
+        let around = mesh.facet_kind(facet).corner_edges().iter().enumerate();
+        let lengths = around.map(|(a, ends)| distance(corners[a], corners[ends[0]]));
+        let shortest = lengths.fold(f64::INFINITY, f64::min);
+        for node in mesh.facet_nodes(facet) {
+            let edge = edges.entry(node as usize).or_insert(f64::INFINITY);
+            *edge = shortest.min(*edge);
         }
     }
     edges
-}
-
-pub(super) fn facets<'a, const D: usize>(
-    end: End<'a, D>,
-) -> Result<&'a [crate::mesh::Facet], ContactError> {
-    if let Some(part) = end.part {
-        return Ok(part);
-    }
-    side_facets(&end.body.mesh, end.side).map_err(|source| ContactError::Side {
-        body: end.body.name.clone(),
-        source,
-    })
 }
 
 /// Pairs the coincident nodes of two sides.
@@ -139,94 +128,13 @@ pub fn pair_nodes<const D: usize>(
             };
             Ok(Some(Opposite {
                 nodes: vec![(j, 1.0)],
+                along: normal,
                 normal,
                 gap,
                 relative,
             }))
         },
     )
-}
-
-/// The shape of a rigid obstacle.
-#[derive(Debug, Clone)]
-pub enum Rigid<const D: usize> {
-    /// Its distance from the undeformed nonmortar point along the contact normal; negative is an interference.
-    Gap(Field),
-    /// A plane or a circle. The plane's normal points towards the body; a circle is the obstacle, or with `inside` the hole
-    /// in the obstacle.
-    Surface {
-        /// The surface.
-        surface: Surface<D>,
-        /// The body is inside the circle.
-        inside: bool,
-    },
-}
-
-impl<const D: usize> Rigid<D> {
-    /// The point of the obstacle that lies opposite a point with this outward normal, or nearest to it: for drawing.
-    pub fn drawn(&self, point: Point<D>, normal: Point<D>, time: f64) -> Point<D> {
-        match self {
-            Self::Gap(field) => add_scaled(point, field.at(point, time), normal),
-            Self::Surface { surface, .. } => surface.closest(point),
-        }
-    }
-
-    /// Whether a point with this outward normal faces the obstacle.
-    pub(super) fn faces(&self, point: Point<D>, normal: Point<D>) -> bool {
-        match self {
-            Self::Gap(_) => true,
-            Self::Surface { surface, inside } => {
-                surface_opposite(surface, *inside, point, normal).is_some()
-            }
-        }
-    }
-
-    /// Contact normal and gap at a point with this outward normal; `None` where it faces nothing.
-    pub(super) fn opposite(
-        &self,
-        (point, normal): (Point<D>, Point<D>),
-        time: f64,
-        end: End<'_, D>,
-    ) -> Result<Option<(Point<D>, f64)>, ContactError> {
-        Ok(match self {
-            Self::Gap(field) => Some((normal, finite_gap(field, point, time, end)?)),
-            Self::Surface { surface, inside } => surface_opposite(surface, *inside, point, normal),
-        })
-    }
-}
-
-/// Surfaces count as opposed when the cosine between the normals is below this.
-const OPPOSED: f64 = -0.1;
-
-fn surface_opposite<const D: usize>(
-    surface: &Surface<D>,
-    inside: bool,
-    point: Point<D>,
-    normal: Point<D>,
-) -> Option<(Point<D>, f64)> {
-    if let Surface::Plane { normal: up, .. } = surface {
-        let facing = dot(normal, *up) < OPPOSED;
-        return facing.then(|| (up.map(|c| -c), surface.distance(point)));
-    }
-    let outward = |s: f64| {
-        let n = surface.normal(add_scaled(point, s, normal))?;
-        Some(if inside { n.map(|c| -c) } else { n })
-    };
-    let hits = surface.intersections(point, normal).into_iter();
-    let facing = hits.filter(|&s| outward(s).is_some_and(|n| dot(n, normal) < OPPOSED));
-    let nearest = facing.min_by(|a, b| a.abs().total_cmp(&b.abs()))?;
-    Some((normal, nearest))
-}
-
-/// What moves a rigid obstacle.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Driven {
-    /// Nothing: it stays where it is at all times.
-    Still,
-    /// A prescribed displacement.
-    Prescribed,
-    /// Forces: it is free to translate.
-    Free,
 }
 
 /// A side against a rigid obstacle; its rows on the other side act on the translation of the obstacle.
@@ -252,13 +160,13 @@ pub fn pair_obstacle<const D: usize>(
                 still: axes(held, |h| h.still && driven == Driven::Still),
             };
             let place = (mesh.points()[node], normal);
-            let Some((normal, gap)) = rigid.opposite(place, time, nonmortar)? else {
+            let Some((facing, gap)) = rigid.opposite(place, time, nonmortar)? else {
                 return Ok(None);
             };
-            let normal = relative.free_normal(normal);
             Ok(Some(Opposite {
                 nodes: vec![(0, 1.0)],
-                normal,
+                along: normal,
+                normal: relative.free_normal(facing),
                 gap,
                 relative,
             }))
@@ -269,58 +177,11 @@ pub fn pair_obstacle<const D: usize>(
 /// What lies opposite a node.
 struct Opposite<const D: usize> {
     nodes: Vec<(usize, f64)>,
+    /// The direction in which it was looked for.
+    along: Point<D>,
     normal: Point<D>,
     gap: f64,
     relative: Relative<D>,
-}
-
-/// What supports leave of the relative motion of two opposite points; orthonormal directions.
-pub(super) struct Relative<const D: usize> {
-    /// Directions in which it is prescribed.
-    pub prescribed: Vec<Point<D>>,
-    /// Those of them in which there is none at any time: nothing can slip.
-    pub still: Vec<Point<D>>,
-}
-
-impl<const D: usize> Relative<D> {
-    /// The normal without what is prescribed; unchanged where nothing is left.
-    fn free_normal(&self, normal: Point<D>) -> Point<D> {
-        free_part(normal, self.prescribed.iter().copied()).unwrap_or(normal)
-    }
-
-    /// Which components carry no multiplier, because they are prescribed or not coupled at all: normal, then tangential.
-    pub fn decided(&self, normal: Point<D>, coupling: Coupling) -> [bool; D] {
-        let frame = frame(normal);
-        let part = |directions: &[Point<D>], axis: Point<D>| -> f64 {
-            directions.iter().map(|&h| dot(h, axis).abs()).sum()
-        };
-        let normal_held = free_part(normal, self.prescribed.iter().copied()).is_none();
-        match coupling {
-            Coupling::Normal => std::array::from_fn(|c| c > 0 || normal_held),
-            Coupling::Frictional => std::array::from_fn(|c| match c {
-                0 => normal_held,
-                _ => normal_held || part(&self.still, frame[c]) > COINCIDENT,
-            }),
-            Coupling::Tied => {
-                let held = |c: &usize| part(&self.prescribed, frame[*c]);
-                let mut order: Vec<usize> = (0..D).collect();
-                order.sort_by(|a, b| held(b).total_cmp(&held(a)));
-                let mut components = [false; D];
-                let prescribed = order.iter().take(self.prescribed.len());
-                prescribed.for_each(|&c| components[c] = true);
-                components
-            }
-        }
-    }
-}
-
-/// Held directions that satisfy a condition.
-pub(super) fn axes<const D: usize>(
-    held: &[Held<D>],
-    which: impl Fn(&Held<D>) -> bool,
-) -> Vec<Point<D>> {
-    let chosen = held.iter().filter(|h| which(h));
-    chosen.map(|h| h.axis).collect()
 }
 
 fn build<const D: usize>(
@@ -331,7 +192,7 @@ fn build<const D: usize>(
     opposite: impl Fn(usize, Point<D>) -> Result<Option<Opposite<D>>, ContactError>,
 ) -> Result<Interface<D>, ContactError> {
     let mesh = &nonmortar.body.mesh;
-    let facets = facets(nonmortar)?;
+    let facets = nonmortar.facets()?;
     let normals = Normals::new(nonmortar, facets)?.nodal();
     let facing = facets.iter().copied().filter(|&facet| {
         let mut nodes = mesh.facet_nodes(facet).map(|node| node as usize);
@@ -344,22 +205,17 @@ fn build<const D: usize>(
         analysis,
         nonmortar.body.thickness,
     );
-    let chains = mesh.chain(nonmortar.side).unwrap_or_default();
-    let along = chains.iter().flat_map(|chain| &chain.nodes);
-    let mut seen = BTreeSet::new();
-    let order: Vec<usize> = along
-        .map(|&node| node as usize)
-        .filter(|&node| seen.insert(node))
-        .collect();
+    let (order, cyclic) = mesh.side_order(nonmortar.side).unwrap_or_default();
     let mut interface = Interface {
         nodes: Vec::new(),
-        cyclic: nonmortar.part.is_none() && chains.len() == 1 && chains[0].cyclic,
+        cyclic: nonmortar.part.is_none() && cyclic,
         coupling,
         nonmortar: Vec::new(),
         mortar: Vec::new(),
+        points: Vec::new(),
         implied: Vec::new(),
     };
-    for node in order {
+    for node in order.into_iter().map(|node| node as usize) {
         let Some(&normal) = normals.get(&node) else {
             continue;
         };
@@ -371,11 +227,12 @@ fn build<const D: usize>(
         let mut entry = InterfaceNode {
             node,
             opposite: Vec::new(),
-            normal,
+            frame: frame(normal, &[]),
             weight: whole[&node].area,
             extent: 0.0,
             gap: f64::NAN,
             clearance: f64::NAN,
+            shares: GapShares::default(),
             role: Role::Alone,
             rows: [None; D],
         };
@@ -388,8 +245,9 @@ fn build<const D: usize>(
                 });
             }
             entry.role = Role::Fixed;
-            let held = state.relative.decided(state.normal, coupling);
-            for (component, direction) in frame(state.normal).into_iter().enumerate() {
+            entry.frame = frame(state.normal, &state.relative.prescribed);
+            let held = state.relative.decided(entry.frame, coupling);
+            for (component, direction) in entry.frame.into_iter().enumerate() {
                 if held[component] {
                     continue;
                 }
@@ -400,56 +258,19 @@ fn build<const D: usize>(
                 let row = opposite.map(|&(j, shape)| (j, direction.map(|c| -shape * c)));
                 interface.mortar.push(row.collect());
             }
+            entry.shares.mean = vec![(interface.points.len(), 1.0)];
+            interface.points.push(GapPoint {
+                own: vec![(node, 1.0)],
+                opposite: state.nodes.clone(),
+                normal: state.normal,
+                along: state.along,
+                gap: state.gap,
+            });
             entry.opposite = state.nodes;
-            entry.normal = state.normal;
             (entry.weight, entry.extent) = (weight.area, weight.extent);
             (entry.gap, entry.clearance) = (state.gap, state.gap);
         }
         interface.nodes.push(entry);
     }
     Ok(interface)
-}
-
-pub(super) fn finite_gap<const D: usize>(
-    field: &Field,
-    point: Point<D>,
-    time: f64,
-    end: End<'_, D>,
-) -> Result<f64, ContactError> {
-    let value = field.at(point, time);
-    if value.is_finite() {
-        Ok(value)
-    } else {
-        Err(ContactError::NotFinite {
-            side: end.name(),
-            text: field.to_string(),
-            point: show(point),
-        })
-    }
-}
-
-/// Directions that both sets of orthonormal directions contain.
-fn shared<const D: usize>(a: &[Point<D>], b: &[Point<D>]) -> Vec<Point<D>> {
-    let inside = |axis: &Point<D>| {
-        let rest = b
-            .iter()
-            .fold(*axis, |rest, &h| add_scaled(rest, -dot(*axis, h), h));
-        norm(rest) < COINCIDENT
-    };
-    match (a.len() == D, b.len() == D) {
-        (_, true) => a.to_vec(),
-        (true, _) => b.to_vec(),
-        _ => a.iter().copied().filter(inside).collect(),
-    }
-}
-
-/// Unit vector along the part of a normal that is orthogonal to some orthonormal directions; `None` if nothing is left.
-pub(super) fn free_part<const D: usize>(
-    normal: Point<D>,
-    directions: impl IntoIterator<Item = Point<D>>,
-) -> Option<Point<D>> {
-    let rest = directions.into_iter().fold(normal, |rest, axis| {
-        add_scaled(rest, -dot(rest, axis), axis)
-    });
-    unit(rest).filter(|_| norm(rest) > COINCIDENT)
 }

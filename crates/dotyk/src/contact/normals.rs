@@ -7,15 +7,13 @@
 //!
 //! Source: the bisector rule and the axis direction on the axis, Janovský & Procházka (1980) III, section 7.
 
+use crate::contact::corners::SHARP;
 use crate::contact::curved::TrueSurface;
-use crate::contact::node_to_node::free_part;
+use crate::contact::relative::free_part;
 use crate::contact::{ContactError, End};
 use crate::geometry::{Point, add_scaled, dot, unit};
 use crate::mesh::{Facet, MAX_FACET_NODES, Mesh};
 use std::collections::{BTreeMap, HashMap};
-
-/// Facets whose normals have a cosine below this meet at a corner: each keeps its own normal there.
-pub(super) const SHARP: f64 = 0.7;
 
 /// Outward unit normals of a side.
 pub(crate) struct Normals<'a, const D: usize> {
@@ -63,10 +61,10 @@ impl<'a, const D: usize> Normals<'a, D> {
     }
 
     /// Normal at ξ of a facet.
-    pub fn at(&self, facet: Facet, xi: f64) -> Point<D> {
+    pub fn at(&self, facet: Facet, xi: &[f64]) -> Point<D> {
         let kind = self.mesh.facet_kind(facet);
         let mut shape = [0.0; MAX_FACET_NODES];
-        kind.shape(&[xi], &mut shape);
+        kind.shape(xi, &mut shape);
         let nodal = &self.at_nodes[&facet];
         let sum = nodal[..kind.nodes()]
             .iter()
@@ -76,7 +74,7 @@ impl<'a, const D: usize> Normals<'a, D> {
         match self.surface.at(facet) {
             None => normal,
             Some(surface) => {
-                let true_normal = surface.normal(self.mesh.facet_point(facet, &[xi]));
+                let true_normal = surface.normal(self.mesh.facet_point(facet, xi));
                 true_normal.map_or(normal, |n| n.map(|c| c * dot(n, normal).signum()))
             }
         }
@@ -91,7 +89,7 @@ impl<'a, const D: usize> Normals<'a, D> {
             let kind = self.mesh.facet_kind(facet);
             for (node, xi) in self.mesh.facet_nodes(facet).zip(kind.reference_nodes()) {
                 let sum = sums.entry(node as usize).or_insert([0.0; D]);
-                *sum = add_scaled(*sum, 1.0, self.at(facet, xi[0]));
+                *sum = add_scaled(*sum, 1.0, self.at(facet, xi));
             }
         }
         sums.into_iter()

@@ -8,87 +8,99 @@
 //! both bodies by about p (h_s/E_s + h_m/E_m), h the lengths of the facets, E their plane moduli: what the meshes cannot
 //! resolve.
 
-use crate::contact::mortar::{Pairing, shape};
-use crate::contact::node_to_node::facets;
-use crate::contact::{Against, ContactError, End, InitialGap};
-use crate::fem::Analysis;
+use crate::contact::opposite::{Opposite, shape};
+use crate::contact::{Against, ContactError, End, GapPoint, InitialGap};
+use crate::fem::quadrature;
 use crate::geometry::Point;
-use crate::mesh::Facet;
+use crate::mesh::{CellKind, Domain, Facet};
 use rayon::prelude::*;
 
-/// Points on each facet: the middles of as many equal parts.
+/// Points on each line: the middles of as many equal parts.
 const POINTS: usize = 6;
+
+/// Degree of the rule whose points are looked at on a surface: seven on a triangle, nine on a square.
+const DEGREE: usize = 5;
 
 /// One point that faces something.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Sample<const D: usize> {
     /// Undeformed position.
     pub point: Point<D>,
-    /// Contact normal, outward from the nonmortar side.
-    pub normal: Point<D>,
-    /// Initial gap.
-    pub gap: f64,
-    /// Nodes and shape functions of the nonmortar side.
-    pub own: Vec<(usize, f64)>,
-    /// Those of the mortar side; empty against an obstacle.
-    pub opposite: Vec<(usize, f64)>,
+    /// Reference coordinates on its facet, missing ones zero.
+    pub xi: [f64; 2],
+    /// What it faces.
+    pub at: GapPoint<D>,
     /// Depth that a unit pressure dents between the nodes, a length³/force.
     pub dent: f64,
 }
 
-/// The points of every facet of the nonmortar side that face something, facet by facet. None yet in space.
+/// The points of every facet of the nonmortar side that face something, facet by facet.
 ///
-/// Errors: as [`crate::contact::pair_mortar`].
+/// Errors: unknown or empty sides, nodes off their true surface, a gap that is not finite.
 pub fn samples<const D: usize>(
     nonmortar: End<'_, D>,
     against: Against<'_, D>,
     gap: InitialGap<'_>,
-    analysis: Analysis,
     time: f64,
 ) -> Result<Vec<Vec<Sample<D>>>, ContactError> {
-    if D != 2 {
-        return Ok(Vec::new());
-    }
-    let pairing = Pairing::new(nonmortar, against, gap, analysis, time)?;
+    let sides = Opposite::new(nonmortar, against, gap, time)?;
     let on_facet = |&facet: &Facet| {
-        let points = (0..POINTS).map(|k| -1.0 + (2 * k + 1) as f64 / POINTS as f64);
-        let found = points.filter_map(|xi| sample(&pairing, facet, xi).transpose());
+        let places = places(sides.mesh().facet_kind(facet));
+        let found = places
+            .iter()
+            .filter_map(|xi| sample(&sides, facet, *xi).transpose());
         found.collect::<Result<Vec<_>, _>>()
     };
-    facets(nonmortar)?.par_iter().map(on_facet).collect()
+    nonmortar.facets()?.par_iter().map(on_facet).collect()
+}
+
+/// Where on a facet of some kind to look.
+fn places(kind: CellKind) -> Vec<[f64; 2]> {
+    match kind.domain() {
+        Domain::Line => {
+            let middle = |k| -1.0 + (2 * k + 1) as f64 / POINTS as f64;
+            (0..POINTS).map(|k| [middle(k), 0.0]).collect()
+        }
+        _ => {
+            let rule = quadrature::rule(kind, DEGREE).into_iter();
+            rule.map(|point| [point.xi[0], point.xi[1]]).collect()
+        }
+    }
 }
 
 fn sample<const D: usize>(
-    pairing: &Pairing<'_, D>,
+    sides: &Opposite<'_, D>,
     facet: Facet,
-    xi: f64,
+    xi: [f64; 2],
 ) -> Result<Option<Sample<D>>, ContactError> {
-    let line = pairing.line(facet, xi);
-    let own = pairing.nonmortar;
-    let (normal, gap, opposite, other) = match pairing.against {
+    let line = sides.line(facet, &xi);
+    let own = sides.nonmortar;
+    let (normal, gap, opposite, other) = match sides.against {
         Against::Obstacle(rigid, _) => {
             let place = (line.start, line.direction);
-            match rigid.opposite(place, pairing.time, own)? {
+            match rigid.opposite(place, sides.time, own)? {
                 Some((normal, gap)) => (normal, gap, Vec::new(), 0.0),
                 None => return Ok(None),
             }
         }
         Against::Side(mortar) => {
-            let shallow = own.body.mesh.facet_length(facet);
-            let Some(hit) = pairing.facing(line, shallow) else {
+            let Some(found) = sides.at(facet, &xi)? else {
                 return Ok(None);
             };
-            let nodes = shape(&mortar.body.mesh, hit.facet, hit.xi.clamp(-1.0, 1.0));
-            let gap = pairing.gap_at(facet, line, hit)?;
-            (line.direction, gap, nodes, dent(mortar, hit.facet))
+            let dent = dent(mortar, found.facet);
+            (line.direction, found.gap, found.nodes, dent)
         }
     };
     Ok(Some(Sample {
         point: line.start,
-        normal,
-        gap,
-        own: shape(&own.body.mesh, facet, xi),
-        opposite,
+        xi,
+        at: GapPoint {
+            own: shape(&own.body.mesh, facet, &xi),
+            opposite,
+            normal,
+            along: line.direction,
+            gap,
+        },
         dent: dent(own, facet) + other,
     }))
 }

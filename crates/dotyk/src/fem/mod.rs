@@ -30,5 +30,5 @@ pub use supports::{Constraints, Held, nearest_node, node_normals};
 pub(crate) use cells::measure;
 pub(crate) use error::{Short, show};
 pub(crate) use internal::internal_forces;
-pub(crate) use modes::{fit_rigid, spin_in_space};
+pub(crate) use modes::fit_rigid;
 pub(crate) use supports::side_facets;

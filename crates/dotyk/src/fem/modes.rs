@@ -304,7 +304,7 @@ pub fn describe_motion<const D: usize>(points: &[Point<D>], motion: &[Point<D>])
 }
 
 /// Angular velocity of a rigid motion from its components: about z in the plane.
-pub(crate) fn spin_in_space(spin: &[f64]) -> [f64; 3] {
+fn spin_in_space(spin: &[f64]) -> [f64; 3] {
     match *spin {
         [z] => [0.0, 0.0, z],
         [x, y, z] => [x, y, z],

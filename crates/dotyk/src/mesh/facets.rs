@@ -6,7 +6,8 @@
 use crate::geometry::{Point, distance};
 use crate::mesh::cell::MAX_FACET_NODES;
 use crate::mesh::{CellKind, Facet, Mesh};
-use std::collections::BTreeMap;
+use std::any::Any;
+use std::collections::{BTreeMap, BTreeSet};
 
 /// Most corners of a facet of any kind.
 const MAX_CORNERS: usize = 4;
@@ -106,8 +107,8 @@ impl<const D: usize> Mesh<D> {
         sum
     }
 
-    /// Outward normal of a facet at ξ, as long as dS/dξ: the tangent turned by −90°, in space the product of both tangents.
-    pub fn outward_normal(&self, facet: Facet, xi: &[f64]) -> Point<D> {
+    /// Tangents ∂x/∂ξₖ of a facet at ξ, one in the plane and two in space; the others are zero.
+    pub fn facet_tangents(&self, facet: Facet, xi: &[f64]) -> [Point<D>; D] {
         let mut gradients = [[0.0; D]; MAX_FACET_NODES];
         self.facet_kind(facet).gradients(xi, &mut gradients);
         let mut tangents = [[0.0; D]; D];
@@ -118,6 +119,12 @@ impl<const D: usize> Mesh<D> {
                 }
             }
         }
+        tangents
+    }
+
+    /// Outward normal of a facet at ξ, as long as dS/dξ: the tangent turned by −90°, in space the product of both tangents.
+    pub fn outward_normal(&self, facet: Facet, xi: &[f64]) -> Point<D> {
+        let tangents = self.facet_tangents(facet, xi);
         match D {
             2 => {
                 let [x, y] = [tangents[0][0], tangents[0][1]];
@@ -235,6 +242,26 @@ impl<const D: usize> Mesh<D> {
         }
     }
 
+    /// Nodes of a side in its order, each once, and whether it is one closed chain: along its chains in the plane, in space
+    /// ascending; `None` when there is no such side.
+    pub fn side_order(&self, name: &str) -> Option<(Vec<u32>, bool)> {
+        let Some(plane) = self.in_plane() else {
+            return Some((self.side_nodes(name)?, false));
+        };
+        let chains = plane.chain(name)?;
+        let along = chains.iter().flat_map(|chain| &chain.nodes).copied();
+        let mut seen = BTreeSet::new();
+        let nodes = along.filter(|&node| seen.insert(node)).collect();
+        Some((nodes, matches!(&chains[..], [only] if only.cyclic)))
+    }
+
+    /// The same mesh as one of the plane, where it is one.
+    pub fn in_plane(&self) -> Option<&Mesh<2>> {
+        (self as &dyn Any).downcast_ref()
+    }
+}
+
+impl Mesh<2> {
     /// The facets of a side joined end to end; `None` when there is no such side.
     ///
     /// Chains end where the side ends and at a node where more than two of its facets meet. They come in the order of

@@ -118,8 +118,8 @@ impl Rectangle {
     ///
     /// Errors: corners that are not finite or not `from` < `to`, no cells, too many cells.
     pub fn build(&self) -> Result<Mesh<2>, MeshError> {
-        let lines = lines("rectangle", self.from, self.to, self.cells)?;
         let lattice = Lattice::new(self.cells, self.cell, self.diagonals, false)?;
+        let lines = lines("rectangle", self.from, self.to, self.cells)?;
         let [x, y] = lines.map(|nodes| lattice.with_middles(nodes));
         lattice.mesh(
             |u, v| [x[u], y[v]],

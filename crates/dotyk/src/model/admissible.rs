@@ -4,6 +4,7 @@ use crate::contact::{ContactError, Coupling};
 use crate::dual::{AdmissibleSet, Block};
 use crate::fem::show;
 use crate::geometry::Field;
+use crate::mesh::CellKind;
 use crate::model::error::Error;
 use crate::model::nouns::{Contact, Model};
 use crate::model::pair::Paired;
@@ -70,17 +71,20 @@ pub(crate) fn neighbours<const D: usize>(
         first += block.len();
         let mesh = &model.bodies[pair.nonmortar.body.0].mesh;
         for &facet in mesh.side(&pair.nonmortar.side).unwrap_or_default() {
+            let nodes: Vec<usize> = mesh.facet_nodes(facet).map(|n| n as usize).collect();
             // middle nodes lie between the corners: in the plane a facet is a chain of its nodes
-            let mut nodes: Vec<usize> = mesh.facet_nodes(facet).map(|n| n as usize).collect();
-            if let [_, _, middle] = nodes[..] {
-                nodes.swap(1, 2);
-                nodes[1] = middle;
-            }
-            let ends = nodes.windows(2).filter_map(|pair| {
-                let [a, b] = [block.get(&pair[0])?, block.get(&pair[1])?];
+            let edges = match (mesh.facet_kind(facet), &nodes[..]) {
+                (CellKind::Line3, &[a, b, middle]) => vec![[a, middle], [middle, b]],
+                (kind, _) => {
+                    let corners = kind.corner_edges().iter().enumerate();
+                    let ends = corners.flat_map(|(a, ends)| ends.iter().map(move |&b| (a, b)));
+                    ends.map(|(a, b)| [nodes[a], nodes[b]]).collect()
+                }
+            };
+            pairs.extend(edges.iter().filter_map(|[a, b]| {
+                let [a, b] = [block.get(a)?, block.get(b)?];
                 Some([*a.min(b), *a.max(b)])
-            });
-            pairs.extend(ends);
+            }));
         }
     }
     pairs.sort_unstable();

@@ -8,8 +8,8 @@
 //! cannot resolve: the dent p(h_s/E_s + h_m/E_m) of a pressure p that varies from node to node, and how much the gap itself
 //! curves along a facet. Where nothing presses and nothing curves there is no excuse: a condition was lost.
 
-use crate::contact::{InterfaceNode, Sample};
-use crate::geometry::{Point, dot};
+use crate::contact::{InterfaceNode, Moved, Sample};
+use crate::geometry::{Point, dot, invert};
 use crate::model::pair::Paired;
 use std::collections::BTreeMap;
 
@@ -26,16 +26,6 @@ pub(crate) struct Overlap<const D: usize> {
     pub resolved: f64,
 }
 
-/// Displacements that a contact sees.
-pub(crate) struct Moved<'a, const D: usize> {
-    /// Nodal displacements of the nonmortar body.
-    pub own: &'a [Point<D>],
-    /// Those of the mortar body; `None` against an obstacle.
-    pub other: Option<&'a [Point<D>]>,
-    /// Displacement of the obstacle.
-    pub obstacle: Point<D>,
-}
-
 /// The worst overlap of one contact between its nodes under its forces `lambda`; overlaps up to `negligible` are rounding.
 pub(crate) fn worst_overlap<const D: usize>(
     contact: usize,
@@ -49,13 +39,13 @@ pub(crate) fn worst_overlap<const D: usize>(
     let pressures = nodes.filter_map(|n| Some((n.node, own(n)?))).collect();
     let pressure = near(pair, &pressures);
     let facets = pair.samples.iter().map(|samples| {
-        let gaps = samples.iter().map(|sample| gap(sample, moved));
+        let gaps = samples.iter().map(|sample| sample.at.after(moved));
         gaps.collect::<Vec<f64>>()
     });
     let facets: Vec<Vec<f64>> = facets.collect();
     let mut bends = BTreeMap::new();
     for (samples, gaps) in pair.samples.iter().zip(&facets) {
-        let bend = bend(gaps);
+        let bend = bend(samples, gaps);
         nodes_of(samples).for_each(|node| raise(&mut bends, node, bend));
     }
     // a condition that is a mean over the facets of a node sees how the gap bends on all of them
@@ -82,20 +72,12 @@ pub(crate) fn worst_overlap<const D: usize>(
     worst
 }
 
-fn gap<const D: usize>(sample: &Sample<D>, moved: &Moved<'_, D>) -> f64 {
-    let at = |nodes: &[(usize, f64)], u: &[Point<D>]| {
-        let along = nodes.iter().map(|&(j, n)| n * dot(sample.normal, u[j]));
-        along.sum::<f64>()
-    };
-    let other = match moved.other {
-        Some(u) => at(&sample.opposite, u),
-        None => dot(sample.normal, moved.obstacle),
-    };
-    sample.gap + (other - at(&sample.own, moved.own))
-}
-
-/// Largest distance of some values along a facet from the straight line between the first and the last.
-fn bend(values: &[f64]) -> f64 {
+/// Largest distance of some values along a facet from the straight line between the first and the last, in space from the
+/// linear function that fits them best.
+fn bend<const D: usize>(samples: &[Sample<D>], values: &[f64]) -> f64 {
+    if D > 2 {
+        return bend_of_surface(samples, values);
+    }
     let ([first, .., last], steps) = (values, values.len().saturating_sub(1)) else {
         return 0.0;
     };
@@ -106,9 +88,33 @@ fn bend(values: &[f64]) -> f64 {
     values.iter().enumerate().map(off).fold(0.0, f64::max)
 }
 
+/// Largest distance of some values from the linear function of ξ that fits them best.
+fn bend_of_surface<const D: usize>(samples: &[Sample<D>], values: &[f64]) -> f64 {
+    let mean = |of: &dyn Fn(usize) -> f64| {
+        let sum: f64 = (0..values.len()).map(of).sum();
+        sum / values.len() as f64
+    };
+    let middle = [0, 1].map(|d| mean(&|k| samples[k].xi[d]));
+    let level = mean(&|k| values[k]);
+    let from_middle = |k: usize| [0, 1].map(|d| samples[k].xi[d] - middle[d]);
+    let moment = |i: usize, j: usize| mean(&|k| from_middle(k)[i] * from_middle(k)[j]);
+    let load = [0, 1].map(|d| mean(&|k| from_middle(k)[d] * (values[k] - level)));
+    let (inverse, det) = invert(&[[moment(0, 0), moment(0, 1)], [moment(1, 0), moment(1, 1)]]);
+    // fewer than three points, or points on a line: they fit no plane, and nothing is known to bend
+    if values.len() < 3 || det <= 1e-12 {
+        return 0.0;
+    }
+    let slope = inverse.map(|row| dot(row, load));
+    let off = (0..values.len()).map(|k| (values[k] - level - dot(slope, from_middle(k))).abs());
+    off.fold(0.0, f64::max)
+}
+
 /// Nodes of the facet of some samples.
 fn nodes_of<const D: usize>(samples: &[Sample<D>]) -> impl Iterator<Item = usize> {
-    let nodes = samples.first().into_iter().flat_map(|sample| &sample.own);
+    let nodes = samples
+        .first()
+        .into_iter()
+        .flat_map(|sample| &sample.at.own);
     nodes.map(|(node, _)| *node)
 }
 

@@ -1,9 +1,8 @@
 //! Which of two sides carries the multipliers.
 
 use crate::contact::{ContactError, End, straight_turn};
-use crate::fem::{node_normals, side_facets};
+use crate::fem::node_normals;
 use crate::geometry::dot;
-use crate::mesh::Facet;
 
 /// Bodies whose stiffness differs by more than this factor, ten but for rounding, are soft and stiff; within it the finer
 /// side carries the multipliers, unless it would show the facets of the other.
@@ -43,7 +42,8 @@ pub(crate) fn chosen<const D: usize>(ends: [End<'_, D>; 2]) -> Result<usize, Con
     let finer = (edge[coarse] / edge[fine]).ln();
     let shown =
         |turn: f64| stiffer * finer > SHOWS || KINKS * turn * finer * stiffer.max(1.0) > VISIBLE;
-    Ok(match straight_turn(ends[coarse])?.is_some_and(shown) {
+    let turn = ends[coarse].in_plane().map_or(Ok(None), straight_turn)?;
+    Ok(match turn.is_some_and(shown) {
         true => coarse,
         false => fine,
     })
@@ -68,7 +68,7 @@ fn stiffness<const D: usize>(end: End<'_, D>) -> f64 {
 
 /// Supports hold the normal displacement of every node of the side.
 fn held<const D: usize>(end: End<'_, D>) -> Result<bool, ContactError> {
-    let normals = node_normals(&end.body.mesh, facets(end)?);
+    let normals = node_normals(&end.body.mesh, end.facets()?);
     Ok(normals.iter().all(|(&node, &normal)| {
         let held = end.constraints.at(node).iter();
         let rest: f64 = 1.0 - held.map(|h| dot(h.axis, normal).powi(2)).sum::<f64>();
@@ -79,18 +79,10 @@ fn held<const D: usize>(end: End<'_, D>) -> Result<bool, ContactError> {
 /// Mean distance of neighbouring nodes: a quadratic facet counts as two.
 fn mean_edge<const D: usize>(end: End<'_, D>) -> Result<f64, ContactError> {
     let mesh = &end.body.mesh;
-    let facets = facets(end)?.iter();
+    let facets = end.facets()?.iter();
     let edges = facets.map(|&facet| (mesh.facet_kind(facet).order(), mesh.facet_length(facet)));
     let (count, total) = edges.fold((0, 0.0), |(n, sum), (order, length)| {
         (n + order, sum + length)
     });
     Ok(total / count as f64)
-}
-
-/// The facets of a side.
-pub(crate) fn facets<'a, const D: usize>(end: End<'a, D>) -> Result<&'a [Facet], ContactError> {
-    side_facets(&end.body.mesh, end.side).map_err(|source| ContactError::Side {
-        body: end.body.name.clone(),
-        source,
-    })
 }

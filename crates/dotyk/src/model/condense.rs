@@ -68,9 +68,10 @@ pub(crate) fn condense<const D: usize>(
     let rows = body_rows(&systems, &paired);
     let gaps = initial_gaps(&paired);
     seconds.assemble = lap.seconds();
-    // the limit counts nodes: under friction each has one more row
+    // the limit counts nodes: under friction each has a row for every tangent, too
     let rough = paired.iter().flat_map(|p| p.interface.tangential());
-    let rows_per_node = 1 + usize::from(rough.into_iter().any(|tangential| tangential));
+    let rough = rough.into_iter().any(|tangential| tangential);
+    let rows_per_node = if rough { D } else { 1 };
     let dense = is_assembled(&rows, gaps.len(), dense_limit, rows_per_node);
     observe(Event::Stage("order"));
     let ordered: Vec<Ordered> = (&systems, &rows)

@@ -1,6 +1,6 @@
 //! What a solution tells of bodies and contacts: stresses, reactions by side, and the state of every contact node.
 
-use crate::contact::{Coupling, InterfaceNode, Role, Row, frame};
+use crate::contact::{Coupling, InterfaceNode, Role, Row};
 use crate::dual::AdmissibleSet;
 use crate::fem::{RigidBasis, describe_motion, fit_rigid, recover_stress, von_mises};
 use crate::geometry::{Point, add_scaled, bounding_box, cross, distance, dot, norm, sub};
@@ -162,12 +162,12 @@ fn contact_solution<const D: usize>(
             None if node.role == Role::Alone => None,
             None => Some(obstacle),
         };
-        let along = |u: Point<D>| dot(node.normal, u);
+        let along = |u: Point<D>| dot(node.normal(), u);
         let displacement_nonmortar = along(u_nonmortar);
         let displacement_mortar = u_mortar.map_or(f64::NAN, along);
         let slip = u_mortar.map_or([f64::NAN; D], |u| {
             let relative = sub(u_nonmortar, u);
-            add_scaled(relative, -along(relative), node.normal)
+            add_scaled(relative, -along(relative), node.normal())
         });
         let (gap, pressure, status) = match (node.role, node.rows[0]) {
             (Role::Alone, _) => (f64::NAN, 0.0, Status::Open),
@@ -191,7 +191,7 @@ fn contact_solution<const D: usize>(
             }
         };
         // the rows push the nonmortar body by −λ
-        let directions = frame(node.normal).into_iter().zip(node.rows).skip(1);
+        let directions = node.frame.into_iter().zip(node.rows).skip(1);
         let shear = directions.fold([0.0; D], |sum, (direction, row)| {
             let traction = row.map_or(0.0, |row| -lambda[row] / node.weight);
             add_scaled(sum, traction, direction)
@@ -200,7 +200,7 @@ fn contact_solution<const D: usize>(
             node: node.node,
             partner: pair.mortar.as_ref().and_then(|_| node.partner()),
             point: body.mesh.points()[node.node],
-            normal: node.normal,
+            normal: node.normal(),
             weight: node.weight,
             gap,
             pressure,

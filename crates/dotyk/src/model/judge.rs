@@ -4,11 +4,11 @@
 //! The energy gap is that of the potential and the complementary energy, Π(u) − Π*(σ, λ) = λ·gap − r·u, with r what the
 //! nodal forces of any body leave unbalanced.
 
-use crate::contact::{Coupling, Row};
+use crate::contact::{Coupling, Moved, Row};
 use crate::dual::{Certificate, Component, DualProblem, Multipliers, ROUNDING, Recomputed};
 use crate::geometry::{Point, dot};
 use crate::linalg::SparseVector;
-use crate::model::between::{Moved, Overlap, worst_overlap};
+use crate::model::between::{Overlap, worst_overlap};
 use crate::model::bodies::{LoadedBody, add_rows};
 use crate::model::condense::Condensed;
 use crate::model::error::Error;

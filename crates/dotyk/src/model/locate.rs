@@ -26,7 +26,7 @@ pub(crate) fn locate<const D: usize>(
             let Some(xi) = invert_map(block.kind, &corners, point) else {
                 continue;
             };
-            let outside = outside(block.kind, &xi);
+            let outside = block.kind.domain().outside(&xi);
             if best.as_ref().is_none_or(|b| outside < b.0) {
                 let mut shape = [0.0; MAX_CELL_NODES];
                 block.kind.shape(&xi, &mut shape);
@@ -41,16 +41,6 @@ pub(crate) fn locate<const D: usize>(
     let (outside, nodes, shape) = best?;
     let shape = shape[..nodes.len()].to_vec();
     (outside <= OUTSIDE).then_some((nodes, shape))
-}
-
-/// By how much reference coordinates lie outside a cell; negative inside.
-fn outside<const D: usize>(kind: CellKind, xi: &[f64; D]) -> f64 {
-    if kind.corners() == D + 1 {
-        let beyond = xi.iter().sum::<f64>() - 1.0;
-        return xi.iter().fold(beyond, |largest, c| largest.max(-c));
-    }
-    let beyond = |largest: f64, c: &f64| largest.max(c.abs() - 1.0);
-    xi.iter().fold(f64::NEG_INFINITY, beyond)
 }
 
 /// Reference coordinates of a point in a cell by Newton's method; `None` when it does not settle.
@@ -105,12 +95,16 @@ const BESIDE: f64 = 0.1;
 /// A point may lie beyond the end of a side by this fraction of a facet: rounding, not more.
 const BEYOND: f64 = 1e-6;
 
-/// Nodes and shape functions of the facet of a plane side that is nearest to a point; `None` where the point lies beside.
+/// Nodes and shape functions of the facet of a plane side that is nearest to a point; `None` where the point lies beside, and
+/// in space, where values of a contact are read as their largest or smallest.
 pub(crate) fn locate_on_side<const D: usize>(
     mesh: &Mesh<D>,
     facets: &[Facet],
     point: Point<D>,
 ) -> Option<(Vec<usize>, Vec<f64>)> {
+    if D > 2 {
+        return None;
+    }
     let mut best: Option<(f64, Facet, f64, f64)> = None;
     for &facet in facets {
         let ends: Vec<Point<D>> = mesh.facet_points(facet).take(2).collect();

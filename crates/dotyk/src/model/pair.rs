@@ -1,14 +1,14 @@
 //! Contacts as interfaces: how their sides are coupled, and the gaps of their rows at a time.
 
 use crate::contact::{
-    Against, ContactError, Coupling, Driven, End, InitialGap, Interface, InterfaceNode, Role, Row,
-    Sample, facets_coincide, pair_mortar, pair_nodes, pair_obstacle, sagitta, samples,
+    Against, ContactError, Coupling, Driven, End, GapPoint, InitialGap, Interface, InterfaceNode,
+    Role, Row, Sample, facets_coincide, pair_mortar, pair_nodes, pair_obstacle, sagitta, samples,
     smooth_parts, unmatched_facing,
 };
 use crate::fem::{Constraints, Short, show};
 use crate::geometry::{Field, dot};
 use crate::mesh::Facet;
-use crate::model::choose::{chosen, facets, finer_than_softer};
+use crate::model::choose::{chosen, finer_than_softer};
 use crate::model::error::Error;
 use crate::model::nouns::*;
 use crate::model::parts::obstacle_part;
@@ -141,13 +141,21 @@ pub(crate) fn gaps_at<const D: usize>(
         if let Pair::Obstacle { obstacle, .. } = &contact.pair {
             before.obstacle_motion = contacting.motion(obstacle)?;
         }
-        if shape_varies(contact) {
-            let now = contacting.pair()?;
-            let nodes = before.interface.nodes.iter_mut();
-            nodes.zip(now.interface.nodes).for_each(|(node, now)| {
-                (node.gap, node.clearance) = (now.gap, now.clearance);
-            });
-            before.samples = now.samples;
+        if let Some(field) = varying_gap(contact) {
+            let side = before.nonmortar.clone();
+            let end = contacting.end(&side);
+            let fail = |source| contacting.fail(source);
+            let own = end.body.mesh.points();
+            let gap = |point: &GapPoint<D>| match &contact.pair {
+                Pair::Obstacle { obstacle, .. } => {
+                    point.above((&obstacle.shape, [0.0; D]), end, own, time)
+                }
+                _ => point.given(field, end, time),
+            };
+            before.interface.measure(gap).map_err(fail)?;
+            for sample in before.samples.iter_mut().flatten() {
+                sample.at.gap = gap(&sample.at).map_err(fail)?;
+            }
         }
         Ok(before)
     };
@@ -155,8 +163,8 @@ pub(crate) fn gaps_at<const D: usize>(
     both.map(at_time).collect()
 }
 
-/// Whether the initial gap of a contact between its undeformed surfaces may depend on time.
-fn shape_varies<const D: usize>(contact: &Contact<D>) -> bool {
+/// The initial gap of a contact between its undeformed surfaces, where it is given and may depend on time.
+fn varying_gap<const D: usize>(contact: &Contact<D>) -> Option<&Field> {
     let field = match (&contact.pair, &contact.gap) {
         (Pair::Obstacle { obstacle, .. }, _) => match &obstacle.shape {
             Rigid::Gap(field) => Some(field),
@@ -165,7 +173,7 @@ fn shape_varies<const D: usize>(contact: &Contact<D>) -> bool {
         (_, Some(Gap::Given(field))) => Some(field),
         _ => None,
     };
-    field.is_some_and(|field| field.as_constant().is_none())
+    field.filter(|field| field.as_constant().is_none())
 }
 
 /// Whether g₀ of a contact may depend on time, be it by its gap or by the motion of its obstacle.
@@ -177,7 +185,7 @@ pub(crate) fn gap_varies<const D: usize>(contact: &Contact<D>) -> bool {
         },
         _ => false,
     };
-    moved || shape_varies(contact)
+    moved || varying_gap(contact).is_some()
 }
 
 /// The largest initial gap at nodes and between them, if all are within a bound and not all are rounding of it.
@@ -189,7 +197,7 @@ fn all_within<const D: usize>(
     let nodes = interface.nodes.iter().filter(|node| !node.gap.is_nan());
     // the gap of a row is a mean with functions of both signs: it may be larger than any single gap
     let at_nodes = nodes.map(|node| node.clearance);
-    let gaps = at_nodes.chain(samples.iter().flatten().map(|s| s.gap));
+    let gaps = at_nodes.chain(samples.iter().flatten().map(|s| s.at.gap));
     let largest = gaps.fold(0.0, |s: f64, gap| s.max(gap.abs()));
     (largest <= bound && largest > 1e-9 * bound).then_some(largest)
 }
@@ -241,7 +249,7 @@ impl<'a, const D: usize> Contacting<'a, D> {
         let whole = self.end(nonmortar);
         // a tie holds both faces of a corner by one condition
         let parts = match coupling {
-            Coupling::Tied => vec![facets(whole).map_err(fail)?.to_vec()],
+            Coupling::Tied => vec![whole.facets().map_err(fail)?.to_vec()],
             _ => smooth_parts(whole).map_err(fail)?,
         };
         let pair = |part: &Vec<Facet>| {
@@ -278,7 +286,10 @@ impl<'a, const D: usize> Contacting<'a, D> {
         }
     }
 
-    fn end(&self, side: &'a SideRef) -> End<'a, D> {
+    fn end<'s>(&self, side: &'s SideRef) -> End<'s, D>
+    where
+        'a: 's,
+    {
         End {
             body: &self.model.bodies[side.body.0],
             side: &side.side,
@@ -293,7 +304,7 @@ impl<'a, const D: usize> Contacting<'a, D> {
         against: Against<'_, D>,
         gap: InitialGap<'_>,
     ) -> Result<Vec<Vec<Sample<D>>>, ContactError> {
-        samples(nonmortar, against, gap, self.model.analysis, self.time)
+        samples(nonmortar, against, gap, self.time)
     }
 
     /// A side, or a part of it, above an obstacle.
@@ -395,11 +406,13 @@ impl<'a, const D: usize> Contacting<'a, D> {
         let matching = partners.all(|n| n.partner().is_some());
         let mut crude = 0.0;
         if measured && !matching {
-            let missed = [sagitta(ends[0])?, sagitta(ends[1])?];
+            let missed = ends.map(|end| end.in_plane().map_or(Ok(0.0), sagitta));
+            let [first, second] = missed;
+            let missed = [first?, second?];
             crude = missed[0].max(missed[1]);
             if let Some(largest) = all_within(missed[0] + missed[1], &interface, &samples) {
                 interface.close();
-                samples.iter_mut().flatten().for_each(|s| s.gap = 0.0);
+                samples.iter_mut().flatten().for_each(|s| s.at.gap = 0.0);
                 crude = 0.0;
                 warnings.push(format!(
                     "contact \"{}\": all initial gaps lie within {} of zero, which is less than what the meshes miss of the curves that they stand for ({}): they count as closed; set gap = \"closed\" to say so, or give the true `surface` of both sides",

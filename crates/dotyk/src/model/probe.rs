@@ -114,7 +114,7 @@ fn along<const D: usize>(
     minus: &dyn Fn(Point<D>) -> Point<D>,
 ) -> f64 {
     let tangential = |vector: Point<D>| match D {
-        2 => dot(vector, frame(node.normal)[1]),
+        2 => dot(vector, frame(node.normal, &[])[1]),
         _ => norm(vector),
     };
     let beside_rigid = |u: f64| u - dot(node.normal, minus(node.point));
