@@ -9,10 +9,10 @@
 //!
 //! As described in Beck & Teboulle (2009); the restart as described in O'Donoghue & Candès (2015).
 
-use crate::dual::{Multipliers, Projector};
+use crate::dual::Multipliers;
 use crate::solve::gradient::projected_bound;
-use crate::solve::iteration::{Iteration, Point, iterate, steeper_than};
-use crate::solve::setup::Setup;
+use crate::solve::iteration::{Iteration, Projection, iterate, steeper_than};
+use crate::solve::setup::{Forces, Point, Setup};
 use crate::solve::{FixedBounds, Observer, Outcome, SolveError, TOLERANCE};
 
 /// Projected gradient with extrapolation and restart.
@@ -36,15 +36,8 @@ impl Default for Accelerated {
 impl FixedBounds for Accelerated {
     const NAME: &'static str = "accelerated";
 
-    fn limits(&self) -> (f64, usize) {
-        (self.tolerance, self.max_iterations)
-    }
-
-    fn within(&self, tolerance: f64, max_iterations: usize) -> Self {
-        Self {
-            tolerance,
-            max_iterations,
-        }
+    fn limits_mut(&mut self) -> (&mut f64, &mut usize) {
+        (&mut self.tolerance, &mut self.max_iterations)
     }
 
     fn run(
@@ -54,26 +47,20 @@ impl FixedBounds for Accelerated {
         observe: Observer<'_>,
     ) -> Result<Outcome, SolveError> {
         let bound = 1.01 * projected_bound(setup);
-        let (m, k) = (setup.len(), setup.modes());
-        let mut projector = setup.projector();
-        let (mut x, mut product_x) = (vec![0.0; m], vec![0.0; m]);
-        projector.project(&setup.start(guess)?, &mut vec![0.0; k], &mut x);
-        setup.multiply(&x, &mut product_x);
+        let start = setup.start(guess)?;
+        let mut projection = Projection::new(setup);
+        let mut x = Forces::none(setup);
+        projection.project(|i| start[i], &mut x.lambda);
+        setup.multiply(&x.lambda, &mut x.product);
         let mut steps = Steps {
             setup,
-            projector,
+            projection,
             bound,
             momentum: 1.0,
             restart: false,
             y: x.clone(),
-            product_y: product_x.clone(),
             x,
-            product_x,
-            next: vec![0.0; m],
-            product_next: vec![0.0; m],
-            trial: vec![0.0; m],
-            tau: vec![0.0; k],
-            alpha: vec![0.0; k],
+            next: Forces::none(setup),
         };
         iterate(self, setup, &mut steps, 0, observe)
     }
@@ -81,7 +68,7 @@ impl FixedBounds for Accelerated {
 
 struct Steps<'a> {
     setup: &'a Setup<'a>,
-    projector: Projector<'a>,
+    projection: Projection<'a>,
     /// L.
     bound: f64,
     /// t.
@@ -89,68 +76,51 @@ struct Steps<'a> {
     /// The step points against the gradient mapping.
     restart: bool,
     /// xₖ, the extrapolated yₖ and xₖ₊₁, each with its product; that of y follows by the same combination.
-    x: Vec<f64>,
-    product_x: Vec<f64>,
-    y: Vec<f64>,
-    product_y: Vec<f64>,
-    next: Vec<f64>,
-    product_next: Vec<f64>,
-    trial: Vec<f64>,
-    tau: Vec<f64>,
-    alpha: Vec<f64>,
+    x: Forces,
+    y: Forces,
+    next: Forces,
 }
 
 impl Iteration for Steps<'_> {
     const FIRST: usize = 1;
 
     fn evaluate(&mut self) {
+        let (x, y, next) = (&self.x.lambda, &self.y, &mut self.next);
         loop {
-            for (i, trial) in self.trial.iter_mut().enumerate() {
-                *trial = self.y[i] - (self.product_y[i] - self.setup.shift[i]) / self.bound;
+            let (bound, shift) = (self.bound, &self.setup.shift);
+            let trial = |i: usize| y.lambda[i] - (y.product[i] - shift[i]) / bound;
+            let tau = self.projection.project(trial, &mut next.lambda);
+            for (alpha, tau) in next.alpha.iter_mut().zip(tau) {
+                *alpha = -tau * bound;
             }
-            self.projector
-                .project(&self.trial, &mut self.tau, &mut self.next);
-            self.setup.multiply(&self.next, &mut self.product_next);
-            let (to, from) = (
-                (&self.next[..], &self.product_next[..]),
-                (&self.y[..], &self.product_y[..]),
-            );
-            let Some(quotient) = steeper_than(self.bound, to, from, |_| true) else {
-                break;
-            };
-            self.bound = 1.05 * quotient;
+            self.setup.multiply(&next.lambda, &mut next.product);
+            let to = (&next.lambda[..], &next.product[..]);
+            let from = (&y.lambda[..], &y.product[..]);
+            match steeper_than(bound, to, from, |_| true) {
+                Some(quotient) => self.bound = 1.05 * quotient,
+                None => break,
+            }
         }
-        for (alpha, tau) in self.alpha.iter_mut().zip(&self.tau) {
-            *alpha = -tau * self.bound;
-        }
-        let (x, y, next) = (&self.x, &self.y, &self.next);
-        let against: f64 = (0..x.len())
-            .map(|i| (y[i] - next[i]) * (next[i] - x[i]))
-            .sum();
-        self.restart = against > 0.0;
+        let (y, next) = (&y.lambda, &next.lambda);
+        let against = (0..x.len()).map(|i| (y[i] - next[i]) * (next[i] - x[i]));
+        self.restart = against.sum::<f64>() > 0.0;
     }
 
     fn point(&self) -> Point<'_> {
-        Point {
-            lambda: &self.next,
-            product: &self.product_next,
-            alpha: &self.alpha,
-            components: &self.setup.components,
-            step: if self.restart { 'r' } else { 'a' },
-        }
+        let step = if self.restart { 'r' } else { 'a' };
+        self.next.at(self.setup, step)
     }
 
     fn advance(&mut self, _gap: &[f64]) -> usize {
         let momentum = if self.restart { 1.0 } else { self.momentum };
         self.momentum = (1.0 + (1.0 + 4.0 * momentum * momentum).sqrt()) / 2.0;
         let part = (momentum - 1.0) / self.momentum;
-        for i in 0..self.y.len() {
-            self.y[i] = self.next[i] + part * (self.next[i] - self.x[i]);
-            self.product_y[i] =
-                self.product_next[i] + part * (self.product_next[i] - self.product_x[i]);
+        let (x, y, next) = (&self.x, &mut self.y, &self.next);
+        for i in 0..y.lambda.len() {
+            y.lambda[i] = next.lambda[i] + part * (next.lambda[i] - x.lambda[i]);
+            y.product[i] = next.product[i] + part * (next.product[i] - x.product[i]);
         }
         std::mem::swap(&mut self.x, &mut self.next);
-        std::mem::swap(&mut self.product_x, &mut self.product_next);
         1
     }
 }

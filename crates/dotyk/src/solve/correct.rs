@@ -15,9 +15,9 @@ use std::ops::ControlFlow;
 use crate::dual::{Compliance, DualProblem, Multipliers};
 use crate::solve::exact::{Ended, NEAR, Search, finest};
 use crate::solve::hold::hold;
-use crate::solve::setup::Setup;
+use crate::solve::setup::{Forces, Setup};
 use crate::solve::states::unknowns;
-use crate::solve::system::{Forces, System};
+use crate::solve::system::System;
 use crate::solve::{FixedBounds, Newton};
 
 /// What one exact step adds to forces and rigid amplitudes whose displacements have the gaps `gap`, known to `rounding`; `None`

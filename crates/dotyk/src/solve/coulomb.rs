@@ -14,7 +14,7 @@
 
 use crate::dual::{Feasibility, Multipliers};
 use crate::solve::iteration::{completed, counting_from};
-use crate::solve::setup::Setup;
+use crate::solve::setup::{Forces, Setup};
 use crate::solve::{FixedBounds, FixedPoint, Observer, Outcome, SolveError};
 
 /// Most problems with given bounds.
@@ -206,10 +206,7 @@ impl<'a, S: FixedBounds> Search<'a, S> {
     }
 
     fn outcome(&self, stopped_by_observer: bool) -> Outcome {
-        let none = || {
-            let (m, k) = (self.setup.len(), self.setup.modes());
-            self.setup.outcome(&vec![0.0; m], &vec![0.0; k])
-        };
+        let none = || self.setup.outcome(&Forces::none(self.setup));
         let mut outcome = self.last.clone().unwrap_or_else(none);
         if let Some(factor) = self.contraction.filter(|factor| *factor >= 1.0) {
             outcome.remarks.push(format!(

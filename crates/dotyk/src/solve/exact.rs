@@ -17,9 +17,9 @@ use std::ops::Range;
 use crate::dual::{Compliance, Multipliers, least_norm_within};
 use crate::solve::iteration::tell;
 use crate::solve::levels;
-use crate::solve::setup::{Judge, Setup};
+use crate::solve::setup::{Forces, Judge, Setup};
 use crate::solve::states::{Shear, State};
-use crate::solve::system::{Forces, System};
+use crate::solve::system::System;
 use crate::solve::{Observer, Outcome, SolveError, dot};
 
 /// How long exact steps may go on.
@@ -344,7 +344,7 @@ impl<'a> Search<'a> {
             iterations: self.iterations(),
             exact: self.kind == 'n',
             stopped_by_observer,
-            ..self.setup.outcome(&self.point.lambda, &self.point.alpha)
+            ..self.setup.outcome(&self.point)
         }
     }
 

@@ -7,9 +7,9 @@
 //! Source: fixed step as described in Janovský & Procházka (1980) III for the p,A-algorithm, with the exact projection in
 //! place of the bolt.
 
-use crate::dual::{Multipliers, Projector};
-use crate::solve::iteration::{FixedStep, Iteration, Point, iterate};
-use crate::solve::setup::Setup;
+use crate::dual::Multipliers;
+use crate::solve::iteration::{FixedStep, Iteration, Projection, iterate};
+use crate::solve::setup::{Forces, Point, Setup};
 use crate::solve::{FixedBounds, Observer, Outcome, SolveError, TOLERANCE, spectrum};
 
 /// Projected gradient with a fixed step.
@@ -36,16 +36,8 @@ impl Default for Gradient {
 impl FixedBounds for Gradient {
     const NAME: &'static str = "gradient";
 
-    fn limits(&self) -> (f64, usize) {
-        (self.tolerance, self.max_iterations)
-    }
-
-    fn within(&self, tolerance: f64, max_iterations: usize) -> Self {
-        Self {
-            tolerance,
-            max_iterations,
-            ..self.clone()
-        }
+    fn limits_mut(&mut self) -> (&mut f64, &mut usize) {
+        (&mut self.tolerance, &mut self.max_iterations)
     }
 
     fn run(
@@ -56,21 +48,17 @@ impl FixedBounds for Gradient {
     ) -> Result<Outcome, SolveError> {
         FixedStep::check(self.rho)?;
         let step = FixedStep::new(self.rho, || projected_bound(setup));
-        let (m, k) = (setup.len(), setup.modes());
-        let mut projector = setup.projector();
-        let mut lambda = vec![0.0; m];
-        projector.project(&setup.start(guess)?, &mut vec![0.0; k], &mut lambda);
+        let start = setup.start(guess)?;
+        let mut projection = Projection::new(setup);
+        let mut at = Forces::none(setup);
+        projection.project(|i| start[i], &mut at.lambda);
         let mut steps = Steps {
             setup,
             step,
-            projector,
-            next: lambda.clone(),
-            lambda,
-            product: vec![0.0; m],
-            before: vec![0.0; m],
-            trial: vec![0.0; m],
-            tau: vec![0.0; k],
-            alpha: vec![0.0; k],
+            projection,
+            next: at.lambda.clone(),
+            before: at.product.clone(),
+            at,
         };
         iterate(self, setup, &mut steps, 0, observe)
     }
@@ -79,51 +67,38 @@ impl FixedBounds for Gradient {
 struct Steps<'a> {
     setup: &'a Setup<'a>,
     step: FixedStep,
-    projector: Projector<'a>,
-    lambda: Vec<f64>,
+    projection: Projection<'a>,
+    at: Forces,
     /// The iterate before, until there is the next one.
     next: Vec<f64>,
-    /// Fλ of this iterate and of the one before.
-    product: Vec<f64>,
+    /// The product of the iterate before.
     before: Vec<f64>,
-    /// λ − ρ(Fλ − d).
-    trial: Vec<f64>,
-    tau: Vec<f64>,
-    alpha: Vec<f64>,
 }
 
 impl Iteration for Steps<'_> {
     fn evaluate(&mut self) {
-        std::mem::swap(&mut self.product, &mut self.before);
-        self.setup.multiply(&self.lambda, &mut self.product);
+        let at = &mut self.at;
+        std::mem::swap(&mut at.product, &mut self.before);
+        self.setup.multiply(&at.lambda, &mut at.product);
         let (now, then) = (
-            (&self.lambda[..], &self.product[..]),
+            (&at.lambda[..], &at.product[..]),
             (&self.next[..], &self.before[..]),
         );
         self.step.adapt(now, then, |_| true);
-        let rho = self.step.rho;
-        for (i, trial) in self.trial.iter_mut().enumerate() {
-            *trial = self.lambda[i] - rho * (self.product[i] - self.setup.shift[i]);
-        }
-        self.projector
-            .project(&self.trial, &mut self.tau, &mut self.next);
-        for (alpha, tau) in self.alpha.iter_mut().zip(&self.tau) {
+        let (rho, shift) = (self.step.rho, &self.setup.shift);
+        let trial = |i: usize| at.lambda[i] - rho * (at.product[i] - shift[i]);
+        let tau = self.projection.project(trial, &mut self.next);
+        for (alpha, tau) in at.alpha.iter_mut().zip(tau) {
             *alpha = -tau / rho;
         }
     }
 
     fn point(&self) -> Point<'_> {
-        Point {
-            lambda: &self.lambda,
-            product: &self.product,
-            alpha: &self.alpha,
-            components: &self.setup.components,
-            step: 'g',
-        }
+        self.at.at(self.setup, 'g')
     }
 
     fn advance(&mut self, _gap: &[f64]) -> usize {
-        std::mem::swap(&mut self.lambda, &mut self.next);
+        std::mem::swap(&mut self.at.lambda, &mut self.next);
         1
     }
 

@@ -9,27 +9,13 @@
 
 use std::ops::ControlFlow;
 
-use crate::dual::Component;
-use crate::solve::setup::{Judge, Setup};
+use crate::dual::Projector;
+use crate::solve::setup::{Judge, Point, Setup};
 use crate::solve::{FixedBounds, Iterate, Observer, Outcome, SAFE_STEP, SolveError, loaded};
 
 /// Forces beyond this multiple of those of the first step have diverged: a fixed step beyond its limit grows by a factor
 /// per iteration.
 const DIVERGED: f64 = 1e12;
-
-/// Where an iteration is.
-pub(crate) struct Point<'a> {
-    /// λ, (m,).
-    pub lambda: &'a [f64],
-    /// Fλ, (m,).
-    pub product: &'a [f64],
-    /// α̂, (k,).
-    pub alpha: &'a [f64],
-    /// What λ is held to, (m,).
-    pub components: &'a [Component],
-    /// Kind of the step that led here, as in [`Iterate::step`].
-    pub step: char,
-}
 
 /// A method: its state, and how that goes on.
 pub(crate) trait Iteration {
@@ -80,7 +66,7 @@ pub(crate) fn iterate<S: FixedBounds, I: Iteration>(
         iteration.evaluate();
         let estimate = judge.residual(setup, &iteration.point());
         let stopped = count > done && tell(observe, count, &iteration.point(), estimate);
-        let force = setup.largest_force(iteration.point().lambda);
+        let force = setup.largest_force(&iteration.point().forces.lambda);
         let diverged = !estimate.is_finite() || ceiling.is_some_and(|ceiling| force > ceiling);
         let last = diverged || count >= most;
         let residual = match stopped {
@@ -89,12 +75,11 @@ pub(crate) fn iterate<S: FixedBounds, I: Iteration>(
         };
         let passes = residual.is_some_and(|residual| residual <= tolerance);
         if stopped || passes || last {
-            let Point { lambda, alpha, .. } = iteration.point();
             let outcome = Outcome {
                 iterations: count,
                 rho: iteration.rho(),
                 stopped_by_observer: stopped,
-                ..setup.outcome(lambda, alpha)
+                ..setup.outcome(iteration.point().forces)
             };
             return match stopped || passes {
                 true => Ok(outcome),
@@ -120,11 +105,12 @@ pub(crate) fn tell(
     point: &Point<'_>,
     residual: f64,
 ) -> bool {
+    let lambda = &point.forces.lambda;
     let iterate = Iterate {
         iteration,
-        lambda: point.lambda,
+        lambda,
         residual,
-        active: loaded(point.lambda),
+        active: loaded(lambda),
         step: point.step,
     };
     observe(&iterate) == ControlFlow::Break(())
@@ -227,6 +213,32 @@ impl FixedStep {
                 "rho = {rho:.6e} is below 2/λ_max = {limit:.6e}: allow more iterations, a larger rho, or use newton"
             )
         }
+    }
+}
+
+/// Exact projections of gradient steps onto Λ ∩ {Gλ = e}.
+pub(crate) struct Projection<'a> {
+    projector: Projector<'a>,
+    trial: Vec<f64>,
+    tau: Vec<f64>,
+}
+
+impl<'a> Projection<'a> {
+    pub fn new(setup: &'a Setup<'_>) -> Self {
+        Self {
+            projector: setup.projector(),
+            trial: vec![0.0; setup.len()],
+            tau: vec![0.0; setup.modes()],
+        }
+    }
+
+    /// The forces (m,) nearest to some trial forces, and what their multipliers pull (k,).
+    pub fn project(&mut self, trial: impl Fn(usize) -> f64, lambda: &mut [f64]) -> &[f64] {
+        for (i, value) in self.trial.iter_mut().enumerate() {
+            *value = trial(i);
+        }
+        self.projector.project(&self.trial, &mut self.tau, lambda);
+        &self.tau
     }
 }
 

@@ -235,15 +235,27 @@ pub trait ContactSolver: Sync {
 }
 
 /// An algorithm for problems whose friction bounds are given, on prepared data.
-pub(crate) trait FixedBounds: Sized + Sync {
+pub(crate) trait FixedBounds: Clone + Sync {
     /// Its name in reports and case files.
     const NAME: &'static str;
 
     /// Residual at which it stops, and the most iterations.
-    fn limits(&self) -> (f64, usize);
+    fn limits_mut(&mut self) -> (&mut f64, &mut usize);
+
+    /// The same, to read.
+    fn limits(&self) -> (f64, usize) {
+        let mut own = self.clone();
+        let (tolerance, most) = own.limits_mut();
+        (*tolerance, *most)
+    }
 
     /// The same algorithm with other limits.
-    fn within(&self, tolerance: f64, max_iterations: usize) -> Self;
+    fn within(&self, tolerance: f64, max_iterations: usize) -> Self {
+        let mut other = self.clone();
+        let limits = other.limits_mut();
+        (*limits.0, *limits.1) = (tolerance, max_iterations);
+        other
+    }
 
     /// Solves for the admissible set of `setup`, in which no bound depends on λ.
     fn run(

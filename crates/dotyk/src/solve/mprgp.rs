@@ -20,12 +20,14 @@
 //!
 //! Sources: MPRGP as described in Dostál & Schöberl, Comput. Optim. Appl. 30 (2005) 23–43; defaults of PERMON.
 
-use crate::dual::{Block, Multipliers, Projector};
+use std::ops::Range;
+
+use crate::dual::{Block, Component, Multipliers, Projector};
 use crate::linalg::SparseVector;
 use crate::solve::gradient::projected_bound;
-use crate::solve::iteration::{Iteration, Point, iterate};
+use crate::solve::iteration::{Iteration, iterate};
 use crate::solve::null::Null;
-use crate::solve::setup::{Judge, Setup};
+use crate::solve::setup::{Forces, Judge, Point, Setup};
 use crate::solve::{FixedBounds, Observer, Outcome, SolveError, TOLERANCE, dot, norm};
 
 /// An outer step that leaves more than this part of the imbalance is slow; [`SLOW_STEPS`] in a row raise the penalty.
@@ -58,15 +60,8 @@ impl Default for Mprgp {
 impl FixedBounds for Mprgp {
     const NAME: &'static str = "mprgp";
 
-    fn limits(&self) -> (f64, usize) {
-        (self.tolerance, self.max_iterations)
-    }
-
-    fn within(&self, tolerance: f64, max_iterations: usize) -> Self {
-        Self {
-            tolerance,
-            max_iterations,
-        }
+    fn limits_mut(&mut self) -> (&mut f64, &mut usize) {
+        (&mut self.tolerance, &mut self.max_iterations)
     }
 
     fn run(
@@ -86,34 +81,24 @@ impl Iteration for State<'_> {
     /// The forces of x, with the gradient as their gap.
     fn evaluate(&mut self) {
         self.setup.balance.apply(&self.x, &mut self.modes_x);
-        for j in 0..self.alpha.len() {
-            self.alpha[j] = self.modes_product[j]
+        for j in 0..self.at.alpha.len() {
+            self.at.alpha[j] = self.modes_product[j]
                 - self.modes_shift[j]
                 - self.multiplier[j]
                 - self.penalty * self.modes_x[j];
         }
         for i in 0..self.x.len() {
-            let force = self.offset[i] + self.x[i];
-            self.lambda[i] = if self.setup.bounded(i) {
-                force.max(0.0)
-            } else {
-                force.max(-self.shear[i]).min(self.shear[i])
-            };
-            self.product[i] = self.gradient[i] + self.setup.problem.shift[i];
+            let (force, own) = (self.offset[i] + self.x[i], &self.bounds[i]);
+            self.at.lambda[i] = force.max(own.start).min(own.end);
+            self.at.product[i] = self.gradient[i] + self.setup.problem.shift[i];
         }
         self.setup
             .balance
-            .add_transposed(1.0, &self.alpha, &mut self.product);
+            .add_transposed(1.0, &self.at.alpha, &mut self.at.product);
     }
 
     fn point(&self) -> Point<'_> {
-        Point {
-            lambda: &self.lambda,
-            product: &self.product,
-            alpha: &self.alpha,
-            components: &self.setup.components,
-            step: self.kind,
-        }
+        self.at.at(self.setup, self.kind)
     }
 
     /// An outer step, which is no iteration, or an inner one.
@@ -132,7 +117,7 @@ impl Iteration for State<'_> {
             return None;
         }
         self.balance_exactly();
-        self.setup.multiply(&self.lambda, &mut self.product);
+        self.setup.multiply(&self.at.lambda, &mut self.at.product);
         let residual = judge.residual(self.setup, &self.point());
         let passes = residual <= self.tolerance;
         if !passes && !last {
@@ -150,12 +135,12 @@ struct State<'a> {
     tolerance: f64,
     /// The estimate of the residual that asks for a verdict.
     ask: f64,
-    /// Ĝᵀê and the lower bounds −Ĝᵀê (−∞ for free forces).
+    /// Ĝᵀê.
     offset: Vec<f64>,
+    /// Bounds of the forces, and those of x; infinite where there is none.
+    bounds: Vec<Range<f64>>,
     floor: Vec<f64>,
-    /// Upper bounds, and the bounds of tangential forces: infinite without friction.
     ceiling: Vec<f64>,
-    shear: Vec<f64>,
     /// P(d − FĜᵀê), ĜFĜᵀê and Ĝd.
     right: Vec<f64>,
     modes_offset: Vec<f64>,
@@ -182,9 +167,7 @@ struct State<'a> {
     imbalance: f64,
     slow: usize,
     /// Forces max(0, Ĝᵀê + x) and the α̂ that belongs to the gradient.
-    lambda: Vec<f64>,
-    alpha: Vec<f64>,
-    product: Vec<f64>,
+    at: Forces,
     inside: Vec<f64>,
     image: Vec<f64>,
     modes_image: Vec<f64>,
@@ -205,17 +188,12 @@ impl<'a> State<'a> {
         setup
             .balance
             .add_transposed(1.0, &setup.balance.load, &mut offset);
-        let shear = shear_bounds(setup);
-        let floor: Vec<f64> = (0..m)
-            .map(|i| {
-                if setup.bounded(i) {
-                    -offset[i]
-                } else {
-                    -shear[i] - offset[i]
-                }
-            })
-            .collect();
-        let ceiling: Vec<f64> = (0..m).map(|i| shear[i] - offset[i]).collect();
+        let bounds = bounds(setup);
+        let from = |bound: fn(&Range<f64>) -> f64| {
+            let pairs = bounds.iter().zip(&offset);
+            pairs.map(|(own, offset)| bound(own) - offset).collect()
+        };
+        let (floor, ceiling): (Vec<f64>, Vec<f64>) = (from(|own| own.start), from(|own| own.end));
         // Without a guess x is the projection of zero, as in the unbounded problem.
         let x = (0..m)
             .map(|i| {
@@ -233,10 +211,10 @@ impl<'a> State<'a> {
             projector: setup.projector(),
             tolerance: method.tolerance,
             ask: method.tolerance,
-            offset,
             floor,
             ceiling,
-            shear,
+            offset,
+            bounds,
             right: setup.problem.shift.clone(),
             modes_offset: vec![0.0; k],
             modes_shift: vec![0.0; k],
@@ -259,9 +237,7 @@ impl<'a> State<'a> {
             lagrangian: None,
             imbalance: f64::INFINITY,
             slow: 0,
-            lambda: vec![0.0; m],
-            alpha: vec![0.0; k],
-            product: vec![0.0; m],
+            at: Forces::none(setup),
             inside: vec![0.0; m],
             image: vec![0.0; m],
             modes_image: vec![0.0; k],
@@ -281,12 +257,12 @@ impl<'a> State<'a> {
 
     /// Begins with the μ that makes the gradient the gap of the guess.
     fn adopt(&mut self, alpha: &[f64]) {
-        self.setup.balance.from_original(alpha, &mut self.alpha);
+        self.setup.balance.from_original(alpha, &mut self.at.alpha);
         self.setup.balance.apply(&self.x, &mut self.modes_x);
-        for j in 0..self.alpha.len() {
+        for j in 0..self.at.alpha.len() {
             self.multiplier[j] = self.modes_product[j]
                 - self.modes_shift[j]
-                - self.alpha[j]
+                - self.at.alpha[j]
                 - self.penalty * self.modes_x[j];
         }
         self.setup
@@ -374,31 +350,22 @@ impl<'a> State<'a> {
     /// Ĝλ = ê to rounding: by the loaded forces alone where they stay admissible, else by the projection, which also
     /// loads open contacts a little.
     fn balance_exactly(&mut self) {
-        let (setup, shear) = (self.setup, &self.shear);
-        let loaded: Vec<bool> = (0..self.lambda.len())
-            .map(|i| {
-                if setup.bounded(i) {
-                    self.lambda[i] > 0.0
-                } else {
-                    self.lambda[i].abs() < shear[i]
-                }
-            })
+        let setup = self.setup;
+        let both = self.at.lambda.iter().zip(&self.bounds);
+        let loaded: Vec<bool> = both
+            .map(|(force, own)| *force > own.start && *force < own.end)
             .collect();
-        let mut trial = self.lambda.clone();
+        let mut trial = self.at.lambda.clone();
         let balanced = restore(setup, &loaded, &mut trial);
-        let admissible = |i: usize| {
-            if setup.bounded(i) {
-                trial[i] >= 0.0
-            } else {
-                trial[i].abs() <= shear[i]
-            }
-        };
-        if balanced && (0..trial.len()).all(admissible) {
-            self.lambda = trial;
+        let mut both = trial.iter().zip(&self.bounds);
+        let admissible = both.all(|(force, own)| (own.start..=own.end).contains(force));
+        if balanced && admissible {
+            self.at.lambda = trial;
         } else {
             let mut tau = vec![0.0; setup.modes()];
-            trial.copy_from_slice(&self.lambda);
-            self.projector.project(&trial, &mut tau, &mut self.lambda);
+            trial.copy_from_slice(&self.at.lambda);
+            self.projector
+                .project(&trial, &mut tau, &mut self.at.lambda);
         }
     }
 
@@ -547,12 +514,17 @@ impl<'a> State<'a> {
     }
 }
 
-/// Bounds of the tangential forces (m,): infinite for all others.
-fn shear_bounds(setup: &Setup<'_>) -> Vec<f64> {
-    let mut bounds = vec![f64::INFINITY; setup.len()];
+/// Bounds of every force (m,).
+fn bounds(setup: &Setup<'_>) -> Vec<Range<f64>> {
+    let least = |component: &Component| match component {
+        Component::Normal => 0.0,
+        Component::Free | Component::Tangent => f64::NEG_INFINITY,
+    };
+    let components = setup.components.iter();
+    let mut bounds: Vec<Range<f64>> = components.map(|c| least(c)..f64::INFINITY).collect();
     for (block, range) in setup.admissible.iter() {
         if let Some(bound) = block.bound(0.0) {
-            bounds[range.start + 1..range.end].fill(bound);
+            bounds[range.start + 1..range.end].fill(-bound..bound);
         }
     }
     bounds

@@ -59,15 +59,8 @@ impl Default for Newton {
 impl FixedBounds for Newton {
     const NAME: &'static str = "newton";
 
-    fn limits(&self) -> (f64, usize) {
-        (self.tolerance, self.max_iterations)
-    }
-
-    fn within(&self, tolerance: f64, max_iterations: usize) -> Self {
-        Self {
-            tolerance,
-            max_iterations,
-        }
+    fn limits_mut(&mut self) -> (&mut f64, &mut usize) {
+        (&mut self.tolerance, &mut self.max_iterations)
     }
 
     fn run(

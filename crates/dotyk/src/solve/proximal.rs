@@ -10,9 +10,9 @@
 
 use crate::solve::exact::{Ended, Search, tight};
 use crate::solve::levels::local_softness;
-use crate::solve::setup::Setup;
+use crate::solve::setup::{Forces, Setup};
 use crate::solve::states::{Anchor, State};
-use crate::solve::system::{Forces, System};
+use crate::solve::system::System;
 use crate::solve::{Observer, dot, norm};
 
 /// First compliance, relative to what a contact gives way between its neighbours, and by how much it falls from centre to

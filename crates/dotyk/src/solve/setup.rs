@@ -6,7 +6,6 @@ use std::rc::Rc;
 use crate::dual::{
     AdmissibleSet, Balance, Component, DualProblem, Feasibility, Multipliers, Projector, Violations,
 };
-use crate::solve::iteration::Point;
 use crate::solve::{Outcome, SolveError};
 
 /// Checked data, the balance in orthonormal modes, the kind of each force.
@@ -140,11 +139,11 @@ impl<'a> Setup<'a> {
         self.products.get()
     }
 
-    /// What there is to return at λ (m,) and α̂ (k,).
-    pub fn outcome(&self, lambda: &[f64], alpha: &[f64]) -> Outcome {
+    /// What there is to return of some forces.
+    pub fn outcome(&self, forces: &Forces) -> Outcome {
         Outcome {
             products: self.products(),
-            ..Outcome::unsolved(self.multipliers(lambda, alpha))
+            ..Outcome::unsolved(self.multipliers(&forces.lambda, &forces.alpha))
         }
     }
 
@@ -167,6 +166,46 @@ impl<'a> Setup<'a> {
     }
 }
 
+/// Forces, amplitudes and the product with F.
+#[derive(Debug, Clone)]
+pub(crate) struct Forces {
+    /// λ, (m,).
+    pub lambda: Vec<f64>,
+    /// α̂, (k,).
+    pub alpha: Vec<f64>,
+    /// Fλ, (m,).
+    pub product: Vec<f64>,
+}
+
+impl Forces {
+    /// No force and no motion.
+    pub fn none(setup: &Setup<'_>) -> Self {
+        Self {
+            lambda: vec![0.0; setup.len()],
+            alpha: vec![0.0; setup.modes()],
+            product: vec![0.0; setup.len()],
+        }
+    }
+
+    /// These forces as a point that a step of some kind led to.
+    pub fn at<'a>(&'a self, setup: &'a Setup<'_>, step: char) -> Point<'a> {
+        Point {
+            forces: self,
+            components: &setup.components,
+            step,
+        }
+    }
+}
+
+/// Where an iteration is.
+pub(crate) struct Point<'a> {
+    pub forces: &'a Forces,
+    /// What λ is held to, (m,).
+    pub components: &'a [Component],
+    /// Kind of the step that led here, as in [`crate::solve::Iterate::step`].
+    pub step: char,
+}
+
 /// Computes the stopping measure without allocating.
 pub(crate) struct Judge {
     alpha: Vec<f64>,
@@ -177,18 +216,17 @@ pub(crate) struct Judge {
 impl Judge {
     /// Residual at a point; components called free are not held to λ ≥ 0.
     pub fn residual(&mut self, setup: &Setup<'_>, point: &Point<'_>) -> f64 {
-        setup.balance.to_original(point.alpha, &mut self.alpha);
-        setup
-            .problem
-            .gap_from_product(point.product, &self.alpha, &mut self.gap);
+        let (problem, forces) = (setup.problem, point.forces);
+        setup.balance.to_original(&forces.alpha, &mut self.alpha);
+        problem.gap_from_product(&forces.product, &self.alpha, &mut self.gap);
         Violations::at(
-            setup.problem,
+            problem,
             &setup.admissible,
-            point.lambda,
+            &forces.lambda,
             &self.alpha,
             (&self.gap, None),
             point.components,
         )
-        .residual(setup.problem.scales.moment_arm)
+        .residual(problem.scales.moment_arm)
     }
 }

@@ -24,9 +24,8 @@ use crate::linalg::dense::{
     solve_lower_transpose_in_place, transpose_product,
 };
 use crate::linalg::{LinearOperator, Mat, SparseLu, SparseMatrix, SparseVector};
-use crate::solve::iteration::Point;
 use crate::solve::null::{Null, Pseudo, add_outer, gram_of};
-use crate::solve::setup::Setup;
+use crate::solve::setup::{Forces, Setup};
 use crate::solve::states::{Anchor, State, Unknown, along, unknowns};
 use crate::solve::{dot, norm};
 
@@ -51,39 +50,6 @@ const CONJUGATE: usize = 500;
 /// Vectors that minimal residuals keep, and how often they begin again.
 const KRYLOV: usize = 60;
 const RESTARTS: usize = 10;
-
-/// Forces, amplitudes and the product with F.
-#[derive(Debug, Clone)]
-pub(crate) struct Forces {
-    /// λ, (m,).
-    pub lambda: Vec<f64>,
-    /// α̂, (k,).
-    pub alpha: Vec<f64>,
-    /// Fλ, (m,).
-    pub product: Vec<f64>,
-}
-
-impl Forces {
-    /// No force and no motion.
-    pub fn none(setup: &Setup<'_>) -> Self {
-        Self {
-            lambda: vec![0.0; setup.len()],
-            alpha: vec![0.0; setup.modes()],
-            product: vec![0.0; setup.len()],
-        }
-    }
-
-    /// These forces as a point that a step of some kind led to.
-    pub fn at<'a>(&'a self, setup: &'a Setup<'_>, step: char) -> Point<'a> {
-        Point {
-            lambda: &self.lambda,
-            product: &self.product,
-            alpha: &self.alpha,
-            components: &setup.components,
-            step,
-        }
-    }
-}
 
 /// The linear problem of some unknowns.
 pub(crate) struct System<'a> {

@@ -23,10 +23,10 @@
 use crate::dual::{Component, Multipliers};
 use crate::linalg::Mat;
 use crate::linalg::dense::Lu;
-use crate::solve::iteration::{FixedStep, Iteration, Point, completed, counting_from, iterate};
-use crate::solve::setup::Setup;
+use crate::solve::iteration::{FixedStep, Iteration, completed, counting_from, iterate};
+use crate::solve::setup::{Forces, Point, Setup};
 use crate::solve::states::Unknown;
-use crate::solve::system::{Forces, System};
+use crate::solve::system::System;
 use crate::solve::{
     Bolt, FixedBounds, Gradient, Observer, Outcome, SolveError, TOLERANCE, dot, norm, spectrum,
 };
@@ -64,16 +64,8 @@ impl Default for Uzawa {
 impl FixedBounds for Uzawa {
     const NAME: &'static str = "uzawa";
 
-    fn limits(&self) -> (f64, usize) {
-        (self.tolerance, self.max_iterations)
-    }
-
-    fn within(&self, tolerance: f64, max_iterations: usize) -> Self {
-        Self {
-            tolerance,
-            max_iterations,
-            ..self.clone()
-        }
+    fn limits_mut(&mut self) -> (&mut f64, &mut usize) {
+        (&mut self.tolerance, &mut self.max_iterations)
     }
 
     fn run(
@@ -83,7 +75,10 @@ impl FixedBounds for Uzawa {
         observe: Observer<'_>,
     ) -> Result<Outcome, SolveError> {
         FixedStep::check(self.rho)?;
-        let mut outcome = setup.outcome(&setup.start(guess)?, &vec![0.0; setup.modes()]);
+        let mut outcome = setup.outcome(&Forces {
+            lambda: setup.start(guess)?,
+            ..Forces::none(setup)
+        });
         let chosen = match &self.bolts {
             Some(named) => Some(named_bolts(setup, named)?),
             None => bolts_of_bilateral_solution(setup),
@@ -179,19 +174,16 @@ struct Steps<'a> {
     step: FixedStep,
     /// What λ is held to: the bolts are free.
     components: Vec<Component>,
-    lambda: Vec<f64>,
+    at: Forces,
+    /// The iterate before, and its product.
     previous: Vec<f64>,
-    /// Fλ of this iterate and of the one before.
-    product: Vec<f64>,
     before: Vec<f64>,
-    alpha: Vec<f64>,
     parts: Vec<f64>,
 }
 
 impl<'a> Steps<'a> {
     /// Begins with the forces nearest to `lambda` but for the bolts.
     fn new(method: &Uzawa, setup: &'a Setup<'a>, bolted: &'a Bolted, lambda: Vec<f64>) -> Self {
-        let (m, k) = (setup.len(), setup.modes());
         let mut components = setup.components.clone();
         for &node in &bolted.nodes {
             components[node] = Component::Free;
@@ -201,28 +193,29 @@ impl<'a> Steps<'a> {
             bolted,
             step: FixedStep::new(method.rho, || reduced_bound(setup, bolted)),
             components,
-            previous: vec![0.0; m],
-            lambda,
-            product: vec![0.0; m],
-            before: vec![0.0; m],
-            alpha: vec![0.0; k],
-            parts: vec![0.0; k],
+            previous: lambda.clone(),
+            before: vec![0.0; setup.len()],
+            at: Forces {
+                lambda,
+                ..Forces::none(setup)
+            },
+            parts: vec![0.0; setup.modes()],
         };
         steps.project();
-        steps.previous.copy_from_slice(&steps.lambda);
+        steps.previous.copy_from_slice(&steps.at.lambda);
         steps
     }
 
     /// The forces that are admissible and in balance: all others to their bounds, those of the bolts as the balance asks.
     fn project(&mut self) {
-        for (force, component) in self.lambda.iter_mut().zip(&self.components) {
+        for (force, component) in self.at.lambda.iter_mut().zip(&self.components) {
             if *component == Component::Normal {
                 *force = force.max(0.0);
             }
         }
-        self.setup.admissible.bound_tangents(&mut self.lambda);
+        self.setup.admissible.bound_tangents(&mut self.at.lambda);
         self.bolted
-            .close(self.setup, &mut self.lambda, &mut self.parts);
+            .close(self.setup, &mut self.at.lambda, &mut self.parts);
     }
 }
 
@@ -230,19 +223,19 @@ impl Iteration for Steps<'_> {
     /// STEP 1: the gaps of the forces, with the rigid shift that closes those of the bolts.
     fn evaluate(&mut self) {
         let (setup, bolted) = (self.setup, self.bolted);
-        std::mem::swap(&mut self.product, &mut self.before);
-        setup.multiply(&self.lambda, &mut self.product);
-        let now = (&self.lambda[..], &self.product[..]);
+        std::mem::swap(&mut self.at.product, &mut self.before);
+        setup.multiply(&self.at.lambda, &mut self.at.product);
+        let now = (&self.at.lambda[..], &self.at.product[..]);
         let then = (&self.previous[..], &self.before[..]);
         self.step.adapt(now, then, |i| !bolted.held[i]);
-        let overlap = |node: usize| self.product[node] - setup.shift[node];
-        bolted.shift(overlap, &mut self.alpha);
+        let overlap = |node: usize| self.at.product[node] - setup.shift[node];
+        bolted.shift(overlap, &mut self.at.alpha);
     }
 
     /// STEP 2: λᵢ ← max(0, λᵢ − ρ gapᵢ), and λ_A from the balance.
     fn advance(&mut self, gap: &[f64]) -> usize {
-        self.previous.copy_from_slice(&self.lambda);
-        for (force, gap) in self.lambda.iter_mut().zip(gap) {
+        self.previous.copy_from_slice(&self.at.lambda);
+        for (force, gap) in self.at.lambda.iter_mut().zip(gap) {
             *force -= self.step.rho * gap;
         }
         self.project();
@@ -251,11 +244,8 @@ impl Iteration for Steps<'_> {
 
     fn point(&self) -> Point<'_> {
         Point {
-            lambda: &self.lambda,
-            product: &self.product,
-            alpha: &self.alpha,
             components: &self.components,
-            step: 'u',
+            ..self.at.at(self.setup, 'u')
         }
     }
 
