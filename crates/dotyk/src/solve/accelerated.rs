@@ -12,7 +12,7 @@
 use crate::dual::Multipliers;
 use crate::solve::gradient::projected_bound;
 use crate::solve::iteration::{Iteration, Projection, iterate, steeper_than};
-use crate::solve::setup::{Forces, Point, Setup};
+use crate::solve::setup::{Forces, Position, Setup};
 use crate::solve::{FixedBounds, Observer, Outcome, SolveError, TOLERANCE};
 
 /// Projected gradient with extrapolation and restart.
@@ -47,10 +47,7 @@ impl FixedBounds for Accelerated {
         observe: Observer<'_>,
     ) -> Result<Outcome, SolveError> {
         let bound = 1.01 * projected_bound(setup);
-        let start = setup.start(guess)?;
-        let mut projection = Projection::new(setup);
-        let mut x = Forces::none(setup);
-        projection.project(|i| start[i], &mut x.lambda);
+        let (projection, mut x) = Projection::start(setup, guess)?;
         setup.multiply(&x.lambda, &mut x.product);
         let mut steps = Steps {
             setup,
@@ -94,9 +91,7 @@ impl Iteration for Steps<'_> {
                 *alpha = -tau * bound;
             }
             self.setup.multiply(&next.lambda, &mut next.product);
-            let to = (&next.lambda[..], &next.product[..]);
-            let from = (&y.lambda[..], &y.product[..]);
-            match steeper_than(bound, to, from, |_| true) {
+            match steeper_than(bound, next, y, |_| true) {
                 Some(quotient) => self.bound = 1.05 * quotient,
                 None => break,
             }
@@ -106,7 +101,7 @@ impl Iteration for Steps<'_> {
         self.restart = against.sum::<f64>() > 0.0;
     }
 
-    fn point(&self) -> Point<'_> {
+    fn point(&self) -> Position<'_> {
         let step = if self.restart { 'r' } else { 'a' };
         self.next.at(self.setup, step)
     }

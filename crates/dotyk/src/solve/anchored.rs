@@ -19,12 +19,12 @@
 use std::collections::HashSet;
 
 use crate::dual::Component;
-use crate::solve::Observer;
 use crate::solve::exact::{Ended, NEAR, Search};
 use crate::solve::hold::{held, hold};
 use crate::solve::setup::Setup;
 use crate::solve::states::{Anchor, State};
 use crate::solve::system::System;
+use crate::solve::{Observer, largest};
 
 /// First compliance, relative to that of each contact; its factors after a success and a failure.
 const FIRST: f64 = 0.1;
@@ -77,7 +77,7 @@ pub(crate) fn settle(
         if residual <= search.tolerance {
             return Ended::Converged;
         }
-        let settled: Vec<_> = states.iter().map(State::key).collect();
+        let settled = State::keys(&states);
         if settled == before {
             match search.exact(states.clone(), &NEAR, &held(setup), observe) {
                 Ended::Stuck(_) => {}
@@ -121,12 +121,10 @@ fn anchored(
         }
         let left = anchor.left(&search.point.lambda, &search.judge.gap);
         let mut next = search.next_states(&states, &left);
-        let key = |states: &[State]| states.iter().map(State::key).collect::<Vec<_>>();
-        let (now, then) = (key(&states), key(&next));
+        let (now, then) = (State::keys(&states), State::keys(&next));
         // in space the directions of slip go on turning in the same states
         let turns = states.iter().any(State::may_turn);
-        let largest = |s: f64, force: &f64| s.max(force.abs());
-        let force = search.point.lambda.iter().fold(0.0, largest);
+        let force = largest(0.0, &search.point.lambda);
         let settled = law_error(setup, &search.point.lambda, &left) <= accuracy * force;
         let answer = search.residual <= 1e-3 * search.tolerance;
         if settled || answer || now == then && !turns {

@@ -20,7 +20,7 @@ use crate::solve::levels;
 use crate::solve::setup::{Forces, Judge, Setup};
 use crate::solve::states::{Shear, State};
 use crate::solve::system::System;
-use crate::solve::{Observer, Outcome, SolveError, dot};
+use crate::solve::{Observer, Outcome, SolveError, dot, largest};
 
 /// How long exact steps may go on.
 pub(crate) struct Patience {
@@ -30,11 +30,14 @@ pub(crate) struct Patience {
     pub factor: f64,
 }
 
+impl Patience {
+    pub const fn new(steps: usize, factor: f64) -> Self {
+        Self { steps, factor }
+    }
+}
+
 /// Steps that are near the answer.
-pub(crate) const NEAR: Patience = Patience {
-    steps: 6,
-    factor: 0.5,
-};
+pub(crate) const NEAR: Patience = Patience::new(6, 0.5);
 
 /// Most products with a compliance that is not assembled, several times those of large problems: where these do not do, the
 /// problem is too badly conditioned for iterations within a step.
@@ -128,9 +131,8 @@ impl<'a> Search<'a> {
         self.point.lambda = self.setup.start(Some(guess))?;
         let balance = &self.setup.balance;
         balance.from_original(&guess.alpha, &mut self.point.alpha);
-        let state =
-            |(block, range): (&_, Range<usize>)| State::of_forces(block, &self.point.lambda[range]);
-        Ok(self.setup.admissible.iter().map(state).collect())
+        let admissible = &self.setup.admissible;
+        Ok(State::of_forces(admissible, &self.point.lambda))
     }
 
     /// Every contact closed, none slips.
@@ -182,8 +184,7 @@ impl<'a> Search<'a> {
             }
             let mut next = self.next_states(&states, &self.judge.gap);
             adjust(&mut next, &states);
-            let key = |states: &[State]| states.iter().map(State::key).collect::<Vec<_>>();
-            let (now, then) = (key(&states), key(&next));
+            let (now, then) = (State::keys(&states), State::keys(&next));
             let same = now == then;
             let passes = self.residual <= self.tolerance;
             if passes && (same || self.residual <= 1e-3 * self.tolerance) {
@@ -244,8 +245,7 @@ impl<'a> Search<'a> {
 
     /// Forces that are rounding of the largest one, or of what the overlaps ask for, are none: their signs mean nothing.
     fn drop_rounding(&mut self) {
-        let largest = |s: f64, force: &f64| s.max(force.abs());
-        let force = self.point.lambda.iter().fold(self.asked, largest);
+        let force = largest(self.asked, &self.point.lambda);
         let mut rest = false;
         for (block, range) in self.setup.admissible.iter() {
             let forces = &mut self.point.lambda[range];

@@ -9,7 +9,7 @@
 
 use crate::dual::Multipliers;
 use crate::solve::iteration::{FixedStep, Iteration, Projection, iterate};
-use crate::solve::setup::{Forces, Point, Setup};
+use crate::solve::setup::{Forces, Position, Setup};
 use crate::solve::{FixedBounds, Observer, Outcome, SolveError, TOLERANCE, spectrum};
 
 /// Projected gradient with a fixed step.
@@ -48,16 +48,13 @@ impl FixedBounds for Gradient {
     ) -> Result<Outcome, SolveError> {
         FixedStep::check(self.rho)?;
         let step = FixedStep::new(self.rho, || projected_bound(setup));
-        let start = setup.start(guess)?;
-        let mut projection = Projection::new(setup);
-        let mut at = Forces::none(setup);
-        projection.project(|i| start[i], &mut at.lambda);
+        let (projection, at) = Projection::start(setup, guess)?;
         let mut steps = Steps {
             setup,
             step,
             projection,
-            next: at.lambda.clone(),
-            before: at.product.clone(),
+            next: vec![0.0; setup.len()],
+            then: at.clone(),
             at,
         };
         iterate(self, setup, &mut steps, 0, observe)
@@ -68,36 +65,28 @@ struct Steps<'a> {
     setup: &'a Setup<'a>,
     step: FixedStep,
     projection: Projection<'a>,
+    /// The iterate and the one before.
     at: Forces,
-    /// The iterate before, until there is the next one.
+    then: Forces,
+    /// λ of the next one.
     next: Vec<f64>,
-    /// The product of the iterate before.
-    before: Vec<f64>,
 }
 
 impl Iteration for Steps<'_> {
     fn evaluate(&mut self) {
-        let at = &mut self.at;
-        std::mem::swap(&mut at.product, &mut self.before);
-        self.setup.multiply(&at.lambda, &mut at.product);
-        let (now, then) = (
-            (&at.lambda[..], &at.product[..]),
-            (&self.next[..], &self.before[..]),
-        );
-        self.step.adapt(now, then, |_| true);
-        let (rho, shift) = (self.step.rho, &self.setup.shift);
-        let trial = |i: usize| at.lambda[i] - rho * (at.product[i] - shift[i]);
-        let tau = self.projection.project(trial, &mut self.next);
-        for (alpha, tau) in at.alpha.iter_mut().zip(tau) {
-            *alpha = -tau / rho;
-        }
+        let (setup, at) = (self.setup, &mut self.at);
+        setup.multiply(&at.lambda, &mut at.product);
+        self.step.adapt(at, &self.then, |_| true);
+        let next = &mut self.next;
+        self.projection.descend(setup, self.step.rho, at, next);
     }
 
-    fn point(&self) -> Point<'_> {
+    fn point(&self) -> Position<'_> {
         self.at.at(self.setup, 'g')
     }
 
     fn advance(&mut self, _gap: &[f64]) -> usize {
+        std::mem::swap(&mut self.at, &mut self.then);
         std::mem::swap(&mut self.at.lambda, &mut self.next);
         1
     }

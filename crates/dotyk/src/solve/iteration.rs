@@ -9,13 +9,16 @@
 
 use std::ops::ControlFlow;
 
-use crate::dual::Projector;
-use crate::solve::setup::{Judge, Point, Setup};
+use crate::dual::{Multipliers, Projector};
+use crate::solve::setup::{Forces, Judge, Position, Setup};
 use crate::solve::{FixedBounds, Iterate, Observer, Outcome, SAFE_STEP, SolveError, loaded};
 
 /// Forces beyond this multiple of those of the first step have diverged: a fixed step beyond its limit grows by a factor
 /// per iteration.
 const DIVERGED: f64 = 1e12;
+
+/// What to do where a method did not converge.
+const ADVICE: &str = "allow more iterations, or use newton";
 
 /// A method: its state, and how that goes on.
 pub(crate) trait Iteration {
@@ -26,7 +29,7 @@ pub(crate) trait Iteration {
     fn evaluate(&mut self);
 
     /// Where it is.
-    fn point(&self) -> Point<'_>;
+    fn point(&self) -> Position<'_>;
 
     /// Goes to the next forces from the gaps (m,) of the present ones; how many iterations that counts for.
     fn advance(&mut self, gap: &[f64]) -> usize;
@@ -44,7 +47,7 @@ pub(crate) trait Iteration {
 
     /// What to do where it did not converge.
     fn advice(&self) -> String {
-        "allow more iterations, or use newton".to_string()
+        ADVICE.to_string()
     }
 }
 
@@ -102,7 +105,7 @@ pub(crate) fn iterate<S: FixedBounds, I: Iteration>(
 pub(crate) fn tell(
     observe: Observer<'_>,
     iteration: usize,
-    point: &Point<'_>,
+    point: &Position<'_>,
     residual: f64,
 ) -> bool {
     let lambda = &point.forces.lambda;
@@ -182,13 +185,8 @@ impl FixedStep {
         }
     }
 
-    /// Shortens an automatic step after two iterates, each with its product, over the components that count.
-    pub fn adapt(
-        &mut self,
-        now: (&[f64], &[f64]),
-        then: (&[f64], &[f64]),
-        counts: impl Fn(usize) -> bool,
-    ) {
+    /// Shortens an automatic step after two iterates, over the components that count.
+    pub fn adapt(&mut self, now: &Forces, then: &Forces, counts: impl Fn(usize) -> bool) {
         if self.given {
             return;
         }
@@ -201,7 +199,7 @@ impl FixedStep {
     /// Why it failed; `bound` as in [`FixedStep::new`].
     pub fn advice(&self, bound: impl FnOnce() -> f64) -> String {
         if !self.given {
-            return "allow more iterations, or use newton".to_string();
+            return ADVICE.to_string();
         }
         let (rho, limit) = (self.rho, 2.0 / bound());
         if rho >= limit {
@@ -224,12 +222,30 @@ pub(crate) struct Projection<'a> {
 }
 
 impl<'a> Projection<'a> {
-    pub fn new(setup: &'a Setup<'_>) -> Self {
-        Self {
+    /// Begins with the forces that are nearest to those of a guess, or to none.
+    ///
+    /// Errors: those of [`Setup::start`].
+    pub fn start(
+        setup: &'a Setup<'_>,
+        guess: Option<&Multipliers>,
+    ) -> Result<(Self, Forces), SolveError> {
+        let start = setup.start(guess)?;
+        let mut projection = Self {
             projector: setup.projector(),
             trial: vec![0.0; setup.len()],
             tau: vec![0.0; setup.modes()],
-        }
+        };
+        let mut at = Forces::none(setup);
+        projection.project(|i| start[i], &mut at.lambda);
+        Ok((projection, at))
+    }
+
+    /// The forces (m,) nearest to λ − ρ(Fλ − d), with the amplitudes α̂ = −τ/ρ that pull them to the balance.
+    pub fn descend(&mut self, setup: &Setup<'_>, rho: f64, at: &mut Forces, next: &mut [f64]) {
+        let trial = |i: usize| at.lambda[i] - rho * (at.product[i] - setup.shift[i]);
+        let tau = self.project(trial, next);
+        let pairs = at.alpha.iter_mut().zip(tau);
+        pairs.for_each(|(alpha, tau)| *alpha = -tau / rho);
     }
 
     /// The forces (m,) nearest to some trial forces, and what their multipliers pull (k,).
@@ -246,15 +262,15 @@ impl<'a> Projection<'a> {
 /// differences that are rounding are not judged.
 pub(crate) fn steeper_than(
     bound: f64,
-    x: (&[f64], &[f64]),
-    y: (&[f64], &[f64]),
+    x: &Forces,
+    y: &Forces,
     counts: impl Fn(usize) -> bool,
 ) -> Option<f64> {
     let (mut energy, mut length, mut size) = (0.0, 0.0, 0.0);
-    for i in 0..x.0.len() {
-        let step = x.0[i] - y.0[i];
-        energy += step * (x.1[i] - y.1[i]);
-        size += x.0[i] * x.0[i];
+    for i in 0..x.lambda.len() {
+        let step = x.lambda[i] - y.lambda[i];
+        energy += step * (x.product[i] - y.product[i]);
+        size += x.lambda[i] * x.lambda[i];
         if counts(i) {
             length += step * step;
         }

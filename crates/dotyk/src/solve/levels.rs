@@ -243,7 +243,7 @@ impl Clusters {
         let lambda: Vec<f64> = self.place.iter().map(part).collect();
         let mut alpha = vec![0.0; setup.modes()];
         setup.balance.from_original(&forces.alpha, &mut alpha);
-        let mut states = states(&setup.admissible, &lambda);
+        let mut states = State::of_forces(&setup.admissible, &lambda);
         widen(&mut states, &setup.admissible, &setup.problem.neighbours);
         Start {
             lambda,
@@ -261,14 +261,6 @@ fn together(fine: &AdmissibleSet, members: &[usize]) -> Block {
         .filter_map(|&member| fine.blocks()[member].friction());
     let laws: Vec<Friction> = laws.collect();
     fine.blocks()[members[0]].with_friction(|law| law.together(&laws))
-}
-
-/// States of forces that are known roughly.
-fn states(admissible: &AdmissibleSet, lambda: &[f64]) -> Vec<State> {
-    let blocks = admissible.iter();
-    let state =
-        |(block, range): (&Block, std::ops::Range<usize>)| State::of_forces(block, &lambda[range]);
-    blocks.map(state).collect()
 }
 
 /// Contacts become wider by one node, which does what the one beside it does: sticking, it would drag at the others.
@@ -362,7 +354,7 @@ impl Cut {
             steps += found.steps;
             let start = clusters.start(setup, &found);
             last = Some(Start { steps, ..start });
-            let states = states(&clusters.admissible, &found.outcome.multipliers.lambda);
+            let states = State::of_forces(&clusters.admissible, &found.outcome.multipliers.lambda);
             if !self.split(&clusters, &states) {
                 break;
             }

@@ -295,7 +295,44 @@ impl<S: FixedBounds> ContactSolver for S {
     }
 }
 
+/// The largest of `least` and the sizes of some values.
+pub(crate) fn largest(least: f64, values: &[f64]) -> f64 {
+    values.iter().fold(least, |s, value| s.max(value.abs()))
+}
+
 /// Number of contact unknowns with a force.
 pub(crate) fn loaded(lambda: &[f64]) -> usize {
     lambda.iter().filter(|force| **force != 0.0).count()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::dual::{AdmissibleSet, Compliance, Equilibrium};
+    use crate::linalg::Mat;
+
+    pub(crate) fn silent(_: &Iterate<'_>) -> ControlFlow<()> {
+        ControlFlow::Continue(())
+    }
+
+    /// The problem with F = AᵀA + I/100, d, Λ, G and e: far from an M-matrix where A has few rows.
+    pub(crate) fn of_rank<const M: usize>(
+        a: &[[f64; M]],
+        shift: &[f64; M],
+        blocks: Vec<Block>,
+        (modes, load): (&[[f64; M]], &[f64]),
+    ) -> DualProblem {
+        let f = Mat::from_fn(M, M, |i, j| {
+            let sum: f64 = a.iter().map(|row| row[i] * row[j]).sum();
+            sum + if i == j { 0.01 } else { 0.0 }
+        });
+        let modes = Mat::from_fn(modes.len(), M, |i, j| modes[i][j]);
+        DualProblem::new(
+            Compliance::Dense(f),
+            shift.to_vec(),
+            AdmissibleSet::new(blocks),
+            Equilibrium::new(modes, load.to_vec()),
+        )
+        .unwrap()
+    }
 }

@@ -27,7 +27,7 @@ use crate::linalg::SparseVector;
 use crate::solve::gradient::projected_bound;
 use crate::solve::iteration::{Iteration, iterate};
 use crate::solve::null::Null;
-use crate::solve::setup::{Forces, Judge, Point, Setup};
+use crate::solve::setup::{Forces, Judge, Position, Setup};
 use crate::solve::{FixedBounds, Observer, Outcome, SolveError, TOLERANCE, dot, norm};
 
 /// An outer step that leaves more than this part of the imbalance is slow; [`SLOW_STEPS`] in a row raise the penalty.
@@ -80,24 +80,20 @@ impl FixedBounds for Mprgp {
 impl Iteration for State<'_> {
     /// The forces of x, with the gradient as their gap.
     fn evaluate(&mut self) {
-        self.setup.balance.apply(&self.x, &mut self.modes_x);
+        let balance = &self.setup.balance;
+        balance.apply(&self.x, &mut self.modes_x);
         for j in 0..self.at.alpha.len() {
-            self.at.alpha[j] = self.modes_product[j]
-                - self.modes_shift[j]
-                - self.multiplier[j]
-                - self.penalty * self.modes_x[j];
+            self.at.alpha[j] = self.beside(j, self.multiplier[j]);
         }
         for i in 0..self.x.len() {
             let (force, own) = (self.offset[i] + self.x[i], &self.bounds[i]);
             self.at.lambda[i] = force.max(own.start).min(own.end);
             self.at.product[i] = self.gradient[i] + self.setup.problem.shift[i];
         }
-        self.setup
-            .balance
-            .add_transposed(1.0, &self.at.alpha, &mut self.at.product);
+        balance.add_transposed(1.0, &self.at.alpha, &mut self.at.product);
     }
 
-    fn point(&self) -> Point<'_> {
+    fn point(&self) -> Position<'_> {
         self.at.at(self.setup, self.kind)
     }
 
@@ -168,6 +164,8 @@ struct State<'a> {
     slow: usize,
     /// Forces max(0, Ĝᵀê + x) and the α̂ that belongs to the gradient.
     at: Forces,
+    /// v of the last product, Pv, and the product.
+    operand: Vec<f64>,
     inside: Vec<f64>,
     image: Vec<f64>,
     modes_image: Vec<f64>,
@@ -195,17 +193,11 @@ impl<'a> State<'a> {
         };
         let (floor, ceiling): (Vec<f64>, Vec<f64>) = (from(|own| own.start), from(|own| own.end));
         // Without a guess x is the projection of zero, as in the unbounded problem.
-        let x = (0..m)
-            .map(|i| {
-                if guess.is_some() {
-                    start[i] - offset[i]
-                } else {
-                    0.0
-                }
-            })
-            .zip(floor.iter().zip(&ceiling))
-            .map(|(x, (floor, ceiling))| x.max(*floor).min(*ceiling))
-            .collect();
+        let x = |i: usize| {
+            let x = guess.map_or(0.0, |_| start[i] - offset[i]);
+            x.max(floor[i]).min(ceiling[i])
+        };
+        let x = (0..m).map(x).collect();
         let mut state = Self {
             setup,
             projector: setup.projector(),
@@ -238,6 +230,7 @@ impl<'a> State<'a> {
             imbalance: f64::INFINITY,
             slow: 0,
             at: Forces::none(setup),
+            operand: vec![0.0; m],
             inside: vec![0.0; m],
             image: vec![0.0; m],
             modes_image: vec![0.0; k],
@@ -257,78 +250,70 @@ impl<'a> State<'a> {
 
     /// Begins with the μ that makes the gradient the gap of the guess.
     fn adopt(&mut self, alpha: &[f64]) {
-        self.setup.balance.from_original(alpha, &mut self.at.alpha);
-        self.setup.balance.apply(&self.x, &mut self.modes_x);
+        let balance = &self.setup.balance;
+        balance.from_original(alpha, &mut self.at.alpha);
+        balance.apply(&self.x, &mut self.modes_x);
         for j in 0..self.at.alpha.len() {
-            self.multiplier[j] = self.modes_product[j]
-                - self.modes_shift[j]
-                - self.at.alpha[j]
-                - self.penalty * self.modes_x[j];
+            self.multiplier[j] = self.beside(j, self.at.alpha[j]);
         }
-        self.setup
-            .balance
-            .add_transposed(1.0, &self.multiplier, &mut self.gradient);
-        self.split();
-        self.direction.copy_from_slice(&self.free);
+        balance.add_transposed(1.0, &self.multiplier, &mut self.gradient);
+        self.restart();
+    }
+
+    /// α̂ beside a multiplier and the multiplier beside α̂, which add up to Ĝ(Fλ − d) − ϱĜx.
+    fn beside(&self, j: usize, other: f64) -> f64 {
+        self.modes_product[j] - self.modes_shift[j] - other - self.penalty * self.modes_x[j]
     }
 
     /// Right-hand side of the shifted problem.
     fn prepare(&mut self) {
-        self.setup
-            .balance
-            .apply(&self.setup.problem.shift, &mut self.modes_shift);
+        let balance = &self.setup.balance;
+        balance.apply(&self.setup.problem.shift, &mut self.modes_shift);
         if self.offset.iter().any(|x| *x != 0.0) {
             self.setup.multiply(&self.offset, &mut self.image);
-            self.setup
-                .balance
-                .apply(&self.image, &mut self.modes_offset);
+            balance.apply(&self.image, &mut self.modes_offset);
             for (right, image) in self.right.iter_mut().zip(&self.image) {
                 *right -= image;
             }
         }
         let mut parts = vec![0.0; self.setup.modes()];
-        self.setup.balance.apply(&self.right, &mut parts);
-        self.setup
-            .balance
-            .add_transposed(-1.0, &parts, &mut self.right);
+        balance.apply(&self.right, &mut parts);
+        balance.add_transposed(-1.0, &parts, &mut self.right);
         self.size = norm(&self.right);
     }
 
-    /// `image` = (PFP + ϱQ)v and `modes_image` = ĜFPv.
-    fn multiply(&mut self, which: Vector) {
-        let v = match which {
-            Vector::Iterate => &self.x,
-            Vector::Direction => &self.direction,
-            Vector::Chopped => &self.chopped,
-        };
-        let parts = &mut self.parts;
-        self.setup.balance.apply(v, parts);
+    /// `image` = (PFP + ϱQ)v and `modes_image` = ĜFPv of the operand v.
+    fn multiply(&mut self) {
+        let balance = &self.setup.balance;
+        let (v, parts) = (&self.operand, &mut self.parts);
+        balance.apply(v, parts);
         self.inside.copy_from_slice(v);
-        self.setup
-            .balance
-            .add_transposed(-1.0, parts, &mut self.inside);
+        balance.add_transposed(-1.0, parts, &mut self.inside);
         self.setup.multiply(&self.inside, &mut self.image);
-        self.setup.balance.apply(&self.image, &mut self.modes_image);
+        balance.apply(&self.image, &mut self.modes_image);
         for (part, image) in parts.iter_mut().zip(&self.modes_image) {
             *part = self.penalty * *part - image;
         }
-        self.setup
-            .balance
-            .add_transposed(1.0, parts, &mut self.image);
+        balance.add_transposed(1.0, parts, &mut self.image);
     }
 
     /// Gradient from scratch, and a new direction.
     fn refresh(&mut self) {
-        self.multiply(Vector::Iterate);
+        let balance = &self.setup.balance;
+        self.operand.copy_from_slice(&self.x);
+        self.multiply();
         for i in 0..self.x.len() {
             self.gradient[i] = self.image[i] - self.right[i];
         }
-        self.setup
-            .balance
-            .add_transposed(1.0, &self.multiplier, &mut self.gradient);
+        balance.add_transposed(1.0, &self.multiplier, &mut self.gradient);
         for j in 0..self.modes_product.len() {
             self.modes_product[j] = self.modes_offset[j] + self.modes_image[j];
         }
+        self.restart();
+    }
+
+    /// φ and β of the gradient, and φ as the direction.
+    fn restart(&mut self) {
         self.split();
         self.direction.copy_from_slice(&self.free);
     }
@@ -381,6 +366,7 @@ impl<'a> State<'a> {
 
     /// μ += ϱQx; the gradient follows without a product.
     fn update_balance(&mut self) {
+        let balance = &self.setup.balance;
         let imbalance = dot(&self.modes_x, &self.modes_x);
         // 1/2 xᵀHx − (b − μ)ᵀx with Hx = g + b − μ, and μᵀx = multiplier · Ĝx.
         let value = 0.5
@@ -402,20 +388,15 @@ impl<'a> State<'a> {
         for (multiplier, part) in self.multiplier.iter_mut().zip(&self.modes_x) {
             *multiplier += self.penalty * part;
         }
-        self.setup
-            .balance
-            .add_transposed(self.penalty, &self.modes_x, &mut self.gradient);
+        balance.add_transposed(self.penalty, &self.modes_x, &mut self.gradient);
         if self.slow == SLOW_STEPS {
             let more = (GROWTH - 1.0) * self.penalty;
             self.penalty *= GROWTH;
             self.step_length /= GROWTH;
-            self.setup
-                .balance
-                .add_transposed(more, &self.modes_x, &mut self.gradient);
+            balance.add_transposed(more, &self.modes_x, &mut self.gradient);
             self.slow = 0;
         }
-        self.split();
-        self.direction.copy_from_slice(&self.free);
+        self.restart();
     }
 
     /// One inner step.
@@ -431,18 +412,13 @@ impl<'a> State<'a> {
             self.proportion();
             return;
         }
-        self.multiply(Vector::Direction);
-        let curvature = dot(&self.direction, &self.image);
-        let descent = dot(&self.gradient, &self.direction);
-        let conjugate = if curvature > 0.0 {
-            descent / curvature
-        } else {
-            f64::INFINITY
-        };
+        self.operand.copy_from_slice(&self.direction);
+        let (curvature, exact) = self.exact_step();
+        let conjugate = exact.unwrap_or(f64::INFINITY);
         let feasible = self.longest(&self.direction);
         if conjugate <= feasible && conjugate.is_finite() {
             self.kind = 'c';
-            self.walk(conjugate, Vector::Direction);
+            self.walk(conjugate);
             let turn = dot(&self.free, &self.image) / curvature;
             for (direction, free) in self.direction.iter_mut().zip(&self.free) {
                 *direction = free - turn * *direction;
@@ -450,7 +426,7 @@ impl<'a> State<'a> {
         } else {
             self.kind = 'e';
             if feasible.is_finite() {
-                self.walk(feasible, Vector::Direction);
+                self.walk(feasible);
             }
             for i in 0..self.x.len() {
                 self.x[i] = (self.x[i] - self.step_length * self.free[i])
@@ -464,17 +440,20 @@ impl<'a> State<'a> {
     /// Releases active unknowns along β with the exact step.
     fn proportion(&mut self) {
         self.kind = 'p';
-        self.multiply(Vector::Chopped);
-        let curvature = dot(&self.chopped, &self.image);
-        let descent = dot(&self.gradient, &self.chopped);
-        let step = if curvature > 0.0 {
-            descent / curvature
-        } else {
-            self.step_length
-        };
+        self.operand.copy_from_slice(&self.chopped);
+        let (_, exact) = self.exact_step();
+        let step = exact.unwrap_or(self.step_length);
         // A tangential force may reach its other bound.
-        self.walk(step.min(self.longest(&self.chopped)), Vector::Chopped);
+        self.walk(step.min(self.longest(&self.chopped)));
         self.direction.copy_from_slice(&self.free);
+    }
+
+    /// vᵀ(PFP + ϱQ)v of the operand v, and the step along it to the least energy, where there is one.
+    fn exact_step(&mut self) -> (f64, Option<f64>) {
+        self.multiply();
+        let curvature = dot(&self.operand, &self.image);
+        let descent = dot(&self.gradient, &self.operand);
+        (curvature, (curvature > 0.0).then(|| descent / curvature))
     }
 
     /// The longest step for which x − step · v keeps its bounds.
@@ -493,13 +472,9 @@ impl<'a> State<'a> {
             .fold(f64::INFINITY, f64::min)
     }
 
-    /// x −= `step`·v with the gradient, from the product in `image`; then φ and β.
-    fn walk(&mut self, step: f64, which: Vector) {
-        let v = match which {
-            Vector::Direction => &self.direction,
-            _ => &self.chopped,
-        };
-        for (i, v) in v.iter().enumerate() {
+    /// x −= `step`·v for the operand v, and the gradient with it; then φ and β.
+    fn walk(&mut self, step: f64) {
+        for (i, v) in self.operand.iter().enumerate() {
             self.x[i] = (self.x[i] - step * v)
                 .max(self.floor[i])
                 .min(self.ceiling[i]);
@@ -543,14 +518,6 @@ fn check_tangents(setup: &Setup<'_>) -> Result<(), SolveError> {
             reason: "it treats friction with one tangential force per node, not with two: use newton or accelerated",
         }),
     }
-}
-
-/// Operand of a product.
-#[derive(Clone, Copy)]
-enum Vector {
-    Iterate,
-    Direction,
-    Chopped,
 }
 
 /// Adds to the `loaded` forces what of least norm balances all of them; `false` where they cannot.

@@ -24,16 +24,10 @@ use crate::solve::states::State;
 use crate::solve::{FixedBounds, Observer, Outcome, SolveError, TOLERANCE, levels, slip};
 
 /// One step from all contacts closed where a coarser problem may follow.
-const ONE: Patience = Patience {
-    steps: 1,
-    factor: 1.0,
-};
+const ONE: Patience = Patience::new(1, 1.0);
 
 /// Steps from all contacts closed where there is no coarser problem.
-const PLAIN: Patience = Patience {
-    steps: 7,
-    factor: f64::INFINITY,
-};
+const PLAIN: Patience = Patience::new(7, f64::INFINITY);
 
 /// With fewer blocks than this no coarser problem is asked for.
 const SMALL: usize = 96;

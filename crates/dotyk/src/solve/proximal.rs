@@ -389,11 +389,9 @@ fn zero(far: f64, mut f: impl FnMut(f64) -> f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::dual::{AdmissibleSet, Block, Compliance, DualProblem, Equilibrium};
-    use crate::linalg::Mat;
-    use crate::solve::Iterate;
+    use crate::dual::Block;
     use crate::solve::exact::Patience;
-    use std::ops::ControlFlow;
+    use crate::solve::tests::{of_rank, silent};
 
     #[test]
     fn descent_ends_where_exact_steps_run_in_circles() {
@@ -401,24 +399,12 @@ mod tests {
             [0.5, 0.1, 0.3, 0.9, 1.0, -0.3],
             [0.2, 0.2, 0.7, 0.7, -0.1, 0.6],
         ];
-        let f = Mat::from_fn(6, 6, |i, j| {
-            let sum: f64 = a.iter().map(|row| row[i] * row[j]).sum();
-            sum + if i == j { 0.01 } else { 0.0 }
-        });
-        let problem = DualProblem::new(
-            Compliance::Dense(f),
-            vec![0.6, -0.6, 0.6, -0.6, 0.2, 0.8],
-            AdmissibleSet::new(vec![Block::Unilateral; 6]),
-            Equilibrium::none(6),
-        )
-        .unwrap();
+        let shift = [0.6, -0.6, 0.6, -0.6, 0.2, 0.8];
+        let problem = of_rank(&a, &shift, vec![Block::Unilateral; 6], (&[], &[]));
         let setup = Setup::new(&problem).unwrap();
         let mut search = Search::new((1e-8, 200), &setup);
-        let patience = Patience {
-            steps: 100,
-            factor: f64::INFINITY,
-        };
-        let silent = &mut |_: &Iterate<'_>| ControlFlow::Continue(());
+        let patience = Patience::new(100, f64::INFINITY);
+        let silent = &mut silent;
         let closed = search.all_closed();
         let Ended::Stuck(states) = search.exact(closed, &patience, &|_, _| {}, silent) else {
             panic!("no circle: the descent is not needed");

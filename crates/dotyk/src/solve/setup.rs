@@ -6,7 +6,7 @@ use std::rc::Rc;
 use crate::dual::{
     AdmissibleSet, Balance, Component, DualProblem, Feasibility, Multipliers, Projector, Violations,
 };
-use crate::solve::{Outcome, SolveError};
+use crate::solve::{Outcome, SolveError, largest};
 
 /// Checked data, the balance in orthonormal modes, the kind of each force.
 pub(crate) struct Setup<'a> {
@@ -90,8 +90,7 @@ impl<'a> Setup<'a> {
 
     /// The largest of the forces λ (m,) and of the load: what forces are compared with.
     pub fn largest_force(&self, lambda: &[f64]) -> f64 {
-        let largest = |s: f64, force: &f64| s.max(force.abs());
-        lambda.iter().fold(self.problem.scales.force, largest)
+        largest(self.problem.scales.force, lambda)
     }
 
     /// Workspace for projections.
@@ -188,8 +187,8 @@ impl Forces {
     }
 
     /// These forces as a point that a step of some kind led to.
-    pub fn at<'a>(&'a self, setup: &'a Setup<'_>, step: char) -> Point<'a> {
-        Point {
+    pub fn at<'a>(&'a self, setup: &'a Setup<'_>, step: char) -> Position<'a> {
+        Position {
             forces: self,
             components: &setup.components,
             step,
@@ -198,7 +197,7 @@ impl Forces {
 }
 
 /// Where an iteration is.
-pub(crate) struct Point<'a> {
+pub(crate) struct Position<'a> {
     pub forces: &'a Forces,
     /// What λ is held to, (m,).
     pub components: &'a [Component],
@@ -215,7 +214,7 @@ pub(crate) struct Judge {
 
 impl Judge {
     /// Residual at a point; components called free are not held to λ ≥ 0.
-    pub fn residual(&mut self, setup: &Setup<'_>, point: &Point<'_>) -> f64 {
+    pub fn residual(&mut self, setup: &Setup<'_>, point: &Position<'_>) -> f64 {
         let (problem, forces) = (setup.problem, point.forces);
         setup.balance.to_original(&forces.alpha, &mut self.alpha);
         problem.gap_from_product(&forces.product, &self.alpha, &mut self.gap);

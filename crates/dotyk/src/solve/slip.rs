@@ -27,10 +27,7 @@ use crate::solve::states::State;
 use crate::solve::{FixedBounds, Observer, Outcome, SolveError};
 
 /// Exact steps: their residuals may rise on the way.
-const EXACT: Patience = Patience {
-    steps: 14,
-    factor: f64::INFINITY,
-};
+const EXACT: Patience = Patience::new(14, f64::INFINITY);
 
 /// Most steps on a coarser problem: no more than a guess is asked for.
 const COARSE: usize = 20;
@@ -196,10 +193,9 @@ fn iterate_bounds<S: FixedBounds>(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::dual::{AdmissibleSet, Compliance, DualProblem, Equilibrium, Friction};
-    use crate::linalg::Mat;
-    use crate::solve::{Iterate, Newton};
-    use std::ops::ControlFlow;
+    use crate::dual::{DualProblem, Friction};
+    use crate::solve::Newton;
+    use crate::solve::tests::{of_rank, silent};
 
     /// Two nodes in the plane with F = AᵀA + I/100, d, G, e and a coefficient of friction.
     struct Frozen {
@@ -212,25 +208,11 @@ mod tests {
 
     impl Frozen {
         fn problem(&self) -> DualProblem {
-            let f = Mat::from_fn(4, 4, |i, j| {
-                let sum: f64 = self.a.iter().map(|row| row[i] * row[j]).sum();
-                sum + if i == j { 0.01 } else { 0.0 }
-            });
             let coefficient = self.coefficient;
             let block = Friction::Coulomb { coefficient }.block(1);
-            let modes = Mat::from_fn(self.modes.len(), 4, |i, j| self.modes[i][j]);
-            DualProblem::new(
-                Compliance::Dense(f),
-                self.shift.to_vec(),
-                AdmissibleSet::new(vec![block; 2]),
-                Equilibrium::new(modes, self.load.to_vec()),
-            )
-            .unwrap()
+            let balance = (self.modes, self.load);
+            of_rank(self.a, &self.shift, vec![block; 2], balance)
         }
-    }
-
-    fn silent(_: &Iterate<'_>) -> ControlFlow<()> {
-        ControlFlow::Continue(())
     }
 
     /// The first `count` stages leave the problem open, the next one ends with a certified answer.

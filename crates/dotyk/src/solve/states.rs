@@ -64,11 +64,14 @@ impl State {
         }
     }
 
-    /// What forces of a block tell by themselves: a contact with a force is closed, and a shear at its bound slips.
-    pub fn of_forces(block: &Block, forces: &[f64]) -> Self {
-        let mut trial = forces.to_vec();
-        trial[1..].iter_mut().for_each(|t| *t *= 1.0 + AT_BOUND);
-        Self::of_trial(block, &trial)
+    /// What forces (m,) tell by themselves: contacts with a force are closed, shears at their bound slip.
+    pub fn of_forces(admissible: &AdmissibleSet, lambda: &[f64]) -> Vec<Self> {
+        let state = |(block, range): (&Block, Range<usize>)| {
+            let mut trial = lambda[range].to_vec();
+            trial[1..].iter_mut().for_each(|t| *t *= 1.0 + AT_BOUND);
+            Self::of_trial(block, &trial)
+        };
+        admissible.iter().map(state).collect()
     }
 
     /// What trial forces z of a block ask for.
@@ -95,6 +98,11 @@ impl State {
     /// It slips in space, where the direction is a part of what is sought.
     pub fn may_turn(&self) -> bool {
         matches!(&self.shear, Shear::Slip { direction, .. } if direction.len() > 1)
+    }
+
+    /// Those of all blocks.
+    pub fn keys(states: &[Self]) -> Vec<(bool, u8)> {
+        states.iter().map(Self::key).collect()
     }
 
     /// The same state for the purpose of finding one again: directions of slip in space never come back exactly.

@@ -24,7 +24,7 @@ use crate::dual::{Component, Multipliers};
 use crate::linalg::Mat;
 use crate::linalg::dense::Lu;
 use crate::solve::iteration::{FixedStep, Iteration, completed, counting_from, iterate};
-use crate::solve::setup::{Forces, Point, Setup};
+use crate::solve::setup::{Forces, Position, Setup};
 use crate::solve::states::Unknown;
 use crate::solve::system::System;
 use crate::solve::{
@@ -174,10 +174,9 @@ struct Steps<'a> {
     step: FixedStep,
     /// What λ is held to: the bolts are free.
     components: Vec<Component>,
+    /// The iterate and the one before.
     at: Forces,
-    /// The iterate before, and its product.
-    previous: Vec<f64>,
-    before: Vec<f64>,
+    then: Forces,
     parts: Vec<f64>,
 }
 
@@ -193,16 +192,15 @@ impl<'a> Steps<'a> {
             bolted,
             step: FixedStep::new(method.rho, || reduced_bound(setup, bolted)),
             components,
-            previous: lambda.clone(),
-            before: vec![0.0; setup.len()],
             at: Forces {
                 lambda,
                 ..Forces::none(setup)
             },
+            then: Forces::none(setup),
             parts: vec![0.0; setup.modes()],
         };
         steps.project();
-        steps.previous.copy_from_slice(&steps.at.lambda);
+        steps.then.lambda.clone_from(&steps.at.lambda);
         steps
     }
 
@@ -222,28 +220,25 @@ impl<'a> Steps<'a> {
 impl Iteration for Steps<'_> {
     /// STEP 1: the gaps of the forces, with the rigid shift that closes those of the bolts.
     fn evaluate(&mut self) {
-        let (setup, bolted) = (self.setup, self.bolted);
-        std::mem::swap(&mut self.at.product, &mut self.before);
-        setup.multiply(&self.at.lambda, &mut self.at.product);
-        let now = (&self.at.lambda[..], &self.at.product[..]);
-        let then = (&self.previous[..], &self.before[..]);
-        self.step.adapt(now, then, |i| !bolted.held[i]);
-        let overlap = |node: usize| self.at.product[node] - setup.shift[node];
-        bolted.shift(overlap, &mut self.at.alpha);
+        let (setup, bolted, at) = (self.setup, self.bolted, &mut self.at);
+        setup.multiply(&at.lambda, &mut at.product);
+        self.step.adapt(at, &self.then, |i| !bolted.held[i]);
+        let overlap = |node: usize| at.product[node] - setup.shift[node];
+        bolted.shift(overlap, &mut at.alpha);
     }
 
     /// STEP 2: λᵢ ← max(0, λᵢ − ρ gapᵢ), and λ_A from the balance.
     fn advance(&mut self, gap: &[f64]) -> usize {
-        self.previous.copy_from_slice(&self.at.lambda);
-        for (force, gap) in self.at.lambda.iter_mut().zip(gap) {
-            *force -= self.step.rho * gap;
+        std::mem::swap(&mut self.at, &mut self.then);
+        for (i, force) in self.at.lambda.iter_mut().enumerate() {
+            *force = self.then.lambda[i] - self.step.rho * gap[i];
         }
         self.project();
         1
     }
 
-    fn point(&self) -> Point<'_> {
-        Point {
+    fn point(&self) -> Position<'_> {
+        Position {
             components: &self.components,
             ..self.at.at(self.setup, 'u')
         }
@@ -333,13 +328,11 @@ impl Bolted {
 
 /// Forces that press, 0 for the others: no bolt is put on a tangential force.
 fn pressed(setup: &Setup<'_>, lambda: &[f64]) -> Vec<f64> {
-    let components = setup.components.iter().zip(lambda);
-    components
-        .map(|(component, force)| match component {
-            Component::Tangent => 0.0,
-            Component::Free | Component::Normal => force.max(0.0),
-        })
-        .collect()
+    let press = |(component, force): (&Component, &f64)| match component {
+        Component::Tangent => 0.0,
+        Component::Free | Component::Normal => force.max(0.0),
+    };
+    setup.components.iter().zip(lambda).map(press).collect()
 }
 
 /// Greedy choice: largest λᵢ times the part of column Ĝᵢ that the bolts before do not hold.
