@@ -196,11 +196,8 @@ impl<'a, S: FixedBounds> Search<'a, S> {
                 self.part = (0.5 * self.part).max(LEAST_PART);
             }
         }
-        self.still = if change < self.smallest {
-            0
-        } else {
-            self.still + 1
-        };
+        let falls = change < self.smallest;
+        self.still = if falls { 0 } else { self.still + 1 };
         self.smallest = self.smallest.min(change);
         self.change = told.then_some(change);
     }

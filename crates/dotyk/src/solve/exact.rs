@@ -290,10 +290,9 @@ impl<'a> Search<'a> {
             if state.closed != next.closed && !block.is_free() {
                 // an active contact has no gap, an inactive one no force: rounding of the other must not decide
                 let first = range.start;
-                let closed = if state.closed {
-                    lambda[first] > 0.0
-                } else {
-                    gap[first] < 0.0
+                let closed = match state.closed {
+                    true => lambda[first] > 0.0,
+                    false => gap[first] < 0.0,
                 };
                 if closed == state.closed {
                     next = State {

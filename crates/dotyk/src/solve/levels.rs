@@ -448,28 +448,25 @@ impl Cut {
 
 /// Number of blocks that each block is connected with, itself counted.
 fn component_sizes(beside: &[Vec<usize>]) -> Vec<usize> {
-    let mut component = vec![usize::MAX; beside.len()];
-    let mut counts = Vec::new();
+    let mut sizes = vec![0; beside.len()];
     for first in 0..beside.len() {
-        if component[first] != usize::MAX {
+        if sizes[first] != 0 {
             continue;
         }
-        let own = counts.len();
-        let mut open = vec![first];
-        component[first] = own;
-        let mut count = 0;
-        while let Some(block) = open.pop() {
-            count += 1;
-            for &next in &beside[block] {
-                if component[next] == usize::MAX {
-                    component[next] = own;
-                    open.push(next);
+        sizes[first] = 1;
+        let (mut met, mut next) = (vec![first], 0);
+        while next < met.len() {
+            for &other in &beside[met[next]] {
+                if sizes[other] == 0 {
+                    sizes[other] = 1;
+                    met.push(other);
                 }
             }
+            next += 1;
         }
-        counts.push(count);
+        met.iter().for_each(|&block| sizes[block] = met.len());
     }
-    component.into_iter().map(|c| counts[c]).collect()
+    sizes
 }
 
 /// What every component gives way while its neighbours stay behind, (m,), length over force: wᵀFw with w one there and

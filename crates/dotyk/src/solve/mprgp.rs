@@ -28,7 +28,7 @@ use crate::solve::gradient::projected_bound;
 use crate::solve::iteration::{Iteration, iterate};
 use crate::solve::null::Null;
 use crate::solve::setup::{Forces, Judge, Position, Setup};
-use crate::solve::{FixedBounds, Observer, Outcome, SolveError, TOLERANCE, dot, norm};
+use crate::solve::{FixedBounds, Observer, Outcome, SAFE_STEP, SolveError, TOLERANCE, dot, norm};
 
 /// An outer step that leaves more than this part of the imbalance is slow; [`SLOW_STEPS`] in a row raise the penalty.
 const SLOW: f64 = 0.5;
@@ -182,10 +182,8 @@ impl<'a> State<'a> {
     ) -> Self {
         let (m, k) = (setup.len(), setup.modes());
         let bound = projected_bound(setup);
-        let mut offset = vec![0.0; m];
-        setup
-            .balance
-            .add_transposed(1.0, &setup.balance.load, &mut offset);
+        let (balance, mut offset) = (&setup.balance, vec![0.0; m]);
+        balance.add_transposed(1.0, &balance.load, &mut offset);
         let bounds = bounds(setup);
         let from = |bound: fn(&Range<f64>) -> f64| {
             let pairs = bounds.iter().zip(&offset);
@@ -213,11 +211,7 @@ impl<'a> State<'a> {
             size: 0.0,
             penalty: 1.1 * bound,
             precision: 100.0 * bound,
-            step_length: if k > 0 {
-                1.9 / (1.1 * bound)
-            } else {
-                1.9 / bound
-            },
+            step_length: SAFE_STEP / if k > 0 { 1.1 * bound } else { bound },
             x,
             gradient: vec![0.0; m],
             direction: vec![0.0; m],
@@ -379,11 +373,8 @@ impl<'a> State<'a> {
             self.precision *= 0.5;
         }
         self.lagrangian = Some(value);
-        self.slow = if imbalance > SLOW * SLOW * self.imbalance {
-            self.slow + 1
-        } else {
-            0
-        };
+        let slow = imbalance > SLOW * SLOW * self.imbalance;
+        self.slow = if slow { self.slow + 1 } else { 0 };
         self.imbalance = imbalance;
         for (multiplier, part) in self.multiplier.iter_mut().zip(&self.modes_x) {
             *multiplier += self.penalty * part;

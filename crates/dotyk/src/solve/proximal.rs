@@ -92,11 +92,8 @@ pub(crate) fn descend(search: &mut Search<'_>, states: Vec<State>, observe: Obse
         if search.residual <= search.tolerance {
             return Ended::Converged;
         }
-        still = if search.residual < 0.5 * best {
-            0
-        } else {
-            still + 1
-        };
+        let falls = search.residual < 0.5 * best;
+        still = if falls { 0 } else { still + 1 };
         best = best.min(search.residual);
         if still > PATIENCE {
             return Ended::Stuck(states);
