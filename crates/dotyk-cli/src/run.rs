@@ -16,7 +16,7 @@ use std::time::Instant;
 pub struct Arguments {
     /// Case file
     case: PathBuf,
-    /// Solver instead of the case's own: auto, newton, mprgp, gradient, accelerated, uzawa
+    /// Solver instead of the case's own: auto, newton, mprgp, gradient, accelerated, secant, uzawa
     #[arg(long, value_name = "NAME", value_parser = method)]
     solver: Option<Method>,
     /// Step of gradient and uzawa, for forces, unscaled
@@ -378,6 +378,7 @@ mod tests {
             Method::Newton,
             Method::Mprgp,
             Method::Accelerated,
+            Method::Secant,
         ] {
             assert!(override_solver(&mut options(method), None, Some(1.0)).is_err());
         }

@@ -5,7 +5,9 @@
 
 use crate::problem::Problem;
 use crate::{hdf5, text};
-use dotyk::solve::{Accelerated, ContactSolver, Gradient, Mprgp, Newton, SolveError, Uzawa};
+use dotyk::solve::{
+    Accelerated, ContactSolver, Gradient, Mprgp, Newton, Secant, SolveError, Uzawa,
+};
 use flate2::read::MultiGzDecoder;
 use std::io::{Read, Write};
 use std::ops::ControlFlow;
@@ -92,13 +94,17 @@ pub fn solver(name: &str, tolerance: f64) -> Result<Box<dyn ContactSolver>, Stri
             tolerance,
             ..Accelerated::default()
         }),
+        "secant" => Box::new(Secant {
+            tolerance,
+            ..Secant::default()
+        }),
         "uzawa" => Box::new(Uzawa {
             tolerance,
             ..Uzawa::default()
         }),
         _ => {
             return Err(format!(
-                "there is no solver {name:?}: newton, mprgp, gradient, accelerated or uzawa"
+                "there is no solver {name:?}: newton, mprgp, gradient, accelerated, secant or uzawa"
             ));
         }
     })

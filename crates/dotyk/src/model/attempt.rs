@@ -16,8 +16,8 @@ use crate::model::pair::carriers;
 use crate::model::sliding::sliding;
 use crate::model::solution::HistoryPoint;
 use crate::solve::{
-    Accelerated, ContactSolver, Gradient, Iterate, Mprgp, Newton, Outcome, SolveError, Uzawa,
-    correction, loaded,
+    Accelerated, ContactSolver, Gradient, Iterate, Mprgp, Newton, Outcome, Secant, SolveError,
+    Uzawa, correction, loaded,
 };
 use std::ops::ControlFlow;
 
@@ -298,6 +298,13 @@ fn solver<const D: usize>(
         Method::Accelerated => {
             let default = Accelerated::default();
             Box::new(Accelerated {
+                tolerance,
+                max_iterations: limit.unwrap_or(default.max_iterations),
+            })
+        }
+        Method::Secant => {
+            let default = Secant::default();
+            Box::new(Secant {
                 tolerance,
                 max_iterations: limit.unwrap_or(default.max_iterations),
             })

@@ -180,17 +180,20 @@ pub enum Method {
     Gradient,
     /// Accelerated projected gradient with restart.
     Accelerated,
+    /// Uzawa's iteration with crossed-secant acceleration.
+    Secant,
     /// The paper's p,A-algorithm with bolts.
     Uzawa,
 }
 
 impl Method {
     /// All methods that name one algorithm.
-    pub const NAMED: [Self; 5] = [
+    pub const NAMED: [Self; 6] = [
         Self::Newton,
         Self::Mprgp,
         Self::Gradient,
         Self::Accelerated,
+        Self::Secant,
         Self::Uzawa,
     ];
 
@@ -202,6 +205,7 @@ impl Method {
             Self::Mprgp => "mprgp",
             Self::Gradient => "gradient",
             Self::Accelerated => "accelerated",
+            Self::Secant => "secant",
             Self::Uzawa => "uzawa",
         }
     }

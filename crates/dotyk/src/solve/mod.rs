@@ -9,6 +9,7 @@
 //! | [`Uzawa`] | the p,A-algorithm: fixed step, bolts for the balance | rho, bolts (both may be automatic) |
 //! | [`Gradient`] | projected gradient, fixed step, exact projection | rho (may be automatic) |
 //! | [`Accelerated`] | the same with Nesterov's extrapolation and restarts | none |
+//! | [`Secant`] | the same with crossed-secant acceleration | none |
 //! | [`Mprgp`] | conjugate gradients on faces, balance by an augmented Lagrangian | none |
 //! | [`Newton`] | active sets, one linear solve each; the default | none |
 //!
@@ -32,6 +33,7 @@ mod mprgp;
 mod newton;
 mod null;
 mod proximal;
+mod secant;
 mod setup;
 mod slip;
 mod spectrum;
@@ -44,6 +46,7 @@ pub(crate) use correct::{correction, distance_to_exact};
 pub use gradient::Gradient;
 pub use mprgp::Mprgp;
 pub use newton::Newton;
+pub use secant::Secant;
 pub(crate) use states::{Shear, State};
 pub use uzawa::Uzawa;
 
@@ -72,7 +75,7 @@ pub struct Iterate<'a> {
     pub residual: f64,
     /// Contact unknowns with a force.
     pub active: usize,
-    /// Kind of step: `u` p,A-step, `g` gradient, `a` accelerated, `r` restarted, `c` conjugate gradient, `e` expansion,
+    /// Kind of step: `u` p,A-step, `g` gradient, `a` accelerated, `r` restarted, `s` secant, `c` conjugate gradient, `e` expansion,
     /// `p` proportioning (MPRGP) or proximal step (Newton), `n` exact Newton step.
     pub step: char,
 }

@@ -11,8 +11,8 @@ use dotyk::dual::{
 };
 use dotyk::linalg::{Mat, SparseMatrix};
 use dotyk::solve::{
-    Accelerated, ContactSolver, FixedPoint, Gradient, Iterate, Mprgp, Newton, Outcome, SolveError,
-    Uzawa,
+    Accelerated, ContactSolver, FixedPoint, Gradient, Iterate, Mprgp, Newton, Outcome, Secant,
+    SolveError, Uzawa,
 };
 
 /// Residual asked of every solver: the conditioning of these problems then leaves 1e-9 in λ.
@@ -67,6 +67,10 @@ fn solvers() -> Vec<Box<dyn ContactSolver>> {
         Box::new(Mprgp {
             tolerance: TOLERANCE,
             ..Mprgp::default()
+        }),
+        Box::new(Secant {
+            tolerance: TOLERANCE,
+            ..Secant::default()
         }),
         Box::new(newton()),
     ]

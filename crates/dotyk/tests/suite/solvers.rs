@@ -12,7 +12,8 @@ use dotyk::dual::{
 };
 use dotyk::linalg::{LinearOperator, Mat, SparseMatrix};
 use dotyk::solve::{
-    Accelerated, Bolt, ContactSolver, Gradient, Iterate, Mprgp, Newton, Outcome, SolveError, Uzawa,
+    Accelerated, Bolt, ContactSolver, Gradient, Iterate, Mprgp, Newton, Outcome, Secant,
+    SolveError, Uzawa,
 };
 
 /// Residual asked of every solver: the conditioning of these problems then leaves 1e-9 in λ.
@@ -217,6 +218,13 @@ fn solvers() -> Vec<(Box<dyn ContactSolver>, usize)> {
             Box::new(Mprgp {
                 tolerance: TOLERANCE,
                 ..Mprgp::default()
+            }),
+            250,
+        ),
+        (
+            Box::new(Secant {
+                tolerance: TOLERANCE,
+                ..Secant::default()
             }),
             250,
         ),
@@ -1033,6 +1041,7 @@ fn local_contact_of_a_floating_punch_takes_few_iterations() {
     for (solver, ceiling) in [
         (&Mprgp::default() as &dyn ContactSolver, 100),
         (&Accelerated::default(), 120),
+        (&Secant::default(), 60),
     ] {
         let outcome = solver.solve(&problem, None, &mut silent).unwrap();
         let (name, count) = (solver.name(), outcome.iterations);
