@@ -132,7 +132,7 @@ impl<'a> Search<'a> {
         let balance = &self.setup.balance;
         balance.from_original(&guess.alpha, &mut self.point.alpha);
         let admissible = &self.setup.admissible;
-        Ok(State::of_forces(admissible, &self.point.lambda))
+        Ok(State::of_all_forces(admissible, &self.point.lambda))
     }
 
     /// Every contact closed, none slips.

@@ -243,7 +243,7 @@ impl Clusters {
         let lambda: Vec<f64> = self.place.iter().map(part).collect();
         let mut alpha = vec![0.0; setup.modes()];
         setup.balance.from_original(&forces.alpha, &mut alpha);
-        let mut states = State::of_forces(&setup.admissible, &lambda);
+        let mut states = State::of_all_forces(&setup.admissible, &lambda);
         widen(&mut states, &setup.admissible, &setup.problem.neighbours);
         Start {
             lambda,
@@ -354,7 +354,8 @@ impl Cut {
             steps += found.steps;
             let start = clusters.start(setup, &found);
             last = Some(Start { steps, ..start });
-            let states = State::of_forces(&clusters.admissible, &found.outcome.multipliers.lambda);
+            let states =
+                State::of_all_forces(&clusters.admissible, &found.outcome.multipliers.lambda);
             if !self.split(&clusters, &states) {
                 break;
             }

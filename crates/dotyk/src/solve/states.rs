@@ -64,14 +64,18 @@ impl State {
         }
     }
 
-    /// What forces (m,) tell by themselves: contacts with a force are closed, shears at their bound slip.
-    pub fn of_forces(admissible: &AdmissibleSet, lambda: &[f64]) -> Vec<Self> {
-        let state = |(block, range): (&Block, Range<usize>)| {
-            let mut trial = lambda[range].to_vec();
-            trial[1..].iter_mut().for_each(|t| *t *= 1.0 + AT_BOUND);
-            Self::of_trial(block, &trial)
-        };
-        admissible.iter().map(state).collect()
+    /// What forces of a block tell by themselves: a contact with a force is closed, and a shear at its bound slips.
+    pub fn of_forces(block: &Block, forces: &[f64]) -> Self {
+        let mut trial = forces.to_vec();
+        trial[1..].iter_mut().for_each(|t| *t *= 1.0 + AT_BOUND);
+        Self::of_trial(block, &trial)
+    }
+
+    /// The same of all blocks; λ (m,).
+    pub fn of_all_forces(admissible: &AdmissibleSet, lambda: &[f64]) -> Vec<Self> {
+        let blocks = admissible.iter();
+        let state = |(block, range): (&_, Range<usize>)| Self::of_forces(block, &lambda[range]);
+        blocks.map(state).collect()
     }
 
     /// What trial forces z of a block ask for.
