@@ -331,12 +331,10 @@ pub(crate) fn known_side(text: &str, span: &Span, body: &str, mesh: &Mesh<2>) ->
     if mesh.side(text).is_some() {
         return Ok(());
     }
-    let near = nearest(text, mesh.side_names()).unwrap_or_default();
-    Err(
-        Fault::new(span, format!("body `{body}` has no side `{text}`"))
-            .label(format!("the nearest known side is `{near}`"))
-            .help(format!("its sides: {}", listed(mesh.side_names()))),
-    )
+    let fault = Fault::new(span, format!("body `{body}` has no side `{text}`"));
+    let sides: Vec<&str> = mesh.side_names().collect();
+    let words = ["the nearest known side", "its sides"];
+    Err(fault.nearest(text, words, sides.into_iter()))
 }
 
 /// Refuses a component along z, which plane analyses do not have.

@@ -4,7 +4,7 @@ use crate::case::body::known_side;
 use crate::case::document::{Entry, Node, Table, Value, name, zero};
 use crate::case::error::Fault;
 use crate::case::keys;
-use crate::case::suggest::{listed, nearest};
+use crate::case::suggest::listed;
 use crate::case::surface::surface;
 use crate::geometry::Field;
 use crate::model::{
@@ -107,11 +107,9 @@ fn side_ref(node: &Node, bodies: &[Body<2>]) -> Result<SideRef, Fault> {
             .help("a side is written \"BODY.SIDE\", such as \"block.top\""));
     };
     let Some(index) = bodies.iter().position(|b| b.name == body) else {
-        let names = || bodies.iter().map(|b| b.name.as_str());
-        let near = nearest(body, names()).unwrap_or_default();
-        return Err(Fault::new(&node.span, format!("there is no body `{body}`"))
-            .label(format!("the nearest known body is `{near}`"))
-            .help(format!("bodies: {}", listed(names()))));
+        let names = bodies.iter().map(|b| b.name.as_str());
+        let fault = Fault::new(&node.span, format!("there is no body `{body}`"));
+        return Err(fault.nearest(body, ["the nearest known body", "bodies"], names));
     };
     known_side(side, &node.span, body, &bodies[index].mesh)?;
     Ok(SideRef {

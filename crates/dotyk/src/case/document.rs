@@ -5,7 +5,6 @@
 
 use crate::case::error::Fault;
 use crate::case::expression;
-use crate::case::suggest::{listed, nearest};
 use crate::geometry::{Field, Point};
 use std::ops::Range;
 use toml::de::{DeTable, DeValue};
@@ -247,11 +246,12 @@ impl Node {
         let text = self.text()?;
         let found = choices.iter().find(|(name, _)| *name == text);
         found.map(|(_, value)| *value).ok_or_else(|| {
-            let names = || choices.iter().map(|(name, _)| *name);
-            let near = nearest(text, names()).unwrap_or_default();
-            Fault::new(&self.span, format!("unknown {what} `{text}`"))
-                .label(format!("the nearest known is `{near}`"))
-                .help(format!("known: {}", listed(names())))
+            let names = choices.iter().map(|(name, _)| *name);
+            Fault::new(&self.span, format!("unknown {what} `{text}`")).nearest(
+                text,
+                ["the nearest known", "known"],
+                names,
+            )
         })
     }
 
@@ -259,11 +259,10 @@ impl Node {
     pub fn table(&self, keys: &'static [&'static str]) -> Result<Table<'_>, Fault> {
         let entries = self.entries()?;
         if let Some(entry) = entries.iter().find(|e| !keys.contains(&e.key.as_str())) {
-            let near = nearest(&entry.key, keys.iter().copied()).unwrap_or_default();
             let message = format!("unknown key `{}`", entry.key);
-            return Err(Fault::new(&entry.key_span, message)
-                .label(format!("the nearest known key is `{near}`"))
-                .help(format!("known here: {}", listed(keys.iter().copied()))));
+            let words = ["the nearest known key", "known here"];
+            let fault = Fault::new(&entry.key_span, message);
+            return Err(fault.nearest(&entry.key, words, keys.iter().copied()));
         }
         Ok(Table {
             entries,

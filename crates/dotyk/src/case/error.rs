@@ -1,5 +1,6 @@
 //! Errors of a text file, with the place in it.
 
+use crate::case::suggest::{listed, nearest};
 use std::fmt;
 use std::ops::Range;
 use std::sync::Arc;
@@ -92,6 +93,18 @@ impl Fault {
     pub fn help(mut self, help: impl Into<Box<str>>) -> Self {
         self.help = Some(help.into());
         self
+    }
+
+    /// What is nearest to a word that is not known, after `label`, and all that is known, after `help`.
+    pub fn nearest<'k>(
+        self,
+        word: &str,
+        [label, help]: [&str; 2],
+        known: impl Iterator<Item = &'k str> + Clone,
+    ) -> Self {
+        let near = nearest(word, known.clone()).unwrap_or_default();
+        self.label(format!("{label} is `{near}`"))
+            .help(format!("{help}: {}", listed(known)))
     }
 
     /// The error with its file. A span over several lines is cut to its first one, which is what a report can underline.

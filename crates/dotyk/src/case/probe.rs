@@ -3,10 +3,12 @@
 use crate::case::document::{Node, Table};
 use crate::case::error::Fault;
 use crate::case::keys;
-use crate::case::suggest::{listed, nearest};
+use crate::case::suggest::listed;
 use crate::model::{Body, BodyId, Contact, Mistake, Probe, Quantity, QuantityError, Reading};
 
 const REDUCTIONS: [(&str, Reading<2>); 2] = [("max", Reading::Largest), ("min", Reading::Smallest)];
+
+const UNKNOWN: [&str; 2] = ["the nearest known", "known"];
 
 /// One probe on these bodies and contacts.
 pub(crate) fn probe(
@@ -43,20 +45,12 @@ fn fault(node: &Node, error: &QuantityError) -> Fault {
     let fault = Fault::new(&node.part(error.at.clone()), error.to_string());
     let known = error.known.iter().map(String::as_str);
     match error.mistake {
-        Mistake::Unknown(_) => unknown(fault, &error.word, known),
+        Mistake::Unknown(_) => fault.nearest(&error.word, UNKNOWN, known),
         Mistake::Incomplete => fault
             .label("incomplete")
             .help(format!("add one of {}", listed(known))),
         Mistake::TooLong => fault.label("ends too late"),
     }
-}
-
-/// What is near a word that is not known, and what is known.
-fn unknown<'k>(fault: Fault, word: &str, known: impl Iterator<Item = &'k str> + Clone) -> Fault {
-    let near = nearest(word, known.clone()).unwrap_or_default();
-    fault
-        .label(format!("the nearest known is `{near}`"))
-        .help(format!("known: {}", listed(known)))
 }
 
 /// Where, or how: a field needs `at` or `reduce`, a number neither; neighbours are those of a point.
@@ -114,11 +108,8 @@ fn minus_rigid(
         Some(body) => Ok(Some(BodyId(body))),
         None => {
             let fault = Fault::new(&entry.node.span, format!("unknown body `{text}`"));
-            Err(unknown(
-                fault,
-                text,
-                bodies.iter().map(|body| body.name.as_str()),
-            ))
+            let names = bodies.iter().map(|body| body.name.as_str());
+            Err(fault.nearest(text, UNKNOWN, names))
         }
     }
 }

@@ -270,57 +270,37 @@ fn solver<const D: usize>(
     method: Method,
     tolerance: f64,
 ) -> Result<Box<dyn ContactSolver>, Error<D>> {
-    let limit = model.solver.max_iterations;
+    let most = |default: usize| model.solver.max_iterations.unwrap_or(default);
     let rho = model.solver.rho;
     Ok(match method {
-        Method::Auto | Method::Newton => {
-            let default = Newton::default();
-            Box::new(Newton {
-                tolerance,
-                max_iterations: limit.unwrap_or(default.max_iterations),
-            })
-        }
-        Method::Mprgp => {
-            let default = Mprgp::default();
-            Box::new(Mprgp {
-                tolerance,
-                max_iterations: limit.unwrap_or(default.max_iterations),
-            })
-        }
-        Method::Gradient => {
-            let default = Gradient::default();
-            Box::new(Gradient {
-                rho,
-                tolerance,
-                max_iterations: limit.unwrap_or(default.max_iterations),
-            })
-        }
-        Method::Accelerated => {
-            let default = Accelerated::default();
-            Box::new(Accelerated {
-                tolerance,
-                max_iterations: limit.unwrap_or(default.max_iterations),
-            })
-        }
-        Method::Secant => {
-            let default = Secant::default();
-            Box::new(Secant {
-                tolerance,
-                max_iterations: limit.unwrap_or(default.max_iterations),
-            })
-        }
-        Method::Uzawa => {
-            let default = Uzawa::default();
-            let bolts = bolt_indices(model, condensed)?;
-            let max_iterations = limit.unwrap_or(default.max_iterations);
-            Box::new(Uzawa {
-                bolts,
-                rho,
-                tolerance,
-                max_iterations,
-                ..default
-            })
-        }
+        Method::Auto | Method::Newton => Box::new(Newton {
+            tolerance,
+            max_iterations: most(Newton::default().max_iterations),
+        }),
+        Method::Mprgp => Box::new(Mprgp {
+            tolerance,
+            max_iterations: most(Mprgp::default().max_iterations),
+        }),
+        Method::Gradient => Box::new(Gradient {
+            rho,
+            tolerance,
+            max_iterations: most(Gradient::default().max_iterations),
+        }),
+        Method::Accelerated => Box::new(Accelerated {
+            tolerance,
+            max_iterations: most(Accelerated::default().max_iterations),
+        }),
+        Method::Secant => Box::new(Secant {
+            tolerance,
+            max_iterations: most(Secant::default().max_iterations),
+        }),
+        Method::Uzawa => Box::new(Uzawa {
+            bolts: bolt_indices(model, condensed)?,
+            rho,
+            tolerance,
+            max_iterations: most(Uzawa::default().max_iterations),
+            ..Uzawa::default()
+        }),
     })
 }
 
