@@ -120,6 +120,10 @@ const IN_THE_TEXT: &[Mistake] = &[
     ("\"plane-strain\"", "\"3d\"", "3d", "not supported yet"),
     ("gap = \"geometric\"", "friction = -0.3", "-0.3", "negative"),
     ("gap = \"geometric\"", "friction = { coulomb = 0.3, tresca = 1 }", "friction", "one law"),
+    ("gap = \"geometric\"", "friction = { cohesion = 1, tresca = 1 }", "friction", "one law"),
+    ("gap = \"geometric\"", "friction = { cohesion = -1 }", "-1 }", "negative"),
+    ("gap = \"geometric\"", "friction = { cohesion = 1, tension = 1 }", "tension", "not supported yet"),
+    ("gap = \"geometric\"", "friction = { cohesion = 1 }\n[[step]]\ntime = 1\n[[step]]\ntime = 2", "cohesion", "several load steps is not supported yet"),
 ];
 
 /// Mistakes of mechanics, which only assembling or solving finds: what is replaced, by what, words of the message.

@@ -1,7 +1,7 @@
 //! `[[contact]]` of a case file.
 
 use crate::case::body::known_side;
-use crate::case::document::{Entry, Node, Table, Value, name, zero};
+use crate::case::document::{Entry, Node, Table, Value, later, name, zero};
 use crate::case::error::Fault;
 use crate::case::keys;
 use crate::case::suggest::listed;
@@ -16,12 +16,12 @@ const PAIRINGS: [(&str, Pairing); 2] = [
     ("mortar", Pairing::Mortar),
 ];
 
-/// One contact between sides of these bodies.
-pub(crate) fn contact(node: &Node, bodies: &[Body<2>]) -> Result<Contact<2>, Fault> {
+/// One contact between sides of these bodies, in so many load steps.
+pub(crate) fn contact(node: &Node, bodies: &[Body<2>], steps: usize) -> Result<Contact<2>, Fault> {
     let table = node.table(keys::CONTACT)?;
     let name = name(table.require("name", "a contact")?)?;
     let pair = pair(table, &name, bodies)?;
-    let law = law(table, &name)?;
+    let law = law(table, &name, steps)?;
     let pairing = match table.get("pairing") {
         None => None,
         Some(node) => Some(node.choice("pairing", &PAIRINGS)?),
@@ -164,7 +164,7 @@ fn gap(node: &Node) -> Result<Gap, Fault> {
 }
 
 /// The contact law.
-fn law(table: Table<'_>, contact: &str) -> Result<Law, Fault> {
+fn law(table: Table<'_>, contact: &str, steps: usize) -> Result<Law, Fault> {
     let friction = table.get("friction");
     if let Some(node) = table.get("tied")
         && node.boolean()?
@@ -179,32 +179,49 @@ fn law(table: Table<'_>, contact: &str) -> Result<Law, Fault> {
             .help("remove `friction` or `tied`")),
         };
     }
-    let Some(node) = friction else {
-        return Ok(Law::Frictionless);
+    let law = match friction {
+        None => Law::Frictionless,
+        Some(node) => friction_law(node, contact, steps)?,
     };
-    let (value, field): (&Node, Field) = if let Value::Table(_) = node.value {
-        let kinds = node.table(keys::FRICTION)?;
-        match (kinds.get("coulomb"), kinds.get("tresca")) {
-            (Some(value), None) | (None, Some(value)) => (value, value.field()?),
-            _ => {
-                let message = format!("friction of contact `{contact}` needs one law");
-                return Err(Fault::new(&node.span, message)
-                    .label("not exactly one")
-                    .help("give `coulomb` (a coefficient) or `tresca` (a shear traction)"));
-            }
-        }
-    } else {
-        (node, node.field()?)
-    };
-    let tresca =
-        matches!(&node.value, Value::Table(list) if list.iter().any(|e| e.key == "tresca"));
-    match field.as_constant() {
-        Some(0.0) => Ok(Law::Frictionless),
-        Some(negative) if negative < 0.0 => {
+    let constant = |field: &Field| field.as_constant().ok_or(());
+    match law.friction(constant, 1.0) {
+        Ok(Some(smooth)) if smooth.is_smooth() => Ok(Law::Frictionless),
+        _ => Ok(law),
+    }
+}
+
+/// A coefficient, or a table with the values of one law.
+fn friction_law(node: &Node, contact: &str, steps: usize) -> Result<Law, Fault> {
+    let field = |node: &Node| match node.field()? {
+        field if field.as_constant().is_some_and(|value| value < 0.0) => {
             let message = format!("friction of contact `{contact}` is negative");
-            Err(Fault::new(&value.span, message).label("not ≥ 0"))
+            Err(Fault::new(&node.span, message).label("not ≥ 0"))
         }
-        _ if tresca => Ok(Law::Tresca(field)),
-        _ => Ok(Law::Coulomb(field)),
+        field => Ok(field),
+    };
+    if !matches!(node.value, Value::Table(_)) {
+        return field(node).map(Law::Coulomb);
+    }
+    let table = node.table(keys::FRICTION)?;
+    table.refuse_later(&["tension"])?;
+    let value = |key: &str| table.get(key).map(field).transpose();
+    match (value("coulomb")?, value("tresca")?, table.entry("cohesion")) {
+        (Some(coefficient), None, None) => Ok(Law::Coulomb(coefficient)),
+        (None, Some(traction), None) => Ok(Law::Tresca(traction)),
+        (_, None, Some(entry)) if steps > 1 => {
+            let what = "cohesion with several load steps";
+            Err(later(&entry.key_span, what))
+        }
+        (coefficient, None, Some(entry)) => Ok(Law::Cohesive {
+            cohesion: field(&entry.node)?,
+            coefficient: coefficient.unwrap_or(Field::constant(0.0)),
+        }),
+        _ => {
+            let message = format!("friction of contact `{contact}` needs one law");
+            let help = "give `coulomb` (a coefficient), `tresca` (a shear traction), or `cohesion` (a stress) with or without \
+                        `coulomb`";
+            let fault = Fault::new(&node.span, message).label("not exactly one");
+            Err(fault.help(help))
+        }
     }
 }

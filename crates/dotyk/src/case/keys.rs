@@ -114,7 +114,7 @@ pub const OBSTACLE: &[&str] = &[
     "cylinder",
 ];
 /// `friction` of a contact, when it is a table.
-pub const FRICTION: &[&str] = &["coulomb", "tresca"];
+pub const FRICTION: &[&str] = &["coulomb", "tresca", "cohesion", "tension"];
 /// `[solver]`.
 pub const SOLVER: &[&str] = &["method", "tolerance", "max_iterations", "rho", "bolt"];
 /// `[[step]]`.

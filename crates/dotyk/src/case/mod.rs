@@ -177,12 +177,13 @@ fn model(document: &Node, stem: &str, files: &mut MeshFiles) -> Result<Model<2>,
 
     let contacts = table.list("contact")?;
     unique_names(contacts, "contacts")?;
-    let contacts = contacts.iter().map(|node| contact::contact(node, &bodies));
+    let times = times(table)?;
+    let contact = |node| contact::contact(node, &bodies, times.len());
+    let contacts = contacts.iter().map(contact);
     let contacts = contacts.collect::<Result<Vec<_>, _>>()?;
 
     let solver = table.get("solver");
     let solver = solver.map_or(Ok(SolverOptions::default()), solver_options)?;
-    let times = times(table)?;
 
     let probes = table.list("probe")?;
     unique_names(probes, "probes")?;

@@ -231,6 +231,21 @@ fn contacts_have_all_their_forms() {
     }
     let given = model_with("friction  = 0.0", "friction = { tresca = \"x\" }");
     assert!(matches!(&given.contacts[0].law, Law::Tresca(f) if f.at([2.0, 0.0], 0.0) == 2.0));
+    for (friction, expected) in [
+        ("coulomb = 0.3, cohesion = 1e5", 0.3),
+        ("cohesion = \"1e5\"", 0.0),
+    ] {
+        let model = model_with("friction  = 0.0", &format!("friction = {{ {friction} }}"));
+        let Law::Cohesive {
+            cohesion,
+            coefficient,
+        } = &model.contacts[0].law
+        else {
+            panic!("{friction}")
+        };
+        assert_eq!(cohesion.as_constant(), Some(1e5));
+        assert_eq!(coefficient.as_constant(), Some(expected));
+    }
 }
 
 #[test]

@@ -4,6 +4,7 @@
 
 use std::ops::Range;
 
+use crate::dual::law::NONE;
 use crate::dual::{Block, Friction};
 use crate::linalg::dense::{dot, norm};
 
@@ -78,12 +79,16 @@ impl AdmissibleSet {
 
     /// Bound of the tangential force of each block at λ, 0 without friction; one per block.
     pub fn bounds(&self, lambda: &[f64]) -> Vec<f64> {
-        self.iter()
-            .map(|(block, range)| {
-                let normal = lambda.get(range.start).copied().unwrap_or(0.0);
-                block.bound(normal).unwrap_or(0.0)
-            })
-            .collect()
+        let none = NONE * lambda.iter().fold(0.0, |s: f64, l| s.max(l.abs()));
+        let bound = |(block, range): (&Block, Range<usize>)| {
+            let normal = lambda.get(range.start).copied().unwrap_or(0.0);
+            match block.friction() {
+                Some(law) if law.jumps() && normal <= none => 0.0,
+                Some(law) => law.bound(normal),
+                None => 0.0,
+            }
+        };
+        self.iter().map(bound).collect()
     }
 
     /// The set in which contacts with friction bear any shear beside their normal force: none of them can slip.
@@ -165,10 +170,10 @@ impl AdmissibleSet {
     /// Shapes: λ (m,). `trial` gives λ − gap/softness of a component, the softness being a length over force.
     pub fn slip_violation(&self, lambda: &[f64], trial: impl Fn(usize) -> f64) -> f64 {
         let mut worst: f64 = 0.0;
-        for (block, range) in self.iter() {
-            let Some(bound) = lambda.get(range.start).and_then(|&n| block.bound(n)) else {
+        for ((block, range), bound) in self.iter().zip(self.bounds(lambda)) {
+            if block.friction().is_none() {
                 continue;
-            };
+            }
             let tangents = range.start + 1..range.end;
             let length = tangents
                 .clone()
@@ -207,11 +212,12 @@ impl AdmissibleSet {
     /// At a solution it equals the sum of [`AdmissibleSet::dissipated`]; elsewhere in Λ it is larger. `gap` gives that of a
     /// component.
     pub fn slip_potential(&self, lambda: &[f64], gap: impl Fn(usize) -> f64) -> f64 {
-        self.iter()
-            .filter_map(|(block, range)| {
-                let bound = block.bound(*lambda.get(range.start)?)?;
+        let terms = self.iter().zip(self.bounds(lambda));
+        let with_friction = terms.filter(|((block, _), _)| block.friction().is_some());
+        with_friction
+            .map(|((_, range), bound)| {
                 let square: f64 = range.skip(1).map(|i| gap(i).powi(2)).sum();
-                Some(bound * square.sqrt())
+                bound * square.sqrt()
             })
             .sum()
     }
@@ -230,11 +236,22 @@ mod tests {
         ])
     }
 
+    /// The same with a cohesive node, whose convex hull is projected on.
+    fn every_law() -> AdmissibleSet {
+        let cohesive = Friction::Cohesive {
+            cohesion: 0.3,
+            coefficient: 0.5,
+        };
+        let mut blocks = friction().blocks;
+        blocks.push(cohesive.block(2));
+        AdmissibleSet::new(blocks)
+    }
+
     /// Reproducible points that visit every branch of the projections.
     fn points(count: usize) -> Vec<Vec<f64>> {
         (0..count)
             .map(|k| {
-                (0..9)
+                (0..12)
                     .map(|i| 2.0 * ((k * 31 + i * 17) as f64).sin())
                     .collect()
             })
@@ -244,16 +261,16 @@ mod tests {
     #[test]
     fn projection_is_the_nearest_admissible_force() {
         // Variational characterisation: (y − P(y))·(z − P(y)) ≤ 0 for every admissible z.
-        let set = friction();
-        let mut nearest = vec![0.0; 9];
-        let mut other = vec![0.0; 9];
+        let set = every_law();
+        let mut nearest = vec![0.0; 12];
+        let mut other = vec![0.0; 12];
         for y in points(60) {
             set.project(&y, &mut nearest);
             set.project(&nearest, &mut other);
-            assert!((0..9).all(|i| (nearest[i] - other[i]).abs() < 1e-15));
+            assert!((0..12).all(|i| (nearest[i] - other[i]).abs() < 1e-15));
             for z in points(60) {
                 set.project(&z, &mut other);
-                let product: f64 = (0..9)
+                let product: f64 = (0..12)
                     .map(|i| (y[i] - nearest[i]) * (other[i] - nearest[i]))
                     .sum();
                 assert!(product < 1e-13, "{product}");
@@ -263,13 +280,13 @@ mod tests {
 
     #[test]
     fn derivative_agrees_with_differences() {
-        let set = friction();
+        let set = every_law();
         let step = 1e-6;
-        let (mut before, mut after, mut derivative) = (vec![0.0; 9], vec![0.0; 9], vec![0.0; 9]);
+        let (mut before, mut after, mut derivative) = (vec![0.0; 12], vec![0.0; 12], vec![0.0; 12]);
         let all = points(40);
         for (y, v) in all.iter().zip(all.iter().skip(1)) {
-            let forward: Vec<f64> = (0..9).map(|i| y[i] + step * v[i]).collect();
-            let backward: Vec<f64> = (0..9).map(|i| y[i] - step * v[i]).collect();
+            let forward: Vec<f64> = (0..12).map(|i| y[i] + step * v[i]).collect();
+            let backward: Vec<f64> = (0..12).map(|i| y[i] - step * v[i]).collect();
             set.project(&forward, &mut after);
             set.project(&backward, &mut before);
             set.project_derivative(y, v, &mut derivative);
@@ -298,6 +315,21 @@ mod tests {
         assert!(violation([1.0, 1.0], 0.3) > 0.29);
         assert!(violation([1.0, 1.5], 0.0) > 0.49);
         assert!(violation([1.0, f64::NAN], 0.0).is_nan());
+    }
+
+    #[test]
+    fn cohesion_holds_closed_nodes_alone_and_traces_of_a_force_close_none() {
+        let (cohesion, coefficient) = (2.0, 0.5);
+        let law = Friction::Cohesive {
+            cohesion,
+            coefficient,
+        };
+        let set = AdmissibleSet::new(vec![law.block(1); 4]);
+        let lambda = [1e3, 0.0, 0.0, 1.0, 1e-8, 0.0, 1e-6, 0.0];
+        assert_eq!(set.bounds(&lambda), [502.0, 0.0, 0.0, 2.0 + 5e-7]);
+        // the shear of an open node is a violation, however small it is
+        assert_eq!(set.slip_violation(&lambda, |i| lambda[i]), 1.0);
+        assert!(set.bounds_follow() && law.bound(0.0) == 0.0 && law.bound(1.0) == 2.5);
     }
 
     #[test]

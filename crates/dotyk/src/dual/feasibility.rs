@@ -409,6 +409,19 @@ mod tests {
         assert!(!feasible(tresca(1), &[1.0, 0.3 + 1e-8, 0.2]));
         assert!(feasible(tresca(2), &oblique(0.3 - 1e-6)));
         assert!(!feasible(tresca(2), &oblique(0.3 + 1e-6)));
+        // two nodes with 0.05 each beside 0.2 of the weight
+        let cohesive = |tangents| {
+            let (cohesion, coefficient) = (0.05, 0.2);
+            Friction::Cohesive {
+                cohesion,
+                coefficient,
+            }
+            .block(tangents)
+        };
+        assert!(feasible(cohesive(1), &[1.0, 0.3 - 1e-8, 0.2]));
+        assert!(!feasible(cohesive(1), &[1.0, 0.3 + 1e-8, 0.2]));
+        assert!(feasible(cohesive(2), &oblique(0.3 - 1e-6)));
+        assert!(!feasible(cohesive(2), &oblique(0.3 + 1e-6)));
     }
 
     #[test]

@@ -9,11 +9,18 @@
 //! |---|---|---|---|
 //! | Tresca | its bound | 0 | bears shear up to the bound, too: the problem is the minimum of a convex functional |
 //! | Coulomb | 0 | its coefficient | bears none |
+//! | Cohesive | its cohesion | its coefficient | bears none |
 //!
 //! A law is told by given, growth and whether its bound *follows* from the normal force. Where a bound follows the problem
 //! minimises nothing: it is solved as a fixed point of problems whose bounds are given, or by Newton's method on what the
 //! nodes do. All else is derived from these three: the projection onto {λₙ ≥ 0, ‖λₜ‖ ≤ given + growth · λₙ}, which is convex,
 //! and its derivative; forces that generate this set; the law of several nodes taken as one; the block without slip.
+//!
+//! The bound of a cohesive law jumps where the node opens. At λₙ = 0 the node is open, with a gap or without: what bears shear
+//! without a normal force could not be told from what merely touches. So that no rounding decides about a shear, a normal force
+//! that is nothing beside the largest one counts as zero there. The set above is then the closure of the convex hull of what
+//! the law allows, and a problem need not have a solution: a shear may ask for a normal force that it itself takes away.
+//!
 //! A node has one tangent in the plane and two in space: the set is a disc beside every λₙ, and nothing here counts them.
 
 use crate::linalg::dense::{dot, norm};
@@ -50,7 +57,17 @@ pub enum Friction {
         /// Coefficient of friction.
         coefficient: f64,
     },
+    /// ‖λₜ‖ ≤ cohesion + coefficient · λₙ while the node is closed, λₙ > 0; an open one bears no shear.
+    Cohesive {
+        /// What it bears beside no more than a trace of a normal force: a force.
+        cohesion: f64,
+        /// Coefficient of friction.
+        coefficient: f64,
+    },
 }
+
+/// A normal force below this part of the largest force is none: projected methods leave traces where a contact is open.
+pub(crate) const NONE: f64 = 1e-10;
 
 impl Friction {
     /// The block of a node with this law.
@@ -64,6 +81,10 @@ impl Friction {
         match *self {
             Self::Tresca { bound } => (bound, 0.0),
             Self::Coulomb { coefficient } => (0.0, coefficient),
+            Self::Cohesive {
+                cohesion,
+                coefficient,
+            } => (cohesion, coefficient),
         }
     }
 
@@ -84,12 +105,21 @@ impl Friction {
             Self::Coulomb { .. } => Self::Coulomb {
                 coefficient: mean(),
             },
+            Self::Cohesive { .. } => Self::Cohesive {
+                cohesion: sum(|(given, _)| given),
+                coefficient: mean(),
+            },
         }
     }
 
     /// Whether a node bears shear at all, by whether it is closed.
     pub(crate) fn bears(&self, closed: bool) -> bool {
         closed || !self.follows()
+    }
+
+    /// The bound jumps from zero where the node closes.
+    pub(super) fn jumps(&self) -> bool {
+        self.follows() && self.terms().0 > 0.0
     }
 
     /// No node bears shear, whatever its normal force is.

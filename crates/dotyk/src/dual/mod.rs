@@ -38,6 +38,7 @@ pub use balance::Balance;
 pub(crate) use certificate::{BETWEEN_NODES, ROUNDING, Violations};
 pub use certificate::{Certificate, Figure, IMBALANCE_LIMIT, Recomputed};
 pub use feasibility::{Feasibility, NO_WORK};
+pub(crate) use law::NONE;
 pub use law::{Block, Friction};
 pub(crate) use least_squares::least_norm_within;
 pub use modes::Modes;

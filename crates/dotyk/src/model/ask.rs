@@ -6,7 +6,7 @@ use crate::model::compare::{ComparisonRow, compare, compare_steps};
 use crate::model::condense::condense;
 use crate::model::error::Error;
 use crate::model::event::Event;
-use crate::model::nouns::{Analysis, Model};
+use crate::model::nouns::{Analysis, Contact, Law, Model};
 use crate::model::solution::Solution;
 use crate::model::steps::solve_steps;
 use std::collections::BTreeSet;
@@ -92,6 +92,12 @@ impl<const D: usize> Model<D> {
         }
         if !self.times.iter().all(|time| time.is_finite()) || !self.times.windows(2).all(rising) {
             return Err(Error::Times(self.times.clone()));
+        }
+        let cohesive = |contact: &&Contact<D>| matches!(contact.law, Law::Cohesive { .. });
+        if self.times.len() > 1
+            && let Some(contact) = self.contacts.iter().find(cohesive)
+        {
+            return Err(Error::CohesiveSteps(contact.name.clone()));
         }
         let bodies = self.bodies.iter().map(|body| ("body", &body.name));
         let contacts = self.contacts.iter();

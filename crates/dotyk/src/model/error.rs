@@ -35,6 +35,9 @@ pub enum Error<const D: usize> {
     /// Times that are not finite or do not increase.
     #[error("the times of the load steps must be finite and increase, found {0:?}")]
     Times(Vec<f64>),
+    /// A contact has cohesion, and there are several load steps.
+    #[error("contact \"{0}\": cohesion with several load steps is not supported yet")]
+    CohesiveSteps(String),
     /// Two parts of one kind have one name.
     #[error("two {kind}s are named \"{name}\"")]
     SameName {
@@ -188,7 +191,8 @@ impl<const D: usize> Error<D> {
             Self::Body { body, .. }
             | Self::NotHeld { body, .. }
             | Self::PulledAway { body, .. } => Some(Subject::Body(body.clone())),
-            Self::Contact { contact, .. }
+            Self::CohesiveSteps(contact)
+            | Self::Contact { contact, .. }
             | Self::Unfit { contact, .. }
             | Self::Obstacle { contact, .. } => Some(Subject::Contact(contact.clone())),
             Self::Probe { probe, .. } => Some(Subject::Probe(probe.clone())),
@@ -293,7 +297,7 @@ pub enum Advice {
     },
     /// Forces that go with the slips.
     #[error(
-        "within Coulomb's cones some forces balance the load, but those that go with the slips were not found, or are not unique: try smaller load steps or a smaller coefficient"
+        "within the bounds of friction some forces balance the load, but those that go with the slips were not found, or are not unique: try smaller load steps or a smaller coefficient"
     )]
     SmallerSteps,
     /// Neither.

@@ -1,7 +1,7 @@
 //! What a solution tells of bodies and contacts: stresses, reactions by side, and the state of every contact node.
 
 use crate::contact::{Coupling, InterfaceNode, Role, Row};
-use crate::dual::AdmissibleSet;
+use crate::dual::{AdmissibleSet, NONE};
 use crate::fem::{RigidBasis, describe_motion, fit_rigid, recover_stress, von_mises};
 use crate::geometry::{Point, add_scaled, bounding_box, cross, distance, dot, norm, sub};
 use crate::model::bodies::LoadedBody;
@@ -131,9 +131,6 @@ fn shears(admissible: &AdmissibleSet, lambda: &[f64]) -> Vec<Option<Shear>> {
     }
     shears
 }
-
-/// Forces below this part of the largest of a contact are none.
-const NONE: f64 = 1e-10;
 
 fn contact_solution<const D: usize>(
     model: &Model<D>,

@@ -104,6 +104,14 @@ pub enum Law {
     Coulomb(Field),
     /// Unilateral with a given bound of the shear traction.
     Tresca(Field),
+    /// Unilateral; while closed the shear traction is at most cohesion + coefficient · pressure, while open there is none.
+    /// One load step only.
+    Cohesive {
+        /// A stress.
+        cohesion: Field,
+        /// Coefficient of friction.
+        coefficient: Field,
+    },
     /// Both sides move together; tension is allowed.
     Tied,
 }
@@ -122,6 +130,13 @@ impl Law {
             }),
             Self::Tresca(field) => Some(Friction::Tresca {
                 bound: at(field)? * weight,
+            }),
+            Self::Cohesive {
+                cohesion,
+                coefficient,
+            } => Some(Friction::Cohesive {
+                cohesion: at(cohesion)? * weight,
+                coefficient: at(coefficient)?,
             }),
         })
     }
@@ -146,6 +161,10 @@ impl fmt::Display for Law {
             Self::Frictionless => write!(f, "frictionless"),
             Self::Coulomb(field) => write!(f, "Coulomb friction {field}"),
             Self::Tresca(field) => write!(f, "Tresca friction {field}"),
+            Self::Cohesive {
+                cohesion,
+                coefficient,
+            } => write!(f, "friction {coefficient} with cohesion {cohesion}"),
             Self::Tied => write!(f, "tied"),
         }
     }

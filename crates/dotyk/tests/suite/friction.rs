@@ -19,11 +19,11 @@ use dotyk::solve::{
 const TOLERANCE: f64 = 1e-12;
 
 /// Pseudo-random numbers (splitmix64), the same in every run.
-struct Random(u64);
+pub(crate) struct Random(pub u64);
 
 impl Random {
     /// Uniform in [0, 1).
-    fn unit(&mut self) -> f64 {
+    pub fn unit(&mut self) -> f64 {
         self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
         let mut z = self.0;
         z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
@@ -32,7 +32,7 @@ impl Random {
     }
 
     /// Uniform in [−1, 1).
-    fn signed(&mut self) -> f64 {
+    pub fn signed(&mut self) -> f64 {
         2.0 * self.unit() - 1.0
     }
 }
@@ -110,6 +110,7 @@ enum Node {
 enum Law {
     Tresca,
     Coulomb,
+    Cohesive,
 }
 
 /// `nodes` with `tangents` each that are open, stick and slip in turn, in front of them two tied forces.
@@ -133,6 +134,7 @@ fn random_problem(law: Law, tangents: usize, nodes: usize, r: usize, seed: u64) 
         let (force, opening) = (0.2 + random.unit(), 0.2 + random.unit());
         let bound = match law {
             Law::Coulomb => coefficient * force,
+            Law::Cohesive => 0.1 + coefficient * force,
             // Small: the tangential force of an open node is bounded all the same.
             Law::Tresca => 0.1 + 0.3 * random.unit(),
         };
@@ -146,7 +148,7 @@ fn random_problem(law: Law, tangents: usize, nodes: usize, r: usize, seed: u64) 
         gap.push(normal.1);
         for s in direction {
             let (shear, jump) = match (node, law) {
-                (Node::Open, Law::Coulomb) => (0.0, s * slip),
+                (Node::Open, Law::Coulomb | Law::Cohesive) => (0.0, s * slip),
                 (Node::Stick, _) => (fraction * bound * s, 0.0),
                 (Node::Slip, _) | (Node::Open, Law::Tresca) => (bound * s, -slip * s),
             };
@@ -156,6 +158,11 @@ fn random_problem(law: Law, tangents: usize, nodes: usize, r: usize, seed: u64) 
         blocks.push(match law {
             Law::Tresca => Friction::Tresca { bound }.block(tangents),
             Law::Coulomb => Friction::Coulomb { coefficient }.block(tangents),
+            Law::Cohesive => Friction::Cohesive {
+                cohesion: 0.1,
+                coefficient,
+            }
+            .block(tangents),
         });
     }
     let alpha: Vec<f64> = (0..r).map(|_| random.signed()).collect();
@@ -235,6 +242,25 @@ fn every_solver_finds_the_constructed_solution_and_is_certified() {
             }
         }
     }
+}
+
+#[test]
+fn newton_finds_the_constructed_solution_with_cohesion() {
+    let mut found = 0;
+    for tangents in [1, 2] {
+        for r in 0..=3 {
+            for seed in 0..4 {
+                let known = random_problem(Law::Cohesive, tangents, 9, r, seed);
+                let Ok(outcome) = newton().solve(&known.problem, None, &mut silent) else {
+                    continue;
+                };
+                let certificate = known.problem.certify(&outcome.multipliers, 1e-9);
+                assert!(certificate.holds(), "{}\n{certificate}", known.name);
+                found += usize::from(worst(&outcome.multipliers.lambda, &known.lambda) < 1e-9);
+            }
+        }
+    }
+    assert!(found >= 24, "{found} of 32");
 }
 
 #[test]
@@ -658,8 +684,8 @@ fn states_that_cycle_are_rescued() {
                 product + if i == j { 1e-2 } else { 0.0 }
             });
             let set = match law {
-                Law::Coulomb => coulomb(nodes, 0.1),
                 Law::Tresca => coulomb(nodes, 0.1).with_all_bounds(0.2),
+                _ => coulomb(nodes, 0.1),
             };
             let shift = (0..m).map(|_| random.signed()).collect();
             let problem = held(matrix, shift, set);
