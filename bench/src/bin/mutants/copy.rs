@@ -43,14 +43,13 @@ pub struct Mutant {
     pub place: Place,
 }
 
-/// Copies the workspace and writes the changes into it; numbers are indices of `mutants`, those in `dropped` are left out.
+/// Writes the changes into a copy of the workspace; numbers are indices of `mutants`, those in `dropped` are left out.
 pub fn write(
     root: &Path,
     to: &Path,
     mutants: &[Mutant],
     dropped: &[bool],
 ) -> Result<(), std::io::Error> {
-    copy_folder(root, to)?;
     let mut files: Vec<&Path> = mutants.iter().map(|m| m.file.as_path()).collect();
     files.sort_unstable();
     files.dedup();
@@ -77,7 +76,7 @@ fn write_if_new(path: &Path, text: &str) -> Result<(), std::io::Error> {
 }
 
 /// Copies a folder without what is hidden or built.
-fn copy_folder(from: &Path, to: &Path) -> Result<(), std::io::Error> {
+pub fn copy_folder(from: &Path, to: &Path) -> Result<(), std::io::Error> {
     std::fs::create_dir_all(to)?;
     for entry in std::fs::read_dir(from)? {
         let (path, name) = entry.map(|entry| (entry.path(), entry.file_name()))?;
@@ -88,7 +87,7 @@ fn copy_folder(from: &Path, to: &Path) -> Result<(), std::io::Error> {
         }
         if path.is_dir() {
             copy_folder(&path, &target)?;
-        } else if !target.exists() {
+        } else {
             std::fs::copy(&path, &target)?;
         }
     }

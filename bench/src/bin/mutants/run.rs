@@ -46,43 +46,49 @@ fn cargo(folder: &Path, arguments: &[&str]) -> Result<(bool, Vec<Value>), String
 
 /// Numbers of the changes that the copy does not compile with; empty when it compiles.
 ///
-/// An error is put down to the last change that begins before it.
+/// An error is put down to all changes on the lines that it names, or else to the last one before it.
 pub fn not_viable(folder: &Path) -> Result<Vec<usize>, String> {
     let (compiles, messages) = cargo(folder, &["check", "--release", "-p", "dotyk", "--lib"])?;
-    let mut numbers = Vec::new();
+    let mut found = Vec::new();
     for message in messages {
         let message = &message["message"];
         if message["level"] != "error" {
             continue;
         }
+        let (mut named, mut before) = (Vec::new(), None);
         for span in message["spans"].as_array().into_iter().flatten() {
-            let (Some(file), Some(start)) =
-                (span["file_name"].as_str(), span["byte_start"].as_u64())
-            else {
-                continue;
-            };
+            let number = |key: &str| span[key].as_u64().unwrap_or(0) as usize;
+            let file = span["file_name"].as_str().unwrap_or_default();
+            // of the standard library there is nothing to drop
+            let text = std::fs::read_to_string(folder.join(file)).unwrap_or_default();
+            let (first, last) = (number("line_start"), number("line_end"));
+            let lines = text.lines().take(last).skip(first.saturating_sub(1));
+            named.extend(lines.flat_map(numbers));
             if span["is_primary"] == true {
-                let text = std::fs::read_to_string(folder.join(file));
-                let text = text.map_err(|error| format!("{file}: {error}"))?;
-                numbers.extend(last_number(text.get(..start as usize).unwrap_or(&text)));
+                let start = text.get(..number("byte_start"));
+                before = start.and_then(|text| numbers(text).pop());
             }
         }
+        found.extend(named.is_empty().then_some(before).flatten());
+        found.append(&mut named);
     }
-    numbers.sort_unstable();
-    numbers.dedup();
-    match (compiles, numbers.is_empty()) {
+    found.sort_unstable();
+    found.dedup();
+    match (compiles, found.is_empty()) {
         (false, true) => Err("the copy does not compile, and not because of a change".to_string()),
-        _ => Ok(numbers),
+        _ => Ok(found),
     }
 }
 
-fn last_number(text: &str) -> Option<usize> {
-    let (_, rest) = text.rsplit_once("dotyk_mutant(")?;
-    rest.split(')').next()?.parse().ok()
+/// Numbers of the changes in a piece of the copy, in their order.
+fn numbers(text: &str) -> Vec<usize> {
+    let rest = text.split("dotyk_mutant(").skip(1);
+    let digits = rest.filter_map(|rest| rest.split(')').next());
+    digits.filter_map(|digits| digits.parse().ok()).collect()
 }
 
-/// The tests of the tier, built: those inside the library, and those of the suite that begin with one of these words.
-pub fn tests(folder: &Path, tier: &[&str]) -> Result<Vec<Test>, String> {
+/// The tests of the tier, built: those inside the library, and those of the suite that begin with none of these words.
+pub fn tests(folder: &Path, left_out: &[&str]) -> Result<Vec<Test>, String> {
     let arguments = "test --release --no-run -p dotyk --lib --test suite";
     let arguments: Vec<&str> = arguments.split(' ').collect();
     let (built, messages) = cargo(folder, &arguments)?;
@@ -103,7 +109,7 @@ pub fn tests(folder: &Path, tier: &[&str]) -> Result<Vec<Test>, String> {
             let Some(name) = name.strip_suffix(": test") else {
                 continue;
             };
-            if library || tier.iter().any(|word| name.starts_with(word)) {
+            if library || !left_out.iter().any(|word| name.starts_with(word)) {
                 tests.push(Test {
                     binary: binary.clone(),
                     name: name.to_string(),
