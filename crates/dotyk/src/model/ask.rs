@@ -11,73 +11,90 @@ use crate::model::solution::Solution;
 use crate::model::steps::solve_steps;
 use std::collections::BTreeSet;
 
+/// What is generic is compiled again in every program that calls it, at a minute each. So the doors are not: behind them
+/// everything is compiled here, once for each dimension.
+macro_rules! doors {
+    ($($D:literal)*) => {$(
+        impl Model<$D> {
+            /// Solves the model and returns the solution of its last load step.
+            ///
+            /// Errors: see [`Error`]; `NotConverged` carries the last iterate.
+            pub fn solve(&self) -> Result<Solution<$D>, Error<$D>> {
+                let last = self.solve_steps()?.pop();
+                last.ok_or(Error::NoStep)
+            }
+
+            /// Solves all load steps and returns their solutions in the order of the times, at least one.
+            ///
+            /// Errors: see [`Error`]; `NotConverged` carries the last iterate and the steps before it.
+            pub fn solve_steps(&self) -> Result<Vec<Solution<$D>>, Error<$D>> {
+                self.solve_steps_with(&mut |_| {})
+            }
+
+            /// The same, and tells an observer what happens.
+            ///
+            /// Errors: see [`Error`]; `NotConverged` carries the last iterate and the steps before it.
+            pub fn solve_steps_with(
+                &self,
+                observe: &mut dyn FnMut(Event),
+            ) -> Result<Vec<Solution<$D>>, Error<$D>> {
+                self.validate()?;
+                solve_steps(self, observe)
+            }
+
+            /// The dual contact problem of the model, for running or comparing solvers without the model: every
+            /// multiplier in
+            /// the order of the contacts and, within one, of [`crate::model::ContactSolution::nodes`] (nodes whose
+            /// normal
+            /// displacement is prescribed have none).
+            ///
+            /// It is that of the last load step. F is assembled up to `dense_limit` nodes, or as many entries in all
+            /// as theirs
+            /// ([`DENSE_LIMIT`](crate::model::DENSE_LIMIT) in [`Self::solve`]), of many bodies without its zeros;
+            /// above, each
+            /// product is one solve with every body.
+            /// Errors: as [`Self::solve`], but for those of the contact solver.
+            pub fn dual_problem(&self, dense_limit: usize) -> Result<DualProblem, Error<$D>> {
+                self.validate()?;
+                let condensed = condense(self, self.last_time(), dense_limit, &mut |_| {})?;
+                Ok(condensed.problem)
+            }
+
+            /// Checks meshes, supports, loads, floating bodies and contacts; solves nothing.
+            pub fn check(&self) -> Check<$D> {
+                check(self, self.validate())
+            }
+
+            /// Runs every named method on the last load step of the model, each from its own start.
+            ///
+            /// Errors: those of [`Model::solve`] that come before the contact solver.
+            pub fn compare(
+                &self,
+                observe: &mut dyn FnMut(Event),
+            ) -> Result<Vec<ComparisonRow>, Error<$D>> {
+                self.validate()?;
+                compare(self, observe)
+            }
+
+            /// Iterations of the p,A-algorithm and of projected gradient for some steps ρ.
+            ///
+            /// A run that has not converged after 20 000 iterations counts as not converged.
+            /// Source: Janovský & Procházka (1980) III, Fig. 11.
+            pub fn compare_steps(
+                &self,
+                steps: &[f64],
+                observe: &mut dyn FnMut(Event),
+            ) -> Result<Vec<ComparisonRow>, Error<$D>> {
+                self.validate()?;
+                compare_steps(self, steps, observe)
+            }
+        }
+    )*};
+}
+
+doors!(2 3);
+
 impl<const D: usize> Model<D> {
-    /// Solves the model and returns the solution of its last load step.
-    ///
-    /// Errors: see [`Error`]; `NotConverged` carries the last iterate.
-    pub fn solve(&self) -> Result<Solution<D>, Error<D>> {
-        let last = self.solve_steps()?.pop();
-        last.ok_or(Error::NoStep)
-    }
-
-    /// Solves all load steps and returns their solutions in the order of the times, at least one.
-    ///
-    /// Errors: see [`Error`]; `NotConverged` carries the last iterate and the steps before it.
-    pub fn solve_steps(&self) -> Result<Vec<Solution<D>>, Error<D>> {
-        self.solve_steps_with(&mut |_| {})
-    }
-
-    /// The same, and tells an observer what happens.
-    ///
-    /// Errors: see [`Error`]; `NotConverged` carries the last iterate and the steps before it.
-    pub fn solve_steps_with(
-        &self,
-        observe: &mut dyn FnMut(Event),
-    ) -> Result<Vec<Solution<D>>, Error<D>> {
-        self.validate()?;
-        solve_steps(self, observe)
-    }
-
-    /// The dual contact problem of the model, for running or comparing solvers without the model: every multiplier in
-    /// the order of the contacts and, within one, of [`crate::model::ContactSolution::nodes`] (nodes whose normal
-    /// displacement is prescribed have none).
-    ///
-    /// It is that of the last load step. F is assembled up to `dense_limit` nodes, or as many entries in all as theirs
-    /// ([`DENSE_LIMIT`](crate::model::DENSE_LIMIT) in [`Self::solve`]), of many bodies without its zeros; above, each
-    /// product is one solve with every body.
-    /// Errors: as [`Self::solve`], but for those of the contact solver.
-    pub fn dual_problem(&self, dense_limit: usize) -> Result<DualProblem, Error<D>> {
-        self.validate()?;
-        let condensed = condense(self, self.last_time(), dense_limit, &mut |_| {})?;
-        Ok(condensed.problem)
-    }
-
-    /// Checks meshes, supports, loads, floating bodies and contacts; solves nothing.
-    pub fn check(&self) -> Check<D> {
-        check(self, self.validate())
-    }
-
-    /// Runs every named method on the last load step of the model, each from its own start.
-    ///
-    /// Errors: those of [`Model::solve`] that come before the contact solver.
-    pub fn compare(&self, observe: &mut dyn FnMut(Event)) -> Result<Vec<ComparisonRow>, Error<D>> {
-        self.validate()?;
-        compare(self, observe)
-    }
-
-    /// Iterations of the p,A-algorithm and of projected gradient for some steps ρ.
-    ///
-    /// A run that has not converged after 20 000 iterations counts as not converged.
-    /// Source: Janovský & Procházka (1980) III, Fig. 11.
-    pub fn compare_steps(
-        &self,
-        steps: &[f64],
-        observe: &mut dyn FnMut(Event),
-    ) -> Result<Vec<ComparisonRow>, Error<D>> {
-        self.validate()?;
-        compare_steps(self, steps, observe)
-    }
-
     /// Errors: what makes no model, whatever its bodies are.
     fn validate(&self) -> Result<(), Error<D>> {
         let rising = |pair: &[f64]| pair[0] < pair[1];
