@@ -24,7 +24,7 @@
 //!
 //! The projection is written here once more: the judge shares no code with the solvers.
 
-use dotyk::dual::{AdmissibleSet, Compliance, DualError, DualProblem, Equilibrium, Friction};
+use dotyk::dual::{AdmissibleSet, Balance, Compliance, DualError, DualProblem, Friction};
 use dotyk::linalg::SparseMatrix;
 
 /// Largest size for which the rank is computed.
@@ -111,7 +111,7 @@ impl Problem {
             self.compliance(),
             self.free.iter().map(|q| -q).collect(),
             AdmissibleSet::new(self.friction.iter().map(block).collect()),
-            Equilibrium::none(self.size()),
+            Balance::none(self.size()),
         )
     }
 

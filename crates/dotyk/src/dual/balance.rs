@@ -1,4 +1,5 @@
-//! Gλ = e in orthonormal coordinates, without the modes that no contact controls: Ĝλ = ê, k rows.
+//! Gλ = e, the balance of the floating bodies, and its coordinates: Ĝλ = ê, k orthonormal rows without the modes that no
+//! contact controls.
 //!
 //! `split.rs` gives M = Σ⁻¹ZG, the work of contact forces on the controlled modes, and the coarse problem MMᵀ = LLᵀ. The
 //! solvers work with Ĝ = L⁻¹M, whose rows are orthonormal, so that dependent modes need no care there: Ĝ is never formed,
@@ -7,53 +8,105 @@
 
 use crate::dual::modes::transposed;
 use crate::dual::split::Split;
-use crate::dual::{Equilibrium, Mat};
-use crate::linalg::SparseVector;
+use crate::dual::{AdmissibleSet, Mat, Modes, Projector};
 use crate::linalg::dense::{cholesky_in_place, gram, solve_lower_in_place};
+use crate::linalg::{LinalgError, SparseVector};
 use rayon::prelude::*;
 
-/// Ĝλ = ê. Amplitudes α̂ belong to Ĝ: Gᵀα = Ĝᵀα̂.
+/// Gλ = e; r = 0 when nothing floats. Amplitudes α̂ belong to Ĝ: Gᵀα = Ĝᵀα̂.
 #[derive(Debug, Clone)]
 pub struct Balance {
+    /// G, (r, m).
+    modes: Modes,
+    /// e, (r,).
+    load: Vec<f64>,
+    moments: Vec<bool>,
+    /// Z, Σ, M and L, or why there are none.
     split: Split,
+    failure: Option<LinalgError>,
     /// M by columns, m vectors (k,).
     columns: Vec<SparseVector>,
     /// ê, (k,).
-    pub load: Vec<f64>,
-    /// r.
-    original: usize,
+    target: Vec<f64>,
 }
 
 impl Balance {
-    /// Orthonormal form of `equilibrium`.
-    pub fn new(equilibrium: &Equilibrium) -> Self {
-        let split = Split::new(&equilibrium.modes);
-        let mut balance = Self {
-            columns: transposed(&split.rows, equilibrium.modes.ncols()),
-            split,
-            load: Vec::new(),
-            original: equilibrium.modes.nrows(),
+    /// The balance of modes G (r, m) and loads e (r,), all rows taken as forces.
+    pub fn new(modes: impl Into<Modes>, load: Vec<f64>) -> Self {
+        let modes = modes.into();
+        let (split, failure) = match Split::new(&modes) {
+            Ok(split) => (split, None),
+            Err(error) => (Split::default(), Some(error)),
         };
-        balance.set_load(&equilibrium.load);
+        let mut balance = Self {
+            columns: transposed(&split.rows, modes.ncols()),
+            moments: vec![false; load.len()],
+            load: Vec::new(),
+            target: Vec::new(),
+            modes,
+            split,
+            failure,
+        };
+        balance.set_load(load);
         balance
     }
 
+    /// Nothing floats: r = 0 with `m` contact forces.
+    pub fn none(m: usize) -> Self {
+        Self::new(Modes::of_rows(&[], m), Vec::new())
+    }
+
+    /// The same, told which rows balance moments (r,). A mode is scaled to largest displacement 1, so the row of a rotation
+    /// is its moment over the largest distance from its axis: a force.
+    pub fn with_moments(self, moments: Vec<bool>) -> Self {
+        Self { moments, ..self }
+    }
+
     /// Replaces the load by e (r,).
-    pub fn set_load(&mut self, load: &[f64]) {
+    pub fn set_load(&mut self, load: Vec<f64>) {
+        // a load of another length is an error of the problem, which its check tells
+        let fits = load.len() == self.modes.nrows();
         let modes = self.split.modes.controlled.iter().zip(&self.split.sigma);
-        let mut parts: Vec<f64> = modes.map(|(z, sigma)| z.dot(load) / sigma).collect();
+        let part =
+            |(z, sigma): (&SparseVector, &f64)| if fits { z.dot(&load) / sigma } else { 0.0 };
+        let mut parts: Vec<f64> = modes.map(part).collect();
         self.orthonormal(&mut parts);
-        self.load = parts;
+        (self.target, self.load) = (parts, load);
+    }
+
+    /// G, (r, m).
+    pub fn modes(&self) -> &Modes {
+        &self.modes
+    }
+
+    /// e, (r,): work of the loads on each mode.
+    pub fn load(&self) -> &[f64] {
+        &self.load
+    }
+
+    /// Which rows balance moments, (r,).
+    pub fn moments(&self) -> &[bool] {
+        &self.moments
+    }
+
+    /// Why the modes could not be split: entries that are not finite, or a decomposition that did not converge.
+    pub(super) fn failure(&self) -> Option<LinalgError> {
+        self.failure
+    }
+
+    /// ê, (k,).
+    pub fn target(&self) -> &[f64] {
+        &self.target
+    }
+
+    /// Projections onto `admissible` ∩ {Gλ = e}.
+    pub fn projector<'a>(&'a self, admissible: &'a AdmissibleSet) -> Projector<'a> {
+        Projector::new(admissible, self)
     }
 
     /// Number k of controlled modes.
     pub fn rank(&self) -> usize {
         self.split.rows.len()
-    }
-
-    /// Number r of modes.
-    pub fn original_len(&self) -> usize {
-        self.original
     }
 
     /// M, what contact forces do on the modes behind Ĝ = L⁻¹M: k rows (m,), of few entries where bodies are many.
@@ -101,7 +154,7 @@ impl Balance {
     pub fn imbalance(&self, lambda: &[f64], out: &mut [f64]) {
         self.apply(lambda, out);
         out.iter_mut()
-            .zip(&self.load)
+            .zip(&self.target)
             .for_each(|(out, load)| *out -= load);
     }
 
@@ -211,9 +264,9 @@ mod tests {
     use crate::dual::uncontrolled_modes;
 
     /// Normals of a full ring: translations are controlled, the spin is not.
-    fn ring(m: usize) -> Equilibrium {
+    fn ring(m: usize) -> Balance {
         let angle = |j: usize| std::f64::consts::TAU * j as f64 / m as f64;
-        Equilibrium::new(
+        Balance::new(
             Mat::from_fn(3, m, |i, j| {
                 let (sin, cos) = angle(j).sin_cos();
                 // The spin about another point: tangent · normal = 0 plus translations.
@@ -225,13 +278,13 @@ mod tests {
 
     #[test]
     fn spin_of_a_ring_is_the_only_uncontrolled_mode() {
-        let equilibrium = ring(24);
-        let split = uncontrolled_modes(&equilibrium.modes);
+        let balance = ring(24);
+        let split = uncontrolled_modes(balance.modes()).unwrap();
         assert_eq!(split.controlled.len(), 2);
         assert_eq!(split.uncontrolled.len(), 1);
         for j in 0..24 {
             let image: f64 = (0..3)
-                .map(|i| equilibrium.modes[(i, j)] * split.uncontrolled[0][i])
+                .map(|i| balance.modes()[(i, j)] * split.uncontrolled[0][i])
                 .sum();
             assert!(image.abs() < 1e-15);
         }
@@ -244,8 +297,7 @@ mod tests {
 
     #[test]
     fn orthonormal_form_has_the_same_solutions() {
-        let equilibrium = ring(24);
-        let balance = Balance::new(&equilibrium);
+        let balance = ring(24);
         assert_eq!(balance.rank(), 2);
         for (i, a) in balance.rows().iter().enumerate() {
             for (j, b) in balance.rows().iter().enumerate() {
@@ -255,17 +307,16 @@ mod tests {
         }
         // λ of least norm that balances the reduced rows balances the original ones, the redundant included.
         let mut lambda = vec![0.0; 24];
-        balance.add_transposed(1.0, &balance.load, &mut lambda);
+        balance.add_transposed(1.0, balance.target(), &mut lambda);
         for i in 0..3 {
-            let sum: f64 = (0..24).map(|j| equilibrium.modes[(i, j)] * lambda[j]).sum();
-            assert!((sum - equilibrium.load[i]).abs() < 1e-14);
+            let sum: f64 = (0..24).map(|j| balance.modes()[(i, j)] * lambda[j]).sum();
+            assert!((sum - balance.load()[i]).abs() < 1e-14);
         }
     }
 
     #[test]
     fn amplitudes_keep_their_contact_displacements() {
-        let equilibrium = ring(24);
-        let balance = Balance::new(&equilibrium);
+        let balance = ring(24);
         let alpha = [0.4, -1.1, 0.7];
         let (mut reduced, mut back) = ([0.0; 2], [0.0; 3]);
         balance.from_original(&alpha, &mut reduced);
@@ -273,9 +324,8 @@ mod tests {
         let mut image = vec![0.0; 24];
         balance.add_transposed(1.0, &reduced, &mut image);
         for (j, image) in image.iter().enumerate() {
-            let of = |alpha: &[f64]| -> f64 {
-                (0..3).map(|i| equilibrium.modes[(i, j)] * alpha[i]).sum()
-            };
+            let of =
+                |alpha: &[f64]| -> f64 { (0..3).map(|i| balance.modes()[(i, j)] * alpha[i]).sum() };
             assert!((of(&alpha) - image).abs() < 1e-14);
             assert!((of(&back) - image).abs() < 1e-14);
         }

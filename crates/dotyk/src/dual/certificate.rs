@@ -234,7 +234,7 @@ impl Violations {
         let (mut primal_dual, mut stored) = (0.0, 0.0);
         for (i, &component) in components.iter().enumerate() {
             let (force, known) = (lambda[i], gap[i]);
-            let rigid = problem.equilibrium.modes.motion(i, alpha);
+            let rigid = problem.balance.modes().motion(i, alpha);
             stored += force * (known + problem.shift[i] + rigid);
             let gap = told(i);
             primal_dual += force * gap;
@@ -251,12 +251,12 @@ impl Violations {
             violations.complementarity += (force * gap).abs();
         }
         let arm = one_if_zero(problem.scales.moment_arm);
-        let carried = problem.equilibrium.modes.product(lambda);
-        for (row, &load) in problem.equilibrium.load.iter().enumerate() {
+        let carried = problem.balance.modes().product(lambda);
+        for (row, &load) in problem.balance.load().iter().enumerate() {
             let carried = carried[row];
             let rest = (carried - load).abs();
             primal_dual += alpha[row] * (carried - load);
-            if problem.equilibrium.moments[row] {
+            if problem.balance.moments()[row] {
                 violations.imbalance_moment = larger(violations.imbalance_moment, rest * arm);
             } else {
                 violations.imbalance_force = larger(violations.imbalance_force, rest);
@@ -378,7 +378,7 @@ impl DualProblem {
     /// To what gaps are known from Fλ, d and Gᵀα. A motion that is large in one component rounds the others too: rotations are
     /// told from translations by differences of these.
     pub(crate) fn rounding(&self, gap: &[f64], alpha: &[f64]) -> impl Fn(usize) -> f64 {
-        let rigid = |i: usize| self.equilibrium.modes.motion(i, alpha).abs();
+        let rigid = |i: usize| self.balance.modes().motion(i, alpha).abs();
         let moved = (0..gap.len()).fold(0.0, |s: f64, i| s.max(rigid(i) + self.shift[i].abs()));
         move |i| ROUNDING * (gap[i].abs() + moved)
     }
@@ -445,7 +445,7 @@ fn larger(a: f64, b: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::dual::{Block, Compliance, Equilibrium, Friction, Mat};
+    use crate::dual::{Balance, Block, Compliance, Friction, Mat};
 
     /// Two springs of compliance 1 pressed by 3 into a floating plate: λ = (2, 1), both closed.
     fn plate() -> (DualProblem, Multipliers) {
@@ -453,7 +453,7 @@ mod tests {
             Compliance::Dense(Mat::from_fn(2, 2, |i, j| f64::from(i == j))),
             vec![1.0, 0.0],
             AdmissibleSet::new(vec![Block::Unilateral; 2]),
-            Equilibrium::new(Mat::from_fn(1, 2, |_, _| 1.0), vec![3.0]),
+            Balance::new(Mat::from_fn(1, 2, |_, _| 1.0), vec![3.0]),
         )
         .unwrap();
         let answer = Multipliers {
@@ -496,9 +496,9 @@ mod tests {
     #[test]
     fn moments_are_compared_with_force_times_arm() {
         let (mut problem, answer) = plate();
-        problem.equilibrium.moments = vec![true];
+        problem.balance = problem.balance.with_moments(vec![true]);
         problem.scales.moment_arm = 10.0;
-        problem.equilibrium.load[0] = 3.3;
+        problem.balance.set_load(vec![3.3]);
         let certificate = problem.certify(&answer, 1e-8);
         assert!((certificate.imbalance_moment.value - 3.0).abs() < 1e-12);
         assert!((certificate.imbalance_moment.relative - 0.3 / 3.0).abs() < 1e-12);
@@ -531,7 +531,7 @@ mod tests {
             Compliance::Dense(Mat::from_fn(2, 2, |i, j| f64::from(i == j))),
             vec![2.0, 1.5],
             AdmissibleSet::new(vec![Friction::Coulomb { coefficient: 0.5 }.block(1)]),
-            Equilibrium::none(2),
+            Balance::none(2),
         )
         .unwrap();
         let answer = Multipliers {

@@ -46,7 +46,7 @@ pub use projection::Projector;
 pub use split::{ModeSplit, uncontrolled_modes};
 
 use crate::linalg::dense::matvec;
-use crate::linalg::{LinearOperator, Mat, SparseMatrix, SparseVector};
+use crate::linalg::{LinalgError, LinearOperator, Mat, SparseMatrix, SparseVector};
 
 /// F, the compliance of the bodies seen from the contact unknowns: (m, m), symmetric, positive semidefinite.
 pub enum Compliance {
@@ -104,35 +104,6 @@ impl Compliance {
 /// Columns of F that are assembled at a time.
 const COLUMNS: usize = 256;
 
-/// Gλ = e, the balance of the floating bodies; r = 0 when nothing floats.
-#[derive(Debug, Clone)]
-pub struct Equilibrium {
-    /// G, (r, m).
-    pub modes: Modes,
-    /// e, (r,): work of the loads on each mode.
-    pub load: Vec<f64>,
-    /// Which rows balance moments (r,). A mode is scaled to largest displacement 1, so the row of a rotation
-    /// is its moment over the largest distance from its axis: a force.
-    pub moments: Vec<bool>,
-}
-
-impl Equilibrium {
-    /// Gλ = e, all rows taken as forces.
-    pub fn new(modes: impl Into<Modes>, load: Vec<f64>) -> Self {
-        let moments = vec![false; load.len()];
-        Self {
-            modes: modes.into(),
-            load,
-            moments,
-        }
-    }
-
-    /// Nothing floats: r = 0 with `m` contact forces.
-    pub fn none(m: usize) -> Self {
-        Self::new(Modes::of_rows(&[], m), Vec::new())
-    }
-}
-
 /// λ and α: contact forces (m,) and rigid amplitudes (r,), the multiplier of Gλ = e.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Multipliers {
@@ -157,11 +128,11 @@ pub struct Scales {
 
 impl Scales {
     /// Scales that follow from d and e alone.
-    pub fn of(shift: &[f64], equilibrium: &Equilibrium) -> Self {
+    pub fn of(shift: &[f64], balance: &Balance) -> Self {
         let largest = |v: &[f64]| v.iter().fold(0.0, |s: f64, x| s.max(x.abs()));
         Self {
             length: largest(shift),
-            force: largest(&equilibrium.load),
+            force: largest(balance.load()),
             moment_arm: 0.0,
             energy: 0.0,
         }
@@ -191,6 +162,9 @@ pub enum DualError {
         /// Its bound or its coefficient.
         value: f64,
     },
+    /// The rigid modes cannot be split by what the contact controls.
+    #[error("what the contact controls of the rigid modes cannot be told: {0}")]
+    Modes(LinalgError),
     /// An entry is not a finite number.
     #[error("entry {index} of {part} is {value}: it must be finite")]
     NotFinite {
@@ -212,7 +186,7 @@ pub struct DualProblem {
     /// Λ.
     pub admissible: AdmissibleSet,
     /// Gλ = e.
-    pub equilibrium: Equilibrium,
+    pub balance: Balance,
     /// What violations are compared with.
     pub scales: Scales,
     /// Compliance of every component by itself, (m,), length over force: it makes a gap and a force comparable.
@@ -231,16 +205,16 @@ impl DualProblem {
         compliance: Compliance,
         shift: Vec<f64>,
         admissible: AdmissibleSet,
-        equilibrium: Equilibrium,
+        balance: Balance,
     ) -> Result<Self, DualError> {
-        let scales = Scales::of(&shift, &equilibrium);
+        let scales = Scales::of(&shift, &balance);
         let mut problem = Self {
             softness: vec![1.0; shift.len()],
             neighbours: Vec::new(),
             compliance,
             shift,
             admissible,
-            equilibrium,
+            balance,
             scales,
         };
         problem.check()?;
@@ -307,14 +281,14 @@ impl DualProblem {
 
     /// Lengths agree, d, G, e and an assembled F are finite, friction is finite and not negative.
     pub fn check(&self) -> Result<(), DualError> {
-        let (m, r) = (self.compliance.len(), self.equilibrium.load.len());
+        let (m, r) = (self.compliance.len(), self.balance.load().len());
         let lengths = [
             ("d", self.shift.len(), m),
             ("the admissible set", self.admissible.len(), m),
             ("the softness", self.softness.len(), m),
-            ("a row of G", self.equilibrium.modes.ncols(), m),
-            ("a column of G", self.equilibrium.modes.nrows(), r),
-            ("the list of moment rows", self.equilibrium.moments.len(), r),
+            ("a row of G", self.balance.modes().ncols(), m),
+            ("a column of G", self.balance.modes().nrows(), r),
+            ("the list of moment rows", self.balance.moments().len(), r),
         ];
         for (part, found, expected) in lengths {
             if found != expected {
@@ -326,9 +300,12 @@ impl DualProblem {
             }
         }
         finite("d", self.shift.iter())?;
-        finite("e", self.equilibrium.load.iter())?;
-        let modes = self.equilibrium.modes.columns().iter();
+        finite("e", self.balance.load().iter())?;
+        let modes = self.balance.modes().columns().iter();
         finite("G", modes.flat_map(SparseVector::values))?;
+        if let Some(error) = self.balance.failure() {
+            return Err(DualError::Modes(error));
+        }
         match &self.compliance {
             Compliance::Dense(matrix) => finite("F", columns(matrix))?,
             Compliance::Sparse(matrix) => finite("F", matrix.values().iter())?,
@@ -382,7 +359,7 @@ impl DualProblem {
     /// Gap from the product Fλ. Shapes: `product` and `gap` (m,), `alpha` (r,).
     pub(crate) fn gap_from_product(&self, product: &[f64], alpha: &[f64], gap: &mut [f64]) {
         for (i, gap) in gap.iter_mut().enumerate() {
-            let rigid = self.equilibrium.modes.motion(i, alpha);
+            let rigid = self.balance.modes().motion(i, alpha);
             *gap = product[i] - self.shift[i] - rigid;
         }
     }
@@ -392,10 +369,12 @@ impl DualProblem {
     /// Shapes: y, λ (m,), `tau` (r,), starting value on entry. Returns ‖Gλ − e‖ in orthonormal modes, which is far from
     /// rounding only when no admissible force balances the load. Solvers keep a [`Projector`] instead.
     pub fn project(&self, y: &[f64], tau: &mut [f64], lambda: &mut [f64]) -> f64 {
-        let balance = Balance::new(&self.equilibrium);
+        let balance = &self.balance;
         let mut reduced = vec![0.0; balance.rank()];
         balance.from_original(tau, &mut reduced);
-        let rest = Projector::new(&self.admissible, &balance).project(y, &mut reduced, lambda);
+        let rest = balance
+            .projector(&self.admissible)
+            .project(y, &mut reduced, lambda);
         balance.to_original(&reduced, tau);
         rest
     }

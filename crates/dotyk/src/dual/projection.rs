@@ -120,7 +120,7 @@ impl<'a> Projector<'a> {
 
     /// k = 1: the τ between two neighbouring breakpoints where the falling h crosses zero.
     fn breakpoint_search(&mut self, y: &[f64], lambda: &mut [f64]) -> f64 {
-        let (row, load) = (self.balance.rows()[0].to_dense(), self.balance.load[0]);
+        let (row, load) = (self.balance.rows()[0].to_dense(), self.balance.target()[0]);
         let bounded = &self.bounded;
         self.points.clear();
         self.points.extend(
@@ -172,7 +172,7 @@ impl<'a> Projector<'a> {
 
     /// Rounding in λ leaves a rest of the imbalance: spread it over the forces that can take it.
     fn spread_rest(&self, row: &[f64], lambda: &mut [f64]) {
-        let (mut slope, mut value) = (0.0, -self.balance.load[0]);
+        let (mut slope, mut value) = (0.0, -self.balance.target()[0]);
         for i in 0..lambda.len() {
             value += row[i] * lambda[i];
             if !self.bounded[i] || lambda[i] > 0.0 {
@@ -192,7 +192,7 @@ impl<'a> Projector<'a> {
 
     /// Any k: semismooth Newton on h(τ) = 0 with line search on the convex function whose gradient is −h.
     fn newton(&mut self, y: &[f64], tau: &mut [f64], lambda: &mut [f64]) {
-        let size = norm(y) + norm(&self.balance.load);
+        let size = norm(y) + norm(self.balance.target());
         let mut value = self.evaluate(y, tau, lambda);
         let mut rest = norm(&self.imbalance);
         let mut still = 0;
@@ -372,7 +372,7 @@ fn solve_positive(a: &mut [f64], x: &mut [f64]) {
 mod tests {
     use super::*;
     use crate::dual::split::tests::row_of_discs;
-    use crate::dual::{Block, Equilibrium, Friction, Mat};
+    use crate::dual::{Balance, Block, Friction, Mat};
 
     fn wave(m: usize, seed: usize) -> Vec<f64> {
         (0..m)
@@ -402,7 +402,7 @@ mod tests {
         let load = (0..k)
             .map(|i| (0..m).map(|j| modes[(i, j)] * carried[j]).sum())
             .collect();
-        Balance::new(&Equilibrium::new(modes, load))
+        Balance::new(modes, load)
     }
 
     /// Nearest ⇔ y − λ − Ĝᵀτ is in the normal cone, that is λ = P_Λ(y − Ĝᵀτ).
@@ -447,7 +447,7 @@ mod tests {
             let mut carried = vec![0.0; m];
             set.project(&wave(m, seed + 5), &mut carried);
             let load = (0..modes.nrows()).map(|i| (0..m).map(|j| modes[(i, j)] * carried[j]).sum());
-            let balance = Balance::new(&Equilibrium::new(modes.clone(), load.collect()));
+            let balance = Balance::new(modes.clone(), load.collect());
             assert!(!balance.is_orthonormal());
             let y: Vec<f64> = wave(m, seed).iter().map(|x| 10.0 * (x - 0.4)).collect();
             nearest(&set, &balance, &y);
@@ -476,7 +476,7 @@ mod tests {
         for k in [1, 2] {
             let set = AdmissibleSet::new(vec![Block::Unilateral; 6]);
             let modes = Mat::from_fn(k, 6, |i, j| 1.0 + (i * j) as f64 * 0.1);
-            let balance = Balance::new(&Equilibrium::new(modes, vec![0.0; k]));
+            let balance = Balance::new(modes, vec![0.0; k]);
             let mut projector = Projector::new(&set, &balance);
             let (mut tau, mut lambda) = (vec![0.0; k], vec![1.0; 6]);
             projector.project(&[1.0, 2.0, -1.0, 0.5, 3.0, 0.0], &mut tau, &mut lambda);
@@ -491,7 +491,7 @@ mod tests {
         let set = AdmissibleSet::new(vec![Block::Unilateral; 4]);
         for k in [1, 2] {
             let modes = Mat::from_fn(k, 4, |i, j| 1.0 + (i * j) as f64);
-            let balance = Balance::new(&Equilibrium::new(modes, vec![-1.0; k]));
+            let balance = Balance::new(modes, vec![-1.0; k]);
             let rest =
                 Projector::new(&set, &balance).project(&[1.0; 4], &mut vec![0.0; k], &mut [0.0; 4]);
             assert!(rest > 0.1);

@@ -18,7 +18,7 @@
 use crate::dual::modes::transposed;
 use crate::dual::{Mat, Modes};
 use crate::linalg::dense::singular_value_decomposition;
-use crate::linalg::{Cholesky, SparseVector, WeightedGram};
+use crate::linalg::{Cholesky, LinalgError, SparseVector, WeightedGram};
 use std::collections::BTreeSet;
 use std::ops::Range;
 
@@ -44,8 +44,11 @@ pub struct ModeSplit {
 }
 
 /// Splits R^r into the modes that the contact controls and those with Gᵀz = 0. Shapes: `modes` (r, m).
-pub fn uncontrolled_modes(modes: &Modes) -> ModeSplit {
-    Split::new(modes).modes
+///
+/// # Errors
+/// [`LinalgError::NoConvergence`] of a singular value decomposition: entries are not finite.
+pub fn uncontrolled_modes(modes: &Modes) -> Result<ModeSplit, LinalgError> {
+    Split::new(modes).map(|split| split.modes)
 }
 
 /// Modes split by what the contact controls, and the coarse problem of those that it does.
@@ -63,15 +66,15 @@ pub(super) struct Split {
 
 impl Split {
     /// Splits the modes G (r, m).
-    pub fn new(modes: &Modes) -> Self {
+    pub fn new(modes: &Modes) -> Result<Self, LinalgError> {
         let many = modes.nrows() >= MANY;
         let by_body = many.then(|| Self::by_body(&modes.rows())).flatten();
-        by_body.unwrap_or_else(|| Self::as_a_whole(modes))
+        by_body.map_or_else(|| Self::as_a_whole(modes), Ok)
     }
 
-    fn as_a_whole(modes: &Modes) -> Self {
+    fn as_a_whole(modes: &Modes) -> Result<Self, LinalgError> {
         let mut split = Self::default();
-        for direction in singular_directions(&modes.to_dense(), modes.largest()) {
+        for direction in singular_directions(&modes.to_dense(), modes.largest())? {
             let mode = SparseVector::from_dense(&direction.mode);
             if direction.controlled {
                 let mut row = SparseVector::from_dense(&direction.image);
@@ -83,7 +86,7 @@ impl Split {
                 split.modes.uncontrolled.push(mode);
             }
         }
-        split
+        Ok(split)
     }
 
     /// Splits the rows of G, each (m,), body by body; `None` where some bodies are held only together.
@@ -95,7 +98,7 @@ impl Split {
         for group in groups(rows) {
             let met = met(&rows[group.clone()]);
             let own = Mat::from_fn(group.len(), met.len(), |i, j| rows[group.start + i][met[j]]);
-            for direction in singular_directions(&own, largest) {
+            for direction in singular_directions(&own, largest).ok()? {
                 let parts = group.clone().zip(direction.mode);
                 let mode = SparseVector::new(r, parts);
                 if direction.controlled {
@@ -129,32 +132,28 @@ struct Direction {
 }
 
 /// The singular triples of Gᵀ, and the modes without an image behind them; `largest` is that of all |G|.
-fn singular_directions(modes: &Mat<f64>, largest: f64) -> Vec<Direction> {
+fn singular_directions(modes: &Mat<f64>, largest: f64) -> Result<Vec<Direction>, LinalgError> {
     let (r, m) = (modes.nrows(), modes.ncols());
     let transposed = Mat::from_fn(m, r, |i, j| modes[(j, i)]);
-    // a matrix that is not finite is an error of the problem, which its check tells
-    let Ok(spectrum) = singular_value_decomposition(&transposed) else {
-        return Vec::new();
-    };
-    (0..r)
-        .map(|j| {
-            let sigma = spectrum.values.get(j).copied().unwrap_or(0.0);
-            let image: Vec<f64> = match j < spectrum.left.ncols() {
-                true => {
-                    let left = spectrum.left.col_as_slice(j).iter();
-                    left.map(|u| sigma * u).collect()
-                }
-                false => vec![0.0; m],
-            };
-            let moved = image.iter().fold(0.0, |s: f64, x| s.max(x.abs()));
-            Direction {
-                mode: spectrum.right.col_as_slice(j).to_vec(),
-                controlled: moved > UNCONTROLLED * largest,
-                sigma,
-                image,
+    let spectrum = singular_value_decomposition(&transposed)?;
+    let direction = |j: usize| {
+        let sigma = spectrum.values.get(j).copied().unwrap_or(0.0);
+        let image: Vec<f64> = match j < spectrum.left.ncols() {
+            true => {
+                let left = spectrum.left.col_as_slice(j).iter();
+                left.map(|u| sigma * u).collect()
             }
-        })
-        .collect()
+            false => vec![0.0; m],
+        };
+        let moved = image.iter().fold(0.0, |s: f64, x| s.max(x.abs()));
+        Direction {
+            mode: spectrum.right.col_as_slice(j).to_vec(),
+            controlled: moved > UNCONTROLLED * largest,
+            sigma,
+            image,
+        }
+    };
+    Ok((0..r).map(direction).collect())
 }
 
 /// Neighbouring rows that share most of their columns.
@@ -188,7 +187,7 @@ fn met(rows: &[SparseVector]) -> Vec<usize> {
 #[cfg(test)]
 pub(super) mod tests {
     use super::*;
-    use crate::dual::{Balance, Equilibrium};
+    use crate::dual::Balance;
 
     /// A row of discs between two walls, two contact nodes at each joint, modes: along the row, across it, spin. Joints lie
     /// a little off the row, so that all are controlled but the spins.
@@ -209,11 +208,11 @@ pub(super) mod tests {
     fn many_bodies_split_as_one_decomposition_does() {
         let n = 40;
         let modes = row_of_discs(n);
-        let split = Split::new(&modes.clone().into());
+        let split = Split::new(&modes.clone().into()).unwrap();
         assert!(split.coarse.is_some(), "the joints hold every disc");
         let sizes = (split.modes.controlled.len(), split.modes.uncontrolled.len());
         assert_eq!(sizes, (2 * n, n));
-        let whole = singular_directions(&modes, 1.0);
+        let whole = singular_directions(&modes, 1.0).unwrap();
         assert_eq!(whole.iter().filter(|d| d.controlled).count(), 2 * n);
         for z in &split.modes.uncontrolled {
             for d in whole.iter().filter(|d| d.controlled) {
@@ -228,7 +227,7 @@ pub(super) mod tests {
         let load: Vec<f64> = (0..120)
             .map(|i| [(i as f64).sin(), 0.1, 0.05][i % 3])
             .collect();
-        let balance = Balance::new(&Equilibrium::new(modes.clone(), load.clone()));
+        let balance = Balance::new(modes.clone(), load.clone());
         let (k, m) = (balance.rank(), modes.ncols());
         let rows = balance.orthonormal_rows(balance.rows().to_vec());
         for (i, a) in rows.iter().enumerate() {
@@ -252,7 +251,7 @@ pub(super) mod tests {
             assert!((of(&back) - image).abs() < 1e-12);
         }
         let mut forces = vec![0.0; m];
-        balance.add_transposed(1.0, &balance.load, &mut forces);
+        balance.add_transposed(1.0, balance.target(), &mut forces);
         for i in 0..120 {
             let sum: f64 = (0..m).map(|j| modes[(i, j)] * forces[j]).sum();
             // the spins carry half of what goes across
@@ -267,6 +266,6 @@ pub(super) mod tests {
         for joint in [0, 1, 80, 81] {
             modes.col_as_slice_mut(joint).fill(0.0);
         }
-        assert!(Split::new(&modes.into()).coarse.is_none());
+        assert!(Split::new(&modes.into()).unwrap().coarse.is_none());
     }
 }

@@ -245,7 +245,7 @@ pub(crate) fn run_solver<const D: usize>(
             let slides = sliding(model, parts, (&direction, factor), step)?;
             let multipliers = Multipliers {
                 lambda: vec![0.0; condensed.gaps.len()],
-                alpha: vec![0.0; condensed.problem.equilibrium.load.len()],
+                alpha: vec![0.0; condensed.problem.balance.load().len()],
             };
             (Outcome::unsolved(multipliers), Some(slides))
         }

@@ -200,7 +200,7 @@ fn check_balance<const D: usize>(
 ) -> Result<(), Error<D>> {
     let admissible = admissible_set(model, paired, time)?;
     let force = largest_load(bodies);
-    let feasible = Feasibility::of(&admissible, &floating.equilibrium, force);
+    let feasible = Feasibility::of(&admissible, &floating.balance, force);
     if let Feasibility::Infeasible { direction, factor } = feasible {
         let slides = sliding(model, (floating, bodies), (&direction, factor), None)?;
         warnings.push(slides.to_string());

@@ -91,10 +91,10 @@ pub(crate) fn condense<const D: usize>(
     observe(Event::Stage("condense"));
     let compliance = compliance(&bodies, &factored, &ordered, gaps.len(), dense);
     let floating = Floating::new(model, &bodies, &gaps)?;
-    let equilibrium = floating.equilibrium.clone();
+    let balance = floating.balance.clone();
     let admissible = admissible_set(model, &paired, time)?;
     let shift = overlap(&bodies, &factored, &gaps);
-    let mut problem = DualProblem::new(compliance, shift, admissible, equilibrium)
+    let mut problem = DualProblem::new(compliance, shift, admissible, balance)
         .map_err(|error| Error::Solver(error.into()))?;
     problem.scales = scales(model, &bodies, &factored, &problem.shift);
     problem.soften(least_softness(&bodies, gaps.len()));
@@ -135,9 +135,9 @@ pub(crate) fn advance<const D: usize>(
         .collect();
     let floating = before.floating.at_time(model, &bodies, &gaps)?;
     let mut problem = before.problem;
-    let load_before = problem.equilibrium.load.clone();
+    let load_before = problem.balance.load().to_vec();
     problem.admissible = admissible_set(model, &paired, time)?;
-    problem.equilibrium = floating.equilibrium.clone();
+    problem.balance = floating.balance.clone();
     problem.shift = overlap(&bodies, &factored, &gaps);
     problem
         .check()

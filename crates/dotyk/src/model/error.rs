@@ -4,6 +4,7 @@ use crate::contact::ContactError;
 use crate::dual::Certificate;
 use crate::fem::{Analysis, Body, FemError, Short, show};
 use crate::geometry::{Field, Point};
+use crate::linalg::LinalgError;
 use crate::model::nouns::Model;
 use crate::model::solution::Solution;
 use crate::solve::SolveError;
@@ -141,6 +142,9 @@ pub enum Error<const D: usize> {
     /// The contact solver cannot treat the problem.
     #[error("solver: {0}")]
     Solver(#[source] SolveError),
+    /// The rigid modes cannot be split by what the contacts control.
+    #[error("what the contacts control of the rigid motions cannot be told: {0}")]
+    RigidModes(LinalgError),
     /// One load step of several has no answer.
     #[error("step {step} (t = {time}): {source}")]
     Step {

@@ -4,7 +4,7 @@
 //! motion that no contact can resist: driven by the load it is an error, else it is fixed by least norm with a warning.
 //! If no admissible λ satisfies Gλ = e, the load pulls a body away from everything that could hold it.
 
-use crate::dual::{Equilibrium, Modes, NO_WORK, uncontrolled_modes};
+use crate::dual::{Balance, Modes, NO_WORK, uncontrolled_modes};
 use crate::fem::describe_motion;
 use crate::geometry::norm;
 use crate::linalg::SparseVector;
@@ -26,7 +26,7 @@ pub(crate) struct Floating {
     /// e of all modes, (r,).
     loads: Vec<f64>,
     /// Gλ = e in the controlled combinations.
-    pub equilibrium: Equilibrium,
+    pub balance: Balance,
     /// What the user should know.
     pub warnings: Vec<String>,
 }
@@ -56,17 +56,11 @@ impl Floating {
         };
         let all: Vec<SparseVector> = modes.iter().map(work).collect();
         let g = Modes::of_rows(&all, m);
-        let split = uncontrolled_modes(&g);
-        let (controlled, equilibrium) = if split.uncontrolled.is_empty() {
+        let split = uncontrolled_modes(&g).map_err(Error::RigidModes)?;
+        let (controlled, balance) = if split.uncontrolled.is_empty() {
             let unit = |k: usize| SparseVector::new(r, [(k, 1.0)]);
-            (
-                (0..r).map(unit).collect(),
-                Equilibrium {
-                    moments: moments(bodies, &modes),
-                    modes: g,
-                    load: vec![0.0; r],
-                },
-            )
+            let balance = Balance::new(g, vec![0.0; r]).with_moments(moments(bodies, &modes));
+            ((0..r).map(unit).collect(), balance)
         } else {
             let c = split.controlled;
             let combined = |z: &SparseVector| {
@@ -77,9 +71,8 @@ impl Floating {
                 SparseVector::sum(m, parts.collect())
             };
             let reduced: Vec<SparseVector> = c.iter().map(combined).collect();
-            let reduced = Modes::of_rows(&reduced, m);
-            let load = vec![0.0; c.len()];
-            (c, Equilibrium::new(reduced, load))
+            let balance = Balance::new(Modes::of_rows(&reduced, m), vec![0.0; c.len()]);
+            (c, balance)
         };
         let unloaded = Self {
             modes,
@@ -87,7 +80,7 @@ impl Floating {
             uncontrolled: split.uncontrolled,
             all,
             loads: vec![0.0; r],
-            equilibrium,
+            balance,
             warnings: Vec::new(),
         };
         unloaded.at_time(model, bodies, gaps)
@@ -118,7 +111,8 @@ impl Floating {
         }
         let loads = e.iter().map(|&e| if e.abs() > silent { e } else { 0.0 });
         self.loads = loads.collect();
-        self.equilibrium.load = self.controlled.iter().map(|z| z.dot(&e)).collect();
+        let controlled = self.controlled.iter().map(|z| z.dot(&e));
+        self.balance.set_load(controlled.collect());
         Ok(self)
     }
 
@@ -149,7 +143,7 @@ impl Floating {
         direction: &[f64],
     ) -> Error<D> {
         let (body, motion) = self.motion(model, bodies, direction);
-        let work = direction.iter().zip(&self.equilibrium.load);
+        let work = direction.iter().zip(self.balance.load());
         let load = work.map(|(z, e)| z * e).sum();
         Error::PulledAway { body, motion, load }
     }

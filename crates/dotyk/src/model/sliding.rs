@@ -24,7 +24,7 @@ pub(crate) fn sliding<const D: usize>(
     };
     let (body, motion) = floating.motion(model, bodies, direction);
     let part = |(_, before, admissible): (_, &[f64], &AdmissibleSet)| {
-        Feasibility::fraction(admissible, &floating.equilibrium, before)
+        Feasibility::fraction(admissible, &floating.balance, before)
     };
     Ok(Objection::Slides {
         body,

@@ -30,11 +30,11 @@ pub(crate) fn correction(
     let limits = Newton::default().limits();
     let mut setup = Setup::unchecked(problem);
     setup.shift = gap.iter().map(|gap| -gap).collect();
-    let equilibrium = &problem.equilibrium;
-    let carried = equilibrium.modes.product(&multipliers.lambda);
-    let left = equilibrium.load.iter().zip(&carried);
+    let balance = &problem.balance;
+    let carried = balance.modes().product(&multipliers.lambda);
+    let left = balance.load().iter().zip(&carried);
     let left = left.map(|(load, carried)| load - carried);
-    setup.balance.set_load(&left.collect::<Vec<f64>>());
+    setup.balance.set_load(left.collect());
     let mut search = Search::new(limits, &setup);
     let states = search.states_of_guess(multipliers).ok()?;
     let told = gap.iter().zip(rounding);
@@ -98,7 +98,7 @@ pub(crate) fn distance_to_exact(problem: &DualProblem, multipliers: &Multipliers
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::dual::{AdmissibleSet, Block, Equilibrium};
+    use crate::dual::{AdmissibleSet, Balance, Block};
     use crate::linalg::Mat;
     use crate::solve::{ContactSolver, Outcome};
 
@@ -113,7 +113,7 @@ mod tests {
             Compliance::Dense(f),
             (0..m).map(|i| (0.7 * i as f64).sin() - 0.2).collect(),
             AdmissibleSet::new(vec![Block::Unilateral; m]),
-            Equilibrium::new(modes, vec![3.0]),
+            Balance::new(modes, vec![3.0]),
         )
         .unwrap()
     }

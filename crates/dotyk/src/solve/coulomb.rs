@@ -95,9 +95,9 @@ pub(crate) fn carry(setup: &Setup<'_>, bounds: &[f64]) -> bool {
         return true;
     }
     let given = setup.admissible.with_bounds(bounds);
-    let (equilibrium, force) = (&setup.problem.equilibrium, setup.problem.scales.force);
+    let (balance, force) = (&setup.problem.balance, setup.problem.scales.force);
     matches!(
-        Feasibility::of(&given, equilibrium, force),
+        Feasibility::of(&given, balance, force),
         Feasibility::Feasible { .. }
     )
 }

@@ -17,7 +17,7 @@ use std::mem::discriminant;
 use std::ops::ControlFlow;
 
 use crate::dual::{
-    AdmissibleSet, Block, Compliance, DualProblem, Equilibrium, Friction, Modes, Multipliers,
+    AdmissibleSet, Balance, Block, Compliance, DualProblem, Friction, Modes, Multipliers,
 };
 use crate::linalg::{LinearOperator, Mat, SparseVector};
 use crate::solve::setup::Setup;
@@ -214,7 +214,7 @@ impl Clusters {
         let fine = setup.problem;
         let m = self.admissible.len();
         let mut shift = vec![0.0; m];
-        let modes = &fine.equilibrium.modes;
+        let modes = fine.balance.modes();
         let mut sums: Vec<Vec<(usize, f64)>> = vec![Vec::new(); m];
         for (i, &(to, share)) in self.place.iter().enumerate() {
             shift[to] += share * fine.shift[i];
@@ -223,14 +223,12 @@ impl Clusters {
         }
         let columns = sums.into_iter();
         let columns = columns.map(|parts| SparseVector::sum(modes.nrows(), parts));
-        let equilibrium = Equilibrium {
-            modes: Modes::new(modes.nrows(), columns.collect()),
-            load: fine.equilibrium.load.clone(),
-            moments: fine.equilibrium.moments.clone(),
-        };
+        let modes = Modes::new(modes.nrows(), columns.collect());
+        let balance = Balance::new(modes, fine.balance.load().to_vec())
+            .with_moments(fine.balance.moments().to_vec());
         let compliance = Compliance::Dense(compliance);
         let admissible = self.admissible.clone();
-        let mut problem = DualProblem::new(compliance, shift, admissible, equilibrium).ok()?;
+        let mut problem = DualProblem::new(compliance, shift, admissible, balance).ok()?;
         problem.scales = fine.scales;
         problem.neighbours = self.neighbours.clone();
         Some(problem)

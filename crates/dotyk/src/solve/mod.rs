@@ -311,7 +311,7 @@ pub(crate) fn loaded(lambda: &[f64]) -> usize {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::dual::{AdmissibleSet, Compliance, Equilibrium};
+    use crate::dual::{AdmissibleSet, Balance, Compliance};
     use crate::linalg::Mat;
 
     pub(crate) fn silent(_: &Iterate<'_>) -> ControlFlow<()> {
@@ -334,7 +334,7 @@ mod tests {
             Compliance::Dense(f),
             shift.to_vec(),
             AdmissibleSet::new(blocks),
-            Equilibrium::new(modes, load.to_vec()),
+            Balance::new(modes, load.to_vec()),
         )
         .unwrap()
     }

@@ -183,7 +183,7 @@ impl<'a> State<'a> {
         let (m, k) = (setup.len(), setup.modes());
         let bound = projected_bound(setup);
         let (balance, mut offset) = (&setup.balance, vec![0.0; m]);
-        balance.add_transposed(1.0, &balance.load, &mut offset);
+        balance.add_transposed(1.0, balance.target(), &mut offset);
         let bounds = bounds(setup);
         let from = |bound: fn(&Range<f64>) -> f64| {
             let pairs = bounds.iter().zip(&offset);
@@ -531,13 +531,13 @@ fn restore(setup: &Setup<'_>, loaded: &[bool], forces: &mut [f64]) -> bool {
         }
     }
     setup.balance.imbalance(forces, &mut rest);
-    norm(&rest) <= 1e-9 * norm(&setup.balance.load).max(1e-3 * norm(forces))
+    norm(&rest) <= 1e-9 * norm(setup.balance.target()).max(1e-3 * norm(forces))
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::dual::{AdmissibleSet, Compliance, DualProblem, Equilibrium};
+    use crate::dual::{AdmissibleSet, Balance, Compliance, DualProblem};
     use crate::linalg::Mat;
     use crate::solve::{ContactSolver, Iterate};
     use std::ops::ControlFlow;
@@ -557,7 +557,7 @@ mod tests {
             })),
             (0..m).map(|j| 0.01 * (j as f64).sin()).collect(),
             AdmissibleSet::new(vec![Block::Unilateral; m]),
-            Equilibrium::new(modes, vec![1.0, 0.7]),
+            Balance::new(modes, vec![1.0, 0.7]),
         )
         .unwrap()
     }

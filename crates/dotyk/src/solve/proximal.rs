@@ -243,13 +243,13 @@ impl<'a> Proximal<'a> {
                 .zip(z)
                 .for_each(|(d, z)| *d += part * z);
         }
-        let size = norm(&setup.balance.load).max(norm(&lambda));
+        let size = norm(setup.balance.target()).max(norm(&lambda));
         if norm(&direction) <= BALANCED * size {
             return false;
         }
         let mut change = vec![0.0; setup.len()];
         setup.balance.add_transposed(-1.0, &direction, &mut change);
-        let along = dot(&direction, &setup.balance.load);
+        let along = dot(&direction, setup.balance.target());
         let mut workspace = Workspace::new(setup.len());
         // the slope is minus the part of the load that is not taken up
         let mut slope = |t: f64, this: &Self| -along - workspace.work(this, t, &change);
@@ -286,7 +286,7 @@ impl<'a> Proximal<'a> {
             State::of_trial(block, &z[range]).key() == state.key()
         };
         let settled = blocks.all(same);
-        let work = dot(&setup.balance.load, &alpha);
+        let work = dot(setup.balance.target(), &alpha);
         let (own, further) = (dot(&self.at.lambda, &product), {
             let mu = difference(&target.lambda, &self.at.lambda);
             dot(&mu, &product)

@@ -178,7 +178,7 @@ impl Iteration for Steps<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::dual::{AdmissibleSet, Block, Compliance, DualProblem, Equilibrium};
+    use crate::dual::{AdmissibleSet, Balance, Block, Compliance, DualProblem};
     use crate::linalg::Mat;
     use crate::solve::{ContactSolver, Iterate};
     use std::ops::ControlFlow;
@@ -195,7 +195,7 @@ mod tests {
                 .map(|i| compliance(i) * (1.0 + 0.5 * (i as f64).sin()))
                 .collect(),
             AdmissibleSet::new(vec![Block::Unilateral; m]),
-            Equilibrium::none(m),
+            Balance::none(m),
         )
         .unwrap()
     }

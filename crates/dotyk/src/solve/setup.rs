@@ -31,7 +31,7 @@ impl<'a> Setup<'a> {
                 Err(SolveError::Infeasible { direction, factor })
             }
             Feasibility::Feasible { load } => {
-                setup.balance.set_load(&load);
+                setup.balance.set_load(load);
                 Ok(setup)
             }
         }
@@ -43,7 +43,7 @@ impl<'a> Setup<'a> {
             problem,
             shift: problem.shift.clone(),
             admissible: problem.admissible.clone(),
-            balance: Balance::new(&problem.equilibrium),
+            balance: problem.balance.clone(),
             components: problem.admissible.components(),
             products: Rc::default(),
         }
@@ -103,7 +103,7 @@ impl<'a> Setup<'a> {
         let Some(guess) = guess else {
             return Ok(vec![0.0; self.len()]);
         };
-        let expected = (self.len(), self.balance.original_len());
+        let expected = (self.len(), self.balance.load().len());
         if (guess.lambda.len(), guess.alpha.len()) != expected {
             return Err(SolveError::Invalid(format!(
                 "the starting point has {} contact forces and {} rigid amplitudes, the problem {} and {}",
@@ -148,7 +148,7 @@ impl<'a> Setup<'a> {
 
     /// α from its amplitudes in orthonormal modes.
     pub fn multipliers(&self, lambda: &[f64], alpha: &[f64]) -> Multipliers {
-        let mut original = vec![0.0; self.balance.original_len()];
+        let mut original = vec![0.0; self.balance.load().len()];
         self.balance.to_original(alpha, &mut original);
         Multipliers {
             lambda: lambda.to_vec(),
@@ -159,7 +159,7 @@ impl<'a> Setup<'a> {
     /// Workspace of [`Judge::residual`].
     pub fn judge(&self) -> Judge {
         Judge {
-            alpha: vec![0.0; self.balance.original_len()],
+            alpha: vec![0.0; self.balance.load().len()],
             gap: vec![0.0; self.len()],
         }
     }

@@ -104,7 +104,7 @@ impl<'a> System<'a> {
     pub fn carries(&self) -> bool {
         let mut rest = vec![0.0; self.setup.modes()];
         self.setup.balance.imbalance(&self.offset, &mut rest);
-        let size = norm(&self.setup.balance.load).max(norm(&rest));
+        let size = norm(self.setup.balance.target()).max(norm(&rest));
         let symmetric = self.unknowns.iter().all(Unknown::is_symmetric);
         let null = match symmetric {
             true => self.loose.clone(),

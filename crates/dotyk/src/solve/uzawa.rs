@@ -273,7 +273,7 @@ impl Bolted {
         Lu::new(matrix).ok()?.solve_in_place(&mut inverse);
         let mut modes: Vec<usize> = Vec::new();
         for &node in &nodes {
-            let column = setup.problem.equilibrium.modes.column(node).to_dense();
+            let column = setup.problem.balance.modes().column(node).to_dense();
             let best = (0..column.len())
                 .filter(|mode| !modes.contains(mode))
                 .max_by(|&a, &b| column[a].abs().total_cmp(&column[b].abs()).then(b.cmp(&a)));
@@ -374,7 +374,7 @@ fn named_bolts(setup: &Setup<'_>, named: &[usize]) -> Result<Bolted, SolveError>
     if named.len() == setup.modes() {
         return Bolted::new(setup, named.to_vec()).ok_or_else(dependent);
     }
-    if named.len() != setup.balance.original_len() {
+    if named.len() != setup.balance.load().len() {
         return Err(dependent());
     }
     let mut weights = vec![0.0; setup.len()];

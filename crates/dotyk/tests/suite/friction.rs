@@ -6,9 +6,7 @@
 
 use std::ops::ControlFlow;
 
-use dotyk::dual::{
-    AdmissibleSet, Block, Compliance, DualProblem, Equilibrium, Friction, Multipliers,
-};
+use dotyk::dual::{AdmissibleSet, Balance, Block, Compliance, DualProblem, Friction, Multipliers};
 use dotyk::linalg::{Mat, SparseMatrix};
 use dotyk::solve::{
     Accelerated, ContactSolver, FixedPoint, Gradient, Iterate, Mprgp, Newton, Outcome, Secant,
@@ -178,7 +176,7 @@ fn random_problem(law: Law, tangents: usize, nodes: usize, r: usize, seed: u64) 
         Compliance::Dense(matrix),
         shift,
         AdmissibleSet::new(blocks),
-        Equilibrium::new(modes, load),
+        Balance::new(modes, load),
     )
     .unwrap();
     Known {
@@ -358,7 +356,7 @@ fn coefficient_zero_is_the_problem_without_friction() {
         Compliance::Dense(normals),
         shift.iter().step_by(2).copied().collect(),
         AdmissibleSet::new(vec![Block::Unilateral; nodes]),
-        Equilibrium::none(nodes),
+        Balance::none(nodes),
     )
     .unwrap();
     let expected = answer(&newton(), &smooth, "smooth").unwrap();
@@ -410,7 +408,7 @@ fn punch(nodes: usize, depth: f64, curvature: f64, slide: f64) -> Vec<f64> {
 /// The problem of held bodies.
 fn held(matrix: Mat<f64>, shift: Vec<f64>, set: AdmissibleSet) -> DualProblem {
     let m = shift.len();
-    DualProblem::new(Compliance::Dense(matrix), shift, set, Equilibrium::none(m)).unwrap()
+    DualProblem::new(Compliance::Dense(matrix), shift, set, Balance::none(m)).unwrap()
 }
 
 /// Sinking, sliding and tilting of a punch over `nodes` nodes on [0, 1], about its middle.
@@ -431,11 +429,11 @@ fn punches(nodes: usize, coefficient: f64) -> Vec<(String, DualProblem)> {
     for curvature in [0.0, 0.5, 4.0, 40.0] {
         for slide in [0.0, 0.05, 0.2, 1.0] {
             for floating in [false, true] {
-                let equilibrium = if floating {
+                let balance = if floating {
                     let load = vec![1.0, 0.9 * slide * coefficient, -0.02];
-                    Equilibrium::new(punch_modes(nodes), load)
+                    Balance::new(punch_modes(nodes), load)
                 } else {
-                    Equilibrium::none(2 * nodes)
+                    Balance::none(2 * nodes)
                 };
                 let name = format!(
                     "coefficient {coefficient}, curvature {curvature}, slide {slide}, floating {floating}"
@@ -444,7 +442,7 @@ fn punches(nodes: usize, coefficient: f64) -> Vec<(String, DualProblem)> {
                     Compliance::Dense(half_plane(nodes)),
                     punch(nodes, 1.0, curvature, slide),
                     coulomb(nodes, coefficient),
-                    equilibrium,
+                    balance,
                 )
                 .unwrap();
                 all.push((name, problem));
@@ -488,7 +486,7 @@ fn every_solver_finds_the_same_punch() {
             let exact = answer(&newton(), &problem, &name).unwrap().multipliers;
             for solver in solvers() {
                 // Bolts make a punch on a half plane a matter of a million iterations.
-                if solver.name() == "uzawa" && !problem.equilibrium.load.is_empty() {
+                if solver.name() == "uzawa" && !problem.balance.load().is_empty() {
                     continue;
                 }
                 let outcome = answer(solver.as_ref(), &problem, &name).unwrap();
@@ -515,7 +513,7 @@ fn block(nodes: usize, coefficient: f64, load: [f64; 3], overlap: [f64; 2]) -> D
         })),
         (0..m).map(|i| overlap[i % 2]).collect(),
         coulomb(nodes, coefficient),
-        Equilibrium::new(punch_modes(nodes), load.to_vec()),
+        Balance::new(punch_modes(nodes), load.to_vec()),
     )
     .unwrap()
 }
@@ -649,13 +647,13 @@ fn units_do_not_change_the_steps() {
             unreachable!("the punches are dense");
         };
         let m = matrix.nrows();
-        let load = &problem.equilibrium.load;
+        let load = problem.balance.load();
         let scaled = DualProblem::new(
             Compliance::Dense(Mat::from_fn(m, m, |i, j| 1e-9 * matrix[(i, j)])),
             problem.shift.iter().map(|d| 1e-3 * d).collect(),
             problem.admissible.clone(),
-            Equilibrium::new(
-                problem.equilibrium.modes.clone(),
+            Balance::new(
+                problem.balance.modes().clone(),
                 load.iter().map(|e| 1e6 * e).collect(),
             ),
         )
@@ -824,7 +822,7 @@ fn friction_that_is_no_number_from_zero_on_is_an_error() {
                 Compliance::Dense(Mat::identity(3, 3)),
                 vec![0.0; 3],
                 AdmissibleSet::new(vec![Block::Unilateral, block]),
-                Equilibrium::none(3),
+                Balance::none(3),
             );
             let text = result.err().unwrap().to_string();
             assert!(text.contains("friction of block 1"), "{text}");
@@ -837,7 +835,7 @@ fn grounded(mut known: Known) -> Known {
     let Compliance::Dense(matrix) = &known.problem.compliance else {
         unreachable!("the family is dense");
     };
-    let modes = &known.problem.equilibrium.modes;
+    let modes = known.problem.balance.modes();
     let m = known.lambda.len();
     let mut basis: Vec<Vec<f64>> = Vec::new();
     for row in 0..modes.nrows() {

@@ -272,5 +272,5 @@ fn comparing_and_condensing_take_the_last_step() {
     let several = punch(&[0.2, 1.0]).dual_problem(DENSE_LIMIT).unwrap();
     let alone = punch(&[1.0]).dual_problem(DENSE_LIMIT).unwrap();
     assert_eq!(several.shift, alone.shift);
-    assert_eq!(several.equilibrium.load, alone.equilibrium.load);
+    assert_eq!(several.balance.load(), alone.balance.load());
 }
