@@ -7,7 +7,7 @@
 use std::ops::ControlFlow;
 
 use crate::friction::Random;
-use dotyk::dual::{AdmissibleSet, Compliance, DualProblem, Equilibrium, Friction, Multipliers};
+use dotyk::dual::{AdmissibleSet, Balance, Compliance, DualProblem, Friction, Multipliers};
 use dotyk::linalg::Mat;
 use dotyk::model::Law;
 use dotyk::prelude::*;
@@ -102,7 +102,7 @@ impl Small {
             Compliance::Dense(Mat::from_fn(m, m, |i, j| self.compliance[i][j])),
             self.shift.clone(),
             AdmissibleSet::new(self.laws.iter().map(block).collect()),
-            Equilibrium::new(modes, load),
+            Balance::new(modes, load),
         )
         .unwrap()
     }
