@@ -1,25 +1,35 @@
-//! Mortar pairing in the plane: multipliers on the nonmortar side, integrated over exact intersections with the other.
+//! Mortar pairing in the plane: contact conditions as weighted means along the nonmortar side.
+//!
+//! Two meshes that do not match have no common nodes at which a gap could be asked for. So every node j of the nonmortar side
+//! carries a multiplier λⱼ, a force that is spread along the side with a weight ψⱼ(x), and its condition is that the mean of
+//! the gap with this weight is not negative:
 //!
 //! ```text
-//!   row j:  ∫ψⱼ n(x)·(u_s(x) − u_m(y)) dx / ∫ψⱼ dx,      y on the line x + s·n(x),      g₀ⱼ = ∫ψⱼ s dx / ∫ψⱼ dx
+//!   row j:  ∫ψⱼ n(x)·(u_s(x) − u_m(y)) dx / ∫ψⱼ dx,      g₀ⱼ = ∫ψⱼ s dx / ∫ψⱼ dx
 //! ```
 //!
-//! * ψ are biorthogonal to the shape functions N of the side, facet by facet: ∫ψᵢNⱼ = δᵢⱼ∫Nⱼ. They sum to one, so that a
-//!   uniform pressure is exact, and on matching meshes they give what pairing node by node gives. Where a weight ∫N would
-//!   not be positive (a quadratic facet that ends at the axis of revolution), ψ are hats between neighbouring nodes, middle
-//!   nodes included.
-//! * Such a ψ acts as a force at its node, although it faces nothing there when the facet is covered in part. No force may
-//!   act where nothing faces: on such a facet ψ are biorthogonal to the hats of the covered part of each span between
-//!   neighbouring nodes, and act at the two ends of that part. In the limit of full cover both are the same on a straight
-//!   facet. Where the cover of a span has a hole, ψ are its hats.
-//! * Facets are cut where the line from them meets a node of the other side; on each piece all shape functions are smooth.
-//! * n is the field of [`Normals`]; both bodies feel the force at the ends of one line along n, so that forces and moments
-//!   balance whatever the two polygons are.
-//! * Tangential rows compare u_s with what u_m is at x when the other side is carried on rigidly from y to x, by the rotation
-//!   of its facet there: forces along t at two points a distance s apart would be a couple.
-//! * A node whose displacement is prescribed, or of whose support less than a thousandth faces the other side, carries no
-//!   multiplier; on its facets ψ are hats, and its own goes to the neighbours.
-//! * The gap s is measured between the true surfaces where a side has one.
+//! x runs along the nonmortar side, n is its normal ([`Normals`]), y the point where the line x + s·n(x) meets the other side
+//! at the distance s, u_s and u_m are the displacements of the two sides. The gap s is measured between the true surfaces
+//! where a side has one. Both bodies feel the force at the two ends of one line along n, so that forces and moments balance
+//! whatever the two polygons are.
+//!
+//! **Integration.** Facets are cut where the line from them meets a node of the other side (`pieces.rs`): on each piece all
+//! shape functions are smooth, and a Gauss rule is exact for straight facets.
+//!
+//! **Weights.** On a facet that faces the other side as a whole, the ψ are biorthogonal to the shape functions N of its
+//! nodes, ∫ψᵢNⱼ = δᵢⱼ∫Nⱼ. They sum to one, so that a uniform pressure is exact, and on matching meshes they give what pairing
+//! node by node gives. There are three exceptions.
+//! * A facet that faces the other side in part: biorthogonal functions of the whole facet would act as forces at nodes that
+//!   face nothing. There the ψ are biorthogonal to linear functions on the covered part of each span between neighbouring
+//!   nodes, and act at the two ends of that part. As the cover grows to the whole of a straight facet, both become the same.
+//!   Where the cover of a span has a hole, ψ are the linear functions of its two nodes.
+//! * A weight ∫N that is not positive (a quadratic facet that ends at the axis of revolution): ψ are linear between
+//!   neighbouring nodes, middle nodes included.
+//! * A node without a multiplier, because its displacement is prescribed or less than a thousandth of its surroundings faces
+//!   the other side: on its facets ψ are linear, and its own share goes to the neighbours.
+//!
+//! **Tangential rows** compare u_s with what u_m would be at x if the other side were carried on rigidly from y to x, by the
+//! rotation of its facet: forces along t at two points a distance s apart would be a couple.
 //!
 //! Against a rigid obstacle u_m is its translation, and the rows on the other side act on it. Not here: bodies in space.
 //!
