@@ -133,7 +133,9 @@ fn stress(component: Stress, s: [f64; 6]) -> f64 {
         Stress::Component(i) => s[i],
         Stress::VonMises => von_mises(s),
         Stress::First => principal(s)[0],
+        Stress::Second => principal(s)[1],
         Stress::Third => principal(s)[2],
+        Stress::Tresca => principal(s)[0] - principal(s)[2],
     }
 }
 
@@ -313,5 +315,9 @@ mod tests {
             principal([-2.0, -2.0, -2.0, 0.0, 0.0, 0.0]),
             [-2.0; 3]
         ));
+        let state = [3.0, 1.0, -2.0, 0.0, 0.0, 0.0];
+        let read = |component: Stress| stress(component, state);
+        assert!((read(Stress::Second) - 1.0).abs() < 1e-12);
+        assert!((read(Stress::Tresca) - 5.0).abs() < 1e-12);
     }
 }

@@ -42,13 +42,16 @@ pub(crate) enum Displacement {
     Magnitude,
 }
 
-/// One of xx yy zz xy yz xz by its place there, von Mises, or the largest and the smallest principal stress.
+/// One of xx yy zz xy yz xz by its place there, von Mises, a principal stress, or the difference of the largest and the
+/// smallest one, after Tresca.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) enum Stress {
     Component(usize),
     VonMises,
     First,
+    Second,
     Third,
+    Tresca,
 }
 
 /// What varies along a contact. Shear and slip are along the tangent in the plane, lengths in space.
@@ -78,14 +81,16 @@ pub enum Dimension {
 const AXES: [(&str, usize); 3] = [("x", 0), ("y", 1), ("z", 2)];
 
 /// The two last are those of space.
-const STRESSES: [(&str, Stress); 9] = [
+const STRESSES: [(&str, Stress); 11] = [
     ("xx", Stress::Component(0)),
     ("yy", Stress::Component(1)),
     ("zz", Stress::Component(2)),
     ("xy", Stress::Component(3)),
     ("von_mises", Stress::VonMises),
     ("s1", Stress::First),
+    ("s2", Stress::Second),
     ("s3", Stress::Third),
+    ("tresca", Stress::Tresca),
     ("yz", Stress::Component(4)),
     ("xz", Stress::Component(5)),
 ];
@@ -209,7 +214,7 @@ fn of_body<const D: usize>(
     let moved: Vec<_> = moved
         .chain([("magnitude", Displacement::Magnitude)])
         .collect();
-    let stresses = &STRESSES[..if D == 3 { 9 } else { 7 }];
+    let stresses = &STRESSES[..if D == 3 { 11 } else { 9 }];
     match words.0[1..] {
         ["displacement", _] => {
             let component = words.one_of(2, "displacement", &moved)?;
