@@ -1,7 +1,7 @@
 //! Proximal steps with friction: a problem that is always soft enough to be solved, and harder each time.
 //!
 //! ```text
-//!   λ ← the solution of Coulomb's law with F + a and d + aλ
+//!   λ ← the solution of the law with F + a and d + aλ
 //! ```
 //!
 //! The compliance a that is added outweighs what friction couples, so that Newton's iteration on the states ends; the

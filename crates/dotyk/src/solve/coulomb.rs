@@ -1,14 +1,15 @@
-//! Coulomb's law as a fixed point: solve with given bounds of the shear, set the bounds to coefficient · λₙ, repeat.
+//! Bounds of friction that follow from normal forces, as those of Coulomb's law do, by a fixed point: solve with given bounds,
+//! set the bounds to those that follow from the answer, repeat.
 //!
 //! ```text
-//!   boundₖ₊₁ = coefficient · λₙ(boundₖ),   λ(bound) the solution of the convex problem of Tresca
+//!   boundₖ₊₁ = bound(λₙ),   λ the solution of the convex problem whose bounds are boundₖ
 //! ```
 //!
 //! Generic over the method that solves with given bounds. It begins with the bounds of the starting point, or of the
 //! solution in which every pressed contact sticks. The map contracts for small coefficients; the observed factor is
 //! reported, because it speaks for or against a unique solution. Bounds that cannot carry the load, although some
-//! force within Coulomb's cones can, are doubled until they do. The inner accuracy follows the outer one; what counts
-//! at the end is the residual of Coulomb's law itself.
+//! force within the law can, are doubled until they do. The inner accuracy follows the outer one; what counts at the end is
+//! the residual of the law itself.
 //!
 //! As described in Nečas, Jarušek & Haslinger (1980).
 
@@ -35,7 +36,7 @@ const TELLING: f64 = 100.0;
 /// Changes of the bounds below this part of the largest force say nothing of the contraction.
 const ROUNDING: f64 = 1e-11;
 
-/// Solves the problem of `setup` with Coulomb's law by `method` for given bounds.
+/// Solves the problem of `setup`, whose bounds follow from normal forces, by `method` for given bounds.
 ///
 /// Errors: those of `method`; `NotConverged` when the bounds do not settle.
 pub(crate) fn fixed_point<S: FixedBounds>(
@@ -171,7 +172,7 @@ impl<'a, S: FixedBounds> Search<'a, S> {
         self.setup.admissible.bounds(lambda)
     }
 
-    /// Residual of Coulomb's law at the last answer.
+    /// Residual of the law itself at the last answer.
     fn judge(&mut self) {
         if let Some(last) = &self.last {
             self.residual = self.setup.problem.kkt_residual(&last.multipliers);

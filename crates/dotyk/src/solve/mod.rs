@@ -71,7 +71,7 @@ pub struct Iterate<'a> {
     /// Contact forces (m,).
     pub lambda: &'a [f64],
     /// Largest relative violation of the optimality conditions at λ; of those with given bounds of friction, where
-    /// Coulomb's law is reached through these.
+    /// bounds that follow from normal forces are reached through these.
     pub residual: f64,
     /// Contact unknowns with a force.
     pub active: usize,
@@ -100,13 +100,13 @@ pub struct Outcome {
     pub exact: bool,
     /// The observer stopped it: the answer need not pass the certificate.
     pub stopped_by_observer: bool,
-    /// How Coulomb's law was reached, where by a fixed point of problems with given bounds.
+    /// How bounds that follow from normal forces were reached, where by a fixed point of problems with given ones.
     pub fixed_point: Option<FixedPoint>,
     /// What the user should know, in words.
     pub remarks: Vec<String>,
 }
 
-/// Coulomb's law as the fixed point of bounds ↦ coefficient · λₙ.
+/// The fixed point of bounds ↦ bounds that follow from the normal forces of the solution with them.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FixedPoint {
     /// Problems with given bounds that were solved.
@@ -268,7 +268,7 @@ pub(crate) trait FixedBounds: Clone + Sync {
         observe: Observer<'_>,
     ) -> Result<Outcome, SolveError>;
 
-    /// Solves where bounds depend on λ: as often as these change.
+    /// Solves where bounds follow from normal forces: as often as they change.
     fn run_coulomb(
         &self,
         setup: &Setup<'_>,

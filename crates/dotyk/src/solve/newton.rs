@@ -7,9 +7,9 @@
 //! * The start is far, so that the edge of a contact moves by a few nodes in each step and the steps grow with the mesh.
 //!   Where there are many contacts, a problem with fewer of them is solved first, in which neighbours act as one
 //!   (`levels.rs`). Its answer is right to a node.
-//! * The states come back in a circle. A problem without Coulomb's law is the minimum of a convex energy: *proximal steps*
-//!   (`proximal.rs`) lower it with each step, so that no state can come back. Coulomb's law minimises nothing: what is done
-//!   there stands in `slip.rs`.
+//! * The states come back in a circle. A problem whose bounds of friction are given is the minimum of a convex energy:
+//!   *proximal steps* (`proximal.rs`) lower it with each step, so that no state can come back. Where bounds follow from normal
+//!   forces, as with Coulomb's law, nothing is minimised: what is done there stands in `slip.rs`.
 //!
 //! Steps that led nowhere are taken back: a bad guess is worse than none.
 //!

@@ -1,6 +1,7 @@
-//! Coulomb's law by Newton's method: exact steps, and three further stages where they find no answer.
+//! Newton's method where bounds of friction follow from normal forces: exact steps, and three further stages where they find
+//! no answer.
 //!
-//! The bound of the shear of a node follows its normal force. Such a law minimises nothing, so that no energy tells a good
+//! Coulomb's law is such a law. It minimises nothing, so that no energy tells a good
 //! step from a bad one. Each stage covers what the one before it cannot do:
 //!
 //! 1. [`exact`]: guess what every node does, solve, guess anew. Few steps where friction is moderate and the start is good.
@@ -46,7 +47,7 @@ fn stages<S: FixedBounds>() -> [Stage<S>; 3] {
     }]
 }
 
-/// Newton on the problem of `setup`, which has Coulomb's law; `method` is Newton with given bounds.
+/// Newton on the problem of `setup`, in which bounds follow from normal forces; `method` is Newton with given bounds.
 ///
 /// Errors: `NotConverged`.
 pub(crate) fn solve<S: FixedBounds>(
