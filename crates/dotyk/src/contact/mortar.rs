@@ -477,9 +477,6 @@ impl<'a> Pairing<'a> {
                 entry.role = Role::Fixed;
                 entry.weight = sums.own[0];
                 entry.gap = sums.own[1] / sums.own[0];
-                if entry.clearance.is_nan() {
-                    entry.clearance = entry.gap;
-                }
                 for component in (0..2).filter(|&c| kept[&node][c] && sums.weight[c] > 0.0) {
                     if entry.role == Role::Fixed {
                         (entry.weight, entry.extent) = (sums.weight[component], sums.extent);
@@ -493,6 +490,9 @@ impl<'a> Pairing<'a> {
                         entry.gap = sums.gap / sums.weight[0];
                         entry.shares.mean = sums.psi.clone();
                     }
+                }
+                if entry.clearance.is_nan() {
+                    entry.clearance = entry.gap;
                 }
             }
             interface.nodes.push(entry);

@@ -3,7 +3,7 @@
 use crate::model::solution::HistoryPoint;
 use std::time::Instant;
 
-/// What an observer of [`Model::solve_with`] is told.
+/// What an observer of `Model::solve_steps_with` is told.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Event {
     /// A load step begins; its stages and iterations follow.
