@@ -6,7 +6,7 @@ use std::rc::Rc;
 use crate::dual::{
     AdmissibleSet, Balance, Component, DualProblem, Feasibility, Multipliers, Projector, Violations,
 };
-use crate::solve::{Outcome, SolveError, largest};
+use crate::solve::outcome::{Outcome, SolveError};
 
 /// Checked data, the balance in orthonormal modes, the kind of each force.
 pub(crate) struct Setup<'a> {
@@ -201,7 +201,7 @@ pub(crate) struct Position<'a> {
     pub forces: &'a Forces,
     /// What λ is held to, (m,).
     pub components: &'a [Component],
-    /// Kind of the step that led here, as in [`crate::solve::Iterate::step`].
+    /// Kind of the step that led here, as in `Iterate::step`.
     pub step: char,
 }
 
@@ -228,4 +228,9 @@ impl Judge {
         )
         .residual(problem.scales.moment_arm)
     }
+}
+
+/// The largest of `least` and the sizes of some values.
+pub(crate) fn largest(least: f64, values: &[f64]) -> f64 {
+    values.iter().fold(least, |s, value| s.max(value.abs()))
 }
