@@ -125,7 +125,7 @@ impl<const D: usize> Interface<D> {
 }
 
 #[cfg(test)]
-mod tests {
+pub(super) mod tests {
     use super::*;
     use crate::contact::{
         Against, Coupling, Driven, InitialGap, Row, pair_mortar, pair_nodes, pair_obstacle,
@@ -155,7 +155,7 @@ mod tests {
         }
     }
 
-    fn plate(from: Point<2>, to: Point<2>, cells: [usize; 2]) -> Body<2> {
+    pub fn plate(from: Point<2>, to: Point<2>, cells: [usize; 2]) -> Body<2> {
         let rectangle = Rectangle {
             from,
             to,
@@ -176,7 +176,7 @@ mod tests {
         body(cuboid.build().unwrap())
     }
 
-    fn end<'a, const D: usize>(
+    pub fn end<'a, const D: usize>(
         body: &'a Body<D>,
         side: &'a str,
         constraints: &'a Constraints<D>,

@@ -113,3 +113,28 @@ fn dent<const D: usize>(end: End<'_, D>, facet: Facet) -> f64 {
         end.body.mesh.facet_length(facet) / e.plane_modulus()
     })
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::contact::gaps::tests::{end, plate};
+    use crate::fem::Constraints;
+
+    #[test]
+    fn both_bodies_dent_by_the_length_of_their_facets_over_their_modulus() {
+        let (lower, upper) = (
+            plate([0.0, 0.0], [3.0, 1.0], [6, 2]),
+            plate([0.0, 1.1], [3.0, 2.0], [12, 2]),
+        );
+        let free = Constraints::default();
+        let against = Against::Side(end(&lower, "top", &free));
+        let nonmortar = end(&upper, "bottom", &free);
+        let found = samples(nonmortar, against, InitialGap::Measured, 0.0).unwrap();
+        assert_eq!(found.len(), 12);
+        let modulus = 1.0 / (1.0 - 0.3 * 0.3);
+        for sample in found.iter().flatten() {
+            assert!((sample.dent - (0.25 + 0.5) / modulus).abs() < 1e-15);
+            assert!((sample.at.gap - 0.1).abs() < 1e-14);
+        }
+    }
+}

@@ -494,6 +494,22 @@ mod tests {
     }
 
     #[test]
+    fn force_error_is_what_a_gap_would_take_to_close() {
+        let (problem, answer) = plate();
+        let error = |lambda: [f64; 2], alpha: f64| {
+            let (lambda, alpha) = (lambda.to_vec(), vec![alpha]);
+            let wrong = Multipliers { lambda, alpha };
+            problem.certify(&wrong, 1e-8).force_error.value
+        };
+        assert!(error([2.0, 1.0], answer.alpha[0]) < 1e-15);
+        // gaps count but for their rounding; both springs part by 0.1, or are pressed into each other by 0.5
+        assert!((error([2.0, 1.0], 0.9) - 0.1).abs() < 1e-13);
+        assert!((error([2.0, 1.0], 1.5) - 0.5).abs() < 1e-13);
+        // a contact that is open by more than its force would take to open bears what it should not
+        assert!((error([4.0, 1.0], -2.0) - 4.0).abs() < 1e-13);
+    }
+
+    #[test]
     fn moments_are_compared_with_force_times_arm() {
         let (mut problem, answer) = plate();
         problem.balance = problem.balance.with_moments(vec![true]);
