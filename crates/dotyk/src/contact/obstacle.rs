@@ -9,12 +9,12 @@ use crate::geometry::{Field, Point, Surface, add_scaled, dot};
 pub enum Rigid<const D: usize> {
     /// Its distance from the undeformed nonmortar point along the contact normal; negative is an interference.
     Gap(Field),
-    /// A plane or a circle. The plane's normal points towards the body; a circle is the obstacle, or with `inside` the hole
-    /// in the obstacle.
+    /// A plane, or a sphere, which is a circle in the plane. The plane's normal points towards the body; a sphere is the
+    /// obstacle, or with `inside` the hole in the obstacle.
     Surface {
         /// The surface.
         surface: Surface<D>,
-        /// The body is inside the circle.
+        /// The body is inside the sphere.
         inside: bool,
     },
 }

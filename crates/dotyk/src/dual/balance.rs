@@ -8,7 +8,7 @@
 
 use crate::dual::modes::transposed;
 use crate::dual::split::Split;
-use crate::dual::{AdmissibleSet, Mat, Modes, Projector};
+use crate::dual::{AdmissibleSet, Mat, ModeSplit, Modes, Projector};
 use crate::linalg::dense::{cholesky_in_place, gram, solve_lower_in_place};
 use crate::linalg::{LinalgError, SparseVector};
 use rayon::prelude::*;
@@ -89,9 +89,12 @@ impl Balance {
         &self.moments
     }
 
-    /// Why the modes could not be split: entries that are not finite, or a decomposition that did not converge.
-    pub(super) fn failure(&self) -> Option<LinalgError> {
-        self.failure
+    /// What contact controls of the modes, and what not.
+    ///
+    /// # Errors
+    /// [`LinalgError::NoConvergence`] of a singular value decomposition: entries are not finite.
+    pub fn split(&self) -> Result<&ModeSplit, LinalgError> {
+        self.failure.map_or(Ok(&self.split.modes), Err)
     }
 
     /// ê, (k,).
@@ -261,7 +264,6 @@ impl Balance {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::dual::uncontrolled_modes;
 
     /// Normals of a full ring: translations are controlled, the spin is not.
     fn ring(m: usize) -> Balance {
@@ -279,7 +281,7 @@ mod tests {
     #[test]
     fn spin_of_a_ring_is_the_only_uncontrolled_mode() {
         let balance = ring(24);
-        let split = uncontrolled_modes(balance.modes()).unwrap();
+        let split = balance.split().unwrap();
         assert_eq!(split.controlled.len(), 2);
         assert_eq!(split.uncontrolled.len(), 1);
         for j in 0..24 {

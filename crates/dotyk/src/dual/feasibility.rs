@@ -29,8 +29,8 @@
 use crate::dual::cone;
 use crate::dual::law::{Generators, farthest};
 use crate::dual::least_squares::least_squares_nonnegative;
-use crate::dual::split::MANY;
-use crate::dual::{AdmissibleSet, Balance, DualProblem, ModeSplit, Modes, uncontrolled_modes};
+use crate::dual::split::{MANY, Split};
+use crate::dual::{AdmissibleSet, Balance, Block, DualProblem, ModeSplit, Modes};
 use crate::linalg::SparseVector;
 use crate::linalg::dense::{dot, norm};
 
@@ -74,9 +74,9 @@ impl DualProblem {
 impl Feasibility {
     /// Whether {λ ∈ Λ, Gλ = e} is empty, and why; `force` is the scale of the loads, where it is larger than e.
     pub fn of(admissible: &AdmissibleSet, balance: &Balance, force: f64) -> Self {
-        let (modes, load) = (balance.modes(), balance.load());
+        let load = balance.load();
         let no_work = NO_WORK * scale_of(load, force);
-        let carrier = Carrier::new(admissible, modes);
+        let carrier = Carrier::new(admissible, balance);
         let (driven, rest) = carrier.rest(load);
         if norm(&driven) <= no_work && norm(&rest) <= no_work {
             let target = carrier.reduce(load);
@@ -94,7 +94,7 @@ impl Feasibility {
             return Feasibility::Infeasible { direction, factor };
         }
         let motion = |set: &AdmissibleSet| -> Vec<f64> {
-            let carrier = Carrier::new(set, modes);
+            let carrier = Carrier::new(set, balance);
             let (driven, rest) = carrier.rest(load);
             let rest = carrier.expand(&rest, load.len());
             driven.iter().zip(&rest).map(|(d, rest)| d + rest).collect()
@@ -115,13 +115,13 @@ impl Feasibility {
     }
 
     /// Largest s in [0, 1] for which some admissible force balances e₀ + s(e − e₀), e₀ = `before` (r,) the load of the
-    /// step before and e that of `equilibrium`: where within the step equilibrium is lost. 1: nowhere.
+    /// step before and e that of `balance`: where within the step equilibrium is lost. 1: nowhere.
     ///
     /// The loads that can be balanced are convex, so a load e₀ that is one of them makes the answer unique; 0 if it is not.
     pub fn fraction(admissible: &AdmissibleSet, balance: &Balance, before: &[f64]) -> f64 {
         let load = balance.load();
         let no_work = NO_WORK * scale_of(before, scale_of(load, 0.0));
-        let carrier = Carrier::new(admissible, balance.modes());
+        let carrier = Carrier::new(admissible, balance);
         largest_part(|part| {
             let between = |(e, e0): (&f64, &f64)| e0 + part * (e - e0);
             let mixed: Vec<f64> = load.iter().zip(before).map(between).collect();
@@ -163,17 +163,22 @@ struct Carrier {
 }
 
 impl Carrier {
-    fn new(admissible: &AdmissibleSet, modes: &Modes) -> Self {
-        let mut borne = modes.columns().to_vec();
-        for (block, range) in admissible.iter() {
-            // what friction cannot bear controls nothing
-            if block.friction().is_some_and(|law| law.is_smooth()) {
+    fn new(admissible: &AdmissibleSet, balance: &Balance) -> Self {
+        let modes = balance.modes();
+        let smooth = |block: &Block| block.friction().is_some_and(|law| law.is_smooth());
+        // what friction cannot bear controls nothing
+        let split = if admissible.blocks().iter().any(smooth) {
+            let mut borne = modes.columns().to_vec();
+            for (_, range) in admissible.iter().filter(|(block, _)| smooth(block)) {
                 borne[range.start + 1..range.end].fill(SparseVector::new(modes.nrows(), []));
             }
-        }
+            Split::new(&Modes::new(modes.nrows(), borne)).map(|split| split.modes)
+        } else {
+            balance.split().cloned()
+        };
         let mut carrier = Self {
             // of finite entries a decomposition is not known to fail; it would leave the question to the projection
-            split: uncontrolled_modes(&Modes::new(modes.nrows(), borne)).unwrap_or_default(),
+            split: split.unwrap_or_default(),
             rays: Vec::new(),
             cones: Vec::new(),
             discs: Vec::new(),

@@ -43,7 +43,7 @@ pub use law::{Block, Friction};
 pub(crate) use least_squares::least_norm_within;
 pub use modes::Modes;
 pub use projection::Projector;
-pub use split::{ModeSplit, uncontrolled_modes};
+pub use split::ModeSplit;
 
 use crate::linalg::dense::matvec;
 use crate::linalg::{LinalgError, LinearOperator, Mat, SparseMatrix, SparseVector};
@@ -303,9 +303,7 @@ impl DualProblem {
         finite("e", self.balance.load().iter())?;
         let modes = self.balance.modes().columns().iter();
         finite("G", modes.flat_map(SparseVector::values))?;
-        if let Some(error) = self.balance.failure() {
-            return Err(DualError::Modes(error));
-        }
+        self.balance.split().map_err(DualError::Modes)?;
         match &self.compliance {
             Compliance::Dense(matrix) => finite("F", columns(matrix))?,
             Compliance::Sparse(matrix) => finite("F", matrix.values().iter())?,

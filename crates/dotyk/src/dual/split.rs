@@ -43,14 +43,6 @@ pub struct ModeSplit {
     pub uncontrolled: Vec<SparseVector>,
 }
 
-/// Splits R^r into the modes that the contact controls and those with Gᵀz = 0. Shapes: `modes` (r, m).
-///
-/// # Errors
-/// [`LinalgError::NoConvergence`] of a singular value decomposition: entries are not finite.
-pub fn uncontrolled_modes(modes: &Modes) -> Result<ModeSplit, LinalgError> {
-    Split::new(modes).map(|split| split.modes)
-}
-
 /// Modes split by what the contact controls, and the coarse problem of those that it does.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Split {
@@ -65,7 +57,9 @@ pub(super) struct Split {
 }
 
 impl Split {
-    /// Splits the modes G (r, m).
+    /// Splits R^r into the modes that the contact controls and those with Gᵀz = 0. Shapes: `modes` (r, m).
+    ///
+    /// Errors: a singular value decomposition that does not converge; entries are not finite.
     pub fn new(modes: &Modes) -> Result<Self, LinalgError> {
         let many = modes.nrows() >= MANY;
         let by_body = many.then(|| Self::by_body(&modes.rows())).flatten();

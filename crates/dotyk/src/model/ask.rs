@@ -43,16 +43,13 @@ macro_rules! doors {
             }
 
             /// The dual contact problem of the model, for running or comparing solvers without the model: every
-            /// multiplier in
-            /// the order of the contacts and, within one, of [`crate::model::ContactSolution::nodes`] (nodes whose
-            /// normal
-            /// displacement is prescribed have none).
+            /// multiplier in the order of the contacts and, within one, of [`crate::model::ContactSolution::nodes`]
+            /// (nodes whose normal displacement is prescribed have none).
             ///
             /// It is that of the last load step. F is assembled up to `dense_limit` nodes, or as many entries in all
-            /// as theirs
-            /// ([`DENSE_LIMIT`](crate::model::DENSE_LIMIT) in [`Self::solve`]), of many bodies without its zeros;
-            /// above, each
-            /// product is one solve with every body.
+            /// as theirs ([`DENSE_LIMIT`](crate::model::DENSE_LIMIT) in [`Self::solve`]), of many bodies without its
+            /// zeros; above, each product is one solve with every body.
+            ///
             /// Errors: as [`Self::solve`], but for those of the contact solver.
             pub fn dual_problem(&self, dense_limit: usize) -> Result<DualProblem, Error<$D>> {
                 self.validate()?;

@@ -16,8 +16,8 @@ use crate::model::pair::carriers;
 use crate::model::sliding::sliding;
 use crate::model::solution::HistoryPoint;
 use crate::solve::{
-    Accelerated, ContactSolver, Gradient, Iterate, Mprgp, Newton, Outcome, Secant, SolveError,
-    Uzawa, correction, loaded,
+    Accelerated, ContactSolver, FixedBounds, Gradient, Iterate, Mprgp, Newton, Outcome, Secant,
+    SolveError, Uzawa, correction, loaded,
 };
 use std::ops::ControlFlow;
 
@@ -270,38 +270,37 @@ fn solver<const D: usize>(
     method: Method,
     tolerance: f64,
 ) -> Result<Box<dyn ContactSolver>, Error<D>> {
-    let most = |default: usize| model.solver.max_iterations.unwrap_or(default);
+    let most = model.solver.max_iterations;
     let rho = model.solver.rho;
     Ok(match method {
-        Method::Auto | Method::Newton => Box::new(Newton {
-            tolerance,
-            max_iterations: most(Newton::default().max_iterations),
-        }),
-        Method::Mprgp => Box::new(Mprgp {
-            tolerance,
-            max_iterations: most(Mprgp::default().max_iterations),
-        }),
-        Method::Gradient => Box::new(Gradient {
-            rho,
-            tolerance,
-            max_iterations: most(Gradient::default().max_iterations),
-        }),
-        Method::Accelerated => Box::new(Accelerated {
-            tolerance,
-            max_iterations: most(Accelerated::default().max_iterations),
-        }),
-        Method::Secant => Box::new(Secant {
-            tolerance,
-            max_iterations: most(Secant::default().max_iterations),
-        }),
-        Method::Uzawa => Box::new(Uzawa {
-            bolts: bolt_indices(model, condensed)?,
-            rho,
-            tolerance,
-            max_iterations: most(Uzawa::default().max_iterations),
-            ..Uzawa::default()
-        }),
+        Method::Auto | Method::Newton => limited(Newton::default(), tolerance, most),
+        Method::Mprgp => limited(Mprgp::default(), tolerance, most),
+        Method::Accelerated => limited(Accelerated::default(), tolerance, most),
+        Method::Secant => limited(Secant::default(), tolerance, most),
+        Method::Gradient => {
+            let default = Gradient::default();
+            limited(Gradient { rho, ..default }, tolerance, most)
+        }
+        Method::Uzawa => {
+            let (bolts, default) = (bolt_indices(model, condensed)?, Uzawa::default());
+            let solver = Uzawa {
+                bolts,
+                rho,
+                ..default
+            };
+            limited(solver, tolerance, most)
+        }
     })
+}
+
+/// A method with these limits; by default the number of iterations is its own.
+fn limited<S: FixedBounds + 'static>(
+    solver: S,
+    tolerance: f64,
+    most: Option<usize>,
+) -> Box<dyn ContactSolver> {
+    let most = most.unwrap_or(solver.limits().1);
+    Box::new(solver.within(tolerance, most))
 }
 
 /// Contact unknowns nearest to the named bolts.

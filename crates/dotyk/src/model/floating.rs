@@ -4,7 +4,7 @@
 //! motion that no contact can resist: driven by the load it is an error, else it is fixed by least norm with a warning.
 //! If no admissible λ satisfies Gλ = e, the load pulls a body away from everything that could hold it.
 
-use crate::dual::{Balance, Modes, NO_WORK, uncontrolled_modes};
+use crate::dual::{Balance, Modes, NO_WORK};
 use crate::fem::describe_motion;
 use crate::geometry::norm;
 use crate::linalg::SparseVector;
@@ -55,11 +55,11 @@ impl Floating {
             SparseVector::sum(m, rows.collect())
         };
         let all: Vec<SparseVector> = modes.iter().map(work).collect();
-        let g = Modes::of_rows(&all, m);
-        let split = uncontrolled_modes(&g).map_err(Error::RigidModes)?;
+        let whole = Balance::new(Modes::of_rows(&all, m), vec![0.0; r]);
+        let split = whole.split().map_err(Error::RigidModes)?.clone();
         let (controlled, balance) = if split.uncontrolled.is_empty() {
             let unit = |k: usize| SparseVector::new(r, [(k, 1.0)]);
-            let balance = Balance::new(g, vec![0.0; r]).with_moments(moments(bodies, &modes));
+            let balance = whole.with_moments(moments(bodies, &modes));
             ((0..r).map(unit).collect(), balance)
         } else {
             let c = split.controlled;

@@ -131,11 +131,11 @@ impl Steps<'_> {
 
     /// s; none for the first step, and where δ stands still.
     fn secant(&self) -> f64 {
-        let changes = self.now.step().zip(self.then.step());
-        let changes: Vec<f64> = changes.map(|(now, then)| now - then).collect();
-        let images = self.now.image.iter().zip(&self.then.image);
-        let along: f64 = images.zip(&changes).map(|((a, b), c)| (a - b) * c).sum();
-        let square = dot(&changes, &changes);
+        let (now, then) = (&self.now, &self.then);
+        let changes = || now.step().zip(then.step()).map(|(now, then)| now - then);
+        let images = now.image.iter().zip(&then.image);
+        let along: f64 = images.zip(changes()).map(|((a, b), c)| (a - b) * c).sum();
+        let square: f64 = changes().map(|c| c * c).sum();
         match self.energies.len() > 1 && square > 0.0 {
             true => along / square,
             false => 0.0,

@@ -1,6 +1,8 @@
 //! Space: rigid motions, patches, rates, friction and contacts of boxes of tetrahedra and hexahedra, node by node.
 //!
-//! Tolerances are rounding unless they say otherwise: 1e-12 of the largest value for fields.
+//! Tolerances are rounding unless they say otherwise: 1e-12 of the largest value for fields. Forces under friction: a tenth of
+//! what the certificate asks, 1e-9. Where nodes slip their directions are iterated to 1e-8, and they are not quite parallel, so
+//! that the resultant is less than the sum of the bounds: 1e-3.
 
 use crate::norms::order;
 use dotyk::fem::quadrature::rule;
