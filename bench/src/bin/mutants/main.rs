@@ -89,9 +89,13 @@ fn measure(folder: &Path, seed: u64, count: usize) -> Result<(), String> {
         });
         let surveyed = surveyed.collect::<Result<Vec<_>, _>>()?;
         let numbers = (0..mutants.len()).into_par_iter();
-        let fates = numbers.map(|k| match dropped[k] {
-            true => Ok(Fate::NotViable),
-            false => run::fate(&folder, &surveyed, k),
+        let fates = numbers.map(|k| {
+            let fate = match dropped[k] {
+                true => Fate::NotViable,
+                false => run::fate(&folder, &surveyed, k)?,
+            };
+            eprint!("{}", line(&mutants[k], &fate));
+            Ok(fate)
         });
         fates.collect::<Result<Vec<_>, String>>()
     })?;
@@ -162,21 +166,20 @@ fn report(mutants: &[Mutant], fates: &[Fate]) -> String {
         let rate = 100.0 * caught as f64 / viable.max(1) as f64;
         text += &format!("{name:<8} {caught:>4} of {viable:>4} caught, {rate:.1} %\n");
     }
-    let mut lines: Vec<String> = mutants
-        .iter()
-        .zip(fates)
-        .map(|(mutant, fate)| {
-            let (file, place) = (mutant.file.display(), &mutant.place);
-            let fate = match fate {
-                Fate::Survived(0) => "0 reached by no test".to_string(),
-                Fate::Survived(count) => format!("1 survived {count} tests"),
-                Fate::Caught(names) => format!("2 caught by {names}"),
-                Fate::NotViable => "3 does not compile".to_string(),
-            };
-            let (order, fate) = fate.split_at(1);
-            format!("{order} {file}:{} {}:{fate}\n", place.line, place.what)
-        })
-        .collect();
+    let told = mutants.iter().zip(fates);
+    let mut lines: Vec<String> = told.map(|(mutant, fate)| line(mutant, fate)).collect();
     lines.sort();
     text + &lines.concat()
+}
+
+/// What became of a change; survivors come first where lines are sorted.
+fn line(mutant: &Mutant, fate: &Fate) -> String {
+    let (file, place) = (mutant.file.display(), &mutant.place);
+    let (order, fate) = match fate {
+        Fate::Survived(0) => (0, "reached by no test".to_string()),
+        Fate::Survived(count) => (1, format!("survived {count} tests")),
+        Fate::Caught(names) => (2, format!("caught by {names}")),
+        Fate::NotViable => (3, "does not compile".to_string()),
+    };
+    format!("{order} {file}:{} {}: {fate}\n", place.line, place.what)
 }

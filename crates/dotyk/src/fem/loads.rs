@@ -2,11 +2,102 @@
 
 use crate::fem::cells::{CellTable, measure};
 use crate::fem::error::FemError;
-use crate::fem::nouns::{Analysis, Body, Load};
+use crate::fem::nouns::{Analysis, Body, Place};
 use crate::fem::quadrature::{self, QuadraturePoint};
-use crate::fem::supports::{finite, nearest_node, side_facets};
-use crate::geometry::{Point, add_scaled, norm};
+use crate::fem::supports::{describe, finite, nearest_node, side_facets};
+use crate::geometry::{Field, Point, add_scaled, norm};
 use crate::mesh::MAX_FACET_NODES;
+
+/// An external load on the undeformed body.
+#[derive(Debug, Clone)]
+pub enum Load<const D: usize> {
+    /// Force per area in global axes on a side.
+    Traction {
+        /// Side of the body.
+        side: String,
+        /// Components.
+        traction: [Field; D],
+    },
+    /// Pressure on a side; positive pushes into the body.
+    Pressure {
+        /// Side of the body.
+        side: String,
+        /// Force per area.
+        pressure: Field,
+    },
+    /// Force at the node nearest to a point.
+    Force {
+        /// The point.
+        point: Point<D>,
+        /// Components.
+        force: [Field; D],
+    },
+}
+
+/// What the value of a load is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Amount {
+    /// Force per area.
+    PerArea,
+    /// Force.
+    Whole,
+}
+
+impl<const D: usize> Load<D> {
+    /// Where it acts.
+    pub fn place(&self) -> Place<D> {
+        match self {
+            Self::Traction { side, .. } | Self::Pressure { side, .. } => Place::Side(side.clone()),
+            Self::Force { point, .. } => Place::Point(*point),
+        }
+    }
+
+    /// What [`Self::at`] answers.
+    pub fn amount(&self) -> Amount {
+        match self {
+            Self::Traction { .. } | Self::Pressure { .. } => Amount::PerArea,
+            Self::Force { .. } => Amount::Whole,
+        }
+    }
+
+    /// Its value at a point of its place at a time, in global axes; `normal` is the outward unit normal of a side.
+    pub fn at(&self, point: Point<D>, normal: Point<D>, time: f64) -> Point<D> {
+        match self {
+            Self::Traction {
+                traction: values, ..
+            }
+            | Self::Force { force: values, .. } => {
+                std::array::from_fn(|i| values[i].at(point, time))
+            }
+            Self::Pressure { pressure, .. } => normal.map(|n| -pressure.at(point, time) * n),
+        }
+    }
+
+    /// What it is called in messages, and its expressions.
+    fn told(&self) -> (&'static str, &[Field]) {
+        match self {
+            Self::Traction { traction, .. } => ("traction", traction),
+            Self::Pressure { pressure, .. } => ("pressure", std::slice::from_ref(pressure)),
+            Self::Force { force, .. } => ("force", force),
+        }
+    }
+
+    /// As [`Self::at`]; an error names the expression that is not finite.
+    fn finite_at(
+        &self,
+        point: Point<D>,
+        normal: Point<D>,
+        time: f64,
+    ) -> Result<Point<D>, FemError> {
+        let (name, fields) = self.told();
+        for field in fields {
+            finite(field, point, time, || {
+                format!("{name} {}", describe(&self.place()))
+            })?;
+        }
+        Ok(self.at(point, normal, time))
+    }
+}
 
 /// Nodal forces of the loads of one body.
 pub(crate) struct NodalLoads {
@@ -58,54 +149,33 @@ pub(crate) fn nodal_loads<const D: usize>(
     let mut forces = vec![0.0; D * body.mesh.points().len()];
     let mut largest = add_body_force(body, analysis, time, &mut forces)?.scale();
     for load in &body.loads {
-        let size = match load {
-            Load::Traction { side, traction } => {
-                let what = || format!("traction on side \"{side}\"");
-                add_side_load(body, side, analysis, &mut forces, |point, _| {
-                    let mut t = [0.0; D];
-                    for (component, field) in t.iter_mut().zip(traction) {
-                        *component = finite(field, point, time, what)?;
-                    }
-                    Ok(t)
-                })?
-            }
-            Load::Pressure { side, pressure } => {
-                let what = || format!("pressure on side \"{side}\"");
-                add_side_load(body, side, analysis, &mut forces, |point, normal| {
-                    let p = finite(pressure, point, time, what)?;
-                    Ok(normal.map(|n| -p * n))
-                })?
-            }
-            Load::Force { point, force } => {
-                let node = nearest_node(&body.mesh, *point, "point force")?;
-                let mut size = Size::zero();
-                let mut total = [0.0; D];
-                for (i, field) in force.iter().enumerate() {
-                    total[i] = finite(field, body.mesh.points()[node], time, || {
-                        "point force".to_string()
-                    })?;
-                    forces[D * node + i] += total[i];
-                }
-                size.add(total);
-                size
-            }
-        };
+        let size = add_load(body, load, analysis, time, &mut forces)?;
         largest = largest.max(size.scale());
     }
     Ok(NodalLoads { forces, largest })
 }
 
-/// Adds ∫ N·t dS over a side and returns its size; `traction` maps (point, outward unit normal) to t.
-fn add_side_load<const D: usize>(
+/// Adds ∫ N·t dS over a side, or the force at the node nearest to a point, and returns its size.
+fn add_load<const D: usize>(
     body: &Body<D>,
-    side: &str,
+    load: &Load<D>,
     analysis: Analysis,
+    time: f64,
     forces: &mut [f64],
-    traction: impl Fn(Point<D>, Point<D>) -> Result<Point<D>, FemError>,
 ) -> Result<Size<D>, FemError> {
     let mesh = &body.mesh;
     let mut size = Size::zero();
-    for &facet in side_facets(mesh, side)? {
+    let side = match load.place() {
+        Place::Side(side) => side,
+        Place::Point(point) => {
+            let node = nearest_node(mesh, point, "point force")?;
+            let force = load.finite_at(mesh.points()[node], [0.0; D], time)?;
+            (0..D).for_each(|i| forces[D * node + i] += force[i]);
+            size.add(force);
+            return Ok(size);
+        }
+    };
+    for &facet in side_facets(mesh, &side)? {
         let kind = mesh.facet_kind(facet);
         let mut shape = [0.0; MAX_FACET_NODES];
         for QuadraturePoint { xi, weight } in quadrature::rule(kind, LOAD_DEGREE) {
@@ -113,7 +183,7 @@ fn add_side_load<const D: usize>(
             let point = mesh.facet_point(facet, &xi);
             let normal = mesh.outward_normal(facet, &xi);
             let area = norm(normal);
-            let t = traction(point, normal.map(|n| n / area))?;
+            let t = load.finite_at(point, normal.map(|n| n / area), time)?;
             let w = weight * area * measure(analysis, body.thickness, point);
             size.add(t.map(|c| w * c));
             for (node, n) in mesh.facet_nodes(facet).zip(shape) {

@@ -22,8 +22,9 @@ mod supports;
 
 pub use assemble::{BodySystem, assemble};
 pub use error::FemError;
+pub use loads::{Amount, Load};
 pub use modes::{RigidBasis, describe_motion};
-pub use nouns::{Analysis, Body, Elastic, Load, Material, Place, Support};
+pub use nouns::{Analysis, Body, Elastic, Material, Place, Support};
 pub use stress::{recover_stress, von_mises};
 pub use supports::{Constraints, Held, nearest_node, node_normals};
 

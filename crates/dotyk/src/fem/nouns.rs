@@ -1,5 +1,6 @@
-//! What describes one elastic body: material, supports, loads.
+//! What describes one elastic body: material, supports; its loads have a file of their own.
 
+use crate::fem::loads::Load;
 use crate::geometry::{Field, Point, Surface};
 use crate::mesh::Mesh;
 use std::collections::BTreeMap;
@@ -72,32 +73,6 @@ pub struct Support<const D: usize> {
     pub components: [Option<Field>; D],
     /// Prescribed displacement along the outward normal (a roller on a side of any orientation).
     pub normal: Option<Field>,
-}
-
-/// An external load on the undeformed body.
-#[derive(Debug, Clone)]
-pub enum Load<const D: usize> {
-    /// Force per area in global axes on a side.
-    Traction {
-        /// Side of the body.
-        side: String,
-        /// Components.
-        traction: [Field; D],
-    },
-    /// Pressure on a side; positive pushes into the body.
-    Pressure {
-        /// Side of the body.
-        side: String,
-        /// Force per area.
-        pressure: Field,
-    },
-    /// Force at the node nearest to a point.
-    Force {
-        /// The point.
-        point: Point<D>,
-        /// Components.
-        force: [Field; D],
-    },
 }
 
 /// One elastic body.

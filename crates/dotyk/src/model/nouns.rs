@@ -8,7 +8,7 @@ use crate::geometry::{Field, Point};
 use crate::model::quantity::Quantity;
 
 pub use crate::contact::Rigid;
-pub use crate::fem::{Analysis, Body, Elastic, Load, Material, Place, Support};
+pub use crate::fem::{Amount, Analysis, Body, Elastic, Load, Material, Place, Support};
 
 /// Names of units; they label the report and change no number.
 #[derive(Debug, Clone, Default, PartialEq)]

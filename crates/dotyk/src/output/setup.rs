@@ -1,7 +1,7 @@
 //! Figure "Mesh, supports and loads": the model as a textbook draws it.
 
 use crate::geometry::{Field, Point, unit};
-use crate::model::{Body, Contact, Load, Pair, Support};
+use crate::model::{Body, Contact, Pair, Place, Support};
 use crate::output::scene::{Scene, WIDTH, contact_sides, mesh_lines, outline_path, polyline};
 use crate::output::svg::{
     ALARM, Anchor, INK, LOAD, MUTED, Pixel, RULE, SERIES, SUPPORT, Svg, TINTS, Type, text_width,
@@ -59,18 +59,17 @@ fn margin(scene: &Scene) -> Margin {
     for (i, body) in scene.model.bodies.iter().enumerate() {
         let points = body.mesh.points();
         for load in &body.loads {
-            match load {
-                Load::Traction { side, .. } | Load::Pressure { side, .. } => {
-                    for strand in scene.body_side(i, side) {
+            match load.place() {
+                Place::Side(side) => {
+                    for strand in scene.body_side(i, &side) {
                         let marks = strand.marks(points, 24, true);
                         marks.iter().for_each(|s| widen(s.point, s.normal));
                     }
                 }
-                Load::Force { point, force } => {
-                    let force: Point<2> =
-                        [0, 1].map(|k| force[k].at(*point, scene.model.last_time()));
+                Place::Point(point) => {
+                    let force = load.at(point, [0.0; 2], scene.model.last_time());
                     if let Some(along) = unit(force) {
-                        widen(*point, along.map(|c| -c));
+                        widen(point, along.map(|c| -c));
                     }
                 }
             }

@@ -1,7 +1,7 @@
 //! Symbols of supports and loads, drawn along the sides of bodies.
 
 use crate::geometry::{Field, Point, bounding_box, distance, dot, norm, unit};
-use crate::model::{Load, Place, Support};
+use crate::model::{Amount, Load, Place, Support};
 use crate::output::scene::{Mark, Scene, Strand, polyline};
 use crate::output::svg::{LOAD, Pixel, SUPPORT, Svg, Type, segments, text_width};
 use crate::output::text::{Labels, number, quantity};
@@ -244,20 +244,21 @@ pub fn draw_load(
 ) {
     let time = scene.model.last_time();
     let mesh = &scene.model.bodies[body].mesh;
-    match load {
-        Load::Traction { side, traction } => {
-            let at = |s: &Mark| [0, 1].map(|i| traction[i].at(s.point, time));
-            draw_fence(svg, scene, view, body, side, &at, labels);
+    let value = |point, normal| load.at(point, normal, time);
+    match load.place() {
+        Place::Side(side) => {
+            let traction = |s: &Mark| value(s.point, s.normal);
+            let unit = match load.amount() {
+                Amount::PerArea => &labels.stress,
+                Amount::Whole => &labels.force,
+            };
+            draw_fence(svg, scene, view, body, &side, &traction, unit);
         }
-        Load::Pressure { side, pressure } => {
-            let at = |s: &Mark| s.normal.map(|n| -n * pressure.at(s.point, time));
-            draw_fence(svg, scene, view, body, side, &at, labels);
-        }
-        Load::Force { point, force } => {
-            let Some(&node) = nearest(mesh.points(), *point) else {
+        Place::Point(point) => {
+            let Some(&node) = nearest(mesh.points(), point) else {
                 return;
             };
-            let force: Point<2> = [0, 1].map(|i| force[i].at(node, time));
+            let force = value(node, [0.0; 2]);
             let (tip, Some(direction)) = (view.pixel(node), unit(force)) else {
                 return;
             };
@@ -288,7 +289,7 @@ fn draw_fence(
     body: usize,
     side: &str,
     traction: &dyn Fn(&Mark) -> Point<2>,
-    labels: &Labels,
+    units: &str,
 ) {
     let points = scene.model.bodies[body].mesh.points();
     let held = scene.model.bodies[body]
@@ -318,9 +319,9 @@ fn draw_fence(
         return;
     }
     let text = if high - low <= 1e-9 * high {
-        quantity(high, &labels.stress)
+        quantity(high, units)
     } else {
-        format!("{} … {}", number(low), quantity(high, &labels.stress))
+        format!("{} … {}", number(low), quantity(high, units))
     };
     for (strand, marks, values) in &fences {
         if hidden(scene, view, strand, points, 40.0) {
