@@ -122,8 +122,8 @@ fn side_ref(node: &Node, bodies: &[Body<2>]) -> Result<SideRef, Fault> {
 fn obstacle(node: &Node) -> Result<Obstacle<2>, Fault> {
     let table = node.table(keys::OBSTACLE)?;
     table.refuse_later(&["sphere", "cylinder"])?;
-    let shapes = ["plane", "circle", "gap"];
-    let given: Vec<&Entry> = shapes.iter().filter_map(|key| table.entry(key)).collect();
+    let shapes = keys::SURFACE.iter().copied().chain(["gap"]);
+    let given: Vec<&Entry> = shapes.clone().filter_map(|key| table.entry(key)).collect();
     let [entry] = given[..] else {
         return Err(Fault::new(table.span, "an obstacle has exactly one shape")
             .label("not exactly one")
@@ -138,8 +138,8 @@ fn obstacle(node: &Node) -> Result<Obstacle<2>, Fault> {
     };
     let motion = match (table.get("displacement"), table.get("force")) {
         (None, None) => Motion::Prescribed(zero()),
-        (Some(displacement), None) => Motion::Prescribed(displacement.fields()?),
-        (None, Some(force)) => Motion::Loaded(force.fields()?),
+        (Some(displacement), None) => Motion::Prescribed(displacement.courses()?),
+        (None, Some(force)) => Motion::Loaded(force.courses()?),
         (Some(_), Some(force)) => {
             let message = "an obstacle is moved by a displacement or loaded by a force";
             return Err(Fault::new(&force.span, message)

@@ -4,7 +4,7 @@
 //! which keys they know; any other key is an error that names the nearest known one.
 
 use crate::case::error::Fault;
-use crate::case::expression;
+use crate::case::expression::{self, ExpressionError};
 use crate::geometry::{Field, Point};
 use std::ops::Range;
 use toml::de::{DeTable, DeValue};
@@ -177,12 +177,19 @@ impl Node {
 
     /// A number, or a string with an expression in x, y, z and t.
     pub fn field(&self) -> Result<Field, Fault> {
+        self.expression(expression::parse)
+    }
+
+    fn expression(
+        &self,
+        parse: fn(&str) -> Result<Field, ExpressionError>,
+    ) -> Result<Field, Fault> {
         let Value::Text(text) = &self.value else {
             return Ok(Field::constant(
                 self.number_or("a number or an expression string")?,
             ));
         };
-        let field = expression::parse(text).map_err(|e| {
+        let field = parse(text).map_err(|e| {
             let place = self.part(e.offset..e.offset + 1);
             Fault::new(&place, format!("expression \"{text}\": {e}"))
                 .label("here")
@@ -227,10 +234,22 @@ impl Node {
 
     /// D numbers or expressions.
     pub fn fields<const D: usize>(&self) -> Result<[Field; D], Fault> {
+        self.expressions(expression::parse)
+    }
+
+    /// D numbers or expressions in t alone: of what is the same everywhere.
+    pub fn courses<const D: usize>(&self) -> Result<[Field; D], Fault> {
+        self.expressions(expression::parse_course)
+    }
+
+    fn expressions<const D: usize>(
+        &self,
+        parse: fn(&str) -> Result<Field, ExpressionError>,
+    ) -> Result<[Field; D], Fault> {
         let nodes = self.exactly::<D>("numbers or expressions")?;
         let mut fields = zero();
         for (f, node) in fields.iter_mut().zip(nodes) {
-            *f = node.field()?;
+            *f = node.expression(parse)?;
         }
         Ok(fields)
     }

@@ -40,6 +40,16 @@ pub struct ExpressionError {
 ///
 /// Errors: unknown names (with the nearest known one), missing operands or parentheses, wrong number of arguments.
 pub fn parse(text: &str) -> Result<Field, ExpressionError> {
+    parse_in(text, &VARIABLES)
+}
+
+/// As [`parse`], of t alone: the course of what is the same everywhere.
+pub(crate) fn parse_course(text: &str) -> Result<Field, ExpressionError> {
+    parse_in(text, &["t"])
+}
+
+/// The field that `text` describes, of these variables.
+fn parse_in(text: &str, variables: &[&str]) -> Result<Field, ExpressionError> {
     if text.len() > LONGEST {
         return Err(ExpressionError {
             message: format!("the expression is longer than {LONGEST} characters"),
@@ -48,6 +58,7 @@ pub fn parse(text: &str) -> Result<Field, ExpressionError> {
     }
     let mut parser = Parser {
         text,
+        variables,
         position: 0,
         depth: 0,
         last: Seen::Nothing,
@@ -149,6 +160,7 @@ enum Seen {
 
 struct Parser<'t> {
     text: &'t str,
+    variables: &'t [&'t str],
     position: usize,
     depth: usize,
     last: Seen,
@@ -299,6 +311,12 @@ impl Parser<'_> {
         let name = &rest[..length];
         self.position += length;
         if let Some(index) = VARIABLES.iter().position(|v| *v == name) {
+            if !self.variables.contains(&name) {
+                let message = format!(
+                    "`{name}` has no meaning here: this is the same everywhere, it may change with t"
+                );
+                return Err(self.error_at(start, message));
+            }
             return Ok(Tree::Variable(index));
         }
         if name == "pi" {
