@@ -398,6 +398,10 @@ fn load(node: &Node, body: &str, mesh: &Mesh<2>) -> Result<Load<2>, Fault> {
             side: side(table.require("side", "a load")?, body, mesh)?,
             pressure: table.require("pressure", "a load")?.field()?,
         }),
+        ["force", "side"] => Ok(Load::Resultant {
+            side: side(table.require("side", "a load")?, body, mesh)?,
+            force: table.require("force", "a load")?.courses()?,
+        }),
         ["force", "point"] => Ok(Load::Force {
             point: table.require("point", "a load")?.point()?,
             force: table.require("force", "a load")?.fields()?,
@@ -408,9 +412,9 @@ fn load(node: &Node, body: &str, mesh: &Mesh<2>) -> Result<Load<2>, Fault> {
                 _ => listed(table.present()),
             };
             let message = format!("a load of body `{body}` with the keys {keys}");
-            Err(Fault::new(table.span, message)
-                .label("not a load")
-                .help("a load is `side` with `traction`, or `side` with `pressure`, or `point` with `force`"))
+            Err(Fault::new(table.span, message).label("not a load").help(
+                "a load is `side` with `traction`, `pressure` or `force`, or `point` with `force`",
+            ))
         }
     }
 }

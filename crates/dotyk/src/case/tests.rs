@@ -169,7 +169,7 @@ fn supports_and_loads_have_all_their_forms() {
     let model = model_with(
         "fix      = [{ side = \"bottom\", x = 0.0, y = 0.0 }]",
         "fix = [{ side = \"bottom\", normal = \"0.1*t\" }, { point = [0, 0], x = 0 }]\n\
-         load = [{ side = \"top\", pressure = 3 }, { point = [1, 1], force = [0, \"-x\"] }]\n\
+         load = [{ side = \"top\", pressure = 3 }, { point = [1, 1], force = [0, \"-x\"] }, { side = \"top\", force = [0, \"-t\"] }]\n\
          body_force = [0, -9.81]",
     );
     let body = &model.bodies[0];
@@ -182,6 +182,9 @@ fn supports_and_loads_have_all_their_forms() {
         matches!(&body.loads[0], Load::Pressure { pressure, .. } if pressure.as_constant() == Some(3.0))
     );
     assert!(matches!(&body.loads[1], Load::Force { point, .. } if *point == [1.0, 1.0]));
+    assert!(
+        matches!(&body.loads[2], Load::Resultant { side, force } if side == "top" && force[1].at([0.0; 2], 3.0) == -3.0)
+    );
     assert_eq!(body.body_force[1].as_constant(), Some(-9.81));
 }
 
@@ -466,6 +469,22 @@ fn expressions_are_underlined_at_the_wrong_word() {
         "g",
         &["\"geometric\", \"closed\""],
     );
+}
+
+#[test]
+fn what_is_the_same_everywhere_depends_on_time_alone() {
+    let same = ["`x` has no meaning here"];
+    assert_mistake(
+        "traction = [0.0, \"-1e6 * (1 + 0.1*x)\"]",
+        "force = [0.0, \"-x\"]",
+        "x",
+        &same,
+    );
+    let pair = "mortar    = \"block.top\"\ngap       = \"geometric\"";
+    for motion in ["force", "displacement"] {
+        let obstacle = format!("obstacle = {{ gap = 0.0, {motion} = [\"x\", 0] }}");
+        assert_mistake(pair, &obstacle, "x", &same);
+    }
 }
 
 #[test]

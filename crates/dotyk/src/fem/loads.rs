@@ -6,7 +6,7 @@ use crate::fem::nouns::{Analysis, Body, Place};
 use crate::fem::quadrature::{self, QuadraturePoint};
 use crate::fem::supports::{describe, finite, nearest_node, side_facets};
 use crate::geometry::{Field, Point, add_scaled, norm};
-use crate::mesh::MAX_FACET_NODES;
+use crate::mesh::{Facet, MAX_FACET_NODES};
 
 /// An external load on the undeformed body.
 #[derive(Debug, Clone)]
@@ -24,6 +24,14 @@ pub enum Load<const D: usize> {
         side: String,
         /// Force per area.
         pressure: Field,
+    },
+    /// Resultant on a side, in global axes, spread evenly: its force per area is the same everywhere. With axial symmetry
+    /// it is that of the full turn.
+    Resultant {
+        /// Side of the body.
+        side: String,
+        /// Components, functions of time alone.
+        force: [Field; D],
     },
     /// Force at the node nearest to a point.
     Force {
@@ -47,7 +55,9 @@ impl<const D: usize> Load<D> {
     /// Where it acts.
     pub fn place(&self) -> Place<D> {
         match self {
-            Self::Traction { side, .. } | Self::Pressure { side, .. } => Place::Side(side.clone()),
+            Self::Traction { side, .. }
+            | Self::Pressure { side, .. }
+            | Self::Resultant { side, .. } => Place::Side(side.clone()),
             Self::Force { point, .. } => Place::Point(*point),
         }
     }
@@ -56,7 +66,7 @@ impl<const D: usize> Load<D> {
     pub fn amount(&self) -> Amount {
         match self {
             Self::Traction { .. } | Self::Pressure { .. } => Amount::PerArea,
-            Self::Force { .. } => Amount::Whole,
+            Self::Resultant { .. } | Self::Force { .. } => Amount::Whole,
         }
     }
 
@@ -66,6 +76,7 @@ impl<const D: usize> Load<D> {
             Self::Traction {
                 traction: values, ..
             }
+            | Self::Resultant { force: values, .. }
             | Self::Force { force: values, .. } => {
                 std::array::from_fn(|i| values[i].at(point, time))
             }
@@ -78,7 +89,7 @@ impl<const D: usize> Load<D> {
         match self {
             Self::Traction { traction, .. } => ("traction", traction),
             Self::Pressure { pressure, .. } => ("pressure", std::slice::from_ref(pressure)),
-            Self::Force { force, .. } => ("force", force),
+            Self::Resultant { force, .. } | Self::Force { force, .. } => ("force", force),
         }
     }
 
@@ -175,25 +186,62 @@ fn add_load<const D: usize>(
             return Ok(size);
         }
     };
-    for &facet in side_facets(mesh, &side)? {
-        let kind = mesh.facet_kind(facet);
-        let mut shape = [0.0; MAX_FACET_NODES];
-        for QuadraturePoint { xi, weight } in quadrature::rule(kind, LOAD_DEGREE) {
-            kind.shape(&xi, &mut shape);
-            let point = mesh.facet_point(facet, &xi);
-            let normal = mesh.outward_normal(facet, &xi);
-            let area = norm(normal);
-            let t = load.finite_at(point, normal.map(|n| n / area), time)?;
-            let w = weight * area * measure(analysis, body.thickness, point);
-            size.add(t.map(|c| w * c));
-            for (node, n) in mesh.facet_nodes(facet).zip(shape) {
-                for i in 0..D {
-                    forces[D * node as usize + i] += w * n * t[i];
-                }
+    let places = || side_points(body, &side, analysis);
+    let share = match load.amount() {
+        Amount::PerArea => 1.0,
+        Amount::Whole => 1.0 / places()?.map(|place| place.area).sum::<f64>(),
+    };
+    for place in places()? {
+        let force = load.finite_at(place.point, place.normal, time)?;
+        let force = force.map(|c| share * place.area * c);
+        size.add(force);
+        for (node, n) in mesh.facet_nodes(place.facet).zip(place.shape) {
+            for i in 0..D {
+                forces[D * node as usize + i] += n * force[i];
             }
         }
     }
     Ok(size)
+}
+
+/// A point of integration of a side.
+struct SidePoint<const D: usize> {
+    facet: Facet,
+    /// Of the nodes of the facet.
+    shape: [f64; MAX_FACET_NODES],
+    point: Point<D>,
+    /// Outward unit normal.
+    normal: Point<D>,
+    /// Its part of the area, thickness or the full turn included.
+    area: f64,
+}
+
+/// The points of integration of a side.
+fn side_points<'a, const D: usize>(
+    body: &'a Body<D>,
+    side: &str,
+    analysis: Analysis,
+) -> Result<impl Iterator<Item = SidePoint<D>> + 'a, FemError> {
+    let mesh = &body.mesh;
+    let facets = side_facets(mesh, side)?.iter().copied();
+    Ok(facets.flat_map(move |facet| {
+        let kind = mesh.facet_kind(facet);
+        let points = quadrature::rule(kind, LOAD_DEGREE).into_iter();
+        points.map(move |QuadraturePoint { xi, weight }| {
+            let mut shape = [0.0; MAX_FACET_NODES];
+            kind.shape(&xi, &mut shape);
+            let point = mesh.facet_point(facet, &xi);
+            let normal = mesh.outward_normal(facet, &xi);
+            let area = norm(normal);
+            SidePoint {
+                facet,
+                shape,
+                point,
+                normal: normal.map(|n| n / area),
+                area: weight * area * measure(analysis, body.thickness, point),
+            }
+        })
+    }))
 }
 
 /// Loads may be any expression: integrate them to well above the order of the cells.

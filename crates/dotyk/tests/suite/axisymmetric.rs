@@ -176,6 +176,50 @@ fn every_load_counts_for_the_full_turn() {
     assert!((reaction + load).abs() < 1e-11 * load.abs(), "{reaction}");
 }
 
+#[test]
+fn a_resultant_on_a_side_is_the_traction_that_is_spread_evenly_over_it() {
+    let mesh = || rectangle([1.0, 0.0], [2.0, 3.0], [4, 6], CellKind::Quad9);
+    let side = "top".to_string();
+    // area of the top: of the full turn, or the width times the thickness
+    for (analysis, area) in [
+        (Analysis::Axisymmetric, 3.0 * PI),
+        (Analysis::PlaneStress, 0.4),
+    ] {
+        let solve = |load: Load<2>| {
+            let mut model = Model::<2>::new();
+            model.analysis = analysis;
+            let body = model.body("body", mesh(), STEEL);
+            if analysis == Analysis::PlaneStress {
+                model.bodies[0].thickness = 0.4;
+            }
+            model.fix(body, "bottom", [None, Some(0.0)]);
+            model.fix(body, "left", [Some(0.0), None]);
+            model.load(body, load);
+            model.times = vec![7.0];
+            model.solve().unwrap()
+        };
+        let field = |value: f64| Field::function("t", move |_, t| value * t);
+        let spread = solve(Load::Resultant {
+            side: side.clone(),
+            force: [field(0.0), field(2.0)],
+        });
+        let traction = solve(Load::Traction {
+            side: side.clone(),
+            traction: [field(0.0), field(2.0 / area)],
+        });
+        let reaction = spread.bodies[0].reaction[1];
+        assert!((reaction + 14.0).abs() < 1e-10, "{reaction}");
+        let pairs = spread.bodies[0]
+            .displacement
+            .iter()
+            .zip(&traction.bodies[0].displacement);
+        let scale = pairs.clone().fold(0.0f64, |m, (_, u)| m.max(u[1].abs()));
+        for (a, b) in pairs {
+            assert!((0..2).all(|i| (a[i] - b[i]).abs() < 1e-12 * scale));
+        }
+    }
+}
+
 /// Strain energy of a tube under internal pressure, without axial strain.
 fn energy(cells: usize, cell: CellKind) -> f64 {
     let mut model = model();
