@@ -1,8 +1,8 @@
-//! Analytic surfaces: planes, and circles or spheres, with their closest points and intersections with lines.
+//! Analytic surfaces: planes, circles or spheres, and cylinders, with their closest points and intersections with lines.
 //!
 //! A surface knows no inside: whoever uses it knows on which side of it the material lies.
 
-use crate::geometry::{Point, add_scaled, distance, dot, sub, unit};
+use crate::geometry::{Point, add_scaled, distance, dot, norm, sub, unit};
 
 /// A surface given by its equation.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -21,15 +21,25 @@ pub enum Surface<const D: usize> {
         /// Its radius, > 0.
         radius: f64,
     },
+    /// A cylinder of space without end.
+    Cylinder {
+        /// A point of its axis.
+        point: Point<D>,
+        /// Unit vector along the axis.
+        axis: Point<D>,
+        /// Its radius, > 0.
+        radius: f64,
+    },
 }
 
 impl<const D: usize> Surface<D> {
-    /// Unit normal at the point of the surface that is nearest to a point: the given one of a plane, outward on a sphere.
-    /// `None` at the centre of a sphere.
+    /// Unit normal at the point of the surface that is nearest to a point: the given one of a plane, outward on a sphere
+    /// or cylinder. `None` at the centre of a sphere and on the axis of a cylinder.
     pub fn normal(&self, near: Point<D>) -> Option<Point<D>> {
         match *self {
             Self::Plane { normal, .. } => Some(normal),
             Self::Sphere { center, .. } => unit(sub(near, center)),
+            Self::Cylinder { point, axis, .. } => unit(across(sub(near, point), axis)),
         }
     }
 
@@ -38,10 +48,15 @@ impl<const D: usize> Surface<D> {
         match *self {
             Self::Plane { point: on, normal } => dot(sub(point, on), normal),
             Self::Sphere { center, radius } => distance(point, center) - radius,
+            Self::Cylinder {
+                point: on,
+                axis,
+                radius,
+            } => norm(across(sub(point, on), axis)) - radius,
         }
     }
 
-    /// The point of the surface nearest to a point; the point itself at the centre of a sphere.
+    /// The point of the surface nearest to a point; the point itself where there is no normal.
     pub fn closest(&self, point: Point<D>) -> Point<D> {
         match self.normal(point) {
             Some(normal) => add_scaled(point, -self.distance(point), normal),
@@ -57,31 +72,50 @@ impl<const D: usize> Surface<D> {
                 let s = -self.distance(x) / slope;
                 if s.is_finite() { vec![s] } else { Vec::new() }
             }
-            Self::Sphere { center, radius } => {
-                let from = sub(x, center);
-                let half = -dot(from, direction);
-                let foot = add_scaled(from, half, direction);
-                // (r − |foot|)(r + |foot|): the difference of squares would drown a shallow sagitta
-                let rest = dot(foot, foot).sqrt();
-                let square = (radius - rest) * (radius + rest);
-                if square < 0.0 {
+            Self::Sphere { center, radius } => round(sub(x, center), direction, radius),
+            Self::Cylinder {
+                point,
+                axis,
+                radius,
+            } => {
+                // in the plane across the axis it is a circle, and a step along the line is shorter
+                let step = across(direction, axis);
+                let Some(along) = unit(step) else {
                     return Vec::new();
-                }
-                let root = square.sqrt();
-                let far = half + root.copysign(half);
-                // the product of both roots is the power of the point: the near one without cancellation
-                let power = self.distance(x) * (distance(x, center) + radius);
-                let near = if far == 0.0 { 0.0 } else { power / far };
-                vec![near.min(far), near.max(far)]
+                };
+                let hits = round(across(sub(x, point), axis), along, radius);
+                hits.into_iter().map(|s| s / norm(step)).collect()
             }
         }
     }
 }
 
+/// As [`Surface::intersections`] of a circle or sphere about the origin.
+fn round<const D: usize>(from: Point<D>, direction: Point<D>, radius: f64) -> Vec<f64> {
+    let half = -dot(from, direction);
+    let foot = add_scaled(from, half, direction);
+    // (r − |foot|)(r + |foot|): the difference of squares would drown a shallow sagitta
+    let rest = norm(foot);
+    let square = (radius - rest) * (radius + rest);
+    if square < 0.0 {
+        return Vec::new();
+    }
+    let root = square.sqrt();
+    let far = half + root.copysign(half);
+    // the product of both roots is the power of the point: the near one without cancellation
+    let power = (norm(from) - radius) * (norm(from) + radius);
+    let near = if far == 0.0 { 0.0 } else { power / far };
+    vec![near.min(far), near.max(far)]
+}
+
+/// What of a vector is perpendicular to a unit vector.
+fn across<const D: usize>(vector: Point<D>, axis: Point<D>) -> Point<D> {
+    add_scaled(vector, -dot(vector, axis), axis)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::geometry::norm;
 
     #[test]
     fn lines_meet_a_circle_where_its_equation_holds() {
@@ -130,5 +164,33 @@ mod tests {
         let closest = sphere.closest([0.0, 3.0, 4.0]);
         assert!((norm(closest) - 2.0).abs() < 1e-15);
         assert_eq!(sphere.normal([0.0; 3]), None);
+    }
+
+    #[test]
+    fn a_cylinder_is_met_at_its_radius_from_its_axis() {
+        let axis = unit([1.0, -2.0, 0.5]).unwrap();
+        let on = [0.3, 0.2, -0.7];
+        let cylinder = Surface::Cylinder {
+            point: on,
+            axis,
+            radius: 1.5,
+        };
+        for k in 0..20 {
+            let angle = f64::from(k);
+            let direction = unit([angle.cos(), angle.sin(), (2.0 * angle).sin()]).unwrap();
+            for x in [[0.5, 0.1, -0.5], [4.0, 2.0, 1.0], [-3.0, 0.0, 2.0]] {
+                let from_axis = |x: Point<3>| norm(crate::geometry::cross(sub(x, on), axis));
+                assert!((cylinder.distance(x) - from_axis(x) + 1.5).abs() < 1e-14);
+                assert!(cylinder.distance(cylinder.closest(x)).abs() < 1e-14);
+                for s in cylinder.intersections(x, direction) {
+                    assert!((from_axis(add_scaled(x, s, direction)) - 1.5).abs() < 1e-12);
+                }
+            }
+            // from inside a line leaves at both ends
+            let inside = cylinder.intersections([0.5, 0.1, -0.5], direction);
+            assert!(inside.len() == 2 && inside[0] < 0.0 && inside[1] > 0.0);
+        }
+        assert!(cylinder.intersections([0.0; 3], axis).is_empty());
+        assert_eq!(cylinder.normal(on), None);
     }
 }

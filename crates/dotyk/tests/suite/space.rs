@@ -10,8 +10,8 @@ use dotyk::fem::{Analysis, assemble, describe_motion};
 use dotyk::geometry::{Field, Point, Surface, add_scaled, cross, distance, dot, norm, sub};
 use dotyk::mesh::{CellKind, Cuboid, MAX_CELL_NODES, Mesh};
 use dotyk::model::{
-    BodyId, Elastic, Law, Load, Model, Motion, Obstacle, Pair, Pairing, Place, Rigid, SideRef,
-    Solution, Status, Support,
+    BodyId, ContactNode, Elastic, Law, Load, Model, Motion, Obstacle, Pair, Pairing, Place, Rigid,
+    SideRef, Solution, Status, Support,
 };
 use proptest::prelude::*;
 
@@ -733,9 +733,13 @@ fn forces_and_moments_of_a_contact_balance_the_load() {
     }
 }
 
-#[test]
-fn a_ball_pressed_on_a_box_is_met_at_its_pole() {
-    let rotation = rotation([0.2, 0.6, 1.0]);
+/// Nodes of a box pressed by a surface of radius 2 that touches the middle of its top with a force of 20; points are turned
+/// back. Nodes farther than 1.2 from the place of first touch are checked to be open.
+fn pressed_by(
+    surface: Surface<3>,
+    rotation: Rotation,
+    off: fn(f64, f64) -> f64,
+) -> Vec<(Point<3>, f64)> {
     let mut model = Model::new();
     let mesh = distorted(
         [-1.0, -1.0, -1.0],
@@ -747,10 +751,7 @@ fn a_ball_pressed_on_a_box_is_met_at_its_pole() {
     model.fix(body, "bottom", [Some(0.0); 3]);
     model.contact((body, "top"), (body, "top"));
     let shape = Rigid::Surface {
-        surface: Surface::Sphere {
-            center: turned(&rotation, [0.0, 0.0, 2.0]),
-            radius: 2.0,
-        },
+        surface,
         inside: false,
     };
     let force = turned(&rotation, [0.0, 0.0, -20.0]).map(Field::constant);
@@ -781,13 +782,42 @@ fn a_ball_pressed_on_a_box_is_met_at_its_pole() {
         let [x, y, _] = turned_back(&rotation, node.point);
         let gap = turned_back(&rotation, node.normal)[2];
         assert!((gap - 1.0).abs() < 1e-12);
-        if x.hypot(y) > 1.2 {
+        if off(x, y) > 1.2 {
             assert_eq!(node.status, Status::Open);
         }
     }
-    let peak = nodes
+    let place = |node: &ContactNode<3>| turned_back(&rotation, node.point);
+    nodes
         .iter()
-        .max_by(|a, b| a.pressure.total_cmp(&b.pressure))
-        .unwrap();
-    assert!(distance(turned_back(&rotation, peak.point), [0.0; 3]) < 1e-12);
+        .map(|node| (place(node), node.pressure))
+        .collect()
+}
+
+#[test]
+fn a_ball_pressed_on_a_box_is_met_at_its_pole() {
+    let rotation = rotation([0.2, 0.6, 1.0]);
+    let ball = Surface::Sphere {
+        center: turned(&rotation, [0.0, 0.0, 2.0]),
+        radius: 2.0,
+    };
+    let nodes = pressed_by(ball, rotation, f64::hypot);
+    let peak = nodes.iter().max_by(|a, b| a.1.total_cmp(&b.1)).unwrap();
+    assert!(distance(peak.0, [0.0; 3]) < 1e-12);
+}
+
+#[test]
+fn a_roller_pressed_on_a_box_is_met_along_its_line() {
+    let rotation = rotation([0.2, 0.6, 1.0]);
+    let roller = Surface::Cylinder {
+        point: turned(&rotation, [0.0, 5.0, 2.0]),
+        axis: turned(&rotation, [0.0, 1.0, 0.0]),
+        radius: 2.0,
+    };
+    let nodes = pressed_by(roller, rotation, |x, _| x.abs());
+    for (place, pressure) in &nodes {
+        let below = nodes.iter().filter(|(x, _)| x[0].abs() < 1e-12);
+        let mut below = below.filter(|(x, _)| (x[1] - place[1]).abs() < 1e-12);
+        let (_, most) = below.next().unwrap();
+        assert!(*most > 0.0 && pressure <= most, "{place:?}");
+    }
 }
