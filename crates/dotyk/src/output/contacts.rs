@@ -2,7 +2,7 @@
 
 use crate::geometry::{Point, add_scaled, dot, norm};
 use crate::model::{Analysis, Model, Solution};
-use crate::output::csv::tangent;
+use crate::output::chain::tangent;
 use crate::output::html::{column, escape, figure, left, marked, plain, table, text};
 use crate::output::interface::{interface_figure, largest_gap};
 use crate::output::json::{closed_and_open, in_contact, largest, max_penetration};

@@ -3,8 +3,9 @@
 //! Signs: gap ≥ 0 open, pressure ≥ 0 compression. Vectors along the interface are given in 2D as one number along the
 //! tangent, which is the normal rotated by +90°. Numbers are the shortest that read back to the same bits.
 
-use crate::geometry::{Point, dot};
+use crate::geometry::dot;
 use crate::model::{ContactNode, Law, Model, Solution};
+use crate::output::chain::tangent;
 use std::fmt::Write;
 
 /// Content of `contact.csv` for the steps of one run (numbered from 1).
@@ -52,11 +53,6 @@ fn row(out: &mut String, node: &ContactNode<2>, shear: bool) {
         let _ = write!(out, ",{:?}", value + 0.0);
     }
     let _ = writeln!(out, ",{}", node.status.name());
-}
-
-/// The contact tangent in 2D: the normal rotated by +90°.
-pub fn tangent(normal: Point<2>) -> Point<2> {
-    [-normal[1], normal[0]]
 }
 
 #[cfg(test)]

@@ -5,10 +5,10 @@
 
 use crate::geometry::{Point, add_scaled, bounding_box, distance, dot, sub};
 use crate::model::{ContactNode, ContactSolution, Law, Status};
-use crate::output::csv::tangent;
+use crate::output::chain::{angles, arc_lengths, tangent};
 use crate::output::json::{in_contact, largest};
 use crate::output::plot::{Axis, Frame};
-use crate::output::scene::{Scene, WIDTH, circle_through, outline_path, polyline};
+use crate::output::scene::{Scene, WIDTH, outline_path, polyline};
 use crate::output::svg::{
     Anchor, CLOSED, INK, MUTED, OPEN, Pixel, SERIES, SLIP, STICK, Svg, TINTS, Type, segments,
     text_width,
@@ -33,15 +33,15 @@ pub fn interface_figure(
     if contact.cyclic {
         chain.push(&contact.nodes[0]);
     }
-    let arcs = arc_lengths(&chain);
     let points: Vec<Point<2>> = chain.iter().map(|n| n.point).collect();
+    let arcs = arc_lengths(&points);
     let (low, high) = bounding_box(&points);
     let extent = sub(high, low);
     let beside = extent[1] > 0.4 * extent[0];
     let panels = panels(&chain, law, scene.model.last_time(), &labels);
     let picture_width = if beside { 236.0 } else { WIDTH };
     let heights: f64 = panels.iter().map(|p| p.height + 12.0).sum();
-    let angles = circle_through(&points).map(|(center, _)| angles(&points, center));
+    let angles = angles(&points);
     let head = if angles.is_some() { 46.0 } else { 26.0 };
 
     let description = format!("Contact pressure and gap along {}", contact.name);
@@ -426,50 +426,10 @@ pub fn largest_gap(nodes: &[ContactNode<2>]) -> f64 {
     without_noise(gap, length_scale(nodes.iter()))
 }
 
-/// Distance along the chain.
-pub fn arc_lengths(chain: &[&ContactNode<2>]) -> Vec<f64> {
-    let mut arc = 0.0;
-    (0..chain.len())
-        .map(|i| {
-            if i > 0 {
-                arc += distance(chain[i - 1].point, chain[i].point);
-            }
-            arc
-        })
-        .collect()
-}
-
-/// Angles of points on a circle in degrees from +x, without jumps.
-fn angles(points: &[Point<2>], center: Point<2>) -> Vec<f64> {
-    let mut before = f64::NAN;
-    points
-        .iter()
-        .map(|&p| {
-            let [x, y] = sub(p, center);
-            let mut angle = y.atan2(x).to_degrees();
-            if before.is_finite() {
-                angle += 360.0 * ((before - angle) / 360.0).round();
-            }
-            before = angle;
-            angle
-        })
-        .collect()
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::output::tunnel;
-
-    #[test]
-    fn angles_run_on_past_half_a_turn() {
-        let points: Vec<Point<2>> = (0..=8)
-            .map(|i| f64::from(i) * 45f64.to_radians())
-            .map(|t: f64| [t.cos(), t.sin()])
-            .collect();
-        let list = angles(&points, [0.0, 0.0]);
-        assert!((list[8] - 360.0).abs() < 1e-9 && (list[5] - 225.0).abs() < 1e-9);
-    }
 
     #[test]
     fn friction_adds_shear_and_slip() {

@@ -3,6 +3,7 @@
 //! Result files appear whole or not at all: see [`write()`]. Numbers and signs are those of the solution; only the report
 //! rounds. The same solution gives the same bytes, but for the timings.
 
+mod chain;
 mod colour;
 mod compare;
 mod contacts;

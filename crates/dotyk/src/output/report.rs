@@ -6,10 +6,11 @@
 use crate::geometry::Point;
 use crate::model::{Analysis, BodySolution, ContactSolution, Model, Solution};
 use crate::output::Run;
+use crate::output::chain::arc_lengths;
 use crate::output::contacts;
 use crate::output::deformed::deformed_figure;
 use crate::output::html::{self, Head, column, escape, left, plain, table, text};
-use crate::output::interface::{arc_lengths, largest_gap};
+use crate::output::interface::largest_gap;
 use crate::output::json::{VERSION, largest, max_displacement};
 use crate::output::scene::Scene;
 use crate::output::setup::setup_figure;
@@ -197,9 +198,9 @@ fn key_figures(solution: &Solution<2>, labels: &Labels) -> String {
 
 /// Length of the whole nonmortar side, undeformed.
 fn side_length(contact: &ContactSolution<2>) -> f64 {
-    let mut chain: Vec<_> = contact.nodes.iter().collect();
+    let mut chain: Vec<_> = contact.nodes.iter().map(|n| n.point).collect();
     if contact.cyclic {
-        chain.extend(contact.nodes.first());
+        chain.extend(chain.first().copied());
     }
     arc_lengths(&chain).last().copied().unwrap_or(0.0)
 }

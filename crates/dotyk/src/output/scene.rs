@@ -406,41 +406,6 @@ pub fn outline_path(outline: &[Strand], place: &dyn Fn(usize) -> Pixel) -> Strin
     outline.iter().map(|strand| strand.path(place)).collect()
 }
 
-/// A circle through points (centre, radius), where they lie on one within half a per cent.
-///
-/// Source: algebraic least-squares fit, I. Kåsa, IEEE Trans. Instrum. Meas. 25 (1976), as described in textbooks.
-pub fn circle_through(points: &[Point<2>]) -> Option<(Point<2>, f64)> {
-    let count = points.len() as f64;
-    if points.len() < 4 {
-        return None;
-    }
-    let mean = [0, 1].map(|i| points.iter().map(|p| p[i]).sum::<f64>() / count);
-    let (mut xx, mut xy, mut yy, mut xr, mut yr) = (0.0, 0.0, 0.0, 0.0, 0.0);
-    let mut spread = 0.0;
-    for p in points {
-        let [x, y] = sub(*p, mean);
-        let r = x * x + y * y;
-        xx += x * x;
-        xy += x * y;
-        yy += y * y;
-        xr += x * r;
-        yr += y * r;
-        spread += r;
-    }
-    let det = xx * yy - xy * xy;
-    if det <= 1e-6 * spread * spread {
-        return None;
-    }
-    let center = [
-        0.5 * (xr * yy - yr * xy) / det,
-        0.5 * (yr * xx - xr * xy) / det,
-    ];
-    let radius = (spread / count + center[0] * center[0] + center[1] * center[1]).sqrt();
-    let center = [center[0] + mean[0], center[1] + mean[1]];
-    let off = points.iter().map(|&p| (distance(p, center) - radius).abs());
-    (off.fold(0.0, f64::max) < 0.005 * radius).then_some((center, radius))
-}
-
 /// Straight segments of a polygon in pixels.
 pub fn polyline(points: &[Pixel]) -> String {
     segments(points, false)
@@ -492,18 +457,6 @@ mod tests {
                 assert!(view.sees(view.pixel(corner)));
             }
         }
-    }
-
-    #[test]
-    fn circles_are_recognised_and_lines_are_not() {
-        let arc: Vec<Point<2>> = (0..9)
-            .map(|i| f64::from(i) * 0.2)
-            .map(|t: f64| [1.0 + 3.0 * t.cos(), 3.0 * t.sin()])
-            .collect();
-        let (center, radius) = circle_through(&arc).unwrap();
-        assert!(distance(center, [1.0, 0.0]) < 1e-12 && (radius - 3.0).abs() < 1e-12);
-        let line: Vec<Point<2>> = (0..9).map(|i| [f64::from(i), 2.0]).collect();
-        assert_eq!(circle_through(&line), None);
     }
 
     #[test]
