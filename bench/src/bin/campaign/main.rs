@@ -2,7 +2,8 @@
 //!
 //! ```text
 //! cargo run --release -p dotyk-bench --bin campaign -- [--seeds 0..1000] [--threads N] [--family NAME] [--keep DIR]
-//!                                                      [--twins PART] [--limit SECONDS] [--margins] [--seed K --show]
+//!                                                      [--twins PART] [--method NAME] [--limit SECONDS] [--margins]
+//!                                                      [--seed K --show]
 //! ```
 //!
 //! A seed makes a problem ([`families`]), the problem makes a case file, the program answers, and [`check`] judges the
@@ -63,6 +64,7 @@ fn options(mut words: impl Iterator<Item = String>) -> Result<Options, String> {
         family: None,
         keep: None,
         twins: 0.25,
+        method: "accelerated".to_string(),
         margins: false,
         show: false,
         limit: 10.0,
@@ -98,6 +100,7 @@ fn options(mut words: impl Iterator<Item = String>) -> Result<Options, String> {
                 let text = value()?;
                 options.twins = text.parse().map_err(|_| format!("{text} is no number"))?;
             }
+            "--method" => options.method = value()?,
             "--limit" => {
                 let text = value()?;
                 options.limit = text.parse().map_err(|_| format!("{text} is no number"))?;

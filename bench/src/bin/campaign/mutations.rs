@@ -59,7 +59,7 @@ fn problem(bodies: Vec<Body>, contacts: Vec<Contact>, count: usize) -> Problem {
         reason: String::new(),
         uniform: None,
         spins: false,
-        method: "auto",
+        method: "auto".to_string(),
     }
 }
 

@@ -261,7 +261,7 @@ pub struct Problem {
     pub uniform: Option<Amount>,
     /// Round bodies may spin: polygons let them spin by what rounding decides, until the next node touches.
     pub spins: bool,
-    pub method: &'static str,
+    pub method: String,
 }
 
 impl Problem {

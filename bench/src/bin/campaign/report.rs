@@ -8,6 +8,8 @@ use std::collections::BTreeMap;
 pub struct Report<'a> {
     results: &'a [Result],
     seconds: f64,
+    /// Name of the other method.
+    method: &'a str,
 }
 
 /// Counts of one family.
@@ -26,8 +28,12 @@ struct Count {
 
 impl<'a> Report<'a> {
     /// Of results in the order of their seeds.
-    pub fn new(results: &'a [Result], seconds: f64) -> Self {
-        Self { results, seconds }
+    pub fn new(results: &'a [Result], seconds: f64, method: &'a str) -> Self {
+        Self {
+            results,
+            seconds,
+            method,
+        }
     }
 
     /// Nothing certified is wrong, and nothing panics.
@@ -203,7 +209,7 @@ impl<'a> Report<'a> {
         let methods = self.results.iter();
         let methods: Vec<(f64, u64)> = methods.filter_map(|r| Some((r.method?, r.seed))).collect();
         if !methods.is_empty() {
-            println!("method `accelerated`: {}", apart(methods));
+            println!("method `{}`: {}", self.method, apart(methods));
         }
     }
 

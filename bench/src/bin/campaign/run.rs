@@ -26,6 +26,8 @@ pub struct Options {
     pub keep: Option<PathBuf>,
     /// Part of the seeds that is asked again in other words.
     pub twins: f64,
+    /// The other method, that a part of the frictionless seeds is asked with.
+    pub method: String,
     /// Tell how far everything is from its limit.
     pub margins: bool,
     /// Print case and findings.
@@ -103,7 +105,7 @@ pub fn run(options: &Options) -> std::result::Result<bool, String> {
     });
     let mut results = results.into_inner().map_err(|error| error.to_string())?;
     results.sort_by_key(|result: &Result| result.seed);
-    let report = Report::new(&results, clock.elapsed().as_secs_f64());
+    let report = Report::new(&results, clock.elapsed().as_secs_f64(), &options.method);
     report.print(options.margins);
     Ok(report.clean())
 }
@@ -239,7 +241,7 @@ fn judge(
         );
     }
     if !problem.rough() && result.dofs < 4000 && random.chance(2.0 * options.twins) {
-        other_method(problem, &answer, (folder, options.limit), result);
+        other_method(problem, &answer, (folder, options), result);
     }
 }
 
@@ -351,19 +353,19 @@ fn ask_twins(
 fn other_method(
     problem: &Problem,
     answer: &Answer,
-    (folder, limit): (&Folder, f64),
+    (folder, options): (&Folder, &Options),
     result: &mut Result,
 ) {
     let mut again = problem.clone();
-    again.method = "accelerated";
-    let Outcome::Certified(other) = solve(&again, folder, limit) else {
+    again.method.clone_from(&options.method);
+    let Outcome::Certified(other) = solve(&again, folder, options.limit) else {
         result.method = Some(f64::NAN);
         return;
     };
     if let Some(finding) = check(problem, &other).worst() {
         let text = format!(
-            "method `accelerated`: {} {:.1e} times its limit, step {}, {}",
-            finding.what, finding.times, finding.step, finding.place
+            "method `{}`: {} {:.1e} times its limit, step {}, {}",
+            options.method, finding.what, finding.times, finding.step, finding.place
         );
         wrong(result, finding.what, text);
         return;

@@ -119,7 +119,7 @@ impl Scene {
                 reason: String::new(),
                 uniform: None,
                 spins: false,
-                method: "auto",
+                method: "auto".to_string(),
             },
             random,
         }
