@@ -2,9 +2,9 @@
 
 use crate::Outcome;
 use crate::failure::Failure;
+use crate::given::Given;
 use crate::run::output_folder;
 use crate::text::{print, written};
-use dotyk::case::Case;
 use dotyk::output;
 use std::path::PathBuf;
 
@@ -13,6 +13,8 @@ use std::path::PathBuf;
 pub struct Arguments {
     /// Case file
     case: PathBuf,
+    #[command(flatten)]
+    given: Given,
     /// Write the page of meshes and supports into this folder
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
@@ -20,7 +22,7 @@ pub struct Arguments {
 
 /// Checks, writes the page, prints.
 pub fn check(arguments: &Arguments) -> Result<Outcome, Failure> {
-    let case = Case::read(&arguments.case)?;
+    let case = arguments.given.read(&arguments.case)?;
     let folder = match &arguments.out {
         Some(folder) => Some(output_folder(Some(folder), &case)?),
         None => None,

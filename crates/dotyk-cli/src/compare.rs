@@ -2,10 +2,10 @@
 
 use crate::Outcome;
 use crate::failure::{Failure, warn};
+use crate::given::Given;
 use crate::progress::Progress;
 use crate::run::{output_folder, positive};
 use crate::text::{columns, number, print, written};
-use dotyk::case::Case;
 use dotyk::model::{Comparison, ComparisonRow, Error};
 use dotyk::output;
 use std::path::PathBuf;
@@ -15,6 +15,8 @@ use std::path::PathBuf;
 pub struct Arguments {
     /// Case file
     case: PathBuf,
+    #[command(flatten)]
+    given: Given,
     /// Also gradient and uzawa with 25 steps between A and B, for forces, unscaled
     #[arg(long, value_name = "A..B", value_parser = range)]
     rho: Option<(f64, f64)>,
@@ -45,7 +47,7 @@ fn log_spaced((a, b): (f64, f64)) -> Vec<f64> {
 
 /// Compares, writes, prints.
 pub fn compare(arguments: &Arguments) -> Result<Outcome, Failure> {
-    let case = Case::read(&arguments.case)?;
+    let case = arguments.given.read(&arguments.case)?;
     let folder = output_folder(arguments.out.as_deref(), &case)?;
     warn(&case.warnings);
     let mut progress = Progress::new(false);

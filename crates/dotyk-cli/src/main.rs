@@ -6,6 +6,7 @@
 mod check;
 mod compare;
 mod failure;
+mod given;
 mod keys;
 mod progress;
 mod run;
@@ -30,7 +31,7 @@ struct Cli {
 
 #[derive(Subcommand)]
 enum Command {
-    /// Solve a case, write its results and the report
+    /// Solve cases, write their results and reports
     Run(run::Arguments),
     /// Look at meshes, supports, floating bodies and contacts without solving
     Check(check::Arguments),
@@ -43,11 +44,13 @@ enum Command {
     Reference,
 }
 
-/// How a command ended that was not refused.
-#[derive(Clone, Copy, PartialEq, Eq)]
+/// How a command ended, the better first.
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 enum Outcome {
     Done,
     Unsatisfied,
+    /// Some input was refused, and has been said to be.
+    Refused,
 }
 
 fn main() -> ExitCode {
@@ -64,6 +67,7 @@ fn main() -> ExitCode {
     match outcome {
         Ok(Outcome::Done) => ExitCode::SUCCESS,
         Ok(Outcome::Unsatisfied) => ExitCode::from(1),
+        Ok(Outcome::Refused) => ExitCode::from(2),
         Err(failure) => {
             failure.print();
             ExitCode::from(2)

@@ -1,28 +1,33 @@
-//! `dotyk run`: solve one case.
+//! `dotyk run`: solve cases.
 
 use crate::Outcome;
 use crate::failure::{Failure, warn};
+use crate::given::Given;
 use crate::progress::Progress;
 use crate::text::{columns, number, print, written};
 use dotyk::case::Case;
 use dotyk::geometry::norm;
 use dotyk::model::{Bolts, ContactSolution, Method, Model, Solution, SolverOptions, Status};
 use dotyk::output;
+use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 /// Arguments of `dotyk run`.
 #[derive(clap::Args)]
 pub struct Arguments {
-    /// Case file
-    case: PathBuf,
+    /// Case files
+    #[arg(required = true, value_name = "CASE")]
+    cases: Vec<PathBuf>,
+    #[command(flatten)]
+    given: Given,
     /// Solver instead of the case's own: auto, newton, mprgp, gradient, accelerated, secant, uzawa
     #[arg(long, value_name = "NAME", value_parser = method)]
     solver: Option<Method>,
     /// Step of gradient and uzawa, for forces, unscaled
     #[arg(long, value_name = "X", value_parser = positive, allow_negative_numbers = true)]
     rho: Option<f64>,
-    /// Output folder [default: CASE-out]
+    /// Output folder [default: CASE-out]; of several cases DIR/CASE
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
     /// Number of threads [default: all]
@@ -55,10 +60,52 @@ pub fn run(arguments: &Arguments) -> Result<Outcome, Failure> {
         let built = pool.build_global();
         built.map_err(|e| Failure::Message(format!("cannot start {threads} threads: {e}")))?;
     }
+    let folders = output_folders(arguments)?;
+    if let ([case], [folder]) = (&arguments.cases[..], &folders[..]) {
+        return run_case(arguments, case, folder);
+    }
+    let mut worst = Outcome::Done;
+    for (case, folder) in arguments.cases.iter().zip(&folders) {
+        let outcome = run_case(arguments, case, folder).unwrap_or_else(|failure| {
+            // the other cases have nothing to do with it
+            failure.print();
+            Outcome::Refused
+        });
+        worst = worst.max(outcome);
+    }
+    Ok(worst)
+}
+
+/// Where the results of each case go; refused before any work.
+fn output_folders(arguments: &Arguments) -> Result<Vec<PathBuf>, Failure> {
+    let stems: Vec<_> = arguments
+        .cases
+        .iter()
+        .map(|case| case.file_stem())
+        .collect();
+    let twice = (1..stems.len()).find(|&k| stems[..k].contains(&stems[k]));
+    if let Some(k) = twice {
+        let message = "another case has the same name, and their results the same folder; run them one by one";
+        return Err(Failure::of(&arguments.cases[k], message));
+    }
+    let several = stems.len() > 1;
+    let folder = |stem: Option<&OsStr>| {
+        let stem = stem.unwrap_or_default();
+        let folder = match &arguments.out {
+            Some(folder) if several => folder.join(stem),
+            Some(folder) => folder.clone(),
+            None => PathBuf::from(format!("{}-out", stem.to_string_lossy())),
+        };
+        free_folder(folder)
+    };
+    stems.into_iter().map(folder).collect()
+}
+
+/// Solves one case, writes its files into a folder, prints.
+fn run_case(arguments: &Arguments, file: &Path, folder: &Path) -> Result<Outcome, Failure> {
     let start = Instant::now();
-    let mut case = Case::read(&arguments.case)?;
+    let mut case = arguments.given.read(file)?;
     override_solver(&mut case.model.solver, arguments.solver, arguments.rho)?;
-    let folder = output_folder(arguments.out.as_deref(), &case)?;
 
     let mut progress = Progress::new(arguments.quiet);
     let run = case.run(&mut |event| progress.observe(event));
@@ -79,17 +126,21 @@ pub fn run(arguments: &Arguments) -> Result<Outcome, Failure> {
         since: start,
     };
     if steps.last().is_some_and(|last| last.converged) {
-        let files = output::write(&record, &folder).map_err(refused)?;
-        print(&(results(&case.model, steps) + &written(&files)));
+        let files = output::write(&record, folder).map_err(refused)?;
+        let heading = match arguments.cases.len() {
+            1 => String::new(),
+            _ => format!("{}\n", file.display()),
+        };
+        print(&(heading + &results(&case.model, steps) + &written(&files)));
     } else if !steps.is_empty() {
-        let file = output::write_summary(&record, &folder).map_err(refused)?;
+        let file = output::write_summary(&record, folder).map_err(refused)?;
         print(&(verdict(&case.model, steps) + &written(&[file])));
     }
     let ended = run.to_string();
     match run.failure.map(|failure| failure.refusal) {
         None => Ok(Outcome::Done),
         Some(None) => {
-            Failure::of(&arguments.case, ended).print();
+            Failure::of(file, ended).print();
             Ok(Outcome::Unsatisfied)
         }
         Some(Some(refusal)) => Err(refusal.into()),
@@ -122,12 +173,15 @@ fn override_solver(
     Ok(())
 }
 
-/// The folder for results; refused before any work when a file is in its way.
+/// The folder for results of a case; refused before any work when a file is in its way.
 pub fn output_folder(given: Option<&Path>, case: &Case) -> Result<PathBuf, Failure> {
-    let folder = match given {
+    free_folder(match given {
         Some(folder) => folder.to_path_buf(),
         None => PathBuf::from(format!("{}-out", case.stem)),
-    };
+    })
+}
+
+fn free_folder(folder: PathBuf) -> Result<PathBuf, Failure> {
     let existing = folder.ancestors().find(|path| path.exists());
     match existing {
         Some(path) if !path.is_dir() => {
@@ -252,29 +306,31 @@ fn bodies(solution: &Solution<2>) -> String {
     columns(&header, &rows, 1..5)
 }
 
-/// More steps than this are left to `summary.json`.
-const MOST_STEPS: usize = 6;
+/// Up to this many steps stand side by side.
+const MOST_BESIDE: usize = 6;
 
-/// The values of the probes: of every step while there are few, else of the last.
+/// Up to this many below each other; of more there are the first and the last ones.
+const MOST_BELOW: usize = 40;
+
+/// The values of the probes in every step: steps side by side while there are few, else below each other.
 fn probes(steps: &[Solution<2>]) -> String {
-    let shown = match steps.len() {
-        0..=MOST_STEPS => steps,
-        count => &steps[count - 1..],
-    };
-    let Some(last) = shown.last().filter(|last| !last.probes.is_empty()) else {
+    let Some(last) = steps.last().filter(|last| !last.probes.is_empty()) else {
         return String::new();
     };
+    if steps.len() > MOST_BESIDE {
+        return probes_below(steps, last);
+    }
     let rows: Vec<Vec<String>> = last
         .probes
         .iter()
         .enumerate()
         .map(|(i, probe)| {
-            let values = shown.iter().map(|step| number(step.probes[i].value));
+            let values = steps.iter().map(|step| number(step.probes[i].value));
             let names = [probe.name.clone(), probe.quantity.clone()];
             names.into_iter().chain(values).collect()
         })
         .collect();
-    let times: Vec<String> = match shown {
+    let times: Vec<String> = match steps {
         [_] => vec!["value".to_string()],
         several => {
             let times = several.iter().map(|s| format!("t = {}", number(s.time)));
@@ -283,7 +339,26 @@ fn probes(steps: &[Solution<2>]) -> String {
     };
     let mut header = vec!["probe", "quantity"];
     header.extend(times.iter().map(String::as_str));
-    columns(&header, &rows, 2..2 + shown.len())
+    columns(&header, &rows, 2..2 + steps.len())
+}
+
+/// A line for each step, a column for each probe.
+fn probes_below(steps: &[Solution<2>], last: &Solution<2>) -> String {
+    let half = MOST_BELOW / 2;
+    let left_out = |k: usize| steps.len() > MOST_BELOW && k >= half && k < steps.len() - half;
+    let mut rows = Vec::new();
+    for (k, step) in steps.iter().enumerate().filter(|(k, _)| !left_out(*k)) {
+        let values = step.probes.iter().map(|probe| number(probe.value));
+        let start = [(k + 1).to_string(), number(step.time)];
+        rows.push(start.into_iter().chain(values).collect());
+    }
+    let names = last.probes.iter().map(|probe| probe.name.as_str());
+    let header: Vec<&str> = ["step", "t"].into_iter().chain(names).collect();
+    let table = columns(&header, &rows, 0..header.len());
+    match steps.len() - rows.len() {
+        0 => table,
+        more => format!("{table}{more} steps between are left out: all are in summary.json\n"),
+    }
 }
 
 /// Two digits: the size of a violation matters, not its digits.

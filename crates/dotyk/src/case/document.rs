@@ -4,9 +4,11 @@
 //! which keys they know; any other key is an error that names the nearest known one.
 
 use crate::case::error::Fault;
-use crate::case::expression::{self, ExpressionError};
+use crate::case::expression::{self, Variables};
+use crate::case::parameters::{self, Parameters};
 use crate::geometry::{Field, Point};
 use std::ops::Range;
+use std::rc::Rc;
 use toml::de::{DeTable, DeValue};
 
 /// Bytes of the text.
@@ -17,6 +19,8 @@ pub(crate) type Span = Range<usize>;
 pub(crate) struct Node {
     pub value: Value,
     pub span: Span,
+    /// What its expressions may name.
+    parameters: Rc<Parameters>,
 }
 
 #[derive(Debug)]
@@ -30,6 +34,12 @@ pub(crate) enum Value {
     Table(Vec<Entry>),
 }
 
+/// An expression comes out whole when it is nearer to an integer than this part of it: rounding.
+const WHOLE: f64 = 1e-9;
+
+/// No count is this large.
+const MOST: f64 = 1e15;
+
 /// A key with its value.
 #[derive(Debug)]
 pub(crate) struct Entry {
@@ -40,22 +50,43 @@ pub(crate) struct Entry {
 
 /// The tree of a TOML text.
 pub(crate) fn parse(text: &str) -> Result<Node, Fault> {
+    Ok(parse_with(text, &[])?.0)
+}
+
+/// The tree of a case file, in which its `parameters` have these other values, and their values.
+pub(crate) fn parse_with(
+    text: &str,
+    given: &[(String, String)],
+) -> Result<(Node, Rc<Parameters>), Fault> {
     let document = DeTable::parse(text).map_err(|e| {
         let span = e.span().unwrap_or(0..0);
         Fault::new(&span, format!("not valid TOML: {}", e.message())).label("here")
     })?;
     let span = document.span();
-    let value = table(document.into_inner())?;
-    Ok(Node { value, span })
+    let (mut document, none) = (document.into_inner(), Rc::default());
+    let own = document.remove(parameters::KEY);
+    let own = own.map(|value| node(value, &none)).transpose()?;
+    let place = own.as_ref().map_or(0..0, |own| own.span.clone());
+    let parameters = own.map_or(Ok(Parameters::default()), |own| {
+        parameters::read(&own, given)
+    })?;
+    parameters::check_given(&parameters, given, &place)?;
+    let parameters = Rc::new(parameters);
+    let node = Node {
+        value: table(document, &parameters)?,
+        span,
+        parameters: parameters.clone(),
+    };
+    Ok((node, parameters))
 }
 
-fn table(table: DeTable<'_>) -> Result<Value, Fault> {
+fn table(table: DeTable<'_>, parameters: &Rc<Parameters>) -> Result<Value, Fault> {
     let mut entries = Vec::with_capacity(table.len());
     for (key, value) in table {
         entries.push(Entry {
             key_span: key.span(),
             key: key.into_inner().into_owned(),
-            node: node(value)?,
+            node: node(value, parameters)?,
         });
     }
     // The TOML reader sorts by name; messages and side patches follow the text.
@@ -63,7 +94,7 @@ fn table(table: DeTable<'_>) -> Result<Value, Fault> {
     Ok(Value::Table(entries))
 }
 
-fn node(spanned: toml::Spanned<DeValue<'_>>) -> Result<Node, Fault> {
+fn node(spanned: toml::Spanned<DeValue<'_>>, parameters: &Rc<Parameters>) -> Result<Node, Fault> {
     let span = spanned.span();
     let value = match spanned.into_inner() {
         DeValue::String(text) => Value::Text(text.into_owned()),
@@ -77,10 +108,17 @@ fn node(spanned: toml::Spanned<DeValue<'_>>) -> Result<Node, Fault> {
             .map_err(|_| Fault::new(&span, "this is not a number"))?,
         DeValue::Boolean(value) => Value::Boolean(value),
         DeValue::Datetime(_) => Value::Date,
-        DeValue::Array(list) => Value::List(list.into_iter().map(node).collect::<Result<_, _>>()?),
-        DeValue::Table(entries) => table(entries)?,
+        DeValue::Array(list) => {
+            let nodes = list.into_iter().map(|value| node(value, parameters));
+            Value::List(nodes.collect::<Result<_, _>>()?)
+        }
+        DeValue::Table(entries) => table(entries, parameters)?,
     };
-    Ok(Node { value, span })
+    Ok(Node {
+        value,
+        span,
+        parameters: parameters.clone(),
+    })
 }
 
 impl Node {
@@ -132,15 +170,20 @@ impl Node {
 
     /// A finite number.
     pub fn number(&self) -> Result<f64, Fault> {
-        self.number_or("a number")
+        self.number_among(&self.parameters.values)
     }
 
-    fn number_or(&self, what: &str) -> Result<f64, Fault> {
-        let value = match self.value {
+    /// A finite number, whose expression may name these parameters.
+    pub fn number_among(&self, parameters: &[(String, f64)]) -> Result<f64, Fault> {
+        let value = match &self.value {
             // Integers of a case file are small: beyond 2^53 the nearest double is meant.
-            Value::Integer(value) => value as f64,
-            Value::Float(value) => value,
-            _ => return Err(self.expected(what)),
+            Value::Integer(value) => *value as f64,
+            Value::Float(value) => *value,
+            Value::Text(text) => {
+                let field = self.expression(text, Variables::None, parameters)?;
+                return field.as_constant().ok_or_else(|| self.expected("a number"));
+            }
+            _ => return Err(self.expected("a number")),
         };
         if value.is_finite() {
             Ok(value)
@@ -161,35 +204,46 @@ impl Node {
 
     /// An integer ≥ 1.
     pub fn positive_integer(&self, name: &str) -> Result<usize, Fault> {
-        match self.value {
-            Value::Integer(value) => {
-                usize::try_from(value)
-                    .ok()
-                    .filter(|v| *v > 0)
-                    .ok_or_else(|| {
-                        let message = format!("{name} must be a positive integer");
-                        Fault::new(&self.span, message).label("not ≥ 1")
-                    })
+        let count = match self.value {
+            Value::Integer(value) => usize::try_from(value).ok(),
+            Value::Text(_) => {
+                let value = self.number()?;
+                // a count comes out whole but for the rounding of its parts
+                let whole = value.round();
+                if (value - whole).abs() > WHOLE * whole.abs() {
+                    let message = format!("{name} must come out whole, it is {value}");
+                    return Err(Fault::new(&self.span, message).label("not whole"));
+                }
+                (0.0..MOST).contains(&whole).then_some(whole as usize)
             }
-            _ => Err(self.expected("a positive integer")),
-        }
+            _ => return Err(self.expected("a positive integer")),
+        };
+        count.filter(|count| *count > 0).ok_or_else(|| {
+            let message = format!("{name} must be a positive integer");
+            Fault::new(&self.span, message).label("not ≥ 1")
+        })
     }
 
     /// A number, or a string with an expression in x, y, z and t.
     pub fn field(&self) -> Result<Field, Fault> {
-        self.expression(expression::parse)
+        self.field_of(Variables::All)
+    }
+
+    fn field_of(&self, variables: Variables) -> Result<Field, Fault> {
+        match &self.value {
+            Value::Text(text) => self.expression(text, variables, &self.parameters.values),
+            Value::Integer(_) | Value::Float(_) => Ok(Field::constant(self.number()?)),
+            _ => Err(self.expected("a number or an expression string")),
+        }
     }
 
     fn expression(
         &self,
-        parse: fn(&str) -> Result<Field, ExpressionError>,
+        text: &str,
+        variables: Variables,
+        parameters: &[(String, f64)],
     ) -> Result<Field, Fault> {
-        let Value::Text(text) = &self.value else {
-            return Ok(Field::constant(
-                self.number_or("a number or an expression string")?,
-            ));
-        };
-        let field = parse(text).map_err(|e| {
+        let field = expression::parse_with(text, variables, parameters).map_err(|e| {
             let place = self.part(e.offset..e.offset + 1);
             Fault::new(&place, format!("expression \"{text}\": {e}"))
                 .label("here")
@@ -234,22 +288,19 @@ impl Node {
 
     /// D numbers or expressions.
     pub fn fields<const D: usize>(&self) -> Result<[Field; D], Fault> {
-        self.expressions(expression::parse)
+        self.expressions(Variables::All)
     }
 
     /// D numbers or expressions in t alone: of what is the same everywhere.
     pub fn courses<const D: usize>(&self) -> Result<[Field; D], Fault> {
-        self.expressions(expression::parse_course)
+        self.expressions(Variables::Time)
     }
 
-    fn expressions<const D: usize>(
-        &self,
-        parse: fn(&str) -> Result<Field, ExpressionError>,
-    ) -> Result<[Field; D], Fault> {
+    fn expressions<const D: usize>(&self, variables: Variables) -> Result<[Field; D], Fault> {
         let nodes = self.exactly::<D>("numbers or expressions")?;
         let mut fields = zero();
         for (f, node) in fields.iter_mut().zip(nodes) {
-            *f = node.expression(parse)?;
+            *f = node.field_of(variables)?;
         }
         Ok(fields)
     }

@@ -7,7 +7,7 @@
 //!   product = signed (("*" | "/") signed)*                   left
 //!   signed  = ("+" | "-") signed | power                     -x^2 = -(x^2)
 //!   power   = atom ("^" signed)?                             right: 2^3^2 = 512; 2^-1 = 0.5
-//!   atom    = number | x | y | z | t | pi | name "(" sum ("," sum)* ")" | "(" sum ")"
+//!   atom    = number | x | y | z | t | pi | parameter | name "(" sum ("," sum)* ")" | "(" sum ")"
 //! ```
 //!
 //! Angles in radians. A division by zero and the like give values that are not finite: the caller knows which
@@ -23,8 +23,8 @@ const DEEPEST: usize = 200;
 const LONGEST: usize = 4000;
 
 /// What an expression may hold, for messages.
-pub(crate) const VOCABULARY: &str = "an expression is made of numbers, x y z t pi, + - * / ^ ( ), sin cos tan asin acos \
-    atan atan2 sinh cosh tanh sqrt exp ln abs min max pow";
+pub(crate) const VOCABULARY: &str = "an expression is made of numbers, parameters, x y z t pi, + - * / ^ ( ), sin cos \
+    tan asin acos atan atan2 sinh cosh tanh sqrt exp ln abs min max pow";
 
 /// What is wrong with an expression, and where.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
@@ -40,16 +40,26 @@ pub struct ExpressionError {
 ///
 /// Errors: unknown names (with the nearest known one), missing operands or parentheses, wrong number of arguments.
 pub fn parse(text: &str) -> Result<Field, ExpressionError> {
-    parse_in(text, &VARIABLES)
+    parse_with(text, Variables::All, &[])
 }
 
-/// As [`parse`], of t alone: the course of what is the same everywhere.
-pub(crate) fn parse_course(text: &str) -> Result<Field, ExpressionError> {
-    parse_in(text, &["t"])
+/// Which variables an expression may have.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Variables {
+    /// x, y, z and t.
+    All,
+    /// t alone: what is the same everywhere.
+    Time,
+    /// None: a number.
+    None,
 }
 
-/// The field that `text` describes, of these variables.
-fn parse_in(text: &str, variables: &[&str]) -> Result<Field, ExpressionError> {
+/// As [`parse`], with these variables and with named values.
+pub(crate) fn parse_with(
+    text: &str,
+    variables: Variables,
+    parameters: &[(String, f64)],
+) -> Result<Field, ExpressionError> {
     if text.len() > LONGEST {
         return Err(ExpressionError {
             message: format!("the expression is longer than {LONGEST} characters"),
@@ -59,6 +69,7 @@ fn parse_in(text: &str, variables: &[&str]) -> Result<Field, ExpressionError> {
     let mut parser = Parser {
         text,
         variables,
+        parameters,
         position: 0,
         depth: 0,
         last: Seen::Nothing,
@@ -124,6 +135,12 @@ fn larger(a: f64, b: f64) -> f64 {
     }
 }
 
+/// Names that mean something in every expression.
+pub(crate) fn reserved<'a>() -> impl Iterator<Item = &'a str> {
+    let functions = UNARY.iter().map(|f| f.0).chain(BINARY.iter().map(|f| f.0));
+    VARIABLES.into_iter().chain(["pi"]).chain(functions)
+}
+
 enum Tree {
     Number(f64),
     Variable(usize),
@@ -160,7 +177,8 @@ enum Seen {
 
 struct Parser<'t> {
     text: &'t str,
-    variables: &'t [&'t str],
+    variables: Variables,
+    parameters: &'t [(String, f64)],
     position: usize,
     depth: usize,
     last: Seen,
@@ -311,13 +329,19 @@ impl Parser<'_> {
         let name = &rest[..length];
         self.position += length;
         if let Some(index) = VARIABLES.iter().position(|v| *v == name) {
-            if !self.variables.contains(&name) {
-                let message = format!(
-                    "`{name}` has no meaning here: this is the same everywhere, it may change with t"
-                );
-                return Err(self.error_at(start, message));
+            let meaningless = match self.variables {
+                Variables::All => None,
+                Variables::Time if name == "t" => None,
+                Variables::Time => Some("this is the same everywhere, it may change with t"),
+                Variables::None => Some("this is one number"),
+            };
+            if let Some(why) = meaningless {
+                return Err(self.error_at(start, format!("`{name}` has no meaning here: {why}")));
             }
             return Ok(Tree::Variable(index));
+        }
+        if let Some((_, value)) = self.parameters.iter().find(|(known, _)| known == name) {
+            return Ok(Tree::Number(*value));
         }
         if name == "pi" {
             return Ok(Tree::Number(std::f64::consts::PI));
@@ -330,9 +354,8 @@ impl Parser<'_> {
             let ab = self.arguments(name, start)?;
             return Ok(Tree::Binary(*f, Box::new(ab)));
         }
-        let functions = UNARY.iter().map(|f| f.0).chain(BINARY.iter().map(|f| f.0));
-        let known = VARIABLES.into_iter().chain(["pi"]).chain(functions);
-        let near = nearest(name, known).unwrap_or_default();
+        let parameters = self.parameters.iter().map(|(name, _)| name.as_str());
+        let near = nearest(name, parameters.chain(reserved())).unwrap_or_default();
         let message = format!("unknown name `{name}`, the nearest known is `{near}`");
         Err(self.error_at(start, message))
     }

@@ -4,7 +4,16 @@
 
 /// The top level of a case file.
 pub const CASE: &[&str] = &[
-    "title", "source", "analysis", "units", "body", "contact", "solver", "step", "probe",
+    "title",
+    "source",
+    "analysis",
+    "units",
+    "parameters",
+    "body",
+    "contact",
+    "solver",
+    "step",
+    "probe",
 ];
 /// `units`.
 pub const UNITS: &[&str] = &["length", "force"];

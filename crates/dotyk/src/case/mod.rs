@@ -12,6 +12,7 @@ mod expression;
 pub mod keys;
 mod mesh_file;
 mod outline;
+mod parameters;
 mod probe;
 mod reference;
 mod run;
@@ -56,15 +57,32 @@ impl Case {
     ///
     /// Errors: what cannot be read; what is not TOML; every mistake with its line and column.
     pub fn read(path: &Path) -> Result<Self, CaseError> {
+        Self::read_with(path, &[])
+    }
+
+    /// Reads a case file of which some parameters have another value: names, and numbers or expressions of the parameters
+    /// before each.
+    ///
+    /// Errors: as [`Case::read`]; parameters that the file does not have.
+    pub fn read_with(path: &Path, given: &[(String, String)]) -> Result<Self, CaseError> {
         let text = read_text(path)?;
         let folder = path.parent().unwrap_or(Path::new(""));
-        Self::from_str(&text, &path.display().to_string(), folder)
+        Self::of_text(&text, &path.display().to_string(), folder, given)
     }
 
     /// Reads the text of a case file; `name` is how messages call it, and `folder` is where its paths start.
     ///
     /// Errors: as [`Case::read`].
     pub fn from_str(text: &str, name: &str, folder: &Path) -> Result<Self, CaseError> {
+        Self::of_text(text, name, folder, &[])
+    }
+
+    fn of_text(
+        text: &str,
+        name: &str,
+        folder: &Path,
+        given: &[(String, String)],
+    ) -> Result<Self, CaseError> {
         let start = Instant::now();
         let path = match Path::new(name).file_name() {
             Some(file) => folder.join(file),
@@ -73,8 +91,11 @@ impl Case {
         let stem = path.file_stem().unwrap_or(path.as_os_str());
         let stem = stem.to_string_lossy().into_owned();
         let mut files = MeshFiles::new(folder);
-        let read = document::parse(text)
-            .and_then(|document| Ok((model(&document, &stem, &mut files)?, places(&document))));
+        let read = document::parse_with(text, given).and_then(|(document, parameters)| {
+            let mut model = model(&document, &stem, &mut files)?;
+            model.parameters.clone_from(&parameters.values);
+            Ok((model, places(&document)))
+        });
         let (model, places) = read.map_err(|fault| fault.in_source(name, text))?;
         Ok(Self {
             stem,
@@ -201,6 +222,7 @@ fn model(document: &Node, stem: &str, files: &mut MeshFiles) -> Result<Model<2>,
         solver,
         probes,
         times,
+        parameters: Vec::new(),
     })
 }
 
@@ -292,7 +314,6 @@ fn listed_methods(methods: &[Method]) -> String {
 fn step_length(node: &Node) -> Result<Option<f64>, Fault> {
     match &node.value {
         Value::Text(text) if text == "auto" => Ok(None),
-        Value::Text(_) => Err(node.expected("a number or \"auto\"")),
         _ => node.positive("`rho`").map(Some),
     }
 }

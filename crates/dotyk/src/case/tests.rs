@@ -423,9 +423,9 @@ fn wrong_types_say_what_was_expected_and_found() {
     );
     assert_mistake(
         "tolerance = 1e-8",
-        "tolerance = \"1e-8\"",
-        "\"1e-8\"",
-        &["expected a number, found a string"],
+        "tolerance = true",
+        "true",
+        &["expected a number, found a boolean"],
     );
     assert_mistake(
         "cells = [80, 20]",
@@ -468,6 +468,151 @@ fn expressions_are_underlined_at_the_wrong_word() {
         "\"geometrc\"",
         "g",
         &["\"geometric\", \"closed\""],
+    );
+}
+
+/// The example with a table of parameters before its bodies.
+fn with_parameters(table: &str, changes: &[(&str, &str)]) -> String {
+    let start = EXAMPLE.replacen("[[body]]", &format!("{table}\n\n[[body]]"), 1);
+    changes.iter().fold(start, |text, (from, to)| {
+        assert!(text.contains(from), "{from}");
+        text.replace(from, to)
+    })
+}
+
+const PARAMETERS: &str = "[parameters]\nE = 2e9\nn = \"2 * 5\"\nhalf = \"E / (2 * n)\"";
+
+fn given(pairs: &[(&str, &str)]) -> Vec<(String, String)> {
+    let owned = pairs.iter();
+    owned
+        .map(|(name, value)| (name.to_string(), value.to_string()))
+        .collect()
+}
+
+#[test]
+fn parameters_stand_for_every_number_and_in_every_expression() {
+    let text = with_parameters(
+        PARAMETERS,
+        &[
+            ("young = 210e9", "young = \"E\""),
+            ("cells = [80, 20]", "cells = [\"8 * n\", \"n\"]"),
+            ("from = [1.5, 1.0]", "from = [\"1.5 * E / E\", 1.0]"),
+            ("-1e6 * (1 + 0.1*x)", "-half * x"),
+            ("\"geometric\"", "\"-1/E\""),
+            ("tolerance = 1e-8", "tolerance = \"1e-9 * n\""),
+            ("at       = [2.0, 1.0]", "at       = [\"2 * E / E\", 1.0]"),
+        ],
+    );
+    let read_with = |set: &[(&str, &str)]| {
+        Case::of_text(&text, "punch.toml", Path::new(""), &given(set))
+            .unwrap()
+            .model
+    };
+    let own = read_with(&[]);
+    let expected = [("E", 2e9), ("n", 10.0), ("half", 1e8)];
+    assert_eq!(
+        own.parameters,
+        expected.map(|(name, value)| (name.to_string(), value))
+    );
+    let pull = |model: &Model<2>| model.bodies[1].loads[0].at([3.0, 2.0], [0.0, 1.0], 1.0)[1];
+    assert_eq!(own.bodies[0].materials[0].elastic.young, 2e9);
+    assert_eq!(own.bodies[0].mesh.cell_count(), 800);
+    assert_eq!(pull(&own), -3e8);
+    assert_eq!(own.solver.tolerance, 1e-8);
+    // a value given from outside changes those that follow from it; it may name those before
+    let other = read_with(&[("E", "4e9"), ("n", "E / 8e8")]);
+    assert_eq!(other.bodies[0].materials[0].elastic.young, 4e9);
+    assert_eq!(other.bodies[0].mesh.cell_count(), 200);
+    assert_eq!(pull(&other), -12e8);
+}
+
+#[test]
+fn mistakes_with_parameters_are_underlined() {
+    let mistakes: [(&str, &[(&str, &str)], &[(&str, &str)], &str, &str); 16] = [
+        ("E = \"2 * F\"\nF = 1", &[], &[], "unknown name `F`", "F"),
+        ("E = \"x\"", &[], &[], "`x` has no meaning here", "x"),
+        ("x = 1", &[], &[], "`x` means something else", "x"),
+        ("pi = 3", &[], &[], "`pi` means something else", "pi"),
+        ("sin = 3", &[], &[], "`sin` means something else", "sin"),
+        (
+            "closed = 1",
+            &[],
+            &[],
+            "`closed` means something else",
+            "closed",
+        ),
+        ("auto = 1", &[], &[], "`auto` means something else", "auto"),
+        ("2a = 1", &[], &[], "`2a` is not a name", "2a"),
+        ("a-b = 1", &[], &[], "`a-b` is not a name", "a-b"),
+        (
+            "E = true",
+            &[],
+            &[],
+            "expected a number, found a boolean",
+            "true",
+        ),
+        ("E = \"1/0\"", &[], &[], "not finite", "\"1/0\""),
+        (
+            "E = [1]",
+            &[],
+            &[],
+            "expected a number, found a list",
+            "[1]",
+        ),
+        (
+            "E = 2.5",
+            &[("cells = [80, 20]", "cells = [\"E\", 20]")],
+            &[],
+            "must come out whole, it is 2.5",
+            "\"E\"",
+        ),
+        (
+            "E = -2",
+            &[("cells = [80, 20]", "cells = [\"E\", 20]")],
+            &[],
+            "must be a positive integer",
+            "\"E\"",
+        ),
+        (
+            "young = 1",
+            &[("young = 210e9", "young = \"yong\"")],
+            &[],
+            "the nearest known is `young`",
+            "y",
+        ),
+        (
+            "E = 1",
+            &[],
+            &[("E", "2 *")],
+            "the value given for the parameter `E`, \"2 *\"",
+            "E",
+        ),
+    ];
+    for (table, changes, set, message, underlined) in mistakes {
+        let text = with_parameters(&format!("[parameters]\n{table}"), changes);
+        let error = Case::of_text(&text, "punch.toml", Path::new(""), &given(set)).unwrap_err();
+        assert!(
+            error.message.contains(message),
+            "{table}: {}",
+            error.message
+        );
+        assert_eq!(
+            &text[error.span.clone().unwrap()],
+            underlined,
+            "{}",
+            error.message
+        );
+    }
+    let text = with_parameters(PARAMETERS, &[]);
+    let error = Case::of_text(&text, "f", Path::new(""), &given(&[("half_", "1")])).unwrap_err();
+    assert_eq!(error.message, "there is no parameter `half_`");
+    assert_eq!(&*error.label, "the nearest is `half`");
+    let error = Case::of_text(EXAMPLE, "f", Path::new(""), &given(&[("E", "1")])).unwrap_err();
+    assert!(
+        error
+            .help
+            .unwrap()
+            .contains("add a table `[parameters]` with `E = ...`")
     );
 }
 

@@ -29,6 +29,7 @@ impl<const D: usize> Model<D> {
             solver: SolverOptions::default(),
             probes: Vec::new(),
             times: vec![1.0],
+            parameters: Vec::new(),
         }
     }
 

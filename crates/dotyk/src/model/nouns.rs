@@ -334,6 +334,8 @@ pub struct Model<const D: usize> {
     /// Times of the load steps, strictly increasing: loads, prescribed displacements, gaps and the motion of obstacles
     /// are taken at these times.
     pub times: Vec<f64>,
+    /// Named values that the model was made with, for results to tell.
+    pub parameters: Vec<(String, f64)>,
 }
 
 impl<const D: usize> Model<D> {

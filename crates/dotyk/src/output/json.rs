@@ -6,6 +6,7 @@ use crate::dual::Figure;
 use crate::model::{BodySolution, ContactNode, ContactSolution, Seconds, Solution, Status};
 use crate::output::Run;
 use serde::Serialize;
+use std::collections::BTreeMap;
 
 /// Version that every file names.
 pub const VERSION: &str = env!("CARGO_PKG_VERSION");
@@ -32,7 +33,12 @@ pub fn summary(run: &Run<'_>) -> String {
         .last
         .converged
         .then(|| step_summary(run, run.last, run.earlier.len()));
+    let parameters = run.model.parameters.iter();
+    let parameters: BTreeMap<&str, f64> = parameters
+        .map(|(name, value)| (name.as_str(), *value))
+        .collect();
     let summary = Document {
+        parameters: (!parameters.is_empty()).then_some(parameters),
         steps: run.has_steps().then(|| earlier.chain(good).collect()),
         last,
     };
@@ -131,6 +137,9 @@ pub fn max_displacement<const D: usize>(body: &BodySolution<D>) -> f64 {
 struct Document<'a> {
     #[serde(flatten)]
     last: Summary<'a>,
+    /// Of the case; only where it has some.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    parameters: Option<BTreeMap<&'a str, f64>>,
     #[serde(skip_serializing_if = "Option::is_none")]
     steps: Option<Vec<Summary<'a>>>,
 }

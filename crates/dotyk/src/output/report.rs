@@ -70,7 +70,13 @@ fn framed(model: &Model<2>, stem: &str, body: &str, footer: &str) -> String {
         title => title,
     };
     let case = format!("Case {stem} · {}", analysis_in_words(model));
-    let lines = [model.source.as_str(), &case];
+    let parameters = model.parameters.iter();
+    let parameters = parameters.map(|(name, value)| format!("{name} = {}", number(*value)));
+    let parameters = match parameters.collect::<Vec<_>>().join(", ") {
+        list if list.is_empty() => list,
+        list => format!("Parameters {list}"),
+    };
+    let lines = [model.source.as_str(), &case, &parameters];
     let intro = lines.iter().filter(|line| !line.is_empty());
     let intro = intro.map(|line| format!("<p class=\"source\">{}</p>\n", escape(line)));
     html::page(title, &intro.collect::<String>(), body, footer)

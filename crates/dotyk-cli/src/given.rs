@@ -1,0 +1,30 @@
+//! Values of parameters from the command line.
+
+use crate::failure::Failure;
+use dotyk::case::Case;
+use std::path::Path;
+
+/// Arguments of every command that reads one case.
+#[derive(clap::Args)]
+pub struct Given {
+    /// Value of a parameter of the case instead of its own; may be repeated
+    #[arg(long, value_name = "NAME=VALUE", value_parser = assignment)]
+    set: Vec<(String, String)>,
+}
+
+/// Name and value of `NAME=VALUE`; the case knows which are right.
+fn assignment(text: &str) -> Result<(String, String), String> {
+    match text.split_once('=') {
+        Some((name, value)) if !name.trim().is_empty() && !value.trim().is_empty() => {
+            Ok((name.trim().to_string(), value.trim().to_string()))
+        }
+        _ => Err("expected NAME=VALUE, such as E=3e9".to_string()),
+    }
+}
+
+impl Given {
+    /// The case with these values.
+    pub fn read(&self, case: &Path) -> Result<Case, Failure> {
+        Ok(Case::read_with(case, &self.set)?)
+    }
+}
