@@ -23,6 +23,16 @@ fn assignment(text: &str) -> Result<(String, String), String> {
 }
 
 impl Given {
+    /// Names and values.
+    pub fn pairs(&self) -> &[(String, String)] {
+        &self.set
+    }
+
+    /// Whether a parameter is given a value.
+    pub fn sets(&self, name: &str) -> bool {
+        self.set.iter().any(|(known, _)| known == name)
+    }
+
     /// The case with these values.
     pub fn read(&self, case: &Path) -> Result<Case, Failure> {
         Ok(Case::read_with(case, &self.set)?)

@@ -10,6 +10,7 @@ mod given;
 mod keys;
 mod progress;
 mod run;
+mod study;
 mod text;
 mod verify;
 
@@ -39,6 +40,8 @@ enum Command {
     Verify(verify::Arguments),
     /// Solve one case with all solvers
     Compare(compare::Arguments),
+    /// Solve one case for many values of its parameters
+    Study(study::Arguments),
     /// List every key of a case file
     #[command(visible_alias = "keys", after_long_help = keys::TEXT)]
     Reference,
@@ -59,6 +62,7 @@ fn main() -> ExitCode {
         Command::Check(arguments) => check::check(&arguments),
         Command::Verify(arguments) => verify::verify(&arguments),
         Command::Compare(arguments) => compare::compare(&arguments),
+        Command::Study(arguments) => study::study(&arguments),
         Command::Reference => {
             text::print(keys::TEXT);
             Ok(Outcome::Done)

@@ -13,21 +13,50 @@ pub struct Progress {
     stage: Option<(&'static str, Instant)>,
 }
 
+/// A line that is drawn on terminals, unless it is to be quiet.
+fn bar(length: Option<u64>, quiet: bool) -> ProgressBar {
+    let visible = !quiet && std::io::stderr().is_terminal();
+    let target = if visible {
+        ProgressDrawTarget::stderr()
+    } else {
+        ProgressDrawTarget::hidden()
+    };
+    let bar = ProgressBar::with_draw_target(length, target);
+    if visible {
+        bar.enable_steady_tick(Duration::from_millis(100));
+    }
+    bar
+}
+
+/// How many of a known number are done.
+pub struct Count {
+    bar: ProgressBar,
+}
+
+impl Count {
+    /// Silent with `quiet`, and where standard error is not a terminal.
+    pub fn new(all: usize, quiet: bool) -> Self {
+        Self {
+            bar: bar(Some(all as u64), quiet),
+        }
+    }
+
+    /// One more is done; from any thread.
+    pub fn one_more(&self) {
+        self.bar.inc(1);
+    }
+
+    /// Clears the line.
+    pub fn finish(self) {
+        self.bar.finish_and_clear();
+    }
+}
+
 impl Progress {
     /// Silent with `quiet`, and where standard error is not a terminal.
     pub fn new(quiet: bool) -> Self {
-        let visible = !quiet && std::io::stderr().is_terminal();
-        let target = if visible {
-            ProgressDrawTarget::stderr()
-        } else {
-            ProgressDrawTarget::hidden()
-        };
-        let bar = ProgressBar::with_draw_target(None, target);
-        if visible {
-            bar.enable_steady_tick(Duration::from_millis(100));
-        }
         Self {
-            bar,
+            bar: bar(None, quiet),
             step: String::new(),
             stage: None,
         }

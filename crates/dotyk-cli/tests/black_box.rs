@@ -348,6 +348,163 @@ fn a_run_that_does_not_converge_says_why_and_leaves_its_summary() {
     assert!(run.stderr.contains("more iterations"), "{}", run.stderr);
 }
 
+/// The stack with its pressure as a parameter and a probe of the force; `scale` multiplies an expression of it.
+fn parametric() -> String {
+    let parameters = "[parameters]\np = 1e6\nn = 4\n\n[[body]]";
+    stack(1e6, "")
+        .replacen("[[body]]", parameters, 1)
+        .replacen("pressure = 1e6", "pressure = \"p\"", 1)
+        .replace("cells = [4, 4]", "cells = [\"n\", \"n\"]")
+        + &probe("force, all of it", "sole.resultant.y", "")
+}
+
+#[test]
+fn parameters_take_values_from_the_command_line() {
+    let text = parametric();
+    let own = Run::solved("own_value", &text);
+    assert_near(own.probe("force, all of it"), 1e6, 1e-10);
+    assert_eq!(own.summary()["parameters"]["p"], 1e6);
+    let set = ["--set", "p=n * 5e5", "--set", "n=2"];
+    let other = Run::new("other_value", &text, "run", &set);
+    assert_eq!(other.status, Some(2), "{}", other.stderr);
+    assert!(
+        other.stderr.contains("unknown name `n`"),
+        "{}",
+        other.stderr
+    );
+    let set = ["--set", "n=p / 5e5", "--set", "p = 2e6"];
+    let other = Run::new("other_value", &text, "run", &set);
+    assert_near(other.probe("force, all of it"), 2e6, 1e-10);
+    assert_eq!(other.column("node").len(), 5);
+    assert!(other.folder.join("case-out/report.html").exists());
+    let page = std::fs::read_to_string(other.folder.join("case-out/report.html")).unwrap();
+    assert!(page.contains("Parameters p = 2"));
+    for command in ["run", "check", "compare"] {
+        let refused = Run::new("unknown_value", &text, command, &["--set", "q=1"]);
+        assert_eq!(refused.status, Some(2));
+        let nearest = "there is no parameter `q`";
+        assert!(
+            refused.stderr.contains(nearest),
+            "{command}: {}",
+            refused.stderr
+        );
+    }
+}
+
+#[test]
+fn several_cases_are_run_each_into_a_folder_of_its_own() {
+    let text = parametric();
+    let folder = Run::solved("several", &text).folder;
+    std::fs::write(folder.join("other.toml"), &text).unwrap();
+    std::fs::write(folder.join("broken.toml"), "analysis = 1").unwrap();
+    let run = |arguments: &[&str]| {
+        let output = Command::new(env!("CARGO_BIN_EXE_dotyk"))
+            .args(arguments)
+            .current_dir(&folder)
+            .output()
+            .unwrap();
+        (
+            output.status.code(),
+            String::from_utf8(output.stderr).unwrap(),
+        )
+    };
+    let all = [
+        "run",
+        "case.toml",
+        "broken.toml",
+        "other.toml",
+        "--out",
+        "all",
+        "--set",
+        "n=2",
+    ];
+    let (status, message) = run(&all);
+    assert_eq!(status, Some(2), "{message}");
+    assert!(message.contains("broken.toml, line 1"), "{message}");
+    for case in ["case", "other"] {
+        assert!(
+            folder.join("all").join(case).join("summary.json").exists(),
+            "{case}"
+        );
+    }
+    let (status, message) = run(&["run", "case.toml", "./case.toml"]);
+    assert_eq!(status, Some(2));
+    assert!(
+        message.contains("another case has the same name"),
+        "{message}"
+    );
+}
+
+#[test]
+fn a_study_lists_every_member_with_probes_or_reason() {
+    let text = parametric();
+    let vary = ["--vary", "p=1e6..3e6:3", "--vary", "n=2..3:3", "--log", "p"];
+    let study = Run::new("study", &text, "study", &vary);
+    assert_eq!(study.status, Some(1), "{}", study.stderr);
+    assert_eq!(study.files(), ["study.csv", "study.html"]);
+    let table = std::fs::read_to_string(study.folder.join("case-out/study.csv")).unwrap();
+    let lines: Vec<&str> = table.lines().collect();
+    assert_eq!(lines[0], "p,n,\"force, all of it\",converged,reason");
+    assert_eq!(lines.len(), 10);
+    for (k, line) in lines[1..].iter().enumerate() {
+        let cells: Vec<&str> = line.splitn(5, ',').collect();
+        let number = |k: usize| cells[k].parse::<f64>().unwrap();
+        assert_near(number(0), 1e6 * 3f64.powf((k / 3) as f64 / 2.0), 1e-14);
+        assert_eq!(number(1), [2.0, 2.5, 3.0][k % 3]);
+        match k % 3 {
+            1 => {
+                assert_eq!(cells[2..4], ["NaN", "false"]);
+                assert!(
+                    cells[4].contains("must come out whole, it is 2.5"),
+                    "{line}"
+                );
+            }
+            _ => {
+                assert_near(number(2), number(0), 1e-10);
+                assert_eq!(cells[3..], ["true", ""]);
+            }
+        }
+    }
+    assert!(
+        study.stdout.contains("NOT CONVERGED: 6 of 9 members"),
+        "{}",
+        study.stdout
+    );
+    let page = std::fs::read_to_string(study.folder.join("case-out/study.html")).unwrap();
+    assert!(page.contains("3 of 9 members have no answer") && page.contains("<svg"));
+}
+
+#[test]
+fn a_study_of_what_is_not_there_is_refused() {
+    let text = parametric();
+    let mistakes: [(&[&str], &str); 9] = [
+        (&[], "--vary"),
+        (&["--vary", "q=1..2:3"], "there is no parameter `q`"),
+        (&["--vary", "p=1..2"], "expected NAME=A..B:COUNT"),
+        (&["--vary", "p=1..2:1"], "one value cannot be both ends"),
+        (&["--vary", "p=1..2:2", "--vary", "p=1..2:2"], "given twice"),
+        (&["--vary", "p=1..2:2", "--set", "p=3"], "varied and set"),
+        (
+            &["--vary", "p=1..2:2", "--log", "n"],
+            "--vary n=... is missing",
+        ),
+        (
+            &["--vary", "p=-1..2:2", "--log", "p"],
+            "both ends must be positive",
+        ),
+        (
+            &["--vary", "p=1..2:2000", "--vary", "n=1..2:2000"],
+            "more than 1000000 combinations",
+        ),
+    ];
+    for (arguments, message) in mistakes {
+        let study = Run::new("no_study", &text, "study", arguments);
+        assert_eq!(study.status, Some(2), "{arguments:?}");
+        assert!(study.stderr.contains(message), "{}", study.stderr);
+        assert_eq!(study.files(), [""; 0]);
+    }
+}
+
 /// Load steps at these times.
 fn steps(times: &[f64]) -> String {
     let step = |time: &f64| format!("[[step]]\ntime = {time:?}\n");

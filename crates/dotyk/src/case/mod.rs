@@ -27,7 +27,7 @@ pub use run::{Failure, Run};
 use crate::case::document::{Node, Span, Table, Value, later};
 use crate::case::error::{Fault, read_text};
 use crate::case::mesh_file::MeshFiles;
-use crate::model::{Analysis, Bolts, Method, Model, SolverOptions, Subject, Units};
+use crate::model::{Analysis, Bolts, Method, Model, SolverOptions, Study, Subject, Units, Varied};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::Instant;
@@ -107,6 +107,54 @@ impl Case {
             name: name.into(),
             places,
         })
+    }
+
+    /// Solves the case in a file for all combinations of some values of its parameters; others may be given another value
+    /// than the case's own. `observe` is told when a member is done.
+    ///
+    /// Errors: as [`Case::read_with`], of the case as it stands and of the names. A member that is bad input is one with
+    /// its reason.
+    pub fn study(
+        path: &Path,
+        given: &[(String, String)],
+        varied: Vec<Varied>,
+        observe: &(dyn Fn() + Sync),
+    ) -> Result<Study, CaseError> {
+        let names: Vec<String> = varied
+            .iter()
+            .map(|parameter| parameter.name.clone())
+            .collect();
+        let read = |values: &[f64]| {
+            let texts = values.iter().map(|value| format!("{value:?}"));
+            let own = names.iter().cloned().zip(texts);
+            Self::read_with(path, &given.iter().cloned().chain(own).collect::<Vec<_>>())
+        };
+        let case = Self::read_with(path, given)?;
+        let own: Option<Vec<f64>> = names.iter().map(|name| case.parameter(name)).collect();
+        let Some(own) = own else {
+            // the names are wrong whatever the values are
+            let first = varied
+                .iter()
+                .filter_map(|parameter| parameter.values.first());
+            return Err(match read(&first.copied().collect::<Vec<_>>()) {
+                Err(error) => error,
+                Ok(case) => CaseError::unplaced(&case.name, "nothing is varied"),
+            });
+        };
+        let make = |values: &[f64]| match read(values) {
+            Ok(case) => Ok(case.model),
+            Err(error) => Err(error.message),
+        };
+        Ok(Study::run((case.model, &own), varied, &make, observe))
+    }
+
+    /// Value of a parameter.
+    pub fn parameter(&self, name: &str) -> Option<f64> {
+        let parameters = self.model.parameters.iter();
+        parameters
+            .rev()
+            .find(|(known, _)| known == name)
+            .map(|(_, value)| *value)
     }
 
     /// Puts what was noticed while reading before the warnings of a result.

@@ -7,6 +7,7 @@ use crate::model::condense::condense;
 use crate::model::error::Error;
 use crate::model::event::Event;
 use crate::model::nouns::{Analysis, Contact, Law, Model};
+use crate::model::reuse::Reuse;
 use crate::model::solution::Solution;
 use crate::model::steps::solve_steps;
 use std::collections::BTreeSet;
@@ -39,7 +40,20 @@ macro_rules! doors {
                 observe: &mut dyn FnMut(Event),
             ) -> Result<Vec<Solution<$D>>, Error<$D>> {
                 self.validate()?;
-                solve_steps(self, observe)
+                solve_steps(self, None, observe)
+            }
+
+            /// The same, with what another model of the same stiffness has left: nothing is factored or condensed again where
+            /// only loads, friction, prescribed values or steps differ.
+            ///
+            /// Errors: as [`Self::solve_steps_with`].
+            pub fn solve_steps_reusing(
+                &self,
+                reuse: &mut Reuse<$D>,
+                observe: &mut dyn FnMut(Event),
+            ) -> Result<Vec<Solution<$D>>, Error<$D>> {
+                self.validate()?;
+                solve_steps(self, Some(reuse), observe)
             }
 
             /// The dual contact problem of the model, for running or comparing solvers without the model: every

@@ -158,6 +158,23 @@ pub(crate) fn advance<const D: usize>(
     })
 }
 
+/// A model of the same stiffness at its first step: stiffness, factors, pairs and F of the other one serve it.
+pub(crate) fn restart<const D: usize>(
+    model: &Model<D>,
+    mut kept: Condensed<D>,
+    time: f64,
+    observe: &mut dyn FnMut(Event),
+) -> Result<Condensed<D>, Error<D>> {
+    check_probes(model)?;
+    kept.seconds = Seconds::default();
+    let unmoved = vec![0.0; kept.gaps.len()];
+    let here = advance(model, kept, &unmoved, time, observe)?;
+    Ok(Condensed {
+        before: None,
+        ..here
+    })
+}
+
 fn factor_bodies<const D: usize>(
     model: &Model<D>,
     bodies: &[LoadedBody<D>],

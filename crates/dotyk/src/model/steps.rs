@@ -3,7 +3,7 @@
 use crate::dual::Multipliers;
 use crate::model::attempt::certified_attempt;
 use crate::model::compliance::DENSE_LIMIT;
-use crate::model::condense::{Condensed, advance, condense};
+use crate::model::condense::{Condensed, advance, condense, restart};
 use crate::model::error::{Error, Objection};
 use crate::model::event::{Event, Lap};
 use crate::model::finish::finish;
@@ -11,6 +11,7 @@ use crate::model::judge::Judged;
 use crate::model::nouns::Model;
 use crate::model::objection::objection;
 use crate::model::pair::initial_gaps;
+use crate::model::reuse::Reuse;
 use crate::model::solution::Solution;
 use std::time::Instant;
 
@@ -29,44 +30,61 @@ impl End {
     }
 }
 
-/// Solves all load steps of a valid model, in the order of the times; an observer is told what happens.
+/// Solves all load steps of a valid model, in the order of the times; an observer is told what happens. What is in `reuse`
+/// serves a model of the same stiffness, and is left there.
 ///
 /// Errors: see [`Error`]; `NotConverged` carries the last iterate and the steps before it.
 pub(crate) fn solve_steps<const D: usize>(
     model: &Model<D>,
+    mut reuse: Option<&mut Reuse<D>>,
     observe: &mut dyn FnMut(Event),
 ) -> Result<Vec<Solution<D>>, Error<D>> {
     let start = Instant::now();
     let mut done: Vec<Solution<D>> = Vec::with_capacity(model.times.len());
-    let mut condensed: Option<Condensed<D>> = None;
+    let mut condensed = reuse.as_mut().and_then(|reuse| reuse.take(model));
     let mut last: Option<End> = None;
     for (index, &time) in model.times.iter().enumerate() {
         let (step, steps) = (index + 1, model.times.len());
         observe(Event::Step { step, steps, time });
-        let solved = match (condensed.take(), &last) {
+        let made = match (condensed.take(), &last) {
             (Some(before), Some(last)) => advance(model, before, &last.slip, time, observe),
+            (Some(kept), None) => restart(model, kept, time, observe),
             _ => condense(model, time, DENSE_LIMIT, observe),
-        }
-        .and_then(|mut here| {
-            let solved = solve_step(model, &mut here, last.as_ref(), start, observe)?;
-            Ok((here, solved))
-        });
-        match solved {
+        };
+        let mut here = match made {
+            Ok(here) => here,
             Err(error) => return Err(error.in_step(model, step, done)),
-            Ok((_, (_, solution, Some(reason)))) => {
-                return Err(Error::NotConverged {
-                    reason: Box::new(reason),
-                    solution: Box::new(solution),
-                    earlier: done,
-                });
-            }
-            Ok((here, (end, solution, None))) => {
+        };
+        let solved = solve_step(model, &mut here, last.as_ref(), start, observe);
+        let failure = match solved {
+            Ok((end, solution, None)) => {
                 done.push(solution);
                 (condensed, last) = (Some(here), Some(end));
+                continue;
             }
-        }
+            Ok((_, solution, Some(reason))) => Error::NotConverged {
+                reason: Box::new(reason),
+                solution: Box::new(solution),
+                earlier: done,
+            },
+            Err(error) => error.in_step(model, step, done),
+        };
+        keep(reuse, model, Some(here));
+        return Err(failure);
     }
+    keep(reuse, model, condensed);
     Ok(done)
+}
+
+/// Leaves what was factored for another model.
+fn keep<const D: usize>(
+    reuse: Option<&mut Reuse<D>>,
+    model: &Model<D>,
+    condensed: Option<Condensed<D>>,
+) {
+    if let (Some(reuse), Some(condensed)) = (reuse, condensed) {
+        reuse.kept = Some((model.clone(), condensed));
+    }
 }
 
 /// Solves the contact problem of one step from the answer of the step before it, and why it is not an answer.

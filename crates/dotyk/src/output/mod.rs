@@ -15,12 +15,14 @@ mod html;
 mod interface;
 mod json;
 mod memory;
+mod panels;
 mod plot;
 mod report;
 mod scene;
 mod setup;
 mod stage;
 mod steps;
+mod study;
 mod svg;
 mod symbols;
 mod text;
@@ -33,7 +35,7 @@ mod vtu;
 pub use memory::peak_memory_bytes;
 
 use crate::geometry::Point;
-use crate::model::{Check, Comparison, Model, Seconds, Solution};
+use crate::model::{Check, Comparison, Model, Seconds, Solution, Study};
 use stage::Stage;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
@@ -279,6 +281,16 @@ pub fn write_comparison(comparison: &Comparison, dir: &Path) -> Result<Vec<PathB
         "compare.svg",
         compare::comparison_svg(comparison).as_bytes(),
     )?;
+    stage.commit(&[])
+}
+
+/// Writes `study.csv` and the page `study.html`, and returns their paths.
+///
+/// Errors: any [`Error`]; then the folder is as it was before.
+pub fn write_study(study: &Study, stem: &str, dir: &Path) -> Result<Vec<PathBuf>, Error> {
+    let mut stage = Stage::open(dir)?;
+    stage.put("study.csv", study::study_csv(study).as_bytes())?;
+    stage.put("study.html", study::study_page(study, stem).as_bytes())?;
     stage.commit(&[])
 }
 

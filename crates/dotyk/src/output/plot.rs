@@ -75,6 +75,13 @@ impl Axis {
         self
     }
 
+    /// The same axis with room at both ends, so that the first and last points are off the frame.
+    pub fn roomy(mut self) -> Self {
+        let room = 0.03 * (self.range[1] - self.range[0]);
+        self.range = [self.range[0] - room, self.range[1] + room];
+        self
+    }
+
     /// An axis of whole numbers.
     pub fn counts(name: &str, values: &[f64], zero: bool, most: usize) -> Self {
         let mut axis = Self::linear(name, "", values, zero, most);

@@ -5,16 +5,12 @@ use crate::model::{ContactSolution, Solution};
 use crate::output::Run;
 use crate::output::html::{Head, column, escape, figure, plain, table};
 use crate::output::json::{closed_and_open, largest, max_displacement};
-use crate::output::plot::{Axis, Frame};
-use crate::output::scene::WIDTH;
-use crate::output::svg::{Anchor, SERIES, Svg, Type, text_width};
+use crate::output::panels::{Abscissae, Panel, Series, panels_figure};
+use crate::output::plot::Axis;
 use crate::output::text::{Labels, count, number, vector, without_noise};
 
 /// More probes than this are left to the table.
 const MOST_PANELS: usize = 8;
-
-/// More steps than this are drawn without dots.
-const MOST_DOTS: usize = 60;
 
 /// Columns of values in one table of probes.
 const COLUMNS: usize = 4;
@@ -47,19 +43,6 @@ pub fn steps_section(run: &Run<'_>, labels: &Labels) -> String {
     out
 }
 
-/// A curve with its name.
-struct Series {
-    name: String,
-    values: Vec<f64>,
-}
-
-/// One small plot.
-struct Panel {
-    title: String,
-    unit: String,
-    curves: Vec<Series>,
-}
-
 fn panels(steps: &[&Solution<2>], labels: &Labels) -> Vec<Panel> {
     let Some(last) = steps.last() else {
         return Vec::new();
@@ -67,6 +50,7 @@ fn panels(steps: &[&Solution<2>], labels: &Labels) -> Vec<Panel> {
     let of_contacts = |title: &str, unit: &str, value: fn(&ContactSolution<2>) -> f64| Panel {
         title: title.to_string(),
         unit: unit.to_string(),
+        zero: true,
         curves: (0..last.contacts.len())
             .map(|i| Series {
                 name: last.contacts[i].name.clone(),
@@ -89,6 +73,7 @@ fn panels(steps: &[&Solution<2>], labels: &Labels) -> Vec<Panel> {
     list.extend(probes.map(|(i, probe)| Panel {
         title: probe.name.clone(),
         unit: labels.unit(probe.dimension).to_string(),
+        zero: true,
         curves: vec![Series {
             name: String::new(),
             values: steps.iter().map(|s| s.probes[i].value).collect(),
@@ -97,67 +82,19 @@ fn panels(steps: &[&Solution<2>], labels: &Labels) -> Vec<Panel> {
     list
 }
 
-/// Room for one plot, with title, numbers and label.
-const PANEL: [f64; 2] = [WIDTH / 2.0, 190.0];
-
 fn steps_figure(steps: &[&Solution<2>], labels: &Labels) -> Option<String> {
     let panels = panels(steps, labels);
     if panels.is_empty() {
         return None;
     }
     let times: Vec<f64> = steps.iter().map(|s| s.time).collect();
-    let rows = panels.len().div_ceil(2);
-    let height = rows as f64 * PANEL[1];
-    let mut svg = Svg::new(
-        "steps",
-        "Contact and probes against the time of the load steps",
-        WIDTH,
-        height,
-    );
-    for (i, panel) in panels.iter().enumerate() {
-        let corner = [(i % 2) as f64 * PANEL[0], (i / 2) as f64 * PANEL[1]];
-        draw_panel(&mut svg, panel, &times, corner);
-    }
-    Some(svg.finish())
-}
-
-fn draw_panel(svg: &mut Svg, panel: &Panel, times: &[f64], corner: [f64; 2]) {
-    let values: Vec<f64> = panel.curves.iter().flat_map(|c| c.values.clone()).collect();
-    let mut y = Axis::linear(&panel.title, &panel.unit, &values, true, 4).widened(0.08);
-    let title = std::mem::take(&mut y.label);
-    let mut x = Axis::linear("t", "", times, false, 6);
-    let room = 0.03 * (x.range[1] - x.range[0]);
-    x.range = [x.range[0] - room, x.range[1] + room];
-    let frame = Frame {
-        corner: [corner[0] + 52.0, corner[1] + 22.0],
-        size: [PANEL[0] - 70.0, PANEL[1] - 70.0],
-        x,
-        y,
+    let x = Abscissae {
+        axis: Axis::linear("t", "", &times, false, 6).roomy(),
+        values: &times,
+        hint: &|i, t| format!("step {}, t = {}", i + 1, number(t)),
     };
-    frame.draw(svg, true);
-    let start = [frame.corner[0], frame.corner[1] - 8.0];
-    svg.text(start, &title, Type::LABEL.anchored(Anchor::Start).bold());
-    let mut key = start[0] + text_width(&title, Type::LABEL.size) * 1.1 + 12.0;
-    for (curve, colour) in panel.curves.iter().zip(SERIES.iter().cycle()) {
-        let points: Vec<[f64; 2]> = times
-            .iter()
-            .zip(&curve.values)
-            .map(|(&t, &v)| [t, v])
-            .collect();
-        frame.curve(svg, &points, colour, 1.8);
-        if times.len() <= MOST_DOTS {
-            let seen = points.iter().enumerate().filter(|(_, p)| p[1].is_finite());
-            for (i, p) in seen {
-                let hint = format!("step {}, t = {}: {}", i + 1, number(p[0]), number(p[1]));
-                svg.circle(frame.at(p[0], p[1]), 2.8, colour, "#fff", &hint);
-            }
-        }
-        if panel.curves.len() > 1 {
-            let style = Type::LABEL.anchored(Anchor::Start).coloured(colour);
-            svg.text([key, start[1]], &curve.name, style);
-            key += text_width(&curve.name, style.size) + 10.0;
-        }
-    }
+    let title = "Contact and probes against the time of the load steps";
+    Some(panels_figure("steps", title, &panels, &x))
 }
 
 fn first_cells(step: usize, solution: &Solution<2>) -> Vec<String> {

@@ -1,7 +1,7 @@
 //! Load steps: each is the answer that a run of its own gives, whatever came before it.
 
 use dotyk::mesh::Diagonals;
-use dotyk::model::{Event, Motion, Pair};
+use dotyk::model::{Event, Law, Motion, Pair, Reuse, Study, Varied};
 use dotyk::prelude::*;
 
 fn field(text: &str) -> Field {
@@ -273,4 +273,151 @@ fn comparing_and_condensing_take_the_last_step() {
     let alone = punch(&[1.0]).dual_problem(DENSE_LIMIT).unwrap();
     assert_eq!(several.shift, alone.shift);
     assert_eq!(several.balance.load(), alone.balance.load());
+}
+
+/// What a change does to a model, and whether its stiffness stays.
+type Change = (&'static str, fn(&mut Model<2>), bool);
+
+const CHANGES: [Change; 10] = [
+    (
+        "load",
+        |m| m.bodies[1].body_force[1] = field("-35 * t"),
+        true,
+    ),
+    (
+        "one more load",
+        |m| drop(m.press(BodyId(1), "top", 90.0)),
+        true,
+    ),
+    (
+        "support",
+        |m| m.bodies[0].supports[0].components[1] = Some(field("2e-3 * t")),
+        true,
+    ),
+    (
+        "gap",
+        |m| m.contacts[0].gap = Some(Gap::Given(field("1e-3 * (x - 2)^2"))),
+        true,
+    ),
+    ("times", |m| m.times = vec![0.3, 0.9], true),
+    ("probe", |m| drop(m.probes.pop()), true),
+    (
+        "friction",
+        |m| m.contacts[0].law = Law::Coulomb(Field::constant(0.4)),
+        false,
+    ),
+    (
+        "stiffness",
+        |m| m.bodies[0].materials[0].elastic.young *= 1.5,
+        false,
+    ),
+    (
+        "held",
+        |m| m.bodies[0].supports[0].components[0] = None,
+        false,
+    ),
+    (
+        "constant gap",
+        |m| m.contacts[0].gap = Some(Gap::Given(Field::constant(1e-4))),
+        false,
+    ),
+];
+
+#[test]
+fn what_a_model_of_the_same_stiffness_left_is_taken_up_and_nothing_else() {
+    for (name, change, same) in CHANGES {
+        let first = punch(&[0.5, 1.0]);
+        let mut second = first.clone();
+        change(&mut second);
+        assert_eq!(second.has_stiffness_of(&first), same, "{name}");
+        let mut reuse = Reuse::default();
+        first.solve_steps_reusing(&mut reuse, &mut |_| {}).unwrap();
+        let mut factored = false;
+        let mut watch = |event| factored |= matches!(event, Event::Stage("factor"));
+        let reused = second.solve_steps_reusing(&mut reuse, &mut watch).unwrap();
+        assert_eq!(factored, !same, "{name}");
+        let alone = second.solve_steps().unwrap();
+        assert_eq!(reused.len(), alone.len());
+        for (reused, alone) in reused.iter().zip(&alone) {
+            // the same problem, but for rounding of its right-hand side
+            assert_same(reused, alone, 1e-11);
+        }
+    }
+}
+
+#[test]
+fn friction_of_another_strength_and_failures_leave_what_was_factored() {
+    let with = |coefficient: f64, push: f64| {
+        let mut model = punch(&[1.0]);
+        model.bodies[1].supports.clear();
+        model.bodies[1].body_force[0] = Field::constant(push);
+        model.contacts[0].law = Law::Coulomb(Field::constant(coefficient));
+        model.contacts[0].gap = Some(Gap::Closed);
+        model
+    };
+    let mut reuse = Reuse::default();
+    for (k, (coefficient, push)) in [(0.5, 10.0), (0.2, 10.0), (0.2, 1e4), (0.3, -10.0)]
+        .into_iter()
+        .enumerate()
+    {
+        let model = with(coefficient, push);
+        let mut factored = false;
+        let mut watch = |event| factored |= matches!(event, Event::Stage("factor"));
+        let reused = model.solve_steps_reusing(&mut reuse, &mut watch);
+        assert_eq!(factored, k == 0);
+        match (reused, model.solve_steps()) {
+            (Ok(reused), Ok(alone)) => assert_same(&reused[0], &alone[0], 1e-8),
+            (Err(reused), Err(alone)) => assert_eq!(reused.to_string(), alone.to_string()),
+            (reused, alone) => panic!("{:?} {:?}", reused.is_ok(), alone.is_ok()),
+        }
+    }
+}
+
+#[test]
+fn a_study_gives_every_member_the_answer_of_its_own_run_and_failures_their_reason() {
+    let make = |values: &[f64]| {
+        let [young, load] = values else {
+            unreachable!()
+        };
+        if *load > 1e3 {
+            return Err("too much".to_string());
+        }
+        let mut model = punch(&[0.5, 1.0]);
+        model.bodies[0].materials[0].elastic.young = *young;
+        model.press(BodyId(1), "top", *load);
+        Ok(model)
+    };
+    let varied = |name: &str, values: &[f64]| Varied {
+        name: name.to_string(),
+        values: values.to_vec(),
+        log: false,
+    };
+    let varied = vec![
+        varied("young", &[1e5, 2e5, 3e5]),
+        varied("load", &[0.0, 10.0, 2e3]),
+    ];
+    let count = std::sync::atomic::AtomicUsize::new(0);
+    let one_more = || drop(count.fetch_add(1, std::sync::atomic::Ordering::Relaxed));
+    let own = [1e5, 10.0];
+    let study = Study::run((make(&own).unwrap(), &own), varied, &make, &one_more);
+    assert_eq!((study.members.len(), count.into_inner()), (9, 9));
+    assert!(!study.converged());
+    for (k, member) in study.members.iter().enumerate() {
+        assert_eq!(
+            member.values,
+            [[1e5, 2e5, 3e5][k / 3], [0.0, 10.0, 2e3][k % 3]]
+        );
+        assert_eq!(study.places(k), [k / 3, k % 3]);
+        match make(&member.values) {
+            Ok(model) => {
+                let alone = model.solve().unwrap().probes[0].value;
+                assert!(member.converged && member.reason.is_empty());
+                assert!((member.probes[0] - alone).abs() < 1e-11 * alone.abs());
+            }
+            Err(reason) => {
+                assert_eq!((member.converged, &member.reason), (false, &reason));
+                assert!(member.probes[0].is_nan());
+            }
+        }
+    }
 }

@@ -1,0 +1,190 @@
+//! A model solved for many values of its parameters.
+//!
+//! Members that differ in loads, friction, prescribed values or steps alone share one factorisation ([`Reuse`]): parameters
+//! that change the stiffness are varied outermost, and what is inside such a loop is solved one after the other. Different
+//! stiffnesses are solved in parallel.
+
+use crate::model::nouns::Model;
+use crate::model::quantity::Dimension;
+use crate::model::reuse::Reuse;
+use rayon::prelude::*;
+use std::collections::BTreeMap;
+
+/// A parameter and the values that it takes.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Varied {
+    /// Name of the parameter.
+    pub name: String,
+    /// Its values, at least one.
+    pub values: Vec<f64>,
+    /// The values are spaced by equal ratios: plots are logarithmic.
+    pub log: bool,
+}
+
+/// What is read in every member.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Column {
+    /// Name of the probe.
+    pub name: String,
+    /// What it is measured in.
+    pub dimension: Dimension,
+}
+
+/// The case for one choice of values.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Member {
+    /// Values of the varied parameters, in their order.
+    pub values: Vec<f64>,
+    /// Values of the probes in the last load step, NaN where it has no answer.
+    pub probes: Vec<f64>,
+    /// Every load step has its certificate.
+    pub converged: bool,
+    /// Why not; empty if it has.
+    pub reason: String,
+}
+
+/// A model solved for all combinations of some values.
+#[derive(Debug, Clone)]
+pub struct Study {
+    /// The model with its own values.
+    pub model: Model<2>,
+    /// What was varied.
+    pub varied: Vec<Varied>,
+    /// What was read.
+    pub probes: Vec<Column>,
+    /// All combinations; the first parameter changes slowest.
+    pub members: Vec<Member>,
+}
+
+/// Makes the model for some values, or says why there is none.
+type Make<'a> = dyn Fn(&[f64]) -> Result<Model<2>, String> + Sync + 'a;
+
+impl Study {
+    /// Solves the models that `make` makes for all combinations of values. `model` has the values `own`; `observe` is told
+    /// when a member is done. What cannot be made or solved is a member with its reason.
+    pub fn run(
+        (model, own): (Model<2>, &[f64]),
+        varied: Vec<Varied>,
+        make: &Make<'_>,
+        observe: &(dyn Fn() + Sync),
+    ) -> Self {
+        let probes = model.probes.iter().map(|probe| Column {
+            name: probe.name.clone(),
+            dimension: probe.quantity.dimension(),
+        });
+        let probes: Vec<Column> = probes.collect();
+        let stiff = |k: usize| changes_stiffness((&model, own), k, &varied[k], make);
+        let stiff: Vec<bool> = (0..varied.len()).map(stiff).collect();
+        let members = groups(&varied, &stiff).into_par_iter().map(|group| {
+            let mut reuse = Reuse::default();
+            let solve = |index: usize| {
+                let values = combination(&varied, index);
+                let member = member(make(&values), values, probes.len(), &mut reuse);
+                observe();
+                (index, member)
+            };
+            group.into_iter().map(solve).collect::<Vec<_>>()
+        });
+        let mut members: Vec<(usize, Member)> = members.flatten_iter().collect();
+        members.sort_by_key(|(index, _)| *index);
+        Self {
+            members: members.into_iter().map(|(_, member)| member).collect(),
+            model,
+            varied,
+            probes,
+        }
+    }
+
+    /// Which value of every parameter a member has, by its index.
+    pub fn places(&self, member: usize) -> Vec<usize> {
+        places(&self.varied, member)
+    }
+
+    /// Every member has its answer.
+    pub fn converged(&self) -> bool {
+        self.members.iter().all(|member| member.converged)
+    }
+
+    /// Number of members of a study.
+    pub fn count(varied: &[Varied]) -> usize {
+        varied
+            .iter()
+            .map(|parameter| parameter.values.len())
+            .product()
+    }
+}
+
+/// Whether the ends of a parameter's range make another stiffness; then it is varied outermost.
+fn changes_stiffness(
+    (model, own): (&Model<2>, &[f64]),
+    index: usize,
+    parameter: &Varied,
+    make: &Make<'_>,
+) -> bool {
+    let ends = [parameter.values.first(), parameter.values.last()];
+    ends.into_iter().flatten().any(|&value| {
+        let mut values = own.to_vec();
+        values[index] = value;
+        // what cannot be made is solved by nobody
+        make(&values).is_ok_and(|other| !other.has_stiffness_of(model))
+    })
+}
+
+/// Indices of the members, those of each stiffness together.
+fn groups(varied: &[Varied], stiff: &[bool]) -> Vec<Vec<usize>> {
+    let mut groups: BTreeMap<Vec<u64>, Vec<usize>> = BTreeMap::new();
+    for index in 0..Study::count(varied) {
+        let values = combination(varied, index);
+        let values = values.iter().zip(stiff).filter(|(_, stiff)| **stiff);
+        let key = values.map(|(value, _)| value.to_bits()).collect();
+        groups.entry(key).or_default().push(index);
+    }
+    groups.into_values().collect()
+}
+
+/// Which value of every parameter a member has; the first parameter changes slowest.
+fn places(varied: &[Varied], index: usize) -> Vec<usize> {
+    let mut rest = index;
+    let mut places: Vec<usize> = varied
+        .iter()
+        .rev()
+        .map(|parameter| {
+            let place = rest % parameter.values.len();
+            rest /= parameter.values.len();
+            place
+        })
+        .collect();
+    places.reverse();
+    places
+}
+
+/// Values of a member.
+fn combination(varied: &[Varied], index: usize) -> Vec<f64> {
+    let places = places(varied, index).into_iter().zip(varied);
+    places
+        .map(|(place, parameter)| parameter.values[place])
+        .collect()
+}
+
+fn member(
+    model: Result<Model<2>, String>,
+    values: Vec<f64>,
+    probes: usize,
+    reuse: &mut Reuse<2>,
+) -> Member {
+    let solved = model.and_then(|model| {
+        let steps = model.solve_steps_reusing(reuse, &mut |_| {});
+        steps.map_err(|error| error.to_string())
+    });
+    let (read, reason) = match solved {
+        Ok(steps) => (steps.last().map(|last| last.probes.clone()), String::new()),
+        Err(reason) => (None, reason),
+    };
+    let read = read.map(|read| read.iter().map(|probe| probe.value).collect());
+    Member {
+        values,
+        converged: reason.is_empty(),
+        probes: read.unwrap_or_else(|| vec![f64::NAN; probes]),
+        reason,
+    }
+}
