@@ -1,6 +1,6 @@
 //! Errors of a text file, with the place in it.
 
-use crate::case::suggest::{listed, nearest};
+use crate::case::suggest::{listed, meaning, nearest};
 use std::fmt;
 use std::ops::Range;
 use std::sync::Arc;
@@ -95,16 +95,18 @@ impl Fault {
         self
     }
 
-    /// What is nearest to a word that is not known, after `label`, and all that is known, after `help`.
+    /// What a word that is not known means or is nearest to, after `label`, and all that is known, after `help`.
     pub fn nearest<'k>(
         self,
         word: &str,
         [label, help]: [&str; 2],
         known: impl Iterator<Item = &'k str> + Clone,
     ) -> Self {
-        let near = nearest(word, known.clone()).unwrap_or_default();
-        self.label(format!("{label} is `{near}`"))
-            .help(format!("{help}: {}", listed(known)))
+        let label = meaning(word, known.clone()).unwrap_or_else(|| {
+            let near = nearest(word, known.clone()).unwrap_or_default();
+            format!("{label} is `{near}`")
+        });
+        self.label(label).help(format!("{help}: {}", listed(known)))
     }
 
     /// The error with its file. A span over several lines is cut to its first one, which is what a report can underline.

@@ -1,11 +1,48 @@
-//! The nearest known name to a misspelled one.
+//! What a word that is not known was meant to be: a slip of the pen, or a word of another program.
 //!
-//! Distance: insertions, deletions, replacements and swaps of neighbours, each counted once
-//! (optimal string alignment); case does not count.
+//! Distance of two words: insertions, deletions, replacements and swaps of neighbours, each counted once
+//! (optimal string alignment); case does not count. Words of other programs are those of their manuals and input files:
+//! Abaqus, Code_Aster, PLAXIS, CalculiX, and what textbooks write.
+
+/// Words of other programs and what they mean here; the file says how to read it.
+const MEANINGS: &str = include_str!("words.txt");
+
+/// Our word, where it stands (`-` among the words asked for), what others call it; `!` for a word of ours and what to do
+/// where there is none.
+fn meanings() -> impl Iterator<Item = [&'static str; 3]> {
+    let lines = MEANINGS.lines().filter(|line| !line.starts_with('#'));
+    lines.filter_map(|line| {
+        let mut parts = line.split(" | ");
+        Some([parts.next()?, parts.next()?, parts.next()?])
+    })
+}
 
 /// The known name with the smallest distance to `name`; ties go to the first. `None` without any known name.
 pub fn nearest<'a>(name: &str, known: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
     known.into_iter().min_by_key(|k| distance(name, k))
+}
+
+/// What a word of another program or a textbook means here, where it is not one of the known words misspelled.
+pub fn meaning<'a>(word: &str, known: impl Iterator<Item = &'a str> + Clone) -> Option<String> {
+    let plain: String = word
+        .to_lowercase()
+        .chars()
+        .filter(|c| c.is_alphanumeric())
+        .collect();
+    // one letter of a short word makes another word
+    let slip = |near: &str| plain.len() > 2 && distance(word, near) <= 1;
+    if nearest(word, known.clone()).is_some_and(slip) {
+        return None;
+    }
+    let ours = || meanings().filter(|[.., others]| others.split(' ').any(|other| other == plain));
+    if let Some([word, ..]) = ours().find(|[word, ..]| known.clone().any(|known| known == *word)) {
+        return Some(format!("here it is `{word}`"));
+    }
+    ours().find_map(|[word, place, _]| match (word, place) {
+        (_, "-") => None,
+        ("!", instead) => Some(instead.to_string()),
+        (word, place) => Some(format!("`{word}` in {place}")),
+    })
 }
 
 /// Number of edits between two names.
@@ -43,6 +80,81 @@ mod tests {
     #[test]
     fn a_swap_is_nearer_than_two_replacements() {
         assert_eq!(nearest("mehs", ["mash", "mesh"]), Some("mesh"));
+    }
+
+    #[test]
+    fn words_of_other_programs_lead_to_ours() {
+        let body = [
+            "name",
+            "mesh",
+            "material",
+            "fix",
+            "load",
+            "body_force",
+            "surface",
+        ];
+        let contact = [
+            "name",
+            "nonmortar",
+            "mortar",
+            "sides",
+            "gap",
+            "friction",
+            "tied",
+            "pairing",
+        ];
+        let material = ["young", "poisson", "thickness", "group"];
+        let in_ = |known: &[&'static str], word: &str| meaning(word, known.iter().copied());
+        for (known, word, expected) in [
+            (&material[..], "E", "here it is `young`"),
+            (&body, "E", "`young` in material"),
+            (&material, "nu", "here it is `poisson`"),
+            (&body, "gravity", "here it is `body_force`"),
+            (&body, "unit_weight", "here it is `body_force`"),
+            (&material, "density", "`body_force` in [[body]]"),
+            (&contact, "mu", "here it is `friction`"),
+            (&contact, "slave", "here it is `nonmortar`"),
+            (&contact, "MASTER", "here it is `mortar`"),
+            (&contact, "GROUP_MA_ESCL", "here it is `nonmortar`"),
+            (&contact, "clearance", "here it is `gap`"),
+            (&contact, "penalty", "contact is exact"),
+            (&body, "initial_stress", "not supported yet"),
+            (&body, "boundary conditions", "here it is `fix`"),
+            (
+                &["displacement", "stress", "reaction"],
+                "U",
+                "here it is `displacement`",
+            ),
+            (
+                &["pressure", "gap", "shear", "slip"],
+                "CPRESS",
+                "here it is `pressure`",
+            ),
+        ] {
+            let found = in_(known, word).unwrap_or_default();
+            assert!(found.starts_with(expected), "{word}: {found}");
+        }
+        // a slip of the pen is one, whatever the word means elsewhere
+        assert_eq!(in_(&contact, "side"), None);
+        assert_eq!(in_(&body, "lod"), None);
+    }
+
+    #[test]
+    fn every_word_of_ours_is_one() {
+        let keys = crate::case::keys::ALL
+            .iter()
+            .flat_map(|(_, keys)| keys.iter());
+        let keys: Vec<&str> = keys.copied().collect();
+        assert!(meanings().count() > 30);
+        for [word, place, others] in meanings() {
+            let bare = word.trim_matches(['[', ']']);
+            assert!(
+                place == "-" || word == "!" || keys.contains(&bare),
+                "{word}"
+            );
+            let plain = |c: char| c.is_ascii_lowercase() || c.is_ascii_digit() || c == ' ';
+            assert!(others.chars().all(plain), "{others}");
+        }
     }
 
     #[test]
