@@ -522,6 +522,7 @@ fn every_step_leaves_its_fields_its_rows_and_its_summary() {
     for body in ["low", "up"] {
         expected.extend((1..4).map(|step| format!("{body}_{step:04}.vtu")));
     }
+    expected.extend((1..4).map(|step| format!("case_{step:04}.vtm")));
     expected.extend(["report.html", "summary.json"].map(String::from));
     expected.sort();
     assert_eq!(run.files(), expected);
@@ -557,6 +558,7 @@ fn a_step_that_does_not_converge_leaves_the_good_ones() {
     assert_eq!(run.status, Some(1), "{}", run.stderr);
     let good = [
         "case.pvd",
+        "case_0001.vtm",
         "contact.csv",
         "low_0001.vtu",
         "report.html",

@@ -67,6 +67,30 @@ impl Lame {
             shear(0, 2),
         ]
     }
+
+    /// Strain (xx yy zz xy yz xz, tensor components) of a displacement gradient and a hoop strain; in plane stress with the
+    /// one out of the plane.
+    pub fn strain<const D: usize>(self, gradient: [[f64; D]; D], hoop: f64) -> [f64; 6] {
+        let strain = |i: usize, j: usize| match i.max(j) < D {
+            true => 0.5 * (gradient[i][j] + gradient[j][i]),
+            false => 0.0,
+        };
+        let in_plane: f64 = (0..D).map(|i| gradient[i][i]).sum();
+        let zz = match D {
+            3 => strain(2, 2),
+            // σzz = 0: the reduced λ is 2μν/(1 − ν)
+            _ if self.out_of_plane != self.lambda => -self.lambda / (2.0 * self.mu) * in_plane,
+            _ => hoop,
+        };
+        [
+            strain(0, 0),
+            strain(1, 1),
+            zz,
+            strain(0, 1),
+            strain(1, 2),
+            strain(0, 2),
+        ]
+    }
 }
 
 #[cfg(test)]
@@ -94,5 +118,30 @@ mod tests {
         let s = Lame::new(STEEL, Analysis::PlaneStrain).stress([[0.2, 0.1], [0.1, -0.5]], 0.0);
         assert!((s[2] - 0.3 * (s[0] + s[1])).abs() < 1e-10);
         assert!((s[3] - 0.2 * 210.0 / 2.6).abs() < 1e-12);
+    }
+
+    #[test]
+    fn stress_and_strain_obey_hookes_law_in_space() {
+        let Elastic { young, poisson } = STEEL;
+        let gradient = [[1e-3, 4e-4], [-2e-4, -5e-4]];
+        for analysis in [
+            Analysis::PlaneStrain,
+            Analysis::PlaneStress,
+            Analysis::Axisymmetric,
+        ] {
+            let hoop = if analysis == Analysis::Axisymmetric {
+                7e-4
+            } else {
+                0.0
+            };
+            let lame = Lame::new(STEEL, analysis);
+            let (s, e) = (lame.stress(gradient, hoop), lame.strain(gradient, hoop));
+            let direct = |a: usize, b: usize, c: usize| (s[a] - poisson * (s[b] + s[c])) / young;
+            for (a, b, c) in [(0, 1, 2), (1, 2, 0), (2, 0, 1)] {
+                assert!((direct(a, b, c) - e[a]).abs() < 1e-15, "{analysis:?}");
+            }
+            assert!((s[3] * (1.0 + poisson) / young - e[3]).abs() < 1e-15);
+            assert_eq!(e[4..], [0.0, 0.0]);
+        }
     }
 }

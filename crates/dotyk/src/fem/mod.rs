@@ -25,7 +25,7 @@ pub use error::FemError;
 pub use loads::{Amount, Load};
 pub use modes::{RigidBasis, describe_motion};
 pub use nouns::{Analysis, Body, Elastic, Material, Place, Support};
-pub use stress::{recover_stress, von_mises};
+pub use stress::{principal, recover_strain, recover_stress, von_mises};
 pub use supports::{Constraints, Held, nearest_node, node_normals};
 
 pub(crate) use cells::measure;

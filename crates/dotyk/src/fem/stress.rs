@@ -1,4 +1,4 @@
-//! Stress at the nodes, recovered from the displacements.
+//! Stress and strain at the nodes, recovered from the displacements.
 //!
 //! In each cell the stress is sampled at the points where it is most accurate (the centre of a linear simplex, else the
 //! corners drawn towards the centre: three points in a quadratic triangle, 2 × 2 in quadrilaterals), extrapolated to the
@@ -21,6 +21,29 @@ pub fn recover_stress<const D: usize>(
     analysis: Analysis,
     displacement: &[Point<D>],
 ) -> Result<Vec<[f64; 6]>, FemError> {
+    recover(body, analysis, displacement, Lame::stress)
+}
+
+/// Recovered strain (xx yy zz xy yz xz, tensor components) at every node, as [`recover_stress`].
+///
+/// Errors: a group of cells without a material.
+pub fn recover_strain<const D: usize>(
+    body: &Body<D>,
+    analysis: Analysis,
+    displacement: &[Point<D>],
+) -> Result<Vec<[f64; 6]>, FemError> {
+    recover(body, analysis, displacement, Lame::strain)
+}
+
+/// What follows from the displacement gradient and the hoop strain.
+type Local<const D: usize> = fn(Lame, [[f64; D]; D], f64) -> [f64; 6];
+
+fn recover<const D: usize>(
+    body: &Body<D>,
+    analysis: Analysis,
+    displacement: &[Point<D>],
+    local: Local<D>,
+) -> Result<Vec<[f64; 6]>, FemError> {
     let mesh = &body.mesh;
     let mut sums = vec![[0.0; 7]; mesh.points().len()];
     for block in mesh.blocks() {
@@ -36,8 +59,14 @@ pub fn recover_stress<const D: usize>(
             .for_each(|(out, cells)| {
                 for (out, cell) in out.chunks_exact_mut(table.len()).zip(cells.chunks_exact(k)) {
                     for (q, sample) in out.iter_mut().enumerate() {
-                        *sample =
-                            sample_stress(&table, q, body, analysis, lame, cell, displacement);
+                        *sample = sampled(
+                            (&table, q),
+                            body,
+                            analysis,
+                            (lame, local),
+                            cell,
+                            displacement,
+                        );
                     }
                 }
             });
@@ -66,12 +95,12 @@ pub fn recover_stress<const D: usize>(
 /// Cells per parallel task.
 const CHUNK: usize = 256;
 
-fn sample_stress<const D: usize>(
-    table: &CellTable<D>,
-    q: usize,
+/// The six numbers at a sample, and its volume.
+fn sampled<const D: usize>(
+    (table, q): (&CellTable<D>, usize),
     body: &Body<D>,
     analysis: Analysis,
-    lame: Lame,
+    (lame, local): (Lame, Local<D>),
     cell: &[u32],
     displacement: &[Point<D>],
 ) -> [f64; 7] {
@@ -93,7 +122,7 @@ fn sample_stress<const D: usize>(
     } else {
         0.0
     };
-    let s = lame.stress(h, hoop);
+    let s = local(lame, h, hoop);
     [
         s[0],
         s[1],
@@ -143,4 +172,47 @@ fn extrapolation(kind: CellKind) -> Vec<Vec<f64>> {
 pub fn von_mises(s: [f64; 6]) -> f64 {
     let d = (s[0] - s[1]).powi(2) + (s[1] - s[2]).powi(2) + (s[2] - s[0]).powi(2);
     (0.5 * d + 3.0 * (s[3] * s[3] + s[4] * s[4] + s[5] * s[5])).sqrt()
+}
+
+/// Principal stresses of (xx yy zz xy yz xz), largest first, by the trigonometric solution of the characteristic equation.
+pub fn principal(s: [f64; 6]) -> [f64; 3] {
+    let mean = (s[0] + s[1] + s[2]) / 3.0;
+    let d = [s[0] - mean, s[1] - mean, s[2] - mean];
+    let shear = s[3] * s[3] + s[4] * s[4] + s[5] * s[5];
+    let j2 = 0.5 * (d[0] * d[0] + d[1] * d[1] + d[2] * d[2]) + shear;
+    if j2 == 0.0 {
+        return [mean; 3];
+    }
+    // det of the deviator with entries xy = s[3], yz = s[4], xz = s[5]
+    let j3 = d[0] * (d[1] * d[2] - s[4] * s[4]) - s[3] * (s[3] * d[2] - s[4] * s[5])
+        + s[5] * (s[3] * s[4] - d[1] * s[5]);
+    let radius = 2.0 * (j2 / 3.0).sqrt();
+    let cosine = (0.5 * j3 * (3.0 / j2).powf(1.5)).clamp(-1.0, 1.0);
+    let angle = cosine.acos() / 3.0;
+    let third = 2.0 * std::f64::consts::PI / 3.0;
+    let mut values = [0.0, -third, third].map(|shift| mean + radius * (angle + shift).cos());
+    values.sort_by(|a, b| b.total_cmp(a));
+    values
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn principal_stresses_of_known_states() {
+        let close = |a: [f64; 3], b: [f64; 3]| a.iter().zip(b).all(|(x, y)| (x - y).abs() < 1e-12);
+        assert!(close(
+            principal([3.0, 1.0, -2.0, 0.0, 0.0, 0.0]),
+            [3.0, 1.0, -2.0]
+        ));
+        assert!(close(
+            principal([0.0, 0.0, 0.0, 5.0, 0.0, 0.0]),
+            [5.0, 0.0, -5.0]
+        ));
+        assert!(close(
+            principal([-2.0, -2.0, -2.0, 0.0, 0.0, 0.0]),
+            [-2.0; 3]
+        ));
+    }
 }

@@ -2,7 +2,9 @@
 
 use crate::contact::{Coupling, InterfaceNode, Role, Row};
 use crate::dual::{AdmissibleSet, NONE};
-use crate::fem::{RigidBasis, describe_motion, fit_rigid, recover_stress, von_mises};
+use crate::fem::{
+    RigidBasis, describe_motion, fit_rigid, recover_strain, recover_stress, von_mises,
+};
 use crate::geometry::{Point, add_scaled, bounding_box, cross, distance, dot, norm, sub};
 use crate::model::bodies::LoadedBody;
 use crate::model::condense::Condensed;
@@ -54,8 +56,9 @@ fn body_solution<const D: usize>(
     factored: &LoadedBody<D>,
     state: BodyState<D>,
 ) -> Result<BodySolution<D>, Error<D>> {
-    let stress = recover_stress(body, model.analysis, &state.u);
-    let stress = stress.map_err(|source| Error::in_body(body, source))?;
+    let fail = |source| Error::in_body(body, source);
+    let stress = recover_stress(body, model.analysis, &state.u).map_err(fail)?;
+    let strain = recover_strain(body, model.analysis, &state.u).map_err(fail)?;
     let points = body.mesh.points();
     let basis = RigidBasis::of(model.analysis);
     let (translation, rotation) = fit_rigid(basis, points, &state.u, centroid(points));
@@ -75,6 +78,8 @@ fn body_solution<const D: usize>(
         name: body.name.clone(),
         von_mises: stress.iter().map(|&s| von_mises(s)).collect(),
         stress,
+        strain,
+        contact_forces: state.contact_forces,
         side_reactions: side_reactions(body, factored, &state.reactions),
         reaction: state
             .reactions

@@ -53,6 +53,8 @@ pub(crate) fn rigid_displacement<const D: usize>(
 pub(crate) struct BodyState<const D: usize> {
     pub u: Vec<Point<D>>,
     pub reactions: Vec<Point<D>>,
+    /// Forces of all contacts.
+    pub contact_forces: Vec<Point<D>>,
     /// External, support and contact force of every node.
     pub total: Vec<Point<D>>,
     pub strain_energy: f64,
@@ -142,6 +144,7 @@ impl<const D: usize> BodyState<D> {
             driving_force: driving_force(body, loaded, &reactions),
             rounding: ROUNDING * norm_of_terms(&system.stiffness.diagonal(), u),
             reactions,
+            contact_forces: system.to_global(&push.iter().map(|force| -force).collect::<Vec<_>>()),
             total: system.to_global(&total),
             strain_energy,
             unbalanced_work: 2.0 * strain_energy - external,

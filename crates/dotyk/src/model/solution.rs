@@ -139,10 +139,14 @@ pub struct BodySolution<const D: usize> {
     pub displacement: Vec<Point<D>>,
     /// Stress at every node: xx yy zz xy yz xz.
     pub stress: Vec<[f64; 6]>,
+    /// Strain at every node: xx yy zz xy yz xz, tensor components.
+    pub strain: Vec<[f64; 6]>,
     /// Von Mises stress at every node.
     pub von_mises: Vec<f64>,
     /// Force of its supports ON the body at every node (zero where not held).
     pub reactions: Vec<Point<D>>,
+    /// Force of all contacts ON the body at every node. With loads and reactions it balances the internal forces.
+    pub contact_forces: Vec<Point<D>>,
     /// Reactions by the side that is held.
     pub side_reactions: BTreeMap<String, Point<D>>,
     /// Rigid motions that its supports leave free.

@@ -181,13 +181,13 @@ impl<'a> Run<'a> {
     }
 }
 
-/// Writes all result files into a folder and returns their paths: a VTU file per body and step, `case.pvd`,
-/// `contact.csv`, `summary.json`, `report.html`.
+/// Writes all result files into a folder and returns their paths: a VTU file per body and step, a VTM file per step that
+/// names them as blocks, `case.pvd`, `contact.csv`, `summary.json`, `report.html`.
 ///
 /// `seconds.write` in the summary is the time that all other files took, and `seconds.total` all of it since the run began;
 /// the report, which is one of these files, tells the time up to itself.
-/// The folder is made where it does not exist; files of other names in it stay, but for the VTU files of an earlier run,
-/// which its `case.pvd` names.
+/// The folder is made where it does not exist; files of other names in it stay, but for the VTU and VTM files of an
+/// earlier run, as its `case.pvd` tells.
 /// Errors: any [`Error`]; then the folder is as it was before.
 pub fn write(record: &Record<'_>, dir: &Path) -> Result<Vec<PathBuf>, Error> {
     let start = Instant::now();
@@ -200,6 +200,10 @@ pub fn write(record: &Record<'_>, dir: &Path) -> Result<Vec<PathBuf>, Error> {
             let name = vtu::file_name(&body.name, step, several);
             stage.put(&name, vtu::body_vtu(model, solution, i).as_bytes())?;
         }
+    }
+    for (step, solution) in steps.iter().enumerate() {
+        let name = vtu::blocks_name(step, several);
+        stage.put(&name, vtu::blocks(solution, step, several).as_bytes())?;
     }
     stage.put(COLLECTION, vtu::collection(steps, several).as_bytes())?;
     stage.put("contact.csv", csv::contact_csv(model, steps).as_bytes())?;
@@ -239,10 +243,12 @@ pub fn write_summary(record: &Record<'_>, dir: &Path) -> Result<PathBuf, Error> 
 /// The file that names all VTU files.
 const COLLECTION: &str = "case.pvd";
 
-/// VTU files of an earlier run in a folder, as its collection names them; none where it cannot be read.
+/// VTU and VTM files of an earlier run in a folder, as its collection names them; none where it cannot be read.
 fn earlier_fields(dir: &Path) -> Vec<String> {
     let text = std::fs::read_to_string(dir.join(COLLECTION)).unwrap_or_default();
-    vtu::collected(&text)
+    let mut files = vtu::collected(&text);
+    files.extend(vtu::collected_blocks(&text));
+    files
 }
 
 /// Writes `check.html`, the mesh-and-supports page of an unsolved model, with what the check found.
@@ -352,6 +358,7 @@ mod tests {
         let paths = write(&record(&model, from_ref(&solution)), scratch.path()).unwrap();
         let mut expected = vec![
             "case.pvd",
+            "case.vtm",
             "contact.csv",
             "notes.txt",
             "report.html",
@@ -393,6 +400,7 @@ mod tests {
             "rock_0002.vtu",
         ];
         assert_eq!(fields(dir), two);
+        assert!(dir.join("case_0002.vtm").exists() && !dir.join("case_0003.vtm").exists());
         write(&record(&model, from_ref(&solution)), dir).unwrap();
         assert_eq!(fields(dir), ["ring.vtu", "ring_0009.vtu", "rock.vtu"]);
         write_summary(&record(&model, &three), dir).unwrap();

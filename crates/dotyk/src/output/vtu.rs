@@ -1,17 +1,23 @@
 //! `BODY.vtu` and `case.pvd` for ParaView: undeformed points, cell kinds kept, point data at the nodes.
 //!
-//! Stress components are in the order xx yy zz xy yz xz. `pressure` and `gap` are NaN off the contact: they are defined
-//! at the nodes of a nonmortar side and, where the contact pairs nodes, at their partners. With friction or a tie there are
-//! `shear` (the traction on this body) and `contact_state`: 0 open, 1 closed, 2 stick, 3 slip, 4 tied, 5 fixed.
+//! Stress and strain components are in the order xx yy zz xy yz xz (strain: tensor components), with axial symmetry
+//! radial, axial and hoop. `principal_stress` is largest first. `reaction` and `contact_force` are nodal forces of supports and of
+//! all contacts on the body. `pressure`, `gap`, `contact_normal` and `contact_state` are defined at the nodes of a nonmortar
+//! side and, where the contact pairs nodes, at their partners (whose normal is the opposite one); elsewhere they are NaN, and
+//! the state is −1: 0 open, 1 closed, 2 stick, 3 slip, 4 tied, 5 fixed. With friction or a tie there is `shear`, the traction
+//! on this body. Cells have the index of their body; field data are the time and the units.
 //! Arrays are inline, little-endian, zlib in blocks, base64.
 //! Source: VTK file formats, section "XML file formats" (vtk.org).
 
-use crate::geometry::padded;
-use crate::model::{Law, Model, Solution, Status};
+use crate::fem::principal;
+use crate::geometry::{Point, padded};
+use crate::model::{Analysis, Law, Model, Solution, Status};
 use crate::output::encode::zlib;
 use crate::output::html::escape;
+use crate::output::text::Labels;
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
+use std::collections::BTreeSet;
 use std::fmt::Write;
 
 /// Uncompressed bytes per block.
@@ -24,11 +30,6 @@ pub fn body_vtu<const D: usize>(model: &Model<D>, solution: &Solution<D>, body: 
     let mesh = &model.bodies[body].mesh;
     let answer = &solution.bodies[body];
     let points: Vec<f64> = mesh.points().iter().flat_map(|&p| padded(p)).collect();
-    let displacement: Vec<f64> = answer
-        .displacement
-        .iter()
-        .flat_map(|&u| padded(u))
-        .collect();
     let fields = contact_fields(solution, body, mesh.points().len());
     let (mut connectivity, mut offsets, mut types) = (Vec::new(), Vec::new(), Vec::new());
     for block in mesh.blocks() {
@@ -43,6 +44,7 @@ pub fn body_vtu<const D: usize>(model: &Model<D>, solution: &Solution<D>, body: 
         "<?xml version=\"1.0\"?>\n<VTKFile type=\"UnstructuredGrid\" version=\"1.0\" byte_order=\"LittleEndian\" \
          header_type=\"UInt64\" compressor=\"vtkZLibDataCompressor\">\n<UnstructuredGrid>\n",
     );
+    field_data(&mut out, model, solution.time);
     let _ = writeln!(
         out,
         "<Piece NumberOfPoints=\"{}\" NumberOfCells=\"{}\">",
@@ -50,27 +52,106 @@ pub fn body_vtu<const D: usize>(model: &Model<D>, solution: &Solution<D>, body: 
         types.len()
     );
     out.push_str("<PointData Vectors=\"displacement\" Scalars=\"von_mises\">\n");
-    floats(&mut out, "displacement", 3, &displacement);
-    floats(&mut out, "stress", 6, answer.stress.as_flattened());
-    floats(&mut out, "von_mises", 1, &answer.von_mises);
-    floats(&mut out, "pressure", 1, &fields.pressure);
-    floats(&mut out, "gap", 1, &fields.gap);
+    let (tensor, vector) = component_names(model.analysis);
+    let vectors = |values: &[Point<D>]| -> Vec<f64> {
+        values.iter().flat_map(|&value| padded(value)).collect()
+    };
+    let principal: Vec<f64> = answer.stress.iter().flat_map(|&s| principal(s)).collect();
+    floats(
+        &mut out,
+        "displacement",
+        &vector,
+        &vectors(&answer.displacement),
+    );
+    floats(&mut out, "stress", &tensor, answer.stress.as_flattened());
+    floats(&mut out, "strain", &tensor, answer.strain.as_flattened());
+    floats(&mut out, "von_mises", &[], &answer.von_mises);
+    floats(
+        &mut out,
+        "principal_stress",
+        &["s1", "s2", "s3"],
+        &principal,
+    );
+    floats(&mut out, "reaction", &vector, &vectors(&answer.reactions));
+    floats(
+        &mut out,
+        "contact_force",
+        &vector,
+        &vectors(&answer.contact_forces),
+    );
+    floats(&mut out, "pressure", &[], &fields.pressure);
+    floats(&mut out, "gap", &[], &fields.gap);
+    floats(
+        &mut out,
+        "contact_normal",
+        &vector,
+        fields.normal.as_flattened(),
+    );
     let laws = model.contacts.iter().map(|contact| &contact.law);
     if laws
         .into_iter()
         .any(|law| !matches!(law, Law::Frictionless))
     {
-        floats(&mut out, "shear", 3, fields.shear.as_flattened());
-        floats(&mut out, "contact_state", 1, &fields.state);
+        floats(&mut out, "shear", &vector, fields.shear.as_flattened());
     }
+    let states: Vec<u8> = fields
+        .state
+        .iter()
+        .flat_map(|state| state.to_le_bytes())
+        .collect();
+    array(&mut out, "Int32", "contact_state", &[], &states);
     out.push_str("</PointData>\n<Points>\n");
-    floats(&mut out, "points", 3, &points);
+    floats(&mut out, "points", &AXES, &points);
     out.push_str("</Points>\n<Cells>\n");
     integers(&mut out, "connectivity", &connectivity);
     integers(&mut out, "offsets", &offsets);
-    array(&mut out, "UInt8", "types", 1, &types);
-    out.push_str("</Cells>\n</Piece>\n</UnstructuredGrid>\n</VTKFile>\n");
+    array(&mut out, "UInt8", "types", &[], &types);
+    out.push_str("</Cells>\n<CellData>\n");
+    let index: Vec<u8> = types
+        .iter()
+        .flat_map(|_| (body as i32).to_le_bytes())
+        .collect();
+    array(&mut out, "Int32", "body", &[], &index);
+    out.push_str("</CellData>\n</Piece>\n</UnstructuredGrid>\n</VTKFile>\n");
     out
+}
+
+const AXES: [&str; 3] = ["x", "y", "z"];
+
+/// Names of the components of tensors and vectors.
+fn component_names(analysis: Analysis) -> ([&'static str; 6], [&'static str; 3]) {
+    match analysis {
+        Analysis::Axisymmetric => (
+            ["rr", "axial", "hoop", "r_axial", "axial_hoop", "r_hoop"],
+            ["r", "axial", "hoop"],
+        ),
+        _ => (["xx", "yy", "zz", "xy", "yz", "xz"], AXES),
+    }
+}
+
+/// Time, and the units of length, force and stress where the model has them, as names of ones.
+fn field_data<const D: usize>(out: &mut String, model: &Model<D>, time: f64) {
+    let labels = Labels::of(model);
+    out.push_str("<FieldData>\n");
+    let _ = writeln!(
+        out,
+        "<DataArray type=\"Float64\" Name=\"TimeValue\" NumberOfTuples=\"1\" format=\"ascii\">{time:?}</DataArray>"
+    );
+    // units are names of numbers: readers such as meshio refuse files with texts
+    for (name, unit) in [
+        ("length", &labels.length),
+        ("force", &labels.force),
+        ("stress", &labels.stress),
+    ] {
+        if !unit.is_empty() {
+            let name = escape(&format!("unit of {name}: {unit}"));
+            let _ = writeln!(
+                out,
+                "<DataArray type=\"Float64\" Name=\"{name}\" NumberOfTuples=\"1\" format=\"ascii\">1</DataArray>"
+            );
+        }
+    }
+    out.push_str("</FieldData>\n");
 }
 
 /// Name of the VTU file of a body in a step, counted from 0, of several or of the only one.
@@ -79,6 +160,29 @@ pub fn file_name(body: &str, step: usize, several: bool) -> String {
         true => format!("{body}_{:04}.vtu", step + 1),
         false => format!("{body}.vtu"),
     }
+}
+
+/// Name of the file that names the bodies of a step as blocks.
+pub fn blocks_name(step: usize, several: bool) -> String {
+    file_name("case", step, several).replace(".vtu", ".vtm")
+}
+
+/// Content of that file: all bodies at one time.
+pub fn blocks<const D: usize>(solution: &Solution<D>, step: usize, several: bool) -> String {
+    let mut out = String::from(
+        "<?xml version=\"1.0\"?>\n<VTKFile type=\"vtkMultiBlockDataSet\" version=\"1.0\" byte_order=\"LittleEndian\">\n\
+         <vtkMultiBlockDataSet>\n",
+    );
+    for (index, body) in solution.bodies.iter().enumerate() {
+        let _ = writeln!(
+            out,
+            "<DataSet index=\"{index}\" name=\"{}\" {FILE}{}\"/>",
+            escape(&body.name),
+            escape(&file_name(&body.name, step, several))
+        );
+    }
+    out.push_str("</vtkMultiBlockDataSet>\n</VTKFile>\n");
+    out
 }
 
 /// Content of `case.pvd`: all bodies at all times; `several`: the model has several load steps.
@@ -114,23 +218,41 @@ pub fn collected(pvd: &str) -> Vec<String> {
     files.filter(ours).map(str::to_string).collect()
 }
 
+/// Files that name the blocks of the steps of which a collection names files.
+pub fn collected_blocks(pvd: &str) -> Vec<String> {
+    let step = |file: &String| {
+        let (_, step) = file.strip_suffix(".vtu")?.rsplit_once('_')?;
+        let is_step = step.len() >= 4 && step.bytes().all(|b| b.is_ascii_digit());
+        is_step.then(|| format!("case_{step}.vtm"))
+    };
+    let files = collected(pvd);
+    let steps: BTreeSet<String> = files.iter().filter_map(step).collect();
+    let one = (!files.is_empty()).then(|| "case.vtm".to_string());
+    steps.into_iter().chain(one).collect()
+}
+
 /// Contact at the nodes of a body; NaN off the contact.
 struct ContactFields {
     pressure: Vec<f64>,
     gap: Vec<f64>,
     shear: Vec<[f64; 3]>,
-    state: Vec<f64>,
+    /// Outward.
+    normal: Vec<[f64; 3]>,
+    state: Vec<i32>,
 }
 
+/// The state where there is no contact.
+const NO_STATE: i32 = -1;
+
 /// The number of a state.
-fn state_number(status: Status) -> f64 {
+fn state_number(status: Status) -> i32 {
     match status {
-        Status::Open => 0.0,
-        Status::Closed => 1.0,
-        Status::Stick => 2.0,
-        Status::Slip => 3.0,
-        Status::Tied => 4.0,
-        Status::Fixed => 5.0,
+        Status::Open => 0,
+        Status::Closed => 1,
+        Status::Stick => 2,
+        Status::Slip => 3,
+        Status::Tied => 4,
+        Status::Fixed => 5,
     }
 }
 
@@ -144,7 +266,8 @@ fn contact_fields<const D: usize>(
         pressure: vec![f64::NAN; nodes],
         gap: vec![f64::NAN; nodes],
         shear: vec![[f64::NAN; 3]; nodes],
-        state: vec![f64::NAN; nodes],
+        normal: vec![[f64::NAN; 3]; nodes],
+        state: vec![NO_STATE; nodes],
     };
     // Own sides first: what is read off a partner must not hide what a body says itself.
     for own in [true, false] {
@@ -161,8 +284,9 @@ fn contact_fields<const D: usize>(
                 let Some(at) = (if own { Some(node.node) } else { node.partner }) else {
                     continue;
                 };
-                if fields.state[at].is_nan() {
+                if fields.state[at] == NO_STATE {
                     let sign = if own { 1.0 } else { -1.0 };
+                    fields.normal[at] = padded(node.normal).map(|n| sign * n);
                     fields.shear[at] = padded(node.shear).map(|s| sign * s);
                     fields.state[at] = state_number(node.status);
                 }
@@ -181,18 +305,18 @@ fn contact_fields<const D: usize>(
     fields
 }
 
-fn floats(out: &mut String, name: &str, components: usize, values: &[f64]) {
+fn floats(out: &mut String, name: &str, components: &[&str], values: &[f64]) {
     let bytes: Vec<u8> = values.iter().flat_map(|v| v.to_le_bytes()).collect();
     array(out, "Float64", name, components, &bytes);
 }
 
 fn integers(out: &mut String, name: &str, values: &[i64]) {
     let bytes: Vec<u8> = values.iter().flat_map(|v| v.to_le_bytes()).collect();
-    array(out, "Int64", name, 1, &bytes);
+    array(out, "Int64", name, &[], &bytes);
 }
 
-/// One data array: a header of (blocks, block size, last block size, compressed sizes..), then the blocks.
-fn array(out: &mut String, kind: &str, name: &str, components: usize, bytes: &[u8]) {
+/// One data array, of vectors where its components have names: a header of (blocks, block size, last block size, compressed sizes..), then the blocks.
+fn array(out: &mut String, kind: &str, name: &str, components: &[&str], bytes: &[u8]) {
     let blocks: Vec<Vec<u8>> = bytes.chunks(BLOCK).map(zlib).collect();
     let mut header = vec![
         blocks.len() as u64,
@@ -203,13 +327,16 @@ fn array(out: &mut String, kind: &str, name: &str, components: usize, bytes: &[u
     header.extend(blocks.iter().map(|b| b.len() as u64));
     let header: Vec<u8> = header.iter().flat_map(|v| v.to_le_bytes()).collect();
     // Readers take a single component for a column of a matrix when it is spelled out.
-    let components = match components {
-        1 => String::new(),
+    let mut named = match components.len() {
+        0 => String::new(),
         several => format!(" NumberOfComponents=\"{several}\""),
     };
+    for (k, name) in components.iter().enumerate() {
+        named += &format!(" ComponentName{k}=\"{name}\"");
+    }
     let _ = writeln!(
         out,
-        "<DataArray type=\"{kind}\" Name=\"{name}\"{components} format=\"binary\">\n{}{}\n</DataArray>",
+        "<DataArray type=\"{kind}\" Name=\"{name}\"{named} format=\"binary\">\n{}{}\n</DataArray>",
         STANDARD.encode(&header),
         STANDARD.encode(blocks.concat())
     );
@@ -293,10 +420,78 @@ mod tests {
     }
 
     #[test]
+    fn strains_forces_and_states_are_told() {
+        let (model, solution) = tunnel::solved();
+        let ring = body_vtu(&model, &solution, 0);
+        let answer = &solution.bodies[0];
+        assert_eq!(read(&ring, "strain"), answer.strain.as_flattened());
+        // plane strain, Hooke's law for one node
+        let elastic = model.bodies[0].materials[0].elastic;
+        let (s, e) = (answer.stress[5], answer.strain[5]);
+        let xx = (s[0] - elastic.poisson * (s[1] + s[2])) / elastic.young;
+        assert!((xx - e[0]).abs() < 1e-12 * e[0].abs() && e[2] == 0.0);
+        let principal = read(&ring, "principal_stress");
+        let trace = |s: &[f64]| s[..3].iter().sum::<f64>();
+        assert!((trace(&principal[15..18]) - trace(&s)).abs() < 1e-9 * trace(&s).abs());
+        // the contact pushes the ring as it says
+        let forces = read(&ring, "contact_force");
+        let contact = &solution.contacts[0];
+        for axis in 0..2 {
+            let sum: f64 = forces.iter().skip(axis).step_by(3).sum();
+            let sign = if contact.nonmortar.body.0 == 0 {
+                1.0
+            } else {
+                -1.0
+            };
+            let scale = forces.iter().fold(0.0f64, |m, f| m.max(f.abs()));
+            assert!((sum - sign * contact.resultant[axis]).abs() < 1e-9 * scale);
+        }
+        let numbers = |name: &str| -> Vec<i32> {
+            let line = ring.split(&format!("Name=\"{name}\"")).nth(1).unwrap();
+            let mut bytes = Vec::new();
+            let data = unbase64(&line.lines().nth(1).unwrap()[44..]);
+            flate2::read::ZlibDecoder::new(&data[..])
+                .read_to_end(&mut bytes)
+                .unwrap();
+            bytes
+                .chunks(4)
+                .map(|c| i32::from_le_bytes(c.try_into().unwrap()))
+                .collect()
+        };
+        let states = numbers("contact_state");
+        let closed = |status: Status| i32::from(status != Status::Open);
+        for node in &contact.nodes {
+            let at = if contact.nonmortar.body.0 == 0 {
+                node.node
+            } else {
+                node.partner.unwrap()
+            };
+            assert_eq!(states[at], closed(node.status));
+        }
+        let off = states.iter().filter(|state| **state == -1).count();
+        assert_eq!(off, states.len() - contact.nodes.len());
+        assert!(numbers("body").iter().all(|body| *body == 0));
+        assert!(ring.contains("ComponentName3=\"xy\""));
+        assert!(ring.contains("Name=\"unit of stress: MN/m²\""));
+    }
+
+    #[test]
+    fn blocks_have_the_names_of_the_bodies() {
+        let (_, solution) = tunnel::solved();
+        let text = blocks(&solution, 0, false);
+        assert!(text.contains("<DataSet index=\"1\" name=\"rock\" file=\"rock.vtu\"/>"));
+        assert_eq!(blocks_name(6, true), "case_0007.vtm");
+        let steps = collection(&[solution.clone(), solution], true);
+        let expected = ["case_0001.vtm", "case_0002.vtm", "case.vtm"];
+        assert_eq!(collected_blocks(&steps), expected);
+        assert!(collected_blocks("").is_empty());
+    }
+
+    #[test]
     fn long_arrays_are_cut_into_blocks() {
         let values: Vec<f64> = (0..BLOCK / 8 * 2 + 5).map(|i| i as f64).collect();
         let mut out = String::new();
-        floats(&mut out, "long", 1, &values);
+        floats(&mut out, "long", &[], &values);
         assert_eq!(read(&out, "long"), values);
     }
 

@@ -286,7 +286,9 @@ const CHANGES: [Change; 10] = [
     ),
     (
         "one more load",
-        |m| drop(m.press(BodyId(1), "top", 90.0)),
+        |m| {
+            m.press(BodyId(1), "top", 90.0);
+        },
         true,
     ),
     (
@@ -397,7 +399,9 @@ fn a_study_gives_every_member_the_answer_of_its_own_run_and_failures_their_reaso
         varied("load", &[0.0, 10.0, 2e3]),
     ];
     let count = std::sync::atomic::AtomicUsize::new(0);
-    let one_more = || drop(count.fetch_add(1, std::sync::atomic::Ordering::Relaxed));
+    let one_more = || {
+        count.fetch_add(1, std::sync::atomic::Ordering::Relaxed);
+    };
     let own = [1e5, 10.0];
     let study = Study::run((make(&own).unwrap(), &own), varied, &make, &one_more);
     assert_eq!((study.members.len(), count.into_inner()), (9, 9));
