@@ -1,6 +1,7 @@
 //! What comes out: displacements, stresses, reactions, contact state, certificate.
 
 use crate::dual::Certificate;
+use crate::fem::principal;
 use crate::geometry::Point;
 use crate::model::nouns::SideRef;
 use crate::model::quantity::Dimension;
@@ -159,6 +160,16 @@ pub struct BodySolution<const D: usize> {
     pub strain_energy: f64,
     /// Degrees of freedom, prescribed ones included.
     pub dofs: usize,
+}
+
+impl<const D: usize> BodySolution<D> {
+    /// Principal stresses at every node, largest first.
+    pub fn principal_stress(&self) -> Vec<[f64; 3]> {
+        self.stress
+            .iter()
+            .map(|&stress| principal(stress))
+            .collect()
+    }
 }
 
 /// One line of the convergence history.

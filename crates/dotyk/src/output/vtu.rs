@@ -9,7 +9,6 @@
 //! Arrays are inline, little-endian, zlib in blocks, base64.
 //! Source: VTK file formats, section "XML file formats" (vtk.org).
 
-use crate::fem::principal;
 use crate::geometry::{Point, padded};
 use crate::model::{Analysis, Law, Model, Solution, Status};
 use crate::output::encode::zlib;
@@ -56,7 +55,7 @@ pub fn body_vtu<const D: usize>(model: &Model<D>, solution: &Solution<D>, body: 
     let vectors = |values: &[Point<D>]| -> Vec<f64> {
         values.iter().flat_map(|&value| padded(value)).collect()
     };
-    let principal: Vec<f64> = answer.stress.iter().flat_map(|&s| principal(s)).collect();
+    let principal = answer.principal_stress();
     floats(
         &mut out,
         "displacement",
@@ -70,7 +69,7 @@ pub fn body_vtu<const D: usize>(model: &Model<D>, solution: &Solution<D>, body: 
         &mut out,
         "principal_stress",
         &["s1", "s2", "s3"],
-        &principal,
+        principal.as_flattened(),
     );
     floats(&mut out, "reaction", &vector, &vectors(&answer.reactions));
     floats(
