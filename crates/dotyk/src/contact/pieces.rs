@@ -123,7 +123,7 @@ fn root(ends: [f64; 2], f: impl Fn(f64) -> f64) -> Option<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::contact::gaps::tests::{end, flat, wall};
+    use crate::contact::gaps::tests::{end, flat, noise, wall};
     use crate::contact::obstacle::{Driven, Rigid};
     use crate::contact::{End, InitialGap};
     use crate::fem::{Body, Constraints};
@@ -225,6 +225,37 @@ mod tests {
                     let ends: Vec<f64> = ends.map(|x| x[0]).collect();
                     assert!(ends[1] < middle && middle < ends[0], "{ends:?}");
                 }
+            }
+        }
+    }
+
+    #[test]
+    fn every_piece_lies_opposite_one_facet_whatever_the_places_of_the_nodes() {
+        let free = Constraints::default();
+        let mut noise = noise();
+        for _ in 0..40 {
+            let mut places = || -> Vec<f64> {
+                let mut at = 0.3 * noise();
+                let mut step = |_| {
+                    at += 0.02 + noise().powi(4);
+                    at
+                };
+                (0..9).map(&mut step).collect()
+            };
+            let (own, other) = (places(), places());
+            let upper = flat(&own, 1.0, CellKind::Quad4);
+            let lower = flat(&other, -1.0, CellKind::Quad4);
+            let against = Against::Side(end(&lower, "bottom", &free));
+            let (_, spans, pieces) = all_pieces(&upper, &free, against);
+            let (from, to) = (own[0].max(other[0]), own[8].min(other[8]));
+            let nodes = own.iter().chain(&other);
+            let inside = nodes.filter(|&&x| from < x && x < to).count();
+            assert_eq!(pieces.len(), inside + 1);
+            for piece in &pieces {
+                let [from, to] = range(&upper, &spans, piece);
+                let ends = lower.mesh.facet_points(piece.opposite.unwrap());
+                let ends: Vec<f64> = ends.map(|x| x[0]).collect();
+                assert!(ends[1] < from + 1e-12 && to < ends[0] + 1e-12, "{ends:?}");
             }
         }
     }
