@@ -1295,4 +1295,35 @@ mod tests {
         assert!(cover(&[[-1.0, 0.0], [0.95e-9, 0.5]]).1.is_some());
         assert!(cover(&[[-1.0, 0.0], [1.05e-9, 0.5]]).1.is_none());
     }
+
+    #[test]
+    fn a_tie_of_a_node_that_is_held_along_the_normal_keeps_its_tangent() {
+        let upper = flat(&[0.0, 1.0, 2.0, 3.0], 1.0, CellKind::Quad4);
+        let lower = flat(&[-1.0, 0.4, 1.5, 4.0], -1.0, CellKind::Quad4);
+        let middle = node_at(&upper, [1.0, 0.0]);
+        let supports = held(&[(middle, Y, true)]);
+        let free = Constraints::default();
+        let interface = pair_mortar(
+            end(&upper, "bottom", &supports),
+            Against::Side(end(&lower, "bottom", &free)),
+            InitialGap::Measured,
+            Coupling::Tied,
+            Analysis::PlaneStrain,
+            0.0,
+        );
+        let interface = interface.unwrap();
+        let u = |[x, _]: Point<2>| [5.0 + x, x];
+        let nodes = &interface.nodes;
+        assert_eq!(nodes[1].rows[0], None);
+        let times = |row: Option<usize>| times(&interface.nonmortar[row.unwrap()], &upper, u);
+        // the neighbour's pressure spreads over the facet, the shear of each node stands for itself
+        assert!((times(nodes[0].rows[0]) + 0.5).abs() < 1e-13);
+        for (node, x) in nodes.iter().zip([0.0, 1.0, 2.0, 3.0]) {
+            assert!((times(node.rows[1]) - 5.0 - x).abs() < 1e-13);
+        }
+        // its weight is that of the row that it has
+        assert!((nodes[1].weight - 1.0).abs() < 1e-14);
+        assert!((nodes[0].weight - 1.0).abs() < 1e-14);
+        assert_eq!(nodes[1].role, Role::Multiplier);
+    }
 }
