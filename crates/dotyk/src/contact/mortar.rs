@@ -1290,8 +1290,8 @@ mod tests {
         );
         assert_eq!(cover(&[[-1.0, 0.2], [0.3, 1.0]]), (false, None));
         // a billionth is rounding, of the facet as of the place
-        assert_eq!(cover(&[[-1.0, 1.0 - 1.8e-9]]).0, true);
-        assert_eq!(cover(&[[-1.0, 1.0 - 2.2e-9]]).0, false);
+        assert!(cover(&[[-1.0, 1.0 - 1.8e-9]]).0);
+        assert!(!cover(&[[-1.0, 1.0 - 2.2e-9]]).0);
         assert!(cover(&[[-1.0, 0.0], [0.95e-9, 0.5]]).1.is_some());
         assert!(cover(&[[-1.0, 0.0], [1.05e-9, 0.5]]).1.is_none());
     }

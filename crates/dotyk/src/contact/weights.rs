@@ -139,7 +139,7 @@ mod tests {
         }
         for (node, area) in nodes.into_iter().zip(areas) {
             let weight = weights[&node_at(&curved, node)].area;
-            // what three Gauss points miss of a length that is a square root; two miss ten times that
+            // what three Gauss points miss of a length that is a square root; two miss more
             assert!((weight / area - 1.0).abs() < 4e-3, "{weight} {area}");
         }
     }
