@@ -71,3 +71,115 @@ fn join(part: &mut [usize], a: usize, b: usize) {
     let (a, b) = (root(part, a), root(part, b));
     part[a.max(b)] = a.min(b);
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::contact::gaps::tests::{body, end, plate, wall};
+    use crate::fem::{Body, Constraints};
+    use crate::mesh::{CellKind, Cuboid, Mesh, Ring};
+
+    fn parts<const D: usize>(mesh: Mesh<D>, side: &str) -> (Body<D>, Vec<Vec<Facet>>) {
+        let (body, free) = (body(mesh), Constraints::default());
+        let parts = smooth_parts(end(&body, side, &free)).unwrap();
+        (body, parts)
+    }
+
+    #[test]
+    fn the_four_faces_of_a_plate_are_parts_in_the_order_of_the_chain() {
+        let mesh = plate([0.0, 0.0], [3.0, 1.0], [4, 2]).mesh;
+        let mesh = mesh.with_side("all", |[x, y]| {
+            [x, 3.0 - x, y, 1.0 - y].into_iter().any(|c| c.abs() < 1e-9)
+        });
+        let (body, parts) = parts(mesh, "all");
+        assert_eq!(parts.iter().map(Vec::len).sum::<usize>(), 12);
+        let along = body.mesh.chain("all").unwrap()[0].facets.clone();
+        let place = |facet: &Facet| along.iter().position(|f| f == facet).unwrap();
+        let firsts: Vec<usize> = parts
+            .iter()
+            .map(|part| part.iter().map(place).min().unwrap())
+            .collect();
+        assert!(firsts.is_sorted());
+        for name in ["bottom", "right", "top", "left"] {
+            let face = body.mesh.side(name).unwrap();
+            assert!(parts.iter().any(|part| part == face), "{name}");
+        }
+    }
+
+    #[test]
+    fn facets_meet_at_a_corner_when_their_normals_turn_too_far() {
+        // a cosine of 0.7 is 45.57°
+        for (angle, count) in [(45.5f64, 1), (45.7, 2)] {
+            let (s, c) = angle.to_radians().sin_cos();
+            for cell in [CellKind::Quad4, CellKind::Quad8] {
+                let points = [
+                    [-2.0, 0.0],
+                    [-1.0, 0.0],
+                    [0.0, 0.0],
+                    [c, s],
+                    [2.0 * c, 2.0 * s],
+                ];
+                let mesh = wall(&points, 4.0, cell).mesh;
+                let (body, parts) = parts(mesh, "bottom");
+                assert_eq!(parts.len(), count, "{angle}");
+                let whole = body.mesh.side("bottom").unwrap();
+                let all: Vec<Facet> = parts.into_iter().flatten().collect();
+                assert_eq!(all, whole);
+            }
+        }
+    }
+
+    #[test]
+    fn a_smooth_side_stays_whole() {
+        let ring = Ring {
+            center: [0.0, 0.0],
+            inner: 1.0,
+            outer: 2.0,
+            angles: None,
+            cells: [12, 1],
+            ratio: 1.0,
+            grade: 1.0,
+            cell: CellKind::Quad4,
+            diagonals: Default::default(),
+        };
+        let (body, found) = parts(ring.build().unwrap(), "outer");
+        assert_eq!(found, [body.mesh.side("outer").unwrap()]);
+        // so do two faces that do not touch
+        let mesh = plate([0.0, 0.0], [3.0, 1.0], [4, 2]).mesh;
+        let mesh = mesh.with_side("both", |[_, y]| y * (1.0 - y) < 1e-9);
+        let (body, found) = parts(mesh, "both");
+        assert_eq!(found, [body.mesh.side("both").unwrap()]);
+    }
+
+    #[test]
+    fn the_faces_of_a_box_are_parts_whatever_the_order_of_their_facets() {
+        for cell in [CellKind::Tet4, CellKind::Hex8] {
+            let cuboid = Cuboid {
+                from: [0.0; 3],
+                to: [1.0; 3],
+                cells: [3, 3, 3],
+                cell,
+            };
+            let mesh = cuboid.build().unwrap();
+            let mesh = mesh.with_side("all", |_| true);
+            let (body, parts) = parts(mesh, "all");
+            assert_eq!(parts.len(), 6);
+            for name in ["left", "right", "front", "back", "bottom", "top"] {
+                let face = body.mesh.side(name).unwrap();
+                assert!(parts.iter().any(|part| part == face), "{name}");
+            }
+            let firsts: Vec<Facet> = parts.iter().map(|part| part[0]).collect();
+            assert!(firsts.is_sorted());
+        }
+    }
+
+    #[test]
+    fn an_unknown_side_has_no_parts() {
+        let (body, free) = (
+            plate([0.0, 0.0], [1.0, 1.0], [1, 1]),
+            Constraints::default(),
+        );
+        let error = smooth_parts(end(&body, "nowhere", &free)).unwrap_err();
+        assert!(error.to_string().contains("nowhere"), "{error}");
+    }
+}

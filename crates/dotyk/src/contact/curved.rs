@@ -85,8 +85,9 @@ pub fn sagitta(end: End<'_, 2>) -> Result<f64, ContactError> {
         };
         let length = mesh.facet_length(facet);
         let rise = match (points.as_slice(), unit(mesh.outward_normal(facet, &[0.0]))) {
-            (&[a, b, middle], Some(normal)) => {
-                dot(normal, sub(middle, a)) - 0.5 * dot(normal, sub(b, a))
+            (&[a, _, middle], Some(normal)) => {
+                // the tangent there is along the chord
+                dot(normal, sub(middle, a))
             }
             _ => 0.0,
         };
@@ -152,5 +153,247 @@ struct Piece {
 impl Piece {
     fn curvature(&self) -> f64 {
         8.0 * self.rise / (self.length * self.length)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::contact::gaps::tests::{end, flat, node_at, wall};
+    use crate::fem::{Body, Constraints};
+    use crate::geometry::distance;
+    use crate::mesh::{CellKind, Ring};
+
+    fn off(body: &Body<2>) -> f64 {
+        sagitta(end(body, "bottom", &Constraints::default())).unwrap()
+    }
+
+    fn turn(body: &Body<2>) -> Option<f64> {
+        straight_turn(end(body, "bottom", &Constraints::default())).unwrap()
+    }
+
+    /// A wall of straight facets of these lengths, each turned against the one before.
+    fn polygon(lengths: &[f64], turns: &[f64], cell: CellKind) -> Body<2> {
+        let (mut at, mut angle) = ([0.0, 0.0], 0.0);
+        let mut points = vec![at];
+        for (k, &length) in lengths.iter().enumerate() {
+            if k > 0 {
+                angle += turns[k - 1];
+            }
+            let direction = [f64::cos(angle), f64::sin(angle)];
+            for _ in 0..cell.order() {
+                let part = length / cell.order() as f64;
+                at = [at[0] + part * direction[0], at[1] + part * direction[1]];
+                points.push(at);
+            }
+        }
+        wall(&points, 9.0, cell)
+    }
+
+    #[test]
+    fn straight_facets_are_off_by_an_eighth_of_the_longer_one_times_the_turn() {
+        // the cosine of a small angle knows it to 1e-8 of one over the angle
+        let near = |a: f64, b: f64| (a - b).abs() < 1e-13;
+        for cell in [CellKind::Quad4, CellKind::Quad8] {
+            let off = |lengths: &[f64], turns: &[f64]| off(&polygon(lengths, turns, cell));
+            assert!(near(off(&[1.0, 3.0], &[0.2]), 3.0 * 0.2 / 8.0));
+            assert!(near(off(&[3.0, 1.0], &[-0.2]), 3.0 * 0.2 / 8.0));
+            // the largest of all nodes
+            assert!(near(off(&[1.0, 1.0, 1.0], &[0.05, -0.03]), 0.05 / 8.0));
+            assert!(near(off(&[1.0, 1.0, 1.0], &[0.03, -0.05]), 0.05 / 8.0));
+            // a sharp corner is one
+            assert!(near(off(&[1.0, 1.0, 1.0], &[0.05, 0.80]), 0.05 / 8.0));
+            assert!(near(off(&[1.0, 1.0], &[0.79]), 0.79 / 8.0));
+        }
+        assert_eq!(
+            off(&flat(&[0.0, 1.0, 2.0, 4.0, 5.0], 1.0, CellKind::Quad8)),
+            0.0
+        );
+    }
+
+    #[test]
+    fn polygons_turn_by_the_largest_angle_that_is_no_corner() {
+        let of = |turns: &[f64]| turn(&polygon(&[1.0, 2.0, 1.0], turns, CellKind::Quad4)).unwrap();
+        for (turns, largest) in [
+            ([0.05, -0.03], 0.05),
+            ([0.03, -0.05], 0.05),
+            ([0.3, 0.2], 0.3),
+            ([0.05, 0.80], 0.05),
+            ([-0.05, 0.79], 0.79),
+        ] {
+            assert!((of(&turns) - largest).abs() < 1e-13, "{turns:?}");
+        }
+        assert_eq!(of(&[0.0, 0.0]), 0.0);
+        assert_eq!(turn(&polygon(&[1.0, 2.0], &[0.1], CellKind::Quad8)), None);
+    }
+
+    /// How far the facets of a wall are off a curve, looked at in many places.
+    fn far(body: &Body<2>, distance: impl Fn(Point<2>) -> f64) -> f64 {
+        let facets = body.mesh.side("bottom").unwrap();
+        let places = (0..=100).map(|k| 0.02 * f64::from(k) - 1.0);
+        let places = places.flat_map(|xi| facets.iter().map(move |&facet| (facet, xi)));
+        places
+            .map(|(facet, xi)| distance(body.mesh.facet_point(facet, &[xi])).abs())
+            .fold(0.0, f64::max)
+    }
+
+    #[test]
+    fn parabolas_through_a_circle_are_off_by_the_cube_of_their_rise() {
+        for half_angle in [0.05f64, 0.2] {
+            let on = |k: usize| {
+                let angle = half_angle * (k as f64 - 3.0);
+                [angle.sin(), 1.0 - angle.cos()]
+            };
+            let points: Vec<Point<2>> = (0..7).map(on).collect();
+            let body = wall(&points, 3.0, CellKind::Quad8);
+            let exact = far(&body, |x| distance(x, [0.0, 1.0]) - 1.0);
+            // the largest terms in the angle of each
+            assert!(
+                (off(&body) / exact - 1.0).abs() < 0.05,
+                "{} {exact}",
+                off(&body)
+            );
+            // the other way up
+            let mirrored: Vec<Point<2>> = points.iter().map(|[x, y]| [*x, -y]).collect();
+            let mirrored = wall(&mirrored, 3.0, CellKind::Quad8);
+            assert!((off(&mirrored) / off(&body) - 1.0).abs() < 1e-9);
+        }
+    }
+
+    #[test]
+    fn parabolas_through_a_curve_of_growing_curvature_are_off_by_its_growth() {
+        // y = c x³ between 2 and 8, in three parabolas
+        let cubic = |x: f64| 0.0002 * x * x * x;
+        let points: Vec<Point<2>> = (0..7)
+            .map(|k| f64::from(k) + 2.0)
+            .map(|x| [x, cubic(x)])
+            .collect();
+        let body = wall(&points, 3.0, CellKind::Quad8);
+        let exact = far(&body, |[x, y]| y - cubic(x));
+        // the slope is small, but not zero
+        assert!(
+            (off(&body) / exact - 1.0).abs() < 0.02,
+            "{} {exact}",
+            off(&body)
+        );
+    }
+
+    #[test]
+    fn a_kink_between_parabolas_counts_as_one_of_straight_facets_unless_both_are_bent_more() {
+        // two parabolas of half chord 1 and these rises, their chords turned; the kink is what is left of the turn
+        let build = |rises: [f64; 2], turn: f64| {
+            let (s, c) = turn.sin_cos();
+            let points = [
+                [-2.0, 0.0],
+                [-1.0, -rises[0]],
+                [0.0, 0.0],
+                [c + rises[1] * s, s - rises[1] * c],
+                [2.0 * c, 2.0 * s],
+            ];
+            wall(&points, 9.0, CellKind::Quad8)
+        };
+        let length = |rise: f64| 2.0 * (1.0 + rise * rise).sqrt();
+        let kink = |rises: [f64; 2], turn: f64| {
+            let inclined = rises.map(|rise| (2.0 * rise).atan());
+            (inclined[0] + inclined[1] - turn).abs()
+        };
+        for (rises, turn, part) in [
+            ([0.1f64, 0.1], 0.39, 0.25),
+            ([0.1, 0.1], 0.41, 0.25),
+            // one of them is straight
+            ([0.1, 0.0], 0.19, 1.0),
+            ([0.0, 0.1], 0.19, 1.0),
+            // neither is bent as much as they turn
+            ([0.01, 0.01], -0.2, 1.0),
+        ] {
+            let most = rises[0].max(rises[1]);
+            let longest = length(most);
+            let expected = part * longest * kink(rises, turn) / 8.0;
+            let single = most.powi(3) / 4.0;
+            let found = off(&build(rises, turn));
+            assert!(
+                (found / expected.max(single) - 1.0).abs() < 0.05,
+                "{rises:?} {found}"
+            );
+        }
+    }
+
+    #[test]
+    fn a_side_whose_curve_is_known_is_not_off_it() {
+        let ring = Ring {
+            center: [0.0, 0.0],
+            inner: 1.0,
+            outer: 2.0,
+            angles: None,
+            cells: [12, 1],
+            ratio: 1.0,
+            grade: 1.0,
+            cell: CellKind::Quad4,
+            diagonals: Default::default(),
+        };
+        let mut body = crate::contact::gaps::tests::body(ring.build().unwrap());
+        let free = Constraints::default();
+        let angle = std::f64::consts::PI / 12.0;
+        let rough = sagitta(end(&body, "outer", &free)).unwrap();
+        // 2R sin φ · 2φ/8
+        assert!(
+            (rough - 4.0 * angle.sin() * angle / 4.0).abs() < 1e-13,
+            "{rough}"
+        );
+        let surface = Surface::Sphere {
+            center: [0.0, 0.0],
+            radius: 2.0,
+        };
+        body.surfaces.insert("outer".to_string(), surface);
+        assert_eq!(sagitta(end(&body, "outer", &free)).unwrap(), 0.0);
+        assert!(sagitta(end(&body, "inner", &free)).unwrap() > 0.1 * rough);
+        // part of that side has its curve
+        let [min, max] = [[-3.0, 0.0], [3.0, 3.0]];
+        body.mesh = body.mesh.with_patch("half", "outer", min, max).unwrap();
+        assert_eq!(sagitta(end(&body, "half", &free)).unwrap(), 0.0);
+        // one that goes beyond it has not
+        body.mesh = body.mesh.with_side("all", |_| true);
+        assert!((sagitta(end(&body, "all", &free)).unwrap() - rough).abs() < 1e-13);
+    }
+
+    #[test]
+    fn a_node_off_its_surface_by_more_than_a_hundredth_of_its_facet_is_an_error() {
+        for (off, allowed) in [
+            (0.0195, true),
+            (0.0205, false),
+            (-0.0195, true),
+            (-0.0205, false),
+        ] {
+            let points = [[0.0, 0.0], [2.0, off], [4.0, 0.0]];
+            let mut body = wall(&points, 3.0, CellKind::Quad4);
+            let surface = Surface::Plane {
+                point: [0.0, 0.0],
+                normal: [0.0, 1.0],
+            };
+            body.surfaces.insert("bottom".to_string(), surface);
+            let free = Constraints::default();
+            let end = end(&body, "bottom", &free);
+            match (TrueSurface::of(end, end.facets().unwrap()), allowed) {
+                (Ok(found), true) => {
+                    assert_eq!(found.at(end.facets().unwrap()[0]), Some(surface));
+                }
+                (Err(ContactError::OffSurface { node, distance, .. }), false) => {
+                    assert_eq!(node, node_at(&body, [2.0, off]));
+                    assert!((distance - off.abs()).abs() < 1e-15);
+                }
+                _ => panic!("{off}"),
+            }
+        }
+    }
+
+    #[test]
+    fn curvature_is_that_of_a_flat_parabola() {
+        // y = κ x²/2 rises by κ L²/8 over a chord L
+        let piece = Piece {
+            normal: [0.0, 1.0],
+            length: 3.0,
+            rise: 0.2 * 9.0 / 8.0,
+        };
+        assert!((piece.curvature() - 0.2).abs() < 1e-15);
     }
 }

@@ -103,3 +103,127 @@ fn sees<const D: usize>(mesh: &Mesh<D>, facet: Facet, search: &Search<'_, D>) ->
         })
     })
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::contact::gaps::tests::{body, cube, end, flat, node_at, wall};
+    use crate::fem::{Body, Constraints};
+    use crate::mesh::{CellKind, Cuboid};
+
+    fn unmatched(own: &Body<2>, other: &Body<2>) -> Option<Unmatched<2>> {
+        let free = Constraints::default();
+        unmatched_facing(end(own, "bottom", &free), end(other, "bottom", &free)).unwrap()
+    }
+
+    fn coincide(own: &Body<2>, other: &Body<2>) -> bool {
+        let free = Constraints::default();
+        facets_coincide(end(own, "bottom", &free), end(other, "bottom", &free)).unwrap()
+    }
+
+    #[test]
+    fn sides_with_the_same_nodes_leave_none_unmatched() {
+        let upper = flat(&[0.0, 1.0, 2.0], 1.0, CellKind::Quad4);
+        let same = flat(&[0.0, 1.0, 2.0], -1.0, CellKind::Quad4);
+        assert_eq!(unmatched(&upper, &same), None);
+        // a longer one has nodes without a partner where it faces nothing
+        let longer = flat(&[-1.0, 0.0, 1.0, 2.0], -1.0, CellKind::Quad4);
+        assert_eq!(unmatched(&upper, &longer), None);
+        assert_eq!(unmatched(&longer, &upper), None);
+        // nor does one that looks away
+        let behind = flat(&[0.0, 1.3, 2.0], 1.0, CellKind::Quad4);
+        assert_eq!(unmatched(&upper, &behind), None);
+    }
+
+    #[test]
+    fn the_first_unmatched_node_is_told_with_its_side_and_distance() {
+        let upper = flat(&[0.0, 1.0, 2.0], 1.0, CellKind::Quad4);
+        let lower = flat(&[0.0, 0.75, 1.0, 2.0], -1.0, CellKind::Quad4);
+        let found = unmatched(&upper, &lower).unwrap();
+        assert!(found.of_mortar);
+        let node = node_at(&lower, [0.75, 0.0]);
+        assert_eq!(
+            (found.node, found.point, found.distance),
+            (node, [0.75, 0.0], 0.25)
+        );
+        let found = unmatched(&lower, &upper).unwrap();
+        assert!(!found.of_mortar);
+        assert_eq!(
+            (found.node, found.point, found.distance),
+            (node, [0.75, 0.0], 0.25)
+        );
+    }
+
+    #[test]
+    fn a_facet_looks_from_its_middle_and_towards_its_ends() {
+        // over a narrow body: seen at ξ = 0, ±0.5 and ±0.9 alone, else only by that body
+        let upper = flat(&[-1.0, 1.0], 1.0, CellKind::Quad4);
+        for (place, seen) in [
+            (0.0, true),
+            (0.5, true),
+            (-0.5, true),
+            (0.9, true),
+            (-0.9, true),
+            (0.25, false),
+            (-0.25, false),
+            (0.6, false),
+            (0.96, false),
+            (-0.96, false),
+        ] {
+            let narrow = flat(&[place - 0.03, place + 0.03], -1.0, CellKind::Quad4);
+            let found = unmatched(&upper, &narrow).unwrap();
+            assert_eq!(found.of_mortar, !seen, "{place}");
+        }
+    }
+
+    #[test]
+    fn facets_coincide_when_they_have_the_same_nodes() {
+        let places = [0.0, 1.0, 2.0, 3.0, 4.0];
+        let build = |cell, height| flat(&places, height, cell);
+        let (linear, quadratic) = (CellKind::Quad4, CellKind::Quad8);
+        assert!(coincide(&build(linear, 1.0), &build(linear, -1.0)));
+        assert!(coincide(&build(quadratic, 1.0), &build(quadratic, -1.0)));
+        // one quadratic facet over two linear ones
+        assert!(!coincide(&build(quadratic, 1.0), &build(linear, -1.0)));
+        assert!(!coincide(&build(linear, 1.0), &build(quadratic, -1.0)));
+        // what does not face the other side may have what nodes it likes
+        assert!(coincide(&build(quadratic, 1.0), &build(linear, 1.0)));
+        // nodes without a partner are asked for elsewhere
+        let other = flat(&[0.0, 1.5, 4.0], -1.0, linear);
+        assert!(coincide(&build(linear, 1.0), &other));
+    }
+
+    #[test]
+    fn triangles_over_squares_do_not_coincide() {
+        let free = Constraints::default();
+        let tetrahedra = cube(0.0);
+        let upper = |cell| {
+            let cuboid = Cuboid {
+                from: [0.0, 0.0, 1.0],
+                to: [1.0, 1.2, 2.0],
+                cells: [3; 3],
+                cell,
+            };
+            body(cuboid.build().unwrap())
+        };
+        for (cell, same) in [(CellKind::Tet4, true), (CellKind::Hex8, false)] {
+            let upper = upper(cell);
+            let ends = [end(&tetrahedra, "top", &free), end(&upper, "bottom", &free)];
+            assert_eq!(unmatched_facing(ends[0], ends[1]), Ok(None));
+            assert_eq!(facets_coincide(ends[0], ends[1]), Ok(same));
+            assert_eq!(facets_coincide(ends[1], ends[0]), Ok(same));
+        }
+    }
+
+    #[test]
+    fn an_overlap_as_deep_as_a_facet_is_seen() {
+        // two thin bodies that overlap by 0.9 or 1.1 of a facet
+        for (depth, seen) in [(0.9, true), (1.1, false)] {
+            let upper = flat(&[0.0, 1.0, 2.0], 0.1, CellKind::Quad4);
+            let points = [[0.0, depth], [0.7, depth], [2.0, depth]];
+            let lower = wall(&points, depth - 0.1, CellKind::Quad4);
+            let found = unmatched(&upper, &lower);
+            assert_eq!(found.is_some_and(|found| !found.of_mortar), seen, "{depth}");
+        }
+    }
+}

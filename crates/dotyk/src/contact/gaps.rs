@@ -130,12 +130,12 @@ pub(super) mod tests {
     use crate::contact::{
         Against, Coupling, Driven, InitialGap, Row, pair_mortar, pair_nodes, pair_obstacle,
     };
-    use crate::fem::{Analysis, Body, Constraints, Elastic, Material};
-    use crate::geometry::Surface;
+    use crate::fem::{Analysis, Body, Constraints, Elastic, Held, Material};
+    use crate::geometry::{Surface, distance};
     use crate::mesh::{CellKind, Cuboid, Diagonals, Mesh, Rectangle};
     use std::collections::BTreeMap;
 
-    fn body<const D: usize>(mesh: Mesh<D>) -> Body<D> {
+    pub fn body<const D: usize>(mesh: Mesh<D>) -> Body<D> {
         let elastic = Elastic {
             young: 1.0,
             poisson: 0.3,
@@ -166,7 +166,63 @@ pub(super) mod tests {
         body(rectangle.build().unwrap())
     }
 
-    fn cube(z: f64) -> Body<3> {
+    /// A body between a height and a wall, its side "bottom", through these points from left to right; of quadratic cells every
+    /// second one is a middle node.
+    pub fn wall(points: &[Point<2>], height: f64, cell: CellKind) -> Body<2> {
+        let last = points.len() - 1;
+        let rectangle = Rectangle {
+            from: [0.0, 0.0],
+            to: [last as f64, 1.0],
+            cells: [last / cell.order(), 1],
+            cell,
+            diagonals: Diagonals::default(),
+        };
+        let mesh = rectangle.build().unwrap().map_points(|[x, y]| {
+            let [along, foot] = points[x.round() as usize];
+            [along, foot + y * (height - foot)]
+        });
+        body(mesh.unwrap())
+    }
+
+    /// A wall along y = 0 with nodes at these places.
+    pub fn flat(places: &[f64], height: f64, cell: CellKind) -> Body<2> {
+        let points: Vec<Point<2>> = places.iter().map(|&x| [x, 0.0]).collect();
+        wall(&points, height, cell)
+    }
+
+    /// The node of a body at a place.
+    pub fn node_at<const D: usize>(body: &Body<D>, place: Point<D>) -> usize {
+        let mut points = body.mesh.points().iter();
+        points.position(|&x| distance(x, place) < 1e-9).unwrap()
+    }
+
+    /// Held directions of nodes, and whether they are zero at all times.
+    pub fn held<const D: usize>(directions: &[(usize, Point<D>, bool)]) -> Constraints<D> {
+        let mut constraints = Constraints::default();
+        for &(node, axis, still) in directions {
+            let held = Held {
+                axis,
+                value: 0.0,
+                still,
+                supports: Vec::new(),
+            };
+            constraints.nodes.entry(node).or_default().push(held);
+        }
+        constraints
+    }
+
+    /// Numbers in [−1, 1), the same at every run.
+    pub fn noise() -> impl FnMut() -> f64 {
+        let mut state = 1u64;
+        move || {
+            state = state
+                .wrapping_mul(6_364_136_223_846_793_005)
+                .wrapping_add(1_442_695_040_888_963_407);
+            (state >> 11) as f64 / (1u64 << 52) as f64 - 1.0
+        }
+    }
+
+    pub fn cube(z: f64) -> Body<3> {
         let cuboid = Cuboid {
             from: [0.0, 0.0, z],
             to: [1.0, 1.2, z + 1.0],
@@ -304,5 +360,121 @@ pub(super) mod tests {
             let obstacle = (rigid, Driven::Prescribed);
             pair_obstacle(nonmortar, obstacle, Coupling::Normal, Analysis::Solid, 0.0).unwrap()
         });
+    }
+
+    #[test]
+    fn the_gap_of_a_point_follows_both_sides_or_the_obstacle() {
+        let point = GapPoint {
+            own: vec![(0, 0.25), (2, 0.75)],
+            opposite: vec![(1, 1.0)],
+            normal: [0.6, 0.8],
+            along: [0.6, 0.8],
+            gap: 10.0,
+        };
+        let own = [[1.0, 0.0], [9.0, 9.0], [0.0, 2.0]];
+        let other = [[9.0, 9.0], [5.0, 0.0]];
+        // 0.25 · 0.6 + 0.75 · 1.6 = 1.35 towards the other side, which moves away by 3, the obstacle by 4
+        for (other, obstacle, gap) in [
+            (Some(&other[..]), [7.0, 7.0], 10.0 - 1.35 + 3.0),
+            (None, [0.0, 5.0], 10.0 - 1.35 + 4.0),
+        ] {
+            let moved = Moved {
+                own: &own,
+                other,
+                obstacle,
+            };
+            assert!((point.after(&moved) - gap).abs() < 1e-14);
+        }
+    }
+
+    #[test]
+    fn a_given_gap_is_taken_where_the_point_is_undeformed() {
+        let (plate, free) = (
+            flat(&[0.0, 2.0], 1.0, CellKind::Quad4),
+            Constraints::default(),
+        );
+        let nonmortar = end(&plate, "bottom", &free);
+        let ends = [node_at(&plate, [0.0, 0.0]), node_at(&plate, [2.0, 0.0])];
+        let point = GapPoint {
+            own: vec![(ends[0], 0.25), (ends[1], 0.75)],
+            opposite: Vec::new(),
+            normal: [0.0, -1.0],
+            along: [0.0, -1.0],
+            gap: 0.0,
+        };
+        let field = Field::function("x + 10 t", |p, t| p[0] + 10.0 * t);
+        assert_eq!(point.given(&field, nonmortar, 2.0), Ok(21.5));
+        let broken = Field::constant(f64::INFINITY);
+        assert!(point.given(&broken, nonmortar, 0.0).is_err());
+        // a ball that has moved away is out of sight
+        let ball = Rigid::Surface {
+            surface: Surface::Sphere {
+                center: [1.5, -2.0],
+                radius: 1.0,
+            },
+            inside: false,
+        };
+        let own = plate.mesh.points();
+        let above = |moved| point.above((&ball, moved), nonmortar, own, 0.0).unwrap();
+        assert!((above([0.0, -0.5]) - 1.5).abs() < 1e-14);
+        assert!(above([3.0, 0.0]).is_nan());
+    }
+
+    #[test]
+    fn a_mean_stands_for_the_gap_at_a_node_that_faces_nothing() {
+        let (upper, lower) = (
+            flat(&[0.0, 1.0, 2.0], 1.0, CellKind::Quad4),
+            flat(&[-1.0, 1.5], -1.0, CellKind::Quad4),
+        );
+        let free = Constraints::default();
+        let against = Against::Side(end(&lower, "bottom", &free));
+        let interface = pair_mortar(
+            end(&upper, "bottom", &free),
+            against,
+            InitialGap::Closed,
+            Coupling::Normal,
+            Analysis::PlaneStrain,
+            0.0,
+        );
+        let mut interface = interface.unwrap();
+        let gap = |point: &GapPoint<2>| {
+            // a slope, so that means and nodes differ
+            let place = point
+                .own
+                .iter()
+                .map(|&(j, n)| n * upper.mesh.points()[j][0]);
+            Ok(1.0 + place.sum::<f64>())
+        };
+        interface.measure(gap).unwrap();
+        let [first, middle, last] = &interface.nodes[..] else {
+            panic!("three nodes");
+        };
+        // biorthogonal functions of the whole facet take linear ones at its node
+        assert!((first.gap - 1.0).abs() < 1e-13 && (first.clearance - 1.0).abs() < 1e-15);
+        assert!((middle.clearance - 2.0).abs() < 1e-15);
+        // half of the facet is covered: its end is
+        assert!((last.gap - 2.5).abs() < 1e-13, "{}", last.gap);
+        assert_eq!(last.clearance, last.gap);
+        let error = ContactError::AllFixed {
+            side: String::new(),
+        };
+        assert_eq!(
+            interface.measure(|_| Err(error.clone())),
+            Err(error.clone())
+        );
+    }
+
+    #[test]
+    fn shares_after_other_points_count_on() {
+        let shares = GapShares {
+            mean: vec![(0, 0.5), (3, 1.5)],
+            at_node: Some(2),
+        };
+        let expected = GapShares {
+            mean: vec![(7, 0.5), (10, 1.5)],
+            at_node: Some(9),
+        };
+        assert_eq!(shares.after(7), expected);
+        assert_eq!(GapShares::default().after(7), GapShares::default());
     }
 }

@@ -312,3 +312,191 @@ impl<const D: usize> Interface<D> {
             .filter(|node| node.role == Role::Multiplier)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::contact::gaps::tests::{cube, end, flat, node_at};
+    use crate::fem::Analysis;
+    use crate::mesh::CellKind;
+
+    /// Three nodes of a side with four above a side with three, a given gap of 1 + x.
+    fn interface(coupling: Coupling) -> Interface<2> {
+        let free = Constraints::default();
+        let upper = flat(&[0.0, 1.0, 2.0, 3.0], 1.0, CellKind::Quad4);
+        let lower = flat(&[0.0, 1.0, 2.0], -1.0, CellKind::Quad4);
+        let gap = Field::function("1 + x", |p, _| 1.0 + p[0]);
+        let (nonmortar, mortar) = (end(&upper, "bottom", &free), end(&lower, "bottom", &free));
+        let (gap, analysis) = (InitialGap::Given(&gap), Analysis::PlaneStrain);
+        pair_nodes(nonmortar, mortar, gap, coupling, analysis, 0.0).unwrap()
+    }
+
+    fn rows(interface: &Interface<2>) -> Vec<[Option<usize>; 2]> {
+        interface.nodes.iter().map(|node| node.rows).collect()
+    }
+
+    #[test]
+    fn normal_rows_have_gaps_and_tangential_ones_are_rough_under_friction() {
+        let frictional = interface(Coupling::Frictional);
+        assert_eq!(frictional.gaps(), [1.0, 0.0, 2.0, 0.0, 3.0, 0.0]);
+        let rough = [false, true, false, true, false, true];
+        assert_eq!(frictional.tangential(), rough);
+        assert_eq!(interface(Coupling::Tied).tangential(), [false; 6]);
+        let normal = interface(Coupling::Normal);
+        assert_eq!(normal.tangential(), [false; 3]);
+        assert_eq!(normal.gaps(), [1.0, 2.0, 3.0]);
+        let carriers: Vec<usize> = normal.carriers().map(|node| node.node).collect();
+        let expected: Vec<usize> = normal.nodes[..3].iter().map(|node| node.node).collect();
+        assert_eq!(carriers, expected);
+    }
+
+    #[test]
+    fn a_normal_row_takes_the_tangential_ones_with_it_under_friction() {
+        let before = interface(Coupling::Frictional);
+        let mut after = before.clone();
+        after.drop_rows(&[2]);
+        let left = [
+            [Some(0), Some(1)],
+            [None, None],
+            [Some(2), Some(3)],
+            [None; 2],
+        ];
+        assert_eq!(rows(&after), left);
+        let roles: Vec<Role> = after.nodes.iter().map(|node| node.role).collect();
+        let expected = [Role::Multiplier, Role::Fixed, Role::Multiplier, Role::Alone];
+        assert_eq!(roles, expected);
+        for (after, before) in [
+            (&after.nonmortar, &before.nonmortar),
+            (&after.mortar, &before.mortar),
+        ] {
+            let kept: Vec<_> = [0, 1, 4, 5].map(|row| before[row].clone()).into();
+            assert_eq!(*after, kept);
+        }
+        // both are judged all the same
+        for (component, implied) in after.implied.iter().enumerate() {
+            assert_eq!((implied.node, implied.component), (1, component));
+            let row = 2 + component;
+            let expected = [before.nonmortar[row].clone(), before.mortar[row].clone()];
+            assert_eq!(implied.rows, expected);
+        }
+        assert_eq!(after.implied.len(), 2);
+    }
+
+    #[test]
+    fn other_rows_go_alone() {
+        let mut frictional = interface(Coupling::Frictional);
+        frictional.drop_rows(&[3]);
+        let left = [
+            [Some(0), Some(1)],
+            [Some(2), None],
+            [Some(3), Some(4)],
+            [None; 2],
+        ];
+        assert_eq!(rows(&frictional), left);
+        assert_eq!(frictional.nodes[1].role, Role::Multiplier);
+        assert_eq!(frictional.implied.len(), 1);
+        let mut tied = interface(Coupling::Tied);
+        tied.drop_rows(&[2]);
+        let left = [
+            [Some(0), Some(1)],
+            [None, Some(2)],
+            [Some(3), Some(4)],
+            [None; 2],
+        ];
+        assert_eq!(rows(&tied), left);
+        assert_eq!(tied.nodes[1].role, Role::Multiplier);
+        assert_eq!((tied.nonmortar.len(), tied.mortar.len()), (5, 5));
+        // the same again takes what has moved up
+        tied.drop_rows(&[2]);
+        assert_eq!(tied.nodes[1].role, Role::Fixed);
+        assert_eq!((tied.implied[1].node, tied.implied[1].component), (1, 1));
+    }
+
+    #[test]
+    fn an_appended_part_keeps_its_rows_gaps_and_points() {
+        let part = interface(Coupling::Frictional);
+        let mut both = part.clone();
+        both.cyclic = true;
+        both.append(part.clone());
+        assert!(!both.cyclic);
+        // the fourth faces nothing: its gap is no number
+        assert_eq!(both.nodes[..3], part.nodes[..3]);
+        for (moved, node) in both.nodes[4..].iter().zip(&part.nodes) {
+            assert_eq!(moved.rows, node.rows.map(|row| row.map(|row| row + 6)));
+            let mean = node.shares.mean.iter();
+            let mean: Vec<_> = mean.map(|&(point, weight)| (point + 3, weight)).collect();
+            assert_eq!(moved.shares.mean, mean);
+            assert_eq!((moved.node, moved.role), (node.node, node.role));
+        }
+        for (both, part) in [
+            (&both.nonmortar, &part.nonmortar),
+            (&both.mortar, &part.mortar),
+        ] {
+            assert_eq!(both[..6], **part);
+            assert_eq!(both[6..], **part);
+        }
+        assert_eq!(both.points.len(), 6);
+        assert_eq!(both.gaps()[6..], part.gaps());
+    }
+
+    #[test]
+    fn closing_takes_the_gaps_of_what_faces_something() {
+        let mut closed = interface(Coupling::Normal);
+        closed.close();
+        assert_eq!(closed.gaps(), [0.0; 3]);
+        assert!(closed.nodes[..3].iter().all(|node| node.clearance == 0.0));
+        assert!(closed.nodes[3].gap.is_nan() && closed.nodes[3].clearance.is_nan());
+        assert!(closed.points.iter().all(|point| point.gap == 0.0));
+    }
+
+    #[test]
+    fn a_partner_is_the_only_node_opposite() {
+        let (upper, lower) = (
+            flat(&[0.0, 1.0, 2.0], 1.0, CellKind::Quad4),
+            flat(&[0.0, 1.5, 2.0], -1.0, CellKind::Quad4),
+        );
+        let mut node = interface(Coupling::Normal).nodes[1].clone();
+        let below = flat(&[0.0, 1.0, 2.0], -1.0, CellKind::Quad4);
+        assert_eq!(node.partner(), Some(node_at(&below, [1.0, 0.0])));
+        assert_eq!(node.normal(), [0.0, -1.0]);
+        node.opposite.clear();
+        assert_eq!(node.partner(), None);
+        let free = Constraints::default();
+        let against = Against::Side(end(&lower, "bottom", &free));
+        let mortar = pair_mortar(
+            end(&upper, "bottom", &free),
+            against,
+            InitialGap::Closed,
+            Coupling::Normal,
+            Analysis::PlaneStrain,
+            0.0,
+        );
+        assert_eq!(mortar.unwrap().nodes[1].partner(), None);
+    }
+
+    #[test]
+    fn an_end_of_the_plane_is_one_and_one_of_space_is_not() {
+        let (plane, free) = (
+            flat(&[0.0, 1.0], 1.0, CellKind::Quad4),
+            Constraints::default(),
+        );
+        assert!(end(&plane, "bottom", &free).in_plane().is_some());
+        let (cube, free) = (cube(0.0), Constraints::default());
+        let space = end(&cube, "bottom", &free);
+        assert!(space.in_plane().is_none());
+        assert!(Against::Side(space).in_plane().is_none());
+        let rigid = Rigid::<3>::Gap(Field::constant(0.0));
+        assert!(Against::Obstacle(&rigid, Driven::Free).in_plane().is_none());
+        let of_part = End {
+            part: Some(&[]),
+            ..space
+        };
+        assert_eq!(of_part.facets(), Ok(&[][..]));
+        assert_eq!(of_part.name(), "body.bottom");
+        let (gap, coupling) = (InitialGap::Closed, Coupling::Normal);
+        let against = Against::Side(space);
+        let found = pair_mortar(space, against, gap, coupling, Analysis::Solid, 0.0);
+        let side = "body.bottom".to_string();
+        assert_eq!(found, Err(ContactError::MortarInSpace { side }));
+    }
+}

@@ -714,3 +714,616 @@ fn rotation(mesh: &Mesh<2>, hit: Hit) -> Vec<(usize, Point<2>)> {
         .map(|(node, slope)| (node, normal.map(|c| scale * slope[0] * c)))
         .collect()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::contact::gaps::tests::{body, end, flat, held, node_at, wall};
+    use crate::contact::{Rigid, pair_nodes};
+    use crate::fem::{Body, Constraints};
+    use crate::geometry::{Field, Surface};
+    use crate::mesh::{CellKind, Ring};
+
+    /// One side over another, nothing held.
+    fn paired(own: &Body<2>, other: &Body<2>, coupling: Coupling) -> Interface<2> {
+        let free = Constraints::default();
+        let against = Against::Side(end(other, "bottom", &free));
+        let gap = InitialGap::Measured;
+        let analysis = Analysis::PlaneStrain;
+        pair_mortar(
+            end(own, "bottom", &free),
+            against,
+            gap,
+            coupling,
+            analysis,
+            0.0,
+        )
+        .unwrap()
+    }
+
+    /// A row times the displacements of its body, given as a function of place.
+    fn times(row: &Row<2>, body: &Body<2>, u: impl Fn(Point<2>) -> Point<2>) -> f64 {
+        let terms = row.iter();
+        terms
+            .map(|&(node, c)| dot(c, u(body.mesh.points()[node])))
+            .sum()
+    }
+
+    fn arc(from: f64, to: f64, count: usize, lift: f64) -> Vec<Point<2>> {
+        let place = |k: usize| from + (to - from) * k as f64 / (count - 1) as f64;
+        let points = (0..count).map(place);
+        points.map(|x| [x, 0.15 * x * x + lift]).collect()
+    }
+
+    #[test]
+    fn a_rigid_motion_of_both_bodies_together_neither_opens_nor_slips() {
+        let motion = |[x, y]: Point<2>| [0.3 - 0.7 * y, -0.2 + 0.7 * x];
+        for cell in [CellKind::Quad4, CellKind::Quad8] {
+            for other in [CellKind::Quad4, CellKind::Quad8] {
+                let upper = wall(&arc(-1.5, 1.5, 9, 0.0), 4.0, cell);
+                let lower = wall(&arc(-1.2, 2.0, 7, -0.3), -3.0, other);
+                for coupling in [Coupling::Frictional, Coupling::Tied] {
+                    let interface = paired(&upper, &lower, coupling);
+                    assert!(interface.nonmortar.len() >= 14);
+                    for (own, other) in interface.nonmortar.iter().zip(&interface.mortar) {
+                        let moved = times(own, &upper, motion) + times(other, &lower, motion);
+                        // rounding
+                        assert!(moved.abs() < 1e-13, "{moved}");
+                    }
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn rows_times_their_weights_add_up_to_the_integrals_over_what_is_covered() {
+        // from 0.5 to 3.5, of the thickness 2
+        let us = |[x, _]: Point<2>| [1.0 + 0.5 * x, 0.3 + 0.2 * x];
+        let um = |[x, _]: Point<2>| [2.0 - 0.5 * x, 0.1 * x];
+        let free = Constraints::default();
+        for cell in [CellKind::Quad4, CellKind::Quad8] {
+            for other in [CellKind::Quad4, CellKind::Quad8] {
+                let mut upper = flat(&[0.0, 1.0, 2.0, 3.0, 4.0], 1.0, cell);
+                upper.thickness = 2.0;
+                let lower = flat(&[0.5, 1.3, 2.1, 2.7, 3.5], -1.0, other);
+                let gap = Field::function("x² t", |p, t| p[0] * p[0] * t);
+                let interface = pair_mortar(
+                    end(&upper, "bottom", &free),
+                    Against::Side(end(&lower, "bottom", &free)),
+                    InitialGap::Given(&gap),
+                    Coupling::Frictional,
+                    Analysis::PlaneStress,
+                    3.0,
+                );
+                let interface = interface.unwrap();
+                let sum = |f: &dyn Fn(&InterfaceNode<2>) -> f64| -> f64 {
+                    interface.carriers().map(|node| node.weight * f(node)).sum()
+                };
+                let row = |node: &InterfaceNode<2>, component: usize| node.rows[component].unwrap();
+                let (own, other) = (&interface.nonmortar, &interface.mortar);
+                let found = [
+                    sum(&|_| 1.0),
+                    interface.carriers().map(|node| node.extent).sum(),
+                    sum(&|node| node.gap),
+                    sum(&|node| times(&own[row(node, 0)], &upper, us)),
+                    sum(&|node| times(&own[row(node, 1)], &upper, us)),
+                    sum(&|node| times(&other[row(node, 0)], &lower, um)),
+                    sum(&|node| times(&other[row(node, 1)], &lower, um)),
+                ];
+                // the normal is −y, the tangent +x
+                let expected = [6.0, 3.0, 6.0 * 14.25, -4.2, 12.0, 1.2, -6.0];
+                for (found, expected) in found.into_iter().zip(expected) {
+                    assert!((found - expected).abs() < 1e-12, "{found} {expected}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn nodes_of_covered_facets_have_rows_of_their_own() {
+        let places = [0.0, 1.0, 2.0, 3.0, 4.0];
+        for (cell, weights) in [
+            (CellKind::Quad4, [0.5, 1.0, 1.0, 1.0, 0.5]),
+            // a third, four thirds, two thirds of a half
+            (
+                CellKind::Quad8,
+                [1.0, 4.0, 2.0, 4.0, 1.0].map(|w: f64| w / 3.0),
+            ),
+        ] {
+            let upper = flat(&places, 1.0, cell);
+            let sloping = [-1.0, 0.7, 2.3, 4.5].map(|x| [x, -1.0 + 0.1 * x]);
+            let lower = wall(&sloping, -3.0, CellKind::Quad4);
+            let interface = paired(&upper, &lower, Coupling::Frictional);
+            let nodes = interface.nodes.iter().zip(places).zip(weights);
+            for ((node, x), weight) in nodes {
+                assert_eq!(node.node, node_at(&upper, [x, 0.0]));
+                assert!((node.weight - weight).abs() < 1e-13 && node.extent > 0.0);
+                // a mean of a linear gap is that at the node
+                assert!((node.gap - (1.0 - 0.1 * x)).abs() < 1e-12, "{}", node.gap);
+                assert!((node.clearance - (1.0 - 0.1 * x)).abs() < 1e-13);
+                let point = &interface.points[node.shares.at_node.unwrap()];
+                assert_eq!(point.own, [(node.node, 1.0)]);
+                for (row, direction) in node.rows.into_iter().zip([[0.0, -1.0], [1.0, 0.0]]) {
+                    let row = row.unwrap();
+                    for &(j, c) in &interface.nonmortar[row] {
+                        let own = f64::from(u8::from(j == node.node));
+                        let rest = add_scaled(c, -own, direction);
+                        assert!(norm(rest) < 1e-12, "{c:?}");
+                    }
+                    if direction[1] != 0.0 {
+                        // linear displacements of the other side are taken at the node as well
+                        let u = |[x, _]: Point<2>| [9.0, 2.0 + x];
+                        let found = times(&interface.mortar[row], &lower, u);
+                        assert!((found - (2.0 + x)).abs() < 1e-12, "{found}");
+                    }
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn on_matching_meshes_rows_are_those_of_the_pairs() {
+        let places = [0.0, 1.0, 1.8, 3.0, 4.0];
+        let (upper, lower) = (
+            flat(&places, 1.0, CellKind::Quad4),
+            flat(&places, -1.0, CellKind::Quad4),
+        );
+        let free = Constraints::default();
+        let mortar = paired(&upper, &lower, Coupling::Frictional);
+        let ends = [end(&upper, "bottom", &free), end(&lower, "bottom", &free)];
+        let (gap, coupling) = (InitialGap::Measured, Coupling::Frictional);
+        let analysis = Analysis::PlaneStrain;
+        let nodal = pair_nodes(ends[0], ends[1], gap, coupling, analysis, 0.0).unwrap();
+        let u = |[x, y]: Point<2>| [(3.0 * x).sin() + y, (2.0 * x).cos()];
+        for (a, b) in mortar.nodes.iter().zip(&nodal.nodes) {
+            assert_eq!((a.node, a.rows, a.role), (b.node, b.rows, b.role));
+            assert!((a.weight - b.weight).abs() < 1e-13 && (a.extent - b.extent).abs() < 1e-13);
+        }
+        let rows = |interface: &Interface<2>| -> Vec<[f64; 2]> {
+            let rows = interface.nonmortar.iter().zip(&interface.mortar);
+            rows.map(|(own, other)| [times(own, &upper, u), times(other, &lower, u)])
+                .collect()
+        };
+        for (a, b) in rows(&mortar).into_iter().zip(rows(&nodal)) {
+            assert!((a[0] - b[0]).abs() < 1e-12 && (a[1] - b[1]).abs() < 1e-12);
+        }
+    }
+
+    #[test]
+    fn a_facet_that_is_covered_in_part_is_loaded_at_the_ends_of_that_part() {
+        let upper = flat(&[0.0, 1.0, 2.0], 1.0, CellKind::Quad4);
+        let lower = flat(&[0.5, 1.0, 3.0], -1.0, CellKind::Quad4);
+        let interface = paired(&upper, &lower, Coupling::Normal);
+        let u = |[x, _]: Point<2>| [9.0, 2.0 + x];
+        for (node, (place, weight)) in
+            interface
+                .nodes
+                .iter()
+                .zip([(0.5, 0.25), (1.0, 0.75), (2.0, 0.5)])
+        {
+            assert!((node.weight - weight).abs() < 1e-14);
+            let row = node.rows[0].unwrap();
+            let found = times(&interface.nonmortar[row], &upper, u);
+            assert!((found + 2.0 + place).abs() < 1e-13, "{found}");
+        }
+    }
+
+    #[test]
+    fn over_a_hole_the_functions_are_linear() {
+        let upper = flat(&[0.0, 1.0], 1.0, CellKind::Quad4);
+        let lower = flat(&[0.0, 0.4, 0.6, 1.0], -1.0, CellKind::Quad4);
+        let free = Constraints::default();
+        let whole = end(&lower, "bottom", &free);
+        let facets = whole.facets().unwrap();
+        let mortar = End {
+            part: Some(&[facets[0], facets[2]]),
+            ..whole
+        };
+        let interface = pair_mortar(
+            end(&upper, "bottom", &free),
+            Against::Side(mortar),
+            InitialGap::Measured,
+            Coupling::Normal,
+            Analysis::PlaneStrain,
+            0.0,
+        );
+        let interface = interface.unwrap();
+        // ∫(1 − x) and ∫(1 − x) x over 0 … 0.4 and 0.6 … 1
+        let weight = 0.4;
+        let first = 0.5 * (0.16 + 1.0 - 0.36) - (0.064 + 1.0 - 0.216) / 3.0;
+        let row = &interface.nonmortar[interface.nodes[0].rows[0].unwrap()];
+        assert!((interface.nodes[0].weight - weight).abs() < 1e-14);
+        let found = times(row, &upper, |[x, _]| [0.0, x]);
+        assert!((found + first / weight).abs() < 1e-13, "{found}");
+    }
+
+    #[test]
+    fn a_prescribed_node_gives_its_facets_to_its_neighbours() {
+        let upper = flat(&[0.0, 1.0, 2.0, 3.0], 1.0, CellKind::Quad4);
+        let lower = flat(&[-1.0, 1.5, 4.0], -1.0, CellKind::Quad4);
+        let middle = node_at(&upper, [1.0, 0.0]);
+        let supports = held(&[(middle, [0.0, 1.0], true)]);
+        let free = Constraints::default();
+        let interface = pair_mortar(
+            end(&upper, "bottom", &supports),
+            Against::Side(end(&lower, "bottom", &free)),
+            InitialGap::Measured,
+            Coupling::Frictional,
+            Analysis::PlaneStrain,
+            0.0,
+        );
+        let interface = interface.unwrap();
+        let fixed = &interface.nodes[1];
+        assert_eq!((fixed.role, fixed.rows), (Role::Fixed, [None; 2]));
+        // what faces the other side there, all the same
+        assert!((fixed.weight - 1.0).abs() < 1e-14 && fixed.gap.abs() < 1e-14);
+        let u = |[x, _]: Point<2>| [0.0, x];
+        for (place, weight, mean) in [(0, 1.0, 0.5), (2, 1.5, (1.5 + 1.0) / 1.5), (3, 0.5, 3.0)] {
+            let node = &interface.nodes[place];
+            assert!((node.weight - weight).abs() < 1e-14);
+            assert!((node.extent - weight).abs() < 1e-14);
+            let found = times(&interface.nonmortar[node.rows[0].unwrap()], &upper, u);
+            assert!((found + mean).abs() < 1e-13, "{found}");
+        }
+    }
+
+    /// Which rows the nodes of a side at x = 0, 1, 2, 3 have over a plane.
+    fn over_a_plane(
+        directions: &[(f64, Point<2>, bool)],
+        driven: Driven,
+        coupling: Coupling,
+    ) -> Result<Vec<[bool; 2]>, ContactError> {
+        let upper = flat(&[0.0, 1.0, 2.0, 3.0], 1.0, CellKind::Quad4);
+        let directions: Vec<_> = directions
+            .iter()
+            .map(|&(x, axis, still)| (node_at(&upper, [x, 0.0]), axis, still))
+            .collect();
+        let supports = held(&directions);
+        let rigid = Rigid::Surface {
+            surface: Surface::Plane {
+                point: [0.0, -0.5],
+                normal: [0.0, 1.0],
+            },
+            inside: false,
+        };
+        let interface = pair_mortar(
+            end(&upper, "bottom", &supports),
+            Against::Obstacle(&rigid, driven),
+            InitialGap::Measured,
+            coupling,
+            Analysis::PlaneStrain,
+            0.0,
+        )?;
+        assert!(
+            interface
+                .nodes
+                .iter()
+                .all(|node| (node.gap - 0.5).abs() < 1e-14)
+        );
+        assert!(interface.nodes.iter().all(|node| node.opposite.is_empty()));
+        let length: f64 = interface.carriers().map(|node| node.weight).sum();
+        assert!(coupling == Coupling::Tied || (length - 3.0).abs() < 1e-13);
+        let rows = |node: &InterfaceNode<2>| node.rows.map(|row| row.is_some());
+        Ok(interface.nodes.iter().map(rows).collect())
+    }
+
+    const X: Point<2> = [1.0, 0.0];
+    const Y: Point<2> = [0.0, 1.0];
+    const BOTH: [bool; 2] = [true, true];
+    const NONE: [bool; 2] = [false, false];
+    const NORMAL: [bool; 2] = [true, false];
+
+    #[test]
+    fn a_node_that_stays_still_slips_against_an_obstacle_that_moves() {
+        for (driven, still, rows) in [
+            (Driven::Still, true, NORMAL),
+            (Driven::Still, false, BOTH),
+            (Driven::Prescribed, true, BOTH),
+            (Driven::Free, true, BOTH),
+        ] {
+            let found = over_a_plane(&[(1.0, X, still)], driven, Coupling::Frictional).unwrap();
+            assert_eq!(found, [BOTH, rows, BOTH, BOTH], "{driven:?} {still}");
+        }
+    }
+
+    #[test]
+    fn between_two_prescribed_nodes_a_free_obstacle_is_borne() {
+        let two = [(0.0, Y, true), (1.0, Y, true)];
+        for (coupling, free) in [(Coupling::Frictional, BOTH), (Coupling::Normal, NORMAL)] {
+            let found = |driven| over_a_plane(&two, driven, coupling);
+            // forces may move the obstacle against them
+            assert_eq!(found(Driven::Free), Ok(vec![free; 4]));
+        }
+        // a tie of what is prescribed is none
+        let found = over_a_plane(&two, Driven::Free, Coupling::Tied).unwrap();
+        assert_eq!(found, [[false, true], [false, true], BOTH, BOTH]);
+        // one alone gives way
+        let found = over_a_plane(&two[..1], Driven::Free, Coupling::Frictional).unwrap();
+        assert_eq!(found, [NONE, BOTH, BOTH, BOTH]);
+        let all = [0.0, 1.0, 2.0, 3.0].map(|x| (x, Y, true));
+        let side = "body.bottom".to_string();
+        let found = over_a_plane(&all, Driven::Free, Coupling::Normal);
+        assert_eq!(found, Err(ContactError::AllFixed { side }));
+    }
+
+    /// Which rows the nodes of a side at x = 0, 1, 2, 3 have over one at x = −1, 0.5, 1.5, 4.
+    fn over_a_side(
+        own: &[(f64, Point<2>, bool)],
+        other: &[(f64, Point<2>, bool)],
+    ) -> Vec<[bool; 2]> {
+        let upper = flat(&[0.0, 1.0, 2.0, 3.0], 1.0, CellKind::Quad4);
+        let lower = flat(&[-1.0, 0.5, 1.5, 4.0], -1.0, CellKind::Quad4);
+        let supports = |body: &Body<2>, directions: &[(f64, Point<2>, bool)]| {
+            let directions = directions.iter();
+            let directions: Vec<_> = directions
+                .map(|&(x, axis, still)| (node_at(body, [x, 0.0]), axis, still))
+                .collect();
+            held(&directions)
+        };
+        let (own, other) = (supports(&upper, own), supports(&lower, other));
+        let interface = pair_mortar(
+            end(&upper, "bottom", &own),
+            Against::Side(end(&lower, "bottom", &other)),
+            InitialGap::Measured,
+            Coupling::Frictional,
+            Analysis::PlaneStrain,
+            0.0,
+        );
+        let rows = |node: &InterfaceNode<2>| node.rows.map(|row| row.is_some());
+        interface.unwrap().nodes.iter().map(rows).collect()
+    }
+
+    #[test]
+    fn nothing_slips_where_both_sides_stay_still() {
+        let own = [(1.0, X, true)];
+        // the node at x = 1 lies between those at 0.5 and 1.5
+        for (other, rows) in [
+            (vec![(0.5, X, true), (1.5, X, true)], NORMAL),
+            (vec![(0.5, X, true)], BOTH),
+            (vec![(1.5, X, true)], BOTH),
+            (vec![(0.5, X, true), (1.5, X, false)], BOTH),
+            (vec![(0.5, Y, true), (1.5, Y, true)], BOTH),
+            (vec![], BOTH),
+        ] {
+            assert_eq!(
+                over_a_side(&own, &other),
+                [BOTH, rows, BOTH, BOTH],
+                "{other:?}"
+            );
+        }
+    }
+
+    #[test]
+    fn prescribed_neighbours_keep_their_pressure_unless_the_other_side_is_prescribed_too() {
+        let own = [(1.0, Y, true), (2.0, Y, false)];
+        // the node at x = 1 lies between those at 0.5 and 1.5, that at x = 2 between those at 1.5 and 4
+        for (other, rows) in [
+            (vec![], [BOTH; 4]),
+            (
+                vec![(0.5, Y, true), (1.5, Y, false)],
+                [BOTH, NONE, BOTH, BOTH],
+            ),
+            (
+                vec![(1.5, Y, false), (4.0, Y, false)],
+                [BOTH, BOTH, NONE, BOTH],
+            ),
+            (vec![(1.5, X, true), (4.0, X, true)], [BOTH; 4]),
+        ] {
+            assert_eq!(over_a_side(&own, &other), rows, "{other:?}");
+        }
+    }
+
+    #[test]
+    fn a_node_of_whose_surroundings_less_than_a_thousandth_is_covered_carries_nothing() {
+        // over the last ε of its facet the hat of an end node is ε² of its whole
+        for (cover, carries) in [(0.031, false), (0.0322, true)] {
+            let upper = flat(&[0.0, 1.0, 2.0], 1.0, CellKind::Quad4);
+            let lower = flat(&[1.0 - cover, 3.0], -1.0, CellKind::Quad4);
+            let interface = paired(&upper, &lower, Coupling::Normal);
+            let first = &interface.nodes[0];
+            assert_eq!(first.rows[0].is_some(), carries, "{cover}");
+            assert_eq!(first.role == Role::Alone, !carries);
+            // what it leaves goes to its neighbour
+            let length: f64 = interface.carriers().map(|node| node.weight).sum();
+            assert!((length - 1.0 - cover).abs() < 1e-13);
+            let expected = if carries { 0.5 * cover } else { 0.5 };
+            assert!((first.weight - expected).abs() < 1e-14);
+        }
+    }
+
+    #[test]
+    fn what_faces_nothing_weighs_its_surroundings() {
+        let turn = 2.0 * std::f64::consts::PI;
+        let free = Constraints::default();
+        let other = flat(&[3.5, 5.0], -1.0, CellKind::Quad4);
+        for (cell, analysis, weights) in [
+            (CellKind::Quad4, Analysis::PlaneStrain, [1.0, 2.0, 2.0]),
+            (CellKind::Quad8, Analysis::PlaneStrain, [1.0, 2.0, 2.0]),
+            // ∫N r of a facet of length L from r to R: L (2r + R)/6
+            (
+                CellKind::Quad4,
+                Analysis::Axisymmetric,
+                [turn / 6.0, turn, 2.0 * turn],
+            ),
+        ] {
+            let mut upper = flat(&[0.0, 1.0, 2.0, 3.0, 4.0], 1.0, cell);
+            upper.thickness = 2.0;
+            let interface = pair_mortar(
+                end(&upper, "bottom", &free),
+                Against::Side(end(&other, "bottom", &free)),
+                InitialGap::Measured,
+                Coupling::Normal,
+                analysis,
+                0.0,
+            );
+            let interface = interface.unwrap();
+            for (node, weight) in interface.nodes.iter().zip(weights) {
+                assert_eq!((node.role, node.rows), (Role::Alone, [None; 2]));
+                assert!(
+                    (node.weight - weight).abs() < 1e-13,
+                    "{} {weight}",
+                    node.weight
+                );
+                assert!(node.gap.is_nan() && node.clearance.is_nan() && node.extent == 0.0);
+                assert_eq!(node.normal(), [0.0, -1.0]);
+            }
+        }
+    }
+
+    #[test]
+    fn where_a_node_weighs_too_little_the_functions_are_linear() {
+        // the inner end of a quadratic facet from r to r + 1 weighs r/2 : (r + 1/2) of the mean
+        let free = Constraints::default();
+        for (radius, own) in [(0.12, false), (0.13, true)] {
+            let places = [radius, radius + 0.5, radius + 1.0];
+            let upper = flat(&places, 1.0, CellKind::Quad8);
+            let lower = flat(&[0.0, 2.0], -1.0, CellKind::Quad4);
+            let interface = pair_mortar(
+                end(&upper, "bottom", &free),
+                Against::Side(end(&lower, "bottom", &free)),
+                InitialGap::Measured,
+                Coupling::Normal,
+                Analysis::Axisymmetric,
+                0.0,
+            );
+            let interface = interface.unwrap();
+            let first = &interface.nodes[0];
+            let row = &interface.nonmortar[first.rows[0].unwrap()];
+            let others = row.iter().filter(|(node, _)| *node != first.node);
+            let largest = others.map(|(_, c)| norm(*c)).fold(0.0, f64::max);
+            assert_eq!(largest < 1e-9, own, "{radius} {largest}");
+        }
+    }
+
+    fn ring(inner: f64, outer: f64, around: usize) -> Body<2> {
+        let ring = Ring {
+            center: [0.0, 0.0],
+            inner,
+            outer,
+            angles: None,
+            cells: [around, 1],
+            ratio: 1.0,
+            grade: 1.0,
+            cell: CellKind::Quad4,
+            diagonals: Default::default(),
+        };
+        body(ring.build().unwrap())
+    }
+
+    #[test]
+    fn a_ring_closes_on_itself_and_neither_its_parts_nor_two_circles_do() {
+        let (mut inner, outer) = (ring(1.0, 2.0, 12), ring(2.1, 3.0, 17));
+        inner.mesh = inner.mesh.with_side("both", |_| true);
+        let free = Constraints::default();
+        let pair = |nonmortar: End<'_, 2>| {
+            let against = Against::Side(end(&outer, "inner", &free));
+            let (gap, coupling) = (InitialGap::Measured, Coupling::Normal);
+            pair_mortar(
+                nonmortar,
+                against,
+                gap,
+                coupling,
+                Analysis::PlaneStrain,
+                0.0,
+            )
+            .unwrap()
+        };
+        let whole = end(&inner, "outer", &free);
+        let interface = pair(whole);
+        assert!(interface.cyclic);
+        let order: Vec<usize> = interface.nodes.iter().map(|node| node.node).collect();
+        let chain = &inner.mesh.chain("outer").unwrap()[0];
+        let expected: Vec<usize> = chain.nodes.iter().map(|&node| node as usize).collect();
+        assert_eq!(order, expected);
+        let part = End {
+            part: Some(&chain.facets[1..4]),
+            ..whole
+        };
+        let part = pair(part);
+        assert!(!part.cyclic && part.nodes.len() == 4);
+        assert!(!pair(end(&inner, "both", &free)).cyclic);
+    }
+
+    #[test]
+    fn sides_that_are_not_there_and_gaps_that_are_no_numbers_are_errors() {
+        let body = flat(&[0.0, 1.0], 1.0, CellKind::Quad4);
+        let free = Constraints::default();
+        let gap = Field::constant(f64::NAN);
+        let lower = flat(&[0.0, 1.0], -1.0, CellKind::Quad4);
+        for (own, other, word) in [
+            ("nowhere", "bottom", "nowhere"),
+            ("bottom", "elsewhere", "elsewhere"),
+            ("bottom", "bottom", "not finite"),
+        ] {
+            let against = Against::Side(end(&lower, other, &free));
+            let (gap, coupling) = (InitialGap::Given(&gap), Coupling::Normal);
+            let own = end(&body, own, &free);
+            let found = pair_mortar(own, against, gap, coupling, Analysis::PlaneStrain, 0.0);
+            let message = found.unwrap_err().to_string();
+            assert!(message.contains(word), "{message}");
+        }
+    }
+
+    /// The cover of a facet with one span by these pieces.
+    fn cover(ends: &[[f64; 2]]) -> (bool, Option<[f64; 2]>) {
+        let body = flat(&[0.0, 1.0], 1.0, CellKind::Quad4);
+        let facet = body.mesh.side("bottom").unwrap()[0];
+        let spans = spans(&body.mesh, facet);
+        let pieces: Vec<Piece> = ends
+            .iter()
+            .map(|&ends| Piece {
+                span: 0,
+                ends,
+                opposite: None,
+            })
+            .collect();
+        let cover = Cover::new(&spans, &pieces);
+        (cover.facet(facet), cover.interval(0))
+    }
+
+    #[test]
+    fn pieces_that_join_cover_an_interval_and_all_of_them_the_facet() {
+        assert_eq!(cover(&[[-1.0, 0.2], [0.2, 1.0]]), (true, Some([-1.0, 1.0])));
+        assert_eq!(
+            cover(&[[-0.5, 0.2], [0.2, 0.9]]),
+            (false, Some([-0.5, 0.9]))
+        );
+        assert_eq!(cover(&[[-1.0, 0.2], [0.3, 1.0]]), (false, None));
+        // a billionth is rounding, of the facet as of the place
+        assert!(cover(&[[-1.0, 1.0 - 1.8e-9]]).0);
+        assert!(!cover(&[[-1.0, 1.0 - 2.2e-9]]).0);
+        assert!(cover(&[[-1.0, 0.0], [0.95e-9, 0.5]]).1.is_some());
+        assert!(cover(&[[-1.0, 0.0], [1.05e-9, 0.5]]).1.is_none());
+    }
+
+    #[test]
+    fn a_tie_of_a_node_that_is_held_along_the_normal_keeps_its_tangent() {
+        let upper = flat(&[0.0, 1.0, 2.0, 3.0], 1.0, CellKind::Quad4);
+        let lower = flat(&[-1.0, 0.4, 1.5, 4.0], -1.0, CellKind::Quad4);
+        let middle = node_at(&upper, [1.0, 0.0]);
+        let supports = held(&[(middle, Y, true)]);
+        let free = Constraints::default();
+        let interface = pair_mortar(
+            end(&upper, "bottom", &supports),
+            Against::Side(end(&lower, "bottom", &free)),
+            InitialGap::Measured,
+            Coupling::Tied,
+            Analysis::PlaneStrain,
+            0.0,
+        );
+        let interface = interface.unwrap();
+        let u = |[x, _]: Point<2>| [5.0 + x, x];
+        let nodes = &interface.nodes;
+        assert_eq!(nodes[1].rows[0], None);
+        let times = |row: Option<usize>| times(&interface.nonmortar[row.unwrap()], &upper, u);
+        // the neighbour's pressure spreads over the facet, the shear of each node stands for itself
+        assert!((times(nodes[0].rows[0]) + 0.5).abs() < 1e-13);
+        for (node, x) in nodes.iter().zip([0.0, 1.0, 2.0, 3.0]) {
+            assert!((times(node.rows[1]) - 5.0 - x).abs() < 1e-13);
+        }
+        // its weight is that of the row that it has
+        assert!((nodes[1].weight - 1.0).abs() < 1e-14);
+        assert!((nodes[0].weight - 1.0).abs() < 1e-14);
+        assert_eq!(nodes[1].role, Role::Multiplier);
+    }
+}

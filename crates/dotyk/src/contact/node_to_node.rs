@@ -274,3 +274,291 @@ fn build<const D: usize>(
     }
     Ok(interface)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::contact::gaps::tests::{body, cube, end, flat, held, node_at, wall};
+    use crate::fem::{Body, Constraints};
+    use crate::geometry::{Field, Surface};
+    use crate::mesh::{CellKind, Cuboid, Ring};
+
+    #[test]
+    fn partners_are_the_nearest_nodes_if_they_coincide() {
+        // three cells over four, and over three with the same nodes
+        let own = cube(0.0);
+        for cells in [3, 4] {
+            let cuboid = Cuboid {
+                from: [0.0, 0.0, 1.0],
+                to: [1.0, 1.2, 2.0],
+                cells: [cells; 3],
+                cell: CellKind::Hex8,
+            };
+            let other = body(cuboid.build().unwrap());
+            let free = Constraints::default();
+            let found = matching_nodes(end(&own, "top", &free), end(&other, "bottom", &free));
+            let found = found.unwrap();
+            assert_eq!(found.len(), 16);
+            for (node, (partner, distance_found)) in found {
+                let place = own.mesh.points()[node];
+                let others = other.mesh.side_nodes("bottom").unwrap().into_iter();
+                let away = |node: u32| distance(other.mesh.points()[node as usize], place);
+                let nearest = others.clone().map(away).fold(f64::INFINITY, f64::min);
+                assert_eq!(distance_found, nearest);
+                let same = others.clone().find(|&node| away(node) < 1e-9);
+                assert_eq!(partner, same.map(|node| node as usize));
+            }
+        }
+    }
+
+    #[test]
+    fn nodes_coincide_within_a_millionth_of_the_shortest_edge_beside_them() {
+        let own = flat(&[0.0, 1.0, 1.5, 3.5], 1.0, CellKind::Quad4);
+        let free = Constraints::default();
+        for (x, edge) in [(0.0, 1.0), (1.0, 0.5), (1.5, 0.5), (3.5, 2.0)] {
+            for (part, same) in [(0.95e-6, true), (1.05e-6, false)] {
+                let points = [0.0, 1.0, 1.5, 3.5].map(|at| match at == x {
+                    true => [at, part * edge],
+                    false => [at, 0.0],
+                });
+                let other = wall(&points, -1.0, CellKind::Quad4);
+                let matches =
+                    matching_nodes(end(&own, "bottom", &free), end(&other, "bottom", &free));
+                let (partner, away) = matches.unwrap()[&node_at(&own, [x, 0.0])];
+                assert_eq!(partner.is_some(), same, "{x} {part}");
+                assert!((away - part * edge).abs() < 1e-15);
+            }
+        }
+    }
+
+    #[test]
+    fn a_triangle_has_the_shortest_of_its_edges() {
+        let mesh = Cuboid {
+            from: [0.0; 3],
+            to: [1.0, 3.0, 2.0],
+            cells: [1; 3],
+            cell: CellKind::Tet4,
+        };
+        let mesh = mesh.build().unwrap();
+        for (side, shortest) in [("top", 1.0), ("left", 2.0), ("front", 1.0)] {
+            let edges = shortest_edges(&mesh, mesh.side(side).unwrap());
+            assert!(edges.len() == 4 && edges.values().all(|&edge| edge == shortest));
+        }
+    }
+
+    /// A side at x = 0, 1, 2, 3 over one at x = 0, 1, 2, with these supports and a given gap.
+    fn paired(
+        own: &Constraints<2>,
+        other: &Constraints<2>,
+        gap: InitialGap<'_>,
+        coupling: Coupling,
+    ) -> Interface<2> {
+        let upper = above();
+        let lower = below();
+        let analysis = Analysis::PlaneStrain;
+        let ends = [end(&upper, "bottom", own), end(&lower, "bottom", other)];
+        pair_nodes(ends[0], ends[1], gap, coupling, analysis, 2.0).unwrap()
+    }
+
+    fn above() -> Body<2> {
+        flat(&[0.0, 1.0, 2.0, 3.0], 1.0, CellKind::Quad4)
+    }
+
+    fn below() -> Body<2> {
+        flat(&[0.0, 1.0, 2.0], -1.0, CellKind::Quad4)
+    }
+
+    #[test]
+    fn coincident_nodes_share_rows_and_the_weight_of_the_facets_that_face_the_other_side() {
+        let free = Constraints::default();
+        let gap = Field::function("x + t", |p, t| p[0] + t);
+        let given = InitialGap::Given(&gap);
+        let interface = paired(&free, &free, given, Coupling::Frictional);
+        let expected = [(0.0, 0.5), (1.0, 1.0), (2.0, 0.5)];
+        for (node, (x, weight)) in interface.nodes.iter().zip(expected) {
+            let own = node_at(&above(), [x, 0.0]);
+            let other = node_at(&below(), [x, 0.0]);
+            assert_eq!((node.node, node.role), (own, Role::Multiplier));
+            assert!((node.weight - weight).abs() < 1e-15 && node.extent == node.weight);
+            assert_eq!((node.gap, node.clearance), (x + 2.0, x + 2.0));
+            assert_eq!(node.opposite, [(other, 1.0)]);
+            for (row, direction) in node.rows.into_iter().zip(node.frame) {
+                let row = row.unwrap();
+                assert_eq!(interface.nonmortar[row], [(own, direction)]);
+                let against = direction.map(|c| -c);
+                assert_eq!(interface.mortar[row], [(other, against)]);
+            }
+            let point = &interface.points[node.shares.mean[0].0];
+            assert_eq!(node.shares.mean[0].1, 1.0);
+            assert_eq!(
+                (&point.own, &point.opposite),
+                (&vec![(own, 1.0)], &node.opposite)
+            );
+            assert_eq!((point.normal, point.along), ([0.0, -1.0], [0.0, -1.0]));
+        }
+        let alone = &interface.nodes[3];
+        assert_eq!((alone.role, alone.rows), (Role::Alone, [None; 2]));
+        assert!(alone.gap.is_nan() && (alone.weight - 0.5).abs() < 1e-15);
+        assert_eq!(interface.nodes.len(), 4);
+        let closed = paired(&free, &free, InitialGap::Closed, Coupling::Normal);
+        assert_eq!(closed.gaps(), [0.0; 3]);
+    }
+
+    #[test]
+    fn a_measured_gap_is_the_way_along_the_normal() {
+        let (upper, free) = (above(), Constraints::default());
+        for off in [0.5e-6, -0.5e-6] {
+            let points = [0.0, 1.0, 2.0].map(|x| [x, off]);
+            let lower = wall(&points, -1.0, CellKind::Quad4);
+            let ends = [end(&upper, "bottom", &free), end(&lower, "bottom", &free)];
+            let (gap, coupling) = (InitialGap::Measured, Coupling::Normal);
+            let analysis = Analysis::PlaneStrain;
+            let interface = pair_nodes(ends[0], ends[1], gap, coupling, analysis, 0.0).unwrap();
+            // the body is above: outward is down
+            assert_eq!(interface.gaps(), [-off; 3]);
+        }
+    }
+
+    #[test]
+    fn a_node_that_only_touches_the_other_side_carries_nothing() {
+        let (upper, free) = (above(), Constraints::default());
+        let lower = flat(&[-2.0, -1.0, 0.0], -1.0, CellKind::Quad4);
+        let ends = [end(&upper, "bottom", &free), end(&lower, "bottom", &free)];
+        let (gap, coupling) = (InitialGap::Closed, Coupling::Normal);
+        let analysis = Analysis::PlaneStrain;
+        let interface = pair_nodes(ends[0], ends[1], gap, coupling, analysis, 0.0).unwrap();
+        assert!(interface.nodes.iter().all(|node| node.role == Role::Alone));
+        assert!(interface.nonmortar.is_empty());
+    }
+
+    #[test]
+    fn a_direction_that_both_sides_hold_carries_no_multiplier() {
+        let (own, other) = (node_at(&above(), [1.0, 0.0]), node_at(&below(), [1.0, 0.0]));
+        let (x, y) = ([1.0, 0.0], [0.0, 1.0]);
+        let rows = |own: &[(usize, Point<2>, bool)], other: &[(usize, Point<2>, bool)]| {
+            let (own, other) = (held(own), held(other));
+            let interface = paired(&own, &other, InitialGap::Closed, Coupling::Frictional);
+            let node = &interface.nodes[1];
+            assert_eq!(node.role == Role::Fixed, node.rows == [None; 2]);
+            node.rows.map(|row| row.is_some())
+        };
+        assert_eq!(rows(&[(own, y, true)], &[]), [true, true]);
+        assert_eq!(rows(&[], &[(other, y, true)]), [true, true]);
+        assert_eq!(rows(&[(own, y, true)], &[(other, y, true)]), [false, false]);
+        // prescribed is enough for the normal
+        assert_eq!(
+            rows(&[(own, y, false)], &[(other, y, false)]),
+            [false, false]
+        );
+        // along the tangent friction asks for no motion at all
+        assert_eq!(rows(&[(own, x, true)], &[(other, x, true)]), [true, false]);
+        assert_eq!(rows(&[(own, x, true)], &[(other, x, false)]), [true, true]);
+        assert_eq!(rows(&[(own, x, false)], &[(other, x, true)]), [true, true]);
+        assert_eq!(rows(&[(own, x, true)], &[(other, y, true)]), [true, true]);
+    }
+
+    #[test]
+    fn an_inclined_normal_is_turned_into_what_both_supports_leave_free() {
+        let inclined = [[0.0, 0.0], [1.0, 0.5], [2.0, 1.0]];
+        let (upper, lower) = (
+            wall(&inclined, 3.0, CellKind::Quad4),
+            wall(&inclined, -2.0, CellKind::Quad4),
+        );
+        let x = [1.0, 0.0];
+        let own = held(&[(node_at(&upper, inclined[1]), x, true)]);
+        let other = held(&[(node_at(&lower, inclined[1]), x, true)]);
+        let ends = [end(&upper, "bottom", &own), end(&lower, "bottom", &other)];
+        let (gap, coupling) = (InitialGap::Closed, Coupling::Normal);
+        let analysis = Analysis::PlaneStrain;
+        let interface = pair_nodes(ends[0], ends[1], gap, coupling, analysis, 0.0).unwrap();
+        assert_eq!(interface.nodes[1].normal(), [0.0, -1.0]);
+        let free = interface.nodes[0].normal();
+        assert!((free[0] / free[1] + 0.5).abs() < 1e-14, "{free:?}");
+    }
+
+    #[test]
+    fn what_moves_an_obstacle_decides_which_rows_are_left() {
+        let upper = above();
+        let node = node_at(&upper, [1.0, 0.0]);
+        let rigid = Rigid::Surface {
+            surface: Surface::Plane {
+                point: [0.0, -0.25],
+                normal: [0.0, 1.0],
+            },
+            inside: false,
+        };
+        let (x, y) = ([1.0, 0.0], [0.0, 1.0]);
+        for (axis, still, driven, rows) in [
+            (y, true, Driven::Still, [false, false]),
+            (y, false, Driven::Prescribed, [false, false]),
+            (y, true, Driven::Free, [true, true]),
+            (x, true, Driven::Still, [true, false]),
+            (x, false, Driven::Still, [true, true]),
+            (x, true, Driven::Prescribed, [true, true]),
+            (x, true, Driven::Free, [true, true]),
+        ] {
+            let supports = held(&[(node, axis, still)]);
+            let nonmortar = end(&upper, "bottom", &supports);
+            let (coupling, analysis) = (Coupling::Frictional, Analysis::PlaneStrain);
+            let found = pair_obstacle(nonmortar, (&rigid, driven), coupling, analysis, 0.0);
+            let interface = found.unwrap();
+            let found = interface.nodes[1].rows.map(|row| row.is_some());
+            assert_eq!(found, rows, "{axis:?} {still} {driven:?}");
+            // the others act on the translation of the obstacle
+            assert_eq!(interface.nodes[0].gap, 0.25);
+            assert_eq!(interface.mortar[0], [(0, [0.0, 1.0])]);
+        }
+    }
+
+    #[test]
+    fn a_node_on_the_axis_without_weight_is_named() {
+        let places = [0.0, 0.5, 1.0];
+        let (upper, lower) = (
+            flat(&places, 1.0, CellKind::Quad8),
+            flat(&places, -1.0, CellKind::Quad8),
+        );
+        let free = Constraints::default();
+        let ends = [end(&upper, "bottom", &free), end(&lower, "bottom", &free)];
+        let pair = |analysis| {
+            let (gap, coupling) = (InitialGap::Closed, Coupling::Normal);
+            pair_nodes(ends[0], ends[1], gap, coupling, analysis, 0.0)
+        };
+        match pair(Analysis::Axisymmetric) {
+            Err(ContactError::Weight { node, .. }) => {
+                assert_eq!(node, node_at(&upper, [0.0, 0.0]));
+            }
+            other => panic!("{other:?}"),
+        }
+        assert!(pair(Analysis::PlaneStrain).is_ok());
+    }
+
+    #[test]
+    fn a_full_ring_closes_on_itself_and_a_part_of_it_does_not() {
+        let ring = Ring {
+            center: [0.0, 0.0],
+            inner: 1.0,
+            outer: 2.0,
+            angles: None,
+            cells: [8, 1],
+            ratio: 1.0,
+            grade: 1.0,
+            cell: CellKind::Quad4,
+            diagonals: Default::default(),
+        };
+        let (ring, free) = (body(ring.build().unwrap()), Constraints::default());
+        let rigid = Rigid::Gap(Field::constant(0.0));
+        let pair = |nonmortar| {
+            let (coupling, analysis) = (Coupling::Normal, Analysis::PlaneStrain);
+            pair_obstacle(nonmortar, (&rigid, Driven::Still), coupling, analysis, 0.0).unwrap()
+        };
+        let whole = end(&ring, "outer", &free);
+        assert!(pair(whole).cyclic);
+        let part = End {
+            part: Some(&whole.facets().unwrap()[2..5]),
+            ..whole
+        };
+        let part = pair(part);
+        assert!(!part.cyclic);
+        assert_eq!(part.nodes.len(), 4);
+    }
+}

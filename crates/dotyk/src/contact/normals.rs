@@ -119,10 +119,11 @@ fn turned_back<const D: usize>(
         return normal;
     };
     let angle = |a: Point<D>, b: Point<D>| dot(a, b).clamp(-1.0, 1.0).acos();
-    let neighbours = end.body.mesh.facet_nodes(facet).map(|n| n as usize);
+    let mesh = &end.body.mesh;
+    let neighbours = mesh.facet_nodes(facet).map(|n| n as usize);
     let turns = neighbours
         .flat_map(|n| &around[&n])
-        .flat_map(|(other, _)| &own[other])
+        .flat_map(|(other, _)| &own[other][..mesh.facet_kind(*other).nodes()])
         .map(|&other| angle(normal, other));
     let most = turns.filter(|turn| turn.is_finite()).fold(0.0, f64::max);
     let sharp = SHARP.acos();
@@ -130,5 +131,150 @@ fn turned_back<const D: usize>(
         free
     } else {
         normal
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::contact::gaps::tests::{body, end, flat, held, node_at, noise, wall};
+    use crate::fem::Constraints;
+    use crate::geometry::{Surface, distance, norm};
+    use crate::mesh::{CellKind, Ring};
+
+    fn degrees(angle: f64) -> Point<2> {
+        [angle.to_radians().cos(), angle.to_radians().sin()]
+    }
+
+    /// The outward normal of a wall below a body whose tangent has this angle.
+    fn below(angle: f64) -> Point<2> {
+        degrees(angle - 90.0)
+    }
+
+    fn along(angles: &[f64]) -> Vec<Point<2>> {
+        let mut points = vec![[0.0, 0.0]];
+        for &angle in angles {
+            points.push(add_scaled(points[points.len() - 1], 1.0, degrees(angle)));
+        }
+        points
+    }
+
+    #[test]
+    fn normals_at_nodes_bisect_those_of_the_facets_and_are_interpolated_between() {
+        let points = along(&[0.0, 20.0, -10.0]);
+        let wall = wall(&points, 5.0, CellKind::Quad4);
+        let free = Constraints::default();
+        let end = end(&wall, "bottom", &free);
+        let facets = end.facets().unwrap();
+        let normals = Normals::new(end, facets).unwrap();
+        let nodal = normals.nodal();
+        let expected = [0.0, 10.0, 5.0, -10.0].map(below);
+        for (point, expected) in points.iter().zip(expected) {
+            let found = nodal[&node_at(&wall, *point)];
+            assert!(distance(found, expected) < 1e-14, "{found:?}");
+        }
+        // halfway of a facet the bisector of its ends
+        for (facet, expected) in facets.iter().zip([5.0, 7.5, -2.5].map(below)) {
+            assert!(distance(normals.at(*facet, &[0.0]), expected) < 1e-14);
+            assert!((norm(normals.at(*facet, &[0.7])) - 1.0).abs() < 1e-14);
+        }
+    }
+
+    #[test]
+    fn facets_that_meet_at_a_corner_keep_their_normals() {
+        for (angle, sharp) in [(45.5, false), (45.7, true)] {
+            let points = along(&[0.0, angle]);
+            let wall = wall(&points, 5.0, CellKind::Quad4);
+            let free = Constraints::default();
+            let end = end(&wall, "bottom", &free);
+            let facets = end.facets().unwrap();
+            let normals = Normals::new(end, facets).unwrap();
+            let at_corner = [
+                normals.at(facets[0], &[1.0]),
+                normals.at(facets[1], &[-1.0]),
+            ];
+            let expected = match sharp {
+                true => [below(0.0), below(angle)],
+                false => [below(0.5 * angle); 2],
+            };
+            for (found, expected) in at_corner.into_iter().zip(expected) {
+                assert!(distance(found, expected) < 1e-14, "{angle}");
+            }
+            // the node itself has the bisector
+            let nodal = normals.nodal()[&node_at(&wall, points[1])];
+            assert!(distance(nodal, below(0.5 * angle)) < 1e-14);
+        }
+    }
+
+    #[test]
+    fn the_normal_of_a_true_surface_points_out_of_the_body() {
+        let ring = Ring {
+            center: [1.0, 2.0],
+            inner: 1.0,
+            outer: 2.0,
+            angles: None,
+            cells: [12, 1],
+            ratio: 1.0,
+            grade: 1.0,
+            cell: CellKind::Quad4,
+            diagonals: Default::default(),
+        };
+        let mut ring = body(ring.build().unwrap());
+        for (side, radius) in [("inner", 1.0), ("outer", 2.0)] {
+            let center = [1.0, 2.0];
+            let surface = Surface::Sphere { center, radius };
+            ring.surfaces.insert(side.to_string(), surface);
+        }
+        let free = Constraints::default();
+        let mut noise = noise();
+        for (side, sign) in [("inner", -1.0), ("outer", 1.0)] {
+            let end = end(&ring, side, &free);
+            let normals = Normals::new(end, end.facets().unwrap()).unwrap();
+            for &facet in end.facets().unwrap() {
+                let xi = noise();
+                let [x, y] = ring.mesh.facet_point(facet, &[xi]);
+                let expected = unit([sign * (x - 1.0), sign * (y - 2.0)]).unwrap();
+                assert!(distance(normals.at(facet, &[xi]), expected) < 1e-14);
+            }
+        }
+    }
+
+    /// The normal at the left end of a wall whose first facet is inclined against the second, its first node held along x.
+    fn at_held_end(angles: [f64; 2]) -> Point<2> {
+        let wall = wall(&along(&angles), 5.0, CellKind::Quad4);
+        let first = node_at(&wall, [0.0, 0.0]);
+        let supports = held(&[(first, [1.0, 0.0], true)]);
+        let end = end(&wall, "bottom", &supports);
+        let normals = Normals::new(end, end.facets().unwrap()).unwrap();
+        normals.nodal()[&first]
+    }
+
+    #[test]
+    fn the_normal_at_a_plane_of_symmetry_is_turned_back_as_far_as_the_side_turns_there() {
+        // 5 % more than from the first facet to the second, and no farther than a corner turns: 1.05 · 45.57° = 47.85°
+        for (angles, turned) in [
+            ([10.0, 20.0], true),
+            ([10.4, 20.4], true),
+            ([10.6, 20.6], false),
+            ([-10.4, -20.4], true),
+            ([-10.6, -20.6], false),
+            ([10.0, 10.0], false),
+            ([-47.5, 12.5], true),
+            ([-48.2, 12.5], false),
+        ] {
+            let expected = if turned { below(0.0) } else { below(angles[0]) };
+            let found = at_held_end(angles);
+            assert!(distance(found, expected) < 1e-14, "{angles:?} {found:?}");
+        }
+    }
+
+    #[test]
+    fn an_end_that_is_held_altogether_keeps_its_normal() {
+        let wall = flat(&[0.0, 1.0, 2.0], 1.0, CellKind::Quad4);
+        let first = node_at(&wall, [0.0, 0.0]);
+        let supports = held(&[(first, [1.0, 0.0], true), (first, [0.0, 1.0], true)]);
+        let end = end(&wall, "bottom", &supports);
+        let normals = Normals::new(end, end.facets().unwrap()).unwrap();
+        assert_eq!(normals.nodal()[&first], [0.0, -1.0]);
     }
 }

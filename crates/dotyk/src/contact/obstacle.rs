@@ -104,3 +104,112 @@ pub(super) fn finite_gap<const D: usize>(
         })
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::contact::gaps::tests::{end, plate};
+    use crate::fem::Constraints;
+    use crate::geometry::norm;
+
+    /// The unit vector whose cosine with +y is this.
+    fn leaning(cosine: f64) -> Point<2> {
+        [f64::sqrt(1.0 - cosine * cosine), cosine]
+    }
+
+    fn opposite(rigid: &Rigid<2>, point: Point<2>, normal: Point<2>) -> Option<(Point<2>, f64)> {
+        let (plate, free) = (
+            plate([0.0, 0.0], [1.0, 1.0], [1, 1]),
+            Constraints::default(),
+        );
+        let found = rigid.opposite((point, normal), 3.0, end(&plate, "top", &free));
+        let found = found.unwrap();
+        assert_eq!(rigid.faces(point, normal), found.is_some());
+        found
+    }
+
+    #[test]
+    fn a_plane_is_faced_by_what_looks_against_its_normal() {
+        let rigid = Rigid::Surface {
+            surface: Surface::Plane {
+                point: [7.0, -1.0],
+                normal: [0.0, 1.0],
+            },
+            inside: false,
+        };
+        for (cosine, faces) in [
+            (-0.105, true),
+            (-0.095, false),
+            (0.105, false),
+            (-1.0, true),
+        ] {
+            let found = opposite(&rigid, [2.0, 0.5], leaning(cosine));
+            assert_eq!(found.is_some(), faces, "{cosine}");
+            if let Some((normal, gap)) = found {
+                // towards the plane, and the distance from it
+                assert_eq!((normal, gap), ([0.0, -1.0], 1.5));
+            }
+        }
+        assert_eq!(rigid.drawn([2.0, 0.5], [0.0, -1.0], 0.0), [2.0, -1.0]);
+    }
+
+    #[test]
+    fn a_ball_is_met_on_its_near_side_and_a_hole_on_its_far_one() {
+        let rigid = |inside| Rigid::Surface {
+            surface: Surface::Sphere {
+                center: [0.0, -3.0],
+                radius: 2.0,
+            },
+            inside,
+        };
+        let down = [0.0, -1.0];
+        for (point, inside, gap) in [
+            ([0.0, 0.5], false, Some(1.5)),
+            ([0.0, -1.25], false, Some(-0.25)),
+            ([1.2, 0.0], false, Some(1.4)),
+            ([2.1, 0.0], false, None),
+            ([0.0, 0.5], true, Some(5.5)),
+            ([0.0, -2.0], true, Some(3.0)),
+            ([0.0, -5.25], true, Some(-0.25)),
+        ] {
+            let found = opposite(&rigid(inside), point, down);
+            assert_eq!(found.is_some(), gap.is_some(), "{point:?}");
+            if let (Some((normal, found)), Some(gap)) = (found, gap) {
+                assert_eq!(normal, down);
+                assert!((found - gap).abs() < 1e-14, "{found}");
+            }
+        }
+        // grazed: the cosine between the normals is −0.105, or −0.095
+        for (cosine, faces) in [(0.105f64, true), (0.095, false)] {
+            let x = 2.0 * f64::sqrt(1.0 - cosine * cosine);
+            let found = opposite(&rigid(false), [x, 0.0], down);
+            assert_eq!(found.is_some(), faces, "{cosine}");
+        }
+        let drawn = rigid(false).drawn([3.0, 1.0], down, 0.0);
+        assert!((norm([drawn[0], drawn[1] + 3.0]) - 2.0).abs() < 1e-14);
+    }
+
+    #[test]
+    fn a_given_gap_is_taken_at_the_point_and_the_time() {
+        let rigid = Rigid::Gap(Field::function("x + 10 t", |p, t| p[0] + 10.0 * t));
+        let up = [0.0, 1.0];
+        assert_eq!(opposite(&rigid, [2.0, 0.5], up), Some((up, 32.0)));
+        assert_eq!(rigid.drawn([2.0, 0.5], up, 0.1), [2.0, 3.5]);
+    }
+
+    #[test]
+    fn a_gap_that_is_not_finite_is_an_error_with_its_place() {
+        let (plate, free) = (
+            plate([0.0, 0.0], [1.0, 1.0], [1, 1]),
+            Constraints::default(),
+        );
+        let field = Field::function("1/x", |p, _| 1.0 / p[0]);
+        let end = end(&plate, "top", &free);
+        assert_eq!(finite_gap(&field, [2.0, 0.0], 0.0, end), Ok(0.5));
+        let error = finite_gap(&field, [0.0, 5.0], 0.0, end).unwrap_err();
+        let message = error.to_string();
+        for word in ["1/x", "body.top", "5"] {
+            assert!(message.contains(word), "{message}");
+        }
+    }
+}

@@ -121,3 +121,116 @@ pub(super) fn shape<const D: usize>(mesh: &Mesh<D>, facet: Facet, xi: &[f64]) ->
     let nodes = mesh.facet_nodes(facet).map(|node| node as usize);
     nodes.zip(values).collect()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::contact::gaps::tests::{end, flat, node_at, wall};
+    use crate::fem::Constraints;
+    use crate::geometry::{Field, Point, Surface};
+    use crate::mesh::CellKind;
+
+    #[test]
+    fn overlaps_up_to_the_length_of_a_facet_are_believed() {
+        // of thin bodies, so that the line has left its own one
+        for (depth, found) in [(0.9, true), (1.1, false)] {
+            let upper = flat(&[0.0, 1.0, 2.0], 0.1, CellKind::Quad4);
+            let points = [[0.0, depth], [0.7, depth], [2.0, depth]];
+            let lower = wall(&points, depth - 0.1, CellKind::Quad4);
+            let free = Constraints::default();
+            let against = Against::Side(end(&lower, "bottom", &free));
+            let nonmortar = end(&upper, "bottom", &free);
+            let sides = Opposite::new(nonmortar, against, InitialGap::Measured, 0.0).unwrap();
+            for &facet in nonmortar.facets().unwrap() {
+                let at = sides.at(facet, &[0.3]).unwrap();
+                assert_eq!(at.is_some(), found, "{depth}");
+                if let Some(at) = at {
+                    assert!((at.gap + depth).abs() < 1e-15);
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn what_lies_opposite_has_its_nodes_and_the_gap_that_is_asked_for() {
+        let (upper, lower) = (
+            flat(&[0.0, 1.0, 2.0], 1.0, CellKind::Quad4),
+            wall(&[[-1.0, -0.5], [3.0, -0.5]], -2.0, CellKind::Quad4),
+        );
+        let free = Constraints::default();
+        let field = Field::function("x + 10 t", |p, t| p[0] + 10.0 * t);
+        for (gap, expected) in [
+            (InitialGap::Measured, 0.5),
+            (InitialGap::Closed, 0.0),
+            (InitialGap::Given(&field), 21.5),
+        ] {
+            let against = Against::Side(end(&lower, "bottom", &free));
+            let nonmortar = end(&upper, "bottom", &free);
+            let sides = Opposite::new(nonmortar, against, gap, 2.0).unwrap();
+            let facet = nonmortar.facets().unwrap()[1];
+            let at = sides.at(facet, &[0.0]).unwrap().unwrap();
+            assert_eq!(at.gap, expected);
+            assert_eq!(at.facet, lower.mesh.side("bottom").unwrap()[0]);
+            // x = 1.5 between −1 and 3
+            for (place, share) in [([-1.0, -0.5], 0.375), ([3.0, -0.5], 0.625)] {
+                let node = node_at(&lower, place);
+                let found = at.nodes.iter().find(|(j, _)| *j == node).unwrap().1;
+                assert!((found - share).abs() < 1e-15);
+            }
+        }
+    }
+
+    #[test]
+    fn gaps_lie_between_true_surfaces() {
+        let plane = |height: f64| Surface::Plane {
+            point: [7.0, height],
+            normal: [0.0, 1.0],
+        };
+        let circle = Surface::Sphere {
+            center: [0.5, -2.0],
+            radius: 1.0,
+        };
+        // the circle is 1 below the middle, its polygon 0.00125 lower
+        let near = -2.0 + f64::sqrt(1.0 - 0.05 * 0.05);
+        let chord = [[0.45, near], [0.55, near]];
+        let long: [Point<2>; 2] = [[-4.5, -1.0], [5.5, -1.0]];
+        let free = Constraints::default();
+        for (own, points, other, gap) in [
+            (None, long, None, 1.0),
+            (Some(plane(0.005)), long, None, 1.005),
+            (Some(plane(-0.005)), long, Some(plane(-1.003)), 0.998),
+            (None, long, Some(plane(-1.003)), 1.003),
+            // of the two sides of the circle the one near the polygon
+            (None, chord, Some(circle), 1.0),
+        ] {
+            let mut upper = flat(&[0.0, 1.0], 1.0, CellKind::Quad4);
+            let mut lower = wall(&points, -3.0, CellKind::Quad4);
+            upper
+                .surfaces
+                .extend(own.map(|s| ("bottom".to_string(), s)));
+            lower
+                .surfaces
+                .extend(other.map(|s| ("bottom".to_string(), s)));
+            let against = Against::Side(end(&lower, "bottom", &free));
+            let nonmortar = end(&upper, "bottom", &free);
+            let sides = Opposite::new(nonmortar, against, InitialGap::Measured, 0.0).unwrap();
+            let facet = nonmortar.facets().unwrap()[0];
+            let at = sides.at(facet, &[0.0]).unwrap().unwrap();
+            assert!((at.gap - gap).abs() < 1e-14, "{}", at.gap);
+        }
+    }
+
+    #[test]
+    fn an_obstacle_has_no_nodes_to_be_found() {
+        let (upper, free) = (
+            flat(&[0.0, 1.0], 1.0, CellKind::Quad4),
+            Constraints::default(),
+        );
+        let rigid = crate::contact::Rigid::Gap(Field::constant(1.0));
+        let against = Against::Obstacle(&rigid, crate::contact::Driven::Still);
+        let nonmortar = end(&upper, "bottom", &free);
+        let sides = Opposite::new(nonmortar, against, InitialGap::Measured, 0.0).unwrap();
+        let facet = nonmortar.facets().unwrap()[0];
+        assert!(sides.at(facet, &[0.0]).unwrap().is_none());
+    }
+}

@@ -105,3 +105,193 @@ pub(super) fn free_part<const D: usize>(
     });
     unit(rest).filter(|_| norm(rest) > ROUNDING)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::contact::gaps::tests::noise;
+
+    #[test]
+    fn frames_are_right_handed_unit_vectors() {
+        let mut noise = noise();
+        for _ in 0..50 {
+            let normal = unit([noise(), noise(), noise()]).unwrap();
+            let direction = [noise(), noise(), noise()];
+            for held in [vec![], vec![direction]] {
+                let [n, a, b] = frame(normal, &held);
+                assert_eq!(n, normal);
+                for (x, y, expected) in [(a, a, 1.0), (b, b, 1.0), (n, a, 0.0), (a, b, 0.0)] {
+                    assert!((dot(x, y) - expected).abs() < 1e-14);
+                }
+                let last = cross(n, a);
+                assert!((0..3).all(|d| (last[d] - b[d]).abs() < 1e-15));
+            }
+        }
+        assert_eq!(frame([0.6, 0.8], &[]), [[0.6, 0.8], [-0.8, 0.6]]);
+    }
+
+    #[test]
+    fn the_first_tangent_is_the_axis_farthest_from_the_normal_less_its_normal_part() {
+        for farthest in 0..3 {
+            let mut normal = [0.8, 0.8, 0.8];
+            normal[farthest] = -0.36;
+            normal[(farthest + 1) % 3] = -0.48;
+            let normal = unit(normal).unwrap();
+            let tangent = frame(normal, &[])[1];
+            // of all tangents it is nearest to the axis: their cosine is the sine between normal and axis
+            let sine = (1.0 - normal[farthest] * normal[farthest]).sqrt();
+            assert!((tangent[farthest] - sine).abs() < 1e-15, "{tangent:?}");
+        }
+        assert_eq!(frame([0.0, 0.6, 0.8], &[])[1], [1.0, 0.0, 0.0]);
+    }
+
+    #[test]
+    fn a_held_direction_of_the_tangent_plane_is_a_tangent() {
+        let normal = [0.0, 0.0, 1.0];
+        let held = [0.6, 0.8, 0.0];
+        assert_eq!(frame(normal, &[held])[1], held);
+        // of several, the one that is most in the plane
+        let steep = unit([1.0, 0.0, 0.5]).unwrap();
+        for both in [[steep, held], [held, steep]] {
+            assert_eq!(frame(normal, &both)[1], held);
+        }
+        // less than half of a direction in the plane is no direction of the plane
+        for (part, taken) in [(0.52f64, true), (0.48, false)] {
+            let slanted = [0.0, part, (1.0 - part * part).sqrt()];
+            let first = if taken {
+                [0.0, 1.0, 0.0]
+            } else {
+                [1.0, 0.0, 0.0]
+            };
+            assert_eq!(frame(normal, &[slanted])[1], first, "{part}");
+        }
+    }
+
+    #[test]
+    fn what_is_left_of_a_normal_is_orthogonal_to_what_is_held() {
+        let normal = unit([1.0, 2.0, -2.0]).unwrap();
+        let (a, b) = ([0.6, 0.8, 0.0], [0.0, 0.0, 1.0]);
+        let left = free_part(normal, [a, b]).unwrap();
+        assert!(dot(left, a).abs() < 1e-15 && dot(left, b).abs() < 1e-15);
+        assert!((norm(left) - 1.0).abs() < 1e-15 && dot(left, normal) > 0.0);
+        assert_eq!(free_part(normal, []), unit(normal));
+        // a millionth is rounding
+        for (part, free) in [(1.05e-6, true), (0.95e-6, false)] {
+            let held = unit([1.0, part]).unwrap();
+            let left = free_part([1.0, 0.0], [held]);
+            assert_eq!(left.is_some(), free, "{part}");
+        }
+        let relative = |prescribed: &[Point<2>]| Relative {
+            prescribed: prescribed.to_vec(),
+            still: Vec::new(),
+        };
+        let (x, y) = ([1.0, 0.0], [0.0, 1.0]);
+        assert_eq!(relative(&[x]).free_normal([0.6, 0.8]), y);
+        // nothing is left: unchanged
+        assert_eq!(relative(&[x, y]).free_normal([0.6, 0.8]), [0.6, 0.8]);
+    }
+
+    /// What is decided in a frame of the plane, normal and tangent along the axes.
+    fn decided(prescribed: &[Point<2>], still: &[Point<2>], coupling: Coupling) -> [bool; 2] {
+        let relative = Relative {
+            prescribed: prescribed.to_vec(),
+            still: still.to_vec(),
+        };
+        relative.decided([[1.0, 0.0], [0.0, 1.0]], coupling)
+    }
+
+    #[test]
+    fn only_what_supports_leave_free_and_the_law_couples_carries_a_multiplier() {
+        let (x, y) = ([1.0, 0.0], [0.0, 1.0]);
+        let diagonal = [0.8, 0.6];
+        let normal = |prescribed: &[Point<2>]| decided(prescribed, &[], Coupling::Normal);
+        assert_eq!(normal(&[]), [false, true]);
+        assert_eq!(normal(&[y]), [false, true]);
+        assert_eq!(normal(&[diagonal]), [false, true]);
+        assert_eq!(normal(&[x]), [true, true]);
+        assert_eq!(normal(&[x, y]), [true, true]);
+        let frictional = |prescribed: &[Point<2>], still: &[Point<2>]| {
+            decided(prescribed, still, Coupling::Frictional)
+        };
+        assert_eq!(frictional(&[], &[]), [false, false]);
+        // prescribed along the tangent: it slips as it is told, and rubs; what stays still does not
+        assert_eq!(frictional(&[y], &[]), [false, false]);
+        assert_eq!(frictional(&[y], &[y]), [false, true]);
+        assert_eq!(frictional(&[x], &[]), [true, true]);
+        let tied = |prescribed: &[Point<2>]| decided(prescribed, &[], Coupling::Tied);
+        assert_eq!(tied(&[]), [false, false]);
+        assert_eq!(tied(&[y]), [false, true]);
+        assert_eq!(tied(&[x]), [true, false]);
+        // as many components as are prescribed, those that are nearest to them
+        assert_eq!(tied(&[diagonal]), [true, false]);
+        assert_eq!(tied(&[[0.6, 0.8]]), [false, true]);
+        assert_eq!(tied(&[x, y]), [true, true]);
+    }
+
+    #[test]
+    fn a_part_of_a_still_direction_beyond_rounding_holds_the_tangent() {
+        for (part, holds) in [(1.05e-6, true), (0.95e-6, false)] {
+            let still = unit([1.0, part]).unwrap();
+            // the normal itself is free
+            let decided = decided(&[], &[still], Coupling::Frictional);
+            assert_eq!(decided, [false, holds], "{part}");
+        }
+    }
+
+    #[test]
+    fn a_tie_in_space_loses_the_components_nearest_to_what_is_prescribed() {
+        let relative = Relative {
+            prescribed: vec![
+                unit([0.1, 0.9, 0.2]).unwrap(),
+                unit([0.9, -0.1, 0.0]).unwrap(),
+            ],
+            still: Vec::new(),
+        };
+        let axes = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+        assert_eq!(relative.decided(axes, Coupling::Tied), [true, true, false]);
+        assert_eq!(
+            relative.decided(axes, Coupling::Normal),
+            [false, true, true]
+        );
+        assert_eq!(relative.decided(axes, Coupling::Frictional), [false; 3]);
+    }
+
+    #[test]
+    fn shared_directions_are_those_that_both_sides_hold() {
+        let (x, y) = ([1.0, 0.0], [0.0, 1.0]);
+        let diagonal = [0.6, 0.8];
+        let across = [-0.8, 0.6];
+        assert_eq!(shared(&[x], &[x]), [x]);
+        assert_eq!(shared(&[x], &[y]), Vec::<Point<2>>::new());
+        assert_eq!(shared(&[x], &[diagonal]), Vec::<Point<2>>::new());
+        assert_eq!(shared(&[], &[x, y]), Vec::<Point<2>>::new());
+        // whoever holds all directions holds those of the other
+        assert_eq!(shared(&[diagonal], &[x, y]), [diagonal]);
+        assert_eq!(shared(&[x, y], &[diagonal]), [diagonal]);
+        assert_eq!(shared(&[x, y], &[diagonal, across]), [x, y]);
+        let (x, y, z) = ([1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]);
+        let slanted = [0.6, 0.8, 0.0];
+        assert_eq!(shared(&[slanted, z], &[x, y]), [slanted]);
+        for (part, same) in [(0.95e-6, true), (1.05e-6, false)] {
+            let nearly = unit([1.0, part]).unwrap();
+            assert_eq!(
+                shared(&[nearly], &[[1.0, 0.0]]).len(),
+                usize::from(same),
+                "{part}"
+            );
+        }
+    }
+
+    #[test]
+    fn axes_are_those_of_the_held_directions_that_are_asked_for() {
+        let held = |axis, still| Held {
+            axis,
+            value: 0.0,
+            still,
+            supports: Vec::new(),
+        };
+        let both = [held([1.0, 0.0], true), held([0.0, 1.0], false)];
+        assert_eq!(axes(&both, |h| h.still), [[1.0, 0.0]]);
+        assert_eq!(axes(&both, |_| true), [[1.0, 0.0], [0.0, 1.0]]);
+    }
+}

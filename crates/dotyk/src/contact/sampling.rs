@@ -117,8 +117,11 @@ fn dent<const D: usize>(end: End<'_, D>, facet: Facet) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::contact::gaps::tests::{end, plate};
-    use crate::fem::Constraints;
+    use crate::contact::gaps::tests::{body, end, flat, plate};
+    use crate::contact::{Driven, Rigid};
+    use crate::fem::{Body, Constraints};
+    use crate::geometry::{Field, Surface, add_scaled, distance};
+    use crate::mesh::{Cuboid, Ring};
 
     #[test]
     fn both_bodies_dent_by_the_length_of_their_facets_over_their_modulus() {
@@ -135,6 +138,126 @@ mod tests {
         for sample in found.iter().flatten() {
             assert!((sample.dent - (0.25 + 0.5) / modulus).abs() < 1e-15);
             assert!((sample.at.gap - 0.1).abs() < 1e-14);
+        }
+    }
+
+    #[test]
+    fn samples_lie_in_the_middles_of_six_parts_of_a_line() {
+        let upper = flat(&[0.0, 6.0, 12.0], 1.0, CellKind::Quad4);
+        let rigid = Rigid::Gap(Field::function("x + t", |p, t| p[0] + t));
+        let free = Constraints::default();
+        let nonmortar = end(&upper, "bottom", &free);
+        let against = Against::Obstacle(&rigid, Driven::Still);
+        let found = samples(nonmortar, against, InitialGap::Measured, 3.0).unwrap();
+        assert_eq!(found.len(), 2);
+        let modulus = 1.0 / (1.0 - 0.3 * 0.3);
+        for (k, sample) in found.iter().flatten().enumerate() {
+            let x = k as f64 + 0.5;
+            assert!((sample.point[0] - x).abs() < 1e-14 && sample.point[1] == 0.0);
+            let expected = ((2 * (k % 6)) as f64 - 5.0) / 6.0;
+            assert!((sample.xi[0] - expected).abs() < 1e-15 && sample.xi[1] == 0.0);
+            assert!((sample.at.gap - (x + 3.0)).abs() < 1e-13);
+            assert!(sample.at.opposite.is_empty());
+            assert_eq!(
+                (sample.at.normal, sample.at.along),
+                ([0.0, -1.0], [0.0, -1.0])
+            );
+            // an obstacle is not dented
+            assert!((sample.dent - 6.0 / modulus).abs() < 1e-14);
+        }
+        assert_eq!(found.iter().flatten().count(), 12);
+    }
+
+    #[test]
+    fn samples_of_surfaces_face_each_other_along_the_normal() {
+        for (cell, count) in [(CellKind::Tet4, 7), (CellKind::Hex8, 9)] {
+            let build = |from: f64, cells: usize| {
+                let cuboid = Cuboid {
+                    from: [0.0, 0.0, from],
+                    to: [1.0, 1.2, from + 1.0],
+                    cells: [cells; 3],
+                    cell,
+                };
+                body(cuboid.build().unwrap())
+            };
+            let (lower, upper) = (build(0.0, 2), build(1.25, 3));
+            let free = Constraints::default();
+            let against = Against::Side(end(&lower, "top", &free));
+            let nonmortar = end(&upper, "bottom", &free);
+            let found = samples(nonmortar, against, InitialGap::Measured, 0.0).unwrap();
+            for on_facet in &found {
+                assert_eq!(on_facet.len(), count);
+            }
+            for sample in found.iter().flatten() {
+                let place = |nodes: &[(usize, f64)], body: &Body<3>| {
+                    let nodes = nodes.iter();
+                    nodes.fold([0.0; 3], |sum, &(node, n)| {
+                        add_scaled(sum, n, body.mesh.points()[node])
+                    })
+                };
+                let own = place(&sample.at.own, &upper);
+                let other = place(&sample.at.opposite, &lower);
+                assert!(distance(own, sample.point) < 1e-14);
+                assert!(distance(other, [own[0], own[1], 1.0]) < 1e-14, "{other:?}");
+                assert!((sample.at.gap - 0.25).abs() < 1e-14);
+            }
+        }
+    }
+
+    #[test]
+    fn a_body_without_material_is_not_dented() {
+        let mut upper = flat(&[0.0, 1.0], 1.0, CellKind::Quad4);
+        upper.materials.clear();
+        let free = Constraints::default();
+        let rigid = Rigid::Gap(Field::constant(0.5));
+        let against = Against::Obstacle(&rigid, Driven::Still);
+        let nonmortar = end(&upper, "bottom", &free);
+        let found = samples(nonmortar, against, InitialGap::Measured, 0.0).unwrap();
+        assert!(found.iter().flatten().all(|sample| sample.dent == 0.0));
+    }
+
+    #[test]
+    fn gaps_are_measured_between_true_circles_whatever_the_polygons() {
+        let ring = |inner: f64, outer: f64, around: usize| {
+            let ring = Ring {
+                center: [0.5, 0.0],
+                inner,
+                outer,
+                angles: None,
+                cells: [around, 1],
+                ratio: 1.0,
+                grade: 1.0,
+                cell: CellKind::Quad4,
+                diagonals: Default::default(),
+            };
+            body(ring.build().unwrap())
+        };
+        let (mut outer, mut inner) = (ring(1.1, 2.0, 14), ring(0.5, 1.0, 18));
+        let circle = |radius| Surface::Sphere {
+            center: [0.5, 0.0],
+            radius,
+        };
+        let free = Constraints::default();
+        let gaps = |inner: &Body<2>, outer: &Body<2>| -> Vec<f64> {
+            let against = Against::Side(end(outer, "inner", &free));
+            let nonmortar = end(inner, "outer", &free);
+            let found = samples(nonmortar, against, InitialGap::Measured, 0.0).unwrap();
+            assert_eq!(found.iter().flatten().count(), 108);
+            found.iter().flatten().map(|sample| sample.at.gap).collect()
+        };
+        // of the polygons alone the gap varies by what they miss
+        assert!(
+            gaps(&inner, &outer)
+                .iter()
+                .any(|gap| (gap - 0.1).abs() > 0.01)
+        );
+        inner.surfaces.insert("outer".to_string(), circle(1.0));
+        // the polygon outside is nearer than the circle that it stands for, by 2 % at most
+        let mixed = gaps(&inner, &outer);
+        assert!(mixed.iter().all(|gap| *gap < 0.1 + 1e-12 && *gap > 0.07));
+        outer.surfaces.insert("inner".to_string(), circle(1.1));
+        for gap in gaps(&inner, &outer) {
+            assert!((gap - 0.1).abs() < 1e-13, "{gap}");
         }
     }
 }

@@ -201,7 +201,7 @@ fn meet_surface<const D: usize>(mesh: &Mesh<D>, facet: Facet, line: Line<D>) -> 
         let change = inverse.map(|row| dot(row, rest));
         xi = std::array::from_fn(|k| xi[k] + change[k]);
         s += change[D - 1];
-        if xi.iter().all(|c| c.is_finite()) && change[..2].iter().all(|c| c.abs() < SETTLED) {
+        if change[..2].iter().all(|c| c.abs() < SETTLED) {
             return Some(xi);
         }
     }
@@ -212,14 +212,12 @@ fn meet_surface<const D: usize>(mesh: &Mesh<D>, facet: Facet, line: Line<D>) -> 
 const STEPS: usize = 20;
 const SETTLED: f64 = 1e-12;
 
-/// The root of αξ² + βξ + γ that is smaller in magnitude.
+/// The root of αξ² + βξ + γ that is smaller in magnitude; `None` where there is none.
 fn quadratic_root(alpha: f64, beta: f64, gamma: f64) -> Option<f64> {
-    let discriminant = beta * beta - 4.0 * alpha * gamma;
-    if discriminant < 0.0 {
-        return None;
-    }
-    let q = -0.5 * (beta + discriminant.sqrt().copysign(beta));
-    let root = if q == 0.0 { 0.0 } else { gamma / q };
+    // not a number where no root is real
+    let root = (beta * beta - 4.0 * alpha * gamma).sqrt();
+    let q = -0.5 * (beta + root.copysign(beta));
+    let root = if gamma == 0.0 { 0.0 } else { gamma / q };
     root.is_finite().then_some(root)
 }
 
@@ -279,7 +277,9 @@ impl Search<'_, 2> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::mesh::{CellKind, Rectangle};
+    use crate::contact::gaps::tests::{flat, noise, wall};
+    use crate::geometry::unit;
+    use crate::mesh::{CellKind, Cuboid, Rectangle, Ring};
 
     fn block(from: Point<2>, to: Point<2>, cell: CellKind) -> Mesh<2> {
         let rectangle = Rectangle {
@@ -332,5 +332,329 @@ mod tests {
             direction: [0.0, -1.0],
         };
         assert_eq!(search.opposite(down, 0.01), None);
+    }
+
+    #[test]
+    fn a_place_has_a_part_along_a_line_and_a_part_to_its_right() {
+        let line = Line {
+            start: [1.0, 2.0],
+            direction: [0.6, 0.8],
+        };
+        // (2, 3) from the start: 3.6 along, 0.2 to the left; a few roundings
+        assert!((line.along([3.0, 5.0]) - 3.6).abs() < 1e-14);
+        assert!((line.across([3.0, 5.0]) + 0.2).abs() < 1e-14);
+    }
+
+    /// Whether a line meets the boundary of a box, asked face by face.
+    fn meets_a_face<const D: usize>(line: Line<D>, low: Point<D>, high: Point<D>) -> bool {
+        let faces = (0..D).flat_map(|d| [(d, low[d]), (d, high[d])]);
+        faces.into_iter().any(|(d, at)| {
+            let s = (at - line.start[d]) / line.direction[d];
+            let x = add_scaled(line.start, s, line.direction);
+            (0..D).all(|e| e == d || (low[e] <= x[e] && x[e] <= high[e]))
+        })
+    }
+
+    fn check_boxes<const D: usize>() {
+        let mut noise = noise();
+        let mut met = 0;
+        for _ in 0..400 {
+            let [start, direction, a, b]: [Point<D>; 4] =
+                std::array::from_fn(|_| std::array::from_fn(|_| noise()));
+            let (low, high) = bounding_box(&[a, b]);
+            let line = Line { start, direction };
+            let meets = meets_box(line, low, high);
+            assert_eq!(meets, meets_a_face(line, low, high), "{line:?}");
+            met += usize::from(meets);
+        }
+        assert!((40..360).contains(&met));
+    }
+
+    #[test]
+    fn a_line_meets_a_box_where_it_meets_a_face() {
+        check_boxes::<2>();
+        check_boxes::<3>();
+    }
+
+    #[test]
+    fn a_line_meets_a_box_that_it_touches() {
+        let (low, high) = ([0.0, 0.0], [1.0, 2.0]);
+        let along_an_axis = [
+            (-0.05, false),
+            (0.0, true),
+            (0.5, true),
+            (1.0, true),
+            (1.05, false),
+        ];
+        for (x, meets) in along_an_axis {
+            assert_eq!(meets_box(up(x, 7.0), low, high), meets, "{x}");
+        }
+        for (y, meets) in [(2.95, true), (3.0, true), (3.05, false)] {
+            let line = Line {
+                start: [1.0, y],
+                direction: [-1.0, -1.0],
+            };
+            // through the corner (0, 2) at y = 3
+            assert_eq!(meets_box(line, low, high), meets, "{y}");
+        }
+    }
+
+    #[test]
+    fn a_box_beyond_both_lines_meets_none_between_them() {
+        let lines = [up(1.0, 0.0), up(2.0, 5.0)];
+        let meets = |from: f64, to: f64| meets_between(lines, [from, -1.0], [to, 3.0]);
+        assert!(!meets(0.5, 0.95) && !meets(2.05, 2.5));
+        // between them, over one, over both, touching one
+        assert!(meets(1.2, 1.8) && meets(0.5, 1.1) && meets(1.9, 3.0) && meets(0.5, 2.5));
+        assert!(meets(0.5, 1.0) && meets(2.0, 2.5));
+        // one that crosses lines that are not parallel: beyond both below, between them above
+        let fan = [
+            up(0.0, 0.0),
+            Line {
+                start: [0.0, 0.0],
+                direction: [0.6, 0.8],
+            },
+        ];
+        assert!(!meets_between(fan, [1.0, 0.0], [2.0, 1.0]));
+        assert!(meets_between(fan, [1.0, 0.0], [2.0, 2.0]));
+        // whoever stands on the left of one and on the right of the other is between
+        assert!(meets_between(fan, [0.5, 3.0], [0.6, 4.0]));
+    }
+
+    #[test]
+    fn lines_between_two_lines_may_meet_the_facets_there_alone() {
+        let upper = flat(&[0.0, 1.0, 2.0, 3.0, 4.0], 1.0, CellKind::Quad4);
+        let facets = upper.mesh.side("bottom").unwrap();
+        let search = Search::new(&upper.mesh, &upper.mesh, facets);
+        let found = search.between([up(1.2, -1.0), up(2.7, -1.0)]);
+        assert_eq!(found, facets[1..3]);
+    }
+
+    /// Lines through known places of facets meet them there; `size`: of the mesh.
+    fn check_meet<const D: usize>(mesh: &Mesh<D>, facets: &[Facet], size: f64) {
+        let mut noise = noise();
+        for &facet in facets.iter().cycle().take(60) {
+            let xi = match mesh.facet_kind(facet).domain() {
+                Domain::Triangle => [0.1 + 0.3 * noise().abs(), 0.1 + 0.3 * noise().abs()],
+                _ => [0.9 * noise(), 0.9 * noise()],
+            };
+            let place = mesh.facet_point(facet, &xi);
+            let normal = unit(mesh.outward_normal(facet, &xi)).unwrap();
+            let direction = unit(normal.map(|c| c + 0.3 * noise())).unwrap();
+            let s = 3.0 * size * noise();
+            let start = add_scaled(place, -s, direction);
+            let hit = meet(mesh, facet, Line { start, direction }).unwrap();
+            let found = mesh.facet_point(facet, &hit.xi);
+            // a hundred roundings at the size of the start
+            assert!(distance(found, place) < 1e-13 * size, "{hit:?} {xi:?}");
+            assert!((hit.distance - s).abs() < 1e-13 * size);
+            assert_eq!(hit.facet, facet);
+        }
+    }
+
+    #[test]
+    fn lines_meet_facets_of_every_kind_where_they_pass_through_them() {
+        for cell in [CellKind::Quad4, CellKind::Quad8] {
+            let bent = block([-2.0, 1.0], [2.0, 2.0], cell)
+                .map_points(|[x, y]| [x + 0.05 * y * y, y + 0.1 * x * x])
+                .unwrap();
+            check_meet(&bent, &bent.boundary_facets(), 5.0);
+        }
+        for cell in [CellKind::Tet4, CellKind::Hex8] {
+            for size in [1e-6, 1.0, 1e6] {
+                let cuboid = Cuboid {
+                    from: [0.0; 3],
+                    to: [size; 3],
+                    cells: [2; 3],
+                    cell,
+                };
+                let warped = cuboid
+                    .build()
+                    .unwrap()
+                    .map_points(|[x, y, z]| [x + 0.1 * y * z / size, y, z + 0.15 * x * y / size]);
+                let warped = warped.unwrap();
+                check_meet(&warped, &warped.boundary_facets(), 5.0 * size);
+            }
+        }
+    }
+
+    #[test]
+    fn a_line_beside_a_facet_does_not_meet_it() {
+        for cell in [CellKind::Quad4, CellKind::Quad8] {
+            let mesh = block([0.0, 0.0], [4.0, 1.0], cell);
+            let facet = mesh.side("left").unwrap()[0];
+            assert_eq!(meet(&mesh, facet, up(-1.0, 0.0)), None);
+        }
+        let cuboid = Cuboid {
+            from: [0.0; 3],
+            to: [1.0; 3],
+            cells: [1; 3],
+            cell: CellKind::Hex8,
+        };
+        let mesh = cuboid.build().unwrap();
+        let line = Line {
+            start: [0.3, 0.4, 2.0],
+            direction: [1.0, 0.0, 0.0],
+        };
+        assert_eq!(meet(&mesh, mesh.side("top").unwrap()[0], line), None);
+    }
+
+    #[test]
+    fn of_two_roots_the_one_nearer_to_zero_is_taken() {
+        let mut noise = noise();
+        for _ in 0..50 {
+            let (near, far, alpha) = (0.9 * noise(), 2.0 + noise(), 1.0 + 0.5 * noise());
+            for far in [far, -far] {
+                let found = quadratic_root(alpha, -alpha * (near + far), alpha * near * far);
+                // no cancellation: a few roundings
+                assert!((found.unwrap() - near).abs() < 1e-14);
+            }
+        }
+        // a straight line, a double root, one root at zero
+        assert_eq!(quadratic_root(0.0, 2.0, -1.0), Some(0.5));
+        assert_eq!(quadratic_root(1.0, 2.0, 1.0), Some(-1.0));
+        assert_eq!(quadratic_root(1.0, 0.0, 0.0), Some(0.0));
+        assert_eq!(quadratic_root(3.0, 1.0, 0.0), Some(0.0));
+        // never zero: above it, and a constant
+        assert_eq!(quadratic_root(1.0, 0.2, 0.02), None);
+        assert_eq!(quadratic_root(0.0, 0.0, 1.0), None);
+    }
+
+    #[test]
+    fn a_parabola_is_found_beyond_its_nodes() {
+        // y = 1 + ξ/2 − ξ²/2 rises to 1.125 between the nodes at 1 and 1
+        let nodes = [[0.0, 0.0], [1.0, 1.0], [2.0, 1.0]];
+        let offsets = [[30.0, 50.0], [-30.0, 50.0], [30.0, -50.0], [-30.0, -50.0]];
+        for [dx, dy] in offsets {
+            let moved = nodes.map(|[x, y]| [x + dx, y + dy]);
+            let body = wall(&moved, 3.0 + dy, CellKind::Quad8);
+            let search = Search::new(&body.mesh, &body.mesh, body.mesh.side("bottom").unwrap());
+            let line = Line {
+                start: [dx + 5.0, dy + 1.1],
+                direction: [-1.0, 0.0],
+            };
+            // where ξ = 1/2 − √0.05
+            let expected = 5.0 - (1.5 - 0.05f64.sqrt());
+            let hit = search.opposite(line, 1.0).unwrap();
+            // the root stands where the line is nearly tangent: cancellation of coordinates as large as 50
+            assert!((hit.distance - expected).abs() < 1e-12, "{hit:?}");
+        }
+    }
+
+    #[test]
+    fn a_line_may_miss_the_end_of_a_facet_by_rounding_alone() {
+        for (from, end, beyond) in [(0.0, 0.0, -1.0), (-1.0, 0.0, 1.0)] {
+            let body = flat(&[from, from + 1.0], 1.0, CellKind::Quad4);
+            let search = Search::new(&body.mesh, &body.mesh, body.mesh.side("bottom").unwrap());
+            // the reference coordinate is twice as long as the facet
+            for (part, met) in [(0.0, true), (0.47e-9, true), (0.53e-9, false)] {
+                let line = up(end + beyond * part, -2.0);
+                assert_eq!(search.opposite(line, 1.0).is_some(), met, "{part}");
+            }
+        }
+    }
+
+    #[test]
+    fn a_facet_that_is_nearly_along_the_line_is_not_opposed() {
+        // its normal is twice as long as a unit vector
+        let body = flat(&[0.0, 4.0], 1.0, CellKind::Quad4);
+        let search = Search::new(&body.mesh, &body.mesh, body.mesh.side("bottom").unwrap());
+        for (sine, opposed) in [(0.105, true), (0.095, false), (-0.105, false)] {
+            let direction = [f64::sqrt(1.0 - sine * sine), sine];
+            let start = add_scaled([2.0, 0.0], -0.2, direction);
+            let hit = search.opposite(Line { start, direction }, 1.0);
+            assert_eq!(hit.is_some(), opposed, "{sine}");
+        }
+    }
+
+    /// The search agrees with asking every facet, for lines in all directions from around a point.
+    fn check_search<const D: usize>(mesh: &Mesh<D>, centre: Point<D>) {
+        let facets = mesh.boundary_facets();
+        let search = Search::new(mesh, mesh, &facets);
+        let mut noise = noise();
+        let mut met = 0;
+        for _ in 0..300 {
+            let start = centre.map(|c| c + 1.5 * noise());
+            let direction = unit(centre.map(|_| noise())).unwrap();
+            let line = Line { start, direction };
+            let facing = facets.iter().filter_map(|&facet| {
+                let hit = meet(mesh, facet, line)?;
+                let normal = unit(mesh.outward_normal(facet, &hit.xi))?;
+                let inside = mesh.facet_kind(facet).domain().outside(&hit.xi) <= END;
+                (inside && dot(normal, direction) < OPPOSED).then_some(hit)
+            });
+            let nearest = facing.min_by(|a, b| a.distance.abs().total_cmp(&b.distance.abs()));
+            // so that every overlap is believed
+            let found = search.opposite(line, f64::INFINITY);
+            assert_eq!(found, nearest);
+            met += usize::from(found.is_some());
+        }
+        assert!((100..300).contains(&met), "{met}");
+    }
+
+    #[test]
+    fn the_tree_finds_what_asking_every_facet_finds() {
+        for center in [[20.0, -40.0], [-20.0, 40.0]] {
+            let ring = Ring {
+                center,
+                inner: 0.4,
+                outer: 1.0,
+                angles: None,
+                cells: [5, 1],
+                ratio: 1.0,
+                grade: 1.0,
+                cell: CellKind::Quad9,
+                diagonals: Default::default(),
+            };
+            check_search(&ring.build().unwrap(), center);
+        }
+        let cuboid = Cuboid {
+            from: [-1.0; 3],
+            to: [1.0; 3],
+            cells: [2, 3, 2],
+            cell: CellKind::Hex8,
+        };
+        let warped = cuboid
+            .build()
+            .unwrap()
+            .map_points(|[x, y, z]| [x + 0.1 * y * z, y, z + 0.1 * x * y]);
+        check_search(&warped.unwrap(), [0.0; 3]);
+    }
+
+    #[test]
+    fn of_two_facets_at_the_same_distance_the_first_is_opposite() {
+        let body = flat(&[0.0, 1.0, 2.0], 1.0, CellKind::Quad4);
+        let facets = body.mesh.side("bottom").unwrap();
+        let search = Search::new(&body.mesh, &body.mesh, facets);
+        let hit = search.opposite(up(1.0, -0.5), 1.0).unwrap();
+        assert_eq!((hit.facet, hit.distance), (facets[0], 0.5));
+    }
+
+    #[test]
+    fn a_deep_overlap_counts_while_the_line_is_inside_its_own_body() {
+        // at any scale; the lines start at the top of the lower body
+        for scale in [1e-5, 1.0, 1e5] {
+            let place = |x: Point<2>| x.map(|c| scale * c);
+            let build = |from, to| block(from, to, CellKind::Quad4).map_points(place).unwrap();
+            let (thin, thick) = (
+                build([0.0, 0.95], [4.0, 1.0]),
+                build([0.0, 0.0], [4.0, 1.0]),
+            );
+            let upper = build([0.0, 0.9], [4.0, 2.0]);
+            let facets = upper.side("bottom").unwrap();
+            let line = up(1.3 * scale, scale);
+            for (own, shallow, found) in [
+                (&thin, 0.105, true),
+                (&thin, 0.095, false),
+                (&thick, 0.095, true),
+            ] {
+                let search = Search::new(own, &upper, facets);
+                let hit = search.opposite(line, shallow * scale);
+                assert_eq!(hit.is_some(), found, "{scale} {shallow}");
+                if let Some(hit) = hit {
+                    assert!((hit.distance + 0.1 * scale).abs() < 1e-14 * scale);
+                }
+            }
+        }
     }
 }
