@@ -290,7 +290,7 @@ mod tests {
             set.project(&forward, &mut after);
             set.project(&backward, &mut before);
             set.project_derivative(y, v, &mut derivative);
-            for i in 0..9 {
+            for i in 0..12 {
                 let difference = (after[i] - before[i]) / (2.0 * step);
                 assert!((difference - derivative[i]).abs() < 1e-6);
             }
@@ -346,5 +346,138 @@ mod tests {
         gap[8] = 2.0;
         assert!(set.dissipated(&lambda, &gap)[3] < 0.0);
         assert!((set.slip_potential(&lambda, |i| gap[i]) - 1.3).abs() < 1e-15);
+    }
+
+    #[test]
+    fn blocks_lie_one_after_the_other() {
+        let set = every_law();
+        assert_eq!((set.len(), set.is_empty()), (12, false));
+        let ranges = [0..2, 2..3, 3..6, 6..9, 9..12];
+        for (index, (range, (block, found))) in ranges.into_iter().zip(set.iter()).enumerate() {
+            assert_eq!((set.range(index), found), (range.clone(), range));
+            assert_eq!(block, &set.blocks()[index]);
+        }
+        for none in [AdmissibleSet::new(Vec::new()), AdmissibleSet::default()] {
+            assert_eq!((none.len(), none.is_empty()), (0, true));
+            assert_eq!(none.iter().count(), 0);
+        }
+    }
+
+    #[test]
+    fn components_are_free_normal_or_tangent() {
+        use Component::{Free, Normal, Tangent};
+        let expected = [
+            Free, Free, Normal, Normal, Tangent, Tangent, Normal, Tangent, Tangent,
+        ];
+        assert_eq!(friction().components(), expected);
+    }
+
+    #[test]
+    fn friction_and_bounds_that_follow_are_told_of_the_set() {
+        let of = |blocks: &[Block]| {
+            let set = AdmissibleSet::new(blocks.to_vec());
+            (set.has_friction(), set.bounds_follow())
+        };
+        let tresca = Friction::Tresca { bound: 0.5 }.block(1);
+        let coulomb = Friction::Coulomb { coefficient: 0.5 }.block(1);
+        assert_eq!(
+            of(&[Block::Unilateral, Block::Free { size: 2 }]),
+            (false, false)
+        );
+        assert_eq!(of(&[Block::Unilateral, tresca]), (true, false));
+        assert_eq!(of(&[tresca, coulomb]), (true, true));
+    }
+
+    #[test]
+    fn a_trace_is_what_is_nothing_beside_the_largest_force_however_large_that_is() {
+        let cohesive = Friction::Cohesive {
+            cohesion: 2.0,
+            coefficient: 0.5,
+        };
+        let coulomb = Friction::Coulomb { coefficient: 0.5 };
+        let set = AdmissibleSet::new(vec![
+            Block::Unilateral,
+            cohesive.block(1),
+            cohesive.block(1),
+            coulomb.block(1),
+        ]);
+        for size in [1e-6, -1e-6, 1e6] {
+            let unit: f64 = f64::abs(size);
+            let (below, above) = (0.9 * NONE * unit, 1.1 * NONE * unit);
+            let lambda = [size, below, 0.0, above, 0.0, below, 0.0];
+            // only a bound that jumps is kept from rounding
+            let expected = [0.0, 0.0, 2.0 + 0.5 * above, 0.5 * below];
+            assert_eq!(set.bounds(&lambda), expected);
+        }
+    }
+
+    #[test]
+    fn sets_with_other_bounds_change_the_laws_alone() {
+        let (free, tresca) = (Block::Free { size: 2 }, |bound| Friction::Tresca { bound });
+        let blocks = friction().blocks;
+        let all = friction().with_all_bounds(0.7);
+        let expected = [
+            free,
+            Block::Unilateral,
+            tresca(0.7).block(2),
+            tresca(0.7).block(2),
+        ];
+        assert_eq!(all.blocks(), expected);
+        let following = friction().with_bounds(&[9.0, 9.0, 9.0, 0.2]);
+        let expected = [free, Block::Unilateral, blocks[2], tresca(0.2).block(2)];
+        assert_eq!(following.blocks(), expected);
+        let sticking = friction().sticking();
+        let node = [Block::Unilateral, Block::Free { size: 2 }];
+        let expected = [free, Block::Unilateral, node[0], node[1], node[0], node[1]];
+        assert_eq!(sticking.blocks(), expected);
+        assert_eq!(sticking.len(), friction().len());
+    }
+
+    #[test]
+    fn only_shears_beyond_their_bound_are_shortened() {
+        let set = friction();
+        let near = |a: [f64; 9], b: [f64; 9]| {
+            assert!((0..9).all(|i| (a[i] - b[i]).abs() < 1e-15), "{a:?} {b:?}");
+        };
+        // Tresca at 5 of 0.5, Coulomb at 0.3 of 0.4; then the other way round
+        let mut lambda = [7.0, -7.0, -1.0, 2.0, 3.0, -4.0, 1.0, 0.0, 0.3];
+        set.bound_tangents(&mut lambda);
+        near(lambda, [7.0, -7.0, -1.0, 2.0, 0.3, -0.4, 1.0, 0.0, 0.3]);
+        let mut lambda = [7.0, -7.0, -1.0, 2.0, 0.2, 0.1, 5.0, 6.0, -8.0];
+        set.bound_tangents(&mut lambda);
+        near(lambda, [7.0, -7.0, -1.0, 2.0, 0.2, 0.1, 5.0, 1.2, -1.6]);
+    }
+
+    #[test]
+    fn worst_node_tells_how_far_the_law_of_friction_is_violated() {
+        let set = friction();
+        let violation = |tresca: [f64; 2], coulomb: [f64; 2], trial: [f64; 2]| {
+            let [a, b] = tresca;
+            let [c, d] = coulomb;
+            let lambda = [9.0, 9.0, 9.0, 2.0, a, b, 1.0, c, d];
+            set.slip_violation(&lambda, |i| match i {
+                4 | 5 => trial[i - 4],
+                7 | 8 => 0.0,
+                _ => 100.0,
+            })
+        };
+        let near = |found: f64, expected: f64| assert!((found - expected).abs() < 1e-15, "{found}");
+        // at its bound along the slip, whatever its size is
+        near(violation([0.3, 0.4], [0.0, 0.0], [3.0, 4.0]), 0.0);
+        // within its bound it is the trial shear that counts
+        near(violation([0.3, 0.0], [0.0, 0.0], [0.0, 0.4]), 0.5);
+        // the bound (0.3, 0.4) off by (0.6, 0.8)
+        near(violation([0.9, 1.2], [0.0, 0.0], [0.6, 0.8]), 1.0);
+        // the larger of both, whichever comes first
+        near(violation([0.9, 1.2], [0.3, 0.0], [0.6, 0.8]), 1.0);
+        near(violation([0.0, 0.0], [0.0, -2.0], [0.0, 0.0]), 2.0);
+    }
+
+    #[test]
+    fn a_set_that_is_all_compression_or_tie_has_no_tension() {
+        assert_eq!(
+            friction().tension(&[-5.0, -5.0, 1.0, 2.0, -3.0, 0.0, 3.0, 0.0, 0.0]),
+            0.0
+        );
     }
 }

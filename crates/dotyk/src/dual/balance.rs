@@ -264,6 +264,7 @@ impl Balance {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::dual::split::tests::row_of_discs;
 
     /// Normals of a full ring: translations are controlled, the spin is not.
     fn ring(m: usize) -> Balance {
@@ -333,5 +334,173 @@ mod tests {
         }
         let square = |v: &[f64]| v.iter().map(|x| x * x).sum::<f64>();
         assert!(square(&back) < square(&alpha));
+    }
+
+    /// Row of discs, so long that it is decomposed body by body.
+    fn many() -> Balance {
+        let modes = row_of_discs(40);
+        let load = (0..modes.nrows()).map(|i| (0.3 * i as f64).sin()).collect();
+        Balance::new(modes, load)
+    }
+
+    fn wave(n: usize) -> Vec<f64> {
+        (0..n).map(|i| (1.7 * i as f64).cos()).collect()
+    }
+
+    fn assert_near(a: &[f64], b: &[f64], tolerance: f64) {
+        assert_eq!(a.len(), b.len());
+        for (a, b) in a.iter().zip(b) {
+            assert!((a - b).abs() < tolerance, "{a} {b}");
+        }
+    }
+
+    #[test]
+    fn nothing_floats_without_modes() {
+        let none = Balance::none(5);
+        assert_eq!(
+            (none.rank(), none.modes().ncols(), none.load().len()),
+            (0, 5, 0)
+        );
+        assert!(none.is_orthonormal() && none.target().is_empty() && none.moments().is_empty());
+        assert_eq!(none.columns().len(), 5);
+    }
+
+    #[test]
+    fn a_new_load_is_another_target() {
+        for mut balance in [ring(24), many()] {
+            let (m, k) = (balance.modes().ncols(), balance.rank());
+            let forces = wave(m);
+            let load = balance.modes().product(&forces);
+            balance.set_load(load.clone());
+            assert_eq!(balance.load(), load);
+            // forces that carry the load leave nothing
+            let mut rest = vec![9.0; k];
+            balance.imbalance(&forces, &mut rest);
+            assert_near(&rest, &vec![0.0; k], 1e-12);
+            let mut image = vec![9.0; k];
+            balance.apply(&forces, &mut image);
+            assert_near(&image, balance.target(), 1e-12);
+            balance.set_load(vec![0.0; load.len()]);
+            balance.imbalance(&forces, &mut rest);
+            assert_near(&rest, &image, 1e-15);
+            // a load of another length has no target
+            balance.set_load(vec![1.0; load.len() + 1]);
+            assert_eq!(balance.target(), vec![0.0; k]);
+        }
+    }
+
+    #[test]
+    fn rows_are_forces_unless_they_are_told_to_be_moments() {
+        assert_eq!(ring(8).moments(), [false; 3]);
+        let told = ring(8).with_moments(vec![false, false, true]);
+        assert_eq!(told.moments(), [false, false, true]);
+        assert_eq!(told.load(), ring(8).load());
+    }
+
+    #[test]
+    fn modes_that_are_no_numbers_have_no_split() {
+        let broken = Balance::new(Mat::from_fn(2, 3, |_, _| f64::NAN), vec![0.0; 2]);
+        assert!(broken.split().is_err());
+        assert_eq!(broken.rank(), 0);
+        assert!(ring(8).split().is_ok());
+    }
+
+    #[test]
+    fn columns_are_what_unit_forces_do() {
+        for (balance, orthonormal) in [(ring(24), true), (many(), false)] {
+            assert_eq!(balance.is_orthonormal(), orthonormal);
+            let (m, k) = (balance.modes().ncols(), balance.rank());
+            let rows = balance.orthonormal_rows(balance.rows().to_vec());
+            for i in 0..m {
+                let mut unit = vec![0.0; m];
+                unit[i] = 1.0;
+                let mut image = vec![9.0; k];
+                balance.apply(&unit, &mut image);
+                assert_near(&balance.column(i), &image, 1e-14);
+                let entries: Vec<f64> = rows.iter().map(|row| row[i]).collect();
+                assert_near(&entries, &image, 1e-14);
+                let sparse: Vec<f64> = balance.rows().iter().map(|row| row[i]).collect();
+                assert_eq!(balance.columns()[i].to_dense(), sparse);
+                // and of a pull the other way round
+                let mut pull = vec![0.0; m];
+                balance.add_transposed(1.0, &wave(k), &mut pull);
+                let product: f64 = image.iter().zip(wave(k)).map(|(a, b)| a * b).sum();
+                assert!((pull[i] - product).abs() < 1e-13);
+            }
+        }
+    }
+
+    #[test]
+    fn pulls_are_added_with_their_factor() {
+        for balance in [ring(24), many()] {
+            let (m, k) = (balance.modes().ncols(), balance.rank());
+            let mut once = vec![0.0; m];
+            balance.add_transposed(1.0, &wave(k), &mut once);
+            let mut more = wave(m);
+            balance.add_transposed(-3.0, &wave(k), &mut more);
+            let expected: Vec<f64> = wave(m)
+                .iter()
+                .zip(&once)
+                .map(|(a, b)| a - 3.0 * b)
+                .collect();
+            assert_near(&more, &expected, 1e-13);
+        }
+    }
+
+    #[test]
+    fn amplitudes_of_the_rows_and_of_their_orthonormal_form_are_told_from_each_other() {
+        for balance in [ring(24), many()] {
+            let (m, k) = (balance.modes().ncols(), balance.rank());
+            let alpha = wave(k);
+            let beta = balance.to_rows(&alpha);
+            assert_near(&balance.from_rows(beta.clone()), &alpha, 1e-12);
+            // Mᵀβ = Ĝᵀα̂
+            let (mut with_rows, mut pull) = (vec![0.0; m], vec![0.0; m]);
+            for (row, beta) in balance.rows().iter().zip(&beta) {
+                row.add_to(*beta, &mut with_rows);
+            }
+            balance.add_transposed(1.0, &alpha, &mut pull);
+            assert_near(&with_rows, &pull, 1e-12);
+            if balance.is_orthonormal() {
+                assert_eq!(
+                    (&beta, balance.rest_of_rows(&alpha)),
+                    (&alpha, alpha.clone())
+                );
+            }
+            // what is left of Ĝλ = ê is that of Mλ, turned
+            let mut rest = balance.rest_of_rows(&alpha);
+            balance.orthonormal(&mut rest);
+            assert_near(&rest, &alpha, 1e-12);
+            let mut image = vec![0.0; k];
+            balance.apply(&wave(m), &mut image);
+            let products: Vec<f64> = balance.rows().iter().map(|row| row.dot(&wave(m))).collect();
+            assert_near(&balance.rest_of_rows(&image), &products, 1e-12);
+        }
+    }
+
+    #[test]
+    fn motions_that_some_contacts_do_not_hold_are_orthonormal_and_pull_at_none_of_them() {
+        let balance = many();
+        // the first twenty joints hold twenty discs; the other twenty discs may move along and across the row
+        let seen = 40;
+        let of = |row: &SparseVector| SparseVector::new(seen, row.entries().filter(|e| e.0 < seen));
+        let rows: Vec<SparseVector> = balance.rows().iter().map(of).collect();
+        let loose = balance.loose(&rows).unwrap();
+        assert_eq!(loose.len(), 40);
+        for (i, a) in loose.iter().enumerate() {
+            for (j, b) in loose.iter().enumerate() {
+                let product: f64 = a.iter().zip(b).map(|(a, b)| a * b).sum();
+                assert!((product - f64::from(i == j)).abs() < 1e-14, "{i} {j}");
+            }
+            let mut pull = vec![0.0; balance.modes().ncols()];
+            balance.add_transposed(1.0, a, &mut pull);
+            assert!(pull[..seen].iter().all(|pull| pull.abs() < 1e-13));
+        }
+        let all = balance.loose(balance.rows());
+        assert!(
+            all.is_some_and(|loose| loose.is_empty()),
+            "the walls hold all"
+        );
+        assert!(ring(24).loose(ring(24).rows()).is_none(), "few bodies");
     }
 }

@@ -580,4 +580,351 @@ mod tests {
             assert!(residual > 1e-8 || residual.is_nan());
         }
     }
+
+    /// Two tied components, a frictionless node, one with Coulomb's law in space and one with Tresca's in the plane; sinking
+    /// and tipping are free.
+    fn every_kind() -> DualProblem {
+        let f = Mat::from_fn(8, 8, |i, j| {
+            let (a, b) = (i.min(j), i.max(j));
+            if i == j {
+                2.0
+            } else {
+                0.3 * ((a * 7 + b) as f64).sin()
+            }
+        });
+        let modes = Mat::from_fn(2, 8, |i, j| if i == 0 { 1.0 } else { 0.2 * j as f64 - 0.7 });
+        let blocks = vec![
+            Block::Free { size: 2 },
+            Block::Unilateral,
+            Friction::Coulomb { coefficient: 0.4 }.block(2),
+            Friction::Tresca { bound: 0.3 }.block(1),
+        ];
+        let mut problem = DualProblem::new(
+            Compliance::Dense(f),
+            (0..8).map(|i| (1.3 * i as f64).cos()).collect(),
+            AdmissibleSet::new(blocks),
+            Balance::new(modes, vec![1.5, -0.6]).with_moments(vec![false, true]),
+        )
+        .unwrap();
+        problem.scales.moment_arm = 2.5;
+        problem.scales.energy = 0.7;
+        problem.softness = (0..8).map(|i| 0.5 + 0.1 * i as f64).collect();
+        problem
+    }
+
+    /// Answers far from being one.
+    fn wrong_answers() -> Vec<Multipliers> {
+        let numbers = crate::linalg::grid::noise(400);
+        let of = |numbers: &[f64]| Multipliers {
+            lambda: numbers[..8].iter().map(|x| 2.0 * x).collect(),
+            alpha: numbers[8..].to_vec(),
+        };
+        numbers.chunks_exact(10).map(of).collect()
+    }
+
+    #[test]
+    fn figures_are_those_of_the_table_for_any_answer() {
+        let problem = every_kind();
+        let Compliance::Dense(f) = &problem.compliance else {
+            panic!("F was given");
+        };
+        let g = problem.balance.modes().to_dense();
+        for Multipliers { lambda, alpha } in wrong_answers() {
+            let sum = |term: &dyn Fn(usize) -> f64| (0..8).map(term).sum::<f64>();
+            let product = |i: usize| sum(&|j| f[(i, j)] * lambda[j]);
+            let rigid = |j: usize| g[(0, j)] * alpha[0] + g[(1, j)] * alpha[1];
+            let gap: Vec<f64> = (0..8)
+                .map(|i| product(i) - problem.shift[i] - rigid(i))
+                .collect();
+            let rest = [0, 1].map(|k| sum(&|j| g[(k, j)] * lambda[j]) - problem.balance.load()[k]);
+            let largest = |values: &[f64]| values.iter().copied().fold(0.0, f64::max);
+            let normal = [2, 3, 6];
+            let depth = normal.map(|i| -gap[i]);
+            let bounds = [0.4 * lambda[3].max(0.0), 0.3];
+            let trial = |i: usize| lambda[i] - gap[i] / problem.softness[i];
+            // the tangents of both nodes: those in space beside each other, that in the plane alone
+            let far = f64::hypot(trial(4), trial(5));
+            let cut = if far > bounds[0] {
+                bounds[0] / far
+            } else {
+                1.0
+            };
+            let slips = [
+                f64::hypot(lambda[4] - cut * trial(4), lambda[5] - cut * trial(5)),
+                (lambda[7] - trial(7).clamp(-0.3, 0.3)).abs(),
+            ];
+            let slip = largest(&slips);
+            let pushes = normal.map(|i| (lambda[i] - trial(i).max(0.0)).abs());
+            let pulls = [0, 1].map(|i| (gap[i] / problem.softness[i]).abs());
+            let dissipated = bounds[0] * f64::hypot(gap[4], gap[5]) + bounds[1] * gap[7].abs();
+            let work = sum(&|i| lambda[i] * gap[i]);
+            let energy = 0.7 + 0.5 * sum(&|i| lambda[i] * product(i));
+            let force = largest(&lambda.iter().map(|l| l.abs()).collect::<Vec<_>>()).max(1.5);
+            let contacts = [0, 1, 2, 3, 6];
+            let expected = [
+                (
+                    "penetration",
+                    largest(&[depth[0], depth[1], depth[2], gap[0].abs(), gap[1].abs()]),
+                    1.0,
+                ),
+                ("tension", largest(&normal.map(|i| -lambda[i])), force),
+                (
+                    "complementarity",
+                    contacts.iter().map(|&i| (lambda[i] * gap[i]).abs()).sum(),
+                    energy,
+                ),
+                ("imbalance_force", rest[0].abs(), force),
+                ("imbalance_moment", 2.5 * rest[1].abs(), 2.5 * force),
+                (
+                    "energy_gap",
+                    (work + dissipated + alpha[0] * rest[0] + alpha[1] * rest[1]).abs(),
+                    energy,
+                ),
+                ("slip_violation", slip, force),
+                (
+                    "force_error",
+                    largest(&[largest(&pushes), largest(&pulls), slip]),
+                    force,
+                ),
+                (BETWEEN_NODES, 0.0, 1.0),
+            ];
+            let answer = Multipliers { lambda, alpha };
+            let certificate = problem.certify(&answer, 1e-6);
+            let limits = [1e-6, 1e-6, 1e-6, 1e-10, 1e-10, 1e-6, 1e-6, 1e-5, 10.0];
+            for ((name, found), ((own, value, scale), limit)) in certificate
+                .figures()
+                .iter()
+                .zip(expected.iter().zip(limits))
+            {
+                assert_eq!(name, own);
+                // sums of some dozens of numbers
+                assert!(
+                    (found.value - value).abs() < 1e-13 * value.max(1.0),
+                    "{name} {} {value}",
+                    found.value
+                );
+                assert!(
+                    (found.relative - value / scale).abs() < 1e-13 * value.max(1.0),
+                    "{name}"
+                );
+                assert!(
+                    (found.limit - limit).abs() < 1e-20,
+                    "{name} {}",
+                    found.limit
+                );
+            }
+            // the scale of lengths is max|d| = cos 0, and solvers stop on the worst of all figures, in tolerances
+            let of = |(k, (_, value, scale)): (usize, &(&str, f64, f64))| {
+                value / scale / if k == 7 { 10.0 } else { 1.0 }
+            };
+            let worst = expected.iter().enumerate().map(of).fold(0.0, f64::max);
+            let residual = problem.kkt_residual(&answer);
+            assert!(
+                (residual - worst).abs() < 1e-13 * worst.max(1.0),
+                "{residual} {worst}"
+            );
+        }
+    }
+
+    #[test]
+    fn solvers_stop_on_the_worst_figure_whichever_it_is() {
+        // one violation of 8 over its scale of 2; energies and lengths have another scale, and moments an arm
+        let none = Violations {
+            force: 2.0,
+            energy: 4.0,
+            length: 8.0,
+            ..Violations::default()
+        };
+        let residual = |change: fn(&mut Violations)| {
+            let mut violations = none;
+            change(&mut violations);
+            violations.residual(16.0)
+        };
+        assert_eq!(residual(|_| ()), 0.0);
+        assert_eq!(residual(|v| v.penetration = 8.0), 1.0);
+        assert_eq!(residual(|v| v.tension = 8.0), 4.0);
+        assert!((residual(|v| v.force_error = 8.0) - 0.4).abs() < 1e-15);
+        assert_eq!(residual(|v| v.complementarity = 8.0), 2.0);
+        assert_eq!(residual(|v| v.imbalance_force = 8.0), 4.0);
+        assert_eq!(residual(|v| v.imbalance_moment = 8.0), 0.25);
+        assert_eq!(residual(|v| v.energy_gap = 8.0), 2.0);
+        assert_eq!(residual(|v| v.slip = 8.0), 4.0);
+        assert!(residual(|v| v.slip = f64::NAN).is_nan());
+        let zero = Violations {
+            tension: 3.0,
+            ..Violations::default()
+        };
+        assert_eq!(zero.residual(0.0), 3.0);
+    }
+
+    #[test]
+    fn scales_of_zero_count_as_one() {
+        let problem = DualProblem::new(
+            Compliance::Dense(Mat::from_fn(2, 2, |i, j| f64::from(i == j))),
+            vec![0.0; 2],
+            AdmissibleSet::new(vec![Block::Unilateral; 2]),
+            Balance::new(Mat::from_fn(1, 2, |_, _| 1.0), vec![0.0]),
+        )
+        .unwrap();
+        let answer = Multipliers {
+            lambda: vec![0.0; 2],
+            alpha: vec![0.25],
+        };
+        let certificate = problem.certify(&answer, 1e-8);
+        let Figure {
+            value, relative, ..
+        } = certificate.penetration;
+        assert!((value - 0.25).abs() < 1e-14 && relative == value);
+        assert!((problem.kkt_residual(&answer) - 0.25).abs() < 1e-14);
+        assert_eq!(Figure::new(3.0, 0.0, 1.0).relative, 3.0);
+        assert_eq!(Figure::new(3.0, 0.5, 1.0).relative, 6.0);
+    }
+
+    #[test]
+    fn a_figure_holds_up_to_its_limit() {
+        assert!(Figure::new(2.0, 2.0, 1.0).holds());
+        assert!(!Figure::new(2.0 + 1e-15, 2.0, 1.0).holds());
+        assert!(!Figure::new(f64::NAN, 2.0, 1.0).holds());
+        assert!(Certificate::default().holds());
+    }
+
+    #[test]
+    fn objection_names_what_does_not_hold_and_how_far() {
+        let (problem, answer) = plate();
+        let mut certificate = problem.certify(&answer, 1e-8);
+        certificate.imbalance_moment = Figure::new(0.5, 2.0, 1e-10);
+        certificate.force_error = Figure::new(3e-3, 1.0, 1e-7);
+        assert_eq!(
+            certificate.objection(),
+            "the certificate does not hold: imbalance moment 2.5e-1 > 1e-10, force error 3.0e-3 > 1e-7"
+        );
+        let told = certificate.to_string();
+        let lines: Vec<&str> = told.lines().collect();
+        assert_eq!(
+            lines[4],
+            "imbalance moment    5.000e-1, relative 2.5e-1, limit 1e-10: VIOLATED"
+        );
+        assert_eq!(
+            lines
+                .iter()
+                .filter(|line| line.ends_with(": holds"))
+                .count(),
+            7
+        );
+    }
+
+    #[test]
+    fn what_is_rounding_of_large_motions_is_no_gap() {
+        // a body moved by 10⁶: gaps are known to ROUNDING times the sum of motion and overlap, 8e-9
+        let known = 2e6 * ROUNDING;
+        let figures = |gap: f64| {
+            let problem = DualProblem::new(
+                Compliance::Dense(Mat::from_fn(1, 1, |_, _| 1.0)),
+                vec![1e6 - gap],
+                AdmissibleSet::new(vec![Block::Free { size: 1 }]),
+                Balance::new(Mat::from_fn(1, 1, |_, _| 1.0), vec![0.0]),
+            );
+            let problem = problem.unwrap();
+            let answer = Multipliers {
+                lambda: vec![0.0],
+                alpha: vec![-1e6],
+            };
+            let own = problem.rounding(&problem.gap(&answer), &answer.alpha)(0);
+            assert!((own - known).abs() < 1e-6 * known, "{own:e}");
+            problem.certify(&answer, 1e-8).penetration.value
+        };
+        // powers of two, so that the gap itself is exact
+        let (below, above) = (2f64.powi(-27), 2f64.powi(-26));
+        assert!(below < known && known < above);
+        assert_eq!([figures(below), figures(-below)], [0.0; 2]);
+        for gap in [above, -above] {
+            assert!((figures(gap) - (above - known)).abs() < 1e-6 * known);
+        }
+    }
+
+    #[test]
+    fn uncertainty_is_taken_off_either_sign() {
+        assert_eq!([0.5, -0.5, 0.25, -0.25].map(|x| beyond(x, 0.5)), [0.0; 4]);
+        assert_eq!([2.0, -2.0].map(|x| beyond(x, 0.5)), [1.5, -1.5]);
+        assert!(beyond(f64::NAN, 0.5).is_nan());
+        assert_eq!((larger(1.0, 2.0), larger(2.0, 1.0)), (2.0, 2.0));
+        assert!(larger(1.0, f64::NAN).is_nan() && larger(f64::NAN, 1.0).is_nan());
+    }
+
+    #[test]
+    fn what_the_caller_found_counts_beside_the_gaps() {
+        let (problem, answer) = plate();
+        let none = Recomputed {
+            gap: &[0.0; 2],
+            rounding: &[0.0; 2],
+            implied: 0.0,
+            exact: 0.0,
+            between: [0.0, 1.0],
+            imbalance_force: 0.0,
+            imbalance_moment: 0.0,
+            energy_gap: 0.0,
+            elastic_energy: 2.5,
+            driving_force: 0.0,
+        };
+        let certify = |change: fn(&mut Recomputed)| {
+            let mut found = none;
+            change(&mut found);
+            problem.certify_with(&answer, &found, 1e-8)
+        };
+        assert!(certify(|_| ()).holds());
+        assert_eq!(certify(|f| f.implied = 0.5).penetration.value, 0.5);
+        assert_eq!(certify(|f| f.exact = 0.5).force_error.value, 0.5);
+        let between = certify(|f| f.between = [0.5, 0.25]).between_nodes;
+        assert_eq!(
+            (between.value, between.relative, between.limit),
+            (0.5, 2.0, 10.0)
+        );
+        assert_eq!(
+            certify(|f| f.imbalance_force = 0.5).imbalance_force.value,
+            0.5
+        );
+        let moment = certify(|f| f.imbalance_moment = 0.5).imbalance_moment;
+        // an arm of zero counts as one; the load of 3 is the scale of forces
+        assert_eq!((moment.value, moment.relative), (0.5, 0.5 / 3.0));
+        let gap = certify(|f| f.energy_gap = 0.5).energy_gap;
+        assert_eq!((gap.value, gap.relative), (0.5, 0.2));
+        let driven = |f: &mut Recomputed| (f.imbalance_force, f.driving_force) = (0.5, 10.0);
+        assert_eq!(certify(driven).imbalance_force.relative, 0.05);
+        // a gap that the caller knows no better
+        let told = certify(|f| (f.gap, f.rounding) = (&[0.0, -1e-3], &[0.0, 2e-3]));
+        assert_eq!(told.penetration.value, 0.0);
+    }
+
+    #[test]
+    fn least_settled_force_is_the_one_farthest_from_its_law() {
+        let (problem, answer) = plate();
+        let least = |lambda: [f64; 2], alpha: f64| {
+            problem.least_settled(&Multipliers {
+                lambda: lambda.to_vec(),
+                alpha: vec![alpha],
+            })
+        };
+        // gaps are λ − (1, 0) − α, and both springs have the compliance 1
+        assert_eq!(least([3.0, 1.1], answer.alpha[0]), Some(0));
+        assert_eq!(least([2.1, 3.0], answer.alpha[0]), Some(1));
+        // an open contact without a force is settled, however wide it is
+        assert_eq!(least([0.0, 0.0], -5.0), least([0.0, 0.0], -7.0));
+        assert_eq!(least([f64::NAN, 1.5], 1.0), Some(1));
+        assert_eq!(least([f64::NAN; 2], 1.0), None);
+        // the compliance of a contact turns its gap into a force
+        let (mut stiff, _) = plate();
+        stiff.softness = vec![100.0, 0.1];
+        let both = Multipliers {
+            lambda: vec![4.0, 1.5],
+            alpha: vec![1.0],
+        };
+        assert_eq!(stiff.least_settled(&both), Some(1));
+        // and the force that a law asks for is taken at the trial force
+        let (slipping, _) = slipping();
+        let sheared = |shear: f64| Multipliers {
+            lambda: vec![2.0, shear],
+            alpha: Vec::new(),
+        };
+        assert_eq!(slipping.least_settled(&sheared(0.5)), Some(1));
+    }
 }

@@ -236,7 +236,7 @@ impl Cone {
             }
         }
         let size = norm(&y);
-        let separates = size > 0.0 && dot(&y, &self.target) > 0.0;
+        let separates = dot(&y, &self.target) > 0.0;
         let gains = self.gains(&y).into_iter().fold(0.0, f64::max);
         let away = y.iter().zip(&point.y).map(|(a, b)| (a - b).powi(2));
         let near = away.sum::<f64>().sqrt() <= 1e-4 * size;
@@ -310,5 +310,153 @@ mod tests {
             let found = rest(&columns, &target).unwrap_or_else(|| panic!("seed {seed}"));
             assert!(norm(&found) <= 1e-12 * norm(&target), "seed {seed}");
         }
+    }
+
+    fn cone(columns: &[SparseVector], target: &[f64]) -> Cone {
+        Cone {
+            gram: WeightedGram::new(target.len(), columns).unwrap(),
+            columns: columns.to_vec(),
+            target: target.to_vec(),
+        }
+    }
+
+    /// A target of unit length.
+    fn target(k: usize, seed: usize) -> Vec<f64> {
+        let target: Vec<f64> = (0..k).map(|i| ((i + seed) as f64 * 1.7).sin()).collect();
+        let size = norm(&target);
+        target.iter().map(|t| t / size).collect()
+    }
+
+    #[test]
+    fn full_step_along_the_direction_solves_the_linear_equations() {
+        let cone = cone(&joints(12, 3), &target(12, 3));
+        let p = cone.columns.len();
+        let wave = |i: usize| 1.0 + 0.5 * (i as f64 * 0.9).sin();
+        let point = Iterate {
+            x: (0..p).map(wave).collect(),
+            s: (0..p).map(|j| wave(j + 7)).collect(),
+            y: (0..12).map(|i| wave(i + 3) - 1.0).collect(),
+        };
+        let residual = cone.residual(&point);
+        let weight = |j: usize| point.x[j] / (point.s[j] + BOUNDED * point.x[j]);
+        let factor = cone.factor(weight, 1.0).unwrap();
+        let asked = |j: usize| 0.3 - 0.2 * wave(2 * j);
+        let step = cone.direction(&point, &residual, &factor, asked);
+        let sum = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a + b).collect();
+        let after = cone.residual(&Iterate {
+            x: sum(&point.x, &step.x),
+            s: sum(&point.s, &step.s),
+            y: sum(&point.y, &step.y),
+        });
+        assert!(norm(&residual.primal) > 0.1 && norm(&residual.dual) > 0.1);
+        assert!(norm(&after.primal) < 1e-12 && norm(&after.dual) < 1e-12);
+        for j in 0..p {
+            let change = point.x[j] * step.s[j] + point.s[j] * step.x[j];
+            assert!((change - asked(j)).abs() < 1e-13);
+        }
+    }
+
+    #[test]
+    fn reach_ends_where_the_first_component_vanishes() {
+        let iterate = |x: [f64; 2], s: [f64; 2]| Iterate {
+            x: x.to_vec(),
+            s: s.to_vec(),
+            y: vec![-100.0],
+        };
+        let from = iterate([1.0, 2.0], [3.0, 4.0]);
+        assert_eq!(iterate([-4.0, 1.0], [1.0, 0.0]).reach(&from), 0.25);
+        assert_eq!(iterate([-4.0, -16.0], [1.0, -1.0]).reach(&from), 0.125);
+        assert_eq!(iterate([1.0, 1.0], [-1.0, -8.0]).reach(&from), 0.5);
+        // a step of BORDER times that is a full one
+        assert_eq!(iterate([1.0, 0.0], [1.0, 0.0]).reach(&from), 1.0 / BORDER);
+    }
+
+    #[test]
+    fn interior_point_ends_at_what_its_constants_promise() {
+        for seed in 0..10 {
+            let cone = cone(&joints(30, seed), &target(30, seed));
+            let Iterate { x, s, y } = cone.interior().unwrap();
+            assert!(x.iter().chain(&s).all(|x| *x > 0.0));
+            assert!(dot(&x, &s) <= CLOSE * x.len() as f64);
+            let mut primal = cone.target.clone();
+            for (column, x) in cone.columns.iter().zip(&x) {
+                column.add_to(-x, &mut primal);
+            }
+            let primal = primal.iter().zip(&y).map(|(a, b)| (a - b).powi(2));
+            assert!(primal.sum::<f64>().sqrt() <= SETTLED);
+            let dual = cone.columns.iter().zip(x.iter().zip(&s));
+            let dual = dual.map(|(column, (x, s))| (BOUNDED * x - column.dot(&y) - s).powi(2));
+            assert!(dual.sum::<f64>().sqrt() <= SETTLED);
+        }
+    }
+
+    #[test]
+    fn rest_is_a_proof_that_no_size_of_columns_or_target_changes() {
+        let mut outside = 0;
+        for seed in 0..20 {
+            let (columns, target) = (&joints(30, seed)[..40], target(30, seed));
+            let Some(expected) = rest(columns, &target) else {
+                continue;
+            };
+            let size = norm(&expected);
+            if size > 1e-6 {
+                outside += 1;
+                // it does work on the target, as much as its own square, and none on what the columns add up to
+                assert!((dot(&expected, &target) - size * size).abs() < 1e-7);
+                let gains = columns.iter().map(|c| c.dot(&expected) / c.norm());
+                assert!(gains.fold(0.0, f64::max) <= 1e-7);
+            }
+            let mut scaled = columns.to_vec();
+            for (j, column) in scaled.iter_mut().enumerate() {
+                column.scale([1e-3, 1.0, 1e3][j % 3]);
+            }
+            scaled.insert(7, SparseVector::new(30, []));
+            let large: Vec<f64> = target.iter().map(|t| 1e6 * t).collect();
+            let found = rest(&scaled, &large).unwrap();
+            for (found, expected) in found.iter().zip(&expected) {
+                // √CLOSE, as above
+                assert!((1e-6 * found - expected).abs() < 3e-7, "seed {seed}");
+            }
+        }
+        assert!(outside >= 5, "{outside}");
+    }
+
+    #[test]
+    fn a_target_of_zero_has_no_rest_and_one_across_all_columns_is_its_own() {
+        let columns = [
+            SparseVector::new(3, [(0, 2.0)]),
+            SparseVector::new(3, [(1, 1.0)]),
+        ];
+        assert_eq!(rest(&columns, &[0.0; 3]), Some(vec![0.0; 3]));
+        let near = |target: [f64; 3], expected: [f64; 3]| {
+            let found = rest(&columns, &target).unwrap();
+            assert!(
+                (0..3).all(|i| (found[i] - expected[i]).abs() < 1e-9),
+                "{found:?}"
+            );
+        };
+        near([0.0, 0.0, 5.0], [0.0, 0.0, 5.0]);
+        near([3.0, 4.0, 5.0], [0.0, 0.0, 5.0]);
+        near([-3.0, 4.0, 0.0], [-3.0, 0.0, 0.0]);
+        near([3.0, 4.0, 0.0], [0.0; 3]);
+    }
+
+    #[test]
+    fn a_target_is_told_to_be_inside_only_where_forces_reach_it() {
+        let columns = [SparseVector::new(2, [(0, 1.0)])];
+        let across = cone(&columns, &[0.0, 1.0]);
+        assert!(across.inside(vec![1.0]).is_none());
+        let found = across.outside(&across.interior().unwrap()).unwrap();
+        assert!(found[0].abs() < 1e-12 && (found[1] - 1.0).abs() < 1e-12);
+        let along = cone(&columns, &[1.0, 0.0]);
+        // from a force that is far off, too
+        for start in [0.5, 1.0, 2.0] {
+            assert!(
+                along
+                    .inside(vec![start])
+                    .is_some_and(|rest| norm(&rest) <= NOTHING)
+            );
+        }
+        assert!(along.outside(&along.interior().unwrap()).is_none());
     }
 }

@@ -314,6 +314,7 @@ fn unit(mut v: Vec<f64>) -> Vec<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::dual::split::tests::row_of_discs;
     use crate::dual::{AdmissibleSet, Balance, Block, Compliance, Friction, Mat, Scales};
 
     /// A plate on two unilateral points at x = 0 and 1 (forces up), modes: lift and rotation.
@@ -513,5 +514,264 @@ mod tests {
         // Unloading: T = 0.3 at N = 1 − 0.8 s is lost at N = 0.6.
         assert!((fraction([0.2, 0.3], [1.0, 0.3]) - 0.5).abs() < 1e-8);
         assert!(fraction([1.0, 0.9], [1.0, 0.8]) < 1e-8);
+    }
+
+    #[test]
+    fn largest_part_is_the_end_of_an_interval() {
+        assert_eq!(largest_part(|_| true), 1.0);
+        assert_eq!(
+            largest_part(|part| part < 1.0),
+            1.0 - 0.5f64.powi(BISECTIONS as i32)
+        );
+        assert_eq!(largest_part(|_| false), 0.0);
+        for end in [0.3, 0.77] {
+            let found = largest_part(|part| part <= end);
+            assert!(found <= end && end - found < 1e-14, "{found}");
+        }
+    }
+
+    #[test]
+    fn work_that_is_nothing_beside_the_largest_load_drives_nothing() {
+        // mode 1 meets no contact
+        let modes = Mat::from_fn(2, 1, |i, _| [1.0, 0.0][i]);
+        let set = AdmissibleSet::new(vec![Block::Unilateral]);
+        let feasible = |load: [f64; 2], force: f64| {
+            let balance = Balance::new(modes.clone(), load.to_vec());
+            matches!(
+                Feasibility::of(&set, &balance, force),
+                Feasibility::Feasible { .. }
+            )
+        };
+        for size in [1e-6, 1.0, 1e6] {
+            assert!(feasible([size, 0.9 * NO_WORK * size], 0.0));
+            assert!(feasible([size, -0.9 * NO_WORK * size], 0.0));
+            assert!(!feasible([size, 1.1 * NO_WORK * size], 0.0));
+            assert!(!feasible([size, -1.1 * NO_WORK * size], 0.0));
+            // a scale that others give
+            assert!(feasible([size, 0.9 * NO_WORK * 5.0 * size], 5.0 * size));
+            assert!(!feasible([size, 1.1 * NO_WORK * 5.0 * size], 5.0 * size));
+            // the same for what contact controls but cannot bear
+            assert!(feasible([-0.9 * NO_WORK * size, 0.0], size));
+            assert!(!feasible([-1.1 * NO_WORK * size, 0.0], size));
+        }
+        assert!(feasible([0.0; 2], 0.0));
+        // the load that is carried is without the part that nothing can carry
+        let balance = Balance::new(modes.clone(), vec![1.0, 1e-10]);
+        let Feasibility::Feasible { load } = Feasibility::of(&set, &balance, 0.0) else {
+            panic!("the rest is rounding");
+        };
+        assert!((load[0] - 1.0).abs() < 1e-15 && load[1] == 0.0);
+    }
+
+    /// So near to the last load that can be carried the projection still tells: nearer it takes more steps than it has.
+    const WITHIN: f64 = 3e-3;
+    const BEYOND: f64 = 1e-4;
+
+    /// Sets of a few nodes of several kinds, by number; modes and loads of three motions.
+    fn random(seed: usize) -> (AdmissibleSet, Mat<f64>, Vec<f64>) {
+        // of squares: sines of sums of two indices would make modes of rank 2
+        let wave = |i: usize| (((i * 37 + seed * 101).pow(2)) as f64 * 0.061).sin();
+        let laws = [
+            Friction::Coulomb { coefficient: 0.5 }.block(2),
+            Friction::Tresca { bound: 0.4 }.block(2),
+        ];
+        let blocks = match seed % 4 {
+            0 => vec![Block::Unilateral; 5],
+            1 => vec![Block::Unilateral, laws[0], laws[1]],
+            2 => vec![Friction::Coulomb { coefficient: 0.5 }.block(1); 3],
+            _ => vec![Block::Free { size: 1 }, Block::Unilateral, laws[1]],
+        };
+        let set = AdmissibleSet::new(blocks);
+        let modes = Mat::from_fn(3, set.len(), |i, j| wave(50 + i * set.len() + j));
+        let load = (0..3).map(|i| wave(i + 9)).collect();
+        (set, modes, load)
+    }
+
+    /// What is left of a load beside the forces nearest to some others: an iteration that knows no generators. Near the last
+    /// load that can be carried it may take more steps than it has, so that it starts from several.
+    fn projected(set: &AdmissibleSet, modes: &Mat<f64>, load: &[f64]) -> f64 {
+        let balance = Balance::new(modes.clone(), load.to_vec());
+        let rest = |start: usize| {
+            let wave = |i: usize| start as f64 * (1.0 + ((i + start) as f64).sin());
+            let y: Vec<f64> = (0..set.len()).map(wave).collect();
+            let (mut tau, mut lambda) = (vec![0.0; balance.rank()], vec![0.0; set.len()]);
+            let projector = &mut balance.projector(set);
+            projector.project(&y, &mut tau, &mut lambda)
+        };
+        (0..6).map(rest).fold(f64::INFINITY, f64::min)
+    }
+
+    #[test]
+    fn load_is_carried_where_the_projection_finds_forces_and_nowhere_else() {
+        let (mut carried, mut lost) = (0, 0);
+        for seed in 0..80 {
+            let (set, modes, load) = random(seed);
+            let balance = Balance::new(modes.clone(), load.clone());
+            match Feasibility::of(&set, &balance, 0.0) {
+                Feasibility::Feasible { load: found } => {
+                    carried += 1;
+                    assert!((0..3).all(|i| (found[i] - load[i]).abs() < 1e-12));
+                    assert!(projected(&set, &modes, &load) < 1e-9, "seed {seed}");
+                }
+                Feasibility::Infeasible { direction, factor } => {
+                    lost += 1;
+                    assert!(projected(&set, &modes, &load) > 1e-6, "seed {seed}");
+                    assert!((norm(&direction) - 1.0).abs() < 1e-14);
+                    let work = dot(&direction, &load);
+                    assert!(work > 0.0);
+                    let Some(factor) = factor else { continue };
+                    let left = |part: f64| {
+                        let along = |i: usize| load[i] - (1.0 - part) * work * direction[i];
+                        let left: Vec<f64> = (0..3).map(along).collect();
+                        projected(&set, &modes, &left)
+                    };
+                    assert!(
+                        left((factor - WITHIN).max(0.0)) < 1e-8,
+                        "seed {seed} {factor}"
+                    );
+                    assert!(left(factor + BEYOND) > 1e-6, "seed {seed} {factor}");
+                }
+            }
+        }
+        assert!(carried >= 10 && lost >= 10, "{carried} {lost}");
+    }
+
+    #[test]
+    fn motion_of_bodies_without_friction_opens_contacts_and_moves_no_tie() {
+        for seed in 0..40 {
+            let (_, modes, load) = random(seed);
+            let modes = Mat::from_fn(3, 5, |i, j| modes[(i, j)]);
+            let blocks = [vec![Block::Free { size: 1 }], vec![Block::Unilateral; 4]].concat();
+            let set = AdmissibleSet::new(blocks);
+            let balance = Balance::new(modes.clone(), load.clone());
+            let Feasibility::Infeasible { direction, factor } =
+                Feasibility::of(&set, &balance, 0.0)
+            else {
+                continue;
+            };
+            assert_eq!(factor, None);
+            assert!(dot(&direction, &load) > 0.0);
+            let closes = |j: usize| dot(modes.col_as_slice(j), &direction);
+            assert!(closes(0).abs() < 1e-12 && (1..5).all(|j| closes(j) < 1e-12));
+        }
+    }
+
+    #[test]
+    fn fraction_ends_where_the_projection_finds_no_forces_any_more() {
+        let mut ends = 0;
+        for seed in 0..60 {
+            let (set, modes, load) = random(seed);
+            // a load that some force within Λ carries
+            let wave = |i: usize| 1.0 + 0.5 * ((i + seed) as f64).sin();
+            let mut force = vec![0.0; set.len()];
+            set.project(&(0..set.len()).map(wave).collect::<Vec<_>>(), &mut force);
+            let before: Vec<f64> = (0..3)
+                .map(|i| (0..set.len()).map(|j| modes[(i, j)] * force[j]).sum())
+                .collect();
+            let balance = Balance::new(modes.clone(), load.clone());
+            let part = Feasibility::fraction(&set, &balance, &before);
+            let at = |part: f64| {
+                let mixed = |i: usize| before[i] + part * (load[i] - before[i]);
+                projected(&set, &modes, &(0..3).map(mixed).collect::<Vec<_>>())
+            };
+            if part < 1.0 {
+                ends += 1;
+                assert!(
+                    at(part - WITHIN) < 1e-9 && at(part + BEYOND) > 1e-6,
+                    "seed {seed} {part}"
+                );
+            } else {
+                assert!(at(1.0) < 1e-9, "seed {seed}");
+            }
+        }
+        assert!(ends >= 10, "{ends}");
+    }
+
+    #[test]
+    fn smooth_nodes_among_rough_ones_hold_no_motion_along_themselves() {
+        // node 0 is smooth and slides along mode 1, node 1 holds mode 2 by friction
+        let modes = Mat::from_fn(3, 4, |i, j| {
+            f64::from(matches!((i, j), (0, 0) | (1, 1) | (0, 2) | (2, 3)))
+        });
+        let smooth = Friction::Coulomb { coefficient: 0.0 }.block(1);
+        let rough = Friction::Coulomb { coefficient: 0.5 }.block(1);
+        let set = AdmissibleSet::new(vec![smooth, rough]);
+        let of = |load: [f64; 3]| {
+            Feasibility::of(&set, &Balance::new(modes.clone(), load.to_vec()), 0.0)
+        };
+        assert!(matches!(of([1.0, 0.0, 0.4]), Feasibility::Feasible { .. }));
+        let Feasibility::Infeasible { direction, factor } = of([1.0, -0.1, 0.4]) else {
+            panic!("nothing holds mode 1");
+        };
+        assert_eq!(factor, None);
+        for (found, expected) in direction.iter().zip([0.0, -1.0, 0.0]) {
+            assert!((found - expected).abs() < 1e-12, "{direction:?}");
+        }
+    }
+
+    fn carrier() -> Carrier {
+        Carrier {
+            split: ModeSplit::default(),
+            rays: Vec::new(),
+            cones: Vec::new(),
+            discs: Vec::new(),
+        }
+    }
+
+    #[test]
+    fn edges_that_point_most_along_the_rest_are_added_first() {
+        let mut carrier = carrier();
+        let count = EDGES + 5;
+        // axes of 0, 1, .. along x, and one radius along y
+        let cone = |j: usize| (vec![((7 * j) % count) as f64, 0.0], vec![vec![0.0, 0.5]]);
+        carrier.cones = (0..count).map(cone).collect();
+        let edges = carrier.edges(&[1.0, -1.0]);
+        let expected: Vec<Vec<f64>> = (5..count).rev().map(|n| vec![n as f64, -0.5]).collect();
+        assert_eq!(edges, expected);
+    }
+
+    #[test]
+    fn corner_of_bounded_shears_is_farthest_in_every_node() {
+        let mut carrier = carrier();
+        assert_eq!(carrier.corner(&[1.0, 1.0]), [0.0, 0.0]);
+        carrier.discs = vec![
+            vec![vec![2.0, 0.0]],
+            vec![vec![0.0, 3.0]],
+            vec![vec![5.0, 0.0], vec![0.0, 5.0]],
+        ];
+        // each disc gives its point farthest along (−3, 4)
+        assert_eq!(carrier.corner(&[-3.0, 4.0]), [-2.0 - 3.0, 3.0 + 4.0]);
+    }
+
+    #[test]
+    fn loads_on_many_bodies_are_told_as_on_few() {
+        // 120 controlled modes: the interior point method answers. There is no wall behind the last disc
+        let discs = 60;
+        let mut modes = row_of_discs(discs);
+        let (r, m) = (modes.nrows(), modes.ncols() - 2);
+        modes.truncate(r, m);
+        let set = AdmissibleSet::new(vec![Block::Unilateral; m]);
+        let forces: Vec<f64> = (0..m).map(|j| 1.1 + (j as f64).sin()).collect();
+        let mut load: Vec<f64> = (0..r)
+            .map(|i| (0..m).map(|j| modes[(i, j)] * forces[j]).sum())
+            .collect();
+        let mut balance = Balance::new(modes.clone(), load.clone());
+        assert!(balance.rank() >= MANY);
+        let Feasibility::Feasible { load: found } = Feasibility::of(&set, &balance, 0.0) else {
+            panic!("these forces carry it");
+        };
+        assert!((0..r).all(|i| (found[i] - load[i]).abs() < 1e-8));
+        // all discs together are pulled off the first wall
+        load[3 * (discs - 1)] -= 2.0 * (forces[0] + forces[1]);
+        balance.set_load(load.clone());
+        let Feasibility::Infeasible { direction, factor } = Feasibility::of(&set, &balance, 0.0)
+        else {
+            panic!("the wall pushes and does not pull");
+        };
+        assert_eq!(factor, None);
+        assert!(dot(&direction, &load) > 0.1);
+        for j in 0..m {
+            assert!(dot(modes.col_as_slice(j), &direction) < 1e-8);
+        }
     }
 }

@@ -323,3 +323,245 @@ impl Block {
         all
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::linalg::grid::noise;
+
+    const TRESCA: Friction = Friction::Tresca { bound: 0.5 };
+    const COULOMB: Friction = Friction::Coulomb { coefficient: 0.4 };
+    const COHESIVE: Friction = Friction::Cohesive {
+        cohesion: 0.3,
+        coefficient: 0.5,
+    };
+    const LAWS: [Friction; 3] = [TRESCA, COULOMB, COHESIVE];
+
+    fn projected(block: Block, from: &[f64]) -> Vec<f64> {
+        let mut to = vec![9.0; from.len()];
+        block.project(from, &mut to);
+        to
+    }
+
+    #[test]
+    fn bounds_of_open_and_closed_nodes_are_those_of_the_table() {
+        assert_eq!([-1.0, 0.0, 2.0].map(|n| TRESCA.bound(n)), [0.5, 0.5, 0.5]);
+        assert_eq!([-1.0, 0.0, 2.0].map(|n| COULOMB.bound(n)), [0.0, 0.0, 0.8]);
+        assert_eq!([-1.0, 0.0, 2.0].map(|n| COHESIVE.bound(n)), [0.0, 0.0, 1.3]);
+        assert_eq!(LAWS.map(|law| law.follows()), [false, true, true]);
+        assert_eq!(LAWS.map(|law| law.bears(false)), [true, false, false]);
+        assert_eq!(LAWS.map(|law| law.bears(true)), [true; 3]);
+        assert_eq!(LAWS.map(|law| law.jumps()), [false, false, true]);
+        assert_eq!(LAWS.map(|law| law.is_smooth()), [false; 3]);
+        let cohesive = |cohesion, coefficient| Friction::Cohesive {
+            cohesion,
+            coefficient,
+        };
+        assert!(!cohesive(0.0, 0.5).jumps() && !cohesive(0.0, 0.5).is_smooth());
+        assert!(cohesive(0.5, 0.0).jumps() && !cohesive(0.5, 0.0).is_smooth());
+        assert!(!cohesive(0.0, 0.0).jumps() && cohesive(0.0, 0.0).is_smooth());
+        // however little it bears
+        assert!(!cohesive(1e-9, 0.0).is_smooth() && !cohesive(0.0, 1e-9).is_smooth());
+        assert!(cohesive(1e-9, 0.0).jumps());
+    }
+
+    #[test]
+    fn nodes_taken_together_add_forces_and_average_coefficients() {
+        let tresca = TRESCA.together(&[TRESCA, Friction::Tresca { bound: 1.0 }]);
+        assert_eq!(tresca, Friction::Tresca { bound: 1.5 });
+        let coulomb = COULOMB.together(&[COULOMB, Friction::Coulomb { coefficient: 0.8 }]);
+        let Friction::Coulomb { coefficient } = coulomb else {
+            panic!("the kind of the law stays");
+        };
+        assert!((coefficient - 0.6).abs() < 1e-15);
+        let other = Friction::Cohesive {
+            cohesion: 0.5,
+            coefficient: 1.0,
+        };
+        let expected = Friction::Cohesive {
+            cohesion: 0.8,
+            coefficient: 0.75,
+        };
+        assert_eq!(COHESIVE.together(&[COHESIVE, other]), expected);
+    }
+
+    #[test]
+    fn blocks_tell_their_size_their_law_and_their_bound() {
+        let free = Block::Free { size: 3 };
+        let blocks = [free, Block::Unilateral, COULOMB.block(1), TRESCA.block(2)];
+        assert_eq!(blocks.map(|block| block.size()), [3, 1, 2, 3]);
+        let is_free = blocks.map(|block| block.is_free());
+        assert_eq!(is_free, [true, false, false, false]);
+        let laws = blocks.map(|block| block.friction());
+        assert_eq!(laws, [None, None, Some(COULOMB), Some(TRESCA)]);
+        let bounds = blocks.map(|block| block.bound(10.0));
+        assert_eq!(bounds, [None, None, Some(4.0), Some(0.5)]);
+        assert_eq!(free.with_friction(|_| TRESCA), free);
+        assert_eq!(TRESCA.block(2).with_friction(|_| COULOMB), COULOMB.block(2));
+    }
+
+    #[test]
+    fn a_block_that_cannot_slip_bears_any_shear_unless_it_bears_none() {
+        let free = Block::Free { size: 2 };
+        for law in LAWS {
+            assert_eq!(law.block(2).sticking(), [Block::Unilateral, free]);
+        }
+        for law in [
+            Friction::Coulomb { coefficient: 0.0 },
+            Friction::Tresca { bound: 0.0 },
+        ] {
+            let none = Friction::Tresca { bound: 0.0 }.block(2);
+            assert_eq!(law.block(2).sticking(), [none]);
+        }
+        assert_eq!(free.sticking(), [free]);
+        assert_eq!(Block::Unilateral.sticking(), [Block::Unilateral]);
+    }
+
+    #[test]
+    fn projections_of_one_node_are_those_of_a_drawing() {
+        let near = |found: Vec<f64>, expected: &[f64]| {
+            assert_eq!(found.len(), expected.len());
+            let apart = found.iter().zip(expected).map(|(a, b)| (a - b).abs());
+            assert!(apart.fold(0.0, f64::max) < 1e-15, "{found:?} {expected:?}");
+        };
+        // a half strip: shears are cut, tensions vanish, and the shear stays
+        near(projected(TRESCA.block(1), &[2.0, -0.7]), &[2.0, -0.5]);
+        near(projected(TRESCA.block(1), &[-2.0, 0.3]), &[0.0, 0.3]);
+        near(
+            projected(TRESCA.block(2), &[-2.0, 3.0, -4.0]),
+            &[0.0, 0.3, -0.4],
+        );
+        // a cone of slope 1: (0, 2) goes to its edge at (1, 1), what lies in the polar cone to its apex
+        let steep = Friction::Coulomb { coefficient: 1.0 };
+        near(projected(steep.block(1), &[0.0, 2.0]), &[1.0, 1.0]);
+        near(projected(steep.block(1), &[-3.0, -1.0]), &[0.0, 0.0]);
+        near(projected(steep.block(1), &[3.0, -1.0]), &[3.0, -1.0]);
+        near(projected(steep.block(1), &[0.5, 0.5]), &[0.5, 0.5]);
+        // the zero of a node that bears nothing has no sign
+        let none = projected(steep.block(1), &[-3.0, -1.0]);
+        assert!(none.iter().all(|force| force.is_sign_positive()));
+        // the hull of a cohesive law of slope 1 has the edge λₜ = 1 + λₙ
+        let hull = Friction::Cohesive {
+            cohesion: 1.0,
+            coefficient: 1.0,
+        };
+        near(projected(hull.block(1), &[0.0, 3.0]), &[1.0, 2.0]);
+        near(projected(hull.block(1), &[-3.0, 0.5]), &[0.0, 0.5]);
+        near(projected(hull.block(1), &[-3.0, 2.0]), &[0.0, 1.0]);
+        near(projected(Block::Unilateral, &[-1.0]), &[0.0]);
+        near(projected(Block::Unilateral, &[1.0]), &[1.0]);
+        let free = Block::Free { size: 2 };
+        near(projected(free, &[-1.0, 2.0]), &[-1.0, 2.0]);
+    }
+
+    #[test]
+    fn derivatives_of_one_node_agree_with_differences() {
+        // h = 1e-6: the quotient is exact to h where no kink lies between, and rounds to 1e-10
+        let h = 1e-6;
+        let mut compared = 0;
+        for tangents in [1, 2] {
+            let blocks = LAWS.map(|law| law.block(tangents));
+            for block in blocks.into_iter().chain([Block::Unilateral]) {
+                let size = block.size();
+                for pair in noise(400 * size).chunks_exact(2 * size) {
+                    let (y, v) = pair.split_at(size);
+                    let moved = |step: f64| -> Vec<f64> {
+                        y.iter().zip(v).map(|(y, v)| y + step * v).collect()
+                    };
+                    let (after, before) = (moved(h), moved(-h));
+                    let (after, before) = (projected(block, &after), projected(block, &before));
+                    let here = projected(block, y);
+                    let mut derivative = vec![9.0; size];
+                    block.project_derivative(y, v, &mut derivative);
+                    for i in 0..size {
+                        let sides = [after[i] - here[i], here[i] - before[i]];
+                        // a kink: the two one-sided quotients differ
+                        if (sides[0] - sides[1]).abs() > 1e-4 * h {
+                            continue;
+                        }
+                        compared += 1;
+                        let quotient = (after[i] - before[i]) / (2.0 * h);
+                        assert!(
+                            (quotient - derivative[i]).abs() < 1e-5,
+                            "{block:?} {y:?} {v:?}: {quotient} {}",
+                            derivative[i]
+                        );
+                    }
+                }
+            }
+        }
+        // 200 points for each of 2 + 3 components of three laws, and one twice
+        assert!(compared > 3300, "{compared}");
+    }
+
+    #[test]
+    fn farthest_point_of_a_disc_is_found_among_all_of_them() {
+        let shears = [vec![1.0, 0.2, 0.0], vec![-0.3, 2.0, 0.5]];
+        for towards in noise(30).chunks_exact(3) {
+            let found = farthest(&shears, towards);
+            let reach = dot(&found, towards);
+            let best = (0..3600).map(|i| {
+                let (sin, cos) = (i as f64 * std::f64::consts::TAU / 3600.0).sin_cos();
+                cos * dot(&shears[0], towards) + sin * dot(&shears[1], towards)
+            });
+            let best = best.fold(0.0, f64::max);
+            // half a step of 0.1° off the best one loses 4e-7 of it
+            assert!(
+                reach >= best && reach < best * (1.0 + 1e-6),
+                "{reach} {best}"
+            );
+        }
+        // across the disc every point is as far as any other
+        assert_eq!(farthest(&shears[..1], &[0.0, 0.0, 1.0]), [0.0; 3]);
+    }
+
+    #[test]
+    fn generators_are_the_edges_of_what_a_block_bears() {
+        let images = [
+            vec![1.0, 0.0, 0.0],
+            vec![0.0, 2.0, 0.0],
+            vec![0.0, 0.0, 4.0],
+        ];
+        let of = |block: Block| block.generators(images[..block.size()].to_vec());
+        let free = of(Block::Free { size: 2 });
+        let pairs: [&[f64]; 4] = [
+            &[-1.0, 0.0, 0.0],
+            &[1.0, 0.0, 0.0],
+            &[0.0, -2.0, 0.0],
+            &[0.0, 2.0, 0.0],
+        ];
+        assert_eq!(free.rays, pairs);
+        assert!(free.cone.is_none() && free.disc.is_none());
+        let unilateral = of(Block::Unilateral);
+        assert_eq!(unilateral.rays, images[..1]);
+        assert!(unilateral.cone.is_none() && unilateral.disc.is_none());
+
+        let tresca = of(TRESCA.block(2));
+        assert_eq!(tresca.rays, images[..1]);
+        let half = vec![vec![0.0, 1.0, 0.0], vec![0.0, 0.0, 2.0]];
+        assert_eq!((tresca.cone, tresca.disc), (None, Some(half)));
+        let smooth = of(Friction::Tresca { bound: 0.0 }.block(2));
+        assert_eq!(smooth.rays, images[..1]);
+        assert_eq!((smooth.cone, smooth.disc), (None, None));
+
+        let plane = of(COULOMB.block(1));
+        assert_eq!(plane.rays, [[1.0, -0.8, 0.0], [1.0, 0.8, 0.0]]);
+        assert_eq!((plane.cone, plane.disc), (None, None));
+        let space = of(COULOMB.block(2));
+        let edges = [
+            [1.0, -0.8, 0.0],
+            [1.0, 0.8, 0.0],
+            [1.0, 0.0, -1.6],
+            [1.0, 0.0, 1.6],
+        ];
+        assert_eq!(space.rays, edges);
+        let radii = vec![vec![0.0, 0.8, 0.0], vec![0.0, 0.0, 1.6]];
+        assert_eq!(space.cone, Some((images[0].clone(), radii)));
+        assert_eq!(space.disc, None);
+
+        let cohesive = of(COHESIVE.block(2));
+        let disc = vec![vec![0.0, 0.6, 0.0], vec![0.0, 0.0, 1.2]];
+        assert_eq!(cohesive.disc, Some(disc));
+        assert_eq!((cohesive.rays.len(), cohesive.cone.is_some()), (4, true));
+    }
+}

@@ -40,7 +40,8 @@ pub(super) fn least_squares_nonnegative(
                 // Walk towards the solution until a weight reaches zero.
                 let (mut step, mut blocking) = (1.0, None);
                 for (&j, &value) in passive.index.iter().zip(&solution) {
-                    if value <= 0.0 && x[j] <= step * (x[j] - value) {
+                    // a step is at most 1: only weights that fall to zero or below come here
+                    if x[j] <= step * (x[j] - value) {
                         (step, blocking) = (x[j] / (x[j] - value).max(f64::MIN_POSITIVE), Some(j));
                     }
                 }
@@ -183,10 +184,15 @@ pub(crate) fn least_norm_within(rows: &[Vec<f64>], bounds: &[f64], q: usize) -> 
 mod tests {
     use super::*;
 
+    /// A number in [−1, 1]. Of the square: a sine of a sum of two indices would make matrices of rank 2.
+    fn scattered(n: usize) -> f64 {
+        ((n * n) as f64 * 0.073).sin()
+    }
+
     #[test]
     fn nonnegative_least_squares_satisfies_its_optimality_conditions() {
         for seed in 0..100 {
-            let wave = |i: usize, j: usize| ((seed * 97 + i * 31 + j * 17) as f64 * 0.73).sin();
+            let wave = |i: usize, j: usize| scattered(seed * 97 + i * 31 + j * 17);
             let columns: Vec<Vec<f64>> = (0..20)
                 .map(|j| (0..5).map(|i| wave(i, j)).collect())
                 .collect();
@@ -210,5 +216,171 @@ mod tests {
             least_norm_within(&[vec![1.0], vec![-1.0]], &[-1.0, -1.0], 1),
             None
         );
+    }
+
+    #[test]
+    fn answer_of_any_size_of_columns_is_that_of_unit_ones() {
+        let wave = |i: usize, j: usize| scattered(i * 31 + j * 17);
+        let columns: Vec<Vec<f64>> = (0..9)
+            .map(|j| (0..5).map(|i| wave(i, j)).collect())
+            .collect();
+        let target: Vec<f64> = (0..5).map(|i| wave(i, 50)).collect();
+        let expected = least_squares_nonnegative(&columns, &target);
+        assert!(expected.0.iter().any(|x| *x > 0.1));
+        let scaled = |columns: &[Vec<f64>], factor: f64| -> Vec<Vec<f64>> {
+            let scale = |column: &Vec<f64>| column.iter().map(|c| factor * c).collect();
+            columns.iter().map(scale).collect()
+        };
+        let near = |found: &[f64], factor: f64, expected: &[f64]| {
+            let apart = |(a, b): (&f64, &f64)| (factor * a - b).abs();
+            let worst = found.iter().zip(expected).map(apart).fold(0.0, f64::max);
+            assert!(worst < 1e-12, "{found:?} {expected:?}");
+        };
+        for factor in [1e-9, 1e9] {
+            let (x, rest) = least_squares_nonnegative(&scaled(&columns, factor), &target);
+            near(&x, factor, &expected.0);
+            near(&rest, 1.0, &expected.1);
+            let large = scaled(std::slice::from_ref(&target), factor).remove(0);
+            let (x, rest) = least_squares_nonnegative(&columns, &large);
+            near(&x, 1.0 / factor, &expected.0);
+            near(&rest, 1.0 / factor, &expected.1);
+        }
+    }
+
+    #[test]
+    fn least_rest_is_that_of_the_best_of_all_subsets() {
+        // a face of the cone is held by a subset of the columns: the best with weights ≥ 0 is found among all of them
+        for seed in 0..20 {
+            let wave = |i: usize, j: usize| scattered(seed * 97 + i * 31 + j * 17);
+            let columns: Vec<Vec<f64>> = (0..6)
+                .map(|j| (0..3).map(|i| wave(i, j) + 0.4).collect())
+                .collect();
+            let target: Vec<f64> = (0..3).map(|i| wave(i, 50)).collect();
+            let mut best = norm(&target);
+            for subset in 1..64_usize {
+                let chosen: Vec<usize> = (0..6).filter(|j| subset & (1 << j) != 0).collect();
+                let mut passive = Passive::new(&columns, &target);
+                if chosen.len() > 3 || !chosen.iter().all(|&j| passive.enter(j)) {
+                    continue;
+                }
+                let x = passive.solve();
+                if x.iter().all(|x| *x >= 0.0) {
+                    let rest = |i: usize| {
+                        let sum: f64 = chosen.iter().zip(&x).map(|(&j, x)| columns[j][i] * x).sum();
+                        (target[i] - sum).powi(2)
+                    };
+                    best = best.min((0..3).map(rest).sum::<f64>().sqrt());
+                }
+            }
+            let (_, rest) = least_squares_nonnegative(&columns, &target);
+            assert!((norm(&rest) - best).abs() < 1e-12, "seed {seed}");
+        }
+    }
+
+    #[test]
+    fn columns_without_length_and_columns_twice_change_nothing() {
+        let target = [1.0, 2.0];
+        let columns = [
+            vec![1.0, 0.0],
+            vec![0.0, 0.0],
+            vec![1.0, 0.0],
+            vec![1.0, 1.0],
+        ];
+        let (x, rest) = least_squares_nonnegative(&columns, &target);
+        // the nearest point along (1, 1) is (1.5, 1.5)
+        assert!((x[3] - 1.5).abs() < 1e-15 && x[..3] == [0.0; 3], "{x:?}");
+        assert!((rest[0] + 0.5).abs() < 1e-15 && (rest[1] - 0.5).abs() < 1e-15);
+        let (x, rest) = least_squares_nonnegative(&[], &target);
+        assert!(x.is_empty() && rest == target);
+    }
+
+    #[test]
+    fn columns_enter_if_they_do_not_depend_on_others() {
+        for size in [1e-12, 1.0, 1e12] {
+            let columns = [
+                vec![size, size, 0.0],
+                vec![size, -size, 0.0],
+                vec![size, 3.0 * size, 1e-12 * size],
+                vec![size, 3.0 * size, 1e-10 * size],
+            ];
+            let mut passive = Passive::new(&columns, &[1.0, 2.0, 3.0]);
+            assert!(passive.enter(0) && passive.enter(1));
+            assert!(!passive.enter(2) && !passive.has[2]);
+            assert!(passive.enter(3) && passive.has[3]);
+            assert_eq!(passive.index, [0, 1, 3]);
+        }
+    }
+
+    #[test]
+    fn columns_that_stay_are_solved_for_as_if_they_had_come_alone() {
+        let wave = |i: usize, j: usize| scattered(i * 31 + j * 17);
+        let columns: Vec<Vec<f64>> = (0..5)
+            .map(|j| (0..6).map(|i| wave(i, j)).collect())
+            .collect();
+        let target: Vec<f64> = (0..6).map(|i| wave(i, 50)).collect();
+        let all = || {
+            let mut passive = Passive::new(&columns, &target);
+            assert!((0..5).all(|j| passive.enter(j)));
+            passive
+        };
+        for gone in 0..5 {
+            let mut passive = all();
+            passive.retain(|j| j != gone);
+            let kept: Vec<usize> = (0..5).filter(|&j| j != gone).collect();
+            assert_eq!(passive.index, kept);
+            assert!((0..5).all(|j| passive.has[j] == (j != gone)));
+            let x = passive.solve();
+            let mut rest = target.clone();
+            for (&j, x) in kept.iter().zip(&x) {
+                for (rest, c) in rest.iter_mut().zip(&columns[j]) {
+                    *rest -= x * c;
+                }
+            }
+            // least squares: what is left is orthogonal to every column that stays
+            for &j in &kept {
+                assert!(dot(&columns[j], &rest).abs() < 1e-14, "{gone} {j}");
+            }
+        }
+        let mut passive = all();
+        passive.retain(|_| true);
+        assert_eq!(passive.index, [0, 1, 2, 3, 4]);
+    }
+
+    #[test]
+    fn point_of_least_norm_is_pushed_by_the_bounds_that_it_meets_alone() {
+        let (mut inside, mut outside) = (0, 0);
+        for seed in 0..60 {
+            let wave = |i: usize, j: usize| scattered(seed * 89 + i * 31 + j * 17);
+            let size = [1.0, 1e-6, 1e6][seed % 3];
+            let rows: Vec<Vec<f64>> = (0..4)
+                .map(|i| (0..3).map(|j| wave(i, j)).collect())
+                .collect();
+            let bounds: Vec<f64> = (0..4).map(|i| size * wave(i, 50)).collect();
+            let Some(beta) = least_norm_within(&rows, &bounds, 3) else {
+                outside += 1;
+                continue;
+            };
+            inside += 1;
+            let slack = |i: usize| bounds[i] - dot(&rows[i], &beta);
+            assert!((0..4).all(|i| slack(i) > -1e-11 * size), "seed {seed}");
+            // −β is a sum of the rows that are met, with weights ≥ 0
+            let met: Vec<Vec<f64>> = (0..4)
+                .filter(|&i| slack(i) < 1e-10 * size)
+                .map(|i| rows[i].clone())
+                .collect();
+            let push: Vec<f64> = beta.iter().map(|b| -b / size).collect();
+            let (_, rest) = least_squares_nonnegative(&met, &push);
+            assert!(norm(&rest) < 1e-9, "seed {seed} {rest:?}");
+        }
+        assert!(inside > 40, "{inside} {outside}");
+    }
+
+    #[test]
+    fn bounds_that_zero_keeps_need_no_point() {
+        assert_eq!(
+            least_norm_within(&[vec![1.0, 2.0]], &[0.0], 2),
+            Some(vec![0.0; 2])
+        );
+        assert_eq!(least_norm_within(&[], &[], 1), Some(vec![0.0]));
     }
 }

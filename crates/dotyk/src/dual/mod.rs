@@ -257,9 +257,13 @@ impl DualProblem {
             Compliance::Sparse(matrix) => matrix.to_dense(),
             Compliance::Operator { apply, .. } => of_products(apply.as_ref()),
         };
+        let known = self.compliance.diagonal().is_some();
         self.compliance = Compliance::Dense(f);
-        let least = std::mem::take(&mut self.softness);
-        self.soften(least);
+        // a softness that has the diagonal in it already stays: means over tangents are not taken twice
+        if !known {
+            let least = std::mem::take(&mut self.softness);
+            self.soften(least);
+        }
         true
     }
 
@@ -323,7 +327,9 @@ impl DualProblem {
             });
         }
         for (block, law) in self.admissible.blocks().iter().enumerate() {
-            let (given, growth) = law.friction().map_or((0.0, 0.0), |law| law.terms());
+            let Some((given, growth)) = law.friction().map(|law| law.terms()) else {
+                continue;
+            };
             let wrong = |value: &f64| !(*value >= 0.0 && value.is_finite());
             if let Some(value) = [given, growth].into_iter().find(wrong) {
                 return Err(DualError::Friction { block, value });
@@ -420,5 +426,334 @@ fn finite<'a>(
             index: index - 1,
             value,
         }),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A matrix that can only be applied.
+    struct Applied(Mat<f64>);
+
+    impl LinearOperator for Applied {
+        fn len(&self) -> usize {
+            self.0.nrows()
+        }
+
+        fn apply(&self, x: &[f64], y: &mut [f64]) {
+            matvec(&self.0, x, y);
+        }
+    }
+
+    fn applied(f: &Mat<f64>) -> Compliance {
+        Compliance::Operator {
+            apply: Box::new(Applied(f.clone())),
+            preconditioner: Box::new(Applied(Mat::identity(f.nrows(), f.nrows()))),
+        }
+    }
+
+    /// Each way to give F.
+    fn ways(f: &Mat<f64>) -> [Compliance; 3] {
+        let sparse = SparseMatrix::from_dense(f);
+        [
+            Compliance::Dense(f.clone()),
+            Compliance::Sparse(sparse),
+            applied(f),
+        ]
+    }
+
+    /// Compliance of two nodes (normal, two tangents) and of a frictionless one, nothing gives way to the last.
+    fn soft() -> Mat<f64> {
+        let diagonal = [3.0, 1.0, 5.0, 2.0, 4.0, 8.0, 0.0];
+        Mat::from_fn(7, 7, |i, j| match i == j {
+            true => diagonal[i],
+            false => 0.1 * f64::from(u8::from(i + j == 3)),
+        })
+    }
+
+    fn nodes() -> AdmissibleSet {
+        let node = Friction::Coulomb { coefficient: 0.5 }.block(2);
+        AdmissibleSet::new(vec![node, node, Block::Unilateral])
+    }
+
+    /// Two modes, sinking and tipping.
+    fn modes() -> Mat<f64> {
+        Mat::from_fn(2, 7, |i, j| if i == 0 { 1.0 } else { j as f64 - 3.0 })
+    }
+
+    fn problem(compliance: Compliance) -> DualProblem {
+        let shift = vec![0.5, 0.1, 0.0, -0.75, 0.2, 0.0, 0.3];
+        let balance = Balance::new(modes(), vec![2.0, -3.0]);
+        DualProblem::new(compliance, shift, nodes(), balance).unwrap()
+    }
+
+    #[test]
+    fn compliance_is_the_same_however_it_is_given() {
+        let f = soft();
+        let x: Vec<f64> = (0..7).map(|i| (i as f64).sin()).collect();
+        for compliance in ways(&f) {
+            assert_eq!((compliance.len(), compliance.is_empty()), (7, false));
+            let mut y = vec![9.0; 7];
+            compliance.apply(&x, &mut y);
+            for i in 0..7 {
+                let sum: f64 = (0..7).map(|j| f[(i, j)] * x[j]).sum();
+                assert!((y[i] - sum).abs() < 1e-15);
+            }
+            let diagonal = (0..7).map(|i| f[(i, i)]).collect::<Vec<_>>();
+            let known = !matches!(compliance, Compliance::Operator { .. });
+            assert_eq!(compliance.diagonal(), known.then_some(diagonal));
+        }
+        for none in ways(&Mat::zeros(0, 0)) {
+            assert_eq!((none.len(), none.is_empty()), (0, true));
+        }
+        let full = problem(applied(&f));
+        assert_eq!((full.len(), full.is_empty()), (7, false));
+        let none = DualProblem::new(
+            applied(&Mat::zeros(0, 0)),
+            Vec::new(),
+            AdmissibleSet::default(),
+            Balance::none(0),
+        );
+        assert!(none.is_ok_and(|none| none.is_empty()));
+    }
+
+    #[test]
+    fn scales_are_the_largest_sizes_of_overlap_and_load() {
+        let balance = Balance::new(modes(), vec![2.0, -3.0]);
+        let expected = Scales {
+            length: 0.75,
+            force: 3.0,
+            moment_arm: 0.0,
+            energy: 0.0,
+        };
+        assert_eq!(Scales::of(&[0.5, -0.75], &balance), expected);
+        assert_eq!(Scales::of(&[], &Balance::none(0)), Scales::default());
+        assert_eq!(problem(applied(&soft())).scales, expected);
+    }
+
+    #[test]
+    fn softness_is_the_diagonal_and_its_mean_over_tangents() {
+        // nothing gives way to the last: it takes the largest of the others
+        let expected = [3.0, 3.0, 3.0, 2.0, 6.0, 6.0, 6.0];
+        let [dense, sparse, applied] = ways(&soft());
+        assert_eq!(problem(dense).softness, expected);
+        assert_eq!(problem(sparse).softness, expected);
+        // of an applied F nothing is known: the scale of lengths over that of forces
+        assert_eq!(problem(applied).softness, [0.75 / 3.0; 7]);
+        let rigid = problem(Compliance::Dense(Mat::zeros(7, 7)));
+        assert_eq!(rigid.softness, [1.0; 7]);
+        let unloaded = |shift: f64, load: f64| {
+            let balance = Balance::new(modes(), vec![load; 2]);
+            let [_, _, compliance] = ways(&soft());
+            let problem = DualProblem::new(compliance, vec![shift; 7], nodes(), balance);
+            problem.unwrap().softness[0]
+        };
+        assert_eq!(unloaded(0.0, 4.0), 0.25);
+        assert_eq!(unloaded(4.0, 0.0), 4.0);
+    }
+
+    #[test]
+    fn components_give_way_at_least_as_much_as_they_are_told() {
+        let least = vec![1.0, 2.0, 4.0, 9.0, 0.0, 0.0, 1.0];
+        let mut dense = problem(Compliance::Dense(soft()));
+        dense.soften(least.clone());
+        assert_eq!(dense.softness, [3.0, 3.5, 3.5, 9.0, 6.0, 6.0, 1.0]);
+        let mut applied = problem(applied(&soft()));
+        applied.soften(least);
+        assert_eq!(applied.softness, [1.0, 3.0, 3.0, 9.0, 9.0, 9.0, 1.0]);
+    }
+
+    #[test]
+    fn compliance_is_assembled_up_to_a_limit_and_keeps_the_softness() {
+        for limit in [6, 7] {
+            for (k, compliance) in ways(&soft()).into_iter().enumerate() {
+                let mut problem = problem(compliance);
+                let applied = matches!(problem.compliance, Compliance::Operator { .. });
+                let assembles = problem.assemble(limit);
+                assert_eq!(assembles, limit == 7 && k > 0);
+                if let Compliance::Dense(f) = &problem.compliance {
+                    assert_eq!(*f, soft());
+                }
+                let dense = matches!(problem.compliance, Compliance::Dense(_));
+                assert_eq!(dense, assembles || k == 0);
+                if !applied {
+                    let expected = [3.0, 3.0, 3.0, 2.0, 6.0, 6.0, 6.0];
+                    assert_eq!(problem.softness, expected);
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn products_with_an_operator_give_all_its_columns_and_its_symmetric_part() {
+        // more than two batches of columns, the last not full
+        let m = 2 * COLUMNS + 5;
+        let skew = Mat::from_fn(m, m, |i, j| ((3 * i + j) % 7) as f64);
+        let f = of_products(&Applied(skew.clone()));
+        for j in 0..m {
+            for i in 0..m {
+                assert_eq!(f[(i, j)], 0.5 * (skew[(i, j)] + skew[(j, i)]));
+            }
+        }
+    }
+
+    #[test]
+    fn gap_is_the_slope_of_the_functional() {
+        for compliance in ways(&soft()) {
+            let problem = problem(compliance);
+            let multipliers = Multipliers {
+                lambda: (0..7).map(|i| (i as f64).cos()).collect(),
+                alpha: vec![0.3, -0.2],
+            };
+            // 1/2 λᵀFλ − dᵀλ − αᵀ(Gλ − e), whose differences are exact but for rounding
+            let functional = |lambda: &[f64]| -> f64 {
+                let (f, g) = (soft(), modes());
+                let pair = |i: usize, j: usize| 0.5 * lambda[i] * f[(i, j)] * lambda[j];
+                let energy: f64 = (0..7).flat_map(|i| (0..7).map(move |j| pair(i, j))).sum();
+                let work: f64 = (0..7).map(|i| problem.shift[i] * lambda[i]).sum();
+                let rigid = |k: usize| (0..7).map(|j| g[(k, j)] * lambda[j]).sum::<f64>();
+                let alpha = &multipliers.alpha;
+                energy - work - alpha[0] * (rigid(0) - 2.0) - alpha[1] * (rigid(1) + 3.0)
+            };
+            for (i, gap) in problem.gap(&multipliers).iter().enumerate() {
+                let at = |step: f64| {
+                    let mut lambda = multipliers.lambda.clone();
+                    lambda[i] += step;
+                    functional(&lambda)
+                };
+                let slope = 0.5 * (at(1.0) - at(-1.0));
+                assert!((gap - slope).abs() < 1e-13, "{i}: {gap} {slope}");
+            }
+        }
+    }
+
+    #[test]
+    fn projection_of_the_problem_takes_and_gives_amplitudes_of_its_own_modes() {
+        let problem = problem(Compliance::Dense(soft()));
+        let y: Vec<f64> = (0..7).map(|i| 3.0 * (i as f64).sin()).collect();
+        let (mut tau, mut lambda) = (vec![0.0; 2], vec![0.0; 7]);
+        let rest = problem.project(&y, &mut tau, &mut lambda);
+        assert!(rest < 1e-14, "{rest:e}");
+        let carried = problem.balance.modes().product(&lambda);
+        for (carried, load) in carried.iter().zip(problem.balance.load()) {
+            assert!((carried - load).abs() < 1e-13);
+        }
+        // λ = P_Λ(y − Gᵀτ)
+        let shifted = |tau: &[f64]| -> Vec<f64> {
+            let along = |j: usize| problem.balance.modes().motion(j, tau);
+            (0..7).map(|j| y[j] - along(j)).collect()
+        };
+        let mut again = vec![0.0; 7];
+        problem.admissible.project(&shifted(&tau), &mut again);
+        for (a, b) in again.iter().zip(&lambda) {
+            assert!((a - b).abs() < 1e-13);
+        }
+        // what is answered is a start from which nothing changes
+        let start = tau.clone();
+        problem.project(&y, &mut tau, &mut again);
+        for (a, b) in start.iter().zip(&tau) {
+            assert!((a - b).abs() < 1e-13);
+        }
+    }
+
+    #[test]
+    fn parts_of_other_lengths_are_no_problem() {
+        let told = |change: fn(&mut DualProblem)| {
+            let mut problem = problem(Compliance::Dense(soft()));
+            change(&mut problem);
+            match problem.check() {
+                Err(DualError::Length {
+                    part,
+                    found,
+                    expected,
+                }) => (part, found, expected),
+                other => panic!("{other:?}"),
+            }
+        };
+        assert_eq!(told(|p| p.shift.truncate(6)), ("d", 6, 7));
+        let short = told(|p| p.admissible = AdmissibleSet::new(vec![Block::Unilateral]));
+        assert_eq!(short, ("the admissible set", 1, 7));
+        assert_eq!(told(|p| p.softness.truncate(6)), ("the softness", 6, 7));
+        let short = told(|p| p.balance = Balance::none(3));
+        assert_eq!(short, ("a row of G", 3, 7));
+        let short = told(|p| p.balance.set_load(vec![1.0]));
+        assert_eq!(short, ("a column of G", 2, 1));
+        let short = told(|p| p.balance = p.balance.clone().with_moments(vec![true]));
+        assert_eq!(short, ("the list of moment rows", 1, 2));
+        let beyond = told(|p| p.neighbours = vec![[0, 1], [2, 3]]);
+        assert_eq!(beyond, ("the list of neighbours", 4, 3));
+        let mut problem = problem(Compliance::Dense(soft()));
+        problem.neighbours = vec![[0, 1], [1, 2]];
+        assert_eq!(problem.check(), Ok(()));
+    }
+
+    #[test]
+    fn entries_that_are_not_finite_are_named() {
+        let told = |change: fn(&mut DualProblem)| {
+            let mut problem = problem(Compliance::Dense(soft()));
+            change(&mut problem);
+            match problem.check() {
+                Err(DualError::NotFinite { part, index, value }) => {
+                    assert!(!value.is_finite());
+                    (part, index)
+                }
+                other => panic!("{other:?}"),
+            }
+        };
+        assert_eq!(told(|p| p.shift[0] = f64::NAN), ("d", 0));
+        assert_eq!(told(|p| p.shift[5] = f64::INFINITY), ("d", 5));
+        assert_eq!(told(|p| p.balance.set_load(vec![0.0, f64::NAN])), ("e", 1));
+        let in_f = told(|p| {
+            let mut f = soft();
+            f[(2, 1)] = f64::NAN;
+            p.compliance = Compliance::Dense(f);
+        });
+        assert_eq!(in_f, ("F", 9));
+        let in_f = told(|p| {
+            let mut f = soft();
+            f[(0, 0)] = f64::INFINITY;
+            p.compliance = Compliance::Sparse(SparseMatrix::from_dense(&f));
+        });
+        assert_eq!(in_f, ("F", 0));
+        let in_g = told(|p| {
+            let mut g = modes();
+            g[(0, 1)] = f64::INFINITY;
+            p.balance = Balance::new(g, vec![0.0; 2]);
+        });
+        assert_eq!(in_g, ("G", 2));
+    }
+
+    #[test]
+    fn friction_is_a_number_from_zero_on() {
+        let told = |law: Friction| {
+            let mut problem = problem(Compliance::Dense(soft()));
+            let node = Friction::Coulomb { coefficient: 0.0 }.block(2);
+            problem.admissible = AdmissibleSet::new(vec![node, law.block(2), Block::Unilateral]);
+            match problem.check() {
+                Err(DualError::Friction { block, value }) => {
+                    assert_eq!(block, 1);
+                    Some(value)
+                }
+                other => {
+                    assert_eq!(other, Ok(()));
+                    None
+                }
+            }
+        };
+        let cohesive = |cohesion, coefficient| Friction::Cohesive {
+            cohesion,
+            coefficient,
+        };
+        assert_eq!(told(Friction::Tresca { bound: 0.0 }), None);
+        assert_eq!(told(Friction::Tresca { bound: -0.1 }), Some(-0.1));
+        let infinite = Friction::Coulomb {
+            coefficient: f64::INFINITY,
+        };
+        assert_eq!(told(infinite), Some(f64::INFINITY));
+        assert_eq!(told(cohesive(-1.0, 0.5)), Some(-1.0));
+        assert_eq!(told(cohesive(1.0, -0.5)), Some(-0.5));
+        assert!(told(cohesive(f64::NAN, 0.5)).is_some_and(f64::is_nan));
+        assert_eq!(told(cohesive(1.0, 0.5)), None);
     }
 }

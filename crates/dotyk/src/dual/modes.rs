@@ -105,3 +105,37 @@ pub(super) fn transposed(rows: &[SparseVector], columns: usize) -> Vec<SparseVec
     let columns = entries.into_iter();
     columns.map(|e| SparseVector::new(rows.len(), e)).collect()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn modes_are_the_same_by_columns_by_rows_and_with_their_zeros() {
+        let dense = Mat::from_fn(2, 3, |i, j| [[0.5, 0.0, -3.0], [0.0, 0.25, 2.0]][i][j]);
+        let modes = Modes::from(dense.clone());
+        assert_eq!((modes.nrows(), modes.ncols()), (2, 3));
+        assert_eq!(modes.to_dense(), dense);
+        assert_eq!(Modes::of_rows(&modes.rows(), 3), modes);
+        assert_eq!(Modes::new(2, modes.columns().to_vec()), modes);
+        for j in 0..3 {
+            assert_eq!(modes.column(j).to_dense(), dense.col_as_slice(j));
+            for i in 0..2 {
+                assert_eq!(
+                    (modes[(i, j)], modes.rows()[i][j]),
+                    (dense[(i, j)], dense[(i, j)])
+                );
+            }
+        }
+        assert_eq!(modes.product(&[2.0, 4.0, 1.0]), [-2.0, 3.0]);
+        let motion = [0, 1, 2].map(|j| modes.motion(j, &[2.0, 4.0]));
+        assert_eq!(motion, [1.0, 1.0, 2.0]);
+    }
+
+    #[test]
+    fn largest_entry_is_that_of_its_size() {
+        let of = |g: f64| Modes::from(Mat::from_fn(1, 2, |_, j| [0.5 * g, g][j])).largest();
+        assert_eq!((of(-3.0), of(3.0), of(-1e-3)), (3.0, 3.0, 1e-3));
+        assert_eq!(Modes::of_rows(&[], 4).largest(), 0.0);
+    }
+}

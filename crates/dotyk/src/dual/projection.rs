@@ -125,8 +125,9 @@ impl<'a> Projector<'a> {
         self.points.clear();
         self.points.extend(
             (0..y.len())
-                .filter(|&i| bounded[i] && row[i] != 0.0)
+                .filter(|&i| bounded[i])
                 .map(|i| y[i] / row[i])
+                // what has no part in the row has no breakpoint
                 .filter(|point| point.is_finite()),
         );
         self.points.sort_unstable_by(f64::total_cmp);
@@ -144,14 +145,13 @@ impl<'a> Projector<'a> {
             self.points[next - 1]
         };
         let to = self.points.get(next).copied().unwrap_or(f64::INFINITY);
+        // (what has no part in the row adds nothing, whether it carries or not)
         let carries = |i: usize| {
             !bounded[i]
                 || if row[i] > 0.0 {
                     y[i] / row[i] >= to
-                } else if row[i] < 0.0 {
-                    y[i] / row[i] <= from
                 } else {
-                    y[i] > 0.0
+                    y[i] / row[i] <= from
                 }
         };
         let (mut slope, mut value) = (0.0, -load);
@@ -495,6 +495,207 @@ mod tests {
             let rest =
                 Projector::new(&set, &balance).project(&[1.0; 4], &mut vec![0.0; k], &mut [0.0; 4]);
             assert!(rest > 0.1);
+        }
+    }
+
+    #[test]
+    fn forces_that_nothing_balances_are_projected_alone() {
+        // no τ is subtracted, so that no rounding is cleared: a force beside 1 may be 1e-17
+        let set = AdmissibleSet::new(vec![Block::Unilateral; 3]);
+        let none = Balance::none(3);
+        let mut lambda = [9.0; 3];
+        let rest = Projector::new(&set, &none).project(&[1.0, 1e-17, -2.0], &mut [], &mut lambda);
+        assert_eq!((rest, lambda), (0.0, [1.0, 1e-17, 0.0]));
+    }
+
+    #[test]
+    fn traces_of_forces_are_cleared_but_of_ties() {
+        let one = |block: Block| vec![block; 3];
+        let of = |blocks: Vec<Block>, y: &[f64], row: &[f64]| {
+            let set = AdmissibleSet::new(blocks);
+            let load: f64 = row.iter().zip(y).map(|(row, y)| row * y).sum();
+            let balance = Balance::new(Mat::from_fn(1, y.len(), |_, j| row[j]), vec![load]);
+            let mut lambda = vec![9.0; y.len()];
+            Projector::new(&set, &balance).project(y, &mut [0.0], &mut lambda);
+            lambda
+        };
+        // of a largest number of 1 up to 16 ε = 3.6e-15 is rounding
+        let y = [1.0, 2e-15, 1e-14];
+        let found = of(one(Block::Unilateral), &y, &[1.0; 3]);
+        assert!((found[0] - 1.0).abs() < 1e-15 && found[1] == 0.0);
+        assert!((found[2] - 1e-14).abs() < 1e-15);
+        let found = of(one(Block::Free { size: 1 }), &y, &[1.0; 3]);
+        assert!((found[1] - 2e-15).abs() < 1e-15 && found[1] != 0.0);
+        // an open node bears its shear only where the bound is given
+        let y = [1.0, 0.0, 2e-15, 1e-15];
+        let row = [1.0, 0.0, 1.0, 0.0];
+        let coulomb = Friction::Coulomb { coefficient: 0.9 }.block(1);
+        assert_eq!(of(vec![coulomb; 2], &y, &row)[2..], [0.0, 0.0]);
+        let tresca = Friction::Tresca { bound: 0.5 }.block(1);
+        let y = [1.0, 1e-15, 2e-15, 0.25];
+        let found = of(vec![tresca; 2], &y, &row);
+        assert!((found[0] - 1.0).abs() < 1e-14 && found[1..] == [0.0, 0.0, 0.25]);
+    }
+
+    #[test]
+    fn motion_of_a_body_that_nothing_holds_is_the_one_at_which_its_last_force_goes() {
+        let set = AdmissibleSet::new(vec![Block::Unilateral; 2]);
+        let motion = |y: [f64; 2], load: f64| {
+            let balance = Balance::new(Mat::from_fn(1, 2, |_, _| 1.0), vec![load]);
+            let (mut tau, mut lambda) = ([9.0], [9.0; 2]);
+            let rest = Projector::new(&set, &balance).project(&y, &mut tau, &mut lambda);
+            assert_eq!(lambda, [0.0; 2]);
+            // of the row (1, 1)/√2
+            assert!((rest + load / 2f64.sqrt()).abs() < 1e-15);
+            tau[0] * balance.column(0)[0]
+        };
+        let near = |found: f64, expected: f64| assert!((found - expected).abs() < 1e-15, "{found}");
+        near(motion([-1.0, -2.0], 0.0), -1.0);
+        near(motion([1.0, 2.0], 0.0), 2.0);
+        // of a load that pulls nothing tells how far: no farther than it must
+        near(motion([-1.0, -2.0], -1.0), 0.0);
+        near(motion([1.0, 2.0], -1.0), 2.0);
+    }
+
+    #[test]
+    fn what_rounding_leaves_of_the_balance_is_spread_over_forces_that_can_take_it() {
+        let spread = |set: AdmissibleSet, row: [f64; 4], load: f64, lambda: [f64; 4]| {
+            let balance = Balance::new(Mat::from_fn(1, 4, |_, j| row[j]), vec![load]);
+            // the row of norm 1, of whatever sign
+            let own = balance.rows()[0].to_dense();
+            let mut lambda = lambda;
+            Projector::new(&set, &balance).spread_rest(&own, &mut lambda);
+            lambda
+        };
+        let near = |a: [f64; 4], b: [f64; 4]| {
+            assert!((0..4).all(|i| (a[i] - b[i]).abs() < 1e-15), "{a:?} {b:?}");
+        };
+        let contacts = || AdmissibleSet::new(vec![Block::Unilateral; 4]);
+        // too little: those that bear take half of it each
+        let found = spread(contacts(), [1.0; 4], 2.0, [0.5, 0.25, 0.0, 0.0]);
+        near(found, [1.125, 0.875, 0.0, 0.0]);
+        // too much: a force that is less than its part is left as it is
+        let found = spread(contacts(), [1.0; 4], 2.0, [3.0, 0.125, 0.0, 0.0]);
+        near(found, [3.0 - 0.5625, 0.125, 0.0, 0.0]);
+        let ties = AdmissibleSet::new(vec![Block::Free { size: 4 }]);
+        let found = spread(ties, [1.0; 4], 2.0, [3.0, 0.0, -1.0, 1.0]);
+        near(found, [2.75, -0.25, -1.25, 0.75]);
+        // where nothing can take it a tie that does no work on the motion stays, too
+        let blocks = [vec![Block::Free { size: 1 }], vec![Block::Unilateral; 3]].concat();
+        let set = AdmissibleSet::new(blocks);
+        let found = spread(set, [0.0, 1.0, 1.0, 1.0], 0.5, [5.0, 0.0, 0.0, 0.0]);
+        assert_eq!(found, [5.0, 0.0, 0.0, 0.0]);
+    }
+
+    /// Frictional sets with few and with many bodies, and forces to project.
+    fn cases() -> [(AdmissibleSet, Balance, Vec<f64>); 2] {
+        let set = mixed(20, true);
+        let few = balance(&set, 3, 1);
+        let modes = row_of_discs(40);
+        let m = modes.ncols();
+        let law = Friction::Coulomb { coefficient: 0.3 };
+        let pairs = (0..m / 2).flat_map(|j| match j % 3 {
+            0 => vec![Block::Unilateral; 2],
+            _ => vec![law.block(1)],
+        });
+        let load = (0..modes.nrows()).map(|i| (0.7 * i as f64).sin()).collect();
+        let many = Balance::new(modes, load);
+        let y = |m: usize| wave(m, 3).iter().map(|y| 4.0 * y).collect();
+        let pairs = AdmissibleSet::new(pairs.collect());
+        [(set, few, y(20)), (pairs, many, y(m))]
+    }
+
+    #[test]
+    fn imbalance_is_minus_the_slope_of_the_convex_function() {
+        for (set, balance, y) in &cases() {
+            let k = balance.rank();
+            let mut projector = Projector::new(set, balance);
+            let at: Vec<f64> = wave(k, 8).iter().map(|t| 0.3 * t).collect();
+            let mut value = |tau: &[f64]| {
+                let value = projector.evaluate(y, tau, &mut vec![0.0; y.len()]);
+                (value, projector.imbalance.clone())
+            };
+            let imbalance = value(&at).1;
+            let h = 1e-5;
+            for j in 0..k.min(10) {
+                let mut moved = |step: f64| {
+                    let mut tau = at.clone();
+                    tau[j] += step;
+                    value(&tau).0
+                };
+                // a piecewise quadratic function of size 100, differences of 1e-5
+                let slope = (moved(h) - moved(-h)) / (2.0 * h);
+                assert!(
+                    (slope + imbalance[j]).abs() < 1e-4,
+                    "{slope} {}",
+                    imbalance[j]
+                );
+            }
+        }
+    }
+
+    #[test]
+    fn direction_is_newtons_with_a_shift_in_proportion_to_the_imbalance() {
+        for (set, balance, y) in &cases() {
+            let (k, m) = (balance.rank(), y.len());
+            let tau: Vec<f64> = wave(k, 8).iter().map(|t| 0.3 * t).collect();
+            let mut shifted = y.clone();
+            balance.add_transposed(-1.0, &tau, &mut shifted);
+            for (relative, shift) in [(0.5, 1e-2), (1e-3, 1e-3)] {
+                let mut projector = Projector::new(set, balance);
+                projector.evaluate(y, &tau, &mut vec![0.0; m]);
+                projector.newton_direction(y, &tau, relative);
+                // ĜP′Ĝᵀd + εd = h
+                let (mut pull, mut moved) = (vec![0.0; m], vec![0.0; m]);
+                balance.add_transposed(1.0, &projector.direction, &mut pull);
+                set.project_derivative(&shifted, &pull, &mut moved);
+                let mut image = vec![0.0; k];
+                balance.apply(&moved, &mut image);
+                let terms = image.iter().zip(&projector.direction);
+                for ((image, direction), imbalance) in terms.zip(&projector.imbalance) {
+                    let left = image + shift * direction - imbalance;
+                    assert!(left.abs() < 1e-10, "{left:e}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn a_small_system_is_solved_by_its_factor_and_lost_pivots_are_lifted() {
+        for k in 1..=4 {
+            let b = |i: usize, j: usize| ((i * 5 + j * 3) as f64).sin();
+            let entry = |i: usize, j: usize| {
+                let product: f64 = (0..k).map(|l| b(i, l) * b(j, l)).sum();
+                product + f64::from(i == j)
+            };
+            let a: Vec<f64> = (0..k * k).map(|n| entry(n / k, n % k)).collect();
+            let expected = wave(k, 2);
+            let mut x: Vec<f64> = (0..k)
+                .map(|i| (0..k).map(|j| entry(i, j) * expected[j]).sum())
+                .collect();
+            solve_positive(&mut a.clone(), &mut x);
+            for (x, expected) in x.iter().zip(&expected) {
+                assert!((x - expected).abs() < 1e-14);
+            }
+        }
+        let (mut a, mut x) = ([0.0], [2e-15]);
+        solve_positive(&mut a, &mut x);
+        assert!((x[0] - 2.0).abs() < 1e-14);
+    }
+
+    #[test]
+    fn projection_of_forces_that_are_balanced_already_is_themselves() {
+        for (set, balance, y) in cases() {
+            let mut admissible = vec![0.0; y.len()];
+            set.project(&y, &mut admissible);
+            let mut balanced = balance.clone();
+            balanced.set_load(balance.modes().product(&admissible));
+            let (mut tau, mut lambda) = (vec![0.0; balance.rank()], vec![0.0; y.len()]);
+            let rest = Projector::new(&set, &balanced).project(&admissible, &mut tau, &mut lambda);
+            assert!(rest < 1e-13 * norm(&y), "{rest:e}");
+            for (a, b) in admissible.iter().zip(&lambda) {
+                assert!((a - b).abs() < 1e-13 * norm(&y));
+            }
         }
     }
 }

@@ -262,4 +262,127 @@ pub(super) mod tests {
         }
         assert!(Split::new(&modes.into()).unwrap().coarse.is_none());
     }
+
+    #[test]
+    fn few_modes_are_split_into_those_with_an_image_and_those_without() {
+        // two modes of three that do the same, of sizes far from each other
+        let modes = Mat::from_fn(3, 4, |i, j| {
+            [
+                [1.0, -2.0, 0.5, 3.0],
+                [2.0, -4.0, 1.0, 6.0],
+                [0.0, 1e-3, 0.0, 0.0],
+            ][i][j]
+        });
+        let split = Split::new(&modes.clone().into()).unwrap();
+        assert!(split.coarse.is_none());
+        let sizes = (split.modes.controlled.len(), split.modes.uncontrolled.len());
+        assert_eq!(sizes, (2, 1));
+        let pull =
+            |z: &SparseVector, j: usize| -> f64 { (0..3).map(|i| z[i] * modes[(i, j)]).sum() };
+        let parts = split
+            .modes
+            .controlled
+            .iter()
+            .zip(&split.rows)
+            .zip(&split.sigma);
+        for ((z, row), sigma) in parts {
+            assert!((z.norm() - 1.0).abs() < 1e-14 && (row.norm() - 1.0).abs() < 1e-14);
+            for j in 0..4 {
+                // rounding of the largest singular value, about 8
+                assert!((pull(z, j) - sigma * row[j]).abs() < 1e-14);
+            }
+        }
+        let z = &split.modes.uncontrolled[0];
+        assert!((z.norm() - 1.0).abs() < 1e-14);
+        assert!((0..4).all(|j| pull(z, j).abs() < 1e-14));
+    }
+
+    #[test]
+    fn modes_are_controlled_beyond_rounding_of_the_largest() {
+        for largest in [1e-3, 1.0, 1e3] {
+            let of = |part: f64| {
+                let rows = [
+                    SparseVector::new(2, [(0, largest)]),
+                    SparseVector::new(2, [(1, part * largest)]),
+                ];
+                Split::new(&Modes::of_rows(&rows, 2)).unwrap().modes
+            };
+            assert_eq!(of(1.1 * UNCONTROLLED).uncontrolled.len(), 0);
+            assert_eq!(of(0.9 * UNCONTROLLED).uncontrolled.len(), 1);
+        }
+        let still = Modes::of_rows(&[SparseVector::new(2, [])], 2);
+        assert_eq!(Split::new(&still).unwrap().modes.uncontrolled.len(), 1);
+    }
+
+    #[test]
+    fn more_modes_than_contacts_leave_some_uncontrolled() {
+        let modes = Modes::from(Mat::from_fn(3, 1, |i, _| [3.0, 0.0, 4.0][i]));
+        let split = Split::new(&modes).unwrap();
+        assert_eq!((split.rows.len(), split.modes.uncontrolled.len()), (1, 2));
+        assert!((split.sigma[0] - 5.0).abs() < 1e-14);
+        for z in &split.modes.uncontrolled {
+            assert!(z.dot(&[3.0, 0.0, 4.0]).abs() < 1e-14);
+        }
+    }
+
+    #[test]
+    fn bodies_that_push_almost_the_same_are_not_proved_to_be_apart() {
+        // MMᵀ of these two rows has the eigenvalues 2ε² and 2 + 2ε², and the proof takes 2ε² > FAR²(1 + 2ε²)
+        let proved = |part: f64, size: f64| {
+            let entries = |columns: [usize; 3], parts: [f64; 3]| {
+                let entries = columns.into_iter().zip(parts.map(|part| size * part));
+                SparseVector::new(5, entries)
+            };
+            let rows = [
+                entries([0, 1, 2], [part, part, 1.0]),
+                entries([2, 3, 4], [1.0, part, part]),
+            ];
+            Split::by_body(&rows).is_some()
+        };
+        let limit = FAR / 2f64.sqrt();
+        // whatever the unit of forces is
+        for size in [1e-2, 1.0, 1e2] {
+            assert!(proved(1.02 * limit, size) && !proved(0.98 * limit, size));
+        }
+        assert!(Split::by_body(&[]).is_none());
+    }
+
+    #[test]
+    fn rows_beside_each_other_that_meet_the_same_contacts_are_those_of_a_body() {
+        let row = |columns: &[usize]| SparseVector::new(20, columns.iter().map(|&j| (j, 1.0)));
+        // half of the columns of the shorter row make it the same body, one of three does not
+        assert!(meet_alike(&row(&[0, 1, 2, 3]), &row(&[3, 9])));
+        assert!(meet_alike(&row(&[3, 9]), &row(&[0, 1, 2, 3])));
+        assert!(!meet_alike(&row(&[0, 1, 2, 3]), &row(&[3, 8, 9])));
+        assert!(meet_alike(&row(&[0]), &row(&[])));
+        let rows = [
+            row(&[0, 1]),
+            row(&[0, 1]),
+            row(&[5, 6]),
+            row(&[6, 7]),
+            row(&[9]),
+        ];
+        assert_eq!(groups(&rows[..3]), [0..2, 2..3]);
+        assert_eq!(groups(&rows), [0..2, 2..4, 4..5]);
+        assert_eq!(met(&rows[1..4]), [0, 1, 5, 6, 7]);
+        // at most TOGETHER
+        let same = vec![row(&[4]); TOGETHER + 3];
+        assert_eq!(groups(&same), [0..TOGETHER, TOGETHER..TOGETHER + 3]);
+    }
+
+    #[test]
+    fn modes_are_taken_body_by_body_where_they_are_many() {
+        let of = |discs: usize| Split::new(&row_of_discs(discs).into()).unwrap();
+        assert!(of(MANY / 3).coarse.is_some());
+        assert!(of(MANY / 3 - 1).coarse.is_none());
+        // then rows are not scaled, and z works on them as it is
+        assert_eq!(of(MANY / 3).sigma, vec![1.0; 2 * (MANY / 3)]);
+        let (split, modes) = (of(MANY / 3), row_of_discs(MANY / 3));
+        for (z, row) in split.modes.controlled.iter().zip(&split.rows) {
+            assert!((z.norm() - 1.0).abs() < 1e-14);
+            for j in 0..modes.ncols() {
+                assert!((z.dot(modes.col_as_slice(j)) - row[j]).abs() < 1e-14);
+            }
+        }
+    }
 }

@@ -19,6 +19,8 @@ mod nouns;
 pub mod quadrature;
 mod stress;
 mod supports;
+#[cfg(test)]
+mod tests;
 
 pub use assemble::{BodySystem, assemble};
 pub use error::FemError;

@@ -45,8 +45,9 @@ pub fn gauss(n: usize) -> Vec<(f64, f64)> {
             true => 0.0,
             false => (std::f64::consts::PI * (i as f64 + 0.75) / (n as f64 + 0.5)).cos(),
         };
-        // Newton's method converges quadratically from this start: five steps are enough, more change nothing.
-        for _ in 0..if middle { 0 } else { 10 } {
+        // Newton's method converges quadratically from this start: five steps are enough, more change nothing. The middle
+        // is a zero already, of an odd polynomial.
+        for _ in 0..10 {
             let (value, slope) = legendre(n, x);
             x -= value / slope;
         }

@@ -122,7 +122,7 @@ pub enum LinalgError {
 
 /// Elastic grids for the tests of this module.
 #[cfg(test)]
-mod grid {
+pub(crate) mod grid {
     use crate::linalg::{CellMatrices, Graph, SymmetricMatrix, assemble_blocks};
 
     /// Packed lower triangle of the plane-strain stiffness of a linear triangle, E = 1, ν = 0.3.
