@@ -2,7 +2,7 @@
 
 use crate::geometry::norm;
 use crate::model::{ContactSolution, Solution};
-use crate::output::Run;
+use crate::output::Overview;
 use crate::output::html::{Head, column, escape, figure, plain, table};
 use crate::output::json::{closed_and_open, largest, max_displacement};
 use crate::output::plot::{Axis, Frame};
@@ -20,7 +20,7 @@ const MOST_DOTS: usize = 60;
 const COLUMNS: usize = 4;
 
 /// The section; nothing where there is one step.
-pub fn steps_section(run: &Run<'_>, labels: &Labels) -> String {
+pub fn steps_section(run: &Overview<'_>, labels: &Labels) -> String {
     if run.earlier.is_empty() {
         return String::new();
     }
@@ -256,7 +256,7 @@ mod tests {
         first.probes[0].value = f64::NAN;
         let earlier = [first];
         let labels = Labels::of(&model);
-        let run = Run {
+        let run = Overview {
             earlier: &earlier,
             ..tunnel::run(&model, &solution)
         };
