@@ -19,7 +19,7 @@
 use std::collections::HashSet;
 
 use crate::dual::Component;
-use crate::solve::exact::{Ended, NEAR, Search};
+use crate::solve::exact::{CERTAIN, Ended, NEAR, Search};
 use crate::solve::hold::{held, hold};
 use crate::solve::setup::Setup;
 use crate::solve::states::{Anchor, State};
@@ -126,7 +126,7 @@ fn anchored(
         let turns = states.iter().any(State::may_turn);
         let force = largest(0.0, &search.point.lambda);
         let settled = law_error(setup, &search.point.lambda, &left) <= accuracy * force;
-        let answer = search.residual <= 1e-3 * search.tolerance;
+        let answer = search.residual <= CERTAIN * search.tolerance;
         if settled || answer || now == then && !turns {
             return Inner::Settled(next);
         }

@@ -30,6 +30,12 @@ const DOUBLINGS: usize = 60;
 /// Least part of the way from bounds to the next.
 const LEAST_PART: f64 = 0.125;
 
+/// Accuracy of the first problem, and the least of all: bounds that are far off need no better forces.
+const ROUGH: f64 = 1e-3;
+
+/// Accuracy of a problem in parts of the residual of the law: its own error is nothing beside that of the bounds.
+const FOLLOWING: f64 = 1e-3;
+
 /// Changes of the bounds above this multiple of the accuracy of the problems tell the contraction.
 const TELLING: f64 = 100.0;
 
@@ -56,7 +62,7 @@ pub(crate) fn fixed_point<S: FixedBounds>(
     };
     if guess.is_none() || !carry(setup, &bounds) {
         let sticking = setup.with_admissible(setup.admissible.sticking());
-        if let Some(outcome) = search.solve(&sticking, 1e-3, observe)? {
+        if let Some(outcome) = search.solve(&sticking, ROUGH, observe)? {
             return Ok(outcome);
         }
         bounds = search.bounds();
@@ -69,7 +75,7 @@ pub(crate) fn fixed_point<S: FixedBounds>(
             bounds.iter_mut().for_each(|bound| *bound *= 2.0);
         }
         let given = setup.with_admissible(setup.admissible.with_bounds(&bounds));
-        let accuracy = (1e-3 * search.residual).clamp(0.3 * search.tolerance, 1e-3);
+        let accuracy = (FOLLOWING * search.residual).clamp(0.3 * search.tolerance, ROUGH);
         if let Some(outcome) = search.solve(&given, accuracy, observe)? {
             return Ok(outcome);
         }

@@ -46,8 +46,24 @@ const PRODUCTS: usize = 3000;
 /// Residuals that are near an answer.
 pub(crate) const NEARBY: f64 = 1e-2;
 
+/// Residuals below this part of the tolerance are an answer whatever the states are: those that still change are rounding.
+pub(crate) const CERTAIN: f64 = 1e-3;
+
+/// Iterations within a step are as accurate as this part of the tolerance, so that what they leave does not decide.
+const WITHIN: f64 = 1e-2;
+
+/// Their accuracy at the end: more is rounding of the products, less would show in the certificate.
+const MOST_ACCURATE: f64 = 1e-13;
+const LEAST_ACCURATE: f64 = 1e-10;
+
+/// Their accuracy at the beginning, where the states are guesses: two digits tell most of them.
+const BEGINNING: f64 = 1e-2;
+
 /// Accuracy of iterations within a step where the start is good: rougher forces would spoil it.
 const CLOSE: f64 = 1e-9;
+
+/// A gap of which a motion of unit length changes less does not move with it: rounding of orthonormal modes, ten times over.
+const UNMOVED: f64 = 1e-12;
 
 /// Forces below this part of the largest are rounding of the linear solves.
 const ROUNDING: f64 = 1e-14;
@@ -62,12 +78,12 @@ pub(crate) enum Ended {
 
 /// Accuracy of iterations within a step at the end.
 pub(crate) fn tight(tolerance: f64) -> f64 {
-    (1e-2 * tolerance).clamp(1e-13, 1e-10)
+    (WITHIN * tolerance).clamp(MOST_ACCURATE, LEAST_ACCURATE)
 }
 
 /// Accuracy where that does not do: in many contacts the error of one is small beside that of all.
 pub(crate) fn finest(tolerance: f64) -> f64 {
-    1e-2 * tight(tolerance)
+    WITHIN * tight(tolerance)
 }
 
 /// The iterate and its history.
@@ -119,7 +135,7 @@ impl<'a> Search<'a> {
             unique: false,
             accuracy: match setup.problem.compliance {
                 Compliance::Dense(_) | Compliance::Sparse(_) => finest(tolerance),
-                Compliance::Operator { .. } => 1e-2,
+                Compliance::Operator { .. } => BEGINNING,
             },
         }
     }
@@ -187,7 +203,7 @@ impl<'a> Search<'a> {
             let (now, then) = (State::keys(&states), State::keys(&next));
             let same = now == then;
             let passes = self.residual <= self.tolerance;
-            if passes && (same || self.residual <= 1e-3 * self.tolerance) {
+            if passes && (same || self.residual <= CERTAIN * self.tolerance) {
                 return Ended::Converged;
             }
             if same && self.accuracy > finest(self.tolerance) {
@@ -380,7 +396,7 @@ fn open_gaps(
     }
     // A gap that the loose motion does not change is left to the active set.
     let moved: Vec<usize> = (0..setup.len())
-        .filter(|&i| open(i) && largest[i] > 1e-12)
+        .filter(|&i| open(i) && largest[i] > UNMOVED)
         .collect();
     let bounds: Vec<f64> = moved.iter().map(|&i| gap[i]).collect();
     if bounds.iter().all(|&gap| gap >= 0.0) {

@@ -6,7 +6,7 @@
 
 use crate::solve::setup::Setup;
 use crate::solve::states::{Shear, State};
-use crate::solve::system::System;
+use crate::solve::system::{LOOSE, System};
 
 /// Changes `states` until they hold the floating bodies: nodes that want to slip least stick, then contacts of `before`
 /// stay closed (all of them where there is no before).
@@ -46,7 +46,7 @@ fn stick_where_free(setup: &Setup<'_>, states: &mut [State]) {
             motion
         });
         let motions: Vec<Vec<f64>> = motions.collect();
-        let moves = |i: usize| motions.iter().any(|motion| motion[i].abs() > 1e-9);
+        let moves = |i: usize| motions.iter().any(|motion| motion[i].abs() > LOOSE);
         let slipping = |place: &usize| {
             let state = &states[*place];
             let law = setup.admissible.blocks()[*place].friction();

@@ -17,6 +17,13 @@ use crate::solve::{FixedBounds, Iterate, Observer, Outcome, SAFE_STEP, SolveErro
 /// per iteration.
 const DIVERGED: f64 = 1e12;
 
+/// Squares of differences below this part of the squares of the forces are not judged: below 1e-6 of λ the quotient of
+/// differences loses too many digits.
+const TOO_NEAR: f64 = 1e-12;
+
+/// A Rayleigh quotient exceeds a bound by this factor at least: else it is rounding of the differences.
+const EXCEEDS: f64 = 1.000_001;
+
 /// What to do where a method did not converge.
 const ADVICE: &str = "allow more iterations, or use newton";
 
@@ -275,8 +282,7 @@ pub(crate) fn steeper_than(
             length += step * step;
         }
     }
-    // Below 1e-6 of λ the quotient of differences loses too many digits.
-    (length > 1e-12 * size && energy > 1.000_001 * bound * length).then(|| energy / length)
+    (length > TOO_NEAR * size && energy > EXCEEDS * bound * length).then(|| energy / length)
 }
 
 #[cfg(test)]

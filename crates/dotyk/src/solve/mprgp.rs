@@ -22,7 +22,7 @@
 
 use std::ops::Range;
 
-use crate::dual::{Block, Component, Multipliers, Projector};
+use crate::dual::{Block, Component, Multipliers, NO_WORK, Projector};
 use crate::linalg::SparseVector;
 use crate::solve::gradient::projected_bound;
 use crate::solve::iteration::{Iteration, iterate};
@@ -38,6 +38,9 @@ const SLOW_STEPS: usize = 3;
 
 /// Factor by which the penalty is raised.
 const GROWTH: f64 = 4.0;
+
+/// A load below this part of the forces is compared with that part of them: what balances itself rounds like the forces.
+const SMALL_LOAD: f64 = 1e-3;
 
 /// MPRGP for the bounds, SMALBE-M for the balance.
 #[derive(Debug, Clone, PartialEq)]
@@ -531,7 +534,7 @@ fn restore(setup: &Setup<'_>, loaded: &[bool], forces: &mut [f64]) -> bool {
         }
     }
     setup.balance.imbalance(forces, &mut rest);
-    norm(&rest) <= 1e-9 * norm(setup.balance.target()).max(1e-3 * norm(forces))
+    norm(&rest) <= NO_WORK * norm(setup.balance.target()).max(SMALL_LOAD * norm(forces))
 }
 
 #[cfg(test)]

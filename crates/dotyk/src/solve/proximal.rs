@@ -29,6 +29,16 @@ const PATIENCE: usize = 4;
 /// Balance that is missing below this part of the forces is rounding.
 const BALANCED: f64 = 1e-11;
 
+/// By this factor iterations within a step become more accurate where rough ones led nowhere.
+const FINER: f64 = 1e-3;
+
+/// First try of how far a body moves until contacts bear its load, in the length of the problem: doubled until it does.
+const NUDGE: f64 = 1e-3;
+
+/// The zero along a line is found to this part of the first slope, or of its place: the rounding of either.
+const FLAT_ENOUGH: f64 = 1e-13;
+const SHORT_ENOUGH: f64 = 1e-15;
+
 /// A slope below this part of the first one ends a search along a line.
 const FLAT: f64 = 1e-10;
 
@@ -68,7 +78,7 @@ pub(crate) fn descend(search: &mut Search<'_>, states: Vec<State>, observe: Obse
                 Progress::Minimal | Progress::Rough
                     if search.accuracy > tight(search.tolerance) =>
                 {
-                    search.accuracy = (1e-3 * search.accuracy).max(tight(search.tolerance));
+                    search.accuracy = (FINER * search.accuracy).max(tight(search.tolerance));
                 }
                 Progress::Minimal | Progress::Rough | Progress::Singular => break,
             }
@@ -254,7 +264,7 @@ impl<'a> Proximal<'a> {
         // the slope is minus the part of the load that is not taken up
         let mut slope = |t: f64, this: &Self| -along - workspace.work(this, t, &change);
         let or_one = |scale: f64| if scale > 0.0 { scale } else { 1.0 };
-        let mut far = 1e-3 * or_one(setup.problem.scales.length) / norm(&direction);
+        let mut far = NUDGE * or_one(setup.problem.scales.length) / norm(&direction);
         for _ in 0..200 {
             if slope(far, self) >= 0.0 {
                 break;
@@ -367,7 +377,7 @@ fn zero(far: f64, mut f: impl FnMut(f64) -> f64) -> f64 {
         let inside = guess > low && guess < high && kept < 3;
         let t = if inside { guess } else { 0.5 * (low + high) };
         let value = f(t);
-        if value.abs() <= 1e-13 * first || high - low <= 1e-15 * high {
+        if value.abs() <= FLAT_ENOUGH * first || high - low <= SHORT_ENOUGH * high {
             return t;
         }
         if value < 0.0 {

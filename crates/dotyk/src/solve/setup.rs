@@ -8,6 +8,9 @@ use crate::dual::{
 };
 use crate::solve::outcome::{Outcome, SolveError};
 
+/// An eigenvalue bound below this part of the largest compliance is rounding of products.
+const NO_BOUND: f64 = 1e-13;
+
 /// Checked data, the balance in orthonormal modes, the kind of each force.
 pub(crate) struct Setup<'a> {
     pub problem: &'a DualProblem,
@@ -81,7 +84,7 @@ impl<'a> Setup<'a> {
     pub fn usable_bound(&self, bound: f64) -> f64 {
         let diagonal = self.problem.compliance.diagonal();
         let diagonal = diagonal.map_or(0.0, |d| d.into_iter().fold(0.0, f64::max));
-        if self.len() > self.modes() && bound > 1e-13 * diagonal {
+        if self.len() > self.modes() && bound > NO_BOUND * diagonal {
             return bound;
         }
         let or_one = |scale: f64| if scale > 0.0 { scale } else { 1.0 };

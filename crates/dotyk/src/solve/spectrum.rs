@@ -10,6 +10,9 @@ use crate::solve::{dot, norm};
 /// Lanczos steps used by the solvers: each is one product.
 pub(crate) const STEPS: usize = 10;
 
+/// A new vector below this part of its image is rounding: the space before is invariant.
+const INVARIANT: f64 = 1e-14;
+
 /// θ + residual after at most `steps` products y = Ax with vectors of length `n`; zero for the zero operator.
 pub(crate) fn largest_eigenvalue(
     n: usize,
@@ -32,8 +35,7 @@ pub(crate) fn largest_eigenvalue(
             }
         }
         let rest = norm(&image);
-        // An invariant subspace, found to rounding.
-        if rest <= 1e-14 * size {
+        if rest <= INVARIANT * size {
             beside.push(0.0);
             break;
         }

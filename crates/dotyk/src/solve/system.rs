@@ -18,7 +18,7 @@
 //!
 //! Directions of α̂ that no unknown determines come back in `loose`; α̂ has no part along them.
 
-use crate::dual::{Balance, Compliance};
+use crate::dual::{Balance, Compliance, NO_WORK};
 use crate::linalg::dense::{
     Lu, cholesky_in_place, solve_cholesky_in_place, solve_lower_in_place,
     solve_lower_transpose_in_place, transpose_product,
@@ -35,14 +35,19 @@ const DEPENDENT: f64 = 1e-13;
 /// Shift of a singular matrix, relative to its diagonal.
 const SHIFT: f64 = 1e-10;
 
-/// Parts of a loose direction below this one are rounding.
-const LOOSE: f64 = 1e-9;
+/// Parts of a loose direction below this one are rounding: it is orthonormal to some 1e-15, times what supports are conditioned
+/// by.
+pub(crate) const LOOSE: f64 = 1e-9;
 
 /// Part of a right side that the factor of a regular matrix leaves at most.
 const SOLVED: f64 = 1e-6;
 
 /// Most corrections of a solution; a shifted matrix needs more of them than rounding.
 const CORRECTIONS: usize = 8;
+
+/// Iterations compare their residual with the right side, and at least with this part of that of the start: a right side that is
+/// nothing on balanced forces could not be met.
+const FROM_START: f64 = 1e-3;
 
 /// Most conjugate gradients of one linear problem.
 const CONJUGATE: usize = 500;
@@ -114,7 +119,7 @@ impl<'a> System<'a> {
                 null_of(balance, &forces)
             }
         };
-        null.iter().all(|z| dot(z, &rest).abs() <= 1e-9 * size)
+        null.iter().all(|z| dot(z, &rest).abs() <= NO_WORK * size)
     }
 
     /// Solves from `guess`, with a relative accuracy that only iterations use; `None` where the system is singular.
@@ -637,7 +642,7 @@ impl System<'_> {
         let (mut residual, _) = self.residual(&point, &x);
         let reference = self.reference(&mut null);
         null.project(&self.rows, &mut residual);
-        let goal = accuracy * reference.max(1e-3 * norm(&residual));
+        let goal = accuracy * reference.max(FROM_START * norm(&residual));
         let (mut z, mut out) = (vec![0.0; n], vec![0.0; n]);
         self.precondition(preconditioner, &residual, &mut lambda, &mut image, &mut z);
         null.project(&self.rows, &mut z);
@@ -700,7 +705,7 @@ impl System<'_> {
         let (mut residual, _) = self.residual(&point, &x);
         let reference = self.reference(&mut rigid);
         rigid.project(&self.rows, &mut residual);
-        let goal = accuracy * reference.max(1e-3 * norm(&residual));
+        let goal = accuracy * reference.max(FROM_START * norm(&residual));
         let change = self.krylov(
             preconditioner,
             &residual,

@@ -34,6 +34,12 @@ use crate::solve::{
 /// How often an improper bolt is moved before the exact projection takes over.
 const MOVES: usize = 3;
 
+/// A bolt of whose column less than this part is left beside the bolts before holds nothing more: half the digits.
+const HELD: f64 = 1e-8;
+
+/// Accuracy of the bilateral solution where F is applied: it only tells where contacts press hardest.
+const BILATERAL: f64 = 1e-3;
+
 /// The p,A-algorithm.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Uzawa {
@@ -344,7 +350,7 @@ fn choose(setup: &Setup<'_>, weights: &[f64]) -> Option<Bolted> {
     for _ in 0..k {
         let merit = |i: usize| weights[i] * norm(&columns[i]);
         let best = (0..columns.len())
-            .filter(|&i| norm(&columns[i]) > 1e-8 * sizes[i] && merit(i) > 0.0)
+            .filter(|&i| norm(&columns[i]) > HELD * sizes[i] && merit(i) > 0.0)
             .max_by(|&a, &b| merit(a).total_cmp(&merit(b)).then(b.cmp(&a)))?;
         let length = norm(&columns[best]);
         let held: Vec<f64> = columns[best].iter().map(|x| x / length).collect();
@@ -391,7 +397,7 @@ fn bolts_of_bilateral_solution(setup: &Setup<'_>) -> Option<Bolted> {
     }
     let all = (0..setup.len()).map(Unknown::of).collect();
     let closed =
-        System::new(setup, all, vec![0.0; setup.len()]).solve(&Forces::none(setup), 1e-3)?;
+        System::new(setup, all, vec![0.0; setup.len()]).solve(&Forces::none(setup), BILATERAL)?;
     choose(setup, &pressed(setup, &closed.lambda))
 }
 
