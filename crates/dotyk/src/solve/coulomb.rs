@@ -251,7 +251,7 @@ impl<'a, S: FixedBounds> Search<'a, S> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::dual::{Block, Compliance, DualProblem, Friction};
+    use crate::dual::{Compliance, DualProblem, Friction};
     use crate::linalg::Mat;
     use crate::solve::tests::{apart, of, silent};
     use crate::solve::{Iterate, Newton};
@@ -445,6 +445,5 @@ mod tests {
         }
         let held = of(f(), &[1.0; 4], vec![block; 2], (&[], &[]));
         assert!(carry(&Setup::new(&held).unwrap(), &[0.0, 0.0]));
-        assert_eq!(Block::Unilateral.friction(), None);
     }
 }

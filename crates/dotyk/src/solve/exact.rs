@@ -729,7 +729,7 @@ mod tests {
             "{after:?}"
         );
         // the shortest way to one plane is along its normal
-        let mut normal = vec![0.0; 2];
+        let mut normal = [0.0; 2];
         for (j, normal) in normal.iter_mut().enumerate() {
             let mut image = vec![0.0; 3];
             setup.balance.add_transposed(1.0, &loose[j], &mut image);

@@ -250,9 +250,9 @@ mod tests {
             }
             for i in (0..n).filter(|&i| i != j) {
                 let factor = rows[i][j] / rows[j][j];
-                for c in j..=n {
-                    rows[i][c] -= factor * rows[j][c];
-                }
+                let pivot = rows[j].clone();
+                let pairs = rows[i].iter_mut().zip(&pivot);
+                pairs.for_each(|(x, pivot)| *x -= factor * pivot);
             }
         }
         Some((0..n).map(|i| rows[i][n] / rows[i][i]).collect())
@@ -287,10 +287,8 @@ mod tests {
                 let rigid: f64 = (0..r).map(|j| modes[j][i] * alpha[j]).sum();
                 product[i] - shift[i] - rigid
             };
-            let open = |&i: &usize| closed.contains(&i) || gap(i) >= 0.0;
-            if lambda.iter().all(|force| *force >= 0.0)
-                && (0..m).collect::<Vec<_>>().iter().all(open)
-            {
+            let open = |i: usize| closed.contains(&i) || gap(i) >= 0.0;
+            if lambda.iter().all(|force| *force >= 0.0) && (0..m).all(open) {
                 return Multipliers { lambda, alpha };
             }
         }

@@ -398,9 +398,9 @@ mod tests {
     use super::*;
     use crate::dual::{Block, Compliance, DualProblem, Friction};
     use crate::linalg::Mat;
+    use crate::solve::Iterate;
     use crate::solve::exact::Patience;
     use crate::solve::tests::{apart, by_trial, definite, of, of_rank, silent, times};
-    use crate::solve::{Iterate, largest};
     use std::ops::ControlFlow;
 
     #[test]
@@ -646,7 +646,6 @@ mod tests {
             .sum();
         assert!((workspace.size(&proximal, &change) - size).abs() < 1e-13);
         assert!(apart(&proximal.forces(), &lambda(0.0)) < 1e-14);
-        assert!(largest(0.0, &lambda(2.0)) > 0.0);
     }
 
     #[test]
