@@ -433,6 +433,9 @@ mod tests {
         let setup = Setup::new(&problem).unwrap();
         assert!(carry(&setup, &[0.6, 0.41]) && carry(&setup, &[0.0, 1.01]));
         assert!(!carry(&setup, &[0.6, 0.39]) && !carry(&setup, &[0.0, 0.0]));
+        let one = of(f(), &[1.0; 4], vec![block; 2], (&modes[..1], &[1.0]));
+        let one = Setup::new(&one).unwrap();
+        assert!(carry(&one, &[0.6, 0.41]) && !carry(&one, &[0.6, 0.39]));
         // the doubled bounds of a guess that does not press reach the answer
         let guess = Multipliers {
             lambda: vec![0.02, 0.0, 0.02, 0.0],

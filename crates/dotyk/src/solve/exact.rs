@@ -628,6 +628,8 @@ mod tests {
         search.point.lambda = vec![1e-9, 0.0, 1.0, 1.0];
         let next = search.next_states(&states, &[1.0, 1.0, 0.5, -0.5]);
         assert_eq!(next.map_closed(), [true, false, false, true]);
+        let next = search.next_states(&states, &[1.0, 1.0, 0.0, 1e-3]);
+        assert_eq!(next.map_closed(), [true, false, false, false]);
     }
 
     trait Closed {

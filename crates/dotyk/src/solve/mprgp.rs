@@ -353,9 +353,6 @@ impl<'a> State<'a> {
 
     /// The inner problem is solved well enough for the imbalance that is left.
     fn settled(&self) -> bool {
-        if self.modes_x.is_empty() {
-            return false;
-        }
         let projected = (dot(&self.free, &self.free) + dot(&self.chopped, &self.chopped)).sqrt();
         let imbalance = norm(&self.modes_x);
         imbalance > 0.0 && projected <= (self.precision * imbalance).min(0.1 * self.size)
@@ -694,6 +691,12 @@ mod tests {
                         "step {step}"
                     );
                 }
+                // the product that belongs to it is that of the forces whose imbalance is taken away
+                let mut parts = vec![0.0; 2];
+                setup.balance.apply(&state.x, &mut parts);
+                let mut inside: Vec<f64> = (0..8).map(|i| state.offset[i] + state.x[i]).collect();
+                setup.balance.add_transposed(-1.0, &parts, &mut inside);
+                assert!(apart(&state.at.product, &times(&definite(8), &inside)) < 1e-11);
                 match state.advance(&[]) {
                     0 => outer += 1,
                     _ => {

@@ -1035,6 +1035,30 @@ mod tests {
     }
 
     #[test]
+    fn singular_systems_of_every_kind_are_solved_and_not_unique() {
+        // two nodes whose directions do the same each, side by side
+        let f = Mat::from_fn(4, 4, |i, j| f64::from(i % 2 == j % 2));
+        let node = Friction::Coulomb { coefficient: 0.4 }.block(1);
+        for sparse in [false, true] {
+            let f = match sparse {
+                true => Compliance::Sparse(SparseMatrix::from_dense(&f)),
+                false => Compliance::Dense(f.clone()),
+            };
+            let problem = of(f, &[1.0, 0.5, 1.0, 0.5], vec![node; 2], (&[], &[]));
+            let setup = Setup::new(&problem).unwrap();
+            for states in [
+                vec![state(true, slip(1.0)); 2],
+                vec![state(true, Shear::Stick); 2],
+            ] {
+                let mut system = System::of(&setup, &states, None, &problem.softness);
+                let found = system.solve(&Forces::none(&setup), 1e-12).unwrap();
+                assert!(!system.unique, "sparse: {sparse}");
+                assert!((found.lambda[0] + found.lambda[2] - 1.0).abs() < 1e-12);
+            }
+        }
+    }
+
+    #[test]
     fn contacts_that_do_the_same_share_their_forces_and_say_so() {
         assert_eq!(nearly_alike(0.0), (false, true));
         assert_eq!(nearly_alike(0.7e-13), (false, true));
@@ -1142,14 +1166,14 @@ mod tests {
         }
         let forces = [
             SparseVector::from_dense(&[1.0, 0.5]),
-            SparseVector::from_dense(&[0.0, 0.25]),
+            SparseVector::from_dense(&[0.0, 0.125]),
         ];
         let rows = [
             SparseVector::from_dense(&[0.0, -4.0]),
             SparseVector::from_dense(&[0.0, 0.0]),
         ];
-        // the largest push, squared: (4 · 2)² and (0.25 · 2)²
-        assert_eq!(units_of_balance(&forces, &rows, &[1.0, 2.0]), [0.125, 2.0]);
+        // the largest push, squared: (4 · 2)² and (0.125 · 2)²
+        assert_eq!(units_of_balance(&forces, &rows, &[1.0, 2.0]), [0.125, 4.0]);
     }
 
     #[test]
