@@ -13,6 +13,9 @@ use crate::geometry::{Point, dot, invert};
 use crate::model::pair::Paired;
 use std::collections::BTreeMap;
 
+/// Samples whose scatter in ξ has a smaller determinant lie on a line: reference facets are of size one, their samples far from that.
+const ON_A_LINE: f64 = 1e-12;
+
 /// The place where two sides overlap most beyond what their meshes can resolve.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Overlap<const D: usize> {
@@ -101,7 +104,7 @@ fn bend_of_surface<const D: usize>(samples: &[Sample<D>], values: &[f64]) -> f64
     let load = [0, 1].map(|d| mean(&|k| from_middle(k)[d] * (values[k] - level)));
     let (inverse, det) = invert(&[[moment(0, 0), moment(0, 1)], [moment(1, 0), moment(1, 1)]]);
     // fewer than three points, or points on a line: they fit no plane, and nothing is known to bend
-    if values.len() < 3 || det <= 1e-12 {
+    if values.len() < 3 || det <= ON_A_LINE {
         return 0.0;
     }
     let slope = inverse.map(|row| dot(row, load));

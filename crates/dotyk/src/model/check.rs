@@ -18,6 +18,10 @@ use rayon::prelude::*;
 use std::fmt;
 use std::ops::Range;
 
+/// A contact that does less work on a motion has no part in holding it: modes are scaled to a largest displacement of 1, and half
+/// the digits of their normals are good.
+const NO_PART: f64 = 1e-8;
+
 /// What was found about one body.
 #[derive(Debug, Clone, PartialEq)]
 pub struct BodyCheck<const D: usize> {
@@ -217,7 +221,8 @@ fn describe_floating<const D: usize>(
 ) {
     let ranges: Vec<Range<usize>> = row_ranges(paired).map(|(rows, _)| rows).collect();
     for (k, &(body, mode)) in floating.modes.iter().enumerate() {
-        let works = |range: &Range<usize>| range.clone().any(|i| floating.work(k, i).abs() > 1e-8);
+        let works =
+            |range: &Range<usize>| range.clone().any(|i| floating.work(k, i).abs() > NO_PART);
         let holders = model
             .contacts
             .iter()

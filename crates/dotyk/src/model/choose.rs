@@ -66,13 +66,16 @@ fn stiffness<const D: usize>(end: End<'_, D>) -> f64 {
     moduli.fold(f64::INFINITY, f64::min)
 }
 
+/// What a support leaves of a unit normal, squared, below which it holds it: normals of straight sides are right to rounding.
+const SAME_DIRECTION: f64 = 1e-12;
+
 /// Supports hold the normal displacement of every node of the side.
 fn held<const D: usize>(end: End<'_, D>) -> Result<bool, ContactError> {
     let normals = node_normals(&end.body.mesh, end.facets()?);
     Ok(normals.iter().all(|(&node, &normal)| {
         let held = end.constraints.at(node).iter();
         let rest: f64 = 1.0 - held.map(|h| dot(h.axis, normal).powi(2)).sum::<f64>();
-        rest < 1e-12
+        rest < SAME_DIRECTION
     }))
 }
 

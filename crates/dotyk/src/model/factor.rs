@@ -10,6 +10,10 @@ use crate::model::error::Error;
 use crate::model::nouns::Model;
 use std::sync::Arc;
 
+/// A dof away from the contacts is grounded only where a mode, of largest displacement 1, moves it by more: else the pivot would
+/// spoil three digits and more.
+const FAR_ENOUGH: f64 = 1e-3;
+
 /// Elimination order of one body, with its symbolic analysis.
 pub(crate) struct Ordered {
     analysis: SymbolicCholesky,
@@ -104,7 +108,7 @@ fn grounded_dofs<const D: usize>(
             best
         };
         let mut pivot = best(true);
-        if pivot.0 < 1e-3 {
+        if pivot.0 < FAR_ENOUGH {
             pivot = best(false);
         }
         let (size, position, dof) = pivot;

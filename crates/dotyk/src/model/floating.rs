@@ -208,6 +208,9 @@ fn unreachable_contacts<const D: usize>(
     far.then_some(NotHeld::OutOfReach { clearance: nearest })
 }
 
+/// A mode whose displacements differ in size by more is a rotation: those of a translation are all 1 to rounding.
+const TURNS: f64 = 1e-9;
+
 /// Rows of G that balance moments: modes with a rotation.
 fn moments<const D: usize>(bodies: &[LoadedBody<D>], modes: &[(usize, usize)]) -> Vec<bool> {
     modes
@@ -216,7 +219,7 @@ fn moments<const D: usize>(bodies: &[LoadedBody<D>], modes: &[(usize, usize)]) -
             let u = bodies[body]
                 .system
                 .to_global(&bodies[body].system.modes[mode]);
-            u.iter().any(|&v| (norm(v) - 1.0).abs() > 1e-9)
+            u.iter().any(|&v| (norm(v) - 1.0).abs() > TURNS)
         })
         .collect()
 }

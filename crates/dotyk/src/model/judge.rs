@@ -23,6 +23,9 @@ use crate::model::settle::settle;
 use crate::solve::{Outcome, distance_to_exact};
 use rayon::prelude::*;
 
+/// A force below this part of the largest is rounding of the linear solves: such a contact holds no body.
+const NO_FORCE: f64 = 1e-12;
+
 /// Displacements under some contact forces, and what is judged of them.
 pub(crate) struct Judged<const D: usize> {
     pub displaced: Displaced<D>,
@@ -232,7 +235,7 @@ fn open_motions<const D: usize>(
         // a tie holds without force, too
         let touched =
             body.rows.index.iter().any(|&row| {
-                lambda[row].abs() > 1e-12 * force || components[row] == Component::Free
+                lambda[row].abs() > NO_FORCE * force || components[row] == Component::Free
             });
         if body.system.modes.is_empty() || touched {
             continue;

@@ -82,12 +82,21 @@ fn invert_map<const D: usize>(
             xi[i] += change;
             step = step.max(change.abs());
         }
-        if step < 1e-13 {
+        if step < STILL {
             break;
         }
     }
     xi.iter().all(|c| c.is_finite()).then_some(xi)
 }
+
+/// Newton's steps in a cell end below this length in reference coordinates, which are of size one: at rounding.
+const STILL: f64 = 1e-13;
+
+/// Those on a facet, whose tangents are differences, end a digit before.
+const SETTLED: f64 = 1e-12;
+
+/// Step of these differences in ξ: its square, which they neglect, is rounding.
+const DIFFERENCE: f64 = 1e-6;
 
 /// A point may lie beside a side by this fraction of a facet: the sagitta of a polygon, not more.
 const BESIDE: f64 = 0.1;
@@ -137,7 +146,7 @@ fn nearest_on_facet<const D: usize>(
     let length = norm(chord);
     let mut xi = (2.0 * dot(sub(point, ends[0]), chord) / (length * length) - 1.0).clamp(-1.0, 1.0);
     for _ in 0..20 {
-        let h = 1e-6;
+        let h = DIFFERENCE;
         let (back, here, ahead) = (
             mesh.facet_point(facet, &[xi - h]),
             mesh.facet_point(facet, &[xi]),
@@ -146,7 +155,7 @@ fn nearest_on_facet<const D: usize>(
         let tangent = sub(ahead, back).map(|c| c / (2.0 * h));
         let step = dot(sub(point, here), tangent) / dot(tangent, tangent);
         let next = (xi + step).clamp(-1.0, 1.0);
-        let settled = (next - xi).abs() < 1e-12;
+        let settled = (next - xi).abs() < SETTLED;
         xi = next;
         if settled {
             break;
@@ -174,7 +183,7 @@ fn beyond_the_end<const D: usize>(
     if touching.count() > 1 {
         return 0.0;
     }
-    let [here, inside] = [xi, xi - 1e-6 * xi].map(|xi| mesh.facet_point(facet, &[xi]));
+    let [here, inside] = [xi, xi - DIFFERENCE * xi].map(|xi| mesh.facet_point(facet, &[xi]));
     let outwards = sub(here, inside);
     dot(sub(point, here), outwards) / norm(outwards)
 }

@@ -188,6 +188,9 @@ pub(crate) fn gap_varies<const D: usize>(contact: &Contact<D>) -> bool {
     moved || varying_gap(contact).is_some()
 }
 
+/// Gaps below this part of what the meshes miss of their curves are rounding: the contact is closed, and nothing is to be said.
+const CLOSED: f64 = 1e-9;
+
 /// The largest initial gap at nodes and between them, if all are within a bound and not all are rounding of it.
 fn all_within<const D: usize>(
     bound: f64,
@@ -199,7 +202,7 @@ fn all_within<const D: usize>(
     let at_nodes = nodes.map(|node| node.clearance);
     let gaps = at_nodes.chain(samples.iter().flatten().map(|s| s.at.gap));
     let largest = gaps.fold(0.0, |s: f64, gap| s.max(gap.abs()));
-    (largest <= bound && largest > 1e-9 * bound).then_some(largest)
+    (largest <= bound && largest > CLOSED * bound).then_some(largest)
 }
 
 /// What moves an obstacle.

@@ -11,6 +11,12 @@ use crate::model::quantity::{ContactField, Displacement, Parts, Stress};
 use crate::model::recover::centroid;
 use crate::model::solution::{BodySolution, ContactNode, ProbeValue, Solution};
 
+/// A smaller shape function is rounding: that node has no part in the value.
+const NO_WEIGHT: f64 = 1e-12;
+
+/// A point nearer to a node, in parts of the distance to the next one, is that node: places are typed with six digits.
+const ON_THE_NODE: f64 = 1e-6;
+
 /// Reads all probes of a model off a solution.
 ///
 /// Errors: a quantity without a place, points outside, with the probe's name.
@@ -237,7 +243,7 @@ fn on_side<const D: usize>(
     found
         .1
         .iter_mut()
-        .filter(|n| n.abs() < 1e-12)
+        .filter(|n| n.abs() < NO_WEIGHT)
         .for_each(|n| *n = 0.0);
     Ok(interpolated(mesh, reading, found, value))
 }
@@ -269,7 +275,7 @@ fn mean_of_neighbours<const D: usize>(
         distance(mesh.points()[a], at).total_cmp(&distance(mesh.points()[b], at))
     });
     let spacing = distance(mesh.points()[nodes[0]], mesh.points()[nodes[1]]);
-    if distance(mesh.points()[nodes[0]], at) < 1e-6 * spacing {
+    if distance(mesh.points()[nodes[0]], at) < ON_THE_NODE * spacing {
         return value(nodes[0]);
     }
     0.5 * (value(nodes[0]) + value(nodes[1]))

@@ -7,6 +7,9 @@ use crate::model::bodies::LoadedBody;
 use crate::model::floating::Floating;
 use std::collections::BTreeMap;
 
+/// What is left of a motion beside others, and what a motion of unit size closes of a gap: below this, rounding.
+const NOTHING: f64 = 1e-12;
+
 /// A rigid motion: nodal displacements of the bodies that it moves.
 type Motion = BTreeMap<usize, Vec<f64>>;
 
@@ -40,7 +43,7 @@ pub(crate) fn settle<const D: usize>(
             }
         }
         let size = inner(&motion, &motion).sqrt();
-        if size > 1e-12 {
+        if size > NOTHING {
             motion.values_mut().flatten().for_each(|u| *u /= size);
             motions.push(motion);
         }
@@ -65,7 +68,7 @@ pub(crate) fn settle<const D: usize>(
             .for_each(|(&row, &c)| closing[row].push((j, c)));
     }
     let touched: Vec<usize> = (0..gaps.len())
-        .filter(|&i| closing[i].iter().any(|(_, c)| c.abs() > 1e-12))
+        .filter(|&i| closing[i].iter().any(|(_, c)| c.abs() > NOTHING))
         .collect();
     if touched.iter().all(|&i| gaps[i] >= 0.0) {
         return;

@@ -4,7 +4,7 @@
 
 use crate::dual::Figure;
 use crate::model::{BodySolution, ContactNode, ContactSolution, Seconds, Solution, Status};
-use crate::output::Run;
+use crate::output::Overview;
 use serde::Serialize;
 use std::collections::BTreeMap;
 
@@ -14,7 +14,7 @@ pub const VERSION: &str = env!("CARGO_PKG_VERSION");
 /// Content of `summary.json`: the last step and, where there are several, all that were solved in `steps`.
 ///
 /// `converged` is that of the run: one that ends in failure says `false` whatever its last iterate looks like.
-pub fn summary(run: &Run<'_>) -> String {
+pub fn summary(run: &Overview<'_>) -> String {
     let last = Summary {
         converged: run.converged,
         seconds: run.seconds.into(),
@@ -49,7 +49,7 @@ pub fn summary(run: &Run<'_>) -> String {
 }
 
 /// One step, counted from 0.
-fn step_summary<'a>(run: &Run<'a>, solution: &'a Solution<2>, index: usize) -> Summary<'a> {
+fn step_summary<'a>(run: &Overview<'a>, solution: &'a Solution<2>, index: usize) -> Summary<'a> {
     let several = run.has_steps();
     let bodies = run.model.bodies.iter().zip(&solution.bodies);
     let probes = solution.probes.iter();
@@ -440,7 +440,7 @@ mod tests {
         let mut first = solution.clone();
         first.time = 0.25;
         let earlier = [first];
-        let text = summary(&Run {
+        let text = summary(&Overview {
             earlier: &earlier,
             ..tunnel::run(&model, &solution)
         });
@@ -459,7 +459,7 @@ mod tests {
         let (model, mut solution) = tunnel::solved();
         solution.probes[0].value = f64::NAN;
         solution.certificate.energy_gap.relative = f64::INFINITY;
-        let text = summary(&Run {
+        let text = summary(&Overview {
             converged: false,
             ..tunnel::run(&model, &solution)
         });

@@ -116,14 +116,14 @@ impl<'a> Record<'a> {
     /// What summary and report tell of it, the time it took so far included.
     ///
     /// Errors: [`Error::Name`], [`Error::Mismatch`], there is no step.
-    fn run(&self) -> Result<Run<'_>, Error> {
+    fn overview(&self) -> Result<Overview<'_>, Error> {
         check(self.model, self.steps)?;
         let (last, earlier) = self.steps.split_last().ok_or(Error::Mismatch {
             what: "steps".to_string(),
             expected: self.model.times.len(),
             found: 0,
         })?;
-        Ok(Run {
+        Ok(Overview {
             model: self.model,
             earlier,
             last,
@@ -152,7 +152,7 @@ pub struct FailedStep {
 
 /// What summary and report tell of.
 #[derive(Clone, Copy)]
-pub(crate) struct Run<'a> {
+pub(crate) struct Overview<'a> {
     pub model: &'a Model<2>,
     /// Steps before the last.
     pub earlier: &'a [Solution<2>],
@@ -169,7 +169,7 @@ pub(crate) struct Run<'a> {
     pub peak_memory: u64,
 }
 
-impl<'a> Run<'a> {
+impl<'a> Overview<'a> {
     /// The model has several steps, even where the first of them has failed.
     pub fn has_steps(&self) -> bool {
         self.model.times.len() > 1 || !self.earlier.is_empty()
@@ -192,7 +192,7 @@ impl<'a> Run<'a> {
 pub fn write(record: &Record<'_>, dir: &Path) -> Result<Vec<PathBuf>, Error> {
     let start = Instant::now();
     let (model, steps) = (record.model, record.steps);
-    let mut run = record.run()?;
+    let mut run = record.overview()?;
     let mut stage = Stage::open(dir)?;
     let several = model.times.len().max(steps.len()) > 1;
     for (step, solution) in steps.iter().enumerate() {
@@ -226,9 +226,9 @@ pub fn write(record: &Record<'_>, dir: &Path) -> Result<Vec<PathBuf>, Error> {
 /// The steps of the record are the last iterate of that step alone.
 /// Errors: any [`Error`]; then the folder is as it was before.
 pub fn write_summary(record: &Record<'_>, dir: &Path) -> Result<PathBuf, Error> {
-    let run = Run {
+    let run = Overview {
         converged: false,
-        ..record.run()?
+        ..record.overview()?
     };
     let mut stage = Stage::open(dir)?;
     stage.put("summary.json", json::summary(&run).as_bytes())?;

@@ -5,7 +5,7 @@
 
 use crate::geometry::Point;
 use crate::model::{Analysis, BodySolution, ContactSolution, Model, Solution};
-use crate::output::Run;
+use crate::output::Overview;
 use crate::output::chain::arc_lengths;
 use crate::output::contacts;
 use crate::output::deformed::deformed_figure;
@@ -19,7 +19,7 @@ use crate::output::text::{Labels, count, number, quantity, seconds, vector};
 use crate::output::verdict;
 
 /// Content of `report.html`.
-pub fn page(run: &Run<'_>) -> String {
+pub fn page(run: &Overview<'_>) -> String {
     let (model, solution) = (run.model, run.last);
     let labels = Labels::of(model);
     let scene = Scene::new(model);
@@ -326,7 +326,7 @@ fn bodies(model: &Model<2>, solution: &Solution<2>, labels: &Labels) -> String {
     out
 }
 
-fn timings(run: &Run<'_>) -> String {
+fn timings(run: &Overview<'_>) -> String {
     let (s, threads) = (run.seconds, run.last.threads);
     let stages = [
         ("read", s.read),

@@ -2,7 +2,7 @@
 
 use crate::geometry::norm;
 use crate::model::{ContactSolution, Solution};
-use crate::output::Run;
+use crate::output::Overview;
 use crate::output::html::{Head, column, escape, figure, plain, table};
 use crate::output::json::{closed_and_open, largest, max_displacement};
 use crate::output::panels::{Abscissae, Panel, Series, panels_figure};
@@ -16,7 +16,7 @@ const MOST_PANELS: usize = 8;
 const COLUMNS: usize = 4;
 
 /// The section; nothing where there is one step.
-pub fn steps_section(run: &Run<'_>, labels: &Labels) -> String {
+pub fn steps_section(run: &Overview<'_>, labels: &Labels) -> String {
     if run.earlier.is_empty() {
         return String::new();
     }
@@ -193,7 +193,7 @@ mod tests {
         first.probes[0].value = f64::NAN;
         let earlier = [first];
         let labels = Labels::of(&model);
-        let run = Run {
+        let run = Overview {
             earlier: &earlier,
             ..tunnel::run(&model, &solution)
         };

@@ -4,7 +4,7 @@
 use crate::geometry::Field;
 use crate::mesh::{CellKind, Diagonals, Ring, TunnelRock};
 use crate::model::{Elastic, Load, Model, Reading, Solution, Units};
-use crate::output::Run;
+use crate::output::Overview;
 use std::path::{Path, PathBuf};
 use std::sync::OnceLock;
 
@@ -107,8 +107,8 @@ pub fn solved() -> (Model<2>, Solution<2>) {
 }
 
 /// A run of one step.
-pub fn run<'a>(model: &'a Model<2>, solution: &'a Solution<2>) -> Run<'a> {
-    Run {
+pub fn run<'a>(model: &'a Model<2>, solution: &'a Solution<2>) -> Overview<'a> {
+    Overview {
         model,
         earlier: &[],
         failed: None,

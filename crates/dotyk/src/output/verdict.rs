@@ -2,7 +2,7 @@
 
 use crate::dual::{Certificate, Figure};
 use crate::model::{Model, Solution};
-use crate::output::Run;
+use crate::output::Overview;
 use crate::output::history::history_figure;
 use crate::output::html::{
     self, column, described, escape, figure, left, marked, plain, table, text,
@@ -10,7 +10,7 @@ use crate::output::html::{
 use crate::output::text::{Labels, count, number, power, vector};
 
 /// Whether the answer is certified, and if not, why.
-pub fn banner(run: &Run<'_>) -> String {
+pub fn banner(run: &Overview<'_>) -> String {
     let solution = run.last;
     if run.converged {
         let steps = match run.earlier {
@@ -57,7 +57,7 @@ pub fn banner(run: &Run<'_>) -> String {
 }
 
 /// Warnings of all steps, each once.
-pub fn warnings(run: &Run<'_>) -> String {
+pub fn warnings(run: &Overview<'_>) -> String {
     let mut list: Vec<&str> = Vec::new();
     for warning in run.steps().flat_map(|step| &step.warnings) {
         if !list.contains(&warning.as_str()) {

@@ -119,3 +119,95 @@ impl Iteration for Steps<'_> {
         1
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::dual::{Block, Compliance, DualProblem};
+    use crate::solve::tests::{apart, definite, of, times};
+    use crate::solve::{ContactSolver, Iterate};
+    use std::ops::ControlFlow;
+
+    fn held() -> DualProblem {
+        of(
+            Compliance::Dense(definite(8)),
+            &[1.0, -0.4, 0.7, 0.2, -1.0, 0.9, 0.8, 0.6],
+            vec![Block::Unilateral; 8],
+            (&[], &[]),
+        )
+    }
+
+    #[test]
+    fn iterates_are_those_of_the_published_recursion_with_restarts() {
+        let problem = held();
+        let setup = Setup::new(&problem).unwrap();
+        let bound = 1.01 * projected_bound(&setup);
+        let (f, d) = (definite(8), &problem.shift);
+        let mut shown = Vec::new();
+        let outcome = Accelerated::default()
+            .solve(&problem, None, &mut |at: &Iterate<'_>| {
+                shown.push((at.iteration, at.lambda.to_vec(), at.step));
+                ControlFlow::Continue(())
+            })
+            .unwrap();
+        assert!(problem.certify(&outcome.multipliers, 1e-8).holds());
+        let (mut x, mut y, mut t) = (vec![0.0; 8], vec![0.0; 8], 1.0f64);
+        let mut restarts = 0;
+        for (k, (iteration, lambda, step)) in shown.iter().enumerate() {
+            let image = times(&f, &y);
+            let next: Vec<f64> = (0..8)
+                .map(|i| (y[i] - (image[i] - d[i]) / bound).max(0.0))
+                .collect();
+            let against: f64 = (0..8).map(|i| (y[i] - next[i]) * (next[i] - x[i])).sum();
+            let restart = against > 0.0;
+            restarts += usize::from(restart);
+            if restart {
+                t = 1.0;
+            }
+            let momentum = (1.0 + (1.0 + 4.0 * t * t).sqrt()) / 2.0;
+            let part = (t - 1.0) / momentum;
+            y = (0..8).map(|i| next[i] + part * (next[i] - x[i])).collect();
+            (x, t) = (next, momentum);
+            assert_eq!(
+                (*iteration, *step),
+                (k + 1, if restart { 'r' } else { 'a' })
+            );
+            assert!(apart(lambda, &x) < 1e-11, "iterate {iteration}");
+        }
+        assert!(restarts > 0, "nothing was restarted");
+    }
+
+    #[test]
+    fn bound_grows_until_the_step_is_no_steeper() {
+        let problem = held();
+        let setup = Setup::new(&problem).unwrap();
+        let (projection, x) = Projection::start(&setup, None).unwrap();
+        let mut steps = Steps {
+            setup: &setup,
+            projection,
+            bound: 0.1,
+            momentum: 1.0,
+            restart: false,
+            y: x.clone(),
+            x,
+            next: Forces::none(&setup),
+        };
+        steps.evaluate();
+        let step = &steps.next.lambda;
+        let energy: f64 = times(&definite(8), step)
+            .iter()
+            .zip(step)
+            .map(|(a, b)| a * b)
+            .sum();
+        let square: f64 = step.iter().map(|x| x * x).sum();
+        let quotient = energy / square;
+        assert!(
+            quotient <= 1.000_001 * steps.bound,
+            "{quotient} {}",
+            steps.bound
+        );
+        let largest = projected_bound(&setup);
+        assert!(steps.bound > 0.3 * largest && steps.bound <= 1.05 * largest);
+        assert!(apart(&steps.next.product, &times(&definite(8), step)) < 1e-14);
+    }
+}

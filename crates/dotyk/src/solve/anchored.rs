@@ -19,7 +19,7 @@
 use std::collections::HashSet;
 
 use crate::dual::Component;
-use crate::solve::exact::{Ended, NEAR, Search};
+use crate::solve::exact::{CERTAIN, Ended, NEAR, Search};
 use crate::solve::hold::{held, hold};
 use crate::solve::setup::Setup;
 use crate::solve::states::{Anchor, State};
@@ -126,7 +126,7 @@ fn anchored(
         let turns = states.iter().any(State::may_turn);
         let force = largest(0.0, &search.point.lambda);
         let settled = law_error(setup, &search.point.lambda, &left) <= accuracy * force;
-        let answer = search.residual <= 1e-3 * search.tolerance;
+        let answer = search.residual <= CERTAIN * search.tolerance;
         if settled || answer || now == then && !turns {
             return Inner::Settled(next);
         }
@@ -164,4 +164,160 @@ fn law_error(setup: &Setup<'_>, lambda: &[f64], gap: &[f64]) -> f64 {
     let normal = setup.components.iter().enumerate().map(error);
     let shear = setup.admissible.slip_violation(lambda, trial);
     normal.fold(shear, f64::max)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::dual::{Block, Compliance, DualProblem, Friction};
+    use crate::linalg::Mat;
+    use crate::solve::Iterate;
+    use crate::solve::tests::{apart, definite, of, silent};
+    use std::ops::ControlFlow;
+
+    fn nodes(coefficient: f64) -> DualProblem {
+        let block = Friction::Coulomb { coefficient }.block(1);
+        let shift = [1.0, 0.9, 0.8, -0.4, 0.7, 0.1];
+        of(
+            Compliance::Dense(definite(6)),
+            &shift,
+            vec![block; 3],
+            (&[], &[]),
+        )
+    }
+
+    #[test]
+    fn error_of_the_law_is_the_largest_change_that_gaps_ask_for() {
+        let f = Mat::from_fn(5, 5, |i, j| {
+            if i == j {
+                [1.0, 2.0, 0.5, 4.0, 4.0][i]
+            } else {
+                0.0
+            }
+        });
+        let coulomb = Friction::Coulomb { coefficient: 0.5 }.block(1);
+        let blocks = vec![
+            Block::Free { size: 1 },
+            Block::Unilateral,
+            Block::Unilateral,
+            coulomb,
+        ];
+        let problem = of(Compliance::Dense(f), &[1.0; 5], blocks, (&[], &[]));
+        let setup = Setup::new(&problem).unwrap();
+        let error = |lambda: [f64; 5], gap: [f64; 5]| law_error(&setup, &lambda, &gap);
+        let rest = [1.0, 1.0, 0.0, 2.0, 0.5];
+        assert_eq!(error(rest, [0.0; 5]), 0.0);
+        // a tie in either direction; a length over its compliance is a force
+        assert_eq!(error(rest, [-0.25, 0.0, 0.0, 0.0, 0.0]), 0.25);
+        assert_eq!(error(rest, [0.25, 0.0, 0.0, 0.0, 0.0]), 0.25);
+        // a contact loses no more than its force, an open one has nothing to lose
+        assert_eq!(error(rest, [0.0, 1.0, 0.0, 0.0, 0.0]), 0.5);
+        assert_eq!(error(rest, [0.0, 9.0, 0.0, 0.0, 0.0]), 1.0);
+        assert_eq!(error(rest, [0.0, 0.0, 9.0, 0.0, 0.0]), 0.0);
+        assert_eq!(error(rest, [0.0, 0.0, -0.25, 0.0, 0.0]), 0.5);
+        // the shear is held to its bound 1: trial 0.5 + 0.25, then beyond
+        assert_eq!(error(rest, [0.0, 0.0, 0.0, 0.0, -1.0]), 0.25);
+        assert_eq!(error(rest, [0.0, 0.0, 0.0, 0.0, -40.0]), 0.5);
+    }
+
+    #[test]
+    fn centres_lead_to_the_forces_of_the_law() {
+        for coefficient in [0.2, 0.6] {
+            let problem = nodes(coefficient);
+            let setup = Setup::new(&problem).unwrap();
+            let mut search = Search::new((1e-9, 200), &setup);
+            search.judge();
+            let (closed, mut kinds) = (search.all_closed(), String::new());
+            let mut observe = |at: &Iterate<'_>| {
+                assert_eq!(at.iteration, kinds.len() + 1);
+                kinds.push(at.step);
+                ControlFlow::Continue(())
+            };
+            let ended = settle(&mut search, closed, &mut observe);
+            assert!(matches!(ended, Ended::Converged));
+            assert!(kinds.starts_with('p') && kinds.len() <= 20, "{kinds}");
+            let lambda = &search.point.lambda;
+            let gap = problem.gap(&setup.multipliers(lambda, &[]));
+            for (n, t) in [(0, 1), (2, 3), (4, 5)] {
+                let (pressed, shear) = (lambda[n], lambda[t]);
+                assert!(pressed >= 0.0 && gap[n] > -1e-8 && (pressed * gap[n]).abs() < 1e-8);
+                assert!(shear.abs() <= coefficient * pressed + 1e-8);
+                // what slips, slips along its shear; what does not bear its bound does not slip
+                let slip = -gap[t];
+                assert!(slip * shear >= -1e-8);
+                let spare = coefficient * pressed - shear.abs();
+                assert!((spare * slip).abs() < 1e-7, "{spare} {slip}");
+            }
+        }
+    }
+
+    #[test]
+    fn steps_keep_to_their_limits_and_to_the_observer() {
+        let problem = nodes(0.2);
+        let setup = Setup::new(&problem).unwrap();
+        let mut search = Search::new((1e-9, 2), &setup);
+        search.judge();
+        let closed = search.all_closed();
+        assert!(matches!(
+            settle(&mut search, closed.clone(), &mut silent),
+            Ended::Stuck(_)
+        ));
+        assert_eq!(search.steps, 2);
+        let mut search = Search::new((1e-9, 200), &setup);
+        search.judge();
+        let mut satisfied = |_: &Iterate<'_>| ControlFlow::Break(());
+        assert!(matches!(
+            settle(&mut search, closed, &mut satisfied),
+            Ended::Stopped
+        ));
+        assert_eq!(search.steps, 1);
+    }
+
+    #[test]
+    fn anchored_step_solves_its_conditions_and_counts() {
+        let problem = nodes(0.6);
+        let setup = Setup::new(&problem).unwrap();
+        let mut search = Search::new((1e-9, 200), &setup);
+        let (centre, compliance) = ([0.3; 6], [0.5; 6]);
+        let anchor = Anchor {
+            centre: &centre,
+            compliance: &compliance,
+        };
+        let closed = search.all_closed();
+        assert!(anchored_step(&mut search, &closed, anchor));
+        assert_eq!((search.steps, search.kind), (1, 'p'));
+        let left = anchor.left(&search.point.lambda, &search.judge.gap);
+        assert!(apart(&left, &[0.0; 6]) < 1e-13);
+        assert!(search.residual.is_finite() && search.best.0 == search.residual);
+    }
+
+    #[test]
+    fn newton_steps_of_a_centre_end_where_its_law_holds_to_the_accuracy() {
+        let problem = nodes(0.2);
+        let setup = Setup::new(&problem).unwrap();
+        let (centre, compliance) = ([0.0; 6], [0.5; 6]);
+        let anchor = Anchor {
+            centre: &centre,
+            compliance: &compliance,
+        };
+        let steps = |accuracy: f64| {
+            let mut search = Search::new((1e-9, 200), &setup);
+            let closed = search.all_closed();
+            let inner = anchored(&mut search, closed, anchor, accuracy, &mut silent);
+            assert!(matches!(inner, Inner::Settled(_)));
+            let left = anchor.left(&search.point.lambda, &search.judge.gap);
+            let force = largest(0.0, &search.point.lambda);
+            (
+                search.steps,
+                law_error(&setup, &search.point.lambda, &left) / force,
+            )
+        };
+        let (rough, error) = steps(10.0);
+        assert_eq!(rough, 1);
+        let (exact, none) = steps(1e-12);
+        assert!(
+            exact > 1 && none < 1e-12 && error > 1e-3,
+            "{exact} {none} {error}"
+        );
+    }
 }

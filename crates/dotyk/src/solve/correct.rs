@@ -98,8 +98,9 @@ pub(crate) fn distance_to_exact(problem: &DualProblem, multipliers: &Multipliers
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::dual::{AdmissibleSet, Balance, Block};
+    use crate::dual::{AdmissibleSet, Balance, Block, Friction};
     use crate::linalg::Mat;
+    use crate::solve::tests::{apart, applied, definite, of, silent};
     use crate::solve::{ContactSolver, Outcome};
 
     /// Contacts that give way much together and little by themselves, and that only to within `error`.
@@ -142,5 +143,124 @@ mod tests {
         }
         assert!(off(&at) < 1e-13, "{:e}", off(&at));
         assert!(true_one.certify(&at.multipliers, 1e-8).holds());
+    }
+
+    const SHIFT: [f64; 6] = [1.0, 0.9, 0.8, -0.3, 0.7, 0.1];
+
+    fn nodes(compliance: Compliance) -> DualProblem {
+        let block = Friction::Coulomb { coefficient: 0.3 }.block(1);
+        let modes = [vec![1.0, 0.0, 1.0, 0.0, 1.0, 0.0]];
+        of(compliance, &SHIFT, vec![block; 3], (&modes, &[4.0]))
+    }
+
+    #[test]
+    fn correction_of_stick_and_slip_ends_at_the_answer() {
+        let problem = nodes(Compliance::Dense(definite(6)));
+        let answer = Newton::default()
+            .solve(&problem, None, &mut silent)
+            .unwrap()
+            .multipliers;
+        let slips = |n: usize| (answer.lambda[n + 1].abs() - 0.3 * answer.lambda[n]).abs() < 1e-12;
+        assert!(slips(0) && slips(4), "{:?}", answer.lambda);
+        let mut at = answer.clone();
+        // wrong forces that ask for the same states
+        at.lambda
+            .iter_mut()
+            .enumerate()
+            .for_each(|(i, force)| *force += 1e-4 * (i as f64).cos());
+        at.alpha[0] += 1e-4;
+        for _ in 0..3 {
+            let gap = problem.gap(&at);
+            let change = correction(&problem, &at, (&gap, &[0.0; 6])).unwrap();
+            at.lambda
+                .iter_mut()
+                .zip(&change.lambda)
+                .for_each(|(l, d)| *l += d);
+            at.alpha
+                .iter_mut()
+                .zip(&change.alpha)
+                .for_each(|(a, d)| *a += d);
+        }
+        assert!(apart(&at.lambda, &answer.lambda) < 1e-13);
+        assert!(apart(&at.alpha, &answer.alpha) < 1e-13);
+        // the answer itself is changed by rounding
+        let gap = problem.gap(&answer);
+        let change = correction(&problem, &answer, (&gap, &[0.0; 6])).unwrap();
+        assert!(apart(&change.lambda, &[0.0; 6]) < 1e-13);
+    }
+
+    #[test]
+    fn gap_within_its_rounding_asks_for_no_other_state() {
+        // an open contact that seems to overlap a little
+        let blocks = vec![Block::Unilateral; 2];
+        let problem = of(
+            Compliance::Dense(definite(2)),
+            &[1.0, 0.0],
+            blocks,
+            (&[], &[]),
+        );
+        let f = definite(2);
+        let forces = Multipliers {
+            lambda: vec![1.0 / f[(0, 0)], 0.0],
+            alpha: Vec::new(),
+        };
+        let change = |rounding: f64| {
+            let gap = [0.0, -1e-3];
+            correction(&problem, &forces, (&gap, &[rounding; 2]))
+                .unwrap()
+                .lambda
+        };
+        assert!(apart(&change(1e-3), &[0.0; 2]) < 1e-15);
+        assert!(change(0.9e-3)[1] > 1e-4);
+    }
+
+    #[test]
+    fn load_that_closed_contacts_cannot_carry_has_no_correction() {
+        let blocks = vec![Block::Unilateral; 2];
+        let modes = [vec![1.0, 0.0], vec![0.0, 1.0]];
+        let f = Compliance::Dense(definite(2));
+        let problem = of(f, &[1.0, 1.0], blocks, (&modes, &[1.0, 1.0]));
+        let forces = Multipliers {
+            lambda: vec![1.0, 0.0],
+            alpha: vec![0.0; 2],
+        };
+        assert!(correction(&problem, &forces, (&[0.0, 1.0], &[0.0; 2])).is_none());
+        assert!(correction(&problem, &forces, (&[0.0, -1.0], &[0.0; 2])).is_some());
+    }
+
+    #[test]
+    fn distance_to_the_exact_answer_is_by_how_much_forces_are_off() {
+        let problem = nodes(Compliance::Dense(definite(6)));
+        let answer = Newton::default()
+            .solve(&problem, None, &mut silent)
+            .unwrap()
+            .multipliers;
+        let mut off = answer.clone();
+        off.lambda[2] += 1e-3;
+        off.lambda[4] -= 2e-3;
+        off.lambda[0] += 1e-3;
+        let distance = distance_to_exact(&problem, &off).unwrap();
+        assert!((distance - 2e-3).abs() < 1e-9, "{distance}");
+        // an applied compliance is not asked
+        let f = definite(6);
+        assert_eq!(
+            distance_to_exact(&nodes(applied(&f, Mat::identity(6, 6))), &off),
+            None
+        );
+        // forces that are not unique are not compared
+        let alike = Mat::from_fn(2, 2, |_, _| 1.0);
+        let blocks = vec![Block::Unilateral; 2];
+        let problem = of(Compliance::Dense(alike), &[1.0, 1.0], blocks, (&[], &[]));
+        let half = |more: f64| Multipliers {
+            lambda: vec![0.5 + more, 0.5 + more],
+            alpha: Vec::new(),
+        };
+        assert_eq!(distance_to_exact(&problem, &half(0.1)), None);
+        // gaps that are rounding tell nothing
+        let f = Mat::from_fn(2, 2, |i, j| f64::from(i == j));
+        let blocks = vec![Block::Unilateral; 2];
+        let problem = of(Compliance::Dense(f), &[0.5, 0.5], blocks, (&[], &[]));
+        assert_eq!(distance_to_exact(&problem, &half(0.0)), None);
+        assert!((distance_to_exact(&problem, &half(0.1)).unwrap() - 0.1).abs() < 1e-14);
     }
 }

@@ -30,6 +30,12 @@ const DOUBLINGS: usize = 60;
 /// Least part of the way from bounds to the next.
 const LEAST_PART: f64 = 0.125;
 
+/// Accuracy of the first problem, and the least of all: bounds that are far off need no better forces.
+const ROUGH: f64 = 1e-3;
+
+/// Accuracy of a problem in parts of the residual of the law: its own error is nothing beside that of the bounds.
+const FOLLOWING: f64 = 1e-3;
+
 /// Changes of the bounds above this multiple of the accuracy of the problems tell the contraction.
 const TELLING: f64 = 100.0;
 
@@ -56,7 +62,7 @@ pub(crate) fn fixed_point<S: FixedBounds>(
     };
     if guess.is_none() || !carry(setup, &bounds) {
         let sticking = setup.with_admissible(setup.admissible.sticking());
-        if let Some(outcome) = search.solve(&sticking, 1e-3, observe)? {
+        if let Some(outcome) = search.solve(&sticking, ROUGH, observe)? {
             return Ok(outcome);
         }
         bounds = search.bounds();
@@ -69,7 +75,7 @@ pub(crate) fn fixed_point<S: FixedBounds>(
             bounds.iter_mut().for_each(|bound| *bound *= 2.0);
         }
         let given = setup.with_admissible(setup.admissible.with_bounds(&bounds));
-        let accuracy = (1e-3 * search.residual).clamp(0.3 * search.tolerance, 1e-3);
+        let accuracy = (FOLLOWING * search.residual).clamp(0.3 * search.tolerance, ROUGH);
         if let Some(outcome) = search.solve(&given, accuracy, observe)? {
             return Ok(outcome);
         }
@@ -239,5 +245,208 @@ impl<'a, S: FixedBounds> Search<'a, S> {
                 self.rounds
             ),
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::dual::{Compliance, DualProblem, Friction};
+    use crate::linalg::Mat;
+    use crate::solve::tests::{apart, of, silent};
+    use crate::solve::{Iterate, Newton};
+    use std::ops::ControlFlow;
+
+    /// One node that is pressed and drawn aside so far that it slips; `turn` couples its two directions.
+    fn node(turn: f64, coefficient: f64) -> DualProblem {
+        let f = Mat::from_fn(2, 2, |i, j| [[1.0, turn], [turn, 1.0]][i][j]);
+        let block = Friction::Coulomb { coefficient }.block(1);
+        of(Compliance::Dense(f), &[1.0, 5.0], vec![block], (&[], &[]))
+    }
+
+    #[test]
+    fn bounds_settle_at_the_forces_of_one_slipping_node_with_the_factor_of_its_map() {
+        // λₙ + turn λₜ = 1, λₜ = μ λₙ: bound ↦ μ (1 − turn · bound)
+        let (turn, coefficient) = (0.5, 0.4);
+        let problem = node(turn, coefficient);
+        let setup = Setup::new(&problem).unwrap();
+        let outcome = fixed_point(&Newton::default(), &setup, None, &mut silent).unwrap();
+        let normal = 1.0 / (1.0 + turn * coefficient);
+        let expected = [normal, coefficient * normal];
+        assert!(apart(&outcome.multipliers.lambda, &expected) < 1e-8);
+        let FixedPoint {
+            iterations,
+            contraction,
+        } = outcome.fixed_point.unwrap();
+        assert!((contraction.unwrap() - turn * coefficient).abs() < 1e-3);
+        // each round gains a factor of five: 12 rounds for eight digits
+        assert!((8..16).contains(&iterations), "{iterations}");
+        assert!(outcome.iterations >= iterations && !outcome.exact);
+        assert!(outcome.remarks.is_empty());
+        assert_eq!(outcome.products, setup.products());
+        // from the answer one round shows that it is one
+        let again = fixed_point(
+            &Newton::default(),
+            &setup,
+            Some(&outcome.multipliers),
+            &mut silent,
+        );
+        let again = again.unwrap();
+        assert_eq!(again.fixed_point.unwrap().iterations, 1);
+        assert!(apart(&again.multipliers.lambda, &expected) < 1e-8);
+    }
+
+    #[test]
+    fn satisfied_observer_and_few_iterations_end_the_rounds() {
+        let problem = node(0.5, 0.4);
+        let setup = Setup::new(&problem).unwrap();
+        let mut seen = Vec::new();
+        let mut observe = |at: &Iterate<'_>| {
+            seen.push(at.iteration);
+            match seen.len() {
+                4 => ControlFlow::Break(()),
+                _ => ControlFlow::Continue(()),
+            }
+        };
+        let outcome = fixed_point(&Newton::default(), &setup, None, &mut observe).unwrap();
+        assert!(outcome.stopped_by_observer);
+        // numbers go on from problem to problem
+        assert_eq!((seen, outcome.iterations), (vec![1, 2, 3, 4], 4));
+        let few = Newton::default().within(1e-8, 3);
+        let error = fixed_point(&few, &setup, None, &mut silent).unwrap_err();
+        let SolveError::NotConverged {
+            method, outcome, ..
+        } = error
+        else {
+            panic!("{error}");
+        };
+        assert_eq!((method, outcome.iterations), ("newton", 3));
+        let guess = Multipliers {
+            lambda: vec![1.0],
+            alpha: Vec::new(),
+        };
+        let wrong = fixed_point(&few, &setup, Some(&guess), &mut silent);
+        assert!(matches!(wrong, Err(SolveError::Invalid(_))));
+    }
+
+    #[test]
+    fn map_that_does_not_contract_is_gone_part_of_the_way_and_told() {
+        // factor 1.2: the bounds would swing apart
+        let problem = node(0.6, 2.0);
+        let setup = Setup::new(&problem).unwrap();
+        let normal = 1.0 / (1.0 + 1.2);
+        // from nearby: from far away the bounds swing to where the node opens
+        let near = Multipliers {
+            lambda: vec![1.01 * normal, 2.02 * normal],
+            alpha: Vec::new(),
+        };
+        let outcome = fixed_point(&Newton::default(), &setup, Some(&near), &mut silent).unwrap();
+        assert!(apart(&outcome.multipliers.lambda, &[normal, 2.0 * normal]) < 1e-7);
+        let factor = outcome.fixed_point.unwrap().contraction.unwrap();
+        assert!((factor - 1.2).abs() < 1e-3, "{factor}");
+        let expected =
+            "the bounds of friction did not contract (factor 1.20): a solution may not be unique";
+        assert_eq!(outcome.remarks, [expected]);
+    }
+
+    #[test]
+    fn changes_of_the_bounds_tell_contraction_progress_and_the_part_of_the_way() {
+        let problem = node(0.5, 0.4);
+        let setup = Setup::new(&problem).unwrap();
+        let method = Newton::default();
+        let mut search = Search::new(&method, &setup);
+        let state = |search: &Search<'_, Newton>| (search.contraction, search.part, search.still);
+        // the first change tells nothing
+        search.compare(&[1.0, 5.0], &[2.0, 9.0], 1e-3);
+        assert_eq!(
+            (search.change, search.smallest, state(&search)),
+            (Some(4.0), 4.0, (None, 1.0, 0))
+        );
+        search.compare(&[2.0, 8.0], &[2.0, 7.0], 1e-3);
+        assert_eq!(
+            (search.change, state(&search)),
+            (Some(1.0), (Some(0.25), 1.0, 0))
+        );
+        // a change that is no less: half of the way from here on, and the factor stands
+        search.compare(&[2.0, 8.0], &[2.0, 7.0], 1e-3);
+        assert_eq!(state(&search), (Some(1.0), 0.5, 1));
+        search.compare(&[2.0, 8.0], &[2.0, 6.0], 1e-3);
+        assert_eq!(
+            (state(&search), search.smallest),
+            ((Some(1.0), 0.25, 2), 1.0)
+        );
+        search.compare(&[2.0, 8.0], &[2.0, 5.0], 1e-3);
+        search.compare(&[2.0, 8.0], &[2.0, 4.0], 1e-3);
+        assert_eq!(search.part, LEAST_PART);
+        // what is inaccuracy of the problems tells nothing: 100 · 1e-3 · 8
+        search.compare(&[2.0, 8.0], &[2.0, 7.3], 1e-3);
+        assert_eq!((search.change, search.still), (None, 0));
+        search.compare(&[2.0, 8.0], &[2.0, 7.1], 1e-3);
+        assert_eq!(search.change, Some(8.0 - 7.1));
+        // rounding of the largest bound does not, however exact the problems are
+        search.compare(&[2.0, 8.0], &[2.0, 8.0 - 7.9e-11], 0.0);
+        assert_eq!(search.change, None);
+        search.compare(&[2.0, 8.0], &[2.0, 8.0 - 8.1e-11], 0.0);
+        assert!(search.change.is_some());
+        // without a factor so far a small change gives one, and does not shorten the way
+        let mut search = Search::new(&method, &setup);
+        search.compare(&[8.0], &[6.0], 1e-3);
+        search.compare(&[6.0], &[5.9], 1e-3);
+        assert_eq!(state(&search).1, 1.0);
+        assert!((search.contraction.unwrap() - 0.05).abs() < 1e-12);
+        let mut search = Search::new(&method, &setup);
+        search.compare(&[8.0], &[6.0], 1e-3);
+        search.compare(&[6.0], &[6.0 - 5e-11], 1e-3);
+        assert_eq!(search.contraction, None);
+    }
+
+    #[test]
+    fn factor_is_told_where_the_bounds_do_not_settle() {
+        let problem = node(0.5, 0.4);
+        let setup = Setup::new(&problem).unwrap();
+        let method = Newton::default();
+        let mut search = Search::new(&method, &setup);
+        (search.rounds, search.residual, search.iterations) = (7, 0.25, 9);
+        let words = |search: &Search<'_, Newton>| search.not_converged().to_string();
+        assert!(
+            words(&search).contains("did not settle in 7 rounds: a solution"),
+            "{}",
+            words(&search)
+        );
+        search.contraction = Some(0.994);
+        assert!(words(&search).contains("7 rounds (factor 0.99 in the last round)"));
+        assert!(search.outcome(false).remarks.is_empty());
+        search.contraction = Some(1.0);
+        let outcome = search.outcome(true);
+        assert_eq!(outcome.remarks.len(), 1);
+        assert!(outcome.stopped_by_observer && outcome.iterations == 9);
+        assert_eq!(outcome.fixed_point.unwrap().iterations, 7);
+        assert_eq!(outcome.multipliers.lambda, [0.0; 2]);
+    }
+
+    #[test]
+    fn bounds_carry_a_load_aside_that_is_no_more_than_their_sum() {
+        let block = Friction::Coulomb { coefficient: 0.4 }.block(1);
+        let f = || Compliance::Dense(Mat::from_fn(4, 4, |i, j| f64::from(i == j)));
+        let modes = [vec![0.0, 1.0, 0.0, 1.0], vec![1.0, 0.0, 1.0, 0.0]];
+        let problem = of(f(), &[1.0; 4], vec![block; 2], (&modes, &[1.0, 5.0]));
+        let setup = Setup::new(&problem).unwrap();
+        assert!(carry(&setup, &[0.6, 0.41]) && carry(&setup, &[0.0, 1.01]));
+        assert!(!carry(&setup, &[0.6, 0.39]) && !carry(&setup, &[0.0, 0.0]));
+        let one = of(f(), &[1.0; 4], vec![block; 2], (&modes[..1], &[1.0]));
+        let one = Setup::new(&one).unwrap();
+        assert!(carry(&one, &[0.6, 0.41]) && !carry(&one, &[0.6, 0.39]));
+        // the doubled bounds of a guess that does not press reach the answer
+        let guess = Multipliers {
+            lambda: vec![0.02, 0.0, 0.02, 0.0],
+            alpha: vec![0.0; 2],
+        };
+        for guess in [Some(&guess), None] {
+            let outcome = fixed_point(&Newton::default(), &setup, guess, &mut silent).unwrap();
+            assert!(problem.certify(&outcome.multipliers, 1e-7).holds());
+            assert!(apart(&outcome.multipliers.lambda, &[2.5, 0.5, 2.5, 0.5]) < 1e-7);
+        }
+        let held = of(f(), &[1.0; 4], vec![block; 2], (&[], &[]));
+        assert!(carry(&Setup::new(&held).unwrap(), &[0.0, 0.0]));
     }
 }

@@ -46,8 +46,24 @@ const PRODUCTS: usize = 3000;
 /// Residuals that are near an answer.
 pub(crate) const NEARBY: f64 = 1e-2;
 
+/// Residuals below this part of the tolerance are an answer whatever the states are: those that still change are rounding.
+pub(crate) const CERTAIN: f64 = 1e-3;
+
+/// Iterations within a step are as accurate as this part of the tolerance, so that what they leave does not decide.
+const WITHIN: f64 = 1e-2;
+
+/// Their accuracy at the end: more is rounding of the products, less would show in the certificate.
+const MOST_ACCURATE: f64 = 1e-13;
+const LEAST_ACCURATE: f64 = 1e-10;
+
+/// Their accuracy at the beginning, where the states are guesses: two digits tell most of them.
+const BEGINNING: f64 = 1e-2;
+
 /// Accuracy of iterations within a step where the start is good: rougher forces would spoil it.
 const CLOSE: f64 = 1e-9;
+
+/// A gap of which a motion of unit length changes less does not move with it: rounding of orthonormal modes, ten times over.
+const UNMOVED: f64 = 1e-12;
 
 /// Forces below this part of the largest are rounding of the linear solves.
 const ROUNDING: f64 = 1e-14;
@@ -62,12 +78,12 @@ pub(crate) enum Ended {
 
 /// Accuracy of iterations within a step at the end.
 pub(crate) fn tight(tolerance: f64) -> f64 {
-    (1e-2 * tolerance).clamp(1e-13, 1e-10)
+    (WITHIN * tolerance).clamp(MOST_ACCURATE, LEAST_ACCURATE)
 }
 
 /// Accuracy where that does not do: in many contacts the error of one is small beside that of all.
 pub(crate) fn finest(tolerance: f64) -> f64 {
-    1e-2 * tight(tolerance)
+    WITHIN * tight(tolerance)
 }
 
 /// The iterate and its history.
@@ -119,7 +135,7 @@ impl<'a> Search<'a> {
             unique: false,
             accuracy: match setup.problem.compliance {
                 Compliance::Dense(_) | Compliance::Sparse(_) => finest(tolerance),
-                Compliance::Operator { .. } => 1e-2,
+                Compliance::Operator { .. } => BEGINNING,
             },
         }
     }
@@ -187,7 +203,7 @@ impl<'a> Search<'a> {
             let (now, then) = (State::keys(&states), State::keys(&next));
             let same = now == then;
             let passes = self.residual <= self.tolerance;
-            if passes && (same || self.residual <= 1e-3 * self.tolerance) {
+            if passes && (same || self.residual <= CERTAIN * self.tolerance) {
                 return Ended::Converged;
             }
             if same && self.accuracy > finest(self.tolerance) {
@@ -380,7 +396,7 @@ fn open_gaps(
     }
     // A gap that the loose motion does not change is left to the active set.
     let moved: Vec<usize> = (0..setup.len())
-        .filter(|&i| open(i) && largest[i] > 1e-12)
+        .filter(|&i| open(i) && largest[i] > UNMOVED)
         .collect();
     let bounds: Vec<f64> = moved.iter().map(|&i| gap[i]).collect();
     if bounds.iter().all(|&gap| gap >= 0.0) {
@@ -394,5 +410,333 @@ fn open_gaps(
                 *alpha += motion * z;
             }
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::dual::{Block, DualProblem, Friction};
+    use crate::linalg::Mat;
+    use crate::solve::Iterate;
+    use crate::solve::levels::Start;
+    use crate::solve::tests::{apart, applied, by_trial, definite, of, silent};
+    use std::ops::ControlFlow;
+
+    fn pressed(m: usize) -> DualProblem {
+        let shift: Vec<f64> = (0..m).map(|i| (1.7 * i as f64).cos()).collect();
+        let f = Compliance::Dense(definite(m));
+        of(f, &shift, vec![Block::Unilateral; m], (&[], &[]))
+    }
+
+    fn springs(compliance: &[f64], shift: &[f64], blocks: Vec<Block>) -> DualProblem {
+        let m = shift.len();
+        let f = Mat::from_fn(m, m, |i, j| if i == j { compliance[i] } else { 0.0 });
+        of(Compliance::Dense(f), shift, blocks, (&[], &[]))
+    }
+
+    #[test]
+    fn accuracy_follows_the_tolerance_between_bounds() {
+        assert!((tight(1e-9) / 1e-11 - 1.0).abs() < 1e-15);
+        assert_eq!(tight(1e-3), 1e-10);
+        assert_eq!(tight(1e-30), 1e-13);
+        assert!((finest(1e-9) / 1e-13 - 1.0).abs() < 1e-15);
+    }
+
+    #[test]
+    fn search_begins_without_forces_and_knows_what_the_overlaps_ask_for() {
+        let problem = springs(&[2.0, 0.5], &[3.0, -4.0], vec![Block::Unilateral; 2]);
+        let setup = Setup::new(&problem).unwrap();
+        let search = Search::new((1e-9, 7), &setup);
+        assert_eq!(search.asked, 8.0);
+        assert_eq!(search.point.lambda, [0.0, 0.0]);
+        assert_eq!(search.accuracy, finest(1e-9));
+        assert_eq!(
+            (search.tolerance, search.most, search.iterations()),
+            (1e-9, 7, 0)
+        );
+        let of_operator = of(
+            applied(&definite(2), definite(2)),
+            &[0.0, 0.0],
+            vec![Block::Unilateral; 2],
+            (&[], &[]),
+        );
+        let setup = Setup::new(&of_operator).unwrap();
+        let search = Search::new((1e-9, 7), &setup);
+        assert_eq!((search.asked, search.accuracy), (0.0, 1e-2));
+    }
+
+    #[test]
+    fn work_that_is_allowed_counts_steps_and_products_since_the_search_began() {
+        let problem = pressed(3);
+        let setup = Setup::new(&problem).unwrap();
+        setup.count(5000);
+        let mut search = Search::new((1e-9, 7), &setup);
+        assert!(!search.exhausted());
+        setup.count(2999);
+        assert!(!search.exhausted());
+        setup.count(1);
+        assert!(search.exhausted());
+        let setup = Setup::new(&problem).unwrap();
+        search = Search::new((1e-9, 7), &setup);
+        search.steps = 6;
+        assert!(!search.exhausted());
+        search.steps = 7;
+        assert!(search.exhausted());
+    }
+
+    #[test]
+    fn coarser_problem_gives_forces_states_and_its_share_of_steps() {
+        let problem = pressed(2);
+        let setup = Setup::new(&problem).unwrap();
+        let mut search = Search::new((1e-4, 50), &setup);
+        let states = search.all_closed();
+        assert_eq!(State::keys(&states), [(true, 0); 2]);
+        search.accuracy = 1e-2;
+        let start = |accuracy: f64, search: &mut Search<'_>| {
+            search.accuracy = accuracy;
+            search.begin(Start {
+                lambda: vec![1.0, 2.0],
+                alpha: Vec::new(),
+                states: vec![State::sticking(&Block::Unilateral, false); 2],
+                steps: 1.2,
+            })
+        };
+        let states = start(1e-2, &mut search);
+        assert_eq!(State::keys(&states), [(false, 0); 2]);
+        assert_eq!((search.accuracy, search.iterations()), (1e-9, 2));
+        assert_eq!(search.point.lambda, [1.0, 2.0]);
+        search.steps = 3;
+        start(1e-12, &mut search);
+        // 3 + 2.4
+        assert_eq!((search.accuracy, search.iterations()), (1e-12, 6));
+    }
+
+    #[test]
+    fn exact_steps_end_with_the_forces_that_trial_finds() {
+        let problem = pressed(9);
+        let setup = Setup::new(&problem).unwrap();
+        let mut search = Search::new((1e-10, 50), &setup);
+        let mut shown = Vec::new();
+        let mut observe = |at: &Iterate<'_>| {
+            shown.push((at.iteration, at.step));
+            ControlFlow::Continue(())
+        };
+        let patience = Patience::new(20, f64::INFINITY);
+        let closed = search.all_closed();
+        let ended = search.exact(closed, &patience, &|_, _| {}, &mut observe);
+        assert!(matches!(ended, Ended::Converged) && search.unique);
+        let expected = by_trial(&definite(9), &problem.shift, (&[], &[]));
+        assert!(apart(&search.point.lambda, &expected.lambda) < 1e-13);
+        let numbered: Vec<(usize, char)> = (1..=search.steps).map(|k| (k, 'n')).collect();
+        assert_eq!(shown, numbered);
+        assert!((2..8).contains(&search.steps), "{}", search.steps);
+        let outcome = search.outcome(false);
+        assert!(outcome.exact && !outcome.stopped_by_observer);
+        assert_eq!(outcome.iterations, search.steps);
+    }
+
+    #[test]
+    fn patience_and_observers_end_exact_steps() {
+        let problem = pressed(9);
+        let setup = Setup::new(&problem).unwrap();
+        let ended = |patience: Patience, most: usize, observe: Observer<'_>| {
+            let mut search = Search::new((1e-10, most), &setup);
+            let closed = search.all_closed();
+            let ended = search.exact(closed, &patience, &|_, _| {}, observe);
+            (ended, search.steps)
+        };
+        // the residual of the first step is no less than anything
+        let (end, steps) = ended(Patience::new(1, f64::INFINITY), 50, &mut silent);
+        let Ended::Stuck(next) = end else {
+            panic!("one step does");
+        };
+        assert_eq!(steps, 1);
+        assert!(
+            State::keys(&next).contains(&(false, 0)),
+            "the states that come next"
+        );
+        let (end, steps) = ended(Patience::new(20, 1e-9), 50, &mut silent);
+        assert!(matches!(end, Ended::Stuck(_)) && steps == 2, "{steps}");
+        let (end, steps) = ended(Patience::new(20, f64::INFINITY), 2, &mut silent);
+        assert!(matches!(end, Ended::Stuck(_)) && steps == 2, "{steps}");
+        let mut satisfied = |_: &Iterate<'_>| ControlFlow::Break(());
+        let (end, steps) = ended(Patience::new(20, f64::INFINITY), 50, &mut satisfied);
+        assert!(matches!(end, Ended::Stopped) && steps == 1);
+    }
+
+    #[test]
+    fn guess_that_cannot_balance_the_load_is_no_step() {
+        let problem = of(
+            Compliance::Dense(definite(2)),
+            &[0.1, 0.1],
+            vec![Block::Unilateral; 2],
+            (&[vec![1.0, 1.0]], &[2.0]),
+        );
+        let setup = Setup::new(&problem).unwrap();
+        let mut search = Search::new((1e-10, 50), &setup);
+        let open = vec![State::sticking(&Block::Unilateral, false); 2];
+        assert!(!search.exact_step(&open));
+        assert_eq!(search.steps, 0);
+        let closed = search.all_closed();
+        assert!(search.exact_step(&closed));
+        assert_eq!(search.steps, 1);
+        assert!(search.residual < 1e-12 && search.best.0 == search.residual);
+    }
+
+    #[test]
+    fn forces_that_are_rounding_are_none() {
+        let coulomb = Friction::Coulomb { coefficient: 0.5 }.block(1);
+        let tresca = Friction::Tresca { bound: 1.0 }.block(1);
+        let blocks = vec![
+            Block::Unilateral,
+            Block::Unilateral,
+            coulomb,
+            tresca,
+            Block::Free { size: 1 },
+        ];
+        let problem = springs(&[1.0; 7], &[2.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0], blocks);
+        let setup = Setup::new(&problem).unwrap();
+        let mut search = Search::new((1e-10, 50), &setup);
+        // the overlap asks for 2, the largest force is 4
+        let small = 3.9e-14;
+        search.point.lambda = vec![-small, 4.2e-14, small, 1.0, small, 1.0, small];
+        search.point.lambda[3] = 4.0;
+        search.point.product = vec![1.0; 7];
+        search.drop_rounding();
+        let kept = [0.0, 4.2e-14, 0.0, 0.0, 0.0, 1.0, small];
+        assert_eq!(search.point.lambda, kept);
+        assert_eq!(search.point.product, [1.0; 7]);
+        // beside nothing else what the overlaps ask for decides, and nothing causes no displacement
+        search.point.lambda = vec![1.9e-14, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0];
+        search.drop_rounding();
+        assert_eq!(search.point.lambda, [0.0; 7]);
+        assert_eq!(search.point.product, [0.0; 7]);
+        search.point.lambda = vec![2.1e-14, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0];
+        search.drop_rounding();
+        assert_eq!(search.point.lambda[0], 2.1e-14);
+    }
+
+    #[test]
+    fn rounding_of_the_other_does_not_change_a_state() {
+        let problem = springs(&[1.0; 4], &[0.0; 4], vec![Block::Unilateral; 4]);
+        let setup = Setup::new(&problem).unwrap();
+        let mut search = Search::new((1e-10, 50), &setup);
+        let state = |closed| State::sticking(&Block::Unilateral, closed);
+        let states = [true, true, false, false].map(state);
+        // closed ones with a force whatever their gap is, open ones with a gap whatever their force is
+        search.point.lambda = vec![1e-9, 0.0, 1.0, 1.0];
+        let next = search.next_states(&states, &[1.0, 1.0, 0.5, -0.5]);
+        assert_eq!(next.map_closed(), [true, false, false, true]);
+        let next = search.next_states(&states, &[1.0, 1.0, 0.0, 1e-3]);
+        assert_eq!(next.map_closed(), [true, false, false, false]);
+    }
+
+    trait Closed {
+        fn map_closed(&self) -> Vec<bool>;
+    }
+
+    impl Closed for Vec<State> {
+        fn map_closed(&self) -> Vec<bool> {
+            self.iter().map(|state| state.closed).collect()
+        }
+    }
+
+    #[test]
+    fn slip_that_turns_against_its_shear_sticks_first() {
+        let block = Friction::Coulomb { coefficient: 0.5 }.block(1);
+        let problem = springs(&[1.0, 2.0], &[0.0; 2], vec![block]);
+        let setup = Setup::new(&problem).unwrap();
+        let mut search = Search::new((1e-10, 50), &setup);
+        search.point.lambda = vec![2.0, 1.0];
+        let slip = |sign: f64| State {
+            closed: true,
+            shear: Shear::Slip {
+                direction: vec![sign],
+                share: 0.5,
+            },
+            excess: 0.0,
+        };
+        // the trial shear is 1 − gap/2
+        let next =
+            |state: State, gap: f64| search.next_states(&[state], &[0.0, gap]).remove(0).shear;
+        let ahead = Shear::Slip {
+            direction: vec![1.0],
+            share: 0.5,
+        };
+        assert_eq!(next(slip(1.0), -2.0), ahead);
+        assert_eq!(next(slip(-1.0), -2.0), Shear::Stick);
+        assert_eq!(next(State::sticking(&block, true), -2.0), ahead);
+        assert_eq!(next(slip(1.0), 1.0), Shear::Stick);
+    }
+
+    #[test]
+    fn best_forces_come_back_where_they_are_near_an_answer() {
+        let problem = pressed(2);
+        let setup = Setup::new(&problem).unwrap();
+        let mut search = Search::new((1e-10, 50), &setup);
+        search.move_to(vec![1.0, 1.0], Vec::new());
+        let best = search.residual;
+        assert_eq!(search.kind, 'p');
+        search.move_to(vec![50.0, 1.0], Vec::new());
+        assert!(search.residual > best && search.best.0 == best);
+        search.kind = 'n';
+        // far from an answer: stays
+        assert!(best > NEARBY);
+        search.go_back();
+        assert_eq!((search.point.lambda[0], search.kind), (50.0, 'n'));
+        search.best.0 = 0.9 * NEARBY;
+        search.go_back();
+        assert_eq!(search.point.lambda, [1.0, 1.0]);
+        assert_eq!((search.residual, search.kind), (0.9 * NEARBY, 'p'));
+        let SolveError::NotConverged {
+            outcome,
+            residual,
+            reason,
+            ..
+        } = search.not_converged("newton", "because")
+        else {
+            panic!("another error");
+        };
+        assert_eq!((residual, reason.as_str()), (0.9 * NEARBY, "because"));
+        assert!(!outcome.exact && outcome.multipliers.lambda == [1.0, 1.0]);
+    }
+
+    #[test]
+    fn loose_motion_is_the_least_that_opens_what_overlaps() {
+        let modes = [vec![1.0, 1.0, 1.0], vec![-1.0, 0.0, 1.0]];
+        let problem = of(
+            Compliance::Dense(definite(3)),
+            &[0.0; 3],
+            vec![Block::Unilateral; 3],
+            (&modes, &[0.0, 0.0]),
+        );
+        let setup = Setup::new(&problem).unwrap();
+        let loose = [vec![1.0, 0.0], vec![0.0, 1.0]];
+        let moved = |gap: [f64; 3], open: [bool; 3]| {
+            let mut alpha = vec![0.0; 2];
+            open_gaps(&setup, &loose, &gap, |i| open[i], &mut alpha);
+            let mut after = gap;
+            setup.balance.add_transposed(-1.0, &alpha, &mut after);
+            (alpha, after)
+        };
+        let (alpha, _) = moved([0.0, 0.5, 0.1], [true; 3]);
+        assert_eq!(alpha, [0.0, 0.0]);
+        // closed contacts do not ask
+        let (alpha, _) = moved([-1.0, 0.5, 0.1], [false, true, true]);
+        assert_eq!(alpha, [0.0, 0.0]);
+        let (alpha, after) = moved([-1.0, 2.0, 2.0], [true; 3]);
+        assert!(
+            after[0].abs() < 1e-12 && after[1] > 0.0 && after[2] > 0.0,
+            "{after:?}"
+        );
+        // the shortest way to one plane is along its normal
+        let mut normal = [0.0; 2];
+        for (j, normal) in normal.iter_mut().enumerate() {
+            let mut image = vec![0.0; 3];
+            setup.balance.add_transposed(1.0, &loose[j], &mut image);
+            *normal = image[0];
+        }
+        assert!((alpha[0] * normal[1] - alpha[1] * normal[0]).abs() < 1e-12);
     }
 }

@@ -116,3 +116,75 @@ pub(crate) fn projected_bound(setup: &Setup<'_>) -> f64 {
     });
     setup.usable_bound(bound)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::dual::{Block, Compliance};
+    use crate::linalg::Mat;
+    use crate::solve::tests::{apart, definite, of, silent, times};
+    use crate::solve::{ContactSolver, Iterate};
+    use std::ops::ControlFlow;
+
+    #[test]
+    fn bound_is_the_largest_eigenvalue_on_balanced_forces() {
+        // along (1, −1)/√2 alone forces keep their sum: (3 + 7)/2
+        let f = Mat::from_fn(2, 2, |i, j| if i == j { [3.0, 7.0][i] } else { 0.0 });
+        let blocks = vec![Block::Unilateral; 2];
+        let balance = (&[vec![1.0, 1.0]][..], &[1.0][..]);
+        let problem = of(
+            Compliance::Dense(f.clone()),
+            &[1.0, 2.0],
+            blocks.clone(),
+            balance,
+        );
+        let setup = Setup::new(&problem).unwrap();
+        assert!((projected_bound(&setup) - 5.0).abs() < 1e-13);
+        let problem = of(Compliance::Dense(f), &[1.0, 2.0], blocks, (&[], &[]));
+        let setup = Setup::new(&problem).unwrap();
+        assert!((projected_bound(&setup) - 7.0).abs() < 1e-13);
+    }
+
+    #[test]
+    fn iterates_are_those_of_the_formula_and_the_step_is_told() {
+        let f = definite(6);
+        let shift = [1.0, -0.4, 0.7, 0.2, -1.0, 0.9];
+        let problem = of(
+            Compliance::Dense(f.clone()),
+            &shift,
+            vec![Block::Unilateral; 6],
+            (&[], &[]),
+        );
+        let mut iterates = Vec::new();
+        let method = Gradient {
+            rho: Some(0.4),
+            ..Gradient::default()
+        };
+        let outcome = method
+            .solve(&problem, None, &mut |iterate: &Iterate<'_>| {
+                assert_eq!(iterate.step, 'g');
+                assert_eq!(iterate.iteration, iterates.len() + 1);
+                iterates.push(iterate.lambda.to_vec());
+                ControlFlow::Continue(())
+            })
+            .unwrap();
+        assert_eq!(outcome.rho, Some(0.4));
+        assert_eq!(outcome.iterations, iterates.len());
+        // one product for each iterate and for the start
+        assert_eq!(outcome.products, iterates.len() + 1);
+        let mut lambda = vec![0.0; 6];
+        for iterate in &iterates {
+            let gap = times(&f, &lambda);
+            for i in 0..6 {
+                lambda[i] = (lambda[i] - 0.4 * (gap[i] - shift[i])).max(0.0);
+            }
+            assert!(apart(&lambda, iterate) < 1e-14);
+        }
+        let automatic = Gradient::default()
+            .solve(&problem, None, &mut silent)
+            .unwrap();
+        let setup = Setup::new(&problem).unwrap();
+        let rho = automatic.rho.unwrap();
+        assert!((rho * projected_bound(&setup) - 1.9).abs() < 1e-14);
+    }
+}

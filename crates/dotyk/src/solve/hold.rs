@@ -6,7 +6,7 @@
 
 use crate::solve::setup::Setup;
 use crate::solve::states::{Shear, State};
-use crate::solve::system::System;
+use crate::solve::system::{LOOSE, System};
 
 /// Changes `states` until they hold the floating bodies: nodes that want to slip least stick, then contacts of `before`
 /// stay closed (all of them where there is no before).
@@ -46,7 +46,7 @@ fn stick_where_free(setup: &Setup<'_>, states: &mut [State]) {
             motion
         });
         let motions: Vec<Vec<f64>> = motions.collect();
-        let moves = |i: usize| motions.iter().any(|motion| motion[i].abs() > 1e-9);
+        let moves = |i: usize| motions.iter().any(|motion| motion[i].abs() > LOOSE);
         let slipping = |place: &usize| {
             let state = &states[*place];
             let law = setup.admissible.blocks()[*place].friction();
@@ -59,5 +59,115 @@ fn stick_where_free(setup: &Setup<'_>, states: &mut [State]) {
             .min_by(|&a, &b| states[a].excess.total_cmp(&states[b].excess));
         let Some(place) = least else { return };
         states[place].shear = Shear::Stick;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::dual::{Compliance, DualProblem, Friction};
+    use crate::solve::tests::{definite, of};
+
+    /// Nodes in the plane on one body: `modes` move normals (even) and tangents (odd).
+    fn nodes(count: usize, modes: &[Vec<f64>], load: &[f64]) -> DualProblem {
+        let block = Friction::Coulomb { coefficient: 0.5 }.block(1);
+        let shift = vec![1.0; 2 * count];
+        let f = Compliance::Dense(definite(2 * count));
+        of(f, &shift, vec![block; count], (modes, load))
+    }
+
+    fn slipping(closed: bool, excess: f64) -> State {
+        State {
+            closed,
+            shear: Shear::Slip {
+                direction: vec![1.0],
+                share: 0.5,
+            },
+            excess,
+        }
+    }
+
+    fn sticks(states: &[State]) -> Vec<usize> {
+        let stick = |i: &usize| states[*i].shear == Shear::Stick;
+        (0..states.len()).filter(stick).collect()
+    }
+
+    #[test]
+    fn node_that_wants_to_slip_least_sticks_and_no_more_than_are_needed() {
+        let aside = vec![0.0, 1.0, 0.0, 1.0, 0.0, 1.0];
+        let problem = nodes(3, &[aside], &[0.1]);
+        let setup = Setup::new(&problem).unwrap();
+        let mut states: Vec<State> = [3.0, 1.0, 2.0].map(|e| slipping(true, e)).to_vec();
+        hold(&setup, &mut states, None);
+        assert_eq!(sticks(&states), [1]);
+        assert_eq!([states[0].excess, states[2].excess], [3.0, 2.0]);
+        // an open node bears no shear, one that the motion does not move does not hold it
+        let aside = vec![0.0, 1.0, 0.0, 1.0, 0.0, 0.0];
+        let problem = nodes(3, &[aside], &[0.1]);
+        let setup = Setup::new(&problem).unwrap();
+        let mut states = vec![
+            slipping(true, 3.0),
+            slipping(false, 1.0),
+            slipping(true, 2.0),
+        ];
+        hold(&setup, &mut states, None);
+        assert_eq!(sticks(&states), [0]);
+        // two motions ask for two nodes
+        let modes = [
+            vec![0.0, 1.0, 0.0, 1.0, 0.0, 1.0],
+            vec![0.0, -1.0, 0.0, 0.5, 0.0, 1.0],
+        ];
+        let problem = nodes(3, &modes, &[0.1, 0.0]);
+        let setup = Setup::new(&problem).unwrap();
+        let mut states: Vec<State> = [3.0, 1.0, 2.0].map(|e| slipping(true, e)).to_vec();
+        hold(&setup, &mut states, None);
+        assert_eq!(sticks(&states), [1, 2]);
+    }
+
+    #[test]
+    fn contacts_that_were_closed_stay_where_the_load_has_nothing_else() {
+        let up = vec![1.0, 0.0, 1.0, 0.0, 1.0, 0.0];
+        let problem = nodes(3, &[up], &[2.0]);
+        let setup = Setup::new(&problem).unwrap();
+        let block = &setup.admissible.blocks()[0];
+        let open = || vec![State::sticking(block, false); 3];
+        // all where nothing was before
+        let mut states = open();
+        hold(&setup, &mut states, None);
+        assert!(states.iter().all(|state| state.closed));
+        // those of before, with what they did
+        let before = vec![
+            State::sticking(block, false),
+            slipping(true, 1.5),
+            State::sticking(block, false),
+        ];
+        let mut states = open();
+        hold(&setup, &mut states, Some(&before));
+        assert_eq!(states, before);
+        let mut states = open();
+        held(&setup)(&mut states, &before);
+        assert_eq!(states, before);
+        // one is enough: nothing is changed
+        let mut states = open();
+        states[2].closed = true;
+        let own = states.clone();
+        hold(&setup, &mut states, Some(&before));
+        assert_eq!(states, own);
+        // without a load open contacts may stay open
+        let problem = nodes(3, &[vec![1.0, 0.0, 1.0, 0.0, 1.0, 0.0]], &[0.0]);
+        let setup = Setup::new(&problem).unwrap();
+        let mut states = open();
+        hold(&setup, &mut states, None);
+        assert_eq!(states, open());
+    }
+
+    #[test]
+    fn where_nothing_floats_states_are_left_alone() {
+        let problem = nodes(2, &[], &[]);
+        let setup = Setup::new(&problem).unwrap();
+        let own = vec![slipping(true, 1.0), slipping(false, 2.0)];
+        let mut states = own.clone();
+        hold(&setup, &mut states, None);
+        assert_eq!(states, own);
     }
 }

@@ -508,3 +508,437 @@ pub(crate) fn local_softness(setup: &Setup<'_>) -> Vec<f64> {
 
 /// Below this part of its own softness a difference is rounding.
 const LEAST: f64 = 1e-12;
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::solve::states::Shear;
+    use crate::solve::tests::{apart, applied, definite, of, times};
+
+    const COULOMB: Friction = Friction::Coulomb { coefficient: 0.5 };
+
+    fn chain(count: usize) -> Vec<[usize; 2]> {
+        (1..count).map(|i| [i - 1, i]).collect()
+    }
+
+    /// y = 2x.
+    struct Double(usize);
+
+    impl LinearOperator for Double {
+        fn len(&self) -> usize {
+            self.0
+        }
+
+        fn apply(&self, x: &[f64], y: &mut [f64]) {
+            y.iter_mut().zip(x).for_each(|(y, x)| *y = 2.0 * x);
+        }
+    }
+
+    /// A chain of contacts that press, with an applied F = 2.
+    fn long(count: usize) -> DualProblem {
+        let compliance = Compliance::Operator {
+            apply: Box::new(Double(count)),
+            preconditioner: Box::new(Double(count)),
+        };
+        let shift = vec![1.0; count];
+        let blocks = vec![Block::Unilateral; count];
+        let mut problem = of(compliance, &shift, blocks, (&[], &[]));
+        problem.neighbours = chain(count);
+        problem
+    }
+
+    /// A chain of `count` nodes with friction on a body that two motions move.
+    fn nodes(count: usize) -> DualProblem {
+        let m = 2 * count;
+        let blocks: Vec<Block> = (0..count)
+            .map(|i| {
+                Friction::Coulomb {
+                    coefficient: 0.1 * (1 + i) as f64,
+                }
+                .block(1)
+            })
+            .collect();
+        let shift: Vec<f64> = (0..m).map(|i| (i as f64).sin()).collect();
+        let modes = [
+            (0..m).map(|i| f64::from(u8::from(i % 2 == 0))).collect(),
+            (0..m).map(|i| 0.1 * i as f64 - 0.5).collect(),
+        ];
+        let f = Compliance::Dense(definite(m));
+        let mut problem = of(f, &shift, blocks, (&modes, &[2.0, 0.3]));
+        problem.neighbours = chain(count);
+        problem
+    }
+
+    #[test]
+    fn neighbours_of_one_kind_become_pairs_where_many_are_connected() {
+        let pairs_of = |count: usize| pairs(&vec![Block::Unilateral; count], &chain(count));
+        let alone: Vec<Vec<usize>> = (0..FEW).map(|i| vec![i]).collect();
+        assert_eq!(pairs_of(FEW), alone);
+        let nine: [&[usize]; 5] = [&[0, 1], &[2, 3], &[4, 5], &[6, 7], &[8]];
+        assert_eq!(pairs_of(9), nine);
+        // the partner of least number, and none of another kind or size
+        let mut blocks = vec![Block::Unilateral; 10];
+        (blocks[1], blocks[2]) = (COULOMB.block(1), COULOMB.block(2));
+        blocks[3] = Friction::Tresca { bound: 1.0 }.block(1);
+        let mut neighbours = chain(10);
+        neighbours.extend([[9, 0], [0, 5], [4, 4]]);
+        let found = pairs(&blocks, &neighbours);
+        let expected: [&[usize]; 7] = [&[0, 5], &[1], &[2], &[3], &[4], &[6, 7], &[8, 9]];
+        assert_eq!(found, expected);
+    }
+
+    #[test]
+    fn graphs_of_contacts_and_of_clusters() {
+        let links = beside(6, &[[0, 2], [2, 1], [4, 3]]);
+        let expected: [&[usize]; 6] = [&[2], &[2], &[0, 1], &[4], &[3], &[]];
+        assert_eq!(links, expected);
+        assert_eq!(component_sizes(&links), [3, 3, 3, 2, 2, 1]);
+        let neighbours = [[0, 1], [2, 1], [3, 2], [1, 2], [4, 0]];
+        assert_eq!(joined(&neighbours, &[0, 0, 1, 1, 2]), [[0, 1], [0, 2]]);
+    }
+
+    /// Parts of every force in those of the clusters, (m, m').
+    fn parts(members: &[Vec<usize>], size: usize, m: usize) -> Mat<f64> {
+        let mut parts = Mat::<f64>::zeros(m, size * members.len());
+        for (cluster, members) in members.iter().enumerate() {
+            for &member in members {
+                for c in 0..size {
+                    parts[(size * member + c, size * cluster + c)] = 1.0 / members.len() as f64;
+                }
+            }
+        }
+        parts
+    }
+
+    #[test]
+    fn problem_of_clusters_is_that_of_equal_parts() {
+        let problem = nodes(10);
+        let setup = Setup::new(&problem).unwrap();
+        let mut members: Vec<Vec<usize>> = (0..4).map(|i| vec![2 * i, 2 * i + 1]).collect();
+        members.extend([vec![8], vec![9]]);
+        let p = parts(&members, 2, 20);
+        let clusters = Clusters::new(members, &setup);
+        let f = definite(20);
+        let reduced = clusters.reduced(&f);
+        let coarse = clusters.problem(&setup, reduced.clone()).unwrap();
+        for j in 0..12 {
+            let column: Vec<f64> = (0..20).map(|i| p[(i, j)]).collect();
+            let image = times(&f, &column);
+            for i in 0..12 {
+                let expected: f64 = (0..20).map(|a| p[(a, i)] * image[a]).sum();
+                assert!((reduced[(i, j)] - expected).abs() < 1e-14);
+            }
+            let shift: f64 = column.iter().zip(&problem.shift).map(|(p, d)| p * d).sum();
+            assert!((coarse.shift[j] - shift).abs() < 1e-15);
+            for r in 0..2 {
+                let mode: f64 = (0..20)
+                    .map(|a| problem.balance.modes()[(r, a)] * column[a])
+                    .sum();
+                assert!((coarse.balance.modes()[(r, j)] - mode).abs() < 1e-15);
+            }
+        }
+        assert_eq!(coarse.neighbours, chain(6));
+        assert_eq!(coarse.balance.load(), problem.balance.load());
+        assert_eq!(coarse.scales, problem.scales);
+        // coefficients are means: of 0.3 and 0.4
+        let (given, growth) = coarse.admissible.blocks()[1].friction().unwrap().terms();
+        assert!(given == 0.0 && (growth - 0.35).abs() < 1e-15);
+    }
+
+    #[test]
+    fn coarser_answer_is_spread_evenly_and_counted_by_its_share() {
+        let problem = nodes(10);
+        let setup = Setup::new(&problem).unwrap();
+        let told = |outcome: &dyn Fn(&Setup<'_>) -> Result<Outcome, SolveError>| {
+            start(&setup, &|limits, coarse, _| {
+                assert_eq!(limits, (1e-4, 40));
+                outcome(coarse)
+            })
+        };
+        let answer = |coarse: &Setup<'_>| Outcome {
+            iterations: 6,
+            ..Outcome::unsolved(Multipliers {
+                // five pairs; the second one open
+                lambda: (0..coarse.len())
+                    .map(|i| [2.0, 0.0, 0.0, 0.0, 4.0, 0.0, 6.0, 0.0, 8.0, 0.0][i])
+                    .collect(),
+                alpha: vec![0.7, -0.3],
+            })
+        };
+        let found = told(&|coarse| Ok(answer(coarse))).unwrap();
+        let normals = [1.0, 1.0, 0.0, 0.0, 2.0, 2.0, 3.0, 3.0, 4.0, 4.0];
+        let expected: Vec<f64> = normals.iter().flat_map(|n| [*n, 0.0]).collect();
+        assert_eq!(found.lambda, expected);
+        assert!(
+            apart(
+                &setup.multipliers(&found.lambda, &found.alpha).alpha,
+                &[0.7, -0.3]
+            ) < 1e-14
+        );
+        // 6 of half the unknowns
+        assert_eq!(found.steps, 3.0);
+        // open nodes beside closed ones close: 2 and 3 are beside 1 and 4
+        assert!(found.states.iter().all(|state| state.closed));
+        let rough = |coarse: &Setup<'_>| SolveError::NotConverged {
+            method: "newton",
+            outcome: Box::new(answer(coarse)),
+            residual: 1.0,
+            reason: String::new(),
+        };
+        assert_eq!(told(&|coarse| Err(rough(coarse))).unwrap().lambda, expected);
+        assert!(told(&|_| Err(SolveError::Invalid(String::new()))).is_none());
+        let wild = |which: usize| {
+            move |coarse: &Setup<'_>| {
+                let mut outcome = answer(coarse);
+                let forces = &mut outcome.multipliers;
+                match which {
+                    0 => forces.lambda[3] = f64::NAN,
+                    _ => forces.alpha[1] = f64::INFINITY,
+                }
+                Ok(outcome)
+            }
+        };
+        assert!(told(&wild(0)).is_none() && told(&wild(1)).is_none());
+    }
+
+    #[test]
+    fn coarser_problem_must_be_worth_its_solves() {
+        // twelve in a chain become six beside others that stay alone: at most three quarters
+        let with = |alone: usize, neighbours: Vec<[usize; 2]>| {
+            let m = 12 + alone;
+            let blocks = vec![Block::Unilateral; m];
+            let f = Compliance::Dense(definite(m));
+            let mut problem = of(f, &vec![1.0; m], blocks, (&[], &[]));
+            problem.neighbours = neighbours;
+            let setup = Setup::new(&problem).unwrap();
+            let zero = |coarse: &Setup<'_>| {
+                Outcome::unsolved(Multipliers {
+                    lambda: vec![0.0; coarse.len()],
+                    alpha: Vec::new(),
+                })
+            };
+            start(&setup, &|_, coarse, _| Ok(zero(coarse))).is_some()
+        };
+        assert!(with(12, chain(12)));
+        assert!(!with(13, chain(12)));
+        assert!(!with(0, Vec::new()));
+    }
+
+    #[test]
+    fn contacts_widen_by_one_node_that_does_what_the_one_beside_it_does() {
+        let block = COULOMB.block(1);
+        let admissible =
+            AdmissibleSet::new(vec![block, block, block, block, block, Block::Unilateral]);
+        let open = State::sticking(&block, false);
+        let slips = State {
+            closed: true,
+            shear: Shear::Slip {
+                direction: vec![-1.0],
+                share: 0.25,
+            },
+            excess: 3.0,
+        };
+        let mut states = vec![
+            open.clone(),
+            open.clone(),
+            open.clone(),
+            slips.clone(),
+            open.clone(),
+        ];
+        states.push(State::sticking(&Block::Unilateral, false));
+        // the last one is beside a closed node of another size
+        let neighbours = [[0, 1], [1, 2], [2, 3], [4, 3], [5, 3]];
+        widen(&mut states, &admissible, &neighbours);
+        assert_eq!(states[..2], [open.clone(), open.clone()]);
+        assert_eq!(states[2..5], [slips.clone(), slips.clone(), slips]);
+        assert!(!states[5].closed);
+    }
+
+    #[test]
+    fn tree_is_cut_where_few_clusters_are_left() {
+        let cut = |count: usize| {
+            let problem = long(count);
+            let setup = Setup::new(&problem).unwrap();
+            Cut::new(&setup).map(|tree| {
+                let of = |node: &usize| tree.blocks[*node].clone();
+                tree.cut.iter().map(of).collect::<Vec<Vec<usize>>>()
+            })
+        };
+        // 300, 150, 75, 38: eight in each cluster
+        let clusters = cut(300).unwrap();
+        assert_eq!(clusters.len(), 38);
+        assert_eq!(clusters[0], (0..8).collect::<Vec<usize>>());
+        assert_eq!(clusters.concat(), (0..300).collect::<Vec<usize>>());
+        // 252, 126, 63: a fourth
+        assert_eq!(cut(252).unwrap().len(), 63);
+        assert!(cut(251).is_none());
+        // 64 are not paired, and no fewer than all
+        assert!(cut(64).is_none());
+    }
+
+    #[test]
+    fn columns_of_clusters_give_their_compliance_and_are_found_once() {
+        let (m, f) = (300, definite(300));
+        let shift = vec![1.0; m];
+        let mut problem = of(
+            applied(&f, Mat::identity(m, m)),
+            &shift,
+            vec![Block::Unilateral; m],
+            (&[], &[]),
+        );
+        problem.neighbours = chain(m);
+        let setup = Setup::new(&problem).unwrap();
+        let Compliance::Operator { apply, .. } = &problem.compliance else {
+            panic!("it is applied");
+        };
+        let mut tree = Cut::new(&setup).unwrap();
+        assert!(tree.fill(&setup, &**apply));
+        assert_eq!(setup.products(), 38);
+        let members: Vec<Vec<usize>> = tree
+            .cut
+            .iter()
+            .map(|&node| tree.blocks[node].clone())
+            .collect();
+        let clusters = Clusters::new(members, &setup);
+        let (found, expected) = (tree.compliance(&clusters), clusters.reduced(&f));
+        for i in 0..38 {
+            for j in 0..38 {
+                assert!((found[(i, j)] - expected[(i, j)]).abs() < 1e-14);
+            }
+        }
+        // a change of states between clusters 9 and 10: these and those beside them fall into fourths
+        let states: Vec<State> = (0..38)
+            .map(|i| State::sticking(&Block::Unilateral, i < 10))
+            .collect();
+        let before = tree.cut.clone();
+        assert!(tree.split(&clusters, &states));
+        assert_eq!(tree.cut.len(), 38 + 4 * 3);
+        assert_eq!(
+            (&tree.cut[..8], &tree.cut[24..]),
+            (&before[..8], &before[12..])
+        );
+        let blocks = tree.cut.iter().flat_map(|&node| tree.blocks[node].clone());
+        assert_eq!(
+            blocks.collect::<Vec<usize>>(),
+            (0..300).collect::<Vec<usize>>()
+        );
+        assert!(
+            tree.cut[8..24]
+                .iter()
+                .all(|&node| tree.blocks[node].len() == 2)
+        );
+        assert!(tree.fill(&setup, &**apply));
+        assert_eq!(setup.products(), 38 + 16);
+        // where no state changes nothing becomes finer
+        let members = tree.cut.iter().map(|&node| tree.blocks[node].clone());
+        let clusters = Clusters::new(members.collect(), &setup);
+        let all = vec![State::sticking(&Block::Unilateral, true); 50];
+        assert!(!tree.split(&clusters, &all));
+        assert_eq!(tree.cut.len(), 50);
+    }
+
+    #[test]
+    fn columns_have_an_end() {
+        let problem = long(1100);
+        let setup = Setup::new(&problem).unwrap();
+        let fills = |count: usize| {
+            let mut tree = Cut::new(&setup).unwrap();
+            tree.cut = (0..count).collect();
+            tree.fill(&setup, &Double(1100))
+        };
+        assert!(fills(1024) && !fills(1025));
+    }
+
+    #[test]
+    fn refined_clusters_begin_near_the_answer_of_an_applied_compliance() {
+        // overlaps along the first 93 contacts alone: these bear half of them
+        let mut problem = long(300);
+        problem.shift = (0..300).map(|i| if i < 93 { 1.0 } else { -1.0 }).collect();
+        let setup = Setup::new(&problem).unwrap();
+        let solve = |coarse: &Setup<'_>| {
+            let Compliance::Dense(f) = &coarse.problem.compliance else {
+                panic!("a coarser problem is assembled");
+            };
+            let lambda = (0..coarse.len()).map(|i| (coarse.shift[i] / f[(i, i)]).max(0.0));
+            Outcome {
+                iterations: 2,
+                ..Outcome::unsolved(Multipliers {
+                    lambda: lambda.collect(),
+                    alpha: Vec::new(),
+                })
+            }
+        };
+        let mut sizes = Vec::new();
+        let told = std::cell::RefCell::new(&mut sizes);
+        let found = start(&setup, &|_, coarse, _| {
+            told.borrow_mut().push(coarse.len());
+            Ok(solve(coarse))
+        })
+        .unwrap();
+        // the clusters of the edge fall apart to single contacts
+        let half = (0..300).map(|i| if i < 93 { 0.5 } else { 0.0 });
+        assert!(apart(&found.lambda, &half.collect::<Vec<f64>>()) < 1e-14);
+        let (first, last) = (sizes[0], *sizes.last().unwrap());
+        assert!(first == 38 && last > first && last < 80, "{sizes:?}");
+        let steps: f64 = sizes.iter().map(|&size| 2.0 * size as f64 / 300.0).sum();
+        assert!((found.steps - steps).abs() < 1e-12);
+        // one wider than the answer
+        let closed = found.states.iter().filter(|state| state.closed).count();
+        assert_eq!(closed, 94);
+    }
+
+    #[test]
+    fn local_softness_is_what_gives_way_between_neighbours() {
+        let f = definite(6);
+        let blocks = vec![
+            COULOMB.block(1),
+            COULOMB.block(1),
+            Block::Unilateral,
+            Block::Unilateral,
+        ];
+        let mut problem = of(
+            Compliance::Dense(f.clone()),
+            &[1.0; 6],
+            blocks.clone(),
+            (&[], &[]),
+        );
+        // the contact in the middle is beside two; blocks of other sizes are no neighbours
+        problem.neighbours = vec![[0, 1], [1, 2], [2, 3]];
+        let setup = Setup::new(&problem).unwrap();
+        let pair = |i: usize, j: usize| f[(i, i)] - 2.0 * f[(i, j)] + f[(j, j)];
+        let own = &problem.softness;
+        let expected: Vec<f64> = [(0, 2), (1, 3), (2, 0), (3, 1), (4, 5), (5, 4)]
+            .iter()
+            .map(|&(i, j)| pair(i, j).clamp(1e-12 * own[i], own[i]))
+            .collect();
+        assert!(apart(&local_softness(&setup), &expected) < 1e-14);
+        assert!(expected.iter().zip(own).any(|(e, o)| e < o));
+        // in a chain the middle one is measured against the mean of both
+        problem.admissible = AdmissibleSet::new(vec![Block::Unilateral; 6]);
+        problem.neighbours = chain(3);
+        let setup = Setup::new(&problem).unwrap();
+        let w = [-0.5, 1.0, -0.5, 0.0, 0.0, 0.0];
+        let own: f64 = times(&f, &w).iter().zip(w).map(|(a, b)| a * b).sum();
+        let local = local_softness(&setup);
+        assert!((local[1] - own).abs() < 1e-14);
+        assert_eq!(local[3..], problem.softness[3..]);
+    }
+
+    #[test]
+    fn local_softness_is_no_more_than_the_own_and_more_than_nothing() {
+        let with = |own: f64, beside: f64| {
+            let f = Mat::from_fn(2, 2, |i, j| if i == j { own } else { beside });
+            let blocks = vec![Block::Unilateral; 2];
+            let mut problem = of(Compliance::Dense(f), &[1.0; 2], blocks, (&[], &[]));
+            problem.neighbours = chain(2);
+            local_softness(&Setup::new(&problem).unwrap())
+        };
+        // 2 (own − beside)
+        assert_eq!(with(4.0, 3.0), [2.0; 2]);
+        assert_eq!(with(4.0, -1.0), [4.0; 2]);
+        assert_eq!(with(4.0, 4.0), [4e-12; 2]);
+        let problem = long(5);
+        let setup = Setup::new(&problem).unwrap();
+        assert_eq!(local_softness(&setup), problem.softness);
+    }
+}

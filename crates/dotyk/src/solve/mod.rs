@@ -150,7 +150,7 @@ pub(crate) fn loaded(lambda: &[f64]) -> usize {
 mod tests {
     use super::*;
     use crate::dual::{AdmissibleSet, Balance, Block, Compliance};
-    use crate::linalg::Mat;
+    use crate::linalg::{LinearOperator, Mat};
     use std::ops::ControlFlow;
 
     pub(crate) fn silent(_: &Iterate<'_>) -> ControlFlow<()> {
@@ -176,5 +176,217 @@ mod tests {
             Balance::new(modes, load.to_vec()),
         )
         .unwrap()
+    }
+
+    /// The problem of any F, d, Λ, G and e.
+    pub(crate) fn of(
+        compliance: Compliance,
+        shift: &[f64],
+        blocks: Vec<Block>,
+        (modes, load): (&[Vec<f64>], &[f64]),
+    ) -> DualProblem {
+        let modes = Mat::from_fn(modes.len(), shift.len(), |i, j| modes[i][j]);
+        let balance = Balance::new(modes, load.to_vec());
+        let admissible = AdmissibleSet::new(blocks);
+        DualProblem::new(compliance, shift.to_vec(), admissible, balance).unwrap()
+    }
+
+    /// A definite matrix in which all contacts feel each other, and none as much as another.
+    pub(crate) fn definite(m: usize) -> Mat<f64> {
+        let own = |i: usize| 0.2 + 0.1 * (1.0 + i as f64).sin();
+        Mat::from_fn(m, m, |i, j| {
+            (-0.5 * i.abs_diff(j) as f64).exp() + if i == j { own(i) } else { 0.0 }
+        })
+    }
+
+    /// A matrix as an operator.
+    pub(crate) struct Applied(pub Mat<f64>);
+
+    impl LinearOperator for Applied {
+        fn len(&self) -> usize {
+            self.0.nrows()
+        }
+
+        fn apply(&self, x: &[f64], y: &mut [f64]) {
+            for (i, y) in y.iter_mut().enumerate() {
+                *y = (0..x.len()).map(|j| self.0[(i, j)] * x[j]).sum();
+            }
+        }
+    }
+
+    /// F that is applied, with this preconditioner.
+    pub(crate) fn applied(f: &Mat<f64>, preconditioner: Mat<f64>) -> Compliance {
+        Compliance::Operator {
+            apply: Box::new(Applied(f.clone())),
+            preconditioner: Box::new(Applied(preconditioner)),
+        }
+    }
+
+    /// Ax.
+    pub(crate) fn times(a: &Mat<f64>, x: &[f64]) -> Vec<f64> {
+        let row = |i: usize| (0..x.len()).map(|j| a[(i, j)] * x[j]).sum();
+        (0..a.nrows()).map(row).collect()
+    }
+
+    /// The largest difference of two vectors.
+    pub(crate) fn apart(a: &[f64], b: &[f64]) -> f64 {
+        assert_eq!(a.len(), b.len());
+        a.iter()
+            .zip(b)
+            .fold(0.0, |s: f64, (a, b)| s.max((a - b).abs()))
+    }
+
+    /// x with Ax = b by elimination with exchange of rows; `None` where a pivot is nothing.
+    pub(crate) fn eliminated(a: &Mat<f64>, b: &[f64]) -> Option<Vec<f64>> {
+        let n = b.len();
+        let mut rows: Vec<Vec<f64>> = (0..n)
+            .map(|i| (0..n).map(|j| a[(i, j)]).chain([b[i]]).collect())
+            .collect();
+        for j in 0..n {
+            let pivot = (j..n).max_by(|&p, &q| rows[p][j].abs().total_cmp(&rows[q][j].abs()))?;
+            rows.swap(j, pivot);
+            if rows[j][j].abs() < 1e-13 {
+                return None;
+            }
+            for i in (0..n).filter(|&i| i != j) {
+                let factor = rows[i][j] / rows[j][j];
+                let pivot = rows[j].clone();
+                let pairs = rows[i].iter_mut().zip(&pivot);
+                pairs.for_each(|(x, pivot)| *x -= factor * pivot);
+            }
+        }
+        Some((0..n).map(|i| rows[i][n] / rows[i][i]).collect())
+    }
+
+    /// λ and α of contacts that press only, by trial of every choice of those that are closed: the one whose forces press
+    /// and whose gaps are open is the answer.
+    pub(crate) fn by_trial(
+        f: &Mat<f64>,
+        shift: &[f64],
+        (modes, load): (&[Vec<f64>], &[f64]),
+    ) -> Multipliers {
+        let (m, r) = (shift.len(), load.len());
+        for choice in 0..1usize << m {
+            let closed: Vec<usize> = (0..m).filter(|i| choice >> i & 1 == 1).collect();
+            let n = closed.len();
+            let bordered = Mat::from_fn(n + r, n + r, |i, j| match (i < n, j < n) {
+                (true, true) => f[(closed[i], closed[j])],
+                (true, false) => -modes[j - n][closed[i]],
+                (false, true) => modes[i - n][closed[j]],
+                (false, false) => 0.0,
+            });
+            let right: Vec<f64> = closed.iter().map(|&i| shift[i]).collect();
+            let right: Vec<f64> = right.into_iter().chain(load.iter().copied()).collect();
+            let Some(x) = eliminated(&bordered, &right) else {
+                continue;
+            };
+            let (mut lambda, alpha) = (vec![0.0; m], x[n..].to_vec());
+            closed.iter().zip(&x).for_each(|(&i, x)| lambda[i] = *x);
+            let product = times(f, &lambda);
+            let gap = |i: usize| {
+                let rigid: f64 = (0..r).map(|j| modes[j][i] * alpha[j]).sum();
+                product[i] - shift[i] - rigid
+            };
+            let open = |i: usize| closed.contains(&i) || gap(i) >= 0.0;
+            if lambda.iter().all(|force| *force >= 0.0) && (0..m).all(open) {
+                return Multipliers { lambda, alpha };
+            }
+        }
+        panic!("no choice of closed contacts is an answer");
+    }
+
+    #[test]
+    fn other_limits_leave_the_rest_of_a_method_as_it_is() {
+        let own = Uzawa {
+            rho: Some(0.25),
+            bolts: Some(vec![3]),
+            tolerance: 1e-5,
+            max_iterations: 12,
+            move_improper: false,
+        };
+        assert_eq!(own.limits(), (1e-5, 12));
+        let other = own.within(1e-3, 7);
+        assert_eq!(other.limits(), (1e-3, 7));
+        let expected = Uzawa {
+            tolerance: 1e-3,
+            max_iterations: 7,
+            ..own
+        };
+        assert_eq!(other, expected);
+    }
+
+    #[test]
+    fn every_method_has_the_name_of_case_files_and_its_default_limits() {
+        let solvers: [&dyn ContactSolver; 6] = [
+            &Uzawa::default(),
+            &Gradient::default(),
+            &Accelerated::default(),
+            &Secant::default(),
+            &Mprgp::default(),
+            &Newton::default(),
+        ];
+        let names = solvers.map(|solver| solver.name());
+        let expected = [
+            "uzawa",
+            "gradient",
+            "accelerated",
+            "secant",
+            "mprgp",
+            "newton",
+        ];
+        assert_eq!(names, expected);
+        assert_eq!(Uzawa::default().limits(), (1e-8, 200_000));
+        assert_eq!(Gradient::default().limits(), (1e-8, 200_000));
+        assert_eq!(Accelerated::default().limits(), (1e-8, 100_000));
+        assert_eq!(Secant::default().limits(), (1e-8, 100_000));
+        assert_eq!(Mprgp::default().limits(), (1e-8, 20_000));
+        assert_eq!(Newton::default().limits(), (1e-8, 200));
+    }
+
+    #[test]
+    fn forces_of_either_sign_are_loaded_and_zero_is_not() {
+        assert_eq!(loaded(&[0.0, -1e-300, 2.0, -0.0]), 2);
+        assert_eq!(loaded(&[]), 0);
+    }
+
+    #[test]
+    fn every_method_finds_the_forces_that_trial_of_all_choices_finds() {
+        // ten contacts on one body that floats and turns: 1024 choices
+        let f = definite(10);
+        let shift: Vec<f64> = (0..10).map(|i| (2.1 * i as f64).sin()).collect();
+        let modes = [
+            vec![1.0; 10],
+            (0..10).map(|i| i as f64 / 9.0 - 0.3).collect(),
+        ];
+        let balance = (&modes[..], &[3.0, 0.8][..]);
+        let expected = by_trial(&f, &shift, balance);
+        let open = expected
+            .lambda
+            .iter()
+            .filter(|force| **force == 0.0)
+            .count();
+        assert!((2..8).contains(&open), "{open} of ten contacts are open");
+        let problem = of(
+            Compliance::Dense(f),
+            &shift,
+            vec![Block::Unilateral; 10],
+            balance,
+        );
+        let solvers: [&dyn ContactSolver; 6] = [
+            &Uzawa::default(),
+            &Gradient::default(),
+            &Accelerated::default(),
+            &Secant::default(),
+            &Mprgp::default(),
+            &Newton::default(),
+        ];
+        for solver in solvers {
+            let found = solver.solve(&problem, None, &mut silent).unwrap();
+            let (lambda, alpha) = (&found.multipliers.lambda, &found.multipliers.alpha);
+            // residual 1e-8; the least eigenvalue of F is 0.3 of its scale
+            assert!(apart(lambda, &expected.lambda) < 1e-6, "{}", solver.name());
+            assert!(apart(alpha, &expected.alpha) < 1e-6, "{}", solver.name());
+            assert_eq!(found.exact, solver.name() == "newton");
+        }
     }
 }

@@ -22,7 +22,7 @@
 
 use std::ops::Range;
 
-use crate::dual::{Block, Component, Multipliers, Projector};
+use crate::dual::{Block, Component, Multipliers, NO_WORK, Projector};
 use crate::linalg::SparseVector;
 use crate::solve::gradient::projected_bound;
 use crate::solve::iteration::{Iteration, iterate};
@@ -38,6 +38,9 @@ const SLOW_STEPS: usize = 3;
 
 /// Factor by which the penalty is raised.
 const GROWTH: f64 = 4.0;
+
+/// A load below this part of the forces is compared with that part of them: what balances itself rounds like the forces.
+const SMALL_LOAD: f64 = 1e-3;
 
 /// MPRGP for the bounds, SMALBE-M for the balance.
 #[derive(Debug, Clone, PartialEq)]
@@ -350,9 +353,6 @@ impl<'a> State<'a> {
 
     /// The inner problem is solved well enough for the imbalance that is left.
     fn settled(&self) -> bool {
-        if self.modes_x.is_empty() {
-            return false;
-        }
         let projected = (dot(&self.free, &self.free) + dot(&self.chopped, &self.chopped)).sqrt();
         let imbalance = norm(&self.modes_x);
         imbalance > 0.0 && projected <= (self.precision * imbalance).min(0.1 * self.size)
@@ -531,14 +531,15 @@ fn restore(setup: &Setup<'_>, loaded: &[bool], forces: &mut [f64]) -> bool {
         }
     }
     setup.balance.imbalance(forces, &mut rest);
-    norm(&rest) <= 1e-9 * norm(setup.balance.target()).max(1e-3 * norm(forces))
+    norm(&rest) <= NO_WORK * norm(setup.balance.target()).max(SMALL_LOAD * norm(forces))
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::dual::{AdmissibleSet, Balance, Compliance, DualProblem};
+    use crate::dual::{AdmissibleSet, Balance, Compliance, DualProblem, Friction};
     use crate::linalg::Mat;
+    use crate::solve::tests::{apart, definite, of, times};
     use crate::solve::{ContactSolver, Iterate};
     use std::ops::ControlFlow;
 
@@ -597,5 +598,312 @@ mod tests {
         };
         assert_eq!(outcome.iterations, 3);
         assert!(residual > 1e-8);
+    }
+
+    fn modes() -> [Vec<f64>; 2] {
+        [
+            vec![1.0; 8],
+            (0..8).map(|i| 0.25 * i as f64 - 0.6).collect(),
+        ]
+    }
+
+    fn floating() -> DualProblem {
+        of(
+            Compliance::Dense(definite(8)),
+            &[1.0, -0.4, 0.7, 0.2, -1.0, 0.9, -0.8, 0.6],
+            vec![Block::Unilateral; 8],
+            (&modes(), &[2.0, 0.3]),
+        )
+    }
+
+    /// The gradient of the augmented Lagrangian at x, from products with P and Q written out.
+    fn gradient(state: &State<'_>) -> Vec<f64> {
+        let (setup, m) = (state.setup, state.x.len());
+        let along = |v: &[f64]| {
+            let mut parts = vec![0.0; setup.modes()];
+            setup.balance.apply(v, &mut parts);
+            let mut image = vec![0.0; m];
+            setup.balance.add_transposed(1.0, &parts, &mut image);
+            image
+        };
+        let across =
+            |v: &[f64]| -> Vec<f64> { v.iter().zip(along(v)).map(|(v, part)| v - part).collect() };
+        let f = definite(m);
+        let elastic = across(&times(&f, &across(&state.x)));
+        let mut offset = vec![0.0; m];
+        setup
+            .balance
+            .add_transposed(1.0, setup.balance.target(), &mut offset);
+        let loaded = times(&f, &offset);
+        let right: Vec<f64> = (0..m).map(|i| setup.problem.shift[i] - loaded[i]).collect();
+        let (right, held) = (across(&right), along(&state.x));
+        let mut pull = vec![0.0; m];
+        setup
+            .balance
+            .add_transposed(1.0, &state.multiplier, &mut pull);
+        (0..m)
+            .map(|i| elastic[i] + state.penalty * held[i] - right[i] + pull[i])
+            .collect()
+    }
+
+    #[test]
+    fn gradient_is_carried_through_every_kind_of_step() {
+        let problem = floating();
+        let setup = Setup::new(&problem).unwrap();
+        let method = Mprgp::default();
+        let nothing = Multipliers {
+            lambda: vec![0.0; 8],
+            alpha: vec![0.0; 2],
+        };
+        let far = Multipliers {
+            lambda: (0..8).map(|i| if i % 2 == 0 { 5.0 } else { 0.0 }).collect(),
+            alpha: vec![0.0; 2],
+        };
+        let mut kinds = std::collections::BTreeSet::new();
+        for guess in [None, Some(&nothing), Some(&far)] {
+            let start = setup.start(guess).unwrap();
+            let mut state = super::State::new(&method, &setup, &start, guess);
+            let mut outer = 0;
+            for step in 0..60 {
+                assert!(
+                    apart(&state.gradient, &gradient(&state)) < 1e-12,
+                    "step {step}"
+                );
+                state.evaluate();
+                for i in 0..8 {
+                    let x = state.x[i];
+                    assert!(x >= state.floor[i] && state.at.lambda[i] >= 0.0);
+                    let free = x > state.floor[i];
+                    let expected = if free {
+                        (state.gradient[i], 0.0)
+                    } else {
+                        (0.0, state.gradient[i].min(0.0))
+                    };
+                    assert_eq!((state.free[i], state.chopped[i]), expected);
+                }
+                // the gap that is told is that of these forces with the amplitudes that are told, but for the imbalance
+                let told = setup.multipliers(&state.at.lambda, &state.at.alpha);
+                let mut imbalance = vec![0.0; 2];
+                setup.balance.imbalance(&told.lambda, &mut imbalance);
+                if norm(&imbalance) < 1e-13 {
+                    assert!(
+                        apart(&problem.gap(&told), &state.gradient) < 1e-11,
+                        "step {step}"
+                    );
+                }
+                // the product that belongs to it is that of the forces whose imbalance is taken away
+                let mut parts = vec![0.0; 2];
+                setup.balance.apply(&state.x, &mut parts);
+                let mut inside: Vec<f64> = (0..8).map(|i| state.offset[i] + state.x[i]).collect();
+                setup.balance.add_transposed(-1.0, &parts, &mut inside);
+                assert!(apart(&state.at.product, &times(&definite(8), &inside)) < 1e-11);
+                match state.advance(&[]) {
+                    0 => outer += 1,
+                    _ => {
+                        kinds.insert(state.kind);
+                    }
+                }
+            }
+            assert!(outer > 2, "{outer} outer steps");
+            let told = setup.multipliers(&state.at.lambda, &state.at.alpha);
+            assert!(problem.kkt_residual(&told) < 1e-6);
+        }
+        assert!(kinds.contains(&'c') && kinds.contains(&'p'), "{kinds:?}");
+    }
+
+    #[test]
+    fn multiplier_of_a_guess_makes_its_gap_the_gradient() {
+        let problem = floating();
+        let setup = Setup::new(&problem).unwrap();
+        // in balance: λ = Gᵀ(GGᵀ)⁻¹e is positive here
+        let mut lambda = vec![0.0; 8];
+        setup
+            .balance
+            .add_transposed(1.0, setup.balance.target(), &mut lambda);
+        assert!(lambda.iter().all(|force| *force > 0.0));
+        let guess = Multipliers {
+            lambda,
+            alpha: vec![0.3, -0.8],
+        };
+        let start = setup.start(Some(&guess)).unwrap();
+        let mut state = super::State::new(&Mprgp::default(), &setup, &start, Some(&guess));
+        assert!(apart(&state.gradient, &problem.gap(&guess)) < 1e-12);
+        state.evaluate();
+        assert!(apart(&setup.multipliers(&[], &state.at.alpha).alpha, &guess.alpha) < 1e-12);
+        assert!(apart(&state.at.product, &times(&definite(8), &guess.lambda)) < 1e-12);
+        assert_eq!(state.direction, state.free);
+        let bound = projected_bound(&setup);
+        assert!((state.penalty / bound - 1.1).abs() < 1e-14);
+        assert!((state.precision / bound - 100.0).abs() < 1e-12);
+        assert!((state.step_length * bound - 1.9 / 1.1).abs() < 1e-14);
+    }
+
+    #[test]
+    fn outer_steps_raise_the_penalty_where_they_crawl_and_the_precision_where_nothing_is_gained() {
+        let problem = floating();
+        let setup = Setup::new(&problem).unwrap();
+        let start = setup.start(None).unwrap();
+        let outer = |imbalance: f64, slow: usize, lagrangian: f64| {
+            let mut state = super::State::new(&Mprgp::default(), &setup, &start, None);
+            // an x out of balance, and its Lagrangian by definition
+            state.x = vec![0.5; 8];
+            state.refresh();
+            setup.balance.apply(&state.x, &mut state.modes_x);
+            let square = dot(&state.modes_x, &state.modes_x);
+            (state.imbalance, state.slow) = (imbalance * square, slow);
+            let hx: Vec<f64> = (0..8).map(|i| state.gradient[i] + state.right[i]).collect();
+            let value = 0.5 * dot(&state.x, &hx) - dot(&state.x, &state.right);
+            let enough = value - 0.5 * state.penalty * square;
+            state.lagrangian = Some(enough + lagrangian);
+            let (penalty, precision, length) = (state.penalty, state.precision, state.step_length);
+            state.update_balance();
+            assert!((state.lagrangian.unwrap() - value).abs() < 1e-12);
+            assert!(apart(&state.gradient, &gradient(&state)) < 1e-11);
+            let told = (0..2).map(|j| state.multiplier[j] - penalty * state.modes_x[j]);
+            assert!(told.fold(0.0, |s: f64, x| s.max(x.abs())) < 1e-12);
+            assert_eq!(state.direction, state.free);
+            (
+                state.penalty / penalty,
+                length / state.step_length,
+                state.precision / precision,
+                state.slow,
+            )
+        };
+        // a quarter of the square is half of the imbalance
+        assert_eq!(outer(3.9, 2, -1e-6), (4.0, 4.0, 1.0, 0));
+        assert_eq!(outer(4.1, 2, -1e-6), (1.0, 1.0, 1.0, 0));
+        assert_eq!(outer(3.9, 1, 1e-6), (1.0, 1.0, 0.5, 2));
+    }
+
+    #[test]
+    fn inner_problem_is_settled_for_the_imbalance_that_is_left() {
+        let problem = floating();
+        let setup = Setup::new(&problem).unwrap();
+        let start = setup.start(None).unwrap();
+        let mut state = super::State::new(&Mprgp::default(), &setup, &start, None);
+        let mut settled = |free: f64, chopped: f64, imbalance: f64, precision: f64, size: f64| {
+            state.free = vec![0.0; 8];
+            state.chopped = vec![0.0; 8];
+            (state.free[2], state.chopped[5]) = (3.0 * free, -4.0 * chopped);
+            state.modes_x = vec![0.6 * imbalance, -0.8 * imbalance];
+            (state.precision, state.size) = (precision, size);
+            state.settled()
+        };
+        // the gradient is 5, or 3, or 4 long
+        assert!(settled(1.0, 1.0, 0.1, 51.0, 60.0));
+        assert!(!settled(1.0, 1.0, 0.1, 49.0, 60.0));
+        assert!(!settled(1.0, 1.0, 0.1, 51.0, 49.0));
+        assert!(settled(1.0, 0.0, 0.1, 31.0, 31.0) && !settled(0.0, 1.0, 0.1, 31.0, 60.0));
+        assert!(!settled(0.0, 0.0, 0.0, 1.0, 1.0));
+    }
+
+    #[test]
+    fn longest_step_ends_at_the_first_bound() {
+        let tresca = Friction::Tresca { bound: 2.0 }.block(1);
+        let problem = of(
+            Compliance::Dense(definite(4)),
+            &[1.0; 4],
+            vec![tresca, Block::Unilateral, Block::Free { size: 1 }],
+            (&[], &[]),
+        );
+        let setup = Setup::new(&problem).unwrap();
+        let own = bounds(&setup);
+        assert_eq!(own[0], 0.0..f64::INFINITY);
+        assert_eq!(own[1], -2.0..2.0);
+        assert_eq!(own[2], 0.0..f64::INFINITY);
+        assert_eq!(own[3], f64::NEG_INFINITY..f64::INFINITY);
+        let start = setup.start(None).unwrap();
+        let mut state = super::State::new(&Mprgp::default(), &setup, &start, None);
+        state.x = vec![1.0, 0.5, 3.0, 0.0];
+        assert_eq!(state.longest(&[0.5, 0.0, 1.0, 7.0]), 2.0);
+        assert_eq!(state.longest(&[0.0, 1.25, 1.0, 0.0]), 2.0);
+        assert_eq!(state.longest(&[0.0, -0.5, 0.0, 0.0]), 3.0);
+        assert_eq!(state.longest(&[-1.0, 0.0, 0.0, 9.0]), f64::INFINITY);
+        // both sides of a bound that leaves no room are held
+        state.gradient = vec![1.0, -1.0, -1.0, 2.0];
+        state.x = vec![0.0, 2.0, 0.0, 0.0];
+        state.split();
+        assert_eq!(state.free, [0.0, 0.0, 0.0, 2.0]);
+        assert_eq!(state.chopped, [0.0, 0.0, -1.0, 0.0]);
+        state.gradient[1] = 1.0;
+        state.split();
+        assert_eq!((state.free[1], state.chopped[1]), (0.0, 1.0));
+        (state.floor[1], state.ceiling[1]) = (2.0, 2.0);
+        state.split();
+        assert_eq!((state.free[1], state.chopped[1]), (0.0, 0.0));
+    }
+
+    #[test]
+    fn friction_with_given_bounds_meets_its_law_and_that_of_space_is_refused() {
+        let tresca = Friction::Tresca { bound: 0.1 }.block(1);
+        let shift = [1.0, 0.5, 0.8, -0.9, 0.6, 0.1];
+        let compliance = || Compliance::Dense(definite(6));
+        let problem = of(compliance(), &shift, vec![tresca; 3], (&[], &[]));
+        let outcome = Mprgp::default()
+            .solve(&problem, None, &mut |_| ControlFlow::Continue(()))
+            .unwrap();
+        assert!(problem.certify(&outcome.multipliers, 1e-8).holds());
+        let slips = |t: usize| outcome.multipliers.lambda[t].abs() > 0.1 - 1e-9;
+        assert!(slips(1) && slips(3));
+        let disc = Friction::Tresca { bound: 0.1 }.block(2);
+        let problem = of(
+            compliance(),
+            &shift,
+            vec![tresca, Block::Unilateral, disc],
+            (&[], &[]),
+        );
+        let error = Mprgp::default().solve(&problem, None, &mut |_| ControlFlow::Continue(()));
+        let Err(SolveError::Unsupported { block, found, .. }) = error else {
+            panic!("discs are no boxes");
+        };
+        assert_eq!((block, found), (2, disc));
+    }
+
+    #[test]
+    fn loaded_forces_alone_restore_the_balance_where_they_can() {
+        let problem = floating();
+        let setup = Setup::new(&problem).unwrap();
+        let mut loaded = vec![false; 8];
+        for i in [1, 4, 6] {
+            loaded[i] = true;
+        }
+        let before = [0.0, 1.0, 0.0, 0.0, 0.5, 0.0, 0.7, 0.2];
+        let mut after = before;
+        assert!(restore(&setup, &loaded, &mut after));
+        let carried = problem.balance.modes().product(&after);
+        assert!(apart(&carried, &[2.0, 0.3]) < 1e-14);
+        let change: Vec<f64> = (0..8).map(|i| after[i] - before[i]).collect();
+        assert!((0..8).all(|i| loaded[i] || change[i] == 0.0));
+        // of least norm: nothing along the forces of these three that balance each other
+        let g = |i: usize| modes()[1][i];
+        let own = [g(6) - g(4), g(1) - g(6), g(4) - g(1)];
+        let along = change[1] * own[0] + change[4] * own[1] + change[6] * own[2];
+        assert!(along.abs() < 1e-14);
+        // one force does not do for two motions
+        let one: Vec<bool> = (0..8).map(|i| i == 4).collect();
+        assert!(!restore(&setup, &one, &mut before.clone()));
+    }
+
+    #[test]
+    fn last_step_balances_exactly_and_by_the_projection_where_it_must() {
+        let problem = floating();
+        let setup = Setup::new(&problem).unwrap();
+        let start = setup.start(None).unwrap();
+        let mut state = super::State::new(&Mprgp::default(), &setup, &start, None);
+        let carried = |lambda: &[f64]| problem.balance.modes().product(lambda);
+        state.at.lambda = vec![0.0, 1.0, 0.0, 0.5, 0.0, 0.4, 0.0, 0.0];
+        state.balance_exactly();
+        assert!(apart(&carried(&state.at.lambda), &[2.0, 0.3]) < 1e-13);
+        assert_eq!([0, 2, 4, 6, 7].map(|i| state.at.lambda[i]), [0.0; 5]);
+        // one force alone cannot: others are loaded
+        state.at.lambda = vec![0.0, 0.0, 0.0, 2.0, 0.0, 0.0, 0.0, 0.0];
+        state.balance_exactly();
+        assert!(apart(&carried(&state.at.lambda), &[2.0, 0.3]) < 1e-11);
+        assert!(state.at.lambda.iter().all(|force| *force >= 0.0));
+        // two whose balance would need tension
+        state.at.lambda = vec![1.0, 1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0];
+        state.balance_exactly();
+        assert!(apart(&carried(&state.at.lambda), &[2.0, 0.3]) < 1e-11);
+        assert!(state.at.lambda.iter().all(|force| *force >= 0.0));
     }
 }

@@ -131,3 +131,135 @@ fn from_anywhere(method: &Newton, search: &mut Search<'_>, observe: Observer<'_>
         ended => ended,
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::dual::{Block, Compliance, DualProblem};
+    use crate::solve::tests::{apart, by_trial, definite, of, of_rank, silent};
+    use crate::solve::{ContactSolver, Iterate};
+    use std::ops::ControlFlow;
+
+    /// Contacts whose exact steps run in a circle.
+    fn circle() -> DualProblem {
+        let a = [
+            [0.5, 0.1, 0.3, 0.9, 1.0, -0.3],
+            [0.2, 0.2, 0.7, 0.7, -0.1, 0.6],
+        ];
+        let shift = [0.6, -0.6, 0.6, -0.6, 0.2, 0.8];
+        of_rank(&a, &shift, vec![Block::Unilateral; 6], (&[], &[]))
+    }
+
+    fn kinds(problem: &DualProblem, guess: Option<&Multipliers>) -> (Outcome, String) {
+        let mut kinds = String::new();
+        let outcome = Newton::default()
+            .solve(problem, guess, &mut |at: &Iterate<'_>| {
+                kinds.push(at.step);
+                ControlFlow::Continue(())
+            })
+            .unwrap();
+        (outcome, kinds)
+    }
+
+    #[test]
+    fn proximal_steps_follow_where_exact_ones_circle_from_a_guess_and_without() {
+        let problem = circle();
+        let nothing = Multipliers {
+            lambda: vec![0.0; 6],
+            alpha: Vec::new(),
+        };
+        for guess in [None, Some(&nothing)] {
+            let (outcome, kinds) = kinds(&problem, guess);
+            assert!(problem.certify(&outcome.multipliers, 1e-8).holds());
+            assert!(
+                kinds.starts_with('n') && kinds.len() == outcome.iterations,
+                "{kinds}"
+            );
+            assert!(kinds.len() <= 20, "{kinds}");
+        }
+        let (_, kinds) = kinds(&problem, None);
+        assert!(kinds.contains('p'), "{kinds}");
+    }
+
+    #[test]
+    fn coarser_problem_is_asked_from_96_contacts_on() {
+        // a chain whose pressed middle is wide: its edge moves in plain steps, and by a coarser problem at once
+        let chain = |count: usize| {
+            let middle = 0.5 * (count - 1) as f64;
+            let shift: Vec<f64> = (0..count)
+                .map(|i| 1.0 - ((i as f64 - middle) / (0.3 * count as f64)).powi(2))
+                .collect();
+            let blocks = vec![Block::Unilateral; count];
+            let mut problem = of(
+                Compliance::Dense(definite(count)),
+                &shift,
+                blocks,
+                (&[], &[]),
+            );
+            problem.neighbours = (1..count).map(|i| [i - 1, i]).collect();
+            problem
+        };
+        let solve = |problem: &DualProblem| {
+            let mut count = 0;
+            let outcome = Newton::default().solve(problem, None, &mut |_| {
+                count += 1;
+                ControlFlow::Continue(())
+            });
+            let outcome = outcome.unwrap();
+            assert!(problem.certify(&outcome.multipliers, 1e-8).holds());
+            // coarser steps are counted, and not shown
+            outcome.iterations - count
+        };
+        assert_eq!(solve(&chain(SMALL - 1)), 0);
+        assert!(solve(&chain(SMALL)) > 0);
+        let mut alone = chain(SMALL);
+        alone.neighbours.clear();
+        assert_eq!(solve(&alone), 0);
+    }
+
+    #[test]
+    fn too_few_steps_are_an_error_with_the_least_residual() {
+        let problem = circle();
+        let few = Newton::default().within(1e-8, 4);
+        let mut least = f64::INFINITY;
+        let error = few.solve(&problem, None, &mut |at: &Iterate<'_>| {
+            least = least.min(at.residual);
+            ControlFlow::Continue(())
+        });
+        let Err(SolveError::NotConverged {
+            method,
+            outcome,
+            residual,
+            reason,
+        }) = error
+        else {
+            panic!("four steps do");
+        };
+        assert_eq!((method, outcome.iterations), ("newton", 4));
+        assert!(residual >= least && residual > 1e-8);
+        assert_eq!(reason, "the residual did not fall below the tolerance");
+    }
+
+    #[test]
+    fn answer_as_a_guess_takes_one_step_and_another_guess_the_same_answer() {
+        let shift = [1.0, -0.4, 0.7, 0.2, -1.0, 0.9, 0.8, 0.6];
+        let f = definite(8);
+        let blocks = vec![Block::Unilateral; 8];
+        let problem = of(Compliance::Dense(f.clone()), &shift, blocks, (&[], &[]));
+        let expected = by_trial(&f, &shift, (&[], &[]));
+        let again = Newton::default()
+            .solve(&problem, Some(&expected), &mut silent)
+            .unwrap();
+        assert_eq!((again.iterations, again.exact), (1, true));
+        let wrong = Multipliers {
+            lambda: vec![0.0, 1.0, 0.0, 0.0, 5.0, 0.0, 0.0, 0.0],
+            alpha: Vec::new(),
+        };
+        let found = Newton::default()
+            .solve(&problem, Some(&wrong), &mut silent)
+            .unwrap();
+        assert!(apart(&found.multipliers.lambda, &expected.lambda) < 1e-13);
+        let stopped = Newton::default().solve(&problem, None, &mut |_| ControlFlow::Break(()));
+        assert!(stopped.unwrap().stopped_by_observer);
+    }
+}

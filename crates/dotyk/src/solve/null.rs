@@ -185,3 +185,156 @@ impl Null {
         self.parts.clone()
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::solve::norm;
+
+    fn diagonal(values: &[f64]) -> Mat<f64> {
+        let n = values.len();
+        Mat::from_fn(n, n, |i, j| if i == j { values[i] } else { 0.0 })
+    }
+
+    fn sparse(rows: &[Vec<f64>]) -> Vec<SparseVector> {
+        rows.iter()
+            .map(|row| SparseVector::from_dense(row))
+            .collect()
+    }
+
+    fn solved(pseudo: &Pseudo, x: &[f64]) -> Vec<f64> {
+        let (mut x, mut right) = (x.to_vec(), vec![0.0; x.len()]);
+        pseudo.solve(&mut x, &mut right);
+        x
+    }
+
+    #[test]
+    fn eigenvalue_below_its_part_of_the_largest_is_none() {
+        let pseudo = Pseudo::new(&diagonal(&[4.0, 3.9e-12, 2.0]), &[]);
+        assert_eq!(pseudo.null.len(), 1);
+        assert_eq!(
+            pseudo.null[0].iter().map(|z| z.abs()).collect::<Vec<_>>(),
+            [0.0, 1.0, 0.0]
+        );
+        let x = solved(&pseudo, &[1.0, 1.0, 1.0]);
+        assert!((x[0] - 0.25).abs() < 1e-15 && (x[2] - 0.5).abs() < 1e-15);
+        assert_eq!(x[1], 0.0);
+        let pseudo = Pseudo::new(&diagonal(&[4.0, 4.1e-12, 2.0]), &[]);
+        assert!(pseudo.null.is_empty());
+        let x = solved(&pseudo, &[1.0, 1.0, 1.0]);
+        assert!((x[1] * 4.1e-12 - 1.0).abs() < 1e-6);
+    }
+
+    #[test]
+    fn full_matrix_is_inverted_beside_its_null_space() {
+        // vvᵀ + wwᵀ with v · w = 0
+        let (v, w) = ([1.0, 2.0, 2.0], [2.0, 1.0, -2.0]);
+        let a = Mat::from_fn(3, 3, |i, j| v[i] * v[j] + 4.0 * w[i] * w[j]);
+        let pseudo = Pseudo::new(&a, &[]);
+        assert_eq!(pseudo.null.len(), 1);
+        assert!(dot(&pseudo.null[0], &v).abs() < 1e-14 && dot(&pseudo.null[0], &w).abs() < 1e-14);
+        assert!((norm(&pseudo.null[0]) - 1.0).abs() < 1e-14);
+        // A(v/9) = v, A(w/36) = w; the third direction has no part
+        let x = solved(&pseudo, &[3.0 + 2.0, 3.0 - 2.0, 1.0]);
+        let expected: Vec<f64> = (0..3)
+            .map(|i| {
+                let right = [5.0, 1.0, 1.0];
+                v[i] * dot(&v, &right) / 81.0 + w[i] * dot(&w, &right) / (4.0 * 81.0)
+            })
+            .collect();
+        for (x, e) in x.iter().zip(expected) {
+            assert!((x - e).abs() < 1e-14);
+        }
+    }
+
+    #[test]
+    fn large_matrices_are_factored_where_they_are_definite_beside_the_known_null_space() {
+        let factored = |pseudo: &Pseudo| matches!(pseudo.inverse, Inverse::Factor(_));
+        let one = |k: usize| Pseudo::new(&diagonal(&vec![2.0; k]), &[]);
+        assert!(!factored(&one(LARGE - 1)) && factored(&one(LARGE)));
+        // definite to more than a hundred billionth of its norm
+        let with = |least: f64| {
+            let mut values = vec![2.0; LARGE + 4];
+            values[7] = least;
+            Pseudo::new(&diagonal(&values), &[])
+        };
+        assert!(factored(&with(2.2e-11)));
+        assert!(!factored(&with(1.8e-11)) && with(1.8e-11).null.is_empty());
+        assert_eq!(with(1e-13).null.len(), 1);
+        // a null vector that is known
+        let k = LARGE;
+        let z: Vec<f64> = (0..k)
+            .map(|i| f64::from(i == 3 || i == 4) * 0.5f64.sqrt())
+            .collect();
+        let a = Mat::from_fn(k, k, |i, j| 3.0 * (f64::from(i == j) - z[i] * z[j]));
+        let pseudo = Pseudo::new(&a, std::slice::from_ref(&z));
+        assert!(factored(&pseudo) && pseudo.null == [z.clone()]);
+        let right: Vec<f64> = (0..k).map(|i| (i as f64).cos()).collect();
+        let x = solved(&pseudo, &right);
+        let part = dot(&z, &right);
+        for i in 0..k {
+            assert!((x[i] - (right[i] - part * z[i]) / 3.0).abs() < 1e-13, "{i}");
+        }
+        // one that is not known, beside it
+        assert_eq!(Pseudo::new(&a, &[]).null.len(), 1);
+        assert!(!factored(&Pseudo::new(&a, &[])));
+    }
+
+    #[test]
+    fn outer_products_are_added_and_row_products_are_symmetric() {
+        let rows = [
+            vec![1.0, 0.0, 2.0, -1.0],
+            vec![0.0, 0.0, 3.0, 0.5],
+            vec![4.0, 0.0, 0.0, 0.0],
+        ];
+        let gram = gram_of(&sparse(&rows));
+        for i in 0..3 {
+            for j in 0..3 {
+                assert_eq!(gram[(i, j)], dot(&rows[i], &rows[j]), "{i} {j}");
+            }
+        }
+        assert_eq!(gram_of(&[]).nrows(), 0);
+        let mut a = Mat::from_fn(3, 3, |i, j| (i + 10 * j) as f64);
+        let columns = Mat::from_fn(3, 2, |i, j| [[1.0, 2.0], [0.0, -1.0], [3.0, 0.5]][i][j]);
+        add_outer(&mut a, 0.5, &columns);
+        for i in 0..3 {
+            for j in 0..3 {
+                let outer: f64 = (0..2).map(|c| columns[(i, c)] * columns[(j, c)]).sum();
+                assert!((a[(i, j)] - ((i + 10 * j) as f64 + 0.5 * outer)).abs() < 1e-14);
+            }
+        }
+    }
+
+    #[test]
+    fn nearest_vectors_with_given_rows_and_the_nearest_pull() {
+        let rows = sparse(&[vec![1.0, 2.0, 0.0, 1.0], vec![0.0, 1.0, -1.0, 3.0]]);
+        let values = |v: &[f64]| rows.iter().map(|row| row.dot(v)).collect::<Vec<f64>>();
+        // two vectors on which both rows vanish
+        let free = [[2.0, -1.0, -1.0, 0.0], [5.0, -3.0, 0.0, 1.0]];
+        assert!(free.iter().flat_map(|w| values(w)).all(|x| x == 0.0));
+        let mut null = Null::new(&rows, &[]);
+        let start = [0.3, -1.2, 2.0, 0.7];
+        let moved = |v: &[f64]| {
+            v.iter()
+                .zip(&start)
+                .map(|(a, b)| a - b)
+                .collect::<Vec<f64>>()
+        };
+        let mut v = start;
+        null.project(&rows, &mut v);
+        assert!(norm(&values(&v)) < 1e-14);
+        assert!(free.iter().all(|w| dot(w, &moved(&v)).abs() < 1e-14));
+        let mut v = start;
+        null.restore(&rows, &[2.0, -0.5], &mut v);
+        let found = values(&v);
+        assert!((found[0] - 2.0).abs() < 1e-14 && (found[1] + 0.5).abs() < 1e-14);
+        assert!(free.iter().all(|w| dot(w, &moved(&v)).abs() < 1e-14));
+        // what is left of the conditions beside the pull is across every row
+        let alpha = null.amplitudes(&rows, &start);
+        let mut left = start;
+        rows.iter()
+            .zip(&alpha)
+            .for_each(|(row, a)| row.add_to(*a, &mut left));
+        assert!(norm(&values(&left)) < 1e-14);
+    }
+}

@@ -160,3 +160,50 @@ pub enum SolveError {
     #[error(transparent)]
     Problem(#[from] DualError),
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn correction_adds_increments_counts_one_step_and_keeps_the_rest() {
+        let before = Outcome {
+            iterations: 4,
+            products: 9,
+            rho: Some(0.5),
+            remarks: vec!["said".to_string()],
+            ..Outcome::unsolved(Multipliers {
+                lambda: vec![1.0, -2.0],
+                alpha: vec![0.5],
+            })
+        };
+        assert!(!before.exact && !before.stopped_by_observer);
+        let after = before.corrected(&Multipliers {
+            lambda: vec![0.25, 1.0],
+            alpha: vec![-1.0],
+        });
+        let expected = Outcome {
+            multipliers: Multipliers {
+                lambda: vec![1.25, -1.0],
+                alpha: vec![-0.5],
+            },
+            iterations: 5,
+            exact: true,
+            ..before
+        };
+        assert_eq!(after, expected);
+    }
+
+    #[test]
+    fn forces_that_no_solver_has_improved_took_nothing() {
+        let multipliers = Multipliers {
+            lambda: vec![3.0],
+            alpha: Vec::new(),
+        };
+        let outcome = Outcome::unsolved(multipliers.clone());
+        assert_eq!(outcome.multipliers, multipliers);
+        assert_eq!((outcome.iterations, outcome.products), (0, 0));
+        assert_eq!((outcome.rho, outcome.fixed_point), (None, None));
+        assert!(outcome.bolts.is_empty() && outcome.remarks.is_empty());
+    }
+}

@@ -29,6 +29,16 @@ const PATIENCE: usize = 4;
 /// Balance that is missing below this part of the forces is rounding.
 const BALANCED: f64 = 1e-11;
 
+/// By this factor iterations within a step become more accurate where rough ones led nowhere.
+const FINER: f64 = 1e-3;
+
+/// First try of how far a body moves until contacts bear its load, in the length of the problem: doubled until it does.
+const NUDGE: f64 = 1e-3;
+
+/// The zero along a line is found to this part of the first slope, or of its place: the rounding of either.
+const FLAT_ENOUGH: f64 = 1e-13;
+const SHORT_ENOUGH: f64 = 1e-15;
+
 /// A slope below this part of the first one ends a search along a line.
 const FLAT: f64 = 1e-10;
 
@@ -68,7 +78,7 @@ pub(crate) fn descend(search: &mut Search<'_>, states: Vec<State>, observe: Obse
                 Progress::Minimal | Progress::Rough
                     if search.accuracy > tight(search.tolerance) =>
                 {
-                    search.accuracy = (1e-3 * search.accuracy).max(tight(search.tolerance));
+                    search.accuracy = (FINER * search.accuracy).max(tight(search.tolerance));
                 }
                 Progress::Minimal | Progress::Rough | Progress::Singular => break,
             }
@@ -254,7 +264,7 @@ impl<'a> Proximal<'a> {
         // the slope is minus the part of the load that is not taken up
         let mut slope = |t: f64, this: &Self| -along - workspace.work(this, t, &change);
         let or_one = |scale: f64| if scale > 0.0 { scale } else { 1.0 };
-        let mut far = 1e-3 * or_one(setup.problem.scales.length) / norm(&direction);
+        let mut far = NUDGE * or_one(setup.problem.scales.length) / norm(&direction);
         for _ in 0..200 {
             if slope(far, self) >= 0.0 {
                 break;
@@ -367,7 +377,7 @@ fn zero(far: f64, mut f: impl FnMut(f64) -> f64) -> f64 {
         let inside = guess > low && guess < high && kept < 3;
         let t = if inside { guess } else { 0.5 * (low + high) };
         let value = f(t);
-        if value.abs() <= 1e-13 * first || high - low <= 1e-15 * high {
+        if value.abs() <= FLAT_ENOUGH * first || high - low <= SHORT_ENOUGH * high {
             return t;
         }
         if value < 0.0 {
@@ -386,9 +396,12 @@ fn zero(far: f64, mut f: impl FnMut(f64) -> f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::dual::Block;
+    use crate::dual::{Block, Compliance, DualProblem, Friction};
+    use crate::linalg::Mat;
+    use crate::solve::Iterate;
     use crate::solve::exact::Patience;
-    use crate::solve::tests::{of_rank, silent};
+    use crate::solve::tests::{apart, by_trial, definite, of, of_rank, silent, times};
+    use std::ops::ControlFlow;
 
     #[test]
     fn descent_ends_where_exact_steps_run_in_circles() {
@@ -413,5 +426,277 @@ mod tests {
         ));
         let answer = search.outcome(false);
         assert!(problem.certify(&answer.multipliers, 1e-8).holds());
+    }
+
+    #[test]
+    fn zero_of_a_rising_function_is_found_to_rounding_in_few_steps() {
+        let found = |far: f64, f: &dyn Fn(f64) -> f64| {
+            let mut calls = 0;
+            let t = zero(far, |t| {
+                calls += 1;
+                f(t)
+            });
+            (t, calls)
+        };
+        let close = |(t, calls): (f64, usize), expected: f64, most: usize| {
+            assert!(
+                (t - expected).abs() < 1e-9 * expected,
+                "{t} is not {expected}"
+            );
+            assert!(calls <= most, "{calls} calls");
+        };
+        close(found(1.0, &|t| t - 0.3), 0.3, 4);
+        close(found(8.0, &|t| t * t * t - 1e-3), 0.1, 120);
+        close(found(1.0, &|t| (t - 0.2).min(1e3 * (t - 0.2))), 0.2, 120);
+        close(found(1.0, &|t| (t - 0.2).max(1e6 * (t - 0.2))), 0.2, 120);
+        // no zero between: halved until nothing is left
+        close(found(1.0, &|t| if t < 0.7 { -1.0 } else { 1e9 }), 0.7, 202);
+        // still falling at the end, or not told
+        assert_eq!(found(2.0, &|t| t - 3.0), (2.0, 2));
+        assert_eq!(
+            found(2.0, &|t| if t > 1.0 { f64::NAN } else { -1.0 }),
+            (2.0, 2)
+        );
+        assert_eq!(found(2.0, &|_| 1.0), (2.0, 2));
+        assert_eq!(found(2.0, &|_| 0.0), (2.0, 2));
+    }
+
+    const SHIFT: [f64; 6] = [1.0, -0.4, 0.7, -0.2, -1.0, 0.9];
+    const CENTRE: [f64; 6] = [0.3, 0.0, 1.0, 0.2, 0.0, 0.0];
+    const ADDED: [f64; 6] = [0.2, 0.5, 0.1, 0.3, 0.4, 0.25];
+
+    fn modes() -> [Vec<f64>; 2] {
+        [vec![1.0; 6], (0..6).map(|i| 0.4 * i as f64 - 0.9).collect()]
+    }
+
+    fn pressed() -> DualProblem {
+        of(
+            Compliance::Dense(definite(6)),
+            &SHIFT,
+            vec![Block::Unilateral; 6],
+            (&modes(), &[2.0, 0.3]),
+        )
+    }
+
+    /// φ from the words of the module, the forces included.
+    fn energy(proximal: &Proximal<'_>, project: impl Fn(&[f64]) -> Vec<f64>) -> f64 {
+        let (setup, at) = (proximal.setup, &proximal.at);
+        let m = setup.len();
+        let told = setup.multipliers(&at.lambda, &at.alpha);
+        let gap = setup.problem.gap(&told);
+        let z: Vec<f64> = (0..m).map(|i| CENTRE[i] - gap[i] / ADDED[i]).collect();
+        let lambda = project(&z);
+        let stored = 0.5 * dot(&times(&definite(m), &at.lambda), &at.lambda);
+        let work = dot(setup.problem.balance.load(), &told.alpha);
+        let squares = (0..m).map(|i| 0.5 * ADDED[i] * (z[i] * z[i] - (z[i] - lambda[i]).powi(2)));
+        stored - work + squares.sum::<f64>()
+    }
+
+    #[test]
+    fn energy_falls_to_the_answer_of_the_problem_that_is_softer() {
+        let problem = pressed();
+        let setup = Setup::new(&problem).unwrap();
+        let press = |z: &[f64]| z.iter().map(|z| z.max(0.0)).collect::<Vec<f64>>();
+        let softer = Mat::from_fn(6, 6, |i, j| {
+            definite(6)[(i, j)] + if i == j { ADDED[i] } else { 0.0 }
+        });
+        let shift: Vec<f64> = (0..6).map(|i| SHIFT[i] + ADDED[i] * CENTRE[i]).collect();
+        let expected = by_trial(&softer, &shift, (&modes(), &[2.0, 0.3]));
+        let far = [9.0, -3.0, 4.0, 0.0, 5.0, -7.0];
+        for guessed in [
+            None,
+            Some(State::of_all_forces(&setup.admissible, &[1.0; 6])),
+        ] {
+            let at = Forces {
+                lambda: far.to_vec(),
+                product: times(&definite(6), &far),
+                ..Forces::none(&setup)
+            };
+            let mut proximal = Proximal::new(&setup, CENTRE.to_vec(), ADDED.to_vec(), at);
+            let (mut before, mut guessed) = (energy(&proximal, press), guessed);
+            let mut steps = 0;
+            loop {
+                let progress = proximal.step(guessed.take(), 1e-13);
+                let now = energy(&proximal, press);
+                steps += 1;
+                match progress {
+                    Progress::Moved => assert!(now < before, "step {steps}: {now} {before}"),
+                    Progress::Minimal => break,
+                    Progress::Rough | Progress::Singular => panic!("step {steps}"),
+                }
+                before = now;
+                assert!(steps < 12);
+            }
+            let lambda = proximal.forces();
+            let alpha = setup.multipliers(&lambda, &proximal.at.alpha).alpha;
+            assert!(apart(&lambda, &expected.lambda) < 1e-12);
+            assert!(apart(&alpha, &expected.alpha) < 1e-12);
+            // there the displacements are those of the forces
+            assert!(apart(&proximal.at.product, &times(&definite(6), &lambda)) < 1e-12);
+            let closed: Vec<bool> = lambda.iter().map(|force| *force > 0.0).collect();
+            let states: Vec<bool> = proximal.states().iter().map(|s| s.closed).collect();
+            assert_eq!(states, closed);
+        }
+    }
+
+    /// How many of three nodes slip at the minimum with given bounds, which meets the law.
+    fn slipping(bound: f64) -> usize {
+        let block = Friction::Tresca { bound }.block(1);
+        let problem = of(
+            Compliance::Dense(definite(6)),
+            &SHIFT,
+            vec![block; 3],
+            (&[vec![1.0, 0.0, 1.0, 0.0, 1.0, 0.0]], &[2.0]),
+        );
+        let setup = Setup::new(&problem).unwrap();
+        let at = Forces::none(&setup);
+        let mut proximal = Proximal::new(&setup, vec![0.0; 6], ADDED.to_vec(), at);
+        let done = (0..20).any(|_| matches!(proximal.step(None, 1e-13), Progress::Minimal));
+        assert!(done);
+        let lambda = proximal.forces();
+        let told = setup.multipliers(&lambda, &proximal.at.alpha);
+        let gap = problem.gap(&told);
+        for node in 0..3 {
+            let (n, t) = (2 * node, 2 * node + 1);
+            let trial = |i: usize| lambda[i] - (gap[i] + ADDED[i] * lambda[i]);
+            assert!((lambda[n] - trial(n).max(0.0)).abs() < 1e-12);
+            assert!((lambda[t] - trial(t).clamp(-bound, bound)).abs() < 1e-12);
+        }
+        assert!((lambda[0] + lambda[2] + lambda[4] - 2.0).abs() < 1e-12);
+        let slips = |t: &usize| lambda[*t].abs() > bound * (1.0 - 1e-12);
+        [1, 3, 5].iter().filter(|t| slips(t)).count()
+    }
+
+    #[test]
+    fn minimum_with_given_bounds_of_friction_meets_the_law() {
+        let counts = [0.2, 0.6, 4.0].map(slipping);
+        assert_eq!((counts[0], counts[2]), (3, 0), "{counts:?}");
+    }
+
+    #[test]
+    fn load_that_nothing_bears_moves_the_body_until_contacts_do() {
+        // all open by 1, 2 and 3: pressed by 1.5, the first two bear it
+        let f = Mat::from_fn(3, 3, |i, j| f64::from(i == j));
+        for length in [0.0, 1e-8] {
+            let mut problem = of(
+                Compliance::Dense(f.clone()),
+                &[-1.0, -2.0, -3.0],
+                vec![Block::Unilateral; 3],
+                (&[vec![1.0; 3]], &[1.5]),
+            );
+            problem.scales.length = length;
+            let setup = Setup::new(&problem).unwrap();
+            let none = Forces::none(&setup);
+            let mut proximal = Proximal::new(&setup, vec![0.0; 3], vec![1.0; 3], none);
+            let loose = proximal.system(&proximal.states()).loose;
+            assert_eq!(loose.len(), 1);
+            assert!(proximal.approach(&loose));
+            // sunk by s: (s − 1) + (s − 2) = 1.5
+            assert!(apart(&proximal.forces(), &[1.25, 0.25, 0.0]) < 1e-12);
+            assert!(!proximal.approach(&loose), "nothing is left to be borne");
+        }
+    }
+
+    #[test]
+    fn body_that_nothing_holds_or_drives_stays() {
+        let problem = of(
+            Compliance::Dense(definite(2)),
+            &[-1.0, -1.0],
+            vec![Block::Unilateral; 2],
+            (&[vec![1.0; 2]], &[0.0]),
+        );
+        let setup = Setup::new(&problem).unwrap();
+        let mut at = Forces::none(&setup);
+        at.alpha[0] = -0.4;
+        let mut proximal = Proximal::new(&setup, vec![0.0; 2], vec![1.0; 2], at);
+        assert!(matches!(proximal.step(None, 1e-13), Progress::Minimal));
+        assert_eq!(proximal.at.alpha, [-0.4]);
+        assert_eq!(proximal.forces(), [0.0; 2]);
+    }
+
+    #[test]
+    fn work_along_a_line_is_that_of_the_forces_there() {
+        let problem = pressed();
+        let setup = Setup::new(&problem).unwrap();
+        let at = Forces {
+            lambda: vec![1.0; 6],
+            product: times(&definite(6), &[1.0; 6]),
+            ..Forces::none(&setup)
+        };
+        let proximal = Proximal::new(&setup, CENTRE.to_vec(), ADDED.to_vec(), at);
+        let change = [0.5, -1.0, -2.0, 0.3, 0.0, 1.0];
+        let product = times(&definite(6), &[1.0; 6]);
+        let lambda = |t: f64| -> Vec<f64> {
+            (0..6)
+                .map(|i| {
+                    let gap = product[i] - SHIFT[i] + t * change[i];
+                    (CENTRE[i] - gap / ADDED[i]).max(0.0)
+                })
+                .collect()
+        };
+        let mut workspace = Workspace::new(6);
+        for t in [0.0, 0.3, 2.0] {
+            let work = workspace.work(&proximal, t, &change);
+            assert!((work - dot(&lambda(t), &change)).abs() < 1e-13);
+        }
+        let size: f64 = lambda(0.0)
+            .iter()
+            .zip(change)
+            .map(|(l, c)| (l * c).abs())
+            .sum();
+        assert!((workspace.size(&proximal, &change) - size).abs() < 1e-13);
+        assert!(apart(&proximal.forces(), &lambda(0.0)) < 1e-14);
+    }
+
+    #[test]
+    fn descent_keeps_to_its_limits_and_to_its_observer() {
+        let a = [
+            [0.5, 0.1, 0.3, 0.9, 1.0, -0.3],
+            [0.2, 0.2, 0.7, 0.7, -0.1, 0.6],
+        ];
+        let shift = [0.6, -0.6, 0.6, -0.6, 0.2, 0.8];
+        let problem = of_rank(&a, &shift, vec![Block::Unilateral; 6], (&[], &[]));
+        let setup = Setup::new(&problem).unwrap();
+        let mut search = Search::new((1e-8, 2), &setup);
+        let closed = search.all_closed();
+        assert!(matches!(
+            descend(&mut search, closed, &mut silent),
+            Ended::Stuck(_)
+        ));
+        assert_eq!((search.steps, search.kind), (2, 'p'));
+        let mut search = Search::new((1e-8, 200), &setup);
+        let closed = search.all_closed();
+        let mut satisfied = |at: &Iterate<'_>| {
+            assert_eq!((at.iteration, at.step), (1, 'p'));
+            ControlFlow::Break(())
+        };
+        assert!(matches!(
+            descend(&mut search, closed, &mut satisfied),
+            Ended::Stopped
+        ));
+        // few steps from anywhere, each counted once
+        let mut search = Search::new((1e-8, 200), &setup);
+        let (closed, mut shown) = (search.all_closed(), 0);
+        let mut observe = |at: &Iterate<'_>| {
+            shown += 1;
+            assert_eq!(at.iteration, shown);
+            ControlFlow::Continue(())
+        };
+        assert!(matches!(
+            descend(&mut search, closed, &mut observe),
+            Ended::Converged
+        ));
+        assert_eq!(search.steps, shown);
+        assert!(shown <= 12, "{shown} steps");
+        let expected = by_trial(
+            &Mat::from_fn(6, 6, |i, j| {
+                let sum: f64 = a.iter().map(|row| row[i] * row[j]).sum();
+                sum + if i == j { 0.01 } else { 0.0 }
+            }),
+            &shift,
+            (&[], &[]),
+        );
+        // the least eigenvalue of F is 0.01: residual 1e-8 leaves 1e-6
+        assert!(apart(&search.point.lambda, &expected.lambda) < 1e-6);
     }
 }

@@ -264,4 +264,92 @@ mod tests {
             }
         }
     }
+
+    /// Steps between two pairs of forces and images, on the compliances 1 and 2 with overlaps 1 and 3.
+    fn between(problem: &DualProblem, check: impl Fn(&mut Steps<'_>)) {
+        let setup = Setup::new(problem).unwrap();
+        let (projection, at) = Projection::start(&setup, None).unwrap();
+        let pair = |lambda: [f64; 2], image: [f64; 2]| Pair {
+            at: Forces {
+                lambda: lambda.to_vec(),
+                ..at.clone()
+            },
+            image: image.to_vec(),
+        };
+        check(&mut Steps {
+            setup: &setup,
+            projection,
+            step: FixedStep::new(Some(0.25), || 1.0),
+            then: pair([0.0, 1.0], [2.0, 4.0]),
+            now: pair([3.0, 0.5], [4.0, 1.5]),
+            energies: vec![-1.0, -7.0],
+            kind: 's',
+        });
+    }
+
+    fn two_springs() -> DualProblem {
+        let f = Mat::from_fn(2, 2, |i, j| if i == j { 1.0 + i as f64 } else { 0.0 });
+        DualProblem::new(
+            Compliance::Dense(f),
+            vec![1.0, 3.0],
+            AdmissibleSet::new(vec![Block::Unilateral; 2]),
+            Balance::none(2),
+        )
+        .unwrap()
+    }
+
+    #[test]
+    fn energy_bar_and_secant_are_those_of_two_springs() {
+        between(&two_springs(), |steps| {
+            // 1/2 (9 + 2 · 0.25) − (3 + 1.5)
+            let (energy, rounding) = steps.energy();
+            assert_eq!(energy, 4.75 - 4.5);
+            assert!((rounding - 1e-14 * (4.75 + 4.5)).abs() < 1e-28);
+            assert_eq!(steps.now.at.product, [3.0, 1.0]);
+            // δ = (2, 3) before
+            assert!((steps.bar() - (-1.0 - 1e-4 * 13.0 / 0.25)).abs() < 1e-15);
+            // δ = (1, 1) now: changes (−1, −2), images moved by (2, −2.5)
+            assert!((steps.secant() - 3.0 / 5.0).abs() < 1e-15);
+            // one energy: no secant yet
+            steps.energies.truncate(1);
+            assert_eq!(steps.secant(), 0.0);
+            // δ stands still
+            steps.energies.push(0.0);
+            steps.now = steps.then.clone();
+            assert_eq!(steps.secant(), 0.0);
+        });
+    }
+
+    #[test]
+    fn secant_step_above_the_bar_is_refused_for_the_plain_one() {
+        between(&two_springs(), |steps| {
+            // energy 0.25 is above the bar −1.0052
+            steps.evaluate();
+            assert_eq!(
+                (steps.kind, &steps.now.at.lambda[..]),
+                ('g', &[2.0, 4.0][..])
+            );
+            // 1/2 (4 + 32) − (2 + 12)
+            assert_eq!(steps.energies, [4.0, -1.0, -7.0]);
+        });
+        between(&two_springs(), |steps| {
+            steps.energies = vec![0.25 + 52e-4 - 1e-12; 10];
+            steps.evaluate();
+            assert_eq!(steps.kind, 'g');
+        });
+        between(&two_springs(), |steps| {
+            steps.energies = vec![-5.0, 0.25 + 52e-4 + 1e-12];
+            steps.energies.resize(MEMORY, -6.0);
+            steps.evaluate();
+            assert_eq!(
+                (steps.kind, &steps.now.at.lambda[..]),
+                ('s', &[3.0, 0.5][..])
+            );
+            // the oldest one is forgotten
+            assert_eq!(steps.energies.len(), MEMORY);
+            assert_eq!(steps.energies[..2], [0.25, -5.0]);
+            // λ − ρ(Fλ − d) = (3 − 0.25 · 2, 0.5 + 0.25 · 2)
+            assert_eq!(steps.now.image, [2.5, 1.0]);
+        });
+    }
 }

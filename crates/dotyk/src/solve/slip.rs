@@ -180,7 +180,8 @@ fn iterate_bounds<S: FixedBounds>(
     if let Err(SolveError::NotConverged {
         outcome, residual, ..
     }) = &mut result
-        && search.residual < residual.min(NEARBY)
+        // a problem whose first system is singular has nothing to show
+        && (search.residual < residual.min(NEARBY) || !residual.is_finite())
     {
         outcome.multipliers = setup.multipliers(&search.point.lambda, &search.point.alpha);
         *residual = search.residual;
@@ -195,8 +196,9 @@ fn iterate_bounds<S: FixedBounds>(
 mod tests {
     use super::*;
     use crate::dual::{DualProblem, Friction};
-    use crate::solve::Newton;
     use crate::solve::tests::{of_rank, silent};
+    use crate::solve::{Iterate, Newton};
+    use std::ops::ControlFlow;
 
     /// Two nodes in the plane with F = AᵀA + I/100, d, G, e and a coefficient of friction.
     struct Frozen {
@@ -290,5 +292,113 @@ mod tests {
             coefficient: 2.0,
         };
         needs_more_than(3, &frozen);
+    }
+
+    /// The problem that only bounds which follow each other solve.
+    const LAST: Frozen = Frozen {
+        a: &[
+            [-0.2, 0.7, -1.0, -0.7],
+            [-0.4, 0.4, -0.6, 0.9],
+            [-0.4, 0.1, -0.7, 0.4],
+        ],
+        shift: [-0.3, 0.9, -0.3, 1.0],
+        modes: &[[-0.2, 0.9, -0.7, 0.3], [-0.2, 0.7, 0.5, -0.8]],
+        load: &[0.4, -0.4],
+        coefficient: 2.0,
+    };
+
+    #[test]
+    fn steps_of_all_stages_are_counted_on() {
+        let (problem, method) = (LAST.problem(), Newton::default());
+        let setup = Setup::new(&problem).unwrap();
+        let mut numbers = Vec::new();
+        let mut observe = |at: &Iterate<'_>| {
+            numbers.push(at.iteration);
+            ControlFlow::Continue(())
+        };
+        let outcome = solve(&method, &setup, None, &mut observe).unwrap();
+        // systems that are singular are no iterates
+        assert!(
+            numbers.windows(2).all(|pair| pair[1] > pair[0]),
+            "{numbers:?}"
+        );
+        assert_eq!(numbers.last(), Some(&outcome.iterations));
+        let (search, _) = climb(&method, &setup, None, &stages(), &mut silent).unwrap();
+        assert!(outcome.iterations > search.iterations());
+    }
+
+    #[test]
+    fn where_the_work_allowed_does_not_do_forces_with_a_residual_come_back() {
+        let problem = LAST.problem();
+        let setup = Setup::new(&problem).unwrap();
+        for most in [1, 2, 5] {
+            let method = Newton::default().within(1e-8, most);
+            let error = solve(&method, &setup, None, &mut silent).unwrap_err();
+            let SolveError::NotConverged {
+                method,
+                outcome,
+                residual,
+                ..
+            } = error
+            else {
+                panic!("{error}");
+            };
+            assert_eq!(method, "newton");
+            assert!(
+                residual > 1e-8 && residual.is_finite(),
+                "{most}: {residual}"
+            );
+            assert!(outcome.multipliers.lambda.iter().any(|force| *force != 0.0));
+        }
+        let stopped = solve(&Newton::default(), &setup, None, &mut |_| {
+            ControlFlow::Break(())
+        });
+        let stopped = stopped.unwrap();
+        assert!(stopped.stopped_by_observer && stopped.iterations == 1);
+    }
+
+    #[test]
+    fn where_nothing_floats_there_is_nothing_to_be_brought_to_rest() {
+        let frozen = Frozen {
+            a: &[[1.0, 0.0, 0.2, 0.0], [0.0, 1.0, 0.0, 0.2]],
+            shift: [1.0, 0.6, 0.9, 0.1],
+            modes: &[],
+            load: &[],
+            coefficient: 0.3,
+        };
+        let problem = frozen.problem();
+        let setup = Setup::new(&problem).unwrap();
+        let method = Newton::default();
+        let mut search = Search::new(method.limits(), &setup);
+        let states = search.all_closed();
+        let ended = rest(&method, &mut search, states.clone(), &mut silent);
+        let Ended::Stuck(same) = ended else {
+            panic!("no step was to be made");
+        };
+        assert_eq!((same, search.steps), (states, 0));
+    }
+
+    #[test]
+    fn coarser_problem_returns_the_least_residual_that_it_found() {
+        let (problem, method) = (LAST.problem(), Newton::default());
+        let setup = Setup::new(&problem).unwrap();
+        let mut least = f64::INFINITY;
+        let mut observe = |at: &Iterate<'_>| {
+            least = least.min(at.residual);
+            ControlFlow::Continue(())
+        };
+        let outcome = coarse(&method.within(1e-8, COARSE), &setup, &mut observe).unwrap();
+        let residual = problem.kkt_residual(&outcome.multipliers);
+        // given bounds show residuals of their own problem, which may be less
+        assert!(residual >= least && residual.is_finite());
+        let (search, _) = climb(
+            &method.within(1e-8, COARSE),
+            &setup,
+            None,
+            &stages(),
+            &mut silent,
+        )
+        .unwrap();
+        assert!((residual - search.best.0).abs() <= 1e-12 * residual);
     }
 }

@@ -276,3 +276,252 @@ fn complement(direction: &[f64]) -> Vec<Vec<f64>> {
     };
     (1..direction.len()).map(reflected).collect()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::dual::Friction;
+
+    const COULOMB: Friction = Friction::Coulomb { coefficient: 0.5 };
+    const TRESCA: Friction = Friction::Tresca { bound: 2.0 };
+    const COHESIVE: Friction = Friction::Cohesive {
+        cohesion: 1.0,
+        coefficient: 0.5,
+    };
+
+    fn slip(direction: &[f64], share: f64) -> Shear {
+        let direction = direction.to_vec();
+        Shear::Slip { direction, share }
+    }
+
+    #[test]
+    fn trial_forces_tell_open_stick_and_slip_of_every_law() {
+        let state = |block: Block, trial: &[f64]| State::of_trial(&block, trial);
+        // pressed by 4: the bound of Coulomb's law is 2
+        let stick = state(COULOMB.block(1), &[4.0, -1.5]);
+        assert_eq!(
+            (stick.closed, &stick.shear, stick.excess),
+            (true, &Shear::Stick, -0.5)
+        );
+        let at_bound = state(COULOMB.block(1), &[4.0, 2.0]);
+        assert_eq!((at_bound.shear, at_bound.excess), (Shear::Stick, 0.0));
+        let slips = state(COULOMB.block(1), &[4.0, -2.5]);
+        assert_eq!((slips.shear, slips.excess), (slip(&[-1.0], 0.8), 0.5));
+        let space = state(COULOMB.block(2), &[4.0, 3.0, -4.0]);
+        assert_eq!((space.shear, space.excess), (slip(&[0.6, -0.8], 0.4), 3.0));
+        let open = state(COULOMB.block(1), &[-4.0, 9.0]);
+        assert_eq!(
+            (open.closed, open.shear, open.excess),
+            (false, Shear::Stick, 0.0)
+        );
+        // zero is no force
+        assert!(!state(COULOMB.block(1), &[0.0, 1.0]).closed);
+        // a given bound holds in open contacts, too
+        let open = state(TRESCA.block(1), &[-1.0, 2.5]);
+        assert_eq!(
+            (open.closed, open.shear, open.excess),
+            (false, slip(&[1.0], 0.8), 0.5)
+        );
+        let cohesive = state(COHESIVE.block(1), &[4.0, 6.0]);
+        assert_eq!((cohesive.shear, cohesive.excess), (slip(&[1.0], 0.5), 3.0));
+        assert_eq!(state(COHESIVE.block(1), &[-4.0, 6.0]).shear, Shear::Stick);
+        let smooth = state(Friction::Tresca { bound: 0.0 }.block(1), &[1.0, 5.0]);
+        assert_eq!((smooth.shear, smooth.excess), (Shear::Smooth, 0.0));
+        // a tie is always closed
+        let tied = state(Block::Free { size: 2 }, &[-1.0, 3.0]);
+        assert_eq!((tied.closed, tied.shear), (true, Shear::Stick));
+        assert!(!state(Block::Unilateral, &[-1.0]).closed);
+    }
+
+    #[test]
+    fn shear_of_forces_that_is_at_its_bound_slips() {
+        let block = COULOMB.block(1);
+        let of = |shear: f64| State::of_forces(&block, &[4.0, shear]).shear;
+        assert!(matches!(of(2.0 * (1.0 - 0.9e-7)), Shear::Slip { .. }));
+        assert_eq!(of(2.0 * (1.0 - 1.1e-7)), Shear::Stick);
+        let set = AdmissibleSet::new(vec![Block::Unilateral, block]);
+        let states = State::of_all_forces(&set, &[0.0, 4.0, -2.0]);
+        assert_eq!(State::keys(&states), [(false, 0), (true, 3)]);
+    }
+
+    #[test]
+    fn states_are_told_apart_by_what_they_do_and_which_way_they_slip() {
+        let state = |closed, shear| State {
+            closed,
+            shear,
+            excess: 7.0,
+        };
+        assert_eq!(state(true, Shear::Stick).key(), (true, 0));
+        assert_eq!(state(false, Shear::Smooth).key(), (false, 1));
+        assert_eq!(state(true, slip(&[0.6, -0.8], 0.5)).key(), (true, 2));
+        assert_eq!(state(true, slip(&[-1.0], 0.5)).key(), (true, 3));
+        assert_eq!(state(true, slip(&[0.0, 1.0], 0.5)).key(), (true, 3));
+        assert!(state(true, slip(&[0.6, 0.8], 0.5)).may_turn());
+        assert!(!state(true, slip(&[1.0], 0.5)).may_turn());
+        assert!(!state(true, Shear::Stick).may_turn());
+        let smooth = Friction::Coulomb { coefficient: 0.0 }.block(1);
+        let sticking = State::sticking(&smooth, true);
+        assert_eq!((sticking.shear, sticking.excess), (Shear::Smooth, 0.0));
+        assert!(State::sticking(&Block::Free { size: 1 }, false).closed);
+        assert!(!State::sticking(&Block::Unilateral, false).closed);
+    }
+
+    /// Forces, rows, softness and pull of unknowns as plain lists.
+    type Plain = (Vec<(usize, f64)>, Vec<(usize, f64)>, f64, f64);
+
+    fn plain(unknowns: &[Unknown]) -> Vec<Plain> {
+        let one = |u: &Unknown| (u.force.clone(), u.row.clone(), u.softness, u.pull);
+        unknowns.iter().map(one).collect()
+    }
+
+    #[test]
+    fn states_leave_the_unknowns_of_the_table() {
+        let blocks = vec![
+            Block::Unilateral,
+            Block::Free { size: 2 },
+            COULOMB.block(1),
+            COHESIVE.block(1),
+            TRESCA.block(1),
+            TRESCA.block(1),
+            COULOMB.block(1),
+            Friction::Tresca { bound: 0.0 }.block(1),
+        ];
+        let set = AdmissibleSet::new(blocks);
+        let state = |closed, shear| State {
+            closed,
+            shear,
+            excess: 0.0,
+        };
+        let states = vec![
+            state(false, Shear::Stick),
+            state(true, Shear::Stick),
+            state(true, slip(&[-1.0], 0.5)),
+            state(true, slip(&[1.0], 0.5)),
+            state(false, slip(&[-1.0], 0.5)),
+            state(false, Shear::Stick),
+            state(false, slip(&[1.0], 0.5)),
+            state(true, Shear::Smooth),
+        ];
+        let (list, offset) = unknowns(&set, &states, None, &[9.0; 15]);
+        let one = |i: usize| (vec![(i, 1.0)], vec![(i, 1.0)], 0.0, 0.0);
+        let expected = vec![
+            one(1),
+            one(2),
+            // a slipping normal force brings its shear along, and closes the normal gap alone
+            (vec![(3, 1.0), (4, -0.5)], vec![(3, 1.0)], 0.0, 0.0),
+            (vec![(5, 1.0), (6, 0.5)], vec![(5, 1.0)], 0.0, 0.0),
+            // open nodes with a given bound stick or slip
+            one(10),
+            one(13),
+        ];
+        assert_eq!(plain(&list), expected);
+        let mut known = [0.0; 15];
+        (known[6], known[8]) = (1.0, -2.0);
+        assert_eq!(offset, known);
+        assert!(list[0].is_symmetric() && !list[2].is_symmetric());
+    }
+
+    #[test]
+    fn anchored_conditions_have_the_compliance_and_the_pull_of_the_centre() {
+        let set = AdmissibleSet::new(vec![COULOMB.block(1); 2]);
+        let (centre, compliance) = ([3.0, -1.0, 2.0, 4.0], [0.5, 0.25, 2.0, 1.0]);
+        let anchor = Anchor {
+            centre: &centre,
+            compliance: &compliance,
+        };
+        let states = vec![
+            State::sticking(&set.blocks()[0], true),
+            State {
+                closed: true,
+                shear: slip(&[1.0], 0.5),
+                excess: 0.0,
+            },
+        ];
+        let (list, offset) = unknowns(&set, &states, Some(anchor), &[1.0; 4]);
+        let one = |i: usize, softness, pull| (vec![(i, 1.0)], vec![(i, 1.0)], softness, pull);
+        let slipping = (vec![(2, 1.0), (3, 0.5)], vec![(2, 1.0)], 2.0, 4.0);
+        assert_eq!(
+            plain(&list),
+            [one(0, 0.5, 1.5), one(1, 0.25, -0.25), slipping]
+        );
+        assert_eq!(offset, [0.0; 4]);
+        // gap + a(λ − centre)
+        let left = anchor.left(&[4.0, 0.0, 1.0, 2.0], &[0.1, 0.2, 0.3, 0.4]);
+        let expected = [0.1 + 0.5, 0.2 + 0.25, 0.3 - 2.0, 0.4 - 2.0];
+        for (left, expected) in left.iter().zip(expected) {
+            assert!((left - expected).abs() < 1e-15);
+        }
+    }
+
+    #[test]
+    fn force_across_the_slip_of_space_is_as_soft_as_the_linearised_law() {
+        let set = AdmissibleSet::new(vec![COULOMB.block(2)]);
+        let states = |share| {
+            vec![State {
+                closed: true,
+                shear: slip(&[0.6, -0.8], share),
+                excess: 0.0,
+            }]
+        };
+        let own = [5.0, 3.0, 3.0];
+        let (list, _) = unknowns(&set, &states(0.25), None, &own);
+        assert_eq!(list.len(), 2);
+        assert_eq!(list[0].force, [(0, 1.0), (1, 0.3), (2, -0.4)]);
+        let across = &list[1];
+        assert!(across.is_symmetric() && across.pull == 0.0);
+        let [(1, a), (2, b)] = across.force[..] else {
+            panic!("{:?}", across.force);
+        };
+        assert!((0.6 * a - 0.8 * b).abs() < 1e-15 && (a * a + b * b - 1.0).abs() < 1e-15);
+        // c (1/β − 1) with β = 1/4
+        assert!((across.softness - 9.0).abs() < 1e-14);
+        // a bound that is nothing beside its trial leaves a finite number
+        let (list, _) = unknowns(&set, &states(1e-9), None, &own);
+        assert_eq!(list[1].softness, 3e6);
+        let (list, _) = unknowns(&set, &states(1e-5), None, &own);
+        assert!((list[1].softness - 3.0 * 99_999.0).abs() < 1e-6);
+        let (centre, compliance) = ([1.0, 2.0, 4.0], [0.5, 0.25, 0.25]);
+        let anchor = Anchor {
+            centre: &centre,
+            compliance: &compliance,
+        };
+        let (list, _) = unknowns(&set, &states(0.25), Some(anchor), &own);
+        assert!((list[1].softness - 9.25).abs() < 1e-14);
+        assert!((list[1].pull - 0.25 * (2.0 * a + 4.0 * b)).abs() < 1e-14);
+    }
+
+    #[test]
+    fn complement_is_orthonormal_for_directions_of_either_sign() {
+        for direction in [
+            [0.6, 0.8, 0.0],
+            [-0.6, 0.0, 0.8],
+            [-1.0, 0.0, 0.0],
+            [0.0, 0.0, 1.0],
+        ] {
+            let found = complement(&direction);
+            assert_eq!(found.len(), 2);
+            let all = [direction.to_vec(), found[0].clone(), found[1].clone()];
+            for (i, a) in all.iter().enumerate() {
+                for (j, b) in all.iter().enumerate() {
+                    let product: f64 = a.iter().zip(b).map(|(a, b)| a * b).sum();
+                    assert!((product - f64::from(i == j)).abs() < 1e-15, "{direction:?}");
+                }
+            }
+        }
+        assert!(complement(&[1.0]).is_empty());
+    }
+
+    #[test]
+    fn nearest_value_of_an_unknown_leaves_nothing_along_it() {
+        let mut unknown = Unknown::of(1);
+        assert_eq!(
+            plain(std::slice::from_ref(&unknown)),
+            [(vec![(1, 1.0)], vec![(1, 1.0)], 0.0, 0.0)]
+        );
+        assert_eq!(unknown.nearest(&[7.0, 3.0]), 3.0);
+        unknown.force = vec![(0, 2.0), (1, -1.0)];
+        // (2, −1)·(7, 3)/5
+        assert!((unknown.nearest(&[7.0, 3.0]) - 11.0 / 5.0).abs() < 1e-15);
+        assert_eq!(along(&unknown.force, &[7.0, 3.0]), 11.0);
+    }
+}

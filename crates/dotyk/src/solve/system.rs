@@ -18,7 +18,7 @@
 //!
 //! Directions of α̂ that no unknown determines come back in `loose`; α̂ has no part along them.
 
-use crate::dual::{Balance, Compliance};
+use crate::dual::{Balance, Compliance, NO_WORK};
 use crate::linalg::dense::{
     Lu, cholesky_in_place, solve_cholesky_in_place, solve_lower_in_place,
     solve_lower_transpose_in_place, transpose_product,
@@ -35,14 +35,19 @@ const DEPENDENT: f64 = 1e-13;
 /// Shift of a singular matrix, relative to its diagonal.
 const SHIFT: f64 = 1e-10;
 
-/// Parts of a loose direction below this one are rounding.
-const LOOSE: f64 = 1e-9;
+/// Parts of a loose direction below this one are rounding: it is orthonormal to some 1e-15, times what supports are conditioned
+/// by.
+pub(crate) const LOOSE: f64 = 1e-9;
 
 /// Part of a right side that the factor of a regular matrix leaves at most.
 const SOLVED: f64 = 1e-6;
 
 /// Most corrections of a solution; a shifted matrix needs more of them than rounding.
 const CORRECTIONS: usize = 8;
+
+/// Iterations compare their residual with the right side, and at least with this part of that of the start: a right side that is
+/// nothing on balanced forces could not be met.
+const FROM_START: f64 = 1e-3;
 
 /// Most conjugate gradients of one linear problem.
 const CONJUGATE: usize = 500;
@@ -114,7 +119,7 @@ impl<'a> System<'a> {
                 null_of(balance, &forces)
             }
         };
-        null.iter().all(|z| dot(z, &rest).abs() <= 1e-9 * size)
+        null.iter().all(|z| dot(z, &rest).abs() <= NO_WORK * size)
     }
 
     /// Solves from `guess`, with a relative accuracy that only iterations use; `None` where the system is singular.
@@ -637,7 +642,7 @@ impl System<'_> {
         let (mut residual, _) = self.residual(&point, &x);
         let reference = self.reference(&mut null);
         null.project(&self.rows, &mut residual);
-        let goal = accuracy * reference.max(1e-3 * norm(&residual));
+        let goal = accuracy * reference.max(FROM_START * norm(&residual));
         let (mut z, mut out) = (vec![0.0; n], vec![0.0; n]);
         self.precondition(preconditioner, &residual, &mut lambda, &mut image, &mut z);
         null.project(&self.rows, &mut z);
@@ -700,7 +705,7 @@ impl System<'_> {
         let (mut residual, _) = self.residual(&point, &x);
         let reference = self.reference(&mut rigid);
         rigid.project(&self.rows, &mut residual);
-        let goal = accuracy * reference.max(1e-3 * norm(&residual));
+        let goal = accuracy * reference.max(FROM_START * norm(&residual));
         let change = self.krylov(
             preconditioner,
             &residual,
@@ -791,5 +796,529 @@ impl System<'_> {
             residual.iter_mut().zip(b).for_each(|(r, b)| *r = b - *r);
         }
         Some(x)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::dual::{Block, DualProblem, Friction};
+    use crate::solve::states::Shear;
+    use crate::solve::tests::{apart, applied, definite, eliminated, of, times};
+
+    /// Two motions of two nodes in the plane, a tied pair and a contact that presses.
+    fn modes() -> [Vec<f64>; 2] {
+        [
+            vec![1.0, 0.0, 1.0, 0.2, 0.5, 0.0, 1.0],
+            vec![0.3, 1.0, -0.3, 1.0, 0.0, 0.7, 0.4],
+        ]
+    }
+
+    const SHIFT: [f64; 7] = [1.0, 0.3, -0.5, 0.8, 0.1, -0.2, 0.6];
+    const LOAD: [f64; 2] = [2.0, -0.4];
+
+    fn blocks(tangents: Friction) -> Vec<Block> {
+        let node = tangents.block(1);
+        vec![node, node, Block::Free { size: 2 }, Block::Unilateral]
+    }
+
+    fn problem(compliance: Compliance, law: Friction) -> DualProblem {
+        of(compliance, &SHIFT, blocks(law), (&modes(), &LOAD))
+    }
+
+    /// F assembled, without its zeros, and applied.
+    fn forms() -> [Compliance; 3] {
+        let f = definite(7);
+        let sparse = SparseMatrix::from_dense(&f);
+        [
+            Compliance::Sparse(sparse),
+            applied(&f, Mat::identity(7, 7)),
+            Compliance::Dense(f),
+        ]
+    }
+
+    fn state(closed: bool, shear: Shear) -> State {
+        State {
+            closed,
+            shear,
+            excess: 0.0,
+        }
+    }
+
+    fn slip(sign: f64) -> Shear {
+        Shear::Slip {
+            direction: vec![sign],
+            share: 0.5,
+        }
+    }
+
+    /// Where `states` are what they say: λ and α by elimination of all conditions at once, one for each force.
+    fn expected(
+        states: &[State],
+        law: Friction,
+        anchor: Option<Anchor<'_>>,
+    ) -> (Vec<f64>, Vec<f64>) {
+        let (m, r, f, modes) = (7, 2, definite(7), modes());
+        let (given, growth) = law.terms();
+        let mut a = Mat::<f64>::zeros(m + r, m + r);
+        let mut right = vec![0.0; m + r];
+        let mut closes = |i: usize, a: &mut Mat<f64>| {
+            for j in 0..m {
+                a[(i, j)] = f[(i, j)];
+            }
+            for j in 0..r {
+                a[(i, m + j)] = -modes[j][i];
+            }
+            right[i] = SHIFT[i];
+            if let Some(Anchor { centre, compliance }) = anchor {
+                a[(i, i)] += compliance[i];
+                right[i] += compliance[i] * centre[i];
+            }
+        };
+        let starts = [0, 2, 4, 6];
+        let mut known = Vec::new();
+        for (state, start) in states.iter().zip(starts) {
+            match state.closed {
+                true => closes(start, &mut a),
+                false => known.push((start, vec![(start, 1.0)], 0.0)),
+            }
+            if start == 4 {
+                closes(5, &mut a);
+            } else if start < 4 {
+                let tangent = start + 1;
+                match &state.shear {
+                    Shear::Slip { direction, .. } if law.bears(state.closed) => {
+                        let row = vec![(tangent, 1.0), (start, -growth * direction[0])];
+                        known.push((tangent, row, given * direction[0]));
+                    }
+                    Shear::Stick if law.bears(state.closed) => closes(tangent, &mut a),
+                    _ => known.push((tangent, vec![(tangent, 1.0)], 0.0)),
+                }
+            }
+        }
+        for (i, row, value) in known {
+            row.iter().for_each(|&(j, x)| a[(i, j)] = x);
+            right[i] = value;
+        }
+        for j in 0..r {
+            for i in 0..m {
+                a[(m + j, i)] = modes[j][i];
+            }
+            right[m + j] = LOAD[j];
+        }
+        let x = eliminated(&a, &right).expect("the conditions are independent");
+        (x[..m].to_vec(), x[m..].to_vec())
+    }
+
+    fn sets() -> Vec<(Friction, Vec<State>)> {
+        let (tresca, coulomb) = (
+            Friction::Tresca { bound: 0.3 },
+            Friction::Coulomb { coefficient: 0.4 },
+        );
+        let tied = || state(true, Shear::Stick);
+        let all = |law: Friction, a: State, b: State, pressed: bool| {
+            (law, vec![a, b, tied(), state(pressed, Shear::Stick)])
+        };
+        let stick = |closed| state(closed, Shear::Stick);
+        vec![
+            all(tresca, stick(true), stick(true), true),
+            all(tresca, stick(true), state(true, slip(-1.0)), false),
+            all(tresca, state(false, slip(1.0)), stick(true), true),
+            all(coulomb, stick(true), stick(false), true),
+            all(coulomb, state(true, slip(1.0)), stick(true), true),
+            all(
+                coulomb,
+                state(true, slip(1.0)),
+                state(true, slip(-1.0)),
+                false,
+            ),
+        ]
+    }
+
+    #[test]
+    fn forces_of_states_meet_all_their_conditions_however_the_compliance_is_given() {
+        let centre = [0.4, -0.2, 0.9, 0.1, 0.0, 0.3, 1.0];
+        let compliance = [0.2, 0.1, 0.3, 0.2, 0.4, 0.1, 0.5];
+        for (law, states) in sets() {
+            for anchored in [false, true] {
+                let anchor = anchored.then_some(Anchor {
+                    centre: &centre,
+                    compliance: &compliance,
+                });
+                let (lambda, alpha) = expected(&states, law, anchor);
+                for form in forms() {
+                    let problem = problem(form, law);
+                    let setup = Setup::new(&problem).unwrap();
+                    let mut system = System::of(&setup, &states, anchor, &problem.softness);
+                    assert!(system.carries() && system.loose.is_empty());
+                    let rough = Forces {
+                        lambda: vec![0.5; 7],
+                        ..Forces::none(&setup)
+                    };
+                    let found = system.solve(&rough, 1e-13).unwrap();
+                    let told = setup.multipliers(&found.lambda, &found.alpha);
+                    let what = format!("{law:?}, {states:?}");
+                    // F and the balance are conditioned like 1e2
+                    assert!(apart(&told.lambda, &lambda) < 1e-10, "{what}");
+                    assert!(apart(&told.alpha, &alpha) < 1e-10, "{what}");
+                    let product = times(&definite(7), &found.lambda);
+                    assert!(apart(&found.product, &product) < 1e-13);
+                    let applied = matches!(problem.compliance, Compliance::Operator { .. });
+                    assert_eq!(system.unique, !applied);
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn preconditioner_and_accuracy_decide_how_many_products_are_made() {
+        let f = definite(7);
+        let inverse = {
+            let columns: Vec<Vec<f64>> = (0..7)
+                .map(|j| {
+                    let unit: Vec<f64> = (0..7).map(|i| f64::from(i == j)).collect();
+                    eliminated(&f, &unit).unwrap()
+                })
+                .collect();
+            Mat::from_fn(7, 7, |i, j| columns[j][i])
+        };
+        let products =
+            |states: &[State], law: Friction, preconditioner: &Mat<f64>, accuracy: f64| {
+                let problem = problem(applied(&f, preconditioner.clone()), law);
+                let setup = Setup::new(&problem).unwrap();
+                let mut system = System::of(&setup, states, None, &problem.softness);
+                system.solve(&Forces::none(&setup), accuracy).unwrap();
+                setup.products()
+            };
+        let identity = Mat::identity(7, 7);
+        for (law, states) in [sets().swap_remove(0), sets().swap_remove(4)] {
+            let exact = products(&states, law, &identity, 1e-13);
+            let rough = products(&states, law, &identity, 1e-1);
+            // no more steps than there are free forces; a product for the start and one for the end beside them
+            assert!(exact <= 10 && rough < exact, "{rough} {exact}");
+            let preconditioned = products(&states, law, &inverse, 1e-13);
+            // slip turns conditions against forces: there the inverse of F is not that of the system
+            let symmetric = matches!(law, Friction::Tresca { .. });
+            assert!(preconditioned + usize::from(symmetric) <= exact, "{law:?}");
+        }
+    }
+
+    #[test]
+    fn start_that_is_the_answer_needs_no_steps() {
+        for which in [0, 4] {
+            let (law, states) = sets().swap_remove(which);
+            let problem = problem(applied(&definite(7), Mat::identity(7, 7)), law);
+            let setup = Setup::new(&problem).unwrap();
+            let mut system = System::of(&setup, &states, None, &problem.softness);
+            let (lambda, _) = expected(&states, law, None);
+            let guess = Forces {
+                lambda,
+                ..Forces::none(&setup)
+            };
+            system.solve(&guess, 1e-10).unwrap();
+            // one for the residual of the start, one for the gaps at the end
+            assert_eq!(setup.products(), 2, "{law:?}");
+        }
+    }
+
+    /// Two contacts, the second of which gives way a little more than the first.
+    fn nearly_alike(more: f64) -> (bool, bool) {
+        let f = Mat::from_fn(2, 2, |i, j| 1.0 + if i == 1 && j == 1 { more } else { 0.0 });
+        let blocks = vec![Block::Unilateral; 2];
+        let problem = of(Compliance::Dense(f), &[1.0, 1.0], blocks, (&[], &[]));
+        let setup = Setup::new(&problem).unwrap();
+        let states = vec![state(true, Shear::Stick); 2];
+        let mut system = System::of(&setup, &states, None, &problem.softness);
+        let found = system.solve(&Forces::none(&setup), 1e-12).unwrap();
+        let solved = apart(&found.product, &[1.0, 1.0]) < 1e-12;
+        (system.unique, solved)
+    }
+
+    #[test]
+    fn singular_systems_of_every_kind_are_solved_and_not_unique() {
+        // two nodes whose directions do the same each, side by side
+        let f = Mat::from_fn(4, 4, |i, j| f64::from(i % 2 == j % 2));
+        let node = Friction::Coulomb { coefficient: 0.4 }.block(1);
+        for sparse in [false, true] {
+            let f = match sparse {
+                true => Compliance::Sparse(SparseMatrix::from_dense(&f)),
+                false => Compliance::Dense(f.clone()),
+            };
+            let problem = of(f, &[1.0, 0.5, 1.0, 0.5], vec![node; 2], (&[], &[]));
+            let setup = Setup::new(&problem).unwrap();
+            for states in [
+                vec![state(true, slip(1.0)); 2],
+                vec![state(true, Shear::Stick); 2],
+            ] {
+                let mut system = System::of(&setup, &states, None, &problem.softness);
+                let found = system.solve(&Forces::none(&setup), 1e-12).unwrap();
+                assert!(!system.unique, "sparse: {sparse}");
+                assert!((found.lambda[0] + found.lambda[2] - 1.0).abs() < 1e-12);
+            }
+        }
+    }
+
+    #[test]
+    fn contacts_that_do_the_same_share_their_forces_and_say_so() {
+        assert_eq!(nearly_alike(0.0), (false, true));
+        assert_eq!(nearly_alike(0.7e-13), (false, true));
+        assert_eq!(nearly_alike(1.5e-13), (true, true));
+        assert_eq!(nearly_alike(1.0), (true, true));
+    }
+
+    #[test]
+    fn compliance_of_grounded_bodies_may_be_semidefinite_where_the_balance_tells_the_rest() {
+        // F = vvᵀ is nothing across v; the modes are not
+        let v = [1.0, -1.0, 0.5];
+        let f = Mat::from_fn(3, 3, |i, j| v[i] * v[j]);
+        let modes = [vec![1.0, 1.0, 1.0], vec![0.0, 1.0, -1.0]];
+        for sparse in [false, true] {
+            let f = match sparse {
+                true => Compliance::Sparse(SparseMatrix::from_dense(&f)),
+                false => Compliance::Dense(f.clone()),
+            };
+            let blocks = vec![Block::Free { size: 3 }];
+            let problem = of(f, &[0.2, 0.1, 0.3], blocks, (&modes, &[3.0, 0.5]));
+            let setup = Setup::new(&problem).unwrap();
+            let states = vec![state(true, Shear::Stick)];
+            let mut system = System::of(&setup, &states, None, &problem.softness);
+            let found = system.solve(&Forces::none(&setup), 1e-12).unwrap();
+            assert!(system.unique);
+            let multipliers = setup.multipliers(&found.lambda, &found.alpha);
+            let gap = problem.gap(&multipliers);
+            assert!(apart(&gap, &[0.0; 3]) < 1e-13, "{gap:?}");
+            let carried = problem.balance.modes().product(&multipliers.lambda);
+            assert!(apart(&carried, &[3.0, 0.5]) < 1e-13, "{carried:?}");
+        }
+    }
+
+    #[test]
+    fn motions_that_no_unknown_feels_are_loose_and_carry_no_load() {
+        let modes = [vec![1.0, 0.0, 1.0], vec![0.0, 1.0, 1.0]];
+        for sparse in [false, true] {
+            let f = definite(3);
+            let f = match sparse {
+                true => Compliance::Sparse(SparseMatrix::from_dense(&f)),
+                false => Compliance::Dense(f),
+            };
+            let blocks = vec![Block::Unilateral; 3];
+            let problem = of(f, &[1.0, 0.5, 0.2], blocks, (&modes, &[1.0, 0.0]));
+            let setup = Setup::new(&problem).unwrap();
+            let only = |closed: [bool; 3]| {
+                let states = closed.map(|closed| state(closed, Shear::Stick));
+                System::of(&setup, &states, None, &problem.softness)
+            };
+            // only the first contact bears: the second motion is free, and the load does not drive it
+            let mut system = only([true, false, false]);
+            let [z] = &system.loose[..] else {
+                panic!("{:?}", system.loose);
+            };
+            let free = setup.multipliers(&[0.0; 3], z).alpha;
+            let image = problem.balance.modes().motion(0, &free);
+            assert!(image.abs() < 1e-14 && (norm(z) - 1.0).abs() < 1e-14);
+            let z = z.clone();
+            assert!(system.carries());
+            let found = system.solve(&Forces::none(&setup), 1e-12).unwrap();
+            assert!(dot(&z, &found.alpha).abs() < 1e-13);
+            assert!(apart(&found.lambda, &[1.0, 0.0, 0.0]) < 1e-13);
+            let told = setup.multipliers(&found.lambda, &found.alpha);
+            assert!(problem.gap(&told)[0].abs() < 1e-13);
+            // only the second one bears: the load drives what is free
+            assert!(!only([false, true, false]).carries());
+            assert!(only([false, true, true]).carries());
+            assert!(only([false, false, false]).loose.len() == 2);
+        }
+    }
+
+    #[test]
+    fn load_that_is_carried_to_rounding_is_carried() {
+        let carries = |load: f64| {
+            let modes = [vec![1.0, 0.0], vec![0.0, 1.0]];
+            let mut problem = of(
+                Compliance::Dense(definite(2)),
+                &[1.0, 1.0],
+                vec![Block::Unilateral; 2],
+                (&modes, &[1.0, 0.0]),
+            );
+            problem.balance = Balance::new(problem.balance.modes().clone(), vec![1.0, load]);
+            let setup = Setup::unchecked(&problem);
+            let states = [true, false].map(|closed| state(closed, Shear::Stick));
+            System::of(&setup, &states, None, &problem.softness).carries()
+        };
+        assert!(carries(0.9e-9) && carries(-0.9e-9));
+        assert!(!carries(1.1e-9) && !carries(-1.1e-9));
+    }
+
+    #[test]
+    fn scales_are_the_powers_of_two_nearest_to_a_unit_diagonal() {
+        for (diagonal, scale) in [
+            (1.0, 1.0),
+            (4.0, 0.5),
+            (0.25, 2.0),
+            (1.9, 1.0),
+            (2.1, 0.5),
+            (0.51, 1.0),
+        ] {
+            assert_eq!(unit_scale(diagonal), scale, "{diagonal}");
+        }
+        for none in [0.0, -1.0, f64::INFINITY, f64::NAN] {
+            assert_eq!(unit_scale(none), 1.0);
+        }
+        let forces = [
+            SparseVector::from_dense(&[1.0, 0.5]),
+            SparseVector::from_dense(&[0.0, 0.125]),
+        ];
+        let rows = [
+            SparseVector::from_dense(&[0.0, -4.0]),
+            SparseVector::from_dense(&[0.0, 0.0]),
+        ];
+        // the largest push, squared: (4 · 2)² and (0.125 · 2)²
+        assert_eq!(units_of_balance(&forces, &rows, &[1.0, 2.0]), [0.125, 4.0]);
+    }
+
+    #[test]
+    fn unit_of_an_unknown_is_not_that_of_a_grounded_diagonal() {
+        let problem = problem(
+            Compliance::Dense(definite(7)),
+            Friction::Coulomb { coefficient: 0.5 },
+        );
+        let setup = Setup::new(&problem).unwrap();
+        let unknowns = vec![
+            Unknown::of(0),
+            Unknown {
+                force: vec![(0, 2.0), (1, 0.5)],
+                row: vec![(0, -2.0), (1, 1.0)],
+                ..Unknown::of(0)
+            },
+        ];
+        let system = System::new(&setup, unknowns, vec![0.0; 7]);
+        let softness = &problem.softness;
+        assert_eq!(system.unit_of(0, 1e-20), unit_scale(softness[0]));
+        assert_eq!(system.unit_of(0, -64.0), 0.125);
+        let both = 4.0 * softness[0] + 0.5 * softness[1];
+        assert_eq!(system.unit_of(1, 0.0), unit_scale(both));
+    }
+
+    #[test]
+    fn coupling_is_the_product_of_rows_matrix_and_forces() {
+        let f = definite(4);
+        let list = |pairs: &[(usize, f64)]| pairs.to_vec();
+        let unknowns = [
+            Unknown::of(2),
+            Unknown {
+                force: list(&[(0, 1.0), (1, 0.4)]),
+                row: list(&[(0, 1.0)]),
+                ..Unknown::of(0)
+            },
+            Unknown {
+                force: list(&[(3, -2.0)]),
+                row: list(&[(3, 0.5), (1, 3.0)]),
+                ..Unknown::of(3)
+            },
+        ];
+        let dense = coupling(&f, &unknowns);
+        let mut sparse = Mat::<f64>::zeros(3, 3);
+        for (a, b, value) in sparse_coupling(&SparseMatrix::from_dense(&f), &unknowns) {
+            sparse[(a, b)] += value;
+        }
+        for (a, one) in unknowns.iter().enumerate() {
+            for (b, other) in unknowns.iter().enumerate() {
+                let mut expected = 0.0;
+                for &(i, w) in &one.row {
+                    for &(j, c) in &other.force {
+                        expected += w * f[(i, j)] * c;
+                    }
+                }
+                assert!((dense[(a, b)] - expected).abs() < 1e-14, "{a} {b}");
+                assert!((sparse[(a, b)] - expected).abs() < 1e-14, "{a} {b}");
+            }
+        }
+        let rows = [SparseVector::from_dense(&[1.0, 2.0, 0.0, 5.0])];
+        let forces = on_unknowns(&rows, &unknowns, |u| &u.force);
+        assert_eq!(forces[0].to_dense(), [0.0, 1.8, -10.0]);
+        let tests = on_unknowns(&rows, &unknowns, |u| &u.row);
+        assert_eq!(tests[0].to_dense(), [0.0, 1.0, 8.5]);
+        assert!(on_unknowns(&[], &unknowns, |u| &u.row).is_empty());
+    }
+
+    #[test]
+    fn factor_that_leaves_more_than_a_millionth_solves_nothing() {
+        // the factor of one matrix before another
+        let matrix = |x: f64| SparseMatrix::from_triplets(2, 2, &[(0, 0, x), (1, 1, x)]);
+        let lu = SparseLu::new(&matrix(1.0)).unwrap();
+        assert!(solves(&lu, &matrix(1.0 + 0.9e-6)));
+        assert!(!solves(&lu, &matrix(1.0 + 1.1e-6)));
+        assert!(!solves(&lu, &matrix(1.0 - 1.1e-6)));
+    }
+
+    #[test]
+    fn stiff_contacts_beside_soft_ones_keep_their_forces() {
+        // compliances 1 and 1e-14 on one body, which sinks by 2: each bears as much as it gives way
+        let compliance = [1.0, 1e-14];
+        let f = Mat::from_fn(2, 2, |i, j| if i == j { compliance[i] } else { 0.0 });
+        for sparse in [false, true] {
+            let f = match sparse {
+                true => Compliance::Sparse(SparseMatrix::from_dense(&f)),
+                false => Compliance::Dense(f.clone()),
+            };
+            let blocks = vec![Block::Unilateral; 2];
+            let load = 2.0 + 2e14;
+            let problem = of(f, &[0.0, 0.0], blocks, (&[vec![1.0, 1.0]], &[load]));
+            let setup = Setup::new(&problem).unwrap();
+            let states = vec![state(true, Shear::Stick); 2];
+            let mut system = System::of(&setup, &states, None, &problem.softness);
+            let found = system.solve(&Forces::none(&setup), 1e-12).unwrap();
+            let told = setup.multipliers(&found.lambda, &found.alpha);
+            assert!((told.alpha[0] - 2.0).abs() < 1e-12, "{}", told.alpha[0]);
+            assert!((found.lambda[1] / 2e14 - 1.0).abs() < 1e-12);
+            assert!(system.unique);
+        }
+    }
+
+    #[test]
+    fn residual_is_what_conditions_and_balance_lack() {
+        let problem = problem(
+            Compliance::Dense(definite(7)),
+            Friction::Coulomb { coefficient: 0.5 },
+        );
+        let setup = Setup::new(&problem).unwrap();
+        let unknowns = vec![
+            Unknown {
+                force: vec![(0, 1.0), (1, -0.5)],
+                softness: 0.25,
+                pull: 3.0,
+                ..Unknown::of(0)
+            },
+            Unknown::of(6),
+        ];
+        let mut offset = vec![0.0; 7];
+        offset[3] = 2.0;
+        let mut system = System::new(&setup, unknowns, offset);
+        let alpha = [0.3, -0.6];
+        let mut own = vec![0.0; 2];
+        setup.balance.from_original(&alpha, &mut own);
+        let point = system.point(&[4.0, -1.0], own);
+        assert_eq!(point.lambda, [4.0, -2.0, 0.0, 2.0, 0.0, 0.0, -1.0]);
+        assert!(apart(&point.product, &times(&definite(7), &point.lambda)) < 1e-14);
+        let (right, rest) = system.residual(&point, &[4.0, -1.0]);
+        let gap = |i: usize| {
+            let rigid: f64 = (0..2).map(|j| modes()[j][i] * alpha[j]).sum();
+            point.product[i] - SHIFT[i] - rigid
+        };
+        assert!((right[0] - (3.0 - gap(0) - 0.25 * 4.0)).abs() < 1e-14);
+        assert!((right[1] + gap(6)).abs() < 1e-14);
+        // ê − Ĝλ, whatever the orthonormal modes are: its size follows from G and GGᵀ
+        let g = Mat::from_fn(2, 2, |i, j| dot(&modes()[i], &modes()[j]));
+        let left: Vec<f64> = (0..2)
+            .map(|j| LOAD[j] - dot(&modes()[j], &point.lambda))
+            .collect();
+        let square = dot(&left, &eliminated(&g, &left).unwrap());
+        assert!((norm(&rest) - square.sqrt()).abs() < 1e-13);
+        let mut both = vec![0.0; 2];
+        setup.balance.imbalance(&point.lambda, &mut both);
+        assert!(
+            dot(&both, &rest) < 0.0,
+            "it is what lacks, not what is too much"
+        );
     }
 }

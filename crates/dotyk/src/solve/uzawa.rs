@@ -34,6 +34,12 @@ use crate::solve::{
 /// How often an improper bolt is moved before the exact projection takes over.
 const MOVES: usize = 3;
 
+/// A bolt of whose column less than this part is left beside the bolts before holds nothing more: half the digits.
+const HELD: f64 = 1e-8;
+
+/// Accuracy of the bilateral solution where F is applied: it only tells where contacts press hardest.
+const BILATERAL: f64 = 1e-3;
+
 /// The p,A-algorithm.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Uzawa {
@@ -344,7 +350,7 @@ fn choose(setup: &Setup<'_>, weights: &[f64]) -> Option<Bolted> {
     for _ in 0..k {
         let merit = |i: usize| weights[i] * norm(&columns[i]);
         let best = (0..columns.len())
-            .filter(|&i| norm(&columns[i]) > 1e-8 * sizes[i] && merit(i) > 0.0)
+            .filter(|&i| norm(&columns[i]) > HELD * sizes[i] && merit(i) > 0.0)
             .max_by(|&a, &b| merit(a).total_cmp(&merit(b)).then(b.cmp(&a)))?;
         let length = norm(&columns[best]);
         let held: Vec<f64> = columns[best].iter().map(|x| x / length).collect();
@@ -391,7 +397,7 @@ fn bolts_of_bilateral_solution(setup: &Setup<'_>) -> Option<Bolted> {
     }
     let all = (0..setup.len()).map(Unknown::of).collect();
     let closed =
-        System::new(setup, all, vec![0.0; setup.len()]).solve(&Forces::none(setup), 1e-3)?;
+        System::new(setup, all, vec![0.0; setup.len()]).solve(&Forces::none(setup), BILATERAL)?;
     choose(setup, &pressed(setup, &closed.lambda))
 }
 
@@ -423,4 +429,221 @@ fn reduced_bound(setup: &Setup<'_>, bolted: &Bolted) -> f64 {
         }
     });
     setup.usable_bound(bound)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::dual::{Block, Compliance, DualProblem, Friction};
+    use crate::solve::ContactSolver;
+    use crate::solve::tests::{apart, by_trial, definite, of, silent, times};
+
+    fn modes() -> [Vec<f64>; 2] {
+        [vec![1.0; 5], vec![-1.0, -0.5, 0.0, 0.5, 1.0]]
+    }
+
+    const SHIFT: [f64; 5] = [1.0, 0.3, -0.5, 0.8, 0.1];
+
+    fn plate() -> DualProblem {
+        let blocks = vec![Block::Unilateral; 5];
+        of(
+            Compliance::Dense(definite(5)),
+            &SHIFT,
+            blocks,
+            (&modes(), &[4.0, 0.5]),
+        )
+    }
+
+    #[test]
+    fn bolts_take_what_the_balance_asks_for_and_close_their_gaps() {
+        let problem = plate();
+        let setup = Setup::new(&problem).unwrap();
+        let bolted = Bolted::new(&setup, vec![4, 1]).unwrap();
+        assert_eq!(bolted.held, [false, true, false, false, true]);
+        let mut lambda = vec![1.0, 9.0, 0.5, 0.25, -3.0];
+        bolted.close(&setup, &mut lambda, &mut [0.0; 2]);
+        // a + b + 1.75 = 4 and −a/2 + b − 1 + 1/8 = 1/2 of the forces a at 1 and b at 4
+        let (a, b) = ((2.25 - 1.375) / 1.5, (2.25 / 2.0 + 1.375) / 1.5);
+        assert!(apart(&lambda, &[1.0, a, 0.5, 0.25, b]) < 1e-14);
+        let mut alpha = vec![0.0; 2];
+        let product = times(&definite(5), &lambda);
+        bolted.shift(|i| product[i] - SHIFT[i], &mut alpha);
+        let told = setup.multipliers(&lambda, &alpha);
+        let gap = problem.gap(&told);
+        assert!(gap[1].abs() < 1e-14 && gap[4].abs() < 1e-14 && gap[0].abs() > 1e-3);
+        let bolts = bolted.forces(&lambda);
+        let plain = |bolt: &Bolt| (bolt.index, bolt.force, bolt.moved);
+        assert_eq!(plain(&bolts[0]), (4, lambda[4], false));
+        assert_eq!(plain(&bolts[1]), (1, lambda[1], false));
+        // the first of modes that move it alike, then the other
+        assert_eq!((bolts[0].mode, bolts[1].mode), (0, 1));
+        assert!(Bolted::new(&setup, vec![2, 2]).is_none());
+    }
+
+    #[test]
+    fn bolts_are_named_for_the_modes_that_move_them_most() {
+        let modes = [vec![0.5, 1.0, 0.1], vec![1.0, -0.9, 0.2]];
+        let blocks = vec![Block::Unilateral; 3];
+        let problem = of(
+            Compliance::Dense(definite(3)),
+            &[1.0; 3],
+            blocks,
+            (&modes, &[1.0, 0.1]),
+        );
+        let setup = Setup::new(&problem).unwrap();
+        assert_eq!(Bolted::new(&setup, vec![1, 0]).unwrap().modes, [0, 1]);
+        assert_eq!(Bolted::new(&setup, vec![0, 1]).unwrap().modes, [1, 0]);
+        assert_eq!(Bolted::new(&setup, vec![2, 1]).unwrap().modes, [1, 0]);
+    }
+
+    #[test]
+    fn bound_of_the_step_is_the_largest_eigenvalue_without_the_bolts() {
+        let problem = plate();
+        let setup = Setup::new(&problem).unwrap();
+        let bolted = Bolted::new(&setup, vec![1, 4]).unwrap();
+        // columns of Z: a unit force at 0, 2 or 3 and the bolts that balance it
+        let column = |i: usize| {
+            let x = modes()[1][i];
+            let mut z = vec![0.0; 5];
+            z[i] = 1.0;
+            (z[1], z[4]) = ((x - 1.0) / 1.5, (-0.5 - x) / 1.5);
+            z
+        };
+        let z: Vec<Vec<f64>> = [0, 2, 3].map(column).to_vec();
+        assert!(
+            z.iter()
+                .all(|z| modes().iter().all(|g| dot(g, z).abs() < 1e-14))
+        );
+        let f = definite(5);
+        let s = Mat::from_fn(3, 3, |i, j| dot(&z[i], &times(&f, &z[j])));
+        // powers of S on any vector
+        let mut v = vec![1.0, 0.7, -0.4];
+        let mut value = 0.0;
+        for _ in 0..2000 {
+            v = times(&s, &v);
+            value = norm(&v);
+            v.iter_mut().for_each(|x| *x /= value);
+        }
+        assert!((reduced_bound(&setup, &bolted) - value).abs() < 1e-10 * value);
+        let method = Uzawa {
+            bolts: Some(vec![1, 4]),
+            ..Uzawa::default()
+        };
+        let outcome = method.solve(&problem, None, &mut silent).unwrap();
+        assert!((outcome.rho.unwrap() * value - 1.9).abs() < 1e-9);
+    }
+
+    #[test]
+    fn bolts_stand_where_forces_press_hardest_on_what_is_not_yet_held() {
+        let problem = plate();
+        let setup = Setup::new(&problem).unwrap();
+        // lever arms in orthonormal modes: 1/√5 and x/√2.5
+        let first = |weights: [f64; 5]| choose(&setup, &weights).map(|bolted| bolted.nodes);
+        // at ±1 a force counts √0.6, in the middle √0.2
+        assert_eq!(first([1.0, 1.0, 1.7, 0.0, 0.0]), Some(vec![0, 2]));
+        assert_eq!(first([1.0, 1.0, 1.8, 0.0, 0.0]), Some(vec![2, 0]));
+        // the same merit: the first one; what it leaves of the other end is less than of the middle
+        assert_eq!(
+            first([1.0, 0.0, 0.1, 0.0, 1.0]).map(|nodes| nodes[0]),
+            Some(0)
+        );
+        assert_eq!(first([0.0, 0.0, 1.0, 0.0, 0.0]), None);
+        assert_eq!(first([0.0; 5]), None);
+        let tangents = of(
+            Compliance::Dense(definite(4)),
+            &[1.0; 4],
+            vec![
+                Friction::Tresca { bound: 1.0 }.block(1),
+                Block::Free { size: 2 },
+            ],
+            (&[], &[]),
+        );
+        let setup = Setup::new(&tangents).unwrap();
+        assert_eq!(
+            pressed(&setup, &[2.0, 3.0, 4.0, -1.0]),
+            [2.0, 0.0, 4.0, 0.0]
+        );
+        assert_eq!(
+            pressed(&setup, &[-2.0, -3.0, 0.0, 1.0]),
+            [0.0, 0.0, 0.0, 1.0]
+        );
+    }
+
+    #[test]
+    fn named_bolts_are_as_many_as_the_modes_or_as_those_that_can_be_held() {
+        let problem = plate();
+        let setup = Setup::new(&problem).unwrap();
+        let nodes = |named: &[usize]| named_bolts(&setup, named).map(|bolted| bolted.nodes);
+        assert_eq!(nodes(&[3, 0]).unwrap(), [3, 0]);
+        for wrong in [&[3][..], &[], &[0, 1, 2]] {
+            let Err(SolveError::DependentBolts { bolts, modes: 2 }) = nodes(wrong) else {
+                panic!("{wrong:?} do not hold two modes");
+            };
+            assert_eq!(bolts, wrong);
+        }
+        assert!(nodes(&[4, 0]).is_ok());
+        let error = nodes(&[0, 5]).unwrap_err().to_string();
+        assert_eq!(error, "bolt at contact unknown 5, but there are only 5");
+        // three modes of which contact controls two: as many bolts as modes, of which two are taken
+        let mut three = modes().to_vec();
+        three.push(modes()[0].iter().map(|x| 2.0 * x).collect());
+        let blocks = vec![Block::Unilateral; 5];
+        let load = [4.0, 0.5, 8.0];
+        let problem = of(
+            Compliance::Dense(definite(5)),
+            &SHIFT,
+            blocks,
+            (&three, &load),
+        );
+        let setup = Setup::new(&problem).unwrap();
+        let nodes = |named: &[usize]| named_bolts(&setup, named).map(|bolted| bolted.nodes);
+        let mut ends = nodes(&[0, 2, 4]).unwrap();
+        ends.sort_unstable();
+        assert_eq!(ends, [0, 4]);
+        assert!(nodes(&[1]).is_err());
+    }
+
+    #[test]
+    fn where_there_is_no_place_for_a_bolt_the_projection_takes_over_and_says_why() {
+        // a tie that is drawn
+        let tie = vec![Block::Free { size: 1 }];
+        let modes = [vec![1.0]];
+        let problem = of(
+            Compliance::Dense(definite(1)),
+            &[1.0],
+            tie,
+            (&modes, &[-2.0]),
+        );
+        let outcome = Uzawa::default().solve(&problem, None, &mut silent).unwrap();
+        let expected = "no contact is pressed when all are closed, so there is no place for a bolt: \
+                        solved with the exact projection instead of bolts";
+        assert_eq!(outcome.remarks, [expected]);
+        assert!(outcome.bolts.is_empty());
+        // a load aside that friction alone bears
+        let block = Friction::Tresca { bound: 2.0 }.block(1);
+        let modes = [vec![0.0, 1.0, 0.0, 1.0]];
+        let f = Compliance::Dense(definite(4));
+        let problem = of(f, &[1.0, 0.0, 1.0, 0.0], vec![block; 2], (&modes, &[1.0]));
+        let outcome = Uzawa::default().solve(&problem, None, &mut silent).unwrap();
+        assert!(
+            outcome.remarks[0].starts_with("the normal forces that press"),
+            "{:?}",
+            outcome.remarks
+        );
+        assert!(problem.certify(&outcome.multipliers, 1e-7).holds());
+    }
+
+    #[test]
+    fn automatic_bolts_are_proper_and_told_with_their_forces() {
+        let problem = plate();
+        let outcome = Uzawa::default().solve(&problem, None, &mut silent).unwrap();
+        let expected = by_trial(&definite(5), &SHIFT, (&modes(), &[4.0, 0.5]));
+        let lambda = &outcome.multipliers.lambda;
+        assert!(apart(lambda, &expected.lambda) < 1e-6);
+        assert_eq!(outcome.bolts.len(), 2);
+        for bolt in &outcome.bolts {
+            assert!(!bolt.moved && bolt.force == lambda[bolt.index] && bolt.force > 0.0);
+        }
+        assert!(outcome.remarks.is_empty());
+    }
 }

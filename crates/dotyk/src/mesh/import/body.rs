@@ -1,7 +1,7 @@
 //! How a body is cut out of a mesh file: its cells, points, blocks and sides, and what does not fit.
 
 use crate::geometry::Point;
-use crate::mesh::import::content::Cell;
+use crate::mesh::import::content::ReadCell;
 use crate::mesh::import::error::ImportError;
 use crate::mesh::import::remarks::quoted;
 use crate::mesh::{CellBlock, CellKind, Facet, FacetTable, Mesh, MeshError, MeshFile};
@@ -28,7 +28,7 @@ pub struct Imported {
 /// The cells of a body.
 #[derive(Default)]
 struct Selection<'f> {
-    cells: Vec<(&'f Cell, Option<usize>)>,
+    cells: Vec<(&'f ReadCell, Option<usize>)>,
     /// Groups of cells none of which are in the body.
     unused: BTreeSet<usize>,
     /// Cells of no group that are not in the body.
@@ -143,7 +143,7 @@ impl MeshFile {
     /// Whether a cell is in a body, and then the group that it has there: the one that was chosen, or its only one.
     fn membership(
         &self,
-        cell: &Cell,
+        cell: &ReadCell,
         chosen: &[usize],
     ) -> Result<Option<Option<usize>>, ImportError> {
         let set = &self.cell_sets[cell.tags as usize];

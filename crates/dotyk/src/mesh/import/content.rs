@@ -25,9 +25,9 @@ impl ElementType {
     }
 }
 
-/// A cell of the plane.
+/// A cell of the plane as a file gives it.
 #[derive(Debug, Clone)]
-pub(crate) struct Cell {
+pub(crate) struct ReadCell {
     pub kind: CellKind,
     /// Number in the file.
     pub number: u64,
@@ -37,7 +37,7 @@ pub(crate) struct Cell {
     pub tags: u32,
 }
 
-impl Cell {
+impl ReadCell {
     pub fn nodes(&self) -> &[u32] {
         &self.nodes[..self.kind.nodes()]
     }
@@ -74,7 +74,7 @@ pub(crate) struct Refused {
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Content {
     pub points: Vec<[f64; 3]>,
-    pub cells: Vec<Cell>,
+    pub cells: Vec<ReadCell>,
     pub edges: Vec<Edge>,
     pub refused: Vec<Refused>,
     /// Physical tags that elements have in common: > 0, ascending, each once; elements hold an index.
@@ -118,7 +118,7 @@ impl Content {
             (2, Some(kind)) => {
                 let mut own = [u32::MAX; MAX_CELL_NODES];
                 own[..nodes.len()].copy_from_slice(nodes);
-                self.cells.push(Cell {
+                self.cells.push(ReadCell {
                     kind,
                     number,
                     nodes: own,

@@ -22,7 +22,7 @@ mod vtu;
 pub use body::Imported;
 pub use error::{FilePlace, ImportError};
 
-use crate::mesh::import::content::{Cell, Content, Edge, Refused};
+use crate::mesh::import::content::{Content, Edge, ReadCell, Refused};
 use crate::mesh::import::cursor::Cursor;
 use crate::mesh::import::groups::Groups;
 use crate::mesh::import::remarks::described;
@@ -42,7 +42,7 @@ use std::path::Path;
 pub struct MeshFile {
     name: String,
     points: Vec<[f64; 3]>,
-    cells: Vec<Cell>,
+    cells: Vec<ReadCell>,
     edges: Vec<Edge>,
     refused: Vec<Refused>,
     /// Groups by the index that elements hold.
@@ -166,7 +166,7 @@ impl MeshFile {
 /// Version 2.2 of the format repeats an element for each of its groups.
 fn drop_repeated(file: &str, content: &mut Content) -> Result<usize, ImportError> {
     let mut seen: HashMap<[u32; 4], usize> = HashMap::new();
-    let mut kept: Vec<Cell> = Vec::with_capacity(content.cells.len());
+    let mut kept: Vec<ReadCell> = Vec::with_capacity(content.cells.len());
     let mut repeated = 0;
     for cell in std::mem::take(&mut content.cells) {
         let Some(&place) = seen.get(&cell.corners()) else {
@@ -175,7 +175,7 @@ fn drop_repeated(file: &str, content: &mut Content) -> Result<usize, ImportError
             continue;
         };
         let first = &mut kept[place];
-        let sorted = |cell: &Cell| {
+        let sorted = |cell: &ReadCell| {
             let mut nodes = cell.nodes;
             nodes.sort_unstable();
             nodes
@@ -187,7 +187,7 @@ fn drop_repeated(file: &str, content: &mut Content) -> Result<usize, ImportError
                 second: cell.number,
             });
         }
-        let tags = |cell: &Cell| content.tags[cell.tags as usize].clone();
+        let tags = |cell: &ReadCell| content.tags[cell.tags as usize].clone();
         let both = union(tags(first), tags(&cell));
         repeated += usize::from(both.len() == content.tags[first.tags as usize].len());
         first.tags = content.tag_set(both);

@@ -5,9 +5,9 @@
 //! and no XML: a tree of the whole document could not be made. Entities of a document's own are not expanded.
 //! Source: VTK file formats, section "XML file formats" (vtk.org).
 
-use crate::mesh::MAX_CELL_NODES;
 use crate::mesh::import::content::{Content, ElementType};
 use crate::mesh::import::error::{FilePlace, ImportError};
+use crate::mesh::{CellKind, MAX_CELL_NODES};
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 use flate2::read::ZlibDecoder;
@@ -19,30 +19,33 @@ use std::io::Read;
 /// Cell arrays that hold groups.
 const GROUPS: [&str; 2] = ["gmsh:physical", "group"];
 
-/// VTK's number, name, dimension and nodes of the kinds that are known.
-const TYPES: [(i64, &str, u8, usize); 21] = [
+/// VTK's number, name, dimension and nodes of kinds that no mesh of ours consists of.
+const OTHER_TYPES: [(i64, &str, u8, usize); 12] = [
     (1, "point", 0, 1),
-    (3, "line2", 1, 2),
-    (5, "tri3", 2, 3),
     (8, "pixel", 2, 4),
-    (9, "quad4", 2, 4),
-    (10, "tet4", 3, 4),
     (11, "voxel", 3, 8),
-    (12, "hex8", 3, 8),
     (13, "prism6", 3, 6),
     (14, "pyramid5", 3, 5),
-    (21, "line3", 1, 3),
-    (22, "tri6", 2, 6),
-    (23, "quad8", 2, 8),
     (24, "tet10", 3, 10),
     (25, "hex20", 3, 20),
     (26, "prism15", 3, 15),
     (27, "pyramid13", 3, 13),
-    (28, "quad9", 2, 9),
     (29, "hex27", 3, 27),
     (34, "tri7", 2, 7),
     (35, "line4", 1, 4),
 ];
+
+/// The kind of a number of VTK's.
+fn known(number: i64) -> Option<ElementType> {
+    let ours = |kind: &CellKind| i64::from(kind.vtk()) == number;
+    let ours = CellKind::ALL.into_iter().find(ours).map(ElementType::of);
+    let other = OTHER_TYPES.iter().find(|other| other.0 == number);
+    ours.or(other.map(|&(_, name, dimension, nodes)| ElementType {
+        name,
+        dimension,
+        nodes,
+    }))
+}
 
 /// Whether the bytes look like a VTK file.
 pub(crate) fn recognised(bytes: &[u8]) -> bool {
@@ -351,21 +354,18 @@ impl<'b> Document<'b> {
         kind: i64,
         nodes: usize,
     ) -> Result<ElementType, ImportError> {
-        let Some(&(_, name, dimension, count)) = TYPES.iter().find(|known| known.0 == kind) else {
+        let Some(element) = known(kind) else {
             let what = format!(
                 "cell {cell} is of VTK's type {kind}, which is not known: mesh with triangles and quadrilaterals of first or second order"
             );
             return Err(self.error(array, &what));
         };
-        if count != nodes {
+        if element.nodes != nodes {
+            let (name, count) = (element.name, element.nodes);
             let what = format!("cell {cell} is a {name} and has {nodes} nodes, {count} are needed");
             return Err(self.error(array, &what));
         }
-        Ok(ElementType {
-            name,
-            dimension,
-            nodes,
-        })
+        Ok(element)
     }
 
     /// The number of the group of each cell; empty where the file has none.
@@ -539,4 +539,26 @@ fn base64(text: &[u8]) -> impl Iterator<Item = u8> + '_ {
         Some(three.into_iter().take(length))
     });
     parts.flatten()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn kinds_that_meshes_consist_of_are_not_listed_again() {
+        for kind in CellKind::ALL {
+            let number = i64::from(kind.vtk());
+            assert!(
+                OTHER_TYPES.iter().all(|other| other.0 != number),
+                "{number}"
+            );
+            assert_eq!(known(number), Some(ElementType::of(kind)));
+        }
+        assert_eq!(
+            known(13).map(|kind| (kind.name, kind.nodes)),
+            Some(("prism6", 6))
+        );
+        assert_eq!(known(2), None);
+    }
 }
