@@ -528,7 +528,8 @@ fn parameters_stand_for_every_number_and_in_every_expression() {
 
 #[test]
 fn mistakes_with_parameters_are_underlined() {
-    let mistakes: [(&str, &[(&str, &str)], &[(&str, &str)], &str, &str); 16] = [
+    type Pairs = &'static [(&'static str, &'static str)];
+    let mistakes: [(&str, Pairs, Pairs, &str, &str); 16] = [
         ("E = \"2 * F\"\nF = 1", &[], &[], "unknown name `F`", "F"),
         ("E = \"x\"", &[], &[], "`x` has no meaning here", "x"),
         ("x = 1", &[], &[], "`x` means something else", "x"),
