@@ -37,13 +37,13 @@ pub(crate) fn body(node: &Node, files: &mut MeshFiles) -> Result<Body<2>, Fault>
     let table = node.table(keys::BODY)?;
     let body_name = name(table.require("name", "a body")?)?;
     let what = format!("body `{body_name}`");
-    let mesh = mesh(table.require("mesh", &what)?, &body_name, files)?;
+    let mut mesh = mesh(table.require("mesh", &what)?, &body_name, files)?;
     let (materials, thickness) = materials(table.require("material", &what)?, &body_name, &mesh)?;
     let supports = table.list("fix")?.iter();
-    let supports = supports.map(|node| support(node, &body_name, &mesh));
+    let supports = supports.map(|node| support(node, &body_name, &mut mesh));
     let supports = supports.collect::<Result<_, _>>()?;
     let loads = table.list("load")?.iter();
-    let loads = loads.map(|node| load(node, &body_name, &mesh));
+    let loads = loads.map(|node| load(node, &body_name, &mut mesh));
     let loads = loads.collect::<Result<_, _>>()?;
     let body_force = table.get("body_force").map_or(Ok(zero()), Node::fields)?;
     let surfaces = table.get("surface").map_or(Ok(&[][..]), Node::entries)?;
@@ -105,7 +105,7 @@ fn mesh(node: &Node, body: &str, files: &mut MeshFiles) -> Result<Mesh<2>, Fault
             let message = format!("body `{body}` has a side `{}` already", patch.key);
             return Err(Fault::new(&patch.key_span, message).label("second use of the name"));
         }
-        let of = side(keys.require("of", "a patch")?, body, &mesh)?;
+        let of = side(keys.require("of", "a patch")?, body, &mut mesh)?;
         let min = keys.require("min", "a patch")?.point()?;
         let max = keys.require("max", "a patch")?.point()?;
         mesh = mesh
@@ -319,11 +319,36 @@ fn known_group(group: &str, span: &Span, body: &str, groups: &[&str]) -> Result<
     })
 }
 
-/// The name of a side that the mesh has.
-fn side(node: &Node, body: &str, mesh: &Mesh<2>) -> Result<String, Fault> {
-    let text = node.text()?;
-    known_side(text, &node.span, body, mesh)?;
-    Ok(text.to_string())
+/// The name of a side that the mesh has; a list of sides becomes one.
+fn side(node: &Node, body: &str, mesh: &mut Mesh<2>) -> Result<String, Fault> {
+    let one = |node: &Node| Ok((node.text()?.to_string(), node.span.clone()));
+    let sides = match &node.value {
+        Value::List(list) => list.iter().map(one).collect::<Result<_, Fault>>()?,
+        _ => vec![one(node)?],
+    };
+    joined(&sides, &node.span, body, mesh)
+}
+
+/// One side of those of a body that are named at these places, at least one and none twice.
+pub(crate) fn joined(
+    sides: &[(String, Span)],
+    span: &Span,
+    body: &str,
+    mesh: &mut Mesh<2>,
+) -> Result<String, Fault> {
+    if sides.is_empty() {
+        return Err(Fault::new(span, "the list of sides is empty").label("no side"));
+    }
+    for (k, (side, span)) in sides.iter().enumerate() {
+        known_side(side, span, body, mesh)?;
+        if sides[..k].iter().any(|(before, _)| before == side) {
+            let message = format!("the side `{side}` is listed twice");
+            return Err(Fault::new(span, message).label("second time"));
+        }
+    }
+    let names: Vec<&str> = sides.iter().map(|(side, _)| side.as_str()).collect();
+    let joined = mesh.join_sides(&names);
+    joined.map_err(|error| Fault::new(span, error.to_string()))
 }
 
 /// Refuses a side that the mesh does not have.
@@ -348,7 +373,7 @@ fn no_z(table: Table<'_>) -> Result<(), Fault> {
     })
 }
 
-fn support(node: &Node, body: &str, mesh: &Mesh<2>) -> Result<Support<2>, Fault> {
+fn support(node: &Node, body: &str, mesh: &mut Mesh<2>) -> Result<Support<2>, Fault> {
     let table = node.table(keys::FIX)?;
     no_z(table)?;
     let place = match (table.get("side"), table.get("point")) {
@@ -385,7 +410,7 @@ fn support(node: &Node, body: &str, mesh: &Mesh<2>) -> Result<Support<2>, Fault>
     })
 }
 
-fn load(node: &Node, body: &str, mesh: &Mesh<2>) -> Result<Load<2>, Fault> {
+fn load(node: &Node, body: &str, mesh: &mut Mesh<2>) -> Result<Load<2>, Fault> {
     let table = node.table(keys::LOAD)?;
     let mut present = table.present();
     present.sort_unstable();

@@ -1,6 +1,6 @@
 //! `[[contact]]` of a case file.
 
-use crate::case::body::known_side;
+use crate::case::body::joined;
 use crate::case::document::{Entry, Node, Table, Value, later, name, zero};
 use crate::case::error::Fault;
 use crate::case::keys;
@@ -17,7 +17,11 @@ const PAIRINGS: [(&str, Pairing); 2] = [
 ];
 
 /// One contact between sides of these bodies, in so many load steps.
-pub(crate) fn contact(node: &Node, bodies: &[Body<2>], steps: usize) -> Result<Contact<2>, Fault> {
+pub(crate) fn contact(
+    node: &Node,
+    bodies: &mut [Body<2>],
+    steps: usize,
+) -> Result<Contact<2>, Fault> {
     let table = node.table(keys::CONTACT)?;
     let name = name(table.require("name", "a contact")?)?;
     let pair = pair(table, &name, bodies)?;
@@ -50,7 +54,7 @@ pub(crate) fn contact(node: &Node, bodies: &[Body<2>], steps: usize) -> Result<C
 }
 
 /// Who touches whom: `nonmortar` with `mortar`, `nonmortar` with `obstacle`, or `sides`.
-fn pair(table: Table<'_>, contact: &str, bodies: &[Body<2>]) -> Result<Pair<2>, Fault> {
+fn pair(table: Table<'_>, contact: &str, bodies: &mut [Body<2>]) -> Result<Pair<2>, Fault> {
     let get = |key: &str| table.get(key);
     match (
         get("nonmortar"),
@@ -98,8 +102,40 @@ fn different(pair: &[SideRef; 2], second: &Node, contact: &str) -> Result<(), Fa
     Err(Fault::new(&second.span, message).label("the same side"))
 }
 
-/// "BODY.SIDE".
-fn side_ref(node: &Node, bodies: &[Body<2>]) -> Result<SideRef, Fault> {
+/// "BODY.SIDE", or a list of sides of one body.
+fn side_ref(node: &Node, bodies: &mut [Body<2>]) -> Result<SideRef, Fault> {
+    let one = |node: &Node| {
+        let (body, side) = body_and_side(node, bodies)?;
+        Ok((body, side.to_string(), node.span.clone()))
+    };
+    let list = match &node.value {
+        Value::List(list) => list.iter().map(one).collect::<Result<Vec<_>, Fault>>()?,
+        _ => vec![one(node)?],
+    };
+    let Some(&(body, ..)) = list.first() else {
+        return Err(Fault::new(&node.span, "the list of sides is empty").label("no side"));
+    };
+    if let Some((_, side, span)) = list.iter().find(|(other, ..)| *other != body) {
+        let name = &bodies[body].name;
+        let message =
+            format!("the sides of one list belong to one body, `{side}` is not of `{name}`");
+        return Err(Fault::new(span, message)
+            .label("another body")
+            .help("a contact is between two bodies: write a [[contact]] for each pair"));
+    }
+    let sides: Vec<_> = list
+        .into_iter()
+        .map(|(_, side, span)| (side, span))
+        .collect();
+    let Body { name, mesh, .. } = &mut bodies[body];
+    Ok(SideRef {
+        body: BodyId(body),
+        side: joined(&sides, &node.span, name, mesh)?,
+    })
+}
+
+/// The body and the name of the side of a "BODY.SIDE".
+fn body_and_side<'n>(node: &'n Node, bodies: &[Body<2>]) -> Result<(usize, &'n str), Fault> {
     let text = node.text()?;
     let Some((body, side)) = text.split_once('.') else {
         return Err(Fault::new(&node.span, format!("`{text}` is not a side"))
@@ -111,11 +147,7 @@ fn side_ref(node: &Node, bodies: &[Body<2>]) -> Result<SideRef, Fault> {
         let fault = Fault::new(&node.span, format!("there is no body `{body}`"));
         return Err(fault.nearest(body, ["the nearest known body", "bodies"], names));
     };
-    known_side(side, &node.span, body, &bodies[index].mesh)?;
-    Ok(SideRef {
-        body: BodyId(index),
-        side: side.to_string(),
-    })
+    Ok((index, side))
 }
 
 /// A shape, and what moves it.

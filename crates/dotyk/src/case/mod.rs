@@ -239,15 +239,13 @@ fn model(document: &Node, stem: &str, files: &mut MeshFiles) -> Result<Model<2>,
     if analysis == Analysis::Axisymmetric {
         bodies.iter().try_for_each(no_thickness)?;
     }
-    let bodies = bodies
-        .iter()
-        .map(|node| body::body(node, files))
-        .collect::<Result<Vec<_>, _>>()?;
+    let bodies = bodies.iter().map(|node| body::body(node, files));
+    let mut bodies = bodies.collect::<Result<Vec<_>, _>>()?;
 
     let contacts = table.list("contact")?;
     unique_names(contacts, "contacts")?;
     let times = times(table)?;
-    let contact = |node| contact::contact(node, &bodies, times.len());
+    let contact = |node| contact::contact(node, &mut bodies, times.len());
     let contacts = contacts.iter().map(contact);
     let contacts = contacts.collect::<Result<Vec<_>, _>>()?;
 

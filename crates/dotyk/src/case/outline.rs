@@ -1,6 +1,6 @@
 //! `mesh.outline` of a body: a path of lines and arcs, holes, sizes.
 
-use crate::case::document::{Node, Span, Table, name};
+use crate::case::document::{Node, Span, Table, Value, name};
 use crate::case::error::Fault;
 use crate::case::keys;
 use crate::geometry::Point;
@@ -25,15 +25,15 @@ pub(crate) fn mesh(node: &Node, body: &str) -> Result<Mesh<2>, Fault> {
     let table = node.table(keys::OUTLINE)?;
     let what = "an outline";
     let size = table.require("size", what)?.positive("`size`")?;
-    let outer_name = table.get("name").map(name).transpose()?;
-    let (boundary, spans) = contour(table, what, outer_name, None)?;
+    let outer_names = names(table)?;
+    let (boundary, spans) = contour(table, what, &outer_names, None)?;
     let mut all_spans = vec![spans];
     let mut holes = Vec::new();
     for hole in table.list("holes")? {
         let table = hole.table(keys::HOLE)?;
-        let hole_name = table.get("name").map(name).transpose()?;
+        let hole_names = names(table)?;
         let hole_size = table.get("size").map(|node| node.positive("`size`"));
-        let (contour, spans) = contour(table, "a hole", hole_name, hole_size.transpose()?)?;
+        let (contour, spans) = contour(table, "a hole", &hole_names, hole_size.transpose()?)?;
         holes.push(contour);
         all_spans.push(spans);
     }
@@ -69,11 +69,11 @@ fn span<'s>(spans: &'s [Spans], place: &OutlinePlace) -> Option<&'s Span> {
     })
 }
 
-/// A path or circle; `default_name` and `default_size` hold for edges without their own.
+/// A path or circle; `default_names` and `default_size` hold for edges without their own.
 fn contour(
     table: Table<'_>,
     what: &str,
-    default_name: Option<String>,
+    default_names: &[String],
     default_size: Option<f64>,
 ) -> Result<(Contour, Spans), Fault> {
     let default = default_size.map(Division::Size);
@@ -83,11 +83,11 @@ fn contour(
             return Err(Fault::new(&other.key_span, message).label("give one of the two"));
         }
         let circle = entry.node.table(keys::OUTLINE_CIRCLE)?;
-        let own = circle.get("name").map(name).transpose()?;
+        let own = names(circle)?;
         let contour = Contour::Circle {
             center: circle.require("center", "a circle")?.point()?,
             radius: circle.require("radius", "a circle")?.positive("`radius`")?,
-            name: own.or(default_name),
+            names: or(own, default_names),
             division: division(circle)?.or(default),
         };
         let spans = Spans {
@@ -106,7 +106,7 @@ fn contour(
     let mut edges = Vec::new();
     for node in table.list("edges")? {
         let mut edge = edge(node, start)?;
-        edge.name = edge.name.or_else(|| default_name.clone());
+        edge.names = or(edge.names, default_names);
         edge.division = edge.division.or(default);
         start = edge.to;
         edges.push(edge);
@@ -156,9 +156,36 @@ fn edge(node: &Node, start: Point<2>) -> Result<OutlineEdge, Fault> {
     Ok(OutlineEdge {
         to,
         shape,
-        name: table.get("name").map(name).transpose()?,
+        names: names(table)?,
         division: division(table)?,
     })
+}
+
+/// `name`: one name or a list of some, none twice.
+fn names(table: Table<'_>) -> Result<Vec<String>, Fault> {
+    let Some(node) = table.get("name") else {
+        return Ok(Vec::new());
+    };
+    let Value::List(list) = &node.value else {
+        return Ok(vec![name(node)?]);
+    };
+    let mut names = Vec::with_capacity(list.len());
+    for node in list {
+        let name = name(node)?;
+        if names.contains(&name) {
+            let message = format!("the name `{name}` is listed twice");
+            return Err(Fault::new(&node.span, message).label("second time"));
+        }
+        names.push(name);
+    }
+    Ok(names)
+}
+
+fn or(own: Vec<String>, default: &[String]) -> Vec<String> {
+    match own.is_empty() {
+        true => default.to_vec(),
+        false => own,
+    }
 }
 
 /// `size` or `cells` of an edge or circle.

@@ -617,6 +617,85 @@ fn mistakes_with_parameters_are_underlined() {
     );
 }
 
+/// The example with the bottom of its punch cut in two parts.
+fn cut_in_parts(changes: &[(&str, &str)]) -> String {
+    let cut = "cells = [20, 20] }, sides = { west = { of = \"bottom\", min = [1.5, 1], max = [2, 1] }, \
+               east = { of = \"bottom\", min = [2, 1], max = [2.5, 1] } } }";
+    let start = EXAMPLE.replace("cells = [20, 20] } }", cut);
+    changes.iter().fold(start, |text, (from, to)| {
+        assert!(text.contains(from), "{from}");
+        text.replace(from, to)
+    })
+}
+
+#[test]
+fn a_list_of_sides_is_one_side() {
+    let parts = "nonmortar = [\"punch.west\", \"punch.east\"]";
+    let text = cut_in_parts(&[
+        ("nonmortar = \"punch.bottom\"", parts),
+        (
+            "side = \"left\", x = 0.0 }, { side = \"right\", x = 0.0 }]\nload",
+            "side = [\"left\", \"right\"], x = 0.0 }]\nload",
+        ),
+        ("{ side = \"top\", traction", "{ side = [\"top\"], traction"),
+    ]);
+    let model = read(&text).unwrap().model;
+    let mesh = &model.bodies[1].mesh;
+    assert_eq!(mesh.side("west+east"), mesh.side("bottom"));
+    assert_eq!(mesh.side("left+right").unwrap().len(), 40);
+    assert!(matches!(&model.bodies[1].loads[0], Load::Traction { side, .. } if side == "top"));
+    let parts = model.solve().unwrap();
+    let whole = read(EXAMPLE).unwrap().model.solve().unwrap();
+    // the same problem in other words
+    assert_eq!(parts.contacts[0].nodes, whole.contacts[0].nodes);
+    assert_eq!(parts.bodies[1].displacement, whole.bodies[1].displacement);
+    let automatic = "sides = [[\"punch.west\", \"punch.east\"], \"block.top\"]";
+    let both = "nonmortar = \"punch.bottom\"\nmortar    = \"block.top\"";
+    let text = cut_in_parts(&[(both, automatic)]);
+    assert!(matches!(
+        read(&text).unwrap().model.contacts[0].pair,
+        Pair::Automatic(_)
+    ));
+}
+
+#[test]
+fn mistakes_in_lists_of_sides_are_underlined() {
+    for (list, message, underlined) in [
+        (
+            "[\"punch.west\", \"punch.esat\"]",
+            "has no side `esat`",
+            "\"punch.esat\"",
+        ),
+        (
+            "[\"punch.west\", \"block.top\"]",
+            "the sides of one list belong to one body",
+            "\"block.top\"",
+        ),
+        (
+            "[\"punch.west\", \"punch.west\"]",
+            "the side `west` is listed twice",
+            "\"punch.west\"",
+        ),
+        ("[]", "the list of sides is empty", "[]"),
+        (
+            "[\"punch.west\", 3]",
+            "expected a string, found an integer",
+            "3",
+        ),
+        (
+            "[\"punch.west\", [\"punch.east\"]]",
+            "expected a string, found a list",
+            "[\"punch.east\"]",
+        ),
+    ] {
+        let change = format!("nonmortar = {list}");
+        let text = cut_in_parts(&[("nonmortar = \"punch.bottom\"", &change)]);
+        let error = read(&text).unwrap_err();
+        assert!(error.message.contains(message), "{list}: {}", error.message);
+        assert_eq!(&text[error.span.unwrap()], underlined, "{list}");
+    }
+}
+
 #[test]
 fn what_is_the_same_everywhere_depends_on_time_alone() {
     let same = ["`x` has no meaning here"];
@@ -880,4 +959,30 @@ fn mistakes_in_an_outline_are_underlined() {
         let span = &text[error.span.clone().unwrap()];
         assert!(span.starts_with(underlined), "{to}: `{span}`: {said}");
     }
+}
+
+#[test]
+fn an_edge_of_an_outline_may_belong_to_several_sides() {
+    let outline = |names: &str| {
+        format!(
+            "analysis = \"plane-strain\"\n[[body]]\nname = \"b\"\nmaterial = {{ young = 1, poisson = 0 }}\n\
+             fix = [{{ side = \"all\", x = 0, y = 0 }}]\n\
+             mesh = {{ outline = {{ size = 0.3, from = [0, 0], edges = [\n\
+             {{ to = [1, 0], name = [\"low\", \"all\"] }}, {{ to = [1, 1], name = {names} }}, {{ to = [0, 1] }}, {{ to = [0, 0] }}] }} }}\n"
+        )
+    };
+    let model = read(&outline("\"all\"")).unwrap().model;
+    let mesh = &model.bodies[0].mesh;
+    let names: Vec<&str> = mesh.side_names().collect();
+    assert_eq!(names, ["all", "low", "outline"]);
+    let count = |side: &str| mesh.side(side).unwrap().len();
+    assert!(count("low") > 2 && count("all") == 2 * count("low"));
+    assert_eq!(count("outline"), count("all"));
+    let error = read(&outline("[\"a\", \"a\"]")).unwrap_err();
+    assert!(
+        error.message.contains("the name `a` is listed twice"),
+        "{error}"
+    );
+    let error = read(&outline("[\"a\", 2]")).unwrap_err();
+    assert!(error.message.contains("expected a string"), "{error}");
 }

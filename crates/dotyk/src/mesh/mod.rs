@@ -232,6 +232,23 @@ impl<const D: usize> Mesh<D> {
         Ok(self)
     }
 
+    /// The side that some sides of the mesh are together, under the names of all; made where there is none of that name.
+    ///
+    /// Errors: unknown sides.
+    pub fn join_sides(&mut self, sides: &[&str]) -> Result<String, MeshError> {
+        let name = sides.join("+");
+        if !self.sides.contains_key(&name) {
+            let mut facets = Vec::new();
+            for side in sides {
+                facets.extend(self.side(side).ok_or_else(|| self.unknown_side(side))?);
+            }
+            facets.sort_unstable();
+            facets.dedup();
+            self.sides.insert(name.clone(), facets);
+        }
+        Ok(name)
+    }
+
     /// The mesh with one more side: the whole facets of the side `of` whose corners lie in a box, its faces included.
     ///
     /// Coordinates are compared within 1e-9 of the diameter of the mesh, so that a box given in round numbers holds the

@@ -35,7 +35,7 @@ use std::f64::consts::TAU;
 
 /// A piece of the boundary: one edge of a cell.
 struct Edge<'a> {
-    side: &'a str,
+    sides: &'a [String],
     /// The circle that it is a part of.
     circle: Option<Surface<2>>,
     /// Its middle on the true curve.
@@ -81,7 +81,7 @@ impl Outline {
             .iter()
             .zip(&middles)
             .map(|(&rib, &middle)| Edge {
-                side: &drawing.sides[rib],
+                sides: &drawing.sides[rib],
                 circle: drawing.ribs[rib].curve.circle(),
                 middle,
             })
@@ -186,7 +186,9 @@ impl Outline {
                         local: local as u32,
                     };
                     let edge = &edges[piece];
-                    sides.entry(edge.side.to_string()).or_default().push(facet);
+                    for side in edge.sides {
+                        sides.entry(side.clone()).or_default().push(facet);
+                    }
                     curves.extend(edge.circle.map(|circle| (facet, circle)));
                 }
                 if self.cell == CellKind::Tri6 {

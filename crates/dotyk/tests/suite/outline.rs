@@ -68,7 +68,7 @@ fn circle(center: Point<2>, radius: f64, name: &str, size: f64) -> Contour {
     Contour::Circle {
         center,
         radius,
-        name: Some(name.to_string()),
+        names: vec![name.to_string()],
         division: Some(Division::Size(size)),
     }
 }
@@ -688,7 +688,7 @@ fn sizes_that_make_no_sense_are_refused() {
         holes: vec![Contour::Circle {
             center: [1.0, 0.5],
             radius: 0.1,
-            name: Some("bore".to_string()),
+            names: vec!["bore".to_string()],
             division: Some(Division::Cells(cells)),
         }],
         ..named_square(0.1)
@@ -724,7 +724,7 @@ fn too_coarse_cells_of_near_arcs_are_refused_with_their_edges() {
         let of = |radius: f64, name: &str| Contour::Circle {
             center: [0.0, 0.0],
             radius,
-            name: Some(name.to_string()),
+            names: vec![name.to_string()],
             division: Some(Division::Cells(cells)),
         };
         Outline {

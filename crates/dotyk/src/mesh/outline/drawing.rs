@@ -22,7 +22,7 @@ const MAGNITUDES: [f64; 2] = [1e-100, 1e100];
 struct Drawn {
     curve: Curve,
     place: OutlinePlace,
-    name: Option<String>,
+    names: Vec<String>,
     division: Option<Division>,
 }
 
@@ -31,7 +31,7 @@ pub(crate) struct Drawing {
     pub ribs: Vec<Rib>,
     pub places: Vec<OutlinePlace>,
     /// Name of the side of each.
-    pub sides: Vec<String>,
+    pub sides: Vec<Vec<String>>,
     /// Of the outer path less the holes.
     pub area: f64,
 }
@@ -99,14 +99,14 @@ impl Drawing {
                 next: first + (k + 1) % count,
                 previous: first + (k + count - 1) % count,
             });
-            let side = drawn
-                .name
-                .clone()
-                .unwrap_or_else(|| match drawn.place.hole {
-                    Some(hole) => format!("hole_{}", hole + 1),
-                    None => "outline".to_string(),
-                });
-            self.sides.push(side);
+            let without = || match drawn.place.hole {
+                Some(hole) => format!("hole_{}", hole + 1),
+                None => "outline".to_string(),
+            };
+            self.sides.push(match &drawn.names[..] {
+                [] => vec![without()],
+                names => names.to_vec(),
+            });
             self.places.push(drawn.place.clone());
         }
     }
@@ -195,13 +195,13 @@ impl Contour {
             Self::Circle {
                 center,
                 radius,
-                name,
+                names,
                 division,
             } => {
                 let place = OutlinePlace {
                     hole,
                     edge: None,
-                    name: name.clone(),
+                    names: names.clone(),
                 };
                 check_points(&place, center)?;
                 if !(*radius > 0.0 && *radius < MAGNITUDES[1]) {
@@ -221,7 +221,7 @@ impl Contour {
                 let quarters = Curve::quarters(*center, *radius).map(|curve| Drawn {
                     curve,
                     place: place.clone(),
-                    name: name.clone(),
+                    names: names.clone(),
                     division: quarter,
                 });
                 Ok(quarters.into())
@@ -238,7 +238,7 @@ fn path_curves(
     let place = |edge: usize| OutlinePlace {
         hole,
         edge: Some(edge),
-        name: edges.get(edge).and_then(|e| e.name.clone()),
+        names: edges.get(edge).map_or(Vec::new(), |e| e.names.clone()),
     };
     let whole = OutlinePlace {
         hole,
@@ -280,7 +280,7 @@ fn path_curves(
         curves.push(Drawn {
             curve: shaped(start, end, edge.shape, &place)?,
             place,
-            name: edge.name.clone(),
+            names: edge.names.clone(),
             division: edge.division,
         });
         start = end;

@@ -40,8 +40,8 @@ pub enum Contour {
         center: Point<2>,
         /// Radius.
         radius: f64,
-        /// Name of its side.
-        name: Option<String>,
+        /// Names of its sides.
+        names: Vec<String>,
         /// Its cells; a number must be a multiple of four.
         division: Option<Division>,
     },
@@ -54,8 +54,8 @@ pub struct OutlineEdge {
     pub to: Point<2>,
     /// Line or arc.
     pub shape: EdgeShape,
-    /// Name of its side.
-    pub name: Option<String>,
+    /// Names of its sides; without, that of its contour.
+    pub names: Vec<String>,
     /// Its cells; without, the size of the outline.
     pub division: Option<Division>,
 }
@@ -110,8 +110,8 @@ pub struct OutlinePlace {
     pub hole: Option<usize>,
     /// Which edge; `None` is the whole contour.
     pub edge: Option<usize>,
-    /// Name of the edge.
-    pub name: Option<String>,
+    /// Names of the edge.
+    pub names: Vec<String>,
 }
 
 impl fmt::Display for OutlinePlace {
@@ -122,9 +122,9 @@ impl fmt::Display for OutlinePlace {
             (None, Some(hole)) => write!(f, "hole {}", hole + 1)?,
             (None, None) => write!(f, "the outer path")?,
         }
-        match &self.name {
-            Some(name) => write!(f, " (`{name}`)"),
-            None => Ok(()),
+        match &self.names[..] {
+            [] => Ok(()),
+            names => write!(f, " (`{}`)", names.join("`, `")),
         }
     }
 }
@@ -150,14 +150,14 @@ impl OutlineEdge {
         Self {
             to,
             shape,
-            name: None,
+            names: Vec::new(),
             division: None,
         }
     }
 
-    /// The edge as a part of a side.
+    /// The edge as a part of a side, one more of its sides.
     pub fn named(mut self, name: &str) -> Self {
-        self.name = Some(name.to_string());
+        self.names.push(name.to_string());
         self
     }
 
@@ -174,7 +174,7 @@ impl Contour {
         Self::Circle {
             center,
             radius,
-            name: None,
+            names: Vec::new(),
             division: None,
         }
     }
