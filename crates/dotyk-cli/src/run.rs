@@ -320,6 +320,7 @@ fn probes(steps: &[Solution<2>]) -> String {
     if steps.len() > MOST_BESIDE {
         return probes_below(steps, last);
     }
+    let place = |at: [f64; 3]| format!("at ({}, {})", number(at[0]), number(at[1]));
     let rows: Vec<Vec<String>> = last
         .probes
         .iter()
@@ -327,7 +328,8 @@ fn probes(steps: &[Solution<2>]) -> String {
         .map(|(i, probe)| {
             let values = steps.iter().map(|step| number(step.probes[i].value));
             let names = [probe.name.clone(), probe.quantity.clone()];
-            names.into_iter().chain(values).collect()
+            let at = probe.at.map_or(String::new(), place);
+            names.into_iter().chain(values).chain([at]).collect()
         })
         .collect();
     let times: Vec<String> = match steps {
@@ -339,6 +341,7 @@ fn probes(steps: &[Solution<2>]) -> String {
     };
     let mut header = vec!["probe", "quantity"];
     header.extend(times.iter().map(String::as_str));
+    header.push("");
     columns(&header, &rows, 2..2 + steps.len())
 }
 

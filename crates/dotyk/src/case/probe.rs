@@ -6,7 +6,12 @@ use crate::case::keys;
 use crate::case::suggest::listed;
 use crate::model::{Body, BodyId, Contact, Mistake, Probe, Quantity, QuantityError, Reading};
 
-const REDUCTIONS: [(&str, Reading<2>); 2] = [("max", Reading::Largest), ("min", Reading::Smallest)];
+const REDUCTIONS: [(&str, Reading<2>); 4] = [
+    ("max", Reading::Largest),
+    ("min", Reading::Smallest),
+    ("mean", Reading::Mean),
+    ("integral", Reading::Integral),
+];
 
 const UNKNOWN: [&str; 2] = ["the nearest known", "known"];
 
@@ -80,7 +85,7 @@ fn reading(table: Table<'_>, name: &str, quantity: &Quantity) -> Result<Reading<
             format!("probe `{name}` must say where: `at` or `reduce` is missing"),
         )
         .label("`at` or `reduce` is missing")
-        .help("add `at = [x, y]`, or `reduce = \"max\"` or \"min\"")),
+        .help("add `at = [x, y]`, or `reduce = \"max\"`, \"min\", \"mean\" or \"integral\"")),
         (None, _, Some(entry)) if mean => {
             let message = format!("`mean_of_neighbours` of probe `{name}` needs `at`");
             Err(Fault::new(&entry.key_span, message).label("neighbours of what?"))

@@ -294,6 +294,11 @@ fn every_quantity_is_known() {
     for quantity in fields {
         let model = model_with(old, &format!("quantity = \"{quantity}\"\nreduce = \"max\""));
         assert_eq!(model.probes[0].reading, Reading::Largest);
+        for (word, reading) in [("mean", Reading::Mean), ("integral", Reading::Integral)] {
+            let change = format!("reduce = \"{word}\"");
+            let model = model_with("at       = [2.0, 1.0]", &change);
+            assert_eq!(model.probes[0].reading, reading);
+        }
     }
     let modified = "quantity = \"sole.displacement_nonmortar\"\nat = [2, 1]\n\
                     mean_of_neighbours = true\nminus_rigid = \"punch\"";

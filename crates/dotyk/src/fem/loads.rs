@@ -204,6 +204,25 @@ fn add_load<const D: usize>(
     Ok(size)
 }
 
+/// ∫N dV of every node, (nodes,), with thickness or 2πr: a nodal field times it sums to the field's integral.
+pub(crate) fn nodal_volumes<const D: usize>(body: &Body<D>, analysis: Analysis) -> Vec<f64> {
+    let mesh = &body.mesh;
+    let mut volumes = vec![0.0; mesh.points().len()];
+    for block in mesh.blocks() {
+        let table = CellTable::<D>::new(block.kind, 2 * block.kind.order() + 2);
+        for cell in block.cells() {
+            for q in 0..table.len() {
+                let (point, _, volume) = table.map(q, |local| mesh.points()[cell[local] as usize]);
+                let volume = volume * measure(analysis, body.thickness, point);
+                for (&node, shape) in cell.iter().zip(table.shape(q)) {
+                    volumes[node as usize] += shape * volume;
+                }
+            }
+        }
+    }
+    volumes
+}
+
 /// A point of integration of a side.
 struct SidePoint<const D: usize> {
     facet: Facet,

@@ -24,6 +24,7 @@ mod tests;
 
 pub use assemble::{BodySystem, assemble};
 pub use error::FemError;
+pub(crate) use loads::nodal_volumes;
 pub use loads::{Amount, Load};
 pub use modes::{RigidBasis, describe_motion};
 pub use nouns::{Analysis, Body, Elastic, Material, Place, Support};

@@ -5,7 +5,7 @@ use std::fmt;
 
 use crate::dual::Friction;
 use crate::geometry::{Field, Point};
-use crate::model::quantity::Quantity;
+use crate::model::quantity::{Dimension, Quantity};
 
 pub use crate::contact::Rigid;
 pub use crate::fem::{Amount, Analysis, Body, Elastic, Load, Material, Place, Support};
@@ -300,6 +300,23 @@ pub enum Reading<const D: usize> {
     Largest,
     /// Its smallest value at a node.
     Smallest,
+    /// Its mean over the volume of the body, or over the nonmortar side where it has a value.
+    Mean,
+    /// Its integral over them, with thickness or 2πr.
+    Integral,
+}
+
+impl<const D: usize> Probe<D> {
+    /// What its value is measured in.
+    pub fn dimension(&self) -> Dimension {
+        match (self.reading, self.quantity.dimension()) {
+            (Reading::Integral, Dimension::Stress) if self.quantity.is_of_contact() => {
+                Dimension::Force
+            }
+            (Reading::Integral, _) => Dimension::Other,
+            (_, dimension) => dimension,
+        }
+    }
 }
 
 impl<const D: usize> Reading<D> {
@@ -307,7 +324,7 @@ impl<const D: usize> Reading<D> {
     pub fn point(self) -> Option<Point<D>> {
         match self {
             Self::At(point) | Self::MeanOfNeighbours(point) => Some(point),
-            Self::Whole | Self::Largest | Self::Smallest => None,
+            Self::Whole | Self::Largest | Self::Smallest | Self::Mean | Self::Integral => None,
         }
     }
 }

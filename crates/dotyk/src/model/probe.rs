@@ -1,8 +1,8 @@
 //! Probes: numbers read off a solution, interpolated in the containing cell or along the nonmortar side.
 
 use crate::contact::frame;
-use crate::fem::{RigidBasis, fit_rigid, principal, side_facets, von_mises};
-use crate::geometry::{Point, add_scaled, distance, dot, norm, sub};
+use crate::fem::{RigidBasis, fit_rigid, nodal_volumes, principal, side_facets, von_mises};
+use crate::geometry::{Point, add_scaled, distance, dot, norm, padded, sub};
 use crate::mesh::Mesh;
 use crate::model::error::{Error, ProbeError};
 use crate::model::locate::{locate, locate_on_side};
@@ -25,12 +25,13 @@ pub(crate) fn read_probes<const D: usize>(
     solution: &Solution<D>,
 ) -> Result<Vec<ProbeValue>, Error<D>> {
     let read = |probe: &Probe<D>| {
-        let value = read(model, solution, probe).map_err(|source| in_probe(probe, source))?;
+        let read = read(model, solution, probe).map_err(|source| in_probe(probe, source))?;
         Ok(ProbeValue {
             name: probe.name.clone(),
             quantity: probe.quantity.to_string(),
-            dimension: probe.quantity.dimension(),
-            value,
+            dimension: probe.dimension(),
+            value: read.value,
+            at: read.at.map(padded),
         })
     };
     model.probes.iter().map(read).collect()
@@ -59,44 +60,64 @@ fn in_probe<const D: usize>(probe: &Probe<D>, source: ProbeError<D>) -> Error<D>
     }
 }
 
+/// A number, and where it is if it is the largest or smallest one.
+struct Read<const D: usize> {
+    value: f64,
+    at: Option<Point<D>>,
+}
+
+impl<const D: usize> From<f64> for Read<D> {
+    fn from(value: f64) -> Self {
+        Self { value, at: None }
+    }
+}
+
 fn read<const D: usize>(
     model: &Model<D>,
     solution: &Solution<D>,
     probe: &Probe<D>,
-) -> Result<f64, ProbeError<D>> {
+) -> Result<Read<D>, ProbeError<D>> {
     let rigid = probe
         .minus_rigid
         .map(|body| free_motion(model, solution, body));
     let minus = |point: Point<D>| rigid.as_ref().map_or([0.0; D], |motion| motion(point));
     let body = |index: usize| (&model.bodies[index].mesh, &solution.bodies[index]);
+    let volumes = |index: usize| nodal_volumes(&model.bodies[index], model.analysis);
     let reading = probe.reading;
     match probe.quantity.parts {
-        Parts::Reaction(of, None, axis) => Ok(body(of).1.reaction[axis]),
+        Parts::Reaction(of, None, axis) => Ok(body(of).1.reaction[axis].into()),
         Parts::Reaction(of, Some(ref side), axis) => {
             let force = body(of).1.side_reactions.get(side);
-            Ok(force.map_or(0.0, |force| force[axis]))
+            Ok(force.map_or(0.0, |force| force[axis]).into())
         }
-        Parts::Resultant(of, axis) => Ok(solution.contacts[of].resultant[axis]),
-        Parts::Length(of) => Ok(solution.contacts[of].length),
+        Parts::Resultant(of, axis) => Ok(solution.contacts[of].resultant[axis].into()),
+        Parts::Length(of) => Ok(solution.contacts[of].length.into()),
         Parts::Displacement(of, component) => {
             let (mesh, solved) = body(of);
             let relative = |node: usize| sub(solved.displacement[node], minus(mesh.points()[node]));
-            match (component, reading) {
-                (Displacement::Axis(axis), _) => in_body(mesh, reading, |n| relative(n)[axis]),
-                (Displacement::Magnitude, Reading::Largest | Reading::Smallest) => {
-                    in_body(mesh, reading, |node| norm(relative(node)))
+            let volumes = || volumes(of);
+            match component {
+                Displacement::Axis(axis) => {
+                    in_body((mesh, &volumes), reading, |node| relative(node)[axis])
                 }
-                // the length of the interpolated vector
-                (Displacement::Magnitude, _) => {
-                    let part = |i: usize| in_body(mesh, reading, |node| relative(node)[i]);
-                    let squares = (0..D).map(|i| part(i).map(|v| v * v));
-                    Ok(squares.sum::<Result<f64, _>>()?.sqrt())
+                // at a point the length of the interpolated vector
+                Displacement::Magnitude if reading.point().is_some() => {
+                    let part = |i: usize| {
+                        let read = in_body((mesh, &volumes), reading, |node| relative(node)[i])?;
+                        Ok(read.value * read.value)
+                    };
+                    let squares: Result<f64, ProbeError<D>> = (0..D).map(part).sum();
+                    Ok(squares?.sqrt().into())
+                }
+                Displacement::Magnitude => {
+                    in_body((mesh, &volumes), reading, |node| norm(relative(node)))
                 }
             }
         }
         Parts::Stress(of, component) => {
             let (mesh, solved) = body(of);
-            in_body(mesh, reading, |node| stress(component, solved.stress[node]))
+            let value = |node: usize| stress(component, solved.stress[node]);
+            in_body((mesh, &|| volumes(of)), reading, value)
         }
         Parts::Along(of, field) => {
             let contact = &solution.contacts[of];
@@ -105,9 +126,11 @@ fn read<const D: usize>(
                 let found = contact.nodes.iter().find(|n| n.node == node);
                 found.map_or(f64::NAN, value)
             };
-            match reduced(reading, contact.nodes.iter().map(value)) {
-                Some(value) => Ok(value),
-                None => on_side(model, &contact.nonmortar, reading, nodal),
+            let samples = contact.nodes.iter();
+            let samples = samples.map(|node| (node.point, node.weight, value(node)));
+            match reduced(reading, samples) {
+                Some(read) => Ok(read),
+                None => Ok(on_side(model, &contact.nonmortar, reading, nodal)?.into()),
             }
         }
     }
@@ -197,26 +220,62 @@ fn inner<const D: usize>(a: &[Point<D>], b: &[Point<D>]) -> f64 {
     a.iter().zip(b).map(|(&x, &y)| dot(x, y)).sum()
 }
 
-/// The largest or smallest of some values, where that is how they are read; those that are no numbers do not count.
-fn reduced<const D: usize>(reading: Reading<D>, values: impl Iterator<Item = f64>) -> Option<f64> {
-    let numbers = values.filter(|value| !value.is_nan());
+/// A value at a node with its place and its share of volume or side.
+type Sample<const D: usize> = (Point<D>, f64, f64);
+
+/// One number of some at nodes; those that are no numbers do not count. `None` where it is read at a point.
+fn reduced<const D: usize>(
+    reading: Reading<D>,
+    samples: impl Iterator<Item = Sample<D>>,
+) -> Option<Read<D>> {
+    let samples = samples.filter(|(.., value)| !value.is_nan());
     match reading {
-        Reading::Largest => Some(numbers.fold(f64::NAN, f64::max)),
-        Reading::Smallest => Some(numbers.fold(f64::NAN, f64::min)),
+        Reading::Largest => Some(first(samples, |a, b| a > b)),
+        Reading::Smallest => Some(first(samples, |a, b| a < b)),
+        Reading::Mean => {
+            let (whole, sum) = sums(samples);
+            Some((sum / whole).into())
+        }
+        Reading::Integral => Some(sums(samples).1.into()),
         Reading::Whole | Reading::At(_) | Reading::MeanOfNeighbours(_) => None,
     }
 }
 
+/// The value that is before all others, and its place; of equal ones the first.
+fn first<const D: usize>(
+    samples: impl Iterator<Item = Sample<D>>,
+    before: fn(f64, f64) -> bool,
+) -> Read<D> {
+    let found = samples.reduce(|best, next| if before(next.2, best.2) { next } else { best });
+    Read {
+        value: found.map_or(f64::NAN, |(.., value)| value),
+        at: found.map(|(point, ..)| point),
+    }
+}
+
+/// Sum of the shares, and of the shares times the values.
+fn sums<const D: usize>(samples: impl Iterator<Item = Sample<D>>) -> (f64, f64) {
+    samples.fold((0.0, 0.0), |(whole, sum), (_, share, value)| {
+        (whole + share, sum + share * value)
+    })
+}
+
 fn in_body<const D: usize>(
-    mesh: &Mesh<D>,
+    (mesh, volumes): (&Mesh<D>, &dyn Fn() -> Vec<f64>),
     reading: Reading<D>,
     value: impl Fn(usize) -> f64,
-) -> Result<f64, ProbeError<D>> {
-    if let Some(reduced) = reduced(reading, (0..mesh.points().len()).map(&value)) {
+) -> Result<Read<D>, ProbeError<D>> {
+    let volumes = match reading {
+        Reading::Mean | Reading::Integral => volumes(),
+        _ => vec![0.0; mesh.points().len()],
+    };
+    let nodes = mesh.points().iter().zip(volumes).enumerate();
+    let samples = nodes.map(|(node, (&point, volume))| (point, volume, value(node)));
+    if let Some(reduced) = reduced(reading, samples) {
         return Ok(reduced);
     }
     let at = reading.point().ok_or(ProbeError::NoPlace)?;
-    Ok(interpolated(mesh, reading, in_cell(mesh, at)?, value))
+    Ok(interpolated(mesh, reading, in_cell(mesh, at)?, value).into())
 }
 
 fn in_cell<const D: usize>(

@@ -76,6 +76,8 @@ pub enum Dimension {
     Force,
     /// A force per area.
     Stress,
+    /// An integral of another one.
+    Other,
 }
 
 const AXES: [(&str, usize); 3] = [("x", 0), ("y", 1), ("z", 2)];
@@ -185,6 +187,11 @@ impl Quantity {
     pub fn is_field(&self) -> bool {
         use Parts::{Length, Reaction, Resultant};
         !matches!(self.parts, Reaction(..) | Resultant(..) | Length(_))
+    }
+
+    /// It belongs to the nodes of a contact.
+    pub fn is_of_contact(&self) -> bool {
+        matches!(self.parts, Parts::Along(..))
     }
 
     /// A rigid motion can be taken away from it.

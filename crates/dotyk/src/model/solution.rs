@@ -227,6 +227,8 @@ pub struct ProbeValue {
     pub dimension: Dimension,
     /// The number.
     pub value: f64,
+    /// The node where the largest or smallest value is (x, y, z; undeformed).
+    pub at: Option<[f64; 3]>,
 }
 
 /// The answer, with its certificate.

@@ -70,7 +70,7 @@ impl Study {
     ) -> Self {
         let probes = model.probes.iter().map(|probe| Column {
             name: probe.name.clone(),
-            dimension: probe.quantity.dimension(),
+            dimension: probe.dimension(),
         });
         let probes: Vec<Column> = probes.collect();
         let stiff = |k: usize| changes_stiffness((&model, own), k, &varied[k], make);

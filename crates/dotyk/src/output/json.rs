@@ -90,6 +90,7 @@ fn step_summary<'a>(run: &Overview<'a>, solution: &'a Solution<2>, index: usize)
                 name: &probe.name,
                 quantity: &probe.quantity,
                 value: probe.value,
+                at: probe.at.map(|at| [at[0], at[1]]),
             })
             .collect(),
         warnings: &solution.warnings,
@@ -322,6 +323,9 @@ struct ProbeEntry<'a> {
     name: &'a str,
     quantity: &'a str,
     value: f64,
+    /// Of the largest or smallest value.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    at: Option<[f64; 2]>,
 }
 
 #[cfg(test)]

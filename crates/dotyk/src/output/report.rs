@@ -232,12 +232,10 @@ fn probes(model: &Model<2>, solution: &Solution<2>, labels: &Labels) -> String {
         .probes
         .iter()
         .map(|p| {
-            let at = model
-                .probes
-                .iter()
-                .find(|m| m.name == p.name)
-                .and_then(|m| m.reading.point())
-                .map_or("–".to_string(), |at| vector(&at, ""));
+            let asked = model.probes.iter().find(|m| m.name == p.name);
+            let asked = asked.and_then(|m| m.reading.point());
+            let at = asked.or(p.at.map(|at| [at[0], at[1]]));
+            let at = at.map_or("–".to_string(), |at| vector(&at, ""));
             let unit = labels.unit(p.dimension);
             vec![
                 text(&p.name),

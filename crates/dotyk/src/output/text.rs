@@ -155,6 +155,7 @@ impl Labels {
             Dimension::Length => &self.length,
             Dimension::Force => &self.force,
             Dimension::Stress => &self.stress,
+            Dimension::Other => "",
         }
     }
 }

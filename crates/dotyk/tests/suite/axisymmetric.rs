@@ -5,7 +5,9 @@ use dotyk::analytic::lame::{PressFit, ThickRing};
 use dotyk::analytic::{Material as AnalyticMaterial, Plane};
 use dotyk::geometry::{Field, Point};
 use dotyk::mesh::{CellKind, Diagonals, Mesh, Rectangle};
-use dotyk::model::{Analysis, Elastic, Error, Gap, Load, Model, Pairing, Solution, Status};
+use dotyk::model::{
+    Analysis, BodyId, Elastic, Error, Gap, Load, Model, Pairing, Reading, Solution, Status,
+};
 use std::f64::consts::PI;
 
 const KINDS: [CellKind; 5] = [
@@ -428,4 +430,74 @@ fn a_body_that_nothing_holds_along_the_axis_is_not_held() {
         matches!(&error, Error::NotHeld { motion, .. } if motion == "translation along y"),
         "{error}"
     );
+}
+
+#[test]
+fn means_and_integrals_of_probes_are_those_of_the_volume_and_the_contact() {
+    for analysis in [Analysis::Axisymmetric, Analysis::PlaneStrain] {
+        for cell in KINDS {
+            let mut model = pile(1.0, cell);
+            model.analysis = analysis;
+            if analysis == Analysis::PlaneStrain {
+                let held = model.bodies.iter_mut();
+                held.for_each(|body| body.thickness = 0.7);
+                model.fix(BodyId(1), "left", [Some(0.0), None]);
+                model.fix(BodyId(0), "left", [Some(0.0), None]);
+            }
+            let contact = model.contacts[0].name.clone();
+            let upper = model.bodies[1].name.clone();
+            for (name, quantity, reading) in [
+                ("force", format!("{contact}.pressure"), Reading::Integral),
+                (
+                    "mean pressure",
+                    format!("{contact}.pressure"),
+                    Reading::Mean,
+                ),
+                ("work", format!("{upper}.stress.yy"), Reading::Integral),
+                ("mean stress", format!("{upper}.stress.yy"), Reading::Mean),
+                ("most", format!("{upper}.displacement.y"), Reading::Smallest),
+            ] {
+                model.probe(name, &quantity, reading).unwrap();
+            }
+            let solution = model.solve().unwrap();
+            let probe = |k: usize| solution.probes[k].value;
+            let force = solution.contacts[0].resultant[1].abs();
+            assert!((probe(0) - force).abs() < 1e-10 * force, "{cell:?}");
+            let weights: f64 = solution.contacts[0].nodes.iter().map(|n| n.weight).sum();
+            assert!((probe(1) - force / weights).abs() < 1e-10 * probe(1));
+            // mean of σyy by the virial of what acts on the body: ∫σyy dV = Σ f_y y
+            let body = &solution.bodies[1];
+            let points = model.bodies[1].mesh.points();
+            let pressed: f64 = force * (top(points) - bottom(points));
+            assert!(
+                (probe(2) + pressed).abs() < 1e-8 * pressed,
+                "{cell:?} {} {pressed}",
+                probe(2)
+            );
+            let volume = probe(2) / probe(3);
+            let area = weights;
+            assert!((volume - area * (top(points) - bottom(points))).abs() < 1e-9 * volume);
+            let lowest = body
+                .displacement
+                .iter()
+                .map(|u| u[1])
+                .fold(f64::INFINITY, f64::min);
+            assert_eq!(probe(4), lowest);
+            let at = solution.probes[4].at.unwrap();
+            let node = points.iter().position(|p| *p == at[..2]).unwrap();
+            assert_eq!(body.displacement[node][1], lowest);
+            assert_eq!(solution.probes[0].at, None);
+        }
+    }
+}
+
+fn top(points: &[Point<2>]) -> f64 {
+    points
+        .iter()
+        .map(|p| p[1])
+        .fold(f64::NEG_INFINITY, f64::max)
+}
+
+fn bottom(points: &[Point<2>]) -> f64 {
+    points.iter().map(|p| p[1]).fold(f64::INFINITY, f64::min)
 }
