@@ -14,7 +14,7 @@ mod study;
 mod text;
 mod verify;
 
-use clap::{Parser, Subcommand};
+use clap::{CommandFactory, Parser, Subcommand};
 use std::process::ExitCode;
 
 /// Elastic contact mechanics: bodies pressed against each other, with a certificate for every answer.
@@ -45,6 +45,11 @@ enum Command {
     /// List every key of a case file
     #[command(visible_alias = "keys", after_long_help = keys::TEXT)]
     Reference,
+    /// Print what a shell needs to complete commands, such as `dotyk completions bash`
+    Completions {
+        /// bash, zsh, fish, elvish or powershell
+        shell: clap_complete::Shell,
+    },
 }
 
 /// How a command ended, the better first.
@@ -63,6 +68,12 @@ fn main() -> ExitCode {
         Command::Verify(arguments) => verify::verify(&arguments),
         Command::Compare(arguments) => compare::compare(&arguments),
         Command::Study(arguments) => study::study(&arguments),
+        Command::Completions { shell } => {
+            let mut script = Vec::new();
+            clap_complete::generate(shell, &mut Cli::command(), "dotyk", &mut script);
+            text::print(&String::from_utf8_lossy(&script));
+            Ok(Outcome::Done)
+        }
         Command::Reference => {
             text::print(keys::TEXT);
             Ok(Outcome::Done)

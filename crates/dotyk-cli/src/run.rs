@@ -7,8 +7,11 @@ use crate::progress::Progress;
 use crate::text::{columns, number, print, written};
 use dotyk::case::Case;
 use dotyk::geometry::norm;
-use dotyk::model::{Bolts, ContactSolution, Method, Model, Solution, SolverOptions, Status};
-use dotyk::output;
+use dotyk::model::{
+    Analysis, Bolts, ContactSolution, Dimension, Method, Model, ProbeValue, Solution,
+    SolverOptions, Status,
+};
+use dotyk::output::{self, without_noise};
 use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
@@ -36,6 +39,9 @@ pub struct Arguments {
     /// No progress
     #[arg(long)]
     quiet: bool,
+    /// Print summary.json instead of the tables; of several cases one after the other
+    #[arg(long)]
+    json: bool,
 }
 
 fn method(text: &str) -> Result<Method, String> {
@@ -127,14 +133,21 @@ fn run_case(arguments: &Arguments, file: &Path, folder: &Path) -> Result<Outcome
     };
     if steps.last().is_some_and(|last| last.converged) {
         let files = output::write(&record, folder).map_err(refused)?;
-        let heading = match arguments.cases.len() {
-            1 => String::new(),
-            _ => format!("{}\n", file.display()),
-        };
-        print(&(heading + &results(&case.model, steps) + &written(&files)));
+        if arguments.json {
+            print_summary(folder)?;
+        } else {
+            let heading = match arguments.cases.len() {
+                1 => String::new(),
+                _ => format!("{}\n", file.display()),
+            };
+            print(&(heading + &results(&case.model, steps) + &written(&files)));
+        }
     } else if !steps.is_empty() {
         let file = output::write_summary(&record, folder).map_err(refused)?;
-        print(&(verdict(&case.model, steps) + &written(&[file])));
+        match arguments.json {
+            true => print_summary(folder)?,
+            false => print(&(verdict(&case.model, steps) + &written(&[file]))),
+        }
     }
     let ended = run.to_string();
     match run.failure.map(|failure| failure.refusal) {
@@ -145,6 +158,13 @@ fn run_case(arguments: &Arguments, file: &Path, folder: &Path) -> Result<Outcome
         }
         Some(Some(refusal)) => Err(refusal.into()),
     }
+}
+
+fn print_summary(folder: &Path) -> Result<(), Failure> {
+    let path = folder.join("summary.json");
+    let text = std::fs::read_to_string(&path).map_err(|e| Failure::of(&path, e))?;
+    print(&text);
+    Ok(())
 }
 
 /// The command line's solver and step instead of the case's; what belongs to the case's own method goes with it.
@@ -192,24 +212,65 @@ fn free_folder(folder: PathBuf) -> Result<PathBuf, Failure> {
     }
 }
 
+/// What numbers of a solution are large beside; what is far below is rounding, and shown as zero.
+struct Scales {
+    force: f64,
+    stress: f64,
+    length: f64,
+}
+
+impl Scales {
+    fn of(solution: &Solution<2>) -> Self {
+        let nodes = solution.contacts.iter().map(|contact| contact.nodes.iter());
+        let pressed = nodes.map(|nodes| {
+            let forces = nodes.map(|node| (node.pressure * node.weight).abs());
+            forces.filter(|force| force.is_finite()).sum::<f64>()
+        });
+        let bodies = || solution.bodies.iter();
+        let held = bodies().map(|body| body.reactions.iter().map(|f| norm(*f)).sum());
+        let stresses = bodies().flat_map(|body| body.von_mises.iter().copied());
+        let moved = bodies().flat_map(|body| body.displacement.iter().map(|u| norm(*u)));
+        Self {
+            force: pressed.chain(held).fold(0.0, f64::max),
+            stress: stresses.fold(0.0, f64::max),
+            length: moved.fold(0.0, f64::max),
+        }
+    }
+
+    fn force(&self, value: f64) -> String {
+        number(without_noise(value, self.force))
+    }
+
+    fn of_probe(&self, probe: &ProbeValue) -> String {
+        let scale = match probe.dimension {
+            Dimension::Force => self.force,
+            Dimension::Stress => self.stress,
+            Dimension::Length => self.length,
+            Dimension::Other => 0.0,
+        };
+        number(without_noise(probe.value, scale))
+    }
+}
+
 /// The result lines: of several load steps a line each, and the last in full.
 fn results(model: &Model<2>, steps: &[Solution<2>]) -> String {
     let Some(last) = steps.last() else {
         return String::new();
     };
     let mut text = format!(
-        "{}\n{}, {} bodies, {} dofs, {} contact unknowns\n",
+        "{}\n{}, {} bodies, {} dofs, {} contact unknowns{}\n",
         model.title,
         model.analysis.name(),
         model.bodies.len(),
         last.dofs,
-        last.contact_unknowns
+        last.contact_unknowns,
+        units(model)
     );
     if steps.len() > 1 {
-        text += &format!("\n{}", contacts_of_steps(steps));
+        text += &format!("\n{}", contacts_of_steps(model, steps));
         text += &format!("\nlast step, t = {}\n", number(last.time));
     }
-    for table in [contacts(last), bodies(last), probes(steps)] {
+    for table in [contacts(model, last), bodies(model, last), probes(steps)] {
         if !table.is_empty() {
             text += "\n";
             text += &table;
@@ -219,9 +280,10 @@ fn results(model: &Model<2>, steps: &[Solution<2>]) -> String {
 }
 
 /// A line for each step and contact.
-fn contacts_of_steps(steps: &[Solution<2>]) -> String {
+fn contacts_of_steps(model: &Model<2>, steps: &[Solution<2>]) -> String {
     let mut rows = Vec::new();
     for (i, step) in steps.iter().enumerate() {
+        let scales = Scales::of(step);
         let start = |contact: Vec<String>| {
             let mut row = vec![(i + 1).to_string(), number(step.time)];
             row.push(step.solver.iterations.to_string());
@@ -229,26 +291,49 @@ fn contacts_of_steps(steps: &[Solution<2>]) -> String {
             row
         };
         match step.contacts.as_slice() {
-            [] => rows.push(start(vec![String::new(); CONTACT_HEADER.len()])),
-            contacts => rows.extend(contacts.iter().map(|c| start(contact_row(c)))),
+            [] => rows.push(start(vec![String::new(); 7])),
+            contacts => rows.extend(contacts.iter().map(|c| start(contact_row(c, &scales)))),
         }
     }
-    let mut header = vec!["step", "t", "iterations"];
-    header.extend(CONTACT_HEADER);
+    let own = contact_header(model);
+    let header = ["step", "t", "iterations"].into_iter();
+    let header: Vec<&str> = header.chain(own.iter().map(String::as_str)).collect();
     columns(&header, &rows, 4..10)
 }
 
-const CONTACT_HEADER: [&str; 7] = [
-    "contact",
-    "force x",
-    "force y",
-    "max pressure",
-    "length",
-    "closed",
-    "open",
-];
+/// ", in m and N" where the case says so.
+fn units(model: &Model<2>) -> String {
+    let given = [&model.units.length, &model.units.force];
+    let given: Vec<&str> = given
+        .into_iter()
+        .filter_map(|unit| unit.as_deref())
+        .collect();
+    match given.is_empty() {
+        true => String::new(),
+        false => format!(", in {}", given.join(" and ")),
+    }
+}
 
-fn contact_row(contact: &ContactSolution<2>) -> Vec<String> {
+/// Names of the two axes in the heads of columns, after a word.
+fn along_axes(model: &Model<2>, word: &str) -> [String; 2] {
+    let axes = match model.analysis {
+        Analysis::Axisymmetric => ["r", "z"],
+        _ => ["x", "y"],
+    };
+    axes.map(|axis| format!("{word} {axis}"))
+}
+
+fn contact_header(model: &Model<2>) -> Vec<String> {
+    let forces = along_axes(model, "force");
+    let rest = ["max pressure", "length", "closed", "open"].map(String::from);
+    ["contact".to_string()]
+        .into_iter()
+        .chain(forces)
+        .chain(rest)
+        .collect()
+}
+
+fn contact_row(contact: &ContactSolution<2>, scales: &Scales) -> Vec<String> {
     let open = |s: Status| s == Status::Open;
     let count = |wanted: bool| {
         let nodes = contact.nodes.iter();
@@ -257,8 +342,8 @@ fn contact_row(contact: &ContactSolution<2>) -> Vec<String> {
     let pressures = contact.nodes.iter().map(|n| n.pressure);
     vec![
         contact.name.clone(),
-        number(contact.resultant[0]),
-        number(contact.resultant[1]),
+        scales.force(contact.resultant[0]),
+        scales.force(contact.resultant[1]),
         number(pressures.fold(0.0, f64::max)),
         number(contact.length),
         count(false).to_string(),
@@ -266,15 +351,22 @@ fn contact_row(contact: &ContactSolution<2>) -> Vec<String> {
     ]
 }
 
-fn contacts(solution: &Solution<2>) -> String {
+fn contacts(model: &Model<2>, solution: &Solution<2>) -> String {
     if solution.contacts.is_empty() {
         return String::new();
     }
-    let rows: Vec<Vec<String>> = solution.contacts.iter().map(contact_row).collect();
-    columns(&CONTACT_HEADER, &rows, 1..7)
+    let rows: Vec<Vec<String>> = {
+        let scales = Scales::of(solution);
+        let rows = solution.contacts.iter().map(|c| contact_row(c, &scales));
+        rows.collect()
+    };
+    let header = contact_header(model);
+    let header: Vec<&str> = header.iter().map(String::as_str).collect();
+    columns(&header, &rows, 1..7)
 }
 
-fn bodies(solution: &Solution<2>) -> String {
+fn bodies(model: &Model<2>, solution: &Solution<2>) -> String {
+    let scales = Scales::of(solution);
     let rows: Vec<Vec<String>> = solution
         .bodies
         .iter()
@@ -289,18 +381,19 @@ fn bodies(solution: &Solution<2>) -> String {
                 body.name.clone(),
                 number(lengths.fold(0.0, f64::max)),
                 number(body.von_mises.iter().copied().fold(0.0, f64::max)),
-                number(body.reaction[0]),
-                number(body.reaction[1]),
+                scales.force(body.reaction[0]),
+                scales.force(body.reaction[1]),
                 floating.join(", "),
             ]
         })
         .collect();
+    let reactions = along_axes(model, "reaction");
     let header = [
         "body",
         "max displacement",
         "max von Mises",
-        "reaction x",
-        "reaction y",
+        &reactions[0],
+        &reactions[1],
         "floats",
     ];
     columns(&header, &rows, 1..5)
@@ -320,13 +413,17 @@ fn probes(steps: &[Solution<2>]) -> String {
     if steps.len() > MOST_BESIDE {
         return probes_below(steps, last);
     }
+    let scales: Vec<Scales> = steps.iter().map(Scales::of).collect();
     let place = |at: [f64; 3]| format!("at ({}, {})", number(at[0]), number(at[1]));
     let rows: Vec<Vec<String>> = last
         .probes
         .iter()
         .enumerate()
         .map(|(i, probe)| {
-            let values = steps.iter().map(|step| number(step.probes[i].value));
+            let values = scales
+                .iter()
+                .zip(steps)
+                .map(|(s, step)| s.of_probe(&step.probes[i]));
             let names = [probe.name.clone(), probe.quantity.clone()];
             let at = probe.at.map_or(String::new(), place);
             names.into_iter().chain(values).chain([at]).collect()
@@ -351,7 +448,8 @@ fn probes_below(steps: &[Solution<2>], last: &Solution<2>) -> String {
     let left_out = |k: usize| steps.len() > MOST_BELOW && k >= half && k < steps.len() - half;
     let mut rows = Vec::new();
     for (k, step) in steps.iter().enumerate().filter(|(k, _)| !left_out(*k)) {
-        let values = step.probes.iter().map(|probe| number(probe.value));
+        let scales = Scales::of(step);
+        let values = step.probes.iter().map(|probe| scales.of_probe(probe));
         let start = [(k + 1).to_string(), number(step.time)];
         rows.push(start.into_iter().chain(values).collect());
     }

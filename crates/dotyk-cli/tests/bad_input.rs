@@ -57,7 +57,7 @@ const IN_THE_TEXT: &[Mistake] = &[
     (", poisson = 0.3 }\nfix = [{ side = \"bottom\"", " }\nfix = [{ side = \"bottom\"", "young = 210e9 }", "`poisson`"),
     // types
     ("\"-1e6 * (1 + 0.1*x)\"", "true", "true", "expected a number or an expression string, found a boolean"),
-    ("tolerance = 1e-8", "tolerance = \"small\"", "small", "expected a number, found a string"),
+    ("tolerance = 1e-8", "tolerance = \"small\"", "small", "expected a number, the expression \"small\""),
     ("traction = [0.0, \"-1e6 * (1 + 0.1*x)\"]", "traction = [1, 2, 3]", "[1, 2, 3]", "found 3"),
     ("at = [2.0, 1.0]", "at = 2.0", "at = 2.0", "expected a list of 2 numbers"),
     ("cells = [8, 2]", "cells = [8.5, 2]", "8.5", "positive integer"),

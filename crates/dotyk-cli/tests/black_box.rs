@@ -392,6 +392,46 @@ fn parameters_take_values_from_the_command_line() {
 }
 
 #[test]
+fn programs_get_the_summary_and_people_no_rounding_errors() {
+    let text = stack(1e6, "").replacen(
+        "analysis",
+        "units = { length = \"m\", force = \"N\" }\nanalysis",
+        1,
+    );
+    let run = Run::new("tables", &text, "run", &[]);
+    assert!(
+        run.stdout.contains("contact unknowns, in m and N"),
+        "{}",
+        run.stdout
+    );
+    let line = run
+        .stdout
+        .lines()
+        .find(|line| line.starts_with("sole"))
+        .unwrap();
+    let words: Vec<&str> = line.split_whitespace().collect();
+    // the force along x is rounding beside the one along y
+    assert_eq!(words[1..3], ["0", "1e6"], "{line}");
+    let json = Run::new("json", &text, "run", &["--json"]);
+    let told: Value = serde_json::from_str(&json.stdout).unwrap();
+    assert_eq!(told, json.summary());
+    let failing = text.clone() + "[solver]\nmethod = \"uzawa\"\nmax_iterations = 3\n";
+    let failed = Run::new("json_failed", &failing, "run", &["--json"]);
+    assert_eq!(failed.status, Some(1));
+    let told: Value = serde_json::from_str(&failed.stdout).unwrap();
+    assert_eq!(told["converged"], false);
+    let round = text
+        .replace("plane-strain", "axisymmetric")
+        .replace("side = \"left\", x = 0", "side = \"right\", x = 0");
+    let round = Run::new("round_tables", &round, "run", &[]);
+    assert!(
+        round.stdout.contains("force r") && round.stdout.contains("reaction z"),
+        "{}",
+        round.stdout
+    );
+}
+
+#[test]
 fn several_cases_are_run_each_into_a_folder_of_its_own() {
     let text = parametric();
     let folder = Run::solved("several", &text).folder;

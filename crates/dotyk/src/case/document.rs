@@ -245,9 +245,13 @@ impl Node {
     ) -> Result<Field, Fault> {
         let field = expression::parse_with(text, variables, parameters).map_err(|e| {
             let place = self.part(e.offset..e.offset + 1);
-            Fault::new(&place, format!("expression \"{text}\": {e}"))
+            let (what, help) = match variables {
+                Variables::None => ("expected a number, the expression", expression::OF_NUMBERS),
+                _ => ("expression", expression::VOCABULARY),
+            };
+            Fault::new(&place, format!("{what} \"{text}\": {e}"))
                 .label("here")
-                .help(expression::VOCABULARY)
+                .help(help)
         })?;
         match field.as_constant() {
             Some(value) if !value.is_finite() => {

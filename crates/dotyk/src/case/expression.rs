@@ -26,6 +26,10 @@ const LONGEST: usize = 4000;
 pub(crate) const VOCABULARY: &str = "an expression is made of numbers, parameters, x y z t pi, + - * / ^ ( ), sin cos \
     tan asin acos atan atan2 sinh cosh tanh sqrt exp ln abs min max pow";
 
+/// The same where it must be one number.
+pub(crate) const OF_NUMBERS: &str =
+    "here stands a number, or an expression of numbers and of the case's [parameters]";
+
 /// What is wrong with an expression, and where.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error("{message}")]

@@ -48,7 +48,7 @@ fn given_value(
         Fault::new(&entry.key_span, message).label("this parameter")
     };
     let field = expression::parse_with(text, Variables::None, before);
-    let field = field.map_err(|error| refused(error.message).help(expression::VOCABULARY))?;
+    let field = field.map_err(|error| refused(error.message).help(expression::OF_NUMBERS))?;
     let value = field.as_constant().filter(|value| value.is_finite());
     value.ok_or_else(|| refused("it is not finite".to_string()))
 }

@@ -33,6 +33,7 @@ mod view;
 mod vtu;
 
 pub use memory::peak_memory_bytes;
+pub use text::without_noise;
 
 use crate::geometry::Point;
 use crate::model::{Check, Comparison, Model, Seconds, Solution, Study};
