@@ -200,6 +200,46 @@ mod tests {
     use super::*;
 
     #[test]
+    fn principal_stresses_do_not_depend_on_the_axes() {
+        // R diag(3, 1, −2) Rᵀ with a rotation R from a quaternion
+        let [w, x, y, z] = [0.1f64, 0.5, -0.7, 0.5];
+        let rotation = [
+            [
+                1.0 - 2.0 * (y * y + z * z),
+                2.0 * (x * y - w * z),
+                2.0 * (x * z + w * y),
+            ],
+            [
+                2.0 * (x * y + w * z),
+                1.0 - 2.0 * (x * x + z * z),
+                2.0 * (y * z - w * x),
+            ],
+            [
+                2.0 * (x * z - w * y),
+                2.0 * (y * z + w * x),
+                1.0 - 2.0 * (x * x + y * y),
+            ],
+        ];
+        let values = [3.0, 1.0, -2.0];
+        let entry = |i: usize, j: usize| -> f64 {
+            (0..3)
+                .map(|k| rotation[i][k] * values[k] * rotation[j][k])
+                .sum()
+        };
+        let state = [
+            entry(0, 0),
+            entry(1, 1),
+            entry(2, 2),
+            entry(0, 1),
+            entry(1, 2),
+            entry(0, 2),
+        ];
+        for (found, expected) in principal(state).into_iter().zip(values) {
+            assert!((found - expected).abs() < 1e-12, "{found} {expected}");
+        }
+    }
+
+    #[test]
     fn principal_stresses_of_known_states() {
         let close = |a: [f64; 3], b: [f64; 3]| a.iter().zip(b).all(|(x, y)| (x - y).abs() < 1e-12);
         assert!(close(
