@@ -28,7 +28,7 @@ pub(crate) use loads::nodal_volumes;
 pub use loads::{Amount, Load};
 pub use modes::{RigidBasis, describe_motion};
 pub use nouns::{Analysis, Body, Elastic, Material, Place, Support};
-pub use stress::{principal, recover_strain, recover_stress, von_mises};
+pub use stress::{principal, recover_spin, recover_strain, recover_stress, von_mises};
 pub use supports::{Constraints, Held, nearest_node, node_normals};
 
 pub(crate) use cells::measure;

@@ -35,6 +35,27 @@ pub fn recover_strain<const D: usize>(
     recover(body, analysis, displacement, Lame::strain)
 }
 
+/// Recovered rotation vector at every node, radians, as [`recover_stress`]; in the plane its third component.
+///
+/// Errors: a group of cells without a material.
+pub fn recover_spin<const D: usize>(
+    body: &Body<D>,
+    analysis: Analysis,
+    displacement: &[Point<D>],
+) -> Result<Vec<[f64; 3]>, FemError> {
+    let spins = recover(body, analysis, displacement, |_, gradient, _| {
+        let of = |i: usize, j: usize| match i.max(j) < D {
+            true => 0.5 * (gradient[j][i] - gradient[i][j]),
+            false => 0.0,
+        };
+        [of(1, 2), of(2, 0), of(0, 1), 0.0, 0.0, 0.0]
+    })?;
+    Ok(spins
+        .into_iter()
+        .map(|spin| [spin[0], spin[1], spin[2]])
+        .collect())
+}
+
 /// What follows from the displacement gradient and the hoop strain.
 type Local<const D: usize> = fn(Lame, [[f64; D]; D], f64) -> [f64; 6];
 

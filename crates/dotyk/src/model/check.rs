@@ -281,7 +281,7 @@ fn poor_cells<const D: usize>(body: &Body<D>) -> Option<String> {
     })
 }
 
-fn mean_facet<const D: usize>(mesh: &Mesh<D>, side: &str) -> f64 {
+pub(crate) fn mean_facet<const D: usize>(mesh: &Mesh<D>, side: &str) -> f64 {
     let facets = mesh.side(side).unwrap_or_default();
     let total: f64 = facets.iter().map(|&facet| mesh.facet_length(facet)).sum();
     total / facets.len().max(1) as f64

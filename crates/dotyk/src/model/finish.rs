@@ -1,6 +1,7 @@
 //! From a judged attempt to the solution of a step, with what the user should know of it.
 
 use crate::fem::{Short, show};
+use crate::model::assumptions::beyond;
 use crate::model::attempt::Attempt;
 use crate::model::condense::Condensed;
 use crate::model::dependent::shared_forces;
@@ -52,6 +53,9 @@ pub(crate) fn finish<const D: usize>(
     ));
     let certificate = judged.certificate;
     let (bodies, contacts) = fields(model, condensed, judged.displaced, lambda)?;
+    if placed {
+        warnings.extend(beyond(model, &condensed.paired, &bodies, &contacts)?);
+    }
     let mut solution = Solution {
         time: condensed.time,
         dofs: bodies.iter().map(|body| body.dofs).sum(),

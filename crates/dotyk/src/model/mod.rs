@@ -6,6 +6,7 @@
 mod admissible;
 mod applied;
 mod ask;
+mod assumptions;
 mod attempt;
 mod between;
 mod bodies;

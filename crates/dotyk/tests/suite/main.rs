@@ -23,3 +23,4 @@ mod space;
 mod steps;
 mod tables;
 mod tidy;
+mod warnings;

@@ -1,0 +1,134 @@
+//! Where an answer leaves what the theory assumes: small strains, rotations and slips, and a contact of many nodes.
+//!
+//! The theory is linear and the sides stay paired as they were: with strains, rotations or slips (in parts of a facet) of 5 %
+//! the answer is off by about as much. Peaks at single points, where stresses are singular, say nothing of the whole: a
+//! hundredth of the nodes is passed over.
+
+use crate::contact::Coupling;
+use crate::fem::{recover_spin, show};
+use crate::geometry::norm;
+use crate::model::check::mean_facet;
+use crate::model::error::Error;
+use crate::model::nouns::Model;
+use crate::model::pair::Paired;
+use crate::model::solution::{BodySolution, ContactSolution, Status};
+
+/// Strains and rotations above this are large.
+const LARGE: f64 = 0.05;
+
+/// Part of the nodes that may be singular.
+const SINGULAR: f64 = 0.01;
+
+/// A slip above this part of the smaller facet takes a node to another facet.
+const FAR: f64 = 0.5;
+
+/// Most contacts that a warning names.
+const NAMED: usize = 4;
+
+/// Fewer closed nodes than this tell the edge of a contact only roughly.
+const FEW: usize = 5;
+
+/// Warnings about bodies and contacts that leave what is assumed.
+///
+/// Errors: a group of cells without a material.
+pub(crate) fn beyond<const D: usize>(
+    model: &Model<D>,
+    paired: &[Paired<D>],
+    bodies: &[BodySolution<D>],
+    contacts: &[ContactSolution<D>],
+) -> Result<Vec<String>, Error<D>> {
+    let mut warnings = Vec::new();
+    for (body, solved) in model.bodies.iter().zip(bodies) {
+        let spins = recover_spin(body, model.analysis, &solved.displacement);
+        let spins = spins.map_err(|source| Error::in_body(body, source))?;
+        let strain = |e: &[f64; 6]| e.iter().fold(0.0, |largest: f64, e| largest.max(e.abs()));
+        let strains = solved.strain.iter().map(strain).collect();
+        let turns = spins.iter().map(|spin| norm(*spin)).collect();
+        for (what, value) in [("strained", usual(strains)), ("turned", usual(turns))] {
+            if value > LARGE {
+                let part = 100.0 * value;
+                warnings.push(format!(
+                    "body \"{}\" is {what} by up to {part:.1} %: the theory is for small strains and rotations, and off by about as much",
+                    solved.name
+                ));
+            }
+        }
+    }
+    let loose = contacts.iter().zip(paired);
+    let loose = loose.filter(|(_, pair)| pair.interface.coupling != Coupling::Tied);
+    let loose: Vec<&ContactSolution<D>> = loose.map(|(contact, _)| contact).collect();
+    warnings.extend(few_closed(&loose));
+    warnings.extend(loose.iter().filter_map(|contact| far_slip(model, contact)));
+    Ok(warnings)
+}
+
+/// The largest of some values, those of singular places passed over.
+fn usual(mut values: Vec<f64>) -> f64 {
+    values.sort_by(f64::total_cmp);
+    let singular = (SINGULAR * values.len() as f64).ceil() as usize;
+    let last = values.len().checked_sub(1 + singular);
+    last.map_or(0.0, |last| values[last])
+}
+
+/// Contacts whose edges lie between nodes, and that have few of them.
+fn few_closed<const D: usize>(contacts: &[&ContactSolution<D>]) -> Option<String> {
+    let few = |contact: &&&ContactSolution<D>| {
+        let facing = || contact.nodes.iter().filter(|node| !node.gap.is_nan());
+        let closed = facing().filter(|node| node.status != Status::Open).count();
+        (1..FEW).contains(&closed) && closed < facing().count()
+    };
+    let names: Vec<&str> = contacts
+        .iter()
+        .filter(few)
+        .map(|contact| contact.name.as_str())
+        .collect();
+    if names.is_empty() {
+        return None;
+    }
+    let more = match names.len().saturating_sub(NAMED) {
+        0 => String::new(),
+        more => format!(" and {more} more"),
+    };
+    let names = names[..names.len().min(NAMED)].join("\", \"");
+    Some(format!(
+        "contact \"{names}\"{more}: fewer than {FEW} nodes are closed: pressures and lengths in contact are as coarse as that; use smaller facets there"
+    ))
+}
+
+/// A contact with a node that slips to another facet.
+fn far_slip<const D: usize>(model: &Model<D>, contact: &ContactSolution<D>) -> Option<String> {
+    let mortar = contact.mortar.as_ref()?;
+    let facet = |side: &crate::model::nouns::SideRef| {
+        mean_facet(&model.bodies[side.body.0].mesh, &side.side)
+    };
+    let facet = facet(&contact.nonmortar).min(facet(mortar));
+    let closed = contact
+        .nodes
+        .iter()
+        .filter(|node| node.status != Status::Open);
+    let slips = closed.map(|node| (norm(node.slip), node.point));
+    let farthest = slips.filter(|(slip, _)| slip.is_finite());
+    let (slip, point) = farthest.max_by(|a, b| a.0.total_cmp(&b.0))?;
+    (slip > FAR * facet).then(|| {
+        format!(
+            "contact \"{}\": a closed node at {} slips by {:.1} facets of the finer side: sides stay paired as they were before; use smaller loads or larger facets",
+            contact.name,
+            show(point),
+            slip / facet
+        )
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_hundredth_of_the_values_is_passed_over() {
+        let mut values: Vec<f64> = (0..200).map(|k| f64::from(k) / 200.0).collect();
+        values.push(7.0);
+        assert_eq!(usual(values), 197.0 / 200.0);
+        assert_eq!(usual(vec![1.0]), 0.0);
+        assert_eq!(usual(Vec::new()), 0.0);
+    }
+}

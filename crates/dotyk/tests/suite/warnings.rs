@@ -1,0 +1,131 @@
+//! Warnings about what the theory assumes: each where it belongs, and none where it does not.
+
+use dotyk::mesh::Diagonals;
+use dotyk::model::{Motion, Pair};
+use dotyk::prelude::*;
+
+fn rectangle(from: Point<2>, to: Point<2>, cells: [usize; 2]) -> Mesh<2> {
+    Rectangle {
+        from,
+        to,
+        cells,
+        cell: CellKind::Quad4,
+        diagonals: Diagonals::default(),
+    }
+    .build()
+    .unwrap()
+}
+
+const SOFT: Elastic = Elastic {
+    young: 100.0,
+    poisson: 0.3,
+};
+
+fn warned(model: &Model<2>, words: &str) -> bool {
+    let solution = model.solve().unwrap();
+    solution
+        .warnings
+        .iter()
+        .any(|warning| warning.contains(words))
+}
+
+/// A block pressed on a rigid parabola, with so many cells.
+fn on_a_bump(cells: usize) -> Model<2> {
+    let mut model = Model::<2>::new();
+    let block = model.body(
+        "block",
+        rectangle([-1.0, 0.0], [1.0, 1.0], [cells, 4]),
+        SOFT,
+    );
+    model.fix(block, "top", [Some(0.0), Some(-0.02)]);
+    model.obstacle(
+        (block, "bottom"),
+        dotyk::case::parse_expression("x^2/4").unwrap(),
+    );
+    model
+}
+
+#[test]
+fn few_closed_nodes_are_told_where_the_contact_has_an_edge() {
+    let words = "fewer than 5 nodes are closed";
+    assert!(warned(&on_a_bump(10), words));
+    assert!(!warned(&on_a_bump(60), words));
+    // all of a side that is closed has no edge, however few its nodes
+    let mut flat = on_a_bump(2);
+    let Pair::Obstacle { obstacle, .. } = &mut flat.contacts[0].pair else {
+        unreachable!()
+    };
+    obstacle.shape = dotyk::model::Rigid::Gap(Field::constant(0.0));
+    assert!(!warned(&flat, words));
+}
+
+/// A block pressed on another one and dragged along it by so much; facets have the length 0.25 and 0.2.
+fn dragged(by: f64) -> Model<2> {
+    let mut model = Model::<2>::new();
+    let base = model.body("base", rectangle([0.0, 0.0], [4.0, 1.0], [20, 4]), SOFT);
+    let block = model.body("block", rectangle([1.0, 1.0], [3.0, 2.0], [8, 4]), SOFT);
+    model.fix(base, "bottom", [Some(0.0), Some(0.0)]);
+    model.fix(block, "top", [Some(by), Some(-0.01)]);
+    model.contact((block, "bottom"), (base, "top"));
+    model
+}
+
+#[test]
+fn a_node_that_slips_to_another_facet_is_told() {
+    let words = "slips by";
+    assert!(warned(&dragged(0.12), words));
+    assert!(!warned(&dragged(0.08), words));
+    // beside a rigid obstacle there is no facet to leave
+    let mut rigid = on_a_bump(60);
+    let Pair::Obstacle { obstacle, .. } = &mut rigid.contacts[0].pair else {
+        unreachable!()
+    };
+    obstacle.motion = Motion::Prescribed([Field::constant(0.2), Field::constant(0.0)]);
+    assert!(!warned(&rigid, words));
+}
+
+#[test]
+fn large_strains_and_rotations_are_told() {
+    for (pull, told) in [(0.06, true), (0.04, false)] {
+        let mut model = Model::<2>::new();
+        let strip = model.body("strip", rectangle([0.0, 0.0], [1.0, 1.0], [4, 4]), SOFT);
+        model.fix(strip, "left", [Some(0.0), None]);
+        model.fix(strip, "right", [Some(pull), None]);
+        model.fix(strip, "bottom", [None, Some(0.0)]);
+        assert_eq!(warned(&model, "is strained by"), told);
+    }
+    for (turn, told) in [(0.06, true), (0.04, false)] {
+        let mut model = Model::<2>::new();
+        let body = model.body("body", rectangle([0.0, 0.0], [1.0, 1.0], [4, 4]), SOFT);
+        let field = |text: String| Some(dotyk::case::parse_expression(&text).unwrap());
+        for side in ["left", "right"] {
+            let components = [field(format!("-{turn} * y")), field(format!("{turn} * x"))];
+            model.fix(body, side, [Some(0.0), Some(0.0)]);
+            let support = model.bodies[0].supports.last_mut().unwrap();
+            support.components = components;
+        }
+        assert_eq!(warned(&model, "is turned by"), told);
+        assert!(!warned(&model, "is strained by"));
+    }
+    // a singular corner alone is no large strain
+    let mut corner = Model::<2>::new();
+    let body = corner.body("body", rectangle([0.0, 0.0], [1.0, 1.0], [40, 40]), SOFT);
+    corner.fix(body, "bottom", [Some(0.0), Some(0.0)]);
+    corner.load(
+        body,
+        Load::Force {
+            point: [1.0, 1.0],
+            force: [Field::constant(0.0), Field::constant(-0.2)],
+        },
+    );
+    let solution = corner.solve().unwrap();
+    let largest = solution.bodies[0]
+        .strain
+        .iter()
+        .flatten()
+        .fold(0.0f64, |m, e| m.max(e.abs()));
+    assert!(
+        largest > 0.05 && !warned(&corner, "is strained by"),
+        "{largest}"
+    );
+}
