@@ -2,8 +2,8 @@
 
 use crate::contact::Role;
 use crate::dual::Feasibility;
-use crate::fem::{BodySystem, Constraints, Short, describe_motion, show};
-use crate::geometry::{Point, add_scaled};
+use crate::fem::{BodySystem, Constraints, Short, describe_motion, nearest_node, show};
+use crate::geometry::{Point, add_scaled, distance};
 use crate::mesh::Mesh;
 use crate::model::admissible::admissible_set;
 use crate::model::bodies::{LoadedBody, body_rows, driven, largest_load, systems};
@@ -103,7 +103,7 @@ fn fill<const D: usize>(model: &Model<D>, check: &mut Check<D>) -> Result<(), Er
     let last = |error: Error<D>| error.in_step(model, model.times.len(), Vec::new());
     let systems = systems(model, time).map_err(last)?;
     for (body, system) in model.bodies.iter().zip(&systems) {
-        check.warnings.extend(poor_cells(body));
+        check.warnings.extend(of_body(body));
         check.bodies.push(check_body(body, system));
     }
     let constraints: Vec<&Constraints<D>> = systems.iter().map(|s| &s.constraints).collect();
@@ -187,8 +187,8 @@ fn check_contacts<const D: usize>(model: &Model<D>, paired: &[Paired<D>]) -> Vec
 /// What a run should say of meshes and contacts, too.
 pub(crate) fn remarks<const D: usize>(model: &Model<D>, paired: &[Paired<D>]) -> Vec<String> {
     let contacts = check_contacts(model, paired);
-    let cells = model.bodies.par_iter().map(poor_cells);
-    let mut remarks: Vec<String> = cells.flatten_iter().collect();
+    let bodies = model.bodies.par_iter().flat_map_iter(of_body);
+    let mut remarks: Vec<String> = bodies.collect();
     remarks.extend(contacts.iter().flat_map(ContactCheck::remarks));
     remarks
 }
@@ -268,6 +268,44 @@ impl<const D: usize> ContactCheck<D> {
         }
         remarks
     }
+}
+
+/// What the user should know of a body.
+fn of_body<const D: usize>(body: &Body<D>) -> Vec<String> {
+    poor_cells(body)
+        .into_iter()
+        .chain(moved_points(body))
+        .collect()
+}
+
+/// A point nearer to a node than this part of the body's size is that node: places are typed with ten digits at most.
+const ON_A_NODE: f64 = 1e-9;
+
+/// Warnings about point loads and supports that act at a node which is not where they were put.
+fn moved_points<const D: usize>(body: &Body<D>) -> Vec<String> {
+    let loads = body.loads.iter().map(|load| ("force", load.place()));
+    let supports = body
+        .supports
+        .iter()
+        .map(|support| ("support", support.place.clone()));
+    let moved = loads.chain(supports).filter_map(|(what, place)| {
+        let Place::Point(point) = place else {
+            return None;
+        };
+        let node = nearest_node(&body.mesh, point, what).ok()?;
+        let there = body.mesh.points()[node];
+        let away = distance(point, there);
+        (away > ON_A_NODE * body.mesh.diameter()).then(|| {
+            format!(
+                "body \"{}\": the {what} at {} acts at its nearest node {}, {:.4e} away",
+                body.name,
+                show(point),
+                show(there),
+                away
+            )
+        })
+    });
+    moved.collect()
 }
 
 /// A warning about a body whose cells are badly shaped.

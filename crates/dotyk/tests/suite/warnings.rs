@@ -129,3 +129,38 @@ fn large_strains_and_rotations_are_told() {
         "{largest}"
     );
 }
+
+#[test]
+fn a_point_that_is_no_node_is_told_with_its_distance() {
+    let at = |load: Point<2>, held: Point<2>| {
+        let mut model = Model::<2>::new();
+        let body = model.body("body", rectangle([0.0, 0.0], [1.0, 1.0], [4, 4]), SOFT);
+        model.fix(body, "bottom", [Some(0.0), Some(0.0)]);
+        let support = model.bodies[0].supports[0].clone();
+        model.bodies[0].supports.push(dotyk::model::Support {
+            place: Place::Point(held),
+            ..support
+        });
+        let force = [Field::constant(0.0), Field::constant(-0.1)];
+        model.load(body, Load::Force { point: load, force });
+        model
+    };
+    let exact = at([0.5, 1.0], [0.0, 0.75]);
+    assert!(!warned(&exact, "acts at its nearest node"));
+    // what is rounding of a node is the node
+    assert!(!warned(&at([0.5 + 1e-12, 1.0], [0.0, 0.75]), "acts at"));
+    let load = at([0.53, 1.0], [0.0, 0.75]);
+    let told = "the force at (0.53, 1) acts at its nearest node (0.5, 1), 3.0000e-2 away";
+    assert!(warned(&load, told));
+    assert!(
+        load.check()
+            .warnings
+            .iter()
+            .any(|warning| warning.contains(told))
+    );
+    let support = at([0.5, 1.0], [0.0, 0.7]);
+    assert!(warned(
+        &support,
+        "the support at (0, 0.7) acts at its nearest node (0, 0.75)"
+    ));
+}
