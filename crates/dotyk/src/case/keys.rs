@@ -136,6 +136,7 @@ pub const PROBE: &[&str] = &[
     "reduce",
     "mean_of_neighbours",
     "minus_rigid",
+    "center",
 ];
 /// The top level of a reference file.
 pub const REFERENCES: &[&str] = &["value"];

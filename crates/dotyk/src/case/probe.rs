@@ -29,6 +29,7 @@ pub(crate) fn probe(
     let quantity = parsed.map_err(|error| fault(quantity, &error))?;
     Ok(Probe {
         minus_rigid: minus_rigid(table, &quantity, bodies)?,
+        center: center(table, &quantity)?,
         reading: reading(table, &name, &quantity)?,
         name,
         quantity,
@@ -93,6 +94,18 @@ fn reading(table: Table<'_>, name: &str, quantity: &Quantity) -> Result<Reading<
         (Some(point), _, _) if mean => Ok(Reading::MeanOfNeighbours(point)),
         (Some(point), _, _) => Ok(Reading::At(point)),
         (None, reduced, _) => Ok(reduced.unwrap_or(Reading::Whole)),
+    }
+}
+
+/// What a hoop stress goes around; the origin where nothing is said.
+fn center(table: Table<'_>, quantity: &Quantity) -> Result<[f64; 2], Fault> {
+    match table.entry("center") {
+        None => Ok([0.0; 2]),
+        Some(entry) if quantity.is_hoop() => entry.node.point(),
+        Some(entry) => {
+            let message = format!("`center` belongs to hoop stresses, and not to `{quantity}`");
+            Err(Fault::new(&entry.key_span, message).label("says nothing here"))
+        }
     }
 }
 

@@ -991,3 +991,14 @@ fn an_edge_of_an_outline_may_belong_to_several_sides() {
     let error = read(&outline("[\"a\", 2]")).unwrap_err();
     assert!(error.message.contains("expected a string"), "{error}");
 }
+
+#[test]
+fn only_hoop_stresses_go_around_a_centre() {
+    let old = "quantity = \"sole.pressure\"\nat       = [2.0, 1.0]";
+    let hoop = "quantity = \"punch.stress.hoop\"\nat = [2, 1.5]";
+    assert_eq!(model_with(old, hoop).probes[0].center, [0.0; 2]);
+    let about = format!("{hoop}\ncenter = [2, -1]");
+    assert_eq!(model_with(old, &about).probes[0].center, [2.0, -1.0]);
+    let other = "quantity = \"punch.stress.xx\"\nat = [2, 1.5]\ncenter = [2, -1]";
+    assert_mistake(old, other, "center", &["belongs to hoop stresses"]);
+}

@@ -171,6 +171,7 @@ impl<const D: usize> Model<D> {
             quantity,
             reading,
             minus_rigid: None,
+            center: [0.0; D],
         });
         let last = self.probes.len() - 1;
         Ok(&mut self.probes[last])

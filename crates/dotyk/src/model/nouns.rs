@@ -285,6 +285,8 @@ pub struct Probe<const D: usize> {
     pub reading: Reading<D>,
     /// Minus the least-squares amplitude of the rigid modes that this body's supports leave free.
     pub minus_rigid: Option<BodyId>,
+    /// What hoop stresses of plane analyses go around.
+    pub center: Point<D>,
 }
 
 /// How a quantity that varies becomes one number.

@@ -6,7 +6,7 @@ use crate::geometry::{Point, add_scaled, distance, dot, norm, padded, sub};
 use crate::mesh::Mesh;
 use crate::model::error::{Error, ProbeError};
 use crate::model::locate::{locate, locate_on_side};
-use crate::model::nouns::{BodyId, Model, Probe, Reading, SideRef};
+use crate::model::nouns::{Analysis, BodyId, Model, Probe, Reading, SideRef};
 use crate::model::quantity::{ContactField, Displacement, Parts, Stress};
 use crate::model::recover::centroid;
 use crate::model::solution::{BodySolution, ContactNode, ProbeValue, Solution};
@@ -116,7 +116,12 @@ fn read<const D: usize>(
         }
         Parts::Stress(of, component) => {
             let (mesh, solved) = body(of);
-            let value = |node: usize| stress(component, solved.stress[node]);
+            let value = |node: usize| match component {
+                Stress::Hoop if model.analysis != Analysis::Axisymmetric => {
+                    hoop(solved.stress[node], sub(mesh.points()[node], probe.center))
+                }
+                _ => stress(component, solved.stress[node]),
+            };
             in_body((mesh, &|| volumes(of)), reading, value)
         }
         Parts::Along(of, field) => {
@@ -165,7 +170,15 @@ fn stress(component: Stress, s: [f64; 6]) -> f64 {
         Stress::Second => principal(s)[1],
         Stress::Third => principal(s)[2],
         Stress::Tresca => principal(s)[0] - principal(s)[2],
+        // around the axis of symmetry
+        Stress::Hoop => s[2],
     }
+}
+
+/// Stress of a plane analysis in the direction around a centre, at this place from it; NaN in the centre.
+fn hoop<const D: usize>(s: [f64; 6], from: Point<D>) -> f64 {
+    let [x, y] = [from[0], from[1]];
+    (s[0] * y * y + s[1] * x * x - 2.0 * s[3] * x * y) / (x * x + y * y)
 }
 
 /// The rigid motion that a body's own supports leave free, at its least-squares amplitude, as a function of place.

@@ -52,6 +52,8 @@ pub(crate) enum Stress {
     Second,
     Third,
     Tresca,
+    /// Around a centre; with axial symmetry around the axis.
+    Hoop,
 }
 
 /// What varies along a contact. Shear and slip are along the tangent in the plane, lengths in space.
@@ -82,8 +84,8 @@ pub enum Dimension {
 
 const AXES: [(&str, usize); 3] = [("x", 0), ("y", 1), ("z", 2)];
 
-/// The two last are those of space.
-const STRESSES: [(&str, Stress); 11] = [
+/// The two last are those of space, the one before them that of the plane.
+const STRESSES: [(&str, Stress); 12] = [
     ("xx", Stress::Component(0)),
     ("yy", Stress::Component(1)),
     ("zz", Stress::Component(2)),
@@ -93,6 +95,7 @@ const STRESSES: [(&str, Stress); 11] = [
     ("s2", Stress::Second),
     ("s3", Stress::Third),
     ("tresca", Stress::Tresca),
+    ("hoop", Stress::Hoop),
     ("yz", Stress::Component(4)),
     ("xz", Stress::Component(5)),
 ];
@@ -189,6 +192,11 @@ impl Quantity {
         !matches!(self.parts, Reaction(..) | Resultant(..) | Length(_))
     }
 
+    /// It is taken about a centre.
+    pub fn is_hoop(&self) -> bool {
+        matches!(self.parts, Parts::Stress(_, Stress::Hoop))
+    }
+
     /// It belongs to the nodes of a contact.
     pub fn is_of_contact(&self) -> bool {
         matches!(self.parts, Parts::Along(..))
@@ -221,7 +229,15 @@ fn of_body<const D: usize>(
     let moved: Vec<_> = moved
         .chain([("magnitude", Displacement::Magnitude)])
         .collect();
-    let stresses = &STRESSES[..if D == 3 { 11 } else { 9 }];
+    let stresses: Vec<(&str, Stress)> = match D {
+        3 => STRESSES
+            .iter()
+            .copied()
+            .filter(|s| s.1 != Stress::Hoop)
+            .collect(),
+        _ => STRESSES[..10].to_vec(),
+    };
+    let stresses = &stresses[..];
     match words.0[1..] {
         ["displacement", _] => {
             let component = words.one_of(2, "displacement", &moved)?;

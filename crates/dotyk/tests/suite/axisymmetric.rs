@@ -501,3 +501,79 @@ fn top(points: &[Point<2>]) -> f64 {
 fn bottom(points: &[Point<2>]) -> f64 {
     points.iter().map(|p| p[1]).fold(f64::INFINITY, f64::min)
 }
+
+#[test]
+fn hoop_stresses_of_a_ring_go_around_its_centre() {
+    let (inner, outer, pressure) = (1.0, 2.0, 3.0);
+    // Lamé
+    let exact = |r: f64| {
+        let (a, b) = (inner * inner, outer * outer);
+        pressure * a / (b - a) * (1.0 + b / (r * r))
+    };
+    let mut model = Model::<2>::new();
+    let ring = dotyk::mesh::Ring {
+        center: [5.0, -2.0],
+        inner,
+        outer,
+        angles: None,
+        cells: [64, 16],
+        ratio: 1.0,
+        grade: 1.0,
+        cell: CellKind::Quad8,
+        diagonals: Diagonals::Checkerboard,
+    };
+    let body = model.body("ring", ring.build().unwrap(), STEEL);
+    model.press(body, "inner", pressure);
+    let support = |point: Point<2>, components: [Option<f64>; 2]| dotyk::model::Support {
+        place: dotyk::model::Place::Point(point),
+        components: components.map(|c| c.map(Field::constant)),
+        normal: None,
+    };
+    model.bodies[0].supports = vec![
+        support([6.0, -2.0], [None, Some(0.0)]),
+        support([4.0, -2.0], [None, Some(0.0)]),
+        support([5.0, -1.0], [Some(0.0), None]),
+    ];
+    let places = [
+        [6.0, -2.0],
+        [5.0, -0.5],
+        [5.0 - 1.5 * 0.6, -2.0 - 1.5 * 0.8],
+        [3.0, -2.0],
+    ];
+    for at in places {
+        let probe = model
+            .probe("hoop", "ring.stress.hoop", Reading::At(at))
+            .unwrap();
+        probe.center = [5.0, -2.0];
+    }
+    let solution = model.solve().unwrap();
+    for (probe, [x, y]) in solution.probes.iter().zip(places) {
+        let expected = exact((x - 5.0f64).hypot(y + 2.0));
+        assert!(
+            (probe.value / expected - 1.0).abs() < 5e-3,
+            "{} {expected}",
+            probe.value
+        );
+    }
+    // of a body of revolution it is that around the axis
+    let mut tube = self::model();
+    let body = tube.body(
+        "tube",
+        rectangle([inner, 0.0], [outer, 1.0], [16, 4], CellKind::Quad8),
+        STEEL,
+    );
+    tube.press(body, "left", pressure)
+        .roller(body, "bottom", 0.0)
+        .roller(body, "top", 0.0);
+    for word in ["hoop", "zz"] {
+        tube.probe(
+            "hoop",
+            &format!("tube.stress.{word}"),
+            Reading::At([1.5, 0.5]),
+        )
+        .unwrap();
+    }
+    let solution = tube.solve().unwrap();
+    assert_eq!(solution.probes[0].value, solution.probes[1].value);
+    assert!((solution.probes[0].value / exact(1.5) - 1.0).abs() < 5e-3);
+}
