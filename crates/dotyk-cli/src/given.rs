@@ -35,6 +35,11 @@ impl Given {
 
     /// The case with these values.
     pub fn read(&self, case: &Path) -> Result<Case, Failure> {
+        for (k, (name, _)) in self.set.iter().enumerate() {
+            if self.set[..k].iter().any(|(before, _)| before == name) {
+                return Err(Failure::Message(format!("--set {name} is given twice")));
+            }
+        }
         Ok(Case::read_with(case, &self.set)?)
     }
 }

@@ -52,6 +52,9 @@ fn varied(text: &str) -> Result<Varied, String> {
     let [from, to] = [end(ends[0])?, end(ends[1])?];
     let count = match count.parse::<usize>() {
         Ok(count) if (1..=MOST).contains(&count) => count,
+        Ok(count) if count > MOST => {
+            return Err(format!("{count} values are too many, at most {MOST}"));
+        }
         _ => return Err(format!("`{count}` is not a number of values; {expected}")),
     };
     if name.is_empty() {
@@ -146,6 +149,12 @@ pub fn study(arguments: &Arguments) -> Result<Outcome, Failure> {
                 .to_string(),
         ]);
     }
+    if let Some(name) = taken(&case, &varied) {
+        let message = format!(
+            "a probe and another column of study.csv are both named `{name}`: rename the probe"
+        );
+        return Err(Failure::of(&arguments.case, message));
+    }
     let count = Count::new(Study::count(&varied), arguments.quiet);
     let given = arguments.given.pairs();
     let study = Case::study(&arguments.case, given, varied, &|| count.one_more());
@@ -154,11 +163,42 @@ pub fn study(arguments: &Arguments) -> Result<Outcome, Failure> {
     let files = output::write_study(&study, &case.stem, &folder);
     let files = files.map_err(|e| Failure::Message(e.to_string()))?;
     let seconds = start.elapsed().as_secs_f64();
+    warn(&told(&study));
     print(&(members(&study) + &verdict(&study, seconds) + &written(&files)));
     Ok(match study.converged() {
         true => Outcome::Done,
         false => Outcome::Unsatisfied,
     })
+}
+
+/// Name of a probe that another column of the table has, too.
+fn taken<'a>(case: &'a Case, varied: &[Varied]) -> Option<&'a str> {
+    let mut names = case.model.probes.iter().map(|probe| probe.name.as_str());
+    let own = |name: &&str| {
+        ["converged", "reason"].contains(name) || varied.iter().any(|p| p.name == *name)
+    };
+    names.find(own)
+}
+
+/// Most warnings that are printed.
+const MOST_WARNINGS: usize = 6;
+
+/// The warnings of the members, each with the number of those that have it.
+fn told(study: &Study) -> Vec<String> {
+    let all = study.warnings();
+    let lines = all.iter().take(MOST_WARNINGS);
+    let mut lines: Vec<String> = lines
+        .map(|(warning, members)| {
+            format!("{members} of {} members: {warning}", study.members.len())
+        })
+        .collect();
+    if all.len() > MOST_WARNINGS {
+        lines.push(format!(
+            "and {} more, see study.html",
+            all.len() - MOST_WARNINGS
+        ));
+    }
+    lines
 }
 
 /// Up to this many members are printed; of more the first and the last ones.

@@ -363,6 +363,21 @@ fn parameters_take_values_from_the_command_line() {
     let text = parametric();
     let own = Run::solved("own_value", &text);
     assert_near(own.probe("force, all of it"), 1e6, 1e-10);
+    assert!(own.warnings().is_empty());
+    let idle = text.replacen("n = 4", "n = 4\nidle = 3", 1);
+    let warnings = Run::solved("idle_value", &idle).warnings();
+    assert!(
+        warnings[0].contains("depends on the parameter `idle`"),
+        "{warnings:?}"
+    );
+    let taken = text.replace("force, all of it", "p");
+    let study = Run::new("taken", &taken, "study", &["--vary", "p=1..2:2"]);
+    assert_eq!(study.status, Some(2));
+    assert!(
+        study.stderr.contains("are both named `p`"),
+        "{}",
+        study.stderr
+    );
     assert_eq!(own.summary()["parameters"]["p"], 1e6);
     let set = ["--set", "p=n * 5e5", "--set", "n=2"];
     let other = Run::new("other_value", &text, "run", &set);
@@ -515,9 +530,66 @@ fn a_study_lists_every_member_with_probes_or_reason() {
 }
 
 #[test]
+fn supports_on_lists_hold_each_side_and_parts_tell_their_reactions() {
+    let body = |fix: &str| {
+        format!(
+            "{HEAD}[[body]]\nname = \"b\"\nmesh = {{ rectangle = {{ from = [0, 0], to = [4, 1], cells = [8, 2] }}, \
+             sides = {{ west = {{ of = \"bottom\", min = [0, 0], max = [2, 0] }} }} }}\n\
+             material = {{ young = 1000, poisson = 0.3, thickness = 2 }}\nfix = [{fix}]\n\
+             load = [{{ side = \"top\", pressure = 1 }}]\n"
+        )
+    };
+    let sink = "quantity = \"b.displacement.y\"\nreduce = \"min\"\n";
+    let probes = format!("[[probe]]\nname = \"sink\"\n{sink}")
+        + &probe("bottom", "b.bottom.reaction.y", "")
+        + &probe("west", "b.west.reaction.y", "");
+    let list = body("{ side = [\"bottom\", \"left\", \"right\"], normal = 0 }") + &probes;
+    let run = Run::solved("rollers", &list);
+    // confined compression: (1 + ν)(1 − 2ν)/(1 − ν) p/E
+    assert_near(run.probe("sink"), -0.742857142857e-3, 1e-10);
+    assert_near(run.probe("bottom"), 8.0, 1e-10);
+    // the middle node counts whole for both halves
+    assert_near(run.probe("west"), 4.5, 1e-10);
+}
+
+#[test]
+fn a_study_tells_the_warnings_of_its_members() {
+    let text = parametric().replacen("p = 1e6", "p = 2e10", 1);
+    let study = Run::new("warned", &text, "study", &["--vary", "p=1e6..2e10:3"]);
+    assert_eq!(study.status, Some(0), "{}", study.stderr);
+    // half and all of 2e10 are beyond 5 % of strain, 1e6 is not
+    assert!(
+        study
+            .stderr
+            .contains("1 of 3 members: body \"up\" is strained"),
+        "{}",
+        study.stderr
+    );
+    let page = std::fs::read_to_string(study.folder.join("case-out/study.html")).unwrap();
+    assert!(page.contains("is strained by"));
+}
+
+#[test]
+fn a_force_on_the_axis_is_refused() {
+    let text = "analysis = \"axisymmetric\"\n[[body]]\nname = \"b\"\n\
+                mesh = { rectangle = { from = [0, 0], to = [4, 1], cells = [8, 2] } }\n\
+                material = { young = 1000, poisson = 0.3 }\nfix = [{ side = \"bottom\", y = 0 }]\n\
+                load = [{ side = \"left\", force = [0, 1] }]\n";
+    for command in ["run", "check"] {
+        let run = Run::new("axis_force", text, command, &[]);
+        assert_eq!(run.status, Some(2), "{}", run.stderr);
+        assert!(
+            run.stderr.contains("\"left\" has no area"),
+            "{}",
+            run.stderr
+        );
+    }
+}
+
+#[test]
 fn a_study_of_what_is_not_there_is_refused() {
     let text = parametric();
-    let mistakes: [(&[&str], &str); 9] = [
+    let mistakes: [(&[&str], &str); 11] = [
         (&[], "--vary"),
         (&["--vary", "q=1..2:3"], "there is no parameter `q`"),
         (&["--vary", "p=1..2"], "expected NAME=A..B:COUNT"),
@@ -532,6 +604,11 @@ fn a_study_of_what_is_not_there_is_refused() {
             &["--vary", "p=-1..2:2", "--log", "p"],
             "both ends must be positive",
         ),
+        (
+            &["--vary", "n=1..2:2", "--set", "p=1", "--set", "p=2"],
+            "--set p is given twice",
+        ),
+        (&["--vary", "n=1..2:2000000"], "too many, at most"),
         (
             &["--vary", "p=1..2:2000", "--vary", "n=1..2:2000"],
             "more than 1000000 combinations",

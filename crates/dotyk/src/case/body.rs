@@ -40,8 +40,8 @@ pub(crate) fn body(node: &Node, files: &mut MeshFiles) -> Result<Body<2>, Fault>
     let mut mesh = mesh(table.require("mesh", &what)?, &body_name, files)?;
     let (materials, thickness) = materials(table.require("material", &what)?, &body_name, &mesh)?;
     let supports = table.list("fix")?.iter();
-    let supports = supports.map(|node| support(node, &body_name, &mut mesh));
-    let supports = supports.collect::<Result<_, _>>()?;
+    let supports = supports.map(|node| support(node, &body_name, &mesh));
+    let supports: Vec<_> = supports.collect::<Result<_, _>>()?;
     let loads = table.list("load")?.iter();
     let loads = loads.map(|node| load(node, &body_name, &mut mesh));
     let loads = loads.collect::<Result<_, _>>()?;
@@ -58,7 +58,7 @@ pub(crate) fn body(node: &Node, files: &mut MeshFiles) -> Result<Body<2>, Fault>
         materials,
         thickness,
         body_force,
-        supports,
+        supports: supports.concat(),
         loads,
         surfaces,
     })
@@ -321,21 +321,27 @@ fn known_group(group: &str, span: &Span, body: &str, groups: &[&str]) -> Result<
 
 /// The name of a side that the mesh has; a list of sides becomes one.
 fn side(node: &Node, body: &str, mesh: &mut Mesh<2>) -> Result<String, Fault> {
+    let sides = sides(node, body, mesh)?;
+    joined(&sides, &node.span, body, mesh)
+}
+
+/// The sides of one name or of a list, all of them known, at least one and none twice.
+fn sides(node: &Node, body: &str, mesh: &Mesh<2>) -> Result<Vec<(String, Span)>, Fault> {
     let one = |node: &Node| Ok((node.text()?.to_string(), node.span.clone()));
     let sides = match &node.value {
         Value::List(list) => list.iter().map(one).collect::<Result<_, Fault>>()?,
         _ => vec![one(node)?],
     };
-    joined(&sides, &node.span, body, mesh)
+    check_sides(&sides, &node.span, body, mesh)?;
+    Ok(sides)
 }
 
-/// One side of those of a body that are named at these places, at least one and none twice.
-pub(crate) fn joined(
+fn check_sides(
     sides: &[(String, Span)],
     span: &Span,
     body: &str,
-    mesh: &mut Mesh<2>,
-) -> Result<String, Fault> {
+    mesh: &Mesh<2>,
+) -> Result<(), Fault> {
     if sides.is_empty() {
         return Err(Fault::new(span, "the list of sides is empty").label("no side"));
     }
@@ -346,6 +352,17 @@ pub(crate) fn joined(
             return Err(Fault::new(span, message).label("second time"));
         }
     }
+    Ok(())
+}
+
+/// One side of those of a body that are named at these places, at least one and none twice.
+pub(crate) fn joined(
+    sides: &[(String, Span)],
+    span: &Span,
+    body: &str,
+    mesh: &mut Mesh<2>,
+) -> Result<String, Fault> {
+    check_sides(sides, span, body, mesh)?;
     let names: Vec<&str> = sides.iter().map(|(side, _)| side.as_str()).collect();
     let joined = mesh.join_sides(&names);
     joined.map_err(|error| Fault::new(span, error.to_string()))
@@ -373,12 +390,16 @@ fn no_z(table: Table<'_>) -> Result<(), Fault> {
     })
 }
 
-fn support(node: &Node, body: &str, mesh: &mut Mesh<2>) -> Result<Support<2>, Fault> {
+/// A support; on a list of sides one for each, so that a corner has the normal of either.
+fn support(node: &Node, body: &str, mesh: &Mesh<2>) -> Result<Vec<Support<2>>, Fault> {
     let table = node.table(keys::FIX)?;
     no_z(table)?;
-    let place = match (table.get("side"), table.get("point")) {
-        (Some(node), None) => Place::Side(side(node, body, mesh)?),
-        (None, Some(node)) => Place::Point(node.point()?),
+    let places = match (table.get("side"), table.get("point")) {
+        (Some(node), None) => {
+            let sides = sides(node, body, mesh)?.into_iter();
+            sides.map(|(side, _)| Place::Side(side)).collect()
+        }
+        (None, Some(node)) => vec![Place::Point(node.point()?)],
         (Some(_), Some(node)) => {
             let message = format!("a support of body `{body}` has both `side` and `point`");
             return Err(Fault::new(&node.span, message).label("give one of the two"));
@@ -397,17 +418,18 @@ fn support(node: &Node, body: &str, mesh: &mut Mesh<2>) -> Result<Support<2>, Fa
             .label("no component")
             .help("add `x`, `y` or `normal`, such as `x = 0.0`"));
     }
-    if let (Place::Point(_), Some(node)) = (&place, table.get("normal")) {
+    if let ([Place::Point(_)], Some(node)) = (&places[..], table.get("normal")) {
         let message = "a point has no normal";
         return Err(Fault::new(&node.span, message)
             .label("only with `side`")
             .help("use `x` and `y`"));
     }
-    Ok(Support {
+    let each = places.into_iter().map(|place| Support {
         place,
-        components,
-        normal,
-    })
+        components: components.clone(),
+        normal: normal.clone(),
+    });
+    Ok(each.collect())
 }
 
 fn load(node: &Node, body: &str, mesh: &mut Mesh<2>) -> Result<Load<2>, Fault> {

@@ -359,7 +359,13 @@ impl Parser<'_> {
             return Ok(Tree::Binary(*f, Box::new(ab)));
         }
         let parameters = self.parameters.iter().map(|(name, _)| name.as_str());
-        let near = nearest(name, parameters.chain(reserved())).unwrap_or_default();
+        let meaningful = |known: &&str| match self.variables {
+            Variables::All => true,
+            Variables::Time => !["x", "y", "z"].contains(known),
+            Variables::None => !VARIABLES.contains(known),
+        };
+        let known = parameters.chain(reserved().filter(meaningful));
+        let near = nearest(name, known).unwrap_or_default();
         let message = format!("unknown name `{name}`, the nearest known is `{near}`");
         Err(self.error_at(start, message))
     }

@@ -94,14 +94,19 @@ impl Case {
         let read = document::parse_with(text, given).and_then(|(document, parameters)| {
             let mut model = model(&document, &stem, &mut files)?;
             model.parameters.clone_from(&parameters.values);
-            Ok((model, places(&document)))
+            let unused = parameters.unused(&document);
+            Ok((model, places(&document), unused))
         });
-        let (model, places) = read.map_err(|fault| fault.in_source(name, text))?;
+        let (model, places, unused) = read.map_err(|fault| fault.in_source(name, text))?;
+        let mut warnings = files.warnings();
+        warnings.extend(unused.iter().map(|name| {
+            format!("no number of this case depends on the parameter `{name}`: in a string its name stands for it, as in young = \"{name}\"")
+        }));
         Ok(Self {
             stem,
             path,
             model,
-            warnings: files.warnings(),
+            warnings,
             seconds: start.elapsed().as_secs_f64(),
             text: text.into(),
             name: name.into(),

@@ -3,10 +3,11 @@
 //! A parameter is a number, or an expression of those before it. A run may give some of them another value; the file's own
 //! one must still be right.
 
-use crate::case::document::{Entry, Node, Span};
+use crate::case::document::{Entry, Node, Span, Value};
 use crate::case::error::Fault;
 use crate::case::expression::{self, Variables};
 use crate::case::suggest::{listed, nearest};
+use std::collections::BTreeSet;
 
 /// The table of a case file.
 pub(crate) const KEY: &str = "parameters";
@@ -18,6 +19,36 @@ const WORDS: [&str; 3] = ["closed", "geometric", "auto"];
 #[derive(Debug, Default)]
 pub(crate) struct Parameters {
     pub values: Vec<(String, f64)>,
+    /// Words in their own expressions.
+    words: BTreeSet<String>,
+}
+
+impl Parameters {
+    /// Names that no text of the document and no other parameter mentions.
+    pub fn unused(&self, document: &Node) -> Vec<String> {
+        let mut words = self.words.clone();
+        words_of(document, &mut words);
+        let names = self.values.iter().map(|(name, _)| name);
+        names
+            .filter(|name| !words.contains(*name))
+            .cloned()
+            .collect()
+    }
+}
+
+/// All words in the texts of a document.
+fn words_of(node: &Node, words: &mut BTreeSet<String>) {
+    match &node.value {
+        Value::Text(text) => {
+            let parts = text.split(|c: char| !(c.is_ascii_alphanumeric() || c == '_'));
+            words.extend(parts.map(str::to_string));
+        }
+        Value::List(list) => list.iter().for_each(|node| words_of(node, words)),
+        Value::Table(entries) => entries
+            .iter()
+            .for_each(|entry| words_of(&entry.node, words)),
+        _ => {}
+    }
 }
 
 /// The parameters of a table, of which those in `given` (name, number or expression) have another value.
@@ -34,7 +65,9 @@ pub(crate) fn read(table: &Node, given: &[(String, String)]) -> Result<Parameter
         };
         values.push((entry.key.clone(), value));
     }
-    Ok(Parameters { values })
+    let mut words = BTreeSet::new();
+    words_of(table, &mut words);
+    Ok(Parameters { values, words })
 }
 
 fn given_value(

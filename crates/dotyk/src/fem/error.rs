@@ -19,6 +19,14 @@ pub enum FemError {
         /// Its name.
         side: String,
     },
+    /// A force on a side without area.
+    #[error(
+        "side \"{side}\" has no area, it lies on the axis of symmetry: a force cannot be spread over it"
+    )]
+    NoArea {
+        /// The side.
+        side: String,
+    },
     /// A load, support, gap or friction value is NaN or infinite.
     #[error("{what} = {text} is not finite at {point}")]
     NotFinite {

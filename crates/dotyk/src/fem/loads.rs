@@ -189,7 +189,13 @@ fn add_load<const D: usize>(
     let places = || side_points(body, &side, analysis);
     let share = match load.amount() {
         Amount::PerArea => 1.0,
-        Amount::Whole => 1.0 / places()?.map(|place| place.area).sum::<f64>(),
+        Amount::Whole => {
+            let area: f64 = places()?.map(|place| place.area).sum();
+            if area <= 0.0 {
+                return Err(FemError::NoArea { side });
+            }
+            1.0 / area
+        }
     };
     for place in places()? {
         let force = load.finite_at(place.point, place.normal, time)?;

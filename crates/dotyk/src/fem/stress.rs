@@ -197,6 +197,14 @@ pub fn von_mises(s: [f64; 6]) -> f64 {
 
 /// Principal stresses of (xx yy zz xy yz xz), largest first, by the trigonometric solution of the characteristic equation.
 pub fn principal(s: [f64; 6]) -> [f64; 3] {
+    if s[4] == 0.0 && s[5] == 0.0 {
+        // one axis is known, which the cubic would know to half the digits only
+        let (middle, half) = (0.5 * (s[0] + s[1]), 0.5 * (s[0] - s[1]));
+        let radius = half.hypot(s[3]);
+        let mut values = [middle + radius, middle - radius, s[2]];
+        values.sort_by(|a, b| b.total_cmp(a));
+        return values;
+    }
     let mean = (s[0] + s[1] + s[2]) / 3.0;
     let d = [s[0] - mean, s[1] - mean, s[2] - mean];
     let shear = s[3] * s[3] + s[4] * s[4] + s[5] * s[5];

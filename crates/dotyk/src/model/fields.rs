@@ -10,13 +10,13 @@ use crate::model::bodies::LoadedBody;
 use crate::model::condense::Condensed;
 use crate::model::error::Error;
 use crate::model::judge::{Displaced, moved};
-use crate::model::nouns::{Analysis, Body, Model, Place, SideRef};
+use crate::model::nouns::{Analysis, Body, Model, Place, SideRef, Support};
 use crate::model::pair::{Paired, row_ranges};
 use crate::model::recover::{BodyState, centroid};
 use crate::model::solution::*;
 use crate::solve::{Shear, State};
 use rayon::prelude::*;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 /// Solutions of all bodies and contacts from their displacements, and forces `lambda` (m,).
 ///
@@ -81,6 +81,7 @@ fn body_solution<const D: usize>(
         strain,
         contact_forces: state.contact_forces,
         side_reactions: side_reactions(body, factored, &state.reactions),
+        part_reactions: part_reactions(body, factored, &state.reactions),
         reaction: state
             .reactions
             .iter()
@@ -112,6 +113,50 @@ fn side_reactions<const D: usize>(
                     let sum = sums.entry(side.clone()).or_insert([0.0; D]);
                     *sum = add_scaled(*sum, part, h.axis);
                 }
+            }
+        }
+    }
+    sums
+}
+
+/// Reactions of supports on larger sides at the nodes of the sides that are parts of them.
+fn part_reactions<const D: usize>(
+    body: &Body<D>,
+    loaded: &LoadedBody<D>,
+    reactions: &[Point<D>],
+) -> BTreeMap<String, Point<D>> {
+    let mesh = &body.mesh;
+    let held = |support: &Support<D>| match &support.place {
+        Place::Side(side) => Some(side.clone()),
+        Place::Point(_) => None,
+    };
+    let held: Vec<Option<String>> = body.supports.iter().map(held).collect();
+    let mut sums = BTreeMap::new();
+    for (part, facets) in mesh.sides() {
+        let within = |side: &Option<String>| {
+            let whole = side.as_ref().filter(|side| *side != part);
+            let whole = whole.and_then(|side| mesh.side(side)).unwrap_or_default();
+            !facets.is_empty()
+                && facets
+                    .iter()
+                    .all(|facet| whole.binary_search(facet).is_ok())
+        };
+        let larger: Vec<bool> = held.iter().map(within).collect();
+        if !larger.contains(&true) {
+            continue;
+        }
+        let nodes = facets.iter().flat_map(|&facet| mesh.facet_nodes(facet));
+        let nodes: BTreeSet<usize> = nodes.map(|node| node as usize).collect();
+        let sum = sums.entry(part.clone()).or_insert([0.0; D]);
+        for node in nodes {
+            for h in loaded.system.constraints.at(node) {
+                let part = dot(reactions[node], h.axis) / h.supports.len() as f64;
+                let own = h
+                    .supports
+                    .iter()
+                    .filter(|&&support| larger[support])
+                    .count();
+                *sum = add_scaled(*sum, part * own as f64, h.axis);
             }
         }
     }

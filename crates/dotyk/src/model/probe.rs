@@ -10,6 +10,7 @@ use crate::model::nouns::{Analysis, BodyId, Model, Probe, Reading, SideRef};
 use crate::model::quantity::{ContactField, Displacement, Parts, Stress};
 use crate::model::recover::centroid;
 use crate::model::solution::{BodySolution, ContactNode, ProbeValue, Solution};
+use std::collections::BTreeMap;
 
 /// A smaller shape function is rounding: that node has no part in the value.
 const NO_WEIGHT: f64 = 1e-12;
@@ -87,8 +88,10 @@ fn read<const D: usize>(
     match probe.quantity.parts {
         Parts::Reaction(of, None, axis) => Ok(body(of).1.reaction[axis].into()),
         Parts::Reaction(of, Some(ref side), axis) => {
-            let force = body(of).1.side_reactions.get(side);
-            Ok(force.map_or(0.0, |force| force[axis]).into())
+            let solved = body(of).1;
+            let of =
+                |forces: &BTreeMap<String, Point<D>>| forces.get(side).map_or(0.0, |f| f[axis]);
+            Ok((of(&solved.side_reactions) + of(&solved.part_reactions)).into())
         }
         Parts::Resultant(of, axis) => Ok(solution.contacts[of].resultant[axis].into()),
         Parts::Length(of) => Ok(solution.contacts[of].length.into()),

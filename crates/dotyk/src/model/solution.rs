@@ -150,6 +150,8 @@ pub struct BodySolution<const D: usize> {
     pub contact_forces: Vec<Point<D>>,
     /// Reactions by the side that is held.
     pub side_reactions: BTreeMap<String, Point<D>>,
+    /// What the supports of larger sides do at the nodes of sides that are parts of them.
+    pub part_reactions: BTreeMap<String, Point<D>>,
     /// Rigid motions that its supports leave free.
     pub floating_modes: Vec<RigidMode<D>>,
     /// Best rigid motion.

@@ -41,6 +41,8 @@ pub struct Member {
     pub converged: bool,
     /// Why not; empty if it has.
     pub reason: String,
+    /// Warnings of all its load steps, each once.
+    pub warnings: Vec<String>,
 }
 
 /// A model solved for all combinations of some values.
@@ -98,6 +100,18 @@ impl Study {
     /// Which value of every parameter a member has, by its index.
     pub fn places(&self, member: usize) -> Vec<usize> {
         places(&self.varied, member)
+    }
+
+    /// Warnings of the members, each once with the number of members that have it, in the order of their first one.
+    pub fn warnings(&self) -> Vec<(String, usize)> {
+        let mut list: Vec<(String, usize)> = Vec::new();
+        for warning in self.members.iter().flat_map(|member| &member.warnings) {
+            match list.iter_mut().find(|(known, _)| known == warning) {
+                Some((_, count)) => *count += 1,
+                None => list.push((warning.clone(), 1)),
+            }
+        }
+        list
     }
 
     /// Every member has its answer.
@@ -176,6 +190,12 @@ fn member(
         let steps = model.solve_steps_reusing(reuse, &mut |_| {});
         steps.map_err(|error| error.to_string())
     });
+    let mut warnings: Vec<String> = Vec::new();
+    for warning in solved.iter().flatten().flat_map(|step| &step.warnings) {
+        if !warnings.contains(warning) {
+            warnings.push(warning.clone());
+        }
+    }
     let (read, reason) = match solved {
         Ok(steps) => (steps.last().map(|last| last.probes.clone()), String::new()),
         Err(reason) => (None, reason),
@@ -186,5 +206,6 @@ fn member(
         converged: reason.is_empty(),
         probes: read.unwrap_or_else(|| vec![f64::NAN; probes]),
         reason,
+        warnings,
     }
 }

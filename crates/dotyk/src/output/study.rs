@@ -12,6 +12,9 @@ use std::fmt::Write;
 /// Most curves in one plot: more could not be told apart.
 const MOST_CURVES: usize = 6;
 
+/// Most warnings on the page.
+const MOST_WARNINGS: usize = 20;
+
 /// Content of `study.csv`: values of the varied parameters, probes (of the last load step), whether every step converged, and
 /// if not why not.
 pub fn study_csv(study: &Study) -> String {
@@ -44,6 +47,7 @@ pub fn study_page(study: &Study, stem: &str) -> String {
     if let Some((svg, caption)) = plots(study, &labels) {
         body += &figure(&svg, "Probes", &caption);
     }
+    body += &warnings(study);
     body += &members_table(study, &labels);
     let title = match study.model.title.as_str() {
         "" => stem,
@@ -169,6 +173,24 @@ fn curves(study: &Study, along: usize) -> Vec<Curve<'_>> {
         curve.members.push(member);
     }
     curves.into_values().collect()
+}
+
+/// The first warnings of the members.
+fn warnings(study: &Study) -> String {
+    let all = study.warnings();
+    if all.is_empty() {
+        return String::new();
+    }
+    let item = |(warning, members): &(String, usize)| {
+        let members = count(*members);
+        format!("<li>{} ({members} members)</li>\n", html::escape(warning))
+    };
+    let items: String = all.iter().take(MOST_WARNINGS).map(item).collect();
+    let more = match all.len().saturating_sub(MOST_WARNINGS) {
+        0 => String::new(),
+        more => format!("<p>and {} more</p>\n", count(more)),
+    };
+    format!("<h2>Warnings</h2>\n<ul>\n{items}</ul>\n{more}")
 }
 
 fn members_table(study: &Study, labels: &Labels) -> String {
