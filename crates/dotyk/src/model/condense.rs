@@ -13,7 +13,6 @@ use crate::dual::{DualProblem, Scales};
 use crate::fem::Constraints;
 use crate::model::admissible::{admissible_set, neighbours};
 use crate::model::bodies::{LoadedBody, body_rows, driven, largest_load, least_softness, systems};
-use crate::model::check::remarks;
 use crate::model::compliance::{compliance, is_assembled};
 use crate::model::dependent::drop_implied;
 use crate::model::error::Error;
@@ -38,8 +37,8 @@ pub(crate) struct Condensed<const D: usize> {
     pub gaps: Vec<f64>,
     pub floating: Floating,
     pub problem: DualProblem,
-    /// What the user should know of the pairs.
-    pub warnings: Vec<String>,
+    /// What the user should know of conditions that were dropped.
+    pub dropped: Vec<String>,
     /// Spent so far, earlier steps included.
     pub seconds: Seconds,
     pub time: f64,
@@ -62,9 +61,7 @@ pub(crate) fn condense<const D: usize>(
     let systems = systems(model, time)?;
     let constraints: Vec<&Constraints<D>> = systems.iter().map(|s| &s.constraints).collect();
     let mut paired = pair_all(model, &constraints, time)?;
-    let mut warnings = drop_implied(model, &systems, &mut paired);
-    warnings.extend(paired.iter().flat_map(|pair| pair.warnings.clone()));
-    warnings.extend(remarks(model, &paired));
+    let dropped = drop_implied(model, &systems, &mut paired);
     let rows = body_rows(&systems, &paired);
     let gaps = initial_gaps(&paired);
     seconds.assemble = lap.seconds();
@@ -107,7 +104,7 @@ pub(crate) fn condense<const D: usize>(
         gaps,
         floating,
         problem,
-        warnings,
+        dropped,
         seconds,
         time,
         before: None,
@@ -151,7 +148,7 @@ pub(crate) fn advance<const D: usize>(
         gaps,
         floating,
         problem,
-        warnings: before.warnings,
+        dropped: before.dropped,
         seconds,
         time,
         before: Some((before.time, load_before)),

@@ -3,6 +3,7 @@
 use crate::fem::{Short, show};
 use crate::model::assumptions::beyond;
 use crate::model::attempt::Attempt;
+use crate::model::check::remarks;
 use crate::model::condense::Condensed;
 use crate::model::dependent::shared_forces;
 use crate::model::error::Error;
@@ -31,7 +32,14 @@ pub(crate) fn finish<const D: usize>(
         failure,
     } = attempt;
     let lambda = &outcome.multipliers.lambda;
-    let mut warnings = condensed.warnings.clone();
+    let mut warnings = condensed.dropped.clone();
+    warnings.extend(
+        condensed
+            .paired
+            .iter()
+            .flat_map(|pair| pair.warnings.clone()),
+    );
+    warnings.extend(remarks(model, &condensed.paired));
     warnings.extend(condensed.floating.warnings.iter().cloned());
     let bolts = bolt_reports(model, &outcome, &condensed.paired, &mut warnings);
     warnings.extend(outcome.remarks.iter().cloned());

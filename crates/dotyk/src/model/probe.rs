@@ -281,12 +281,10 @@ fn in_body<const D: usize>(
     reading: Reading<D>,
     value: impl Fn(usize) -> f64,
 ) -> Result<Read<D>, ProbeError<D>> {
-    let volumes = match reading {
-        Reading::Mean | Reading::Integral => volumes(),
-        _ => vec![0.0; mesh.points().len()],
-    };
-    let nodes = mesh.points().iter().zip(volumes).enumerate();
-    let samples = nodes.map(|(node, (&point, volume))| (point, volume, value(node)));
+    let volumes = matches!(reading, Reading::Mean | Reading::Integral).then(volumes);
+    let volume = |node: usize| volumes.as_ref().map_or(0.0, |volumes| volumes[node]);
+    let nodes = mesh.points().iter().enumerate();
+    let samples = nodes.map(|(node, &point)| (point, volume(node), value(node)));
     if let Some(reduced) = reduced(reading, samples) {
         return Ok(reduced);
     }

@@ -280,18 +280,7 @@ mod tests {
 
     #[test]
     fn bounds_that_follow_each_other_find_what_no_single_step_does() {
-        let frozen = Frozen {
-            a: &[
-                [-0.2, 0.7, -1.0, -0.7],
-                [-0.4, 0.4, -0.6, 0.9],
-                [-0.4, 0.1, -0.7, 0.4],
-            ],
-            shift: [-0.3, 0.9, -0.3, 1.0],
-            modes: &[[-0.2, 0.9, -0.7, 0.3], [-0.2, 0.7, 0.5, -0.8]],
-            load: &[0.4, -0.4],
-            coefficient: 2.0,
-        };
-        needs_more_than(3, &frozen);
+        needs_more_than(3, &LAST);
     }
 
     /// The problem that only bounds which follow each other solve.

@@ -278,7 +278,16 @@ fn comparing_and_condensing_take_the_last_step() {
 /// What a change does to a model, and whether its stiffness stays.
 type Change = (&'static str, fn(&mut Model<2>), bool);
 
-const CHANGES: [Change; 10] = [
+const CHANGES: [Change; 11] = [
+    (
+        "a force beside a node",
+        |m| {
+            let force = [0.0, -5.0].map(Field::constant);
+            let point = [1.51, 2.0];
+            m.load(BodyId(1), Load::Force { point, force });
+        },
+        true,
+    ),
     (
         "load",
         |m| m.bodies[1].body_force[1] = field("-35 * t"),
@@ -343,6 +352,7 @@ fn what_a_model_of_the_same_stiffness_left_is_taken_up_and_nothing_else() {
         for (reused, alone) in reused.iter().zip(&alone) {
             // the same problem, but for rounding of its right-hand side
             assert_same(reused, alone, 1e-11);
+            assert_eq!(reused.warnings, alone.warnings, "{name}");
         }
     }
 }
