@@ -75,9 +75,9 @@ fn join(part: &mut [usize], a: usize, b: usize) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::contact::gaps::tests::{body, end, plate, wall};
+    use crate::contact::gaps::tests::{body, end, plate, ring, wall};
     use crate::fem::{Body, Constraints};
-    use crate::mesh::{CellKind, Cuboid, Mesh, Ring};
+    use crate::mesh::{CellKind, Cuboid, Mesh};
 
     fn parts<const D: usize>(mesh: Mesh<D>, side: &str) -> (Body<D>, Vec<Vec<Facet>>) {
         let (body, free) = (body(mesh), Constraints::default());
@@ -131,18 +131,7 @@ mod tests {
 
     #[test]
     fn a_smooth_side_stays_whole() {
-        let ring = Ring {
-            center: [0.0, 0.0],
-            inner: 1.0,
-            outer: 2.0,
-            angles: None,
-            cells: [12, 1],
-            ratio: 1.0,
-            grade: 1.0,
-            cell: CellKind::Quad4,
-            diagonals: Default::default(),
-        };
-        let (body, found) = parts(ring.build().unwrap(), "outer");
+        let (body, found) = parts(ring([0.0, 0.0], [1.0, 2.0], 12).mesh, "outer");
         assert_eq!(found, [body.mesh.side("outer").unwrap()]);
         // so do two faces that do not touch
         let mesh = plate([0.0, 0.0], [3.0, 1.0], [4, 2]).mesh;

@@ -169,10 +169,10 @@ impl Piece {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::contact::gaps::tests::{end, flat, node_at, wall};
+    use crate::contact::gaps::tests::{end, flat, node_at, ring, wall};
     use crate::fem::{Body, Constraints};
     use crate::geometry::distance;
-    use crate::mesh::{CellKind, Ring};
+    use crate::mesh::CellKind;
 
     fn off(body: &Body<2>) -> f64 {
         sagitta(end(body, "bottom", &Constraints::default())).unwrap()
@@ -330,18 +330,7 @@ mod tests {
 
     #[test]
     fn a_side_whose_curve_is_known_is_not_off_it() {
-        let ring = Ring {
-            center: [0.0, 0.0],
-            inner: 1.0,
-            outer: 2.0,
-            angles: None,
-            cells: [12, 1],
-            ratio: 1.0,
-            grade: 1.0,
-            cell: CellKind::Quad4,
-            diagonals: Default::default(),
-        };
-        let mut body = crate::contact::gaps::tests::body(ring.build().unwrap());
+        let mut body = ring([0.0, 0.0], [1.0, 2.0], 12);
         let free = Constraints::default();
         let angle = std::f64::consts::PI / 12.0;
         let rough = sagitta(end(&body, "outer", &free)).unwrap();

@@ -132,7 +132,7 @@ pub(super) mod tests {
     };
     use crate::fem::{Analysis, Body, Constraints, Elastic, Held, Material};
     use crate::geometry::{Surface, distance};
-    use crate::mesh::{CellKind, Cuboid, Diagonals, Mesh, Rectangle};
+    use crate::mesh::{CellKind, Cuboid, Diagonals, Mesh, Rectangle, Ring};
     use std::collections::BTreeMap;
 
     pub fn body<const D: usize>(mesh: Mesh<D>) -> Body<D> {
@@ -153,6 +153,22 @@ pub(super) mod tests {
             loads: Vec::new(),
             surfaces: BTreeMap::new(),
         }
+    }
+
+    /// A ring of one layer of cells.
+    pub fn ring(center: Point<2>, [inner, outer]: [f64; 2], around: usize) -> Body<2> {
+        let ring = Ring {
+            center,
+            inner,
+            outer,
+            angles: None,
+            cells: [around, 1],
+            ratio: 1.0,
+            grade: 1.0,
+            cell: CellKind::Quad4,
+            diagonals: Default::default(),
+        };
+        body(ring.build().unwrap())
     }
 
     pub fn plate(from: Point<2>, to: Point<2>, cells: [usize; 2]) -> Body<2> {

@@ -718,11 +718,11 @@ fn rotation(mesh: &Mesh<2>, hit: Hit) -> Vec<(usize, Point<2>)> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::contact::gaps::tests::{body, end, flat, held, node_at, wall};
+    use crate::contact::gaps::tests::{end, flat, held, node_at, ring, wall};
     use crate::contact::{Rigid, pair_nodes};
     use crate::fem::{Body, Constraints};
     use crate::geometry::{Field, Surface};
-    use crate::mesh::{CellKind, Ring};
+    use crate::mesh::CellKind;
 
     /// One side over another, nothing held.
     fn paired(own: &Body<2>, other: &Body<2>, coupling: Coupling) -> Interface<2> {
@@ -1195,24 +1195,12 @@ mod tests {
         }
     }
 
-    fn ring(inner: f64, outer: f64, around: usize) -> Body<2> {
-        let ring = Ring {
-            center: [0.0, 0.0],
-            inner,
-            outer,
-            angles: None,
-            cells: [around, 1],
-            ratio: 1.0,
-            grade: 1.0,
-            cell: CellKind::Quad4,
-            diagonals: Default::default(),
-        };
-        body(ring.build().unwrap())
-    }
-
     #[test]
     fn a_ring_closes_on_itself_and_neither_its_parts_nor_two_circles_do() {
-        let (mut inner, outer) = (ring(1.0, 2.0, 12), ring(2.1, 3.0, 17));
+        let (mut inner, outer) = (
+            ring([0.0, 0.0], [1.0, 2.0], 12),
+            ring([0.0, 0.0], [2.1, 3.0], 17),
+        );
         inner.mesh = inner.mesh.with_side("both", |_| true);
         let free = Constraints::default();
         let pair = |nonmortar: End<'_, 2>| {

@@ -278,10 +278,10 @@ fn build<const D: usize>(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::contact::gaps::tests::{body, cube, end, flat, held, node_at, wall};
+    use crate::contact::gaps::tests::{body, cube, end, flat, held, node_at, ring, wall};
     use crate::fem::{Body, Constraints};
     use crate::geometry::{Field, Surface};
-    use crate::mesh::{CellKind, Cuboid, Ring};
+    use crate::mesh::{CellKind, Cuboid};
 
     #[test]
     fn partners_are_the_nearest_nodes_if_they_coincide() {
@@ -534,18 +534,7 @@ mod tests {
 
     #[test]
     fn a_full_ring_closes_on_itself_and_a_part_of_it_does_not() {
-        let ring = Ring {
-            center: [0.0, 0.0],
-            inner: 1.0,
-            outer: 2.0,
-            angles: None,
-            cells: [8, 1],
-            ratio: 1.0,
-            grade: 1.0,
-            cell: CellKind::Quad4,
-            diagonals: Default::default(),
-        };
-        let (ring, free) = (body(ring.build().unwrap()), Constraints::default());
+        let (ring, free) = (ring([0.0, 0.0], [1.0, 2.0], 8), Constraints::default());
         let rigid = Rigid::Gap(Field::constant(0.0));
         let pair = |nonmortar| {
             let (coupling, analysis) = (Coupling::Normal, Analysis::PlaneStrain);

@@ -137,10 +137,10 @@ fn turned_back<const D: usize>(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::contact::gaps::tests::{body, end, flat, held, node_at, noise, wall};
+    use crate::contact::gaps::tests::{end, flat, held, node_at, noise, ring, wall};
     use crate::fem::Constraints;
     use crate::geometry::{Surface, distance, norm};
-    use crate::mesh::{CellKind, Ring};
+    use crate::mesh::CellKind;
 
     fn degrees(angle: f64) -> Point<2> {
         [angle.to_radians().cos(), angle.to_radians().sin()]
@@ -208,18 +208,7 @@ mod tests {
 
     #[test]
     fn the_normal_of_a_true_surface_points_out_of_the_body() {
-        let ring = Ring {
-            center: [1.0, 2.0],
-            inner: 1.0,
-            outer: 2.0,
-            angles: None,
-            cells: [12, 1],
-            ratio: 1.0,
-            grade: 1.0,
-            cell: CellKind::Quad4,
-            diagonals: Default::default(),
-        };
-        let mut ring = body(ring.build().unwrap());
+        let mut ring = ring([1.0, 2.0], [1.0, 2.0], 12);
         for (side, radius) in [("inner", 1.0), ("outer", 2.0)] {
             let center = [1.0, 2.0];
             let surface = Surface::Sphere { center, radius };

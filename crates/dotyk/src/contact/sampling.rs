@@ -117,11 +117,11 @@ fn dent<const D: usize>(end: End<'_, D>, facet: Facet) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::contact::gaps::tests::{body, end, flat, plate};
+    use crate::contact::gaps::tests::{body, end, flat, plate, ring};
     use crate::contact::{Driven, Rigid};
     use crate::fem::{Body, Constraints};
     use crate::geometry::{Field, Surface, add_scaled, distance};
-    use crate::mesh::{Cuboid, Ring};
+    use crate::mesh::Cuboid;
 
     #[test]
     fn both_bodies_dent_by_the_length_of_their_facets_over_their_modulus() {
@@ -218,21 +218,10 @@ mod tests {
 
     #[test]
     fn gaps_are_measured_between_true_circles_whatever_the_polygons() {
-        let ring = |inner: f64, outer: f64, around: usize| {
-            let ring = Ring {
-                center: [0.5, 0.0],
-                inner,
-                outer,
-                angles: None,
-                cells: [around, 1],
-                ratio: 1.0,
-                grade: 1.0,
-                cell: CellKind::Quad4,
-                diagonals: Default::default(),
-            };
-            body(ring.build().unwrap())
-        };
-        let (mut outer, mut inner) = (ring(1.1, 2.0, 14), ring(0.5, 1.0, 18));
+        let (mut outer, mut inner) = (
+            ring([0.5, 0.0], [1.1, 2.0], 14),
+            ring([0.5, 0.0], [0.5, 1.0], 18),
+        );
         let circle = |radius| Surface::Sphere {
             center: [0.5, 0.0],
             radius,
