@@ -321,21 +321,19 @@ fn known_group(group: &str, span: &Span, body: &str, groups: &[&str]) -> Result<
 
 /// The name of a side that the mesh has; a list of sides becomes one.
 fn side(node: &Node, body: &str, mesh: &mut Mesh<2>) -> Result<String, Fault> {
-    let sides = sides(node, body, mesh)?;
-    joined(&sides, &node.span, body, mesh)
+    joined(&sides(node)?, &node.span, body, mesh)
 }
 
-/// The sides of one name or of a list, all of them known, at least one and none twice.
-fn sides(node: &Node, body: &str, mesh: &Mesh<2>) -> Result<Vec<(String, Span)>, Fault> {
+/// One name or a list of names, each with its place.
+fn sides(node: &Node) -> Result<Vec<(String, Span)>, Fault> {
     let one = |node: &Node| Ok((node.text()?.to_string(), node.span.clone()));
-    let sides = match &node.value {
-        Value::List(list) => list.iter().map(one).collect::<Result<_, Fault>>()?,
-        _ => vec![one(node)?],
-    };
-    check_sides(&sides, &node.span, body, mesh)?;
-    Ok(sides)
+    match &node.value {
+        Value::List(list) => list.iter().map(one).collect(),
+        _ => Ok(vec![one(node)?]),
+    }
 }
 
+/// Refuses sides that the mesh does not have, one that is listed twice, and no side at all.
 fn check_sides(
     sides: &[(String, Span)],
     span: &Span,
@@ -396,8 +394,10 @@ fn support(node: &Node, body: &str, mesh: &Mesh<2>) -> Result<Vec<Support<2>>, F
     no_z(table)?;
     let places = match (table.get("side"), table.get("point")) {
         (Some(node), None) => {
-            let sides = sides(node, body, mesh)?.into_iter();
-            sides.map(|(side, _)| Place::Side(side)).collect()
+            let sides = sides(node)?;
+            check_sides(&sides, &node.span, body, mesh)?;
+            let places = sides.into_iter().map(|(side, _)| Place::Side(side));
+            places.collect()
         }
         (None, Some(node)) => vec![Place::Point(node.point()?)],
         (Some(_), Some(node)) => {
