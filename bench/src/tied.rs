@@ -101,6 +101,7 @@ pub fn weld(model: &Model<2>) -> Result<Body<2>, String> {
         supports: [first, second].into_iter().flat_map(supports).collect(),
         loads: [first, second].into_iter().flat_map(loads).collect(),
         surfaces: Default::default(),
+        points: Default::default(),
     })
 }
 

@@ -116,6 +116,22 @@ const IN_THE_TEXT: &[Mistake] = &[
     ("{ rectangle = { from = [1.5, 1.0], to = [2.5, 2.0], cells = [2, 2] } }", "{ file = { path = \"punch.msh\" } }", "punch.msh", "there is no such file"),
     ("{ rectangle = { from = [1.5, 1.0], to = [2.5, 2.0], cells = [2, 2] } }", "{ file = { path = \"bad.toml\" } }", "{ file", "neither a Gmsh mesh"),
     ("{ rectangle = { from = [1.5, 1.0], to = [2.5, 2.0], cells = [2, 2] } }", "{ file = { group = \"a\" } }", "{ file", "needs the key `path`"),
+    // named points
+    ("fix = [{ side = \"bottom\"", "fix = [{ point = \"tip\", x = 0 }, { side = \"bottom\"", "\"tip\"", "has no point `tip`"),
+    ("fix = [{ side = \"bottom\"", "points = { tip = [0, 1] }\nfix = [{ point = \"tipp\", x = 0 }, { side = \"bottom\"", "\"tipp\"", "nearest known point is `tip`"),
+    ("fix = [{ side = \"bottom\"", "points = { tip = [0, 1] }\nfix = [{ point = \"tip\", normal = 0 }, { side = \"bottom\"", "normal", "no normal"),
+    ("fix = [{ side = \"bottom\"", "points = { \"a tip\" = [0, 1] }\nfix = [{ side = \"bottom\"", "a tip", "not a valid name"),
+    ("fix = [{ side = \"bottom\"", "points = { tip = [0, 1, 2] }\nfix = [{ side = \"bottom\"", "[0, 1, 2]", "found 3"),
+    ("at = [2.0, 1.0]", "at = \"block.tip\"", "block.tip", "has no point `tip`"),
+    ("at = [2.0, 1.0]", "at = \"tip\"", "\"tip\"", "BODY.NAME"),
+    ("at = [2.0, 1.0]", "at = \"blok.tip\"", "blok.tip", "`block`"),
+    // what takes no part
+    ("gap = \"geometric\"", "exclude = [\"botom\"]", "botom", "nearest known name is `bottom`"),
+    ("gap = \"geometric\"", "exclude = [\"top\"]", "exclude = [\"top\"]", "has no node of punch.bottom"),
+    ("gap = \"geometric\"", "exclude = [\"bottom\"]", "exclude = [\"bottom\"]", "nothing is left"),
+    ("gap = \"geometric\"", "exclude = [3]", "[3]", "expected a string"),
+    ("gap = \"geometric\"", "friction_exclude = [\"left\"]", "friction_exclude", "no friction"),
+    ("nonmortar = \"punch.bottom\"\nmortar = \"block.top\"", "sides = [\"punch.bottom\", \"block.top\"]\nexclude = \"left\"", "exclude = \"left\"", "both bodies"),
     // later
     ("\"plane-strain\"", "\"3d\"", "3d", "not supported yet"),
     ("gap = \"geometric\"", "friction = -0.3", "-0.3", "negative"),

@@ -3,8 +3,9 @@
 use crate::case::document::{Entry, Node, Span, Table, Value, check_name, later, name, zero};
 use crate::case::error::Fault;
 use crate::case::keys;
-use crate::case::mesh_file::MeshFiles;
+use crate::case::mesh_file::{MeshFiles, Named};
 use crate::case::outline;
+use crate::case::points::{places, points};
 use crate::case::suggest::{listed, nearest};
 use crate::case::surface::true_surface;
 use crate::geometry::Field;
@@ -37,14 +38,15 @@ pub(crate) fn body(node: &Node, files: &mut MeshFiles) -> Result<Body<2>, Fault>
     let table = node.table(keys::BODY)?;
     let body_name = name(table.require("name", "a body")?)?;
     let what = format!("body `{body_name}`");
-    let mut mesh = mesh(table.require("mesh", &what)?, &body_name, files)?;
+    let (mut mesh, of_file) = mesh(table.require("mesh", &what)?, &body_name, files)?;
+    let points = points(table, &body_name, of_file)?;
     let (materials, thickness) = materials(table.require("material", &what)?, &body_name, &mesh)?;
     let supports = table.list("fix")?.iter();
-    let supports = supports.map(|node| support(node, &body_name, &mesh));
+    let supports = supports.map(|node| support(node, &body_name, &mesh, &points));
     let supports: Vec<_> = supports.collect::<Result<_, _>>()?;
     let loads = table.list("load")?.iter();
-    let loads = loads.map(|node| load(node, &body_name, &mut mesh));
-    let loads = loads.collect::<Result<_, _>>()?;
+    let loads = loads.map(|node| load(node, &body_name, &mut mesh, &points));
+    let loads: Vec<_> = loads.collect::<Result<_, _>>()?;
     let body_force = table.get("body_force").map_or(Ok(zero()), Node::fields)?;
     let surfaces = table.get("surface").map_or(Ok(&[][..]), Node::entries)?;
     let surfaces = surfaces.iter().map(|entry| {
@@ -59,12 +61,14 @@ pub(crate) fn body(node: &Node, files: &mut MeshFiles) -> Result<Body<2>, Fault>
         thickness,
         body_force,
         supports: supports.concat(),
-        loads,
+        loads: loads.concat(),
         surfaces,
+        points,
     })
 }
 
-fn mesh(node: &Node, body: &str, files: &mut MeshFiles) -> Result<Mesh<2>, Fault> {
+/// The mesh, and the points that a mesh file names.
+fn mesh(node: &Node, body: &str, files: &mut MeshFiles) -> Result<(Mesh<2>, Named), Fault> {
     let table = node.table(keys::MESH)?;
     let generators: Vec<&Entry> = keys::MESH
         .iter()
@@ -81,8 +85,13 @@ fn mesh(node: &Node, body: &str, files: &mut MeshFiles) -> Result<Mesh<2>, Fault
             .label("exactly one is needed")
             .help(format!("give exactly one of {}", listed(known))));
     };
+    let mut points = Named::new();
     let built = match generator.key.as_str() {
-        "file" => Ok(files.mesh(&generator.node, body)?),
+        "file" => {
+            let (mesh, named) = files.mesh(&generator.node, body)?;
+            points = named;
+            Ok(mesh)
+        }
         "rectangle" => rectangle(&generator.node)?.build(),
         "ring" => ring(&generator.node)?.build(),
         "tunnel_rock" => tunnel_rock(&generator.node)?.build(),
@@ -112,7 +121,7 @@ fn mesh(node: &Node, body: &str, files: &mut MeshFiles) -> Result<Mesh<2>, Fault
             .with_patch(&patch.key, &of, min, max)
             .map_err(|e| invalid(e, &patch.key_span))?;
     }
-    Ok(mesh)
+    Ok((mesh, points))
 }
 
 fn rectangle(node: &Node) -> Result<Rectangle, Fault> {
@@ -388,18 +397,26 @@ fn no_z(table: Table<'_>) -> Result<(), Fault> {
     })
 }
 
-/// A support; on a list of sides one for each, so that a corner has the normal of either.
-fn support(node: &Node, body: &str, mesh: &Mesh<2>) -> Result<Vec<Support<2>>, Fault> {
+/// A support; on a list of sides one for each, so that a corner has the normal of either, and one at each point of a name.
+fn support(
+    node: &Node,
+    body: &str,
+    mesh: &Mesh<2>,
+    points: &Named,
+) -> Result<Vec<Support<2>>, Fault> {
     let table = node.table(keys::FIX)?;
     no_z(table)?;
-    let places = match (table.get("side"), table.get("point")) {
+    let places: Vec<Place<2>> = match (table.get("side"), table.get("point")) {
         (Some(node), None) => {
             let sides = sides(node)?;
             check_sides(&sides, &node.span, body, mesh)?;
             let places = sides.into_iter().map(|(side, _)| Place::Side(side));
             places.collect()
         }
-        (None, Some(node)) => vec![Place::Point(node.point()?)],
+        (None, Some(node)) => {
+            let places = places(node, body, points)?;
+            places.into_iter().map(Place::Point).collect()
+        }
         (Some(_), Some(node)) => {
             let message = format!("a support of body `{body}` has both `side` and `point`");
             return Err(Fault::new(&node.span, message).label("give one of the two"));
@@ -418,7 +435,7 @@ fn support(node: &Node, body: &str, mesh: &Mesh<2>) -> Result<Vec<Support<2>>, F
             .label("no component")
             .help("add `x`, `y` or `normal`, such as `x = 0.0`"));
     }
-    if let ([Place::Point(_)], Some(node)) = (&places[..], table.get("normal")) {
+    if let ([Place::Point(_), ..], Some(node)) = (&places[..], table.get("normal")) {
         let message = "a point has no normal";
         return Err(Fault::new(&node.span, message)
             .label("only with `side`")
@@ -432,27 +449,38 @@ fn support(node: &Node, body: &str, mesh: &Mesh<2>) -> Result<Vec<Support<2>>, F
     Ok(each.collect())
 }
 
-fn load(node: &Node, body: &str, mesh: &mut Mesh<2>) -> Result<Load<2>, Fault> {
+/// A load; at each point of a name one.
+fn load(
+    node: &Node,
+    body: &str,
+    mesh: &mut Mesh<2>,
+    points: &Named,
+) -> Result<Vec<Load<2>>, Fault> {
     let table = node.table(keys::LOAD)?;
     let mut present = table.present();
     present.sort_unstable();
     match present[..] {
-        ["side", "traction"] => Ok(Load::Traction {
+        ["side", "traction"] => Ok(vec![Load::Traction {
             side: side(table.require("side", "a load")?, body, mesh)?,
             traction: table.require("traction", "a load")?.fields()?,
-        }),
-        ["pressure", "side"] => Ok(Load::Pressure {
+        }]),
+        ["pressure", "side"] => Ok(vec![Load::Pressure {
             side: side(table.require("side", "a load")?, body, mesh)?,
             pressure: table.require("pressure", "a load")?.field()?,
-        }),
-        ["force", "side"] => Ok(Load::Resultant {
+        }]),
+        ["force", "side"] => Ok(vec![Load::Resultant {
             side: side(table.require("side", "a load")?, body, mesh)?,
             force: table.require("force", "a load")?.courses()?,
-        }),
-        ["force", "point"] => Ok(Load::Force {
-            point: table.require("point", "a load")?.point()?,
-            force: table.require("force", "a load")?.fields()?,
-        }),
+        }]),
+        ["force", "point"] => {
+            let force: [Field; 2] = table.require("force", "a load")?.fields()?;
+            let places = places(table.require("point", "a load")?, body, points)?;
+            let each = places.into_iter().map(|point| Load::Force {
+                point,
+                force: force.clone(),
+            });
+            Ok(each.collect())
+        }
         _ => {
             let keys = match present.len() {
                 0 => "none".to_string(),

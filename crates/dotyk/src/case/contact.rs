@@ -1,14 +1,17 @@
 //! `[[contact]]` of a case file.
 
 use crate::case::body::joined;
-use crate::case::document::{Entry, Node, Table, Value, later, name, zero};
+use crate::case::document::{Entry, Node, Span, Table, Value, later, name, zero};
 use crate::case::error::Fault;
 use crate::case::keys;
+use crate::case::points::{named_places, of_body};
 use crate::case::suggest::listed;
 use crate::case::surface::surface;
+use crate::contact::{ContactError, End};
+use crate::fem::Constraints;
 use crate::geometry::Field;
 use crate::model::{
-    Body, BodyId, Contact, Gap, Law, Motion, Obstacle, Pair, Pairing, Rigid, SideRef,
+    Body, BodyId, Contact, Gap, Law, Motion, Obstacle, Pair, Pairing, Place, Rigid, SideRef,
 };
 
 const PAIRINGS: [(&str, Pairing); 2] = [
@@ -44,13 +47,108 @@ pub(crate) fn contact(
         },
         (Some(node), _) => Some(gap(node)?),
     };
+    let (exclude, friction_exclude) = (table.get("exclude"), table.get("friction_exclude"));
+    if let (Some(node), None) = (friction_exclude, table.get("friction")) {
+        let message = format!("contact `{name}` has no friction that a node could be without");
+        return Err(Fault::new(&node.span, message)
+            .label("superfluous")
+            .help("use `exclude` for nodes that take no part at all"));
+    }
+    let named = [exclude, friction_exclude].into_iter().flatten();
+    let named = named.map(names).collect::<Result<Vec<_>, _>>()?.concat();
+    let pair = with_names(pair, &named, bodies)?;
+    let places = |node: Option<&Node>| {
+        let places = node.map(|node| excluded(node, &pair, bodies));
+        places.unwrap_or(Ok(Vec::new()))
+    };
     Ok(Contact {
+        exclude: places(exclude)?,
+        friction_exclude: places(friction_exclude)?,
         name,
         pair,
         pairing,
         gap,
         law,
     })
+}
+
+/// One name or a list of names, with their nodes.
+fn names(node: &Node) -> Result<Vec<(&str, &Node)>, Fault> {
+    match &node.value {
+        Value::List(list) => list.iter().map(|node| Ok((node.text()?, node))).collect(),
+        _ => Ok(vec![(node.text()?, node)]),
+    }
+}
+
+/// Of two sides that dotyk would choose from, the one whose body has the points and sides of these names carries the forces.
+fn with_names(
+    pair: Pair<2>,
+    named: &[(&str, &Node)],
+    bodies: &[Body<2>],
+) -> Result<Pair<2>, Fault> {
+    let (Pair::Automatic(sides), Some((_, first))) = (&pair, named.first()) else {
+        return Ok(pair);
+    };
+    let has_all = |side: &SideRef| {
+        let body = &bodies[side.body.0];
+        let mut names = named.iter();
+        names.all(|(name, _)| !named_places(name, &body.mesh, &body.points).is_empty())
+    };
+    let [nonmortar, mortar] = match sides.each_ref().map(has_all) {
+        [true, false] => sides.clone(),
+        [false, true] => [sides[1].clone(), sides[0].clone()],
+        both => {
+            let found = if both[0] {
+                "both bodies"
+            } else {
+                "neither body"
+            };
+            let message = format!("{found} of this contact have what is excluded");
+            return Err(Fault::new(&first.span, message)
+                .label("of which side?")
+                .help("write `nonmortar` and `mortar` instead of `sides`: what is excluded belongs to the nonmortar body"));
+        }
+    };
+    Ok(Pair::Given { nonmortar, mortar })
+}
+
+/// The places of some names of the nonmortar body.
+fn excluded(node: &Node, pair: &Pair<2>, bodies: &[Body<2>]) -> Result<Vec<Place<2>>, Fault> {
+    let (Pair::Given { nonmortar, .. } | Pair::Obstacle { nonmortar, .. }) = pair else {
+        return Ok(Vec::new());
+    };
+    let body = &bodies[nonmortar.body.0];
+    let end = End {
+        body,
+        side: &nonmortar.side,
+        constraints: &Constraints::default(),
+        part: None,
+    };
+    let on_side = |places: &[Place<2>], span: &Span| {
+        let nodes = end.nodes_at(places);
+        let fault = |error: ContactError| Fault::new(span, error.to_string());
+        nodes.map_err(|error| match error {
+            ContactError::NothingLeft { .. } => fault(error).label("nothing is left"),
+            _ => fault(error).label("not on that side"),
+        })
+    };
+    let mut all = Vec::new();
+    for (name, node) in names(node)? {
+        let places = named_places(name, &body.mesh, &body.points);
+        if places.is_empty() {
+            let known = body.mesh.side_names();
+            let known: Vec<&str> = known
+                .chain(body.points.keys().map(String::as_str))
+                .collect();
+            let message = format!("body `{}` has no point or side `{name}`", body.name);
+            let words = ["the nearest known name", "its sides and points"];
+            return Err(Fault::new(&node.span, message).nearest(name, words, known.into_iter()));
+        }
+        on_side(&places, &node.span)?;
+        all.extend(places);
+    }
+    on_side(&all, &node.span)?;
+    Ok(all)
 }
 
 /// Who touches whom: `nonmortar` with `mortar`, `nonmortar` with `obstacle`, or `sides`.
@@ -105,7 +203,8 @@ fn different(pair: &[SideRef; 2], second: &Node, contact: &str) -> Result<(), Fa
 /// "BODY.SIDE", or a list of sides of one body.
 fn side_ref(node: &Node, bodies: &mut [Body<2>]) -> Result<SideRef, Fault> {
     let one = |node: &Node| {
-        let (body, side) = body_and_side(node, bodies)?;
+        let written = ["a side", "\"BODY.SIDE\", such as \"block.top\""];
+        let (body, side) = of_body(node, bodies, written)?;
         Ok((body, side.to_string(), node.span.clone()))
     };
     let list = match &node.value {
@@ -132,22 +231,6 @@ fn side_ref(node: &Node, bodies: &mut [Body<2>]) -> Result<SideRef, Fault> {
         body: BodyId(body),
         side: joined(&sides, &node.span, name, mesh)?,
     })
-}
-
-/// The body and the name of the side of a "BODY.SIDE".
-fn body_and_side<'n>(node: &'n Node, bodies: &[Body<2>]) -> Result<(usize, &'n str), Fault> {
-    let text = node.text()?;
-    let Some((body, side)) = text.split_once('.') else {
-        return Err(Fault::new(&node.span, format!("`{text}` is not a side"))
-            .label("no dot")
-            .help("a side is written \"BODY.SIDE\", such as \"block.top\""));
-    };
-    let Some(index) = bodies.iter().position(|b| b.name == body) else {
-        let names = bodies.iter().map(|b| b.name.as_str());
-        let fault = Fault::new(&node.span, format!("there is no body `{body}`"));
-        return Err(fault.nearest(body, ["the nearest known body", "bodies"], names));
-    };
-    Ok((index, side))
 }
 
 /// A shape, and what moves it.

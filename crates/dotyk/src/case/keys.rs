@@ -26,6 +26,7 @@ pub const BODY: &[&str] = &[
     "load",
     "body_force",
     "surface",
+    "points",
 ];
 /// `mesh` of a body.
 pub const MESH: &[&str] = &[
@@ -111,6 +112,8 @@ pub const CONTACT: &[&str] = &[
     "gap",
     "friction",
     "tied",
+    "exclude",
+    "friction_exclude",
 ];
 /// `obstacle` of a contact.
 pub const OBSTACLE: &[&str] = &[

@@ -6,8 +6,13 @@ use crate::case::document::{Node, Span, Value};
 use crate::case::error::Fault;
 use crate::case::keys;
 use crate::case::suggest::{listed, nearest};
+use crate::geometry::Point;
 use crate::mesh::{ImportError, Imported, Mesh, MeshFile};
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
+
+/// Points by name; several have one name where a mesh file says so.
+pub(crate) type Named = BTreeMap<String, Vec<Point<2>>>;
 
 /// The mesh files of a case.
 pub(crate) struct MeshFiles {
@@ -27,6 +32,7 @@ struct Opened {
 struct Unused {
     cells: Vec<String>,
     sides: Vec<String>,
+    points: Vec<String>,
     loose: usize,
 }
 
@@ -39,8 +45,8 @@ impl MeshFiles {
         }
     }
 
-    /// The mesh of a body from the table `file`.
-    pub fn mesh(&mut self, node: &Node, body: &str) -> Result<Mesh<2>, Fault> {
+    /// The mesh of a body from the table `file`, and the points that the file names.
+    pub fn mesh(&mut self, node: &Node, body: &str) -> Result<(Mesh<2>, Named), Fault> {
         let table = node.table(keys::FILE)?;
         let path = table.require("path", "a mesh file")?;
         let groups = table.get("group").map_or(Ok(Vec::new()), groups)?;
@@ -59,7 +65,7 @@ impl MeshFiles {
         let warnings = imported.warnings.iter();
         self.warnings
             .extend(warnings.map(|w| format!("body `{body}`: {w}")));
-        Ok(imported.mesh)
+        Ok((imported.mesh, imported.points))
     }
 
     /// The file of a path, read when it is met first.
@@ -101,6 +107,12 @@ impl MeshFiles {
                     "{name}: the groups of edges {groups} are on the boundary of no body"
                 ));
             }
+            if !unused.points.is_empty() {
+                let groups = listed(&unused.points);
+                warnings.push(format!(
+                    "{name}: the groups of points {groups} have a node in no body"
+                ));
+            }
             if unused.loose > 0 {
                 let count = unused.loose;
                 warnings.push(format!(
@@ -118,6 +130,7 @@ impl Opened {
         let before = self.unused.take().unwrap_or_else(|| Unused {
             cells: imported.unused_cells.clone(),
             sides: imported.unused_sides.clone(),
+            points: imported.unused_points.clone(),
             loose: imported.unused_loose,
         });
         let common = |names: Vec<String>, other: &[String]| {
@@ -129,6 +142,7 @@ impl Opened {
         self.unused = Some(Unused {
             cells: common(before.cells, &imported.unused_cells),
             sides: common(before.sides, &imported.unused_sides),
+            points: common(before.points, &imported.unused_points),
             loose: before.loose.min(imported.unused_loose),
         });
     }

@@ -13,6 +13,7 @@ pub mod keys;
 mod mesh_file;
 mod outline;
 mod parameters;
+mod points;
 mod probe;
 mod reference;
 mod run;

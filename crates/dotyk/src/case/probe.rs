@@ -3,6 +3,7 @@
 use crate::case::document::{Node, Table};
 use crate::case::error::Fault;
 use crate::case::keys;
+use crate::case::points::place;
 use crate::case::suggest::listed;
 use crate::model::{Body, BodyId, Contact, Mistake, Probe, Quantity, QuantityError, Reading};
 
@@ -30,7 +31,7 @@ pub(crate) fn probe(
     Ok(Probe {
         minus_rigid: minus_rigid(table, &quantity, bodies)?,
         center: center(table, &quantity)?,
-        reading: reading(table, &name, &quantity)?,
+        reading: reading(table, &name, &quantity, bodies)?,
         name,
         quantity,
     })
@@ -60,12 +61,20 @@ fn fault(node: &Node, error: &QuantityError) -> Fault {
 }
 
 /// Where, or how: a field needs `at` or `reduce`, a number neither; neighbours are those of a point.
-fn reading(table: Table<'_>, name: &str, quantity: &Quantity) -> Result<Reading<2>, Fault> {
+fn reading(
+    table: Table<'_>,
+    name: &str,
+    quantity: &Quantity,
+    bodies: &[Body<2>],
+) -> Result<Reading<2>, Fault> {
     let reduced = table.get("reduce");
     let reduced = reduced
         .map(|node| node.choice("reduction", &REDUCTIONS))
         .transpose()?;
-    let at = table.get("at").map(Node::point).transpose()?;
+    let at = table
+        .get("at")
+        .map(|node| place(node, bodies))
+        .transpose()?;
     let mean = table.get("mean_of_neighbours");
     let mean = mean.map_or(Ok(false), Node::boolean)?;
     let superfluous = table.entry("at").or(table.entry("reduce"));

@@ -39,6 +39,22 @@ pub enum ContactError {
         /// Distance of the nearest node of the other side.
         distance: f64,
     },
+    /// A place that takes no part lies elsewhere.
+    #[error(
+        "what is excluded {place} has no node of {side}, the side that carries the contact forces"
+    )]
+    NotOnSide {
+        /// The nonmortar side.
+        side: String,
+        /// The place.
+        place: String,
+    },
+    /// Every node takes no part.
+    #[error("all nodes of {side} are excluded: nothing is left of the contact")]
+    NothingLeft {
+        /// The nonmortar side.
+        side: String,
+    },
     /// Nodal weights are not all positive.
     #[error(
         "node {node} of {side} at {point} has no positive nodal weight; use pairing \"mortar\""

@@ -152,6 +152,7 @@ pub(super) mod tests {
             supports: Vec::new(),
             loads: Vec::new(),
             surfaces: BTreeMap::new(),
+            points: BTreeMap::new(),
         }
     }
 

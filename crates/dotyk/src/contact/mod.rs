@@ -12,6 +12,7 @@
 mod corners;
 mod curved;
 mod error;
+mod exclude;
 mod facing;
 mod gaps;
 mod mortar;
@@ -135,6 +136,8 @@ pub enum Role {
     Multiplier,
     /// Nothing is opposite.
     Alone,
+    /// It is told to take no part.
+    Excluded,
     /// Its displacement is prescribed (node-to-node: on both sides), or its condition follows from others.
     Fixed,
 }
@@ -285,6 +288,16 @@ impl<const D: usize> Interface<D> {
                 }
             }
         }
+        self.keep_rows(&kept);
+        for node in &mut self.nodes {
+            if node.role == Role::Multiplier && node.rows.iter().all(Option::is_none) {
+                node.role = Role::Fixed;
+            }
+        }
+    }
+
+    /// Keeps these rows; those behind the others move up.
+    fn keep_rows(&mut self, kept: &[bool]) {
         let mut next = 0;
         let place: Vec<Option<usize>> = kept
             .iter()
@@ -295,9 +308,6 @@ impl<const D: usize> Interface<D> {
             .collect();
         for node in &mut self.nodes {
             node.rows = node.rows.map(|row| row.and_then(|row| place[row]));
-            if node.role == Role::Multiplier && node.rows.iter().all(Option::is_none) {
-                node.role = Role::Fixed;
-            }
         }
         for side in [&mut self.nonmortar, &mut self.mortar] {
             let mut kept = kept.iter();

@@ -35,4 +35,4 @@ pub(crate) use cells::measure;
 pub(crate) use error::{Short, show};
 pub(crate) use internal::internal_forces;
 pub(crate) use modes::fit_rigid;
-pub(crate) use supports::side_facets;
+pub(crate) use supports::{describe, side_facets};

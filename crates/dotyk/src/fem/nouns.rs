@@ -94,4 +94,6 @@ pub struct Body<const D: usize> {
     pub loads: Vec<Load<D>>,
     /// True surface behind a side, for contact gaps and normals.
     pub surfaces: BTreeMap<String, Surface<D>>,
+    /// Points with a name, on its nodes or not; several have one name where a group of a mesh file says so.
+    pub points: BTreeMap<String, Vec<Point<D>>>,
 }

@@ -37,6 +37,7 @@ fn body<const D: usize>(mesh: Mesh<D>) -> Body<D> {
         supports: Vec::new(),
         loads: Vec::new(),
         surfaces: BTreeMap::new(),
+        points: BTreeMap::new(),
     }
 }
 

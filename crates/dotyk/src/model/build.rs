@@ -47,6 +47,7 @@ impl<const D: usize> Model<D> {
             supports: Vec::new(),
             loads: Vec::new(),
             surfaces: BTreeMap::new(),
+            points: BTreeMap::new(),
         });
         BodyId(self.bodies.len() - 1)
     }
@@ -149,6 +150,8 @@ impl<const D: usize> Model<D> {
             pairing: None,
             gap: None,
             law: Law::Frictionless,
+            exclude: Vec::new(),
+            friction_exclude: Vec::new(),
         });
         let last = self.contacts.len() - 1;
         &mut self.contacts[last]

@@ -206,7 +206,7 @@ fn contact_solution<const D: usize>(
                 let opposite = node.opposite.iter();
                 Some(opposite.fold([0.0; D], |sum, &(j, n)| add_scaled(sum, n, u[j])))
             }
-            None if node.role == Role::Alone => None,
+            None if matches!(node.role, Role::Alone | Role::Excluded) => None,
             None => Some(obstacle),
         };
         let along = |u: Point<D>| dot(node.normal(), u);
@@ -217,7 +217,7 @@ fn contact_solution<const D: usize>(
             add_scaled(relative, -along(relative), node.normal())
         });
         let (gap, pressure, status) = match (node.role, node.rows[0]) {
-            (Role::Alone, _) => (f64::NAN, 0.0, Status::Open),
+            (Role::Alone | Role::Excluded, _) => (f64::NAN, 0.0, Status::Open),
             (Role::Multiplier, Some(row)) => {
                 let status = match (coupling, &shears[row]) {
                     (Coupling::Tied, _) => Status::Tied,

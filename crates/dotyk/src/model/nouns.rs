@@ -183,6 +183,10 @@ pub struct Contact<const D: usize> {
     pub gap: Option<Gap>,
     /// What the interface can bear.
     pub law: Law,
+    /// Points and sides of the nonmortar body whose nodes take no part: open, whatever is opposite.
+    pub exclude: Vec<Place<D>>,
+    /// Points and sides of the nonmortar body whose nodes take part without friction.
+    pub friction_exclude: Vec<Place<D>>,
 }
 
 /// Which algorithm solves the contact problem.

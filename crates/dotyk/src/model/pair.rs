@@ -13,6 +13,7 @@ use crate::model::error::Error;
 use crate::model::nouns::*;
 use crate::model::parts::obstacle_part;
 use rayon::prelude::*;
+use std::collections::BTreeSet;
 use std::ops::Range;
 
 /// One contact of the model, paired.
@@ -63,6 +64,17 @@ impl<const D: usize> Paired<D> {
             .collect();
         self.warnings.extend(new);
         self
+    }
+
+    /// Leaves nodes out, and what lies between them and their neighbours.
+    fn exclude(&mut self, out: &BTreeSet<usize>) {
+        self.interface.exclude(out);
+        for samples in &mut self.samples {
+            let nodes = samples.iter().flat_map(|sample| &sample.at.own);
+            if nodes.into_iter().any(|(node, _)| out.contains(node)) {
+                samples.clear();
+            }
+        }
     }
 
     /// A node whose condition has a coefficient that is not finite.
@@ -271,6 +283,14 @@ impl<'a, const D: usize> Contacting<'a, D> {
         let mut paired = pair(&parts[0])?;
         for part in &parts[1..] {
             paired = paired.followed_by(pair(part)?);
+        }
+        let [out, smooth] = [&self.contact.exclude, &self.contact.friction_exclude];
+        if !out.is_empty() {
+            paired.exclude(&whole.nodes_at(out).map_err(fail)?);
+        }
+        if coupling == Coupling::Frictional && !smooth.is_empty() {
+            let smooth = whole.nodes_at(smooth);
+            paired.interface.smooth(&smooth.map_err(fail)?);
         }
         match paired.unfit() {
             None => Ok(paired),

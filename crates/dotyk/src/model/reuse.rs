@@ -79,7 +79,11 @@ fn same_contact<const D: usize>(a: &Contact<D>, b: &Contact<D>) -> bool {
         (Some(Gap::Given(a)), Some(Gap::Given(b))) => same_field(a, b),
         _ => false,
     };
-    (&a.name, a.pairing) == (&b.name, b.pairing) && pairs && gaps && rows(&a.law) == rows(&b.law)
+    let [same_name, same_nodes] = [
+        (&a.name, a.pairing) == (&b.name, b.pairing),
+        (&a.exclude, &a.friction_exclude) == (&b.exclude, &b.friction_exclude),
+    ];
+    same_name && same_nodes && pairs && gaps && rows(&a.law) == rows(&b.law)
 }
 
 fn same_obstacle<const D: usize>(a: &Obstacle<D>, b: &Obstacle<D>) -> bool {

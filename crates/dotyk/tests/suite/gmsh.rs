@@ -487,10 +487,10 @@ fn groups_are_called_by_name_or_number_and_renamed_with_a_warning() {
     assert_eq!(file.cell_groups(), ["inner_ring", "outer"]);
     assert_eq!(file.side_groups(), ["bore", "fit", "rim", "y_0", "5"]);
     let warnings = file.warnings();
-    assert_eq!(warnings.len(), 3, "{warnings:?}");
-    assert!(warnings[0].contains("`corner`") && warnings[0].contains("points"));
-    assert!(warnings[1].contains("`inner ring` is called `inner_ring`"));
-    assert!(warnings[2].contains("`y=0` is called `y_0`"));
+    assert_eq!(warnings.len(), 2, "{warnings:?}");
+    assert!(warnings[0].contains("`inner ring` is called `inner_ring`"));
+    assert!(warnings[1].contains("`y=0` is called `y_0`"));
+    assert_eq!(file.point_groups(), ["corner"]);
     let (a, b) = (
         file.mesh(&["inner ring"]).unwrap(),
         file.mesh(&["inner_ring"]).unwrap(),
@@ -498,6 +498,10 @@ fn groups_are_called_by_name_or_number_and_renamed_with_a_warning() {
     assert_eq!(a.mesh, b.mesh);
     assert_eq!(names(&a.mesh), ["5", "bore", "boundary", "fit", "y_0"]);
     assert_eq!(a.unused_sides, ["rim"]);
+    let named = |imported: &Imported| imported.points.get("corner").map(Vec::len);
+    let whole = file.mesh(&[]).unwrap();
+    assert_eq!(named(&whole), Some(1));
+    assert_ne!(named(&a).is_some(), a.unused_points == ["corner"]);
 }
 
 #[test]
@@ -963,7 +967,6 @@ fn what_is_left_out_is_reported() {
         "section $Periodic is left out",
         "section $NodeData is left out",
         "1 elements of the kind tet4 are left out",
-        "groups of points are left out: `9`",
         "1 repeated cells are left out",
         "groups without elements: `nowhere`",
         "1 edges of the group `4` belong to no cell",
@@ -971,8 +974,39 @@ fn what_is_left_out_is_reported() {
     ] {
         assert!(warnings.contains(words), "{words}\n{warnings}");
     }
-    assert_eq!(file.warnings().len(), 8, "{warnings}");
-    assert_eq!(file.mesh(&[]).unwrap().mesh.cell_count(), 2);
+    assert_eq!(file.warnings().len(), 7, "{warnings}");
+    let imported = file.mesh(&[]).unwrap();
+    assert_eq!(imported.mesh.cell_count(), 2);
+    assert_eq!(imported.points["9"].len(), 1);
+}
+
+#[test]
+fn groups_of_points_name_nodes_of_the_body() {
+    let text = SQUARE
+        .replace("$Elements\n3", "$Elements\n7")
+        .replace(
+            "$EndElements",
+            "4 15 2 9 1 1\n5 15 2 9 1 3\n6 15 2 7 1 7\n7 15 2 9 1 1\n$EndElements",
+        )
+        .replace("6 2 1 0", "6 2 1 0\n7 9 9 9")
+        .replace("$Nodes\n6", "$Nodes\n7")
+        .replace(
+            "2 2 \"block\"",
+            "2 2 \"block\"\n0 9 \"two corners\"\n0 7 \"off\"",
+        )
+        .replace("$PhysicalNames\n2", "$PhysicalNames\n4");
+    let file = read(text.as_bytes()).unwrap();
+    assert_eq!(file.point_groups(), ["off", "two_corners"]);
+    assert!(
+        file.warnings()
+            .iter()
+            .any(|w| w.contains("is called `two_corners`"))
+    );
+    let imported = file.mesh(&[]).unwrap();
+    let points = imported.mesh.points();
+    assert_eq!(imported.points["two_corners"], [points[0], points[2]]);
+    assert_eq!(imported.points.len(), 1);
+    assert_eq!(imported.unused_points, ["off"]);
 }
 
 #[test]

@@ -13,6 +13,7 @@ mod layers;
 mod levels;
 mod mindlin;
 mod mortar;
+mod names;
 mod norms;
 mod outline;
 mod patch;

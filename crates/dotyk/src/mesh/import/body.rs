@@ -15,12 +15,16 @@ const BOUNDARY: &str = "boundary";
 pub struct Imported {
     /// The cells with their groups, and the sides.
     pub mesh: Mesh<2>,
+    /// The nodes of the body in groups of points, by the name of the group; groups without one are not there.
+    pub points: BTreeMap<String, Vec<Point<2>>>,
     /// What was left out or may be unexpected, in words.
     pub warnings: Vec<String>,
     /// Groups of cells that the body does not contain.
     pub unused_cells: Vec<String>,
     /// Groups of edges that do not touch the body.
     pub unused_sides: Vec<String>,
+    /// Groups of points without a node of the body.
+    pub unused_points: Vec<String>,
     /// Cells of no group that the body does not contain.
     pub unused_loose: usize,
 }
@@ -59,6 +63,10 @@ impl MeshFile {
         let unused_sides = self.edge_groups.names.iter();
         let unused_sides = unused_sides.filter(|name| !sides.contains_key(*name));
         let unused_sides = unused_sides.cloned().collect();
+        let points = self.named_points(&mesh, &renumbered);
+        let unused_points = self.point_groups.names.iter();
+        let unused_points = unused_points.filter(|name| !points.contains_key(*name));
+        let unused_points = unused_points.cloned().collect();
         let unused_cells = body.unused.iter();
         let unused_cells = unused_cells.map(|&group| self.cell_groups.names[group].clone());
         let mesh = mesh
@@ -66,9 +74,11 @@ impl MeshFile {
             .map_err(|error| self.refused_mesh(error, &numbers))?;
         Ok(Imported {
             mesh,
+            points,
             warnings,
             unused_cells: unused_cells.collect(),
             unused_sides,
+            unused_points,
             unused_loose: body.unused_loose,
         })
     }
@@ -283,6 +293,25 @@ impl MeshFile {
         Ok(())
     }
 
+    /// The nodes of a body in each group of points.
+    fn named_points(&self, mesh: &Mesh<2>, renumbered: &[u32]) -> BTreeMap<String, Vec<Point<2>>> {
+        let mut points: BTreeMap<String, Vec<Point<2>>> = BTreeMap::new();
+        for named in &self.nodes {
+            let Some(&point) = mesh.points().get(renumbered[named.node as usize] as usize) else {
+                continue;
+            };
+            for &group in &self.node_sets[named.tags as usize] {
+                let name = self.point_groups.names[group].clone();
+                let nodes = points.entry(name).or_default();
+                // version 2.2 of the format repeats an element for each of its groups
+                if !nodes.contains(&point) {
+                    nodes.push(point);
+                }
+            }
+        }
+        points
+    }
+
     /// The groups of edges on the boundary of a body, and its whole boundary.
     fn sides(
         &self,
@@ -309,7 +338,9 @@ impl MeshFile {
         }
         for (group, count) in inside {
             let name = &self.edge_groups.names[group];
-            warnings.push(format!("{count} edges of the group `{name}` lie inside it and are left out: sides are on the boundary"));
+            warnings.push(format!(
+                "{count} edges of the group `{name}` lie inside it and are left out: sides are on the boundary; where the cells on both sides of `{name}` are in groups of their own, each can be a body, and a [[contact]] between them (`tied = true`, or one that opens) has `{name}` as its side on either"
+            ));
         }
         if self.edge_groups.names.is_empty() {
             warnings.push(format!(

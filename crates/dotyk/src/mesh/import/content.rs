@@ -60,6 +60,14 @@ pub(crate) struct Edge {
     pub tags: u32,
 }
 
+/// A node that an element of dimension 0 names.
+#[derive(Debug, Clone)]
+pub(crate) struct NamedNode {
+    pub node: u32,
+    /// Index into [`Content::tags`].
+    pub tags: u32,
+}
+
 /// Elements that no plane mesh has, of one kind and with the same groups.
 #[derive(Debug, Clone)]
 pub(crate) struct Refused {
@@ -76,6 +84,7 @@ pub(crate) struct Content {
     pub points: Vec<[f64; 3]>,
     pub cells: Vec<ReadCell>,
     pub edges: Vec<Edge>,
+    pub nodes: Vec<NamedNode>,
     pub refused: Vec<Refused>,
     /// Physical tags that elements have in common: > 0, ascending, each once; elements hold an index.
     pub tags: Vec<Vec<i64>>,
@@ -83,8 +92,6 @@ pub(crate) struct Content {
     places: BTreeMap<Vec<i64>, u32>,
     /// Names by dimension and tag.
     pub names: BTreeMap<(u8, i64), String>,
-    /// Tags of points.
-    pub point_tags: Vec<i64>,
     /// What was left out, in words.
     pub remarks: Vec<String>,
 }
@@ -110,7 +117,10 @@ impl Content {
     /// One more element; `nodes` has as many as its type says.
     pub fn add(&mut self, element: ElementType, number: u64, nodes: &[u32], tags: u32) {
         match (element.dimension, CellKind::from_name(element.name)) {
-            (0, _) => self.point_tags.extend(&self.tags[tags as usize]),
+            (0, _) => self.nodes.push(NamedNode {
+                node: nodes[0],
+                tags,
+            }),
             (1, Some(_)) => self.edges.push(Edge {
                 ends: [nodes[0], nodes[1]],
                 tags,

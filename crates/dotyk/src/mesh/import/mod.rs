@@ -1,7 +1,8 @@
 //! Meshes from files: Gmsh `.msh` 4.1 and 2.2 (text and binary), and VTU.
 //!
 //! A file holds cells and edges in groups. A body is made of all plane cells or of some groups of them; the groups of
-//! edges on its boundary are its sides, and `boundary` is the whole boundary where no group of edges has that name.
+//! edges on its boundary are its sides, and `boundary` is the whole boundary where no group of edges has that name. Groups of
+//! points name nodes.
 //! Points and cells keep the order of the file, second-order cells their middle nodes. x and y are the coordinates, z
 //! must be the same everywhere in the body.
 //!
@@ -22,7 +23,7 @@ mod vtu;
 pub use body::Imported;
 pub use error::{FilePlace, ImportError};
 
-use crate::mesh::import::content::{Content, Edge, ReadCell, Refused};
+use crate::mesh::import::content::{Content, Edge, NamedNode, ReadCell, Refused};
 use crate::mesh::import::cursor::Cursor;
 use crate::mesh::import::groups::Groups;
 use crate::mesh::import::remarks::described;
@@ -44,12 +45,15 @@ pub struct MeshFile {
     points: Vec<[f64; 3]>,
     cells: Vec<ReadCell>,
     edges: Vec<Edge>,
+    nodes: Vec<NamedNode>,
     refused: Vec<Refused>,
     /// Groups by the index that elements hold.
     cell_sets: Vec<Vec<usize>>,
     edge_sets: Vec<Vec<usize>>,
+    node_sets: Vec<Vec<usize>>,
     cell_groups: Groups,
     edge_groups: Groups,
+    point_groups: Groups,
     warnings: Vec<String>,
 }
 
@@ -94,12 +98,9 @@ impl MeshFile {
     fn new(name: &str, mut content: Content) -> Result<Self, ImportError> {
         let repeated = drop_repeated(name, &mut content)?;
         let used = |dimension: u8| -> BTreeSet<i64> {
-            let own = match dimension {
-                1 => content
-                    .edges
-                    .iter()
-                    .map(|e| e.tags)
-                    .collect::<BTreeSet<_>>(),
+            let own: BTreeSet<u32> = match dimension {
+                0 => content.nodes.iter().map(|n| n.tags).collect(),
+                1 => content.edges.iter().map(|e| e.tags).collect(),
                 _ => content.cells.iter().map(|c| c.tags).collect(),
             };
             let refused = content.refused.iter();
@@ -112,16 +113,20 @@ impl MeshFile {
         };
         let cell_groups = Groups::new(name, 2, &used(2), &content.names)?;
         let edge_groups = Groups::new(name, 1, &used(1), &content.names)?;
+        let point_groups = Groups::new(name, 0, &used(0), &content.names)?;
         let mut file = Self {
             name: name.to_string(),
             cell_sets: cell_groups.sets(&content.tags),
             edge_sets: edge_groups.sets(&content.tags),
+            node_sets: point_groups.sets(&content.tags),
             cell_groups,
             edge_groups,
+            point_groups,
             warnings: Vec::new(),
             points: std::mem::take(&mut content.points),
             cells: std::mem::take(&mut content.cells),
             edges: std::mem::take(&mut content.edges),
+            nodes: std::mem::take(&mut content.nodes),
             refused: std::mem::take(&mut content.refused),
         };
         if file.cells.is_empty() && !file.refused.iter().any(|r| r.element.dimension == 2) {
@@ -153,6 +158,11 @@ impl MeshFile {
     /// Names of the groups of edges, by ascending tag.
     pub fn side_groups(&self) -> &[String] {
         &self.edge_groups.names
+    }
+
+    /// Names of the groups of points, by ascending tag.
+    pub fn point_groups(&self) -> &[String] {
+        &self.point_groups.names
     }
 
     /// What of the whole file was left out or renamed, in words that name the file.

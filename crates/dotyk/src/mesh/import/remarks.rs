@@ -2,7 +2,7 @@
 
 use crate::mesh::MeshFile;
 use crate::mesh::import::content::{Content, Edge, Refused};
-use std::collections::{BTreeMap, BTreeSet, HashSet};
+use std::collections::{BTreeMap, HashSet};
 
 impl MeshFile {
     /// What the user should know of the file whichever body is cut out of it; `content` is what was read, its elements
@@ -19,18 +19,6 @@ impl MeshFile {
         if repeated > 0 {
             remarks.push(format!("{repeated} repeated cells are left out"));
         }
-        let points: BTreeSet<i64> = content.point_tags.iter().copied().collect();
-        let name = |tag: i64| content.names.get(&(0, tag)).cloned();
-        let points = points
-            .into_iter()
-            .map(|tag| name(tag).unwrap_or(tag.to_string()));
-        let points: Vec<String> = points.collect();
-        if !points.is_empty() {
-            remarks.push(format!(
-                "groups of points are left out: {}",
-                quoted(&points)
-            ));
-        }
         remarks.extend(self.renamed());
         let empty = self.empty_groups(content);
         if !empty.is_empty() {
@@ -43,7 +31,7 @@ impl MeshFile {
 
     /// Groups whose names could not stand in a case file.
     fn renamed(&self) -> Vec<String> {
-        let groups = [&self.cell_groups, &self.edge_groups].into_iter();
+        let groups = [&self.cell_groups, &self.edge_groups, &self.point_groups].into_iter();
         let names = groups.flat_map(|groups| groups.names.iter().zip(&groups.originals));
         let renamed = names.filter_map(|(name, original)| {
             let original = original.as_ref().filter(|original| *original != name)?;
@@ -54,12 +42,13 @@ impl MeshFile {
         renamed.collect()
     }
 
-    /// Names of surfaces and curves that no element belongs to.
+    /// Names of surfaces, curves and points that no element belongs to.
     fn empty_groups(&self, content: &Content) -> Vec<String> {
         let empty = content
             .names
             .iter()
             .filter(|((dimension, tag), _)| match dimension {
+                0 => !self.point_groups.tags.contains_key(tag),
                 1 => !self.edge_groups.tags.contains_key(tag),
                 2 => !self.cell_groups.tags.contains_key(tag),
                 _ => false,
