@@ -33,6 +33,9 @@ pub struct Arguments {
     /// Output folder [default: CASE-out]; of several cases DIR/CASE
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
+    /// Go on behind the steps of an earlier run of the case, from its output folder
+    #[arg(long, value_name = "DIR")]
+    from: Option<PathBuf>,
     /// Number of threads [default: all]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
     threads: Option<u16>,
@@ -67,6 +70,10 @@ pub fn run(arguments: &Arguments) -> Result<Outcome, Failure> {
         built.map_err(|e| Failure::Message(format!("cannot start {threads} threads: {e}")))?;
     }
     let folders = output_folders(arguments)?;
+    if arguments.from.is_some() && arguments.cases.len() > 1 {
+        let message = "--from goes on with one case: give one";
+        return Err(Failure::Message(message.to_string()));
+    }
     if let ([case], [folder]) = (&arguments.cases[..], &folders[..]) {
         return run_case(arguments, case, folder);
     }
@@ -112,9 +119,12 @@ fn run_case(arguments: &Arguments, file: &Path, folder: &Path) -> Result<Outcome
     let start = Instant::now();
     let mut case = arguments.given.read(file)?;
     override_solver(&mut case.model.solver, arguments.solver, arguments.rho)?;
+    let past = arguments.from.as_deref().map(output::past).transpose();
+    let past = past.map_err(|e| Failure::Message(e.to_string()))?;
+    let past = past.unwrap_or_default();
 
     let mut progress = Progress::new(arguments.quiet);
-    let run = case.run(&mut |event| progress.observe(event));
+    let run = case.run(&past, &mut |event| progress.observe(event));
     progress.finish();
     let refused = |e: output::Error| Failure::Message(e.to_string());
     warn(&run.warnings());

@@ -229,7 +229,7 @@ fn verify_folder(folder: &Folder, quiet: bool, tally: &mut Tally) {
 fn solve(path: &Path, case: &Case, quiet: bool, tally: &mut Tally) -> Option<Run> {
     let mut progress = Progress::new(quiet);
     progress.announce(&path.display().to_string());
-    let run = case.run(&mut |event| progress.observe(event));
+    let run = case.run(&[], &mut |event| progress.observe(event));
     progress.finish();
     match &run.failure {
         None => {

@@ -905,3 +905,64 @@ fn every_case_is_certified_and_within_its_bands() {
     let judged = output.matches("  ok\n").count();
     assert!(judged > 1000, "only {judged} values are judged");
 }
+
+#[test]
+fn a_run_goes_on_behind_the_steps_of_another() {
+    let text = |times: &[f64]| {
+        stack(1e6, "friction = 0.3").replacen(
+            "pressure = 1e6",
+            "traction = [\"1e5 * t\", \"-1e6 * t\"]",
+            1,
+        ) + &probe("force", "sole.resultant.y", "")
+            + &steps(times)
+    };
+    let begun = Run::solved("begun", &text(&[0.5, 1.0]));
+    let from = begun.folder.join("case-out");
+    let from = from.to_str().unwrap();
+    let on = Run::new("gone_on", &text(&[0.5, 1.0, 1.5]), "run", &["--from", from]);
+    assert_eq!(on.status, Some(0), "{}", on.stderr);
+    let whole = Run::solved("whole", &text(&[0.5, 1.0, 1.5]));
+    assert_eq!(on.files(), whole.files());
+    let [on_summary, whole_summary] = [&on, &whole].map(Run::summary);
+    for step in 0..3 {
+        let force = |summary: &Value| {
+            summary["steps"][step]["probes"][0]["value"]
+                .as_f64()
+                .unwrap()
+        };
+        assert_near(force(&on_summary), force(&whole_summary), 1e-10);
+        assert_near(force(&on_summary), 1e6 * [0.5, 1.0, 1.5][step], 1e-10);
+    }
+    // what was done must be of this case, and something must be left
+    for (name, times, words) in [
+        (
+            "other_steps",
+            &[0.5, 1.1, 1.5][..],
+            "step 2 of the run before is not one of this model",
+        ),
+        (
+            "no_step_left",
+            &[0.5, 1.0],
+            "all 2 steps were solved before",
+        ),
+    ] {
+        let refused = Run::new(name, &text(times), "run", &["--from", from]);
+        assert_eq!(refused.status, Some(2), "{}", refused.stderr);
+        assert!(refused.stderr.contains(words), "{}", refused.stderr);
+        assert_eq!(refused.files(), [""; 0]);
+    }
+    let nowhere = Run::new(
+        "from_nowhere",
+        &text(&[0.5, 1.0]),
+        "run",
+        &["--from", "nowhere"],
+    );
+    assert_eq!(nowhere.status, Some(2));
+    assert!(
+        nowhere
+            .stderr
+            .contains("nowhere/summary.json: cannot be read"),
+        "{}",
+        nowhere.stderr
+    );
+}

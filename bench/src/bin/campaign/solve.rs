@@ -91,7 +91,7 @@ fn attempt(text: &str, folder: &Path, seconds: f64) -> Outcome {
             std::panic::panic_any(TooSlow);
         }
     };
-    let run = case.run(&mut watch);
+    let run = case.run(&[], &mut watch);
     let Some(failure) = &run.failure else {
         return Outcome::Certified(answer(&case.model, &run.steps));
     };

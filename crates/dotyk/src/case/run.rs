@@ -1,7 +1,7 @@
 //! A case as a run: solved step by step, with what stands where a step has no answer.
 
 use crate::case::{Case, CaseError};
-use crate::model::{Error, Event, Solution};
+use crate::model::{Error, Event, Past, Solution};
 use std::fmt;
 
 /// What came of a case.
@@ -29,8 +29,8 @@ pub struct Failure {
 }
 
 impl Case {
-    /// Solves all load steps; an observer is told what happens.
-    pub fn run(&self, observe: &mut dyn FnMut(Event)) -> Run {
+    /// Solves all load steps, from those on that were solved before; an observer is told what happens.
+    pub fn run(&self, past: &[Past<2>], observe: &mut dyn FnMut(Event)) -> Run {
         let times = &self.model.times;
         let failed = |steps: &[Solution<2>], reason: String, refusal| Failure {
             step: steps.len() + 1,
@@ -38,7 +38,7 @@ impl Case {
             reason,
             refusal,
         };
-        let (mut steps, failure) = match self.model.solve_steps_with(observe) {
+        let (mut steps, failure) = match self.model.solve_steps_after(past, observe) {
             Ok(steps) => (steps, None),
             Err(Error::NotConverged {
                 reason,

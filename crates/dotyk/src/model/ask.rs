@@ -7,6 +7,7 @@ use crate::model::condense::condense;
 use crate::model::error::Error;
 use crate::model::event::Event;
 use crate::model::nouns::{Analysis, Contact, Law, Model};
+use crate::model::past::Past;
 use crate::model::reuse::Reuse;
 use crate::model::solution::Solution;
 use crate::model::steps::solve_steps;
@@ -40,10 +41,24 @@ macro_rules! doors {
                 observe: &mut dyn FnMut(Event),
             ) -> Result<Vec<Solution<$D>>, Error<$D>> {
                 self.validate()?;
-                solve_steps(self, None, observe)
+                solve_steps(self, &[], None, observe)
             }
 
-            /// The same, with what another model of the same stiffness has left: nothing is factored or condensed again where
+            /// The same, after steps that were solved before: the first ones of this model, with the same forces. They
+            /// are solved again from these, which takes no iterations to speak of, and are in the answer.
+            ///
+            /// Errors: as [`Self::solve_steps_with`]; `Past` where such a step is none of this model, `NothingLeft` where
+            /// all steps are.
+            pub fn solve_steps_after(
+                &self,
+                past: &[Past<$D>],
+                observe: &mut dyn FnMut(Event),
+            ) -> Result<Vec<Solution<$D>>, Error<$D>> {
+                self.validate()?;
+                solve_steps(self, past, None, observe)
+            }
+
+            /// All load steps, with what another model of the same stiffness has left: nothing is factored or condensed again where
             /// only loads, friction, prescribed values or steps differ.
             ///
             /// Errors: as [`Self::solve_steps_with`].
@@ -53,7 +68,7 @@ macro_rules! doors {
                 observe: &mut dyn FnMut(Event),
             ) -> Result<Vec<Solution<$D>>, Error<$D>> {
                 self.validate()?;
-                solve_steps(self, Some(reuse), observe)
+                solve_steps(self, &[], Some(reuse), observe)
             }
 
             /// The dual contact problem of the model, for running or comparing solvers without the model: every

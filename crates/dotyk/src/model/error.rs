@@ -36,6 +36,17 @@ pub enum Error<const D: usize> {
     /// Times that are not finite or do not increase.
     #[error("the times of the load steps must be finite and increase, found {0:?}")]
     Times(Vec<f64>),
+    /// A load step that was solved before is none of this model.
+    #[error("step {step} of the run before is not one of this model: {what}")]
+    Past {
+        /// From 1.
+        step: usize,
+        /// What differs.
+        what: String,
+    },
+    /// All load steps were solved before.
+    #[error("all {0} steps were solved before; add a step to go on")]
+    NothingLeft(usize),
     /// A contact has cohesion, and there are several load steps.
     #[error("contact \"{0}\": cohesion with several load steps is not supported yet")]
     CohesiveSteps(String),

@@ -48,6 +48,16 @@ pub enum Status {
 }
 
 impl Status {
+    /// Every state.
+    pub const ALL: [Self; 6] = [
+        Self::Open,
+        Self::Closed,
+        Self::Stick,
+        Self::Slip,
+        Self::Tied,
+        Self::Fixed,
+    ];
+
     /// The name in `contact.csv`.
     pub fn name(self) -> &'static str {
         match self {

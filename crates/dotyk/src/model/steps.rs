@@ -11,6 +11,7 @@ use crate::model::judge::Judged;
 use crate::model::nouns::Model;
 use crate::model::objection::objection;
 use crate::model::pair::initial_gaps;
+use crate::model::past::{Past, check_past, recorded, same_forces};
 use crate::model::reuse::Reuse;
 use crate::model::solution::Solution;
 use std::time::Instant;
@@ -30,15 +31,17 @@ impl End {
     }
 }
 
-/// Solves all load steps of a valid model, in the order of the times; an observer is told what happens. What is in `reuse`
-/// serves a model of the same stiffness, and is left there.
+/// Solves all load steps of a valid model, in the order of the times, after those that were solved in the `past`; an observer
+/// is told what happens. What is in `reuse` serves a model of the same stiffness, and is left there.
 ///
 /// Errors: see [`Error`]; `NotConverged` carries the last iterate and the steps before it.
 pub(crate) fn solve_steps<const D: usize>(
     model: &Model<D>,
+    past: &[Past<D>],
     mut reuse: Option<&mut Reuse<D>>,
     observe: &mut dyn FnMut(Event),
 ) -> Result<Vec<Solution<D>>, Error<D>> {
+    check_past(model, past)?;
     let start = Instant::now();
     let mut done: Vec<Solution<D>> = Vec::with_capacity(model.times.len());
     let mut condensed = reuse.as_mut().and_then(|reuse| reuse.take(model));
@@ -55,7 +58,13 @@ pub(crate) fn solve_steps<const D: usize>(
             Ok(here) => here,
             Err(error) => return Err(error.in_step(model, step, done)),
         };
-        let solved = solve_step(model, &mut here, last.as_ref(), start, observe);
+        let solved = match past.get(index) {
+            Some(done) => solve_again(model, &mut here, (step, done), start, observe),
+            None => {
+                let guess = last.as_ref().and_then(End::guess);
+                solve_step(model, &mut here, guess, start, observe)
+            }
+        };
         let failure = match solved {
             Ok((end, solution, None)) => {
                 done.push(solution);
@@ -67,6 +76,7 @@ pub(crate) fn solve_steps<const D: usize>(
                 solution: Box::new(solution),
                 earlier: done,
             },
+            Err(error @ Error::Past { .. }) => error,
             Err(error) => error.in_step(model, step, done),
         };
         keep(reuse, model, Some(here));
@@ -87,17 +97,39 @@ fn keep<const D: usize>(
     }
 }
 
-/// Solves the contact problem of one step from the answer of the step before it, and why it is not an answer.
+/// The end of a step, its solution, and why it is not an answer.
+type Solved<const D: usize> = (End, Solution<D>, Option<Objection<D>>);
+
+/// Solves the contact problem of a step that was solved before: from its forces to the same forces.
+fn solve_again<const D: usize>(
+    model: &Model<D>,
+    condensed: &mut Condensed<D>,
+    (step, done): (usize, &Past<D>),
+    start: Instant,
+    observe: &mut dyn FnMut(Event),
+) -> Result<Solved<D>, Error<D>> {
+    let differs = |what: String| Error::Past { step, what };
+    let recorded = recorded(condensed, model, done).map_err(differs)?;
+    let (end, mut solution, objection) =
+        solve_step(model, condensed, Some(&recorded), start, observe)?;
+    if let Some(objection) = objection {
+        return Err(differs(format!("it has no answer here ({objection})")));
+    }
+    same_forces(condensed, model, &recorded, &end.multipliers).map_err(differs)?;
+    solution.solver.iterations = done.iterations;
+    Ok((end, solution, None))
+}
+
+/// Solves the contact problem of one step from a guess, such as the answer of the step before it.
 fn solve_step<const D: usize>(
     model: &Model<D>,
     condensed: &mut Condensed<D>,
-    previous: Option<&End>,
+    guess: Option<&Multipliers>,
     start: Instant,
     observe: &mut dyn FnMut(Event),
-) -> Result<(End, Solution<D>, Option<Objection<D>>), Error<D>> {
+) -> Result<Solved<D>, Error<D>> {
     observe(Event::Stage("contact"));
     let mut lap = Lap::start();
-    let guess = previous.and_then(End::guess);
     let (attempt, judged) = certified_attempt(model, condensed, guess, observe)?;
     condensed.seconds.contact += lap.seconds();
     observe(Event::Stage("recover"));

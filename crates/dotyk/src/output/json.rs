@@ -57,7 +57,7 @@ fn step_summary<'a>(run: &Overview<'a>, solution: &'a Solution<2>, index: usize)
         case: run.stem,
         version: VERSION,
         step: several.then_some(index + 1),
-        time: several.then_some(solution.time),
+        time: solution.time,
         converged: solution.converged,
         solver: solution.solver.method,
         iterations: solution.solver.iterations,
@@ -149,11 +149,10 @@ struct Document<'a> {
 struct Summary<'a> {
     case: &'a str,
     version: &'a str,
-    /// From 1; only where there are several steps, as is `time`.
+    /// From 1; only where there are several steps.
     #[serde(skip_serializing_if = "Option::is_none")]
     step: Option<usize>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    time: Option<f64>,
+    time: f64,
     converged: bool,
     solver: &'a str,
     iterations: usize,
@@ -359,6 +358,7 @@ mod tests {
             sorted([
                 "case",
                 "version",
+                "time",
                 "converged",
                 "solver",
                 "iterations",

@@ -16,6 +16,7 @@ mod interface;
 mod json;
 mod memory;
 mod panels;
+mod past;
 mod plot;
 mod report;
 mod scene;
@@ -33,6 +34,7 @@ mod view;
 mod vtu;
 
 pub use memory::peak_memory_bytes;
+pub use past::{PastError, past};
 pub use text::without_noise;
 
 use crate::geometry::Point;

@@ -1,0 +1,259 @@
+//! Load steps that were solved before, as their results tell: a run goes on behind them.
+//!
+//! Nothing of a step is taken on trust. Its forces are where the solver begins, which leaves it nothing to do where they are
+//! the answer; the answer is judged like any other, and must then have the forces that were recorded.
+
+use crate::dual::Multipliers;
+use crate::geometry::{Point, dot};
+use crate::linalg::SparseVector;
+use crate::model::condense::Condensed;
+use crate::model::error::Error;
+use crate::model::nouns::Model;
+use crate::model::pair::{Paired, row_ranges};
+use crate::model::solution::{Solution, Status};
+
+/// A load step that was solved before.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Past<const D: usize> {
+    /// Its time.
+    pub time: f64,
+    /// Iterations that it took.
+    pub iterations: usize,
+    /// Every contact by its name.
+    pub contacts: Vec<(String, Vec<PastNode<D>>)>,
+}
+
+/// A node of a contact in a step that was solved before.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct PastNode<const D: usize> {
+    /// Node of the nonmortar mesh.
+    pub node: usize,
+    /// ∫ψ, an area.
+    pub weight: f64,
+    /// NaN where it has none.
+    pub gap: f64,
+    /// NaN where it is no unknown.
+    pub pressure: f64,
+    /// Traction along the interface on the nonmortar body.
+    pub shear: Point<D>,
+    /// What it does.
+    pub status: Status,
+}
+
+impl<const D: usize> From<&Solution<D>> for Past<D> {
+    fn from(solution: &Solution<D>) -> Self {
+        let contacts = solution.contacts.iter().map(|contact| {
+            let nodes = contact.nodes.iter().map(|node| PastNode {
+                node: node.node,
+                weight: node.weight,
+                gap: node.gap,
+                pressure: node.pressure,
+                shear: node.shear,
+                status: node.status,
+            });
+            (contact.name.clone(), nodes.collect())
+        });
+        Self {
+            time: solution.time,
+            iterations: solution.solver.iterations,
+            contacts: contacts.collect(),
+        }
+    }
+}
+
+/// Forces that differ by less, relative to the largest and to the tolerance, are the same: both are that near the answer.
+const SAME_FORCE: f64 = 100.0;
+
+/// Weights that differ by less, relative to their size, are those of the same mesh.
+const SAME_WEIGHT: f64 = 1e-9;
+
+/// Times that differ by less, relative to the latest, are the same.
+const SAME_TIME: f64 = 1e-12;
+
+/// Errors: steps that are not the first ones of the model, or all of them.
+pub(crate) fn check_past<const D: usize>(
+    model: &Model<D>,
+    past: &[Past<D>],
+) -> Result<(), Error<D>> {
+    let latest = model.times.iter().fold(0.0, |s: f64, t| s.max(t.abs()));
+    for (index, done) in past.iter().enumerate() {
+        let differs = |what: String| {
+            Err(Error::Past {
+                step: index + 1,
+                what,
+            })
+        };
+        let Some(time) = model.times.get(index) else {
+            return differs(format!("the model has {} steps", model.times.len()));
+        };
+        if (time - done.time).abs() > SAME_TIME * latest {
+            return differs(format!("it was at t = {}, and is at {time} now", done.time));
+        }
+    }
+    match past.len() < model.times.len() {
+        true => Ok(()),
+        false => Err(Error::NothingLeft(past.len())),
+    }
+}
+
+/// The forces of a step that was solved before, and the amplitudes of the rigid motions that its gaps tell.
+///
+/// Errors: other contacts, nodes or weights.
+pub(crate) fn recorded<const D: usize>(
+    condensed: &Condensed<D>,
+    model: &Model<D>,
+    past: &Past<D>,
+) -> Result<Multipliers, String> {
+    let m = condensed.gaps.len();
+    let (mut lambda, mut gaps) = (vec![0.0; m], vec![None; m]);
+    for (contact, (rows, pair)) in model.contacts.iter().zip(row_ranges(&condensed.paired)) {
+        let found = past.contacts.iter().find(|(name, _)| *name == contact.name);
+        let Some((name, nodes)) = found else {
+            return Err(format!("it has no contact \"{}\"", contact.name));
+        };
+        let (lambda, gaps) = (&mut lambda[rows.clone()], &mut gaps[rows]);
+        of_contact(name, pair, nodes, lambda, gaps)?;
+    }
+    let mut multipliers = Multipliers {
+        lambda,
+        alpha: vec![0.0; condensed.problem.balance.load().len()],
+    };
+    let still = condensed.problem.gap(&multipliers);
+    let motion = gaps.iter().zip(&still);
+    let motion: Vec<Option<f64>> = motion.map(|(gap, still)| Some(still - (*gap)?)).collect();
+    multipliers.alpha = amplitudes(
+        condensed.problem.balance.modes().columns(),
+        &motion,
+        multipliers.alpha,
+    );
+    Ok(multipliers)
+}
+
+/// Forces and known gaps of the rows of a contact.
+fn of_contact<const D: usize>(
+    name: &str,
+    pair: &Paired<D>,
+    past: &[PastNode<D>],
+    lambda: &mut [f64],
+    gaps: &mut [Option<f64>],
+) -> Result<(), String> {
+    let nodes = &pair.interface.nodes;
+    let same = |(now, then): (&crate::contact::InterfaceNode<D>, &PastNode<D>)| {
+        now.node == then.node && (now.weight - then.weight).abs() <= SAME_WEIGHT * now.weight.abs()
+    };
+    if nodes.len() != past.len() || !nodes.iter().zip(past).all(same) {
+        return Err(format!(
+            "contact \"{name}\" had other nodes, or weights of nodes"
+        ));
+    }
+    for (now, then) in nodes.iter().zip(past) {
+        if let Some(row) = now.rows[0] {
+            lambda[row] = if then.pressure.is_nan() {
+                0.0
+            } else {
+                then.pressure * then.weight
+            };
+            gaps[row] = Some(then.gap).filter(|gap| gap.is_finite());
+        }
+        for (direction, row) in now.frame.iter().zip(now.rows).skip(1) {
+            let Some(row) = row else { continue };
+            // the rows push the nonmortar body by −λ
+            lambda[row] = -dot(then.shear, *direction) * then.weight;
+            // what sticks has not moved in this step
+            gaps[row] = matches!(then.status, Status::Stick | Status::Tied).then_some(0.0);
+        }
+    }
+    Ok(())
+}
+
+/// α (r,) of least norm with Gᵀα nearest to a motion in the rows where it is known, G by its columns; from zero by conjugate
+/// gradients, which end after r steps.
+fn amplitudes(columns: &[SparseVector], motion: &[Option<f64>], mut alpha: Vec<f64>) -> Vec<f64> {
+    let known: Vec<(&SparseVector, f64)> = columns
+        .iter()
+        .zip(motion)
+        .filter_map(|(column, motion)| Some((column, (*motion)?)))
+        .collect();
+    // G Gᵀ v on the known rows
+    let normal = |v: &[f64]| {
+        let mut product = vec![0.0; v.len()];
+        for (column, _) in &known {
+            column.add_to(column.dot(v), &mut product);
+        }
+        product
+    };
+    let mut rest = vec![0.0; alpha.len()];
+    for (column, motion) in &known {
+        column.add_to(*motion, &mut rest);
+    }
+    let inner = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
+    let mut along = rest.clone();
+    let (start, mut size) = (inner(&rest, &rest), inner(&rest, &rest));
+    for _ in 0..2 * alpha.len() {
+        if size <= f64::EPSILON * f64::EPSILON * start {
+            break;
+        }
+        let product = normal(&along);
+        let step = size / inner(&along, &product);
+        for ((a, r), (p, q)) in alpha
+            .iter_mut()
+            .zip(&mut rest)
+            .zip(along.iter().zip(&product))
+        {
+            *a += step * p;
+            *r -= step * q;
+        }
+        let before = std::mem::replace(&mut size, inner(&rest, &rest));
+        let keep = size / before;
+        along
+            .iter_mut()
+            .zip(&rest)
+            .for_each(|(p, r)| *p = r + keep * *p);
+    }
+    alpha
+}
+
+/// Errors: forces that are not those of the recorded step.
+pub(crate) fn same_forces<const D: usize>(
+    condensed: &Condensed<D>,
+    model: &Model<D>,
+    recorded: &Multipliers,
+    found: &Multipliers,
+) -> Result<(), String> {
+    let largest = recorded.lambda.iter().chain(&found.lambda);
+    let largest = largest.fold(0.0, |s: f64, l| s.max(l.abs()));
+    let limit = SAME_FORCE * model.solver.tolerance * largest;
+    for (contact, (rows, _)) in model.contacts.iter().zip(row_ranges(&condensed.paired)) {
+        let both = recorded.lambda[rows.clone()]
+            .iter()
+            .zip(&found.lambda[rows]);
+        let off = both.map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+        if off > limit {
+            return Err(format!(
+                "the forces of contact \"{}\" differ by {:.1e} of the largest contact force from those that answer this model: loads, materials or friction of the step were others",
+                contact.name,
+                off / largest
+            ));
+        }
+    }
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn amplitudes_fit_the_rows_that_are_known() {
+        // two modes over four rows, of which one is not known
+        let columns = [[1.0, 0.0], [1.0, 1.0], [1.0, 2.0], [1.0, 3.0]];
+        let columns = columns.map(|[a, b]| SparseVector::new(2, [(0, a), (1, b)]));
+        let motion = [0.5, 0.75, f64::NAN, 1.25].map(|v| Some(v).filter(|v| !v.is_nan()));
+        let [a, b] = amplitudes(&columns, &motion, vec![0.0; 2])[..] else {
+            panic!("two modes")
+        };
+        assert!((a - 0.5).abs() < 1e-14 && (b - 0.25).abs() < 1e-14);
+        // nothing known: nothing moves
+        assert_eq!(amplitudes(&columns, &[None; 4], vec![0.0; 2]), [0.0; 2]);
+    }
+}

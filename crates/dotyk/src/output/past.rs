@@ -1,0 +1,236 @@
+//! The steps of an earlier run, read back from its `summary.json` and `contact.csv`.
+
+use crate::model::{Past, PastNode, Status};
+use crate::output::chain::tangent;
+use serde::Deserialize;
+use std::path::{Path, PathBuf};
+
+/// Why the steps of an earlier run cannot be read.
+#[derive(Debug, thiserror::Error)]
+#[error("{}: {why}", file.display())]
+pub struct PastError {
+    /// The file or folder.
+    pub file: PathBuf,
+    /// What is wrong, and what to do.
+    pub why: String,
+}
+
+/// What counts of `summary.json`.
+#[derive(Deserialize)]
+struct Summary {
+    #[serde(flatten)]
+    last: Step,
+    steps: Option<Vec<Step>>,
+}
+
+#[derive(Deserialize)]
+struct Step {
+    converged: bool,
+    iterations: usize,
+    time: f64,
+}
+
+/// The steps that have an answer in the results of an earlier run, at least one.
+///
+/// Errors: files that are missing or are not what a run writes; a run without an answer.
+pub fn past(dir: &Path) -> Result<Vec<Past<2>>, PastError> {
+    let fail = |file: &Path, why: String| PastError {
+        file: file.to_path_buf(),
+        why,
+    };
+    let read = |name: &str| {
+        let file = dir.join(name);
+        let text = std::fs::read_to_string(&file).map_err(|e| {
+            let what = "a run goes on from the folder that `dotyk run` wrote its results to";
+            fail(&file, format!("cannot be read ({e}); {what}"))
+        })?;
+        Ok((file, text))
+    };
+    let (file, text) = read("summary.json")?;
+    let summary: Summary = serde_json::from_str(&text)
+        .map_err(|e| fail(&file, format!("is no summary of a run: {e}")))?;
+    let steps = match summary.steps {
+        Some(steps) => steps,
+        None => vec![summary.last],
+    };
+    let mut past: Vec<Past<2>> = steps
+        .iter()
+        .filter(|step| step.converged)
+        .map(|step| Past {
+            time: step.time,
+            iterations: step.iterations,
+            contacts: Vec::new(),
+        })
+        .collect();
+    if past.is_empty() {
+        let why = "no step of this run has an answer: there is nothing to go on from";
+        return Err(fail(&file, why.to_string()));
+    }
+    let (file, text) = read("contact.csv")?;
+    contacts(&text, &mut past).map_err(|why| fail(&file, why))?;
+    Ok(past)
+}
+
+/// Adds the rows of `contact.csv` to their steps.
+fn contacts(text: &str, past: &mut [Past<2>]) -> Result<(), String> {
+    let mut lines = text.lines();
+    let names: Vec<&str> = lines.next().unwrap_or_default().split(',').collect();
+    let place = |name: &str| names.iter().position(|known| *known == name);
+    let column = |name: &'static str| {
+        let place = place(name);
+        place.map_or_else(
+            || Err(format!("has no column `{name}`")),
+            |at| Ok((at, name)),
+        )
+    };
+    let [step, contact, node, status] = ["step", "contact", "node", "status"].map(column);
+    let (step, contact, node, status) = (step?, contact?, node?, status?);
+    let [nx, ny, weight, gap, pressure] = ["nx", "ny", "weight", "gap", "pressure"].map(column);
+    let numbers = [nx?, ny?, weight?, gap?, pressure?];
+    let shear = place("shear").map(|at| (at, "shear"));
+    for (index, line) in lines.enumerate() {
+        let row = Row {
+            number: index + 2,
+            cells: line.split(',').collect(),
+        };
+        let step: usize = row.number(step)?;
+        let into = step.checked_sub(1).and_then(|k| past.get_mut(k));
+        let Some(into) = into else {
+            return Err(format!(
+                "line {}: step {step} has no answer in summary.json",
+                row.number
+            ));
+        };
+        let [nx, ny, weight, gap, pressure] = numbers.map(|column| row.number::<f64>(column));
+        let along = shear.map_or(Ok(0.0), |column| row.number::<f64>(column))?;
+        let read = PastNode {
+            node: row.number(node)?,
+            weight: weight?,
+            gap: gap?,
+            pressure: pressure?,
+            shear: tangent([nx?, ny?]).map(|t| along * t),
+            status: row.status(status)?,
+        };
+        let name = row.cell(contact)?;
+        match into.contacts.last_mut().filter(|(known, _)| known == name) {
+            Some((_, nodes)) => nodes.push(read),
+            None => into.contacts.push((name.to_string(), vec![read])),
+        }
+    }
+    Ok(())
+}
+
+/// A line of a table.
+struct Row<'t> {
+    number: usize,
+    cells: Vec<&'t str>,
+}
+
+impl<'t> Row<'t> {
+    fn cell(&self, (at, name): (usize, &str)) -> Result<&'t str, String> {
+        let cell = self.cells.get(at).copied();
+        cell.ok_or_else(|| format!("line {} ends before the column `{name}`", self.number))
+    }
+
+    fn number<T: std::str::FromStr>(&self, column: (usize, &str)) -> Result<T, String> {
+        let cell = self.cell(column)?;
+        let wrong = || {
+            format!(
+                "line {}: `{cell}` is no number for `{}`",
+                self.number, column.1
+            )
+        };
+        cell.parse().map_err(|_| wrong())
+    }
+
+    fn status(&self, column: (usize, &str)) -> Result<Status, String> {
+        let cell = self.cell(column)?;
+        let found = Status::ALL.into_iter().find(|status| status.name() == cell);
+        found.ok_or_else(|| format!("line {}: `{cell}` is no status", self.number))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::model::{Law, Model};
+    use crate::output::{csv, json, tunnel};
+
+    fn written(
+        test: &str,
+        change: impl Fn(&str, String) -> String,
+    ) -> Result<Vec<Past<2>>, PastError> {
+        let (mut model, solution): (Model<2>, _) = tunnel::solved();
+        model.contacts[0].law = Law::Coulomb(crate::geometry::Field::constant(0.3));
+        let dir = tunnel::Scratch::new(test);
+        let steps = std::slice::from_ref(&solution);
+        let summary = json::summary(&tunnel::run(&model, &solution));
+        let csv = csv::contact_csv(&model, steps);
+        for (name, text) in [("summary.json", summary), ("contact.csv", csv)] {
+            std::fs::write(dir.path().join(name), change(name, text)).unwrap();
+        }
+        past(dir.path())
+    }
+
+    #[test]
+    fn what_was_written_is_read_back() {
+        let (_, solution) = tunnel::solved();
+        let read = written("past", |_, text| text).unwrap();
+        let expected = Past::from(&solution);
+        assert_eq!(read.len(), 1);
+        assert_eq!(
+            (read[0].time, read[0].iterations),
+            (expected.time, expected.iterations)
+        );
+        let ((name, nodes), (known, original)) = (&read[0].contacts[0], &expected.contacts[0]);
+        assert_eq!((name, nodes.len()), (known, original.len()));
+        for (a, b) in nodes.iter().zip(original) {
+            assert_eq!(
+                (a.node, a.weight, a.pressure, a.status),
+                (b.node, b.weight, b.pressure, b.status)
+            );
+            assert!(a.gap == b.gap || a.gap.is_nan() && b.gap.is_nan());
+            assert!((0..2).all(|d| (a.shear[d] - b.shear[d]).abs() <= 1e-15 * b.pressure.abs()));
+        }
+    }
+
+    #[test]
+    fn what_is_spoilt_is_told_with_its_line() {
+        let spoil = |name: &'static str, from: &'static str, to: &'static str| {
+            let change = |file: &str, text: String| match file == name {
+                true => text.replacen(from, to, 1),
+                false => text,
+            };
+            written("spoilt", change).unwrap_err().to_string()
+        };
+        for (error, words) in [
+            (spoil("summary.json", "{", "["), "is no summary of a run"),
+            (
+                spoil(
+                    "summary.json",
+                    "\"converged\": true",
+                    "\"converged\": false",
+                ),
+                "nothing to go on from",
+            ),
+            (
+                spoil("contact.csv", "weight", "wait"),
+                "has no column `weight`",
+            ),
+            (
+                spoil("contact.csv", "\n1,lining", "\n2,lining"),
+                "line 2: step 2 has no answer",
+            ),
+            (
+                spoil("contact.csv", "\n1,lining", "\n1.5,lining"),
+                "line 2: `1.5` is no number for `step`",
+            ),
+            (
+                spoil("contact.csv", ",closed", ",shut"),
+                "`shut` is no status",
+            ),
+        ] {
+            assert!(error.contains(words), "{words}: {error}");
+        }
+    }
+}

@@ -1,0 +1,100 @@
+//! Runs that go on behind steps that were solved before.
+
+use dotyk::case::Case;
+use dotyk::model::{Law, Past};
+use dotyk::prelude::*;
+use std::path::PathBuf;
+
+fn case(name: &str) -> Model<2> {
+    let path = PathBuf::from(env!("CARGO_MANIFEST_DIR"))
+        .join("../../cases")
+        .join(name);
+    Case::read(&path).unwrap_or_else(|e| panic!("{e}")).model
+}
+
+fn silent(_: dotyk::model::Event) {}
+
+fn forces(solution: &Solution<2>) -> Vec<f64> {
+    let nodes = solution.contacts.iter().flat_map(|contact| &contact.nodes);
+    let each = nodes.flat_map(|n| [n.pressure, n.shear[0], n.shear[1]].map(|t| t * n.weight));
+    each.map(|force| if force.is_nan() { 0.0 } else { force })
+        .collect()
+}
+
+/// Relative to the largest contact force, and to the tolerance.
+fn assert_same(a: &Solution<2>, b: &Solution<2>) {
+    let scale = forces(b).iter().fold(0.0, |s: f64, f| s.max(f.abs()));
+    for (a, b) in forces(a).iter().zip(forces(b)) {
+        assert!((a - b).abs() <= 1e-7 * scale, "{a} {b} of {scale}");
+    }
+    for (a, b) in a.probes.iter().zip(&b.probes) {
+        assert!((a.value - b.value).abs() <= 1e-6 * b.value.abs() + 1e-9 * scale);
+    }
+}
+
+#[test]
+fn a_run_that_goes_on_is_the_whole_run() {
+    for name in [
+        "friction-hysteresis/block_and_spring.toml",
+        "friction-hysteresis/layer_non_matching.toml",
+        "steps-clearance/rising_floor.toml",
+        "cattaneo-mindlin/cycle.toml",
+        "shrink-fit-pull/quad4_non_matching.toml",
+        "tresca-and-coulomb/elastic_coulomb.toml",
+    ] {
+        let model = case(name);
+        let whole = model.solve_steps().unwrap();
+        for done in [1, whole.len() - 1] {
+            let past: Vec<Past<2>> = whole[..done].iter().map(Past::from).collect();
+            let on = model.solve_steps_after(&past, &mut silent);
+            let on = on.unwrap_or_else(|e| panic!("{name}, {done}: {e}"));
+            assert_eq!(on.len(), whole.len());
+            for (step, (a, b)) in on.iter().zip(&whole).enumerate() {
+                assert_same(a, b);
+                if step < done {
+                    assert_eq!(a.solver.iterations, b.solver.iterations);
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn steps_of_another_model_are_refused() {
+    let model = case("friction-hysteresis/block_and_spring.toml");
+    let whole = model.solve_steps().unwrap();
+    let past: Vec<Past<2>> = whole[..2].iter().map(Past::from).collect();
+    let refused = |change: &dyn Fn(&mut Model<2>, &mut Vec<Past<2>>)| {
+        let (mut model, mut past) = (model.clone(), past.clone());
+        change(&mut model, &mut past);
+        model
+            .solve_steps_after(&past, &mut silent)
+            .unwrap_err()
+            .to_string()
+    };
+    let load = refused(&|model, _| model.bodies[0].body_force[1] = Field::constant(-0.3));
+    assert!(
+        load.starts_with("step 1 of the run before is not one of this model"),
+        "{load}"
+    );
+    let friction = refused(&|model, _| {
+        model.contacts[0].law = Law::Coulomb(Field::constant(0.01));
+    });
+    assert!(friction.contains("of the run before"), "{friction}");
+    let time = refused(&|_, past| past[1].time += 1e-3);
+    assert!(
+        time.contains("step 2") && time.contains("it was at t ="),
+        "{time}"
+    );
+    let name = refused(&|_, past| past[0].contacts[0].0 = "other".to_string());
+    assert!(name.contains("it has no contact"), "{name}");
+    let nodes = refused(&|_, past| past[0].contacts[0].1.truncate(1));
+    assert!(nodes.contains("had other nodes"), "{nodes}");
+    let all = refused(&|model, past| {
+        model.times.truncate(1);
+        past.truncate(1);
+    });
+    assert!(all.contains("all 1 steps were solved before"), "{all}");
+    let more = refused(&|model, _| model.times.truncate(1));
+    assert!(more.contains("the model has 1 steps"), "{more}");
+}
