@@ -1,7 +1,7 @@
 //! Progress on standard error: silent unless it is a terminal.
 
 use dotyk::model::{Event, HistoryPoint};
-use indicatif::{ProgressBar, ProgressDrawTarget};
+use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use std::io::IsTerminal;
 use std::time::{Duration, Instant};
 
@@ -21,7 +21,13 @@ fn bar(length: Option<u64>, quiet: bool) -> ProgressBar {
     } else {
         ProgressDrawTarget::hidden()
     };
-    let bar = ProgressBar::with_draw_target(length, target);
+    // both templates are right: their test draws them
+    let style = ProgressStyle::with_template(match length {
+        Some(_) => "  {msg}{wide_bar} {pos} of {len}, {eta} left",
+        None => "  {wide_msg} {elapsed}",
+    });
+    let bar = ProgressBar::with_draw_target(length, target)
+        .with_style(style.unwrap_or_else(|_| ProgressStyle::default_spinner()));
     if visible {
         bar.enable_steady_tick(Duration::from_millis(100));
     }

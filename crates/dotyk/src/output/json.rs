@@ -5,6 +5,7 @@
 use crate::dual::Figure;
 use crate::model::{BodySolution, ContactNode, ContactSolution, Seconds, Solution, Status};
 use crate::output::Overview;
+use crate::output::text::{Labels, THIN};
 use serde::Serialize;
 use std::collections::BTreeMap;
 
@@ -37,7 +38,16 @@ pub fn summary(run: &Overview<'_>) -> String {
     let parameters: BTreeMap<&str, f64> = parameters
         .map(|(name, value)| (name.as_str(), *value))
         .collect();
+    let labels = Labels::of(run.model);
+    let told = |label: &str| (!label.is_empty()).then(|| label.to_string());
+    let units = UnitsEntry {
+        length: told(&labels.length),
+        force: told(&labels.force),
+        stress: told(&labels.stress),
+        energy: told(&labels.energy.replace(THIN, " ")),
+    };
     let summary = Document {
+        units: (units.length.is_some() || units.force.is_some()).then_some(units),
         parameters: (!parameters.is_empty()).then_some(parameters),
         steps: run.has_steps().then(|| earlier.chain(good).collect()),
         last,
@@ -51,6 +61,7 @@ pub fn summary(run: &Overview<'_>) -> String {
 /// One step, counted from 0.
 fn step_summary<'a>(run: &Overview<'a>, solution: &'a Solution<2>, index: usize) -> Summary<'a> {
     let several = run.has_steps();
+    let labels = Labels::of(run.model);
     let bodies = run.model.bodies.iter().zip(&solution.bodies);
     let probes = solution.probes.iter();
     Summary {
@@ -90,6 +101,8 @@ fn step_summary<'a>(run: &Overview<'a>, solution: &'a Solution<2>, index: usize)
                 name: &probe.name,
                 quantity: &probe.quantity,
                 value: probe.value,
+                unit: Some(labels.unit(probe.dimension).to_string())
+                    .filter(|unit| !unit.is_empty()),
                 at: probe.at.map(|at| [at[0], at[1]]),
             })
             .collect(),
@@ -138,6 +151,9 @@ pub fn max_displacement<const D: usize>(body: &BodySolution<D>) -> f64 {
 struct Document<'a> {
     #[serde(flatten)]
     last: Summary<'a>,
+    /// As the case names them.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    units: Option<UnitsEntry>,
     /// Of the case; only where it has some.
     #[serde(skip_serializing_if = "Option::is_none")]
     parameters: Option<BTreeMap<&'a str, f64>>,
@@ -171,6 +187,15 @@ struct Summary<'a> {
     warnings: &'a [String],
     #[serde(skip_serializing_if = "Option::is_none")]
     failed_step: Option<FailedEntry<'a>>,
+}
+
+/// What numbers are measured in; angles are in radians.
+#[derive(Serialize)]
+struct UnitsEntry {
+    length: Option<String>,
+    force: Option<String>,
+    stress: Option<String>,
+    energy: Option<String>,
 }
 
 #[derive(Clone, Serialize)]
@@ -248,6 +273,8 @@ struct ContactEntry<'a> {
     open: usize,
     length: f64,
     max_pressure: f64,
+    /// Null where no node has a pressure.
+    max_pressure_at: Option<&'a [f64]>,
     max_penetration: f64,
     imbalance: f64,
     dissipated_work: f64,
@@ -255,13 +282,16 @@ struct ContactEntry<'a> {
 
 fn contact_entry<const D: usize>(contact: &ContactSolution<D>) -> ContactEntry<'_> {
     let (closed, open) = closed_and_open(&contact.nodes);
+    let pressed = contact.nodes.iter().filter(|n| !n.pressure.is_nan());
+    let hardest = pressed.reduce(|most, n| if n.pressure > most.pressure { n } else { most });
     ContactEntry {
         name: &contact.name,
         resultant: &contact.resultant,
         closed,
         open,
         length: contact.length,
-        max_pressure: largest(contact.nodes.iter().map(|n| n.pressure)),
+        max_pressure: hardest.map_or(f64::NAN, |node| node.pressure),
+        max_pressure_at: hardest.map(|node| &node.point[..]),
         max_penetration: max_penetration(&contact.nodes),
         imbalance: contact.imbalance,
         dissipated_work: contact.dissipated,
@@ -322,6 +352,9 @@ struct ProbeEntry<'a> {
     name: &'a str,
     quantity: &'a str,
     value: f64,
+    /// Where the case names units.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    unit: Option<String>,
     /// Of the largest or smallest value.
     #[serde(skip_serializing_if = "Option::is_none")]
     at: Option<[f64; 2]>,
@@ -358,6 +391,7 @@ mod tests {
             sorted([
                 "case",
                 "version",
+                "units",
                 "time",
                 "converged",
                 "solver",
@@ -408,6 +442,7 @@ mod tests {
                 "open",
                 "length",
                 "max_pressure",
+                "max_pressure_at",
                 "max_penetration",
                 "imbalance",
                 "dissipated_work",
@@ -434,8 +469,23 @@ mod tests {
         );
         assert_eq!(
             keys(&value["probes"][0]),
-            sorted(["name", "quantity", "value"])
+            sorted(["name", "quantity", "value", "unit"])
         );
+        assert_eq!(value["probes"][0]["unit"], "m");
+        let units = [
+            ("length", "m"),
+            ("force", "MN"),
+            ("stress", "MN/m²"),
+            ("energy", "MN m"),
+        ];
+        for (dimension, unit) in units {
+            assert_eq!(value["units"][dimension], unit);
+        }
+        let hardest = solution.contacts[0].nodes.iter();
+        let hardest = hardest
+            .max_by(|a, b| a.pressure.total_cmp(&b.pressure))
+            .unwrap();
+        assert_eq!(value["contacts"][0]["max_pressure_at"][0], hardest.point[0]);
     }
 
     #[test]
@@ -450,6 +500,7 @@ mod tests {
         });
         let mut value: Value = serde_json::from_str(&text).unwrap();
         let steps = value.as_object_mut().unwrap().remove("steps").unwrap();
+        value.as_object_mut().unwrap().remove("units").unwrap();
         assert_eq!(steps[1], value);
         assert_eq!(keys(&steps[0]), keys(&value));
         for (step, time) in [(0, 0.25), (1, 1.0)] {

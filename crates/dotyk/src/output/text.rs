@@ -5,7 +5,7 @@
 use crate::model::{Analysis, Dimension, Model};
 
 /// Thin space that does not break.
-const THIN: char = '\u{202f}';
+pub const THIN: char = '\u{202f}';
 
 /// Significant digits of every number in the report.
 const DIGITS: i32 = 4;
