@@ -1,8 +1,12 @@
 //! Progress on standard error: silent unless it is a terminal.
 
+use dotyk::linalg::Work;
 use dotyk::model::{Event, HistoryPoint};
-use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use indicatif::{ProgressBar, ProgressDrawTarget, ProgressState, ProgressStyle};
+use std::fmt;
 use std::io::IsTerminal;
+use std::sync::atomic::Ordering;
+use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
 
 /// A line that tells the stage and the iteration, and one finished line for each stage.
@@ -11,6 +15,8 @@ pub struct Progress {
     /// The load step before every message, where there are several.
     step: String,
     stage: Option<(&'static str, Instant)>,
+    /// The factorisation that goes on.
+    factoring: Arc<Mutex<Option<Arc<Work>>>>,
 }
 
 /// A line that is drawn on terminals, unless it is to be quiet.
@@ -24,7 +30,7 @@ fn bar(length: Option<u64>, quiet: bool) -> ProgressBar {
     // both templates are right: their test draws them
     let style = ProgressStyle::with_template(match length {
         Some(_) => "  {msg}{wide_bar} {pos} of {len}, {eta} left",
-        None => "  {wide_msg} {elapsed}",
+        None => "  {wide_msg} {work} {elapsed}",
     });
     let bar = ProgressBar::with_draw_target(length, target)
         .with_style(style.unwrap_or_else(|_| ProgressStyle::default_spinner()));
@@ -32,6 +38,24 @@ fn bar(length: Option<u64>, quiet: bool) -> ProgressBar {
         bar.enable_steady_tick(Duration::from_millis(100));
     }
     bar
+}
+
+/// How much of a factorisation is done, what it takes of memory, and how long it will take as it has gone so far.
+fn share(work: &Work, elapsed: Duration) -> String {
+    let bytes = work.bytes.load(Ordering::Relaxed) as f64;
+    let size = match bytes < 1e9 {
+        true => format!("{:.0} MB", (bytes / 1e6).ceil()),
+        false => format!("{:.1} GB", bytes / 1e9),
+    };
+    let part = work.part();
+    let left = elapsed.as_secs_f64() * (1.0 - part) / part;
+    match part > 0.02 && left >= 1.0 {
+        true => format!(
+            "{:.0} %, about {left:.0} s left, {size} of factors",
+            100.0 * part
+        ),
+        false => format!("{:.0} %, {size} of factors", 100.0 * part),
+    }
 }
 
 /// How many of a known number are done.
@@ -61,10 +85,24 @@ impl Count {
 impl Progress {
     /// Silent with `quiet`, and where standard error is not a terminal.
     pub fn new(quiet: bool) -> Self {
+        let factoring: Arc<Mutex<Option<Arc<Work>>>> = Arc::default();
+        let looked_at = Arc::clone(&factoring);
+        // drawn at every tick, while the work goes on elsewhere
+        let draw = move |state: &ProgressState, out: &mut dyn fmt::Write| {
+            let work = looked_at.lock().ok().and_then(|work| work.clone());
+            if let Some(work) = work {
+                // a line that cannot be drawn is no reason to stop
+                let _ = write!(out, "{}", share(&work, state.elapsed()));
+            }
+        };
+        let bar = bar(None, quiet);
+        let style = bar.style().with_key("work", draw);
+        bar.set_style(style);
         Self {
-            bar: bar(None, quiet),
+            bar,
             step: String::new(),
             stage: None,
+            factoring,
         }
     }
 
@@ -88,6 +126,7 @@ impl Progress {
                 self.stage = Some((name, Instant::now()));
                 self.bar.set_message(format!("{}{name}", self.step));
             }
+            Event::Factoring(work) => self.look_at(Some(work)),
             Event::Iteration(HistoryPoint {
                 iteration,
                 residual,
@@ -108,10 +147,40 @@ impl Progress {
         self.bar.finish_and_clear();
     }
 
+    fn look_at(&self, work: Option<Arc<Work>>) {
+        self.bar.reset_elapsed();
+        if let Ok(mut factoring) = self.factoring.lock() {
+            *factoring = work;
+        }
+    }
+
     fn end_stage(&mut self) {
+        self.look_at(None);
         if let Some((name, start)) = self.stage.take() {
             let seconds = start.elapsed().as_secs_f64();
             self.bar.println(format!("  {name:<12} {seconds:8.3} s"));
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_rest_takes_as_long_as_it_has_gone_so_far() {
+        let work = Work {
+            all: 4_000.into(),
+            done: 1_000.into(),
+            bytes: 5_140_000_000.into(),
+        };
+        let told = |seconds| share(&work, Duration::from_secs(seconds));
+        assert_eq!(told(10), "25 %, about 30 s left, 5.1 GB of factors");
+        // what is over in a moment is not told
+        assert_eq!(told(0), "25 %, 5.1 GB of factors");
+        assert_eq!(
+            share(&Work::default(), Duration::ZERO),
+            "0 %, 0 MB of factors"
+        );
     }
 }

@@ -5,7 +5,7 @@
 
 use crate::linalg::{
     Cholesky, Connectivity, Graph, LinalgError, SparseVector, SymbolicCholesky, SymmetricMatrix,
-    fill_reducing_order,
+    Work, fill_reducing_order,
 };
 use std::ops::Range;
 
@@ -83,7 +83,8 @@ impl WeightedGram {
                 values[place as usize] += weight(a, b) * product;
             }
         });
-        self.analysis.factor(&self.pattern.with_values(values))
+        self.analysis
+            .factor(&self.pattern.with_values(values), &Work::default())
     }
 }
 

@@ -11,6 +11,7 @@
 
 use crate::dual::{DualProblem, Scales};
 use crate::fem::Constraints;
+use crate::linalg::Work;
 use crate::model::admissible::{admissible_set, neighbours};
 use crate::model::bodies::{LoadedBody, body_rows, driven, largest_load, least_softness, systems};
 use crate::model::compliance::{compliance, is_assembled};
@@ -83,7 +84,9 @@ pub(crate) fn condense<const D: usize>(
         .zip(rows)
         .map(|(system, rows)| LoadedBody::new(system, rows));
     let bodies: Vec<LoadedBody<D>> = loaded.collect();
-    let factored = factor_bodies(model, &bodies, &ordered)?;
+    let work = Arc::new(work_of(&ordered));
+    observe(Event::Factoring(Arc::clone(&work)));
+    let factored = factor_bodies(model, &bodies, &ordered, &work)?;
     seconds.factor = lap.seconds();
     observe(Event::Stage("condense"));
     let compliance = compliance(&bodies, &factored, &ordered, gaps.len(), dense);
@@ -172,14 +175,28 @@ pub(crate) fn restart<const D: usize>(
     })
 }
 
+/// What the factorisations will take.
+fn work_of(ordered: &[Ordered]) -> Work {
+    let costs = ordered.iter().map(Ordered::cost);
+    let (operations, bytes) = costs.fold((0.0, 0), |(o, b), (operations, bytes)| {
+        (o + operations, b + bytes)
+    });
+    Work {
+        all: (operations as u64).into(),
+        bytes: (bytes as u64).into(),
+        ..Work::default()
+    }
+}
+
 fn factor_bodies<const D: usize>(
     model: &Model<D>,
     bodies: &[LoadedBody<D>],
     ordered: &[Ordered],
+    work: &Work,
 ) -> Result<Vec<FactoredBody>, Error<D>> {
     let each = bodies.par_iter().zip(ordered).enumerate();
     each.map(|(index, (body, ordered))| {
-        let factor = factor(model, index, &body.system, ordered)?;
+        let factor = factor(model, index, &body.system, ordered, work)?;
         Ok(FactoredBody::new(body, Arc::new(factor)))
     })
     .collect()

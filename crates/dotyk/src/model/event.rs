@@ -1,10 +1,12 @@
 //! What an observer of a run is told, and how long its stages take.
 
+use crate::linalg::Work;
 use crate::model::solution::HistoryPoint;
+use std::sync::Arc;
 use std::time::Instant;
 
 /// What an observer of `Model::solve_steps_with` is told.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone)]
 pub enum Event {
     /// A load step begins; its stages and iterations follow.
     Step {
@@ -17,6 +19,8 @@ pub enum Event {
     },
     /// A stage begins.
     Stage(&'static str),
+    /// The bodies are factored from here on; how far that is may be read at any time, from any thread.
+    Factoring(Arc<Work>),
     /// An iteration of the contact solver is done.
     Iteration(HistoryPoint),
 }

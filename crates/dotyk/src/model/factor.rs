@@ -4,7 +4,9 @@
 //! does not change the answer: a different choice changes F by Gᵀ(..) + (..)G only, which Gλ = e and α absorb.
 
 use crate::fem::{BodySystem, FemError, show};
-use crate::linalg::{Cholesky, LinalgError, SymbolicCholesky, expand_to_dofs, fill_reducing_order};
+use crate::linalg::{
+    Cholesky, LinalgError, SymbolicCholesky, Work, expand_to_dofs, fill_reducing_order,
+};
 use crate::model::bodies::{BodyRows, LoadedBody};
 use crate::model::error::Error;
 use crate::model::nouns::Model;
@@ -29,6 +31,13 @@ pub(crate) struct FactoredBody {
     pub factor: Arc<Cholesky>,
     /// u_D + K⁺(f − K u_D), (D·n,), less the rigid motion that u_D contains.
     pub base: Vec<f64>,
+}
+
+impl Ordered {
+    /// Operations of the factorisation, and bytes of the factor.
+    pub fn cost(&self) -> (f64, usize) {
+        (self.analysis.operations(), 8 * self.analysis.stored())
+    }
 }
 
 impl FactoredBody {
@@ -129,16 +138,17 @@ fn grounded_dofs<const D: usize>(
     grounded
 }
 
-/// Factors a body.
+/// Factors a body; `work` counts what is done.
 pub(crate) fn factor<const D: usize>(
     model: &Model<D>,
     body: usize,
     system: &BodySystem<D>,
     ordered: &Ordered,
+    work: &Work,
 ) -> Result<Cholesky, Error<D>> {
     ordered
         .analysis
-        .factor(&system.stiffness)
+        .factor(&system.stiffness, work)
         .map_err(|source| singular(model, body, source))
 }
 
