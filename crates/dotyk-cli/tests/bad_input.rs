@@ -116,6 +116,11 @@ const IN_THE_TEXT: &[Mistake] = &[
     ("{ rectangle = { from = [1.5, 1.0], to = [2.5, 2.0], cells = [2, 2] } }", "{ file = { path = \"punch.msh\" } }", "punch.msh", "there is no such file"),
     ("{ rectangle = { from = [1.5, 1.0], to = [2.5, 2.0], cells = [2, 2] } }", "{ file = { path = \"bad.toml\" } }", "{ file", "neither a Gmsh mesh"),
     ("{ rectangle = { from = [1.5, 1.0], to = [2.5, 2.0], cells = [2, 2] } }", "{ file = { group = \"a\" } }", "{ file", "needs the key `path`"),
+    // what belongs elsewhere, or comes later
+    ("fix = [{ side = \"bottom\"", "pressure = 3\nfix = [{ side = \"bottom\"", "\npressure", "`pressure` is a key of `load`"),
+    ("\"plane-strain\"", "\"2d\"", "2d", "here it is `plane-strain`"),
+    ("[solver]", "[parameters]\na = \"2*b\"\nb = 3\n[solver]", "2*b", "comes after it"),
+    ("young = 210e9, poisson = 0.3 }\nfix = [{ side = \"bottom\"", "young = \"inf\", poisson = 0.3 }\nfix = [{ side = \"bottom\"", "\"inf\"", "no number to compute with"),
     // named points
     ("fix = [{ side = \"bottom\"", "fix = [{ point = \"tip\", x = 0 }, { side = \"bottom\"", "\"tip\"", "has no point `tip`"),
     ("fix = [{ side = \"bottom\"", "points = { tip = [0, 1] }\nfix = [{ point = \"tipp\", x = 0 }, { side = \"bottom\"", "\"tipp\"", "nearest known point is `tip`"),

@@ -6,6 +6,7 @@
 use crate::case::error::Fault;
 use crate::case::expression::{self, Variables};
 use crate::case::parameters::{self, Parameters};
+use crate::case::suggest::{elsewhere, listed};
 use crate::geometry::{Field, Point};
 use std::ops::Range;
 use std::rc::Rc;
@@ -336,7 +337,12 @@ impl Node {
             let message = format!("unknown key `{}`", entry.key);
             let words = ["the nearest known key", "known here"];
             let fault = Fault::new(&entry.key_span, message);
-            return Err(fault.nearest(&entry.key, words, keys.iter().copied()));
+            return Err(match elsewhere(&entry.key, keys) {
+                Some(place) => fault
+                    .label(place)
+                    .help(format!("known here: {}", listed(keys.iter().copied()))),
+                None => fault.nearest(&entry.key, words, keys.iter().copied()),
+            });
         }
         Ok(Table {
             entries,

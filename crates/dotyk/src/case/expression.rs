@@ -358,6 +358,10 @@ impl Parser<'_> {
             let ab = self.arguments(name, start)?;
             return Ok(Tree::Binary(*f, Box::new(ab)));
         }
+        if ["nan", "inf", "infinity"].contains(&name.to_lowercase().as_str()) {
+            let message = format!("`{name}` is no number to compute with");
+            return Err(self.error_at(start, message));
+        }
         let parameters = self.parameters.iter().map(|(name, _)| name.as_str());
         let meaningful = |known: &&str| match self.variables {
             Variables::All => true,

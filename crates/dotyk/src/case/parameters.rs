@@ -55,8 +55,9 @@ fn words_of(node: &Node, words: &mut BTreeSet<String>) {
 pub(crate) fn read(table: &Node, given: &[(String, String)]) -> Result<Parameters, Fault> {
     let entries = table.entries()?;
     let mut values: Vec<(String, f64)> = Vec::with_capacity(entries.len());
-    for entry in entries {
+    for (k, entry) in entries.iter().enumerate() {
         check_name(entry)?;
+        check_order(entry, &entries[k + 1..])?;
         let own = entry.node.number_among(&values)?;
         let other = given.iter().rfind(|(name, _)| *name == entry.key);
         let value = match other {
@@ -68,6 +69,22 @@ pub(crate) fn read(table: &Node, given: &[(String, String)]) -> Result<Parameter
     let mut words = BTreeSet::new();
     words_of(table, &mut words);
     Ok(Parameters { values, words })
+}
+
+/// Refuses an expression of parameters that come later.
+fn check_order(entry: &Entry, later: &[Entry]) -> Result<(), Fault> {
+    let mut words = BTreeSet::new();
+    words_of(&entry.node, &mut words);
+    let Some(other) = later.iter().find(|other| words.contains(&other.key)) else {
+        return Ok(());
+    };
+    let (name, other) = (&entry.key, &other.key);
+    let message = format!("the parameter `{name}` depends on `{other}`, which comes after it");
+    Err(Fault::new(&entry.node.span, message)
+        .label("too early")
+        .help(format!(
+            "a parameter is an expression of those before it: move `{other}` up"
+        )))
 }
 
 fn given_value(

@@ -4,6 +4,8 @@
 //! (optimal string alignment); case does not count. Words of other programs are those of their manuals and input files:
 //! Abaqus, Code_Aster, PLAXIS, CalculiX, and what textbooks write.
 
+use crate::case::keys::ALL;
+
 /// Words of other programs and what they mean here; the file says how to read it.
 const MEANINGS: &str = include_str!("words.txt");
 
@@ -45,6 +47,38 @@ pub fn meaning<'a>(word: &str, known: impl Iterator<Item = &'a str> + Clone) -> 
     })
 }
 
+/// Where a key stands that is none of these, nor one of them misspelled, but one of other tables.
+pub fn elsewhere(key: &str, keys: &[&str]) -> Option<String> {
+    let off = |known: &str| distance(key, known);
+    let slips = if key.chars().count() > 4 { 1 } else { 0 };
+    if keys.iter().any(|known| off(known) <= slips.max(1)) {
+        return None;
+    }
+    let mut tables: Vec<&str> = Vec::new();
+    let found = ALL
+        .iter()
+        .filter(|(table, _)| !["reference", "value"].contains(table));
+    let near = |wanted: usize| {
+        let with = found.clone().filter_map(move |(table, keys)| {
+            let known = keys.iter().find(|known| off(known) == wanted)?;
+            Some((*table, *known))
+        });
+        with.collect::<Vec<_>>()
+    };
+    let there = (0..=slips).map(near).find(|near| !near.is_empty())?;
+    let (_, word) = there[0];
+    for (table, _) in there.iter().filter(|(_, known)| *known == word) {
+        if !tables.contains(table) {
+            tables.push(table);
+        }
+    }
+    // a word of many tables says nothing of where this one belongs
+    (tables.len() <= 2).then(|| {
+        let tables: Vec<String> = tables.iter().map(|table| format!("`{table}`")).collect();
+        format!("`{word}` is a key of {}", tables.join(" and "))
+    })
+}
+
 /// Number of edits between two names.
 fn distance(a: &str, b: &str) -> usize {
     let a: Vec<char> = a.to_lowercase().chars().collect();
@@ -80,6 +114,45 @@ mod tests {
     #[test]
     fn a_swap_is_nearer_than_two_replacements() {
         assert_eq!(nearest("mehs", ["mash", "mesh"]), Some("mesh"));
+    }
+
+    #[test]
+    fn a_key_of_another_table_is_sent_there() {
+        use crate::case::keys;
+        for (key, keys, expected) in [
+            (
+                "pressure",
+                keys::BODY,
+                Some("`pressure` is a key of `load`"),
+            ),
+            (
+                "thicknes",
+                keys::BODY,
+                Some("`thickness` is a key of `material`"),
+            ),
+            (
+                "friction",
+                keys::SOLVER,
+                Some("`friction` is a key of `contact`"),
+            ),
+            (
+                "tolerance",
+                keys::CASE,
+                Some("`tolerance` is a key of `solver`"),
+            ),
+            // slips of the pen stay where they are, and words of many tables lead nowhere
+            ("surfaces", keys::BODY, None),
+            ("meterial", keys::BODY, None),
+            ("nmae", keys::MATERIAL, None),
+            (
+                "sides",
+                keys::BODY,
+                Some("`sides` is a key of `mesh` and `contact`"),
+            ),
+            ("whatever", keys::BODY, None),
+        ] {
+            assert_eq!(elsewhere(key, keys).as_deref(), expected, "{key}");
+        }
     }
 
     #[test]

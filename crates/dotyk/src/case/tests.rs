@@ -534,8 +534,15 @@ fn parameters_stand_for_every_number_and_in_every_expression() {
 #[test]
 fn mistakes_with_parameters_are_underlined() {
     type Pairs = &'static [(&'static str, &'static str)];
-    let mistakes: [(&str, Pairs, Pairs, &str, &str); 16] = [
-        ("E = \"2 * F\"\nF = 1", &[], &[], "unknown name `F`", "F"),
+    let mistakes: [(&str, Pairs, Pairs, &str, &str); 17] = [
+        (
+            "E = \"2 * F\"\nF = 1",
+            &[],
+            &[],
+            "depends on `F`, which comes after it",
+            "\"2 * F\"",
+        ),
+        ("E = \"2 * G\"\nF = 1", &[], &[], "unknown name `G`", "G"),
         ("E = \"x\"", &[], &[], "`x` has no meaning here", "x"),
         ("x = 1", &[], &[], "`x` means something else", "x"),
         ("pi = 3", &[], &[], "`pi` means something else", "pi"),
