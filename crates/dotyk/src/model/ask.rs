@@ -10,7 +10,7 @@ use crate::model::nouns::{Analysis, Contact, Law, Model};
 use crate::model::past::Past;
 use crate::model::reuse::Reuse;
 use crate::model::solution::Solution;
-use crate::model::steps::solve_steps;
+use crate::model::steps::{Given, solve_steps};
 use std::collections::BTreeSet;
 
 /// What is generic is compiled again in every program that calls it, at a minute each. So the doors are not: behind them
@@ -41,7 +41,7 @@ macro_rules! doors {
                 observe: &mut dyn FnMut(Event),
             ) -> Result<Vec<Solution<$D>>, Error<$D>> {
                 self.validate()?;
-                solve_steps(self, &[], None, observe)
+                solve_steps(self, Given::NONE, None, observe)
             }
 
             /// The same, after steps that were solved before: the first ones of this model, with the same forces. They
@@ -55,7 +55,8 @@ macro_rules! doors {
                 observe: &mut dyn FnMut(Event),
             ) -> Result<Vec<Solution<$D>>, Error<$D>> {
                 self.validate()?;
-                solve_steps(self, past, None, observe)
+                let given = Given { past, own: None };
+                solve_steps(self, given, None, observe)
             }
 
             /// All load steps, with what another model of the same stiffness has left: nothing is factored or condensed again where
@@ -68,7 +69,7 @@ macro_rules! doors {
                 observe: &mut dyn FnMut(Event),
             ) -> Result<Vec<Solution<$D>>, Error<$D>> {
                 self.validate()?;
-                solve_steps(self, &[], Some(reuse), observe)
+                solve_steps(self, Given::NONE, Some(reuse), observe)
             }
 
             /// The dual contact problem of the model, for running or comparing solvers without the model: every
