@@ -82,7 +82,7 @@ fn summary(model: &Model<2>, dual: &Dual<2>) -> String {
     };
     let laws = ["unilateral", "free", "tresca", "coulomb"].map(count);
     format!(
-        "{}\nt = {}: {} contact forces, {} rigid amplitudes, {} blocks{}\n\n",
+        "{}\nt = {}, m = {} contact forces, r = {} rigid amplitudes, {} blocks{}\n\n",
         model.title,
         number(dual.time()),
         problem.len(),

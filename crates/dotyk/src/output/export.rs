@@ -14,8 +14,19 @@ use std::io;
 /// Up to so many entries G stands in the archive with its zeros.
 const WHOLE: usize = 10_000_000;
 
-/// Files of an answer, which an export without one takes away.
-pub const ANSWER: [&str; 3] = ["lambda.mtx", "alpha.mtx", "gap.mtx"];
+/// Files that are not there in every export: those of what has no entries, and of an answer.
+pub const OPTIONAL: [&str; 10] = [
+    "F.mtx",
+    "d.mtx",
+    "G.mtx",
+    "e.mtx",
+    "B.mtx",
+    "g0.mtx",
+    "blocks.mtx",
+    "lambda.mtx",
+    "alpha.mtx",
+    "gap.mtx",
+];
 
 /// A matrix by rows, without its zeros.
 struct Sparse {
@@ -82,10 +93,6 @@ impl Sparse {
         archive.integers(&format!("{name}_indptr"), self.starts.clone());
         archive.integers(&format!("{name}_shape"), self.shape().to_vec());
     }
-
-    fn write(&self, out: &mut dyn io::Write) -> io::Result<()> {
-        market::coordinate(out, self.shape(), self.values.len(), self.entries())
-    }
 }
 
 /// Puts all files into a folder's stage.
@@ -116,19 +123,18 @@ pub fn put(
     }
 
     let mut archive = Archive::default();
+    let mut market = Market { stage };
     match &problem.compliance {
         Compliance::Dense(f) => {
             let m = problem.len();
             let columns = move || (0..m).flat_map(move |j| (0..m).map(move |i| f[(i, j)]));
             archive.matrix("F", &[m, m], true, columns);
-            stage.put_with("F.mtx", &mut |out| {
-                market::array(out, [m, m], |i, j| f[(i, j)])
-            })?;
+            market.array("F", [m, m], &|i, j| f[(i, j)])?;
         }
         Compliance::Sparse(f) => {
             let f = Sparse::of(f.cols(), (0..f.rows()).map(|i| f.row(i)));
             f.put_into(&mut archive, "F");
-            stage.put_with("F.mtx", &mut |out| f.write(out))?;
+            market.sparse("F", &f)?;
         }
         Compliance::Operator { .. } => {
             return Err(Error::Unassembled {
@@ -142,42 +148,68 @@ pub fn put(
         true => archive.floats("G", &[r, m], modes.whole()),
         false => modes.put_into(&mut archive, "G"),
     }
+    market.sparse("G", &modes)?;
     jumps.put_into(&mut archive, "B");
+    market.sparse("B", &jumps)?;
     for (name, values) in &vectors {
         archive.floats(name, &[values.len()], values.to_vec());
+        market.array(name, [values.len(), 1], &|i, _| values[i])?;
     }
-    archive.words("block_law", blocks.iter().map(|b| b.name()).collect());
-    archive.integers("block_size", blocks.iter().map(|b| b.size()).collect());
     let terms = || blocks.iter().map(|block| block.terms());
     let (bounds, coefficients) = terms().unzip();
+    archive.words("block_law", blocks.iter().map(|b| b.name()).collect());
+    archive.integers("block_size", blocks.iter().map(|b| b.size()).collect());
     archive.floats("block_bound", &[blocks.len()], bounds);
     archive.floats("block_coefficient", &[blocks.len()], coefficients);
+    market.array("blocks", [blocks.len(), 4], &|i, j| {
+        let block = &blocks[i];
+        let law = LAWS.iter().position(|law| *law == block.name());
+        let (bound, coefficient) = block.terms();
+        let size = block.size() as f64;
+        [law.unwrap_or_default() as f64, size, bound, coefficient][j]
+    })?;
     let weights = unknowns.iter().map(|unknown| unknown.weight).collect();
     archive.floats("weight", &[unknowns.len()], weights);
     stage.put_with("dual.npz", &mut |out| archive.write(out))?;
-
-    stage.put_with("G.mtx", &mut |out| modes.write(out))?;
-    stage.put_with("B.mtx", &mut |out| jumps.write(out))?;
-    for (name, values) in &vectors {
-        stage.put_with(&format!("{name}.mtx"), &mut |out| {
-            market::array(out, [values.len(), 1], |i, _| values[i])
-        })?;
-    }
-    let kinds: Vec<[f64; 4]> = terms()
-        .zip(blocks)
-        .map(|((bound, coefficient), block)| {
-            let law = LAWS.iter().position(|law| *law == block.name());
-            let law = law.unwrap_or_default() as f64;
-            [law, block.size() as f64, bound, coefficient]
-        })
-        .collect();
-    stage.put_with("blocks.mtx", &mut |out| {
-        market::array(out, [kinds.len(), 4], |i, j| kinds[i][j])
-    })?;
     stage.put("rows.csv", rows_csv(dual, &unknowns).as_bytes())?;
     let shape = [m, r, jumps.columns];
     let text = description(dual, shape, answer.is_some(), stem);
     stage.put("dual.txt", text.as_bytes())
+}
+
+/// `.mtx` files, but for matrices without rows or columns: readers stumble over these.
+struct Market<'a> {
+    stage: &'a mut Stage,
+}
+
+impl Market<'_> {
+    fn array(
+        &mut self,
+        name: &str,
+        shape: [usize; 2],
+        entry: &dyn Fn(usize, usize) -> f64,
+    ) -> Result<(), Error> {
+        self.put(name, shape, &mut |out| market::array(out, shape, entry))
+    }
+
+    fn sparse(&mut self, name: &str, matrix: &Sparse) -> Result<(), Error> {
+        let (shape, count) = (matrix.shape(), matrix.values.len());
+        self.put(name, shape, &mut |out| {
+            market::coordinate(out, shape, count, matrix.entries())
+        })
+    }
+
+    fn put(
+        &mut self,
+        name: &str,
+        shape: [usize; 2],
+        write: &mut dyn FnMut(&mut dyn io::Write) -> io::Result<()>,
+    ) -> Result<(), Error> {
+        match shape.contains(&0) {
+            true => Ok(()),
+            false => self.stage.put_with(&format!("{name}.mtx"), write),
+        }
+    }
 }
 
 /// The laws of blocks; their place is their number in `blocks.mtx`.
@@ -237,7 +269,8 @@ fn description(dual: &Dual<2>, [m, r, n]: [usize; 3], answered: bool, stem: &str
     gap = F lambda - d - G' alpha = g0 - B u
 
 m = {m} contact forces lambda, r = {r} rigid amplitudes alpha, n = {n} displacements u.
-Forces (lambda, e) in {force}, {extent}; lengths (d, alpha, gap, g0, u) in {length}.
+Forces (lambda, e) in {force}, {extent}.
+Lengths (d, alpha, gap, g0, u) in {length}.
 
 SIGNS. A normal gap >= 0 is open, a normal lambda >= 0 is compression; pressure = lambda / weight. A tangential gap is minus
 the slip of this load step, and lambda points along the slip. The nodal forces of the contacts on the bodies are -B' lambda.
@@ -247,8 +280,8 @@ LAMBDA is a product of blocks, one for each node, whose rows follow each other:
   1 free        1 row or more          gap = 0 (a tie)
   2 tresca      normal, then tangent   normal as unilateral; |lambda_t| <= bound; below it gap_t = 0, at it lambda_t and gap_t
                                        have opposite signs
-  3 coulomb     normal, then tangent   the same with bound + coefficient lambda_n; with cohesion bound > 0 counts only
-                                       while lambda_n > 0. Not a minimum: the bound follows from lambda_n
+  3 coulomb     normal, then tangent   |lambda_t| <= bound + coefficient lambda_n, else as tresca; a bound > 0 is cohesion
+                                       and counts only while lambda_n > 0. No minimum: the bound follows from lambda_n
 With friction the gaps hold for one load step: what slipped in earlier ones is in g0 and d.
 
 ROWS go contact by contact in the order of the case and node by node in that of contact.csv, without the nodes that are
@@ -264,8 +297,8 @@ FILES. dual.npz has all of it for NumPy: F, d, G, e, g0, block_law, block_size, 
 row, and B (and, where most of their entries are zeros, F and G) as parts:
   z = numpy.load(\"dual.npz\")
   B = scipy.sparse.csr_array((z[\"B_data\"], z[\"B_indices\"], z[\"B_indptr\"]), shape=z[\"B_shape\"])
-F.mtx, d.mtx, G.mtx, e.mtx, g0.mtx, B.mtx are the same as Matrix Market text; blocks.mtx has a row for each block: number of
-its law as above, number of rows, bound, coefficient.
+F.mtx, d.mtx, G.mtx, e.mtx, g0.mtx, B.mtx are the same as Matrix Market text; what has no rows or columns has no such file.
+blocks.mtx has a row for each block: number of its law as above, number of rows, bound, coefficient.
 {answer}.
 ",
         time = dual.time(),

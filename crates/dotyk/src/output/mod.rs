@@ -329,7 +329,7 @@ pub fn write_dual(
 ) -> Result<Vec<PathBuf>, Error> {
     let mut stage = Stage::open(dir)?;
     export::put(&mut stage, dual, answer, stem)?;
-    stage.commit(&export::ANSWER.map(String::from))
+    stage.commit(&export::OPTIONAL.map(String::from))
 }
 
 /// Names that can be files, and counts that agree in every step.
