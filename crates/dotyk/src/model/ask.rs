@@ -79,7 +79,8 @@ macro_rules! doors {
             /// Solves the model with a solver of one's own and returns the solution of its last load step.
             ///
             /// The solver is asked once in each step, from the answer of the step before. Its forces are judged as those
-            /// of every method, and nothing is done to improve them.
+            /// of every method, and nothing is done to improve them: figures are relative to the displacements, and may
+            /// ask for some digits more than [`DualProblem::kkt_residual`].
             ///
             /// Errors: see [`Error`]; `NotConverged` where the certificate does not hold, with the solution that its
             /// forces make; `Solver` with its own error, or where its forces have wrong lengths or are not finite.

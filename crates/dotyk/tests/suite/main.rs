@@ -17,6 +17,7 @@ mod names;
 mod norms;
 mod outline;
 mod past;
+mod own;
 mod patch;
 mod rates;
 mod solvers;
