@@ -122,11 +122,15 @@ pub fn put(
         vectors.push(("gap", gap));
     }
 
+    let [r, m] = modes.shape();
+    let text = description(dual, [m, r, jumps.columns], answer.is_some(), stem);
+    stage.put("dual.txt", text.as_bytes())?;
+    stage.put("rows.csv", rows_csv(dual, &unknowns).as_bytes())?;
+
     let mut archive = Archive::default();
     let mut market = Market { stage };
     match &problem.compliance {
         Compliance::Dense(f) => {
-            let m = problem.len();
             let columns = move || (0..m).flat_map(move |j| (0..m).map(move |i| f[(i, j)]));
             archive.matrix("F", &[m, m], true, columns);
             market.array("F", [m, m], &|i, j| f[(i, j)])?;
@@ -143,7 +147,6 @@ pub fn put(
             });
         }
     }
-    let [r, m] = modes.shape();
     match r * m <= WHOLE {
         true => archive.floats("G", &[r, m], modes.whole()),
         false => modes.put_into(&mut archive, "G"),
@@ -170,11 +173,7 @@ pub fn put(
     })?;
     let weights = unknowns.iter().map(|unknown| unknown.weight).collect();
     archive.floats("weight", &[unknowns.len()], weights);
-    stage.put_with("dual.npz", &mut |out| archive.write(out))?;
-    stage.put("rows.csv", rows_csv(dual, &unknowns).as_bytes())?;
-    let shape = [m, r, jumps.columns];
-    let text = description(dual, shape, answer.is_some(), stem);
-    stage.put("dual.txt", text.as_bytes())
+    stage.put_with("dual.npz", &mut |out| archive.write(out))
 }
 
 /// `.mtx` files, but for matrices without rows or columns: readers stumble over these.
