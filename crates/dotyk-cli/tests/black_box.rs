@@ -1069,7 +1069,7 @@ fn a_problem_too_large_for_a_file_is_refused() {
         steel(
             "strip",
             long,
-            "{ side = \"left\", x = 0 }",
+            "{ side = \"top\", x = 0 }",
             "{ side = \"top\", pressure = 1 }",
         ),
         format!("[[contact]]\nname = \"floor\"\nnonmortar = \"strip.bottom\"\n{plane}\n"),

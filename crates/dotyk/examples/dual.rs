@@ -1,15 +1,15 @@
 //! The dual problem of a model, taken out and brought back: F, d, G and e for a method that knows nothing of bodies, and from
 //! its forces to displacements, stresses and a certificate. The bodies are factored once for all of it.
 //!
-//! The method here is the oldest one: forces are changed one after the other until every gap is open or its force zero
-//! (Gauss and Seidel, projected), and a wedge between two walls is held, so that nothing floats and Gλ = e is empty.
+//! The method here is the oldest one: forces are changed one after the other until every gap is closed or its force zero
+//! (Gauss and Seidel, projected). The body is held, so that nothing floats and Gλ = e is empty.
 //!
 //! `cargo run --release --example dual`
 
 use dotyk::dual::{Compliance, Multipliers};
 use dotyk::prelude::*;
 
-/// A block of steel with a bowl in its floor, pressed down: how far it touches is not known.
+/// A block of steel pressed onto a floor that falls away to both sides: how far it touches is not known.
 pub fn model() -> Result<Model<2>, MeshError> {
     let block = Rectangle {
         from: [-1.0, 0.0],
@@ -26,7 +26,7 @@ pub fn model() -> Result<Model<2>, MeshError> {
     let block = model.body("block", block.build()?, steel);
     model.fix(block, "top", [Some(0.0), None]).obstacle(
         (block, "bottom"),
-        Field::function("bowl", |p, _| 1e-5 * p[0] * p[0]),
+        Field::function("floor", |p, _| 1e-5 * p[0] * p[0]),
     );
     model.bodies[0].supports[0].components[1] = Some(Field::constant(-1e-5));
     Ok(model)

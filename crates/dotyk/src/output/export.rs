@@ -284,7 +284,7 @@ LAMBDA is a product of blocks, one for each node, whose rows follow each other:
 With friction the gaps hold for one load step: what slipped in earlier ones is in g0 and d.
 
 ROWS go contact by contact in the order of the case and node by node in that of contact.csv, without the nodes that are
-`fixed` there or face nothing (their gap is NaN); rows.csv tells contact, node, direction and weight of each.
+`fixed` there, face nothing or take no part (their gap is NaN); rows.csv tells contact, node, direction and weight of each.
 
 COLUMNS of B and u are displacements in the directions {axes}, prescribed ones included, node by node (column first + 2 node
 + direction, all from 0):

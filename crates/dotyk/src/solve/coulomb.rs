@@ -320,7 +320,7 @@ mod tests {
         else {
             panic!("{error}");
         };
-        assert_eq!((method, outcome.iterations), ("newton", 3));
+        assert_eq!((method.as_str(), outcome.iterations), ("newton", 3));
         let guess = Multipliers {
             lambda: vec![1.0],
             alpha: Vec::new(),

@@ -70,9 +70,9 @@ mod tests {
     use crate::solve::tests::{of, silent};
     use crate::solve::{Bolt, Newton};
 
-    type Answer = dyn Fn(&DualProblem) -> Result<Outcome, SolveError> + Sync;
+    type Answer<'a> = dyn Fn(&DualProblem) -> Result<Outcome, SolveError> + Sync + 'a;
 
-    struct Says<'a>(&'a Answer);
+    struct Says<'a>(&'a Answer<'a>);
 
     impl ContactSolver for Says<'_> {
         fn name(&self) -> &str {
@@ -96,7 +96,7 @@ mod tests {
         of(f, &[0.0, 0.5], vec![Block::Unilateral; 2], (&modes, &[2.0]))
     }
 
-    fn solved(answer: &Answer) -> Result<Outcome, SolveError> {
+    fn solved(answer: &Answer<'_>) -> Result<Outcome, SolveError> {
         Foreign(&Says(answer)).solve(&problem(), None, &mut silent)
     }
 
@@ -144,7 +144,7 @@ mod tests {
                 residual: 1.0,
                 reason: String::new(),
             };
-            let answers: [&Answer; 2] = [&|_| Ok(forces(lambda, alpha)), &|p| Err(given_up(p))];
+            let answers: [&Answer<'_>; 2] = [&|_| Ok(forces(lambda, alpha)), &|p| Err(given_up(p))];
             for answer in answers {
                 let message = solved(answer).unwrap_err().to_string();
                 assert!(

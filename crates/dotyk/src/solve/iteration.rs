@@ -406,7 +406,10 @@ mod tests {
         else {
             panic!("{error}");
         };
-        assert_eq!((method, reason.as_str()), ("gradient", "read another list"));
+        assert_eq!(
+            (method.as_str(), reason.as_str()),
+            ("gradient", "read another list")
+        );
         assert_eq!(
             (outcome.iterations, outcome.multipliers.lambda[0]),
             (2, 2.0)
