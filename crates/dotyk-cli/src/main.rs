@@ -5,6 +5,7 @@
 
 mod check;
 mod compare;
+mod export;
 mod failure;
 mod given;
 mod keys;
@@ -42,6 +43,8 @@ enum Command {
     Compare(compare::Arguments),
     /// Solve one case for many values of its parameters
     Study(study::Arguments),
+    /// Write the contact problem of a case, F, d, G, e, Λ and B, for solvers elsewhere
+    Export(export::Arguments),
     /// List every key of a case file
     #[command(visible_alias = "keys", after_long_help = keys::TEXT)]
     Reference,
@@ -68,6 +71,7 @@ fn main() -> ExitCode {
         Command::Verify(arguments) => verify::verify(&arguments),
         Command::Compare(arguments) => compare::compare(&arguments),
         Command::Study(arguments) => study::study(&arguments),
+        Command::Export(arguments) => export::export(&arguments),
         Command::Completions { shell } => {
             let mut script = Vec::new();
             clap_complete::generate(shell, &mut Cli::command(), "dotyk", &mut script);

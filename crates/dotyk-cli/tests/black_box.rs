@@ -1,5 +1,8 @@
 //! What a user sees of the program: exit status, result files and their numbers, on small cases with known answers.
 
+mod arrays;
+
+use arrays::{Archive, market};
 use serde_json::Value;
 use std::path::{Path, PathBuf};
 use std::process::Command;
@@ -845,6 +848,238 @@ fn a_block_that_slides_is_an_answer_with_body_direction_and_load_factor() {
     ] {
         assert!(message.contains(word), "no {word} in {message}");
     }
+}
+
+/// A tied cap on a block that friction holds on a held one, pushed in the second of two steps.
+fn cap_on_block() -> String {
+    let cap = "rectangle = { from = [0, 2], to = [1, 2.5], cells = [3, 2] }";
+    let load = "{ side = \"top\", traction = [\"Q * (t - 1)\", -2e6] }";
+    [
+        HEAD.to_string(),
+        "[parameters]\nQ = 3e5\n".to_string(),
+        steel("low", LOW, HELD, ""),
+        steel("up", UP, "", ""),
+        steel("cap", cap, "", load),
+        contact("sole", "up.bottom", "low.top", "friction = 0.4"),
+        contact("glue", "cap.bottom", "up.top", "tied = true"),
+        steps(&[1.0, 2.0]),
+    ]
+    .concat()
+}
+
+#[test]
+fn an_export_is_the_problem_whose_forces_and_gaps_a_run_has_found() {
+    let text = cap_on_block();
+    let run = Run::solved("exported", &text);
+    let out = run.folder.join("case-out");
+    let export = |arguments: &[&str]| {
+        let output = Command::new(env!("CARGO_BIN_EXE_dotyk"))
+            .args([&["export", "case.toml"], arguments].concat())
+            .current_dir(&run.folder)
+            .output()
+            .unwrap();
+        assert_eq!(output.status.code(), Some(0), "{output:?}");
+        String::from_utf8(output.stdout).unwrap()
+    };
+    let said = export(&["--threads", "1"]);
+    for word in ["m = 18 contact forces", "9 blocks", "5 coulomb", "4 free"] {
+        assert!(said.contains(word), "no {word} in {said}");
+    }
+    let archive = Archive::read(&out.join("dual.npz"));
+    let matrix = |name: &str| match name {
+        "F" | "G" | "B" => archive.matrix(name),
+        vector => {
+            let entries = archive.numbers(vector);
+            arrays::Matrix {
+                rows: entries.len(),
+                columns: 1,
+                entries,
+            }
+        }
+    };
+    let names = ["F", "G", "B", "d", "e", "g0", "lambda", "alpha", "gap"];
+    for name in names {
+        let text = market(&out.join(format!("{name}.mtx")));
+        assert_eq!(
+            text,
+            matrix(name),
+            "{name}: both formats hold the same bits"
+        );
+    }
+    let [f, g, b] = ["F", "G", "B"].map(matrix);
+    let [d, e, g0, lambda, alpha, gap] =
+        ["d", "e", "g0", "lambda", "alpha", "gap"].map(|name| matrix(name).entries);
+    assert_eq!((f.rows, f.columns, g.columns), (18, 18, 18));
+
+    // gap = F lambda − d − G' alpha, and the balance of what floats
+    let (product, rigid) = (f.times(&lambda), g.transposed().times(&alpha));
+    let length = d.iter().fold(0.0, |s: f64, d| s.max(d.abs()));
+    for i in 0..18 {
+        let expected = product[i] - d[i] - rigid[i];
+        assert!((gap[i] - expected).abs() < 1e-12 * length, "row {i}");
+    }
+    let force = lambda.iter().fold(0.0, |s: f64, l| s.max(l.abs()));
+    for (carried, load) in g.times(&lambda).iter().zip(&e) {
+        assert!((carried - load).abs() < 1e-9 * force, "{carried} {load}");
+    }
+
+    // what contact.csv says of the last step, row by row
+    let last: Vec<usize> = {
+        let steps = run.column("step");
+        (0..steps.len()).filter(|&k| steps[k] == "2").collect()
+    };
+    let column = |name: &str| -> Vec<f64> {
+        let all = run.column(name);
+        last.iter().map(|&k| all[k].parse().unwrap()).collect()
+    };
+    let [gaps, pressures, shears, weights] = ["gap", "pressure", "shear", "weight"].map(column);
+    let rows = std::fs::read_to_string(out.join("rows.csv")).unwrap();
+    let rows: Vec<Vec<&str>> = rows
+        .lines()
+        .skip(1)
+        .map(|l| l.split(',').collect())
+        .collect();
+    assert_eq!((rows.len(), last.len()), (18, 9));
+    let nodes = run.column("node");
+    for (i, row) in rows.iter().enumerate() {
+        let (block, component) = (row[1].parse::<usize>().unwrap(), row[5]);
+        assert_eq!(row[0], i.to_string());
+        assert_eq!(row[4], nodes[last[block]], "row {i}");
+        let per_area = lambda[i] / weights[block];
+        let [along, across]: [f64; 2] = [8, 9].map(|k| row[k].parse().unwrap());
+        let expected = match component {
+            "normal" => pressures[block],
+            // shear is ON the nonmortar body and along the normal turned by +90°: here the x axis
+            _ => -shears[block] * along,
+        };
+        assert!(
+            (per_area - expected).abs() < 1e-9 * 2e6,
+            "row {i}: {per_area} {expected}"
+        );
+        if component == "normal" {
+            assert!((gap[i] - gaps[block]).abs() < 1e-9 * length, "row {i}");
+            assert!(along.abs() < 1e-15 && across == -1.0);
+        }
+    }
+    assert_eq!(archive.numbers("weight").len(), 18);
+
+    // blocks: the friction of the sole, then the tie
+    let laws = archive.words("block_law");
+    assert_eq!(laws[..5], ["coulomb"; 5]);
+    assert_eq!(laws[5..], ["free"; 4]);
+    assert_eq!(archive.counts("block_size").iter().sum::<usize>(), 18);
+    let table = market(&out.join("blocks.mtx"));
+    for block in 0..9 {
+        let own: [f64; 4] = std::array::from_fn(|k| table.at(block, k));
+        let expected = match block < 5 {
+            true => [3.0, 2.0, 0.0, 0.4],
+            false => [1.0, own[1], 0.0, 0.0],
+        };
+        assert_eq!(own, expected);
+    }
+
+    // B: what slipped in the first step is in g0, and the bodies feel −B' lambda
+    assert_eq!(b.rows, 18);
+    let push = b.transposed().times(&lambda);
+    let dofs = [0, 2 * 25, 2 * 50, 2 * 62];
+    assert_eq!(b.columns, dofs[3]);
+    let vertical = |body: usize| -> f64 {
+        (dofs[body]..dofs[body + 1])
+            .skip(1)
+            .step_by(2)
+            .map(|j| -push[j])
+            .sum()
+    };
+    assert_near(vertical(0), -2e6, 1e-9);
+    assert_near(vertical(2), 2e6, 1e-9);
+    assert!(vertical(1).abs() < 1e-3);
+    assert!(
+        g0.iter().any(|g| *g != 0.0),
+        "the first step has slipped or strained"
+    );
+
+    // the first step by itself, with another push
+    export(&["--time", "1", "--set", "Q=1", "--out", "first"]);
+    let first = Archive::read(&run.folder.join("first/dual.npz"));
+    assert_eq!(first.numbers("g0"), [0.0; 18]);
+    assert_eq!(first.matrix("F"), f);
+    let text = std::fs::read_to_string(out.join("dual.txt")).unwrap();
+    for line in [
+        "0 to 49: low",
+        "50 to 99: up",
+        "100 to 123: cap",
+        "at t = 2.0",
+    ] {
+        assert!(text.contains(line), "no {line} in {text}");
+    }
+}
+
+#[test]
+fn a_problem_without_an_answer_is_exported_all_the_same() {
+    let run = Run::new("export_rests", &slope(0.5, ""), "export", &[]);
+    assert_eq!(run.status, Some(0), "{}", run.stderr);
+    assert!(run.files().contains(&"lambda.mtx".to_string()));
+    std::fs::write(run.folder.join("case.toml"), slope(1.25, "")).unwrap();
+    let output = Command::new(env!("CARGO_BIN_EXE_dotyk"))
+        .args(["export", "case.toml"])
+        .current_dir(&run.folder)
+        .output()
+        .unwrap();
+    assert_eq!(output.status.code(), Some(0));
+    let told = String::from_utf8(output.stderr).unwrap();
+    assert!(
+        told.contains("without an answer") && told.contains("slides"),
+        "{told}"
+    );
+    let files = run.files();
+    for gone in ["lambda.mtx", "alpha.mtx", "gap.mtx"] {
+        assert!(
+            !files.contains(&gone.to_string()),
+            "{gone} is of the other problem"
+        );
+    }
+    let archive = Archive::read(&run.folder.join("case-out/dual.npz"));
+    assert!(archive.has("d") && !archive.has("lambda"));
+}
+
+#[test]
+fn an_export_without_floating_bodies_has_no_files_of_their_balance() {
+    let run = Run::new(
+        "export_held",
+        &stack(1e6, "").replace(SLIDES, "{ side = \"top\", x = 0, y = -1e-6 }"),
+        "export",
+        &[],
+    );
+    assert_eq!(run.status, Some(0), "{}", run.stderr);
+    let files = run.files();
+    assert!(!files.contains(&"G.mtx".to_string()) && !files.contains(&"e.mtx".to_string()));
+    let archive = Archive::read(&run.folder.join("case-out/dual.npz"));
+    assert_eq!(
+        (archive.numbers("G").len(), archive.numbers("e").len()),
+        (0, 0)
+    );
+}
+
+#[test]
+fn a_problem_too_large_for_a_file_is_refused() {
+    let long = "rectangle = { from = [0, 0], to = [8192, 1], cells = [8192, 1] }";
+    let plane = "obstacle = { plane = { point = [0, 0], normal = [0, 1] } }";
+    let text = [
+        HEAD.to_string(),
+        steel(
+            "strip",
+            long,
+            "{ side = \"top\", x = 0 }",
+            "{ side = \"top\", pressure = 1 }",
+        ),
+        format!("[[contact]]\nname = \"floor\"\nnonmortar = \"strip.bottom\"\n{plane}\n"),
+    ];
+    let run = Run::new("export_too_large", &text.concat(), "export", &[]);
+    assert_eq!(run.status, Some(2), "{}", run.stdout);
+    for word in ["8193 contact unknowns", "up to 8192"] {
+        assert!(run.stderr.contains(word), "no {word} in {}", run.stderr);
+    }
+    assert_eq!(run.files(), [""; 0]);
 }
 
 /// Runs `dotyk verify` on some folders of another one: its status, standard output and standard error.

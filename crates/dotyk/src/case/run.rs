@@ -118,7 +118,7 @@ impl fmt::Display for Run {
         }
         let solver = self.steps.last().map(|last| &last.solver);
         if let Some(solver) = solver.filter(|solver| solver.iterations > 0) {
-            let (iterations, method) = (solver.iterations, solver.method);
+            let (iterations, method) = (solver.iterations, &solver.method);
             write!(
                 f,
                 "not converged after {iterations} iterations of {method}: "

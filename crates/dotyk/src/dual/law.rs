@@ -236,6 +236,22 @@ impl Block {
         matches!(self, Self::Free { .. })
     }
 
+    /// What it can bear, in a word: `free`, `unilateral`, `tresca`, or `coulomb`, which may have cohesion.
+    pub fn name(&self) -> &'static str {
+        match self.friction() {
+            None if self.is_free() => "free",
+            None => "unilateral",
+            Some(Friction::Tresca { .. }) => "tresca",
+            Some(Friction::Coulomb { .. } | Friction::Cohesive { .. }) => "coulomb",
+        }
+    }
+
+    /// A force and a number: beside λₙ it bears ‖λₜ‖ ≤ force + number · λₙ (a cohesive one while λₙ > 0); zeros without
+    /// friction.
+    pub fn terms(&self) -> (f64, f64) {
+        self.friction().map_or((0.0, 0.0), |law| law.terms())
+    }
+
     /// Its law of friction, where it has one.
     pub fn friction(&self) -> Option<Friction> {
         match *self {

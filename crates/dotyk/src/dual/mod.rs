@@ -338,6 +338,25 @@ impl DualProblem {
         Ok(())
     }
 
+    /// Some λ and α are of this problem: (m,) and (r,), all finite.
+    pub fn check_multipliers(&self, multipliers: &Multipliers) -> Result<(), DualError> {
+        let Multipliers { lambda, alpha } = multipliers;
+        for (part, values, expected) in [
+            ("λ", lambda, self.len()),
+            ("α", alpha, self.balance.load().len()),
+        ] {
+            if values.len() != expected {
+                return Err(DualError::Length {
+                    part,
+                    found: values.len(),
+                    expected,
+                });
+            }
+            finite(part, values.iter())?;
+        }
+        Ok(())
+    }
+
     /// Number m of contact forces.
     pub fn len(&self) -> usize {
         self.shift.len()

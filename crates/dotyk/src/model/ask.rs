@@ -1,17 +1,21 @@
 //! What a model can be asked: its solution, its dual problem, a check, a comparison of solvers.
 
-use crate::dual::DualProblem;
+use crate::dual::{Certificate, DualProblem, Multipliers};
+use crate::linalg::SparseMatrix;
 use crate::model::check::{Check, check};
 use crate::model::compare::{ComparisonRow, compare, compare_steps};
-use crate::model::condense::condense;
+use crate::model::compliance::DENSE_LIMIT;
+use crate::model::dual::{Dual, Unknown};
 use crate::model::error::Error;
 use crate::model::event::Event;
-use crate::model::nouns::{Analysis, Contact, Law, Model};
+use crate::model::nouns::{Analysis, Contact, Law, Method, Model};
 use crate::model::past::Past;
 use crate::model::reuse::Reuse;
 use crate::model::solution::Solution;
-use crate::model::steps::solve_steps;
+use crate::model::steps::{Given, condense_step, solve_steps};
+use crate::solve::ContactSolver;
 use std::collections::BTreeSet;
+use std::ops::Range;
 
 /// What is generic is compiled again in every program that calls it, at a minute each. So the doors are not: behind them
 /// everything is compiled here, once for each dimension.
@@ -41,7 +45,7 @@ macro_rules! doors {
                 observe: &mut dyn FnMut(Event),
             ) -> Result<Vec<Solution<$D>>, Error<$D>> {
                 self.validate()?;
-                solve_steps(self, &[], None, observe)
+                solve_steps(self, Given::NONE, None, observe)
             }
 
             /// The same, after steps that were solved before: the first ones of this model, with the same forces. They
@@ -55,7 +59,8 @@ macro_rules! doors {
                 observe: &mut dyn FnMut(Event),
             ) -> Result<Vec<Solution<$D>>, Error<$D>> {
                 self.validate()?;
-                solve_steps(self, past, None, observe)
+                let given = Given { past, own: None };
+                solve_steps(self, given, None, observe)
             }
 
             /// All load steps, with what another model of the same stiffness has left: nothing is factored or condensed again where
@@ -68,21 +73,58 @@ macro_rules! doors {
                 observe: &mut dyn FnMut(Event),
             ) -> Result<Vec<Solution<$D>>, Error<$D>> {
                 self.validate()?;
-                solve_steps(self, &[], Some(reuse), observe)
+                solve_steps(self, Given::NONE, Some(reuse), observe)
             }
 
-            /// The dual contact problem of the model, for running or comparing solvers without the model: every
-            /// multiplier in the order of the contacts and, within one, of [`crate::model::ContactSolution::nodes`]
-            /// (nodes whose normal displacement is prescribed have none).
+            /// Solves the model with a solver of one's own and returns the solution of its last load step.
             ///
-            /// It is that of the last load step. F is assembled up to `dense_limit` nodes, or as many entries in all
-            /// as theirs ([`DENSE_LIMIT`](crate::model::DENSE_LIMIT) in [`Self::solve`]), of many bodies without its
-            /// zeros; above, each product is one solve with every body.
+            /// The solver is asked once in each step, from the answer of the step before. Its forces are judged as those
+            /// of every method, and nothing is done to improve them: figures are relative to the displacements, and may
+            /// ask for some digits more than [`DualProblem::kkt_residual`].
             ///
-            /// Errors: as [`Self::solve`], but for those of the contact solver.
+            /// Errors: see [`Error`]; `NotConverged` where the certificate does not hold, with the solution that its
+            /// forces make; `Solver` with its own error, or where its forces have wrong lengths or are not finite.
+            pub fn solve_by(&self, solver: &dyn ContactSolver) -> Result<Solution<$D>, Error<$D>> {
+                let last = self.solve_steps_by(solver, &mut |_| {})?.pop();
+                last.ok_or(Error::NoStep)
+            }
+
+            /// The same, with all load steps, and tells an observer what happens.
+            ///
+            /// Errors: as [`Self::solve_by`], with the steps before the one that failed.
+            pub fn solve_steps_by(
+                &self,
+                solver: &dyn ContactSolver,
+                observe: &mut dyn FnMut(Event),
+            ) -> Result<Vec<Solution<$D>>, Error<$D>> {
+                self.validate()?;
+                let own = Some(solver);
+                solve_steps(self, Given { past: &[], own }, None, observe)
+            }
+
+            /// The dual problem of the load step at a time, with the way from its forces to a solution. Friction counts
+            /// the slip since the last of the model's steps before that time; these are solved where there is friction.
+            ///
+            /// Errors: as [`Self::solve`], but for those of the contact solver in this step.
+            pub fn dual(&self, time: f64) -> Result<Dual<$D>, Error<$D>> {
+                self.validate()?;
+                if !time.is_finite() {
+                    return Err(Error::Times(vec![time]));
+                }
+                let condensed = condense_step(self, time, DENSE_LIMIT, &mut |_| {})?;
+                let model = self.clone();
+                Ok(Dual { model, condensed })
+            }
+
+            /// The dual problem of the last load step alone, for running or comparing solvers without the model.
+            ///
+            /// F is assembled up to `dense_limit` nodes, or as many entries in all as theirs ([`DENSE_LIMIT`] in
+            /// [`Self::solve`]), of many bodies without its zeros; above, each product is one solve with every body.
+            ///
+            /// Errors: as [`Self::dual`].
             pub fn dual_problem(&self, dense_limit: usize) -> Result<DualProblem, Error<$D>> {
                 self.validate()?;
-                let condensed = condense(self, self.last_time(), dense_limit, &mut |_| {})?;
+                let condensed = condense_step(self, self.last_time(), dense_limit, &mut |_| {})?;
                 Ok(condensed.problem)
             }
 
@@ -113,6 +155,74 @@ macro_rules! doors {
             ) -> Result<Vec<ComparisonRow>, Error<$D>> {
                 self.validate()?;
                 compare_steps(self, steps, observe)
+            }
+        }
+
+        impl Dual<$D> {
+            /// The model, whose tolerance is the limit of certificates.
+            pub fn model(&self) -> &Model<$D> {
+                &self.model
+            }
+
+            /// F, d, Λ, G and e.
+            pub fn problem(&self) -> &DualProblem {
+                &self.condensed.problem
+            }
+
+            /// Where loads, supports and gaps were taken.
+            pub fn time(&self) -> f64 {
+                self.condensed.time
+            }
+
+            /// What each contact force is, (m,).
+            pub fn unknowns(&self) -> Vec<Unknown<$D>> {
+                self.list_unknowns()
+            }
+
+            /// B (m, n): the gaps are g₀ − Bu, and −Bᵀλ are the nodal forces of the contacts on the bodies. u are the
+            /// displacements in global axes, prescribed ones included, node by node, of the parts that
+            /// [`Self::columns`] names.
+            pub fn rows(&self) -> SparseMatrix {
+                self.assemble_rows()
+            }
+
+            /// Name and columns of B of each body, then of each obstacle that a force moves.
+            pub fn columns(&self) -> Vec<(String, Range<usize>)> {
+                self.list_columns()
+            }
+
+            /// g₀ (m,): gaps without displacements; in a tangential row what a slip in earlier steps and the motion of
+            /// an obstacle make of it.
+            pub fn initial_gaps(&self) -> &[f64] {
+                &self.condensed.gaps
+            }
+
+            /// Assembles F where it is applied and has at most [`ASSEMBLED`](crate::model::ASSEMBLED) unknowns; `true`
+            /// where it is assembled, with or without its zeros.
+            pub fn assemble(&mut self) -> bool {
+                self.assemble_compliance()
+            }
+
+            /// λ and α by one of the methods, as [`Model::solve`] finds them in this step.
+            ///
+            /// Errors: as [`Model::solve`]; `NotConverged` carries the last iterate.
+            pub fn solve(&mut self, method: Method) -> Result<Multipliers, Error<$D>> {
+                self.solved(method, &mut |_| {})
+            }
+
+            /// The certificate of λ and α, whoever has found them, from the displacements that they cause.
+            ///
+            /// Errors: `Solver` where lengths differ from (m,) and (r,), or a number is not finite.
+            pub fn certify(&self, multipliers: &Multipliers) -> Result<Certificate, Error<$D>> {
+                self.certified(multipliers)
+            }
+
+            /// The solution with λ and α, whoever has found them: displacements, stresses, reactions, contacts, probes.
+            ///
+            /// Errors: as [`Self::certify`]; `NotConverged` where the certificate does not hold, with the solution all
+            /// the same.
+            pub fn recover(&self, multipliers: &Multipliers) -> Result<Solution<$D>, Error<$D>> {
+                self.recovered(multipliers)
             }
         }
     )*};

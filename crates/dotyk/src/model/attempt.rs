@@ -4,6 +4,7 @@
 //! (rounding of the factorisation in a slender body, another scale of the energy), Newton's answer is corrected by exact
 //! steps in increments, whose gaps are those of the displacements; then, and after other methods, the iteration goes on
 //! from there. Where an applied or sparse F does not do (slender bodies), F is assembled after all.
+//! A solver of somebody else's is asked once, and what it says is judged as it is.
 
 use crate::dual::{BETWEEN_NODES, Certificate, Multipliers};
 use crate::geometry::{bounding_box, distance, norm, sub};
@@ -16,24 +17,33 @@ use crate::model::pair::carriers;
 use crate::model::sliding::sliding;
 use crate::model::solution::HistoryPoint;
 use crate::solve::{
-    Accelerated, ContactSolver, FixedBounds, Gradient, Iterate, Mprgp, Newton, Outcome, Secant,
-    SolveError, Uzawa, correction, loaded,
+    Accelerated, ContactSolver, FixedBounds, Foreign, Gradient, Iterate, Mprgp, Newton, Outcome,
+    Secant, SolveError, Uzawa, correction, loaded,
 };
 use std::ops::ControlFlow;
 
 /// Most contact unknowns for which F is assembled where iterations within a step do not do (512 MB).
-const ASSEMBLED: usize = 8192;
+pub const ASSEMBLED: usize = 8192;
 
 /// Most corrections of an answer.
 const CORRECTIONS: usize = 8;
 
 /// One run of a method.
 pub(crate) struct Attempt<const D: usize> {
-    pub method: &'static str,
+    pub method: String,
     pub outcome: Outcome,
     pub history: Vec<HistoryPoint>,
     /// Why it did not converge.
     pub failure: Option<Objection<D>>,
+}
+
+/// How the contact problem of a load step is solved.
+#[derive(Clone, Copy, Default)]
+pub(crate) struct Start<'a> {
+    /// By whom, where it is not the method of the model.
+    pub own: Option<&'a dyn ContactSolver>,
+    /// From where.
+    pub guess: Option<&'a Multipliers>,
 }
 
 impl<const D: usize> Attempt<D> {
@@ -81,19 +91,25 @@ impl<const D: usize> Attempt<D> {
 /// The solver knows F and d, the certificate judges displacements and energies computed afresh. Where they differ
 /// (rounding of the factorisation in a slender body, another scale of the energy), Newton's answer is corrected by exact
 /// steps in increments, whose gaps are those of the displacements; then, and after other methods, the iteration goes on
-/// from there. Where an applied or sparse F does not do (slender bodies), F is assembled after all.
+/// from there. Where an applied or sparse F does not do (slender bodies), F is assembled after all. Of all this nothing is
+/// done for a solver of somebody else's.
 pub(crate) fn certified_attempt<const D: usize>(
     model: &Model<D>,
     condensed: &mut Condensed<D>,
-    guess: Option<&Multipliers>,
+    Start { own, guess }: Start<'_>,
     observe: &mut dyn FnMut(Event),
 ) -> Result<(Attempt<D>, Judged<D>), Error<D>> {
+    if let Some(own) = own {
+        let attempt = run_solver(model, condensed, &Foreign(own), guess, observe)?;
+        let judged = judge(model, condensed, &attempt.outcome, None)?;
+        return Ok((attempt, judged));
+    }
     let method = model.solver.method;
     let tolerance = model.solver.tolerance;
     let exact = matches!(method, Method::Auto | Method::Newton);
-    let mut attempt = run_solver(model, condensed, method, tolerance, guess, observe)?;
+    let mut attempt = run_method(model, condensed, (method, tolerance), guess, observe)?;
     if exact && attempt.unfinished() && condensed.problem.assemble(ASSEMBLED) {
-        let again = run_solver(model, condensed, method, tolerance, guess, observe)?;
+        let again = run_method(model, condensed, (method, tolerance), guess, observe)?;
         attempt = attempt.followed_by(again);
     }
     let mut judged = judge(model, condensed, &attempt.outcome, None)?;
@@ -174,8 +190,8 @@ fn continued<const D: usize>(
         for ((d, gap), known) in shift.zip(&judged.displaced.gaps).zip(&known) {
             *d -= gap - known;
         }
-        let method = model.solver.method;
-        let further = run_solver(model, condensed, method, tolerance, Some(&guess), observe)?;
+        let method = (model.solver.method, tolerance);
+        let further = run_method(model, condensed, method, Some(&guess), observe)?;
         if further.failure.is_some() {
             break;
         }
@@ -200,16 +216,25 @@ fn excess(certificate: &Certificate) -> f64 {
         )
 }
 
-/// Runs one method on the condensed problem; failing to converge is not yet an error.
-pub(crate) fn run_solver<const D: usize>(
+/// Runs one method to a tolerance on the condensed problem; failing to converge is not yet an error.
+pub(crate) fn run_method<const D: usize>(
     model: &Model<D>,
     condensed: &Condensed<D>,
-    method: Method,
-    tolerance: f64,
+    (method, tolerance): (Method, f64),
     guess: Option<&Multipliers>,
     observe: &mut dyn FnMut(Event),
 ) -> Result<Attempt<D>, Error<D>> {
     let solver = solver(model, condensed, method, tolerance)?;
+    run_solver(model, condensed, solver.as_ref(), guess, observe)
+}
+
+fn run_solver<const D: usize>(
+    model: &Model<D>,
+    condensed: &Condensed<D>,
+    solver: &dyn ContactSolver,
+    guess: Option<&Multipliers>,
+    observe: &mut dyn FnMut(Event),
+) -> Result<Attempt<D>, Error<D>> {
     let mut history = Vec::new();
     let mut watch = |iterate: &Iterate<'_>| {
         let point = HistoryPoint {
@@ -247,7 +272,7 @@ pub(crate) fn run_solver<const D: usize>(
                 lambda: vec![0.0; condensed.gaps.len()],
                 alpha: vec![0.0; condensed.problem.balance.load().len()],
             };
-            (Outcome::unsolved(multipliers), Some(slides))
+            (Outcome::new(multipliers, 0), Some(slides))
         }
         Err(SolveError::DependentBolts { bolts, modes }) => {
             let carriers = carriers(model, &condensed.paired);
@@ -257,7 +282,7 @@ pub(crate) fn run_solver<const D: usize>(
         Err(other) => return Err(Error::Solver(other)),
     };
     Ok(Attempt {
-        method: solver.name(),
+        method: solver.name().to_string(),
         outcome,
         history,
         failure,

@@ -1,7 +1,7 @@
 //! All solvers on one condensed model, side by side: iterations, products, time, and the difference of their answers.
 
 use crate::linalg::dense::norm;
-use crate::model::attempt::run_solver;
+use crate::model::attempt::run_method;
 use crate::model::compliance::DENSE_LIMIT;
 use crate::model::condense::{Condensed, condense};
 use crate::model::error::Error;
@@ -74,11 +74,10 @@ pub(crate) fn compare_steps<const D: usize>(
         // the automatic step tells λ_max of the operator that the method iterates on
         varied.solver.rho = None;
         varied.solver.max_iterations = Some(1);
-        let natural = run_solver(
+        let natural = run_method(
             &varied,
             &bench.condensed,
-            method,
-            model.solver.tolerance,
+            (method, model.solver.tolerance),
             None,
             &mut |_| {},
         )?;
@@ -107,11 +106,10 @@ struct Bench<const D: usize> {
 impl<const D: usize> Bench<D> {
     fn new(model: &Model<D>, observe: &mut dyn FnMut(Event)) -> Result<Self, Error<D>> {
         let condensed = condense(model, model.last_time(), DENSE_LIMIT, observe)?;
-        let newton = run_solver(
+        let newton = run_method(
             model,
             &condensed,
-            Method::Newton,
-            model.solver.tolerance,
+            (Method::Newton, model.solver.tolerance),
             None,
             &mut |_| {},
         )?;
@@ -129,11 +127,10 @@ impl<const D: usize> Bench<D> {
         observe: &mut dyn FnMut(Event),
     ) -> Result<ComparisonRow, Error<D>> {
         let clock = Instant::now();
-        let attempt = run_solver(
+        let attempt = run_method(
             model,
             &self.condensed,
-            method,
-            model.solver.tolerance,
+            (method, model.solver.tolerance),
             None,
             observe,
         )?;
@@ -144,7 +141,7 @@ impl<const D: usize> Bench<D> {
         let rest = norm(&rest.collect::<Vec<f64>>());
         let rho = attempt.outcome.rho;
         Ok(ComparisonRow {
-            method: attempt.method.to_string(),
+            method: attempt.method,
             rho,
             rho_lambda_max: rho.map(|rho| lambda_max.map_or(SAFE_STEP, |largest| rho * largest)),
             converged: attempt.failure.is_none(),

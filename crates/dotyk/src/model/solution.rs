@@ -211,8 +211,8 @@ pub struct BoltReport<const D: usize> {
 /// How the contact problem was solved.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SolverReport<const D: usize> {
-    /// Method that was used (never "auto").
-    pub method: &'static str,
+    /// Method that was used (never "auto"), or name of a solver of one's own; "given" where forces were given.
+    pub method: String,
     /// Iterations.
     pub iterations: usize,
     /// Products with the compliance F.

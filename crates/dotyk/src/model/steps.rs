@@ -1,19 +1,21 @@
 //! Load steps: each from the answer of the one before it, until one has none.
 
 use crate::dual::Multipliers;
-use crate::model::attempt::certified_attempt;
+use crate::model::attempt::{Start, certified_attempt};
 use crate::model::compliance::DENSE_LIMIT;
 use crate::model::condense::{Condensed, advance, condense, restart};
 use crate::model::error::{Error, Objection};
 use crate::model::event::{Event, Lap};
 use crate::model::finish::finish;
 use crate::model::judge::Judged;
-use crate::model::nouns::Model;
+use crate::model::nouns::{Law, Model};
 use crate::model::objection::objection;
 use crate::model::pair::initial_gaps;
 use crate::model::past::{Past, check_past, recorded, same_forces};
 use crate::model::reuse::Reuse;
 use crate::model::solution::Solution;
+use crate::solve::ContactSolver;
+use std::mem::take;
 use std::time::Instant;
 
 /// How a load step ended: what the next one begins from.
@@ -31,69 +33,137 @@ impl End {
     }
 }
 
-/// Solves all load steps of a valid model, in the order of the times, after those that were solved in the `past`; an observer
-/// is told what happens. What is in `reuse` serves a model of the same stiffness, and is left there.
+/// What a run of load steps is given besides the model.
+#[derive(Clone, Copy)]
+pub(crate) struct Given<'a, const D: usize> {
+    /// The first steps, which were solved before.
+    pub past: &'a [Past<D>],
+    /// A solver of the caller's own for the others, instead of the model's method.
+    pub own: Option<&'a dyn ContactSolver>,
+}
+
+impl<const D: usize> Given<'_, D> {
+    /// Nothing.
+    pub const NONE: Self = Self {
+        past: &[],
+        own: None,
+    };
+}
+
+/// Solves all load steps of a valid model, in the order of the times; an observer is told what happens. What is in `reuse`
+/// serves a model of the same stiffness, and is left there.
 ///
 /// Errors: see [`Error`]; `NotConverged` carries the last iterate and the steps before it.
 pub(crate) fn solve_steps<const D: usize>(
     model: &Model<D>,
-    past: &[Past<D>],
+    given: Given<'_, D>,
     mut reuse: Option<&mut Reuse<D>>,
     observe: &mut dyn FnMut(Event),
 ) -> Result<Vec<Solution<D>>, Error<D>> {
-    check_past(model, past)?;
-    let start = Instant::now();
-    let mut done: Vec<Solution<D>> = Vec::with_capacity(model.times.len());
-    let mut condensed = reuse.as_mut().and_then(|reuse| reuse.take(model));
-    let mut last: Option<End> = None;
-    for (index, &time) in model.times.iter().enumerate() {
-        let (step, steps) = (index + 1, model.times.len());
-        observe(Event::Step { step, steps, time });
-        let made = match (condensed.take(), &last) {
-            (Some(before), Some(last)) => advance(model, before, &last.slip, time, observe),
-            (Some(kept), None) => restart(model, kept, time, observe),
-            _ => condense(model, time, DENSE_LIMIT, observe),
-        };
-        let mut here = match made {
-            Ok(here) => here,
-            Err(error) => return Err(error.in_step(model, step, done)),
-        };
-        let solved = match past.get(index) {
-            Some(done) => solve_again(model, &mut here, (step, done), start, observe),
-            None => {
-                let guess = last.as_ref().and_then(End::guess);
-                solve_step(model, &mut here, guess, start, observe)
-            }
-        };
-        let failure = match solved {
-            Ok((end, solution, None)) => {
-                done.push(solution);
-                (condensed, last) = (Some(here), Some(end));
-                continue;
-            }
-            Ok((_, solution, Some(reason))) => Error::NotConverged {
-                reason: Box::new(reason),
-                solution: Box::new(solution),
-                earlier: done,
-            },
-            Err(error @ Error::Past { .. }) => error,
-            Err(error) => error.in_step(model, step, done),
-        };
-        keep(reuse, model, Some(here));
-        return Err(failure);
+    check_past(model, given.past)?;
+    let mut march = March {
+        condensed: reuse.as_mut().and_then(|reuse| reuse.take(model)),
+        ..March::new(DENSE_LIMIT)
+    };
+    let solved = march.solve(model, given, observe);
+    if let (Some(reuse), Some(condensed)) = (reuse, march.condensed) {
+        reuse.kept = Some((model.clone(), condensed));
     }
-    keep(reuse, model, condensed);
-    Ok(done)
+    solved.map(|()| march.done)
 }
 
-/// Leaves what was factored for another model.
-fn keep<const D: usize>(
-    reuse: Option<&mut Reuse<D>>,
+/// The dual problem of the load step at a time, of at most `dense_limit` assembled unknowns. Friction counts the slip since
+/// the last of the model's steps before it: these are solved where there is friction, and nothing else depends on them.
+///
+/// Errors: those of [`solve_steps`].
+pub(crate) fn condense_step<const D: usize>(
     model: &Model<D>,
+    time: f64,
+    dense_limit: usize,
+    observe: &mut dyn FnMut(Event),
+) -> Result<Condensed<D>, Error<D>> {
+    let mut march = March::new(dense_limit);
+    let smooth = |law: &Law| matches!(law, Law::Frictionless | Law::Tied);
+    if !model.contacts.iter().all(|contact| smooth(&contact.law)) {
+        let mut earlier = model.clone();
+        earlier.times.retain(|&before| before < time);
+        march.solve(&earlier, Given::NONE, observe)?;
+    }
+    march.next(model, time, observe)
+}
+
+/// The load steps that are done, and what the next one begins from.
+struct March<const D: usize> {
+    done: Vec<Solution<D>>,
     condensed: Option<Condensed<D>>,
-) {
-    if let (Some(reuse), Some(condensed)) = (reuse, condensed) {
-        reuse.kept = Some((model.clone(), condensed));
+    last: Option<End>,
+    dense_limit: usize,
+}
+
+impl<const D: usize> March<D> {
+    fn new(dense_limit: usize) -> Self {
+        Self {
+            done: Vec::new(),
+            condensed: None,
+            last: None,
+            dense_limit,
+        }
+    }
+
+    /// All steps of the model.
+    fn solve(
+        &mut self,
+        model: &Model<D>,
+        Given { past, own }: Given<'_, D>,
+        observe: &mut dyn FnMut(Event),
+    ) -> Result<(), Error<D>> {
+        let start = Instant::now();
+        for (index, &time) in model.times.iter().enumerate() {
+            let (step, steps) = (index + 1, model.times.len());
+            observe(Event::Step { step, steps, time });
+            let mut here = match self.next(model, time, observe) {
+                Ok(here) => here,
+                Err(error) => return Err(error.in_step(model, step, take(&mut self.done))),
+            };
+            let solved = match past.get(index) {
+                Some(done) => solve_again(model, &mut here, (step, done), start, observe),
+                None => {
+                    let guess = self.last.as_ref().and_then(End::guess);
+                    solve_step(model, &mut here, Start { own, guess }, start, observe)
+                }
+            };
+            self.condensed = Some(here);
+            match solved {
+                Ok((end, solution, None)) => {
+                    self.done.push(solution);
+                    self.last = Some(end);
+                }
+                Ok((_, solution, Some(reason))) => {
+                    return Err(Error::NotConverged {
+                        reason: Box::new(reason),
+                        solution: Box::new(solution),
+                        earlier: take(&mut self.done),
+                    });
+                }
+                Err(error @ Error::Past { .. }) => return Err(error),
+                Err(error) => return Err(error.in_step(model, step, take(&mut self.done))),
+            }
+        }
+        Ok(())
+    }
+
+    /// The dual problem of the next step.
+    fn next(
+        &mut self,
+        model: &Model<D>,
+        time: f64,
+        observe: &mut dyn FnMut(Event),
+    ) -> Result<Condensed<D>, Error<D>> {
+        match (self.condensed.take(), &self.last) {
+            (Some(before), Some(last)) => advance(model, before, &last.slip, time, observe),
+            (Some(kept), None) => restart(model, kept, time, observe),
+            _ => condense(model, time, self.dense_limit, observe),
+        }
     }
 }
 
@@ -110,8 +180,11 @@ fn solve_again<const D: usize>(
 ) -> Result<Solved<D>, Error<D>> {
     let differs = |what: String| Error::Past { step, what };
     let recorded = recorded(condensed, model, done).map_err(differs)?;
-    let (end, mut solution, objection) =
-        solve_step(model, condensed, Some(&recorded), start, observe)?;
+    let from = Start {
+        guess: Some(&recorded),
+        own: None,
+    };
+    let (end, mut solution, objection) = solve_step(model, condensed, from, start, observe)?;
     if let Some(objection) = objection {
         return Err(differs(format!("it has no answer here ({objection})")));
     }
@@ -120,17 +193,17 @@ fn solve_again<const D: usize>(
     Ok((end, solution, None))
 }
 
-/// Solves the contact problem of one step from a guess, such as the answer of the step before it.
+/// Solves the contact problem of one step, and tells why what came out is not an answer, if it is none.
 fn solve_step<const D: usize>(
     model: &Model<D>,
     condensed: &mut Condensed<D>,
-    guess: Option<&Multipliers>,
+    from: Start<'_>,
     start: Instant,
     observe: &mut dyn FnMut(Event),
 ) -> Result<Solved<D>, Error<D>> {
     observe(Event::Stage("contact"));
     let mut lap = Lap::start();
-    let (attempt, judged) = certified_attempt(model, condensed, guess, observe)?;
+    let (attempt, judged) = certified_attempt(model, condensed, from, observe)?;
     condensed.seconds.contact += lap.seconds();
     observe(Event::Stage("recover"));
     let objection = objection(model, condensed, &attempt, &judged);

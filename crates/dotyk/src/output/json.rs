@@ -70,7 +70,7 @@ fn step_summary<'a>(run: &Overview<'a>, solution: &'a Solution<2>, index: usize)
         step: several.then_some(index + 1),
         time: solution.time,
         converged: solution.converged,
-        solver: solution.solver.method,
+        solver: &solution.solver.method,
         iterations: solution.solver.iterations,
         contraction: solution.solver.contraction,
         dofs: solution.dofs,

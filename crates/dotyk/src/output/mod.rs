@@ -10,11 +10,14 @@ mod contacts;
 mod csv;
 mod deformed;
 mod encode;
+mod export;
 mod history;
 mod html;
 mod interface;
 mod json;
+mod market;
 mod memory;
+mod npz;
 mod panels;
 mod past;
 mod plot;
@@ -37,8 +40,9 @@ pub use memory::peak_memory_bytes;
 pub use past::{PastError, past};
 pub use text::without_noise;
 
+use crate::dual::Multipliers;
 use crate::geometry::Point;
-use crate::model::{Check, Comparison, Model, Seconds, Solution, Study};
+use crate::model::{Check, Comparison, Dual, Model, Seconds, Solution, Study};
 use stage::Stage;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
@@ -71,6 +75,16 @@ pub enum Error {
     Name {
         /// The name.
         name: String,
+    },
+    /// F is not assembled.
+    #[error(
+        "F of {unknowns} contact unknowns has too many entries for a file: it is exported up to {most}; use a coarser mesh, or take products with F from the library (`Model::dual`)"
+    )]
+    Unassembled {
+        /// Number of contact unknowns.
+        unknowns: usize,
+        /// The most that are assembled.
+        most: usize,
     },
     /// Model and solution do not belong together.
     #[error(
@@ -301,6 +315,21 @@ pub fn write_study(study: &Study, stem: &str, dir: &Path) -> Result<Vec<PathBuf>
     stage.put("study.csv", study::study_csv(study).as_bytes())?;
     stage.put("study.html", study::study_page(study, stem).as_bytes())?;
     stage.commit(&[])
+}
+
+/// Writes the dual problem of a case for solvers elsewhere, with an `answer` where there is one, and returns the paths:
+/// `dual.npz`, a `.mtx` file of each matrix and vector, `rows.csv` and `dual.txt`, which explains them.
+///
+/// Errors: any [`Error`], [`Error::Unassembled`] where F is applied ([`Dual::assemble`]); then the folder is as it was before.
+pub fn write_dual(
+    dual: &Dual<2>,
+    answer: Option<&Multipliers>,
+    stem: &str,
+    dir: &Path,
+) -> Result<Vec<PathBuf>, Error> {
+    let mut stage = Stage::open(dir)?;
+    export::put(&mut stage, dual, answer, stem)?;
+    stage.commit(&export::OPTIONAL.map(String::from))
 }
 
 /// Names that can be files, and counts that agree in every step.

@@ -5,8 +5,8 @@
 //! the directories too.
 
 use crate::output::Error;
-use std::fs;
-use std::io;
+use std::fs::{self, File};
+use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
 
 /// Files on their way into a directory.
@@ -52,13 +52,29 @@ impl Stage {
     ///
     /// Errors: [`Error::Unwritable`]; [`Error::IsADirectory`] when a directory has the final name.
     pub fn put(&mut self, name: &str, bytes: &[u8]) -> Result<(), Error> {
+        self.put_with(name, &mut |out| out.write_all(bytes))
+    }
+
+    /// The same for a file that is not in memory as a whole.
+    ///
+    /// Errors: as [`Self::put`].
+    pub fn put_with(
+        &mut self,
+        name: &str,
+        write: &mut dyn FnMut(&mut dyn Write) -> io::Result<()>,
+    ) -> Result<(), Error> {
         let target = self.dir.join(name);
         if target.is_dir() {
             return Err(Error::IsADirectory { path: target });
         }
         let temporary = self.temporary(name);
         self.files.push(name.to_string());
-        fs::write(&temporary, bytes).map_err(|source| unwritable(&target, source))
+        let written = File::create(&temporary).and_then(|file| {
+            let mut out = BufWriter::new(file);
+            write(&mut out)?;
+            out.flush()
+        });
+        written.map_err(|source| unwritable(&target, source))
     }
 
     /// Renames all files to their final names and removes `stale` ones of an earlier run; returns the paths.

@@ -181,7 +181,7 @@ pub fn solver(model: &Model<2>, solution: &Solution<2>, labels: &Labels) -> Stri
     let report = &solution.solver;
     let mut out = format!(
         "<h2>Convergence</h2>\n<p>Method {}: {} iterations, {} products with the compliance{}.</p>\n",
-        escape(report.method),
+        escape(&report.method),
         count(report.iterations),
         count(report.products),
         report

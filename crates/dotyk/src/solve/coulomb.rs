@@ -55,7 +55,7 @@ pub(crate) fn fixed_point<S: FixedBounds>(
     let mut bounds = match guess {
         Some(guess) => {
             setup.start(Some(guess))?;
-            search.last = Some(Outcome::unsolved(guess.clone()));
+            search.last = Some(Outcome::new(guess.clone(), 0));
             setup.admissible.bounds(&guess.lambda)
         }
         None => Vec::new(),
@@ -236,7 +236,7 @@ impl<'a, S: FixedBounds> Search<'a, S> {
             None => String::new(),
         };
         SolveError::NotConverged {
-            method: S::NAME,
+            method: S::NAME.to_string(),
             outcome: Box::new(self.outcome(false)),
             residual: self.residual,
             reason: format!(
@@ -320,7 +320,7 @@ mod tests {
         else {
             panic!("{error}");
         };
-        assert_eq!((method, outcome.iterations), ("newton", 3));
+        assert_eq!((method.as_str(), outcome.iterations), ("newton", 3));
         let guess = Multipliers {
             lambda: vec![1.0],
             alpha: Vec::new(),

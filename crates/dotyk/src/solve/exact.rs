@@ -367,7 +367,7 @@ impl<'a> Search<'a> {
     pub fn not_converged(mut self, method: &'static str, reason: &str) -> SolveError {
         self.go_back();
         SolveError::NotConverged {
-            method,
+            method: method.to_string(),
             outcome: Box::new(self.outcome(false)),
             residual: self.residual,
             reason: reason.to_string(),

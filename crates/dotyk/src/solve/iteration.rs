@@ -94,7 +94,7 @@ pub(crate) fn iterate<S: FixedBounds, I: Iteration>(
             return match stopped || passes {
                 true => Ok(outcome),
                 false => Err(SolveError::NotConverged {
-                    method: S::NAME,
+                    method: S::NAME.to_string(),
                     outcome: Box::new(outcome),
                     residual: residual.unwrap_or(estimate),
                     reason: iteration.advice(),
@@ -153,7 +153,7 @@ pub(crate) fn completed(
             reason,
             ..
         }) => Err(SolveError::NotConverged {
-            method,
+            method: method.to_string(),
             outcome: Box::new(complete(*outcome)),
             residual,
             reason,
@@ -406,7 +406,10 @@ mod tests {
         else {
             panic!("{error}");
         };
-        assert_eq!((method, reason.as_str()), ("gradient", "read another list"));
+        assert_eq!(
+            (method.as_str(), reason.as_str()),
+            ("gradient", "read another list")
+        );
         assert_eq!(
             (outcome.iterations, outcome.multipliers.lambda[0]),
             (2, 2.0)
@@ -496,10 +499,11 @@ mod tests {
     #[test]
     fn result_of_another_method_is_completed_whether_it_converged_or_not() {
         let outcome = || {
-            Outcome::unsolved(Multipliers {
+            let multipliers = Multipliers {
                 lambda: vec![1.0],
                 alpha: Vec::new(),
-            })
+            };
+            Outcome::new(multipliers, 0)
         };
         let more = |outcome: Outcome| Outcome {
             iterations: outcome.iterations + 5,
@@ -508,13 +512,13 @@ mod tests {
         let ok = completed("own", Ok(outcome()), more).unwrap();
         assert_eq!(ok.iterations, 5);
         let error = SolveError::NotConverged {
-            method: "other",
+            method: "other".to_string(),
             outcome: Box::new(outcome()),
             residual: 0.25,
             reason: "why".to_string(),
         };
         let expected = SolveError::NotConverged {
-            method: "own",
+            method: "own".to_string(),
             outcome: Box::new(more(outcome())),
             residual: 0.25,
             reason: "why".to_string(),

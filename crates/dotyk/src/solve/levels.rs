@@ -655,15 +655,15 @@ mod tests {
                 outcome(coarse)
             })
         };
-        let answer = |coarse: &Setup<'_>| Outcome {
-            iterations: 6,
-            ..Outcome::unsolved(Multipliers {
+        let answer = |coarse: &Setup<'_>| {
+            let multipliers = Multipliers {
                 // five pairs; the second one open
                 lambda: (0..coarse.len())
                     .map(|i| [2.0, 0.0, 0.0, 0.0, 4.0, 0.0, 6.0, 0.0, 8.0, 0.0][i])
                     .collect(),
                 alpha: vec![0.7, -0.3],
-            })
+            };
+            Outcome::new(multipliers, 6)
         };
         let found = told(&|coarse| Ok(answer(coarse))).unwrap();
         let normals = [1.0, 1.0, 0.0, 0.0, 2.0, 2.0, 3.0, 3.0, 4.0, 4.0];
@@ -680,7 +680,7 @@ mod tests {
         // open nodes beside closed ones close: 2 and 3 are beside 1 and 4
         assert!(found.states.iter().all(|state| state.closed));
         let rough = |coarse: &Setup<'_>| SolveError::NotConverged {
-            method: "newton",
+            method: "newton".to_string(),
             outcome: Box::new(answer(coarse)),
             residual: 1.0,
             reason: String::new(),
@@ -712,10 +712,11 @@ mod tests {
             problem.neighbours = neighbours;
             let setup = Setup::new(&problem).unwrap();
             let zero = |coarse: &Setup<'_>| {
-                Outcome::unsolved(Multipliers {
+                let multipliers = Multipliers {
                     lambda: vec![0.0; coarse.len()],
                     alpha: Vec::new(),
-                })
+                };
+                Outcome::new(multipliers, 0)
             };
             start(&setup, &|_, coarse, _| Ok(zero(coarse))).is_some()
         };
@@ -860,13 +861,11 @@ mod tests {
                 panic!("a coarser problem is assembled");
             };
             let lambda = (0..coarse.len()).map(|i| (coarse.shift[i] / f[(i, i)]).max(0.0));
-            Outcome {
-                iterations: 2,
-                ..Outcome::unsolved(Multipliers {
-                    lambda: lambda.collect(),
-                    alpha: Vec::new(),
-                })
-            }
+            let multipliers = Multipliers {
+                lambda: lambda.collect(),
+                alpha: Vec::new(),
+            };
+            Outcome::new(multipliers, 2)
         };
         let mut sizes = Vec::new();
         let told = std::cell::RefCell::new(&mut sizes);

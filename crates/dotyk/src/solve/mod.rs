@@ -25,6 +25,7 @@ mod anchored;
 mod correct;
 mod coulomb;
 mod exact;
+mod foreign;
 mod gradient;
 mod hold;
 mod iteration;
@@ -44,6 +45,7 @@ mod uzawa;
 
 pub use accelerated::Accelerated;
 pub(crate) use correct::{correction, distance_to_exact};
+pub(crate) use foreign::Foreign;
 pub use gradient::Gradient;
 pub use mprgp::Mprgp;
 pub use newton::Newton;
@@ -64,12 +66,14 @@ pub const SAFE_STEP: f64 = 1.9;
 /// Relative violation of the optimality conditions at which a solver stops, unless it is told otherwise.
 pub const TOLERANCE: f64 = 1e-8;
 
-/// An algorithm for the dual contact problem.
+/// An algorithm for the dual contact problem. Whoever writes one hands it to a model by
+/// [`Model::solve_by`](crate::model::Model::solve_by), where its forces are judged as those of all others.
 pub trait ContactSolver: Sync {
     /// Its name in reports and case files.
-    fn name(&self) -> &'static str;
+    fn name(&self) -> &str;
 
-    /// Solves `problem`, from `guess` where given, else from the projection of zero; `guess` is not modified.
+    /// Solves `problem`, from `guess` where given, else from a start of its own, such as the projection of zero. It may
+    /// tell an observer of its iterations, and makes its answer with [`Outcome::new`].
     ///
     /// Errors: see [`SolveError`]; `NotConverged` carries the last iterate.
     fn solve(
@@ -123,7 +127,7 @@ pub(crate) trait FixedBounds: Clone + Sync {
 }
 
 impl<S: FixedBounds> ContactSolver for S {
-    fn name(&self) -> &'static str {
+    fn name(&self) -> &str {
         Self::NAME
     }
 

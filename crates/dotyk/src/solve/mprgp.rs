@@ -503,7 +503,7 @@ fn check_tangents(setup: &Setup<'_>) -> Result<(), SolveError> {
     match blocks.iter().position(disc) {
         None => Ok(()),
         Some(block) => Err(SolveError::Unsupported {
-            method: Mprgp::NAME,
+            method: Mprgp::NAME.to_string(),
             block,
             found: blocks[block],
             reason: "it treats friction with one tangential force per node, not with two: use newton or accelerated",

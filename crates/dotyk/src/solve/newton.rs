@@ -235,7 +235,7 @@ mod tests {
         else {
             panic!("four steps do");
         };
-        assert_eq!((method, outcome.iterations), ("newton", 4));
+        assert_eq!((method.as_str(), outcome.iterations), ("newton", 4));
         assert!(residual >= least && residual > 1e-8);
         assert_eq!(reason, "the residual did not fall below the tolerance");
     }

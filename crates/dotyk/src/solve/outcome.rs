@@ -23,7 +23,7 @@ pub struct Iterate<'a> {
 /// Called once per iteration. `Break`: the caller is satisfied, the iterate is returned as it is.
 pub type Observer<'a> = &'a mut dyn FnMut(&Iterate<'_>) -> ControlFlow<()>;
 
-/// An answer and what it took.
+/// An answer and what it took, made by [`Outcome::new`].
 #[derive(Debug, Clone, PartialEq)]
 pub struct Outcome {
     /// λ and α.
@@ -37,7 +37,7 @@ pub struct Outcome {
     /// Bolts in the order in which they were used (p,A-algorithm only).
     pub bolts: Vec<Bolt>,
     /// One linear solve on the problem itself made the forces from what every contact does.
-    pub exact: bool,
+    pub(crate) exact: bool,
     /// The observer stopped it: the answer need not pass the certificate.
     pub stopped_by_observer: bool,
     /// How bounds that follow from normal forces were reached, where by a fixed point of problems with given ones.
@@ -57,11 +57,11 @@ pub struct FixedPoint {
 }
 
 impl Outcome {
-    /// Forces that no solver has improved.
-    pub fn unsolved(multipliers: Multipliers) -> Self {
+    /// The answer of a solver after some iterations; what else there is to tell stands in the public fields.
+    pub fn new(multipliers: Multipliers, iterations: usize) -> Self {
         Self {
             multipliers,
-            iterations: 0,
+            iterations,
             products: 0,
             rho: None,
             bolts: Vec::new(),
@@ -107,7 +107,7 @@ pub enum SolveError {
     #[error("{method} did not converge: residual {residual:.1e} after {} iterations; {reason}", outcome.iterations)]
     NotConverged {
         /// Name of the solver.
-        method: &'static str,
+        method: String,
         /// The last iterate.
         outcome: Box<Outcome>,
         /// Its residual.
@@ -127,7 +127,7 @@ pub enum SolveError {
     #[error("{method} cannot treat block {block} of the admissible set, {found:?}: {reason}")]
     Unsupported {
         /// Name of the solver.
-        method: &'static str,
+        method: String,
         /// Index of the block.
         block: usize,
         /// The block.
@@ -167,15 +167,15 @@ mod tests {
 
     #[test]
     fn correction_adds_increments_counts_one_step_and_keeps_the_rest() {
+        let multipliers = Multipliers {
+            lambda: vec![1.0, -2.0],
+            alpha: vec![0.5],
+        };
         let before = Outcome {
-            iterations: 4,
             products: 9,
             rho: Some(0.5),
             remarks: vec!["said".to_string()],
-            ..Outcome::unsolved(Multipliers {
-                lambda: vec![1.0, -2.0],
-                alpha: vec![0.5],
-            })
+            ..Outcome::new(multipliers, 4)
         };
         assert!(!before.exact && !before.stopped_by_observer);
         let after = before.corrected(&Multipliers {
@@ -195,14 +195,15 @@ mod tests {
     }
 
     #[test]
-    fn forces_that_no_solver_has_improved_took_nothing() {
+    fn a_new_answer_tells_forces_and_iterations_alone() {
         let multipliers = Multipliers {
             lambda: vec![3.0],
             alpha: Vec::new(),
         };
-        let outcome = Outcome::unsolved(multipliers.clone());
+        let outcome = Outcome::new(multipliers.clone(), 7);
         assert_eq!(outcome.multipliers, multipliers);
-        assert_eq!((outcome.iterations, outcome.products), (0, 0));
+        assert_eq!((outcome.iterations, outcome.products), (7, 0));
+        assert!(!outcome.exact && !outcome.stopped_by_observer);
         assert_eq!((outcome.rho, outcome.fixed_point), (None, None));
         assert!(outcome.bolts.is_empty() && outcome.remarks.is_empty());
     }

@@ -145,7 +145,7 @@ impl<'a> Setup<'a> {
     pub fn outcome(&self, forces: &Forces) -> Outcome {
         Outcome {
             products: self.products(),
-            ..Outcome::unsolved(self.multipliers(&forces.lambda, &forces.alpha))
+            ..Outcome::new(self.multipliers(&forces.lambda, &forces.alpha), 0)
         }
     }
 

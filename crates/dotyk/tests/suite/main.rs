@@ -16,6 +16,7 @@ mod mortar;
 mod names;
 mod norms;
 mod outline;
+mod own;
 mod past;
 mod patch;
 mod rates;

@@ -1,0 +1,93 @@
+//! `dotyk export`: the contact problem of a case for solvers elsewhere.
+
+use crate::Outcome;
+use crate::failure::{Failure, warn};
+use crate::given::Given;
+use crate::run::{output_folder, start_threads};
+use crate::text::{number, print, written};
+use dotyk::case::Case;
+use dotyk::model::{Dual, Error, Model};
+use dotyk::output;
+use std::path::PathBuf;
+
+/// Arguments of `dotyk export`.
+#[derive(clap::Args)]
+pub struct Arguments {
+    /// Case file
+    case: PathBuf,
+    #[command(flatten)]
+    given: Given,
+    /// Time of the problem [default: that of the last load step]; friction counts slip from the step before
+    #[arg(long, value_name = "T", value_parser = finite, allow_negative_numbers = true)]
+    time: Option<f64>,
+    /// Output folder [default: CASE-out]
+    #[arg(long, value_name = "DIR")]
+    out: Option<PathBuf>,
+    /// Number of threads [default: all]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
+    threads: Option<u16>,
+}
+
+fn finite(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(value) if value.is_finite() => Ok(value),
+        _ => Err("expected a number".to_string()),
+    }
+}
+
+/// Condenses, solves for comparison, writes, prints.
+pub fn export(arguments: &Arguments) -> Result<Outcome, Failure> {
+    start_threads(arguments.threads)?;
+    let case = arguments.given.read(&arguments.case)?;
+    let folder = output_folder(arguments.out.as_deref(), &case)?;
+    warn(&case.warnings);
+    let time = arguments.time.unwrap_or(case.model.last_time());
+    let mut dual = match case.model.dual(time) {
+        Ok(dual) => dual,
+        Err(error @ Error::NotConverged { .. }) => {
+            let message = format!("a load step before t = {}: {error}", number(time));
+            Failure::of(&arguments.case, message).print();
+            return Ok(Outcome::Unsatisfied);
+        }
+        Err(error) => return Err(refused(&case, &error)),
+    };
+    let refused = |error: output::Error| Failure::Message(error.to_string());
+    if !dual.assemble() {
+        let (unknowns, most) = (dual.problem().len(), dotyk::model::ASSEMBLED);
+        return Err(refused(output::Error::Unassembled { unknowns, most }));
+    }
+    // what has no answer here is worth another solver's while
+    let answer = dual.solve(case.model.solver.method);
+    if let Err(error) = &answer {
+        warn(&[format!("the problem is written without an answer: {error}")]);
+    }
+    let files = output::write_dual(&dual, answer.as_ref().ok(), &case.stem, &folder);
+    let text = summary(&case.model, &dual) + &written(&files.map_err(refused)?);
+    print(&text);
+    Ok(Outcome::Done)
+}
+
+fn refused(case: &Case, error: &Error<2>) -> Failure {
+    case.error(error.subject().as_ref(), &error.to_string())
+        .into()
+}
+
+/// What the problem is, in two lines.
+fn summary(model: &Model<2>, dual: &Dual<2>) -> String {
+    let problem = dual.problem();
+    let blocks = problem.admissible.blocks();
+    let count = |law: &str| match blocks.iter().filter(|block| block.name() == law).count() {
+        0 => String::new(),
+        count => format!(", {count} {law}"),
+    };
+    let laws = ["unilateral", "free", "tresca", "coulomb"].map(count);
+    format!(
+        "{}\nt = {}, m = {} contact forces, r = {} rigid amplitudes, {} blocks{}\n\n",
+        model.title,
+        number(dual.time()),
+        problem.len(),
+        problem.balance.load().len(),
+        blocks.len(),
+        laws.concat()
+    )
+}
