@@ -87,11 +87,11 @@ impl Tree {
         let count = symbolic.n_supernodes();
         let mut owner = vec![0u32; symbolic.nrows()];
         let (mut parent, mut operations) = (vec![ROOT; count], vec![0.0; count]);
-        for s in 0..count {
+        for (s, operations) in operations.iter_mut().enumerate() {
             let (columns, pattern) = shape(symbolic, s);
             owner[columns.clone()].fill(s as u32);
             let (n, m) = (columns.len() as f64, pattern.len() as f64);
-            operations[s] = n * (n * n / 3.0 + m * n + m * m) + MOVE * (n + m) * (n + m);
+            *operations = n * (n * n / 3.0 + m * n + m * m) + MOVE * (n + m) * (n + m);
         }
         let mut children: Vec<Vec<u32>> = vec![Vec::new(); count];
         let mut below = operations.clone();

@@ -7,13 +7,14 @@
 //! A solver of somebody else's is asked once, and what it says is judged as it is.
 
 use crate::dual::{BETWEEN_NODES, Certificate, Multipliers};
+use crate::fem::show;
 use crate::geometry::{bounding_box, distance, norm, sub};
 use crate::model::condense::Condensed;
 use crate::model::error::{Error, Objection};
 use crate::model::event::Event;
 use crate::model::judge::{Judged, judge};
 use crate::model::nouns::{Bolts, Method, Model};
-use crate::model::pair::carriers;
+use crate::model::pair::{Paired, carriers};
 use crate::model::sliding::sliding;
 use crate::model::solution::HistoryPoint;
 use crate::solve::{
@@ -236,7 +237,9 @@ fn run_solver<const D: usize>(
     observe: &mut dyn FnMut(Event),
 ) -> Result<Attempt<D>, Error<D>> {
     let mut history = Vec::new();
+    let mut unrest = Unrest::default();
     let mut watch = |iterate: &Iterate<'_>| {
+        unrest.look_at(iterate);
         let point = HistoryPoint {
             iteration: iterate.iteration,
             residual: iterate.residual,
@@ -248,7 +251,14 @@ fn run_solver<const D: usize>(
     };
     let outcome = solver.solve(&condensed.problem, guess, &mut watch);
     let (outcome, failure) = match outcome {
-        Ok(outcome) => (outcome, None),
+        Ok(mut outcome) => {
+            if solver.name() == Method::Newton.name() {
+                outcome
+                    .remarks
+                    .extend(unrest.remark(model, condensed, &outcome));
+            }
+            (outcome, None)
+        }
         Err(SolveError::NotConverged {
             outcome,
             residual,
@@ -287,6 +297,57 @@ fn run_solver<const D: usize>(
         history,
         failure,
     })
+}
+
+/// Newton's method takes fewer iterations where friction is no trouble: of ten thousand random problems 99 in 100 took less
+/// than 40.
+const MANY: usize = 60;
+
+/// How much each force has changed in all iterations, the first half of [`MANY`] left out.
+#[derive(Default)]
+struct Unrest {
+    iterations: usize,
+    last: Vec<f64>,
+    changes: Vec<f64>,
+}
+
+impl Unrest {
+    fn look_at(&mut self, iterate: &Iterate<'_>) {
+        self.iterations += 1;
+        if self.iterations < MANY / 2 {
+            return;
+        }
+        self.changes.resize(iterate.lambda.len(), 0.0);
+        if !self.last.is_empty() {
+            let both = iterate.lambda.iter().zip(&self.last);
+            let moved = self.changes.iter_mut().zip(both);
+            moved.for_each(|(sum, (now, before))| *sum += (now - before).abs());
+        }
+        self.last.clear();
+        self.last.extend(iterate.lambda);
+    }
+
+    /// What is to be said of an answer that friction made hard to find.
+    fn remark<const D: usize>(
+        &self,
+        model: &Model<D>,
+        condensed: &Condensed<D>,
+        outcome: &Outcome,
+    ) -> Option<String> {
+        let rough = |pair: &Paired<D>| pair.interface.tangential().contains(&true);
+        if outcome.iterations <= MANY || !condensed.paired.iter().any(rough) {
+            return None;
+        }
+        let changes = self.changes.iter().enumerate();
+        let (row, _) = changes.max_by(|a, b| a.1.total_cmp(b.1))?;
+        let (contact, point) = *carriers(model, &condensed.paired).get(row)?;
+        Some(format!(
+            "friction took {} iterations, and the forces of contact \"{}\" at {} changed most: the answer is certified, but may not be the only one; smaller load steps tell which one loading leads to",
+            outcome.iterations,
+            model.contacts[contact].name,
+            show(point)
+        ))
+    }
 }
 
 fn solver<const D: usize>(

@@ -164,3 +164,46 @@ fn a_point_that_is_no_node_is_told_with_its_distance() {
         "the support at (0, 0.7) acts at its nearest node (0, 0.75)"
     ));
 }
+
+/// A disc in a groove under a force that leads almost out of it: the exact steps wander before they find the slips.
+#[test]
+fn friction_that_is_hard_to_find_is_told_with_its_place() {
+    let disc = |force: &str| {
+        format!(
+            r#"analysis = "plane-strain"
+[[body]]
+name = "disc"
+mesh = {{ ring = {{ center = [0, 0], inner = 0.2, outer = 1.0, cells = [32, 5], ratio = 1.2, cell = "tri3" }} }}
+material = {{ young = 1.0, poisson = 0.3736323401742344 }}
+load = [{{ point = [0.7071067811865476, 0.7071067811865475], force = {force} }}]
+[[contact]]
+name = "floor"
+nonmortar = "disc.outer"
+obstacle = {{ plane = {{ point = [0.0, -1.0], normal = [-0.0, 1.0] }} }}
+friction = 0.14400130475160555
+[[contact]]
+name = "wall"
+nonmortar = "disc.outer"
+obstacle = {{ plane = {{ point = [1.0, 0.0], normal = [-1.0, -0.0] }} }}
+friction = 0.14400130475160555
+"#
+        )
+    };
+    let solve = |force: &str| {
+        let case = dotyk::case::Case::from_str(&disc(force), "disc.toml", std::path::Path::new(""));
+        case.unwrap().model.solve().unwrap()
+    };
+    let told = |solution: &Solution<2>| {
+        let mut warnings = solution.warnings.iter();
+        warnings.any(|w| {
+            w.contains("friction took")
+                && w.contains("of contact \"")
+                && w.contains("smaller load steps")
+        })
+    };
+    let hard = solve("[7.668418114739744e-6, -2.152592021985889e-5]");
+    assert!(hard.solver.iterations > 60, "{}", hard.solver.iterations);
+    assert!(told(&hard));
+    let easy = solve("[0.0, -2.0e-5]");
+    assert!(easy.solver.iterations <= 60 && !told(&easy));
+}
