@@ -257,6 +257,7 @@ impl Scales {
         number(without_noise(value, self.force))
     }
 
+    /// The value of a probe, of a line the smallest and the largest.
     fn of_probe(&self, probe: &ProbeValue) -> String {
         let scale = match probe.dimension {
             Dimension::Force => self.force,
@@ -264,7 +265,16 @@ impl Scales {
             Dimension::Length => self.length,
             Dimension::Other => 0.0,
         };
-        number(without_noise(probe.value, scale))
+        let shown = |value: f64| number(without_noise(value, scale));
+        if probe.line.is_empty() {
+            return shown(probe.value);
+        }
+        let values = || probe.line.iter().map(|place| place.value);
+        let (low, high) = (
+            values().fold(f64::NAN, f64::min),
+            values().fold(f64::NAN, f64::max),
+        );
+        format!("{} .. {}", shown(low), shown(high))
     }
 }
 
@@ -441,7 +451,14 @@ fn probes(steps: &[Solution<2>]) -> String {
                 .zip(steps)
                 .map(|(s, step)| s.of_probe(&step.probes[i]));
             let names = [probe.name.clone(), probe.quantity.clone()];
-            let at = probe.at.map_or(String::new(), place);
+            let at = match probe.line.last() {
+                Some(end) => format!(
+                    "along {}, {} points in lines.csv",
+                    number(end.s),
+                    probe.line.len()
+                ),
+                None => probe.at.map_or(String::new(), place),
+            };
             names.into_iter().chain(values).chain([at]).collect()
         })
         .collect();

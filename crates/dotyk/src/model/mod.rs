@@ -25,6 +25,7 @@ mod fields;
 mod finish;
 mod floating;
 mod judge;
+mod line;
 mod locate;
 mod nouns;
 mod objection;

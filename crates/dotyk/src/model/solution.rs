@@ -237,10 +237,25 @@ pub struct ProbeValue {
     pub quantity: String,
     /// What it is measured in.
     pub dimension: Dimension,
-    /// The number.
+    /// The number; NaN of a line.
     pub value: f64,
     /// The node where the largest or smallest value is (x, y, z; undeformed).
     pub at: Option<[f64; 3]>,
+    /// The values along a line; empty where there is one number.
+    pub line: Vec<LinePoint>,
+}
+
+/// A value on a line.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct LinePoint {
+    /// Distance from the first point, along a side the length of the way from node to node.
+    pub s: f64,
+    /// Undeformed place (x, y, z).
+    pub point: [f64; 3],
+    /// NaN where there is none.
+    pub value: f64,
+    /// The side has an end or a sharp corner before it.
+    pub starts: bool,
 }
 
 /// The answer, with its certificate.

@@ -3,7 +3,9 @@
 //! The order of the keys is that of the structs. A number that is not finite becomes `null`.
 
 use crate::dual::Figure;
-use crate::model::{BodySolution, ContactNode, ContactSolution, Seconds, Solution, Status};
+use crate::model::{
+    BodySolution, ContactNode, ContactSolution, LinePoint, Seconds, Solution, Status,
+};
 use crate::output::Overview;
 use crate::output::text::{Labels, THIN};
 use serde::Serialize;
@@ -104,6 +106,7 @@ fn step_summary<'a>(run: &Overview<'a>, solution: &'a Solution<2>, index: usize)
                 unit: Some(labels.unit(probe.dimension).to_string())
                     .filter(|unit| !unit.is_empty()),
                 at: probe.at.map(|at| [at[0], at[1]]),
+                line: line_entry(&probe.line),
             })
             .collect(),
         warnings: &solution.warnings,
@@ -114,6 +117,13 @@ fn step_summary<'a>(run: &Overview<'a>, solution: &'a Solution<2>, index: usize)
 /// Largest value, NaN passed over; NaN when there is none.
 pub fn largest(values: impl IntoIterator<Item = f64>) -> f64 {
     values.into_iter().fold(f64::NAN, f64::max)
+}
+
+/// Smallest and largest value, NaN passed over; NaN when there is none.
+pub fn range(values: impl Iterator<Item = f64>) -> [f64; 2] {
+    values.fold([f64::NAN; 2], |[low, high], value| {
+        [low.min(value), high.max(value)]
+    })
 }
 
 /// A node bears a force.
@@ -358,6 +368,28 @@ struct ProbeEntry<'a> {
     /// Of the largest or smallest value.
     #[serde(skip_serializing_if = "Option::is_none")]
     at: Option<[f64; 2]>,
+    /// Of a line, whose values are in lines.csv.
+    #[serde(flatten)]
+    line: Option<LineEntry>,
+}
+
+#[derive(Clone, Serialize)]
+struct LineEntry {
+    points: usize,
+    length: f64,
+    smallest: f64,
+    largest: f64,
+}
+
+fn line_entry(line: &[LinePoint]) -> Option<LineEntry> {
+    let length = line.last()?.s;
+    let [smallest, largest] = range(line.iter().map(|point| point.value));
+    Some(LineEntry {
+        points: line.len(),
+        length,
+        smallest,
+        largest,
+    })
 }
 
 #[cfg(test)]

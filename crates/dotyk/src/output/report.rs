@@ -11,7 +11,8 @@ use crate::output::contacts;
 use crate::output::deformed::deformed_figure;
 use crate::output::html::{self, Head, column, escape, left, plain, table, text};
 use crate::output::interface::largest_gap;
-use crate::output::json::{VERSION, largest, max_displacement};
+use crate::output::json::{VERSION, largest, max_displacement, range};
+use crate::output::lines::{lines_section, place_in_words};
 use crate::output::scene::Scene;
 use crate::output::setup::setup_figure;
 use crate::output::steps::steps_section;
@@ -32,6 +33,7 @@ pub fn page(run: &Overview<'_>) -> String {
         verdict::warnings(run),
         key_figures(solution, &labels),
         probes(model, solution, &labels),
+        lines_section(run, &labels),
         steps_section(run, &labels),
         "<h2>Model</h2>\n".to_string(),
         model_figure(&scene, &alone),
@@ -46,8 +48,13 @@ pub fn page(run: &Overview<'_>) -> String {
         timings(run),
     ];
     let footer = format!(
-        "Computed with dotyk {VERSION}, case {}. Full numbers: summary.json, contact.csv; fields: case.pvd.",
-        run.stem
+        "Computed with dotyk {VERSION}, case {}. Full numbers: summary.json, contact.csv{}; fields: case.pvd.",
+        run.stem,
+        if solution.probes.iter().any(|p| !p.line.is_empty()) {
+            ", lines.csv"
+        } else {
+            ""
+        }
     );
     framed(model, run.stem, &sections.concat(), &footer)
 }
@@ -235,14 +242,16 @@ fn probes(model: &Model<2>, solution: &Solution<2>, labels: &Labels) -> String {
             let asked = model.probes.iter().find(|m| m.name == p.name);
             let asked = asked.and_then(|m| m.reading.point());
             let at = asked.or(p.at.map(|at| [at[0], at[1]]));
-            let at = at.map_or("–".to_string(), |at| vector(&at, ""));
+            let at = at.map_or_else(|| place_in_words(model, p), |at| vector(&at, ""));
             let unit = labels.unit(p.dimension);
-            vec![
-                text(&p.name),
-                text(&p.quantity),
-                plain(at),
-                plain(quantity(p.value, unit)),
-            ]
+            let value = match p.line.is_empty() {
+                true => quantity(p.value, unit),
+                false => {
+                    let [low, high] = range(p.line.iter().map(|place| place.value));
+                    format!("{} … {}", number(low), quantity(high, unit))
+                }
+            };
+            vec![text(&p.name), text(&p.quantity), plain(at), plain(value)]
         })
         .collect();
     let at = column("at", &labels.length);
