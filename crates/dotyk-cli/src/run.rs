@@ -8,8 +8,8 @@ use crate::text::{columns, number, print, written};
 use dotyk::case::Case;
 use dotyk::geometry::norm;
 use dotyk::model::{
-    Analysis, Bolts, ContactSolution, Dimension, Method, Model, ProbeValue, Solution,
-    SolverOptions, Status,
+    Analysis, BodySolution, Bolts, ContactSolution, Dimension, Method, Model, ProbeValue, Solution,
+    SolverOptions, Status, StressAt,
 };
 use dotyk::output::{self, without_noise};
 use std::ffi::OsStr;
@@ -422,7 +422,27 @@ fn bodies(model: &Model<2>, solution: &Solution<2>) -> String {
         &reactions[1],
         "floats",
     ];
-    columns(&header, &rows, 1..5)
+    let told = solution.bodies.iter().filter_map(singular_stress);
+    columns(&header, &rows, 1..5) + &told.collect::<String>()
+}
+
+/// A line on a largest stress that is none; nothing where it is one.
+fn singular_stress(body: &BodySolution<2>) -> Option<String> {
+    let peak = body.peak?;
+    let singular = peak.place?;
+    let at = |stress: StressAt<2>| {
+        let [x, y] = stress.at.map(number);
+        format!("{} at ({x}, {y})", number(stress.value))
+    };
+    let away = singular.away.map_or(String::new(), |away| {
+        format!("; farther than two cells from such places {}", at(away))
+    });
+    Some(format!(
+        "max von Mises of {} is at {} and grows as the mesh is refined: {}{away}\n",
+        body.name,
+        singular.place,
+        at(peak.most)
+    ))
 }
 
 /// Up to this many steps stand side by side.

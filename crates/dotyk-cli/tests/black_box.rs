@@ -324,6 +324,45 @@ fn a_probe_beside_a_side_is_refused() {
     }
 }
 
+#[test]
+fn a_largest_stress_at_the_edge_of_a_punch_is_told_with_the_one_beside() {
+    let low = "rectangle = { from = [0, 0], to = [4, 4], cells = [32, 32] }";
+    let up = "rectangle = { from = [0, 4], to = [1, 5], cells = [8, 8] }";
+    let held = "{ side = \"bottom\", y = 0 }, { side = \"left\", x = 0 }";
+    let load = "{ side = \"top\", pressure = 1e6 }";
+    let text = [
+        HEAD.to_string(),
+        steel("low", low, held, ""),
+        steel("up", up, SLIDES, load),
+        contact("sole", "up.bottom", "low.top", ""),
+    ]
+    .concat();
+    let run = Run::solved("punch", &text);
+    let body = &run.summary()["bodies"][1];
+    assert_eq!(body["max_von_mises_place"], "the end of a contact");
+    let [most, away] =
+        ["max_von_mises", "max_von_mises_away"].map(|key| body[key].as_f64().unwrap());
+    assert!(away < 0.9 * most, "{away} {most}");
+    let at = |key: &str| body[key].as_array().unwrap().len();
+    assert_eq!(
+        [at("max_von_mises_at"), at("max_von_mises_away_at")],
+        [2, 2]
+    );
+    let told = "max von Mises of up is at the end of a contact and grows as the mesh is refined";
+    assert!(run.stdout.contains(told), "{}", run.stdout);
+    let page = std::fs::read_to_string(run.folder.join("case-out/report.html")).unwrap();
+    assert!(
+        page.contains("The colours end at") && page.contains("of up is at the end of a contact")
+    );
+    // a uniform stress has no such place, and the colours hold all of it
+    let run = Run::solved("smooth", &stack(1e6, "").replace("x = 0, y = 0", "y = 0"));
+    let summary = run.summary();
+    assert!(summary["bodies"][0]["max_von_mises_place"].is_null());
+    assert!(!run.stdout.contains("grows as the mesh"));
+    let page = std::fs::read_to_string(run.folder.join("case-out/report.html")).unwrap();
+    assert!(!page.contains("The colours end at"));
+}
+
 /// Rows of lines.csv without its head: step, probe, s, x, y, value.
 fn rows_of_lines(run: &Run) -> Vec<(usize, String, [f64; 4])> {
     let text = std::fs::read_to_string(run.folder.join("case-out/lines.csv")).unwrap();

@@ -37,6 +37,7 @@ mod quantity;
 mod recover;
 mod reuse;
 mod settle;
+mod singular;
 mod sliding;
 mod solution;
 mod steps;

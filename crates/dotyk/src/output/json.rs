@@ -333,10 +333,19 @@ struct BodyEntry<'a> {
     reaction: &'a [f64],
     max_displacement: f64,
     max_von_mises: f64,
+    max_von_mises_at: Option<&'a [f64]>,
+    /// What is singular there; null where nothing is.
+    max_von_mises_place: Option<String>,
+    /// The largest one beside such places, and where; null where there is no such place, or nothing beside it.
+    max_von_mises_away: Option<f64>,
+    max_von_mises_away_at: Option<&'a [f64]>,
     strain_energy: f64,
 }
 
 fn body_entry<const D: usize>(body: &BodySolution<D>, nodes: usize, cells: usize) -> BodyEntry<'_> {
+    let peak = body.peak.as_ref();
+    let singular = peak.and_then(|peak| peak.place.as_ref());
+    let away = singular.and_then(|singular| singular.away.as_ref());
     BodyEntry {
         name: &body.name,
         nodes,
@@ -353,6 +362,10 @@ fn body_entry<const D: usize>(body: &BodySolution<D>, nodes: usize, cells: usize
         reaction: &body.reaction,
         max_displacement: max_displacement(body),
         max_von_mises: largest(body.von_mises.iter().copied()),
+        max_von_mises_at: peak.map(|peak| &peak.most.at[..]),
+        max_von_mises_place: singular.map(|singular| singular.place.to_string()),
+        max_von_mises_away: away.map(|away| away.value),
+        max_von_mises_away_at: away.map(|away| &away.at[..]),
         strain_energy: body.strain_energy,
     }
 }
@@ -492,6 +505,10 @@ mod tests {
                 "reaction",
                 "max_displacement",
                 "max_von_mises",
+                "max_von_mises_at",
+                "max_von_mises_place",
+                "max_von_mises_away",
+                "max_von_mises_away_at",
                 "strain_energy",
             ])
         );

@@ -139,7 +139,12 @@ fn key_figures(solution: &Solution<2>, labels: &Labels) -> String {
         ));
     }
     let stress = |b: &BodySolution<2>| largest(b.von_mises.iter().copied());
-    if let Some((body, value)) = greatest(&solution.bodies, stress) {
+    if let Some((mut body, value)) = greatest(&solution.bodies, stress) {
+        let peaks = solution.bodies.iter().filter_map(|b| b.peak);
+        let most = peaks.max_by(|a, b| a.most.value.total_cmp(&b.most.value));
+        if let Some(singular) = most.and_then(|peak| peak.place) {
+            body += &format!(", at {}", singular.place);
+        }
         cards.push((
             "Largest von Mises stress",
             quantity(value, &labels.stress),
@@ -277,6 +282,10 @@ fn bodies(model: &Model<2>, solution: &Solution<2>, labels: &Labels) -> String {
                 plain(count(b.dofs)),
                 plain(number(max_displacement(b))),
                 plain(number(largest(b.von_mises.iter().copied()))),
+                plain(
+                    b.peak
+                        .map_or("–".to_string(), |peak| vector(&peak.most.at, "")),
+                ),
                 plain(number(b.strain_energy)),
             ]
         })
@@ -287,9 +296,17 @@ fn bodies(model: &Model<2>, solution: &Solution<2>, labels: &Labels) -> String {
         column("unknowns", ""),
         column("largest displacement", &labels.length),
         column("largest von Mises", &labels.stress),
+        column("at", &labels.length),
         column("elastic energy", &labels.energy),
     ];
     let mut out = format!("<h3>Bodies</h3>\n{}", table(&heads, rows));
+    let told = solution
+        .bodies
+        .iter()
+        .filter_map(|b| singular_stress(b, labels));
+    out += &told
+        .map(|line| format!("<p>{}</p>\n", escape(&line)))
+        .collect::<String>();
     let rows = solution
         .bodies
         .iter()
@@ -331,6 +348,23 @@ fn bodies(model: &Model<2>, solution: &Solution<2>, labels: &Labels) -> String {
         table(&heads, rows)
     );
     out
+}
+
+/// A word on a largest stress that is none; nothing where it is one.
+fn singular_stress(body: &BodySolution<2>, labels: &Labels) -> Option<String> {
+    let peak = body.peak?;
+    let singular = peak.place?;
+    let away = singular.away.map_or(String::new(), |away| {
+        let at = vector(&away.at, &labels.length);
+        format!(
+            " Farther than two cells from such places the largest is {}, at {at}.",
+            quantity(away.value, &labels.stress)
+        )
+    });
+    Some(format!(
+        "The largest von Mises stress of {} is at {}: it grows as the mesh is refined, and means nothing by itself.{away}",
+        body.name, singular.place
+    ))
 }
 
 fn timings(run: &Overview<'_>) -> String {
