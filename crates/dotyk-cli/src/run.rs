@@ -8,8 +8,8 @@ use crate::text::{columns, number, print, written};
 use dotyk::case::Case;
 use dotyk::geometry::norm;
 use dotyk::model::{
-    Analysis, Bolts, ContactSolution, Dimension, Method, Model, ProbeValue, Solution,
-    SolverOptions, Status,
+    Analysis, BodySolution, Bolts, ContactSolution, Dimension, Method, Model, ProbeValue, Solution,
+    SolverOptions, Status, StressAt,
 };
 use dotyk::output::{self, without_noise};
 use std::ffi::OsStr;
@@ -257,6 +257,7 @@ impl Scales {
         number(without_noise(value, self.force))
     }
 
+    /// The value of a probe, of a line the smallest and the largest.
     fn of_probe(&self, probe: &ProbeValue) -> String {
         let scale = match probe.dimension {
             Dimension::Force => self.force,
@@ -264,7 +265,16 @@ impl Scales {
             Dimension::Length => self.length,
             Dimension::Other => 0.0,
         };
-        number(without_noise(probe.value, scale))
+        let shown = |value: f64| number(without_noise(value, scale));
+        if probe.line.is_empty() {
+            return shown(probe.value);
+        }
+        let values = || probe.line.iter().map(|place| place.value);
+        let (low, high) = (
+            values().fold(f64::NAN, f64::min),
+            values().fold(f64::NAN, f64::max),
+        );
+        format!("{} .. {}", shown(low), shown(high))
     }
 }
 
@@ -412,7 +422,27 @@ fn bodies(model: &Model<2>, solution: &Solution<2>) -> String {
         &reactions[1],
         "floats",
     ];
-    columns(&header, &rows, 1..5)
+    let told = solution.bodies.iter().filter_map(singular_stress);
+    columns(&header, &rows, 1..5) + &told.collect::<String>()
+}
+
+/// A line on a largest stress that is none; nothing where it is one.
+fn singular_stress(body: &BodySolution<2>) -> Option<String> {
+    let peak = body.peak?;
+    let singular = peak.place?;
+    let at = |stress: StressAt<2>| {
+        let [x, y] = stress.at.map(number);
+        format!("{} at ({x}, {y})", number(stress.value))
+    };
+    let away = singular.away.map_or(String::new(), |away| {
+        format!("; farther than two cells from such places {}", at(away))
+    });
+    Some(format!(
+        "max von Mises of {} is at {} and grows as the mesh is refined: {}{away}\n",
+        body.name,
+        singular.place,
+        at(peak.most)
+    ))
 }
 
 /// Up to this many steps stand side by side.
@@ -441,7 +471,14 @@ fn probes(steps: &[Solution<2>]) -> String {
                 .zip(steps)
                 .map(|(s, step)| s.of_probe(&step.probes[i]));
             let names = [probe.name.clone(), probe.quantity.clone()];
-            let at = probe.at.map_or(String::new(), place);
+            let at = match probe.line.last() {
+                Some(end) => format!(
+                    "along {}, {} points in lines.csv",
+                    number(end.s),
+                    probe.line.len()
+                ),
+                None => probe.at.map_or(String::new(), place),
+            };
             names.into_iter().chain(values).chain([at]).collect()
         })
         .collect();

@@ -149,6 +149,12 @@ pub fn study(arguments: &Arguments) -> Result<Outcome, Failure> {
                 .to_string(),
         ]);
     }
+    for probe in case.model.probes.iter().filter(|probe| probe.is_line()) {
+        warn(&[format!(
+            "the probe `{}` has values along a line, and no column in a study",
+            probe.name
+        )]);
+    }
     if let Some(name) = taken(&case, &varied) {
         let message = format!(
             "a probe and another column of study.csv are both named `{name}`: rename the probe"

@@ -104,8 +104,23 @@ const IN_THE_TEXT: &[Mistake] = &[
     ("\"sole.pressure\"", "\"soul.pressure\"", "soul", "`sole`"),
     ("\"sole.pressure\"", "\"block.displacement.w\"", "displacement.w", "`magnitude`"),
     ("\"sole.pressure\"", "\"sole.length\"", "\nat =", "takes no `at`"),
-    ("at = [2.0, 1.0]\n", "", "[[probe]]", "`at` or `reduce`"),
+    ("at = [2.0, 1.0]\n", "", "[[probe]]", "`at`, `along` or `reduce`"),
     ("at = [2.0, 1.0]", "at = [2.0, 1.0]\nreduce = \"max\"", "reduce", "both"),
+    ("at = [2.0, 1.0]", "at = [2.0, 1.0]\nalong = \"punch.bottom\"", "along", "both `at` and `along`"),
+    ("at = [2.0, 1.0]", "along = { from = [1.5, 1], to = [2, 1], points = 3 }\nreduce = \"max\"", "reduce", "or along a side"),
+    ("at = [2.0, 1.0]", "along = \"punch.bottom\"\nreduce = \"max\"", "reduce", "leave out `along`"),
+    ("at = [2.0, 1.0]", "along = \"punch.bottm\"", "along", "`bottom`"),
+    ("at = [2.0, 1.0]", "along = [\"punch.bottom\", \"block.top\"]", "along", "belong to one body"),
+    ("at = [2.0, 1.0]", "along = 2", "along", "expected \"BODY.SIDE\""),
+    ("at = [2.0, 1.0]", "along = { from = [1.5, 1], to = [2, 1] }", "along", "needs the key `points`"),
+    ("at = [2.0, 1.0]", "along = { from = [1.5, 1], to = [2, 1], point = 3 }", "along", "`points`"),
+    ("at = [2.0, 1.0]", "along = { from = [1.5, 1], to = [1.5, 1], points = 3 }", "along", "another point"),
+    ("at = [2.0, 1.0]", "along = { from = [1.5, 1], to = [2, 1], points = 1 }", "along", "2 to 1000000 points"),
+    ("at = [2.0, 1.0]", "along = { from = [1.5, 1], to = [2, 1], points = \"1e9\" }", "along", "2 to 1000000 points"),
+    ("at = [2.0, 1.0]", "along = { from = [1.5, 1], to = [2, 1], points = \"5/2\" }", "along", "must come out whole"),
+    ("at = [2.0, 1.0]", "along = \"punch.bottom\"\nmean_of_neighbours = true", "mean_of_neighbours", "needs `at`"),
+    ("quantity = \"sole.pressure\"\nat = [2.0, 1.0]", "quantity = \"sole.length\"\nalong = \"punch.bottom\"", "along", "takes no `along`"),
+    ("quantity = \"sole.pressure\"\nat = [2.0, 1.0]", "quantity = \"punch.stress.normal\"\nat = [2, 1.5]", "normal", "needs one"),
     // meshes
     ("{ rectangle = { from = [1.5, 1.0], to = [2.5, 2.0], cells = [2, 2] } }", "{}", "mesh = {}", "exactly one"),
     ("cells = [2, 2] } }", "cells = [2, 2] }, ring = { inner = 1, outer = 2, cells = [8, 2] } }", "ring", "more than one generator"),
@@ -184,7 +199,31 @@ const IN_THE_MODEL: &[(&str, &str, &[&str])] = &[
         &["punch", "top"],
     ),
     // outside of the contact
-    ("at = [2.0, 1.0]", "at = [9.0, 1.0]", &["middle"]),
+    (
+        "at = [2.0, 1.0]",
+        "at = [9.0, 1.0]",
+        &["middle", "at = [9.0, 1.0]"],
+    ),
+    (
+        "at = [2.0, 1.0]",
+        "along = { from = [1, 1], to = [2, 1], points = 3 }",
+        &["middle", "(1, 1)", "along = {"],
+    ),
+    (
+        "at = [2.0, 1.0]",
+        "along = \"block.top\"",
+        &["block.top", "punch.bottom", "along = \"block"],
+    ),
+    (
+        "quantity = \"sole.pressure\"\nat = [2.0, 1.0]",
+        "quantity = \"punch.stress.xx\"\nalong = { from = [0, 0], to = [0, 1], points = 3 }",
+        &["middle", "no point of the line", "along = {"],
+    ),
+    (
+        "quantity = \"sole.pressure\"\nat = [2.0, 1.0]",
+        "quantity = \"punch.stress.xx\"\nalong = \"block.top\"",
+        &["block.top", "punch", "along = \"block"],
+    ),
 ];
 
 /// A fresh folder for one test.
@@ -346,11 +385,13 @@ fn arguments_that_make_no_sense_are_refused() {
 fn mistakes_in_a_reference_file_are_found_before_solving() {
     let folder = folder("reference");
     std::fs::create_dir(folder.join("punch")).unwrap();
-    std::fs::write(folder.join("punch/good.toml"), GOOD).unwrap();
+    let line = "\n[[probe]]\nname = \"line\"\nquantity = \"sole.gap\"\nalong = \"punch.bottom\"\n";
+    std::fs::write(folder.join("punch/good.toml"), GOOD.to_string() + line).unwrap();
     let reference = "[[value]]\ncase = \"good.toml\"\nprobe = \"middle\"\nkind = \"analytic\"\nvalue = 1\ntolerance = 0.1\n";
     for (from, to, line, words) in [
         ("good.toml", "god.toml", 2, "god.toml"),
         ("\"middle\"", "\"midle\"", 3, "`middle`"),
+        ("\"middle\"", "\"line\"", 3, "values along a line"),
         ("value = 1", "step = 2\nvalue = 1", 5, "no step 2"),
         ("value = 1", "step = 0\nvalue = 1", 5, "`step`"),
         ("analytic", "exact", 4, "`published`"),

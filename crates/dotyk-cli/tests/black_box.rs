@@ -325,6 +325,115 @@ fn a_probe_beside_a_side_is_refused() {
 }
 
 #[test]
+fn a_largest_stress_at_the_edge_of_a_punch_is_told_with_the_one_beside() {
+    let low = "rectangle = { from = [0, 0], to = [4, 4], cells = [32, 32] }";
+    let up = "rectangle = { from = [0, 4], to = [1, 5], cells = [8, 8] }";
+    let held = "{ side = \"bottom\", y = 0 }, { side = \"left\", x = 0 }";
+    let load = "{ side = \"top\", pressure = 1e6 }";
+    let text = [
+        HEAD.to_string(),
+        steel("low", low, held, ""),
+        steel("up", up, SLIDES, load),
+        contact("sole", "up.bottom", "low.top", ""),
+    ]
+    .concat();
+    let run = Run::solved("punch", &text);
+    let body = &run.summary()["bodies"][1];
+    assert_eq!(body["max_von_mises_place"], "the end of a contact");
+    let [most, away] =
+        ["max_von_mises", "max_von_mises_away"].map(|key| body[key].as_f64().unwrap());
+    assert!(away < 0.9 * most, "{away} {most}");
+    let at = |key: &str| body[key].as_array().unwrap().len();
+    assert_eq!(
+        [at("max_von_mises_at"), at("max_von_mises_away_at")],
+        [2, 2]
+    );
+    let told = "max von Mises of up is at the end of a contact and grows as the mesh is refined";
+    assert!(run.stdout.contains(told), "{}", run.stdout);
+    let page = std::fs::read_to_string(run.folder.join("case-out/report.html")).unwrap();
+    assert!(
+        page.contains("The colours end at") && page.contains("of up is at the end of a contact")
+    );
+    // a uniform stress has no such place, and the colours hold all of it
+    let run = Run::solved("smooth", &stack(1e6, "").replace("x = 0, y = 0", "y = 0"));
+    let summary = run.summary();
+    assert!(summary["bodies"][0]["max_von_mises_place"].is_null());
+    assert!(!run.stdout.contains("grows as the mesh"));
+    let page = std::fs::read_to_string(run.folder.join("case-out/report.html")).unwrap();
+    assert!(!page.contains("The colours end at"));
+}
+
+/// Rows of lines.csv without its head: step, probe, s, x, y, value.
+fn rows_of_lines(run: &Run) -> Vec<(usize, String, [f64; 4])> {
+    let text = std::fs::read_to_string(run.folder.join("case-out/lines.csv")).unwrap();
+    let (head, rows) = text.split_once('\n').unwrap();
+    assert_eq!(head, "step,probe,s,x,y,value");
+    let row = |line: &str| {
+        let cells: Vec<&str> = line.split(',').collect();
+        let number = |k: usize| cells[k].parse().unwrap();
+        let numbers = [2, 3, 4, 5].map(number);
+        (cells[0].parse().unwrap(), cells[1].to_string(), numbers)
+    };
+    rows.lines().map(row).collect()
+}
+
+#[test]
+fn a_line_is_told_in_a_table_a_plot_and_its_range() {
+    let line = "along = { from = [0.5, \"-h\"], to = [0.5, 2], points = \"3*n\" }";
+    let held = "{ side = \"bottom\", y = 0 }, { side = \"left\", x = 0 }";
+    let text = [
+        HEAD.to_string() + "[parameters]\nh = 0.5\nn = 2\n",
+        steel("low", LOW, held, ""),
+        steel("up", UP, SLIDES, "{ side = \"top\", pressure = \"1e6*t\" }"),
+        contact("sole", "up.bottom", "low.top", ""),
+        steps(&[0.5, 1.0]),
+        probe("middle", "low.stress.yy", line),
+        probe("sole", "sole.pressure", "along = \"up.bottom\""),
+        probe(
+            "pressed",
+            "up.stress.normal",
+            "along = \"up.top\"\nreduce = \"integral\"",
+        ),
+    ]
+    .concat();
+    let run = Run::solved("lines", &text);
+    let rows = rows_of_lines(&run);
+    // both steps: six points, and five nodes
+    assert_eq!(rows.len(), 2 * (6 + 5));
+    for (step, name, [s, x, y, value]) in &rows {
+        let pressure = 5e5 * *step as f64;
+        if name == "sole" {
+            assert_near(*value, pressure, 1e-9);
+            assert_eq!((*s, *y), (*x, 1.0));
+        } else {
+            assert_eq!((*x, *s), (0.5, y + 0.5));
+            // below and above the lower block there is none of its stress
+            match (0.0..=1.0).contains(y) {
+                true => assert_near(*value, -pressure, 1e-9),
+                false => assert!(value.is_nan()),
+            }
+        }
+    }
+    let probes = &run.summary()["probes"];
+    assert_eq!(
+        (probes[0]["value"].is_null(), &probes[0]["points"]),
+        (true, &6.into())
+    );
+    assert_eq!(probes[0]["length"], 2.5);
+    assert_near(probes[0]["smallest"].as_f64().unwrap(), -1e6, 1e-6);
+    assert_near(probes[1]["largest"].as_f64().unwrap(), 1e6, 1e-9);
+    assert_near(run.probe("pressed"), -1e6, 1e-6);
+    assert!(probes[2].get("points").is_none());
+    assert!(
+        run.stdout.contains("along 2.5, 6 points in lines.csv"),
+        "{}",
+        run.stdout
+    );
+    let page = std::fs::read_to_string(run.folder.join("case-out/report.html")).unwrap();
+    assert_eq!(page.matches(" along a line\"").count(), 2, "a plot each");
+}
+
+#[test]
 fn slip_is_the_motion_along_the_tangent_without_friction() {
     // the lower block is held along x, the upper one moves by 1e-3 along it
     let text = [
@@ -495,10 +604,13 @@ fn several_cases_are_run_each_into_a_folder_of_its_own() {
 
 #[test]
 fn a_study_lists_every_member_with_probes_or_reason() {
-    let text = parametric();
+    // a line has no column, and says so
+    let line = probe("line", "sole.gap", "along = \"up.bottom\"");
+    let text = parametric().replacen("[[contact]]", &(line + "\n[[contact]]"), 1);
     let vary = ["--vary", "p=1e6..3e6:3", "--vary", "n=2..3:3", "--log", "p"];
     let study = Run::new("study", &text, "study", &vary);
     assert_eq!(study.status, Some(1), "{}", study.stderr);
+    assert!(study.stderr.contains("`line` has values along a line"));
     assert_eq!(study.files(), ["study.csv", "study.html"]);
     let table = std::fs::read_to_string(study.folder.join("case-out/study.csv")).unwrap();
     let lines: Vec<&str> = table.lines().collect();

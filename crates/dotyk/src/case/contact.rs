@@ -201,7 +201,7 @@ fn different(pair: &[SideRef; 2], second: &Node, contact: &str) -> Result<(), Fa
 }
 
 /// "BODY.SIDE", or a list of sides of one body.
-fn side_ref(node: &Node, bodies: &mut [Body<2>]) -> Result<SideRef, Fault> {
+pub(crate) fn side_ref(node: &Node, bodies: &mut [Body<2>]) -> Result<SideRef, Fault> {
     let one = |node: &Node| {
         let written = ["a side", "\"BODY.SIDE\", such as \"block.top\""];
         let (body, side) = of_body(node, bodies, written)?;

@@ -136,11 +136,14 @@ pub const PROBE: &[&str] = &[
     "name",
     "quantity",
     "at",
+    "along",
     "reduce",
     "mean_of_neighbours",
     "minus_rigid",
     "center",
 ];
+/// `along` of a probe, when it is a line.
+pub const ALONG: &[&str] = &["from", "to", "points"];
 /// The top level of a reference file.
 pub const REFERENCES: &[&str] = &["value"];
 /// `[[value]]` of a reference file.
@@ -163,7 +166,7 @@ pub const REFERENCE: &[&str] = &[
 ];
 
 /// Every table with its keys.
-pub const ALL: [(&str, &[&str]); 28] = [
+pub const ALL: [(&str, &[&str]); 29] = [
     ("case", CASE),
     ("units", UNITS),
     ("body", BODY),
@@ -190,6 +193,7 @@ pub const ALL: [(&str, &[&str]); 28] = [
     ("solver", SOLVER),
     ("step", STEP),
     ("probe", PROBE),
+    ("along", ALONG),
     ("reference", REFERENCES),
     ("value", REFERENCE),
 ];

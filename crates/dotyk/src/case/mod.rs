@@ -49,7 +49,7 @@ pub struct Case {
     /// The text, and how messages call it.
     text: Arc<str>,
     name: Arc<str>,
-    /// Where the names of bodies, contacts and probes stand.
+    /// Where the names of bodies and contacts stand, and where probes are read.
     places: Vec<(Subject, Span)>,
 }
 
@@ -168,7 +168,7 @@ impl Case {
         warnings.splice(0..0, self.warnings.iter().cloned());
     }
 
-    /// An error of the model as an error of the file, at the name of the body, contact or probe that it is about.
+    /// An error of the model as an error of the file, at the name of the body or contact that it is about, or at the place of the probe.
     pub fn error(&self, subject: Option<&Subject>, message: &str) -> CaseError {
         let place = self.places.iter().find(|(s, _)| Some(s) == subject);
         match place {
@@ -176,7 +176,7 @@ impl Case {
                 let label = match subject {
                     Subject::Body(_) => "this body",
                     Subject::Contact(_) => "this contact",
-                    Subject::Probe(_) => "this probe",
+                    Subject::Probe(_) => "here",
                 };
                 Fault::new(span, message)
                     .label(label)
@@ -187,7 +187,7 @@ impl Case {
     }
 }
 
-/// Where the names of bodies, contacts and probes stand.
+/// Where the names of bodies and contacts stand, and where probes are read.
 fn places(document: &Node) -> Vec<(Subject, Span)> {
     type Named = fn(String) -> Subject;
     let kinds: [(&str, Named); 3] = [
@@ -201,10 +201,14 @@ fn places(document: &Node) -> Vec<(Subject, Span)> {
         let lists = entries.iter().filter(|entry| entry.key == key);
         for element in lists.flat_map(|entry| entry.node.list().unwrap_or_default()) {
             let fields = element.entries().unwrap_or_default();
-            let name = fields.iter().find(|entry| entry.key == "name");
-            if let Some((Ok(text), node)) = name.map(|entry| (entry.node.text(), &entry.node)) {
-                places.push((subject(text.to_string()), node.span.clone()));
-            }
+            let field = |key: &str| fields.iter().find(|entry| entry.key == key);
+            let Some((Ok(text), name)) = field("name").map(|e| (e.node.text(), &e.node)) else {
+                continue;
+            };
+            // probes alone have these: what is wrong with one is where it is read
+            let place = field("at").or_else(|| field("along"));
+            let place = place.map_or(name, |entry| &entry.node);
+            places.push((subject(text.to_string()), place.span.clone()));
         }
     }
     places
@@ -261,7 +265,7 @@ fn model(document: &Node, stem: &str, files: &mut MeshFiles) -> Result<Model<2>,
     let probes = table.list("probe")?;
     unique_names(probes, "probes")?;
     let probes = probes.iter();
-    let probes = probes.map(|node| probe::probe(node, &bodies, &contacts));
+    let probes = probes.map(|node| probe::probe(node, &mut bodies, &contacts));
     let probes = probes.collect::<Result<Vec<_>, _>>()?;
 
     Ok(Model {

@@ -1,11 +1,15 @@
 //! `[[probe]]` of a case file: what is read off the solution, checked before anything is solved.
 
-use crate::case::document::{Node, Table};
+use crate::case::contact::side_ref;
+use crate::case::document::{Entry, Node, Table, Value};
 use crate::case::error::Fault;
 use crate::case::keys;
 use crate::case::points::place;
 use crate::case::suggest::listed;
-use crate::model::{Body, BodyId, Contact, Mistake, Probe, Quantity, QuantityError, Reading};
+use crate::geometry::distance;
+use crate::model::{
+    Along, Body, BodyId, Contact, Mistake, Probe, Quantity, QuantityError, Reading,
+};
 
 const REDUCTIONS: [(&str, Reading<2>); 4] = [
     ("max", Reading::Largest),
@@ -19,19 +23,28 @@ const UNKNOWN: [&str; 2] = ["the nearest known", "known"];
 /// One probe on these bodies and contacts.
 pub(crate) fn probe(
     node: &Node,
-    bodies: &[Body<2>],
+    bodies: &mut [Body<2>],
     contacts: &[Contact<2>],
 ) -> Result<Probe<2>, Fault> {
     let table = node.table(keys::PROBE)?;
     let name = label(table.require("name", "a probe")?)?;
-    let quantity = table.require("quantity", "a probe")?;
+    let quantity_node = table.require("quantity", "a probe")?;
     let contacts: Vec<&str> = contacts.iter().map(|c| c.name.as_str()).collect();
-    let parsed = Quantity::parse(quantity.text()?, bodies, &contacts);
-    let quantity = parsed.map_err(|error| fault(quantity, &error))?;
+    let parsed = Quantity::parse(quantity_node.text()?, bodies, &contacts);
+    let quantity = parsed.map_err(|error| fault(quantity_node, &error))?;
+    let along = table.get("along").map(|node| along(node, bodies));
+    let along = along.transpose()?;
+    if quantity.needs_side() && !matches!(along, Some(Along::Side(_))) {
+        let message = format!("`{quantity}` is normal to a side, and needs one");
+        return Err(Fault::new(&quantity_node.span, message)
+            .label("normal to what?")
+            .help("add `along = \"BODY.SIDE\"`"));
+    }
     Ok(Probe {
         minus_rigid: minus_rigid(table, &quantity, bodies)?,
         center: center(table, &quantity)?,
-        reading: reading(table, &name, &quantity, bodies)?,
+        reading: reading(table, &name, &quantity, along.as_ref(), bodies)?,
+        along,
         name,
         quantity,
     })
@@ -60,11 +73,43 @@ fn fault(node: &Node, error: &QuantityError) -> Fault {
     }
 }
 
-/// Where, or how: a field needs `at` or `reduce`, a number neither; neighbours are those of a point.
+/// Most points of a line: each is looked for in the cells, and a row for each step.
+const MOST_POINTS: usize = 1_000_000;
+
+/// A line from one point to another, or "BODY.SIDE", or a list of sides.
+fn along(node: &Node, bodies: &mut [Body<2>]) -> Result<Along<2>, Fault> {
+    match node.value {
+        Value::Table(_) => line(node, bodies),
+        Value::Text(_) | Value::List(_) => side_ref(node, bodies).map(Along::Side),
+        _ => Err(node.expected("\"BODY.SIDE\" or { from = [x, y], to = [x, y], points = 50 }")),
+    }
+}
+
+fn line(node: &Node, bodies: &[Body<2>]) -> Result<Along<2>, Fault> {
+    let table = node.table(keys::ALONG)?;
+    let what = "a line";
+    let from = place(table.require("from", what)?, bodies)?;
+    let end = table.require("to", what)?;
+    let to = place(end, bodies)?;
+    if distance(from, to) == 0.0 {
+        let message = "a line ends at another point than it begins at";
+        return Err(Fault::new(&end.span, message).label("the same as `from`"));
+    }
+    let count = table.require("points", what)?;
+    let points = count.positive_integer("`points`")?;
+    if !(2..=MOST_POINTS).contains(&points) {
+        let message = format!("a line has 2 to {MOST_POINTS} points, both ends included");
+        return Err(Fault::new(&count.span, message).label(format!("{points}")));
+    }
+    Ok(Along::Line { from, to, points })
+}
+
+/// Where, or how: a field needs `at`, `along` or `reduce`, a number none; neighbours are those of a point.
 fn reading(
     table: Table<'_>,
     name: &str,
     quantity: &Quantity,
+    along: Option<&Along<2>>,
     bodies: &[Body<2>],
 ) -> Result<Reading<2>, Fault> {
     let reduced = table.get("reduce");
@@ -77,25 +122,24 @@ fn reading(
         .transpose()?;
     let mean = table.get("mean_of_neighbours");
     let mean = mean.map_or(Ok(false), Node::boolean)?;
-    let superfluous = table.entry("at").or(table.entry("reduce"));
-    if let (false, Some(entry)) = (quantity.is_field(), superfluous) {
+    let mut places = ["at", "along", "reduce"]
+        .into_iter()
+        .filter_map(|key| table.entry(key));
+    if let (false, Some(entry)) = (quantity.is_field(), places.next()) {
         let message = format!(
             "`{quantity}` of probe `{name}` is one number and takes no `{}`",
             entry.key
         );
         return Err(Fault::new(&entry.key_span, message).label("superfluous"));
     }
-    if let (Some(_), Some(entry)) = (at, table.entry("reduce")) {
-        let message = format!("probe `{name}` has both `at` and `reduce`");
-        return Err(Fault::new(&entry.key_span, message).label("give one of the two"));
-    }
+    refuse_contradiction(table, name, quantity, along)?;
     match (at, reduced, table.entry("mean_of_neighbours")) {
-        (None, None, _) if quantity.is_field() => Err(Fault::new(
+        (None, None, _) if quantity.is_field() && along.is_none() => Err(Fault::new(
             table.span,
-            format!("probe `{name}` must say where: `at` or `reduce` is missing"),
+            format!("probe `{name}` must say where: `at`, `along` or `reduce` is missing"),
         )
-        .label("`at` or `reduce` is missing")
-        .help("add `at = [x, y]`, or `reduce = \"max\"`, \"min\", \"mean\" or \"integral\"")),
+        .label("`at`, `along` or `reduce` is missing")
+        .help("add `at = [x, y]`, or `along = { from = [x, y], to = [x, y], points = 50 }`, or `along = \"BODY.SIDE\"`, or `reduce = \"max\"`, \"min\", \"mean\" or \"integral\"")),
         (None, _, Some(entry)) if mean => {
             let message = format!("`mean_of_neighbours` of probe `{name}` needs `at`");
             Err(Fault::new(&entry.key_span, message).label("neighbours of what?"))
@@ -103,6 +147,36 @@ fn reading(
         (Some(point), _, _) if mean => Ok(Reading::MeanOfNeighbours(point)),
         (Some(point), _, _) => Ok(Reading::At(point)),
         (None, reduced, _) => Ok(reduced.unwrap_or(Reading::Whole)),
+    }
+}
+
+/// One of `at`, `along` and `reduce`, but that a stress or displacement of a body can be reduced along a side.
+fn refuse_contradiction(
+    table: Table<'_>,
+    name: &str,
+    quantity: &Quantity,
+    along: Option<&Along<2>>,
+) -> Result<(), Fault> {
+    let (at, reduce) = (table.entry("at"), table.entry("reduce"));
+    let both = |entry: &Entry, first: &str| {
+        let message = format!("probe `{name}` has both `{first}` and `{}`", entry.key);
+        Fault::new(&entry.key_span, message).label("give one of the two")
+    };
+    match (at, table.entry("along"), reduce) {
+        (Some(_), Some(entry), _) | (Some(_), None, Some(entry)) => Err(both(entry, "at")),
+        (None, Some(_), Some(reduce)) => {
+            let help = match along {
+                Some(Along::Side(_)) if quantity.is_of_contact() => {
+                    "a reduction of a contact runs over its whole nonmortar side: leave out `along`"
+                }
+                Some(Along::Side(_)) => return Ok(()),
+                _ => {
+                    "a reduction runs over the whole body, or along a side: `along = \"BODY.SIDE\"`"
+                }
+            };
+            Err(both(reduce, "along").help(help))
+        }
+        _ => Ok(()),
     }
 }
 

@@ -9,7 +9,7 @@ use crate::case::document::{self, Node, Span, Table};
 use crate::case::error::{CaseError, Fault, read_text};
 use crate::case::keys;
 use crate::case::suggest::listed;
-use crate::model::Model;
+use crate::model::{Model, Probe};
 use std::collections::HashSet;
 use std::path::Path;
 use std::sync::Arc;
@@ -209,6 +209,14 @@ impl References {
                         known => format!("its probes: {known}"),
                     };
                     let fault = fault("probe", message, "no such probe").help(help);
+                    return Err(self.located(fault));
+                }
+                let is_it = |probe: &Probe<2>| probe.name == reference.probe && probe.is_line();
+                if model.probes.iter().any(is_it) {
+                    let probe = &reference.probe;
+                    let message = format!("`{probe}` of `{case}` has values along a line");
+                    let help = "name a probe of one number: with `at` or `reduce`";
+                    let fault = fault("probe", message, "not one number").help(help);
                     return Err(self.located(fault));
                 }
                 let count = model.times.len();

@@ -354,7 +354,12 @@ fn wrong_quantities_are_refused_before_solving() {
         assert_mistake("sole.pressure", quantity, underlined, &fragments);
     }
     let at = "at       = [2.0, 1.0]";
-    assert_mistake(at, "", "[[probe]]", &["`at` or `reduce` is missing"]);
+    assert_mistake(
+        at,
+        "",
+        "[[probe]]",
+        &["`at`, `along` or `reduce` is missing"],
+    );
     assert_mistake(
         at,
         "reduce = \"sum\"",

@@ -9,7 +9,7 @@ use crate::mesh::Facet;
 use std::collections::BTreeMap;
 
 /// Facets whose normals have a cosine below this meet at a corner: each keeps its own normal there.
-pub(super) const SHARP: f64 = 0.7;
+pub const SHARP: f64 = 0.7;
 
 /// The parts of a side between its sharp corners or edges, in the order of its chain, in space of their first facets; the whole
 /// where it has none.

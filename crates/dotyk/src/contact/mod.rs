@@ -26,7 +26,7 @@ mod sampling;
 mod search;
 mod weights;
 
-pub use corners::smooth_parts;
+pub use corners::{SHARP, smooth_parts};
 pub use curved::{sagitta, straight_turn};
 pub use error::ContactError;
 pub use facing::{facets_coincide, unmatched_facing};
@@ -36,6 +36,7 @@ pub use node_to_node::{pair_nodes, pair_obstacle};
 pub use obstacle::{Driven, Rigid};
 pub use relative::frame;
 pub use sampling::{Sample, samples};
+pub use weights::nodal_weights;
 
 use crate::fem::{Body, Constraints, side_facets};
 use crate::geometry::{Field, Point};

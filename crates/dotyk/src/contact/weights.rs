@@ -12,7 +12,7 @@ pub(super) const POSITIVE: f64 = 0.1;
 
 /// What a node has of some facets.
 #[derive(Debug, Clone, Copy, Default)]
-pub(super) struct NodalWeight {
+pub struct NodalWeight {
     /// ∫N, times thickness or 2πr.
     pub area: f64,
     /// ∫N without these.
@@ -22,7 +22,7 @@ pub(super) struct NodalWeight {
 }
 
 /// The weights of the nodes of some facets.
-pub(super) fn nodal_weights<const D: usize>(
+pub fn nodal_weights<const D: usize>(
     mesh: &Mesh<D>,
     facets: impl IntoIterator<Item = Facet>,
     analysis: Analysis,

@@ -173,6 +173,7 @@ impl<const D: usize> Model<D> {
             name: name.to_string(),
             quantity,
             reading,
+            along: None,
             minus_rigid: None,
             center: [0.0; D],
         });

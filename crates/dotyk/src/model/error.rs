@@ -243,13 +243,42 @@ pub enum NotHeld {
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum ProbeError<const D: usize> {
     /// A quantity that varies, without a place.
-    #[error("`at` or `reduce` is missing")]
+    #[error("`at`, `along` or `reduce` is missing")]
     NoPlace,
+    /// A stress normal to a side, without a side.
+    #[error("a stress normal to a side is read along one: `along = \"BODY.SIDE\"` is missing")]
+    NoSide,
     /// A point in no cell of the body.
     #[error("the point {} lies outside the body", show(*point))]
     Outside {
         /// The point.
         point: Point<D>,
+    },
+    /// A line all of whose points lie in no cell of the body.
+    #[error("no point of the line from {} to {} lies in the body", show(*from), show(*to))]
+    LineOutside {
+        /// Its first point.
+        from: Point<D>,
+        /// Its last point.
+        to: Point<D>,
+    },
+    /// A side of another body than the quantity.
+    #[error("{side} is no side of the body \"{body}\", which the quantity is of")]
+    OtherBody {
+        /// `body.side`.
+        side: String,
+        /// Body of the quantity.
+        body: String,
+    },
+    /// A quantity of a contact along a side that is not its own.
+    #[error(
+        "{side} is no part of {nonmortar}, the nonmortar side, at whose nodes the contact is read"
+    )]
+    NotNonmortar {
+        /// `body.side`.
+        side: String,
+        /// `body.side` that carries the multipliers.
+        nonmortar: String,
     },
     /// A point beside the nonmortar side.
     #[error("the point {} does not lie on the nonmortar side", show(*point))]
@@ -260,8 +289,8 @@ pub enum ProbeError<const D: usize> {
     /// A body has no such side.
     #[error(transparent)]
     Side(#[from] FemError),
-    /// A point on a side of a body in space.
-    #[error("reading at a point of a side in space is not supported yet; use a reduction")]
+    /// Points on a side of a body in space.
+    #[error("reading at points of a side in space is not supported yet; use a reduction")]
     SideInSpace,
 }
 

@@ -95,6 +95,7 @@ fn body_solution<const D: usize>(
         strain_energy: state.strain_energy,
         dofs: D * points.len(),
         displacement: state.u,
+        peak: None,
     })
 }
 

@@ -12,6 +12,7 @@ use crate::model::judge::Judged;
 use crate::model::nouns::Model;
 use crate::model::pair::{Paired, carriers, row_ranges};
 use crate::model::probe::read_probes;
+use crate::model::singular::peaks;
 use crate::model::solution::*;
 use crate::solve::{Bolt, Outcome};
 
@@ -60,7 +61,11 @@ pub(crate) fn finish<const D: usize>(
         &judged.displaced.gaps,
     ));
     let certificate = judged.certificate;
-    let (bodies, contacts) = fields(model, condensed, judged.displaced, lambda)?;
+    let (mut bodies, contacts) = fields(model, condensed, judged.displaced, lambda)?;
+    let peaks = peaks(model, &bodies, &contacts, condensed.time);
+    for (body, peak) in bodies.iter_mut().zip(peaks) {
+        body.peak = peak;
+    }
     if placed {
         warnings.extend(beyond(model, &condensed.paired, &bodies, &contacts)?);
     }

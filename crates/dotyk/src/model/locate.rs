@@ -2,16 +2,29 @@
 
 use crate::geometry::{Point, bounding_box, distance, dot, invert, norm, sub};
 use crate::mesh::{CellKind, Facet, MAX_CELL_NODES, Mesh};
+use rstar::primitives::GeomWithData;
+use rstar::{AABB, RTree};
 
 /// A point may lie outside a cell by this much in reference coordinates: a polygon's sagitta, not more.
 const OUTSIDE: f64 = 0.1;
 
+/// Nodes and shape functions at a place.
+pub(crate) type Located = (Vec<usize>, Vec<f64>);
+
 /// Nodes and shape functions of the cell that contains a point; `None` where none does.
-pub(crate) fn locate<const D: usize>(
+pub(crate) fn locate<const D: usize>(mesh: &Mesh<D>, point: Point<D>) -> Option<Located> {
+    locate_all(mesh, &[point]).pop().flatten()
+}
+
+/// The same for several points: one pass through the cells for all of them.
+pub(crate) fn locate_all<const D: usize>(
     mesh: &Mesh<D>,
-    point: Point<D>,
-) -> Option<(Vec<usize>, Vec<f64>)> {
-    let mut best: Option<(f64, Vec<usize>, [f64; MAX_CELL_NODES])> = None;
+    points: &[Point<D>],
+) -> Vec<Option<Located>> {
+    let indexed = points.iter().enumerate();
+    let indexed = indexed.map(|(index, &point)| GeomWithData::new(point, index));
+    let tree = RTree::bulk_load(indexed.collect());
+    let mut best: Vec<Option<(f64, Located)>> = vec![None; points.len()];
     for block in mesh.blocks() {
         for cell in block.cells() {
             let corners: Vec<Point<D>> = cell
@@ -20,27 +33,24 @@ pub(crate) fn locate<const D: usize>(
                 .collect();
             let (low, high) = bounding_box(&corners);
             let margin = 0.2 * distance(low, high);
-            if (0..D).any(|i| point[i] < low[i] - margin || point[i] > high[i] + margin) {
-                continue;
-            }
-            let Some(xi) = invert_map(block.kind, &corners, point) else {
-                continue;
-            };
-            let outside = block.kind.domain().outside(&xi);
-            if best.as_ref().is_none_or(|b| outside < b.0) {
-                let mut shape = [0.0; MAX_CELL_NODES];
-                block.kind.shape(&xi, &mut shape);
-                best = Some((
-                    outside,
-                    cell.iter().map(|&node| node as usize).collect(),
-                    shape,
-                ));
+            let near = AABB::from_corners(low.map(|c| c - margin), high.map(|c| c + margin));
+            for candidate in tree.locate_in_envelope(near) {
+                let Some(xi) = invert_map(block.kind, &corners, *candidate.geom()) else {
+                    continue;
+                };
+                let outside = block.kind.domain().outside(&xi);
+                let best = &mut best[candidate.data];
+                if outside <= OUTSIDE && best.as_ref().is_none_or(|b| outside < b.0) {
+                    let mut shape = [0.0; MAX_CELL_NODES];
+                    block.kind.shape(&xi, &mut shape);
+                    let nodes = cell.iter().map(|&node| node as usize).collect();
+                    *best = Some((outside, (nodes, shape[..cell.len()].to_vec())));
+                }
             }
         }
     }
-    let (outside, nodes, shape) = best?;
-    let shape = shape[..nodes.len()].to_vec();
-    (outside <= OUTSIDE).then_some((nodes, shape))
+    let located = best.into_iter();
+    located.map(|best| best.map(|(_, found)| found)).collect()
 }
 
 /// Reference coordinates of a point in a cell by Newton's method; `None` when it does not settle.
@@ -110,7 +120,7 @@ pub(crate) fn locate_on_side<const D: usize>(
     mesh: &Mesh<D>,
     facets: &[Facet],
     point: Point<D>,
-) -> Option<(Vec<usize>, Vec<f64>)> {
+) -> Option<Located> {
     if D > 2 {
         return None;
     }

@@ -278,7 +278,7 @@ impl<const D: usize> Default for SolverOptions<D> {
     }
 }
 
-/// A number to read off the solution.
+/// A number to read off the solution, or numbers along a line.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Probe<const D: usize> {
     /// Unique name.
@@ -287,6 +287,8 @@ pub struct Probe<const D: usize> {
     pub quantity: Quantity,
     /// Where, or how its values become one number.
     pub reading: Reading<D>,
+    /// Along what; `None`: all of the body or contact that it is of.
+    pub along: Option<Along<D>>,
     /// Minus the least-squares amplitude of the rigid modes that this body's supports leave free.
     pub minus_rigid: Option<BodyId>,
     /// What hoop stresses of plane analyses go around.
@@ -296,7 +298,7 @@ pub struct Probe<const D: usize> {
 /// How a quantity that varies becomes one number.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Reading<const D: usize> {
-    /// It does not vary: a resultant, a length.
+    /// As it is: a resultant or a length, which does not vary, or all values along a line.
     Whole,
     /// Its value at a point, interpolated.
     At(Point<D>),
@@ -306,22 +308,46 @@ pub enum Reading<const D: usize> {
     Largest,
     /// Its smallest value at a node.
     Smallest,
-    /// Its mean over the volume of the body, or over the nonmortar side where it has a value.
+    /// Its mean over the volume of the body, over the nonmortar side where it has a value, or over the side that it is read
+    /// along.
     Mean,
     /// Its integral over them, with thickness or 2πr.
     Integral,
+}
+
+/// Places in a row.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Along<const D: usize> {
+    /// Points at equal distances from one to another, both included.
+    Line {
+        /// The first.
+        from: Point<D>,
+        /// The last.
+        to: Point<D>,
+        /// How many, at least two.
+        points: usize,
+    },
+    /// The nodes of a side in the order of its chains, of a closed one the first once more at its end.
+    Side(SideRef),
 }
 
 impl<const D: usize> Probe<D> {
     /// What its value is measured in.
     pub fn dimension(&self) -> Dimension {
         match (self.reading, self.quantity.dimension()) {
-            (Reading::Integral, Dimension::Stress) if self.quantity.is_of_contact() => {
+            (Reading::Integral, Dimension::Stress)
+                if self.quantity.is_of_contact() || self.along.is_some() =>
+            {
                 Dimension::Force
             }
             (Reading::Integral, _) => Dimension::Other,
             (_, dimension) => dimension,
         }
+    }
+
+    /// It has values along a line, and no single one.
+    pub fn is_line(&self) -> bool {
+        self.along.is_some() && self.reading == Reading::Whole && self.quantity.is_field()
     }
 }
 

@@ -3,13 +3,14 @@
 use crate::contact::frame;
 use crate::fem::{RigidBasis, fit_rigid, nodal_volumes, principal, side_facets, von_mises};
 use crate::geometry::{Point, add_scaled, distance, dot, norm, padded, sub};
-use crate::mesh::Mesh;
+use crate::mesh::{Facet, Mesh};
 use crate::model::error::{Error, ProbeError};
-use crate::model::locate::{locate, locate_on_side};
-use crate::model::nouns::{Analysis, BodyId, Model, Probe, Reading, SideRef};
+use crate::model::line::{Station, points_between, stations_along, stations_at};
+use crate::model::locate::{Located, locate, locate_all, locate_on_side};
+use crate::model::nouns::{Along, Analysis, BodyId, Model, Pair, Probe, Reading, SideRef};
 use crate::model::quantity::{ContactField, Displacement, Parts, Stress};
 use crate::model::recover::centroid;
-use crate::model::solution::{BodySolution, ContactNode, ProbeValue, Solution};
+use crate::model::solution::{BodySolution, ContactNode, LinePoint, ProbeValue, Solution};
 use std::collections::BTreeMap;
 
 /// A smaller shape function is rounding: that node has no part in the value.
@@ -33,6 +34,7 @@ pub(crate) fn read_probes<const D: usize>(
             dimension: probe.dimension(),
             value: read.value,
             at: read.at.map(padded),
+            line: read.line,
         })
     };
     model.probes.iter().map(read).collect()
@@ -40,15 +42,26 @@ pub(crate) fn read_probes<const D: usize>(
 
 /// Checks that every probe can be read, before anything is solved.
 pub(crate) fn check_probes<const D: usize>(model: &Model<D>) -> Result<(), Error<D>> {
-    let mesh = |body: usize| &model.bodies[body].mesh;
-    let check = |probe: &Probe<D>| match (&probe.quantity.parts, probe.reading.point()) {
-        (&(Parts::Displacement(body, _) | Parts::Stress(body, _)), Some(at)) => {
-            in_cell(mesh(body), at).map(|_| ())
-        }
-        (Parts::Reaction(body, Some(side), _), _) => {
-            Ok(side_facets(mesh(*body), side).map(|_| ())?)
-        }
-        _ => Ok(()),
+    let check = |probe: &Probe<D>| {
+        let carrier = match &probe.quantity.parts {
+            Parts::Displacement(of, _) | Parts::Stress(of, _) => Carrier::Body(*of),
+            Parts::Reaction(of, Some(side), _) => {
+                return Ok(side_facets(&model.bodies[*of].mesh, side).map(|_| ())?);
+            }
+            Parts::Along(of, _) => match &model.contacts[*of].pair {
+                Pair::Given { nonmortar, .. } | Pair::Obstacle { nonmortar, .. } => {
+                    Carrier::Side(nonmortar)
+                }
+                // known when the sides are paired
+                Pair::Automatic(_) => return Ok(()),
+            },
+            Parts::Reaction(..) | Parts::Resultant(..) | Parts::Length(_) => return Ok(()),
+        };
+        stations(model, probe, carrier)?;
+        probe
+            .reading
+            .point()
+            .map_or(Ok(()), |point| located(model, carrier, point).map(|_| ()))
     };
     let named = |probe: &Probe<D>| check(probe).map_err(|source| in_probe(probe, source));
     model.probes.iter().try_for_each(named)
@@ -61,15 +74,20 @@ fn in_probe<const D: usize>(probe: &Probe<D>, source: ProbeError<D>) -> Error<D>
     }
 }
 
-/// A number, and where it is if it is the largest or smallest one.
+/// A number, and where it is if it is the largest or smallest one; or the values along a line.
 struct Read<const D: usize> {
     value: f64,
     at: Option<Point<D>>,
+    line: Vec<LinePoint>,
 }
 
 impl<const D: usize> From<f64> for Read<D> {
     fn from(value: f64) -> Self {
-        Self { value, at: None }
+        Self {
+            value,
+            at: None,
+            line: Vec::new(),
+        }
     }
 }
 
@@ -78,68 +96,248 @@ fn read<const D: usize>(
     solution: &Solution<D>,
     probe: &Probe<D>,
 ) -> Result<Read<D>, ProbeError<D>> {
+    let field = match field(model, solution, probe) {
+        Quantified::Number(number) => return Ok(number.into()),
+        Quantified::Varies(field) => field,
+    };
+    let stations = stations(model, probe, field.carrier)?;
+    if probe.is_line() {
+        let line = stations.iter().map(|station| field.on_line(station));
+        return Ok(Read {
+            line: line.collect(),
+            ..f64::NAN.into()
+        });
+    }
+    let reduced = match (&probe.along, field.carrier) {
+        (Some(_), _) => {
+            let value = |station: &Station<D>| field.on_line(station).value;
+            let samples = stations.iter().map(|s| (s.point, s.share, value(s)));
+            reduced(probe.reading, samples)
+        }
+        (None, Carrier::Body(of)) => {
+            let body = &model.bodies[of];
+            let weighted = matches!(probe.reading, Reading::Mean | Reading::Integral);
+            let volumes = weighted.then(|| nodal_volumes(body, model.analysis));
+            let volume = |node: usize| volumes.as_ref().map_or(0.0, |volumes| volumes[node]);
+            let nodes = body.mesh.points().iter().enumerate();
+            let samples =
+                nodes.map(|(node, &point)| (point, volume(node), field.at_node(node, [0.0; D])));
+            reduced(probe.reading, samples)
+        }
+        (None, Carrier::Side(_)) => {
+            let Parts::Along(of, _) = probe.quantity.parts else {
+                return Err(ProbeError::NoPlace);
+            };
+            let nodes = solution.contacts[of].nodes.iter();
+            let value = |n: &ContactNode<D>| field.at_node(n.node, n.normal);
+            reduced(probe.reading, nodes.map(|n| (n.point, n.weight, value(n))))
+        }
+    };
+    if let Some(read) = reduced {
+        return Ok(read);
+    }
+    let at = probe.reading.point().ok_or(ProbeError::NoPlace)?;
+    let mut found = located(model, field.carrier, at)?;
+    if let Reading::MeanOfNeighbours(_) = probe.reading {
+        let mesh = &model.bodies[field.carrier.body()].mesh;
+        found = neighbours(mesh, found.0, at);
+    }
+    Ok(field.interpolated(&found, [0.0; D]).into())
+}
+
+/// Whose nodes a quantity is read at: those of a body, or of the nonmortar side of a contact.
+#[derive(Clone, Copy)]
+enum Carrier<'a> {
+    Body(usize),
+    Side(&'a SideRef),
+}
+
+impl Carrier<'_> {
+    fn body(self) -> usize {
+        match self {
+            Self::Body(body) => body,
+            Self::Side(side) => side.body.0,
+        }
+    }
+}
+
+/// What a quantity is in a solution.
+enum Quantified<'a, const D: usize> {
+    Number(f64),
+    Varies(NodalField<'a, D>),
+}
+
+/// A quantity at nodes: the number of a vector, which is interpolated before.
+struct NodalField<'a, const D: usize> {
+    carrier: Carrier<'a>,
+    /// The vector at a node, of a side with this normal.
+    vector: Box<dyn Fn(usize, Point<D>) -> Point<D> + 'a>,
+    number: fn(Point<D>) -> f64,
+}
+
+impl<'a, const D: usize> NodalField<'a, D> {
+    /// One that is a number itself.
+    fn scalar(carrier: Carrier<'a>, value: impl Fn(usize, Point<D>) -> f64 + 'a) -> Self {
+        let vector = move |node: usize, normal: Point<D>| {
+            let value = value(node, normal);
+            std::array::from_fn(|i| if i == 0 { value } else { 0.0 })
+        };
+        Self {
+            carrier,
+            vector: Box::new(vector),
+            number: |vector| vector[0],
+        }
+    }
+
+    fn at_node(&self, node: usize, normal: Point<D>) -> f64 {
+        (self.number)((self.vector)(node, normal))
+    }
+
+    /// The value at a place of a cell or facet; a node without weight does not count, whatever it has.
+    fn interpolated(&self, (nodes, shape): &Located, normal: Point<D>) -> f64 {
+        let parts = nodes.iter().zip(shape).filter(|(_, n)| **n != 0.0);
+        let sum = parts.fold([0.0; D], |sum, (&node, &n)| {
+            add_scaled(sum, n, (self.vector)(node, normal))
+        });
+        (self.number)(sum)
+    }
+
+    fn on_line(&self, station: &Station<D>) -> LinePoint {
+        let found = station.located.as_ref();
+        LinePoint {
+            s: station.s,
+            point: padded(station.point),
+            value: found.map_or(f64::NAN, |f| self.interpolated(f, station.normal)),
+            starts: station.starts,
+        }
+    }
+}
+
+/// What a probe reads, before it is said where.
+fn field<'a, const D: usize>(
+    model: &'a Model<D>,
+    solution: &'a Solution<D>,
+    probe: &'a Probe<D>,
+) -> Quantified<'a, D> {
     let rigid = probe
         .minus_rigid
         .map(|body| free_motion(model, solution, body));
-    let minus = |point: Point<D>| rigid.as_ref().map_or([0.0; D], |motion| motion(point));
+    let minus = move |point: Point<D>| rigid.as_ref().map_or([0.0; D], |motion| motion(point));
     let body = |index: usize| (&model.bodies[index].mesh, &solution.bodies[index]);
-    let volumes = |index: usize| nodal_volumes(&model.bodies[index], model.analysis);
-    let reading = probe.reading;
+    let number = |value: f64| Quantified::Number(value);
     match probe.quantity.parts {
-        Parts::Reaction(of, None, axis) => Ok(body(of).1.reaction[axis].into()),
+        Parts::Reaction(of, None, axis) => number(body(of).1.reaction[axis]),
         Parts::Reaction(of, Some(ref side), axis) => {
             let solved = body(of).1;
             let of =
                 |forces: &BTreeMap<String, Point<D>>| forces.get(side).map_or(0.0, |f| f[axis]);
-            Ok((of(&solved.side_reactions) + of(&solved.part_reactions)).into())
+            number(of(&solved.side_reactions) + of(&solved.part_reactions))
         }
-        Parts::Resultant(of, axis) => Ok(solution.contacts[of].resultant[axis].into()),
-        Parts::Length(of) => Ok(solution.contacts[of].length.into()),
+        Parts::Resultant(of, axis) => number(solution.contacts[of].resultant[axis]),
+        Parts::Length(of) => number(solution.contacts[of].length),
         Parts::Displacement(of, component) => {
             let (mesh, solved) = body(of);
-            let relative = |node: usize| sub(solved.displacement[node], minus(mesh.points()[node]));
-            let volumes = || volumes(of);
-            match component {
+            let relative =
+                move |node: usize| sub(solved.displacement[node], minus(mesh.points()[node]));
+            Quantified::Varies(match component {
                 Displacement::Axis(axis) => {
-                    in_body((mesh, &volumes), reading, |node| relative(node)[axis])
+                    NodalField::scalar(Carrier::Body(of), move |node, _| relative(node)[axis])
                 }
-                // at a point the length of the interpolated vector
-                Displacement::Magnitude if reading.point().is_some() => {
-                    let part = |i: usize| {
-                        let read = in_body((mesh, &volumes), reading, |node| relative(node)[i])?;
-                        Ok(read.value * read.value)
-                    };
-                    let squares: Result<f64, ProbeError<D>> = (0..D).map(part).sum();
-                    Ok(squares?.sqrt().into())
-                }
-                Displacement::Magnitude => {
-                    in_body((mesh, &volumes), reading, |node| norm(relative(node)))
-                }
-            }
+                Displacement::Magnitude => NodalField {
+                    carrier: Carrier::Body(of),
+                    vector: Box::new(move |node, _| relative(node)),
+                    number: norm,
+                },
+            })
         }
         Parts::Stress(of, component) => {
             let (mesh, solved) = body(of);
-            let value = |node: usize| match component {
-                Stress::Hoop if model.analysis != Analysis::Axisymmetric => {
-                    hoop(solved.stress[node], sub(mesh.points()[node], probe.center))
-                }
-                _ => stress(component, solved.stress[node]),
+            let plane = model.analysis != Analysis::Axisymmetric;
+            let value = move |node: usize, normal: Point<D>| {
+                let from = plane.then(|| sub(mesh.points()[node], probe.center));
+                stress(component, solved.stress[node], normal, from)
             };
-            in_body((mesh, &|| volumes(of)), reading, value)
+            Quantified::Varies(NodalField::scalar(Carrier::Body(of), value))
         }
         Parts::Along(of, field) => {
             let contact = &solution.contacts[of];
-            let value = |node: &ContactNode<D>| along(field, node, &minus);
-            let nodal = |node: usize| {
-                let found = contact.nodes.iter().find(|n| n.node == node);
-                found.map_or(f64::NAN, value)
-            };
-            let samples = contact.nodes.iter();
-            let samples = samples.map(|node| (node.point, node.weight, value(node)));
-            match reduced(reading, samples) {
-                Some(read) => Ok(read),
-                None => Ok(on_side(model, &contact.nonmortar, reading, nodal)?.into()),
+            let mut nodes: BTreeMap<usize, Vec<&ContactNode<D>>> = BTreeMap::new();
+            for node in &contact.nodes {
+                nodes.entry(node.node).or_default().push(node);
             }
+            let value = move |node: usize, normal: Point<D>| {
+                // a node at a corner of the side has a state for each of its faces
+                let likeness = |n: &&&ContactNode<D>| dot(n.normal, normal);
+                let states = nodes.get(&node).into_iter().flatten();
+                let found = states.reduce(|a, b| if likeness(&b) > likeness(&a) { b } else { a });
+                found.map_or(f64::NAN, |node| along(field, node, &minus))
+            };
+            Quantified::Varies(NodalField::scalar(Carrier::Side(&contact.nonmortar), value))
+        }
+    }
+}
+
+/// The places that a probe is read along; none where it is read otherwise.
+///
+/// Errors: a line that misses the body or leaves the side of the contact; a side that the quantity is not of.
+fn stations<const D: usize>(
+    model: &Model<D>,
+    probe: &Probe<D>,
+    carrier: Carrier<'_>,
+) -> Result<Vec<Station<D>>, ProbeError<D>> {
+    match probe.along {
+        Some(Along::Side(ref side)) => {
+            check_owner(model, carrier, side)?;
+            // there a normal and a contact have two values
+            let corners = probe.quantity.needs_side() || probe.quantity.is_of_contact();
+            let body = &model.bodies[side.body.0];
+            stations_along(body, &side.side, model.analysis, corners)
+        }
+        _ if probe.quantity.needs_side() => Err(ProbeError::NoSide),
+        Some(Along::Line { from, to, points }) => {
+            let points = points_between(from, to, points);
+            let found = match carrier {
+                Carrier::Body(of) => locate_all(&model.bodies[of].mesh, &points),
+                Carrier::Side(_) => {
+                    let found = points.iter().map(|&at| located(model, carrier, at));
+                    found
+                        .map(|found| found.map(Some))
+                        .collect::<Result<_, _>>()?
+                }
+            };
+            if found.iter().all(Option::is_none) {
+                return Err(ProbeError::LineOutside { from, to });
+            }
+            Ok(stations_at(&points, found))
+        }
+        None => Ok(Vec::new()),
+    }
+}
+
+/// Errors: a side of another body; one that is no part of the nonmortar side.
+fn check_owner<const D: usize>(
+    model: &Model<D>,
+    carrier: Carrier<'_>,
+    side: &SideRef,
+) -> Result<(), ProbeError<D>> {
+    let name = |side: &SideRef| format!("{}.{}", model.bodies[side.body.0].name, side.side);
+    match carrier {
+        Carrier::Body(of) if side.body.0 == of => Ok(()),
+        Carrier::Body(of) => Err(ProbeError::OtherBody {
+            side: name(side),
+            body: model.bodies[of].name.clone(),
+        }),
+        Carrier::Side(nonmortar) => {
+            let facets = |side: &SideRef| side_facets(&model.bodies[side.body.0].mesh, &side.side);
+            let (part, whole) = (facets(side)?, facets(nonmortar)?);
+            let within = |facet: &Facet| whole.binary_search(facet).is_ok();
+            if side.body == nonmortar.body && part.iter().all(within) {
+                return Ok(());
+            }
+            Err(ProbeError::NotNonmortar {
+                side: name(side),
+                nonmortar: name(nonmortar),
+            })
         }
     }
 }
@@ -165,7 +363,13 @@ fn along<const D: usize>(
     }
 }
 
-fn stress(component: Stress, s: [f64; 6]) -> f64 {
+/// A component of the stress at a node with this normal, at this place from the centre; `None` with axial symmetry.
+fn stress<const D: usize>(
+    component: Stress,
+    s: [f64; 6],
+    normal: Point<D>,
+    from: Option<Point<D>>,
+) -> f64 {
     match component {
         Stress::Component(i) => s[i],
         Stress::VonMises => von_mises(s),
@@ -173,9 +377,16 @@ fn stress(component: Stress, s: [f64; 6]) -> f64 {
         Stress::Second => principal(s)[1],
         Stress::Third => principal(s)[2],
         Stress::Tresca => principal(s)[0] - principal(s)[2],
-        // around the axis of symmetry
-        Stress::Hoop => s[2],
+        // around the axis of symmetry it is zz
+        Stress::Hoop => from.map_or(s[2], |from| hoop(s, from)),
+        Stress::Normal => across(s, normal),
     }
+}
+
+/// n·σ·n of (xx yy zz xy yz xz).
+fn across<const D: usize>(s: [f64; 6], normal: Point<D>) -> f64 {
+    let [x, y, z] = padded(normal);
+    s[0] * x * x + s[1] * y * y + s[2] * z * z + 2.0 * (s[3] * x * y + s[4] * y * z + s[5] * x * z)
 }
 
 /// Stress of a plane analysis in the direction around a centre, at this place from it; NaN in the centre.
@@ -266,6 +477,7 @@ fn first<const D: usize>(
     Read {
         value: found.map_or(f64::NAN, |(.., value)| value),
         at: found.map(|(point, ..)| point),
+        line: Vec::new(),
     }
 }
 
@@ -276,82 +488,38 @@ fn sums<const D: usize>(samples: impl Iterator<Item = Sample<D>>) -> (f64, f64) 
     })
 }
 
-fn in_body<const D: usize>(
-    (mesh, volumes): (&Mesh<D>, &dyn Fn() -> Vec<f64>),
-    reading: Reading<D>,
-    value: impl Fn(usize) -> f64,
-) -> Result<Read<D>, ProbeError<D>> {
-    let volumes = matches!(reading, Reading::Mean | Reading::Integral).then(volumes);
-    let volume = |node: usize| volumes.as_ref().map_or(0.0, |volumes| volumes[node]);
-    let nodes = mesh.points().iter().enumerate();
-    let samples = nodes.map(|(node, &point)| (point, volume(node), value(node)));
-    if let Some(reduced) = reduced(reading, samples) {
-        return Ok(reduced);
-    }
-    let at = reading.point().ok_or(ProbeError::NoPlace)?;
-    Ok(interpolated(mesh, reading, in_cell(mesh, at)?, value).into())
-}
-
-fn in_cell<const D: usize>(
-    mesh: &Mesh<D>,
-    at: Point<D>,
-) -> Result<(Vec<usize>, Vec<f64>), ProbeError<D>> {
-    locate(mesh, at).ok_or(ProbeError::Outside { point: at })
-}
-
-fn on_side<const D: usize>(
+/// Nodes and shape functions at a point of what a quantity is read at.
+///
+/// Errors: a point outside the body or beside the side; a side of a body in space.
+fn located<const D: usize>(
     model: &Model<D>,
-    side: &SideRef,
-    reading: Reading<D>,
-    value: impl Fn(usize) -> f64,
-) -> Result<f64, ProbeError<D>> {
-    let at = reading.point().ok_or(ProbeError::NoPlace)?;
-    if D != 2 {
-        return Err(ProbeError::SideInSpace);
-    }
-    let mesh = &model.bodies[side.body.0].mesh;
-    let found = locate_on_side(mesh, side_facets(mesh, &side.side)?, at);
-    let mut found = found.ok_or(ProbeError::Beside { point: at })?;
-    // a node with no part in the value may have none, which is NaN
-    found
-        .1
-        .iter_mut()
-        .filter(|n| n.abs() < NO_WEIGHT)
-        .for_each(|n| *n = 0.0);
-    Ok(interpolated(mesh, reading, found, value))
-}
-
-/// The value at a point of a cell or facet with these nodes and shape functions; a node without weight does not count.
-fn interpolated<const D: usize>(
-    mesh: &Mesh<D>,
-    reading: Reading<D>,
-    (nodes, shape): (Vec<usize>, Vec<f64>),
-    value: impl Fn(usize) -> f64,
-) -> f64 {
-    if let Reading::MeanOfNeighbours(at) = reading {
-        return mean_of_neighbours(mesh, nodes, at, value);
-    }
-    let parts = nodes.into_iter().zip(shape);
-    let part = |(node, n): (usize, f64)| if n == 0.0 { 0.0 } else { n * value(node) };
-    parts.map(part).sum()
-}
-
-/// Mean of the values at the two end nodes of a facet; a point on a node takes that node.
-fn mean_of_neighbours<const D: usize>(
-    mesh: &Mesh<D>,
-    mut nodes: Vec<usize>,
+    carrier: Carrier<'_>,
     at: Point<D>,
-    value: impl Fn(usize) -> f64,
-) -> f64 {
+) -> Result<Located, ProbeError<D>> {
+    let mesh = &model.bodies[carrier.body()].mesh;
+    let side = match carrier {
+        Carrier::Body(_) => return locate(mesh, at).ok_or(ProbeError::Outside { point: at }),
+        Carrier::Side(_) if D != 2 => return Err(ProbeError::SideInSpace),
+        Carrier::Side(side) => side_facets(mesh, &side.side)?,
+    };
+    let mut found = locate_on_side(mesh, side, at).ok_or(ProbeError::Beside { point: at })?;
+    // a node with no part in the value may have none, which is NaN
+    let none = found.1.iter_mut().filter(|n| n.abs() < NO_WEIGHT);
+    none.for_each(|n| *n = 0.0);
+    Ok(found)
+}
+
+/// The two nodes nearest to a point of a facet, with equal weights; a point on a node takes that node.
+fn neighbours<const D: usize>(mesh: &Mesh<D>, mut nodes: Vec<usize>, at: Point<D>) -> Located {
     // on a curved facet the middle node splits it: the neighbours are the two nodes nearest to the point
     nodes.sort_by(|&a, &b| {
         distance(mesh.points()[a], at).total_cmp(&distance(mesh.points()[b], at))
     });
     let spacing = distance(mesh.points()[nodes[0]], mesh.points()[nodes[1]]);
     if distance(mesh.points()[nodes[0]], at) < ON_THE_NODE * spacing {
-        return value(nodes[0]);
+        return (nodes[..1].to_vec(), vec![1.0]);
     }
-    0.5 * (value(nodes[0]) + value(nodes[1]))
+    (nodes[..2].to_vec(), vec![0.5; 2])
 }
 
 #[cfg(test)]
@@ -361,7 +529,7 @@ mod tests {
     #[test]
     fn the_middle_principal_stress_and_trescas_are_read() {
         let state = [3.0, 1.0, -2.0, 0.0, 0.0, 0.0];
-        let read = |component: Stress| stress(component, state);
+        let read = |component: Stress| stress(component, state, [0.0; 2], None);
         assert!((read(Stress::Second) - 1.0).abs() < 1e-12);
         assert!((read(Stress::Tresca) - 5.0).abs() < 1e-12);
     }

@@ -54,6 +54,8 @@ pub(crate) enum Stress {
     Tresca,
     /// Around a centre; with axial symmetry around the axis.
     Hoop,
+    /// Normal to the side that it is read along.
+    Normal,
 }
 
 /// What varies along a contact. Shear and slip are along the tangent in the plane, lengths in space.
@@ -85,7 +87,7 @@ pub enum Dimension {
 const AXES: [(&str, usize); 3] = [("x", 0), ("y", 1), ("z", 2)];
 
 /// The two last are those of space, the one before them that of the plane.
-const STRESSES: [(&str, Stress); 12] = [
+const STRESSES: [(&str, Stress); 13] = [
     ("xx", Stress::Component(0)),
     ("yy", Stress::Component(1)),
     ("zz", Stress::Component(2)),
@@ -95,6 +97,7 @@ const STRESSES: [(&str, Stress); 12] = [
     ("s2", Stress::Second),
     ("s3", Stress::Third),
     ("tresca", Stress::Tresca),
+    ("normal", Stress::Normal),
     ("hoop", Stress::Hoop),
     ("yz", Stress::Component(4)),
     ("xz", Stress::Component(5)),
@@ -197,6 +200,11 @@ impl Quantity {
         matches!(self.parts, Parts::Stress(_, Stress::Hoop))
     }
 
+    /// It is read along a side: it depends on the normal.
+    pub fn needs_side(&self) -> bool {
+        matches!(self.parts, Parts::Stress(_, Stress::Normal))
+    }
+
     /// It belongs to the nodes of a contact.
     pub fn is_of_contact(&self) -> bool {
         matches!(self.parts, Parts::Along(..))
@@ -235,7 +243,7 @@ fn of_body<const D: usize>(
             .copied()
             .filter(|s| s.1 != Stress::Hoop)
             .collect(),
-        _ => STRESSES[..10].to_vec(),
+        _ => STRESSES[..11].to_vec(),
     };
     let stresses = &stresses[..];
     match words.0[1..] {

@@ -6,6 +6,7 @@ use crate::geometry::Point;
 use crate::model::nouns::SideRef;
 use crate::model::quantity::Dimension;
 use std::collections::BTreeMap;
+use std::fmt;
 
 /// Wall seconds of each stage since the run began, earlier load steps included.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
@@ -172,6 +173,66 @@ pub struct BodySolution<const D: usize> {
     pub strain_energy: f64,
     /// Degrees of freedom, prescribed ones included.
     pub dofs: usize,
+    /// Its largest von Mises stress; `None` where none is a number.
+    pub peak: Option<Peak<D>>,
+}
+
+/// A von Mises stress and its node.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct StressAt<const D: usize> {
+    /// The stress.
+    pub value: f64,
+    /// Undeformed place of the node.
+    pub at: Point<D>,
+}
+
+/// The largest von Mises stress of a body.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Peak<const D: usize> {
+    /// The stress and its node.
+    pub most: StressAt<D>,
+    /// If it lies within one cell of a place where the theory has no finite stress: what it is there.
+    pub place: Option<SingularPeak<D>>,
+}
+
+/// What can be said of stresses beside a place where they are not finite.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct SingularPeak<const D: usize> {
+    /// The place.
+    pub place: Singular,
+    /// The largest stress farther than two cells from all such places, where there is a node.
+    pub away: Option<StressAt<D>>,
+    /// The stress that all but half a per cent of the body's volume does not exceed, or that away from such places if it is less.
+    pub usual: f64,
+    /// The part of the volume that does not exceed it.
+    pub share: f64,
+}
+
+/// A place where linear elasticity has no finite stress: what is computed there grows as the mesh is refined.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Singular {
+    /// A force at a node.
+    PointLoad,
+    /// A support at a node, with a force.
+    PointSupport,
+    /// A corner of more than 180 degrees.
+    Corner,
+    /// Where a support ends.
+    EndOfSupport,
+    /// Where a contact ends that bears a force there.
+    EndOfContact,
+}
+
+impl fmt::Display for Singular {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::PointLoad => "a point load",
+            Self::PointSupport => "a point support",
+            Self::Corner => "a re-entrant corner",
+            Self::EndOfSupport => "the end of a support",
+            Self::EndOfContact => "the end of a contact",
+        })
+    }
 }
 
 impl<const D: usize> BodySolution<D> {
@@ -237,10 +298,25 @@ pub struct ProbeValue {
     pub quantity: String,
     /// What it is measured in.
     pub dimension: Dimension,
-    /// The number.
+    /// The number; NaN of a line.
     pub value: f64,
     /// The node where the largest or smallest value is (x, y, z; undeformed).
     pub at: Option<[f64; 3]>,
+    /// The values along a line; empty where there is one number.
+    pub line: Vec<LinePoint>,
+}
+
+/// A value on a line.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct LinePoint {
+    /// Distance from the first point, along a side the length of the way from node to node.
+    pub s: f64,
+    /// Undeformed place (x, y, z).
+    pub point: [f64; 3],
+    /// NaN where there is none.
+    pub value: f64,
+    /// The side has an end or a sharp corner before it.
+    pub starts: bool,
 }
 
 /// The answer, with its certificate.

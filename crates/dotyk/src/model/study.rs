@@ -21,7 +21,7 @@ pub struct Varied {
     pub log: bool,
 }
 
-/// What is read in every member.
+/// What is read in every member: a probe of one number.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Column {
     /// Name of the probe.
@@ -70,7 +70,8 @@ impl Study {
         make: &Make<'_>,
         observe: &(dyn Fn() + Sync),
     ) -> Self {
-        let probes = model.probes.iter().map(|probe| Column {
+        let numbers = model.probes.iter().filter(|probe| !probe.is_line());
+        let probes = numbers.map(|probe| Column {
             name: probe.name.clone(),
             dimension: probe.dimension(),
         });
@@ -200,7 +201,10 @@ fn member(
         Ok(steps) => (steps.last().map(|last| last.probes.clone()), String::new()),
         Err(reason) => (None, reason),
     };
-    let read = read.map(|read| read.iter().map(|probe| probe.value).collect());
+    let read = read.map(|read| {
+        let numbers = read.iter().filter(|probe| probe.line.is_empty());
+        numbers.map(|probe| probe.value).collect()
+    });
     Member {
         values,
         converged: reason.is_empty(),

@@ -1,4 +1,4 @@
-//! `contact.csv`: one row per contact node.
+//! `contact.csv`: one row per contact node; `lines.csv`: one row per place of a probe along a line.
 //!
 //! Signs: gap ≥ 0 open, pressure ≥ 0 compression. Vectors along the interface are given in 2D as one number along the
 //! tangent, which is the normal rotated by +90°. Numbers are the shortest that read back to the same bits.
@@ -53,6 +53,37 @@ fn rows(
         let angle = angles.as_ref().map_or(f64::NAN, |angles| angles[k]);
         numbers(out, &[time, arcs[k], angle]);
         let _ = writeln!(out, ",{sides}");
+    }
+}
+
+/// Columns of `lines.csv`.
+pub const LINES_HEAD: &str = "step,probe,s,x,y,value\n";
+
+/// Content of `lines.csv` for the steps of one run (numbered from 1), probe by probe; nothing where no probe is read along a
+/// line.
+pub fn lines_csv(steps: &[Solution<2>]) -> Option<String> {
+    let mut out = String::from(LINES_HEAD);
+    for (step, solution) in steps.iter().enumerate() {
+        for probe in &solution.probes {
+            let start = format!("{},{}", step + 1, quoted(&probe.name));
+            for place in &probe.line {
+                out.push_str(&start);
+                numbers(
+                    &mut out,
+                    &[place.s, place.point[0], place.point[1], place.value],
+                );
+                out.push('\n');
+            }
+        }
+    }
+    (out.len() > LINES_HEAD.len()).then_some(out)
+}
+
+/// A text as one cell: quoted where a comma, a quote or a new line would end it.
+pub fn quoted(text: &str) -> String {
+    match text.contains([',', '"', '\n', '\r']) {
+        true => format!("\"{}\"", text.replace('"', "\"\"")),
+        false => text.to_string(),
     }
 }
 

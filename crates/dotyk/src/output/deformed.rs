@@ -4,14 +4,14 @@
 
 use crate::geometry::{Point, norm, sub};
 use crate::mesh::{CellKind, MAX_CELL_NODES, Mesh};
-use crate::model::Solution;
+use crate::model::{BodySolution, Solution};
 use crate::output::colour;
 use crate::output::encode::png;
 use crate::output::json::largest;
 use crate::output::plot::{Axis, round_down_to_125};
 use crate::output::scene::{Scene, WIDTH, mesh_lines, outline_path, parabola};
-use crate::output::svg::{Anchor, INK, MUTED, Pixel, Svg, Type};
-use crate::output::text::{Labels, number};
+use crate::output::svg::{Anchor, INK, MUTED, Pixel, Svg, Type, segments};
+use crate::output::text::{Labels, number, quantity, vector};
 use crate::output::view::{Margin, View, mark_detail, scale_bar};
 
 /// Pixels of the picture per pixel of the drawing: crisp in print.
@@ -20,6 +20,8 @@ const FINE: f64 = 2.0;
 const SHOWN: f64 = 0.05;
 /// Bodies whose largest stresses differ by more than this factor have their own colour scales.
 const APART: f64 = 4.0;
+/// A colour scale ends below the largest stress if it then is shorter than this part of it.
+const CLEARLY: f64 = 0.8;
 /// Room for a colour bar with its numbers.
 const BAR: f64 = 92.0;
 
@@ -66,7 +68,37 @@ pub fn deformed_figure(scene: &Scene, solution: &Solution<2>) -> (String, String
             list.last().map_or("1", String::as_str)
         ),
     };
-    (svg.finish(), caption)
+    (
+        svg.finish(),
+        caption + &beyond_the_scale(solution, &scales, &labels),
+    )
+}
+
+/// Says what is drawn in the last colour and is more.
+fn beyond_the_scale(
+    solution: &Solution<2>,
+    scales: &[(Vec<usize>, f64)],
+    labels: &Labels,
+) -> String {
+    let sentence = |(bodies, high): &(Vec<usize>, f64)| {
+        let bodies = bodies.iter().map(|&i| &solution.bodies[i]);
+        let peaks = bodies.filter_map(|body| Some((body, body.peak?)));
+        let beyond = peaks.filter(|(_, peak)| peak.most.value > *high);
+        let (body, peak) = beyond.max_by(|a, b| a.1.most.value.total_cmp(&b.1.most.value))?;
+        let singular = peak.place?;
+        Some(format!(
+            " The colours end at {}, which {} % of {} does not exceed: its largest, {} at {}, is at {}, where the theory has no \
+             finite stress.",
+            quantity(*high, &labels.stress),
+            // rounded down: all of it is never said
+            (1000.0 * singular.share).floor() / 10.0,
+            body.name,
+            quantity(peak.most.value, &labels.stress),
+            vector(&peak.most.at, ""),
+            singular.place,
+        ))
+    };
+    scales.iter().filter_map(sentence).collect()
 }
 
 /// A round factor that makes the largest displacement in sight about 5 % of the window's size, never less than 1.
@@ -88,13 +120,22 @@ fn magnification(scene: &Scene, solution: &Solution<2>, view: &View) -> f64 {
     }
 }
 
-/// Groups of bodies that share a colour scale: the bodies' indices and the largest stress.
+/// What the colours of a body run to: its largest stress; where that is at a place where stresses are not finite, the usual one,
+/// if that is clearly less.
+fn shown_stress(body: &BodySolution<2>) -> f64 {
+    let most = largest(body.von_mises.iter().copied().filter(|v| v.is_finite())).max(0.0);
+    let Some(singular) = body.peak.and_then(|peak| peak.place) else {
+        return most;
+    };
+    match singular.usual > 0.0 && singular.usual < CLEARLY * most {
+        true => singular.usual,
+        false => most,
+    }
+}
+
+/// Groups of bodies that share a colour scale: the bodies' indices and the largest stress shown.
 fn stress_scales(solution: &Solution<2>) -> Vec<(Vec<usize>, f64)> {
-    let most: Vec<f64> = solution
-        .bodies
-        .iter()
-        .map(|b| largest(b.von_mises.iter().copied().filter(|v| v.is_finite())).max(0.0))
-        .collect();
+    let most: Vec<f64> = solution.bodies.iter().map(shown_stress).collect();
     let high = largest(most.iter().copied());
     let low = most.iter().copied().fold(f64::INFINITY, f64::min);
     if most.len() <= 4 && low > 0.0 && high > APART * low {
@@ -203,6 +244,21 @@ fn colour_bars(
         let size = [14.0, (top + each - 22.0 - start).clamp(40.0, 260.0)];
         svg.picture([left, start], size, &picture);
         svg.rectangle([left, start], size, INK, "none");
+        if bodies.iter().any(|&i| {
+            solution.bodies[i]
+                .peak
+                .is_some_and(|p| p.most.value > *high)
+        }) {
+            // more than the end of the scale has its colour, too
+            let tip = [
+                [left, start],
+                [left + 14.0, start],
+                [left + 7.0, start - 9.0],
+            ];
+            let end = colour::palette()[colour::STEPS];
+            let fill = format!("#{:02x}{:02x}{:02x}", end[0], end[1], end[2]);
+            svg.path(&segments(&tip, true), INK, 1.0, &fill, "");
+        }
         for (value, text) in &axis.ticks {
             let y = start + (1.0 - axis.fraction(*value)) * size[1];
             svg.line([left + 14.0, y], [left + 18.0, y], INK, 0.8);

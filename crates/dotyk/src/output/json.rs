@@ -3,7 +3,9 @@
 //! The order of the keys is that of the structs. A number that is not finite becomes `null`.
 
 use crate::dual::Figure;
-use crate::model::{BodySolution, ContactNode, ContactSolution, Seconds, Solution, Status};
+use crate::model::{
+    BodySolution, ContactNode, ContactSolution, LinePoint, Seconds, Solution, Status,
+};
 use crate::output::Overview;
 use crate::output::text::{Labels, THIN};
 use serde::Serialize;
@@ -104,6 +106,7 @@ fn step_summary<'a>(run: &Overview<'a>, solution: &'a Solution<2>, index: usize)
                 unit: Some(labels.unit(probe.dimension).to_string())
                     .filter(|unit| !unit.is_empty()),
                 at: probe.at.map(|at| [at[0], at[1]]),
+                line: line_entry(&probe.line),
             })
             .collect(),
         warnings: &solution.warnings,
@@ -114,6 +117,13 @@ fn step_summary<'a>(run: &Overview<'a>, solution: &'a Solution<2>, index: usize)
 /// Largest value, NaN passed over; NaN when there is none.
 pub fn largest(values: impl IntoIterator<Item = f64>) -> f64 {
     values.into_iter().fold(f64::NAN, f64::max)
+}
+
+/// Smallest and largest value, NaN passed over; NaN when there is none.
+pub fn range(values: impl Iterator<Item = f64>) -> [f64; 2] {
+    values.fold([f64::NAN; 2], |[low, high], value| {
+        [low.min(value), high.max(value)]
+    })
 }
 
 /// A node bears a force.
@@ -323,10 +333,19 @@ struct BodyEntry<'a> {
     reaction: &'a [f64],
     max_displacement: f64,
     max_von_mises: f64,
+    max_von_mises_at: Option<&'a [f64]>,
+    /// What is singular there; null where nothing is.
+    max_von_mises_place: Option<String>,
+    /// The largest one beside such places, and where; null where there is no such place, or nothing beside it.
+    max_von_mises_away: Option<f64>,
+    max_von_mises_away_at: Option<&'a [f64]>,
     strain_energy: f64,
 }
 
 fn body_entry<const D: usize>(body: &BodySolution<D>, nodes: usize, cells: usize) -> BodyEntry<'_> {
+    let peak = body.peak.as_ref();
+    let singular = peak.and_then(|peak| peak.place.as_ref());
+    let away = singular.and_then(|singular| singular.away.as_ref());
     BodyEntry {
         name: &body.name,
         nodes,
@@ -343,6 +362,10 @@ fn body_entry<const D: usize>(body: &BodySolution<D>, nodes: usize, cells: usize
         reaction: &body.reaction,
         max_displacement: max_displacement(body),
         max_von_mises: largest(body.von_mises.iter().copied()),
+        max_von_mises_at: peak.map(|peak| &peak.most.at[..]),
+        max_von_mises_place: singular.map(|singular| singular.place.to_string()),
+        max_von_mises_away: away.map(|away| away.value),
+        max_von_mises_away_at: away.map(|away| &away.at[..]),
         strain_energy: body.strain_energy,
     }
 }
@@ -358,6 +381,28 @@ struct ProbeEntry<'a> {
     /// Of the largest or smallest value.
     #[serde(skip_serializing_if = "Option::is_none")]
     at: Option<[f64; 2]>,
+    /// Of a line, whose values are in lines.csv.
+    #[serde(flatten)]
+    line: Option<LineEntry>,
+}
+
+#[derive(Clone, Serialize)]
+struct LineEntry {
+    points: usize,
+    length: f64,
+    smallest: f64,
+    largest: f64,
+}
+
+fn line_entry(line: &[LinePoint]) -> Option<LineEntry> {
+    let length = line.last()?.s;
+    let [smallest, largest] = range(line.iter().map(|point| point.value));
+    Some(LineEntry {
+        points: line.len(),
+        length,
+        smallest,
+        largest,
+    })
 }
 
 #[cfg(test)]
@@ -460,6 +505,10 @@ mod tests {
                 "reaction",
                 "max_displacement",
                 "max_von_mises",
+                "max_von_mises_at",
+                "max_von_mises_place",
+                "max_von_mises_away",
+                "max_von_mises_away_at",
                 "strain_energy",
             ])
         );

@@ -15,6 +15,7 @@ mod history;
 mod html;
 mod interface;
 mod json;
+mod lines;
 mod market;
 mod memory;
 mod npz;
@@ -199,12 +200,13 @@ impl<'a> Overview<'a> {
 }
 
 /// Writes all result files into a folder and returns their paths: a VTU file per body and step, a VTM file per step that
-/// names them as blocks, `case.pvd`, `contact.csv`, `summary.json`, `report.html`.
+/// names them as blocks, `case.pvd`, `contact.csv`, `lines.csv` where a probe is read along a line, `summary.json`,
+/// `report.html`.
 ///
 /// `seconds.write` in the summary is the time that all other files took, and `seconds.total` all of it since the run began;
 /// the report, which is one of these files, tells the time up to itself.
 /// The folder is made where it does not exist; files of other names in it stay, but for the VTU and VTM files of an
-/// earlier run, as its `case.pvd` tells.
+/// earlier run, as its `case.pvd` tells, and its `lines.csv`.
 /// Errors: any [`Error`]; then the folder is as it was before.
 pub fn write(record: &Record<'_>, dir: &Path) -> Result<Vec<PathBuf>, Error> {
     let start = Instant::now();
@@ -224,6 +226,9 @@ pub fn write(record: &Record<'_>, dir: &Path) -> Result<Vec<PathBuf>, Error> {
     }
     stage.put(COLLECTION, vtu::collection(steps, several).as_bytes())?;
     stage.put("contact.csv", csv::contact_csv(model, steps).as_bytes())?;
+    if let Some(lines) = csv::lines_csv(steps) {
+        stage.put(LINES, lines.as_bytes())?;
+    }
 
     let seconds = || Seconds {
         write: start.elapsed().as_secs_f64(),
@@ -234,7 +239,7 @@ pub fn write(record: &Record<'_>, dir: &Path) -> Result<Vec<PathBuf>, Error> {
     stage.put("report.html", report::page(&run).as_bytes())?;
     run.seconds = seconds();
     stage.put("summary.json", json::summary(&run).as_bytes())?;
-    stage.commit(&earlier_fields(dir))
+    stage.commit(&earlier_files(dir))
 }
 
 /// Writes `summary.json` alone, with `"converged": false`, and removes the other result files of an earlier run of this
@@ -249,7 +254,7 @@ pub fn write_summary(record: &Record<'_>, dir: &Path) -> Result<PathBuf, Error> 
     };
     let mut stage = Stage::open(dir)?;
     stage.put("summary.json", json::summary(&run).as_bytes())?;
-    let mut stale = earlier_fields(dir);
+    let mut stale = earlier_files(dir);
     let bodies = record.model.bodies.iter();
     stale.extend(bodies.map(|b| format!("{}.vtu", b.name)));
     stale.extend([COLLECTION, "contact.csv", "report.html"].map(String::from));
@@ -260,11 +265,19 @@ pub fn write_summary(record: &Record<'_>, dir: &Path) -> Result<PathBuf, Error> 
 /// The file that names all VTU files.
 const COLLECTION: &str = "case.pvd";
 
-/// VTU and VTM files of an earlier run in a folder, as its collection names them; none where it cannot be read.
-fn earlier_fields(dir: &Path) -> Vec<String> {
-    let text = std::fs::read_to_string(dir.join(COLLECTION)).unwrap_or_default();
+/// The file of probes along lines.
+const LINES: &str = "lines.csv";
+
+/// Files that not every run writes, of an earlier one in a folder: VTU and VTM files, as its collection names them, and what
+/// looks like its `lines.csv`; none where they cannot be read.
+fn earlier_files(dir: &Path) -> Vec<String> {
+    let read = |name: &str| std::fs::read_to_string(dir.join(name)).unwrap_or_default();
+    let text = read(COLLECTION);
     let mut files = vtu::collected(&text);
     files.extend(vtu::collected_blocks(&text));
+    if read(LINES).starts_with(csv::LINES_HEAD) {
+        files.push(LINES.to_string());
+    }
     files
 }
 
@@ -373,6 +386,7 @@ fn check_step<const D: usize>(model: &Model<D>, solution: &Solution<D>) -> Resul
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::model::LinePoint;
     use crate::output::tunnel::names;
     use std::fs;
     use std::slice::from_ref;
@@ -439,6 +453,33 @@ mod tests {
         assert_eq!(names(dir), ["ring_0009.vtu", "summary.json"]);
         let empty = write(&record(&model, &[]), dir).unwrap_err();
         assert!(empty.to_string().contains("0 steps"), "{empty}");
+    }
+
+    #[test]
+    fn lines_are_written_where_there_are_some_and_taken_away_where_not() {
+        let scratch = tunnel::Scratch::new("lines");
+        let (model, solution) = tunnel::solved();
+        let mut with = solution.clone();
+        let place = LinePoint {
+            s: 0.1,
+            point: [1.0, -0.0, 0.0],
+            value: f64::NAN,
+            starts: true,
+        };
+        with.probes[0].name = "one, \"two\"".to_string();
+        with.probes[0].line = vec![place];
+        let (dir, file) = (scratch.path(), scratch.path().join(LINES));
+        let both = [with.clone(), with];
+        write(&record(&model, &both), dir).unwrap();
+        let text = fs::read_to_string(&file).unwrap();
+        let row = "\"one, \"\"two\"\"\",0.1,1.0,0.0,NaN\n";
+        assert_eq!(text, format!("{}1,{row}2,{row}", csv::LINES_HEAD));
+        write(&record(&model, from_ref(&solution)), dir).unwrap();
+        assert!(!file.exists());
+        // one of somebody else
+        fs::write(&file, b"mine").unwrap();
+        write(&record(&model, from_ref(&solution)), dir).unwrap();
+        assert_eq!(fs::read(&file).unwrap(), b"mine");
     }
 
     #[test]

@@ -11,7 +11,8 @@ use crate::output::contacts;
 use crate::output::deformed::deformed_figure;
 use crate::output::html::{self, Head, column, escape, left, plain, table, text};
 use crate::output::interface::largest_gap;
-use crate::output::json::{VERSION, largest, max_displacement};
+use crate::output::json::{VERSION, largest, max_displacement, range};
+use crate::output::lines::{lines_section, place_in_words};
 use crate::output::scene::Scene;
 use crate::output::setup::setup_figure;
 use crate::output::steps::steps_section;
@@ -32,6 +33,7 @@ pub fn page(run: &Overview<'_>) -> String {
         verdict::warnings(run),
         key_figures(solution, &labels),
         probes(model, solution, &labels),
+        lines_section(run, &labels),
         steps_section(run, &labels),
         "<h2>Model</h2>\n".to_string(),
         model_figure(&scene, &alone),
@@ -46,8 +48,13 @@ pub fn page(run: &Overview<'_>) -> String {
         timings(run),
     ];
     let footer = format!(
-        "Computed with dotyk {VERSION}, case {}. Full numbers: summary.json, contact.csv; fields: case.pvd.",
-        run.stem
+        "Computed with dotyk {VERSION}, case {}. Full numbers: summary.json, contact.csv{}; fields: case.pvd.",
+        run.stem,
+        if solution.probes.iter().any(|p| !p.line.is_empty()) {
+            ", lines.csv"
+        } else {
+            ""
+        }
     );
     framed(model, run.stem, &sections.concat(), &footer)
 }
@@ -132,7 +139,12 @@ fn key_figures(solution: &Solution<2>, labels: &Labels) -> String {
         ));
     }
     let stress = |b: &BodySolution<2>| largest(b.von_mises.iter().copied());
-    if let Some((body, value)) = greatest(&solution.bodies, stress) {
+    if let Some((mut body, value)) = greatest(&solution.bodies, stress) {
+        let peaks = solution.bodies.iter().filter_map(|b| b.peak);
+        let most = peaks.max_by(|a, b| a.most.value.total_cmp(&b.most.value));
+        if let Some(singular) = most.and_then(|peak| peak.place) {
+            body += &format!(", at {}", singular.place);
+        }
         cards.push((
             "Largest von Mises stress",
             quantity(value, &labels.stress),
@@ -235,14 +247,16 @@ fn probes(model: &Model<2>, solution: &Solution<2>, labels: &Labels) -> String {
             let asked = model.probes.iter().find(|m| m.name == p.name);
             let asked = asked.and_then(|m| m.reading.point());
             let at = asked.or(p.at.map(|at| [at[0], at[1]]));
-            let at = at.map_or("–".to_string(), |at| vector(&at, ""));
+            let at = at.map_or_else(|| place_in_words(model, p), |at| vector(&at, ""));
             let unit = labels.unit(p.dimension);
-            vec![
-                text(&p.name),
-                text(&p.quantity),
-                plain(at),
-                plain(quantity(p.value, unit)),
-            ]
+            let value = match p.line.is_empty() {
+                true => quantity(p.value, unit),
+                false => {
+                    let [low, high] = range(p.line.iter().map(|place| place.value));
+                    format!("{} … {}", number(low), quantity(high, unit))
+                }
+            };
+            vec![text(&p.name), text(&p.quantity), plain(at), plain(value)]
         })
         .collect();
     let at = column("at", &labels.length);
@@ -268,6 +282,10 @@ fn bodies(model: &Model<2>, solution: &Solution<2>, labels: &Labels) -> String {
                 plain(count(b.dofs)),
                 plain(number(max_displacement(b))),
                 plain(number(largest(b.von_mises.iter().copied()))),
+                plain(
+                    b.peak
+                        .map_or("–".to_string(), |peak| vector(&peak.most.at, "")),
+                ),
                 plain(number(b.strain_energy)),
             ]
         })
@@ -278,9 +296,17 @@ fn bodies(model: &Model<2>, solution: &Solution<2>, labels: &Labels) -> String {
         column("unknowns", ""),
         column("largest displacement", &labels.length),
         column("largest von Mises", &labels.stress),
+        column("at", &labels.length),
         column("elastic energy", &labels.energy),
     ];
     let mut out = format!("<h3>Bodies</h3>\n{}", table(&heads, rows));
+    let told = solution
+        .bodies
+        .iter()
+        .filter_map(|b| singular_stress(b, labels));
+    out += &told
+        .map(|line| format!("<p>{}</p>\n", escape(&line)))
+        .collect::<String>();
     let rows = solution
         .bodies
         .iter()
@@ -322,6 +348,23 @@ fn bodies(model: &Model<2>, solution: &Solution<2>, labels: &Labels) -> String {
         table(&heads, rows)
     );
     out
+}
+
+/// A word on a largest stress that is none; nothing where it is one.
+fn singular_stress(body: &BodySolution<2>, labels: &Labels) -> Option<String> {
+    let peak = body.peak?;
+    let singular = peak.place?;
+    let away = singular.away.map_or(String::new(), |away| {
+        let at = vector(&away.at, &labels.length);
+        format!(
+            " Farther than two cells from such places the largest is {}, at {at}.",
+            quantity(away.value, &labels.stress)
+        )
+    });
+    Some(format!(
+        "The largest von Mises stress of {} is at {}: it grows as the mesh is refined, and means nothing by itself.{away}",
+        body.name, singular.place
+    ))
 }
 
 fn timings(run: &Overview<'_>) -> String {

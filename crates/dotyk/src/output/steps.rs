@@ -35,7 +35,7 @@ pub fn steps_section(run: &Overview<'_>, labels: &Labels) -> String {
     for contact in 0..run.last.contacts.len() {
         out += &contact_table(&steps, contact, labels);
     }
-    let probes: Vec<usize> = (0..run.last.probes.len()).collect();
+    let probes: Vec<usize> = numbers(run.last).collect();
     for (part, chosen) in probes.chunks(COLUMNS).enumerate() {
         out += if part == 0 { "<h3>Probes</h3>\n" } else { "" };
         out += &probe_table(&steps, chosen, labels);
@@ -69,10 +69,9 @@ fn panels(steps: &[&Solution<2>], labels: &Labels) -> Vec<Panel> {
             c.length
         }));
     }
-    let probes = last.probes.iter().enumerate().take(MOST_PANELS);
-    list.extend(probes.map(|(i, probe)| Panel {
-        title: probe.name.clone(),
-        unit: labels.unit(probe.dimension).to_string(),
+    list.extend(numbers(last).take(MOST_PANELS).map(|i| Panel {
+        title: last.probes[i].name.clone(),
+        unit: labels.unit(last.probes[i].dimension).to_string(),
         zero: true,
         curves: vec![Series {
             name: String::new(),
@@ -80,6 +79,14 @@ fn panels(steps: &[&Solution<2>], labels: &Labels) -> Vec<Panel> {
         }],
     }));
     list
+}
+
+/// Indices of the probes of one number.
+fn numbers(solution: &Solution<2>) -> impl Iterator<Item = usize> {
+    let probes = solution.probes.iter().enumerate();
+    probes
+        .filter(|(_, probe)| probe.line.is_empty())
+        .map(|(i, _)| i)
 }
 
 fn steps_figure(steps: &[&Solution<2>], labels: &Labels) -> Option<String> {

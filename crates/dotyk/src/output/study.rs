@@ -1,6 +1,7 @@
 //! `study.csv` and the page of a study: probes against the varied parameters.
 
 use crate::model::{Column, Member, Study};
+use crate::output::csv::quoted;
 use crate::output::html::{self, Head, column, figure, left, plain, table, text};
 use crate::output::json::VERSION;
 use crate::output::panels::{Abscissae, Panel, Series, panels_figure};
@@ -30,14 +31,6 @@ pub fn study_csv(study: &Study) -> String {
         let _ = writeln!(out, "{},{}", member.converged, quoted(&member.reason));
     }
     out
-}
-
-/// A text as one cell: quoted where a comma, a quote or a new line would end it.
-fn quoted(text: &str) -> String {
-    match text.contains([',', '"', '\n', '\r']) {
-        true => format!("\"{}\"", text.replace('"', "\"\"")),
-        false => text.to_string(),
-    }
 }
 
 /// The page: a plot for every probe, and the table.

@@ -11,6 +11,7 @@ mod gmsh;
 mod judge;
 mod layers;
 mod levels;
+mod lines;
 mod mindlin;
 mod mortar;
 mod names;

@@ -1,0 +1,193 @@
+//! Section "Along lines" of the report: a plot of every probe that has values along a line.
+
+use crate::model::{Along, LinePoint, Model, Probe, ProbeValue, Solution};
+use crate::output::Overview;
+use crate::output::html::figure;
+use crate::output::json::range;
+use crate::output::plot::{Axis, Frame};
+use crate::output::scene::WIDTH;
+use crate::output::svg::{Anchor, SERIES, Svg, Type, text_width};
+use crate::output::text::{Labels, count, number, vector};
+
+/// Curves of more points than this are drawn without dots.
+const MOST_DOTS: usize = 60;
+
+/// Values that differ by a smaller part are drawn beside zero: what they differ by may be rounding.
+const HARDLY: f64 = 0.01;
+
+/// The section; nothing where no probe is a line.
+pub fn lines_section(run: &Overview<'_>, labels: &Labels) -> String {
+    let steps: Vec<&Solution<2>> = run.steps().collect();
+    let shown = spread(steps.len());
+    let probes = run.last.probes.iter().enumerate();
+    let lines = probes.filter(|(_, probe)| !probe.line.is_empty());
+    let figures = lines.map(|(index, probe)| {
+        let curves = shown.iter().map(|&step| Curve {
+            name: format!("t = {}", number(steps[step].time)),
+            places: &steps[step].probes[index].line,
+        });
+        let curves: Vec<Curve<'_>> = curves.collect();
+        let svg = line_figure(&format!("line-{index}"), probe, &curves, labels);
+        let mut caption = format!(
+            "{} {}, {} points.",
+            probe.quantity,
+            place_in_words(run.model, probe),
+            count(probe.line.len())
+        );
+        if shown.len() < steps.len() {
+            caption += &format!(" {} of {} load steps.", shown.len(), count(steps.len()));
+        }
+        if probe.line.iter().any(|place| place.value.is_nan()) {
+            caption += " The curve is interrupted where there is no value.";
+        }
+        figure(&svg, &probe.name, &caption)
+    });
+    let figures: String = figures.collect();
+    match figures.is_empty() {
+        true => figures,
+        false => format!("<h2>Along lines</h2>\n{figures}"),
+    }
+}
+
+/// Indices of as many of these steps as there are colours, the first and the last among them.
+fn spread(steps: usize) -> Vec<usize> {
+    let (shown, last) = (steps.min(SERIES.len()), steps.saturating_sub(1));
+    let place = |k: usize| (k * last + (shown - 1) / 2) / (shown - 1).max(1);
+    (0..shown).map(place).collect()
+}
+
+/// Along what a probe is read: "from (0, 0) to (1, 0)", "along rock.hole"; a dash where along nothing.
+pub fn place_in_words(model: &Model<2>, probe: &ProbeValue) -> String {
+    let asked = model.probes.iter().find(|asked| asked.name == probe.name);
+    match asked.and_then(|asked: &Probe<2>| asked.along.as_ref()) {
+        Some(Along::Line { from, to, .. }) => {
+            format!("from {} to {}", vector(from, ""), vector(to, ""))
+        }
+        Some(Along::Side(side)) => {
+            format!("along {}.{}", model.bodies[side.body.0].name, side.side)
+        }
+        None => "–".to_string(),
+    }
+}
+
+/// The values of one step.
+struct Curve<'a> {
+    name: String,
+    places: &'a [LinePoint],
+}
+
+impl Curve<'_> {
+    /// Points of the plot; one that is not finite lifts the pen before each piece.
+    fn points(&self) -> Vec<[f64; 2]> {
+        let pieces = self.places.iter().flat_map(|place| {
+            let gap = place.starts.then_some([place.s, f64::NAN]);
+            gap.into_iter().chain([[place.s, place.value]])
+        });
+        pieces.collect()
+    }
+}
+
+fn line_figure(id: &str, probe: &ProbeValue, curves: &[Curve<'_>], labels: &Labels) -> String {
+    let title = format!("{} along a line", probe.quantity);
+    let head = if curves.len() > 1 { 30.0 } else { 12.0 };
+    let mut svg = Svg::new(id, &title, WIDTH, head + 300.0);
+    let places = || curves.iter().flat_map(|curve| curve.places);
+    let ways: Vec<f64> = places().map(|place| place.s).collect();
+    let values: Vec<f64> = places().map(|place| place.value).collect();
+    let [low, high] = range(values.iter().copied());
+    let hardly = high - low < HARDLY * high.abs().max(low.abs());
+    let unit = labels.unit(probe.dimension);
+    let frame = Frame {
+        corner: [86.0, head],
+        size: [WIDTH - 106.0, 246.0],
+        x: Axis::linear("s", &labels.length, &ways, false, 8).roomy(),
+        y: Axis::linear(&probe.quantity, unit, &values, hardly, 6).widened(0.06),
+    };
+    frame.draw(&mut svg, true);
+    let mut key = frame.corner[0];
+    for (curve, colour) in curves.iter().zip(SERIES) {
+        frame.curve(&mut svg, &curve.points(), colour, 1.8);
+        if curve.places.len() <= MOST_DOTS {
+            for place in curve.places.iter().filter(|place| place.value.is_finite()) {
+                let at = vector(&place.point[..2], "");
+                let hint = format!("{} at {at}: {}", curve.name, number(place.value));
+                let pixel = frame.at(place.s, place.value);
+                svg.circle(pixel, 2.6, colour, "#fff", &hint);
+            }
+        }
+        if curves.len() > 1 {
+            let style = Type::LABEL.anchored(Anchor::Start).coloured(colour);
+            svg.text([key, head - 11.0], &curve.name, style);
+            key += text_width(&curve.name, style.size) + 16.0;
+        }
+    }
+    svg.finish()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::model::{BodyId, Reading, SideRef};
+    use crate::output::tunnel;
+
+    #[test]
+    fn a_spread_has_both_ends_and_no_step_twice() {
+        assert_eq!(spread(1), [0]);
+        assert_eq!(spread(3), [0, 1, 2]);
+        assert_eq!(spread(6), [0, 1, 2, 3, 4, 5]);
+        for steps in [7, 8, 12, 100] {
+            let shown = spread(steps);
+            assert_eq!((shown[0], shown[5], shown.len()), (0, steps - 1, 6));
+            assert!(shown.is_sorted_by(|a, b| a < b), "{shown:?}");
+        }
+    }
+
+    #[test]
+    fn every_line_has_its_plot_and_a_gap_lifts_the_pen() {
+        let (mut model, _) = tunnel::solved();
+        let [from, to] = [[0.0, -4.0], [0.0, 4.0]];
+        let line = Along::Line {
+            from,
+            to,
+            points: 9,
+        };
+        let side = SideRef {
+            body: BodyId(1),
+            side: "hole".to_string(),
+        };
+        for (name, quantity, along) in [
+            ("axis & more", "rock.stress.yy", line),
+            ("wall", "rock.stress.normal", Along::Side(side)),
+        ] {
+            let probe = model.probe(name, quantity, Reading::Whole).unwrap();
+            probe.along = Some(along);
+        }
+        let solution = model.solve().unwrap();
+        let labels = Labels::of(&model);
+        let section = lines_section(&tunnel::run(&model, &solution), &labels);
+        assert_eq!(section.matches("<figure>").count(), 2);
+        assert!(section.contains("axis &amp; more") && section.contains("along rock.hole"));
+        assert!(section.contains("from (0, −4) to (0, 4), 9 points. The curve is interrupted"));
+        assert!(section.contains("rock.stress.yy [MN/m²]") && section.contains(">s [m]<"));
+        // the hole is no part of the rock: two pieces
+        let values = solution.probes[1].line.iter().map(|place| place.value);
+        let inside: Vec<bool> = values.map(f64::is_finite).collect();
+        let rock = |k: usize| !(2..7).contains(&k);
+        assert_eq!(inside, (0..9).map(rock).collect::<Vec<_>>());
+        let piece = |k: usize, starts: bool| LinePoint {
+            s: k as f64,
+            point: [0.0; 3],
+            value: 1.0,
+            starts,
+        };
+        let places = [piece(0, true), piece(1, false), piece(2, true)];
+        let curve = Curve {
+            name: String::new(),
+            places: &places,
+        };
+        let pens: Vec<bool> = curve.points().iter().map(|p| p[1].is_nan()).collect();
+        assert_eq!(pens, [true, false, false, true, false]);
+        let none = tunnel::solved();
+        assert!(lines_section(&tunnel::run(&none.0, &none.1), &labels).is_empty());
+    }
+}
