@@ -11,7 +11,7 @@ use dotyk::model::{
     Analysis, BodySolution, Bolts, ContactSolution, Dimension, Method, Model, ProbeValue, Solution,
     SolverOptions, Status, StressAt,
 };
-use dotyk::output::{self, without_noise};
+use dotyk::output::{self, Scales};
 use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
@@ -228,54 +228,23 @@ fn free_folder(folder: PathBuf) -> Result<PathBuf, Failure> {
     }
 }
 
-/// What numbers of a solution are large beside; what is far below is rounding, and shown as zero.
-struct Scales {
-    force: f64,
-    stress: f64,
-    length: f64,
+/// A force, or zero where it is rounding.
+fn force(scales: &Scales, value: f64) -> String {
+    number(scales.without_noise(value, Dimension::Force))
 }
 
-impl Scales {
-    fn of(solution: &Solution<2>) -> Self {
-        let nodes = solution.contacts.iter().map(|contact| contact.nodes.iter());
-        let pressed = nodes.map(|nodes| {
-            let forces = nodes.map(|node| (node.pressure * node.weight).abs());
-            forces.filter(|force| force.is_finite()).sum::<f64>()
-        });
-        let bodies = || solution.bodies.iter();
-        let held = bodies().map(|body| body.reactions.iter().map(|f| norm(*f)).sum());
-        let stresses = bodies().flat_map(|body| body.von_mises.iter().copied());
-        let moved = bodies().flat_map(|body| body.displacement.iter().map(|u| norm(*u)));
-        Self {
-            force: pressed.chain(held).fold(0.0, f64::max),
-            stress: stresses.fold(0.0, f64::max),
-            length: moved.fold(0.0, f64::max),
-        }
+/// The value of a probe, of a line the smallest and the largest.
+fn of_probe(scales: &Scales, probe: &ProbeValue) -> String {
+    let shown = |value: f64| number(scales.without_noise(value, probe.dimension));
+    if probe.line.is_empty() {
+        return shown(probe.value);
     }
-
-    fn force(&self, value: f64) -> String {
-        number(without_noise(value, self.force))
-    }
-
-    /// The value of a probe, of a line the smallest and the largest.
-    fn of_probe(&self, probe: &ProbeValue) -> String {
-        let scale = match probe.dimension {
-            Dimension::Force => self.force,
-            Dimension::Stress => self.stress,
-            Dimension::Length => self.length,
-            Dimension::Other => 0.0,
-        };
-        let shown = |value: f64| number(without_noise(value, scale));
-        if probe.line.is_empty() {
-            return shown(probe.value);
-        }
-        let values = || probe.line.iter().map(|place| place.value);
-        let (low, high) = (
-            values().fold(f64::NAN, f64::min),
-            values().fold(f64::NAN, f64::max),
-        );
-        format!("{} .. {}", shown(low), shown(high))
-    }
+    let values = || probe.line.iter().map(|place| place.value);
+    let (low, high) = (
+        values().fold(f64::NAN, f64::min),
+        values().fold(f64::NAN, f64::max),
+    );
+    format!("{} .. {}", shown(low), shown(high))
 }
 
 /// The result lines: of several load steps a line each, and the last in full.
@@ -368,8 +337,8 @@ fn contact_row(contact: &ContactSolution<2>, scales: &Scales) -> Vec<String> {
     let pressures = contact.nodes.iter().map(|n| n.pressure);
     vec![
         contact.name.clone(),
-        scales.force(contact.resultant[0]),
-        scales.force(contact.resultant[1]),
+        force(scales, contact.resultant[0]),
+        force(scales, contact.resultant[1]),
         number(pressures.fold(0.0, f64::max)),
         number(contact.length),
         count(false).to_string(),
@@ -407,8 +376,8 @@ fn bodies(model: &Model<2>, solution: &Solution<2>) -> String {
                 body.name.clone(),
                 number(lengths.fold(0.0, f64::max)),
                 number(body.von_mises.iter().copied().fold(0.0, f64::max)),
-                scales.force(body.reaction[0]),
-                scales.force(body.reaction[1]),
+                force(&scales, body.reaction[0]),
+                force(&scales, body.reaction[1]),
                 floating.join(", "),
             ]
         })
@@ -469,7 +438,7 @@ fn probes(steps: &[Solution<2>]) -> String {
             let values = scales
                 .iter()
                 .zip(steps)
-                .map(|(s, step)| s.of_probe(&step.probes[i]));
+                .map(|(s, step)| of_probe(s, &step.probes[i]));
             let names = [probe.name.clone(), probe.quantity.clone()];
             let at = match probe.line.last() {
                 Some(end) => format!(
@@ -502,7 +471,7 @@ fn probes_below(steps: &[Solution<2>], last: &Solution<2>) -> String {
     let mut rows = Vec::new();
     for (k, step) in steps.iter().enumerate().filter(|(k, _)| !left_out(*k)) {
         let scales = Scales::of(step);
-        let values = step.probes.iter().map(|probe| scales.of_probe(probe));
+        let values = step.probes.iter().map(|probe| of_probe(&scales, probe));
         let start = [(k + 1).to_string(), number(step.time)];
         rows.push(start.into_iter().chain(values).collect());
     }

@@ -39,7 +39,7 @@ mod vtu;
 
 pub use memory::peak_memory_bytes;
 pub use past::{PastError, past};
-pub use text::without_noise;
+pub use text::Scales;
 
 use crate::dual::Multipliers;
 use crate::geometry::Point;

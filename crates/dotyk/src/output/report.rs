@@ -16,7 +16,7 @@ use crate::output::lines::{lines_section, place_in_words};
 use crate::output::scene::Scene;
 use crate::output::setup::setup_figure;
 use crate::output::steps::steps_section;
-use crate::output::text::{Labels, count, number, quantity, seconds, vector};
+use crate::output::text::{Labels, Scales, count, number, quantity, seconds, vector};
 use crate::output::verdict;
 
 /// Content of `report.html`.
@@ -240,20 +240,22 @@ fn probes(model: &Model<2>, solution: &Solution<2>, labels: &Labels) -> String {
     if solution.probes.is_empty() {
         return String::new();
     }
+    let scales = Scales::of(solution);
     let rows = solution
         .probes
         .iter()
         .map(|p| {
+            let quiet = |value: f64| scales.without_noise(value, p.dimension);
             let asked = model.probes.iter().find(|m| m.name == p.name);
             let asked = asked.and_then(|m| m.reading.point());
             let at = asked.or(p.at.map(|at| [at[0], at[1]]));
             let at = at.map_or_else(|| place_in_words(model, p), |at| vector(&at, ""));
             let unit = labels.unit(p.dimension);
             let value = match p.line.is_empty() {
-                true => quantity(p.value, unit),
+                true => quantity(quiet(p.value), unit),
                 false => {
                     let [low, high] = range(p.line.iter().map(|place| place.value));
-                    format!("{} … {}", number(low), quantity(high, unit))
+                    format!("{} … {}", number(quiet(low)), quantity(quiet(high), unit))
                 }
             };
             vec![text(&p.name), text(&p.quantity), plain(at), plain(value)]

@@ -2,7 +2,8 @@
 //!
 //! Invariant: the same number gives the same text on every machine; what is not finite gives a dash.
 
-use crate::model::{Analysis, Dimension, Model};
+use crate::geometry::norm;
+use crate::model::{Analysis, Dimension, Model, Solution};
 
 /// Thin space that does not break.
 pub const THIN: char = '\u{202f}';
@@ -176,6 +177,44 @@ pub fn without_noise(value: f64, scale: f64) -> f64 {
         0.0
     } else {
         value
+    }
+}
+
+/// What the numbers of a solution are large beside; what is far below is rounding, and shown as zero.
+pub struct Scales {
+    force: f64,
+    stress: f64,
+    length: f64,
+}
+
+impl Scales {
+    /// The largest sum of forces on a side or of the supports of a body, stress and displacement.
+    pub fn of(solution: &Solution<2>) -> Self {
+        let nodes = solution.contacts.iter().map(|contact| contact.nodes.iter());
+        let pressed = nodes.map(|nodes| {
+            let forces = nodes.map(|node| (node.pressure * node.weight).abs());
+            forces.filter(|force| force.is_finite()).sum::<f64>()
+        });
+        let bodies = || solution.bodies.iter();
+        let held = bodies().map(|body| body.reactions.iter().map(|f| norm(*f)).sum());
+        let stresses = bodies().flat_map(|body| body.von_mises.iter().copied());
+        let moved = bodies().flat_map(|body| body.displacement.iter().map(|u| norm(*u)));
+        Self {
+            force: pressed.chain(held).fold(0.0, f64::max),
+            stress: stresses.fold(0.0, f64::max),
+            length: moved.fold(0.0, f64::max),
+        }
+    }
+
+    /// A value, or zero where it is rounding.
+    pub fn without_noise(&self, value: f64, dimension: Dimension) -> f64 {
+        let scale = match dimension {
+            Dimension::Force => self.force,
+            Dimension::Stress => self.stress,
+            Dimension::Length => self.length,
+            Dimension::Other => 0.0,
+        };
+        without_noise(value, scale)
     }
 }
 
