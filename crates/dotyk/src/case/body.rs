@@ -62,6 +62,7 @@ pub(crate) fn body(node: &Node, files: &mut MeshFiles) -> Result<Body<2>, Fault>
         body_force,
         supports: supports.concat(),
         loads: loads.concat(),
+        couples: Vec::new(),
         surfaces,
         points,
     })

@@ -4,7 +4,7 @@
 //! that it belongs to. The rows of the other nodes are what they would be with it.
 
 use crate::contact::{ContactError, End, Interface, Role};
-use crate::fem::{Place, describe, nearest_node, side_facets};
+use crate::fem::{Place, describe, nearest_node, side_nodes};
 use std::collections::BTreeSet;
 
 impl<const D: usize> End<'_, D> {
@@ -17,15 +17,13 @@ impl<const D: usize> End<'_, D> {
             body: self.body.name.clone(),
             source,
         };
-        let nodes_of = |facets: &[_]| -> BTreeSet<usize> {
-            let nodes = facets.iter().flat_map(|&facet| mesh.facet_nodes(facet));
-            nodes.map(|node| node as usize).collect()
-        };
-        let own = nodes_of(self.facets()?);
+        let own = self.facets()?.iter();
+        let own = own.flat_map(|&facet| mesh.facet_nodes(facet));
+        let own: BTreeSet<usize> = own.map(|node| node as usize).collect();
         let mut found = BTreeSet::new();
         for place in places {
             let nodes = match place {
-                Place::Side(side) => nodes_of(side_facets(mesh, side).map_err(fail)?),
+                Place::Side(side) => side_nodes(mesh, side).map_err(fail)?,
                 Place::Point(point) => {
                     BTreeSet::from([nearest_node(mesh, *point, "excluded point").map_err(fail)?])
                 }

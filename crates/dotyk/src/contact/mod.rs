@@ -10,6 +10,7 @@
 //! An interface knows the two meshes and what their supports hold, but no stiffness.
 
 mod corners;
+mod couple;
 mod curved;
 mod error;
 mod exclude;
@@ -27,6 +28,7 @@ mod search;
 mod weights;
 
 pub use corners::{SHARP, smooth_parts};
+pub use couple::pair_couple;
 pub use curved::{sagitta, straight_turn};
 pub use error::ContactError;
 pub use facing::{facets_coincide, unmatched_facing};

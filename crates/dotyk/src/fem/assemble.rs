@@ -226,33 +226,30 @@ fn held_dofs<const D: usize>(
 }
 
 impl<const D: usize> BodySystem<D> {
-    /// A rigid body that can only translate, under a force: one node, no stiffness, the translations as its modes (with
-    /// axial symmetry the one along the axis).
-    pub fn rigid(force: Point<D>, analysis: Analysis) -> Self {
-        let node = Connectivity {
-            nodes: &[0],
+    /// A rigid part, without stiffness: each component of its nodes is held at a value, or is a mode by itself. In such a part
+    /// what is prescribed strains nothing. Shapes: (nodes,).
+    pub fn rigid(load: &[Point<D>], held: &[[Option<f64>; D]]) -> Self {
+        let nodes: Vec<u32> = (0..load.len() as u32).collect();
+        let single = Connectivity {
+            nodes: &nodes,
             nodes_per_cell: 1,
         };
-        let held: Vec<bool> = (0..D)
-            .map(|i| analysis == Analysis::Axisymmetric && i != 1)
-            .collect();
-        let mut load = force.to_vec();
-        load.iter_mut()
-            .zip(&held)
-            .filter(|(_, held)| **held)
-            .for_each(|(f, _)| *f = 0.0);
-        let translation = |i: usize| (0..D).map(|j| f64::from(u8::from(i == j))).collect();
+        let held: Vec<Option<f64>> = held.iter().flatten().copied().collect();
+        let prescribed: Vec<f64> = held.iter().map(|value| value.unwrap_or(0.0)).collect();
+        let held: Vec<bool> = held.iter().map(Option::is_some).collect();
+        let dofs = held.len();
+        let unit = |i: usize| (0..dofs).map(|j| f64::from(u8::from(i == j))).collect();
         Self {
-            graph: Graph::from_cells(1, &[node]),
-            stiffness: SymmetricMatrix::from_triplets(D, &[]),
-            largest_load: norm(force),
-            load,
+            graph: Graph::from_cells(load.len(), &[single]),
+            stiffness: SymmetricMatrix::from_triplets(dofs, &[]),
+            largest_load: load.iter().map(|&force| norm(force)).fold(0.0, f64::max),
+            load: load.concat(),
             constraints: Constraints::default(),
-            prescribed: vec![0.0; D],
-            carried: vec![0.0; D],
-            lift: vec![0.0; D],
+            carried: prescribed.clone(),
+            prescribed,
+            lift: vec![0.0; dofs],
             frames: BTreeMap::new(),
-            modes: (0..D).filter(|&i| !held[i]).map(translation).collect(),
+            modes: (0..dofs).filter(|&i| !held[i]).map(unit).collect(),
             held,
         }
     }

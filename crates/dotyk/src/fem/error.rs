@@ -27,6 +27,16 @@ pub enum FemError {
         /// The side.
         side: String,
     },
+    /// A couple with axial symmetry is driven by more than what moves along the axis.
+    #[error(
+        "point \"{name}\": with axial symmetry a coupled point only moves along the axis, and {what} has no meaning there"
+    )]
+    NotAxial {
+        /// Name of the point.
+        name: String,
+        /// What has no meaning.
+        what: &'static str,
+    },
     /// A load, support, gap or friction value is NaN or infinite.
     #[error("{what} = {text} is not finite at {point}")]
     NotFinite {

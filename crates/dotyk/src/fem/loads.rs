@@ -230,19 +230,19 @@ pub(crate) fn nodal_volumes<const D: usize>(body: &Body<D>, analysis: Analysis) 
 }
 
 /// A point of integration of a side.
-struct SidePoint<const D: usize> {
-    facet: Facet,
+pub(crate) struct SidePoint<const D: usize> {
+    pub facet: Facet,
     /// Of the nodes of the facet.
-    shape: [f64; MAX_FACET_NODES],
-    point: Point<D>,
+    pub shape: [f64; MAX_FACET_NODES],
+    pub point: Point<D>,
     /// Outward unit normal.
-    normal: Point<D>,
+    pub normal: Point<D>,
     /// Its part of the area, thickness or the full turn included.
-    area: f64,
+    pub area: f64,
 }
 
 /// The points of integration of a side.
-fn side_points<'a, const D: usize>(
+pub(crate) fn side_points<'a, const D: usize>(
     body: &'a Body<D>,
     side: &str,
     analysis: Analysis,

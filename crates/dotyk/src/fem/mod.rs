@@ -10,6 +10,7 @@
 
 mod assemble;
 mod cells;
+mod couple;
 mod elasticity;
 mod error;
 mod internal;
@@ -23,8 +24,9 @@ mod supports;
 mod tests;
 
 pub use assemble::{BodySystem, assemble};
+pub use couple::{Couple, CoupleKind};
 pub use error::FemError;
-pub(crate) use loads::nodal_volumes;
+pub(crate) use loads::{nodal_volumes, side_points};
 pub use loads::{Amount, Load};
 pub use modes::{RigidBasis, describe_motion};
 pub use nouns::{Analysis, Body, Elastic, Material, Place, Support};
@@ -35,4 +37,4 @@ pub(crate) use cells::measure;
 pub(crate) use error::{Short, show};
 pub(crate) use internal::internal_forces;
 pub(crate) use modes::fit_rigid;
-pub(crate) use supports::{describe, side_facets};
+pub(crate) use supports::{describe, side_facets, side_nodes};

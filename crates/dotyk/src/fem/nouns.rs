@@ -1,5 +1,6 @@
 //! What describes one elastic body: material, supports; its loads have a file of their own.
 
+use crate::fem::couple::Couple;
 use crate::fem::loads::Load;
 use crate::geometry::{Field, Point, Surface};
 use crate::mesh::Mesh;
@@ -92,6 +93,8 @@ pub struct Body<const D: usize> {
     pub supports: Vec<Support<D>>,
     /// External loads.
     pub loads: Vec<Load<D>>,
+    /// Sides that move with a reference point.
+    pub couples: Vec<Couple<D>>,
     /// True surface behind a side, for contact gaps and normals.
     pub surfaces: BTreeMap<String, Surface<D>>,
     /// Points with a name, on its nodes or not; several have one name where a group of a mesh file says so.

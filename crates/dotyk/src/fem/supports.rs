@@ -7,7 +7,7 @@ use crate::fem::error::{FemError, show};
 use crate::fem::nouns::{Analysis, Body, Place};
 use crate::geometry::{Field, Point, add_scaled, distance, dot, norm, unit};
 use crate::mesh::{Facet, Mesh};
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 /// One prescribed displacement component: axis·u = value at a node.
 #[derive(Debug, Clone, PartialEq)]
@@ -193,6 +193,16 @@ pub(crate) fn side_facets<'a, const D: usize>(
         }),
         Some(facets) => Ok(facets),
     }
+}
+
+/// Nodes of a side, ascending; an error when it is unknown or empty.
+pub(crate) fn side_nodes<const D: usize>(
+    mesh: &Mesh<D>,
+    side: &str,
+) -> Result<BTreeSet<usize>, FemError> {
+    let facets = side_facets(mesh, side)?.iter();
+    let nodes = facets.flat_map(|&facet| mesh.facet_nodes(facet));
+    Ok(nodes.map(|node| node as usize).collect())
 }
 
 /// Outward unit normals at the nodes of a set of facets: the mean of the unit normals of the facets that meet there,

@@ -1,16 +1,16 @@
-//! Λ of all contacts: what each of their nodes can bear.
+//! Λ of all contacts and couples: what each of their nodes can bear.
 
 use crate::contact::{ContactError, Coupling};
 use crate::dual::{AdmissibleSet, Block};
-use crate::fem::show;
+use crate::fem::{CoupleKind, show};
 use crate::geometry::Field;
 use crate::mesh::CellKind;
 use crate::model::error::Error;
 use crate::model::nouns::{Contact, Model};
-use crate::model::pair::Paired;
+use crate::model::pair::{Kind, Paired};
 use std::collections::BTreeMap;
 
-/// Λ of all contacts at a time, in the order of their rows.
+/// Λ of all contacts and couples at a time, in the order of their rows.
 ///
 /// Errors: a coefficient or bound of friction that is negative or not finite.
 pub(crate) fn admissible_set<const D: usize>(
@@ -19,10 +19,15 @@ pub(crate) fn admissible_set<const D: usize>(
     time: f64,
 ) -> Result<AdmissibleSet, Error<D>> {
     let mut blocks = Vec::new();
-    for (contact, pair) in model.contacts.iter().zip(paired) {
+    for (index, pair) in paired.iter().enumerate() {
         let points = model.bodies[pair.nonmortar.body.0].mesh.points();
         for node in pair.interface.carriers() {
             let size = node.rows.iter().flatten().count();
+            let Some(contact) = model.contacts.get(index) else {
+                // the forces of a couple
+                blocks.push(Block::Free { size });
+                continue;
+            };
             let value = |field: &Field| friction_at(contact, pair, field, points[node.node], time);
             let tangents = size.saturating_sub(1);
             blocks.push(match contact.law.friction(value, node.weight)? {
@@ -70,7 +75,10 @@ pub(crate) fn neighbours<const D: usize>(
         let block: BTreeMap<usize, usize> = carriers.map(|(k, n)| (n.node, first + k)).collect();
         first += block.len();
         let mesh = &model.bodies[pair.nonmortar.body.0].mesh;
-        for &facet in mesh.side(&pair.nonmortar.side).unwrap_or_default() {
+        // the rows of an average couple stand for the whole side
+        let nodal = pair.kind != Kind::Couple(CoupleKind::Average);
+        let facets = mesh.side(&pair.nonmortar.side).filter(|_| nodal);
+        for &facet in facets.unwrap_or_default() {
             let nodes: Vec<usize> = mesh.facet_nodes(facet).map(|n| n as usize).collect();
             // middle nodes lie between the corners: in the plane a facet is a chain of its nodes
             let edges = match (mesh.facet_kind(facet), &nodes[..]) {

@@ -9,6 +9,7 @@ use crate::model::dual::{Dual, Unknown};
 use crate::model::error::Error;
 use crate::model::event::Event;
 use crate::model::nouns::{Analysis, Contact, Law, Method, Model};
+use crate::model::parts::couples;
 use crate::model::past::Past;
 use crate::model::reuse::Reuse;
 use crate::model::solution::Solution;
@@ -255,8 +256,12 @@ impl<const D: usize> Model<D> {
         let bodies = self.bodies.iter().map(|body| ("body", &body.name));
         let contacts = self.contacts.iter();
         let contacts = contacts.map(|contact| ("contact", &contact.name));
+        let names: Vec<String> = couples(self)
+            .map(|(body, couple)| format!("{}.{}", self.bodies[body].name, couple.name))
+            .collect();
+        let couples = names.iter().map(|name| ("coupled point", name));
         let mut seen = BTreeSet::new();
-        match bodies.chain(contacts).find(|named| !seen.insert(*named)) {
+        match bodies.chain(contacts).chain(couples).find(|named| !seen.insert(*named)) {
             Some((kind, name)) => Err(Error::SameName {
                 kind,
                 name: name.clone(),

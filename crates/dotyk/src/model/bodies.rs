@@ -1,6 +1,6 @@
 //! Bodies at a time: K, f, R and what is held, assembled, with the rows of B that touch them.
 //!
-//! Free obstacles stand behind the bodies (`parts.rs`). A time changes loads, prescribed displacements, gaps and the motion
+//! What is rigid and moves stands behind the bodies (`parts.rs`). A time changes loads, prescribed displacements, gaps and the motion
 //! of obstacles; K and B stay.
 
 use crate::contact::Row;
@@ -10,7 +10,7 @@ use crate::linalg::SparseMatrix;
 use crate::model::error::Error;
 use crate::model::nouns::Model;
 use crate::model::pair::{Paired, gaps_at, row_ranges};
-use crate::model::parts::obstacle_systems;
+use crate::model::parts::rigid_systems;
 use rayon::prelude::*;
 use std::sync::Arc;
 
@@ -76,7 +76,7 @@ impl<const D: usize> LoadedBody<D> {
     }
 }
 
-/// Assembles all bodies at a time; free obstacles follow them.
+/// Assembles all bodies at a time; rigid parts follow them.
 pub(crate) fn systems<const D: usize>(
     model: &Model<D>,
     time: f64,
@@ -85,7 +85,7 @@ pub(crate) fn systems<const D: usize>(
     let system =
         |body| assemble(body, model.analysis, time).map_err(|source| Error::in_body(body, source));
     let mut systems = bodies.map(system).collect::<Result<Vec<_>, _>>()?;
-    systems.extend(obstacle_systems(model, time)?);
+    systems.extend(rigid_systems(model, time)?);
     Ok(systems)
 }
 
@@ -96,8 +96,8 @@ pub(crate) fn driven<const D: usize>(
     paired: Vec<Paired<D>>,
     time: f64,
 ) -> Result<(Vec<LoadedBody<D>>, Vec<Paired<D>>), Error<D>> {
-    let mut obstacles = bodies;
-    let bodies = obstacles.drain(..model.bodies.len()).collect::<Vec<_>>();
+    let mut rigid = bodies;
+    let bodies = rigid.drain(..model.bodies.len()).collect::<Vec<_>>();
     let mut bodies: Vec<LoadedBody<D>> = (&model.bodies, bodies)
         .into_par_iter()
         .map(|(body, loaded)| {
@@ -106,8 +106,8 @@ pub(crate) fn driven<const D: usize>(
             Ok(LoadedBody::new(system, loaded.rows))
         })
         .collect::<Result<_, _>>()?;
-    let systems = obstacle_systems(model, time)?.into_iter();
-    let rows = obstacles.into_iter().map(|obstacle| obstacle.rows);
+    let systems = rigid_systems(model, time)?.into_iter();
+    let rows = rigid.into_iter().map(|part| part.rows);
     bodies.extend(systems.zip(rows).map(|(s, r)| LoadedBody::new(s, r)));
     let constraints: Vec<&Constraints<D>> = bodies.iter().map(|b| &b.system.constraints).collect();
     let paired = gaps_at(model, &constraints, paired, time)?;

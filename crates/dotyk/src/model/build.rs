@@ -1,6 +1,6 @@
 //! Building a model in Rust: every method returns what the next line needs.
 
-use crate::geometry::Field;
+use crate::geometry::{Field, Point};
 use crate::mesh::Mesh;
 use crate::model::nouns::*;
 use crate::model::quantity::{Quantity, QuantityError};
@@ -46,6 +46,7 @@ impl<const D: usize> Model<D> {
             body_force: std::array::from_fn(|_| Field::constant(0.0)),
             supports: Vec::new(),
             loads: Vec::new(),
+            couples: Vec::new(),
             surfaces: BTreeMap::new(),
             points: BTreeMap::new(),
         });
@@ -101,6 +102,20 @@ impl<const D: usize> Model<D> {
             normal,
         });
         self
+    }
+
+    /// A point that a side moves with, to be held and loaded by what is given back; it need not lie on the mesh.
+    pub fn couple(
+        &mut self,
+        body: BodyId,
+        side: &str,
+        (name, point): (&str, Point<D>),
+        kind: CoupleKind,
+    ) -> &mut Couple<D> {
+        let couples = &mut self.bodies[body.0].couples;
+        couples.push(Couple::new(name, point, side, kind));
+        let last = couples.len() - 1;
+        &mut couples[last]
     }
 
     /// A traction in global axes on a side.

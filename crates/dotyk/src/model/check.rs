@@ -11,7 +11,7 @@ use crate::model::dependent::drop_implied;
 use crate::model::error::{Error, Subject};
 use crate::model::floating::Floating;
 use crate::model::nouns::*;
-use crate::model::pair::{Paired, initial_gaps, pair_all, row_ranges};
+use crate::model::pair::{Kind, Paired, initial_gaps, pair_all, row_ranges};
 use crate::model::probe::check_probes;
 use crate::model::sliding::sliding;
 use rayon::prelude::*;
@@ -212,7 +212,7 @@ fn check_balance<const D: usize>(
     Ok(())
 }
 
-/// Which contacts do work on each free motion.
+/// Which contacts and couples do work on each free motion of the bodies.
 fn describe_floating<const D: usize>(
     model: &Model<D>,
     floating: &Floating,
@@ -220,21 +220,23 @@ fn describe_floating<const D: usize>(
     check: &mut Check<D>,
 ) {
     let ranges: Vec<Range<usize>> = row_ranges(paired).map(|(rows, _)| rows).collect();
-    for (k, &(body, mode)) in floating.modes.iter().enumerate() {
+    let of_bodies = floating.modes.iter().enumerate();
+    for (k, &(body, mode)) in of_bodies.filter(|(_, mode)| mode.0 < model.bodies.len()) {
         let works =
             |range: &Range<usize>| range.clone().any(|i| floating.work(k, i).abs() > NO_PART);
-        let holders = model
-            .contacts
-            .iter()
-            .zip(&ranges)
-            .filter(|(_, range)| works(range));
-        let names: Vec<String> = holders
-            .map(|(contact, _)| format!("\"{}\"", contact.name))
-            .collect();
-        let held = if names.is_empty() {
-            "held by nothing".to_string()
-        } else {
-            format!("held by contact {}", names.join(", "))
+        let holders = |contacts: bool| {
+            let pairs = paired.iter().zip(&ranges);
+            let own = pairs.filter(|(pair, _)| contacts == (pair.kind == Kind::Contact));
+            let names = own.filter(|(_, range)| works(range));
+            let names = names.map(|(pair, _)| format!("\"{}\"", pair.name));
+            names.collect::<Vec<_>>().join(", ")
+        };
+        let held = [("contact", holders(true)), ("couple", holders(false))];
+        let held = held.iter().filter(|(_, names)| !names.is_empty());
+        let held = held.map(|(kind, names)| format!("{kind} {names}"));
+        let held = match held.collect::<Vec<_>>().join(" and ") {
+            none if none.is_empty() => "held by nothing".to_string(),
+            all => format!("held by {all}"),
         };
         let load = Short(floating.load(k));
         let found = &mut check.bodies[body].floating;

@@ -11,12 +11,12 @@
 
 use crate::contact::Coupling;
 use crate::dual::DualProblem;
-use crate::fem::{BodySystem, show};
+use crate::fem::{BodySystem, CoupleKind, show};
 use crate::linalg::dense::{cholesky_in_place, solve_lower_in_place};
 use crate::linalg::{Mat, pivoted_cholesky};
 use crate::model::bodies::LoadedBody;
 use crate::model::nouns::{Law, Model};
-use crate::model::pair::{Paired, gap_varies, row_ranges};
+use crate::model::pair::{Kind, Paired, gap_varies, row_ranges};
 use std::collections::{BTreeMap, BTreeSet};
 
 /// A row is dependent when less than this part of its square is its own.
@@ -57,10 +57,15 @@ pub(crate) fn drop_implied<const D: usize>(
     }
     let drop = |(contact, rows): (usize, Vec<usize>)| {
         let nodes = describe(model, &paired[contact], &rows);
-        paired[contact].interface.drop_rows(&rows);
+        let pair = &mut paired[contact];
+        pair.interface.drop_rows(&rows);
+        let undefined = match model.contacts.get(contact) {
+            Some(_) => "the pressure there is not defined",
+            None => "how it shares its force with these is not unique",
+        };
         format!(
-            "contact \"{}\": the condition of {nodes} follows from supports and other contacts; it is dropped, and the pressure there is not defined",
-            model.contacts[contact].name
+            "{}: the condition of {nodes} follows from supports and other contacts; it is dropped, and {undefined}",
+            pair.called()
         )
     };
     dropped.into_iter().map(drop).collect()
@@ -118,8 +123,8 @@ pub(crate) fn shared_forces<const D: usize>(
     let own = dependent.iter().filter(|&&i| owners[i].0 == contact);
     let own: Vec<usize> = own.map(|&i| owners[i].1).collect();
     Some(format!(
-        "contact \"{}\": at {} several contacts bear the same force; how they share it is not unique",
-        model.contacts[contact].name,
+        "{}: at {} several contacts bear the same force; how they share it is not unique",
+        paired[contact].called(),
         describe(model, &paired[contact], &own)
     ))
 }
@@ -238,8 +243,8 @@ fn repeated<const D: usize>(
 ) -> Vec<usize> {
     let gaps: Vec<Vec<f64>> = paired.iter().map(Paired::gaps).collect();
     let lasting = |contact: usize| {
-        let contact = &model.contacts[contact];
-        matches!(contact.law, Law::Frictionless) && !gap_varies(contact)
+        let contact = model.contacts.get(contact);
+        contact.is_some_and(|c| matches!(c.law, Law::Frictionless) && !gap_varies(c))
     };
     let mut alike: BTreeMap<Vec<(usize, usize)>, Vec<usize>> = BTreeMap::new();
     let mut repeated = Vec::new();
@@ -303,6 +308,9 @@ const NAMED: usize = 4;
 /// The nodes of some rows of a contact, in words.
 fn describe<const D: usize>(model: &Model<D>, pair: &Paired<D>, rows: &[usize]) -> String {
     let body = &model.bodies[pair.nonmortar.body.0];
+    if pair.kind == Kind::Couple(CoupleKind::Average) {
+        return format!("side {}.{}", body.name, pair.nonmortar.side);
+    }
     let rows: BTreeSet<usize> = rows.iter().copied().collect();
     let nodes = pair.interface.nodes.iter();
     let places: Vec<String> = nodes

@@ -53,7 +53,7 @@ pub enum Error<const D: usize> {
     /// Two parts of one kind have one name.
     #[error("two {kind}s are named \"{name}\"")]
     SameName {
-        /// "body" or "contact".
+        /// "body", "contact" or "coupled point".
         kind: &'static str,
         /// The name.
         name: String,
@@ -314,7 +314,7 @@ pub enum Objection<const D: usize> {
         reason: String,
         /// Its residual.
         residual: f64,
-        /// Contact and place where it is worst, and what to try.
+        /// Contact or couple, in words, and place where it is worst, and what to try.
         worst: Option<(String, Point<D>, Advice)>,
     },
     /// The certificate does not hold.
@@ -381,13 +381,13 @@ impl<const D: usize> fmt::Display for Objection<D> {
                 if residual.is_finite() {
                     write!(f, " (residual {residual:.1e})")?;
                 }
-                let Some((contact, point, advice)) = worst else {
+                let Some((called, point, advice)) = worst else {
                     return Ok(());
                 };
                 let at = show(*point);
                 write!(
                     f,
-                    "; it is worst at {at} of contact \"{contact}\"; {advice}"
+                    "; it is worst at {at} of {called}; {advice}"
                 )
             }
             Self::Violated {

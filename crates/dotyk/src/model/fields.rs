@@ -8,6 +8,7 @@ use crate::fem::{
 use crate::geometry::{Point, add_scaled, bounding_box, cross, distance, dot, norm, sub};
 use crate::model::bodies::LoadedBody;
 use crate::model::condense::Condensed;
+use crate::model::coupled::couple_solutions;
 use crate::model::error::Error;
 use crate::model::judge::{Displaced, moved};
 use crate::model::nouns::{Analysis, Body, Model, Place, SideRef, Support};
@@ -45,16 +46,24 @@ pub(crate) fn fields<const D: usize>(
         )
     });
     let contacts = contacts.collect();
-    let bodies = (&model.bodies, &condensed.bodies, displaced.states).into_par_iter();
-    let bodies = bodies.map(|(body, loaded, state)| body_solution(model, body, loaded, state));
+    let couples = couple_solutions(model, condensed, &displaced, lambda);
+    let bodies = (
+        &model.bodies,
+        &condensed.bodies,
+        displaced.states,
+        couples,
+    );
+    let bodies = bodies.into_par_iter().map(|(body, loaded, state, couples)| {
+        body_solution(model, (body, loaded), state, couples)
+    });
     Ok((bodies.collect::<Result<Vec<_>, _>>()?, contacts))
 }
 
 fn body_solution<const D: usize>(
     model: &Model<D>,
-    body: &Body<D>,
-    factored: &LoadedBody<D>,
+    (body, factored): (&Body<D>, &LoadedBody<D>),
     state: BodyState<D>,
+    couples: Vec<CoupleSolution<D>>,
 ) -> Result<BodySolution<D>, Error<D>> {
     let fail = |source| Error::in_body(body, source);
     let stress = recover_stress(body, model.analysis, &state.u).map_err(fail)?;
@@ -82,10 +91,10 @@ fn body_solution<const D: usize>(
         contact_forces: state.contact_forces,
         side_reactions: side_reactions(body, factored, &state.reactions),
         part_reactions: part_reactions(body, factored, &state.reactions),
-        reaction: state
-            .reactions
-            .iter()
+        reaction: (state.reactions.iter())
+            .chain(couples.iter().map(|couple| &couple.reaction))
             .fold([0.0; D], |sum, &f| add_scaled(sum, 1.0, f)),
+        couples,
         reactions: state.reactions,
         floating_modes,
         rigid: RigidMotion {

@@ -104,9 +104,8 @@ fn bolt_reports<const D: usize>(
     let carriers = carriers(model, paired);
     let report = |bolt: &Bolt| {
         let (contact, point) = carriers[bolt.index];
-        let contact = model.contacts[contact].name.clone();
         BoltReport {
-            contact,
+            contact: paired[contact].name.clone(),
             point,
             force: bolt.force,
             moved: bolt.moved,

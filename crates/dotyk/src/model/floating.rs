@@ -11,7 +11,7 @@ use crate::linalg::SparseVector;
 use crate::model::bodies::LoadedBody;
 use crate::model::error::{Error, NotHeld};
 use crate::model::nouns::Model;
-use crate::model::parts::{part_name, part_points};
+use crate::model::parts::{first_point, part_name, part_points};
 
 /// Rigid modes of all bodies and what the contact does with them.
 pub(crate) struct Floating {
@@ -59,7 +59,7 @@ impl Floating {
         let split = whole.split().map_err(Error::RigidModes)?.clone();
         let (controlled, balance) = if split.uncontrolled.is_empty() {
             let unit = |k: usize| SparseVector::new(r, [(k, 1.0)]);
-            let balance = whole.with_moments(moments(bodies, &modes));
+            let balance = whole.with_moments(moments(model, bodies, &modes));
             ((0..r).map(unit).collect(), balance)
         } else {
             let c = split.controlled;
@@ -156,7 +156,7 @@ impl Floating {
         direction: &[f64],
     ) -> (String, String) {
         let z = self.amplitudes(direction);
-        let body = main_body(&self.modes, &z);
+        let body = main_body(model, &self.modes, &z);
         let motion = describe(model, bodies, body, |mode| {
             amplitude(&self.modes, &z, body, mode)
         });
@@ -211,11 +211,18 @@ fn unreachable_contacts<const D: usize>(
 /// A mode whose displacements differ in size by more is a rotation: those of a translation are all 1 to rounding.
 const TURNS: f64 = 1e-9;
 
-/// Rows of G that balance moments: modes with a rotation.
-fn moments<const D: usize>(bodies: &[LoadedBody<D>], modes: &[(usize, usize)]) -> Vec<bool> {
+/// Rows of G that balance moments: modes with a rotation. What is rigid has none, those of points are lengths.
+fn moments<const D: usize>(
+    model: &Model<D>,
+    bodies: &[LoadedBody<D>],
+    modes: &[(usize, usize)],
+) -> Vec<bool> {
     modes
         .iter()
         .map(|&(body, mode)| {
+            if body >= model.bodies.len() {
+                return false;
+            }
             let u = bodies[body]
                 .system
                 .to_global(&bodies[body].system.modes[mode]);
@@ -224,8 +231,11 @@ fn moments<const D: usize>(bodies: &[LoadedBody<D>], modes: &[(usize, usize)]) -
         .collect()
 }
 
-fn main_body(modes: &[(usize, usize)], z: &[f64]) -> usize {
-    let largest = (0..z.len()).max_by(|&a, &b| z[a].abs().total_cmp(&z[b].abs()).then(b.cmp(&a)));
+/// The part that a combination of modes moves most; points of couples only move with their bodies.
+fn main_body<const D: usize>(model: &Model<D>, modes: &[(usize, usize)], z: &[f64]) -> usize {
+    let points = first_point(model);
+    let own = (0..z.len()).filter(|&k| modes[k].0 < points);
+    let largest = own.max_by(|&a, &b| z[a].abs().total_cmp(&z[b].abs()).then(b.cmp(&a)));
     largest.map_or(0, |k| modes[k].0)
 }
 
@@ -271,7 +281,7 @@ fn check_undriven<const D: usize>(
     e: &[f64],
     silent: f64,
 ) -> Result<String, Error<D>> {
-    let body = main_body(modes, z);
+    let body = main_body(model, modes, z);
     let name = part_name(model, body);
     let motion = describe(model, bodies, body, |mode| amplitude(modes, z, body, mode));
     let work: f64 = z.iter().zip(e).map(|(z, e)| z * e).sum();

@@ -35,11 +35,11 @@ pub(crate) struct Judged<const D: usize> {
     pub overlap: Option<Overlap<D>>,
 }
 
-/// All bodies and obstacles, displaced.
+/// All bodies and rigid parts, displaced.
 pub(crate) struct Displaced<const D: usize> {
     pub states: Vec<BodyState<D>>,
-    /// Displacements of the free obstacles.
-    pub obstacles: Vec<Point<D>>,
+    /// Displacements of the nodes of the rigid parts.
+    pub parts: Vec<Vec<Point<D>>>,
     /// Gaps of all multipliers.
     pub gaps: Vec<f64>,
     /// To what these are known.
@@ -129,10 +129,12 @@ fn displaced<const D: usize>(
         rows.for_each(|&row| rounding[row] += size);
     }
     let moved = strained.iter().chain(&rigid).flatten();
-    let obstacles = rigid[model.bodies.len()..].iter();
+    let rigid_parts = bodies.iter().zip(&rigid).skip(model.bodies.len());
     Ok(Displaced {
         states,
-        obstacles: obstacles.map(|u| std::array::from_fn(|i| u[i])).collect(),
+        parts: rigid_parts
+            .map(|(part, u)| part.system.to_global(u))
+            .collect(),
         gaps,
         rounding,
         clearances,
@@ -146,15 +148,13 @@ fn displaced<const D: usize>(
 pub(crate) fn moved<'a, const D: usize>(
     model: &Model<D>,
     pair: &Paired<D>,
-    Displaced {
-        states, obstacles, ..
-    }: &'a Displaced<D>,
+    Displaced { states, parts, .. }: &'a Displaced<D>,
 ) -> Moved<'a, D> {
     Moved {
         own: &states[pair.nonmortar.body.0].u,
         other: pair.mortar.as_ref().map(|side| &states[side.body.0].u[..]),
         obstacle: match (&pair.mortar, pair.opposite) {
-            (None, Some(part)) => obstacles[part - model.bodies.len()],
+            (None, Some(part)) => parts[part - model.bodies.len()][0],
             _ => pair.obstacle_motion,
         },
     }
@@ -205,9 +205,13 @@ fn implied_violation<const D: usize>(
                 0 => pair.interface.nodes[condition.node].gap,
                 _ => 0.0,
             };
-            let other = match moved.other {
-                Some(u) => along(other, &|node| u[node]),
-                None => along(other, &|_| moved.obstacle),
+            let other = match (moved.other, pair.opposite) {
+                (Some(u), _) => along(other, &|node| u[node]),
+                (None, Some(part)) => {
+                    let u = &displaced.parts[part - model.bodies.len()];
+                    along(other, &|node| u[node])
+                }
+                (None, None) => along(other, &|_| moved.obstacle),
             };
             let gap = gap - along(own, &|node| moved.own[node]) - other;
             worst = worst.max(if tied { gap.abs() } else { -gap });
@@ -271,8 +275,8 @@ fn certify<const D: usize>(
         force = force.max(f - state.rounding);
         moment = moment.max(m - state.rounding * problem.scales.moment_arm);
     }
-    for obstacle in &condensed.bodies[model.bodies.len()..] {
-        force = force.max(unbalanced(obstacle, lambda));
+    for part in &condensed.bodies[model.bodies.len()..] {
+        force = force.max(unbalanced(part, lambda));
     }
     // the gap of potential and complementary energy: the sum over the bodies of 2·energy − f·u − R·u_D, and λ·g₀
     let work: f64 = states.iter().map(|state| state.unbalanced_work).sum();
@@ -297,13 +301,13 @@ fn certify<const D: usize>(
     problem.certify_with(multipliers, &recomputed, model.solver.tolerance)
 }
 
-/// What is left of the forces on a free obstacle.
-fn unbalanced<const D: usize>(obstacle: &LoadedBody<D>, lambda: &[f64]) -> f64 {
-    let mut rest = obstacle.system.load.clone();
-    obstacle.rows.add_forces(-1.0, lambda, &mut rest);
+/// What is left of the forces on a rigid part.
+fn unbalanced<const D: usize>(part: &LoadedBody<D>, lambda: &[f64]) -> f64 {
+    let mut rest = part.system.load.clone();
+    part.rows.add_forces(-1.0, lambda, &mut rest);
     let free = rest
         .iter()
-        .zip(&obstacle.system.held)
+        .zip(&part.system.held)
         .filter(|(_, held)| !**held);
     free.map(|(f, _)| f * f).sum::<f64>().sqrt()
 }

@@ -16,6 +16,7 @@ mod choose;
 mod compare;
 mod compliance;
 mod condense;
+mod coupled;
 mod dependent;
 mod dual;
 mod error;

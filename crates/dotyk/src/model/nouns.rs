@@ -8,7 +8,9 @@ use crate::geometry::{Field, Point};
 use crate::model::quantity::{Dimension, Quantity};
 
 pub use crate::contact::Rigid;
-pub use crate::fem::{Amount, Analysis, Body, Elastic, Load, Material, Place, Support};
+pub use crate::fem::{
+    Amount, Analysis, Body, Couple, CoupleKind, Elastic, Load, Material, Place, Support,
+};
 
 /// Names of units; they label the report and change no number.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -302,6 +304,8 @@ pub enum Reading<const D: usize> {
     Whole,
     /// Its value at a point, interpolated.
     At(Point<D>),
+    /// At the point of a couple, by its place among those of the body; of displacements.
+    Coupled(usize),
     /// Mean of the two nodes nearest to a point (the paper's B and C).
     MeanOfNeighbours(Point<D>),
     /// Its largest value at a node.
@@ -356,7 +360,7 @@ impl<const D: usize> Reading<D> {
     pub fn point(self) -> Option<Point<D>> {
         match self {
             Self::At(point) | Self::MeanOfNeighbours(point) => Some(point),
-            Self::Whole | Self::Largest | Self::Smallest | Self::Mean | Self::Integral => None,
+            Self::Whole | Self::Coupled(_) | Self::Largest | Self::Smallest | Self::Mean | Self::Integral => None,
         }
     }
 }

@@ -19,7 +19,6 @@ pub(crate) fn objection<const D: usize>(
     judged: &Judged<D>,
 ) -> Option<Objection<D>> {
     let certificate = judged.certificate;
-    let contact = |index: usize| model.contacts[index].name.clone();
     match &attempt.failure {
         Some(Objection::Unsettled {
             reason, residual, ..
@@ -29,7 +28,8 @@ pub(crate) fn objection<const D: usize>(
                 .least_settled(&attempt.outcome.multipliers);
             let worst = row.map(|row| {
                 let (index, point) = carriers(model, &condensed.paired)[row];
-                (contact(index), point, advice(model, condensed))
+                let called = condensed.paired[index].called();
+                (called, point, advice(model, condensed))
             });
             Some(Objection::Unsettled {
                 reason: reason.clone(),
@@ -45,7 +45,10 @@ pub(crate) fn objection<const D: usize>(
                 .filter(|_| !certificate.between_nodes.holds());
             Some(Objection::Violated {
                 certificate,
-                overlap: overlap.map(|o| (contact(o.contact), o.point, o.depth)),
+                overlap: overlap.map(|o| {
+                    let contact = &model.contacts[o.contact];
+                    (contact.name.clone(), o.point, o.depth)
+                }),
             })
         }
     }

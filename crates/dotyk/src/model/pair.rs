@@ -1,28 +1,42 @@
-//! Contacts as interfaces: how their sides are coupled, and the gaps of their rows at a time.
+//! Contacts as interfaces: how their sides are coupled, and the gaps of their rows at a time. Behind them stand the couples,
+//! which are interfaces of a side and a point.
 
 use crate::contact::{
     Against, ContactError, Coupling, Driven, End, GapPoint, InitialGap, Interface, InterfaceNode,
-    Role, Row, Sample, facets_coincide, pair_mortar, pair_nodes, pair_obstacle, sagitta, samples,
+    Role, Row, Sample, facets_coincide, pair_couple, pair_mortar, pair_nodes, pair_obstacle, sagitta, samples,
     smooth_parts, unmatched_facing,
 };
-use crate::fem::{Constraints, Short, show};
+use crate::fem::{Constraints, Couple, CoupleKind, Short, show};
 use crate::geometry::{Field, dot};
 use crate::mesh::Facet;
 use crate::model::choose::{chosen, finer_than_softer};
 use crate::model::error::Error;
 use crate::model::nouns::*;
-use crate::model::parts::obstacle_part;
+use crate::model::parts::{couples, first_point, obstacle_part};
 use rayon::prelude::*;
 use std::collections::BTreeSet;
 use std::ops::Range;
 
-/// One contact of the model, paired.
+/// What sides are paired for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Kind {
+    /// They touch.
+    Contact,
+    /// A side moves with a point.
+    Couple(CoupleKind),
+}
+
+/// One contact or couple of the model, paired.
 pub(crate) struct Paired<const D: usize> {
+    /// What it is.
+    pub kind: Kind,
+    /// Its name; of a couple "BODY.POINT".
+    pub name: String,
     /// Side that carries the multipliers.
     pub nonmortar: SideRef,
-    /// The other side; `None` for an obstacle.
+    /// The other side; `None` for an obstacle or a point.
     pub mortar: Option<SideRef>,
-    /// The part that the rows of `interface.mortar` act on: a body, or a free obstacle.
+    /// The part that the rows of `interface.mortar` act on: a body, a free obstacle, or a point.
     pub opposite: Option<usize>,
     /// Prescribed displacement of the obstacle; zero where it is free.
     pub obstacle_motion: [f64; D],
@@ -36,7 +50,7 @@ pub(crate) struct Paired<const D: usize> {
     pub warnings: Vec<String>,
 }
 
-/// Pairs all contacts, with the gaps at a time.
+/// Pairs all contacts, with the gaps at a time, and all couples, whose rows are the last.
 pub(crate) fn pair_all<const D: usize>(
     model: &Model<D>,
     constraints: &[&Constraints<D>],
@@ -49,10 +63,58 @@ pub(crate) fn pair_all<const D: usize>(
         time,
     };
     let contacts = model.contacts.par_iter();
-    contacts.map(|contact| contacting(contact).pair()).collect()
+    let contacts = contacts.map(|contact| contacting(contact).pair());
+    let mut paired = contacts.collect::<Result<Vec<_>, _>>()?;
+    for (place, (body, couple)) in couples(model).enumerate() {
+        let part = first_point(model) + place;
+        paired.push(pair_point(model, constraints[body], BodyId(body), (couple, part))?);
+    }
+    Ok(paired)
+}
+
+/// A couple of a body with its point, which is a part.
+fn pair_point<const D: usize>(
+    model: &Model<D>,
+    constraints: &Constraints<D>,
+    id: BodyId,
+    (couple, part): (&Couple<D>, usize),
+) -> Result<Paired<D>, Error<D>> {
+    let body = &model.bodies[id.0];
+    let end = End {
+        body,
+        side: &couple.side,
+        constraints,
+        part: None,
+    };
+    let interface = pair_couple(couple, end, model.analysis);
+    Ok(Paired {
+        kind: Kind::Couple(couple.kind),
+        name: format!("{}.{}", body.name, couple.name),
+        nonmortar: SideRef {
+            body: id,
+            side: couple.side.clone(),
+        },
+        mortar: None,
+        opposite: Some(part),
+        obstacle_motion: [0.0; D],
+        interface: interface.map_err(|source| Error::in_body(body, source))?,
+        samples: Vec::new(),
+        sagitta: 0.0,
+        warnings: Vec::new(),
+    })
 }
 
 impl<const D: usize> Paired<D> {
+    /// As messages call it.
+    pub fn called(&self) -> String {
+        let kind = match self.kind {
+            Kind::Contact => "contact",
+            Kind::Couple(CoupleKind::Rigid) => "rigid couple",
+            Kind::Couple(CoupleKind::Average) => "average couple",
+        };
+        format!("{kind} \"{}\"", self.name)
+    }
+
     /// This part of a contact and another one.
     fn followed_by(mut self, further: Self) -> Self {
         self.interface.append(further.interface);
@@ -104,7 +166,7 @@ impl<const D: usize> Paired<D> {
     }
 }
 
-/// Every contact with the range of its rows among those of all.
+/// Every contact, then every couple, with the range of its rows among those of all.
 pub(crate) fn row_ranges<const D: usize>(
     paired: &[Paired<D>],
 ) -> impl Iterator<Item = (Range<usize>, &Paired<D>)> {
@@ -121,7 +183,7 @@ pub(crate) fn initial_gaps<const D: usize>(paired: &[Paired<D>]) -> Vec<f64> {
     paired.iter().flat_map(Paired::gaps).collect()
 }
 
-/// Contact and undeformed position of every multiplier.
+/// Contact or couple and undeformed position of every multiplier.
 pub(crate) fn carriers<const D: usize>(
     model: &Model<D>,
     paired: &[Paired<D>],
@@ -140,9 +202,10 @@ pub(crate) fn carriers<const D: usize>(
 pub(crate) fn gaps_at<const D: usize>(
     model: &Model<D>,
     constraints: &[&Constraints<D>],
-    paired: Vec<Paired<D>>,
+    mut paired: Vec<Paired<D>>,
     time: f64,
 ) -> Result<Vec<Paired<D>>, Error<D>> {
+    let couples = paired.split_off(model.contacts.len());
     let at_time = |(contact, mut before): (&Contact<D>, Paired<D>)| {
         let contacting = Contacting {
             model,
@@ -172,7 +235,9 @@ pub(crate) fn gaps_at<const D: usize>(
         Ok(before)
     };
     let both = model.contacts.par_iter().zip(paired);
-    both.map(at_time).collect()
+    let mut paired = both.map(at_time).collect::<Result<Vec<_>, _>>()?;
+    paired.extend(couples);
+    Ok(paired)
 }
 
 /// The initial gap of a contact between its undeformed surfaces, where it is given and may depend on time.
@@ -342,6 +407,8 @@ impl<'a, const D: usize> Contacting<'a, D> {
         let interface = self.obstacle(end, obstacle, coupling);
         let samples = self.samples(end, against, InitialGap::Measured);
         Ok(Paired {
+            kind: Kind::Contact,
+            name: self.contact.name.clone(),
             nonmortar: nonmortar.clone(),
             mortar: None,
             opposite: obstacle_part(self.model, self.contact),
@@ -452,6 +519,8 @@ impl<'a, const D: usize> Contacting<'a, D> {
             ));
         }
         Ok(Paired {
+            kind: Kind::Contact,
+            name: self.contact.name.clone(),
             nonmortar: nonmortar.clone(),
             mortar: Some(mortar.clone()),
             opposite: Some(mortar.body.0),

@@ -1,10 +1,11 @@
-//! Parts of a model: its bodies, and behind them the rigid obstacles that are free to translate, in the order of the
-//! contacts, as bodies with K⁺ = 0 and translations as modes.
+//! Parts of a model: its bodies, and behind them what is rigid and moves, as bodies with K⁺ = 0 whose components are modes where
+//! nothing holds them: the obstacles that are free to translate, in the order of the contacts, then the reference points of
+//! couples, in the order of the bodies.
 
-use crate::fem::BodySystem;
+use crate::fem::{BodySystem, Couple};
 use crate::geometry::{Field, Point};
 use crate::model::error::Error;
-use crate::model::nouns::{Contact, Model, Motion, Pair};
+use crate::model::nouns::{Analysis, Body, Contact, Model, Motion, Pair};
 use std::borrow::Cow;
 
 /// Contacts whose obstacle is free, with its force.
@@ -31,44 +32,83 @@ pub(crate) fn obstacle_part<const D: usize>(
     place.map(|place| model.bodies.len() + place)
 }
 
-/// The systems of all free obstacles at a time.
+/// All couples with the index of their body, in the order of their parts.
+pub(crate) fn couples<const D: usize>(
+    model: &Model<D>,
+) -> impl Iterator<Item = (usize, &Couple<D>)> {
+    let bodies = model.bodies.iter().enumerate();
+    bodies.flat_map(|(index, body)| body.couples.iter().map(move |couple| (index, couple)))
+}
+
+/// The part that the point of the first couple is.
+pub(crate) fn first_point<const D: usize>(model: &Model<D>) -> usize {
+    model.bodies.len() + free_obstacles(model).count()
+}
+
+/// The systems of all rigid parts at a time.
 ///
-/// Errors: a force that is not finite.
-pub(crate) fn obstacle_systems<const D: usize>(
+/// Errors: a force or a prescribed value that is not finite; what drives a point with axial symmetry but along the axis.
+pub(crate) fn rigid_systems<const D: usize>(
     model: &Model<D>,
     time: f64,
 ) -> Result<Vec<BodySystem<D>>, Error<D>> {
-    let system = |(contact, force): (&Contact<D>, &[Field; D])| {
-        let mut value = [0.0; D];
-        for (value, field) in value.iter_mut().zip(force) {
-            *value = field.at([0.0; D], time);
-            if !value.is_finite() {
-                return Err(Error::Obstacle {
-                    contact: contact.name.clone(),
-                    what: "force on",
-                    field: field.clone(),
-                });
-            }
-        }
-        Ok(BodySystem::rigid(value, model.analysis))
+    let obstacles = free_obstacles(model).map(|obstacle| obstacle_system(model, obstacle, time));
+    let point = |(body, couple): (usize, &Couple<D>)| {
+        let body: &Body<D> = &model.bodies[body];
+        let arm = couple.arm(body);
+        let drive = arm.and_then(|arm| couple.drive(model.analysis, arm, time));
+        let drive = drive.map_err(|source| Error::in_body(body, source))?;
+        Ok(BodySystem::rigid(&drive.load, &drive.held))
     };
-    free_obstacles(model).map(system).collect()
+    obstacles.chain(couples(model).map(point)).collect()
+}
+
+fn obstacle_system<const D: usize>(
+    model: &Model<D>,
+    (contact, force): (&Contact<D>, &[Field; D]),
+    time: f64,
+) -> Result<BodySystem<D>, Error<D>> {
+    let (mut value, mut held) = ([0.0; D], [None; D]);
+    for (axis, field) in force.iter().enumerate() {
+        let component = field.at([0.0; D], time);
+        if !component.is_finite() {
+            return Err(Error::Obstacle {
+                contact: contact.name.clone(),
+                what: "force on",
+                field: field.clone(),
+            });
+        }
+        // with axial symmetry what is rigid moves along the axis alone
+        match model.analysis == Analysis::Axisymmetric && axis != 1 {
+            true => held[axis] = Some(0.0),
+            false => value[axis] = component,
+        }
+    }
+    Ok(BodySystem::rigid(&[value], &[held]))
 }
 
 /// Name of a part in messages.
 pub(crate) fn part_name<const D: usize>(model: &Model<D>, part: usize) -> String {
-    match part.checked_sub(model.bodies.len()) {
-        None => model.bodies[part].name.clone(),
-        Some(place) => {
-            let contact = free_obstacles(model).nth(place);
+    if let Some(body) = model.bodies.get(part) {
+        return body.name.clone();
+    }
+    match part.checked_sub(first_point(model)) {
+        None => {
+            let contact = free_obstacles(model).nth(part - model.bodies.len());
             contact.map_or_else(String::new, |(contact, _)| {
                 format!("obstacle of {}", contact.name)
+            })
+        }
+        Some(place) => {
+            let couple = couples(model).nth(place);
+            couple.map_or_else(String::new, |(body, couple)| {
+                format!("{}.{}", model.bodies[body].name, couple.name)
             })
         }
     }
 }
 
-/// Nodes of a part; those of an obstacle only tell its size, that of all bodies.
+/// Nodes of a part; those of what is rigid only tell its size, that of all bodies.
 pub(crate) fn part_points<const D: usize>(model: &Model<D>, part: usize) -> Cow<'_, [Point<D>]> {
     match model.bodies.get(part) {
         Some(body) => Cow::Borrowed(body.mesh.points()),

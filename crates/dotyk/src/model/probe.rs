@@ -237,6 +237,15 @@ fn field<'a, const D: usize>(
         Parts::Length(of) => number(solution.contacts[of].length),
         Parts::Displacement(of, component) => {
             let (mesh, solved) = body(of);
+            if let Reading::Coupled(place) = probe.reading
+                && let Some(couple) = solved.couples.get(place)
+            {
+                let u = sub(couple.displacement, minus(couple.point));
+                return number(match component {
+                    Displacement::Axis(axis) => u[axis],
+                    Displacement::Magnitude => norm(u),
+                });
+            }
             let relative =
                 move |node: usize| sub(solved.displacement[node], minus(mesh.points()[node]));
             Quantified::Varies(match component {
@@ -464,7 +473,9 @@ fn reduced<const D: usize>(
             Some((sum / whole).into())
         }
         Reading::Integral => Some(sums(samples).1.into()),
-        Reading::Whole | Reading::At(_) | Reading::MeanOfNeighbours(_) => None,
+        Reading::Whole | Reading::At(_) | Reading::Coupled(_) | Reading::MeanOfNeighbours(_) => {
+            None
+        }
     }
 }
 

@@ -3,7 +3,7 @@
 use crate::dual::Certificate;
 use crate::fem::principal;
 use crate::geometry::Point;
-use crate::model::nouns::SideRef;
+use crate::model::nouns::{CoupleKind, SideRef};
 use crate::model::quantity::Dimension;
 use std::collections::BTreeMap;
 use std::fmt;
@@ -142,6 +142,27 @@ pub struct RigidMotion<const D: usize> {
     pub rotation: Vec<f64>,
 }
 
+/// The point of a couple.
+#[derive(Debug, Clone, PartialEq)]
+pub struct CoupleSolution<const D: usize> {
+    /// Name of the point.
+    pub name: String,
+    /// How its side moves with it.
+    pub kind: CoupleKind,
+    /// Where it was.
+    pub point: Point<D>,
+    /// Its displacement.
+    pub displacement: Point<D>,
+    /// Its rotation in radians: one angle in 2D, those about x, y and z in 3D.
+    pub rotation: Vec<f64>,
+    /// Force of the couple ON the body.
+    pub force: Point<D>,
+    /// Moment of the couple ON the body about the point: one number in 2D, three in 3D; zero with axial symmetry.
+    pub moment: Vec<f64>,
+    /// Force of the supports ON the point.
+    pub reaction: Point<D>,
+}
+
 /// Solution of one body.
 #[derive(Debug, Clone, PartialEq)]
 pub struct BodySolution<const D: usize> {
@@ -157,7 +178,7 @@ pub struct BodySolution<const D: usize> {
     pub von_mises: Vec<f64>,
     /// Force of its supports ON the body at every node (zero where not held).
     pub reactions: Vec<Point<D>>,
-    /// Force of all contacts ON the body at every node. With loads and reactions it balances the internal forces.
+    /// Force of all contacts and couples ON the body at every node. With loads and reactions it balances the internal forces.
     pub contact_forces: Vec<Point<D>>,
     /// Reactions by the side that is held.
     pub side_reactions: BTreeMap<String, Point<D>>,
@@ -167,8 +188,10 @@ pub struct BodySolution<const D: usize> {
     pub floating_modes: Vec<RigidMode<D>>,
     /// Best rigid motion.
     pub rigid: RigidMotion<D>,
-    /// Sum of the reactions.
+    /// Sum of the reactions, those at the points of its couples included.
     pub reaction: Point<D>,
+    /// The points of its couples, in their order.
+    pub couples: Vec<CoupleSolution<D>>,
     /// Elastic energy 1/2 uᵀKu.
     pub strain_energy: f64,
     /// Degrees of freedom, prescribed ones included.

@@ -1,0 +1,72 @@
+//! What becomes of the points of couples: their motion, and the force that they pass on to their sides.
+
+use crate::geometry::{Point, add_scaled, cross, sub};
+use crate::model::condense::Condensed;
+use crate::model::judge::Displaced;
+use crate::model::nouns::{Analysis, Couple, Model};
+use crate::model::pair::{Paired, row_ranges};
+use crate::model::parts::{couples, first_point};
+use crate::model::solution::CoupleSolution;
+
+/// Solutions of the couples of every body under forces `lambda` (m,), (bodies,).
+pub(crate) fn couple_solutions<const D: usize>(
+    model: &Model<D>,
+    condensed: &Condensed<D>,
+    displaced: &Displaced<D>,
+    lambda: &[f64],
+) -> Vec<Vec<CoupleSolution<D>>> {
+    let mut solutions = vec![Vec::new(); model.bodies.len()];
+    let rows = row_ranges(&condensed.paired).skip(model.contacts.len());
+    let parts = first_point(model)..;
+    for (part, ((body, couple), (rows, pair))) in parts.zip(couples(model).zip(rows)) {
+        let turns = Couple::<D>::turns(model.analysis);
+        let points = model.bodies[body].mesh.points();
+        let (force, moment) = on_side(couple, pair, points, &lambda[rows]);
+        let [u, turned] = [0, 1].map(|node| displaced.parts[part - model.bodies.len()][node]);
+        // a side that could be paired has an arm
+        let arm = couple.arm(&model.bodies[body]).unwrap_or(f64::NAN);
+        let angles = |vector: &dyn Fn(usize) -> f64| match model.analysis {
+            Analysis::Axisymmetric => vec![0.0],
+            _ => (0..turns.len()).map(vector).collect(),
+        };
+        solutions[body].push(CoupleSolution {
+            name: couple.name.clone(),
+            kind: couple.kind,
+            point: couple.point,
+            displacement: u,
+            rotation: angles(&|k| turned[k] / arm),
+            force,
+            moment: angles(&|k| moment[turns.start + k]),
+            reaction: reaction(condensed, part, lambda),
+        });
+    }
+    solutions
+}
+
+/// Force and moment about the point ON the body, as the rows of B apply them.
+fn on_side<const D: usize>(
+    couple: &Couple<D>,
+    pair: &Paired<D>,
+    points: &[Point<D>],
+    lambda: &[f64],
+) -> (Point<D>, [f64; 3]) {
+    let (mut force, mut moment) = ([0.0; D], [0.0; 3]);
+    for (row, l) in pair.interface.nonmortar.iter().zip(lambda) {
+        for &(node, coefficients) in row {
+            let push = coefficients.map(|c| -l * c);
+            force = add_scaled(force, 1.0, push);
+            let turn = cross(sub(points[node], couple.point), push);
+            moment = add_scaled(moment, 1.0, turn);
+        }
+    }
+    (force, moment)
+}
+
+/// Force of the supports ON a point.
+fn reaction<const D: usize>(condensed: &Condensed<D>, part: usize, lambda: &[f64]) -> Point<D> {
+    let loaded = &condensed.bodies[part];
+    let mut rest: Vec<f64> = loaded.system.load.iter().map(|f| -f).collect();
+    loaded.rows.add_forces(1.0, lambda, &mut rest);
+    let held = |i: usize| if loaded.system.held[i] { rest[i] } else { 0.0 };
+    std::array::from_fn(held)
+}
