@@ -1,5 +1,6 @@
 //! `[[body]]` of a case file: mesh, material, supports, loads.
 
+use crate::case::couple::Couples;
 use crate::case::document::{Entry, Node, Span, Table, Value, check_name, later, name, zero};
 use crate::case::error::Fault;
 use crate::case::keys;
@@ -10,7 +11,7 @@ use crate::case::suggest::{listed, nearest};
 use crate::case::surface::true_surface;
 use crate::geometry::Field;
 use crate::mesh::{CellKind, Diagonals, Mesh, MeshError, Rectangle, Ring, TunnelRock};
-use crate::model::{Body, Elastic, Load, Material, Place, Support};
+use crate::model::{Analysis, Body, Elastic, Load, Material, Place, Support};
 
 /// Most cells of a generated mesh: a misplaced digit must not exhaust the memory.
 const MOST_CELLS: usize = 20_000_000;
@@ -34,18 +35,28 @@ const DIAGONALS: [(&str, Diagonals); 5] = [
 ];
 
 /// One body with everything that is written inside it.
-pub(crate) fn body(node: &Node, files: &mut MeshFiles) -> Result<Body<2>, Fault> {
+pub(crate) fn body(
+    node: &Node,
+    analysis: Analysis,
+    files: &mut MeshFiles,
+) -> Result<Body<2>, Fault> {
     let table = node.table(keys::BODY)?;
     let body_name = name(table.require("name", "a body")?)?;
     let what = format!("body `{body_name}`");
     let (mut mesh, of_file) = mesh(table.require("mesh", &what)?, &body_name, files)?;
     let points = points(table, &body_name, of_file)?;
     let (materials, thickness) = materials(table.require("material", &what)?, &body_name, &mesh)?;
+    let mut couples = Couples::new(&body_name, analysis);
+    for node in table.list("couple")? {
+        let table = node.table(keys::COUPLE)?;
+        let side = side(table.require("side", "a couple")?, &body_name, &mut mesh)?;
+        couples.add(table, &side, &points)?;
+    }
     let supports = table.list("fix")?.iter();
-    let supports = supports.map(|node| support(node, &body_name, &mesh, &points));
+    let supports = supports.map(|node| support(node, &mut couples, &mesh, &points));
     let supports: Vec<_> = supports.collect::<Result<_, _>>()?;
     let loads = table.list("load")?.iter();
-    let loads = loads.map(|node| load(node, &body_name, &mut mesh, &points));
+    let loads = loads.map(|node| load(node, &mut couples, &mut mesh, &points));
     let loads: Vec<_> = loads.collect::<Result<_, _>>()?;
     let body_force = table.get("body_force").map_or(Ok(zero()), Node::fields)?;
     let surfaces = table.get("surface").map_or(Ok(&[][..]), Node::entries)?;
@@ -54,6 +65,7 @@ pub(crate) fn body(node: &Node, files: &mut MeshFiles) -> Result<Body<2>, Fault>
         Ok((entry.key.clone(), true_surface(&entry.node)?))
     });
     let surfaces = surfaces.collect::<Result<_, _>>()?;
+    let couples = couples.list;
     Ok(Body {
         name: body_name,
         mesh,
@@ -62,7 +74,7 @@ pub(crate) fn body(node: &Node, files: &mut MeshFiles) -> Result<Body<2>, Fault>
         body_force,
         supports: supports.concat(),
         loads: loads.concat(),
-        couples: Vec::new(),
+        couples,
         surfaces,
         points,
     })
@@ -398,14 +410,16 @@ fn no_z(table: Table<'_>) -> Result<(), Fault> {
     })
 }
 
-/// A support; on a list of sides one for each, so that a corner has the normal of either, and one at each point of a name.
+/// A support; on a list of sides one for each, so that a corner has the normal of either, and one at each point of a name; none
+/// of the body's own at the point of a couple, which takes it over.
 fn support(
     node: &Node,
-    body: &str,
+    couples: &mut Couples<'_>,
     mesh: &Mesh<2>,
     points: &Named,
 ) -> Result<Vec<Support<2>>, Fault> {
     let table = node.table(keys::FIX)?;
+    let body = couples.body;
     no_z(table)?;
     let places: Vec<Place<2>> = match (table.get("side"), table.get("point")) {
         (Some(node), None) => {
@@ -430,7 +444,8 @@ fn support(
     let field = |key: &str| table.get(key).map(Node::field).transpose();
     let components: [Option<Field>; 2] = [field("x")?, field("y")?];
     let normal = field("normal")?;
-    if components.iter().all(Option::is_none) && normal.is_none() {
+    let nothing = components.iter().all(Option::is_none) && normal.is_none();
+    if nothing && table.entry("rotation").is_none() {
         let message = format!("a support of body `{body}` prescribes nothing");
         return Err(Fault::new(table.span, message)
             .label("no component")
@@ -442,6 +457,9 @@ fn support(
             .label("only with `side`")
             .help("use `x` and `y`"));
     }
+    if couples.hold(table)? {
+        return Ok(Vec::new());
+    }
     let each = places.into_iter().map(|place| Support {
         place,
         components: components.clone(),
@@ -450,14 +468,18 @@ fn support(
     Ok(each.collect())
 }
 
-/// A load; at each point of a name one.
+/// A load; at each point of a name one; none of the body's own at the point of a couple, which takes it over.
 fn load(
     node: &Node,
-    body: &str,
+    couples: &mut Couples<'_>,
     mesh: &mut Mesh<2>,
     points: &Named,
 ) -> Result<Vec<Load<2>>, Fault> {
     let table = node.table(keys::LOAD)?;
+    let body = couples.body;
+    if couples.load(table)? {
+        return Ok(Vec::new());
+    }
     let mut present = table.present();
     present.sort_unstable();
     match present[..] {

@@ -402,6 +402,11 @@ impl<'n> Table<'n> {
         })
     }
 
+    /// The first entry whose key is none of these.
+    pub fn first_but(&self, keys: &[&str]) -> Option<&'n Entry> {
+        self.entries.iter().find(|e| !keys.contains(&e.key.as_str()))
+    }
+
     /// The first of these keys that is present, as an error that it is not supported yet.
     pub fn refuse_later(&self, keys: &[&str]) -> Result<(), Fault> {
         match keys.iter().find_map(|key| self.entry(key)) {

@@ -24,6 +24,7 @@ pub const BODY: &[&str] = &[
     "material",
     "fix",
     "load",
+    "couple",
     "body_force",
     "surface",
     "points",
@@ -98,9 +99,11 @@ pub const PLANE: &[&str] = &["point", "normal"];
 /// A circle.
 pub const CIRCLE: &[&str] = &["center", "radius", "inside"];
 /// One element of `fix`.
-pub const FIX: &[&str] = &["side", "point", "x", "y", "z", "normal"];
+pub const FIX: &[&str] = &["side", "point", "x", "y", "z", "normal", "rotation"];
 /// One element of `load`.
-pub const LOAD: &[&str] = &["side", "point", "traction", "pressure", "force"];
+pub const LOAD: &[&str] = &["side", "point", "traction", "pressure", "force", "moment"];
+/// One element of `couple`.
+pub const COUPLE: &[&str] = &["side", "point", "kind"];
 /// `[[contact]]`.
 pub const CONTACT: &[&str] = &[
     "name",
@@ -187,6 +190,7 @@ pub const ALL: [(&str, &[&str]); 29] = [
     ("circle", CIRCLE),
     ("fix", FIX),
     ("load", LOAD),
+    ("couple", COUPLE),
     ("contact", CONTACT),
     ("obstacle", OBSTACLE),
     ("friction", FRICTION),

@@ -6,6 +6,7 @@
 
 mod body;
 mod contact;
+mod couple;
 mod document;
 mod error;
 mod expression;
@@ -249,7 +250,7 @@ fn model(document: &Node, stem: &str, files: &mut MeshFiles) -> Result<Model<2>,
     if analysis == Analysis::Axisymmetric {
         bodies.iter().try_for_each(no_thickness)?;
     }
-    let bodies = bodies.iter().map(|node| body::body(node, files));
+    let bodies = bodies.iter().map(|node| body::body(node, analysis, files));
     let mut bodies = bodies.collect::<Result<Vec<_>, _>>()?;
 
     let contacts = table.list("contact")?;

@@ -145,7 +145,7 @@ fn reading(
             Err(Fault::new(&entry.key_span, message).label("neighbours of what?"))
         }
         (Some(point), _, _) if mean => Ok(Reading::MeanOfNeighbours(point)),
-        (Some(point), _, _) => Ok(Reading::At(point)),
+        (Some(point), _, _) => Ok(coupled(table, quantity, bodies).unwrap_or(Reading::At(point))),
         (None, reduced, _) => Ok(reduced.unwrap_or(Reading::Whole)),
     }
 }
@@ -178,6 +178,14 @@ fn refuse_contradiction(
         }
         _ => Ok(()),
     }
+}
+
+/// The point of a couple of the body whose displacement is read.
+fn coupled(table: Table<'_>, quantity: &Quantity, bodies: &[Body<2>]) -> Option<Reading<2>> {
+    let (body, name) = table.get("at")?.text().ok()?.split_once('.')?;
+    let read = &bodies[quantity.displaced_body()?];
+    let place = read.couples.iter().position(|couple| couple.name == name)?;
+    (read.name == body).then_some(Reading::Coupled(place))
 }
 
 /// What a hoop stress goes around; the origin where nothing is said.

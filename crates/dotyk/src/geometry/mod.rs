@@ -9,6 +9,7 @@ pub(crate) use matrix::{determinant, invert};
 pub use surface::Surface;
 
 use std::fmt;
+use std::ops::Add;
 use std::sync::Arc;
 
 /// A point or vector of the D-dimensional space.
@@ -115,6 +116,22 @@ impl Field {
     }
 }
 
+impl Add for Field {
+    type Output = Self;
+
+    fn add(self, other: Self) -> Self {
+        match [self.as_constant(), other.as_constant()] {
+            [Some(a), Some(b)] => Self::constant(a + b),
+            [Some(0.0), _] => other,
+            [_, Some(0.0)] => self,
+            _ => {
+                let text = format!("{self} + {other}");
+                Self::function(&text, move |x, t| self.at(x, t) + other.at(x, t))
+            }
+        }
+    }
+}
+
 impl From<f64> for Field {
     fn from(value: f64) -> Self {
         Self::constant(value)
@@ -149,5 +166,17 @@ mod tests {
         let f = Field::function("x + t", |p, t| p[0] + t);
         assert_eq!(f.as_constant(), None);
         assert_eq!(f.at([3.0, 0.0], 0.5), 3.5);
+    }
+
+    #[test]
+    fn fields_add_up() {
+        let f = || Field::function("x + t", |p, t| p[0] + t);
+        let sum = f() + Field::from(2.0);
+        assert_eq!((sum.at([3.0, 0.0], 0.5), sum.as_constant()), (5.5, None));
+        assert_eq!(sum.to_string(), "x + t + 2");
+        let constant = Field::from(2.0) + Field::from(-0.5);
+        assert_eq!(constant.as_constant(), Some(1.5));
+        assert_eq!((f() + Field::from(0.0)).to_string(), "x + t");
+        assert_eq!((Field::from(0.0) + f()).to_string(), "x + t");
     }
 }

@@ -210,6 +210,14 @@ impl Quantity {
         matches!(self.parts, Parts::Along(..))
     }
 
+    /// The body whose displacement it is.
+    pub(crate) fn displaced_body(&self) -> Option<usize> {
+        match self.parts {
+            Parts::Displacement(body, _) => Some(body),
+            _ => None,
+        }
+    }
+
     /// A rigid motion can be taken away from it.
     pub fn is_displacement(&self) -> bool {
         use Parts::{Along, Displacement};

@@ -4,6 +4,7 @@
 
 mod axisymmetric;
 mod cohesion;
+mod couple;
 mod determinism;
 mod examples;
 mod friction;
