@@ -39,11 +39,18 @@ impl<'a> Couples<'a> {
         };
         let place = places(node, self.body, points)?;
         let [point] = place[..] else {
-            let message = format!("`{name}` of body `{}` are {} points", self.body, place.len());
+            let message = format!(
+                "`{name}` of body `{}` are {} points",
+                self.body,
+                place.len()
+            );
             return Err(Fault::new(&node.span, message).label("one is needed"));
         };
         if self.list.iter().any(|couple| couple.name == *name) {
-            let message = format!("two couples of body `{}` have the point `{name}`", self.body);
+            let message = format!(
+                "two couples of body `{}` have the point `{name}`",
+                self.body
+            );
             return Err(Fault::new(&node.span, message)
                 .label("second couple")
                 .help("a point moves with one side: give both sides as a list, or name a second point at the same place"));
@@ -107,7 +114,10 @@ impl<'a> Couples<'a> {
         }
         let (force, moment) = (table.entry("force"), table.entry("moment"));
         if force.is_none() && moment.is_none() {
-            let message = format!("a load at the point `{}` needs `force` or `moment`", couple.name);
+            let message = format!(
+                "a load at the point `{}` needs `force` or `moment`",
+                couple.name
+            );
             return Err(Fault::new(table.span, message).label("neither `force` nor `moment`"));
         }
         if let Some(entry) = force {

@@ -404,7 +404,9 @@ impl<'n> Table<'n> {
 
     /// The first entry whose key is none of these.
     pub fn first_but(&self, keys: &[&str]) -> Option<&'n Entry> {
-        self.entries.iter().find(|e| !keys.contains(&e.key.as_str()))
+        self.entries
+            .iter()
+            .find(|e| !keys.contains(&e.key.as_str()))
     }
 
     /// The first of these keys that is present, as an error that it is not supported yet.

@@ -106,7 +106,13 @@ fn rigid<const D: usize>(
             }
             let mut point = vec![(0, axis::<D>(i).map(|c| -c))];
             if turns > 0 {
-                let turn = |k: usize| if k < turns { -turned(k, r)[i] / arm } else { 0.0 };
+                let turn = |k: usize| {
+                    if k < turns {
+                        -turned(k, r)[i] / arm
+                    } else {
+                        0.0
+                    }
+                };
                 point.push((1, std::array::from_fn(turn)));
             }
             [vec![(node, axis(i))], point]
@@ -174,7 +180,13 @@ fn average<const D: usize>(
         let own = over_nodes(&|share| axis::<D>(i).map(|c| c * share.weight / area));
         let mut point = vec![(0, axis::<D>(i).map(|c| -c))];
         if turns > 0 {
-            let turn = |k: usize| if k < turns { -turned(k, centre)[i] / arm } else { 0.0 };
+            let turn = |k: usize| {
+                if k < turns {
+                    -turned(k, centre)[i] / arm
+                } else {
+                    0.0
+                }
+            };
             point.push((1, std::array::from_fn(turn)));
         }
         [own, point]
@@ -193,6 +205,8 @@ fn average<const D: usize>(
     };
     let rotations: Vec<_> = (0..turns).map(rotation).collect();
     let carriers = shares.keys().copied();
-    let rows = [translations, rotations].into_iter().filter(|rows| !rows.is_empty());
+    let rows = [translations, rotations]
+        .into_iter()
+        .filter(|rows| !rows.is_empty());
     Ok(carriers.zip(rows).collect())
 }

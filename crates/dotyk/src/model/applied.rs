@@ -146,13 +146,14 @@ impl BoundaryStiffness {
     }
 }
 
-/// `None` where no row touches the body.
+/// `None` where no row touches the body, and for what is rigid, which gives way nowhere.
 fn boundary_part<const D: usize>(body: &LoadedBody<D>, grounded: &[usize]) -> Option<BoundaryPart> {
     let rows = body.rows.clone();
-    if rows.index.is_empty() {
+    let system = &body.system;
+    let diagonal = system.stiffness.diagonal();
+    if rows.index.is_empty() || diagonal.iter().all(|&stiffness| stiffness == 0.0) {
         return None;
     }
-    let system = &body.system;
     let mut on_contact = vec![false; system.load.len()];
     for local in 0..rows.index.len() {
         for (dof, _) in rows.matrix.row(local) {
@@ -171,7 +172,6 @@ fn boundary_part<const D: usize>(body: &LoadedBody<D>, grounded: &[usize]) -> Op
         factored(system, &keep)
     })?;
     // softness of the body as one number: mean of 1/K_ii over its contact dofs
-    let diagonal = system.stiffness.diagonal();
     let softness =
         contact.iter().map(|&dof| 1.0 / diagonal[dof]).sum::<f64>() / contact.len().max(1) as f64;
     let weight = vec![softness; rows.index.len()];

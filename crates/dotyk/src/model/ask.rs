@@ -261,7 +261,11 @@ impl<const D: usize> Model<D> {
             .collect();
         let couples = names.iter().map(|name| ("coupled point", name));
         let mut seen = BTreeSet::new();
-        match bodies.chain(contacts).chain(couples).find(|named| !seen.insert(*named)) {
+        match bodies
+            .chain(contacts)
+            .chain(couples)
+            .find(|named| !seen.insert(*named))
+        {
             Some((kind, name)) => Err(Error::SameName {
                 kind,
                 name: name.clone(),

@@ -385,10 +385,7 @@ impl<const D: usize> fmt::Display for Objection<D> {
                     return Ok(());
                 };
                 let at = show(*point);
-                write!(
-                    f,
-                    "; it is worst at {at} of {called}; {advice}"
-                )
+                write!(f, "; it is worst at {at} of {called}; {advice}")
             }
             Self::Violated {
                 certificate,

@@ -47,15 +47,10 @@ pub(crate) fn fields<const D: usize>(
     });
     let contacts = contacts.collect();
     let couples = couple_solutions(model, condensed, &displaced, lambda);
-    let bodies = (
-        &model.bodies,
-        &condensed.bodies,
-        displaced.states,
-        couples,
-    );
-    let bodies = bodies.into_par_iter().map(|(body, loaded, state, couples)| {
-        body_solution(model, (body, loaded), state, couples)
-    });
+    let bodies = (&model.bodies, &condensed.bodies, displaced.states, couples);
+    let bodies = bodies
+        .into_par_iter()
+        .map(|(body, loaded, state, couples)| body_solution(model, (body, loaded), state, couples));
     Ok((bodies.collect::<Result<Vec<_>, _>>()?, contacts))
 }
 

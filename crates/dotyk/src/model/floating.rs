@@ -12,6 +12,7 @@ use crate::model::bodies::LoadedBody;
 use crate::model::error::{Error, NotHeld};
 use crate::model::nouns::Model;
 use crate::model::parts::{first_point, part_name, part_points};
+use std::collections::BTreeSet;
 
 /// Rigid modes of all bodies and what the contact does with them.
 pub(crate) struct Floating {
@@ -124,6 +125,44 @@ impl Floating {
     /// Work of the load on mode k, for a largest displacement of 1; rounding of loads that balance is zero.
     pub fn load(&self, k: usize) -> f64 {
         self.loads[k]
+    }
+
+    /// Combinations (r,) of the modes of some parts that do no work on some rows.
+    ///
+    /// Errors: a split that does not succeed.
+    pub fn left_by<const D: usize>(
+        &self,
+        parts: &[usize],
+        rows: impl Fn(usize) -> bool,
+    ) -> Result<Vec<SparseVector>, Error<D>> {
+        let r = self.modes.len();
+        let own: Vec<usize> = (0..r)
+            .filter(|&k| parts.contains(&self.modes[k].0))
+            .collect();
+        let kept = |k: &usize| -> Vec<(usize, f64)> {
+            self.all[*k]
+                .entries()
+                .filter(|(row, _)| rows(*row))
+                .collect()
+        };
+        let kept: Vec<Vec<(usize, f64)>> = own.iter().map(kept).collect();
+        if kept.iter().all(Vec::is_empty) {
+            let unit = |&k: &usize| SparseVector::new(r, [(k, 1.0)]);
+            return Ok(own.iter().map(unit).collect());
+        }
+        let met: BTreeSet<usize> = kept.iter().flatten().map(|entry| entry.0).collect();
+        let met: Vec<usize> = met.into_iter().collect();
+        let place = |row: usize| met.partition_point(|&m| m < row);
+        let of_met = |entries: Vec<(usize, f64)>| {
+            let entries = entries.into_iter().map(|(row, g)| (place(row), g));
+            SparseVector::new(met.len(), entries)
+        };
+        let kept: Vec<SparseVector> = kept.into_iter().map(of_met).collect();
+        let balance = Balance::new(Modes::of_rows(&kept, met.len()), vec![0.0; own.len()]);
+        let split = balance.split().map_err(Error::RigidModes)?;
+        let of_all =
+            |z: &SparseVector| SparseVector::new(r, z.entries().map(|(k, part)| (own[k], part)));
+        Ok(split.uncontrolled.iter().map(of_all).collect())
     }
 
     /// Amplitudes of all modes from those of the controlled combinations.

@@ -15,7 +15,7 @@ use crate::model::error::Error;
 use crate::model::floating::Floating;
 use crate::model::nouns::Model;
 use crate::model::pair::{Paired, row_ranges};
-use crate::model::parts::part_name;
+use crate::model::parts::{first_point, part_name};
 use crate::model::recover::{
     BodyState, balanced_state, elastic_displacement, imbalance, rigid_displacement,
 };
@@ -102,12 +102,13 @@ fn displaced<const D: usize>(
     let rigid = bodies.iter().enumerate();
     let rigid = rigid.map(|(index, body)| rigid_displacement(body, floating, &amplitudes, index));
     let mut rigid: Vec<Vec<f64>> = rigid.collect();
-    let (open, hovering) = open_motions(model, bodies, floating, problem, lambda);
+    let (open, hovering) = open_motions(model, bodies, floating, problem, lambda)?;
     if !open.is_empty() {
         let mut gaps = condensed.gaps.clone();
         add_rows(bodies, -1.0, &rigid, &mut gaps);
         add_rows(bodies, -1.0, &elastic, &mut gaps);
-        settle(bodies, floating, &open, &elastic, &mut rigid, &mut gaps);
+        let open = (&open[..], first_point(model));
+        settle(bodies, floating, open, &elastic, &mut rigid, &mut gaps);
     }
     let states = (&model.bodies, bodies, factored, elastic, &rigid).into_par_iter();
     let states = states.map(|(body, loaded, factored, elastic, rigid)| {
@@ -220,41 +221,67 @@ fn implied_violation<const D: usize>(
     worst
 }
 
-/// Combinations of modes that the contact forces leave open, and the bodies that hover.
+/// Combinations of modes that the contact forces leave open, and the bodies that hover: alone, or with those that ties and
+/// couples make move with them, where no other contact of theirs bears a force.
+///
+/// Errors: a split of the modes that does not succeed.
 fn open_motions<const D: usize>(
     model: &Model<D>,
     bodies: &[LoadedBody<D>],
     floating: &Floating,
     problem: &DualProblem,
     lambda: &[f64],
-) -> (Vec<SparseVector>, Vec<String>) {
-    let r = floating.modes.len();
+) -> Result<(Vec<SparseVector>, Vec<String>), Error<D>> {
     let mut open = floating.uncontrolled.clone();
     let force = lambda
         .iter()
         .fold(problem.scales.force, |s, l| s.max(l.abs()));
     let components = problem.admissible.components();
+    let free: Vec<bool> = components.iter().map(|c| *c == Component::Free).collect();
+    let presses = |&row: &usize| !free[row] && lambda[row].abs() > NO_FORCE * force;
     let mut hovering = Vec::new();
-    for (index, body) in bodies.iter().enumerate() {
-        // a tie holds without force, too
-        let touched =
-            body.rows.index.iter().any(|&row| {
-                lambda[row].abs() > NO_FORCE * force || components[row] == Component::Free
-            });
-        if body.system.modes.is_empty() || touched {
+    for group in groups(bodies, &free) {
+        let rows = || group.iter().flat_map(|&part| &bodies[part].rows.index);
+        if rows().any(presses) {
             continue;
         }
-        hovering.push(part_name(model, index));
-        for (k, _) in floating
-            .modes
-            .iter()
-            .enumerate()
-            .filter(|(_, mode)| mode.0 == index)
-        {
-            open.push(SparseVector::new(r, [(k, 1.0)]));
+        let left = floating.left_by(&group, |row| free[row])?;
+        let moved = |&&part: &&usize| {
+            let mut modes = floating.modes.iter().enumerate();
+            modes.any(|(k, mode)| mode.0 == part && left.iter().any(|z| z[k] != 0.0))
+        };
+        let named = group.iter().filter(|part| **part < first_point(model));
+        hovering.extend(named.filter(moved).map(|&part| part_name(model, part)));
+        open.extend(left);
+    }
+    Ok((open, hovering))
+}
+
+/// Parts that ties and couples, which are the `free` rows (m,), make move together; each alone that has none.
+fn groups<const D: usize>(bodies: &[LoadedBody<D>], free: &[bool]) -> Vec<Vec<usize>> {
+    // the group of every part, and that of every row met so far
+    let mut group: Vec<usize> = (0..bodies.len()).collect();
+    let mut of_row: Vec<Option<usize>> = vec![None; free.len()];
+    for (part, body) in bodies.iter().enumerate() {
+        for &row in body.rows.index.iter().filter(|row| free[**row]) {
+            let own = group[part];
+            match of_row[row] {
+                None => of_row[row] = Some(part),
+                Some(other) if group[other] != own => {
+                    let other = group[other];
+                    let joined = group.iter_mut().filter(|g| **g == own);
+                    joined.for_each(|g| *g = other);
+                }
+                Some(_) => {}
+            }
         }
     }
-    (open, hovering)
+    let mut groups: Vec<Vec<usize>> = vec![Vec::new(); bodies.len()];
+    for (part, group) in group.into_iter().enumerate() {
+        groups[group].push(part);
+    }
+    groups.retain(|group| !group.is_empty());
+    groups
 }
 
 fn certify<const D: usize>(

@@ -360,7 +360,12 @@ impl<const D: usize> Reading<D> {
     pub fn point(self) -> Option<Point<D>> {
         match self {
             Self::At(point) | Self::MeanOfNeighbours(point) => Some(point),
-            Self::Whole | Self::Coupled(_) | Self::Largest | Self::Smallest | Self::Mean | Self::Integral => None,
+            Self::Whole
+            | Self::Coupled(_)
+            | Self::Largest
+            | Self::Smallest
+            | Self::Mean
+            | Self::Integral => None,
         }
     }
 }

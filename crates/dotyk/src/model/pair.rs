@@ -3,8 +3,8 @@
 
 use crate::contact::{
     Against, ContactError, Coupling, Driven, End, GapPoint, InitialGap, Interface, InterfaceNode,
-    Role, Row, Sample, facets_coincide, pair_couple, pair_mortar, pair_nodes, pair_obstacle, sagitta, samples,
-    smooth_parts, unmatched_facing,
+    Role, Row, Sample, facets_coincide, pair_couple, pair_mortar, pair_nodes, pair_obstacle,
+    sagitta, samples, smooth_parts, unmatched_facing,
 };
 use crate::fem::{Constraints, Couple, CoupleKind, Short, show};
 use crate::geometry::{Field, dot};
@@ -67,7 +67,12 @@ pub(crate) fn pair_all<const D: usize>(
     let mut paired = contacts.collect::<Result<Vec<_>, _>>()?;
     for (place, (body, couple)) in couples(model).enumerate() {
         let part = first_point(model) + place;
-        paired.push(pair_point(model, constraints[body], BodyId(body), (couple, part))?);
+        paired.push(pair_point(
+            model,
+            constraints[body],
+            BodyId(body),
+            (couple, part),
+        )?);
     }
     Ok(paired)
 }

@@ -2,7 +2,9 @@
 
 use crate::geometry::Field;
 use crate::model::condense::Condensed;
-use crate::model::nouns::{Body, Contact, Couple, Gap, Law, Model, Motion, Obstacle, Pair, Rigid, Support};
+use crate::model::nouns::{
+    Body, Contact, Couple, Gap, Law, Model, Motion, Obstacle, Pair, Rigid, Support,
+};
 
 /// What a solved model leaves for the next one: its bodies condensed onto the contact. A model of the same stiffness takes it
 /// up, any other one replaces it.
@@ -45,7 +47,10 @@ fn same_body<const D: usize>(a: &Body<D>, b: &Body<D>) -> bool {
     };
     (&a.name, &a.materials, a.thickness) == (&b.name, &b.materials, b.thickness)
         && a.couples.len() == b.couples.len()
-        && a.couples.iter().zip(&b.couples).all(|(a, b)| same_couple(a, b))
+        && a.couples
+            .iter()
+            .zip(&b.couples)
+            .all(|(a, b)| same_couple(a, b))
         && a.surfaces == b.surfaces
         && a.supports.len() == b.supports.len()
         && a.supports.iter().zip(&b.supports).all(|(a, b)| holds(a, b))
@@ -57,8 +62,7 @@ fn same_couple<const D: usize>(a: &Couple<D>, b: &Couple<D>) -> bool {
         let all = couple.displacement.iter().chain(&couple.rotation);
         all.map(Option::is_some).collect::<Vec<_>>()
     };
-    (&a.name, a.point, &a.side, a.kind) == (&b.name, b.point, &b.side, b.kind)
-        && held(a) == held(b)
+    (&a.name, a.point, &a.side, a.kind) == (&b.name, b.point, &b.side, b.kind) && held(a) == held(b)
 }
 
 fn same_contact<const D: usize>(a: &Contact<D>, b: &Contact<D>) -> bool {

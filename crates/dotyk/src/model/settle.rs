@@ -15,12 +15,12 @@ type Motion = BTreeMap<usize, Vec<f64>>;
 
 /// Chooses the rigid amplitudes that the contact leaves open: least norm of the displacement without penetration.
 ///
-/// `free` lists combinations of modes, (r,) each; `elastic` and `rigid` are the two parts of the nodal displacements of all
+/// The norm is that of the first `counted` parts: points of couples go with their sides. `free` lists combinations of modes, (r,) each; `elastic` and `rigid` are the two parts of the nodal displacements of all
 /// bodies in their frames; `gaps` those of all multipliers. The last two are updated.
 pub(crate) fn settle<const D: usize>(
     bodies: &[LoadedBody<D>],
     floating: &Floating,
-    free: &[SparseVector],
+    (free, counted): (&[SparseVector], usize),
     elastic: &[Vec<f64>],
     rigid: &mut [Vec<f64>],
     gaps: &mut [f64],
@@ -35,14 +35,14 @@ pub(crate) fn settle<const D: usize>(
             add_to_body(&mut motion, body, a, column);
         }
         for other in &motions {
-            let part = inner(&motion, other);
+            let part = inner(&motion, other, counted);
             if part != 0.0 {
                 for (&body, u) in other {
                     add_to_body(&mut motion, body, -part, u);
                 }
             }
         }
-        let size = inner(&motion, &motion).sqrt();
+        let size = inner(&motion, &motion, counted).sqrt();
         if size > NOTHING {
             motion.values_mut().flatten().for_each(|u| *u /= size);
             motions.push(motion);
@@ -51,7 +51,7 @@ pub(crate) fn settle<const D: usize>(
     for motion in &motions {
         let along =
             |(body, u): (&usize, &Vec<f64>)| dot(u, &elastic[*body]) + dot(u, &rigid[*body]);
-        let part: f64 = motion.iter().map(along).sum();
+        let part: f64 = motion.range(..counted).map(along).sum();
         move_by(bodies, -part, motion, rigid, gaps);
     }
     // closing[i]: which motions close gap i, and by how much; no gap may become negative
@@ -90,8 +90,10 @@ fn add_to_body(motion: &mut Motion, body: usize, factor: f64, u: &[f64]) {
         .for_each(|(own, u)| *own += factor * u);
 }
 
-fn inner(a: &Motion, b: &Motion) -> f64 {
-    let common = a.iter().filter_map(|(body, u)| Some((u, b.get(body)?)));
+fn inner(a: &Motion, b: &Motion, counted: usize) -> f64 {
+    let common = a
+        .range(..counted)
+        .filter_map(|(body, u)| Some((u, b.get(body)?)));
     common.map(|(u, v)| dot(u, v)).sum()
 }
 

@@ -2,13 +2,15 @@
 //!
 //! Tolerances are rounding unless they say otherwise: 1e-10 of the largest value for fields, 1e-12 for what rows say exactly.
 
-use dotyk::fem::assemble;
+use dotyk::fem::{assemble, quadrature::gauss};
 use dotyk::geometry::{Field, Point, add_scaled, cross, distance, dot, norm, sub};
-use dotyk::mesh::{CellKind, Cuboid, Diagonals, Mesh, Rectangle};
+use dotyk::mesh::{CellKind, Cuboid, Diagonals, MAX_FACET_NODES, Mesh, Rectangle};
 use dotyk::model::{
-    Analysis, BodyId, CoupleKind, CoupleSolution, Elastic, Gap, Law, Load, Method, Model, Motion,
-    Obstacle, Pair, Place, Reading, Rigid, SideRef, Solution, Status,
+    Analysis, BodyId, CoupleKind, CoupleSolution, DENSE_LIMIT, Elastic, Gap, Law, Load, Method,
+    Model, Motion, Obstacle, Pair, Place, Reading, Rigid, SideRef, Solution, Status,
 };
+use dotyk::solve::{ContactSolver, Newton};
+use std::ops::ControlFlow;
 
 const KINDS: [CoupleKind; 2] = [CoupleKind::Rigid, CoupleKind::Average];
 
@@ -131,9 +133,12 @@ fn a_couple_that_nothing_drives_changes_nothing_or_stiffens() {
             let (mut model, body) = clamped(uneven(cell));
             let traction = ["x^2", "1 - x"].map(|text| {
                 let linear = text == "1 - x";
-                Field::function(text, move |x, _| {
-                    if linear { 1.0 - x[0] } else { x[0] * x[0] }
-                })
+                Field::function(
+                    text,
+                    move |x, _| {
+                        if linear { 1.0 - x[0] } else { x[0] * x[0] }
+                    },
+                )
             });
             let side = "top".to_string();
             model.load(body, Load::Traction { side, traction });
@@ -252,4 +257,462 @@ fn a_rigid_side_moves_as_its_point_tells_and_a_beam_as_its_theory() {
         near(tip.displacement[1], expected, 1e-3 * expected.abs());
         near(tip.moment[0], 0.0, 1e-9);
     }
+}
+
+/// The equations of a dense matrix with partial pivoting.
+fn dense_solve(mut matrix: Vec<Vec<f64>>, mut rhs: Vec<f64>) -> Vec<f64> {
+    let n = rhs.len();
+    for k in 0..n {
+        let size = |row: usize| matrix[row][k].abs();
+        let pivot = (k..n).max_by(|&a, &b| size(a).total_cmp(&size(b))).unwrap();
+        matrix.swap(k, pivot);
+        rhs.swap(k, pivot);
+        let (above, below) = matrix.split_at_mut(k + 1);
+        for (row, own) in below.iter_mut().enumerate() {
+            let factor = own[k] / above[k][k];
+            for (own, top) in own[k..].iter_mut().zip(&above[k][k..]) {
+                *own -= factor * top;
+            }
+            rhs[k + 1 + row] -= factor * rhs[k];
+        }
+    }
+    for k in (0..n).rev() {
+        let known: f64 = (k + 1..n).map(|j| matrix[k][j] * rhs[j]).sum();
+        rhs[k] = (rhs[k] - known) / matrix[k][k];
+    }
+    rhs
+}
+
+/// Numbers in (-1, 1) by a linear congruence.
+struct Random(u64);
+
+impl Random {
+    fn signed(&mut self) -> f64 {
+        self.0 = self
+            .0
+            .wrapping_mul(6364136223846793005)
+            .wrapping_add(1442695040888963407);
+        (self.0 >> 11) as f64 / (1u64 << 52) as f64 - 1.0
+    }
+}
+
+/// The rigid motions of the plane about a point, at r from it.
+fn motions([x, y]: Point<2>) -> [Point<2>; 3] {
+    [[1.0, 0.0], [0.0, 1.0], [-y, x]]
+}
+
+/// Nodes of a side with ∫N φ and ∫N of the least-squares fit of rigid motions φ: rows of P with (u_p, θ) = P u, (3, 2n).
+fn fit(mesh: &Mesh<2>, side: &str, at: Point<2>) -> Vec<Vec<f64>> {
+    let n = 2 * mesh.points().len();
+    let (mut normal, mut rows) = (vec![vec![0.0; 3]; 3], vec![vec![0.0; n]; 3]);
+    for &facet in mesh.side(side).unwrap() {
+        let kind = mesh.facet_kind(facet);
+        let nodes: Vec<usize> = mesh.facet_nodes(facet).map(|node| node as usize).collect();
+        for (xi, weight) in gauss(8) {
+            let mut shape = [0.0; MAX_FACET_NODES];
+            kind.shape(&[xi], &mut shape);
+            let length = weight * norm(mesh.outward_normal(facet, &[xi]));
+            let phi = motions(sub(mesh.facet_point(facet, &[xi]), at));
+            for k in 0..3 {
+                for l in 0..3 {
+                    normal[k][l] += length * dot(phi[k], phi[l]);
+                }
+                for (&node, n) in nodes.iter().zip(shape) {
+                    for i in 0..2 {
+                        rows[k][2 * node + i] += length * n * phi[k][i];
+                    }
+                }
+            }
+        }
+    }
+    let mut fitted = vec![vec![0.0; n]; 3];
+    for dof in 0..n {
+        let column = rows.iter().map(|row| row[dof]).collect();
+        let solved = dense_solve(normal.clone(), column);
+        (0..3).for_each(|k| fitted[k][dof] = solved[k]);
+    }
+    fitted
+}
+
+/// min 1/2 uᵀKu − fᵀu − (F, M)·p over q with u = T q, p = S q and some components of p given; by dense equations with a
+/// multiplier for each of these. The answer is u and p.
+fn by_elimination(
+    stiffness: &[Vec<f64>],
+    (load, at_point): (&[f64], [f64; 3]),
+    (to_nodes, to_point): (&[Vec<f64>], &[[f64; 3]]),
+    given: [Option<f64>; 3],
+) -> (Vec<f64>, [f64; 3]) {
+    let n = to_nodes.len();
+    let inner = |a: &[f64], b: &[f64]| -> f64 { a.iter().zip(b).map(|(a, b)| a * b).sum() };
+    let held: Vec<usize> = (0..3).filter(|&k| given[k].is_some()).collect();
+    let size = n + held.len();
+    let (mut matrix, mut rhs) = (vec![vec![0.0; size]; size], vec![0.0; size]);
+    for j in 0..n {
+        let force: Vec<f64> = stiffness
+            .iter()
+            .map(|row| inner(row, &to_nodes[j]))
+            .collect();
+        for i in 0..n {
+            matrix[i][j] = inner(&to_nodes[i], &force);
+        }
+        rhs[j] = inner(&to_nodes[j], load) + inner(&to_point[j], &at_point);
+        for (row, &k) in held.iter().enumerate() {
+            (matrix[n + row][j], matrix[j][n + row]) = (to_point[j][k], to_point[j][k]);
+            rhs[n + row] = given[k].unwrap_or(0.0);
+        }
+    }
+    let q = dense_solve(matrix, rhs);
+    let mut u = vec![0.0; load.len()];
+    let mut p = [0.0; 3];
+    for (j, q) in q[..n].iter().enumerate() {
+        u.iter_mut()
+            .zip(&to_nodes[j])
+            .for_each(|(u, t)| *u += q * t);
+        p.iter_mut()
+            .zip(&to_point[j])
+            .for_each(|(p, s)| *p += q * s);
+    }
+    (u, p)
+}
+
+/// Random bent bodies and points; some components of the points are held, all carry forces.
+#[test]
+fn couples_are_what_elimination_gives() {
+    let mut random = Random(7);
+    for (case, cell) in PLANE.into_iter().cycle().take(40).enumerate() {
+        let kind = KINDS[case / 5 % 2];
+        let mesh = rectangle([0.0, 0.0], [2.0, 1.0], [3, 2], cell);
+        let [a, b] = [random.signed(), random.signed()];
+        let bent = |[x, y]: Point<2>| [x + 0.2 * a * y * y, y + 0.2 * b * x * x];
+        let mut model = Model::new();
+        let body = model.body("block", mesh.map_points(bent).unwrap(), SOFT);
+        model.fix(body, "left", [Some(0.0); 2]);
+        model.pull(body, "top", [random.signed(), random.signed()]);
+        let system = assemble(&model.bodies[0], model.analysis, 1.0).unwrap();
+        let loads: [f64; 3] = std::array::from_fn(|_| random.signed());
+        let at = [3.0 * random.signed(), 3.0 * random.signed()];
+        let mut given = [None; 3];
+        for held in given.iter_mut().skip(case % 4) {
+            *held = Some(0.01 * random.signed());
+        }
+        let couple = model.couple(body, "right", ("P", at), kind);
+        couple.force = [loads[0], loads[1]].map(Field::constant);
+        couple.moment[2] = Field::constant(loads[2]);
+        couple.displacement = [given[0], given[1]].map(|held| held.map(Field::constant));
+        couple.rotation[2] = given[2].map(Field::constant);
+        let solution = model.solve().unwrap();
+
+        let mesh = &model.bodies[0].mesh;
+        let n = system.held.len();
+        let unit =
+            |dof: usize| -> Vec<f64> { (0..n).map(|i| f64::from(u8::from(i == dof))).collect() };
+        let stiffness: Vec<Vec<f64>> = (0..n)
+            .map(|dof| {
+                let mut column = vec![0.0; n];
+                system.stiffness.mul(&unit(dof), &mut column);
+                column
+            })
+            .collect();
+        let side = mesh.side("right").unwrap().iter();
+        let side: Vec<usize> = side
+            .flat_map(|&facet| mesh.facet_nodes(facet))
+            .map(|node| node as usize)
+            .collect();
+        let free = (0..n).filter(|&dof| !system.held[dof]);
+        let (mut to_nodes, mut to_point) = (Vec::new(), Vec::new());
+        match kind {
+            CoupleKind::Rigid => {
+                for dof in free.filter(|dof| !side.contains(&(dof / 2))) {
+                    to_nodes.push(unit(dof));
+                    to_point.push([0.0; 3]);
+                }
+                for k in 0..3 {
+                    let mut column = vec![0.0; n];
+                    for &node in &side {
+                        let u = motions(sub(mesh.points()[node], at))[k];
+                        column[2 * node..2 * node + 2].copy_from_slice(&u);
+                    }
+                    to_nodes.push(column);
+                    to_point.push(std::array::from_fn(|i| f64::from(u8::from(i == k))));
+                }
+            }
+            CoupleKind::Average => {
+                let fitted = fit(mesh, "right", at);
+                for dof in free {
+                    to_nodes.push(unit(dof));
+                    to_point.push(std::array::from_fn(|k| fitted[k][dof]));
+                }
+            }
+        }
+        let forces = (&system.load[..], loads);
+        let (u, p) = by_elimination(&stiffness, forces, (&to_nodes, &to_point), given);
+        let expected: Vec<Point<2>> = u.chunks(2).map(|u| [u[0], u[1]]).collect();
+        assert!(
+            apart(&solution.bodies[0].displacement, &expected) < 1e-10,
+            "{cell:?} {kind:?}"
+        );
+        let point = point_of(&solution);
+        let [x, y] = point.displacement;
+        let scale = p.iter().fold(0.0, |s: f64, p| s.max(p.abs()));
+        for (computed, p) in [x, y, point.rotation[0]].into_iter().zip(p) {
+            near(computed, p, 1e-10 * scale);
+        }
+        // what holds the point and what it carries is what the side gets
+        near(point.force[0], loads[0] + point.reaction[0], 1e-9);
+        near(point.force[1], loads[1] + point.reaction[1], 1e-9);
+        if given == [None; 3] {
+            near(point.moment[0], loads[2], 1e-9);
+        }
+    }
+}
+
+/// A body that a point alone holds: what its loads need comes back from there.
+#[test]
+fn a_floating_body_is_held_by_its_point() {
+    for kind in KINDS {
+        let mut model = Model::new();
+        let body = model.body("block", uneven(CellKind::Quad8), SOFT);
+        model.pull(body, "right", [1.0, 0.5]);
+        let couple = model.couple(body, "left", ("P", [-2.0, -1.0]), kind);
+        couple.displacement = [0.0, 0.1].map(|held| Some(Field::constant(held)));
+        couple.rotation[2] = Some(Field::constant(0.0));
+        let solution = model.solve().unwrap();
+        let (body, point) = (&solution.bodies[0], point_of(&solution));
+        assert!(apart(&[body.reaction], &[[-1.0, -0.5]]) < 1e-10);
+        assert!(apart(&[point.force], &[[-1.0, -0.5]]) < 1e-10);
+        // the load acts at (2, 0.5), which is (4, 1.5) from the point
+        near(point.moment[0], -(4.0 * 0.5 - 1.5), 1e-9);
+        assert_eq!(body.floating_modes.len(), 3);
+        assert!(solution.warnings.is_empty(), "{:?}", solution.warnings);
+        // its answer is that of the side held where it may stay, moved
+        if kind == CoupleKind::Rigid {
+            let mut fixed = Model::new();
+            let id = fixed.body("block", uneven(CellKind::Quad8), SOFT);
+            fixed.fix(id, "left", [Some(0.0), Some(0.1)]);
+            fixed.pull(id, "right", [1.0, 0.5]);
+            let fixed = fixed.solve().unwrap();
+            assert!(apart(&body.displacement, &fixed.bodies[0].displacement) < 1e-9);
+        }
+    }
+}
+
+#[test]
+fn what_nothing_holds_is_named_by_its_body() {
+    for kind in KINDS {
+        let mut model = Model::new();
+        let body = model.body("block", uneven(CellKind::Quad4), SOFT);
+        let couple = model.couple(body, "left", ("P", [-50.0, 0.0]), kind);
+        couple.force[0] = Field::constant(1.0);
+        let error = model.solve().unwrap_err().to_string();
+        let said = ["body \"block\" is not held", "its load does work on it"];
+        assert!(said.iter().all(|words| error.contains(words)), "{error}");
+    }
+}
+
+/// A punch on a block with friction, driven at its top in steps: down, aside, and back.
+fn driven_punch(hold: impl Fn(&mut Model<2>, BodyId, [Field; 2])) -> Model<2> {
+    let mut model = Model::new();
+    let block = model.body(
+        "block",
+        rectangle([-1.0, -1.0], [2.0, 0.0], [9, 4], CellKind::Quad4),
+        SOFT,
+    );
+    model.fix(block, "bottom", [Some(0.0); 2]);
+    let punch = model.body(
+        "punch",
+        rectangle([0.0, 0.0], [1.0, 1.0], [4, 4], CellKind::Quad4),
+        CORK,
+    );
+    let aside = Field::function("aside", |_, t| [0.0, 2e-3, 2e-2, -5e-3][t as usize - 1]);
+    hold(
+        &mut model,
+        punch,
+        [
+            aside,
+            Field::function("down", |_, t| -5e-3 * f64::min(t, 2.0)),
+        ],
+    );
+    let contact = model.contact((punch, "bottom"), (block, "top"));
+    contact.law = Law::Coulomb(Field::constant(0.3));
+    model.bodies.swap(0, 1);
+    let side = |body: usize, side: &str| SideRef {
+        body: BodyId(body),
+        side: side.to_string(),
+    };
+    model.contacts[0].pair = Pair::Given {
+        nonmortar: side(0, "bottom"),
+        mortar: side(1, "top"),
+    };
+    model.times = vec![1.0, 2.0, 3.0, 4.0];
+    model
+}
+
+#[test]
+fn a_rigid_couple_driven_in_steps_is_a_side_driven_in_steps() {
+    let fixed = driven_punch(|model, punch, [x, y]| {
+        model.fix(punch, "top", [Some(0.0); 2]);
+        let last = model.bodies[punch.0].supports.last_mut().unwrap();
+        last.components = [Some(x), Some(y)];
+    });
+    let coupled = driven_punch(|model, punch, [x, y]| {
+        let couple = model.couple(punch, "top", ("P", [0.3, 5.0]), CoupleKind::Rigid);
+        couple.displacement = [Some(x), Some(y)];
+        couple.rotation[2] = Some(Field::constant(0.0));
+    });
+    let [fixed, coupled] = [fixed, coupled].map(|model| model.solve_steps().unwrap());
+    let states = |solution: &Solution<2>| -> Vec<Status> {
+        solution.contacts[0]
+            .nodes
+            .iter()
+            .map(|node| node.status)
+            .collect()
+    };
+    let mut slipped = false;
+    for (a, b) in coupled.iter().zip(&fixed) {
+        assert_eq!(states(a), states(b));
+        slipped |= states(a).contains(&Status::Slip);
+        assert!(apart(&a.bodies[0].displacement, &b.bodies[0].displacement) < 1e-8);
+        assert!(apart(&[a.contacts[0].resultant], &[b.contacts[0].resultant]) < 1e-8);
+        assert!(apart(&[a.bodies[0].reaction], &[b.bodies[0].reaction]) < 1e-8);
+    }
+    assert!(slipped);
+}
+
+/// A stamp whose sole a rigid couple keeps plane, above a block of the same width; an eccentric force tilts it. All is turned.
+fn stamp(angle: f64, law: Law) -> Model<2> {
+    let turn = move |[x, y]: Point<2>| {
+        let (s, c) = angle.sin_cos();
+        [c * x - s * y, s * x + c * y]
+    };
+    let turned = |from: Point<2>, to: Point<2>| {
+        let mesh = rectangle(from, to, [16, 6], CellKind::Quad4);
+        mesh.map_points(turn).unwrap()
+    };
+    let mut model = Model::new();
+    let stamp = model.body("stamp", turned([0.0, 0.0], [2.0, 0.5]), SOFT);
+    let block = model.body("block", turned([0.0, -1.0], [2.0, 0.0]), SOFT);
+    model.fix(block, "bottom", [Some(0.0); 2]);
+    let couple = model.couple(stamp, "bottom", ("P", turn([1.5, 3.0])), CoupleKind::Rigid);
+    couple.force = turn([0.0, -3.0]).map(Field::constant);
+    model.contact((stamp, "bottom"), (block, "top")).law = law;
+    model
+}
+
+#[test]
+fn an_eccentric_force_tilts_a_rigid_sole_and_opens_it() {
+    let pressed = stamp(0.0, Law::Frictionless).solve().unwrap();
+    let nodes = &pressed.contacts[0].nodes;
+    let open = nodes
+        .iter()
+        .filter(|node| node.status == Status::Open)
+        .count();
+    assert!(open >= 2 && open < nodes.len() - 2, "{open}");
+    // the resultant passes through the point
+    let force: f64 = nodes.iter().map(|node| node.pressure * node.weight).sum();
+    let moment = nodes
+        .iter()
+        .map(|node| node.pressure * node.weight * node.point[0]);
+    near(force, 3.0, 1e-9);
+    near(moment.sum::<f64>(), 4.5, 1e-9);
+
+    // the same block below a rigid obstacle where the sole has gone
+    let point = point_of(&pressed);
+    let (sink, tilt) = (point.displacement[1], point.rotation[0]);
+    let mut model = stamp(0.0, Law::Frictionless);
+    model.bodies.remove(0);
+    let contact = &mut model.contacts[0];
+    contact.pair = Pair::Obstacle {
+        nonmortar: SideRef {
+            body: BodyId(0),
+            side: "top".to_string(),
+        },
+        obstacle: Obstacle {
+            shape: Rigid::Gap(Field::function("plane", move |x, _| {
+                sink + tilt * (x[0] - 1.5)
+            })),
+            motion: Motion::Prescribed([0.0, 0.0].map(Field::constant)),
+        },
+    };
+    let below = model.solve().unwrap();
+    let u = |solution: &Solution<2>, body: usize| solution.bodies[body].displacement.clone();
+    assert!(apart(&u(&pressed, 1), &u(&below, 0)) < 1e-9);
+}
+
+#[test]
+fn a_turned_model_has_the_turned_answer() {
+    let law = || Law::Coulomb(Field::constant(0.4));
+    let plain = stamp(0.0, law()).solve().unwrap();
+    for angle in [0.7, 2.5] {
+        let (s, c) = f64::sin_cos(angle);
+        let turned = stamp(angle, law()).solve().unwrap();
+        for (a, b) in turned.bodies.iter().zip(&plain.bodies) {
+            let back = |&[x, y]: &Point<2>| [c * x + s * y, c * y - s * x];
+            let back: Vec<_> = a.displacement.iter().map(back).collect();
+            assert!(apart(&back, &b.displacement) < 1e-8);
+        }
+        let [a, b] = [&turned, &plain].map(point_of);
+        near(a.rotation[0], b.rotation[0], 1e-8 * b.rotation[0].abs());
+        near(
+            norm(a.displacement),
+            norm(b.displacement),
+            1e-8 * norm(b.displacement),
+        );
+    }
+}
+
+#[test]
+fn every_method_solves_what_couples_hold() {
+    let reference = stamp(0.0, Law::Frictionless).solve().unwrap();
+    for method in Method::NAMED {
+        let mut model = stamp(0.0, Law::Frictionless);
+        model.solver.method = method;
+        let solution = model
+            .solve()
+            .unwrap_or_else(|error| panic!("{}: {error}", method.name()));
+        let u = |solution: &Solution<2>| solution.bodies[1].displacement.clone();
+        assert!(
+            apart(&u(&solution), &u(&reference)) < 1e-5,
+            "{}",
+            method.name()
+        );
+    }
+}
+
+/// F as products alone, with its preconditioner, whatever part has no stiffness.
+#[test]
+fn compliances_that_are_not_assembled_know_couples() {
+    let model = stamp(0.0, Law::Frictionless);
+    let [dense, applied] = [DENSE_LIMIT, 0].map(|limit| {
+        let problem = model.dual_problem(limit).unwrap();
+        let newton = Newton::default();
+        let outcome = newton.solve(&problem, None, &mut |_| ControlFlow::Continue(()));
+        outcome.unwrap().multipliers.lambda
+    });
+    let scale = dense.iter().fold(0.0, |s: f64, l| s.max(l.abs()));
+    for (a, b) in applied.iter().zip(&dense) {
+        near(*a, *b, 1e-6 * scale);
+    }
+}
+
+/// A body that hovers is placed as if the couple were not there.
+#[test]
+fn a_point_that_nothing_drives_does_not_move_what_hovers() {
+    let lifted = |couple: bool| {
+        let mut model = stamp(0.0, Law::Frictionless);
+        model.bodies[0].couples.clear();
+        if couple {
+            model.couple(BodyId(0), "bottom", ("P", [7.0, 3.0]), CoupleKind::Average);
+        }
+        model.press(BodyId(1), "top", 3.0);
+        model.contacts[0].gap = Some(Gap::Given(Field::constant(0.001)));
+        model.solve().unwrap()
+    };
+    let [with, without] = [true, false].map(lifted);
+    let u = |solution: &Solution<2>, body: usize| solution.bodies[body].displacement.clone();
+    assert!(apart(&u(&with, 1), &u(&without, 1)) < 1e-9);
+    let largest = u(&without, 1).iter().map(|&u| norm(u)).fold(0.0, f64::max);
+    for (a, b) in u(&with, 0).iter().zip(&u(&without, 0)) {
+        near(distance(*a, *b), 0.0, 1e-9 * largest);
+    }
+    assert_eq!(with.warnings, without.warnings);
 }
