@@ -6,8 +6,8 @@ use crate::contact::{
     Role, Row, Sample, facets_coincide, pair_couple, pair_mortar, pair_nodes, pair_obstacle,
     sagitta, samples, smooth_parts, unmatched_facing,
 };
-use crate::fem::{Constraints, Couple, CoupleKind, Short, show};
-use crate::geometry::{Field, dot};
+use crate::fem::{Constraints, Couple, CoupleKind, FemError, Short, describe, show};
+use crate::geometry::{Field, Point, dot, norm};
 use crate::mesh::Facet;
 use crate::model::choose::{chosen, finer_than_softer};
 use crate::model::error::Error;
@@ -67,12 +67,8 @@ pub(crate) fn pair_all<const D: usize>(
     let mut paired = contacts.collect::<Result<Vec<_>, _>>()?;
     for (place, (body, couple)) in couples(model).enumerate() {
         let part = first_point(model) + place;
-        paired.push(pair_point(
-            model,
-            constraints[body],
-            BodyId(body),
-            (couple, part),
-        )?);
+        let held = constraints[body];
+        paired.push(pair_point(model, held, BodyId(body), (couple, part), time)?);
     }
     Ok(paired)
 }
@@ -83,6 +79,7 @@ fn pair_point<const D: usize>(
     constraints: &Constraints<D>,
     id: BodyId,
     (couple, part): (&Couple<D>, usize),
+    time: f64,
 ) -> Result<Paired<D>, Error<D>> {
     let body = &model.bodies[id.0];
     let end = End {
@@ -91,7 +88,9 @@ fn pair_point<const D: usize>(
         constraints,
         part: None,
     };
-    let interface = pair_couple(couple, end, model.analysis);
+    let fail = |source| Error::in_body(body, source);
+    let interface = pair_couple(couple, end, model.analysis).map_err(fail)?;
+    check_held(couple, end, &interface, (model.analysis, time)).map_err(fail)?;
     Ok(Paired {
         kind: Kind::Couple(couple.kind),
         name: format!("{}.{}", body.name, couple.name),
@@ -102,11 +101,55 @@ fn pair_point<const D: usize>(
         mortar: None,
         opposite: Some(part),
         obstacle_motion: [0.0; D],
-        interface: interface.map_err(|source| Error::in_body(body, source))?,
+        interface,
         samples: Vec::new(),
         sagitta: 0.0,
         warnings: Vec::new(),
     })
+}
+
+/// Prescribed displacements of a node and of a rigid side that differ by more than this part of them contradict each other.
+const AGREE: f64 = 1e-9;
+
+/// Errors: a support of a node of a rigid side says something else than those of its point, where these hold all of it.
+fn check_held<const D: usize>(
+    couple: &Couple<D>,
+    end: End<'_, D>,
+    interface: &Interface<D>,
+    (analysis, time): (Analysis, f64),
+) -> Result<(), FemError> {
+    let drive = couple.drive(analysis, couple.arm(end.body)?, time)?;
+    let held: Option<Vec<f64>> = drive.held.iter().flatten().copied().collect();
+    let (Some(held), CoupleKind::Rigid) = (held, couple.kind) else {
+        return Ok(());
+    };
+    let at_point = |row: &Row<D>| -> f64 {
+        let of_node = |&(node, c): &(usize, Point<D>)| -> f64 {
+            c.iter().zip(&held[D * node..]).map(|(c, u)| c * u).sum()
+        };
+        row.iter().map(of_node).sum()
+    };
+    for node in &interface.nodes {
+        let moved = node
+            .rows
+            .map(|row| row.map_or(0.0, |row| -at_point(&interface.mortar[row])));
+        let supports = end.constraints.at(node.node).iter();
+        for support in supports.filter(|h| !h.supports.is_empty()) {
+            let along = dot(support.axis, moved);
+            let scale = norm(moved).max(support.value.abs());
+            if (along - support.value).abs() > AGREE * scale {
+                return Err(FemError::Contradiction {
+                    node: node.node,
+                    point: show(end.body.mesh.points()[node.node]),
+                    first: describe(&end.body.supports[support.supports[0]].place),
+                    second: format!("at point \"{}\"", couple.name),
+                    a: support.value,
+                    b: along,
+                });
+            }
+        }
+    }
+    Ok(())
 }
 
 impl<const D: usize> Paired<D> {

@@ -716,3 +716,246 @@ fn a_point_that_nothing_drives_does_not_move_what_hovers() {
     }
     assert_eq!(with.warnings, without.warnings);
 }
+
+/// A block of space, clamped at its bottom.
+fn block_of_space(cell: CellKind) -> (Model<3>, BodyId) {
+    let cuboid = Cuboid {
+        from: [0.0; 3],
+        to: [2.0, 1.0, 1.0],
+        cells: [3, 2, 2],
+        cell,
+    };
+    let even = cuboid.build().unwrap();
+    let mesh = even
+        .map_points(|[x, y, z]| [x + 0.1 * x * (2.0 - x), y + 0.2 * y * (1.0 - y), z])
+        .unwrap();
+    let mut model = Model::new();
+    let body = model.body("block", mesh, SOFT);
+    model.fix(body, "bottom", [Some(0.0); 3]);
+    (model, body)
+}
+
+const SPACE: [CellKind; 2] = [CellKind::Tet4, CellKind::Hex8];
+
+/// Force and moment beside the side as F/W + (J⁻¹M) × s, with the moments of a rectangle of 2 by 1.
+#[test]
+fn in_space_an_average_couple_is_a_linear_traction() {
+    let (at, force, turn) = ([3.0, -1.0, 2.5], [0.7, -0.4, 2.0], [0.3, -0.8, 1.1]);
+    for cell in SPACE {
+        let (mut pulled, body) = block_of_space(cell);
+        let moment = add_scaled(turn, 1.0, cross(sub(at, [1.0, 0.5, 1.0]), force));
+        // about x, y and z: ∫y², ∫x², ∫x² + y²
+        let [jx, jy]: [f64; 2] = [2.0 / 12.0, 8.0 / 12.0];
+        let spin = [moment[0] / jx, moment[1] / jy, moment[2] / (jx + jy)];
+        let traction = std::array::from_fn(|i| {
+            Field::function("linear", move |x, _| {
+                let s = [x[0] - 1.0, x[1] - 0.5, 0.0];
+                force[i] / 2.0 + cross(spin, s)[i]
+            })
+        });
+        let side = "top".to_string();
+        pulled.load(body, Load::Traction { side, traction });
+        let (mut coupled, body) = block_of_space(cell);
+        let couple = coupled.couple(body, "top", ("P", at), CoupleKind::Average);
+        couple.force = force.map(Field::constant);
+        couple.moment = turn.map(Field::constant);
+        let [pulled, coupled] = [pulled, coupled].map(|model| model.solve().unwrap());
+        let u = |solution: &Solution<3>| solution.bodies[0].displacement.clone();
+        assert!(apart(&u(&coupled), &u(&pulled)) < 1e-10, "{cell:?}");
+        let point = point_of(&coupled);
+        let turns = [point.rotation[0], point.rotation[1], point.rotation[2]];
+        let work = dot(force, point.displacement) + dot(turn, turns);
+        let energy = coupled.bodies[0].strain_energy;
+        near(work, 2.0 * energy, 1e-10 * energy);
+    }
+}
+
+#[test]
+fn in_space_a_rigid_side_moves_as_its_point_tells() {
+    for cell in SPACE {
+        let (mut model, body) = block_of_space(cell);
+        let couple = model.couple(body, "top", ("P", [3.0, -1.0, 2.5]), CoupleKind::Rigid);
+        couple.displacement[1] = Some(Field::constant(0.1));
+        couple.rotation[0] = Some(Field::constant(0.05));
+        couple.force[2] = Field::constant(1.0);
+        couple.moment[2] = Field::constant(-2.0);
+        let solution = model.solve().unwrap();
+        check_rigid(&model.bodies[0].mesh, "top", &solution);
+        let point = point_of(&solution);
+        near(point.displacement[1], 0.1, 1e-15);
+        near(point.rotation[0], 0.05, 1e-15);
+        // what is not held gets what is given
+        near(point.force[0], 0.0, 1e-9);
+        near(point.force[2], 1.0, 1e-9);
+        near(point.moment[1], 0.0, 1e-9);
+        near(point.moment[2], -2.0, 1e-9);
+        assert!(point.force[1].abs() > 0.1 && point.moment[0].abs() > 0.1);
+        near(point.reaction[1], point.force[1], 1e-9);
+    }
+}
+
+/// A thick pipe or a solid cylinder, held at its lower end.
+fn cylinder(inner: f64, kind: CoupleKind) -> (Model<2>, BodyId) {
+    let mut model = Model::new();
+    model.analysis = Analysis::Axisymmetric;
+    let mesh = rectangle([inner, 0.0], [inner + 1.0, 2.0], [3, 4], CellKind::Quad8);
+    let body = model.body("pipe", mesh, SOFT);
+    model.fix(body, "bottom", [None, Some(0.0)]);
+    model.couple(body, "top", ("P", [0.0, 5.0]), kind);
+    (model, body)
+}
+
+#[test]
+fn with_axial_symmetry_points_move_along_the_axis() {
+    for inner in [0.0, 0.5] {
+        let (mut pulled, body) = cylinder(inner, CoupleKind::Average);
+        let side = "top".to_string();
+        let force = [0.0, 3.0].map(Field::constant);
+        pulled.load(body, Load::Resultant { side, force });
+        let (mut coupled, _) = cylinder(inner, CoupleKind::Average);
+        coupled.bodies[0].couples[0].force[1] = Field::constant(3.0);
+        let [pulled, coupled] = [pulled, coupled].map(|model| model.solve().unwrap());
+        let [a, b] = [&coupled, &pulled].map(|solution| &solution.bodies[0].displacement);
+        assert!(apart(a, b) < 1e-10);
+        let [a, b] = [&coupled, &pulled].map(point_of);
+        near(a.displacement[1], b.displacement[1], 1e-12);
+        assert!(apart(&[a.force], &[[0.0, 3.0]]) < 1e-10);
+
+        let (mut model, _) = cylinder(inner, CoupleKind::Rigid);
+        model.bodies[0].couples[0].displacement[1] = Some(Field::constant(1e-3));
+        let solution = model.solve().unwrap();
+        assert!(solution.warnings.is_empty(), "{:?}", solution.warnings);
+        let mesh = &model.bodies[0].mesh;
+        for (&[_, y], &u) in mesh.points().iter().zip(&solution.bodies[0].displacement) {
+            if y == 2.0 {
+                assert!(distance(u, [0.0, 1e-3]) < 1e-15);
+            }
+        }
+        // the end is pulled by what holds the other one
+        let body = &solution.bodies[0];
+        near(body.reaction[1], 0.0, 1e-8 * point_of(&solution).force[1]);
+        near(
+            body.side_reactions["bottom"][1],
+            -point_of(&solution).force[1],
+            1e-8,
+        );
+    }
+}
+
+#[test]
+fn with_axial_symmetry_nothing_turns() {
+    type Change = fn(&mut dotyk::model::Couple<2>);
+    let changes: [Change; 4] = [
+        |couple| couple.moment[2] = Field::constant(1.0),
+        |couple| couple.rotation[2] = Some(Field::constant(0.0)),
+        |couple| couple.force[0] = Field::constant(1.0),
+        |couple| couple.displacement[0] = Some(Field::constant(1.0)),
+    ];
+    for change in changes {
+        let (mut model, _) = cylinder(0.5, CoupleKind::Rigid);
+        change(&mut model.bodies[0].couples[0]);
+        let error = model.solve().unwrap_err().to_string();
+        assert!(error.contains("only moves along the axis"), "{error}");
+    }
+}
+
+/// Two points of one side, of a side that is held in part, and of sides that meet.
+#[test]
+fn conditions_that_others_imply_are_dropped_and_hold() {
+    for cell in [CellKind::Quad4, CellKind::Quad8] {
+        let (mut model, body) = clamped(uneven(cell));
+        for (name, kind) in [("P", CoupleKind::Rigid), ("Q", CoupleKind::Rigid)] {
+            let couple = model.couple(body, "top", (name, [1.0, 2.0]), kind);
+            couple.force[0] = Field::constant(1.0);
+        }
+        model.couple(body, "top", ("mean", [0.0, 0.0]), CoupleKind::Average);
+        let twice = model.solve().unwrap();
+        let (mut model, body) = clamped(uneven(cell));
+        let couple = model.couple(body, "top", ("P", [1.0, 2.0]), CoupleKind::Rigid);
+        couple.force[0] = Field::constant(2.0);
+        let once = model.solve().unwrap();
+        let [a, b] = [&twice, &once].map(|solution| &solution.bodies[0].displacement);
+        assert!(apart(a, b) < 1e-9);
+        // all points of a rigid side have one rotation
+        let turn = point_of(&once).rotation[0];
+        for couple in &twice.bodies[0].couples {
+            near(couple.rotation[0], turn, 1e-9 * turn.abs());
+        }
+        assert!(
+            twice
+                .warnings
+                .iter()
+                .any(|w| w.contains("rigid couple \"block.Q\"")),
+            "{:?}",
+            twice.warnings
+        );
+
+        // a side that the clamp holds at one end turns about that end
+        let (mut model, body) = clamped(uneven(cell));
+        let couple = model.couple(body, "right", ("P", [2.0, 0.0]), CoupleKind::Rigid);
+        couple.moment[2] = Field::constant(1.0);
+        let hinged = model.solve().unwrap();
+        check_rigid(&model.bodies[0].mesh, "right", &hinged);
+        near(norm(point_of(&hinged).displacement), 0.0, 1e-12);
+        assert!(point_of(&hinged).rotation[0] > 0.0);
+    }
+}
+
+#[test]
+fn a_couple_at_the_sides_of_a_contact_shares_their_corner() {
+    let mut model = stamp(0.0, Law::Coulomb(Field::constant(0.4)));
+    let couple = model.couple(
+        BodyId(0),
+        "left",
+        ("side", [-1.0, 1.0]),
+        CoupleKind::Average,
+    );
+    couple.force = [0.1, -0.5].map(Field::constant);
+    let solution = model.solve().unwrap();
+    // nothing holds the stamp but the contact: its forces balance those of both points
+    let force = solution.contacts[0].resultant;
+    assert!(apart(&[force], &[[-0.1, 3.5]]) < 1e-9);
+}
+
+#[test]
+fn what_is_wrong_with_a_couple_is_said() {
+    let said = |change: &dyn Fn(&mut Model<2>, BodyId)| {
+        let (mut model, body) = clamped(uneven(CellKind::Quad4));
+        change(&mut model, body);
+        model.solve().unwrap_err().to_string()
+    };
+    let rigid = CoupleKind::Rigid;
+    let unknown = said(&|model, body| drop(model.couple(body, "roof", ("P", [0.0; 2]), rigid)));
+    assert!(unknown.contains("there is no side \"roof\""), "{unknown}");
+    let nowhere = [f64::NAN, 0.0];
+    let nowhere = said(&|model, body| drop(model.couple(body, "top", ("P", nowhere), rigid)));
+    assert!(
+        nowhere.contains("\"block\"") && nowhere.contains("not finite"),
+        "{nowhere}"
+    );
+    let infinite = said(&|model, body| {
+        let couple = model.couple(body, "top", ("P", [0.0; 2]), rigid);
+        couple.moment[2] = Field::function("1/t", |_, _| f64::INFINITY);
+    });
+    assert!(
+        infinite.contains("moment of point \"P\" = 1/t is not finite"),
+        "{infinite}"
+    );
+    let twice = said(&|model, body| {
+        model.couple(body, "top", ("P", [0.0; 2]), rigid);
+        model.couple(body, "left", ("P", [0.0; 2]), rigid);
+    });
+    assert!(
+        twice.contains("two coupled points are named \"block.P\""),
+        "{twice}"
+    );
+    let against = said(&|model, body| {
+        let couple = model.couple(body, "bottom", ("P", [0.0; 2]), rigid);
+        couple.displacement = [0.1, 0.0].map(|held| Some(Field::constant(held)));
+        couple.rotation[2] = Some(Field::constant(0.0));
+    });
+    assert!(
+        against.contains("at point \"P\"") && against.contains("contradict"),
+        "{against}"
+    );
+}
