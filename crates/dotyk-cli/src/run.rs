@@ -265,7 +265,12 @@ fn results(model: &Model<2>, steps: &[Solution<2>]) -> String {
         text += &format!("\n{}", contacts_of_steps(model, steps));
         text += &format!("\nlast step, t = {}\n", number(last.time));
     }
-    for table in [contacts(model, last), bodies(model, last), probes(steps)] {
+    for table in [
+        contacts(model, last),
+        bodies(model, last),
+        points(model, last),
+        probes(steps),
+    ] {
         if !table.is_empty() {
             text += "\n";
             text += &table;
@@ -358,6 +363,37 @@ fn contacts(model: &Model<2>, solution: &Solution<2>) -> String {
     let header = contact_header(model);
     let header: Vec<&str> = header.iter().map(String::as_str).collect();
     columns(&header, &rows, 1..7)
+}
+
+/// The points of couples; nothing where there are none.
+fn points(model: &Model<2>, solution: &Solution<2>) -> String {
+    let scales = Scales::of(solution);
+    let length = |value: f64| number(scales.without_noise(value, Dimension::Length));
+    let couples = solution.bodies.iter();
+    let couples = couples.flat_map(|body| body.couples.iter().map(move |couple| (body, couple)));
+    let rows: Vec<Vec<String>> = couples
+        .map(|(body, couple)| {
+            vec![
+                format!("{}.{}", body.name, couple.name),
+                couple.kind.name().to_string(),
+                length(couple.displacement[0]),
+                length(couple.displacement[1]),
+                number(couple.rotation[0]),
+                force(&scales, couple.force[0]),
+                force(&scales, couple.force[1]),
+                force(&scales, couple.moment[0]),
+            ]
+        })
+        .collect();
+    if rows.is_empty() {
+        return String::new();
+    }
+    let moves = along_axes(model, "displacement");
+    let forces = along_axes(model, "force");
+    let header = [
+        "point", "couple", &moves[0], &moves[1], "rotation", &forces[0], &forces[1], "moment",
+    ];
+    columns(&header, &rows, 2..8)
 }
 
 fn bodies(model: &Model<2>, solution: &Solution<2>) -> String {

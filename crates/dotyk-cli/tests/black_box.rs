@@ -1313,3 +1313,69 @@ fn a_run_goes_on_behind_the_steps_of_another() {
         nowhere.stderr
     );
 }
+
+/// A plate that one point holds and another pulls, a quarter of its height above its middle.
+const COUPLED: &str = r#"analysis = "plane-stress"
+[[body]]
+name = "plate"
+mesh = { rectangle = { from = [0, 0], to = [8, 2], cells = [8, 2], cell = "quad8" } }
+material = { young = 1e6, poisson = 0.3 }
+points = { lug = [10, 1.5], foot = [0, 1] }
+couple = [{ side = "right", point = "lug", kind = "average" }, { side = "left", point = "foot", kind = "rigid" }]
+fix = [{ point = "foot", x = 0, y = 0, rotation = 0 }]
+load = [{ point = "lug", force = [8, 0] }, { point = "lug", force = ["2*t", 0], moment = 3 }]
+[[probe]]
+name = "lug"
+quantity = "plate.displacement.x"
+at = "plate.lug"
+[[probe]]
+name = "held"
+quantity = "plate.reaction.x"
+"#;
+
+#[test]
+fn points_of_couples_hold_and_pull() {
+    let run = Run::solved("couples", COUPLED);
+    assert!(run.stdout.contains("plate.lug") && run.stdout.contains("plate.foot"));
+    let summary = run.summary();
+    let couples = summary["bodies"][0]["couples"].as_array().unwrap();
+    let number = |value: &Value| value.as_f64().unwrap();
+    let [lug, foot] = [&couples[0], &couples[1]];
+    assert_eq!([&lug["point"], &lug["kind"]], ["lug", "average"]);
+    assert_eq!([&foot["point"], &foot["kind"]], ["foot", "rigid"]);
+    assert!((number(&lug["force"][0]) - 10.0).abs() < 1e-9);
+    assert!((number(&lug["moment"]) - 3.0).abs() < 1e-9);
+    // about the foot: the force 10 passes 0.5 above it, and turns the other way
+    assert!((number(&foot["force"][0]) + 10.0).abs() < 1e-9);
+    assert!((number(&foot["moment"]) - (10.0 * 0.5 - 3.0)).abs() < 1e-8);
+    assert_eq!(foot["displacement"], serde_json::json!([0.0, 0.0]));
+    let probes = summary["probes"].as_array().unwrap();
+    assert_eq!(probes[0]["value"], lug["displacement"][0]);
+    assert!((number(&probes[1]["value"]) + 10.0).abs() < 1e-9);
+    let report = std::fs::read_to_string(run.out("report.html")).unwrap();
+    assert!(report.contains("Coupled points") && report.contains("mean motion of plate.right"));
+    // what is not coupled says nothing of it
+    let plain = COUPLED.lines().filter(|line| !line.contains("lug") && !line.contains("foot"));
+    let plain: Vec<&str> = plain.collect();
+    let plain = plain.join("\n").replace(
+        "material",
+        "fix = [{ side = \"left\", x = 0, y = 0 }]\nmaterial",
+    );
+    let plain = plain.replace("[[probe]]\nquantity = \"plate.displacement.x\"\n", "");
+    let plain = Run::solved("no_couples", &plain);
+    assert_eq!(plain.summary()["bodies"][0]["couples"], Value::Null);
+}
+
+#[test]
+fn check_tells_what_points_hold() {
+    let run = Run::new("couples_checked", COUPLED, "check", &[]);
+    assert_eq!(run.status, Some(0), "{}", run.stderr);
+    let said = [
+        "point \"lug\" at (10, 1.5): average couple of side \"right\", nothing held, force (10, 0)",
+        "point \"foot\" at (0, 1): rigid couple of side \"left\", held: displacement along x, displacement along y, rotation",
+        "held by couple \"plate.lug\", \"plate.foot\"",
+    ];
+    for words in said {
+        assert!(run.stdout.contains(words), "{words}\n{}", run.stdout);
+    }
+}

@@ -11,6 +11,7 @@ use crate::model::dependent::drop_implied;
 use crate::model::error::{Error, Subject};
 use crate::model::floating::Floating;
 use crate::model::nouns::*;
+use crate::model::parts::{couples, first_point};
 use crate::model::pair::{Kind, Paired, initial_gaps, pair_all, row_ranges};
 use crate::model::probe::check_probes;
 use crate::model::sliding::sliding;
@@ -37,6 +38,8 @@ pub struct BodyCheck<const D: usize> {
     pub held: usize,
     /// Rigid motions that the supports leave free, each with what holds it.
     pub floating: Vec<String>,
+    /// Its couples, each with what its point is held by and carries.
+    pub couples: Vec<String>,
 }
 
 /// What was found about one contact.
@@ -105,6 +108,11 @@ fn fill<const D: usize>(model: &Model<D>, check: &mut Check<D>) -> Result<(), Er
     for (body, system) in model.bodies.iter().zip(&systems) {
         check.warnings.extend(of_body(body));
         check.bodies.push(check_body(body, system));
+    }
+    let points = first_point(model)..;
+    for (part, (body, couple)) in points.zip(couples(model)) {
+        let found = check_couple(model, couple, &systems[part]);
+        check.bodies[body].couples.push(found);
     }
     let constraints: Vec<&Constraints<D>> = systems.iter().map(|s| &s.constraints).collect();
     let mut paired = pair_all(model, &constraints, time).map_err(last)?;
@@ -334,6 +342,36 @@ fn worst_quality<const D: usize>(body: &Body<D>) -> f64 {
     quality.fold(1.0, f64::min)
 }
 
+/// A couple with what its point is held by and carries.
+fn check_couple<const D: usize>(
+    model: &Model<D>,
+    couple: &Couple<D>,
+    system: &BodySystem<D>,
+) -> String {
+    let turns = Couple::<D>::turns(model.analysis).map(|axis| ["x", "y", "z"][axis]);
+    let turns = turns.map(|axis| match D {
+        2 => "rotation".to_string(),
+        _ => format!("rotation about {axis}"),
+    });
+    let moves = ["x", "y", "z"].into_iter().take(D);
+    let moves = moves.map(|axis| format!("displacement along {axis}"));
+    let all: Vec<String> = moves.chain(turns).collect();
+    let held = all.iter().zip(&system.held).filter(|(_, held)| **held);
+    let held: Vec<&str> = held.map(|(name, _)| name.as_str()).collect();
+    let held = match held.is_empty() {
+        true => "nothing held".to_string(),
+        false => format!("held: {}", held.join(", ")),
+    };
+    let force = show(system.to_global(&system.load)[0]);
+    format!(
+        "point \"{}\" at {}: {} couple of side \"{}\", {held}, force {force}",
+        couple.name,
+        show(couple.point),
+        couple.kind.name(),
+        couple.side
+    )
+}
+
 fn check_body<const D: usize>(body: &Body<D>, system: &BodySystem<D>) -> BodyCheck<D> {
     let mesh = &body.mesh;
     let forces = system.to_global(&system.load);
@@ -347,6 +385,7 @@ fn check_body<const D: usize>(body: &Body<D>, system: &BodySystem<D>) -> BodyChe
             .fold([0.0; D], |sum, &f| add_scaled(sum, 1.0, f)),
         held: system.held.iter().filter(|held| **held).count(),
         floating: system.modes.iter().map(describe).collect(),
+        couples: Vec::new(),
     }
 }
 
@@ -368,6 +407,9 @@ impl<const D: usize> fmt::Display for Check<D> {
                 modes => modes
                     .iter()
                     .try_for_each(|mode| writeln!(f, "  floats: {mode}"))?,
+            }
+            for couple in &body.couples {
+                writeln!(f, "  {couple}")?;
             }
         }
         for contact in &self.contacts {

@@ -336,6 +336,15 @@ pub enum Along<const D: usize> {
 }
 
 impl<const D: usize> Probe<D> {
+    /// The couple at whose point it is read.
+    pub fn coupled<'m>(&self, model: &'m Model<D>) -> Option<&'m Couple<D>> {
+        let Reading::Coupled(place) = self.reading else {
+            return None;
+        };
+        let body = self.quantity.displaced_body()?;
+        model.bodies.get(body)?.couples.get(place)
+    }
+
     /// What its value is measured in.
     pub fn dimension(&self) -> Dimension {
         match (self.reading, self.quantity.dimension()) {

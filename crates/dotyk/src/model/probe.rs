@@ -43,6 +43,10 @@ pub(crate) fn read_probes<const D: usize>(
 /// Checks that every probe can be read, before anything is solved.
 pub(crate) fn check_probes<const D: usize>(model: &Model<D>) -> Result<(), Error<D>> {
     let check = |probe: &Probe<D>| {
+        if let Reading::Coupled(_) = probe.reading {
+            let couple = probe.coupled(model).ok_or(ProbeError::NoPlace);
+            return couple.map(|_| ());
+        }
         let carrier = match &probe.quantity.parts {
             Parts::Displacement(of, _) | Parts::Stress(of, _) => Carrier::Body(*of),
             Parts::Reaction(of, Some(side), _) => {

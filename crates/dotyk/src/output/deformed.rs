@@ -9,6 +9,7 @@ use crate::output::colour;
 use crate::output::encode::png;
 use crate::output::json::largest;
 use crate::output::plot::{Axis, round_down_to_125};
+use crate::output::points::draw_moved;
 use crate::output::scene::{Scene, WIDTH, mesh_lines, outline_path, parabola};
 use crate::output::svg::{Anchor, INK, MUTED, Pixel, Svg, Type, segments};
 use crate::output::text::{Labels, number, quantity, vector};
@@ -208,6 +209,7 @@ fn draw_view(
             "stroke-linejoin=\"round\"",
         );
     }
+    draw_moved(svg, scene, solution, view, factor);
     svg.end_clip();
 }
 

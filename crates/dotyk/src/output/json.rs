@@ -4,7 +4,8 @@
 
 use crate::dual::Figure;
 use crate::model::{
-    BodySolution, ContactNode, ContactSolution, LinePoint, Seconds, Solution, Status,
+    BodySolution, ContactNode, ContactSolution, CoupleSolution, LinePoint, Seconds, Solution,
+    Status,
 };
 use crate::output::Overview;
 use crate::output::text::{Labels, THIN};
@@ -316,6 +317,15 @@ enum Rotation<'a> {
     Vector(&'a [f64]),
 }
 
+impl<'a> Rotation<'a> {
+    fn of(components: &'a [f64]) -> Self {
+        match components {
+            [angle] => Self::Angle(*angle),
+            _ => Self::Vector(components),
+        }
+    }
+}
+
 #[derive(Clone, Serialize)]
 struct RigidEntry<'a> {
     translation: &'a [f64],
@@ -340,6 +350,30 @@ struct BodyEntry<'a> {
     max_von_mises_away: Option<f64>,
     max_von_mises_away_at: Option<&'a [f64]>,
     strain_energy: f64,
+    /// The points that sides move with; only where there are some.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    couples: Vec<CoupleEntry<'a>>,
+}
+
+#[derive(Clone, Serialize)]
+struct CoupleEntry<'a> {
+    point: &'a str,
+    kind: &'a str,
+    displacement: &'a [f64],
+    rotation: Rotation<'a>,
+    force: &'a [f64],
+    moment: Rotation<'a>,
+}
+
+fn couple_entry<const D: usize>(couple: &CoupleSolution<D>) -> CoupleEntry<'_> {
+    CoupleEntry {
+        point: &couple.name,
+        kind: couple.kind.name(),
+        displacement: &couple.displacement,
+        rotation: Rotation::of(&couple.rotation),
+        force: &couple.force,
+        moment: Rotation::of(&couple.moment),
+    }
 }
 
 fn body_entry<const D: usize>(body: &BodySolution<D>, nodes: usize, cells: usize) -> BodyEntry<'_> {
@@ -354,10 +388,7 @@ fn body_entry<const D: usize>(body: &BodySolution<D>, nodes: usize, cells: usize
         floating_modes: body.floating_modes.len(),
         rigid: RigidEntry {
             translation: &body.rigid.translation,
-            rotation: match body.rigid.rotation.as_slice() {
-                [angle] => Rotation::Angle(*angle),
-                components => Rotation::Vector(components),
-            },
+            rotation: Rotation::of(&body.rigid.rotation),
         },
         reaction: &body.reaction,
         max_displacement: max_displacement(body),
@@ -367,6 +398,7 @@ fn body_entry<const D: usize>(body: &BodySolution<D>, nodes: usize, cells: usize
         max_von_mises_away: away.map(|away| away.value),
         max_von_mises_away_at: away.map(|away| &away.at[..]),
         strain_energy: body.strain_energy,
+        couples: body.couples.iter().map(couple_entry).collect(),
     }
 }
 

@@ -22,6 +22,7 @@ mod npz;
 mod panels;
 mod past;
 mod plot;
+mod points;
 mod report;
 mod scene;
 mod setup;

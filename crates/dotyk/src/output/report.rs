@@ -40,6 +40,7 @@ pub fn page(run: &Overview<'_>) -> String {
         "<h2>Deformation and stress</h2>\n".to_string(),
         html::figure(&deformed, "Deformed shape", &format!("{caption}{more}")),
         bodies(model, solution, &labels),
+        points(solution, &labels),
         contacts::contacts(model, solution, &scene, &labels),
         contacts::balance(model, solution, &labels),
         verdict::certificate(solution, &labels),
@@ -247,9 +248,11 @@ fn probes(model: &Model<2>, solution: &Solution<2>, labels: &Labels) -> String {
         .map(|p| {
             let quiet = |value: f64| scales.without_noise(value, p.dimension);
             let asked = model.probes.iter().find(|m| m.name == p.name);
-            let asked = asked.and_then(|m| m.reading.point());
-            let at = asked.or(p.at.map(|at| [at[0], at[1]]));
-            let at = at.map_or_else(|| place_in_words(model, p), |at| vector(&at, ""));
+            let point = asked.and_then(|m| m.reading.point());
+            let point = point.or(p.at.map(|at| [at[0], at[1]]));
+            let coupled = asked.and_then(|m| m.coupled(model)).map(|c| c.name.clone());
+            let at = coupled.or(point.map(|at| vector(&at, "")));
+            let at = at.unwrap_or_else(|| place_in_words(model, p));
             let unit = labels.unit(p.dimension);
             let value = match p.line.is_empty() {
                 true => quantity(quiet(p.value), unit),
@@ -367,6 +370,36 @@ fn singular_stress(body: &BodySolution<2>, labels: &Labels) -> Option<String> {
         "The largest von Mises stress of {} is at {}: it grows as the mesh is refined, and means nothing by itself.{away}",
         body.name, singular.place
     ))
+}
+
+/// The points of couples; nothing where there are none.
+fn points(solution: &Solution<2>, labels: &Labels) -> String {
+    let couples = solution.bodies.iter();
+    let couples = couples.flat_map(|body| body.couples.iter().map(move |couple| (body, couple)));
+    let rows: Vec<_> = couples
+        .map(|(body, couple)| {
+            vec![
+                text(&format!("{}.{}", body.name, couple.name)),
+                text(couple.kind.name()),
+                plain(vector(&couple.displacement, "")),
+                plain(number(couple.rotation[0])),
+                plain(vector(&couple.force, "")),
+                plain(number(couple.moment[0])),
+            ]
+        })
+        .collect();
+    if rows.is_empty() {
+        return String::new();
+    }
+    let heads = [
+        left("point"),
+        left("couple"),
+        column("displacement", &labels.length),
+        column("rotation", "rad"),
+        column("force on the body", &labels.force),
+        column("moment on the body", &labels.energy),
+    ];
+    format!("<h3>Coupled points</h3>\n{}", table(&heads, rows))
 }
 
 fn timings(run: &Overview<'_>) -> String {

@@ -6,6 +6,7 @@
 use crate::geometry::{Point, add_scaled, bounding_box, distance, sub, unit};
 use crate::mesh::{Facet, Mesh};
 use crate::model::{Model, Pair, SideRef};
+use crate::output::points::in_reach;
 use crate::output::svg::{Pixel, segments, short};
 use crate::output::view::{Box2, Margin, View};
 use std::collections::BTreeMap;
@@ -226,6 +227,11 @@ impl<'a> Scene<'a> {
             .collect();
         let extents = model.bodies.iter().map(|b| bounding_box(b.mesh.points()));
         let bounds = bounding_box(&all);
+        // points of couples belong to the picture, unless they would make the bodies small
+        let couples = model.bodies.iter().flat_map(|body| &body.couples);
+        let points = couples.map(|couple| couple.point);
+        let near = points.filter(|point| in_reach(*point, bounds));
+        let bounds = bounding_box(&near.chain([bounds.0, bounds.1]).collect::<Vec<_>>());
         let touching: Vec<Point<2>> = model
             .contacts
             .iter()

@@ -2,6 +2,7 @@
 
 use crate::geometry::{Field, Point, unit};
 use crate::model::{Body, Contact, Pair, Place, Support};
+use crate::output::points::{couples, draw_points, forces, in_words};
 use crate::output::scene::{Scene, WIDTH, contact_sides, mesh_lines, outline_path, polyline};
 use crate::output::svg::{
     ALARM, Anchor, INK, LOAD, MUTED, Pixel, RULE, SERIES, SUPPORT, Svg, TINTS, Type, text_width,
@@ -75,6 +76,9 @@ fn margin(scene: &Scene) -> Margin {
             }
         }
     }
+    forces(scene)
+        .into_iter()
+        .for_each(|(point, from)| widen(point, from));
     margin
 }
 
@@ -123,6 +127,7 @@ fn draw_view(svg: &mut Svg, scene: &Scene, view: &View, labels: &Labels) {
             draw_support(svg, scene, view, i, support, labels);
         }
     }
+    draw_points(svg, scene, view, labels);
     svg.end_clip();
     scale_bar(svg, view, labels);
 }
@@ -208,6 +213,22 @@ fn legend(svg: &mut Svg, scene: &Scene, labels: &Labels, alone: bool, top: f64) 
         );
     }
     more(svg, &mut flow, scene.model.contacts.len(), "contacts");
+    for (body, couple) in couples(scene).take(NAMED) {
+        let text = in_words(&scene.model.bodies[body].name, couple);
+        let at = flow.next(&text);
+        for end in [-7.0, 7.0] {
+            svg.line(
+                [at[0] + 8.0, at[1] - 9.0],
+                [at[0] + 8.0 + end, at[1]],
+                MUTED,
+                0.7,
+            );
+        }
+        svg.circle([at[0] + 8.0, at[1] - 9.0], 3.0, INK, "white", "");
+        let start = Type::LABEL.anchored(Anchor::Start);
+        svg.text([at[0] + 22.0, at[1]], &text, start);
+    }
+    more(svg, &mut flow, couples(scene).count(), "points");
     if alone {
         let text = "contact node that faces nothing";
         let at = flow.next(text);

@@ -53,23 +53,12 @@ pub fn draw_support(
             let Some(&point) = nearest(mesh.points(), *target) else {
                 return;
             };
-            let center = middle_of(mesh.points());
-            let outward = |axis: usize| {
-                let mut d = [0.0, 0.0];
-                // Below the body unless the point is clearly in its upper part, and to the left likewise.
-                d[axis] = if point[axis] > center[axis] {
-                    1.0
-                } else {
-                    -1.0
-                };
-                d
-            };
-            let at = view.pixel(point);
-            svg.circle(at, 2.6, "none", SUPPORT, "");
-            match hold {
-                Hold::Axis(axis) => roller(svg, at, on_paper(outward(axis))),
-                Hold::Normal | Hold::Clamp => pin(svg, at, on_paper(outward(1))),
-            }
+            draw_hold(
+                svg,
+                view.pixel(point),
+                hold,
+                (point, middle_of(mesh.points())),
+            );
         }
         Place::Side(side) => {
             for strand in scene.body_side(body, side) {
@@ -88,6 +77,25 @@ pub fn draw_support(
                 );
             }
         }
+    }
+}
+
+/// The symbol of a support of a point, on the outer side as seen from a centre.
+pub fn draw_hold(svg: &mut Svg, at: Pixel, hold: Hold, (point, center): (Point<2>, Point<2>)) {
+    let outward = |axis: usize| {
+        let mut d = [0.0, 0.0];
+        // Below the body unless the point is clearly in its upper part, and to the left likewise.
+        d[axis] = if point[axis] > center[axis] {
+            1.0
+        } else {
+            -1.0
+        };
+        d
+    };
+    svg.circle(at, 2.6, "none", SUPPORT, "");
+    match hold {
+        Hold::Axis(axis) => roller(svg, at, on_paper(outward(axis))),
+        Hold::Normal | Hold::Clamp => pin(svg, at, on_paper(outward(1))),
     }
 }
 
@@ -258,27 +266,28 @@ pub fn draw_load(
             let Some(&node) = nearest(mesh.points(), point) else {
                 return;
             };
-            let force = value(node, [0.0; 2]);
-            let (tip, Some(direction)) = (view.pixel(node), unit(force)) else {
-                return;
-            };
-            if !view.sees(tip) {
-                return;
-            }
-            let d = on_paper(direction);
-            let tail = [0, 1].map(|i| tip[i] - (ARROW + 6.0) * d[i]);
-            svg.arrow(tail, tip, LOAD, 2.0);
-            let at = [0, 1].map(|i| tail[i] - 9.0 * d[i]);
-            beside(
-                svg,
-                view,
-                at,
-                &quantity(norm(force), &labels.force),
-                LOAD,
-                d[0].abs() > d[1].abs(),
-            );
+            draw_force(svg, view, view.pixel(node), value(node, [0.0; 2]), labels);
         }
     }
+}
+
+/// The arrow of a force at a point in sight, with its value.
+pub fn draw_force(svg: &mut Svg, view: &View, tip: Pixel, force: Point<2>, labels: &Labels) {
+    let Some(direction) = unit(force).filter(|_| view.sees(tip)) else {
+        return;
+    };
+    let d = on_paper(direction);
+    let tail = [0, 1].map(|i| tip[i] - (ARROW + 6.0) * d[i]);
+    svg.arrow(tail, tip, LOAD, 2.0);
+    let at = [0, 1].map(|i| tail[i] - 9.0 * d[i]);
+    beside(
+        svg,
+        view,
+        at,
+        &quantity(norm(force), &labels.force),
+        LOAD,
+        d[0].abs() > d[1].abs(),
+    );
 }
 
 /// Arrows of a distributed load along a side, a line along their outer ends, and the value.

@@ -197,10 +197,11 @@ impl Scales {
         });
         let bodies = || solution.bodies.iter();
         let held = bodies().map(|body| body.reactions.iter().map(|f| norm(*f)).sum());
+        let coupled = bodies().flat_map(|body| body.couples.iter().map(|c| norm(c.force)));
         let stresses = bodies().flat_map(|body| body.von_mises.iter().copied());
         let moved = bodies().flat_map(|body| body.displacement.iter().map(|u| norm(*u)));
         Self {
-            force: pressed.chain(held).fold(0.0, f64::max),
+            force: pressed.chain(held).chain(coupled).fold(0.0, f64::max),
             stress: stresses.fold(0.0, f64::max),
             length: moved.fold(0.0, f64::max),
         }

@@ -2,7 +2,7 @@
 //!
 //! Stress and strain components are in the order xx yy zz xy yz xz (strain: tensor components), with axial symmetry
 //! radial, axial and hoop. `principal_stress` is largest first. `reaction` and `contact_force` are nodal forces of supports and of
-//! all contacts on the body. `pressure`, `gap`, `contact_normal` and `contact_state` are defined at the nodes of a nonmortar
+//! all contacts and couples on the body: with loads they balance the internal forces at every node. `pressure`, `gap`, `contact_normal` and `contact_state` are defined at the nodes of a nonmortar
 //! side and, where the contact pairs nodes, at their partners (whose normal is the opposite one); elsewhere they are NaN, and
 //! the state is −1: 0 open, 1 closed, 2 stick, 3 slip, 4 tied, 5 fixed. With friction or a tie there is `shear`, the traction
 //! on this body. Cells have the index of their body; field data are the time and the units.

@@ -1,0 +1,153 @@
+//! Points of couples on paper: thin lines to their sides, what holds them and what they carry.
+
+use crate::geometry::{Point, distance, norm, unit};
+use crate::model::{Couple, CoupleKind, Solution};
+use crate::output::scene::Scene;
+use crate::output::svg::{Anchor, INK, LOAD, MUTED, Pixel, SUPPORT, Svg, Type, segments};
+use crate::output::symbols::{Hold, draw_force, draw_hold};
+use crate::output::text::{Labels, number, quantity};
+use crate::output::view::View;
+
+/// Most lines from a point to its side.
+const LINES: usize = 9;
+
+/// Pixels from a point to the arrow of its moment.
+const TURN: f64 = 13.0;
+
+/// Points farther from all bodies than this many times their size are left out of the picture.
+const FAR: f64 = 1.0;
+
+/// All couples of a model with the index of their body.
+pub fn couples<'a>(scene: &Scene<'a>) -> impl Iterator<Item = (usize, &'a Couple<2>)> + use<'a> {
+    let bodies = scene.model.bodies.iter().enumerate();
+    bodies.flat_map(|(index, body)| body.couples.iter().map(move |couple| (index, couple)))
+}
+
+/// A couple in words.
+pub fn in_words(body: &str, couple: &Couple<2>) -> String {
+    let side = format!("{body}.{}", couple.side);
+    match couple.kind {
+        CoupleKind::Rigid => format!("{side} moves rigidly with point {}", couple.name),
+        CoupleKind::Average => format!("point {} has the mean motion of {side}", couple.name),
+    }
+}
+
+/// Whether a point is near enough to a box to be in the picture.
+pub fn in_reach(point: Point<2>, (low, high): (Point<2>, Point<2>)) -> bool {
+    let size = FAR * distance(low, high);
+    (0..2).all(|i| point[i] >= low[i] - size && point[i] <= high[i] + size)
+}
+
+/// The points with their lines, supports and loads.
+pub fn draw_points(svg: &mut Svg, scene: &Scene, view: &View, labels: &Labels) {
+    for (body, couple) in couples(scene) {
+        let points = scene.model.bodies[body].mesh.points();
+        let at = view.pixel(couple.point);
+        fan(svg, scene, (body, couple), at, &|node| {
+            view.pixel(points[node])
+        });
+        drive(svg, scene, view, couple, labels);
+        dot(svg, at, &couple.name);
+    }
+}
+
+/// The points and their lines where they have gone, displacements magnified.
+pub fn draw_moved(svg: &mut Svg, scene: &Scene, solution: &Solution<2>, view: &View, factor: f64) {
+    let moved = |x: Point<2>, u: Point<2>| view.pixel([0, 1].map(|i| x[i] + factor * u[i]));
+    for (body, couple) in couples(scene) {
+        let solved = &solution.bodies[body];
+        let own = solved.couples.iter().find(|c| c.name == couple.name);
+        let Some(own) = own else { continue };
+        let points = scene.model.bodies[body].mesh.points();
+        let at = moved(couple.point, own.displacement);
+        let node = |n: usize| moved(points[n], solved.displacement[n]);
+        fan(svg, scene, (body, couple), at, &node);
+        dot(svg, at, &couple.name);
+    }
+}
+
+/// Thin lines from a point to its side.
+fn fan(
+    svg: &mut Svg,
+    scene: &Scene,
+    (body, couple): (usize, &Couple<2>),
+    at: Pixel,
+    place: &dyn Fn(usize) -> Pixel,
+) {
+    let mut lines = String::new();
+    for strand in scene.body_side(body, &couple.side) {
+        let starts = strand.links.iter().map(|link| link.ends[0]);
+        let last = strand.links.last().map(|link| link.ends[1]);
+        let nodes: Vec<usize> = starts.chain(last).collect();
+        let count = nodes.len().min(LINES);
+        for k in 0..count {
+            let node = nodes[k * (nodes.len() - 1) / (count - 1).max(1)];
+            lines += &segments(&[at, place(node)], false);
+        }
+    }
+    svg.path(&lines, MUTED, 0.7, "none", "");
+}
+
+fn dot(svg: &mut Svg, at: Pixel, name: &str) {
+    svg.circle(at, 3.0, INK, "white", name);
+    let style = Type::SMALL.anchored(Anchor::Start);
+    svg.text([at[0] + 6.0, at[1] - 5.0], name, style);
+}
+
+/// Supports, force and moment of a point.
+fn drive(svg: &mut Svg, scene: &Scene, view: &View, couple: &Couple<2>, labels: &Labels) {
+    let at = view.pixel(couple.point);
+    if !view.sees(at) {
+        return;
+    }
+    let hold = match &couple.displacement {
+        [Some(_), Some(_)] => Some(Hold::Clamp),
+        [Some(_), None] => Some(Hold::Axis(0)),
+        [None, Some(_)] => Some(Hold::Axis(1)),
+        [None, None] => None,
+    };
+    let (low, high) = scene.bounds;
+    let middle = [0, 1].map(|i| 0.5 * (low[i] + high[i]));
+    if let Some(hold) = hold {
+        draw_hold(svg, at, hold, (couple.point, middle));
+    }
+    if couple.rotation[2].is_some() {
+        svg.rectangle([at[0] - 5.0, at[1] - 5.0], [10.0, 10.0], SUPPORT, "none");
+    }
+    let time = scene.model.last_time();
+    let force = [0, 1].map(|i| couple.force[i].at(couple.point, time));
+    draw_force(svg, view, at, force, labels);
+    let moment = couple.moment[2].at(couple.point, time);
+    if moment != 0.0 && moment.is_finite() {
+        turn(svg, at, moment > 0.0);
+        let text = match labels.energy.as_str() {
+            "" => format!("M = {}", number(moment)),
+            unit => format!("M = {}", quantity(moment, unit)),
+        };
+        let style = Type::LABEL.coloured(LOAD).anchored(Anchor::Start);
+        svg.text([at[0] + TURN + 5.0, at[1] + 12.0], &text, style);
+    }
+}
+
+/// An arrow around a point, counterclockwise or not.
+fn turn(svg: &mut Svg, at: Pixel, left: bool) {
+    let on_arc = |k: u32| {
+        let angle = (-60.0 + 300.0 / 20.0 * f64::from(k)).to_radians();
+        let x = if left { angle.cos() } else { -angle.cos() };
+        [at[0] + TURN * x, at[1] - TURN * angle.sin()]
+    };
+    let arc: Vec<Pixel> = (0..19).map(on_arc).collect();
+    svg.path(&segments(&arc, false), LOAD, 1.6, "none", "");
+    svg.arrow(on_arc(17), on_arc(20), LOAD, 1.6);
+}
+
+/// Where the force of a point comes from, with the place of the point: room for its arrow.
+pub fn forces(scene: &Scene) -> Vec<(Point<2>, Point<2>)> {
+    let time = scene.model.last_time();
+    let from = |(_, couple): (usize, &Couple<2>)| {
+        let force = [0, 1].map(|i| couple.force[i].at(couple.point, time));
+        let along = unit(force).filter(|_| norm(force).is_finite())?;
+        Some((couple.point, along.map(|c| -c)))
+    };
+    couples(scene).filter_map(from).collect()
+}
