@@ -1352,10 +1352,12 @@ fn points_of_couples_hold_and_pull() {
     let probes = summary["probes"].as_array().unwrap();
     assert_eq!(probes[0]["value"], lug["displacement"][0]);
     assert!((number(&probes[1]["value"]) + 10.0).abs() < 1e-9);
-    let report = std::fs::read_to_string(run.out("report.html")).unwrap();
+    let report = std::fs::read_to_string(run.folder.join("case-out/report.html")).unwrap();
     assert!(report.contains("Coupled points") && report.contains("mean motion of plate.right"));
     // what is not coupled says nothing of it
-    let plain = COUPLED.lines().filter(|line| !line.contains("lug") && !line.contains("foot"));
+    let plain = COUPLED
+        .lines()
+        .filter(|line| !line.contains("lug") && !line.contains("foot"));
     let plain: Vec<&str> = plain.collect();
     let plain = plain.join("\n").replace(
         "material",

@@ -157,9 +157,9 @@ fn average<const D: usize>(
             share.weight += n * place.area;
             share.moment = add_scaled(share.moment, n * place.area, s);
         }
-        for k in 0..turns {
-            for l in 0..turns {
-                inertia[k][l] += place.area * dot(turned(k, s), turned(l, s));
+        for (k, row) in inertia.iter_mut().enumerate().take(turns) {
+            for (l, entry) in row.iter_mut().enumerate().take(turns) {
+                *entry += place.area * dot(turned(k, s), turned(l, s));
             }
         }
     }

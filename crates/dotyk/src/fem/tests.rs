@@ -562,24 +562,26 @@ fn a_later_time_changes_loads_and_prescribed_values_alone() {
 }
 
 #[test]
-fn a_rigid_body_translates_and_with_axial_symmetry_along_the_axis_alone() {
-    let plane = BodySystem::<2>::rigid([3.0, -4.0], Analysis::PlaneStrain);
-    assert_eq!((plane.load, plane.largest_load), (vec![3.0, -4.0], 5.0));
-    assert_eq!(plane.modes, [[1.0, 0.0], [0.0, 1.0]]);
-    assert_eq!(plane.held, [false; 2]);
+fn what_is_rigid_moves_where_nothing_holds_it() {
+    let free = BodySystem::<2>::rigid(&[[3.0, -4.0]], &[[None; 2]]);
+    assert_eq!((free.load, free.largest_load), (vec![3.0, -4.0], 5.0));
+    assert_eq!(free.modes, [[1.0, 0.0], [0.0, 1.0]]);
+    assert_eq!(free.held, [false; 2]);
     assert_eq!(
-        (plane.prescribed, plane.carried, plane.lift),
+        (free.prescribed, free.carried, free.lift),
         (vec![0.0; 2], vec![0.0; 2], vec![0.0; 2])
     );
-    assert_eq!((plane.graph.nodes(), plane.stiffness.len()), (1, 2));
-    let axial = BodySystem::<2>::rigid([3.0, -4.0], Analysis::Axisymmetric);
-    assert_eq!(
-        (axial.load, axial.held),
-        (vec![0.0, -4.0], vec![true, false])
-    );
-    assert_eq!(axial.modes, [[0.0, 1.0]]);
-    let solid = BodySystem::<3>::rigid([0.0, 0.0, 2.0], Analysis::Solid);
-    assert_eq!((solid.modes.len(), solid.largest_load), (3, 2.0));
+    assert_eq!((free.graph.nodes(), free.stiffness.len()), (1, 2));
+    let held = [[None, Some(0.1)], [Some(-0.2), Some(0.0)]];
+    let point = BodySystem::<2>::rigid(&[[3.0, -4.0], [0.0, 6.0]], &held);
+    assert_eq!((point.load.len(), point.largest_load), (4, 6.0));
+    assert_eq!(point.held, [false, true, true, true]);
+    assert_eq!(point.modes, [[1.0, 0.0, 0.0, 0.0]]);
+    // it strains nothing: it is carried along
+    let values = vec![0.0, 0.1, -0.2, 0.0];
+    assert_eq!((&point.prescribed, &point.carried), (&values, &values));
+    assert_eq!(point.lift, [0.0; 4]);
+    assert_eq!((point.graph.nodes(), point.stiffness.len()), (2, 4));
 }
 
 #[test]
