@@ -187,7 +187,7 @@ macro_rules! doors {
                 self.assemble_rows()
             }
 
-            /// Name and columns of B of each body, then of each obstacle that a force moves.
+            /// Name and columns of B of each body, then of each obstacle that a force moves and of the point of each couple.
             pub fn columns(&self) -> Vec<(String, Range<usize>)> {
                 self.list_columns()
             }

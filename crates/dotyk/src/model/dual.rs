@@ -35,11 +35,11 @@ pub struct Dual<const D: usize> {
 /// What a contact force λᵢ is.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Unknown<const D: usize> {
-    /// Index of its contact in the model.
+    /// Index of its contact in the model; those of couples follow in the order of the bodies.
     pub contact: usize,
     /// Index of its node among those of the contact in a solution.
     pub place: usize,
-    /// Index of its node in the mesh of the nonmortar body.
+    /// Index of its node in the mesh of the nonmortar body; of an average couple, which moves the whole side, any of its nodes.
     pub node: usize,
     /// 0: along the contact normal, else along a tangent.
     pub component: usize,
@@ -106,7 +106,7 @@ impl<const D: usize> Dual<D> {
         SparseMatrix::from_triplets(self.condensed.gaps.len(), dofs, &entries)
     }
 
-    /// Columns of B: those of each body, then of each obstacle that a force moves.
+    /// Columns of B: those of each body, then of each obstacle that a force moves and of the point of each couple.
     pub(crate) fn list_columns(&self) -> Vec<(String, Range<usize>)> {
         let mut last = 0;
         let parts = self.condensed.bodies.iter().enumerate();

@@ -7,7 +7,7 @@ use dotyk::geometry::{Field, Point, add_scaled, cross, distance, dot, norm, sub}
 use dotyk::mesh::{CellKind, Cuboid, Diagonals, MAX_FACET_NODES, Mesh, Rectangle};
 use dotyk::model::{
     Analysis, BodyId, CoupleKind, CoupleSolution, DENSE_LIMIT, Elastic, Gap, Law, Load, Method,
-    Model, Motion, Obstacle, Pair, Place, Reading, Rigid, SideRef, Solution, Status,
+    Model, Motion, Obstacle, Pair, Reading, Rigid, SideRef, Solution, Status,
 };
 use dotyk::solve::{ContactSolver, Newton};
 use std::ops::ControlFlow;
@@ -476,7 +476,18 @@ fn a_floating_body_is_held_by_its_point() {
         let couple = model.couple(body, "left", ("P", [-2.0, -1.0]), kind);
         couple.displacement = [0.0, 0.1].map(|held| Some(Field::constant(held)));
         couple.rotation[2] = Some(Field::constant(0.0));
+        let at = Reading::Coupled(0);
+        for quantity in ["displacement.y", "displacement.magnitude"] {
+            let quantity = format!("block.{quantity}");
+            model.probe(&quantity, &quantity, at).unwrap();
+        }
         let solution = model.solve().unwrap();
+        for probe in &solution.probes {
+            near(probe.value, 0.1, 1e-15);
+        }
+        model.probe("stress", "block.stress.xx", at).unwrap();
+        let error = model.solve().unwrap_err().to_string();
+        assert!(error.contains("probe \"stress\""), "{error}");
         let (body, point) = (&solution.bodies[0], point_of(&solution));
         assert!(apart(&[body.reaction], &[[-1.0, -0.5]]) < 1e-10);
         assert!(apart(&[point.force], &[[-1.0, -0.5]]) < 1e-10);
@@ -925,10 +936,14 @@ fn what_is_wrong_with_a_couple_is_said() {
         model.solve().unwrap_err().to_string()
     };
     let rigid = CoupleKind::Rigid;
-    let unknown = said(&|model, body| drop(model.couple(body, "roof", ("P", [0.0; 2]), rigid)));
+    let unknown = said(&|model, body| {
+        model.couple(body, "roof", ("P", [0.0; 2]), rigid);
+    });
     assert!(unknown.contains("there is no side \"roof\""), "{unknown}");
     let nowhere = [f64::NAN, 0.0];
-    let nowhere = said(&|model, body| drop(model.couple(body, "top", ("P", nowhere), rigid)));
+    let nowhere = said(&|model, body| {
+        model.couple(body, "top", ("P", nowhere), rigid);
+    });
     assert!(
         nowhere.contains("\"block\"") && nowhere.contains("not finite"),
         "{nowhere}"
