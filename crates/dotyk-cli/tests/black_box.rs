@@ -1369,6 +1369,17 @@ fn points_of_couples_hold_and_pull() {
 }
 
 #[test]
+fn problems_with_couples_are_exported() {
+    let run = Run::new("couples_exported", COUPLED, "export", &["--out", "dual"]);
+    assert_eq!(run.status, Some(0), "{}", run.stderr);
+    let rows = std::fs::read_to_string(run.folder.join("dual/rows.csv")).unwrap();
+    let of = |name: &str| rows.lines().filter(|line| line.contains(name)).count();
+    // five nodes of a quadratic side, and the three motions of a point
+    assert_eq!([of("plate.foot"), of("plate.lug")], [10, 3]);
+    assert_eq!(of(",couple,"), 13);
+}
+
+#[test]
 fn check_tells_what_points_hold() {
     let run = Run::new("couples_checked", COUPLED, "check", &[]);
     assert_eq!(run.status, Some(0), "{}", run.stderr);

@@ -180,6 +180,12 @@ macro_rules! doors {
                 self.list_unknowns()
             }
 
+            /// Name of a contact by its index in [`Unknown::contact`]; "BODY.POINT" of a couple. Empty where there is none.
+            pub fn contact_name(&self, contact: usize) -> &str {
+                let paired = self.condensed.paired.get(contact);
+                paired.map_or("", |pair| pair.name.as_str())
+            }
+
             /// B (m, n): the gaps are g₀ − Bu, and −Bᵀλ are the nodal forces of the contacts on the bodies. u are the
             /// displacements in global axes, prescribed ones included, node by node, of the parts that
             /// [`Self::columns`] names.

@@ -220,14 +220,17 @@ fn rows_csv(dual: &Dual<2>, unknowns: &[Unknown<2>]) -> String {
     let mut out =
         String::from("row,block,law,contact,node,component,x,y,direction_x,direction_y,weight\n");
     for (row, unknown) in unknowns.iter().enumerate() {
-        let component = ["normal", "tangent"][unknown.component];
+        let component = match unknown.contact < dual.model().contacts.len() {
+            true => ["normal", "tangent"][unknown.component],
+            false => "couple",
+        };
         // Writing to a String cannot fail.
         let _ = write!(
             out,
             "{row},{},{},{},{},{component}",
             unknown.block,
             blocks[unknown.block].name(),
-            dual.model().contacts[unknown.contact].name,
+            dual.contact_name(unknown.contact),
             unknown.node,
         );
         let ([x, y], [a, b]) = (unknown.point, unknown.direction);
@@ -285,9 +288,11 @@ With friction the gaps hold for one load step: what slipped in earlier ones is i
 
 ROWS go contact by contact in the order of the case and node by node in that of contact.csv, without the nodes that are
 `fixed` there, face nothing or take no part (their gap is NaN); rows.csv tells contact, node, direction and weight of each.
+Behind them stand the couples, called BODY.POINT: a rigid one has a row for each node and direction, an average one those of its
+displacement and then that of its rotation, whatever node and direction are written there.
 
 COLUMNS of B and u are displacements in the directions {axes}, prescribed ones included, node by node (column first + 2 node
-+ direction, all from 0):
++ direction, all from 0); the point of a couple has two nodes, the second for its rotation as a length, and nothing:
 {columns}
 G = R'B' and e = R'f with those rigid motions R that supports leave free and contacts control. F = B K^+ B' holds floating
 bodies at some dofs: another choice changes F by G'X + X'G, and with it d and alpha, but neither lambda nor gap.
