@@ -12,7 +12,7 @@ use crate::output::view::View;
 const LINES: usize = 9;
 
 /// Pixels from a point to the arrow of its moment.
-const TURN: f64 = 13.0;
+const TURN: f64 = 16.0;
 
 /// Points farther from all bodies than this many times their size are left out of the picture.
 const FAR: f64 = 1.0;
@@ -91,7 +91,7 @@ fn fan(
 fn dot(svg: &mut Svg, at: Pixel, name: &str) {
     svg.circle(at, 3.0, INK, "white", name);
     let style = Type::SMALL.anchored(Anchor::Start);
-    svg.text([at[0] + 6.0, at[1] - 5.0], name, style);
+    svg.text([at[0] + 11.0, at[1] - 11.0], name, style);
 }
 
 /// Supports, force and moment of a point.
