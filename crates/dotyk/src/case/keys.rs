@@ -169,7 +169,7 @@ pub const REFERENCE: &[&str] = &[
 ];
 
 /// Every table with its keys.
-pub const ALL: [(&str, &[&str]); 29] = [
+pub const ALL: [(&str, &[&str]); 30] = [
     ("case", CASE),
     ("units", UNITS),
     ("body", BODY),
