@@ -4,7 +4,7 @@
 //! same solution gives the same bytes, but for the block of timings.
 
 use crate::geometry::Point;
-use crate::model::{Analysis, BodySolution, ContactSolution, Model, Solution};
+use crate::model::{Analysis, BodySolution, ContactSolution, Dimension, Model, Solution};
 use crate::output::Overview;
 use crate::output::chain::arc_lengths;
 use crate::output::contacts;
@@ -374,6 +374,14 @@ fn singular_stress(body: &BodySolution<2>, labels: &Labels) -> Option<String> {
 
 /// The points of couples; nothing where there are none.
 fn points(solution: &Solution<2>, labels: &Labels) -> String {
+    let scales = Scales::of(solution);
+    let shown = |values: &[f64], dimension: Dimension| {
+        let values: Vec<f64> = values
+            .iter()
+            .map(|&value| scales.without_noise(value, dimension))
+            .collect();
+        plain(vector(&values, ""))
+    };
     let couples = solution.bodies.iter();
     let couples = couples.flat_map(|body| body.couples.iter().map(move |couple| (body, couple)));
     let rows: Vec<_> = couples
@@ -381,10 +389,12 @@ fn points(solution: &Solution<2>, labels: &Labels) -> String {
             vec![
                 text(&format!("{}.{}", body.name, couple.name)),
                 text(couple.kind.name()),
-                plain(vector(&couple.displacement, "")),
+                shown(&couple.displacement, Dimension::Length),
                 plain(number(couple.rotation[0])),
-                plain(vector(&couple.force, "")),
-                plain(number(couple.moment[0])),
+                shown(&couple.force, Dimension::Force),
+                plain(number(
+                    scales.without_noise(couple.moment[0], Dimension::Force),
+                )),
             ]
         })
         .collect();
