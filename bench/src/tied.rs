@@ -166,7 +166,7 @@ pub fn solve(
         .map_err(|error| error.to_string())?;
     stages.order = lap();
     let factor: Cholesky = analysis
-        .factor(&system.stiffness, &dotyk::linalg::Work::default())
+        .factor(&system.stiffness)
         .map_err(|error| error.to_string())?;
     stages.factor = lap();
     let mut displacement = system.load.clone();

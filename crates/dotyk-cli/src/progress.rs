@@ -1,7 +1,6 @@
 //! Progress on standard error: silent unless it is a terminal.
 
-use dotyk::linalg::Work;
-use dotyk::model::{Event, HistoryPoint};
+use dotyk::model::{Event, HistoryPoint, Work};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressState, ProgressStyle};
 use std::fmt;
 use std::io::IsTerminal;
@@ -49,12 +48,14 @@ fn share(work: &Work, elapsed: Duration) -> String {
     };
     let part = work.part();
     let left = elapsed.as_secs_f64() * (1.0 - part) / part;
-    match part > 0.02 && left >= 1.0 {
-        true => format!(
+    let all = work.all.load(Ordering::Relaxed) as f64 / 1e9;
+    match (part > 0.02, left >= 1.0) {
+        (false, _) => format!("{all:.0} Gflop, {size} of factors"),
+        (true, true) => format!(
             "{:.0} %, about {left:.0} s left, {size} of factors",
             100.0 * part
         ),
-        false => format!("{:.0} %, {size} of factors", 100.0 * part),
+        (true, false) => format!("{:.0} %, {size} of factors", 100.0 * part),
     }
 }
 
@@ -180,7 +181,7 @@ mod tests {
         assert_eq!(told(0), "25 %, 5.1 GB of factors");
         assert_eq!(
             share(&Work::default(), Duration::ZERO),
-            "0 %, 0 MB of factors"
+            "0 Gflop, 0 MB of factors"
         );
     }
 }

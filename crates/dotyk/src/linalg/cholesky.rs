@@ -13,21 +13,21 @@
 //! Vectors are over all dofs of the matrix. Dofs that are not listed (prescribed, grounded) are ignored on entry and
 //! zero on return. Memory: 8 bytes per stored entry of L, 12 per entry of A for the analysis, 8 more while factoring.
 //!
-//! Fronts are shared among threads (`fronts.rs`), and several right-hand sides in blocks of a fixed size.
+//! Kernels are sequential; several right-hand sides are shared among threads in blocks of a fixed size.
 //!
 //! Source: J. W. H. Liu, E. G. Ng, B. W. Peyton, On finding supernodes for sparse matrix computations,
 //! SIAM J. Matrix Anal. Appl. 14 (1993) 242–252.
 
-use crate::linalg::fronts::{Lower, Tree, Work, factorise};
 use crate::linalg::sparse::accumulate;
 use crate::linalg::{LinalgError, SymmetricMatrix};
 use dyn_stack::{MemBuffer, MemStack};
-use faer::sparse::SymbolicSparseColMatRef;
+use faer::linalg::cholesky::llt::factor::LltError;
 use faer::sparse::linalg::SymbolicSupernodalParams;
 use faer::sparse::linalg::cholesky::simplicial;
 use faer::sparse::linalg::cholesky::supernodal::{
     self, SupernodalLltRef, SymbolicSupernodalCholesky,
 };
+use faer::sparse::{SparseColMatRef, SymbolicSparseColMatRef};
 use faer::{Conj, Mat, MatMut, Par};
 use rayon::prelude::*;
 use std::sync::Arc;
@@ -61,7 +61,6 @@ struct Structure {
     order: Vec<u32>,
     trailing: usize,
     symbolic: SymbolicSupernodalCholesky<u32>,
-    tree: Tree,
 }
 
 /// Columns of a sparse pattern.
@@ -111,13 +110,11 @@ impl SymbolicCholesky {
         let (upper, upper_source) = permuted_upper(matrix, &position, order.len());
         let (symbolic, (lower, source)) =
             rayon::join(|| supernodes(&upper), || transposed(&upper, &upper_source));
-        let symbolic = symbolic.ok_or(too_large)?;
         let structure = Structure {
             dofs: matrix.len(),
             order: order.iter().map(|&dof| dof as u32).collect(),
             trailing,
-            tree: Tree::new(&symbolic),
-            symbolic,
+            symbolic: symbolic.ok_or(too_large)?,
         };
         Ok(Self {
             structure: Arc::new(structure),
@@ -132,37 +129,47 @@ impl SymbolicCholesky {
         self.structure.symbolic.len_val()
     }
 
-    /// Operations of the factorisation, those that move numbers included.
+    /// Operations of the factorisation.
     pub fn operations(&self) -> f64 {
-        self.structure.tree.operations()
+        let symbolic = &self.structure.symbolic;
+        let of = |s: usize| {
+            let columns = symbolic.supernode_end()[s] - symbolic.supernode_begin()[s];
+            let [n, m] =
+                [columns as usize, symbolic.supernode(s).pattern().len()].map(|k| k as f64);
+            n * (n * n / 3.0 + m * n + m * m)
+        };
+        (0..symbolic.n_supernodes()).map(of).sum()
     }
 
-    /// Factors a matrix of the analysed pattern; `work` counts what is done.
+    /// Factors a matrix of the analysed pattern.
     ///
     /// Errors: [`LinalgError::NotPositiveDefinite`], [`LinalgError::NearlySingular`], [`LinalgError::NotFinite`], or
     /// [`LinalgError::WrongPattern`] for another matrix than the analysed one.
-    pub fn factor(&self, matrix: &SymmetricMatrix, work: &Work) -> Result<Cholesky, LinalgError> {
+    pub fn factor(&self, matrix: &SymmetricMatrix) -> Result<Cholesky, LinalgError> {
         if matrix.stored() != self.stored || matrix.len() != self.structure.dofs {
             let (expected, found) = (self.stored, matrix.stored());
             return Err(LinalgError::WrongPattern { expected, found });
         }
         let values = self.permuted_values(matrix)?;
         let structure = &self.structure;
-        let mut factor = vec![0.0; structure.symbolic.len_val()];
-        let lower = Lower {
-            col_start: &self.lower.col_start,
-            row_index: &self.lower.row_index,
-            values: &values,
-        };
-        factorise(
-            &structure.symbolic,
-            &structure.tree,
-            lower,
+        let symbolic = &structure.symbolic;
+        let mut memory = MemBuffer::new(supernodal::factorize_supernodal_numeric_llt_scratch::<
+            u32,
+            f64,
+        >(symbolic, Par::Seq, Default::default()));
+        let mut factor = vec![0.0; symbolic.len_val()];
+        supernodal::factorize_supernodal_numeric_llt(
             &mut factor,
-            work,
+            SparseColMatRef::new(self.lower.view(), &values[..]),
+            Default::default(),
+            symbolic,
+            Par::Seq,
+            MemStack::new(&mut memory),
+            Default::default(),
         )
-        .map_err(|pivot| LinalgError::NotPositiveDefinite {
-            dof: structure.order[pivot] as usize,
+        .map_err(|LltError::NonPositivePivot { index }| {
+            let dof = structure.order[index] as usize;
+            LinalgError::NotPositiveDefinite { dof }
         })?;
         let cholesky = Cholesky {
             structure: Arc::clone(structure),
@@ -305,7 +312,7 @@ impl Cholesky {
         order: &[usize],
         trailing: usize,
     ) -> Result<Self, LinalgError> {
-        SymbolicCholesky::new(matrix, order, trailing)?.factor(matrix, &Work::default())
+        SymbolicCholesky::new(matrix, order, trailing)?.factor(matrix)
     }
 
     /// Number of dofs that take part.
@@ -681,37 +688,6 @@ mod tests {
             factor.solve(&mut u);
             assert!(largest_difference(&u, one.1.col_as_slice(j)) < 1e-9);
         }
-    }
-
-    /// A right edge of 220 nodes makes a front of more than 384 rows, and the grid many subtrees.
-    #[test]
-    fn large_fronts_and_many_subtrees_give_the_factor_and_its_bits() {
-        let (matrix, order, trailing) = clamped(24, 219);
-        let analysis = SymbolicCholesky::new(&matrix, &order, trailing).unwrap();
-        assert!(analysis.structure.tree.is_shared());
-        let run = || {
-            let work = Work::default();
-            let factor = analysis.factor(&matrix, &work).unwrap();
-            (factor.values, work.done.into_inner())
-        };
-        let one = grid::on_threads(1, run);
-        for threads in [2, 3, 7] {
-            assert!(one == grid::on_threads(threads, run));
-        }
-        // all that was counted on, but for parts of operations
-        let counted = one.1 as f64 / analysis.operations();
-        assert!((0.99..=1.0).contains(&counted), "{counted}");
-        let factor = analysis.factor(&matrix, &Work::default()).unwrap();
-        let u = grid::noise(matrix.len());
-        let mut load = vec![0.0; matrix.len()];
-        let inside: Vec<f64> = {
-            let mut kept = vec![0.0; matrix.len()];
-            order.iter().for_each(|&dof| kept[dof] = u[dof]);
-            kept
-        };
-        matrix.mul(&inside, &mut load);
-        factor.solve(&mut load);
-        assert!(largest_difference(&load, &inside) < 1e-9);
     }
 
     #[test]

@@ -5,7 +5,7 @@
 
 use crate::linalg::{
     Cholesky, Connectivity, Graph, LinalgError, SparseVector, SymbolicCholesky, SymmetricMatrix,
-    Work, fill_reducing_order,
+    fill_reducing_order,
 };
 use std::ops::Range;
 
@@ -83,8 +83,7 @@ impl WeightedGram {
                 values[place as usize] += weight(a, b) * product;
             }
         });
-        self.analysis
-            .factor(&self.pattern.with_values(values), &Work::default())
+        self.analysis.factor(&self.pattern.with_values(values))
     }
 }
 

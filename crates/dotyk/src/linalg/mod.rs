@@ -14,7 +14,6 @@
 
 mod cholesky;
 pub(crate) mod dense;
-mod fronts;
 mod gram;
 mod order;
 mod sparse;
@@ -23,7 +22,6 @@ mod sparse_lu;
 pub use cholesky::{Cholesky, SymbolicCholesky};
 pub use dense::{Lu, gram, product, transpose_product};
 pub use faer::Mat;
-pub use fronts::Work;
 pub use order::{expand_to_dofs, fill_reducing_order};
 pub use sparse::{
     CellMatrices, Connectivity, Graph, SparseMatrix, SparseVector, SymmetricMatrix, assemble_blocks,

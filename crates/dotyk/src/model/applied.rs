@@ -6,7 +6,7 @@
 
 use crate::fem::BodySystem;
 use crate::linalg::{
-    Cholesky, LinearOperator, Mat, SymbolicCholesky, SymmetricMatrix, Work, expand_to_dofs,
+    Cholesky, LinearOperator, Mat, SymbolicCholesky, SymmetricMatrix, expand_to_dofs,
     fill_reducing_order,
 };
 use crate::model::bodies::{BodyRows, LoadedBody};
@@ -191,7 +191,7 @@ fn factored<const D: usize>(system: &BodySystem<D>, keep: &[bool]) -> Option<Cho
     let nodes: Vec<bool> = nodes.collect();
     let dofs = expand_to_dofs(&fill_reducing_order(&system.graph, &nodes, &[]), D, keep);
     let analysis = SymbolicCholesky::new(&system.stiffness, &dofs, 0).ok()?;
-    analysis.factor(&system.stiffness, &Work::default()).ok()
+    analysis.factor(&system.stiffness).ok()
 }
 
 impl LinearOperator for BoundaryStiffness {

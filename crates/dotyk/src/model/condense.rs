@@ -11,13 +11,12 @@
 
 use crate::dual::{DualProblem, Scales};
 use crate::fem::Constraints;
-use crate::linalg::Work;
 use crate::model::admissible::{admissible_set, neighbours};
 use crate::model::bodies::{LoadedBody, body_rows, driven, largest_load, least_softness, systems};
 use crate::model::compliance::{compliance, is_assembled};
 use crate::model::dependent::drop_implied;
 use crate::model::error::Error;
-use crate::model::event::{Event, Lap};
+use crate::model::event::{Event, Lap, Work};
 use crate::model::factor::{FactoredBody, Ordered, factor, order};
 use crate::model::floating::Floating;
 use crate::model::nouns::Model;

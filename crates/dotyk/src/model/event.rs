@@ -1,8 +1,8 @@
 //! What an observer of a run is told, and how long its stages take.
 
-use crate::linalg::Work;
 use crate::model::solution::HistoryPoint;
 use std::sync::Arc;
+use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::Instant;
 
 /// What an observer of `Model::solve_steps_with` is told.
@@ -23,6 +23,25 @@ pub enum Event {
     Factoring(Arc<Work>),
     /// An iteration of the contact solver is done.
     Iteration(HistoryPoint),
+}
+
+/// How much of the factorisations of all bodies is done; it may be looked at from any thread.
+#[derive(Debug, Default)]
+pub struct Work {
+    /// Operations to do.
+    pub all: AtomicU64,
+    /// Operations on bodies that are done.
+    pub done: AtomicU64,
+    /// Bytes of the factors.
+    pub bytes: AtomicU64,
+}
+
+impl Work {
+    /// The part that is done, in [0, 1].
+    pub fn part(&self) -> f64 {
+        let [done, all] = [&self.done, &self.all].map(|count| count.load(Ordering::Relaxed));
+        done as f64 / all.max(1) as f64
+    }
 }
 
 /// A stopwatch of stages.

@@ -4,13 +4,13 @@
 //! does not change the answer: a different choice changes F by Gᵀ(..) + (..)G only, which Gλ = e and α absorb.
 
 use crate::fem::{BodySystem, FemError, show};
-use crate::linalg::{
-    Cholesky, LinalgError, SymbolicCholesky, Work, expand_to_dofs, fill_reducing_order,
-};
+use crate::linalg::{Cholesky, LinalgError, SymbolicCholesky, expand_to_dofs, fill_reducing_order};
 use crate::model::bodies::{BodyRows, LoadedBody};
 use crate::model::error::Error;
+use crate::model::event::Work;
 use crate::model::nouns::Model;
 use std::sync::Arc;
+use std::sync::atomic::Ordering;
 
 /// A dof away from the contacts is grounded only where a mode, of largest displacement 1, moves it by more: else the pivot would
 /// spoil three digits and more.
@@ -146,10 +146,11 @@ pub(crate) fn factor<const D: usize>(
     ordered: &Ordered,
     work: &Work,
 ) -> Result<Cholesky, Error<D>> {
-    ordered
-        .analysis
-        .factor(&system.stiffness, work)
-        .map_err(|source| singular(model, body, source))
+    let factor = ordered.analysis.factor(&system.stiffness);
+    let factor = factor.map_err(|source| singular(model, body, source))?;
+    let operations = ordered.analysis.operations() as u64;
+    work.done.fetch_add(operations, Ordering::Relaxed);
+    Ok(factor)
 }
 
 /// Names the node of a dof where the linear algebra failed.

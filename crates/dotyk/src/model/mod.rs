@@ -51,7 +51,7 @@ pub use compare::{Comparison, ComparisonRow};
 pub use compliance::DENSE_LIMIT;
 pub use dual::{Dual, Unknown};
 pub use error::{Advice, Error, NotHeld, Objection, ProbeError, Subject};
-pub use event::Event;
+pub use event::{Event, Work};
 pub use nouns::*;
 pub use past::{Past, PastNode};
 pub use quantity::{Dimension, Mistake, Quantity, QuantityError};
