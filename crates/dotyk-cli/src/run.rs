@@ -9,7 +9,7 @@ use dotyk::case::Case;
 use dotyk::geometry::norm;
 use dotyk::model::{
     Analysis, BodySolution, Bolts, ContactSolution, Dimension, Method, Model, ProbeValue, Solution,
-    SolverOptions, Status, StressAt,
+    SolverOptions, StressAt,
 };
 use dotyk::output::{self, Scales};
 use std::ffi::OsStr;
@@ -334,11 +334,7 @@ fn contact_header(model: &Model<2>) -> Vec<String> {
 }
 
 fn contact_row(contact: &ContactSolution<2>, scales: &Scales) -> Vec<String> {
-    let open = |s: Status| s == Status::Open;
-    let count = |wanted: bool| {
-        let nodes = contact.nodes.iter();
-        nodes.filter(|n| open(n.status) == wanted).count()
-    };
+    let (closed, open) = output::closed_and_open(&contact.nodes);
     let pressures = contact.nodes.iter().map(|n| n.pressure);
     vec![
         contact.name.clone(),
@@ -346,8 +342,8 @@ fn contact_row(contact: &ContactSolution<2>, scales: &Scales) -> Vec<String> {
         force(scales, contact.resultant[1]),
         number(pressures.fold(0.0, f64::max)),
         number(contact.length),
-        count(false).to_string(),
-        count(true).to_string(),
+        closed.to_string(),
+        open.to_string(),
     ]
 }
 

@@ -72,6 +72,14 @@ pub(crate) fn contact(
     })
 }
 
+/// The name of a "NAME" or "BODY.NAME" of one body.
+fn own_name<'n>(name: &'n str, body: &Body<2>) -> &'n str {
+    let of_body = name.strip_prefix(body.name.as_str());
+    of_body
+        .and_then(|rest| rest.strip_prefix('.'))
+        .unwrap_or(name)
+}
+
 /// One name or a list of names, with their nodes.
 fn names(node: &Node) -> Result<Vec<(&str, &Node)>, Fault> {
     match &node.value {
@@ -92,18 +100,21 @@ fn with_names(
     let has_all = |side: &SideRef| {
         let body = &bodies[side.body.0];
         let mut names = named.iter();
-        names.all(|(name, _)| !named_places(name, &body.mesh, &body.points).is_empty())
+        names.all(|(name, _)| {
+            let name = own_name(name, body);
+            !named_places(name, &body.mesh, &body.points).is_empty()
+        })
     };
     let [nonmortar, mortar] = match sides.each_ref().map(has_all) {
         [true, false] => sides.clone(),
         [false, true] => [sides[1].clone(), sides[0].clone()],
         both => {
             let found = if both[0] {
-                "both bodies"
+                "both bodies of this contact have"
             } else {
-                "neither body"
+                "neither body of this contact has"
             };
-            let message = format!("{found} of this contact have what is excluded");
+            let message = format!("{found} what is excluded");
             return Err(Fault::new(&first.span, message)
                 .label("of which side?")
                 .help("write `nonmortar` and `mortar` instead of `sides`: what is excluded belongs to the nonmortar body"));
@@ -134,6 +145,7 @@ fn excluded(node: &Node, pair: &Pair<2>, bodies: &[Body<2>]) -> Result<Vec<Place
     };
     let mut all = Vec::new();
     for (name, node) in names(node)? {
+        let name = own_name(name, body);
         let places = named_places(name, &body.mesh, &body.points);
         if places.is_empty() {
             let known = body.mesh.side_names();

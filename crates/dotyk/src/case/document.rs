@@ -6,7 +6,7 @@
 use crate::case::error::Fault;
 use crate::case::expression::{self, Variables};
 use crate::case::parameters::{self, Parameters};
-use crate::case::suggest::{elsewhere, listed};
+use crate::case::suggest::{elsewhere, listed, meaning};
 use crate::geometry::{Field, Point};
 use std::ops::Range;
 use std::rc::Rc;
@@ -337,11 +337,12 @@ impl Node {
             let message = format!("unknown key `{}`", entry.key);
             let words = ["the nearest known key", "known here"];
             let fault = Fault::new(&entry.key_span, message);
+            let named = meaning(&entry.key, keys.iter().copied());
             return Err(match elsewhere(&entry.key, keys) {
-                Some(place) => fault
+                Some(place) if named.is_none() => fault
                     .label(place)
                     .help(format!("known here: {}", listed(keys.iter().copied()))),
-                None => fault.nearest(&entry.key, words, keys.iter().copied()),
+                _ => fault.nearest(&entry.key, words, keys.iter().copied()),
             });
         }
         Ok(Table {

@@ -47,6 +47,12 @@ impl MeshFiles {
 
     /// The mesh of a body from the table `file`, and the points that the file names.
     pub fn mesh(&mut self, node: &Node, body: &str) -> Result<(Mesh<2>, Named), Fault> {
+        if let Value::Text(name) = &node.value {
+            let message = "a mesh file is a table";
+            return Err(Fault::new(&node.span, message)
+                .label("not a table")
+                .help(format!("write `file = {{ path = \"{name}\" }}`")));
+        }
         let table = node.table(keys::FILE)?;
         let path = table.require("path", "a mesh file")?;
         let groups = table.get("group").map_or(Ok(Vec::new()), groups)?;

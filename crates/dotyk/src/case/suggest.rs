@@ -31,14 +31,14 @@ pub fn meaning<'a>(word: &str, known: impl Iterator<Item = &'a str> + Clone) -> 
         .chars()
         .filter(|c| c.is_alphanumeric())
         .collect();
+    let ours = || meanings().filter(|[.., others]| others.split(' ').any(|other| other == plain));
+    if let Some([word, ..]) = ours().find(|[word, ..]| known.clone().any(|known| known == *word)) {
+        return Some(format!("here it is `{word}`"));
+    }
     // one letter of a short word makes another word
     let slip = |near: &str| plain.len() > 2 && distance(word, near) <= 1;
     if nearest(word, known.clone()).is_some_and(slip) {
         return None;
-    }
-    let ours = || meanings().filter(|[.., others]| others.split(' ').any(|other| other == plain));
-    if let Some([word, ..]) = ours().find(|[word, ..]| known.clone().any(|known| known == *word)) {
-        return Some(format!("here it is `{word}`"));
     }
     ours().find_map(|[word, place, _]| match (word, place) {
         (_, "-") => None,
@@ -190,6 +190,12 @@ mod tests {
             (&contact, "MASTER", "here it is `mortar`"),
             (&contact, "GROUP_MA_ESCL", "here it is `nonmortar`"),
             (&contact, "clearance", "here it is `gap`"),
+            (
+                &contact,
+                "interference",
+                "here it is `gap` of a [[contact]], below zero",
+            ),
+            (&["xx", "s1"], "S11", "here it is `xx`"),
             (&contact, "penalty", "contact is exact"),
             (&body, "initial_stress", "not supported yet"),
             (&body, "boundary conditions", "here it is `fix`"),

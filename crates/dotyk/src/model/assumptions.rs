@@ -5,11 +5,11 @@
 //! hundredth of the nodes is passed over.
 
 use crate::contact::Coupling;
-use crate::fem::{recover_spin, show};
-use crate::geometry::norm;
+use crate::fem::{Short, recover_spin, show};
+use crate::geometry::{Surface, norm};
 use crate::model::check::mean_facet;
 use crate::model::error::Error;
-use crate::model::nouns::Model;
+use crate::model::nouns::{Model, Pair, Rigid};
 use crate::model::pair::Paired;
 use crate::model::solution::{BodySolution, ContactSolution, Status};
 
@@ -59,6 +59,10 @@ pub(crate) fn beyond<const D: usize>(
     let loose: Vec<&ContactSolution<D>> = loose.map(|(contact, _)| contact).collect();
     warnings.extend(few_closed(&loose));
     warnings.extend(loose.iter().filter_map(|contact| far_slip(model, contact)));
+    let rolled = loose
+        .iter()
+        .filter_map(|contact| along_a_curve(model, contact));
+    warnings.extend(rolled);
     Ok(warnings)
 }
 
@@ -93,6 +97,37 @@ fn few_closed<const D: usize>(contacts: &[&ContactSolution<D>]) -> Option<String
     Some(format!(
         "contact \"{names}\"{more}: fewer than {FEW} nodes are closed: pressures and lengths in contact are as coarse as that; use smaller facets there"
     ))
+}
+
+/// A curved obstacle along which a closed node slips so far that it curves away, s²/2R, by as much as the sides approach.
+fn along_a_curve<const D: usize>(model: &Model<D>, contact: &ContactSolution<D>) -> Option<String> {
+    let of = model.contacts.iter().find(|c| c.name == contact.name)?;
+    let Pair::Obstacle { obstacle, .. } = &of.pair else {
+        return None;
+    };
+    let Rigid::Surface { surface, .. } = &obstacle.shape else {
+        return None;
+    };
+    let (Surface::Sphere { radius, .. } | Surface::Cylinder { radius, .. }) = surface else {
+        return None;
+    };
+    let closed = contact
+        .nodes
+        .iter()
+        .filter(|n| n.status != Status::Open && n.slip.iter().all(|s| s.is_finite()));
+    let (slip, approach) = closed.fold((0.0f64, 0.0f64), |(slip, approach), node| {
+        let jump = node.displacement_nonmortar - node.displacement_mortar;
+        (slip.max(norm(node.slip)), approach.max(jump.abs()))
+    });
+    let away = slip * slip / (2.0 * radius);
+    (away > LARGE * approach).then(|| {
+        format!(
+            "contact \"{}\": its curved obstacle slips along it by up to {}, over which it curves away by {}: the contact stays where it was found before anything moved; move the obstacle to its place in the case, and only press it there",
+            contact.name,
+            Short(slip),
+            Short(away)
+        )
+    })
 }
 
 /// A contact with a node that slips to another facet.

@@ -198,7 +198,25 @@ pub(crate) fn remarks<const D: usize>(model: &Model<D>, paired: &[Paired<D>]) ->
     let bodies = model.bodies.par_iter().flat_map_iter(of_body);
     let mut remarks: Vec<String> = bodies.collect();
     remarks.extend(contacts.iter().flat_map(ContactCheck::remarks));
+    let pairs = model.contacts.iter().zip(paired);
+    remarks.extend(pairs.filter_map(|(contact, pair)| unlike(model, contact, pair)));
     remarks
+}
+
+/// Two bodies of different thickness: a traction is over one of them.
+fn unlike<const D: usize>(
+    model: &Model<D>,
+    contact: &Contact<D>,
+    pair: &Paired<D>,
+) -> Option<String> {
+    let own = &model.bodies[pair.nonmortar.body.0];
+    let other = &model.bodies[pair.mortar.as_ref()?.body.0];
+    (own.thickness != other.thickness).then(|| {
+        format!(
+            "contact \"{}\": body \"{}\" is {} thick and body \"{}\" {}: pressures and bounds of shear are over the thickness of the first, which carries the contact forces",
+            contact.name, own.name, own.thickness, other.name, other.thickness
+        )
+    })
 }
 
 /// Errors: a load that no contact force can balance.

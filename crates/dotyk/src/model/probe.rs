@@ -132,7 +132,9 @@ fn read<const D: usize>(
             let Parts::Along(of, _) = probe.quantity.parts else {
                 return Err(ProbeError::NoPlace);
             };
-            let nodes = solution.contacts[of].nodes.iter();
+            // a mean is that of the part of the side that faces something
+            let facing = |n: &&ContactNode<D>| probe.reading != Reading::Mean || !n.gap.is_nan();
+            let nodes = solution.contacts[of].nodes.iter().filter(facing);
             let value = |n: &ContactNode<D>| field.at_node(n.node, n.normal);
             reduced(probe.reading, nodes.map(|n| (n.point, n.weight, value(n))))
         }

@@ -274,8 +274,9 @@ m = {m} contact forces lambda, r = {r} rigid amplitudes alpha, n = {n} displacem
 Forces (lambda, e) in {force}, {extent}.
 Lengths (d, alpha, gap, g0, u) in {length}.
 
-SIGNS. A normal gap >= 0 is open, a normal lambda >= 0 is compression; pressure = lambda / weight. A tangential gap is minus
-the slip of this load step, and lambda points along the slip. The nodal forces of the contacts on the bodies are -B' lambda.
+SIGNS. A normal gap >= 0 is open, a normal lambda >= 0 is compression; pressure = lambda / weight, and shear = -lambda_t / weight, the
+traction on the nonmortar body. A tangential gap is minus the slip of this load step (slip in contact.csv is that since the
+beginning), and lambda points along the slip. The nodal forces of the contacts on the bodies are -B' lambda.
 
 LAMBDA is a product of blocks, one for each node, whose rows follow each other:
   0 unilateral  1 row                  lambda >= 0, gap >= 0, lambda gap = 0

@@ -38,6 +38,7 @@ mod verdict;
 mod view;
 mod vtu;
 
+pub use json::closed_and_open;
 pub use memory::peak_memory_bytes;
 pub use past::{PastError, past};
 pub use text::Scales;

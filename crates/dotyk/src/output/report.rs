@@ -4,7 +4,7 @@
 //! same solution gives the same bytes, but for the block of timings.
 
 use crate::geometry::Point;
-use crate::model::{Analysis, BodySolution, ContactSolution, Dimension, Model, Solution};
+use crate::model::{Analysis, BodySolution, ContactSolution, Dimension, Model, Solution, Status};
 use crate::output::Overview;
 use crate::output::chain::arc_lengths;
 use crate::output::contacts;
@@ -164,8 +164,12 @@ fn key_figures(solution: &Solution<2>, labels: &Labels) -> String {
             quantity(largest(solution.contacts.iter().map(peak)), &labels.stress),
             name,
         ));
-        let whole: f64 = solution.contacts.iter().map(side_length).sum();
-        let closed: f64 = solution.contacts.iter().map(|c| c.length).sum();
+        // what is glued is no contact, but where there is nothing else
+        let loose = |c: &&ContactSolution<2>| c.nodes.iter().all(|n| n.status != Status::Tied);
+        let any = solution.contacts.iter().any(|c| loose(&c));
+        let counted = || solution.contacts.iter().filter(|c| !any || loose(c));
+        let whole: f64 = counted().map(side_length).sum();
+        let closed: f64 = counted().map(|c| c.length).sum();
         cards.push((
             "Length in contact",
             quantity(closed, &labels.length),

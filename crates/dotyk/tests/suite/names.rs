@@ -167,3 +167,24 @@ fn excluded_nodes_stay_out_in_later_steps() {
         assert!(step.contacts[0].nodes[2].pressure > 0.0);
     }
 }
+
+/// A mean of the contact is that of the part that faces the other side, whichever side carries the forces.
+#[test]
+fn a_mean_pressure_is_over_what_faces_something() {
+    for [nonmortar, mortar] in [["punch.bottom", "block.top"], ["block.top", "punch.bottom"]] {
+        let text = case("24", HELD, "", "reduce = \"mean\"").replace(
+            "nonmortar = \"punch.bottom\"\nmortar = \"block.top\"",
+            &format!("nonmortar = \"{nonmortar}\"\nmortar = \"{mortar}\""),
+        );
+        assert!(text.contains(&format!("nonmortar = \"{nonmortar}\"")));
+        let solution = solve(&text);
+        let force = solution.contacts[0].resultant[1].abs();
+        let faces = solution.contacts[0]
+            .nodes
+            .iter()
+            .filter(|n| !n.gap.is_nan());
+        let length: f64 = faces.map(|n| n.weight).sum();
+        assert!((length - 1.0).abs() < 1e-12, "{nonmortar}: {length}");
+        assert!((solution.probes[0].value - force).abs() < 1e-9 * force);
+    }
+}

@@ -207,3 +207,48 @@ friction = 0.14400130475160555
     let easy = solve("[0.0, -2.0e-5]");
     assert!(easy.solver.iterations <= 60 && !told(&easy));
 }
+
+/// A disc-shaped obstacle pressed in and then moved along the side: the contact does not go with it, and says so.
+#[test]
+fn a_curved_obstacle_that_moves_along_its_side_is_told() {
+    let pressed = |sideways: f64| {
+        let mut model = Model::<2>::new();
+        let block = model.body("block", rectangle([-4.0, -2.0], [4.0, 0.0], [64, 16]), SOFT);
+        model.fix(block, "bottom", [Some(0.0), Some(0.0)]);
+        let contact = model.obstacle((block, "top"), Field::constant(0.0));
+        let Pair::Obstacle { obstacle, .. } = &mut contact.pair else {
+            unreachable!()
+        };
+        obstacle.shape = dotyk::model::Rigid::Surface {
+            surface: dotyk::geometry::Surface::Sphere {
+                center: [0.0, 8.0],
+                radius: 8.0,
+            },
+            inside: false,
+        };
+        obstacle.motion = Motion::Prescribed([sideways, -0.05].map(Field::constant));
+        model
+    };
+    let words = "its curved obstacle slips along it";
+    assert!(warned(&pressed(2.0), words));
+    assert!(!warned(&pressed(0.0), words));
+}
+
+#[test]
+fn bodies_of_different_thickness_are_told() {
+    let stack = |thickness: f64| {
+        let mut model = Model::<2>::new();
+        let low = model.body("low", rectangle([0.0, 0.0], [1.0, 1.0], [4, 4]), SOFT);
+        let up = model.body("up", rectangle([0.0, 1.0], [1.0, 2.0], [4, 4]), SOFT);
+        model.bodies[1].thickness = thickness;
+        model
+            .fix(low, "bottom", [Some(0.0), Some(0.0)])
+            .fix(up, "left", [Some(0.0), None])
+            .press(up, "top", 0.1)
+            .contact((up, "bottom"), (low, "top"));
+        model
+    };
+    let words = "are over the thickness of the first";
+    assert!(warned(&stack(2.0), words));
+    assert!(!warned(&stack(1.0), words));
+}
