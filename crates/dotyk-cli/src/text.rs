@@ -2,6 +2,7 @@
 
 use comfy_table::{Cell, CellAlignment, Table};
 use std::io::{IsTerminal, Write};
+use std::ops::Range;
 use std::path::PathBuf;
 
 /// Writes to standard output. A reader that closes the pipe early ends the output and is no error.
@@ -53,11 +54,27 @@ fn trimmed(number: &str) -> &str {
     number.trim_end_matches('0').trim_end_matches('.')
 }
 
-/// Columns two blanks apart; those in `right` are flush right. Ends with a newline.
-pub fn columns(header: &[&str], rows: &[Vec<String>], right: std::ops::Range<usize>) -> String {
+/// Columns two blanks apart; those in `right` are flush right. Ends with a newline. On a terminal that is too narrow, long
+/// cells go on in the line below.
+pub fn columns(header: &[&str], rows: &[Vec<String>], right: Range<usize>) -> String {
+    let size = console::Term::stdout().size_checked();
+    columns_within(size.map(|(_, width)| width), header, rows, right)
+}
+
+fn columns_within(
+    width: Option<u16>,
+    header: &[&str],
+    rows: &[Vec<String>],
+    right: Range<usize>,
+) -> String {
     let mut table = Table::new();
     table.load_style(comfy_table::presets::NOTHING);
-    table.set_content_arrangement(comfy_table::ContentArrangement::Disabled);
+    match width {
+        Some(width) => table
+            .set_content_arrangement(comfy_table::ContentArrangement::Dynamic)
+            .set_width(width),
+        None => table.set_content_arrangement(comfy_table::ContentArrangement::Disabled),
+    };
     let aligned = |i: usize, text: &str| {
         let alignment = if right.contains(&i) {
             CellAlignment::Right
@@ -103,6 +120,35 @@ pub fn written(files: &[PathBuf]) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_table_keeps_within_the_width_of_the_terminal() {
+        let long = "rotation about (0, 0), translation along x, translation along y";
+        let rows = [[
+            "block".to_string(),
+            "0.000614386".to_string(),
+            long.to_string(),
+        ]
+        .to_vec()];
+        let table = |width| columns_within(width, &["body", "moves", "floats"], &rows, 1..2);
+        assert_eq!(table(None).lines().count(), 2);
+        let narrow = table(Some(60));
+        assert!(
+            narrow.lines().all(|line| line.chars().count() <= 60),
+            "{narrow}"
+        );
+        assert!(
+            narrow.contains("0.000614386") && narrow.lines().count() > 2,
+            "{narrow}"
+        );
+        let words = |text: &str| {
+            text.split_whitespace()
+                .map(str::to_string)
+                .collect::<std::collections::BTreeSet<_>>()
+        };
+        assert_eq!(words(&narrow), words(&table(None)));
+        assert_eq!(table(Some(200)), table(None));
+    }
 
     #[test]
     fn many_files_of_a_kind_are_counted() {
