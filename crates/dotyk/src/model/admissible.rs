@@ -73,7 +73,8 @@ pub(crate) fn neighbours<const D: usize>(
     for pair in paired {
         let carriers = pair.interface.carriers().enumerate();
         let block: BTreeMap<usize, usize> = carriers.map(|(k, n)| (n.node, first + k)).collect();
-        first += block.len();
+        // a corner carries one for each of its faces
+        first += pair.interface.carriers().count();
         let mesh = &model.bodies[pair.nonmortar.body.0].mesh;
         // the rows of an average couple stand for the whole side
         let nodal = pair.kind != Kind::Couple(CoupleKind::Average);

@@ -341,7 +341,7 @@ pub enum Advice {
     },
     /// Forces that go with the slips.
     #[error(
-        "within the bounds of friction some forces balance the load, but those that go with the slips were not found, or are not unique: try smaller load steps or a smaller coefficient"
+        "within the bounds of friction some forces balance the load, but those that go with the slips were not found, or are not unique: try smaller load steps or a smaller coefficient; where a clearance closes, close it in a step of its own, before loads that turn a body or push it along"
     )]
     SmallerSteps,
     /// Neither.
