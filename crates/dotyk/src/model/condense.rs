@@ -22,6 +22,7 @@ use crate::model::floating::Floating;
 use crate::model::nouns::Model;
 use crate::model::pair::{Paired, initial_gaps, pair_all};
 use crate::model::probe::check_probes;
+use crate::model::singular::Outlines;
 use crate::model::solution::Seconds;
 use rayon::prelude::*;
 use std::sync::Arc;
@@ -44,6 +45,8 @@ pub(crate) struct Condensed<const D: usize> {
     pub time: f64,
     /// Time and e of the step before.
     pub before: Option<(f64, Vec<f64>)>,
+    /// Where stresses may be singular.
+    pub outlines: Outlines,
 }
 
 /// Everything before the contact solver: the bodies at a time as a dual problem of at most `dense_limit` assembled
@@ -110,6 +113,7 @@ pub(crate) fn condense<const D: usize>(
         seconds,
         time,
         before: None,
+        outlines: Outlines::default(),
     })
 }
 
@@ -154,6 +158,7 @@ pub(crate) fn advance<const D: usize>(
         seconds,
         time,
         before: Some((before.time, load_before)),
+        outlines: before.outlines,
     })
 }
 

@@ -62,7 +62,13 @@ pub(crate) fn finish<const D: usize>(
     ));
     let certificate = judged.certificate;
     let (mut bodies, contacts) = fields(model, condensed, judged.displaced, lambda)?;
-    let peaks = peaks(model, &bodies, &contacts, condensed.time);
+    let peaks = peaks(
+        model,
+        &condensed.outlines,
+        &bodies,
+        &contacts,
+        condensed.time,
+    );
     for (body, peak) in bodies.iter_mut().zip(peaks) {
         body.peak = peak;
     }

@@ -20,7 +20,9 @@ use crate::model::nouns::{Body, Law, Model, Place, SideRef};
 use crate::model::solution::{
     BodySolution, ContactNode, ContactSolution, Peak, Singular, SingularPeak, Status, StressAt,
 };
+use rayon::prelude::*;
 use std::collections::{BTreeMap, BTreeSet};
+use std::sync::OnceLock;
 
 /// An angle counts as too large when it is so by this, in degrees: meshes and drawings are not exact.
 const ROOM: f64 = 10.0;
@@ -43,27 +45,34 @@ const STANDS_OUT: f64 = 1.05;
 /// Part of a body's volume, with thickness or 2πr, that the usual stresses hold.
 const USUAL: f64 = 0.995;
 
+/// Outlines of all bodies, made when they are asked for first: they are those of every load step.
+#[derive(Default)]
+pub(crate) struct Outlines(OnceLock<Vec<Outline>>);
+
 /// Nodes of a body at which the stress is not finite, each with the reason.
 type Places = BTreeMap<usize, Singular>;
 
 /// The largest von Mises stress of every body, from its solution at a time and that of the contacts.
 pub(crate) fn peaks<const D: usize>(
     model: &Model<D>,
+    outlines: &Outlines,
     bodies: &[BodySolution<D>],
     contacts: &[ContactSolution<D>],
     time: f64,
 ) -> Vec<Option<Peak<D>>> {
-    let outlines: Vec<Outline> = model.bodies.iter().map(Outline::of).collect();
-    let mut places = ends_of_contacts(model, &outlines, contacts);
-    for (index, body) in model.bodies.iter().enumerate() {
+    let outlines = outlines.0.get_or_init(|| {
+        let bodies = model.bodies.par_iter();
+        bodies.map(Outline::of).collect()
+    });
+    let ends = ends_of_contacts(model, outlines, contacts);
+    let each = model.bodies.par_iter().zip(bodies).zip(ends).enumerate();
+    let each = each.map(|(index, ((body, solved), mut places))| {
         let tied = tied_nodes(model, contacts, index);
-        let of_body = &mut places[index];
-        of_body.extend(outlines[index].corners(body, &tied));
-        of_body.extend(point_forces(model, body, &bodies[index], time));
-    }
-    let each = model.bodies.iter().zip(bodies).zip(&places);
-    each.map(|((body, solved), places)| peak(model, body, solved, places))
-        .collect()
+        places.extend(outlines[index].corners(body, &tied));
+        places.extend(point_forces(model, body, solved, time));
+        peak(model, body, solved, &places)
+    });
+    each.collect()
 }
 
 /// The largest stress of one body, and if it is at one of these places, what it is beside them.
@@ -110,8 +119,11 @@ fn around<const D: usize>(mesh: &Mesh<D>, places: &Places) -> Places {
     if places.is_empty() {
         return wider;
     }
+    let mut is_place = vec![false; mesh.points().len()];
+    places.keys().for_each(|&node| is_place[node] = true);
     for cell in mesh.blocks().iter().flat_map(|block| block.cells()) {
-        let inside = cell.iter().find_map(|&node| places.get(&(node as usize)));
+        let inside = cell.iter().find(|&&node| is_place[node as usize]);
+        let inside = inside.and_then(|&node| places.get(&(node as usize)));
         if let Some(&place) = inside {
             for &node in cell {
                 wider.entry(node as usize).or_insert(place);
