@@ -6,7 +6,6 @@ use crate::given::Given;
 use crate::progress::Progress;
 use crate::text::{columns, number, print, written};
 use dotyk::case::Case;
-use dotyk::geometry::norm;
 use dotyk::model::{
     Analysis, BodySolution, Bolts, ContactSolution, Dimension, Method, Model, ProbeValue, Solution,
     SolverOptions, StressAt,
@@ -398,7 +397,6 @@ fn bodies(model: &Model<2>, solution: &Solution<2>) -> String {
         .bodies
         .iter()
         .map(|body| {
-            let lengths = body.displacement.iter().map(|u| norm(*u));
             let floating: Vec<&str> = body
                 .floating_modes
                 .iter()
@@ -406,7 +404,7 @@ fn bodies(model: &Model<2>, solution: &Solution<2>) -> String {
                 .collect();
             vec![
                 body.name.clone(),
-                number(lengths.fold(0.0, f64::max)),
+                number(body.max_displacement()),
                 number(body.von_mises.iter().copied().fold(0.0, f64::max)),
                 force(&scales, body.reaction[0]),
                 force(&scales, body.reaction[1]),

@@ -53,7 +53,7 @@ pub use dual::{Dual, Unknown};
 pub use error::{Advice, Error, NotHeld, Objection, ProbeError, Subject};
 pub use event::{Event, Work};
 pub use nouns::*;
-pub use past::{Past, PastNode};
+pub use past::{Past, PastBody, PastNode};
 pub use quantity::{Dimension, Mistake, Quantity, QuantityError};
 pub use reuse::Reuse;
 pub use solution::*;

@@ -1,8 +1,10 @@
 //! Load steps that were solved before, as their results tell: a run goes on behind them.
 //!
 //! Nothing of a step is taken on trust. Its forces are where the solver begins, which leaves it nothing to do where they are
-//! the answer; the answer is judged like any other, and must then have the forces that were recorded.
+//! the answer; the answer is judged like any other, and must then have the forces that were recorded, and move and strain
+//! every body as much: forces alone say nothing of stiffnesses that change together.
 
+use crate::contact::InterfaceNode;
 use crate::dual::Multipliers;
 use crate::geometry::{Point, dot};
 use crate::linalg::SparseVector;
@@ -10,7 +12,7 @@ use crate::model::condense::Condensed;
 use crate::model::error::Error;
 use crate::model::nouns::Model;
 use crate::model::pair::{Paired, row_ranges};
-use crate::model::solution::{Solution, Status};
+use crate::model::solution::{BodySolution, Solution, Status};
 
 /// A load step that was solved before.
 #[derive(Debug, Clone, PartialEq)]
@@ -21,6 +23,19 @@ pub struct Past<const D: usize> {
     pub iterations: usize,
     /// Every contact by its name.
     pub contacts: Vec<(String, Vec<PastNode<D>>)>,
+    /// Every body, in the order of the model.
+    pub bodies: Vec<PastBody>,
+}
+
+/// What a body did in a step that was solved before.
+#[derive(Debug, Clone, PartialEq)]
+pub struct PastBody {
+    /// Its name.
+    pub name: String,
+    /// Largest length of the displacement of a node.
+    pub max_displacement: f64,
+    /// Its strain energy.
+    pub strain_energy: f64,
 }
 
 /// A node of a contact in a step that was solved before.
@@ -57,12 +72,24 @@ impl<const D: usize> From<&Solution<D>> for Past<D> {
             time: solution.time,
             iterations: solution.solver.iterations,
             contacts: contacts.collect(),
+            bodies: solution.bodies.iter().map(PastBody::from).collect(),
         }
     }
 }
 
-/// Forces that differ by less, relative to the largest and to the tolerance, are the same: both are that near the answer.
-const SAME_FORCE: f64 = 100.0;
+impl<const D: usize> From<&BodySolution<D>> for PastBody {
+    fn from(body: &BodySolution<D>) -> Self {
+        Self {
+            name: body.name.clone(),
+            max_displacement: body.max_displacement(),
+            strain_energy: body.strain_energy,
+        }
+    }
+}
+
+/// Forces, displacements and energies that differ by less, relative to the largest and to the tolerance, are the same: the
+/// certificate bounds gaps, and forces are known to a few digits less.
+const SAME: f64 = 100.0;
 
 /// Weights that differ by less, relative to their size, are those of the same mesh.
 const SAME_WEIGHT: f64 = 1e-9;
@@ -138,7 +165,7 @@ fn of_contact<const D: usize>(
     gaps: &mut [Option<f64>],
 ) -> Result<(), String> {
     let nodes = &pair.interface.nodes;
-    let same = |(now, then): (&crate::contact::InterfaceNode<D>, &PastNode<D>)| {
+    let same = |(now, then): (&InterfaceNode<D>, &PastNode<D>)| {
         now.node == then.node && (now.weight - then.weight).abs() <= SAME_WEIGHT * now.weight.abs()
     };
     if nodes.len() != past.len() || !nodes.iter().zip(past).all(same) {
@@ -213,6 +240,47 @@ fn amplitudes(columns: &[SparseVector], motion: &[Option<f64>], mut alpha: Vec<f
     alpha
 }
 
+/// Errors: bodies that move or are strained otherwise than in the recorded step.
+pub(crate) fn same_bodies<const D: usize>(
+    model: &Model<D>,
+    recorded: &[PastBody],
+    found: &[BodySolution<D>],
+) -> Result<(), String> {
+    let found: Vec<PastBody> = found.iter().map(PastBody::from).collect();
+    let names = |bodies: &[PastBody]| bodies.iter().map(|b| b.name.clone()).collect::<Vec<_>>();
+    if names(recorded) != names(&found) {
+        return Err(format!(
+            "its bodies were {}, and are {} now",
+            names(recorded).join(", "),
+            names(&found).join(", ")
+        ));
+    }
+    type Figure = (&'static str, fn(&PastBody) -> f64);
+    let figures: [Figure; 2] = [
+        ("moved", |body| body.max_displacement),
+        ("strained", |body| body.strain_energy),
+    ];
+    for (what, of) in figures {
+        let both = recorded.iter().chain(&found).map(of);
+        let largest = both.fold(0.0, f64::max);
+        let limit = SAME * model.solver.tolerance * largest;
+        let pairs = recorded.iter().zip(&found);
+        let differs = |(a, b): &(&PastBody, &PastBody)| {
+            let off = (of(a) - of(b)).abs();
+            off > limit || off.is_nan()
+        };
+        if let Some((before, now)) = pairs.clone().find(differs) {
+            return Err(format!(
+                "body \"{}\" was {what} by {:.6e}, and is by {:.6e} now: loads, materials, supports or the mesh were others",
+                now.name,
+                of(before),
+                of(now)
+            ));
+        }
+    }
+    Ok(())
+}
+
 /// Errors: forces that are not those of the recorded step.
 pub(crate) fn same_forces<const D: usize>(
     condensed: &Condensed<D>,
@@ -222,7 +290,7 @@ pub(crate) fn same_forces<const D: usize>(
 ) -> Result<(), String> {
     let largest = recorded.lambda.iter().chain(&found.lambda);
     let largest = largest.fold(0.0, |s: f64, l| s.max(l.abs()));
-    let limit = SAME_FORCE * model.solver.tolerance * largest;
+    let limit = SAME * model.solver.tolerance * largest;
     for (contact, (rows, _)) in model.contacts.iter().zip(row_ranges(&condensed.paired)) {
         let both = recorded.lambda[rows.clone()]
             .iter()

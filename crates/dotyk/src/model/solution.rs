@@ -2,7 +2,7 @@
 
 use crate::dual::Certificate;
 use crate::fem::principal;
-use crate::geometry::Point;
+use crate::geometry::{Point, norm};
 use crate::model::nouns::{CoupleKind, SideRef};
 use crate::model::quantity::Dimension;
 use std::collections::BTreeMap;
@@ -259,6 +259,12 @@ impl fmt::Display for Singular {
 }
 
 impl<const D: usize> BodySolution<D> {
+    /// Largest length of the displacement of a node.
+    pub fn max_displacement(&self) -> f64 {
+        let lengths = self.displacement.iter().map(|&u| norm(u));
+        lengths.fold(0.0, f64::max)
+    }
+
     /// Principal stresses at every node, largest first.
     pub fn principal_stress(&self) -> Vec<[f64; 3]> {
         self.stress

@@ -11,7 +11,7 @@ use crate::model::judge::Judged;
 use crate::model::nouns::{Law, Model};
 use crate::model::objection::objection;
 use crate::model::pair::initial_gaps;
-use crate::model::past::{Past, check_past, recorded, same_forces};
+use crate::model::past::{Past, check_past, recorded, same_bodies, same_forces};
 use crate::model::reuse::Reuse;
 use crate::model::solution::Solution;
 use crate::solve::ContactSolver;
@@ -189,6 +189,7 @@ fn solve_again<const D: usize>(
         return Err(differs(format!("it has no answer here ({objection})")));
     }
     same_forces(condensed, model, &recorded, &end.multipliers).map_err(differs)?;
+    same_bodies(model, &done.bodies, &solution.bodies).map_err(differs)?;
     solution.solver.iterations = done.iterations;
     Ok((end, solution, None))
 }

@@ -424,12 +424,7 @@ mod tests {
         let scene = Scene::new(&model);
         let (views, _) = scene.views(Margin::all(26.0), 34.0, BAR);
         let factor = magnification(&scene, &solution, &views[0]);
-        let most = largest(
-            solution
-                .bodies
-                .iter()
-                .map(crate::output::json::max_displacement),
-        );
+        let most = largest(solution.bodies.iter().map(BodySolution::max_displacement));
         let part = factor * most / 40.0;
         assert!(part <= SHOWN && part > 0.4 * SHOWN, "{part}");
     }

@@ -153,11 +153,6 @@ pub fn max_penetration<const D: usize>(nodes: &[ContactNode<D>]) -> f64 {
     )
 }
 
-/// Largest length of the displacement.
-pub fn max_displacement<const D: usize>(body: &BodySolution<D>) -> f64 {
-    largest(body.displacement.iter().map(|&u| crate::geometry::norm(u)))
-}
-
 #[derive(Serialize)]
 struct Document<'a> {
     #[serde(flatten)]
@@ -391,7 +386,7 @@ fn body_entry<const D: usize>(body: &BodySolution<D>, nodes: usize, cells: usize
             rotation: Rotation::of(&body.rigid.rotation),
         },
         reaction: &body.reaction,
-        max_displacement: max_displacement(body),
+        max_displacement: body.max_displacement(),
         max_von_mises: largest(body.von_mises.iter().copied()),
         max_von_mises_at: peak.map(|peak| &peak.most.at[..]),
         max_von_mises_place: singular.map(|singular| singular.place.to_string()),

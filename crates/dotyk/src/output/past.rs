@@ -1,6 +1,6 @@
 //! The steps of an earlier run, read back from its `summary.json` and `contact.csv`.
 
-use crate::model::{Past, PastNode, Status};
+use crate::model::{Past, PastBody, PastNode, Status};
 use crate::output::chain::tangent;
 use serde::Deserialize;
 use std::path::{Path, PathBuf};
@@ -28,6 +28,14 @@ struct Step {
     converged: bool,
     iterations: usize,
     time: f64,
+    bodies: Vec<Body>,
+}
+
+#[derive(Deserialize)]
+struct Body {
+    name: String,
+    max_displacement: f64,
+    strain_energy: f64,
 }
 
 /// The steps that have an answer in the results of an earlier run, at least one.
@@ -60,6 +68,15 @@ pub fn past(dir: &Path) -> Result<Vec<Past<2>>, PastError> {
             time: step.time,
             iterations: step.iterations,
             contacts: Vec::new(),
+            bodies: step
+                .bodies
+                .iter()
+                .map(|body| PastBody {
+                    name: body.name.clone(),
+                    max_displacement: body.max_displacement,
+                    strain_energy: body.strain_energy,
+                })
+                .collect(),
         })
         .collect();
     if past.is_empty() {
@@ -182,6 +199,7 @@ mod tests {
             (read[0].time, read[0].iterations),
             (expected.time, expected.iterations)
         );
+        assert_eq!(read[0].bodies, expected.bodies);
         let ((name, nodes), (known, original)) = (&read[0].contacts[0], &expected.contacts[0]);
         assert_eq!((name, nodes.len()), (known, original.len()));
         for (a, b) in nodes.iter().zip(original) {

@@ -11,7 +11,7 @@ use crate::output::contacts;
 use crate::output::deformed::deformed_figure;
 use crate::output::html::{self, Head, column, escape, left, plain, table, text};
 use crate::output::interface::largest_gap;
-use crate::output::json::{VERSION, largest, max_displacement, range};
+use crate::output::json::{VERSION, largest, range};
 use crate::output::lines::{lines_section, place_in_words};
 use crate::output::scene::Scene;
 use crate::output::setup::setup_figure;
@@ -132,7 +132,7 @@ fn mesh_caption(model: &Model<2>) -> String {
 
 fn key_figures(solution: &Solution<2>, labels: &Labels) -> String {
     let mut cards: Vec<(&str, String, String)> = Vec::new();
-    if let Some((body, value)) = greatest(&solution.bodies, max_displacement) {
+    if let Some((body, value)) = greatest(&solution.bodies, BodySolution::max_displacement) {
         cards.push((
             "Largest displacement",
             quantity(value, &labels.length),
@@ -289,7 +289,7 @@ fn bodies(model: &Model<2>, solution: &Solution<2>, labels: &Labels) -> String {
                 text(&b.name),
                 plain(count(cells)),
                 plain(count(b.dofs)),
-                plain(number(max_displacement(b))),
+                plain(number(b.max_displacement())),
                 plain(number(largest(b.von_mises.iter().copied()))),
                 plain(
                     b.peak

@@ -1,10 +1,10 @@
 //! Section "Load steps" of the report: curves against time and tables, one row for each step.
 
 use crate::geometry::norm;
-use crate::model::{ContactSolution, Solution};
+use crate::model::{BodySolution, ContactSolution, Solution};
 use crate::output::Overview;
 use crate::output::html::{Head, column, escape, figure, plain, table};
-use crate::output::json::{closed_and_open, largest, max_displacement};
+use crate::output::json::{closed_and_open, largest};
 use crate::output::panels::{Abscissae, Panel, Series, panels_figure};
 use crate::output::plot::Axis;
 use crate::output::text::{Labels, count, number, vector, without_noise};
@@ -139,7 +139,7 @@ fn overview(steps: &[&Solution<2>], labels: &Labels) -> String {
         let stresses = bodies().flat_map(|b| b.von_mises.iter().copied());
         vec![
             count(s.solver.iterations),
-            number(largest(bodies().map(max_displacement))),
+            number(largest(bodies().map(BodySolution::max_displacement))),
             number(largest(stresses)),
             number(bodies().map(|b| b.strain_energy).sum()),
             if s.converged { "✓" } else { "✗" }.to_string(),

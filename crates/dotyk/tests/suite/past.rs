@@ -81,6 +81,8 @@ fn steps_of_another_model_are_refused() {
         model.contacts[0].law = Law::Coulomb(Field::constant(0.01));
     });
     assert!(friction.contains("of the run before"), "{friction}");
+    let body = refused(&|_, past| past[0].bodies[0].name = "other".to_string());
+    assert!(body.contains("its bodies were other"), "{body}");
     let time = refused(&|_, past| past[1].time += 1e-3);
     assert!(
         time.contains("step 2") && time.contains("it was at t ="),
@@ -97,4 +99,49 @@ fn steps_of_another_model_are_refused() {
     assert!(all.contains("all 1 steps were solved before"), "{all}");
     let more = refused(&|model, _| model.times.truncate(1));
     assert!(more.contains("the model has 1 steps"), "{more}");
+}
+
+/// Under given loads, stiffnesses that change together leave the contact forces as they are, and everything else not.
+#[test]
+fn a_step_of_other_stiffnesses_or_without_contact_is_refused() {
+    let text = |young: f64, contact: &str| {
+        format!(
+            r#"analysis = "plane-strain"
+[[body]]
+name = "slab"
+mesh = {{ rectangle = {{ from = [0, 0], to = [3, 1], cells = [12, 4] }} }}
+material = {{ young = {young}, poisson = 0.25 }}
+fix = [{{ side = "bottom", x = 0, y = 0 }}]
+load = [{{ side = "left", pressure = "t" }}]
+[[body]]
+name = "shoe"
+mesh = {{ rectangle = {{ from = [1, 1], to = [2, 2], cells = [4, 4] }} }}
+material = {{ young = {young}, poisson = 0.25 }}
+fix = [{{ side = "top", x = 0, y = 0 }}]
+{contact}
+[[step]]
+time = 1
+[[step]]
+time = 2
+"#
+        )
+    };
+    let pressed = "[[contact]]\nname = \"sole\"\nnonmortar = \"shoe.bottom\"\nmortar = \"slab.top\"\nfriction = 0.3";
+    for contact in [pressed, ""] {
+        let model = |young: f64| {
+            let case = Case::from_str(&text(young, contact), "past.toml", "".as_ref());
+            case.unwrap_or_else(|e| panic!("{e}")).model
+        };
+        let first = &model(1e3).solve_steps().unwrap()[..1];
+        let past = [Past::from(&first[0])];
+        let on = model(1e3).solve_steps_after(&past, &mut silent).unwrap();
+        assert_eq!(on.len(), 2);
+        let refused = model(2e3).solve_steps_after(&past, &mut silent);
+        let refused = refused.unwrap_err().to_string();
+        let told = refused.contains("was moved by") && refused.contains("now");
+        assert!(
+            told && refused.contains("step 1 of the run before"),
+            "{refused}"
+        );
+    }
 }
