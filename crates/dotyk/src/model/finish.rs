@@ -8,7 +8,7 @@ use crate::model::condense::Condensed;
 use crate::model::dependent::shared_forces;
 use crate::model::error::Error;
 use crate::model::fields::fields;
-use crate::model::judge::Judged;
+use crate::model::judge::{Judged, left_to_overlap};
 use crate::model::nouns::Model;
 use crate::model::pair::{Paired, carriers, row_ranges};
 use crate::model::probe::read_probes;
@@ -52,6 +52,14 @@ pub(crate) fn finish<const D: usize>(
         ));
     }
     warnings.extend(crude_gaps(model, condensed, &judged.displaced.gaps));
+    for (contact, point, depth) in left_to_overlap(model, condensed, &judged.displaced) {
+        warnings.push(format!(
+            "contact \"{}\": the sides overlap by up to {} at {}, beside nodes that are excluded: nothing keeps them apart there",
+            model.contacts[contact].name,
+            Short(depth),
+            show(point)
+        ));
+    }
     let pairs = (&condensed.bodies[..], &condensed.paired[..]);
     warnings.extend(shared_forces(
         model,

@@ -182,6 +182,25 @@ fn deepest_overlap<const D: usize>(
     worst
 }
 
+/// Where the sides of each contact overlap most because nodes were told to take no part: contact, undeformed position, depth.
+pub(crate) fn left_to_overlap<const D: usize>(
+    model: &Model<D>,
+    condensed: &Condensed<D>,
+    displaced: &Displaced<D>,
+) -> Vec<(usize, Point<D>, f64)> {
+    let negligible =
+        model.solver.tolerance * condensed.problem.scales.length + displaced.negligible;
+    let deepest = |(contact, pair): (usize, &Paired<D>)| {
+        let moved = moved(model, pair, displaced);
+        let depths = pair.left_out.iter();
+        let depths = depths.map(|sample| (contact, sample.point, -sample.at.after(&moved)));
+        let deep = depths.filter(|(.., depth)| *depth > negligible);
+        deep.max_by(|a, b| a.2.total_cmp(&b.2))
+    };
+    let paired = condensed.paired.iter().enumerate();
+    paired.filter_map(deepest).collect()
+}
+
 /// Largest violation of a condition without a multiplier, a length.
 fn implied_violation<const D: usize>(
     model: &Model<D>,

@@ -44,6 +44,8 @@ pub(crate) struct Paired<const D: usize> {
     pub interface: Interface<D>,
     /// Points between the nodes that face something, for each facet of the nonmortar side.
     pub samples: Vec<Vec<Sample<D>>>,
+    /// Those of facets with a node that takes no part: nothing keeps them apart.
+    pub left_out: Vec<Sample<D>>,
     /// How far the measured gaps are off because polygons stand for curves.
     pub sagitta: f64,
     /// What the user should know.
@@ -103,6 +105,7 @@ fn pair_point<const D: usize>(
         obstacle_motion: [0.0; D],
         interface,
         samples: Vec::new(),
+        left_out: Vec::new(),
         sagitta: 0.0,
         warnings: Vec::new(),
     })
@@ -182,7 +185,7 @@ impl<const D: usize> Paired<D> {
         for samples in &mut self.samples {
             let nodes = samples.iter().flat_map(|sample| &sample.at.own);
             if nodes.into_iter().any(|(node, _)| out.contains(node)) {
-                samples.clear();
+                self.left_out.append(samples);
             }
         }
     }
@@ -276,7 +279,8 @@ pub(crate) fn gaps_at<const D: usize>(
                 _ => point.given(field, end, time),
             };
             before.interface.measure(gap).map_err(fail)?;
-            for sample in before.samples.iter_mut().flatten() {
+            let samples = before.samples.iter_mut().flatten();
+            for sample in samples.chain(&mut before.left_out) {
                 sample.at.gap = gap(&sample.at).map_err(fail)?;
             }
         }
@@ -463,6 +467,7 @@ impl<'a, const D: usize> Contacting<'a, D> {
             obstacle_motion: self.motion(obstacle)?,
             interface: interface.map_err(|source| self.fail(source))?,
             samples: samples.map_err(|source| self.fail(source))?,
+            left_out: Vec::new(),
             sagitta: 0.0,
             warnings: Vec::new(),
         })
@@ -575,6 +580,7 @@ impl<'a, const D: usize> Contacting<'a, D> {
             obstacle_motion: [0.0; D],
             interface,
             samples,
+            left_out: Vec::new(),
             sagitta: crude,
             warnings,
         })
