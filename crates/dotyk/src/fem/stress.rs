@@ -1,7 +1,8 @@
 //! Stress and strain at the nodes, recovered from the displacements.
 //!
 //! In each cell the stress is sampled at the points where it is most accurate (the centre of a linear simplex, else the
-//! corners drawn towards the centre: three points in a quadratic triangle, 2 × 2 in quadrilaterals), extrapolated to the
+//! corners drawn towards the centre: three points in a quadratic triangle, four in a quadratic tetrahedron, 2 × 2 (× 2) in
+//! quadrilaterals and hexahedra, 3 × 2 in prisms), extrapolated to the
 //! nodes by the linear function through the samples and averaged there with the cells' volumes.
 
 use crate::fem::cells::{CellTable, measure};
@@ -155,15 +156,15 @@ fn sampled<const D: usize>(
     ]
 }
 
-/// A point drawn towards the centre of a reference cell by a factor.
-fn drawn(kind: CellKind, xi: [f64; 3], factor: f64) -> [f64; 3] {
+/// A point drawn towards the centre of a reference cell by a factor along each coordinate.
+fn drawn(kind: CellKind, xi: [f64; 3], factors: [f64; 3]) -> [f64; 3] {
     let centre = kind.domain().centre();
-    std::array::from_fn(|d| centre[d] + factor * (xi[d] - centre[d]))
+    std::array::from_fn(|d| centre[d] + factors[d] * (xi[d] - centre[d]))
 }
 
 /// Reference points where the stress is sampled, with weights that sum to the reference volume.
 fn sampling_points(kind: CellKind) -> Vec<([f64; 3], f64)> {
-    let count = if kind.sampling() > 0.0 {
+    let count = if kind.sampling()[0] > 0.0 {
         kind.corners()
     } else {
         1
@@ -179,11 +180,14 @@ fn sampling_points(kind: CellKind) -> Vec<([f64; 3], f64)> {
 fn extrapolation(kind: CellKind) -> Vec<Vec<f64>> {
     let linear = kind.domain().linear();
     let weights = |&xi: &[f64; 3]| {
-        if kind.sampling() == 0.0 {
+        if kind.sampling()[0] == 0.0 {
             return vec![1.0];
         }
         let mut shape = vec![0.0; linear.nodes()];
-        linear.shape(&drawn(kind, xi, 1.0 / kind.sampling()), &mut shape);
+        linear.shape(
+            &drawn(kind, xi, kind.sampling().map(|s| 1.0 / s)),
+            &mut shape,
+        );
         shape
     };
     kind.reference_nodes().iter().map(weights).collect()

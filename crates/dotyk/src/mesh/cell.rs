@@ -63,21 +63,25 @@ impl Domain {
             Self::Square => CellKind::Quad4,
             Self::Tetrahedron => CellKind::Tet4,
             Self::Cube => CellKind::Hex8,
+            Self::Prism => CellKind::Prism6,
         }
     }
 
     /// By how much reference coordinates lie outside; negative inside.
     pub fn outside(self, xi: &[f64]) -> f64 {
         let xi = &xi[..self.dimension()];
+        let simplex = |xi: &[f64]| {
+            let rest = xi.iter().sum::<f64>() - 1.0;
+            xi.iter().fold(rest, |largest, c| largest.max(-c))
+        };
+        let cube = |xi: &[f64]| {
+            let beyond = xi.iter().map(|c| c.abs() - 1.0);
+            beyond.fold(f64::NEG_INFINITY, f64::max)
+        };
         match self {
-            Self::Triangle | Self::Tetrahedron => {
-                let rest = xi.iter().sum::<f64>() - 1.0;
-                xi.iter().fold(rest, |largest, c| largest.max(-c))
-            }
-            Self::Line | Self::Square | Self::Cube => {
-                let beyond = xi.iter().map(|c| c.abs() - 1.0);
-                beyond.fold(f64::NEG_INFINITY, f64::max)
-            }
+            Self::Triangle | Self::Tetrahedron => simplex(xi),
+            Self::Line | Self::Square | Self::Cube => cube(xi),
+            Self::Prism => simplex(&xi[..2]).max(cube(&xi[2..])),
         }
     }
 }
@@ -107,6 +111,17 @@ impl CellKind {
     /// Its number in Gmsh's files.
     pub fn gmsh(self) -> u8 {
         self.data().gmsh
+    }
+
+    /// The nodes of a cell in our order, which is VTK's, from those in the order of a file of Gmsh.
+    pub(crate) fn reorder_from_gmsh<T: Copy>(self, nodes: &mut [T]) {
+        let order = self.data().gmsh_order;
+        if !order.is_empty() {
+            let theirs = nodes.to_vec();
+            for (node, &place) in nodes.iter_mut().zip(order) {
+                *node = theirs[place];
+            }
+        }
     }
 
     /// Nodes per cell.
@@ -177,8 +192,8 @@ impl CellKind {
         self.data().stiffness_degree
     }
 
-    /// How far from the centre towards the corners stress is sampled; zero: at the centre alone.
-    pub(crate) fn sampling(self) -> f64 {
+    /// How far from the centre towards the corners stress is sampled, along each coordinate; zero: at the centre alone.
+    pub(crate) fn sampling(self) -> [f64; 3] {
         self.data().sampling
     }
 
@@ -232,7 +247,7 @@ mod tests {
             assert_eq!(kind.domain().linear().domain(), kind.domain());
         }
         assert_eq!(CellKind::from_name("quad5"), None);
-        assert_eq!((MAX_CELL_NODES, MAX_FACET_NODES), (9, 4));
+        assert_eq!((MAX_CELL_NODES, MAX_FACET_NODES), (27, 9));
     }
 
     #[test]
@@ -306,6 +321,68 @@ mod tests {
         let regular = crate::geometry::dot(product, edges[2]) / 2f64.sqrt().powi(3);
         assert!((CellKind::Tet4.regular() - regular).abs() < 1e-15);
     }
+
+    #[test]
+    fn gmsh_lists_middles_by_the_tables_of_its_manual() {
+        // ends of the edges, then corners of the faces, in the order of the section on node ordering
+        type Tables = (CellKind, &'static [&'static [usize]]);
+        let tables: [Tables; 5] = [
+            (
+                CellKind::Tet10,
+                &[&[0, 1], &[1, 2], &[0, 2], &[0, 3], &[2, 3], &[1, 3]],
+            ),
+            (CellKind::Hex20, &HEXAHEDRON[..12]),
+            (CellKind::Hex27, &HEXAHEDRON),
+            (CellKind::Prism15, &PRISM[..9]),
+            (CellKind::Prism18, &PRISM),
+        ];
+        for (kind, middles) in tables {
+            let nodes = kind.reference_nodes();
+            let mut file = nodes[..kind.corners()].to_vec();
+            for middle in middles {
+                let sum = |d: usize| middle.iter().map(|&i| nodes[i][d]).sum::<f64>();
+                file.push([0, 1, 2].map(|d| sum(d) / middle.len() as f64));
+            }
+            kind.reorder_from_gmsh(&mut file);
+            assert_eq!(file, nodes, "{kind:?}");
+        }
+    }
+
+    const HEXAHEDRON: [&[usize]; 19] = [
+        &[0, 1],
+        &[0, 3],
+        &[0, 4],
+        &[1, 2],
+        &[1, 5],
+        &[2, 3],
+        &[2, 6],
+        &[3, 7],
+        &[4, 5],
+        &[4, 7],
+        &[5, 6],
+        &[6, 7],
+        &[0, 3, 2, 1],
+        &[0, 1, 5, 4],
+        &[0, 4, 7, 3],
+        &[1, 2, 6, 5],
+        &[2, 3, 7, 6],
+        &[4, 5, 6, 7],
+        &[0, 1, 2, 3, 4, 5, 6, 7],
+    ];
+    const PRISM: [&[usize]; 12] = [
+        &[0, 1],
+        &[0, 2],
+        &[0, 3],
+        &[1, 2],
+        &[1, 4],
+        &[2, 5],
+        &[3, 4],
+        &[3, 5],
+        &[4, 5],
+        &[0, 1, 4, 3],
+        &[0, 3, 5, 2],
+        &[1, 2, 5, 4],
+    ];
 
     #[test]
     fn the_mirror_maps_the_reference_cell_onto_itself() {

@@ -1259,12 +1259,33 @@ fn area_vector(mesh: &Mesh<3>, facets: &[Facet]) -> [f64; 3] {
 
 #[test]
 fn a_box_has_its_counts_and_the_areas_of_its_sides() {
-    for (cell, per_hexahedron, per_square) in [(CellKind::Hex8, 1, 1), (CellKind::Tet4, 6, 2)] {
+    for cell in CellKind::of_dimension(3) {
         let mesh = cuboid(cell, [2, 3, 4]);
-        assert_eq!(mesh.points().len(), 3 * 4 * 5);
+        let (per_hexahedron, squares_in_z) = match cell.domain() {
+            Domain::Tetrahedron => (6, 2),
+            Domain::Prism => (2, 2),
+            _ => (1, 1),
+        };
+        let across = if cell.domain() == Domain::Tetrahedron {
+            2
+        } else {
+            1
+        };
+        // edges, diagonals included, and middles of quadrilaterals and hexahedra
+        let (corners, edges, inner) = (60, 40 + 45 + 48, 32 + 36 + 30 + 24);
+        let diagonals = 2 * 3 * 5;
+        let nodes = corners
+            + match cell {
+                CellKind::Tet4 | CellKind::Hex8 | CellKind::Prism6 => 0,
+                CellKind::Hex20 => edges,
+                CellKind::Prism15 => edges + diagonals,
+                _ => edges + inner,
+            };
+        assert_eq!(mesh.points().len(), nodes, "{cell:?}");
         assert_eq!(mesh.cell_count(), 24 * per_hexahedron);
         assert_eq!(mesh.component_count(), 1);
-        assert_eq!(mesh.boundary_facets().len(), 2 * (6 + 8 + 12) * per_square);
+        let facets = 2 * (6 * squares_in_z + (8 + 12) * across);
+        assert_eq!(mesh.boundary_facets().len(), facets);
         let sides = [
             ("left", [-3.0, 0.0, 0.0]),
             ("right", [3.0, 0.0, 0.0]),
@@ -1288,14 +1309,24 @@ fn a_box_has_its_counts_and_the_areas_of_its_sides() {
         let cube = cube.build().unwrap();
         let worst = (0..cube.cell_count()).map(|c| cube.cell_quality(0, c));
         let worst = worst.fold(1.0, f64::min);
-        let expected = [1.0, 1.0 / 3f64.sqrt()][usize::from(cell == CellKind::Tet4)];
+        let expected = match cell.domain() {
+            Domain::Tetrahedron => 1.0 / 3f64.sqrt(),
+            // 45° over 60°
+            Domain::Prism => (0.5f64 / 0.75).sqrt(),
+            _ => 1.0,
+        };
         close(worst, expected, 1e-14);
     }
 }
 
 #[test]
 fn boxes_of_tetrahedra_match_on_all_sides() {
-    let mesh = cuboid(CellKind::Tet4, [2, 2, 2]);
+    for cell in [CellKind::Tet4, CellKind::Tet10] {
+        matches_on_all_sides(&cuboid(cell, [2, 2, 2]));
+    }
+}
+
+fn matches_on_all_sides(mesh: &Mesh<3>) {
     for (side, opposite, d) in [
         ("left", "right", 0),
         ("front", "back", 1),
@@ -1325,7 +1356,10 @@ fn cells_of_space_that_are_mirrored_are_turned_and_those_that_are_folded_refused
         let mesh = cuboid(cell, [2, 2, 1]);
         let mirrored = mesh.clone().map_points(|[x, y, z]| [x, -y, z]).unwrap();
         let area = area_vector(&mirrored, mirrored.side("front").unwrap());
-        assert!(crate::geometry::distance(area, [0.0, 6.0, 0.0]) < 1e-13);
+        assert!(
+            crate::geometry::distance(area, [0.0, 6.0, 0.0]) < 1e-13,
+            "{cell:?} {area:?}"
+        );
         for c in 0..mesh.cell_count() {
             close(mirrored.cell_quality(0, c), mesh.cell_quality(0, c), 1e-12);
         }
@@ -1342,6 +1376,14 @@ fn cells_of_space_that_are_mirrored_are_turned_and_those_that_are_folded_refused
         match cell {
             // a tetrahedron has one orientation: it is turned, and the mesh overlaps, which its outline tells
             CellKind::Tet4 => assert!(folded.is_ok()),
+            // a prism or quadratic cell may be turned as a whole
+            _ if cell != CellKind::Hex8 => assert!(
+                folded.is_ok()
+                    || matches!(
+                        folded,
+                        Err(MeshError::Folded { .. } | MeshError::ZeroVolume { .. })
+                    )
+            ),
             _ => assert!(
                 matches!(folded, Err(MeshError::Folded { .. })),
                 "{folded:?}"
@@ -1376,7 +1418,7 @@ fn wrong_boxes_are_errors_that_name_the_key() {
             cell,
             ..good.clone()
         },
-        "tet4 or hex8",
+        "give tet4, tet10, hex8",
     );
     let cells = [100_000; 3];
     wrong(Cuboid { cells, ..good }, "nodes");

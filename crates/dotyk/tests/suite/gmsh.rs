@@ -66,6 +66,12 @@ fn gmsh_type(kind: CellKind) -> i32 {
         CellKind::Line3 => 8,
         CellKind::Tet4 => 4,
         CellKind::Hex8 => 5,
+        CellKind::Tet10 => 11,
+        CellKind::Hex20 => 17,
+        CellKind::Hex27 => 12,
+        CellKind::Prism6 => 6,
+        CellKind::Prism15 => 18,
+        CellKind::Prism18 => 13,
     }
 }
 

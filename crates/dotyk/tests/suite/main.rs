@@ -25,6 +25,7 @@ mod rates;
 mod solvers;
 mod source;
 mod space;
+mod space_cells;
 mod steps;
 mod tables;
 mod tidy;

@@ -19,16 +19,10 @@ const fn kind(name: &'static str, dimension: u8, nodes: usize) -> ElementType {
 }
 
 /// Gmsh's numbers of element types that no mesh of ours consists of.
-const OTHER_TYPES: [(i64, ElementType); 36] = [
-    (6, kind("prism6", 3, 6)),
+const OTHER_TYPES: [(i64, ElementType); 30] = [
     (7, kind("pyramid5", 3, 5)),
-    (11, kind("tet10", 3, 10)),
-    (12, kind("hex27", 3, 27)),
-    (13, kind("prism18", 3, 18)),
     (14, kind("pyramid14", 3, 14)),
     (15, kind("point", 0, 1)),
-    (17, kind("hex20", 3, 20)),
-    (18, kind("prism15", 3, 15)),
     (19, kind("pyramid13", 3, 13)),
     (20, kind("tri9", 2, 9)),
     (21, kind("tri10", 2, 10)),
@@ -367,7 +361,10 @@ impl Reader<'_> {
                 *slot = index;
             }
         }
-        let used = &nodes[..element.nodes.min(MAX_CELL_NODES)];
+        let used = &mut nodes[..element.nodes.min(MAX_CELL_NODES)];
+        if let Some(kind) = CellKind::from_name(element.name) {
+            kind.reorder_from_gmsh(used);
+        }
         self.content.add(element, label, used, tags);
         Ok(())
     }

@@ -1,6 +1,6 @@
-//! Structured generators: rectangle, ring, half plate with a round hole; box.
+//! Structured generators of the plane: rectangle, ring, half plate with a round hole; those of space have their own files.
 //!
-//! Each of the plane is the image of a lattice of nu × nv squares. A quadratic cell has lattice points at its middles, so the
+//! Each is the image of a lattice of nu × nv squares. A quadratic cell has lattice points at its middles, so the
 //! lattice has order·n + 1 points in a direction, order·n where it closes on itself. The first lattice direction u and the
 //! second v are x and y of a rectangle; outward and around (counter-clockwise) of a ring, so that cells keep their
 //! orientation. Point (u, v) of the lattice is the image of one function, whichever the cells are.
@@ -11,8 +11,14 @@
 //! bit; the outer nodes of a [`Ring`] from −90 to 90 about the origin and the hole nodes of a [`TunnelRock`] of the same
 //! radius, `cells[0]` and `grade` are the same numbers.
 
+mod cuboid;
+mod layers;
+mod tets;
+
+pub use cuboid::Cuboid;
+
 use crate::geometry::{Point, add_scaled};
-use crate::mesh::{CellBlock, CellKind, Domain, Facet, Mesh, MeshError};
+use crate::mesh::{CellBlock, CellKind, Facet, Mesh, MeshError};
 use std::collections::BTreeMap;
 use std::ops::Range;
 
@@ -51,22 +57,6 @@ pub struct Rectangle {
     pub cell: CellKind,
     /// Cuts, for triangles.
     pub diagonals: Diagonals,
-}
-
-/// Axis-parallel box; sides left right (x) front back (y) bottom top (z).
-///
-/// Tetrahedra are six to a hexahedron, one for each order of the axes along which a path leads from its lowest to its highest
-/// corner: the same cut everywhere, so that neighbours, and boxes on each other, match.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Cuboid {
-    /// Corner with the smallest coordinates.
-    pub from: Point<3>,
-    /// Corner with the largest coordinates.
-    pub to: Point<3>,
-    /// Hexahedra along x, y and z.
-    pub cells: [usize; 3],
-    /// Kind of cells.
-    pub cell: CellKind,
 }
 
 /// Ring or part of a ring; sides inner outer, and start end unless it is full.
@@ -132,66 +122,6 @@ impl Rectangle {
         )
     }
 }
-
-impl Cuboid {
-    /// The mesh, cells of one size.
-    ///
-    /// Errors: corners that are not finite or not `from` < `to`, no cells, too many cells, cells other than tet4 and hex8.
-    pub fn build(&self) -> Result<Mesh<3>, MeshError> {
-        let [nx, ny, nz] = self.cells;
-        let counts = self.cells.iter().map(|&n| n as u128 + 1);
-        within_reach(counts.fold(1, u128::saturating_mul))?;
-        let [x, y, z] = lines("box", self.from, self.to, self.cells)?;
-        let parts: Vec<Vec<usize>> = match (self.cell.domain(), self.cell.order()) {
-            (Domain::Cube, 1) => vec![vec![0, 1, 3, 2, 4, 5, 7, 6]],
-            (Domain::Tetrahedron, 1) => PATHS.map(|path| path.to_vec()).to_vec(),
-            _ => {
-                let value = self.cell.name().to_string();
-                return Err(wrong("box", "cell", value, "give tet4 or hex8"));
-            }
-        };
-        let points = z.iter().flat_map(|&z| y.iter().map(move |&y| (y, z)));
-        let points = points.flat_map(|(y, z)| x.iter().map(move |&x| [x, y, z]));
-        let mut nodes = Vec::new();
-        for cell in 0..nx * ny * nz {
-            let place = [cell % nx, cell / nx % ny, cell / nx / ny];
-            // corners of a hexahedron in binary: x, y and z of bits 0, 1 and 2
-            nodes.extend(parts.iter().flatten().map(|corner| {
-                let [i, j, k] = [0, 1, 2].map(|d| place[d] + (corner >> d & 1));
-                ((k * (ny + 1) + j) * (nx + 1) + i) as u32
-            }));
-        }
-        let block = CellBlock {
-            kind: self.cell,
-            nodes,
-            group: None,
-        };
-        let mesh = Mesh::new(points.collect(), vec![block])?;
-        let boundary = mesh.boundary_facets();
-        let mut sides = BTreeMap::new();
-        for (d, names) in SIDES_OF_BOX.iter().enumerate() {
-            for (name, at) in names.iter().zip([self.from[d], self.to[d]]) {
-                let on = |facet: &Facet| mesh.facet_points(*facet).all(|x| x[d] == at);
-                let facets = boundary.iter().copied().filter(on);
-                sides.insert(name.to_string(), facets.collect());
-            }
-        }
-        mesh.with_sides(sides)
-    }
-}
-
-/// Sides of a box by axis.
-const SIDES_OF_BOX: [[&str; 2]; 3] = [["left", "right"], ["front", "back"], ["bottom", "top"]];
-
-/// Corners, in binary, of the tetrahedra on the paths along xyz, yzx, zxy, and, mirrored, on those along yxz, xzy, zyx.
-const PATHS: [[usize; 4]; 6] = [
-    [0, 1, 3, 7],
-    [0, 2, 6, 7],
-    [0, 4, 5, 7],
-    [0, 3, 2, 7],
-    [0, 5, 1, 7],
-    [0, 6, 4, 7],
-];
 
 /// Coordinates of the nodes of equal cells along each axis between two corners.
 ///
