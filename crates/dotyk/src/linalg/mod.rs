@@ -22,7 +22,7 @@ mod sparse_lu;
 pub use cholesky::{Cholesky, SymbolicCholesky};
 pub use dense::{Lu, gram, product, transpose_product};
 pub use faer::Mat;
-pub use order::{expand_to_dofs, fill_reducing_order};
+pub use order::{expand_to_dofs, fill_reducing_order, fill_reducing_order_in_space};
 pub use sparse::{
     CellMatrices, Connectivity, Graph, SparseMatrix, SparseVector, SymmetricMatrix, assemble_blocks,
 };

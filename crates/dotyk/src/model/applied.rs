@@ -5,12 +5,9 @@
 //! ```
 
 use crate::fem::BodySystem;
-use crate::linalg::{
-    Cholesky, LinearOperator, Mat, SymbolicCholesky, SymmetricMatrix, expand_to_dofs,
-    fill_reducing_order,
-};
+use crate::linalg::{Cholesky, LinearOperator, Mat, SymmetricMatrix};
 use crate::model::bodies::{BodyRows, LoadedBody};
-use crate::model::factor::{FactoredBody, Ordered};
+use crate::model::factor::{FactoredBody, Ordered, analyse};
 use rayon::prelude::*;
 use std::sync::Arc;
 
@@ -187,10 +184,7 @@ fn boundary_part<const D: usize>(body: &LoadedBody<D>, grounded: &[usize]) -> Op
 
 /// The factor of K on the kept dofs, if these are held.
 fn factored<const D: usize>(system: &BodySystem<D>, keep: &[bool]) -> Option<Cholesky> {
-    let nodes = keep.chunks_exact(D).map(|dofs| dofs.contains(&true));
-    let nodes: Vec<bool> = nodes.collect();
-    let dofs = expand_to_dofs(&fill_reducing_order(&system.graph, &nodes, &[]), D, keep);
-    let analysis = SymbolicCholesky::new(&system.stiffness, &dofs, 0).ok()?;
+    let analysis = analyse(system, keep, &[]).ok()?;
     analysis.factor(&system.stiffness).ok()
 }
 

@@ -4,7 +4,10 @@
 //! does not change the answer: a different choice changes F by Gᵀ(..) + (..)G only, which Gλ = e and α absorb.
 
 use crate::fem::{BodySystem, FemError, show};
-use crate::linalg::{Cholesky, LinalgError, SymbolicCholesky, expand_to_dofs, fill_reducing_order};
+use crate::linalg::{
+    Cholesky, LinalgError, SymbolicCholesky, expand_to_dofs, fill_reducing_order,
+    fill_reducing_order_in_space,
+};
 use crate::model::bodies::{BodyRows, LoadedBody};
 use crate::model::error::Error;
 use crate::model::event::Work;
@@ -69,26 +72,40 @@ pub(crate) fn order<const D: usize>(
     let mut keep: Vec<bool> = system.held.iter().map(|held| !held).collect();
     let grounded = grounded_dofs(system, &keep, &contact_node);
     grounded.iter().for_each(|&dof| keep[dof] = false);
-    let keep_node: Vec<bool> = keep
-        .chunks_exact(D)
-        .map(|dofs| dofs.contains(&true))
-        .collect();
     let last: Vec<usize> = match dense {
         true => (0..contact_node.len())
-            .filter(|&node| contact_node[node] && keep_node[node])
+            .filter(|&node| contact_node[node])
             .collect(),
         false => Vec::new(),
     };
-    let nodes = fill_reducing_order(&system.graph, &keep_node, &last);
-    let dofs = expand_to_dofs(&nodes, D, &keep);
-    let trailing = expand_to_dofs(&last, D, &keep);
-    let analysis = SymbolicCholesky::new(&system.stiffness, &dofs, trailing.len())
-        .map_err(|source| singular(model, body, source))?;
+    let analysis = analyse(system, &keep, &last).map_err(|source| singular(model, body, source))?;
     Ok(Ordered {
         analysis,
-        trailing,
+        trailing: expand_to_dofs(&last, D, &keep),
         grounded,
     })
+}
+
+/// Orders and analyses K on the dofs with `keep`, those of the nodes `last` at the end.
+///
+/// Errors: [`LinalgError::TooLarge`].
+pub(crate) fn analyse<const D: usize>(
+    system: &BodySystem<D>,
+    keep: &[bool],
+    last: &[usize],
+) -> Result<SymbolicCholesky, LinalgError> {
+    let nodes = keep.chunks_exact(D).map(|dofs| dofs.contains(&true));
+    let nodes: Vec<bool> = nodes.collect();
+    let order = match D {
+        3 => fill_reducing_order_in_space(&system.graph, &nodes, last),
+        _ => fill_reducing_order(&system.graph, &nodes, last),
+    };
+    let trailing = expand_to_dofs(last, D, keep).len();
+    SymbolicCholesky::new(
+        &system.stiffness,
+        &expand_to_dofs(&order, D, keep),
+        trailing,
+    )
 }
 
 /// Dofs that hold the free rigid modes for the factorisation: complete pivoting on R, away from the contacts if possible.
