@@ -20,7 +20,9 @@ mod reference;
 pub use cell::{CellBlock, MAX_CELL_NODES, MAX_FACET_NODES};
 pub use error::MeshError;
 pub use facets::{Chain, FacetTable};
-pub use generate::{Cuboid, Diagonals, Rectangle, Ring, TunnelRock};
+pub use generate::{
+    Cuboid, Cylinder, Diagonals, Extrude, Path, Rectangle, Ring, Sphere, TunnelRock,
+};
 pub use import::{FilePlace, ImportError, Imported, MeshFile};
 pub use outline::{Contour, Division, EdgeShape, Outline, OutlineEdge, OutlinePlace, SizePoint};
 pub use reference::{CellKind, Domain};
@@ -77,7 +79,7 @@ impl<const D: usize> Mesh<D> {
         self.checked()
     }
 
-    /// Checks what a mesh must be, turns cells with the facets of the sides, sorts the sides.
+    /// Checks what a mesh must be, turns cells with the facets of sides and curves, sorts the sides.
     fn checked(mut self) -> Result<Self, MeshError> {
         let turned = check(&self.points, &mut self.blocks)?;
         let mirrored: Vec<Vec<u32>> = self
@@ -85,15 +87,22 @@ impl<const D: usize> Mesh<D> {
             .iter()
             .map(|block| facets::mirrored(block.kind))
             .collect();
-        for side in self.sides.values_mut() {
-            for facet in side.iter_mut() {
-                let block = facet.block as usize;
-                if turned[block].binary_search(&facet.cell).is_ok() {
-                    facet.local = mirrored[block][facet.local as usize];
-                }
+        let follow = |facet: &mut Facet| {
+            let block = facet.block as usize;
+            if turned[block].binary_search(&facet.cell).is_ok() {
+                facet.local = mirrored[block][facet.local as usize];
             }
+        };
+        for side in self.sides.values_mut() {
+            side.iter_mut().for_each(follow);
             side.sort_unstable();
         }
+        let curves = std::mem::take(&mut self.curves).into_iter();
+        let followed = curves.map(|(mut facet, curve)| {
+            follow(&mut facet);
+            (facet, curve)
+        });
+        self.curves = followed.collect();
         Ok(self)
     }
 

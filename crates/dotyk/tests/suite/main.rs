@@ -22,6 +22,7 @@ mod own;
 mod past;
 mod patch;
 mod rates;
+mod solids;
 mod solvers;
 mod source;
 mod space;

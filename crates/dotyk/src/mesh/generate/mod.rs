@@ -12,10 +12,13 @@
 //! radius, `cells[0]` and `grade` are the same numbers.
 
 mod cuboid;
+mod disc;
 mod layers;
+mod solids;
 mod tets;
 
 pub use cuboid::Cuboid;
+pub use solids::{Cylinder, Extrude, Path, Sphere};
 
 use crate::geometry::{Point, add_scaled};
 use crate::mesh::{CellBlock, CellKind, Facet, Mesh, MeshError};
