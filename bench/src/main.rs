@@ -67,13 +67,13 @@ fn compare(arguments: &Arguments) -> Result<(), String> {
         .build();
     let pool = pool.map_err(|error| error.to_string())?;
     for case in &arguments.cases {
-        let case = Case::read(case).map_err(|error| error.to_string())?;
+        let case = Case::<2>::read(case).map_err(|error| error.to_string())?;
         pool.install(|| compare_case(&case, arguments.repeat))?;
     }
     Ok(())
 }
 
-fn compare_case(case: &Case, repeat: usize) -> Result<(), String> {
+fn compare_case(case: &Case<2>, repeat: usize) -> Result<(), String> {
     let welded = tied::weld(&case.model)?;
     let (mut contact, mut plain) = (Vec::new(), Vec::new());
     let mut head = String::new();

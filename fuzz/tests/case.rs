@@ -16,7 +16,7 @@ fn is_an_error_or_a_model() {
             let bytes = spoilt(&seeds, seed, edits);
             let text = String::from_utf8_lossy(&bytes);
             let folder = seeds[seed].0.parent().expect("a file lies in a folder");
-            match Case::from_str(&text, "spoilt.toml", folder) {
+            match Case::<2>::from_str(&text, "spoilt.toml", folder) {
                 Err(error) => assert!(!error.to_string().is_empty()),
                 Ok(case) => {
                     let sizes = case.model.bodies.iter().map(|b| b.mesh.points().len());

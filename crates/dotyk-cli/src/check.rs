@@ -5,7 +5,6 @@ use crate::failure::Failure;
 use crate::given::Given;
 use crate::run::output_folder;
 use crate::text::{print, written};
-use dotyk::output;
 use std::path::PathBuf;
 
 /// Arguments of `dotyk check`.
@@ -22,28 +21,29 @@ pub struct Arguments {
 
 /// Checks, writes the page, prints.
 pub fn check(arguments: &Arguments) -> Result<Outcome, Failure> {
-    let case = arguments.given.read(&arguments.case)?;
-    let folder = match &arguments.out {
-        Some(folder) => Some(output_folder(Some(folder), &case)?),
-        None => None,
-    };
-    let mut check = case.model.check();
-    case.warn_first(&mut check.warnings);
-    let mut text = check.to_string();
-    if !text.ends_with('\n') {
-        text.push('\n');
-    }
-    // The page shows where an error is: it is written with errors, too.
-    if let Some(folder) = folder {
-        let page = output::write_check_page(&case.model, &check, &case.stem, &folder);
-        let page = page.map_err(|e| Failure::Message(e.to_string()))?;
-        text += &written(&[page]);
-    }
-    print(&text);
-    match check.errors.as_slice() {
-        [] => Ok(Outcome::Done),
-        errors => Err(case
-            .error(check.subject.as_ref(), &errors.join("; "))
-            .into()),
-    }
+    of_any!(arguments.given.read(&arguments.case)?, |case| {
+        let folder = match &arguments.out {
+            Some(folder) => Some(output_folder(Some(folder), &case.stem)?),
+            None => None,
+        };
+        let mut check = case.model.check();
+        case.warn_first(&mut check.warnings);
+        let mut text = check.to_string();
+        if !text.ends_with('\n') {
+            text.push('\n');
+        }
+        // The page shows where an error is: it is written with errors, too.
+        if let Some(folder) = folder {
+            let page = check.write_page(&case.model, &case.stem, &folder);
+            let page = page.map_err(|e| Failure::Message(e.to_string()))?;
+            text += &written(&[page]);
+        }
+        print(&text);
+        match check.errors.as_slice() {
+            [] => Ok(Outcome::Done),
+            errors => Err(case
+                .error(check.subject.as_ref(), &errors.join("; "))
+                .into()),
+        }
+    })
 }

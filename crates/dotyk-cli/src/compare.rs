@@ -6,7 +6,7 @@ use crate::given::Given;
 use crate::progress::Progress;
 use crate::run::{output_folder, positive};
 use crate::text::{columns, number, print, written};
-use dotyk::model::{Comparison, ComparisonRow, Error};
+use dotyk::model::{Comparison, ComparisonRow};
 use dotyk::output;
 use std::path::PathBuf;
 
@@ -48,40 +48,74 @@ fn log_spaced((a, b): (f64, f64)) -> Vec<f64> {
 /// Compares, writes, prints.
 pub fn compare(arguments: &Arguments) -> Result<Outcome, Failure> {
     let case = arguments.given.read(&arguments.case)?;
-    let folder = output_folder(arguments.out.as_deref(), &case)?;
-    warn(&case.warnings);
-    let mut progress = Progress::new(false);
-    let methods = case.model.compare(&mut |event| progress.observe(event));
-    let steps = match (&methods, arguments.rho) {
-        (Ok(_), Some(range)) => {
-            let rho = log_spaced(range);
-            let steps = case
-                .model
-                .compare_steps(&rho, &mut |event| progress.observe(event));
-            Some(steps)
+    let compared = of_any!(&case, |case| {
+        let folder = output_folder(arguments.out.as_deref(), &case.stem)?;
+        warn(&case.warnings);
+        let mut progress = Progress::new(false);
+        let methods = case.model.compare(&mut |event| progress.observe(event));
+        let steps = match (&methods, arguments.rho) {
+            (Ok(_), Some(range)) => {
+                let rho = log_spaced(range);
+                let steps = case
+                    .model
+                    .compare_steps(&rho, &mut |event| progress.observe(event));
+                Some(steps)
+            }
+            _ => None,
+        };
+        progress.finish();
+        let failed = methods.as_ref().err();
+        let failed = failed.or_else(|| steps.as_ref().and_then(|steps| steps.as_ref().err()));
+        if let Some(error) = failed {
+            return Err(case
+                .error(error.subject().as_ref(), &error.to_string())
+                .into());
         }
-        _ => None,
-    };
-    progress.finish();
-    let refused = |e: Error<2>| Failure::from(case.error(e.subject().as_ref(), &e.to_string()));
-    let methods = methods.map_err(refused)?;
-    let steps = steps.transpose().map_err(refused)?.unwrap_or_default();
+        Compared {
+            title: case.model.title.clone(),
+            steps: case.model.times.len(),
+            folder,
+            methods: methods.unwrap_or_default(),
+            of_rho: steps.and_then(Result::ok).unwrap_or_default(),
+        }
+    });
+    report(arguments, &compared)
+}
 
-    let step = match case.model.times.len() {
+/// What came of all solvers.
+struct Compared {
+    title: String,
+    /// Number of load steps of the case.
+    steps: usize,
+    folder: PathBuf,
+    methods: Vec<ComparisonRow>,
+    of_rho: Vec<ComparisonRow>,
+}
+
+/// Writes and prints.
+fn report(arguments: &Arguments, compared: &Compared) -> Result<Outcome, Failure> {
+    let Compared {
+        title,
+        folder,
+        methods,
+        of_rho,
+        ..
+    } = compared;
+    let step = match compared.steps {
         1 => String::new(),
         count => format!("step {count} of {count}, from its own start\n"),
     };
-    let mut text = format!("{}\n{step}\n{}", case.model.title, method_table(&methods));
-    if !steps.is_empty() {
+    let mut text = format!("{title}\n{step}\n{}", method_table(methods));
+    if !of_rho.is_empty() {
         text += "\n";
-        text += &step_table(&steps);
+        text += &step_table(of_rho);
     }
     if arguments.rho.is_some() || arguments.out.is_some() {
         let comparison = Comparison {
-            title: case.model.title.clone(),
-            rows: methods.iter().chain(&steps).cloned().collect(),
+            title: title.clone(),
+            rows: methods.iter().chain(of_rho).cloned().collect(),
         };
-        let files = output::write_comparison(&comparison, &folder);
+        let files = output::write_comparison(&comparison, folder);
         let files = files.map_err(|e| Failure::Message(e.to_string()))?;
         text += "\n";
         text += &written(&files);

@@ -5,8 +5,8 @@ use crate::failure::{Failure, warn};
 use crate::given::Given;
 use crate::run::{output_folder, start_threads};
 use crate::text::{number, print, written};
-use dotyk::case::Case;
-use dotyk::model::{Dual, Error, Model};
+use dotyk::dual::DualProblem;
+use dotyk::model::Error;
 use dotyk::output;
 use std::path::PathBuf;
 
@@ -38,43 +38,41 @@ fn finite(text: &str) -> Result<f64, String> {
 /// Condenses, solves for comparison, writes, prints.
 pub fn export(arguments: &Arguments) -> Result<Outcome, Failure> {
     start_threads(arguments.threads)?;
-    let case = arguments.given.read(&arguments.case)?;
-    let folder = output_folder(arguments.out.as_deref(), &case)?;
-    warn(&case.warnings);
-    let time = arguments.time.unwrap_or(case.model.last_time());
-    let mut dual = match case.model.dual(time) {
-        Ok(dual) => dual,
-        Err(error @ Error::NotConverged { .. }) => {
-            let message = format!("a load step before t = {}: {error}", number(time));
-            Failure::of(&arguments.case, message).print();
-            return Ok(Outcome::Unsatisfied);
+    of_any!(arguments.given.read(&arguments.case)?, |case| {
+        let folder = output_folder(arguments.out.as_deref(), &case.stem)?;
+        warn(&case.warnings);
+        let time = arguments.time.unwrap_or(case.model.last_time());
+        let mut dual = match case.model.dual(time) {
+            Ok(dual) => dual,
+            Err(error @ Error::NotConverged { .. }) => {
+                let message = format!("a load step before t = {}: {error}", number(time));
+                Failure::of(&arguments.case, message).print();
+                return Ok(Outcome::Unsatisfied);
+            }
+            Err(error) => {
+                let refusal = case.error(error.subject().as_ref(), &error.to_string());
+                return Err(refusal.into());
+            }
+        };
+        let refused = |error: output::Error| Failure::Message(error.to_string());
+        if !dual.assemble() {
+            let (unknowns, most) = (dual.problem().len(), dotyk::model::ASSEMBLED);
+            return Err(refused(output::Error::Unassembled { unknowns, most }));
         }
-        Err(error) => return Err(refused(&case, &error)),
-    };
-    let refused = |error: output::Error| Failure::Message(error.to_string());
-    if !dual.assemble() {
-        let (unknowns, most) = (dual.problem().len(), dotyk::model::ASSEMBLED);
-        return Err(refused(output::Error::Unassembled { unknowns, most }));
-    }
-    // what has no answer here is worth another solver's while
-    let answer = dual.solve(case.model.solver.method);
-    if let Err(error) = &answer {
-        warn(&[format!("the problem is written without an answer: {error}")]);
-    }
-    let files = output::write_dual(&dual, answer.as_ref().ok(), &case.stem, &folder);
-    let text = summary(&case.model, &dual) + &written(&files.map_err(refused)?);
-    print(&text);
-    Ok(Outcome::Done)
-}
-
-fn refused(case: &Case, error: &Error<2>) -> Failure {
-    case.error(error.subject().as_ref(), &error.to_string())
-        .into()
+        // what has no answer here is worth another solver's while
+        let answer = dual.solve(case.model.solver.method);
+        if let Err(error) = &answer {
+            warn(&[format!("the problem is written without an answer: {error}")]);
+        }
+        let files = dual.write(answer.as_ref().ok(), &case.stem, &folder);
+        let text = summary(&case.model.title, dual.time(), dual.problem());
+        print(&(text + &written(&files.map_err(refused)?)));
+        Ok(Outcome::Done)
+    })
 }
 
 /// What the problem is, in two lines.
-fn summary(model: &Model<2>, dual: &Dual<2>) -> String {
-    let problem = dual.problem();
+fn summary(title: &str, time: f64, problem: &DualProblem) -> String {
     let blocks = problem.admissible.blocks();
     let count = |law: &str| match blocks.iter().filter(|block| block.name() == law).count() {
         0 => String::new(),
@@ -82,9 +80,8 @@ fn summary(model: &Model<2>, dual: &Dual<2>) -> String {
     };
     let laws = ["unilateral", "free", "tresca", "coulomb"].map(count);
     format!(
-        "{}\nt = {}, m = {} contact forces, r = {} rigid amplitudes, {} blocks{}\n\n",
-        model.title,
-        number(dual.time()),
+        "{title}\nt = {}, m = {} contact forces, r = {} rigid amplitudes, {} blocks{}\n\n",
+        number(time),
         problem.len(),
         problem.balance.load().len(),
         blocks.len(),

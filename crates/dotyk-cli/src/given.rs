@@ -1,7 +1,7 @@
 //! Values of parameters from the command line.
 
 use crate::failure::Failure;
-use dotyk::case::Case;
+use dotyk::case::AnyCase;
 use std::path::Path;
 
 /// Arguments of every command that reads one case.
@@ -34,12 +34,12 @@ impl Given {
     }
 
     /// The case with these values.
-    pub fn read(&self, case: &Path) -> Result<Case, Failure> {
+    pub fn read(&self, case: &Path) -> Result<AnyCase, Failure> {
         for (k, (name, _)) in self.set.iter().enumerate() {
             if self.set[..k].iter().any(|(before, _)| before == name) {
                 return Err(Failure::Message(format!("--set {name} is given twice")));
             }
         }
-        Ok(Case::read_with(case, &self.set)?)
+        Ok(AnyCase::read_with(case, &self.set)?)
     }
 }

@@ -3,6 +3,16 @@
 //! Results go to standard output, progress and messages to standard error. Exit status: 0 done, with or without
 //! warnings; 1 not converged or not verified; 2 bad input.
 
+/// Does the same with a case of the plane and with one of space.
+macro_rules! of_any {
+    ($case:expr, |$name:ident| $body:expr) => {
+        match $case {
+            dotyk::case::AnyCase::Plane($name) => $body,
+            dotyk::case::AnyCase::Space($name) => $body,
+        }
+    };
+}
+
 mod check;
 mod compare;
 mod export;

@@ -4,8 +4,7 @@ use crate::Outcome;
 use crate::failure::{Failure, warn};
 use crate::given::Given;
 use crate::progress::Progress;
-use crate::text::{columns, number, print, written};
-use dotyk::case::Case;
+use crate::text::{columns, number, print, vector, written};
 use dotyk::model::{
     Analysis, BodySolution, Bolts, ContactSolution, Dimension, Method, Model, ProbeValue, Solution,
     SolverOptions, StressAt,
@@ -122,57 +121,61 @@ fn output_folders(arguments: &Arguments) -> Result<Vec<PathBuf>, Failure> {
 /// Solves one case, writes its files into a folder, prints.
 fn run_case(arguments: &Arguments, file: &Path, folder: &Path) -> Result<Outcome, Failure> {
     let start = Instant::now();
-    let mut case = arguments.given.read(file)?;
-    override_solver(&mut case.model.solver, arguments.solver, arguments.rho)?;
-    let past = arguments.from.as_deref().map(output::past).transpose();
-    let past = past.map_err(|e| Failure::Message(e.to_string()))?;
-    let past = past.unwrap_or_default();
+    of_any!(arguments.given.read(file)?, |case| {
+        let mut case = case;
+        override_solver(&mut case.model.solver, arguments.solver, arguments.rho)?;
+        let past = arguments.from.as_deref().map(|dir| case.model.past(dir));
+        let past = past.transpose();
+        let past = past.map_err(|e| Failure::Message(e.to_string()))?;
 
-    let mut progress = Progress::new(arguments.quiet);
-    let run = case.run(&past, &mut |event| progress.observe(event));
-    progress.finish();
-    let refused = |e: output::Error| Failure::Message(e.to_string());
-    warn(&run.warnings());
-    let steps = run.standing();
-    let failed = run.failure.as_ref().filter(|_| run.count > 1);
-    let record = output::Record {
-        model: &case.model,
-        steps,
-        stem: &case.stem,
-        failed: failed.map(|failure| output::FailedStep {
-            step: failure.step,
-            time: failure.time,
-            reason: failure.reason.clone(),
-        }),
-        since: start,
-    };
-    if steps.last().is_some_and(|last| last.converged) {
-        let files = output::write(&record, folder).map_err(refused)?;
-        if arguments.json {
-            print_summary(folder)?;
-        } else {
-            let heading = match arguments.cases.len() {
-                1 => String::new(),
-                _ => format!("{}\n", file.display()),
-            };
-            print(&(heading + &results(&case.model, steps) + &written(&files)));
+        let mut progress = Progress::new(arguments.quiet);
+        let run = case.run(&past.unwrap_or_default(), &mut |event| {
+            progress.observe(event)
+        });
+        progress.finish();
+        let refused = |e: output::Error| Failure::Message(e.to_string());
+        warn(&run.warnings());
+        let steps = run.standing();
+        let failed = run.failure.as_ref().filter(|_| run.count > 1);
+        let record = output::Record {
+            model: &case.model,
+            steps,
+            stem: &case.stem,
+            failed: failed.map(|failure| output::FailedStep {
+                step: failure.step,
+                time: failure.time,
+                reason: failure.reason.clone(),
+            }),
+            since: start,
+        };
+        if steps.last().is_some_and(|last| last.converged) {
+            let files = record.write(folder).map_err(refused)?;
+            if arguments.json {
+                print_summary(folder)?;
+            } else {
+                let heading = match arguments.cases.len() {
+                    1 => String::new(),
+                    _ => format!("{}\n", file.display()),
+                };
+                print(&(heading + &results(&case.model, steps) + &written(&files)));
+            }
+        } else if !steps.is_empty() {
+            let file = record.write_summary(folder).map_err(refused)?;
+            match arguments.json {
+                true => print_summary(folder)?,
+                false => print(&(verdict(&case.model, steps) + &written(&[file]))),
+            }
         }
-    } else if !steps.is_empty() {
-        let file = output::write_summary(&record, folder).map_err(refused)?;
-        match arguments.json {
-            true => print_summary(folder)?,
-            false => print(&(verdict(&case.model, steps) + &written(&[file]))),
+        let ended = run.to_string();
+        match run.failure.map(|failure| failure.refusal) {
+            None => Ok(Outcome::Done),
+            Some(None) => {
+                Failure::of(file, ended).print();
+                Ok(Outcome::Unsatisfied)
+            }
+            Some(Some(refusal)) => Err(refusal.into()),
         }
-    }
-    let ended = run.to_string();
-    match run.failure.map(|failure| failure.refusal) {
-        None => Ok(Outcome::Done),
-        Some(None) => {
-            Failure::of(file, ended).print();
-            Ok(Outcome::Unsatisfied)
-        }
-        Some(Some(refusal)) => Err(refusal.into()),
-    }
+    })
 }
 
 fn print_summary(folder: &Path) -> Result<(), Failure> {
@@ -183,8 +186,8 @@ fn print_summary(folder: &Path) -> Result<(), Failure> {
 }
 
 /// The command line's solver and step instead of the case's; what belongs to the case's own method goes with it.
-fn override_solver(
-    options: &mut SolverOptions<2>,
+fn override_solver<const D: usize>(
+    options: &mut SolverOptions<D>,
     method: Option<Method>,
     rho: Option<f64>,
 ) -> Result<(), Failure> {
@@ -209,10 +212,10 @@ fn override_solver(
 }
 
 /// The folder for results of a case; refused before any work when a file is in its way.
-pub fn output_folder(given: Option<&Path>, case: &Case) -> Result<PathBuf, Failure> {
+pub fn output_folder(given: Option<&Path>, stem: &str) -> Result<PathBuf, Failure> {
     free_folder(match given {
         Some(folder) => folder.to_path_buf(),
-        None => PathBuf::from(format!("{}-out", case.stem)),
+        None => PathBuf::from(format!("{stem}-out")),
     })
 }
 
@@ -247,7 +250,7 @@ fn of_probe(scales: &Scales, probe: &ProbeValue) -> String {
 }
 
 /// The result lines: of several load steps a line each, and the last in full.
-fn results(model: &Model<2>, steps: &[Solution<2>]) -> String {
+fn results<const D: usize>(model: &Model<D>, steps: &[Solution<D>]) -> String {
     let Some(last) = steps.last() else {
         return String::new();
     };
@@ -279,7 +282,7 @@ fn results(model: &Model<2>, steps: &[Solution<2>]) -> String {
 }
 
 /// A line for each step and contact.
-fn contacts_of_steps(model: &Model<2>, steps: &[Solution<2>]) -> String {
+fn contacts_of_steps<const D: usize>(model: &Model<D>, steps: &[Solution<D>]) -> String {
     let mut rows = Vec::new();
     for (i, step) in steps.iter().enumerate() {
         let scales = Scales::of(step);
@@ -290,18 +293,18 @@ fn contacts_of_steps(model: &Model<2>, steps: &[Solution<2>]) -> String {
             row
         };
         match step.contacts.as_slice() {
-            [] => rows.push(start(vec![String::new(); 7])),
+            [] => rows.push(start(vec![String::new(); D + 5])),
             contacts => rows.extend(contacts.iter().map(|c| start(contact_row(c, &scales)))),
         }
     }
     let own = contact_header(model);
     let header = ["step", "t", "iterations"].into_iter();
     let header: Vec<&str> = header.chain(own.iter().map(String::as_str)).collect();
-    columns(&header, &rows, 4..10)
+    columns(&header, &rows, 4..header.len())
 }
 
 /// ", in m and N" where the case says so.
-fn units(model: &Model<2>) -> String {
+fn units<const D: usize>(model: &Model<D>) -> String {
     let given = [&model.units.length, &model.units.force];
     let given: Vec<&str> = given
         .into_iter()
@@ -313,18 +316,19 @@ fn units(model: &Model<2>) -> String {
     }
 }
 
-/// Names of the two axes in the heads of columns, after a word.
-fn along_axes(model: &Model<2>, word: &str) -> [String; 2] {
+/// Names of the axes in the heads of columns, after a word.
+fn along_axes<const D: usize>(model: &Model<D>, word: &str) -> Vec<String> {
     let axes = match model.analysis {
-        Analysis::Axisymmetric => ["r", "z"],
-        _ => ["x", "y"],
+        Analysis::Axisymmetric => &["r", "z"],
+        _ => &["x", "y", "z"][..D],
     };
-    axes.map(|axis| format!("{word} {axis}"))
+    axes.iter().map(|axis| format!("{word} {axis}")).collect()
 }
 
-fn contact_header(model: &Model<2>) -> Vec<String> {
+fn contact_header<const D: usize>(model: &Model<D>) -> Vec<String> {
     let forces = along_axes(model, "force");
-    let rest = ["max pressure", "length", "closed", "open"].map(String::from);
+    let extent = if D == 3 { "area" } else { "length" };
+    let rest = ["max pressure", extent, "closed", "open"].map(String::from);
     ["contact".to_string()]
         .into_iter()
         .chain(forces)
@@ -332,21 +336,18 @@ fn contact_header(model: &Model<2>) -> Vec<String> {
         .collect()
 }
 
-fn contact_row(contact: &ContactSolution<2>, scales: &Scales) -> Vec<String> {
+fn contact_row<const D: usize>(contact: &ContactSolution<D>, scales: &Scales) -> Vec<String> {
     let (closed, open) = output::closed_and_open(&contact.nodes);
     let pressures = contact.nodes.iter().map(|n| n.pressure);
-    vec![
-        contact.name.clone(),
-        force(scales, contact.resultant[0]),
-        force(scales, contact.resultant[1]),
-        number(pressures.fold(0.0, f64::max)),
-        number(contact.length),
-        closed.to_string(),
-        open.to_string(),
-    ]
+    let mut row = vec![contact.name.clone()];
+    row.extend(contact.resultant.map(|f| force(scales, f)));
+    row.push(number(pressures.fold(0.0, f64::max)));
+    row.push(number(contact.length));
+    row.extend([closed, open].map(|count| count.to_string()));
+    row
 }
 
-fn contacts(model: &Model<2>, solution: &Solution<2>) -> String {
+fn contacts<const D: usize>(model: &Model<D>, solution: &Solution<D>) -> String {
     if solution.contacts.is_empty() {
         return String::new();
     }
@@ -357,41 +358,48 @@ fn contacts(model: &Model<2>, solution: &Solution<2>) -> String {
     };
     let header = contact_header(model);
     let header: Vec<&str> = header.iter().map(String::as_str).collect();
-    columns(&header, &rows, 1..7)
+    columns(&header, &rows, 1..header.len())
 }
 
 /// The points of couples; nothing where there are none.
-fn points(model: &Model<2>, solution: &Solution<2>) -> String {
+fn points<const D: usize>(model: &Model<D>, solution: &Solution<D>) -> String {
     let scales = Scales::of(solution);
     let length = |value: f64| number(scales.without_noise(value, Dimension::Length));
     let couples = solution.bodies.iter();
     let couples = couples.flat_map(|body| body.couples.iter().map(move |couple| (body, couple)));
     let rows: Vec<Vec<String>> = couples
         .map(|(body, couple)| {
-            vec![
+            let mut row = vec![
                 format!("{}.{}", body.name, couple.name),
                 couple.kind.name().to_string(),
-                length(couple.displacement[0]),
-                length(couple.displacement[1]),
-                number(couple.rotation[0]),
-                force(&scales, couple.force[0]),
-                force(&scales, couple.force[1]),
-                force(&scales, couple.moment[0]),
-            ]
+            ];
+            row.extend(couple.displacement.map(length));
+            row.extend(couple.rotation.iter().map(|&angle| number(angle)));
+            row.extend(couple.force.map(|f| force(&scales, f)));
+            row.extend(couple.moment.iter().map(|&m| force(&scales, m)));
+            row
         })
         .collect();
     if rows.is_empty() {
         return String::new();
     }
-    let moves = along_axes(model, "displacement");
-    let forces = along_axes(model, "force");
+    let about = |word: &str| match D {
+        2 => vec![word.to_string()],
+        _ => along_axes(model, word),
+    };
     let header = [
-        "point", "couple", &moves[0], &moves[1], "rotation", &forces[0], &forces[1], "moment",
-    ];
-    columns(&header, &rows, 2..8)
+        vec!["point".to_string(), "couple".to_string()],
+        along_axes(model, "displacement"),
+        about("rotation"),
+        along_axes(model, "force"),
+        about("moment"),
+    ]
+    .concat();
+    let header: Vec<&str> = header.iter().map(String::as_str).collect();
+    columns(&header, &rows, 2..header.len())
 }
 
-fn bodies(model: &Model<2>, solution: &Solution<2>) -> String {
+fn bodies<const D: usize>(model: &Model<D>, solution: &Solution<D>) -> String {
     let scales = Scales::of(solution);
     let rows: Vec<Vec<String>> = solution
         .bodies
@@ -402,37 +410,29 @@ fn bodies(model: &Model<2>, solution: &Solution<2>) -> String {
                 .iter()
                 .map(|mode| mode.description.as_str())
                 .collect();
-            vec![
+            let mut row = vec![
                 body.name.clone(),
                 number(body.max_displacement()),
                 number(body.von_mises.iter().copied().fold(0.0, f64::max)),
-                force(&scales, body.reaction[0]),
-                force(&scales, body.reaction[1]),
-                floating.join(", "),
-            ]
+            ];
+            row.extend(body.reaction.map(|f| force(&scales, f)));
+            row.push(floating.join(", "));
+            row
         })
         .collect();
     let reactions = along_axes(model, "reaction");
-    let header = [
-        "body",
-        "max displacement",
-        "max von Mises",
-        &reactions[0],
-        &reactions[1],
-        "floats",
-    ];
+    let mut header = vec!["body", "max displacement", "max von Mises"];
+    header.extend(reactions.iter().map(String::as_str));
+    header.push("floats");
     let told = solution.bodies.iter().filter_map(singular_stress);
-    columns(&header, &rows, 1..5) + &told.collect::<String>()
+    columns(&header, &rows, 1..3 + D) + &told.collect::<String>()
 }
 
 /// A line on a largest stress that is none; nothing where it is one.
-fn singular_stress(body: &BodySolution<2>) -> Option<String> {
+fn singular_stress<const D: usize>(body: &BodySolution<D>) -> Option<String> {
     let peak = body.peak?;
     let singular = peak.place?;
-    let at = |stress: StressAt<2>| {
-        let [x, y] = stress.at.map(number);
-        format!("{} at ({x}, {y})", number(stress.value))
-    };
+    let at = |stress: StressAt<D>| format!("{} at {}", number(stress.value), vector(&stress.at));
     let away = singular.away.map_or(String::new(), |away| {
         format!("; farther than two cells from such places {}", at(away))
     });
@@ -451,7 +451,7 @@ const MOST_BESIDE: usize = 6;
 const MOST_BELOW: usize = 40;
 
 /// The values of the probes in every step: steps side by side while there are few, else below each other.
-fn probes(steps: &[Solution<2>]) -> String {
+fn probes<const D: usize>(steps: &[Solution<D>]) -> String {
     let Some(last) = steps.last().filter(|last| !last.probes.is_empty()) else {
         return String::new();
     };
@@ -459,7 +459,7 @@ fn probes(steps: &[Solution<2>]) -> String {
         return probes_below(steps, last);
     }
     let scales: Vec<Scales> = steps.iter().map(Scales::of).collect();
-    let place = |at: [f64; 3]| format!("at ({}, {})", number(at[0]), number(at[1]));
+    let place = |at: [f64; 3]| format!("at {}", vector(&at[..D]));
     let rows: Vec<Vec<String>> = last
         .probes
         .iter()
@@ -495,7 +495,7 @@ fn probes(steps: &[Solution<2>]) -> String {
 }
 
 /// A line for each step, a column for each probe.
-fn probes_below(steps: &[Solution<2>], last: &Solution<2>) -> String {
+fn probes_below<const D: usize>(steps: &[Solution<D>], last: &Solution<D>) -> String {
     let half = MOST_BELOW / 2;
     let left_out = |k: usize| steps.len() > MOST_BELOW && k >= half && k < steps.len() - half;
     let mut rows = Vec::new();
@@ -523,7 +523,7 @@ fn short(value: f64) -> String {
 }
 
 /// The figures of the certificate, the verdict, and the time; of several steps the largest of each figure.
-fn verdict(model: &Model<2>, steps: &[Solution<2>]) -> String {
+fn verdict<const D: usize>(model: &Model<D>, steps: &[Solution<D>]) -> String {
     let Some(last) = steps.last() else {
         return String::new();
     };

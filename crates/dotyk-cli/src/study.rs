@@ -6,8 +6,7 @@ use crate::given::Given;
 use crate::progress::Count;
 use crate::run::output_folder;
 use crate::text::{columns, number, print, written};
-use dotyk::case::Case;
-use dotyk::model::{Study, Varied};
+use dotyk::model::{Model, Study, Varied};
 use dotyk::output;
 use std::path::PathBuf;
 use std::time::Instant;
@@ -141,32 +140,23 @@ pub fn study(arguments: &Arguments) -> Result<Outcome, Failure> {
     let start = Instant::now();
     let varied = all_varied(arguments).map_err(Failure::Message)?;
     let case = arguments.given.read(&arguments.case)?;
-    let folder = output_folder(arguments.out.as_deref(), &case)?;
-    warn(&case.warnings);
-    if case.model.probes.is_empty() {
-        warn(&[
-            "the case has no [[probe]]: the study tells of each member only whether it converged"
-                .to_string(),
-        ]);
-    }
-    for probe in case.model.probes.iter().filter(|probe| probe.is_line()) {
-        warn(&[format!(
-            "the probe `{}` has values along a line, and no column in a study",
-            probe.name
-        )]);
-    }
-    if let Some(name) = taken(&case, &varied) {
-        let message = format!(
-            "a probe and another column of study.csv are both named `{name}`: rename the probe"
-        );
-        return Err(Failure::of(&arguments.case, message));
-    }
-    let count = Count::new(Study::count(&varied), arguments.quiet);
-    let given = arguments.given.pairs();
-    let study = Case::study(&arguments.case, given, varied, &|| count.one_more());
-    count.finish();
-    let study = study?;
-    let files = output::write_study(&study, &case.stem, &folder);
+    let (study, stem, folder) = of_any!(case, |case| {
+        let folder = output_folder(arguments.out.as_deref(), &case.stem)?;
+        warn(&case.warnings);
+        say_what_is_no_column(&case.model);
+        if let Some(name) = taken(&case.model, &varied) {
+            let message = format!(
+                "a probe and another column of study.csv are both named `{name}`: rename the probe"
+            );
+            return Err(Failure::of(&arguments.case, message));
+        }
+        let count = Count::new(Study::count(&varied), arguments.quiet);
+        let given = arguments.given.pairs();
+        let study = case.study(given, varied, &|| count.one_more());
+        count.finish();
+        (study?, case.stem, folder)
+    });
+    let files = output::write_study(&study, &stem, &folder);
     let files = files.map_err(|e| Failure::Message(e.to_string()))?;
     let seconds = start.elapsed().as_secs_f64();
     warn(&told(&study));
@@ -177,9 +167,25 @@ pub fn study(arguments: &Arguments) -> Result<Outcome, Failure> {
     })
 }
 
+/// Warns of probes that the table will not have.
+fn say_what_is_no_column<const D: usize>(model: &Model<D>) {
+    if model.probes.is_empty() {
+        warn(&[
+            "the case has no [[probe]]: the study tells of each member only whether it converged"
+                .to_string(),
+        ]);
+    }
+    for probe in model.probes.iter().filter(|probe| probe.is_line()) {
+        warn(&[format!(
+            "the probe `{}` has values along a line, and no column in a study",
+            probe.name
+        )]);
+    }
+}
+
 /// Name of a probe that another column of the table has, too.
-fn taken<'a>(case: &'a Case, varied: &[Varied]) -> Option<&'a str> {
-    let mut names = case.model.probes.iter().map(|probe| probe.name.as_str());
+fn taken<'a, const D: usize>(model: &'a Model<D>, varied: &[Varied]) -> Option<&'a str> {
+    let mut names = model.probes.iter().map(|probe| probe.name.as_str());
     let own = |name: &&str| {
         ["converged", "reason"].contains(name) || varied.iter().any(|p| p.name == *name)
     };

@@ -25,6 +25,12 @@ pub fn red(words: &str, shown: bool) -> String {
     }
 }
 
+/// A vector, such as (1, 2).
+pub fn vector(values: &[f64]) -> String {
+    let list: Vec<String> = values.iter().map(|v| number(*v)).collect();
+    format!("({})", list.join(", "))
+}
+
 /// Six significant digits without trailing zeros; `-` where there is no number.
 pub fn number(value: f64) -> String {
     if value.is_nan() {

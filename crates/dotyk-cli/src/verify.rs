@@ -3,9 +3,9 @@
 use crate::Outcome;
 use crate::failure::{Failure, warn};
 use crate::progress::Progress;
-use crate::text::{colours, columns, number, print, red};
-use dotyk::case::{Case, Criterion, Reference, References, Run, Verdict};
-use dotyk::model::Solution;
+use crate::text::{colours, columns, number, print, red, vector};
+use dotyk::case::{AnyCase, Criterion, Reference, References, Run, Verdict};
+use dotyk::model::{ProbeValue, Solution};
 use std::path::{Path, PathBuf};
 
 /// Arguments of `dotyk verify`.
@@ -24,7 +24,7 @@ const REFERENCE_FILE: &str = "reference.toml";
 /// A folder, read and checked.
 struct Folder {
     path: PathBuf,
-    cases: Vec<(String, Case)>,
+    cases: Vec<(String, AnyCase)>,
     references: Option<References>,
 }
 
@@ -136,7 +136,10 @@ fn read_folder(path: &Path) -> Result<Folder, Failure> {
     let mut cases = Vec::new();
     for file in case_files(path)? {
         let name = file.file_name().unwrap_or_default();
-        cases.push((name.to_string_lossy().into_owned(), Case::read(&file)?));
+        cases.push((
+            name.to_string_lossy().into_owned(),
+            AnyCase::read_with(&file, &[])?,
+        ));
     }
     if cases.is_empty() {
         return Err(Failure::of(path, "there is no case file in the folder"));
@@ -145,7 +148,7 @@ fn read_folder(path: &Path) -> Result<Folder, Failure> {
     let references = file.exists().then(|| References::read(&file)).transpose()?;
     if let Some(references) = &references {
         let case = |name: &str| cases.iter().find(|(n, _)| n == name);
-        references.check(|name| case(name).map(|(_, case)| &case.model))?;
+        references.check(|name| case(name).map(|(_, case)| case))?;
     }
     Ok(Folder {
         path: path.to_path_buf(),
@@ -154,8 +157,41 @@ fn read_folder(path: &Path) -> Result<Folder, Failure> {
     })
 }
 
+/// What of a run is compared, in either dimension.
+struct Solved {
+    /// Of the load steps that have an answer, and the last iterate of the one that did not converge.
+    steps: Vec<Step>,
+    /// Number of load steps of the case.
+    count: usize,
+    certified: bool,
+    /// Method, iterations, time and bolts.
+    words: String,
+}
+
+/// A load step.
+struct Step {
+    converged: bool,
+    probes: Vec<ProbeValue>,
+}
+
+impl<const D: usize> From<Run<D>> for Solved {
+    fn from(run: Run<D>) -> Self {
+        let (words, certified) = (words(&run), run.certified());
+        let steps = run.steps.into_iter().map(|step| Step {
+            converged: step.converged,
+            probes: step.probes,
+        });
+        Self {
+            steps: steps.collect(),
+            count: run.count,
+            certified,
+            words,
+        }
+    }
+}
+
 /// Method, iterations, time and bolts.
-fn words(run: &Run) -> String {
+fn words<const D: usize>(run: &Run<D>) -> String {
     let Some(last) = run.steps.last() else {
         return String::new();
     };
@@ -175,12 +211,12 @@ fn words(run: &Run) -> String {
 /// Solves the cases of a folder and prints its table, what is outside in red.
 fn verify_folder(folder: &Folder, quiet: bool, tally: &mut Tally) {
     let mut text = format!("{}\n", folder.path.display());
-    let mut solutions: Vec<(&str, Option<Run>)> = Vec::new();
+    let mut solutions: Vec<(&str, Option<Solved>)> = Vec::new();
     for (name, case) in &folder.cases {
         tally.cases += 1;
         let solution = solve(&folder.path.join(name), case, quiet, tally);
         text += &match &solution {
-            Some(s) if s.certified() => format!("  {name}: certified, {}\n", words(s)),
+            Some(s) if s.certified => format!("  {name}: certified, {}\n", s.words),
             _ => format!("  {name}: NOT CERTIFIED\n"),
         };
         solutions.push((name, solution));
@@ -226,49 +262,49 @@ fn verify_folder(folder: &Folder, quiet: bool, tally: &mut Tally) {
 }
 
 /// The load steps as far as they went; `None` where the case was refused, with a message on standard error.
-fn solve(path: &Path, case: &Case, quiet: bool, tally: &mut Tally) -> Option<Run> {
+fn solve(path: &Path, case: &AnyCase, quiet: bool, tally: &mut Tally) -> Option<Solved> {
     let mut progress = Progress::new(quiet);
     progress.announce(&path.display().to_string());
-    let run = case.run(&[], &mut |event| progress.observe(event));
-    progress.finish();
-    match &run.failure {
-        None => {
-            let warnings = run.warnings().into_iter();
-            let warnings = warnings.map(|w| format!("{}: {w}", path.display()));
-            warn(&warnings.collect::<Vec<_>>());
-            tally.certified += 1;
-        }
-        Some(failure) => {
-            if let Some(refusal) = &failure.refusal {
-                Failure::from(refusal.clone()).print();
-                tally.refused = true;
-                return None;
+    of_any!(case, |case| {
+        let run = case.run(&[], &mut |event| progress.observe(event));
+        progress.finish();
+        match &run.failure {
+            None => {
+                let warnings = run.warnings().into_iter();
+                let warnings = warnings.map(|w| format!("{}: {w}", path.display()));
+                warn(&warnings.collect::<Vec<_>>());
+                tally.certified += 1;
+            }
+            Some(failure) => {
+                if let Some(refusal) = &failure.refusal {
+                    Failure::from(refusal.clone()).print();
+                    tally.refused = true;
+                    return None;
+                }
             }
         }
-    }
-    Some(run)
+        Some(run.into())
+    })
 }
 
 /// The bolts of the p,A-algorithm with their forces: compression says that the choice was proper.
-fn bolts(solution: &Solution<2>) -> String {
+fn bolts<const D: usize>(solution: &Solution<D>) -> String {
     let words = solution.solver.bolts.iter().map(|bolt| {
         let kind = if bolt.force < 0.0 {
             "tension: improper, moved"
         } else {
             "compression: proper"
         };
-        let [x, y] = bolt.point;
         format!(
-            ", bolt at ({}, {}) with force {} ({kind})",
-            number(x),
-            number(y),
+            ", bolt at {} with force {} ({kind})",
+            vector(&bolt.point),
             number(bolt.force)
         )
     });
     words.collect()
 }
 
-fn judged_step<'s>(reference: &Reference, solved: Option<&'s Run>) -> Option<&'s Solution<2>> {
+fn judged_step<'s>(reference: &Reference, solved: Option<&'s Solved>) -> Option<&'s Step> {
     solved.and_then(|s| reference.of(&s.steps, s.count))
 }
 
@@ -276,14 +312,15 @@ fn judged_step<'s>(reference: &Reference, solved: Option<&'s Run>) -> Option<&'s
 /// An answer without a certificate agrees with nothing.
 fn judged(
     reference: &Reference,
-    solved: Option<&Run>,
-    other: Option<Option<&Run>>,
+    solved: Option<&Solved>,
+    other: Option<Option<&Solved>>,
 ) -> (Vec<String>, Verdict) {
     let certified = judged_step(reference, solved).is_some_and(|s| s.converged);
-    let read = |solved: Option<&Run>| {
+    let read = |solved: Option<&Solved>| {
         let step = judged_step(reference, solved);
-        let value = step.and_then(|step| step.probe(&reference.probe));
-        value.unwrap_or(f64::NAN)
+        let mut probes = step.iter().flat_map(|step| &step.probes);
+        let probe = probes.find(|probe| probe.name == reference.probe);
+        probe.map_or(f64::NAN, |probe| probe.value)
     };
     let computed = reference.computed(read(solved), other.map(read));
     let verdict = match reference.judge(computed) {

@@ -162,7 +162,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     );
     let folder = std::path::Path::new("own_solver-out");
     let record = dotyk::output::Record::of(&model, std::slice::from_ref(&solution), "own_solver");
-    for file in dotyk::output::write(&record, folder)? {
+    for file in record.write(folder)? {
         println!("{}", file.display());
     }
     Ok(())

@@ -54,7 +54,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     println!("{}", solution.certificate);
     let folder = std::path::Path::new("punch-out");
     let record = dotyk::output::Record::of(&model, std::slice::from_ref(&solution), "punch");
-    for file in dotyk::output::write(&record, folder)? {
+    for file in record.write(folder)? {
         println!("{}", file.display());
     }
     Ok(())

@@ -81,7 +81,7 @@ pub fn solve(problem: &Problem, folder: &Folder, seconds: f64) -> Outcome {
 }
 
 fn attempt(text: &str, folder: &Path, seconds: f64) -> Outcome {
-    let case = match Case::from_str(text, "case.toml", folder) {
+    let case = match Case::<2>::from_str(text, "case.toml", folder) {
         Ok(case) => case,
         Err(error) => return Outcome::Refused(format!("case file: {error}")),
     };

@@ -1,7 +1,7 @@
 //! `[[body]]` of a case file: mesh, material, supports, loads.
 
 use crate::case::couple::Couples;
-use crate::case::document::{Entry, Node, Span, Table, Value, check_name, later, name, zero};
+use crate::case::document::{AXES, Entry, Node, Span, Table, Value, check_name, later, name, zero};
 use crate::case::error::Fault;
 use crate::case::keys;
 use crate::case::mesh_file::{MeshFiles, Named};
@@ -10,7 +10,7 @@ use crate::case::points::{places, points};
 use crate::case::suggest::{listed, nearest};
 use crate::case::surface::true_surface;
 use crate::geometry::Field;
-use crate::mesh::{CellKind, Diagonals, Mesh, MeshError, Rectangle, Ring, TunnelRock};
+use crate::mesh::{CellKind, Cuboid, Diagonals, Mesh, MeshError, Rectangle, Ring, TunnelRock};
 use crate::model::{Analysis, Body, Elastic, Load, Material, Place, Support};
 
 /// Most cells of a generated mesh: a misplaced digit must not exhaust the memory.
@@ -24,7 +24,7 @@ const CELLS_OF_THE_PLANE: [(&str, CellKind); 5] = [
     ("quad9", CellKind::Quad9),
 ];
 
-const CELLS_OF_SPACE: [&str; 5] = ["tet4", "tet10", "hex8", "hex20", "hex27"];
+const CELLS_OF_SPACE: [(&str, CellKind); 2] = [("tet4", CellKind::Tet4), ("hex8", CellKind::Hex8)];
 
 const DIAGONALS: [(&str, Diagonals); 5] = [
     ("checkerboard", Diagonals::Checkerboard),
@@ -34,12 +34,58 @@ const DIAGONALS: [(&str, Diagonals); 5] = [
     ("backward", Diagonals::Backward),
 ];
 
+/// Meshes of D dimensions as a case file makes them.
+pub(crate) trait Generated<const D: usize>: Sized {
+    /// Keys of `mesh` that make one.
+    const GENERATORS: &'static [&'static str];
+
+    /// The mesh that one of these keys makes, and the points that a mesh file names.
+    fn generated(entry: &Entry, body: &str, files: &mut MeshFiles) -> Result<Made<D>, Fault>;
+}
+
+/// A mesh or why there is none, and named points.
+pub(crate) type Made<const D: usize> = (Result<Mesh<D>, MeshError>, Named<D>);
+
+impl Generated<2> for Mesh<2> {
+    const GENERATORS: &'static [&'static str] =
+        &["rectangle", "ring", "tunnel_rock", "outline", "file"];
+
+    fn generated(entry: &Entry, body: &str, files: &mut MeshFiles) -> Result<Made<2>, Fault> {
+        let node = &entry.node;
+        let built = match entry.key.as_str() {
+            "file" => {
+                let (mesh, named) = files.mesh(node, body)?;
+                return Ok((Ok(mesh), named));
+            }
+            "rectangle" => rectangle(node)?.build(),
+            "ring" => ring(node)?.build(),
+            "tunnel_rock" => tunnel_rock(node)?.build(),
+            _ => Ok(outline::mesh(node, body)?),
+        };
+        Ok((built, Named::new()))
+    }
+}
+
+impl Generated<3> for Mesh<3> {
+    const GENERATORS: &'static [&'static str] = &["box", "file"];
+
+    fn generated(entry: &Entry, _: &str, _: &mut MeshFiles) -> Result<Made<3>, Fault> {
+        match entry.key.as_str() {
+            "box" => Ok((cuboid(&entry.node)?.build(), Named::new())),
+            other => Err(later(&entry.key_span, &format!("a 3D mesh from `{other}`"))),
+        }
+    }
+}
+
 /// One body with everything that is written inside it.
-pub(crate) fn body(
+pub(crate) fn body<const D: usize>(
     node: &Node,
     analysis: Analysis,
     files: &mut MeshFiles,
-) -> Result<Body<2>, Fault> {
+) -> Result<Body<D>, Fault>
+where
+    Mesh<D>: Generated<D>,
+{
     let table = node.table(keys::BODY)?;
     let body_name = name(table.require("name", "a body")?)?;
     let what = format!("body `{body_name}`");
@@ -81,41 +127,41 @@ pub(crate) fn body(
 }
 
 /// The mesh, and the points that a mesh file names.
-fn mesh(node: &Node, body: &str, files: &mut MeshFiles) -> Result<(Mesh<2>, Named), Fault> {
+fn mesh<const D: usize>(
+    node: &Node,
+    body: &str,
+    files: &mut MeshFiles,
+) -> Result<(Mesh<D>, Named<D>), Fault>
+where
+    Mesh<D>: Generated<D>,
+{
     let table = node.table(keys::MESH)?;
     let generators: Vec<&Entry> = keys::MESH
         .iter()
         .filter(|key| **key != "sides")
         .filter_map(|key| table.entry(key))
         .collect();
+    let known = || listed(Mesh::<D>::GENERATORS.iter().copied());
     let [generator] = generators[..] else {
         let message = match generators.len() {
             0 => format!("the mesh of body `{body}` has no generator"),
             _ => format!("the mesh of body `{body}` has more than one generator"),
         };
-        let known = keys::MESH.iter().copied().filter(|key| *key != "sides");
         return Err(Fault::new(table.span, message)
             .label("exactly one is needed")
-            .help(format!("give exactly one of {}", listed(known))));
+            .help(format!("give exactly one of {}", known())));
     };
-    let mut points = Named::new();
-    let built = match generator.key.as_str() {
-        "file" => {
-            let (mesh, named) = files.mesh(&generator.node, body)?;
-            points = named;
-            Ok(mesh)
-        }
-        "rectangle" => rectangle(&generator.node)?.build(),
-        "ring" => ring(&generator.node)?.build(),
-        "tunnel_rock" => tunnel_rock(&generator.node)?.build(),
-        "outline" => Ok(outline::mesh(&generator.node, body)?),
-        other => {
-            return Err(later(
-                &generator.key_span,
-                &format!("a mesh from `{other}`"),
-            ));
-        }
-    };
+    if !Mesh::<D>::GENERATORS.contains(&generator.key.as_str()) {
+        let other = 5 - D;
+        let message = format!(
+            "`{}` makes {other}D meshes, and the analysis is in {D}D",
+            generator.key
+        );
+        return Err(Fault::new(&generator.key_span, message)
+            .label(format!("a {other}D mesh"))
+            .help(format!("{D}D meshes: {}", known())));
+    }
+    let (built, points) = Mesh::<D>::generated(generator, body, files)?;
     let invalid = |e: MeshError, span: &Span| {
         Fault::new(span, format!("the mesh of body `{body}`: {e}")).label("cannot be built")
     };
@@ -144,7 +190,7 @@ fn rectangle(node: &Node) -> Result<Rectangle, Fault> {
         from: table.require("from", what)?.point()?,
         to: table.require("to", what)?.point()?,
         cells: cells(table, what)?,
-        cell: cell(table)?,
+        cell: cell(table, 2)?,
         diagonals: diagonals(table)?,
     })
 }
@@ -171,7 +217,7 @@ fn ring(node: &Node) -> Result<Ring, Fault> {
         cells: cells(table, what)?,
         ratio: growth(table, "ratio")?,
         grade: growth(table, "grade")?,
-        cell: cell(table)?,
+        cell: cell(table, 2)?,
         diagonals: diagonals(table)?,
     })
 }
@@ -187,19 +233,30 @@ fn tunnel_rock(node: &Node) -> Result<TunnelRock, Fault> {
         cells: cells(table, what)?,
         ratio: growth(table, "ratio")?,
         grade: growth(table, "grade")?,
-        cell: cell(table)?,
+        cell: cell(table, 2)?,
         diagonals: diagonals(table)?,
     })
 }
 
-fn cells(table: Table<'_>, what: &str) -> Result<[usize; 2], Fault> {
+fn cuboid(node: &Node) -> Result<Cuboid, Fault> {
+    let table = node.table(keys::BOX)?;
+    let what = "a box";
+    Ok(Cuboid {
+        from: table.require("from", what)?.point()?,
+        to: table.require("to", what)?.point()?,
+        cells: cells(table, what)?,
+        cell: cell(table, 3)?,
+    })
+}
+
+fn cells<const N: usize>(table: Table<'_>, what: &str) -> Result<[usize; N], Fault> {
     let node = table.require("cells", what)?;
-    let [a, b] = node.counts("the number of cells")?;
-    if a.saturating_mul(b) > MOST_CELLS {
+    let counts = node.counts("the number of cells")?;
+    if counts.iter().fold(1, |n: usize, c| n.saturating_mul(*c)) > MOST_CELLS {
         let message = format!("more than {MOST_CELLS} cells in one body");
         return Err(Fault::new(&node.span, message).label("too many cells"));
     }
-    Ok([a, b])
+    Ok(counts)
 }
 
 fn growth(table: Table<'_>, key: &str) -> Result<f64, Fault> {
@@ -207,18 +264,28 @@ fn growth(table: Table<'_>, key: &str) -> Result<f64, Fault> {
     table.get(key).map_or(Ok(1.0), |node| node.positive(&name))
 }
 
-fn cell(table: Table<'_>) -> Result<CellKind, Fault> {
-    let Some(node) = table.get("cell") else {
-        return Ok(CellKind::Quad4);
+/// A kind of cells of a dimension, of four or eight corners where none is named.
+fn cell(table: Table<'_>, dimension: usize) -> Result<CellKind, Fault> {
+    let [own, other] = match dimension {
+        2 => [&CELLS_OF_THE_PLANE[..], &CELLS_OF_SPACE],
+        _ => [&CELLS_OF_SPACE[..], &CELLS_OF_THE_PLANE],
     };
-    if CELLS_OF_SPACE.contains(&node.text()?) {
-        let message = format!("`{}` is a cell of 3D meshes", node.text()?);
-        let known = CELLS_OF_THE_PLANE.iter().map(|(name, _)| *name);
+    let Some(node) = table.get("cell") else {
+        return Ok(if dimension == 2 {
+            CellKind::Quad4
+        } else {
+            CellKind::Hex8
+        });
+    };
+    let text = node.text()?;
+    if other.iter().any(|(name, _)| *name == text) {
+        let message = format!("`{text}` is a cell of {}D meshes", 5 - dimension);
+        let known = own.iter().map(|(name, _)| *name);
         return Err(Fault::new(&node.span, message)
-            .label("a 3D cell")
-            .help(format!("cells of the plane: {}", listed(known))));
+            .label(format!("a {}D cell", 5 - dimension))
+            .help(format!("cells of {dimension}D meshes: {}", listed(known))));
     }
-    node.choice("cell", &CELLS_OF_THE_PLANE)
+    node.choice("cell", own)
 }
 
 fn diagonals(table: Table<'_>) -> Result<Diagonals, Fault> {
@@ -229,7 +296,11 @@ fn diagonals(table: Table<'_>) -> Result<Diagonals, Fault> {
 }
 
 /// The materials and the thickness, which they share. One without `group` is for the cells of all other groups.
-fn materials(node: &Node, body: &str, mesh: &Mesh<2>) -> Result<(Vec<Material>, f64), Fault> {
+fn materials<const D: usize>(
+    node: &Node,
+    body: &str,
+    mesh: &Mesh<D>,
+) -> Result<(Vec<Material>, f64), Fault> {
     let groups = groups(mesh);
     let (mut materials, thickness) = match &node.value {
         Value::List(list) => list_of_materials(node, list, body, &groups)?,
@@ -258,7 +329,7 @@ fn materials(node: &Node, body: &str, mesh: &Mesh<2>) -> Result<(Vec<Material>, 
 }
 
 /// Names of the groups of cells of a mesh, each once.
-fn groups(mesh: &Mesh<2>) -> Vec<&str> {
+fn groups<const D: usize>(mesh: &Mesh<D>) -> Vec<&str> {
     let mut groups: Vec<&str> = Vec::new();
     for group in mesh
         .blocks()
@@ -342,7 +413,7 @@ fn known_group(group: &str, span: &Span, body: &str, groups: &[&str]) -> Result<
 }
 
 /// The name of a side that the mesh has; a list of sides becomes one.
-fn side(node: &Node, body: &str, mesh: &mut Mesh<2>) -> Result<String, Fault> {
+fn side<const D: usize>(node: &Node, body: &str, mesh: &mut Mesh<D>) -> Result<String, Fault> {
     joined(&sides(node)?, &node.span, body, mesh)
 }
 
@@ -356,11 +427,11 @@ fn sides(node: &Node) -> Result<Vec<(String, Span)>, Fault> {
 }
 
 /// Refuses sides that the mesh does not have, one that is listed twice, and no side at all.
-fn check_sides(
+fn check_sides<const D: usize>(
     sides: &[(String, Span)],
     span: &Span,
     body: &str,
-    mesh: &Mesh<2>,
+    mesh: &Mesh<D>,
 ) -> Result<(), Fault> {
     if sides.is_empty() {
         return Err(Fault::new(span, "the list of sides is empty").label("no side"));
@@ -376,11 +447,11 @@ fn check_sides(
 }
 
 /// One side of those of a body that are named at these places, at least one and none twice.
-pub(crate) fn joined(
+pub(crate) fn joined<const D: usize>(
     sides: &[(String, Span)],
     span: &Span,
     body: &str,
-    mesh: &mut Mesh<2>,
+    mesh: &mut Mesh<D>,
 ) -> Result<String, Fault> {
     check_sides(sides, span, body, mesh)?;
     let names: Vec<&str> = sides.iter().map(|(side, _)| side.as_str()).collect();
@@ -389,7 +460,12 @@ pub(crate) fn joined(
 }
 
 /// Refuses a side that the mesh does not have.
-pub(crate) fn known_side(text: &str, span: &Span, body: &str, mesh: &Mesh<2>) -> Result<(), Fault> {
+pub(crate) fn known_side<const D: usize>(
+    text: &str,
+    span: &Span,
+    body: &str,
+    mesh: &Mesh<D>,
+) -> Result<(), Fault> {
     if mesh.side(text).is_some() {
         return Ok(());
     }
@@ -400,28 +476,28 @@ pub(crate) fn known_side(text: &str, span: &Span, body: &str, mesh: &Mesh<2>) ->
 }
 
 /// Refuses a component along z, which plane analyses do not have.
-fn no_z(table: Table<'_>) -> Result<(), Fault> {
-    table.entry("z").map_or(Ok(()), |entry| {
-        Err(Fault::new(
-            &entry.key_span,
-            "plane and axisymmetric analyses have no `z`",
-        )
-        .label("only x and y"))
-    })
+fn no_z<const D: usize>(table: Table<'_>) -> Result<(), Fault> {
+    match table.entry("z") {
+        Some(entry) if D == 2 => {
+            let message = "plane and axisymmetric analyses have no `z`";
+            Err(Fault::new(&entry.key_span, message).label("only x and y"))
+        }
+        _ => Ok(()),
+    }
 }
 
 /// A support; on a list of sides one for each, so that a corner has the normal of either, and one at each point of a name; none
 /// of the body's own at the point of a couple, which takes it over.
-fn support(
+fn support<const D: usize>(
     node: &Node,
-    couples: &mut Couples<'_>,
-    mesh: &Mesh<2>,
-    points: &Named,
-) -> Result<Vec<Support<2>>, Fault> {
+    couples: &mut Couples<'_, D>,
+    mesh: &Mesh<D>,
+    points: &Named<D>,
+) -> Result<Vec<Support<D>>, Fault> {
     let table = node.table(keys::FIX)?;
     let body = couples.body;
-    no_z(table)?;
-    let places: Vec<Place<2>> = match (table.get("side"), table.get("point")) {
+    no_z::<D>(table)?;
+    let places: Vec<Place<D>> = match (table.get("side"), table.get("point")) {
         (Some(node), None) => {
             let sides = sides(node)?;
             check_sides(&sides, &node.span, body, mesh)?;
@@ -442,20 +518,26 @@ fn support(
         }
     };
     let field = |key: &str| table.get(key).map(Node::field).transpose();
-    let components: [Option<Field>; 2] = [field("x")?, field("y")?];
+    let mut components: [Option<Field>; D] = std::array::from_fn(|_| None);
+    for (component, axis) in components.iter_mut().zip(AXES) {
+        *component = field(axis)?;
+    }
     let normal = field("normal")?;
     let nothing = components.iter().all(Option::is_none) && normal.is_none();
     if nothing && table.entry("rotation").is_none() {
         let message = format!("a support of body `{body}` prescribes nothing");
         return Err(Fault::new(table.span, message)
             .label("no component")
-            .help("add `x`, `y` or `normal`, such as `x = 0.0`"));
+            .help(format!(
+                "add {} or `normal`, such as `x = 0.0`",
+                listed(AXES[..D].iter().copied())
+            )));
     }
     if let ([Place::Point(_), ..], Some(node)) = (&places[..], table.get("normal")) {
         let message = "a point has no normal";
         return Err(Fault::new(&node.span, message)
             .label("only with `side`")
-            .help("use `x` and `y`"));
+            .help(format!("use {}", listed(AXES[..D].iter().copied()))));
     }
     if couples.hold(table)? {
         return Ok(Vec::new());
@@ -469,12 +551,12 @@ fn support(
 }
 
 /// A load; at each point of a name one; none of the body's own at the point of a couple, which takes it over.
-fn load(
+fn load<const D: usize>(
     node: &Node,
-    couples: &mut Couples<'_>,
-    mesh: &mut Mesh<2>,
-    points: &Named,
-) -> Result<Vec<Load<2>>, Fault> {
+    couples: &mut Couples<'_, D>,
+    mesh: &mut Mesh<D>,
+    points: &Named<D>,
+) -> Result<Vec<Load<D>>, Fault> {
     let table = node.table(keys::LOAD)?;
     let body = couples.body;
     if couples.load(table)? {
@@ -496,7 +578,7 @@ fn load(
             force: table.require("force", "a load")?.courses()?,
         }]),
         ["force", "point"] => {
-            let force: [Field; 2] = table.require("force", "a load")?.fields()?;
+            let force: [Field; D] = table.require("force", "a load")?.fields()?;
             let places = places(table.require("point", "a load")?, body, points)?;
             let each = places.into_iter().map(|point| Load::Force {
                 point,

@@ -6,7 +6,7 @@ use crate::case::error::Fault;
 use crate::case::keys;
 use crate::case::points::{named_places, of_body};
 use crate::case::suggest::listed;
-use crate::case::surface::surface;
+use crate::case::surface::{shapes, surface};
 use crate::contact::{ContactError, End};
 use crate::fem::Constraints;
 use crate::geometry::Field;
@@ -20,11 +20,11 @@ const PAIRINGS: [(&str, Pairing); 2] = [
 ];
 
 /// One contact between sides of these bodies, in so many load steps.
-pub(crate) fn contact(
+pub(crate) fn contact<const D: usize>(
     node: &Node,
-    bodies: &mut [Body<2>],
+    bodies: &mut [Body<D>],
     steps: usize,
-) -> Result<Contact<2>, Fault> {
+) -> Result<Contact<D>, Fault> {
     let table = node.table(keys::CONTACT)?;
     let name = name(table.require("name", "a contact")?)?;
     let pair = pair(table, &name, bodies)?;
@@ -73,7 +73,7 @@ pub(crate) fn contact(
 }
 
 /// The name of a "NAME" or "BODY.NAME" of one body.
-fn own_name<'n>(name: &'n str, body: &Body<2>) -> &'n str {
+fn own_name<'n, const D: usize>(name: &'n str, body: &Body<D>) -> &'n str {
     let of_body = name.strip_prefix(body.name.as_str());
     of_body
         .and_then(|rest| rest.strip_prefix('.'))
@@ -89,11 +89,11 @@ fn names(node: &Node) -> Result<Vec<(&str, &Node)>, Fault> {
 }
 
 /// Of two sides that dotyk would choose from, the one whose body has the points and sides of these names carries the forces.
-fn with_names(
-    pair: Pair<2>,
+fn with_names<const D: usize>(
+    pair: Pair<D>,
     named: &[(&str, &Node)],
-    bodies: &[Body<2>],
-) -> Result<Pair<2>, Fault> {
+    bodies: &[Body<D>],
+) -> Result<Pair<D>, Fault> {
     let (Pair::Automatic(sides), Some((_, first))) = (&pair, named.first()) else {
         return Ok(pair);
     };
@@ -124,7 +124,11 @@ fn with_names(
 }
 
 /// The places of some names of the nonmortar body.
-fn excluded(node: &Node, pair: &Pair<2>, bodies: &[Body<2>]) -> Result<Vec<Place<2>>, Fault> {
+fn excluded<const D: usize>(
+    node: &Node,
+    pair: &Pair<D>,
+    bodies: &[Body<D>],
+) -> Result<Vec<Place<D>>, Fault> {
     let (Pair::Given { nonmortar, .. } | Pair::Obstacle { nonmortar, .. }) = pair else {
         return Ok(Vec::new());
     };
@@ -135,7 +139,7 @@ fn excluded(node: &Node, pair: &Pair<2>, bodies: &[Body<2>]) -> Result<Vec<Place
         constraints: &Constraints::default(),
         part: None,
     };
-    let on_side = |places: &[Place<2>], span: &Span| {
+    let on_side = |places: &[Place<D>], span: &Span| {
         let nodes = end.nodes_at(places);
         let fault = |error: ContactError| Fault::new(span, error.to_string());
         nodes.map_err(|error| match error {
@@ -164,7 +168,11 @@ fn excluded(node: &Node, pair: &Pair<2>, bodies: &[Body<2>]) -> Result<Vec<Place
 }
 
 /// Who touches whom: `nonmortar` with `mortar`, `nonmortar` with `obstacle`, or `sides`.
-fn pair(table: Table<'_>, contact: &str, bodies: &mut [Body<2>]) -> Result<Pair<2>, Fault> {
+fn pair<const D: usize>(
+    table: Table<'_>,
+    contact: &str,
+    bodies: &mut [Body<D>],
+) -> Result<Pair<D>, Fault> {
     let get = |key: &str| table.get(key);
     match (
         get("nonmortar"),
@@ -213,7 +221,10 @@ fn different(pair: &[SideRef; 2], second: &Node, contact: &str) -> Result<(), Fa
 }
 
 /// "BODY.SIDE", or a list of sides of one body.
-pub(crate) fn side_ref(node: &Node, bodies: &mut [Body<2>]) -> Result<SideRef, Fault> {
+pub(crate) fn side_ref<const D: usize>(
+    node: &Node,
+    bodies: &mut [Body<D>],
+) -> Result<SideRef, Fault> {
     let one = |node: &Node| {
         let written = ["a side", "\"BODY.SIDE\", such as \"block.top\""];
         let (body, side) = of_body(node, bodies, written)?;
@@ -246,11 +257,11 @@ pub(crate) fn side_ref(node: &Node, bodies: &mut [Body<2>]) -> Result<SideRef, F
 }
 
 /// A shape, and what moves it.
-fn obstacle(node: &Node) -> Result<Obstacle<2>, Fault> {
+fn obstacle<const D: usize>(node: &Node) -> Result<Obstacle<D>, Fault> {
     let table = node.table(keys::OBSTACLE)?;
-    table.refuse_later(&["sphere", "cylinder"])?;
-    let shapes = keys::SURFACE.iter().copied().chain(["gap"]);
-    let given: Vec<&Entry> = shapes.clone().filter_map(|key| table.entry(key)).collect();
+    let shapes = shapes::<D>().chain(["gap"]);
+    let all = keys::SURFACE.iter().copied().chain(["gap"]);
+    let given: Vec<&Entry> = all.filter_map(|key| table.entry(key)).collect();
     let [entry] = given[..] else {
         return Err(Fault::new(table.span, "an obstacle has exactly one shape")
             .label("not exactly one")

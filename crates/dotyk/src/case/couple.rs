@@ -1,6 +1,6 @@
 //! `couple` of a body: the reference points of its sides, and the supports and loads that name these points.
 
-use crate::case::document::{Entry, Node, Table, Value};
+use crate::case::document::{AXES, Entry, Node, Table, Value, coordinates};
 use crate::case::error::Fault;
 use crate::case::mesh_file::Named;
 use crate::case::points::places;
@@ -14,13 +14,13 @@ const KINDS: [(&str, CoupleKind); 2] = [
 ];
 
 /// The couples of a body so far, and what moves in its analysis.
-pub(crate) struct Couples<'a> {
+pub(crate) struct Couples<'a, const D: usize> {
     pub body: &'a str,
     pub axial: bool,
-    pub list: Vec<Couple<2>>,
+    pub list: Vec<Couple<D>>,
 }
 
-impl<'a> Couples<'a> {
+impl<'a, const D: usize> Couples<'a, D> {
     pub fn new(body: &'a str, analysis: Analysis) -> Self {
         Self {
             body,
@@ -30,12 +30,13 @@ impl<'a> Couples<'a> {
     }
 
     /// Adds a couple of a side.
-    pub fn add(&mut self, table: Table<'_>, side: &str, points: &Named) -> Result<(), Fault> {
+    pub fn add(&mut self, table: Table<'_>, side: &str, points: &Named<D>) -> Result<(), Fault> {
         let node = table.require("point", "a couple")?;
         let Value::Text(name) = &node.value else {
-            return Err(node
-                .expected("the name of a point")
-                .help("write `points = { NAME = [x, y] }` in the body and the name here"));
+            return Err(node.expected("the name of a point").help(format!(
+                "write `points = {{ NAME = {} }}` in the body and the name here",
+                coordinates::<D>()
+            )));
         };
         let place = places(node, self.body, points)?;
         let [point] = place[..] else {
@@ -62,7 +63,7 @@ impl<'a> Couples<'a> {
     }
 
     /// The couple whose point a support or load names.
-    pub fn of_point(&mut self, node: Option<&Node>) -> Option<&mut Couple<2>> {
+    pub fn of_point(&mut self, node: Option<&Node>) -> Option<&mut Couple<D>> {
         match &node?.value {
             Value::Text(name) => self.list.iter_mut().find(|couple| couple.name == *name),
             _ => None,
@@ -78,20 +79,47 @@ impl<'a> Couples<'a> {
                 None => Ok(false),
             };
         };
-        let [x, y] = &mut couple.displacement;
-        let [.., rotation] = &mut couple.rotation;
-        for (key, held) in [("x", x), ("y", y), ("rotation", rotation)] {
+        let Couple {
+            name,
+            displacement,
+            rotation,
+            ..
+        } = couple;
+        let take = |entry: &Entry, held: &mut Option<Field>| {
+            let (key, field) = (&entry.key, entry.node.field()?);
+            if held.replace(field).is_some() {
+                let message = format!("`{key}` of the point `{name}` is prescribed twice");
+                return Err(Fault::new(&entry.key_span, message).label("second time"));
+            }
+            Ok(())
+        };
+        for (key, held) in AXES.into_iter().zip(displacement) {
             let Some(entry) = table.entry(key) else {
                 continue;
             };
-            let field = entry.node.field()?;
-            if axial && (key == "rotation" || key == "x" && field.as_constant() != Some(0.0)) {
+            take(entry, held)?;
+            if axial && key == "x" && held.as_ref().and_then(Field::as_constant) != Some(0.0) {
                 return Err(not_axial(entry));
             }
-            if held.replace(field).is_some() {
-                let message = format!("`{key}` of the point `{}` is prescribed twice", couple.name);
-                return Err(Fault::new(&entry.key_span, message).label("second time"));
+        }
+        match table.entry("rotation") {
+            Some(entry) if axial => return Err(not_axial(entry)),
+            Some(entry) if D == 2 => take(entry, &mut rotation[2])?,
+            Some(entry) => {
+                let about = entry.node.table(&AXES)?;
+                if about.present().is_empty() {
+                    let message = "`rotation` prescribes nothing";
+                    return Err(Fault::new(&entry.node.span, message).label("no axis").help(
+                        "write the axes that it is held about: `rotation = { x = 0.0, z = 0.0 }`",
+                    ));
+                }
+                for (axis, held) in AXES.into_iter().zip(rotation) {
+                    about
+                        .entry(axis)
+                        .map_or(Ok(()), |entry| take(entry, held))?;
+                }
             }
+            None => {}
         }
         Ok(true)
     }
@@ -121,7 +149,7 @@ impl<'a> Couples<'a> {
             return Err(Fault::new(table.span, message).label("neither `force` nor `moment`"));
         }
         if let Some(entry) = force {
-            let given: [Field; 2] = entry.node.fields()?;
+            let given: [Field; D] = entry.node.fields()?;
             if axial && given[0].as_constant() != Some(0.0) {
                 return Err(not_axial(entry));
             }
@@ -133,7 +161,17 @@ impl<'a> Couples<'a> {
             if axial {
                 return Err(not_axial(entry));
             }
-            couple.moment[2] = couple.moment[2].clone() + entry.node.field()?;
+            let given = match D {
+                2 => [
+                    Field::constant(0.0),
+                    Field::constant(0.0),
+                    entry.node.field()?,
+                ],
+                _ => entry.node.fields()?,
+            };
+            for (sum, field) in couple.moment.iter_mut().zip(given) {
+                *sum = sum.clone() + field;
+            }
         }
         Ok(true)
     }

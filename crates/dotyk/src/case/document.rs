@@ -277,7 +277,11 @@ impl Node {
         };
         list.as_slice().try_into().map_err(|_| {
             let message = format!("expected {N} {what}, found {}", list.len());
-            Fault::new(&self.span, message).label(format!("{} values", list.len()))
+            let label = match (list.len(), N) {
+                (2, 3) => "the third is missing".to_string(),
+                (count, _) => format!("{count} values"),
+            };
+            Fault::new(&self.span, message).label(label)
         })
     }
 
@@ -310,10 +314,16 @@ impl Node {
         Ok(fields)
     }
 
-    /// Two integers ≥ 1.
-    pub fn counts(&self, name: &str) -> Result<[usize; 2], Fault> {
-        let [a, b] = self.exactly::<2>("positive integers")?;
-        Ok([a.positive_integer(name)?, b.positive_integer(name)?])
+    /// N integers ≥ 1.
+    pub fn counts<const N: usize>(&self, name: &str) -> Result<[usize; N], Fault> {
+        let mut counts = [0; N];
+        for (count, node) in counts
+            .iter_mut()
+            .zip(self.exactly::<N>("positive integers")?)
+        {
+            *count = node.positive_integer(name)?;
+        }
+        Ok(counts)
     }
 
     /// One of a closed list of words.
@@ -358,6 +368,14 @@ impl Node {
             _ => Err(self.expected("a table")),
         }
     }
+}
+
+/// The keys of the components of vectors.
+pub(crate) const AXES: [&str; 3] = ["x", "y", "z"];
+
+/// How a point of D dimensions is written.
+pub(crate) fn coordinates<const D: usize>() -> String {
+    format!("[{}]", AXES[..D].join(", "))
 }
 
 /// The zero vector as fields.

@@ -65,6 +65,8 @@ pub const TUNNEL_ROCK: &[&str] = &[
     "cell",
     "diagonals",
 ];
+/// `mesh.box`.
+pub const BOX: &[&str] = &["from", "to", "cells", "cell"];
 /// `mesh.file`.
 pub const FILE: &[&str] = &["path", "group"];
 /// `mesh.outline`.
@@ -96,7 +98,9 @@ pub const MATERIAL: &[&str] = &["young", "poisson", "thickness", "group"];
 pub const SURFACE: &[&str] = &["plane", "circle", "cylinder", "sphere"];
 /// A plane.
 pub const PLANE: &[&str] = &["point", "normal"];
-/// A circle.
+/// A cylinder.
+pub const CYLINDER: &[&str] = &["point", "axis", "radius", "inside"];
+/// A circle or sphere.
 pub const CIRCLE: &[&str] = &["center", "radius", "inside"];
 /// One element of `fix`.
 pub const FIX: &[&str] = &["side", "point", "x", "y", "z", "normal", "rotation"];
@@ -169,7 +173,7 @@ pub const REFERENCE: &[&str] = &[
 ];
 
 /// Every table with its keys.
-pub const ALL: [(&str, &[&str]); 30] = [
+pub const ALL: [(&str, &[&str]); 32] = [
     ("case", CASE),
     ("units", UNITS),
     ("body", BODY),
@@ -177,6 +181,7 @@ pub const ALL: [(&str, &[&str]); 30] = [
     ("rectangle", RECTANGLE),
     ("ring", RING),
     ("tunnel_rock", TUNNEL_ROCK),
+    ("box", BOX),
     ("file", FILE),
     ("outline", OUTLINE),
     ("holes", HOLE),
@@ -187,6 +192,7 @@ pub const ALL: [(&str, &[&str]); 30] = [
     ("material", MATERIAL),
     ("surface", SURFACE),
     ("plane", PLANE),
+    ("cylinder", CYLINDER),
     ("circle", CIRCLE),
     ("fix", FIX),
     ("load", LOAD),

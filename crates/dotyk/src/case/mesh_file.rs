@@ -12,7 +12,7 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 /// Points by name; several have one name where a mesh file says so.
-pub(crate) type Named = BTreeMap<String, Vec<Point<2>>>;
+pub(crate) type Named<const D: usize> = BTreeMap<String, Vec<Point<D>>>;
 
 /// The mesh files of a case.
 pub(crate) struct MeshFiles {
@@ -46,7 +46,7 @@ impl MeshFiles {
     }
 
     /// The mesh of a body from the table `file`, and the points that the file names.
-    pub fn mesh(&mut self, node: &Node, body: &str) -> Result<(Mesh<2>, Named), Fault> {
+    pub fn mesh(&mut self, node: &Node, body: &str) -> Result<(Mesh<2>, Named<2>), Fault> {
         if let Value::Text(name) = &node.value {
             let message = "a mesh file is a table";
             return Err(Fault::new(&node.span, message)

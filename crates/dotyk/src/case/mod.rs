@@ -18,6 +18,7 @@ mod points;
 mod probe;
 mod reference;
 mod run;
+mod source;
 mod suggest;
 mod surface;
 
@@ -25,24 +26,29 @@ pub use error::CaseError;
 pub use expression::{ExpressionError, parse as parse_expression};
 pub use reference::{Criterion, Kind, Reference, References, Verdict};
 pub use run::{Failure, Run};
+pub use source::AnyCase;
 
-use crate::case::document::{Node, Span, Table, Value, later};
+use crate::case::body::Generated;
+use crate::case::document::{Node, Span, Table, Value, coordinates};
 use crate::case::error::{Fault, read_text};
 use crate::case::mesh_file::MeshFiles;
-use crate::model::{Analysis, Bolts, Method, Model, SolverOptions, Study, Subject, Units, Varied};
+use crate::case::source::{Source, analysis};
+use crate::mesh::Mesh;
+use crate::model::{
+    Analysis, Bolts, Event, Method, Model, Past, SolverOptions, Study, Subject, Units, Varied,
+};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
-use std::time::Instant;
 
-/// A case file, read and checked.
+/// A case file, read and checked, of D dimensions; [`AnyCase`] reads a case of either.
 #[derive(Debug, Clone)]
-pub struct Case {
+pub struct Case<const D: usize> {
     /// Name of the file without its extension: the `case` of result files.
     pub stem: String,
     /// The file, or the name that the text was given.
     pub path: PathBuf,
     /// The problem.
-    pub model: Model<2>,
+    pub model: Model<D>,
     /// What was noticed while reading, such as parts of mesh files that no body uses.
     pub warnings: Vec<String>,
     /// Wall seconds of reading and of making the meshes.
@@ -54,107 +60,121 @@ pub struct Case {
     places: Vec<(Subject, Span)>,
 }
 
-impl Case {
-    /// Reads a case file.
-    ///
-    /// Errors: what cannot be read; what is not TOML; every mistake with its line and column.
-    pub fn read(path: &Path) -> Result<Self, CaseError> {
-        Self::read_with(path, &[])
-    }
+/// As in [`Model`]: what is generic is compiled here, once for each dimension.
+macro_rules! doors {
+    ($($D:literal)*) => {$(
+        impl Case<$D> {
+            /// Reads a case file.
+            ///
+            /// Errors: what cannot be read; what is not TOML; every mistake with its line and column; a case of
+            /// another number of dimensions.
+            pub fn read(path: &Path) -> Result<Self, CaseError> {
+                Self::read_with(path, &[])
+            }
 
-    /// Reads a case file of which some parameters have another value: names, and numbers or expressions of the parameters
-    /// before each.
-    ///
-    /// Errors: as [`Case::read`]; parameters that the file does not have.
-    pub fn read_with(path: &Path, given: &[(String, String)]) -> Result<Self, CaseError> {
-        let text = read_text(path)?;
-        let folder = path.parent().unwrap_or(Path::new(""));
-        Self::of_text(&text, &path.display().to_string(), folder, given)
-    }
+            /// Reads a case file of which some parameters have another value: names, and numbers or expressions of the
+            /// parameters before each.
+            ///
+            /// Errors: as [`Self::read`]; parameters that the file does not have.
+            pub fn read_with(path: &Path, given: &[(String, String)]) -> Result<Self, CaseError> {
+                let text = read_text(path)?;
+                of_source(Source::at(path, &text, given)?)
+            }
 
-    /// Reads the text of a case file; `name` is how messages call it, and `folder` is where its paths start.
-    ///
-    /// Errors: as [`Case::read`].
-    pub fn from_str(text: &str, name: &str, folder: &Path) -> Result<Self, CaseError> {
-        Self::of_text(text, name, folder, &[])
-    }
+            /// Reads the text of a case file; `name` is how messages call it, and `folder` is where its paths start.
+            ///
+            /// Errors: as [`Self::read`].
+            pub fn from_str(text: &str, name: &str, folder: &Path) -> Result<Self, CaseError> {
+                of_source(Source::parse(text, name, folder, &[])?)
+            }
 
-    fn of_text(
-        text: &str,
-        name: &str,
-        folder: &Path,
-        given: &[(String, String)],
-    ) -> Result<Self, CaseError> {
-        let start = Instant::now();
-        let path = match Path::new(name).file_name() {
-            Some(file) => folder.join(file),
-            None => folder.join(name),
-        };
-        let stem = path.file_stem().unwrap_or(path.as_os_str());
-        let stem = stem.to_string_lossy().into_owned();
-        let mut files = MeshFiles::new(folder);
-        let read = document::parse_with(text, given).and_then(|(document, parameters)| {
-            let mut model = model(&document, &stem, &mut files)?;
-            model.parameters.clone_from(&parameters.values);
-            let unused = parameters.unused(&document);
-            Ok((model, places(&document), unused))
-        });
-        let (model, places, unused) = read.map_err(|fault| fault.in_source(name, text))?;
-        let mut warnings = files.warnings();
-        warnings.extend(unused.iter().map(|name| {
-            format!("no number of this case depends on the parameter `{name}`: in a string its name stands for it, as in young = \"{name}\"")
-        }));
-        Ok(Self {
-            stem,
-            path,
-            model,
-            warnings,
-            seconds: start.elapsed().as_secs_f64(),
-            text: text.into(),
-            name: name.into(),
-            places,
-        })
-    }
+            /// Solves all load steps, from those on that were solved before; an observer is told what happens.
+            pub fn run(&self, past: &[Past<$D>], observe: &mut dyn FnMut(Event)) -> Run<$D> {
+                self.became(self.model.solve_steps_after(past, observe))
+            }
 
-    /// Solves the case in a file for all combinations of some values of its parameters; others may be given another value
-    /// than the case's own. `observe` is told when a member is done.
-    ///
-    /// Errors: as [`Case::read_with`], of the case as it stands and of the names. A member that is bad input is one with
-    /// its reason.
-    pub fn study(
-        path: &Path,
-        given: &[(String, String)],
-        varied: Vec<Varied>,
-        observe: &(dyn Fn() + Sync),
-    ) -> Result<Study, CaseError> {
-        let names: Vec<String> = varied
-            .iter()
-            .map(|parameter| parameter.name.clone())
-            .collect();
-        let read = |values: &[f64]| {
-            let texts = values.iter().map(|value| format!("{value:?}"));
-            let own = names.iter().cloned().zip(texts);
-            Self::read_with(path, &given.iter().cloned().chain(own).collect::<Vec<_>>())
-        };
-        let case = Self::read_with(path, given)?;
-        let own: Option<Vec<f64>> = names.iter().map(|name| case.parameter(name)).collect();
-        let Some(own) = own else {
-            // the names are wrong whatever the values are
-            let first = varied
-                .iter()
-                .filter_map(|parameter| parameter.values.first());
-            return Err(match read(&first.copied().collect::<Vec<_>>()) {
-                Err(error) => error,
-                Ok(case) => CaseError::unplaced(&case.name, "nothing is varied"),
-            });
-        };
-        let make = |values: &[f64]| match read(values) {
-            Ok(case) => Ok(case.model),
-            Err(error) => Err(error.message),
-        };
-        Ok(Study::run((case.model, &own), varied, &make, observe))
-    }
+            /// Solves the case for all combinations of some values of its parameters; others may be given another value
+            /// than its own, and have it in this case, too. The file is read again for each. `observe` is told when a
+            /// member is done.
+            ///
+            /// Errors: as [`Self::read_with`], of the names. A member that is bad input is one with its reason.
+            pub fn study(
+                &self,
+                given: &[(String, String)],
+                varied: Vec<Varied>,
+                observe: &(dyn Fn() + Sync),
+            ) -> Result<Study, CaseError> {
+                let read = |values: &[f64]| with_values(&self.path, given, &varied, values);
+                let own = varied.iter().map(|varied| self.parameter(&varied.name));
+                let Some(own) = own.collect::<Option<Vec<f64>>>() else {
+                    // the names are wrong whatever the values are
+                    let first = varied.iter().filter_map(|varied| varied.values.first());
+                    let case: Result<Self, _> = read(&first.copied().collect::<Vec<_>>());
+                    let nothing = || CaseError::unplaced(&self.name, "nothing is varied");
+                    return Err(case.err().unwrap_or_else(nothing));
+                };
+                let make = |values: &[f64]| {
+                    let case: Result<Self, _> = read(values);
+                    case.map(|case| case.model).map_err(|error| error.message)
+                };
+                Ok(self.model.clone().study(&own, varied.clone(), &make, observe))
+            }
+        }
+    )*};
+}
 
+doors!(2 3);
+
+/// The case of a document.
+fn of_source<const D: usize>(source: Source<'_>) -> Result<Case<D>, CaseError>
+where
+    Mesh<D>: Generated<D>,
+{
+    let (text, name) = (source.text, &source.name[..]);
+    let path = match Path::new(name).file_name() {
+        Some(file) => source.folder.join(file),
+        None => source.folder.join(name),
+    };
+    let stem = path.file_stem().unwrap_or(path.as_os_str());
+    let stem = stem.to_string_lossy().into_owned();
+    let mut files = MeshFiles::new(source.folder);
+    let model = model(&source.document, &stem, &mut files);
+    let mut model = model.map_err(|fault| fault.in_source(name, text))?;
+    model.parameters.clone_from(&source.parameters.values);
+    let unused = source.parameters.unused(&source.document);
+    let mut warnings = files.warnings();
+    warnings.extend(unused.iter().map(|name| {
+        format!("no number of this case depends on the parameter `{name}`: in a string its name stands for it, as in young = \"{name}\"")
+    }));
+    Ok(Case {
+        stem,
+        path,
+        model,
+        warnings,
+        seconds: source.start.elapsed().as_secs_f64(),
+        text: text.into(),
+        name: name.into(),
+        places: places(&source.document),
+    })
+}
+
+/// A case read again, with values of varied parameters.
+fn with_values<const D: usize>(
+    path: &Path,
+    given: &[(String, String)],
+    varied: &[Varied],
+    values: &[f64],
+) -> Result<Case<D>, CaseError>
+where
+    Mesh<D>: Generated<D>,
+{
+    let names = varied.iter().map(|parameter| parameter.name.clone());
+    let own = names.zip(values.iter().map(|value| format!("{value:?}")));
+    let given: Vec<_> = given.iter().cloned().chain(own).collect();
+    of_source(Source::at(path, &read_text(path)?, &given)?)
+}
+
+impl<const D: usize> Case<D> {
     /// Value of a parameter.
     pub fn parameter(&self, name: &str) -> Option<f64> {
         let parameters = self.model.parameters.iter();
@@ -215,15 +235,15 @@ fn places(document: &Node) -> Vec<(Subject, Span)> {
     places
 }
 
-const ANALYSES: [(&str, Analysis); 4] = [
-    ("plane-strain", Analysis::PlaneStrain),
-    ("plane-stress", Analysis::PlaneStress),
-    ("axisymmetric", Analysis::Axisymmetric),
-    ("3d", Analysis::Solid),
-];
-
 /// The model of a whole document.
-fn model(document: &Node, stem: &str, files: &mut MeshFiles) -> Result<Model<2>, Fault> {
+fn model<const D: usize>(
+    document: &Node,
+    stem: &str,
+    files: &mut MeshFiles,
+) -> Result<Model<D>, Fault>
+where
+    Mesh<D>: Generated<D>,
+{
     let table = document.table(keys::CASE)?;
     let text = |key: &str, default: &str| {
         let node = table.get(key);
@@ -231,11 +251,11 @@ fn model(document: &Node, stem: &str, files: &mut MeshFiles) -> Result<Model<2>,
     };
     let title = text("title", stem)?;
     let source = text("source", "")?;
-    let analysis_node = table.require("analysis", "a case")?;
-    let analysis = analysis_node.choice("analysis", &ANALYSES)?;
-    if analysis == Analysis::Solid {
-        let what = format!("`analysis = \"{}\"`", analysis.name());
-        return Err(later(&analysis_node.span, &what));
+    let analysis = analysis(document)?;
+    if (analysis == Analysis::Solid) != (D == 3) {
+        let node = table.require("analysis", "a case")?;
+        let message = format!("this is a case of {D} dimensions to its reader");
+        return Err(Fault::new(&node.span, message).label("another number of dimensions"));
     }
     let units = table.get("units").map_or(Ok(Units::default()), units)?;
 
@@ -247,8 +267,9 @@ fn model(document: &Node, stem: &str, files: &mut MeshFiles) -> Result<Model<2>,
             .help("add a table `[[body]]` with `name`, `mesh` and `material`"));
     }
     unique_names(bodies, "bodies")?;
-    if analysis == Analysis::Axisymmetric {
-        bodies.iter().try_for_each(no_thickness)?;
+    if let Analysis::Axisymmetric | Analysis::Solid = analysis {
+        let refused = |body| no_thickness(body, analysis);
+        bodies.iter().try_for_each(refused)?;
     }
     let bodies = bodies.iter().map(|node| body::body(node, analysis, files));
     let mut bodies = bodies.collect::<Result<Vec<_>, _>>()?;
@@ -283,18 +304,22 @@ fn model(document: &Node, stem: &str, files: &mut MeshFiles) -> Result<Model<2>,
     })
 }
 
-/// Refuses a thickness, which a body of revolution does not have.
-fn no_thickness(body: &Node) -> Result<(), Fault> {
+/// Refuses a thickness, which bodies of revolution and of space do not have.
+fn no_thickness(body: &Node, analysis: Analysis) -> Result<(), Fault> {
     let materials = body.entries()?.iter().filter(|e| e.key == "material");
     for entry in materials {
         let one = std::slice::from_ref(&entry.node);
         let list = entry.node.list().unwrap_or(one);
         let fields = list.iter().flat_map(|m| m.entries().unwrap_or_default());
         if let Some(thickness) = fields.into_iter().find(|e| e.key == "thickness") {
-            let message = "`thickness` has no meaning in an axisymmetric analysis";
+            let (kind, instead) = match analysis {
+                Analysis::Solid => ("a 3D", "the mesh has all three dimensions"),
+                _ => ("an axisymmetric", "forces are for the full turn"),
+            };
+            let message = format!("`thickness` has no meaning in {kind} analysis");
             return Err(Fault::new(&thickness.key_span, message)
                 .label("superfluous")
-                .help("forces are for the full turn"));
+                .help(instead));
         }
     }
     Ok(())
@@ -329,7 +354,7 @@ fn unique_names(list: &[Node], what: &str) -> Result<(), Fault> {
     Ok(())
 }
 
-fn solver_options(node: &Node) -> Result<SolverOptions<2>, Fault> {
+fn solver_options<const D: usize>(node: &Node) -> Result<SolverOptions<D>, Fault> {
     let table = node.table(keys::SOLVER)?;
     let default = SolverOptions::default();
     let methods = [Method::Auto].into_iter().chain(Method::NAMED);
@@ -376,8 +401,9 @@ fn step_length(node: &Node) -> Result<Option<f64>, Fault> {
 }
 
 /// `"auto"`, one point, or a list of points.
-fn bolt_places(node: &Node) -> Result<Bolts<2>, Fault> {
-    let expected = || node.expected("\"auto\", a point [x, y] or a list of points");
+fn bolt_places<const D: usize>(node: &Node) -> Result<Bolts<D>, Fault> {
+    let point = coordinates::<D>();
+    let expected = || node.expected(&format!("\"auto\", a point {point} or a list of points"));
     match &node.value {
         Value::Text(text) if text == "auto" => Ok(Bolts::Automatic),
         Value::List(list) if list.is_empty() => Err(expected()),

@@ -1,6 +1,6 @@
 //! Points with a name: the key `points` of a body, and where a name stands for coordinates.
 
-use crate::case::document::{Node, Span, Table, Value, check_name};
+use crate::case::document::{Node, Span, Table, Value, check_name, coordinates};
 use crate::case::error::Fault;
 use crate::case::mesh_file::Named;
 use crate::geometry::Point;
@@ -8,7 +8,11 @@ use crate::mesh::Mesh;
 use crate::model::{Body, Place};
 
 /// The points that a mesh file names, and those of the key `points`.
-pub(crate) fn points(table: Table<'_>, body: &str, of_file: Named) -> Result<Named, Fault> {
+pub(crate) fn points<const D: usize>(
+    table: Table<'_>,
+    body: &str,
+    of_file: Named<D>,
+) -> Result<Named<D>, Fault> {
     let mut points = of_file;
     for entry in table.get("points").map_or(Ok(&[][..]), Node::entries)? {
         check_name(&entry.key, &entry.key_span)?;
@@ -25,7 +29,11 @@ pub(crate) fn points(table: Table<'_>, body: &str, of_file: Named) -> Result<Nam
 }
 
 /// Coordinates, or those of the points of a name.
-pub(crate) fn places(node: &Node, body: &str, points: &Named) -> Result<Vec<Point<2>>, Fault> {
+pub(crate) fn places<const D: usize>(
+    node: &Node,
+    body: &str,
+    points: &Named<D>,
+) -> Result<Vec<Point<D>>, Fault> {
     match &node.value {
         Value::Text(name) => match points.get(name) {
             Some(places) => Ok(places.clone()),
@@ -35,19 +43,22 @@ pub(crate) fn places(node: &Node, body: &str, points: &Named) -> Result<Vec<Poin
     }
 }
 
-fn unknown(name: &str, span: &Span, body: &str, points: &Named) -> Fault {
+fn unknown<const D: usize>(name: &str, span: &Span, body: &str, points: &Named<D>) -> Fault {
     let fault = Fault::new(span, format!("body `{body}` has no point `{name}`"));
     if points.is_empty() {
         return fault
             .label("no such point")
-            .help("it has no named points: write `points = { NAME = [x, y] }` in the body, or the coordinates here");
+            .help(format!(
+                "it has no named points: write `points = {{ NAME = {} }}` in the body, or the coordinates here",
+                coordinates::<D>()
+            ));
     }
     let names = points.keys().map(String::as_str);
     fault.nearest(name, ["the nearest known point", "its points"], names)
 }
 
 /// Coordinates, or those of the one point that a "BODY.NAME" names.
-pub(crate) fn place(node: &Node, bodies: &[Body<2>]) -> Result<Point<2>, Fault> {
+pub(crate) fn place<const D: usize>(node: &Node, bodies: &[Body<D>]) -> Result<Point<D>, Fault> {
     if !matches!(node.value, Value::Text(_)) {
         return node.point();
     }
@@ -74,9 +85,9 @@ pub(crate) fn place(node: &Node, bodies: &[Body<2>]) -> Result<Point<2>, Fault> 
 }
 
 /// The body and the second word of a "BODY.WORD"; `what` is a word for it, and how it is written.
-pub(crate) fn of_body<'n>(
+pub(crate) fn of_body<'n, const D: usize>(
     node: &'n Node,
-    bodies: &[Body<2>],
+    bodies: &[Body<D>],
     [what, written]: [&str; 2],
 ) -> Result<(usize, &'n str), Fault> {
     let text = node.text()?;
@@ -94,7 +105,11 @@ pub(crate) fn of_body<'n>(
 }
 
 /// The side or the points of a body that a name stands for; nothing where it has neither.
-pub(crate) fn named_places(name: &str, mesh: &Mesh<2>, points: &Named) -> Vec<Place<2>> {
+pub(crate) fn named_places<const D: usize>(
+    name: &str,
+    mesh: &Mesh<D>,
+    points: &Named<D>,
+) -> Vec<Place<D>> {
     let side = mesh.side(name).map(|_| Place::Side(name.to_string()));
     let points = points.get(name).into_iter().flatten();
     side.into_iter()

@@ -1,7 +1,7 @@
 //! `[[probe]]` of a case file: what is read off the solution, checked before anything is solved.
 
 use crate::case::contact::side_ref;
-use crate::case::document::{Entry, Node, Table, Value};
+use crate::case::document::{Entry, Node, Table, Value, coordinates};
 use crate::case::error::Fault;
 use crate::case::keys;
 use crate::case::points::place;
@@ -11,21 +11,23 @@ use crate::model::{
     Along, Body, BodyId, Contact, Mistake, Probe, Quantity, QuantityError, Reading,
 };
 
-const REDUCTIONS: [(&str, Reading<2>); 4] = [
-    ("max", Reading::Largest),
-    ("min", Reading::Smallest),
-    ("mean", Reading::Mean),
-    ("integral", Reading::Integral),
-];
+fn reductions<const D: usize>() -> [(&'static str, Reading<D>); 4] {
+    [
+        ("max", Reading::Largest),
+        ("min", Reading::Smallest),
+        ("mean", Reading::Mean),
+        ("integral", Reading::Integral),
+    ]
+}
 
 const UNKNOWN: [&str; 2] = ["the nearest known", "known"];
 
 /// One probe on these bodies and contacts.
-pub(crate) fn probe(
+pub(crate) fn probe<const D: usize>(
     node: &Node,
-    bodies: &mut [Body<2>],
-    contacts: &[Contact<2>],
-) -> Result<Probe<2>, Fault> {
+    bodies: &mut [Body<D>],
+    contacts: &[Contact<D>],
+) -> Result<Probe<D>, Fault> {
     let table = node.table(keys::PROBE)?;
     let name = label(table.require("name", "a probe")?)?;
     let quantity_node = table.require("quantity", "a probe")?;
@@ -76,16 +78,22 @@ fn fault(node: &Node, error: &QuantityError) -> Fault {
 /// Most points of a line: each is looked for in the cells, and a row for each step.
 const MOST_POINTS: usize = 1_000_000;
 
+/// How a line is written.
+fn written_line<const D: usize>() -> String {
+    let point = coordinates::<D>();
+    format!("{{ from = {point}, to = {point}, points = 50 }}")
+}
+
 /// A line from one point to another, or "BODY.SIDE", or a list of sides.
-fn along(node: &Node, bodies: &mut [Body<2>]) -> Result<Along<2>, Fault> {
+fn along<const D: usize>(node: &Node, bodies: &mut [Body<D>]) -> Result<Along<D>, Fault> {
     match node.value {
         Value::Table(_) => line(node, bodies),
         Value::Text(_) | Value::List(_) => side_ref(node, bodies).map(Along::Side),
-        _ => Err(node.expected("\"BODY.SIDE\" or { from = [x, y], to = [x, y], points = 50 }")),
+        _ => Err(node.expected(&format!("\"BODY.SIDE\" or {}", written_line::<D>()))),
     }
 }
 
-fn line(node: &Node, bodies: &[Body<2>]) -> Result<Along<2>, Fault> {
+fn line<const D: usize>(node: &Node, bodies: &[Body<D>]) -> Result<Along<D>, Fault> {
     let table = node.table(keys::ALONG)?;
     let what = "a line";
     let from = place(table.require("from", what)?, bodies)?;
@@ -105,16 +113,16 @@ fn line(node: &Node, bodies: &[Body<2>]) -> Result<Along<2>, Fault> {
 }
 
 /// Where, or how: a field needs `at`, `along` or `reduce`, a number none; neighbours are those of a point.
-fn reading(
+fn reading<const D: usize>(
     table: Table<'_>,
     name: &str,
     quantity: &Quantity,
-    along: Option<&Along<2>>,
-    bodies: &[Body<2>],
-) -> Result<Reading<2>, Fault> {
+    along: Option<&Along<D>>,
+    bodies: &[Body<D>],
+) -> Result<Reading<D>, Fault> {
     let reduced = table.get("reduce");
     let reduced = reduced
-        .map(|node| node.choice("reduction", &REDUCTIONS))
+        .map(|node| node.choice("reduction", &reductions()))
         .transpose()?;
     let at = table
         .get("at")
@@ -139,7 +147,11 @@ fn reading(
             format!("probe `{name}` must say where: `at`, `along` or `reduce` is missing"),
         )
         .label("`at`, `along` or `reduce` is missing")
-        .help("add `at = [x, y]`, or `along = { from = [x, y], to = [x, y], points = 50 }`, or `along = \"BODY.SIDE\"`, or `reduce = \"max\"`, \"min\", \"mean\" or \"integral\"")),
+        .help(format!(
+            "add `at = {}`, or `along = {}`, or `along = \"BODY.SIDE\"`, or `reduce = \"max\"`, \"min\", \"mean\" or \"integral\"",
+            coordinates::<D>(),
+            written_line::<D>()
+        ))),
         (None, _, Some(entry)) if mean => {
             let message = format!("`mean_of_neighbours` of probe `{name}` needs `at`");
             Err(Fault::new(&entry.key_span, message).label("neighbours of what?"))
@@ -151,11 +163,11 @@ fn reading(
 }
 
 /// One of `at`, `along` and `reduce`, but that a stress or displacement of a body can be reduced along a side.
-fn refuse_contradiction(
+fn refuse_contradiction<const D: usize>(
     table: Table<'_>,
     name: &str,
     quantity: &Quantity,
-    along: Option<&Along<2>>,
+    along: Option<&Along<D>>,
 ) -> Result<(), Fault> {
     let (at, reduce) = (table.entry("at"), table.entry("reduce"));
     let both = |entry: &Entry, first: &str| {
@@ -181,7 +193,11 @@ fn refuse_contradiction(
 }
 
 /// The point of a couple of the body whose displacement is read.
-fn coupled(table: Table<'_>, quantity: &Quantity, bodies: &[Body<2>]) -> Option<Reading<2>> {
+fn coupled<const D: usize>(
+    table: Table<'_>,
+    quantity: &Quantity,
+    bodies: &[Body<D>],
+) -> Option<Reading<D>> {
     let (body, name) = table.get("at")?.text().ok()?.split_once('.')?;
     let read = &bodies[quantity.displaced_body()?];
     let place = read.couples.iter().position(|couple| couple.name == name)?;
@@ -189,9 +205,9 @@ fn coupled(table: Table<'_>, quantity: &Quantity, bodies: &[Body<2>]) -> Option<
 }
 
 /// What a hoop stress goes around; the origin where nothing is said.
-fn center(table: Table<'_>, quantity: &Quantity) -> Result<[f64; 2], Fault> {
+fn center<const D: usize>(table: Table<'_>, quantity: &Quantity) -> Result<[f64; D], Fault> {
     match table.entry("center") {
-        None => Ok([0.0; 2]),
+        None => Ok([0.0; D]),
         Some(entry) if quantity.is_hoop() => entry.node.point(),
         Some(entry) => {
             let message = format!("`center` belongs to hoop stresses, and not to `{quantity}`");
@@ -200,10 +216,10 @@ fn center(table: Table<'_>, quantity: &Quantity) -> Result<[f64; 2], Fault> {
     }
 }
 
-fn minus_rigid(
+fn minus_rigid<const D: usize>(
     table: Table<'_>,
     quantity: &Quantity,
-    bodies: &[Body<2>],
+    bodies: &[Body<D>],
 ) -> Result<Option<BodyId>, Fault> {
     let Some(entry) = table.entry("minus_rigid") else {
         return Ok(None);

@@ -7,9 +7,8 @@
 
 use crate::case::document::{self, Node, Span, Table};
 use crate::case::error::{CaseError, Fault, read_text};
-use crate::case::keys;
 use crate::case::suggest::listed;
-use crate::model::{Model, Probe};
+use crate::case::{AnyCase, keys};
 use std::collections::HashSet;
 use std::path::Path;
 use std::sync::Arc;
@@ -189,19 +188,20 @@ impl References {
         })
     }
 
-    /// Checks that all cases, probes and steps exist; `model` finds that of a case file.
+    /// Checks that all cases, probes and steps exist; `find` finds a case by the name of its file.
     ///
     /// Errors: what is not there, with its place.
-    pub fn check<'m>(&self, model: impl Fn(&str) -> Option<&'m Model<2>>) -> Result<(), CaseError> {
+    pub fn check<'m>(&self, find: impl Fn(&str) -> Option<&'m AnyCase>) -> Result<(), CaseError> {
         for reference in &self.values {
             let fault = |key, message, label: &str| reference.fault(key, message).label(label);
             let against = reference.against.as_ref().map(|other| ("against", other));
             for (key, case) in [("case", &reference.case)].into_iter().chain(against) {
-                let Some(model) = model(case) else {
+                let Some(found) = find(case) else {
                     let message = format!("there is no case file `{case}` in the folder");
                     return Err(self.located(fault(key, message, "no such case")));
                 };
-                let names = || model.probes.iter().map(|probe| probe.name.as_str());
+                let probes = found.probes();
+                let names = || probes.iter().map(|(name, _)| *name);
                 if !names().any(|name| name == reference.probe) {
                     let message = format!("`{case}` has no probe `{}`", reference.probe);
                     let help = match listed(names()) {
@@ -211,15 +211,14 @@ impl References {
                     let fault = fault("probe", message, "no such probe").help(help);
                     return Err(self.located(fault));
                 }
-                let is_it = |probe: &Probe<2>| probe.name == reference.probe && probe.is_line();
-                if model.probes.iter().any(is_it) {
+                if probes.contains(&(reference.probe.as_str(), true)) {
                     let probe = &reference.probe;
                     let message = format!("`{probe}` of `{case}` has values along a line");
                     let help = "name a probe of one number: with `at` or `reduce`";
                     let fault = fault("probe", message, "not one number").help(help);
                     return Err(self.located(fault));
                 }
-                let count = model.times.len();
+                let count = found.steps();
                 if let Some(step) = reference.step.filter(|step| *step > count) {
                     let message = format!("`{case}` has no step {step}: it has {count}");
                     let fault = fault("step", message, "no such step")

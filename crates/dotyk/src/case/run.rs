@@ -1,14 +1,14 @@
 //! A case as a run: solved step by step, with what stands where a step has no answer.
 
 use crate::case::{Case, CaseError};
-use crate::model::{Error, Event, Past, Solution};
+use crate::model::{Error, Solution};
 use std::fmt;
 
 /// What came of a case.
 #[derive(Debug)]
-pub struct Run {
+pub struct Run<const D: usize> {
     /// The load steps that have an answer, and after them the last iterate of the one that did not converge, if one did not.
-    pub steps: Vec<Solution<2>>,
+    pub steps: Vec<Solution<D>>,
     /// Number of load steps of the case.
     pub count: usize,
     /// Why it ended early.
@@ -28,17 +28,17 @@ pub struct Failure {
     pub refusal: Option<CaseError>,
 }
 
-impl Case {
-    /// Solves all load steps, from those on that were solved before; an observer is told what happens.
-    pub fn run(&self, past: &[Past<2>], observe: &mut dyn FnMut(Event)) -> Run {
+impl<const D: usize> Case<D> {
+    /// What became of its load steps.
+    pub(crate) fn became(&self, solved: Result<Vec<Solution<D>>, Error<D>>) -> Run<D> {
         let times = &self.model.times;
-        let failed = |steps: &[Solution<2>], reason: String, refusal| Failure {
+        let failed = |steps: &[Solution<D>], reason: String, refusal| Failure {
             step: steps.len() + 1,
             time: times.get(steps.len()).copied().unwrap_or(f64::NAN),
             reason,
             refusal,
         };
-        let (mut steps, failure) = match self.model.solve_steps_after(past, observe) {
+        let (mut steps, failure) = match solved {
             Ok(steps) => (steps, None),
             Err(Error::NotConverged {
                 reason,
@@ -74,14 +74,14 @@ impl Case {
     }
 }
 
-impl Run {
+impl<const D: usize> Run<D> {
     /// Every step has its certificate.
     pub fn certified(&self) -> bool {
         self.failure.is_none()
     }
 
     /// What is worth writing: the steps that have an answer; if none has, the last iterate of the first.
-    pub fn standing(&self) -> &[Solution<2>] {
+    pub fn standing(&self) -> &[Solution<D>] {
         let certified = self.steps.iter().filter(|step| step.converged).count();
         &self.steps[..certified.max(1).min(self.steps.len())]
     }
@@ -103,7 +103,7 @@ impl Run {
     }
 }
 
-impl fmt::Display for Run {
+impl<const D: usize> fmt::Display for Run<D> {
     /// Why it ended early, with step and method; nothing if it did not.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Some(failure) = &self.failure else {

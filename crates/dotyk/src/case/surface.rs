@@ -1,18 +1,22 @@
-//! Planes and circles of a case file: true surfaces of sides, and rigid obstacles.
+//! Planes, circles, spheres and cylinders of a case file: true surfaces of sides, and rigid obstacles.
 
-use crate::case::document::{Entry, Node, later};
+use crate::case::document::{Entry, Node, Table};
 use crate::case::error::Fault;
 use crate::case::keys;
 use crate::case::suggest::listed;
 use crate::geometry::{Surface, unit};
 
-/// Surfaces of solids: known, and refused for now.
-const OF_SPACE: [&str; 2] = ["cylinder", "sphere"];
+/// Shapes of the plane and of space.
+const SHAPES: [&[&str]; 2] = [&["plane", "circle"], &["plane", "cylinder", "sphere"]];
 
-/// The true surface behind a side: `{ circle = .. }` or `{ plane = .. }`.
-pub(crate) fn true_surface(node: &Node) -> Result<Surface<2>, Fault> {
+/// Shapes of D dimensions.
+pub(crate) fn shapes<const D: usize>() -> impl Iterator<Item = &'static str> + Clone {
+    SHAPES[D - 2].iter().copied()
+}
+
+/// The true surface behind a side: `{ circle = .. }`, `{ plane = .. }` ...
+pub(crate) fn true_surface<const D: usize>(node: &Node) -> Result<Surface<D>, Fault> {
     let table = node.table(keys::SURFACE)?;
-    table.refuse_later(&OF_SPACE)?;
     let given: Vec<&Entry> = keys::SURFACE
         .iter()
         .filter_map(|k| table.entry(k))
@@ -20,34 +24,58 @@ pub(crate) fn true_surface(node: &Node) -> Result<Surface<2>, Fault> {
     let [entry] = given[..] else {
         return Err(Fault::new(table.span, "a surface is exactly one shape")
             .label("not exactly one")
-            .help(format!(
-                "give one of {}",
-                listed(keys::SURFACE.iter().copied())
-            )));
+            .help(format!("give one of {}", listed(shapes::<D>()))));
     };
     Ok(surface(entry)?.0)
 }
 
-/// A plane or a circle, and whether the body is inside the circle.
-pub(crate) fn surface(entry: &Entry) -> Result<(Surface<2>, bool), Fault> {
+/// A shape of D dimensions, and whether the body is inside of it, where it is round.
+pub(crate) fn surface<const D: usize>(entry: &Entry) -> Result<(Surface<D>, bool), Fault> {
+    let (node, what) = (&entry.node, format!("a {}", entry.key));
+    if !shapes::<D>().any(|shape| shape == entry.key) {
+        let message = format!("`{}` is a shape of {}D analyses", entry.key, 5 - D);
+        return Err(Fault::new(&entry.key_span, message)
+            .label(format!("not in {D}D"))
+            .help(format!("shapes in {D}D: {}", listed(shapes::<D>()))));
+    }
+    let round = |table: Table<'_>| {
+        let radius = table.require("radius", &what)?;
+        let radius = radius.positive(&format!("the radius of {what}"))?;
+        let inside = table.get("inside").map_or(Ok(false), Node::boolean)?;
+        Ok((radius, inside))
+    };
     match entry.key.as_str() {
         "plane" => {
-            let table = entry.node.table(keys::PLANE)?;
-            let point = table.require("point", "a plane")?.point()?;
-            let direction = table.require("normal", "a plane")?;
-            let normal = unit(direction.point()?).ok_or_else(|| {
-                Fault::new(&direction.span, "the normal of a plane is zero").label("no direction")
-            })?;
+            let table = node.table(keys::PLANE)?;
+            let point = table.require("point", &what)?.point()?;
+            let normal = direction(table, "normal", &what)?;
             Ok((Surface::Plane { point, normal }, false))
         }
-        "circle" => {
-            let table = entry.node.table(keys::CIRCLE)?;
-            let center = table.require("center", "a circle")?.point()?;
-            let radius = table.require("radius", "a circle")?;
-            let radius = radius.positive("the radius of a circle")?;
-            let inside = table.get("inside").map_or(Ok(false), Node::boolean)?;
+        "cylinder" => {
+            let table = node.table(keys::CYLINDER)?;
+            let point = table.require("point", &what)?.point()?;
+            let axis = direction(table, "axis", &what)?;
+            let (radius, inside) = round(table)?;
+            let cylinder = Surface::Cylinder {
+                point,
+                axis,
+                radius,
+            };
+            Ok((cylinder, inside))
+        }
+        _ => {
+            let table = node.table(keys::CIRCLE)?;
+            let center = table.require("center", &what)?.point()?;
+            let (radius, inside) = round(table)?;
             Ok((Surface::Sphere { center, radius }, inside))
         }
-        other => Err(later(&entry.key_span, &format!("`{other}`"))),
     }
+}
+
+/// A vector of length 1.
+fn direction<const D: usize>(table: Table<'_>, key: &str, what: &str) -> Result<[f64; D], Fault> {
+    let node = table.require(key, what)?;
+    unit(node.point()?).ok_or_else(|| {
+        Fault::new(&node.span, format!("the {key} of {what} is zero")).label("no direction")
+    })
 }

@@ -41,8 +41,18 @@ quantity = "sole.pressure"
 at       = [2.0, 1.0]
 "#;
 
-fn read(text: &str) -> Result<Case, CaseError> {
-    Case::from_str(text, "punch.toml", Path::new(""))
+/// A case in which parameters have these values.
+fn read_given(
+    text: &str,
+    name: &str,
+    folder: &Path,
+    given: &[(String, String)],
+) -> Result<Case<2>, CaseError> {
+    of_source(Source::parse(text, name, folder, given)?)
+}
+
+fn read(text: &str) -> Result<Case<2>, CaseError> {
+    Case::<2>::from_str(text, "punch.toml", Path::new(""))
 }
 
 fn example(from: &str, to: &str) -> String {
@@ -514,7 +524,7 @@ fn parameters_stand_for_every_number_and_in_every_expression() {
         ],
     );
     let read_with = |set: &[(&str, &str)]| {
-        Case::of_text(&text, "punch.toml", Path::new(""), &given(set))
+        read_given(&text, "punch.toml", Path::new(""), &given(set))
             .unwrap()
             .model
     };
@@ -608,7 +618,7 @@ fn mistakes_with_parameters_are_underlined() {
     ];
     for (table, changes, set, message, underlined) in mistakes {
         let text = with_parameters(&format!("[parameters]\n{table}"), changes);
-        let error = Case::of_text(&text, "punch.toml", Path::new(""), &given(set)).unwrap_err();
+        let error = read_given(&text, "punch.toml", Path::new(""), &given(set)).unwrap_err();
         assert!(
             error.message.contains(message),
             "{table}: {}",
@@ -622,10 +632,10 @@ fn mistakes_with_parameters_are_underlined() {
         );
     }
     let text = with_parameters(PARAMETERS, &[]);
-    let error = Case::of_text(&text, "f", Path::new(""), &given(&[("half_", "1")])).unwrap_err();
+    let error = read_given(&text, "f", Path::new(""), &given(&[("half_", "1")])).unwrap_err();
     assert_eq!(error.message, "there is no parameter `half_`");
     assert_eq!(&*error.label, "the nearest is `half`");
-    let error = Case::of_text(EXAMPLE, "f", Path::new(""), &given(&[("E", "1")])).unwrap_err();
+    let error = read_given(EXAMPLE, "f", Path::new(""), &given(&[("E", "1")])).unwrap_err();
     assert!(
         error
             .help
@@ -844,11 +854,11 @@ fn a_text_that_is_not_toml_has_its_place() {
 
 #[test]
 fn a_file_that_cannot_be_read_is_named() {
-    let error = Case::read(Path::new("no-such-folder/no-such.toml")).unwrap_err();
+    let error = Case::<2>::read(Path::new("no-such-folder/no-such.toml")).unwrap_err();
     assert!(
         error.to_string().contains("no-such.toml") && error.to_string().contains("no such file")
     );
-    let error = Case::read(Path::new("src")).unwrap_err();
+    let error = Case::<2>::read(Path::new("src")).unwrap_err();
     assert!(error.message.contains("folder"));
 }
 

@@ -14,6 +14,7 @@ use crate::model::past::Past;
 use crate::model::reuse::Reuse;
 use crate::model::solution::Solution;
 use crate::model::steps::{Given, condense_step, solve_steps};
+use crate::model::study::{Make, Study, Varied};
 use crate::solve::ContactSolver;
 use std::collections::BTreeSet;
 use std::ops::Range;
@@ -73,8 +74,20 @@ macro_rules! doors {
                 reuse: &mut Reuse<$D>,
                 observe: &mut dyn FnMut(Event),
             ) -> Result<Vec<Solution<$D>>, Error<$D>> {
-                self.validate()?;
-                solve_steps(self, Given::NONE, Some(reuse), observe)
+                self.solve_reusing(reuse, observe)
+            }
+
+            /// Solves the models that `make` makes for all combinations of the values that parameters take. This one has the
+            /// values `own`; `observe` is told when a member is done. What cannot be made or solved is a member with its
+            /// reason.
+            pub fn study(
+                self,
+                own: &[f64],
+                varied: Vec<Varied>,
+                make: &Make<'_, $D>,
+                observe: &(dyn Fn() + Sync),
+            ) -> Study {
+                Study::run((self, own), varied, make, observe)
             }
 
             /// Solves the model with a solver of one's own and returns the solution of its last load step.
@@ -160,30 +173,9 @@ macro_rules! doors {
         }
 
         impl Dual<$D> {
-            /// The model, whose tolerance is the limit of certificates.
-            pub fn model(&self) -> &Model<$D> {
-                &self.model
-            }
-
-            /// F, d, Λ, G and e.
-            pub fn problem(&self) -> &DualProblem {
-                &self.condensed.problem
-            }
-
-            /// Where loads, supports and gaps were taken.
-            pub fn time(&self) -> f64 {
-                self.condensed.time
-            }
-
             /// What each contact force is, (m,).
             pub fn unknowns(&self) -> Vec<Unknown<$D>> {
                 self.list_unknowns()
-            }
-
-            /// Name of a contact by its index in [`Unknown::contact`]; "BODY.POINT" of a couple. Empty where there is none.
-            pub fn contact_name(&self, contact: usize) -> &str {
-                let paired = self.condensed.paired.get(contact);
-                paired.map_or("", |pair| pair.name.as_str())
             }
 
             /// B (m, n): the gaps are g₀ − Bu, and −Bᵀλ are the nodal forces of the contacts on the bodies. u are the
@@ -196,12 +188,6 @@ macro_rules! doors {
             /// Name and columns of B of each body, then of each obstacle that a force moves and of the point of each couple.
             pub fn columns(&self) -> Vec<(String, Range<usize>)> {
                 self.list_columns()
-            }
-
-            /// g₀ (m,): gaps without displacements; in a tangential row what a slip in earlier steps and the motion of
-            /// an obstacle make of it.
-            pub fn initial_gaps(&self) -> &[f64] {
-                &self.condensed.gaps
             }
 
             /// Assembles F where it is applied and has at most [`ASSEMBLED`](crate::model::ASSEMBLED) unknowns; `true`
@@ -237,7 +223,46 @@ macro_rules! doors {
 
 doors!(2 3);
 
+impl<const D: usize> Dual<D> {
+    /// The model, whose tolerance is the limit of certificates.
+    pub fn model(&self) -> &Model<D> {
+        &self.model
+    }
+
+    /// F, d, Λ, G and e.
+    pub fn problem(&self) -> &DualProblem {
+        &self.condensed.problem
+    }
+
+    /// Where loads, supports and gaps were taken.
+    pub fn time(&self) -> f64 {
+        self.condensed.time
+    }
+
+    /// Name of a contact by its index in [`Unknown::contact`]; "BODY.POINT" of a couple. Empty where there is none.
+    pub fn contact_name(&self, contact: usize) -> &str {
+        let paired = self.condensed.paired.get(contact);
+        paired.map_or("", |pair| pair.name.as_str())
+    }
+
+    /// g₀ (m,): gaps without displacements; in a tangential row what a slip in earlier steps and the motion of
+    /// an obstacle make of it.
+    pub fn initial_gaps(&self) -> &[f64] {
+        &self.condensed.gaps
+    }
+}
+
 impl<const D: usize> Model<D> {
+    /// As [`Model::solve_steps_reusing`].
+    pub(crate) fn solve_reusing(
+        &self,
+        reuse: &mut Reuse<D>,
+        observe: &mut dyn FnMut(Event),
+    ) -> Result<Vec<Solution<D>>, Error<D>> {
+        self.validate()?;
+        solve_steps(self, Given::NONE, Some(reuse), observe)
+    }
+
     /// Errors: what makes no model, whatever its bodies are.
     fn validate(&self) -> Result<(), Error<D>> {
         let rising = |pair: &[f64]| pair[0] < pair[1];

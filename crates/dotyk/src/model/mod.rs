@@ -57,4 +57,4 @@ pub use past::{Past, PastBody, PastNode};
 pub use quantity::{Dimension, Mistake, Quantity, QuantityError};
 pub use reuse::Reuse;
 pub use solution::*;
-pub use study::{Column, Member, Study, Varied};
+pub use study::{Column, Make, Member, Study, Varied};

@@ -354,6 +354,7 @@ impl<const D: usize> Probe<D> {
                 Dimension::Force
             }
             (Reading::Integral, _) => Dimension::Other,
+            _ if D == 3 && self.quantity.is_extent() => Dimension::Area,
             (_, dimension) => dimension,
         }
     }

@@ -80,6 +80,8 @@ pub enum Dimension {
     Force,
     /// A force per area.
     Stress,
+    /// A length times a length.
+    Area,
     /// An integral of another one.
     Other,
 }
@@ -203,6 +205,11 @@ impl Quantity {
     /// It is read along a side: it depends on the normal.
     pub fn needs_side(&self) -> bool {
         matches!(self.parts, Parts::Stress(_, Stress::Normal))
+    }
+
+    /// It is the length of a contact, or in space its area.
+    pub(crate) fn is_extent(&self) -> bool {
+        matches!(self.parts, Parts::Length(_))
     }
 
     /// It belongs to the nodes of a contact.

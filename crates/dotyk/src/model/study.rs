@@ -4,7 +4,7 @@
 //! that change the stiffness are varied outermost, and what is inside such a loop is solved one after the other. Different
 //! stiffnesses are solved in parallel.
 
-use crate::model::nouns::Model;
+use crate::model::nouns::{Model, Units};
 use crate::model::quantity::Dimension;
 use crate::model::reuse::Reuse;
 use rayon::prelude::*;
@@ -48,8 +48,10 @@ pub struct Member {
 /// A model solved for all combinations of some values.
 #[derive(Debug, Clone)]
 pub struct Study {
-    /// The model with its own values.
-    pub model: Model<2>,
+    /// Title of the model.
+    pub title: String,
+    /// Its units.
+    pub units: Units,
     /// What was varied.
     pub varied: Vec<Varied>,
     /// What was read.
@@ -59,15 +61,14 @@ pub struct Study {
 }
 
 /// Makes the model for some values, or says why there is none.
-type Make<'a> = dyn Fn(&[f64]) -> Result<Model<2>, String> + Sync + 'a;
+pub type Make<'a, const D: usize> = dyn Fn(&[f64]) -> Result<Model<D>, String> + Sync + 'a;
 
 impl Study {
-    /// Solves the models that `make` makes for all combinations of values. `model` has the values `own`; `observe` is told
-    /// when a member is done. What cannot be made or solved is a member with its reason.
-    pub fn run(
-        (model, own): (Model<2>, &[f64]),
+    /// As [`Model::study`].
+    pub(crate) fn run<const D: usize>(
+        (model, own): (Model<D>, &[f64]),
         varied: Vec<Varied>,
-        make: &Make<'_>,
+        make: &Make<'_, D>,
         observe: &(dyn Fn() + Sync),
     ) -> Self {
         let numbers = model.probes.iter().filter(|probe| !probe.is_line());
@@ -92,7 +93,8 @@ impl Study {
         members.sort_by_key(|(index, _)| *index);
         Self {
             members: members.into_iter().map(|(_, member)| member).collect(),
-            model,
+            title: model.title,
+            units: model.units,
             varied,
             probes,
         }
@@ -130,11 +132,11 @@ impl Study {
 }
 
 /// Whether the ends of a parameter's range make another stiffness; then it is varied outermost.
-fn changes_stiffness(
-    (model, own): (&Model<2>, &[f64]),
+fn changes_stiffness<const D: usize>(
+    (model, own): (&Model<D>, &[f64]),
     index: usize,
     parameter: &Varied,
-    make: &Make<'_>,
+    make: &Make<'_, D>,
 ) -> bool {
     let ends = [parameter.values.first(), parameter.values.last()];
     ends.into_iter().flatten().any(|&value| {
@@ -181,14 +183,14 @@ fn combination(varied: &[Varied], index: usize) -> Vec<f64> {
         .collect()
 }
 
-fn member(
-    model: Result<Model<2>, String>,
+fn member<const D: usize>(
+    model: Result<Model<D>, String>,
     values: Vec<f64>,
     probes: usize,
-    reuse: &mut Reuse<2>,
+    reuse: &mut Reuse<D>,
 ) -> Member {
     let solved = model.and_then(|model| {
-        let steps = model.solve_steps_reusing(reuse, &mut |_| {});
+        let steps = model.solve_reusing(reuse, &mut |_| {});
         steps.map_err(|error| error.to_string())
     });
     let mut warnings: Vec<String> = Vec::new();

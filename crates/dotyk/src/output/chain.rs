@@ -1,14 +1,19 @@
 //! Points along a contact of the plane: tangent, arc length, angle.
 
-use crate::geometry::{Point, distance, sub};
+use crate::geometry::{Point, distance, dot, sub};
 
 /// The contact tangent in 2D: the normal rotated by +90°.
 pub fn tangent(normal: Point<2>) -> Point<2> {
     [-normal[1], normal[0]]
 }
 
+/// What of a vector points along the contact tangent of the plane.
+pub fn along_tangent<const D: usize>(vector: Point<D>, normal: Point<D>) -> f64 {
+    dot([vector[0], vector[1]], tangent([normal[0], normal[1]]))
+}
+
 /// Length of the way to each of these points, (n,).
-pub fn arc_lengths(points: &[Point<2>]) -> Vec<f64> {
+pub fn arc_lengths<const D: usize>(points: &[Point<D>]) -> Vec<f64> {
     let mut arc = 0.0;
     (0..points.len())
         .map(|i| {

@@ -1,12 +1,12 @@
 //! Sections of the report on contacts: what they transmit, the balance of the bodies, and their nodes.
 
-use crate::geometry::{Point, add_scaled, dot, norm};
+use crate::geometry::{Point, add_scaled, norm};
 use crate::model::{Analysis, Model, Solution};
-use crate::output::chain::tangent;
-use crate::output::html::{column, escape, figure, left, marked, plain, table, text};
-use crate::output::interface::{interface_figure, largest_gap};
+use crate::output::chain::along_tangent;
+use crate::output::figures::Figures;
+use crate::output::html::{column, escape, left, marked, plain, table, text};
+use crate::output::interface::largest_gap;
 use crate::output::json::{closed_and_open, in_contact, largest, max_penetration};
-use crate::output::scene::Scene;
 use crate::output::text::{
     Labels, count, number, power, quantity, vector, vector_on, without_noise,
 };
@@ -15,16 +15,16 @@ use crate::output::text::{
 const MOST_ROWS: usize = 600;
 
 /// What the contacts transmit, with a figure for each.
-pub fn contacts(
-    model: &Model<2>,
-    solution: &Solution<2>,
-    scene: &Scene,
+pub fn contacts<const D: usize>(
+    solution: &Solution<D>,
+    figures: &Figures<'_>,
     labels: &Labels,
 ) -> String {
     if solution.contacts.is_empty() {
         return String::new();
     }
     let mut out = "<h2>Contact</h2>\n".to_string();
+    let (extent, unit) = labels.extent();
     let rows = solution
         .contacts
         .iter()
@@ -48,53 +48,26 @@ pub fn contacts(
     let heads = [
         left("contact"),
         column("nodes closed / open", ""),
-        column("length in contact", &labels.length),
+        column(&format!("{extent} in contact"), unit),
         column("largest pressure", &labels.stress),
         column("largest gap", &labels.length),
         column("penetration", &labels.length),
         column("force on the nonmortar body", &labels.force),
     ];
     out += &table(&heads, rows);
-    for (i, (contact, law)) in solution
-        .contacts
-        .iter()
-        .zip(model.contacts.iter().map(|c| &c.law))
-        .enumerate()
-    {
-        let Some(svg) = interface_figure(scene, contact, law, &format!("interface{i}")) else {
-            continue;
-        };
-        let name = |side: &crate::model::SideRef| {
-            let body = model
-                .bodies
-                .get(side.body.0)
-                .map_or("?", |b| b.name.as_str());
-            format!("{body}.{}", side.side)
-        };
-        let other = contact
-            .mortar
-            .as_ref()
-            .map_or("a rigid obstacle".to_string(), name);
-        let caption = format!(
-            "{} against {other}. Pressure is positive in compression, the gap is that after deformation. Arrows: pressure on {}.",
-            name(&contact.nonmortar),
-            model
-                .bodies
-                .get(contact.nonmortar.body.0)
-                .map_or("the body", |b| b.name.as_str()),
-        );
-        let title = format!(
-            "Contact pressure and gap along the interface {}",
-            contact.name
-        );
-        out += &figure(&svg, &title, &caption);
+    for index in 0..solution.contacts.len() {
+        out += &figures.contact(solution, index);
     }
     out
 }
 
 /// Reactions, forces of the contacts and loads on each body.
-pub fn balance(model: &Model<2>, solution: &Solution<2>, labels: &Labels) -> String {
-    let forces: Vec<(Point<2>, Point<2>)> = solution
+pub fn balance<const D: usize>(
+    model: &Model<D>,
+    solution: &Solution<D>,
+    labels: &Labels,
+) -> String {
+    let forces: Vec<(Point<D>, Point<D>)> = solution
         .bodies
         .iter()
         .enumerate()
@@ -107,9 +80,9 @@ pub fn balance(model: &Model<2>, solution: &Solution<2>, labels: &Labels) -> Str
         .iter()
         .zip(&forces)
         .map(|(body, (reaction, contact))| {
-            let rest: Point<2> = std::array::from_fn(|k| -(reaction[k] + contact[k]));
+            let rest: Point<D> = std::array::from_fn(|k| -(reaction[k] + contact[k]));
             // radial forces balance over the full turn
-            let force = |f: &Point<2>| match axial {
+            let force = |f: &Point<D>| match axial {
                 true => plain(number(without_noise(f[1], scale))),
                 false => plain(vector_on(f, scale, "")),
             };
@@ -131,7 +104,7 @@ pub fn balance(model: &Model<2>, solution: &Solution<2>, labels: &Labels) -> Str
         "<h2>Reactions and balance</h2>\n<p>Forces ON each body, {}. The three add up to zero; what is below 10⁻¹⁰ of the largest is shown as 0.</p>\n{}",
         match axial {
             true => "along the axis z, for the full turn".to_string(),
-            false => format!("as ({}, {})", labels.axes[0], labels.axes[1]),
+            false => format!("as ({})", labels.axes.join(", ")),
         },
         table(&heads, rows)
     );
@@ -160,8 +133,8 @@ pub fn balance(model: &Model<2>, solution: &Solution<2>, labels: &Labels) -> Str
 }
 
 /// Force of all contacts ON a body.
-fn contact_force(solution: &Solution<2>, body: usize) -> Point<2> {
-    let mut force: Point<2> = [0.0; 2];
+fn contact_force<const D: usize>(solution: &Solution<D>, body: usize) -> Point<D> {
+    let mut force: Point<D> = [0.0; D];
     for contact in &solution.contacts {
         if contact.nonmortar.body.0 == body {
             force = add_scaled(force, 1.0, contact.resultant);
@@ -174,7 +147,7 @@ fn contact_force(solution: &Solution<2>, body: usize) -> Point<2> {
 }
 
 /// Gap, pressure and state of every contact node.
-pub fn contact_nodes(solution: &Solution<2>, labels: &Labels) -> String {
+pub fn contact_nodes<const D: usize>(solution: &Solution<D>, labels: &Labels) -> String {
     if solution.contacts.is_empty() {
         return String::new();
     }
@@ -189,14 +162,12 @@ pub fn contact_nodes(solution: &Solution<2>, labels: &Labels) -> String {
             continue;
         }
         let shear = contact.nodes.iter().any(|n| norm(n.shear) > 0.0);
-        let mut heads = vec![
-            column("node", ""),
-            column(labels.axes[0], &labels.length),
-            column(labels.axes[1], &labels.length),
-            column("weight", ""),
-            column("gap", &labels.length),
-            column("pressure", &labels.stress),
-        ];
+        let mut heads = vec![column("node", "")];
+        let axes = labels.axes.iter();
+        heads.extend(axes.map(|axis| column(axis, &labels.length)));
+        heads.push(column("weight", ""));
+        heads.push(column("gap", &labels.length));
+        heads.push(column("pressure", &labels.stress));
         if shear {
             heads.push(column("shear", &labels.stress));
         }
@@ -205,16 +176,14 @@ pub fn contact_nodes(solution: &Solution<2>, labels: &Labels) -> String {
             .nodes
             .iter()
             .map(|n| {
-                let mut row = vec![
-                    plain(n.node.to_string()),
-                    plain(number(n.point[0])),
-                    plain(number(n.point[1])),
-                    plain(number(n.weight)),
-                    plain(number(n.gap)),
-                    plain(number(n.pressure)),
-                ];
+                let mut row = vec![plain(n.node.to_string())];
+                row.extend(n.point.map(|x| plain(number(x))));
+                row.extend([n.weight, n.gap, n.pressure].map(|x| plain(number(x))));
                 if shear {
-                    row.push(plain(number(dot(n.shear, tangent(n.normal)))));
+                    row.push(plain(match D {
+                        2 => number(along_tangent(n.shear, n.normal)),
+                        _ => vector(&n.shear, ""),
+                    }));
                 }
                 let status = n.status.name();
                 row.push(marked(match in_contact(n.status) {

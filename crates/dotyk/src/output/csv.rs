@@ -1,29 +1,41 @@
 //! `contact.csv`: one row per contact node; `lines.csv`: one row per place of a probe along a line.
 //!
 //! Signs: gap ≥ 0 open, pressure ≥ 0 compression. Vectors along the interface are given in 2D as one number along the
-//! tangent, which is the normal rotated by +90°. Numbers are the shortest that read back to the same bits.
+//! tangent, which is the normal rotated by +90°, in space by their components. Numbers are the shortest that read back to the same
+//! bits.
 
-use crate::geometry::dot;
 use crate::model::{ContactNode, ContactSolution, Law, Model, SideRef, Solution};
-use crate::output::chain::{angles, arc_lengths, tangent};
+use crate::output::chain::{along_tangent, angles, arc_lengths};
+use crate::output::text::AXES;
 use std::fmt::Write;
 
 /// Content of `contact.csv` for the steps of one run (numbered from 1).
 ///
-/// The columns `shear` and `slip` are there as soon as one contact bears shear (friction or tied). After the status:
-/// time of the step; `arc`, the length of the way from the first node along the undeformed side; `angle`, where all nodes
-/// lie on a circle, about its centre in degrees from +x, running on past half a turn; the sides, "BODY.SIDE", of which the
-/// other is `obstacle` where it is one.
-pub fn contact_csv(model: &Model<2>, steps: &[Solution<2>]) -> String {
+/// The columns `shear` and `slip` (in space `shear_x` ...) are there as soon as one contact bears shear (friction or tied).
+/// After the status: time of the step; in the plane `arc`, the length of the way from the first node along the undeformed side,
+/// and `angle`, where all nodes lie on a circle, about its centre in degrees from +x, running on past half a turn; the sides,
+/// "BODY.SIDE", of which the other is `obstacle` where it is one.
+pub fn contact_csv<const D: usize>(model: &Model<D>, steps: &[Solution<D>]) -> String {
     let shear = model
         .contacts
         .iter()
         .any(|contact| !matches!(contact.law, Law::Frictionless));
-    let mut out = String::from("step,contact,node,x,y,nx,ny,weight,gap,pressure");
-    if shear {
-        out.push_str(",shear,slip");
+    let axes = AXES[..D].join(",");
+    let mut out = format!(
+        "step,contact,node,{axes},n{},weight,gap,pressure",
+        AXES[..D].join(",n")
+    );
+    for vector in ["shear", "slip"].iter().filter(|_| shear) {
+        match D {
+            2 => out += &format!(",{vector}"),
+            _ => AXES
+                .iter()
+                .for_each(|axis| out += &format!(",{vector}_{axis}")),
+        }
     }
-    out.push_str(",status,time,arc,angle,nonmortar,mortar\n");
+    out.push_str(",status,time");
+    out.push_str(if D == 2 { ",arc,angle" } else { "" });
+    out.push_str(",nonmortar,mortar\n");
     for (step, solution) in steps.iter().enumerate() {
         for contact in &solution.contacts {
             rows(&mut out, model, (step + 1, solution.time), contact, shear);
@@ -33,15 +45,16 @@ pub fn contact_csv(model: &Model<2>, steps: &[Solution<2>]) -> String {
 }
 
 /// The rows of one contact in one step.
-fn rows(
+fn rows<const D: usize>(
     out: &mut String,
-    model: &Model<2>,
+    model: &Model<D>,
     (step, time): (usize, f64),
-    contact: &ContactSolution<2>,
+    contact: &ContactSolution<D>,
     shear: bool,
 ) {
-    let points: Vec<_> = contact.nodes.iter().map(|node| node.point).collect();
-    let (arcs, angles) = (arc_lengths(&points), angles(&points));
+    let nodes = contact.nodes.iter();
+    let points: Vec<[f64; 2]> = nodes.map(|node| [node.point[0], node.point[1]]).collect();
+    let plane = (D == 2).then(|| (arc_lengths(&points), angles(&points)));
     let name = |side: &SideRef| format!("{}.{}", model.bodies[side.body.0].name, side.side);
     let mortar = contact.mortar.as_ref().map_or("obstacle".to_string(), name);
     let sides = format!("{},{mortar}", name(&contact.nonmortar));
@@ -50,33 +63,36 @@ fn rows(
         let _ = write!(out, "{step},{},{}", contact.name, node.node);
         numbers(out, &of_node(node, shear));
         let _ = write!(out, ",{}", node.status.name());
-        let angle = angles.as_ref().map_or(f64::NAN, |angles| angles[k]);
-        numbers(out, &[time, arcs[k], angle]);
+        numbers(out, &[time]);
+        if let Some((arcs, angles)) = &plane {
+            let angle = angles.as_ref().map_or(f64::NAN, |angles| angles[k]);
+            numbers(out, &[arcs[k], angle]);
+        }
         let _ = writeln!(out, ",{sides}");
     }
 }
 
-/// Columns of `lines.csv`.
-pub const LINES_HEAD: &str = "step,probe,s,x,y,value\n";
+/// How `lines.csv` begins.
+pub const LINES_HEAD: &str = "step,probe,s,x,y";
 
 /// Content of `lines.csv` for the steps of one run (numbered from 1), probe by probe; nothing where no probe is read along a
 /// line.
-pub fn lines_csv(steps: &[Solution<2>]) -> Option<String> {
-    let mut out = String::from(LINES_HEAD);
+pub fn lines_csv<const D: usize>(steps: &[Solution<D>]) -> Option<String> {
+    let mut out = format!("{LINES_HEAD}{}value\n", if D == 2 { "," } else { ",z," });
+    let head = out.len();
     for (step, solution) in steps.iter().enumerate() {
         for probe in &solution.probes {
             let start = format!("{},{}", step + 1, quoted(&probe.name));
             for place in &probe.line {
                 out.push_str(&start);
-                numbers(
-                    &mut out,
-                    &[place.s, place.point[0], place.point[1], place.value],
-                );
+                numbers(&mut out, &[place.s]);
+                numbers(&mut out, &place.point[..D]);
+                numbers(&mut out, &[place.value]);
                 out.push('\n');
             }
         }
     }
-    (out.len() > LINES_HEAD.len()).then_some(out)
+    (out.len() > head).then_some(out)
 }
 
 /// A text as one cell: quoted where a comma, a quote or a new line would end it.
@@ -87,14 +103,18 @@ pub fn quoted(text: &str) -> String {
     }
 }
 
-fn of_node(node: &ContactNode<2>, shear: bool) -> Vec<f64> {
-    let mut list = Vec::with_capacity(9);
+fn of_node<const D: usize>(node: &ContactNode<D>, shear: bool) -> Vec<f64> {
+    let mut list = Vec::with_capacity(15);
     list.extend(node.point);
     list.extend(node.normal);
     list.extend([node.weight, node.gap, node.pressure]);
     if shear {
-        let tangent = tangent(node.normal);
-        list.extend([dot(node.shear, tangent), dot(node.slip, tangent)]);
+        for vector in [node.shear, node.slip] {
+            match D {
+                2 => list.push(along_tangent(vector, node.normal)),
+                _ => list.extend(vector),
+            }
+        }
     }
     list
 }

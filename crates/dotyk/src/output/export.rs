@@ -8,6 +8,7 @@ use crate::output::Error;
 use crate::output::market;
 use crate::output::npz::Archive;
 use crate::output::stage::Stage;
+use crate::output::text::AXES;
 use std::fmt::Write as _;
 use std::io;
 
@@ -98,17 +99,17 @@ impl Sparse {
 /// Puts all files into a folder's stage.
 ///
 /// Errors: F is applied, not assembled; the system refuses a file.
-pub fn put(
+pub fn put<const D: usize>(
     stage: &mut Stage,
-    dual: &Dual<2>,
+    dual: &Dual<D>,
     answer: Option<&Multipliers>,
     stem: &str,
 ) -> Result<(), Error> {
     let problem = dual.problem();
     let modes = Sparse::of_modes(problem.balance.modes());
-    let rows = dual.rows();
+    let rows = dual.assemble_rows();
     let jumps = Sparse::of(rows.cols(), (0..rows.rows()).map(|i| rows.row(i)));
-    let unknowns = dual.unknowns();
+    let unknowns = dual.list_unknowns();
     let blocks = problem.admissible.blocks();
     let gap = answer.map(|answer| problem.gap(answer));
     let mut vectors: Vec<(&str, &[f64])> = vec![
@@ -215,13 +216,20 @@ impl Market<'_> {
 const LAWS: [&str; 4] = ["unilateral", "free", "tresca", "coulomb"];
 
 /// Content of `rows.csv`: what each contact force is.
-fn rows_csv(dual: &Dual<2>, unknowns: &[Unknown<2>]) -> String {
+fn rows_csv<const D: usize>(dual: &Dual<D>, unknowns: &[Unknown<D>]) -> String {
     let blocks = dual.problem().admissible.blocks();
-    let mut out =
-        String::from("row,block,law,contact,node,component,x,y,direction_x,direction_y,weight\n");
+    let mut out = format!(
+        "row,block,law,contact,node,component,{},direction_{},weight\n",
+        AXES[..D].join(","),
+        AXES[..D].join(",direction_")
+    );
+    let components: &[&str] = match D {
+        2 => &["normal", "tangent"],
+        _ => &["normal", "tangent_1", "tangent_2"],
+    };
     for (row, unknown) in unknowns.iter().enumerate() {
         let component = match unknown.contact < dual.model().contacts.len() {
-            true => ["normal", "tangent"][unknown.component],
+            true => components[unknown.component],
             false => "couple",
         };
         // Writing to a String cannot fail.
@@ -233,8 +241,8 @@ fn rows_csv(dual: &Dual<2>, unknowns: &[Unknown<2>]) -> String {
             dual.contact_name(unknown.contact),
             unknown.node,
         );
-        let ([x, y], [a, b]) = (unknown.point, unknown.direction);
-        for value in [x, y, a, b, unknown.weight] {
+        let place = unknown.point.into_iter().chain(unknown.direction);
+        for value in place.chain([unknown.weight]) {
             // Adding zero turns −0 into 0.
             let _ = write!(out, ",{:?}", value + 0.0);
         }
@@ -244,20 +252,31 @@ fn rows_csv(dual: &Dual<2>, unknowns: &[Unknown<2>]) -> String {
 }
 
 /// Content of `dual.txt`: the problem, its signs and units, the order of rows and columns, the files.
-fn description(dual: &Dual<2>, [m, r, n]: [usize; 3], answered: bool, stem: &str) -> String {
+fn description<const D: usize>(
+    dual: &Dual<D>,
+    [m, r, n]: [usize; 3],
+    answered: bool,
+    stem: &str,
+) -> String {
     let model = dual.model();
-    let parts = dual.columns().into_iter();
+    let parts = dual.list_columns().into_iter();
     let parts = parts.map(|(name, part)| format!("  {} to {}: {name}\n", part.start, part.end - 1));
     let columns: String = parts.collect();
     let length = model.units.length.as_deref().unwrap_or("length");
     let force = model.units.force.as_deref().unwrap_or("force");
     let extent = match model.analysis {
+        Analysis::Solid => "of the whole bodies",
         Analysis::Axisymmetric => "for the full turn",
         _ => "per unit thickness, or for the thickness of the body where one is given",
     };
     let axes = match model.analysis {
         Analysis::Axisymmetric => "x = r, y = z",
+        Analysis::Solid => "x, y, z",
         _ => "x, y",
+    };
+    let (tangent, rotation) = match D {
+        2 => ("tangent ", "rotation as a length, and nothing"),
+        _ => ("tangents", "rotations as lengths"),
     };
     let answer = match answered {
         true => "lambda, alpha, gap: dotyk's own answer, with its gap",
@@ -281,9 +300,9 @@ beginning), and lambda points along the slip. The nodal forces of the contacts o
 LAMBDA is a product of blocks, one for each node, whose rows follow each other:
   0 unilateral  1 row                  lambda >= 0, gap >= 0, lambda gap = 0
   1 free        1 row or more          gap = 0 (a tie)
-  2 tresca      normal, then tangent   normal as unilateral; |lambda_t| <= bound; below it gap_t = 0, at it lambda_t and gap_t
+  2 tresca      normal, then {tangent}  normal as unilateral; |lambda_t| <= bound; below it gap_t = 0, at it lambda_t and gap_t
                                        have opposite signs
-  3 coulomb     normal, then tangent   |lambda_t| <= bound + coefficient lambda_n, else as tresca; a bound > 0 is cohesion
+  3 coulomb     normal, then {tangent}  |lambda_t| <= bound + coefficient lambda_n, else as tresca; a bound > 0 is cohesion
                                        and counts only while lambda_n > 0. No minimum: the bound follows from lambda_n
 With friction the gaps hold for one load step: what slipped in earlier ones is in g0 and d.
 
@@ -293,7 +312,7 @@ Behind them stand the couples, called BODY.POINT: a rigid one has a row for each
 displacement and then that of its rotation, whatever node and direction are written there.
 
 COLUMNS of B and u are displacements in the directions {axes}, prescribed ones included, node by node (column first + 2 node
-+ direction, all from 0); the point of a couple has two nodes, the second for its rotation as a length, and nothing:
++ direction, all from 0); the point of a couple has two nodes, the second for its {rotation}:
 {columns}
 G = R'B' and e = R'f with those rigid motions R that supports leave free and contacts control. F = B K^+ B' holds floating
 bodies at some dofs: another choice changes F by G'X + X'G, and with it d and alpha, but neither lambda nor gap.

@@ -12,7 +12,7 @@ const MOST: usize = 1200;
 const MOST_DOTS: usize = 60;
 
 /// The figure as an SVG element; nothing without a history.
-pub fn history_figure(solution: &Solution<2>, tolerance: f64) -> Option<String> {
+pub fn history_figure<const D: usize>(solution: &Solution<D>, tolerance: f64) -> Option<String> {
     let history = thinned(&solution.solver.history);
     if history.is_empty() {
         return None;

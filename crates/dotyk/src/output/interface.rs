@@ -415,13 +415,13 @@ fn interface_line(svg: &mut Svg, chain: &[&ContactNode<2>], feet: &[Pixel]) {
 }
 
 /// The largest length that a gap is the difference of.
-fn length_scale<'a>(nodes: impl Iterator<Item = &'a ContactNode<2>>) -> f64 {
+fn length_scale<'a, const D: usize>(nodes: impl Iterator<Item = &'a ContactNode<D>>) -> f64 {
     let moved = nodes.flat_map(|n| [n.displacement_nonmortar, n.displacement_mortar, n.gap]);
     largest(moved.map(f64::abs))
 }
 
 /// Largest gap of a contact, zero where there are rounding errors only; NaN when no node has a gap.
-pub fn largest_gap(nodes: &[ContactNode<2>]) -> f64 {
+pub fn largest_gap<const D: usize>(nodes: &[ContactNode<D>]) -> f64 {
     let gap = largest(nodes.iter().map(|n| n.gap));
     without_noise(gap, length_scale(nodes.iter()))
 }

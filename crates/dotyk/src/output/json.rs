@@ -18,7 +18,7 @@ pub const VERSION: &str = env!("CARGO_PKG_VERSION");
 /// Content of `summary.json`: the last step and, where there are several, all that were solved in `steps`.
 ///
 /// `converged` is that of the run: one that ends in failure says `false` whatever its last iterate looks like.
-pub fn summary(run: &Overview<'_>) -> String {
+pub fn summary<const D: usize>(run: &Overview<'_, D>) -> String {
     let last = Summary {
         converged: run.converged,
         seconds: run.seconds.into(),
@@ -62,7 +62,11 @@ pub fn summary(run: &Overview<'_>) -> String {
 }
 
 /// One step, counted from 0.
-fn step_summary<'a>(run: &Overview<'a>, solution: &'a Solution<2>, index: usize) -> Summary<'a> {
+fn step_summary<'a, const D: usize>(
+    run: &Overview<'a, D>,
+    solution: &'a Solution<D>,
+    index: usize,
+) -> Summary<'a> {
     let several = run.has_steps();
     let labels = Labels::of(run.model);
     let bodies = run.model.bodies.iter().zip(&solution.bodies);
@@ -106,7 +110,7 @@ fn step_summary<'a>(run: &Overview<'a>, solution: &'a Solution<2>, index: usize)
                 value: probe.value,
                 unit: Some(labels.unit(probe.dimension).to_string())
                     .filter(|unit| !unit.is_empty()),
-                at: probe.at.map(|at| [at[0], at[1]]),
+                at: probe.at.as_ref().map(|at| &at[..D]),
                 line: line_entry(&probe.line),
             })
             .collect(),
@@ -407,7 +411,7 @@ struct ProbeEntry<'a> {
     unit: Option<String>,
     /// Of the largest or smallest value.
     #[serde(skip_serializing_if = "Option::is_none")]
-    at: Option<[f64; 2]>,
+    at: Option<&'a [f64]>,
     /// Of a line, whose values are in lines.csv.
     #[serde(flatten)]
     line: Option<LineEntry>,

@@ -16,8 +16,8 @@ const MOST_DOTS: usize = 60;
 const HARDLY: f64 = 0.01;
 
 /// The section; nothing where no probe is a line.
-pub fn lines_section(run: &Overview<'_>, labels: &Labels) -> String {
-    let steps: Vec<&Solution<2>> = run.steps().collect();
+pub fn lines_section<const D: usize>(run: &Overview<'_, D>, labels: &Labels) -> String {
+    let steps: Vec<&Solution<D>> = run.steps().collect();
     let shown = spread(steps.len());
     let probes = run.last.probes.iter().enumerate();
     let lines = probes.filter(|(_, probe)| !probe.line.is_empty());
@@ -57,9 +57,9 @@ fn spread(steps: usize) -> Vec<usize> {
 }
 
 /// Along what a probe is read: "from (0, 0) to (1, 0)", "along rock.hole"; a dash where along nothing.
-pub fn place_in_words(model: &Model<2>, probe: &ProbeValue) -> String {
+pub fn place_in_words<const D: usize>(model: &Model<D>, probe: &ProbeValue) -> String {
     let asked = model.probes.iter().find(|asked| asked.name == probe.name);
-    match asked.and_then(|asked: &Probe<2>| asked.along.as_ref()) {
+    match asked.and_then(|asked: &Probe<D>| asked.along.as_ref()) {
         Some(Along::Line { from, to, .. }) => {
             format!("from {} to {}", vector(from, ""), vector(to, ""))
         }

@@ -1,6 +1,6 @@
 //! VTU, CSV, JSON, pictures and the report of a solution.
 //!
-//! Result files appear whole or not at all: see [`write()`]. Numbers and signs are those of the solution; only the report
+//! Result files appear whole or not at all: see [`Record`]. Numbers and signs are those of the solution; only the report
 //! rounds. The same solution gives the same bytes, but for the timings.
 
 mod chain;
@@ -11,6 +11,7 @@ mod csv;
 mod deformed;
 mod encode;
 mod export;
+mod figures;
 mod history;
 mod html;
 mod interface;
@@ -40,12 +41,12 @@ mod vtu;
 
 pub use json::closed_and_open;
 pub use memory::peak_memory_bytes;
-pub use past::{PastError, past};
+pub use past::PastError;
 pub use text::Scales;
 
 use crate::dual::Multipliers;
 use crate::geometry::Point;
-use crate::model::{Check, Comparison, Dual, Model, Seconds, Solution, Study};
+use crate::model::{Check, Comparison, Dual, Model, Past, Seconds, Solution, Study};
 use stage::Stage;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
@@ -104,11 +105,11 @@ pub enum Error {
 }
 
 /// A run that is to be written.
-pub struct Record<'a> {
+pub struct Record<'a, const D: usize> {
     /// What was solved.
-    pub model: &'a Model<2>,
+    pub model: &'a Model<D>,
     /// Solutions of its load steps in their order, at least one.
-    pub steps: &'a [Solution<2>],
+    pub steps: &'a [Solution<D>],
     /// Name of the case.
     pub stem: &'a str,
     /// The step after these that has no answer.
@@ -117,9 +118,9 @@ pub struct Record<'a> {
     pub since: Instant,
 }
 
-impl<'a> Record<'a> {
+impl<'a, const D: usize> Record<'a, D> {
     /// A run whose steps all have an answer; the time it took is that of the solution.
-    pub fn of(model: &'a Model<2>, steps: &'a [Solution<2>], stem: &'a str) -> Self {
+    pub fn of(model: &'a Model<D>, steps: &'a [Solution<D>], stem: &'a str) -> Self {
         let spent = steps.last().map_or(0.0, |last| last.seconds.total);
         let now = Instant::now();
         Self {
@@ -136,7 +137,7 @@ impl<'a> Record<'a> {
     /// What summary and report tell of it, the time it took so far included.
     ///
     /// Errors: [`Error::Name`], [`Error::Mismatch`], there is no step.
-    fn overview(&self) -> Result<Overview<'_>, Error> {
+    fn overview(&self) -> Result<Overview<'_, D>, Error> {
         check(self.model, self.steps)?;
         let (last, earlier) = self.steps.split_last().ok_or(Error::Mismatch {
             what: "steps".to_string(),
@@ -172,11 +173,11 @@ pub struct FailedStep {
 
 /// What summary and report tell of.
 #[derive(Clone, Copy)]
-pub(crate) struct Overview<'a> {
-    pub model: &'a Model<2>,
+pub(crate) struct Overview<'a, const D: usize> {
+    pub model: &'a Model<D>,
     /// Steps before the last.
-    pub earlier: &'a [Solution<2>],
-    pub last: &'a Solution<2>,
+    pub earlier: &'a [Solution<D>],
+    pub last: &'a Solution<D>,
     /// Name of the case.
     pub stem: &'a str,
     /// All steps were solved.
@@ -189,28 +190,98 @@ pub(crate) struct Overview<'a> {
     pub peak_memory: u64,
 }
 
-impl<'a> Overview<'a> {
+impl<'a, const D: usize> Overview<'a, D> {
     /// The model has several steps, even where the first of them has failed.
     pub fn has_steps(&self) -> bool {
         self.model.times.len() > 1 || !self.earlier.is_empty()
     }
 
     /// All steps in their order.
-    pub fn steps(&self) -> impl Iterator<Item = &'a Solution<2>> {
+    pub fn steps(&self) -> impl Iterator<Item = &'a Solution<D>> {
         self.earlier.iter().chain([self.last])
     }
 }
 
-/// Writes all result files into a folder and returns their paths: a VTU file per body and step, a VTM file per step that
-/// names them as blocks, `case.pvd`, `contact.csv`, `lines.csv` where a probe is read along a line, `summary.json`,
-/// `report.html`.
-///
-/// `seconds.write` in the summary is the time that all other files took, and `seconds.total` all of it since the run began;
-/// the report, which is one of these files, tells the time up to itself.
-/// The folder is made where it does not exist; files of other names in it stay, but for the VTU and VTM files of an
-/// earlier run, as its `case.pvd` tells, and its `lines.csv`.
-/// Errors: any [`Error`]; then the folder is as it was before.
-pub fn write(record: &Record<'_>, dir: &Path) -> Result<Vec<PathBuf>, Error> {
+/// As in [`Model`]: what is generic is compiled here, once for each dimension.
+macro_rules! doors {
+    ($($D:literal)*) => {$(
+        impl Record<'_, $D> {
+            /// Writes all result files into a folder and returns their paths: a VTU file per body and step, a VTM file per step that
+            /// names them as blocks, `case.pvd`, `contact.csv`, `lines.csv` where a probe is read along a line, `summary.json`,
+            /// `report.html`.
+            ///
+            /// `seconds.write` in the summary is the time that all other files took, and `seconds.total` all of it since the run began;
+            /// the report, which is one of these files, tells the time up to itself.
+            /// The folder is made where it does not exist; files of other names in it stay, but for the VTU and VTM files of an
+            /// earlier run, as its `case.pvd` tells, and its `lines.csv`.
+            /// Errors: any [`Error`]; then the folder is as it was before.
+            pub fn write(&self, dir: &Path) -> Result<Vec<PathBuf>, Error> {
+                write(self, dir)
+            }
+
+            /// Writes `summary.json` alone, with `"converged": false`, and removes the other result files of an earlier run of this
+            /// case: a run whose first step has no answer leaves none.
+            ///
+            /// The steps of the record are the last iterate of that step alone.
+            /// Errors: any [`Error`]; then the folder is as it was before.
+            pub fn write_summary(&self, dir: &Path) -> Result<PathBuf, Error> {
+                write_summary(self, dir)
+            }
+        }
+
+        impl Check<$D> {
+            /// Writes `check.html`, the mesh-and-supports page of an unsolved model, with what this check of it found.
+            ///
+            /// Errors: any [`Error`]; then the folder is as it was before.
+            pub fn write_page(
+                &self,
+                model: &Model<$D>,
+                stem: &str,
+                dir: &Path,
+            ) -> Result<PathBuf, Error> {
+                let alone = self.contacts.iter().flat_map(|contact| &contact.alone);
+                let alone: Vec<Point<$D>> = alone.copied().collect();
+                let page = report::check_page(model, &self.to_string(), &alone, stem);
+                let mut stage = Stage::open(dir)?;
+                stage.put("check.html", page.as_bytes())?;
+                stage.commit(&[])?;
+                Ok(dir.join("check.html"))
+            }
+        }
+
+        impl Dual<$D> {
+            /// Writes the dual problem of a case for solvers elsewhere, with an `answer` where there is one, and returns the
+            /// paths: `dual.npz`, a `.mtx` file of each matrix and vector, `rows.csv` and `dual.txt`, which explains them.
+            ///
+            /// Errors: any [`Error`], [`Error::Unassembled`] where F is applied ([`Dual::assemble`]); then the folder is as
+            /// it was before.
+            pub fn write(
+                &self,
+                answer: Option<&Multipliers>,
+                stem: &str,
+                dir: &Path,
+            ) -> Result<Vec<PathBuf>, Error> {
+                let mut stage = Stage::open(dir)?;
+                export::put(&mut stage, self, answer, stem)?;
+                stage.commit(&export::OPTIONAL.map(String::from))
+            }
+        }
+
+        impl Model<$D> {
+            /// The steps of an earlier run of this model that have an answer, at least one, from the folder of its results.
+            ///
+            /// Errors: files that are missing or are not what a run writes; a run without an answer.
+            pub fn past(&self, dir: &Path) -> Result<Vec<Past<$D>>, PastError> {
+                past::past(dir)
+            }
+        }
+    )*};
+}
+
+doors!(2 3);
+
+/// As [`Record::<2>::write`](Record).
+fn write<const D: usize>(record: &Record<'_, D>, dir: &Path) -> Result<Vec<PathBuf>, Error> {
     let start = Instant::now();
     let (model, steps) = (record.model, record.steps);
     let mut run = record.overview()?;
@@ -244,12 +315,8 @@ pub fn write(record: &Record<'_>, dir: &Path) -> Result<Vec<PathBuf>, Error> {
     stage.commit(&earlier_files(dir))
 }
 
-/// Writes `summary.json` alone, with `"converged": false`, and removes the other result files of an earlier run of this
-/// case: a run whose first step has no answer leaves none.
-///
-/// The steps of the record are the last iterate of that step alone.
-/// Errors: any [`Error`]; then the folder is as it was before.
-pub fn write_summary(record: &Record<'_>, dir: &Path) -> Result<PathBuf, Error> {
+/// As [`Record::<2>::write_summary`](Record).
+fn write_summary<const D: usize>(record: &Record<'_, D>, dir: &Path) -> Result<PathBuf, Error> {
     let run = Overview {
         converged: false,
         ..record.overview()?
@@ -283,29 +350,6 @@ fn earlier_files(dir: &Path) -> Vec<String> {
     files
 }
 
-/// Writes `check.html`, the mesh-and-supports page of an unsolved model, with what the check found.
-///
-/// Errors: any [`Error`]; then the folder is as it was before.
-pub fn write_check_page(
-    model: &Model<2>,
-    check: &Check<2>,
-    stem: &str,
-    dir: &Path,
-) -> Result<PathBuf, Error> {
-    let alone: Vec<Point<2>> = check
-        .contacts
-        .iter()
-        .flat_map(|c| c.alone.clone())
-        .collect();
-    let mut stage = Stage::open(dir)?;
-    stage.put(
-        "check.html",
-        report::check_page(model, &check.to_string(), &alone, stem).as_bytes(),
-    )?;
-    stage.commit(&[])?;
-    Ok(dir.join("check.html"))
-}
-
 /// Writes `compare.csv` and `compare.svg`, and returns their paths.
 ///
 /// Errors: any [`Error`]; then the folder is as it was before.
@@ -330,21 +374,6 @@ pub fn write_study(study: &Study, stem: &str, dir: &Path) -> Result<Vec<PathBuf>
     stage.put("study.csv", study::study_csv(study).as_bytes())?;
     stage.put("study.html", study::study_page(study, stem).as_bytes())?;
     stage.commit(&[])
-}
-
-/// Writes the dual problem of a case for solvers elsewhere, with an `answer` where there is one, and returns the paths:
-/// `dual.npz`, a `.mtx` file of each matrix and vector, `rows.csv` and `dual.txt`, which explains them.
-///
-/// Errors: any [`Error`], [`Error::Unassembled`] where F is applied ([`Dual::assemble`]); then the folder is as it was before.
-pub fn write_dual(
-    dual: &Dual<2>,
-    answer: Option<&Multipliers>,
-    stem: &str,
-    dir: &Path,
-) -> Result<Vec<PathBuf>, Error> {
-    let mut stage = Stage::open(dir)?;
-    export::put(&mut stage, dual, answer, stem)?;
-    stage.commit(&export::OPTIONAL.map(String::from))
 }
 
 /// Names that can be files, and counts that agree in every step.
@@ -393,7 +422,7 @@ mod tests {
     use std::fs;
     use std::slice::from_ref;
 
-    fn record<'a>(model: &'a Model<2>, steps: &'a [Solution<2>]) -> Record<'a> {
+    fn record<'a>(model: &'a Model<2>, steps: &'a [Solution<2>]) -> Record<'a, 2> {
         Record::of(model, steps, "case_1")
     }
 

@@ -41,7 +41,7 @@ struct Body {
 /// The steps that have an answer in the results of an earlier run, at least one.
 ///
 /// Errors: files that are missing or are not what a run writes; a run without an answer.
-pub fn past(dir: &Path) -> Result<Vec<Past<2>>, PastError> {
+pub(crate) fn past<const D: usize>(dir: &Path) -> Result<Vec<Past<D>>, PastError> {
     let fail = |file: &Path, why: String| PastError {
         file: file.to_path_buf(),
         why,
@@ -61,7 +61,7 @@ pub fn past(dir: &Path) -> Result<Vec<Past<2>>, PastError> {
         Some(steps) => steps,
         None => vec![summary.last],
     };
-    let mut past: Vec<Past<2>> = steps
+    let mut past: Vec<Past<D>> = steps
         .iter()
         .filter(|step| step.converged)
         .map(|step| Past {
@@ -89,7 +89,7 @@ pub fn past(dir: &Path) -> Result<Vec<Past<2>>, PastError> {
 }
 
 /// Adds the rows of `contact.csv` to their steps.
-fn contacts(text: &str, past: &mut [Past<2>]) -> Result<(), String> {
+fn contacts<const D: usize>(text: &str, past: &mut [Past<D>]) -> Result<(), String> {
     let mut lines = text.lines();
     let names: Vec<&str> = lines.next().unwrap_or_default().split(',').collect();
     let place = |name: &str| names.iter().position(|known| *known == name);
@@ -102,9 +102,17 @@ fn contacts(text: &str, past: &mut [Past<2>]) -> Result<(), String> {
     };
     let [step, contact, node, status] = ["step", "contact", "node", "status"].map(column);
     let (step, contact, node, status) = (step?, contact?, node?, status?);
-    let [nx, ny, weight, gap, pressure] = ["nx", "ny", "weight", "gap", "pressure"].map(column);
-    let numbers = [nx?, ny?, weight?, gap?, pressure?];
-    let shear = place("shear").map(|at| (at, "shear"));
+    let [weight, gap, pressure] = ["weight", "gap", "pressure"].map(column);
+    let numbers = [weight?, gap?, pressure?];
+    // in the plane along the tangent, which the normal tells; there is none without friction and ties
+    let vectors: [&[&'static str]; 2] = match D {
+        2 => [&["nx", "ny"], &["shear"]],
+        _ => [&[], &["shear_x", "shear_y", "shear_z"]],
+    };
+    let bears = place(vectors[1][0]).is_some();
+    let vectors = vectors.concat();
+    let vectors = vectors.into_iter().filter(|_| bears).map(column);
+    let vectors = vectors.collect::<Result<Vec<_>, _>>()?;
     for (index, line) in lines.enumerate() {
         let row = Row {
             number: index + 2,
@@ -118,14 +126,26 @@ fn contacts(text: &str, past: &mut [Past<2>]) -> Result<(), String> {
                 row.number
             ));
         };
-        let [nx, ny, weight, gap, pressure] = numbers.map(|column| row.number::<f64>(column));
-        let along = shear.map_or(Ok(0.0), |column| row.number::<f64>(column))?;
+        let [weight, gap, pressure] = numbers.map(|column| row.number::<f64>(column));
+        let vectors = vectors.iter().map(|column| row.number::<f64>(*column));
+        let vectors = vectors.collect::<Result<Vec<_>, _>>()?;
+        let mut shear = [0.0; D];
+        match vectors[..] {
+            [nx, ny, along] if D == 2 => {
+                let tangent = tangent([nx, ny]);
+                shear
+                    .iter_mut()
+                    .zip(tangent)
+                    .for_each(|(s, t)| *s = along * t);
+            }
+            ref shears => shear.iter_mut().zip(shears).for_each(|(s, t)| *s = *t),
+        }
         let read = PastNode {
             node: row.number(node)?,
             weight: weight?,
             gap: gap?,
             pressure: pressure?,
-            shear: tangent([nx?, ny?]).map(|t| along * t),
+            shear,
             status: row.status(status)?,
         };
         let name = row.cell(contact)?;

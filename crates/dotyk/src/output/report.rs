@@ -8,26 +8,22 @@ use crate::model::{Analysis, BodySolution, ContactSolution, Dimension, Model, So
 use crate::output::Overview;
 use crate::output::chain::arc_lengths;
 use crate::output::contacts;
-use crate::output::deformed::deformed_figure;
+use crate::output::figures::Figures;
 use crate::output::html::{self, Head, column, escape, left, plain, table, text};
 use crate::output::interface::largest_gap;
 use crate::output::json::{VERSION, largest, range};
 use crate::output::lines::{lines_section, place_in_words};
-use crate::output::scene::Scene;
-use crate::output::setup::setup_figure;
 use crate::output::steps::steps_section;
 use crate::output::text::{Labels, Scales, count, number, quantity, seconds, vector};
 use crate::output::verdict;
 
 /// Content of `report.html`.
-pub fn page(run: &Overview<'_>) -> String {
+pub fn page<const D: usize>(run: &Overview<'_, D>) -> String {
     let (model, solution) = (run.model, run.last);
     let labels = Labels::of(model);
-    let scene = Scene::new(model);
+    let figures = Figures::of(model);
     let nodes = solution.contacts.iter().flat_map(|c| &c.nodes);
-    let alone: Vec<Point<2>> = nodes.filter(|n| n.gap.is_nan()).map(|n| n.point).collect();
-    let (deformed, caption) = deformed_figure(&scene, solution);
-    let more = " Dashed: undeformed outline. Colour: von Mises stress, recovered at the nodes.";
+    let alone: Vec<Point<D>> = nodes.filter(|n| n.gap.is_nan()).map(|n| n.point).collect();
     let sections = [
         verdict::banner(run),
         verdict::warnings(run),
@@ -36,12 +32,12 @@ pub fn page(run: &Overview<'_>) -> String {
         lines_section(run, &labels),
         steps_section(run, &labels),
         "<h2>Model</h2>\n".to_string(),
-        model_figure(&scene, &alone),
+        figures.model(&alone),
         "<h2>Deformation and stress</h2>\n".to_string(),
-        html::figure(&deformed, "Deformed shape", &format!("{caption}{more}")),
+        figures.deformed(solution),
         bodies(model, solution, &labels),
         points(solution, &labels),
-        contacts::contacts(model, solution, &scene, &labels),
+        contacts::contacts(solution, &figures, &labels),
         contacts::balance(model, solution, &labels),
         verdict::certificate(solution, &labels),
         verdict::solver(model, solution, &labels),
@@ -61,10 +57,15 @@ pub fn page(run: &Overview<'_>) -> String {
 }
 
 /// Content of `check.html`; `text` is what the check found, line by line, and `alone` the contact nodes that face nothing.
-pub fn check_page(model: &Model<2>, text: &str, alone: &[Point<2>], stem: &str) -> String {
+pub fn check_page<const D: usize>(
+    model: &Model<D>,
+    text: &str,
+    alone: &[Point<D>],
+    stem: &str,
+) -> String {
     let body = format!(
         "<h2>Mesh, supports and loads</h2>\n{}<h2>Findings</h2>\n<pre>{}</pre>\n",
-        model_figure(&Scene::new(model), alone),
+        Figures::of(model).model(alone),
         escape(text)
     );
     let footer = format!("Checked with dotyk {VERSION}. Nothing has been solved.");
@@ -72,7 +73,7 @@ pub fn check_page(model: &Model<2>, text: &str, alone: &[Point<2>], stem: &str) 
 }
 
 /// A page with the title, the source and the analysis of a model.
-fn framed(model: &Model<2>, stem: &str, body: &str, footer: &str) -> String {
+fn framed<const D: usize>(model: &Model<D>, stem: &str, body: &str, footer: &str) -> String {
     let title = match model.title.as_str() {
         "" => stem,
         title => title,
@@ -90,13 +91,7 @@ fn framed(model: &Model<2>, stem: &str, body: &str, footer: &str) -> String {
     html::page(title, &intro.collect::<String>(), body, footer)
 }
 
-fn model_figure(scene: &Scene, alone: &[Point<2>]) -> String {
-    let drawing = setup_figure(scene, alone);
-    let caption = mesh_caption(scene.model);
-    html::figure(&drawing, "Mesh, supports and loads", &caption)
-}
-
-fn analysis_in_words(model: &Model<2>) -> String {
+fn analysis_in_words<const D: usize>(model: &Model<D>) -> String {
     let length = model.units.length.as_deref().unwrap_or("");
     let plane = |name: &str| {
         let first = model.bodies.first().map_or(1.0, |b| b.thickness);
@@ -114,23 +109,7 @@ fn analysis_in_words(model: &Model<2>) -> String {
     }
 }
 
-fn mesh_caption(model: &Model<2>) -> String {
-    let cells: usize = model
-        .bodies
-        .iter()
-        .flat_map(|b| b.mesh.blocks())
-        .map(|b| b.cells().len())
-        .sum();
-    let nodes: usize = model.bodies.iter().map(|b| b.mesh.points().len()).sum();
-    format!(
-        "{} cells, {} nodes. Cells narrower than two pixels are drawn without their edges. Arrows of one load are to scale among \
-         themselves.",
-        count(cells),
-        count(nodes)
-    )
-}
-
-fn key_figures(solution: &Solution<2>, labels: &Labels) -> String {
+fn key_figures<const D: usize>(solution: &Solution<D>, labels: &Labels) -> String {
     let mut cards: Vec<(&str, String, String)> = Vec::new();
     if let Some((body, value)) = greatest(&solution.bodies, BodySolution::max_displacement) {
         cards.push((
@@ -139,7 +118,7 @@ fn key_figures(solution: &Solution<2>, labels: &Labels) -> String {
             body,
         ));
     }
-    let stress = |b: &BodySolution<2>| largest(b.von_mises.iter().copied());
+    let stress = |b: &BodySolution<D>| largest(b.von_mises.iter().copied());
     if let Some((mut body, value)) = greatest(&solution.bodies, stress) {
         let peaks = solution.bodies.iter().filter_map(|b| b.peak);
         let most = peaks.max_by(|a, b| a.most.value.total_cmp(&b.most.value));
@@ -153,7 +132,7 @@ fn key_figures(solution: &Solution<2>, labels: &Labels) -> String {
         ));
     }
     if !solution.contacts.is_empty() {
-        let peak = |c: &ContactSolution<2>| largest(c.nodes.iter().map(|n| n.pressure));
+        let peak = |c: &ContactSolution<D>| largest(c.nodes.iter().map(|n| n.pressure));
         let name = solution
             .contacts
             .iter()
@@ -165,15 +144,19 @@ fn key_figures(solution: &Solution<2>, labels: &Labels) -> String {
             name,
         ));
         // what is glued is no contact, but where there is nothing else
-        let loose = |c: &&ContactSolution<2>| c.nodes.iter().all(|n| n.status != Status::Tied);
+        let loose = |c: &&ContactSolution<D>| c.nodes.iter().all(|n| n.status != Status::Tied);
         let any = solution.contacts.iter().any(|c| loose(&c));
         let counted = || solution.contacts.iter().filter(|c| !any || loose(c));
-        let whole: f64 = counted().map(side_length).sum();
+        let whole: f64 = counted().map(side_extent).sum();
         let closed: f64 = counted().map(|c| c.length).sum();
+        let (extent, unit) = labels.extent();
         cards.push((
-            "Length in contact",
-            quantity(closed, &labels.length),
-            format!("of {}", quantity(whole, &labels.length)),
+            match extent {
+                "area" => "Area in contact",
+                _ => "Length in contact",
+            },
+            quantity(closed, unit),
+            format!("of {}", quantity(whole, unit)),
         ));
         let gap = largest(solution.contacts.iter().map(|c| largest_gap(&c.nodes)));
         cards.push((
@@ -219,8 +202,11 @@ fn key_figures(solution: &Solution<2>, labels: &Labels) -> String {
     format!("<div class=\"keys\">\n{cards}</div>\n")
 }
 
-/// Length of the whole nonmortar side, undeformed.
-fn side_length(contact: &ContactSolution<2>) -> f64 {
+/// Length of the whole nonmortar side, in space its area, undeformed.
+fn side_extent<const D: usize>(contact: &ContactSolution<D>) -> f64 {
+    if D == 3 {
+        return contact.nodes.iter().map(|n| n.weight).sum();
+    }
     let mut chain: Vec<_> = contact.nodes.iter().map(|n| n.point).collect();
     if contact.cyclic {
         chain.extend(chain.first().copied());
@@ -229,9 +215,9 @@ fn side_length(contact: &ContactSolution<2>) -> f64 {
 }
 
 /// Name and value of the body where a number is largest.
-fn greatest(
-    bodies: &[BodySolution<2>],
-    of: impl Fn(&BodySolution<2>) -> f64,
+fn greatest<const D: usize>(
+    bodies: &[BodySolution<D>],
+    of: impl Fn(&BodySolution<D>) -> f64,
 ) -> Option<(String, f64)> {
     bodies
         .iter()
@@ -241,7 +227,7 @@ fn greatest(
         .map(|(name, value)| (format!("in {name}"), value))
 }
 
-fn probes(model: &Model<2>, solution: &Solution<2>, labels: &Labels) -> String {
+fn probes<const D: usize>(model: &Model<D>, solution: &Solution<D>, labels: &Labels) -> String {
     if solution.probes.is_empty() {
         return String::new();
     }
@@ -253,10 +239,12 @@ fn probes(model: &Model<2>, solution: &Solution<2>, labels: &Labels) -> String {
             let quiet = |value: f64| scales.without_noise(value, p.dimension);
             let asked = model.probes.iter().find(|m| m.name == p.name);
             let point = asked.and_then(|m| m.reading.point());
-            let point = point.or(p.at.map(|at| [at[0], at[1]]));
+            let point = point.map(|at| vector(&at, ""));
+            let point = point.or(p.at.map(|at| vector(&at[..D], "")));
             let coupled = asked.and_then(|m| m.coupled(model)).map(|c| c.name.clone());
-            let at = coupled.or(point.map(|at| vector(&at, "")));
-            let at = at.unwrap_or_else(|| place_in_words(model, p));
+            let at = coupled
+                .or(point)
+                .unwrap_or_else(|| place_in_words(model, p));
             let unit = labels.unit(p.dimension);
             let value = match p.line.is_empty() {
                 true => quantity(quiet(p.value), unit),
@@ -278,7 +266,7 @@ fn probes(model: &Model<2>, solution: &Solution<2>, labels: &Labels) -> String {
     )
 }
 
-fn bodies(model: &Model<2>, solution: &Solution<2>, labels: &Labels) -> String {
+fn bodies<const D: usize>(model: &Model<D>, solution: &Solution<D>, labels: &Labels) -> String {
     let rows = model
         .bodies
         .iter()
@@ -333,14 +321,7 @@ fn bodies(model: &Model<2>, solution: &Solution<2>, labels: &Labels) -> String {
             vec![
                 text(&b.name),
                 plain(vector(&b.rigid.translation, "")),
-                plain(
-                    b.rigid
-                        .rotation
-                        .iter()
-                        .map(|&r| number(r))
-                        .collect::<Vec<_>>()
-                        .join(", "),
-                ),
+                plain(turned(&b.rigid.rotation)),
                 text(&held),
             ]
         })
@@ -359,8 +340,16 @@ fn bodies(model: &Model<2>, solution: &Solution<2>, labels: &Labels) -> String {
     out
 }
 
+/// A rotation or moment: a number in the plane, in space one about each axis.
+fn turned(values: &[f64]) -> String {
+    match values {
+        [one] => number(*one),
+        all => vector(all, ""),
+    }
+}
+
 /// A word on a largest stress that is none; nothing where it is one.
-fn singular_stress(body: &BodySolution<2>, labels: &Labels) -> Option<String> {
+fn singular_stress<const D: usize>(body: &BodySolution<D>, labels: &Labels) -> Option<String> {
     let peak = body.peak?;
     let singular = peak.place?;
     let away = singular.away.map_or(String::new(), |away| {
@@ -377,7 +366,7 @@ fn singular_stress(body: &BodySolution<2>, labels: &Labels) -> Option<String> {
 }
 
 /// The points of couples; nothing where there are none.
-fn points(solution: &Solution<2>, labels: &Labels) -> String {
+fn points<const D: usize>(solution: &Solution<D>, labels: &Labels) -> String {
     let scales = Scales::of(solution);
     let shown = |values: &[f64], dimension: Dimension| {
         let values: Vec<f64> = values
@@ -394,10 +383,14 @@ fn points(solution: &Solution<2>, labels: &Labels) -> String {
                 text(&format!("{}.{}", body.name, couple.name)),
                 text(couple.kind.name()),
                 shown(&couple.displacement, Dimension::Length),
-                plain(number(couple.rotation[0])),
+                plain(turned(&couple.rotation)),
                 shown(&couple.force, Dimension::Force),
-                plain(number(
-                    scales.without_noise(couple.moment[0], Dimension::Force),
+                plain(turned(
+                    &couple
+                        .moment
+                        .iter()
+                        .map(|&moment| scales.without_noise(moment, Dimension::Force))
+                        .collect::<Vec<_>>(),
                 )),
             ]
         })
@@ -416,7 +409,7 @@ fn points(solution: &Solution<2>, labels: &Labels) -> String {
     format!("<h3>Coupled points</h3>\n{}", table(&heads, rows))
 }
 
-fn timings(run: &Overview<'_>) -> String {
+fn timings<const D: usize>(run: &Overview<'_, D>) -> String {
     let (s, threads) = (run.seconds, run.last.threads);
     let stages = [
         ("read", s.read),

@@ -16,11 +16,11 @@ const MOST_PANELS: usize = 8;
 const COLUMNS: usize = 4;
 
 /// The section; nothing where there is one step.
-pub fn steps_section(run: &Overview<'_>, labels: &Labels) -> String {
+pub fn steps_section<const D: usize>(run: &Overview<'_, D>, labels: &Labels) -> String {
     if run.earlier.is_empty() {
         return String::new();
     }
-    let steps: Vec<&Solution<2>> = run.steps().collect();
+    let steps: Vec<&Solution<D>> = run.steps().collect();
     let mut out = "<h2>Load steps</h2>\n".to_string();
     out += &format!(
         "<p>All else on this page shows the last of {} steps, at t = {}.</p>\n",
@@ -43,11 +43,11 @@ pub fn steps_section(run: &Overview<'_>, labels: &Labels) -> String {
     out
 }
 
-fn panels(steps: &[&Solution<2>], labels: &Labels) -> Vec<Panel> {
+fn panels<const D: usize>(steps: &[&Solution<D>], labels: &Labels) -> Vec<Panel> {
     let Some(last) = steps.last() else {
         return Vec::new();
     };
-    let of_contacts = |title: &str, unit: &str, value: fn(&ContactSolution<2>) -> f64| Panel {
+    let of_contacts = |title: &str, unit: &str, value: fn(&ContactSolution<D>) -> f64| Panel {
         title: title.to_string(),
         unit: unit.to_string(),
         zero: true,
@@ -60,7 +60,7 @@ fn panels(steps: &[&Solution<2>], labels: &Labels) -> Vec<Panel> {
     };
     let mut list = Vec::new();
     if !last.contacts.is_empty() {
-        let pressure = |c: &ContactSolution<2>| largest(c.nodes.iter().map(|n| n.pressure));
+        let pressure = |c: &ContactSolution<D>| largest(c.nodes.iter().map(|n| n.pressure));
         list.push(of_contacts("Contact force", &labels.force, |c| {
             norm(c.resultant)
         }));
@@ -82,14 +82,14 @@ fn panels(steps: &[&Solution<2>], labels: &Labels) -> Vec<Panel> {
 }
 
 /// Indices of the probes of one number.
-fn numbers(solution: &Solution<2>) -> impl Iterator<Item = usize> {
+fn numbers<const D: usize>(solution: &Solution<D>) -> impl Iterator<Item = usize> {
     let probes = solution.probes.iter().enumerate();
     probes
         .filter(|(_, probe)| probe.line.is_empty())
         .map(|(i, _)| i)
 }
 
-fn steps_figure(steps: &[&Solution<2>], labels: &Labels) -> Option<String> {
+fn steps_figure<const D: usize>(steps: &[&Solution<D>], labels: &Labels) -> Option<String> {
     let panels = panels(steps, labels);
     if panels.is_empty() {
         return None;
@@ -104,7 +104,7 @@ fn steps_figure(steps: &[&Solution<2>], labels: &Labels) -> Option<String> {
     Some(panels_figure("steps", title, &panels, &x))
 }
 
-fn first_cells(step: usize, solution: &Solution<2>) -> Vec<String> {
+fn first_cells<const D: usize>(step: usize, solution: &Solution<D>) -> Vec<String> {
     vec![count(step + 1), number(solution.time)]
 }
 
@@ -114,10 +114,10 @@ fn heads(more: Vec<Head>) -> Vec<Head> {
     heads
 }
 
-fn rows(
-    steps: &[&Solution<2>],
+fn rows<const D: usize>(
+    steps: &[&Solution<D>],
     heads: Vec<Head>,
-    row: impl Fn(&Solution<2>) -> Vec<String>,
+    row: impl Fn(&Solution<D>) -> Vec<String>,
 ) -> String {
     let rows = steps.iter().enumerate().map(|(i, solution)| {
         let first = first_cells(i, solution).into_iter();
@@ -126,7 +126,7 @@ fn rows(
     table(&self::heads(heads), rows.collect())
 }
 
-fn overview(steps: &[&Solution<2>], labels: &Labels) -> String {
+fn overview<const D: usize>(steps: &[&Solution<D>], labels: &Labels) -> String {
     let heads = vec![
         column("iterations", ""),
         column("largest displacement", &labels.length),
@@ -147,7 +147,11 @@ fn overview(steps: &[&Solution<2>], labels: &Labels) -> String {
     })
 }
 
-fn contact_table(steps: &[&Solution<2>], contact: usize, labels: &Labels) -> String {
+fn contact_table<const D: usize>(
+    steps: &[&Solution<D>],
+    contact: usize,
+    labels: &Labels,
+) -> String {
     let heads = vec![
         column("nodes closed / open", ""),
         column("length in contact", &labels.length),
@@ -168,7 +172,11 @@ fn contact_table(steps: &[&Solution<2>], contact: usize, labels: &Labels) -> Str
     format!("<h3>Contact {}</h3>\n{body}", escape(name))
 }
 
-fn probe_table(steps: &[&Solution<2>], chosen: &[usize], labels: &Labels) -> String {
+fn probe_table<const D: usize>(
+    steps: &[&Solution<D>],
+    chosen: &[usize],
+    labels: &Labels,
+) -> String {
     let Some(last) = steps.last() else {
         return String::new();
     };
@@ -181,7 +189,7 @@ fn probe_table(steps: &[&Solution<2>], chosen: &[usize], labels: &Labels) -> Str
             .iter()
             .fold(0.0, |s, step| f64::max(s, step.probes[i].value.abs()))
     };
-    let value = |s: &Solution<2>, i: usize| number(without_noise(s.probes[i].value, scale(i)));
+    let value = |s: &Solution<D>, i: usize| number(without_noise(s.probes[i].value, scale(i)));
     rows(steps, chosen.iter().map(head).collect(), |s| {
         chosen.iter().map(|&i| value(s, i)).collect()
     })

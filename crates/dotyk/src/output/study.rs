@@ -35,14 +35,14 @@ pub fn study_csv(study: &Study) -> String {
 
 /// The page: a plot for every probe, and the table.
 pub fn study_page(study: &Study, stem: &str) -> String {
-    let labels = Labels::of(&study.model);
+    let labels = Labels::new(&study.units, &[]);
     let mut body = banner(study);
     if let Some((svg, caption)) = plots(study, &labels) {
         body += &figure(&svg, "Probes", &caption);
     }
     body += &warnings(study);
     body += &members_table(study, &labels);
-    let title = match study.model.title.as_str() {
+    let title = match study.title.as_str() {
         "" => stem,
         title => title,
     };

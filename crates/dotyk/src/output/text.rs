@@ -3,7 +3,10 @@
 //! Invariant: the same number gives the same text on every machine; what is not finite gives a dash.
 
 use crate::geometry::norm;
-use crate::model::{Analysis, Dimension, Model, Solution};
+use crate::model::{Analysis, Dimension, Model, Solution, Units};
+
+/// Names of Cartesian axes.
+pub const AXES: [&str; 3] = ["x", "y", "z"];
 
 /// Thin space that does not break.
 pub const THIN: char = '\u{202f}';
@@ -126,27 +129,49 @@ pub struct Labels {
     pub density: String,
     /// Force times length.
     pub energy: String,
-    /// Names of the two axes in the plane.
-    pub axes: [&'static str; 2],
+    /// Length times length.
+    pub area: String,
+    /// Names of the axes, one for each dimension.
+    pub axes: &'static [&'static str],
 }
 
 impl Labels {
     /// Labels of a model.
     pub fn of<const D: usize>(model: &Model<D>) -> Self {
-        let length = model.units.length.clone().unwrap_or_default();
-        let force = model.units.force.clone().unwrap_or_default();
+        Self::new(
+            &model.units,
+            match model.analysis {
+                Analysis::Axisymmetric => &["r", "z"],
+                _ => &AXES[..D],
+            },
+        )
+    }
+
+    /// Labels in these units, with these names of axes.
+    pub fn new(units: &Units, axes: &'static [&'static str]) -> Self {
+        let length = units.length.clone().unwrap_or_default();
+        let force = units.force.clone().unwrap_or_default();
         let both = !length.is_empty() && !force.is_empty();
         let join = |text: String| if both { text } else { String::new() };
         Self {
             stress: join(format!("{force}/{length}²")),
             density: join(format!("{force}/{length}³")),
             energy: join(format!("{force}{THIN}{length}")),
-            axes: match model.analysis {
-                Analysis::Axisymmetric => ["r", "z"],
-                _ => ["x", "y"],
+            area: match length.is_empty() {
+                true => String::new(),
+                false => format!("{length}²"),
             },
+            axes,
             length,
             force,
+        }
+    }
+
+    /// What a contact covers, with the unit.
+    pub fn extent(&self) -> (&'static str, &str) {
+        match self.axes.len() {
+            3 => ("area", &self.area),
+            _ => ("length", &self.length),
         }
     }
 
@@ -154,6 +179,7 @@ impl Labels {
     pub fn unit(&self, dimension: Dimension) -> &str {
         match dimension {
             Dimension::Length => &self.length,
+            Dimension::Area => &self.area,
             Dimension::Force => &self.force,
             Dimension::Stress => &self.stress,
             Dimension::Other => "",
@@ -189,7 +215,7 @@ pub struct Scales {
 
 impl Scales {
     /// The largest sum of forces on a side or of the supports of a body, stress and displacement.
-    pub fn of(solution: &Solution<2>) -> Self {
+    pub fn of<const D: usize>(solution: &Solution<D>) -> Self {
         let nodes = solution.contacts.iter().map(|contact| contact.nodes.iter());
         let pressed = nodes.map(|nodes| {
             let forces = nodes.map(|node| (node.pressure * node.weight).abs());
@@ -213,7 +239,7 @@ impl Scales {
             Dimension::Force => self.force,
             Dimension::Stress => self.stress,
             Dimension::Length => self.length,
-            Dimension::Other => 0.0,
+            Dimension::Area | Dimension::Other => 0.0,
         };
         without_noise(value, scale)
     }

@@ -107,7 +107,7 @@ pub fn solved() -> (Model<2>, Solution<2>) {
 }
 
 /// A run of one step.
-pub fn run<'a>(model: &'a Model<2>, solution: &'a Solution<2>) -> Overview<'a> {
+pub fn run<'a>(model: &'a Model<2>, solution: &'a Solution<2>) -> Overview<'a, 2> {
     Overview {
         model,
         earlier: &[],

@@ -10,7 +10,7 @@ use crate::output::html::{
 use crate::output::text::{Labels, count, number, power, vector};
 
 /// Whether the answer is certified, and if not, why.
-pub fn banner(run: &Overview<'_>) -> String {
+pub fn banner<const D: usize>(run: &Overview<'_, D>) -> String {
     let solution = run.last;
     if run.converged {
         let steps = match run.earlier {
@@ -57,7 +57,7 @@ pub fn banner(run: &Overview<'_>) -> String {
 }
 
 /// Warnings of all steps, each once.
-pub fn warnings(run: &Overview<'_>) -> String {
+pub fn warnings<const D: usize>(run: &Overview<'_, D>) -> String {
     let mut list: Vec<&str> = Vec::new();
     for warning in run.steps().flat_map(|step| &step.warnings) {
         if !list.contains(&warning.as_str()) {
@@ -74,7 +74,7 @@ pub fn warnings(run: &Overview<'_>) -> String {
 }
 
 /// The figures of the certificate in sentences.
-pub fn certificate(solution: &Solution<2>, labels: &Labels) -> String {
+pub fn certificate<const D: usize>(solution: &Solution<D>, labels: &Labels) -> String {
     let Certificate {
         penetration,
         tension,
@@ -177,7 +177,7 @@ pub fn certificate(solution: &Solution<2>, labels: &Labels) -> String {
 }
 
 /// How the solver arrived, and what became of its bolts.
-pub fn solver(model: &Model<2>, solution: &Solution<2>, labels: &Labels) -> String {
+pub fn solver<const D: usize>(model: &Model<D>, solution: &Solution<D>, labels: &Labels) -> String {
     let report = &solution.solver;
     let mut out = format!(
         "<h2>Convergence</h2>\n<p>Method {}: {} iterations, {} products with the compliance{}.</p>\n",

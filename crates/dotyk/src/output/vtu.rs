@@ -13,7 +13,7 @@ use crate::geometry::{Point, padded};
 use crate::model::{Analysis, Law, Model, Solution, Status};
 use crate::output::encode::zlib;
 use crate::output::html::escape;
-use crate::output::text::Labels;
+use crate::output::text::{AXES, Labels};
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 use std::collections::BTreeSet;
@@ -114,8 +114,6 @@ pub fn body_vtu<const D: usize>(model: &Model<D>, solution: &Solution<D>, body: 
     out.push_str("</CellData>\n</Piece>\n</UnstructuredGrid>\n</VTKFile>\n");
     out
 }
-
-const AXES: [&str; 3] = ["x", "y", "z"];
 
 /// Names of the components of tensors and vectors.
 fn component_names(analysis: Analysis) -> ([&'static str; 6], [&'static str; 3]) {

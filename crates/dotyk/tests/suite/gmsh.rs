@@ -673,7 +673,8 @@ fn vtu_files_of_dotyk_read_back() {
     let solution = model.solve().unwrap();
     let folder = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join("vtu");
     let steps = std::slice::from_ref(&solution);
-    output::write(&output::Record::of(&model, steps, "ring"), &folder).unwrap();
+    let record = output::Record::of(&model, steps, "ring");
+    record.write(&folder).unwrap();
     let file = MeshFile::read(&folder.join("ring.vtu")).unwrap();
     assert!(
         file.warnings()[0].contains("`displacement`, `stress`"),
@@ -1091,9 +1092,9 @@ fn errors_of_binary_files_name_section_and_byte() {
     assert!(error.to_string().contains("cut off"), "{error}");
 }
 
-fn case(bodies: &str) -> Result<Case, CaseError> {
+fn case(bodies: &str) -> Result<Case<2>, CaseError> {
     let text = format!("analysis = \"plane-stress\"\n{bodies}");
-    Case::from_str(&text, "case.toml", &data(""))
+    Case::<2>::from_str(&text, "case.toml", &data(""))
 }
 
 const STEEL: &str = "material = { young = 210e3, poisson = 0.3 }";
@@ -1222,7 +1223,7 @@ fn two_materials_in_one_body_share_the_load_as_lame_says() {
          load = [{{ side = \"bore\", pressure = 1.0 }}]\n\
          [[probe]]\nname = \"u\"\nquantity = \"b.displacement.x\"\nat = [40, 0]\n"
     );
-    let case = Case::from_str(&text, "case.toml", &folder).unwrap();
+    let case = Case::<2>::from_str(&text, "case.toml", &folder).unwrap();
     let found = case.model.solve().unwrap().probes[0].value;
     let [a2, b2, c2] = [20.0f64, 40.0, 80.0].map(|r| r * r);
     let b = 40.0;

@@ -6,8 +6,8 @@ use std::path::Path;
 
 const PLANE: &str = "analysis = \"plane-strain\"\n";
 
-fn case(text: &str) -> Case {
-    Case::from_str(text, "case.toml", Path::new(".")).unwrap()
+fn case(text: &str) -> Case<2> {
+    Case::<2>::from_str(text, "case.toml", Path::new(".")).unwrap()
 }
 
 fn solve(text: &str) -> Result<Solution<2>, Error<2>> {

@@ -24,7 +24,7 @@ fn tunnel(n: usize, friction: &str, dense_limit: usize) -> DualProblem {
          fix = [{{ side = \"start\", x = 0.0 }}, {{ side = \"end\", x = 0.0 }}]\n\
          [[contact]]\nname = \"gamma\"\nnonmortar = \"rock.hole\"\nmortar = \"lining.outer\"\n{friction}\n"
     );
-    let case = Case::from_str(&text, "case.toml", Path::new(".")).unwrap();
+    let case = Case::<2>::from_str(&text, "case.toml", Path::new(".")).unwrap();
     case.model.dual_problem(dense_limit).unwrap()
 }
 

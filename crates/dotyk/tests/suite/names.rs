@@ -34,7 +34,7 @@ quantity = "sole.pressure"
 const HELD: &str = r#"fix = [{ side = "top", x = 0.002, y = -0.01 }]"#;
 
 fn solve(text: &str) -> Solution<2> {
-    let case = Case::from_str(text, "names.toml", Path::new(""));
+    let case = Case::<2>::from_str(text, "names.toml", Path::new(""));
     case.unwrap_or_else(|error| panic!("{}", error.message))
         .model
         .solve()
@@ -172,7 +172,7 @@ fn excluded_nodes_stay_out_in_later_steps() {
     );
     let contact = "gap = \"0.001*t\"\nexclude = \"a\"\n[[step]]\ntime = 1\n[[step]]\ntime = 2\n";
     let text = case("24", &points, contact, "reduce = \"max\"");
-    let case = Case::from_str(&text, "names.toml", Path::new("")).unwrap();
+    let case = Case::<2>::from_str(&text, "names.toml", Path::new("")).unwrap();
     for step in case.model.solve_steps().unwrap() {
         assert!(step.contacts[0].nodes[3].gap.is_nan());
         assert_eq!(step.contacts[0].nodes[3].pressure, 0.0);

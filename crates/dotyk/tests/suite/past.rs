@@ -9,7 +9,9 @@ fn case(name: &str) -> Model<2> {
     let path = PathBuf::from(env!("CARGO_MANIFEST_DIR"))
         .join("../../cases")
         .join(name);
-    Case::read(&path).unwrap_or_else(|e| panic!("{e}")).model
+    Case::<2>::read(&path)
+        .unwrap_or_else(|e| panic!("{e}"))
+        .model
 }
 
 fn silent(_: dotyk::model::Event) {}
@@ -129,7 +131,7 @@ time = 2
     let pressed = "[[contact]]\nname = \"sole\"\nnonmortar = \"shoe.bottom\"\nmortar = \"slab.top\"\nfriction = 0.3";
     for contact in [pressed, ""] {
         let model = |young: f64| {
-            let case = Case::from_str(&text(young, contact), "past.toml", "".as_ref());
+            let case = Case::<2>::from_str(&text(young, contact), "past.toml", "".as_ref());
             case.unwrap_or_else(|e| panic!("{e}")).model
         };
         let first = &model(1e3).solve_steps().unwrap()[..1];

@@ -885,7 +885,7 @@ fn tower(n: usize) -> DualProblem {
             k - 1
         );
     }
-    let case = Case::from_str(&text, "case.toml", Path::new(".")).unwrap();
+    let case = Case::<2>::from_str(&text, "case.toml", Path::new(".")).unwrap();
     case.model.dual_problem(usize::MAX).unwrap()
 }
 

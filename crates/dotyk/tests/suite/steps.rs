@@ -1,7 +1,7 @@
 //! Load steps: each is the answer that a run of its own gives, whatever came before it.
 
 use dotyk::mesh::Diagonals;
-use dotyk::model::{Event, Law, Motion, Pair, Reuse, Study, Varied};
+use dotyk::model::{Event, Law, Motion, Pair, Reuse, Varied};
 use dotyk::prelude::*;
 
 fn field(text: &str) -> Field {
@@ -413,7 +413,8 @@ fn a_study_gives_every_member_the_answer_of_its_own_run_and_failures_their_reaso
         count.fetch_add(1, std::sync::atomic::Ordering::Relaxed);
     };
     let own = [1e5, 10.0];
-    let study = Study::run((make(&own).unwrap(), &own), varied, &make, &one_more);
+    let model: Model<2> = make(&own).unwrap();
+    let study = model.study(&own, varied, &make, &one_more);
     assert_eq!((study.members.len(), count.into_inner()), (9, 9));
     assert!(!study.converged());
     for (k, member) in study.members.iter().enumerate() {

@@ -190,7 +190,8 @@ friction = 0.14400130475160555
         )
     };
     let solve = |force: &str| {
-        let case = dotyk::case::Case::from_str(&disc(force), "disc.toml", std::path::Path::new(""));
+        let case =
+            dotyk::case::Case::<2>::from_str(&disc(force), "disc.toml", std::path::Path::new(""));
         case.unwrap().model.solve().unwrap()
     };
     let told = |solution: &Solution<2>| {

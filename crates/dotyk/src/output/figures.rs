@@ -1,0 +1,96 @@
+//! The drawings of a page: what of a model is drawn, in the plane and in space.
+//!
+//! Pages are written for any dimension and ask here for their drawings; where there is none they get an empty text.
+//! In space nothing is drawn yet.
+
+use crate::geometry::Point;
+use crate::model::{Model, SideRef, Solution};
+use crate::output::deformed::deformed_figure;
+use crate::output::html::figure;
+use crate::output::interface::interface_figure;
+use crate::output::scene::Scene;
+use crate::output::setup::setup_figure;
+use crate::output::text::count;
+use std::any::Any;
+
+/// What draws a model.
+pub struct Figures<'a> {
+    /// Of the plane.
+    plane: Option<Scene<'a>>,
+}
+
+/// A thing of D dimensions as one of the plane or of space, where it is one.
+fn known<T: Any, P: Any>(thing: &T) -> Option<&P> {
+    (thing as &dyn Any).downcast_ref()
+}
+
+impl<'a> Figures<'a> {
+    /// What draws a model.
+    pub fn of<const D: usize>(model: &'a Model<D>) -> Self {
+        Self {
+            plane: known(model).map(Scene::new),
+        }
+    }
+
+    /// Mesh, supports and loads, and these contact nodes that face nothing.
+    pub fn model<const D: usize>(&self, alone: &[Point<D>]) -> String {
+        let Some(scene) = &self.plane else {
+            return String::new();
+        };
+        let alone: Vec<Point<2>> = alone.iter().map(|p| [p[0], p[1]]).collect();
+        let drawing = setup_figure(scene, &alone);
+        figure(
+            &drawing,
+            "Mesh, supports and loads",
+            &mesh_caption(scene.model),
+        )
+    }
+
+    /// The deformed shape, coloured by stress.
+    pub fn deformed<const D: usize>(&self, solution: &Solution<D>) -> String {
+        let (Some(scene), Some(solution)) = (&self.plane, known(solution)) else {
+            return String::new();
+        };
+        let (drawing, caption) = deformed_figure(scene, solution);
+        let more = " Dashed: undeformed outline. Colour: von Mises stress, recovered at the nodes.";
+        figure(&drawing, "Deformed shape", &format!("{caption}{more}"))
+    }
+
+    /// Pressure and gap along a contact.
+    pub fn contact<const D: usize>(&self, solution: &Solution<D>, index: usize) -> String {
+        let (Some(scene), Some(solution)) = (&self.plane, known::<_, Solution<2>>(solution)) else {
+            return String::new();
+        };
+        let contact = &solution.contacts[index];
+        let law = &scene.model.contacts[index].law;
+        let Some(drawing) = interface_figure(scene, contact, law, &format!("interface{index}"))
+        else {
+            return String::new();
+        };
+        let bodies = &scene.model.bodies;
+        let name = |side: &SideRef| format!("{}.{}", bodies[side.body.0].name, side.side);
+        let other = contact.mortar.as_ref().map(name);
+        let other = other.unwrap_or("a rigid obstacle".to_string());
+        let caption = format!(
+            "{} against {other}. Pressure is positive in compression, the gap is that after deformation. Arrows: pressure on {}.",
+            name(&contact.nonmortar),
+            bodies[contact.nonmortar.body.0].name,
+        );
+        let title = format!(
+            "Contact pressure and gap along the interface {}",
+            contact.name
+        );
+        figure(&drawing, &title, &caption)
+    }
+}
+
+fn mesh_caption(model: &Model<2>) -> String {
+    let cells: usize = model.bodies.iter().map(|body| body.mesh.cell_count()).sum();
+    let nodes: usize = model.bodies.iter().map(|b| b.mesh.points().len()).sum();
+    format!(
+        "{} cells, {} nodes. Cells narrower than two pixels are drawn without their edges. Arrows of one load are to scale among \
+         themselves.",
+        count(cells),
+        count(nodes)
+    )
+}
