@@ -168,13 +168,120 @@ const IN_THE_TEXT: &[Mistake] = &[
     ("gap = \"geometric\"", "friction_exclude = [\"left\"]", "friction_exclude", "no friction"),
     ("nonmortar = \"punch.bottom\"\nmortar = \"block.top\"", "sides = [\"punch.bottom\", \"block.top\"]\nexclude = \"left\"", "exclude = \"left\"", "both bodies"),
     // later
-    ("\"plane-strain\"", "\"3d\"", "3d", "not supported yet"),
+    ("\"plane-strain\"", "\"3d\"", "rectangle", "makes 2D meshes"),
     ("gap = \"geometric\"", "friction = -0.3", "-0.3", "negative"),
     ("gap = \"geometric\"", "friction = { coulomb = 0.3, tresca = 1 }", "friction", "one law"),
     ("gap = \"geometric\"", "friction = { cohesion = 1, tresca = 1 }", "friction", "one law"),
     ("gap = \"geometric\"", "friction = { cohesion = -1 }", "-1 }", "negative"),
     ("gap = \"geometric\"", "friction = { cohesion = 1, tension = 1 }", "tension", "not supported yet"),
     ("gap = \"geometric\"", "friction = { cohesion = 1 }\n[[step]]\ntime = 1\n[[step]]\ntime = 2", "cohesion", "several load steps is not supported yet"),
+];
+
+const GOOD_IN_SPACE: &str = r#"title = "Block on a block"
+analysis = "3d"
+
+[[body]]
+name = "block"
+mesh = { box = { from = [0, 0, 0], to = [4, 2, 1], cells = [4, 2, 1] } }
+material = { young = 210e9, poisson = 0.3 }
+fix = [{ side = "bottom", x = 0.0, y = 0.0, z = 0.0 }]
+
+[[body]]
+name = "punch"
+mesh = { box = { from = [1, 0, 1], to = [3, 2, 2], cells = [2, 2, 1], cell = "hex8" } }
+material = { young = 210e9, poisson = 0.3 }
+points = { eye = [2, 1, 3] }
+couple = [{ side = "top", point = "eye", kind = "average" }]
+fix = [{ point = "eye", x = 0.0, y = 0.0, rotation = { x = 0, y = 0, z = 0 } }]
+load = [{ point = "eye", force = [0, 0, -1e6], moment = [0, 0, 0] }]
+
+[[contact]]
+name = "sole"
+nonmortar = "punch.bottom"
+mortar = "block.top"
+
+[[contact]]
+name = "wall"
+nonmortar = "punch.right"
+obstacle = { sphere = { center = [9, 1, 2], radius = 5 }, displacement = [0, 0, 0] }
+friction = 0.2
+
+[[probe]]
+name = "middle"
+quantity = "sole.pressure"
+at = [2, 1, 1]
+"#;
+
+#[rustfmt::skip]
+const IN_SPACE: &[Mistake] = &[
+    // components: two where three are needed
+    ("from = [0, 0, 0]", "from = [0, 0]", "from = [0, 0]", "expected 3 numbers, found 2"),
+    ("to = [4, 2, 1]", "to = [4, 2]", "to = [4, 2]", "third is missing"),
+    ("cells = [4, 2, 1]", "cells = [4, 2]", "cells = [4, 2]", "expected 3 positive integers"),
+    ("at = [2, 1, 1]", "at = [2, 1]", "at = [2, 1]", "expected 3 numbers, found 2"),
+    ("eye = [2, 1, 3]", "eye = [2, 1]", "eye = [2, 1]", "expected 3 numbers"),
+    ("force = [0, 0, -1e6]", "force = [0, -1e6]", "force = [0, -1e6]", "expected 3 numbers or expressions, found 2"),
+    ("moment = [0, 0, 0]", "moment = 3.0", "moment = 3.0", "a list of 3 numbers"),
+    ("rotation = { x = 0, y = 0, z = 0 }", "rotation = 0.0", "rotation = 0.0", "expected a table"),
+    ("rotation = { x = 0, y = 0, z = 0 }", "rotation = {}", "rotation = {}", "prescribes nothing"),
+    ("rotation = { x = 0, y = 0, z = 0 }", "rotation = { w = 0 }", "rotation = { w", "unknown key `w`"),
+    ("center = [9, 1, 2]", "center = [9, 1]", "center = [9, 1]", "expected 3 numbers"),
+    ("displacement = [0, 0, 0]", "displacement = [0, 0]", "displacement = [0, 0]", "found 2"),
+    ("poisson = 0.3 }\nfix", "poisson = 0.3 }\nbody_force = [0, -9.81]\nfix", "body_force", "found 2"),
+    ("cell = \"hex8\" } }", "cell = \"hex8\" }, sides = { foot = { of = \"bottom\", min = [1, 0], max = [2, 2, 1] } } }", "min = [1, 0]", "found 2"),
+    // words of the plane
+    ("\"3d\"", "\"plane-strain\"", "box", "makes 3D meshes, and the analysis is in 2D"),
+    ("{ box = { from = [0, 0, 0], to = [4, 2, 1], cells = [4, 2, 1] } }", "{ rectangle = { from = [0, 0], to = [4, 2], cells = [4, 2] } }", "rectangle", "makes 2D meshes, and the analysis is in 3D"),
+    ("cell = \"hex8\"", "cell = \"quad4\"", "quad4", "a cell of 2D meshes"),
+    ("cell = \"hex8\"", "cell = \"hex9\"", "hex9", "`hex8`"),
+    ("sphere = { center", "circle = { center", "circle", "`circle` is a shape of 2D analyses"),
+    ("material = { young = 210e9, poisson = 0.3 }\npoints", "material = { young = 210e9, poisson = 0.3 }\nsurface = { right = { circle = { center = [0, 0], radius = 1 } } }\npoints", "circle", "`circle` is a shape of 2D"),
+    ("poisson = 0.3 }\nfix", "poisson = 0.3, thickness = 2 }\nfix", "thickness", "no meaning in a 3D analysis"),
+    ("\"sole.pressure\"", "\"block.stress.hoop\"", "hoop", "`xz`"),
+    // quantities
+    ("\"sole.pressure\"", "\"block.stress.zy\"", "zy", "`yz`"),
+    ("\"sole.pressure\"", "\"sole.resultant\"", "sole.resultant", "add one of `x`, `y`, `z`"),
+    ("at = [2, 1, 1]", "along = { from = [1, 1, 1], to = [3, 1], points = 3 }", "to = [3, 1]", "found 2"),
+    ("at = [2, 1, 1]", "along = \"punch.bottom\"", "along", "have no order"),
+    ("at = [2, 1, 1]", "at = [9, 1, 1]", "at = [9", "(9, 1, 1)"),
+    ("at = [2, 1, 1]", "at = [2, 1, 1.8]", "at = [2", "(2, 1, 1.8)"),
+    // sides and shapes
+    ("\"punch.bottom\"", "\"punch.under\"", "punch.under", "`bottom`"),
+    ("sphere = { center = [9, 1, 2], radius = 5 }", "cylinder = { point = [9, 1, 2], axis = [0, 0, 0], radius = 5 }", "axis = [0, 0, 0]", "axis of a cylinder is zero"),
+    ("sphere = { center = [9, 1, 2], radius = 5 }", "cylinder = { point = [9, 1, 2], radius = 5 }", "cylinder", "needs the key `axis`"),
+    ("sphere = { center = [9, 1, 2], radius = 5 }", "sphere = { center = [9, 1, 2], radius = -5 }", "-5", "must be positive"),
+    ("sphere = { center = [9, 1, 2], radius = 5 }", "plane = { point = [9, 1, 2], normal = [1, 0] }", "normal = [1, 0]", "found 2"),
+    ("from = [1, 0, 1]", "from = [1, 0, 3]", "from = [1, 0, 3]", "punch"),
+    ("cells = [4, 2, 1]", "cells = [1000, 1000, 1000]", "1000", "cells in one body"),
+    ("{ box = { from = [0, 0, 0], to = [4, 2, 1], cells = [4, 2, 1] } }", "{}", "mesh = {}", "`box`"),
+    ("x = 0.0, y = 0.0, z = 0.0", "w = 0.0", "w = 0.0", "unknown key `w`"),
+    ("{ side = \"bottom\", x = 0.0, y = 0.0, z = 0.0 }", "{ side = \"bottom\" }", "{ side = \"bottom\" }", "`x`, `y`, `z` or `normal`"),
+];
+
+/// Mistakes of mechanics in space, and words of the message.
+const IN_THE_MODEL_IN_SPACE: &[(&str, &str, &[&str])] = &[
+    // nothing holds the block along z
+    ("y = 0.0, z = 0.0 }]\n\n[[body]]", "y = 0.0 }]\n\n[[body]]", &["block", "z"]),
+    // the load lifts the punch off
+    ("-1e6]", "1e6]", &["punch", "z"]),
+    // two values for one node
+    (
+        "z = 0.0 }]\n\n[[body]]",
+        "z = 0.0 }, { side = \"left\", z = 1e-3 }]\n\n[[body]]",
+        &["block"],
+    ),
+    // no node is near this point
+    (
+        "fix = [{ side = \"bottom\"",
+        "fix = [{ point = [9, 9, 9], x = 0 }, { side = \"bottom\"",
+        &["block", "9"],
+    ),
+    // a load that is not finite at a point of the side
+    (
+        "load = [",
+        "load = [{ side = \"front\", pressure = \"sqrt(z - 1.5)\" }, ",
+        &["punch", "front"],
+    ),
 ];
 
 /// Mistakes of mechanics, which only assembling or solving finds: what is replaced, by what, words of the message.
@@ -262,8 +369,12 @@ fn dotyk(folder: &Path, arguments: &[&str]) -> Output {
 }
 
 fn replaced(from: &str, to: &str) -> String {
-    let text = GOOD.replacen(from, to, 1);
-    assert_ne!(text, GOOD, "nothing is replaced by {to}");
+    replaced_in(GOOD, from, to)
+}
+
+fn replaced_in(good: &str, from: &str, to: &str) -> String {
+    let text = good.replacen(from, to, 1);
+    assert_ne!(text, good, "nothing is replaced by {to}");
     text
 }
 
@@ -290,11 +401,24 @@ fn line_of(text: &str, mark: &str) -> usize {
 
 #[test]
 fn every_mistake_in_the_text_is_underlined_on_its_line() {
-    let folder = folder("text");
-    for (from, to, mark, words) in IN_THE_TEXT {
-        let text = replaced(from, to);
+    each_is_underlined(&folder("text"), GOOD, IN_THE_TEXT);
+}
+
+#[test]
+fn every_mistake_in_space_is_underlined_on_its_line() {
+    let folder = folder("space");
+    each_is_underlined(&folder, GOOD_IN_SPACE, IN_SPACE);
+    std::fs::write(folder.join("good.toml"), GOOD_IN_SPACE).unwrap();
+    let output = dotyk(&folder, &["run", "good.toml", "--quiet"]);
+    assert_eq!(output.status.code(), Some(0), "{output:?}");
+}
+
+#[track_caller]
+fn each_is_underlined(folder: &Path, good: &str, mistakes: &[Mistake]) {
+    for (from, to, mark, words) in mistakes {
+        let text = replaced_in(good, from, to);
         std::fs::write(folder.join("bad.toml"), &text).unwrap();
-        let message = refused(&dotyk(&folder, &["run", "bad.toml"]), to);
+        let message = refused(&dotyk(folder, &["run", "bad.toml"]), to);
         let line = format!("bad.toml, line {}, column ", line_of(&text, mark));
         assert!(message.contains(&line), "{to}: no \"{line}\" in {message}");
         assert!(message.contains(words), "{to}: no \"{words}\" in {message}");
@@ -314,10 +438,19 @@ fn every_mistake_in_the_text_stops_check_as_well() {
 
 #[test]
 fn every_mistake_of_mechanics_names_its_body_and_leaves_no_files() {
-    let folder = folder("model");
-    for (from, to, words) in IN_THE_MODEL {
-        std::fs::write(folder.join("bad.toml"), replaced(from, to)).unwrap();
-        let message = refused(&dotyk(&folder, &["run", "bad.toml", "--quiet"]), to);
+    each_names_its_body(&folder("model"), GOOD, IN_THE_MODEL);
+}
+
+#[test]
+fn every_mistake_of_mechanics_in_space_names_its_body() {
+    each_names_its_body(&folder("space_model"), GOOD_IN_SPACE, IN_THE_MODEL_IN_SPACE);
+}
+
+#[track_caller]
+fn each_names_its_body(folder: &Path, good: &str, mistakes: &[(&str, &str, &[&str])]) {
+    for (from, to, words) in mistakes {
+        std::fs::write(folder.join("bad.toml"), replaced_in(good, from, to)).unwrap();
+        let message = refused(&dotyk(folder, &["run", "bad.toml", "--quiet"]), to);
         assert!(message.contains("bad.toml"), "{to}: {message}");
         for word in *words {
             assert!(message.contains(word), "{to}: no \"{word}\" in {message}");

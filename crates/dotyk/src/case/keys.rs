@@ -95,11 +95,13 @@ pub const PATCH: &[&str] = &["of", "min", "max"];
 /// `material` of a body, or one element of its list.
 pub const MATERIAL: &[&str] = &["young", "poisson", "thickness", "group"];
 /// One side of `surface`.
-pub const SURFACE: &[&str] = &["plane", "circle", "cylinder", "sphere"];
+pub const SURFACE: &[&str] = &["plane", "circle", "cylinder", "cone", "sphere"];
 /// A plane.
 pub const PLANE: &[&str] = &["point", "normal"];
 /// A cylinder.
 pub const CYLINDER: &[&str] = &["point", "axis", "radius", "inside"];
+/// A cone.
+pub const CONE: &[&str] = &["apex", "axis", "angle", "inside"];
 /// A circle or sphere.
 pub const CIRCLE: &[&str] = &["center", "radius", "inside"];
 /// One element of `fix`.
@@ -131,6 +133,7 @@ pub const OBSTACLE: &[&str] = &[
     "circle",
     "sphere",
     "cylinder",
+    "cone",
 ];
 /// `friction` of a contact, when it is a table.
 pub const FRICTION: &[&str] = &["coulomb", "tresca", "cohesion", "tension"];
@@ -173,7 +176,7 @@ pub const REFERENCE: &[&str] = &[
 ];
 
 /// Every table with its keys.
-pub const ALL: [(&str, &[&str]); 32] = [
+pub const ALL: [(&str, &[&str]); 33] = [
     ("case", CASE),
     ("units", UNITS),
     ("body", BODY),
@@ -193,6 +196,7 @@ pub const ALL: [(&str, &[&str]); 32] = [
     ("surface", SURFACE),
     ("plane", PLANE),
     ("cylinder", CYLINDER),
+    ("cone", CONE),
     ("circle", CIRCLE),
     ("fix", FIX),
     ("load", LOAD),

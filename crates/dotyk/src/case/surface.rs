@@ -1,4 +1,4 @@
-//! Planes, circles, spheres and cylinders of a case file: true surfaces of sides, and rigid obstacles.
+//! Planes, circles, spheres, cylinders and cones of a case file: true surfaces of sides, and rigid obstacles.
 
 use crate::case::document::{Entry, Node, Table};
 use crate::case::error::Fault;
@@ -7,7 +7,7 @@ use crate::case::suggest::listed;
 use crate::geometry::{Surface, unit};
 
 /// Shapes of the plane and of space.
-const SHAPES: [&[&str]; 2] = [&["plane", "circle"], &["plane", "cylinder", "sphere"]];
+const SHAPES: [&[&str]; 2] = [&["plane", "circle"], &["plane", "cylinder", "cone", "sphere"]];
 
 /// Shapes of D dimensions.
 pub(crate) fn shapes<const D: usize>() -> impl Iterator<Item = &'static str> + Clone {
@@ -62,6 +62,22 @@ pub(crate) fn surface<const D: usize>(entry: &Entry) -> Result<(Surface<D>, bool
                 radius,
             };
             Ok((cylinder, inside))
+        }
+        "cone" => {
+            let table = node.table(keys::CONE)?;
+            let angle = table.require("angle", &what)?;
+            let degrees = angle.positive("the angle of a cone")?;
+            if degrees >= 90.0 {
+                let message = "the angle of a cone is that between its axis and its surface, in degrees below 90";
+                return Err(Fault::new(&angle.span, message).label("too large"));
+            }
+            let inside = table.get("inside").map_or(Ok(false), Node::boolean)?;
+            let cone = Surface::Cone {
+                apex: table.require("apex", &what)?.point()?,
+                axis: direction(table, "axis", &what)?,
+                half_angle: degrees.to_radians(),
+            };
+            Ok((cone, inside))
         }
         _ => {
             let table = node.table(keys::CIRCLE)?;

@@ -1,6 +1,7 @@
 //! What a case file becomes, and what its mistakes are called.
 
 use super::*;
+use crate::geometry::{Field, Surface};
 use crate::mesh::CellKind;
 use crate::model::{BodyId, Gap, Law, Load, Motion, Pair, Pairing, Place, Reading, Rigid};
 
@@ -746,14 +747,86 @@ fn what_is_the_same_everywhere_depends_on_time_alone() {
 }
 
 #[test]
-fn features_to_come_are_not_supported_yet() {
-    let later = "not supported yet";
-    assert_mistake(
-        "\"plane-strain\"            #",
-        "\"3d\" #",
-        "\"3d\"",
-        &[later],
-    );
+fn a_case_is_of_the_plane_or_of_space_as_its_analysis_says() {
+    let space = "\"3d\" #";
+    let plane = "\"plane-strain\"            #";
+    assert_mistake(plane, space, "\"3d\"", &["2 dimensions"]);
+    let any = |text: &str| AnyCase::from_str(text, "punch.toml", Path::new(""));
+    assert!(matches!(any(EXAMPLE), Ok(AnyCase::Plane(_))));
+    let error = any(&example(plane, space)).unwrap_err();
+    assert!(error.message.contains("makes 2D meshes"), "{error}");
+}
+
+const IN_SPACE: &str = r#"
+analysis = "3d"
+
+[[body]]
+name     = "block"
+mesh     = { box = { from = [0, 0, 0], to = [2, 1, 1], cells = [2, 1, 3], cell = "tet4" }, sides = { foot = { of = "bottom", min = [0, 0, 0], max = [1, 1, 0] } } }
+material = { young = 1e9, poisson = 0.25 }
+points   = { eye = [1, 0.5, 2] }
+surface  = { right = { cone = { apex = [2, 0, 0], axis = [0, 0, 2], angle = 30 } } }
+couple   = [{ side = "top", point = "eye", kind = "rigid" }]
+fix      = [{ side = "foot", x = 0, z = "0.1*y" }, { point = "eye", y = 0, rotation = { z = "t" } }]
+load     = [{ side = "front", traction = [1, "z", "x + y"] }, { point = "eye", force = [0, 0, -1], moment = [1, 0, "2*t"] }]
+body_force = [0, 0, "-9.81*z"]
+
+[[contact]]
+name      = "ball"
+nonmortar = "block.left"
+obstacle  = { sphere = { center = [-3, 0, 0], radius = 3, inside = false }, force = [1, 0, "t"] }
+
+[solver]
+method = "uzawa"
+bolt   = [0, 0.5, 1]
+
+[[probe]]
+name     = "shear"
+quantity = "block.stress.yz"
+along    = { from = [0, 0, 0], to = [0, 0, 1], points = 3 }
+"#;
+
+#[test]
+fn a_case_in_space_has_three_components_everywhere() {
+    let case = Case::<3>::from_str(IN_SPACE, "block.toml", Path::new("")).unwrap();
+    let model = &case.model;
+    let block = &model.bodies[0];
+    assert_eq!((block.mesh.cell_count(), block.mesh.points().len()), (36, 24));
+    assert_eq!(block.mesh.side("foot").unwrap().len(), 2);
+    let value = |field: &Option<Field>, at: [f64; 3], t: f64| Some(field.as_ref()?.at(at, t));
+    let foot = &block.supports[0].components;
+    let at = [1.0, 0.5, 0.25];
+    let held: Vec<_> = foot.iter().map(|field| value(field, at, 1.0)).collect();
+    assert_eq!(held, [Some(0.0), None, Some(0.05)]);
+    let couple = &block.couples[0];
+    assert_eq!(couple.point, [1.0, 0.5, 2.0]);
+    assert!(couple.rotation[0].is_none() && couple.rotation[1].is_none());
+    assert_eq!(value(&couple.rotation[2], at, 3.0), Some(3.0));
+    assert!(couple.displacement[1].is_some() && couple.displacement[2].is_none());
+    assert_eq!(couple.moment.each_ref().map(|m| m.at(at, 2.0)), [1.0, 0.0, 4.0]);
+    assert_eq!(couple.force.each_ref().map(|f| f.at(at, 2.0)), [0.0, 0.0, -1.0]);
+    let traction = block.loads[0].at(at, [0.0, -1.0, 0.0], 1.0);
+    assert_eq!(traction, [1.0, 0.25, 1.5]);
+    assert_eq!(block.body_force[2].at(at, 0.0), -9.81 * 0.25);
+    let cone = Surface::Cone {
+        apex: [2.0, 0.0, 0.0],
+        axis: [0.0, 0.0, 1.0],
+        half_angle: 30f64.to_radians(),
+    };
+    assert_eq!(block.surfaces["right"], cone);
+    let Pair::Obstacle { obstacle, .. } = &model.contacts[0].pair else {
+        panic!("an obstacle")
+    };
+    assert!(matches!(&obstacle.motion, Motion::Loaded(force) if force[2].at(at, 5.0) == 5.0));
+    let Rigid::Surface { surface, inside } = &obstacle.shape else {
+        panic!("a sphere")
+    };
+    assert!(!inside && surface.distance([0.0; 3]) == 0.0);
+    assert_eq!(model.solver.bolts, Bolts::Points(vec![[0.0, 0.5, 1.0]]));
+    assert!(model.probes[0].is_line());
+    // a reader of the plane does not take it
+    let plane = Case::<2>::from_str(IN_SPACE, "block.toml", Path::new(""));
+    assert!(plane.unwrap_err().message.contains("2 dimensions"));
 }
 
 #[test]
@@ -764,7 +837,7 @@ fn surfaces_and_obstacles_have_one_shape_with_a_direction() {
         (
             "sphere = { center = [0, 0], radius = 1 }",
             "sphere",
-            "not supported yet",
+            "a shape of 3D analyses",
         ),
         (
             "circle = { center = [0, 0], radius = -1 }",

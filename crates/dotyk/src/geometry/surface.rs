@@ -1,6 +1,12 @@
-//! Analytic surfaces: planes, circles or spheres, and cylinders, with their closest points and intersections with lines.
+//! Analytic surfaces: planes, circles or spheres, cylinders and cones, with their closest points and intersections with lines.
 //!
 //! A surface knows no inside: whoever uses it knows on which side of it the material lies.
+//!
+//! A cone with the apex a, the axis d and half the angle β: with h = (x − a)·d along the axis and ρ across it
+//!
+//! ```text
+//!   distance = ρ cos β − h sin β      where h cos β + ρ sin β ≥ 0, else |x − a|
+//! ```
 
 use crate::geometry::{Point, add_scaled, distance, dot, norm, sub, unit};
 
@@ -30,16 +36,38 @@ pub enum Surface<const D: usize> {
         /// Its radius, > 0.
         radius: f64,
     },
+    /// A cone of space that opens without end from its apex.
+    Cone {
+        /// Its apex.
+        apex: Point<D>,
+        /// Unit vector from the apex along the axis into the cone.
+        axis: Point<D>,
+        /// Angle between axis and surface in radians, in (0, π/2).
+        half_angle: f64,
+    },
 }
 
 impl<const D: usize> Surface<D> {
-    /// Unit normal at the point of the surface that is nearest to a point: the given one of a plane, outward on a sphere
-    /// or cylinder. `None` at the centre of a sphere and on the axis of a cylinder.
+    /// Unit normal at the point of the surface that is nearest to a point: the given one of a plane, outward on a sphere,
+    /// cylinder or cone. `None` at the centre of a sphere and on the axis of a cylinder or cone.
     pub fn normal(&self, near: Point<D>) -> Option<Point<D>> {
         match *self {
             Self::Plane { normal, .. } => Some(normal),
             Self::Sphere { center, .. } => unit(sub(near, center)),
             Self::Cylinder { point, axis, .. } => unit(across(sub(near, point), axis)),
+            Self::Cone {
+                apex,
+                axis,
+                half_angle,
+            } => {
+                let from = sub(near, apex);
+                if before_apex(from, axis, half_angle) {
+                    return unit(from);
+                }
+                let outward = unit(across(from, axis))?;
+                let (sin, cos) = half_angle.sin_cos();
+                Some(add_scaled(outward.map(|c| cos * c), -sin, axis))
+            }
         }
     }
 
@@ -53,6 +81,18 @@ impl<const D: usize> Surface<D> {
                 axis,
                 radius,
             } => norm(across(sub(point, on), axis)) - radius,
+            Self::Cone {
+                apex,
+                axis,
+                half_angle,
+            } => {
+                let from = sub(point, apex);
+                if before_apex(from, axis, half_angle) {
+                    return norm(from);
+                }
+                let (sin, cos) = half_angle.sin_cos();
+                cos * norm(across(from, axis)) - sin * dot(from, axis)
+            }
         }
     }
 
@@ -86,6 +126,11 @@ impl<const D: usize> Surface<D> {
                 let hits = round(across(sub(x, point), axis), along, radius);
                 hits.into_iter().map(|s| s / norm(step)).collect()
             }
+            Self::Cone {
+                apex,
+                axis,
+                half_angle,
+            } => through_cone(sub(x, apex), direction, axis, half_angle),
         }
     }
 }
@@ -106,6 +151,39 @@ fn round<const D: usize>(from: Point<D>, direction: Point<D>, radius: f64) -> Ve
     let power = (norm(from) - radius) * (norm(from) + radius);
     let near = if far == 0.0 { 0.0 } else { power / far };
     vec![near.min(far), near.max(far)]
+}
+
+/// Whether the apex of a cone is its point nearest to one at this vector from it.
+fn before_apex<const D: usize>(from: Point<D>, axis: Point<D>, half_angle: f64) -> bool {
+    let (sin, cos) = half_angle.sin_cos();
+    cos * dot(from, axis) + sin * norm(across(from, axis)) < 0.0
+}
+
+/// As [`Surface::intersections`] of a cone with its apex in the origin: cos²β |v|² = (v·d)², v·d ≥ 0.
+fn through_cone<const D: usize>(
+    from: Point<D>,
+    direction: Point<D>,
+    axis: Point<D>,
+    half_angle: f64,
+) -> Vec<f64> {
+    let (sin, cos) = half_angle.sin_cos();
+    let (height, slope) = (dot(from, axis), dot(direction, axis));
+    let across = norm(across(from, axis));
+    let square = (cos - slope) * (cos + slope);
+    let half = cos * cos * dot(from, direction) - height * slope;
+    // the squares of ρ cos β and h sin β, whose difference is small beside the cone
+    let constant = (cos * across - sin * height) * (cos * across + sin * height);
+    let root = (half * half - square * constant).sqrt();
+    if root.is_nan() {
+        return Vec::new();
+    }
+    // the sum of like signs: the other root is the quotient of the product
+    let sum = -(half + root.copysign(half));
+    let roots = [sum / square, constant / sum];
+    let on = |s: &f64| s.is_finite() && height + s * slope >= 0.0;
+    let mut hits: Vec<f64> = roots.into_iter().filter(on).collect();
+    hits.sort_by(f64::total_cmp);
+    hits
 }
 
 /// What of a vector is perpendicular to a unit vector.
@@ -164,6 +242,48 @@ mod tests {
         let closest = sphere.closest([0.0, 3.0, 4.0]);
         assert!((norm(closest) - 2.0).abs() < 1e-15);
         assert_eq!(sphere.normal([0.0; 3]), None);
+    }
+
+    #[test]
+    fn a_cone_is_met_where_the_angle_to_its_axis_is_its_own() {
+        let axis = unit([0.3, -0.4, 1.2]).unwrap();
+        let (apex, half_angle) = ([0.2, -0.5, 1.0], 0.6_f64);
+        let cone = Surface::Cone {
+            apex,
+            axis,
+            half_angle,
+        };
+        let angle = |x: Point<3>| (dot(sub(x, apex), axis) / norm(sub(x, apex))).acos();
+        let mut met = 0;
+        for k in 0..40 {
+            let turn = f64::from(k);
+            let direction = unit([turn.cos(), turn.sin(), (2.0 * turn).sin()]).unwrap();
+            for x in [[0.5, 0.1, 2.5], [4.0, 2.0, 1.0], [-3.0, 0.0, -2.0]] {
+                let closest = cone.closest(x);
+                assert!(cone.distance(closest).abs() < 1e-13);
+                assert!((distance(x, closest) - cone.distance(x).abs()).abs() < 1e-13);
+                let hits = cone.intersections(x, direction);
+                assert!(hits.is_sorted());
+                for s in hits {
+                    met += 1;
+                    let hit = add_scaled(x, s, direction);
+                    assert!((angle(hit) - half_angle).abs() < 1e-11, "{hit:?}");
+                    // no point of the surface beside it is nearer than the closest one
+                    assert!(distance(x, hit) > distance(x, closest) - 1e-12);
+                }
+                // outside the angle is larger
+                let outside = angle(x) > half_angle;
+                assert_eq!(cone.distance(x) > 0.0, outside, "{x:?}");
+            }
+        }
+        assert!(met > 40, "{met}");
+        // behind the apex it is the nearest point, and along the axis only the apex is met
+        let behind = add_scaled(apex, -2.0, axis);
+        assert!((cone.distance(behind) - 2.0).abs() < 1e-14);
+        assert!(distance(cone.closest(behind), apex) < 1e-14);
+        let hits = cone.intersections(behind, axis);
+        assert!(hits.iter().all(|s| (s - 2.0).abs() < 1e-7), "{hits:?}");
+        assert_eq!(cone.normal(add_scaled(apex, 1.0, axis)), None);
     }
 
     #[test]

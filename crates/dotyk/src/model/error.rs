@@ -289,8 +289,10 @@ pub enum ProbeError<const D: usize> {
     /// A body has no such side.
     #[error(transparent)]
     Side(#[from] FemError),
-    /// Points on a side of a body in space.
-    #[error("reading at points of a side in space is not supported yet; use a reduction")]
+    /// The nodes of a side in space as a line.
+    #[error(
+        "the nodes of a side in space have no order along a line: give `reduce`, or `along` from one point to another"
+    )]
     SideInSpace,
 }
 

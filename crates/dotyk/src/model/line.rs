@@ -9,6 +9,7 @@ use crate::geometry::{Point, add_scaled, distance, dot, unit};
 use crate::mesh::Facet;
 use crate::model::error::ProbeError;
 use crate::model::locate::Located;
+use std::collections::BTreeMap;
 
 /// A place on a line.
 #[derive(Debug, Clone, PartialEq)]
@@ -67,7 +68,9 @@ pub(crate) fn stations_at<const D: usize>(
 /// The nodes of a side in the order of its chains, middle nodes included, with the means of the facets' unit normals; of a
 /// closed chain the first once more at its end. With `corners` the side falls into pieces at its sharp ones, too.
 ///
-/// Errors: a side that is not there or is empty; a side in space.
+/// In space the nodes have no order, and the places none from each other: what is left of them is each with its normal and share.
+///
+/// Errors: a side that is not there or is empty.
 pub(crate) fn stations_along<const D: usize>(
     body: &Body<D>,
     side: &str,
@@ -75,8 +78,10 @@ pub(crate) fn stations_along<const D: usize>(
     corners: bool,
 ) -> Result<Vec<Station<D>>, ProbeError<D>> {
     let mesh = &body.mesh;
-    side_facets(mesh, side)?;
-    let plane = mesh.in_plane().ok_or(ProbeError::SideInSpace)?;
+    let facets = side_facets(mesh, side)?;
+    let Some(plane) = mesh.in_plane() else {
+        return Ok(scattered(body, facets, analysis, corners));
+    };
     let mut stations: Vec<Station<D>> = Vec::new();
     for chain in plane.chain(side).unwrap_or_default() {
         let mut joints = joined(body, &chain.facets, analysis, corners);
@@ -99,6 +104,64 @@ pub(crate) fn stations_along<const D: usize>(
     Ok(stations)
 }
 
+/// The nodes of facets in space; with `corners` each once for every face that it is on.
+fn scattered<const D: usize>(
+    body: &Body<D>,
+    facets: &[Facet],
+    analysis: Analysis,
+    corners: bool,
+) -> Vec<Station<D>> {
+    let mut joints: BTreeMap<usize, Vec<Joint<D>>> = BTreeMap::new();
+    for &facet in facets {
+        for (node, normal, share) in of_facet(body, facet, analysis) {
+            let faces = joints.entry(node).or_default();
+            let like = |joint: &&mut Joint<D>| {
+                let mean = unit(joint.normal).unwrap_or(normal);
+                !(corners && is_sharp(mean, normal))
+            };
+            match faces.iter_mut().find(like) {
+                Some(face) => {
+                    face.normal = add_scaled(face.normal, 1.0, normal);
+                    face.share += share;
+                }
+                None => faces.push(Joint {
+                    node,
+                    normal,
+                    share,
+                    starts: true,
+                }),
+            }
+        }
+    }
+    let joints = joints.into_values().flatten();
+    let station = |joint: Joint<D>| Station {
+        s: f64::NAN,
+        point: body.mesh.points()[joint.node],
+        located: Some((vec![joint.node], vec![1.0])),
+        normal: unit(joint.normal).unwrap_or([0.0; D]),
+        share: joint.share,
+        starts: true,
+    };
+    joints.map(station).collect()
+}
+
+/// The nodes of a facet with the unit normals there, and their parts of its area.
+fn of_facet<const D: usize>(
+    body: &Body<D>,
+    facet: Facet,
+    analysis: Analysis,
+) -> Vec<(usize, Point<D>, f64)> {
+    let mesh = &body.mesh;
+    let shares = nodal_weights(mesh, [facet], analysis, body.thickness);
+    let places = mesh.facet_kind(facet).reference_nodes().iter();
+    let normals = places.map(|xi| unit(mesh.outward_normal(facet, xi)).unwrap_or([0.0; D]));
+    let nodes = mesh.facet_nodes(facet).map(|node| node as usize);
+    let nodes = nodes.zip(normals);
+    nodes
+        .map(|(node, normal)| (node, normal, shares[&node].area))
+        .collect()
+}
+
 /// A node of a side while its facets are joined.
 struct Joint<const D: usize> {
     node: usize,
@@ -115,21 +178,12 @@ fn joined<const D: usize>(
     analysis: Analysis,
     corners: bool,
 ) -> Vec<Joint<D>> {
-    let mesh = &body.mesh;
     let mut joints: Vec<Joint<D>> = Vec::new();
     for &facet in facets {
-        let shares = nodal_weights(mesh, [facet], analysis, body.thickness);
-        let places = mesh.facet_kind(facet).reference_nodes().iter();
-        let normals = places.map(|xi| unit(mesh.outward_normal(facet, xi)).unwrap_or([0.0; D]));
-        let mut along: Vec<(usize, Point<D>)> = mesh
-            .facet_nodes(facet)
-            .map(|node| node as usize)
-            .zip(normals)
-            .collect();
+        let mut along = of_facet(body, facet, analysis);
         // a facet names its ends first
         along[1..].rotate_left(1);
-        for (k, (node, normal)) in along.into_iter().enumerate() {
-            let share = shares[&node].area;
+        for (k, (node, normal, share)) in along.into_iter().enumerate() {
             match joints.last_mut() {
                 Some(last) if k == 0 && !(corners && is_sharp(last.normal, normal)) => {
                     last.normal = add_scaled(last.normal, 1.0, normal);

@@ -2,6 +2,7 @@
 
 use crate::geometry::{Point, bounding_box, distance, dot, invert, norm, sub};
 use crate::mesh::{CellKind, Facet, MAX_CELL_NODES, Mesh};
+use crate::model::on_surface::locate_on_surface;
 use rstar::primitives::GeomWithData;
 use rstar::{AABB, RTree};
 
@@ -103,26 +104,25 @@ fn invert_map<const D: usize>(
 const STILL: f64 = 1e-13;
 
 /// Those on a facet, whose tangents are differences, end a digit before.
-const SETTLED: f64 = 1e-12;
+pub(crate) const SETTLED: f64 = 1e-12;
 
 /// Step of these differences in ξ: its square, which they neglect, is rounding.
 const DIFFERENCE: f64 = 1e-6;
 
 /// A point may lie beside a side by this fraction of a facet: the sagitta of a polygon, not more.
-const BESIDE: f64 = 0.1;
+pub(crate) const BESIDE: f64 = 0.1;
 
 /// A point may lie beyond the end of a side by this fraction of a facet: rounding, not more.
-const BEYOND: f64 = 1e-6;
+pub(crate) const BEYOND: f64 = 1e-6;
 
-/// Nodes and shape functions of the facet of a plane side that is nearest to a point; `None` where the point lies beside, and
-/// in space, where values of a contact are read as their largest or smallest.
+/// Nodes and shape functions of the facet of a side that is nearest to a point; `None` where the point lies beside.
 pub(crate) fn locate_on_side<const D: usize>(
     mesh: &Mesh<D>,
     facets: &[Facet],
     point: Point<D>,
 ) -> Option<Located> {
     if D > 2 {
-        return None;
+        return locate_on_surface(mesh, facets, point);
     }
     let mut best: Option<(f64, Facet, f64, f64)> = None;
     for &facet in facets {

@@ -30,6 +30,7 @@ mod line;
 mod locate;
 mod nouns;
 mod objection;
+mod on_surface;
 mod pair;
 mod parts;
 mod past;

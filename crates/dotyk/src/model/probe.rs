@@ -303,6 +303,9 @@ fn stations<const D: usize>(
     match probe.along {
         Some(Along::Side(ref side)) => {
             check_owner(model, carrier, side)?;
+            if D == 3 && probe.is_line() {
+                return Err(ProbeError::SideInSpace);
+            }
             // there a normal and a contact have two values
             let corners = probe.quantity.needs_side() || probe.quantity.is_of_contact();
             let body = &model.bodies[side.body.0];
@@ -507,7 +510,7 @@ fn sums<const D: usize>(samples: impl Iterator<Item = Sample<D>>) -> (f64, f64) 
 
 /// Nodes and shape functions at a point of what a quantity is read at.
 ///
-/// Errors: a point outside the body or beside the side; a side of a body in space.
+/// Errors: a point outside the body or beside the side.
 fn located<const D: usize>(
     model: &Model<D>,
     carrier: Carrier<'_>,
@@ -516,7 +519,6 @@ fn located<const D: usize>(
     let mesh = &model.bodies[carrier.body()].mesh;
     let side = match carrier {
         Carrier::Body(_) => return locate(mesh, at).ok_or(ProbeError::Outside { point: at }),
-        Carrier::Side(_) if D != 2 => return Err(ProbeError::SideInSpace),
         Carrier::Side(side) => side_facets(mesh, &side.side)?,
     };
     let mut found = locate_on_side(mesh, side, at).ok_or(ProbeError::Beside { point: at })?;

@@ -504,7 +504,7 @@ mod tests {
         write(&record(&model, &both), dir).unwrap();
         let text = fs::read_to_string(&file).unwrap();
         let row = "\"one, \"\"two\"\"\",0.1,1.0,0.0,NaN\n";
-        assert_eq!(text, format!("{}1,{row}2,{row}", csv::LINES_HEAD));
+        assert_eq!(text, format!("{},value\n1,{row}2,{row}", csv::LINES_HEAD));
         write(&record(&model, from_ref(&solution)), dir).unwrap();
         assert!(!file.exists());
         // one of somebody else
