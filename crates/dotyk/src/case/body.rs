@@ -24,7 +24,16 @@ const CELLS_OF_THE_PLANE: [(&str, CellKind); 5] = [
     ("quad9", CellKind::Quad9),
 ];
 
-const CELLS_OF_SPACE: [(&str, CellKind); 2] = [("tet4", CellKind::Tet4), ("hex8", CellKind::Hex8)];
+const CELLS_OF_SPACE: [(&str, CellKind); 8] = [
+    ("tet4", CellKind::Tet4),
+    ("tet10", CellKind::Tet10),
+    ("hex8", CellKind::Hex8),
+    ("hex20", CellKind::Hex20),
+    ("hex27", CellKind::Hex27),
+    ("prism6", CellKind::Prism6),
+    ("prism15", CellKind::Prism15),
+    ("prism18", CellKind::Prism18),
+];
 
 const DIAGONALS: [(&str, Diagonals); 5] = [
     ("checkerboard", Diagonals::Checkerboard),

@@ -7,7 +7,10 @@ use crate::case::suggest::listed;
 use crate::geometry::{Surface, unit};
 
 /// Shapes of the plane and of space.
-const SHAPES: [&[&str]; 2] = [&["plane", "circle"], &["plane", "cylinder", "cone", "sphere"]];
+const SHAPES: [&[&str]; 2] = [
+    &["plane", "circle"],
+    &["plane", "cylinder", "cone", "sphere"],
+];
 
 /// Shapes of D dimensions.
 pub(crate) fn shapes<const D: usize>() -> impl Iterator<Item = &'static str> + Clone {

@@ -791,7 +791,10 @@ fn a_case_in_space_has_three_components_everywhere() {
     let case = Case::<3>::from_str(IN_SPACE, "block.toml", Path::new("")).unwrap();
     let model = &case.model;
     let block = &model.bodies[0];
-    assert_eq!((block.mesh.cell_count(), block.mesh.points().len()), (36, 24));
+    assert_eq!(
+        (block.mesh.cell_count(), block.mesh.points().len()),
+        (36, 24)
+    );
     assert_eq!(block.mesh.side("foot").unwrap().len(), 2);
     let value = |field: &Option<Field>, at: [f64; 3], t: f64| Some(field.as_ref()?.at(at, t));
     let foot = &block.supports[0].components;
@@ -803,8 +806,14 @@ fn a_case_in_space_has_three_components_everywhere() {
     assert!(couple.rotation[0].is_none() && couple.rotation[1].is_none());
     assert_eq!(value(&couple.rotation[2], at, 3.0), Some(3.0));
     assert!(couple.displacement[1].is_some() && couple.displacement[2].is_none());
-    assert_eq!(couple.moment.each_ref().map(|m| m.at(at, 2.0)), [1.0, 0.0, 4.0]);
-    assert_eq!(couple.force.each_ref().map(|f| f.at(at, 2.0)), [0.0, 0.0, -1.0]);
+    assert_eq!(
+        couple.moment.each_ref().map(|m| m.at(at, 2.0)),
+        [1.0, 0.0, 4.0]
+    );
+    assert_eq!(
+        couple.force.each_ref().map(|f| f.at(at, 2.0)),
+        [0.0, 0.0, -1.0]
+    );
     let traction = block.loads[0].at(at, [0.0, -1.0, 0.0], 1.0);
     assert_eq!(traction, [1.0, 0.25, 1.5]);
     assert_eq!(block.body_force[2].at(at, 0.0), -9.81 * 0.25);

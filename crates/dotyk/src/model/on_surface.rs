@@ -72,12 +72,7 @@ fn tangents<const D: usize>(mesh: &Mesh<D>, facet: Facet, xi: [f64; 2]) -> [Poin
     tangents
 }
 
-fn nearest<const D: usize>(
-    mesh: &Mesh<D>,
-    facet: Facet,
-    point: Point<D>,
-    size: f64,
-) -> Place<D> {
+fn nearest<const D: usize>(mesh: &Mesh<D>, facet: Facet, point: Point<D>, size: f64) -> Place<D> {
     let kind = mesh.facet_kind(facet);
     let triangle = kind.corners() == 3;
     let mut xi = if triangle { [1.0 / 3.0; 2] } else { [0.0; 2] };
