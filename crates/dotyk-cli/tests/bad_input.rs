@@ -260,14 +260,6 @@ const IN_SPACE: &[Mistake] = &[
 
 /// Mistakes of mechanics in space, and words of the message.
 const IN_THE_MODEL_IN_SPACE: &[(&str, &str, &[&str])] = &[
-    // nothing holds the block along z
-    (
-        "y = 0.0, z = 0.0 }]\n\n[[body]]",
-        "y = 0.0 }]\n\n[[body]]",
-        &["block", "z"],
-    ),
-    // the load lifts the punch off
-    ("-1e6]", "1e6]", &["punch", "z"]),
     // two values for one node
     (
         "z = 0.0 }]\n\n[[body]]",

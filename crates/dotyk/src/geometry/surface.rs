@@ -283,7 +283,12 @@ mod tests {
         assert!(distance(cone.closest(behind), apex) < 1e-14);
         let hits = cone.intersections(behind, axis);
         assert!(hits.iter().all(|s| (s - 2.0).abs() < 1e-7), "{hits:?}");
-        assert_eq!(cone.normal(add_scaled(apex, 1.0, axis)), None);
+        let upright = Surface::Cone {
+            apex: [0.0; 3],
+            axis: [0.0, 0.0, 1.0],
+            half_angle,
+        };
+        assert_eq!(upright.normal([0.0, 0.0, 2.0]), None);
     }
 
     #[test]
