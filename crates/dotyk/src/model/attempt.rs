@@ -101,7 +101,7 @@ pub(crate) fn certified_attempt<const D: usize>(
     observe: &mut dyn FnMut(Event),
 ) -> Result<(Attempt<D>, Judged<D>), Error<D>> {
     if let Some(own) = own {
-        let attempt = run_solver(model, condensed, &Foreign(own), guess, observe)?;
+        let attempt = run_solver(model, condensed, &Foreign(own), guess, &mut |_| {}, observe)?;
         let judged = judge(model, condensed, &attempt.outcome, None)?;
         return Ok((attempt, judged));
     }
@@ -226,7 +226,25 @@ pub(crate) fn run_method<const D: usize>(
     observe: &mut dyn FnMut(Event),
 ) -> Result<Attempt<D>, Error<D>> {
     let solver = solver(model, condensed, method, tolerance)?;
-    run_solver(model, condensed, solver.as_ref(), guess, observe)
+    if !matches!(method, Method::Auto | Method::Newton) {
+        return run_solver(
+            model,
+            condensed,
+            solver.as_ref(),
+            guess,
+            &mut |_| {},
+            observe,
+        );
+    }
+    let mut unrest = Unrest::default();
+    let mut look = |iterate: &Iterate<'_>| unrest.look_at(iterate);
+    let solver = solver.as_ref();
+    let mut attempt = run_solver(model, condensed, solver, guess, &mut look, observe)?;
+    if attempt.failure.is_none() {
+        let remark = unrest.remark(model, &condensed.paired, attempt.outcome.iterations);
+        attempt.outcome.remarks.extend(remark);
+    }
+    Ok(attempt)
 }
 
 fn run_solver<const D: usize>(
@@ -234,12 +252,12 @@ fn run_solver<const D: usize>(
     condensed: &Condensed<D>,
     solver: &dyn ContactSolver,
     guess: Option<&Multipliers>,
+    look: &mut dyn FnMut(&Iterate<'_>),
     observe: &mut dyn FnMut(Event),
 ) -> Result<Attempt<D>, Error<D>> {
     let mut history = Vec::new();
-    let mut unrest = Unrest::default();
     let mut watch = |iterate: &Iterate<'_>| {
-        unrest.look_at(iterate);
+        look(iterate);
         let point = HistoryPoint {
             iteration: iterate.iteration,
             residual: iterate.residual,
@@ -251,14 +269,7 @@ fn run_solver<const D: usize>(
     };
     let outcome = solver.solve(&condensed.problem, guess, &mut watch);
     let (outcome, failure) = match outcome {
-        Ok(mut outcome) => {
-            if solver.name() == Method::Newton.name() {
-                outcome
-                    .remarks
-                    .extend(unrest.remark(model, condensed, &outcome));
-            }
-            (outcome, None)
-        }
+        Ok(outcome) => (outcome, None),
         Err(SolveError::NotConverged {
             outcome,
             residual,
@@ -331,20 +342,19 @@ impl Unrest {
     fn remark<const D: usize>(
         &self,
         model: &Model<D>,
-        condensed: &Condensed<D>,
-        outcome: &Outcome,
+        paired: &[Paired<D>],
+        iterations: usize,
     ) -> Option<String> {
         let rough = |pair: &Paired<D>| pair.interface.tangential().contains(&true);
-        if outcome.iterations <= MANY || !condensed.paired.iter().any(rough) {
+        if iterations <= MANY || !paired.iter().any(rough) {
             return None;
         }
         let changes = self.changes.iter().enumerate();
         let (row, _) = changes.max_by(|a, b| a.1.total_cmp(b.1))?;
-        let (contact, point) = *carriers(model, &condensed.paired).get(row)?;
+        let (index, point) = *carriers(model, paired).get(row)?;
         Some(format!(
-            "friction took {} iterations, and the forces of contact \"{}\" at {} changed most: the answer is certified, but may not be the only one; smaller load steps tell which one loading leads to",
-            outcome.iterations,
-            model.contacts[contact].name,
+            "friction took {iterations} iterations, and the forces of {} at {} changed most: the answer is certified, but may not be the only one; smaller load steps tell which one loading leads to",
+            paired[index].called(),
             show(point)
         ))
     }
@@ -420,4 +430,56 @@ fn bolt_indices<const D: usize>(
         })
         .collect::<Result<Vec<_>, _>>()
         .map(Some)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geometry::Field;
+    use crate::mesh::{CellKind, Diagonals, Rectangle};
+    use crate::model::condense::condense;
+    use crate::model::nouns::{CoupleKind, Elastic, Law};
+
+    #[test]
+    fn a_couple_is_named_where_its_forces_changed_most() {
+        let rectangle = Rectangle {
+            from: [0.0, 0.0],
+            to: [2.0, 1.0],
+            cells: [2, 1],
+            cell: CellKind::Quad4,
+            diagonals: Diagonals::default(),
+        };
+        let steel = Elastic {
+            young: 210e3,
+            poisson: 0.3,
+        };
+        let mut model = Model::new();
+        let body = model.body("block", rectangle.build().unwrap(), steel);
+        let couple = model.couple(body, "top", ("P", [1.0, 1.0]), CoupleKind::Rigid);
+        couple.displacement = [0.0, -1e-3].map(|u| Some(Field::constant(u)));
+        let floor = model.obstacle((body, "bottom"), Field::constant(0.0));
+        floor.law = Law::Coulomb(Field::constant(0.2));
+        let condensed = condense(&model, 1.0, ASSEMBLED, &mut |_| {}).unwrap();
+        let rows = condensed.gaps.len();
+        for (row, named) in [
+            (0, "contact \"contact_1\""),
+            (rows - 1, "rigid couple \"block.P\""),
+        ] {
+            let mut unrest = Unrest::default();
+            let mut lambda = vec![0.0; rows];
+            for iteration in 0..=MANY {
+                lambda[row] = iteration as f64;
+                unrest.look_at(&Iterate {
+                    iteration,
+                    lambda: &lambda,
+                    residual: 1.0,
+                    active: 1,
+                    step: 'n',
+                });
+            }
+            let told = unrest.remark(&model, &condensed.paired, MANY + 1).unwrap();
+            assert!(told.contains(named), "{told}");
+            assert_eq!(unrest.remark(&model, &condensed.paired, MANY), None);
+        }
+    }
 }

@@ -13,7 +13,7 @@ use crate::model::floating::Floating;
 use crate::model::nouns::*;
 use crate::model::pair::{Kind, Paired, initial_gaps, pair_all, row_ranges};
 use crate::model::parts::{couples, first_point};
-use crate::model::probe::check_probes;
+use crate::model::probe::sites;
 use crate::model::sliding::sliding;
 use rayon::prelude::*;
 use std::fmt;
@@ -101,7 +101,6 @@ pub(crate) fn check<const D: usize>(model: &Model<D>, valid: Result<(), Error<D>
 
 /// Describes the model at its last load step, then looks at the loads of the steps before.
 fn fill<const D: usize>(model: &Model<D>, check: &mut Check<D>) -> Result<(), Error<D>> {
-    check_probes(model)?;
     let time = model.last_time();
     let last = |error: Error<D>| error.in_step(model, model.times.len(), Vec::new());
     let systems = systems(model, time).map_err(last)?;
@@ -116,6 +115,7 @@ fn fill<const D: usize>(model: &Model<D>, check: &mut Check<D>) -> Result<(), Er
     }
     let constraints: Vec<&Constraints<D>> = systems.iter().map(|s| &s.constraints).collect();
     let mut paired = pair_all(model, &constraints, time).map_err(last)?;
+    sites(model, &paired)?;
     check
         .warnings
         .extend(drop_implied(model, &systems, &mut paired));
@@ -192,12 +192,19 @@ fn check_contacts<const D: usize>(model: &Model<D>, paired: &[Paired<D>]) -> Vec
     model.contacts.iter().zip(paired).map(look).collect()
 }
 
-/// What a run should say of meshes and contacts, too.
-pub(crate) fn remarks<const D: usize>(model: &Model<D>, paired: &[Paired<D>]) -> Vec<String> {
-    let contacts = check_contacts(model, paired);
+/// What a run should say of bodies, too.
+pub(crate) fn body_remarks<const D: usize>(model: &Model<D>) -> Vec<String> {
     let bodies = model.bodies.par_iter().flat_map_iter(of_body);
-    let mut remarks: Vec<String> = bodies.collect();
-    remarks.extend(contacts.iter().flat_map(ContactCheck::remarks));
+    bodies.collect()
+}
+
+/// What a run should say of contacts, too, at the time of their gaps.
+pub(crate) fn contact_remarks<const D: usize>(
+    model: &Model<D>,
+    paired: &[Paired<D>],
+) -> Vec<String> {
+    let contacts = check_contacts(model, paired);
+    let mut remarks: Vec<String> = contacts.iter().flat_map(ContactCheck::remarks).collect();
     let pairs = model.contacts.iter().zip(paired);
     remarks.extend(pairs.filter_map(|(contact, pair)| unlike(model, contact, pair)));
     remarks

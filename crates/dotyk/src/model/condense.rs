@@ -13,6 +13,7 @@ use crate::dual::{DualProblem, Scales};
 use crate::fem::Constraints;
 use crate::model::admissible::{admissible_set, neighbours};
 use crate::model::bodies::{LoadedBody, body_rows, driven, largest_load, least_softness, systems};
+use crate::model::check::body_remarks;
 use crate::model::compliance::{compliance, is_assembled};
 use crate::model::dependent::drop_implied;
 use crate::model::error::Error;
@@ -21,7 +22,7 @@ use crate::model::factor::{FactoredBody, Ordered, factor, order};
 use crate::model::floating::Floating;
 use crate::model::nouns::Model;
 use crate::model::pair::{Paired, initial_gaps, pair_all};
-use crate::model::probe::check_probes;
+use crate::model::probe::{Site, sites};
 use crate::model::singular::Outlines;
 use crate::model::solution::Seconds;
 use rayon::prelude::*;
@@ -47,6 +48,10 @@ pub(crate) struct Condensed<const D: usize> {
     pub before: Option<(f64, Vec<f64>)>,
     /// Where stresses may be singular.
     pub outlines: Outlines,
+    /// Where each probe is read.
+    pub sites: Vec<Site<D>>,
+    /// What the user should know of the bodies as they are given.
+    pub remarks: Vec<String>,
 }
 
 /// Everything before the contact solver: the bodies at a time as a dual problem of at most `dense_limit` assembled
@@ -60,10 +65,10 @@ pub(crate) fn condense<const D: usize>(
     let mut seconds = Seconds::default();
     let mut lap = Lap::start();
     observe(Event::Stage("assemble"));
-    check_probes(model)?;
     let systems = systems(model, time)?;
     let constraints: Vec<&Constraints<D>> = systems.iter().map(|s| &s.constraints).collect();
     let mut paired = pair_all(model, &constraints, time)?;
+    let (sites, remarks) = (sites(model, &paired)?, body_remarks(model));
     let dropped = drop_implied(model, &systems, &mut paired);
     let rows = body_rows(&systems, &paired);
     let gaps = initial_gaps(&paired);
@@ -114,6 +119,8 @@ pub(crate) fn condense<const D: usize>(
         time,
         before: None,
         outlines: Outlines::default(),
+        sites,
+        remarks,
     })
 }
 
@@ -159,6 +166,8 @@ pub(crate) fn advance<const D: usize>(
         time,
         before: Some((before.time, load_before)),
         outlines: before.outlines,
+        sites: before.sites,
+        remarks: before.remarks,
     })
 }
 
@@ -169,7 +178,9 @@ pub(crate) fn restart<const D: usize>(
     time: f64,
     observe: &mut dyn FnMut(Event),
 ) -> Result<Condensed<D>, Error<D>> {
-    check_probes(model)?;
+    // other probes, and other places of loads
+    kept.sites = sites(model, &kept.paired)?;
+    kept.remarks = body_remarks(model);
     kept.seconds = Seconds::default();
     let unmoved = vec![0.0; kept.gaps.len()];
     let here = advance(model, kept, &unmoved, time, observe)?;

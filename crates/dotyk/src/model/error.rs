@@ -262,6 +262,11 @@ pub enum ProbeError<const D: usize> {
         /// Its last point.
         to: Point<D>,
     },
+    /// A mean or an integral along a line.
+    #[error(
+        "a line has no area: a mean or an integral is one over all of the body or contact, or over a side"
+    )]
+    LineHasNoArea,
     /// A side of another body than the quantity.
     #[error("{side} is no side of the body \"{body}\", which the quantity is of")]
     OtherBody {

@@ -3,7 +3,7 @@
 use crate::fem::{Short, show};
 use crate::model::assumptions::beyond;
 use crate::model::attempt::Attempt;
-use crate::model::check::remarks;
+use crate::model::check::contact_remarks;
 use crate::model::condense::Condensed;
 use crate::model::dependent::shared_forces;
 use crate::model::error::Error;
@@ -40,7 +40,8 @@ pub(crate) fn finish<const D: usize>(
             .iter()
             .flat_map(|pair| pair.warnings.clone()),
     );
-    warnings.extend(remarks(model, &condensed.paired));
+    warnings.extend(condensed.remarks.iter().cloned());
+    warnings.extend(contact_remarks(model, &condensed.paired));
     warnings.extend(condensed.floating.warnings.iter().cloned());
     let bolts = bolt_reports(model, &outcome, &condensed.paired, &mut warnings);
     warnings.extend(outcome.remarks.iter().cloned());
@@ -105,7 +106,7 @@ pub(crate) fn finish<const D: usize>(
         threads: rayon::current_num_threads(),
         seconds: condensed.seconds,
     };
-    solution.probes = read_probes(model, &solution)?;
+    solution.probes = read_probes(model, &condensed.sites, &solution)?;
     Ok(solution)
 }
 

@@ -92,7 +92,7 @@ fn pair_point<const D: usize>(
     };
     let fail = |source| Error::in_body(body, source);
     let interface = pair_couple(couple, end, model.analysis).map_err(fail)?;
-    check_held(couple, end, &interface, (model.analysis, time)).map_err(fail)?;
+    check_held(model, constraints, (id.0, couple), &interface, time).map_err(fail)?;
     Ok(Paired {
         kind: Kind::Couple(couple.kind),
         name: format!("{}.{}", body.name, couple.name),
@@ -116,12 +116,14 @@ const AGREE: f64 = 1e-9;
 
 /// Errors: a support of a node of a rigid side says something else than those of its point, where these hold all of it.
 fn check_held<const D: usize>(
-    couple: &Couple<D>,
-    end: End<'_, D>,
+    model: &Model<D>,
+    constraints: &Constraints<D>,
+    (body, couple): (usize, &Couple<D>),
     interface: &Interface<D>,
-    (analysis, time): (Analysis, f64),
+    time: f64,
 ) -> Result<(), FemError> {
-    let drive = couple.drive(analysis, couple.arm(end.body)?, time)?;
+    let body = &model.bodies[body];
+    let drive = couple.drive(model.analysis, couple.arm(body)?, time)?;
     let held: Option<Vec<f64>> = drive.held.iter().flatten().copied().collect();
     let (Some(held), CoupleKind::Rigid) = (held, couple.kind) else {
         return Ok(());
@@ -136,15 +138,15 @@ fn check_held<const D: usize>(
         let moved = node
             .rows
             .map(|row| row.map_or(0.0, |row| -at_point(&interface.mortar[row])));
-        let supports = end.constraints.at(node.node).iter();
+        let supports = constraints.at(node.node).iter();
         for support in supports.filter(|h| !h.supports.is_empty()) {
             let along = dot(support.axis, moved);
             let scale = norm(moved).max(support.value.abs());
             if (along - support.value).abs() > AGREE * scale {
                 return Err(FemError::Contradiction {
                     node: node.node,
-                    point: show(end.body.mesh.points()[node.node]),
-                    first: describe(&end.body.supports[support.supports[0]].place),
+                    point: show(body.mesh.points()[node.node]),
+                    first: describe(&body.supports[support.supports[0]].place),
                     second: format!("at point \"{}\"", couple.name),
                     a: support.value,
                     b: along,
@@ -256,7 +258,17 @@ pub(crate) fn gaps_at<const D: usize>(
     mut paired: Vec<Paired<D>>,
     time: f64,
 ) -> Result<Vec<Paired<D>>, Error<D>> {
-    let couples = paired.split_off(model.contacts.len());
+    let coupled = paired.split_off(model.contacts.len());
+    for ((body, couple), pair) in couples(model).zip(&coupled) {
+        let held = check_held(
+            model,
+            constraints[body],
+            (body, couple),
+            &pair.interface,
+            time,
+        );
+        held.map_err(|source| Error::in_body(&model.bodies[body], source))?;
+    }
     let at_time = |(contact, mut before): (&Contact<D>, Paired<D>)| {
         let contacting = Contacting {
             model,
@@ -288,7 +300,7 @@ pub(crate) fn gaps_at<const D: usize>(
     };
     let both = model.contacts.par_iter().zip(paired);
     let mut paired = both.map(at_time).collect::<Result<Vec<_>, _>>()?;
-    paired.extend(couples);
+    paired.extend(coupled);
     Ok(paired)
 }
 

@@ -2,7 +2,8 @@
 //!
 //! Nothing of a step is taken on trust. Its forces are where the solver begins, which leaves it nothing to do where they are
 //! the answer; the answer is judged like any other, and must then have the forces that were recorded, and move and strain
-//! every body as much: forces alone say nothing of stiffnesses that change together.
+//! every body as much: forces alone say nothing of stiffnesses that change together. Forces of couples are not recorded:
+//! where there are some, each step begins where the one before it ended, as it did when it was solved first.
 
 use crate::contact::InterfaceNode;
 use crate::dual::Multipliers;
@@ -123,9 +124,10 @@ pub(crate) fn check_past<const D: usize>(
     }
 }
 
-/// The forces of a step that was solved before, and the amplitudes of the rigid motions that its gaps tell.
+/// The forces of a step that was solved before, and the amplitudes of the rigid motions that its gaps tell. Those of couples,
+/// which are not recorded, are zero.
 ///
-/// Errors: other contacts, nodes or weights.
+/// Errors: other contacts, nodes or weights; forces that are not finite.
 pub(crate) fn recorded<const D: usize>(
     condensed: &Condensed<D>,
     model: &Model<D>,
@@ -188,6 +190,13 @@ fn of_contact<const D: usize>(
             lambda[row] = -dot(then.shear, *direction) * then.weight;
             // what sticks has not moved in this step
             gaps[row] = matches!(then.status, Status::Stick | Status::Tied).then_some(0.0);
+        }
+        let mut forces = now.rows.iter().flatten().map(|&row| lambda[row]);
+        if let Some(force) = forces.find(|force| !force.is_finite()) {
+            return Err(format!(
+                "the force of contact \"{name}\" at node {} is {force}",
+                now.node
+            ));
         }
     }
     Ok(())
@@ -288,7 +297,9 @@ pub(crate) fn same_forces<const D: usize>(
     recorded: &Multipliers,
     found: &Multipliers,
 ) -> Result<(), String> {
-    let largest = recorded.lambda.iter().chain(&found.lambda);
+    let contacts = row_ranges(&condensed.paired).take(model.contacts.len());
+    let rows = ..contacts.last().map_or(0, |(rows, _)| rows.end);
+    let largest = recorded.lambda[rows].iter().chain(&found.lambda[rows]);
     let largest = largest.fold(0.0, |s: f64, l| s.max(l.abs()));
     let limit = SAME * model.solver.tolerance * largest;
     for (contact, (rows, _)) in model.contacts.iter().zip(row_ranges(&condensed.paired)) {

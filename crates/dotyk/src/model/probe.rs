@@ -7,7 +7,8 @@ use crate::mesh::{Facet, Mesh};
 use crate::model::error::{Error, ProbeError};
 use crate::model::line::{Station, points_between, stations_along, stations_at};
 use crate::model::locate::{Located, locate, locate_all, locate_on_side};
-use crate::model::nouns::{Along, Analysis, BodyId, Model, Pair, Probe, Reading, SideRef};
+use crate::model::nouns::{Along, Analysis, BodyId, Model, Probe, Reading, SideRef};
+use crate::model::pair::Paired;
 use crate::model::quantity::{ContactField, Displacement, Parts, Stress};
 use crate::model::recover::centroid;
 use crate::model::solution::{BodySolution, ContactNode, LinePoint, ProbeValue, Solution};
@@ -19,15 +20,25 @@ const NO_WEIGHT: f64 = 1e-12;
 /// A point nearer to a node, in parts of the distance to the next one, is that node: places are typed with six digits.
 const ON_THE_NODE: f64 = 1e-6;
 
-/// Reads all probes of a model off a solution.
+/// Where a probe is read: the same in every load step.
+#[derive(Default)]
+pub(crate) struct Site<const D: usize> {
+    /// The places that it is read along; none where it is read otherwise.
+    stations: Vec<Station<D>>,
+    /// Nodes and their parts in the value at its point.
+    at: Option<Located>,
+}
+
+/// Reads all probes of a model off a solution, each at its site.
 ///
-/// Errors: a quantity without a place, points outside, with the probe's name.
+/// Errors: a quantity without a place, with the probe's name.
 pub(crate) fn read_probes<const D: usize>(
     model: &Model<D>,
+    sites: &[Site<D>],
     solution: &Solution<D>,
 ) -> Result<Vec<ProbeValue>, Error<D>> {
-    let read = |probe: &Probe<D>| {
-        let read = read(model, solution, probe).map_err(|source| in_probe(probe, source))?;
+    let read = |(probe, site): (&Probe<D>, &Site<D>)| {
+        let read = read(model, solution, probe, site).map_err(|source| in_probe(probe, source))?;
         Ok(ProbeValue {
             name: probe.name.clone(),
             quantity: probe.quantity.to_string(),
@@ -37,38 +48,58 @@ pub(crate) fn read_probes<const D: usize>(
             line: read.line,
         })
     };
-    model.probes.iter().map(read).collect()
+    model.probes.iter().zip(sites).map(read).collect()
 }
 
-/// Checks that every probe can be read, before anything is solved.
-pub(crate) fn check_probes<const D: usize>(model: &Model<D>) -> Result<(), Error<D>> {
-    let check = |probe: &Probe<D>| {
-        if let Reading::Coupled(_) = probe.reading {
-            let couple = probe.coupled(model).ok_or(ProbeError::NoPlace);
-            return couple.map(|_| ());
+/// Where each probe is read, before anything is solved.
+///
+/// Errors: no place, points outside, lines that miss their body, sides that are not there, with the probe's name.
+pub(crate) fn sites<const D: usize>(
+    model: &Model<D>,
+    paired: &[Paired<D>],
+) -> Result<Vec<Site<D>>, Error<D>> {
+    let named = |probe| site(model, paired, probe).map_err(|source| in_probe(probe, source));
+    model.probes.iter().map(named).collect()
+}
+
+fn site<const D: usize>(
+    model: &Model<D>,
+    paired: &[Paired<D>],
+    probe: &Probe<D>,
+) -> Result<Site<D>, ProbeError<D>> {
+    let nowhere = Site::default();
+    if let Reading::Coupled(_) = probe.reading {
+        let couple = probe.coupled(model).ok_or(ProbeError::NoPlace);
+        return couple.map(|_| nowhere);
+    }
+    let carrier = match &probe.quantity.parts {
+        Parts::Displacement(of, _) | Parts::Stress(of, _) => Carrier::Body(*of),
+        Parts::Along(of, _) => Carrier::Side(&paired[*of].nonmortar),
+        Parts::Reaction(of, Some(side), _) => {
+            return Ok(side_facets(&model.bodies[*of].mesh, side).map(|_| nowhere)?);
         }
-        let carrier = match &probe.quantity.parts {
-            Parts::Displacement(of, _) | Parts::Stress(of, _) => Carrier::Body(*of),
-            Parts::Reaction(of, Some(side), _) => {
-                return Ok(side_facets(&model.bodies[*of].mesh, side).map(|_| ())?);
-            }
-            Parts::Along(of, _) => match &model.contacts[*of].pair {
-                Pair::Given { nonmortar, .. } | Pair::Obstacle { nonmortar, .. } => {
-                    Carrier::Side(nonmortar)
-                }
-                // known when the sides are paired
-                Pair::Automatic(_) => return Ok(()),
-            },
-            Parts::Reaction(..) | Parts::Resultant(..) | Parts::Length(_) => return Ok(()),
-        };
-        stations(model, probe, carrier)?;
-        probe
-            .reading
-            .point()
-            .map_or(Ok(()), |point| located(model, carrier, point).map(|_| ()))
+        Parts::Reaction(..) | Parts::Resultant(..) | Parts::Length(_) => return Ok(nowhere),
     };
-    let named = |probe: &Probe<D>| check(probe).map_err(|source| in_probe(probe, source));
-    model.probes.iter().try_for_each(named)
+    match (&probe.along, probe.reading) {
+        (None, Reading::Whole) => return Err(ProbeError::NoPlace),
+        (Some(Along::Line { .. }), Reading::Mean | Reading::Integral) => {
+            return Err(ProbeError::LineHasNoArea);
+        }
+        _ => {}
+    }
+    let located = |at| -> Result<Located, ProbeError<D>> {
+        let found = located(model, carrier, at)?;
+        Ok(match probe.reading {
+            Reading::MeanOfNeighbours(_) => {
+                neighbours(&model.bodies[carrier.body()].mesh, found.0, at)
+            }
+            _ => found,
+        })
+    };
+    Ok(Site {
+        stations: stations(model, probe, carrier)?,
+        at: probe.reading.point().map(located).transpose()?,
+    })
 }
 
 fn in_probe<const D: usize>(probe: &Probe<D>, source: ProbeError<D>) -> Error<D> {
@@ -99,14 +130,14 @@ fn read<const D: usize>(
     model: &Model<D>,
     solution: &Solution<D>,
     probe: &Probe<D>,
+    site: &Site<D>,
 ) -> Result<Read<D>, ProbeError<D>> {
     let field = match field(model, solution, probe) {
         Quantified::Number(number) => return Ok(number.into()),
         Quantified::Varies(field) => field,
     };
-    let stations = stations(model, probe, field.carrier)?;
     if probe.is_line() {
-        let line = stations.iter().map(|station| field.on_line(station));
+        let line = site.stations.iter().map(|station| field.on_line(station));
         return Ok(Read {
             line: line.collect(),
             ..f64::NAN.into()
@@ -115,7 +146,7 @@ fn read<const D: usize>(
     let reduced = match (&probe.along, field.carrier) {
         (Some(_), _) => {
             let value = |station: &Station<D>| field.on_line(station).value;
-            let samples = stations.iter().map(|s| (s.point, s.share, value(s)));
+            let samples = site.stations.iter().map(|s| (s.point, s.share, value(s)));
             reduced(probe.reading, samples)
         }
         (None, Carrier::Body(of)) => {
@@ -142,13 +173,8 @@ fn read<const D: usize>(
     if let Some(read) = reduced {
         return Ok(read);
     }
-    let at = probe.reading.point().ok_or(ProbeError::NoPlace)?;
-    let mut found = located(model, field.carrier, at)?;
-    if let Reading::MeanOfNeighbours(_) = probe.reading {
-        let mesh = &model.bodies[field.carrier.body()].mesh;
-        found = neighbours(mesh, found.0, at);
-    }
-    Ok(field.interpolated(&found, [0.0; D]).into())
+    let found = site.at.as_ref().ok_or(ProbeError::NoPlace)?;
+    Ok(field.interpolated(found, [0.0; D]).into())
 }
 
 /// Whose nodes a quantity is read at: those of a body, or of the nonmortar side of a contact.

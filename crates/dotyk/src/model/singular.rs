@@ -13,7 +13,7 @@
 //! Source: M. L. Williams, Stress singularities resulting from various boundary conditions in angular corners of plates in
 //! extension, J. Appl. Mech. 19 (1952) 526–528, as described in textbooks.
 
-use crate::fem::{Load, Material, measure, nearest_node, nodal_volumes};
+use crate::fem::{CoupleKind, Load, Material, measure, nearest_node, nodal_volumes};
 use crate::geometry::{Point, distance, dot, norm, unit};
 use crate::mesh::{Facet, Mesh};
 use crate::model::nouns::{Body, Law, Model, Place, SideRef};
@@ -280,7 +280,7 @@ fn turn<const D: usize>(mesh: &Mesh<D>, [before, after]: [Facet; 2]) -> f64 {
     (a[0] * b[1] - a[1] * b[0]).atan2(dot(a, b)).to_degrees()
 }
 
-/// The facets that supports hold.
+/// The facets that supports hold, and those that move with a point as a rigid body does.
 fn held<const D: usize>(body: &Body<D>) -> BTreeMap<Facet, Hold> {
     let mut directions: BTreeMap<Facet, BTreeSet<usize>> = BTreeMap::new();
     for support in &body.supports {
@@ -294,6 +294,10 @@ fn held<const D: usize>(body: &Body<D>) -> BTreeMap<Facet, Hold> {
         for &facet in body.mesh.side(side).unwrap_or_default() {
             directions.entry(facet).or_default().extend(&held);
         }
+    }
+    let rigid = body.couples.iter().filter(|c| c.kind == CoupleKind::Rigid);
+    for &facet in rigid.flat_map(|c| body.mesh.side(&c.side).unwrap_or_default()) {
+        directions.entry(facet).or_default().extend(0..D);
     }
     let hold = |(facet, directions): (Facet, BTreeSet<usize>)| {
         let normal = unit(body.mesh.outward_normal(facet, &[0.0])).unwrap_or([0.0; D]);
@@ -624,6 +628,15 @@ mod tests {
         let roller = [None, Some(0.0)];
         assert_eq!(of(STEEL, "bottom", roller), []);
         assert_eq!(of(STEEL, "middle", roller), [place(1.0), place(3.0)]);
+        // a rigid couple is a clamp that moves, an average one lets its side strain
+        let coupled = |kind| {
+            let couple = |model: &mut Model<2>| {
+                model.couple(BodyId(0), "middle", ("P", [2.0, 5.0]), kind);
+            };
+            corners(&held_body(mesh(), STEEL, &couple))
+        };
+        assert_eq!(coupled(CoupleKind::Rigid), [place(1.0), place(3.0)]);
+        assert_eq!(coupled(CoupleKind::Average), []);
         // what does not contract is not restrained
         let cork = Elastic {
             poisson: 0.0,

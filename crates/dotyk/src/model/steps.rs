@@ -125,12 +125,13 @@ impl<const D: usize> March<D> {
                 Ok(here) => here,
                 Err(error) => return Err(error.in_step(model, step, take(&mut self.done))),
             };
+            let guess = self.last.as_ref().and_then(End::guess);
             let solved = match past.get(index) {
-                Some(done) => solve_again(model, &mut here, (step, done), start, observe),
-                None => {
-                    let guess = self.last.as_ref().and_then(End::guess);
-                    solve_step(model, &mut here, Start { own, guess }, start, observe)
+                Some(done) => {
+                    let past = (step, done, guess);
+                    solve_again(model, &mut here, past, start, observe)
                 }
+                None => solve_step(model, &mut here, Start { own, guess }, start, observe),
             };
             self.condensed = Some(here);
             match solved {
@@ -170,18 +171,20 @@ impl<const D: usize> March<D> {
 /// The end of a step, its solution, and why it is not an answer.
 type Solved<const D: usize> = (End, Solution<D>, Option<Objection<D>>);
 
-/// Solves the contact problem of a step that was solved before: from its forces to the same forces.
+/// Solves the contact problem of a step that was solved before: from its forces to the same forces, or from those of the step
+/// before it where some are not recorded.
 fn solve_again<const D: usize>(
     model: &Model<D>,
     condensed: &mut Condensed<D>,
-    (step, done): (usize, &Past<D>),
+    (step, done, before): (usize, &Past<D>, Option<&Multipliers>),
     start: Instant,
     observe: &mut dyn FnMut(Event),
 ) -> Result<Solved<D>, Error<D>> {
     let differs = |what: String| Error::Past { step, what };
     let recorded = recorded(condensed, model, done).map_err(differs)?;
+    let coupled = condensed.paired.len() > model.contacts.len();
     let from = Start {
-        guess: Some(&recorded),
+        guess: if coupled { before } else { Some(&recorded) },
         own: None,
     };
     let (end, mut solution, objection) = solve_step(model, condensed, from, start, observe)?;

@@ -974,3 +974,24 @@ fn what_is_wrong_with_a_couple_is_said() {
         "{against}"
     );
 }
+
+/// What agrees at the first time need not do so later.
+#[test]
+fn supports_that_leave_the_motion_of_a_rigid_side_are_told_with_their_step() {
+    let (mut model, body) = clamped(uneven(CellKind::Quad4));
+    model.pin(body, [0.0, 1.0], [None, Some(-0.1)]);
+    let couple = model.couple(body, "top", ("P", [1.0, 1.0]), CoupleKind::Rigid);
+    couple.displacement = [
+        Some(Field::constant(0.0)),
+        Some(Field::function("down", |_, t| -0.1 * t)),
+    ];
+    couple.rotation[2] = Some(Field::constant(0.0));
+    assert!(model.solve().is_ok());
+    model.times = vec![1.0, 1.5];
+    let told = model.solve_steps().unwrap_err().to_string();
+    assert!(
+        told.contains("step 2") && told.contains("at point \"P\"") && told.contains("contradict"),
+        "{told}"
+    );
+    assert_eq!(model.check().errors.len(), 1);
+}

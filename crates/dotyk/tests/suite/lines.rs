@@ -341,15 +341,18 @@ fn a_contact_along_its_side_has_the_values_of_its_nodes() {
 #[test]
 fn a_line_beside_the_body_and_a_side_of_another_are_refused() {
     let (model, [lower, upper]) = blocks();
-    let refused = |quantity: &str, along: Option<Along<2>>| {
+    let read = |quantity: &str, along: Option<Along<2>>, reading: Reading<2>| {
         let mut model = model.clone();
-        let probe = model.probe("here", quantity, Reading::Whole).unwrap();
-        probe.along = along;
+        model.probe("here", quantity, reading).unwrap().along = along;
+        // before anything is solved
+        let found = model.check().errors;
         match model.solve().unwrap_err() {
+            error @ Error::Probe { .. } if found != [error.to_string()] => panic!("{found:?}"),
             Error::Probe { source, .. } => source,
             other => panic!("{other}"),
         }
     };
+    let refused = |quantity: &str, along| read(quantity, along, Reading::Whole);
     let (from, to) = ([0.0, 1.5], [0.9, 1.5]);
     let found = refused("upper.stress.xx", Some(line(from, to, 5)));
     assert_eq!(found, ProbeError::LineOutside { from, to });
@@ -360,6 +363,12 @@ fn a_line_beside_the_body_and_a_side_of_another_are_refused() {
     let found = refused("upper.stress.xx", Some(side(upper, "bottm")));
     assert!(matches!(found, ProbeError::Side(_)), "{found}");
     assert_eq!(refused("upper.stress.xx", None), ProbeError::NoPlace);
+    assert_eq!(refused("sole.pressure", None), ProbeError::NoPlace);
+    for reading in [Reading::Mean, Reading::Integral] {
+        let inside = Some(line([0.5, 1.5], [1.5, 1.5], 5));
+        let found = read("upper.stress.xx", inside, reading);
+        assert_eq!(found, ProbeError::LineHasNoArea);
+    }
 }
 
 #[test]
