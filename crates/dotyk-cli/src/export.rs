@@ -5,7 +5,7 @@ use crate::failure::{Failure, warn};
 use crate::given::Given;
 use crate::run::{output_folder, start_threads};
 use crate::text::{number, print, written};
-use dotyk::dual::DualProblem;
+use dotyk::dual::{Block, DualProblem};
 use dotyk::model::Error;
 use dotyk::output;
 use std::path::PathBuf;
@@ -78,7 +78,7 @@ fn summary(title: &str, time: f64, problem: &DualProblem) -> String {
         0 => String::new(),
         count => format!(", {count} {law}"),
     };
-    let laws = ["unilateral", "free", "tresca", "coulomb"].map(count);
+    let laws = Block::LAWS.map(count);
     format!(
         "{title}\nt = {}, m = {} contact forces, r = {} rigid amplitudes, {} blocks{}\n\n",
         number(time),

@@ -51,7 +51,7 @@ pub fn meaning<'a>(word: &str, known: impl Iterator<Item = &'a str> + Clone) -> 
 pub fn elsewhere(key: &str, keys: &[&str]) -> Option<String> {
     let off = |known: &str| distance(key, known);
     let slips = if key.chars().count() > 4 { 1 } else { 0 };
-    if keys.iter().any(|known| off(known) <= slips.max(1)) {
+    if keys.iter().any(|known| off(known) <= 1) {
         return None;
     }
     let mut tables: Vec<&str> = Vec::new();

@@ -86,6 +86,17 @@ fn turned<const D: usize>(k: usize, r: Point<D>) -> Point<D> {
     RigidBasis::Full.displacement(k, r)
 }
 
+/// Row on the point of minus its motion along an axis at r from it.
+fn at_point<const D: usize>(i: usize, r: Point<D>, turns: usize, arm: f64) -> Row<D> {
+    let turn = |k: usize| match k < turns {
+        true => -turned(k, r)[i] / arm,
+        false => 0.0,
+    };
+    let moved = (0, axis::<D>(i).map(|c| -c));
+    let spun = (turns > 0).then(|| (1, std::array::from_fn(turn)));
+    std::iter::once(moved).chain(spun).collect()
+}
+
 fn rigid<const D: usize>(
     couple: &Couple<D>,
     end: End<'_, D>,
@@ -104,18 +115,7 @@ fn rigid<const D: usize>(
             if axial && i == 0 {
                 return [vec![(node, axis(i))], Vec::new()];
             }
-            let mut point = vec![(0, axis::<D>(i).map(|c| -c))];
-            if turns > 0 {
-                let turn = |k: usize| {
-                    if k < turns {
-                        -turned(k, r)[i] / arm
-                    } else {
-                        0.0
-                    }
-                };
-                point.push((1, std::array::from_fn(turn)));
-            }
-            [vec![(node, axis(i))], point]
+            [vec![(node, axis(i))], at_point(i, r, turns, arm)]
         };
         (node, components.map(row).collect())
     };
@@ -178,18 +178,7 @@ fn average<const D: usize>(
     };
     let translation = |i: usize| {
         let own = over_nodes(&|share| axis::<D>(i).map(|c| c * share.weight / area));
-        let mut point = vec![(0, axis::<D>(i).map(|c| -c))];
-        if turns > 0 {
-            let turn = |k: usize| {
-                if k < turns {
-                    -turned(k, centre)[i] / arm
-                } else {
-                    0.0
-                }
-            };
-            point.push((1, std::array::from_fn(turn)));
-        }
-        [own, point]
+        [own, at_point(i, centre, turns, arm)]
     };
     let rotation = |k: usize| {
         let own = over_nodes(&|share| {

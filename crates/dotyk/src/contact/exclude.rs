@@ -28,9 +28,8 @@ impl<const D: usize> End<'_, D> {
                     BTreeSet::from([nearest_node(mesh, *point, "excluded point").map_err(fail)?])
                 }
             };
-            let before = found.len();
             found.extend(nodes.intersection(&own));
-            if found.len() == before && nodes.is_disjoint(&own) {
+            if nodes.is_disjoint(&own) {
                 return Err(ContactError::NotOnSide {
                     side: self.name(),
                     place: describe(place),

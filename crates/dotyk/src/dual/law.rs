@@ -236,14 +236,21 @@ impl Block {
         matches!(self, Self::Free { .. })
     }
 
-    /// What it can bear, in a word: `free`, `unilateral`, `tresca`, or `coulomb`, which may have cohesion.
-    pub fn name(&self) -> &'static str {
+    /// What a block can bear, in words; `coulomb` may have cohesion.
+    pub const LAWS: [&'static str; 4] = ["unilateral", "free", "tresca", "coulomb"];
+
+    /// Its place in [`Self::LAWS`].
+    pub fn law(&self) -> usize {
         match self.friction() {
-            None if self.is_free() => "free",
-            None => "unilateral",
-            Some(Friction::Tresca { .. }) => "tresca",
-            Some(Friction::Coulomb { .. } | Friction::Cohesive { .. }) => "coulomb",
+            None => usize::from(self.is_free()),
+            Some(Friction::Tresca { .. }) => 2,
+            Some(Friction::Coulomb { .. } | Friction::Cohesive { .. }) => 3,
         }
+    }
+
+    /// Its word in [`Self::LAWS`].
+    pub fn name(&self) -> &'static str {
+        Self::LAWS[self.law()]
     }
 
     /// A force and a number: beside λₙ it bears ‖λₜ‖ ≤ force + number · λₙ (a cohesive one while λₙ > 0); zeros without

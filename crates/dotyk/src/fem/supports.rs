@@ -200,9 +200,9 @@ pub(crate) fn side_nodes<const D: usize>(
     mesh: &Mesh<D>,
     side: &str,
 ) -> Result<BTreeSet<usize>, FemError> {
-    let facets = side_facets(mesh, side)?.iter();
-    let nodes = facets.flat_map(|&facet| mesh.facet_nodes(facet));
-    Ok(nodes.map(|node| node as usize).collect())
+    side_facets(mesh, side)?;
+    let nodes = mesh.side_nodes(side).unwrap_or_default();
+    Ok(nodes.into_iter().map(|node| node as usize).collect())
 }
 
 /// Outward unit normals at the nodes of a set of facets: the mean of the unit normals of the facets that meet there,

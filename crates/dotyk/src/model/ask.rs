@@ -50,8 +50,9 @@ macro_rules! doors {
                 solve_steps(self, Given::NONE, None, observe)
             }
 
-            /// The same, after steps that were solved before: the first ones of this model, with the same forces. They
-            /// are solved again from these, which takes no iterations to speak of, and are in the answer.
+            /// The same, after steps that were solved before: the first ones of this model, with the same contact forces
+            /// and bodies that move and strain as much. They are solved again from these forces, which takes no iterations
+            /// to speak of, and are in the answer; forces of couples are not known, with some the steps are repeated.
             ///
             /// Errors: as [`Self::solve_steps_with`]; `Past` where such a step is none of this model, `NothingLeft` where
             /// all steps are.

@@ -9,9 +9,10 @@ use crate::fem::{Short, recover_spin, show};
 use crate::geometry::{Surface, norm};
 use crate::model::check::mean_facet;
 use crate::model::error::Error;
-use crate::model::nouns::{Model, Pair, Rigid};
+use crate::model::nouns::{Body, Contact, Model, Pair, Rigid};
 use crate::model::pair::Paired;
 use crate::model::solution::{BodySolution, ContactSolution, Status};
+use rayon::prelude::*;
 
 /// Strains and rotations above this are large.
 const LARGE: f64 = 0.05;
@@ -37,41 +38,52 @@ pub(crate) fn beyond<const D: usize>(
     bodies: &[BodySolution<D>],
     contacts: &[ContactSolution<D>],
 ) -> Result<Vec<String>, Error<D>> {
-    let mut warnings = Vec::new();
-    for (body, solved) in model.bodies.iter().zip(bodies) {
-        let spins = recover_spin(body, model.analysis, &solved.displacement);
-        let spins = spins.map_err(|source| Error::in_body(body, source))?;
-        let strain = |e: &[f64; 6]| e.iter().fold(0.0, |largest: f64, e| largest.max(e.abs()));
-        let strains = solved.strain.iter().map(strain).collect();
-        let turns = spins.iter().map(|spin| norm(*spin)).collect();
-        for (what, value) in [("strained", usual(strains)), ("turned", usual(turns))] {
-            if value > LARGE {
-                let part = 100.0 * value;
-                warnings.push(format!(
-                    "body \"{}\" is {what} by up to {part:.1} %: the theory is for small strains and rotations, and off by about as much",
-                    solved.name
-                ));
-            }
-        }
-    }
+    let each = model.bodies.par_iter().zip(bodies);
+    let each = each.map(|(body, solved)| of_body(model, body, solved));
+    let large: Vec<Vec<String>> = each.collect::<Result<_, _>>()?;
+    let mut warnings = large.concat();
+    let is_loose = |pair: &Paired<D>| pair.interface.coupling != Coupling::Tied;
     let loose = contacts.iter().zip(paired);
-    let loose = loose.filter(|(_, pair)| pair.interface.coupling != Coupling::Tied);
+    let loose = loose.filter(|(_, pair)| is_loose(pair));
     let loose: Vec<&ContactSolution<D>> = loose.map(|(contact, _)| contact).collect();
     warnings.extend(few_closed(&loose));
     warnings.extend(loose.iter().filter_map(|contact| far_slip(model, contact)));
-    let rolled = loose
-        .iter()
-        .filter_map(|contact| along_a_curve(model, contact));
-    warnings.extend(rolled);
+    let both = model.contacts.iter().zip(contacts).zip(paired);
+    let rolled = both.filter(|(_, pair)| is_loose(pair));
+    warnings.extend(rolled.filter_map(|((contact, solved), _)| along_a_curve(contact, solved)));
     Ok(warnings)
+}
+
+/// Warnings about a body that is strained or turned by much.
+fn of_body<const D: usize>(
+    model: &Model<D>,
+    body: &Body<D>,
+    solved: &BodySolution<D>,
+) -> Result<Vec<String>, Error<D>> {
+    let spins = recover_spin(body, model.analysis, &solved.displacement);
+    let spins = spins.map_err(|source| Error::in_body(body, source))?;
+    let strain = |e: &[f64; 6]| e.iter().fold(0.0, |largest: f64, e| largest.max(e.abs()));
+    let strains = solved.strain.iter().map(strain).collect();
+    let turns = spins.iter().map(|spin| norm(*spin)).collect();
+    let figures = [("strained", usual(strains)), ("turned", usual(turns))];
+    let large = figures.into_iter().filter(|(_, value)| *value > LARGE);
+    let told = large.map(|(what, value)| {
+        format!(
+            "body \"{}\" is {what} by up to {:.1} %: the theory is for small strains and rotations, and off by about as much",
+            solved.name,
+            100.0 * value
+        )
+    });
+    Ok(told.collect())
 }
 
 /// The largest of some values, those of singular places passed over.
 fn usual(mut values: Vec<f64>) -> f64 {
-    values.sort_by(f64::total_cmp);
     let singular = (SINGULAR * values.len() as f64).ceil() as usize;
     let last = values.len().checked_sub(1 + singular);
-    last.map_or(0.0, |last| values[last])
+    last.map_or(0.0, |last| {
+        *values.select_nth_unstable_by(last, f64::total_cmp).1
+    })
 }
 
 /// Contacts whose edges lie between nodes, and that have few of them.
@@ -100,8 +112,10 @@ fn few_closed<const D: usize>(contacts: &[&ContactSolution<D>]) -> Option<String
 }
 
 /// A curved obstacle along which a closed node slips so far that it curves away, s²/2R, by as much as the sides approach.
-fn along_a_curve<const D: usize>(model: &Model<D>, contact: &ContactSolution<D>) -> Option<String> {
-    let of = model.contacts.iter().find(|c| c.name == contact.name)?;
+fn along_a_curve<const D: usize>(
+    of: &Contact<D>,
+    contact: &ContactSolution<D>,
+) -> Option<String> {
     let Pair::Obstacle { obstacle, .. } = &of.pair else {
         return None;
     };

@@ -41,10 +41,7 @@ pub(crate) fn worst_overlap<const D: usize>(
     let nodes = pair.interface.nodes.iter();
     let pressures = nodes.filter_map(|n| Some((n.node, own(n)?))).collect();
     let pressure = near(pair, &pressures);
-    let facets = pair.samples.iter().map(|samples| {
-        let gaps = samples.iter().map(|sample| sample.at.after(moved));
-        gaps.collect::<Vec<f64>>()
-    });
+    let facets = pair.samples.iter().map(|samples| gaps(samples, moved));
     let facets: Vec<Vec<f64>> = facets.collect();
     let mut bends = BTreeMap::new();
     for (samples, gaps) in pair.samples.iter().zip(&facets) {
@@ -73,6 +70,34 @@ pub(crate) fn worst_overlap<const D: usize>(
         }
     }
     worst
+}
+
+/// The deepest overlap of one contact where nodes were told to take no part, beyond how much its gap bends along a facet that
+/// does: undeformed position and depth.
+pub(crate) fn left_overlap<const D: usize>(
+    pair: &Paired<D>,
+    moved: &Moved<'_, D>,
+    negligible: f64,
+) -> Option<(Point<D>, f64)> {
+    if pair.left_out.is_empty() {
+        return None;
+    }
+    let bends = pair
+        .samples
+        .iter()
+        .map(|samples| bend(samples, &gaps(samples, moved)));
+    let resolved = bends.fold(negligible, |s, bend| s.max(negligible + bend));
+    let depths = pair.left_out.iter().zip(gaps(&pair.left_out, moved));
+    let depths = depths.map(|(sample, gap)| (sample.point, -gap));
+    let deep = depths.filter(|(_, depth)| *depth > resolved);
+    deep.max_by(|a, b| a.1.total_cmp(&b.1))
+}
+
+fn gaps<const D: usize>(samples: &[Sample<D>], moved: &Moved<'_, D>) -> Vec<f64> {
+    samples
+        .iter()
+        .map(|sample| sample.at.after(moved))
+        .collect()
 }
 
 /// Largest distance of some values along a facet from the straight line between the first and the last, in space from the

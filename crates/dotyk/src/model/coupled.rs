@@ -1,11 +1,12 @@
 //! What becomes of the points of couples: their motion, and the force that they pass on to their sides.
 
-use crate::geometry::{Point, add_scaled, cross, sub};
+use crate::geometry::Point;
 use crate::model::condense::Condensed;
 use crate::model::judge::Displaced;
 use crate::model::nouns::{Analysis, Couple, Model};
-use crate::model::pair::{Paired, row_ranges};
+use crate::model::pair::row_ranges;
 use crate::model::parts::{couples, first_point};
+use crate::model::recover::pushed;
 use crate::model::solution::CoupleSolution;
 
 /// Solutions of the couples of every body under forces `lambda` (m,), (bodies,).
@@ -21,7 +22,7 @@ pub(crate) fn couple_solutions<const D: usize>(
     for (part, ((body, couple), (rows, pair))) in parts.zip(couples(model).zip(rows)) {
         let turns = Couple::<D>::turns(model.analysis);
         let points = model.bodies[body].mesh.points();
-        let (force, moment) = on_side(couple, pair, points, &lambda[rows]);
+        let (force, moment) = pushed(&pair.interface.nonmortar, &lambda[rows], points, couple.point);
         let [u, turned] = [0, 1].map(|node| displaced.parts[part - model.bodies.len()][node]);
         // a side that could be paired has an arm
         let arm = couple.arm(&model.bodies[body]).unwrap_or(f64::NAN);
@@ -41,25 +42,6 @@ pub(crate) fn couple_solutions<const D: usize>(
         });
     }
     solutions
-}
-
-/// Force and moment about the point ON the body, as the rows of B apply them.
-fn on_side<const D: usize>(
-    couple: &Couple<D>,
-    pair: &Paired<D>,
-    points: &[Point<D>],
-    lambda: &[f64],
-) -> (Point<D>, [f64; 3]) {
-    let (mut force, mut moment) = ([0.0; D], [0.0; 3]);
-    for (row, l) in pair.interface.nonmortar.iter().zip(lambda) {
-        for &(node, coefficients) in row {
-            let push = coefficients.map(|c| -l * c);
-            force = add_scaled(force, 1.0, push);
-            let turn = cross(sub(points[node], couple.point), push);
-            moment = add_scaled(moment, 1.0, turn);
-        }
-    }
-    (force, moment)
 }
 
 /// Force of the supports ON a point.

@@ -6,7 +6,7 @@ use crate::geometry::Point;
 use crate::linalg::SparseMatrix;
 use crate::model::attempt::{ASSEMBLED, Attempt, Start, certified_attempt};
 use crate::model::condense::Condensed;
-use crate::model::error::Error;
+use crate::model::error::{Error, Objection};
 use crate::model::event::Event;
 use crate::model::finish::finish;
 use crate::model::judge::{Judged, judge};
@@ -26,7 +26,7 @@ use std::ops::Range;
 ///
 /// The unknowns go contact by contact in the order of the model, and within one node by node in the order of
 /// [`ContactSolution::nodes`](crate::model::ContactSolution::nodes), of a node with friction or a tie the normal force first, then the
-/// tangential ones. Nodes that face nothing, or whose displacement is prescribed, have none: [`Unknown`] tells each one's place.
+/// tangential ones. Behind them stand the couples, in the order of the bodies. Nodes that face nothing, or whose displacement is prescribed, have none: [`Unknown`] tells each one's place.
 pub struct Dual<const D: usize> {
     pub(crate) model: Model<D>,
     pub(crate) condensed: Condensed<D>,
@@ -144,7 +144,10 @@ impl<const D: usize> Dual<D> {
         let multipliers = attempt.outcome.multipliers.clone();
         match objection(&self.model, &self.condensed, &attempt, &judged) {
             None => Ok(multipliers),
-            Some(_) => self.finished(attempt, judged).map(|_| multipliers),
+            Some(reason) => {
+                let solution = finish(&self.model, &self.condensed, attempt, judged, false)?;
+                Err(no_answer(reason, solution))
+            }
         }
     }
 
@@ -157,7 +160,13 @@ impl<const D: usize> Dual<D> {
     /// The solution with given forces.
     pub(crate) fn recovered(&self, multipliers: &Multipliers) -> Result<Solution<D>, Error<D>> {
         let (attempt, judged) = self.judged(multipliers)?;
-        self.finished(attempt, judged)
+        let objection = objection(&self.model, &self.condensed, &attempt, &judged);
+        let holds = objection.is_none();
+        let solution = finish(&self.model, &self.condensed, attempt, judged, holds)?;
+        match objection {
+            None => Ok(solution),
+            Some(reason) => Err(no_answer(reason, solution)),
+        }
     }
 
     fn judged(&self, multipliers: &Multipliers) -> Result<(Attempt<D>, Judged<D>), Error<D>> {
@@ -172,18 +181,12 @@ impl<const D: usize> Dual<D> {
         let judged = judge(&self.model, &self.condensed, &attempt.outcome, None)?;
         Ok((attempt, judged))
     }
+}
 
-    fn finished(&self, attempt: Attempt<D>, judged: Judged<D>) -> Result<Solution<D>, Error<D>> {
-        let objection = objection(&self.model, &self.condensed, &attempt, &judged);
-        let holds = objection.is_none();
-        let solution = finish(&self.model, &self.condensed, attempt, judged, holds)?;
-        match objection {
-            None => Ok(solution),
-            Some(reason) => Err(Error::NotConverged {
-                reason: Box::new(reason),
-                solution: Box::new(solution),
-                earlier: Vec::new(),
-            }),
-        }
+fn no_answer<const D: usize>(reason: Objection<D>, solution: Solution<D>) -> Error<D> {
+    Error::NotConverged {
+        reason: Box::new(reason),
+        solution: Box::new(solution),
+        earlier: Vec::new(),
     }
 }

@@ -13,7 +13,7 @@ use crate::model::error::Error;
 use crate::model::judge::{Displaced, moved};
 use crate::model::nouns::{Analysis, Body, Model, Place, SideRef, Support};
 use crate::model::pair::{Paired, row_ranges};
-use crate::model::recover::{BodyState, centroid};
+use crate::model::recover::{BodyState, centroid, pushed};
 use crate::model::solution::*;
 use crate::solve::{Shear, State};
 use rayon::prelude::*;
@@ -150,10 +150,9 @@ fn part_reactions<const D: usize>(
         if !larger.contains(&true) {
             continue;
         }
-        let nodes = facets.iter().flat_map(|&facet| mesh.facet_nodes(facet));
-        let nodes: BTreeSet<usize> = nodes.map(|node| node as usize).collect();
+        let nodes = mesh.side_nodes(part).unwrap_or_default();
         let sum = sums.entry(part.clone()).or_insert([0.0; D]);
-        for node in nodes {
+        for node in nodes.into_iter().map(|node| node as usize) {
             for h in loaded.system.constraints.at(node) {
                 let part = dot(reactions[node], h.axis) / h.supports.len() as f64;
                 let own = h
@@ -293,24 +292,12 @@ fn balance<const D: usize>(model: &Model<D>, pair: &Paired<D>, lambda: &[f64]) -
     let nodes: Vec<Point<D>> = pair.interface.nodes.iter().map(|n| own[n.node]).collect();
     let (low, high) = bounding_box(&nodes);
     let centre = centroid(&[low, high]);
-    let sum = |rows: &[Row<D>], points: &[Point<D>]| {
-        let (mut force, mut moment) = ([0.0; D], [0.0; 3]);
-        for (row, l) in rows.iter().zip(lambda) {
-            for &(node, coefficients) in row {
-                let push = coefficients.map(|c| -l * c);
-                force = add_scaled(force, 1.0, push);
-                let turn = cross(sub(points[node], centre), push);
-                moment = add_scaled(moment, 1.0, turn);
-            }
-        }
-        (force, moment)
-    };
-    let (resultant, moment) = sum(&pair.interface.nonmortar, own);
+    let (resultant, moment) = pushed(&pair.interface.nonmortar, lambda, own, centre);
     let magnitude: f64 = lambda.iter().map(|l| l.abs()).sum();
     let Some(mortar) = pair.mortar.as_ref().filter(|_| magnitude > 0.0) else {
         return (resultant, 0.0);
     };
-    let (force, other) = sum(&pair.interface.mortar, points(mortar));
+    let (force, other) = pushed(&pair.interface.mortar, lambda, points(mortar), centre);
     let (mut rest, mut turn) = (
         add_scaled(resultant, 1.0, force),
         norm(add_scaled(moment, 1.0, other)),

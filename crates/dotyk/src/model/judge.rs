@@ -8,7 +8,7 @@ use crate::contact::{Coupling, Moved, Row};
 use crate::dual::{Certificate, Component, DualProblem, Multipliers, ROUNDING, Recomputed};
 use crate::geometry::{Point, dot};
 use crate::linalg::SparseVector;
-use crate::model::between::{Overlap, worst_overlap};
+use crate::model::between::{Overlap, left_overlap, worst_overlap};
 use crate::model::bodies::{LoadedBody, add_rows};
 use crate::model::condense::Condensed;
 use crate::model::error::Error;
@@ -191,11 +191,8 @@ pub(crate) fn left_to_overlap<const D: usize>(
     let negligible =
         model.solver.tolerance * condensed.problem.scales.length + displaced.negligible;
     let deepest = |(contact, pair): (usize, &Paired<D>)| {
-        let moved = moved(model, pair, displaced);
-        let depths = pair.left_out.iter();
-        let depths = depths.map(|sample| (contact, sample.point, -sample.at.after(&moved)));
-        let deep = depths.filter(|(.., depth)| *depth > negligible);
-        deep.max_by(|a, b| a.2.total_cmp(&b.2))
+        let found = left_overlap(pair, &moved(model, pair, displaced), negligible);
+        found.map(|(point, depth)| (contact, point, depth))
     };
     let paired = condensed.paired.iter().enumerate();
     paired.filter_map(deepest).collect()
@@ -258,6 +255,7 @@ fn open_motions<const D: usize>(
     let components = problem.admissible.components();
     let free: Vec<bool> = components.iter().map(|c| *c == Component::Free).collect();
     let presses = |&row: &usize| !free[row] && lambda[row].abs() > NO_FORCE * force;
+    let points = first_point(model);
     let mut hovering = Vec::new();
     for group in groups(bodies, &free) {
         let rows = || group.iter().flat_map(|&part| &bodies[part].rows.index);
@@ -269,7 +267,7 @@ fn open_motions<const D: usize>(
             let mut modes = floating.modes.iter().enumerate();
             modes.any(|(k, mode)| mode.0 == part && left.iter().any(|z| z[k] != 0.0))
         };
-        let named = group.iter().filter(|part| **part < first_point(model));
+        let named = group.iter().filter(|part| **part < points);
         hovering.extend(named.filter(moved).map(|&part| part_name(model, part)));
         open.extend(left);
     }

@@ -52,7 +52,7 @@ pub(crate) enum Stress {
     Second,
     Third,
     Tresca,
-    /// Around a centre; with axial symmetry around the axis.
+    /// Of the plane: around a centre; with axial symmetry around the axis.
     Hoop,
     /// Normal to the side that it is read along.
     Normal,

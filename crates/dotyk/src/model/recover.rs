@@ -2,6 +2,7 @@
 //!
 //! u = u_D + K⁺(f − K u_D − Bᵀλ) + Rα, the elastic part refined until the forces of the body balance.
 
+use crate::contact::Row;
 use crate::dual::{IMBALANCE_LIMIT, ROUNDING, Scales};
 use crate::fem::{FemError, internal_forces};
 use crate::geometry::{Point, add_scaled, cross, dot, norm, sub};
@@ -178,6 +179,24 @@ pub(crate) fn imbalance<const D: usize>(
         moment = add_scaled(moment, 1.0, cross(sub(x, centre), f));
     }
     (norm(resultant), norm(moment))
+}
+
+/// Force and moment about a place ON the nodes of some rows of B under forces `lambda`: −Bᵀλ.
+pub(crate) fn pushed<const D: usize>(
+    rows: &[Row<D>],
+    lambda: &[f64],
+    points: &[Point<D>],
+    about: Point<D>,
+) -> (Point<D>, [f64; 3]) {
+    let (mut force, mut moment) = ([0.0; D], [0.0; 3]);
+    for (row, l) in rows.iter().zip(lambda) {
+        for &(node, coefficients) in row {
+            let push = coefficients.map(|c| -l * c);
+            force = add_scaled(force, 1.0, push);
+            moment = add_scaled(moment, 1.0, cross(sub(points[node], about), push));
+        }
+    }
+    (force, moment)
 }
 
 /// Mean of some points.

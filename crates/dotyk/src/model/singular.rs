@@ -47,7 +47,28 @@ const USUAL: f64 = 0.995;
 
 /// Outlines of all bodies, made when they are asked for first: they are those of every load step.
 #[derive(Default)]
-pub(crate) struct Outlines(OnceLock<Vec<Outline>>);
+pub(crate) struct Outlines(OnceLock<Known>);
+
+/// What does not change from step to step, of each body.
+struct Known {
+    outlines: Vec<Outline>,
+    /// Facets that are sides of a contact.
+    covered: Vec<BTreeSet<Facet>>,
+    /// Nodes on ties, but for their ends.
+    tied: Vec<BTreeSet<usize>>,
+}
+
+impl Known {
+    fn of<const D: usize>(model: &Model<D>, contacts: &[ContactSolution<D>]) -> Self {
+        let bodies = model.bodies.par_iter();
+        let tied = (0..model.bodies.len()).into_par_iter();
+        Self {
+            outlines: bodies.map(Outline::of).collect(),
+            covered: covered(model, contacts),
+            tied: tied.map(|body| tied_nodes(model, contacts, body)).collect(),
+        }
+    }
+}
 
 /// Nodes of a body at which the stress is not finite, each with the reason.
 type Places = BTreeMap<usize, Singular>;
@@ -60,15 +81,11 @@ pub(crate) fn peaks<const D: usize>(
     contacts: &[ContactSolution<D>],
     time: f64,
 ) -> Vec<Option<Peak<D>>> {
-    let outlines = outlines.0.get_or_init(|| {
-        let bodies = model.bodies.par_iter();
-        bodies.map(Outline::of).collect()
-    });
-    let ends = ends_of_contacts(model, outlines, contacts);
+    let known = outlines.0.get_or_init(|| Known::of(model, contacts));
+    let ends = ends_of_contacts(model, known, contacts);
     let each = model.bodies.par_iter().zip(bodies).zip(ends).enumerate();
     let each = each.map(|(index, ((body, solved), mut places))| {
-        let tied = tied_nodes(model, contacts, index);
-        places.extend(outlines[index].corners(body, &tied));
+        places.extend(known.outlines[index].corners(body, &known.tied[index]));
         places.extend(point_forces(model, body, solved, time));
         peak(model, body, solved, &places)
     });
@@ -361,11 +378,12 @@ fn ends<const D: usize>(model: &Model<D>, side: &SideRef) -> Vec<(usize, Facet)>
 /// Ends of contacts that bear a force there and do not end with the other body.
 fn ends_of_contacts<const D: usize>(
     model: &Model<D>,
-    outlines: &[Outline],
+    Known {
+        outlines, covered, ..
+    }: &Known,
     contacts: &[ContactSolution<D>],
 ) -> Vec<Places> {
     let mut places = vec![Places::new(); model.bodies.len()];
-    let covered = covered(model, contacts);
     for contact in contacts {
         let sides = [Some(&contact.nonmortar), contact.mortar.as_ref()];
         for (side, other) in [(sides[0], sides[1]), (sides[1], sides[0])] {
@@ -382,7 +400,7 @@ fn ends_of_contacts<const D: usize>(
                     beside: outlines[body].beside(node, facet),
                     opposite,
                 };
-                if bears(&contact.nodes, at, reach) && end.is_edge(outlines, body, &covered) {
+                if bears(&contact.nodes, at, reach) && end.is_edge(outlines, body, covered) {
                     places[body].insert(node, Singular::EndOfContact);
                     if let Some((other, node)) = opposite {
                         places[other].insert(node, Singular::EndOfContact);
@@ -670,9 +688,9 @@ mod tests {
         let bodies = model.solve().unwrap().bodies;
         // on the line of symmetry, x = 0, there is no edge
         let edge = [1.0, 4.0];
-        let outlines = model.bodies.iter().map(Outline::of).collect::<Vec<_>>();
         let contacts = model.solve().unwrap().contacts;
-        for (body, places) in ends_of_contacts(&model, &outlines, &contacts)
+        let known = Known::of(&model, &contacts);
+        for (body, places) in ends_of_contacts(&model, &known, &contacts)
             .iter()
             .enumerate()
         {

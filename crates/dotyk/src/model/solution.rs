@@ -153,13 +153,13 @@ pub struct CoupleSolution<const D: usize> {
     pub point: Point<D>,
     /// Its displacement.
     pub displacement: Point<D>,
-    /// Its rotation in radians: one angle in 2D, those about x, y and z in 3D.
+    /// Its rotation in radians: one angle in 2D, those about x, y and z in 3D; zero with axial symmetry.
     pub rotation: Vec<f64>,
-    /// Force of the couple ON the body.
+    /// Force of the couple ON the body, for the full turn with axial symmetry.
     pub force: Point<D>,
     /// Moment of the couple ON the body about the point: one number in 2D, three in 3D; zero with axial symmetry.
     pub moment: Vec<f64>,
-    /// Force of the supports ON the point.
+    /// Force of the supports ON the point; it is in the reaction of the body, too.
     pub reaction: Point<D>,
 }
 
@@ -338,7 +338,8 @@ pub struct ProbeValue {
 /// A value on a line.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LinePoint {
-    /// Distance from the first point, along a side the length of the way from node to node.
+    /// Distance from the first point; along a side the length of the way from node to node, over what lies between its pieces
+    /// straight.
     pub s: f64,
     /// Undeformed place (x, y, z).
     pub point: [f64; 3],

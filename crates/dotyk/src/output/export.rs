@@ -167,10 +167,9 @@ pub fn put<const D: usize>(
     archive.floats("block_coefficient", &[blocks.len()], coefficients);
     market.array("blocks", [blocks.len(), 4], &|i, j| {
         let block = &blocks[i];
-        let law = LAWS.iter().position(|law| *law == block.name());
         let (bound, coefficient) = block.terms();
         let size = block.size() as f64;
-        [law.unwrap_or_default() as f64, size, bound, coefficient][j]
+        [block.law() as f64, size, bound, coefficient][j]
     })?;
     let weights = unknowns.iter().map(|unknown| unknown.weight).collect();
     archive.floats("weight", &[unknowns.len()], weights);
@@ -211,9 +210,6 @@ impl Market<'_> {
         }
     }
 }
-
-/// The laws of blocks; their place is their number in `blocks.mtx`.
-const LAWS: [&str; 4] = ["unilateral", "free", "tresca", "coulomb"];
 
 /// Content of `rows.csv`: what each contact force is.
 fn rows_csv<const D: usize>(dual: &Dual<D>, unknowns: &[Unknown<D>]) -> String {

@@ -5,10 +5,10 @@
 
 use dotyk::dual::{Certificate, DualProblem, Multipliers};
 use dotyk::fem::assemble;
-use dotyk::geometry::Field;
+use dotyk::geometry::{Field, distance};
 use dotyk::mesh::{CellKind, Diagonals, Mesh, Rectangle};
 use dotyk::model::{
-    DENSE_LIMIT, Dual, Elastic, Error, Gap, Law, Method, Model, Motion, Objection, Pair, Solution,
+    BodyId, CoupleKind, DENSE_LIMIT, Dual, Elastic, Error, Gap, Law, Method, Model, Motion, Objection, Pair, Solution,
 };
 use dotyk::solve::{Accelerated, ContactSolver, Iterate, Newton, Observer, Outcome, SolveError};
 use proptest::prelude::*;
@@ -381,13 +381,23 @@ fn compliance_is_that_of_the_rows_and_the_stiffness_of_the_bodies() {
 /// B of the displacements and the forces of the contacts, from a solution.
 fn check_rows(dual: &Dual<2>, forces: &Multipliers, solution: &Solution<2>) {
     let rows = dual.rows();
-    let parts = dual.columns();
     let mut u: Vec<f64> = solution
         .bodies
         .iter()
         .flat_map(|body| body.displacement.concat())
         .collect();
     let bodies = u.len();
+    // the points of couples: their displacement, and their rotation at the end of an arm
+    for (body, solved) in dual.model().bodies.iter().zip(&solution.bodies) {
+        for (couple, point) in body.couples.iter().zip(&solved.couples) {
+            let nodes = body.mesh.side_nodes(&couple.side).unwrap();
+            let away = |node: u32| distance(body.mesh.points()[node as usize], couple.point);
+            let arm = nodes.into_iter().map(away).fold(0.0, f64::max);
+            u.extend(point.displacement);
+            u.extend([point.rotation[0] * arm, 0.0]);
+        }
+    }
+    let known = u.len() == rows.cols();
     u.resize(rows.cols(), 0.0);
     let mut push = vec![0.0; rows.cols()];
     rows.mul_transpose_add(&forces.lambda, &mut push);
@@ -398,7 +408,8 @@ fn check_rows(dual: &Dual<2>, forces: &Multipliers, solution: &Solution<2>) {
         .collect();
     let exerted: Vec<f64> = push[..bodies].iter().map(|push| -push).collect();
     assert_near(&exerted, &felt, 1e-10);
-    if parts.len() == solution.bodies.len() {
+    // that of an obstacle is not
+    if known {
         let mut moved = vec![0.0; rows.rows()];
         rows.mul(&u, &mut moved);
         let left = dual.initial_gaps().iter().zip(&moved);
@@ -419,16 +430,28 @@ fn rows_turn_displacements_into_gaps_and_forces_into_nodal_forces() {
     ] {
         let mut model = punch(held, law);
         // a support along an oblique direction turns the frames of its nodes
-        model.roller(dotyk::model::BodyId(1), "left", 1e-3);
+        model.roller(BodyId(1), "left", 1e-3);
         model.bodies[1].supports.remove(0);
         let mut dual = model.dual(1.0).unwrap();
         let forces = dual.solve(Method::Auto).unwrap();
         check_rows(&dual, &forces, &dual.recover(&forces).unwrap());
     }
+    for kind in [CoupleKind::Rigid, CoupleKind::Average] {
+        let mut model = punch(false, Law::Coulomb(Field::constant(0.2)));
+        let top = model.bodies[1].mesh.side_nodes("top").unwrap();
+        let at = model.bodies[1].mesh.points()[top[0] as usize];
+        let couple = model.couple(BodyId(1), "top", ("P", [at[0] + 0.3, at[1] + 0.7]), kind);
+        couple.force = [0.5, -4.0].map(Field::constant);
+        let mut dual = model.dual(1.0).unwrap();
+        let forces = dual.solve(Method::Auto).unwrap();
+        let solution = dual.recover(&forces).unwrap();
+        assert!(solution.bodies[1].couples[0].rotation[0] != 0.0);
+        check_rows(&dual, &forces, &solution);
+    }
     // an obstacle that a force presses from above
     let mut model = punch(true, Law::Frictionless);
     model.contacts.clear();
-    let contact = model.obstacle((dotyk::model::BodyId(0), "top"), Field::constant(0.0));
+    let contact = model.obstacle((BodyId(0), "top"), Field::constant(0.0));
     contact.name = "plate".to_string();
     let Pair::Obstacle { obstacle, .. } = &mut contact.pair else {
         panic!("it was made against an obstacle");
