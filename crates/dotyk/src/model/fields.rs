@@ -1,11 +1,11 @@
 //! What a solution tells of bodies and contacts: stresses, reactions by side, and the state of every contact node.
 
-use crate::contact::{Coupling, InterfaceNode, Role, Row};
+use crate::contact::{Coupling, InterfaceNode, Role};
 use crate::dual::{AdmissibleSet, NONE};
 use crate::fem::{
     RigidBasis, describe_motion, fit_rigid, recover_strain, recover_stress, von_mises,
 };
-use crate::geometry::{Point, add_scaled, bounding_box, cross, distance, dot, norm, sub};
+use crate::geometry::{Point, add_scaled, bounding_box, distance, dot, norm, sub};
 use crate::model::bodies::LoadedBody;
 use crate::model::condense::Condensed;
 use crate::model::coupled::couple_solutions;
@@ -17,7 +17,7 @@ use crate::model::recover::{BodyState, centroid, pushed};
 use crate::model::solution::*;
 use crate::solve::{Shear, State};
 use rayon::prelude::*;
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeMap;
 
 /// Solutions of all bodies and contacts from their displacements, and forces `lambda` (m,).
 ///
