@@ -112,10 +112,7 @@ fn few_closed<const D: usize>(contacts: &[&ContactSolution<D>]) -> Option<String
 }
 
 /// A curved obstacle along which a closed node slips so far that it curves away, s²/2R, by as much as the sides approach.
-fn along_a_curve<const D: usize>(
-    of: &Contact<D>,
-    contact: &ContactSolution<D>,
-) -> Option<String> {
+fn along_a_curve<const D: usize>(of: &Contact<D>, contact: &ContactSolution<D>) -> Option<String> {
     let Pair::Obstacle { obstacle, .. } = &of.pair else {
         return None;
     };

@@ -22,7 +22,12 @@ pub(crate) fn couple_solutions<const D: usize>(
     for (part, ((body, couple), (rows, pair))) in parts.zip(couples(model).zip(rows)) {
         let turns = Couple::<D>::turns(model.analysis);
         let points = model.bodies[body].mesh.points();
-        let (force, moment) = pushed(&pair.interface.nonmortar, &lambda[rows], points, couple.point);
+        let (force, moment) = pushed(
+            &pair.interface.nonmortar,
+            &lambda[rows],
+            points,
+            couple.point,
+        );
         let [u, turned] = [0, 1].map(|node| displaced.parts[part - model.bodies.len()][node]);
         // a side that could be paired has an arm
         let arm = couple.arm(&model.bodies[body]).unwrap_or(f64::NAN);

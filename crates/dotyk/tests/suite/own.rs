@@ -8,7 +8,8 @@ use dotyk::fem::assemble;
 use dotyk::geometry::{Field, distance};
 use dotyk::mesh::{CellKind, Diagonals, Mesh, Rectangle};
 use dotyk::model::{
-    BodyId, CoupleKind, DENSE_LIMIT, Dual, Elastic, Error, Gap, Law, Method, Model, Motion, Objection, Pair, Solution,
+    BodyId, CoupleKind, DENSE_LIMIT, Dual, Elastic, Error, Gap, Law, Method, Model, Motion,
+    Objection, Pair, Solution,
 };
 use dotyk::solve::{Accelerated, ContactSolver, Iterate, Newton, Observer, Outcome, SolveError};
 use proptest::prelude::*;
