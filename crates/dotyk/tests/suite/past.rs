@@ -213,7 +213,7 @@ time = 1.2
 couple = [{ side = "right", point = "Q", kind = "average" }]
 load = [{ point = "Q", force = [1e5, 0] }]"#;
     for extra in ["", far] {
-        let case = Case::from_str(&text(extra), "couples.toml", "".as_ref());
+        let case = Case::<2>::from_str(&text(extra), "couples.toml", "".as_ref());
         let model = case.unwrap_or_else(|e| panic!("{e}")).model;
         let whole = model.solve_steps().unwrap();
         let mut past: Vec<Past<2>> = whole[..2].iter().map(Past::from).collect();
