@@ -103,11 +103,9 @@ pub enum ContactError {
         /// The nonmortar side.
         side: String,
     },
-    /// Sides in space whose facets do not coincide.
-    #[error(
-        "mortar contact in space is not supported yet: give {side} and what it touches the same nodes and facets, and leave out `pairing`"
-    )]
-    MortarInSpace {
+    /// A body of neither two nor three dimensions.
+    #[error("{side} is a side of neither the plane nor space")]
+    NeitherPlaneNorSpace {
         /// The nonmortar side.
         side: String,
     },

@@ -15,6 +15,7 @@ mod curved;
 mod error;
 mod exclude;
 mod facing;
+mod functions;
 mod gaps;
 mod mortar;
 mod node_to_node;
@@ -22,6 +23,7 @@ mod normals;
 mod obstacle;
 mod opposite;
 mod pieces;
+mod polygons;
 mod relative;
 mod sampling;
 mod search;
@@ -86,19 +88,19 @@ impl<'a, const D: usize> End<'a, D> {
         })
     }
 
-    /// The same end as one of a plane body; `None` in space.
-    pub(crate) fn in_plane(self) -> Option<End<'a, 2>> {
+    /// The same end as one of a body of E dimensions; `None` where it is none.
+    pub(crate) fn of_dimension<const E: usize>(self) -> Option<End<'a, E>> {
         Some(End {
-            body: in_plane(self.body)?,
+            body: same(self.body)?,
             side: self.side,
-            constraints: in_plane(self.constraints)?,
+            constraints: same(self.constraints)?,
             part: self.part,
         })
     }
 }
 
-/// A thing of D dimensions as one of the plane, where it is one.
-fn in_plane<T: Any, P: Any>(thing: &T) -> Option<&P> {
+/// A thing of D dimensions as one of E dimensions, where these are the same.
+fn same<T: Any, P: Any>(thing: &T) -> Option<&P> {
     (thing as &dyn Any).downcast_ref()
 }
 
@@ -112,11 +114,11 @@ pub enum Against<'a, const D: usize> {
 }
 
 impl<'a, const D: usize> Against<'a, D> {
-    /// The same as one of the plane; `None` in space.
-    pub(crate) fn in_plane(self) -> Option<Against<'a, 2>> {
+    /// The same as one of E dimensions; `None` where it is none.
+    pub(crate) fn of_dimension<const E: usize>(self) -> Option<Against<'a, E>> {
         Some(match self {
-            Self::Side(end) => Against::Side(end.in_plane()?),
-            Self::Obstacle(rigid, driven) => Against::Obstacle(in_plane(rigid)?, driven),
+            Self::Side(end) => Against::Side(end.of_dimension()?),
+            Self::Obstacle(rigid, driven) => Against::Obstacle(same(rigid)?, driven),
         })
     }
 }
@@ -493,23 +495,20 @@ mod tests {
             flat(&[0.0, 1.0], 1.0, CellKind::Quad4),
             Constraints::default(),
         );
-        assert!(end(&plane, "bottom", &free).in_plane().is_some());
+        assert!(end(&plane, "bottom", &free).of_dimension::<2>().is_some());
         let (cube, free) = (cube(0.0), Constraints::default());
         let space = end(&cube, "bottom", &free);
-        assert!(space.in_plane().is_none());
-        assert!(Against::Side(space).in_plane().is_none());
+        assert!(space.of_dimension::<2>().is_none());
+        assert!(space.of_dimension::<3>().is_some());
+        assert!(Against::Side(space).of_dimension::<2>().is_none());
         let rigid = Rigid::<3>::Gap(Field::constant(0.0));
-        assert!(Against::Obstacle(&rigid, Driven::Free).in_plane().is_none());
+        let obstacle = Against::Obstacle(&rigid, Driven::Free);
+        assert!(obstacle.of_dimension::<2>().is_none());
         let of_part = End {
             part: Some(&[]),
             ..space
         };
         assert_eq!(of_part.facets(), Ok(&[][..]));
         assert_eq!(of_part.name(), "body.bottom");
-        let (gap, coupling) = (InitialGap::Closed, Coupling::Normal);
-        let against = Against::Side(space);
-        let found = pair_mortar(space, against, gap, coupling, Analysis::Solid, 0.0);
-        let side = "body.bottom".to_string();
-        assert_eq!(found, Err(ContactError::MortarInSpace { side }));
     }
 }

@@ -1,4 +1,4 @@
-//! Mortar pairing in the plane: contact conditions as weighted means along the nonmortar side.
+//! Mortar pairing: contact conditions as weighted means along the nonmortar side.
 //!
 //! Two meshes that do not match have no common nodes at which a gap could be asked for. So every node j of the nonmortar side
 //! carries a multiplier λⱼ, a force that is spread along the side with a weight ψⱼ(x), and its condition is that the mean of
@@ -8,45 +8,44 @@
 //!   row j:  ∫ψⱼ n(x)·(u_s(x) − u_m(y)) dx / ∫ψⱼ dx,      g₀ⱼ = ∫ψⱼ s dx / ∫ψⱼ dx
 //! ```
 //!
-//! x runs along the nonmortar side, n is its normal ([`Normals`]), y the point where the line x + s·n(x) meets the other side
-//! at the distance s, u_s and u_m are the displacements of the two sides. The gap s is measured between the true surfaces
-//! where a side has one. Both bodies feel the force at the two ends of one line along n, so that forces and moments balance
-//! whatever the two polygons are.
+//! x runs along the nonmortar side, n is its normal ([`Normals`](crate::contact::normals::Normals)), y the point where the line
+//! x + s·n(x) meets the other side at the distance s, u_s and u_m are the displacements of the two sides. The gap s is measured
+//! between the true surfaces where a side has one. Both bodies feel the force at the two ends of one line along n, so that forces
+//! and moments balance whatever the two polygons are.
 //!
-//! **Integration.** Facets are cut where the line from them meets a node of the other side (`pieces.rs`): on each piece all
-//! shape functions are smooth, and a Gauss rule is exact for straight facets.
+//! **Integration.** Facets are cut where the line from them meets a node, in space an edge of the other side (`pieces.rs`,
+//! `polygons.rs`): on each piece all shape functions are smooth, and a Gauss rule is exact for straight facets.
 //!
-//! **Weights.** On a facet that faces the other side as a whole, the ψ are biorthogonal to the shape functions N of its
-//! nodes, ∫ψᵢNⱼ = δᵢⱼ∫Nⱼ. They sum to one, so that a uniform pressure is exact, and on matching meshes they give what pairing
-//! node by node gives. There are three exceptions.
+//! **Weights.** On a facet that faces the other side as a whole, the ψ are biorthogonal to the functions N of the facet
+//! (`functions.rs`: in space the hats of its corners, which alone carry multipliers), ∫ψᵢNⱼ = δᵢⱼ∫Nⱼ. They sum to one, so that
+//! a uniform pressure is exact, and on matching meshes of linear facets they give what pairing node by node gives. There are
+//! three exceptions.
 //! * A facet that faces the other side in part: biorthogonal functions of the whole facet would act as forces at nodes that
-//!   face nothing. There the ψ are biorthogonal to linear functions on the covered part of each span between neighbouring
-//!   nodes, and act at the two ends of that part. As the cover grows to the whole of a straight facet, both become the same.
-//!   Where the cover of a span has a hole, ψ are the linear functions of its two nodes.
+//!   face nothing. There the ψ are biorthogonal to linear functions on the box around the covered part of each cell, and act at
+//!   the corners of that. As the cover grows to the whole of a straight facet, both become the same.
+//!   Where the cover has a hole, ψ are the hats of the cell.
 //! * A weight ∫N that is not positive (a quadratic facet that ends at the axis of revolution): ψ are linear between
 //!   neighbouring nodes, middle nodes included.
 //! * A node without a multiplier, because its displacement is prescribed or less than a thousandth of its surroundings faces
 //!   the other side: on its facets ψ are linear, and its own share goes to the neighbours.
 //!
 //! **Tangential rows** compare u_s with what u_m would be at x if the other side were carried on rigidly from y to x, by the
-//! rotation of its facet: forces along t at two points a distance s apart would be a couple.
+//! rotation of its facet: forces along t at two points a distance s apart would be a couple. The tangents are those of the node,
+//! carried to n(x) by the smallest rotation.
 //!
-//! Against a rigid obstacle u_m is its translation, and the rows on the other side act on it. Not here: bodies in space.
-//!
-//! Source of the biorthogonal functions: as described by B. I. Wohlmuth, SIAM J. Numer. Anal. 38 (2000) 989–1012.
+//! Against a rigid obstacle u_m is its translation, and the rows on the other side act on it.
 
+use crate::contact::functions::{Basis, Cell, Cover, Piece, cells, functions};
 use crate::contact::opposite::{Opposite, shape};
-use crate::contact::pieces::{Piece, Span, pieces, spans};
-use crate::contact::relative::{Relative, axes, frame};
+use crate::contact::relative::{Relative, axes, carried, frame};
 use crate::contact::search::{Hit, meet};
-use crate::contact::weights::POSITIVE;
 use crate::contact::{
     Against, ContactError, Coupling, Driven, End, GapPoint, GapShares, InitialGap, Interface,
-    InterfaceNode, Role, Row,
+    InterfaceNode, Role, Row, pieces, polygons,
 };
-use crate::fem::{Analysis, measure, quadrature};
-use crate::geometry::{Point, add_scaled, dot, invert, norm};
-use crate::mesh::{Facet, Mesh};
+use crate::fem::{Analysis, measure};
+use crate::geometry::{Point, add_scaled, dot, invert, norm, unit};
+use crate::mesh::{Facet, MAX_FACET_NODES, Mesh};
 use rayon::prelude::*;
 use std::any::Any;
 use std::collections::{BTreeMap, BTreeSet};
@@ -54,87 +53,130 @@ use std::collections::{BTreeMap, BTreeSet};
 /// Nodes of whose support less than this part faces the other side carry no multiplier.
 const SLIVER: f64 = 1e-3;
 
-/// Most nodes of a facet of the plane.
-const FACET_NODES: usize = 3;
-
-/// Gauss points on each piece: exact for straight sides, beyond rounding for curved ones.
-const POINTS: usize = 6;
+/// Degree of the rule over whole facets, for weights of nodes.
+const DEGREE: usize = 9;
 
 /// Everything at one point of integration.
-struct Station {
-    span: usize,
-    /// Reference coordinate on the facet.
-    xi: f64,
-    /// Values of the two hats of the span.
-    hats: [f64; 2],
+struct Station<const D: usize> {
+    cell: usize,
+    /// Index of its piece.
+    piece: usize,
+    /// Reference coordinates on the facet.
+    xi: [f64; 2],
     area: f64,
     /// Without thickness or 2πr.
-    length: f64,
-    /// The point of the interface that it is.
-    index: usize,
+    extent: f64,
     /// What it faces.
-    at: GapPoint<2>,
-    /// s times the rotation of the opposite facet, as coefficients of its nodes' displacements.
-    lever: Vec<(usize, Point<2>)>,
+    at: GapPoint<D>,
+    /// Where the line from it meets the other side.
+    hit: Option<Hit>,
+}
+
+/// What one facet gives to the sums of one of its nodes.
+struct Share<const D: usize> {
+    node: usize,
+    extent: f64,
+    weight: [f64; D],
+    gap: f64,
+    /// Weights of ψ of the normal row at the stations.
+    psi: Vec<(usize, f64)>,
+    nonmortar: [Row<D>; D],
+    mortar: [Row<D>; D],
+    /// The last piece in each of these.
+    piece: [usize; D],
 }
 
 /// Sums over the stations of one node.
-struct Sums {
+#[derive(Default)]
+struct Sums<const D: usize> {
     /// ∫ of the node's hat, and times the gap.
     own: [f64; 2],
     /// The weights of that at the stations, and those of ψ of the normal row.
     hats: Vec<(usize, f64)>,
     psi: Vec<(usize, f64)>,
     extent: f64,
-    weight: [f64; 2],
+    weight: [f64; 3],
     gap: f64,
-    nonmortar: [BTreeMap<usize, Point<2>>; 2],
-    mortar: [BTreeMap<usize, Point<2>>; 2],
+    nonmortar: [BTreeMap<usize, Point<D>>; 3],
+    mortar: [BTreeMap<usize, Point<D>>; 3],
 }
 
-impl Sums {
-    fn new() -> Self {
+impl<const D: usize> Share<D> {
+    fn new(node: usize) -> Self {
         Self {
-            own: [0.0; 2],
-            hats: Vec::new(),
-            psi: Vec::new(),
+            node,
             extent: 0.0,
-            weight: [0.0; 2],
+            weight: [0.0; D],
             gap: 0.0,
-            nonmortar: std::array::from_fn(|_| BTreeMap::new()),
-            mortar: std::array::from_fn(|_| BTreeMap::new()),
+            psi: Vec::new(),
+            nonmortar: std::array::from_fn(|_| Vec::new()),
+            mortar: std::array::from_fn(|_| Vec::new()),
+            piece: [usize::MAX; D],
         }
     }
 
-    /// Adds ψ·area at a station to the row of a component.
-    fn add(&mut self, component: usize, psi: f64, station: &Station) {
+    /// Adds ψ·area at a station to the row of a component along a direction.
+    fn add(
+        &mut self,
+        (component, direction): (usize, Point<D>),
+        psi: f64,
+        (index, station): (usize, &Station<D>),
+        lever: Option<&Lever<D>>,
+    ) {
         let weight = psi * station.area;
-        let direction = frame(station.at.normal, &[])[component];
         self.weight[component] += weight;
         if component == 0 {
             self.gap += weight * station.at.gap;
-            self.psi.push((station.index, weight));
+            self.psi.push((index, weight));
         }
-        let sides = [
-            (&mut self.nonmortar[component], &station.at.own, weight),
-            (&mut self.mortar[component], &station.at.opposite, -weight),
-        ];
-        for (row, nodes, weight) in sides {
-            for &(node, shape) in nodes {
-                let entry = row.entry(node).or_insert([0.0; 2]);
-                *entry = add_scaled(*entry, weight * shape, direction);
+        let own = &mut self.nonmortar[component];
+        let other = &mut self.mortar[component];
+        if own.is_empty() {
+            own.extend(station.at.own.iter().map(|&(node, _)| (node, [0.0; D])));
+        }
+        // the nodes opposite are the same all over a piece
+        if self.piece[component] != station.piece {
+            self.piece[component] = station.piece;
+            let nodes = station.at.opposite.iter();
+            other.extend(nodes.map(|&(node, _)| (node, [0.0; D])));
+        }
+        for (entry, (_, shape)) in own.iter_mut().zip(&station.at.own) {
+            entry.1 = add_scaled(entry.1, weight * shape, direction);
+        }
+        let start = other.len() - station.at.opposite.len();
+        for (entry, (_, shape)) in other[start..].iter_mut().zip(&station.at.opposite) {
+            entry.1 = add_scaled(entry.1, -weight * shape, direction);
+        }
+        if let Some(lever) = lever.filter(|_| component > 0) {
+            for (place, entry) in other[start..].iter_mut().enumerate() {
+                entry.1 = add_scaled(entry.1, weight, lever.along(direction, place));
             }
         }
-        if component > 0 {
-            for &(node, coefficients) in &station.lever {
-                let entry = self.mortar[component].entry(node).or_insert([0.0; 2]);
-                *entry = add_scaled(*entry, weight, coefficients);
+    }
+}
+
+impl<const D: usize> Sums<D> {
+    fn add(&mut self, share: Share<D>) {
+        self.extent += share.extent;
+        self.gap += share.gap;
+        self.psi.extend(share.psi);
+        for c in 0..D {
+            self.weight[c] += share.weight[c];
+            let sides = [
+                (&mut self.nonmortar[c], &share.nonmortar[c]),
+                (&mut self.mortar[c], &share.mortar[c]),
+            ];
+            for (row, terms) in sides {
+                for &(node, coefficient) in terms {
+                    let entry = row.entry(node).or_insert([0.0; D]);
+                    *entry = add_scaled(*entry, 1.0, coefficient);
+                }
             }
         }
     }
 
     /// Rows of a component on both sides, divided by the weight.
-    fn rows(&self, component: usize) -> [Row<2>; 2] {
+    fn rows(&self, component: usize) -> [Row<D>; 2] {
         [&self.nonmortar[component], &self.mortar[component]].map(|row| {
             let scale = 1.0 / self.weight[component];
             row.iter()
@@ -147,7 +189,7 @@ impl Sums {
 /// Pairs a side with another, or with an obstacle, by mortar integration.
 ///
 /// Errors: unknown or empty sides, nodes off their true surface, a gap that is not finite, supports that hold the whole
-/// nonmortar side, bodies in space.
+/// nonmortar side.
 pub fn pair_mortar<const D: usize>(
     nonmortar: End<'_, D>,
     against: Against<'_, D>,
@@ -156,71 +198,126 @@ pub fn pair_mortar<const D: usize>(
     analysis: Analysis,
     time: f64,
 ) -> Result<Interface<D>, ContactError> {
-    let in_space = || ContactError::MortarInSpace {
+    let neither = || ContactError::NeitherPlaneNorSpace {
         side: nonmortar.name(),
     };
-    let (Some(side), Some(against)) = (nonmortar.in_plane(), against.in_plane()) else {
-        return Err(in_space());
-    };
-    let pairing = Pairing::new(Opposite::new(side, against, gap, time)?, analysis);
-    let interface = pairing.interface(&pieces(&pairing.sides, &pairing.spans), coupling)?;
-    // the plane is what D is here
-    let same: Box<dyn Any> = Box::new(interface);
-    same.downcast().map(|same| *same).map_err(|_| in_space())
+    let of_plane = (nonmortar.of_dimension(), against.of_dimension());
+    if let (Some(nonmortar), Some(against)) = of_plane {
+        let sides = Opposite::new(nonmortar, against, gap, time)?;
+        let interface = paired(sides, coupling, analysis, pieces::pieces)?;
+        return same(interface).ok_or_else(neither);
+    }
+    let in_space = (nonmortar.of_dimension(), against.of_dimension());
+    if let (Some(nonmortar), Some(against)) = in_space {
+        let sides = Opposite::new(nonmortar, against, gap, time)?;
+        let interface = paired(sides, coupling, analysis, polygons::pieces)?;
+        return same(interface).ok_or_else(neither);
+    }
+    Err(neither())
 }
 
-struct Pairing<'a> {
-    sides: Opposite<'a, 2>,
+fn paired<const D: usize>(
+    sides: Opposite<'_, D>,
+    coupling: Coupling,
     analysis: Analysis,
-    spans: Vec<Span>,
+    cut: impl Fn(&Opposite<'_, D>, &[Cell]) -> Vec<Piece>,
+) -> Result<Interface<D>, ContactError> {
+    let pairing = Pairing::new(sides, coupling, analysis)?;
+    pairing.interface(&cut(&pairing.sides, &pairing.cells))
+}
+
+struct Pairing<'a, const D: usize> {
+    sides: Opposite<'a, D>,
+    coupling: Coupling,
+    analysis: Analysis,
+    cells: Vec<Cell>,
+    /// Nodes in the order of the interface, with one of their places.
+    places: Vec<(usize, (Facet, [f64; 2]))>,
+    /// Normal and tangents at the nodes.
+    frames: BTreeMap<usize, [Point<D>; D]>,
     cyclic: bool,
 }
 
-impl<'a> Pairing<'a> {
-    fn new(sides: Opposite<'a, 2>, analysis: Analysis) -> Self {
+impl<'a, const D: usize> Pairing<'a, D> {
+    fn new(
+        sides: Opposite<'a, D>,
+        coupling: Coupling,
+        analysis: Analysis,
+    ) -> Result<Self, ContactError> {
         let (nonmortar, mesh) = (sides.nonmortar, sides.mesh());
-        let chains = mesh.chain(nonmortar.side).unwrap_or_default();
-        let of_part = |facet: &&Facet| nonmortar.part.is_none_or(|part| part.contains(facet));
-        let along = chains.iter().flat_map(|chain| &chain.facets);
-        let along = along.filter(of_part);
-        Self {
-            spans: along.flat_map(|&facet| spans(mesh, facet)).collect(),
-            cyclic: nonmortar.part.is_none() && chains.len() == 1 && chains[0].cyclic,
-            sides,
-            analysis,
+        let mut cyclic = false;
+        let facets = match mesh.in_plane() {
+            None => nonmortar.facets()?.to_vec(),
+            Some(plane) => {
+                let chains = plane.chain(nonmortar.side).unwrap_or_default();
+                cyclic = nonmortar.part.is_none() && chains.len() == 1 && chains[0].cyclic;
+                let of_part = |facet: &Facet| nonmortar.part.is_none_or(|part| part.contains(facet));
+                let along = chains.iter().flat_map(|chain| &chain.facets);
+                along.copied().filter(of_part).collect()
+            }
+        };
+        let cells: Vec<Cell> = facets
+            .into_iter()
+            .flat_map(|facet| cells(mesh, facet))
+            .collect();
+        let mut seen = BTreeSet::new();
+        let mut places = Vec::new();
+        for cell in &cells {
+            for (&node, &xi) in cell.nodes.iter().zip(&cell.places) {
+                if seen.insert(node) {
+                    places.push((node, (cell.facet, xi)));
+                }
+            }
         }
+        if mesh.in_plane().is_none() {
+            places.sort_unstable_by_key(|place| place.0);
+        }
+        let normals = sides.normals.nodal();
+        let frame_at = |&(node, _): &(usize, _)| {
+            let normal = normals.get(&node).copied().unwrap_or([0.0; D]);
+            let held = axes(nonmortar.constraints.at(node), |_| true);
+            (node, frame(normal, &held))
+        };
+        Ok(Self {
+            frames: places.iter().map(frame_at).collect(),
+            sides,
+            coupling,
+            analysis,
+            cells,
+            places,
+            cyclic,
+        })
     }
 
-    fn mesh(&self) -> &'a Mesh<2> {
+    fn mesh(&self) -> &'a Mesh<D> {
         self.sides.mesh()
     }
 
-    /// Everything at ξ of a piece; `None` where the line misses the facet by rounding of a tangent.
+    /// Everything at a point of a piece; `None` where the line misses the facet by rounding of a tangent.
     fn station(
         &self,
-        piece: &Piece,
-        xi: f64,
+        (index, piece): (usize, &Piece),
+        xi: [f64; 2],
         reference: f64,
-    ) -> Result<Option<Station>, ContactError> {
-        let span = &self.spans[piece.span];
+    ) -> Result<Option<Station<D>>, ContactError> {
+        let facet = self.cells[piece.cell].facet;
         let mesh = self.mesh();
-        let line = self.sides.line(span.facet, &[xi]);
-        let own = shape(mesh, span.facet, &[xi]);
-        let tangent = norm(mesh.outward_normal(span.facet, &[xi]));
+        let line = self.sides.line(facet, &xi);
+        let own = shape(mesh, facet, &xi);
+        let extent = reference * norm(mesh.outward_normal(facet, &xi));
         let thickness = self.sides.nonmortar.body.thickness;
-        let length = reference * tangent;
-        let area = length * measure(self.analysis, thickness, line.start);
-        let mut lever = Vec::new();
+        let area = extent * measure(self.analysis, thickness, line.start);
+        let mut across = None;
         let (normal, opposite, gap) = match (self.sides.against, piece.opposite) {
-            (Against::Side(mortar), Some(facet)) => {
-                let Some(hit) = meet(&mortar.body.mesh, facet, line) else {
+            (Against::Side(mortar), Some(other)) => {
+                let Some(hit) = meet(&mortar.body.mesh, other, line) else {
                     return Ok(None);
                 };
-                lever = rotation(&mortar.body.mesh, hit);
+                across = Some(hit);
                 (
                     line.direction,
-                    shape(&mortar.body.mesh, facet, &hit.xi),
-                    self.sides.gap_at(span.facet, line, hit)?,
+                    shape(&mortar.body.mesh, other, &hit.xi),
+                    self.sides.gap_at(facet, line, hit)?,
                 )
             }
             (Against::Obstacle(rigid, _), _) => {
@@ -235,12 +332,11 @@ impl<'a> Pairing<'a> {
             (Against::Side(_), None) => return Ok(None),
         };
         Ok(Some(Station {
-            span: piece.span,
+            cell: piece.cell,
+            piece: index,
             xi,
-            hats: hats_of(span.ends, xi),
             area,
-            length,
-            index: 0,
+            extent,
             at: GapPoint {
                 own,
                 opposite,
@@ -248,117 +344,69 @@ impl<'a> Pairing<'a> {
                 along: line.direction,
                 gap,
             },
-            lever,
+            hit: across,
         }))
     }
 
-    fn interface(
-        &self,
-        pieces: &[Piece],
-        coupling: Coupling,
-    ) -> Result<Interface<2>, ContactError> {
+    fn interface(&self, pieces: &[Piece]) -> Result<Interface<D>, ContactError> {
         let stations = self.stations(pieces)?;
-        let mut sums: BTreeMap<usize, Sums> = BTreeMap::new();
-        for station in &stations {
-            let nodes = self.spans[station.span].nodes;
-            for (node, hat) in nodes.into_iter().zip(station.hats) {
-                let sums = sums.entry(node).or_insert_with(Sums::new);
+        let mut sums: BTreeMap<usize, Sums<D>> = BTreeMap::new();
+        for (index, station) in stations.iter().enumerate() {
+            let cell = &self.cells[station.cell];
+            for (&node, hat) in cell.nodes.iter().zip(cell.hats(station.xi)) {
+                let sums = sums.entry(node).or_default();
                 sums.own[0] += hat * station.area;
                 sums.own[1] += hat * station.area * station.at.gap;
-                sums.hats.push((station.index, hat * station.area));
+                sums.hats.push((index, hat * station.area));
             }
         }
         let whole = self.whole_weights();
-        let normals = self.sides.normals.nodal();
-        let kept = self.kept(&sums, &whole, &normals, coupling, &stations);
-        let cover = Cover::new(&self.spans, pieces);
-        // pieces follow the chain, so the stations of a facet follow one another
-        let facet = |station: &Station| self.spans[station.span].facet;
-        for stations in stations.chunk_by(|a, b| facet(a) == facet(b)) {
-            for component in 0..2 {
-                // under friction shear and pressure share their functions, and with them their weights
-                let shared = match coupling {
-                    Coupling::Tied => component,
-                    _ => 0,
-                };
-                let carries = |node: usize| kept[&node][shared];
-                let whole = match cover.facet(facet(&stations[0])) {
-                    true => Basis::of_facet(stations, carries),
-                    false => None,
-                };
-                let mut in_part = (usize::MAX, Basis::Hats);
-                for station in stations {
-                    let nodes = self.spans[station.span].nodes;
-                    let basis = match &whole {
-                        Some(basis) => basis,
-                        None if in_part.0 == station.span => &in_part.1,
-                        None => {
-                            let span = stations.iter().filter(|s| s.span == station.span);
-                            let hats = match nodes.into_iter().all(carries) {
-                                true => cover.interval(station.span),
-                                false => None,
-                            };
-                            let basis = hats.and_then(|ends| Basis::of_interval(span, ends));
-                            in_part = (station.span, basis.unwrap_or(Basis::Hats));
-                            &in_part.1
-                        }
-                    };
-                    for (node, share) in basis.shares(station, nodes, carries) {
-                        if component == 0
-                            && let Some(sums) = sums.get_mut(&node)
-                        {
-                            sums.extent += share * station.length;
-                        }
-                    }
-                    for (node, psi) in basis.values(station, nodes, carries) {
-                        if psi != 0.0
-                            && kept[&node][component]
-                            && let Some(sums) = sums.get_mut(&node)
-                        {
-                            sums.add(component, psi, station);
-                        }
-                    }
-                }
+        let kept = self.kept(&sums, &whole, &stations);
+        let cover = Cover::new(&self.cells, pieces);
+        // pieces follow the side, so the stations of a facet follow one another
+        let facet = |station: &Station<D>| self.cells[station.cell].facet;
+        let mut first = 0;
+        let of_facets = stations.chunk_by(|a, b| facet(a) == facet(b)).map(|chunk| {
+            first += chunk.len();
+            (first - chunk.len(), chunk)
+        });
+        let of_facets: Vec<(usize, &[Station<D>])> = of_facets.collect();
+        let shares: Vec<Vec<Share<D>>> = of_facets
+            .par_iter()
+            .map(|&(first, stations)| self.shares(first, stations, &kept, &cover))
+            .collect();
+        for share in shares.into_iter().flatten() {
+            if let Some(sums) = sums.get_mut(&share.node) {
+                sums.add(share);
             }
         }
         let points = stations.into_iter().map(|station| station.at).collect();
-        self.assembled(&sums, &whole, &normals, &kept, coupling, points)
+        self.assembled(&sums, &whole, &kept, points)
     }
 
     /// The points of integration of all pieces.
-    fn stations(&self, pieces: &[Piece]) -> Result<Vec<Station>, ContactError> {
-        let rule = quadrature::gauss(POINTS);
-        let each = pieces.par_iter().map(|piece| {
-            let half = 0.5 * (piece.ends[1] - piece.ends[0]);
-            let middle = 0.5 * (piece.ends[1] + piece.ends[0]);
-            let stations = rule.iter().filter_map(|&(x, weight)| {
-                self.station(piece, middle + half * x, half * weight)
-                    .transpose()
-            });
+    fn stations(&self, pieces: &[Piece]) -> Result<Vec<Station<D>>, ContactError> {
+        let each = pieces.par_iter().enumerate().map(|piece| {
+            let points = piece.1.points.iter();
+            let stations =
+                points.filter_map(|&(xi, weight)| self.station(piece, xi, weight).transpose());
             stations.collect::<Result<Vec<_>, _>>()
         });
         let each: Vec<Vec<_>> = each.collect::<Result<_, _>>()?;
-        let mut stations: Vec<Station> = each.into_iter().flatten().collect();
-        for (index, station) in stations.iter_mut().enumerate() {
-            station.index = index;
-        }
-        Ok(stations)
+        Ok(each.into_iter().flatten().collect())
     }
 
     /// ∫ of the hat of every node over the whole side.
     fn whole_weights(&self) -> BTreeMap<usize, f64> {
-        let rule = quadrature::gauss(POINTS);
         let thickness = self.sides.nonmortar.body.thickness;
+        let mesh = self.mesh();
         let mut whole = BTreeMap::new();
-        for span in &self.spans {
-            let half = 0.5 * (span.ends[1] - span.ends[0]);
-            for &(x, weight) in &rule {
-                let t = 0.5 * (1.0 + x);
-                let xi = span.ends[0] + 2.0 * half * t;
-                let tangent = norm(self.mesh().outward_normal(span.facet, &[xi]));
-                let point = self.mesh().facet_point(span.facet, &[xi]);
-                let area = half * weight * tangent * measure(self.analysis, thickness, point);
-                for (node, hat) in span.nodes.into_iter().zip([1.0 - t, t]) {
+        for cell in &self.cells {
+            for (xi, weight) in cell.rule(DEGREE) {
+                let extent = weight * norm(mesh.outward_normal(cell.facet, &xi));
+                let point = mesh.facet_point(cell.facet, &xi);
+                let area = extent * measure(self.analysis, thickness, point);
+                for (&node, hat) in cell.nodes.iter().zip(cell.hats(xi)) {
                     *whole.entry(node).or_insert(0.0) += hat * area;
                 }
             }
@@ -369,102 +417,157 @@ impl<'a> Pairing<'a> {
     /// Which components of which nodes carry multipliers.
     fn kept(
         &self,
-        sums: &BTreeMap<usize, Sums>,
+        sums: &BTreeMap<usize, Sums<D>>,
         whole: &BTreeMap<usize, f64>,
-        normals: &BTreeMap<usize, Point<2>>,
-        coupling: Coupling,
-        stations: &[Station],
-    ) -> BTreeMap<usize, [bool; 2]> {
+        stations: &[Station<D>],
+    ) -> BTreeMap<usize, [bool; D]> {
         let covered = |node: &usize| sums.get(node).map_or(0.0, |s| s.own[0]) / whole[node];
-        let mut kept: BTreeMap<usize, [bool; 2]> = whole
-            .keys()
-            .map(|node| {
-                let held = self.sides.nonmortar.constraints.at(*node);
-                let relative = Relative {
-                    prescribed: axes(held, |_| true),
-                    still: axes(held, |h| h.still && self.opposite_held(*node, h.axis, true)),
-                };
-                let normal = normals.get(node).copied().unwrap_or([0.0; 2]);
-                (
-                    *node,
-                    relative
-                        .decided(frame(normal, &[]), coupling)
-                        .map(|held| !held),
-                )
-            })
-            .collect();
-        let spans: BTreeSet<usize> = stations.iter().map(|station| station.span).collect();
-        // a prescribed node gives its functions to its neighbours; between two of them it keeps its own
-        let lone = |span: &usize| self.spans[*span].nodes.iter().all(|n| !kept[n][0]);
-        let alone: BTreeSet<usize> = spans.iter().copied().filter(lone).collect();
-        if coupling != Coupling::Tied && spans.iter().any(|span| !alone.contains(span)) {
-            for node in alone.iter().flat_map(|&span| self.spans[span].nodes) {
-                let normal = normals.get(&node).copied().unwrap_or([0.0; 2]);
-                if !self.opposite_held(node, normal, false) {
-                    let frictional = coupling == Coupling::Frictional;
+        let decided = |&(node, place): &(usize, (Facet, [f64; 2]))| {
+            let held = self.sides.nonmortar.constraints.at(node);
+            let relative = Relative {
+                prescribed: axes(held, |_| true),
+                still: axes(held, |h| h.still && self.opposite_held(place, h.axis, true)),
+            };
+            let held = relative.decided(self.frames[&node], self.coupling);
+            (node, held.map(|held| !held))
+        };
+        let mut kept: BTreeMap<usize, [bool; D]> = self.places.iter().map(decided).collect();
+        let cells: BTreeSet<usize> = stations.iter().map(|station| station.cell).collect();
+        // a prescribed node gives its functions to its neighbours; where all of a cell are prescribed they keep their own
+        let lone = |cell: &usize| self.cells[*cell].nodes.iter().all(|n| !kept[n][0]);
+        let alone: BTreeSet<usize> = cells.iter().copied().filter(lone).collect();
+        if self.coupling != Coupling::Tied && cells.iter().any(|cell| !alone.contains(cell)) {
+            let nodes = alone.iter().flat_map(|&cell| &self.cells[cell].nodes);
+            let nodes: BTreeSet<usize> = nodes.copied().collect();
+            for &(node, place) in self.places.iter().filter(|place| nodes.contains(&place.0)) {
+                if !self.opposite_held(place, self.frames[&node][0], false) {
+                    let frictional = self.coupling == Coupling::Frictional;
                     kept.insert(node, std::array::from_fn(|c| c == 0 || frictional));
                 }
             }
         }
-        // a sliver gives way to a neighbour that carries more
-        for span in spans {
-            let [a, b] = self.spans[span].nodes;
-            for (node, other) in [(a, b), (b, a)] {
-                let replaced = covered(&node) < SLIVER && covered(&other) > covered(&node);
-                if replaced && kept[&other][0] {
-                    kept.insert(node, [false; 2]);
+        // a sliver gives way to neighbours that carry more
+        for cell in cells {
+            let nodes = &self.cells[cell].nodes;
+            for node in nodes {
+                let more = |other: &usize| covered(other) > covered(node) && kept[other][0];
+                if covered(node) < SLIVER && nodes.iter().any(more) {
+                    kept.insert(*node, [false; D]);
                 }
             }
         }
         kept
     }
 
+    /// What a facet gives to its nodes; its stations are those from `first` on.
+    fn shares(
+        &self,
+        first: usize,
+        stations: &[Station<D>],
+        kept: &BTreeMap<usize, [bool; D]>,
+        cover: &Cover,
+    ) -> Vec<Share<D>> {
+        let facet = self.cells[stations[0].cell].facet;
+        let (kind, of_facet) = functions(self.mesh(), facet);
+        let mut shares: BTreeMap<usize, Share<D>> = BTreeMap::new();
+        // under friction shear and pressure share their functions, and with them their weights
+        let groups: Vec<(usize, Vec<usize>)> = match self.coupling {
+            Coupling::Tied => (0..D).map(|c| (c, vec![c])).collect(),
+            _ => vec![(0, (0..D).collect())],
+        };
+        for (shared, components) in groups {
+            let carries = |node: &usize| kept[node][shared];
+            let whole = match cover.facet(facet) && of_facet.iter().all(carries) {
+                true => Basis::of_facet(kind, stations.iter().map(|s| (s.xi, s.area))),
+                false => None,
+            };
+            let mut index = first;
+            for of_cell in stations.chunk_by(|a, b| a.cell == b.cell) {
+                let cell = &self.cells[of_cell[0].cell];
+                let nodes = match whole {
+                    Some(_) => &of_facet,
+                    None => &cell.nodes,
+                };
+                let carrying: Vec<bool> = nodes.iter().map(carries).collect();
+                let in_part = || {
+                    let covered = cover.of_cell(of_cell[0].cell)?;
+                    let points = of_cell.iter().map(|s| (s.xi, s.area));
+                    let all = carrying.iter().all(|c| *c);
+                    all.then(|| Basis::of_cell(cell, covered, points))?
+                };
+                let own = match whole {
+                    Some(_) => None,
+                    None => Some(in_part().unwrap_or(Basis::Hats)),
+                };
+                let basis = whole.as_ref().or(own.as_ref()).unwrap_or(&Basis::Hats);
+                for station in of_cell {
+                    let lever = self.lever(station);
+                    let psi = basis.values(cell, station.xi, &carrying);
+                    let parts = basis.shares(cell, station.xi, &carrying);
+                    for ((&node, psi), part) in nodes.iter().zip(psi).zip(parts) {
+                        let share = shares.entry(node).or_insert_with(|| Share::new(node));
+                        if shared == 0 {
+                            share.extent += part * station.extent;
+                        }
+                        let frame = carried(self.frames[&node], station.at.normal);
+                        let kept = components.iter().filter(|&&c| kept[&node][c]);
+                        for &component in kept.filter(|_| psi != 0.0) {
+                            let along = (component, frame[component]);
+                            share.add(along, psi, (index, station), lever.as_ref());
+                        }
+                    }
+                    index += 1;
+                }
+            }
+        }
+        shares.into_values().collect()
+    }
+
+    /// What the distance between the sides makes of tangential rows at a station; none where there is no such row.
+    fn lever(&self, station: &Station<D>) -> Option<Lever<D>> {
+        match (self.sides.against, station.hit) {
+            (Against::Side(mortar), Some(hit)) if self.coupling != Coupling::Normal => {
+                Some(Lever::new(&mortar.body.mesh, hit, station.at.normal))
+            }
+            _ => None,
+        }
+    }
+
     fn assembled(
         &self,
-        sums: &BTreeMap<usize, Sums>,
+        sums: &BTreeMap<usize, Sums<D>>,
         whole: &BTreeMap<usize, f64>,
-        normals: &BTreeMap<usize, Point<2>>,
-        kept: &BTreeMap<usize, [bool; 2]>,
-        coupling: Coupling,
-        points: Vec<GapPoint<2>>,
-    ) -> Result<Interface<2>, ContactError> {
+        kept: &BTreeMap<usize, [bool; D]>,
+        points: Vec<GapPoint<D>>,
+    ) -> Result<Interface<D>, ContactError> {
         let mut interface = Interface {
             nodes: Vec::new(),
             cyclic: self.cyclic,
-            coupling,
+            coupling: self.coupling,
             nonmortar: Vec::new(),
             mortar: Vec::new(),
             points,
             implied: Vec::new(),
         };
-        let mut seen = BTreeSet::new();
-        let along = self.spans.iter().flat_map(|span| {
-            let places = span.nodes.into_iter().zip(span.ends);
-            places.map(|(node, xi)| (node, span.facet, xi))
-        });
-        for (node, facet, xi) in along {
-            if !seen.insert(node) {
-                continue;
-            }
-            let normal = normals.get(&node).copied().unwrap_or([0.0; 2]);
+        for &(node, (facet, xi)) in &self.places {
             let mut entry = InterfaceNode {
                 node,
                 opposite: Vec::new(),
-                frame: frame(normal, &[]),
+                frame: self.frames[&node],
                 weight: whole[&node],
                 extent: 0.0,
                 gap: f64::NAN,
                 clearance: f64::NAN,
                 shares: GapShares::default(),
                 role: Role::Alone,
-                rows: [None; 2],
+                rows: [None; D],
             };
             let sums = sums.get(&node).filter(|s| s.own[0] > SLIVER * whole[&node]);
             if let Some(sums) = sums {
-                if let Some(found) = self.sides.at(facet, &[xi])? {
+                if let Some(found) = self.sides.at(facet, &xi)? {
                     (entry.opposite, entry.clearance) = (found.nodes.clone(), found.gap);
                     entry.shares.at_node = Some(interface.points.len());
-                    let along = self.sides.line(facet, &[xi]).direction;
+                    let along = self.sides.line(facet, &xi).direction;
                     interface.points.push(GapPoint {
                         own: vec![(node, 1.0)],
                         opposite: found.nodes,
@@ -477,7 +580,7 @@ impl<'a> Pairing<'a> {
                 entry.role = Role::Fixed;
                 entry.weight = sums.own[0];
                 entry.gap = sums.own[1] / sums.own[0];
-                for component in (0..2).filter(|&c| kept[&node][c] && sums.weight[c] > 0.0) {
+                for component in (0..D).filter(|&c| kept[&node][c] && sums.weight[c] > 0.0) {
                     if entry.role == Role::Fixed {
                         (entry.weight, entry.extent) = (sums.weight[component], sums.extent);
                     }
@@ -497,7 +600,7 @@ impl<'a> Pairing<'a> {
             }
             interface.nodes.push(entry);
         }
-        let fixed = |node: &InterfaceNode<2>| node.role == Role::Fixed;
+        let fixed = |node: &InterfaceNode<D>| node.role == Role::Fixed;
         if interface.nonmortar.is_empty() && interface.nodes.iter().any(fixed) {
             let side = self.sides.nonmortar.name();
             return Err(ContactError::AllFixed { side });
@@ -505,224 +608,99 @@ impl<'a> Pairing<'a> {
         Ok(interface)
     }
 
-    /// Whether the motion of the other side along an axis is prescribed where it lies opposite a node, and if `still`
+    /// Whether the motion of the other side along an axis is prescribed where it lies opposite a place, and if `still`
     /// is asked, to be none at any time.
-    fn opposite_held(&self, node: usize, axis: Point<2>, still: bool) -> bool {
+    fn opposite_held(&self, (facet, xi): (Facet, [f64; 2]), axis: Point<D>, still: bool) -> bool {
         let mortar = match self.sides.against {
             Against::Obstacle(_, Driven::Free) => return false,
             Against::Obstacle(_, driven) => return driven == Driven::Still || !still,
             Against::Side(mortar) => mortar,
         };
-        let places = self.spans.iter().flat_map(|span| {
-            let ends = span.nodes.into_iter().zip(span.ends);
-            ends.map(|(node, xi)| (node, span.facet, xi))
-        });
-        let mut own = places.filter(|place| place.0 == node);
-        let opposite =
-            own.find_map(|(_, facet, xi)| Some(self.sides.at(facet, &[xi]).ok()??.nodes));
+        let opposite = self.sides.at(facet, &xi).ok().flatten();
         let held = |node: usize| {
             let held = axes(mortar.constraints.at(node), |h| h.still || !still);
             let part: f64 = held.iter().map(|&h| dot(h, axis).powi(2)).sum();
             part > 1.0 - 1e-6
         };
         let bearing = |&&(_, shape): &&(usize, f64)| shape.abs() > 1e-6;
-        opposite.is_none_or(|nodes| nodes.iter().filter(bearing).all(|(node, _)| held(*node)))
+        opposite.is_none_or(|found| {
+            let mut bearing = found.nodes.iter().filter(bearing);
+            bearing.all(|(node, _)| held(*node))
+        })
     }
 }
 
-/// A facet is covered when all but this part of it faces the other side: rounding.
-const COVERED: f64 = 1e-9;
-
-/// Which parts of the side face the other one.
-struct Cover {
-    /// How much of each facet, in its reference coordinate: 2 is all of it.
-    facets: BTreeMap<Facet, f64>,
-    /// The covered part of each span, where it is one interval; in reference coordinates of the facet.
-    spans: BTreeMap<usize, Option<[f64; 2]>>,
+/// What the rotation W of a facet adds to tangential rows: s·t·W n, for points at the distance s along n.
+///
+/// In the tangents aₖ of the facet and its normal ν, t = Σ cₖaₖ + c_ν ν and n = Σ dₖaₖ + d_ν ν, W is known from the derivatives
+/// u,ₖ of the displacements along it: ν·W aₖ = ν·u,ₖ and in space a₁·W a₂ = (a₁·u,₂ − a₂·u,₁)/2, hence
+///
+/// ```text
+///   t·W n = Σ (c_ν dₖ − cₖ d_ν) ν·u,ₖ + (c₁d₂ − c₂d₁)(a₁·u,₂ − a₂·u,₁)/2
+/// ```
+struct Lever<const D: usize> {
+    distance: f64,
+    tangents: [Point<D>; D],
+    normal: Point<D>,
+    /// Rows are what gives the cₖ and c_ν of a vector.
+    inverse: [Point<D>; D],
+    /// dₖ and d_ν.
+    along_normal: Point<D>,
+    slopes: [[f64; D]; MAX_FACET_NODES],
 }
 
-impl Cover {
-    fn new(all: &[Span], pieces: &[Piece]) -> Self {
-        let (mut facets, mut spans) = (BTreeMap::new(), BTreeMap::new());
-        for piece in pieces {
-            let [from, to] = piece.ends;
-            *facets.entry(all[piece.span].facet).or_insert(0.0) += to - from;
-            let interval = spans.entry(piece.span).or_insert(Some([from, from]));
-            *interval = interval.and_then(|[start, end]| {
-                let joins = (from - end).abs() <= COVERED;
-                joins.then_some([start, to])
-            });
-        }
-        Self { facets, spans }
-    }
-
-    /// All of a facet faces the other side.
-    fn facet(&self, facet: Facet) -> bool {
-        self.facets[&facet] > 2.0 * (1.0 - COVERED)
-    }
-
-    /// The covered part of a span; `None` where it has a hole.
-    fn interval(&self, span: usize) -> Option<[f64; 2]> {
-        self.spans[&span]
-    }
-}
-
-/// The functions ψ on one facet or span.
-enum Basis {
-    /// ψ = A N on a facet.
-    Biorthogonal([[f64; FACET_NODES]; FACET_NODES]),
-    /// ψ = A h with the hats h of an interval.
-    Interval([f64; 2], [[f64; 2]; 2]),
-    Hats,
-}
-
-impl Basis {
-    /// A = diag(∫N) M⁻¹ with M = ∫NNᵀ, where all nodes of the facet carry multipliers and all weights are positive.
-    fn of_facet(stations: &[Station], carries: impl Fn(usize) -> bool) -> Option<Self> {
-        let nodes: Vec<usize> = stations[0].at.own.iter().map(|&(node, _)| node).collect();
-        let mut weights = [0.0; FACET_NODES];
-        let mut mass = [[0.0; FACET_NODES]; FACET_NODES];
-        for station in stations {
-            for (i, &(_, a)) in station.at.own.iter().enumerate() {
-                weights[i] += a * station.area;
-                for (j, &(_, b)) in station.at.own.iter().enumerate() {
-                    mass[i][j] += a * b * station.area;
-                }
-            }
-        }
-        let mean = weights.iter().sum::<f64>() / nodes.len() as f64;
-        let smallest = weights[..nodes.len()].iter().fold(mean, |s, w| s.min(*w));
-        if smallest <= POSITIVE * mean || !nodes.iter().all(|&node| carries(node)) {
-            return None;
-        }
-        let mut matrix = match nodes.len() {
-            2 => {
-                let (inverse, _) = invert(&[[mass[0][0], mass[0][1]], [mass[1][0], mass[1][1]]]);
-                let mut padded = [[0.0; FACET_NODES]; FACET_NODES];
-                for (row, from) in padded.iter_mut().zip(inverse) {
-                    row[..2].copy_from_slice(&from);
-                }
-                padded
-            }
-            _ => invert(&mass).0,
-        };
-        for (row, weight) in matrix.iter_mut().zip(weights) {
-            row.iter_mut().for_each(|a| *a *= weight);
-        }
-        let finite = matrix.iter().flatten().all(|a| a.is_finite());
-        finite.then_some(Self::Biorthogonal(matrix))
-    }
-
-    /// A = diag(∫h) M⁻¹ with M = ∫hhᵀ and the hats h of an interval of the facet's reference coordinate.
-    fn of_interval<'s>(
-        stations: impl Iterator<Item = &'s Station>,
-        ends: [f64; 2],
-    ) -> Option<Self> {
-        let (mut weights, mut mass) = ([0.0; 2], [[0.0; 2]; 2]);
-        for station in stations {
-            let hats = hats_of(ends, station.xi);
-            for (i, a) in hats.into_iter().enumerate() {
-                weights[i] += a * station.area;
-                for (j, b) in hats.into_iter().enumerate() {
-                    mass[i][j] += a * b * station.area;
-                }
-            }
-        }
-        let (mut matrix, _) = invert(&mass);
-        for (row, weight) in matrix.iter_mut().zip(weights) {
-            row.iter_mut().for_each(|a| *a *= weight);
-        }
-        let finite = matrix.iter().flatten().all(|a| a.is_finite());
-        finite.then_some(Self::Interval(ends, matrix))
-    }
-
-    /// ψ of each node at a station.
-    fn values(
-        &self,
-        station: &Station,
-        nodes: [usize; 2],
-        carries: impl Fn(usize) -> bool,
-    ) -> Vec<(usize, f64)> {
-        match self {
-            Self::Biorthogonal(matrix) => {
-                let value = |row: &[f64]| -> f64 {
-                    let terms = row.iter().zip(&station.at.own);
-                    terms.map(|(a, (_, shape))| a * shape).sum()
-                };
-                let nodes = station.at.own.iter().map(|&(node, _)| node);
-                nodes
-                    .zip(matrix)
-                    .map(|(node, row)| (node, value(row)))
-                    .collect()
-            }
-            Self::Interval(ends, matrix) => {
-                let hats = hats_of(*ends, station.xi);
-                let psi = matrix.map(|[a, b]| a * hats[0] + b * hats[1]);
-                nodes.into_iter().zip(psi).collect()
-            }
-            Self::Hats => hats(station, nodes, carries),
+impl<const D: usize> Lever<D> {
+    /// At a hit of a line along n.
+    fn new(mesh: &Mesh<D>, hit: Hit, direction: Point<D>) -> Self {
+        let mut slopes = [[0.0; D]; MAX_FACET_NODES];
+        mesh.facet_kind(hit.facet).gradients(&hit.xi, &mut slopes);
+        let mut tangents = mesh.facet_tangents(hit.facet, &hit.xi);
+        let normal = unit(mesh.outward_normal(hit.facet, &hit.xi)).unwrap_or([0.0; D]);
+        tangents[D - 1] = normal;
+        let columns = std::array::from_fn(|i| tangents.map(|axis| axis[i]));
+        let (inverse, _) = invert::<D>(&columns);
+        Self {
+            distance: hit.distance,
+            along_normal: inverse.map(|row| dot(row, direction)),
+            tangents,
+            normal,
+            inverse,
+            slopes,
         }
     }
 
-    /// The part of a station that each node stands for: positive functions that sum to one.
-    fn shares(
-        &self,
-        station: &Station,
-        nodes: [usize; 2],
-        carries: impl Fn(usize) -> bool,
-    ) -> Vec<(usize, f64)> {
-        match self {
-            Self::Biorthogonal(_) => station.at.own.clone(),
-            Self::Interval(ends, _) => {
-                let hats = hats_of(*ends, station.xi);
-                nodes.into_iter().zip(hats).collect()
-            }
-            Self::Hats => hats(station, nodes, carries),
+    /// Coefficients of the displacement of the facet's node at this place.
+    fn along(&self, t: Point<D>, place: usize) -> Point<D> {
+        let (d, slope) = (self.along_normal, self.slopes[place]);
+        let c = self.inverse.map(|row| dot(row, t));
+        let tilt: f64 = (0..D - 1)
+            .map(|k| slope[k] * (c[D - 1] * d[k] - c[k] * d[D - 1]))
+            .sum();
+        let mut sum = self.normal.map(|n| tilt * n);
+        if D > 2 {
+            let twist = 0.5 * (c[0] * d[1] - c[1] * d[0]);
+            sum = add_scaled(sum, twist * slope[1], self.tangents[0]);
+            sum = add_scaled(sum, -twist * slope[0], self.tangents[1]);
         }
+        sum.map(|x| self.distance * x)
     }
 }
 
-/// The two hats of an interval.
-fn hats_of([from, to]: [f64; 2], xi: f64) -> [f64; 2] {
-    let t = (xi - from) / (to - from);
-    [1.0 - t, t]
-}
-
-/// Hats at a station; where one of the two nodes carries nothing the other takes its part.
-fn hats(
-    station: &Station,
-    nodes: [usize; 2],
-    carries: impl Fn(usize) -> bool,
-) -> Vec<(usize, f64)> {
-    let psi = match nodes.map(&carries) {
-        [true, true] => station.hats,
-        carries => carries.map(|c| f64::from(u8::from(c))),
-    };
-    nodes.into_iter().zip(psi).collect()
-}
-
-/// Rotation of a facet at a hit, times the distance, as coefficients of its nodes' displacements: −Σ Nₐ' n·uₐ/|y'|.
-fn rotation(mesh: &Mesh<2>, hit: Hit) -> Vec<(usize, Point<2>)> {
-    let mut slopes = [[0.0; 2]; FACET_NODES];
-    mesh.facet_kind(hit.facet).gradients(&hit.xi, &mut slopes);
-    // as long as |y'|
-    let normal = mesh.outward_normal(hit.facet, &hit.xi);
-    let scale = -hit.distance / dot(normal, normal);
-    let nodes = mesh.facet_nodes(hit.facet).map(|node| node as usize);
-    nodes
-        .zip(slopes)
-        .map(|(node, slope)| (node, normal.map(|c| scale * slope[0] * c)))
-        .collect()
+/// An interface of one dimension as that of the same dimension.
+fn same<const D: usize, const E: usize>(interface: Interface<D>) -> Option<Interface<E>> {
+    let any: Box<dyn Any> = Box::new(interface);
+    any.downcast().ok().map(|same| *same)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::contact::gaps::tests::{end, flat, held, node_at, ring, wall};
+    use crate::contact::gaps::tests::{body, end, flat, held, node_at, ring, wall};
     use crate::contact::{Rigid, pair_nodes};
     use crate::fem::{Body, Constraints};
     use crate::geometry::{Field, Surface};
-    use crate::mesh::CellKind;
+    use crate::fem::quadrature;
+    use crate::mesh::{CellKind, Cuboid};
 
     /// One side over another, nothing held.
     fn paired(own: &Body<2>, other: &Body<2>, coupling: Coupling) -> Interface<2> {
@@ -1252,38 +1230,6 @@ mod tests {
         }
     }
 
-    /// The cover of a facet with one span by these pieces.
-    fn cover(ends: &[[f64; 2]]) -> (bool, Option<[f64; 2]>) {
-        let body = flat(&[0.0, 1.0], 1.0, CellKind::Quad4);
-        let facet = body.mesh.side("bottom").unwrap()[0];
-        let spans = spans(&body.mesh, facet);
-        let pieces: Vec<Piece> = ends
-            .iter()
-            .map(|&ends| Piece {
-                span: 0,
-                ends,
-                opposite: None,
-            })
-            .collect();
-        let cover = Cover::new(&spans, &pieces);
-        (cover.facet(facet), cover.interval(0))
-    }
-
-    #[test]
-    fn pieces_that_join_cover_an_interval_and_all_of_them_the_facet() {
-        assert_eq!(cover(&[[-1.0, 0.2], [0.2, 1.0]]), (true, Some([-1.0, 1.0])));
-        assert_eq!(
-            cover(&[[-0.5, 0.2], [0.2, 0.9]]),
-            (false, Some([-0.5, 0.9]))
-        );
-        assert_eq!(cover(&[[-1.0, 0.2], [0.3, 1.0]]), (false, None));
-        // a billionth is rounding, of the facet as of the place
-        assert!(cover(&[[-1.0, 1.0 - 1.8e-9]]).0);
-        assert!(!cover(&[[-1.0, 1.0 - 2.2e-9]]).0);
-        assert!(cover(&[[-1.0, 0.0], [0.95e-9, 0.5]]).1.is_some());
-        assert!(cover(&[[-1.0, 0.0], [1.05e-9, 0.5]]).1.is_none());
-    }
-
     #[test]
     fn a_tie_of_a_node_that_is_held_along_the_normal_keeps_its_tangent() {
         let upper = flat(&[0.0, 1.0, 2.0, 3.0], 1.0, CellKind::Quad4);
@@ -1313,5 +1259,144 @@ mod tests {
         assert!((nodes[1].weight - 1.0).abs() < 1e-14);
         assert!((nodes[0].weight - 1.0).abs() < 1e-14);
         assert_eq!(nodes[1].role, Role::Multiplier);
+    }
+
+    /// A box between two heights with its bottom (or top) on a surface, turned about the vertical axis.
+    fn bowl(cell: CellKind, cells: [usize; 3], z: [f64; 2], angle: f64) -> Body<3> {
+        let cuboid = Cuboid {
+            from: [-1.0, -1.0, 0.0],
+            to: [1.0, 1.0, 1.0],
+            cells,
+            cell,
+        };
+        let mesh = cuboid.build().unwrap().map_points(|[x, y, t]| {
+            let (s, c) = angle.sin_cos();
+            let [x, y] = [c * x - s * y, s * x + c * y];
+            let foot = 0.15 * x * x + 0.1 * x * y - 0.05 * y * y;
+            [x, y, foot + z[0] + t * (z[1] - z[0])]
+        });
+        body(mesh.unwrap())
+    }
+
+    fn over<'a>(own: &'a Body<3>, other: &'a Body<3>, coupling: Coupling) -> Interface<3> {
+        let free = Constraints::default();
+        let against = Against::Side(end(other, "top", &free));
+        let (gap, analysis) = (InitialGap::Measured, Analysis::Solid);
+        pair_mortar(end(own, "bottom", &free), against, gap, coupling, analysis, 0.0).unwrap()
+    }
+
+    fn moved(row: &Row<3>, body: &Body<3>, u: impl Fn(Point<3>) -> Point<3>) -> f64 {
+        let terms = row.iter();
+        terms
+            .map(|&(node, c)| dot(c, u(body.mesh.points()[node])))
+            .sum()
+    }
+
+    #[test]
+    fn in_space_a_rigid_motion_of_both_bodies_together_neither_opens_nor_slips() {
+        let axis = [0.3, -0.7, 0.5];
+        let motion = |x: Point<3>| add_scaled([0.2, 0.1, -0.4], 1.0, crate::geometry::cross(axis, x));
+        for own in [CellKind::Tet4, CellKind::Hex8] {
+            for other in [CellKind::Tet4, CellKind::Hex8] {
+                let upper = bowl(own, [3, 4, 1], [0.2, 1.0], 0.0);
+                let lower = bowl(other, [4, 3, 1], [-1.0, 0.0], 0.35);
+                for coupling in [Coupling::Frictional, Coupling::Tied] {
+                    let interface = over(&upper, &lower, coupling);
+                    assert!(interface.nonmortar.len() >= 48);
+                    for (own, other) in interface.nonmortar.iter().zip(&interface.mortar) {
+                        let moved = moved(own, &upper, motion) + moved(other, &lower, motion);
+                        // rounding
+                        assert!(moved.abs() < 1e-12, "{own:?} {moved:e}");
+                    }
+                }
+            }
+        }
+    }
+
+    /// ∫ of f over the part of the square (−1, 1)² that lies in the same one turned, by a fine sum over cells of a polar grid: both
+    /// are star-shaped about the origin.
+    fn over_common(angle: f64, f: impl Fn(Point<2>) -> f64) -> f64 {
+        let reach = |direction: Point<2>| 1.0 / direction[0].abs().max(direction[1].abs());
+        let rays = quadrature::gauss(40);
+        let radii = quadrature::gauss(4);
+        // the boundary is smooth between directions of corners of the two squares and of their crossings
+        let quarter = std::f64::consts::FRAC_PI_4;
+        let mut kinks: Vec<f64> = (0..8)
+            .flat_map(|k| {
+                let corner = f64::from(k) * quarter;
+                [corner, corner + angle, corner + 0.5 * angle]
+            })
+            .map(|a| a.rem_euclid(8.0 * quarter))
+            .collect();
+        kinks.sort_by(f64::total_cmp);
+        kinks.push(kinks[0] + 8.0 * quarter);
+        let mut sum = 0.0;
+        for ends in kinks.windows(2) {
+            for &(t, wt) in &rays {
+                let a = 0.5 * (ends[0] + ends[1]) + 0.5 * t * (ends[1] - ends[0]);
+                let (s, c) = a.sin_cos();
+                let (sb, cb) = (a - angle).sin_cos();
+                let far = reach([c, s]).min(reach([cb, sb]));
+                for &(q, wq) in &radii {
+                    let r = 0.5 * far * (1.0 + q);
+                    let area = 0.25 * wt * wq * (ends[1] - ends[0]) * far * r;
+                    sum += area * f([r * c, r * s]);
+                }
+            }
+        }
+        sum
+    }
+
+    #[test]
+    fn in_space_rows_times_their_weights_add_up_to_the_integrals_over_what_is_covered() {
+        let angle = 0.35;
+        let us = |[x, y, _]: Point<3>| [1.0 + 0.5 * x, 0.3 * y, 0.3 + 0.2 * x - 0.1 * y];
+        let um = |[x, y, _]: Point<3>| [0.2 * y, 2.0 - 0.5 * x, 0.1 * x + 0.4 * y - 1.0];
+        for own in [CellKind::Tet4, CellKind::Hex8] {
+            for other in [CellKind::Tet4, CellKind::Hex8] {
+                let flat = |cell, cells, z: [f64; 2], angle| {
+                    let mut body = bowl(cell, cells, z, angle);
+                    let level = |[x, y, z]: Point<3>| {
+                        [x, y, z - (0.15 * x * x + 0.1 * x * y - 0.05 * y * y)]
+                    };
+                    body.mesh = body.mesh.map_points(level).unwrap();
+                    body
+                };
+                let upper = flat(own, [3, 4, 1], [0.25, 1.0], 0.0);
+                let lower = flat(other, [5, 3, 1], [-1.0, 0.0], angle);
+                let interface = over(&upper, &lower, Coupling::Frictional);
+                let sum = |f: &dyn Fn(&InterfaceNode<3>) -> f64| -> f64 {
+                    interface.carriers().map(|node| node.weight * f(node)).sum()
+                };
+                let slip = |node: &InterfaceNode<3>, axis: usize| -> [f64; 2] {
+                    let mut sums = [0.0; 2];
+                    for c in 0..3 {
+                        let row = node.rows[c].unwrap();
+                        let part = node.frame[c][axis];
+                        sums[0] += part * moved(&interface.nonmortar[row], &upper, us);
+                        sums[1] += part * moved(&interface.mortar[row], &lower, um);
+                    }
+                    sums
+                };
+                let integral = |f: &dyn Fn(Point<3>) -> f64| {
+                    over_common(angle, |[x, y]| f([x, y, 0.0]))
+                };
+                let check = |found: f64, expected: f64| {
+                    assert!((found - expected).abs() < 1e-9, "{own:?} {other:?} {found} {expected}");
+                };
+                check(sum(&|_| 1.0), integral(&|_| 1.0));
+                check(interface.carriers().map(|n| n.extent).sum(), integral(&|_| 1.0));
+                check(sum(&|node| node.gap), 0.25 * integral(&|_| 1.0));
+                for axis in 0..3 {
+                    check(sum(&|node| slip(node, axis)[0]), integral(&|x| us(x)[axis]));
+                    // across the gap the lower side is carried on by the rotation of its facets
+                    let tilt = [0.1, 0.4, 0.0][axis] * 0.25;
+                    check(
+                        sum(&|node| slip(node, axis)[1]),
+                        -integral(&|x| um(x)[axis] - tilt),
+                    );
+                }
+            }
+        }
     }
 }

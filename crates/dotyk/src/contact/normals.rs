@@ -2,8 +2,8 @@
 //!
 //! Where the side has a true surface, its normal. Else unit normals at the nodes, interpolated on each facet: at an end
 //! the mean of the facets that meet there, unless they meet at a sharp corner. At the end of a side on a plane of
-//! symmetry the polygon's last normal is tilted by half the angle of a facet; it is turned back into that plane, but
-//! never by more than the side itself turns there.
+//! symmetry, in space along its rim there, the polygon's last normal is tilted by half the angle of a facet; it is turned back
+//! into that plane, but never by more than the side itself turns there.
 //!
 //! Source: the bisector rule and the axis direction on the axis, Janovský & Procházka (1980) III, section 7.
 
@@ -13,7 +13,7 @@ use crate::contact::relative::free_part;
 use crate::contact::{ContactError, End};
 use crate::geometry::{Point, add_scaled, dot, unit};
 use crate::mesh::{Facet, MAX_FACET_NODES, Mesh};
-use std::collections::{BTreeMap, HashMap};
+use std::collections::{BTreeMap, BTreeSet, HashMap};
 
 /// Outward unit normals of a side.
 pub(crate) struct Normals<'a, const D: usize> {
@@ -44,13 +44,16 @@ impl<'a, const D: usize> Normals<'a, D> {
             }
         }
         let own = at_nodes.clone();
+        let rim = rim(mesh, facets);
         for (&facet, normals) in &mut at_nodes {
             for (normal, node) in normals.iter_mut().zip(mesh.facet_nodes(facet)) {
                 let meeting = &around[&(node as usize)];
-                *normal = match meeting[..] {
-                    [_] => turned_back(end, node as usize, facet, &own, &around, *normal),
-                    _ => mean(*normal, meeting),
-                };
+                if meeting.len() > 1 {
+                    *normal = mean(*normal, meeting);
+                }
+                if meeting.len() == 1 || rim.contains(&node) {
+                    *normal = turned_back(end, node as usize, facet, &own, &around, *normal);
+                }
             }
         }
         Ok(Self {
@@ -96,6 +99,27 @@ impl<'a, const D: usize> Normals<'a, D> {
             .filter_map(|(node, sum)| Some((node, unit(sum)?)))
             .collect()
     }
+}
+
+/// Nodes on the edges at which some facets of space end; none in the plane.
+fn rim<const D: usize>(mesh: &Mesh<D>, facets: &[Facet]) -> BTreeSet<u32> {
+    let mut edges: BTreeMap<[u32; 2], Vec<u32>> = BTreeMap::new();
+    for &facet in facets.iter().filter(|_| D > 2) {
+        let corners = mesh.facet_kind(facet).corners();
+        let nodes: Vec<u32> = mesh.facet_nodes(facet).collect();
+        for k in 0..corners {
+            let (a, b) = (nodes[k], nodes[(k + 1) % corners]);
+            let on_edge = [a, b].into_iter().chain(nodes.get(corners + k).copied());
+            let edge = edges.entry([a.min(b), a.max(b)]).or_default();
+            match edge.is_empty() {
+                true => edge.extend(on_edge),
+                // two facets meet here
+                false => edge.truncate(1),
+            }
+        }
+    }
+    let ends = edges.into_values().filter(|nodes| nodes.len() > 1);
+    ends.flatten().collect()
 }
 
 /// Mean of a facet's normal and those that meet it without a corner.

@@ -1,50 +1,44 @@
 //! Where the facets of a plane side are cut, so that on each piece all shape functions of both sides are smooth.
 //!
-//! A facet consists of spans between neighbouring nodes; a span is cut where the line along the contact normal meets an end
+//! A facet consists of cells between neighbouring nodes; a cell is cut where the line along the contact normal meets an end
 //! node of the other side's facets. What faces nothing is left out.
 
 use crate::contact::Against;
+use crate::contact::functions::{Cell, Piece};
 use crate::contact::opposite::Opposite;
 use crate::contact::search::Line;
-use crate::mesh::{Facet, Mesh};
+use crate::fem::quadrature::gauss;
 use rayon::prelude::*;
 use std::collections::BTreeSet;
 
-/// Part of a facet between two neighbouring nodes.
-pub(super) struct Span {
-    pub facet: Facet,
-    /// Reference coordinates of its ends.
-    pub ends: [f64; 2],
-    pub nodes: [usize; 2],
-}
+/// Gauss points on each piece: exact for straight sides, beyond rounding for curved ones.
+const POINTS: usize = 6;
 
-/// Part of a span that faces one facet of the other side (or the obstacle).
-pub(super) struct Piece {
-    pub span: usize,
-    pub ends: [f64; 2],
-    pub opposite: Option<Facet>,
-}
-
-/// The pieces of all spans that face something, in their order.
-pub(super) fn pieces(sides: &Opposite<'_, 2>, spans: &[Span]) -> Vec<Piece> {
-    let each = spans.par_iter().enumerate();
-    each.flat_map_iter(|(index, span)| cut(sides, index, span))
+/// The pieces of all cells that face something, in their order.
+pub(super) fn pieces(sides: &Opposite<'_, 2>, cells: &[Cell]) -> Vec<Piece> {
+    let rule = gauss(POINTS);
+    let each = cells.par_iter().enumerate();
+    each.flat_map_iter(|(index, cell)| cut(sides, &rule, index, cell))
         .collect()
 }
 
-/// Cuts a span where its lines meet nodes of the other side; keeps the parts that face something.
-fn cut(sides: &Opposite<'_, 2>, index: usize, span: &Span) -> Vec<Piece> {
-    let [from, to] = span.ends;
-    let mut cuts = vec![from, to];
-    cuts.extend(places(sides, span));
+/// Cuts a cell where its lines meet nodes of the other side; keeps the parts that face something.
+fn cut(
+    sides: &Opposite<'_, 2>,
+    rule: &[(f64, f64)],
+    index: usize,
+    cell: &Cell,
+) -> Vec<Piece> {
+    let mut cuts: Vec<f64> = cell.places.iter().map(|place| place[0]).collect();
+    cuts.extend(places(sides, cell));
     cuts.sort_by(f64::total_cmp);
     let parts = cuts.windows(2).filter(|ends| ends[1] - ends[0] > 1e-12);
     let piece = |ends: &[f64]| {
-        let middle = sides.line(span.facet, &[0.5 * (ends[0] + ends[1])]);
+        let middle = sides.line(cell.facet, &[0.5 * (ends[0] + ends[1])]);
         let opposite = match sides.against {
-            Against::Side(_) => Some(sides.facing(span.facet, middle)?.facet),
+            Against::Side(_) => Some(sides.facing(cell.facet, middle)?.facet),
             Against::Obstacle(rigid, _) => {
-                let places = [ends[0], ends[1]].map(|xi| sides.line(span.facet, &[xi]));
+                let places = [ends[0], ends[1]].map(|xi| sides.line(cell.facet, &[xi]));
                 let faces = |line: &Line<2>| rigid.faces(line.start, line.direction);
                 if !places.iter().chain([&middle]).all(faces) {
                     return None;
@@ -52,22 +46,29 @@ fn cut(sides: &Opposite<'_, 2>, index: usize, span: &Span) -> Vec<Piece> {
                 None
             }
         };
+        let half = 0.5 * (ends[1] - ends[0]);
+        let centre = 0.5 * (ends[1] + ends[0]);
+        let points = rule.iter();
         Some(Piece {
-            span: index,
-            ends: [ends[0], ends[1]],
+            cell: index,
             opposite,
+            corners: vec![[ends[0], 0.0], [ends[1], 0.0]],
+            part: half,
+            points: points
+                .map(|&(x, weight)| ([centre + half * x, 0.0], half * weight))
+                .collect(),
         })
     };
     parts.filter_map(piece).collect()
 }
 
-/// Where the lines of a span meet end nodes of the other side's facets.
-fn places(sides: &Opposite<'_, 2>, span: &Span) -> Vec<f64> {
+/// Where the lines of a cell meet end nodes of the other side's facets.
+fn places(sides: &Opposite<'_, 2>, cell: &Cell) -> Vec<f64> {
     let (Some(search), Against::Side(mortar)) = (&sides.search, sides.against) else {
         return Vec::new();
     };
-    let [from, to] = span.ends;
-    let line = |xi: f64| sides.line(span.facet, &[xi]);
+    let [from, to] = [cell.places[0][0], cell.places[1][0]];
+    let line = |xi: f64| sides.line(cell.facet, &[xi]);
     let middle = line(0.5 * (from + to));
     let other = &mortar.body.mesh;
     let halves = [[line(from), middle], [middle, line(to)]];
@@ -76,22 +77,8 @@ fn places(sides: &Opposite<'_, 2>, span: &Span) -> Vec<f64> {
     let nodes: BTreeSet<u32> = corners.collect();
     let points = nodes.iter().map(|&node| other.points()[node as usize]);
     points
-        .filter_map(|y| root(span.ends, |xi| line(xi).across(y)))
+        .filter_map(|y| root([from, to], |xi| line(xi).across(y)))
         .collect()
-}
-
-/// The parts of a facet between its nodes, in its own direction.
-pub(super) fn spans(mesh: &Mesh<2>, facet: Facet) -> Vec<Span> {
-    let nodes: Vec<usize> = mesh.facet_nodes(facet).map(|node| node as usize).collect();
-    let span = |ends, nodes| Span { facet, ends, nodes };
-    match nodes[..] {
-        [a, b, middle] => vec![
-            span([-1.0, 0.0], [a, middle]),
-            span([0.0, 1.0], [middle, b]),
-        ],
-        [a, b, ..] => vec![span([-1.0, 1.0], [a, b])],
-        _ => Vec::new(),
-    }
 }
 
 /// The zero of a function that changes its sign between two ends, by the Illinois method.
@@ -123,6 +110,7 @@ fn root(ends: [f64; 2], f: impl Fn(f64) -> f64) -> Option<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::contact::functions::cells;
     use crate::contact::gaps::tests::{end, flat, noise, wall};
     use crate::contact::obstacle::{Driven, Rigid};
     use crate::contact::{End, InitialGap};
@@ -155,46 +143,25 @@ mod tests {
         assert_eq!(root([-1.0, 1.0], |_| f64::NAN), None);
     }
 
-    #[test]
-    fn spans_are_the_parts_of_a_facet_between_its_nodes() {
-        for (cell, ends) in [
-            (CellKind::Quad4, vec![[-1.0, 1.0]]),
-            (CellKind::Quad8, vec![[-1.0, 0.0], [0.0, 1.0]]),
-        ] {
-            let body = flat(&[0.0, 1.0, 2.0], 1.0, cell);
-            let facet = body.mesh.side("bottom").unwrap()[0];
-            let spans = spans(&body.mesh, facet);
-            let found: Vec<[f64; 2]> = spans.iter().map(|span| span.ends).collect();
-            assert_eq!(found, ends);
-            for span in spans {
-                assert_eq!(span.facet, facet);
-                for (node, xi) in span.nodes.into_iter().zip(span.ends) {
-                    let place = body.mesh.facet_point(facet, &[xi]);
-                    assert_eq!(body.mesh.points()[node], place);
-                }
-            }
-        }
-    }
-
-    /// The pieces of the side "bottom" of a body against something, with the spans that they belong to.
+    /// The pieces of the side "bottom" of a body against something, with the cells that they belong to.
     fn all_pieces<'a>(
         body: &'a Body<2>,
         free: &'a Constraints<2>,
         against: Against<'a, 2>,
-    ) -> (Opposite<'a, 2>, Vec<Span>, Vec<Piece>) {
+    ) -> (Opposite<'a, 2>, Vec<Cell>, Vec<Piece>) {
         let nonmortar = end(body, "bottom", free);
         let sides = Opposite::new(nonmortar, against, InitialGap::Measured, 0.0).unwrap();
         let facets = body.mesh.side("bottom").unwrap();
-        let spans = facets.iter().flat_map(|&facet| spans(&body.mesh, facet));
-        let spans: Vec<Span> = spans.collect();
-        let pieces = pieces(&sides, &spans);
-        (sides, spans, pieces)
+        let all = facets.iter().flat_map(|&facet| cells(&body.mesh, facet));
+        let all: Vec<Cell> = all.collect();
+        let pieces = pieces(&sides, &all);
+        (sides, all, pieces)
     }
 
     /// Where a piece begins and ends, along x.
-    fn range(body: &Body<2>, spans: &[Span], piece: &Piece) -> [f64; 2] {
-        let facet = spans[piece.span].facet;
-        piece.ends.map(|xi| body.mesh.facet_point(facet, &[xi])[0])
+    fn range(body: &Body<2>, cells: &[Cell], piece: &Piece) -> [f64; 2] {
+        let facet = cells[piece.cell].facet;
+        [0, 1].map(|k| body.mesh.facet_point(facet, &piece.corners[k])[0])
     }
 
     #[test]
@@ -213,10 +180,10 @@ mod tests {
                 // the body below: its facets run from right to left
                 let lower = flat(&other, -1.0, cell);
                 let against = Against::Side(end(&lower, "bottom", &free));
-                let (_, spans, pieces) = all_pieces(&upper, &free, against);
+                let (_, cells, pieces) = all_pieces(&upper, &free, against);
                 assert_eq!(pieces.len(), cuts.len() - 1);
                 for (piece, expected) in pieces.iter().zip(cuts.windows(2)) {
-                    let range = range(&upper, &spans, piece);
+                    let range = range(&upper, &cells, piece);
                     for (found, expected) in range.into_iter().zip(expected) {
                         assert!((found - expected).abs() < 1e-13, "{range:?}");
                     }
@@ -246,13 +213,13 @@ mod tests {
             let upper = flat(&own, 1.0, CellKind::Quad4);
             let lower = flat(&other, -1.0, CellKind::Quad4);
             let against = Against::Side(end(&lower, "bottom", &free));
-            let (_, spans, pieces) = all_pieces(&upper, &free, against);
+            let (_, cells, pieces) = all_pieces(&upper, &free, against);
             let (from, to) = (own[0].max(other[0]), own[8].min(other[8]));
             let nodes = own.iter().chain(&other);
             let inside = nodes.filter(|&&x| from < x && x < to).count();
             assert_eq!(pieces.len(), inside + 1);
             for piece in &pieces {
-                let [from, to] = range(&upper, &spans, piece);
+                let [from, to] = range(&upper, &cells, piece);
                 let ends = lower.mesh.facet_points(piece.opposite.unwrap());
                 let ends: Vec<f64> = ends.map(|x| x[0]).collect();
                 assert!(ends[1] < from + 1e-12 && to < ends[0] + 1e-12, "{ends:?}");
@@ -274,16 +241,16 @@ mod tests {
         let below: Vec<Point<2>> = below.collect();
         let lower = wall(&below, -2.0, CellKind::Quad4);
         let against = Against::Side(end(&lower, "bottom", &free));
-        let (sides, spans, pieces) = all_pieces(&upper, &free, against);
+        let (sides, cells, pieces) = all_pieces(&upper, &free, against);
         let nodes = lower.mesh.side_nodes("bottom").unwrap();
         let mut cuts = 0;
         for pair in pieces.windows(2) {
             let [before, after] = [&pair[0], &pair[1]];
-            if before.span != after.span {
+            if before.cell != after.cell {
                 continue;
             }
-            assert_eq!(before.ends[1], after.ends[0]);
-            let line = sides.line(spans[before.span].facet, &[before.ends[1]]);
+            assert_eq!(before.corners[1], after.corners[0]);
+            let line = sides.line(cells[before.cell].facet, &before.corners[1]);
             let off = nodes.iter().map(|&node| {
                 let place = lower.mesh.points()[node as usize];
                 line.across(place).abs()
@@ -295,12 +262,12 @@ mod tests {
         // all but the ends of the longer side lie opposite
         let over = |node: &&u32| lower.mesh.points()[**node as usize][0].abs() < 1.99;
         assert_eq!(cuts, nodes.iter().filter(over).count());
-        let length: f64 = pieces.iter().map(|p| p.ends[1] - p.ends[0]).sum();
+        let length: f64 = pieces.iter().map(|p| p.corners[1][0] - p.corners[0][0]).sum();
         assert!((length - 6.0).abs() < 1e-13);
     }
 
     #[test]
-    fn spans_are_kept_whose_ends_face_the_obstacle() {
+    fn cells_are_kept_whose_ends_face_the_obstacle() {
         let free = Constraints::default();
         let places: Vec<f64> = (0..9).map(|k| 0.5 * f64::from(k)).collect();
         let body = flat(&places, 1.0, CellKind::Quad4);
@@ -312,8 +279,8 @@ mod tests {
             inside: false,
         };
         let against = Against::Obstacle(&ball, Driven::Still);
-        let (_, spans, pieces) = all_pieces(&body, &free, against);
-        let ranges: Vec<[f64; 2]> = pieces.iter().map(|p| range(&body, &spans, p)).collect();
+        let (_, cells, pieces) = all_pieces(&body, &free, against);
+        let ranges: Vec<[f64; 2]> = pieces.iter().map(|p| range(&body, &cells, p)).collect();
         assert_eq!(ranges, [[1.5, 2.0], [2.0, 2.5]]);
         assert!(pieces.iter().all(|piece| piece.opposite.is_none()));
     }

@@ -32,6 +32,15 @@ pub fn frame<const D: usize>(normal: Point<D>, held: &[Point<D>]) -> [Point<D>; 
     frame
 }
 
+/// A frame carried to another normal nearby, by the smallest rotation.
+pub(super) fn carried<const D: usize>(frame: [Point<D>; D], normal: Point<D>) -> [Point<D>; D] {
+    let both = add_scaled(frame[0], 1.0, normal);
+    let scale = 1.0 / (1.0 + dot(frame[0], normal));
+    let mut carried = frame.map(|axis| add_scaled(axis, -scale * dot(axis, normal), both));
+    carried[0] = normal;
+    carried
+}
+
 /// What supports leave of the relative motion of two opposite points; orthonormal directions.
 pub(super) struct Relative<const D: usize> {
     /// Directions in which it is prescribed.

@@ -5,7 +5,11 @@
 //! inside x's own body, so that the far side of the other body is not taken for an overlap.
 //! Cost: O(log n) for each line.
 
-use crate::geometry::{Point, add_scaled, bounding_box, distance, dot, invert, norm, sub};
+use crate::contact::polygons::clip;
+use crate::contact::relative::frame;
+use crate::geometry::{
+    Point, add_scaled, bounding_box, distance, dot, invert, norm, sub, unit,
+};
 use crate::mesh::{CellKind, Domain, Facet, Mesh};
 use rstar::{AABB, RTree, RTreeObject, SelectionFunction};
 use std::sync::OnceLock;
@@ -124,7 +128,7 @@ impl<'a, const D: usize> Screen<'a, D> {
                 points[2] = add_scaled(middle.map(|c| 2.0 * c), -0.5, ends);
             }
             let (low, high) = bounding_box(&points);
-            let margin = END * distance(low, high);
+            let margin = END * distance(low, high) + bulge(mesh, facet, &points);
             let envelope = AABB::from_corners(low.map(|c| c - margin), high.map(|c| c + margin));
             Boxed { facet, envelope }
         });
@@ -150,6 +154,25 @@ impl<'a, const D: usize> Screen<'a, D> {
             (inside && cosine(dot(normal, line.direction) / norm(normal))).then_some(hit)
         })
     }
+}
+
+/// How far a curved facet of space may lie outside the box of its nodes: control points of its edges lie as far beyond the
+/// middle nodes as these lie off the chords, that of its middle at most twice as far.
+fn bulge<const D: usize>(mesh: &Mesh<D>, facet: Facet, points: &[Point<D>]) -> f64 {
+    let kind = mesh.facet_kind(facet);
+    let linear = kind.domain().linear();
+    if D < 3 || kind == linear {
+        return 0.0;
+    }
+    let off = |(xi, point): (&[f64; 3], &Point<D>)| {
+        let mut hats = [0.0; 4];
+        linear.shape(xi, &mut hats);
+        let middle = points.iter().zip(&hats[..linear.nodes()]);
+        let middle = middle.fold([0.0; D], |sum, (&x, &hat)| add_scaled(sum, hat, x));
+        distance(middle, *point)
+    };
+    let nodes = kind.reference_nodes().iter().zip(points);
+    3.0 * nodes.map(off).fold(0.0, f64::max)
 }
 
 /// Where a line meets a facet or its continuation, nearest to the facet's middle; `None` when it does not.
@@ -271,6 +294,76 @@ impl Search<'_, 2> {
     pub fn between(&self, lines: [Line<2>; 2]) -> Vec<Facet> {
         let meets = |low, high| meets_between(lines, low, high);
         self.other.select(meets)
+    }
+}
+
+/// What lines along the normals of a facet of space sweep, and a little more.
+#[derive(Debug, Clone)]
+pub(crate) struct Prism {
+    middle: Point<3>,
+    /// Two axes across the mean normal, and that.
+    axes: [Point<3>; 3],
+    /// How far the facet extends along the first two.
+    reach: [f64; 2],
+    /// By how much the lines part from the mean normal, per length.
+    spread: f64,
+}
+
+impl Prism {
+    /// Of the nodes of a facet and the normals at its corners.
+    pub fn new(points: impl Iterator<Item = Point<3>>, normals: &[Point<3>]) -> Self {
+        let points: Vec<Point<3>> = points.collect();
+        let sum = normals.iter().fold([0.0; 3], |sum, &n| add_scaled(sum, 1.0, n));
+        let [normal, first, second] = frame(unit(sum).unwrap_or(normals[0]), &[]);
+        let share = 1.0 / points.len() as f64;
+        let middle = points.iter().fold([0.0; 3], |sum, &x| add_scaled(sum, share, x));
+        let extent = |axis: Point<3>| {
+            let along = points.iter().map(|&x| dot(axis, sub(x, middle)).abs());
+            along.fold(0.0, f64::max)
+        };
+        let parting = normals.iter().map(|&n| norm(sub(n, normal)));
+        Self {
+            middle,
+            reach: [first, second].map(|axis| (1.0 + END) * extent(axis)),
+            axes: [first, second, normal],
+            spread: 1.1 * parting.fold(0.0, f64::max),
+        }
+    }
+
+    /// Whether a box may reach into it.
+    fn meets(&self, low: Point<3>, high: Point<3>) -> bool {
+        let centre: Point<3> = std::array::from_fn(|d| 0.5 * (low[d] + high[d]));
+        let half: Point<3> = std::array::from_fn(|d| 0.5 * (high[d] - low[d]));
+        let at = sub(centre, self.middle);
+        let [first, second, depth] = self.axes.map(|axis| {
+            let radius: f64 = (0..3).map(|d| half[d] * axis[d].abs()).sum();
+            (dot(axis, at).abs(), radius)
+        });
+        let parting = self.spread * (depth.0 + depth.1);
+        [first, second]
+            .into_iter()
+            .zip(self.reach)
+            .all(|((at, radius), reach)| at <= reach + radius + parting)
+    }
+
+    /// The part of a polygon that is not far from it.
+    pub fn clip(&self, polygon: &[Point<3>]) -> Vec<Point<3>> {
+        let from = |y: Point<3>, axis: Point<3>| dot(axis, sub(y, self.middle));
+        let depth = polygon.iter().map(|&y| from(y, self.axes[2]).abs());
+        let parting = self.spread * depth.fold(0.0, f64::max);
+        let sides = [(0, 1.0), (0, -1.0), (1, 1.0), (1, -1.0)];
+        sides.into_iter().fold(polygon.to_vec(), |left, (k, sign)| {
+            let reach = 1.5 * self.reach[k] + parting;
+            let inside = |y: Point<3>| reach - sign * from(y, self.axes[k]);
+            clip(&left, inside, |p, q, t| add_scaled(p, t, sub(q, p)))
+        })
+    }
+}
+
+impl Search<'_, 3> {
+    /// Facets of the other side that may reach into what lines along the normals of a facet sweep.
+    pub fn within(&self, prism: &Prism) -> Vec<Facet> {
+        self.other.select(|low, high| prism.meets(low, high))
     }
 }
 

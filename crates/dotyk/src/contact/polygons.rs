@@ -1,0 +1,454 @@
+//! Where the facets of a side in space are cut, so that on each piece all shape functions of both sides are smooth.
+//!
+//! A facet is cut in a *chart*, two coordinates in which its edges are straight: its reference coordinates, which the map to
+//! space turns into straight lines where the facet is affine; where it is a plane quadrilateral that is none, coordinates of its
+//! plane. There the corners y of the other side's facets lie where a line along the contact normal meets them,
+//!
+//! ```text
+//!   x(ξ) + s n(ξ) = y,
+//! ```
+//!
+//! and each of these facets cuts out a convex polygon (I. E. Sutherland and G. W. Hodgman, Commun. ACM 17 (1974) 32–42), which is
+//! integrated triangle by triangle. On plane sides all cuts are exact. On curved ones their edges are straight lines of the chart
+//! between exact ends: rows stay in balance, because every point of integration has its own line along n; only the kinks of shape
+//! functions are off by what two neighbouring facets turn.
+
+use crate::contact::Against;
+use crate::contact::functions::{Cell, Piece};
+use crate::contact::opposite::Opposite;
+use crate::contact::search::{Line, Prism, meet};
+use crate::fem::quadrature::{QuadraturePoint, rule};
+use crate::geometry::{Point, add_scaled, cross, dot, invert, norm, sub, unit};
+use crate::mesh::{CellKind, Domain, Facet, Mesh};
+use rayon::prelude::*;
+
+/// The pieces of all cells that face something, in their order; a cell is a whole facet.
+pub(super) fn pieces(sides: &Opposite<'_, 3>, cells: &[Cell]) -> Vec<Piece> {
+    let each = cells.par_iter().enumerate();
+    each.flat_map_iter(|(index, cell)| match sides.against {
+        Against::Side(mortar) => cut(sides, &mortar.body.mesh, index, cell),
+        Against::Obstacle(..) => over_obstacle(sides, index, cell).into_iter().collect(),
+    })
+    .collect()
+}
+
+/// The whole of a facet whose corners and middle face the obstacle.
+fn over_obstacle(sides: &Opposite<'_, 3>, index: usize, cell: &Cell) -> Option<Piece> {
+    let Against::Obstacle(rigid, _) = sides.against else {
+        return None;
+    };
+    let kind = sides.mesh().facet_kind(cell.facet);
+    let [x, y, _] = kind.domain().centre();
+    let middle = [x, y];
+    let mut places = cell.places.iter().chain([&middle]);
+    let faces = |xi: &[f64; 2]| {
+        let line = sides.line(cell.facet, xi);
+        rigid.faces(line.start, line.direction)
+    };
+    let points = rule(kind, degree(kind) + functions_degree(kind) + CURVED);
+    places.all(faces).then(|| Piece {
+        cell: index,
+        opposite: None,
+        corners: cell.places.clone(),
+        part: 1.0,
+        points: points.iter().map(flat).collect(),
+    })
+}
+
+fn flat(point: &QuadraturePoint) -> ([f64; 2], f64) {
+    ([point.xi[0], point.xi[1]], point.weight)
+}
+
+/// Cuts a facet into the parts that face facets of the other side.
+fn cut(sides: &Opposite<'_, 3>, other: &Mesh<3>, index: usize, cell: &Cell) -> Vec<Piece> {
+    let Some(search) = &sides.search else {
+        return Vec::new();
+    };
+    let chart = Chart::new(sides, cell);
+    let mut pieces = Vec::new();
+    for facet in search.within(&chart.prism) {
+        for outline in outlines(other, facet) {
+            let polygon = chart.cut_by(&outline);
+            let area = area(&polygon);
+            if area < SLIVER * chart.area {
+                continue;
+            }
+            if !chart.sees(sides, other, facet, centroid(&polygon)) {
+                continue;
+            }
+            let degree = chart.degree(other, facet);
+            let Some(points) = chart.points(&polygon, degree) else {
+                continue;
+            };
+            let Some(corners) = polygon.iter().map(|&c| chart.xi(c)).collect() else {
+                continue;
+            };
+            pieces.push(Piece {
+                cell: index,
+                opposite: Some(facet),
+                corners,
+                part: area / chart.area,
+                points,
+            });
+        }
+    }
+    pieces
+}
+
+/// Pieces smaller than this part of their facet are rounding.
+const SLIVER: f64 = 1e-12;
+
+/// Lengths below this part of a facet are rounding.
+const ROUNDING: f64 = 1e-9;
+
+/// A facet of the nonmortar side, and coordinates in which it is cut.
+struct Chart<'a> {
+    mesh: &'a Mesh<3>,
+    facet: Facet,
+    kind: CellKind,
+    /// In the coordinates of the facet's plane, if not in those of the reference facet.
+    plane: Option<Plane>,
+    /// Corners in these coordinates, counter-clockwise.
+    polygon: Vec<[f64; 2]>,
+    area: f64,
+    /// Contact normals at the corners.
+    normals: Vec<Point<3>>,
+    prism: Prism,
+    shape: Form,
+    /// All normals are the same.
+    parallel: bool,
+}
+
+/// A plane with two axes.
+#[derive(Clone, Copy)]
+struct Plane {
+    origin: Point<3>,
+    axes: [Point<3>; 2],
+    normal: Point<3>,
+}
+
+impl Plane {
+    fn coordinates(&self, x: Point<3>) -> [f64; 2] {
+        self.axes.map(|axis| dot(axis, sub(x, self.origin)))
+    }
+}
+
+/// What a facet is like.
+#[derive(Clone, Copy, PartialEq)]
+enum Form {
+    /// An affine image of its reference facet.
+    Affine,
+    /// Plane, with straight edges; how far it is from affine, as part of its size.
+    Plane(f64),
+    Curved,
+}
+
+/// What a facet is like, with its middle and size.
+fn form(mesh: &Mesh<3>, facet: Facet) -> (Form, Plane, f64) {
+    let kind = mesh.facet_kind(facet);
+    let centre = kind.domain().centre();
+    let points: Vec<Point<3>> = mesh.facet_points(facet).collect();
+    let corners = kind.corners();
+    let origin = mesh.facet_point(facet, &centre);
+    let normal = unit(mesh.outward_normal(facet, &centre)).unwrap_or([0.0; 3]);
+    let tangents = mesh.facet_tangents(facet, &centre);
+    let first = unit(tangents[0]).unwrap_or([0.0; 3]);
+    let plane = Plane {
+        origin,
+        axes: [first, cross(normal, first)],
+        normal,
+    };
+    let away = |x: &Point<3>| norm(sub(*x, origin));
+    let size = points.iter().map(away).fold(0.0, f64::max);
+    let off_plane = |x: &Point<3>| dot(normal, sub(*x, origin)).abs();
+    let level = points.iter().map(off_plane).fold(0.0, f64::max) <= ROUNDING * size;
+    let linear = kind.domain().linear();
+    let mut straight = true;
+    for (xi, point) in kind.reference_nodes().iter().zip(&points).skip(corners) {
+        let mut hats = [0.0; 4];
+        linear.shape(xi, &mut hats);
+        let middle = hats[..corners].iter().zip(&points);
+        let middle = middle.fold([0.0; 3], |sum, (&h, &x)| add_scaled(sum, h, x));
+        straight &= norm(sub(middle, *point)) <= ROUNDING * size;
+    }
+    let taper = match points[..corners] {
+        [a, b, c, d] => norm(sub(add_scaled(a, 1.0, c), add_scaled(b, 1.0, d))) / (4.0 * size),
+        _ => 0.0,
+    };
+    let form = match (straight, level) {
+        (true, _) if taper <= ROUNDING => Form::Affine,
+        (true, true) => Form::Plane(taper),
+        _ => Form::Curved,
+    };
+    (form, plane, size)
+}
+
+impl<'a> Chart<'a> {
+    fn new(sides: &Opposite<'a, 3>, cell: &Cell) -> Self {
+        let (mesh, facet) = (sides.mesh(), cell.facet);
+        let kind = mesh.facet_kind(facet);
+        let (shape, plane, _) = form(mesh, facet);
+        let normals: Vec<Point<3>> = cell
+            .places
+            .iter()
+            .map(|xi| sides.normals.at(facet, xi))
+            .collect();
+        let same = |n: &Point<3>| norm(sub(*n, normals[0])) <= ROUNDING;
+        let parallel = normals.iter().all(same);
+        let in_plane = parallel && matches!(shape, Form::Plane(_));
+        let plane = in_plane.then_some(plane);
+        let place = |xi: &[f64; 2]| match &plane {
+            Some(plane) => plane.coordinates(mesh.facet_point(facet, xi)),
+            None => *xi,
+        };
+        let polygon: Vec<[f64; 2]> = cell.places.iter().map(place).collect();
+        Self {
+            area: area(&polygon),
+            polygon,
+            prism: Prism::new(mesh.facet_points(facet), &normals),
+            plane,
+            normals,
+            mesh,
+            facet,
+            kind,
+            shape,
+            parallel,
+        }
+    }
+
+    /// Reference coordinates of a place of the chart; `None` where they are not found.
+    fn xi(&self, place: [f64; 2]) -> Option<[f64; 2]> {
+        let Some(plane) = &self.plane else {
+            return Some(place);
+        };
+        let start = (0..2).fold(plane.origin, |x, k| {
+            add_scaled(x, place[k], plane.axes[k])
+        });
+        let line = Line {
+            start,
+            direction: plane.normal,
+        };
+        meet(self.mesh, self.facet, line).map(|hit| hit.xi)
+    }
+
+    /// The place from which a point is seen along the normals.
+    fn seen_from(&self, y: Point<3>) -> Option<[f64; 2]> {
+        if let Some(plane) = &self.plane {
+            let slope = dot(self.normals[0], plane.normal);
+            let s = dot(plane.normal, sub(y, plane.origin)) / slope;
+            return Some(plane.coordinates(add_scaled(y, -s, self.normals[0])));
+        }
+        let linear = self.kind.domain().linear();
+        let [x, y0, _] = self.kind.domain().centre();
+        let (mut xi, mut s) = ([x, y0], 0.0);
+        for _ in 0..STEPS {
+            let (mut hats, mut slopes) = ([0.0; 4], [[0.0; 2]; 4]);
+            linear.shape(&xi, &mut hats);
+            linear.gradients(&xi, &mut slopes);
+            let tangents = self.mesh.facet_tangents(self.facet, &xi);
+            let (mut direction, mut bends) = ([0.0; 3], [[0.0; 3]; 2]);
+            for ((&normal, hat), slope) in self.normals.iter().zip(hats).zip(slopes) {
+                direction = add_scaled(direction, hat, normal);
+                bends = [0, 1].map(|k| add_scaled(bends[k], slope[k], normal));
+            }
+            let at = add_scaled(self.mesh.facet_point(self.facet, &xi), s, direction);
+            let columns = [
+                add_scaled(tangents[0], s, bends[0]),
+                add_scaled(tangents[1], s, bends[1]),
+                direction,
+            ];
+            let jacobian = std::array::from_fn(|i| columns.map(|column| column[i]));
+            let (inverse, _) = invert::<3>(&jacobian);
+            let rest = sub(y, at);
+            let change = inverse.map(|row| dot(row, rest));
+            (xi[0], xi[1], s) = (xi[0] + change[0], xi[1] + change[1], s + change[2]);
+            if change[..2].iter().all(|c| c.abs() < SETTLED) {
+                return Some(xi);
+            }
+        }
+        None
+    }
+
+    /// What of the facet a polygon of space covers, as a polygon of the chart; empty where nothing, or where that looks the
+    /// same way as the facet.
+    fn cut_by(&self, outline: &[Point<3>]) -> Vec<[f64; 2]> {
+        // far from a facet that bends, lines along its normals meet anything
+        let near = match self.shape == Form::Affine && self.parallel || self.plane.is_some() {
+            true => outline.to_vec(),
+            false => self.prism.clip(outline),
+        };
+        let places = near.into_iter().map(|y| self.seen_from(y));
+        let Some(mut places) = places.collect::<Option<Vec<[f64; 2]>>>() else {
+            return Vec::new();
+        };
+        if places.len() < 3 || signed_area(&places) >= 0.0 {
+            return Vec::new();
+        }
+        places.reverse();
+        let edges = (0..places.len()).map(|k| [places[k], places[(k + 1) % places.len()]]);
+        edges.fold(self.polygon.clone(), |left, [a, b]| {
+            let inside = |p: [f64; 2]| turn(a, b, p);
+            clip(&left, inside, |p, q, t| {
+                [0, 1].map(|d| p[d] + t * (q[d] - p[d]))
+            })
+        })
+    }
+
+    /// Whether a place of the chart faces this facet of the other side, and nothing nearer.
+    fn sees(&self, sides: &Opposite<'_, 3>, other: &Mesh<3>, facet: Facet, at: [f64; 2]) -> bool {
+        let Some(xi) = self.xi(at) else {
+            return false;
+        };
+        let line = sides.line(self.facet, &xi);
+        let Some(found) = sides.facing(self.facet, line) else {
+            return false;
+        };
+        let same = |distance: f64| {
+            // of two facets that meet, either is the same sheet
+            (distance - found.distance).abs() <= SHEET * other.facet_length(facet)
+        };
+        found.facet == facet || meet(other, facet, line).is_some_and(|hit| same(hit.distance))
+    }
+
+    /// The degree that integrates on a piece in front of a facet exactly, or to rounding where that can not be.
+    fn degree(&self, other: &Mesh<3>, facet: Facet) -> usize {
+        let kind = other.facet_kind(facet);
+        let base = functions_degree(self.kind) + degree(self.kind).max(degree(kind));
+        let (opposite, ..) = form(other, facet);
+        let own = match (self.shape, &self.plane) {
+            (Form::Plane(_), None) => Form::Curved,
+            (shape, _) => shape,
+        };
+        match (own, opposite) {
+            (Form::Affine, Form::Affine) => base,
+            (Form::Curved, _) | (_, Form::Curved) => base + CURVED,
+            (a, b) => {
+                let taper = |form| if let Form::Plane(taper) = form { taper } else { 0.0 };
+                let taper = f64::max(taper(a), taper(b));
+                // shape functions of a tapered facet are power series in its taper: digits that are wanted over digits a term
+                let terms = (-ROUNDING.log10() / -taper.min(0.5).log10()).ceil();
+                base + (terms as usize).min(MOST)
+            }
+        }
+    }
+
+    /// Points of integration on a polygon of the chart.
+    fn points(&self, polygon: &[[f64; 2]], degree: usize) -> Option<Vec<([f64; 2], f64)>> {
+        let rule = rule(CellKind::Tri3, degree);
+        let mut points = Vec::with_capacity(rule.len() * (polygon.len() - 2));
+        let first = polygon[0];
+        for ends in polygon[1..].windows(2) {
+            let double = turn(first, ends[0], ends[1]);
+            for QuadraturePoint { xi: [u, v, _], weight } in &rule {
+                let at = [0, 1].map(|d| {
+                    first[d] + u * (ends[0][d] - first[d]) + v * (ends[1][d] - first[d])
+                });
+                let xi = self.xi(at)?;
+                let stretch = match self.plane {
+                    Some(_) => norm(self.mesh.outward_normal(self.facet, &xi)),
+                    None => 1.0,
+                };
+                points.push((xi, weight * double / stretch));
+            }
+        }
+        Some(points)
+    }
+}
+
+/// Most steps to where a point is seen from, and when they have settled, in reference coordinates.
+const STEPS: usize = 20;
+const SETTLED: f64 = 1e-13;
+
+/// Distances along a line that differ by less than this part of a facet are of one sheet.
+const SHEET: f64 = 0.01;
+
+/// Degrees more for what is curved, and at most for what is tapered.
+const CURVED: usize = 2;
+const MOST: usize = 14;
+
+/// Total degree of the shape functions of a facet.
+fn degree(kind: CellKind) -> usize {
+    match kind {
+        CellKind::Quad8 => 3,
+        _ => functions_degree(kind) * kind.order(),
+    }
+}
+
+/// Total degree of the hats of its corners.
+fn functions_degree(kind: CellKind) -> usize {
+    match kind.domain() {
+        Domain::Square => 2,
+        _ => 1,
+    }
+}
+
+/// Polygons with straight edges that make up a facet: the one of its corners, or where its edges are curved, triangles around
+/// its middle.
+fn outlines(mesh: &Mesh<3>, facet: Facet) -> Vec<Vec<Point<3>>> {
+    let kind = mesh.facet_kind(facet);
+    let corners = kind.corners();
+    let points: Vec<Point<3>> = mesh.facet_points(facet).collect();
+    let limit = BENT * mesh.facet_length(facet);
+    let edge = |k: usize| [points[k], points[(k + 1) % corners]];
+    let bent = (corners..points.len().min(2 * corners)).any(|m| {
+        let [a, b] = edge(m - corners);
+        let middle = add_scaled(a.map(|c| 0.5 * c), 0.5, b);
+        norm(sub(points[m], middle)) > limit
+    });
+    if !bent {
+        return vec![points[..corners].to_vec()];
+    }
+    let middle = mesh.facet_point(facet, &kind.domain().centre());
+    let halves = (0..corners).flat_map(|k| {
+        let [a, b] = edge(k);
+        let m = points[corners + k];
+        [vec![a, m, middle], vec![m, b, middle]]
+    });
+    halves.collect()
+}
+
+/// Edges that are bent less than this part of a facet count as straight where they cut.
+const BENT: f64 = 1e-6;
+
+/// Twice the area of a triangle, positive when counter-clockwise.
+fn turn(a: [f64; 2], b: [f64; 2], p: [f64; 2]) -> f64 {
+    (b[0] - a[0]) * (p[1] - a[1]) - (b[1] - a[1]) * (p[0] - a[0])
+}
+
+fn signed_area(polygon: &[[f64; 2]]) -> f64 {
+    let Some((&first, rest)) = polygon.split_first() else {
+        return 0.0;
+    };
+    let triangles = rest.windows(2).map(|ends| turn(first, ends[0], ends[1]));
+    0.5 * triangles.sum::<f64>()
+}
+
+fn area(polygon: &[[f64; 2]]) -> f64 {
+    signed_area(polygon).abs()
+}
+
+/// Mean of the corners.
+fn centroid(polygon: &[[f64; 2]]) -> [f64; 2] {
+    let sum = |d: usize| polygon.iter().map(|p| p[d]).sum::<f64>();
+    [0, 1].map(|d| sum(d) / polygon.len() as f64)
+}
+
+/// The part of a convex polygon where a linear function is not negative.
+pub(super) fn clip<P: Copy>(
+    polygon: &[P],
+    inside: impl Fn(P) -> f64,
+    between: impl Fn(P, P, f64) -> P,
+) -> Vec<P> {
+    let mut left = Vec::with_capacity(polygon.len() + 1);
+    for (k, &p) in polygon.iter().enumerate() {
+        let q = polygon[(k + 1) % polygon.len()];
+        let (a, b) = (inside(p), inside(q));
+        if a >= 0.0 {
+            left.push(p);
+        }
+        if (a > 0.0 && b < 0.0) || (a < 0.0 && b > 0.0) {
+            left.push(between(p, q, a / (a - b)));
+        }
+    }
+    left
+}
