@@ -72,49 +72,37 @@ impl<'a, const D: usize> TrueSurface<'a, D> {
     }
 }
 
-/// Largest distance of the facets of a side from the smooth curve that they stand for. Zero where their true surface is
+/// Largest distance of the facets of a side from the smooth curve or surface that they stand for. Zero where their true surface is
 /// known, and across sharp corners.
 ///
-/// * Straight facets of length L that turn by θ at their common node: Lθ/8. Parabolas on a circle turn, too, but miss a
-///   quarter of that.
+/// * Straight facets of length L that turn by θ at their common node, in space at the middle of their common edge: Lθ/8. Parabolas
+///   on a circle turn, too, but miss a quarter of that.
 /// * Parabolas of length L and rise s, whose curvature κ = 8s/L² changes by Δκ at a common node: s³/L² is what a parabola
 ///   through three points of a circle misses, Δκ L²/(72√3) what it misses of a curve whose curvature changes.
 ///
 /// Errors: unknown or empty sides.
-pub fn sagitta(end: End<'_, 2>) -> Result<f64, ContactError> {
+pub fn sagitta<const D: usize>(end: End<'_, D>) -> Result<f64, ContactError> {
     let mesh = &end.body.mesh;
     let facets = end.facets()?;
     let surface = TrueSurface::of(end, facets)?;
-    let mut around: BTreeMap<u32, Vec<Piece>> = BTreeMap::new();
+    let mut around: BTreeMap<[u32; 2], Vec<Piece<D>>> = BTreeMap::new();
     let mut largest = 0.0f64;
     for &facet in facets.iter().filter(|&&facet| surface.at(facet).is_none()) {
-        let points: Vec<Point<2>> = mesh.facet_points(facet).collect();
-        let [Some(first), Some(last)] = [-1.0, 1.0].map(|x| unit(mesh.outward_normal(facet, &[x])))
-        else {
-            continue;
-        };
-        let length = mesh.facet_length(facet);
-        let rise = match (points.as_slice(), unit(mesh.outward_normal(facet, &[0.0]))) {
-            (&[a, _, middle], Some(normal)) => {
-                // the tangent there is along the chord
-                dot(normal, sub(middle, a))
-            }
-            _ => 0.0,
-        };
+        let (length, rise) = (mesh.facet_length(facet), rise(mesh, facet));
         largest = largest.max(rise.abs().powi(3) / (length * length));
-        for (node, normal) in mesh.facet_nodes(facet).zip([first, last]) {
-            around.entry(node).or_default().push(Piece {
+        for (place, normal) in meeting_places(mesh, facet) {
+            around.entry(place).or_default().push(Piece {
                 normal,
                 length,
                 rise,
             });
         }
     }
-    let at_node = |meeting: &Vec<Piece>| match meeting.as_slice() {
+    let at_place = |meeting: &Vec<Piece<D>>| match meeting.as_slice() {
         [a, b] if dot(a.normal, b.normal) > SHARP => {
             let length = a.length.max(b.length);
             let turn = length * dot(a.normal, b.normal).min(1.0).acos() / 8.0;
-            let bent = |piece: &Piece| piece.rise.abs() > turn;
+            let bent = |piece: &Piece<D>| piece.rise.abs() > turn;
             let change = (a.curvature() - b.curvature()).abs();
             match bent(a) && bent(b) {
                 true => (0.25 * turn).max(change * length * length / (72.0 * 3f64.sqrt())),
@@ -123,14 +111,14 @@ pub fn sagitta(end: End<'_, 2>) -> Result<f64, ContactError> {
         }
         _ => 0.0,
     };
-    Ok(around.values().map(at_node).fold(largest, f64::max))
+    Ok(around.values().map(at_place).fold(largest, f64::max))
 }
 
 /// The largest angle by which neighbouring straight facets of a side turn, corners left out; `None` for a side that has
 /// facets of higher order.
 ///
 /// Errors: unknown or empty sides.
-pub fn straight_turn(end: End<'_, 2>) -> Result<Option<f64>, ContactError> {
+pub fn straight_turn<const D: usize>(end: End<'_, D>) -> Result<Option<f64>, ContactError> {
     let mesh = &end.body.mesh;
     let facets = end.facets()?;
     if facets
@@ -139,28 +127,64 @@ pub fn straight_turn(end: End<'_, 2>) -> Result<Option<f64>, ContactError> {
     {
         return Ok(None);
     }
-    let mut around: BTreeMap<u32, Vec<Point<2>>> = BTreeMap::new();
+    let mut around: BTreeMap<[u32; 2], Vec<Point<D>>> = BTreeMap::new();
     for &facet in facets {
-        let normal = unit(mesh.outward_normal(facet, &[0.0]));
-        for node in mesh.facet_nodes(facet) {
-            around.entry(node).or_default().extend(normal);
+        for (place, normal) in meeting_places(mesh, facet) {
+            around.entry(place).or_default().push(normal);
         }
     }
-    let turn = |normals: &Vec<Point<2>>| match normals[..] {
+    let turn = |normals: &Vec<Point<D>>| match normals[..] {
         [a, b] if dot(a, b) > SHARP => dot(a, b).min(1.0).acos(),
         _ => 0.0,
     };
     Ok(Some(around.values().map(turn).fold(0.0, f64::max)))
 }
 
-/// A facet at one of its ends.
-struct Piece {
-    normal: Point<2>,
+/// Where a facet meets others, with its outward unit normals there: its end nodes, in space the middles of its edges, named by
+/// their corners.
+fn meeting_places<const D: usize>(mesh: &Mesh<D>, facet: Facet) -> Vec<([u32; 2], Point<D>)> {
+    let kind = mesh.facet_kind(facet);
+    let (corners, at) = (kind.corners(), kind.reference_nodes());
+    let nodes: Vec<u32> = mesh.facet_nodes(facet).collect();
+    let place = |k: usize| {
+        let next = if D == 2 { k } else { (k + 1) % corners };
+        let xi: [f64; 3] = std::array::from_fn(|d| 0.5 * (at[k][d] + at[next][d]));
+        let normal = unit(mesh.outward_normal(facet, &xi))?;
+        let (a, b) = (nodes[k], nodes[next]);
+        Some(([a.min(b), a.max(b)], normal))
+    };
+    (0..corners).filter_map(place).collect()
+}
+
+/// How far the middle nodes of a facet, in space those of its edges, lie off the chords, along its normal in the middle; the
+/// largest in magnitude.
+fn rise<const D: usize>(mesh: &Mesh<D>, facet: Facet) -> f64 {
+    let kind = mesh.facet_kind(facet);
+    let Some(normal) = unit(mesh.outward_normal(facet, &kind.domain().centre())) else {
+        return 0.0;
+    };
+    let points: Vec<Point<D>> = mesh.facet_points(facet).collect();
+    let corners = kind.corners();
+    let middles = points.iter().skip(corners).take(corners).enumerate();
+    let off = middles.map(|(k, &middle)| {
+        let chord = sub(middle, points[k]);
+        // in the plane the tangent in the middle is along the chord
+        match D {
+            2 => dot(normal, chord),
+            _ => 0.5 * (dot(normal, chord) + dot(normal, sub(middle, points[(k + 1) % corners]))),
+        }
+    });
+    off.fold(0.0, |most: f64, off| if off.abs() > most.abs() { off } else { most })
+}
+
+/// A facet where it meets another.
+struct Piece<const D: usize> {
+    normal: Point<D>,
     length: f64,
     rise: f64,
 }
 
-impl Piece {
+impl<const D: usize> Piece<D> {
     fn curvature(&self) -> f64 {
         8.0 * self.rise / (self.length * self.length)
     }

@@ -42,7 +42,7 @@ pub(crate) fn chosen<const D: usize>(ends: [End<'_, D>; 2]) -> Result<usize, Con
     let finer = (edge[coarse] / edge[fine]).ln();
     let shown =
         |turn: f64| stiffer * finer > SHOWS || KINKS * turn * finer * stiffer.max(1.0) > VISIBLE;
-    let turn = ends[coarse].of_dimension().map_or(Ok(None), straight_turn)?;
+    let turn = straight_turn(ends[coarse])?;
     Ok(match turn.is_some_and(shown) {
         true => coarse,
         false => fine,

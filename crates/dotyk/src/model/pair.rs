@@ -561,7 +561,7 @@ impl<'a, const D: usize> Contacting<'a, D> {
         let matching = partners.all(|n| n.partner().is_some());
         let mut crude = 0.0;
         if measured && !matching {
-            let missed = ends.map(|end| end.of_dimension().map_or(Ok(0.0), sagitta));
+            let missed = ends.map(sagitta);
             let [first, second] = missed;
             let missed = [first?, second?];
             crude = missed[0].max(missed[1]);
