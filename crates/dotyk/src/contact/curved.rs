@@ -174,7 +174,10 @@ fn rise<const D: usize>(mesh: &Mesh<D>, facet: Facet) -> f64 {
             _ => 0.5 * (dot(normal, chord) + dot(normal, sub(middle, points[(k + 1) % corners]))),
         }
     });
-    off.fold(0.0, |most: f64, off| if off.abs() > most.abs() { off } else { most })
+    off.fold(
+        0.0,
+        |most: f64, off| if off.abs() > most.abs() { off } else { most },
+    )
 }
 
 /// A facet where it meets another.

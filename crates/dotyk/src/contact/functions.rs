@@ -40,7 +40,8 @@ impl Stretch {
 
     /// Takes the smallest box, in a triangle the smallest similar triangle, around some points to the whole of a domain.
     fn to_whole(domain: Domain, points: &[[f64; 2]]) -> Self {
-        let least = |f: &dyn Fn(&[f64; 2]) -> f64| points.iter().map(f).fold(f64::INFINITY, f64::min);
+        let least =
+            |f: &dyn Fn(&[f64; 2]) -> f64| points.iter().map(f).fold(f64::INFINITY, f64::min);
         let low = [least(&|p| p[0]), least(&|p| p[1])];
         match domain {
             Domain::Triangle => {
@@ -276,9 +277,19 @@ fn hats(cell: &Cell, xi: [f64; 2], carries: &[bool]) -> Values {
     if carrying == carries.len() {
         return hats;
     }
-    let lost: f64 = hats.iter().zip(carries).filter(|(_, c)| !**c).map(|(h, _)| h).sum();
+    let lost: f64 = hats
+        .iter()
+        .zip(carries)
+        .filter(|(_, c)| !**c)
+        .map(|(h, _)| h)
+        .sum();
     let mut shared = [0.0; FUNCTIONS];
-    for ((shared, hat), _) in shared.iter_mut().zip(hats).zip(carries).filter(|(_, c)| **c) {
+    for ((shared, hat), _) in shared
+        .iter_mut()
+        .zip(hats)
+        .zip(carries)
+        .filter(|(_, c)| **c)
+    {
         *shared = hat + lost / carrying as f64;
     }
     shared
@@ -343,7 +354,9 @@ mod tests {
             let body = flat(&[0.0, 1.0, 2.0], 1.0, cell);
             let facet = body.mesh.side("bottom").unwrap()[0];
             let cells = cells(&body.mesh, facet);
-            let found = cells.iter().map(|cell| [cell.places[0][0], cell.places[1][0]]);
+            let found = cells
+                .iter()
+                .map(|cell| [cell.places[0][0], cell.places[1][0]]);
             assert_eq!(found.collect::<Vec<_>>(), ends);
             for cell in cells {
                 assert_eq!(cell.facet, facet);
@@ -404,7 +417,11 @@ mod tests {
         ] {
             let (covered, found) = cover(&ends);
             assert_eq!((covered, found.is_some()), (whole, interval.is_some()));
-            for (a, b) in found.into_iter().flatten().zip(interval.into_iter().flatten()) {
+            for (a, b) in found
+                .into_iter()
+                .flatten()
+                .zip(interval.into_iter().flatten())
+            {
                 assert!((a - b).abs() < 1e-15);
             }
         }
@@ -465,10 +482,10 @@ mod tests {
                 }
             }
         }
-        for i in 0..4 {
-            for j in 0..4 {
+        for (i, row) in products.into_iter().enumerate() {
+            for (j, product) in row.into_iter().enumerate() {
                 let expected = if i == j { weights[i] } else { 0.0 };
-                assert!((products[i][j] - expected).abs() < 1e-14);
+                assert!((product - expected).abs() < 1e-14);
             }
         }
     }

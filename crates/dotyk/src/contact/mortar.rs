@@ -251,7 +251,8 @@ impl<'a, const D: usize> Pairing<'a, D> {
             Some(plane) => {
                 let chains = plane.chain(nonmortar.side).unwrap_or_default();
                 cyclic = nonmortar.part.is_none() && chains.len() == 1 && chains[0].cyclic;
-                let of_part = |facet: &Facet| nonmortar.part.is_none_or(|part| part.contains(facet));
+                let of_part =
+                    |facet: &Facet| nonmortar.part.is_none_or(|part| part.contains(facet));
                 let along = chains.iter().flat_map(|chain| &chain.facets);
                 along.copied().filter(of_part).collect()
             }
@@ -697,9 +698,9 @@ mod tests {
     use super::*;
     use crate::contact::gaps::tests::{body, end, flat, held, node_at, ring, wall};
     use crate::contact::{Rigid, pair_nodes};
+    use crate::fem::quadrature;
     use crate::fem::{Body, Constraints};
     use crate::geometry::{Field, Surface};
-    use crate::fem::quadrature;
     use crate::mesh::{CellKind, Cuboid};
 
     /// One side over another, nothing held.
@@ -1282,7 +1283,15 @@ mod tests {
         let free = Constraints::default();
         let against = Against::Side(end(other, "top", &free));
         let (gap, analysis) = (InitialGap::Measured, Analysis::Solid);
-        pair_mortar(end(own, "bottom", &free), against, gap, coupling, analysis, 0.0).unwrap()
+        pair_mortar(
+            end(own, "bottom", &free),
+            against,
+            gap,
+            coupling,
+            analysis,
+            0.0,
+        )
+        .unwrap()
     }
 
     fn moved(row: &Row<3>, body: &Body<3>, u: impl Fn(Point<3>) -> Point<3>) -> f64 {
@@ -1295,7 +1304,8 @@ mod tests {
     #[test]
     fn in_space_a_rigid_motion_of_both_bodies_together_neither_opens_nor_slips() {
         let axis = [0.3, -0.7, 0.5];
-        let motion = |x: Point<3>| add_scaled([0.2, 0.1, -0.4], 1.0, crate::geometry::cross(axis, x));
+        let motion =
+            |x: Point<3>| add_scaled([0.2, 0.1, -0.4], 1.0, crate::geometry::cross(axis, x));
         for own in [CellKind::Tet4, CellKind::Hex8] {
             for other in [CellKind::Tet4, CellKind::Hex8] {
                 let upper = bowl(own, [3, 4, 1], [0.2, 1.0], 0.0);
@@ -1378,14 +1388,19 @@ mod tests {
                     }
                     sums
                 };
-                let integral = |f: &dyn Fn(Point<3>) -> f64| {
-                    over_common(angle, |[x, y]| f([x, y, 0.0]))
-                };
+                let integral =
+                    |f: &dyn Fn(Point<3>) -> f64| over_common(angle, |[x, y]| f([x, y, 0.0]));
                 let check = |found: f64, expected: f64| {
-                    assert!((found - expected).abs() < 1e-9, "{own:?} {other:?} {found} {expected}");
+                    assert!(
+                        (found - expected).abs() < 1e-9,
+                        "{own:?} {other:?} {found} {expected}"
+                    );
                 };
                 check(sum(&|_| 1.0), integral(&|_| 1.0));
-                check(interface.carriers().map(|n| n.extent).sum(), integral(&|_| 1.0));
+                check(
+                    interface.carriers().map(|n| n.extent).sum(),
+                    integral(&|_| 1.0),
+                );
                 check(sum(&|node| node.gap), 0.25 * integral(&|_| 1.0));
                 for axis in 0..3 {
                     check(sum(&|node| slip(node, axis)[0]), integral(&|x| us(x)[axis]));

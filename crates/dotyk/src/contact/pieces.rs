@@ -23,12 +23,7 @@ pub(super) fn pieces(sides: &Opposite<'_, 2>, cells: &[Cell]) -> Vec<Piece> {
 }
 
 /// Cuts a cell where its lines meet nodes of the other side; keeps the parts that face something.
-fn cut(
-    sides: &Opposite<'_, 2>,
-    rule: &[(f64, f64)],
-    index: usize,
-    cell: &Cell,
-) -> Vec<Piece> {
+fn cut(sides: &Opposite<'_, 2>, rule: &[(f64, f64)], index: usize, cell: &Cell) -> Vec<Piece> {
     let mut cuts: Vec<f64> = cell.places.iter().map(|place| place[0]).collect();
     cuts.extend(places(sides, cell));
     cuts.sort_by(f64::total_cmp);
@@ -262,7 +257,10 @@ mod tests {
         // all but the ends of the longer side lie opposite
         let over = |node: &&u32| lower.mesh.points()[**node as usize][0].abs() < 1.99;
         assert_eq!(cuts, nodes.iter().filter(over).count());
-        let length: f64 = pieces.iter().map(|p| p.corners[1][0] - p.corners[0][0]).sum();
+        let length: f64 = pieces
+            .iter()
+            .map(|p| p.corners[1][0] - p.corners[0][0])
+            .sum();
         assert!((length - 6.0).abs() < 1e-13);
     }
 

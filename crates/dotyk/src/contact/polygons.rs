@@ -221,9 +221,7 @@ impl<'a> Chart<'a> {
         let Some(plane) = &self.plane else {
             return Some(place);
         };
-        let start = (0..2).fold(plane.origin, |x, k| {
-            add_scaled(x, place[k], plane.axes[k])
-        });
+        let start = (0..2).fold(plane.origin, |x, k| add_scaled(x, place[k], plane.axes[k]));
         let line = Line {
             start,
             direction: plane.normal,
@@ -323,7 +321,13 @@ impl<'a> Chart<'a> {
             (Form::Affine, Form::Affine) => base,
             (Form::Curved, _) | (_, Form::Curved) => base + CURVED,
             (a, b) => {
-                let taper = |form| if let Form::Plane(taper) = form { taper } else { 0.0 };
+                let taper = |form| {
+                    if let Form::Plane(taper) = form {
+                        taper
+                    } else {
+                        0.0
+                    }
+                };
                 let taper = f64::max(taper(a), taper(b));
                 // shape functions of a tapered facet are power series in its taper: digits that are wanted over digits a term
                 let terms = (-ROUNDING.log10() / -taper.min(0.5).log10()).ceil();
@@ -339,10 +343,13 @@ impl<'a> Chart<'a> {
         let first = polygon[0];
         for ends in polygon[1..].windows(2) {
             let double = turn(first, ends[0], ends[1]);
-            for QuadraturePoint { xi: [u, v, _], weight } in &rule {
-                let at = [0, 1].map(|d| {
-                    first[d] + u * (ends[0][d] - first[d]) + v * (ends[1][d] - first[d])
-                });
+            for QuadraturePoint {
+                xi: [u, v, _],
+                weight,
+            } in &rule
+            {
+                let at = [0, 1]
+                    .map(|d| first[d] + u * (ends[0][d] - first[d]) + v * (ends[1][d] - first[d]));
                 let xi = self.xi(at)?;
                 let stretch = match self.plane {
                     Some(_) => norm(self.mesh.outward_normal(self.facet, &xi)),

@@ -7,9 +7,7 @@
 
 use crate::contact::polygons::clip;
 use crate::contact::relative::frame;
-use crate::geometry::{
-    Point, add_scaled, bounding_box, distance, dot, invert, norm, sub, unit,
-};
+use crate::geometry::{Point, add_scaled, bounding_box, distance, dot, invert, norm, sub, unit};
 use crate::mesh::{CellKind, Domain, Facet, Mesh};
 use rstar::{AABB, RTree, RTreeObject, SelectionFunction};
 use std::sync::OnceLock;
@@ -313,10 +311,14 @@ impl Prism {
     /// Of the nodes of a facet and the normals at its corners.
     pub fn new(points: impl Iterator<Item = Point<3>>, normals: &[Point<3>]) -> Self {
         let points: Vec<Point<3>> = points.collect();
-        let sum = normals.iter().fold([0.0; 3], |sum, &n| add_scaled(sum, 1.0, n));
+        let sum = normals
+            .iter()
+            .fold([0.0; 3], |sum, &n| add_scaled(sum, 1.0, n));
         let [normal, first, second] = frame(unit(sum).unwrap_or(normals[0]), &[]);
         let share = 1.0 / points.len() as f64;
-        let middle = points.iter().fold([0.0; 3], |sum, &x| add_scaled(sum, share, x));
+        let middle = points
+            .iter()
+            .fold([0.0; 3], |sum, &x| add_scaled(sum, share, x));
         let extent = |axis: Point<3>| {
             let along = points.iter().map(|&x| dot(axis, sub(x, middle)).abs());
             along.fold(0.0, f64::max)

@@ -27,6 +27,8 @@ mod solvers;
 mod source;
 mod space;
 mod space_cells;
+mod space_friction;
+mod space_hertz;
 mod steps;
 mod tables;
 mod tidy;
