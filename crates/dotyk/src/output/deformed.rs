@@ -18,13 +18,13 @@ use crate::output::view::{Margin, View, mark_detail, scale_bar};
 /// Pixels of the picture per pixel of the drawing: crisp in print.
 const FINE: f64 = 2.0;
 /// The largest displacement is drawn as at most this part of the size.
-const SHOWN: f64 = 0.05;
+pub const SHOWN: f64 = 0.05;
 /// Bodies whose largest stresses differ by more than this factor have their own colour scales.
 const APART: f64 = 4.0;
 /// A colour scale ends below the largest stress if it then is shorter than this part of it.
 const CLEARLY: f64 = 0.8;
 /// Room for a colour bar with its numbers.
-const BAR: f64 = 92.0;
+pub const BAR: f64 = 92.0;
 
 /// The figure as an SVG element, and its caption.
 pub fn deformed_figure(scene: &Scene, solution: &Solution<2>) -> (String, String) {
@@ -76,8 +76,8 @@ pub fn deformed_figure(scene: &Scene, solution: &Solution<2>) -> (String, String
 }
 
 /// Says what is drawn in the last colour and is more.
-fn beyond_the_scale(
-    solution: &Solution<2>,
+pub fn beyond_the_scale<const D: usize>(
+    solution: &Solution<D>,
     scales: &[(Vec<usize>, f64)],
     labels: &Labels,
 ) -> String {
@@ -123,7 +123,7 @@ fn magnification(scene: &Scene, solution: &Solution<2>, view: &View) -> f64 {
 
 /// What the colours of a body run to: its largest stress; where that is at a place where stresses are not finite, the usual one,
 /// if that is clearly less.
-fn shown_stress(body: &BodySolution<2>) -> f64 {
+fn shown_stress<const D: usize>(body: &BodySolution<D>) -> f64 {
     let most = largest(body.von_mises.iter().copied().filter(|v| v.is_finite())).max(0.0);
     let Some(singular) = body.peak.and_then(|peak| peak.place) else {
         return most;
@@ -135,7 +135,7 @@ fn shown_stress(body: &BodySolution<2>) -> f64 {
 }
 
 /// Groups of bodies that share a colour scale: the bodies' indices and the largest stress shown.
-fn stress_scales(solution: &Solution<2>) -> Vec<(Vec<usize>, f64)> {
+pub fn stress_scales<const D: usize>(solution: &Solution<D>) -> Vec<(Vec<usize>, f64)> {
     let most: Vec<f64> = solution.bodies.iter().map(shown_stress).collect();
     let high = largest(most.iter().copied());
     let low = most.iter().copied().fold(f64::INFINITY, f64::min);
@@ -214,9 +214,9 @@ fn draw_view(
 }
 
 /// One bar per scale, at the right of the figure.
-fn colour_bars(
+pub fn colour_bars<const D: usize>(
     svg: &mut Svg,
-    solution: &Solution<2>,
+    solution: &Solution<D>,
     scales: &[(Vec<usize>, f64)],
     labels: &Labels,
     height: f64,

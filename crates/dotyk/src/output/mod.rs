@@ -27,6 +27,7 @@ mod points;
 mod report;
 mod scene;
 mod setup;
+mod space;
 mod stage;
 mod steps;
 mod study;

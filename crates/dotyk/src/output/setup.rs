@@ -18,7 +18,7 @@ const LOADED: f64 = 68.0;
 const BARE: f64 = 30.0;
 
 /// Most bodies and most contacts that the legend names.
-const NAMED: usize = 12;
+pub const NAMED: usize = 12;
 
 /// The figure as an SVG element; `alone` are contact nodes that face nothing.
 pub fn setup_figure(scene: &Scene, alone: &[Point<2>]) -> String {
@@ -276,7 +276,7 @@ fn symbols(svg: &mut Svg, scene: &Scene, flow: &mut Flow) {
 }
 
 /// Name, stiffness and body force.
-fn body_text(body: &Body<2>, labels: &Labels) -> String {
+pub fn body_text<const D: usize>(body: &Body<D>, labels: &Labels) -> String {
     let mut text = body.name.clone();
     if let [material] = body.materials.as_slice() {
         let elastic = material.elastic;
@@ -290,24 +290,26 @@ fn body_text(body: &Body<2>, labels: &Labels) -> String {
         let constant: Option<Vec<f64>> = body.body_force.iter().map(Field::as_constant).collect();
         text += &match constant {
             Some(values) => format!(", body force {}", vector(&values, &labels.density)),
-            None => format!(
-                ", body force ({}, {})",
-                body.body_force[0], body.body_force[1]
-            ),
+            None => {
+                let fields: Vec<String> = body.body_force.iter().map(Field::to_string).collect();
+                format!(", body force ({})", fields.join(", "))
+            }
         };
     }
     text
 }
 
-/// Places entries in rows.
-struct Flow {
-    x: f64,
-    y: f64,
+/// Places entries of a legend in rows.
+pub struct Flow {
+    /// Where the next entry begins.
+    pub x: f64,
+    /// Baseline of the row.
+    pub y: f64,
 }
 
 impl Flow {
     /// Place of the next entry: a symbol of 16 px and its text.
-    fn next(&mut self, text: &str) -> Pixel {
+    pub fn next(&mut self, text: &str) -> Pixel {
         let width = 22.0 + text_width(text, Type::LABEL.size) + 20.0;
         if self.x > 4.0 && self.x + width > WIDTH {
             (self.x, self.y) = (4.0, self.y + 20.0);

@@ -423,7 +423,8 @@ fn hidden(scene: &Scene, view: &View, strand: &Strand, points: &[Point<2>], leas
     !view.detail && in_detail && size < least
 }
 
-fn nearest(points: &[Point<2>], target: Point<2>) -> Option<&Point<2>> {
+/// The nearest of some points.
+pub fn nearest<const D: usize>(points: &[Point<D>], target: Point<D>) -> Option<&Point<D>> {
     points
         .iter()
         .min_by(|a, b| distance(**a, target).total_cmp(&distance(**b, target)))

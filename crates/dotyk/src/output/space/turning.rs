@@ -1,0 +1,230 @@
+//! The view that turns: the surfaces of all bodies with their displacements and values as numbers of 8 and 16 bits, and the
+//! script that draws them in the page.
+//!
+//! Quantities: positions are low + span · p / 65535, displacements unit · u / 32767, values high · v / 255.
+
+use crate::geometry::{add_scaled, norm, sub};
+use crate::model::{Model, Solution};
+use crate::output::html::escape;
+use crate::output::json::largest;
+use crate::output::space::contact::faces;
+use crate::output::space::scene::Scene;
+use crate::output::space::stress::magnification;
+use crate::output::space::thin::{Surface, thinned};
+use crate::output::svg::short;
+use crate::output::text::{Labels, number, quantity, with_unit};
+use base64::Engine;
+use base64::engine::general_purpose::STANDARD;
+use serde_json::json;
+
+/// Most triangles: with their nodes less than 2 MB.
+pub const MOST_TRIANGLES: usize = 64_000;
+
+/// A quantity at the nodes of all bodies.
+struct Shown {
+    name: &'static str,
+    unit: String,
+    /// By body and node; NaN where there is none.
+    values: Vec<Vec<f64>>,
+}
+
+/// The view with its controls and its script.
+pub fn turning_view(scene: &Scene<'_>, solution: &Solution<3>) -> String {
+    let shown = quantities(scene, solution);
+    let names = shown.iter().enumerate();
+    let quantities = options(&mut names.map(|(i, q)| (i as i64, q.name.to_string())));
+    let bodies = scene.model.bodies.iter().enumerate();
+    let bodies = bodies.map(|(i, b)| (i as i64, b.name.clone()));
+    let bodies = options(&mut std::iter::once((-1, "all bodies".to_string())).chain(bodies));
+    let factor = magnification(scene, solution);
+    // nothing in a string may end the element
+    let data = data(scene, solution, &shown, factor).replace('<', "\\u003c");
+    format!(
+        "<figure id=\"turning\" class=\"turning\">\n<style>\n{}</style>\n<div class=\"tools\">\
+         <label>Colour <select name=\"quantity\">{quantities}</select></label>\
+         <label>Show <select name=\"body\">{bodies}</select></label>\
+         <label>Deformation <input name=\"factor\" type=\"range\" min=\"0\" max=\"100\" value=\"50\"> \
+         <output>× {}</output></label><button name=\"reset\" type=\"button\">Reset</button></div>\n\
+         <div class=\"stage\"><canvas tabindex=\"0\" aria-label=\"The model, to be turned\"></canvas>\
+         <div class=\"scale\"><span class=\"name\"></span><span class=\"high\"></span><i></i><span>0</span></div>{}</div>\n\
+         <figcaption><b>View that turns.</b> Drag to turn, with Shift to move, wheel or two fingers to zoom; arrow keys, \
+         + and −, 0 for the first view. Without scripts this place is empty: the pictures show the same.</figcaption>\n\
+         <script type=\"application/json\" id=\"turning-data\">{data}</script>\n<script>\n{}</script>\n</figure>\n",
+        include_str!("turning.css"),
+        number(factor),
+        triad(),
+        include_str!("turning.js"),
+    )
+}
+
+fn options(names: &mut dyn Iterator<Item = (i64, String)>) -> String {
+    let option = |(value, name): (i64, String)| {
+        format!("<option value=\"{value}\">{}</option>", escape(&name))
+    };
+    names.map(option).collect()
+}
+
+/// Axes that the script turns.
+fn triad() -> String {
+    let axis = |(name, colour): (&str, &str)| {
+        format!(
+            "<g data-axis=\"{name}\"><line stroke=\"{colour}\" stroke-width=\"1.6\"/><text fill=\"{colour}\" \
+             font-size=\"11\" font-weight=\"600\" text-anchor=\"middle\">{name}</text></g>"
+        )
+    };
+    let axes = [("x", "#b3402e"), ("y", "#2f7d4f"), ("z", "#2a5d9f")].map(axis);
+    format!(
+        "<svg viewBox=\"-34 -34 68 68\" aria-hidden=\"true\">{}</svg>",
+        axes.concat()
+    )
+}
+
+fn quantities(scene: &Scene<'_>, solution: &Solution<3>) -> Vec<Shown> {
+    let labels = Labels::of(scene.model);
+    let bodies = || solution.bodies.iter();
+    let moved = bodies().map(|b| b.displacement.iter().map(|&u| norm(u)).collect());
+    let mut list = vec![
+        Shown {
+            name: "von Mises stress",
+            unit: labels.stress.clone(),
+            values: bodies().map(|b| b.von_mises.clone()).collect(),
+        },
+        Shown {
+            name: "displacement",
+            unit: labels.length.clone(),
+            values: moved.collect(),
+        },
+    ];
+    if !solution.contacts.is_empty() {
+        list.push(Shown {
+            name: "contact pressure",
+            unit: labels.stress.clone(),
+            values: pressures(scene, solution),
+        });
+    }
+    list
+}
+
+fn pressures(scene: &Scene<'_>, solution: &Solution<3>) -> Vec<Vec<f64>> {
+    let blank = |body: &crate::model::Body<3>| vec![f64::NAN; body.mesh.points().len()];
+    let mut values: Vec<Vec<f64>> = scene.model.bodies.iter().map(blank).collect();
+    for contact in &solution.contacts {
+        for face in faces(scene, contact).unwrap_or_default() {
+            for (old, &own) in values[face.body].iter_mut().zip(&face.pressure) {
+                *old = old.max(own);
+            }
+        }
+    }
+    values
+}
+
+/// Everything that the script draws, as JSON.
+fn data(scene: &Scene<'_>, solution: &Solution<3>, shown: &[Shown], factor: f64) -> String {
+    let Model { bodies, .. } = scene.model;
+    let points: Vec<_> = bodies.iter().map(|b| b.mesh.points()).collect();
+    let surfaces = scene.skins.iter().map(Surface::of).collect();
+    let surfaces = thinned(surfaces, &points, scene.size(), MOST_TRIANGLES);
+    let (low, high) = scene.bounds;
+    let span = sub(high, low).map(|s| if s > 0.0 { s } else { 1.0 });
+    let unit = largest(solution.bodies.iter().map(|b| b.max_displacement()));
+    let unit = if unit > 0.0 { unit } else { 1.0 };
+    let mut packed = Packed::default();
+    let ends: Vec<f64> = shown
+        .iter()
+        .map(|q| largest(q.values.iter().flatten().copied()))
+        .map(|high| if high > 0.0 { high } else { 1.0 })
+        .collect();
+    packed.values = vec![Vec::new(); shown.len()];
+    packed.known = vec![Vec::new(); shown.len()];
+    let mut ranges = Vec::new();
+    for (body, surface) in surfaces.iter().enumerate() {
+        let mut place = vec![u32::MAX; points[body].len()];
+        let mut index = |node: u32, packed: &mut Packed| {
+            let n = node as usize;
+            if place[n] == u32::MAX {
+                place[n] = packed.count;
+                packed.count += 1;
+                for d in 0..3 {
+                    let share = (points[body][n][d] - low[d]) / span[d];
+                    packed
+                        .positions
+                        .extend(((65535.0 * share).round() as u16).to_le_bytes());
+                    let moved = solution.bodies[body].displacement[n][d] / unit;
+                    packed
+                        .moved
+                        .extend(((32767.0 * moved).round() as i16).to_le_bytes());
+                }
+                for (k, q) in shown.iter().enumerate() {
+                    let value = q.values[body][n] / ends[k];
+                    packed.values[k].push((255.0 * value.max(0.0)).round() as u8);
+                    packed.known[k].push(if value.is_nan() { 0 } else { 255 });
+                }
+            }
+            place[n].to_le_bytes()
+        };
+        let starts = [packed.triangles.len(), packed.edges.len()].map(|bytes| bytes / 4);
+        for &node in surface.triangles.as_flattened() {
+            let own = index(node, &mut packed);
+            packed.triangles.extend(own);
+        }
+        for &node in surface.edges.as_flattened() {
+            let own = index(node, &mut packed);
+            packed.edges.extend(own);
+        }
+        let counts = [3 * surface.triangles.len(), 2 * surface.edges.len()];
+        ranges.push(json!({
+            "triangles": [starts[0], counts[0]],
+            "edges": [starts[1], counts[1]],
+        }));
+    }
+    let quantities: Vec<_> = shown
+        .iter()
+        .enumerate()
+        .map(|(k, q)| {
+            let whole = packed.known[k].iter().all(|k| *k > 0);
+            json!({
+                "label": with_unit(q.name, &q.unit),
+                "high": quantity(ends[k], ""),
+                "values": STANDARD.encode(&packed.values[k]),
+                "known": (!whole).then(|| STANDARD.encode(&packed.known[k])),
+            })
+        })
+        .collect();
+    let [camera, _] = scene.cameras();
+    let [x, y, z] = camera.towards;
+    let (least, most) = camera.extent(scene.nodes());
+    // some room around the first view, for what moves and turns
+    let [wide, tall] = [0, 1].map(|d| 1.25 * (most[d] - least[d]).max(f64::MIN_POSITIVE));
+    let rounded = |degrees: f64| short(degrees).parse::<f64>().unwrap_or(0.0);
+    json!({
+        "low": low,
+        "span": span,
+        "centre": add_scaled(low, 0.5, sub(high, low)),
+        "diameter": norm(sub(high, low)),
+        "wide": wide,
+        "high": tall,
+        "unit": unit,
+        "factor": factor,
+        "azimuth": rounded(x.atan2(-y).to_degrees()),
+        "lift": rounded(z.asin().to_degrees()),
+        "bodies": ranges,
+        "quantities": quantities,
+        "positions": STANDARD.encode(&packed.positions),
+        "displacements": STANDARD.encode(&packed.moved),
+        "triangles": STANDARD.encode(&packed.triangles),
+        "edges": STANDARD.encode(&packed.edges),
+    })
+    .to_string()
+}
+
+/// Bytes of all nodes and triangles.
+#[derive(Default)]
+struct Packed {
+    count: u32,
+    positions: Vec<u8>,
+    moved: Vec<u8>,
+    values: Vec<Vec<u8>>,
+    known: Vec<Vec<u8>>,
+    triangles: Vec<u8>,
+    edges: Vec<u8>,
+}
