@@ -18,7 +18,7 @@ pub fn escape(text: &str) -> String {
     out
 }
 
-/// A page of its own, which needs no network and no script; title escaped, `intro` and `body` are markup, `footer` text.
+/// A page of its own, which needs no network; title escaped, `intro` and `body` are markup, `footer` text.
 pub fn page(title: &str, intro: &str, body: &str, footer: &str) -> String {
     format!(
         "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n\

@@ -1,4 +1,4 @@
-//! `report.html` and `check.html`: one self-contained page each, which needs no network and no script.
+//! `report.html` and `check.html`: one self-contained page each, which needs no network. In space one figure, a view that turns, brings its script.
 //!
 //! Numbers are rounded to four significant digits; the full ones are in the other files. The page carries no date: the
 //! same solution gives the same bytes, but for the block of timings.

@@ -42,6 +42,11 @@ impl Camera {
         Self::from([s * level, -c * level, lift])
     }
 
+    /// From the opposite side.
+    pub fn opposite(&self) -> Self {
+        Self::from(self.towards.map(|c| -c))
+    }
+
     /// A direction or a difference of points in camera coordinates.
     pub fn turned(&self, v: Point<3>) -> Point<3> {
         [dot(self.right, v), dot(self.up, v), dot(self.towards, v)]

@@ -101,7 +101,7 @@ impl Canvas {
     }
 
     /// One triangle of a body; its corners in any sense.
-    pub fn triangle(&mut self, corners: &[Corner; 3], paint: Paint, owner: u16) {
+    pub fn triangle(&mut self, corners: &[Corner; 3], paint: Paint, owner: usize) {
         let fine = self.fine as f64;
         let [a, b, c] = corners.map(|corner| [corner.at[0] * fine, corner.at[1] * fine]);
         let twice = (b[0] - a[0]) * (c[1] - a[1]) - (c[0] - a[0]) * (b[1] - a[1]);
@@ -136,7 +136,7 @@ impl Canvas {
                     continue;
                 }
                 self.depth[sample] = near;
-                self.owner[sample] = owner + 1;
+                self.owner[sample] = number(owner);
                 let value = value[0] + value[1] * x;
                 let paint = match paint {
                     Paint::Plain(colour) => colour,
@@ -218,10 +218,14 @@ impl Canvas {
     }
 
     /// How many square pixels of the drawing a body shows, and their centre.
-    pub fn shown(&self, owner: u16) -> (f64, Pixel) {
+    pub fn shown(&self, owner: usize) -> (f64, Pixel) {
         let (mut count, mut sum) = (0.0, [0.0, 0.0]);
         for (row, samples) in self.owner.chunks(self.width).enumerate() {
-            for (column, _) in samples.iter().enumerate().filter(|(_, o)| **o == owner + 1) {
+            for (column, _) in samples
+                .iter()
+                .enumerate()
+                .filter(|(_, o)| **o == number(owner))
+            {
                 count += 1.0;
                 sum[0] += column as f64 + 0.5;
                 sum[1] += row as f64 + 0.5;
@@ -232,8 +236,9 @@ impl Canvas {
     }
 
     /// Whether a body is seen at a place.
-    pub fn shows(&self, owner: u16, at: Pixel) -> bool {
-        self.sample(at).is_some_and(|s| self.owner[s] == owner + 1)
+    pub fn shows(&self, owner: usize, at: Pixel) -> bool {
+        self.sample(at)
+            .is_some_and(|s| self.owner[s] == number(owner))
     }
 
     /// Sum of the red parts of all samples that show something, in [0, 1] each.
@@ -278,6 +283,11 @@ impl Canvas {
         let (width, height, pixels) = self.pixels(SAMPLES);
         png_rgb(width, height, &pixels)
     }
+}
+
+/// What stands for a body in [`Canvas::owner`]; the last for all beyond.
+fn number(owner: usize) -> u16 {
+    u16::try_from(owner + 1).unwrap_or(u16::MAX)
 }
 
 /// How far a place lies beyond a plane.

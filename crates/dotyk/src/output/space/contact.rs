@@ -17,7 +17,7 @@ use crate::output::space::camera::{Camera, Window};
 use crate::output::space::canvas::{Canvas, Ink, Paint};
 use crate::output::space::scene::{GHOST, HEAVY, PALE, STRIP, Scene, THIN, triad_and_scale};
 use crate::output::space::setup::rgb;
-use crate::output::space::skin::{Lattice, Look, Skin};
+use crate::output::space::skin::{Lattices, Look, Skin};
 use crate::output::svg::{Anchor, INK, MUTED, Svg, Type, text_width};
 use crate::output::text::{Labels, count};
 use rstar::RTree;
@@ -62,24 +62,22 @@ pub struct Face<'a> {
     camera: Camera,
 }
 
-/// A figure for each contact that bears most.
-pub fn contact_figures(scene: &Scene<'_>, solution: &Solution<3>) -> Vec<String> {
-    let mut order: Vec<usize> = (0..solution.contacts.len()).collect();
-    let force = |i: &usize| norm(solution.contacts[*i].resultant);
-    order.sort_by(|a, b| force(b).total_cmp(&force(a)).then(a.cmp(b)));
-    order.truncate(PICTURED);
-    order.sort_unstable();
-    let figure = |i: usize| contact_figure(scene, &solution.contacts[i], &format!("contact{i}"));
-    order.into_iter().filter_map(figure).collect()
-}
-
-/// The figure of one contact; nothing for a contact without nodes.
-fn contact_figure(scene: &Scene<'_>, contact: &ContactSolution<3>, id: &str) -> Option<String> {
+/// The figure of a contact; nothing for a contact without nodes, and where many others bear more.
+pub fn contact_figure(scene: &Scene<'_>, solution: &Solution<3>, index: usize) -> Option<String> {
+    let force = |i: usize| norm(solution.contacts[i].resultant);
+    let before = (0..solution.contacts.len()).filter(|&i| {
+        let more = force(i).total_cmp(&force(index));
+        more.then(index.cmp(&i)).is_gt()
+    });
+    if before.count() >= PICTURED {
+        return None;
+    }
+    let contact = &solution.contacts[index];
     let faces = faces(scene, contact)?;
     let labels = Labels::of(scene.model);
     let width = ((WIDTH - 2.0 * BETWEEN) / 3.0).floor();
     let title = format!("Pressure, gap and state on the faces of {}", contact.name);
-    let mut svg = Svg::new(id, &title, WIDTH, 0.0);
+    let mut svg = Svg::new(&format!("faces{index}"), &title, WIDTH, 0.0);
     let high = Highest {
         pressure: largest(contact.nodes.iter().map(|n| n.pressure)),
         gap: largest_gap(&contact.nodes),
@@ -316,9 +314,10 @@ impl<'a> Nearest<'a> {
     fn new(skin: &Skin<'a>) -> Self {
         let mesh = skin.mesh;
         let mut around: Vec<Vec<[usize; 3]>> = vec![Vec::new(); mesh.points().len()];
+        let mut lattices = Lattices::default();
         for &facet in &skin.facets {
             let nodes: Vec<usize> = mesh.facet_nodes(facet).map(|n| n as usize).collect();
-            let lattice = Lattice::new(mesh.facet_kind(facet), 0);
+            let lattice = lattices.of(mesh.facet_kind(facet), 0);
             for triangle in &lattice.triangles {
                 let corners = triangle.map(|i| nodes[i]);
                 corners.iter().for_each(|&n| around[n].push(corners));

@@ -8,7 +8,7 @@ use crate::mesh::{Facet, Mesh};
 use crate::model::Support;
 use crate::output::space::camera::{Window, faces};
 use crate::output::space::canvas::Canvas;
-use crate::output::space::skin::Lattice;
+use crate::output::space::skin::Lattices;
 use crate::output::svg::{LOAD, Pixel, SUPPORT, Svg, Type, segments, text_width};
 use crate::output::view::Box2;
 use std::collections::BTreeMap;
@@ -35,11 +35,12 @@ pub struct Mark {
 pub fn seen(mesh: &Mesh<3>, facets: &[Facet], window: &Window, canvas: &Canvas) -> Vec<Mark> {
     // by the square of paper they lie in: the one nearest to its middle
     let mut best: BTreeMap<(i64, i64), (f64, Mark)> = BTreeMap::new();
+    let mut lattices = Lattices::default();
     for &facet in facets {
         let kind = mesh.facet_kind(facet);
         let size = mesh.facet_length(facet) * window.scale;
         let parts = ((size / (0.5 * SPACING)).ceil() as usize).clamp(1, 24);
-        let lattice = Lattice::new(kind, parts);
+        let lattice = lattices.of(kind, parts);
         for triangle in &lattice.triangles {
             let xi = [0, 1, 2].map(|d| {
                 let corners = triangle.iter().map(|&i| lattice.points[i][d]);

@@ -30,6 +30,9 @@ const LIFT: f64 = 26.0;
 /// A direction must show this many times as much as an earlier one to be chosen.
 const BETTER: f64 = 1.15;
 
+/// Size of the pictures that tell what a camera sees.
+const SMALL: Pixel = [220.0, 220.0];
+
 /// Edges between cells.
 pub const THIN: Ink = Ink {
     colour: [0x2a, 0x36, 0x42],
@@ -69,6 +72,8 @@ pub struct Scene<'a> {
     pub skins: Vec<Skin<'a>>,
     /// Box around everything.
     pub bounds: (Point<3>, Point<3>),
+    /// What is loaded, held or touches shows most from the first; the other looks from the opposite side.
+    pub cameras: [Camera; 2],
 }
 
 impl<'a> Scene<'a> {
@@ -78,11 +83,15 @@ impl<'a> Scene<'a> {
             |body: &'a crate::model::Body<3>| Skin::new(&body.mesh, body.mesh.boundary_facets());
         let points = model.bodies.iter().flat_map(|body| body.mesh.points());
         let points: Vec<Point<3>> = points.copied().collect();
-        Self {
+        let mut scene = Self {
             model,
             skins: model.bodies.iter().map(skin).collect(),
             bounds: bounding_box(&points),
-        }
+            cameras: [Camera::around(AZIMUTHS[0], LIFT); 2],
+        };
+        let first = scene.best_camera();
+        scene.cameras = [first, first.opposite()];
+        scene
     }
 
     /// Facets of a named side; none where there is no such side.
@@ -97,20 +106,30 @@ impl<'a> Scene<'a> {
         (0..3).map(|i| high[i] - low[i]).fold(0.0, f64::max)
     }
 
-    /// The camera that shows most of what is marked, weight by body and index of the facet; on equal terms the usual one.
-    pub fn best_camera(&self, marked: &dyn Fn(usize, usize) -> f64) -> Camera {
-        let skins: Vec<(usize, &Skin<'_>)> = self.skins.iter().enumerate().collect();
+    /// Of some cameras round the model the first that shows most of what is worth seeing.
+    fn best_camera(&self) -> Camera {
+        let bodies = 0..self.skins.len();
+        let weights: Vec<Vec<f64>> = bodies.map(|body| self.weights(body)).collect();
+        let shown = |camera: &Camera| {
+            let window = Window::fitted(*camera, camera.extent(self.nodes()), [0.0; 2], SMALL, 2.0);
+            let mut canvas = Canvas::sampled(SMALL, 1, &[]);
+            for (skin, weights) in self.skins.iter().zip(&weights) {
+                let look = Look::at(&window, skin.mesh.points());
+                skin.fill(&mut canvas, &look, 0, &|facet| {
+                    Paint::Plain([(255.0 * weights[facet]) as u8, 0, 0])
+                });
+            }
+            canvas.redness() / (window.scale * window.scale)
+        };
         let cameras = AZIMUTHS.map(|azimuth| Camera::around(azimuth, LIFT));
-        best_camera(&skins, &cameras, marked)
-    }
-
-    /// Both cameras of the model: what is loaded, held or touches shows most in the first.
-    pub fn cameras(&self) -> [Camera; 2] {
-        let weights: Vec<Vec<f64>> = (0..self.skins.len())
-            .map(|body| self.weights(body))
-            .collect();
-        let first = self.best_camera(&|body, facet| weights[body][facet]);
-        [first, opposite(&first)]
+        let mut best = (cameras[0], shown(&cameras[0]));
+        for camera in &cameras[1..] {
+            let here = shown(camera);
+            if here > BETTER * best.1 {
+                best = (*camera, here);
+            }
+        }
+        best.0
     }
 
     /// How much a facet of a body is worth seeing.
@@ -166,42 +185,6 @@ pub fn contact_sides(pair: &Pair<3>) -> Vec<&SideRef> {
         Pair::Automatic([a, b]) => vec![a, b],
         Pair::Obstacle { nonmortar, .. } => vec![nonmortar],
     }
-}
-
-/// The camera on the other side.
-pub fn opposite(camera: &Camera) -> Camera {
-    Camera::from(camera.towards.map(|c| -c))
-}
-
-/// Of some cameras the first that shows most of what is marked.
-pub fn best_camera(
-    skins: &[(usize, &Skin<'_>)],
-    cameras: &[Camera],
-    marked: &dyn Fn(usize, usize) -> f64,
-) -> Camera {
-    const SMALL: Pixel = [220.0, 220.0];
-    let score = |camera: &Camera| {
-        let points = skins.iter().flat_map(|(_, skin)| skin.mesh.points());
-        let extent = camera.extent(points.copied());
-        let window = Window::fitted(*camera, extent, [0.0; 2], SMALL, 2.0);
-        let mut canvas = Canvas::sampled(SMALL, 1, &[]);
-        for (body, skin) in skins {
-            let look = Look::at(&window, skin.mesh.points());
-            skin.fill(&mut canvas, &look, 0, &|facet| {
-                let weight = marked(*body, facet).clamp(0.0, 1.0);
-                Paint::Plain([(255.0 * weight) as u8, 0, 0])
-            });
-        }
-        canvas.redness() / (window.scale * window.scale)
-    };
-    let mut best = (cameras[0], score(&cameras[0]));
-    for camera in &cameras[1..] {
-        let shown = score(camera);
-        if shown > BETTER * best.1 {
-            best = (*camera, shown);
-        }
-    }
-    best.0
 }
 
 /// Windows onto extents, beside each other where they are high, else below each other, in a figure of this width.

@@ -140,7 +140,7 @@ fn cut(
     for (body, skin) in scene.skins.iter().enumerate() {
         let mut look = Look::at(window, skin.mesh.points());
         look.values = stress_values(solution, scales, body);
-        skin.fill(&mut canvas, &look, body as u16, &|_| Paint::Scale);
+        skin.fill(&mut canvas, &look, body, &|_| Paint::Scale);
     }
     canvas.cut(None);
     for (body, skin) in scene.skins.iter().enumerate() {
@@ -150,7 +150,7 @@ fn cut(
             values: &values,
             plane: (on, normal),
         };
-        cells.draw(&mut canvas, window, body as u16);
+        cells.draw(&mut canvas, window, body);
         let mut lattices = Lattices::default();
         for &facet in &skin.facets {
             cells.facet_line(&mut lattices, facet, &mut |a, b| {
@@ -175,7 +175,7 @@ struct Cells<'a> {
 
 impl Cells<'_> {
     /// What the plane cuts out of them, with the edges of the cells.
-    fn draw(&self, canvas: &mut Canvas, window: &Window, owner: u16) {
+    fn draw(&self, canvas: &mut Canvas, window: &Window, owner: usize) {
         let mut facets = Vec::new();
         self.pieces(&mut facets, &mut |piece| {
             let corners = piece.map(|(x, value)| Corner {

@@ -29,9 +29,9 @@ const LEAST_SHOWN: f64 = 900.0;
 pub const WORDS: [&str; 2] = ["from above", "other side, from below"];
 
 /// The figure; `alone` are contact nodes that face nothing.
-pub fn setup_figure(scene: &Scene<'_>, alone: &[Point<3>]) -> String {
+pub fn model_figure(scene: &Scene<'_>, alone: &[Point<3>]) -> String {
     let labels = Labels::of(scene.model);
-    let (windows, height) = scene.windows(&scene.cameras(), MARGIN, 0.0);
+    let (windows, height) = scene.windows(&scene.cameras, MARGIN, 0.0);
     let mut svg = Svg::new("setup", "Mesh, supports and loads", WIDTH, height);
     for (window, word) in windows.iter().zip(WORDS) {
         let canvas = surfaces(scene, window);
@@ -70,7 +70,7 @@ fn surfaces(scene: &Scene<'_>, window: &Window) -> Canvas {
     for (body, skin) in scene.skins.iter().enumerate() {
         let colours = tints(scene, body);
         let look = Look::at(window, skin.mesh.points());
-        skin.fill(&mut canvas, &look, body as u16, &|facet| {
+        skin.fill(&mut canvas, &look, body, &|facet| {
             Paint::Plain(colours[facet])
         });
     }
@@ -210,8 +210,8 @@ pub fn names(
         return;
     }
     for (i, body) in scene.model.bodies.iter().enumerate() {
-        let (area, centre) = canvas.shown(i as u16);
-        if area < LEAST_SHOWN || !canvas.shows(i as u16, centre) {
+        let (area, centre) = canvas.shown(i);
+        if area < LEAST_SHOWN || !canvas.shows(i, centre) {
             continue;
         }
         let at = [0, 1].map(|d| window.corner[d] + centre[d]);

@@ -216,7 +216,7 @@ impl<'a> Skin<'a> {
         &self,
         canvas: &mut Canvas,
         look: &Look,
-        owner: u16,
+        owner: usize,
         paint: &dyn Fn(usize) -> Paint,
     ) {
         let mut lattices = Lattices::default();
@@ -233,7 +233,7 @@ impl<'a> Skin<'a> {
         &self,
         canvas: &mut Canvas,
         look: &Look,
-        owner: u16,
+        owner: usize,
         colour: &dyn Fn(u32) -> Option<[u8; 3]>,
     ) {
         let mut lattices = Lattices::default();

@@ -28,7 +28,7 @@ pub type Scales = [(Vec<usize>, f64)];
 /// The figure.
 pub fn stress_figure(scene: &Scene<'_>, solution: &Solution<3>) -> String {
     let labels = Labels::of(scene.model);
-    let (windows, height) = scene.windows(&scene.cameras(), MARGIN, BAR);
+    let (windows, height) = scene.windows(&scene.cameras, MARGIN, BAR);
     let title = "Deformed shape coloured by von Mises stress";
     let mut svg = Svg::new("deformed", title, WIDTH, height);
     let scales = stress_scales(solution);
@@ -91,7 +91,7 @@ fn deformed(
         })
         .collect();
     for (body, (skin, look)) in scene.skins.iter().zip(&looks).enumerate() {
-        skin.fill(&mut canvas, look, body as u16, &|_| Paint::Scale);
+        skin.fill(&mut canvas, look, body, &|_| Paint::Scale);
     }
     for (skin, look) in scene.skins.iter().zip(&looks) {
         skin.outline(&mut canvas, window, look, [Some(1), Some(2)]);

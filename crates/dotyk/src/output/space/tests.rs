@@ -3,7 +3,7 @@
 use super::*;
 use crate::geometry::Field;
 use crate::mesh::{CellKind, Cuboid, Mesh};
-use crate::model::{Elastic, Law};
+use crate::model::{Elastic, Law, Model};
 use crate::output::colour;
 use crate::output::space::camera::{Camera, Window};
 use crate::output::space::canvas::{Canvas, Paint};
@@ -146,10 +146,11 @@ fn colours_on_a_face_are_those_of_the_values_at_its_nodes() {
 fn pages_are_the_same_bytes_and_name_what_they_show() {
     let (model, solution) = punch();
     let draw = || {
+        let scene = Scene::new(&model);
         [
-            model_figure(&model, &[]),
-            stress_figures(&model, &solution),
-            contact_figures(&model, &solution),
+            model_figure(&scene, &[]),
+            stress_figures(&scene, &solution),
+            contact_figure(&scene, &solution, 0),
         ]
     };
     let [mesh, stress, contact] = draw();
@@ -168,7 +169,9 @@ fn pages_are_the_same_bytes_and_name_what_they_show() {
         assert!(contact.contains(word), "{word}");
     }
     for page in [&mesh, &stress, &contact] {
-        assert!(!page.contains("NaN") && !page.contains("http://www.w3.org/1999"));
+        // letters of base64 may say anything, attributes and texts may not
+        let wrong = ["=\"NaN", ">NaN", "=\"inf", "src=", "@import"];
+        assert!(wrong.iter().all(|text| !page.contains(text)));
     }
 }
 

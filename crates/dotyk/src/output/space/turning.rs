@@ -190,7 +190,7 @@ fn data(scene: &Scene<'_>, solution: &Solution<3>, shown: &[Shown], factor: f64)
             })
         })
         .collect();
-    let [camera, _] = scene.cameras();
+    let [camera, _] = scene.cameras;
     let [x, y, z] = camera.towards;
     let (least, most) = camera.extent(scene.nodes());
     // some room around the first view, for what moves and turns
