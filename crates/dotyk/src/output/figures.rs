@@ -1,15 +1,15 @@
 //! The drawings of a page: what of a model is drawn, in the plane and in space.
 //!
 //! Pages are written for any dimension and ask here for their drawings; where there is none they get an empty text.
-//! In space nothing is drawn yet.
 
-use crate::geometry::Point;
+use crate::geometry::{Point, padded};
 use crate::model::{Model, SideRef, Solution};
 use crate::output::deformed::deformed_figure;
 use crate::output::html::figure;
 use crate::output::interface::interface_figure;
 use crate::output::scene::Scene;
 use crate::output::setup::setup_figure;
+use crate::output::space;
 use crate::output::text::count;
 use std::any::Any;
 
@@ -17,6 +17,8 @@ use std::any::Any;
 pub struct Figures<'a> {
     /// Of the plane.
     plane: Option<Scene<'a>>,
+    /// Of space.
+    space: Option<space::Scene<'a>>,
 }
 
 /// A thing of D dimensions as one of the plane or of space, where it is one.
@@ -29,11 +31,16 @@ impl<'a> Figures<'a> {
     pub fn of<const D: usize>(model: &'a Model<D>) -> Self {
         Self {
             plane: known(model).map(Scene::new),
+            space: known(model).map(space::Scene::new),
         }
     }
 
     /// Mesh, supports and loads, and these contact nodes that face nothing.
     pub fn model<const D: usize>(&self, alone: &[Point<D>]) -> String {
+        if let Some(scene) = &self.space {
+            let alone: Vec<Point<3>> = alone.iter().map(|p| padded(*p)).collect();
+            return space::model_figure(scene, &alone);
+        }
         let Some(scene) = &self.plane else {
             return String::new();
         };
@@ -46,8 +53,11 @@ impl<'a> Figures<'a> {
         )
     }
 
-    /// The deformed shape, coloured by stress.
+    /// The deformed shape, coloured by stress; in space a view that turns and a section, too.
     pub fn deformed<const D: usize>(&self, solution: &Solution<D>) -> String {
+        if let (Some(scene), Some(solution)) = (&self.space, known(solution)) {
+            return space::stress_figures(scene, solution);
+        }
         let (Some(scene), Some(solution)) = (&self.plane, known(solution)) else {
             return String::new();
         };
@@ -56,8 +66,11 @@ impl<'a> Figures<'a> {
         figure(&drawing, "Deformed shape", &format!("{caption}{more}"))
     }
 
-    /// Pressure and gap along a contact.
+    /// Pressure and gap along a contact, in space on its faces.
     pub fn contact<const D: usize>(&self, solution: &Solution<D>, index: usize) -> String {
+        if let (Some(scene), Some(solution)) = (&self.space, known(solution)) {
+            return space::contact_figure(scene, solution, index);
+        }
         let (Some(scene), Some(solution)) = (&self.plane, known::<_, Solution<2>>(solution)) else {
             return String::new();
         };

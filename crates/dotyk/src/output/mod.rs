@@ -27,7 +27,7 @@ mod points;
 mod report;
 mod scene;
 mod setup;
-pub mod space;
+mod space;
 mod stage;
 mod steps;
 mod study;

@@ -121,12 +121,6 @@ impl Window {
         [self.corner[0] + x, self.corner[1] + y]
     }
 
-    /// A vector on paper, in pixels per unit of length.
-    pub fn along(&self, v: Point<3>) -> Pixel {
-        let [x, y, _] = self.camera.turned(v);
-        [self.scale * x, -self.scale * y]
-    }
-
     /// A pixel of the drawing lies inside the window, this far from its frame.
     pub fn sees(&self, p: Pixel, room: f64) -> bool {
         (0..2)

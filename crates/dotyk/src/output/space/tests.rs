@@ -8,6 +8,7 @@ use crate::output::colour;
 use crate::output::space::camera::{Camera, Window};
 use crate::output::space::canvas::{Canvas, Paint};
 use crate::output::space::skin::{Look, Skin, shade};
+use crate::output::{Record, report};
 use std::time::Instant;
 
 const STEEL: Elastic = Elastic {
@@ -173,6 +174,22 @@ fn pages_are_the_same_bytes_and_name_what_they_show() {
         let wrong = ["=\"NaN", ">NaN", "=\"inf", "src=", "@import"];
         assert!(wrong.iter().all(|text| !page.contains(text)));
     }
+}
+
+#[test]
+fn the_pages_of_a_model_in_space_show_it() {
+    let (model, solution) = punch();
+    let count = |page: &str, what: &str| page.matches(what).count();
+    let check = report::check_page(&model, "fine", &[[0.5, 0.5, 1.0]], "punch");
+    assert_eq!((count(&check, "<image"), count(&check, "<canvas")), (2, 0));
+    assert!(check.contains("contact node that faces nothing"));
+    let steps = [solution];
+    let record = Record::of(&model, &steps, "punch");
+    let page = report::page(&record.overview().unwrap());
+    // the mesh twice; the shape twice with its scale; the section with its scale; three pictures of two faces, a scale or two
+    let pictures = count(&page, "<image");
+    assert!((14..=15).contains(&pictures), "{pictures}");
+    assert_eq!((count(&page, "<canvas"), count(&page, "<script>")), (1, 1));
 }
 
 #[test]
