@@ -1,5 +1,6 @@
 //! Picture "Deformed shape" of a model in space: magnified displacements, coloured by the von Mises stress at the nodes.
 
+use crate::geometry::{Point, add_scaled};
 use crate::model::Solution;
 use crate::output::deformed::{BAR, SHOWN, beyond_the_scale, colour_bars, stress_scales};
 use crate::output::html;
@@ -7,14 +8,14 @@ use crate::output::plot::round_down_to_125;
 use crate::output::scene::WIDTH;
 use crate::output::space::camera::Window;
 use crate::output::space::canvas::{Canvas, Ink, Paint};
-use crate::output::space::scene::{GHOST, HEAVY, PALE, Scene, triad_and_scale};
+use crate::output::space::scene::{GHOST, HEAVY, PALE, Scene, triad_and_scale, windows};
 use crate::output::space::setup::WORDS;
 use crate::output::space::skin::Look;
 use crate::output::svg::Svg;
 use crate::output::text::{Labels, number};
 
-/// Room around the bodies: they move.
-const MARGIN: f64 = 26.0;
+/// Room around the bodies.
+const MARGIN: f64 = 14.0;
 
 /// Edges of bodies where they were, behind what hides them.
 const BEFORE: Ink = Ink {
@@ -28,11 +29,15 @@ pub type Scales = [(Vec<usize>, f64)];
 /// The figure.
 pub fn stress_figure(scene: &Scene<'_>, solution: &Solution<3>) -> String {
     let labels = Labels::of(scene.model);
-    let (windows, height) = scene.windows(&scene.cameras, MARGIN, BAR);
+    let factor = magnification(scene, solution);
+    let extents = scene.cameras.map(|camera| {
+        let moved = moved(scene, solution, factor);
+        camera.extent(scene.nodes().chain(moved))
+    });
+    let (windows, height) = windows(&scene.cameras, &extents, MARGIN, WIDTH - BAR);
     let title = "Deformed shape coloured by von Mises stress";
     let mut svg = Svg::new("deformed", title, WIDTH, height);
     let scales = stress_scales(solution);
-    let factor = magnification(scene, solution);
     for (window, word) in windows.iter().zip(WORDS) {
         let canvas = deformed(scene, solution, window, factor, &scales);
         svg.picture(window.corner, window.size, &canvas.png());
@@ -50,6 +55,17 @@ pub fn stress_figure(scene: &Scene<'_>, solution: &Solution<3>) -> String {
         + &beyond_the_scale(solution, &scales, &labels)
         + " Grey: edges before the deformation. Colour: von Mises stress, recovered at the nodes.";
     html::figure(&svg.finish(), "Deformed shape", &caption)
+}
+
+/// Places of all nodes, displacements magnified.
+fn moved<'a>(
+    scene: &'a Scene<'_>,
+    solution: &'a Solution<3>,
+    factor: f64,
+) -> impl Iterator<Item = Point<3>> + 'a {
+    let displacements = solution.bodies.iter().flat_map(|body| &body.displacement);
+    let places = scene.nodes().zip(displacements);
+    places.map(move |(x, u)| add_scaled(x, factor, *u))
 }
 
 /// A round factor that makes the largest displacement about 5 % of the model's size, never less than 1.
