@@ -92,11 +92,12 @@ fn displaced<const D: usize>(
     let amplitudes = floating.amplitudes(&multipliers.alpha);
     let elastic = (bodies, factored).into_par_iter().enumerate();
     let elastic = elastic.map(|(index, (body, factored))| {
-        let strained = |(judged, change)| {
-            let judged: &Judged<D> = judged;
-            (&judged.displaced.strained[index][..], change)
-        };
-        elastic_displacement(body, factored, lambda, before.map(strained))
+        // rigid parts have none
+        let strained = before.and_then(|(judged, change)| {
+            let own = judged.displaced.strained.get(index)?;
+            Some((&own[..], change))
+        });
+        elastic_displacement(body, factored, lambda, strained)
     });
     let elastic: Vec<Vec<f64>> = elastic.collect();
     let rigid = bodies.iter().enumerate();

@@ -2,6 +2,7 @@
 //!
 //! Tolerances are rounding unless they say otherwise: 1e-10 of the largest value for fields, 1e-12 for what rows say exactly.
 
+use dotyk::case::Case;
 use dotyk::fem::{assemble, quadrature::gauss};
 use dotyk::geometry::{Field, Point, add_scaled, cross, distance, dot, norm, sub};
 use dotyk::mesh::{CellKind, Cuboid, Diagonals, MAX_FACET_NODES, Mesh, Rectangle};
@@ -994,4 +995,31 @@ fn supports_that_leave_the_motion_of_a_rigid_side_are_told_with_their_step() {
         "{told}"
     );
     assert_eq!(model.check().errors.len(), 1);
+}
+
+/// Corrections of an answer know that points do not strain.
+#[test]
+fn answers_with_couples_are_corrected() {
+    let text = r#"analysis = "plane-stress"
+[[body]]
+name = "b"
+mesh = { rectangle = { from = [0, 0], to = [0.546, 0.592], cells = [6, 5] } }
+material = { young = 1392.1, poisson = 0.0 }
+points = { P = [0.974, 0.932], q4 = [0.364, 0] }
+fix = [{ point = "P", x = -0.007542004553460215, y = 0.009766228742009886, rotation = 0.006859896919011869 }]
+couple = [{ side = "top", point = "P", kind = "rigid" }]
+[[contact]]
+name = "c"
+nonmortar = "b.bottom"
+obstacle = { gap = "0.002 + 0.005845513227377997*(x-0.341)^2" }
+friction = 0.3
+exclude = ["q4"]
+"#;
+    let case = Case::<2>::from_str(text, "corrected.toml", "".as_ref());
+    let solution = case
+        .unwrap_or_else(|e| panic!("{e}"))
+        .model
+        .solve()
+        .unwrap();
+    assert!(solution.certificate.holds());
 }
