@@ -11,6 +11,7 @@ mod document;
 mod error;
 mod expression;
 pub mod keys;
+mod memory;
 mod mesh_file;
 mod outline;
 mod parameters;
@@ -297,7 +298,10 @@ where
         units,
         bodies,
         contacts,
-        solver,
+        solver: SolverOptions {
+            memory: memory::free_memory(),
+            ..solver
+        },
         probes,
         times,
         parameters: Vec::new(),
@@ -385,6 +389,7 @@ fn solver_options<const D: usize>(node: &Node) -> Result<SolverOptions<D>, Fault
         max_iterations: iterations.transpose()?,
         rho: rho.map_or(Ok(None), step_length)?,
         bolts: bolts.map_or(Ok(default.bolts), bolt_places)?,
+        memory: None,
     })
 }
 

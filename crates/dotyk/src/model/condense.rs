@@ -10,9 +10,11 @@
 //! Source: Janovský & Procházka (1980) III, section 7, (7.5)–(7.9).
 
 use crate::dual::{DualProblem, Scales};
-use crate::fem::Constraints;
+use crate::fem::{BodySystem, Constraints};
 use crate::model::admissible::{admissible_set, neighbours};
-use crate::model::bodies::{LoadedBody, body_rows, driven, largest_load, least_softness, systems};
+use crate::model::bodies::{
+    BodyRows, LoadedBody, body_rows, driven, largest_load, least_softness, systems,
+};
 use crate::model::check::body_remarks;
 use crate::model::compliance::{compliance, is_assembled};
 use crate::model::dependent::drop_implied;
@@ -20,6 +22,7 @@ use crate::model::error::Error;
 use crate::model::event::{Event, Lap, Work};
 use crate::model::factor::{FactoredBody, Ordered, factor, order};
 use crate::model::floating::Floating;
+use crate::model::memory::{self, Demand};
 use crate::model::nouns::Model;
 use crate::model::pair::{Paired, initial_gaps, pair_all};
 use crate::model::probe::{Site, sites};
@@ -85,6 +88,14 @@ pub(crate) fn condense<const D: usize>(
         .map(|(body, (s, r))| order(model, body, s, r, dense))
         .collect::<Result<_, _>>()?;
     seconds.order = lap.seconds();
+    let demand = |((system, rows), ordered): ((&BodySystem<D>, &Arc<BodyRows>), _)| Demand {
+        ordered,
+        stiffness: system.stiffness.stored(),
+        dofs: system.load.len(),
+        rows: rows.index.len(),
+    };
+    let demands = systems.iter().zip(&rows).zip(&ordered).map(demand);
+    memory::check(model, &demands.collect::<Vec<_>>(), dense, gaps.len())?;
     observe(Event::Stage("factor"));
     let loaded = systems
         .into_par_iter()

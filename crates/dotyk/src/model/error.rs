@@ -21,6 +21,14 @@ pub enum Subject {
     Probe(String),
 }
 
+/// Bytes in words: 3.2 GB, 40 MB.
+fn size(bytes: u64) -> String {
+    match bytes < 1_000_000_000 {
+        true => format!("{} MB", bytes.div_ceil(1_000_000)),
+        false => format!("{:.1} GB", bytes as f64 / 1e9),
+    }
+}
+
 /// An error of the whole model: it names body, contact, side or node and says what to do.
 #[derive(Debug, thiserror::Error)]
 pub enum Error<const D: usize> {
@@ -65,6 +73,33 @@ pub enum Error<const D: usize> {
         body: String,
         /// What is wrong.
         source: FemError,
+    },
+    /// The factors need more memory than there is.
+    #[error(
+        "{} of memory are needed, and {} are free: body \"{body}\" of {unknowns} unknowns alone needs {}; coarsen its mesh, or take a machine with more memory",
+        size(*needed), size(*free), size(*bytes)
+    )]
+    Memory {
+        /// The body that needs most.
+        body: String,
+        /// Its dofs.
+        unknowns: usize,
+        /// Bytes that it needs.
+        bytes: u64,
+        /// Bytes that all bodies and their contacts need.
+        needed: u64,
+        /// Bytes that the model may take.
+        free: u64,
+    },
+    /// The factor of a body has more entries than can be counted.
+    #[error(
+        "body \"{body}\" of {unknowns} unknowns: its factor has more than 2^31 entries (17 GB) and is too large for a direct solution; coarsen its mesh"
+    )]
+    TooLarge {
+        /// Its name.
+        body: String,
+        /// Its dofs.
+        unknowns: usize,
     },
     /// A contact cannot be paired.
     #[error("contact \"{contact}\": {source}")]

@@ -12,6 +12,7 @@ use crate::model::bodies::{BodyRows, LoadedBody};
 use crate::model::error::Error;
 use crate::model::event::Work;
 use crate::model::nouns::Model;
+use crate::model::parts::part_name;
 use std::sync::Arc;
 use std::sync::atomic::Ordering;
 
@@ -55,7 +56,7 @@ impl FactoredBody {
     }
 }
 
-/// Orders a body: free dofs, contact nodes last (when F is assembled), grounded dofs left out.
+/// Orders a body: free dofs, those of the contacts last (when F is assembled), grounded dofs left out.
 pub(crate) fn order<const D: usize>(
     model: &Model<D>,
     body: usize,
@@ -63,49 +64,63 @@ pub(crate) fn order<const D: usize>(
     rows: &BodyRows,
     dense: bool,
 ) -> Result<Ordered, Error<D>> {
-    let mut contact_node = vec![false; system.graph.nodes()];
+    let mut touched = vec![false; system.load.len()];
     for local in 0..rows.index.len() {
         for (dof, _) in rows.matrix.row(local) {
-            contact_node[dof / D] = true;
+            touched[dof] = true;
         }
     }
+    let contact_node = some_of_node::<D>(&touched);
     let mut keep: Vec<bool> = system.held.iter().map(|held| !held).collect();
     let grounded = grounded_dofs(system, &keep, &contact_node);
     grounded.iter().for_each(|&dof| keep[dof] = false);
-    let last: Vec<usize> = match dense {
-        true => (0..contact_node.len())
-            .filter(|&node| contact_node[node])
+    // in the plane, where contacts are short, nodes stay whole
+    let is_last = |dof: usize| touched[dof] || D == 2 && contact_node[dof / D];
+    let trailing: Vec<usize> = match dense {
+        true => (0..keep.len())
+            .filter(|&dof| keep[dof] && is_last(dof))
             .collect(),
         false => Vec::new(),
     };
-    let analysis = analyse(system, &keep, &last).map_err(|source| singular(model, body, source))?;
+    let analysis =
+        analyse(system, &keep, &trailing).map_err(|source| singular(model, body, source))?;
     Ok(Ordered {
         analysis,
-        trailing: expand_to_dofs(&last, D, &keep),
+        trailing,
         grounded,
     })
 }
 
-/// Orders and analyses K on the dofs with `keep`, those of the nodes `last` at the end.
+/// Orders and analyses K on the dofs with `keep`, those of `trailing` at the end.
+///
+/// A node of which some dofs are trailing stands among the others with the rest of its dofs: the graph of the inner nodes, and
+/// with it their elimination tree, is the same.
 ///
 /// Errors: [`LinalgError::TooLarge`].
 pub(crate) fn analyse<const D: usize>(
     system: &BodySystem<D>,
     keep: &[bool],
-    last: &[usize],
+    trailing: &[usize],
 ) -> Result<SymbolicCholesky, LinalgError> {
-    let nodes = keep.chunks_exact(D).map(|dofs| dofs.contains(&true));
-    let nodes: Vec<bool> = nodes.collect();
+    let mut inner = keep.to_vec();
+    trailing.iter().for_each(|&dof| inner[dof] = false);
+    let [nodes, inner_nodes] = [keep, &inner].map(some_of_node::<D>);
+    let last: Vec<usize> = (0..nodes.len())
+        .filter(|&node| nodes[node] && !inner_nodes[node])
+        .collect();
     let order = match D {
-        3 => fill_reducing_order_in_space(&system.graph, &nodes, last),
-        _ => fill_reducing_order(&system.graph, &nodes, last),
+        3 => fill_reducing_order_in_space(&system.graph, &nodes, &last),
+        _ => fill_reducing_order(&system.graph, &nodes, &last),
     };
-    let trailing = expand_to_dofs(last, D, keep).len();
-    SymbolicCholesky::new(
-        &system.stiffness,
-        &expand_to_dofs(&order, D, keep),
-        trailing,
-    )
+    let mut dofs = expand_to_dofs(&order, D, &inner);
+    dofs.extend_from_slice(trailing);
+    SymbolicCholesky::new(&system.stiffness, &dofs, trailing.len())
+}
+
+/// Whether some dof of each node is marked.
+fn some_of_node<const D: usize>(marked: &[bool]) -> Vec<bool> {
+    let nodes = marked.chunks_exact(D);
+    nodes.map(|dofs| dofs.contains(&true)).collect()
 }
 
 /// Dofs that hold the free rigid modes for the factorisation: complete pivoting on R, away from the contacts if possible.
@@ -172,6 +187,12 @@ pub(crate) fn factor<const D: usize>(
 
 /// Names the node of a dof where the linear algebra failed.
 fn singular<const D: usize>(model: &Model<D>, body: usize, source: LinalgError) -> Error<D> {
+    if let LinalgError::TooLarge { unknowns } = source {
+        return Error::TooLarge {
+            body: part_name(model, body),
+            unknowns,
+        };
+    }
     let dof = match &source {
         LinalgError::NotPositiveDefinite { dof } | LinalgError::NearlySingular { dof, .. } => *dof,
         LinalgError::NotFinite { row } => *row,

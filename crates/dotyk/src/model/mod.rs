@@ -28,6 +28,7 @@ mod floating;
 mod judge;
 mod line;
 mod locate;
+mod memory;
 mod nouns;
 mod objection;
 mod on_surface;

@@ -266,6 +266,8 @@ pub struct SolverOptions<const D: usize> {
     pub rho: Option<f64>,
     /// Bolts of uzawa.
     pub bolts: Bolts<D>,
+    /// Bytes that matrices and factors may take; `None`: as many as they like. Cases have what the machine has.
+    pub memory: Option<u64>,
 }
 
 impl<const D: usize> Default for SolverOptions<D> {
@@ -276,6 +278,7 @@ impl<const D: usize> Default for SolverOptions<D> {
             max_iterations: None,
             rho: None,
             bolts: Bolts::Automatic,
+            memory: None,
         }
     }
 }

@@ -27,6 +27,7 @@ mod solvers;
 mod source;
 mod space;
 mod space_cells;
+mod space_cost;
 mod space_friction;
 mod space_hertz;
 mod steps;
