@@ -10,6 +10,7 @@
 //! Source: VTK file formats, section "XML file formats" (vtk.org).
 
 use crate::geometry::{Point, padded};
+use crate::mesh::Mesh;
 use crate::model::{Analysis, Law, Model, Solution, Status};
 use crate::output::encode::zlib;
 use crate::output::html::escape;
@@ -29,7 +30,7 @@ pub fn body_vtu<const D: usize>(model: &Model<D>, solution: &Solution<D>, body: 
     let mesh = &model.bodies[body].mesh;
     let answer = &solution.bodies[body];
     let points: Vec<f64> = mesh.points().iter().flat_map(|&p| padded(p)).collect();
-    let fields = contact_fields(solution, body, mesh.points().len());
+    let fields = contact_fields(solution, body, mesh);
     let (mut connectivity, mut offsets, mut types) = (Vec::new(), Vec::new(), Vec::new());
     for block in mesh.blocks() {
         for cell in block.cells() {
@@ -257,8 +258,9 @@ fn state_number(status: Status) -> i32 {
 fn contact_fields<const D: usize>(
     solution: &Solution<D>,
     body: usize,
-    nodes: usize,
+    mesh: &Mesh<D>,
 ) -> ContactFields {
+    let nodes = mesh.points().len();
     let mut fields = ContactFields {
         pressure: vec![f64::NAN; nodes],
         gap: vec![f64::NAN; nodes],
@@ -296,6 +298,14 @@ fn contact_fields<const D: usize>(
                         field[at] = value;
                     }
                 }
+            }
+            // in space only corners carry multipliers
+            let facets = side
+                .and_then(|side| mesh.side(&side.side))
+                .unwrap_or_default();
+            if own && D > 2 {
+                mesh.fill_between_corners(facets, &mut fields.pressure);
+                mesh.fill_between_corners(facets, &mut fields.gap);
             }
         }
     }

@@ -188,8 +188,8 @@ pub fn faces<'a>(scene: &Scene<'a>, contact: &ContactSolution<3>) -> Option<Vec<
         gap[node.node] = node.gap.max(0.0) + 0.0 * node.gap;
         status[node.node] = Some(node.status);
     }
-    between_corners(mesh, &skin.facets, &mut pressure);
-    between_corners(mesh, &skin.facets, &mut gap);
+    mesh.fill_between_corners(&skin.facets, &mut pressure);
+    mesh.fill_between_corners(&skin.facets, &mut gap);
     let name = |side: &SideRef| format!("{}.{}", scene.model.bodies[side.body.0].name, side.side);
     let [first, second] = cameras(mesh, &skin.facets);
     let nonmortar = Face {
@@ -224,27 +224,6 @@ fn side_skin<'a>(scene: &Scene<'a>, side: &SideRef) -> Option<Skin<'a>> {
     let body = scene.model.bodies.get(side.body.0)?;
     let facets = scene.side(side.body.0, &side.side);
     (!facets.is_empty()).then(|| Skin::new(&body.mesh, facets.to_vec()))
-}
-
-/// Values at nodes between corners that have none: linear between the corners.
-fn between_corners(mesh: &Mesh<3>, facets: &[Facet], values: &mut [f64]) {
-    for &facet in facets {
-        let kind = mesh.facet_kind(facet);
-        let nodes: Vec<usize> = mesh.facet_nodes(facet).map(|n| n as usize).collect();
-        let (corners, others) = nodes.split_at(kind.corners());
-        let linear = kind.domain().linear();
-        for (&node, xi) in others.iter().zip(&kind.reference_nodes()[kind.corners()..]) {
-            if values[node].is_nan() {
-                let mut shape = [0.0; 4];
-                linear.shape(xi, &mut shape);
-                let corners = corners.iter().zip(shape);
-                values[node] = corners
-                    .filter(|c| c.1 != 0.0)
-                    .map(|(&n, s)| s * values[n])
-                    .sum();
-            }
-        }
-    }
 }
 
 /// Two directions that show a side: about its mean normal, or the usual ones where it has none.
