@@ -301,6 +301,8 @@ fn loads(
                     continue;
                 };
                 notes.extend(ends.iter().map(|&end| (end, String::new(), LOAD)));
+                let feet = marks.iter().map(|mark| window.pixel(mark.point));
+                notes.extend(feet.map(|foot| (foot, String::new(), LOAD)));
                 let highest = ends.into_iter().min_by(|a, b| a[1].total_cmp(&b[1]));
                 if let Some([x, y]) = highest {
                     notes.push(([x, y - 12.0], text, LOAD));

@@ -228,7 +228,8 @@ impl<'a> Skin<'a> {
         }
     }
 
-    /// Draws the facets that look at the viewer, each place in the colour of the nearest of the nodes that have one.
+    /// Draws the facets that look at the viewer, each place in the colour of the nearest corner, or of a node between corners
+    /// that has one.
     pub fn patches(
         &self,
         canvas: &mut Canvas,
@@ -238,12 +239,11 @@ impl<'a> Skin<'a> {
     ) {
         let mut lattices = Lattices::default();
         for &facet in &self.facets {
-            let nodes = self.mesh.facet_nodes(facet).map(colour);
-            let reference = self.mesh.facet_kind(facet).reference_nodes();
-            let coloured: Vec<([f64; 3], [u8; 3])> = reference
-                .iter()
-                .zip(nodes)
-                .filter_map(|(xi, colour)| Some((*xi, colour?)))
+            let kind = self.mesh.facet_kind(facet);
+            let nodes = self.mesh.facet_nodes(facet).map(colour).enumerate();
+            let known = nodes.filter(|(local, own)| *local < kind.corners() || own.is_some());
+            let coloured: Vec<([f64; 3], [u8; 3])> = known
+                .map(|(local, own)| (kind.reference_nodes()[local], own.unwrap_or(NONE)))
                 .collect();
             let parts = Some(6);
             self.triangles(&mut lattices, look, facet, parts, &mut |corners, xi| {
