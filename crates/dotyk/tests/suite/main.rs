@@ -9,6 +9,7 @@ mod determinism;
 mod examples;
 mod friction;
 mod gmsh;
+mod gmsh_space;
 mod judge;
 mod layers;
 mod levels;

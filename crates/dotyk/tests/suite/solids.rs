@@ -23,7 +23,7 @@ const CELLS: [CellKind; 5] = [
     CellKind::Hex27,
 ];
 
-fn volume(mesh: &Mesh<3>) -> f64 {
+pub fn volume(mesh: &Mesh<3>) -> f64 {
     let mut sum = 0.0;
     for block in mesh.blocks() {
         let rule = rule(block.kind, 6);
@@ -46,7 +46,7 @@ fn volume(mesh: &Mesh<3>) -> f64 {
     sum
 }
 
-fn area(mesh: &Mesh<3>, side: &str) -> f64 {
+pub fn area(mesh: &Mesh<3>, side: &str) -> f64 {
     let of_facet = |&facet: &Facet| {
         let points = rule(mesh.facet_kind(facet), 8).into_iter();
         points
@@ -66,7 +66,7 @@ fn worst_quality(mesh: &Mesh<3>) -> f64 {
 }
 
 /// Cells meet in whole facets with the same nodes, the boundary is closed, its facets lie on one side each. Gives V − E + F.
-fn check_topology(mesh: &Mesh<3>) -> i64 {
+pub fn check_topology(mesh: &Mesh<3>) -> i64 {
     let table = mesh.facet_table();
     for (b, block) in mesh.blocks().iter().enumerate() {
         for (c, (local, (kind, _))) in (0..block.cells().len())

@@ -12,16 +12,16 @@ const BOUNDARY: &str = "boundary";
 
 /// A body's mesh, and what of the file is not in it.
 #[derive(Debug, Clone)]
-pub struct Imported {
+pub struct Imported<const D: usize = 2> {
     /// The cells with their groups, and the sides.
-    pub mesh: Mesh<2>,
+    pub mesh: Mesh<D>,
     /// The nodes of the body in groups of points, by the name of the group; groups without one are not there.
-    pub points: BTreeMap<String, Vec<Point<2>>>,
+    pub points: BTreeMap<String, Vec<Point<D>>>,
     /// What was left out or may be unexpected, in words.
     pub warnings: Vec<String>,
     /// Groups of cells that the body does not contain.
     pub unused_cells: Vec<String>,
-    /// Groups of edges that do not touch the body.
+    /// Groups of edges or faces that do not touch the body.
     pub unused_sides: Vec<String>,
     /// Groups of points without a node of the body.
     pub unused_points: Vec<String>,
@@ -40,13 +40,30 @@ struct Selection<'f> {
 }
 
 impl MeshFile {
-    /// The mesh of a body: the cells of these groups, or all cells where none is given.
+    /// The mesh of a body of the plane: the cells of these groups, or all cells where none is given.
     ///
     /// A group may be named as in the file or as in [`Self::cell_groups`]. The blocks of the mesh keep the names of the
     /// groups, for materials; without `groups`, cells of several groups have none.
     /// Errors: an unknown group; a cell in two of the groups; cells of a kind that is not supported; z not constant;
     /// whatever [`Mesh::new`] refuses, with the number of the element.
     pub fn mesh(&self, groups: &[&str]) -> Result<Imported, ImportError> {
+        self.body(groups)
+    }
+
+    /// The mesh of a body of space, as [`Self::mesh`].
+    ///
+    /// Errors: as [`Self::mesh`]; a group of faces.
+    pub fn solid(&self, groups: &[&str]) -> Result<Imported<3>, ImportError> {
+        self.body(groups)
+    }
+
+    fn body<const D: usize>(&self, groups: &[&str]) -> Result<Imported<D>, ImportError> {
+        if usize::from(self.dimension) != D {
+            return Err(ImportError::Dimension {
+                file: self.name.clone(),
+                dimension: self.dimension,
+            });
+        }
         let chosen = self.chosen(groups)?;
         let mut warnings = Vec::new();
         let body = self.select(&chosen, &mut warnings)?;
@@ -54,13 +71,13 @@ impl MeshFile {
         if body.cells.is_empty() {
             return Err(self.no_cells());
         }
-        let (points, renumbered) = self.plane_points(&body)?;
+        let (points, renumbered) = self.points_of(&body)?;
         let (blocks, numbers) = self.blocks(&body, &renumbered);
         let mesh = Mesh::new(points, blocks).map_err(|error| self.refused_mesh(error, &numbers))?;
         let table = mesh.facet_table();
         self.refuse_gaps(&mesh, &table, &numbers)?;
         let sides = self.sides(&mesh, &table, &renumbered, &mut warnings);
-        let unused_sides = self.edge_groups.names.iter();
+        let unused_sides = self.side_groups.names.iter();
         let unused_sides = unused_sides.filter(|name| !sides.contains_key(*name));
         let unused_sides = unused_sides.cloned().collect();
         let points = self.named_points(&mesh, &renumbered);
@@ -88,10 +105,13 @@ impl MeshFile {
         let mut chosen = Vec::new();
         for &group in groups {
             let found = self.cell_groups.find(group);
-            let found = found.ok_or_else(|| ImportError::UnknownGroup {
-                file: self.name.clone(),
-                group: group.to_string(),
-                known: self.cell_groups.names.clone(),
+            let found = found.ok_or_else(|| {
+                let (file, group) = (self.name.clone(), group.to_string());
+                let known = self.cell_groups.names.clone();
+                match self.dimension == 3 && self.side_groups.find(&group).is_some() {
+                    true => ImportError::Shell { file, group, known },
+                    false => ImportError::UnknownGroup { file, group, known },
+                }
             })?;
             if !chosen.contains(&found) {
                 chosen.push(found);
@@ -128,7 +148,8 @@ impl MeshFile {
         }
         if !chosen.is_empty() {
             let refused = self.refused.iter().filter(|refused| {
-                refused.element.dimension == 2 && self.cell_sets[refused.tags as usize].is_empty()
+                refused.element.dimension == self.dimension
+                    && self.cell_sets[refused.tags as usize].is_empty()
             });
             selection.unused_loose += refused.map(|refused| refused.count).sum::<usize>();
         }
@@ -176,12 +197,12 @@ impl MeshFile {
         }
     }
 
-    /// Refuses plane cells of a kind that is not supported, where the body would have them.
+    /// Refuses cells of a kind that is not supported, where the body would have them.
     fn refuse_unsupported(&self, chosen: &[usize]) -> Result<(), ImportError> {
         let needed = self.refused.iter().find(|refused| {
             let set = &self.cell_sets[refused.tags as usize];
             let wanted = chosen.is_empty() || set.iter().any(|group| chosen.contains(group));
-            refused.element.dimension == 2 && wanted
+            refused.element.dimension == self.dimension && wanted
         });
         match needed {
             None => Ok(()),
@@ -190,7 +211,7 @@ impl MeshFile {
                 kind: refused.element.name,
                 count: refused.count,
                 element: refused.first,
-                known: CellKind::of_dimension(2)
+                known: CellKind::of_dimension(usize::from(self.dimension))
                     .map(CellKind::name)
                     .collect::<Vec<_>>()
                     .join(", "),
@@ -199,7 +220,10 @@ impl MeshFile {
     }
 
     /// Points of the nodes that the body uses, in the order of the file, and the new index of each.
-    fn plane_points(&self, body: &Selection<'_>) -> Result<(Vec<Point<2>>, Vec<u32>), ImportError> {
+    fn points_of<const D: usize>(
+        &self,
+        body: &Selection<'_>,
+    ) -> Result<(Vec<Point<D>>, Vec<u32>), ImportError> {
         let mut used = vec![false; self.points.len()];
         for &node in body.cells.iter().flat_map(|(cell, _)| cell.nodes()) {
             used[node as usize] = true;
@@ -214,7 +238,7 @@ impl MeshFile {
             .filter(|(index, _)| used[*index])
         {
             renumbered[index] = points.len() as u32;
-            points.push([point[0], point[1]]);
+            points.push(std::array::from_fn(|d| point[d]));
             for d in 0..3 {
                 low[d] = low[d].min(point[d]);
                 high[d] = high[d].max(point[d]);
@@ -222,7 +246,7 @@ impl MeshFile {
         }
         // Rounding of a plane that was turned into this one.
         let width = (high[0] - low[0]).hypot(high[1] - low[1]);
-        if high[2] - low[2] > 1e-9 * width {
+        if D == 2 && high[2] - low[2] > 1e-9 * width {
             return Err(ImportError::NotPlane {
                 file: self.name.clone(),
                 low: low[2],
@@ -268,15 +292,20 @@ impl MeshFile {
         }
     }
 
-    /// Refuses cells that share the ends of an edge and not its middle, and more than two cells at one edge.
-    fn refuse_gaps(
+    /// Refuses cells that share the corners of an edge or face and not its middle nodes, and more than two cells there.
+    fn refuse_gaps<const D: usize>(
         &self,
-        mesh: &Mesh<2>,
+        mesh: &Mesh<D>,
         table: &FacetTable,
         numbers: &[Vec<u64>],
     ) -> Result<(), ImportError> {
         let number = |facet: Facet| numbers[facet.block as usize][facet.cell as usize];
-        let middle = |facet: Facet| mesh.facet_nodes(facet).nth(2);
+        let middle = |facet: Facet| {
+            let corners = mesh.facet_kind(facet).corners();
+            mesh.facet_nodes(facet)
+                .skip(corners)
+                .collect::<BTreeSet<u32>>()
+        };
         for facets in table.groups() {
             let fits = match facets {
                 [_] => true,
@@ -286,6 +315,7 @@ impl MeshFile {
             if !fits {
                 return Err(ImportError::NotConforming {
                     file: self.name.clone(),
+                    place: if D == 2 { "edge" } else { "face" },
                     elements: facets.iter().map(|(_, facet)| number(*facet)).collect(),
                 });
             }
@@ -294,8 +324,12 @@ impl MeshFile {
     }
 
     /// The nodes of a body in each group of points.
-    fn named_points(&self, mesh: &Mesh<2>, renumbered: &[u32]) -> BTreeMap<String, Vec<Point<2>>> {
-        let mut points: BTreeMap<String, Vec<Point<2>>> = BTreeMap::new();
+    fn named_points<const D: usize>(
+        &self,
+        mesh: &Mesh<D>,
+        renumbered: &[u32],
+    ) -> BTreeMap<String, Vec<Point<D>>> {
+        let mut points: BTreeMap<String, Vec<Point<D>>> = BTreeMap::new();
         for named in &self.nodes {
             let Some(&point) = mesh.points().get(renumbered[named.node as usize] as usize) else {
                 continue;
@@ -312,43 +346,49 @@ impl MeshFile {
         points
     }
 
-    /// The groups of edges on the boundary of a body, and its whole boundary.
-    fn sides(
+    /// The groups of edges or faces on the boundary of a body, and its whole boundary.
+    fn sides<const D: usize>(
         &self,
-        mesh: &Mesh<2>,
+        mesh: &Mesh<D>,
         table: &FacetTable,
         renumbered: &[u32],
         warnings: &mut Vec<String>,
     ) -> BTreeMap<String, Vec<Facet>> {
         let mut sides: BTreeMap<String, Vec<Facet>> = BTreeMap::new();
         let mut inside: BTreeMap<usize, usize> = BTreeMap::new();
-        for edge in &self.edges {
-            let ends = edge.ends.map(|node| renumbered[node as usize]);
-            let facets: Vec<Facet> = table.find(&ends).collect();
-            for &group in &self.edge_sets[edge.tags as usize] {
+        for side in &self.sides {
+            let corners = side.corners().iter();
+            let corners: Vec<u32> = corners.map(|&node| renumbered[node as usize]).collect();
+            // a face that leaves the body may have all but one corner on a facet of it
+            if corners.contains(&u32::MAX) {
+                continue;
+            }
+            let facets: Vec<Facet> = table.find(&corners).collect();
+            for &group in &self.side_sets[side.tags as usize] {
                 match facets[..] {
                     [] => {}
                     [facet] => {
-                        let name = self.edge_groups.names[group].clone();
+                        let name = self.side_groups.names[group].clone();
                         sides.entry(name).or_default().push(facet);
                     }
                     _ => *inside.entry(group).or_insert(0) += 1,
                 }
             }
         }
+        let word = self.sides_word();
         for (group, count) in inside {
-            let name = &self.edge_groups.names[group];
+            let name = &self.side_groups.names[group];
             warnings.push(format!(
-                "{count} edges of the group `{name}` lie inside it and are left out: sides are on the boundary; where the cells on both sides of `{name}` are in groups of their own, each can be a body, and a [[contact]] between them (`tied = true`, or one that opens) has `{name}` as its side on either"
+                "{count} {word} of the group `{name}` lie inside it and are left out: sides are on the boundary; where the cells on both sides of `{name}` are in groups of their own, each can be a body, and a [[contact]] between them (`tied = true`, or one that opens) has `{name}` as its side on either"
             ));
         }
-        if self.edge_groups.names.is_empty() {
+        if self.side_groups.names.is_empty() {
             warnings.push(format!(
-                "{} has no physical groups of edges: its one side is `{BOUNDARY}`",
+                "{} has no physical groups of {word}: its one side is `{BOUNDARY}`",
                 self.name
             ));
         }
-        if self.edge_groups.find(BOUNDARY).is_none() {
+        if self.side_groups.find(BOUNDARY).is_none() {
             sides.insert(BOUNDARY.to_string(), mesh.boundary_facets());
         }
         sides

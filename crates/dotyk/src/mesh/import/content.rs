@@ -1,7 +1,8 @@
 //! What a mesh file says, in a form that all formats share: nodes, elements with their groups, names of groups.
 //!
-//! Only kinds that a plane mesh is made of are kept; of the others it is known how many there are and in which groups,
-//! so that they can be reported, or refused when a body needs them.
+//! Cells have the dimension of the bodies that are to be cut out, their sides one less. Only kinds that meshes are made of
+//! are kept; of the others it is known how many there are and in which groups, so that they can be reported, or refused when
+//! a body needs them.
 
 use crate::mesh::{CellKind, MAX_CELL_NODES};
 use std::collections::BTreeMap;
@@ -25,7 +26,7 @@ impl ElementType {
     }
 }
 
-/// A cell of the plane as a file gives it.
+/// A cell as a file gives it.
 #[derive(Debug, Clone)]
 pub(crate) struct ReadCell {
     pub kind: CellKind,
@@ -43,8 +44,8 @@ impl ReadCell {
     }
 
     /// The corners in ascending order: the same for two cells on the same corners.
-    pub fn corners(&self) -> [u32; 4] {
-        let mut corners = [u32::MAX; 4];
+    pub fn corners(&self) -> [u32; 8] {
+        let mut corners = [u32::MAX; 8];
         let count = self.kind.corners();
         corners[..count].copy_from_slice(&self.nodes[..count]);
         corners.sort_unstable();
@@ -52,12 +53,20 @@ impl ReadCell {
     }
 }
 
-/// An edge by its ends.
+/// An edge by its ends, or a face by its corners.
 #[derive(Debug, Clone)]
-pub(crate) struct Edge {
-    pub ends: [u32; 2],
+pub(crate) struct ReadSide {
+    pub kind: CellKind,
+    /// The first `kind.corners()` count.
+    pub corners: [u32; 4],
     /// Index into [`Content::tags`].
     pub tags: u32,
+}
+
+impl ReadSide {
+    pub fn corners(&self) -> &[u32] {
+        &self.corners[..self.kind.corners()]
+    }
 }
 
 /// A node that an element of dimension 0 names.
@@ -68,7 +77,7 @@ pub(crate) struct NamedNode {
     pub tags: u32,
 }
 
-/// Elements that no plane mesh has, of one kind and with the same groups.
+/// Elements that no such mesh has, of one kind and with the same groups.
 #[derive(Debug, Clone)]
 pub(crate) struct Refused {
     pub element: ElementType,
@@ -81,9 +90,11 @@ pub(crate) struct Refused {
 /// Everything that was read.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Content {
+    /// Of the cells: 2 or 3.
+    pub dimension: u8,
     pub points: Vec<[f64; 3]>,
     pub cells: Vec<ReadCell>,
-    pub edges: Vec<Edge>,
+    pub sides: Vec<ReadSide>,
     pub nodes: Vec<NamedNode>,
     pub refused: Vec<Refused>,
     /// Physical tags that elements have in common: > 0, ascending, each once; elements hold an index.
@@ -97,6 +108,14 @@ pub(crate) struct Content {
 }
 
 impl Content {
+    /// Nothing read yet.
+    pub fn new(dimension: u8) -> Self {
+        Self {
+            dimension,
+            ..Self::default()
+        }
+    }
+
     /// Index of a set of tags. Zero means no group, and the sign tells an orientation: neither is kept.
     pub fn tag_set(&mut self, mut tags: Vec<i64>) -> u32 {
         for tag in &mut tags {
@@ -121,11 +140,17 @@ impl Content {
                 node: nodes[0],
                 tags,
             }),
-            (1, Some(_)) => self.edges.push(Edge {
-                ends: [nodes[0], nodes[1]],
-                tags,
-            }),
-            (2, Some(kind)) => {
+            (d, Some(kind)) if d + 1 == self.dimension => {
+                let mut corners = [u32::MAX; 4];
+                let count = kind.corners();
+                corners[..count].copy_from_slice(&nodes[..count]);
+                self.sides.push(ReadSide {
+                    kind,
+                    corners,
+                    tags,
+                });
+            }
+            (d, Some(kind)) if d == self.dimension => {
                 let mut own = [u32::MAX; MAX_CELL_NODES];
                 own[..nodes.len()].copy_from_slice(nodes);
                 self.cells.push(ReadCell {

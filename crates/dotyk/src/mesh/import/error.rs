@@ -66,6 +66,27 @@ pub enum ImportError {
         /// Groups of cells that exist.
         known: Vec<String>,
     },
+    /// A group of faces is no body: it has no volume.
+    #[error(
+        "{file}: `{group}` is a group of faces, a shell; a body needs cells with volume: mesh in 3D and name a group of volumes; {}",
+        groups(known)
+    )]
+    Shell {
+        /// The file.
+        file: String,
+        /// Name that was asked for.
+        group: String,
+        /// Groups of cells that exist.
+        known: Vec<String>,
+    },
+    /// A file read for one dimension is asked for a body of another.
+    #[error("{file} was read for bodies of dimension {dimension}: read it again for the other")]
+    Dimension {
+        /// The file.
+        file: String,
+        /// Of the bodies that it was read for.
+        dimension: u8,
+    },
     /// Two groups that would have the same name.
     #[error(
         "{file}: the groups `{first}` and `{second}` would both be called `{name}` (letters, digits, `_` and `-` are kept): rename one of them"
@@ -80,17 +101,19 @@ pub enum ImportError {
         /// The name of both.
         name: String,
     },
-    /// There is nothing to make a plane body of.
-    #[error("{file} has no cells of the plane (triangles or quadrilaterals); {found}")]
+    /// There is nothing to make a body of.
+    #[error("{file} has no cells {cells}; {found}")]
     NoCells {
         /// The file.
         file: String,
+        /// Which cells are needed.
+        cells: &'static str,
         /// What there is instead.
         found: String,
     },
     /// Cells of the body are of a kind that is not supported.
     #[error(
-        "{file}: {count} cells of the body are of the kind {kind}, the first is element {element}: mesh with first or second order ({known})"
+        "{file}: {count} cells of the body are of the kind {kind}, which is not supported yet; the first is element {element}: mesh with first or second order ({known})"
     )]
     UnsupportedCells {
         /// The file.
@@ -130,14 +153,17 @@ pub enum ImportError {
         /// Number of the other.
         second: u64,
     },
-    /// Cells that meet at an edge and do not fit together there.
+    /// Cells that meet at an edge, in space at a face, and do not fit together there.
     #[error(
-        "{file}: the elements {} do not fit together at one edge: two cells may share it, with its middle node; mesh all of the body with one order",
-        listed(elements)
+        "{file}: the elements {} do not fit together at one {place}: two cells may share it, with its middle node{}; mesh all of the body with one order",
+        listed(elements),
+        if *place == "edge" { "" } else { "s" }
     )]
     NotConforming {
         /// The file.
         file: String,
+        /// Where they meet: an edge or a face.
+        place: &'static str,
         /// Numbers of the elements in the file.
         elements: Vec<u64>,
     },

@@ -62,11 +62,11 @@ const SECTIONS: [&str; 5] = [
 ];
 
 /// Reads a file that begins with `$`.
-pub(crate) fn read(cursor: Cursor<'_>) -> Result<Content, ImportError> {
+pub(crate) fn read(cursor: Cursor<'_>, dimension: u8) -> Result<Content, ImportError> {
     let mut reader = Reader {
         cursor,
         version: Version::Unknown,
-        content: Content::default(),
+        content: Content::new(dimension),
         points: HashMap::new(),
         entities: BTreeMap::new(),
         elements: false,
@@ -332,9 +332,8 @@ impl Reader<'_> {
         let ours = CellKind::ALL.into_iter().find(ours).map(ElementType::of);
         let other = OTHER_TYPES.iter().find(|(known, _)| *known == number);
         ours.or(other.map(|other| other.1)).ok_or_else(|| {
-            let message = format!(
-                "element type {number} is not known: mesh with triangles and quadrilaterals of first or second order"
-            );
+            let message =
+                format!("element type {number} is not known: mesh with first or second order");
             self.cursor.malformed(start, message)
         })
     }

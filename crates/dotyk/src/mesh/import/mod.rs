@@ -1,14 +1,14 @@
 //! Meshes from files: Gmsh `.msh` 4.1 and 2.2 (text and binary), and VTU.
 //!
-//! A file holds cells and edges in groups. A body is made of all plane cells or of some groups of them; the groups of
-//! edges on its boundary are its sides, and `boundary` is the whole boundary where no group of edges has that name. Groups of
-//! points name nodes.
-//! Points and cells keep the order of the file, second-order cells their middle nodes. x and y are the coordinates, z
-//! must be the same everywhere in the body.
+//! A file is read for bodies of the plane or of space. It holds cells and edges, in space cells and faces, in groups. A body
+//! is made of all cells or of some groups of them; the groups of edges or faces on its boundary are its sides, and `boundary`
+//! is the whole boundary where no such group has that name. Groups of points name nodes.
+//! Points and cells keep the order of the file, second-order cells their middle nodes. In the plane x and y are the
+//! coordinates, z must be the same everywhere in the body.
 //!
 //! Names: a group is called by its physical name, without one by its number. Runs of characters other than letters of
 //! ASCII, digits, `_` and `-` become one `_`, with a warning, so that the name can stand in a case file.
-//! Nothing is guessed: what has no meaning for a plane body is listed in the warnings, and what a body would need but
+//! Nothing is guessed: what has no meaning for a body is listed in the warnings, and what a body would need but
 //! is not supported is an error. Coincident nodes are not merged.
 
 mod body;
@@ -23,7 +23,7 @@ mod vtu;
 pub use body::Imported;
 pub use error::{FilePlace, ImportError};
 
-use crate::mesh::import::content::{Content, Edge, NamedNode, ReadCell, Refused};
+use crate::mesh::import::content::{Content, NamedNode, ReadCell, ReadSide, Refused};
 use crate::mesh::import::cursor::Cursor;
 use crate::mesh::import::groups::Groups;
 use crate::mesh::import::remarks::described;
@@ -42,27 +42,40 @@ use std::path::Path;
 #[derive(Debug, Clone)]
 pub struct MeshFile {
     name: String,
+    /// Of the bodies that it is read for.
+    dimension: u8,
     points: Vec<[f64; 3]>,
     cells: Vec<ReadCell>,
-    edges: Vec<Edge>,
+    sides: Vec<ReadSide>,
     nodes: Vec<NamedNode>,
     refused: Vec<Refused>,
     /// Groups by the index that elements hold.
     cell_sets: Vec<Vec<usize>>,
-    edge_sets: Vec<Vec<usize>>,
+    side_sets: Vec<Vec<usize>>,
     node_sets: Vec<Vec<usize>>,
     cell_groups: Groups,
-    edge_groups: Groups,
+    side_groups: Groups,
     point_groups: Groups,
     warnings: Vec<String>,
 }
 
 impl MeshFile {
-    /// Reads a file; its content tells the format.
+    /// Reads a file for bodies of the plane; its content tells the format.
     ///
     /// Errors: a file that cannot be read or is of no known format; what breaks the rules of the format, with line, or
     /// section and byte; versions and features that are not read; groups whose names cannot be told apart; no cells.
     pub fn read(path: &Path) -> Result<Self, ImportError> {
+        Self::open(path, 2)
+    }
+
+    /// Reads a file for bodies of space.
+    ///
+    /// Errors: as [`Self::read`].
+    pub fn read_solid(path: &Path) -> Result<Self, ImportError> {
+        Self::open(path, 3)
+    }
+
+    fn open(path: &Path, dimension: u8) -> Result<Self, ImportError> {
         let unreadable = |why: String| ImportError::Unreadable {
             file: path.display().to_string(),
             why,
@@ -74,19 +87,30 @@ impl MeshFile {
             std::io::ErrorKind::NotFound => unreadable("there is no such file".to_string()),
             _ => unreadable(e.to_string()),
         })?;
-        Self::from_bytes(&path.display().to_string(), &bytes)
+        Self::parse(&path.display().to_string(), &bytes, dimension)
     }
 
-    /// Reads the content of a file that messages call `name`.
+    /// Reads the content of a file that messages call `name`, for bodies of the plane.
     ///
     /// Errors: as [`Self::read`].
     pub fn from_bytes(name: &str, bytes: &[u8]) -> Result<Self, ImportError> {
+        Self::parse(name, bytes, 2)
+    }
+
+    /// The same for bodies of space.
+    ///
+    /// Errors: as [`Self::read`].
+    pub fn solid_from_bytes(name: &str, bytes: &[u8]) -> Result<Self, ImportError> {
+        Self::parse(name, bytes, 3)
+    }
+
+    fn parse(name: &str, bytes: &[u8], dimension: u8) -> Result<Self, ImportError> {
         let mut cursor = Cursor::new(name, bytes);
         cursor.skip_space();
         let content = if bytes.get(cursor.at()) == Some(&b'$') {
-            gmsh::read(cursor)?
+            gmsh::read(cursor, dimension)?
         } else if vtu::recognised(bytes) {
-            vtu::read(name, bytes)?
+            vtu::read(name, bytes, dimension)?
         } else {
             return Err(cursor.unsupported(
                 "this is neither a Gmsh mesh (.msh, which begins with $MeshFormat) nor a VTU file",
@@ -97,11 +121,12 @@ impl MeshFile {
 
     fn new(name: &str, mut content: Content) -> Result<Self, ImportError> {
         let repeated = drop_repeated(name, &mut content)?;
+        let of_cells = content.dimension;
         let used = |dimension: u8| -> BTreeSet<i64> {
             let own: BTreeSet<u32> = match dimension {
                 0 => content.nodes.iter().map(|n| n.tags).collect(),
-                1 => content.edges.iter().map(|e| e.tags).collect(),
-                _ => content.cells.iter().map(|c| c.tags).collect(),
+                d if d == of_cells => content.cells.iter().map(|c| c.tags).collect(),
+                _ => content.sides.iter().map(|s| s.tags).collect(),
             };
             let refused = content.refused.iter();
             let refused = refused
@@ -111,25 +136,28 @@ impl MeshFile {
             sets.flat_map(|set| content.tags[set as usize].iter().copied())
                 .collect()
         };
-        let cell_groups = Groups::new(name, 2, &used(2), &content.names)?;
-        let edge_groups = Groups::new(name, 1, &used(1), &content.names)?;
-        let point_groups = Groups::new(name, 0, &used(0), &content.names)?;
+        let groups = |dimension| Groups::new(name, dimension, &used(dimension), &content.names);
+        let cell_groups = groups(of_cells)?;
+        let side_groups = groups(of_cells - 1)?;
+        let point_groups = groups(0)?;
         let mut file = Self {
             name: name.to_string(),
+            dimension: of_cells,
             cell_sets: cell_groups.sets(&content.tags),
-            edge_sets: edge_groups.sets(&content.tags),
+            side_sets: side_groups.sets(&content.tags),
             node_sets: point_groups.sets(&content.tags),
             cell_groups,
-            edge_groups,
+            side_groups,
             point_groups,
             warnings: Vec::new(),
             points: std::mem::take(&mut content.points),
             cells: std::mem::take(&mut content.cells),
-            edges: std::mem::take(&mut content.edges),
+            sides: std::mem::take(&mut content.sides),
             nodes: std::mem::take(&mut content.nodes),
             refused: std::mem::take(&mut content.refused),
         };
-        if file.cells.is_empty() && !file.refused.iter().any(|r| r.element.dimension == 2) {
+        let cells = |r: &Refused| r.element.dimension == of_cells;
+        if file.cells.is_empty() && !file.refused.iter().any(cells) {
             return Err(file.no_cells());
         }
         file.warnings = file.remarks(&content, repeated);
@@ -138,15 +166,46 @@ impl MeshFile {
 
     fn no_cells(&self) -> ImportError {
         let mut found: Vec<String> = self.refused.iter().map(described).collect();
-        if !self.edges.is_empty() {
-            found.push(format!("{} edges", self.edges.len()));
+        if !self.sides.is_empty() {
+            found.push(format!("{} {}", self.sides.len(), self.sides_word()));
         }
+        let (mesh, parts) = match self.dimension {
+            2 => ("mesh in 2D, and ", "surfaces"),
+            _ => ("mesh in 3D, and ", "volumes"),
+        };
+        // a surface mesh of space is no mistake of groups alone
+        let again = if self.dimension == 2 { "" } else { mesh };
         ImportError::NoCells {
             file: self.name.clone(),
-            found: match found.len() {
-                0 => "it has no elements at all: in Gmsh, mesh in 2D, and put the surfaces in physical groups".to_string(),
-                _ => format!("it has {}: in Gmsh, put the surfaces in physical groups, or save all elements", found.join(", ")),
+            cells: match self.dimension {
+                2 => "of the plane (triangles or quadrilaterals)",
+                _ => "of space (tetrahedra, hexahedra or prisms)",
             },
+            found: match found.len() {
+                0 => format!(
+                    "it has no elements at all: in Gmsh, {mesh}put the {parts} in physical groups"
+                ),
+                _ => format!(
+                    "it has {}: in Gmsh, {again}put the {parts} in physical groups, or save all elements",
+                    found.join(", ")
+                ),
+            },
+        }
+    }
+
+    /// What sides consist of.
+    fn sides_word(&self) -> &'static str {
+        match self.dimension {
+            2 => "edges",
+            _ => "faces",
+        }
+    }
+
+    /// Where cells are, for messages.
+    fn space_word(&self) -> &'static str {
+        match self.dimension {
+            2 => "the plane",
+            _ => "space",
         }
     }
 
@@ -155,9 +214,9 @@ impl MeshFile {
         &self.cell_groups.names
     }
 
-    /// Names of the groups of edges, by ascending tag.
+    /// Names of the groups of edges, in space of faces, by ascending tag.
     pub fn side_groups(&self) -> &[String] {
-        &self.edge_groups.names
+        &self.side_groups.names
     }
 
     /// Names of the groups of points, by ascending tag.
@@ -175,7 +234,7 @@ impl MeshFile {
 ///
 /// Version 2.2 of the format repeats an element for each of its groups.
 fn drop_repeated(file: &str, content: &mut Content) -> Result<usize, ImportError> {
-    let mut seen: HashMap<[u32; 4], usize> = HashMap::new();
+    let mut seen: HashMap<[u32; 8], usize> = HashMap::new();
     let mut kept: Vec<ReadCell> = Vec::with_capacity(content.cells.len());
     let mut repeated = 0;
     for cell in std::mem::take(&mut content.cells) {

@@ -1,7 +1,7 @@
 //! What of a mesh file no body can contain, or is called otherwise, in words.
 
 use crate::mesh::MeshFile;
-use crate::mesh::import::content::{Content, Edge, Refused};
+use crate::mesh::import::content::{Content, ReadSide, Refused};
 use std::collections::{BTreeMap, HashSet};
 
 impl MeshFile {
@@ -9,7 +9,9 @@ impl MeshFile {
     /// moved into the file, and `repeated` cells of it were dropped.
     pub(crate) fn remarks(&self, content: &Content, repeated: usize) -> Vec<String> {
         let mut remarks = content.remarks.clone();
-        let other = self.refused.iter().filter(|r| r.element.dimension != 2);
+        let dimension = self.dimension;
+        let other = self.refused.iter();
+        let other = other.filter(|r| r.element.dimension != dimension);
         let other = merged(other);
         remarks.extend(
             other
@@ -24,14 +26,14 @@ impl MeshFile {
         if !empty.is_empty() {
             remarks.push(format!("groups without elements: {}", quoted(&empty)));
         }
-        remarks.extend(self.edge_remarks());
+        remarks.extend(self.side_remarks());
         let named = |remark: String| format!("{}: {remark}", self.name);
         remarks.into_iter().map(named).collect()
     }
 
     /// Groups whose names could not stand in a case file.
     fn renamed(&self) -> Vec<String> {
-        let groups = [&self.cell_groups, &self.edge_groups, &self.point_groups].into_iter();
+        let groups = [&self.cell_groups, &self.side_groups, &self.point_groups].into_iter();
         let names = groups.flat_map(|groups| groups.names.iter().zip(&groups.originals));
         let renamed = names.filter_map(|(name, original)| {
             let original = original.as_ref().filter(|original| *original != name)?;
@@ -42,61 +44,64 @@ impl MeshFile {
         renamed.collect()
     }
 
-    /// Names of surfaces, curves and points that no element belongs to.
+    /// Names of groups of cells, sides and points that no element belongs to.
     fn empty_groups(&self, content: &Content) -> Vec<String> {
         let empty = content
             .names
             .iter()
-            .filter(|((dimension, tag), _)| match dimension {
+            .filter(|((dimension, tag), _)| match *dimension {
                 0 => !self.point_groups.tags.contains_key(tag),
-                1 => !self.edge_groups.tags.contains_key(tag),
-                2 => !self.cell_groups.tags.contains_key(tag),
+                d if d == self.dimension => !self.cell_groups.tags.contains_key(tag),
+                d if d + 1 == self.dimension => !self.side_groups.tags.contains_key(tag),
                 _ => false,
             });
         empty.map(|(_, name)| name.clone()).collect()
     }
 
-    /// Edges without a group, edges of no cell, nodes of no cell.
-    fn edge_remarks(&self) -> Vec<String> {
+    /// Edges or faces without a group, those of no cell, nodes of no cell.
+    fn side_remarks(&self) -> Vec<String> {
         let mut remarks = Vec::new();
-        let groups = |edge: &Edge| &self.edge_sets[edge.tags as usize];
-        let loose = self.edges.iter().filter(|edge| groups(edge).is_empty());
+        let (sides, space) = (self.sides_word(), self.space_word());
+        let groups = |side: &ReadSide| &self.side_sets[side.tags as usize];
+        let loose = self.sides.iter().filter(|side| groups(side).is_empty());
         let loose = loose.count();
         if loose > 0 {
             remarks.push(format!(
-                "{loose} edges belong to no physical group and are left out"
+                "{loose} {sides} belong to no physical group and are left out"
             ));
         }
-        let mut off: HashSet<[u32; 2]> = self.edges.iter().map(|e| ordered(e.ends)).collect();
+        let own = self.sides.iter().map(|side| ordered(side.corners()));
+        let mut off: HashSet<[u32; 4]> = own.collect();
         let mut in_cells = vec![false; self.points.len()];
         for cell in &self.cells {
-            for (_, facet) in cell.kind.facets() {
-                off.remove(&ordered([cell.nodes[facet[0]], cell.nodes[facet[1]]]));
+            for (kind, facet) in cell.kind.facets() {
+                let mut corners = [u32::MAX; 4];
+                for (corner, &local) in corners.iter_mut().zip(&facet[..kind.corners()]) {
+                    *corner = cell.nodes[local];
+                }
+                off.remove(&ordered(&corners));
             }
             for &node in cell.nodes() {
                 in_cells[node as usize] = true;
             }
         }
         let mut counts: BTreeMap<usize, usize> = BTreeMap::new();
-        for edge in self
-            .edges
-            .iter()
-            .filter(|edge| off.contains(&ordered(edge.ends)))
-        {
-            for &group in groups(edge) {
+        let off = |side: &&ReadSide| off.contains(&ordered(side.corners()));
+        for side in self.sides.iter().filter(off) {
+            for &group in groups(side) {
                 *counts.entry(group).or_insert(0) += 1;
             }
         }
         for (group, count) in counts {
-            let name = &self.edge_groups.names[group];
+            let name = &self.side_groups.names[group];
             remarks.push(format!(
-                "{count} edges of the group `{name}` belong to no cell of the plane and are left out"
+                "{count} {sides} of the group `{name}` belong to no cell of {space} and are left out"
             ));
         }
         let nodes = in_cells.iter().filter(|used| !**used).count();
         if nodes > 0 {
             remarks.push(format!(
-                "{nodes} nodes belong to no cell of the plane and are left out"
+                "{nodes} nodes belong to no cell of {space} and are left out"
             ));
         }
         remarks
@@ -122,8 +127,12 @@ pub(crate) fn described(refused: &Refused) -> String {
     )
 }
 
-fn ordered([a, b]: [u32; 2]) -> [u32; 2] {
-    [a.min(b), a.max(b)]
+/// Corners in ascending order, missing ones last.
+fn ordered(corners: &[u32]) -> [u32; 4] {
+    let mut key = [u32::MAX; 4];
+    key[..corners.len()].copy_from_slice(corners);
+    key.sort_unstable();
+    key
 }
 
 pub(crate) fn quoted(names: &[String]) -> String {

@@ -49,9 +49,9 @@ pub(crate) fn recognised(bytes: &[u8]) -> bool {
 }
 
 /// Reads a VTU file.
-pub(crate) fn read(file: &str, bytes: &[u8]) -> Result<Content, ImportError> {
+pub(crate) fn read(file: &str, bytes: &[u8], dimension: u8) -> Result<Content, ImportError> {
     let document = Document::scan(file, bytes)?;
-    let mut content = Content::default();
+    let mut content = Content::new(dimension);
     content.points = document.points()?;
     document.cells(&mut content)?;
     let left_out = document.arrays.iter().filter(|array| {
@@ -351,7 +351,7 @@ impl<'b> Document<'b> {
     ) -> Result<ElementType, ImportError> {
         let Some(element) = known(kind) else {
             let what = format!(
-                "cell {cell} is of VTK's type {kind}, which is not known: mesh with triangles and quadrilaterals of first or second order"
+                "cell {cell} is of VTK's type {kind}, which is not known: mesh with first or second order"
             );
             return Err(self.error(array, &what));
         };
