@@ -43,7 +43,7 @@ const INNER: usize = 40;
 
 /// Errors of the law that Newton steps for one centre leave: a part of the residual of the centre before, at least the second.
 const INEXACT: f64 = 1e-3;
-const ACCURATE: f64 = 1e-10;
+pub(crate) const ACCURATE: f64 = 1e-10;
 
 /// Proximal steps, and exact ones where two centres in a row have the same states.
 pub(crate) fn settle(
@@ -65,7 +65,8 @@ pub(crate) fn settle(
             centre: &at.lambda,
             compliance: &compliance,
         };
-        (at, states) = match anchored(search, states.clone(), anchor, error, observe) {
+        let own = (anchor, &setup.problem.softness[..]);
+        (at, states) = match anchored(search, states.clone(), own, error, observe) {
             Inner::Stopped => return Ended::Stopped,
             Inner::Settled(states) => (search.point.clone(), states),
             Inner::Failed => {
@@ -95,32 +96,33 @@ pub(crate) fn settle(
 }
 
 /// How the Newton steps for one centre ended.
-enum Inner {
+pub(crate) enum Inner {
     /// The states that come next.
     Settled(Vec<State>),
     Failed,
     Stopped,
 }
 
-/// Newton steps on anchored conditions until the error of the law is at most the part `accuracy` of the largest force.
-fn anchored(
+/// Newton steps on anchored conditions until the error of the law is at most the part `accuracy` of the largest force; states
+/// come from trial forces of the compliance `own` (m,).
+pub(crate) fn anchored(
     search: &mut Search<'_>,
     mut states: Vec<State>,
-    anchor: Anchor<'_>,
+    (anchor, own): (Anchor<'_>, &[f64]),
     accuracy: f64,
     observe: Observer<'_>,
 ) -> Inner {
     let setup = search.setup;
     let mut seen = HashSet::new();
     for _ in 0..INNER {
-        if search.exhausted() || !anchored_step(search, &states, anchor) {
+        if search.exhausted() || !anchored_step(search, &states, anchor, own) {
             return Inner::Failed;
         }
         if search.tell(observe) {
             return Inner::Stopped;
         }
         let left = anchor.left(&search.point.lambda, &search.judge.gap);
-        let mut next = search.next_states(&states, &left);
+        let mut next = search.next_states_of(&states, &left, own);
         let (now, then) = (State::keys(&states), State::keys(&next));
         // in space the directions of slip go on turning in the same states
         let turns = states.iter().any(State::may_turn);
@@ -140,10 +142,13 @@ fn anchored(
 }
 
 /// Solves for the forces of `states` with anchored conditions and judges them; `false` where the system is singular.
-fn anchored_step(search: &mut Search<'_>, states: &[State], anchor: Anchor<'_>) -> bool {
-    let setup = search.setup;
-    let softness = &setup.problem.softness;
-    let mut system = System::of(setup, states, Some(anchor), softness);
+fn anchored_step(
+    search: &mut Search<'_>,
+    states: &[State],
+    anchor: Anchor<'_>,
+    own: &[f64],
+) -> bool {
+    let mut system = System::of(search.setup, states, Some(anchor), own);
     search.steps += 1;
     search.kind = 'p';
     let solved = system.solve(&search.point, ACCURATE);
@@ -284,7 +289,12 @@ mod tests {
             compliance: &compliance,
         };
         let closed = search.all_closed();
-        assert!(anchored_step(&mut search, &closed, anchor));
+        assert!(anchored_step(
+            &mut search,
+            &closed,
+            anchor,
+            &problem.softness
+        ));
         assert_eq!((search.steps, search.kind), (1, 'p'));
         let left = anchor.left(&search.point.lambda, &search.judge.gap);
         assert!(apart(&left, &[0.0; 6]) < 1e-13);
@@ -303,7 +313,13 @@ mod tests {
         let steps = |accuracy: f64| {
             let mut search = Search::new((1e-9, 200), &setup);
             let closed = search.all_closed();
-            let inner = anchored(&mut search, closed, anchor, accuracy, &mut silent);
+            let inner = anchored(
+                &mut search,
+                closed,
+                (anchor, &problem.softness),
+                accuracy,
+                &mut silent,
+            );
             assert!(matches!(inner, Inner::Settled(_)));
             let left = anchor.left(&search.point.lambda, &search.judge.gap);
             let force = largest(0.0, &search.point.lambda);

@@ -295,7 +295,12 @@ impl<'a> Search<'a> {
     /// States that the forces of the last step and their gaps (m,) ask for. A node whose slip turned against its shear sticks
     /// next: it never flips its direction.
     pub fn next_states(&self, states: &[State], gap: &[f64]) -> Vec<State> {
-        let (lambda, softness) = (&self.point.lambda, self.softness());
+        self.next_states_of(states, gap, self.softness())
+    }
+
+    /// The same by trial forces of the compliance `softness` (m,).
+    pub fn next_states_of(&self, states: &[State], gap: &[f64], softness: &[f64]) -> Vec<State> {
+        let lambda = &self.point.lambda;
         let blocks = self.setup.admissible.iter();
         let next = |(state, (block, range)): (&State, (&_, Range<usize>))| {
             let trial: Vec<f64> = range

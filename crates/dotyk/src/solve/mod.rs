@@ -39,6 +39,7 @@ mod secant;
 mod setup;
 mod slip;
 mod spectrum;
+mod springs;
 mod states;
 mod system;
 mod uzawa;

@@ -123,6 +123,16 @@ pub enum SolveError {
         /// Largest part of the load along that motion which friction can hold; `None`: no friction could hold it.
         factor: Option<f64>,
     },
+    /// Some contact forces balance the load, but none that the compliance of the bodies gives: friction is exhausted before.
+    #[error(
+        "friction does not bear the load along the rigid motion {direction:?}, but {factor} of it"
+    )]
+    Slides {
+        /// Amplitudes (r,): the motion.
+        direction: Vec<f64>,
+        /// Largest part of the load along that motion which friction bears.
+        factor: f64,
+    },
     /// The solver cannot treat a block of the admissible set.
     #[error("{method} cannot treat block {block} of the admissible set, {found:?}: {reason}")]
     Unsupported {

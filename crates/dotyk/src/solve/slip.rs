@@ -1,4 +1,4 @@
-//! Newton's method where bounds of friction follow from normal forces: exact steps, and three further stages where they find
+//! Newton's method where bounds of friction follow from normal forces: exact steps, and four further stages where they find
 //! no answer.
 //!
 //! Coulomb's law is such a law. It minimises nothing, so that no energy tells a good
@@ -9,10 +9,12 @@
 //!    bounds that are *given*, those of the best forces so far, the problem is convex and its solution moves the bodies to
 //!    where contacts hold them. Exact steps go on from there.
 //! 3. [`settle`]: proximal steps, on a problem to which compliance is added until Newton's iteration ends on it.
-//! 4. [`iterate_bounds`]: the convex problem with given bounds, again and again, each with the bounds that follow from the
+//! 4. [`stiffen`]: springs that bear shears within their bounds, softer than the contacts at first: bodies go where normal
+//!    forces hold them before anything sticks.
+//! 5. [`iterate_bounds`]: the convex problem with given bounds, again and again, each with the bounds that follow from the
 //!    forces of the one before. A contraction for small coefficients.
 //!
-//! Stages 2 to 4 begin from the forces of least residual so far: the last ones may have grown without bound.
+//! Stages 2, 3 and 5 begin from the forces of least residual so far: the last ones may have grown without bound.
 //!
 //! As described in Alart & Curnier (1991) for the steps, Nečas, Jarušek & Haslinger (1980) for the bounds.
 
@@ -24,6 +26,7 @@ use crate::solve::hold::{held, hold};
 use crate::solve::iteration::{completed, counting_from};
 use crate::solve::levels;
 use crate::solve::setup::Setup;
+use crate::solve::springs::{limit, stiffen};
 use crate::solve::states::State;
 use crate::solve::{FixedBounds, Observer, Outcome, SolveError};
 
@@ -40,16 +43,15 @@ const RESTING: f64 = 1e-4;
 /// One stage: goes on from states, with what a method for given bounds can do.
 type Stage<S> = fn(&S, &mut Search<'_>, Vec<State>, Observer<'_>) -> Ended;
 
-/// The first three stages, those of single forces.
-fn stages<S: FixedBounds>() -> [Stage<S>; 3] {
-    [exact, rest, |_, search, states, observe| {
-        settle(search, states, observe)
-    }]
+/// The first four stages, those of single forces.
+fn stages<S: FixedBounds>() -> [Stage<S>; 4] {
+    let settle: Stage<S> = |_, search, states, observe| settle(search, states, observe);
+    [exact, rest, settle, stiffen]
 }
 
 /// Newton on the problem of `setup`, in which bounds follow from normal forces; `method` is Newton with given bounds.
 ///
-/// Errors: `NotConverged`.
+/// Errors: `NotConverged`; `Slides` where a part of the load has an answer, and friction is exhausted there.
 pub(crate) fn solve<S: FixedBounds>(
     method: &S,
     setup: &Setup<'_>,
@@ -60,7 +62,13 @@ pub(crate) fn solve<S: FixedBounds>(
     match ended {
         Ended::Converged => Ok(search.outcome(false)),
         Ended::Stopped => Ok(search.outcome(true)),
-        Ended::Stuck(_) => iterate_bounds(method, search, observe),
+        Ended::Stuck(_) => match iterate_bounds(method, search, observe) {
+            Err(left @ SolveError::NotConverged { .. }) => match limit(method, setup) {
+                Some((direction, factor)) => Err(SolveError::Slides { direction, factor }),
+                None => Err(left),
+            },
+            ended => ended,
+        },
     }
 }
 
@@ -280,7 +288,7 @@ mod tests {
 
     #[test]
     fn bounds_that_follow_each_other_find_what_no_single_step_does() {
-        needs_more_than(3, &LAST);
+        needs_more_than(4, &LAST);
     }
 
     /// The problem that only bounds which follow each other solve.

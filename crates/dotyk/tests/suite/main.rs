@@ -23,6 +23,7 @@ mod own;
 mod past;
 mod patch;
 mod rates;
+mod sliding;
 mod solids;
 mod solvers;
 mod source;

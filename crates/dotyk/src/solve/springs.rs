@@ -1,0 +1,271 @@
+//! Friction that gives way before it holds: shears are borne by springs, within the bounds of the law, and the springs stiffen.
+//!
+//! ```text
+//!   gapₜ + a λₜ = 0  where a node sticks, its bound where it slips;      gapₙ as it is;      a → 0
+//! ```
+//!
+//! Where a clearance closes together with a moment, or a body slips over most of its contact before it rests, no guess of
+//! states is near: what sticks first would jam. Soft springs let the bodies go where their normal forces hold them, and leave
+//! what the law says of every node that slips. Each stiffness begins from the states of the one before it, and exact steps end
+//! it. The first begins from the problem without friction, and without that part of the load which only friction bears: the
+//! work of the load on motions Gᵀz that no normal moves.
+//!
+//! The springs change no bound. So a load that friction does not bear with the normal forces that the elasticity of the bodies
+//! gives has no answer for any stiffness either: [`limit`] finds the part of it that has one. Bodies that are pressed onto
+//! each other (a shaft in its hub, a pin in its hole) slide then, although larger normal forces would balance the load.
+//!
+//! Alart & Curnier (1991) for the steps; the load is raised by bisection.
+
+use crate::dual::{Component, Feasibility};
+use crate::solve::anchored::{ACCURATE, Inner, anchored};
+use crate::solve::exact::{Ended, Patience, Search};
+use crate::solve::hold::held;
+use crate::solve::iteration::counting_from;
+use crate::solve::setup::{Forces, Setup};
+use crate::solve::states::{Anchor, State};
+use crate::solve::system::{LOOSE, System};
+use crate::solve::{FixedBounds, Observer, SolveError, dot};
+use std::ops::ControlFlow;
+
+/// Compliances of the springs relative to that of each contact: the first, its factor, the last.
+const FIRST: f64 = 100.0;
+const FALL: f64 = 0.1;
+const LEAST: f64 = 1e-5;
+
+/// Exact steps from the states of springs: the first residual may be larger.
+const EXACT: Patience = Patience::new(8, f64::INFINITY);
+
+/// Accuracy of the problem without friction, a start.
+const START: f64 = 1e-6;
+
+/// Bisections of a load: three digits.
+const BISECTIONS: usize = 12;
+
+/// At the largest load that friction bears it is exhausted, but for this part.
+const SPARE: f64 = 0.05;
+
+/// Springs that stiffen, and exact steps where their states tell the answer.
+pub(crate) fn stiffen<S: FixedBounds>(
+    method: &S,
+    search: &mut Search<'_>,
+    states: Vec<State>,
+    observe: Observer<'_>,
+) -> Ended {
+    let setup = search.setup;
+    let left = search.most.saturating_sub(search.steps);
+    let rest = {
+        let mut after = counting_from(search.iterations(), observe);
+        Rest::of(method, setup, left, &mut after)
+    };
+    let Some(mut rest) = rest else {
+        return Ended::Stuck(states);
+    };
+    search.steps += rest.steps;
+    let mut part = FIRST;
+    while part >= LEAST && !search.exhausted() {
+        rest.states = match sprung(search, rest.states, part, observe) {
+            Inner::Stopped => return Ended::Stopped,
+            Inner::Settled(next) => next,
+            Inner::Failed => break,
+        };
+        match search.exact(rest.states.clone(), &EXACT, &held(setup), observe) {
+            Ended::Stuck(_) => {}
+            ended => return ended,
+        }
+        part *= FALL;
+    }
+    Ended::Stuck(states)
+}
+
+/// The motion, amplitudes (r,), on which friction does not bear the load of a problem, and the part of the load along it that it
+/// bears: where a part has an answer with springs and the whole none, and at the largest part friction is exhausted.
+pub(crate) fn limit<S: FixedBounds>(method: &S, setup: &Setup<'_>) -> Option<(Vec<f64>, f64)> {
+    let (_, most) = method.limits();
+    let rest = Rest::of(method, setup, most, &mut |_| ControlFlow::Continue(()))?;
+    if rest.motions.is_empty() {
+        return None;
+    }
+    let bears = |part: f64| {
+        let mut given = setup.with_admissible(setup.admissible.clone());
+        let load = setup.balance.load().iter().zip(&rest.held);
+        given
+            .balance
+            .set_load(load.map(|(e, held)| e - (1.0 - part) * held).collect());
+        let mut search = Search::new(method.limits(), &given);
+        let silent: Observer<'_> = &mut |_| ControlFlow::Continue(());
+        let found = sprung(&mut search, rest.states.clone(), FIRST, silent);
+        matches!(found, Inner::Settled(_)).then_some(search.point)
+    };
+    let mut before = bears(0.0)?;
+    if bears(1.0).is_some() {
+        return None;
+    }
+    let (mut low, mut high, mut last) = (0.0, 1.0, None);
+    for _ in 0..BISECTIONS {
+        let part = 0.5 * (low + high);
+        match bears(part) {
+            Some(forces) => {
+                before = last.replace(forces).unwrap_or(before);
+                low = part;
+            }
+            None => high = part,
+        }
+    }
+    let last: Forces = last?;
+    // how the bodies have moved for the last part of the load, along the motions that friction alone resists
+    let moved = last.alpha.iter().zip(&before.alpha);
+    let moved: Vec<f64> = moved.map(|(now, then)| now - then).collect();
+    let mut along = vec![0.0; moved.len()];
+    for z in &rest.motions {
+        let part = dot(z, &moved);
+        along.iter_mut().zip(z).for_each(|(a, z)| *a += part * z);
+    }
+    is_exhausted(setup, &last.lambda, &along)
+        .then(|| (setup.multipliers(&last.lambda, &along).alpha, low))
+}
+
+/// Friction that resists a motion α̂ (k,) bears what it can, but for a small part. Shapes: λ (m,).
+fn is_exhausted(setup: &Setup<'_>, lambda: &[f64], along: &[f64]) -> bool {
+    let mut motion = vec![0.0; setup.len()];
+    setup.balance.add_transposed(1.0, along, &mut motion);
+    let size = motion.iter().fold(0.0, |s: f64, u| s.max(u.abs()));
+    let bounds = setup.admissible.bounds(lambda);
+    let (mut borne, mut most) = (0.0, 0.0);
+    for ((_, range), bound) in setup.admissible.iter().zip(bounds) {
+        let tangents = range.start + 1..range.end;
+        if tangents.clone().any(|i| motion[i].abs() > LOOSE * size) {
+            borne += lambda[tangents].iter().map(|t| t * t).sum::<f64>().sqrt();
+            most += bound;
+        }
+    }
+    size > 0.0 && most > 0.0 && borne >= (1.0 - SPARE) * most
+}
+
+/// Where normal forces alone hold the bodies.
+struct Rest {
+    /// What each node does there; none slips.
+    states: Vec<State>,
+    /// Motions that no normal force resists, orthonormal amplitudes (k,).
+    motions: Vec<Vec<f64>>,
+    /// The load on these motions (r,), which is left out.
+    held: Vec<f64>,
+    steps: usize,
+}
+
+impl Rest {
+    /// `None` where normal forces alone do not carry the rest of the load, or are not found.
+    fn of<S: FixedBounds>(
+        method: &S,
+        setup: &Setup<'_>,
+        most: usize,
+        observe: Observer<'_>,
+    ) -> Option<Self> {
+        let bounds = setup.admissible.bounds(&vec![0.0; setup.len()]);
+        let mut smooth = setup.with_admissible(setup.admissible.with_bounds(&bounds));
+        let blocks = smooth.admissible.blocks().iter();
+        let closed: Vec<State> = blocks.map(|block| State::sticking(block, true)).collect();
+        let softness = &setup.problem.softness;
+        let motions = System::of(&smooth, &closed, None, softness).loose;
+        let mut pulls = vec![0.0; setup.len()];
+        for z in &motions {
+            let load = dot(z, setup.balance.target());
+            setup.balance.add_transposed(load, z, &mut pulls);
+        }
+        let held = setup.balance.modes().product(&pulls);
+        let rest = setup.balance.load().iter().zip(&held);
+        smooth
+            .balance
+            .set_load(rest.map(|(e, held)| e - held).collect());
+        let force = setup.problem.scales.force;
+        if setup.modes() > 0 {
+            let carried = Feasibility::of(&smooth.admissible, &smooth.balance, force);
+            let Feasibility::Feasible { load } = carried else {
+                return None;
+            };
+            smooth.balance.set_load(load);
+        }
+        let outcome = match method.within(START, most).run(&smooth, None, observe) {
+            Ok(outcome) => outcome,
+            Err(SolveError::NotConverged { outcome, .. }) => *outcome,
+            Err(_) => return None,
+        };
+        let forces = &outcome.multipliers.lambda;
+        let pressed = State::of_all_forces(&setup.admissible, forces).into_iter();
+        let blocks = setup.admissible.blocks().iter();
+        let states = blocks
+            .zip(pressed)
+            .map(|(block, state)| State::sticking(block, state.closed));
+        Some(Self {
+            states: states.collect(),
+            motions,
+            held,
+            steps: outcome.iterations,
+        })
+    }
+}
+
+/// Newton's iteration with springs of a compliance that is a part of that of each contact.
+fn sprung(search: &mut Search<'_>, states: Vec<State>, part: f64, observe: Observer<'_>) -> Inner {
+    let setup = search.setup;
+    let softness = &setup.problem.softness;
+    let springs = setup.components.iter().zip(softness);
+    let springs = springs.map(|(component, c)| match component {
+        Component::Tangent => part * c,
+        Component::Normal | Component::Free => 0.0,
+    });
+    let springs: Vec<f64> = springs.collect();
+    // a trial force of a spring is that of spring and contact together
+    let own: Vec<f64> = springs.iter().zip(softness).map(|(a, c)| a + c).collect();
+    let anchor = Anchor {
+        centre: &vec![0.0; setup.len()],
+        compliance: &springs,
+    };
+    anchored(search, states, (anchor, &own), ACCURATE, observe)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::dual::{Compliance, DualProblem, Friction};
+    use crate::linalg::Mat;
+    use crate::solve::tests::{of, silent};
+    use crate::solve::{ContactSolver, Newton};
+
+    /// A node that is pressed by an overlap of 1 and drawn aside, where nothing but friction holds it.
+    fn pressed(load: f64) -> DualProblem {
+        let f = Mat::from_fn(2, 2, |i, j| if i == j { 1.0 } else { 0.1 });
+        let block = Friction::Coulomb { coefficient: 0.5 }.block(1);
+        let balance = (&[vec![0.0, 1.0]][..], &[load][..]);
+        of(Compliance::Dense(f), &[1.0, 0.0], vec![block], balance)
+    }
+
+    /// λₙ + 0.1 λₜ = 1 and λₜ = 0.5 λₙ.
+    const MOST: f64 = 0.5 / 1.05;
+
+    #[test]
+    fn load_beyond_what_normal_forces_let_friction_bear_slides_with_its_part() {
+        let held = Newton::default().solve(&pressed(0.99 * MOST), None, &mut silent);
+        assert!((held.unwrap().multipliers.lambda[1] - 0.99 * MOST).abs() < 1e-9);
+        for load in [1.01 * MOST, 3.0] {
+            match Newton::default().solve(&pressed(load), None, &mut silent) {
+                Err(SolveError::Slides { direction, factor }) => {
+                    assert!((factor * load / MOST - 1.0).abs() < 1e-2, "{factor}");
+                    assert!(direction.len() == 1 && direction[0] > 0.0);
+                }
+                other => panic!("{other:?}"),
+            }
+        }
+    }
+
+    #[test]
+    fn springs_end_with_the_law() {
+        let problem = pressed(0.7 * MOST);
+        let setup = Setup::new(&problem).unwrap();
+        let method = Newton::default();
+        let mut search = Search::new(method.limits(), &setup);
+        let closed = search.all_closed();
+        let ended = stiffen(&method, &mut search, closed, &mut silent);
+        assert!(matches!(ended, Ended::Converged));
+        assert!(limit(&method, &setup).is_none());
+    }
+}

@@ -1,0 +1,116 @@
+//! Bodies that slide although larger normal forces would hold them: pins and press fits, whose normal forces elasticity gives.
+
+use dotyk::case::Case;
+use dotyk::model::{Error, Objection};
+use dotyk::prelude::*;
+use std::f64::consts::PI;
+
+fn case(text: &str) -> Model<2> {
+    let case = Case::<2>::from_str(text, "sliding.toml", "".as_ref());
+    case.unwrap_or_else(|e| panic!("{e}")).model
+}
+
+/// A pin of weight 4 per area in a hole that is wider by 0.5 %, with a moment of `off` times the inertia of its section.
+fn pin(off: f64, friction: f64) -> Model<2> {
+    case(&format!(
+        r#"analysis = "plane-stress"
+[[body]]
+name = "cup"
+mesh = {{ ring = {{ inner = 10.05, outer = 20, cells = [96, 4], cell = "quad9" }} }}
+material = {{ young = 70e3, poisson = 0.33 }}
+fix = [{{ side = "outer", x = 0, y = 0 }}]
+[[body]]
+name = "pin"
+mesh = {{ ring = {{ inner = 5, outer = 10, cells = [96, 3], cell = "quad9" }} }}
+material = {{ young = 210e3, poisson = 0.3 }}
+body_force = [0, "-4 + {off}*x"]
+[[contact]]
+name = "bearing"
+sides = ["cup.inner", "pin.outer"]
+friction = {friction}
+"#
+    ))
+}
+
+fn slides(model: &Model<2>) -> (String, String, f64, Option<[f64; 2]>) {
+    match model.solve_steps() {
+        Err(Error::NotConverged { reason, .. }) => match *reason {
+            Objection::Slides {
+                body,
+                motion,
+                held,
+                step,
+            } => (body, motion, held, step),
+            other => panic!("{other}"),
+        },
+        other => panic!("{:?}", other.map(|steps| steps.len())),
+    }
+}
+
+/// Where its contact is a point, the pin rolls up to where the hole is inclined by the angle of friction: the moment is then
+/// that of the weight on the arm R sin φ. A contact of some width bears a little more: its normal forces, up to 40° from the
+/// middle, sum to more than the weight.
+#[test]
+fn a_pin_rests_in_a_wider_hole_up_to_the_angle_of_friction() {
+    let (weight, inertia) = (4.0 * 75.0 * PI, 0.25 * PI * (1e4 - 625.0));
+    for friction in [0.05f64, 0.2] {
+        let most = weight * 10.0 * friction.atan().sin() / inertia;
+        for part in [0.3, 0.9] {
+            let off = part * most;
+            let solution = pin(off, friction).solve().unwrap();
+            assert!(solution.certificate.holds());
+            let nodes = solution.contacts[0].nodes.iter();
+            let closed = nodes.filter(|node| node.pressure > 0.0);
+            let turn =
+                closed.map(|n| n.weight * (n.point[0] * n.shear[1] - n.point[1] * n.shear[0]));
+            // the shear on the nonmortar body; of the weight, that of a polygon
+            let turn = turn.sum::<f64>().abs();
+            assert!((turn / (off * inertia) - 1.0).abs() < 0.02, "{turn}");
+        }
+        let (body, motion, held, step) = slides(&pin(1.2 * most, friction));
+        assert_eq!((body.as_str(), step), ("pin", None));
+        assert!(motion.contains("rotation"), "{motion}");
+        assert!((1.0..1.1).contains(&(1.2 * held)), "{held}");
+        assert!(pin(1.19 * held * most, friction).solve().is_ok());
+    }
+}
+
+/// A shaft that is drawn out of its hub, as Lamé's pressure p = Eδ/2R · (1 − R²/Rₒ²) lets friction hold it.
+#[test]
+fn a_press_fit_slides_with_the_part_of_the_load_that_it_holds() {
+    let model = |times: &[f64]| {
+        let mut model = case(
+            r#"analysis = "axisymmetric"
+[[body]]
+name = "shaft"
+mesh = { rectangle = { from = [0, -60], to = [20, 60], cells = [8, 48], cell = "quad9" } }
+material = { young = 210e3, poisson = 0.3 }
+load = [{ side = "top", force = [0, "70000*t"] }]
+[[body]]
+name = "hub"
+fix = [{ side = "bottom", y = 0 }]
+mesh = { rectangle = { from = [20, -20], to = [40, 20], cells = [8, 15], cell = "quad9" } }
+material = { young = 210e3, poisson = 0.3 }
+[[contact]]
+name = "fit"
+sides = ["shaft.right", "hub.left"]
+gap = -0.02
+friction = 0.15
+"#,
+        );
+        model.times = times.to_vec();
+        model
+    };
+    let pressure = 210e3 * 0.02 / 40.0 * (1.0 - 0.25);
+    let bears = 0.15 * pressure * 2.0 * PI * 20.0 * 40.0 / 70e3;
+    // the ends of the hub press more, the shaft draws in: together a tenth
+    let (body, motion, held, step) = slides(&model(&[1.0]));
+    assert_eq!((body.as_str(), step), ("shaft", None));
+    assert!(motion.contains("translation"), "{motion}");
+    assert!((held / bears - 1.0).abs() < 0.1, "{held} {bears}");
+    // in steps it is the part of what the step adds
+    let (_, _, part, step) = slides(&model(&[0.5, 1.0]));
+    assert_eq!(step, Some([0.5, 1.0]));
+    assert!((0.5 + 0.5 * part - held).abs() < 0.02, "{part} {held}");
+    assert!(model(&[0.5, 0.97 * held]).solve_steps().is_ok());
+}
