@@ -100,6 +100,7 @@ pub fn weld(model: &Model<2>) -> Result<Body<2>, String> {
         body_force: first.body_force.clone(),
         supports: [first, second].into_iter().flat_map(supports).collect(),
         loads: [first, second].into_iter().flat_map(loads).collect(),
+        formulation: Default::default(),
         couples: Vec::new(),
         surfaces: Default::default(),
         points: Default::default(),

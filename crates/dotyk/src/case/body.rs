@@ -11,7 +11,7 @@ use crate::case::suggest::{listed, nearest};
 use crate::case::surface::true_surface;
 use crate::geometry::Field;
 use crate::mesh::{CellKind, Cuboid, Diagonals, Mesh, MeshError, Rectangle, Ring, TunnelRock};
-use crate::model::{Analysis, Body, Elastic, Load, Material, Place, Support};
+use crate::model::{Analysis, Body, Elastic, Formulation, Load, Material, Place, Support};
 
 /// Most cells of a generated mesh: a misplaced digit must not exhaust the memory.
 const MOST_CELLS: usize = 20_000_000;
@@ -86,6 +86,11 @@ impl Generated<3> for Mesh<3> {
     }
 }
 
+const FORMULATIONS: [(&str, Formulation); 2] = [
+    ("displacement", Formulation::Displacement),
+    ("enhanced", Formulation::Enhanced),
+];
+
 /// One body with everything that is written inside it.
 pub(crate) fn body<const D: usize>(
     node: &Node,
@@ -121,10 +126,13 @@ where
     });
     let surfaces = surfaces.collect::<Result<_, _>>()?;
     let couples = couples.list;
+    let formulation = table.get("formulation");
+    let formulation = formulation.map(|node| node.choice("formulation", &FORMULATIONS));
     Ok(Body {
         name: body_name,
         mesh,
         materials,
+        formulation: formulation.transpose()?.unwrap_or_default(),
         thickness,
         body_force,
         supports: supports.concat(),

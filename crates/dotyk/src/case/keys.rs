@@ -22,6 +22,7 @@ pub const BODY: &[&str] = &[
     "name",
     "mesh",
     "material",
+    "formulation",
     "fix",
     "load",
     "couple",

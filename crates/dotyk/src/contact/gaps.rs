@@ -151,6 +151,7 @@ pub(super) mod tests {
             body_force: std::array::from_fn(|_| Field::constant(0.0)),
             supports: Vec::new(),
             loads: Vec::new(),
+            formulation: crate::fem::Formulation::default(),
             couples: Vec::new(),
             surfaces: BTreeMap::new(),
             points: BTreeMap::new(),

@@ -1,12 +1,13 @@
 //! Stiffness, loads, held dofs and rigid modes of one body.
 
-use crate::fem::cells::{CellTable, measure, stiffness_degree};
+use crate::fem::cells::{CellTable, measure, stiffness_table};
 use crate::fem::elasticity::Lame;
+use crate::fem::enhanced::{eliminate, has_modes};
 use crate::fem::error::FemError;
 use crate::fem::error::show;
 use crate::fem::loads::{NodalLoads, nodal_loads};
 use crate::fem::modes::{RigidBasis, carried_motion, free_modes};
-use crate::fem::nouns::{Analysis, Body, Elastic};
+use crate::fem::nouns::{Analysis, Body, Elastic, Formulation};
 use crate::fem::supports::{Constraints, ON_AXIS};
 use crate::geometry::{Point, add_scaled, dot, norm};
 use crate::linalg::{
@@ -116,6 +117,7 @@ pub fn assemble<const D: usize>(
             dimension: D,
         });
     }
+    check_formulation(body, analysis)?;
     if analysis == Analysis::Axisymmetric {
         check_radii(body)?;
     }
@@ -338,6 +340,21 @@ fn frames<const D: usize>(constraints: &Constraints<D>) -> BTreeMap<usize, [[f64
         .collect()
 }
 
+fn check_formulation<const D: usize>(body: &Body<D>, analysis: Analysis) -> Result<(), FemError> {
+    let modes = |block: &CellBlock| has_modes(block.kind);
+    match body.formulation {
+        Formulation::Enhanced if analysis == Analysis::Axisymmetric => Err(FemError::Formulation {
+            why: "is not supported yet with axial symmetry: use quadratic cells",
+        }),
+        Formulation::Enhanced if !body.mesh.blocks().iter().any(modes) => {
+            Err(FemError::Formulation {
+                why: "is for quad4 and hex8 cells, and the body has none: leave it out, or change `cell`",
+            })
+        }
+        _ => Ok(()),
+    }
+}
+
 fn check_radii<const D: usize>(body: &Body<D>) -> Result<(), FemError> {
     let tolerance = -ON_AXIS * body.mesh.diameter();
     match body.mesh.points().iter().position(|p| p[0] < tolerance) {
@@ -361,23 +378,24 @@ fn stiffness<const D: usize>(
     let mut matrices = Vec::new();
     for block in body.mesh.blocks() {
         let lame = Lame::new(body.elastic(block)?, analysis);
-        let table = CellTable::<D>::new(block.kind, stiffness_degree(block.kind, analysis));
+        let table = stiffness_table::<D>(block.kind, analysis, body.formulation);
         let k = block.kind.nodes();
-        let size = D * k;
+        let (size, whole) = (D * k, D * table.count());
         let packed = size * (size + 1) / 2;
         let mut values = vec![0.0; packed * (block.nodes.len() / k)];
         values
             .par_chunks_mut(packed * CHUNK)
             .zip(block.nodes.par_chunks(k * CHUNK))
             .for_each(|(out, cells)| {
-                let mut matrix = vec![0.0; size * size];
+                let mut matrix = vec![0.0; whole * whole];
                 for (out, cell) in out.chunks_exact_mut(packed).zip(cells.chunks_exact(k)) {
                     matrix.fill(0.0);
                     cell_stiffness(body, analysis, lame, &table, cell, &mut matrix);
-                    rotate(frames, cell, &mut matrix);
+                    eliminate(&mut matrix, whole, size);
+                    rotate(frames, cell, &mut matrix, whole);
                     for i in 0..size {
                         let row = i * (i + 1) / 2;
-                        out[row..=row + i].copy_from_slice(&matrix[i * size..=i * size + i]);
+                        out[row..=row + i].copy_from_slice(&matrix[i * whole..=i * whole + i]);
                     }
                 }
             });
@@ -409,8 +427,8 @@ fn not_finite<const D: usize>(body: &Body<D>, source: LinalgError) -> FemError {
     }
 }
 
-/// Stiffness of one cell, dense and row-major (D·k, D·k), in global axes.
-fn cell_stiffness<const D: usize>(
+/// Stiffness of one cell, dense and row-major (D·k, D·k), in global axes; k nodes and incompatible modes.
+pub(crate) fn cell_stiffness<const D: usize>(
     body: &Body<D>,
     analysis: Analysis,
     lame: Lame,
@@ -418,7 +436,7 @@ fn cell_stiffness<const D: usize>(
     cell: &[u32],
     matrix: &mut [f64],
 ) {
-    let (k, axisymmetric) = (cell.len(), analysis == Analysis::Axisymmetric);
+    let (k, axisymmetric) = (table.count(), analysis == Analysis::Axisymmetric);
     let size = D * k;
     let points = body.mesh.points();
     let mut at = [[0.0; D]; MAX_CELL_NODES];
@@ -465,6 +483,7 @@ fn rotate<const D: usize>(
     frames: &BTreeMap<usize, [[f64; D]; D]>,
     cell: &[u32],
     matrix: &mut [f64],
+    stride: usize,
 ) {
     if frames.is_empty() {
         return;
@@ -475,15 +494,16 @@ fn rotate<const D: usize>(
             continue;
         };
         for other in 0..size {
-            let column: Point<D> = std::array::from_fn(|i| matrix[(D * local + i) * size + other]);
+            let column: Point<D> =
+                std::array::from_fn(|i| matrix[(D * local + i) * stride + other]);
             for k in 0..D {
-                matrix[(D * local + k) * size + other] = dot(axes[k], column);
+                matrix[(D * local + k) * stride + other] = dot(axes[k], column);
             }
         }
         for other in 0..size {
-            let row: Point<D> = std::array::from_fn(|i| matrix[other * size + D * local + i]);
+            let row: Point<D> = std::array::from_fn(|i| matrix[other * stride + D * local + i]);
             for k in 0..D {
-                matrix[other * size + D * local + k] = dot(axes[k], row);
+                matrix[other * stride + D * local + k] = dot(axes[k], row);
             }
         }
     }

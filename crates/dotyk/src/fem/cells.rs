@@ -1,8 +1,9 @@
 //! Cells as images of reference cells: shape functions at the points of a rule, gradients and volumes there.
 
-use crate::fem::nouns::Analysis;
+use crate::fem::enhanced::has_modes;
+use crate::fem::nouns::{Analysis, Formulation};
 use crate::fem::quadrature;
-use crate::geometry::{Point, invert};
+use crate::geometry::{Point, add_scaled, invert};
 use crate::mesh::{CellKind, MAX_CELL_NODES};
 
 /// What an area in the (r, z) or (x, y) plane stands for: thickness, 2πr, or 1 in 3D.
@@ -20,6 +21,10 @@ pub(crate) struct CellTable<const D: usize> {
     weights: Vec<f64>,
     shapes: Vec<[f64; MAX_CELL_NODES]>,
     gradients: Vec<[[f64; D]; MAX_CELL_NODES]>,
+    /// Reference points.
+    points: Vec<[f64; 3]>,
+    /// Reference gradients at the centre, where the cells have incompatible modes.
+    centre: Option<[[f64; D]; MAX_CELL_NODES]>,
 }
 
 impl<const D: usize> CellTable<D> {
@@ -37,6 +42,8 @@ impl<const D: usize> CellTable<D> {
             weights: Vec::new(),
             shapes: Vec::new(),
             gradients: Vec::new(),
+            points: rule.iter().map(|(xi, _)| *xi).collect(),
+            centre: None,
         };
         for &(xi, weight) in rule {
             let (mut shape, mut gradient) = ([0.0; MAX_CELL_NODES], [[0.0; D]; MAX_CELL_NODES]);
@@ -47,6 +54,21 @@ impl<const D: usize> CellTable<D> {
             table.gradients.push(gradient);
         }
         table
+    }
+
+    /// The same with incompatible modes, where cells of this kind have some.
+    pub fn with_modes(mut self, kind: CellKind) -> Self {
+        if has_modes(kind) {
+            let mut gradients = [[0.0; D]; MAX_CELL_NODES];
+            kind.gradients(&kind.domain().centre(), &mut gradients);
+            self.centre = Some(gradients);
+        }
+        self
+    }
+
+    /// Number of nodes and of incompatible modes, whose gradients follow those of the nodes.
+    pub fn count(&self) -> usize {
+        self.nodes + if self.centre.is_some() { D } else { 0 }
     }
 
     /// Number of points.
@@ -84,7 +106,33 @@ impl<const D: usize> CellTable<D> {
                 gradients[a][i] = (0..D).map(|j| reference[a][j] * inverse[j][i]).sum();
             }
         }
+        if let Some(centre) = &self.centre {
+            let mut jacobian = [[0.0; D]; D];
+            for (a, slope) in centre.iter().enumerate().take(self.nodes) {
+                for (row, c) in jacobian.iter_mut().zip(at(a)) {
+                    *row = add_scaled(*row, c, *slope);
+                }
+            }
+            let (inverse, middle) = invert(&jacobian);
+            for k in 0..D {
+                let slope = -2.0 * self.points[q][k] * middle / det;
+                gradients[self.nodes + k] = inverse[k].map(|c| slope * c);
+            }
+        }
         (point, gradients, det * self.weights[q])
+    }
+}
+
+/// The table of the stiffness of the cells of a body.
+pub(crate) fn stiffness_table<const D: usize>(
+    kind: CellKind,
+    analysis: Analysis,
+    formulation: Formulation,
+) -> CellTable<D> {
+    let table = CellTable::new(kind, stiffness_degree(kind, analysis));
+    match formulation {
+        Formulation::Displacement => table,
+        Formulation::Enhanced => table.with_modes(kind),
     }
 }
 

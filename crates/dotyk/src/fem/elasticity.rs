@@ -68,6 +68,15 @@ impl Lame {
         ]
     }
 
+    /// Strain energy per volume of a stress (xx yy zz xy yz xz) of space, or of plane strain.
+    pub fn energy(self, s: [f64; 6]) -> f64 {
+        let trace = s[0] + s[1] + s[2];
+        let all = s[..3].iter().map(|c| c * c).sum::<f64>()
+            + 2.0 * s[3..].iter().map(|c| c * c).sum::<f64>();
+        let bulk = self.lambda / (3.0 * self.lambda + 2.0 * self.mu);
+        (all - bulk * trace * trace) / (4.0 * self.mu)
+    }
+
     /// Strain (xx yy zz xy yz xz, tensor components) of a displacement gradient and a hoop strain; in plane stress with the
     /// one out of the plane.
     pub fn strain<const D: usize>(self, gradient: [[f64; D]; D], hoop: f64) -> [f64; 6] {
@@ -111,6 +120,21 @@ mod tests {
         let s = Lame::new(STEEL, Analysis::Solid)
             .stress([[1.0, 0.0, 0.0], [0.0, -0.3, 0.0], [0.0, 0.0, -0.3]], 0.0);
         assert!((s[0] - 210.0).abs() < 1e-10 && s[1].abs() < 1e-10 && s[2].abs() < 1e-10);
+    }
+
+    #[test]
+    fn the_energy_of_a_stress_is_half_its_work() {
+        let h = [
+            [1e-3, 4e-4, -3e-4],
+            [-2e-4, -5e-4, 6e-4],
+            [7e-4, 1e-4, 2e-4],
+        ];
+        let lame = Lame::new(STEEL, Analysis::Solid);
+        let (s, e) = (lame.stress(h, 0.0), lame.strain(h, 0.0));
+        let work: f64 = (0..6)
+            .map(|c| if c < 3 { 0.5 } else { 1.0 } * s[c] * e[c])
+            .sum();
+        assert!((lame.energy(s) / work - 1.0).abs() < 1e-14);
     }
 
     #[test]

@@ -19,6 +19,12 @@ pub enum FemError {
         /// Its name.
         side: String,
     },
+    /// A formulation that the cells of the body do not have.
+    #[error("formulation = \"enhanced\" {why}")]
+    Formulation {
+        /// Why, and what to do.
+        why: &'static str,
+    },
     /// A force on a side without area.
     #[error(
         "side \"{side}\" has no area, it lies on the axis of symmetry: a force cannot be spread over it"

@@ -4,8 +4,10 @@
 //! then misses its balance by 1e-9. Here displacements enter as differences within a cell, so that the forces of a cell
 //! sum to zero to the rounding of its stresses.
 
-use crate::fem::cells::{CellTable, measure, stiffness_degree};
+use crate::fem::assemble::cell_stiffness;
+use crate::fem::cells::{CellTable, measure, stiffness_table};
 use crate::fem::elasticity::Lame;
+use crate::fem::enhanced::{amplitudes, eliminate, relative};
 use crate::fem::error::FemError;
 use crate::fem::nouns::{Analysis, Body};
 use crate::geometry::{Point, add_scaled, sub};
@@ -24,7 +26,7 @@ pub(crate) fn internal_forces<const D: usize>(
     let mut energy = 0.0;
     for block in body.mesh.blocks() {
         let lame = Lame::new(body.elastic(block)?, analysis);
-        let table = CellTable::<D>::new(block.kind, stiffness_degree(block.kind, analysis));
+        let table = stiffness_table::<D>(block.kind, analysis, body.formulation);
         let k = block.kind.nodes();
         let mut cells = vec![([0.0; D], 0.0); block.nodes.len()];
         // each cell writes its own slice; the gather below is in cell order
@@ -49,6 +51,38 @@ pub(crate) fn internal_forces<const D: usize>(
     Ok((forces, energy))
 }
 
+/// The amplitudes of the incompatible modes of a cell under the given nodal displacements; empty where it has none.
+pub(crate) fn mode_amplitudes<const D: usize>(
+    body: &Body<D>,
+    analysis: Analysis,
+    lame: Lame,
+    table: &CellTable<D>,
+    cell: &[u32],
+    displacement: &[Point<D>],
+) -> Vec<Point<D>> {
+    if table.count() == cell.len() {
+        return Vec::new();
+    }
+    let size = D * table.count();
+    let mut matrix = vec![0.0; size * size];
+    cell_stiffness(body, analysis, lame, table, cell, &mut matrix);
+    eliminate(&mut matrix, size, D * cell.len());
+    amplitudes(&matrix, size, &relative(cell, displacement))
+}
+
+/// Adds the part of incompatible modes to the displacement gradient.
+pub(crate) fn add_modes<const D: usize>(
+    h: &mut [[f64; D]; D],
+    modes: &[Point<D>],
+    gradients: &[Point<D>],
+) {
+    for (amplitude, gradient) in modes.iter().zip(gradients) {
+        for (row, &a) in h.iter_mut().zip(amplitude) {
+            *row = add_scaled(*row, a, *gradient);
+        }
+    }
+}
+
 /// Cells per parallel task.
 const CHUNK: usize = 256;
 
@@ -62,6 +96,7 @@ fn cell_forces<const D: usize>(
 ) -> ([Point<D>; MAX_CELL_NODES], f64) {
     let points = body.mesh.points();
     let first = displacement[cell[0] as usize];
+    let modes = mode_amplitudes(body, analysis, lame, table, cell, displacement);
     let mut forces = [[0.0; D]; MAX_CELL_NODES];
     let mut energy = 0.0;
     for q in 0..table.len() {
@@ -78,6 +113,7 @@ fn cell_forces<const D: usize>(
             }
             radial += table.shape(q)[local] * u[0];
         }
+        add_modes(&mut h, &modes, &gradients[cell.len()..]);
         let hoop = if analysis == Analysis::Axisymmetric {
             radial / point[0]
         } else {

@@ -9,9 +9,11 @@
 //! Tensile stress is positive; forces in plane analyses are for the body's thickness.
 
 mod assemble;
+mod bending;
 mod cells;
 mod couple;
 mod elasticity;
+mod enhanced;
 mod error;
 mod internal;
 mod loads;
@@ -29,10 +31,11 @@ pub use error::FemError;
 pub use loads::{Amount, Load};
 pub(crate) use loads::{nodal_volumes, side_points};
 pub use modes::{RigidBasis, describe_motion};
-pub use nouns::{Analysis, Body, Elastic, Material, Place, Support};
+pub use nouns::{Analysis, Body, Elastic, Formulation, Material, Place, Support};
 pub use stress::{principal, recover_spin, recover_strain, recover_stress, von_mises};
 pub use supports::{Constraints, Held, nearest_node, node_normals};
 
+pub(crate) use bending::{Unseen, unseen};
 pub(crate) use cells::measure;
 pub(crate) use error::{Short, show};
 pub(crate) use internal::internal_forces;

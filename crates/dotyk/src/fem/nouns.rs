@@ -76,6 +76,16 @@ pub struct Support<const D: usize> {
     pub normal: Option<Field>,
 }
 
+/// How the cells of a body are made.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Formulation {
+    /// By the displacements of their nodes alone.
+    #[default]
+    Displacement,
+    /// quad4 and hex8 with incompatible modes, so that they can bend; other cells as before. Not with axial symmetry.
+    Enhanced,
+}
+
 /// One elastic body.
 #[derive(Debug, Clone)]
 pub struct Body<const D: usize> {
@@ -85,6 +95,8 @@ pub struct Body<const D: usize> {
     pub mesh: Mesh<D>,
     /// One material for all cells, or one per cell group.
     pub materials: Vec<Material>,
+    /// How its cells are made.
+    pub formulation: Formulation,
     /// Thickness in plane analyses, > 0.
     pub thickness: f64,
     /// Force per volume.

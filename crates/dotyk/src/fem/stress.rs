@@ -5,10 +5,11 @@
 //! quadrilaterals and hexahedra, 3 × 2 in prisms), extrapolated to the
 //! nodes by the linear function through the samples and averaged there with the cells' volumes.
 
-use crate::fem::cells::{CellTable, measure};
+use crate::fem::cells::{CellTable, measure, stiffness_table};
 use crate::fem::elasticity::Lame;
 use crate::fem::error::FemError;
-use crate::fem::nouns::{Analysis, Body};
+use crate::fem::internal::{add_modes, mode_amplitudes};
+use crate::fem::nouns::{Analysis, Body, Formulation};
 use crate::geometry::Point;
 use crate::mesh::CellKind;
 use rayon::prelude::*;
@@ -71,6 +72,11 @@ fn recover<const D: usize>(
     for block in mesh.blocks() {
         let lame = Lame::new(body.elastic(block)?, analysis);
         let table = CellTable::<D>::at(block.kind, &sampling_points(block.kind));
+        let table = match body.formulation {
+            Formulation::Displacement => table,
+            Formulation::Enhanced => table.with_modes(block.kind),
+        };
+        let whole = stiffness_table::<D>(block.kind, analysis, body.formulation);
         let extrapolation = extrapolation(block.kind);
         let k = block.kind.nodes();
         // each cell writes its own slice: (stress, volume) of its samples; the gather below is in cell order
@@ -80,13 +86,14 @@ fn recover<const D: usize>(
             .zip(block.nodes.par_chunks(k * CHUNK))
             .for_each(|(out, cells)| {
                 for (out, cell) in out.chunks_exact_mut(table.len()).zip(cells.chunks_exact(k)) {
+                    let modes = mode_amplitudes(body, analysis, lame, &whole, cell, displacement);
                     for (q, sample) in out.iter_mut().enumerate() {
                         *sample = sampled(
                             (&table, q),
                             body,
                             analysis,
                             (lame, local),
-                            cell,
+                            (cell, &modes),
                             displacement,
                         );
                     }
@@ -123,7 +130,7 @@ fn sampled<const D: usize>(
     body: &Body<D>,
     analysis: Analysis,
     (lame, local): (Lame, Local<D>),
-    cell: &[u32],
+    (cell, modes): (&[u32], &[Point<D>]),
     displacement: &[Point<D>],
 ) -> [f64; 7] {
     let points = body.mesh.points();
@@ -139,6 +146,7 @@ fn sampled<const D: usize>(
         }
         radial += table.shape(q)[local] * u[0];
     }
+    add_modes(&mut h, modes, &gradients[cell.len()..]);
     let hoop = if analysis == Analysis::Axisymmetric {
         radial / point[0]
     } else {

@@ -5,7 +5,7 @@
 //! hundredth of the nodes is passed over.
 
 use crate::contact::Coupling;
-use crate::fem::{Short, recover_spin, show};
+use crate::fem::{Analysis, Short, Unseen, recover_spin, show, unseen};
 use crate::geometry::{Surface, norm};
 use crate::model::check::mean_facet;
 use crate::model::error::Error;
@@ -16,6 +16,9 @@ use rayon::prelude::*;
 
 /// Strains and rotations above this are large.
 const LARGE: f64 = 0.05;
+
+/// A body whose linear cells spend more of its energy on what they cannot show gives way by about as much too little.
+const UNSEEN: f64 = 0.25;
 
 /// Part of the nodes that may be singular.
 const SINGULAR: f64 = 0.01;
@@ -54,7 +57,7 @@ pub(crate) fn beyond<const D: usize>(
     Ok(warnings)
 }
 
-/// Warnings about a body that is strained or turned by much.
+/// Warnings about a body that is strained or turned by much, or bends.
 fn of_body<const D: usize>(
     model: &Model<D>,
     body: &Body<D>,
@@ -74,7 +77,34 @@ fn of_body<const D: usize>(
             100.0 * value
         )
     });
-    Ok(told.collect())
+    Ok(told.chain(bent(model, body, solved)?).collect())
+}
+
+/// A body of space whose linear cells bend.
+fn bent<const D: usize>(
+    model: &Model<D>,
+    body: &Body<D>,
+    solved: &BodySolution<D>,
+) -> Result<Option<String>, Error<D>> {
+    if model.analysis != Analysis::Solid {
+        return Ok(None);
+    }
+    let found = unseen(body, model.analysis, &solved.displacement, &solved.stress);
+    let Unseen { modes, jumps } = found.map_err(|source| Error::in_body(body, source))?;
+    let name = &solved.name;
+    Ok(if modes > UNSEEN {
+        let part = 100.0 * modes;
+        Some(format!(
+            "body \"{name}\" bends, and its linear hexahedra cannot: {part:.0} % of its energy is in strains of the cells alone, and it gives way too little by about as much: use hex20 or hex27, or formulation = \"enhanced\""
+        ))
+    } else if jumps > UNSEEN {
+        let part = 100.0 * jumps;
+        Some(format!(
+            "body \"{name}\" bends, or its linear cells are too large: its stresses jump from cell to cell by {part:.0} % of its energy, and it gives way too little: use quadratic cells (tet10, prism15)"
+        ))
+    } else {
+        None
+    })
 }
 
 /// The largest of some values, those of singular places passed over.

@@ -9,7 +9,8 @@ use crate::model::quantity::{Dimension, Quantity};
 
 pub use crate::contact::Rigid;
 pub use crate::fem::{
-    Amount, Analysis, Body, Couple, CoupleKind, Elastic, Load, Material, Place, Support,
+    Amount, Analysis, Body, Couple, CoupleKind, Elastic, Formulation, Load, Material, Place,
+    Support,
 };
 
 /// Names of units; they label the report and change no number.

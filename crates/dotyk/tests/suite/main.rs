@@ -3,6 +3,7 @@
 //! A file is a module; `cargo test --release --test suite rates::` runs one of them.
 
 mod axisymmetric;
+mod bending;
 mod cohesion;
 mod couple;
 mod determinism;
