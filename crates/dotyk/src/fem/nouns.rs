@@ -77,6 +77,20 @@ pub struct Support<const D: usize> {
 }
 
 /// How the cells of a body are made.
+///
+/// What it is good for: the deflection of a plate 10 × 10 × 0.5, held at one side and loaded at the opposite one, in cells of
+/// 1 × 1 with 1, 2 and 4 of them through the thickness, over the right one (`tests/suite/bending.rs`):
+///
+/// | cells | 1 | 2 | 4 |
+/// |---|---|---|---|
+/// | tet4 | 13 % | 18 % | 20 % |
+/// | prism6 | 40 % | 43 % | 43 % |
+/// | hex8 | 38 % | 40 % | 40 % |
+/// | hex8, enhanced | 100 % | 99 % | 98 % |
+/// | tet10, hex20, prism15 | 99 % | 99 % | 99 % |
+/// | hex27 | 100 % | 100 % | 100 % |
+///
+/// More linear cells through the thickness do not help, shorter ones do; a warning tells where such cells bend.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Formulation {
     /// By the displacements of their nodes alone.
