@@ -254,12 +254,30 @@ const IN_SPACE: &[Mistake] = &[
     ("from = [1, 0, 1]", "from = [1, 0, 3]", "from = [1, 0, 3]", "punch"),
     ("cells = [4, 2, 1]", "cells = [1000, 1000, 1000]", "1000", "cells in one body"),
     ("{ box = { from = [0, 0, 0], to = [4, 2, 1], cells = [4, 2, 1] } }", "{}", "mesh = {}", "`box`"),
+    // cylinders, spheres and extruded meshes
+    ("{ box = { from = [0, 0, 0], to = [4, 2, 1], cells = [4, 2, 1] } }", "{ cylinder = { base = [0, 0, 0], axis = [0, 0, 1], radius = 2, height = 1, from = 0, cells = [8, 2, 1] } }", "from = 0", "needs both `from` and `to`"),
+    ("{ box = { from = [0, 0, 0], to = [4, 2, 1], cells = [4, 2, 1] } }", "{ cylinder = { base = [0, 0, 0], axis = [0, 0, 1], radius = 2, height = 1, cells = [8, 2] } }", "cells = [8, 2]", "found 2"),
+    ("{ box = { from = [0, 0, 0], to = [4, 2, 1], cells = [4, 2, 1] } }", "{ cylinder = { base = [0, 0, 0], axis = [0, 0, 0], radius = 2, height = 1, cells = [8, 2, 1] } }", "cylinder", "axis"),
+    ("{ box = { from = [0, 0, 0], to = [4, 2, 1], cells = [4, 2, 1] } }", "{ sphere = { center = [0, 0, 0], radius = 2, inner = 3, cells = [8, 2] } }", "sphere", "inner"),
+    ("{ box = { from = [0, 0, 0], to = [4, 2, 1], cells = [4, 2, 1] } }", "{ extrude = { mesh = { rectangle = { from = [0, 0], to = [4, 2], cells = [4, 2] } }, layers = 2 } }", "extrude", "needs `height` or `turn`"),
+    ("{ box = { from = [0, 0, 0], to = [4, 2, 1], cells = [4, 2, 1] } }", "{ extrude = { mesh = { box = { from = [0, 0, 0], to = [4, 2, 1], cells = [4, 2, 1] } }, height = 1, layers = 2 } }", "box", "makes 3D meshes"),
+    ("{ box = { from = [0, 0, 0], to = [4, 2, 1], cells = [4, 2, 1] } }", "{ extrude = { mesh = { rectangle = { from = [-1, 0], to = [4, 2], cells = [5, 2] } }, turn = { point = [0, 0, 0], axis = [0, 1, 0], angle = 90 }, layers = 4 } }", "extrude", "axis"),
+    ("\"sole.pressure\"", "\"sole.moment\"", "sole.moment", "add one of `x`, `y`, `z`"),
+    ("at = [2, 1, 1]", "at = [2, 1, 1]\ncenter = [0, 0, 0]", "center = [0, 0, 0]", "belongs to moments"),
     ("x = 0.0, y = 0.0, z = 0.0", "w = 0.0", "w = 0.0", "unknown key `w`"),
     ("{ side = \"bottom\", x = 0.0, y = 0.0, z = 0.0 }", "{ side = \"bottom\" }", "{ side = \"bottom\" }", "`x`, `y`, `z` or `normal`"),
 ];
 
 /// Mistakes of mechanics in space, and words of the message.
 const IN_THE_MODEL_IN_SPACE: &[(&str, &str, &[&str])] = &[
+    // nothing holds the block along z
+    (
+        "y = 0.0, z = 0.0 }]\n\n[[body]]",
+        "y = 0.0 }]\n\n[[body]]",
+        &["block", "z"],
+    ),
+    // the load lifts the punch off
+    ("-1e6]", "1e6]", &["punch", "z"]),
     // two values for one node
     (
         "z = 0.0 }]\n\n[[body]]",

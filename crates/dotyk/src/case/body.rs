@@ -1,90 +1,17 @@
 //! `[[body]]` of a case file: mesh, material, supports, loads.
 
 use crate::case::couple::Couples;
-use crate::case::document::{AXES, Entry, Node, Span, Table, Value, check_name, later, name, zero};
+use crate::case::document::{AXES, Node, Span, Table, Value, name, zero};
 use crate::case::error::Fault;
 use crate::case::keys;
+use crate::case::mesh::{Generated, mesh};
 use crate::case::mesh_file::{MeshFiles, Named};
-use crate::case::outline;
 use crate::case::points::{places, points};
 use crate::case::suggest::{listed, nearest};
 use crate::case::surface::true_surface;
 use crate::geometry::Field;
-use crate::mesh::{CellKind, Cuboid, Diagonals, Mesh, MeshError, Rectangle, Ring, TunnelRock};
+use crate::mesh::Mesh;
 use crate::model::{Analysis, Body, Elastic, Formulation, Load, Material, Place, Support};
-
-/// Most cells of a generated mesh: a misplaced digit must not exhaust the memory.
-const MOST_CELLS: usize = 20_000_000;
-
-const CELLS_OF_THE_PLANE: [(&str, CellKind); 5] = [
-    ("tri3", CellKind::Tri3),
-    ("tri6", CellKind::Tri6),
-    ("quad4", CellKind::Quad4),
-    ("quad8", CellKind::Quad8),
-    ("quad9", CellKind::Quad9),
-];
-
-const CELLS_OF_SPACE: [(&str, CellKind); 8] = [
-    ("tet4", CellKind::Tet4),
-    ("tet10", CellKind::Tet10),
-    ("hex8", CellKind::Hex8),
-    ("hex20", CellKind::Hex20),
-    ("hex27", CellKind::Hex27),
-    ("prism6", CellKind::Prism6),
-    ("prism15", CellKind::Prism15),
-    ("prism18", CellKind::Prism18),
-];
-
-const DIAGONALS: [(&str, Diagonals); 5] = [
-    ("checkerboard", Diagonals::Checkerboard),
-    ("checkerboard-odd", Diagonals::CheckerboardOdd),
-    ("mirrored", Diagonals::Mirrored),
-    ("forward", Diagonals::Forward),
-    ("backward", Diagonals::Backward),
-];
-
-/// Meshes of D dimensions as a case file makes them.
-pub(crate) trait Generated<const D: usize>: Sized {
-    /// Keys of `mesh` that make one.
-    const GENERATORS: &'static [&'static str];
-
-    /// The mesh that one of these keys makes, and the points that a mesh file names.
-    fn generated(entry: &Entry, body: &str, files: &mut MeshFiles) -> Result<Made<D>, Fault>;
-}
-
-/// A mesh or why there is none, and named points.
-pub(crate) type Made<const D: usize> = (Result<Mesh<D>, MeshError>, Named<D>);
-
-impl Generated<2> for Mesh<2> {
-    const GENERATORS: &'static [&'static str] =
-        &["rectangle", "ring", "tunnel_rock", "outline", "file"];
-
-    fn generated(entry: &Entry, body: &str, files: &mut MeshFiles) -> Result<Made<2>, Fault> {
-        let node = &entry.node;
-        let built = match entry.key.as_str() {
-            "file" => {
-                let (mesh, named) = files.mesh(node, body)?;
-                return Ok((Ok(mesh), named));
-            }
-            "rectangle" => rectangle(node)?.build(),
-            "ring" => ring(node)?.build(),
-            "tunnel_rock" => tunnel_rock(node)?.build(),
-            _ => Ok(outline::mesh(node, body)?),
-        };
-        Ok((built, Named::new()))
-    }
-}
-
-impl Generated<3> for Mesh<3> {
-    const GENERATORS: &'static [&'static str] = &["box", "file"];
-
-    fn generated(entry: &Entry, _: &str, _: &mut MeshFiles) -> Result<Made<3>, Fault> {
-        match entry.key.as_str() {
-            "box" => Ok((cuboid(&entry.node)?.build(), Named::new())),
-            other => Err(later(&entry.key_span, &format!("a 3D mesh from `{other}`"))),
-        }
-    }
-}
 
 const FORMULATIONS: [(&str, Formulation); 2] = [
     ("displacement", Formulation::Displacement),
@@ -140,175 +67,6 @@ where
         couples,
         surfaces,
         points,
-    })
-}
-
-/// The mesh, and the points that a mesh file names.
-fn mesh<const D: usize>(
-    node: &Node,
-    body: &str,
-    files: &mut MeshFiles,
-) -> Result<(Mesh<D>, Named<D>), Fault>
-where
-    Mesh<D>: Generated<D>,
-{
-    let table = node.table(keys::MESH)?;
-    let generators: Vec<&Entry> = keys::MESH
-        .iter()
-        .filter(|key| **key != "sides")
-        .filter_map(|key| table.entry(key))
-        .collect();
-    let known = || listed(Mesh::<D>::GENERATORS.iter().copied());
-    let [generator] = generators[..] else {
-        let message = match generators.len() {
-            0 => format!("the mesh of body `{body}` has no generator"),
-            _ => format!("the mesh of body `{body}` has more than one generator"),
-        };
-        return Err(Fault::new(table.span, message)
-            .label("exactly one is needed")
-            .help(format!("give exactly one of {}", known())));
-    };
-    if !Mesh::<D>::GENERATORS.contains(&generator.key.as_str()) {
-        let other = 5 - D;
-        let message = format!(
-            "`{}` makes {other}D meshes, and the analysis is in {D}D",
-            generator.key
-        );
-        return Err(Fault::new(&generator.key_span, message)
-            .label(format!("a {other}D mesh"))
-            .help(format!("{D}D meshes: {}", known())));
-    }
-    let (built, points) = Mesh::<D>::generated(generator, body, files)?;
-    let invalid = |e: MeshError, span: &Span| {
-        Fault::new(span, format!("the mesh of body `{body}`: {e}")).label("cannot be built")
-    };
-    let mut mesh = built.map_err(|e| invalid(e, &generator.key_span))?;
-    for patch in table.get("sides").map_or(Ok(&[][..]), Node::entries)? {
-        check_name(&patch.key, &patch.key_span)?;
-        let keys = patch.node.table(keys::PATCH)?;
-        if mesh.side(&patch.key).is_some() {
-            let message = format!("body `{body}` has a side `{}` already", patch.key);
-            return Err(Fault::new(&patch.key_span, message).label("second use of the name"));
-        }
-        let of = side(keys.require("of", "a patch")?, body, &mut mesh)?;
-        let min = keys.require("min", "a patch")?.point()?;
-        let max = keys.require("max", "a patch")?.point()?;
-        mesh = mesh
-            .with_patch(&patch.key, &of, min, max)
-            .map_err(|e| invalid(e, &patch.key_span))?;
-    }
-    Ok((mesh, points))
-}
-
-fn rectangle(node: &Node) -> Result<Rectangle, Fault> {
-    let table = node.table(keys::RECTANGLE)?;
-    let what = "a rectangle";
-    Ok(Rectangle {
-        from: table.require("from", what)?.point()?,
-        to: table.require("to", what)?.point()?,
-        cells: cells(table, what)?,
-        cell: cell(table, 2)?,
-        diagonals: diagonals(table)?,
-    })
-}
-
-fn ring(node: &Node) -> Result<Ring, Fault> {
-    let table = node.table(keys::RING)?;
-    let what = "a ring";
-    let angles = match (table.entry("from"), table.entry("to")) {
-        (None, None) => None,
-        (Some(from), Some(to)) => Some([from.node.number()?, to.node.number()?]),
-        (Some(one), None) | (None, Some(one)) => {
-            return Err(
-                Fault::new(&one.key_span, "a part of a ring needs both `from` and `to`")
-                    .label("the other angle is missing")
-                    .help("without `from` and `to` the ring is full"),
-            );
-        }
-    };
-    Ok(Ring {
-        center: table.get("center").map_or(Ok([0.0; 2]), Node::point)?,
-        inner: table.require("inner", what)?.positive("the inner radius")?,
-        outer: table.require("outer", what)?.positive("the outer radius")?,
-        angles,
-        cells: cells(table, what)?,
-        ratio: growth(table, "ratio")?,
-        grade: growth(table, "grade")?,
-        cell: cell(table, 2)?,
-        diagonals: diagonals(table)?,
-    })
-}
-
-fn tunnel_rock(node: &Node) -> Result<TunnelRock, Fault> {
-    let table = node.table(keys::TUNNEL_ROCK)?;
-    let what = "tunnel rock";
-    let length = |key: &str| table.require(key, what)?.positive(&format!("`{key}`"));
-    Ok(TunnelRock {
-        radius: length("radius")?,
-        half_width: length("half_width")?,
-        half_height: length("half_height")?,
-        cells: cells(table, what)?,
-        ratio: growth(table, "ratio")?,
-        grade: growth(table, "grade")?,
-        cell: cell(table, 2)?,
-        diagonals: diagonals(table)?,
-    })
-}
-
-fn cuboid(node: &Node) -> Result<Cuboid, Fault> {
-    let table = node.table(keys::BOX)?;
-    let what = "a box";
-    Ok(Cuboid {
-        from: table.require("from", what)?.point()?,
-        to: table.require("to", what)?.point()?,
-        cells: cells(table, what)?,
-        cell: cell(table, 3)?,
-    })
-}
-
-fn cells<const N: usize>(table: Table<'_>, what: &str) -> Result<[usize; N], Fault> {
-    let node = table.require("cells", what)?;
-    let counts = node.counts("the number of cells")?;
-    if counts.iter().fold(1, |n: usize, c| n.saturating_mul(*c)) > MOST_CELLS {
-        let message = format!("more than {MOST_CELLS} cells in one body");
-        return Err(Fault::new(&node.span, message).label("too many cells"));
-    }
-    Ok(counts)
-}
-
-fn growth(table: Table<'_>, key: &str) -> Result<f64, Fault> {
-    let name = format!("`{key}`");
-    table.get(key).map_or(Ok(1.0), |node| node.positive(&name))
-}
-
-/// A kind of cells of a dimension, of four or eight corners where none is named.
-fn cell(table: Table<'_>, dimension: usize) -> Result<CellKind, Fault> {
-    let [own, other] = match dimension {
-        2 => [&CELLS_OF_THE_PLANE[..], &CELLS_OF_SPACE],
-        _ => [&CELLS_OF_SPACE[..], &CELLS_OF_THE_PLANE],
-    };
-    let Some(node) = table.get("cell") else {
-        return Ok(if dimension == 2 {
-            CellKind::Quad4
-        } else {
-            CellKind::Hex8
-        });
-    };
-    let text = node.text()?;
-    if other.iter().any(|(name, _)| *name == text) {
-        let message = format!("`{text}` is a cell of {}D meshes", 5 - dimension);
-        let known = own.iter().map(|(name, _)| *name);
-        return Err(Fault::new(&node.span, message)
-            .label(format!("a {}D cell", 5 - dimension))
-            .help(format!("cells of {dimension}D meshes: {}", listed(known))));
-    }
-    node.choice("cell", own)
-}
-
-fn diagonals(table: Table<'_>) -> Result<Diagonals, Fault> {
-    let node = table.get("diagonals");
-    node.map_or(Ok(Diagonals::default()), |node| {
-        node.choice("pattern of diagonals", &DIAGONALS)
     })
 }
 
@@ -430,7 +188,11 @@ fn known_group(group: &str, span: &Span, body: &str, groups: &[&str]) -> Result<
 }
 
 /// The name of a side that the mesh has; a list of sides becomes one.
-fn side<const D: usize>(node: &Node, body: &str, mesh: &mut Mesh<D>) -> Result<String, Fault> {
+pub(crate) fn side<const D: usize>(
+    node: &Node,
+    body: &str,
+    mesh: &mut Mesh<D>,
+) -> Result<String, Fault> {
     joined(&sides(node)?, &node.span, body, mesh)
 }
 

@@ -36,6 +36,9 @@ pub const MESH: &[&str] = &[
     "ring",
     "tunnel_rock",
     "box",
+    "cylinder",
+    "sphere",
+    "extrude",
     "outline",
     "file",
     "sides",
@@ -68,6 +71,16 @@ pub const TUNNEL_ROCK: &[&str] = &[
 ];
 /// `mesh.box`.
 pub const BOX: &[&str] = &["from", "to", "cells", "cell"];
+/// `mesh.cylinder`.
+pub const CYLINDER_MESH: &[&str] = &[
+    "base", "axis", "radius", "inner", "height", "from", "to", "cells", "cell",
+];
+/// `mesh.sphere`.
+pub const SPHERE_MESH: &[&str] = &["center", "radius", "inner", "from", "to", "cells", "cell"];
+/// `mesh.extrude`.
+pub const EXTRUDE: &[&str] = &["mesh", "height", "turn", "layers"];
+/// `turn` of `mesh.extrude`.
+pub const TURN: &[&str] = &["point", "axis", "angle"];
 /// `mesh.file`.
 pub const FILE: &[&str] = &["path", "group"];
 /// `mesh.outline`.
@@ -177,7 +190,7 @@ pub const REFERENCE: &[&str] = &[
 ];
 
 /// Every table with its keys.
-pub const ALL: [(&str, &[&str]); 33] = [
+pub const ALL: [(&str, &[&str]); 37] = [
     ("case", CASE),
     ("units", UNITS),
     ("body", BODY),
@@ -186,6 +199,10 @@ pub const ALL: [(&str, &[&str]); 33] = [
     ("ring", RING),
     ("tunnel_rock", TUNNEL_ROCK),
     ("box", BOX),
+    ("cylinder", CYLINDER_MESH),
+    ("sphere", SPHERE_MESH),
+    ("extrude", EXTRUDE),
+    ("turn", TURN),
     ("file", FILE),
     ("outline", OUTLINE),
     ("holes", HOLE),

@@ -12,6 +12,7 @@ mod error;
 mod expression;
 pub mod keys;
 mod memory;
+mod mesh;
 mod mesh_file;
 mod outline;
 mod parameters;
@@ -29,9 +30,9 @@ pub use reference::{Criterion, Kind, Reference, References, Verdict};
 pub use run::{Failure, Run};
 pub use source::AnyCase;
 
-use crate::case::body::Generated;
 use crate::case::document::{Node, Span, Table, Value, coordinates};
 use crate::case::error::{Fault, read_text};
+use crate::case::mesh::Generated;
 use crate::case::mesh_file::MeshFiles;
 use crate::case::source::{Source, analysis};
 use crate::mesh::Mesh;

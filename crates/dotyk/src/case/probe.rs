@@ -204,13 +204,14 @@ fn coupled<const D: usize>(
     (read.name == body).then_some(Reading::Coupled(place))
 }
 
-/// What a hoop stress goes around; the origin where nothing is said.
+/// What a hoop stress goes around or a moment is about; the origin where nothing is said.
 fn center<const D: usize>(table: Table<'_>, quantity: &Quantity) -> Result<[f64; D], Fault> {
     match table.entry("center") {
         None => Ok([0.0; D]),
-        Some(entry) if quantity.is_hoop() => entry.node.point(),
+        Some(entry) if quantity.has_center() => entry.node.point(),
         Some(entry) => {
-            let message = format!("`center` belongs to hoop stresses, and not to `{quantity}`");
+            let owners = if D == 2 { "hoop stresses" } else { "moments" };
+            let message = format!("`center` belongs to {owners}, and not to `{quantity}`");
             Err(Fault::new(&entry.key_span, message).label("says nothing here"))
         }
     }

@@ -757,6 +757,63 @@ fn a_case_is_of_the_plane_or_of_space_as_its_analysis_says() {
     assert!(error.message.contains("makes 2D meshes"), "{error}");
 }
 
+#[test]
+fn solids_are_made_of_their_words() {
+    let boxed = "box = { from = [0, 0, 0], to = [2, 1, 1], cells = [2, 1, 3], cell = \"tet4\" }, sides = { foot = { of = \"bottom\", min = [0, 0, 0], max = [1, 1, 0] } }";
+    let volume = |mesh: &Mesh<3>| {
+        let (low, high) = crate::geometry::bounding_box(mesh.points());
+        (mesh.cell_count(), low, high)
+    };
+    let head = IN_SPACE.split("points ").next().unwrap();
+    for (words, cells, low, high, sides) in [
+        (
+            "cylinder = { base = [1, 0, 0], axis = [0, 0, 3], inner = 1, radius = 2, height = 3, from = 0, to = 90, cells = [4, 2, 3] }",
+            24,
+            [1.0, 0.0, 0.0],
+            [3.0, 2.0, 3.0],
+            "bottom end inner outer start top",
+        ),
+        (
+            "sphere = { center = [0, 0, 1], inner = 0.5, radius = 1, cells = [8, 2], cell = \"hex20\" }, sides = { cap = { of = \"boundary\", min = [-1, -1, 1], max = [1, 1, 2] } }",
+            0,
+            [-1.0, -1.0, 0.0],
+            [1.0, 1.0, 2.0],
+            "boundary cap inner outer",
+        ),
+        (
+            "extrude = { mesh = { rectangle = { from = [0, 0], to = [2, 1], cells = [2, 1], cell = \"tri6\" } }, height = 4, layers = 3 }",
+            12,
+            [0.0, 0.0, 0.0],
+            [2.0, 1.0, 4.0],
+            "bottom first last left right top",
+        ),
+        (
+            "extrude = { mesh = { rectangle = { from = [1, 0], to = [2, 1], cells = [2, 1] } }, turn = { point = [0, 0, 0], axis = [0, 1, 0], angle = 90 }, layers = 3 }",
+            6,
+            [0.0, 0.0, -2.0],
+            [2.0, 1.0, 0.0],
+            "bottom first last left right top",
+        ),
+    ] {
+        assert!(head.contains(boxed));
+        let text = head.replace(boxed, words);
+        let case = Case::<3>::from_str(&text, "solid.toml", Path::new("")).unwrap();
+        let mesh = &case.model.bodies[0].mesh;
+        let (count, lowest, highest) = volume(mesh);
+        assert!(count == cells || cells == 0, "{words}: {count}");
+        let off = |a: [f64; 3], b: [f64; 3]| crate::geometry::distance(a, b);
+        assert!(
+            off(lowest, low) < 1e-9 && off(highest, high) < 1e-9,
+            "{words}: {lowest:?} {highest:?}"
+        );
+        assert_eq!(
+            mesh.side_names().collect::<Vec<_>>().join(" "),
+            sides,
+            "{words}"
+        );
+    }
+}
+
 const IN_SPACE: &str = r#"
 analysis = "3d"
 

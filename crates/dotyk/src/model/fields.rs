@@ -5,7 +5,7 @@ use crate::dual::{AdmissibleSet, NONE};
 use crate::fem::{
     RigidBasis, describe_motion, fit_rigid, recover_strain, recover_stress, von_mises,
 };
-use crate::geometry::{Point, add_scaled, bounding_box, distance, dot, norm, sub};
+use crate::geometry::{Point, add_scaled, bounding_box, cross, distance, dot, norm, sub};
 use crate::model::bodies::LoadedBody;
 use crate::model::condense::Condensed;
 use crate::model::coupled::couple_solutions;
@@ -267,7 +267,7 @@ fn contact_solution<const D: usize>(
     let extents = nodes.iter().zip(&pair.interface.nodes);
     let length = extents.filter(|(state, _)| touching(state));
     let length = length.map(|(_, node)| node.extent).sum();
-    let (resultant, imbalance) = balance(model, pair, lambda);
+    let (resultant, moment, imbalance) = balance(model, pair, lambda);
     let tangential = pair.interface.tangential().into_iter();
     let work = tangential.zip(lambda.iter().zip(gaps));
     let dissipated = work.map(|(is, (l, gap))| if is { -l * gap } else { 0.0 });
@@ -278,24 +278,30 @@ fn contact_solution<const D: usize>(
         nodes,
         cyclic: pair.interface.cyclic,
         resultant,
+        moment,
         length,
         imbalance,
         dissipated: dissipated.sum(),
     }
 }
 
-/// The force on the nonmortar body, and how far the forces on both bodies, as the rows of B apply them, are from balance:
+/// The force on the nonmortar body, its moment about the origin, and how far the forces on both bodies, as the rows of B apply them, are from balance:
 /// forces relative to the sum of the nodal forces, moments to that times the size of the interface; the larger.
-fn balance<const D: usize>(model: &Model<D>, pair: &Paired<D>, lambda: &[f64]) -> (Point<D>, f64) {
+fn balance<const D: usize>(
+    model: &Model<D>,
+    pair: &Paired<D>,
+    lambda: &[f64],
+) -> (Point<D>, [f64; 3], f64) {
     let points = |side: &SideRef| model.bodies[side.body.0].mesh.points();
     let own = points(&pair.nonmortar);
     let nodes: Vec<Point<D>> = pair.interface.nodes.iter().map(|n| own[n.node]).collect();
     let (low, high) = bounding_box(&nodes);
     let centre = centroid(&[low, high]);
     let (resultant, moment) = pushed(&pair.interface.nonmortar, lambda, own, centre);
+    let about_origin = add_scaled(moment, 1.0, cross(centre, resultant));
     let magnitude: f64 = lambda.iter().map(|l| l.abs()).sum();
     let Some(mortar) = pair.mortar.as_ref().filter(|_| magnitude > 0.0) else {
-        return (resultant, 0.0);
+        return (resultant, about_origin, 0.0);
     };
     let (force, other) = pushed(&pair.interface.mortar, lambda, points(mortar), centre);
     let (mut rest, mut turn) = (
@@ -307,5 +313,6 @@ fn balance<const D: usize>(model: &Model<D>, pair: &Paired<D>, lambda: &[f64]) -
         (rest[0], turn) = (0.0, 0.0);
     }
     let size = distance(low, high);
-    (resultant, norm(rest).max(turn / size) / magnitude)
+    let imbalance = norm(rest).max(turn / size) / magnitude;
+    (resultant, about_origin, imbalance)
 }

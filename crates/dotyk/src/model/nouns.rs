@@ -297,7 +297,7 @@ pub struct Probe<const D: usize> {
     pub along: Option<Along<D>>,
     /// Minus the least-squares amplitude of the rigid modes that this body's supports leave free.
     pub minus_rigid: Option<BodyId>,
-    /// What hoop stresses of plane analyses go around.
+    /// What hoop stresses of plane analyses go around, and moments in space are about.
     pub center: Point<D>,
 }
 

@@ -2,7 +2,7 @@
 
 use crate::contact::frame;
 use crate::fem::{RigidBasis, fit_rigid, nodal_volumes, principal, side_facets, von_mises};
-use crate::geometry::{Point, add_scaled, distance, dot, norm, padded, sub};
+use crate::geometry::{Point, add_scaled, cross, distance, dot, norm, padded, sub};
 use crate::mesh::{Facet, Mesh};
 use crate::model::error::{Error, ProbeError};
 use crate::model::line::{Station, points_between, stations_along, stations_at};
@@ -78,7 +78,9 @@ fn site<const D: usize>(
         Parts::Reaction(of, Some(side), _) => {
             return Ok(side_facets(&model.bodies[*of].mesh, side).map(|_| nowhere)?);
         }
-        Parts::Reaction(..) | Parts::Resultant(..) | Parts::Length(_) => return Ok(nowhere),
+        Parts::Reaction(..) | Parts::Resultant(..) | Parts::Moment(..) | Parts::Length(_) => {
+            return Ok(nowhere);
+        }
     };
     match (&probe.along, probe.reading) {
         (None, Reading::Whole) => return Err(ProbeError::NoPlace),
@@ -266,6 +268,10 @@ fn field<'a, const D: usize>(
             number(of(&solved.side_reactions) + of(&solved.part_reactions))
         }
         Parts::Resultant(of, axis) => number(solution.contacts[of].resultant[axis]),
+        Parts::Moment(of, axis) => {
+            let contact = &solution.contacts[of];
+            number(contact.moment[axis] - cross(probe.center, contact.resultant)[axis])
+        }
         Parts::Length(of) => number(solution.contacts[of].length),
         Parts::Displacement(of, component) => {
             let (mesh, solved) = body(of);

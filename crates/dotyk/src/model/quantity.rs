@@ -31,6 +31,8 @@ pub(crate) enum Parts {
     Along(usize, ContactField),
     /// Force of a contact on its nonmortar body; a number.
     Resultant(usize, usize),
+    /// Its moment in space about a centre; a number.
+    Moment(usize, usize),
     /// Length or area in contact; a number.
     Length(usize),
 }
@@ -82,6 +84,8 @@ pub enum Dimension {
     Stress,
     /// A length times a length.
     Area,
+    /// A force times a length.
+    Moment,
     /// An integral of another one.
     Other,
 }
@@ -188,18 +192,25 @@ impl Quantity {
             Parts::Reaction(..) | Parts::Resultant(..) => Dimension::Force,
             Parts::Stress(..) | Parts::Along(_, Pressure | Shear) => Dimension::Stress,
             Parts::Displacement(..) | Parts::Along(..) | Parts::Length(_) => Dimension::Length,
+            Parts::Moment(..) => Dimension::Moment,
         }
     }
 
     /// It varies from place to place.
     pub fn is_field(&self) -> bool {
-        use Parts::{Length, Reaction, Resultant};
-        !matches!(self.parts, Reaction(..) | Resultant(..) | Length(_))
+        use Parts::{Length, Moment, Reaction, Resultant};
+        !matches!(
+            self.parts,
+            Reaction(..) | Resultant(..) | Moment(..) | Length(_)
+        )
     }
 
     /// It is taken about a centre.
-    pub fn is_hoop(&self) -> bool {
-        matches!(self.parts, Parts::Stress(_, Stress::Hoop))
+    pub fn has_center(&self) -> bool {
+        matches!(
+            self.parts,
+            Parts::Stress(_, Stress::Hoop) | Parts::Moment(..)
+        )
     }
 
     /// It is read along a side: it depends on the normal.
@@ -286,13 +297,22 @@ fn of_body<const D: usize>(
 }
 
 fn of_contact<const D: usize>(words: &Words<'_>, contact: usize) -> Result<Parts, QuantityError> {
-    let quantities = || names(&FIELDS).chain(["resultant", "length"]);
+    let moment = (D == 3).then_some("moment");
+    let quantities = || {
+        let numbers = ["resultant", "length"].into_iter().chain(moment);
+        names(&FIELDS).chain(numbers)
+    };
     match words.0[1..] {
         ["length"] => Ok(Parts::Length(contact)),
         ["resultant", _] => {
             let axis = words.one_of(2, "component", &AXES[..D])?;
             Ok(Parts::Resultant(contact, axis))
         }
+        ["moment", _] if D == 3 => {
+            let axis = words.one_of(2, "component", &AXES)?;
+            Ok(Parts::Moment(contact, axis))
+        }
+        ["moment"] if D == 3 => Err(words.incomplete(names(&AXES))),
         ["resultant"] => Err(words.incomplete(names(&AXES[..D]))),
         [] => Err(words.incomplete(quantities())),
         [word, ref more @ ..] => match FIELDS.iter().find(|(name, _)| *name == word) {

@@ -116,6 +116,8 @@ pub struct ContactSolution<const D: usize> {
     pub cyclic: bool,
     /// Force ON the nonmortar body.
     pub resultant: Point<D>,
+    /// Its moment about the origin.
+    pub moment: [f64; 3],
     /// Length or area in contact, times thickness or 2πr left out: with axial symmetry the length of the meridian.
     pub length: f64,
     /// Sum of the forces on both sides, relative to the sum of the nodal forces' magnitudes.

@@ -279,6 +279,9 @@ struct CertificateEntry {
 struct ContactEntry<'a> {
     name: &'a str,
     resultant: &'a [f64],
+    /// About the origin; in space.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    moment: Option<&'a [f64]>,
     closed: usize,
     open: usize,
     length: f64,
@@ -297,6 +300,7 @@ fn contact_entry<const D: usize>(contact: &ContactSolution<D>) -> ContactEntry<'
     ContactEntry {
         name: &contact.name,
         resultant: &contact.resultant,
+        moment: (D == 3).then_some(&contact.moment[..]),
         closed,
         open,
         length: contact.length,

@@ -180,6 +180,7 @@ impl Labels {
         match dimension {
             Dimension::Length => &self.length,
             Dimension::Area => &self.area,
+            Dimension::Moment => &self.energy,
             Dimension::Force => &self.force,
             Dimension::Stress => &self.stress,
             Dimension::Other => "",
@@ -211,6 +212,8 @@ pub struct Scales {
     force: f64,
     stress: f64,
     length: f64,
+    /// Of contacts from the origin.
+    reach: f64,
 }
 
 impl Scales {
@@ -221,6 +224,8 @@ impl Scales {
             let forces = nodes.map(|node| (node.pressure * node.weight).abs());
             forces.filter(|force| force.is_finite()).sum::<f64>()
         });
+        let nodes = solution.contacts.iter().flat_map(|c| &c.nodes);
+        let reach = nodes.map(|node| norm(node.point)).fold(0.0, f64::max);
         let bodies = || solution.bodies.iter();
         let held = bodies().map(|body| body.reactions.iter().map(|f| norm(*f)).sum());
         let coupled = bodies().flat_map(|body| body.couples.iter().map(|c| norm(c.force)));
@@ -230,6 +235,7 @@ impl Scales {
             force: pressed.chain(held).chain(coupled).fold(0.0, f64::max),
             stress: stresses.fold(0.0, f64::max),
             length: moved.fold(0.0, f64::max),
+            reach,
         }
     }
 
@@ -239,6 +245,7 @@ impl Scales {
             Dimension::Force => self.force,
             Dimension::Stress => self.stress,
             Dimension::Length => self.length,
+            Dimension::Moment => self.force * self.reach,
             Dimension::Area | Dimension::Other => 0.0,
         };
         without_noise(value, scale)

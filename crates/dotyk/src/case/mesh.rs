@@ -1,0 +1,352 @@
+//! `mesh` of a body: generators, files, and sides that are parts of others.
+
+use crate::case::body::side;
+use crate::case::document::{Entry, Node, Span, Table, check_name, later};
+use crate::case::error::Fault;
+use crate::case::keys;
+use crate::case::mesh_file::{MeshFiles, Named};
+use crate::case::outline;
+use crate::case::suggest::listed;
+use crate::mesh::{
+    CellKind, Cuboid, Cylinder, Diagonals, Extrude, Mesh, MeshError, Path, Rectangle, Ring, Sphere,
+    TunnelRock,
+};
+
+/// The side that a patch may be of, whichever sides a mesh has: all of its boundary.
+const BOUNDARY: &str = "boundary";
+
+/// Most cells of a generated mesh: a misplaced digit must not exhaust the memory.
+const MOST_CELLS: usize = 20_000_000;
+
+const CELLS_OF_THE_PLANE: [(&str, CellKind); 5] = [
+    ("tri3", CellKind::Tri3),
+    ("tri6", CellKind::Tri6),
+    ("quad4", CellKind::Quad4),
+    ("quad8", CellKind::Quad8),
+    ("quad9", CellKind::Quad9),
+];
+
+const CELLS_OF_SPACE: [(&str, CellKind); 8] = [
+    ("tet4", CellKind::Tet4),
+    ("tet10", CellKind::Tet10),
+    ("hex8", CellKind::Hex8),
+    ("hex20", CellKind::Hex20),
+    ("hex27", CellKind::Hex27),
+    ("prism6", CellKind::Prism6),
+    ("prism15", CellKind::Prism15),
+    ("prism18", CellKind::Prism18),
+];
+
+const DIAGONALS: [(&str, Diagonals); 5] = [
+    ("checkerboard", Diagonals::Checkerboard),
+    ("checkerboard-odd", Diagonals::CheckerboardOdd),
+    ("mirrored", Diagonals::Mirrored),
+    ("forward", Diagonals::Forward),
+    ("backward", Diagonals::Backward),
+];
+
+/// Meshes of D dimensions as a case file makes them.
+pub(crate) trait Generated<const D: usize>: Sized {
+    /// Keys of `mesh` that make one.
+    const GENERATORS: &'static [&'static str];
+
+    /// The mesh that one of these keys makes, and the points that a mesh file names.
+    fn generated(entry: &Entry, body: &str, files: &mut MeshFiles) -> Result<Made<D>, Fault>;
+}
+
+/// A mesh or why there is none, and named points.
+pub(crate) type Made<const D: usize> = (Result<Mesh<D>, MeshError>, Named<D>);
+
+impl Generated<2> for Mesh<2> {
+    const GENERATORS: &'static [&'static str] =
+        &["rectangle", "ring", "tunnel_rock", "outline", "file"];
+
+    fn generated(entry: &Entry, body: &str, files: &mut MeshFiles) -> Result<Made<2>, Fault> {
+        let node = &entry.node;
+        let built = match entry.key.as_str() {
+            "file" => {
+                let (mesh, named) = files.mesh(node, body)?;
+                return Ok((Ok(mesh), named));
+            }
+            "rectangle" => rectangle(node)?.build(),
+            "ring" => ring(node)?.build(),
+            "tunnel_rock" => tunnel_rock(node)?.build(),
+            _ => Ok(outline::mesh(node, body)?),
+        };
+        Ok((built, Named::new()))
+    }
+}
+
+impl Generated<3> for Mesh<3> {
+    const GENERATORS: &'static [&'static str] = &["box", "cylinder", "sphere", "extrude", "file"];
+
+    fn generated(entry: &Entry, body: &str, files: &mut MeshFiles) -> Result<Made<3>, Fault> {
+        let node = &entry.node;
+        match entry.key.as_str() {
+            "box" => Ok((cuboid(node)?.build(), Named::new())),
+            "cylinder" => Ok((cylinder(node)?.build(), Named::new())),
+            "sphere" => Ok((sphere(node)?.build(), Named::new())),
+            "extrude" => extrude(node, body, files),
+            other => Err(later(&entry.key_span, &format!("a 3D mesh from `{other}`"))),
+        }
+    }
+}
+
+/// The mesh, and the points that a mesh file names.
+pub(crate) fn mesh<const D: usize>(
+    node: &Node,
+    body: &str,
+    files: &mut MeshFiles,
+) -> Result<(Mesh<D>, Named<D>), Fault>
+where
+    Mesh<D>: Generated<D>,
+{
+    let table = node.table(keys::MESH)?;
+    let generators: Vec<&Entry> = keys::MESH
+        .iter()
+        .filter(|key| **key != "sides")
+        .filter_map(|key| table.entry(key))
+        .collect();
+    let known = || listed(Mesh::<D>::GENERATORS.iter().copied());
+    let [generator] = generators[..] else {
+        let message = match generators.len() {
+            0 => format!("the mesh of body `{body}` has no generator"),
+            _ => format!("the mesh of body `{body}` has more than one generator"),
+        };
+        return Err(Fault::new(table.span, message)
+            .label("exactly one is needed")
+            .help(format!("give exactly one of {}", known())));
+    };
+    if !Mesh::<D>::GENERATORS.contains(&generator.key.as_str()) {
+        let other = 5 - D;
+        let message = format!(
+            "`{}` makes {other}D meshes, and the analysis is in {D}D",
+            generator.key
+        );
+        return Err(Fault::new(&generator.key_span, message)
+            .label(format!("a {other}D mesh"))
+            .help(format!("{D}D meshes: {}", known())));
+    }
+    let (built, points) = Mesh::<D>::generated(generator, body, files)?;
+    let invalid = |e: MeshError, span: &Span| {
+        Fault::new(span, format!("the mesh of body `{body}`: {e}")).label("cannot be built")
+    };
+    let mut mesh = built.map_err(|e| invalid(e, &generator.key_span))?;
+    for patch in table.get("sides").map_or(Ok(&[][..]), Node::entries)? {
+        check_name(&patch.key, &patch.key_span)?;
+        let keys = patch.node.table(keys::PATCH)?;
+        if mesh.side(&patch.key).is_some() {
+            let message = format!("body `{body}` has a side `{}` already", patch.key);
+            return Err(Fault::new(&patch.key_span, message).label("second use of the name"));
+        }
+        let of = keys.require("of", "a patch")?;
+        if matches!(of.text(), Ok(BOUNDARY)) && mesh.side(BOUNDARY).is_none() {
+            mesh = mesh.with_side(BOUNDARY, |_| true);
+        }
+        let of = side(of, body, &mut mesh)?;
+        let min = keys.require("min", "a patch")?.point()?;
+        let max = keys.require("max", "a patch")?.point()?;
+        mesh = mesh
+            .with_patch(&patch.key, &of, min, max)
+            .map_err(|e| invalid(e, &patch.key_span))?;
+    }
+    Ok((mesh, points))
+}
+
+fn rectangle(node: &Node) -> Result<Rectangle, Fault> {
+    let table = node.table(keys::RECTANGLE)?;
+    let what = "a rectangle";
+    Ok(Rectangle {
+        from: table.require("from", what)?.point()?,
+        to: table.require("to", what)?.point()?,
+        cells: cells(table, what)?,
+        cell: cell(table, 2)?,
+        diagonals: diagonals(table)?,
+    })
+}
+
+fn ring(node: &Node) -> Result<Ring, Fault> {
+    let table = node.table(keys::RING)?;
+    let what = "a ring";
+    let angles = angles(table, what)?;
+    Ok(Ring {
+        center: table.get("center").map_or(Ok([0.0; 2]), Node::point)?,
+        inner: table.require("inner", what)?.positive("the inner radius")?,
+        outer: table.require("outer", what)?.positive("the outer radius")?,
+        angles,
+        cells: cells(table, what)?,
+        ratio: growth(table, "ratio")?,
+        grade: growth(table, "grade")?,
+        cell: cell(table, 2)?,
+        diagonals: diagonals(table)?,
+    })
+}
+
+fn tunnel_rock(node: &Node) -> Result<TunnelRock, Fault> {
+    let table = node.table(keys::TUNNEL_ROCK)?;
+    let what = "tunnel rock";
+    let length = |key: &str| table.require(key, what)?.positive(&format!("`{key}`"));
+    Ok(TunnelRock {
+        radius: length("radius")?,
+        half_width: length("half_width")?,
+        half_height: length("half_height")?,
+        cells: cells(table, what)?,
+        ratio: growth(table, "ratio")?,
+        grade: growth(table, "grade")?,
+        cell: cell(table, 2)?,
+        diagonals: diagonals(table)?,
+    })
+}
+
+fn cuboid(node: &Node) -> Result<Cuboid, Fault> {
+    let table = node.table(keys::BOX)?;
+    let what = "a box";
+    Ok(Cuboid {
+        from: table.require("from", what)?.point()?,
+        to: table.require("to", what)?.point()?,
+        cells: cells(table, what)?,
+        cell: cell(table, 3)?,
+    })
+}
+
+fn cells<const N: usize>(table: Table<'_>, what: &str) -> Result<[usize; N], Fault> {
+    let node = table.require("cells", what)?;
+    let counts = node.counts("the number of cells")?;
+    if counts.iter().fold(1, |n: usize, c| n.saturating_mul(*c)) > MOST_CELLS {
+        let message = format!("more than {MOST_CELLS} cells in one body");
+        return Err(Fault::new(&node.span, message).label("too many cells"));
+    }
+    Ok(counts)
+}
+
+fn growth(table: Table<'_>, key: &str) -> Result<f64, Fault> {
+    let name = format!("`{key}`");
+    table.get(key).map_or(Ok(1.0), |node| node.positive(&name))
+}
+
+/// A kind of cells of a dimension, of four or eight corners where none is named.
+fn cell(table: Table<'_>, dimension: usize) -> Result<CellKind, Fault> {
+    let [own, other] = match dimension {
+        2 => [&CELLS_OF_THE_PLANE[..], &CELLS_OF_SPACE],
+        _ => [&CELLS_OF_SPACE[..], &CELLS_OF_THE_PLANE],
+    };
+    let Some(node) = table.get("cell") else {
+        return Ok(if dimension == 2 {
+            CellKind::Quad4
+        } else {
+            CellKind::Hex8
+        });
+    };
+    let text = node.text()?;
+    if other.iter().any(|(name, _)| *name == text) {
+        let message = format!("`{text}` is a cell of {}D meshes", 5 - dimension);
+        let known = own.iter().map(|(name, _)| *name);
+        return Err(Fault::new(&node.span, message)
+            .label(format!("a {}D cell", 5 - dimension))
+            .help(format!("cells of {dimension}D meshes: {}", listed(known))));
+    }
+    node.choice("cell", own)
+}
+
+fn diagonals(table: Table<'_>) -> Result<Diagonals, Fault> {
+    let node = table.get("diagonals");
+    node.map_or(Ok(Diagonals::default()), |node| {
+        node.choice("pattern of diagonals", &DIAGONALS)
+    })
+}
+
+/// Both ends of a part of a turn, in degrees; `None`: the full one.
+fn angles(table: Table<'_>, what: &str) -> Result<Option<[f64; 2]>, Fault> {
+    match (table.entry("from"), table.entry("to")) {
+        (None, None) => Ok(None),
+        (Some(from), Some(to)) => Ok(Some([from.node.number()?, to.node.number()?])),
+        (Some(one), None) | (None, Some(one)) => {
+            let message = format!("a part of {what} needs both `from` and `to`");
+            Err(Fault::new(&one.key_span, message)
+                .label("the other angle is missing")
+                .help("without `from` and `to` it is full"))
+        }
+    }
+}
+
+/// A radius that may be zero.
+fn inner(table: Table<'_>) -> Result<f64, Fault> {
+    let Some(node) = table.get("inner") else {
+        return Ok(0.0);
+    };
+    match node.number()? {
+        radius if radius >= 0.0 => Ok(radius),
+        _ => Err(Fault::new(&node.span, "the inner radius must not be negative").label("not ≥ 0")),
+    }
+}
+
+fn cylinder(node: &Node) -> Result<Cylinder, Fault> {
+    let table = node.table(keys::CYLINDER_MESH)?;
+    let what = "a cylinder";
+    Ok(Cylinder {
+        base: table.require("base", what)?.point()?,
+        axis: table.require("axis", what)?.point()?,
+        radius: table.require("radius", what)?.positive("the radius")?,
+        inner: inner(table)?,
+        height: table.require("height", what)?.positive("the height")?,
+        angles: angles(table, what)?,
+        cells: cells(table, what)?,
+        cell: cell(table, 3)?,
+    })
+}
+
+fn sphere(node: &Node) -> Result<Sphere, Fault> {
+    let table = node.table(keys::SPHERE_MESH)?;
+    let what = "a sphere";
+    let polar = |key: &str, default: f64| table.get(key).map_or(Ok(default), Node::number);
+    Ok(Sphere {
+        center: table.require("center", what)?.point()?,
+        radius: table.require("radius", what)?.positive("the radius")?,
+        inner: inner(table)?,
+        angles: [polar("from", 0.0)?, polar("to", 180.0)?],
+        cells: cells(table, what)?,
+        cell: cell(table, 3)?,
+    })
+}
+
+/// A plane mesh carried along z or around an axis; its named points are at z = 0.
+fn extrude(node: &Node, body: &str, files: &mut MeshFiles) -> Result<Made<3>, Fault> {
+    let table = node.table(keys::EXTRUDE)?;
+    let what = "an extruded mesh";
+    let (plane, points) = mesh::<2>(table.require("mesh", what)?, body, files)?;
+    let path = match (table.entry("height"), table.entry("turn")) {
+        (Some(entry), None) => Path::Straight(entry.node.positive("the height")?),
+        (None, Some(entry)) => {
+            let turn = entry.node.table(keys::TURN)?;
+            Path::Turn {
+                point: turn.require("point", "a turn")?.point()?,
+                axis: turn.require("axis", "a turn")?.point()?,
+                angle: turn.require("angle", "a turn")?.positive("the angle")?,
+            }
+        }
+        (Some(_), Some(entry)) => {
+            let message = format!("{what} has both `height` and `turn`");
+            return Err(Fault::new(&entry.key_span, message).label("give one of the two"));
+        }
+        (None, None) => {
+            let message = format!("{what} needs `height` or `turn`");
+            return Err(Fault::new(table.span, message).label("neither `height` nor `turn`"));
+        }
+    };
+    let layers = table.require("layers", what)?;
+    let layers = layers.positive_integer("the number of layers")?;
+    if layers.saturating_mul(plane.cell_count()) > MOST_CELLS {
+        let message = format!("more than {MOST_CELLS} cells in one body");
+        return Err(Fault::new(table.span, message).label("too many cells"));
+    }
+    let at_foot = |[x, y]: [f64; 2]| [x, y, 0.0];
+    let named = points.into_iter();
+    let named = named.map(|(name, places)| (name, places.into_iter().map(at_foot).collect()));
+    let built = Extrude {
+        mesh: plane,
+        path,
+        layers,
+    }
+    .build();
+    Ok((built, named.collect()))
+}
