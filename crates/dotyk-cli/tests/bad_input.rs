@@ -270,14 +270,14 @@ const IN_SPACE: &[Mistake] = &[
 
 /// Mistakes of mechanics in space, and words of the message.
 const IN_THE_MODEL_IN_SPACE: &[(&str, &str, &[&str])] = &[
-    // nothing holds the block along z
+    // the load lifts the punch off, and no wall is there
     (
-        "y = 0.0, z = 0.0 }]\n\n[[body]]",
-        "y = 0.0 }]\n\n[[body]]",
-        &["block", "z"],
+        "-1e6], moment = [0, 0, 0] }]\n\n[[contact]]\nname = \"sole\"\nnonmortar = \"punch.bottom\"\nmortar = \"block.top\"\n\n\
+         [[contact]]\nname = \"wall\"\nnonmortar = \"punch.right\"\n\
+         obstacle = { sphere = { center = [9, 1, 2], radius = 5 }, displacement = [0, 0, 0] }\nfriction = 0.2\n",
+        "1e6], moment = [0, 0, 0] }]\n\n[[contact]]\nname = \"sole\"\nnonmortar = \"punch.bottom\"\nmortar = \"block.top\"\n",
+        &["punch", "z"],
     ),
-    // the load lifts the punch off
-    ("-1e6]", "1e6]", &["punch", "z"]),
     // two values for one node
     (
         "z = 0.0 }]\n\n[[body]]",
