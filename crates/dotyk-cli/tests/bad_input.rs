@@ -496,6 +496,67 @@ fn files_that_cannot_be_read_are_named() {
 }
 
 #[test]
+fn mesh_files_of_the_other_dimension_are_refused_at_their_place() {
+    let folder = folder("mesh_files");
+    let data = Path::new(env!("CARGO_MANIFEST_DIR")).join("../dotyk/tests/data");
+    for name in ["gmsh_pipe_tet4_41.msh", "gmsh_nogroups_41.msh"] {
+        std::fs::copy(data.join(name), folder.join(name)).unwrap();
+    }
+    let box_of = "{ box = { from = [0, 0, 0], to = [4, 2, 1], cells = [4, 2, 1] } }";
+    let rectangle = "{ rectangle = { from = [0.0, 0.0], to = [4.0, 1.0], cells = [8, 2] } }";
+    let file = |rest: &str| format!("{{ file = {{ path = \"{rest} }} }}");
+    for (good, from, file, mark, words) in [
+        // a plane mesh in space, a shell, a group that is not there, a mesh of space in the plane
+        (
+            GOOD_IN_SPACE,
+            box_of,
+            file("gmsh_nogroups_41.msh\""),
+            "path",
+            "3D",
+        ),
+        (
+            GOOD_IN_SPACE,
+            box_of,
+            file("gmsh_pipe_tet4_41.msh\", group = \"outer\""),
+            "\"outer\"",
+            "a shell",
+        ),
+        (
+            GOOD_IN_SPACE,
+            box_of,
+            file("gmsh_pipe_tet4_41.msh\", group = \"pip\""),
+            "\"pip\"",
+            "`pipe`",
+        ),
+        (
+            GOOD,
+            rectangle,
+            file("gmsh_pipe_tet4_41.msh\""),
+            "path",
+            "gmsh_pipe",
+        ),
+    ] {
+        let text = replaced_in(good, from, &file);
+        std::fs::write(folder.join("bad.toml"), &text).unwrap();
+        let message = refused(&dotyk(&folder, &["run", "bad.toml"]), &file);
+        let line = format!("bad.toml, line {}, column ", line_of(&text, mark));
+        assert!(message.contains(&line), "{file}: {message}");
+        assert!(message.contains(words), "{file}: {message}");
+        assert!(!folder.join("bad-out").exists(), "{file}: a result folder");
+    }
+    // a body out of such a file
+    let text = GOOD_IN_SPACE.split("[[body]]").take(2).collect::<Vec<_>>();
+    let pipe = replaced_in(
+        &text.join("[[body]]"),
+        box_of,
+        &file("gmsh_pipe_tet4_41.msh\", group = \"pipe\""),
+    );
+    std::fs::write(folder.join("pipe.toml"), pipe).unwrap();
+    let output = dotyk(&folder, &["run", "pipe.toml", "--quiet"]);
+    assert_eq!(output.status.code(), Some(0), "{output:?}");
+}
+
+#[test]
 fn an_output_folder_that_cannot_be_is_refused_before_solving() {
     let folder = folder("output");
     std::fs::write(folder.join("good.toml"), GOOD).unwrap();

@@ -1,15 +1,15 @@
 //! `mesh` of a body: generators, files, and sides that are parts of others.
 
 use crate::case::body::side;
-use crate::case::document::{Entry, Node, Span, Table, check_name, later};
+use crate::case::document::{Entry, Node, Span, Table, check_name};
 use crate::case::error::Fault;
 use crate::case::keys;
 use crate::case::mesh_file::{MeshFiles, Named};
 use crate::case::outline;
 use crate::case::suggest::listed;
 use crate::mesh::{
-    CellKind, Cuboid, Cylinder, Diagonals, Extrude, Mesh, MeshError, Path, Rectangle, Ring, Sphere,
-    TunnelRock,
+    CellKind, Cuboid, Cylinder, Diagonals, Extrude, ImportError, Imported, Mesh, MeshError,
+    MeshFile, Path, Rectangle, Ring, Sphere, TunnelRock,
 };
 
 /// The side that a patch may be of, whichever sides a mesh has: all of its boundary.
@@ -50,8 +50,14 @@ pub(crate) trait Generated<const D: usize>: Sized {
     /// Keys of `mesh` that make one.
     const GENERATORS: &'static [&'static str];
 
-    /// The mesh that one of these keys makes, and the points that a mesh file names.
+    /// The mesh that one of these keys but `file` makes, and the points that a mesh file within it names.
     fn generated(entry: &Entry, body: &str, files: &mut MeshFiles) -> Result<Made<D>, Fault>;
+
+    /// A mesh file for such bodies.
+    fn read(path: &std::path::Path) -> Result<MeshFile, ImportError>;
+
+    /// A body of some groups of it.
+    fn cut(file: &MeshFile, groups: &[&str]) -> Result<Imported<D>, ImportError>;
 }
 
 /// A mesh or why there is none, and named points.
@@ -61,19 +67,23 @@ impl Generated<2> for Mesh<2> {
     const GENERATORS: &'static [&'static str] =
         &["rectangle", "ring", "tunnel_rock", "outline", "file"];
 
-    fn generated(entry: &Entry, body: &str, files: &mut MeshFiles) -> Result<Made<2>, Fault> {
+    fn generated(entry: &Entry, body: &str, _: &mut MeshFiles) -> Result<Made<2>, Fault> {
         let node = &entry.node;
         let built = match entry.key.as_str() {
-            "file" => {
-                let (mesh, named) = files.mesh(node, body)?;
-                return Ok((Ok(mesh), named));
-            }
             "rectangle" => rectangle(node)?.build(),
             "ring" => ring(node)?.build(),
             "tunnel_rock" => tunnel_rock(node)?.build(),
             _ => Ok(outline::mesh(node, body)?),
         };
         Ok((built, Named::new()))
+    }
+
+    fn read(path: &std::path::Path) -> Result<MeshFile, ImportError> {
+        MeshFile::read(path)
+    }
+
+    fn cut(file: &MeshFile, groups: &[&str]) -> Result<Imported<2>, ImportError> {
+        file.mesh(groups)
     }
 }
 
@@ -82,13 +92,21 @@ impl Generated<3> for Mesh<3> {
 
     fn generated(entry: &Entry, body: &str, files: &mut MeshFiles) -> Result<Made<3>, Fault> {
         let node = &entry.node;
-        match entry.key.as_str() {
-            "box" => Ok((cuboid(node)?.build(), Named::new())),
-            "cylinder" => Ok((cylinder(node)?.build(), Named::new())),
-            "sphere" => Ok((sphere(node)?.build(), Named::new())),
-            "extrude" => extrude(node, body, files),
-            other => Err(later(&entry.key_span, &format!("a 3D mesh from `{other}`"))),
-        }
+        let built = match entry.key.as_str() {
+            "extrude" => return extrude(node, body, files),
+            "cylinder" => cylinder(node)?.build(),
+            "sphere" => sphere(node)?.build(),
+            _ => cuboid(node)?.build(),
+        };
+        Ok((built, Named::new()))
+    }
+
+    fn read(path: &std::path::Path) -> Result<MeshFile, ImportError> {
+        MeshFile::read_solid(path)
+    }
+
+    fn cut(file: &MeshFile, groups: &[&str]) -> Result<Imported<3>, ImportError> {
+        file.solid(groups)
     }
 }
 
@@ -127,7 +145,13 @@ where
             .label(format!("a {other}D mesh"))
             .help(format!("{D}D meshes: {}", known())));
     }
-    let (built, points) = Mesh::<D>::generated(generator, body, files)?;
+    let (built, points) = match generator.key.as_str() {
+        "file" => {
+            let (mesh, points) = files.mesh(&generator.node, body)?;
+            (Ok(mesh), points)
+        }
+        _ => Mesh::<D>::generated(generator, body, files)?,
+    };
     let invalid = |e: MeshError, span: &Span| {
         Fault::new(span, format!("the mesh of body `{body}`: {e}")).label("cannot be built")
     };

@@ -5,6 +5,7 @@
 use crate::case::document::{Node, Span, Value};
 use crate::case::error::Fault;
 use crate::case::keys;
+use crate::case::mesh::Generated;
 use crate::case::suggest::{listed, nearest};
 use crate::geometry::Point;
 use crate::mesh::{ImportError, Imported, Mesh, MeshFile};
@@ -26,6 +27,8 @@ pub(crate) struct MeshFiles {
 struct Opened {
     path: PathBuf,
     file: MeshFile,
+    /// What groups of sides are made of.
+    sides: &'static str,
     unused: Option<Unused>,
 }
 
@@ -46,7 +49,14 @@ impl MeshFiles {
     }
 
     /// The mesh of a body from the table `file`, and the points that the file names.
-    pub fn mesh(&mut self, node: &Node, body: &str) -> Result<(Mesh<2>, Named<2>), Fault> {
+    pub fn mesh<const D: usize>(
+        &mut self,
+        node: &Node,
+        body: &str,
+    ) -> Result<(Mesh<D>, Named<D>), Fault>
+    where
+        Mesh<D>: Generated<D>,
+    {
         if let Value::Text(name) = &node.value {
             let message = "a mesh file is a table";
             return Err(Fault::new(&node.span, message)
@@ -57,14 +67,16 @@ impl MeshFiles {
         let path = table.require("path", "a mesh file")?;
         let groups = table.get("group").map_or(Ok(Vec::new()), groups)?;
         let group_span = table.get("group").map_or(&path.span, |node| &node.span);
-        let opened = self.open(path, body)?;
+        let opened = self.open::<D>(path, body)?;
         let names: Vec<&str> = groups.iter().map(|(name, _)| *name).collect();
-        let imported = opened.file.mesh(&names).map_err(|error| match &error {
+        let imported = Mesh::<D>::cut(&opened.file, &names);
+        let imported = imported.map_err(|error| match &error {
             ImportError::UnknownGroup { group, known, .. } => {
                 let named = groups.iter().find(|(name, _)| name == group);
                 let span = named.map_or(group_span, |(_, span)| span);
                 unknown_group(&error, group, known, span, body)
             }
+            ImportError::Shell { .. } => refused(&error, group_span, body),
             _ => refused(&error, &path.span, body),
         })?;
         opened.use_of(&imported);
@@ -75,17 +87,21 @@ impl MeshFiles {
     }
 
     /// The file of a path, read when it is met first.
-    fn open(&mut self, node: &Node, body: &str) -> Result<&mut Opened, Fault> {
+    fn open<const D: usize>(&mut self, node: &Node, body: &str) -> Result<&mut Opened, Fault>
+    where
+        Mesh<D>: Generated<D>,
+    {
         let path = self.folder.join(node.text()?);
         let place = match self.files.iter().position(|opened| opened.path == path) {
             Some(place) => place,
             None => {
-                let file = MeshFile::read(&path);
+                let file = Mesh::<D>::read(&path);
                 let file = file.map_err(|error| refused(&error, &node.span, body))?;
                 self.warnings.extend(file.warnings().iter().cloned());
                 self.files.push(Opened {
                     path,
                     file,
+                    sides: if D == 2 { "edges" } else { "faces" },
                     unused: None,
                 });
                 self.files.len() - 1
@@ -110,7 +126,8 @@ impl MeshFiles {
             if !unused.sides.is_empty() {
                 let groups = listed(&unused.sides);
                 warnings.push(format!(
-                    "{name}: the groups of edges {groups} are on the boundary of no body"
+                    "{name}: the groups of {} {groups} are on the boundary of no body",
+                    opened.sides
                 ));
             }
             if !unused.points.is_empty() {
@@ -132,7 +149,7 @@ impl MeshFiles {
 
 impl Opened {
     /// Takes what a body uses from the list of what is unused.
-    fn use_of(&mut self, imported: &Imported) {
+    fn use_of<const D: usize>(&mut self, imported: &Imported<D>) {
         let before = self.unused.take().unwrap_or_else(|| Unused {
             cells: imported.unused_cells.clone(),
             sides: imported.unused_sides.clone(),
