@@ -186,6 +186,28 @@ fn shears(admissible: &AdmissibleSet, lambda: &[f64]) -> Vec<Option<Shear>> {
     shears
 }
 
+/// Tangential displacement of a node relative to the other side as its rows see it; `None` where it has none.
+fn mean_slip<const D: usize>(
+    pair: &Paired<D>,
+    node: &InterfaceNode<D>,
+    states: &[BodyState<D>],
+    obstacle: Point<D>,
+) -> Option<Point<D>> {
+    let interface = &pair.interface;
+    let mut slip = [0.0; D];
+    for (direction, row) in node.frame.into_iter().zip(node.rows).skip(1) {
+        let own = interface.nonmortar[row?].iter();
+        let own = own.map(|&(j, c)| dot(c, states[pair.nonmortar.body.0].u[j]));
+        let other = interface.mortar[row?].iter();
+        let other = other.map(|&(j, c)| match &pair.mortar {
+            Some(mortar) => dot(c, states[mortar.body.0].u[j]),
+            None => dot(c, obstacle),
+        });
+        slip = add_scaled(slip, own.sum::<f64>() + other.sum::<f64>(), direction);
+    }
+    Some(slip)
+}
+
 fn contact_solution<const D: usize>(
     model: &Model<D>,
     name: &str,
@@ -216,10 +238,16 @@ fn contact_solution<const D: usize>(
         let along = |u: Point<D>| dot(node.normal(), u);
         let displacement_nonmortar = along(u_nonmortar);
         let displacement_mortar = u_mortar.map_or(f64::NAN, along);
-        let slip = u_mortar.map_or([f64::NAN; D], |u| {
+        let at_node = u_mortar.map_or([f64::NAN; D], |u| {
             let relative = sub(u_nonmortar, u);
             add_scaled(relative, -along(relative), node.normal())
         });
+        // friction opposes the slip of its rows; in the plane, where it has no direction but forwards and back, that of the
+        // node is told
+        let slip = match D {
+            2 => at_node,
+            _ => mean_slip(pair, node, states, obstacle).unwrap_or(at_node),
+        };
         let (gap, pressure, status) = match (node.role, node.rows[0]) {
             (Role::Alone | Role::Excluded, _) => (f64::NAN, 0.0, Status::Open),
             (Role::Multiplier, Some(row)) => {
