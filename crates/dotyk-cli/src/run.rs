@@ -405,18 +405,13 @@ fn bodies<const D: usize>(model: &Model<D>, solution: &Solution<D>) -> String {
         .bodies
         .iter()
         .map(|body| {
-            let floating: Vec<&str> = body
-                .floating_modes
-                .iter()
-                .map(|mode| mode.description.as_str())
-                .collect();
             let mut row = vec![
                 body.name.clone(),
                 number(body.max_displacement()),
                 number(body.von_mises.iter().copied().fold(0.0, f64::max)),
             ];
             row.extend(body.reaction.map(|f| force(&scales, f)));
-            row.push(floating.join(", "));
+            row.push(body.floating());
             row
         })
         .collect();

@@ -267,6 +267,16 @@ impl<const D: usize> BodySolution<D> {
         lengths.fold(0.0, f64::max)
     }
 
+    /// The rigid motions that its supports leave free, in words; six of space are every motion.
+    pub fn floating(&self) -> String {
+        if D == 3 && self.floating_modes.len() == 6 {
+            return "every rigid motion".to_string();
+        }
+        let modes = self.floating_modes.iter();
+        let modes: Vec<&str> = modes.map(|mode| mode.description.as_str()).collect();
+        modes.join(", ")
+    }
+
     /// Principal stresses at every node, largest first.
     pub fn principal_stress(&self) -> Vec<[f64; 3]> {
         self.stress

@@ -308,15 +308,10 @@ fn bodies<const D: usize>(model: &Model<D>, solution: &Solution<D>, labels: &Lab
         .bodies
         .iter()
         .map(|b| {
-            let modes: Vec<&str> = b
-                .floating_modes
-                .iter()
-                .map(|m| m.description.as_str())
-                .collect();
-            let held = if modes.is_empty() {
+            let held = if b.floating_modes.is_empty() {
                 "held by its supports".to_string()
             } else {
-                format!("{} held by contact alone", modes.join(", "))
+                format!("{} held by contact alone", b.floating())
             };
             vec![
                 text(&b.name),
