@@ -271,9 +271,11 @@ impl<'a> Search<'a> {
                     forces.fill(0.0);
                 }
             }
-            rest |= forces.iter().any(|force| *force != 0.0);
+            rest |= forces.iter().any(|own| own.abs() > ROUNDING * force);
         }
+        // bodies that are moved along and touch nothing: couples bear rounding
         if !rest {
+            self.point.lambda.fill(0.0);
             self.point.product.fill(0.0);
         }
     }

@@ -1023,3 +1023,31 @@ exclude = ["q4"]
         .unwrap();
     assert!(solution.certificate.holds());
 }
+
+/// A body that its point moves, far from what it could touch: nothing bears a force.
+#[test]
+fn a_body_that_its_point_moves_through_the_air_bears_nothing() {
+    for kind in KINDS {
+        for friction in [0.0, 0.3] {
+            let mut model = Model::new();
+            let mesh = rectangle([0.0, 0.0], [0.6, 1.1], [3, 6], CellKind::Quad4);
+            let body = model.body("tool", mesh, SOFT);
+            let couple = model.couple(body, "top", ("P", [-0.1, 2.0]), kind);
+            couple.displacement = [0.004, 0.016].map(|u| Some(Field::constant(u)));
+            couple.rotation[2] = Some(Field::constant(-0.009));
+            let floor = model.obstacle((body, "bottom"), Field::constant(0.002));
+            floor.law = Law::Coulomb(Field::constant(friction));
+            let solution = model.solve().unwrap();
+            assert!(solution.certificate.holds());
+            let nodes = solution.contacts[0].nodes.iter();
+            assert!(nodes.into_iter().all(|node| node.status == Status::Open));
+            let stress = solution.bodies[0].von_mises.iter();
+            // E times the rounding of a displacement over a cell
+            assert!(stress.fold(0.0, |s: f64, v| s.max(*v)) < 1e-10);
+            let moved = solution.bodies[0].displacement[0];
+            // P at rest is (-0.1, 2) from the node (0, 0)
+            near(moved[0], 0.004 - 0.009 * 2.0, 1e-12);
+            near(moved[1], 0.016 - 0.009 * 0.1, 1e-12);
+        }
+    }
+}
