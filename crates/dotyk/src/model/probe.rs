@@ -11,7 +11,9 @@ use crate::model::nouns::{Along, Analysis, BodyId, Model, Probe, Reading, SideRe
 use crate::model::pair::Paired;
 use crate::model::quantity::{ContactField, Displacement, Parts, Stress};
 use crate::model::recover::centroid;
-use crate::model::solution::{BodySolution, ContactNode, LinePoint, ProbeValue, Solution};
+use crate::model::solution::{
+    BodySolution, ContactNode, ContactSolution, LinePoint, ProbeValue, Solution,
+};
 use std::collections::BTreeMap;
 
 /// A smaller shape function is rounding: that node has no part in the value.
@@ -312,16 +314,38 @@ fn field<'a, const D: usize>(
             for node in &contact.nodes {
                 nodes.entry(node.node).or_default().push(node);
             }
+            let between = between_multipliers(model, contact, |node| along(field, node, &minus));
             let value = move |node: usize, normal: Point<D>| {
                 // a node at a corner of the side has a state for each of its faces
                 let likeness = |n: &&&ContactNode<D>| dot(n.normal, normal);
                 let states = nodes.get(&node).into_iter().flatten();
                 let found = states.reduce(|a, b| if likeness(&b) > likeness(&a) { b } else { a });
-                found.map_or(f64::NAN, |node| along(field, node, &minus))
+                let none = || between.get(node).copied().unwrap_or(f64::NAN);
+                found.map_or_else(none, |node| along(field, node, &minus))
             };
             Quantified::Varies(NodalField::scalar(Carrier::Side(&contact.nonmortar), value))
         }
     }
+}
+
+/// Values of a contact at the nodes of its nonmortar body (nodes,): in space linear between the corners of facets, which alone
+/// carry multipliers; NaN where nothing is known. Empty in the plane, where all nodes of a side are its own.
+fn between_multipliers<const D: usize>(
+    model: &Model<D>,
+    contact: &ContactSolution<D>,
+    value: impl Fn(&ContactNode<D>) -> f64,
+) -> Vec<f64> {
+    if D == 2 {
+        return Vec::new();
+    }
+    let mesh = &model.bodies[contact.nonmortar.body.0].mesh;
+    let mut values = vec![f64::NAN; mesh.points().len()];
+    for node in &contact.nodes {
+        values[node.node] = value(node);
+    }
+    let facets = mesh.side(&contact.nonmortar.side).unwrap_or_default();
+    mesh.fill_between_corners(facets, &mut values);
+    values
 }
 
 /// The places that a probe is read along; none where it is read otherwise.
