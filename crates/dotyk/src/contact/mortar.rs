@@ -703,29 +703,33 @@ mod tests {
     use crate::geometry::{Field, Surface};
     use crate::mesh::{CellKind, Cuboid};
 
-    /// One side over another, nothing held.
-    fn paired(own: &Body<2>, other: &Body<2>, coupling: Coupling) -> Interface<2> {
+    /// The bottom of a body over a side of another, nothing held.
+    fn over<const D: usize>(
+        own: &Body<D>,
+        (other, side): (&Body<D>, &str),
+        coupling: Coupling,
+        analysis: Analysis,
+    ) -> Interface<D> {
         let free = Constraints::default();
-        let against = Against::Side(end(other, "bottom", &free));
+        let against = Against::Side(end(other, side, &free));
+        let nonmortar = end(own, "bottom", &free);
         let gap = InitialGap::Measured;
-        let analysis = Analysis::PlaneStrain;
-        pair_mortar(
-            end(own, "bottom", &free),
-            against,
-            gap,
-            coupling,
-            analysis,
-            0.0,
-        )
-        .unwrap()
+        pair_mortar(nonmortar, against, gap, coupling, analysis, 0.0).unwrap()
+    }
+
+    /// Both sides in the plane.
+    fn paired(own: &Body<2>, other: &Body<2>, coupling: Coupling) -> Interface<2> {
+        over(own, (other, "bottom"), coupling, Analysis::PlaneStrain)
     }
 
     /// A row times the displacements of its body, given as a function of place.
-    fn times(row: &Row<2>, body: &Body<2>, u: impl Fn(Point<2>) -> Point<2>) -> f64 {
-        let terms = row.iter();
-        terms
-            .map(|&(node, c)| dot(c, u(body.mesh.points()[node])))
-            .sum()
+    fn times<const D: usize>(
+        row: &Row<D>,
+        body: &Body<D>,
+        u: impl Fn(Point<D>) -> Point<D>,
+    ) -> f64 {
+        let points = body.mesh.points();
+        row.iter().map(|&(node, c)| dot(c, u(points[node]))).sum()
     }
 
     fn arc(from: f64, to: f64, count: usize, lift: f64) -> Vec<Point<2>> {
@@ -1279,28 +1283,6 @@ mod tests {
         body(mesh.unwrap())
     }
 
-    fn over<'a>(own: &'a Body<3>, other: &'a Body<3>, coupling: Coupling) -> Interface<3> {
-        let free = Constraints::default();
-        let against = Against::Side(end(other, "top", &free));
-        let (gap, analysis) = (InitialGap::Measured, Analysis::Solid);
-        pair_mortar(
-            end(own, "bottom", &free),
-            against,
-            gap,
-            coupling,
-            analysis,
-            0.0,
-        )
-        .unwrap()
-    }
-
-    fn moved(row: &Row<3>, body: &Body<3>, u: impl Fn(Point<3>) -> Point<3>) -> f64 {
-        let terms = row.iter();
-        terms
-            .map(|&(node, c)| dot(c, u(body.mesh.points()[node])))
-            .sum()
-    }
-
     #[test]
     fn in_space_a_rigid_motion_of_both_bodies_together_neither_opens_nor_slips() {
         let axis = [0.3, -0.7, 0.5];
@@ -1311,10 +1293,10 @@ mod tests {
                 let upper = bowl(own, [3, 4, 1], [0.2, 1.0], 0.0);
                 let lower = bowl(other, [4, 3, 1], [-1.0, 0.0], 0.35);
                 for coupling in [Coupling::Frictional, Coupling::Tied] {
-                    let interface = over(&upper, &lower, coupling);
+                    let interface = over(&upper, (&lower, "top"), coupling, Analysis::Solid);
                     assert!(interface.nonmortar.len() >= 48);
                     for (own, other) in interface.nonmortar.iter().zip(&interface.mortar) {
-                        let moved = moved(own, &upper, motion) + moved(other, &lower, motion);
+                        let moved = times(own, &upper, motion) + times(other, &lower, motion);
                         // rounding
                         assert!(moved.abs() < 1e-12, "{own:?} {moved:e}");
                     }
@@ -1374,7 +1356,12 @@ mod tests {
                 };
                 let upper = flat(own, [3, 4, 1], [0.25, 1.0], 0.0);
                 let lower = flat(other, [5, 3, 1], [-1.0, 0.0], angle);
-                let interface = over(&upper, &lower, Coupling::Frictional);
+                let interface = over(
+                    &upper,
+                    (&lower, "top"),
+                    Coupling::Frictional,
+                    Analysis::Solid,
+                );
                 let sum = |f: &dyn Fn(&InterfaceNode<3>) -> f64| -> f64 {
                     interface.carriers().map(|node| node.weight * f(node)).sum()
                 };
@@ -1383,8 +1370,8 @@ mod tests {
                     for c in 0..3 {
                         let row = node.rows[c].unwrap();
                         let part = node.frame[c][axis];
-                        sums[0] += part * moved(&interface.nonmortar[row], &upper, us);
-                        sums[1] += part * moved(&interface.mortar[row], &lower, um);
+                        sums[0] += part * times(&interface.nonmortar[row], &upper, us);
+                        sums[1] += part * times(&interface.mortar[row], &lower, um);
                     }
                     sums
                 };
