@@ -3,7 +3,7 @@
 use crate::contact::corners::SHARP;
 use crate::contact::{ContactError, End};
 use crate::fem::show;
-use crate::geometry::{Point, Surface, dot, sub, unit};
+use crate::geometry::{Point, Surface, add_scaled, cross, distance, dot, norm, sub, unit};
 use crate::mesh::{Facet, Mesh};
 use std::collections::BTreeMap;
 
@@ -75,44 +75,61 @@ impl<'a, const D: usize> TrueSurface<'a, D> {
 /// Largest distance of the facets of a side from the smooth curve or surface that they stand for. Zero where their true surface is
 /// known, and across sharp corners.
 ///
-/// * Straight facets of length L that turn by θ at their common node, in space at the middle of their common edge: Lθ/8. Parabolas
-///   on a circle turn, too, but miss a quarter of that.
+/// * Straight facets of length L that turn by θ at their common node miss Lθ/8. In space a facet has the extent L across each of
+///   its edges, and what it misses in its two directions adds up: half of the sum over four edges, the sum over three.
 /// * Parabolas of length L and rise s, whose curvature κ = 8s/L² changes by Δκ at a common node: s³/L² is what a parabola
-///   through three points of a circle misses, Δκ L²/(72√3) what it misses of a curve whose curvature changes.
+///   through three points of a circle misses, Δκ L²/(72√3) what it misses of a curve whose curvature changes; and a quarter of
+///   what straight ones would miss, since parabolas on a circle turn, too.
 ///
 /// Errors: unknown or empty sides.
 pub fn sagitta<const D: usize>(end: End<'_, D>) -> Result<f64, ContactError> {
     let mesh = &end.body.mesh;
     let facets = end.facets()?;
     let surface = TrueSurface::of(end, facets)?;
-    let mut around: BTreeMap<[u32; 2], Vec<Piece<D>>> = BTreeMap::new();
-    let mut largest = 0.0f64;
-    for &facet in facets.iter().filter(|&&facet| surface.at(facet).is_none()) {
-        let (length, rise) = (mesh.facet_length(facet), rise(mesh, facet));
-        largest = largest.max(rise.abs().powi(3) / (length * length));
-        for (place, normal) in meeting_places(mesh, facet) {
-            around.entry(place).or_default().push(Piece {
-                normal,
-                length,
-                rise,
-            });
-        }
+    let curved = facets.iter().filter(|&&facet| surface.at(facet).is_none());
+    let pieces: Vec<Vec<Piece<D>>> = curved.map(|&facet| pieces(mesh, facet)).collect();
+    let mut around: BTreeMap<[u32; 2], Vec<&Piece<D>>> = BTreeMap::new();
+    for piece in pieces.iter().flatten() {
+        around.entry(piece.place).or_default().push(piece);
     }
-    let at_place = |meeting: &Vec<Piece<D>>| match meeting.as_slice() {
-        [a, b] if dot(a.normal, b.normal) > SHARP => {
-            let length = a.length.max(b.length);
-            let turn = length * dot(a.normal, b.normal).min(1.0).acos() / 8.0;
-            let bent = |piece: &Piece<D>| piece.rise.abs() > turn;
-            let change = (a.curvature() - b.curvature()).abs();
-            match bent(a) && bent(b) {
-                true => (0.25 * turn).max(change * length * length / (72.0 * 3f64.sqrt())),
-                false => turn,
-            }
-        }
+    let missed_at = |piece: &Piece<D>| match around[&piece.place][..] {
+        [a, b] if dot(a.normal, b.normal) > SHARP => missed_between(a, b),
         _ => 0.0,
     };
-    Ok(around.values().map(at_place).fold(largest, f64::max))
+    let missed = |of_facet: &Vec<Piece<D>>| {
+        let between = of_facet.iter().map(missed_at);
+        let between = match D {
+            2 => between.fold(0.0, f64::max),
+            _ => between.sum::<f64>() / (of_facet.len().max(3) - 2) as f64,
+        };
+        let own = of_facet
+            .iter()
+            .map(|p| p.rise.abs().powi(3) / (p.length * p.length));
+        own.fold(between, f64::max)
+    };
+    Ok(pieces.iter().map(missed).fold(0.0, f64::max))
 }
+
+/// What two facets that meet at a place miss of a smooth curve across it.
+fn missed_between<const D: usize>(a: &Piece<D>, b: &Piece<D>) -> f64 {
+    let length = a.length.max(b.length);
+    let straight = length * angle(a.normal, b.normal) / 8.0;
+    let bent = |piece: &Piece<D>| piece.rise.abs() > straight;
+    let change = (a.curvature() - b.curvature()).abs();
+    match bent(a) && bent(b) {
+        true => (0.25 * straight).max(change * length * length / (72.0 * 3f64.sqrt())),
+        false => straight,
+    }
+}
+
+/// The angle between two unit vectors, as exact as they are where it is small; less than their rounding is none.
+fn angle<const D: usize>(a: Point<D>, b: Point<D>) -> f64 {
+    let turn = 2.0 * (0.5 * norm(sub(a, b))).min(1.0).asin();
+    if turn > PARALLEL { turn } else { 0.0 }
+}
+
+/// Rounding of unit vectors.
+const PARALLEL: f64 = 1e-13;
 
 /// The largest angle by which neighbouring straight facets of a side turn, corners left out; `None` for a side that has
 /// facets of higher order.
@@ -128,63 +145,97 @@ pub fn straight_turn<const D: usize>(end: End<'_, D>) -> Result<Option<f64>, Con
         return Ok(None);
     }
     let mut around: BTreeMap<[u32; 2], Vec<Point<D>>> = BTreeMap::new();
-    for &facet in facets {
-        for (place, normal) in meeting_places(mesh, facet) {
-            around.entry(place).or_default().push(normal);
-        }
+    for piece in facets.iter().flat_map(|&facet| pieces(mesh, facet)) {
+        around.entry(piece.place).or_default().push(piece.normal);
     }
     let turn = |normals: &Vec<Point<D>>| match normals[..] {
-        [a, b] if dot(a, b) > SHARP => dot(a, b).min(1.0).acos(),
+        [a, b] if dot(a, b) > SHARP => angle(a, b),
         _ => 0.0,
     };
     Ok(Some(around.values().map(turn).fold(0.0, f64::max)))
 }
 
-/// Where a facet meets others, with its outward unit normals there: its end nodes, in space the middles of its edges, named by
-/// their corners.
-fn meeting_places<const D: usize>(mesh: &Mesh<D>, facet: Facet) -> Vec<([u32; 2], Point<D>)> {
+/// A facet where it meets another: at an end node, in space along an edge.
+struct Piece<const D: usize> {
+    /// The node, or the corners of the edge.
+    place: [u32; 2],
+    /// Outward unit normal there, in space in the middle of the edge.
+    normal: Point<D>,
+    /// Extent of the facet across the place.
+    length: f64,
+    /// How far the facet bends over that length: of its middle node off the chord, along its normal in the middle.
+    rise: f64,
+}
+
+/// A facet at all places where it may meet others.
+fn pieces<const D: usize>(mesh: &Mesh<D>, facet: Facet) -> Vec<Piece<D>> {
     let kind = mesh.facet_kind(facet);
     let (corners, at) = (kind.corners(), kind.reference_nodes());
     let nodes: Vec<u32> = mesh.facet_nodes(facet).collect();
-    let place = |k: usize| {
+    let bows = bows(mesh, facet);
+    let piece = |k: usize| {
         let next = if D == 2 { k } else { (k + 1) % corners };
         let xi: [f64; 3] = std::array::from_fn(|d| 0.5 * (at[k][d] + at[next][d]));
         let normal = unit(mesh.outward_normal(facet, &xi))?;
+        let length = match D {
+            2 => mesh.facet_length(facet),
+            _ => extent_across(mesh, facet, k),
+        };
+        // edges that lead away from this one bend across it, by less where they are longer than the way across
+        let across = bows
+            .iter()
+            .enumerate()
+            .filter(|&(j, _)| D == 2 || j != k && (corners == 3 || (j + corners - k) % 2 == 1));
+        let rises = across.map(|(_, &(rise, chord))| rise * (length / chord).powi(2).min(1.0));
         let (a, b) = (nodes[k], nodes[next]);
-        Some(([a.min(b), a.max(b)], normal))
+        Some(Piece {
+            place: [a.min(b), a.max(b)],
+            normal,
+            length,
+            rise: rises.fold(
+                0.0,
+                |most: f64, rise| {
+                    if rise.abs() > most.abs() { rise } else { most }
+                },
+            ),
+        })
     };
-    (0..corners).filter_map(place).collect()
+    (0..corners).filter_map(piece).collect()
 }
 
-/// How far the middle nodes of a facet, in space those of its edges, lie off the chords, along its normal in the middle; the
-/// largest in magnitude.
-fn rise<const D: usize>(mesh: &Mesh<D>, facet: Facet) -> f64 {
+/// Extent of a facet of space across its edge `k`.
+fn extent_across<const D: usize>(mesh: &Mesh<D>, facet: Facet, k: usize) -> f64 {
+    let corners = mesh.facet_kind(facet).corners();
+    let points: Vec<Point<D>> = mesh.facet_points(facet).take(corners).collect();
+    let doubled = |ends: &[Point<D>]| cross(sub(ends[0], points[0]), sub(ends[1], points[0]));
+    let area = points
+        .windows(2)
+        .map(doubled)
+        .fold([0.0; 3], |sum, part| add_scaled(sum, 1.0, part));
+    let edge = distance(points[k], points[(k + 1) % corners]);
+    // of a triangle its height
+    let part = if corners == 3 { 1.0 } else { 0.5 };
+    part * norm(area) / edge
+}
+
+/// How far the middle nodes of a facet, in space those of its edges, lie off their chords along its normal in the middle, with
+/// the chords; no rise where there are none.
+fn bows<const D: usize>(mesh: &Mesh<D>, facet: Facet) -> Vec<(f64, f64)> {
     let kind = mesh.facet_kind(facet);
-    let Some(normal) = unit(mesh.outward_normal(facet, &kind.domain().centre())) else {
-        return 0.0;
-    };
-    let points: Vec<Point<D>> = mesh.facet_points(facet).collect();
     let corners = kind.corners();
+    let points: Vec<Point<D>> = mesh.facet_points(facet).collect();
+    let normal = unit(mesh.outward_normal(facet, &kind.domain().centre())).unwrap_or([0.0; D]);
     let middles = points.iter().skip(corners).take(corners).enumerate();
-    let off = middles.map(|(k, &middle)| {
-        let chord = sub(middle, points[k]);
+    let bow = |(k, &middle): (usize, &Point<D>)| {
+        let ends = [points[k], points[(k + 1) % corners]];
+        let off = ends.map(|end| dot(normal, sub(middle, end)));
         // in the plane the tangent in the middle is along the chord
         match D {
-            2 => dot(normal, chord),
-            _ => 0.5 * (dot(normal, chord) + dot(normal, sub(middle, points[(k + 1) % corners]))),
+            2 => (off[0], mesh.facet_length(facet)),
+            _ => (0.5 * (off[0] + off[1]), distance(ends[0], ends[1])),
         }
-    });
-    off.fold(
-        0.0,
-        |most: f64, off| if off.abs() > most.abs() { off } else { most },
-    )
-}
-
-/// A facet where it meets another.
-struct Piece<const D: usize> {
-    normal: Point<D>,
-    length: f64,
-    rise: f64,
+    };
+    middles.map(bow).collect()
 }
 
 impl<const D: usize> Piece<D> {
@@ -198,7 +249,6 @@ mod tests {
     use super::*;
     use crate::contact::gaps::tests::{end, flat, node_at, ring, wall};
     use crate::fem::{Body, Constraints};
-    use crate::geometry::distance;
     use crate::mesh::CellKind;
 
     fn off(body: &Body<2>) -> f64 {
@@ -262,6 +312,60 @@ mod tests {
         }
         assert_eq!(of(&[0.0, 0.0]), 0.0);
         assert_eq!(turn(&polygon(&[1.0, 2.0], &[0.1], CellKind::Quad8)), None);
+    }
+
+    #[test]
+    fn in_space_facets_miss_what_they_turn_across_their_edges_whatever_their_lengths() {
+        let free = Constraints::default();
+        // a block whose top is bent about an axis, about both, and turned
+        let off = |cell: CellKind, cells: [usize; 3], height: fn(Point<3>) -> f64| {
+            let cuboid = crate::mesh::Cuboid {
+                from: [-1.0, -1.0, 0.0],
+                to: [1.0, 1.0, 1.0],
+                cells,
+                cell,
+            };
+            let place = |[x, y, z]: Point<3>| {
+                let top = [x, y, 1.0 + height([x, y, z])];
+                [top[0], top[1], z * top[2]]
+            };
+            let mesh = cuboid.build().unwrap().map_points(place).unwrap();
+            let body = crate::contact::gaps::tests::body(mesh);
+            sagitta(end(&body, "top", &free)).unwrap()
+        };
+        let bent: fn(Point<3>) -> f64 = |[x, _, _]| -0.02 * x * x;
+        let bowl: fn(Point<3>) -> f64 = |[x, y, _]| -0.02 * (x * x + y * y);
+        for (cell, part) in [(CellKind::Hex8, 1.0), (CellKind::Tet4, 1.0)] {
+            // κ L²/8 with κ = 0.04, in both directions together
+            let missed = part * 0.04 * 0.25f64.powi(2) / 8.0;
+            for along in [1, 2, 40] {
+                let found = off(cell, [8, along, 1], bent);
+                assert!(
+                    (found / missed - 1.0).abs() < 0.01,
+                    "{cell:?} {along} {found}"
+                );
+            }
+            let found = off(cell, [8, 8, 1], bowl);
+            assert!(
+                (found / (2.0 * missed) - 1.0).abs() < 0.5,
+                "{cell:?} {found}"
+            );
+        }
+        // parabolas are on a parabola but for rounding, in one direction or both
+        for cell in [CellKind::Hex20, CellKind::Tet10] {
+            for along in [1, 8, 40] {
+                let found = off(cell, [8, along, 1], bent);
+                assert!(
+                    found < 1e-3 * 0.04 * 0.25f64.powi(2) / 8.0,
+                    "{cell:?} {along} {found}"
+                );
+            }
+        }
+        // flat, and turned against the axes
+        let slant: fn(Point<3>) -> f64 = |[x, y, _]| 0.3 * x + 0.17 * y;
+        for cell in [CellKind::Hex8, CellKind::Tet4, CellKind::Hex20] {
+            assert!(off(cell, [7, 5, 1], slant) < 1e-15, "{cell:?}");
+        }
     }
 
     /// How far the facets of a wall are off a curve, looked at in many places.
@@ -417,6 +521,7 @@ mod tests {
     fn curvature_is_that_of_a_flat_parabola() {
         // y = κ x²/2 rises by κ L²/8 over a chord L
         let piece = Piece {
+            place: [0, 0],
             normal: [0.0, 1.0],
             length: 3.0,
             rise: 0.2 * 9.0 / 8.0,

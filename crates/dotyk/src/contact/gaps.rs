@@ -7,9 +7,9 @@
 //! Kept: which points x and y face each other (nodes and shape functions), the normals n, the weights wₖ = ψᵢ(xₖ) dxₖ and the
 //! rows. What moves: the nodes of both sides, the obstacle, and the time of a gap that is given as a function.
 
-use crate::contact::obstacle::{Rigid, finite_gap};
+use crate::contact::obstacle::finite_gap;
 use crate::contact::{ContactError, End, Interface};
-use crate::geometry::{Field, Point, add_scaled, dot, sub};
+use crate::geometry::{Field, Point, add_scaled, dot};
 
 /// A point of the nonmortar side and what lies opposite it.
 #[derive(Debug, Clone, PartialEq)]
@@ -20,8 +20,6 @@ pub struct GapPoint<const D: usize> {
     pub opposite: Vec<(usize, f64)>,
     /// Contact normal, outward from the nonmortar side.
     pub normal: Point<D>,
-    /// The direction in which an obstacle is looked for: the normal of the side.
-    pub along: Point<D>,
     /// Gap when it was paired.
     pub gap: f64,
 }
@@ -72,22 +70,6 @@ impl<const D: usize> GapPoint<D> {
         self.gap + (other - at(&self.own, moved.own))
     }
 
-    /// The gap to an obstacle that has moved, whatever its shape, from where the nodes of the nonmortar mesh are. NaN where it has
-    /// moved out of sight.
-    ///
-    /// Errors: a gap that is not finite.
-    pub fn above(
-        &self,
-        (rigid, displacement): (&Rigid<D>, Point<D>),
-        end: End<'_, D>,
-        own: &[Point<D>],
-        time: f64,
-    ) -> Result<f64, ContactError> {
-        let place = (sub(self.place(own), displacement), self.along);
-        let found = rigid.opposite(place, time, end)?;
-        Ok(found.map_or(f64::NAN, |(_, gap)| gap))
-    }
-
     /// A gap that is given as a function of place and time.
     ///
     /// Errors: a gap that is not finite.
@@ -128,10 +110,10 @@ impl<const D: usize> Interface<D> {
 pub(super) mod tests {
     use super::*;
     use crate::contact::{
-        Against, Coupling, Driven, InitialGap, Row, pair_mortar, pair_nodes, pair_obstacle,
+        Against, Coupling, Driven, InitialGap, Rigid, Row, pair_mortar, pair_nodes, pair_obstacle,
     };
     use crate::fem::{Analysis, Body, Constraints, Elastic, Held, Material};
-    use crate::geometry::{Surface, distance};
+    use crate::geometry::distance;
     use crate::mesh::{CellKind, Cuboid, Diagonals, Mesh, Rectangle, Ring};
     use std::collections::BTreeMap;
 
@@ -334,50 +316,30 @@ pub(super) mod tests {
         check_rows(&interface.unwrap(), nonmortar, mortar);
     }
 
-    /// The gaps to a ball that has moved are those to a ball that was always there.
-    fn check_ball<const D: usize>(
-        nonmortar: End<'_, D>,
-        [before, after]: [Point<D>; 2],
-        pair: impl Fn(&Rigid<D>) -> Interface<D>,
-    ) {
-        let ball = |center| Rigid::Surface {
-            surface: Surface::Sphere {
-                center,
-                radius: 2.0,
-            },
-            inside: false,
-        };
-        let (was, is) = (ball(before), ball(after));
-        let mut interface = pair(&was);
-        let own = nonmortar.body.mesh.points();
-        let moved = (&was, sub(after, before));
-        let gap = |point: &GapPoint<D>| point.above(moved, nonmortar, own, 0.0);
-        interface.measure(gap).unwrap();
-        for (node, expected) in interface.nodes.iter().zip(pair(&is).nodes) {
-            assert!((node.gap - expected.gap).abs() < 1e-14, "{node:?}");
-            assert!((node.clearance - expected.clearance).abs() < 1e-14);
-        }
-    }
-
     #[test]
-    fn an_obstacle_that_has_moved_has_the_gaps_of_one_that_is_there() {
-        let free = Constraints::default();
-        let plate = plate([0.0, 0.0], [1.0, 1.0], [4, 2]);
-        let nonmortar = end(&plate, "top", &free);
-        let centers = [[0.3, 3.2], [0.6, 3.1]];
-        let analysis = Analysis::PlaneStrain;
-        check_ball(nonmortar, centers, |rigid| {
-            let against = Against::Obstacle(rigid, Driven::Prescribed);
-            let (gap, coupling) = (InitialGap::Measured, Coupling::Normal);
-            pair_mortar(nonmortar, against, gap, coupling, analysis, 0.0).unwrap()
-        });
-        let free = Constraints::default();
-        let cube = cube(0.0);
+    fn a_given_gap_at_another_time_is_that_of_an_interface_of_that_time() {
+        let field = Field::function("0.1 + t x", |p, t| 0.1 + t * p[0]);
+        let rigid = Rigid::Gap(field.clone());
+        let check = |nonmortar: End<'_, 3>, pair: &dyn Fn(f64) -> Interface<3>| {
+            let mut interface = pair(0.0);
+            let gap = |point: &GapPoint<3>| point.given(&field, nonmortar, 2.0);
+            interface.measure(gap).unwrap();
+            for (node, expected) in interface.nodes.iter().zip(pair(2.0).nodes) {
+                assert!((node.gap - expected.gap).abs() < 1e-14, "{node:?}");
+                assert!((node.clearance - expected.clearance).abs() < 1e-14);
+            }
+        };
+        let (cube, free) = (cube(0.0), Constraints::default());
         let nonmortar = end(&cube, "top", &free);
-        let centers = [[0.3, 0.5, 3.2], [0.6, 0.4, 3.1]];
-        check_ball(nonmortar, centers, |rigid| {
-            let obstacle = (rigid, Driven::Prescribed);
-            pair_obstacle(nonmortar, obstacle, Coupling::Normal, Analysis::Solid, 0.0).unwrap()
+        let coupling = Coupling::Normal;
+        check(nonmortar, &|time| {
+            let obstacle = (&rigid, Driven::Prescribed);
+            pair_obstacle(nonmortar, obstacle, coupling, Analysis::Solid, time).unwrap()
+        });
+        check(nonmortar, &|time| {
+            let against = Against::Obstacle(&rigid, Driven::Prescribed);
+            let gap = InitialGap::Measured;
+            pair_mortar(nonmortar, against, gap, coupling, Analysis::Solid, time).unwrap()
         });
     }
 
@@ -387,7 +349,6 @@ pub(super) mod tests {
             own: vec![(0, 0.25), (2, 0.75)],
             opposite: vec![(1, 1.0)],
             normal: [0.6, 0.8],
-            along: [0.6, 0.8],
             gap: 10.0,
         };
         let own = [[1.0, 0.0], [9.0, 9.0], [0.0, 2.0]];
@@ -418,25 +379,12 @@ pub(super) mod tests {
             own: vec![(ends[0], 0.25), (ends[1], 0.75)],
             opposite: Vec::new(),
             normal: [0.0, -1.0],
-            along: [0.0, -1.0],
             gap: 0.0,
         };
         let field = Field::function("x + 10 t", |p, t| p[0] + 10.0 * t);
         assert_eq!(point.given(&field, nonmortar, 2.0), Ok(21.5));
         let broken = Field::constant(f64::INFINITY);
         assert!(point.given(&broken, nonmortar, 0.0).is_err());
-        // a ball that has moved away is out of sight
-        let ball = Rigid::Surface {
-            surface: Surface::Sphere {
-                center: [1.5, -2.0],
-                radius: 1.0,
-            },
-            inside: false,
-        };
-        let own = plate.mesh.points();
-        let above = |moved| point.above((&ball, moved), nonmortar, own, 0.0).unwrap();
-        assert!((above([0.0, -0.5]) - 1.5).abs() < 1e-14);
-        assert!(above([3.0, 0.0]).is_nan());
     }
 
     #[test]

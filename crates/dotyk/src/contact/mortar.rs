@@ -321,11 +321,8 @@ impl<'a, const D: usize> Pairing<'a, D> {
                     self.sides.gap_at(facet, line, hit)?,
                 )
             }
-            (Against::Obstacle(rigid, _), _) => {
-                let place = (line.start, line.direction);
-                let Some((normal, gap)) =
-                    rigid.opposite(place, self.sides.time, self.sides.nonmortar)?
-                else {
+            (Against::Obstacle(..), _) => {
+                let Some((normal, gap)) = self.sides.obstacle(facet, line)? else {
                     return Ok(None);
                 };
                 (normal, vec![(0, 1.0)], gap)
@@ -342,7 +339,6 @@ impl<'a, const D: usize> Pairing<'a, D> {
                 own,
                 opposite,
                 normal,
-                along: line.direction,
                 gap,
             },
             hit: across,
@@ -573,7 +569,6 @@ impl<'a, const D: usize> Pairing<'a, D> {
                         own: vec![(node, 1.0)],
                         opposite: found.nodes,
                         normal: along,
-                        along,
                         gap: found.gap,
                     });
                 }
@@ -1302,6 +1297,54 @@ mod tests {
                     }
                 }
             }
+        }
+    }
+
+    #[test]
+    fn in_space_what_is_covered_stays_whatever_the_distance_from_the_origin_and_the_sizes_of_facets()
+     {
+        let area = |upper: &Body<3>, lower: &Body<3>| -> f64 {
+            let interface = over(upper, (lower, "top"), Coupling::Normal, Analysis::Solid);
+            interface.carriers().map(|node| node.weight).sum()
+        };
+        let sized = |mut body: Body<3>, size: f64, away: f64| {
+            let place = |x: Point<3>| x.map(|c| size * c + away);
+            body.mesh = body.mesh.map_points(place).unwrap();
+            body
+        };
+        for own in [CellKind::Hex8, CellKind::Hex20, CellKind::Tet10] {
+            let upper = |size, away| sized(bowl(own, [3, 4, 1], [0.0, 1.0], 0.2), size, away);
+            let lower = |away| {
+                sized(
+                    bowl(CellKind::Hex8, [5, 3, 1], [-1.0, 0.0], 0.35),
+                    1.0,
+                    away,
+                )
+            };
+            let near = area(&upper(1.0, 0.0), &lower(0.0));
+            for away in [1e2, 1e3, 1e5] {
+                let far = area(&upper(1.0, away), &lower(away));
+                // rounding of places shifts the edges of pieces
+                assert!(
+                    (far / near - 1.0).abs() < 1e-13 * away,
+                    "{own:?} {away} {far} {near}"
+                );
+            }
+            // small facets on a large one
+            let floor = Cuboid {
+                from: [-1e3; 3],
+                to: [1e3, 1e3, 0.0],
+                cells: [1; 3],
+                cell: CellKind::Hex8,
+            };
+            let floor = body(floor.build().unwrap());
+            let on_floor = |size: f64| area(&upper(size, 0.0), &floor) / (size * size);
+            let large = on_floor(10.0);
+            let small = on_floor(1e-2);
+            assert!(
+                (small / large - 1.0).abs() < 1e-9,
+                "{own:?} {small} {large}"
+            );
         }
     }
 

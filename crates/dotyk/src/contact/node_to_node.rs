@@ -128,7 +128,6 @@ pub fn pair_nodes<const D: usize>(
             };
             Ok(Some(Opposite {
                 nodes: vec![(j, 1.0)],
-                along: normal,
                 normal,
                 gap,
                 relative,
@@ -165,7 +164,6 @@ pub fn pair_obstacle<const D: usize>(
             };
             Ok(Some(Opposite {
                 nodes: vec![(0, 1.0)],
-                along: normal,
                 normal: relative.free_normal(facing),
                 gap,
                 relative,
@@ -177,8 +175,6 @@ pub fn pair_obstacle<const D: usize>(
 /// What lies opposite a node.
 struct Opposite<const D: usize> {
     nodes: Vec<(usize, f64)>,
-    /// The direction in which it was looked for.
-    along: Point<D>,
     normal: Point<D>,
     gap: f64,
     relative: Relative<D>,
@@ -263,7 +259,6 @@ fn build<const D: usize>(
                 own: vec![(node, 1.0)],
                 opposite: state.nodes.clone(),
                 normal: state.normal,
-                along: state.along,
                 gap: state.gap,
             });
             entry.opposite = state.nodes;
@@ -394,7 +389,7 @@ mod tests {
                 (&point.own, &point.opposite),
                 (&vec![(own, 1.0)], &node.opposite)
             );
-            assert_eq!((point.normal, point.along), ([0.0, -1.0], [0.0, -1.0]));
+            assert_eq!(point.normal, [0.0, -1.0]);
         }
         let alone = &interface.nodes[3];
         assert_eq!((alone.role, alone.rows), (Role::Alone, [None; 2]));

@@ -2,9 +2,10 @@
 
 use crate::contact::curved::TrueSurface;
 use crate::contact::normals::Normals;
-use crate::contact::obstacle::finite_gap;
+use crate::contact::obstacle::{Rigid, finite_gap};
 use crate::contact::search::{Hit, Line, Search};
 use crate::contact::{Against, ContactError, End, InitialGap};
+use crate::geometry::{Point, add_scaled};
 use crate::mesh::{Facet, MAX_FACET_NODES, Mesh};
 
 /// A nonmortar side and what it is paired with, ready to be looked across.
@@ -93,10 +94,9 @@ impl<'a, const D: usize> Opposite<'a, D> {
     /// The distance along a line from a facet to a hit, between the true surfaces where the sides have them.
     fn true_distance(&self, facet: Facet, line: Line<D>, hit: Hit) -> f64 {
         let [own, other] = &self.surfaces;
-        let own = own.as_ref().and_then(|surface| surface.at(facet));
         let other = other.as_ref().and_then(|surface| surface.at(hit.facet));
         let polygons = hit.distance;
-        let start = own.map_or(0.0, |surface| line.along(surface.closest(line.start)));
+        let start = rise(own, facet, line);
         let nearest = |hits: Vec<f64>| {
             hits.into_iter()
                 .min_by(|a, b| (a - polygons).abs().total_cmp(&(b - polygons).abs()))
@@ -104,6 +104,34 @@ impl<'a, const D: usize> Opposite<'a, D> {
         let end = other.and_then(|s| nearest(s.intersections(line.start, line.direction)));
         end.unwrap_or(polygons) - start
     }
+
+    /// Contact normal and gap at a line from a facet to the obstacle, seen from the true surface where the side has one; none
+    /// where the line faces nothing, and of a side.
+    ///
+    /// Errors: a gap that is not finite.
+    pub fn obstacle(
+        &self,
+        facet: Facet,
+        line: Line<D>,
+    ) -> Result<Option<(Point<D>, f64)>, ContactError> {
+        let Against::Obstacle(rigid, _) = self.against else {
+            return Ok(None);
+        };
+        let start = match rigid {
+            Rigid::Gap(_) => line.start,
+            Rigid::Surface { .. } => {
+                let rise = rise(&self.surfaces[0], facet, line);
+                add_scaled(line.start, rise, line.direction)
+            }
+        };
+        rigid.opposite((start, line.direction), self.time, self.nonmortar)
+    }
+}
+
+/// How far before the facet that it starts from a line leaves the true surface of its side; zero where none is known.
+fn rise<const D: usize>(surface: &Option<TrueSurface<'_, D>>, facet: Facet, line: Line<D>) -> f64 {
+    let surface = surface.as_ref().and_then(|surface| surface.at(facet));
+    surface.map_or(0.0, |surface| line.along(surface.closest(line.start)))
 }
 
 /// A place of the other side.
@@ -127,7 +155,7 @@ mod tests {
     use super::*;
     use crate::contact::gaps::tests::{end, flat, node_at, wall};
     use crate::fem::Constraints;
-    use crate::geometry::{Field, Point, Surface};
+    use crate::geometry::{Field, Surface};
     use crate::mesh::CellKind;
 
     #[test]

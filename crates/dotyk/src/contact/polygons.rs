@@ -18,7 +18,7 @@ use crate::contact::functions::{Cell, Piece};
 use crate::contact::opposite::Opposite;
 use crate::contact::search::{Line, Prism, meet};
 use crate::fem::quadrature::{QuadraturePoint, rule};
-use crate::geometry::{Point, add_scaled, cross, dot, invert, norm, sub, unit};
+use crate::geometry::{Point, Settling, add_scaled, cross, dot, invert, norm, sub, unit};
 use crate::mesh::{CellKind, Domain, Facet, Mesh};
 use rayon::prelude::*;
 
@@ -238,7 +238,7 @@ impl<'a> Chart<'a> {
         }
         let linear = self.kind.domain().linear();
         let [x, y0, _] = self.kind.domain().centre();
-        let (mut xi, mut s) = ([x, y0], 0.0);
+        let (mut xi, mut s, mut settling) = ([x, y0], 0.0, Settling::new());
         for _ in 0..STEPS {
             let (mut hats, mut slopes) = ([0.0; 4], [[0.0; 2]; 4]);
             linear.shape(&xi, &mut hats);
@@ -260,7 +260,7 @@ impl<'a> Chart<'a> {
             let rest = sub(y, at);
             let change = inverse.map(|row| dot(row, rest));
             (xi[0], xi[1], s) = (xi[0] + change[0], xi[1] + change[1], s + change[2]);
-            if change[..2].iter().all(|c| c.abs() < SETTLED) {
+            if settling.ends(&change[..2], &xi) {
                 return Some(xi);
             }
         }
@@ -362,9 +362,8 @@ impl<'a> Chart<'a> {
     }
 }
 
-/// Most steps to where a point is seen from, and when they have settled, in reference coordinates.
+/// Most steps to where a point is seen from.
 const STEPS: usize = 20;
-const SETTLED: f64 = 1e-13;
 
 /// Distances along a line that differ by less than this part of a facet are of one sheet.
 const SHEET: f64 = 0.01;

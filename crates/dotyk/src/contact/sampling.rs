@@ -76,13 +76,10 @@ fn sample<const D: usize>(
     let line = sides.line(facet, &xi);
     let own = sides.nonmortar;
     let (normal, gap, opposite, other) = match sides.against {
-        Against::Obstacle(rigid, _) => {
-            let place = (line.start, line.direction);
-            match rigid.opposite(place, sides.time, own)? {
-                Some((normal, gap)) => (normal, gap, Vec::new(), 0.0),
-                None => return Ok(None),
-            }
-        }
+        Against::Obstacle(..) => match sides.obstacle(facet, line)? {
+            Some((normal, gap)) => (normal, gap, Vec::new(), 0.0),
+            None => return Ok(None),
+        },
         Against::Side(mortar) => {
             let Some(found) = sides.at(facet, &xi)? else {
                 return Ok(None);
@@ -98,7 +95,6 @@ fn sample<const D: usize>(
             own: shape(&own.body.mesh, facet, &xi),
             opposite,
             normal,
-            along: line.direction,
             gap,
         },
         dent: dent(own, facet) + other,
@@ -158,10 +154,7 @@ mod tests {
             assert!((sample.xi[0] - expected).abs() < 1e-15 && sample.xi[1] == 0.0);
             assert!((sample.at.gap - (x + 3.0)).abs() < 1e-13);
             assert!(sample.at.opposite.is_empty());
-            assert_eq!(
-                (sample.at.normal, sample.at.along),
-                ([0.0, -1.0], [0.0, -1.0])
-            );
+            assert_eq!(sample.at.normal, [0.0, -1.0]);
             // an obstacle is not dented
             assert!((sample.dent - 6.0 / modulus).abs() < 1e-14);
         }
@@ -247,6 +240,37 @@ mod tests {
         outer.surfaces.insert("inner".to_string(), circle(1.1));
         for gap in gaps(&inner, &outer) {
             assert!((gap - 0.1).abs() < 1e-13, "{gap}");
+        }
+    }
+
+    #[test]
+    fn an_obstacle_is_seen_from_the_true_circle_and_not_from_its_polygon() {
+        let mut inner = ring([0.5, 0.0], [0.5, 1.0], 18);
+        let free = Constraints::default();
+        let hole = |radius| Rigid::Surface {
+            surface: Surface::Sphere {
+                center: [0.5, 0.0],
+                radius,
+            },
+            inside: true,
+        };
+        let largest = |inner: &Body<2>, radius: f64| {
+            let rigid = hole(radius);
+            let against = Against::Obstacle(&rigid, Driven::Still);
+            let nonmortar = end(inner, "outer", &free);
+            let found = samples(nonmortar, against, InitialGap::Measured, 0.0).unwrap();
+            assert_eq!(found.iter().flatten().count(), 108);
+            let gaps = found.iter().flatten().map(|sample| sample.at.gap);
+            gaps.fold(0.0, |s: f64, gap| s.max((gap - (radius - 1.0)).abs()))
+        };
+        assert!(largest(&inner, 1.0) > 0.01);
+        let circle = Surface::Sphere {
+            center: [0.5, 0.0],
+            radius: 1.0,
+        };
+        inner.surfaces.insert("outer".to_string(), circle);
+        for radius in [1.0, 1.1] {
+            assert!(largest(&inner, radius) < 1e-14);
         }
     }
 }

@@ -7,7 +7,9 @@
 
 use crate::contact::polygons::clip;
 use crate::contact::relative::frame;
-use crate::geometry::{Point, add_scaled, bounding_box, distance, dot, invert, norm, sub, unit};
+use crate::geometry::{
+    Point, Settling, add_scaled, bounding_box, distance, dot, invert, norm, sub, unit,
+};
 use crate::mesh::{CellKind, Domain, Facet, Mesh};
 use rstar::{AABB, RTree, RTreeObject, SelectionFunction};
 use std::sync::OnceLock;
@@ -200,10 +202,10 @@ fn meet_line<const D: usize>(mesh: &Mesh<D>, facet: Facet, line: Line<D>) -> Opt
     }
 }
 
-/// Where a line meets a facet of space, from its middle by Newton's method for ξ and s; one step where the facet is plane.
+/// Where a line meets a facet of space, from its middle by Newton's method for ξ and s.
 fn meet_surface<const D: usize>(mesh: &Mesh<D>, facet: Facet, line: Line<D>) -> Option<[f64; 2]> {
     let [x, y, _] = mesh.facet_kind(facet).domain().centre();
-    let (mut xi, mut s) = ([x, y], 0.0);
+    let (mut xi, mut s, mut settling) = ([x, y], 0.0, Settling::new());
     for _ in 0..STEPS {
         let rest = sub(
             add_scaled(line.start, s, line.direction),
@@ -222,16 +224,15 @@ fn meet_surface<const D: usize>(mesh: &Mesh<D>, facet: Facet, line: Line<D>) -> 
         let change = inverse.map(|row| dot(row, rest));
         xi = std::array::from_fn(|k| xi[k] + change[k]);
         s += change[D - 1];
-        if change[..2].iter().all(|c| c.abs() < SETTLED) {
+        if settling.ends(&change[..2], &xi) {
             return Some(xi);
         }
     }
     None
 }
 
-/// Most steps to where a line meets a facet, and when they have settled, in reference coordinates.
+/// Most steps to where a line meets a facet.
 const STEPS: usize = 20;
-const SETTLED: f64 = 1e-12;
 
 /// The root of αξ² + βξ + γ that is smaller in magnitude; `None` where there is none.
 fn quadratic_root(alpha: f64, beta: f64, gamma: f64) -> Option<f64> {
@@ -348,17 +349,30 @@ impl Prism {
             .all(|((at, radius), reach)| at <= reach + radius + parting)
     }
 
-    /// The part of a polygon that is not far from it.
+    /// The part of a polygon that is not far from it. What lies deep is near where the lines have parted: a large polygon is cut
+    /// until its depth no longer falls.
     pub fn clip(&self, polygon: &[Point<3>]) -> Vec<Point<3>> {
         let from = |y: Point<3>, axis: Point<3>| dot(axis, sub(y, self.middle));
-        let depth = polygon.iter().map(|&y| from(y, self.axes[2]).abs());
-        let parting = self.spread * depth.fold(0.0, f64::max);
-        let sides = [(0, 1.0), (0, -1.0), (1, 1.0), (1, -1.0)];
-        sides.into_iter().fold(polygon.to_vec(), |left, (k, sign)| {
-            let reach = 1.5 * self.reach[k] + parting;
-            let inside = |y: Point<3>| reach - sign * from(y, self.axes[k]);
-            clip(&left, inside, |p, q, t| add_scaled(p, t, sub(q, p)))
-        })
+        let depth_of = |polygon: &[Point<3>]| {
+            let depth = polygon.iter().map(|&y| from(y, self.axes[2]).abs());
+            depth.fold(0.0, f64::max)
+        };
+        let cut = |polygon: Vec<Point<3>>, depth: f64| {
+            let sides = [(0, 1.0), (0, -1.0), (1, 1.0), (1, -1.0)];
+            sides.into_iter().fold(polygon, |left, (k, sign)| {
+                let reach = 1.5 * self.reach[k] + self.spread * depth;
+                let inside = |y: Point<3>| reach - sign * from(y, self.axes[k]);
+                clip(&left, inside, |p, q, t| add_scaled(p, t, sub(q, p)))
+            })
+        };
+        let (mut left, mut depth) = (polygon.to_vec(), depth_of(polygon));
+        loop {
+            left = cut(left, depth);
+            let before = std::mem::replace(&mut depth, depth_of(&left));
+            if depth > 0.5 * before || depth <= self.reach[0].max(self.reach[1]) {
+                return cut(left, depth);
+            }
+        }
     }
 }
 

@@ -73,6 +73,36 @@ pub fn bounding_box<const D: usize>(points: &[Point<D>]) -> (Point<D>, Point<D>)
     (low, high)
 }
 
+/// When Newton's steps to a place on a facet or in a cell have come to an end.
+///
+/// Rounding of coordinates that are large beside the facet shows in every step, so that no fixed number tells: steps end
+/// where they are nothing beside the place, and near it as soon as they no longer fall.
+pub(crate) struct Settling {
+    before: f64,
+}
+
+impl Settling {
+    /// Steps below this part of a place are nothing.
+    const NOTHING: f64 = 1e-13;
+
+    /// Steps that no longer fall are rounding below this part; above, Newton's method may still find its way.
+    const NEAR: f64 = 1e-7;
+
+    pub fn new() -> Self {
+        Self {
+            before: f64::INFINITY,
+        }
+    }
+
+    /// Whether a step to a place, both in reference coordinates, was the last.
+    pub fn ends(&mut self, step: &[f64], at: &[f64]) -> bool {
+        let largest = |v: &[f64]| v.iter().fold(0.0, |most: f64, c| most.max(c.abs()));
+        let part = largest(step) / (1.0 + largest(at));
+        let falls = part < 0.5 * std::mem::replace(&mut self.before, part);
+        step.iter().all(|c| c.is_finite()) && (part < Self::NOTHING || part < Self::NEAR && !falls)
+    }
+}
+
 type Function = dyn Fn([f64; 3], f64) -> f64 + Send + Sync;
 
 /// A number that may depend on the place (x, y, z; missing coordinates are zero) and the time t.

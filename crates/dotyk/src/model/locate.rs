@@ -1,6 +1,8 @@
 //! Where a point lies in a mesh: the cell that contains it, or the facet of a side that it lies on.
 
-use crate::geometry::{Point, bounding_box, distance, dot, invert, norm, sub};
+use crate::geometry::{
+    Point, Settling, add_scaled, bounding_box, distance, dot, invert, norm, sub,
+};
 use crate::mesh::{CellKind, Facet, MAX_CELL_NODES, Mesh};
 use crate::model::on_surface::locate_on_surface;
 use rstar::primitives::GeomWithData;
@@ -68,6 +70,7 @@ fn invert_map<const D: usize>(
             .sum::<f64>()
             / corners as f64
     });
+    let mut settling = Settling::new();
     for _ in 0..30 {
         let (mut shape, mut gradients) = ([0.0; MAX_CELL_NODES], [[0.0; D]; MAX_CELL_NODES]);
         kind.shape(&xi, &mut shape);
@@ -87,23 +90,17 @@ fn invert_map<const D: usize>(
             return None;
         }
         let rest = sub(point, x);
-        let mut step: f64 = 0.0;
-        for i in 0..D {
-            let change = (0..D).map(|j| inverse[i][j] * rest[j]).sum::<f64>();
-            xi[i] += change;
-            step = step.max(change.abs());
-        }
-        if step < STILL {
+        let change = inverse.map(|row| dot(row, rest));
+        xi = add_scaled(xi, 1.0, change);
+        if settling.ends(&change, &xi) {
             break;
         }
     }
     xi.iter().all(|c| c.is_finite()).then_some(xi)
 }
 
-/// Newton's steps in a cell end below this length in reference coordinates, which are of size one: at rounding.
-const STILL: f64 = 1e-13;
-
-/// Those on a facet, whose tangents are differences, end a digit before.
+/// Newton's steps on a facet end below this length in reference coordinates, which are of size one: at rounding of tangents
+/// that are differences.
 pub(crate) const SETTLED: f64 = 1e-12;
 
 /// Step of these differences in ξ: its square, which they neglect, is rounding.

@@ -283,13 +283,7 @@ pub(crate) fn gaps_at<const D: usize>(
             let side = before.nonmortar.clone();
             let end = contacting.end(&side);
             let fail = |source| contacting.fail(source);
-            let own = end.body.mesh.points();
-            let gap = |point: &GapPoint<D>| match &contact.pair {
-                Pair::Obstacle { obstacle, .. } => {
-                    point.above((&obstacle.shape, [0.0; D]), end, own, time)
-                }
-                _ => point.given(field, end, time),
-            };
+            let gap = |point: &GapPoint<D>| point.given(field, end, time);
             before.interface.measure(gap).map_err(fail)?;
             let samples = before.samples.iter_mut().flatten();
             for sample in samples.chain(&mut before.left_out) {
