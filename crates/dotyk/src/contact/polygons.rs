@@ -279,6 +279,7 @@ impl<'a> Chart<'a> {
         let Some(mut places) = places.collect::<Option<Vec<[f64; 2]>>>() else {
             return Vec::new();
         };
+        merge(&mut places);
         if places.len() < 3 || signed_area(&places) >= 0.0 {
             return Vec::new();
         }
@@ -433,6 +434,19 @@ fn area(polygon: &[[f64; 2]]) -> f64 {
     signed_area(polygon).abs()
 }
 
+/// Takes corners that differ by rounding for one: the direction of the edge between them would be anything.
+fn merge(polygon: &mut Vec<[f64; 2]>) {
+    let far = polygon
+        .iter()
+        .flatten()
+        .fold(1.0, |most: f64, c| most.max(c.abs()));
+    let same = |a: &[f64; 2], b: &[f64; 2]| (a[0] - b[0]).hypot(a[1] - b[1]) <= ROUNDING * far;
+    polygon.dedup_by(|a, b| same(a, b));
+    while polygon.len() > 1 && same(&polygon[0], &polygon[polygon.len() - 1]) {
+        polygon.pop();
+    }
+}
+
 /// Mean of the corners.
 fn centroid(polygon: &[[f64; 2]]) -> [f64; 2] {
     let sum = |d: usize| polygon.iter().map(|p| p[d]).sum::<f64>();
@@ -457,4 +471,53 @@ pub(super) fn clip<P: Copy>(
         }
     }
     left
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::contact::InitialGap;
+    use crate::contact::functions::cells;
+    use crate::contact::gaps::tests::{body, end};
+    use crate::fem::Constraints;
+    use crate::mesh::Cylinder;
+
+    #[test]
+    fn facets_with_curved_edges_tile_each_other_wherever_corners_and_edges_coincide() {
+        let disc = |cells: [usize; 3], cell: CellKind, z: f64| {
+            let cylinder = Cylinder {
+                base: [0.0, 0.0, z],
+                axis: [0.0, 0.0, 1.0],
+                inner: 0.0,
+                radius: 1.0,
+                height: 0.5,
+                angles: None,
+                cells,
+                cell,
+            };
+            body(cylinder.build().unwrap())
+        };
+        let free = Constraints::default();
+        for kind in [CellKind::Hex20, CellKind::Hex27, CellKind::Tet10] {
+            for (own, other) in [([24, 6, 1], [16, 4, 1]), ([16, 4, 1], [32, 8, 1])] {
+                let (lower, upper) = (disc(other, kind, 0.0), disc(own, kind, 0.5));
+                let against = Against::Side(end(&lower, "top", &free));
+                let nonmortar = end(&upper, "bottom", &free);
+                let sides = Opposite::new(nonmortar, against, InitialGap::Measured, 0.0).unwrap();
+                let facets = nonmortar.facets().unwrap().iter();
+                let cells: Vec<Cell> = facets.flat_map(|&f| cells(&upper.mesh, f)).collect();
+                let mut covered = vec![0.0; cells.len()];
+                for piece in pieces(&sides, &cells) {
+                    covered[piece.cell] += piece.part;
+                }
+                for (cell, part) in cells.iter().zip(covered) {
+                    let corners = upper.mesh.facet_points(cell.facet);
+                    let rim = corners.map(|[x, y, _]| x.hypot(y)).fold(0.0, f64::max) > 0.999;
+                    // at the rim the chords of the other polygon count
+                    let limit = if rim { 0.02 } else { 1e-12 };
+                    assert!((part - 1.0).abs() < limit, "{kind:?} {own:?} {part}");
+                }
+            }
+        }
+    }
 }
