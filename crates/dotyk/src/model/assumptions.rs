@@ -6,12 +6,12 @@
 
 use crate::contact::Coupling;
 use crate::fem::{Analysis, Short, Unseen, recover_spin, show, unseen};
-use crate::geometry::{Surface, norm};
+use crate::geometry::{Surface, add_scaled, dot, norm, sub};
 use crate::model::check::mean_facet;
 use crate::model::error::Error;
 use crate::model::nouns::{Body, Contact, Model, Pair, Rigid};
 use crate::model::pair::Paired;
-use crate::model::solution::{BodySolution, ContactSolution, Status};
+use crate::model::solution::{BodySolution, ContactNode, ContactSolution, Status};
 use rayon::prelude::*;
 
 /// Strains and rotations above this are large.
@@ -53,7 +53,10 @@ pub(crate) fn beyond<const D: usize>(
     warnings.extend(loose.iter().filter_map(|contact| far_slip(model, contact)));
     let both = model.contacts.iter().zip(contacts).zip(paired);
     let rolled = both.filter(|(_, pair)| is_loose(pair));
-    warnings.extend(rolled.filter_map(|((contact, solved), _)| along_a_curve(contact, solved)));
+    for ((contact, solved), pair) in rolled {
+        let rolled = along_a_curve(contact, solved);
+        warnings.extend(rolled.or_else(|| met_elsewhere(contact, pair, (solved, bodies))));
+    }
     Ok(warnings)
 }
 
@@ -170,6 +173,59 @@ fn along_a_curve<const D: usize>(of: &Contact<D>, contact: &ContactSolution<D>) 
         )
     })
 }
+
+/// A curved obstacle whose motion brings it to where it was not opposite: its overlap with nodes that have no force.
+fn met_elsewhere<const D: usize>(
+    of: &Contact<D>,
+    pair: &Paired<D>,
+    (contact, bodies): (&ContactSolution<D>, &[BodySolution<D>]),
+) -> Option<String> {
+    let Pair::Obstacle { obstacle, .. } = &of.pair else {
+        return None;
+    };
+    let Rigid::Surface { surface, inside } = &obstacle.shape else {
+        return None;
+    };
+    if matches!(surface, Surface::Plane { .. }) {
+        return None;
+    }
+    let motion = pair.obstacle_motion;
+    let u = &bodies[contact.nonmortar.body.0].displacement;
+    let approach = contact.nodes.iter().map(|node| {
+        let jump = node.displacement_nonmortar - node.displacement_mortar;
+        if jump.is_finite() { jump.abs() } else { 0.0 }
+    });
+    let approach = approach.fold(0.0, f64::max);
+    let open = contact
+        .nodes
+        .iter()
+        .filter(|node| node.status == Status::Open);
+    let sign = if *inside { -1.0 } else { 1.0 };
+    let depth = |node: &ContactNode<D>| {
+        let jump = sub(u[node.node], motion);
+        let place = add_scaled(node.point, 1.0, jump);
+        let outward = surface.normal(place)?.map(|c| sign * c);
+        let depth = -sign * surface.distance(place);
+        // what conditions in the mean leave at a node is seen as well without the way along the side
+        let seen = dot(node.normal, jump) - sign * surface.distance(node.point);
+        let new = node.gap.is_nan() || seen < 0.5 * depth;
+        // the far side of the obstacle is another one
+        (new && dot(outward, node.normal) < 0.0).then_some((depth, node.point))
+    };
+    let (depth, point) = open.filter_map(depth).max_by(|a, b| a.0.total_cmp(&b.0))?;
+    let seen = LARGE * approach + ROUNDING * norm(motion);
+    (depth > seen).then(|| {
+        format!(
+            "contact \"{}\": its obstacle moves to where it overlaps {} by {}, and no force acts there: a contact sees what lies opposite before anything moves; put the obstacle to its place in the case, and only press it there",
+            contact.name,
+            show(point),
+            Short(depth)
+        )
+    })
+}
+
+/// Overlaps below this part of the motion of an obstacle are rounding.
+const ROUNDING: f64 = 1e-9;
 
 /// A contact with a node that slips to another facet.
 fn far_slip<const D: usize>(model: &Model<D>, contact: &ContactSolution<D>) -> Option<String> {

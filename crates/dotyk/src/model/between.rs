@@ -93,6 +93,35 @@ pub(crate) fn left_overlap<const D: usize>(
     deep.max_by(|a, b| a.1.total_cmp(&b.1))
 }
 
+/// The smallest gap of one contact at nodes that face something, and between them; `None` where it is not known at a node that
+/// `bears` a force.
+pub(crate) fn smallest_gap<const D: usize>(
+    pair: &Paired<D>,
+    moved: &Moved<'_, D>,
+    bears: impl Fn(usize) -> bool,
+) -> Option<f64> {
+    let along = |node: &InterfaceNode<D>, u: Point<D>| dot(node.normal(), u);
+    let mut smallest = f64::INFINITY;
+    for node in &pair.interface.nodes {
+        let Some(row) = node.rows[0] else { continue };
+        if node.shares.at_node.is_some() || node.shares.mean.len() == 1 {
+            let other: f64 = match moved.other {
+                Some(u) => node
+                    .opposite
+                    .iter()
+                    .map(|&(j, n)| n * along(node, u[j]))
+                    .sum(),
+                None => along(node, moved.obstacle),
+            };
+            smallest = smallest.min(node.clearance + other - along(node, moved.own[node.node]));
+        } else if bears(row) {
+            return None;
+        }
+    }
+    let between = pair.samples.iter().flat_map(|samples| gaps(samples, moved));
+    Some(between.fold(smallest, f64::min)).filter(|gap| gap.is_finite())
+}
+
 fn gaps<const D: usize>(samples: &[Sample<D>], moved: &Moved<'_, D>) -> Vec<f64> {
     samples
         .iter()

@@ -186,26 +186,33 @@ fn shears(admissible: &AdmissibleSet, lambda: &[f64]) -> Vec<Option<Shear>> {
     shears
 }
 
-/// Tangential displacement of a node relative to the other side as its rows see it; `None` where it has none.
+/// Tangential displacement of a node relative to the other side as its rows see it; along a direction that supports hold, and
+/// that has no row, that `at_node`.
 fn mean_slip<const D: usize>(
     pair: &Paired<D>,
     node: &InterfaceNode<D>,
-    states: &[BodyState<D>],
-    obstacle: Point<D>,
-) -> Option<Point<D>> {
+    at_node: Point<D>,
+    (states, obstacle): (&[BodyState<D>], Point<D>),
+) -> Point<D> {
     let interface = &pair.interface;
     let mut slip = [0.0; D];
     for (direction, row) in node.frame.into_iter().zip(node.rows).skip(1) {
-        let own = interface.nonmortar[row?].iter();
-        let own = own.map(|&(j, c)| dot(c, states[pair.nonmortar.body.0].u[j]));
-        let other = interface.mortar[row?].iter();
-        let other = other.map(|&(j, c)| match &pair.mortar {
-            Some(mortar) => dot(c, states[mortar.body.0].u[j]),
-            None => dot(c, obstacle),
-        });
-        slip = add_scaled(slip, own.sum::<f64>() + other.sum::<f64>(), direction);
+        let along = match row {
+            None => dot(at_node, direction),
+            Some(row) => {
+                let own = interface.nonmortar[row].iter();
+                let own = own.map(|&(j, c)| dot(c, states[pair.nonmortar.body.0].u[j]));
+                let other = interface.mortar[row].iter();
+                let other = other.map(|&(j, c)| match &pair.mortar {
+                    Some(mortar) => dot(c, states[mortar.body.0].u[j]),
+                    None => dot(c, obstacle),
+                });
+                own.sum::<f64>() + other.sum::<f64>()
+            }
+        };
+        slip = add_scaled(slip, along, direction);
     }
-    Some(slip)
+    slip
 }
 
 fn contact_solution<const D: usize>(
@@ -246,7 +253,7 @@ fn contact_solution<const D: usize>(
         // node is told
         let slip = match D {
             2 => at_node,
-            _ => mean_slip(pair, node, states, obstacle).unwrap_or(at_node),
+            _ => mean_slip(pair, node, at_node, (states, obstacle)),
         };
         let (gap, pressure, status) = match (node.role, node.rows[0]) {
             (Role::Alone | Role::Excluded, _) => (f64::NAN, 0.0, Status::Open),

@@ -8,7 +8,7 @@ use crate::model::condense::Condensed;
 use crate::model::dependent::shared_forces;
 use crate::model::error::Error;
 use crate::model::fields::fields;
-use crate::model::judge::{Judged, left_to_overlap};
+use crate::model::judge::{Judged, blurred, left_to_overlap};
 use crate::model::nouns::Model;
 use crate::model::pair::{Paired, carriers, row_ranges};
 use crate::model::probe::read_probes;
@@ -60,6 +60,18 @@ pub(crate) fn finish<const D: usize>(
             Short(depth),
             show(point)
         ));
+    }
+    for (contact, bears, gap) in blurred(model, condensed, &judged.displaced, lambda) {
+        let name = &model.contacts[contact].name;
+        let length = Short(gap.abs());
+        warnings.push(match bears {
+            true => format!(
+                "contact \"{name}\": it bears a force although its sides stay {length} apart: conditions are means over facets, and these are too large for its curves; use smaller facets there"
+            ),
+            false => format!(
+                "contact \"{name}\": its sides overlap by up to {length} between nodes none of which is closed: its facets are too large to see the contact; use smaller ones there"
+            ),
+        });
     }
     let pairs = (&condensed.bodies[..], &condensed.paired[..]);
     warnings.extend(shared_forces(

@@ -8,7 +8,7 @@ use crate::contact::{Coupling, Moved, Row};
 use crate::dual::{Certificate, Component, DualProblem, Multipliers, ROUNDING, Recomputed};
 use crate::geometry::{Point, dot};
 use crate::linalg::SparseVector;
-use crate::model::between::{Overlap, left_overlap, worst_overlap};
+use crate::model::between::{Overlap, left_overlap, smallest_gap, worst_overlap};
 use crate::model::bodies::{LoadedBody, add_rows};
 use crate::model::condense::Condensed;
 use crate::model::error::Error;
@@ -25,6 +25,9 @@ use rayon::prelude::*;
 
 /// A force below this part of the largest is rounding of the linear solves: such a contact holds no body.
 const NO_FORCE: f64 = 1e-12;
+
+/// Gaps and overlaps below this part of the length of the problem are nothing to be told of.
+const APART: f64 = 1e-6;
 
 /// Displacements under some contact forces, and what is judged of them.
 pub(crate) struct Judged<const D: usize> {
@@ -197,6 +200,34 @@ pub(crate) fn left_to_overlap<const D: usize>(
     };
     let paired = condensed.paired.iter().enumerate();
     paired.filter_map(deepest).collect()
+}
+
+/// Contacts whose forces and gaps between nodes tell different things: with a force where the sides are apart everywhere, or
+/// without any where they overlap. Index, whether it bears a force, and the smallest gap.
+pub(crate) fn blurred<const D: usize>(
+    model: &Model<D>,
+    condensed: &Condensed<D>,
+    displaced: &Displaced<D>,
+    lambda: &[f64],
+) -> Vec<(usize, bool, f64)> {
+    let rounding = APART * condensed.problem.scales.length + displaced.negligible;
+    let none = NO_FORCE * lambda.iter().fold(0.0, |s: f64, l| s.max(l.abs()));
+    let each = row_ranges(&condensed.paired).enumerate();
+    let told = each.filter_map(|(contact, (rows, pair))| {
+        let loose = pair.interface.coupling != Coupling::Tied;
+        let lambda = &lambda[rows];
+        let bears = |row: usize| lambda[row].abs() > none;
+        let nearest = smallest_gap(pair, &moved(model, pair, displaced), bears);
+        let nearest = nearest.filter(|_| loose)?;
+        let bears = (0..lambda.len()).any(bears);
+        let differs = if bears {
+            nearest > rounding
+        } else {
+            nearest < -rounding
+        };
+        differs.then_some((contact, bears, nearest))
+    });
+    told.collect()
 }
 
 /// Largest violation of a condition without a multiplier, a length.

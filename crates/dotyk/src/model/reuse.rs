@@ -45,7 +45,8 @@ fn same_body<const D: usize>(a: &Body<D>, b: &Body<D>) -> bool {
                 .into_iter()
                 .all(|(a, b)| a.is_some() == b.is_some())
     };
-    (&a.name, &a.materials, a.thickness) == (&b.name, &b.materials, b.thickness)
+    (&a.name, &a.materials, a.thickness, a.formulation)
+        == (&b.name, &b.materials, b.thickness, b.formulation)
         && a.couples.len() == b.couples.len()
         && a.couples
             .iter()

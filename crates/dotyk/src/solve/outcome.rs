@@ -134,7 +134,7 @@ pub enum SolveError {
         factor: f64,
     },
     /// The solver cannot treat a block of the admissible set.
-    #[error("{method} cannot treat block {block} of the admissible set, {found:?}: {reason}")]
+    #[error("{method} cannot treat block {block} of the admissible set: {reason}")]
     Unsupported {
         /// Name of the solver.
         method: String,

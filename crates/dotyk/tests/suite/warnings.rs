@@ -1,7 +1,7 @@
 //! Warnings about what the theory assumes: each where it belongs, and none where it does not.
 
 use dotyk::mesh::Diagonals;
-use dotyk::model::{Motion, Pair};
+use dotyk::model::{Motion, Pair, Pairing};
 use dotyk::prelude::*;
 
 fn rectangle(from: Point<2>, to: Point<2>, cells: [usize; 2]) -> Mesh<2> {
@@ -233,6 +233,67 @@ fn a_curved_obstacle_that_moves_along_its_side_is_told() {
     let words = "its curved obstacle slips along it";
     assert!(warned(&pressed(2.0), words));
     assert!(!warned(&pressed(0.0), words));
+}
+
+/// A ball beside a block that comes over it, or is pressed where it is.
+#[test]
+fn an_obstacle_that_moves_to_where_it_was_not_opposite_is_told() {
+    let moved = |from: f64, by: f64| {
+        let mut model = Model::<2>::new();
+        let block = model.body("block", rectangle([-1.0, -1.0], [1.0, 0.0], [16, 8]), SOFT);
+        model.fix(block, "bottom", [Some(0.0), Some(0.0)]);
+        let contact = model.obstacle((block, "top"), Field::constant(0.0));
+        let Pair::Obstacle { obstacle, .. } = &mut contact.pair else {
+            unreachable!()
+        };
+        obstacle.shape = dotyk::model::Rigid::Surface {
+            surface: dotyk::geometry::Surface::Sphere {
+                center: [from, 0.5],
+                radius: 0.5,
+            },
+            inside: false,
+        };
+        obstacle.motion = Motion::Prescribed([by, -0.02].map(Field::constant));
+        model
+    };
+    let words = "its obstacle moves to where it overlaps";
+    assert!(warned(&moved(-2.0, 2.0), words));
+    assert!(!warned(&moved(0.0, 0.0), words));
+}
+
+/// Rigid discs above a straight side, whose facets are too large to see them.
+#[test]
+fn forces_that_do_not_go_with_the_gaps_between_nodes_are_told() {
+    let below = |cells: usize, clearance: f64, down: f64| {
+        let mut model = Model::<2>::new();
+        let ring = Ring {
+            center: [0.0, 1.0 + clearance],
+            inner: 0.5,
+            outer: 1.0,
+            angles: None,
+            cells: [96, 4],
+            ratio: 1.0,
+            grade: 1.0,
+            cell: CellKind::Quad4,
+            diagonals: Diagonals::default(),
+        };
+        let ring = model.body("ring", ring.build().unwrap(), SOFT);
+        let block = model.body(
+            "block",
+            rectangle([-1.0, -1.0], [1.0, 0.0], [cells, 8]),
+            SOFT,
+        );
+        model
+            .fix(block, "bottom", [Some(0.0), Some(0.0)])
+            .fix(ring, "inner", [Some(0.0), Some(-down)])
+            .contact((block, "top"), (ring, "outer"));
+        model.contacts[0].pairing = Some(Pairing::Mortar);
+        model
+    };
+    let apart = "it bears a force although its sides stay";
+    assert!(warned(&below(4, 0.005, 0.0), apart));
+    assert!(!warned(&below(64, 0.005, 0.0), apart));
+    assert!(!warned(&below(64, 0.0, 0.01), apart));
 }
 
 #[test]
