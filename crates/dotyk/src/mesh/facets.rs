@@ -1,7 +1,8 @@
 //! Facets: which cells share one, which lie on the boundary, how a side runs, where it looks.
 //!
-//! Conventions: a facet keeps its cell on the left, so a chain runs with the body on its left and the outward normal is
-//! its tangent turned by −90°. Two facets are the same when they have the same corner nodes.
+//! Conventions: in the plane a facet keeps its cell on the left, so a chain runs with the body on its left and the outward
+//! normal is its tangent turned by −90°; in space its nodes run counter-clockwise seen from outside, and the outward normal is
+//! the product of its two tangents. Two facets are the same when they have the same corner nodes.
 
 use crate::geometry::{Point, distance};
 use crate::mesh::cell::MAX_FACET_NODES;
@@ -12,11 +13,12 @@ use std::collections::{BTreeMap, BTreeSet};
 /// Most corners of a facet of any kind.
 const MAX_CORNERS: usize = 4;
 
-/// Corner nodes in ascending order, padded with `u32::MAX`: the same for both cells at a facet.
+/// What both cells at a facet call it.
 type Key = [u32; MAX_CORNERS];
 
-fn key(corners: impl Iterator<Item = u32>) -> Key {
-    let mut key = [u32::MAX; MAX_CORNERS];
+/// Corner nodes in ascending order, padded with `u32::MAX`: the same for all cells, or facets, on the same corners.
+pub(crate) fn sorted<const N: usize>(corners: impl IntoIterator<Item = u32>) -> [u32; N] {
+    let mut key = [u32::MAX; N];
     for (place, node) in key.iter_mut().zip(corners) {
         *place = node;
     }
@@ -28,7 +30,7 @@ fn key(corners: impl Iterator<Item = u32>) -> Key {
 pub(crate) fn mirrored(kind: CellKind) -> Vec<u32> {
     let keys = |node: &dyn Fn(usize) -> usize| -> Vec<Key> {
         let of_facet = |&(facet, local): &(CellKind, &[usize])| {
-            key(local[..facet.corners()].iter().map(|&i| node(i) as u32))
+            sorted(local[..facet.corners()].iter().map(|&i| node(i) as u32))
         };
         kind.facets().iter().map(of_facet).collect()
     };
@@ -49,7 +51,7 @@ pub struct FacetTable {
 impl FacetTable {
     /// The facets that have exactly these corner nodes, in any order: none, one on the boundary, two between cells.
     pub fn find(&self, corners: &[u32]) -> impl Iterator<Item = Facet> + '_ {
-        let key = key(corners.iter().copied());
+        let key: Key = sorted(corners.iter().copied());
         let start = self.entries.partition_point(|(k, _)| *k < key);
         self.entries[start..]
             .iter()
@@ -144,7 +146,7 @@ impl<const D: usize> Mesh<D> {
             for (cell, nodes) in cells.cells().enumerate() {
                 for (local, (kind, of_cell)) in cells.kind.facets().iter().enumerate() {
                     let corners = of_cell[..kind.corners()].iter();
-                    let facet_key = key(corners.map(|&i| nodes[i]));
+                    let facet_key = sorted(corners.map(|&i| nodes[i]));
                     let facet = Facet {
                         block: block as u32,
                         cell: cell as u32,
@@ -238,26 +240,6 @@ impl<const D: usize> Mesh<D> {
                 let ends = kind.corner_edges().iter().enumerate();
                 let lengths = ends.flat_map(|(a, ends)| ends.iter().map(move |&b| (a, b)));
                 lengths.fold(0.0, |most, (a, b)| distance(at[a], at[b]).max(most))
-            }
-        }
-    }
-
-    /// Gives nodes of some facets that have no number, NaN, and are not corners what is linear between the corners.
-    ///
-    /// `values` (nodes,).
-    pub fn fill_between_corners(&self, facets: &[Facet], values: &mut [f64]) {
-        for &facet in facets {
-            let kind = self.facet_kind(facet);
-            let linear = kind.domain().linear();
-            let nodes: Vec<usize> = self.facet_nodes(facet).map(|n| n as usize).collect();
-            let (corners, others) = nodes.split_at(kind.corners());
-            for (&node, xi) in others.iter().zip(&kind.reference_nodes()[kind.corners()..]) {
-                if values[node].is_nan() {
-                    let mut shape = [0.0; MAX_CORNERS];
-                    linear.shape(xi, &mut shape);
-                    let corners = corners.iter().zip(shape).filter(|c| c.1 != 0.0);
-                    values[node] = corners.map(|(&n, s)| s * values[n]).sum();
-                }
             }
         }
     }

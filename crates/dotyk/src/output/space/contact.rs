@@ -5,7 +5,7 @@
 
 use crate::geometry::{Point, add_scaled, cross, distance, dot, norm, sub, unit};
 use crate::mesh::{Facet, Mesh};
-use crate::model::{ContactSolution, SideRef, Solution, Status};
+use crate::model::{ContactNode, ContactSolution, OnSide, SideRef, Solution, Status};
 use crate::output::colour;
 use crate::output::encode::png;
 use crate::output::html;
@@ -20,6 +20,7 @@ use crate::output::space::setup::rgb;
 use crate::output::space::skin::{Lattices, Look, Skin};
 use crate::output::svg::{Anchor, INK, MUTED, Svg, Type, text_width};
 use crate::output::text::{Labels, count};
+use rayon::prelude::*;
 use rstar::RTree;
 use rstar::primitives::GeomWithData;
 
@@ -90,15 +91,17 @@ pub fn contact_figure(scene: &Scene<'_>, solution: &Solution<3>, index: usize) -
         let height = (width / aspect.clamp(0.2, 5.0)).clamp(120.0, 250.0).floor();
         let start = Type::SMALL.bold().anchored(Anchor::Start);
         svg.text([0.0, top - 6.0], &face.title, start);
-        for column in 0..3 {
+        let columns = (0..3).into_par_iter().map(|column| {
             let corner = [column as f64 * (width + BETWEEN), top];
             let window = Window::fitted(face.camera, extent, corner, [width, height], MARGIN);
-            let canvas = face.draw(scene, &window, column, &high);
-            svg.picture(window.corner, window.size, &canvas.png());
-            if column == 0 {
-                triad_and_scale(&mut svg, &window, &labels, "");
-            }
+            let png = face.draw(scene, &window, column, &high).png();
+            (window, png)
+        });
+        let columns: Vec<(Window, Vec<u8>)> = columns.collect();
+        for (window, png) in &columns {
+            svg.picture(window.corner, window.size, png);
         }
+        triad_and_scale(&mut svg, &columns[0].0, &labels, "");
         top += height + STRIP + HEAD;
     }
     let base = top - HEAD + 4.0;
@@ -183,13 +186,17 @@ pub fn faces<'a>(scene: &Scene<'a>, contact: &ContactSolution<3>) -> Option<Vec<
     let nodes = mesh.points().len();
     let (mut pressure, mut gap) = (vec![f64::NAN; nodes], vec![f64::NAN; nodes]);
     let mut status = vec![None; nodes];
+    // NaN stays NaN
+    let opened = |node: &ContactNode<3>| node.gap.max(0.0) + 0.0 * node.gap;
     for node in &contact.nodes {
         pressure[node.node] = node.pressure;
-        gap[node.node] = node.gap.max(0.0) + 0.0 * node.gap;
+        gap[node.node] = opened(node);
         status[node.node] = Some(node.status);
     }
-    mesh.fill_between_corners(&skin.facets, &mut pressure);
-    mesh.fill_between_corners(&skin.facets, &mut gap);
+    for place in OnSide::new(mesh, contact).between() {
+        pressure[place.node] = place.mean(|node| node.pressure);
+        gap[place.node] = place.mean(opened);
+    }
     let name = |side: &SideRef| format!("{}.{}", scene.model.bodies[side.body.0].name, side.side);
     let [first, second] = cameras(mesh, &skin.facets);
     let nonmortar = Face {
