@@ -6,7 +6,7 @@
 
 use crate::contact::Coupling;
 use crate::fem::{Analysis, Short, Unseen, recover_spin, show, unseen};
-use crate::geometry::{Surface, add_scaled, dot, norm, sub};
+use crate::geometry::{Point, Surface, add_scaled, dot, norm, sub};
 use crate::model::check::mean_facet;
 use crate::model::error::Error;
 use crate::model::nouns::{Body, Contact, Model, Pair, Rigid};
@@ -162,16 +162,20 @@ fn along_a_curve<const D: usize>(of: &Contact<D>, contact: &ContactSolution<D>) 
     let Rigid::Surface { surface, .. } = &obstacle.shape else {
         return None;
     };
-    let (Surface::Sphere { radius, .. } | Surface::Cylinder { radius, .. }) = surface else {
-        return None;
+    // along its axis a cylinder is straight
+    let (radius, straight) = match surface {
+        Surface::Sphere { radius, .. } => (radius, [0.0; D]),
+        Surface::Cylinder { radius, axis, .. } => (radius, *axis),
+        Surface::Plane { .. } | Surface::Cone { .. } => return None,
     };
+    let around = |slip: Point<D>| norm(add_scaled(slip, -dot(slip, straight), straight));
     let closed = contact
         .nodes
         .iter()
         .filter(|n| n.status != Status::Open && n.slip.iter().all(|s| s.is_finite()));
     let (slip, approach) = closed.fold((0.0f64, 0.0f64), |(slip, approach), node| {
         let jump = node.displacement_nonmortar - node.displacement_mortar;
-        (slip.max(norm(node.slip)), approach.max(jump.abs()))
+        (slip.max(around(node.slip)), approach.max(jump.abs()))
     });
     let away = slip * slip / (2.0 * radius);
     (away > LARGE * approach).then(|| {

@@ -149,12 +149,9 @@ fn key_figures<const D: usize>(solution: &Solution<D>, labels: &Labels) -> Strin
         let counted = || solution.contacts.iter().filter(|c| !any || loose(c));
         let whole: f64 = counted().map(side_extent).sum();
         let closed: f64 = counted().map(|c| c.length).sum();
-        let (extent, unit) = labels.extent();
+        let (_, unit) = labels.extent();
         cards.push((
-            match extent {
-                "area" => "Area in contact",
-                _ => "Length in contact",
-            },
+            labels.in_contact(),
             quantity(closed, unit),
             format!("of {}", quantity(whole, unit)),
         ));

@@ -65,9 +65,8 @@ fn panels<const D: usize>(steps: &[&Solution<D>], labels: &Labels) -> Vec<Panel>
             norm(c.resultant)
         }));
         list.push(of_contacts("Largest pressure", &labels.stress, pressure));
-        list.push(of_contacts("Length in contact", &labels.length, |c| {
-            c.length
-        }));
+        let (_, unit) = labels.extent();
+        list.push(of_contacts(labels.in_contact(), unit, |c| c.length));
     }
     list.extend(numbers(last).take(MOST_PANELS).map(|i| Panel {
         title: last.probes[i].name.clone(),
@@ -154,7 +153,7 @@ fn contact_table<const D: usize>(
 ) -> String {
     let heads = vec![
         column("nodes closed / open", ""),
-        column("length in contact", &labels.length),
+        column(&labels.in_contact().to_lowercase(), labels.extent().1),
         column("largest pressure", &labels.stress),
         column("force on the nonmortar body", &labels.force),
     ];

@@ -175,6 +175,14 @@ impl Labels {
         }
     }
 
+    /// What of a contact is closed, in words.
+    pub fn in_contact(&self) -> &'static str {
+        match self.axes.len() {
+            3 => "Area in contact",
+            _ => "Length in contact",
+        }
+    }
+
     /// The label of what a quantity is measured in.
     pub fn unit(&self, dimension: Dimension) -> &str {
         match dimension {
