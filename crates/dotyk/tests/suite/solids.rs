@@ -9,8 +9,8 @@
 use dotyk::fem::quadrature::rule;
 use dotyk::geometry::{Point, Surface, cross, dot, norm};
 use dotyk::mesh::{
-    CellKind, Cylinder, Diagonals, Extrude, Facet, MAX_CELL_NODES, Mesh, MeshError, Path,
-    Rectangle, Ring, Sphere,
+    CellBlock, CellKind, Cylinder, Diagonals, Extrude, Facet, MAX_CELL_NODES, Mesh, MeshError,
+    Path, Rectangle, Ring, Sphere,
 };
 use std::collections::{BTreeMap, BTreeSet};
 use std::f64::consts::PI;
@@ -400,6 +400,81 @@ fn extruded_meshes_keep_their_sides() {
             assert!(outer.iter().all(known));
         }
     }
+}
+
+/// A quad8, a quad9 and two tri6 in a row on [0, 3] × [0, 1], one middle node of the quad8 moved outwards.
+fn mixed_row() -> Mesh<2> {
+    // the lattice of halves of cells; the centre of the first square is no node
+    let lattice = (0..3).flat_map(|v| (0..7).map(move |u| [u, v]));
+    let lattice: Vec<[usize; 2]> = lattice.filter(|at| *at != [1, 1]).collect();
+    let place = |at: [usize; 2]| lattice.iter().position(|&other| other == at).unwrap();
+    let points = lattice.iter().map(|at| at.map(|c| 0.5 * c as f64));
+    let mut points: Vec<Point<2>> = points.collect();
+    points[place([0, 1])] = [-0.2, 0.5];
+    let cell = |u: usize, places: &[[usize; 2]]| -> Vec<u32> {
+        let nodes = places.iter().map(|&[i, j]| place([u + i, j]) as u32);
+        nodes.collect()
+    };
+    let square = [
+        [0, 0],
+        [2, 0],
+        [2, 2],
+        [0, 2],
+        [1, 0],
+        [2, 1],
+        [1, 2],
+        [0, 1],
+        [1, 1],
+    ];
+    let below = [[0, 0], [2, 0], [2, 2], [1, 0], [2, 1], [1, 1]];
+    let above = [[0, 0], [2, 2], [0, 2], [1, 1], [1, 2], [0, 1]];
+    let block = |kind, nodes| CellBlock {
+        kind,
+        nodes,
+        group: None,
+    };
+    let blocks = vec![
+        block(CellKind::Quad8, cell(0, &square[..8])),
+        block(CellKind::Quad9, cell(2, &square)),
+        block(CellKind::Tri6, [cell(4, &below), cell(4, &above)].concat()),
+    ];
+    Mesh::new(points, blocks).unwrap()
+}
+
+#[test]
+fn cells_beside_those_with_nodes_in_their_faces_have_them_too() {
+    let mesh = Extrude {
+        mesh: mixed_row(),
+        path: Path::Straight(2.0),
+        layers: 2,
+    };
+    let mesh = mesh.build().unwrap();
+    let kinds: Vec<CellKind> = mesh.blocks().iter().map(|block| block.kind).collect();
+    assert_eq!(kinds, [CellKind::Hex27, CellKind::Hex27, CellKind::Prism18]);
+    let mut inner = 0;
+    let nodes = |facet: Facet| mesh.facet_nodes(facet).collect::<BTreeSet<u32>>();
+    let table = mesh.facet_table();
+    for block in 0..mesh.blocks().len() {
+        for cell in 0..mesh.blocks()[block].cells().len() {
+            for local in 0..mesh.blocks()[block].kind.facets().len() {
+                let facet = Facet {
+                    block: block as u32,
+                    cell: cell as u32,
+                    local: local as u32,
+                };
+                let corners = mesh.facet_kind(facet).corners();
+                let corners: Vec<u32> = mesh.facet_nodes(facet).take(corners).collect();
+                for other in table.find(&corners).filter(|&other| other != facet) {
+                    assert_eq!(nodes(facet), nodes(other));
+                    inner += 1;
+                }
+            }
+        }
+    }
+    // three between columns in each of two layers, one between the layers over each of four cells, seen from both sides
+    assert_eq!(inner, 2 * (3 * 2 + 4));
+    // what bulges out is 2/3 of its height times the length of its edge
+    assert!((volume(&mesh) - 2.0 * (3.0 + 2.0 / 3.0 * 0.2)).abs() < 1e-13);
 }
 
 #[test]

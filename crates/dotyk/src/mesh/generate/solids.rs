@@ -13,7 +13,7 @@ use crate::mesh::generate::disc::Disc;
 use crate::mesh::generate::layers::{Layers, carried};
 use crate::mesh::generate::tets::tetrahedra;
 use crate::mesh::generate::{Diagonals, Ring, between, direction, is_full, within_reach, wrong};
-use crate::mesh::{CellBlock, CellKind, Domain, Facet, Mesh, MeshError};
+use crate::mesh::{CellBlock, CellKind, Domain, Facet, MAX_CELL_NODES, Mesh, MeshError};
 use std::collections::BTreeMap;
 
 /// A plane mesh carried along z or around an axis; its sides keep their names, `first` and `last` are its two ends.
@@ -100,7 +100,7 @@ fn carry(
     let order = plane.blocks()[0].kind.order();
     let levels = order * layers + 1;
     within_reach(plane.points().len() as u128 * levels as u128)?;
-    let full = full || plane.blocks().iter().any(|b| b.kind == CellKind::Quad9);
+    let full = full || has_centres(plane);
     let kinds = plane
         .blocks()
         .iter()
@@ -134,6 +134,36 @@ fn carry(
     .checked()
 }
 
+/// Whether quadrilaterals of a plane mesh have a node in their centre. The faces over their edges have one then, which all
+/// cells beside them must have, too.
+fn has_centres(plane: &Mesh<2>) -> bool {
+    plane.blocks().iter().any(|b| b.kind == CellKind::Quad9)
+}
+
+/// The same mesh with a node in the centre of every quad8: its shape is a quad9's.
+fn with_centres(mut plane: Mesh<2>) -> Mesh<2> {
+    let mut shape = [0.0; MAX_CELL_NODES];
+    CellKind::Quad8.shape(&Domain::Square.centre(), &mut shape);
+    for block in &mut plane.blocks {
+        if block.kind != CellKind::Quad8 {
+            continue;
+        }
+        let mut nodes = Vec::new();
+        for cell in block.cells() {
+            let corners = cell.iter().zip(shape);
+            let centre = corners.fold([0.0; 2], |sum, (&node, share)| {
+                add_scaled(sum, share, plane.points[node as usize])
+            });
+            nodes.extend(cell);
+            nodes.push(plane.points.len() as u32);
+            plane.points.push(centre);
+        }
+        block.kind = CellKind::Quad9;
+        block.nodes = nodes;
+    }
+    plane
+}
+
 /// The cells asked for, of a mesh of hexahedra that can be cut into them.
 fn in_cells(mesh: Mesh<3>, cell: CellKind) -> Result<Mesh<3>, MeshError> {
     match cell.domain() {
@@ -151,7 +181,8 @@ fn hexahedra(generator: &'static str, cell: CellKind) -> Result<(CellKind, CellK
 }
 
 impl Extrude {
-    /// The mesh: quad4, quad8, quad9, tri3, tri6 become hex8, hex20, hex27, prism6, prism15 (prism18 beside quad9).
+    /// The mesh: quad4, quad8, quad9, tri3, tri6 become hex8, hex20, hex27, prism6, prism15; where there is a quad9, quad8
+    /// and tri6 become hex27 and prism18.
     ///
     /// Errors: a height that is not positive and finite, an angle that is not in (0°, 360°], an axis that is not in the plane
     /// of the mesh or not beside it, no layers, layers of 180° and more, cells of different order, a side of the mesh that is
@@ -272,7 +303,9 @@ impl Extrude {
         over: impl Fn(&Mesh<2>, Facet) -> Option<Surface<3>>,
     ) -> Result<Mesh<3>, MeshError> {
         let layers = (self.layers, closed);
-        carry(&self.mesh, false, layers, ["first", "last"], at, over)
+        let centred = has_centres(&self.mesh).then(|| with_centres(self.mesh.clone()));
+        let mesh = centred.as_ref().unwrap_or(&self.mesh);
+        carry(mesh, false, layers, ["first", "last"], at, over)
     }
 }
 
