@@ -926,20 +926,19 @@ fn what_makes_no_body_is_said() {
         error.contains("no cells of the plane") && error.contains("1 edges"),
         "{error}"
     );
-    // a quadratic triangle beside the square
+    // a quadratic triangle beside the square, and beside two linear triangles that have its middle node
     let hanging = SQUARE
         .replace("$Nodes\n6", "$Nodes\n9")
         .replace("6 2 1 0", "6 2 1 0\n7 1.5 0 0\n8 1.5 0.5 0\n9 1 0.5 0")
         .replace("3 3 2 2 1 2 5 6 3", "3 9 2 2 1 2 5 3 7 8 9");
-    let error = read(hanging.as_bytes())
-        .unwrap()
-        .mesh(&[])
-        .unwrap_err()
-        .to_string();
-    assert!(
-        error.contains("the elements 2, 3 do not fit together at one edge"),
-        "{error}"
-    );
+    let halves = hanging
+        .replace("$Elements\n3", "$Elements\n4")
+        .replace("2 3 2 2 1 1 2 3 4", "2 2 2 2 1 1 2 9\n4 2 2 2 1 1 9 3");
+    for (text, elements) in [(hanging, "2, 3"), (halves, "2, 3, 4")] {
+        let error = read(text.as_bytes()).unwrap().mesh(&[]).unwrap_err();
+        let words = format!("the elements {elements} do not fit together at one edge");
+        assert!(error.to_string().contains(&words), "{error}");
+    }
     let error = read(SQUARE.as_bytes())
         .unwrap()
         .mesh(&["blok"])

@@ -211,6 +211,22 @@ fn cells_numbered_the_other_way_round_are_turned_and_flat_or_folded_ones_named()
 }
 
 #[test]
+fn triangles_on_a_quadrilateral_do_not_fit() {
+    let cube: (u8, &[usize]) = (5, &[1, 2, 3, 4, 5, 6, 7, 8]);
+    let halves: [(u8, &[usize]); 2] = [(4, &[5, 6, 7, 9]), (4, &[5, 7, 8, 9])];
+    let said = solid(&[cube, halves[0], halves[1]]).unwrap_err();
+    assert!(
+        said.contains("the elements 11, 12, 13 do not fit together at one face"),
+        "{said}"
+    );
+    // one of them alone is as much inside
+    let said = solid(&[halves[0], cube]).unwrap_err();
+    assert!(said.contains("the elements 11, 12 do not"), "{said}");
+    // beside it, with an edge in common, nothing is wrong
+    assert!(solid(&[cube, (4, &[5, 6, 9, 11])]).is_ok());
+}
+
+#[test]
 fn a_face_inside_is_no_side_and_one_that_leaves_the_body_is_none_of_its_own() {
     let lower: &[usize] = &[1, 2, 3, 4, 5, 6, 7, 8];
     let upper: &[usize] = &[5, 6, 7, 8, 9, 10, 11, 12];

@@ -292,32 +292,54 @@ impl MeshFile {
         }
     }
 
-    /// Refuses cells that share the corners of an edge or face and not its middle nodes, and more than two cells there.
+    /// Refuses cells that share the corners of an edge or face and not its middle nodes, more than two cells there, and
+    /// facets of the boundary on a part of another one: triangles on a quadrilateral, facets between its middle nodes.
     fn refuse_gaps<const D: usize>(
         &self,
         mesh: &Mesh<D>,
         table: &FacetTable,
         numbers: &[Vec<u64>],
     ) -> Result<(), ImportError> {
-        let number = |facet: Facet| numbers[facet.block as usize][facet.cell as usize];
+        let refused = |facets: &[Facet]| {
+            let number = |facet: &Facet| numbers[facet.block as usize][facet.cell as usize];
+            let elements: BTreeSet<u64> = facets.iter().map(number).collect();
+            Err(ImportError::NotConforming {
+                file: self.name.clone(),
+                place: if D == 2 { "edge" } else { "face" },
+                elements: elements.into_iter().collect(),
+            })
+        };
         let middle = |facet: Facet| {
             let corners = mesh.facet_kind(facet).corners();
             mesh.facet_nodes(facet)
                 .skip(corners)
                 .collect::<BTreeSet<u32>>()
         };
+        let mut boundary = Vec::new();
         for facets in table.groups() {
-            let fits = match facets {
-                [_] => true,
-                [(_, a), (_, b)] => middle(*a) == middle(*b),
-                _ => false,
+            match facets {
+                [(_, only)] => boundary.push(*only),
+                [(_, a), (_, b)] if middle(*a) == middle(*b) => {}
+                _ => return refused(&facets.iter().map(|f| f.1).collect::<Vec<_>>()),
+            }
+        }
+        let mut starting_at: HashMap<u32, Vec<Facet>> = HashMap::new();
+        for &facet in &boundary {
+            let start = mesh.facet_nodes(facet).next().unwrap_or(u32::MAX);
+            starting_at.entry(start).or_default().push(facet);
+        }
+        for &whole in &boundary {
+            let nodes: Vec<u32> = mesh.facet_nodes(whole).collect();
+            let within = |part: &Facet| {
+                let corners = mesh.facet_kind(*part).corners();
+                let mut corners = mesh.facet_nodes(*part).take(corners);
+                *part != whole && corners.all(|corner| nodes.contains(&corner))
             };
-            if !fits {
-                return Err(ImportError::NotConforming {
-                    file: self.name.clone(),
-                    place: if D == 2 { "edge" } else { "face" },
-                    elements: facets.iter().map(|(_, facet)| number(*facet)).collect(),
-                });
+            let beside = nodes.iter().filter_map(|node| starting_at.get(node));
+            let mut facets: Vec<Facet> = beside.flatten().copied().filter(within).collect();
+            if !facets.is_empty() {
+                facets.push(whole);
+                return refused(&facets);
             }
         }
         Ok(())

@@ -155,9 +155,12 @@ pub enum ImportError {
     },
     /// Cells that meet at an edge, in space at a face, and do not fit together there.
     #[error(
-        "{file}: the elements {} do not fit together at one {place}: two cells may share it, with its middle node{}; mesh all of the body with one order",
+        "{file}: the elements {} do not fit together at one {place}: two cells may share it, with {}",
         listed(elements),
-        if *place == "edge" { "" } else { "s" }
+        match *place {
+            "edge" => "its middle node; mesh all of the body with one order",
+            _ => "the same corners and middle nodes; mesh all of the body with one order, quadrilaterals against quadrilaterals",
+        }
     )]
     NotConforming {
         /// The file.
