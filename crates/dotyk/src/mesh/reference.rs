@@ -2,7 +2,8 @@
 //!
 //! Conventions: the reference line is [−1, 1], square and cube are its powers, triangle and tetrahedron have a corner at
 //! the origin and one at the end of each unit vector; the prism is triangle times line. Corner nodes come first, then the
-//! middles of the edges, of the faces with four corners and of the cell, in the order of VTK: edges 01 12 20 (01 12 23 30)
+//! middles of the edges, of the faces with four corners and of the cell, in the order of VTK (9.7 and later: before, and in
+//! meshio, the two triangles of the linear prism are numbered the other way round): edges 01 12 20 (01 12 23 30)
 //! of the bottom, the same of the top, those between; faces −x +x −y +y −z +z of the cube, over the edges 01 12 20 of a
 //! prism. In space Gmsh has another order. A facet is a cell of one dimension less: its nodes are listed in the
 //! order of its own kind, such that its outward normal is its tangent turned by −90° (the cell on the left), in space the
@@ -93,7 +94,7 @@ pub(crate) struct CellData {
     /// Stress is sampled at the corners, drawn towards the centre by these factors: where it is most accurate. Zero: at the
     /// centre alone.
     pub sampling: [f64; 3],
-    /// Its numbers in VTK's and Gmsh's files; VTK lists the nodes in the order of `nodes`.
+    /// Its numbers in VTK's and Gmsh's files; VTK lists the nodes in the order of `nodes` (prisms: since 9.7).
     pub vtk: u8,
     pub gmsh: u8,
     /// Place in a file of Gmsh of each node; empty: the same.
