@@ -1126,6 +1126,34 @@ fn an_export_is_the_problem_whose_forces_and_gaps_a_run_has_found() {
     }
 }
 
+/// A cube on a cube, one cell each.
+const CUBES: &str = r#"
+analysis = "3d"
+[[body]]
+name = "low"
+mesh = { box = { from = [0, 0, 0], to = [1, 1, 1], cells = [1, 1, 1] } }
+material = { young = 1000, poisson = 0.3 }
+fix = [{ side = "bottom", x = 0, y = 0, z = 0 }]
+[[body]]
+name = "up"
+mesh = { box = { from = [0, 0, 1], to = [1, 1, 2], cells = [1, 1, 1] } }
+material = { young = 1000, poisson = 0.3 }
+fix = [{ side = ["left", "right"], x = 0 }, { side = ["front", "back"], y = 0 }]
+load = [{ side = "top", pressure = 1 }]
+[[contact]]
+name = "sole"
+sides = ["up.bottom", "low.top"]
+"#;
+
+#[test]
+fn an_export_in_space_counts_three_columns_for_a_node() {
+    let run = Run::new("export_space", CUBES, "export", &["--out", "dual"]);
+    assert_eq!(run.status, Some(0), "{}", run.stderr);
+    let text = std::fs::read_to_string(run.folder.join("dual/dual.txt")).unwrap();
+    assert!(text.contains("(column first + 3 node\n"), "{text}");
+    assert!(text.contains("24 to 47: up"), "{text}");
+}
+
 #[test]
 fn a_problem_without_an_answer_is_exported_all_the_same() {
     let run = Run::new("export_rests", &slope(0.5, ""), "export", &[]);

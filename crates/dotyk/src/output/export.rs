@@ -307,7 +307,7 @@ ROWS go contact by contact in the order of the case and node by node in that of 
 Behind them stand the couples, called BODY.POINT: a rigid one has a row for each node and direction, an average one those of its
 displacement and then that of its rotation, whatever node and direction are written there.
 
-COLUMNS of B and u are displacements in the directions {axes}, prescribed ones included, node by node (column first + 2 node
+COLUMNS of B and u are displacements in the directions {axes}, prescribed ones included, node by node (column first + {D} node
 + direction, all from 0); the point of a couple has two nodes, the second for its {rotation}:
 {columns}
 G = R'B' and e = R'f with those rigid motions R that supports leave free and contacts control. F = B K^+ B' holds floating
