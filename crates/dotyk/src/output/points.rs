@@ -1,7 +1,7 @@
 //! Points of couples on paper: thin lines to their sides, what holds them and what they carry.
 
 use crate::geometry::{Point, distance, norm, unit};
-use crate::model::{Couple, CoupleKind, Solution};
+use crate::model::{Couple, CoupleKind, Model, Solution};
 use crate::output::scene::Scene;
 use crate::output::svg::{Anchor, INK, LOAD, MUTED, Pixel, SUPPORT, Svg, Type, segments};
 use crate::output::symbols::{Hold, draw_force, draw_hold};
@@ -18,13 +18,13 @@ const TURN: f64 = 16.0;
 const FAR: f64 = 1.0;
 
 /// All couples of a model with the index of their body.
-pub fn couples<'a>(scene: &Scene<'a>) -> impl Iterator<Item = (usize, &'a Couple<2>)> + use<'a> {
-    let bodies = scene.model.bodies.iter().enumerate();
+pub fn couples<const D: usize>(model: &Model<D>) -> impl Iterator<Item = (usize, &Couple<D>)> {
+    let bodies = model.bodies.iter().enumerate();
     bodies.flat_map(|(index, body)| body.couples.iter().map(move |couple| (index, couple)))
 }
 
 /// A couple in words.
-pub fn in_words(body: &str, couple: &Couple<2>) -> String {
+pub fn in_words<const D: usize>(body: &str, couple: &Couple<D>) -> String {
     let side = format!("{body}.{}", couple.side);
     match couple.kind {
         CoupleKind::Rigid => format!("{side} moves rigidly with point {}", couple.name),
@@ -32,15 +32,19 @@ pub fn in_words(body: &str, couple: &Couple<2>) -> String {
     }
 }
 
-/// Whether a point is near enough to a box to be in the picture.
-pub fn in_reach(point: Point<2>, (low, high): (Point<2>, Point<2>)) -> bool {
+/// The points that are near enough to the box of all bodies to be in its picture.
+pub fn in_reach<const D: usize>(
+    model: &Model<D>,
+    (low, high): (Point<D>, Point<D>),
+) -> impl Iterator<Item = Point<D>> {
     let size = FAR * distance(low, high);
-    (0..2).all(|i| point[i] >= low[i] - size && point[i] <= high[i] + size)
+    let near = move |p: &Point<D>| (0..D).all(|i| p[i] >= low[i] - size && p[i] <= high[i] + size);
+    couples(model).map(|(_, couple)| couple.point).filter(near)
 }
 
 /// The points with their lines, supports and loads.
 pub fn draw_points(svg: &mut Svg, scene: &Scene, view: &View, labels: &Labels) {
-    for (body, couple) in couples(scene) {
+    for (body, couple) in couples(scene.model) {
         let points = scene.model.bodies[body].mesh.points();
         let at = view.pixel(couple.point);
         fan(svg, scene, (body, couple), at, &|node| {
@@ -54,7 +58,7 @@ pub fn draw_points(svg: &mut Svg, scene: &Scene, view: &View, labels: &Labels) {
 /// The points and their lines where they have gone, displacements magnified.
 pub fn draw_moved(svg: &mut Svg, scene: &Scene, solution: &Solution<2>, view: &View, factor: f64) {
     let moved = |x: Point<2>, u: Point<2>| view.pixel([0, 1].map(|i| x[i] + factor * u[i]));
-    for (body, couple) in couples(scene) {
+    for (body, couple) in couples(scene.model) {
         let solved = &solution.bodies[body];
         let own = solved.couples.iter().find(|c| c.name == couple.name);
         let Some(own) = own else { continue };
@@ -149,5 +153,5 @@ pub fn forces(scene: &Scene) -> Vec<(Point<2>, Point<2>)> {
         let along = unit(force).filter(|_| norm(force).is_finite())?;
         Some((couple.point, along.map(|c| -c)))
     };
-    couples(scene).filter_map(from).collect()
+    couples(scene.model).filter_map(from).collect()
 }

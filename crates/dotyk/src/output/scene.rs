@@ -228,9 +228,7 @@ impl<'a> Scene<'a> {
         let extents = model.bodies.iter().map(|b| bounding_box(b.mesh.points()));
         let bounds = bounding_box(&all);
         // points of couples belong to the picture, unless they would make the bodies small
-        let couples = model.bodies.iter().flat_map(|body| &body.couples);
-        let points = couples.map(|couple| couple.point);
-        let near = points.filter(|point| in_reach(*point, bounds));
+        let near = in_reach(model, bounds);
         let bounds = bounding_box(&near.chain([bounds.0, bounds.1]).collect::<Vec<_>>());
         let touching: Vec<Point<2>> = model
             .contacts

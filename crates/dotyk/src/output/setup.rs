@@ -1,7 +1,7 @@
 //! Figure "Mesh, supports and loads": the model as a textbook draws it.
 
 use crate::geometry::{Field, Point, unit};
-use crate::model::{Body, Contact, Pair, Place, Support};
+use crate::model::{Body, Contact, Model, Pair, Place, Support};
 use crate::output::points::{couples, draw_points, forces, in_words};
 use crate::output::scene::{Scene, WIDTH, contact_sides, mesh_lines, outline_path, polyline};
 use crate::output::svg::{
@@ -167,6 +167,21 @@ fn contact_line(svg: &mut Svg, scene: &Scene, view: &View, contact: &Contact<2>,
 
 /// Names of tints, lines and symbols; returns the lower end.
 fn legend(svg: &mut Svg, scene: &Scene, labels: &Labels, alone: bool, top: f64) -> f64 {
+    let mut flow = name_parts(svg, scene.model, labels, top);
+    if alone {
+        name_alone(svg, &mut flow);
+    }
+    symbols(svg, scene, &mut flow);
+    flow.y + 12.0
+}
+
+/// Begins a legend below this height: bodies, contacts and points of couples.
+pub fn name_parts<const D: usize>(
+    svg: &mut Svg,
+    model: &Model<D>,
+    labels: &Labels,
+    top: f64,
+) -> Flow {
     svg.line([0.0, top], [WIDTH, top], RULE, 1.0);
     let mut flow = Flow {
         x: 4.0,
@@ -180,64 +195,34 @@ fn legend(svg: &mut Svg, scene: &Scene, labels: &Labels, alone: bool, top: f64) 
             svg.text([at[0] + 22.0, at[1]], &text, start);
         }
     };
-    for (i, body) in scene.model.bodies.iter().enumerate().take(NAMED) {
-        let text = body_text(body, labels);
-        let at = flow.next(&text);
-        svg.rectangle(
-            [at[0], at[1] - 9.0],
-            [16.0, 10.0],
-            INK,
-            TINTS[i % TINTS.len()],
-        );
-        svg.text(
-            [at[0] + 22.0, at[1]],
-            &text,
-            Type::LABEL.anchored(Anchor::Start),
-        );
+    for (i, body) in model.bodies.iter().enumerate().take(NAMED) {
+        let tint = TINTS[i % TINTS.len()];
+        let at = flow.explain(svg, &body_text(body, labels));
+        svg.rectangle([at[0], at[1] - 9.0], [16.0, 10.0], INK, tint);
     }
-    more(svg, &mut flow, scene.model.bodies.len(), "bodies");
-    for (i, contact) in scene.model.contacts.iter().enumerate().take(NAMED) {
-        let text = format!("contact {} ({})", contact.name, contact.law);
-        let at = flow.next(&text);
-        let colour = SERIES[i % SERIES.len()];
-        svg.line(
-            [at[0], at[1] - 4.0],
-            [at[0] + 16.0, at[1] - 4.0],
-            colour,
-            2.6,
-        );
-        svg.text(
-            [at[0] + 22.0, at[1]],
-            &text,
-            Type::LABEL.anchored(Anchor::Start),
-        );
+    more(svg, &mut flow, model.bodies.len(), "bodies");
+    for (i, contact) in model.contacts.iter().enumerate().take(NAMED) {
+        let at = flow.explain(svg, &format!("contact {} ({})", contact.name, contact.law));
+        let y = at[1] - 4.0;
+        svg.line([at[0], y], [at[0] + 16.0, y], SERIES[i % SERIES.len()], 2.6);
     }
-    more(svg, &mut flow, scene.model.contacts.len(), "contacts");
-    for (body, couple) in couples(scene).take(NAMED) {
-        let text = in_words(&scene.model.bodies[body].name, couple);
-        let at = flow.next(&text);
+    more(svg, &mut flow, model.contacts.len(), "contacts");
+    for (body, couple) in couples(model).take(NAMED) {
+        let at = flow.explain(svg, &in_words(&model.bodies[body].name, couple));
+        let point = [at[0] + 8.0, at[1] - 9.0];
         for end in [-7.0, 7.0] {
-            svg.line(
-                [at[0] + 8.0, at[1] - 9.0],
-                [at[0] + 8.0 + end, at[1]],
-                MUTED,
-                0.7,
-            );
+            svg.line(point, [point[0] + end, at[1]], MUTED, 0.7);
         }
-        svg.circle([at[0] + 8.0, at[1] - 9.0], 3.0, INK, "white", "");
-        let start = Type::LABEL.anchored(Anchor::Start);
-        svg.text([at[0] + 22.0, at[1]], &text, start);
+        svg.circle(point, 3.0, INK, "white", "");
     }
-    more(svg, &mut flow, couples(scene).count(), "points");
-    if alone {
-        let text = "contact node that faces nothing";
-        let at = flow.next(text);
-        svg.circle([at[0] + 8.0, at[1] - 4.0], 2.6, ALARM, "white", "");
-        let start = Type::LABEL.anchored(Anchor::Start);
-        svg.text([at[0] + 22.0, at[1]], text, start);
-    }
-    symbols(svg, scene, &mut flow);
-    flow.y + 12.0
+    more(svg, &mut flow, couples(model).count(), "points");
+    flow
+}
+
+/// The entry of contact nodes that face nothing.
+pub fn name_alone(svg: &mut Svg, flow: &mut Flow) {
+    let at = flow.explain(svg, "contact node that faces nothing");
+    svg.circle([at[0] + 8.0, at[1] - 4.0], 2.6, ALARM, "white", "");
 }
 
 /// Support symbols and loads that occur, in words.
@@ -245,16 +230,12 @@ fn symbols(svg: &mut Svg, scene: &Scene, flow: &mut Flow) {
     let supports = || scene.model.bodies.iter().flat_map(|b| &b.supports);
     let rolling = |s: &Support<2>| matches!(hold(s), Some(Hold::Axis(_) | Hold::Normal));
     let clamped = |s: &Support<2>| hold(s) == Some(Hold::Clamp);
-    let start = Type::LABEL.anchored(Anchor::Start);
     if supports().any(rolling) {
-        let text = "one displacement held";
-        let at = flow.next(text);
+        let at = flow.explain(svg, "one displacement held");
         roller(svg, [at[0] + 8.0, at[1] - 11.0], [0.0, 1.0]);
-        svg.text([at[0] + 22.0, at[1]], text, start);
     }
     if supports().any(clamped) {
-        let text = "both displacements held";
-        let at = flow.next(text);
+        let at = flow.explain(svg, "both displacements held");
         svg.line(
             [at[0], at[1] - 8.0],
             [at[0] + 16.0, at[1] - 8.0],
@@ -265,14 +246,16 @@ fn symbols(svg: &mut Svg, scene: &Scene, flow: &mut Flow) {
             .map(|k| ([at[0] + 3.0 + 4.5 * f64::from(k), at[1] - 8.0], [0.0, 1.0]))
             .collect();
         hatch(svg, &ground, SUPPORT);
-        svg.text([at[0] + 22.0, at[1]], text, start);
     }
     if scene.model.bodies.iter().any(|b| !b.loads.is_empty()) {
-        let text = "load on the undeformed surface";
-        let at = flow.next(text);
-        svg.arrow([at[0], at[1] - 4.0], [at[0] + 17.0, at[1] - 4.0], LOAD, 1.1);
-        svg.text([at[0] + 22.0, at[1]], text, start);
+        name_loads(svg, flow);
     }
+}
+
+/// The entry of loads.
+pub fn name_loads(svg: &mut Svg, flow: &mut Flow) {
+    let at = flow.explain(svg, "load on the undeformed surface");
+    svg.arrow([at[0], at[1] - 4.0], [at[0] + 17.0, at[1] - 4.0], LOAD, 1.1);
 }
 
 /// Name, stiffness and body force.
@@ -308,8 +291,15 @@ pub struct Flow {
 }
 
 impl Flow {
-    /// Place of the next entry: a symbol of 16 px and its text.
-    pub fn next(&mut self, text: &str) -> Pixel {
+    /// Writes the text of the next entry; returns the place of its symbol, 16 px wide.
+    pub fn explain(&mut self, svg: &mut Svg, text: &str) -> Pixel {
+        let at = self.next(text);
+        let start = Type::LABEL.anchored(Anchor::Start);
+        svg.text([at[0] + 22.0, at[1]], text, start);
+        at
+    }
+
+    fn next(&mut self, text: &str) -> Pixel {
         let width = 22.0 + text_width(text, Type::LABEL.size) + 20.0;
         if self.x > 4.0 && self.x + width > WIDTH {
             (self.x, self.y) = (4.0, self.y + 20.0);

@@ -7,6 +7,7 @@ use crate::geometry::{Point, bounding_box};
 use crate::mesh::Facet;
 use crate::model::{Model, Pair, SideRef};
 use crate::output::plot::round_down_to_125;
+use crate::output::points::in_reach;
 use crate::output::scene::WIDTH;
 use crate::output::space::camera::{Camera, Window};
 use crate::output::space::canvas::{Canvas, Ink, Paint};
@@ -164,11 +165,12 @@ impl<'a> Scene<'a> {
         weights
     }
 
-    /// Windows of cameras below or beside each other, `right` pixels kept free; and the height of the figure.
-    pub fn windows(&self, cameras: &[Camera], margin: f64, right: f64) -> (Vec<Window>, f64) {
-        let extent = |camera: &Camera| camera.extent(self.nodes());
-        let extents: Vec<Box2> = cameras.iter().map(extent).collect();
-        windows(cameras, &extents, margin, WIDTH - right)
+    /// Windows onto the bodies and the points of couples from both directions, below or beside each other; and the height of
+    /// the figure.
+    pub fn windows(&self, margin: f64) -> (Vec<Window>, f64) {
+        let places = || self.nodes().chain(in_reach(self.model, self.bounds));
+        let extents = self.cameras.map(|camera| camera.extent(places()));
+        windows(&self.cameras, &extents, margin, WIDTH)
     }
 
     /// Places of all nodes.

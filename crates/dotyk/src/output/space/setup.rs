@@ -1,20 +1,23 @@
 //! Picture "Mesh, supports and loads" of a model in space, from two sides.
 
-use crate::geometry::{Point, norm, unit};
+use crate::geometry::{Field, Point, norm, unit};
+use crate::mesh::Mesh;
 use crate::model::{Amount, Couple, Load, Pair, Place};
 use crate::output::html;
+use crate::output::points::couples;
 use crate::output::scene::WIDTH;
-use crate::output::setup::{Flow, NAMED, body_text};
-use crate::output::space::camera::Window;
+use crate::output::setup::{Flow, NAMED, name_alone, name_loads, name_parts};
+use crate::output::space::camera::{Camera, Window};
 use crate::output::space::canvas::{Canvas, Ink, Paint};
 use crate::output::space::marks::{Labelled, Mark, force, held, hold, push, seen};
 use crate::output::space::scene::{GHOST, HEAVY, Scene, THIN, contact_sides, triad_and_scale};
 use crate::output::space::skin::{Look, Skin};
 use crate::output::svg::{
-    ALARM, Anchor, INK, LOAD, MUTED, Pixel, RULE, SERIES, SUPPORT, Svg, TINTS, Type, segments,
+    ALARM, INK, LOAD, MUTED, Pixel, SERIES, SUPPORT, Svg, TINTS, Type, segments,
 };
 use crate::output::symbols::nearest;
 use crate::output::text::{Labels, count, number, quantity};
+use std::collections::BTreeSet;
 
 /// Room around the bodies for arrows and their values.
 const MARGIN: f64 = 46.0;
@@ -31,12 +34,20 @@ pub const WORDS: [&str; 2] = ["from above", "other side, from below"];
 /// The figure; `alone` are contact nodes that face nothing.
 pub fn model_figure(scene: &Scene<'_>, alone: &[Point<3>]) -> String {
     let labels = Labels::of(scene.model);
-    let (windows, height) = scene.windows(&scene.cameras, MARGIN, 0.0);
+    let (windows, height) = scene.windows(MARGIN);
     let mut svg = Svg::new("setup", "Mesh, supports and loads", WIDTH, height);
     for (window, word) in windows.iter().zip(WORDS) {
         let canvas = surfaces(scene, window);
         svg.picture(window.corner, window.size, &canvas.png());
-        symbols(&mut svg, scene, window, &canvas, alone, &labels);
+        let sheet = Sheet {
+            svg: &mut svg,
+            scene,
+            window,
+            canvas: &canvas,
+            labels: &labels,
+            notes: Vec::new(),
+        };
+        sheet.symbols(alone);
         triad_and_scale(&mut svg, window, &labels, word);
     }
     let bottom = legend(&mut svg, scene, &labels, !alone.is_empty(), height + 2.0);
@@ -159,155 +170,171 @@ fn mix(a: [u8; 3], b: [u8; 3], part: f64) -> [u8; 3] {
     [0, 1, 2].map(|i| (f64::from(a[i]) * (1.0 - part) + f64::from(b[i]) * part).round() as u8)
 }
 
-fn symbols(
-    svg: &mut Svg,
-    scene: &Scene<'_>,
-    window: &Window,
-    canvas: &Canvas,
-    alone: &[Point<3>],
-    labels: &Labels,
-) {
-    svg.begin_clip(window.corner, window.size);
-    let mut labelled = Labelled::default();
-    // values are written after all symbols, so that they keep clear of them; without text: the end of an arrow
-    let mut notes: Vec<(Pixel, String, &'static str)> = Vec::new();
-    for body in 0..scene.model.bodies.len() {
-        supports(svg, scene, window, canvas, body, labels, &mut notes);
-        loads(svg, scene, window, canvas, body, labels, &mut notes);
-    }
-    for (index, body) in scene.model.bodies.iter().enumerate() {
-        for couple in &body.couples {
-            draw_couple(svg, scene, window, (index, couple), labels, &mut notes);
-        }
-    }
-    // where arrows end there is no place for letters
-    for (at, ..) in notes.iter().filter(|n| n.1.is_empty()) {
-        labelled.keep(*at, [4.0, 4.0]);
-    }
-    for &point in alone {
-        let place = window.place(point);
-        if canvas.sees(place, 2.0) {
-            svg.circle(window.pixel(point), 2.6, ALARM, "white", "faces nothing");
-        }
-    }
-    for (at, text, colour) in notes.into_iter().filter(|n| !n.1.is_empty()) {
-        let style = Type::LABEL.coloured(colour).rimmed();
-        labelled.put(svg, window, at, &text, style);
-    }
-    names(svg, scene, window, canvas, &mut labelled);
-    svg.end_clip();
+/// One window of the figure, whose symbols stand above its picture.
+struct Sheet<'a> {
+    svg: &'a mut Svg,
+    scene: &'a Scene<'a>,
+    window: &'a Window,
+    canvas: &'a Canvas,
+    labels: &'a Labels,
+    /// Values are written after all symbols, so that they keep clear of them; without text: the end of an arrow.
+    notes: Vec<(Pixel, String, &'static str)>,
 }
 
-/// Names of bodies on what is seen of them.
-pub fn names(
-    svg: &mut Svg,
-    scene: &Scene<'_>,
-    window: &Window,
-    canvas: &Canvas,
-    labelled: &mut Labelled,
-) {
-    if scene.model.bodies.len() > NAMED {
-        return;
-    }
-    for (i, body) in scene.model.bodies.iter().enumerate() {
-        let (area, centre) = canvas.shown(i);
-        if area < LEAST_SHOWN || !canvas.shows(i, centre) {
-            continue;
+impl Sheet<'_> {
+    fn symbols(mut self, alone: &[Point<3>]) {
+        let (scene, window) = (self.scene, self.window);
+        self.svg.begin_clip(window.corner, window.size);
+        for body in 0..scene.model.bodies.len() {
+            self.supports(body);
+            self.loads(body);
         }
-        let at = [0, 1].map(|d| window.corner[d] + centre[d]);
-        let style = Type::LABEL.bold().rimmed();
-        labelled.put(svg, window, at, &body.name, style);
-    }
-}
-
-fn supports(
-    svg: &mut Svg,
-    scene: &Scene<'_>,
-    window: &Window,
-    canvas: &Canvas,
-    index: usize,
-    labels: &Labels,
-    notes: &mut Vec<(Pixel, String, &'static str)>,
-) {
-    let body = &scene.model.bodies[index];
-    let time = scene.model.last_time();
-    for support in &body.supports {
-        let marks = match &support.place {
-            Place::Side(side) => seen(&body.mesh, scene.side(index, side), window, canvas),
-            Place::Point(target) => {
-                let node = nearest(body.mesh.points(), *target);
-                let here = node.map(|&point| Mark {
-                    point,
-                    normal: [0.0, 0.0, -1.0],
-                });
-                here.into_iter().collect()
+        for (body, couple) in couples(scene.model) {
+            self.couple(&scene.model.bodies[body].mesh, couple);
+        }
+        let mut labelled = Labelled::default();
+        // where arrows end there is no place for letters
+        for (at, ..) in self.notes.iter().filter(|n| n.1.is_empty()) {
+            labelled.keep(*at, [4.0, 4.0]);
+        }
+        for &point in alone {
+            if self.canvas.sees(window.place(point), 2.0) {
+                let at = window.pixel(point);
+                self.svg.circle(at, 2.6, ALARM, "white", "faces nothing");
             }
-        };
-        for mark in &marks {
-            let directions = held(support, mark.normal);
-            hold(
-                svg,
-                window,
-                window.pixel(mark.point),
-                &directions,
-                mark.normal,
-            );
         }
-        let Some(mark) = marks.get(marks.len() / 2) else {
-            continue;
-        };
-        let at = |field: &Option<crate::geometry::Field>| {
-            field.as_ref().map_or(0.0, |f| f.at(mark.point, time))
-        };
-        let along = at(&support.normal);
-        let u = [0, 1, 2].map(|i| at(&support.components[i]) + along * mark.normal[i]);
-        let Some(direction) = unit(u) else { continue };
-        let [x, y, _] = window.camera.turned(direction);
-        let tail = window.pixel(mark.point);
-        let tip = [tail[0] + 26.0 * x, tail[1] - 26.0 * y];
-        svg.arrow(tail, tip, SUPPORT, 2.0);
-        let text = format!("u = {}", quantity(norm(u), &labels.length));
-        notes.push(([tip[0], tip[1] - 9.0], text, SUPPORT));
+        let notes = std::mem::take(&mut self.notes).into_iter();
+        for (at, text, colour) in notes.filter(|n| !n.1.is_empty()) {
+            let style = Type::LABEL.coloured(colour).rimmed();
+            labelled.put(self.svg, window, at, &text, style);
+        }
+        self.names(&mut labelled);
+        self.svg.end_clip();
     }
-}
 
-fn loads(
-    svg: &mut Svg,
-    scene: &Scene<'_>,
-    window: &Window,
-    canvas: &Canvas,
-    index: usize,
-    labels: &Labels,
-    notes: &mut Vec<(Pixel, String, &'static str)>,
-) {
-    let body = &scene.model.bodies[index];
-    let time = scene.model.last_time();
-    for load in &body.loads {
-        match load.place() {
-            Place::Point(target) => {
-                let Some(&point) = nearest(body.mesh.points(), target) else {
-                    continue;
-                };
-                let value = load.at(point, [0.0; 3], time);
-                if let Some(outer) = force(svg, window, point, value) {
-                    let text = quantity(norm(value), &labels.force);
-                    notes.push(([outer[0], outer[1] - 9.0], text, LOAD));
+    /// Names of bodies on what is seen of them.
+    fn names(&mut self, labelled: &mut Labelled) {
+        let bodies = &self.scene.model.bodies;
+        if bodies.len() > NAMED {
+            return;
+        }
+        for (i, body) in bodies.iter().enumerate() {
+            let (area, centre) = self.canvas.shown(i);
+            if area < LEAST_SHOWN || !self.canvas.shows(i, centre) {
+                continue;
+            }
+            let at = [0, 1].map(|d| self.window.corner[d] + centre[d]);
+            let style = Type::LABEL.bold().rimmed();
+            labelled.put(self.svg, self.window, at, &body.name, style);
+        }
+    }
+
+    fn note(&mut self, at: Pixel, text: String, colour: &'static str) {
+        self.notes.push((at, text, colour));
+    }
+
+    fn supports(&mut self, index: usize) {
+        let (scene, window) = (self.scene, self.window);
+        let body = &scene.model.bodies[index];
+        let time = scene.model.last_time();
+        for support in &body.supports {
+            let marks = match &support.place {
+                Place::Side(side) => seen(&body.mesh, scene.side(index, side), window, self.canvas),
+                Place::Point(target) => {
+                    let node = nearest(body.mesh.points(), *target);
+                    let here = node.map(|&point| Mark {
+                        point,
+                        normal: [0.0, 0.0, -1.0],
+                    });
+                    here.into_iter().collect()
+                }
+            };
+            for mark in &marks {
+                let at = window.pixel(mark.point);
+                let directions = held(support, mark.normal);
+                hold(self.svg, window, at, &directions, mark.normal);
+            }
+            let Some(mark) = marks.get(marks.len() / 2) else {
+                continue;
+            };
+            let at = |field: &Option<Field>| field.as_ref().map_or(0.0, |f| f.at(mark.point, time));
+            let along = at(&support.normal);
+            let u = [0, 1, 2].map(|i| at(&support.components[i]) + along * mark.normal[i]);
+            let Some(direction) = unit(u) else { continue };
+            let [x, y, _] = window.camera.turned(direction);
+            let tail = window.pixel(mark.point);
+            let tip = [tail[0] + 26.0 * x, tail[1] - 26.0 * y];
+            self.svg.arrow(tail, tip, SUPPORT, 2.0);
+            let text = format!("u = {}", quantity(norm(u), &self.labels.length));
+            self.note([tip[0], tip[1] - 9.0], text, SUPPORT);
+        }
+    }
+
+    fn loads(&mut self, index: usize) {
+        let (scene, window) = (self.scene, self.window);
+        let body = &scene.model.bodies[index];
+        let time = scene.model.last_time();
+        for load in &body.loads {
+            match load.place() {
+                Place::Point(target) => {
+                    let Some(&point) = nearest(body.mesh.points(), target) else {
+                        continue;
+                    };
+                    self.force(point, load.at(point, [0.0; 3], time));
+                }
+                Place::Side(side) => {
+                    let facets = scene.side(index, &side);
+                    let marks = seen(&body.mesh, facets, window, self.canvas);
+                    let ends = arrows(self.svg, window, load, &marks, time);
+                    let Some(text) = told(load, &marks, time, self.labels) else {
+                        continue;
+                    };
+                    let feet = marks.iter().map(|mark| window.pixel(mark.point));
+                    for at in feet.chain(ends.iter().copied()) {
+                        self.note(at, String::new(), LOAD);
+                    }
+                    let highest = ends.into_iter().min_by(|a, b| a[1].total_cmp(&b[1]));
+                    if let Some([x, y]) = highest {
+                        self.note([x, y - 12.0], text, LOAD);
+                    }
                 }
             }
-            Place::Side(side) => {
-                let marks = seen(&body.mesh, scene.side(index, &side), window, canvas);
-                let ends = arrows(svg, window, load, &marks, time);
-                let Some(text) = told(load, &marks, time, labels) else {
-                    continue;
-                };
-                notes.extend(ends.iter().map(|&end| (end, String::new(), LOAD)));
-                let feet = marks.iter().map(|mark| window.pixel(mark.point));
-                notes.extend(feet.map(|foot| (foot, String::new(), LOAD)));
-                let highest = ends.into_iter().min_by(|a, b| a[1].total_cmp(&b[1]));
-                if let Some([x, y]) = highest {
-                    notes.push(([x, y - 12.0], text, LOAD));
-                }
-            }
+        }
+    }
+
+    /// A force at a point, with its size.
+    fn force(&mut self, point: Point<3>, value: Point<3>) {
+        if let Some(outer) = force(self.svg, self.window, point, value) {
+            let text = quantity(norm(value), &self.labels.force);
+            self.note([outer[0], outer[1] - 9.0], text, LOAD);
+        }
+    }
+
+    /// The point of a couple, lines to its side, what holds and drives it.
+    fn couple(&mut self, mesh: &Mesh<3>, couple: &Couple<3>) {
+        let window = self.window;
+        let at = window.pixel(couple.point);
+        let nodes = mesh.side_nodes(&couple.side).unwrap_or_default();
+        let lines = nodes.len().min(LINES);
+        let path: String = (0..lines)
+            .map(|k| nodes[k * (nodes.len() - 1) / (lines - 1).max(1)])
+            .map(|node| segments(&[at, window.pixel(mesh.points()[node as usize])], false))
+            .collect();
+        self.svg.path(&path, MUTED, 0.7, "none", "");
+        let axes = (0..3).filter(|&i| couple.displacement[i].is_some());
+        let directions: Vec<Point<3>> = axes
+            .map(|i| [0, 1, 2].map(|d| if d == i { -1.0 } else { 0.0 }))
+            .collect();
+        hold(self.svg, window, at, &directions, [0.0, 0.0, -1.0]);
+        self.svg.circle(at, 3.0, INK, "white", &couple.name);
+        self.note([at[0] + 10.0, at[1] - 10.0], couple.name.clone(), INK);
+        let time = self.scene.model.last_time();
+        let value = couple.force.clone().map(|f| f.at(couple.point, time));
+        self.force(couple.point, value);
+        let moment = couple.moment.clone().map(|f| f.at(couple.point, time));
+        if norm(moment) > 0.0 && norm(moment).is_finite() {
+            let text = format!("M = {}", quantity(norm(moment), &self.labels.energy));
+            self.note([at[0], at[1] + 16.0], text, LOAD);
         }
     }
 }
@@ -343,120 +370,40 @@ fn told(load: &Load<3>, marks: &[Mark], time: f64, labels: &Labels) -> Option<St
     })
 }
 
-/// The point of a couple, lines to its side, what holds and drives it.
-fn draw_couple(
-    svg: &mut Svg,
-    scene: &Scene<'_>,
-    window: &Window,
-    (body, couple): (usize, &Couple<3>),
-    labels: &Labels,
-    notes: &mut Vec<(Pixel, String, &'static str)>,
-) {
-    let mesh = &scene.model.bodies[body].mesh;
-    let at = window.pixel(couple.point);
-    let nodes = mesh.side_nodes(&couple.side).unwrap_or_default();
-    let lines = nodes.len().min(LINES);
-    let path: String = (0..lines)
-        .map(|k| nodes[k * (nodes.len() - 1) / (lines - 1).max(1)])
-        .map(|node| segments(&[at, window.pixel(mesh.points()[node as usize])], false))
-        .collect();
-    svg.path(&path, MUTED, 0.7, "none", "");
-    let axes = (0..3).filter(|&i| couple.displacement[i].is_some());
-    let directions: Vec<Point<3>> = axes
-        .map(|i| [0, 1, 2].map(|d| if d == i { -1.0 } else { 0.0 }))
-        .collect();
-    hold(svg, window, at, &directions, [0.0, 0.0, -1.0]);
-    svg.circle(at, 3.0, INK, "white", &couple.name);
-    notes.push(([at[0] + 10.0, at[1] - 10.0], couple.name.clone(), INK));
-    let time = scene.model.last_time();
-    let value = couple.force.clone().map(|f| f.at(couple.point, time));
-    if let Some(outer) = force(svg, window, couple.point, value) {
-        let text = quantity(norm(value), &labels.force);
-        notes.push(([outer[0], outer[1] - 9.0], text, LOAD));
-    }
-    let moment = couple.moment.clone().map(|f| f.at(couple.point, time));
-    if norm(moment) > 0.0 && norm(moment).is_finite() {
-        let text = format!("M = {}", quantity(norm(moment), &labels.energy));
-        notes.push(([at[0], at[1] + 16.0], text, LOAD));
-    }
-}
-
 /// Names of tints, lines and symbols; returns the lower end.
 fn legend(svg: &mut Svg, scene: &Scene<'_>, labels: &Labels, alone: bool, top: f64) -> f64 {
-    svg.line([0.0, top], [WIDTH, top], RULE, 1.0);
-    let mut flow = Flow {
-        x: 4.0,
-        y: top + 20.0,
-    };
-    let bodies = &scene.model.bodies;
-    for (i, body) in bodies.iter().enumerate().take(NAMED) {
-        let tint = TINTS[i % TINTS.len()];
-        let text = body_text(body, labels);
-        let at = flow.next(&text);
-        svg.rectangle([at[0], at[1] - 9.0], [16.0, 10.0], INK, tint);
-        words(svg, at, &text);
+    let mut flow = name_parts(svg, scene.model, labels, top);
+    name_holds(svg, scene, &mut flow);
+    if scene.model.bodies.iter().any(|b| !b.loads.is_empty()) {
+        name_loads(svg, &mut flow);
     }
-    for (i, contact) in scene.model.contacts.iter().enumerate().take(NAMED) {
-        let text = format!("contact {} ({})", contact.name, contact.law);
-        let at = flow.next(&text);
-        let y = at[1] - 4.0;
-        svg.line([at[0], y], [at[0] + 16.0, y], SERIES[i % SERIES.len()], 2.6);
-        words(svg, at, &text);
+    if alone {
+        name_alone(svg, &mut flow);
     }
-    for (total, what) in [
-        (bodies.len(), "bodies"),
-        (scene.model.contacts.len(), "contacts"),
-    ] {
-        if total > NAMED {
-            let text = format!("and {} more {what}", count(total - NAMED));
-            let at = flow.next(&text);
-            words(svg, at, &text);
-        }
-    }
-    symbol_words(svg, scene, &mut flow, alone);
     flow.y + 12.0
 }
 
-fn words(svg: &mut Svg, at: Pixel, text: &str) {
-    let style = Type::LABEL.anchored(Anchor::Start);
-    svg.text([at[0] + 22.0, at[1]], text, style);
-}
-
-/// Symbols that occur, in words.
-fn symbol_words(svg: &mut Svg, scene: &Scene<'_>, flow: &mut Flow, alone: bool) {
-    let bodies = &scene.model.bodies;
-    let supports = || bodies.iter().flat_map(|b| &b.supports);
-    let count = |s: &crate::model::Support<3>| held(s, [0.0, 0.0, 1.0]).len();
+/// Symbols of supports that occur, in words.
+fn name_holds(svg: &mut Svg, scene: &Scene<'_>, flow: &mut Flow) {
+    let supports = scene.model.bodies.iter().flat_map(|b| &b.supports);
+    let of_supports = supports.map(|s| held(s, [0.0, 0.0, 1.0]).len());
+    let of_points = couples(scene.model).map(|(_, c)| c.displacement.iter().flatten().count());
+    let counts: BTreeSet<usize> = of_supports.chain(of_points).collect();
     let window = Window::fitted(
-        crate::output::space::camera::Camera::from([0.0, -1.0, 0.0]),
+        Camera::from([0.0, -1.0, 0.0]),
         ([0.0; 2], [1.0; 2]),
         [0.0; 2],
         [1.0; 2],
         0.0,
     );
     let down = [0.0, 0.0, -1.0];
-    if supports().any(|s| (1..3).contains(&count(s))) {
-        let text = "one displacement held (each cone)";
-        let at = flow.next(text);
-        hold(svg, &window, [at[0] + 8.0, at[1] - 9.0], &[down], down);
-        words(svg, at, text);
-    }
-    if supports().any(|s| count(s) >= 3) {
-        let text = "all displacements held";
-        let at = flow.next(text);
-        hold(svg, &window, [at[0] + 8.0, at[1] - 9.0], &[down; 3], down);
-        words(svg, at, text);
-    }
-    if bodies.iter().any(|b| !b.loads.is_empty()) {
-        let text = "load on the undeformed surface";
-        let at = flow.next(text);
-        svg.arrow([at[0], at[1] - 4.0], [at[0] + 17.0, at[1] - 4.0], LOAD, 1.3);
-        words(svg, at, text);
-    }
-    if alone {
-        let text = "contact node that faces nothing";
-        let at = flow.next(text);
-        svg.circle([at[0] + 8.0, at[1] - 4.0], 2.6, ALARM, "white", "");
-        words(svg, at, text);
+    for (several, directions, text) in [
+        (1..3, &[down][..], "one displacement held (each cone)"),
+        (3..4, &[down; 3], "all displacements held"),
+    ] {
+        if counts.range(several).next().is_some() {
+            let at = flow.explain(svg, text);
+            hold(svg, &window, [at[0] + 8.0, at[1] - 9.0], directions, down);
+        }
     }
 }

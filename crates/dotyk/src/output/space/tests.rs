@@ -3,7 +3,7 @@
 use super::*;
 use crate::geometry::Field;
 use crate::mesh::{CellKind, Cuboid, Mesh};
-use crate::model::{Elastic, Law, Model};
+use crate::model::{Couple, CoupleKind, Elastic, Law, Model};
 use crate::output::colour;
 use crate::output::space::camera::{Camera, Window};
 use crate::output::space::canvas::{Canvas, Paint};
@@ -174,6 +174,27 @@ fn pages_are_the_same_bytes_and_name_what_they_show() {
         let wrong = ["=\"NaN", ">NaN", "=\"inf", "src=", "@import"];
         assert!(wrong.iter().all(|text| !page.contains(text)));
     }
+}
+
+#[test]
+fn points_of_couples_are_in_the_picture_and_in_its_legend() {
+    let (mut model, _) = punch();
+    let top = model.bodies.len() - 1;
+    for (name, height) in [("jack", 3.5), ("moon", 40.0)] {
+        let kind = CoupleKind::Rigid;
+        let couple = Couple::new(name, [1.0, 1.0, height], "top", kind);
+        model.bodies[top].couples.push(couple);
+    }
+    let scene = Scene::new(&model);
+    let (windows, _) = scene.windows(46.0);
+    assert_eq!(windows.len(), 2);
+    for window in windows {
+        let sees = |height| window.sees(window.pixel([1.0, 1.0, height]), 46.0 - 1e-9);
+        // as far as the size of the bodies, not farther
+        assert!(sees(3.5) && sees(0.0) && !sees(40.0));
+    }
+    let figure = model_figure(&scene, &[]);
+    assert!(figure.contains(">punch.top moves rigidly with point jack<"));
 }
 
 #[test]
