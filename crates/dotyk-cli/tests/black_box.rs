@@ -896,6 +896,34 @@ fn what_is_left_out_of_a_mesh_file_is_a_warning_everywhere() {
     }
 }
 
+#[test]
+fn a_face_to_extrude_and_a_solid_come_from_one_file() {
+    let data = Path::new(env!("CARGO_MANIFEST_DIR")).join("../dotyk/tests/data");
+    let file = data.join("gmsh_pipe_tet4_41.msh");
+    let file = |group| {
+        format!(
+            "file = {{ path = '{}', group = '{group}' }}",
+            file.display()
+        )
+    };
+    let slice = format!(
+        "extrude = {{ mesh = {{ {} }}, height = 1, layers = 1 }}",
+        file("bottom")
+    );
+    let held = |side: &str| format!("{{ side = \"{side}\", x = 0, y = 0, z = 0 }}");
+    let text = format!(
+        "analysis = \"3d\"\n{}{}",
+        steel("slice", &slice, &held("first"), ""),
+        steel("pipe", &file("pipe"), &held("bottom"), "")
+    );
+    let check = Run::new("mesh_file_twice", &text, "check", &[]);
+    assert_eq!(check.status, Some(0), "{}{}", check.stdout, check.stderr);
+    // what one of the two has no use for is the other
+    for words in ["no body has", "left out", "boundary of no body"] {
+        assert!(!check.stdout.contains(words), "{}", check.stdout);
+    }
+}
+
 /// A block on a slope: gravity turned by an angle whose tangent is the coefficient times a factor.
 fn slope(factor: f64, more: &str) -> String {
     let (sin, cos) = (0.5 * factor).atan().sin_cos();

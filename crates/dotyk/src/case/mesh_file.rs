@@ -1,4 +1,5 @@
-//! `mesh = { file = { path, group } }`: bodies from mesh files, each file read once for all bodies of a case.
+//! `mesh = { file = { path, group } }`: bodies from mesh files, each file read once for all bodies of a case that have the
+//! same dimension: an extruded mesh and a solid may come from one file.
 //!
 //! What of a file has no place in any body is known only when all bodies were read: [`MeshFiles::warnings`].
 
@@ -9,7 +10,7 @@ use crate::case::mesh::Generated;
 use crate::case::suggest::{listed, nearest};
 use crate::geometry::Point;
 use crate::mesh::{ImportError, Imported, Mesh, MeshFile};
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
 /// Points by name; several have one name where a mesh file says so.
@@ -23,12 +24,11 @@ pub(crate) struct MeshFiles {
     warnings: Vec<String>,
 }
 
-/// A file, and what no body has used of it so far.
+/// A file read for bodies of one dimension, and what no such body has used of it so far.
 struct Opened {
     path: PathBuf,
+    dimension: usize,
     file: MeshFile,
-    /// What groups of sides are made of.
-    sides: &'static str,
     unused: Option<Unused>,
 }
 
@@ -86,22 +86,30 @@ impl MeshFiles {
         Ok((imported.mesh, imported.points))
     }
 
-    /// The file of a path, read when it is met first.
+    /// The file of a path for bodies of D dimensions, read when it is met first.
     fn open<const D: usize>(&mut self, node: &Node, body: &str) -> Result<&mut Opened, Fault>
     where
         Mesh<D>: Generated<D>,
     {
         let path = self.folder.join(node.text()?);
-        let place = match self.files.iter().position(|opened| opened.path == path) {
+        let known = |opened: &Opened| opened.path == path && opened.dimension == D;
+        let place = match self.files.iter().position(known) {
             Some(place) => place,
             None => {
                 let file = Mesh::<D>::read(&path);
                 let file = file.map_err(|error| refused(&error, &node.span, body))?;
-                self.warnings.extend(file.warnings().iter().cloned());
+                let said = file.warnings();
+                match self.files.iter().find(|opened| opened.path == path) {
+                    // what is left out for the one dimension may be what the other is made of
+                    Some(other) => self.warnings.retain(|warning| {
+                        !other.file.warnings().contains(warning) || said.contains(warning)
+                    }),
+                    None => self.warnings.extend(said.iter().cloned()),
+                }
                 self.files.push(Opened {
                     path,
+                    dimension: D,
                     file,
-                    sides: if D == 2 { "edges" } else { "faces" },
                     unused: None,
                 });
                 self.files.len() - 1
@@ -113,25 +121,33 @@ impl MeshFiles {
     /// What was noticed, and what of the files no body uses.
     pub fn warnings(self) -> Vec<String> {
         let mut warnings = self.warnings;
-        for opened in self.files {
-            let Some(unused) = opened.unused else {
+        let used = self.files.iter().flat_map(Opened::used);
+        let used: BTreeSet<(&Path, &str)> = used.collect();
+        for opened in &self.files {
+            let Some(unused) = &opened.unused else {
                 continue;
             };
             let name = opened.path.display();
-            let listed = |names: &[String]| listed(names.iter().map(String::as_str));
-            if !unused.cells.is_empty() {
-                let groups = listed(&unused.cells);
+            let left = |names: &[String]| {
+                let left = names.iter().map(String::as_str);
+                let left = left.filter(|name| !used.contains(&(opened.path.as_path(), name)));
+                let left: Vec<&str> = left.collect();
+                (!left.is_empty()).then(|| listed(left))
+            };
+            if let Some(groups) = left(&unused.cells) {
                 warnings.push(format!("{name}: no body has the groups of cells {groups}"));
             }
-            if !unused.sides.is_empty() {
-                let groups = listed(&unused.sides);
+            if let Some(groups) = left(&unused.sides) {
+                let sides = if opened.dimension == 2 {
+                    "edges"
+                } else {
+                    "faces"
+                };
                 warnings.push(format!(
-                    "{name}: the groups of {} {groups} are on the boundary of no body",
-                    opened.sides
+                    "{name}: the groups of {sides} {groups} are on the boundary of no body"
                 ));
             }
-            if !unused.points.is_empty() {
-                let groups = listed(&unused.points);
+            if let Some(groups) = left(&unused.points) {
                 warnings.push(format!(
                     "{name}: the groups of points {groups} have a node in no body"
                 ));
@@ -148,6 +164,18 @@ impl MeshFiles {
 }
 
 impl Opened {
+    /// The groups that bodies use, with the file.
+    fn used(&self) -> impl Iterator<Item = (&Path, &str)> {
+        let unused = self.unused.iter();
+        let unused = unused.flat_map(|u| [&u.cells, &u.sides, &u.points]);
+        let unused: BTreeSet<&String> = unused.flatten().collect();
+        let file = &self.file;
+        let known = [file.cell_groups(), file.side_groups(), file.point_groups()];
+        let used = known.into_iter().flatten();
+        let used = used.filter(move |name| !unused.contains(name));
+        used.map(|name| (self.path.as_path(), name.as_str()))
+    }
+
     /// Takes what a body uses from the list of what is unused.
     fn use_of<const D: usize>(&mut self, imported: &Imported<D>) {
         let before = self.unused.take().unwrap_or_else(|| Unused {
