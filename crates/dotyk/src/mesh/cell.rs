@@ -159,6 +159,17 @@ impl CellKind {
         self.data().nodes
     }
 
+    /// The local nodes between corners, each with what is linear there: corners and their parts, which sum to one.
+    pub(crate) fn between_corners(self) -> impl Iterator<Item = (usize, Vec<(usize, f64)>)> {
+        let (corners, linear) = (self.corners(), self.domain().linear());
+        (corners..self.nodes()).map(move |node| {
+            let mut shape = [0.0; MAX_CELL_NODES];
+            linear.shape(&self.reference_nodes()[node], &mut shape);
+            let parts = shape[..corners].iter().copied().enumerate();
+            (node, parts.filter(|(_, part)| *part != 0.0).collect())
+        })
+    }
+
     /// Local node at each place of the same cell numbered the other way round.
     pub fn mirror(self) -> &'static [usize] {
         self.data().mirror

@@ -242,26 +242,6 @@ impl<const D: usize> Mesh<D> {
         }
     }
 
-    /// Gives nodes of some facets that have no number, NaN, and are not corners what is linear between the corners.
-    ///
-    /// `values` (nodes,).
-    pub fn fill_between_corners(&self, facets: &[Facet], values: &mut [f64]) {
-        for &facet in facets {
-            let kind = self.facet_kind(facet);
-            let linear = kind.domain().linear();
-            let nodes: Vec<usize> = self.facet_nodes(facet).map(|n| n as usize).collect();
-            let (corners, others) = nodes.split_at(kind.corners());
-            for (&node, xi) in others.iter().zip(&kind.reference_nodes()[kind.corners()..]) {
-                if values[node].is_nan() {
-                    let mut shape = [0.0; MAX_CORNERS];
-                    linear.shape(xi, &mut shape);
-                    let corners = corners.iter().zip(shape).filter(|c| c.1 != 0.0);
-                    values[node] = corners.map(|(&n, s)| s * values[n]).sum();
-                }
-            }
-        }
-    }
-
     /// Nodes of a side in its order, each once, and whether it is one closed chain: along its chains in the plane, in space
     /// ascending; `None` when there is no such side.
     pub fn side_order(&self, name: &str) -> Option<(Vec<u32>, bool)> {

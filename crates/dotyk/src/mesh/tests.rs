@@ -1427,36 +1427,27 @@ fn wrong_boxes_are_errors_that_name_the_key() {
 }
 
 #[test]
-fn nodes_between_corners_get_what_is_linear_there_unless_they_have_a_number() {
-    for cell in [CellKind::Tet10, CellKind::Hex20, CellKind::Hex27] {
-        let cuboid = Cuboid {
-            from: [0.0; 3],
-            to: [1.0, 2.0, 1.0],
-            cells: [2, 2, 1],
-            cell,
-        };
-        let mesh = cuboid.build().unwrap();
-        let linear = |[x, y, _]: Point<3>| 3.0 - 2.0 * x + 0.5 * y;
-        let corner = |[x, y, _]: Point<3>| (2.0 * x).fract() == 0.0 && y.fract() == 0.0;
-        let given = |&x: &Point<3>| if corner(x) { linear(x) } else { f64::NAN };
-        let mut values: Vec<f64> = mesh.points().iter().map(given).collect();
-        let side = mesh.side("top").unwrap();
-        let own = mesh.facet_nodes(side[0]).last().unwrap() as usize;
-        values[own] = 7.0;
-        mesh.fill_between_corners(side, &mut values);
-        for node in mesh.side_nodes("top").unwrap() {
-            let node = node as usize;
-            let expected = if node == own {
-                7.0
-            } else {
-                linear(mesh.points()[node])
-            };
-            assert!((values[node] - expected).abs() < 1e-14, "{cell:?}");
+fn what_is_linear_between_corners_is_made_of_them() {
+    let linear = |&[x, y, z]: &[f64; 3]| 3.0 - 2.0 * x + 0.5 * y + z;
+    for kind in CellKind::ALL {
+        let nodes = kind.reference_nodes();
+        let mut count = kind.corners();
+        for (node, parts) in kind.between_corners() {
+            let value: f64 = parts
+                .iter()
+                .map(|&(k, part)| part * linear(&nodes[k]))
+                .sum();
+            assert!((value - linear(&nodes[node])).abs() < 1e-14, "{kind:?}");
+            // the middle of an edge is made of its ends alone
+            assert!(
+                parts
+                    .iter()
+                    .all(|&(k, part)| k < kind.corners() && part > 0.0)
+            );
+            count += 1;
         }
-        let below = mesh
-            .points()
-            .iter()
-            .position(|x| x[2] == 0.0 && !corner(*x));
-        assert!(values[below.unwrap()].is_nan());
+        assert_eq!(count, nodes.len());
     }
+    let middle = CellKind::Quad8.between_corners().next().unwrap();
+    assert_eq!(middle, (4, vec![(0, 0.5), (1, 0.5)]));
 }

@@ -19,9 +19,7 @@ pub(crate) struct Station<const D: usize> {
     /// Undeformed.
     pub point: Point<D>,
     /// What its value is made of; `None` where there is none.
-    pub located: Option<Located>,
-    /// Outward unit normal of the side; zero on a line.
-    pub normal: Point<D>,
+    pub located: Option<Located<D>>,
     /// ∫N dS over the side, with thickness or 2πr; zero on a line.
     pub share: f64,
     /// It begins a piece.
@@ -46,7 +44,7 @@ pub(crate) fn points_between<const D: usize>(
 /// Stations at points, with what was found there.
 pub(crate) fn stations_at<const D: usize>(
     points: &[Point<D>],
-    located: Vec<Option<Located>>,
+    located: Vec<Option<Located<D>>>,
 ) -> Vec<Station<D>> {
     let (last, ends) = (points.len().max(2) - 1, [points.first(), points.last()]);
     let length = match ends {
@@ -58,7 +56,6 @@ pub(crate) fn stations_at<const D: usize>(
         s: length * (k as f64 / last as f64),
         point,
         located,
-        normal: [0.0; D],
         share: 0.0,
         starts: k == 0,
     };
@@ -94,8 +91,7 @@ pub(crate) fn stations_along<const D: usize>(
             stations.push(Station {
                 s: before.map_or(0.0, |last| last.s + distance(last.point, point)),
                 point,
-                located: Some((vec![joint.node], vec![1.0])),
-                normal: unit(joint.normal).unwrap_or([0.0; D]),
+                located: Some(joint.located()),
                 share: joint.share,
                 starts: joint.starts,
             });
@@ -120,10 +116,7 @@ fn scattered<const D: usize>(
                 !(corners && is_sharp(mean, normal))
             };
             match faces.iter_mut().find(like) {
-                Some(face) => {
-                    face.normal = add_scaled(face.normal, 1.0, normal);
-                    face.share += share;
-                }
+                Some(face) => face.join(normal, share),
                 None => faces.push(Joint {
                     node,
                     normal,
@@ -137,8 +130,7 @@ fn scattered<const D: usize>(
     let station = |joint: Joint<D>| Station {
         s: f64::NAN,
         point: body.mesh.points()[joint.node],
-        located: Some((vec![joint.node], vec![1.0])),
-        normal: unit(joint.normal).unwrap_or([0.0; D]),
+        located: Some(joint.located()),
         share: joint.share,
         starts: true,
     };
@@ -171,6 +163,18 @@ struct Joint<const D: usize> {
     starts: bool,
 }
 
+impl<const D: usize> Joint<D> {
+    /// Takes one more facet in.
+    fn join(&mut self, normal: Point<D>, share: f64) {
+        self.normal = add_scaled(self.normal, 1.0, normal);
+        self.share += share;
+    }
+
+    fn located(&self) -> Located<D> {
+        Located::at_node(self.node, unit(self.normal).unwrap_or([0.0; D]))
+    }
+}
+
 /// The nodes of facets that follow each other.
 fn joined<const D: usize>(
     body: &Body<D>,
@@ -186,8 +190,7 @@ fn joined<const D: usize>(
         for (k, (node, normal, share)) in along.into_iter().enumerate() {
             match joints.last_mut() {
                 Some(last) if k == 0 && !(corners && is_sharp(last.normal, normal)) => {
-                    last.normal = add_scaled(last.normal, 1.0, normal);
-                    last.share += share;
+                    last.join(normal, share);
                 }
                 _ => joints.push(Joint {
                     node,

@@ -1,7 +1,7 @@
 //! Where a point lies in a mesh: the cell that contains it, or the facet of a side that it lies on.
 
 use crate::geometry::{
-    Point, Settling, add_scaled, bounding_box, distance, dot, invert, norm, sub,
+    Point, Settling, add_scaled, bounding_box, distance, dot, invert, norm, sub, unit,
 };
 use crate::mesh::{CellKind, Facet, MAX_CELL_NODES, Mesh};
 use crate::model::on_surface::locate_on_surface;
@@ -11,11 +11,41 @@ use rstar::{AABB, RTree};
 /// A point may lie outside a cell by this much in reference coordinates: a polygon's sagitta, not more.
 const OUTSIDE: f64 = 0.1;
 
-/// Nodes and shape functions at a place.
-pub(crate) type Located = (Vec<usize>, Vec<f64>);
+/// What the value at a place is made of.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Located<const D: usize> {
+    pub nodes: Vec<usize>,
+    /// Shape functions of the nodes.
+    pub shape: Vec<f64>,
+    /// Outward unit normal of the side; zero in a cell.
+    pub normal: Point<D>,
+}
 
-/// Nodes and shape functions of the cell that contains a point; `None` where none does.
-pub(crate) fn locate<const D: usize>(mesh: &Mesh<D>, point: Point<D>) -> Option<Located> {
+impl<const D: usize> Located<D> {
+    /// A node of a side with this normal.
+    pub fn at_node(node: usize, normal: Point<D>) -> Self {
+        Self {
+            nodes: vec![node],
+            shape: vec![1.0],
+            normal,
+        }
+    }
+
+    /// The place ξ of a facet.
+    pub fn on_facet(mesh: &Mesh<D>, facet: Facet, xi: &[f64]) -> Self {
+        let mut shape = [0.0; MAX_CELL_NODES];
+        mesh.facet_kind(facet).shape(xi, &mut shape);
+        let nodes: Vec<usize> = mesh.facet_nodes(facet).map(|n| n as usize).collect();
+        Self {
+            shape: shape[..nodes.len()].to_vec(),
+            nodes,
+            normal: unit(mesh.outward_normal(facet, xi)).unwrap_or([0.0; D]),
+        }
+    }
+}
+
+/// The place of a point in the cell that contains it; `None` where none does.
+pub(crate) fn locate<const D: usize>(mesh: &Mesh<D>, point: Point<D>) -> Option<Located<D>> {
     locate_all(mesh, &[point]).pop().flatten()
 }
 
@@ -23,11 +53,11 @@ pub(crate) fn locate<const D: usize>(mesh: &Mesh<D>, point: Point<D>) -> Option<
 pub(crate) fn locate_all<const D: usize>(
     mesh: &Mesh<D>,
     points: &[Point<D>],
-) -> Vec<Option<Located>> {
+) -> Vec<Option<Located<D>>> {
     let indexed = points.iter().enumerate();
     let indexed = indexed.map(|(index, &point)| GeomWithData::new(point, index));
     let tree = RTree::bulk_load(indexed.collect());
-    let mut best: Vec<Option<(f64, Located)>> = vec![None; points.len()];
+    let mut best: Vec<Option<(f64, Located<D>)>> = vec![None; points.len()];
     for block in mesh.blocks() {
         for cell in block.cells() {
             let corners: Vec<Point<D>> = cell
@@ -46,8 +76,12 @@ pub(crate) fn locate_all<const D: usize>(
                 if outside <= OUTSIDE && best.as_ref().is_none_or(|b| outside < b.0) {
                     let mut shape = [0.0; MAX_CELL_NODES];
                     block.kind.shape(&xi, &mut shape);
-                    let nodes = cell.iter().map(|&node| node as usize).collect();
-                    *best = Some((outside, (nodes, shape[..cell.len()].to_vec())));
+                    let found = Located {
+                        nodes: cell.iter().map(|&node| node as usize).collect(),
+                        shape: shape[..cell.len()].to_vec(),
+                        normal: [0.0; D],
+                    };
+                    *best = Some((outside, found));
                 }
             }
         }
@@ -112,12 +146,12 @@ pub(crate) const BESIDE: f64 = 0.1;
 /// A point may lie beyond the end of a side by this fraction of a facet: rounding, not more.
 pub(crate) const BEYOND: f64 = 1e-6;
 
-/// Nodes and shape functions of the facet of a side that is nearest to a point; `None` where the point lies beside.
+/// The place of a side that is nearest to a point; `None` where the point lies beside.
 pub(crate) fn locate_on_side<const D: usize>(
     mesh: &Mesh<D>,
     facets: &[Facet],
     point: Point<D>,
-) -> Option<Located> {
+) -> Option<Located<D>> {
     if D > 2 {
         return locate_on_surface(mesh, facets, point);
     }
@@ -133,13 +167,8 @@ pub(crate) fn locate_on_side<const D: usize>(
     }
     let (gap, facet, xi, length) = best?;
     let beyond = beyond_the_end(mesh, facets, facet, xi, point);
-    (gap <= BESIDE * length && beyond <= BEYOND * length).then(|| {
-        let mut shape = [0.0; MAX_CELL_NODES];
-        mesh.facet_kind(facet).shape(&[xi], &mut shape);
-        let nodes: Vec<usize> = mesh.facet_nodes(facet).map(|node| node as usize).collect();
-        let shape = shape[..nodes.len()].to_vec();
-        (nodes, shape)
-    })
+    let near = gap <= BESIDE * length && beyond <= BEYOND * length;
+    near.then(|| Located::on_facet(mesh, facet, &[xi]))
 }
 
 /// Coordinate of the point of a facet that is nearest to a point.

@@ -32,7 +32,7 @@ pub(crate) fn locate_on_surface<const D: usize>(
     mesh: &Mesh<D>,
     facets: &[Facet],
     point: Point<D>,
-) -> Option<Located> {
+) -> Option<Located<D>> {
     let mut best: Option<Place<D>> = None;
     for &facet in facets {
         let corners: Vec<Point<D>> = mesh.facet_points(facet).collect();
@@ -52,11 +52,7 @@ pub(crate) fn locate_on_surface<const D: usize>(
     if on_rim(mesh, facets, &place) && beyond(mesh, &place, point) > BEYOND * place.size {
         return None;
     }
-    let mut shape = [0.0; MAX_CELL_NODES];
-    mesh.facet_kind(place.facet).shape(&place.xi, &mut shape);
-    let nodes: Vec<usize> = mesh.facet_nodes(place.facet).map(|n| n as usize).collect();
-    let shape = shape[..nodes.len()].to_vec();
-    Some((nodes, shape))
+    Some(Located::on_facet(mesh, place.facet, &place.xi))
 }
 
 /// The two tangents of a facet at a place.
@@ -176,7 +172,8 @@ mod tests {
             for &facet in side {
                 for xi in [[0.25, 0.5], [0.1, 0.8], [0.0, 0.3], [0.5, 0.5]] {
                     let point = mesh.facet_point(facet, &xi);
-                    let (nodes, shape) = locate_on_surface(&mesh, side, point).unwrap();
+                    let Located { nodes, shape, .. } =
+                        locate_on_surface(&mesh, side, point).unwrap();
                     let mut found = [0.0; 3];
                     for (&node, n) in nodes.iter().zip(&shape) {
                         found = add_scaled(found, *n, mesh.points()[node]);
@@ -207,7 +204,7 @@ mod tests {
         assert!(found([0.5, 1.01, 1.0]).is_none());
         assert!(found([-0.01, 0.5, 0.8]).is_none());
         // over the middle of the ridge, a corner of four facets
-        let (nodes, shape) = found([0.5, 0.5, 1.01]).unwrap();
+        let Located { nodes, shape, .. } = found([0.5, 0.5, 1.01]).unwrap();
         let most = shape.iter().position(|n| *n > 0.99).unwrap();
         assert!(distance(mesh.points()[nodes[most]], [0.5, 0.5, 1.0]) < 1e-12);
     }

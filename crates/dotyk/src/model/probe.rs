@@ -8,12 +8,11 @@ use crate::model::error::{Error, ProbeError};
 use crate::model::line::{Station, points_between, stations_along, stations_at};
 use crate::model::locate::{Located, locate, locate_all, locate_on_side};
 use crate::model::nouns::{Along, Analysis, BodyId, Model, Probe, Reading, SideRef};
+use crate::model::on_side::{OnSide, fitting};
 use crate::model::pair::Paired;
 use crate::model::quantity::{ContactField, Displacement, Parts, Stress};
 use crate::model::recover::centroid;
-use crate::model::solution::{
-    BodySolution, ContactNode, ContactSolution, LinePoint, ProbeValue, Solution,
-};
+use crate::model::solution::{BodySolution, ContactNode, LinePoint, ProbeValue, Solution};
 use std::collections::BTreeMap;
 
 /// A smaller shape function is rounding: that node has no part in the value.
@@ -28,7 +27,7 @@ pub(crate) struct Site<const D: usize> {
     /// The places that it is read along; none where it is read otherwise.
     stations: Vec<Station<D>>,
     /// Nodes and their parts in the value at its point.
-    at: Option<Located>,
+    at: Option<Located<D>>,
 }
 
 /// Reads all probes of a model off a solution, each at its site.
@@ -91,11 +90,11 @@ fn site<const D: usize>(
         }
         _ => {}
     }
-    let located = |at| -> Result<Located, ProbeError<D>> {
+    let located = |at| -> Result<Located<D>, ProbeError<D>> {
         let found = located(model, carrier, at)?;
         Ok(match probe.reading {
             Reading::MeanOfNeighbours(_) => {
-                neighbours(&model.bodies[carrier.body()].mesh, found.0, at)
+                neighbours(&model.bodies[carrier.body()].mesh, found, at)
             }
             _ => found,
         })
@@ -178,7 +177,7 @@ fn read<const D: usize>(
         return Ok(read);
     }
     let found = site.at.as_ref().ok_or(ProbeError::NoPlace)?;
-    Ok(field.interpolated(found, [0.0; D]).into())
+    Ok(field.interpolated(found).into())
 }
 
 /// Whose nodes a quantity is read at: those of a body, or of the nonmortar side of a contact.
@@ -230,10 +229,11 @@ impl<'a, const D: usize> NodalField<'a, D> {
     }
 
     /// The value at a place of a cell or facet; a node without weight does not count, whatever it has.
-    fn interpolated(&self, (nodes, shape): &Located, normal: Point<D>) -> f64 {
-        let parts = nodes.iter().zip(shape).filter(|(_, n)| **n != 0.0);
-        let sum = parts.fold([0.0; D], |sum, (&node, &n)| {
-            add_scaled(sum, n, (self.vector)(node, normal))
+    fn interpolated(&self, found: &Located<D>) -> f64 {
+        let parts = found.nodes.iter().zip(&found.shape);
+        let sum = parts.fold([0.0; D], |sum, (&node, &n)| match n {
+            0.0 => sum,
+            _ => add_scaled(sum, n, (self.vector)(node, found.normal)),
         });
         (self.number)(sum)
     }
@@ -243,7 +243,7 @@ impl<'a, const D: usize> NodalField<'a, D> {
         LinePoint {
             s: station.s,
             point: padded(station.point),
-            value: found.map_or(f64::NAN, |f| self.interpolated(f, station.normal)),
+            value: found.map_or(f64::NAN, |f| self.interpolated(f)),
             starts: station.starts,
         }
     }
@@ -310,42 +310,24 @@ fn field<'a, const D: usize>(
         }
         Parts::Along(of, field) => {
             let contact = &solution.contacts[of];
-            let mut nodes: BTreeMap<usize, Vec<&ContactNode<D>>> = BTreeMap::new();
-            for node in &contact.nodes {
-                nodes.entry(node.node).or_default().push(node);
+            let mesh = &model.bodies[contact.nonmortar.body.0].mesh;
+            let side = OnSide::new(mesh, contact);
+            let mut between: BTreeMap<usize, Vec<(Point<D>, f64)>> = BTreeMap::new();
+            for place in side.between() {
+                let mean = place.mean(|node| along(field, node, &minus));
+                let values = between.entry(place.node).or_default();
+                values.push((place.normal, mean));
             }
-            let between = between_multipliers(model, contact, |node| along(field, node, &minus));
             let value = move |node: usize, normal: Point<D>| {
-                // a node at a corner of the side has a state for each of its faces
-                let likeness = |n: &&&ContactNode<D>| dot(n.normal, normal);
-                let states = nodes.get(&node).into_iter().flatten();
-                let found = states.reduce(|a, b| if likeness(&b) > likeness(&a) { b } else { a });
-                let none = || between.get(node).copied().unwrap_or(f64::NAN);
-                found.map_or_else(none, |node| along(field, node, &minus))
+                if let Some(state) = side.state(node, normal) {
+                    return along(field, state, &minus);
+                }
+                let values = between.get(&node).into_iter().flatten();
+                fitting(values, normal, |value| value.0).map_or(f64::NAN, |value| value.1)
             };
             Quantified::Varies(NodalField::scalar(Carrier::Side(&contact.nonmortar), value))
         }
     }
-}
-
-/// Values of a contact at the nodes of its nonmortar body (nodes,): in space linear between the corners of facets, which alone
-/// carry multipliers; NaN where nothing is known. Empty in the plane, where all nodes of a side are its own.
-fn between_multipliers<const D: usize>(
-    model: &Model<D>,
-    contact: &ContactSolution<D>,
-    value: impl Fn(&ContactNode<D>) -> f64,
-) -> Vec<f64> {
-    if D == 2 {
-        return Vec::new();
-    }
-    let mesh = &model.bodies[contact.nonmortar.body.0].mesh;
-    let mut values = vec![f64::NAN; mesh.points().len()];
-    for node in &contact.nodes {
-        values[node.node] = value(node);
-    }
-    let facets = mesh.side(&contact.nonmortar.side).unwrap_or_default();
-    mesh.fill_between_corners(facets, &mut values);
-    values
 }
 
 /// The places that a probe is read along; none where it is read otherwise.
@@ -571,7 +553,7 @@ fn located<const D: usize>(
     model: &Model<D>,
     carrier: Carrier<'_>,
     at: Point<D>,
-) -> Result<Located, ProbeError<D>> {
+) -> Result<Located<D>, ProbeError<D>> {
     let mesh = &model.bodies[carrier.body()].mesh;
     let side = match carrier {
         Carrier::Body(_) => return locate(mesh, at).ok_or(ProbeError::Outside { point: at }),
@@ -579,22 +561,29 @@ fn located<const D: usize>(
     };
     let mut found = locate_on_side(mesh, side, at).ok_or(ProbeError::Beside { point: at })?;
     // a node with no part in the value may have none, which is NaN
-    let none = found.1.iter_mut().filter(|n| n.abs() < NO_WEIGHT);
+    let none = found.shape.iter_mut().filter(|n| n.abs() < NO_WEIGHT);
     none.for_each(|n| *n = 0.0);
     Ok(found)
 }
 
 /// The two nodes nearest to a point of a facet, with equal weights; a point on a node takes that node.
-fn neighbours<const D: usize>(mesh: &Mesh<D>, mut nodes: Vec<usize>, at: Point<D>) -> Located {
+fn neighbours<const D: usize>(mesh: &Mesh<D>, found: Located<D>, at: Point<D>) -> Located<D> {
+    let Located {
+        mut nodes, normal, ..
+    } = found;
     // on a curved facet the middle node splits it: the neighbours are the two nodes nearest to the point
     nodes.sort_by(|&a, &b| {
         distance(mesh.points()[a], at).total_cmp(&distance(mesh.points()[b], at))
     });
     let spacing = distance(mesh.points()[nodes[0]], mesh.points()[nodes[1]]);
     if distance(mesh.points()[nodes[0]], at) < ON_THE_NODE * spacing {
-        return (nodes[..1].to_vec(), vec![1.0]);
+        return Located::at_node(nodes[0], normal);
     }
-    (nodes[..2].to_vec(), vec![0.5; 2])
+    Located {
+        nodes: nodes[..2].to_vec(),
+        shape: vec![0.5; 2],
+        normal,
+    }
 }
 
 #[cfg(test)]

@@ -4,14 +4,15 @@
 //! radial, axial and hoop. `principal_stress` is largest first. `reaction` and `contact_force` are nodal forces of supports and of
 //! all contacts and couples on the body: with loads they balance the internal forces at every node. `pressure`, `gap`, `contact_normal` and `contact_state` are defined at the nodes of a nonmortar
 //! side and, where the contact pairs nodes, at their partners (whose normal is the opposite one); elsewhere they are NaN, and
-//! the state is −1: 0 open, 1 closed, 2 stick, 3 slip, 4 tied, 5 fixed. With friction or a tie there is `shear`, the traction
+//! the state is −1: 0 open, 1 closed, 2 stick, 3 slip, 4 tied, 5 fixed. In space, where corners of facets carry the
+//! multipliers, nodes between them have what is linear there and the state of the corner that bears most. With friction or a tie there is `shear`, the traction
 //! on this body. Cells have the index of their body; field data are the time and the units.
 //! Arrays are inline, little-endian, zlib in blocks, base64.
 //! Source: VTK file formats, section "XML file formats" (vtk.org).
 
-use crate::geometry::{Point, padded};
+use crate::geometry::{Point, padded, unit};
 use crate::mesh::Mesh;
-use crate::model::{Analysis, Law, Model, Solution, Status};
+use crate::model::{Analysis, Law, Model, OnSide, Solution, Status};
 use crate::output::encode::zlib;
 use crate::output::html::escape;
 use crate::output::text::{AXES, Labels};
@@ -239,6 +240,34 @@ struct ContactFields {
     state: Vec<i32>,
 }
 
+/// The same at one node.
+struct State {
+    status: Option<Status>,
+    normal: [f64; 3],
+    shear: [f64; 3],
+    pressure: f64,
+    gap: f64,
+}
+
+impl ContactFields {
+    /// Takes over what is not known of a node yet.
+    fn take(&mut self, at: usize, state: State) {
+        if self.state[at] == NO_STATE {
+            self.normal[at] = state.normal;
+            self.shear[at] = state.shear;
+            self.state[at] = state.status.map_or(NO_STATE, state_number);
+        }
+        for (known, value) in [
+            (&mut self.pressure[at], state.pressure),
+            (&mut self.gap[at], state.gap),
+        ] {
+            if known.is_nan() {
+                *known = value;
+            }
+        }
+    }
+}
+
 /// The state where there is no contact.
 const NO_STATE: i32 = -1;
 
@@ -283,29 +312,32 @@ fn contact_fields<const D: usize>(
                 let Some(at) = (if own { Some(node.node) } else { node.partner }) else {
                     continue;
                 };
-                if fields.state[at] == NO_STATE {
-                    let sign = if own { 1.0 } else { -1.0 };
-                    fields.normal[at] = padded(node.normal).map(|n| sign * n);
-                    fields.shear[at] = padded(node.shear).map(|s| sign * s);
-                    fields.state[at] = state_number(node.status);
-                }
-                let scalars = [
-                    (&mut fields.pressure, node.pressure),
-                    (&mut fields.gap, node.gap),
-                ];
-                for (field, value) in scalars {
-                    if field[at].is_nan() {
-                        field[at] = value;
-                    }
-                }
+                let sign = if own { 1.0 } else { -1.0 };
+                fields.take(
+                    at,
+                    State {
+                        status: Some(node.status),
+                        normal: padded(node.normal).map(|n| sign * n),
+                        shear: padded(node.shear).map(|s| sign * s),
+                        pressure: node.pressure,
+                        gap: node.gap,
+                    },
+                );
             }
-            // in space only corners carry multipliers
-            let facets = side
-                .and_then(|side| mesh.side(&side.side))
-                .unwrap_or_default();
-            if own && D > 2 {
-                mesh.fill_between_corners(facets, &mut fields.pressure);
-                mesh.fill_between_corners(facets, &mut fields.gap);
+            if own {
+                for place in OnSide::new(mesh, contact).between() {
+                    let normal = unit(place.mean_vector(|node| node.normal)).unwrap_or([0.0; D]);
+                    fields.take(
+                        place.node,
+                        State {
+                            status: place.status(),
+                            normal: padded(normal),
+                            shear: padded(place.mean_vector(|node| node.shear)),
+                            pressure: place.mean(|node| node.pressure),
+                            gap: place.mean(|node| node.gap),
+                        },
+                    );
+                }
             }
         }
     }
@@ -352,8 +384,9 @@ fn array(out: &mut String, kind: &str, name: &str, components: &[&str], bytes: &
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::mesh::CellKind;
-    use crate::model::Status;
+    use crate::geometry::Field;
+    use crate::mesh::{CellKind, Cuboid};
+    use crate::model::{Elastic, Status};
     use crate::output::tunnel;
     use std::io::Read;
 
@@ -404,6 +437,56 @@ mod tests {
         );
         assert_eq!(read(&ring, "von_mises").len(), nodes);
         assert_eq!(read(&ring, "points").len(), 3 * nodes);
+    }
+
+    #[test]
+    fn nodes_between_the_corners_of_a_side_in_space_have_values_and_a_state() {
+        let cuboid = Cuboid {
+            from: [0.0; 3],
+            to: [1.0; 3],
+            cells: [2; 3],
+            cell: CellKind::Hex20,
+        };
+        let elastic = Elastic {
+            young: 1000.0,
+            poisson: 0.3,
+        };
+        let mut model = Model::<3>::new();
+        let body = model.body("block", cuboid.build().unwrap(), elastic);
+        model.fix(body, "top", [Some(0.0); 3]);
+        let gap = Field::function("wedge", |[x, ..], _| 0.001 * (x - 0.6));
+        model.obstacle((body, "bottom"), gap);
+        let solution = model.solve().unwrap();
+        let mesh = &model.bodies[0].mesh;
+        let fields = contact_fields(&solution, 0, mesh);
+        let at = |x: Point<3>| {
+            let node = mesh.points().iter().position(|&p| p == x);
+            node.unwrap()
+        };
+        let mut mixed = 0;
+        for node in mesh.side_nodes("bottom").unwrap() {
+            let x = mesh.points()[node as usize];
+            // along which axis it lies between two corners
+            let Some(axis) = (0..2).find(|&d| (2.0 * x[d]).fract() != 0.0) else {
+                continue;
+            };
+            let ends = [-0.25, 0.25].map(|step| {
+                let mut end = x;
+                end[axis] += step;
+                at(end)
+            });
+            let (node, mean) = (node as usize, |values: &[f64]| {
+                0.5 * (values[ends[0]] + values[ends[1]])
+            });
+            assert_eq!(fields.pressure[node], mean(&fields.pressure));
+            assert_eq!(fields.gap[node], mean(&fields.gap));
+            assert_eq!(fields.normal[node], [0.0, 0.0, -1.0]);
+            assert_eq!(fields.shear[node], [0.0; 3]);
+            let states = ends.map(|end| fields.state[end]);
+            mixed += usize::from(states[0] != states[1]);
+            assert_eq!(fields.state[node], states[0].max(states[1]));
+        }
+        assert!(mixed > 0);
     }
 
     #[test]

@@ -10,8 +10,8 @@ use dotyk::fem::{Analysis, assemble, describe_motion};
 use dotyk::geometry::{Field, Point, Surface, add_scaled, cross, distance, dot, norm, sub};
 use dotyk::mesh::{CellKind, Cuboid, MAX_CELL_NODES, Mesh};
 use dotyk::model::{
-    BodyId, ContactNode, Elastic, Law, Load, Model, Motion, Obstacle, Pair, Pairing, Place, Rigid,
-    SideRef, Solution, Status, Support,
+    BodyId, ContactNode, Elastic, Law, Load, Model, Motion, Obstacle, Pair, Pairing, Place,
+    Reading, Rigid, SideRef, Solution, Status, Support,
 };
 use proptest::prelude::*;
 
@@ -876,5 +876,72 @@ fn a_roller_pressed_on_a_box_is_met_along_its_line() {
         let mut below = below.filter(|(x, _)| (x[1] - place[1]).abs() < 1e-12);
         let (_, most) = below.next().unwrap();
         assert!(*most > 0.0 && pressure <= most, "{place:?}");
+    }
+}
+
+#[test]
+fn between_its_corners_a_facet_has_the_values_of_its_own_face() {
+    let cuboid = Cuboid {
+        from: [0.0; 3],
+        to: [1.0; 3],
+        cells: [2; 3],
+        cell: CellKind::Hex20,
+    };
+    let mut mesh = cuboid.build().unwrap();
+    let both = mesh.join_sides(&["bottom", "left"]).unwrap();
+    let mut model = Model::<3>::new();
+    let body = model.body("b", mesh, CORK);
+    model.fix(body, "top", [None, None, Some(0.0)]);
+    model.fix(body, "right", [Some(0.0), None, None]);
+    model.fix(body, "front", [None, Some(0.0), None]);
+    let gap = Field::function("-0.001 (1 + x)", |[x, ..], _| -0.001 * (1.0 + x));
+    model.obstacle((body, &both), gap).name = "c".to_string();
+    // in the middle of the lower face, in the middles of edges on either face, on the sharp edge between nodes
+    let places = [
+        [0.25, 0.5, 0.0],
+        [0.0, 0.5, 0.25],
+        [0.1, 0.25, 0.0],
+        [0.0, 0.25, 0.1],
+    ];
+    for (k, at) in places.into_iter().enumerate() {
+        let reading = Reading::At(at);
+        model.probe(&k.to_string(), "c.pressure", reading).unwrap();
+    }
+    let solution = model.solve().unwrap();
+    let pressure = |at: Point<3>, face: Point<3>| {
+        let own = |node: &&ContactNode<3>| {
+            distance(node.point, at) < 1e-12 && distance(node.normal, face) < 1e-12
+        };
+        solution.contacts[0]
+            .nodes
+            .iter()
+            .find(own)
+            .unwrap()
+            .pressure
+    };
+    let (down, left) = ([0.0, 0.0, -1.0], [-1.0, 0.0, 0.0]);
+    // the two faces of the edge bear what differs by 9 %
+    let [low, side] = [down, left].map(|face| pressure([0.0, 0.5, 0.0], face));
+    assert!((low / side - 1.0).abs() > 0.05, "{low} {side}");
+    // a serendipity facet whose middle nodes are linear between the corners is bilinear
+    let expected = |at: Point<3>, face: Point<3>| -> f64 {
+        let along = if face == down { 0 } else { 2 };
+        let mut sum = 0.0;
+        for [u, v] in [[0.0, 0.0], [0.5, 0.0], [0.0, 0.5], [0.5, 0.5]] {
+            let mut corner = [0.0; 3];
+            (corner[along], corner[1]) = (u, v);
+            let hat = |x: f64, node: f64| 1.0 - 2.0 * (x - node).abs();
+            sum += hat(at[along], u) * hat(at[1], v) * pressure(corner, face);
+        }
+        sum
+    };
+    for (probe, at) in solution.probes.iter().zip(places) {
+        let face = if at[2] == 0.0 { down } else { left };
+        let expected = expected(at, face);
+        assert!(
+            (probe.value / expected - 1.0).abs() < 1e-9,
+            "{at:?}: {} {expected}",
+            probe.value
+        );
     }
 }

@@ -5,7 +5,7 @@
 
 use crate::geometry::{Point, add_scaled, cross, distance, dot, norm, sub, unit};
 use crate::mesh::{Facet, Mesh};
-use crate::model::{ContactSolution, SideRef, Solution, Status};
+use crate::model::{ContactNode, ContactSolution, OnSide, SideRef, Solution, Status};
 use crate::output::colour;
 use crate::output::encode::png;
 use crate::output::html;
@@ -183,13 +183,17 @@ pub fn faces<'a>(scene: &Scene<'a>, contact: &ContactSolution<3>) -> Option<Vec<
     let nodes = mesh.points().len();
     let (mut pressure, mut gap) = (vec![f64::NAN; nodes], vec![f64::NAN; nodes]);
     let mut status = vec![None; nodes];
+    // NaN stays NaN
+    let opened = |node: &ContactNode<3>| node.gap.max(0.0) + 0.0 * node.gap;
     for node in &contact.nodes {
         pressure[node.node] = node.pressure;
-        gap[node.node] = node.gap.max(0.0) + 0.0 * node.gap;
+        gap[node.node] = opened(node);
         status[node.node] = Some(node.status);
     }
-    mesh.fill_between_corners(&skin.facets, &mut pressure);
-    mesh.fill_between_corners(&skin.facets, &mut gap);
+    for place in OnSide::new(mesh, contact).between() {
+        pressure[place.node] = place.mean(|node| node.pressure);
+        gap[place.node] = place.mean(opened);
+    }
     let name = |side: &SideRef| format!("{}.{}", scene.model.bodies[side.body.0].name, side.side);
     let [first, second] = cameras(mesh, &skin.facets);
     let nonmortar = Face {
