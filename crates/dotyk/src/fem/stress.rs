@@ -207,42 +207,47 @@ pub fn von_mises(s: [f64; 6]) -> f64 {
     (0.5 * d + 3.0 * (s[3] * s[3] + s[4] * s[4] + s[5] * s[5])).sqrt()
 }
 
-/// Principal stresses of (xx yy zz xy yz xz), largest first, by the trigonometric solution of the characteristic equation.
+/// Principal stresses of (xx yy zz xy yz xz), largest first.
+///
+/// By Jacobi's rotations, each of which makes one of the shears zero: to rounding of the largest component, equal ones, too, of
+/// which the characteristic equation knows half the digits.
+/// Source: as described in G. H. Golub and C. F. Van Loan, Matrix Computations, section 8.5.
 pub fn principal(s: [f64; 6]) -> [f64; 3] {
-    if s[4] == 0.0 && s[5] == 0.0 {
-        // one axis is known, which the cubic would know to half the digits only
-        let (middle, half) = (0.5 * (s[0] + s[1]), 0.5 * (s[0] - s[1]));
-        let radius = half.hypot(s[3]);
-        let mut values = [middle + radius, middle - radius, s[2]];
-        values.sort_by(|a, b| b.total_cmp(a));
-        return values;
+    let mut values = [s[0], s[1], s[2]];
+    // of the axes that follow each one: yz, zx, xy
+    let mut shears = [s[4], s[5], s[3]];
+    let least = 1e-3 * f64::EPSILON * s.iter().fold(0.0, |most: f64, c| most.max(c.abs()));
+    for step in 0..3 * SWEEPS {
+        let r = step % 3;
+        let (p, q) = ((r + 1) % 3, (r + 2) % 3);
+        if shears[r].abs() <= least {
+            continue;
+        }
+        let slope = 0.5 * (values[q] - values[p]) / shears[r];
+        let tangent = 1.0f64.copysign(slope) / (slope.abs() + slope.hypot(1.0));
+        let cosine = 1.0 / tangent.hypot(1.0);
+        let sine = tangent * cosine;
+        values[p] -= tangent * shears[r];
+        values[q] += tangent * shears[r];
+        shears[r] = 0.0;
+        // shears of the third axis with these two
+        let (with_p, with_q) = (shears[q], shears[p]);
+        shears[q] = cosine * with_p - sine * with_q;
+        shears[p] = sine * with_p + cosine * with_q;
     }
-    let mean = (s[0] + s[1] + s[2]) / 3.0;
-    let d = [s[0] - mean, s[1] - mean, s[2] - mean];
-    let shear = s[3] * s[3] + s[4] * s[4] + s[5] * s[5];
-    let j2 = 0.5 * (d[0] * d[0] + d[1] * d[1] + d[2] * d[2]) + shear;
-    if j2 == 0.0 {
-        return [mean; 3];
-    }
-    // det of the deviator with entries xy = s[3], yz = s[4], xz = s[5]
-    let j3 = d[0] * (d[1] * d[2] - s[4] * s[4]) - s[3] * (s[3] * d[2] - s[4] * s[5])
-        + s[5] * (s[3] * s[4] - d[1] * s[5]);
-    let radius = 2.0 * (j2 / 3.0).sqrt();
-    let cosine = (0.5 * j3 * (3.0 / j2).powf(1.5)).clamp(-1.0, 1.0);
-    let angle = cosine.acos() / 3.0;
-    let third = 2.0 * std::f64::consts::PI / 3.0;
-    let mut values = [0.0, -third, third].map(|shift| mean + radius * (angle + shift).cos());
     values.sort_by(|a, b| b.total_cmp(a));
     values
 }
+
+/// Rounds of rotations: the shears fall with their squares, and are below rounding after four or five.
+const SWEEPS: usize = 8;
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
-    #[test]
-    fn principal_stresses_do_not_depend_on_the_axes() {
-        // R diag(3, 1, −2) Rᵀ with a rotation R from a quaternion
+    /// R diag(values) Rᵀ with a rotation R from a quaternion.
+    fn turned(values: [f64; 3]) -> [f64; 6] {
         let [w, x, y, z] = [0.1f64, 0.5, -0.7, 0.5];
         let rotation = [
             [
@@ -261,22 +266,27 @@ mod tests {
                 1.0 - 2.0 * (x * x + y * y),
             ],
         ];
-        let values = [3.0, 1.0, -2.0];
-        let entry = |i: usize, j: usize| -> f64 {
+        let entry = |[i, j]: [usize; 2]| -> f64 {
             (0..3)
                 .map(|k| rotation[i][k] * values[k] * rotation[j][k])
                 .sum()
         };
-        let state = [
-            entry(0, 0),
-            entry(1, 1),
-            entry(2, 2),
-            entry(0, 1),
-            entry(1, 2),
-            entry(0, 2),
-        ];
-        for (found, expected) in principal(state).into_iter().zip(values) {
-            assert!((found - expected).abs() < 1e-12, "{found} {expected}");
+        [[0, 0], [1, 1], [2, 2], [0, 1], [1, 2], [0, 2]].map(entry)
+    }
+
+    #[test]
+    fn principal_stresses_do_not_depend_on_the_axes() {
+        // the last three have equal ones, or nearly so
+        for values in [
+            [3.0, 1.0, -2.0],
+            [1.0, 0.0, 0.0],
+            [0.0, 0.0, -1.0],
+            [2.0, 2.0 - 1e-9, 0.5],
+        ] {
+            for (found, expected) in principal(turned(values)).into_iter().zip(values) {
+                let off = (found - expected).abs();
+                assert!(off < 1e-14, "{found} {expected} of {values:?}");
+            }
         }
     }
 
