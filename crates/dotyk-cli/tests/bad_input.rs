@@ -260,7 +260,7 @@ const IN_SPACE: &[Mistake] = &[
     ("{ box = { from = [0, 0, 0], to = [4, 2, 1], cells = [4, 2, 1] } }", "{ cylinder = { base = [0, 0, 0], axis = [0, 0, 0], radius = 2, height = 1, cells = [8, 2, 1] } }", "cylinder", "axis"),
     ("{ box = { from = [0, 0, 0], to = [4, 2, 1], cells = [4, 2, 1] } }", "{ sphere = { center = [0, 0, 0], radius = 2, inner = 3, cells = [8, 2] } }", "sphere", "inner"),
     ("{ box = { from = [0, 0, 0], to = [4, 2, 1], cells = [4, 2, 1] } }", "{ extrude = { mesh = { rectangle = { from = [0, 0], to = [4, 2], cells = [4, 2] } }, layers = 2 } }", "extrude", "needs `height` or `turn`"),
-    ("{ box = { from = [0, 0, 0], to = [4, 2, 1], cells = [4, 2, 1] } }", "{ extrude = { mesh = { box = { from = [0, 0, 0], to = [4, 2, 1], cells = [4, 2, 1] } }, height = 1, layers = 2 } }", "box", "makes 3D meshes"),
+    ("{ box = { from = [0, 0, 0], to = [4, 2, 1], cells = [4, 2, 1] } }", "{ extrude = { mesh = { box = { from = [0, 0, 0], to = [4, 2, 1], cells = [4, 2, 1] } }, height = 1, layers = 2 } }", "box", "makes 3D meshes, and `extrude` takes 2D ones"),
     ("{ box = { from = [0, 0, 0], to = [4, 2, 1], cells = [4, 2, 1] } }", "{ extrude = { mesh = { rectangle = { from = [-1, 0], to = [4, 2], cells = [5, 2] } }, turn = { point = [0, 0, 0], axis = [0, 1, 0], angle = 90 }, layers = 4 } }", "extrude", "axis"),
     ("\"sole.pressure\"", "\"sole.moment\"", "sole.moment", "add one of `x`, `y`, `z`"),
     ("at = [2, 1, 1]", "at = [2, 1, 1]\ncenter = [0, 0, 0]", "center = [0, 0, 0]", "belongs to moments"),

@@ -30,7 +30,9 @@ where
     let table = node.table(keys::BODY)?;
     let body_name = name(table.require("name", "a body")?)?;
     let what = format!("body `{body_name}`");
-    let (mut mesh, of_file) = mesh(table.require("mesh", &what)?, &body_name, files)?;
+    let of = table.require("mesh", &what)?;
+    let needed = format!("the analysis is in {D}D");
+    let (mut mesh, of_file) = mesh(of, &body_name, &needed, files)?;
     let points = points(table, &body_name, of_file)?;
     let (materials, thickness) = materials(table.require("material", &what)?, &body_name, &mesh)?;
     let mut couples = Couples::new(&body_name, analysis);

@@ -110,10 +110,11 @@ impl Generated<3> for Mesh<3> {
     }
 }
 
-/// The mesh, and the points that a mesh file names.
+/// The mesh, and the points that a mesh file names; `needed` says why it has to have D dimensions.
 pub(crate) fn mesh<const D: usize>(
     node: &Node,
     body: &str,
+    needed: &str,
     files: &mut MeshFiles,
 ) -> Result<(Mesh<D>, Named<D>), Fault>
 where
@@ -137,10 +138,7 @@ where
     };
     if !Mesh::<D>::GENERATORS.contains(&generator.key.as_str()) {
         let other = 5 - D;
-        let message = format!(
-            "`{}` makes {other}D meshes, and the analysis is in {D}D",
-            generator.key
-        );
+        let message = format!("`{}` makes {other}D meshes, and {needed}", generator.key);
         return Err(Fault::new(&generator.key_span, message)
             .label(format!("a {other}D mesh"))
             .help(format!("{D}D meshes: {}", known())));
@@ -337,7 +335,8 @@ fn sphere(node: &Node) -> Result<Sphere, Fault> {
 fn extrude(node: &Node, body: &str, files: &mut MeshFiles) -> Result<Made<3>, Fault> {
     let table = node.table(keys::EXTRUDE)?;
     let what = "an extruded mesh";
-    let (plane, points) = mesh::<2>(table.require("mesh", what)?, body, files)?;
+    let plane = table.require("mesh", what)?;
+    let (plane, points) = mesh::<2>(plane, body, "`extrude` takes 2D ones", files)?;
     let path = match (table.entry("height"), table.entry("turn")) {
         (Some(entry), None) => Path::Straight(entry.node.positive("the height")?),
         (None, Some(entry)) => {
