@@ -29,7 +29,16 @@ pub(crate) fn true_surface<const D: usize>(node: &Node) -> Result<Surface<D>, Fa
             .label("not exactly one")
             .help(format!("give one of {}", listed(shapes::<D>()))));
     };
-    Ok(surface(entry)?.0)
+    let (surface, _) = surface(entry)?;
+    match entry.node.entries()?.iter().find(|e| e.key == "inside") {
+        Some(inside) => {
+            let message = "a true surface has no `inside`: its side tells where the body is";
+            Err(Fault::new(&inside.key_span, message)
+                .label("no meaning here")
+                .help("leave it out; obstacles have it"))
+        }
+        None => Ok(surface),
+    }
 }
 
 /// A shape of D dimensions, and whether the body is inside of it, where it is round.
