@@ -9,7 +9,7 @@ use crate::case::outline;
 use crate::case::suggest::listed;
 use crate::mesh::{
     CellKind, Cuboid, Cylinder, Diagonals, Extrude, ImportError, Imported, Mesh, MeshError,
-    MeshFile, Path, Rectangle, Ring, Sphere, TunnelRock,
+    MeshFile, Path, Rectangle, Ring, Sphere, TunnelRock, pieces,
 };
 
 /// The side that a patch may be of, whichever sides a mesh has: all of its boundary.
@@ -177,68 +177,84 @@ where
 
 fn rectangle(node: &Node) -> Result<Rectangle, Fault> {
     let table = node.table(keys::RECTANGLE)?;
-    let what = "a rectangle";
+    let (what, cell) = ("a rectangle", cell(table, 2)?);
     Ok(Rectangle {
         from: table.require("from", what)?.point()?,
         to: table.require("to", what)?.point()?,
-        cells: cells(table, what)?,
-        cell: cell(table, 2)?,
+        cells: lattice(table, what, cell)?,
+        cell,
         diagonals: diagonals(table)?,
     })
 }
 
 fn ring(node: &Node) -> Result<Ring, Fault> {
     let table = node.table(keys::RING)?;
-    let what = "a ring";
+    let (what, cell) = ("a ring", cell(table, 2)?);
     let angles = angles(table, what)?;
     Ok(Ring {
         center: table.get("center").map_or(Ok([0.0; 2]), Node::point)?,
         inner: table.require("inner", what)?.positive("the inner radius")?,
         outer: table.require("outer", what)?.positive("the outer radius")?,
         angles,
-        cells: cells(table, what)?,
+        cells: lattice(table, what, cell)?,
         ratio: growth(table, "ratio")?,
         grade: growth(table, "grade")?,
-        cell: cell(table, 2)?,
+        cell,
         diagonals: diagonals(table)?,
     })
 }
 
 fn tunnel_rock(node: &Node) -> Result<TunnelRock, Fault> {
     let table = node.table(keys::TUNNEL_ROCK)?;
-    let what = "tunnel rock";
+    let (what, cell) = ("tunnel rock", cell(table, 2)?);
     let length = |key: &str| table.require(key, what)?.positive(&format!("`{key}`"));
     Ok(TunnelRock {
         radius: length("radius")?,
         half_width: length("half_width")?,
         half_height: length("half_height")?,
-        cells: cells(table, what)?,
+        cells: lattice(table, what, cell)?,
         ratio: growth(table, "ratio")?,
         grade: growth(table, "grade")?,
-        cell: cell(table, 2)?,
+        cell,
         diagonals: diagonals(table)?,
     })
 }
 
 fn cuboid(node: &Node) -> Result<Cuboid, Fault> {
     let table = node.table(keys::BOX)?;
-    let what = "a box";
+    let (what, cell) = ("a box", cell(table, 3)?);
     Ok(Cuboid {
         from: table.require("from", what)?.point()?,
         to: table.require("to", what)?.point()?,
-        cells: cells(table, what)?,
-        cell: cell(table, 3)?,
+        cells: lattice(table, what, cell)?,
+        cell,
     })
+}
+
+/// Numbers of the squares or hexahedra of a lattice that is cut into these cells.
+fn lattice<const N: usize>(
+    table: Table<'_>,
+    what: &str,
+    cell: CellKind,
+) -> Result<[usize; N], Fault> {
+    let counts = cells(table, what)?;
+    let all = counts.iter().map(|&n| n as u128);
+    few_enough(table, all.fold(pieces(cell), u128::saturating_mul))?;
+    Ok(counts)
 }
 
 fn cells<const N: usize>(table: Table<'_>, what: &str) -> Result<[usize; N], Fault> {
     let node = table.require("cells", what)?;
-    let counts = node.counts("the number of cells")?;
-    if counts.iter().fold(1, |n: usize, c| n.saturating_mul(*c)) > MOST_CELLS {
-        let message = format!("more than {MOST_CELLS} cells in one body");
-        return Err(Fault::new(&node.span, message).label("too many cells"));
+    node.counts("the number of cells")
+}
+
+fn few_enough(table: Table<'_>, cells: u128) -> Result<(), Fault> {
+    if cells <= MOST_CELLS as u128 {
+        return Ok(());
     }
-    Ok(counts)
+    let span = table.get("cells").map_or(table.span, |node| &node.span);
+    let message = format!("more than {MOST_CELLS} cells in one body");
+    Err(Fault::new(span, message).label(format!("{cells} cells")))
 }
 
 fn growth(table: Table<'_>, key: &str) -> Result<f64, Fault> {
@@ -305,7 +321,7 @@ fn inner(table: Table<'_>) -> Result<f64, Fault> {
 fn cylinder(node: &Node) -> Result<Cylinder, Fault> {
     let table = node.table(keys::CYLINDER_MESH)?;
     let what = "a cylinder";
-    Ok(Cylinder {
+    let cylinder = Cylinder {
         base: table.require("base", what)?.point()?,
         axis: table.require("axis", what)?.point()?,
         radius: table.require("radius", what)?.positive("the radius")?,
@@ -314,21 +330,25 @@ fn cylinder(node: &Node) -> Result<Cylinder, Fault> {
         angles: angles(table, what)?,
         cells: cells(table, what)?,
         cell: cell(table, 3)?,
-    })
+    };
+    few_enough(table, cylinder.cell_count())?;
+    Ok(cylinder)
 }
 
 fn sphere(node: &Node) -> Result<Sphere, Fault> {
     let table = node.table(keys::SPHERE_MESH)?;
     let what = "a sphere";
     let polar = |key: &str, default: f64| table.get(key).map_or(Ok(default), Node::number);
-    Ok(Sphere {
+    let sphere = Sphere {
         center: table.require("center", what)?.point()?,
         radius: table.require("radius", what)?.positive("the radius")?,
         inner: inner(table)?,
         angles: [polar("from", 0.0)?, polar("to", 180.0)?],
         cells: cells(table, what)?,
         cell: cell(table, 3)?,
-    })
+    };
+    few_enough(table, sphere.cell_count())?;
+    Ok(sphere)
 }
 
 /// A plane mesh carried along z or around an axis; its named points are at z = 0.
@@ -358,10 +378,7 @@ fn extrude(node: &Node, body: &str, files: &mut MeshFiles) -> Result<Made<3>, Fa
     };
     let layers = table.require("layers", what)?;
     let layers = layers.positive_integer("the number of layers")?;
-    if layers.saturating_mul(plane.cell_count()) > MOST_CELLS {
-        let message = format!("more than {MOST_CELLS} cells in one body");
-        return Err(Fault::new(table.span, message).label("too many cells"));
-    }
+    few_enough(table, layers as u128 * plane.cell_count() as u128)?;
     let at_foot = |[x, y]: [f64; 2]| [x, y, 0.0];
     let named = points.into_iter();
     let named = named.map(|(name, places)| (name, places.into_iter().map(at_foot).collect()));

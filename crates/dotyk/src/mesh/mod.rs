@@ -20,6 +20,7 @@ mod reference;
 pub use cell::{CellBlock, MAX_CELL_NODES, MAX_FACET_NODES};
 pub use error::MeshError;
 pub use facets::{Chain, FacetTable};
+pub(crate) use generate::pieces;
 pub use generate::{
     Cuboid, Cylinder, Diagonals, Extrude, Path, Rectangle, Ring, Sphere, TunnelRock,
 };

@@ -402,6 +402,32 @@ fn extruded_meshes_keep_their_sides() {
     }
 }
 
+#[test]
+fn cells_are_counted_before_they_are_made() {
+    for cell in [CellKind::Hex8, CellKind::Tet4] {
+        for inner in [0.0, 1.0] {
+            for (angles, around) in [
+                (None, 14),
+                (Some([10.0, 100.0]), 7),
+                (Some([0.0, 300.0]), 19),
+            ] {
+                let cylinder = cylinder(cell, inner, angles, [around, 3, 2]);
+                let mesh = cylinder.build().unwrap();
+                assert_eq!(mesh.cell_count() as u128, cylinder.cell_count());
+            }
+            let whole = [0.0, 180.0];
+            let parts = [[0.0, 90.0], [70.0, 180.0], [0.0, 10.0], whole];
+            // a part without a pole is hollow
+            let ring = (inner > 0.0).then_some([40.0, 110.0]);
+            for angles in parts.into_iter().chain(ring) {
+                let sphere = sphere(cell, inner, angles, [12, 3]);
+                let mesh = sphere.build().unwrap();
+                assert_eq!(mesh.cell_count() as u128, sphere.cell_count());
+            }
+        }
+    }
+}
+
 /// A quad8, a quad9 and two tri6 in a row on [0, 3] × [0, 1], one middle node of the quad8 moved outwards.
 fn mixed_row() -> Mesh<2> {
     // the lattice of halves of cells; the centre of the first square is no node

@@ -62,8 +62,7 @@ impl Disc {
     pub fn build(&self) -> Result<Mesh<2>, MeshError> {
         let [around, through] = self.cells;
         let order = self.cell.order();
-        let points = (around * order) as u128 * ((around + through) * order) as u128;
-        within_reach(points)?;
+        within_reach(self.cell_count().saturating_mul((order * order) as u128))?;
         let core = self.core()?;
         let mut weave = Weave::new(self.cell);
         for (index, patch) in core.patches.iter().enumerate() {
@@ -110,6 +109,14 @@ impl Disc {
             sides.insert("end".to_string(), spoke.chain(rings).collect());
         }
         Mesh::new(weave.points, vec![weave.block])?.with_sides(sides)
+    }
+
+    /// Number of cells of the mesh.
+    pub fn cell_count(&self) -> u128 {
+        let area = |[m, n]: [usize; 2]| m as u128 * n as u128;
+        let core = self.core().map_or(Vec::new(), |core| core.patches);
+        let patches = core.iter().map(|patch| area(patch.cells));
+        patches.sum::<u128>().saturating_add(area(self.cells))
     }
 
     fn core(&self) -> Result<Core, MeshError> {

@@ -21,11 +21,11 @@ pub use cuboid::Cuboid;
 pub use solids::{Cylinder, Extrude, Path, Sphere};
 
 use crate::geometry::{Point, add_scaled};
-use crate::mesh::{CellBlock, CellKind, Facet, Mesh, MeshError};
+use crate::mesh::{CellBlock, CellKind, Domain, Facet, Mesh, MeshError};
 use std::collections::BTreeMap;
 use std::ops::Range;
 
-/// Most lattice points: some gigabytes of mesh, long before an index overflows.
+/// Most nodes of a mesh: gigabytes in the plane and tens of them in space, long before an index overflows.
 const MOST_POINTS: usize = 100_000_000;
 
 /// Smallest cell over the sum of all cells in a direction: below, neighbouring nodes coincide but for rounding.
@@ -156,7 +156,16 @@ fn lines<const D: usize>(
     }))
 }
 
-/// Errors: more lattice points than a mesh may have.
+/// Cells that a square of the plane, or a hexahedron of space, is cut into.
+pub(crate) fn pieces(cell: CellKind) -> u128 {
+    match cell.domain() {
+        Domain::Triangle | Domain::Prism => 2,
+        Domain::Tetrahedron => 6,
+        Domain::Line | Domain::Square | Domain::Cube => 1,
+    }
+}
+
+/// Errors: more nodes than a mesh may have.
 fn within_reach(points: u128) -> Result<(), MeshError> {
     match points > MOST_POINTS as u128 {
         true => Err(MeshError::TooLarge {

@@ -12,7 +12,9 @@ use crate::mesh::generate::cuboid::{Cuboid, plane_and_solid};
 use crate::mesh::generate::disc::Disc;
 use crate::mesh::generate::layers::{Layers, carried};
 use crate::mesh::generate::tets::tetrahedra;
-use crate::mesh::generate::{Diagonals, Ring, between, direction, is_full, within_reach, wrong};
+use crate::mesh::generate::{
+    Diagonals, Ring, between, direction, is_full, pieces, within_reach, wrong,
+};
 use crate::mesh::{CellBlock, CellKind, Domain, Facet, MAX_CELL_NODES, Mesh, MeshError};
 use std::collections::BTreeMap;
 
@@ -355,8 +357,7 @@ impl Cylinder {
             return wrong("cells", format!("{:?}", self.cells), need);
         }
         let order = plane.order();
-        let points = [around, through, along].map(|n| (order * n) as u128);
-        within_reach(points.into_iter().product())?;
+        within_reach(nodes(self.hexahedra(), order))?;
         let base = self.cross_section(plane, [around, through])?;
         let axes = frame(axis);
         let place = |[x, y]: Point<2>, level: usize| {
@@ -386,8 +387,25 @@ impl Cylinder {
         in_cells(mesh, self.cell)
     }
 
+    /// Number of cells of the mesh.
+    pub fn cell_count(&self) -> u128 {
+        pieces(self.cell).saturating_mul(self.hexahedra())
+    }
+
+    /// Number of the hexahedra that cells are cut from.
+    fn hexahedra(&self) -> u128 {
+        let [around, through, along] = self.cells;
+        let radii = (self.inner, self.radius);
+        let section = count_around(radii, self.angles(), [around, through]);
+        section.saturating_mul(along as u128)
+    }
+
+    fn angles(&self) -> [f64; 2] {
+        self.angles.unwrap_or([0.0, 360.0])
+    }
+
     fn cross_section(&self, cell: CellKind, cells: [usize; 2]) -> Result<Mesh<2>, MeshError> {
-        let angles = self.angles.unwrap_or([0.0, 360.0]);
+        let angles = self.angles();
         let span = angles[1] - angles[0];
         if !(span > 0.0 && (span <= 360.0 || is_full(span))) {
             let value = format!("{}, {}", angles[0], angles[1]);
@@ -396,6 +414,26 @@ impl Cylinder {
         }
         around("cylinder", (self.inner, self.radius), angles, cells, cell)
     }
+}
+
+/// About as many nodes as so many hexahedra have.
+fn nodes(hexahedra: u128, order: usize) -> u128 {
+    hexahedra.saturating_mul((order as u128).pow(3))
+}
+
+/// Cells of [`around`].
+fn count_around((inner, radius): (f64, f64), angles: [f64; 2], cells: [usize; 2]) -> u128 {
+    if inner != 0.0 {
+        return cells.map(|n| n as u128).into_iter().product();
+    }
+    let disc = Disc {
+        generator: "",
+        radius,
+        angles,
+        cells,
+        cell: CellKind::Quad4,
+    };
+    disc.cell_count()
 }
 
 /// A ring, or a disc where the inner radius is zero.
@@ -468,9 +506,8 @@ impl Sphere {
             let need = "use at least one cell along each direction";
             return wrong("cells", format!("{:?}", self.cells), need);
         }
-        let points = [around, around / 8, through].map(|n| (plane.order() * n) as u128);
-        within_reach(points.into_iter().product())?;
-        let poles = (from == 0.0, to == 180.0);
+        within_reach(nodes(self.hexahedra(), plane.order()))?;
+        let poles = self.poles();
         let closed = poles == (true, true);
         if (self.inner == 0.0 || closed) && !around.is_multiple_of(4) {
             let need = "around a ball or closed shell use a multiple of 4";
@@ -486,6 +523,55 @@ impl Sphere {
             _ => self.shell(plane)?,
         };
         in_cells(mesh, self.cell)
+    }
+
+    /// Whether it reaches the lower and the upper end of polar angles.
+    fn poles(&self) -> (bool, bool) {
+        (self.angles[0] == 0.0, self.angles[1] == 180.0)
+    }
+
+    /// Number of cells of the mesh.
+    pub fn cell_count(&self) -> u128 {
+        pieces(self.cell).saturating_mul(self.hexahedra())
+    }
+
+    /// Number of the hexahedra that cells are cut from.
+    fn hexahedra(&self) -> u128 {
+        let closed = self.poles() == (true, true);
+        let through = self.cells[1] as u128;
+        if self.inner > 0.0 && !closed {
+            let (polar, cells) = self.section();
+            return count_around(polar, [0.0, 360.0], cells).saturating_mul(through);
+        }
+        let [nx, ny, nz] = self.cube_cells(closed).map(|n| n as u128);
+        let ends = if closed { 2 } else { 1 };
+        let faces = ends * nx * ny + 2 * (nx + ny) * nz;
+        let core = if self.inner == 0.0 { nz } else { 0 };
+        (nx * ny)
+            .saturating_mul(core)
+            .saturating_add(faces.saturating_mul(through))
+    }
+
+    /// Polar angles of a shell with a hole, counted from the pole that it reaches, if any, and its cells around and between them.
+    fn section(&self) -> ((f64, f64), [usize; 2]) {
+        let [from, to] = self.angles;
+        let (low, high) = match to == 180.0 {
+            true => (0.0, 180.0 - from),
+            false => (from, to),
+        };
+        // the core of a cap at a pole stands for an eighth of the turn
+        let share = if low == 0.0 { 720.0 } else { 360.0 };
+        let around = self.cells[0];
+        let rows = (around as f64 * (high - low) / share).round() as usize;
+        ((low, high), [around, rows.max(1)])
+    }
+
+    /// Cells of the cube whose image the core is, or of its half.
+    fn cube_cells(&self, closed: bool) -> [usize; 3] {
+        let n = self.cells[0] / 4;
+        let [from, to] = self.angles;
+        let rows = (n as f64 * (to - from) / 180.0).round() as usize;
+        [n, n, if closed { n } else { rows.max(1) }]
     }
 
     /// The point at a radius, from a direction in which the part with the pole +z has polar angles up to 90°.
@@ -514,18 +600,9 @@ impl Sphere {
 
     /// Polar angle as radius in the plane, spheres as layers.
     fn shell(&self, plane: CellKind) -> Result<Mesh<3>, MeshError> {
-        let [from, to] = self.angles;
-        let [cells, through] = self.cells;
-        // from the pole that it reaches, if any
-        let (low, high) = match to == 180.0 {
-            true => (0.0, 180.0 - from),
-            false => (from, to),
-        };
-        // the core of a cap at a pole stands for an eighth of the turn
-        let share = if low == 0.0 { 720.0 } else { 360.0 };
-        let rows = (cells as f64 * (high - low) / share).round() as usize;
-        let cells = [cells, rows.max(1)];
-        let mut polar = around("sphere", (low, high), [0.0, 360.0], cells, plane)?;
+        let (to, through) = (self.angles[1], self.cells[1]);
+        let (angles, cells) = self.section();
+        let mut polar = around("sphere", angles, [0.0, 360.0], cells, plane)?;
         let order = plane.order();
         let place = |[x, y]: Point<2>, level: usize| {
             let radius = between(
@@ -564,13 +641,10 @@ impl Sphere {
 
     /// A cube of one cell kind, q ∈ [−1, 1]³ or its half with qz ≥ 0.
     fn cube(&self, cell: CellKind, closed: bool) -> Result<Mesh<3>, MeshError> {
-        let n = self.cells[0] / 4;
-        let [from, to] = self.angles;
-        let rows = (n as f64 * (to - from) / 180.0).round() as usize;
         let cube = Cuboid {
             from: [-1.0, -1.0, if closed { -1.0 } else { 0.0 }],
             to: [1.0; 3],
-            cells: [n, n, if closed { n } else { rows.max(1) }],
+            cells: self.cube_cells(closed),
             cell,
         };
         cube.build()
