@@ -5,6 +5,7 @@ use crate::failure::Failure;
 use crate::given::Given;
 use crate::run::output_folder;
 use crate::text::{print, written};
+use dotyk::model::Check;
 use std::path::PathBuf;
 
 /// Arguments of `dotyk check`.
@@ -28,7 +29,12 @@ pub fn check(arguments: &Arguments) -> Result<Outcome, Failure> {
         };
         let mut check = case.model.check();
         case.warn_first(&mut check.warnings);
-        let mut text = check.to_string();
+        // errors are told below, where their place is
+        let shown = Check {
+            errors: Vec::new(),
+            ..check.clone()
+        };
+        let mut text = shown.to_string();
         if !text.ends_with('\n') {
             text.push('\n');
         }

@@ -892,6 +892,23 @@ fn what_is_left_out_of_a_mesh_file_is_a_warning_everywhere() {
             "{}",
             run.stderr
         );
+#[test]
+fn a_body_that_nothing_holds_is_told_once() {
+    let text = "analysis = \"3d\"\n[[body]]\nname = \"b\"\n\
+                mesh = { box = { from = [0, 0, 0], to = [1, 1, 1], cells = [1, 1, 1] } }\n\
+                material = { young = 1, poisson = 0.3 }\n";
+    let check = Run::new("nothing_holds", text, "check", &[]);
+    assert_eq!(check.status, Some(2));
+    assert!(
+        check.stdout.contains("  floats: every rigid motion\n"),
+        "{}",
+        check.stdout
+    );
+    let words = "its supports leave every rigid motion free";
+    let said = |text: &str| text.matches(words).count();
+    assert_eq!([said(&check.stdout), said(&check.stderr)], [0, 1]);
+}
+
         assert!(check.stdout.contains(words), "{}", check.stdout);
     }
 }

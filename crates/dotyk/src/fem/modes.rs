@@ -275,6 +275,14 @@ fn centre<const D: usize>(mesh: &Mesh<D>, nodes: &[usize]) -> (Point<D>, f64) {
     (middle, 0.5 * norm(sub(high, low)))
 }
 
+/// Motions of a body of D dimensions in words, from those of each; six of space are every one.
+pub fn list_motions<const D: usize>(motions: &[String]) -> String {
+    match (D, motions.len()) {
+        (3, 6) => "every rigid motion".to_string(),
+        _ => motions.join(", "),
+    }
+}
+
 /// A rigid motion in words, from the displacement it gives every node: "translation along y", "rotation about (1, 2)", in
 /// space "rotation about z through (1, 2, 0)", or a screw, which moves along its axis, too.
 pub fn describe_motion<const D: usize>(points: &[Point<D>], motion: &[Point<D>]) -> String {

@@ -2,7 +2,9 @@
 
 use crate::contact::Role;
 use crate::dual::Feasibility;
-use crate::fem::{BodySystem, Constraints, Short, describe_motion, nearest_node, show};
+use crate::fem::{
+    BodySystem, Constraints, Short, describe_motion, list_motions, nearest_node, show,
+};
 use crate::geometry::{Point, add_scaled, distance};
 use crate::mesh::Mesh;
 use crate::model::admissible::admissible_set;
@@ -36,7 +38,7 @@ pub struct BodyCheck<const D: usize> {
     pub load: Point<D>,
     /// Number of held dofs.
     pub held: usize,
-    /// Rigid motions that the supports leave free, each with what holds it.
+    /// Rigid motions that the supports leave free, each with what holds it; in one text where nothing can.
     pub floating: Vec<String>,
     /// Its couples, each with what its point is held by and carries.
     pub couples: Vec<String>,
@@ -104,9 +106,12 @@ fn fill<const D: usize>(model: &Model<D>, check: &mut Check<D>) -> Result<(), Er
     let time = model.last_time();
     let last = |error: Error<D>| error.in_step(model, model.times.len(), Vec::new());
     let systems = systems(model, time).map_err(last)?;
+    let mut motions = Vec::new();
     for (body, system) in model.bodies.iter().zip(&systems) {
         check.warnings.extend(of_body(body));
-        check.bodies.push(check_body(body, system));
+        let free = free_motions(body, system);
+        check.bodies.push(check_body(body, system, &free));
+        motions.push(free);
     }
     let points = first_point(model)..;
     for (part, (body, couple)) in points.zip(couples(model)) {
@@ -132,7 +137,7 @@ fn fill<const D: usize>(model: &Model<D>, check: &mut Check<D>) -> Result<(), Er
     let mut bodies: Vec<LoadedBody<D>> = loaded.collect();
     let mut floating = Floating::new(model, &bodies, &initial_gaps(&paired)).map_err(last)?;
     check.warnings.extend(floating.warnings.iter().cloned());
-    describe_floating(model, &floating, &paired, check);
+    describe_floating(model, &floating, &paired, &motions, check);
     check_balance(
         model,
         &floating,
@@ -245,13 +250,17 @@ fn check_balance<const D: usize>(
     Ok(())
 }
 
-/// Which contacts and couples do work on each free motion of the bodies.
+/// Which contacts and couples do work on each of the free `motions` of the bodies.
 fn describe_floating<const D: usize>(
     model: &Model<D>,
     floating: &Floating,
     paired: &[Paired<D>],
+    motions: &[Vec<String>],
     check: &mut Check<D>,
 ) {
+    for body in &mut check.bodies {
+        body.floating.clear();
+    }
     let ranges: Vec<Range<usize>> = row_ranges(paired).map(|(rows, _)| rows).collect();
     let of_bodies = floating.modes.iter().enumerate();
     for (k, &(body, mode)) in of_bodies.filter(|(_, mode)| mode.0 < model.bodies.len()) {
@@ -272,8 +281,9 @@ fn describe_floating<const D: usize>(
             all => format!("held by {all}"),
         };
         let load = Short(floating.load(k));
+        let motion = &motions[body][mode];
         let found = &mut check.bodies[body].floating;
-        found[mode] = format!("{}: load on it {load}, {held}", found[mode]);
+        found.push(format!("{motion}: load on it {load}, {held}"));
     }
 }
 
@@ -397,10 +407,21 @@ fn check_couple<const D: usize>(
     )
 }
 
-fn check_body<const D: usize>(body: &Body<D>, system: &BodySystem<D>) -> BodyCheck<D> {
+/// Each of the motions that the supports of a body leave free.
+fn free_motions<const D: usize>(body: &Body<D>, system: &BodySystem<D>) -> Vec<String> {
+    let points = body.mesh.points();
+    let describe = |mode: &Vec<f64>| describe_motion(points, &system.to_global(mode));
+    system.modes.iter().map(describe).collect()
+}
+
+fn check_body<const D: usize>(
+    body: &Body<D>,
+    system: &BodySystem<D>,
+    free: &[String],
+) -> BodyCheck<D> {
     let mesh = &body.mesh;
     let forces = system.to_global(&system.load);
-    let describe = |mode: &Vec<f64>| describe_motion(mesh.points(), &system.to_global(mode));
+    let floating = (!free.is_empty()).then(|| list_motions::<D>(free));
     BodyCheck {
         name: body.name.clone(),
         size: [mesh.points().len(), mesh.cell_count()],
@@ -409,7 +430,7 @@ fn check_body<const D: usize>(body: &Body<D>, system: &BodySystem<D>) -> BodyChe
             .iter()
             .fold([0.0; D], |sum, &f| add_scaled(sum, 1.0, f)),
         held: system.held.iter().filter(|held| **held).count(),
-        floating: system.modes.iter().map(describe).collect(),
+        floating: floating.into_iter().collect(),
         couples: Vec::new(),
     }
 }

@@ -5,7 +5,7 @@
 //! If no admissible λ satisfies Gλ = e, the load pulls a body away from everything that could hold it.
 
 use crate::dual::{Balance, Modes, NO_WORK};
-use crate::fem::describe_motion;
+use crate::fem::{describe_motion, list_motions};
 use crate::geometry::norm;
 use crate::linalg::SparseVector;
 use crate::model::bodies::LoadedBody;
@@ -220,7 +220,7 @@ fn reachable<const D: usize>(
                 (0..count).map(|mode| describe(model, bodies, body, |k| f64::from(k == mode)));
             return Err(Error::NotHeld {
                 body: part_name(model, body),
-                motion: motions.collect::<Vec<_>>().join(", "),
+                motion: list_motions::<D>(&motions.collect::<Vec<_>>()),
                 reason,
             });
         }

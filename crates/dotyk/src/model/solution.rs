@@ -1,7 +1,7 @@
 //! What comes out: displacements, stresses, reactions, contact state, certificate.
 
 use crate::dual::Certificate;
-use crate::fem::principal;
+use crate::fem::{list_motions, principal};
 use crate::geometry::{Point, norm};
 use crate::model::nouns::{CoupleKind, SideRef};
 use crate::model::quantity::Dimension;
@@ -267,14 +267,11 @@ impl<const D: usize> BodySolution<D> {
         lengths.fold(0.0, f64::max)
     }
 
-    /// The rigid motions that its supports leave free, in words; six of space are every motion.
+    /// The rigid motions that its supports leave free, in words.
     pub fn floating(&self) -> String {
-        if D == 3 && self.floating_modes.len() == 6 {
-            return "every rigid motion".to_string();
-        }
         let modes = self.floating_modes.iter();
-        let modes: Vec<&str> = modes.map(|mode| mode.description.as_str()).collect();
-        modes.join(", ")
+        let modes: Vec<String> = modes.map(|mode| mode.description.clone()).collect();
+        list_motions::<D>(&modes)
     }
 
     /// Principal stresses at every node, largest first.
