@@ -20,6 +20,9 @@ const LARGE: f64 = 0.05;
 /// A body whose linear cells spend more of its energy on what they cannot show gives way by about as much too little.
 const UNSEEN: f64 = 0.25;
 
+/// Above this ratio of Poisson it is rather the volume that linear cells cannot keep than their bending.
+const INCOMPRESSIBLE: f64 = 0.45;
+
 /// Part of the nodes that may be singular.
 const SINGULAR: f64 = 0.01;
 
@@ -95,15 +98,22 @@ fn bent<const D: usize>(
     let found = unseen(body, model.analysis, &solved.displacement, &solved.stress);
     let Unseen { modes, jumps } = found.map_err(|source| Error::in_body(body, source))?;
     let name = &solved.name;
+    let ratios = body.materials.iter().map(|m| m.elastic.poisson);
+    let poisson = ratios.fold(0.0, f64::max);
+    let locks = (poisson > INCOMPRESSIBLE)
+        .then(|| format!("is nearly incompressible (ν = {poisson}), where linear cells lock"));
+    let or = |usual: &str| locks.clone().unwrap_or(usual.to_string());
     Ok(if modes > UNSEEN {
         let part = 100.0 * modes;
+        let cause = or("bends, and its linear hexahedra cannot");
         Some(format!(
-            "body \"{name}\" bends, and its linear hexahedra cannot: {part:.0} % of its energy is in strains of the cells alone, and it gives way too little by about as much: use hex20 or hex27, or formulation = \"enhanced\""
+            "body \"{name}\" {cause}: {part:.0} % of its energy is in strains of the cells alone, and it gives way too little by about as much: use hex20 or hex27, or formulation = \"enhanced\""
         ))
     } else if jumps > UNSEEN {
         let part = 100.0 * jumps;
+        let cause = or("bends, or its linear cells are too large");
         Some(format!(
-            "body \"{name}\" bends, or its linear cells are too large: its stresses jump from cell to cell by {part:.0} % of its energy, and it gives way too little: use quadratic cells (tet10, prism15)"
+            "body \"{name}\" {cause}: its stresses jump from cell to cell by {part:.0} % of its energy, and it gives way too little: use quadratic cells (tet10, prism15)"
         ))
     } else {
         None

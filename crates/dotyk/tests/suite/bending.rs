@@ -102,6 +102,36 @@ fn a_thin_plate_bends_as_the_documentation_says() {
     }
 }
 
+#[test]
+fn a_body_that_keeps_its_volume_is_told_of_that_and_not_of_bending() {
+    let cuboid = Cuboid {
+        from: [0.0; 3],
+        to: [2.0; 3],
+        cells: [4; 3],
+        cell: CellKind::Hex8,
+    };
+    let squeezed = |formulation| {
+        let rubber = Elastic {
+            young: 1000.0,
+            poisson: 0.499,
+        };
+        let mut model = Model::new();
+        let body = model.body("pad", cuboid.build().unwrap(), rubber);
+        model.bodies[0].formulation = formulation;
+        model.fix(body, "bottom", [Some(0.0); 3]);
+        model.press(body, "top", 1.0);
+        model.solve().unwrap().warnings
+    };
+    let [warning] = &squeezed(Formulation::Displacement)[..] else {
+        panic!("one warning");
+    };
+    assert!(
+        warning.contains("nearly incompressible (ν = 0.499)") && !warning.contains("bends"),
+        "{warning}"
+    );
+    assert_eq!(squeezed(Formulation::Enhanced), [""; 0]);
+}
+
 /// A box whose inner nodes are moved.
 fn distorted(cells: [usize; 3]) -> Mesh<3> {
     let cuboid = Cuboid {
