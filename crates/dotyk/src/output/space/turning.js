@@ -10,7 +10,7 @@
   const known = data.quantities.map((q) => (q.known ? new Uint8Array(bytes(q.known)) : null));
   const triangles = new Uint32Array(bytes(data.triangles));
   const edges = new Uint32Array(bytes(data.edges));
-  const canvas = box.querySelector("canvas");
+  let canvas = box.querySelector("canvas");
   const at = (name) => box.querySelector(`[name=${name}]`);
   const start = { azimuth: data.azimuth, lift: data.lift, zoom: 1, pan: [0, 0] };
   let view = { ...start, pan: [0, 0] };
@@ -175,8 +175,17 @@
   };
 
   const gl = data.plain ? null : canvas.getContext("webgl2", { antialias: true, preserveDrawingBuffer: true });
-  const draw = (gl && withGl(gl)) || withPaint();
-  box.dataset.drawn = gl ? "webgl" : "canvas";
+  let draw = gl && withGl(gl);
+  box.dataset.drawn = draw ? "webgl" : "canvas";
+  if (!draw) {
+    // a canvas that has one kind of context gives no other
+    if (gl) {
+      const fresh = canvas.cloneNode();
+      canvas.replaceWith(fresh);
+      canvas = fresh;
+    }
+    draw = withPaint();
+  }
 
   let waiting = false;
   const redraw = () => {
