@@ -405,10 +405,11 @@ fn bodies<const D: usize>(model: &Model<D>, solution: &Solution<D>) -> String {
         .bodies
         .iter()
         .map(|body| {
+            let most = body.von_mises.iter().copied().fold(0.0, f64::max);
             let mut row = vec![
                 body.name.clone(),
                 number(body.max_displacement()),
-                number(body.von_mises.iter().copied().fold(0.0, f64::max)),
+                number(scales.without_noise(most, Dimension::Stress)),
             ];
             row.extend(body.reaction.map(|f| force(&scales, f)));
             row.push(body.floating());

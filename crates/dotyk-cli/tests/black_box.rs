@@ -559,6 +559,38 @@ fn programs_get_the_summary_and_people_no_rounding_errors() {
 }
 
 #[test]
+fn under_pressure_on_all_sides_rounding_is_no_result() {
+    let text = r#"
+analysis = "3d"
+[[body]]
+name = "b"
+mesh = { box = { from = [0, 0, 0], to = [1, 2, 3], cells = [3, 2, 3], cell = "tet10" } }
+material = { young = 1000, poisson = 0.3 }
+fix = [{ point = [0, 0, 0], x = 0, y = 0, z = 0 }, { point = [1, 0, 0], y = 0, z = 0 }, { point = [0, 2, 0], z = 0 }]
+load = [{ side = ["left", "right", "front", "back", "bottom", "top"], pressure = 1 }]
+[[probe]]
+name = "shear"
+quantity = "b.stress.xy"
+reduce = "max"
+"#;
+    let run = Run::solved("all_sides", text);
+    let line = |start: &str| {
+        let mut lines = run.stdout.lines();
+        lines.find(|line| line.starts_with(start)).unwrap()
+    };
+    // von Mises stress and reactions
+    let body: Vec<&str> = line("b ").split_whitespace().collect();
+    assert_eq!(body[2..], ["0"; 4], "{}", run.stdout);
+    let shear: Vec<&str> = line("shear ").split_whitespace().collect();
+    assert_eq!(shear[2], "0", "{}", run.stdout);
+    assert!(
+        !run.stdout.contains("grows as the mesh is refined"),
+        "{}",
+        run.stdout
+    );
+}
+
+#[test]
 fn several_cases_are_run_each_into_a_folder_of_its_own() {
     let text = parametric();
     let folder = Run::solved("several", &text).folder;
@@ -861,6 +893,23 @@ fn check_tells_load_and_holder_of_each_free_motion() {
 }
 
 #[test]
+fn a_body_that_nothing_holds_is_told_once() {
+    let text = "analysis = \"3d\"\n[[body]]\nname = \"b\"\n\
+                mesh = { box = { from = [0, 0, 0], to = [1, 1, 1], cells = [1, 1, 1] } }\n\
+                material = { young = 1, poisson = 0.3 }\n";
+    let check = Run::new("nothing_holds", text, "check", &[]);
+    assert_eq!(check.status, Some(2));
+    assert!(
+        check.stdout.contains("  floats: every rigid motion\n"),
+        "{}",
+        check.stdout
+    );
+    let words = "its supports leave every rigid motion free";
+    let said = |text: &str| text.matches(words).count();
+    assert_eq!([said(&check.stdout), said(&check.stderr)], [0, 1]);
+}
+
+#[test]
 fn a_table_for_a_list_is_explained() {
     let text = stack(1.0, "").replacen("[[contact]]", "[contact]", 1);
     let message = Run::refused("brackets", &text);
@@ -892,23 +941,6 @@ fn what_is_left_out_of_a_mesh_file_is_a_warning_everywhere() {
             "{}",
             run.stderr
         );
-#[test]
-fn a_body_that_nothing_holds_is_told_once() {
-    let text = "analysis = \"3d\"\n[[body]]\nname = \"b\"\n\
-                mesh = { box = { from = [0, 0, 0], to = [1, 1, 1], cells = [1, 1, 1] } }\n\
-                material = { young = 1, poisson = 0.3 }\n";
-    let check = Run::new("nothing_holds", text, "check", &[]);
-    assert_eq!(check.status, Some(2));
-    assert!(
-        check.stdout.contains("  floats: every rigid motion\n"),
-        "{}",
-        check.stdout
-    );
-    let words = "its supports leave every rigid motion free";
-    let said = |text: &str| text.matches(words).count();
-    assert_eq!([said(&check.stdout), said(&check.stderr)], [0, 1]);
-}
-
         assert!(check.stdout.contains(words), "{}", check.stdout);
     }
 }

@@ -70,6 +70,9 @@ impl Known {
     }
 }
 
+/// A von Mises stress below this part of the largest stress is rounding.
+const ROUNDING: f64 = 1e-10;
+
 /// Nodes of a body at which the stress is not finite, each with the reason.
 type Places = BTreeMap<usize, Singular>;
 
@@ -111,7 +114,11 @@ fn peak<const D: usize>(
     };
     let (node, most) = largest(&|_| true)?;
     let near = around(&body.mesh, places);
-    let place = near.get(&node).and_then(|&place| {
+    // under equal pressure on all sides it is rounding
+    let components = solved.stress.as_flattened().iter();
+    let scale = components.fold(0.0, |most: f64, s| most.max(s.abs()));
+    let singular = near.get(&node).filter(|_| most.value > ROUNDING * scale);
+    let place = singular.and_then(|&place| {
         let two = around(&body.mesh, &near);
         let away = largest(&|node| !two.contains_key(&node)).map(|(_, away)| away);
         if away.is_some_and(|away| most.value < STANDS_OUT * away.value) {

@@ -267,6 +267,7 @@ fn probes<const D: usize>(model: &Model<D>, solution: &Solution<D>, labels: &Lab
 }
 
 fn bodies<const D: usize>(model: &Model<D>, solution: &Solution<D>, labels: &Labels) -> String {
+    let scales = Scales::of(solution);
     let rows = model
         .bodies
         .iter()
@@ -278,7 +279,10 @@ fn bodies<const D: usize>(model: &Model<D>, solution: &Solution<D>, labels: &Lab
                 plain(count(cells)),
                 plain(count(b.dofs)),
                 plain(number(b.max_displacement())),
-                plain(number(largest(b.von_mises.iter().copied()))),
+                plain(number(scales.without_noise(
+                    largest(b.von_mises.iter().copied()),
+                    Dimension::Stress,
+                ))),
                 plain(
                     b.peak
                         .map_or("–".to_string(), |peak| vector(&peak.most.at, "")),

@@ -217,7 +217,8 @@ pub struct Scales {
 }
 
 impl Scales {
-    /// The largest sum of forces on a side or of the supports of a body, stress and displacement.
+    /// The largest sum of forces on a side, of the supports of a body or of loads, stress and displacement. Loads that balance
+    /// themselves have no resultant: their size is told by their work, twice the elastic energy, over the largest displacement.
     pub fn of<const D: usize>(solution: &Solution<D>) -> Self {
         let nodes = solution.contacts.iter().map(|contact| contact.nodes.iter());
         let pressed = nodes.map(|nodes| {
@@ -229,11 +230,17 @@ impl Scales {
         let bodies = || solution.bodies.iter();
         let held = bodies().map(|body| body.reactions.iter().map(|f| norm(*f)).sum());
         let coupled = bodies().flat_map(|body| body.couples.iter().map(|c| norm(c.force)));
-        let stresses = bodies().flat_map(|body| body.von_mises.iter().copied());
+        let loaded = bodies().map(|body| 2.0 * body.strain_energy / body.max_displacement());
+        let loaded = loaded.filter(|force| force.is_finite());
+        let stresses = bodies().flat_map(|body| body.stress.as_flattened());
         let moved = bodies().flat_map(|body| body.displacement.iter().map(|u| norm(*u)));
         Self {
-            force: pressed.chain(held).chain(coupled).fold(0.0, f64::max),
-            stress: stresses.fold(0.0, f64::max),
+            force: pressed
+                .chain(held)
+                .chain(coupled)
+                .chain(loaded)
+                .fold(0.0, f64::max),
+            stress: stresses.fold(0.0, |most, s| most.max(s.abs())),
             length: moved.fold(0.0, f64::max),
             reach,
         }
