@@ -1,7 +1,8 @@
 //! Facets: which cells share one, which lie on the boundary, how a side runs, where it looks.
 //!
-//! Conventions: a facet keeps its cell on the left, so a chain runs with the body on its left and the outward normal is
-//! its tangent turned by −90°. Two facets are the same when they have the same corner nodes.
+//! Conventions: in the plane a facet keeps its cell on the left, so a chain runs with the body on its left and the outward
+//! normal is its tangent turned by −90°; in space its nodes run counter-clockwise seen from outside, and the outward normal is
+//! the product of its two tangents. Two facets are the same when they have the same corner nodes.
 
 use crate::geometry::{Point, distance};
 use crate::mesh::cell::MAX_FACET_NODES;
