@@ -6,7 +6,9 @@ use crate::fem::nouns::{Analysis, Body, Place};
 use crate::fem::quadrature::{self, QuadraturePoint};
 use crate::fem::supports::{describe, finite, nearest_node, side_facets};
 use crate::geometry::{Field, Point, add_scaled, norm};
-use crate::mesh::{Facet, MAX_FACET_NODES};
+use crate::mesh::{CellKind, Facet, MAX_FACET_NODES};
+use std::collections::BTreeMap;
+use std::rc::Rc;
 
 /// An external load on the undeformed body.
 #[derive(Debug, Clone)]
@@ -248,25 +250,42 @@ pub(crate) fn side_points<'a, const D: usize>(
     analysis: Analysis,
 ) -> Result<impl Iterator<Item = SidePoint<D>> + 'a, FemError> {
     let mesh = &body.mesh;
-    let facets = side_facets(mesh, side)?.iter().copied();
-    Ok(facets.flat_map(move |facet| {
+    let facets = side_facets(mesh, side)?;
+    let mut rules: BTreeMap<CellKind, Rc<[Sample]>> = BTreeMap::new();
+    for &facet in facets {
+        let rule = |kind: &CellKind| samples(*kind).collect();
         let kind = mesh.facet_kind(facet);
-        let points = quadrature::rule(kind, LOAD_DEGREE).into_iter();
-        points.map(move |QuadraturePoint { xi, weight }| {
-            let mut shape = [0.0; MAX_FACET_NODES];
-            kind.shape(&xi, &mut shape);
-            let point = mesh.facet_point(facet, &xi);
-            let normal = mesh.outward_normal(facet, &xi);
+        rules.entry(kind).or_insert_with_key(rule);
+    }
+    Ok(facets.iter().flat_map(move |&facet| {
+        let rule = Rc::clone(&rules[&mesh.facet_kind(facet)]);
+        (0..rule.len()).map(move |k| {
+            let (QuadraturePoint { xi, weight }, shape) = &rule[k];
+            let point = mesh.facet_point(facet, xi);
+            let normal = mesh.outward_normal(facet, xi);
             let area = norm(normal);
             SidePoint {
                 facet,
-                shape,
+                shape: *shape,
                 point,
                 normal: normal.map(|n| n / area),
                 area: weight * area * measure(analysis, body.thickness, point),
             }
         })
     }))
+}
+
+/// A point of a rule on a facet, and the shape functions of the nodes there.
+type Sample = (QuadraturePoint, [f64; MAX_FACET_NODES]);
+
+/// The points of integration of a kind of facets.
+fn samples(kind: CellKind) -> impl Iterator<Item = Sample> {
+    let points = quadrature::rule(kind, LOAD_DEGREE).into_iter();
+    points.map(move |point| {
+        let mut shape = [0.0; MAX_FACET_NODES];
+        kind.shape(&point.xi, &mut shape);
+        (point, shape)
+    })
 }
 
 /// Loads may be any expression: integrate them to well above the order of the cells.
