@@ -1,8 +1,8 @@
 //! Stiffness, loads, held dofs and rigid modes of one body.
 
-use crate::fem::cells::{CellTable, measure, stiffness_table};
-use crate::fem::elasticity::Lame;
-use crate::fem::enhanced::{eliminate, has_modes};
+use crate::fem::block::Cells;
+
+use crate::fem::enhanced::has_modes;
 use crate::fem::error::FemError;
 use crate::fem::error::show;
 use crate::fem::loads::{NodalLoads, nodal_loads};
@@ -13,7 +13,7 @@ use crate::geometry::{Point, add_scaled, dot, norm};
 use crate::linalg::{
     CellMatrices, Connectivity, Graph, LinalgError, SymmetricMatrix, assemble_blocks,
 };
-use crate::mesh::{CellBlock, MAX_CELL_NODES};
+use crate::mesh::CellBlock;
 use rayon::prelude::*;
 use std::collections::BTreeMap;
 
@@ -377,10 +377,9 @@ fn stiffness<const D: usize>(
 ) -> Result<SymmetricMatrix, FemError> {
     let mut matrices = Vec::new();
     for block in body.mesh.blocks() {
-        let lame = Lame::new(body.elastic(block)?, analysis);
-        let table = stiffness_table::<D>(block.kind, analysis, body.formulation);
+        let own = Cells::new(body, block, analysis, body.formulation)?;
         let k = block.kind.nodes();
-        let (size, whole) = (D * k, D * table.count());
+        let (size, whole) = (D * k, own.size());
         let packed = size * (size + 1) / 2;
         let mut values = vec![0.0; packed * (block.nodes.len() / k)];
         values
@@ -389,9 +388,7 @@ fn stiffness<const D: usize>(
             .for_each(|(out, cells)| {
                 let mut matrix = vec![0.0; whole * whole];
                 for (out, cell) in out.chunks_exact_mut(packed).zip(cells.chunks_exact(k)) {
-                    matrix.fill(0.0);
-                    cell_stiffness(body, analysis, lame, &table, cell, &mut matrix);
-                    eliminate(&mut matrix, whole, size);
+                    own.stiffness(cell, &mut matrix);
                     rotate(frames, cell, &mut matrix, whole);
                     for i in 0..size {
                         let row = i * (i + 1) / 2;
@@ -424,57 +421,6 @@ fn not_finite<const D: usize>(body: &Body<D>, source: LinalgError) -> FemError {
         node,
         point: show(body.mesh.points()[node]),
         source,
-    }
-}
-
-/// Stiffness of one cell, dense and row-major (D·k, D·k), in global axes; k nodes and incompatible modes.
-pub(crate) fn cell_stiffness<const D: usize>(
-    body: &Body<D>,
-    analysis: Analysis,
-    lame: Lame,
-    table: &CellTable<D>,
-    cell: &[u32],
-    matrix: &mut [f64],
-) {
-    let (k, axisymmetric) = (table.count(), analysis == Analysis::Axisymmetric);
-    let size = D * k;
-    let points = body.mesh.points();
-    let mut at = [[0.0; D]; MAX_CELL_NODES];
-    for (x, &node) in at.iter_mut().zip(cell) {
-        *x = points[node as usize];
-    }
-    for q in 0..table.len() {
-        let (point, g, volume) = table.map(q, |local| at[local]);
-        let w = volume * measure(analysis, body.thickness, point);
-        let mut hoop = [0.0; MAX_CELL_NODES];
-        if axisymmetric {
-            for (h, n) in hoop.iter_mut().zip(table.shape(q)) {
-                *h = n / point[0];
-            }
-        }
-        for a in 0..k {
-            for b in a..k {
-                let gg = w * lame.mu * dot(g[a], g[b]);
-                for i in 0..D {
-                    for j in 0..D {
-                        // the hoop strain enters the trace through the first (radial) component only
-                        let (ta, tb) = (
-                            g[a][i] + if i == 0 { hoop[a] } else { 0.0 },
-                            g[b][j] + if j == 0 { hoop[b] } else { 0.0 },
-                        );
-                        matrix[(D * a + i) * size + D * b + j] +=
-                            w * (lame.lambda * ta * tb + lame.mu * g[a][j] * g[b][i]);
-                    }
-                    matrix[(D * a + i) * size + D * b + i] += gg;
-                }
-                matrix[D * a * size + D * b] += 2.0 * w * lame.mu * hoop[a] * hoop[b];
-            }
-        }
-    }
-    for row in 0..size {
-        for column in 0..row {
-            matrix[row * size + column] = matrix[column * size + row];
-        }
     }
 }
 

@@ -8,14 +8,11 @@
 //!   the continuous one recovered at the nodes, over that of the body: what Zienkiewicz and Zhu take for the error (Int. J.
 //!   Numer. Methods Eng. 24 (1987) 337–357).
 
-use crate::fem::assemble::cell_stiffness;
-use crate::fem::cells::stiffness_table;
-use crate::fem::elasticity::Lame;
-use crate::fem::enhanced::{eliminate, has_modes, relative, released};
+use crate::fem::block::Cells;
+use crate::fem::enhanced::{has_modes, relative, released};
 use crate::fem::error::FemError;
 use crate::fem::nouns::{Analysis, Body, Formulation};
-use crate::geometry::{Point, add_scaled};
-use crate::mesh::{CellKind, MAX_CELL_NODES};
+use crate::geometry::Point;
 
 /// Parts of the energy of a body, those of quadrilaterals and hexahedra, and those of simplices and prisms.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -39,26 +36,25 @@ pub(crate) fn unseen<const D: usize>(
 ) -> Result<Unseen, FemError> {
     let (mut all, mut modes, mut jumps) = (0.0, 0.0, 0.0);
     for block in body.mesh.blocks() {
-        let lame = Lame::new(body.elastic(block)?, analysis);
-        let energy = |s: [f64; 6]| lame.energy(s);
-        let table = stiffness_table::<D>(block.kind, analysis, Formulation::Displacement);
-        let points = body.mesh.points();
+        let own = Cells::new(body, block, analysis, Formulation::Displacement)?;
+        let energy = |s: [f64; 6]| own.lame.energy(s);
         let linear = block.kind.order() == 1;
         let free = has_modes(block.kind) && body.formulation == Formulation::Displacement;
         let stride = block.cells().len().div_ceil(LOOKED_AT).max(1);
         let (mut own_energy, mut own_jumps) = (0.0, 0.0);
         for cell in block.cells().step_by(stride) {
-            for q in 0..table.len() {
-                let (_, gradients, volume) = table.map(q, |local| points[cell[local] as usize]);
-                let own = lame.stress(gradient(cell, displacement, &gradients), 0.0);
-                own_energy += volume * energy(own);
+            for q in 0..own.table.len() {
+                let here = own.deformation(q, (cell, &[]), displacement);
+                let found = own.lame.stress(here.gradient, 0.0);
+                own_energy += here.volume * energy(found);
                 if linear && !has_modes(block.kind) && body.materials.len() == 1 {
-                    let shape = table.shape(q);
+                    let shape = own.table.shape(q);
                     let recovered = |c: usize| -> f64 {
                         let nodes = cell.iter().zip(shape);
                         nodes.map(|(&node, n)| n * stress[node as usize][c]).sum()
                     };
-                    own_jumps += volume * energy(std::array::from_fn(|c| recovered(c) - own[c]));
+                    let jump = std::array::from_fn(|c| recovered(c) - found[c]);
+                    own_jumps += here.volume * energy(jump);
                 }
             }
         }
@@ -66,8 +62,9 @@ pub(crate) fn unseen<const D: usize>(
         all += scale * own_energy;
         jumps += scale * own_jumps;
         if free {
+            let free = Cells::new(body, block, analysis, Formulation::Enhanced)?;
             let cells = block.cells().step_by(stride);
-            modes += scale * released_by(body, analysis, block.kind, cells, lame, displacement);
+            modes += scale * released_by(&free, cells, displacement);
         }
     }
     let part = |energy: f64| if all > 0.0 { energy / all } else { 0.0 };
@@ -77,39 +74,17 @@ pub(crate) fn unseen<const D: usize>(
     })
 }
 
-fn gradient<const D: usize>(
-    cell: &[u32],
-    displacement: &[Point<D>],
-    gradients: &[[f64; D]; MAX_CELL_NODES],
-) -> [[f64; D]; D] {
-    let mut h = [[0.0; D]; D];
-    for (&node, slope) in cell.iter().zip(gradients) {
-        let u = displacement[node as usize];
-        for (row, c) in h.iter_mut().zip(u) {
-            *row = add_scaled(*row, c, *slope);
-        }
-    }
-    h
-}
-
 /// The energy that the incompatible modes of some cells would release.
 fn released_by<'m, const D: usize>(
-    body: &Body<D>,
-    analysis: Analysis,
-    kind: CellKind,
+    free: &Cells<'_, D>,
     cells: impl Iterator<Item = &'m [u32]>,
-    lame: Lame,
     displacement: &[Point<D>],
 ) -> f64 {
-    let table = stiffness_table::<D>(kind, analysis, Formulation::Enhanced);
-    let size = D * table.count();
+    let size = free.size();
     let mut matrix = vec![0.0; size * size];
     let of_cell = |cell: &[u32]| {
-        let relative = relative(cell, displacement);
-        matrix.fill(0.0);
-        cell_stiffness(body, analysis, lame, &table, cell, &mut matrix);
-        eliminate(&mut matrix, size, relative.len());
-        released(&matrix, size, &relative)
+        free.stiffness(cell, &mut matrix);
+        released(&matrix, size, &relative(cell, displacement))
     };
     cells.map(of_cell).sum()
 }

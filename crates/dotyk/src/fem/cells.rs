@@ -56,9 +56,9 @@ impl<const D: usize> CellTable<D> {
         table
     }
 
-    /// The same with incompatible modes, where cells of this kind have some.
-    pub fn with_modes(mut self, kind: CellKind) -> Self {
-        if has_modes(kind) {
+    /// The same with incompatible modes, where cells of this kind and formulation have some.
+    pub fn formulated(mut self, kind: CellKind, formulation: Formulation) -> Self {
+        if formulation == Formulation::Enhanced && has_modes(kind) {
             let mut gradients = [[0.0; D]; MAX_CELL_NODES];
             kind.gradients(&kind.domain().centre(), &mut gradients);
             self.centre = Some(gradients);
@@ -129,11 +129,7 @@ pub(crate) fn stiffness_table<const D: usize>(
     analysis: Analysis,
     formulation: Formulation,
 ) -> CellTable<D> {
-    let table = CellTable::new(kind, stiffness_degree(kind, analysis));
-    match formulation {
-        Formulation::Displacement => table,
-        Formulation::Enhanced => table.with_modes(kind),
-    }
+    CellTable::new(kind, stiffness_degree(kind, analysis)).formulated(kind, formulation)
 }
 
 /// Degree of the quadrature of the stiffness. With axial symmetry it integrates the forces of a constant stress exactly,

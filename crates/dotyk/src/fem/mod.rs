@@ -10,6 +10,7 @@
 
 mod assemble;
 mod bending;
+mod block;
 mod cells;
 mod couple;
 mod elasticity;

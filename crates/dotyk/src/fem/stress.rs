@@ -5,11 +5,11 @@
 //! quadrilaterals and hexahedra, 3 × 2 in prisms), extrapolated to the
 //! nodes by the linear function through the samples and averaged there with the cells' volumes.
 
-use crate::fem::cells::{CellTable, measure, stiffness_table};
+use crate::fem::block::Cells;
+use crate::fem::cells::CellTable;
 use crate::fem::elasticity::Lame;
 use crate::fem::error::FemError;
-use crate::fem::internal::{add_modes, mode_amplitudes};
-use crate::fem::nouns::{Analysis, Body, Formulation};
+use crate::fem::nouns::{Analysis, Body};
 use crate::geometry::Point;
 use crate::mesh::CellKind;
 use rayon::prelude::*;
@@ -70,36 +70,29 @@ fn recover<const D: usize>(
     let mesh = &body.mesh;
     let mut sums = vec![[0.0; 7]; mesh.points().len()];
     for block in mesh.blocks() {
-        let lame = Lame::new(body.elastic(block)?, analysis);
-        let table = CellTable::<D>::at(block.kind, &sampling_points(block.kind));
-        let table = match body.formulation {
-            Formulation::Displacement => table,
-            Formulation::Enhanced => table.with_modes(block.kind),
-        };
-        let whole = stiffness_table::<D>(block.kind, analysis, body.formulation);
+        let whole = Cells::new(body, block, analysis, body.formulation)?;
+        let table = CellTable::at(block.kind, &sampling_points(block.kind));
+        let own = whole.at(table.formulated(block.kind, body.formulation));
+        let count = own.table.len();
         let extrapolation = extrapolation(block.kind);
         let k = block.kind.nodes();
         // each cell writes its own slice: (stress, volume) of its samples; the gather below is in cell order
-        let mut samples = vec![[0.0; 7]; table.len() * (block.nodes.len() / k)];
+        let mut samples = vec![[0.0; 7]; count * (block.nodes.len() / k)];
         samples
-            .par_chunks_mut(table.len() * CHUNK)
+            .par_chunks_mut(count * CHUNK)
             .zip(block.nodes.par_chunks(k * CHUNK))
             .for_each(|(out, cells)| {
-                for (out, cell) in out.chunks_exact_mut(table.len()).zip(cells.chunks_exact(k)) {
-                    let modes = mode_amplitudes(body, analysis, lame, &whole, cell, displacement);
+                for (out, cell) in out.chunks_exact_mut(count).zip(cells.chunks_exact(k)) {
+                    let modes = whole.modes(cell, displacement);
                     for (q, sample) in out.iter_mut().enumerate() {
-                        *sample = sampled(
-                            (&table, q),
-                            body,
-                            analysis,
-                            (lame, local),
-                            (cell, &modes),
-                            displacement,
-                        );
+                        let here = own.deformation(q, (cell, &modes), displacement);
+                        let s = local(own.lame, here.gradient, here.hoop);
+                        sample[..6].copy_from_slice(&s);
+                        sample[6] = here.volume;
                     }
                 }
             });
-        for (cell, samples) in block.cells().zip(samples.chunks_exact(table.len())) {
+        for (cell, samples) in block.cells().zip(samples.chunks_exact(count)) {
             let volume: f64 = samples.iter().map(|s| s[6]).sum();
             for (&node, weights) in cell.iter().zip(&extrapolation) {
                 let sum = &mut sums[node as usize];
@@ -123,46 +116,6 @@ fn recover<const D: usize>(
 
 /// Cells per parallel task.
 const CHUNK: usize = 256;
-
-/// The six numbers at a sample, and its volume.
-fn sampled<const D: usize>(
-    (table, q): (&CellTable<D>, usize),
-    body: &Body<D>,
-    analysis: Analysis,
-    (lame, local): (Lame, Local<D>),
-    (cell, modes): (&[u32], &[Point<D>]),
-    displacement: &[Point<D>],
-) -> [f64; 7] {
-    let points = body.mesh.points();
-    let (point, gradients, volume) = table.map(q, |local| points[cell[local] as usize]);
-    let mut h = [[0.0; D]; D];
-    let mut radial = 0.0;
-    for (local, &node) in cell.iter().enumerate() {
-        let u = displacement[node as usize];
-        for i in 0..D {
-            for j in 0..D {
-                h[i][j] += u[i] * gradients[local][j];
-            }
-        }
-        radial += table.shape(q)[local] * u[0];
-    }
-    add_modes(&mut h, modes, &gradients[cell.len()..]);
-    let hoop = if analysis == Analysis::Axisymmetric {
-        radial / point[0]
-    } else {
-        0.0
-    };
-    let s = local(lame, h, hoop);
-    [
-        s[0],
-        s[1],
-        s[2],
-        s[3],
-        s[4],
-        s[5],
-        volume * measure(analysis, body.thickness, point),
-    ]
-}
 
 /// A point drawn towards the centre of a reference cell by a factor along each coordinate.
 fn drawn(kind: CellKind, xi: [f64; 3], factors: [f64; 3]) -> [f64; 3] {
