@@ -13,11 +13,12 @@ use std::collections::{BTreeMap, BTreeSet};
 /// Most corners of a facet of any kind.
 const MAX_CORNERS: usize = 4;
 
-/// Corner nodes in ascending order, padded with `u32::MAX`: the same for both cells at a facet.
+/// What both cells at a facet call it.
 type Key = [u32; MAX_CORNERS];
 
-fn key(corners: impl Iterator<Item = u32>) -> Key {
-    let mut key = [u32::MAX; MAX_CORNERS];
+/// Corner nodes in ascending order, padded with `u32::MAX`: the same for all cells, or facets, on the same corners.
+pub(crate) fn sorted<const N: usize>(corners: impl IntoIterator<Item = u32>) -> [u32; N] {
+    let mut key = [u32::MAX; N];
     for (place, node) in key.iter_mut().zip(corners) {
         *place = node;
     }
@@ -29,7 +30,7 @@ fn key(corners: impl Iterator<Item = u32>) -> Key {
 pub(crate) fn mirrored(kind: CellKind) -> Vec<u32> {
     let keys = |node: &dyn Fn(usize) -> usize| -> Vec<Key> {
         let of_facet = |&(facet, local): &(CellKind, &[usize])| {
-            key(local[..facet.corners()].iter().map(|&i| node(i) as u32))
+            sorted(local[..facet.corners()].iter().map(|&i| node(i) as u32))
         };
         kind.facets().iter().map(of_facet).collect()
     };
@@ -50,7 +51,7 @@ pub struct FacetTable {
 impl FacetTable {
     /// The facets that have exactly these corner nodes, in any order: none, one on the boundary, two between cells.
     pub fn find(&self, corners: &[u32]) -> impl Iterator<Item = Facet> + '_ {
-        let key = key(corners.iter().copied());
+        let key: Key = sorted(corners.iter().copied());
         let start = self.entries.partition_point(|(k, _)| *k < key);
         self.entries[start..]
             .iter()
@@ -145,7 +146,7 @@ impl<const D: usize> Mesh<D> {
             for (cell, nodes) in cells.cells().enumerate() {
                 for (local, (kind, of_cell)) in cells.kind.facets().iter().enumerate() {
                     let corners = of_cell[..kind.corners()].iter();
-                    let facet_key = key(corners.map(|&i| nodes[i]));
+                    let facet_key = sorted(corners.map(|&i| nodes[i]));
                     let facet = Facet {
                         block: block as u32,
                         cell: cell as u32,

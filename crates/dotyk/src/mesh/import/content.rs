@@ -4,6 +4,7 @@
 //! are kept; of the others it is known how many there are and in which groups, so that they can be reported, or refused when
 //! a body needs them.
 
+use crate::mesh::facets::sorted;
 use crate::mesh::{CellKind, MAX_CELL_NODES};
 use std::collections::BTreeMap;
 
@@ -43,13 +44,9 @@ impl ReadCell {
         &self.nodes[..self.kind.nodes()]
     }
 
-    /// The corners in ascending order: the same for two cells on the same corners.
+    /// The corners in ascending order.
     pub fn corners(&self) -> [u32; 8] {
-        let mut corners = [u32::MAX; 8];
-        let count = self.kind.corners();
-        corners[..count].copy_from_slice(&self.nodes[..count]);
-        corners.sort_unstable();
-        corners
+        sorted(self.nodes[..self.kind.corners()].iter().copied())
     }
 }
 

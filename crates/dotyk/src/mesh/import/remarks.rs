@@ -1,6 +1,7 @@
 //! What of a mesh file no body can contain, or is called otherwise, in words.
 
 use crate::mesh::MeshFile;
+use crate::mesh::facets::sorted;
 use crate::mesh::import::content::{Content, ReadSide, Refused};
 use std::collections::{BTreeMap, HashSet};
 
@@ -70,23 +71,21 @@ impl MeshFile {
                 "{loose} {sides} belong to no physical group and are left out"
             ));
         }
-        let own = self.sides.iter().map(|side| ordered(side.corners()));
+        let ordered = |side: &ReadSide| sorted(side.corners().iter().copied());
+        let own = self.sides.iter().map(ordered);
         let mut off: HashSet<[u32; 4]> = own.collect();
         let mut in_cells = vec![false; self.points.len()];
         for cell in &self.cells {
             for (kind, facet) in cell.kind.facets() {
-                let mut corners = [u32::MAX; 4];
-                for (corner, &local) in corners.iter_mut().zip(&facet[..kind.corners()]) {
-                    *corner = cell.nodes[local];
-                }
-                off.remove(&ordered(&corners));
+                let corners = facet[..kind.corners()].iter();
+                off.remove(&sorted(corners.map(|&local| cell.nodes[local])));
             }
             for &node in cell.nodes() {
                 in_cells[node as usize] = true;
             }
         }
         let mut counts: BTreeMap<usize, usize> = BTreeMap::new();
-        let off = |side: &&ReadSide| off.contains(&ordered(side.corners()));
+        let off = |side: &&ReadSide| off.contains(&ordered(side));
         for side in self.sides.iter().filter(off) {
             for &group in groups(side) {
                 *counts.entry(group).or_insert(0) += 1;
@@ -125,14 +124,6 @@ pub(crate) fn described(refused: &Refused) -> String {
         "{} elements of the kind {}",
         refused.count, refused.element.name
     )
-}
-
-/// Corners in ascending order, missing ones last.
-fn ordered(corners: &[u32]) -> [u32; 4] {
-    let mut key = [u32::MAX; 4];
-    key[..corners.len()].copy_from_slice(corners);
-    key.sort_unstable();
-    key
 }
 
 pub(crate) fn quoted(names: &[String]) -> String {
