@@ -33,7 +33,7 @@ pub fn palette() -> Vec<[u8; 3]> {
 
 /// Index into [`palette`] of t in [0, 1].
 pub fn index(t: f64) -> u8 {
-    1 + (t.clamp(0.0, 1.0) * (STEPS - 1) as f64).round() as u8
+    1 + (t.clamp(0.0, 1.0) * (STEPS - 1) as f64 + 0.5) as u8
 }
 
 #[cfg(test)]

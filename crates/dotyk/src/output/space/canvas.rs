@@ -108,6 +108,13 @@ impl Canvas {
         if !(twice.is_finite() && twice.abs() > 1e-9) {
             return;
         }
+        let owner = number(owner);
+        // of one colour, where it is one
+        let shades = corners.map(|corner| corner.shade);
+        let flat = match paint {
+            Paint::Plain(colour) if shades == [shades[0]; 3] => Some(shaded(colour, shades[0])),
+            _ => None,
+        };
         let rows = span([a[1], b[1], c[1]], self.height);
         for row in rows {
             let y = row as f64 + 0.5;
@@ -127,24 +134,31 @@ impl Canvas {
             let depth = along(&|p| p.at[2]);
             let shade = along(&|p| p.shade);
             let value = along(&|p| p.value);
-            let excess = along(&|p| excess(self.cut, p.at));
-            for column in first..=last {
-                let x = column as f64 + 0.5;
-                let sample = row * self.width + column;
+            let cut = self.cut.map(|cut| along(&|p| excess(Some(cut), p.at)));
+            let run = row * self.width + first..=row * self.width + last;
+            let depths = self.depth[run.clone()].iter_mut();
+            let owners = self.owner[run.clone()].iter_mut();
+            let colours = self.colour[run].iter_mut();
+            for (k, ((deep, owned), colour)) in depths.zip(owners).zip(colours).enumerate() {
+                let x = (first + k) as f64 + 0.5;
                 let near = (depth[0] + depth[1] * x) as f32;
-                if near <= self.depth[sample] || excess[0] + excess[1] * x > 0.0 {
+                if near <= *deep || cut.is_some_and(|[start, slope]| start + slope * x > 0.0) {
                     continue;
                 }
-                self.depth[sample] = near;
-                self.owner[sample] = number(owner);
-                let value = value[0] + value[1] * x;
-                let paint = match paint {
-                    Paint::Plain(colour) => colour,
-                    Paint::Scale if value.is_nan() => NONE,
-                    Paint::Scale => self.palette[usize::from(colour::index(value))],
+                *deep = near;
+                *owned = owner;
+                *colour = match (paint, flat) {
+                    (Paint::Plain(_), Some(colour)) => colour,
+                    (Paint::Plain(colour), None) => shaded(colour, shade[0] + shade[1] * x),
+                    (Paint::Scale, _) => {
+                        let value = value[0] + value[1] * x;
+                        let plain = match value.is_nan() {
+                            true => NONE,
+                            false => self.palette[usize::from(colour::index(value))],
+                        };
+                        shaded(plain, shade[0] + shade[1] * x)
+                    }
                 };
-                let shade = (shade[0] + shade[1] * x).clamp(0.0, 1.0) as f32;
-                self.colour[sample] = paint.map(|c| (f32::from(c) * shade + 0.5) as u8);
             }
         }
     }
@@ -255,10 +269,19 @@ impl Canvas {
         let share = 1.0 / (samples * samples) as f32;
         for row in 0..height {
             for column in 0..width {
+                let first = row * samples * self.width + column * samples;
+                let rows = || (0..samples).map(|i| first + i * self.width);
+                let plain = rows().all(|at| self.ink[at..at + samples].iter().all(|&ink| ink == 0));
+                let one = self.colour[first];
+                let alike = |at: usize| self.colour[at..at + samples].iter().all(|&c| c == one);
+                // most pixels
+                if plain && rows().all(alike) {
+                    out.push(one);
+                    continue;
+                }
                 let mut sum = [0.0f32; 3];
-                for k in 0..samples * samples {
-                    let (i, j) = (row * samples + k / samples, column * samples + k % samples);
-                    let sample = self.inked(i * self.width + j);
+                for sample in rows().flat_map(|at| at..at + samples) {
+                    let sample = self.inked(sample);
                     (0..3).for_each(|c| sum[c] += sample[c]);
                 }
                 out.push(sum.map(|s| (s * share + 0.5) as u8));
@@ -283,6 +306,12 @@ impl Canvas {
         let (width, height, pixels) = self.pixels(SAMPLES);
         png_rgb(width, height, &pixels)
     }
+}
+
+/// A colour at a brightness.
+fn shaded(colour: [u8; 3], shade: f64) -> [u8; 3] {
+    let shade = shade.clamp(0.0, 1.0) as f32;
+    colour.map(|c| (f32::from(c) * shade + 0.5) as u8)
 }
 
 /// What stands for a body in [`Canvas::owner`]; the last for all beyond.

@@ -20,6 +20,7 @@ use crate::output::space::setup::rgb;
 use crate::output::space::skin::{Lattices, Look, Skin};
 use crate::output::svg::{Anchor, INK, MUTED, Svg, Type, text_width};
 use crate::output::text::{Labels, count};
+use rayon::prelude::*;
 use rstar::RTree;
 use rstar::primitives::GeomWithData;
 
@@ -90,15 +91,17 @@ pub fn contact_figure(scene: &Scene<'_>, solution: &Solution<3>, index: usize) -
         let height = (width / aspect.clamp(0.2, 5.0)).clamp(120.0, 250.0).floor();
         let start = Type::SMALL.bold().anchored(Anchor::Start);
         svg.text([0.0, top - 6.0], &face.title, start);
-        for column in 0..3 {
+        let columns = (0..3).into_par_iter().map(|column| {
             let corner = [column as f64 * (width + BETWEEN), top];
             let window = Window::fitted(face.camera, extent, corner, [width, height], MARGIN);
-            let canvas = face.draw(scene, &window, column, &high);
-            svg.picture(window.corner, window.size, &canvas.png());
-            if column == 0 {
-                triad_and_scale(&mut svg, &window, &labels, "");
-            }
+            let png = face.draw(scene, &window, column, &high).png();
+            (window, png)
+        });
+        let columns: Vec<(Window, Vec<u8>)> = columns.collect();
+        for (window, png) in &columns {
+            svg.picture(window.corner, window.size, png);
         }
+        triad_and_scale(&mut svg, &columns[0].0, &labels, "");
         top += height + STRIP + HEAD;
     }
     let base = top - HEAD + 4.0;

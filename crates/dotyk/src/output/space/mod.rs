@@ -24,10 +24,13 @@ use crate::model::Solution;
 
 /// Deformed shape, the view that turns and a section, coloured by stress.
 pub fn stress_figures(scene: &Scene<'_>, solution: &Solution<3>) -> String {
-    let section = section::section_figure(scene, solution);
-    stress::stress_figure(scene, solution)
-        + &turning::turning_view(scene, solution)
-        + &section.unwrap_or_default()
+    let turning = || turning::turning_view(scene, solution);
+    let section = || section::section_figure(scene, solution).unwrap_or_default();
+    let (shape, (turning, section)) = rayon::join(
+        || stress::stress_figure(scene, solution),
+        || rayon::join(turning, section),
+    );
+    shape + &turning + &section
 }
 
 /// Pressure, gap and state of a contact; nothing where others bear more and there are many.

@@ -17,6 +17,7 @@ use crate::output::svg::{
 };
 use crate::output::symbols::nearest;
 use crate::output::text::{Labels, count, number, quantity};
+use rayon::prelude::*;
 use std::collections::BTreeSet;
 
 /// Room around the bodies for arrows and their values.
@@ -36,9 +37,14 @@ pub fn model_figure(scene: &Scene<'_>, alone: &[Point<3>]) -> String {
     let labels = Labels::of(scene.model);
     let (windows, height) = scene.windows(MARGIN);
     let mut svg = Svg::new("setup", "Mesh, supports and loads", WIDTH, height);
-    for (window, word) in windows.iter().zip(WORDS) {
+    let pictures = windows.par_iter().map(|window| {
         let canvas = surfaces(scene, window);
-        svg.picture(window.corner, window.size, &canvas.png());
+        let png = canvas.png();
+        (canvas, png)
+    });
+    let pictures: Vec<(Canvas, Vec<u8>)> = pictures.collect();
+    for ((window, word), (canvas, png)) in windows.iter().zip(WORDS).zip(pictures) {
+        svg.picture(window.corner, window.size, &png);
         let sheet = Sheet {
             svg: &mut svg,
             scene,

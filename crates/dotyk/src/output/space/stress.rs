@@ -13,6 +13,7 @@ use crate::output::space::setup::WORDS;
 use crate::output::space::skin::Look;
 use crate::output::svg::Svg;
 use crate::output::text::{Labels, number};
+use rayon::prelude::*;
 
 /// Room around the bodies.
 const MARGIN: f64 = 14.0;
@@ -38,9 +39,11 @@ pub fn stress_figure(scene: &Scene<'_>, solution: &Solution<3>) -> String {
     let title = "Deformed shape coloured by von Mises stress";
     let mut svg = Svg::new("deformed", title, WIDTH, height);
     let scales = stress_scales(solution);
-    for (window, word) in windows.iter().zip(WORDS) {
-        let canvas = deformed(scene, solution, window, factor, &scales);
-        svg.picture(window.corner, window.size, &canvas.png());
+    let pictures = windows.par_iter();
+    let pictures = pictures.map(|w| deformed(scene, solution, w, factor, &scales).png());
+    let pictures: Vec<Vec<u8>> = pictures.collect();
+    for ((window, word), png) in windows.iter().zip(WORDS).zip(pictures) {
+        svg.picture(window.corner, window.size, &png);
         triad_and_scale(&mut svg, window, &labels, word);
     }
     colour_bars(&mut svg, solution, &scales, &labels, height - 40.0);
