@@ -168,8 +168,9 @@ pub(super) struct Piece {
 /// A facet is covered, an interval has no hole, when all but this part of it faces the other side: rounding.
 const COVERED: f64 = 1e-9;
 
-/// What of a surface is covered counts as its bounding box when it fills at least this part of that.
-const FILLED: f64 = 0.4;
+/// What of a surface is covered counts as its bounding box when it fills at least this part of that: biorthogonal functions put
+/// the force of a node at a corner of the box, which must not lie beside what is covered.
+const FILLED: f64 = 0.999;
 
 /// Which parts of the side face the other one.
 pub(super) struct Cover {
