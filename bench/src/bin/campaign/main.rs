@@ -13,12 +13,16 @@
 //! Exit status 1 when an answer is wrong or the program panics.
 
 mod amount;
+mod asked;
 mod cells;
 mod check;
 mod cone;
 mod corners;
 mod elastic;
 mod families;
+mod gmsh;
+mod held;
+mod judgement;
 #[cfg(test)]
 mod mutations;
 mod plane;
@@ -32,7 +36,9 @@ mod side;
 mod solve;
 mod state;
 mod touch;
+mod twin;
 mod twins;
+mod vector;
 mod wrench;
 
 use run::{Options, run};
@@ -47,7 +53,7 @@ fn main() -> ExitCode {
             return ExitCode::from(2);
         }
     };
-    match run(&options) {
+    match run::<problem::Problem, 2>(&options) {
         Ok(true) => ExitCode::SUCCESS,
         Ok(false) => ExitCode::FAILURE,
         Err(message) => {
@@ -87,13 +93,7 @@ fn options(mut words: impl Iterator<Item = String>) -> Result<Options, String> {
             }
             "--threads" => options.threads = (number(value()?)? as usize).max(1),
             "--family" => {
-                let name = value()?;
-                if !families::FAMILIES.iter().any(|(family, _)| *family == name) {
-                    let known: Vec<&str> =
-                        families::FAMILIES.iter().map(|(name, _)| *name).collect();
-                    return Err(format!("no family {name}; there are {}", known.join(", ")));
-                }
-                options.family = Some(name);
+                options.family = Some(value()?);
             }
             "--keep" => options.keep = Some(PathBuf::from(value()?)),
             "--twins" => {

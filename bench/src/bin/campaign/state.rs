@@ -3,7 +3,8 @@
 //! rest = internal − external is what supports and contacts exert on a node. Off both it must vanish; on a contact side it
 //! is the true contact force.
 
-use crate::elastic::{Condition, conditions, external, free_part, held_axes, internal};
+use crate::elastic::{conditions, external, internal};
+use crate::held::{Condition, free_part, held_axes};
 use crate::plane::{Vector, bounds, length, minus};
 use crate::problem::{Body, Problem};
 use crate::raw::{Answer, Step};
