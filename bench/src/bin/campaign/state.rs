@@ -18,10 +18,10 @@ pub const FORCE: f64 = 1e-7;
 pub const MOVE: f64 = 1e-6;
 
 /// Roundings of displacements in units of 2⁻⁵³ that add up at a node.
-const ROUNDINGS: f64 = 32.0;
+pub const ROUNDINGS: f64 = 32.0;
 
 /// Force over modulus · displacement · thickness of the most slender body that is looked at closely.
-const SLENDER: f64 = 1e-4;
+pub const SLENDER: f64 = 1e-4;
 
 /// One load step, seen from its displacements.
 pub struct State {
