@@ -550,7 +550,7 @@ fn twins_agree_and_strangers_do_not() {
                 "{}",
                 twin.name
             );
-            let off = crate::twins::difference(&problem, &mine, &twin, &other).unwrap();
+            let off = crate::twin::difference(&problem, &mine, &twin, &other).unwrap();
             assert!(off < 1e-9, "{}: {off}", twin.name);
             for load in twin.problem.bodies.iter_mut().flat_map(|b| &mut b.loads) {
                 if let Load::Traction { field, .. } = load {
@@ -558,7 +558,7 @@ fn twins_agree_and_strangers_do_not() {
                 }
             }
             let other = ask(&twin.problem);
-            let off = crate::twins::difference(&problem, &mine, &twin, &other).unwrap();
+            let off = crate::twin::difference(&problem, &mine, &twin, &other).unwrap();
             assert!(off > 1e-4, "{}: {off}", twin.name);
         }
     }

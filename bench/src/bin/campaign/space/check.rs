@@ -26,12 +26,12 @@
 //! | weight | weights = ∫N; their sum is the facing area | 1e-6, on curved sides 1e-3; 1e-3 of the area, since slivers are left out |
 //! | normal | normals of the rows are those of the side, or minus the plane's | the angle between neighbouring facets, and 1e-6 |
 //! | gap, slip | the columns of rows node by node are those of the displacements | like penetration |
-//! | pressure | contact pressures are those of a uniform state, where one is known | 1e-4, and ten times the limit of equilibrium |
+//! | pressure | contact pressures are those of a uniform state, where one is known | 1e-6, and ten times the limit of equilibrium |
 //!
 //! That `work` agrees ties gaps and slips of integrated rows to the true displacements; what the rows say of themselves is
 //! judged sharply then.
 
-use super::geometry::{Vector, across, cross, dot, length, minus, plus, times};
+use super::geometry::{Vector, across, dot, length, minus, plus};
 use super::problem::{Law, Problem};
 use super::rows::check_rows;
 use super::side::Skin;
@@ -51,8 +51,6 @@ const DENTS: f64 = 2.0;
 pub fn check(problem: &Problem, answer: &Answer) -> Judgement {
     let mut judgement = Judgement::default();
     let touches = touches(problem, answer);
-    let rest = |mesh: &super::Mesh| vec![[0.0; 3]; mesh.points.len()];
-    let still: Vec<Vec<Vector>> = answer.meshes.iter().map(rest).collect();
     let mut before: Option<&Step> = None;
     for (index, step) in answer.steps.iter().enumerate() {
         judgement.begin(index + 1);
@@ -69,7 +67,6 @@ pub fn check(problem: &Problem, answer: &Answer) -> Judgement {
             state: &state,
             touches: &touches,
             before,
-            moved_before: before.map_or(&still, |step| &step.displacements),
         };
         check_supports(&mut judgement, &view);
         check_equilibrium(&mut judgement, &view);
@@ -111,7 +108,6 @@ pub struct View<'a> {
     /// Displacements of obstacles; `None` where a force moves one that touches nothing.
     pub obstacles: &'a [Option<Vector>],
     pub before: Option<&'a Step>,
-    pub moved_before: &'a [Vec<Vector>],
 }
 
 impl View<'_> {
@@ -163,29 +159,26 @@ fn placed_obstacle(touch: &Touch<'_>, step: &Step, c: usize, state: &State) -> O
         .filter(|r| r.pressure * r.weight > 1e-6 * largest);
     let samples = bearing.filter_map(|r| touch.at_nodes.get(&r.node));
     let samples: Vec<&Sample> = samples.collect();
-    // directions that no row feels stay where they are
-    let small = 1e-9 * samples.len() as f64;
-    let mut matrix = super::geometry::AXES.map(|row| times(small, row));
-    for n in samples.iter().map(|s| s.normal) {
-        for (row, c) in matrix.iter_mut().zip(n) {
-            *row = plus(*row, c, n);
-        }
-    }
-    let [a, b, c] = matrix;
-    let dual = [cross(b, c), cross(c, a), cross(a, b)];
-    let volume = dot(a, dual[0]);
+    // conjugate gradients for the normal equations: directions that no row feels stay where they are
+    let felt = |f: &dyn Fn(&Sample) -> f64| {
+        let each = samples.iter();
+        each.fold([0.0; 3], |s, sample| plus(s, f(sample), sample.normal))
+    };
     let mut moved = [0.0; 3];
-    // again and again: what that small number leaves shrinks by itself each time
-    for _ in 0..4 {
-        let right = samples.iter().fold([0.0; 3], |s, sample| {
-            plus(
-                s,
-                -touch.gap(sample, &step.displacements, moved),
-                sample.normal,
-            )
-        });
-        for (r, column) in right.into_iter().zip(dual) {
-            moved = plus(moved, r / volume, column);
+    for _ in 0..3 {
+        let mut rest = felt(&|s| -touch.gap(s, &step.displacements, moved));
+        let (mut along, first) = (rest, dot(rest, rest));
+        for _ in 0..3 {
+            let size = dot(rest, rest);
+            let image = felt(&|s| dot(s.normal, along));
+            let give = dot(along, image);
+            // the rest is rounding, or along what no row feels
+            if size <= 1e-28 * first || give <= 1e-12 * dot(along, along) {
+                break;
+            }
+            let part = size / give;
+            (moved, rest) = (plus(moved, part, along), plus(rest, -part, image));
+            along = plus(rest, dot(rest, rest) / size, along);
         }
     }
     Some(moved)
@@ -198,8 +191,8 @@ fn placed_obstacle(touch: &Touch<'_>, step: &Step, c: usize, state: &State) -> O
 /// ```
 ///
 /// A pressure p that changes from cell to cell dents a cell of length h by p h/E'; a body thinner than that (d, along the
-/// normal) bends between nodes as a plate does; polyhedra that stand for one surface are apart by their sagittas. p is the
-/// largest of the rows on the facet and its neighbours, h the larger length of the facets of both sides.
+/// normal) bends between nodes as a plate does; polyhedra that stand for one surface, so that all initial gaps are that small,
+/// are apart by their sagittas, and facets dip into a round obstacle. p is the largest of the rows on the facet and its neighbours, h the larger length of the facets of both sides.
 pub fn resolution(view: &View<'_>, c: usize) -> Vec<f64> {
     let touch = &view.touches[c];
     let traction = |row: &Row| {
@@ -224,12 +217,16 @@ pub fn resolution(view: &View<'_>, c: usize) -> Vec<f64> {
         });
         let bend = 1.0 + (longest / (high - low)).powi(3);
         give = give.max(longest / view.problem.bodies[body].plane_modulus() * bend);
-        sagitta = sagitta.max(skin.sagitta());
+        sagitta += skin.sagitta();
+    }
+    let clear = touch.between.iter().map(|s| touch.clearance(s).abs());
+    if clear.fold(0.0, f64::max) > 2.0 * sagitta {
+        sagitta = 0.0;
     }
     if let super::problem::Against::Obstacle { surface, .. } = &touch.contact.against {
         use super::problem::Surface::{Cylinder, Sphere};
         if let Sphere { radius, .. } | Cylinder { radius, .. } = surface {
-            sagitta = sagitta.max(longest * longest / (8.0 * radius));
+            sagitta = sagitta.max(longest * longest / (4.0 * radius));
         }
     }
     let each = touch.skin.facets.iter().map(|facet| {
@@ -285,7 +282,7 @@ fn check_equilibrium(judgement: &mut Judgement, view: &View<'_>) {
 /// Normals of the rows; a support along an axis turns them into what it leaves free.
 fn check_normals(judgement: &mut Judgement, view: &View<'_>, c: usize) {
     let touch = &view.touches[c];
-    if touch.other.is_none() && !touch.nodal && !touch.skin.flat() {
+    if touch.other.is_none() && !touch.nodal {
         // integrated rows tell the side's own normal, not the plane's
         return;
     }
@@ -412,7 +409,7 @@ fn check_uniform(judgement: &mut Judgement, view: &View<'_>) {
         for row in raw.rows.iter().filter(|r| r.status != Status::Fixed) {
             let off = (row.pressure - known).abs();
             let rounding = 10.0 * view.state.limits[touch.own][row.node] / row.weight;
-            let limit = 1e-4 * known.abs() + rounding;
+            let limit = 1e-6 * known.abs() + rounding;
             judgement.compare("pressure", off, limit, || view.node(touch.own, row.node));
         }
     }

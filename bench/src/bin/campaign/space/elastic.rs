@@ -7,7 +7,7 @@
 
 use super::Mesh;
 use super::geometry::{AXES, Matrix, Vector, bounds, cross, dot, length, mean, minus, plus, times};
-use super::problem::{Body, Held, Load, Place};
+use super::problem::{Body, Held, Load};
 use super::side::Skin;
 use super::solids::Solid;
 use crate::amount::vector_at;
@@ -160,6 +160,7 @@ pub fn external(mesh: &Mesh, body: &Body, t: f64) -> Vec<Vector> {
 }
 
 /// The node nearest to a point.
+#[cfg(test)]
 pub fn nearest(mesh: &Mesh, point: Vector) -> usize {
     let distance = |node: &usize| length(minus(mesh.points[*node], point));
     let nodes = 0..mesh.points.len();
@@ -171,16 +172,9 @@ pub fn nearest(mesh: &Mesh, point: Vector) -> usize {
 /// All conditions of the supports of a body at a time.
 pub fn conditions(mesh: &Mesh, body: &Body, t: f64) -> Vec<Condition<3>> {
     let mut all = Vec::new();
-    for (place, held) in &body.supports {
-        let nodes: Vec<(usize, Vector)> = match place {
-            Place::Point(point) => vec![(nearest(mesh, *point), [0.0; 3])],
-            Place::Side(side) => {
-                let skin = Skin::new(mesh, side, None);
-                let nodes = skin.around.keys();
-                nodes.map(|&node| (node, skin.normal_at(node))).collect()
-            }
-        };
-        for (node, normal) in nodes {
+    for (side, held) in &body.supports {
+        let skin = Skin::new(mesh, side, None);
+        for &node in skin.around.keys() {
             let x = mesh.points[node];
             let mut hold = |axis: Vector, value: f64| all.push(Condition { node, axis, value });
             match held {
@@ -188,7 +182,7 @@ pub fn conditions(mesh: &Mesh, body: &Body, t: f64) -> Vec<Condition<3>> {
                     let values = vector_at(field, x, t).into_iter();
                     AXES.into_iter().zip(values).for_each(|(a, v)| hold(a, v));
                 }
-                Held::Normal(value) => hold(normal, value.at(x, t)),
+                Held::Normal(value) => hold(skin.normal_at(node), value.at(x, t)),
             }
         }
     }
@@ -302,12 +296,7 @@ mod tests {
             let expected = [0.0, 1.5, -6.0 - (2.0 + 4.0)];
             assert!(length(minus(sum, expected)) < 1e-13, "{kind:?} {sum:?}");
             assert!(!fully_held(&mesh, &body, 1.0));
-            let held = |name: &str| {
-                (
-                    Place::Side(name.to_string()),
-                    Held::Normal(Number::default()),
-                )
-            };
+            let held = |name: &str| (name.to_string(), Held::Normal(Number::default()));
             body.supports = vec![held("left"), held("front")];
             assert!(!fully_held(&mesh, &body, 1.0));
             body.supports.push(held("bottom"));

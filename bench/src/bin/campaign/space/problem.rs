@@ -47,14 +47,6 @@ pub enum Shape {
     File { name: String, text: String },
 }
 
-/// Where a support holds.
-#[derive(Debug, Clone, PartialEq)]
-pub enum Place {
-    Side(String),
-    /// The nearest node.
-    Point(Vector),
-}
-
 /// What a support prescribes: all of the displacement, or the part along the outward normal.
 #[derive(Debug, Clone)]
 pub enum Held {
@@ -97,7 +89,8 @@ pub struct Body {
     pub kind: Solid,
     pub young: f64,
     pub poisson: f64,
-    pub supports: Vec<(Place, Held)>,
+    /// By side.
+    pub supports: Vec<(String, Held)>,
     pub loads: Vec<Load>,
     pub weight: Field,
     /// True surfaces behind sides.
@@ -251,10 +244,7 @@ impl Problem {
         for (body, mesh) in other.bodies.iter_mut().zip(meshes) {
             body.young *= stress;
             body.weight = carry.field(&body.weight, stress / carry.lengths);
-            for (place, held) in &mut body.supports {
-                if let Place::Point(x) = place {
-                    *x = carry.point(*x);
-                }
+            for (_, held) in &mut body.supports {
                 match held {
                     Held::All(field) => *field = carry.field(field, carry.lengths),
                     Held::Normal(number) => *number = carry.number(number, carry.lengths),
@@ -411,16 +401,12 @@ fn surface(surface: &Surface, inside: Option<bool>) -> String {
     }
 }
 
-fn support((place, held): &(Place, Held)) -> String {
-    let place = match place {
-        Place::Side(side) => format!("side = \"{side}\""),
-        Place::Point(point) => format!("point = {point:?}"),
-    };
+fn support((side, held): &(String, Held)) -> String {
     let held = match held {
         Held::All([x, y, z]) => format!("x = {}, y = {}, z = {}", x.text(), y.text(), z.text()),
         Held::Normal(value) => format!("normal = {}", value.text()),
     };
-    format!("{{ {place}, {held} }}")
+    format!("{{ side = \"{side}\", {held} }}")
 }
 
 fn load(load: &Load) -> String {

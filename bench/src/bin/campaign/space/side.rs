@@ -230,11 +230,11 @@ impl Skin {
         self.facets.iter().all(|f| f.kind.linear())
     }
 
-    /// Distance of the side from the smooth surface that it stands for.
+    /// Distance of the side from the smooth surface that it stands for, which may be curved in two directions.
     pub fn sagitta(&self) -> f64 {
         let bend = match self.linear() {
-            true => self.turn / 8.0,
-            false => self.turn * self.turn / 16.0,
+            true => self.turn / 4.0,
+            false => self.turn * self.turn / 8.0,
         };
         self.longest * bend
     }

@@ -228,9 +228,12 @@ fn check_sum(judgement: &mut Judgement, view: &View<'_>, cluster: &Cluster, foun
         let sign = if touch.own == cluster.body { 1.0 } else { -1.0 };
         if !touch.nodal {
             turn = turn.max(touch.skin.turn);
-            // against a plane an integrated row tells another direction than it pushes along
-            if touch.other.is_none() && !touch.skin.flat() {
-                return;
+            if touch.other.is_none() {
+                // integrated rows tell the side's own normal, not the plane's
+                for (&node, sample) in &touch.at_nodes {
+                    let off = minus(sample.normal, touch.skin.normal_at(node));
+                    turn = turn.max(length(off));
+                }
             }
         }
         for row in &view.step.contacts[c].rows {

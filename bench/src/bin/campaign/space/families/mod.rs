@@ -14,8 +14,8 @@ use super::Mesh;
 use super::elastic::external;
 use super::geometry::{AXES, Vector, cross, length, mean, minus, plus, random_rotation};
 use super::problem::{
-    Against, Body, Carry, Contact, Drive, Field, Gap, Held, Law, Load, Number, Place, Problem,
-    Shape, Surface, constant, jitter,
+    Against, Body, Carry, Contact, Drive, Field, Gap, Held, Law, Load, Number, Problem, Shape,
+    Surface, constant, jitter,
 };
 use super::solids::Solid;
 use super::wrench::cone;
@@ -78,7 +78,7 @@ pub struct Scene {
 impl Scene {
     fn new(mut random: Random, family: &'static str) -> Self {
         use Solid::*;
-        let all = [Hex8, Tet4, Hex20, Tet10, Hex27, Prism6, Prism15];
+        let all = [Hex8, Tet4, Hex20, Tet10, Hex27, Prism6, Prism15, Prism18];
         let ratio = match random.count(0, 9) {
             0..=4 => 1.0,
             5..=8 => random.magnitude(1.0, 30.0),
@@ -204,8 +204,8 @@ impl Scene {
 
     /// A body without supports and loads.
     pub fn add(&mut self, name: &str, shape: Shape, kind: Solid) -> usize {
-        let young = match self.random.chance(0.5) {
-            true => self.random.magnitude(1.0, self.ratio * (1.0 + 1e-9)),
+        let young = match self.ratio > 1.0 && self.random.chance(0.5) {
+            true => self.random.magnitude(1.0, self.ratio),
             false => 1.0,
         };
         let poisson = match self.random.count(0, 9) {
@@ -245,16 +245,14 @@ impl Scene {
 
     /// Holds a side altogether, or moves it.
     pub fn hold(&mut self, body: usize, side: &str, field: Field) {
-        let place = Place::Side(side.to_string());
         let supports = &mut self.problem.bodies[body].supports;
-        supports.push((place, Held::All(field)));
+        supports.push((side.to_string(), Held::All(field)));
     }
 
     /// Holds a side along its normal.
     pub fn roll(&mut self, body: usize, side: &str) {
-        let place = Place::Side(side.to_string());
         let supports = &mut self.problem.bodies[body].supports;
-        supports.push((place, Held::Normal(Number::from(0.0))));
+        supports.push((side.to_string(), Held::Normal(Number::from(0.0))));
     }
 
     /// A traction on a side.
@@ -285,6 +283,10 @@ impl Scene {
     /// A contact.
     pub fn push(&mut self, own: Side, against: Against, law: Law) {
         let name = format!("c{}", self.problem.contacts.len());
+        let gap = match law != Law::Tied && self.random.chance(0.1) {
+            true => Gap::Geometric,
+            false => Gap::Default,
+        };
         let pairing = match self.random.chance(0.12) {
             true => Pairing::Mortar,
             false => Pairing::Default,
@@ -294,7 +296,7 @@ impl Scene {
             own,
             against,
             pairing,
-            gap: Gap::Default,
+            gap,
             law,
         });
     }

@@ -5,7 +5,7 @@ use super::{Scene, upwards};
 use crate::amount::Time;
 use crate::problem::side;
 use crate::space::geometry::unit;
-use crate::space::problem::{Against, Drive, Field, Gap, Held, Law, Number, Place, Shape, Surface};
+use crate::space::problem::{Against, Drive, Field, Gap, Held, Law, Number, Shape, Surface};
 use crate::space::solids::Solid;
 
 /// Kinds of cells that round bodies may have.
@@ -18,8 +18,8 @@ const ROUND: [Solid; 5] = [
 ];
 
 /// A ball of radius one about a point, with its true surface.
-fn add_ball(scene: &mut Scene, center: [f64; 3]) -> usize {
-    let kind = scene.random.pick(&ROUND);
+fn add_ball(scene: &mut Scene, center: [f64; 3], kinds: &[Solid]) -> usize {
+    let kind = scene.random.pick(kinds);
     let around = match kind {
         Solid::Hex8 => scene.random.pick(&[8, 12]),
         _ => 8,
@@ -42,7 +42,7 @@ fn add_ball(scene: &mut Scene, center: [f64; 3]) -> usize {
 /// A ball on a box or a plane, pressed from above by a plate, rigid or not, which may move along.
 pub fn ball(scene: &mut Scene) {
     let count = scene.steps(&[1, 1, 2, 4]);
-    let ball = add_ball(scene, [0.0, 0.0, 1.0]);
+    let ball = add_ball(scene, [0.0, 0.0, 1.0], &ROUND);
     let depth = scene.strain.min(3e-4) * 3.0;
     let rough = if scene.random.chance(0.5) { 1.0 } else { 0.0 };
     let laws = [0; 2].map(|_| scene.law(rough));
@@ -80,8 +80,9 @@ pub fn ball(scene: &mut Scene) {
 /// A ball in a rigid bowl or groove under its weight, which may lean.
 pub fn bowl(scene: &mut Scene) {
     let count = scene.steps(&[1, 1, 3]);
-    let ball = add_ball(scene, [0.0, 0.0, 1.0]);
-    let radius = scene.random.between(1.3, 4.0);
+    // hexahedra have their middle where the ball has it: nothing turns them without friction
+    let ball = add_ball(scene, [0.0, 0.0, 1.0], &[Solid::Hex8, Solid::Hex20]);
+    let radius = scene.random.magnitude(1.02, 3.0);
     let surface = match scene.random.chance(0.6) {
         true => Surface::Sphere {
             center: [0.0, 0.0, radius],
@@ -184,9 +185,9 @@ pub fn fit(scene: &mut Scene) {
             scene.pull(1, "top", [x, y, Number::default()]);
         }
         _ => {
-            let place = Place::Side("bottom".to_string());
             let drawn = Held::Normal(Number::timed(p, Time::Line(0.0, 0.5)));
-            scene.problem.bodies[1].supports.push((place, drawn));
+            let supports = &mut scene.problem.bodies[1].supports;
+            supports.push(("bottom".to_string(), drawn));
         }
     }
 }
