@@ -302,7 +302,7 @@ fn check_normals(judgement: &mut Judgement, view: &View<'_>, c: usize) {
 }
 
 /// What gaps between nodes may be on each facet: what the mesh resolves, and half of what the gap varies on the facet and its
-/// neighbours, over which a condition averages it.
+/// neighbours, over which a condition averages it; all of it where a polyhedron may spin, of which conditions see the corners.
 fn coarse(view: &View<'_>, c: usize) -> Vec<f64> {
     let touch = &view.touches[c];
     let mut ranges = vec![[f64::INFINITY, f64::NEG_INFINITY]; touch.skin.facets.len()];
@@ -316,7 +316,8 @@ fn coarse(view: &View<'_>, c: usize) -> Vec<f64> {
     let each = facets.map(|(facet, resolved)| {
         let around = facet.nodes.iter().flat_map(|n| &touch.skin.around[n]);
         let varies = around.map(|&f| (ranges[f][1] - ranges[f][0]).max(0.0));
-        resolved + 0.5 * varies.fold(0.0, f64::max)
+        let part = if view.problem.spins { 1.0 } else { 0.5 };
+        resolved + part * varies.fold(0.0, f64::max)
     });
     each.collect()
 }

@@ -7,14 +7,19 @@ use crate::problem::{Known, side};
 use crate::space::geometry::{cross, plus, times, unit};
 use crate::space::problem::{Drive, Field, Law, Number, Shape, Surface};
 use crate::space::solids::Solid;
+use std::f64::consts::TAU;
 
-/// A box under its weight on a slope of any direction, a rigid plane or another body.
+/// A box or a column under its weight on a slope of any direction, a rigid plane or another body.
 pub fn incline(scene: &mut Scene) {
     let [w, d] = [0, 1].map(|_| scene.random.between(0.8, 1.5));
     let mu = scene.random.between(0.05, 0.8);
     // so low that it does not tip
     let h = scene.random.between(0.15, 0.3) * w.min(d) / (0.5 + mu);
-    let block = scene.cuboid("block", [0.0; 3], [w, d, h], 2);
+    let column = scene.random.chance(0.3);
+    let (block, sole) = match column {
+        true => (add_column(scene, w, h), "first"),
+        false => (scene.cuboid("block", [0.0; 3], [w, d, h], 2), "bottom"),
+    };
     let slope = scene.margin() * mu;
     let [x, y] = scene.direction(slope, [1.0, 1.0]);
     let g = scene.strain;
@@ -23,18 +28,48 @@ pub fn incline(scene: &mut Scene) {
     let law = Law::Coulomb(mu);
     let (mut low, mut high) = ([0.0; 2], [w, d]);
     if scene.random.chance(0.4) {
-        scene.stand(side("block", "bottom"), floor(0.0), None, law);
+        scene.stand(side("block", sole), floor(0.0), None, law);
     } else {
-        let out = [0; 4].map(|_| scene.random.between(-0.1, 0.4));
+        let least = if column { w } else { -0.1 };
+        let out = [0; 4].map(|_| scene.random.between(least, least + 0.5));
         let (from, to) = ([-out[0], -out[1], -0.4], [w + out[2], d + out[3], 0.0]);
         let lower = scene.cuboid("slope", from, to, 2);
         scene.hold(lower, "bottom", Field::default());
-        scene.touch(side("block", "bottom"), side("slope", "top"), law);
+        scene.touch(side("block", sole), side("slope", "top"), law);
         low = [from[0].max(0.0), from[1].max(0.0)];
         high = [to[0].min(w), to[1].min(d)];
     }
-    let pushes = from_below(low, high, 0.0, mu);
+    let mut pushes = from_below(low, high, 0.0, mu);
+    if let Shape::Column { corners, .. } = &scene.problem.bodies[block].shape {
+        let corners = corners.iter();
+        let each = corners.map(|&[x, y]| Push {
+            at: [x, y, 0.0],
+            direction: [0.0, 0.0, 1.0],
+            friction: mu,
+        });
+        pushes = each.collect();
+    }
     scene.must_hold(vec![block], pushes, true, "weight on the slope");
+}
+
+/// A column over a polygon about the origin.
+fn add_column(scene: &mut Scene, radius: f64, height: f64) -> usize {
+    let n = scene.random.count(3, 6);
+    let first = scene.random.between(0.0, 1.0);
+    let corner = |k: usize| {
+        let (s, c) = (TAU * (first + k as f64 / n as f64)).sin_cos();
+        [radius * c, radius * s]
+    };
+    let corners: Vec<[f64; 2]> = (0..n).map(corner).collect();
+    let shape = Shape::Column {
+        names: vec!["flank"; corners.len()],
+        corners,
+        size: radius * scene.random.between(0.5, 1.2),
+        height,
+        layers: 1,
+    };
+    let kind = scene.random.pick(&[Solid::Prism6, Solid::Prism15]);
+    scene.add("block", shape, kind)
 }
 
 /// A prism in the groove of two planes, under its weight and drawn along the groove.
