@@ -26,6 +26,7 @@
 //! | weight | weights = ∫N; their sum is the facing area | 1e-6, on curved sides 1e-3; 1e-3 of the area, since slivers are left out |
 //! | normal | normals of the rows are those of the side, or minus the plane's | the angle between neighbouring facets, and 1e-6 |
 //! | gap, slip | the columns of rows node by node are those of the displacements | like penetration |
+//! | gap | those of integrated rows lie among the gaps around their nodes | the range of these gaps once more, since functions change sign |
 //! | pressure | contact pressures are those of a uniform state, where one is known | 1e-6, and ten times the limit of equilibrium |
 //!
 //! That `work` agrees ties gaps and slips of integrated rows to the true displacements; what the rows say of themselves is
@@ -301,9 +302,8 @@ fn check_normals(judgement: &mut Judgement, view: &View<'_>, c: usize) {
     }
 }
 
-/// What gaps between nodes may be on each facet: what the mesh resolves, and half of what the gap varies on the facet and its
-/// neighbours, over which a condition averages it; all of it where a polyhedron may spin, of which conditions see the corners.
-fn coarse(view: &View<'_>, c: usize) -> Vec<f64> {
+/// The least and the largest gap at the points between the nodes of each facet.
+fn ranges(view: &View<'_>, c: usize) -> Vec<[f64; 2]> {
     let touch = &view.touches[c];
     let mut ranges = vec![[f64::INFINITY, f64::NEG_INFINITY]; touch.skin.facets.len()];
     for sample in &touch.between {
@@ -312,6 +312,13 @@ fn coarse(view: &View<'_>, c: usize) -> Vec<f64> {
             (*low, *high) = (low.min(gap), high.max(gap));
         }
     }
+    ranges
+}
+
+/// What gaps between nodes may be on each facet: what the mesh resolves, and half of what the gap varies on the facet and its
+/// neighbours, over which a condition averages it; all of it where a polyhedron may spin, of which conditions see the corners.
+fn coarse(view: &View<'_>, c: usize, ranges: &[[f64; 2]]) -> Vec<f64> {
+    let touch = &view.touches[c];
     let facets = touch.skin.facets.iter().zip(resolution(view, c));
     let each = facets.map(|(facet, resolved)| {
         let around = facet.nodes.iter().flat_map(|n| &touch.skin.around[n]);
@@ -328,7 +335,8 @@ fn check_gaps(judgement: &mut Judgement, view: &View<'_>, c: usize) {
         return;
     };
     let fine = view.state.tiny_length() + MOVE * length(obstacle);
-    let coarse = coarse(view, c);
+    let ranges = ranges(view, c);
+    let coarse = coarse(view, c, &ranges);
     let linear = touch.skin.linear() && touch.opposite.as_ref().is_none_or(Skin::linear);
     // conditions node by node on plane sides hold between the nodes, too
     let exact = touch.nodal && touch.exact && linear;
@@ -367,6 +375,14 @@ fn check_gaps(judgement: &mut Judgement, view: &View<'_>, c: usize) {
                 let slip = crate::held::free_part(slip, held);
                 judgement.compare("slip", length(slip), fine, place);
             }
+        }
+        if !touch.nodal && !row.gap.is_nan() && touch.contact.law != Law::Tied {
+            let around = touch.skin.around[&row.node].iter().map(|&f| ranges[f]);
+            let [low, high] = around.fold([f64::INFINITY, f64::NEG_INFINITY], |[l, h], r| {
+                [l.min(r[0]), h.max(r[1])]
+            });
+            let off = (low - row.gap).max(row.gap - high);
+            judgement.compare("gap", off, fine + (high - low).max(0.0), place);
         }
         let force = row.pressure * row.weight;
         let bears = force > 10.0 * view.state.limits[touch.own][row.node];

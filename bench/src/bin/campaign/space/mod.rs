@@ -110,6 +110,7 @@ impl run::Problem<3> for Problem {
             turn: random_rotation(random),
             lengths: random.magnitude(1e-3, 1e3),
             forces: random.magnitude(1e-3, 1e3),
+            shift: [0.0; 3],
         };
         let mut problem = self.carried(&answer.meshes, &carry);
         let mut order: Vec<usize> = (0..self.bodies.len()).collect();

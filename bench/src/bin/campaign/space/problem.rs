@@ -1,6 +1,6 @@
 //! A contact problem of space as plain data, its case file, and the same problem elsewhere.
 
-use super::geometry::{Matrix, Vector, applied, plus, times};
+use super::geometry::{Matrix, Vector, applied, dot, plus};
 use super::solids::Solid;
 use super::{Mesh, gmsh};
 use crate::amount::{Amount, moved_vector};
@@ -190,20 +190,29 @@ pub struct Carry {
     pub turn: Matrix,
     pub lengths: f64,
     pub forces: f64,
+    /// Where the origin goes.
+    pub shift: Vector,
 }
 
 impl Carry {
     /// Where a point goes.
     pub fn point(&self, x: Vector) -> Vector {
-        times(self.lengths, applied(self.turn, x))
+        plus(self.shift, self.lengths, applied(self.turn, x))
     }
 
     fn number(&self, number: &Number, factor: f64) -> Number {
-        number.moved(factor, self.lengths, self.turn)
+        self.shifted(number.moved(factor, self.lengths, self.turn))
     }
 
     fn field(&self, field: &Field, factor: f64) -> Field {
-        moved_vector(field, factor, self.lengths, self.turn)
+        moved_vector(field, factor, self.lengths, self.turn).map(|c| self.shifted(c))
+    }
+
+    fn shifted(&self, mut number: Number) -> Number {
+        for term in &mut number.0 {
+            term.constant -= dot(term.slope, self.shift);
+        }
+        number
     }
 
     fn surface(&self, surface: Surface) -> Surface {

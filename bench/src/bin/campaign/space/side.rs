@@ -146,7 +146,8 @@ impl Facet {
                 return None;
             }
             xi = [xi[0] + by[0], xi[1] + by[1]];
-            if reach < 1e-13 || (reach < 1e-7 && self.kind.linear()) {
+            // Newton's steps square what is left
+            if reach < 1e-7 {
                 let inside = match triangle {
                     true => xi[0].min(xi[1]).min(1.0 - xi[0] - xi[1]) >= -1e-9,
                     false => xi[0].abs().max(xi[1].abs()) <= 1.0 + 1e-9,

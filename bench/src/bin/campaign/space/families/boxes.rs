@@ -1,6 +1,6 @@
 //! Boxes on boxes.
 
-use super::{Scene, course, from_below, upwards};
+use super::{Margin, Scene, course, from_below, upwards};
 use crate::amount::Time;
 use crate::problem::{Known, side};
 use crate::space::problem::{Drive, Field, Gap, Law, Load, Number, Surface};
@@ -115,7 +115,7 @@ pub fn stack(scene: &mut Scene) {
             scene.must_hold(
                 above,
                 pushes,
-                false,
+                Margin::Wide,
                 "statics of each interface of the stack",
             );
             smooth |= mu == 0.0;
@@ -257,7 +257,7 @@ pub fn history(scene: &mut Scene) {
         scene.must_hold(
             vec![upper],
             pushes,
-            false,
+            Margin::Wide,
             "statics of the box on the other",
         );
     }

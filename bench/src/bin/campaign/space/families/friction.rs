@@ -1,7 +1,7 @@
 //! What friction just holds, or just does not; corners of walls; obstacles that move.
 
 use super::boxes::{floor, pressed};
-use super::{Push, Scene, course, from_below};
+use super::{Margin, Push, Scene, course, from_below};
 use crate::amount::Time;
 use crate::problem::{Known, side};
 use crate::space::geometry::{cross, plus, times, unit};
@@ -49,7 +49,7 @@ pub fn incline(scene: &mut Scene) {
         });
         pushes = each.collect();
     }
-    scene.must_hold(vec![block], pushes, true, "weight on the slope");
+    scene.must_hold(vec![block], pushes, Margin::Sharp, "weight on the slope");
 }
 
 /// A column over a polygon about the origin.
@@ -144,7 +144,7 @@ pub fn groove(scene: &mut Scene) {
     scene.must_hold(
         vec![wedge],
         pushes,
-        false,
+        Margin::Unknown,
         "statics of the prism in the groove",
     );
 }
@@ -201,7 +201,7 @@ pub fn corner(scene: &mut Scene) {
     scene.must_hold(
         vec![block],
         pushes,
-        false,
+        Margin::Wide,
         "statics of the box in the corner",
     );
 }

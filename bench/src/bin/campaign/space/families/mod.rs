@@ -54,11 +54,22 @@ pub fn problem(seed: u64, only: Option<&str>) -> Problem {
     scene.finished()
 }
 
-/// Bodies whose loads some points must hold, and whether the margin is a hair's breadth.
+/// Bodies whose loads some points must hold.
 struct Part {
     bodies: Vec<usize>,
     pushes: Vec<Push>,
-    sharp: bool,
+    margin: Margin,
+}
+
+/// How much better than what falls is known to hold.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Margin {
+    /// A hair's breadth: there is one way to slide.
+    Sharp,
+    /// A quarter of lengths and coefficients: pushes of coarse meshes do not reach the ends of a side.
+    Wide,
+    /// Nothing is known to hold: a wedge may use its friction up across the way that it slides.
+    Unknown,
 }
 
 /// A problem in the making.
@@ -144,10 +155,15 @@ impl Scene {
             true => random_rotation(random),
             false => AXES,
         };
+        let far = match random.chance(0.3) {
+            true => lengths * random.magnitude(1.0, 100.0),
+            false => 0.0,
+        };
         let carry = Carry {
             turn,
             lengths,
             forces,
+            shift: random_rotation(random)[0].map(|c| far * c),
         };
         self.problem.carried(&meshes, &carry)
     }
@@ -164,15 +180,17 @@ impl Scene {
                         load = (plus(load.0, 1.0, f), plus(load.1, 1.0, cross(x, f)));
                     }
                 }
-                // pushes of coarse meshes do not reach the ends of a side
-                let inside = if part.sharp { MARGIN } else { 0.25 };
+                let inside = match part.margin {
+                    Margin::Sharp => MARGIN,
+                    _ => 0.25,
+                };
                 match held(load, &part.pushes, inside) {
-                    Known::Holds => {}
+                    Known::Holds if part.margin != Margin::Unknown => {}
                     Known::Falls => {
                         self.problem.known = Known::Falls;
                         return;
                     }
-                    Known::Open => known = Known::Open,
+                    _ => known = Known::Open,
                 }
             }
         }
@@ -182,12 +200,12 @@ impl Scene {
     }
 
     /// The loads of these bodies must be held by these pushes.
-    pub fn must_hold(&mut self, bodies: Vec<usize>, pushes: Vec<Push>, sharp: bool, why: &str) {
+    pub fn must_hold(&mut self, bodies: Vec<usize>, pushes: Vec<Push>, margin: Margin, why: &str) {
         self.problem.reason = why.to_string();
         self.parts.push(Part {
             bodies,
             pushes,
-            sharp,
+            margin,
         });
     }
 
