@@ -26,14 +26,14 @@
 //! | weight | weights = ∫N; their sum is the facing area | 1e-6, on curved sides 1e-3; 1e-3 of the area, since slivers are left out |
 //! | normal | normals of the rows are those of the side, or minus the plane's | the angle between neighbouring facets, and 1e-6 |
 //! | gap, slip | the columns of rows node by node are those of the displacements | like penetration |
-//! | gap | those of integrated rows lie among the gaps around their nodes | the range of these gaps once more, since functions change sign |
+//! | gap | those of integrated rows lie among the gaps around their nodes | the range of these gaps once more, since functions change sign, and the sagittas |
 //! | pressure | contact pressures are those of a uniform state, where one is known | 1e-6, and ten times the limit of equilibrium |
 //!
 //! That `work` agrees ties gaps and slips of integrated rows to the true displacements; what the rows say of themselves is
 //! judged sharply then.
 
 use super::geometry::{Vector, across, dot, length, minus, plus};
-use super::problem::{Law, Problem};
+use super::problem::{Against, Form, Law, Problem};
 use super::rows::check_rows;
 use super::side::Skin;
 use super::state::State;
@@ -185,6 +185,23 @@ fn placed_obstacle(touch: &Touch<'_>, step: &Step, c: usize, state: &State) -> O
     Some(moved)
 }
 
+/// How far the sides of a contact are from the surfaces that they stand for, where that matters.
+fn sagitta(view: &View<'_>, c: usize) -> f64 {
+    let touch = &view.touches[c];
+    if let Against::Obstacle { surface, .. } = &touch.contact.against
+        && surface.form != Form::Plane
+    {
+        return touch.skin.longest.powi(2) / (4.0 * surface.radius);
+    }
+    let both = view.sides(c).map(|(_, skin, _)| skin.sagitta()).sum();
+    let clear = touch.between.iter().map(|s| touch.clearance(s).abs());
+    if clear.fold(0.0, f64::max) > 2.0 * both {
+        0.0
+    } else {
+        both
+    }
+}
+
 /// What gaps between nodes, or of integrated conditions, may be on a mesh, facet by facet of the nonmortar side:
 ///
 /// ```text
@@ -205,7 +222,7 @@ pub fn resolution(view: &View<'_>, c: usize) -> Vec<f64> {
     let longest = view
         .sides(c)
         .fold(0.0, |s: f64, (_, skin, _)| s.max(skin.longest));
-    let (mut give, mut sagitta) = (0.0f64, 0.0f64);
+    let mut give = 0.0f64;
     for (body, skin, _) in view.sides(c) {
         let n = skin
             .around
@@ -218,18 +235,8 @@ pub fn resolution(view: &View<'_>, c: usize) -> Vec<f64> {
         });
         let bend = 1.0 + (longest / (high - low)).powi(3);
         give = give.max(longest / view.problem.bodies[body].plane_modulus() * bend);
-        sagitta += skin.sagitta();
     }
-    let clear = touch.between.iter().map(|s| touch.clearance(s).abs());
-    if clear.fold(0.0, f64::max) > 2.0 * sagitta {
-        sagitta = 0.0;
-    }
-    if let super::problem::Against::Obstacle { surface, .. } = &touch.contact.against {
-        use super::problem::Surface::{Cylinder, Sphere};
-        if let Sphere { radius, .. } | Cylinder { radius, .. } = surface {
-            sagitta = sagitta.max(longest * longest / (4.0 * radius));
-        }
-    }
+    let sagitta = sagitta(view, c);
     let each = touch.skin.facets.iter().map(|facet| {
         let around = facet.nodes.iter().flat_map(|n| &touch.skin.around[n]);
         let nodes = around.flat_map(|&f| &touch.skin.facets[f].nodes);
@@ -382,7 +389,8 @@ fn check_gaps(judgement: &mut Judgement, view: &View<'_>, c: usize) {
                 [l.min(r[0]), h.max(r[1])]
             });
             let off = (low - row.gap).max(row.gap - high);
-            judgement.compare("gap", off, fine + (high - low).max(0.0), place);
+            let limit = fine + sagitta(view, c) + (high - low).max(0.0);
+            judgement.compare("gap", off, limit, place);
         }
         let force = row.pressure * row.weight;
         let bears = force > 10.0 * view.state.limits[touch.own][row.node];

@@ -73,9 +73,8 @@ fn contact(own: &str, against: Against, law: Law) -> Contact {
 }
 
 fn plane(normal: Vector, drive: Option<Drive>) -> Against {
-    let point = [0.0; 3];
     Against::Obstacle {
-        surface: Surface::Plane { point, normal },
+        surface: Surface::plane([0.0; 3], normal),
         inside: false,
         drive,
     }
@@ -248,12 +247,8 @@ fn bodies_and_obstacles_that_lie_elsewhere_are_noticed() {
         ("lowered", -1e-8, "open force"),
     ] {
         noticed(name, &drawn(), what, |problem, _| {
-            if let Against::Obstacle {
-                surface: Surface::Plane { point, .. },
-                ..
-            } = &mut problem.contacts[0].against
-            {
-                point[2] += by;
+            if let Against::Obstacle { surface, .. } = &mut problem.contacts[0].against {
+                surface.point[2] += by;
             }
         });
     }

@@ -61,24 +61,51 @@ pub enum Load {
     Pressure { side: String, field: Number },
 }
 
-/// A surface, true or rigid.
+/// What a surface is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Form {
+    Plane,
+    Sphere,
+    Cylinder,
+}
+
+/// A surface, true or rigid: a point of the plane, the centre, a point of the axis; the normal, which has length one and points
+/// towards the body, nothing, the direction of the axis, which has length one.
 #[derive(Debug, Clone, Copy)]
-pub enum Surface {
-    /// The normal has length one and points towards the body.
-    Plane {
-        point: Vector,
-        normal: Vector,
-    },
-    Sphere {
-        center: Vector,
-        radius: f64,
-    },
-    /// The axis has length one.
-    Cylinder {
-        point: Vector,
-        axis: Vector,
-        radius: f64,
-    },
+pub struct Surface {
+    pub form: Form,
+    pub point: Vector,
+    pub axis: Vector,
+    pub radius: f64,
+}
+
+impl Surface {
+    pub fn plane(point: Vector, normal: Vector) -> Self {
+        Self {
+            form: Form::Plane,
+            point,
+            axis: normal,
+            radius: 0.0,
+        }
+    }
+
+    pub fn sphere(point: Vector, radius: f64) -> Self {
+        Self {
+            form: Form::Sphere,
+            point,
+            axis: [0.0; 3],
+            radius,
+        }
+    }
+
+    pub fn cylinder(point: Vector, axis: Vector, radius: f64) -> Self {
+        Self {
+            form: Form::Cylinder,
+            point,
+            axis,
+            radius,
+        }
+    }
 }
 
 /// One body.
@@ -216,24 +243,11 @@ impl Carry {
     }
 
     fn surface(&self, surface: Surface) -> Surface {
-        match surface {
-            Surface::Plane { point, normal } => Surface::Plane {
-                point: self.point(point),
-                normal: applied(self.turn, normal),
-            },
-            Surface::Sphere { center, radius } => Surface::Sphere {
-                center: self.point(center),
-                radius: radius * self.lengths,
-            },
-            Surface::Cylinder {
-                point,
-                axis,
-                radius,
-            } => Surface::Cylinder {
-                point: self.point(point),
-                axis: applied(self.turn, axis),
-                radius: radius * self.lengths,
-            },
+        Surface {
+            point: self.point(surface.point),
+            axis: applied(self.turn, surface.axis),
+            radius: surface.radius * self.lengths,
+            ..surface
         }
     }
 }
@@ -392,19 +406,17 @@ fn shape(body: &Body) -> String {
 }
 
 fn surface(surface: &Surface, inside: Option<bool>) -> String {
+    let Surface {
+        point,
+        axis,
+        radius,
+        form,
+    } = surface;
     let inside = inside.map_or(String::new(), |i| format!(", inside = {i}"));
-    match surface {
-        Surface::Plane { point, normal } => {
-            format!("plane = {{ point = {point:?}, normal = {normal:?} }}")
-        }
-        Surface::Sphere { center, radius } => {
-            format!("sphere = {{ center = {center:?}, radius = {radius:?}{inside} }}")
-        }
-        Surface::Cylinder {
-            point,
-            axis,
-            radius,
-        } => format!(
+    match form {
+        Form::Plane => format!("plane = {{ point = {point:?}, normal = {axis:?} }}"),
+        Form::Sphere => format!("sphere = {{ center = {point:?}, radius = {radius:?}{inside} }}"),
+        Form::Cylinder => format!(
             "cylinder = {{ point = {point:?}, axis = {axis:?}, radius = {radius:?}{inside} }}"
         ),
     }

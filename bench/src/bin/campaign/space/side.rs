@@ -6,7 +6,7 @@
 
 use super::Mesh;
 use super::geometry::{Vector, across, cross, dot, length, mean, minus, plus, times, unit};
-use super::problem::Surface;
+use super::problem::{Form, Surface};
 use crate::cells::Kind;
 use crate::side::{OPPOSED, SHARP};
 use std::collections::BTreeMap;
@@ -306,28 +306,22 @@ impl Skin {
 impl Surface {
     /// The unit normal at a point, away from the centre or the axis.
     pub fn normal(&self, x: Vector) -> Vector {
-        match *self {
-            Self::Plane { normal, .. } => normal,
-            Self::Sphere { center, .. } => unit(minus(x, center)),
-            Self::Cylinder { point, axis, .. } => unit(across(minus(x, point), axis)),
+        match self.form {
+            Form::Plane => self.axis,
+            _ => unit(across(minus(x, self.point), self.axis)),
         }
     }
 
     /// Where a line meets the surface, as distances along it.
     pub fn meets(&self, x: Vector, n: Vector) -> Vec<f64> {
-        let (from, along, radius) = match *self {
-            Self::Plane { point, normal } => {
-                return vec![dot(minus(point, x), normal) / dot(n, normal)];
-            }
-            Self::Sphere { center, radius } => (minus(x, center), n, radius),
-            Self::Cylinder {
-                point,
-                axis,
-                radius,
-            } => (across(minus(x, point), axis), across(n, axis), radius),
-        };
+        if self.form == Form::Plane {
+            return vec![dot(minus(self.point, x), self.axis) / dot(n, self.axis)];
+        }
+        // a sphere has no axis to be across of
+        let from = across(minus(x, self.point), self.axis);
+        let along = across(n, self.axis);
         let (a, b) = (dot(along, along), dot(from, along));
-        let power = (length(from) - radius) * (length(from) + radius);
+        let power = (length(from) - self.radius) * (length(from) + self.radius);
         let rest = b * b - a * power;
         if a == 0.0 || rest < 0.0 {
             return Vec::new();
@@ -341,9 +335,10 @@ impl Surface {
 
     /// Contact normal and distance from a point with this outward normal, when the surface is a rigid obstacle.
     pub fn opposite(&self, inside: bool, x: Vector, n: Vector) -> Option<(Vector, f64)> {
-        if let Self::Plane { point, normal } = *self {
-            let faces = dot(n, normal) < OPPOSED;
-            return faces.then(|| (times(-1.0, normal), dot(minus(x, point), normal)));
+        if self.form == Form::Plane {
+            let away = dot(minus(x, self.point), self.axis);
+            let faces = dot(n, self.axis) < OPPOSED;
+            return faces.then(|| (times(-1.0, self.axis), away));
         }
         let sign = if inside { -1.0 } else { 1.0 };
         let faces = |s: &f64| sign * dot(self.normal(plus(x, *s, n)), n) < OPPOSED;
@@ -405,11 +400,7 @@ mod tests {
     fn surfaces_are_met_on_the_side_that_faces() {
         let (down, cylinder) = (
             [0.0, 0.0, -1.0],
-            Surface::Cylinder {
-                point: [5.0, 0.0, -3.0],
-                axis: [1.0, 0.0, 0.0],
-                radius: 2.0,
-            },
+            Surface::cylinder([5.0, 0.0, -3.0], [1.0, 0.0, 0.0], 2.0),
         );
         let near = |inside, x| cylinder.opposite(inside, x, down).unwrap().1;
         assert!((near(false, [0.0, 0.0, 0.5]) - 1.5).abs() < 1e-14);

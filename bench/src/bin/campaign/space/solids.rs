@@ -8,7 +8,7 @@
 //!
 //! Source of the eight points of tet10: as described in P. Keast, Comput. Methods Appl. Mech. Eng. 55 (1986) 339–348.
 
-use super::geometry::{Vector, mean};
+use super::geometry::{AXES, Vector, mean, plus, times};
 use crate::cells::{Kind, gauss};
 use crate::raw::Cell;
 use std::ops::{Add, Mul, Sub};
@@ -29,30 +29,28 @@ pub enum Solid {
 use Solid::*;
 
 /// Corners of the reference cells.
-const TET: [Vector; 4] = [
-    [0.0, 0.0, 0.0],
-    [1.0, 0.0, 0.0],
-    [0.0, 1.0, 0.0],
-    [0.0, 0.0, 1.0],
-];
-const HEX: [Vector; 8] = [
-    [-1.0, -1.0, -1.0],
-    [1.0, -1.0, -1.0],
-    [1.0, 1.0, -1.0],
-    [-1.0, 1.0, -1.0],
-    [-1.0, -1.0, 1.0],
-    [1.0, -1.0, 1.0],
-    [1.0, 1.0, 1.0],
-    [-1.0, 1.0, 1.0],
-];
-const PRISM: [Vector; 6] = [
-    [0.0, 0.0, -1.0],
-    [1.0, 0.0, -1.0],
-    [0.0, 1.0, -1.0],
-    [0.0, 0.0, 1.0],
-    [1.0, 0.0, 1.0],
-    [0.0, 1.0, 1.0],
-];
+const TET: [Vector; 4] = [[0.0; 3], AXES[0], AXES[1], AXES[2]];
+const HEX: [Vector; 8] = {
+    let square = [[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]];
+    let mut corners = [[0.0; 3]; 8];
+    let mut k = 0;
+    while k < 8 {
+        let [x, y] = square[k % 4];
+        corners[k] = [x, y, if k < 4 { -1.0 } else { 1.0 }];
+        k += 1;
+    }
+    corners
+};
+const PRISM: [Vector; 6] = {
+    let mut corners = [[0.0; 3]; 6];
+    let mut k = 0;
+    while k < 6 {
+        let [x, y, _] = TET[k % 3];
+        corners[k] = [x, y, if k < 3 { -1.0 } else { 1.0 }];
+        k += 1;
+    }
+    corners
+};
 
 impl Cell for Solid {
     const ALL: &'static [Self] = &[Tet4, Tet10, Hex8, Hex20, Hex27, Prism6, Prism15, Prism18];
@@ -71,8 +69,8 @@ impl Cell for Solid {
     }
 
     fn facet(self, local: usize) -> Vec<usize> {
-        let corners = self.faces()[local];
-        let mut nodes = corners.to_vec();
+        let corners = &self.faces()[local];
+        let mut nodes = corners.clone();
         if self.linear() {
             return nodes;
         }
@@ -86,8 +84,8 @@ impl Cell for Solid {
             nodes.push(first + edge);
         }
         let middles = self.middles();
-        let same = |face: &&[usize]| face.iter().all(|n| corners.contains(n));
-        if let Some(place) = middles.iter().position(|face| same(face)) {
+        let same = |face: &Vec<usize>| face.iter().all(|n| corners.contains(n));
+        if let Some(place) = middles.iter().position(same) {
             nodes.push(first + edges.len() + place);
         }
         nodes
@@ -150,73 +148,33 @@ impl Solid {
     }
 
     /// Corners of each edge, in the order of the nodes in their middles.
-    pub fn edges(self) -> &'static [[usize; 2]] {
-        match self {
-            Tet4 | Tet10 => &[[0, 1], [1, 2], [2, 0], [0, 3], [1, 3], [2, 3]],
-            Hex8 | Hex20 | Hex27 => &[
-                [0, 1],
-                [1, 2],
-                [2, 3],
-                [3, 0],
-                [4, 5],
-                [5, 6],
-                [6, 7],
-                [7, 4],
-                [0, 4],
-                [1, 5],
-                [2, 6],
-                [3, 7],
-            ],
-            Prism6 | Prism15 | Prism18 => &[
-                [0, 1],
-                [1, 2],
-                [2, 0],
-                [3, 4],
-                [4, 5],
-                [5, 3],
-                [0, 3],
-                [1, 4],
-                [2, 5],
-            ],
-        }
+    pub fn edges(self) -> Vec<[usize; 2]> {
+        table(match self.corners().len() {
+            4 => "01 12 20 03 13 23",
+            8 => "01 12 23 30 45 56 67 74 04 15 26 37",
+            _ => "01 12 20 34 45 53 03 14 25",
+        })
+        .iter()
+        .map(|edge| [edge[0], edge[1]])
+        .collect()
     }
 
     /// Corners of each face, counter-clockwise from outside.
-    fn faces(self) -> &'static [&'static [usize]] {
-        match self {
-            Tet4 | Tet10 => &[&[0, 2, 1], &[0, 1, 3], &[1, 2, 3], &[0, 3, 2]],
-            Hex8 | Hex20 | Hex27 => &[
-                &[0, 3, 2, 1],
-                &[4, 5, 6, 7],
-                &[0, 1, 5, 4],
-                &[1, 2, 6, 5],
-                &[2, 3, 7, 6],
-                &[3, 0, 4, 7],
-            ],
-            Prism6 | Prism15 | Prism18 => &[
-                &[0, 2, 1],
-                &[3, 4, 5],
-                &[0, 1, 4, 3],
-                &[1, 2, 5, 4],
-                &[2, 0, 3, 5],
-            ],
-        }
+    fn faces(self) -> Vec<Vec<usize>> {
+        table(match self.corners().len() {
+            4 => "021 013 123 032",
+            8 => "0321 4567 0154 1265 2376 3047",
+            _ => "021 345 0143 1254 2035",
+        })
     }
 
     /// Faces with a node in their middle, in the order of these nodes.
-    fn middles(self) -> &'static [&'static [usize]] {
-        match self {
-            Hex27 => &[
-                &[0, 3, 4, 7],
-                &[1, 2, 5, 6],
-                &[0, 1, 4, 5],
-                &[2, 3, 6, 7],
-                &[0, 1, 2, 3],
-                &[4, 5, 6, 7],
-            ],
-            Prism18 => &[&[0, 1, 3, 4], &[1, 2, 4, 5], &[0, 2, 3, 5]],
-            _ => &[],
-        }
+    fn middles(self) -> Vec<Vec<usize>> {
+        table(match self {
+            Hex27 => "0347 1256 0145 2367 0123 4567",
+            Prism18 => "0134 1245 0235",
+            _ => "",
+        })
     }
 
     /// Reference coordinates of all nodes; of anything else that lies at corners, in the middles of edges, faces and the cell.
@@ -316,6 +274,12 @@ impl Solid {
     }
 }
 
+/// Numbers of one digit, word by word.
+fn table(words: &str) -> Vec<Vec<usize>> {
+    let digits = |word: &str| word.bytes().map(|b| usize::from(b - b'0')).collect();
+    words.split_whitespace().map(digits).collect()
+}
+
 /// Barycentric coordinates in the tetrahedron.
 fn barycentric(x: &[Slope; 3]) -> [Slope; 4] {
     [Slope::from(1.0) - x[0] - x[1] - x[2], x[0], x[1], x[2]]
@@ -380,7 +344,7 @@ impl From<f64> for Slope {
 impl Add for Slope {
     type Output = Self;
     fn add(self, other: Self) -> Self {
-        let gradient = std::array::from_fn(|d| self.gradient[d] + other.gradient[d]);
+        let gradient = plus(self.gradient, 1.0, other.gradient);
         let value = self.value + other.value;
         Self { value, gradient }
     }
@@ -389,9 +353,11 @@ impl Add for Slope {
 impl Mul for Slope {
     type Output = Self;
     fn mul(self, other: Self) -> Self {
-        let slope = |d| self.gradient[d] * other.value + self.value * other.gradient[d];
-        let (value, gradient) = (self.value * other.value, std::array::from_fn(slope));
-        Self { value, gradient }
+        let gradient = times(other.value, self.gradient);
+        Self {
+            value: self.value * other.value,
+            gradient: plus(gradient, self.value, other.gradient),
+        }
     }
 }
 
@@ -412,7 +378,7 @@ impl Sub for Slope {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::space::geometry::{cross, dot, minus, plus};
+    use crate::space::geometry::{cross, dot, minus};
 
     #[test]
     fn shape_functions_are_one_at_their_own_node_and_gradients_are_their_differences() {

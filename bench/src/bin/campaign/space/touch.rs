@@ -9,7 +9,7 @@
 //! Between two plane sides the polygons in which facets face each other are cut out exactly; else points are looked at.
 
 use super::geometry::{Vector, cross, dot, length, mean, minus, plus, times};
-use super::problem::{Against, Contact, Drive, Gap, Law, Problem, Surface};
+use super::problem::{Against, Contact, Drive, Form, Gap, Law, Problem};
 use super::side::{At, Skin};
 use super::{Answer, Mesh};
 use crate::amount::vector_at;
@@ -111,7 +111,7 @@ impl<'a> Touch<'a> {
         touch.exact = flat(&touch.skin)
             && match &contact.against {
                 Against::Side { .. } => touch.opposite.as_ref().is_some_and(flat),
-                Against::Obstacle { surface, .. } => matches!(surface, Surface::Plane { .. }),
+                Against::Obstacle { surface, .. } => surface.form == Form::Plane,
             };
         touch.find_partners(answer);
         let seen = touch.find_between();

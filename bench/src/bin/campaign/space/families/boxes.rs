@@ -47,10 +47,7 @@ pub fn uniform(scene: &mut Scene) {
 
 /// A plane that looks upwards.
 pub fn floor(z: f64) -> Surface {
-    Surface::Plane {
-        point: [0.3, 0.2, z],
-        normal: [0.0, 0.0, 1.0],
-    }
+    Surface::plane([0.3, 0.2, z], [0.0, 0.0, 1.0])
 }
 
 /// Boxes on each other that overlap in part, tied, rough or smooth, pressed, drawn and turned.

@@ -112,10 +112,7 @@ pub fn groove(scene: &mut Scene) {
     for ((name, sign), mu) in [("right", 1.0), ("left", -1.0)].into_iter().zip(mu) {
         let along = unit([sign * a, h, 0.0]);
         let normal = cross([0.0, 0.0, sign], along);
-        let surface = Surface::Plane {
-            point: times(0.7, along),
-            normal,
-        };
+        let surface = Surface::plane(times(0.7, along), normal);
         let law = if mu > 0.0 {
             Law::Coulomb(mu)
         } else {
@@ -174,10 +171,7 @@ pub fn corner(scene: &mut Scene) {
         let clear = p * scene.random.pick(&[0.0, 0.0, 0.0, 0.2]);
         let mut normal = [0.0; 3];
         normal[axis] = 1.0;
-        let surface = Surface::Plane {
-            point: times(-clear, normal),
-            normal,
-        };
+        let surface = Surface::plane(times(-clear, normal), normal);
         scene.stand(side("block", names[axis].0), surface, None, law);
         let [b, c] = [(axis + 1) % 3, (axis + 2) % 3];
         for (s, t) in [(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)] {
@@ -222,22 +216,16 @@ pub fn mover(scene: &mut Scene) {
     ];
     let center = [over[0], over[1], h + clear + radius];
     let surface = match scene.random.count(0, 3) {
-        0 => Surface::Sphere { center, radius },
+        0 => Surface::sphere(center, radius),
         1 => {
             let [x, y] = scene.direction(1.0, [1.0, 1.0]);
-            Surface::Cylinder {
-                point: center,
-                axis: [x, y, 0.0],
-                radius,
-            }
+            Surface::cylinder(center, [x, y, 0.0], radius)
         }
         _ => {
             // a little tilted
             let tilt = scene.direction(scene.strain, [-0.3, 0.3]);
-            Surface::Plane {
-                point: [over[0], over[1], h + clear],
-                normal: unit([tilt[0], tilt[1], -1.0]),
-            }
+            let point = [over[0], over[1], h + clear];
+            Surface::plane(point, unit([tilt[0], tilt[1], -1.0]))
         }
     };
     let law = match scene.random.chance(0.1) {

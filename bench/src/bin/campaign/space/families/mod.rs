@@ -441,6 +441,11 @@ fn held((force, moment): (Vector, Vector), pushes: &[Push], inside: f64) -> Know
     }
 }
 
+/// The same everywhere and always, along z.
+pub fn upwards(force: f64) -> Field {
+    constant([0.0, 0.0, force])
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -474,9 +479,4 @@ mod tests {
         assert_eq!(spun(0.54), Known::Holds);
         assert_eq!(spun(0.58), Known::Falls);
     }
-}
-
-/// The same everywhere and always, along z.
-pub fn upwards(force: f64) -> Field {
-    constant([0.0, 0.0, force])
 }

@@ -30,10 +30,7 @@ fn add_ball(scene: &mut Scene, center: [f64; 3], kinds: &[Solid]) -> usize {
         cells: [around, 1],
     };
     let ball = scene.add("ball", shape, kind);
-    let surface = Surface::Sphere {
-        center,
-        radius: 1.0,
-    };
+    let surface = Surface::sphere(center, 1.0);
     scene.problem.bodies[ball].surfaces = vec![("outer".to_string(), surface)];
     scene.problem.spins = true;
     ball
@@ -56,10 +53,7 @@ pub fn ball(scene: &mut Scene) {
     }
     let drive = pressed(scene, depth, count);
     if scene.random.chance(0.5) {
-        let surface = Surface::Plane {
-            point: [0.0, 0.0, 2.0],
-            normal: [0.0, 0.0, -1.0],
-        };
+        let surface = Surface::plane([0.0, 0.0, 2.0], [0.0, 0.0, -1.0]);
         scene.stand(side("ball", "outer"), surface, Some(drive), laws[1]);
     } else {
         let upper = scene.cuboid("upper", [-0.7, -0.5, 2.0], [0.6, 0.8, 2.5], 2);
@@ -84,15 +78,11 @@ pub fn bowl(scene: &mut Scene) {
     let ball = add_ball(scene, [0.0, 0.0, 1.0], &[Solid::Hex8, Solid::Hex20]);
     let radius = scene.random.magnitude(1.02, 3.0);
     let surface = match scene.random.chance(0.6) {
-        true => Surface::Sphere {
-            center: [0.0, 0.0, radius],
-            radius,
-        },
-        false => Surface::Cylinder {
-            point: [0.0, 0.0, radius],
-            axis: unit([1.0, scene.random.between(-1.0, 1.0), 0.0]),
-            radius,
-        },
+        true => Surface::sphere([0.0, 0.0, radius], radius),
+        false => {
+            let axis = unit([1.0, scene.random.between(-1.0, 1.0), 0.0]);
+            Surface::cylinder([0.0, 0.0, radius], axis, radius)
+        }
     };
     let law = scene.law(0.5);
     let drive = scene.random.chance(0.3).then(|| {
@@ -153,11 +143,7 @@ pub fn fit(scene: &mut Scene) {
         } else {
             ("outer", radii[1])
         };
-        let surface = Surface::Cylinder {
-            point: [0.0; 3],
-            axis: [0.0, 0.0, 1.0],
-            radius,
-        };
+        let surface = Surface::cylinder([0.0; 3], [0.0, 0.0, 1.0], radius);
         scene.problem.bodies[body].surfaces = vec![(side.to_string(), surface)];
     }
     let law = scene.law(0.6);
