@@ -1,6 +1,7 @@
 //! Numbers that depend linearly on the place and somehow on the time: loads, prescribed displacements, gaps.
 
-use crate::plane::{Vector, dot, rotated};
+use crate::plane::rotation;
+use crate::vector::{applied, dot};
 
 /// How a term depends on the time t.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -25,25 +26,25 @@ impl Time {
 
 /// (constant + slope·x)·time.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Term {
+pub struct Term<const D: usize = 2> {
     pub constant: f64,
-    pub slope: Vector,
+    pub slope: [f64; D],
     pub time: Time,
 }
 
 /// A sum of terms; an empty one is zero.
 #[derive(Debug, Clone, PartialEq, Default)]
-pub struct Amount(pub Vec<Term>);
+pub struct Amount<const D: usize = 2>(pub Vec<Term<D>>);
 
-impl From<f64> for Amount {
+impl<const D: usize> From<f64> for Amount<D> {
     fn from(constant: f64) -> Self {
-        Self::new(constant, [0.0; 2], Time::Always)
+        Self::new(constant, [0.0; D], Time::Always)
     }
 }
 
-impl Amount {
+impl<const D: usize> Amount<D> {
     /// A sum of one term.
-    pub fn new(constant: f64, slope: Vector, time: Time) -> Self {
+    pub fn new(constant: f64, slope: [f64; D], time: Time) -> Self {
         Self(vec![Term {
             constant,
             slope,
@@ -53,7 +54,7 @@ impl Amount {
 
     /// A constant times a function of time.
     pub fn timed(constant: f64, time: Time) -> Self {
-        Self::new(constant, [0.0; 2], time)
+        Self::new(constant, [0.0; D], time)
     }
 
     /// The sum of two.
@@ -63,7 +64,7 @@ impl Amount {
     }
 
     /// Value at a point and a time.
-    pub fn at(&self, x: Vector, t: f64) -> f64 {
+    pub fn at(&self, x: [f64; D], t: f64) -> f64 {
         let terms = self.0.iter();
         terms
             .map(|term| (term.constant + dot(term.slope, x)) * term.time.at(t))
@@ -74,14 +75,14 @@ impl Amount {
     pub fn is_zero(&self) -> bool {
         self.0
             .iter()
-            .all(|term| term.constant == 0.0 && term.slope == [0.0; 2])
+            .all(|term| term.constant == 0.0 && term.slope == [0.0; D])
     }
 
-    /// factor times the same at places that were moved from x to `lengths`·Qx, Q a rotation by an angle.
-    pub fn carried(&self, factor: f64, lengths: f64, angle: f64) -> Self {
-        let term = |term: &Term| Term {
+    /// factor times the same at places that were moved from x to `lengths`·Qx.
+    pub fn moved(&self, factor: f64, lengths: f64, turn: [[f64; D]; D]) -> Self {
+        let term = |term: &Term<D>| Term {
             constant: factor * term.constant,
-            slope: rotated(term.slope, angle).map(|c| factor * c / lengths),
+            slope: applied(turn, term.slope).map(|c| factor * c / lengths),
             time: term.time,
         };
         Self(self.0.iter().map(term).collect())
@@ -89,7 +90,12 @@ impl Amount {
 
     /// factor times this.
     pub fn times(&self, factor: f64) -> Self {
-        self.carried(factor, 1.0, 0.0)
+        let term = |term: &Term<D>| Term {
+            constant: factor * term.constant,
+            slope: term.slope.map(|c| factor * c),
+            time: term.time,
+        };
+        Self(self.0.iter().map(term).collect())
     }
 
     /// As a case file has it: a number, or an expression in quotes.
@@ -99,10 +105,10 @@ impl Amount {
             [
                 Term {
                     constant,
-                    slope: [0.0, 0.0],
+                    slope,
                     time: Time::Always,
                 },
-            ] => format!("{constant:?}"),
+            ] if *slope == [0.0; D] => format!("{constant:?}"),
             terms => {
                 let each: Vec<String> = terms.iter().map(expression).collect();
                 format!("\"{}\"", each.join(" + "))
@@ -111,9 +117,16 @@ impl Amount {
     }
 }
 
-fn expression(term: &Term) -> String {
+impl Amount {
+    /// factor times the same at places that were moved from x to `lengths`·Qx, Q a rotation by an angle.
+    pub fn carried(&self, factor: f64, lengths: f64, angle: f64) -> Self {
+        self.moved(factor, lengths, rotation(angle))
+    }
+}
+
+fn expression<const D: usize>(term: &Term<D>) -> String {
     let mut place = format!("{:?}", term.constant);
-    for (slope, name) in term.slope.iter().zip(["x", "y"]) {
+    for (slope, name) in term.slope.iter().zip(["x", "y", "z"]) {
         if *slope != 0.0 {
             place += &format!(" + ({slope:?})*{name}");
         }
@@ -125,30 +138,38 @@ fn expression(term: &Term) -> String {
     }
 }
 
-/// Both components of a vector field at a place and a time.
-pub fn vector_at(field: &[Amount; 2], x: Vector, t: f64) -> Vector {
-    [field[0].at(x, t), field[1].at(x, t)]
+/// All components of a vector field at a place and a time.
+pub fn vector_at<const D: usize>(field: &[Amount<D>; D], x: [f64; D], t: f64) -> [f64; D] {
+    field.each_ref().map(|component| component.at(x, t))
 }
 
 /// A vector field of the same vectors, turned and carried to other places: f·Q v(x) at lengths·Qx.
-pub fn carried_vector(field: &[Amount; 2], factor: f64, lengths: f64, angle: f64) -> [Amount; 2] {
-    let (s, c) = crate::plane::quarter_exact(angle);
-    let part = |a: f64, b: f64| {
+pub fn moved_vector<const D: usize>(
+    field: &[Amount<D>; D],
+    factor: f64,
+    lengths: f64,
+    turn: [[f64; D]; D],
+) -> [Amount<D>; D] {
+    turn.map(|row| {
         let mut sum = Amount::default();
-        for (weight, component) in [(a, &field[0]), (b, &field[1])] {
+        for (weight, component) in row.into_iter().zip(field) {
             if weight != 0.0 && !component.is_zero() {
-                sum = sum.and(component.carried(weight * factor, lengths, angle));
+                sum = sum.and(component.moved(weight * factor, lengths, turn));
             }
         }
         sum
-    };
-    [part(c, -s), part(s, c)]
+    })
+}
+
+/// The same, turned by an angle.
+pub fn carried_vector(field: &[Amount; 2], factor: f64, lengths: f64, angle: f64) -> [Amount; 2] {
+    moved_vector(field, factor, lengths, rotation(angle))
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::plane::times;
+    use crate::plane::{rotated, times};
 
     #[test]
     fn a_turned_field_gives_turned_vectors_at_turned_places() {
@@ -166,7 +187,7 @@ mod tests {
 
     #[test]
     fn constants_are_numbers_and_the_rest_expressions() {
-        assert_eq!(Amount::from(-2.5).text(), "-2.5");
+        assert_eq!(Amount::<2>::from(-2.5).text(), "-2.5");
         let wave = Amount::new(1.0, [0.0, -2.0], Time::Line(0.5, -1.0));
         assert_eq!(wave.text(), "\"(1.0 + (-2.0)*y)*(0.5 + (-1.0)*t)\"");
     }

@@ -7,6 +7,7 @@
 //! tri3, six for tri6, 2×2 for quad4, 3×3 for quad8 and quad9): on curved cells another rule would be another cell.
 
 use crate::plane::Vector;
+use crate::raw::Cell;
 
 /// Kinds of cells.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -18,9 +19,8 @@ pub enum Kind {
     Quad9,
 }
 
-impl Kind {
-    /// All of them.
-    pub const ALL: [Self; 5] = [
+impl Cell for Kind {
+    const ALL: &'static [Self] = &[
         Self::Tri3,
         Self::Tri6,
         Self::Quad4,
@@ -28,8 +28,7 @@ impl Kind {
         Self::Quad9,
     ];
 
-    /// The name in a case file.
-    pub fn name(self) -> &'static str {
+    fn name(self) -> &'static str {
         match self {
             Self::Tri3 => "tri3",
             Self::Tri6 => "tri6",
@@ -39,6 +38,18 @@ impl Kind {
         }
     }
 
+    /// Two ends, and the middle of a quadratic one.
+    fn facet(self, local: usize) -> Vec<usize> {
+        let corners = if self.triangle() { 3 } else { 4 };
+        let mut nodes = vec![local, (local + 1) % corners];
+        if !self.linear() {
+            nodes.push(corners + local);
+        }
+        nodes
+    }
+}
+
+impl Kind {
     /// Number of nodes.
     #[cfg(test)]
     pub fn nodes(self) -> usize {
@@ -61,14 +72,15 @@ impl Kind {
         matches!(self, Self::Tri3 | Self::Tri6)
     }
 
-    /// Local nodes of each facet: two ends, and the middle of a quadratic one.
-    pub fn facet(self, local: usize) -> Vec<usize> {
-        let corners = if self.triangle() { 3 } else { 4 };
-        let mut nodes = vec![local, (local + 1) % corners];
-        if !self.linear() {
-            nodes.push(corners + local);
+    /// Gmsh's number.
+    pub fn gmsh(self) -> usize {
+        match self {
+            Self::Tri3 => 2,
+            Self::Tri6 => 9,
+            Self::Quad4 => 3,
+            Self::Quad8 => 16,
+            Self::Quad9 => 10,
         }
-        nodes
     }
 
     /// Shape functions and their reference gradients at a point.
@@ -262,7 +274,7 @@ mod tests {
 
     #[test]
     fn shape_functions_are_one_at_their_own_node() {
-        for kind in Kind::ALL {
+        for &kind in Kind::ALL {
             for (i, place) in places(kind).into_iter().enumerate() {
                 let (n, _) = kind.shape(place);
                 assert_eq!(n.len(), kind.nodes());
@@ -276,7 +288,7 @@ mod tests {
 
     #[test]
     fn gradients_are_differences_of_the_functions() {
-        for kind in Kind::ALL {
+        for &kind in Kind::ALL {
             let at = [0.23, 0.41];
             let (_, slopes) = kind.shape(at);
             for d in 0..2 {

@@ -28,7 +28,8 @@
 //! | reaction | the reactions that the program tells are those of the displacements | the same |
 //! | pressure | contact pressures are those of a uniform state, where one is known | 1e-4, and ten times the limit of equilibrium |
 
-use crate::plane::{Vector, bounds, dot, length};
+use crate::judgement::Judgement;
+use crate::plane::{Vector, bounds, dot, length, plus};
 use crate::problem::{Against, Law, Problem, Surface};
 use crate::raw::{Answer, Status, Step};
 use crate::rows::{check_corners, check_rows};
@@ -42,68 +43,6 @@ const DENTS: f64 = 2.0;
 
 /// What is told of a node with a row that has no force.
 const DROPPED: &str = ", whose condition was dropped";
-
-/// Something that does not hold.
-#[derive(Debug, Clone)]
-pub struct Finding {
-    /// From 1.
-    pub step: usize,
-    pub what: &'static str,
-    pub place: String,
-    /// Violation over its limit.
-    pub times: f64,
-}
-
-/// All that was found, and by how much everything else holds.
-#[derive(Debug, Default)]
-pub struct Judgement {
-    pub findings: Vec<Finding>,
-    /// The largest violation over its limit, by check.
-    pub margins: BTreeMap<&'static str, f64>,
-    step: usize,
-}
-
-impl Judgement {
-    /// Compares a violation with its limit; what is not a number is no good either.
-    pub fn compare(
-        &mut self,
-        what: &'static str,
-        violation: f64,
-        limit: f64,
-        place: impl FnOnce() -> String,
-    ) {
-        let times = if violation <= 0.0 {
-            0.0
-        } else {
-            violation / limit
-        };
-        let margin = self.margins.entry(what).or_insert(0.0);
-        *margin = margin.max(times);
-        if times <= 1.0 {
-            return;
-        }
-        let known = self
-            .findings
-            .iter_mut()
-            .find(|f| f.what == what && f.step == self.step);
-        match known {
-            Some(known) if known.times >= times => {}
-            Some(known) => (known.times, known.place) = (times, place()),
-            None => self.findings.push(Finding {
-                step: self.step,
-                what,
-                place: place(),
-                times,
-            }),
-        }
-    }
-
-    /// The findings, the worst first.
-    pub fn worst(&self) -> Option<&Finding> {
-        let findings = self.findings.iter();
-        findings.max_by(|a, b| a.times.total_cmp(&b.times))
-    }
-}
 
 /// Judges all steps of an answer.
 pub fn check(problem: &Problem, answer: &Answer) -> Judgement {
@@ -127,7 +66,7 @@ pub fn check(problem: &Problem, answer: &Answer) -> Judgement {
         obstacles: vec![[0.0; 2]; touches.len()],
     };
     for (index, step) in answer.steps.iter().enumerate() {
-        judgement.step = index + 1;
+        judgement.begin(index + 1);
         let state = State::new(problem, answer, step);
         let obstacles: Vec<Option<Vector>> = touches
             .iter()
@@ -239,7 +178,7 @@ pub fn resolution(view: &View<'_>, contact: usize) -> Vec<f64> {
     let touch = &view.touches[contact];
     let rows = view.step.contacts[contact].rows.iter();
     let traction = |row: &crate::raw::Row| {
-        let sum = row.pressure.abs() + row.shear.abs();
+        let sum = row.pressure.abs() + row.shear().abs();
         (row.node, if sum.is_finite() { sum } else { 0.0 })
     };
     let tractions: BTreeMap<usize, f64> = rows.map(traction).collect();
@@ -502,7 +441,7 @@ fn check_columns(
         let gap = (row.gap - clearance - dot(row.normal, jump)).abs();
         judgement.compare("gap", gap, limit, place);
         if touch.driven(view.step.time).is_some() {
-            let slip = (row.slip + dot(tangent, jump)).abs();
+            let slip = dot(tangent, plus(row.slip, 1.0, jump)).abs();
             judgement.compare("slip", slip, limit, place);
         }
     }

@@ -4,15 +4,12 @@
 //!   min |A x − b|   over x ≥ 0
 //! ```
 //!
-//! The columns of A are the edges of the cone, here forces or forces with their moments; three rows at most.
+//! The columns of A are the edges of the cone, here forces or forces with their moments: three rows in the plane, six in space.
 //!
 //! Source: the active-set method as described in C. L. Lawson, R. J. Hanson, Solving Least Squares Problems, 1974.
 
-/// A vector with as many components as the widest use has.
-pub type Column = [f64; 3];
-
 /// Distance of b from the cone that the columns span.
-pub fn distance(columns: &[Column], b: Column) -> f64 {
+pub fn distance<const N: usize>(columns: &[[f64; N]], b: [f64; N]) -> f64 {
     let mut x = vec![0.0; columns.len()];
     let mut active: Vec<usize> = Vec::new();
     let largest = columns.iter().map(size).fold(0.0, f64::max);
@@ -24,7 +21,7 @@ pub fn distance(columns: &[Column], b: Column) -> f64 {
         let Some(next) = candidates.max_by(|&i, &j| slope(i).total_cmp(&slope(j))) else {
             break;
         };
-        // more than three independent edges are never needed
+        // more independent edges than there are rows are never needed
         if slope(next) <= tolerance || size(&rest) <= 1e-14 * size(&b) {
             break;
         }
@@ -59,15 +56,15 @@ pub fn distance(columns: &[Column], b: Column) -> f64 {
     size(&residual(columns, &x, b))
 }
 
-fn product(a: &Column, b: &Column) -> f64 {
+fn product<const N: usize>(a: &[f64; N], b: &[f64; N]) -> f64 {
     a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
 
-fn size(a: &Column) -> f64 {
+fn size<const N: usize>(a: &[f64; N]) -> f64 {
     product(a, a).sqrt()
 }
 
-fn residual(columns: &[Column], x: &[f64], b: Column) -> Column {
+fn residual<const N: usize>(columns: &[[f64; N]], x: &[f64], b: [f64; N]) -> [f64; N] {
     let mut rest = b;
     for (column, x) in columns.iter().zip(x).filter(|(_, x)| **x != 0.0) {
         rest.iter_mut().zip(column).for_each(|(r, c)| *r -= c * x);
@@ -76,9 +73,9 @@ fn residual(columns: &[Column], x: &[f64], b: Column) -> Column {
 }
 
 /// Least squares with some columns: orthogonalised one after the other, dependent ones left at zero.
-fn least_squares(columns: &[Column], active: &[usize], b: Column) -> Vec<f64> {
+fn least_squares<const N: usize>(columns: &[[f64; N]], active: &[usize], b: [f64; N]) -> Vec<f64> {
     let n = active.len();
-    let mut basis: Vec<Column> = Vec::new();
+    let mut basis: Vec<[f64; N]> = Vec::new();
     let mut upper = vec![vec![0.0; n]; n];
     let mut used = Vec::new();
     for (k, &j) in active.iter().enumerate() {
@@ -120,7 +117,7 @@ mod tests {
         assert!((distance(&[], [3.0, 4.0, 0.0]) - 5.0).abs() < 1e-14);
         let mut random = Random::new(3);
         for _ in 0..500 {
-            let many: Vec<Column> = (0..random.count(1, 60))
+            let many: Vec<[f64; 3]> = (0..random.count(1, 60))
                 .map(|_| [random.between(-1.0, 1.0), 1.0, random.between(-1.0, 1.0)])
                 .collect();
             let mut sum = [0.0; 3];
@@ -139,7 +136,7 @@ mod tests {
     #[test]
     fn the_end_of_a_lever_is_sharp() {
         // pushes between x = 0 and x = 1: a resultant at 1.01 is outside by its couple
-        let pushes: Vec<Column> = (0..=20).map(|i| [0.0, 1.0, f64::from(i) / 20.0]).collect();
+        let pushes: Vec<[f64; 3]> = (0..=20).map(|i| [0.0, 1.0, f64::from(i) / 20.0]).collect();
         assert!(distance(&pushes, [0.0, 5.0, 4.999]) < 1e-13);
         let far = distance(&pushes, [0.0, 5.0, 5.05]);
         assert!(far > 0.02 && far < 0.05, "{far}");

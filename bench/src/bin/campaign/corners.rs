@@ -50,6 +50,7 @@ pub fn split(problem: &Problem, answer: &Answer) -> (Answer, Vec<usize>) {
                     nonmortar: (*body, name.clone()),
                     rows: own.copied().collect(),
                     resultant: from.contacts[c].resultant,
+                    moment: from.contacts[c].moment,
                 });
             }
         }

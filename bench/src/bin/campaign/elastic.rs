@@ -10,7 +10,8 @@
 
 use crate::amount::vector_at;
 use crate::cells::{along, gauss};
-use crate::plane::{Vector, bounds, dot, length, minus, plus, times, unit};
+use crate::held::Condition;
+use crate::plane::{Vector, bounds, length, minus, plus, times, unit};
 use crate::problem::{Analysis, Body, Load, Place, Support};
 use crate::raw::Mesh;
 use std::collections::BTreeMap;
@@ -229,14 +230,6 @@ pub fn nearest(mesh: &Mesh, point: Vector) -> usize {
         .unwrap_or(0)
 }
 
-/// axis·u = value at a node.
-#[derive(Debug, Clone, Copy)]
-pub struct Condition {
-    pub node: usize,
-    pub axis: Vector,
-    pub value: f64,
-}
-
 /// All conditions of the supports of a body at a time, and of the axis of revolution.
 pub fn conditions(mesh: &Mesh, body: &Body, analysis: Analysis, t: f64) -> Vec<Condition> {
     let mut all = Vec::new();
@@ -296,27 +289,6 @@ fn held_nodes(mesh: &Mesh, support: &Support) -> Vec<(usize, Vector)> {
     }
 }
 
-/// Orthonormal held directions of each supported node.
-pub fn held_axes(conditions: &[Condition]) -> BTreeMap<usize, Vec<Vector>> {
-    let mut axes: BTreeMap<usize, Vec<Vector>> = BTreeMap::new();
-    for condition in conditions {
-        let held = axes.entry(condition.node).or_default();
-        let rest = held.iter().fold(condition.axis, |rest, &axis| {
-            plus(rest, -dot(rest, axis), axis)
-        });
-        if length(rest) > 1e-8 {
-            held.push(unit(rest));
-        }
-    }
-    axes
-}
-
-/// A vector without its parts along held directions.
-pub fn free_part(vector: Vector, held: Option<&Vec<Vector>>) -> Vector {
-    let axes = held.into_iter().flatten();
-    axes.fold(vector, |rest, &axis| plus(rest, -dot(vector, axis), axis))
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -324,6 +296,7 @@ mod tests {
     use crate::cells::Kind;
     use crate::plane::{cross, turned};
     use crate::problem::Shape;
+    use crate::raw::Cell;
 
     fn body(kind: Kind) -> Body {
         Body {
@@ -400,7 +373,7 @@ mod tests {
 
     #[test]
     fn rigid_motions_cause_no_force_and_forces_balance() {
-        for kind in Kind::ALL {
+        for &kind in Kind::ALL {
             let (mesh, body) = (patch(kind), body(kind));
             for analysis in ANALYSES {
                 let turn = if analysis.axisymmetric() { 0.0 } else { 0.1 };
@@ -437,7 +410,7 @@ mod tests {
     /// Inner nodes feel nothing under a constant stress, and the force on a boundary is stress times area.
     #[test]
     fn a_constant_stress_is_a_patch() {
-        for kind in Kind::ALL {
+        for &kind in Kind::ALL {
             let (mesh, body) = (patch(kind), body(kind));
             for analysis in [Analysis::PlaneStrain, Analysis::PlaneStress] {
                 let (a, b, c) = (0.01, -0.02, 0.005);
@@ -479,7 +452,7 @@ mod tests {
     /// u = (a r, c z): uniform stress; the forces on the flat ends are σzz·π(R₂² − R₁²).
     #[test]
     fn a_constant_stress_about_an_axis_is_a_patch() {
-        for kind in Kind::ALL {
+        for &kind in Kind::ALL {
             let (mesh, body) = (patch(kind), body(kind));
             let (a, c) = (0.01, -0.03);
             let linear: Vec<Vector> = mesh.points.iter().map(|x| [a * x[0], c * x[1]]).collect();
@@ -505,7 +478,7 @@ mod tests {
 
     #[test]
     fn loads_have_their_resultants() {
-        for kind in Kind::ALL {
+        for &kind in Kind::ALL {
             let mut mesh = patch(kind);
             let top: Vec<Vec<usize>> = mesh
                 .cells

@@ -1,24 +1,28 @@
-//! A campaign of random contact problems in the plane against a checker that shares nothing with the solver.
+//! A campaign of random contact problems in the plane or in space against a checker that shares nothing with the solver.
 //!
 //! ```text
-//! cargo run --release -p dotyk-bench --bin campaign -- [--seeds 0..1000] [--threads N] [--family NAME] [--keep DIR]
+//! cargo run --release -p dotyk-bench --bin campaign -- [--space] [--seeds 0..1000] [--threads N] [--family NAME] [--keep DIR]
 //!                                                      [--twins PART] [--method NAME] [--limit SECONDS] [--margins]
 //!                                                      [--seed K --show]
 //! ```
 //!
-//! A seed makes a problem ([`families`]), the problem makes a case file, the program answers, and [`check`] judges the
-//! answer from displacements and rows alone. What is hunted are answers that are certified and wrong. A part of the seeds
+//! A seed makes a problem ([`families`], in space [`space`]), the problem makes a case file, the program answers, and [`check`]
+//! judges the answer from displacements and rows alone. What is hunted are answers that are certified and wrong. A part of the seeds
 //! is asked again in other words ([`twins`]), frictionless ones by another method.
 //! The same seeds give the same report for any number of threads, but for the seconds and what they stop.
 //! Exit status 1 when an answer is wrong or the program panics.
 
 mod amount;
+mod asked;
 mod cells;
 mod check;
 mod cone;
 mod corners;
 mod elastic;
 mod families;
+mod gmsh;
+mod held;
+mod judgement;
 #[cfg(test)]
 mod mutations;
 mod plane;
@@ -30,9 +34,12 @@ mod rows;
 mod run;
 mod side;
 mod solve;
+mod space;
 mod state;
 mod touch;
+mod twin;
 mod twins;
+mod vector;
 mod wrench;
 
 use run::{Options, run};
@@ -40,14 +47,18 @@ use std::path::PathBuf;
 use std::process::ExitCode;
 
 fn main() -> ExitCode {
-    let options = match options(std::env::args().skip(1)) {
-        Ok(options) => options,
+    let (options, space) = match options(std::env::args().skip(1)) {
+        Ok(asked) => asked,
         Err(message) => {
             eprintln!("{message}");
             return ExitCode::from(2);
         }
     };
-    match run(&options) {
+    let clean = match space {
+        true => run::<space::Problem, 3>(&options),
+        false => run::<problem::Problem, 2>(&options),
+    };
+    match clean {
         Ok(true) => ExitCode::SUCCESS,
         Ok(false) => ExitCode::FAILURE,
         Err(message) => {
@@ -57,7 +68,9 @@ fn main() -> ExitCode {
     }
 }
 
-fn options(mut words: impl Iterator<Item = String>) -> Result<Options, String> {
+/// What is asked for, and whether in space.
+fn options(mut words: impl Iterator<Item = String>) -> Result<(Options, bool), String> {
+    let mut space = false;
     let mut options = Options {
         seeds: 0..1000,
         threads: std::thread::available_parallelism().map_or(1, |n| n.get()),
@@ -87,13 +100,7 @@ fn options(mut words: impl Iterator<Item = String>) -> Result<Options, String> {
             }
             "--threads" => options.threads = (number(value()?)? as usize).max(1),
             "--family" => {
-                let name = value()?;
-                if !families::FAMILIES.iter().any(|(family, _)| *family == name) {
-                    let known: Vec<&str> =
-                        families::FAMILIES.iter().map(|(name, _)| *name).collect();
-                    return Err(format!("no family {name}; there are {}", known.join(", ")));
-                }
-                options.family = Some(name);
+                options.family = Some(value()?);
             }
             "--keep" => options.keep = Some(PathBuf::from(value()?)),
             "--twins" => {
@@ -106,9 +113,10 @@ fn options(mut words: impl Iterator<Item = String>) -> Result<Options, String> {
                 options.limit = text.parse().map_err(|_| format!("{text} is no number"))?;
             }
             "--margins" => options.margins = true,
+            "--space" => space = true,
             "--show" => options.show = true,
             other => return Err(format!("unknown argument {other}")),
         }
     }
-    Ok(options)
+    Ok((options, space))
 }

@@ -3,7 +3,7 @@
 use crate::amount::{Amount, Time};
 use crate::cells::Kind;
 use crate::check::check;
-use crate::plane::{minus, plus, rotated, times};
+use crate::plane::{minus, plus, rotated, times, turned};
 use crate::problem::{
     Against, Analysis, Body, Contact, Drive, Gap, Known, Law, Load, Pairing, Problem, Shape,
     Support, Surface, clamp, hold, moved, on, side, steps,
@@ -347,7 +347,8 @@ fn a_moved_obstacle_is_noticed() {
             for step in &mut answer.steps {
                 let mut open = step.contacts[0].clone();
                 for row in &mut open.rows {
-                    (row.pressure, row.shear, row.gap, row.status) = (0.0, 0.0, 1.0, Status::Open);
+                    (row.pressure, row.shear, row.gap, row.status) =
+                        (0.0, [0.0; 2], 1.0, Status::Open);
                 }
                 step.contacts.push(open);
             }
@@ -367,7 +368,8 @@ fn dropped_and_changed_rows_are_noticed() {
         last(answer).contacts[0].rows[3].pressure = 0.0;
     });
     noticed("shear flipped", &drawn(), "row force", |_, answer| {
-        last(answer).contacts[0].rows[3].shear *= -1.0;
+        let row = &mut last(answer).contacts[0].rows[3];
+        row.shear = times(-1.0, row.shear);
     });
     noticed(
         "dropped on other nodes",
@@ -494,7 +496,7 @@ fn the_force_at_a_corner_must_be_one_that_its_contacts_allow() {
         let corner = node(answer, [0.0, 0.0]);
         for contact in &mut last(answer).contacts {
             for row in contact.rows.iter_mut().filter(|r| r.node == corner) {
-                (row.pressure, row.shear, row.status) = (f64::NAN, f64::NAN, Status::Fixed);
+                (row.pressure, row.shear, row.status) = (f64::NAN, [f64::NAN; 2], Status::Fixed);
             }
         }
     };
@@ -548,7 +550,7 @@ fn twins_agree_and_strangers_do_not() {
                 "{}",
                 twin.name
             );
-            let off = crate::twins::difference(&problem, &mine, &twin, &other).unwrap();
+            let off = crate::twin::difference(&problem, &mine, &twin, &other).unwrap();
             assert!(off < 1e-9, "{}: {off}", twin.name);
             for load in twin.problem.bodies.iter_mut().flat_map(|b| &mut b.loads) {
                 if let Load::Traction { field, .. } = load {
@@ -556,7 +558,7 @@ fn twins_agree_and_strangers_do_not() {
                 }
             }
             let other = ask(&twin.problem);
-            let off = crate::twins::difference(&problem, &mine, &twin, &other).unwrap();
+            let off = crate::twin::difference(&problem, &mine, &twin, &other).unwrap();
             assert!(off > 1e-4, "{}: {off}", twin.name);
         }
     }
@@ -569,7 +571,8 @@ fn wrong_columns_and_sums_are_noticed() {
         last(answer).contacts[0].rows[2].gap += 1e-8
     });
     noticed("slip", &drawn(), "slip", |_, answer| {
-        last(answer).contacts[0].rows[2].slip += 1e-8
+        let row = &mut last(answer).contacts[0].rows[2];
+        row.slip = plus(row.slip, 1e-8, turned(row.normal));
     });
     noticed("resultant", &paired(), "resultant", |_, answer| {
         last(answer).contacts[0].resultant[1] *= 1.001;

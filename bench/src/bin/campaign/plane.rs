@@ -1,46 +1,13 @@
 //! Points and vectors of the plane, and rigid motions.
 
+pub use crate::vector::{bounds, dot, length, minus, plus, times, unit};
+
 /// A point or vector.
 pub type Vector = [f64; 2];
-
-/// a − b.
-pub fn minus(a: Vector, b: Vector) -> Vector {
-    [a[0] - b[0], a[1] - b[1]]
-}
-
-/// a + s·b.
-pub fn plus(a: Vector, s: f64, b: Vector) -> Vector {
-    [a[0] + s * b[0], a[1] + s * b[1]]
-}
-
-/// s·a.
-pub fn times(s: f64, a: Vector) -> Vector {
-    [s * a[0], s * a[1]]
-}
-
-/// a·b.
-pub fn dot(a: Vector, b: Vector) -> f64 {
-    a[0] * b[0] + a[1] * b[1]
-}
 
 /// a × b.
 pub fn cross(a: Vector, b: Vector) -> f64 {
     a[0] * b[1] - a[1] * b[0]
-}
-
-/// |a|.
-pub fn length(a: Vector) -> f64 {
-    a[0].hypot(a[1])
-}
-
-/// a/|a|; zero stays zero.
-pub fn unit(a: Vector) -> Vector {
-    let size = length(a);
-    if size > 0.0 {
-        [a[0] / size, a[1] / size]
-    } else {
-        [0.0; 2]
-    }
 }
 
 /// a turned by +90°.
@@ -52,6 +19,12 @@ pub fn turned(a: Vector) -> Vector {
 pub fn rotated(a: Vector, angle: f64) -> Vector {
     let (s, c) = quarter_exact(angle);
     [c * a[0] - s * a[1], s * a[0] + c * a[1]]
+}
+
+/// The rows of that rotation.
+pub fn rotation(angle: f64) -> [Vector; 2] {
+    let (s, c) = quarter_exact(angle);
+    [[c, -s], [s, c]]
 }
 
 /// Sine and cosine, exact at multiples of 90°.
@@ -67,18 +40,6 @@ pub fn quarter_exact(angle: f64) -> (f64, f64) {
     } else {
         angle.sin_cos()
     }
-}
-
-/// Corners of the smallest box around some points.
-pub fn bounds(points: &[Vector]) -> (Vector, Vector) {
-    let (mut low, mut high) = ([f64::INFINITY; 2], [f64::NEG_INFINITY; 2]);
-    for point in points {
-        for d in 0..2 {
-            low[d] = low[d].min(point[d]);
-            high[d] = high[d].max(point[d]);
-        }
-    }
-    (low, high)
 }
 
 /// The rigid motion a + ω × (x − centre) that fits some displacements best (least squares): (centre, a, ω). With axial

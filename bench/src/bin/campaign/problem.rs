@@ -6,6 +6,7 @@
 use crate::amount::Amount;
 use crate::cells::Kind;
 use crate::plane::Vector;
+use crate::raw::Cell;
 use std::fmt::Write;
 
 /// Kind of analysis.

@@ -1,17 +1,31 @@
 //! What the checker takes from a solution: numbers, and nothing that computes.
 //!
-//! Meshes with their sides, nodal displacements, and the rows of `contact.csv`.
+//! Meshes with their sides, nodal displacements, and the rows of `contact.csv`, of the plane or of space.
 
 use crate::cells::Kind;
-use crate::plane::Vector;
+use crate::plane::turned;
+use crate::vector::dot;
 use std::collections::BTreeMap;
+
+/// Kinds of cells of the plane, or of space.
+pub trait Cell: Copy + std::fmt::Debug + 'static {
+    /// All of them.
+    const ALL: &'static [Self];
+
+    /// The name in a case file.
+    fn name(self) -> &'static str;
+
+    /// Local nodes of a facet, in the order of the facet's own kind.
+    fn facet(self, local: usize) -> Vec<usize>;
+}
 
 /// A mesh.
 #[derive(Debug, Clone)]
-pub struct Mesh {
-    pub points: Vec<Vector>,
-    pub cells: Vec<(Kind, Vec<usize>)>,
-    /// Nodes of the facets of each side: two ends with the cell on the left, then the middle of a quadratic facet.
+pub struct Mesh<const D: usize = 2, K = Kind> {
+    pub points: Vec<[f64; D]>,
+    pub cells: Vec<(K, Vec<usize>)>,
+    /// Nodes of the facets of each side: two ends with the cell on the left, in space the corners counter-clockwise from
+    /// outside, then the middles of a quadratic facet.
     pub sides: BTreeMap<String, Vec<Vec<usize>>>,
 }
 
@@ -28,37 +42,47 @@ pub enum Status {
 
 /// A row of `contact.csv`.
 #[derive(Debug, Clone, Copy)]
-pub struct Row {
+pub struct Row<const D: usize = 2> {
     pub node: usize,
-    pub normal: Vector,
+    pub normal: [f64; D],
     pub weight: f64,
     pub gap: f64,
     pub pressure: f64,
-    /// Along the normal turned by +90°.
-    pub shear: f64,
-    pub slip: f64,
+    /// Traction on the nonmortar body.
+    pub shear: [f64; D],
+    /// Of the nonmortar side relative to the other.
+    pub slip: [f64; D],
     pub status: Status,
+}
+
+impl Row {
+    /// Shear along the normal turned by +90°.
+    pub fn shear(&self) -> f64 {
+        dot(self.shear, turned(self.normal))
+    }
 }
 
 /// One contact of one step.
 #[derive(Debug, Clone)]
-pub struct Contact {
+pub struct Contact<const D: usize = 2> {
     pub nonmortar: (usize, String),
-    pub rows: Vec<Row>,
+    pub rows: Vec<Row<D>>,
     /// Force on the nonmortar body.
-    pub resultant: Vector,
+    pub resultant: [f64; D],
+    /// Its moment about the origin.
+    pub moment: [f64; 3],
 }
 
 /// One load step that the program calls converged.
 #[derive(Debug, Clone)]
-pub struct Step {
+pub struct Step<const D: usize = 2> {
     pub time: f64,
     /// Of every node of every body, in the order of the problem.
-    pub displacements: Vec<Vec<Vector>>,
+    pub displacements: Vec<Vec<[f64; D]>>,
     /// Force of its supports on each body.
-    pub reactions: Vec<Vector>,
+    pub reactions: Vec<[f64; D]>,
     /// In the order of the problem.
-    pub contacts: Vec<Contact>,
+    pub contacts: Vec<Contact<D>>,
     pub iterations: usize,
     /// The program warns that it dropped conditions: for the report, the checker does not ask.
     pub dropped: bool,
@@ -66,7 +90,7 @@ pub struct Step {
 
 /// All of it.
 #[derive(Debug, Clone)]
-pub struct Answer {
-    pub meshes: Vec<Mesh>,
-    pub steps: Vec<Step>,
+pub struct Answer<const D: usize = 2, K = Kind> {
+    pub meshes: Vec<Mesh<D, K>>,
+    pub steps: Vec<Step<D>>,
 }

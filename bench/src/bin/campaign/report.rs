@@ -197,14 +197,16 @@ impl<'a> Report<'a> {
     }
 
     fn print_comparisons(&self) {
-        let mut twins: BTreeMap<&str, Vec<(f64, u64)>> = BTreeMap::new();
+        let mut twins: BTreeMap<String, Vec<(f64, u64)>> = BTreeMap::new();
         for result in self.results {
             if let Some((name, off)) = result.twin {
+                let law = if result.coulomb { " with friction" } else { "" };
+                let name = format!("twins{law}, {name}");
                 twins.entry(name).or_default().push((off, result.seed));
             }
         }
         for (name, offs) in twins {
-            println!("twins, {name}: {}", apart(offs));
+            println!("{name}: {}", apart(offs));
         }
         let methods = self.results.iter();
         let methods: Vec<(f64, u64)> = methods.filter_map(|r| Some((r.method?, r.seed))).collect();

@@ -1,8 +1,9 @@
 //! The rows of `contact.csv` against the true forces, and the laws of contact row by row.
 
-use crate::check::{Judgement, View, resolution};
+use crate::check::{View, resolution};
 use crate::cone::distance;
-use crate::elastic::free_part;
+use crate::held::free_part;
+use crate::judgement::Judgement;
 use crate::plane::{Vector, dot, length, minus, plus, times, turned};
 use crate::problem::Law;
 use crate::raw::{Row, Status, Step};
@@ -14,7 +15,7 @@ use std::collections::BTreeMap;
 pub fn force(row: &Row) -> Option<Vector> {
     let push = plus(
         times(-row.pressure * row.weight, row.normal),
-        row.shear * row.weight,
+        row.shear() * row.weight,
         turned(row.normal),
     );
     push.iter().all(|c| c.is_finite()).then_some(push)
@@ -156,11 +157,11 @@ fn check_row(judgement: &mut Judgement, view: &View<'_>, c: usize, row: &Row) {
     let push = row.pressure * row.weight;
     judgement.compare("tension", -push, limit, place);
     if !touch.contact.law.rough() {
-        let shear = (row.shear * row.weight).abs();
+        let shear = (row.shear() * row.weight).abs();
         judgement.compare("shear", shear, limit, place);
         return;
     }
-    let shear = row.shear * row.weight;
+    let shear = row.shear() * row.weight;
     let most = bound(view, c, row, push);
     judgement.compare("shear", shear.abs() - most, 10.0 * limit, place);
     let Some(sample) = touch.at_nodes.get(&row.node) else {

@@ -1,21 +1,74 @@
 //! The campaign itself: seeds on threads, each asked, judged, asked again.
 
-use crate::check::{Finding, check};
-use crate::families;
-use crate::plane::{length, minus};
-use crate::problem::{Known, Problem};
+use crate::judgement::{Finding, Judgement};
+use crate::problem::Known;
 use crate::random::Random;
-use crate::raw::Answer;
+use crate::raw::{Answer, Cell, Mesh, Step};
 use crate::report::Report;
-use crate::solve::{Folder, Outcome, solve, write_meshes};
-use crate::state::State;
-use crate::twins::{difference, twins};
+use crate::solve::{Folder, Outcome, Solvable, solve, write_meshes};
+use crate::twin::{Twin, difference};
+use crate::vector::{length, minus};
+use dotyk::case::Case;
 use std::collections::BTreeMap;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::Instant;
+
+/// A problem of the plane (D = 2) or of space (D = 3), as the campaign asks and judges it.
+pub trait Problem<const D: usize>: Clone {
+    type Kind: Cell;
+
+    /// Names of all families.
+    fn families() -> Vec<&'static str>;
+
+    /// The problem of a seed, of this family or of one that the seed chooses.
+    fn of_seed(seed: u64, family: Option<&str>) -> Self;
+
+    fn family(&self) -> &'static str;
+
+    /// What is known of the answer before it is asked for, and why.
+    fn known(&self) -> (Known, &str);
+
+    /// Some contact has friction.
+    fn rough(&self) -> bool;
+
+    /// Some contact follows Coulomb's law, which may have several answers.
+    fn coulomb(&self) -> bool;
+
+    /// Names of all contacts.
+    fn contacts(&self) -> Vec<&str>;
+
+    /// The case file.
+    fn text(&self) -> String;
+
+    /// Names and texts of its mesh files.
+    fn files(&self) -> Vec<(&str, &str)>;
+
+    /// The same, to be solved by another method.
+    fn by_method(&self, method: &str) -> Self;
+
+    /// Judges all steps of an answer.
+    fn check(&self, answer: &Answer<D, Self::Kind>) -> Judgement;
+
+    /// Some twins.
+    fn twins(&self, answer: &Answer<D, Self::Kind>, random: &mut Random) -> Vec<Twin<Self, D>>;
+
+    /// The answer of this kind of twin must be the same.
+    fn unique(&self, answer: &Answer<D, Self::Kind>, twin: &str) -> bool;
+
+    /// Displacements of a body without the motion that nothing determines.
+    fn determined(
+        &self,
+        body: usize,
+        mesh: &Mesh<D, Self::Kind>,
+        moves: Vec<[f64; D]>,
+    ) -> Vec<[f64; D]>;
+
+    /// What supports and contacts exert on each node of each body, and the scale of forces.
+    fn forces(&self, answer: &Answer<D, Self::Kind>, step: &Step<D>) -> (Vec<Vec<[f64; D]>>, f64);
+}
 
 /// What the command line asks for.
 pub struct Options {
@@ -56,6 +109,7 @@ pub struct Result {
     pub family: &'static str,
     pub known: Known,
     pub rough: bool,
+    pub coulomb: bool,
     pub verdict: Verdict,
     /// What is wrong, or what the program said.
     pub message: String,
@@ -74,7 +128,15 @@ pub struct Result {
 }
 
 /// Runs all seeds; whether nothing is wrong.
-pub fn run(options: &Options) -> std::result::Result<bool, String> {
+pub fn run<P: Problem<D>, const D: usize>(options: &Options) -> std::result::Result<bool, String>
+where
+    Case<D>: Solvable<D>,
+{
+    let families = P::families();
+    if let Some(name) = options.family.as_deref().filter(|n| !families.contains(n)) {
+        let known = families.join(", ");
+        return Err(format!("no family {name}; there are {known}"));
+    }
     if let Some(folder) = &options.keep {
         std::fs::create_dir_all(folder).map_err(|error| error.to_string())?;
     }
@@ -93,8 +155,8 @@ pub fn run(options: &Options) -> std::result::Result<bool, String> {
                         break;
                     }
                     let result = match &pool {
-                        Ok(pool) => pool.install(|| one(seed, options)),
-                        Err(_) => one(seed, options),
+                        Ok(pool) => pool.install(|| one::<P, D>(seed, options)),
+                        Err(_) => one::<P, D>(seed, options),
                     };
                     if let Ok(mut results) = results.lock() {
                         results.push(result);
@@ -110,14 +172,19 @@ pub fn run(options: &Options) -> std::result::Result<bool, String> {
     Ok(report.clean())
 }
 
-fn one(seed: u64, options: &Options) -> Result {
-    let problem = families::problem(seed, options.family.as_deref());
+fn one<P: Problem<D>, const D: usize>(seed: u64, options: &Options) -> Result
+where
+    Case<D>: Solvable<D>,
+{
+    let problem = P::of_seed(seed, options.family.as_deref());
+    let (known, reason) = problem.known();
     let clock = Instant::now();
     let mut result = Result {
         seed,
-        family: problem.family,
-        known: problem.known,
+        family: problem.family(),
+        known,
         rough: problem.rough(),
+        coulomb: problem.coulomb(),
         verdict: Verdict::Right,
         message: String::new(),
         what: "",
@@ -140,7 +207,7 @@ fn one(seed: u64, options: &Options) -> Result {
     let mut kept = vec![problem.clone()];
     if options.show {
         println!("{}", problem.text());
-        println!("# known: {:?}, {}", problem.known, problem.reason);
+        println!("# known: {:?}, {}", known, reason);
     }
     judge(&problem, &folder, seed, options, &mut result, &mut kept);
     result.seconds = clock.elapsed().as_secs_f64();
@@ -151,7 +218,7 @@ fn one(seed: u64, options: &Options) -> Result {
         println!("# {:?} {}", result.verdict, result.message);
     }
     let bad = matches!(result.verdict, Verdict::Wrong | Verdict::Panicked)
-        || (problem.known == Known::Holds && result.verdict != Verdict::Right);
+        || (known == Known::Holds && result.verdict != Verdict::Right);
     if let (true, Some(folder)) = (bad, &options.keep) {
         for (index, problem) in kept.iter().enumerate() {
             if let Err(error) = keep(problem, folder, seed, index) {
@@ -162,10 +229,15 @@ fn one(seed: u64, options: &Options) -> Result {
     result
 }
 
-fn keep(problem: &Problem, folder: &Path, seed: u64, index: usize) -> std::io::Result<()> {
+fn keep<P: Problem<D>, const D: usize>(
+    problem: &P,
+    folder: &Path,
+    seed: u64,
+    index: usize,
+) -> std::io::Result<()> {
     let name = match index {
-        0 => format!("{seed}_{}", problem.family),
-        _ => format!("{seed}_{}_twin", problem.family),
+        0 => format!("{seed}_{}", problem.family()),
+        _ => format!("{seed}_{}_twin", problem.family()),
     };
     let own = folder.join(name);
     std::fs::create_dir_all(&own)?;
@@ -173,14 +245,17 @@ fn keep(problem: &Problem, folder: &Path, seed: u64, index: usize) -> std::io::R
     std::fs::write(own.join("case.toml"), problem.text())
 }
 
-fn judge(
-    problem: &Problem,
+fn judge<P: Problem<D>, const D: usize>(
+    problem: &P,
     folder: &Folder,
     seed: u64,
     options: &Options,
     result: &mut Result,
-    kept: &mut Vec<Problem>,
-) {
+    kept: &mut Vec<P>,
+) where
+    Case<D>: Solvable<D>,
+{
+    let (known, reason) = problem.known();
     let answer = match solve(problem, folder, options.limit) {
         Outcome::Slow => {
             result.verdict = Verdict::Slow;
@@ -192,7 +267,7 @@ fn judge(
             return;
         }
         Outcome::Refused(message) => {
-            result.verdict = if problem.known == Known::Falls {
+            result.verdict = if known == Known::Falls {
                 Verdict::RightlyRefused
             } else {
                 Verdict::Refused
@@ -201,7 +276,7 @@ fn judge(
             return;
         }
         Outcome::NotConverged(message, steps) => {
-            result.verdict = if problem.known == Known::Falls {
+            result.verdict = if known == Known::Falls {
                 Verdict::RightlyRefused
             } else {
                 Verdict::NotConverged
@@ -219,12 +294,8 @@ fn judge(
     if options.show {
         show_rows(problem, &answer);
     }
-    if problem.known == Known::Falls && result.verdict == Verdict::Right {
-        wrong(
-            result,
-            "held",
-            format!("cannot be held: {}", problem.reason),
-        );
+    if known == Known::Falls && result.verdict == Verdict::Right {
+        wrong(result, "held", format!("cannot be held: {reason}"));
     }
     if result.verdict != Verdict::Right {
         return;
@@ -245,11 +316,15 @@ fn judge(
     }
 }
 
-fn look(problem: &Problem, answer: &Answer, result: &mut Result) {
-    result.dofs = answer.meshes.iter().map(|m| 2 * m.points.len()).sum();
+fn look<P: Problem<D>, const D: usize>(
+    problem: &P,
+    answer: &Answer<D, P::Kind>,
+    result: &mut Result,
+) {
+    result.dofs = answer.meshes.iter().map(|m| D * m.points.len()).sum();
     result.iterations = answer.steps.iter().map(|s| s.iterations).collect();
     result.dropped = answer.steps.iter().any(|s| s.dropped);
-    let judgement = check(problem, answer);
+    let judgement = problem.check(answer);
     if let Some(Finding {
         step,
         what,
@@ -286,15 +361,17 @@ fn wrong(result: &mut Result, what: &'static str, message: String) {
     (result.what, result.message) = (what, message);
 }
 
-fn ask_twins(
-    problem: &Problem,
-    answer: &Answer,
+fn ask_twins<P: Problem<D>, const D: usize>(
+    problem: &P,
+    answer: &Answer<D, P::Kind>,
     (folder, limit, show): (&Folder, f64, bool),
     random: &mut Random,
     result: &mut Result,
-    kept: &mut Vec<Problem>,
-) {
-    for twin in twins(problem, answer, random) {
+    kept: &mut Vec<P>,
+) where
+    Case<D>: Solvable<D>,
+{
+    for twin in problem.twins(answer, random) {
         kept.truncate(1);
         kept.push(twin.problem.clone());
         let other = match solve(&twin.problem, folder, limit) {
@@ -311,7 +388,7 @@ fn ask_twins(
                 continue;
             }
         };
-        let judgement = check(&twin.problem, &other);
+        let judgement = twin.problem.check(&other);
         if show {
             println!("# twin `{}`", twin.name);
             show_rows(&twin.problem, &other);
@@ -332,8 +409,7 @@ fn ask_twins(
             );
             return;
         };
-        let matching = crate::check::all_nodal(problem, answer);
-        let unique = !problem.coulomb() && !problem.spins && (twin.name != "sides" || matching);
+        let unique = problem.unique(answer, twin.name);
         if off > twin.tolerance && unique {
             let text = format!(
                 "twin `{}` differs by {off:.1e} of the largest displacement",
@@ -342,27 +418,26 @@ fn ask_twins(
             wrong(result, "twin", text);
             return;
         }
-        if unique || !problem.coulomb() {
-            result.twin = Some((twin.name, off));
-        }
+        result.twin = Some((twin.name, off));
     }
 }
 
 /// Judges the answer of another method, and takes the largest difference of the nodal contact forces, relative to the force
 /// scale.
-fn other_method(
-    problem: &Problem,
-    answer: &Answer,
+fn other_method<P: Problem<D>, const D: usize>(
+    problem: &P,
+    answer: &Answer<D, P::Kind>,
     (folder, options): (&Folder, &Options),
     result: &mut Result,
-) {
-    let mut again = problem.clone();
-    again.method.clone_from(&options.method);
+) where
+    Case<D>: Solvable<D>,
+{
+    let again = problem.by_method(&options.method);
     let Outcome::Certified(other) = solve(&again, folder, options.limit) else {
         result.method = Some(f64::NAN);
         return;
     };
-    if let Some(finding) = check(problem, &other).worst() {
+    if let Some(finding) = problem.check(&other).worst() {
         let text = format!(
             "method `{}`: {} {:.1e} times its limit, step {}, {}",
             options.method, finding.what, finding.times, finding.step, finding.place
@@ -372,13 +447,11 @@ fn other_method(
     }
     let mut worst: f64 = 0.0;
     for (a, b) in answer.steps.iter().zip(&other.steps) {
-        let (a, b) = (
-            State::new(problem, answer, a),
-            State::new(problem, answer, b),
-        );
-        for (mine, theirs) in a.rest.iter().flatten().zip(b.rest.iter().flatten()) {
-            if a.force > 0.0 {
-                worst = worst.max(length(minus(*mine, *theirs)) / a.force);
+        let (mine, scale) = problem.forces(answer, a);
+        let (theirs, _) = problem.forces(&other, b);
+        for (a, b) in mine.iter().flatten().zip(theirs.iter().flatten()) {
+            if scale > 0.0 {
+                worst = worst.max(length(minus(*a, *b)) / scale);
             }
         }
     }
@@ -386,25 +459,37 @@ fn other_method(
 }
 
 /// Prints the rows of all contacts.
-fn show_rows(problem: &Problem, answer: &Answer) {
+fn show_rows<P: Problem<D>, const D: usize>(problem: &P, answer: &Answer<D, P::Kind>) {
     for (index, step) in answer.steps.iter().enumerate() {
-        for (contact, raw) in problem.contacts.iter().zip(&step.contacts) {
-            println!("# step {} contact {}", index + 1, contact.name);
+        for (contact, raw) in problem.contacts().iter().zip(&step.contacts) {
+            println!("# step {} contact {contact}", index + 1);
             for row in &raw.rows {
-                let [x, y] = answer.meshes[raw.nonmortar.0].points[row.node];
                 println!(
-                    "#   {:>5} ({x:>13.6e}, {y:>13.6e}) n ({:>6.3}, {:>6.3}) weight {:>10.3e} gap {:>11.3e} pressure {:>11.3e} shear {:>11.3e} slip {:>11.3e} {:?}",
+                    "#   {:>5} {:>13.6e} n {:>9.2e} weight {:>10.3e} gap {:>11.3e} pressure {:>11.3e} shear {:>11.3e} slip {:>11.3e} {:?}",
                     row.node,
-                    row.normal[0],
-                    row.normal[1],
+                    List(&answer.meshes[raw.nonmortar.0].points[row.node]),
+                    List(&row.normal),
                     row.weight,
                     row.gap,
                     row.pressure,
-                    row.shear,
-                    row.slip,
+                    List(&row.shear),
+                    List(&row.slip),
                     row.status
                 );
             }
         }
+    }
+}
+
+/// Numbers in brackets, each with the width and precision that is asked for.
+struct List<'a>(&'a [f64]);
+
+impl std::fmt::LowerExp for List<'_> {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        for (place, number) in self.0.iter().enumerate() {
+            f.write_str(if place == 0 { "(" } else { ", " })?;
+            number.fmt(f)?;
+        }
+        f.write_str(")")
     }
 }

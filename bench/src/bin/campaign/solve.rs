@@ -1,22 +1,20 @@
 //! Asking the program: case text in, raw numbers out. The only file that knows the program.
 
-use crate::cells::Kind;
-use crate::plane::{Vector, dot, turned};
-use crate::problem::{Problem, Shape};
-use crate::raw::{self, Answer, Mesh, Row, Step};
-use dotyk::case::Case;
-use dotyk::model::{ContactNode, Model, Solution, Status};
+use crate::raw::{self, Answer, Cell, Mesh, Row, Step};
+use crate::run::Problem;
+use dotyk::case::{Case, CaseError, Run};
+use dotyk::model::{ContactNode, Event, Model, Solution, Status};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 /// What the program said.
 #[derive(Debug)]
-pub enum Outcome {
+pub enum Outcome<A> {
     /// All steps are certified.
-    Certified(Answer),
+    Certified(A),
     /// Exit status 1; the steps before the failing one are certified.
-    NotConverged(String, Option<Answer>),
+    NotConverged(String, Option<A>),
     /// Exit status 2.
     Refused(String),
     Panicked(String),
@@ -52,18 +50,51 @@ impl Drop for Folder {
     }
 }
 
-/// Writes the mesh files of a problem.
-pub fn write_meshes(problem: &Problem, folder: &Path) -> std::io::Result<()> {
-    for body in &problem.bodies {
-        if let Shape::File { name, text } = &body.shape {
-            std::fs::write(folder.join(name), text)?;
+/// What the library offers for the plane and for space, each by itself.
+pub trait Solvable<const D: usize>: Sized {
+    /// Reads the text of a case file.
+    fn parsed(text: &str, folder: &Path) -> Result<Self, CaseError>;
+
+    /// Solves all its load steps.
+    fn solved(&self, observe: &mut dyn FnMut(Event)) -> Run<D>;
+}
+
+macro_rules! solvable {
+    ($($D:literal)*) => {$(
+        impl Solvable<$D> for Case<$D> {
+            fn parsed(text: &str, folder: &Path) -> Result<Self, CaseError> {
+                Self::from_str(text, "case.toml", folder)
+            }
+
+            fn solved(&self, observe: &mut dyn FnMut(Event)) -> Run<$D> {
+                self.run(&[], observe)
+            }
         }
+    )*};
+}
+
+solvable!(2 3);
+
+/// Writes the mesh files of a problem.
+pub fn write_meshes<P: Problem<D>, const D: usize>(
+    problem: &P,
+    folder: &Path,
+) -> std::io::Result<()> {
+    for (name, text) in problem.files() {
+        std::fs::write(folder.join(name), text)?;
     }
     Ok(())
 }
 
 /// Solves a problem from its case file, in some seconds at most.
-pub fn solve(problem: &Problem, folder: &Folder, seconds: f64) -> Outcome {
+pub fn solve<P: Problem<D>, const D: usize>(
+    problem: &P,
+    folder: &Folder,
+    seconds: f64,
+) -> Outcome<Answer<D, P::Kind>>
+where
+    Case<D>: Solvable<D>,
+{
     if let Err(error) = write_meshes(problem, folder.path()) {
         return Outcome::Refused(format!("campaign: {error}"));
     }
@@ -80,8 +111,15 @@ pub fn solve(problem: &Problem, folder: &Folder, seconds: f64) -> Outcome {
     }
 }
 
-fn attempt(text: &str, folder: &Path, seconds: f64) -> Outcome {
-    let case = match Case::<2>::from_str(text, "case.toml", folder) {
+fn attempt<K: Cell, const D: usize>(
+    text: &str,
+    folder: &Path,
+    seconds: f64,
+) -> Outcome<Answer<D, K>>
+where
+    Case<D>: Solvable<D>,
+{
+    let case = match Case::<D>::parsed(text, folder) {
         Ok(case) => case,
         Err(error) => return Outcome::Refused(format!("case file: {error}")),
     };
@@ -91,7 +129,7 @@ fn attempt(text: &str, folder: &Path, seconds: f64) -> Outcome {
             std::panic::panic_any(TooSlow);
         }
     };
-    let run = case.run(&[], &mut watch);
+    let run = case.solved(&mut watch);
     let Some(failure) = &run.failure else {
         return Outcome::Certified(answer(&case.model, &run.steps));
     };
@@ -103,7 +141,21 @@ fn attempt(text: &str, folder: &Path, seconds: f64) -> Outcome {
     Outcome::NotConverged(failure.reason.clone(), steps)
 }
 
-fn answer(model: &Model<2>, steps: &[Solution<2>]) -> Answer {
+/// The meshes that the program makes of a case file that needs no others.
+pub fn meshes<K: Cell, const D: usize>(text: &str) -> Result<Vec<Mesh<D, K>>, String>
+where
+    Case<D>: Solvable<D>,
+{
+    let case = Case::<D>::parsed(text, Path::new(".")).map_err(|error| error.to_string())?;
+    Ok(case
+        .model
+        .bodies
+        .iter()
+        .map(|body| mesh(&body.mesh))
+        .collect())
+}
+
+fn answer<K: Cell, const D: usize>(model: &Model<D>, steps: &[Solution<D>]) -> Answer<D, K> {
     Answer {
         meshes: model.bodies.iter().map(|body| mesh(&body.mesh)).collect(),
         steps: steps.iter().map(step).collect(),
@@ -111,15 +163,16 @@ fn answer(model: &Model<2>, steps: &[Solution<2>]) -> Answer {
 }
 
 /// The points, cells and sides of a mesh.
-pub fn mesh(mesh: &dotyk::mesh::Mesh<2>) -> Mesh {
+fn mesh<K: Cell, const D: usize>(mesh: &dotyk::mesh::Mesh<D>) -> Mesh<D, K> {
     let mut cells = Vec::new();
     let mut firsts = Vec::new();
     for block in mesh.blocks() {
         firsts.push(cells.len());
-        let kind = Kind::ALL
+        let kinds = K::ALL.iter().copied();
+        let kind = kinds
             .into_iter()
             .find(|kind| kind.name() == block.kind.name())
-            .unwrap_or_else(|| panic!("the plane has no cell {}", block.kind.name()));
+            .unwrap_or_else(|| panic!("the campaign has no cell {}", block.kind.name()));
         cells.extend(
             block
                 .cells()
@@ -144,11 +197,12 @@ pub fn mesh(mesh: &dotyk::mesh::Mesh<2>) -> Mesh {
     }
 }
 
-fn step(solution: &Solution<2>) -> Step {
-    let contact = |contact: &dotyk::model::ContactSolution<2>| raw::Contact {
+fn step<const D: usize>(solution: &Solution<D>) -> Step<D> {
+    let contact = |contact: &dotyk::model::ContactSolution<D>| raw::Contact {
         nonmortar: (contact.nonmortar.body.0, contact.nonmortar.side.clone()),
         rows: contact.nodes.iter().map(row).collect(),
         resultant: contact.resultant,
+        moment: contact.moment,
     };
     Step {
         time: solution.time,
@@ -168,16 +222,15 @@ fn step(solution: &Solution<2>) -> Step {
 }
 
 /// The columns of `contact.csv`.
-fn row(node: &ContactNode<2>) -> Row {
-    let tangent: Vector = turned(node.normal);
+fn row<const D: usize>(node: &ContactNode<D>) -> Row<D> {
     Row {
         node: node.node,
         normal: node.normal,
         weight: node.weight,
         gap: node.gap,
         pressure: node.pressure,
-        shear: dot(node.shear, tangent),
-        slip: dot(node.slip, tangent),
+        shear: node.shear,
+        slip: node.slip,
         status: match node.status {
             Status::Open => raw::Status::Open,
             Status::Closed => raw::Status::Closed,

@@ -3,7 +3,8 @@
 //! rest = internal − external is what supports and contacts exert on a node. Off both it must vanish; on a contact side it
 //! is the true contact force.
 
-use crate::elastic::{Condition, conditions, external, free_part, held_axes, internal};
+use crate::elastic::{conditions, external, internal};
+use crate::held::{Condition, free_part, held_axes};
 use crate::plane::{Vector, bounds, length, minus};
 use crate::problem::{Body, Problem};
 use crate::raw::{Answer, Step};
@@ -17,10 +18,10 @@ pub const FORCE: f64 = 1e-7;
 pub const MOVE: f64 = 1e-6;
 
 /// Roundings of displacements in units of 2⁻⁵³ that add up at a node.
-const ROUNDINGS: f64 = 32.0;
+pub const ROUNDINGS: f64 = 32.0;
 
 /// Force over modulus · displacement · thickness of the most slender body that is looked at closely.
-const SLENDER: f64 = 1e-4;
+pub const SLENDER: f64 = 1e-4;
 
 /// One load step, seen from its displacements.
 pub struct State {

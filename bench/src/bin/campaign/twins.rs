@@ -12,27 +12,19 @@
 //! the largest of them. With Coulomb friction answers need not be unique; a difference is told, and is no finding.
 
 use crate::amount::carried_vector;
-use crate::elastic::{conditions, held_axes};
-use crate::plane::{Vector, cross, length, minus, rotated, times, without_motion};
+use crate::cells::Kind;
+use crate::elastic::conditions;
+use crate::held::held_axes;
+use crate::plane::{Vector, cross, length, minus, rotated, rotation, times};
 use crate::problem::{
     Against, Body, Circle, Contact, Drive, Gap, Law, Load, Place, Problem, Shape, Side, Support,
     Surface,
 };
 use crate::random::Random;
 use crate::raw::{Answer, Mesh};
-use std::fmt::Write;
 
-/// A twin, and how to find its answer in that of the original.
-pub struct Twin {
-    pub name: &'static str,
-    pub problem: Problem,
-    pub lengths: f64,
-    pub angle: f64,
-    /// Bodies of the twin that make each body of the original.
-    pub parts: Vec<Vec<usize>>,
-    /// Relative difference that is allowed.
-    pub tolerance: f64,
-}
+/// A twin of a problem of the plane.
+type Twin = crate::twin::Twin<Problem, 2>;
 
 /// A problem in other units and turned by an angle about the origin; `None` where a generator of meshes cannot turn.
 pub fn carried(problem: &Problem, lengths: f64, forces: f64, angle: f64) -> Option<Problem> {
@@ -235,7 +227,7 @@ fn turned(problem: &Problem, answer: &Answer, random: &mut Random) -> Option<Twi
         parts: (0..problem.bodies.len()).map(|b| vec![b]).collect(),
         problem: twin,
         lengths: 1.0,
-        angle,
+        turn: rotation(angle),
         tolerance: 1e-6,
     })
 }
@@ -266,49 +258,23 @@ fn as_roller(support: &mut Support, mesh: &Mesh) -> bool {
     true
 }
 
-/// A mesh file in Gmsh's text format 2.2, its nodes turned.
+/// A mesh file, its nodes turned.
 pub fn gmsh(mesh: &Mesh, angle: f64) -> String {
-    let mut out = String::from("$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$PhysicalNames\n");
-    // writing to a String cannot fail
-    let _ = writeln!(out, "{}", mesh.sides.len() + 1);
-    for (tag, name) in mesh.sides.keys().enumerate() {
-        let _ = writeln!(out, "1 {} \"{name}\"", tag + 1);
-    }
-    let cells = mesh.sides.len() + 1;
-    let _ = writeln!(
-        out,
-        "2 {cells} \"cells\"\n$EndPhysicalNames\n$Nodes\n{}",
-        mesh.points.len()
-    );
-    for (index, &x) in mesh.points.iter().enumerate() {
-        let [x, y] = rotated(x, angle);
-        let _ = writeln!(out, "{} {x:?} {y:?} 0", index + 1);
-    }
-    let facets: usize = mesh.sides.values().map(Vec::len).sum();
-    let _ = writeln!(out, "$EndNodes\n$Elements\n{}", facets + mesh.cells.len());
-    let mut number = 0;
-    let mut element = |kind: usize, tag: usize, nodes: &[usize]| {
-        number += 1;
-        let nodes: Vec<String> = nodes.iter().map(|n| (n + 1).to_string()).collect();
-        let _ = writeln!(out, "{number} {kind} 2 {tag} {tag} {}", nodes.join(" "));
+    let points: Vec<[f64; 3]> = mesh
+        .points
+        .iter()
+        .map(|&x| {
+            let [x, y] = rotated(x, angle);
+            [x, y, 0.0]
+        })
+        .collect();
+    let cell = |(kind, nodes): &(Kind, Vec<usize>)| (kind.gmsh(), nodes.clone());
+    let cells: Vec<_> = mesh.cells.iter().map(cell).collect();
+    let facet = |nodes: &Vec<usize>| (if nodes.len() == 2 { 1 } else { 8 }, nodes.clone());
+    let side = |(name, facets): (&String, &Vec<Vec<usize>>)| {
+        (name.clone(), facets.iter().map(facet).collect())
     };
-    for (tag, facets) in mesh.sides.values().enumerate() {
-        for facet in facets {
-            element(if facet.len() == 2 { 1 } else { 8 }, tag + 1, facet);
-        }
-    }
-    use crate::cells::Kind;
-    for (kind, nodes) in &mesh.cells {
-        let code = match kind {
-            Kind::Tri3 => 2,
-            Kind::Tri6 => 9,
-            Kind::Quad4 => 3,
-            Kind::Quad8 => 16,
-            Kind::Quad9 => 10,
-        };
-        element(code, cells, nodes);
-    }
-    out + "$EndElements\n"
+    crate::gmsh::text(2, &points, &cells, &mesh.sides.iter().map(side).collect())
 }
 
 /// The bodies and contacts in another order.
@@ -324,7 +290,7 @@ fn reordered(problem: &Problem, random: &mut Random) -> Twin {
         parts: (0..order.len()).map(|b| vec![place(b)]).collect(),
         problem: twin,
         lengths: 1.0,
-        angle: 0.0,
+        turn: rotation(0.0),
         tolerance: 1e-6,
     }
 }
@@ -344,7 +310,7 @@ fn swapped(problem: &Problem) -> Option<Twin> {
         parts: (0..problem.bodies.len()).map(|b| vec![b]).collect(),
         problem: twin,
         lengths: 1.0,
-        angle: 0.0,
+        turn: rotation(0.0),
         tolerance: 1e-6,
     })
 }
@@ -456,7 +422,7 @@ fn split(problem: &Problem, random: &mut Random) -> Option<Twin> {
         name: "split",
         problem: twin,
         lengths: 1.0,
-        angle: 0.0,
+        turn: rotation(0.0),
         parts,
         tolerance: 1e-6,
     })
@@ -486,7 +452,7 @@ pub fn twins(problem: &Problem, answer: &Answer, random: &mut Random) -> Vec<Twi
                 name: "units",
                 problem: twin,
                 lengths,
-                angle: 0.0,
+                turn: rotation(0.0),
                 parts: (0..problem.bodies.len()).map(|b| vec![b]).collect(),
                 tolerance: 1e-6,
             }));
@@ -497,85 +463,6 @@ pub fn twins(problem: &Problem, answer: &Answer, random: &mut Random) -> Vec<Twi
         _ => all.extend(swapped(problem)),
     }
     all
-}
-
-/// The largest difference of the displacements of two answers in any step, relative to the largest displacement.
-///
-/// `None` where nodes of the twin cannot be found.
-pub fn difference(problem: &Problem, answer: &Answer, twin: &Twin, other: &Answer) -> Option<f64> {
-    let mut worst: f64 = 0.0;
-    let axisymmetric = problem.analysis.axisymmetric();
-    for (mine, theirs) in answer.steps.iter().zip(&other.steps) {
-        let largest = mine
-            .displacements
-            .iter()
-            .flatten()
-            .fold(0.0, |s: f64, &u| s.max(length(u)));
-        let mut off: f64 = 0.0;
-        for (b, parts) in twin.parts.iter().enumerate() {
-            let points = &answer.meshes[b].points;
-            let found = found(points, parts, other, twin, theirs)?;
-            let differences: Vec<Vector> = mine.displacements[b]
-                .iter()
-                .zip(&found)
-                .map(|(&u, &v)| minus(v, u))
-                .collect();
-            let held = fully_held(problem, b, &answer.meshes[b]);
-            let rest = if held {
-                differences
-            } else {
-                without_motion(points, &differences, axisymmetric)
-            };
-            off = rest.iter().fold(off, |s, &d| s.max(length(d)));
-        }
-        if largest > 0.0 {
-            worst = worst.max(off / largest);
-        }
-    }
-    Some(worst)
-}
-
-/// Displacements of a body in the answer of a twin, at its own nodes and in its own units.
-fn found(
-    points: &[Vector],
-    parts: &[usize],
-    other: &Answer,
-    twin: &Twin,
-    step: &crate::raw::Step,
-) -> Option<Vec<Vector>> {
-    let back = |x: Vector| times(1.0 / twin.lengths, rotated(x, -twin.angle));
-    let mut places: Vec<(Vector, Vector)> = Vec::new();
-    for &part in parts {
-        let moves = &step.displacements[part];
-        places.extend(
-            other.meshes[part]
-                .points
-                .iter()
-                .zip(moves)
-                .map(|(&x, &u)| (back(x), back(u))),
-        );
-    }
-    let (low, high) = crate::plane::bounds(points);
-    let near = 1e-7 * length(minus(high, low));
-    // the same order, mostly; else sorted along x
-    if places.len() == points.len()
-        && points
-            .iter()
-            .zip(&places)
-            .all(|(&x, (y, _))| length(minus(x, *y)) < near)
-    {
-        return Some(places.into_iter().map(|(_, u)| u).collect());
-    }
-    places.sort_by(|a, b| a.0[0].total_cmp(&b.0[0]));
-    let find = |&x: &Vector| {
-        let start = places.partition_point(|(y, _)| y[0] < x[0] - near);
-        let window = places[start..]
-            .iter()
-            .take_while(|(y, _)| y[0] <= x[0] + near);
-        let mut window = window.filter(|(y, _)| length(minus(*y, x)) < near);
-        window.next().map(|(_, u)| *u)
-    };
-    points.iter().map(find).collect()
 }
 
 /// Supports alone leave a body no rigid motion.

@@ -12,8 +12,9 @@
 //! rows say. On curved sides directions may be off by the angle between facets, because forces act along a field of normals
 //! between nodes; there the cone is widened by that angle.
 
-use crate::check::{Judgement, View};
-use crate::cone::{Column, distance};
+use crate::check::View;
+use crate::cone::distance;
+use crate::judgement::Judgement;
 use crate::plane::{Vector, cross, dot, length, minus, plus, rotated, times, turned};
 use crate::problem::{Against, Drive, Law};
 use crate::rows::force;
@@ -236,7 +237,7 @@ fn check_footprint(judgement: &mut Judgement, view: &View<'_>, cluster: &Cluster
     if found.magnitude <= 1e-3 * view.state.force || found.magnitude <= 1e3 * found.slack {
         return;
     }
-    let mut columns: Vec<Column> = Vec::new();
+    let mut columns: Vec<[f64; 3]> = Vec::new();
     let mut turn: f64 = 0.0;
     let arm = found.arm.max(f64::MIN_POSITIVE);
     let flat = |force: Vector, moment: f64| {

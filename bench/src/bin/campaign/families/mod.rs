@@ -13,13 +13,14 @@ mod rounds;
 
 use crate::amount::{Amount, Time, vector_at};
 use crate::cells::{Kind, gauss};
-use crate::cone::{Column, distance};
+use crate::cone::distance;
 use crate::plane::{Vector, cross, length, minus, plus, times, turned};
 use crate::problem::{
     Against, Analysis, Body, Contact, Drive, Gap, Known, Law, Load, Pairing, Problem, Shape, Side,
     Surface,
 };
 use crate::random::Random;
+use crate::raw::Cell;
 use crate::twins::carried;
 
 /// Makes a problem.
@@ -100,7 +101,7 @@ impl Scene {
             random.magnitude(50.0, 3000.0)
         };
         let kinds = if random.chance(0.6) {
-            vec![random.pick(&Kind::ALL)]
+            vec![random.pick(Kind::ALL)]
         } else {
             Kind::ALL.to_vec()
         };
@@ -432,7 +433,7 @@ fn held(load: &Wrench, pushes: &[Push], inside: f64) -> Known {
         -(load.1 - cross(middle, load.0)) / (arm * scale),
     ];
     let off = |stretch: f64| {
-        let columns: Vec<Column> = pushes
+        let columns: Vec<[f64; 3]> = pushes
             .iter()
             .flat_map(|p| {
                 let at = plus(middle, stretch, minus(p.at, middle));

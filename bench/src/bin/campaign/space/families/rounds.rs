@@ -1,0 +1,179 @@
+//! Balls on boxes, between plates and in bowls; shafts in rings.
+
+use super::boxes::{floor, pressed};
+use super::{Scene, upwards};
+use crate::amount::Time;
+use crate::problem::side;
+use crate::space::geometry::unit;
+use crate::space::problem::{Against, Drive, Field, Gap, Held, Law, Number, Shape, Surface};
+use crate::space::solids::Solid;
+
+/// Kinds of cells that round bodies may have.
+const ROUND: [Solid; 5] = [
+    Solid::Hex8,
+    Solid::Hex8,
+    Solid::Tet4,
+    Solid::Hex20,
+    Solid::Tet10,
+];
+
+/// A ball of radius one about a point, with its true surface.
+fn add_ball(scene: &mut Scene, center: [f64; 3], kinds: &[Solid]) -> usize {
+    let kind = scene.random.pick(kinds);
+    let around = match kind {
+        Solid::Hex8 => scene.random.pick(&[8, 12]),
+        _ => 8,
+    };
+    let shape = Shape::Ball {
+        center,
+        radius: 1.0,
+        cells: [around, 1],
+    };
+    let ball = scene.add("ball", shape, kind);
+    let surface = Surface::sphere(center, 1.0);
+    scene.problem.bodies[ball].surfaces = vec![("outer".to_string(), surface)];
+    scene.problem.spins = true;
+    ball
+}
+
+/// A ball on a box or a plane, pressed from above by a plate, rigid or not, which may move along.
+pub fn ball(scene: &mut Scene) {
+    let count = scene.steps(&[1, 1, 2, 4]);
+    let ball = add_ball(scene, [0.0, 0.0, 1.0], &ROUND);
+    let depth = scene.strain.min(3e-4) * 3.0;
+    let rough = if scene.random.chance(0.5) { 1.0 } else { 0.0 };
+    let laws = [0; 2].map(|_| scene.law(rough));
+    if scene.random.chance(0.5) {
+        scene.stand(side("ball", "outer"), floor(0.0), None, laws[0]);
+    } else {
+        let out = scene.random.between(0.4, 1.2);
+        let lower = scene.cuboid("lower", [-out, -out, -0.6], [out, 0.9, 0.0], 2);
+        scene.hold(lower, "bottom", Field::default());
+        scene.touch(side("ball", "outer"), side("lower", "top"), laws[0]);
+    }
+    let drive = pressed(scene, depth, count);
+    if scene.random.chance(0.5) {
+        let surface = Surface::plane([0.0, 0.0, 2.0], [0.0, 0.0, -1.0]);
+        scene.stand(side("ball", "outer"), surface, Some(drive), laws[1]);
+    } else {
+        let upper = scene.cuboid("upper", [-0.7, -0.5, 2.0], [0.6, 0.8, 2.5], 2);
+        if let Drive::Displacement(field) = drive {
+            scene.hold(upper, "top", field);
+        }
+        scene.touch(side("ball", "outer"), side("upper", "bottom"), laws[1]);
+    }
+    if scene.random.chance(0.3) {
+        scene.problem.bodies[ball].weight = upwards(-0.01 * scene.strain);
+    }
+    let lifted = scene.problem.times.len() > 1;
+    if !lifted && rough == 0.0 {
+        scene.holds("the ball is pressed between two plates");
+    }
+}
+
+/// A ball in a rigid bowl or groove under its weight, which may lean.
+pub fn bowl(scene: &mut Scene) {
+    let count = scene.steps(&[1, 1, 3]);
+    // hexahedra have their middle where the ball has it: nothing turns them without friction
+    let ball = add_ball(scene, [0.0, 0.0, 1.0], &[Solid::Hex8, Solid::Hex20]);
+    let radius = scene.random.magnitude(1.02, 3.0);
+    let surface = match scene.random.chance(0.6) {
+        true => Surface::sphere([0.0, 0.0, radius], radius),
+        false => {
+            let axis = unit([1.0, scene.random.between(-1.0, 1.0), 0.0]);
+            Surface::cylinder([0.0, 0.0, radius], axis, radius)
+        }
+    };
+    let law = scene.law(0.5);
+    let drive = scene.random.chance(0.3).then(|| {
+        let by = scene.strain * scene.random.between(0.1, 1.0);
+        Drive::Displacement(upwards(by))
+    });
+    let against = Against::Obstacle {
+        surface,
+        inside: true,
+        drive,
+    };
+    scene.push(side("ball", "outer"), against, law);
+    let g = 0.1 * scene.strain.min(3e-4);
+    let lean = match law {
+        Law::Coulomb(mu) => scene.direction(g * mu, [0.0, 0.5]),
+        _ => [0.0; 2],
+    };
+    let time = Time::Line(0.0, 1.0 / count as f64);
+    scene.problem.bodies[ball].weight = [
+        Number::timed(lean[0], time),
+        Number::timed(lean[1], time),
+        Number::from(-g),
+    ];
+}
+
+/// A shaft in a ring: pressed in, loose, pushed through or turned aside.
+pub fn fit(scene: &mut Scene) {
+    let count = scene.steps(&[1, 1, 2, 4]);
+    let kinds = [0; 2].map(|_| scene.random.pick(&ROUND));
+    let around = [0; 2].map(|_| scene.random.pick(&[8, 8, 12]));
+    let fit = 2.0 * scene.strain * scene.random.pick(&[-1.0, -1.0, -0.3, 0.0, 0.5]);
+    let given = scene.random.chance(0.4);
+    let inner = if given { 1.0 } else { 1.0 + 0.5 * fit };
+    let shaft_radius = if given { 1.0 } else { 1.0 - 0.5 * fit };
+    let long = scene.random.between(0.5, 1.2);
+    let out = scene.random.between(0.0, 0.4);
+    let wall = scene.random.between(0.3, 0.8);
+    let shapes = [
+        ("ring", [inner, 1.0 + wall], 0.0, long),
+        ("shaft", [0.0, shaft_radius], -out, long + out),
+    ];
+    for (b, (name, radii, base, height)) in shapes.into_iter().enumerate() {
+        let linear = kinds[b].linear();
+        let shape = Shape::Cylinder {
+            base: [0.0, 0.0, base],
+            axis: [0.0, 0.0, 1.0],
+            radii,
+            height,
+            cells: [
+                around[b],
+                1,
+                if linear { scene.random.count(1, 3) } else { 1 },
+            ],
+        };
+        let body = scene.add(name, shape, kinds[b]);
+        let (side, radius) = if b == 0 {
+            ("inner", radii[0])
+        } else {
+            ("outer", radii[1])
+        };
+        let surface = Surface::cylinder([0.0; 3], [0.0, 0.0, 1.0], radius);
+        scene.problem.bodies[body].surfaces = vec![(side.to_string(), surface)];
+    }
+    let law = scene.law(0.6);
+    scene.touch(side("shaft", "outer"), side("ring", "inner"), law);
+    if given {
+        let contacts = &mut scene.problem.contacts;
+        contacts[0].gap = if fit == 0.0 {
+            Gap::Closed
+        } else {
+            Gap::Given(fit)
+        };
+    }
+    scene.problem.spins = true;
+    scene.hold(0, "bottom", Field::default());
+    let p = scene.strain;
+    let [x, y] = scene.path(p, [0.1, 0.6], count);
+    match scene.random.count(0, 2) {
+        0 => {
+            let down = Number::timed(-p * scene.random.between(0.0, 2.0), Time::Line(0.0, 0.5));
+            scene.hold(1, "top", [x, y, down]);
+            scene.holds("ring and shaft are held");
+        }
+        1 => {
+            scene.roll(1, "bottom");
+            scene.pull(1, "top", [x, y, Number::default()]);
+        }
+        _ => {
+            let drawn = Held::Normal(Number::timed(p, Time::Line(0.0, 0.5)));
+            let supports = &mut scene.problem.bodies[1].supports;
+            supports.push(("bottom".to_string(), drawn));
+        }
+    }
+}

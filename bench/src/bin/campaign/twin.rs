@@ -1,0 +1,97 @@
+//! A problem written another way, and how far the displacements of its answer are from those of the original.
+
+use crate::raw::{Answer, Step};
+use crate::run::Problem;
+use crate::vector::{applied, bounds, length, minus, times, transposed};
+
+/// A twin, and how to find its answer in that of the original.
+pub struct Twin<P, const D: usize> {
+    pub name: &'static str,
+    pub problem: P,
+    pub lengths: f64,
+    /// Rows of the rotation that carries the original onto it.
+    pub turn: [[f64; D]; D],
+    /// Bodies of the twin that make each body of the original.
+    pub parts: Vec<Vec<usize>>,
+    /// Relative difference that is allowed.
+    pub tolerance: f64,
+}
+
+/// The largest difference of the displacements of two answers in any step, relative to the largest displacement.
+///
+/// `None` where nodes of the twin cannot be found.
+pub fn difference<P: Problem<D>, const D: usize>(
+    problem: &P,
+    answer: &Answer<D, P::Kind>,
+    twin: &Twin<P, D>,
+    other: &Answer<D, P::Kind>,
+) -> Option<f64> {
+    let mut worst: f64 = 0.0;
+    for (mine, theirs) in answer.steps.iter().zip(&other.steps) {
+        let largest = mine
+            .displacements
+            .iter()
+            .flatten()
+            .fold(0.0, |s: f64, &u| s.max(length(u)));
+        let mut off: f64 = 0.0;
+        for (b, parts) in twin.parts.iter().enumerate() {
+            let mesh = &answer.meshes[b];
+            let found = found(&mesh.points, parts, other, twin, theirs)?;
+            let differences: Vec<[f64; D]> = mine.displacements[b]
+                .iter()
+                .zip(&found)
+                .map(|(&u, &v)| minus(v, u))
+                .collect();
+            let rest = problem.determined(b, mesh, differences);
+            off = rest.iter().fold(off, |s, &d| s.max(length(d)));
+        }
+        if largest > 0.0 {
+            worst = worst.max(off / largest);
+        }
+    }
+    Some(worst)
+}
+
+/// Displacements of a body in the answer of a twin, at its own nodes and in its own units.
+fn found<P, K, const D: usize>(
+    points: &[[f64; D]],
+    parts: &[usize],
+    other: &Answer<D, K>,
+    twin: &Twin<P, D>,
+    step: &Step<D>,
+) -> Option<Vec<[f64; D]>> {
+    let home = transposed(twin.turn);
+    let back = |x: [f64; D]| times(1.0 / twin.lengths, applied(home, x));
+    let mut places: Vec<([f64; D], [f64; D])> = Vec::new();
+    for &part in parts {
+        let moves = &step.displacements[part];
+        places.extend(
+            other.meshes[part]
+                .points
+                .iter()
+                .zip(moves)
+                .map(|(&x, &u)| (back(x), back(u))),
+        );
+    }
+    let (low, high) = bounds(points);
+    let near = 1e-7 * length(minus(high, low));
+    // the same order, mostly; else sorted along x
+    if places.len() == points.len()
+        && points
+            .iter()
+            .zip(&places)
+            .all(|(&x, (y, _))| length(minus(x, *y)) < near)
+    {
+        return Some(places.into_iter().map(|(_, u)| u).collect());
+    }
+    places.sort_by(|a, b| a.0[0].total_cmp(&b.0[0]));
+    let find = |&x: &[f64; D]| {
+        let start = places.partition_point(|(y, _)| y[0] < x[0] - near);
+        let window = places[start..]
+            .iter()
+            .take_while(|(y, _)| y[0] <= x[0] + near);
+        let mut window = window.filter(|(y, _)| length(minus(*y, x)) < near);
+        window.next().map(|(_, u)| *u)
+    };
+    points.iter().map(find).collect()
+}
