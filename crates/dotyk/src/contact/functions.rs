@@ -169,9 +169,9 @@ pub(super) struct Piece {
 const COVERED: f64 = 1e-9;
 
 /// What of a surface is covered counts as its bounding box when it fills at least this part of that. The force of a node at a
-/// corner of the box may then lie beside what is covered, by less than a facet; linear functions over oblique parts keep it
-/// inside, and leave systems so ill-conditioned that one in eight balls on a floor finds no answer.
-const FILLED: f64 = 0.4;
+/// corner of the box lies beside what is covered by as little; linear functions over parts of any shape would keep it inside, and
+/// leave systems so ill-conditioned that one in eight balls on a floor finds no answer.
+const FILLED: f64 = 0.9;
 
 /// Which parts of the side face the other one.
 pub(super) struct Cover {
