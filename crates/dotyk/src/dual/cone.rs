@@ -54,17 +54,29 @@ const STIFF: f64 = 1e-8;
 
 /// The rest of `target` (k,) beyond the cone of `columns`, each (k,); `None` where no answer could be verified.
 pub(super) fn rest(columns: &[SparseVector], target: &[f64]) -> Option<Vec<f64>> {
+    Some(nearest(columns, target)?.rest)
+}
+
+/// The point of a cone that is nearest to a target.
+pub(super) struct Nearest {
+    /// What it leaves of the target, (k,), verified.
+    pub rest: Vec<f64>,
+    /// Weight of each column, ≥ 0, near those that lead there.
+    pub weights: Vec<f64>,
+}
+
+/// The same with the weights of the columns.
+pub(super) fn nearest(columns: &[SparseVector], target: &[f64]) -> Option<Nearest> {
     let size = norm(target);
     if size == 0.0 {
-        return Some(target.to_vec());
+        return Some(Nearest {
+            rest: target.to_vec(),
+            weights: vec![0.0; columns.len()],
+        });
     }
-    let unit = |column: &SparseVector| {
-        let mut column = column.clone();
-        column.scale(1.0 / column.norm());
-        column
-    };
-    let sizeable = columns.iter().filter(|column| column.norm() > 0.0);
-    let columns: Vec<SparseVector> = sizeable.map(unit).collect();
+    let lengths: Vec<f64> = columns.iter().map(SparseVector::norm).collect();
+    let sizeable = columns.iter().zip(&lengths).filter(|(_, l)| **l > 0.0);
+    let columns: Vec<SparseVector> = sizeable.map(|(c, l)| c.scaled(1.0 / l)).collect();
     let target: Vec<f64> = target.iter().map(|t| t / size).collect();
     let cone = Cone {
         gram: WeightedGram::new(target.len(), &columns).ok()?,
@@ -77,7 +89,15 @@ pub(super) fn rest(columns: &[SparseVector], target: &[f64]) -> Option<Vec<f64>>
         Some(rest) => rest,
         None => cone.outside(&point)?,
     };
-    Some(rest.iter().map(|y| size * y).collect())
+    let mut x = point.x.iter();
+    let weight = |l: &f64| match *l > 0.0 {
+        true => x.next().map_or(0.0, |x| size * x / l),
+        false => 0.0,
+    };
+    Some(Nearest {
+        rest: rest.iter().map(|y| size * y).collect(),
+        weights: lengths.iter().map(weight).collect(),
+    })
 }
 
 struct Cone {

@@ -17,7 +17,8 @@
 //! Two sets have no finite list of generators that could be written down at once. The cone of Coulomb's law in space is round:
 //! it has infinitely many edges. The shears that given bounds allow, all nodes together, are a bounded convex set: it is the
 //! hull of its corners, whose weights are to sum to one, and has far too many of them. Of both those generators are added,
-//! again and again, that lie farthest along y, until none lies along y at all.
+//! again and again, that lie farthest along y, until none lies along y at all. Of many bodies with round cones a polygon
+//! inscribed in each of them mostly bears the load already.
 //!
 //! Where a bound of friction follows from the normal force, a positive answer is necessary for a solution, not sufficient: the
 //! forces must go with the slips, too.
@@ -29,10 +30,12 @@
 use crate::dual::cone;
 use crate::dual::law::{Generators, farthest};
 use crate::dual::least_squares::least_squares_nonnegative;
+use crate::dual::modes::transposed;
 use crate::dual::split::{MANY, Split};
 use crate::dual::{AdmissibleSet, Balance, Block, DualProblem, ModeSplit, Modes};
 use crate::linalg::SparseVector;
 use crate::linalg::dense::{dot, norm};
+use std::f64::consts::TAU;
 
 /// Work on a rigid motion below this part of the load's scale counts as none.
 pub const NO_WORK: f64 = 1e-9;
@@ -60,6 +63,13 @@ const ROUNDS: usize = 300;
 
 /// Most edges of round cones that are added in a round.
 const EDGES: usize = 20;
+
+/// Corners of the polygons inscribed in the cones of many bodies, and rounds in which each gets two more.
+const CORNERS: usize = 8;
+const ROUNDS_OF_MANY: usize = 20;
+
+/// An edge whose part along what is left is below this one of both lengths adds nothing.
+const ALONG: f64 = 1e-13;
 
 /// Bisections of a load factor: below the rounding of a load.
 const BISECTIONS: usize = 48;
@@ -157,9 +167,9 @@ struct Carrier {
     /// Vectors whose weights are any ≥ 0.
     rays: Vec<SparseVector>,
     /// Axis and radii of the round cones.
-    cones: Vec<(Vec<f64>, Vec<Vec<f64>>)>,
+    cones: Vec<(SparseVector, Vec<SparseVector>)>,
     /// Radii of the shears of given bounds.
-    discs: Vec<Vec<Vec<f64>>>,
+    discs: Vec<Vec<SparseVector>>,
 }
 
 impl Carrier {
@@ -183,12 +193,20 @@ impl Carrier {
             cones: Vec::new(),
             discs: Vec::new(),
         };
+        let controlled = transposed(&carrier.split.controlled, modes.nrows());
+        let k = carrier.split.controlled.len();
         for (block, range) in admissible.iter() {
-            let images = range.map(|i| carrier.reduce(&modes.column(i).to_dense()));
-            let Generators { rays, cone, disc } = block.generators(images.collect());
-            let rays = rays.iter().map(|ray| SparseVector::from_dense(ray));
-            carrier.rays.extend(rays);
-            carrier.cones.extend(cone);
+            let image = |i: usize| {
+                let parts = modes.column(i).entries();
+                let parts = parts.map(|(mode, value)| (value, &controlled[mode]));
+                SparseVector::new(k, []).plus(parts)
+            };
+            let Generators { rays, cone, disc } = block.generators(range.map(image).collect());
+            // those of a round cone are added where it is made a polygon
+            match cone {
+                Some(cone) => carrier.cones.push(cone),
+                None => carrier.rays.extend(rays),
+            }
             carrier.discs.extend(disc);
         }
         carrier
@@ -226,9 +244,59 @@ impl Carrier {
         let rest = if self.cones.is_empty() && self.discs.is_empty() {
             self.rest_of_cone(&target)
         } else {
-            self.rest_with_generation(target)
+            let rest = self.rest_of_round_cones(&target);
+            rest.unwrap_or_else(|| self.rest_with_generation(target))
         };
         (driven, rest)
+    }
+
+    /// The rest of many bodies beyond round cones, from polygons inscribed in them that grow where they are needed: `None` where
+    /// bodies are few, where bounds of friction are given, and where no answer could be verified.
+    fn rest_of_round_cones(&self, target: &[f64]) -> Option<Vec<f64>> {
+        if target.len() < MANY || !self.discs.is_empty() {
+            return None;
+        }
+        let corners = (0..CORNERS).map(|k| (k as f64 * TAU / CORNERS as f64).sin_cos());
+        let corners: Vec<[f64; 2]> = corners.map(|(sin, cos)| [cos, sin]).collect();
+        let of_cone = |cone: usize| corners.iter().map(move |&corner| (cone, corner));
+        let mut turns: Vec<(usize, [f64; 2])> = (0..self.cones.len()).flat_map(of_cone).collect();
+        let mut rays = self.rays.clone();
+        rays.extend(turns.iter().map(|&(cone, turn)| self.edge(cone, turn)));
+        let mut rest = Vec::new();
+        for _ in 0..ROUNDS_OF_MANY {
+            let nearest = cone::nearest(&rays, target)?;
+            rest = nearest.rest;
+            let weights = nearest.weights;
+            // shears go where they are, and along what is left
+            let mut shears = vec![[0.0; 2]; self.cones.len()];
+            for (&(cone, turn), weight) in turns.iter().zip(&weights[self.rays.len()..]) {
+                shears[cone] = [0, 1].map(|d| shears[cone][d] + weight * turn[d]);
+            }
+            let gains = |edge: &SparseVector| edge.dot(&rest) > ALONG * norm(target) * edge.norm();
+            let mut left = false;
+            for (cone, shear) in shears.into_iter().enumerate() {
+                let steepest = farthest(&self.cones[cone].1, &rest);
+                let steepest = [steepest[0], steepest[1]];
+                left |= gains(&self.edge(cone, steepest));
+                let length = norm(&shear);
+                let wanted = [shear.map(|s| s / length.max(f64::MIN_POSITIVE)), steepest];
+                for turn in wanted.into_iter().filter(|turn| norm(turn) > 0.5) {
+                    turns.push((cone, turn));
+                    rays.push(self.edge(cone, turn));
+                }
+            }
+            // nothing admissible lies along the rest: it is zero, or proves that the load is not borne
+            if !left {
+                break;
+            }
+        }
+        Some(rest)
+    }
+
+    /// An edge of a round cone of two radii. The unit vector `turn` tells which.
+    fn edge(&self, cone: usize, turn: [f64; 2]) -> SparseVector {
+        let (axis, radii) = &self.cones[cone];
+        axis.plus(turn.into_iter().zip(radii))
     }
 
     /// The rest where the generators are all there are.
@@ -254,6 +322,10 @@ impl Carrier {
             .unwrap_or(1.0);
         target.push(weight);
         let mut columns = self.dense_rays();
+        let along = [[1.0, 0.0], [-1.0, 0.0], [0.0, 1.0], [0.0, -1.0]];
+        for cone in 0..self.cones.len() {
+            columns.extend(along.map(|turn| self.edge(cone, turn).to_dense()));
+        }
         columns.iter_mut().for_each(|column| column.push(0.0));
         let mut none = vec![0.0; k];
         none.push(weight);
@@ -261,13 +333,13 @@ impl Carrier {
         let mut rest = Vec::new();
         for _ in 0..ROUNDS {
             rest = least_squares_nonnegative(&columns, &target).1;
-            let mut wanted = self.edges(&rest[..k]);
+            let mut wanted = self.steepest_edges(&rest[..k]);
             wanted.iter_mut().for_each(|edge| edge.push(0.0));
             let mut corner = self.corner(&rest[..k]);
             corner.push(weight);
             wanted.push(corner);
             let gains = |column: &Vec<f64>| {
-                dot(column, &rest) > 1e-13 * norm(&target) * norm(column)
+                dot(column, &rest) > ALONG * norm(&target) * norm(column)
                     && !columns.contains(column)
             };
             let added: Vec<Vec<f64>> = wanted.into_iter().filter(gains).collect();
@@ -280,25 +352,31 @@ impl Carrier {
         rest
     }
 
-    /// Edges of the round cones that point most along `rest`.
-    fn edges(&self, rest: &[f64]) -> Vec<Vec<f64>> {
-        let edge = |(normal, shears): &(Vec<f64>, Vec<Vec<f64>>)| {
-            let turned = farthest(shears, rest);
-            let edge: Vec<f64> = normal.iter().zip(&turned).map(|(n, t)| n + t).collect();
-            (dot(&edge, rest), edge)
-        };
-        let mut edges: Vec<(f64, Vec<f64>)> = self.cones.iter().map(edge).collect();
+    /// The edge of each round cone that points most along `rest`.
+    fn edges(&self, rest: &[f64]) -> impl Iterator<Item = SparseVector> {
+        self.cones.iter().map(|(axis, radii)| {
+            let turn = farthest(radii, rest);
+            axis.plus(turn.into_iter().zip(radii))
+        })
+    }
+
+    /// Those of them that point most along `rest`, with their zeros.
+    fn steepest_edges(&self, rest: &[f64]) -> Vec<Vec<f64>> {
+        let mut edges: Vec<(f64, SparseVector)> = self
+            .edges(rest)
+            .map(|edge| (edge.dot(rest), edge))
+            .collect();
         edges.sort_by(|a, b| b.0.total_cmp(&a.0));
         edges.truncate(EDGES);
-        edges.into_iter().map(|(_, edge)| edge).collect()
+        edges.iter().map(|(_, edge)| edge.to_dense()).collect()
     }
 
     /// The corner of the bounded shears that lies farthest along `rest`.
     fn corner(&self, rest: &[f64]) -> Vec<f64> {
         let mut corner = vec![0.0; rest.len()];
         for shears in &self.discs {
-            for (corner, t) in corner.iter_mut().zip(farthest(shears, rest)) {
-                *corner += t;
+            for (s, shear) in farthest(shears, rest).into_iter().zip(shears) {
+                shear.add_to(s, &mut corner);
             }
         }
         corner
@@ -328,6 +406,7 @@ mod tests {
             scales: Scales::default(),
             softness: vec![1.0; 2],
             neighbours: Vec::new(),
+            parts: Vec::new(),
         }
     }
 
@@ -723,9 +802,11 @@ mod tests {
         let mut carrier = carrier();
         let count = EDGES + 5;
         // axes of 0, 1, .. along x, and one radius along y
-        let cone = |j: usize| (vec![((7 * j) % count) as f64, 0.0], vec![vec![0.0, 0.5]]);
+        let sparse = |v: [f64; 2]| SparseVector::from_dense(&v);
+        let axis = |j: usize| sparse([((7 * j) % count) as f64, 0.0]);
+        let cone = |j: usize| (axis(j), vec![sparse([0.0, 0.5])]);
         carrier.cones = (0..count).map(cone).collect();
-        let edges = carrier.edges(&[1.0, -1.0]);
+        let edges = carrier.steepest_edges(&[1.0, -1.0]);
         let expected: Vec<Vec<f64>> = (5..count).rev().map(|n| vec![n as f64, -0.5]).collect();
         assert_eq!(edges, expected);
     }
@@ -734,10 +815,11 @@ mod tests {
     fn corner_of_bounded_shears_is_farthest_in_every_node() {
         let mut carrier = carrier();
         assert_eq!(carrier.corner(&[1.0, 1.0]), [0.0, 0.0]);
+        let sparse = |v: [f64; 2]| SparseVector::from_dense(&v);
         carrier.discs = vec![
-            vec![vec![2.0, 0.0]],
-            vec![vec![0.0, 3.0]],
-            vec![vec![5.0, 0.0], vec![0.0, 5.0]],
+            vec![sparse([2.0, 0.0])],
+            vec![sparse([0.0, 3.0])],
+            vec![sparse([5.0, 0.0]), sparse([0.0, 5.0])],
         ];
         // each disc gives its point farthest along (−3, 4)
         assert_eq!(carrier.corner(&[-3.0, 4.0]), [-2.0 - 3.0, 3.0 + 4.0]);
@@ -772,6 +854,44 @@ mod tests {
         assert!(dot(&direction, &load) > 0.1);
         for j in 0..m {
             assert!(dot(modes.col_as_slice(j), &direction) < 1e-8);
+        }
+    }
+
+    #[test]
+    fn columns_of_many_blocks_slide_where_the_round_cones_of_their_joints_end() {
+        // 40 blocks without rotations on each other, pushed aside in a direction between the edges of any polygon
+        let (blocks, coefficient) = (40, 0.5);
+        let modes = Mat::from_fn(3 * blocks, 3 * blocks, |i, j| match (i / 3, j / 3) {
+            _ if i % 3 != j % 3 => 0.0,
+            (block, joint) if block == joint => -1.0,
+            (block, joint) if block + 1 == joint => 1.0,
+            _ => 0.0,
+        });
+        let joint = Friction::Coulomb { coefficient }.block(2);
+        let set = AdmissibleSet::new(vec![joint; blocks]);
+        let (sin, cos) = 0.3_f64.sin_cos();
+        let of = |push: f64| {
+            let load = [-1.0, push * cos, push * sin];
+            let load = (0..3 * blocks).map(|i| load[i % 3]).collect();
+            let balance = Balance::new(modes.clone(), load);
+            assert!(balance.rank() >= MANY);
+            Feasibility::of(&set, &balance, 0.0)
+        };
+        let held = coefficient * (1.0 - 1e-6);
+        assert!(matches!(of(held), Feasibility::Feasible { .. }));
+        let Feasibility::Infeasible { direction, factor } = of(2.0 * coefficient) else {
+            panic!("friction holds half of it");
+        };
+        assert!((factor.unwrap() - 0.5).abs() < 1e-6, "{factor:?}");
+        for motion in direction.chunks_exact(3) {
+            let [along, across] = [
+                cos * motion[1] + sin * motion[2],
+                cos * motion[2] - sin * motion[1],
+            ];
+            assert!(
+                along > 0.1 && across.abs() < 1e-6 && motion[0].abs() < 1e-6,
+                "{motion:?}"
+            );
         }
     }
 }

@@ -23,6 +23,7 @@
 //!
 //! A node has one tangent in the plane and two in space: the set is a disc beside every λₙ, and nothing here counts them.
 
+use crate::linalg::SparseVector;
 use crate::linalg::dense::{dot, norm};
 
 /// What one contact node can bear; its block of λ is (normal, tangential..).
@@ -195,30 +196,25 @@ fn turn(y: &[f64], length: f64, across: f64, along: f64, v: &[f64], out: &mut [f
     }
 }
 
-/// Σ sⱼ shearsⱼ with the unit vector s for which it lies farthest along `towards`. Shapes: all (k,).
-pub(super) fn farthest(shears: &[Vec<f64>], towards: &[f64]) -> Vec<f64> {
-    let along: Vec<f64> = shears.iter().map(|shear| dot(shear, towards)).collect();
+/// The unit vector s for which Σ sⱼ shearsⱼ lies farthest along `towards`, zero where none does. Shapes: all (k,).
+pub(super) fn farthest(shears: &[SparseVector], towards: &[f64]) -> Vec<f64> {
+    let mut along: Vec<f64> = shears.iter().map(|shear| shear.dot(towards)).collect();
     let length = norm(&along);
-    let mut sum = vec![0.0; towards.len()];
     if length > 0.0 {
-        for (shear, along) in shears.iter().zip(&along) {
-            for (sum, x) in sum.iter_mut().zip(shear) {
-                *sum += along / length * x;
-            }
-        }
+        along.iter_mut().for_each(|along| *along /= length);
     }
-    sum
+    along
 }
 
 /// What the forces of a block do: the sums of `rays` with weights ≥ 0, of the edges of a round cone with weights ≥ 0, and of
 /// one point of a disc. Of a law whose bound follows this is the convex hull of what it allows.
 #[derive(Default)]
 pub(super) struct Generators {
-    pub rays: Vec<Vec<f64>>,
+    pub rays: Vec<SparseVector>,
     /// Axis and radii: its edges are axis + Σ sⱼ radiiⱼ, ‖s‖ = 1. Those along the radii are among the rays.
-    pub cone: Option<(Vec<f64>, Vec<Vec<f64>>)>,
+    pub cone: Option<(SparseVector, Vec<SparseVector>)>,
     /// Radii.
-    pub disc: Option<Vec<Vec<f64>>>,
+    pub disc: Option<Vec<SparseVector>>,
 }
 
 impl Block {
@@ -312,10 +308,9 @@ impl Block {
     }
 
     /// What generates the images of its forces, from the images of its components.
-    pub(super) fn generators(&self, mut images: Vec<Vec<f64>>) -> Generators {
-        let scaled = |factor: f64, images: &[Vec<f64>]| -> Vec<Vec<f64>> {
-            let scale = |image: &Vec<f64>| image.iter().map(|x| factor * x).collect();
-            images.iter().map(scale).collect()
+    pub(super) fn generators(&self, mut images: Vec<SparseVector>) -> Generators {
+        let scaled = |factor: f64, images: &[SparseVector]| -> Vec<SparseVector> {
+            images.iter().map(|image| image.scaled(factor)).collect()
         };
         let mut all = Generators::default();
         let Some((given, growth)) = self.friction().map(|law| law.terms()) else {
@@ -337,10 +332,8 @@ impl Block {
             return all;
         }
         for radius in &radii {
-            for sign in [-1.0, 1.0] {
-                let edge = axis.iter().zip(radius).map(|(n, t)| n + sign * t);
-                all.rays.push(edge.collect());
-            }
+            let edges = [-1.0, 1.0].map(|sign| axis.plus([(sign, radius)]));
+            all.rays.extend(edges);
         }
         all.cone = (radii.len() > 1).then_some((axis, radii));
         all
@@ -519,10 +512,13 @@ mod tests {
 
     #[test]
     fn farthest_point_of_a_disc_is_found_among_all_of_them() {
-        let shears = [vec![1.0, 0.2, 0.0], vec![-0.3, 2.0, 0.5]];
+        let shears = [[1.0, 0.2, 0.0], [-0.3, 2.0, 0.5]];
+        let sparse = shears.map(|shear| SparseVector::from_dense(&shear));
         for towards in noise(30).chunks_exact(3) {
-            let found = farthest(&shears, towards);
-            let reach = dot(&found, towards);
+            let found = farthest(&sparse, towards);
+            assert!((norm(&found) - 1.0).abs() < 1e-15);
+            let parts = found.iter().zip(&shears);
+            let reach: f64 = parts.map(|(s, shear)| s * dot(shear, towards)).sum();
             let best = (0..3600).map(|i| {
                 let (sin, cos) = (i as f64 * std::f64::consts::TAU / 3600.0).sin_cos();
                 cos * dot(&shears[0], towards) + sin * dot(&shears[1], towards)
@@ -535,25 +531,24 @@ mod tests {
             );
         }
         // across the disc every point is as far as any other
-        assert_eq!(farthest(&shears[..1], &[0.0, 0.0, 1.0]), [0.0; 3]);
+        assert_eq!(farthest(&sparse[..1], &[0.0, 0.0, 1.0]), [0.0]);
     }
 
     #[test]
     fn generators_are_the_edges_of_what_a_block_bears() {
-        let images = [
-            vec![1.0, 0.0, 0.0],
-            vec![0.0, 2.0, 0.0],
-            vec![0.0, 0.0, 4.0],
-        ];
+        let sparse = |v: &[f64; 3]| SparseVector::from_dense(v);
+        let images = [[1.0, 0.0, 0.0], [0.0, 2.0, 0.0], [0.0, 0.0, 4.0]].map(|v| sparse(&v));
+        let all =
+            |vectors: &[[f64; 3]]| -> Vec<SparseVector> { vectors.iter().map(sparse).collect() };
         let of = |block: Block| block.generators(images[..block.size()].to_vec());
         let free = of(Block::Free { size: 2 });
-        let pairs: [&[f64]; 4] = [
-            &[-1.0, 0.0, 0.0],
-            &[1.0, 0.0, 0.0],
-            &[0.0, -2.0, 0.0],
-            &[0.0, 2.0, 0.0],
+        let pairs = [
+            [-1.0, 0.0, 0.0],
+            [1.0, 0.0, 0.0],
+            [0.0, -2.0, 0.0],
+            [0.0, 2.0, 0.0],
         ];
-        assert_eq!(free.rays, pairs);
+        assert_eq!(free.rays, all(&pairs));
         assert!(free.cone.is_none() && free.disc.is_none());
         let unilateral = of(Block::Unilateral);
         assert_eq!(unilateral.rays, images[..1]);
@@ -561,14 +556,14 @@ mod tests {
 
         let tresca = of(TRESCA.block(2));
         assert_eq!(tresca.rays, images[..1]);
-        let half = vec![vec![0.0, 1.0, 0.0], vec![0.0, 0.0, 2.0]];
+        let half = all(&[[0.0, 1.0, 0.0], [0.0, 0.0, 2.0]]);
         assert_eq!((tresca.cone, tresca.disc), (None, Some(half)));
         let smooth = of(Friction::Tresca { bound: 0.0 }.block(2));
         assert_eq!(smooth.rays, images[..1]);
         assert_eq!((smooth.cone, smooth.disc), (None, None));
 
         let plane = of(COULOMB.block(1));
-        assert_eq!(plane.rays, [[1.0, -0.8, 0.0], [1.0, 0.8, 0.0]]);
+        assert_eq!(plane.rays, all(&[[1.0, -0.8, 0.0], [1.0, 0.8, 0.0]]));
         assert_eq!((plane.cone, plane.disc), (None, None));
         let space = of(COULOMB.block(2));
         let edges = [
@@ -577,13 +572,13 @@ mod tests {
             [1.0, 0.0, -1.6],
             [1.0, 0.0, 1.6],
         ];
-        assert_eq!(space.rays, edges);
-        let radii = vec![vec![0.0, 0.8, 0.0], vec![0.0, 0.0, 1.6]];
+        assert_eq!(space.rays, all(&edges));
+        let radii = all(&[[0.0, 0.8, 0.0], [0.0, 0.0, 1.6]]);
         assert_eq!(space.cone, Some((images[0].clone(), radii)));
         assert_eq!(space.disc, None);
 
         let cohesive = of(COHESIVE.block(2));
-        let disc = vec![vec![0.0, 0.6, 0.0], vec![0.0, 0.0, 1.2]];
+        let disc = all(&[[0.0, 0.6, 0.0], [0.0, 0.0, 1.2]]);
         assert_eq!(cohesive.disc, Some(disc));
         assert_eq!((cohesive.rays.len(), cohesive.cone.is_some()), (4, true));
     }

@@ -101,6 +101,9 @@ impl Compliance {
     }
 }
 
+/// So many floating modes are those of a crowd.
+const CROWD: usize = 96;
+
 /// Columns of F that are assembled at a time.
 const COLUMNS: usize = 256;
 
@@ -194,9 +197,29 @@ pub struct DualProblem {
     /// Pairs of blocks that lie beside each other on a contact; may be empty. They tell solvers which contacts to take
     /// together in coarser problems.
     pub neighbours: Vec<[usize; 2]>,
+    /// F body by body, where it is assembled without its zeros; else empty. F is their sum.
+    pub parts: Vec<Part>,
+}
+
+/// What one body adds to F: BᵀS⁻¹B of its boundary stiffness S.
+#[derive(Debug, Clone)]
+pub struct Part {
+    /// Its contact forces, n numbers below m.
+    pub rows: Vec<usize>,
+    /// S, (c, c), force over length, definite: the body condensed onto what its contacts move, without rigid motions.
+    pub stiffness: Mat<f64>,
+    /// B by columns, n vectors (c,).
+    pub columns: Vec<SparseVector>,
 }
 
 impl DualProblem {
+    /// Many floating bodies with friction, known one by one: they share their forces in many ways, so that states of contacts
+    /// do not determine them.
+    pub(crate) fn is_crowd(&self) -> bool {
+        let many = self.balance.rank() >= CROWD && !self.parts.is_empty();
+        many && self.admissible.bounds_follow()
+    }
+
     /// The problem with scales from its data; the softness is the diagonal of an assembled F, its mean over the tangents
     /// of a node, else the same for all components.
     ///
@@ -211,6 +234,7 @@ impl DualProblem {
         let mut problem = Self {
             softness: vec![1.0; shift.len()],
             neighbours: Vec::new(),
+            parts: Vec::new(),
             compliance,
             shift,
             admissible,

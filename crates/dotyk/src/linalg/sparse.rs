@@ -106,6 +106,22 @@ impl SparseVector {
         self.values.iter_mut().for_each(|value| *value *= factor);
     }
 
+    /// The same vector times `factor`.
+    pub fn scaled(&self, factor: f64) -> Self {
+        let mut scaled = self.clone();
+        scaled.scale(factor);
+        scaled
+    }
+
+    /// self + Σ factorⱼ · otherⱼ of vectors of the same length.
+    pub fn plus<'a>(&self, others: impl IntoIterator<Item = (f64, &'a Self)>) -> Self {
+        let mut parts: Vec<(usize, f64)> = self.entries().collect();
+        for (factor, other) in others {
+            parts.extend(other.entries().map(|(i, value)| (i, factor * value)));
+        }
+        Self::sum(self.length, parts)
+    }
+
     /// Euclidean length.
     pub fn norm(&self) -> f64 {
         norm(&self.values)

@@ -9,8 +9,8 @@
 //!
 //! Source: Janovský & Procházka (1980) III, section 7, (7.5)–(7.9).
 
-use crate::dual::Compliance;
-use crate::linalg::{Mat, SparseMatrix, gram, solve_lower_in_place};
+use crate::dual::{Compliance, Part};
+use crate::linalg::{Mat, SparseMatrix, SparseVector, gram, solve_lower_in_place};
 use crate::model::applied::{BoundaryStiffness, CompliantBodies};
 use crate::model::bodies::{BodyRows, LoadedBody};
 use crate::model::factor::{FactoredBody, Ordered};
@@ -39,21 +39,22 @@ pub(crate) fn is_assembled(
     m <= most || entries <= most.saturating_mul(most)
 }
 
-/// F of all bodies: (m, m), assembled where `dense`, without its zeros where these are most of it.
+/// F of all bodies: (m, m), assembled where `dense`; without its zeros where these are most of it, and then body by body, too.
 pub(crate) fn compliance<const D: usize>(
     bodies: &[LoadedBody<D>],
     factored: &[FactoredBody],
     ordered: &[Ordered],
     m: usize,
     dense: bool,
-) -> Compliance {
+) -> (Compliance, Vec<Part>) {
     if !dense {
         let apply = Box::new(CompliantBodies::new(m, bodies, factored));
         let preconditioner = Box::new(BoundaryStiffness::new(m, bodies, ordered));
-        return Compliance::Operator {
+        let operator = Compliance::Operator {
             apply,
             preconditioner,
         };
+        return (operator, Vec::new());
     }
     let blocks: Vec<Mat<f64>> = (bodies, factored, ordered)
         .into_par_iter()
@@ -69,7 +70,10 @@ pub(crate) fn compliance<const D: usize>(
                 triplets.extend(rows.map(|(i, &row)| (row, column, block[(i, j)])));
             }
         }
-        return Compliance::Sparse(SparseMatrix::from_triplets(m, m, &triplets));
+        let matrix = SparseMatrix::from_triplets(m, m, &triplets);
+        let parts = (bodies, factored, ordered).into_par_iter();
+        let parts = parts.map(|(b, f, o)| part(b, f, o)).collect();
+        return (Compliance::Sparse(matrix), parts);
     }
     let mut f = Mat::<f64>::zeros(m, m);
     for (body, block) in bodies.iter().zip(&blocks) {
@@ -80,7 +84,7 @@ pub(crate) fn compliance<const D: usize>(
             }
         }
     }
-    Compliance::Dense(f)
+    (Compliance::Dense(f), Vec::new())
 }
 
 /// F of one body on its own rows: XᵀX with X = L_c⁻¹ B_cᵀ.
@@ -89,20 +93,36 @@ fn boundary_compliance<const D: usize>(
     factored: &FactoredBody,
     ordered: &Ordered,
 ) -> Mat<f64> {
-    let rows = &body.rows;
-    let mut position = vec![usize::MAX; body.system.load.len()];
-    for (k, &dof) in ordered.trailing.iter().enumerate() {
-        position[dof] = k;
-    }
-    let mut x = Mat::<f64>::zeros(ordered.trailing.len(), rows.index.len());
-    for local in 0..rows.index.len() {
-        for (dof, value) in rows.matrix.row(local) {
-            // held and grounded dofs do not move under contact forces
-            if position[dof] != usize::MAX {
-                x[(position[dof], local)] = value;
-            }
-        }
+    let rows = boundary_rows(body, ordered);
+    let mut x = Mat::<f64>::zeros(ordered.trailing.len(), rows.len());
+    for (j, row) in rows.iter().enumerate() {
+        row.add_to(1.0, x.col_as_slice_mut(j));
     }
     solve_lower_in_place(&factored.factor.trailing_factor(), &mut x);
     gram(&x)
+}
+
+/// The same as B_c and the boundary stiffness L_c L_cᵀ.
+fn part<const D: usize>(body: &LoadedBody<D>, factored: &FactoredBody, ordered: &Ordered) -> Part {
+    let factor = factored.factor.trailing_factor();
+    Part {
+        rows: body.rows.index.clone(),
+        stiffness: gram(&factor.transpose().to_owned()),
+        columns: boundary_rows(body, ordered),
+    }
+}
+
+/// B_c: the rows of a body on its trailing dofs. Held and grounded dofs do not move under contact forces.
+fn boundary_rows<const D: usize>(body: &LoadedBody<D>, ordered: &Ordered) -> Vec<SparseVector> {
+    let rows = &body.rows;
+    let mut position = vec![None; body.system.load.len()];
+    for (k, &dof) in ordered.trailing.iter().enumerate() {
+        position[dof] = Some(k);
+    }
+    let row = |local: usize| {
+        let entries = rows.matrix.row(local);
+        let entries = entries.filter_map(|(dof, value)| Some((position[dof]?, value)));
+        SparseVector::sum(ordered.trailing.len(), entries.collect())
+    };
+    (0..rows.index.len()).map(row).collect()
 }

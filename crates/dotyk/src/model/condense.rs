@@ -107,7 +107,7 @@ pub(crate) fn condense<const D: usize>(
     let factored = factor_bodies(model, &bodies, &ordered, &work)?;
     seconds.factor = lap.seconds();
     observe(Event::Stage("condense"));
-    let compliance = compliance(&bodies, &factored, &ordered, gaps.len(), dense);
+    let (compliance, parts) = compliance(&bodies, &factored, &ordered, gaps.len(), dense);
     let floating = Floating::new(model, &bodies, &gaps)?;
     let balance = floating.balance.clone();
     let admissible = admissible_set(model, &paired, time)?;
@@ -117,6 +117,7 @@ pub(crate) fn condense<const D: usize>(
     problem.scales = scales(model, &bodies, &factored, &problem.shift);
     problem.soften(least_softness(&bodies, gaps.len()));
     problem.neighbours = neighbours(model, &paired);
+    problem.parts = parts;
     seconds.condense = lap.seconds();
     Ok(Condensed {
         bodies,

@@ -22,6 +22,9 @@ use std::collections::{BTreeMap, BTreeSet};
 /// A row is dependent when less than this part of its square is its own.
 const DEPENDENT: f64 = 1e-12;
 
+/// Of more forces that share dofs with each other they are counted, not looked at one by one.
+const TOGETHER: usize = 3000;
+
 /// Coefficients of one row on the free dofs, by (body, dof).
 type Sparse = Vec<((usize, usize), f64)>;
 
@@ -118,7 +121,15 @@ pub(crate) fn shared_forces<const D: usize>(
         owners.push(places[first]);
     }
     let all: Vec<usize> = (0..columns.len()).collect();
-    let (_, dependent) = split(&columns, &all);
+    let mut dependent = Vec::new();
+    for together in connected(&columns, &all) {
+        match together.len() > TOGETHER {
+            // more forces than dofs: some of them must share
+            true if together.len() > dofs_of(&columns, &together) => dependent.extend(together),
+            true => {}
+            false => dependent.extend(split_together(&columns, &together).1),
+        }
+    }
     let (contact, _) = *dependent.iter().map(|&i| &owners[i]).min()?;
     let own = dependent.iter().filter(|&&i| owners[i].0 == contact);
     let own: Vec<usize> = own.map(|&i| owners[i].1).collect();
@@ -204,6 +215,19 @@ fn without_own_dof(rows: &[Sparse]) -> Vec<usize> {
 
 /// The chosen rows as independent ones and those that depend on them.
 fn split(rows: &[Sparse], chosen: &[usize]) -> (Vec<usize>, Vec<usize>) {
+    let (mut independent, mut dependent) = (Vec::new(), Vec::new());
+    for together in connected(rows, chosen) {
+        let (some, others) = split_together(rows, &together);
+        independent.extend(some);
+        dependent.extend(others);
+    }
+    independent.sort_unstable();
+    dependent.sort_unstable();
+    (independent, dependent)
+}
+
+/// The same by one factorisation.
+fn split_together(rows: &[Sparse], chosen: &[usize]) -> (Vec<usize>, Vec<usize>) {
     let gram = Mat::from_fn(chosen.len(), chosen.len(), |i, j| {
         product(&rows[chosen[i]], &rows[chosen[j]])
     });
@@ -213,6 +237,42 @@ fn split(rows: &[Sparse], chosen: &[usize]) -> (Vec<usize>, Vec<usize>) {
         Ok((independent, dependent)) => (named(independent), named(dependent)),
         Err(_) => (chosen.to_vec(), Vec::new()),
     }
+}
+
+/// The chosen rows, those together that share dofs; each group in the order of `chosen`, groups by their first row.
+fn connected(rows: &[Sparse], chosen: &[usize]) -> Vec<Vec<usize>> {
+    // the group of each row is the first one that it leads to
+    let mut leads_to: Vec<usize> = (0..chosen.len()).collect();
+    fn first(leads_to: &mut [usize], mut at: usize) -> usize {
+        while leads_to[at] != at {
+            leads_to[at] = leads_to[leads_to[at]];
+            at = leads_to[at];
+        }
+        at
+    }
+    let mut users: BTreeMap<(usize, usize), usize> = BTreeMap::new();
+    for (at, &row) in chosen.iter().enumerate() {
+        for &(dof, _) in &rows[row] {
+            let user = *users.entry(dof).or_insert(at);
+            let (a, b) = (first(&mut leads_to, user), first(&mut leads_to, at));
+            leads_to[a.max(b)] = a.min(b);
+        }
+    }
+    let mut groups: BTreeMap<usize, Vec<usize>> = BTreeMap::new();
+    for (at, &row) in chosen.iter().enumerate() {
+        groups
+            .entry(first(&mut leads_to, at))
+            .or_default()
+            .push(row);
+    }
+    groups.into_values().collect()
+}
+
+/// On how many dofs the chosen rows act.
+fn dofs_of(rows: &[Sparse], chosen: &[usize]) -> usize {
+    let dofs = chosen.iter().flat_map(|&row| &rows[row]);
+    let dofs: BTreeSet<(usize, usize)> = dofs.map(|(dof, _)| *dof).collect();
+    dofs.len()
 }
 
 /// Those of some rows that lie in the span of the independent rows `basis`.

@@ -21,12 +21,15 @@ use crate::solve::system::System;
 use crate::solve::{FixedBounds, Newton};
 
 /// What one exact step adds to forces and rigid amplitudes whose displacements have the gaps `gap`, known to `rounding`; `None`
-/// where it cannot be solved. Shapes: (m,).
+/// where it cannot be solved, and for a crowd. Shapes: (m,).
 pub(crate) fn correction(
     problem: &DualProblem,
     multipliers: &Multipliers,
     (gap, rounding): (&[f64], &[f64]),
 ) -> Option<Multipliers> {
+    if problem.is_crowd() {
+        return None;
+    }
     let limits = Newton::default().limits();
     let mut setup = Setup::unchecked(problem);
     setup.shift = gap.iter().map(|gap| -gap).collect();
@@ -66,9 +69,9 @@ pub(crate) fn correction(
 
 /// How far forces are from those of the answer that a few exact steps find beside them, the largest difference: by that much
 /// they are wrong, however small their gaps. `None` where exact steps find none, where states do not determine the forces,
-/// where the gaps that should be closed are rounding, and where F is not assembled.
+/// as in a crowd, where the gaps that should be closed are rounding, and where F is not assembled.
 pub(crate) fn distance_to_exact(problem: &DualProblem, multipliers: &Multipliers) -> Option<f64> {
-    if matches!(problem.compliance, Compliance::Operator { .. }) {
+    if matches!(problem.compliance, Compliance::Operator { .. }) || problem.is_crowd() {
         return None;
     }
     let setup = Setup::new(problem).ok()?;

@@ -21,7 +21,9 @@
 //! bounds that follow from normal forces are reached as a fixed point of such problems (`coulomb.rs`).
 
 mod accelerated;
+mod alternating;
 mod anchored;
+mod anderson;
 mod correct;
 mod coulomb;
 mod exact;

@@ -1,0 +1,378 @@
+//! Alternating directions: the law of every node by itself, then the bodies with a compliance between them, and again. The
+//! matrix is always the same one.
+//!
+//! ```text
+//!   λ = P(t)                                     the law, node by node
+//!   (F + a) x − Gᵀα = d + a (2λ − t),  Gx = e    the bodies, linear
+//!   t ← t + ω (x − λ)
+//! ```
+//!
+//! Where nothing changes, λ = x and t = λ − gap/a: λ solves the problem. Where bounds of friction are given this is the
+//! splitting of Douglas and Rachford, which converges from anywhere. With Coulomb's law nothing is minimised; P then bounds
+//! shears by the normal forces of the same trial. Steps that guess states wander among many floating bodies (whose contacts
+//! share their forces in infinitely many ways); these do not, as no state is ever guessed: what a node does follows from its
+//! trial force continuously. They converge linearly, and Anderson's acceleration (`anderson.rs`) makes some hundred of them
+//! enough, whatever the number of bodies.
+//!
+//! Of many bodies F = Σ BᵀS⁻¹B (`DualProblem::parts`), and the linear problem is one in their boundary displacements u and
+//! amplitudes β of the rows M of the balance. With q = (u, β), D = 1/a and the columns c = (b, −m) of all contacts,
+//!
+//! ```text
+//!   (diag(S, 0) + C D Cᵀ) q = C (w + D d) + (0, e),    x = w + D (d − Cᵀq),    w = 2λ − t
+//! ```
+//!
+//! as sparse as the contacts between bodies are few, definite, and of half the size of the problem in forces.
+//!
+//! As described in Lions & Mercier (1979) for the splitting; Acary, Brémond & Huber (2018) for what it does to friction.
+
+use crate::dual::{Compliance, Component};
+use crate::linalg::dense::{
+    cholesky_in_place, dot, product, solve_cholesky_in_place, solve_lower_in_place,
+    solve_lower_transpose_in_place,
+};
+use crate::linalg::{
+    Cholesky, Connectivity, Graph, Mat, SparseVector, SymmetricMatrix, fill_reducing_order_in_space,
+};
+use crate::solve::Observer;
+use crate::solve::anderson::Anderson;
+use crate::solve::exact::{Ended, NEARBY, Search};
+use crate::solve::levels::local_softness;
+use crate::solve::setup::Setup;
+use crate::solve::states::State;
+
+/// a, relative to the compliance of each contact.
+const PART: f64 = 0.3;
+
+/// Smallest compliance of a contact, relative to the median.
+const LEAST: f64 = 0.1;
+
+/// ω: beyond 1, as usual, below 2, where the splitting would stop converging.
+const RELAXATION: f64 = 1.6;
+
+/// Alternations that count for one step, and after which forces are judged: together they cost about a factorisation.
+const TOGETHER: usize = 16;
+
+/// Steps without a residual of nine tenths of the least one that end the iteration.
+const PATIENCE: usize = 20;
+
+/// The residual is brought below this part of the tolerance where that is to be had.
+const WITHIN: f64 = 1e-2;
+
+/// Alternates from the forces of the search until its tolerance is met, or until the residual falls no more.
+pub(crate) fn alternate(
+    search: &mut Search<'_>,
+    states: Vec<State>,
+    observe: Observer<'_>,
+) -> Ended {
+    let setup = search.setup;
+    let Some(bodies) = Bodies::new(setup) else {
+        return Ended::Stuck(states);
+    };
+    let roots: Vec<f64> = bodies.compliance.iter().map(|a| a.sqrt()).collect();
+    let mut lambda = vec![0.0; setup.len()];
+    // forces that steps before these left far from an answer are worse than none
+    let start = match search.steps {
+        0 => Some(&search.point.lambda),
+        _ => (search.best.0 < NEARBY).then_some(&search.best.1.lambda),
+    };
+    if let Some(start) = start {
+        by_law(setup, start, &mut lambda);
+    }
+    let mut trial = lambda.clone();
+    let mut anderson = Anderson::default();
+    let (mut least, mut still) = (f64::INFINITY, 0);
+    while !search.exhausted() && still < PATIENCE {
+        let mut amplitudes = Vec::new();
+        for _ in 0..TOGETHER {
+            by_law(setup, &trial, &mut lambda);
+            let reflected: Vec<f64> = lambda
+                .iter()
+                .zip(&trial)
+                .map(|(l, t)| 2.0 * l - t)
+                .collect();
+            let (forces, beta) = bodies.solve(reflected);
+            amplitudes = beta;
+            let residual = forces.iter().zip(&lambda).zip(&roots);
+            let residual: Vec<f64> = residual
+                .map(|((x, l), root)| RELAXATION * (x - l) * root)
+                .collect();
+            let image = trial.iter().zip(&roots).zip(&residual);
+            let image = image.map(|((t, root), r)| t * root + r).collect();
+            trial = anderson.next(image, residual);
+            trial
+                .iter_mut()
+                .zip(&roots)
+                .for_each(|(t, root)| *t /= root);
+        }
+        by_law(setup, &trial, &mut lambda);
+        search.steps += 1;
+        search.move_to(lambda.clone(), setup.balance.from_rows(amplitudes));
+        search.kind = 'd';
+        if search.tell(observe) {
+            return Ended::Stopped;
+        }
+        if search.residual <= WITHIN * search.tolerance {
+            return Ended::Converged;
+        }
+        still = if search.residual < 0.9 * least {
+            0
+        } else {
+            still + 1
+        };
+        least = least.min(search.residual);
+    }
+    search.go_back();
+    match search.residual <= search.tolerance {
+        true => Ended::Converged,
+        false => Ended::Stuck(states),
+    }
+}
+
+/// λ of trial forces t, node by node: pressing, and shears within the bound that goes with the normal force. Shapes: (m,).
+///
+/// Where bounds follow from normal forces this is not the nearest admissible force: that one would press where it slips.
+fn by_law(setup: &Setup<'_>, trial: &[f64], lambda: &mut [f64]) {
+    let held = lambda.iter_mut().zip(trial).zip(&setup.components);
+    for ((lambda, t), component) in held {
+        *lambda = if *component == Component::Normal {
+            t.max(0.0)
+        } else {
+            *t
+        };
+    }
+    setup.admissible.bound_tangents(lambda);
+}
+
+/// The linear half: the bodies with a compliance between them, factored.
+struct Bodies<'a> {
+    setup: &'a Setup<'a>,
+    /// a, (m,): the same for the tangents of a node, so that the law's disc is one in this metric, too.
+    compliance: Vec<f64>,
+    /// e of the rows of M, (k,).
+    load: Vec<f64>,
+    factored: Factored,
+}
+
+/// What is factored of it.
+enum Factored {
+    /// F + a = LLᵀ, Y = L⁻¹Mᵀ and YᵀY = L'L'ᵀ.
+    Assembled {
+        factor: Mat<f64>,
+        modes: Mat<f64>,
+        coarse: Mat<f64>,
+    },
+    /// diag(S, 0) + C D Cᵀ, and C by its columns.
+    Parts {
+        columns: Vec<SparseVector>,
+        factor: Cholesky,
+    },
+}
+
+impl<'a> Bodies<'a> {
+    /// `None` where F is neither dense nor known by its bodies, and where a factorisation fails.
+    fn new(setup: &'a Setup<'a>) -> Option<Self> {
+        let compliance = compliance(setup);
+        let factored = match &setup.problem.compliance {
+            Compliance::Dense(matrix) => assembled(setup, matrix, &compliance),
+            _ if !setup.problem.parts.is_empty() => by_parts(setup, &compliance),
+            _ => None,
+        };
+        Some(Self {
+            setup,
+            compliance,
+            load: setup.balance.rest_of_rows(setup.balance.target()),
+            factored: factored?,
+        })
+    }
+
+    /// x (m,) and β (k,) of the linear problem around `w` (m,).
+    fn solve(&self, mut w: Vec<f64>) -> (Vec<f64>, Vec<f64>) {
+        let shift = &self.setup.shift;
+        let mut load = self.load.clone();
+        match &self.factored {
+            Factored::Assembled {
+                factor,
+                modes,
+                coarse,
+            } => {
+                // LLᵀx = b + Mᵀβ with b = d + aw, hence YᵀYβ = e − Yᵀ(L⁻¹b)
+                for ((w, a), d) in w.iter_mut().zip(&self.compliance).zip(shift) {
+                    *w = d + a * *w;
+                }
+                let mut right = Mat::from_fn(w.len(), 1, |i, _| w[i]);
+                solve_lower_in_place(factor, &mut right);
+                let half = right.col_as_slice_mut(0);
+                for (j, load) in load.iter_mut().enumerate() {
+                    *load -= dot(modes.col_as_slice(j), half);
+                }
+                solve_cholesky_in_place(coarse, &mut load);
+                for (j, beta) in load.iter().enumerate() {
+                    let column = modes.col_as_slice(j).iter();
+                    half.iter_mut()
+                        .zip(column)
+                        .for_each(|(h, y)| *h += beta * y);
+                }
+                solve_lower_transpose_in_place(factor, &mut right);
+                (right.col_as_slice(0).to_vec(), load)
+            }
+            Factored::Parts { columns, factor } => {
+                for ((w, a), d) in w.iter_mut().zip(&self.compliance).zip(shift) {
+                    *w += d / a;
+                }
+                let unknowns = columns.first().map_or(0, SparseVector::len);
+                let mut q = vec![0.0; unknowns];
+                q[unknowns - load.len()..].copy_from_slice(&load);
+                for (column, w) in columns.iter().zip(&w) {
+                    column.add_to(*w, &mut q);
+                }
+                factor.solve(&mut q);
+                for ((w, a), column) in w.iter_mut().zip(&self.compliance).zip(columns) {
+                    *w -= column.dot(&q) / a;
+                }
+                (w, q.split_off(unknowns - load.len()))
+            }
+        }
+    }
+}
+
+/// a of all contacts, (m,).
+fn compliance(setup: &Setup<'_>) -> Vec<f64> {
+    let local = match setup.problem.parts.is_empty() {
+        true => between_neighbours(setup),
+        false => of_parts(setup),
+    };
+    let mut compliance: Vec<f64> = local.iter().map(|c| PART * c).collect();
+    for (block, range) in setup.admissible.iter() {
+        if block.friction().is_some() {
+            let tangents = &mut compliance[range.start + 1..range.end];
+            let mean = tangents.iter().sum::<f64>() / tangents.len() as f64;
+            tangents.fill(mean);
+        }
+    }
+    compliance
+}
+
+/// What contacts give way between their neighbours, but not less than a part of what most do: where a floating body is
+/// grounded it gives way to nothing.
+fn between_neighbours(setup: &Setup<'_>) -> Vec<f64> {
+    let mut local = local_softness(setup);
+    let mut sorted = local.clone();
+    sorted.sort_by(f64::total_cmp);
+    let usual = sorted.get(sorted.len() / 2).copied().unwrap_or(0.0);
+    local.iter_mut().for_each(|c| *c = c.max(LEAST * usual));
+    local
+}
+
+/// 1/s of the bodies that each contact presses, s the mean of the diagonal of the boundary stiffness.
+fn of_parts(setup: &Setup<'_>) -> Vec<f64> {
+    let mut local = vec![0.0; setup.len()];
+    for part in &setup.problem.parts {
+        let n = part.stiffness.nrows();
+        let trace: f64 = (0..n).map(|i| part.stiffness[(i, i)]).sum();
+        if trace > 0.0 {
+            part.rows
+                .iter()
+                .for_each(|&row| local[row] += n as f64 / trace);
+        }
+    }
+    // between parts that are rigid
+    let own = local.iter_mut().zip(&setup.problem.softness);
+    own.for_each(|(c, softness)| *c = if *c > 0.0 { *c } else { *softness });
+    local
+}
+
+fn assembled(setup: &Setup<'_>, matrix: &Mat<f64>, compliance: &[f64]) -> Option<Factored> {
+    let mut factor = matrix.clone();
+    for (i, a) in compliance.iter().enumerate() {
+        factor[(i, i)] += a;
+    }
+    cholesky_in_place(&mut factor).ok()?;
+    let rows = setup.balance.rows();
+    let mut modes = Mat::from_fn(setup.len(), rows.len(), |i, j| rows[j][i]);
+    solve_lower_in_place(&factor, &mut modes);
+    let mut coarse = product(&modes.transpose().to_owned(), &modes);
+    cholesky_in_place(&mut coarse).ok()?;
+    Some(Factored::Assembled {
+        factor,
+        modes,
+        coarse,
+    })
+}
+
+fn by_parts(setup: &Setup<'_>, compliance: &[f64]) -> Option<Factored> {
+    let parts = &setup.problem.parts;
+    let displacements: usize = parts.iter().map(|part| part.stiffness.nrows()).sum();
+    let unknowns = displacements + setup.modes();
+    let mut entries = vec![Vec::new(); setup.len()];
+    let mut first = 0;
+    for part in parts {
+        for (&row, column) in part.rows.iter().zip(&part.columns) {
+            entries[row].extend(column.entries().map(|(i, b)| (first + i, b)));
+        }
+        first += part.stiffness.nrows();
+    }
+    let modes = setup.balance.columns().iter();
+    let columns: Vec<SparseVector> = entries
+        .into_iter()
+        .zip(modes)
+        .map(|(mut entries, modes)| {
+            entries.extend(modes.entries().map(|(j, m)| (displacements + j, -m)));
+            SparseVector::sum(unknowns, entries)
+        })
+        .collect();
+    let mut triplets = gram_entries(unknowns, &columns, compliance);
+    let mut first = 0;
+    for part in parts {
+        let n = part.stiffness.nrows();
+        for j in 0..n {
+            triplets.extend((j..n).map(|i| (first + i, first + j, part.stiffness[(i, j)])));
+        }
+        first += n;
+    }
+    let matrix = SymmetricMatrix::from_triplets(unknowns, &triplets);
+    let edges = triplets.iter().filter(|(i, j, _)| i != j);
+    let nodes: Vec<u32> = edges.flat_map(|&(i, j, _)| [i as u32, j as u32]).collect();
+    let pairs = Connectivity {
+        nodes: &nodes,
+        nodes_per_cell: 2,
+    };
+    let graph = Graph::from_cells(unknowns, &[pairs]);
+    let order = fill_reducing_order_in_space(&graph, &vec![true; unknowns], &[]);
+    let factor = Cholesky::factor(&matrix, &order, 0).ok()?;
+    Some(Factored::Parts { columns, factor })
+}
+
+/// Entries (i, j ≤ i) of C D Cᵀ with D = 1/a, each once.
+fn gram_entries(
+    unknowns: usize,
+    columns: &[SparseVector],
+    compliance: &[f64],
+) -> Vec<(usize, usize, f64)> {
+    let mut met: Vec<Vec<(usize, f64)>> = vec![Vec::new(); unknowns];
+    for (c, column) in columns.iter().enumerate() {
+        column
+            .entries()
+            .for_each(|(i, value)| met[i].push((c, value)));
+    }
+    let mut row = vec![0.0; unknowns];
+    let mut seen = vec![usize::MAX; unknowns];
+    let mut triplets = Vec::new();
+    for (i, met) in met.iter().enumerate() {
+        let start = triplets.len();
+        for &(c, value) in met {
+            let weight = value / compliance[c];
+            for (j, other) in columns[c].entries().take_while(|&(j, _)| j <= i) {
+                if seen[j] != i {
+                    seen[j] = i;
+                    row[j] = 0.0;
+                    triplets.push((i, j, 0.0));
+                }
+                row[j] += weight * other;
+            }
+        }
+        for (_, j, value) in &mut triplets[start..] {
+            *value = row[*j];
+        }
+    }
+    triplets
+}
