@@ -173,6 +173,35 @@ pub(super) struct Piece {
     pub points: Vec<([f64; 2], f64)>,
 }
 
+/// A place counts as in a piece up to this distance in reference coordinates: on curved sides pieces end on straight lines.
+const BESIDE: f64 = 0.1;
+
+impl Piece {
+    /// Whether a place of the facet lies in the piece, or hardly beside it.
+    pub fn near(&self, xi: [f64; 2]) -> bool {
+        let corners = self.corners.len();
+        let double: f64 = (0..corners).map(|k| self.edge(k).1).sum();
+        (0..corners).all(|k| {
+            let ([from, along], _) = self.edge(k);
+            let length = along[0].hypot(along[1]);
+            let off = [xi[0] - from[0], xi[1] - from[1]];
+            let inwards = match double {
+                // an interval: along itself
+                0.0 => (off[0] * along[0] + off[1] * along[1]) / length,
+                _ => double.signum() * (along[0] * off[1] - along[1] * off[0]) / length,
+            };
+            length == 0.0 || inwards >= -BESIDE
+        })
+    }
+
+    /// Start and direction of an edge, and what it adds to twice the area.
+    fn edge(&self, k: usize) -> ([[f64; 2]; 2], f64) {
+        let (a, b) = (self.corners[k], self.corners[(k + 1) % self.corners.len()]);
+        let along = [b[0] - a[0], b[1] - a[1]];
+        ([a, along], a[0] * b[1] - a[1] * b[0])
+    }
+}
+
 /// A facet is covered, an interval has no hole, when all but this part of it faces the other side: rounding.
 const COVERED: f64 = 1e-9;
 
@@ -632,6 +661,42 @@ mod tests {
             for (found, expected) in at.into_iter().zip([x, y, x * y]) {
                 assert!((found - expected).abs() < 1e-12, "{i} {found} {expected}");
             }
+        }
+    }
+
+    #[test]
+    fn a_place_is_near_the_piece_that_it_lies_in() {
+        let piece = |corners: &[[f64; 2]]| Piece {
+            cell: 0,
+            opposite: None,
+            corners: corners.to_vec(),
+            part: 0.5,
+            points: Vec::new(),
+        };
+        let triangle = [[0.0, 0.0], [0.5, 0.0], [0.0, 0.5]];
+        let mut turned = triangle;
+        turned.reverse();
+        for triangle in [triangle, turned] {
+            let piece = piece(&triangle);
+            for (xi, near) in [
+                ([0.1, 0.1], true),
+                ([0.2, -0.09], true),
+                ([0.2, -0.11], false),
+                ([0.31, 0.31], true),
+                ([0.33, 0.33], false),
+            ] {
+                assert_eq!(piece.near(xi), near, "{xi:?}");
+            }
+        }
+        let interval = piece(&[[-0.5, 0.0], [0.2, 0.0]]);
+        for (x, near) in [
+            (-0.61, false),
+            (-0.59, true),
+            (0.0, true),
+            (0.29, true),
+            (0.31, false),
+        ] {
+            assert_eq!(interval.near([x, 0.0]), near, "{x}");
         }
     }
 
