@@ -8,7 +8,7 @@ use crate::contact::{Coupling, Moved, Row};
 use crate::dual::{Certificate, Component, DualProblem, Multipliers, ROUNDING, Recomputed};
 use crate::geometry::{Point, distance, dot};
 use crate::linalg::SparseVector;
-use crate::model::between::{Overlap, left_overlap, smallest_gap, worst_overlap};
+use crate::model::between::{Overlap, held_overlap, left_overlap, smallest_gap, worst_overlap};
 use crate::model::bodies::{LoadedBody, add_rows};
 use crate::model::condense::Condensed;
 use crate::model::error::Error;
@@ -28,6 +28,9 @@ const NO_FORCE: f64 = 1e-12;
 
 /// Gaps and overlaps below this part of the length of the problem are nothing to be told of.
 const APART: f64 = 1e-6;
+
+/// An overlap of held nodes up to this part of the length of the problem is one of polygons and averages.
+const DEEP: f64 = 1e-2;
 
 /// Displacements under some contact forces, and what is judged of them.
 pub(crate) struct Judged<const D: usize> {
@@ -254,6 +257,23 @@ pub(crate) fn left_to_overlap<const D: usize>(
     let deepest = |(contact, pair): (usize, &Paired<D>)| {
         let found = left_overlap(pair, &moved(model, pair, displaced), negligible);
         found.map(|(point, depth)| (contact, point, depth))
+    };
+    let paired = condensed.paired.iter().enumerate();
+    paired.filter_map(deepest).collect()
+}
+
+/// Nodes that supports push into the other side: the deepest of each contact, its undeformed position and depth. No condition
+/// keeps it out, and what its neighbours overlap beside it, which the mesh may hide, says little of it.
+pub(crate) fn held_to_overlap<const D: usize>(
+    model: &Model<D>,
+    condensed: &Condensed<D>,
+    displaced: &Displaced<D>,
+) -> Vec<(usize, Point<D>, f64)> {
+    let negligible = DEEP * condensed.problem.scales.length + displaced.negligible;
+    let deepest = |(contact, pair): (usize, &Paired<D>)| {
+        let (node, depth) = held_overlap(pair, &moved(model, pair, displaced))?;
+        let points = model.bodies[pair.nonmortar.body.0].mesh.points();
+        (depth > negligible).then_some((contact, points[node], depth))
     };
     let paired = condensed.paired.iter().enumerate();
     paired.filter_map(deepest).collect()
