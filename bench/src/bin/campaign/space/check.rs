@@ -279,14 +279,13 @@ fn check_motion(judgement: &mut Judgement, view: &View<'_>) {
     }
 }
 
-/// Some contact bears on a body at two nodes or more.
+/// Some contact bears on a body at two nodes or more, however little: the less the normal of the second is off the radius, the
+/// less it bears.
 fn bears_on_two(view: &View<'_>, body: usize) -> bool {
     let mut contacts = view.touches.iter().zip(&view.step.contacts);
     contacts.any(|(touch, raw)| {
-        let limits = &view.state.limits[touch.own];
-        let bears = |row: &&Row| row.pressure * row.weight > limits[row.node];
         let touches = touch.own == body || touch.other == Some(body);
-        touches && raw.rows.iter().filter(bears).count() > 1
+        touches && raw.rows.iter().filter(|row| row.pressure > 0.0).count() > 1
     })
 }
 
