@@ -50,6 +50,8 @@ pub fn pair_couple<const D: usize>(
         mortar: Vec::new(),
         points: Vec::new(),
         implied: Vec::new(),
+        missed: [0; 2],
+        unborne: 0,
     };
     for (node, rows) in conditions {
         let first = interface.nonmortar.len();

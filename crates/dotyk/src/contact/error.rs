@@ -95,6 +95,16 @@ pub enum ContactError {
         /// Its value there.
         value: f64,
     },
+    /// Nothing is to be excluded there.
+    #[error(
+        "no node of {side} {place} carries a multiplier: in space corners of facets do, nodes in the middle of edges do not; name a corner, or a side"
+    )]
+    NoCarrier {
+        /// The nonmortar side.
+        side: String,
+        /// Where.
+        place: String,
+    },
     /// Supports hold the whole nonmortar side: no unknown is left.
     #[error(
         "supports hold every node of the nonmortar side {side} along the normal, and with mortar pairing such nodes carry no pressure; swap nonmortar and mortar"

@@ -12,6 +12,14 @@
 //!   ψ = A N,     A = diag(∫N) M⁻¹,     M = ∫NNᵀ     over what faces the other side
 //! ```
 //!
+//! The force of a node then acts at a corner of that box. Where a corner is not covered itself, a body could be held beside what
+//! it lies on; the place p of what is covered that is nearest to it takes its part, and ψᵢ is the multiple of the function whose
+//! product with any bilinear one is the value of that at pᵢ, of such sizes wᵢ that they sum to one:
+//!
+//! ```text
+//!   ψᵢ = wᵢ h(pᵢ)ᵀ M⁻¹ h,     Σ wᵢ h(pᵢ) = ∫h,     h the hats of the box
+//! ```
+//!
 //! Source of the biorthogonal functions: as described by B. I. Wohlmuth, SIAM J. Numer. Anal. 38 (2000) 989–1012.
 
 use crate::contact::weights::POSITIVE;
@@ -165,20 +173,92 @@ pub(super) struct Piece {
     pub points: Vec<([f64; 2], f64)>,
 }
 
+/// A place counts as in a piece up to this distance in reference coordinates: on curved sides pieces end on straight lines.
+const BESIDE: f64 = 0.1;
+
+impl Piece {
+    /// Whether a place of the facet lies in the piece, or hardly beside it.
+    pub fn near(&self, xi: [f64; 2]) -> bool {
+        let corners = self.corners.len();
+        let double: f64 = (0..corners).map(|k| self.edge(k).1).sum();
+        (0..corners).all(|k| {
+            let ([from, along], _) = self.edge(k);
+            let length = along[0].hypot(along[1]);
+            let off = [xi[0] - from[0], xi[1] - from[1]];
+            let inwards = match double {
+                // an interval: along itself
+                0.0 => (off[0] * along[0] + off[1] * along[1]) / length,
+                _ => double.signum() * (along[0] * off[1] - along[1] * off[0]) / length,
+            };
+            length == 0.0 || inwards >= -BESIDE
+        })
+    }
+
+    /// Start and direction of an edge, and what it adds to twice the area.
+    fn edge(&self, k: usize) -> ([[f64; 2]; 2], f64) {
+        let (a, b) = (self.corners[k], self.corners[(k + 1) % self.corners.len()]);
+        let along = [b[0] - a[0], b[1] - a[1]];
+        ([a, along], a[0] * b[1] - a[1] * b[0])
+    }
+}
+
 /// A facet is covered, an interval has no hole, when all but this part of it faces the other side: rounding.
 const COVERED: f64 = 1e-9;
 
-/// What of a surface is covered counts as its bounding box when it fills at least this part of that. The force of a node at a
-/// corner of the box lies beside what is covered by as little; linear functions over parts of any shape would keep it inside, and
-/// leave systems so ill-conditioned that one in eight balls on a floor finds no answer.
+/// What of a surface is covered has functions of its bounding box when it fills at least this part of that: of parts of any shape
+/// they would leave systems so ill-conditioned that one in eight balls on a floor finds no answer.
 const FILLED: f64 = 0.9;
+
+/// What of a cell is covered: its bounding box, and where in the coordinates of that the forces of its nodes act.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Covered {
+    pub bound: Stretch,
+    pub ends: Vec<[f64; 2]>,
+}
+
+impl Covered {
+    /// From the corners of its pieces.
+    fn new(kind: CellKind, bound: Stretch, corners: &[[f64; 2]]) -> Self {
+        let corners: Vec<[f64; 2]> = corners.iter().map(|&xi| bound.of(xi)).collect();
+        let of_box = kind.reference_nodes().iter().take(kind.nodes());
+        let ends = of_box.map(|&[x, y, _]| nearest(&corners, [x, y]));
+        Self {
+            bound,
+            ends: ends.collect(),
+        }
+    }
+}
+
+/// The place of the convex hull of some points that is nearest to a place that does not lie inside it: on the line between two
+/// of them.
+fn nearest(points: &[[f64; 2]], place: [f64; 2]) -> [f64; 2] {
+    let off = |p: [f64; 2]| (p[0] - place[0]).hypot(p[1] - place[1]);
+    let mut best = (f64::INFINITY, place);
+    for (k, &a) in points.iter().enumerate() {
+        for &b in &points[k..] {
+            let along = [b[0] - a[0], b[1] - a[1]];
+            let square = along[0] * along[0] + along[1] * along[1];
+            let part = (place[0] - a[0]) * along[0] + (place[1] - a[1]) * along[1];
+            let t = if square > 0.0 {
+                (part / square).clamp(0.0, 1.0)
+            } else {
+                0.0
+            };
+            let found = [0, 1].map(|d| a[d] + t * along[d]);
+            if off(found) < best.0 {
+                best = (off(found), found);
+            }
+        }
+    }
+    if best.0 > COVERED { best.1 } else { place }
+}
 
 /// Which parts of the side face the other one.
 pub(super) struct Cover {
     /// How much of each facet.
     facets: BTreeMap<Facet, f64>,
-    /// What takes the covered part of each cell to the whole, where it has no hole.
-    cells: BTreeMap<usize, Option<Stretch>>,
+    /// The covered part of each cell, where it has no hole.
+    cells: BTreeMap<usize, Option<Covered>>,
 }
 
 impl Cover {
@@ -196,7 +276,8 @@ impl Cover {
                 Domain::Line => bound.part(domain) - part <= 0.5 * COVERED,
                 _ => part >= FILLED * bound.part(domain),
             };
-            cells.insert(of_cell[0].cell, filled.then_some(bound));
+            let covered = || Covered::new(cell.kind, bound, &corners);
+            cells.insert(of_cell[0].cell, filled.then(covered));
         }
         Self { facets, cells }
     }
@@ -206,9 +287,9 @@ impl Cover {
         self.facets[&facet] > 1.0 - COVERED
     }
 
-    /// What takes the covered part of a cell to the whole; `None` where it has a hole.
-    pub fn of_cell(&self, cell: usize) -> Option<Stretch> {
-        self.cells[&cell]
+    /// The covered part of a cell; `None` where it has a hole.
+    pub fn of_cell(&self, cell: usize) -> Option<&Covered> {
+        self.cells[&cell].as_ref()
     }
 }
 
@@ -235,17 +316,29 @@ impl Basis {
         (smallest > POSITIVE * mean).then_some(Self::OfFacet(kind, matrix))
     }
 
-    /// Biorthogonal to the hats of the covered part of a cell.
+    /// Of the covered part of a cell, with forces where it ends; where all weights are positive.
     pub fn of_cell(
         cell: &Cell,
-        covered: Stretch,
+        Covered { bound, ends }: &Covered,
         points: impl Iterator<Item = ([f64; 2], f64)>,
     ) -> Option<Self> {
-        let kind = cell.kind;
-        let points = points.map(|(xi, area)| (values(kind, covered.of(xi)), area));
-        let (weights, mass) = moments(points);
-        let matrix = dual(weights, mass, kind.nodes())?;
-        Some(Self::OfCell(kind, covered, matrix))
+        let (kind, n) = (cell.kind, cell.kind.nodes());
+        let points = points.map(|(xi, area)| (values(kind, bound.of(xi)), area));
+        let (sums, mass) = moments(points);
+        let (mut at_ends, mut of_ends) =
+            ([[0.0; FUNCTIONS]; FUNCTIONS], [[0.0; FUNCTIONS]; FUNCTIONS]);
+        for (i, &end) in ends.iter().enumerate() {
+            of_ends[i] = values(kind, end);
+            (0..n).for_each(|k| at_ends[k][i] = of_ends[i][k]);
+        }
+        let weights = inverse(at_ends, n).map(|row| product(&row, &sums));
+        let inverse = inverse(mass, n);
+        let column = |k: usize| std::array::from_fn(|l: usize| inverse[l][k]);
+        let matrix = std::array::from_fn(|i| {
+            std::array::from_fn(|k| weights[i] * product(&of_ends[i], &column(k)))
+        });
+        let positive = weights[..n].iter().all(|&weight| weight > 0.0);
+        (positive && tame(&matrix)).then_some(Self::OfCell(kind, *bound, matrix))
     }
 
     /// ψ of each node of a facet or cell, `nodes` of these, at ξ; where the functions are hats, a node that carries nothing
@@ -253,7 +346,7 @@ impl Basis {
     pub fn values(&self, cell: &Cell, xi: [f64; 2], carries: &[bool]) -> Values {
         let dual = |kind: CellKind, xi: [f64; 2], matrix: &Matrix| {
             let functions = values(kind, xi);
-            matrix.map(|row| row.iter().zip(functions).map(|(a, n)| a * n).sum())
+            matrix.map(|row| product(&row, &functions))
         };
         match self {
             Self::OfFacet(kind, matrix) => dual(*kind, xi, matrix),
@@ -314,31 +407,46 @@ fn moments(points: impl Iterator<Item = (Values, f64)>) -> (Values, Matrix) {
 /// Biorthogonal functions that are larger than this somewhere belong to a covered part that fills its box too badly.
 const LARGEST: f64 = 50.0;
 
-/// diag(∫N) M⁻¹ of the first `n` functions, by elimination with M symmetric and positive; `None` where that is singular.
-fn dual(weights: Values, mut mass: Matrix, n: usize) -> Option<Matrix> {
+/// diag(∫N) M⁻¹ of the first `n` functions; `None` where that is singular.
+fn dual(weights: Values, mass: Matrix, n: usize) -> Option<Matrix> {
+    let mut matrix = inverse(mass, n);
+    for (row, weight) in matrix.iter_mut().zip(weights) {
+        row.iter_mut().for_each(|a| *a *= weight);
+    }
+    tame(&matrix).then_some(matrix)
+}
+
+/// Functions of such coefficients are nowhere too large; not those of a singular matrix, which are no numbers.
+fn tame(matrix: &Matrix) -> bool {
+    matrix.iter().flatten().all(|a| a.abs() < LARGEST)
+}
+
+fn product(a: &Values, b: &Values) -> f64 {
+    a.iter().zip(b).map(|(a, b)| a * b).sum()
+}
+
+/// Inverse of the first `n` rows and columns by elimination without pivoting: of symmetric positive matrices, and of such as are
+/// nearly the identity.
+fn inverse(mut matrix: Matrix, n: usize) -> Matrix {
     let mut inverse = [[0.0; FUNCTIONS]; FUNCTIONS];
     for (i, row) in inverse.iter_mut().enumerate().take(n) {
         row[i] = 1.0;
     }
     for k in 0..n {
-        let pivot = 1.0 / mass[k][k];
+        let pivot = 1.0 / matrix[k][k];
         for j in 0..n {
-            mass[k][j] *= pivot;
+            matrix[k][j] *= pivot;
             inverse[k][j] *= pivot;
         }
         for i in (0..n).filter(|&i| i != k) {
-            let factor = mass[i][k];
+            let factor = matrix[i][k];
             for j in 0..n {
-                mass[i][j] -= factor * mass[k][j];
+                matrix[i][j] -= factor * matrix[k][j];
                 inverse[i][j] -= factor * inverse[k][j];
             }
         }
     }
-    for (row, weight) in inverse.iter_mut().zip(weights) {
-        row.iter_mut().for_each(|a| *a *= weight);
-    }
-    let tame = inverse.iter().flatten().all(|a| a.abs() < LARGEST);
-    tame.then_some(inverse)
+    inverse
 }
 
 #[cfg(test)]
@@ -406,7 +514,7 @@ mod tests {
         let pieces: Vec<Piece> = ends.iter().map(piece).collect();
         let cover = Cover::new(&cells, &pieces);
         let whole = cover.of_cell(0);
-        let ends = whole.map(|stretch| [-1.0, 1.0].map(|x| stretch.back([x, 0.0])[0]));
+        let ends = whole.map(|covered| [-1.0, 1.0].map(|x| covered.bound.back([x, 0.0])[0]));
         (cover.facet(facet), ends)
     }
 
@@ -470,7 +578,9 @@ mod tests {
             .rule(5)
             .map(|(xi, weight)| (part.back(xi), weight * part.part(Domain::Square)))
             .collect();
-        let basis = Basis::of_cell(cell, part, points.iter().copied()).unwrap();
+        let all = [[-0.2, -1.0], [0.9, -1.0], [0.9, 0.3], [-0.2, 0.3]];
+        let part = Covered::new(CellKind::Quad4, part, &all);
+        let basis = Basis::of_cell(cell, &part, points.iter().copied()).unwrap();
         let mut products = [[0.0; FUNCTIONS]; FUNCTIONS];
         let mut weights = [0.0; FUNCTIONS];
         for &(xi, area) in &points {
@@ -489,6 +599,104 @@ mod tests {
                 let expected = if i == j { weights[i] } else { 0.0 };
                 assert!((product - expected).abs() < 1e-14);
             }
+        }
+    }
+
+    #[test]
+    fn forces_of_nodes_act_on_what_is_covered() {
+        let cuboid = Cuboid {
+            from: [0.0; 3],
+            to: [1.0; 3],
+            cells: [1; 3],
+            cell: CellKind::Hex8,
+        };
+        let body = body(cuboid.build().unwrap());
+        let facet = body.mesh.side("top").unwrap()[0];
+        let cell = &cells(&body.mesh, facet)[0];
+        // a square without its last corner, ξ + η ≤ 1.4, of which the middle of the cut is nearest to the corner
+        let corners = [
+            [-1.0, -1.0],
+            [1.0, -1.0],
+            [1.0, 0.4],
+            [0.4, 1.0],
+            [-1.0, 1.0],
+        ];
+        let triangles = corners[1..]
+            .windows(2)
+            .map(|ends| [corners[0], ends[0], ends[1]]);
+        let mut points = Vec::new();
+        for [a, b, c] in triangles {
+            let edge = |p: [f64; 2]| [p[0] - a[0], p[1] - a[1]];
+            let (b, c) = (edge(b), edge(c));
+            let double = b[0] * c[1] - b[1] * c[0];
+            for point in rule(CellKind::Tri3, 6) {
+                let [u, v, _] = point.xi;
+                let xi = [0, 1].map(|d| a[d] + u * b[d] + v * c[d]);
+                points.push((xi, double * point.weight));
+            }
+        }
+        let piece = Piece {
+            cell: 0,
+            opposite: None,
+            corners: corners.to_vec(),
+            part: points.iter().map(|point| point.1).sum::<f64>() / 4.0,
+            points: points.clone(),
+        };
+        let cover = Cover::new(std::slice::from_ref(cell), &[piece]);
+        let covered = cover.of_cell(0).unwrap();
+        let basis = Basis::of_cell(cell, covered, points.iter().copied()).unwrap();
+        let expected = [[-1.0, -1.0], [1.0, -1.0], [0.7, 0.7], [-1.0, 1.0]];
+        for (i, expected) in expected.into_iter().enumerate() {
+            let mut sums = [0.0; 4];
+            for &(xi, area) in &points {
+                let psi = basis.values(cell, xi, &[true; 4]);
+                assert!((psi.iter().sum::<f64>() - 1.0).abs() < 1e-12);
+                let parts = [1.0, xi[0], xi[1], xi[0] * xi[1]];
+                sums = std::array::from_fn(|k| sums[k] + area * psi[i] * parts[k]);
+            }
+            let [weight, x, y, both] = sums;
+            assert!(weight > 0.0);
+            let at = [x, y, both].map(|moment| moment / weight);
+            let [x, y] = expected;
+            for (found, expected) in at.into_iter().zip([x, y, x * y]) {
+                assert!((found - expected).abs() < 1e-12, "{i} {found} {expected}");
+            }
+        }
+    }
+
+    #[test]
+    fn a_place_is_near_the_piece_that_it_lies_in() {
+        let piece = |corners: &[[f64; 2]]| Piece {
+            cell: 0,
+            opposite: None,
+            corners: corners.to_vec(),
+            part: 0.5,
+            points: Vec::new(),
+        };
+        let triangle = [[0.0, 0.0], [0.5, 0.0], [0.0, 0.5]];
+        let mut turned = triangle;
+        turned.reverse();
+        for triangle in [triangle, turned] {
+            let piece = piece(&triangle);
+            for (xi, near) in [
+                ([0.1, 0.1], true),
+                ([0.2, -0.09], true),
+                ([0.2, -0.11], false),
+                ([0.31, 0.31], true),
+                ([0.33, 0.33], false),
+            ] {
+                assert_eq!(piece.near(xi), near, "{xi:?}");
+            }
+        }
+        let interval = piece(&[[-0.5, 0.0], [0.2, 0.0]]);
+        for (x, near) in [
+            (-0.61, false),
+            (-0.59, true),
+            (0.0, true),
+            (0.29, true),
+            (0.31, false),
+        ] {
+            assert_eq!(interval.near([x, 0.0]), near, "{x}");
         }
     }
 

@@ -208,6 +208,11 @@ pub struct Interface<const D: usize> {
     pub points: Vec<GapPoint<D>>,
     /// Conditions that others imply.
     pub implied: Vec<Implied<D>>,
+    /// Of the points that were looked at apart from the pieces that are integrated, those that face the other side but lie in
+    /// none of these, and all that face it.
+    pub missed: [usize; 2],
+    /// Nodes whose shear along what supports hold on both sides is borne by none: see `relative.rs`.
+    pub unborne: usize,
 }
 
 /// A condition without a multiplier, because others imply it. It is judged all the same.
@@ -235,6 +240,8 @@ impl<const D: usize> Interface<D> {
         self.points.extend(part.points);
         self.nonmortar.extend(part.nonmortar);
         self.mortar.extend(part.mortar);
+        self.missed = [0, 1].map(|k| self.missed[k] + part.missed[k]);
+        self.unborne += part.unborne;
         self.cyclic = false;
     }
 

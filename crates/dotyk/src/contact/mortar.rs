@@ -27,7 +27,9 @@
 //! * A weight ∫N that is not positive (a quadratic facet that ends at the axis of revolution): ψ are linear between
 //!   neighbouring nodes, middle nodes included.
 //! * A node without a multiplier, because its displacement is prescribed or less than a thousandth of its surroundings faces
-//!   the other side: on its facets ψ are linear, and its own share goes to the neighbours.
+//!   the other side: on its facets ψ are linear, and its own share goes to the neighbours. So does its share of the shear where
+//!   supports hold both sides obliquely, see `relative.rs`; rows of shear are divided by the weight of the normal row, so that
+//!   bounds on tractions are bounds on forces.
 //!
 //! **Tangential rows** compare u_s with what u_m would be at x if the other side were carried on rigidly from y to x, by the
 //! rotation of its facet: forces along t at two points a distance s apart would be a couple. The tangents are those of the node,
@@ -37,7 +39,7 @@
 
 use crate::contact::functions::{Basis, Cell, Cover, Piece, cells, functions};
 use crate::contact::opposite::{Opposite, shape};
-use crate::contact::relative::{Relative, axes, carried, frame};
+use crate::contact::relative::{Relative, axes, carried, frame, separates, tangents_along};
 use crate::contact::search::{Hit, meet};
 use crate::contact::{
     Against, ContactError, Coupling, Driven, End, GapPoint, GapShares, InitialGap, Interface,
@@ -55,6 +57,15 @@ const SLIVER: f64 = 1e-3;
 
 /// Degree of the rule over whole facets, for weights of nodes.
 const DEGREE: usize = 9;
+
+/// Directions are the same, but for the turn of a facet, above this cosine.
+const ALIKE: f64 = 0.9;
+
+/// Degree of the rule whose points are looked at apart from the pieces.
+const LOOKED_AT: usize = 3;
+
+/// Components of nodes.
+type Components<const D: usize> = BTreeMap<usize, [bool; D]>;
 
 /// Everything at one point of integration.
 struct Station<const D: usize> {
@@ -175,10 +186,10 @@ impl<const D: usize> Sums<D> {
         }
     }
 
-    /// Rows of a component on both sides, divided by the weight.
-    fn rows(&self, component: usize) -> [Row<D>; 2] {
+    /// Rows of a component on both sides, divided by a weight.
+    fn rows(&self, component: usize, weight: f64) -> [Row<D>; 2] {
         [&self.nonmortar[component], &self.mortar[component]].map(|row| {
-            let scale = 1.0 / self.weight[component];
+            let scale = 1.0 / weight;
             row.iter()
                 .map(|(&node, c)| (node, c.map(|c| c * scale)))
                 .collect()
@@ -273,21 +284,37 @@ impl<'a, const D: usize> Pairing<'a, D> {
         if mesh.in_plane().is_none() {
             places.sort_unstable_by_key(|place| place.0);
         }
-        let normals = sides.normals.nodal();
-        let frame_at = |&(node, _): &(usize, _)| {
-            let normal = normals.get(&node).copied().unwrap_or([0.0; D]);
-            let held = axes(nonmortar.constraints.at(node), |_| true);
-            (node, frame(normal, &held))
-        };
-        Ok(Self {
-            frames: places.iter().map(frame_at).collect(),
+        let mut pairing = Self {
+            frames: BTreeMap::new(),
             sides,
             coupling,
             analysis,
             cells,
             places,
             cyclic,
-        })
+        };
+        pairing.frames = pairing.frames();
+        Ok(pairing)
+    }
+
+    /// Normal and tangents at the nodes: along an oblique direction that supports hold somewhere, so that a node and those to whom
+    /// its shear goes have the same tangents; where there is none, or other supports do not agree with that, as these ask for.
+    fn frames(&self) -> BTreeMap<usize, [Point<D>; D]> {
+        let normals = self.sides.normals.nodal();
+        let normal = |node: usize| normals.get(&node).copied().unwrap_or([0.0; D]);
+        let oblique =
+            |&(node, place): &(usize, _)| self.relative(node, place).oblique(normal(node));
+        let common = match self.coupling {
+            Coupling::Frictional => self.places.iter().find_map(oblique),
+            _ => None,
+        };
+        let frame_at = |&(node, _): &(usize, _)| {
+            let held = axes(self.sides.nonmortar.constraints.at(node), |_| true);
+            let common = common.map(|direction| frame(normal(node), &[direction]));
+            let common = common.filter(|frame| separates(frame, &held));
+            (node, common.unwrap_or_else(|| frame(normal(node), &held)))
+        };
+        self.places.iter().map(frame_at).collect()
     }
 
     fn mesh(&self) -> &'a Mesh<D> {
@@ -359,6 +386,7 @@ impl<'a, const D: usize> Pairing<'a, D> {
         }
         let whole = self.whole_weights();
         let kept = self.kept(&sums, &whole, &stations);
+        let implied = self.implied();
         let cover = Cover::new(&self.cells, pieces);
         // pieces follow the side, so the stations of a facet follow one another
         let facet = |station: &Station<D>| self.cells[station.cell].facet;
@@ -370,15 +398,104 @@ impl<'a, const D: usize> Pairing<'a, D> {
         let of_facets: Vec<(usize, &[Station<D>])> = of_facets.collect();
         let shares: Vec<Vec<Share<D>>> = of_facets
             .par_iter()
-            .map(|&(first, stations)| self.shares(first, stations, &kept, &cover))
+            .map(|&(first, stations)| self.shares(first, stations, (&kept, &implied), &cover))
             .collect();
         for share in shares.into_iter().flatten() {
             if let Some(sums) = sums.get_mut(&share.node) {
                 sums.add(share);
             }
         }
+        let unborne = self.unborne(&stations, &kept, &implied);
         let points = stations.into_iter().map(|station| station.at).collect();
-        self.assembled(&sums, &whole, &kept, points)
+        let interface = self.assembled(&sums, &whole, &kept, points)?;
+        Ok(Interface {
+            missed: self.missed(pieces),
+            unborne,
+            ..interface
+        })
+    }
+
+    /// Of the points in the cells, looked at one by one, those that face the other side outside of every piece, and all that
+    /// face it. An obstacle is faced by whole facets.
+    fn missed(&self, pieces: &[Piece]) -> [usize; 2] {
+        let mut of_cells = vec![0..0; self.cells.len()];
+        let mut first = 0;
+        for of_cell in pieces.chunk_by(|a, b| a.cell == b.cell) {
+            of_cells[of_cell[0].cell] = first..first + of_cell.len();
+            first += of_cell.len();
+        }
+        let each = self.cells.par_iter().zip(of_cells);
+        let each = each.map(|(cell, own)| {
+            let places = cell.rule(LOOKED_AT).map(|(xi, _)| xi);
+            let faces = |xi: &[f64; 2]| {
+                let line = self.sides.line(cell.facet, xi);
+                self.sides.facing(cell.facet, line).is_some()
+            };
+            let facing: Vec<[f64; 2]> = places.filter(faces).collect();
+            let beside = |xi: &&[f64; 2]| !pieces[own.clone()].iter().any(|p| p.near(**xi));
+            [facing.iter().filter(beside).count(), facing.len()]
+        });
+        each.reduce(|| [0; 2], |a, b| [a[0] + b[0], a[1] + b[1]])
+    }
+
+    /// Components of the shear that follow from the normal condition.
+    fn implied(&self) -> Components<D> {
+        if self.coupling != Coupling::Frictional {
+            return BTreeMap::new();
+        }
+        let implied = |&(node, place): &(usize, (Facet, [f64; 2]))| {
+            let frame = self.frames[&node];
+            let oblique = self.relative(node, place).oblique(frame[0])?;
+            Some((node, tangents_along(&frame, oblique)))
+        };
+        self.places.iter().filter_map(implied).collect()
+    }
+
+    /// Whether some nodes have a component of the shear along the same direction, and some of them leave theirs to the others.
+    fn shared(
+        &self,
+        nodes: &[usize],
+        component: usize,
+        (kept, implied): (&Components<D>, &Components<D>),
+    ) -> bool {
+        let leaves = |node: &&usize| implied.get(node).is_some_and(|implied| implied[component]);
+        let Some(first) = nodes.iter().find(leaves) else {
+            return false;
+        };
+        let along = |node: &usize| self.frames[node][component];
+        let mut others = nodes.iter().filter(|node| kept[node][component]).peekable();
+        others.peek().is_some() && others.all(|node| dot(along(node), along(first)) > ALIKE)
+    }
+
+    /// Nodes that leave a component of their shear to neighbours of whom none has it.
+    fn unborne(
+        &self,
+        stations: &[Station<D>],
+        kept: &Components<D>,
+        implied: &Components<D>,
+    ) -> usize {
+        let mut borne: Components<D> = BTreeMap::new();
+        for of_cell in stations.chunk_by(|a, b| a.cell == b.cell) {
+            let nodes = &self.cells[of_cell[0].cell].nodes;
+            let by_some: [bool; D] =
+                std::array::from_fn(|c| self.shared(nodes, c, (kept, implied)));
+            for node in nodes.iter().filter(|node| implied.contains_key(node)) {
+                let borne = borne.entry(*node).or_insert([false; D]);
+                *borne = std::array::from_fn(|c| borne[c] || by_some[c]);
+            }
+        }
+        let lacks =
+            |(node, borne): &(&usize, &[bool; D])| (1..D).any(|c| implied[node][c] && !borne[c]);
+        borne.iter().filter(lacks).count()
+    }
+
+    /// What supports leave of the motion of a node relative to the other side.
+    fn relative(&self, node: usize, place: (Facet, [f64; 2])) -> Relative<D> {
+        let held = self.sides.nonmortar.constraints.at(node);
+        Relative {
+            prescribed: axes(held, |_| true),
+            still: axes(held, |h| h.still && self.opposite_held(place, h.axis, true)),
+        }
     }
 
     /// The points of integration of all pieces.
@@ -417,18 +534,14 @@ impl<'a, const D: usize> Pairing<'a, D> {
         sums: &BTreeMap<usize, Sums<D>>,
         whole: &BTreeMap<usize, f64>,
         stations: &[Station<D>],
-    ) -> BTreeMap<usize, [bool; D]> {
+    ) -> Components<D> {
         let covered = |node: &usize| sums.get(node).map_or(0.0, |s| s.own[0]) / whole[node];
         let decided = |&(node, place): &(usize, (Facet, [f64; 2]))| {
-            let held = self.sides.nonmortar.constraints.at(node);
-            let relative = Relative {
-                prescribed: axes(held, |_| true),
-                still: axes(held, |h| h.still && self.opposite_held(place, h.axis, true)),
-            };
-            let held = relative.decided(self.frames[&node], self.coupling);
+            let held = self.relative(node, place);
+            let held = held.decided(self.frames[&node], self.coupling);
             (node, held.map(|held| !held))
         };
-        let mut kept: BTreeMap<usize, [bool; D]> = self.places.iter().map(decided).collect();
+        let mut kept: Components<D> = self.places.iter().map(decided).collect();
         let cells: BTreeSet<usize> = stations.iter().map(|station| station.cell).collect();
         // a prescribed node gives its functions to its neighbours; where all of a cell are prescribed they keep their own
         let lone = |cell: &usize| self.cells[*cell].nodes.iter().all(|n| !kept[n][0]);
@@ -461,17 +574,20 @@ impl<'a, const D: usize> Pairing<'a, D> {
         &self,
         first: usize,
         stations: &[Station<D>],
-        kept: &BTreeMap<usize, [bool; D]>,
+        (kept, implied): (&Components<D>, &Components<D>),
         cover: &Cover,
     ) -> Vec<Share<D>> {
         let facet = self.cells[stations[0].cell].facet;
         let (kind, of_facet) = functions(self.mesh(), facet);
         let mut shares: BTreeMap<usize, Share<D>> = BTreeMap::new();
-        // under friction shear and pressure share their functions, and with them their weights
-        let groups: Vec<(usize, Vec<usize>)> = match self.coupling {
-            Coupling::Tied => (0..D).map(|c| (c, vec![c])).collect(),
-            _ => vec![(0, (0..D).collect())],
+        // under friction shear and pressure share their functions, and with them their weights, but for shear that goes to neighbours
+        let apart = |c: &usize| {
+            self.coupling == Coupling::Tied || self.shared(&of_facet, *c, (kept, implied))
         };
+        let (own, common): (Vec<usize>, Vec<usize>) = (1..D).partition(apart);
+        let with_normal = std::iter::once(0).chain(common).collect();
+        let mut groups: Vec<(usize, Vec<usize>)> = vec![(0, with_normal)];
+        groups.extend(own.into_iter().map(|c| (c, vec![c])));
         for (shared, components) in groups {
             let carries = |node: &usize| kept[node][shared];
             let whole = match cover.facet(facet) && of_facet.iter().all(carries) {
@@ -534,7 +650,7 @@ impl<'a, const D: usize> Pairing<'a, D> {
         &self,
         sums: &BTreeMap<usize, Sums<D>>,
         whole: &BTreeMap<usize, f64>,
-        kept: &BTreeMap<usize, [bool; D]>,
+        kept: &Components<D>,
         points: Vec<GapPoint<D>>,
     ) -> Result<Interface<D>, ContactError> {
         let mut interface = Interface {
@@ -545,6 +661,8 @@ impl<'a, const D: usize> Pairing<'a, D> {
             mortar: Vec::new(),
             points,
             implied: Vec::new(),
+            missed: [0; 2],
+            unborne: 0,
         };
         for &(node, (facet, xi)) in &self.places {
             let mut entry = InterfaceNode {
@@ -582,7 +700,11 @@ impl<'a, const D: usize> Pairing<'a, D> {
                     }
                     entry.role = Role::Multiplier;
                     entry.rows[component] = Some(interface.nonmortar.len());
-                    let [own, other] = sums.rows(component);
+                    let divisor = match self.coupling {
+                        Coupling::Tied => component,
+                        _ => 0,
+                    };
+                    let [own, other] = sums.rows(component, sums.weight[divisor]);
                     interface.nonmortar.push(own);
                     interface.mortar.push(other);
                     if component == 0 {
@@ -715,6 +837,26 @@ mod tests {
     /// Both sides in the plane.
     fn paired(own: &Body<2>, other: &Body<2>, coupling: Coupling) -> Interface<2> {
         over(own, (other, "bottom"), coupling, Analysis::PlaneStrain)
+    }
+
+    /// Whatever the reason why a piece is lost: it is asked what faces the other side.
+    #[test]
+    fn pieces_that_are_lost_are_missed() {
+        let (upper, lower) = (
+            flat(&[0.0, 1.0, 2.0], 1.0, CellKind::Quad4),
+            flat(&[0.0, 0.7, 2.5], -1.0, CellKind::Quad4),
+        );
+        let free = Constraints::default();
+        let against = Against::Side(end(&lower, "bottom", &free));
+        let nonmortar = end(&upper, "bottom", &free);
+        let sides = Opposite::new(nonmortar, against, InitialGap::Closed, 0.0).unwrap();
+        let pairing = Pairing::new(sides, Coupling::Normal, Analysis::PlaneStrain).unwrap();
+        let mut pieces = pieces::pieces(&pairing.sides, &pairing.cells);
+        let looked_at = pairing.cells.len() * pairing.cells[0].rule(LOOKED_AT).count();
+        assert_eq!(pairing.interface(&pieces).unwrap().missed, [0, looked_at]);
+        pieces.pop();
+        let [missed, facing] = pairing.interface(&pieces).unwrap().missed;
+        assert!(missed > 0 && facing == looked_at);
     }
 
     /// A row times the displacements of its body, given as a function of place.

@@ -120,7 +120,8 @@ pub fn pair_nodes<const D: usize>(
                 still: shared(&axes(own, |h| h.still), &axes(other, |h| h.still)),
             };
             let point = s.points()[node];
-            let normal = relative.free_normal(normal);
+            let facing = normal;
+            let normal = relative.free_normal(facing);
             let gap = match gap {
                 InitialGap::Measured => dot(normal, sub(m.points()[j], point)),
                 InitialGap::Closed => 0.0,
@@ -128,6 +129,7 @@ pub fn pair_nodes<const D: usize>(
             };
             Ok(Some(Opposite {
                 nodes: vec![(j, 1.0)],
+                facing,
                 normal,
                 gap,
                 relative,
@@ -164,6 +166,7 @@ pub fn pair_obstacle<const D: usize>(
             };
             Ok(Some(Opposite {
                 nodes: vec![(0, 1.0)],
+                facing,
                 normal: relative.free_normal(facing),
                 gap,
                 relative,
@@ -175,6 +178,9 @@ pub fn pair_obstacle<const D: usize>(
 /// What lies opposite a node.
 struct Opposite<const D: usize> {
     nodes: Vec<(usize, f64)>,
+    /// The direction to it.
+    facing: Point<D>,
+    /// What supports leave of that.
     normal: Point<D>,
     gap: f64,
     relative: Relative<D>,
@@ -210,6 +216,8 @@ fn build<const D: usize>(
         mortar: Vec::new(),
         points: Vec::new(),
         implied: Vec::new(),
+        missed: [0; 2],
+        unborne: 0,
     };
     for node in order.into_iter().map(|node| node as usize) {
         let Some(&normal) = normals.get(&node) else {
@@ -239,6 +247,10 @@ fn build<const D: usize>(
                     node,
                     point: show(mesh.points()[node]),
                 });
+            }
+            let rough = coupling == Coupling::Frictional;
+            if rough && state.relative.oblique(state.facing).is_some() {
+                interface.unborne += 1;
             }
             entry.role = Role::Fixed;
             entry.frame = frame(state.normal, &state.relative.prescribed);

@@ -1,4 +1,20 @@
 //! What supports leave of the relative motion of two opposite points, and in which directions their forces are counted.
+//!
+//! **Supports oblique to the contact.** Where both sides are held along h, the relative motion δ has δ·h = 0. With the normal n,
+//! h = cos β · t + sin β · n and a tangent t, what is left of it beside the other tangent is one motion along
+//! n' = cos β · n − sin β · t, and
+//!
+//! ```text
+//!   gap = cos β · δ·n',     slip along t = −sin β · δ·n' = −tan β · gap
+//! ```
+//!
+//! Two conditions on one motion: a closed node does not slip along t, and the work of the forces λₙ, λₜ tells
+//! cos β λₙ − sin β λₜ only, so that equilibrium does not divide them; the rest of both, along h, goes into the supports. The
+//! traction of the sides does: it is continuous, and next to such a node shear and pressure are known. So the node keeps its
+//! normal condition, its pressure is its own, and its shear is that of its neighbours: these have the functions ψ of the component
+//! t on its facets (mortar.rs). Where h lies in the plane of the contact (β = 0) there is no such motion, the side ends at a plane
+//! of symmetry, and shear along h vanishes there; a node has none. (Normals that
+//! are off that plane because facets are straight have been turned back into it, normals.rs.)
 
 use crate::contact::Coupling;
 use crate::fem::Held;
@@ -22,14 +38,31 @@ pub fn frame<const D: usize>(normal: Point<D>, held: &[Point<D>]) -> [Point<D>; 
     let farthest = (0..D).min_by(|&a, &b| normal[a].abs().total_cmp(&normal[b].abs()));
     let axis = std::array::from_fn(|d| f64::from(u8::from(Some(d) == farthest)));
     let across = |direction: Point<D>| add_scaled(direction, -dot(direction, normal), normal);
-    // supports that hold a direction nearly along the normal hold the normal: their rest is no direction
+    // supports that hold a direction along the normal hold the normal: their rest is no direction
     let held = held.iter().map(|&direction| across(direction));
     let along = held.max_by(|a, b| norm(*a).total_cmp(&norm(*b)));
-    let first = along.filter(|rest| norm(*rest) > 0.5).and_then(unit);
+    let first = along.filter(|rest| norm(*rest) > ROUNDING).and_then(unit);
     frame[1] = first.or_else(|| unit(across(axis))).unwrap_or(axis);
     let last = cross(padded(normal), padded(frame[1]));
     frame[2] = std::array::from_fn(|d| last[d]);
     frame
+}
+
+/// Which components of a frame are those of tangents that have a part along a direction.
+pub(super) fn tangents_along<const D: usize>(
+    frame: &[Point<D>; D],
+    direction: Point<D>,
+) -> [bool; D] {
+    std::array::from_fn(|c| c > 0 && dot(frame[c], direction).abs() > ROUNDING)
+}
+
+/// Whether no held direction has parts along two tangents: a row is either held or free.
+pub(super) fn separates<const D: usize>(frame: &[Point<D>; D], held: &[Point<D>]) -> bool {
+    let parts = |&direction: &Point<D>| {
+        let along = tangents_along(frame, direction);
+        along.iter().filter(|along| **along).count()
+    };
+    held.iter().map(parts).all(|parts| parts < 2)
 }
 
 /// A frame carried to another normal nearby, by the smallest rotation.
@@ -53,6 +86,14 @@ impl<const D: usize> Relative<D> {
     /// The normal without what is prescribed; unchanged where nothing is left.
     pub fn free_normal(&self, normal: Point<D>) -> Point<D> {
         free_part(normal, self.prescribed.iter().copied()).unwrap_or(normal)
+    }
+
+    /// A direction without relative motion that is oblique to a normal that is free: slip along its part in the tangent plane
+    /// follows from the gap.
+    pub fn oblique(&self, normal: Point<D>) -> Option<Point<D>> {
+        free_part(normal, self.prescribed.iter().copied())?;
+        let mut still = self.still.iter().copied();
+        still.find(|&h| dot(h, normal).abs() > ROUNDING)
     }
 
     /// Which components along a frame carry no multiplier, because they are prescribed or not coupled at all.
@@ -164,8 +205,8 @@ mod tests {
         for both in [[steep, held], [held, steep]] {
             assert_eq!(frame(normal, &both)[1], held);
         }
-        // less than half of a direction in the plane is no direction of the plane
-        for (part, taken) in [(0.52f64, true), (0.48, false)] {
+        // whatever part of it is beyond rounding
+        for (part, taken) in [(0.5f64, true), (1.05e-6, true), (0.95e-6, false)] {
             let slanted = [0.0, part, (1.0 - part * part).sqrt()];
             let first = if taken {
                 [0.0, 1.0, 0.0]
@@ -263,6 +304,24 @@ mod tests {
             [false, true, true]
         );
         assert_eq!(relative.decided(axes, Coupling::Frictional), [false; 3]);
+    }
+
+    #[test]
+    fn a_direction_is_oblique_that_is_neither_tangent_nor_held_normal() {
+        let (x, z) = ([1.0, 0.0, 0.0], [0.0, 0.0, 1.0]);
+        let relative = Relative {
+            prescribed: vec![z],
+            still: vec![z],
+        };
+        let normal = [0.0, 0.8, 0.6];
+        assert_eq!(relative.oblique(normal), Some(z));
+        assert_eq!(relative.oblique([0.0, 1.0, 0.0]), None);
+        assert_eq!(relative.oblique(z), None);
+        // it has a part along the first tangent, and leaves the other to other supports
+        let frame = frame(normal, &[z]);
+        assert_eq!(tangents_along(&frame, z), [false, true, false]);
+        assert!(separates(&frame, &[x, z]));
+        assert!(!separates(&frame, &[unit([1.0, 0.0, 1.0]).unwrap()]));
     }
 
     #[test]

@@ -8,7 +8,7 @@
 //! cannot resolve: the dent p(h_s/E_s + h_m/E_m) of a pressure p that varies from node to node, and how much the gap itself
 //! curves along a facet. Where nothing presses and nothing curves there is no excuse: a condition was lost.
 
-use crate::contact::{InterfaceNode, Moved, Sample};
+use crate::contact::{Coupling, InterfaceNode, Moved, Role, Sample};
 use crate::geometry::{Point, dot, invert};
 use crate::model::pair::Paired;
 use std::collections::BTreeMap;
@@ -93,6 +93,32 @@ pub(crate) fn left_overlap<const D: usize>(
     deep.max_by(|a, b| a.1.total_cmp(&b.1))
 }
 
+/// Node of the nonmortar side that supports hold, and how deep it is in the other side: the deepest one of a contact that is no tie.
+pub(crate) fn held_overlap<const D: usize>(
+    pair: &Paired<D>,
+    moved: &Moved<'_, D>,
+) -> Option<(usize, f64)> {
+    let nodes = pair.interface.nodes.iter();
+    let held = nodes.filter(|node| node.role == Role::Fixed);
+    let held = held.filter(|_| pair.interface.coupling != Coupling::Tied);
+    let depths = held.filter_map(|node| Some((node.node, -gap_at(node, moved)?)));
+    depths.max_by(|a, b| a.1.total_cmp(&b.1))
+}
+
+/// The gap of the deformed sides at a node, where that is known.
+fn gap_at<const D: usize>(node: &InterfaceNode<D>, moved: &Moved<'_, D>) -> Option<f64> {
+    if node.shares.at_node.is_none() && node.shares.mean.len() != 1 {
+        return None;
+    }
+    let along = |u: Point<D>| dot(node.normal(), u);
+    let opposite = node.opposite.iter();
+    let other: f64 = match moved.other {
+        Some(u) => opposite.map(|&(j, n)| n * along(u[j])).sum(),
+        None => along(moved.obstacle),
+    };
+    Some(node.clearance + other - along(moved.own[node.node]))
+}
+
 /// The smallest gap of one contact at nodes that face something, and between them; `None` where it is not known at a node that
 /// `bears` a force.
 pub(crate) fn smallest_gap<const D: usize>(
@@ -100,22 +126,13 @@ pub(crate) fn smallest_gap<const D: usize>(
     moved: &Moved<'_, D>,
     bears: impl Fn(usize) -> bool,
 ) -> Option<f64> {
-    let along = |node: &InterfaceNode<D>, u: Point<D>| dot(node.normal(), u);
     let mut smallest = f64::INFINITY;
     for node in &pair.interface.nodes {
         let Some(row) = node.rows[0] else { continue };
-        if node.shares.at_node.is_some() || node.shares.mean.len() == 1 {
-            let other: f64 = match moved.other {
-                Some(u) => node
-                    .opposite
-                    .iter()
-                    .map(|&(j, n)| n * along(node, u[j]))
-                    .sum(),
-                None => along(node, moved.obstacle),
-            };
-            smallest = smallest.min(node.clearance + other - along(node, moved.own[node.node]));
-        } else if bears(row) {
-            return None;
+        match gap_at(node, moved) {
+            Some(gap) => smallest = smallest.min(gap),
+            None if bears(row) => return None,
+            None => {}
         }
     }
     let between = pair.samples.iter().flat_map(|samples| gaps(samples, moved));

@@ -13,7 +13,7 @@ use crate::model::dependent::drop_implied;
 use crate::model::error::{Error, Subject};
 use crate::model::floating::Floating;
 use crate::model::nouns::*;
-use crate::model::pair::{Kind, Paired, initial_gaps, pair_all, row_ranges};
+use crate::model::pair::{Kind, Paired, clearances, pair_all, row_ranges};
 use crate::model::parts::{couples, first_point};
 use crate::model::probe::sites;
 use crate::model::sliding::sliding;
@@ -135,7 +135,7 @@ fn fill<const D: usize>(model: &Model<D>, check: &mut Check<D>) -> Result<(), Er
         .zip(rows)
         .map(|(system, rows)| LoadedBody::new(system, rows));
     let mut bodies: Vec<LoadedBody<D>> = loaded.collect();
-    let mut floating = Floating::new(model, &bodies, &initial_gaps(&paired)).map_err(last)?;
+    let mut floating = Floating::new(model, &bodies, &clearances(&paired)).map_err(last)?;
     check.warnings.extend(floating.warnings.iter().cloned());
     describe_floating(model, &floating, &paired, &motions, check);
     check_balance(
@@ -151,7 +151,7 @@ fn fill<const D: usize>(model: &Model<D>, check: &mut Check<D>) -> Result<(), Er
         let at = |error: Error<D>| error.in_step(model, index + 1, Vec::new());
         (bodies, paired) = driven(model, bodies, paired, time).map_err(at)?;
         floating = floating
-            .at_time(model, &bodies, &initial_gaps(&paired))
+            .at_time(model, &bodies, &clearances(&paired))
             .map_err(at)?;
         check_balance(
             model,

@@ -1,8 +1,9 @@
 //! Which of two sides carries the multipliers.
 
-use crate::contact::{ContactError, End, straight_turn};
+use crate::contact::{ContactError, End, Interface, straight_turn};
 use crate::fem::node_normals;
 use crate::geometry::dot;
+use std::collections::BTreeMap;
 
 /// Bodies whose stiffness differs by more than this factor, ten but for rounding, are soft and stiff; within it the finer
 /// side carries the multipliers, unless it would show the facets of the other.
@@ -49,12 +50,42 @@ pub(crate) fn chosen<const D: usize>(ends: [End<'_, D>; 2]) -> Result<usize, Con
     })
 }
 
-/// Whether the nonmortar side, the first, is finer than a mortar side of much softer material.
+/// Whether the nonmortar side, the first, is finer than a mortar side of much softer material, where they face each other: far
+/// from there either may be as coarse as it likes.
 pub(crate) fn finer_than_softer<const D: usize>(
     [nonmortar, mortar]: [End<'_, D>; 2],
+    interface: &Interface<D>,
 ) -> Result<bool, ContactError> {
-    let softer = stiffness(mortar) * SOFTER < stiffness(nonmortar);
-    Ok(softer && mean_edge(nonmortar)? < 0.99 * mean_edge(mortar)?)
+    if stiffness(mortar) * SOFTER >= stiffness(nonmortar) {
+        return Ok(false);
+    }
+    let [own, other] = [edges_at(nonmortar)?, edges_at(mortar)?];
+    let mut sums = [0.0; 2];
+    for node in &interface.nodes {
+        let nearest = node.opposite.iter().max_by(|a, b| a.1.total_cmp(&b.1));
+        if let Some((opposite, _)) = nearest {
+            sums[0] += own[&node.node];
+            sums[1] += other[opposite];
+        }
+    }
+    Ok(sums[0] < 0.99 * sums[1])
+}
+
+/// Mean distance of neighbouring nodes on the facets around each node.
+fn edges_at<const D: usize>(end: End<'_, D>) -> Result<BTreeMap<usize, f64>, ContactError> {
+    let mesh = &end.body.mesh;
+    let mut sums: BTreeMap<usize, (usize, f64)> = BTreeMap::new();
+    for &facet in end.facets()? {
+        let (count, length) = (mesh.facet_kind(facet).order(), mesh.facet_length(facet));
+        for node in mesh.facet_nodes(facet) {
+            let sum = sums.entry(node as usize).or_default();
+            *sum = (sum.0 + count, sum.1 + length);
+        }
+    }
+    let means = sums.into_iter();
+    Ok(means
+        .map(|(node, (count, total))| (node, total / count as f64))
+        .collect())
 }
 
 /// Smallest plane modulus E/(1 − ν²) of the cells at a side: what pressures that change from node to node feel.

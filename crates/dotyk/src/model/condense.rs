@@ -24,7 +24,7 @@ use crate::model::factor::{FactoredBody, Ordered, factor, order};
 use crate::model::floating::Floating;
 use crate::model::memory::{self, Demand};
 use crate::model::nouns::Model;
-use crate::model::pair::{Paired, initial_gaps, pair_all};
+use crate::model::pair::{Paired, clearances, initial_gaps, pair_all};
 use crate::model::probe::{Site, sites};
 use crate::model::singular::Outlines;
 use crate::model::solution::Seconds;
@@ -108,7 +108,7 @@ pub(crate) fn condense<const D: usize>(
     seconds.factor = lap.seconds();
     observe(Event::Stage("condense"));
     let (compliance, parts) = compliance(&bodies, &factored, &ordered, gaps.len(), dense);
-    let floating = Floating::new(model, &bodies, &gaps)?;
+    let floating = Floating::new(model, &bodies, &clearances(&paired))?;
     let balance = floating.balance.clone();
     let admissible = admissible_set(model, &paired, time)?;
     let shift = overlap(&bodies, &factored, &gaps);
@@ -155,7 +155,9 @@ pub(crate) fn advance<const D: usize>(
         .into_par_iter()
         .map(|(body, factored)| FactoredBody::new(body, factored.factor))
         .collect();
-    let floating = before.floating.at_time(model, &bodies, &gaps)?;
+    let floating = before
+        .floating
+        .at_time(model, &bodies, &clearances(&paired))?;
     let mut problem = before.problem;
     let load_before = problem.balance.load().to_vec();
     problem.admissible = admissible_set(model, &paired, time)?;

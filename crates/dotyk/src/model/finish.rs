@@ -8,7 +8,7 @@ use crate::model::condense::Condensed;
 use crate::model::dependent::shared_forces;
 use crate::model::error::Error;
 use crate::model::fields::fields;
-use crate::model::judge::{Judged, blurred, left_to_overlap};
+use crate::model::judge::{Judged, blurred, held_to_overlap, left_to_overlap};
 use crate::model::nouns::Model;
 use crate::model::pair::{Paired, carriers, row_ranges};
 use crate::model::probe::read_probes;
@@ -56,6 +56,14 @@ pub(crate) fn finish<const D: usize>(
     for (contact, point, depth) in left_to_overlap(model, condensed, &judged.displaced) {
         warnings.push(format!(
             "contact \"{}\": the sides overlap by up to {} at {}, beside nodes that are excluded: nothing keeps them apart there",
+            model.contacts[contact].name,
+            Short(depth),
+            show(point)
+        ));
+    }
+    for (contact, point, depth) in held_to_overlap(model, condensed, &judged.displaced) {
+        warnings.push(format!(
+            "contact \"{}\": supports hold nodes of its nonmortar side up to {} deep in the other side, at {}: such nodes have no condition, and the forces beside them are too small; swap nonmortar and mortar, or support other nodes",
             model.contacts[contact].name,
             Short(depth),
             show(point)

@@ -33,7 +33,7 @@ pub(crate) struct Floating {
 }
 
 impl Floating {
-    /// Sets up G and e for contacts with these initial gaps. Errors: as [`Self::at_time`].
+    /// Sets up G and e for contacts with these initial gaps, infinite along tangents. Errors: as [`Self::at_time`].
     pub fn new<const D: usize>(
         model: &Model<D>,
         bodies: &[LoadedBody<D>],

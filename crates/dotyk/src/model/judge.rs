@@ -6,9 +6,9 @@
 
 use crate::contact::{Coupling, Moved, Row};
 use crate::dual::{Certificate, Component, DualProblem, Multipliers, ROUNDING, Recomputed};
-use crate::geometry::{Point, dot};
+use crate::geometry::{Point, distance, dot};
 use crate::linalg::SparseVector;
-use crate::model::between::{Overlap, left_overlap, smallest_gap, worst_overlap};
+use crate::model::between::{Overlap, held_overlap, left_overlap, smallest_gap, worst_overlap};
 use crate::model::bodies::{LoadedBody, add_rows};
 use crate::model::condense::Condensed;
 use crate::model::error::Error;
@@ -28,6 +28,9 @@ const NO_FORCE: f64 = 1e-12;
 
 /// Gaps and overlaps below this part of the length of the problem are nothing to be told of.
 const APART: f64 = 1e-6;
+
+/// An overlap of held nodes up to this part of the length of the problem is one of polygons and averages.
+const DEEP: f64 = 1e-2;
 
 /// Displacements under some contact forces, and what is judged of them.
 pub(crate) struct Judged<const D: usize> {
@@ -55,18 +58,62 @@ pub(crate) struct Displaced<const D: usize> {
     negligible: f64,
     /// Bodies that touch nothing and carry no load.
     pub hovering: Vec<String>,
+    /// Contacts that press some body let it move.
+    loose: bool,
 }
 
 /// Displacements of all bodies under some contact forces, and their certificate; if some were found `before`, as what a change
 /// of the forces (m,) adds to these: rounding, which a slender body magnifies, is then the same in both, and a correction does
 /// what it should.
+///
+/// What presses may let its body move; where it then is, is asked only of an answer, because corrections go on from the amplitudes
+/// that the solver gave. It is taken where it is an answer still, and where the solver has carried a body farther than its own
+/// length without a reason: what that leaves is rounding, and no answer is better than this one.
 pub(crate) fn judge<const D: usize>(
     model: &Model<D>,
     condensed: &Condensed<D>,
     outcome: &Outcome,
     before: Option<(&Judged<D>, &[f64])>,
 ) -> Result<Judged<D>, Error<D>> {
-    let displaced = displaced(model, condensed, &outcome.multipliers, before)?;
+    let judged = judge_placed(model, condensed, outcome, (before, Placed::Hovering))?;
+    if !(judged.displaced.loose && judged.certificate.holds()) {
+        return Ok(judged);
+    }
+    let settled = judge_placed(model, condensed, outcome, (before, Placed::Loose))?;
+    let strays = strays(model, [&judged.displaced, &settled.displaced]);
+    Ok(match settled.certificate.holds() || strays {
+        true => settled,
+        false => judged,
+    })
+}
+
+/// Some body lies farther apart in two placements than it is long.
+fn strays<const D: usize>(model: &Model<D>, placed: [&Displaced<D>; 2]) -> bool {
+    let [first, second] = placed.map(|displaced| &displaced.states);
+    let mut bodies = model.bodies.iter().zip(first.iter().zip(second));
+    bodies.any(|(body, (a, b))| {
+        let length = body.mesh.diameter();
+        let mut nodes = a.u.iter().zip(&b.u);
+        nodes.any(|(&a, &b)| distance(a, b) > length)
+    })
+}
+
+/// What is placed by least norm.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Placed {
+    /// What no contact controls, and what touches nothing.
+    Hovering,
+    /// Beside these what is pressed by contacts that let it move.
+    Loose,
+}
+
+fn judge_placed<const D: usize>(
+    model: &Model<D>,
+    condensed: &Condensed<D>,
+    outcome: &Outcome,
+    how: (Option<(&Judged<D>, &[f64])>, Placed),
+) -> Result<Judged<D>, Error<D>> {
+    let displaced = displaced(model, condensed, &outcome.multipliers, how)?;
     let lambda = &outcome.multipliers.lambda;
     let overlap = deepest_overlap(model, condensed, &displaced, lambda);
     let certificate = certify(model, condensed, &displaced, outcome, overlap);
@@ -77,12 +124,12 @@ pub(crate) fn judge<const D: usize>(
     })
 }
 
-/// Displacements of all bodies; `before` as in [`judge`].
+/// Displacements of all bodies, some of them placed; `before` as in [`judge`].
 fn displaced<const D: usize>(
     model: &Model<D>,
     condensed: &Condensed<D>,
     multipliers: &Multipliers,
-    before: Option<(&Judged<D>, &[f64])>,
+    (before, placed): (Option<(&Judged<D>, &[f64])>, Placed),
 ) -> Result<Displaced<D>, Error<D>> {
     let Condensed {
         bodies,
@@ -92,7 +139,7 @@ fn displaced<const D: usize>(
         ..
     } = condensed;
     let lambda = &multipliers.lambda;
-    let amplitudes = floating.amplitudes(&multipliers.alpha);
+    let mut amplitudes = floating.amplitudes(&multipliers.alpha);
     let elastic = (bodies, factored).into_par_iter().enumerate();
     let elastic = elastic.map(|(index, (body, factored))| {
         // rigid parts have none
@@ -103,16 +150,28 @@ fn displaced<const D: usize>(
         elastic_displacement(body, factored, lambda, strained)
     });
     let elastic: Vec<Vec<f64>> = elastic.collect();
-    let rigid = bodies.iter().enumerate();
-    let rigid = rigid.map(|(index, body)| rigid_displacement(body, floating, &amplitudes, index));
-    let mut rigid: Vec<Vec<f64>> = rigid.collect();
-    let (open, hovering) = open_motions(model, bodies, floating, problem, lambda)?;
-    if !open.is_empty() {
+    let rigid_at = |amplitudes: &[f64]| -> Vec<Vec<f64>> {
+        let each = bodies.iter().enumerate();
+        let each = each.map(|(index, body)| rigid_displacement(body, floating, amplitudes, index));
+        each.collect()
+    };
+    let mut rigid = rigid_at(&amplitudes);
+    let mut open = open_motions(model, bodies, floating, problem, lambda)?;
+    let loose = !open.loose.is_empty();
+    if placed == Placed::Loose {
+        open.motions.append(&mut open.loose);
+    }
+    if !open.motions.is_empty() {
         let mut gaps = condensed.gaps.clone();
         add_rows(bodies, -1.0, &rigid, &mut gaps);
         add_rows(bodies, -1.0, &elastic, &mut gaps);
-        let open = (&open[..], first_point(model));
-        settle(bodies, floating, open, &elastic, &mut rigid, &mut gaps);
+        let limiting = gaps.into_iter().zip(&open.limits);
+        let limiting = limiting.map(|(gap, limits)| limits.then_some(gap));
+        let limiting: Vec<Option<f64>> = limiting.collect();
+        let free = (&open.motions[..], first_point(model));
+        let settled = settle(bodies, floating, free, [&elastic, &rigid], &limiting);
+        settled.add_to(1.0, &mut amplitudes);
+        rigid = rigid_at(&amplitudes);
     }
     let states = (&model.bodies, bodies, factored, elastic, &rigid).into_par_iter();
     let states = states.map(|(body, loaded, factored, elastic, rigid)| {
@@ -145,7 +204,8 @@ fn displaced<const D: usize>(
         clearances,
         negligible: 4.0 * ROUNDING * moved.fold(0.0, |s: f64, u| s.max(u.abs())),
         strained,
-        hovering,
+        hovering: open.hovering,
+        loose,
     })
 }
 
@@ -197,6 +257,23 @@ pub(crate) fn left_to_overlap<const D: usize>(
     let deepest = |(contact, pair): (usize, &Paired<D>)| {
         let found = left_overlap(pair, &moved(model, pair, displaced), negligible);
         found.map(|(point, depth)| (contact, point, depth))
+    };
+    let paired = condensed.paired.iter().enumerate();
+    paired.filter_map(deepest).collect()
+}
+
+/// Nodes that supports push into the other side: the deepest of each contact, its undeformed position and depth. No condition
+/// keeps it out, and what its neighbours overlap beside it, which the mesh may hide, says little of it.
+pub(crate) fn held_to_overlap<const D: usize>(
+    model: &Model<D>,
+    condensed: &Condensed<D>,
+    displaced: &Displaced<D>,
+) -> Vec<(usize, Point<D>, f64)> {
+    let negligible = DEEP * condensed.problem.scales.length + displaced.negligible;
+    let deepest = |(contact, pair): (usize, &Paired<D>)| {
+        let (node, depth) = held_overlap(pair, &moved(model, pair, displaced))?;
+        let points = model.bodies[pair.nonmortar.body.0].mesh.points();
+        (depth > negligible).then_some((contact, points[node], depth))
     };
     let paired = condensed.paired.iter().enumerate();
     paired.filter_map(deepest).collect()
@@ -269,8 +346,22 @@ fn implied_violation<const D: usize>(
     worst
 }
 
-/// Combinations of modes that the contact forces leave open, and the bodies that hover: alone, or with those that ties and
-/// couples make move with them, where no other contact of theirs bears a force.
+/// Motions that the contact forces leave open.
+struct OpenMotions {
+    /// Combinations (r,) of modes that no contact controls, or of bodies that touch nothing.
+    motions: Vec<SparseVector>,
+    /// Those of pressed bodies.
+    loose: Vec<SparseVector>,
+    /// Rows (m,) whose gaps limit them: open contacts. Pressed ones they do not change, and slips are free.
+    limits: Vec<bool>,
+    /// Bodies that hover: alone, or with those that ties and couples make move with them, where no other contact of theirs
+    /// bears a force.
+    hovering: Vec<String>,
+}
+
+/// Combinations of modes that no contact can control, and those of single bodies, or of such as ties and couples make move
+/// together, that leave alone what is tied or pressed: a ball on one node of its own may turn about it until the next one
+/// touches, and where in between it ends no force tells.
 ///
 /// Errors: a split of the modes that does not succeed.
 fn open_motions<const D: usize>(
@@ -279,31 +370,47 @@ fn open_motions<const D: usize>(
     floating: &Floating,
     problem: &DualProblem,
     lambda: &[f64],
-) -> Result<(Vec<SparseVector>, Vec<String>), Error<D>> {
-    let mut open = floating.uncontrolled.clone();
+) -> Result<OpenMotions, Error<D>> {
     let force = lambda
         .iter()
         .fold(problem.scales.force, |s, l| s.max(l.abs()));
     let components = problem.admissible.components();
     let free: Vec<bool> = components.iter().map(|c| *c == Component::Free).collect();
-    let presses = |&row: &usize| !free[row] && lambda[row].abs() > NO_FORCE * force;
+    let mut bears = free.clone();
+    for (_, block) in problem.admissible.iter() {
+        let presses = block
+            .clone()
+            .any(|row| lambda[row].abs() > NO_FORCE * force);
+        block.for_each(|row| bears[row] |= presses);
+    }
+    let normal = |row: usize| components[row] == Component::Normal;
+    let mut open = OpenMotions {
+        motions: floating.uncontrolled.clone(),
+        loose: Vec::new(),
+        limits: (0..free.len()).map(|i| normal(i) && !bears[i]).collect(),
+        hovering: Vec::new(),
+    };
     let points = first_point(model);
-    let mut hovering = Vec::new();
     for group in groups(bodies, &free) {
-        let rows = || group.iter().flat_map(|&part| &bodies[part].rows.index);
-        if rows().any(presses) {
+        let left = floating.left_by(&group, |row| bears[row])?;
+        let mut rows = group.iter().flat_map(|&part| &bodies[part].rows.index);
+        if rows.any(|&row| bears[row] && !free[row]) {
+            // what no contact of theirs controls is there already
+            if left.len() > floating.left_by(&group, |_| true)?.len() {
+                open.loose.extend(left);
+            }
             continue;
         }
-        let left = floating.left_by(&group, |row| free[row])?;
         let moved = |&&part: &&usize| {
             let mut modes = floating.modes.iter().enumerate();
             modes.any(|(k, mode)| mode.0 == part && left.iter().any(|z| z[k] != 0.0))
         };
         let named = group.iter().filter(|part| **part < points);
-        hovering.extend(named.filter(moved).map(|&part| part_name(model, part)));
-        open.extend(left);
+        let named = named.filter(moved).map(|&part| part_name(model, part));
+        open.hovering.extend(named);
+        open.motions.extend(left);
     }
-    Ok((open, hovering))
+    Ok(open)
 }
 
 /// Parts that ties and couples, which are the `free` rows (m,), make move together; each alone that has none.

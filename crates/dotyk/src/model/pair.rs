@@ -6,7 +6,7 @@ use crate::contact::{
     Role, Row, Sample, facets_coincide, pair_couple, pair_mortar, pair_nodes, pair_obstacle,
     sagitta, samples, smooth_parts, unmatched_facing,
 };
-use crate::fem::{Constraints, Couple, CoupleKind, FemError, Short, describe, show};
+use crate::fem::{Constraints, Couple, CoupleKind, FemError, Place, Short, describe, show};
 use crate::geometry::{Field, Point, dot, norm};
 use crate::mesh::Facet;
 use crate::model::choose::{chosen, finer_than_softer};
@@ -236,6 +236,16 @@ pub(crate) fn initial_gaps<const D: usize>(paired: &[Paired<D>]) -> Vec<f64> {
     paired.iter().flat_map(Paired::gaps).collect()
 }
 
+/// The same without shears: how far it is to what may hold a body; infinite in tangential rows, whose gap is none.
+pub(crate) fn clearances<const D: usize>(paired: &[Paired<D>]) -> Vec<f64> {
+    let of_pair = |pair: &Paired<D>| {
+        let both = pair.gaps().into_iter().zip(pair.interface.tangential());
+        let far = |(gap, tangential)| if tangential { f64::INFINITY } else { gap };
+        both.map(far).collect::<Vec<_>>()
+    };
+    paired.iter().flat_map(of_pair).collect()
+}
+
 /// Contact or couple and undeformed position of every multiplier.
 pub(crate) fn carriers<const D: usize>(
     model: &Model<D>,
@@ -407,7 +417,12 @@ impl<'a, const D: usize> Contacting<'a, D> {
         for part in &parts[1..] {
             paired = paired.followed_by(pair(part)?);
         }
+        paired.warnings.extend(self.unintegrated(&paired.interface));
         let [out, smooth] = [&self.contact.exclude, &self.contact.friction_exclude];
+        for place in out.iter().chain(smooth) {
+            self.carrier_at(whole, &paired.interface, place)
+                .map_err(fail)?;
+        }
         if !out.is_empty() {
             paired.exclude(&whole.nodes_at(out).map_err(fail)?);
         }
@@ -423,6 +438,46 @@ impl<'a, const D: usize> Contacting<'a, D> {
                 point: whole.body.mesh.points()[node],
             }),
         }
+    }
+
+    /// Errors: a place of nodes none of which can carry a multiplier.
+    fn carrier_at(
+        &self,
+        side: End<'_, D>,
+        interface: &Interface<D>,
+        place: &Place<D>,
+    ) -> Result<(), ContactError> {
+        let found = side.nodes_at(std::slice::from_ref(place))?;
+        let mut carriers = interface.nodes.iter();
+        match carriers.any(|node| found.contains(&node.node)) {
+            true => Ok(()),
+            false => Err(ContactError::NoCarrier {
+                side: side.name(),
+                place: describe(place),
+            }),
+        }
+    }
+
+    /// Warnings about what the rows of an interface leave out.
+    fn unintegrated(&self, interface: &Interface<D>) -> Vec<String> {
+        let name = &self.contact.name;
+        let [missed, facing] = interface.missed;
+        let pieces = (missed > 0).then(|| {
+            format!(
+                "contact \"{name}\": {missed} of {facing} points that face the other side lie in no part that is integrated: pressures and areas there are not to be trusted; use smaller or less curved facets there"
+            )
+        });
+        let advice = match interface.nodes.iter().any(|node| node.partner().is_some()) {
+            true => "set pairing = \"mortar\"",
+            false => "use more facets between these supports",
+        };
+        let count = interface.unborne;
+        let shear = (count > 0).then(|| {
+            format!(
+                "contact \"{name}\": at {count} nodes supports hold both sides along a direction oblique to the contact: shear along it follows from no condition there and is left out, so that its resultant lacks in that of the contact; {advice}, or hold one side only"
+            )
+        });
+        pieces.into_iter().chain(shear).collect()
     }
 
     fn fail(&self, source: ContactError) -> Error<D> {
@@ -571,7 +626,7 @@ impl<'a, const D: usize> Contacting<'a, D> {
                 ));
             }
         }
-        if !matching && finer_than_softer(ends)? {
+        if !matching && finer_than_softer(ends, &interface)? {
             warnings.push(format!(
                 "contact \"{}\": multipliers finer than the softer side, pressures may oscillate; swap nonmortar and mortar",
                 self.contact.name

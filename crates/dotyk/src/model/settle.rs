@@ -5,110 +5,140 @@ use crate::linalg::SparseVector;
 use crate::linalg::dense::dot;
 use crate::model::bodies::LoadedBody;
 use crate::model::floating::Floating;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 /// What is left of a motion beside others, and what a motion of unit size closes of a gap: below this, rounding.
 const NOTHING: f64 = 1e-12;
 
-/// A rigid motion: nodal displacements of the bodies that it moves.
-type Motion = BTreeMap<usize, Vec<f64>>;
+/// Nodal displacements of the bodies that a rigid motion moves.
+type Moved = BTreeMap<usize, Vec<f64>>;
 
-/// Chooses the rigid amplitudes that the contact leaves open: least norm of the displacement without penetration.
+/// A rigid motion.
+#[derive(Default)]
+struct Motion {
+    /// Amplitudes of the modes, by their index.
+    amplitudes: BTreeMap<usize, f64>,
+    moved: Moved,
+}
+
+impl Motion {
+    /// A combination (r,) of modes.
+    fn new<const D: usize>(
+        bodies: &[LoadedBody<D>],
+        floating: &Floating,
+        combination: &SparseVector,
+    ) -> Self {
+        let mut motion = Self::default();
+        for (mode, a) in combination.entries() {
+            let (body, own) = floating.modes[mode];
+            motion.amplitudes.insert(mode, a);
+            add_to_body(&mut motion.moved, body, a, &bodies[body].system.modes[own]);
+        }
+        motion
+    }
+
+    fn add(&mut self, factor: f64, other: &Self) {
+        for (&mode, a) in &other.amplitudes {
+            *self.amplitudes.entry(mode).or_insert(0.0) += factor * a;
+        }
+        for (&body, u) in &other.moved {
+            add_to_body(&mut self.moved, body, factor, u);
+        }
+    }
+
+    fn scale(&mut self, factor: f64) {
+        let amplitudes = self.amplitudes.values_mut();
+        let all = amplitudes.chain(self.moved.values_mut().flatten());
+        all.for_each(|value| *value *= factor);
+    }
+}
+
+/// Chooses the rigid amplitudes that the contact leaves open: least norm of the displacement without penetration. Gives what is
+/// to be added to the amplitudes of all modes, (r,).
+///
+/// The amplitudes before may be as large as the bodies, what is left of them hardly anything: taken away from the displacement
+/// of every node, they would leave their rounding there, each node another, and that strains. So they are to be added to
+/// amplitudes.
 ///
 /// The norm is that of the first `counted` parts: points of couples go with their sides. `free` lists combinations of modes, (r,) each; `elastic` and `rigid` are the two parts of the nodal displacements of all
-/// bodies in their frames; `gaps` those of all multipliers. The last two are updated.
+/// bodies in their frames; `gaps` (m,) are those that must not become negative.
 pub(crate) fn settle<const D: usize>(
     bodies: &[LoadedBody<D>],
     floating: &Floating,
     (free, counted): (&[SparseVector], usize),
-    elastic: &[Vec<f64>],
-    rigid: &mut [Vec<f64>],
-    gaps: &mut [f64],
-) {
+    [elastic, rigid]: [&[Vec<f64>]; 2],
+    gaps: &[Option<f64>],
+) -> SparseVector {
     // orthonormalise the motions over all nodes, so that the least norm of amplitudes is that of displacements
     let mut motions: Vec<Motion> = Vec::new();
     for z in free {
-        let mut motion = Motion::new();
-        for (mode, a) in z.entries() {
-            let (body, mode) = floating.modes[mode];
-            let column = &bodies[body].system.modes[mode];
-            add_to_body(&mut motion, body, a, column);
-        }
+        let mut motion = Motion::new(bodies, floating, z);
         for other in &motions {
-            let part = inner(&motion, other, counted);
+            let part = inner(&motion.moved, &other.moved, counted);
             if part != 0.0 {
-                for (&body, u) in other {
-                    add_to_body(&mut motion, body, -part, u);
-                }
+                motion.add(-part, other);
             }
         }
-        let size = inner(&motion, &motion, counted).sqrt();
+        let size = inner(&motion.moved, &motion.moved, counted).sqrt();
         if size > NOTHING {
-            motion.values_mut().flatten().for_each(|u| *u /= size);
+            motion.scale(1.0 / size);
             motions.push(motion);
         }
     }
+    let mut settled = Motion::default();
     for motion in &motions {
         let along =
             |(body, u): (&usize, &Vec<f64>)| dot(u, &elastic[*body]) + dot(u, &rigid[*body]);
-        let part: f64 = motion.range(..counted).map(along).sum();
-        move_by(bodies, -part, motion, rigid, gaps);
+        let part: f64 = motion.moved.range(..counted).map(along).sum();
+        settled.add(-part, motion);
     }
-    // closing[i]: which motions close gap i, and by how much; no gap may become negative
-    let mut closing: Vec<Vec<(usize, f64)>> = vec![Vec::new(); gaps.len()];
-    for (j, motion) in motions.iter().enumerate() {
-        let mut change: BTreeMap<usize, f64> = BTreeMap::new();
-        for (&body, u) in motion {
-            for (row, c) in bodies[body].rows.products(u) {
-                *change.entry(row).or_default() += c;
-            }
-        }
-        change
-            .iter()
-            .for_each(|(&row, &c)| closing[row].push((j, c)));
-    }
-    let touched: Vec<usize> = (0..gaps.len())
-        .filter(|&i| closing[i].iter().any(|(_, c)| c.abs() > NOTHING))
-        .collect();
-    if touched.iter().all(|&i| gaps[i] >= 0.0) {
-        return;
-    }
-    let bounds: Vec<f64> = touched.iter().map(|&i| gaps[i]).collect();
-    let row = |&i: &usize| SparseVector::new(motions.len(), closing[i].iter().copied()).to_dense();
-    let closing: Vec<Vec<f64>> = touched.iter().map(row).collect();
-    if let Some(beta) = least_norm_within(&closing, &bounds, motions.len()) {
-        for (b, motion) in beta.iter().zip(&motions) {
-            move_by(bodies, *b, motion, rigid, gaps);
+    // by how much each motion closes a gap
+    let changes: Vec<BTreeMap<usize, f64>> = motions.iter().map(|m| closed_by(bodies, m)).collect();
+    let entries = changes.iter().flatten();
+    let beyond_rounding = entries.filter(|(_, change)| change.abs() > NOTHING);
+    let touched: BTreeSet<usize> = beyond_rounding.map(|(&row, _)| row).collect();
+    let closed = closed_by(bodies, &settled);
+    let limited = |&row: &usize| Some((row, gaps[row]? - closed.get(&row).unwrap_or(&0.0)));
+    let (rows, bounds): (Vec<usize>, Vec<f64>) = touched.iter().filter_map(limited).unzip();
+    if bounds.iter().any(|&gap| gap < 0.0) {
+        let of_row = |row: &usize| {
+            let each = changes.iter();
+            each.map(|change| change.get(row).copied().unwrap_or(0.0))
+                .collect()
+        };
+        let closing: Vec<Vec<f64>> = rows.iter().map(of_row).collect();
+        // where rounding leaves no place, all stays where it is
+        let Some(least) = least_norm_within(&closing, &bounds, motions.len()) else {
+            return SparseVector::new(floating.modes.len(), []);
+        };
+        for (b, motion) in least.iter().zip(&motions) {
+            settled.add(*b, motion);
         }
     }
+    SparseVector::new(floating.modes.len(), settled.amplitudes)
 }
 
-fn add_to_body(motion: &mut Motion, body: usize, factor: f64, u: &[f64]) {
-    let own = motion.entry(body).or_insert_with(|| vec![0.0; u.len()]);
+/// By how much a motion closes the gaps of rows.
+fn closed_by<const D: usize>(bodies: &[LoadedBody<D>], motion: &Motion) -> BTreeMap<usize, f64> {
+    let mut closed = BTreeMap::new();
+    for (&body, u) in &motion.moved {
+        for (row, c) in bodies[body].rows.products(u) {
+            *closed.entry(row).or_insert(0.0) += c;
+        }
+    }
+    closed
+}
+
+fn add_to_body(moved: &mut Moved, body: usize, factor: f64, u: &[f64]) {
+    let own = moved.entry(body).or_insert_with(|| vec![0.0; u.len()]);
     own.iter_mut()
         .zip(u)
         .for_each(|(own, u)| *own += factor * u);
 }
 
-fn inner(a: &Motion, b: &Motion, counted: usize) -> f64 {
+fn inner(a: &Moved, b: &Moved, counted: usize) -> f64 {
     let common = a
         .range(..counted)
         .filter_map(|(body, u)| Some((u, b.get(body)?)));
     common.map(|(u, v)| dot(u, v)).sum()
-}
-
-fn move_by<const D: usize>(
-    bodies: &[LoadedBody<D>],
-    factor: f64,
-    motion: &Motion,
-    displacement: &mut [Vec<f64>],
-    gaps: &mut [f64],
-) {
-    for (&body, u) in motion {
-        let own = displacement[body].iter_mut().zip(u);
-        own.for_each(|(own, u)| *own += factor * u);
-        for (row, c) in bodies[body].rows.products(u) {
-            gaps[row] -= factor * c;
-        }
-    }
 }

@@ -33,6 +33,7 @@ mod space_cells;
 mod space_cost;
 mod space_friction;
 mod space_hertz;
+mod space_judge;
 mod steps;
 mod tables;
 mod tidy;

@@ -296,6 +296,31 @@ fn forces_that_do_not_go_with_the_gaps_between_nodes_are_told() {
     assert!(!warned(&below(64, 0.0, 0.01), apart));
 }
 
+/// A stiff punch on a soft block that is finer below it, and coarser everywhere else.
+#[test]
+fn a_side_is_finer_than_the_softer_one_where_they_face_each_other() {
+    let on = |cells: usize, graded: bool| {
+        let mut model = Model::<2>::new();
+        let block = rectangle([-4.0, -1.0], [4.0, 0.0], [cells, 4]);
+        let grade = |[x, y]: Point<2>| [if graded { 0.25 * x * x.abs() } else { x }, y];
+        let block = model.body("block", block.map_points(grade).unwrap(), SOFT);
+        let stiff = Elastic {
+            young: 100.0 * SOFT.young,
+            ..SOFT
+        };
+        let punch = rectangle([-0.25, 0.0], [0.25, 0.5], [5, 4]);
+        let punch = model.body("punch", punch, stiff);
+        model
+            .fix(block, "bottom", [Some(0.0), Some(0.0)])
+            .fix(punch, "top", [Some(0.0), Some(-1e-3)])
+            .contact((punch, "bottom"), (block, "top"));
+        model
+    };
+    let words = "multipliers finer than the softer side";
+    assert!(warned(&on(65, false), words));
+    assert!(!warned(&on(65, true), words));
+}
+
 #[test]
 fn bodies_of_different_thickness_are_told() {
     let stack = |thickness: f64| {

@@ -5,6 +5,7 @@
 //! | Check | What must hold | Limit, and why |
 //! |---|---|---|
 //! | support | u as prescribed | 1e-6 of the largest displacement |
+//! | motion | no body moves farther than the largest is long: strains are 1e-3 at most | a polyhedron that spins as far as it takes until the next node is closed, whose normal may be off the radius by any little |
 //! | equilibrium | internal − external force = 0 off contacts, in free directions | 1e-7 of the force scale, and 32 roundings of \|K\|\|u\| |
 //! | outside | no contact force at a node none of whose facets faces the other side | ten times that |
 //! | row force | where conditions hold node by node: that force = what the rows say | the same |
@@ -26,13 +27,13 @@
 //! | weight | weights = ∫N; their sum is the facing area | 1e-6, on curved sides 1e-3; 1e-3 of the area, since slivers are left out |
 //! | normal | normals of the rows are those of the side, or minus the plane's | the angle between neighbouring facets, and 1e-6 |
 //! | gap, slip | the columns of rows node by node are those of the displacements | like penetration |
-//! | gap | those of integrated rows lie among the gaps around their nodes | the range of these gaps once more, since functions change sign, and the sagittas |
+//! | gap | those of integrated rows lie among the gaps around their nodes | twice the range of these gaps, since functions change sign, and the sagittas |
 //! | pressure | contact pressures are those of a uniform state, where one is known | 1e-6, and ten times the limit of equilibrium |
 //!
 //! That `work` agrees ties gaps and slips of integrated rows to the true displacements; what the rows say of themselves is
 //! judged sharply then.
 
-use super::geometry::{Vector, across, dot, length, minus, plus};
+use super::geometry::{Vector, across, bounds, dot, length, minus, plus};
 use super::problem::{Against, Form, Law, Problem};
 use super::rows::check_rows;
 use super::side::Skin;
@@ -70,6 +71,7 @@ pub fn check(problem: &Problem, answer: &Answer) -> Judgement {
             before,
         };
         check_supports(&mut judgement, &view);
+        check_motion(&mut judgement, &view);
         check_equilibrium(&mut judgement, &view);
         for c in 0..touches.len() {
             check_normals(&mut judgement, &view, c);
@@ -258,6 +260,35 @@ fn check_supports(judgement: &mut Judgement, view: &View<'_>) {
     }
 }
 
+/// Motions that nothing drives stay small.
+fn check_motion(judgement: &mut Judgement, view: &View<'_>) {
+    let longest = view.answer.meshes.iter().map(|mesh| {
+        let (low, high) = bounds(&mesh.points);
+        length(minus(high, low))
+    });
+    let longest = longest.fold(0.0, f64::max);
+    for (body, moves) in view.step.displacements.iter().enumerate() {
+        // about a single node that bears it turns without a reason
+        let stopped = view.problem.spins && bears_on_two(view, body);
+        let limit = if stopped { f64::INFINITY } else { longest };
+        let most = moves.iter().fold(0.0, |s: f64, &u| s.max(length(u)));
+        judgement.compare("motion", most, limit, || {
+            let name = &view.problem.bodies[body].name;
+            format!("body {name} by {:.1e} of its length", most / longest)
+        });
+    }
+}
+
+/// Some contact bears on a body at two nodes or more, however little: the less the normal of the second is off the radius, the
+/// less it bears.
+fn bears_on_two(view: &View<'_>, body: usize) -> bool {
+    let mut contacts = view.touches.iter().zip(&view.step.contacts);
+    contacts.any(|(touch, raw)| {
+        let touches = touch.own == body || touch.other == Some(body);
+        touches && raw.rows.iter().filter(|row| row.pressure > 0.0).count() > 1
+    })
+}
+
 fn check_equilibrium(judgement: &mut Judgement, view: &View<'_>) {
     let members = view.members();
     for (body, rest) in view.state.rest.iter().enumerate() {
@@ -389,7 +420,7 @@ fn check_gaps(judgement: &mut Judgement, view: &View<'_>, c: usize) {
                 [l.min(r[0]), h.max(r[1])]
             });
             let off = (low - row.gap).max(row.gap - high);
-            let limit = fine + sagitta(view, c) + (high - low).max(0.0);
+            let limit = fine + sagitta(view, c) + 2.0 * (high - low).max(0.0);
             judgement.compare("gap", off, limit, place);
         }
         let force = row.pressure * row.weight;
