@@ -188,7 +188,8 @@ impl Labels {
         match dimension {
             Dimension::Length => &self.length,
             Dimension::Area => &self.area,
-            Dimension::Moment => &self.energy,
+            Dimension::Moment | Dimension::Energy => &self.energy,
+            Dimension::Angle => "rad",
             Dimension::Force => &self.force,
             Dimension::Stress => &self.stress,
             Dimension::Other => "",
@@ -261,7 +262,7 @@ impl Scales {
             Dimension::Stress => self.stress,
             Dimension::Length => self.length,
             Dimension::Moment => self.force * self.reach,
-            Dimension::Area | Dimension::Other => 0.0,
+            Dimension::Area | Dimension::Energy | Dimension::Angle | Dimension::Other => 0.0,
         };
         without_noise(value, scale)
     }
