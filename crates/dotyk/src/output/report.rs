@@ -237,7 +237,7 @@ fn probes<const D: usize>(model: &Model<D>, solution: &Solution<D>, labels: &Lab
             let asked = model.probes.iter().find(|m| m.name == p.name);
             let point = asked.and_then(|m| m.reading.point());
             let point = point.map(|at| vector(&at, ""));
-            let point = point.or(p.at.map(|at| vector(&at[..D], "")));
+            let point = point.or(p.at.map(|at| scales.place(&at[..D])));
             let coupled = asked.and_then(|m| m.coupled(model)).map(|c| c.name.clone());
             let at = coupled
                 .or(point)

@@ -255,6 +255,11 @@ impl Scales {
         }
     }
 
+    /// A place; coordinates that are rounding errors of those of the contacts are zero.
+    pub fn place(&self, at: &[f64]) -> String {
+        vector_on(at, self.reach, "")
+    }
+
     /// A value, or zero where it is rounding.
     pub fn without_noise(&self, value: f64, dimension: Dimension) -> f64 {
         let scale = match dimension {
