@@ -61,7 +61,7 @@ pub fn contacts<const D: usize>(
     let left = solution.contacts.len() - drawn.len();
     if left > 0 && !drawn.is_empty() {
         out += &format!(
-            "<p>Pictures show the {} contacts that bear most; of the other {} the table tells, and contact.csv.</p>\n",
+            "<p>Pictures show the {} contacts that bear most, tied ones last; of the other {} the table tells, and contact.csv.</p>\n",
             count(drawn.len()),
             count(left)
         );

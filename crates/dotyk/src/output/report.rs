@@ -9,7 +9,7 @@ use crate::output::Overview;
 use crate::output::chain::arc_lengths;
 use crate::output::contacts;
 use crate::output::figures::Figures;
-use crate::output::html::{self, Head, column, escape, left, plain, table, text};
+use crate::output::html::{self, Head, column, escape, left, plain, table, table_of_vectors, text};
 use crate::output::interface::largest_gap;
 use crate::output::json::{VERSION, largest, range};
 use crate::output::lines::{lines_section, place_in_words};
@@ -331,7 +331,7 @@ fn bodies<const D: usize>(model: &Model<D>, solution: &Solution<D>, labels: &Lab
     out += &format!(
         "<h3>Rigid motion</h3>\n<p>The rigid motion that comes closest to the displacements of the nodes, about their \
          centroid.</p>\n{}",
-        table(&heads, rows)
+        table_of_vectors(&heads, rows)
     );
     out
 }
@@ -402,7 +402,10 @@ fn points<const D: usize>(solution: &Solution<D>, labels: &Labels) -> String {
         column("force on the body", &labels.force),
         column("moment on the body", &labels.energy),
     ];
-    format!("<h3>Coupled points</h3>\n{}", table(&heads, rows))
+    format!(
+        "<h3>Coupled points</h3>\n{}",
+        table_of_vectors(&heads, rows)
+    )
 }
 
 fn timings<const D: usize>(run: &Overview<'_, D>) -> String {

@@ -269,6 +269,8 @@ fn triad(svg: &mut Svg, camera: &Camera, origin: Pixel) {
     const LENGTH: f64 = 22.0;
     const COLOURS: [&str; 3] = ["#b3402e", "#2f7d4f", "#2a5d9f"];
     let axes = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+    // above pictures that reach to the lower end of their window
+    svg.circle(origin, LENGTH + 13.0, "none", "#fff", "");
     let mut order = [0, 1, 2];
     order.sort_by(|&a, &b| {
         let depth = |i: usize| camera.turned(axes[i])[2];

@@ -7,7 +7,7 @@ use crate::geometry::{add_scaled, norm, sub};
 use crate::model::{Model, Solution};
 use crate::output::html::escape;
 use crate::output::json::largest;
-use crate::output::space::contact::faces;
+use crate::output::space::face::faces;
 use crate::output::space::scene::Scene;
 use crate::output::space::stress::magnification;
 use crate::output::space::thin::{Surface, thinned};
