@@ -162,8 +162,10 @@ struct Highest {
 impl Face<'_> {
     /// A window onto what is seen of the side.
     pub fn window(&self, corner: [f64; 2], size: [f64; 2]) -> Window {
-        let margin = if self.view.cutout { 0.0 } else { MARGIN };
-        Window::fitted(self.view.camera, self.view.extent, corner, size, margin)
+        let filled = self.view.cutout;
+        let margin = if filled { 0.0 } else { MARGIN };
+        let window = Window::fitted(self.view.camera, self.view.extent, corner, size, margin);
+        Window { filled, ..window }
     }
 
     /// Pressure, gap or state, by the column.

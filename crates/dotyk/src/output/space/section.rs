@@ -76,7 +76,10 @@ pub fn section_figure(scene: &Scene<'_>, solution: &Solution<3>) -> Option<Strin
         .map(|corners| camera.extent(on_plane(corners, section.axis, section.at)));
     let extents: Vec<Box2> = std::iter::once(camera.extent(left)).chain(close).collect();
     let cameras = vec![camera; extents.len()];
-    let (windows, height) = windows(&cameras, &extents, MARGIN, WIDTH - BAR);
+    let (mut windows, height) = windows(&cameras, &extents, MARGIN, WIDTH - BAR);
+    for window in windows.iter_mut().skip(1) {
+        window.filled = true;
+    }
     let mut svg = Svg::new(
         "section",
         "Section coloured by von Mises stress",
