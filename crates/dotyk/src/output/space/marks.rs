@@ -267,3 +267,54 @@ fn around(at: Pixel, half: Pixel) -> Box2 {
         [0, 1].map(|i| at[i] + half[i]),
     )
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::output::space::camera::Camera;
+
+    /// Pixels of the labels that an SVG element holds.
+    fn written(svg: Svg) -> Vec<Pixel> {
+        let page = svg.finish();
+        let number = |tag: &str, name: &str| -> f64 {
+            let rest = tag.split(&format!(" {name}=\"")).nth(1).unwrap();
+            rest.split('"').next().unwrap().parse().unwrap()
+        };
+        let tags = page.split("<text").skip(1);
+        tags.map(|tag| [number(tag, "x"), number(tag, "y")])
+            .collect()
+    }
+
+    #[test]
+    fn labels_keep_clear_of_each_other_and_of_arrows_where_there_is_room() {
+        let camera = Camera::from([0.0, -1.0, 0.0]);
+        let size = [400.0, 300.0];
+        let window = Window::fitted(camera, ([0.0; 2], [1.0; 2]), [0.0; 2], size, 0.0);
+        let labels = |arrows: &[[Pixel; 2]]| {
+            let mut svg = Svg::new("labels", "", 400.0, 300.0);
+            let mut labelled = Labelled::default();
+            arrows.iter().for_each(|ends| labelled.keep(*ends));
+            let place = [200.0, 150.0];
+            let mut put = || labelled.put(&mut svg, &window, place, "20 N", Type::LABEL);
+            assert!((0..4).all(|_| put()));
+            written(svg)
+        };
+        let apart = |list: &[Pixel]| {
+            list.iter().enumerate().all(|(i, a)| {
+                let far = |b: &Pixel| (a[0] - b[0]).abs() > 25.0 || (a[1] - b[1]).abs() > 13.0;
+                list[i + 1..].iter().all(far)
+            })
+        };
+        let plain = labels(&[]);
+        assert!(apart(&plain) && (plain[0][0] - 200.0).abs() < 1.0);
+        // one arrow from top to bottom through the place: all stand beside it
+        let beside = labels(&[[[200.0, 20.0], [200.0, 280.0]]]);
+        assert!(apart(&beside) && beside.iter().all(|p| (p[0] - 200.0).abs() > 15.0));
+        // arrows everywhere: they stand on them, apart
+        let rows: Vec<[Pixel; 2]> = (0..38)
+            .map(|k| f64::from(k) * 8.0)
+            .map(|y| [[0.0, y], [400.0, y]])
+            .collect();
+        assert!(apart(&labels(&rows)));
+    }
+}
