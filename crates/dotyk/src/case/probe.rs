@@ -141,6 +141,7 @@ fn reading<const D: usize>(
         return Err(Fault::new(&entry.key_span, message).label("superfluous"));
     }
     refuse_contradiction(table, name, quantity, along)?;
+    refuse_rotation(table, quantity, bodies)?;
     match (at, reduced, table.entry("mean_of_neighbours")) {
         (None, None, _) if quantity.is_field() && along.is_none() => Err(Fault::new(
             table.span,
@@ -192,7 +193,35 @@ fn refuse_contradiction<const D: usize>(
     }
 }
 
-/// The point of a couple of the body whose displacement is read.
+/// Errors: a rotation at a place that is not the point of a couple of its body.
+fn refuse_rotation<const D: usize>(
+    table: Table<'_>,
+    quantity: &Quantity,
+    bodies: &[Body<D>],
+) -> Result<(), Fault> {
+    if !quantity.is_rotation() || coupled(table, quantity, bodies).is_some() {
+        return Ok(());
+    }
+    let message = format!("`{quantity}` is that of the point of a couple, and is read at one");
+    let span = ["at", "along", "reduce"]
+        .into_iter()
+        .find_map(|key| table.entry(key));
+    let couples = quantity.displaced_body().map(|body| &bodies[body]);
+    let names = couples.into_iter().flat_map(|body| {
+        let couples = body.couples.iter();
+        couples.map(|couple| format!("`at = \"{}.{}\"`", body.name, couple.name))
+    });
+    let names: Vec<String> = names.collect();
+    let fault = Fault::new(span.map_or(table.span, |entry| &entry.node.span), message);
+    Err(match names.is_empty() {
+        true => fault.label("the body has no couple"),
+        false => fault
+            .label("no point of a couple of the body")
+            .help(format!("say {}", names.join(" or "))),
+    })
+}
+
+/// The point of a couple of the body whose displacement or rotation is read.
 fn coupled<const D: usize>(
     table: Table<'_>,
     quantity: &Quantity,

@@ -290,6 +290,10 @@ fn every_quantity_is_known() {
         "block.bottom.reaction.x",
         "sole.resultant.y",
         "sole.length",
+        "sole.length_stick",
+        "sole.length_slip",
+        "sole.dissipated_work",
+        "sole.dissipated_work_total",
     ];
     let fields = [
         "block.displacement.x",
@@ -300,6 +304,8 @@ fn every_quantity_is_known() {
         "sole.gap",
         "sole.shear",
         "sole.slip",
+        "sole.shear.x",
+        "sole.slip.magnitude",
         "sole.displacement_mortar",
     ];
     let old = "quantity = \"sole.pressure\"\nat       = [2.0, 1.0]";

@@ -34,6 +34,14 @@ use std::sync::Arc;
 /// Overlaps that are all below this part of the displacements they are differences of mean nothing.
 const ROUNDING: f64 = 1e-12;
 
+/// What friction did up to a step.
+pub(crate) struct Friction {
+    /// Relative tangential displacement in every row under friction, zero in the others, (m,).
+    pub slip: Vec<f64>,
+    /// Work that it has dissipated, by contact.
+    pub dissipated: Vec<f64>,
+}
+
 /// The bodies of a model condensed onto the contact unknowns, at one time.
 pub(crate) struct Condensed<const D: usize> {
     pub bodies: Vec<LoadedBody<D>>,
@@ -47,6 +55,8 @@ pub(crate) struct Condensed<const D: usize> {
     /// Spent so far, earlier steps included.
     pub seconds: Seconds,
     pub time: f64,
+    /// Work that friction dissipated before, by contact.
+    pub dissipated: Vec<f64>,
     /// Time and e of the step before.
     pub before: Option<(f64, Vec<f64>)>,
     /// Where stresses may be singular.
@@ -129,6 +139,7 @@ pub(crate) fn condense<const D: usize>(
         dropped,
         seconds,
         time,
+        dissipated: vec![0.0; model.contacts.len()],
         before: None,
         outlines: Outlines::default(),
         sites,
@@ -140,7 +151,7 @@ pub(crate) fn condense<const D: usize>(
 pub(crate) fn advance<const D: usize>(
     model: &Model<D>,
     before: Condensed<D>,
-    slip: &[f64],
+    past: &Friction,
     time: f64,
     observe: &mut dyn FnMut(Event),
 ) -> Result<Condensed<D>, Error<D>> {
@@ -148,7 +159,7 @@ pub(crate) fn advance<const D: usize>(
     let mut seconds = before.seconds;
     observe(Event::Stage("loads"));
     let (bodies, paired) = driven(model, before.bodies, before.paired, time)?;
-    let gaps = gaps_after(&paired, slip);
+    let gaps = gaps_after(&paired, &past.slip);
     seconds.assemble += lap.seconds();
     observe(Event::Stage("condense"));
     let factored: Vec<FactoredBody> = (&bodies, before.factored)
@@ -178,6 +189,7 @@ pub(crate) fn advance<const D: usize>(
         dropped: before.dropped,
         seconds,
         time,
+        dissipated: past.dissipated.clone(),
         before: Some((before.time, load_before)),
         outlines: before.outlines,
         sites: before.sites,
@@ -196,8 +208,11 @@ pub(crate) fn restart<const D: usize>(
     kept.sites = sites(model, &kept.paired)?;
     kept.remarks = body_remarks(model);
     kept.seconds = Seconds::default();
-    let unmoved = vec![0.0; kept.gaps.len()];
-    let here = advance(model, kept, &unmoved, time, observe)?;
+    let nothing = Friction {
+        slip: vec![0.0; kept.gaps.len()],
+        dissipated: vec![0.0; kept.dissipated.len()],
+    };
+    let here = advance(model, kept, &nothing, time, observe)?;
     Ok(Condensed {
         before: None,
         ..here

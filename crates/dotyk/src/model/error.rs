@@ -283,6 +283,12 @@ pub enum ProbeError<const D: usize> {
     /// A stress normal to a side, without a side.
     #[error("a stress normal to a side is read along one: `along = \"BODY.SIDE\"` is missing")]
     NoSide,
+    /// A rotation that is not that of a point of a couple.
+    #[error("a rotation is that of the point of a couple, and is read `at` one")]
+    NoCouple,
+    /// The displacement of the obstacle of a contact between two bodies.
+    #[error("the other side of the contact belongs to a body, and is no rigid obstacle")]
+    NoObstacle,
     /// A point in no cell of the body.
     #[error("the point {} lies outside the body", show(*point))]
     Outside {

@@ -30,12 +30,14 @@ pub(crate) fn fields<const D: usize>(
 ) -> Result<(Vec<BodySolution<D>>, Vec<ContactSolution<D>>), Error<D>> {
     let shears = shears(&condensed.problem.admissible, lambda);
     let contacts = model.contacts.iter().zip(row_ranges(&condensed.paired));
-    let contacts = contacts.map(|(contact, (rows, pair))| {
+    let contacts = contacts.zip(&condensed.dissipated);
+    let contacts = contacts.map(|((contact, (rows, pair)), &dissipated)| {
         let obstacle = moved(model, pair, &displaced).obstacle;
         let rows = Rows {
             gaps: &displaced.gaps[rows.clone()],
             lambda: &lambda[rows.clone()],
             shears: &shears[rows],
+            dissipated,
         };
         contact_solution(
             model,
@@ -173,6 +175,8 @@ struct Rows<'a> {
     lambda: &'a [f64],
     /// What the shear of the nodes with friction does, at their normal rows; `None` elsewhere.
     shears: &'a [Option<Shear>],
+    /// Work that friction dissipated in them before this step.
+    dissipated: f64,
 }
 
 /// What the shear of every node with friction does, at its normal row (m,).
@@ -224,6 +228,7 @@ fn contact_solution<const D: usize>(
         gaps,
         lambda,
         shears,
+        dissipated: before,
     }: Rows<'_>,
 ) -> ContactSolution<D> {
     let body = &model.bodies[pair.nonmortar.body.0];
@@ -299,24 +304,31 @@ fn contact_solution<const D: usize>(
     };
     let nodes: Vec<ContactNode<D>> = pair.interface.nodes.iter().map(node_state).collect();
     let touching = |n: &ContactNode<D>| n.status != Status::Open && n.status != Status::Fixed;
-    let extents = nodes.iter().zip(&pair.interface.nodes);
-    let length = extents.filter(|(state, _)| touching(state));
-    let length = length.map(|(_, node)| node.extent).sum();
+    let length = |counts: &dyn Fn(&ContactNode<D>) -> bool| {
+        let extents = nodes.iter().zip(&pair.interface.nodes);
+        let counted = extents.filter(|(state, _)| counts(state));
+        counted.map(|(_, node)| node.extent).sum()
+    };
     let (resultant, moment, imbalance) = balance(model, pair, lambda);
     let tangential = pair.interface.tangential().into_iter();
     let work = tangential.zip(lambda.iter().zip(gaps));
     let dissipated = work.map(|(is, (l, gap))| if is { -l * gap } else { 0.0 });
+    let dissipated = dissipated.sum::<f64>();
     ContactSolution {
         name: name.to_string(),
         nonmortar: pair.nonmortar.clone(),
         mortar: pair.mortar.clone(),
+        length: length(&touching),
+        length_stick: length(&|n| n.status == Status::Stick),
+        length_slip: length(&|n| n.status == Status::Slip),
         nodes,
         cyclic: pair.interface.cyclic,
         resultant,
         moment,
-        length,
         imbalance,
-        dissipated: dissipated.sum(),
+        obstacle: pair.mortar.is_none().then_some(obstacle),
+        dissipated,
+        dissipated_total: before + dissipated,
     }
 }
 

@@ -10,7 +10,7 @@ use crate::model::locate::{Located, locate, locate_all, locate_on_side};
 use crate::model::nouns::{Along, Analysis, BodyId, Model, Probe, Reading, SideRef};
 use crate::model::on_side::{OnSide, fitting};
 use crate::model::pair::Paired;
-use crate::model::quantity::{ContactField, Displacement, Parts, Stress};
+use crate::model::quantity::{Component, ContactField, Parts, Since, Stress, Touching};
 use crate::model::recover::centroid;
 use crate::model::solution::{BodySolution, ContactNode, LinePoint, ProbeValue, Solution};
 use std::collections::BTreeMap;
@@ -75,13 +75,20 @@ fn site<const D: usize>(
     }
     let carrier = match &probe.quantity.parts {
         Parts::Displacement(of, _) | Parts::Stress(of, _) => Carrier::Body(*of),
+        Parts::Rotation(..) => return Err(ProbeError::NoCouple),
+        Parts::Obstacle(of, _) if paired[*of].mortar.is_some() => {
+            return Err(ProbeError::NoObstacle);
+        }
         Parts::Along(of, _) => Carrier::Side(&paired[*of].nonmortar),
         Parts::Reaction(of, Some(side), _) => {
             return Ok(side_facets(&model.bodies[*of].mesh, side).map(|_| nowhere)?);
         }
-        Parts::Reaction(..) | Parts::Resultant(..) | Parts::Moment(..) | Parts::Length(_) => {
-            return Ok(nowhere);
-        }
+        Parts::Reaction(..)
+        | Parts::Resultant(..)
+        | Parts::Moment(..)
+        | Parts::Length(..)
+        | Parts::Dissipated(..)
+        | Parts::Obstacle(..) => return Ok(nowhere),
     };
     match (&probe.along, probe.reading) {
         (None, Reading::Whole) => return Err(ProbeError::NoPlace),
@@ -274,25 +281,41 @@ fn field<'a, const D: usize>(
             let contact = &solution.contacts[of];
             number(contact.moment[axis] - cross(probe.center, contact.resultant)[axis])
         }
-        Parts::Length(of) => number(solution.contacts[of].length),
+        Parts::Length(of, what) => {
+            let contact = &solution.contacts[of];
+            number(match what {
+                Touching::Whole => contact.length,
+                Touching::Stick => contact.length_stick,
+                Touching::Slip => contact.length_slip,
+            })
+        }
+        Parts::Dissipated(of, since) => {
+            let contact = &solution.contacts[of];
+            number(match since {
+                Since::Step => contact.dissipated,
+                Since::Start => contact.dissipated_total,
+            })
+        }
+        Parts::Obstacle(of, component) => {
+            let moved = solution.contacts[of].obstacle;
+            number(moved.map_or(f64::NAN, |u| component.of(u)))
+        }
+        Parts::Rotation(of, axis) => number(rotation(body(of).1, probe.reading, axis)),
         Parts::Displacement(of, component) => {
             let (mesh, solved) = body(of);
             if let Reading::Coupled(place) = probe.reading
                 && let Some(couple) = solved.couples.get(place)
             {
                 let u = sub(couple.displacement, minus(couple.point));
-                return number(match component {
-                    Displacement::Axis(axis) => u[axis],
-                    Displacement::Magnitude => norm(u),
-                });
+                return number(component.of(u));
             }
             let relative =
                 move |node: usize| sub(solved.displacement[node], minus(mesh.points()[node]));
             Quantified::Varies(match component {
-                Displacement::Axis(axis) => {
+                Component::Axis(axis) => {
                     NodalField::scalar(Carrier::Body(of), move |node, _| relative(node)[axis])
                 }
-                Displacement::Magnitude => NodalField {
+                Component::Magnitude => NodalField {
                     carrier: Carrier::Body(of),
                     vector: Box::new(move |node, _| relative(node)),
                     number: norm,
@@ -328,6 +351,17 @@ fn field<'a, const D: usize>(
             Quantified::Varies(NodalField::scalar(Carrier::Side(&contact.nonmortar), value))
         }
     }
+}
+
+/// Rotation about an axis of the point of a couple; in the plane there is one. NaN where it is read at no such point.
+fn rotation<const D: usize>(body: &BodySolution<D>, reading: Reading<D>, axis: usize) -> f64 {
+    let Reading::Coupled(place) = reading else {
+        return f64::NAN;
+    };
+    let couple = body.couples.get(place);
+    let turns = couple.map_or(&[][..], |couple| &couple.rotation);
+    let axis = if D == 3 { axis } else { 0 };
+    turns.get(axis).copied().unwrap_or(f64::NAN)
 }
 
 /// The places that a probe is read along; none where it is read otherwise.
@@ -413,7 +447,9 @@ fn along<const D: usize>(
         ContactField::Pressure => node.pressure,
         ContactField::Gap => node.gap,
         ContactField::Shear => tangential(node.shear),
+        ContactField::ShearVector(component) => component.of(node.shear),
         ContactField::Slip => tangential(node.slip),
+        ContactField::SlipVector(component) => component.of(node.slip),
         ContactField::DisplacementNonmortar => beside_rigid(node.displacement_nonmortar),
         ContactField::DisplacementMortar => beside_rigid(node.displacement_mortar),
     }

@@ -2,12 +2,14 @@
 //!
 //! ```text
 //!   BODY.displacement.x   BODY.stress.von_mises   BODY.reaction.y   BODY.SIDE.reaction.y
-//!   CONTACT.pressure      CONTACT.resultant.x     CONTACT.length
+//!   BODY.rotation.z       CONTACT.pressure        CONTACT.shear.x
+//!   CONTACT.resultant.x   CONTACT.length          CONTACT.dissipated_work
 //! ```
 //!
 //! A new quantity is a variant with its word here, and its value in `probe.rs`.
 
 use crate::fem::Body;
+use crate::geometry::{Point, norm};
 use std::fmt;
 use std::ops::Range;
 
@@ -22,7 +24,9 @@ pub struct Quantity {
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) enum Parts {
     /// Displacement of a body; a field.
-    Displacement(usize, Displacement),
+    Displacement(usize, Component),
+    /// Rotation of the point of a couple of a body, in radians; a number.
+    Rotation(usize, usize),
     /// Stress of a body; a field.
     Stress(usize, Stress),
     /// Force of the supports on a body, of all or those of a side; a number.
@@ -34,14 +38,48 @@ pub(crate) enum Parts {
     /// Its moment in space about a centre; a number.
     Moment(usize, usize),
     /// Length or area in contact; a number.
-    Length(usize),
+    Length(usize, Touching),
+    /// Work that friction has dissipated; a number.
+    Dissipated(usize, Since),
+    /// Displacement of the rigid obstacle of a contact; a number.
+    Obstacle(usize, Component),
 }
 
-/// A component of a displacement, or its length.
+/// A component of a vector, or its length.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) enum Displacement {
+pub(crate) enum Component {
     Axis(usize),
     Magnitude,
+}
+
+impl Component {
+    /// That of a vector.
+    pub(crate) fn of<const D: usize>(self, vector: Point<D>) -> f64 {
+        match self {
+            Self::Axis(axis) => vector[axis],
+            Self::Magnitude => norm(vector),
+        }
+    }
+}
+
+/// What of a contact is counted.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) enum Touching {
+    /// All that touches.
+    Whole,
+    /// What is held by friction.
+    Stick,
+    /// What is at the bound of friction.
+    Slip,
+}
+
+/// Where a sum over load steps begins.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) enum Since {
+    /// With the step itself.
+    Step,
+    /// With the first one.
+    Start,
 }
 
 /// One of xx yy zz xy yz xz by its place there, von Mises, a principal stress, or the difference of the largest and the
@@ -60,18 +98,23 @@ pub(crate) enum Stress {
     Normal,
 }
 
-/// What varies along a contact. Shear and slip are along the tangent in the plane, lengths in space.
+/// What varies along a contact. Shear and slip are along the tangent in the plane, lengths in space; or components in global
+/// axes.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) enum ContactField {
     Pressure,
     Gap,
     Shear,
+    ShearVector(Component),
     Slip,
+    SlipVector(Component),
     DisplacementNonmortar,
     DisplacementMortar,
 }
 
-use ContactField::{DisplacementMortar, DisplacementNonmortar, Gap, Pressure, Shear, Slip};
+use ContactField::{
+    DisplacementMortar, DisplacementNonmortar, Gap, Pressure, Shear, ShearVector, Slip, SlipVector,
+};
 
 /// What a quantity is measured in.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -86,11 +129,18 @@ pub enum Dimension {
     Area,
     /// A force times a length.
     Moment,
+    /// A work.
+    Energy,
+    /// Radians.
+    Angle,
     /// An integral of another one.
     Other,
 }
 
 const AXES: [(&str, usize); 3] = [("x", 0), ("y", 1), ("z", 2)];
+
+/// The displacement of the rigid obstacle of a contact.
+const OBSTACLE: &str = "displacement_obstacle";
 
 /// The two last are those of space, the one before them that of the plane.
 const STRESSES: [(&str, Stress); 13] = [
@@ -116,6 +166,17 @@ const FIELDS: [(&str, ContactField); 6] = [
     ("slip", Slip),
     ("displacement_nonmortar", DisplacementNonmortar),
     ("displacement_mortar", DisplacementMortar),
+];
+
+const LENGTHS: [(&str, Touching); 3] = [
+    ("length", Touching::Whole),
+    ("length_stick", Touching::Stick),
+    ("length_slip", Touching::Slip),
+];
+
+const WORKS: [(&str, Since); 2] = [
+    ("dissipated_work", Since::Step),
+    ("dissipated_work_total", Since::Start),
 ];
 
 /// Why a text is no quantity: which of its words is wrong.
@@ -190,18 +251,25 @@ impl Quantity {
     pub fn dimension(&self) -> Dimension {
         match self.parts {
             Parts::Reaction(..) | Parts::Resultant(..) => Dimension::Force,
-            Parts::Stress(..) | Parts::Along(_, Pressure | Shear) => Dimension::Stress,
-            Parts::Displacement(..) | Parts::Along(..) | Parts::Length(_) => Dimension::Length,
+            Parts::Stress(..) | Parts::Along(_, Pressure | Shear | ShearVector(_)) => {
+                Dimension::Stress
+            }
+            Parts::Displacement(..)
+            | Parts::Along(..)
+            | Parts::Length(..)
+            | Parts::Obstacle(..) => Dimension::Length,
             Parts::Moment(..) => Dimension::Moment,
+            Parts::Dissipated(..) => Dimension::Energy,
+            Parts::Rotation(..) => Dimension::Angle,
         }
     }
 
     /// It varies from place to place.
     pub fn is_field(&self) -> bool {
-        use Parts::{Length, Moment, Reaction, Resultant};
-        !matches!(
+        use Parts::{Along, Displacement, Rotation, Stress};
+        matches!(
             self.parts,
-            Reaction(..) | Resultant(..) | Moment(..) | Length(_)
+            Displacement(..) | Rotation(..) | Stress(..) | Along(..)
         )
     }
 
@@ -220,7 +288,7 @@ impl Quantity {
 
     /// It is the length of a contact, or in space its area.
     pub(crate) fn is_extent(&self) -> bool {
-        matches!(self.parts, Parts::Length(_))
+        matches!(self.parts, Parts::Length(..))
     }
 
     /// It belongs to the nodes of a contact.
@@ -228,10 +296,15 @@ impl Quantity {
         matches!(self.parts, Parts::Along(..))
     }
 
-    /// The body whose displacement it is.
+    /// It is read at the point of a couple, and nowhere else.
+    pub(crate) fn is_rotation(&self) -> bool {
+        matches!(self.parts, Parts::Rotation(..))
+    }
+
+    /// The body whose displacement or rotation it is.
     pub(crate) fn displaced_body(&self) -> Option<usize> {
         match self.parts {
-            Parts::Displacement(body, _) => Some(body),
+            Parts::Displacement(body, _) | Parts::Rotation(body, _) => Some(body),
             _ => None,
         }
     }
@@ -257,12 +330,10 @@ fn of_body<const D: usize>(
     index: usize,
     body: &Body<D>,
 ) -> Result<Parts, QuantityError> {
-    const QUANTITIES: [&str; 3] = ["displacement", "stress", "reaction"];
+    const QUANTITIES: [&str; 4] = ["displacement", "rotation", "stress", "reaction"];
     let axes = &AXES[..D];
-    let moved = axes.iter().map(|&(word, i)| (word, Displacement::Axis(i)));
-    let moved: Vec<_> = moved
-        .chain([("magnitude", Displacement::Magnitude)])
-        .collect();
+    let moved = components::<D>();
+    let turns = if D == 3 { &AXES[..] } else { &AXES[2..] };
     let stresses: Vec<(&str, Stress)> = match D {
         3 => STRESSES
             .iter()
@@ -277,6 +348,10 @@ fn of_body<const D: usize>(
             let component = words.one_of(2, "displacement", &moved)?;
             Ok(Parts::Displacement(index, component))
         }
+        ["rotation", _] => {
+            let axis = words.one_of(2, "component", turns)?;
+            Ok(Parts::Rotation(index, axis))
+        }
         ["stress", _] => Ok(Parts::Stress(index, words.one_of(2, "stress", stresses)?)),
         ["reaction", _] => {
             let axis = words.one_of(2, "component", axes)?;
@@ -289,6 +364,7 @@ fn of_body<const D: usize>(
             Ok(Parts::Reaction(index, Some(side.to_string()), axis))
         }
         ["displacement"] => Err(words.incomplete(names(&moved))),
+        ["rotation"] => Err(words.incomplete(names(turns))),
         ["stress"] => Err(words.incomplete(names(stresses))),
         ["reaction"] | [_, "reaction"] => Err(words.incomplete(names(axes))),
         [] => Err(words.incomplete(QUANTITIES)),
@@ -296,14 +372,27 @@ fn of_body<const D: usize>(
     }
 }
 
+/// The words of the components of a vector.
+fn components<const D: usize>() -> Vec<(&'static str, Component)> {
+    let axes = AXES[..D].iter();
+    let axes = axes.map(|&(word, i)| (word, Component::Axis(i)));
+    axes.chain([("magnitude", Component::Magnitude)]).collect()
+}
+
 fn of_contact<const D: usize>(words: &Words<'_>, contact: usize) -> Result<Parts, QuantityError> {
     let moment = (D == 3).then_some("moment");
     let quantities = || {
-        let numbers = ["resultant", "length"].into_iter().chain(moment);
-        names(&FIELDS).chain(numbers)
+        let vectors = ["resultant"].into_iter().chain(moment).chain([OBSTACLE]);
+        let numbers = names(&LENGTHS).chain(names(&WORKS));
+        names(&FIELDS).chain(vectors).chain(numbers)
     };
+    let components = components::<D>();
     match words.0[1..] {
-        ["length"] => Ok(Parts::Length(contact)),
+        [OBSTACLE, _] => {
+            let component = words.one_of(2, "component", &components)?;
+            Ok(Parts::Obstacle(contact, component))
+        }
+        [OBSTACLE] => Err(words.incomplete(names(&components))),
         ["resultant", _] => {
             let axis = words.one_of(2, "component", &AXES[..D])?;
             Ok(Parts::Resultant(contact, axis))
@@ -315,14 +404,34 @@ fn of_contact<const D: usize>(words: &Words<'_>, contact: usize) -> Result<Parts
         ["moment"] if D == 3 => Err(words.incomplete(names(&AXES))),
         ["resultant"] => Err(words.incomplete(names(&AXES[..D]))),
         [] => Err(words.incomplete(quantities())),
-        [word, ref more @ ..] => match FIELDS.iter().find(|(name, _)| *name == word) {
-            Some(&(_, field)) if more.is_empty() => Ok(Parts::Along(contact, field)),
-            _ if quantities().any(|name| name == word) => {
-                Err(words.mistake(Mistake::TooLong, 1, []))
-            }
-            _ => Err(words.mistake(Mistake::Unknown("quantity of a contact"), 1, quantities())),
-        },
+        [word @ ("shear" | "slip"), _] => {
+            let component = words.one_of(2, "component", &components)?;
+            let vector = if word == "shear" {
+                ShearVector
+            } else {
+                SlipVector
+            };
+            Ok(Parts::Along(contact, vector(component)))
+        }
+        [word] => {
+            let field = find(&FIELDS, word).map(|field| Parts::Along(contact, field));
+            let length = || find(&LENGTHS, word).map(|what| Parts::Length(contact, what));
+            let work = || find(&WORKS, word).map(|since| Parts::Dissipated(contact, since));
+            let unknown =
+                || words.mistake(Mistake::Unknown("quantity of a contact"), 1, quantities());
+            field.or_else(length).or_else(work).ok_or_else(unknown)
+        }
+        [word, ..] if quantities().any(|name| name == word) => {
+            Err(words.mistake(Mistake::TooLong, 1, []))
+        }
+        _ => Err(words.mistake(Mistake::Unknown("quantity of a contact"), 1, quantities())),
     }
+}
+
+/// The meaning of a word.
+fn find<T: Copy>(table: &[(&str, T)], word: &str) -> Option<T> {
+    let found = table.iter().find(|(name, _)| *name == word);
+    found.map(|(_, value)| *value)
 }
 
 fn names<'k, T>(table: &[(&'k str, T)]) -> impl Iterator<Item = &'k str> {
@@ -340,8 +449,7 @@ impl Words<'_> {
         what: &'static str,
         table: &[(&str, T)],
     ) -> Result<T, QuantityError> {
-        let found = table.iter().find(|(word, _)| *word == self.0[at]);
-        let found = found.map(|(_, value)| *value);
+        let found = find(table, self.0[at]);
         found.ok_or_else(|| self.mistake(Mistake::Unknown(what), at, names(table)))
     }
 

@@ -122,8 +122,16 @@ pub struct ContactSolution<const D: usize> {
     pub length: f64,
     /// Sum of the forces on both sides, relative to the sum of the nodal forces' magnitudes.
     pub imbalance: f64,
+    /// What of the length sticks; with friction.
+    pub length_stick: f64,
+    /// What of it slips.
+    pub length_slip: f64,
+    /// Displacement of the rigid obstacle; `None` where the other side is that of a body.
+    pub obstacle: Option<Point<D>>,
     /// Work that friction dissipated in this step, ≥ 0.
     pub dissipated: f64,
+    /// The same since the first step, this one included.
+    pub dissipated_total: f64,
 }
 
 /// A rigid motion that a body's supports leave free, in words and numbers.

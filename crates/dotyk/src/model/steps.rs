@@ -3,7 +3,7 @@
 use crate::dual::Multipliers;
 use crate::model::attempt::{Start, certified_attempt};
 use crate::model::compliance::DENSE_LIMIT;
-use crate::model::condense::{Condensed, advance, condense, restart};
+use crate::model::condense::{Condensed, Friction, advance, condense, restart};
 use crate::model::error::{Error, Objection};
 use crate::model::event::{Event, Lap};
 use crate::model::finish::finish;
@@ -21,8 +21,7 @@ use std::time::Instant;
 /// How a load step ended: what the next one begins from.
 struct End {
     multipliers: Multipliers,
-    /// Relative tangential displacement in every row under friction, zero in the others, (m,).
-    slip: Vec<f64>,
+    friction: Friction,
 }
 
 impl End {
@@ -161,7 +160,7 @@ impl<const D: usize> March<D> {
         observe: &mut dyn FnMut(Event),
     ) -> Result<Condensed<D>, Error<D>> {
         match (self.condensed.take(), &self.last) {
-            (Some(before), Some(last)) => advance(model, before, &last.slip, time, observe),
+            (Some(before), Some(last)) => advance(model, before, &last.friction, time, observe),
             (Some(kept), None) => restart(model, kept, time, observe),
             _ => condense(model, time, self.dense_limit, observe),
         }
@@ -211,11 +210,18 @@ fn solve_step<const D: usize>(
     condensed.seconds.contact += lap.seconds();
     observe(Event::Stage("recover"));
     let objection = objection(model, condensed, &attempt, &judged);
-    let end = End {
-        multipliers: attempt.outcome.multipliers.clone(),
-        slip: slip(&judged, condensed),
-    };
+    let multipliers = attempt.outcome.multipliers.clone();
+    let slip = slip(&judged, condensed);
     let mut solution = finish(model, condensed, attempt, judged, objection.is_none())?;
+    let works = solution.contacts.iter().map(|c| c.dissipated_total);
+    let friction = Friction {
+        slip,
+        dissipated: works.collect(),
+    };
+    let end = End {
+        multipliers,
+        friction,
+    };
     condensed.seconds.recover += lap.seconds();
     condensed.seconds.total = start.elapsed().as_secs_f64();
     solution.seconds = condensed.seconds;

@@ -1,12 +1,12 @@
 //! Sections of the report on contacts: what they transmit, the balance of the bodies, and their nodes.
 
 use crate::geometry::{Point, add_scaled, norm};
-use crate::model::{Analysis, Model, Solution};
+use crate::model::{Analysis, ContactSolution, Model, Solution};
 use crate::output::chain::along_tangent;
 use crate::output::figures::Figures;
 use crate::output::html::{column, escape, left, marked, plain, table, text};
-use crate::output::interface::largest_gap;
-use crate::output::json::{closed_and_open, in_contact, largest, max_penetration};
+use crate::output::interface::{largest_gap, length_scale};
+use crate::output::json::{closed_and_open, in_contact, largest, max_penetration, range};
 use crate::output::text::{
     Labels, count, number, power, quantity, vector, vector_on, without_noise,
 };
@@ -34,13 +34,14 @@ pub fn contacts<const D: usize>(
                 text(&c.name),
                 plain(format!("{} / {}", count(closed), count(open))),
                 plain(number(c.length)),
-                plain(number(largest(c.nodes.iter().map(|n| n.pressure)))),
+                plain(pressures(c)),
                 plain(number(largest_gap(&c.nodes))),
-                plain(if max_penetration(&c.nodes) == 0.0 {
-                    "0".to_string()
-                } else {
-                    power(max_penetration(&c.nodes))
-                }),
+                plain(
+                    match without_noise(max_penetration(&c.nodes), length_scale(c.nodes.iter())) {
+                        0.0 => "0".to_string(),
+                        depth => power(depth),
+                    },
+                ),
                 plain(vector(&c.resultant, "")),
             ]
         })
@@ -49,16 +50,35 @@ pub fn contacts<const D: usize>(
         left("contact"),
         column("nodes closed / open", ""),
         column(&format!("{extent} in contact"), unit),
-        column("largest pressure", &labels.stress),
+        column("pressure where it touches", &labels.stress),
         column("largest gap", &labels.length),
         column("penetration", &labels.length),
         column("force on the nonmortar body", &labels.force),
     ];
     out += &table(&heads, rows);
-    for index in 0..solution.contacts.len() {
-        out += &figures.contact(solution, index);
+    let drawn = (0..solution.contacts.len()).map(|index| figures.contact(solution, index));
+    let drawn: Vec<String> = drawn.filter(|figure| !figure.is_empty()).collect();
+    let left = solution.contacts.len() - drawn.len();
+    if left > 0 && !drawn.is_empty() {
+        out += &format!(
+            "<p>Pictures show the {} contacts that bear most, tied ones last; of the other {} the table tells, and contact.csv.</p>\n",
+            count(drawn.len()),
+            count(left)
+        );
     }
-    out
+    out + &drawn.concat()
+}
+
+/// The least and the largest pressure of the nodes that touch.
+fn pressures<const D: usize>(contact: &ContactSolution<D>) -> String {
+    let touching = contact.nodes.iter().filter(|n| in_contact(n.status));
+    let most = largest(touching.clone().map(|n| n.pressure));
+    let [low, high] = range(touching.map(|n| without_noise(n.pressure, most)));
+    match low < high {
+        true => format!("{} … {}", number(low), number(high)),
+        // one node, or none
+        false => number(if high.is_finite() { high } else { 0.0 }),
+    }
 }
 
 /// Reactions, forces of the contacts and loads on each body.

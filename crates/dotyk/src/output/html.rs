@@ -118,6 +118,11 @@ pub fn table(heads: &[Head], rows: Vec<Vec<Entry>>) -> String {
     out + "</tbody></table></div>\n"
 }
 
+/// A table of vectors, which may take several lines each.
+pub fn table_of_vectors(heads: &[Head], rows: Vec<Vec<Entry>>) -> String {
+    format!("<div class=\"tight\">\n{}</div>\n", table(heads, rows))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -3,7 +3,7 @@
 //!
 //! Signs: gap ≥ 0 open, pressure ≥ 0 compression. The arc length runs along the nonmortar side, undeformed.
 
-use crate::geometry::{Point, add_scaled, bounding_box, distance, dot, sub};
+use crate::geometry::{Point, add_scaled, bounding_box, distance, dot, norm, sub};
 use crate::model::{ContactNode, ContactSolution, Law, Status};
 use crate::output::chain::{angles, arc_lengths, tangent};
 use crate::output::json::{in_contact, largest};
@@ -414,10 +414,22 @@ fn interface_line(svg: &mut Svg, chain: &[&ContactNode<2>], feet: &[Pixel]) {
     }
 }
 
-/// The largest length that a gap is the difference of.
-fn length_scale<'a, const D: usize>(nodes: impl Iterator<Item = &'a ContactNode<D>>) -> f64 {
-    let moved = nodes.flat_map(|n| [n.displacement_nonmortar, n.displacement_mortar, n.gap]);
-    largest(moved.map(f64::abs))
+/// Places know their differences to this part of [`length_scale`]: it is rounding below 10⁻¹⁴ of them.
+const OF_PLACES: f64 = 1e-4;
+
+/// The largest length that a gap is the difference of; of the places themselves a small part, they are exact but for the last
+/// digits.
+pub fn length_scale<'a, const D: usize>(nodes: impl Iterator<Item = &'a ContactNode<D>>) -> f64 {
+    let lengths = nodes.flat_map(|n| {
+        let place = OF_PLACES * norm(n.point);
+        [
+            n.displacement_nonmortar,
+            n.displacement_mortar,
+            n.gap,
+            place,
+        ]
+    });
+    largest(lengths.map(f64::abs))
 }
 
 /// Largest gap of a contact, zero where there are rounding errors only; NaN when no node has a gap.

@@ -9,7 +9,7 @@ use crate::output::Overview;
 use crate::output::chain::arc_lengths;
 use crate::output::contacts;
 use crate::output::figures::Figures;
-use crate::output::html::{self, Head, column, escape, left, plain, table, text};
+use crate::output::html::{self, Head, column, escape, left, plain, table, table_of_vectors, text};
 use crate::output::interface::largest_gap;
 use crate::output::json::{VERSION, largest, range};
 use crate::output::lines::{lines_section, place_in_words};
@@ -237,7 +237,7 @@ fn probes<const D: usize>(model: &Model<D>, solution: &Solution<D>, labels: &Lab
             let asked = model.probes.iter().find(|m| m.name == p.name);
             let point = asked.and_then(|m| m.reading.point());
             let point = point.map(|at| vector(&at, ""));
-            let point = point.or(p.at.map(|at| vector(&at[..D], "")));
+            let point = point.or(p.at.map(|at| scales.place(&at[..D])));
             let coupled = asked.and_then(|m| m.coupled(model)).map(|c| c.name.clone());
             let at = coupled
                 .or(point)
@@ -331,7 +331,7 @@ fn bodies<const D: usize>(model: &Model<D>, solution: &Solution<D>, labels: &Lab
     out += &format!(
         "<h3>Rigid motion</h3>\n<p>The rigid motion that comes closest to the displacements of the nodes, about their \
          centroid.</p>\n{}",
-        table(&heads, rows)
+        table_of_vectors(&heads, rows)
     );
     out
 }
@@ -402,7 +402,10 @@ fn points<const D: usize>(solution: &Solution<D>, labels: &Labels) -> String {
         column("force on the body", &labels.force),
         column("moment on the body", &labels.energy),
     ];
-    format!("<h3>Coupled points</h3>\n{}", table(&heads, rows))
+    format!(
+        "<h3>Coupled points</h3>\n{}",
+        table_of_vectors(&heads, rows)
+    )
 }
 
 fn timings<const D: usize>(run: &Overview<'_, D>) -> String {

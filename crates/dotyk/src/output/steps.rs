@@ -7,10 +7,10 @@ use crate::output::html::{Head, column, escape, figure, plain, table};
 use crate::output::json::{closed_and_open, largest};
 use crate::output::panels::{Abscissae, Panel, Series, panels_figure};
 use crate::output::plot::Axis;
-use crate::output::text::{Labels, count, number, vector, without_noise};
+use crate::output::text::{Labels, Scales, count, number, vector, without_noise};
 
 /// More probes than this are left to the table.
-const MOST_PANELS: usize = 8;
+const MOST_PANELS: usize = 24;
 
 /// Columns of values in one table of probes.
 const COLUMNS: usize = 4;
@@ -28,17 +28,23 @@ pub fn steps_section<const D: usize>(run: &Overview<'_, D>, labels: &Labels) -> 
         number(run.last.time)
     );
     if let Some(svg) = steps_figure(&steps, labels) {
-        let caption = "Contact and probes against the time t of the steps.";
-        out += &figure(&svg, "Load steps", caption);
+        let left = numbers(run.last).count().saturating_sub(MOST_PANELS);
+        let more = match left {
+            0 => String::new(),
+            left => format!(" The last {} probes are in the table alone.", count(left)),
+        };
+        let caption = format!("Contact and probes against the time t of the steps.{more}");
+        out += &figure(&svg, "Load steps", &caption);
     }
     out += &overview(&steps, labels);
     for contact in 0..run.last.contacts.len() {
         out += &contact_table(&steps, contact, labels);
     }
     let probes: Vec<usize> = numbers(run.last).collect();
+    let values = probe_values(&steps);
     for (part, chosen) in probes.chunks(COLUMNS).enumerate() {
         out += if part == 0 { "<h3>Probes</h3>\n" } else { "" };
-        out += &probe_table(&steps, chosen, labels);
+        out += &probe_table(&steps, &values, chosen, labels);
     }
     out
 }
@@ -58,6 +64,7 @@ fn panels<const D: usize>(steps: &[&Solution<D>], labels: &Labels) -> Vec<Panel>
             })
             .collect(),
     };
+    let values = probe_values(steps);
     let mut list = Vec::new();
     if !last.contacts.is_empty() {
         let pressure = |c: &ContactSolution<D>| largest(c.nodes.iter().map(|n| n.pressure));
@@ -74,7 +81,7 @@ fn panels<const D: usize>(steps: &[&Solution<D>], labels: &Labels) -> Vec<Panel>
         zero: true,
         curves: vec![Series {
             name: String::new(),
-            values: steps.iter().map(|s| s.probes[i].value).collect(),
+            values: values.iter().map(|step| step[i]).collect(),
         }],
     }));
     list
@@ -116,11 +123,11 @@ fn heads(more: Vec<Head>) -> Vec<Head> {
 fn rows<const D: usize>(
     steps: &[&Solution<D>],
     heads: Vec<Head>,
-    row: impl Fn(&Solution<D>) -> Vec<String>,
+    row: impl Fn(usize, &Solution<D>) -> Vec<String>,
 ) -> String {
     let rows = steps.iter().enumerate().map(|(i, solution)| {
         let first = first_cells(i, solution).into_iter();
-        first.chain(row(solution)).map(plain).collect()
+        first.chain(row(i, solution)).map(plain).collect()
     });
     table(&self::heads(heads), rows.collect())
 }
@@ -133,7 +140,7 @@ fn overview<const D: usize>(steps: &[&Solution<D>], labels: &Labels) -> String {
         column("elastic energy", &labels.energy),
         column("certified", ""),
     ];
-    rows(steps, heads, |s| {
+    rows(steps, heads, |_, s| {
         let bodies = || s.bodies.iter();
         let stresses = bodies().flat_map(|b| b.von_mises.iter().copied());
         vec![
@@ -158,7 +165,7 @@ fn contact_table<const D: usize>(
         column("force on the nonmortar body", &labels.force),
     ];
     let name = steps.last().map_or("", |s| &s.contacts[contact].name);
-    let body = rows(steps, heads, |s| {
+    let body = rows(steps, heads, |_, s| {
         let c = &s.contacts[contact];
         let (closed, open) = closed_and_open(&c.nodes);
         vec![
@@ -173,6 +180,7 @@ fn contact_table<const D: usize>(
 
 fn probe_table<const D: usize>(
     steps: &[&Solution<D>],
+    values: &[Vec<f64>],
     chosen: &[usize],
     labels: &Labels,
 ) -> String {
@@ -184,14 +192,25 @@ fn probe_table<const D: usize>(
         column(&probe.name, labels.unit(probe.dimension))
     };
     let scale = |i: usize| {
-        steps
+        values
             .iter()
-            .fold(0.0, |s, step| f64::max(s, step.probes[i].value.abs()))
+            .fold(0.0, |s, step| f64::max(s, step[i].abs()))
     };
-    let value = |s: &Solution<D>, i: usize| number(without_noise(s.probes[i].value, scale(i)));
-    rows(steps, chosen.iter().map(head).collect(), |s| {
-        chosen.iter().map(|&i| value(s, i)).collect()
+    let value = |step: usize, i: usize| number(without_noise(values[step][i], scale(i)));
+    rows(steps, chosen.iter().map(head).collect(), |step, _| {
+        chosen.iter().map(|&i| value(step, i)).collect()
     })
+}
+
+/// Values of all probes by step; what is rounding beside forces, stresses and displacements of its step is zero.
+fn probe_values<const D: usize>(steps: &[&Solution<D>]) -> Vec<Vec<f64>> {
+    let of_step = |solution: &&Solution<D>| {
+        let scales = Scales::of(solution);
+        let probes = solution.probes.iter();
+        let values = probes.map(|probe| scales.without_noise(probe.value, probe.dimension));
+        values.collect()
+    };
+    steps.iter().map(of_step).collect()
 }
 
 #[cfg(test)]

@@ -188,7 +188,8 @@ impl Labels {
         match dimension {
             Dimension::Length => &self.length,
             Dimension::Area => &self.area,
-            Dimension::Moment => &self.energy,
+            Dimension::Moment | Dimension::Energy => &self.energy,
+            Dimension::Angle => "rad",
             Dimension::Force => &self.force,
             Dimension::Stress => &self.stress,
             Dimension::Other => "",
@@ -254,6 +255,11 @@ impl Scales {
         }
     }
 
+    /// A place; coordinates that are rounding errors of those of the contacts are zero.
+    pub fn place(&self, at: &[f64]) -> String {
+        vector_on(at, self.reach, "")
+    }
+
     /// A value, or zero where it is rounding.
     pub fn without_noise(&self, value: f64, dimension: Dimension) -> f64 {
         let scale = match dimension {
@@ -261,7 +267,7 @@ impl Scales {
             Dimension::Stress => self.stress,
             Dimension::Length => self.length,
             Dimension::Moment => self.force * self.reach,
-            Dimension::Area | Dimension::Other => 0.0,
+            Dimension::Area | Dimension::Energy | Dimension::Angle | Dimension::Other => 0.0,
         };
         without_noise(value, scale)
     }

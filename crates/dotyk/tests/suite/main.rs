@@ -23,6 +23,7 @@ mod outline;
 mod own;
 mod past;
 mod patch;
+mod probes;
 mod rates;
 mod sliding;
 mod solids;

@@ -82,6 +82,8 @@ pub struct Window {
     pub middle: Pixel,
     /// Pixels per unit of length.
     pub scale: f64,
+    /// What is seen goes on behind the frame.
+    pub filled: bool,
 }
 
 impl Window {
@@ -102,6 +104,7 @@ impl Window {
             centre: [0, 1].map(|i| 0.5 * (low[i] + high[i])),
             middle: [0, 1].map(|i| corner[i] + 0.5 * size[i]),
             scale: if scale.is_finite() { scale } else { 1.0 },
+            filled: false,
         }
     }
 

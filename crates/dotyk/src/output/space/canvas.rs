@@ -6,7 +6,7 @@
 //! Invariant: one thread, plain arithmetic, the order of the calls; the same calls give the same bytes.
 
 use crate::output::colour;
-use crate::output::encode::png_rgb;
+use crate::output::encode::png_nearest;
 use crate::output::svg::Pixel;
 
 /// Pixels of the picture per pixel of the drawing: crisp in print.
@@ -304,7 +304,7 @@ impl Canvas {
     /// The picture as a PNG file.
     pub fn png(&self) -> Vec<u8> {
         let (width, height, pixels) = self.pixels(SAMPLES);
-        png_rgb(width, height, &pixels)
+        png_nearest(width, height, &pixels)
     }
 }
 

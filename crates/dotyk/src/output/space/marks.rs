@@ -33,8 +33,7 @@ pub struct Mark {
 
 /// Points of facets that are seen, at equal distances on paper.
 pub fn seen(mesh: &Mesh<3>, facets: &[Facet], window: &Window, canvas: &Canvas) -> Vec<Mark> {
-    // by the square of paper they lie in: the one nearest to its middle
-    let mut best: BTreeMap<(i64, i64), (f64, Mark)> = BTreeMap::new();
+    let mut squares = Squares::new(SPACING);
     let mut lattices = Lattices::default();
     for &facet in facets {
         let kind = mesh.facet_kind(facet);
@@ -54,18 +53,41 @@ pub fn seen(mesh: &Mesh<3>, facets: &[Facet], window: &Window, canvas: &Canvas) 
             if !(faces(&window.camera, normal) && canvas.sees(place, 1.5)) {
                 continue;
             }
-            let square = [0, 1].map(|d| (place[d] / SPACING).floor());
-            let off = [0, 1].map(|d| place[d] / SPACING - square[d] - 0.5);
-            let far = off[0].hypot(off[1]);
-            let entry = best.entry((square[1] as i64, square[0] as i64));
-            let mark = (far, Mark { point, normal });
-            let old = entry.or_insert(mark);
-            if far < old.0 {
-                *old = mark;
-            }
+            squares.offer([place[0], place[1]], Mark { point, normal });
         }
     }
-    best.into_values().map(|(_, mark)| mark).collect()
+    squares.into_list()
+}
+
+/// Things on paper about a fixed distance apart: of those in one square of a grid the one that is nearest to its middle.
+pub struct Squares<T> {
+    size: f64,
+    /// By row and column, with its distance from the middle in squares.
+    best: BTreeMap<(i64, i64), (f64, T)>,
+}
+
+impl<T> Squares<T> {
+    /// A grid of squares of this size.
+    pub fn new(size: f64) -> Self {
+        let best = BTreeMap::new();
+        Self { size, best }
+    }
+
+    /// A thing at a place.
+    pub fn offer(&mut self, place: Pixel, thing: T) {
+        let square = place.map(|p| (p / self.size).floor());
+        let off = [0, 1].map(|d| place[d] / self.size - square[d] - 0.5);
+        let far = off[0].hypot(off[1]);
+        let key = (square[1] as i64, square[0] as i64);
+        if self.best.get(&key).is_none_or(|old| far < old.0) {
+            self.best.insert(key, (far, thing));
+        }
+    }
+
+    /// Those that are left, row by row.
+    pub fn into_list(self) -> Vec<T> {
+        self.best.into_values().map(|(_, thing)| thing).collect()
+    }
 }
 
 /// Unit directions in which a support holds a point with this outward normal, towards the outside.
@@ -117,14 +139,14 @@ fn cone(svg: &mut Svg, at: Pixel, d: Pixel, fill: &str) {
     svg.path(&path, SUPPORT, 1.0, fill, "stroke-linejoin=\"round\"");
 }
 
-/// An arrow of a load of this size, at most 1, on a point of a surface; returns its outer end.
+/// An arrow of a load of this size, at most 1, on a point of a surface; returns its ends, the outer one last.
 pub fn push(
     svg: &mut Svg,
     window: &Window,
     mark: &Mark,
     load: Point<3>,
     size: f64,
-) -> Option<Pixel> {
+) -> Option<[Pixel; 2]> {
     let direction = unit(load)?;
     let [x, y, _] = window.camera.turned(direction);
     let length = ARROW * size;
@@ -132,7 +154,7 @@ pub fn push(
     let at = window.pixel(mark.point);
     if x.hypot(y) < END_ON {
         end_on(svg, at, dot(window.camera.towards, direction) > 0.0);
-        return Some(at);
+        return Some([at; 2]);
     }
     let along = dot(direction, mark.normal);
     let (tail, tip) = match along {
@@ -145,7 +167,11 @@ pub fn push(
         ),
     };
     svg.arrow(tail, tip, LOAD, 1.3);
-    Some(if along < -0.15 { tail } else { tip })
+    Some(if along < -0.15 {
+        [tip, tail]
+    } else {
+        [tail, tip]
+    })
 }
 
 /// An arrow that points at the viewer, or away from him.
@@ -161,33 +187,46 @@ pub fn end_on(svg: &mut Svg, at: Pixel, towards: bool) {
     }
 }
 
-/// The arrow of a force at a point, with its outer end.
-pub fn force(svg: &mut Svg, window: &Window, point: Point<3>, force: Point<3>) -> Option<Pixel> {
+/// The arrow of a force at a point, with its ends, the outer one last.
+pub fn force(
+    svg: &mut Svg,
+    window: &Window,
+    point: Point<3>,
+    force: Point<3>,
+) -> Option<[Pixel; 2]> {
     let direction = unit(force).filter(|_| norm(force).is_finite())?;
     let [x, y, _] = window.camera.turned(direction);
     let tip = window.pixel(point);
     if x.hypot(y) < END_ON {
         end_on(svg, tip, dot(window.camera.towards, direction) > 0.0);
-        return Some(tip);
+        return Some([tip; 2]);
     }
     let tail = add_scaled(tip, -1.2 * ARROW, [x, -y]);
     svg.arrow(tail, tip, LOAD, 2.0);
-    Some(tail)
+    Some([tip, tail])
 }
 
 /// Where labels are.
 #[derive(Default)]
 pub struct Labelled {
     taken: Vec<Box2>,
+    /// Where symbols are: labels keep clear of them where there is room elsewhere.
+    symbols: Vec<Box2>,
 }
 
 impl Labelled {
-    /// Nothing is written here.
-    pub fn keep(&mut self, at: Pixel, half: Pixel) {
-        self.taken.push(around(at, half));
+    /// Nothing is written over the line between two places, if it can be helped.
+    pub fn keep(&mut self, [a, b]: [Pixel; 2]) {
+        const ROOM: f64 = 4.0;
+        let length = (b[0] - a[0]).hypot(b[1] - a[1]);
+        let parts = (length / ROOM).ceil().max(1.0);
+        let at = |k: usize| [0, 1].map(|d| a[d] + k as f64 / parts * (b[d] - a[d]));
+        let boxes = (0..=parts as usize).map(|k| around(at(k), [ROOM; 2]));
+        self.symbols.extend(boxes);
     }
 
-    /// A label near a place, inside the window and clear of those before; `false` where there is no room.
+    /// A label near a place, inside the window, clear of those before, and of symbols if that is possible; `false` where there
+    /// is no room.
     pub fn put(
         &mut self,
         svg: &mut Svg,
@@ -197,12 +236,12 @@ impl Labelled {
         style: Type,
     ) -> bool {
         let half = [0.5 * text_width(text, style.size) + 3.0, 0.62 * style.size];
-        let free = |place: Pixel| {
-            let own = around(place, half);
+        let free = |place: &Pixel, symbols: &[Box2]| {
+            let own = around(*place, half);
             let apart =
                 |other: &Box2| (0..2).any(|i| own.0[i] >= other.1[i] || own.1[i] <= other.0[i]);
             let inside = window.sees(own.0, 1.0) && window.sees(own.1, 1.0);
-            (inside && self.taken.iter().all(apart)).then_some(place)
+            inside && self.taken.iter().chain(symbols).all(apart)
         };
         let rows = [0.0, -10.0, 10.0, -20.0, 20.0, -30.0, 30.0];
         let aside = [8.0, 34.0].map(|room| half[0] + room);
@@ -210,10 +249,13 @@ impl Labelled {
         let places = columns
             .iter()
             .flat_map(|x| rows.iter().map(move |y| [at[0] + x, at[1] + y]));
-        let Some(place) = places.into_iter().find_map(free) else {
+        let places: Vec<Pixel> = places.collect();
+        let mut tried = [&self.symbols[..], &[]].into_iter();
+        let found = tried.find_map(|symbols| places.iter().find(|place| free(place, symbols)));
+        let Some(&place) = found else {
             return false;
         };
-        self.keep(place, half);
+        self.taken.push(around(place, half));
         svg.text([place[0], place[1] + 0.35 * style.size], text, style);
         true
     }
@@ -224,4 +266,55 @@ fn around(at: Pixel, half: Pixel) -> Box2 {
         [0, 1].map(|i| at[i] - half[i]),
         [0, 1].map(|i| at[i] + half[i]),
     )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::output::space::camera::Camera;
+
+    /// Pixels of the labels that an SVG element holds.
+    fn written(svg: Svg) -> Vec<Pixel> {
+        let page = svg.finish();
+        let number = |tag: &str, name: &str| -> f64 {
+            let rest = tag.split(&format!(" {name}=\"")).nth(1).unwrap();
+            rest.split('"').next().unwrap().parse().unwrap()
+        };
+        let tags = page.split("<text").skip(1);
+        tags.map(|tag| [number(tag, "x"), number(tag, "y")])
+            .collect()
+    }
+
+    #[test]
+    fn labels_keep_clear_of_each_other_and_of_arrows_where_there_is_room() {
+        let camera = Camera::from([0.0, -1.0, 0.0]);
+        let size = [400.0, 300.0];
+        let window = Window::fitted(camera, ([0.0; 2], [1.0; 2]), [0.0; 2], size, 0.0);
+        let labels = |arrows: &[[Pixel; 2]]| {
+            let mut svg = Svg::new("labels", "", 400.0, 300.0);
+            let mut labelled = Labelled::default();
+            arrows.iter().for_each(|ends| labelled.keep(*ends));
+            let place = [200.0, 150.0];
+            let mut put = || labelled.put(&mut svg, &window, place, "20 N", Type::LABEL);
+            assert!((0..4).all(|_| put()));
+            written(svg)
+        };
+        let apart = |list: &[Pixel]| {
+            list.iter().enumerate().all(|(i, a)| {
+                let far = |b: &Pixel| (a[0] - b[0]).abs() > 25.0 || (a[1] - b[1]).abs() > 13.0;
+                list[i + 1..].iter().all(far)
+            })
+        };
+        let plain = labels(&[]);
+        assert!(apart(&plain) && (plain[0][0] - 200.0).abs() < 1.0);
+        // one arrow from top to bottom through the place: all stand beside it
+        let beside = labels(&[[[200.0, 20.0], [200.0, 280.0]]]);
+        assert!(apart(&beside) && beside.iter().all(|p| (p[0] - 200.0).abs() > 15.0));
+        // arrows everywhere: they stand on them, apart
+        let rows: Vec<[Pixel; 2]> = (0..38)
+            .map(|k| f64::from(k) * 8.0)
+            .map(|y| [[0.0, y], [400.0, y]])
+            .collect();
+        assert!(apart(&labels(&rows)));
+    }
 }

@@ -6,6 +6,8 @@
 mod camera;
 mod canvas;
 mod contact;
+mod face;
+mod friction;
 mod marks;
 mod scene;
 mod section;

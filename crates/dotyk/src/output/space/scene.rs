@@ -235,11 +235,24 @@ pub fn windows(
     (list, bottom)
 }
 
+/// Length of the axes, and from their ends to their letters.
+const TRIAD: f64 = 22.0;
+const LETTER: f64 = 8.0;
+
 /// Axes and a bar of round length below a window, with a word on the direction.
 pub fn triad_and_scale(svg: &mut Svg, window: &Window, labels: &Labels, word: &str) {
     let bottom = window.corner[1] + window.size[1];
-    let origin = [window.corner[0] + 34.0, bottom + 12.0];
-    triad(svg, &window.camera, origin);
+    // over the margin of the picture, or else below it
+    let below = if window.filled {
+        6.0 + TRIAD + LETTER
+    } else {
+        12.0
+    };
+    triad(
+        svg,
+        &window.camera,
+        [window.corner[0] + 34.0, bottom + below],
+    );
     let y = bottom + 26.0;
     let start = window.corner[0] + 84.0;
     let most = (0.26 * window.size[0]).min(120.0);
@@ -266,7 +279,6 @@ pub fn triad_and_scale(svg: &mut Svg, window: &Window, labels: &Labels, word: &s
 
 /// The axes, those that point away from the viewer first.
 fn triad(svg: &mut Svg, camera: &Camera, origin: Pixel) {
-    const LENGTH: f64 = 22.0;
     const COLOURS: [&str; 3] = ["#b3402e", "#2f7d4f", "#2a5d9f"];
     let axes = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
     let mut order = [0, 1, 2];
@@ -276,11 +288,11 @@ fn triad(svg: &mut Svg, camera: &Camera, origin: Pixel) {
     });
     for i in order {
         let [x, y, _] = camera.turned(axes[i]);
-        let tip = [origin[0] + LENGTH * x, origin[1] - LENGTH * y];
+        let tip = [origin[0] + TRIAD * x, origin[1] - TRIAD * y];
         svg.arrow(origin, tip, COLOURS[i], 1.3);
         let beyond = [
-            origin[0] + (LENGTH + 8.0) * x,
-            origin[1] - (LENGTH + 8.0) * y,
+            origin[0] + (TRIAD + LETTER) * x,
+            origin[1] - (TRIAD + LETTER) * y,
         ];
         // an axis along the line of sight keeps its letter beside the others
         let at = match x.hypot(y) < 0.2 {

@@ -1,13 +1,14 @@
-//! Picture "Section": the bodies cut by a plane through the middle of the contact that bears most, or through the largest
-//! stress, coloured by the von Mises stress.
+//! Picture "Section": the bodies cut by a plane through the middle of a contact, or through the largest stress, coloured by the
+//! von Mises stress. Of the planes across the axes through the centres of pressure it is the one that shows most of the contacts
+//! cut, by their forces; a contact that is small beside the model is drawn close-up, too.
 //!
 //! A cell is the union of the cones from its centre to its facets, these are divided into triangles, so that every kind of
 //! cell falls into tetrahedra by its data alone. Places and values are linear on each; a plane cuts a triangle or a
 //! quadrilateral out of it. Neighbours divide their common facet alike, so that the pieces fit.
 
-use crate::geometry::{Point, add_scaled, dot, norm, unit};
+use crate::geometry::{Point, add_scaled, bounding_box, dot, unit};
 use crate::mesh::{CellKind, Facet, MAX_CELL_NODES, MAX_FACET_NODES, Mesh};
-use crate::model::Solution;
+use crate::model::{ContactNode, ContactSolution, Solution, Status};
 use crate::output::deformed::{BAR, colour_bars, stress_scales};
 use crate::output::html;
 use crate::output::json::in_contact;
@@ -19,6 +20,8 @@ use crate::output::space::skin::{Lattices, Look};
 use crate::output::space::stress::{Scales, stress_values};
 use crate::output::svg::Svg;
 use crate::output::text::{Labels, quantity};
+use crate::output::view::Box2;
+use rayon::prelude::*;
 
 /// Room around the bodies.
 const MARGIN: f64 = 12.0;
@@ -29,11 +32,22 @@ const INSIDE: f64 = 0.02;
 /// How far a plane is moved off nodes that lie on it, as a part of the size.
 const OFF: f64 = 1e-6;
 
+/// A plane shows more than another one if it does by this factor.
+const BETTER: f64 = 1.05;
+
+/// A contact is cut through its middle where the plane passes it nearer than what is left of its half.
+const CUT: f64 = 0.8;
+
+/// A contact smaller than this part of the model is drawn close-up, too.
+const CLOSE: f64 = 0.2;
+
 /// A plane across an axis, and why it is there.
 struct Section {
     axis: usize,
     at: f64,
     why: String,
+    /// A box to be seen close-up.
+    close: Option<(Point<3>, Point<3>)>,
 }
 
 /// A point of a cell: its place and its value.
@@ -57,8 +71,15 @@ pub fn section_figure(scene: &Scene<'_>, solution: &Solution<3>) -> Option<Strin
         let ahead = beyond(p, (on, normal)).max(0.0);
         add_scaled(p, -ahead, normal)
     });
-    let (windows, height) = windows(&[camera], &[camera.extent(left)], MARGIN, WIDTH - BAR);
-    let window = windows.first()?;
+    let close = section
+        .close
+        .map(|corners| camera.extent(on_plane(corners, section.axis, section.at)));
+    let extents: Vec<Box2> = std::iter::once(camera.extent(left)).chain(close).collect();
+    let cameras = vec![camera; extents.len()];
+    let (mut windows, height) = windows(&cameras, &extents, MARGIN, WIDTH - BAR);
+    for window in windows.iter_mut().skip(1) {
+        window.filled = true;
+    }
     let mut svg = Svg::new(
         "section",
         "Section coloured by von Mises stress",
@@ -66,9 +87,13 @@ pub fn section_figure(scene: &Scene<'_>, solution: &Solution<3>) -> Option<Strin
         height,
     );
     let scales = stress_scales(solution);
-    let canvas = cut(scene, solution, window, (on, normal), &scales);
-    svg.picture(window.corner, window.size, &canvas.png());
-    triad_and_scale(&mut svg, window, &labels, "");
+    let pictures = windows.par_iter();
+    let pictures = pictures.map(|w| cut(scene, solution, w, (on, normal), &scales).png());
+    let pictures: Vec<Vec<u8>> = pictures.collect();
+    for ((window, word), png) in windows.iter().zip(["", "close-up"]).zip(pictures) {
+        svg.picture(window.corner, window.size, &png);
+        triad_and_scale(&mut svg, window, &labels, word);
+    }
     colour_bars(&mut svg, solution, &scales, &labels, height - 40.0);
     let caption = format!(
         "The bodies, undeformed, behind the plane {} = {} through {}. Colour: von Mises stress.",
@@ -79,49 +104,146 @@ pub fn section_figure(scene: &Scene<'_>, solution: &Solution<3>) -> Option<Strin
     Some(html::figure(&svg.finish(), "Section", &caption))
 }
 
-/// Across the axis that shows most, the normal of the contact in the plane.
+/// Corners of the side of a box that a plane across an axis cuts out of it.
+fn on_plane(
+    (low, high): (Point<3>, Point<3>),
+    axis: usize,
+    at: f64,
+) -> impl Iterator<Item = Point<3>> {
+    (0..8).map(move |k| {
+        let mut corner = [0, 1, 2].map(|d| if k >> d & 1 == 0 { low[d] } else { high[d] });
+        corner[axis] = at;
+        corner
+    })
+}
+
+/// Across the axis and through the contact that show most of the contacts cut; where nothing touches, through the largest
+/// stress.
 fn section(scene: &Scene<'_>, solution: &Solution<3>) -> Option<Section> {
-    let (place, normal, why) = contact_middle(solution).or_else(|| largest_stress(solution))?;
+    let middles: Vec<Middle> = solution.contacts.iter().filter_map(Middle::of).collect();
     let (low, high) = scene.bounds;
     let extent = [0, 1, 2].map(|d| high[d] - low[d]);
     let area = |axis: usize| extent[(axis + 1) % 3] * extent[(axis + 2) % 3];
-    let worth = |axis: usize| area(axis) * (1.0 - normal[axis].abs()).max(0.05);
+    let stressed = largest_stress(solution);
+    let places = middles.iter().map(|m| m.place);
+    let places: Vec<Point<3>> = match middles.is_empty() {
+        true => stressed.iter().map(|s| s.0).collect(),
+        false => places.collect(),
+    };
+    let shown = |axis: usize, at: f64| match middles.is_empty() {
+        true => area(axis),
+        false => area(axis) * middles.iter().map(|m| m.shown(axis, at)).sum::<f64>(),
+    };
+    let mut best: Option<(usize, f64, f64)> = None;
     // on equal terms the plane that faces the usual viewer
-    let mut axis = 1;
-    for other in [0, 2] {
-        if worth(other) > 1.05 * worth(axis) {
-            axis = other;
+    for axis in [1, 0, 2] {
+        for place in &places {
+            let own = shown(axis, place[axis]);
+            if best.is_none_or(|(.., old)| own > BETTER * old) {
+                best = Some((axis, place[axis], own));
+            }
         }
     }
-    let room = INSIDE * extent[axis];
-    let at = place[axis].clamp(low[axis] + room, high[axis] - room);
-    Some(Section { axis, at, why })
+    let (axis, at, _) = best?;
+    let cut = middles.iter().filter(|m| m.near(axis, at) > CUT);
+    let most = cut.max_by(|a, b| a.force.total_cmp(&b.force));
+    // of a contact a part of what touches, of the model a part of its size
+    let room = INSIDE * most.map_or(extent[axis], |m| 2.0 * m.reach[axis]);
+    Some(Section {
+        axis,
+        at: at.clamp(low[axis] + room, high[axis] - room),
+        why: most.map_or(stressed.map_or(String::new(), |s| s.1), Middle::why),
+        close: most.and_then(|m| m.close(scene)),
+    })
 }
 
-/// The centre of the pressure of the contact that bears most.
-fn contact_middle(solution: &Solution<3>) -> Option<(Point<3>, Point<3>, String)> {
-    let contacts = solution.contacts.iter();
-    let loaded = contacts.filter(|c| c.nodes.iter().any(|n| in_contact(n.status)));
-    let most = loaded.max_by(|a, b| norm(a.resultant).total_cmp(&norm(b.resultant)))?;
-    let (mut force, mut sum, mut normal) = (0.0, [0.0; 3], [0.0; 3]);
-    for node in &most.nodes {
-        let own = (node.pressure * node.weight).abs();
-        if own.is_finite() {
-            force += own;
-            sum = add_scaled(sum, own, node.point);
-            normal = add_scaled(normal, own, node.normal);
+/// Where a contact bears.
+struct Middle {
+    name: String,
+    /// Centre of its pressure.
+    place: Point<3>,
+    /// Half of the box around what touches.
+    reach: Point<3>,
+    /// Mean unit normal, by force.
+    normal: Point<3>,
+    /// Sum of the normal forces.
+    force: f64,
+    /// How far the forces are from symmetric about the middle along each axis: their skewness.
+    skew: Point<3>,
+    /// Corners of the box around what touches.
+    bounds: (Point<3>, Point<3>),
+}
+
+impl Middle {
+    /// Of a contact that touches; what is glued is no contact.
+    fn of(contact: &ContactSolution<3>) -> Option<Self> {
+        let touches = |status: Status| in_contact(status) && status != Status::Tied;
+        let touching = contact.nodes.iter().filter(|n| touches(n.status));
+        let forces = touching.map(|n| (n, (n.pressure * n.weight).abs()));
+        let forces: Vec<(&ContactNode<3>, f64)> = forces.filter(|f| f.1.is_finite()).collect();
+        let force: f64 = forces.iter().map(|f| f.1).sum();
+        if force == 0.0 {
+            return None;
+        }
+        let mean = |of: &dyn Fn(&ContactNode<3>) -> Point<3>| {
+            let parts = forces.iter();
+            parts.fold([0.0; 3], |sum, (n, f)| add_scaled(sum, f / force, of(n)))
+        };
+        let place = mean(&|n| n.point);
+        let moment = |power: i32| mean(&|n| [0, 1, 2].map(|d| (n.point[d] - place[d]).powi(power)));
+        let (second, third) = (moment(2), moment(3));
+        let points: Vec<Point<3>> = forces.iter().map(|(n, _)| n.point).collect();
+        let bounds = bounding_box(&points);
+        Some(Self {
+            name: contact.name.clone(),
+            place,
+            reach: [0, 1, 2].map(|d| 0.5 * (bounds.1[d] - bounds.0[d])),
+            normal: unit(mean(&|n| n.normal)).unwrap_or([0.0; 3]),
+            force,
+            skew: [0, 1, 2].map(|d| match second[d] > 0.0 {
+                true => third[d] / second[d].powf(1.5),
+                false => 0.0,
+            }),
+            bounds,
+        })
+    }
+
+    /// How near a plane across an axis goes to the middle: 1 through it, 0 beside what touches.
+    fn near(&self, axis: usize, at: f64) -> f64 {
+        let off = (at - self.place[axis]).abs();
+        match self.reach[axis] > 0.0 {
+            true => (1.0 - off / self.reach[axis]).max(0.0),
+            false => f64::from(u8::from(off == 0.0)),
         }
     }
-    let normal = unit(normal).unwrap_or([0.0; 3]);
-    let why = format!("the middle of the contact {}", most.name);
-    (force > 0.0).then(|| (sum.map(|s| s / force), normal, why))
+
+    /// What a plane shows of the contact cut: more where the normal lies in the plane, and where the forces on both of its sides
+    /// are alike, as about the axis of a bolt.
+    fn shown(&self, axis: usize, at: f64) -> f64 {
+        let across = (1.0 - self.normal[axis].abs()).max(0.05);
+        let alike = (1.0 - self.skew[axis].abs()).max(0.2);
+        self.force * across * alike * alike * self.near(axis, at)
+    }
+
+    fn why(&self) -> String {
+        format!("the middle of the contact {}", self.name)
+    }
+
+    /// The box around what touches with its surroundings, where it is small beside the model.
+    fn close(&self, scene: &Scene<'_>) -> Option<(Point<3>, Point<3>)> {
+        let (low, high) = self.bounds;
+        let size = (0..3).map(|d| high[d] - low[d]).fold(0.0, f64::max);
+        let small = size > 0.0 && size < CLOSE * scene.size();
+        small.then(|| (low.map(|c| c - size), high.map(|c| c + size)))
+    }
 }
 
-fn largest_stress(solution: &Solution<3>) -> Option<(Point<3>, Point<3>, String)> {
+/// A place and what it is.
+fn largest_stress(solution: &Solution<3>) -> Option<(Point<3>, String)> {
     let peaks = solution.bodies.iter().filter_map(|b| Some((b, b.peak?)));
     let (body, peak) = peaks.max_by(|a, b| a.1.most.value.total_cmp(&b.1.most.value))?;
     let why = format!("the largest stress, in {}", body.name);
-    Some((peak.most.at, [0.0; 3], why))
+    Some((peak.most.at, why))
 }
 
 fn cut(
@@ -304,9 +426,10 @@ impl Cells<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::geometry::{cross, sub};
+    use crate::geometry::{cross, norm, sub};
     use crate::mesh::Cuboid;
-    use crate::output::space::tests::cuboid;
+    use crate::model::Model;
+    use crate::output::space::tests::{STEEL, cuboid, punch};
 
     /// Area of the section of a unit cube, and the integral of the value over it.
     fn measure(cell: CellKind, plane: (Point<3>, Point<3>)) -> (f64, f64) {
@@ -349,6 +472,67 @@ mod tests {
             let exact = 0.75 * 3f64.sqrt();
             assert!((area - exact).abs() < 1e-12, "{cell:?} {area}");
             assert!((integral - 1.5 * exact).abs() < 1e-12, "{cell:?}");
+        }
+    }
+
+    /// A plate of 10 × 6 × 1 on which round washers of these radii press at these places.
+    fn washers(places: &[([f64; 2], f64)]) -> Vec<ContactSolution<3>> {
+        let (model, solution) = punch();
+        let pattern = &solution.contacts[0];
+        assert_eq!(model.contacts.len(), 1);
+        let washer = |&([x, y], radius): &([f64; 2], f64)| {
+            let nodes = (0..24).map(|k| {
+                let (s, c) = (f64::from(k) * 15f64.to_radians()).sin_cos();
+                ContactNode {
+                    point: [x + radius * c, y + radius * s, 1.0],
+                    normal: [0.0, 0.0, 1.0],
+                    pressure: radius,
+                    weight: 1.0,
+                    ..pattern.nodes[0]
+                }
+            });
+            ContactSolution {
+                name: format!("washer at {x}"),
+                nodes: nodes.collect(),
+                ..pattern.clone()
+            }
+        };
+        places.iter().map(washer).collect()
+    }
+
+    #[test]
+    fn the_plane_goes_through_the_middles_of_the_contacts_that_bear_most() {
+        let mut model = Model::new();
+        let plate = cuboid([0.0; 3], [10.0, 6.0, 1.0], [5, 3, 1], CellKind::Hex8);
+        model.body("plate", plate, STEEL);
+        let (_, mut solution) = punch();
+        let scene = Scene::new(&model);
+        // two in a row along x beside a larger one: the row is the longer cut, and bears more
+        for (places, axis, at, name) in [
+            (
+                vec![([2.0, 2.0], 0.6), ([7.0, 2.0], 0.7), ([5.0, 4.5], 1.0)],
+                1,
+                2.0,
+                "washer at 7",
+            ),
+            (
+                vec![([2.0, 2.0], 0.3), ([7.0, 4.5], 1.0)],
+                1,
+                4.5,
+                "washer at 7",
+            ),
+            (
+                vec![([3.0, 1.0], 1.0), ([3.0, 5.0], 1.0)],
+                0,
+                3.0,
+                "washer at 3",
+            ),
+        ] {
+            solution.contacts = washers(&places);
+            let found = section(&scene, &solution).unwrap();
+            assert_eq!(found.axis, axis, "{places:?}");
+            assert!((found.at - at).abs() < 1e-9, "{places:?} {}", found.at);
+            assert!(found.why.ends_with(name), "{}", found.why);
         }
     }
 }

@@ -52,6 +52,7 @@ pub fn model_figure(scene: &Scene<'_>, alone: &[Point<3>]) -> String {
             canvas: &canvas,
             labels: &labels,
             notes: Vec::new(),
+            arrows: Vec::new(),
         };
         sheet.symbols(alone);
         triad_and_scale(&mut svg, window, &labels, word);
@@ -183,8 +184,10 @@ struct Sheet<'a> {
     window: &'a Window,
     canvas: &'a Canvas,
     labels: &'a Labels,
-    /// Values are written after all symbols, so that they keep clear of them; without text: the end of an arrow.
+    /// Values are written after all symbols, so that they keep clear of them.
     notes: Vec<(Pixel, String, &'static str)>,
+    /// Arrows by their ends.
+    arrows: Vec<[Pixel; 2]>,
 }
 
 impl Sheet<'_> {
@@ -199,10 +202,7 @@ impl Sheet<'_> {
             self.couple(&scene.model.bodies[body].mesh, couple);
         }
         let mut labelled = Labelled::default();
-        // where arrows end there is no place for letters
-        for (at, ..) in self.notes.iter().filter(|n| n.1.is_empty()) {
-            labelled.keep(*at, [4.0, 4.0]);
-        }
+        self.arrows.iter().for_each(|ends| labelled.keep(*ends));
         for &point in alone {
             if self.canvas.sees(window.place(point), 2.0) {
                 let at = window.pixel(point);
@@ -210,7 +210,7 @@ impl Sheet<'_> {
             }
         }
         let notes = std::mem::take(&mut self.notes).into_iter();
-        for (at, text, colour) in notes.filter(|n| !n.1.is_empty()) {
+        for (at, text, colour) in notes {
             let style = Type::LABEL.coloured(colour).rimmed();
             labelled.put(self.svg, window, at, &text, style);
         }
@@ -271,6 +271,7 @@ impl Sheet<'_> {
             let tail = window.pixel(mark.point);
             let tip = [tail[0] + 26.0 * x, tail[1] - 26.0 * y];
             self.svg.arrow(tail, tip, SUPPORT, 2.0);
+            self.arrows.push([tail, tip]);
             let text = format!("u = {}", quantity(norm(u), &self.labels.length));
             self.note([tip[0], tip[1] - 9.0], text, SUPPORT);
         }
@@ -291,15 +292,13 @@ impl Sheet<'_> {
                 Place::Side(side) => {
                     let facets = scene.side(index, &side);
                     let marks = seen(&body.mesh, facets, window, self.canvas);
-                    let ends = arrows(self.svg, window, load, &marks, time);
+                    let drawn = arrows(self.svg, window, load, &marks, time);
+                    self.arrows.extend(&drawn);
                     let Some(text) = told(load, &marks, time, self.labels) else {
                         continue;
                     };
-                    let feet = marks.iter().map(|mark| window.pixel(mark.point));
-                    for at in feet.chain(ends.iter().copied()) {
-                        self.note(at, String::new(), LOAD);
-                    }
-                    let highest = ends.into_iter().min_by(|a, b| a[1].total_cmp(&b[1]));
+                    let outer = drawn.into_iter().map(|ends| ends[1]);
+                    let highest = outer.min_by(|a, b| a[1].total_cmp(&b[1]));
                     if let Some([x, y]) = highest {
                         self.note([x, y - 12.0], text, LOAD);
                     }
@@ -310,7 +309,8 @@ impl Sheet<'_> {
 
     /// A force at a point, with its size.
     fn force(&mut self, point: Point<3>, value: Point<3>) {
-        if let Some(outer) = force(self.svg, self.window, point, value) {
+        if let Some([inner, outer]) = force(self.svg, self.window, point, value) {
+            self.arrows.push([inner, outer]);
             let text = quantity(norm(value), &self.labels.force);
             self.note([outer[0], outer[1] - 9.0], text, LOAD);
         }
@@ -345,8 +345,14 @@ impl Sheet<'_> {
     }
 }
 
-/// The arrows of a load on a side; returns their outer ends.
-fn arrows(svg: &mut Svg, window: &Window, load: &Load<3>, marks: &[Mark], time: f64) -> Vec<Pixel> {
+/// The arrows of a load on a side; returns their ends, the outer ones last.
+fn arrows(
+    svg: &mut Svg,
+    window: &Window,
+    load: &Load<3>,
+    marks: &[Mark],
+    time: f64,
+) -> Vec<[Pixel; 2]> {
     let values: Vec<Point<3>> = marks
         .iter()
         .map(|m| load.at(m.point, m.normal, time))

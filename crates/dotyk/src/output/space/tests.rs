@@ -3,7 +3,7 @@
 use super::*;
 use crate::geometry::Field;
 use crate::mesh::{CellKind, Cuboid, Mesh};
-use crate::model::{Couple, CoupleKind, Elastic, Law, Model};
+use crate::model::{Couple, CoupleKind, Elastic, Law, Model, Status};
 use crate::output::colour;
 use crate::output::space::camera::{Camera, Window};
 use crate::output::space::canvas::{Canvas, Paint};
@@ -11,7 +11,7 @@ use crate::output::space::skin::{Look, Skin, shade};
 use crate::output::{Record, report};
 use std::time::Instant;
 
-const STEEL: Elastic = Elastic {
+pub const STEEL: Elastic = Elastic {
     young: 210e3,
     poisson: 0.3,
 };
@@ -28,7 +28,7 @@ pub fn cuboid(from: [f64; 3], to: [f64; 3], cells: [usize; 3], cell: CellKind) -
 }
 
 /// A small punch on a block, pressed and pushed sideways.
-fn punch() -> (Model<3>, Solution<3>) {
+pub fn punch() -> (Model<3>, Solution<3>) {
     let mut model = Model::new();
     let block = cuboid([0.0; 3], [2.0, 2.0, 1.0], [4, 4, 2], CellKind::Hex8);
     let block = model.body("block", block, STEEL);
@@ -207,10 +207,43 @@ fn the_pages_of_a_model_in_space_show_it() {
     let steps = [solution];
     let record = Record::of(&model, &steps, "punch");
     let page = report::page(&record.overview().unwrap());
-    // the mesh twice; the shape twice with its scale; the section with its scale; three pictures of two faces, a scale or two
+    // the mesh twice; the shape twice with its scale; the section with its scale; three pictures of two faces, a scale or two;
+    // shear and slip, with a scale or two
     let pictures = count(&page, "<image");
-    assert!((14..=15).contains(&pictures), "{pictures}");
+    assert!((17..=19).contains(&pictures), "{pictures}");
     assert_eq!((count(&page, "<canvas"), count(&page, "<script>")), (1, 1));
+}
+
+#[test]
+fn of_many_contacts_those_that_bear_most_are_drawn_and_the_page_says_so() {
+    let (mut model, mut solution) = punch();
+    for k in 1..9 {
+        let mut contact = model.contacts[0].clone();
+        contact.name = format!("sole{k}");
+        model.contacts.push(contact);
+        let mut solved = solution.contacts[0].clone();
+        solved.name = format!("sole{k}");
+        // the one that bears most is glued
+        solved.resultant[2] *= 1.0 + f64::from(k);
+        if k == 8 {
+            solved
+                .nodes
+                .iter_mut()
+                .for_each(|n| n.status = Status::Tied);
+        }
+        solution.contacts.push(solved);
+    }
+    let scene = Scene::new(&model);
+    let drawn = |i: &usize| !contact_figure(&scene, &solution, *i).is_empty();
+    let list: Vec<usize> = (0..9).filter(drawn).collect();
+    assert_eq!(list, [2, 3, 4, 5, 6, 7]);
+    let steps = [solution];
+    let page = report::page(&Record::of(&model, &steps, "punch").overview().unwrap());
+    assert!(
+        page.contains(
+            "Pictures show the 6 contacts that bear most, tied ones last; of the other 3"
+        )
+    );
 }
 
 #[test]

@@ -8,8 +8,9 @@
   const values = data.quantities.map((q) => new Uint8Array(bytes(q.values)));
   // 0 where a quantity has no value
   const known = data.quantities.map((q) => (q.known ? new Uint8Array(bytes(q.known)) : null));
-  const triangles = new Uint32Array(bytes(data.triangles));
-  const edges = new Uint32Array(bytes(data.edges));
+  const Indices = data.short ? Uint16Array : Uint32Array;
+  const triangles = new Indices(bytes(data.triangles));
+  const edges = new Indices(bytes(data.edges));
   let canvas = box.querySelector("canvas");
   const at = (name) => box.querySelector(`[name=${name}]`);
   const start = { azimuth: data.azimuth, lift: data.lift, zoom: 1, pan: [0, 0] };
@@ -89,6 +90,7 @@
     attribute("u", buffer(gl.ARRAY_BUFFER, displacements), 3, gl.SHORT);
     const coloured = values.map((v) => buffer(gl.ARRAY_BUFFER, v));
     const sure = known.map((v) => v && buffer(gl.ARRAY_BUFFER, v));
+    const [indices, size] = [data.short ? gl.UNSIGNED_SHORT : gl.UNSIGNED_INT, Indices.BYTES_PER_ELEMENT];
     const [faces, lines] = [triangles, edges].map((a) => buffer(gl.ELEMENT_ARRAY_BUFFER, a));
     const uniform = (name) => gl.getUniformLocation(program, name);
     gl.uniform3fv(uniform("low"), data.low);
@@ -121,11 +123,11 @@
         gl.polygonOffset(1, 2);
         gl.uniform4f(uniform("ink"), 0, 0, 0, 0);
         gl.bindBuffer(gl.ELEMENT_ARRAY_BUFFER, faces);
-        gl.drawElements(gl.TRIANGLES, b.triangles[1], gl.UNSIGNED_INT, 4 * b.triangles[0]);
+        gl.drawElements(gl.TRIANGLES, b.triangles[1], indices, size * b.triangles[0]);
         gl.disable(gl.POLYGON_OFFSET_FILL);
         gl.uniform4f(uniform("ink"), 0.07, 0.1, 0.13, 1);
         gl.bindBuffer(gl.ELEMENT_ARRAY_BUFFER, lines);
-        gl.drawElements(gl.LINES, b.edges[1], gl.UNSIGNED_INT, 4 * b.edges[0]);
+        gl.drawElements(gl.LINES, b.edges[1], indices, size * b.edges[0]);
       }
     };
   };
@@ -151,13 +153,25 @@
           const e = [1, 2].map((j) => [0, 1, 2].map((d) => placed[c[j] + d] - placed[c[0] + d]));
           const n = [e[0][1] * e[1][2] - e[0][2] * e[1][1], e[0][2] * e[1][0] - e[0][0] * e[1][2],
             e[0][0] * e[1][1] - e[0][1] * e[1][0]];
-          if (n[2] < 0) list.push([placed[c[0] + 2] + placed[c[1] + 2] + placed[c[2] + 2], k, n]);
+          if (n[2] < 0) list.push([(placed[c[0] + 2] + placed[c[1] + 2] + placed[c[2] + 2]) / 3, k, n]);
+        }
+        // a hair nearer than their own triangles
+        for (let k = b.edges[0]; k < b.edges[0] + b.edges[1]; k += 2) {
+          const near = Math.max(placed[3 * edges[k] + 2], placed[3 * edges[k + 1] + 2]);
+          list.push([near + 0.01 * s * data.diameter, k, null]);
         }
       }
       list.sort((a, b) => a[0] - b[0]);
       paint.fillStyle = "#fff";
       paint.fillRect(0, 0, canvas.width, canvas.height);
       for (const [, k, n] of list) {
+        if (!n) {
+          paint.strokeStyle = "#121a21";
+          paint.beginPath();
+          [edges[k], edges[k + 1]].forEach((i) => paint.lineTo(placed[3 * i], placed[3 * i + 1]));
+          paint.stroke();
+          continue;
+        }
         const length = Math.hypot(...n);
         const light = Math.min(1, 0.6 + 0.43 * (0.5 + 0.5 * ((0.35 * n[0] + 0.5 * n[1] - 0.79 * n[2]) / length)));
         const three = [0, 1, 2].map((j) => triangles[k + j]);

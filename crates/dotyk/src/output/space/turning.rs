@@ -1,4 +1,4 @@
-//! The view that turns: the surfaces of all bodies with their displacements and values as numbers of 8 and 16 bits, and the
+//! The view that turns: the surfaces of all bodies with their displacements and values as numbers of 8 to 32 bits, and the
 //! script that draws them in the page.
 //!
 //! Quantities: positions are low + span · p / 65535, displacements unit · u / 32767, values high · v / 255.
@@ -7,7 +7,7 @@ use crate::geometry::{add_scaled, norm, sub};
 use crate::model::{Model, Solution};
 use crate::output::html::escape;
 use crate::output::json::largest;
-use crate::output::space::contact::faces;
+use crate::output::space::face::faces;
 use crate::output::space::scene::Scene;
 use crate::output::space::stress::magnification;
 use crate::output::space::thin::{Surface, thinned};
@@ -17,8 +17,8 @@ use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 use serde_json::json;
 
-/// Most triangles: with their nodes less than 2 MB.
-pub const MOST_TRIANGLES: usize = 64_000;
+/// Most triangles: with their nodes about 1 MB, so that a page stays below two.
+pub const MOST_TRIANGLES: usize = 48_000;
 
 /// A quantity at the nodes of all bodies.
 struct Shown {
@@ -139,7 +139,7 @@ fn data(scene: &Scene<'_>, solution: &Solution<3>, shown: &[Shown], factor: f64)
     let mut ranges = Vec::new();
     for (body, surface) in surfaces.iter().enumerate() {
         let mut place = vec![u32::MAX; points[body].len()];
-        let mut index = |node: u32, packed: &mut Packed| {
+        let mut index = |node: u32, packed: &mut Packed| -> u32 {
             let n = node as usize;
             if place[n] == u32::MAX {
                 place[n] = packed.count;
@@ -160,16 +160,16 @@ fn data(scene: &Scene<'_>, solution: &Solution<3>, shown: &[Shown], factor: f64)
                     packed.known[k].push(if value.is_nan() { 0 } else { 255 });
                 }
             }
-            place[n].to_le_bytes()
+            place[n]
         };
-        let starts = [packed.triangles.len(), packed.edges.len()].map(|bytes| bytes / 4);
+        let starts = [packed.triangles.len(), packed.edges.len()];
         for &node in surface.triangles.as_flattened() {
             let own = index(node, &mut packed);
-            packed.triangles.extend(own);
+            packed.triangles.push(own);
         }
         for &node in surface.edges.as_flattened() {
             let own = index(node, &mut packed);
-            packed.edges.extend(own);
+            packed.edges.push(own);
         }
         let counts = [3 * surface.triangles.len(), 2 * surface.edges.len()];
         ranges.push(json!({
@@ -211,13 +211,14 @@ fn data(scene: &Scene<'_>, solution: &Solution<3>, shown: &[Shown], factor: f64)
         "quantities": quantities,
         "positions": STANDARD.encode(&packed.positions),
         "displacements": STANDARD.encode(&packed.moved),
-        "triangles": STANDARD.encode(&packed.triangles),
-        "edges": STANDARD.encode(&packed.edges),
+        "short": packed.is_short(),
+        "triangles": STANDARD.encode(packed.indices(&packed.triangles)),
+        "edges": STANDARD.encode(packed.indices(&packed.edges)),
     })
     .to_string()
 }
 
-/// Bytes of all nodes and triangles.
+/// Bytes of all nodes, and the corners of triangles and ends of edges by number.
 #[derive(Default)]
 struct Packed {
     count: u32,
@@ -225,6 +226,20 @@ struct Packed {
     moved: Vec<u8>,
     values: Vec<Vec<u8>>,
     known: Vec<Vec<u8>>,
-    triangles: Vec<u8>,
-    edges: Vec<u8>,
+    triangles: Vec<u32>,
+    edges: Vec<u32>,
+}
+
+impl Packed {
+    /// Two bytes are enough for the number of a node.
+    fn is_short(&self) -> bool {
+        self.count <= 1 << 16
+    }
+
+    /// Numbers of nodes as bytes.
+    fn indices(&self, numbers: &[u32]) -> Vec<u8> {
+        let bytes = if self.is_short() { 2 } else { 4 };
+        let each = numbers.iter().map(|number| number.to_le_bytes());
+        each.flat_map(|own| own.into_iter().take(bytes)).collect()
+    }
 }

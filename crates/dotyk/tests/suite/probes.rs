@@ -1,0 +1,195 @@
+//! Probes of friction, couples and obstacles in space against closed forms.
+
+use dotyk::case::Case;
+use dotyk::model::Solution;
+use std::path::Path;
+
+fn case(text: &str) -> Case<3> {
+    Case::<3>::from_str(text, "case.toml", Path::new(".")).unwrap()
+}
+
+#[track_caller]
+fn reads(solution: &Solution<3>, probe: &str, expected: f64) {
+    let found = solution.probe(probe).unwrap();
+    // solved to 1e-8 of the largest overlap; the largest value here is 4
+    assert!(
+        (found - expected).abs() < 1e-7,
+        "{probe}: {found} {expected}"
+    );
+}
+
+/// A block of 2 × 1 × 1 that does not contract across a load is held at its top 0.004 below where it was, on a rigid plane
+/// that is dragged by s along (0.6, 0.8). The pressure is p = 4, the bound of friction 1; tractions of that size on its four
+/// sides make the stress constant, so that at the bound it sinks aside by 1·h/G = 0.002, and the rest of s is slip.
+const DRAGGED: &str = r#"
+analysis = "3d"
+[[body]]
+name = "block"
+mesh = { box = { from = [0, 0, 0], to = [2, 1, 1], cells = [3, 2, 2] } }
+material = { young = 1000, poisson = 0 }
+fix  = [{ side = "top", x = 0, y = 0, z = -0.004 }]
+load = [
+  { side = "right", traction = [0, 0, "-0.6*min(t, 1)"] }, { side = "left", traction = [0, 0, "0.6*min(t, 1)"] },
+  { side = "back", traction = [0, 0, "-0.8*min(t, 1)"] }, { side = "front", traction = [0, 0, "0.8*min(t, 1)"] },
+]
+[[contact]]
+name = "sole"
+nonmortar = "block.bottom"
+obstacle = { plane = { point = [0, 0, 0], normal = [0, 0, 1] }, displacement = ["0.6*0.005*t", "0.8*0.005*t", 0] }
+friction = 0.25
+[[step]]
+time = 0
+[[step]]
+time = 1
+[[step]]
+time = 2
+"#;
+
+fn probe(quantity: &str, place: &str) -> String {
+    format!("[[probe]]\nname = \"{quantity}\"\nquantity = \"{quantity}\"\n{place}\n")
+}
+
+#[test]
+fn components_areas_and_work_of_friction_are_those_of_a_dragged_block() {
+    let fields = [
+        "shear.x",
+        "shear.y",
+        "shear.z",
+        "shear.magnitude",
+        "shear",
+        "slip.x",
+        "slip.y",
+        "slip.magnitude",
+    ];
+    let numbers = [
+        "length",
+        "length_stick",
+        "length_slip",
+        "dissipated_work",
+        "dissipated_work_total",
+        "displacement_obstacle.x",
+        "displacement_obstacle.magnitude",
+    ];
+    let of = |name: &&str| format!("sole.{name}");
+    let fields = fields.iter().map(|f| probe(&of(f), "at = [0.7, 0.3, 0]"));
+    let numbers = numbers.iter().map(|n| probe(&of(n), ""));
+    let probes: String = fields.chain(numbers).collect();
+    let case = case(&(DRAGGED.to_string() + &probes));
+    let steps = case.model.solve_steps().unwrap();
+    let area = 2.0;
+    let slips = [0.0, 0.003, 0.008];
+    for (step, solution) in steps.iter().enumerate() {
+        let slides = f64::from(u8::from(step > 0));
+        for (name, expected) in [
+            ("shear.x", 0.6 * slides),
+            ("shear.y", 0.8 * slides),
+            ("shear.z", 0.0),
+            ("shear.magnitude", slides),
+            ("shear", slides),
+            ("slip.x", -0.6 * slips[step]),
+            ("slip.y", -0.8 * slips[step]),
+            ("slip.magnitude", slips[step]),
+            ("length", area),
+            ("length_stick", area * (1.0 - slides)),
+            ("length_slip", area * slides),
+            ("dissipated_work_total", area * slips[step]),
+            (
+                "dissipated_work",
+                area * (slips[step] - slips[step.saturating_sub(1)]),
+            ),
+            ("displacement_obstacle.x", 0.003 * step as f64),
+            ("displacement_obstacle.magnitude", 0.005 * step as f64),
+        ] {
+            reads(solution, &format!("sole.{name}"), expected);
+        }
+    }
+}
+
+/// A bar of 2 × 1 × 3, held at its top, under which a plate that is 0.25 away carries a force.
+#[test]
+fn a_loaded_obstacle_moves_by_its_clearance_and_what_the_bar_gives_way() {
+    let text = r#"
+analysis = "3d"
+[[body]]
+name = "bar"
+mesh = { box = { from = [0, 0, 0], to = [2, 1, 3], cells = [2, 1, 2] } }
+material = { young = 1000, poisson = 0.3 }
+fix  = [{ side = "top", z = 0 }, { side = "left", x = 0 }, { side = "front", y = 0 }]
+[[contact]]
+name = "plate"
+nonmortar = "bar.bottom"
+obstacle = { plane = { point = [0, 0, -0.25], normal = [0, 0, 1] }, force = [0, 0, 8] }
+"#;
+    let probes = ["z", "magnitude"].map(|c| probe(&format!("plate.displacement_obstacle.{c}"), ""));
+    let solution = case(&(text.to_string() + &probes.concat()))
+        .model
+        .solve()
+        .unwrap();
+    let rise = 0.25 + 8.0 * 3.0 / (1000.0 * 2.0);
+    for component in ["z", "magnitude"] {
+        reads(
+            &solution,
+            &format!("plate.displacement_obstacle.{component}"),
+            rise,
+        );
+    }
+}
+
+/// A beam of length 6 and section 1 × 1 that a moment bends to a circle: the end turns by M L/(E I) about its axis.
+const BENT: &str = r#"
+analysis = "3d"
+[[body]]
+name = "beam"
+mesh = { box = { from = [0, 0, 0], to = [6, 1, 1], cells = [3, 1, 1], cell = "hex20" } }
+material = { young = 1000, poisson = 0 }
+points = { tip = [6, 0.5, 0.5] }
+couple = [{ side = "right", point = "tip", kind = "rigid" }]
+fix  = [{ side = "left", x = 0, y = 0, z = 0 }]
+load = [{ point = "tip", moment = [0, 0.3, 0.1] }]
+"#;
+
+#[test]
+fn the_point_of_a_couple_turns_as_the_end_of_a_beam() {
+    let probes = ["x", "y", "z"].map(|axis| {
+        let quantity = format!("beam.rotation.{axis}");
+        probe(&quantity, "at = \"beam.tip\"")
+    });
+    let solution = case(&(BENT.to_string() + &probes.concat()))
+        .model
+        .solve()
+        .unwrap();
+    let turn = |moment: f64| moment * 6.0 / (1000.0 / 12.0);
+    for (axis, expected) in [("x", 0.0), ("y", turn(0.3)), ("z", turn(0.1))] {
+        reads(&solution, &format!("beam.rotation.{axis}"), expected);
+    }
+}
+
+#[test]
+fn rotations_elsewhere_and_obstacles_that_are_bodies_are_refused() {
+    for place in ["at = [6, 0.5, 0.5]", "reduce = \"max\""] {
+        let text = BENT.to_string() + &probe("beam.rotation.y", place);
+        let error = Case::<3>::from_str(&text, "case.toml", Path::new(".")).unwrap_err();
+        let said = error.to_string();
+        assert!(said.contains("that of the point of a couple"), "{said}");
+    }
+    let text = r#"
+analysis = "3d"
+[[body]]
+name = "low"
+mesh = { box = { from = [0, 0, 0], to = [1, 1, 1], cells = [1, 1, 1] } }
+material = { young = 1000, poisson = 0 }
+fix  = [{ side = "bottom", x = 0, y = 0, z = 0 }]
+[[body]]
+name = "high"
+mesh = { box = { from = [0, 0, 1], to = [1, 1, 2], cells = [1, 1, 1] } }
+material = { young = 1000, poisson = 0 }
+fix  = [{ side = "top", x = 0, y = 0, z = -0.01 }]
+[[contact]]
+name = "joint"
+nonmortar = "high.bottom"
+mortar = "low.top"
+"#;
+    let model = case(&(text.to_string() + &probe("joint.displacement_obstacle.z", ""))).model;
+    let said = model.solve().unwrap_err().to_string();
+    assert!(said.contains("no rigid obstacle"), "{said}");
+}
