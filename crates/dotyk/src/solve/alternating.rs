@@ -376,3 +376,175 @@ fn gram_entries(
     }
     triplets
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::dual::{AdmissibleSet, Balance, Block, DualProblem, Friction, Part, Scales};
+    use crate::linalg::SparseMatrix;
+    use crate::solve::Newton;
+    use crate::solve::tests::{apart, silent, times};
+
+    /// A row of `bodies` floating blocks between two walls, two frictional nodes at each of their joints, in space: each has
+    /// six boundary displacements and three translations.
+    fn row(bodies: usize, coefficient: f64) -> DualProblem {
+        let joints = bodies + 1;
+        let m = 6 * joints;
+        let wave = |i: usize| (1.7 * i as f64 + 0.3).sin();
+        let sign = |body: usize, joint: usize| match joint {
+            _ if joint == body => Some(1.0),
+            _ if joint == body + 1 => Some(-1.0),
+            _ => None,
+        };
+        let parts: Vec<Part> = (0..bodies)
+            .map(|body| {
+                let rows: Vec<usize> = (6 * body..6 * body + 12).collect();
+                let column = |&row: &usize| {
+                    let sign = sign(body, row / 6).unwrap();
+                    let own = |c: usize| (c, sign * (1.0 + 0.3 * wave(7 * row + c)));
+                    let other = (row + 1) % 6;
+                    SparseVector::sum(6, vec![own(row % 6), own(other)])
+                };
+                Part {
+                    columns: rows.iter().map(column).collect(),
+                    stiffness: Mat::from_fn(6, 6, |i, j| {
+                        0.3 * wave(i + j) + if i == j { 4.0 } else { 0.0 }
+                    }),
+                    rows,
+                }
+            })
+            .collect();
+        let mut f = Mat::<f64>::zeros(m, m);
+        for part in &parts {
+            let mut factor = part.stiffness.clone();
+            cholesky_in_place(&mut factor).unwrap();
+            for (j, column) in part.rows.iter().zip(&part.columns) {
+                let mut moved = column.to_dense();
+                solve_cholesky_in_place(&factor, &mut moved);
+                for (i, row) in part.rows.iter().zip(&part.columns) {
+                    f[(*i, *j)] += row.dot(&moved);
+                }
+            }
+        }
+        let modes = Mat::from_fn(3 * bodies, m, |mode, i| match sign(mode / 3, i / 6) {
+            Some(sign) if i % 3 == mode % 3 => sign,
+            _ => 0.0,
+        });
+        let shift: Vec<f64> = (0..m)
+            .map(|i| {
+                if i % 3 == 0 {
+                    1.0 + 0.2 * wave(i)
+                } else {
+                    0.2 * wave(i)
+                }
+            })
+            .collect();
+        let load = (0..3 * bodies).map(|i| if i % 3 == 0 { 0.0 } else { 0.02 * wave(i) });
+        let balance = Balance::new(modes, load.collect());
+        let block = Friction::Coulomb { coefficient }.block(2);
+        let set = AdmissibleSet::new(vec![block; 2 * joints]);
+        let sparse = Compliance::Sparse(SparseMatrix::from_dense(&f));
+        let scales = Scales::of(&shift, &balance);
+        let mut problem = DualProblem::new(sparse, shift, set, balance).unwrap();
+        problem.scales = scales;
+        problem.parts = parts;
+        problem
+    }
+
+    #[test]
+    fn the_linear_half_is_solved_alike_by_bodies_and_as_a_whole() {
+        for bodies in [2, 40] {
+            let mut problem = row(bodies, 0.4);
+            let f = match &problem.compliance {
+                Compliance::Sparse(matrix) => matrix.to_dense(),
+                _ => unreachable!(),
+            };
+            let w: Vec<f64> = (0..f.nrows()).map(|i| (0.9 * i as f64).cos()).collect();
+            let mut found = Vec::new();
+            for dense in [false, true] {
+                let setup = Setup::unchecked(&problem);
+                assert_eq!(setup.balance.is_orthonormal(), bodies == 2);
+                let mut half = Bodies::new(&setup).unwrap();
+                if dense {
+                    let own = row(bodies, 0.4);
+                    half.compliance = compliance(&Setup::unchecked(&own));
+                    half.factored = assembled(&setup, &f, &half.compliance).unwrap();
+                }
+                let (x, beta) = half.solve(w.clone());
+                // (F + a) x − Gᵀα = d + a w and Gx = e
+                let mut left = times(&f, &x);
+                let alpha = setup.balance.from_rows(beta);
+                setup.balance.add_transposed(-1.0, &alpha, &mut left);
+                for i in 0..x.len() {
+                    left[i] += half.compliance[i] * (x[i] - w[i]) - setup.shift[i];
+                }
+                assert!(apart(&left, &vec![0.0; x.len()]) < 1e-11, "{bodies}");
+                let carried = problem.balance.modes().product(&x);
+                assert!(apart(&carried, problem.balance.load()) < 1e-11, "{bodies}");
+                found.push(x);
+                problem.compliance = Compliance::Dense(f.clone());
+            }
+            assert!(apart(&found[0], &found[1]) < 1e-11);
+        }
+    }
+
+    #[test]
+    fn a_crowd_is_solved_without_a_guess_of_states() {
+        for coefficient in [0.05, 0.5] {
+            let problem = row(40, coefficient);
+            assert!(problem.is_crowd());
+            let setup = Setup::new(&problem).unwrap();
+            let mut search = Search::new(Newton::default().limits(), &setup);
+            let states = search.all_closed();
+            let ended = alternate(&mut search, states, &mut silent);
+            assert!(matches!(ended, Ended::Converged), "{coefficient}");
+            let answer = search.outcome(false).multipliers;
+            let certificate = problem.certify(&answer, 1e-8);
+            assert!(certificate.holds(), "{certificate}");
+            assert!(search.steps <= 40, "{}", search.steps);
+        }
+    }
+
+    #[test]
+    fn shears_are_bounded_by_the_normal_force_of_the_same_trial() {
+        let problem = row(2, 0.5);
+        let setup = Setup::unchecked(&problem);
+        let mut trial = vec![0.0; setup.len()];
+        trial[..6].copy_from_slice(&[2.0, 3.0, -4.0, -1.0, 0.1, 0.2]);
+        trial[6..9].copy_from_slice(&[2.0, 0.3, -0.4]);
+        let mut lambda = vec![9.0; setup.len()];
+        by_law(&setup, &trial, &mut lambda);
+        assert!(apart(&lambda[..3], &[2.0, 0.6, -0.8]) < 1e-15);
+        assert_eq!(lambda[3..6], [0.0; 3]);
+        assert_eq!(lambda[6..9], [2.0, 0.3, -0.4]);
+    }
+
+    #[test]
+    fn a_compliance_that_is_only_applied_is_left_to_others() {
+        let mut problem = row(2, 0.5);
+        problem.parts.clear();
+        let setup = Setup::unchecked(&problem);
+        let mut search = Search::new(Newton::default().limits(), &setup);
+        let states = search.all_closed();
+        let ended = alternate(&mut search, states.clone(), &mut silent);
+        let Ended::Stuck(same) = ended else {
+            panic!("there is nothing to factor");
+        };
+        assert_eq!((same, search.steps), (states, 0));
+    }
+
+    #[test]
+    fn tangents_of_a_node_have_one_compliance_and_grounded_ones_are_not_stiff() {
+        let mut problem = row(2, 0.5);
+        problem.parts.clear();
+        let m = problem.shift.len();
+        problem.softness = (0..m).map(|i| [1.0, 0.0, 2.0][i % 3]).collect();
+        let setup = Setup::unchecked(&problem);
+        let found = compliance(&setup);
+        // the tangent without a compliance of its own counts as a part of the median, 1
+        let expected: Vec<f64> = (0..m)
+            .map(|i| PART * if i % 3 == 0 { 1.0 } else { 0.5 * (LEAST + 2.0) })
+            .collect();
+        assert!(apart(&found, &expected) < 1e-15, "{found:?}");
+    }
+}
