@@ -129,6 +129,12 @@ impl AdmissibleSet {
         self.blocks.iter().flat_map(of_block).collect()
     }
 
+    /// Some bound jumps where its node closes, as cohesion does.
+    pub(crate) fn jumps(&self) -> bool {
+        let mut laws = self.blocks.iter().filter_map(Block::friction);
+        laws.any(|law| law.jumps())
+    }
+
     /// λ = P_Λ(y), the nearest admissible force. Shapes: both (m,).
     pub fn project(&self, y: &[f64], lambda: &mut [f64]) {
         for (block, range) in self.iter() {

@@ -217,7 +217,7 @@ impl DualProblem {
     /// do not determine them.
     pub(crate) fn is_crowd(&self) -> bool {
         let many = self.balance.rank() >= CROWD && !self.parts.is_empty();
-        many && self.admissible.bounds_follow()
+        many && self.admissible.bounds_follow() && !self.admissible.jumps()
     }
 
     /// The problem with scales from its data; the softness is the diagonal of an assembled F, its mean over the tangents

@@ -65,10 +65,14 @@ pub(crate) fn alternate(
     observe: Observer<'_>,
 ) -> Ended {
     let setup = search.setup;
-    let Some(bodies) = Bodies::new(setup) else {
+    // where a trace of a normal force brings cohesion, the splitting would end on traces
+    if setup.admissible.jumps() {
+        return Ended::Stuck(states);
+    }
+    let Some(half) = LinearHalf::new(setup) else {
         return Ended::Stuck(states);
     };
-    let roots: Vec<f64> = bodies.compliance.iter().map(|a| a.sqrt()).collect();
+    let roots: Vec<f64> = half.compliance.iter().map(|a| a.sqrt()).collect();
     let mut lambda = vec![0.0; setup.len()];
     // forces that steps before these left far from an answer are worse than none
     let start = match search.steps {
@@ -90,7 +94,7 @@ pub(crate) fn alternate(
                 .zip(&trial)
                 .map(|(l, t)| 2.0 * l - t)
                 .collect();
-            let (forces, beta) = bodies.solve(reflected);
+            let (forces, beta) = half.solve(reflected);
             amplitudes = beta;
             let residual = forces.iter().zip(&lambda).zip(&roots);
             let residual: Vec<f64> = residual
@@ -144,7 +148,7 @@ fn by_law(setup: &Setup<'_>, trial: &[f64], lambda: &mut [f64]) {
 }
 
 /// The linear half: the bodies with a compliance between them, factored.
-struct Bodies<'a> {
+struct LinearHalf<'a> {
     setup: &'a Setup<'a>,
     /// a, (m,): the same for the tangents of a node, so that the law's disc is one in this metric, too.
     compliance: Vec<f64>,
@@ -168,7 +172,7 @@ enum Factored {
     },
 }
 
-impl<'a> Bodies<'a> {
+impl<'a> LinearHalf<'a> {
     /// `None` where F is neither dense nor known by its bodies, and where a factorisation fails.
     fn new(setup: &'a Setup<'a>) -> Option<Self> {
         let compliance = compliance(setup);
@@ -380,10 +384,10 @@ fn gram_entries(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::dual::{AdmissibleSet, Balance, Block, DualProblem, Friction, Part, Scales};
+    use crate::dual::{AdmissibleSet, Balance, DualProblem, Friction, Part, Scales};
     use crate::linalg::SparseMatrix;
-    use crate::solve::Newton;
     use crate::solve::tests::{apart, silent, times};
+    use crate::solve::{FixedBounds, Newton};
 
     /// A row of `bodies` floating blocks between two walls, two frictional nodes at each of their joints, in space: each has
     /// six boundary displacements and three translations.
@@ -464,7 +468,7 @@ mod tests {
             for dense in [false, true] {
                 let setup = Setup::unchecked(&problem);
                 assert_eq!(setup.balance.is_orthonormal(), bodies == 2);
-                let mut half = Bodies::new(&setup).unwrap();
+                let mut half = LinearHalf::new(&setup).unwrap();
                 if dense {
                     let own = row(bodies, 0.4);
                     half.compliance = compliance(&Setup::unchecked(&own));
