@@ -92,7 +92,7 @@ impl<const D: usize> Attempt<D> {
 /// The solver knows F and d, the certificate judges displacements and energies computed afresh. Where they differ
 /// (rounding of the factorisation in a slender body, another scale of the energy), Newton's answer is corrected by exact
 /// steps in increments, whose gaps are those of the displacements; then, and after other methods, the iteration goes on
-/// from there. Where an applied or sparse F does not do (slender bodies), F is assembled after all. Of all this nothing is
+/// from there. Where an applied or sparse F does not do (slender bodies), F is assembled after all, but of crowds. Of all this nothing is
 /// done for a solver of somebody else's.
 pub(crate) fn certified_attempt<const D: usize>(
     model: &Model<D>,
@@ -109,7 +109,8 @@ pub(crate) fn certified_attempt<const D: usize>(
     let tolerance = model.solver.tolerance;
     let exact = matches!(method, Method::Auto | Method::Newton);
     let mut attempt = run_method(model, condensed, (method, tolerance), guess, observe)?;
-    if exact && attempt.unfinished() && condensed.problem.assemble(ASSEMBLED) {
+    let crowd = condensed.problem.is_crowd();
+    if exact && attempt.unfinished() && !crowd && condensed.problem.assemble(ASSEMBLED) {
         let again = run_method(model, condensed, (method, tolerance), guess, observe)?;
         attempt = attempt.followed_by(again);
     }

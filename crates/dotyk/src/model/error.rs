@@ -372,6 +372,15 @@ pub enum Objection<const D: usize> {
         /// Contact, place and depth where two sides overlap most between their nodes, if by too much.
         overlap: Option<(String, Point<D>, f64)>,
     },
+    /// Hardly anything holds a floating body against turning: it turns farther than the theory of small rotations goes.
+    Turned {
+        /// The body.
+        body: String,
+        /// Its motion in words.
+        motion: String,
+        /// By how much, in radians.
+        turn: f64,
+    },
 }
 
 /// What to try where an iteration does not settle.
@@ -449,6 +458,11 @@ impl<const D: usize> fmt::Display for Objection<D> {
                     ": the sides of contact \"{contact}\" overlap by {depth} at {at}"
                 )
             }
+            Self::Turned { body, motion, turn } => write!(
+                f,
+                "body \"{body}\" is turned by {} rad ({motion}), and the theory knows small rotations alone: hardly anything holds it against turning; hold it by a support, or let more of its nodes touch, by smaller facets",
+                Short(*turn)
+            ),
         }
     }
 }

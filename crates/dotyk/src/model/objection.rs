@@ -1,5 +1,8 @@
 //! Why an attempt is no answer.
 
+use crate::fem::{RigidBasis, describe_motion, fit_rigid};
+use crate::geometry::{Point, add_scaled, distance, sub};
+use crate::linalg::dense::dot;
 use crate::model::attempt::Attempt;
 use crate::model::condense::Condensed;
 use crate::model::error::{Advice, Objection};
@@ -7,9 +10,15 @@ use crate::model::judge::Judged;
 use crate::model::nouns::Model;
 use crate::model::pair::carriers;
 use crate::model::parts::part_name;
+use crate::model::recover::centroid;
 
 /// A body that gives way so many times as much as its cells do leaves the gaps few digits.
 const SLENDER: f64 = 1e9;
+
+/// A turn in radians that no body makes in the theory of small rotations, and how many times its strains it is beyond what
+/// loads ask for.
+const FAR: f64 = 1.0;
+const UNDRIVEN: f64 = 100.0;
 
 /// Why an attempt is not an answer, if it is none.
 pub(crate) fn objection<const D: usize>(
@@ -38,7 +47,7 @@ pub(crate) fn objection<const D: usize>(
             })
         }
         Some(failure) => Some(failure.clone()),
-        None if certificate.holds() => None,
+        None if certificate.holds() => turned(model, condensed, judged),
         None => {
             let overlap = judged
                 .overlap
@@ -52,6 +61,44 @@ pub(crate) fn objection<const D: usize>(
             })
         }
     }
+}
+
+/// A floating body that turns by more than a radian although hardly strained: in numbers of small rotations the forces may
+/// balance there, and the gaps be closed, but no body is where they say.
+///
+/// Beside large strains a large turn is what the loads ask for: then they are large, and a warning tells it.
+fn turned<const D: usize>(
+    model: &Model<D>,
+    condensed: &Condensed<D>,
+    judged: &Judged<D>,
+) -> Option<Objection<D>> {
+    let basis = RigidBasis::of(model.analysis);
+    let states = &judged.displaced.states;
+    let bodies = model.bodies.iter().zip(&condensed.bodies).zip(states);
+    let mut floating = bodies.filter(|((_, loaded), _)| !loaded.system.modes.is_empty());
+    floating.find_map(|((body, _), state)| {
+        let points = body.mesh.points();
+        let centre = centroid(points);
+        let (translation, spin) = fit_rigid(basis, points, &state.u, centre);
+        let turn = dot(&spin, &spin).sqrt();
+        if turn <= FAR {
+            return None;
+        }
+        let rigid = |&x: &Point<D>| {
+            let about = spin.iter().enumerate();
+            about.fold(translation, |u, (k, s)| {
+                add_scaled(u, *s, basis.displacement(k, sub(x, centre)))
+            })
+        };
+        let left = points.iter().zip(&state.u);
+        let left = left.map(|(x, &u)| distance(u, rigid(x)));
+        let strain = left.fold(0.0, f64::max) / body.mesh.diameter();
+        (turn > UNDRIVEN * strain).then(|| Objection::Turned {
+            body: body.name.clone(),
+            motion: describe_motion(points, &state.u),
+            turn,
+        })
+    })
 }
 
 /// What to try where an iteration did not settle.

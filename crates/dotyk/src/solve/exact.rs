@@ -43,6 +43,9 @@ pub(crate) const NEAR: Patience = Patience::new(6, 0.5);
 /// problem is too badly conditioned for iterations within a step.
 const PRODUCTS: usize = 3000;
 
+/// Why a search ended without an answer.
+pub(crate) const STALLED: &str = "the residual did not fall below the tolerance";
+
 /// Residuals that are near an answer.
 pub(crate) const NEARBY: f64 = 1e-2;
 

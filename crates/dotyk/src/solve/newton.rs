@@ -17,7 +17,7 @@
 //! augmented Lagrangian methods, and the semismooth Newton methods on them since.
 
 use crate::dual::Multipliers;
-use crate::solve::exact::{Ended, NEAR, Patience, Search};
+use crate::solve::exact::{Ended, NEAR, Patience, STALLED, Search};
 use crate::solve::proximal::descend;
 use crate::solve::setup::Setup;
 use crate::solve::states::State;
@@ -74,10 +74,7 @@ impl FixedBounds for Newton {
         match ended {
             Ended::Converged => Ok(search.outcome(false)),
             Ended::Stopped => Ok(search.outcome(true)),
-            Ended::Stuck(_) => {
-                let reason = "the residual did not fall below the tolerance";
-                Err(search.not_converged(Self::NAME, reason))
-            }
+            Ended::Stuck(_) => Err(search.not_converged(Self::NAME, STALLED)),
         }
     }
 
@@ -237,7 +234,7 @@ mod tests {
         };
         assert_eq!((method.as_str(), outcome.iterations), ("newton", 4));
         assert!(residual >= least && residual > 1e-8);
-        assert_eq!(reason, "the residual did not fall below the tolerance");
+        assert_eq!(reason, STALLED);
     }
 
     #[test]

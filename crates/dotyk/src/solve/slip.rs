@@ -24,7 +24,7 @@ use crate::dual::Multipliers;
 use crate::solve::alternating::alternate;
 use crate::solve::anchored::settle;
 use crate::solve::coulomb::{carry, fixed_point};
-use crate::solve::exact::{Ended, NEARBY, Patience, Search};
+use crate::solve::exact::{Ended, NEARBY, Patience, STALLED, Search};
 use crate::solve::hold::{held, hold};
 use crate::solve::iteration::{completed, counting_from};
 use crate::solve::levels;
@@ -62,10 +62,15 @@ pub(crate) fn solve<S: FixedBounds>(
     guess: Option<&Multipliers>,
     observe: Observer<'_>,
 ) -> Result<Outcome, SolveError> {
-    let (search, ended) = climb(method, setup, guess, &stages(), observe)?;
+    // of crowds states are not worth a guess, and dense matrices too large
+    let crowd = setup.problem.is_crowd();
+    let all = stages();
+    let stages = if crowd { &all[1..2] } else { &all[..] };
+    let (search, ended) = climb(method, setup, guess, stages, observe)?;
     match ended {
         Ended::Converged => Ok(search.outcome(false)),
         Ended::Stopped => Ok(search.outcome(true)),
+        Ended::Stuck(_) if crowd => Err(search.not_converged(S::NAME, STALLED)),
         Ended::Stuck(_) => match iterate_bounds(method, search, observe) {
             Err(left @ SolveError::NotConverged { .. }) => match limit(method, setup) {
                 Some((direction, factor)) => Err(SolveError::Slides { direction, factor }),
@@ -117,11 +122,8 @@ fn coarse<S: FixedBounds>(
     Ok(search.outcome(false))
 }
 
-/// Exact steps in which floating bodies are held; none among many bodies, whose states are not worth a guess.
+/// Exact steps in which floating bodies are held.
 fn exact<S>(_: &S, search: &mut Search<'_>, states: Vec<State>, observe: Observer<'_>) -> Ended {
-    if search.setup.problem.is_crowd() {
-        return Ended::Stuck(states);
-    }
     search.exact(states, &EXACT, &held(search.setup), observe)
 }
 
