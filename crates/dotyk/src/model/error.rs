@@ -401,6 +401,14 @@ pub enum Advice {
         "within the bounds of friction some forces balance the load, but those that go with the slips were not found, or are not unique: try smaller load steps or a smaller coefficient; where a clearance closes, close it in a step of its own, before loads that turn a body or push it along"
     )]
     SmallerSteps,
+    /// Bodies that clamp each other in many ways.
+    #[error(
+        "among so many bodies that clamp each other the forces that go with the slips are found slowly: `tolerance = {tolerance:.0e}` under [solver] ends with balanced forces and that part of accuracy; to all digits nodes that match, or smaller coefficients, help"
+    )]
+    Crowd {
+        /// A tolerance that the forces found are likely to meet.
+        tolerance: f64,
+    },
     /// Neither.
     #[error("try a larger `tolerance`, or stiffnesses that differ less")]
     LargerTolerance,

@@ -15,6 +15,9 @@ use crate::model::recover::centroid;
 /// A body that gives way so many times as much as its cells do leaves the gaps few digits.
 const SLENDER: f64 = 1e9;
 
+/// Below this residual forces of a crowd are worth a look.
+const ROUGH: f64 = 1e-3;
+
 /// A turn in radians that no body makes in the theory of small rotations, and how many times its strains it is beyond what
 /// loads ask for.
 const FAR: f64 = 1.0;
@@ -38,7 +41,7 @@ pub(crate) fn objection<const D: usize>(
             let worst = row.map(|row| {
                 let (index, point) = carriers(model, &condensed.paired)[row];
                 let called = condensed.paired[index].called();
-                (called, point, advice(model, condensed))
+                (called, point, advice(model, condensed, *residual))
             });
             Some(Objection::Unsettled {
                 reason: reason.clone(),
@@ -102,9 +105,12 @@ fn turned<const D: usize>(
 }
 
 /// What to try where an iteration did not settle.
-fn advice<const D: usize>(model: &Model<D>, condensed: &Condensed<D>) -> Advice {
+fn advice<const D: usize>(model: &Model<D>, condensed: &Condensed<D>, residual: f64) -> Advice {
     match slender(model, condensed) {
         Some((body, times)) => Advice::Divide { body, times },
+        None if condensed.problem.is_crowd() && residual < ROUGH => Advice::Crowd {
+            tolerance: 10f64.powf((10.0 * residual).log10().ceil()),
+        },
         None if condensed.problem.admissible.bounds_follow() => Advice::SmallerSteps,
         None => Advice::LargerTolerance,
     }

@@ -85,8 +85,8 @@ pub(crate) fn alternate(
     let mut trial = lambda.clone();
     let mut anderson = Anderson::default();
     let (mut least, mut still) = (f64::INFINITY, 0);
+    let (mut balanced, mut amplitudes) = (Vec::new(), Vec::new());
     while !search.exhausted() && still < PATIENCE {
-        let mut amplitudes = Vec::new();
         for _ in 0..TOGETHER {
             by_law(setup, &trial, &mut lambda);
             let reflected: Vec<f64> = lambda
@@ -94,9 +94,8 @@ pub(crate) fn alternate(
                 .zip(&trial)
                 .map(|(l, t)| 2.0 * l - t)
                 .collect();
-            let (forces, beta) = half.solve(reflected);
-            amplitudes = beta;
-            let residual = forces.iter().zip(&lambda).zip(&roots);
+            (balanced, amplitudes) = half.solve(reflected);
+            let residual = balanced.iter().zip(&lambda).zip(&roots);
             let residual: Vec<f64> = residual
                 .map(|((x, l), root)| RELAXATION * (x - l) * root)
                 .collect();
@@ -110,7 +109,7 @@ pub(crate) fn alternate(
         }
         by_law(setup, &trial, &mut lambda);
         search.steps += 1;
-        search.move_to(lambda.clone(), setup.balance.from_rows(amplitudes));
+        search.move_to(lambda.clone(), setup.balance.from_rows(amplitudes.clone()));
         search.kind = 'd';
         if search.tell(observe) {
             return Ended::Stopped;
@@ -125,7 +124,13 @@ pub(crate) fn alternate(
         };
         least = least.min(search.residual);
     }
-    search.go_back();
+    // short of an answer to all digits what is balanced serves better than what obeys the law: of a balance all are asked for
+    if !balanced.is_empty() {
+        search.move_to(balanced, setup.balance.from_rows(amplitudes));
+    }
+    if search.residual > search.tolerance {
+        search.go_back();
+    }
     match search.residual <= search.tolerance {
         true => Ended::Converged,
         false => Ended::Stuck(states),

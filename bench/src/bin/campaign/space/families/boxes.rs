@@ -3,7 +3,8 @@
 use super::{Margin, Scene, course, from_below, upwards};
 use crate::amount::Time;
 use crate::problem::{Known, side};
-use crate::space::problem::{Drive, Field, Gap, Law, Load, Number, Surface};
+use crate::space::problem::{Drive, Field, Gap, Law, Load, Number, Shape, Surface};
+use crate::space::solids::Solid;
 
 /// Boxes of one cross-section on each other, pressed evenly: the pressure is the same everywhere, whatever the meshes are.
 pub fn uniform(scene: &mut Scene) {
@@ -72,14 +73,12 @@ pub fn stack(scene: &mut Scene) {
         let body = scene.cuboid(&format!("b{b}"), from, to, n);
         if matching && b > 0 {
             scene.problem.bodies[b].kind = scene.problem.bodies[0].kind;
-            let cells = |shape: &mut crate::space::problem::Shape| match shape {
-                crate::space::problem::Shape::Cuboid { cells, .. } => *cells,
+            let cells = |shape: &mut Shape| match shape {
+                Shape::Cuboid { cells, .. } => *cells,
                 _ => [1; 3],
             };
             let first = cells(&mut scene.problem.bodies[0].shape);
-            if let crate::space::problem::Shape::Cuboid { cells, .. } =
-                &mut scene.problem.bodies[b].shape
-            {
+            if let Shape::Cuboid { cells, .. } = &mut scene.problem.bodies[b].shape {
                 (cells[0], cells[1]) = (first[0], first[1]);
             }
         }
@@ -258,6 +257,78 @@ pub fn history(scene: &mut Scene) {
             "statics of the box on the other",
         );
     }
+}
+
+/// Sides of a box behind and before the neighbour along each axis.
+const SIDES: [[&str; 2]; 3] = [["left", "right"], ["front", "back"], ["bottom", "top"]];
+
+/// Boxes of random size between planes at random places, on a floor and within walls, each of its own material and weight,
+/// pressed from above: so many that they clamp each other in many ways.
+pub fn crowd(scene: &mut Scene) {
+    let rows = [
+        [3, 3, 2],
+        [2, 3, 3],
+        [4, 2, 2],
+        [3, 3, 3],
+        [4, 3, 2],
+        [2, 2, 5],
+    ];
+    let rows = scene.random.pick(&rows);
+    let division = scene.random.count(1, 2);
+    let rough = scene.random.magnitude(0.05, 0.8);
+    let planes = rows.map(|row| {
+        let mut planes = vec![0.0];
+        for _ in 0..row {
+            let last = planes[planes.len() - 1];
+            planes.push(last + scene.random.between(0.5, 1.5));
+        }
+        planes
+    });
+    let place = |i: [usize; 3]| (i[2] * rows[1] + i[1]) * rows[0] + i[0];
+    let count = rows.iter().product();
+    let all = (0..count).map(|k| [k % rows[0], k / rows[0] % rows[1], k / rows[0] / rows[1]]);
+    let p = scene.strain;
+    for i in all.clone() {
+        let [from, to] = [0, 1].map(|end| std::array::from_fn(|d| planes[d][i[d] + end]));
+        let cells = [division; 3];
+        let name = format!("b{}", place(i));
+        let body = scene.add(&name, Shape::Cuboid { from, to, cells }, Solid::Hex8);
+        scene.problem.bodies[body].weight = upwards(-p * scene.random.between(0.0, 0.5));
+        if i[2] + 1 == rows[2] && scene.random.chance(0.7) {
+            let field = Number::from(p * scene.random.between(0.1, 1.0));
+            let side = "top".to_string();
+            let load = Load::Pressure { side, field };
+            scene.problem.bodies[body].loads.push(load);
+        }
+    }
+    for i in all {
+        let name = format!("b{}", place(i));
+        for (axis, [behind, before]) in SIDES.into_iter().enumerate() {
+            let mut law = || match scene.random.chance(0.9) {
+                true => Law::Coulomb(scene.random.between(0.0, rough)),
+                false => Law::Frictionless,
+            };
+            let (first, second) = (law(), law());
+            let wall = |at: f64, sign: f64| {
+                let axes =
+                    |value: f64| std::array::from_fn(|d| if d == axis { value } else { 0.0 });
+                Surface::plane(axes(at), axes(sign))
+            };
+            if i[axis] == 0 {
+                scene.stand(side(&name, behind), wall(0.0, 1.0), None, first);
+            }
+            if i[axis] + 1 < rows[axis] {
+                let mut next = i;
+                next[axis] += 1;
+                let next = format!("b{}", place(next));
+                scene.touch(side(&name, before), side(&next, behind), second);
+            } else if axis < 2 {
+                let wall = wall(planes[axis][rows[axis]], -1.0);
+                scene.stand(side(&name, before), wall, None, second);
+            }
+        }
+    }
+    scene.holds("each column stands on the floor");
 }
 
 /// What moves an obstacle that presses from above.
