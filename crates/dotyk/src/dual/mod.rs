@@ -216,7 +216,7 @@ impl DualProblem {
     /// Many floating bodies with friction, known one by one: they share their forces in many ways, so that states of contacts
     /// do not determine them.
     pub(crate) fn is_crowd(&self) -> bool {
-        let many = self.balance.rank() >= CROWD && !self.parts.is_empty();
+        let many = self.balance.rank() >= CROWD;
         many && self.admissible.bounds_follow() && !self.admissible.jumps()
     }
 
@@ -318,15 +318,7 @@ impl DualProblem {
             ("a column of G", self.balance.modes().nrows(), r),
             ("the list of moment rows", self.balance.moments().len(), r),
         ];
-        for (part, found, expected) in lengths {
-            if found != expected {
-                return Err(DualError::Length {
-                    part,
-                    found,
-                    expected,
-                });
-            }
-        }
+        agree(lengths)?;
         finite("d", self.shift.iter())?;
         finite("e", self.balance.load().iter())?;
         let modes = self.balance.modes().columns().iter();
@@ -344,11 +336,24 @@ impl DualProblem {
             .flatten()
             .find(|&&block| block >= blocks)
         {
-            return Err(DualError::Length {
-                part: "the list of neighbours",
-                found: found + 1,
-                expected: blocks,
-            });
+            agree([("the list of neighbours", found + 1, blocks)])?;
+        }
+        for Part {
+            rows,
+            stiffness,
+            columns,
+        } in &self.parts
+        {
+            let own = stiffness.nrows();
+            let last = rows.iter().max().map_or(0, |row| row + 1);
+            let shapes = [
+                ("the columns of a part of F", columns.len(), rows.len()),
+                ("a stiffness of a part of F", stiffness.ncols(), own),
+                ("the rows of a part of F", last.max(m), m),
+            ];
+            let columns = columns.iter();
+            let columns = columns.map(|column| ("a column of a part of F", column.len(), own));
+            agree(shapes.into_iter().chain(columns))?;
         }
         for (block, law) in self.admissible.blocks().iter().enumerate() {
             let Some((given, growth)) = law.friction().map(|law| law.terms()) else {
@@ -369,13 +374,7 @@ impl DualProblem {
             ("λ", lambda, self.len()),
             ("α", alpha, self.balance.load().len()),
         ] {
-            if values.len() != expected {
-                return Err(DualError::Length {
-                    part,
-                    found: values.len(),
-                    expected,
-                });
-            }
+            agree([(part, values.len(), expected)])?;
             finite(part, values.iter())?;
         }
         Ok(())
@@ -451,6 +450,21 @@ fn of_products(operator: &dyn LinearOperator) -> Mat<f64> {
 
 fn columns(matrix: &Mat<f64>) -> impl Iterator<Item = &f64> {
     (0..matrix.ncols()).flat_map(|j| matrix.col_as_slice(j))
+}
+
+/// What was found is as long as expected.
+fn agree(lengths: impl IntoIterator<Item = (&'static str, usize, usize)>) -> Result<(), DualError> {
+    match lengths
+        .into_iter()
+        .find(|(_, found, expected)| found != expected)
+    {
+        None => Ok(()),
+        Some((part, found, expected)) => Err(DualError::Length {
+            part,
+            found,
+            expected,
+        }),
+    }
 }
 
 fn finite<'a>(
@@ -724,6 +738,32 @@ mod tests {
         assert_eq!(short, ("a column of G", 2, 1));
         let short = told(|p| p.balance = p.balance.clone().with_moments(vec![true]));
         assert_eq!(short, ("the list of moment rows", 1, 2));
+        let part = || Part {
+            rows: vec![1, 6],
+            stiffness: soft().submatrix(0, 0, 3, 3).to_owned(),
+            columns: vec![SparseVector::new(3, [(0, 1.0)]); 2],
+        };
+        assert!({
+            let mut problem = problem(Compliance::Dense(soft()));
+            problem.parts = vec![part()];
+            problem.check().is_ok()
+        });
+        let told_of = |change: fn(&mut Part)| {
+            let mut problem = problem(Compliance::Dense(soft()));
+            problem.parts = vec![part()];
+            change(&mut problem.parts[0]);
+            match problem.check() {
+                Err(DualError::Length { part, .. }) => part,
+                other => panic!("{other:?}"),
+            }
+        };
+        let wide = told_of(|p| p.stiffness = Mat::zeros(3, 2));
+        assert_eq!(wide, "a stiffness of a part of F");
+        assert_eq!(told_of(|p| p.rows[1] = 7), "the rows of a part of F");
+        let few = told_of(|p| p.columns.truncate(1));
+        assert_eq!(few, "the columns of a part of F");
+        let short = told_of(|p| p.columns[0] = SparseVector::new(2, []));
+        assert_eq!(short, "a column of a part of F");
         let beyond = told(|p| p.neighbours = vec![[0, 1], [2, 3]]);
         assert_eq!(beyond, ("the list of neighbours", 4, 3));
         let mut problem = problem(Compliance::Dense(soft()));

@@ -4,7 +4,7 @@
 //! they touch. The pattern is ordered and analysed once.
 
 use crate::linalg::{
-    Cholesky, Connectivity, Graph, LinalgError, SparseVector, SymbolicCholesky, SymmetricMatrix,
+    Cholesky, Graph, LinalgError, SparseVector, SymbolicCholesky, SymmetricMatrix,
     fill_reducing_order,
 };
 use std::ops::Range;
@@ -42,12 +42,7 @@ impl WeightedGram {
         blocks: Vec<Range<usize>>,
     ) -> Result<Self, LinalgError> {
         let edges = edges(rows, columns, &blocks);
-        let nodes: Vec<u32> = edges.iter().flatten().copied().collect();
-        let pairs = Connectivity {
-            nodes: &nodes,
-            nodes_per_cell: 2,
-        };
-        let graph = Graph::from_cells(rows, &[pairs]);
+        let graph = Graph::of_edges(rows, edges.iter().copied());
         let order = fill_reducing_order(&graph, &vec![true; rows], &[]);
         let zeros = edges.iter().map(|&[i, j]| (i as usize, j as usize, 0.0));
         let pattern = SymmetricMatrix::from_triplets(rows, &zeros.collect::<Vec<_>>());

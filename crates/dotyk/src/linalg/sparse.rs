@@ -305,6 +305,18 @@ pub struct Graph {
 }
 
 impl Graph {
+    /// Adjacency of `nodes` nodes by pairs of them.
+    ///
+    /// Panics when a pair names a node that does not exist.
+    pub(crate) fn of_edges(nodes: usize, edges: impl Iterator<Item = [u32; 2]>) -> Self {
+        let ends: Vec<u32> = edges.flatten().collect();
+        let pairs = Connectivity {
+            nodes: &ends,
+            nodes_per_cell: 2,
+        };
+        Self::from_cells(nodes, &[pairs])
+    }
+
     /// Adjacency of `nodes` nodes by the cells of all blocks.
     ///
     /// Panics when a cell names a node that does not exist.
