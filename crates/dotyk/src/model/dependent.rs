@@ -302,6 +302,7 @@ fn repeated<const D: usize>(
     rows: &[Sparse],
 ) -> Vec<usize> {
     let gaps: Vec<Vec<f64>> = paired.iter().map(Paired::gaps).collect();
+    let diameters: Vec<f64> = model.bodies.iter().map(|b| b.mesh.diameter()).collect();
     let lasting = |contact: usize| {
         let contact = model.contacts.get(contact);
         contact.is_some_and(|c| matches!(c.law, Law::Frictionless) && !gap_varies(c))
@@ -315,9 +316,7 @@ fn repeated<const D: usize>(
         }
         let square = product(row, row);
         let gap = gaps[contact][own];
-        let size = model.bodies[paired[contact].nonmortar.body.0]
-            .mesh
-            .diameter();
+        let size = diameters[paired[contact].nonmortar.body.0];
         let same = |&other: &usize| {
             let factor = product(row, &rows[other]) / square;
             let rest = combine(&rows[other], -factor, row);
