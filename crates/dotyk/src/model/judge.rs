@@ -288,7 +288,9 @@ pub(crate) fn blurred<const D: usize>(
     lambda: &[f64],
 ) -> Vec<(usize, bool, f64)> {
     let rounding = APART * condensed.problem.scales.length + displaced.negligible;
-    let none = NO_FORCE * lambda.iter().fold(0.0, |s: f64, l| s.max(l.abs()));
+    let largest = |lambda: &[f64]| lambda.iter().fold(0.0, |s: f64, l| s.max(l.abs()));
+    let whole = largest(lambda);
+    let (none, some) = (NO_FORCE * whole, model.solver.tolerance * whole);
     let each = row_ranges(&condensed.paired).enumerate();
     let told = each.filter_map(|(contact, (rows, pair))| {
         let loose = pair.interface.coupling != Coupling::Tied;
@@ -296,11 +298,12 @@ pub(crate) fn blurred<const D: usize>(
         let bears = |row: usize| lambda[row].abs() > none;
         let nearest = smallest_gap(pair, &moved(model, pair, displaced), bears);
         let nearest = nearest.filter(|_| loose)?;
-        let bears = (0..lambda.len()).any(bears);
-        let differs = if bears {
-            nearest > rounding
-        } else {
-            nearest < -rounding
+        // forces within the tolerance may be or not be
+        let force = largest(lambda);
+        let bears = force > some;
+        let differs = match bears {
+            true => nearest > rounding,
+            false => nearest < -rounding && force <= none,
         };
         differs.then_some((contact, bears, nearest))
     });

@@ -57,6 +57,7 @@ const TOGETHER: usize = 32;
 
 /// Steps without a residual of this part of the least one after which it falls no more.
 const PATIENCE: usize = 25;
+const PATIENCE_WITH_FEW: usize = 10;
 const PROGRESS: f64 = 0.9;
 
 /// The residual is brought below this part of the tolerance where that is to be had.
@@ -85,13 +86,18 @@ pub(crate) fn alternate(
     let local = local_compliance(setup);
     // the best forces that are balanced, and amplitudes of the rows of the balance
     let mut balanced: Option<(f64, Vec<f64>, Vec<f64>)> = None;
-    for part in PARTS {
+    let (parts, patience) = match setup.problem.is_crowd() {
+        true => (&PARTS[..], PATIENCE),
+        // few bodies have other stages behind this one
+        false => (&PARTS[..1], PATIENCE_WITH_FEW),
+    };
+    for part in parts {
         let compliance = local.iter().map(|c| part * c).collect();
         let half = LinearHalf::new(setup, compliance);
         let Some(half) = half.filter(|_| !search.exhausted()) else {
             break;
         };
-        match descend(search, &half, lambda.clone(), observe) {
+        match descend(search, &half, (lambda.clone(), patience), observe) {
             Turns::Ended(ended) => return ended,
             Turns::Stalled(forces, amplitudes) => {
                 let residual = search.residual;
@@ -122,11 +128,11 @@ enum Turns {
     Stalled(Vec<f64>, Vec<f64>),
 }
 
-/// Alternates with one matrix from the trial forces (m,).
+/// Alternates with one matrix from the trial forces (m,), with so much patience.
 fn descend(
     search: &mut Search<'_>,
     half: &LinearHalf<'_>,
-    mut trial: Vec<f64>,
+    (mut trial, patience): (Vec<f64>, usize),
     observe: Observer<'_>,
 ) -> Turns {
     let setup = search.setup;
@@ -135,7 +141,7 @@ fn descend(
     let (mut balanced, mut amplitudes) = (Vec::new(), Vec::new());
     let mut anderson = Anderson::default();
     let (mut least, mut still) = (f64::INFINITY, 0);
-    while !search.exhausted() && still < PATIENCE {
+    while !search.exhausted() && still < patience {
         for _ in 0..TOGETHER {
             by_law(setup, &trial, &mut lambda);
             let reflected = lambda.iter().zip(&trial);
