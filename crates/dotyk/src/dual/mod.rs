@@ -213,10 +213,11 @@ pub struct Part {
 }
 
 impl DualProblem {
-    /// Many floating bodies with friction, known one by one: they share their forces in many ways, so that states of contacts
-    /// do not determine them.
+    /// Many floating bodies with friction, F known entry by entry or body by body: they share their forces in many ways, so
+    /// that states of contacts do not determine them.
     pub(crate) fn is_crowd(&self) -> bool {
-        let many = self.balance.rank() >= CROWD;
+        let known = matches!(self.compliance, Compliance::Dense(_)) || !self.parts.is_empty();
+        let many = self.balance.rank() >= CROWD && known;
         many && self.admissible.bounds_follow() && !self.admissible.jumps()
     }
 

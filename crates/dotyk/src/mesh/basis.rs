@@ -89,14 +89,15 @@ impl Basis {
     }
 }
 
-/// ξ^a η^b ζ^c of exponents up to 2; coordinates beyond the last count as one.
+/// ξ^a η^b ζ^c, up to squares without a call; coordinates beyond the last count as one.
 fn monomial(xi: &[f64], exponents: [u8; 3]) -> f64 {
     xi.iter()
         .zip(exponents)
         .map(|(&x, e)| match e {
             0 => 1.0,
             1 => x,
-            _ => x * x,
+            2 => x * x,
+            e => x.powi(i32::from(e)),
         })
         .product()
 }

@@ -92,8 +92,8 @@ impl<const D: usize> Attempt<D> {
 /// The solver knows F and d, the certificate judges displacements and energies computed afresh. Where they differ
 /// (rounding of the factorisation in a slender body, another scale of the energy), Newton's answer is corrected by exact
 /// steps in increments, whose gaps are those of the displacements; then, and after other methods, the iteration goes on
-/// from there. Where an applied or sparse F does not do (slender bodies), F is assembled after all, but of crowds. Of all this nothing is
-/// done for a solver of somebody else's.
+/// from there. Where an applied or sparse F does not do (slender bodies), F is assembled after all, that of a crowd not. Of
+/// all this nothing is done for a solver of somebody else's.
 pub(crate) fn certified_attempt<const D: usize>(
     model: &Model<D>,
     condensed: &mut Condensed<D>,

@@ -16,11 +16,14 @@
 //! 6. [`iterate_bounds`]: the convex problem with given bounds, again and again, each with the bounds that follow from the
 //!    forces of the one before. A contraction for small coefficients.
 //!
+//! A crowd (`DualProblem::is_crowd`) has the first two alone, or the second where there are very many: the others wander among
+//! forces that bodies clamp each other with, or take dense matrices.
+//!
 //! Stages 3, 4 and 6 begin from the forces of least residual so far: the last ones may have grown without bound.
 //!
 //! As described in Alart & Curnier (1991) for the steps, Nečas, Jarušek & Haslinger (1980) for the bounds.
 
-use crate::dual::Multipliers;
+use crate::dual::{DualProblem, Multipliers};
 use crate::solve::alternating::alternate;
 use crate::solve::anchored::settle;
 use crate::solve::coulomb::{carry, fixed_point};
@@ -46,11 +49,16 @@ const RESTING: f64 = 1e-4;
 /// One stage: goes on from states, with what a method for given bounds can do.
 type Stage<S> = fn(&S, &mut Search<'_>, Vec<State>, Observer<'_>) -> Ended;
 
-/// The first five stages, those of single forces.
-fn stages<S: FixedBounds>() -> [Stage<S>; 5] {
+/// The stages of single forces: the first five; of crowds those that do not wander, without guesses where bodies are known one
+/// by one, as there are too many then.
+fn stages<S: FixedBounds>(problem: &DualProblem) -> Vec<Stage<S>> {
     let settle: Stage<S> = |_, search, states, observe| settle(search, states, observe);
     let alternate: Stage<S> = |_, search, states, observe| alternate(search, states, observe);
-    [exact, alternate, rest, settle, stiffen]
+    match (problem.is_crowd(), problem.parts.is_empty()) {
+        (false, _) => vec![exact, alternate, rest, settle, stiffen],
+        (true, true) => vec![exact, alternate],
+        (true, false) => vec![alternate],
+    }
 }
 
 /// Newton on the problem of `setup`, in which bounds follow from normal forces; `method` is Newton with given bounds.
@@ -62,15 +70,11 @@ pub(crate) fn solve<S: FixedBounds>(
     guess: Option<&Multipliers>,
     observe: Observer<'_>,
 ) -> Result<Outcome, SolveError> {
-    // of crowds states are not worth a guess, and dense matrices too large
-    let crowd = setup.problem.is_crowd();
-    let all = stages();
-    let stages = if crowd { &all[1..2] } else { &all[..] };
-    let (search, ended) = climb(method, setup, guess, stages, observe)?;
+    let (search, ended) = climb(method, setup, guess, &stages(setup.problem), observe)?;
     match ended {
         Ended::Converged => Ok(search.outcome(false)),
         Ended::Stopped => Ok(search.outcome(true)),
-        Ended::Stuck(_) if crowd => Err(search.not_converged(S::NAME, STALLED)),
+        Ended::Stuck(_) if setup.problem.is_crowd() => Err(search.not_converged(S::NAME, STALLED)),
         Ended::Stuck(_) => match iterate_bounds(method, search, observe) {
             Err(left @ SolveError::NotConverged { .. }) => match limit(method, setup) {
                 Some((direction, factor)) => Err(SolveError::Slides { direction, factor }),
@@ -117,7 +121,7 @@ fn coarse<S: FixedBounds>(
     setup: &Setup<'_>,
     observe: Observer<'_>,
 ) -> Result<Outcome, SolveError> {
-    let (mut search, _) = climb(method, setup, None, &stages(), observe)?;
+    let (mut search, _) = climb(method, setup, None, &stages(setup.problem), observe)?;
     search.point = search.best.1.clone();
     Ok(search.outcome(false))
 }
@@ -212,7 +216,7 @@ fn iterate_bounds<S: FixedBounds>(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::dual::{DualProblem, Friction};
+    use crate::dual::Friction;
     use crate::solve::tests::{of_rank, silent};
     use crate::solve::{Iterate, Newton};
     use std::ops::ControlFlow;
@@ -243,7 +247,8 @@ mod tests {
     const STIFFENING: usize = 4;
 
     fn chosen(places: &[usize]) -> Vec<Stage<Newton>> {
-        places.iter().map(|&place| stages()[place]).collect()
+        let all = stages(&LAST.problem());
+        places.iter().map(|&place| all[place]).collect()
     }
 
     /// The stages `before` leave the problem open, the stage `then` behind them ends with a certified answer.
@@ -412,7 +417,7 @@ mod tests {
             &method.within(1e-8, COARSE),
             &setup,
             None,
-            &stages(),
+            &stages(&problem),
             &mut silent,
         )
         .unwrap();
