@@ -4,20 +4,23 @@
 //! cargo run --release -p dotyk-bench --bin space -- body [CELLS]             one block of CELLS³ hexahedra (21: 30 000 dofs)
 //! cargo run --release -p dotyk-bench --bin space -- blocks [SIDE] [HEIGHT]   two blocks of SIDE² · HEIGHT each on each other,
 //!                                                    beside both as one body (44 16: 200 000 dofs, 2000 contact nodes)
+//! cargo run --release -p dotyk-bench --bin space -- tilted [SIDE] [HEIGHT]   the two blocks, turned about an oblique axis
 //! cargo run --release -p dotyk-bench --bin space -- boxes [ROW] [CELLS]      ROW³ floating boxes of CELLS³ of random size
 //!                                                    with random friction between rigid walls (10 1)
 //! ```
 //!
 //! Seconds are wall time; the time of all processors is that of the whole process. Contact and one body take turns, `--repeat N`
-//! times, so that other load on the machine meets both alike. `--threads N` bounds the threads.
+//! times, so that other load on the machine meets both alike. `--threads N` bounds the threads, `--friction F` gives the blocks
+//! friction and shears them.
 
 mod boxes;
 mod linear;
 
 use dotyk::geometry::Field;
 use dotyk::mesh::{CellKind, Cuboid, Mesh};
-use dotyk::model::{Elastic, Gap, Model, Solution};
+use dotyk::model::{Elastic, Gap, Law, Model, Solution};
 use std::process::ExitCode;
+use std::str::FromStr;
 
 /// A stiff solid.
 const SOLID: Elastic = Elastic {
@@ -40,6 +43,7 @@ fn main() -> ExitCode {
 fn run(mut words: Vec<String>) -> Result<(), Failure> {
     let repeat = option(&mut words, "--repeat", 1)?;
     let threads = option(&mut words, "--threads", 0)?;
+    let friction = option(&mut words, "--friction", 0.0)?;
     let pool = rayon::ThreadPoolBuilder::new()
         .num_threads(threads)
         .build()?;
@@ -54,15 +58,27 @@ fn run(mut words: Vec<String>) -> Result<(), Failure> {
     pool.install(|| {
         (0..repeat).try_for_each(|_| match words.first().map(String::as_str) {
             Some("body") => body(or(first, 21)),
-            Some("blocks") => blocks(or(first, 44), or(second, 16)),
+            Some("blocks") => {
+                let (side, layers) = (or(first, 44), or(second, 16));
+                told(
+                    "two blocks in contact",
+                    &pair(side, layers, friction, |x| x)?.solve()?,
+                );
+                linear::solve(&whole(side, layers)?)
+            }
+            Some("tilted") => {
+                let model = pair(or(first, 44), or(second, 16), friction, tilted)?;
+                told("two oblique blocks in contact", &model.solve()?);
+                Ok(())
+            }
             Some("boxes") => boxes::solve(or(first, 10), or(second, 1)),
-            _ => Err("body, blocks or boxes?".into()),
+            _ => Err("body, blocks, tilted or boxes?".into()),
         })
     })
 }
 
 /// Takes an option with its number out of the words.
-fn option(words: &mut Vec<String>, name: &str, default: usize) -> Result<usize, Failure> {
+fn option<T: FromStr>(words: &mut Vec<String>, name: &str, default: T) -> Result<T, Failure> {
     let Some(place) = words.iter().position(|word| word == name) else {
         return Ok(default);
     };
@@ -96,25 +112,56 @@ fn body(cells: usize) -> Result<(), Failure> {
     linear::solve(&model)
 }
 
-fn blocks(side: usize, layers: usize) -> Result<(), Failure> {
+/// A turn by 50° about an axis that is along none of the coordinates.
+fn tilted([x, y, z]: [f64; 3]) -> [f64; 3] {
+    let about = |angle: f64, [a, b]: [f64; 2]| {
+        let (sin, cos) = angle.sin_cos();
+        [cos * a - sin * b, sin * a + cos * b]
+    };
+    let [x, z] = about(0.7, [x, z]);
+    let [y, z] = about(0.5, [y, z]);
+    [x, y, z]
+}
+
+/// Two blocks of `side`² · `layers` hexahedra each, one pressed on the other, in a place of the user's.
+fn pair(
+    side: usize,
+    layers: usize,
+    friction: f64,
+    place: impl Fn([f64; 3]) -> [f64; 3] + Copy,
+) -> Result<Model<3>, Failure> {
     let height = layers as f64 / side as f64;
     let mut model = Model::<3>::new();
-    let below = model.body("below", block(side, [0.0, height], layers)?, SOLID);
-    let above = block(side, [height, 2.0 * height], layers)?;
+    let below = block(side, [0.0, height], layers)?.map_points(place)?;
+    let below = model.body("below", below, SOLID);
+    let above = block(side, [height, 2.0 * height], layers)?.map_points(place)?;
     let above = model.body("above", above, SOLID);
     model.fix(below, "bottom", [Some(0.0); 3]);
-    model.fix(above, "top", [Some(0.0), Some(0.0), Some(-0.01)]);
+    let shear = if friction > 0.0 { 0.002 } else { 0.0 };
+    model.fix(above, "top", place([shear, 0.0, -0.01]).map(Some));
     // the sides touch in the middle alone
-    let dish = |x: [f64; 3], _: f64| 0.02 * ((x[0] - 0.5).powi(2) + (x[1] - 0.4).powi(2));
-    model.contact((above, "bottom"), (below, "top")).gap =
-        Some(Gap::Given(Field::function("a dish", dish)));
-    told("two blocks in contact", &model.solve()?);
+    let middle = place([0.5, 0.4, height]);
+    let dish = move |x: [f64; 3], _: f64| {
+        let apart = (0..3).map(|i| (x[i] - middle[i]).powi(2));
+        0.02 * apart.sum::<f64>()
+    };
+    let contact = model.contact((above, "bottom"), (below, "top"));
+    contact.gap = Some(Gap::Given(Field::function("a dish", dish)));
+    if friction > 0.0 {
+        contact.law = Law::Coulomb(Field::constant(friction));
+    }
+    Ok(model)
+}
+
+/// The two blocks as one body.
+fn whole(side: usize, layers: usize) -> Result<Model<3>, Failure> {
+    let height = layers as f64 / side as f64;
     let mut model = Model::<3>::new();
     let whole = block(side, [0.0, 2.0 * height], 2 * layers)?;
     let whole = model.body("both", whole, SOLID);
     model.fix(whole, "bottom", [Some(0.0); 3]);
     model.fix(whole, "top", [Some(0.0), Some(0.0), Some(-0.01)]);
-    linear::solve(&model)
+    Ok(model)
 }
 
 /// Tells what a solution took.

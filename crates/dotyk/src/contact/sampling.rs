@@ -18,7 +18,8 @@ use rayon::prelude::*;
 /// Points on each line: the middles of as many equal parts.
 const POINTS: usize = 6;
 
-/// Degree of the rule whose points are looked at on a surface: seven on a triangle, nine on a square.
+/// Degree of the rule whose points are looked at on a surface, its corners besides: ten on a triangle, thirteen on a square. What
+/// lies opposite may have an edge near one of this facet, which its corners alone tell.
 const DEGREE: usize = 5;
 
 /// One point that faces something.
@@ -63,7 +64,10 @@ fn places(kind: CellKind) -> Vec<[f64; 2]> {
         }
         _ => {
             let rule = quadrature::rule(kind, DEGREE).into_iter();
-            rule.map(|point| [point.xi[0], point.xi[1]]).collect()
+            let inside = rule.map(|point| [point.xi[0], point.xi[1]]);
+            let corners = &kind.reference_nodes()[..kind.corners()];
+            let corners = corners.iter().map(|xi| [xi[0], xi[1]]);
+            inside.chain(corners).collect()
         }
     }
 }

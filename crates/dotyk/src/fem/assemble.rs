@@ -38,7 +38,7 @@ pub struct BodySystem<const D: usize> {
     pub carried: Vec<f64>,
     /// u_D less `carried` on held dofs, zero elsewhere, (D·n,).
     pub lift: Vec<f64>,
-    /// Axes (rows) of the nodes whose held directions are not along the global axes.
+    /// Axes (rows) of the nodes whose held directions are not along the global axes, and of those that were [turned](Self::turn).
     pub frames: BTreeMap<usize, [[f64; D]; D]>,
     /// Rigid motions that the supports leave free: R, one column (D·n,) each, largest displacement 1.
     pub modes: Vec<Vec<f64>>,
@@ -133,7 +133,8 @@ pub fn assemble<const D: usize>(
         })
         .collect();
     let graph = Graph::from_cells(body.mesh.points().len(), &blocks);
-    let stiffness = stiffness(body, analysis, &frames, &graph)?;
+    let mut stiffness = stiffness(body, analysis, &graph)?;
+    stiffness.turn(&frames);
     let mut held = vec![false; D * body.mesh.points().len()];
     for (dof, _) in held_dofs(&constraints, &frames) {
         held[dof] = true;
@@ -161,6 +162,10 @@ pub fn assemble<const D: usize>(
         modes,
     })
 }
+
+/// Directions that differ by less are one: the normals of flat sides are that exact, and a hundredth of a hundredth of what a
+/// balance may lack.
+pub(crate) const ALONG: f64 = 1e-13;
 
 /// What a time gives a body: its loads and prescribed displacements.
 struct Driving {
@@ -275,6 +280,20 @@ impl<const D: usize> BodySystem<D> {
         })
     }
 
+    /// Turns the frames of nodes, the first axis along a direction of length 1 each. Nodes that something holds stay: their frames
+    /// are those of their supports.
+    pub fn turn(&mut self, directions: impl Iterator<Item = (usize, Point<D>)>) {
+        let free = directions.filter(|(node, _)| !self.constraints.nodes.contains_key(node));
+        let frames = free.map(|(node, direction)| (node, completed(vec![direction])));
+        let frames: BTreeMap<usize, [[f64; D]; D]> = frames.collect();
+        self.stiffness.turn(&frames);
+        let vectors = [&mut self.load, &mut self.carried];
+        for vector in vectors.into_iter().chain(&mut self.modes) {
+            into_frames(&frames, vector);
+        }
+        self.frames.extend(frames);
+    }
+
     /// Rotates a vector of global components (D·n,) into the node frames.
     pub fn to_frames(&self, vector: &mut [f64]) {
         into_frames(&self.frames, vector);
@@ -293,11 +312,12 @@ impl<const D: usize> BodySystem<D> {
         points
     }
 
-    /// Components of a global row vector at a node along its frame.
+    /// Components of a global row vector at a node along its frame; what is [rounding](ALONG) beside the largest one is zero.
     pub fn row_in_frame(&self, node: usize, row: Point<D>) -> Point<D> {
-        self.frames
-            .get(&node)
-            .map_or(row, |axes| std::array::from_fn(|k| dot(axes[k], row)))
+        let axes = self.frames.get(&node);
+        let row = axes.map_or(row, |axes| std::array::from_fn(|k| dot(axes[k], row)));
+        let size = norm(row);
+        row.map(|c| if c.abs() <= ALONG * size { 0.0 } else { c })
     }
 }
 
@@ -315,29 +335,31 @@ fn axis_of<const D: usize>(direction: Point<D>) -> Option<usize> {
     direction.iter().position(|c| c.abs() == 1.0)
 }
 
-/// Frames of the nodes with oblique held directions: these first, then any orthonormal completion.
+/// Frames of the nodes with oblique held directions, these first.
 fn frames<const D: usize>(constraints: &Constraints<D>) -> BTreeMap<usize, [[f64; D]; D]> {
     let oblique = constraints
         .nodes
         .iter()
         .filter(|(_, held)| held.iter().any(|h| axis_of(h.axis).is_none()));
     oblique
-        .map(|(&node, held)| {
-            let mut axes: Vec<Point<D>> = held.iter().map(|h| h.axis).collect();
-            for i in 0..D {
-                let unit: Point<D> = std::array::from_fn(|j| if i == j { 1.0 } else { 0.0 });
-                let rest = axes
-                    .iter()
-                    .fold(unit, |rest, &axis| add_scaled(rest, -dot(unit, axis), axis));
-                // of D + |held| candidates at least one per missing direction keeps this much
-                if axes.len() < D && norm(rest) > 0.5 / (D as f64).sqrt() {
-                    let size = norm(rest);
-                    axes.push(rest.map(|c| c / size));
-                }
-            }
-            (node, std::array::from_fn(|k| axes[k]))
-        })
+        .map(|(&node, held)| (node, completed(held.iter().map(|h| h.axis).collect())))
         .collect()
+}
+
+/// Any orthonormal completion of orthonormal axes.
+fn completed<const D: usize>(mut axes: Vec<Point<D>>) -> [[f64; D]; D] {
+    for i in 0..D {
+        let unit: Point<D> = std::array::from_fn(|j| if i == j { 1.0 } else { 0.0 });
+        let rest = axes
+            .iter()
+            .fold(unit, |rest, &axis| add_scaled(rest, -dot(unit, axis), axis));
+        // of D + |axes| candidates at least one per missing direction keeps this much
+        if axes.len() < D && norm(rest) > 0.5 / (D as f64).sqrt() {
+            let size = norm(rest);
+            axes.push(rest.map(|c| c / size));
+        }
+    }
+    std::array::from_fn(|k| axes[k])
 }
 
 fn check_formulation<const D: usize>(body: &Body<D>, analysis: Analysis) -> Result<(), FemError> {
@@ -372,7 +394,6 @@ const CHUNK: usize = 128;
 fn stiffness<const D: usize>(
     body: &Body<D>,
     analysis: Analysis,
-    frames: &BTreeMap<usize, [[f64; D]; D]>,
     graph: &Graph,
 ) -> Result<SymmetricMatrix, FemError> {
     let mut matrices = Vec::new();
@@ -389,7 +410,6 @@ fn stiffness<const D: usize>(
                 let mut matrix = vec![0.0; whole * whole];
                 for (out, cell) in out.chunks_exact_mut(packed).zip(cells.chunks_exact(k)) {
                     own.stiffness(cell, &mut matrix);
-                    rotate(frames, cell, &mut matrix, whole);
                     for i in 0..size {
                         let row = i * (i + 1) / 2;
                         out[row..=row + i].copy_from_slice(&matrix[i * whole..=i * whole + i]);
@@ -421,36 +441,5 @@ fn not_finite<const D: usize>(body: &Body<D>, source: LinalgError) -> FemError {
         node,
         point: show(body.mesh.points()[node]),
         source,
-    }
-}
-
-/// Turns the rows and columns of nodes with frames: QKQᵀ.
-fn rotate<const D: usize>(
-    frames: &BTreeMap<usize, [[f64; D]; D]>,
-    cell: &[u32],
-    matrix: &mut [f64],
-    stride: usize,
-) {
-    if frames.is_empty() {
-        return;
-    }
-    let size = D * cell.len();
-    for (local, node) in cell.iter().enumerate() {
-        let Some(axes) = frames.get(&(*node as usize)) else {
-            continue;
-        };
-        for other in 0..size {
-            let column: Point<D> =
-                std::array::from_fn(|i| matrix[(D * local + i) * stride + other]);
-            for k in 0..D {
-                matrix[(D * local + k) * stride + other] = dot(axes[k], column);
-            }
-        }
-        for other in 0..size {
-            let row: Point<D> = std::array::from_fn(|i| matrix[other * stride + D * local + i]);
-            for k in 0..D {
-                matrix[other * stride + D * local + k] = dot(axes[k], row);
-            }
-        }
     }
 }

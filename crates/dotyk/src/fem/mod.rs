@@ -26,6 +26,7 @@ mod supports;
 #[cfg(test)]
 mod tests;
 
+pub(crate) use assemble::ALONG;
 pub use assemble::{BodySystem, assemble};
 pub use couple::{Couple, CoupleKind};
 pub use error::FemError;

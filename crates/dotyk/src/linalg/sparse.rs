@@ -10,6 +10,8 @@
 use crate::linalg::dense::norm;
 use crate::linalg::{LinalgError, Mat};
 use rayon::prelude::*;
+use std::array;
+use std::collections::BTreeMap;
 use std::ops::AddAssign;
 
 /// Nodes per task: enough work to hide the cost of a task, enough tasks to share.
@@ -534,6 +536,58 @@ impl SymmetricMatrix {
             y[j] += sum;
         }
     }
+
+    /// QAQᵀ, for a matrix of nodes with D dofs each whose blocks are stored whole, as [`assemble_blocks`] makes it. Q turns the dofs
+    /// of some nodes; its rows there are their `axes`.
+    pub fn turn<const D: usize>(&mut self, axes: &BTreeMap<usize, [[f64; D]; D]>) {
+        if axes.is_empty() {
+            return;
+        }
+        let unit = |i: usize| array::from_fn(|j| f64::from(u8::from(i == j)));
+        let mut turns = vec![None; self.len() / D];
+        for (&node, &axes) in axes {
+            turns[node] = Some(axes);
+        }
+        let of = |turn: Option<[[f64; D]; D]>| turn.unwrap_or_else(|| array::from_fn(unit));
+        for (node, &own) in turns.iter().enumerate() {
+            let start: [usize; D] = array::from_fn(|c| self.col_start[D * node + c]);
+            if let Some(own) = own {
+                // the block of the node itself is a lower triangle
+                let place = |r: usize, c: usize| start[r.min(c)] + r.abs_diff(c);
+                let block = array::from_fn(|r| array::from_fn(|c| self.values[place(r, c)]));
+                let block = turned(&own, &block, &own);
+                for c in 0..D {
+                    (c..D).for_each(|r| self.values[place(r, c)] = block[r][c]);
+                }
+            }
+            let below = (self.col_start[D * node + 1] - start[0]) / D - 1;
+            for k in 0..below {
+                let place = |r: usize, c: usize| start[c] + D - c + D * k + r;
+                let other = turns[self.row_index[place(0, 0)] as usize / D];
+                if own.is_none() && other.is_none() {
+                    continue;
+                }
+                let block = array::from_fn(|r| array::from_fn(|c| self.values[place(r, c)]));
+                let block = turned(&of(other), &block, &of(own));
+                for (r, row) in block.iter().enumerate() {
+                    for (c, &value) in row.iter().enumerate() {
+                        self.values[place(r, c)] = value;
+                    }
+                }
+            }
+        }
+    }
+}
+
+/// ABCᵀ.
+fn turned<const D: usize>(
+    a: &[[f64; D]; D],
+    b: &[[f64; D]; D],
+    c: &[[f64; D]; D],
+) -> [[f64; D]; D] {
+    let along: [[f64; D]; D] =
+        array::from_fn(|i| array::from_fn(|j| (0..D).map(|k| a[i][k] * b[k][j]).sum()));
+    array::from_fn(|i| array::from_fn(|j| (0..D).map(|k| along[i][k] * c[j][k]).sum()))
 }
 
 /// Sums cell matrices into the matrix of D·nodes dofs; `graph` must be made of the same blocks.

@@ -4,14 +4,15 @@
 //! of obstacles; K and B stay.
 
 use crate::contact::Row;
-use crate::fem::{BodySystem, Constraints, assemble};
-use crate::geometry::{add_scaled, norm};
+use crate::fem::{ALONG, BodySystem, Constraints, assemble};
+use crate::geometry::{Point, add_scaled, dot, norm};
 use crate::linalg::SparseMatrix;
 use crate::model::error::Error;
 use crate::model::nouns::Model;
 use crate::model::pair::{Paired, gaps_at, row_ranges};
 use crate::model::parts::rigid_systems;
 use rayon::prelude::*;
+use std::collections::BTreeMap;
 use std::sync::Arc;
 
 /// The rows of B that touch one body, in the frames of its nodes, prescribed dofs included.
@@ -112,6 +113,49 @@ pub(crate) fn driven<const D: usize>(
     let constraints: Vec<&Constraints<D>> = bodies.iter().map(|b| &b.system.constraints).collect();
     let paired = gaps_at(model, &constraints, paired, time)?;
     Ok((bodies, paired))
+}
+
+/// Turns nodes that contact forces reach along one oblique direction alone into it: with one contact dof instead of D the boundary
+/// stiffness is D² times smaller. So it is on flat sides without friction, and, with forces node by node, on curved ones. In the
+/// plane, where contacts are short, nothing is gained.
+pub(crate) fn turn_to_forces<const D: usize>(systems: &mut [BodySystem<D>], paired: &[Paired<D>]) {
+    if D == 2 {
+        return;
+    }
+    // unit direction of the forces at a node; none where they have several
+    let mut forces: Vec<BTreeMap<usize, Option<Point<D>>>> = vec![BTreeMap::new(); systems.len()];
+    let mut add = |body: usize, rows: &[Row<D>]| {
+        let Some(forces) = forces.get_mut(body) else {
+            return; // a rigid part
+        };
+        for &(node, coefficients) in rows.iter().flatten() {
+            let size = norm(coefficients);
+            if size == 0.0 {
+                continue;
+            }
+            let along = coefficients.map(|c| c / size);
+            let first = forces.entry(node).or_insert(Some(along));
+            if first.is_some_and(|first| norm(add_scaled(along, -dot(along, first), first)) > ALONG)
+            {
+                *first = None;
+            }
+        }
+    };
+    for pair in paired {
+        add(pair.nonmortar.body.0, &pair.interface.nonmortar);
+        if let Some(part) = pair.opposite {
+            add(part, &pair.interface.mortar);
+        }
+    }
+    (systems, forces)
+        .into_par_iter()
+        .for_each(|(system, forces)| {
+            let oblique = |along: &Point<D>| along.iter().all(|c| c.abs() < 1.0 - ALONG);
+            let known = forces
+                .into_iter()
+                .filter_map(|(node, along)| Some((node, along?)));
+            system.turn(known.filter(|(_, along)| oblique(along)));
+        });
 }
 
 /// Collects the rows of B of every body.

@@ -9,7 +9,7 @@
 //!
 //! Source: Janovský & Procházka (1980) III, section 7, (7.5)–(7.9).
 
-use crate::dual::{Compliance, Part};
+use crate::dual::{CROWD, Compliance, Part};
 use crate::linalg::{Mat, SparseMatrix, SparseVector, gram, solve_lower_in_place};
 use crate::model::applied::{BoundaryStiffness, CompliantBodies};
 use crate::model::bodies::{BodyRows, LoadedBody};
@@ -17,9 +17,16 @@ use crate::model::factor::{FactoredBody, Ordered};
 use rayon::prelude::*;
 use std::sync::Arc;
 
-/// Most contact unknowns for which F is assembled (72 MB); above, products with F go through the bodies' factors, which takes
-/// less time from there on.
+/// Contact unknowns up to which F is always assembled (72 MB).
 pub const DENSE_LIMIT: usize = 3000;
+
+/// Up to so many times the limit F of few bodies in space is assembled where that is less dear than products through their factors.
+const DEARER: usize = 3;
+
+/// Cubes of contact unknowns that cost as much as one entry of the factors: condensation and exact steps take 1.5e-10 s of two
+/// cores for each of the former, and the thousand products that a problem needs 3e-7 s for each of the latter. Measured on blocks of
+/// 4 to 30 layers, with and without friction.
+const CUBES_PER_ENTRY: f64 = 2000.0;
 
 /// F of more unknowns than the first number, of which less than one in the second has an entry, is assembled without its
 /// zeros: many bodies.
@@ -27,16 +34,38 @@ const FEW: usize = 500;
 
 const SCATTERED: usize = 8;
 
-/// Whether F is assembled: up to `limit` nodes that carry `per_node` rows each, or as many entries in the bodies' parts.
-pub(crate) fn is_assembled(
+/// Whether F is assembled.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Assembled {
+    Always,
+    /// Where it [pays](pays).
+    IfCheaper,
+    Never,
+}
+
+/// Whether F of m unknowns is assembled, for bodies of so many floating modes: up to `limit` unknowns, in the plane nodes; in
+/// space some times as many where that pays; of many bodies as many entries in the bodies' parts as then.
+pub(crate) fn is_assembled<const D: usize>(
     rows: &[Arc<BodyRows>],
-    m: usize,
-    limit: usize,
-    per_node: usize,
-) -> bool {
-    let most = limit.saturating_mul(per_node);
+    (m, modes): (usize, usize),
+    (limit, rough): (usize, bool),
+) -> Assembled {
+    let most = limit.saturating_mul(if rough { D } else { 1 });
     let entries: usize = rows.iter().map(|rows| rows.index.len().pow(2)).sum();
-    m <= most || entries <= most.saturating_mul(most)
+    let few = D == 3 && modes < CROWD && entries >= m * m / SCATTERED;
+    if few && m > limit && m <= DEARER.saturating_mul(limit) {
+        return Assembled::IfCheaper;
+    }
+    match m <= most || entries <= most.saturating_mul(most) {
+        true => Assembled::Always,
+        false => Assembled::Never,
+    }
+}
+
+/// Whether F of m unknowns is less dear to assemble than to apply, by the factors of the bodies without contacts last.
+pub(crate) fn pays(m: usize, ordered: &[Ordered]) -> bool {
+    let entries: usize = ordered.iter().map(Ordered::stored).sum();
+    (m as f64).powi(3) <= CUBES_PER_ENTRY * entries as f64
 }
 
 /// F of all bodies: (m, m), assembled where `dense`; without its zeros where these are most of it, and then body by body, too.
@@ -49,7 +78,7 @@ pub(crate) fn compliance<const D: usize>(
 ) -> (Compliance, Vec<Part>) {
     if !dense {
         let apply = Box::new(CompliantBodies::new(m, bodies, factored));
-        let preconditioner = Box::new(BoundaryStiffness::new(m, bodies, ordered));
+        let preconditioner = Box::new(BoundaryStiffness::new(m, bodies, factored, ordered));
         let operator = Compliance::Operator {
             apply,
             preconditioner,

@@ -13,10 +13,10 @@ use crate::dual::{DualProblem, Scales};
 use crate::fem::{BodySystem, Constraints};
 use crate::model::admissible::{admissible_set, neighbours};
 use crate::model::bodies::{
-    BodyRows, LoadedBody, body_rows, driven, largest_load, least_softness, systems,
+    BodyRows, LoadedBody, body_rows, driven, largest_load, least_softness, systems, turn_to_forces,
 };
 use crate::model::check::body_remarks;
-use crate::model::compliance::{compliance, is_assembled};
+use crate::model::compliance::{Assembled, compliance, is_assembled, pays};
 use crate::model::dependent::drop_implied;
 use crate::model::error::Error;
 use crate::model::event::{Event, Lap, Work};
@@ -78,34 +78,18 @@ pub(crate) fn condense<const D: usize>(
     let mut seconds = Seconds::default();
     let mut lap = Lap::start();
     observe(Event::Stage("assemble"));
-    let systems = systems(model, time)?;
+    let mut systems = systems(model, time)?;
     let constraints: Vec<&Constraints<D>> = systems.iter().map(|s| &s.constraints).collect();
     let mut paired = pair_all(model, &constraints, time)?;
     let (sites, remarks) = (sites(model, &paired)?, body_remarks(model));
     let dropped = drop_implied(model, &systems, &mut paired);
+    turn_to_forces(&mut systems[..model.bodies.len()], &paired);
     let rows = body_rows(&systems, &paired);
     let gaps = initial_gaps(&paired);
     seconds.assemble = lap.seconds();
-    // the limit counts nodes: under friction each has a row for every tangent, too
-    let rough = paired.iter().flat_map(|p| p.interface.tangential());
-    let rough = rough.into_iter().any(|tangential| tangential);
-    let rows_per_node = if rough { D } else { 1 };
-    let dense = is_assembled(&rows, gaps.len(), dense_limit, rows_per_node);
     observe(Event::Stage("order"));
-    let ordered: Vec<Ordered> = (&systems, &rows)
-        .into_par_iter()
-        .enumerate()
-        .map(|(body, (s, r))| order(model, body, s, r, dense))
-        .collect::<Result<_, _>>()?;
+    let (ordered, dense) = ordered(model, &systems, &paired, &rows, dense_limit)?;
     seconds.order = lap.seconds();
-    let demand = |((system, rows), ordered): ((&BodySystem<D>, &Arc<BodyRows>), _)| Demand {
-        ordered,
-        stiffness: system.stiffness.stored(),
-        dofs: system.load.len(),
-        rows: rows.index.len(),
-    };
-    let demands = systems.iter().zip(&rows).zip(&ordered).map(demand);
-    memory::check(model, &demands.collect::<Vec<_>>(), dense, gaps.len())?;
     observe(Event::Stage("factor"));
     let loaded = systems
         .into_par_iter()
@@ -145,6 +129,46 @@ pub(crate) fn condense<const D: usize>(
         sites,
         remarks,
     })
+}
+
+/// The orders of all bodies, and whether F is assembled; what does not fit the memory is not begun.
+fn ordered<const D: usize>(
+    model: &Model<D>,
+    systems: &[BodySystem<D>],
+    paired: &[Paired<D>],
+    rows: &[Arc<BodyRows>],
+    dense_limit: usize,
+) -> Result<(Vec<Ordered>, bool), Error<D>> {
+    let m = paired.iter().map(|p| p.interface.nonmortar.len()).sum();
+    let rough = |p: &Paired<D>| p.interface.tangential().contains(&true);
+    let rough = paired.iter().any(rough);
+    let modes = systems.iter().map(|system| system.modes.len()).sum();
+    let all = |dense| {
+        let each = (systems, rows).into_par_iter().enumerate();
+        let ordered = each.map(|(body, (s, r))| order(model, body, s, r, dense));
+        ordered.collect::<Result<Vec<Ordered>, _>>()
+    };
+    let fits = |ordered: &[Ordered], dense| {
+        let each = systems.iter().zip(rows).zip(ordered);
+        let demands = each.map(|((system, rows), ordered)| Demand {
+            ordered,
+            stiffness: system.stiffness.stored(),
+            dofs: system.load.len(),
+            rows: rows.index.len(),
+        });
+        memory::check(model, &demands.collect::<Vec<_>>(), dense, m)
+    };
+    let assembled = is_assembled::<D>(rows, (m, modes), (dense_limit, rough));
+    let dense = assembled == Assembled::Always;
+    let orders = all(dense)?;
+    if assembled == Assembled::IfCheaper && pays(m, &orders) {
+        let last = all(true)?;
+        if fits(&last, true).is_ok() {
+            return Ok((last, true));
+        }
+    }
+    fits(&orders, dense)?;
+    Ok((orders, dense))
 }
 
 /// The same bodies at another time, after a slip: d, e and the friction bounds are taken anew, all else stays.
@@ -221,13 +245,11 @@ pub(crate) fn restart<const D: usize>(
 
 /// What the factorisations will take.
 fn work_of(ordered: &[Ordered]) -> Work {
-    let costs = ordered.iter().map(Ordered::cost);
-    let (operations, bytes) = costs.fold((0.0, 0), |(o, b), (operations, bytes)| {
-        (o + operations, b + bytes)
-    });
+    let operations: f64 = ordered.iter().map(Ordered::operations).sum();
+    let entries: usize = ordered.iter().map(Ordered::stored).sum();
     Work {
         all: (operations as u64).into(),
-        bytes: (bytes as u64).into(),
+        bytes: (8 * entries as u64).into(),
         ..Work::default()
     }
 }

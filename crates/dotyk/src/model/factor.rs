@@ -38,9 +38,14 @@ pub(crate) struct FactoredBody {
 }
 
 impl Ordered {
-    /// Operations of the factorisation, and bytes of the factor.
-    pub fn cost(&self) -> (f64, usize) {
-        (self.analysis.operations(), 8 * self.analysis.stored())
+    /// Operations of the factorisation.
+    pub fn operations(&self) -> f64 {
+        self.analysis.operations()
+    }
+
+    /// Entries of the factor, of 8 bytes each.
+    pub fn stored(&self) -> usize {
+        self.analysis.stored()
     }
 }
 

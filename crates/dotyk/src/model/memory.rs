@@ -30,7 +30,7 @@ impl Demand<'_> {
     /// Bytes, with F assembled or applied.
     fn bytes(&self, dense: bool) -> u64 {
         let [t, r] = [self.ordered.trailing.len(), self.rows].map(|n| n as u64);
-        let factor = self.ordered.cost().1 as u64;
+        let factor = 8 * self.ordered.stored() as u64;
         let own = match dense {
             true => factor + 8 * (t * t + t * r + r * r),
             false => 2 * factor,

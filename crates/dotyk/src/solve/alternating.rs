@@ -25,7 +25,7 @@
 //!
 //! As described in Lions & Mercier (1979) for the splitting; Acary, Brémond & Huber (2018) for what it does to friction.
 
-use crate::dual::{Compliance, Component};
+use crate::dual::{Compliance, Component, IMBALANCE_LIMIT};
 use crate::linalg::dense::{
     cholesky_in_place, dot, product, solve_cholesky_in_place, solve_lower_in_place,
     solve_lower_transpose_in_place,
@@ -95,16 +95,18 @@ pub(crate) fn alternate(
         let Some(half) = half.filter(|_| !search.exhausted()) else {
             break;
         };
-        match descend(search, &half, (lambda.clone(), patience), observe) {
-            Turns::Ended(ended) => return ended,
-            Turns::Stalled(balanced, amplitudes) => {
-                // short of the last digits what is balanced serves better than what obeys the law: a balance is asked for
-                // to ten digits, whatever the tolerance
-                search.move_to(balanced, setup.balance.from_rows(amplitudes));
-                if search.residual <= search.tolerance {
-                    return Ended::Converged;
-                }
-            }
+        let start = lambda.clone();
+        let Some((balanced, amplitudes)) = descend(search, &half, (start, patience), observe)
+        else {
+            return Ended::Stopped;
+        };
+        // short of the last digits what is balanced serves better than what obeys the law: a balance is asked for to ten
+        // digits, whatever the tolerance
+        if search.residual > IMBALANCE_LIMIT {
+            search.move_to(balanced, setup.balance.from_rows(amplitudes));
+        }
+        if search.residual <= search.tolerance {
+            return Ended::Converged;
         }
     }
     search.go_back();
@@ -114,21 +116,14 @@ pub(crate) fn alternate(
     }
 }
 
-/// How turns with one matrix end.
-enum Turns {
-    /// With an answer, or stopped.
-    Ended(Ended),
-    /// The residual falls no more: the last balanced forces (m,) and amplitudes of the rows of the balance.
-    Stalled(Vec<f64>, Vec<f64>),
-}
-
-/// Alternates with one matrix from the trial forces (m,), with so much patience.
+/// Alternates with one matrix from the trial forces (m,), with so much patience. The last balanced forces (m,) and amplitudes of
+/// the rows of the balance; `None` where it was stopped.
 fn descend(
     search: &mut Search<'_>,
     half: &LinearHalf<'_>,
     (mut trial, patience): (Vec<f64>, usize),
     observe: Observer<'_>,
-) -> Turns {
+) -> Option<(Vec<f64>, Vec<f64>)> {
     let setup = search.setup;
     let roots: Vec<f64> = half.compliance.iter().map(|a| a.sqrt()).collect();
     let mut lambda = vec![0.0; setup.len()];
@@ -156,10 +151,10 @@ fn descend(
         search.move_to(lambda.clone(), setup.balance.from_rows(amplitudes.clone()));
         search.kind = 'd';
         if search.tell(observe) {
-            return Turns::Ended(Ended::Stopped);
+            return None;
         }
         if search.residual <= WITHIN * search.tolerance {
-            return Turns::Ended(Ended::Converged);
+            break;
         }
         still = match search.residual < PROGRESS * least {
             true => 0,
@@ -169,7 +164,7 @@ fn descend(
             least = search.residual;
         }
     }
-    Turns::Stalled(balanced, amplitudes)
+    Some((balanced, amplitudes))
 }
 
 /// λ of trial forces t, node by node: pressing, and shears within the bound that goes with the normal force. Shapes: (m,).
@@ -543,6 +538,26 @@ mod tests {
     }
 
     #[test]
+    fn forces_short_of_the_last_digits_are_balanced() {
+        let problem = row(40, 0.5);
+        let setup = Setup::new(&problem).unwrap();
+        for tolerance in [1e-2, 1e-4, 1e-6] {
+            let newton = Newton {
+                tolerance,
+                ..Newton::default()
+            };
+            let mut search = Search::new(newton.limits(), &setup);
+            let states = search.all_closed();
+            let ended = alternate(&mut search, states, &mut silent);
+            assert!(matches!(ended, Ended::Converged), "{tolerance}");
+            assert!(search.residual <= tolerance);
+            let answer = search.outcome(false).multipliers;
+            let certificate = problem.certify(&answer, tolerance);
+            assert!(certificate.imbalance_force.holds(), "{certificate}");
+        }
+    }
+
+    #[test]
     fn shears_are_bounded_by_the_normal_force_of_the_same_trial() {
         let problem = row(2, 0.5);
         let setup = Setup::unchecked(&problem);
@@ -568,6 +583,11 @@ mod tests {
             panic!("there is nothing to factor");
         };
         assert_eq!((same, search.steps), (states, 0));
+        // nor is a crowd whose F nobody knows left to it alone
+        let mut many = row(40, 0.5);
+        assert!(many.is_crowd());
+        many.parts.clear();
+        assert!(!many.is_crowd());
     }
 
     #[test]
