@@ -167,7 +167,7 @@ mod tests {
 
     #[test]
     fn samples_of_surfaces_face_each_other_along_the_normal() {
-        for (cell, count) in [(CellKind::Tet4, 7), (CellKind::Hex8, 9)] {
+        for (cell, count) in [(CellKind::Tet4, 10), (CellKind::Hex8, 13)] {
             let build = |from: f64, cells: usize| {
                 let cuboid = Cuboid {
                     from: [0.0, 0.0, from],

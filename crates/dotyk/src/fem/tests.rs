@@ -395,6 +395,43 @@ fn stiffness_in_turned_frames_has_the_same_energy() {
 }
 
 #[test]
+fn turned_nodes_keep_energy_loads_and_modes_and_held_ones_stay() {
+    let mut body = body(cuboid(CellKind::Hex8));
+    body.supports = vec![roller("left", 0.0)];
+    body.loads = vec![Load::Pressure {
+        side: "top".to_string(),
+        pressure: Field::constant(3.0),
+    }];
+    let plain = assemble(&body, Analysis::Solid, 0.0).unwrap();
+    let mut turned = assemble(&body, Analysis::Solid, 0.0).unwrap();
+    let oblique = [2.0 / 7.0, 3.0 / 7.0, -6.0 / 7.0];
+    turned.turn((0..8).map(|node| (node, oblique)));
+    let held = (0..8).filter(|node| plain.constraints.nodes.contains_key(node));
+    assert_eq!(turned.frames.len(), 8 - held.count());
+    let u = scattered::<3>(body.mesh.points().len());
+    let (expected, stored) = energy(&plain, &u);
+    let (product, same) = energy(&turned, &u);
+    near(same, stored, 1e-13 * stored);
+    let forces = turned.to_global(&product);
+    for (a, b) in forces.iter().flatten().zip(&expected) {
+        near(*a, *b, 1e-12);
+    }
+    let vectors = |system: &BodySystem<3>| {
+        let all = [&system.load, &system.carried].into_iter();
+        let global = all.chain(&system.modes).map(|v| system.to_global(v));
+        global.flatten().flatten().collect::<Vec<f64>>()
+    };
+    for (a, b) in vectors(&turned).iter().zip(vectors(&plain)) {
+        near(*a, b, 1e-15);
+    }
+    for &node in turned.frames.keys() {
+        let row = turned.row_in_frame(node, oblique.map(|c| 2.0 * c));
+        near(row[0], 2.0, 1e-15);
+        assert_eq!(row[1..], [0.0; 2]);
+    }
+}
+
+#[test]
 fn oblique_directions_in_space_are_completed_to_frames() {
     let (sin, cos) = 0.3f64.sin_cos();
     let turn = |[x, y, z]: Point<3>| {

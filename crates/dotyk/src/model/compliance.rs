@@ -155,3 +155,38 @@ fn boundary_rows<const D: usize>(body: &LoadedBody<D>, ordered: &Ordered) -> Vec
     };
     (0..rows.index.len()).map(row).collect()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::linalg::SparseMatrix;
+    use Assembled::*;
+
+    fn bodies(rows: impl IntoIterator<Item = usize>) -> Vec<Arc<BodyRows>> {
+        let body = |rows: usize| BodyRows {
+            index: (0..rows).collect(),
+            matrix: SparseMatrix::from_triplets(rows, 1, &[]),
+        };
+        rows.into_iter().map(|rows| Arc::new(body(rows))).collect()
+    }
+
+    #[test]
+    fn few_bodies_in_space_are_assembled_where_it_is_cheaper_and_many_as_far_as_their_entries_go() {
+        let of = |m: usize, modes: usize, rough: bool| {
+            let two = bodies([m, m]);
+            let plane = is_assembled::<2>(&two, (m, modes), (3000, rough));
+            (plane, is_assembled::<3>(&two, (m, modes), (3000, rough)))
+        };
+        assert_eq!(of(3000, 6, false), (Always, Always));
+        assert_eq!(of(3001, 6, false), (Never, IfCheaper));
+        assert_eq!(of(5000, 6, true), (Always, IfCheaper));
+        assert_eq!(of(9000, 6, true), (Never, IfCheaper));
+        assert_eq!(of(9001, 6, true), (Never, Never));
+        // a crowd is solved by what is known of its bodies
+        assert_eq!(of(5000, 96, true), (Always, Always));
+        let many = bodies(vec![60; 1000]);
+        assert_eq!(is_assembled::<3>(&many, (20_000, 0), (3000, false)), Always);
+        // nothing is assembled where nothing is to be
+        assert_eq!(is_assembled::<3>(&bodies([4, 4]), (4, 0), (0, true)), Never);
+    }
+}

@@ -49,8 +49,42 @@ const CORRECTIONS: usize = 8;
 /// nothing on balanced forces could not be met.
 const FROM_START: f64 = 1e-3;
 
+/// Forces may be wrong by so many times what their gaps may be, relative to each of them: those that alternate from node to node
+/// do more than their gaps tell where long waves are soft.
+const ON_FORCES: f64 = 10.0;
+
+/// Gaps below this part of what is asked of them are rounding, whatever the forces.
+const ROUNDING: f64 = 1e-3;
+
+/// When iterations within a step end.
+struct Goal {
+    /// Size of the gaps.
+    gap: f64,
+    /// Error of the forces, relative.
+    force: f64,
+}
+
+impl Goal {
+    fn new(accuracy: f64, reference: f64, residual: &[f64]) -> Self {
+        Self {
+            gap: accuracy * reference.max(FROM_START * norm(residual)),
+            force: ON_FORCES * accuracy,
+        }
+    }
+
+    /// Whether gaps of this size are small enough, for what the preconditioner makes of them: forces that remove them, at least as
+    /// large as those that do.
+    fn is_met(&self, gap: f64, change: &[f64], forces: &[f64]) -> bool {
+        let settled = norm(change) <= self.force * norm(forces);
+        gap <= self.gap && (settled || gap <= ROUNDING * self.gap)
+    }
+}
+
 /// Most conjugate gradients of one linear problem.
 const CONJUGATE: usize = 500;
+
+/// Gaps are brought below this part of themselves where the forces ask for more.
+const FURTHER: f64 = 0.1;
 
 /// Vectors that minimal residuals keep, and how often they begin again.
 const KRYLOV: usize = 60;
@@ -642,14 +676,14 @@ impl System<'_> {
         let (mut residual, _) = self.residual(&point, &x);
         let reference = self.reference(&mut null);
         null.project(&self.rows, &mut residual);
-        let goal = accuracy * reference.max(FROM_START * norm(&residual));
+        let goal = Goal::new(accuracy, reference, &residual);
         let (mut z, mut out) = (vec![0.0; n], vec![0.0; n]);
         self.precondition(preconditioner, &residual, &mut lambda, &mut image, &mut z);
         null.project(&self.rows, &mut z);
         let mut direction = z.clone();
         let mut slope = dot(&residual, &z);
         for _ in 0..CONJUGATE.min(2 * n + 50) {
-            if norm(&residual) <= goal || slope <= 0.0 {
+            if slope <= 0.0 || goal.is_met(norm(&residual), &z, &x) {
                 break;
             }
             self.apply(&direction, &mut lambda, &mut image, &mut out);
@@ -705,14 +739,13 @@ impl System<'_> {
         let (mut residual, _) = self.residual(&point, &x);
         let reference = self.reference(&mut rigid);
         rigid.project(&self.rows, &mut residual);
-        let goal = accuracy * reference.max(FROM_START * norm(&residual));
-        let change = self.krylov(
+        let goal = Goal::new(accuracy, reference, &residual);
+        self.krylov(
             preconditioner,
-            &residual,
-            goal,
+            (residual, &mut x),
+            &goal,
             &mut [&mut forces, &mut rigid],
         )?;
-        x.iter_mut().zip(&change).for_each(|(x, d)| *x += d);
         forces.restore(&self.forces, &target, &mut x);
         let mut point = self.point(&x, none);
         let (open, _) = self.residual(&point, &x);
@@ -720,23 +753,34 @@ impl System<'_> {
         Some(point)
     }
 
-    /// x without resultant for which b − Ax is a rigid motion, to within a norm, by restarted minimal residuals,
-    /// preconditioned from the right; the null spaces are those of the forces and of the rigid motions.
+    /// Adds to x what has no resultant and turns b − Ax from the residual given into a rigid motion, to within a goal, by
+    /// restarted minimal residuals, preconditioned from the right; the null spaces are those of the forces and of the rigid motions.
     fn krylov(
         &mut self,
         preconditioner: &dyn LinearOperator,
-        b: &[f64],
-        goal: f64,
+        (mut residual, x): (Vec<f64>, &mut [f64]),
+        goal: &Goal,
         [forces, rigid]: &mut [&mut Null; 2],
-    ) -> Option<Vec<f64>> {
-        let (n, m) = (b.len(), self.setup.len());
+    ) -> Option<()> {
+        let (n, m) = (residual.len(), self.setup.len());
         let (mut lambda, mut image) = (vec![0.0; m], vec![0.0; m]);
-        let mut x = vec![0.0; n];
-        let mut residual = b.to_vec();
+        let mut change = vec![0.0; n];
+        let mut enough = goal.gap;
         for _ in 0..RESTARTS {
             let size = norm(&residual);
-            if size <= goal || size == 0.0 {
-                return Some(x);
+            if size <= enough {
+                self.precondition(
+                    preconditioner,
+                    &residual,
+                    &mut lambda,
+                    &mut image,
+                    &mut change,
+                );
+                forces.project(&self.forces, &mut change);
+                if size == 0.0 || goal.is_met(size, &change, x) {
+                    return Some(());
+                }
+                enough = FURTHER * size;
             }
             let mut basis = vec![residual.iter().map(|r| r / size).collect::<Vec<f64>>()];
             let mut directions: Vec<Vec<f64>> = Vec::new();
@@ -772,7 +816,7 @@ impl System<'_> {
                 let last = right[j];
                 right[j] = cos * last;
                 right.push(-sin * last);
-                if right[j + 1].abs() <= goal || rest == 0.0 {
+                if right[j + 1].abs() <= enough || rest == 0.0 {
                     break;
                 }
                 basis.push(w.iter().map(|w| w / rest).collect());
@@ -788,14 +832,19 @@ impl System<'_> {
             if !y.iter().all(|y| y.is_finite()) {
                 return None;
             }
+            change.fill(0.0);
             for (y, direction) in y.iter().zip(&directions) {
-                x.iter_mut().zip(direction).for_each(|(x, d)| *x += y * d);
+                let parts = change.iter_mut().zip(direction);
+                parts.for_each(|(change, d)| *change += y * d);
             }
-            self.apply(&x, &mut lambda, &mut image, &mut residual);
-            rigid.project(&self.rows, &mut residual);
-            residual.iter_mut().zip(b).for_each(|(r, b)| *r = b - *r);
+            x.iter_mut().zip(&change).for_each(|(x, d)| *x += d);
+            let mut image_of_change = vec![0.0; n];
+            self.apply(&change, &mut lambda, &mut image, &mut image_of_change);
+            rigid.project(&self.rows, &mut image_of_change);
+            let done = residual.iter_mut().zip(&image_of_change);
+            done.for_each(|(r, done)| *r -= done);
         }
-        Some(x)
+        Some(())
     }
 }
 

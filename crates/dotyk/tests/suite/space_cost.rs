@@ -2,7 +2,9 @@
 
 use dotyk::geometry::{Field, Point};
 use dotyk::mesh::{CellKind, Cuboid};
-use dotyk::model::{Elastic, Error, Event, Gap, Model, Solution};
+use dotyk::model::{DENSE_LIMIT, Elastic, Error, Event, Gap, Law, Model, Solution};
+use dotyk::solve::{ContactSolver, Newton};
+use std::ops::ControlFlow;
 use std::sync::atomic::Ordering;
 
 const SOLID: Elastic = Elastic {
@@ -57,11 +59,15 @@ fn solved(model: &Model<3>) -> (Solution<3>, u64) {
 }
 
 #[test]
-fn contact_along_an_axis_takes_one_dof_of_each_node_to_the_end() {
+fn contact_without_friction_takes_one_dof_of_each_node_to_the_end() {
     let (straight, less) = solved(&blocks(0.0));
-    let (turned, more) = solved(&blocks(0.7));
-    // with whole nodes at the end both have the same factors
-    assert!(less < more, "{less} bytes, {more} turned");
+    let (turned, same) = solved(&blocks(0.7));
+    assert_eq!(less, same);
+    let mut tied = blocks(0.7);
+    tied.contacts[0].law = Law::Tied;
+    tied.contacts[0].gap = Some(Gap::Closed);
+    let (_, more) = solved(&tied);
+    assert!(less < more, "{less} bytes, {more} tied");
     let [a, b] = [&straight, &turned].map(|s| &s.contacts[0].nodes);
     let largest = a.iter().map(|node| node.pressure).fold(0.0, f64::max);
     assert!(a.iter().any(|node| node.pressure == 0.0));
@@ -70,6 +76,40 @@ fn contact_along_an_axis_takes_one_dof_of_each_node_to_the_end() {
         // the tolerance of the certificate
         let off = (a.pressure - b.pressure).abs() / largest;
         assert!(off < 1e-8, "{off:e} at {:?}", a.point);
+    }
+}
+
+/// A plate of one layer that lies on another one: equally stiff from node to node, softer by a thousand and more under long
+/// waves. The compliance is applied alone.
+#[test]
+fn a_thin_plate_on_a_bed_takes_few_products() {
+    let plate = |heights: [f64; 2], cells: usize| {
+        let cuboid = Cuboid {
+            from: [0.0, 0.0, heights[0]],
+            to: [30.0, 30.0, heights[1]],
+            cells: [cells, cells, 1],
+            cell: CellKind::Hex8,
+        };
+        cuboid.build().unwrap()
+    };
+    let mut model = Model::<3>::new();
+    let bed = model.body("bed", plate([0.0, 1.0], 30), SOLID);
+    let above = model.body("plate", plate([1.0, 2.0], 29), SOLID);
+    model.fix(bed, "bottom", [Some(0.0); 3]);
+    model.fix(above, "left", [Some(0.0), Some(0.0), None]);
+    model.pull(above, "top", [0.0, 0.0, -0.01]);
+    model.contact((above, "bottom"), (bed, "top"));
+    let [dense, applied] = [DENSE_LIMIT, 0].map(|limit| {
+        let problem = model.dual_problem(limit).unwrap();
+        let newton = Newton::default();
+        let outcome = newton.solve(&problem, None, &mut |_| ControlFlow::Continue(()));
+        outcome.unwrap()
+    });
+    assert!(applied.products < 150, "{}", applied.products);
+    let [dense, applied] = [dense, applied].map(|outcome| outcome.multipliers.lambda);
+    let largest = dense.iter().fold(0.0, |s: f64, l| s.max(l.abs()));
+    for (a, b) in applied.iter().zip(&dense) {
+        assert!((a - b).abs() < 1e-6 * largest, "{a} {b}");
     }
 }
 
