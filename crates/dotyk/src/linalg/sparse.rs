@@ -556,8 +556,10 @@ impl SymmetricMatrix {
                 let place = |r: usize, c: usize| start[r.min(c)] + r.abs_diff(c);
                 let block = array::from_fn(|r| array::from_fn(|c| self.values[place(r, c)]));
                 let block = turned(&own, &block, &own);
-                for c in 0..D {
-                    (c..D).for_each(|r| self.values[place(r, c)] = block[r][c]);
+                for (r, row) in block.iter().enumerate() {
+                    for (c, &value) in row[..=r].iter().enumerate() {
+                        self.values[place(r, c)] = value;
+                    }
                 }
             }
             let below = (self.col_start[D * node + 1] - start[0]) / D - 1;
