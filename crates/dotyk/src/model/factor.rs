@@ -119,7 +119,8 @@ pub(crate) fn analyse<const D: usize>(
     };
     let mut dofs = expand_to_dofs(&order, D, &inner);
     dofs.extend_from_slice(trailing);
-    SymbolicCholesky::new(&system.stiffness, &dofs, trailing.len())
+    let analysis = SymbolicCholesky::new(&system.stiffness, &dofs, trailing.len())?;
+    Ok(if D == 3 { analysis.shared() } else { analysis })
 }
 
 /// Whether some dof of each node is marked.
