@@ -45,12 +45,20 @@ pub fn samples<const D: usize>(
     time: f64,
 ) -> Result<Vec<Vec<Sample<D>>>, ContactError> {
     let sides = Opposite::new(nonmortar, against, gap, time)?;
-    let on_facet = |&facet: &Facet| {
-        let places = places(sides.mesh().facet_kind(facet));
-        let found = places
-            .iter()
-            .filter_map(|xi| sample(&sides, facet, *xi).transpose());
+    let at = |facet: Facet, places: &[[f64; 2]]| {
+        let found = places.iter();
+        let found = found.filter_map(|xi| sample(&sides, facet, *xi).transpose());
         found.collect::<Result<Vec<_>, _>>()
+    };
+    let on_facet = |&facet: &Facet| {
+        let kind = sides.mesh().facet_kind(facet);
+        let places = places(kind);
+        let mut found = at(facet, &places)?;
+        // of a facet that faces the other side in part they may miss most
+        if D == 3 && !found.is_empty() && found.len() < places.len() {
+            found.extend(at(facet, &lattice(kind))?);
+        }
+        Ok(found)
     };
     nonmortar.facets()?.par_iter().map(on_facet).collect()
 }
@@ -70,6 +78,27 @@ fn places(kind: CellKind) -> Vec<[f64; 2]> {
             inside.chain(corners).collect()
         }
     }
+}
+
+/// Steps of the lattice along an edge.
+const STEPS: usize = 8;
+
+/// The points of a lattice over a surface, its edges included, corners left out.
+fn lattice(kind: CellKind) -> Vec<[f64; 2]> {
+    let corners = &kind.reference_nodes()[..kind.corners()];
+    let (origin, ends) = (corners[0], [corners[1], corners[kind.corners() - 1]]);
+    let part = |k: usize| k as f64 / STEPS as f64;
+    let at = |i: usize, j: usize| {
+        [0, 1].map(|d| {
+            let along = part(i) * (ends[0][d] - origin[d]);
+            origin[d] + along + part(j) * (ends[1][d] - origin[d])
+        })
+    };
+    let inside = |i: usize, j: usize| kind.corners() > 3 || i + j <= STEPS;
+    let is_corner = |i: usize, j: usize| i % STEPS == 0 && j % STEPS == 0;
+    let places = (0..=STEPS).flat_map(|i| (0..=STEPS).map(move |j| (i, j)));
+    let places = places.filter(|&(i, j)| inside(i, j) && !is_corner(i, j));
+    places.map(|(i, j)| at(i, j)).collect()
 }
 
 fn sample<const D: usize>(

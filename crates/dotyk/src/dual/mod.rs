@@ -102,7 +102,7 @@ impl Compliance {
 }
 
 /// So many floating modes are those of a crowd.
-pub(crate) const CROWD: usize = 96;
+const CROWD: usize = 96;
 
 /// Columns of F that are assembled at a time.
 const COLUMNS: usize = 256;

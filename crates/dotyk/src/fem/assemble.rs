@@ -163,9 +163,15 @@ pub fn assemble<const D: usize>(
     })
 }
 
-/// Directions that differ by less are one: the normals of flat sides are that exact, and a hundredth of a hundredth of what a
-/// balance may lack.
+/// Coefficients and components of a row below this part of its largest coefficient are rounding: the normals of flat sides and the
+/// integrals of biorthogonal functions are that exact, and a balance may lack a thousand times as much.
 pub(crate) const ALONG: f64 = 1e-13;
+
+/// Length of the largest coefficient of a row.
+pub(crate) fn largest_coefficient<const D: usize>(row: &[(usize, Point<D>)]) -> f64 {
+    let lengths = row.iter().map(|(_, coefficients)| norm(*coefficients));
+    lengths.fold(0.0, f64::max)
+}
 
 /// What a time gives a body: its loads and prescribed displacements.
 struct Driving {
@@ -281,9 +287,10 @@ impl<const D: usize> BodySystem<D> {
     }
 
     /// Turns the frames of nodes, the first axis along a direction of length 1 each. Nodes that something holds stay: their frames
-    /// are those of their supports.
-    pub fn turn(&mut self, directions: impl Iterator<Item = (usize, Point<D>)>) {
-        let free = directions.filter(|(node, _)| !self.constraints.nodes.contains_key(node));
+    /// are those of their supports; and those that have been turned before.
+    pub(crate) fn turn(&mut self, directions: impl Iterator<Item = (usize, Point<D>)>) {
+        let (held, turned) = (&self.constraints.nodes, &self.frames);
+        let free = directions.filter(|(n, _)| !held.contains_key(n) && !turned.contains_key(n));
         let frames = free.map(|(node, direction)| (node, completed(vec![direction])));
         let frames: BTreeMap<usize, [[f64; D]; D]> = frames.collect();
         self.stiffness.turn(&frames);
@@ -312,12 +319,17 @@ impl<const D: usize> BodySystem<D> {
         points
     }
 
-    /// Components of a global row vector at a node along its frame; what is [rounding](ALONG) beside the largest one is zero.
-    pub fn row_in_frame(&self, node: usize, row: Point<D>) -> Point<D> {
-        let axes = self.frames.get(&node);
-        let row = axes.map_or(row, |axes| std::array::from_fn(|k| dot(axes[k], row)));
-        let size = norm(row);
-        row.map(|c| if c.abs() <= ALONG * size { 0.0 } else { c })
+    /// A row of global coefficients by node, by dofs along the frames; what is [rounding](ALONG) beside its largest coefficient is
+    /// left out.
+    pub fn row_in_frames(&self, row: &[(usize, Point<D>)]) -> impl Iterator<Item = (usize, f64)> {
+        let rounding = ALONG * largest_coefficient(row);
+        row.iter().flat_map(move |&(node, row)| {
+            let axes = self.frames.get(&node);
+            let row = axes.map_or(row, |axes| std::array::from_fn(|k| dot(axes[k], row)));
+            let dofs = row.into_iter().enumerate();
+            let dofs = dofs.map(move |(k, value)| (D * node + k, value));
+            dofs.filter(move |(_, value)| value.abs() > rounding)
+        })
     }
 }
 

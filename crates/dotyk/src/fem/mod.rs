@@ -26,7 +26,7 @@ mod supports;
 #[cfg(test)]
 mod tests;
 
-pub(crate) use assemble::ALONG;
+pub(crate) use assemble::{ALONG, largest_coefficient};
 pub use assemble::{BodySystem, assemble};
 pub use couple::{Couple, CoupleKind};
 pub use error::FemError;

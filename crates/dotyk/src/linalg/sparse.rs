@@ -539,7 +539,7 @@ impl SymmetricMatrix {
 
     /// QAQᵀ, for a matrix of nodes with D dofs each whose blocks are stored whole, as [`assemble_blocks`] makes it. Q turns the dofs
     /// of some nodes; its rows there are their `axes`.
-    pub fn turn<const D: usize>(&mut self, axes: &BTreeMap<usize, [[f64; D]; D]>) {
+    pub(crate) fn turn<const D: usize>(&mut self, axes: &BTreeMap<usize, [[f64; D]; D]>) {
         if axes.is_empty() {
             return;
         }

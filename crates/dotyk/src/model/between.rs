@@ -173,12 +173,18 @@ fn bend_of_surface<const D: usize>(samples: &[Sample<D>], values: &[f64]) -> f64
     let from_middle = |k: usize| [0, 1].map(|d| samples[k].xi[d] - middle[d]);
     let moment = |i: usize, j: usize| mean(&|k| from_middle(k)[i] * from_middle(k)[j]);
     let load = [0, 1].map(|d| mean(&|k| from_middle(k)[d] * (values[k] - level)));
-    let (inverse, det) = invert(&[[moment(0, 0), moment(0, 1)], [moment(1, 0), moment(1, 1)]]);
-    // fewer than three points, or points on a line: they fit no plane, and nothing is known to bend
-    if values.len() < 3 || det <= ON_A_LINE {
+    let scatter = [[moment(0, 0), moment(0, 1)], [moment(1, 0), moment(1, 1)]];
+    let (inverse, det) = invert(&scatter);
+    let spread = scatter[0][0] + scatter[1][1];
+    // fewer than three points fit any plane
+    if values.len() < 3 || spread <= ON_A_LINE {
         return 0.0;
     }
-    let slope = inverse.map(|row| dot(row, load));
+    let slope = match det > ON_A_LINE {
+        true => inverse.map(|row| dot(row, load)),
+        // points on a line: both moments lie along it
+        false => load.map(|load| load / spread),
+    };
     let off = (0..values.len()).map(|k| (values[k] - level - dot(slope, from_middle(k))).abs());
     off.fold(0.0, f64::max)
 }

@@ -4,7 +4,7 @@
 //! of obstacles; K and B stay.
 
 use crate::contact::Row;
-use crate::fem::{ALONG, BodySystem, Constraints, assemble};
+use crate::fem::{ALONG, BodySystem, Constraints, assemble, largest_coefficient};
 use crate::geometry::{Point, add_scaled, dot, norm};
 use crate::linalg::SparseMatrix;
 use crate::model::error::Error;
@@ -122,40 +122,51 @@ pub(crate) fn turn_to_forces<const D: usize>(systems: &mut [BodySystem<D>], pair
     if D == 2 {
         return;
     }
-    // unit direction of the forces at a node; none where they have several
-    let mut forces: Vec<BTreeMap<usize, Option<Point<D>>>> = vec![BTreeMap::new(); systems.len()];
-    let mut add = |body: usize, rows: &[Row<D>]| {
-        let Some(forces) = forces.get_mut(body) else {
-            return; // a rigid part
-        };
-        for &(node, coefficients) in rows.iter().flatten() {
-            let size = norm(coefficients);
-            if size == 0.0 {
-                continue;
-            }
-            let along = coefficients.map(|c| c / size);
-            let first = forces.entry(node).or_insert(Some(along));
-            if first.is_some_and(|first| norm(add_scaled(along, -dot(along, first), first)) > ALONG)
-            {
-                *first = None;
-            }
-        }
-    };
+    let mut rows: Vec<Vec<&Row<D>>> = vec![Vec::new(); systems.len()];
     for pair in paired {
-        add(pair.nonmortar.body.0, &pair.interface.nonmortar);
-        if let Some(part) = pair.opposite {
-            add(part, &pair.interface.mortar);
+        let sides = [
+            (Some(pair.nonmortar.body.0), &pair.interface.nonmortar),
+            (pair.opposite, &pair.interface.mortar),
+        ];
+        for (body, more) in sides {
+            // a rigid part is no body
+            if let Some(rows) = body.and_then(|body| rows.get_mut(body)) {
+                rows.extend(more);
+            }
         }
     }
-    (systems, forces)
+    (systems, rows)
         .into_par_iter()
-        .for_each(|(system, forces)| {
-            let oblique = |along: &Point<D>| along.iter().all(|c| c.abs() < 1.0 - ALONG);
-            let known = forces
-                .into_iter()
-                .filter_map(|(node, along)| Some((node, along?)));
-            system.turn(known.filter(|(_, along)| oblique(along)));
-        });
+        .for_each(|(system, rows)| system.turn(oblique_forces(&rows)));
+}
+
+/// Nodes at which all of some rows have one direction that is along no axis, and that direction, of length 1.
+fn oblique_forces<const D: usize>(rows: &[&Row<D>]) -> impl Iterator<Item = (usize, Point<D>)> {
+    // size beside the largest coefficient of its row, and direction, of the coefficient at each node that is largest so
+    let mut largest: BTreeMap<usize, (f64, Point<D>)> = BTreeMap::new();
+    for row in rows {
+        let scale = largest_coefficient(row);
+        for &(node, coefficients) in *row {
+            let size = norm(coefficients);
+            let found = largest.entry(node).or_insert((0.0, [0.0; D]));
+            if size > found.0 * scale {
+                *found = (size / scale, coefficients.map(|c| c / size));
+            }
+        }
+    }
+    for row in rows {
+        let rounding = ALONG * largest_coefficient(row);
+        for (node, coefficients) in *row {
+            let along = largest.get(node).map(|found| found.1);
+            let off = along.map(|a| norm(add_scaled(*coefficients, -dot(*coefficients, a), a)));
+            if off.is_some_and(|off| off > rounding) {
+                largest.remove(node);
+            }
+        }
+    }
+    let oblique = |along: Point<D>| along.into_iter().filter(|c| c.abs() > ALONG).count() > 1;
+    let found = largest.into_iter().map(|(node, (_, along))| (node, along));
+    found.filter(move |(_, along)| oblique(*along))
 }
 
 /// Collects the rows of B of every body.
@@ -168,14 +179,8 @@ pub(crate) fn body_rows<const D: usize>(
         let start = range.start;
         let mut add = |body: usize, rows: &[Row<D>]| {
             for (local, row) in rows.iter().enumerate() {
-                for &(node, coefficients) in row {
-                    let in_frame = systems[body].row_in_frame(node, coefficients);
-                    for (component, &value) in in_frame.iter().enumerate() {
-                        if value != 0.0 {
-                            triplets[body].push((start + local, D * node + component, value));
-                        }
-                    }
-                }
+                let in_frames = systems[body].row_in_frames(row);
+                triplets[body].extend(in_frames.map(|(dof, value)| (start + local, dof, value)));
             }
         };
         add(contact.nonmortar.body.0, &contact.interface.nonmortar);

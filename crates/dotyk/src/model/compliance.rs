@@ -9,9 +9,10 @@
 //!
 //! Source: Janovský & Procházka (1980) III, section 7, (7.5)–(7.9).
 
-use crate::dual::{CROWD, Compliance, Part};
+use crate::dual::{Compliance, Part};
 use crate::linalg::{Mat, SparseMatrix, SparseVector, gram, solve_lower_in_place};
 use crate::model::applied::{BoundaryStiffness, CompliantBodies};
+use crate::model::attempt::ASSEMBLED;
 use crate::model::bodies::{BodyRows, LoadedBody};
 use crate::model::factor::{FactoredBody, Ordered};
 use rayon::prelude::*;
@@ -21,7 +22,9 @@ use std::sync::Arc;
 pub const DENSE_LIMIT: usize = 3000;
 
 /// Up to so many times the limit F of few bodies in space is assembled where that is less dear than products through their factors.
+/// Where many bodies clamp each other, what is known entry by entry serves better.
 const DEARER: usize = 3;
+const FEW_BODIES: usize = 4;
 
 /// Cubes of contact unknowns that cost as much as one entry of the factors: condensation and exact steps take 1.5e-10 s of two
 /// cores for each of the former, and the thousand products that a problem needs 3e-7 s for each of the latter. Measured on blocks of
@@ -43,17 +46,23 @@ pub(crate) enum Assembled {
     Never,
 }
 
-/// Whether F of m unknowns is assembled, for bodies of so many floating modes: up to `limit` unknowns, in the plane nodes; in
-/// space some times as many where that pays; of many bodies as many entries in the bodies' parts as then.
+/// Whether F of m unknowns is assembled: up to `limit` nodes, or as many entries in the bodies' parts as theirs; of few bodies in
+/// space, where the method takes few products, above as many unknowns where that pays.
 pub(crate) fn is_assembled<const D: usize>(
     rows: &[Arc<BodyRows>],
-    (m, modes): (usize, usize),
-    (limit, rough): (usize, bool),
+    m: usize,
+    (limit, rough, few_products): (usize, bool, bool),
 ) -> Assembled {
     let most = limit.saturating_mul(if rough { D } else { 1 });
     let entries: usize = rows.iter().map(|rows| rows.index.len().pow(2)).sum();
-    let few = D == 3 && modes < CROWD && entries >= m * m / SCATTERED;
-    if few && m > limit && m <= DEARER.saturating_mul(limit) {
+    let few = rows.iter().filter(|rows| !rows.index.is_empty()).count() <= FEW_BODIES;
+    // above what can be assembled after all the choice would be without a way back
+    if D == 3
+        && few
+        && few_products
+        && limit < m
+        && m <= ASSEMBLED.min(DEARER.saturating_mul(limit))
+    {
         return Assembled::IfCheaper;
     }
     match m <= most || entries <= most.saturating_mul(most) {
@@ -172,21 +181,27 @@ mod tests {
 
     #[test]
     fn few_bodies_in_space_are_assembled_where_it_is_cheaper_and_many_as_far_as_their_entries_go() {
-        let of = |m: usize, modes: usize, rough: bool| {
+        let of = |m: usize, rough: bool| {
             let two = bodies([m, m]);
-            let plane = is_assembled::<2>(&two, (m, modes), (3000, rough));
-            (plane, is_assembled::<3>(&two, (m, modes), (3000, rough)))
+            let plane = is_assembled::<2>(&two, m, (3000, rough, true));
+            (plane, is_assembled::<3>(&two, m, (3000, rough, true)))
         };
-        assert_eq!(of(3000, 6, false), (Always, Always));
-        assert_eq!(of(3001, 6, false), (Never, IfCheaper));
-        assert_eq!(of(5000, 6, true), (Always, IfCheaper));
-        assert_eq!(of(9000, 6, true), (Never, IfCheaper));
-        assert_eq!(of(9001, 6, true), (Never, Never));
-        // a crowd is solved by what is known of its bodies
-        assert_eq!(of(5000, 96, true), (Always, Always));
-        let many = bodies(vec![60; 1000]);
-        assert_eq!(is_assembled::<3>(&many, (20_000, 0), (3000, false)), Always);
+        assert_eq!(of(3000, false), (Always, Always));
+        assert_eq!(of(3001, false), (Never, IfCheaper));
+        assert_eq!(of(5000, true), (Always, IfCheaper));
+        assert_eq!(of(8192, true), (Never, IfCheaper));
+        assert_eq!(of(9000, true), (Never, Always));
+        assert_eq!(of(9001, true), (Never, Never));
+        let space =
+            |rows: Vec<usize>, m, few| is_assembled::<3>(&bodies(rows), m, (3000, true, few));
+        // a method of many products, and many bodies
+        assert_eq!(space(vec![5000; 2], 5000, false), Always);
+        assert_eq!(space(vec![2000; 5], 5000, true), Always);
+        assert_eq!(space(vec![60; 1000], 20_000, true), Always);
         // nothing is assembled where nothing is to be
-        assert_eq!(is_assembled::<3>(&bodies([4, 4]), (4, 0), (0, true)), Never);
+        assert_eq!(
+            is_assembled::<3>(&bodies([4, 4]), 4, (0, true, true)),
+            Never
+        );
     }
 }

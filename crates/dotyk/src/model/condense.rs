@@ -23,7 +23,7 @@ use crate::model::event::{Event, Lap, Work};
 use crate::model::factor::{FactoredBody, Ordered, factor, order};
 use crate::model::floating::Floating;
 use crate::model::memory::{self, Demand};
-use crate::model::nouns::Model;
+use crate::model::nouns::{Method, Model};
 use crate::model::pair::{Paired, clearances, initial_gaps, pair_all};
 use crate::model::probe::{Site, sites};
 use crate::model::singular::Outlines;
@@ -131,7 +131,8 @@ pub(crate) fn condense<const D: usize>(
     })
 }
 
-/// The orders of all bodies, and whether F is assembled; what does not fit the memory is not begun.
+/// The orders of all bodies, and whether F is assembled; what does not fit the memory is not begun. F that would pay, but does not
+/// fit, is applied.
 fn ordered<const D: usize>(
     model: &Model<D>,
     systems: &[BodySystem<D>],
@@ -142,7 +143,7 @@ fn ordered<const D: usize>(
     let m = paired.iter().map(|p| p.interface.nonmortar.len()).sum();
     let rough = |p: &Paired<D>| p.interface.tangential().contains(&true);
     let rough = paired.iter().any(rough);
-    let modes = systems.iter().map(|system| system.modes.len()).sum();
+    let few_products = matches!(model.solver.method, Method::Auto | Method::Newton);
     let all = |dense| {
         let each = (systems, rows).into_par_iter().enumerate();
         let ordered = each.map(|(body, (s, r))| order(model, body, s, r, dense));
@@ -158,7 +159,7 @@ fn ordered<const D: usize>(
         });
         memory::check(model, &demands.collect::<Vec<_>>(), dense, m)
     };
-    let assembled = is_assembled::<D>(rows, (m, modes), (dense_limit, rough));
+    let assembled = is_assembled::<D>(rows, m, (dense_limit, rough, few_products));
     let dense = assembled == Assembled::Always;
     let orders = all(dense)?;
     if assembled == Assembled::IfCheaper && pays(m, &orders) {

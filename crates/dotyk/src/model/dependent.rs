@@ -164,14 +164,9 @@ fn suspects<const D: usize>(
 fn free_part<const D: usize>(systems: &[&BodySystem<D>], pair: &Paired<D>, row: usize) -> Sparse {
     let mut sums: BTreeMap<(usize, usize), f64> = BTreeMap::new();
     let mut add = |body: usize, row: &[(usize, [f64; D])]| {
-        for &(node, coefficients) in row {
-            let in_frame = systems[body].row_in_frame(node, coefficients);
-            for (component, &value) in in_frame.iter().enumerate() {
-                let dof = D * node + component;
-                if !systems[body].held[dof] && value != 0.0 {
-                    *sums.entry((body, dof)).or_insert(0.0) += value;
-                }
-            }
+        let in_frames = systems[body].row_in_frames(row);
+        for (dof, value) in in_frames.filter(|(dof, _)| !systems[body].held[*dof]) {
+            *sums.entry((body, dof)).or_insert(0.0) += value;
         }
     };
     add(pair.nonmortar.body.0, &pair.interface.nonmortar[row]);

@@ -90,9 +90,11 @@ pub(crate) fn alternate(
         false => (&PARTS[..1], PATIENCE_WITH_FEW),
     };
     for part in parts {
+        if search.exhausted() {
+            break;
+        }
         let compliance = local.iter().map(|c| part * c).collect();
-        let half = LinearHalf::new(setup, compliance);
-        let Some(half) = half.filter(|_| !search.exhausted()) else {
+        let Some(half) = LinearHalf::new(setup, compliance) else {
             break;
         };
         let start = lambda.clone();

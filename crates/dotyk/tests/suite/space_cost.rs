@@ -1,5 +1,6 @@
 //! What bodies in space take of memory: less where a contact needs one direction of its nodes, and told before it is taken.
 
+use dotyk::dual::Compliance;
 use dotyk::geometry::{Field, Point};
 use dotyk::mesh::{CellKind, Cuboid};
 use dotyk::model::{DENSE_LIMIT, Elastic, Error, Event, Gap, Law, Model, Solution};
@@ -12,8 +13,8 @@ const SOLID: Elastic = Elastic {
     poisson: 0.3,
 };
 
-/// Two blocks that touch in the middle of their sides, turned about x.
-fn blocks(angle: f64) -> Model<3> {
+/// Two blocks that touch in the middle of their sides, turned about x; the upper one has so many cells along its sides.
+fn blocks(angle: f64, cells: usize) -> Model<3> {
     let (sin, cos) = if angle == 0.0 {
         (0.0, 1.0)
     } else {
@@ -21,12 +22,12 @@ fn blocks(angle: f64) -> Model<3> {
     };
     let turned = |[x, y, z]: Point<3>| [x, cos * y - sin * z, sin * y + cos * z];
     let mut model = Model::<3>::new();
-    let [below, above] = [("below", 4), ("above", 5)].map(|(name, layers)| {
+    let [below, above] = [("below", 4, 5), ("above", 5, cells)].map(|(name, layers, cells)| {
         let from = if name == "below" { 0.0 } else { 0.8 };
         let cuboid = Cuboid {
             from: [0.0, 0.0, from],
             to: [1.0, 1.0, from + 0.2 * layers as f64],
-            cells: [5, 5, layers],
+            cells: [cells, cells, layers],
             cell: CellKind::Hex8,
         };
         model.body(
@@ -60,10 +61,17 @@ fn solved(model: &Model<3>) -> (Solution<3>, u64) {
 
 #[test]
 fn contact_without_friction_takes_one_dof_of_each_node_to_the_end() {
-    let (straight, less) = solved(&blocks(0.0));
-    let (turned, same) = solved(&blocks(0.7));
-    assert_eq!(less, same);
-    let mut tied = blocks(0.7);
+    // nodes that match and nodes that do not
+    for cells in [5, 4] {
+        check_turned(cells);
+    }
+}
+
+fn check_turned(cells: usize) {
+    let (straight, less) = solved(&blocks(0.0, cells));
+    let (turned, same) = solved(&blocks(0.7, cells));
+    assert_eq!(less, same, "{cells} cells");
+    let mut tied = blocks(0.7, cells);
     tied.contacts[0].law = Law::Tied;
     tied.contacts[0].gap = Some(Gap::Closed);
     let (_, more) = solved(&tied);
@@ -76,6 +84,31 @@ fn contact_without_friction_takes_one_dof_of_each_node_to_the_end() {
         // the tolerance of the certificate
         let off = (a.pressure - b.pressure).abs() / largest;
         assert!(off < 1e-8, "{off:e} at {:?}", a.point);
+    }
+}
+
+/// Between 300 and 900 unknowns 400 are assembled where few layers of cells stand for cheap products, and many for dear ones.
+#[test]
+fn the_less_dear_way_is_taken() {
+    for (layers, assembled) in [(1, false), (12, true)] {
+        let mut model = Model::<3>::new();
+        let block = |from: f64| {
+            let cuboid = Cuboid {
+                from: [0.0, 0.0, from],
+                to: [1.0, 1.0, from + 0.05 * layers as f64],
+                cells: [20, 20, layers],
+                cell: CellKind::Hex8,
+            };
+            cuboid.build().unwrap()
+        };
+        let below = model.body("below", block(0.0), SOLID);
+        let above = model.body("above", block(0.05 * layers as f64), SOLID);
+        model.fix(below, "bottom", [Some(0.0); 3]);
+        model.fix(above, "top", [Some(0.0), Some(0.0), Some(-0.01)]);
+        model.contact((above, "bottom"), (below, "top"));
+        let problem = model.dual_problem(300).unwrap();
+        let dense = matches!(problem.compliance, Compliance::Dense(_));
+        assert_eq!(dense, assembled, "{layers} layers");
     }
 }
 
@@ -115,7 +148,7 @@ fn a_thin_plate_on_a_bed_takes_few_products() {
 
 #[test]
 fn a_model_that_does_not_fit_its_memory_is_refused_with_what_it_needs() {
-    let mut model = blocks(0.7);
+    let mut model = blocks(0.7, 5);
     model.solver.memory = Some(1_000_000);
     let error = model.solve().unwrap_err();
     let message = error.to_string();

@@ -265,3 +265,30 @@ friction  = 0.12
     assert!(body == "ball" && turn > 1.0, "{told}");
     assert!(told.contains("hold it by a support"), "{told}");
 }
+
+/// Neither the middle of a facet nor a line half way to its corners met the other side: the nodes were paired one by one, and none
+/// had a partner.
+#[test]
+fn a_strip_of_a_hundredth_of_a_facet_bears() {
+    for [nonmortar, mortar] in [["a.top", "b.bottom"], ["b.bottom", "a.top"]] {
+        for width in [0.2, 0.02] {
+            let (from, to) = (2.0 - width, 4.0 - width);
+            let solution = solve(&format!(
+                "[[body]]\nname = \"a\"\n\
+                 mesh = {{ box = {{ from = [0, 0, 0], to = [2, 2, 2], cells = [2, 2, 2] }} }}\n\
+                 material = {{ young = 100.0, poisson = 0.3 }}\n\
+                 fix = [{{ side = \"bottom\", x = 0, y = 0, z = 0 }}]\n\
+                 [[body]]\nname = \"b\"\n\
+                 mesh = {{ box = {{ from = [{from}, -0.3, 2], to = [{to}, 1.7, 4], cells = [2, 2, 2] }} }}\n\
+                 material = {{ young = 100.0, poisson = 0.3 }}\n\
+                 fix = [{{ side = \"top\", x = 0, y = 0, z = -0.01 }}]\n\
+                 [[contact]]\nname = \"joint\"\nnonmortar = \"{nonmortar}\"\nmortar = \"{mortar}\"\n"
+            ));
+            let joint = &solution.contacts[0];
+            let area = 1.7 * width;
+            assert!((joint.length - area).abs() < 1e-9, "{}", joint.length);
+            let force = joint.resultant[2].abs();
+            assert!(force > 0.05, "{width} {nonmortar}: {force}");
+        }
+    }
+}
