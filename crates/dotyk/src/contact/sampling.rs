@@ -95,7 +95,8 @@ fn lattice(kind: CellKind) -> Vec<[f64; 2]> {
         })
     };
     let inside = |i: usize, j: usize| kind.corners() > 3 || i + j <= STEPS;
-    let is_corner = |i: usize, j: usize| i % STEPS == 0 && j % STEPS == 0;
+    let ends_at = |k: usize| k == 0 || k == STEPS;
+    let is_corner = |i: usize, j: usize| ends_at(i) && ends_at(j);
     let places = (0..=STEPS).flat_map(|i| (0..=STEPS).map(move |j| (i, j)));
     let places = places.filter(|&(i, j)| inside(i, j) && !is_corner(i, j));
     places.map(|(i, j)| at(i, j)).collect()

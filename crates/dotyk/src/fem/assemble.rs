@@ -38,7 +38,7 @@ pub struct BodySystem<const D: usize> {
     pub carried: Vec<f64>,
     /// u_D less `carried` on held dofs, zero elsewhere, (D·n,).
     pub lift: Vec<f64>,
-    /// Axes (rows) of the nodes whose held directions are not along the global axes, and of those that were [turned](Self::turn).
+    /// Axes (rows) of the nodes whose held directions are not along the global axes, and of those that were turned into the direction of their contact forces.
     pub frames: BTreeMap<usize, [[f64; D]; D]>,
     /// Rigid motions that the supports leave free: R, one column (D·n,) each, largest displacement 1.
     pub modes: Vec<Vec<f64>>,
@@ -319,7 +319,7 @@ impl<const D: usize> BodySystem<D> {
         points
     }
 
-    /// A row of global coefficients by node, by dofs along the frames; what is [rounding](ALONG) beside its largest coefficient is
+    /// A row of global coefficients by node, by dofs along the frames; what is rounding beside its largest coefficient (1e-13) is
     /// left out.
     pub fn row_in_frames(&self, row: &[(usize, Point<D>)]) -> impl Iterator<Item = (usize, f64)> {
         let rounding = ALONG * largest_coefficient(row);
