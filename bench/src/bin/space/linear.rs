@@ -30,7 +30,8 @@ pub fn solve(model: &Model<3>) -> Result<(), Failure> {
         .map(|dofs| dofs.contains(&true))
         .collect();
     let order = fill_reducing_order_in_space(&system.graph, &nodes, &[]);
-    let analysis = SymbolicCholesky::new(&system.stiffness, &expand_to_dofs(&order, 3, &keep), 0)?;
+    let kept = expand_to_dofs(&order, 3, &keep);
+    let analysis = SymbolicCholesky::new(&system.stiffness, &kept, 0)?.shared();
     let ordered = lap();
     let factor = analysis.factor(&system.stiffness)?;
     let factored = lap();
