@@ -30,7 +30,7 @@ const SINGULAR: f64 = 0.01;
 const FAR: f64 = 0.5;
 
 /// Most contacts that a warning names.
-const NAMED: usize = 4;
+pub(crate) const NAMED: usize = 4;
 
 /// Fewer closed nodes than this tell the edge of a contact only roughly.
 const FEW: usize = 5;
@@ -129,6 +129,19 @@ fn usual(mut values: Vec<f64>) -> f64 {
     })
 }
 
+/// Some names in quotes: the first ones, and how many more there are.
+pub(crate) fn named<'a>(names: impl ExactSizeIterator<Item = &'a str>) -> String {
+    let more = match names.len().saturating_sub(NAMED) {
+        0 => String::new(),
+        more => format!(" and {more} more"),
+    };
+    let first: Vec<String> = names
+        .take(NAMED)
+        .map(|name| format!("\"{name}\""))
+        .collect();
+    first.join(", ") + &more
+}
+
 /// Contacts whose edges lie between nodes, and that have few of them.
 fn few_closed<const D: usize>(contacts: &[&ContactSolution<D>]) -> Option<String> {
     let few = |contact: &&&ContactSolution<D>| {
@@ -144,13 +157,9 @@ fn few_closed<const D: usize>(contacts: &[&ContactSolution<D>]) -> Option<String
     if names.is_empty() {
         return None;
     }
-    let more = match names.len().saturating_sub(NAMED) {
-        0 => String::new(),
-        more => format!(" and {more} more"),
-    };
-    let names = names[..names.len().min(NAMED)].join("\", \"");
+    let names = named(names.into_iter());
     Some(format!(
-        "contact \"{names}\"{more}: fewer than {FEW} nodes are closed: pressures and lengths in contact are as coarse as that; use smaller facets there"
+        "contact {names}: fewer than {FEW} nodes are closed: pressures and lengths in contact are as coarse as that; use smaller facets there"
     ))
 }
 

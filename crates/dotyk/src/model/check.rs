@@ -8,6 +8,7 @@ use crate::fem::{
 use crate::geometry::{Point, add_scaled, distance};
 use crate::mesh::Mesh;
 use crate::model::admissible::admissible_set;
+use crate::model::assumptions::{NAMED, named};
 use crate::model::bodies::{LoadedBody, body_rows, driven, largest_load, systems};
 use crate::model::dependent::drop_implied;
 use crate::model::error::{Error, Subject};
@@ -124,11 +125,10 @@ fn fill<const D: usize>(model: &Model<D>, check: &mut Check<D>) -> Result<(), Er
     check
         .warnings
         .extend(drop_implied(model, &systems, &mut paired));
-    let remarks = paired.iter().flat_map(|pair| pair.warnings.clone());
-    check.warnings.extend(remarks);
+    let of_pairs = paired.iter().flat_map(|pair| pair.warnings.clone());
+    check.warnings.extend(of_pairs);
     check.contacts = check_contacts(model, &paired);
-    let remarks = check.contacts.iter().flat_map(ContactCheck::remarks);
-    check.warnings.extend(remarks);
+    check.warnings.extend(remarks(&check.contacts));
     let rows = body_rows(&systems, &paired);
     let loaded = systems
         .into_iter()
@@ -209,10 +209,10 @@ pub(crate) fn contact_remarks<const D: usize>(
     paired: &[Paired<D>],
 ) -> Vec<String> {
     let contacts = check_contacts(model, paired);
-    let mut remarks: Vec<String> = contacts.iter().flat_map(ContactCheck::remarks).collect();
+    let mut found = remarks(&contacts);
     let pairs = model.contacts.iter().zip(paired);
-    remarks.extend(pairs.filter_map(|(contact, pair)| unlike(model, contact, pair)));
-    remarks
+    found.extend(pairs.filter_map(|(contact, pair)| unlike(model, contact, pair)));
+    found
 }
 
 /// Two bodies of different thickness: a traction is over one of them.
@@ -287,32 +287,46 @@ fn describe_floating<const D: usize>(
     }
 }
 
-impl<const D: usize> ContactCheck<D> {
-    /// What the user should know of it.
-    fn remarks(&self) -> Vec<String> {
-        let Self { name, sides, .. } = self;
-        let mut remarks = Vec::new();
-        if !self.alone.is_empty() && self.alone.len() == self.nodes {
-            remarks.push(format!(
-                "contact \"{name}\": no node of {} faces {}; the contact does nothing",
-                sides[0], sides[1]
-            ));
-        } else if !self.alone.is_empty() {
-            remarks.push(format!(
-                "contact \"{name}\": {} of {} nodes of {} face nothing",
-                self.alone.len(),
-                self.nodes,
-                sides[0]
-            ));
-        }
-        if self.penetration > INACCURATE * self.facet && !self.given {
-            remarks.push(format!(
-                "contact \"{name}\": initial penetration of {:.4e}; the bodies will be pressed apart by it",
-                self.penetration
-            ));
-        }
-        remarks
+/// What the user should know of contacts; what many of them have in common is told once.
+fn remarks<const D: usize>(contacts: &[ContactCheck<D>]) -> Vec<String> {
+    let idle = |c: &&ContactCheck<D>| !c.alone.is_empty() && c.alone.len() == c.nodes;
+    let in_part = |c: &&ContactCheck<D>| !c.alone.is_empty() && c.alone.len() < c.nodes;
+    let deep = |c: &&ContactCheck<D>| c.penetration > INACCURATE * c.facet && !c.given;
+    let nothing = |c: &ContactCheck<D>| {
+        let (name, [own, other]) = (&c.name, &c.sides);
+        format!("contact \"{name}\": no node of {own} faces {other}; the contact does nothing")
+    };
+    let some = |c: &ContactCheck<D>| {
+        let (name, alone, nodes, own) = (&c.name, c.alone.len(), c.nodes, &c.sides[0]);
+        format!("contact \"{name}\": {alone} of {nodes} nodes of {own} face nothing")
+    };
+    let pressed = |name: String, depth: f64| {
+        format!(
+            "contact {name}: initial penetration of {depth:.4e}; the bodies will be pressed apart by it"
+        )
+    };
+    let names = |of: &[&ContactCheck<D>]| named(of.iter().map(|c| c.name.as_str()));
+    let mut remarks: Vec<String> = contacts.iter().filter(idle).map(nothing).collect();
+    let of: Vec<&ContactCheck<D>> = contacts.iter().filter(in_part).collect();
+    match of.len() > NAMED {
+        true => remarks.push(format!(
+            "contact {}: some nodes of their nonmortar sides face nothing",
+            names(&of)
+        )),
+        false => remarks.extend(of.into_iter().map(some)),
     }
+    let of: Vec<&ContactCheck<D>> = contacts.iter().filter(deep).collect();
+    match of.len() > NAMED {
+        true => {
+            let largest = of.iter().map(|c| c.penetration).fold(0.0, f64::max);
+            remarks.push(pressed(names(&of), largest));
+        }
+        false => {
+            let each = of.into_iter();
+            remarks.extend(each.map(|c| pressed(format!("\"{}\"", c.name), c.penetration)));
+        }
+    }
+    remarks
 }
 
 /// What the user should know of a body.
