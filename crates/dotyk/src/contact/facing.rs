@@ -84,7 +84,7 @@ pub fn facets_coincide<const D: usize>(
 }
 
 /// Lines start at the middle of a facet and so far from it towards its corners. Where two sides share less than a thousandth of
-/// their facets nodes have no multipliers in any pairing.
+/// their facets nodes have no multipliers in any pairing: what overlaps there the judge finds between the nodes.
 const STARTS: [f64; 5] = [0.0, 0.5, 0.9, 0.99, 0.999];
 
 fn sees<const D: usize>(mesh: &Mesh<D>, facet: Facet, search: &Search<'_, D>) -> bool {

@@ -38,7 +38,8 @@ pub struct BodySystem<const D: usize> {
     pub carried: Vec<f64>,
     /// u_D less `carried` on held dofs, zero elsewhere, (D·n,).
     pub lift: Vec<f64>,
-    /// Axes (rows) of the nodes whose held directions are not along the global axes, and of those that were turned into the direction of their contact forces.
+    /// Axes (rows) of the nodes whose held directions are not along the global axes, and of those that were turned into the direction
+    /// of their contact forces.
     pub frames: BTreeMap<usize, [[f64; D]; D]>,
     /// Rigid motions that the supports leave free: R, one column (D·n,) each, largest displacement 1.
     pub modes: Vec<Vec<f64>>,
