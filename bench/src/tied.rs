@@ -98,6 +98,7 @@ pub fn weld(model: &Model<2>) -> Result<Body<2>, String> {
         materials: [first, second].into_iter().flat_map(materials).collect(),
         thickness: first.thickness,
         body_force: first.body_force.clone(),
+        initial: first.initial.clone(),
         supports: [first, second].into_iter().flat_map(supports).collect(),
         loads: [first, second].into_iter().flat_map(loads).collect(),
         formulation: Default::default(),

@@ -3,6 +3,7 @@
 use crate::case::couple::Couples;
 use crate::case::document::{AXES, Node, Span, Table, Value, name, zero};
 use crate::case::error::Fault;
+use crate::case::initial::initial;
 use crate::case::keys;
 use crate::case::mesh::{Generated, mesh};
 use crate::case::mesh_file::{MeshFiles, Named};
@@ -11,7 +12,7 @@ use crate::case::suggest::{listed, nearest};
 use crate::case::surface::true_surface;
 use crate::geometry::Field;
 use crate::mesh::Mesh;
-use crate::model::{Analysis, Body, Elastic, Formulation, Load, Material, Place, Support};
+use crate::model::{Analysis, Body, Elastic, Formulation, Initial, Load, Material, Place, Support};
 
 const FORMULATIONS: [(&str, Formulation); 2] = [
     ("displacement", Formulation::Displacement),
@@ -35,6 +36,7 @@ where
     let (mut mesh, of_file) = mesh(of, &body_name, &needed, files)?;
     let points = points(table, &body_name, of_file)?;
     let (materials, thickness) = materials(table.require("material", &what)?, &body_name, &mesh)?;
+    let initial = initial::<D>(table, analysis)?;
     let mut couples = Couples::new(&body_name, analysis);
     for node in table.list("couple")? {
         let table = node.table(keys::COUPLE)?;
@@ -45,7 +47,7 @@ where
     let supports = supports.map(|node| support(node, &mut couples, &mesh, &points));
     let supports: Vec<_> = supports.collect::<Result<_, _>>()?;
     let loads = table.list("load")?.iter();
-    let loads = loads.map(|node| load(node, &mut couples, &mut mesh, &points));
+    let loads = loads.map(|node| load(node, &mut couples, &mut mesh, &points, &initial));
     let loads: Vec<_> = loads.collect::<Result<_, _>>()?;
     let body_force = table.get("body_force").map_or(Ok(zero()), Node::fields)?;
     let surfaces = table.get("surface").map_or(Ok(&[][..]), Node::entries)?;
@@ -64,6 +66,7 @@ where
         formulation: formulation.transpose()?.unwrap_or_default(),
         thickness,
         body_force,
+        initial,
         supports: supports.concat(),
         loads: loads.concat(),
         couples,
@@ -337,6 +340,7 @@ fn load<const D: usize>(
     couples: &mut Couples<'_, D>,
     mesh: &mut Mesh<D>,
     points: &Named<D>,
+    initial: &Initial,
 ) -> Result<Vec<Load<D>>, Fault> {
     let table = node.table(keys::LOAD)?;
     let body = couples.body;
@@ -354,6 +358,20 @@ fn load<const D: usize>(
             side: side(table.require("side", "a load")?, body, mesh)?,
             pressure: table.require("pressure", "a load")?.field()?,
         }]),
+        ["in_situ", "side"] => {
+            let factor = table.require("in_situ", "a load")?;
+            let Some(stress) = initial.stress.clone() else {
+                let message = format!("`in_situ` without an `initial_stress` of body `{body}`");
+                return Err(Fault::new(&factor.span, message)
+                    .label("a part of which stress?")
+                    .help("give the body an `initial_stress`, such as { vertical = \"-27e3*(80 - y)\", k0 = 0.6 }"));
+            };
+            Ok(vec![Load::InSitu {
+                side: side(table.require("side", "a load")?, body, mesh)?,
+                factor: factor.field()?,
+                stress,
+            }])
+        }
         ["force", "side"] => Ok(vec![Load::Resultant {
             side: side(table.require("side", "a load")?, body, mesh)?,
             force: table.require("force", "a load")?.courses()?,
@@ -374,7 +392,7 @@ fn load<const D: usize>(
             };
             let message = format!("a load of body `{body}` with the keys {keys}");
             Err(Fault::new(table.span, message).label("not a load").help(
-                "a load is `side` with `traction`, `pressure` or `force`, or `point` with `force`",
+                "a load is `side` with `traction`, `pressure`, `force` or `in_situ`, or `point` with `force`",
             ))
         }
     }

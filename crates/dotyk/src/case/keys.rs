@@ -27,6 +27,8 @@ pub const BODY: &[&str] = &[
     "load",
     "couple",
     "body_force",
+    "initial_stress",
+    "initial_strain",
     "surface",
     "points",
 ];
@@ -108,6 +110,20 @@ pub const REFINE: &[&str] = &["at", "size", "radius"];
 pub const PATCH: &[&str] = &["of", "min", "max"];
 /// `material` of a body, or one element of its list.
 pub const MATERIAL: &[&str] = &["young", "poisson", "thickness", "group"];
+/// `initial_stress` of a body.
+pub const INITIAL_STRESS: &[&str] = &["vertical", "k0", "xx", "yy", "zz", "xy", "yz", "xz"];
+/// `initial_strain` of a body.
+pub const INITIAL_STRAIN: &[&str] = &[
+    "thermal",
+    "expansion",
+    "isotropic",
+    "xx",
+    "yy",
+    "zz",
+    "xy",
+    "yz",
+    "xz",
+];
 /// One side of `surface`.
 pub const SURFACE: &[&str] = &["plane", "circle", "cylinder", "cone", "sphere"];
 /// A plane.
@@ -121,7 +137,9 @@ pub const CIRCLE: &[&str] = &["center", "radius", "inside"];
 /// One element of `fix`.
 pub const FIX: &[&str] = &["side", "point", "x", "y", "z", "normal", "rotation"];
 /// One element of `load`.
-pub const LOAD: &[&str] = &["side", "point", "traction", "pressure", "force", "moment"];
+pub const LOAD: &[&str] = &[
+    "side", "point", "traction", "pressure", "force", "in_situ", "moment",
+];
 /// One element of `couple`.
 pub const COUPLE: &[&str] = &["side", "point", "kind"];
 /// `[[contact]]`.

@@ -10,6 +10,7 @@ mod couple;
 mod document;
 mod error;
 mod expression;
+mod initial;
 pub mod keys;
 mod memory;
 mod mesh;

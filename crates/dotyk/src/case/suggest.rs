@@ -197,7 +197,6 @@ mod tests {
             ),
             (&["xx", "s1"], "S11", "here it is `xx`"),
             (&contact, "penalty", "contact is exact"),
-            (&body, "initial_stress", "not supported yet"),
             (&body, "boundary conditions", "here it is `fix`"),
             (
                 &["displacement", "stress", "reaction"],

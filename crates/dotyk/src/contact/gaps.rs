@@ -131,6 +131,7 @@ pub(super) mod tests {
             }],
             thickness: 1.0,
             body_force: std::array::from_fn(|_| Field::constant(0.0)),
+            initial: Initial::default(),
             supports: Vec::new(),
             loads: Vec::new(),
             formulation: crate::fem::Formulation::default(),

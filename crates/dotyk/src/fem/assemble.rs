@@ -119,6 +119,9 @@ pub fn assemble<const D: usize>(
         });
     }
     check_formulation(body, analysis)?;
+    if let Some(why) = body.initial.unfit(analysis) {
+        return Err(FemError::Initial { why });
+    }
     if analysis == Analysis::Axisymmetric {
         check_radii(body)?;
     }

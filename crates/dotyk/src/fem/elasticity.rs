@@ -68,6 +68,19 @@ impl Lame {
         ]
     }
 
+    /// Cε of a strain (xx yy zz xy yz xz, tensor components). In plane stress εzz follows from the others, whatever it is
+    /// given as.
+    pub fn stress_of(self, strain: [f64; 6], analysis: Analysis) -> [f64; 6] {
+        let flat = analysis == Analysis::PlaneStress;
+        let direct = if flat { 2 } else { 3 };
+        let trace: f64 = strain[..direct].iter().sum();
+        std::array::from_fn(|c| match c {
+            2 if flat => 0.0,
+            0..3 => self.lambda * trace + 2.0 * self.mu * strain[c],
+            _ => 2.0 * self.mu * strain[c],
+        })
+    }
+
     /// Strain energy per volume of a stress (xx yy zz xy yz xz) of space, or of plane strain.
     pub fn energy(self, s: [f64; 6]) -> f64 {
         let trace = s[0] + s[1] + s[2];

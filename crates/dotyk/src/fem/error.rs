@@ -25,6 +25,12 @@ pub enum FemError {
         /// Why, and what to do.
         why: &'static str,
     },
+    /// An initial stress or strain that the analysis cannot have.
+    #[error("{why}")]
+    Initial {
+        /// Why.
+        why: &'static str,
+    },
     /// A force on a side without area.
     #[error(
         "side \"{side}\" has no area, it lies on the axis of symmetry: a force cannot be spread over it"

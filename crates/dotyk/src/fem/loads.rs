@@ -1,7 +1,8 @@
-//! Consistent nodal forces: f = ∫ N·b dV + ∫ N·t dS + point forces, on the undeformed body.
+//! Consistent nodal forces: f = ∫ N·b dV + ∫ N·t dS + point forces − ∫ (σ₀ − Cε₀)·∇N dV, on the undeformed body.
 
 use crate::fem::cells::{CellTable, measure};
 use crate::fem::error::FemError;
+use crate::fem::initial::{Components, body_degree};
 use crate::fem::nouns::{Analysis, Body, Place};
 use crate::fem::quadrature::{self, QuadraturePoint};
 use crate::fem::supports::{describe, finite, nearest_node, side_facets};
@@ -35,6 +36,16 @@ pub enum Load<const D: usize> {
         /// Components, functions of time alone.
         force: [Field; D],
     },
+    /// The traction with which ground that is not yet excavated holds a side: its initial stress times the outward normal,
+    /// times a factor. 1 is untouched ground, 0 is excavated.
+    InSitu {
+        /// Side of the body.
+        side: String,
+        /// What is left of the traction.
+        factor: Field,
+        /// The initial stress of the body.
+        stress: Components,
+    },
     /// Force at the node nearest to a point.
     Force {
         /// The point.
@@ -59,6 +70,7 @@ impl<const D: usize> Load<D> {
         match self {
             Self::Traction { side, .. }
             | Self::Pressure { side, .. }
+            | Self::InSitu { side, .. }
             | Self::Resultant { side, .. } => Place::Side(side.clone()),
             Self::Force { point, .. } => Place::Point(*point),
         }
@@ -67,7 +79,7 @@ impl<const D: usize> Load<D> {
     /// What [`Self::at`] answers.
     pub fn amount(&self) -> Amount {
         match self {
-            Self::Traction { .. } | Self::Pressure { .. } => Amount::PerArea,
+            Self::Traction { .. } | Self::Pressure { .. } | Self::InSitu { .. } => Amount::PerArea,
             Self::Resultant { .. } | Self::Force { .. } => Amount::Whole,
         }
     }
@@ -83,6 +95,10 @@ impl<const D: usize> Load<D> {
                 std::array::from_fn(|i| values[i].at(point, time))
             }
             Self::Pressure { pressure, .. } => normal.map(|n| -pressure.at(point, time) * n),
+            Self::InSitu { factor, stress, .. } => {
+                let left = factor.at(point, time);
+                stress.traction(point, normal, time).map(|t| left * t)
+            }
         }
     }
 
@@ -91,6 +107,7 @@ impl<const D: usize> Load<D> {
         match self {
             Self::Traction { traction, .. } => ("traction", traction),
             Self::Pressure { pressure, .. } => ("pressure", std::slice::from_ref(pressure)),
+            Self::InSitu { factor, .. } => ("in_situ", std::slice::from_ref(factor)),
             Self::Resultant { force, .. } | Self::Force { force, .. } => ("force", force),
         }
     }
@@ -107,6 +124,9 @@ impl<const D: usize> Load<D> {
             finite(field, point, time, || {
                 format!("{name} {}", describe(&self.place()))
             })?;
+        }
+        if let Self::InSitu { stress, .. } = self {
+            stress.finite_at("initial_stress", point, time)?;
         }
         Ok(self.at(point, normal, time))
     }
@@ -125,7 +145,7 @@ pub(crate) struct NodalLoads {
 const BALANCED: f64 = 1e-3;
 
 /// Resultant of one load, and the sum of its magnitudes.
-struct Size<const D: usize> {
+pub(crate) struct Size<const D: usize> {
     resultant: Point<D>,
     magnitude: f64,
 }
@@ -161,6 +181,8 @@ pub(crate) fn nodal_loads<const D: usize>(
 ) -> Result<NodalLoads, FemError> {
     let mut forces = vec![0.0; D * body.mesh.points().len()];
     let mut largest = add_body_force(body, analysis, time, &mut forces)?.scale();
+    // an initial stress balances itself
+    largest = largest.max(body.initial.add_load(body, analysis, time, &mut forces)?);
     for load in &body.loads {
         let size = add_load(body, load, analysis, time, &mut forces)?;
         largest = largest.max(size.scale());
@@ -291,7 +313,8 @@ fn samples(kind: CellKind) -> impl Iterator<Item = Sample> {
 /// Loads may be any expression: integrate them to well above the order of the cells.
 const LOAD_DEGREE: usize = 9;
 
-fn add_body_force<const D: usize>(
+/// Adds ∫ N·b dV, and returns its size.
+pub(crate) fn add_body_force<const D: usize>(
     body: &Body<D>,
     analysis: Analysis,
     time: f64,
@@ -307,7 +330,7 @@ fn add_body_force<const D: usize>(
     }
     let mesh = &body.mesh;
     for block in mesh.blocks() {
-        let table = CellTable::<D>::new(block.kind, 2 * block.kind.order() + 2);
+        let table = CellTable::<D>::new(block.kind, body_degree(block.kind.order()));
         for cell in block.cells() {
             for q in 0..table.len() {
                 let (point, _, volume) = table.map(q, |local| mesh.points()[cell[local] as usize]);

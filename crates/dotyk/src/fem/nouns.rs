@@ -1,6 +1,7 @@
 //! What describes one elastic body: material, supports; its loads have a file of their own.
 
 use crate::fem::couple::Couple;
+use crate::fem::initial::Initial;
 use crate::fem::loads::Load;
 use crate::geometry::{Field, Point, Surface};
 use crate::mesh::Mesh;
@@ -115,6 +116,8 @@ pub struct Body<const D: usize> {
     pub thickness: f64,
     /// Force per volume.
     pub body_force: [Field; D],
+    /// What is in it before anything acts on it.
+    pub initial: Initial,
     /// Prescribed displacements.
     pub supports: Vec<Support<D>>,
     /// External loads.

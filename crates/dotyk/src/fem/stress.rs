@@ -1,11 +1,11 @@
-//! Stress and strain at the nodes, recovered from the displacements.
+//! Stress and strain at the nodes, recovered from the displacements; stresses are total, σ = C(ε(u) − ε₀) + σ₀.
 //!
 //! In each cell the stress is sampled at the points where it is most accurate (the centre of a linear simplex, else the
 //! corners drawn towards the centre: three points in a quadratic triangle, four in a quadratic tetrahedron, 2 × 2 (× 2) in
 //! quadrilaterals and hexahedra, 3 × 2 in prisms), extrapolated to the
 //! nodes by the linear function through the samples and averaged there with the cells' volumes.
 
-use crate::fem::block::Cells;
+use crate::fem::block::{Cells, Deformation};
 use crate::fem::cells::CellTable;
 use crate::fem::elasticity::Lame;
 use crate::fem::error::FemError;
@@ -14,16 +14,32 @@ use crate::geometry::Point;
 use crate::mesh::CellKind;
 use rayon::prelude::*;
 
-/// Recovered stress (xx yy zz xy yz xz) at every node of a body with the given nodal displacements.
+/// Recovered total stress (xx yy zz xy yz xz) at every node of a body with the given nodal displacements at a time. An initial
+/// stress is taken at the nodes as it is given, the stress of an initial strain where that of the displacements is.
 ///
-/// Errors: a group of cells without a material.
+/// Errors: a group of cells without a material; an initial stress or strain that is not finite.
 /// Source: J. Barlow's optimal sampling points, as described in finite-element textbooks.
 pub fn recover_stress<const D: usize>(
     body: &Body<D>,
     analysis: Analysis,
     displacement: &[Point<D>],
+    time: f64,
 ) -> Result<Vec<[f64; 6]>, FemError> {
-    recover(body, analysis, displacement, Lame::stress)
+    let local = |lame: Lame, here: &Deformation<D>| {
+        let less = body.initial.of_strain((lame, analysis), here.point, time)?;
+        Ok(sum(lame.stress(here.gradient, here.hoop), less))
+    };
+    let mut stress = recover(body, analysis, displacement, local)?;
+    if body.initial.stress.is_some() {
+        for (stress, &point) in stress.iter_mut().zip(body.mesh.points()) {
+            *stress = sum(*stress, body.initial.stress_at(point, time)?);
+        }
+    }
+    Ok(stress)
+}
+
+fn sum(a: [f64; 6], b: [f64; 6]) -> [f64; 6] {
+    std::array::from_fn(|c| a[c] + b[c])
 }
 
 /// Recovered strain (xx yy zz xy yz xz, tensor components) at every node, as [`recover_stress`].
@@ -34,7 +50,8 @@ pub fn recover_strain<const D: usize>(
     analysis: Analysis,
     displacement: &[Point<D>],
 ) -> Result<Vec<[f64; 6]>, FemError> {
-    recover(body, analysis, displacement, Lame::strain)
+    let local = |lame: Lame, here: &Deformation<D>| Ok(lame.strain(here.gradient, here.hoop));
+    recover(body, analysis, displacement, local)
 }
 
 /// Recovered rotation vector at every node, radians, as [`recover_stress`]; in the plane its third component.
@@ -45,27 +62,30 @@ pub fn recover_spin<const D: usize>(
     analysis: Analysis,
     displacement: &[Point<D>],
 ) -> Result<Vec<[f64; 3]>, FemError> {
-    let spins = recover(body, analysis, displacement, |_, gradient, _| {
-        let of = |i: usize, j: usize| match i.max(j) < D {
-            true => 0.5 * (gradient[j][i] - gradient[i][j]),
-            false => 0.0,
-        };
-        [of(1, 2), of(2, 0), of(0, 1), 0.0, 0.0, 0.0]
-    })?;
+    let spins = recover(
+        body,
+        analysis,
+        displacement,
+        |_, Deformation { gradient, .. }| {
+            let of = |i: usize, j: usize| match i.max(j) < D {
+                true => 0.5 * (gradient[j][i] - gradient[i][j]),
+                false => 0.0,
+            };
+            Ok([of(1, 2), of(2, 0), of(0, 1), 0.0, 0.0, 0.0])
+        },
+    )?;
     Ok(spins
         .into_iter()
         .map(|spin| [spin[0], spin[1], spin[2]])
         .collect())
 }
 
-/// What follows from the displacement gradient and the hoop strain.
-type Local<const D: usize> = fn(Lame, [[f64; D]; D], f64) -> [f64; 6];
-
+/// Nodal values of what is `local` to a material and a deformation.
 fn recover<const D: usize>(
     body: &Body<D>,
     analysis: Analysis,
     displacement: &[Point<D>],
-    local: Local<D>,
+    local: impl Fn(Lame, &Deformation<D>) -> Result<[f64; 6], FemError> + Sync,
 ) -> Result<Vec<[f64; 6]>, FemError> {
     let mesh = &body.mesh;
     let mut sums = vec![[0.0; 7]; mesh.points().len()];
@@ -81,17 +101,17 @@ fn recover<const D: usize>(
         samples
             .par_chunks_mut(count * CHUNK)
             .zip(block.nodes.par_chunks(k * CHUNK))
-            .for_each(|(out, cells)| {
+            .try_for_each(|(out, cells)| {
                 for (out, cell) in out.chunks_exact_mut(count).zip(cells.chunks_exact(k)) {
                     let modes = whole.modes(cell, displacement);
                     for (q, sample) in out.iter_mut().enumerate() {
                         let here = own.deformation(q, (cell, &modes), displacement);
-                        let s = local(own.lame, here.gradient, here.hoop);
-                        sample[..6].copy_from_slice(&s);
+                        sample[..6].copy_from_slice(&local(own.lame, &here)?);
                         sample[6] = here.volume;
                     }
                 }
-            });
+                Ok(())
+            })?;
         for (cell, samples) in block.cells().zip(samples.chunks_exact(count)) {
             let volume: f64 = samples.iter().map(|s| s[6]).sum();
             for (&node, weights) in cell.iter().zip(&extrapolation) {

@@ -34,6 +34,7 @@ fn body<const D: usize>(mesh: Mesh<D>) -> Body<D> {
         }],
         thickness: 1.0,
         body_force: std::array::from_fn(|_| Field::constant(0.0)),
+        initial: Initial::default(),
         supports: Vec::new(),
         loads: Vec::new(),
         formulation: crate::fem::Formulation::default(),

@@ -9,7 +9,7 @@ pub(crate) use matrix::{determinant, invert};
 pub use surface::Surface;
 
 use std::fmt;
-use std::ops::Add;
+use std::ops::{Add, Mul};
 use std::sync::Arc;
 
 /// A point or vector of the D-dimensional space.
@@ -162,6 +162,21 @@ impl Add for Field {
     }
 }
 
+impl Mul for Field {
+    type Output = Self;
+
+    fn mul(self, other: Self) -> Self {
+        match [self.as_constant(), other.as_constant()] {
+            [Some(a), Some(b)] => Self::constant(a * b),
+            [Some(0.0), _] | [_, Some(0.0)] => Self::constant(0.0),
+            _ => {
+                let text = format!("({self}) * ({other})");
+                Self::function(&text, move |x, t| self.at(x, t) * other.at(x, t))
+            }
+        }
+    }
+}
+
 impl From<f64> for Field {
     fn from(value: f64) -> Self {
         Self::constant(value)
@@ -208,5 +223,17 @@ mod tests {
         assert_eq!(constant.as_constant(), Some(1.5));
         assert_eq!((f() + Field::from(0.0)).to_string(), "x + t");
         assert_eq!((Field::from(0.0) + f()).to_string(), "x + t");
+    }
+
+    #[test]
+    fn fields_multiply() {
+        let f = || Field::function("x + t", |p, t| p[0] + t);
+        let product = Field::from(2.0) * f();
+        assert_eq!(product.at([3.0, 0.0], 0.5), 7.0);
+        assert_eq!(product.as_constant(), None);
+        assert_eq!(product.to_string(), "(2) * (x + t)");
+        let constant = Field::from(2.0) * Field::from(-0.5);
+        assert_eq!(constant.as_constant(), Some(-1.0));
+        assert_eq!((f() * Field::from(0.0)).as_constant(), Some(0.0));
     }
 }

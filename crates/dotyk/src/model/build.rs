@@ -44,6 +44,7 @@ impl<const D: usize> Model<D> {
             }],
             thickness: 1.0,
             body_force: std::array::from_fn(|_| Field::constant(0.0)),
+            initial: Initial::default(),
             supports: Vec::new(),
             loads: Vec::new(),
             formulation: crate::fem::Formulation::default(),
@@ -137,6 +138,21 @@ impl<const D: usize> Model<D> {
             Load::Pressure {
                 side: side.to_string(),
                 pressure: Field::constant(pressure),
+            },
+        )
+    }
+
+    /// What is left, on a side, of the traction of the body's initial stress: 1 is untouched ground, 0 is excavated. The
+    /// body must have an initial stress by then.
+    pub fn in_situ(&mut self, body: BodyId, side: &str, factor: impl Into<Field>) -> &mut Self {
+        let stress = self.bodies[body.0].initial.stress.clone();
+        let none = || Components::isotropic(Field::constant(0.0));
+        self.load(
+            body,
+            Load::InSitu {
+                side: side.to_string(),
+                factor: factor.into(),
+                stress: stress.unwrap_or_else(none),
             },
         )
     }

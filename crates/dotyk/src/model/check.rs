@@ -3,7 +3,8 @@
 use crate::contact::Role;
 use crate::dual::Feasibility;
 use crate::fem::{
-    BodySystem, Constraints, Short, describe_motion, list_motions, nearest_node, show,
+    BodySystem, Constraints, OutOfBalance, Short, describe_motion, list_motions, nearest_node,
+    out_of_balance, show,
 };
 use crate::geometry::{Point, add_scaled, distance};
 use crate::mesh::Mesh;
@@ -108,8 +109,8 @@ fn fill<const D: usize>(model: &Model<D>, check: &mut Check<D>) -> Result<(), Er
     let last = |error: Error<D>| error.in_step(model, model.times.len(), Vec::new());
     let systems = systems(model, time).map_err(last)?;
     let mut motions = Vec::new();
+    check.warnings.extend(body_remarks(model));
     for (body, system) in model.bodies.iter().zip(&systems) {
-        check.warnings.extend(of_body(body));
         let free = free_motions(body, system);
         check.bodies.push(check_body(body, system, &free));
         motions.push(free);
@@ -199,7 +200,8 @@ fn check_contacts<const D: usize>(model: &Model<D>, paired: &[Paired<D>]) -> Vec
 
 /// What a run should say of bodies, too.
 pub(crate) fn body_remarks<const D: usize>(model: &Model<D>) -> Vec<String> {
-    let bodies = model.bodies.par_iter().flat_map_iter(of_body);
+    let bodies = model.bodies.par_iter().enumerate();
+    let bodies = bodies.flat_map_iter(|(index, _)| of_body(model, BodyId(index)));
     bodies.collect()
 }
 
@@ -330,11 +332,56 @@ fn remarks<const D: usize>(contacts: &[ContactCheck<D>]) -> Vec<String> {
 }
 
 /// What the user should know of a body.
-fn of_body<const D: usize>(body: &Body<D>) -> Vec<String> {
+fn of_body<const D: usize>(model: &Model<D>, id: BodyId) -> Vec<String> {
+    let body = &model.bodies[id.0];
     poor_cells(body)
         .into_iter()
         .chain(moved_points(body))
+        .chain(moving_ground(model, id))
+        .chain(out_of_plane(model.analysis, body))
         .collect()
+}
+
+/// A warning about an initial stress that is not in equilibrium with the body force: ground that moves before anything is
+/// done to it.
+fn moving_ground<const D: usize>(model: &Model<D>, id: BodyId) -> Option<String> {
+    let body = &model.bodies[id.0];
+    let sides = model.contacts.iter().flat_map(|c| c.pair.sides());
+    let touched = sides.filter(|side| side.body == id);
+    let touched = touched.map(|side| side.side.as_str()).collect();
+    let first = model.times.first().copied().unwrap_or(1.0);
+    let OutOfBalance { force, part, at } =
+        out_of_balance(body, model.analysis, first, &touched).ok()??;
+    Some(format!(
+        "body \"{}\": its initial stress is not in equilibrium with its body force: at {} a nodal force of {} is left over, {} of those of the stress around it, and moves the ground; make the stress grow with depth as the weight does, and let sides that it reaches carry a support, a contact or `in_situ`",
+        body.name,
+        show(at),
+        Short(force),
+        Short(part)
+    ))
+}
+
+/// Warnings about components of an initial stress out of the plane: one that has been forgotten, and shear that an excavation
+/// would release.
+fn out_of_plane<const D: usize>(analysis: Analysis, body: &Body<D>) -> Vec<String> {
+    let (Some(stress), Analysis::PlaneStrain) = (&body.initial.stress, analysis) else {
+        return Vec::new();
+    };
+    let [xx, yy, zz, _, yz, xz] =
+        [0, 1, 2, 3, 4, 5].map(|c| stress.0[c].as_constant() != Some(0.0));
+    let name = &body.name;
+    let mut warnings = Vec::new();
+    if xx && yy && !zz {
+        warnings.push(format!(
+            "body \"{name}\": zz of its initial stress, out of the plane, is zero: stresses along z are told without it"
+        ));
+    }
+    if yz || xz {
+        warnings.push(format!(
+            "body \"{name}\": yz and xz of its initial stress are told as they are: a plane body does not move out of its plane, and what an excavation releases of them has no effect"
+        ));
+    }
+    warnings
 }
 
 /// A point nearer to a node than this part of the body's size is that node: places are typed with ten digits at most.

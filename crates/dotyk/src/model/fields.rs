@@ -52,18 +52,20 @@ pub(crate) fn fields<const D: usize>(
     let bodies = (&model.bodies, &condensed.bodies, displaced.states, couples);
     let bodies = bodies
         .into_par_iter()
-        .map(|(body, loaded, state, couples)| body_solution(model, (body, loaded), state, couples));
+        .map(|(body, loaded, state, couples)| {
+            body_solution((model, condensed.time), (body, loaded), state, couples)
+        });
     Ok((bodies.collect::<Result<Vec<_>, _>>()?, contacts))
 }
 
 fn body_solution<const D: usize>(
-    model: &Model<D>,
+    (model, time): (&Model<D>, f64),
     (body, factored): (&Body<D>, &LoadedBody<D>),
     state: BodyState<D>,
     couples: Vec<CoupleSolution<D>>,
 ) -> Result<BodySolution<D>, Error<D>> {
     let fail = |source| Error::in_body(body, source);
-    let stress = recover_stress(body, model.analysis, &state.u).map_err(fail)?;
+    let stress = recover_stress(body, model.analysis, &state.u, time).map_err(fail)?;
     let strain = recover_strain(body, model.analysis, &state.u).map_err(fail)?;
     let points = body.mesh.points();
     let basis = RigidBasis::of(model.analysis);

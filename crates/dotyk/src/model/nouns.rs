@@ -9,8 +9,8 @@ use crate::model::quantity::{Dimension, Quantity};
 
 pub use crate::contact::Rigid;
 pub use crate::fem::{
-    Amount, Analysis, Body, Couple, CoupleKind, Elastic, Formulation, Load, Material, Place,
-    Support,
+    Amount, Analysis, Body, COMPONENTS, Components, Couple, CoupleKind, Elastic, Formulation,
+    Initial, Load, Material, Place, Support,
 };
 
 /// Names of units; they label the report and change no number.
@@ -76,6 +76,17 @@ pub enum Pair<const D: usize> {
         /// What it touches.
         obstacle: Obstacle<D>,
     },
+}
+
+impl<const D: usize> Pair<D> {
+    /// The sides of bodies that it names, the nonmortar side first where it is known.
+    pub fn sides(&self) -> Vec<&SideRef> {
+        match self {
+            Self::Given { nonmortar, mortar } => vec![nonmortar, mortar],
+            Self::Automatic([a, b]) => vec![a, b],
+            Self::Obstacle { nonmortar, .. } => vec![nonmortar],
+        }
+    }
 }
 
 /// How the two sides are coupled.

@@ -5,7 +5,7 @@
 
 use crate::geometry::{Point, add_scaled, bounding_box, distance, sub, unit};
 use crate::mesh::{Facet, Mesh};
-use crate::model::{Model, Pair, SideRef};
+use crate::model::{Model, SideRef};
 use crate::output::points::in_reach;
 use crate::output::svg::{Pixel, segments, short};
 use crate::output::view::{Box2, Margin, View};
@@ -233,7 +233,7 @@ impl<'a> Scene<'a> {
         let touching: Vec<Point<2>> = model
             .contacts
             .iter()
-            .flat_map(|contact| contact_sides(&contact.pair))
+            .flat_map(|contact| contact.pair.sides())
             .flat_map(|side| side_points(model, side))
             .collect();
         Self {
@@ -291,15 +291,6 @@ impl<'a> Scene<'a> {
         };
         let facets: Vec<Facet> = body.mesh.side(side).unwrap_or(&[]).to_vec();
         strands(&body.mesh, &facets)
-    }
-}
-
-/// The sides that a contact names, the nonmortar side first where it is known.
-pub fn contact_sides(pair: &Pair<2>) -> Vec<&SideRef> {
-    match pair {
-        Pair::Given { nonmortar, mortar } => vec![nonmortar, mortar],
-        Pair::Automatic([a, b]) => vec![a, b],
-        Pair::Obstacle { nonmortar, .. } => vec![nonmortar],
     }
 }
 

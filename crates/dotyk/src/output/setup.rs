@@ -3,7 +3,7 @@
 use crate::geometry::{Field, Point, unit};
 use crate::model::{Body, Contact, Model, Pair, Place, Support};
 use crate::output::points::{couples, draw_points, forces, in_words};
-use crate::output::scene::{Scene, WIDTH, contact_sides, mesh_lines, outline_path, polyline};
+use crate::output::scene::{Scene, WIDTH, mesh_lines, outline_path, polyline};
 use crate::output::svg::{
     ALARM, Anchor, INK, LOAD, MUTED, Pixel, RULE, SERIES, SUPPORT, Svg, TINTS, Type, text_width,
 };
@@ -134,7 +134,7 @@ fn draw_view(svg: &mut Svg, scene: &Scene, view: &View, labels: &Labels) {
 
 /// Both sides of a contact, heavy; a rigid obstacle as a hatched line.
 fn contact_line(svg: &mut Svg, scene: &Scene, view: &View, contact: &Contact<2>, colour: &str) {
-    for side in contact_sides(&contact.pair) {
+    for side in contact.pair.sides() {
         let points = scene.model.bodies[side.body.0].mesh.points();
         for strand in scene.side(side) {
             let path = strand.path(&|n| view.pixel(points[n]));

@@ -5,7 +5,7 @@
 
 use crate::geometry::{Point, bounding_box};
 use crate::mesh::Facet;
-use crate::model::{Model, Pair, SideRef};
+use crate::model::Model;
 use crate::output::plot::round_down_to_125;
 use crate::output::points::in_reach;
 use crate::output::scene::WIDTH;
@@ -156,7 +156,7 @@ impl<'a> Scene<'a> {
             }
         }
         for contact in &self.model.contacts {
-            for side in contact_sides(&contact.pair) {
+            for side in contact.pair.sides() {
                 if side.body.0 == body {
                     mark(&side.side, 0.8);
                 }
@@ -177,15 +177,6 @@ impl<'a> Scene<'a> {
     pub fn nodes(&self) -> impl Iterator<Item = Point<3>> + '_ {
         let bodies = self.model.bodies.iter();
         bodies.flat_map(|body| body.mesh.points()).copied()
-    }
-}
-
-/// The sides that a contact names.
-pub fn contact_sides(pair: &Pair<3>) -> Vec<&SideRef> {
-    match pair {
-        Pair::Given { nonmortar, mortar } => vec![nonmortar, mortar],
-        Pair::Automatic([a, b]) => vec![a, b],
-        Pair::Obstacle { nonmortar, .. } => vec![nonmortar],
     }
 }
 

@@ -10,7 +10,7 @@ use crate::output::setup::{Flow, NAMED, name_alone, name_loads, name_parts};
 use crate::output::space::camera::{Camera, Window};
 use crate::output::space::canvas::{Canvas, Ink, Paint};
 use crate::output::space::marks::{Labelled, Mark, force, held, hold, push, seen};
-use crate::output::space::scene::{GHOST, HEAVY, Scene, THIN, contact_sides, triad_and_scale};
+use crate::output::space::scene::{GHOST, HEAVY, Scene, THIN, triad_and_scale};
 use crate::output::space::skin::{Look, Skin};
 use crate::output::svg::{
     ALARM, INK, LOAD, MUTED, Pixel, SERIES, SUPPORT, Svg, TINTS, Type, segments,
@@ -98,7 +98,7 @@ fn surfaces(scene: &Scene<'_>, window: &Window) -> Canvas {
     }
     for (i, contact) in scene.model.contacts.iter().enumerate() {
         let ink = 3 + i % SERIES.len();
-        for side in contact_sides(&contact.pair) {
+        for side in contact.pair.sides() {
             let Some(body) = scene.model.bodies.get(side.body.0) else {
                 continue;
             };

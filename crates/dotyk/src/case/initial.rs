@@ -1,0 +1,115 @@
+//! `initial_stress` and `initial_strain` of a body.
+
+use crate::case::document::{Node, Table, Value};
+use crate::case::error::Fault;
+use crate::case::keys;
+use crate::case::suggest::listed;
+use crate::geometry::Field;
+use crate::model::{Analysis, COMPONENTS, Components, Initial};
+
+/// What is in a body before anything acts on it.
+pub(crate) fn initial<const D: usize>(
+    body: Table<'_>,
+    analysis: Analysis,
+) -> Result<Initial, Fault> {
+    let nodes = ["initial_stress", "initial_strain"].map(|key| body.get(key));
+    let [stress, strain] = nodes;
+    let initial = Initial {
+        stress: stress
+            .map(|node| self::stress::<D>(node, analysis))
+            .transpose()?,
+        strain: strain.map(self::strain).transpose()?,
+    };
+    // each alone, to tell which one
+    let alone = [
+        Initial {
+            strain: None,
+            ..initial.clone()
+        },
+        Initial {
+            stress: None,
+            ..initial.clone()
+        },
+    ];
+    for (node, initial) in nodes.into_iter().zip(alone) {
+        if let (Some(node), Some(why)) = (node, initial.unfit(analysis)) {
+            return Err(Fault::new(&node.span, why).label("not in this analysis"));
+        }
+    }
+    Ok(initial)
+}
+
+/// Components, or the vertical stress and what part of it acts across.
+fn stress<const D: usize>(node: &Node, analysis: Analysis) -> Result<Components, Fault> {
+    let table = node.table(keys::INITIAL_STRESS)?;
+    let ways = [&["vertical", "k0"][..], &COMPONENTS];
+    let words = "a stress is `vertical` with `k0`, or components: `xx`, `yy`, `zz`, `xy` (tension positive)";
+    one_of(table, &ways, words)?;
+    if table.get("vertical").is_none() && table.get("k0").is_none() {
+        return components(table);
+    }
+    let vertical = table
+        .require("vertical", "an initial stress with `k0`")?
+        .field()?;
+    let k0 = table.get("k0").ok_or_else(|| {
+        let message = "an initial stress with `vertical` needs the key `k0`";
+        Fault::new(table.span, message)
+            .label("`k0` is missing")
+            .help("the horizontal stress over the vertical one, such as `k0 = 0.6`; one number, or two for the two directions")
+    })?;
+    let [first, second] = match &k0.value {
+        Value::List(_) => k0.fields::<2>()?,
+        // in plane stress nothing acts across
+        _ if analysis == Analysis::PlaneStress => [k0.field()?, Field::constant(0.0)],
+        _ => [k0.field()?, k0.field()?],
+    };
+    Ok(Components::ground::<D>(vertical, [first, second]))
+}
+
+/// A temperature with its coefficient, a strain that has no direction, or components.
+fn strain(node: &Node) -> Result<Components, Fault> {
+    let table = node.table(keys::INITIAL_STRAIN)?;
+    let ways = [&["thermal", "expansion"][..], &["isotropic"], &COMPONENTS];
+    let words = "a strain is `thermal` (a change of temperature) with `expansion`, `isotropic`, or components: `xx`, `yy`, `zz`, `xy`";
+    one_of(table, &ways, words)?;
+    let what = "an initial strain of a temperature";
+    match (
+        table.get("thermal"),
+        table.get("expansion"),
+        table.get("isotropic"),
+    ) {
+        (None, None, None) => components(table),
+        (_, _, Some(strain)) => Ok(Components::isotropic(strain.field()?)),
+        _ => {
+            let change = table.require("thermal", what)?.field()?;
+            let expansion = table.require("expansion", what)?.number()?;
+            Ok(Components::isotropic(Field::constant(expansion) * change))
+        }
+    }
+}
+
+/// Refuses keys of none or more than one of the ways to give something, which `words` name.
+fn one_of(table: Table<'_>, ways: &[&[&str]], words: &str) -> Result<(), Fault> {
+    let used = |way: &&&[&str]| way.iter().any(|key| table.get(key).is_some());
+    if ways.iter().filter(used).count() == 1 {
+        return Ok(());
+    }
+    let found = match table.present() {
+        none if none.is_empty() => "nothing is given".to_string(),
+        keys => format!("{} do not go together", listed(keys)),
+    };
+    Err(Fault::new(table.span, found)
+        .label("give it in one way")
+        .help(words))
+}
+
+/// Components that are not given are zero.
+fn components(table: Table<'_>) -> Result<Components, Fault> {
+    let mut fields = [(); 6].map(|()| Field::constant(0.0));
+    for (field, key) in fields.iter_mut().zip(COMPONENTS) {
+        if let Some(node) = table.get(key) {
+            *field = node.field()?;
+        }
+    }
+    Ok(Components(fields))
+}

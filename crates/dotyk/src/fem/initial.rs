@@ -1,0 +1,334 @@
+//! What is in a body before anything acts on it: a stress σ₀ (in-situ stress of ground) and a strain ε₀ (temperature,
+//! shrinkage, swelling).
+//!
+//! ```text
+//!   σ = C(ε(u) − ε₀) + σ₀,        ∫ σ·∇Nₐ dV = fₐ    ⟺    K u = f − ∫ (σ₀ − Cε₀)·∇Nₐ dV
+//! ```
+//!
+//! so that both enter the load alone, and u = 0 where σ₀ balances the loads. The forces of σ₀ − Cε₀ sum to zero in every
+//! cell, do no work on rigid motions, and are integrated as exactly as the body force: what is in equilibrium by its
+//! expressions is so at the nodes, in curved cells, too. On the incompatible modes of enhanced cells they do no work, so
+//! that ground that nobody touches does not move there either.
+//!
+//! Tensile stress and elongation are positive; components xx yy zz xy yz xz, of strains tensorial (half the shear angle);
+//! with axial symmetry zz is the hoop component.
+
+use crate::fem::cells::{CellTable, measure};
+use crate::fem::elasticity::Lame;
+use crate::fem::error::FemError;
+use crate::fem::loads::{Load, add_body_force};
+use crate::fem::nouns::{Analysis, Body, Place};
+use crate::fem::supports::{finite, nearest_node};
+use crate::geometry::{Field, Point, add_scaled, norm};
+use crate::mesh::{CellBlock, Facet};
+use rayon::prelude::*;
+use std::collections::BTreeSet;
+
+/// Components xx yy zz xy yz xz of a stress or strain that may depend on place and time.
+#[derive(Debug, Clone)]
+pub struct Components(pub [Field; 6]);
+
+impl Components {
+    /// The same along xx, yy and zz, without shear: a pressure with its sign turned, or a strain that has no direction.
+    pub fn isotropic(value: Field) -> Self {
+        let direct = [value.clone(), value.clone(), value];
+        let [xx, yy, zz] = direct;
+        let none = || Field::constant(0.0);
+        Self([xx, yy, zz, none(), none(), none()])
+    }
+
+    /// The stress of ground: `vertical`, tension positive, along the last axis of the space, and `k0` times it along the
+    /// two others: in the plane [x, out of the plane], with axial symmetry [radial, hoop], in space [x, y].
+    pub fn ground<const D: usize>(vertical: Field, k0: [Field; 2]) -> Self {
+        let [first, second] = k0.map(|k0| k0 * vertical.clone());
+        let [xx, yy, zz] = match D {
+            3 => [first, second, vertical],
+            _ => [first, vertical, second],
+        };
+        let none = || Field::constant(0.0);
+        Self([xx, yy, zz, none(), none(), none()])
+    }
+
+    /// Values at a point and time; those of some expressions may not be finite.
+    pub fn at<const D: usize>(&self, point: Point<D>, time: f64) -> [f64; 6] {
+        std::array::from_fn(|c| self.0[c].at(point, time))
+    }
+
+    /// As [`Self::at`]; an error names the first expression that is not finite.
+    pub(crate) fn finite_at<const D: usize>(
+        &self,
+        what: &str,
+        point: Point<D>,
+        time: f64,
+    ) -> Result<[f64; 6], FemError> {
+        let mut values = [0.0; 6];
+        for ((value, field), name) in values.iter_mut().zip(&self.0).zip(NAMES) {
+            *value = finite(field, point, time, || format!("{what} {name}"))?;
+        }
+        Ok(values)
+    }
+
+    /// The traction σ·n on a face with the outward unit normal n.
+    pub fn traction<const D: usize>(
+        &self,
+        point: Point<D>,
+        normal: Point<D>,
+        time: f64,
+    ) -> Point<D> {
+        let stress = self.at(point, time);
+        std::array::from_fn(|i| (0..D).map(|j| stress[PLACE[i][j]] * normal[j]).sum())
+    }
+}
+
+/// Names of the components.
+pub const NAMES: [&str; 6] = ["xx", "yy", "zz", "xy", "yz", "xz"];
+
+/// Where a component σᵢⱼ stands.
+const PLACE: [[usize; 3]; 3] = [[0, 3, 5], [3, 1, 4], [5, 4, 2]];
+
+/// What is in a body before anything acts on it.
+#[derive(Debug, Clone, Default)]
+pub struct Initial {
+    /// σ₀, a stress.
+    pub stress: Option<Components>,
+    /// ε₀.
+    pub strain: Option<Components>,
+}
+
+/// The material of some cells in an analysis.
+type Law = (Lame, Analysis);
+
+impl Initial {
+    /// Why an analysis cannot have this, if it cannot.
+    pub fn unfit(&self, analysis: Analysis) -> Option<&'static str> {
+        let has = |of: &Option<Components>, component: usize| {
+            let field = of.as_ref().map(|values| &values.0[component]);
+            field.is_some_and(|field| field.as_constant() != Some(0.0))
+        };
+        let shear = |of: &Option<Components>| has(of, 4) || has(of, 5);
+        let [stress, strain] = [&self.stress, &self.strain];
+        match analysis {
+            Analysis::PlaneStress if has(stress, 2) || shear(stress) => {
+                Some("in plane stress zz, yz and xz of the initial stress must be zero")
+            }
+            Analysis::Axisymmetric if shear(stress) || shear(strain) => Some(
+                "a body that is symmetric about its axis does not twist: yz and xz must be zero",
+            ),
+            Analysis::PlaneStress | Analysis::PlaneStrain if shear(strain) => Some(
+                "a plane body does not move out of its plane: yz and xz of the initial strain must be zero",
+            ),
+            _ => None,
+        }
+    }
+
+    /// −Cε₀ at a point, a stress: what the initial strain takes off where nothing is deformed.
+    ///
+    /// Errors: an expression that is not finite.
+    pub(crate) fn of_strain<const D: usize>(
+        &self,
+        (lame, analysis): Law,
+        point: Point<D>,
+        time: f64,
+    ) -> Result<[f64; 6], FemError> {
+        let Some(strain) = &self.strain else {
+            return Ok([0.0; 6]);
+        };
+        let strain = strain.finite_at("initial_strain", point, time)?;
+        Ok(lame.stress_of(strain, analysis).map(|s| -s))
+    }
+
+    /// σ₀ at a point. Errors: an expression that is not finite.
+    pub(crate) fn stress_at<const D: usize>(
+        &self,
+        point: Point<D>,
+        time: f64,
+    ) -> Result<[f64; 6], FemError> {
+        match &self.stress {
+            Some(stress) => stress.finite_at("initial_stress", point, time),
+            None => Ok([0.0; 6]),
+        }
+    }
+
+    /// The nodal forces that hold σ₀ − Cε₀ in each cell of a block, (nodes of the block's cells,), in global axes:
+    /// ∫ σ·∇Nₐ dV of the cell alone, with thickness or 2πr. `None` where there is nothing.
+    ///
+    /// Errors: an expression that is not finite; a group of cells without a material.
+    pub(crate) fn cell_forces<const D: usize>(
+        &self,
+        body: &Body<D>,
+        block: &CellBlock,
+        analysis: Analysis,
+        time: f64,
+    ) -> Result<Option<Vec<Point<D>>>, FemError> {
+        if self.stress.is_none() && self.strain.is_none() {
+            return Ok(None);
+        }
+        let law = (Lame::new(body.elastic(block)?, analysis), analysis);
+        let table = CellTable::<D>::new(block.kind, body_degree(block.kind.order()));
+        let k = block.kind.nodes();
+        let mut forces = vec![[0.0; D]; block.nodes.len()];
+        forces
+            .par_chunks_mut(k * CHUNK)
+            .zip(block.nodes.par_chunks(k * CHUNK))
+            .try_for_each(|(out, nodes)| {
+                for (out, cell) in out.chunks_exact_mut(k).zip(nodes.chunks_exact(k)) {
+                    self.add_cell(body, law, &table, (cell, time), out)?;
+                }
+                Ok(())
+            })?;
+        Ok(Some(forces))
+    }
+
+    /// Adds the forces of one cell, (nodes of the cell,).
+    fn add_cell<const D: usize>(
+        &self,
+        body: &Body<D>,
+        law: Law,
+        table: &CellTable<D>,
+        (cell, time): (&[u32], f64),
+        forces: &mut [Point<D>],
+    ) -> Result<(), FemError> {
+        let points = body.mesh.points();
+        for q in 0..table.len() {
+            let (point, gradients, volume) = table.map(q, |local| points[cell[local] as usize]);
+            let mut stress = self.of_strain(law, point, time)?;
+            let initial = self.stress_at(point, time)?;
+            stress.iter_mut().zip(initial).for_each(|(s, i)| *s += i);
+            let weight = volume * measure(law.1, body.thickness, point);
+            let nodes = forces.iter_mut().zip(&gradients).zip(table.shape(q));
+            for ((force, gradient), shape) in nodes {
+                for (i, force) in force.iter_mut().enumerate() {
+                    let along = (0..D).map(|j| stress[PLACE[i][j]] * gradient[j]);
+                    *force += weight * along.sum::<f64>();
+                }
+                if law.1 == Analysis::Axisymmetric {
+                    force[0] += weight * stress[2] * shape / point[0];
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// Adds the load −∫ (σ₀ − Cε₀)·∇Nₐ dV to nodal forces (D·n,) of a body in global axes, and returns the sum of its
+    /// magnitudes.
+    ///
+    /// Errors: an expression that is not finite; a group of cells without a material.
+    pub(crate) fn add_load<const D: usize>(
+        &self,
+        body: &Body<D>,
+        analysis: Analysis,
+        time: f64,
+        forces: &mut [f64],
+    ) -> Result<f64, FemError> {
+        let mut all = vec![[0.0; D]; body.mesh.points().len()];
+        for block in body.mesh.blocks() {
+            let held = self.cell_forces(body, block, analysis, time)?;
+            for (&node, force) in block.nodes.iter().zip(held.iter().flatten()) {
+                all[node as usize] = add_scaled(all[node as usize], -1.0, *force);
+            }
+        }
+        let sums = forces.iter_mut().zip(all.as_flattened());
+        sums.for_each(|(sum, force)| *sum += force);
+        Ok(all.into_iter().map(norm).sum())
+    }
+}
+
+/// Degree of the quadrature of body forces and initial stresses: exact for ones that are linear in the place, in cells with
+/// curved edges, 2πr included.
+pub(crate) fn body_degree(order: usize) -> usize {
+    2 * order + 4
+}
+
+/// Cells per parallel task.
+const CHUNK: usize = 64;
+
+/// Where a body would move although nothing was done to it.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct OutOfBalance<const D: usize> {
+    /// The largest nodal force that the initial stress leaves of the body force.
+    pub force: f64,
+    /// That force beside those of the stress in the cells around the node.
+    pub part: f64,
+    /// The node.
+    pub at: Point<D>,
+}
+
+/// Forces below this part of those of the cells around are rounding, or quadrature of smooth functions.
+const BALANCED: f64 = 1e-6;
+
+/// What the initial stress leaves of the body force, where nothing else acts: inside, and at free parts of the boundary.
+/// Sides with a support or a load and those in `touched` carry what they must; where some side has an in-situ load, free
+/// ones have been excavated.
+///
+/// Errors: an expression that is not finite; an unknown side; a group of cells without a material.
+pub(crate) fn out_of_balance<const D: usize>(
+    body: &Body<D>,
+    analysis: Analysis,
+    time: f64,
+    touched: &BTreeSet<&str>,
+) -> Result<Option<OutOfBalance<D>>, FemError> {
+    if body.initial.stress.is_none() {
+        return Ok(None);
+    }
+    let n = body.mesh.points().len();
+    let (mut rest, mut size) = (vec![[0.0; D]; n], vec![0.0; n]);
+    add_body_force(body, analysis, time, rest.as_flattened_mut())?;
+    // strains move bodies, and are meant to
+    let stressed = Initial {
+        strain: None,
+        ..body.initial.clone()
+    };
+    for block in body.mesh.blocks() {
+        let forces = stressed.cell_forces(body, block, analysis, time)?;
+        for (&node, force) in block.nodes.iter().zip(forces.iter().flatten()) {
+            rest[node as usize] = add_scaled(rest[node as usize], -1.0, *force);
+            size[node as usize] += norm(*force);
+        }
+    }
+    let left_out = carrying(body, touched)?;
+    let judged = (0..n).filter(|node| !left_out.contains(node));
+    let parts = judged.map(|node| (node, norm(rest[node])));
+    let parts = parts.filter(|&(node, force)| force > BALANCED * size[node]);
+    let worst = parts.max_by(|a, b| a.1.total_cmp(&b.1));
+    Ok(worst.map(|(node, force)| OutOfBalance {
+        force,
+        part: force / size[node],
+        at: body.mesh.points()[node],
+    }))
+}
+
+/// Nodes at which more acts than body force and initial stress.
+fn carrying<const D: usize>(
+    body: &Body<D>,
+    touched: &BTreeSet<&str>,
+) -> Result<BTreeSet<usize>, FemError> {
+    let mesh = &body.mesh;
+    let supports = body.supports.iter().map(|support| support.place.clone());
+    let places = supports.chain(body.loads.iter().map(Load::place));
+    let sides = touched
+        .iter()
+        .copied()
+        .chain(body.couples.iter().map(|c| c.side.as_str()));
+    let places = places.chain(sides.map(|side| Place::Side(side.to_string())));
+    let mut nodes = BTreeSet::new();
+    let mut add = |facets: &[Facet]| {
+        let all = facets.iter().flat_map(|&facet| mesh.facet_nodes(facet));
+        nodes.extend(all.map(|node| node as usize));
+    };
+    let mut points = Vec::new();
+    for place in places {
+        match place {
+            Place::Side(side) => add(mesh.side(&side).unwrap_or_default()),
+            Place::Point(point) => points.push(nearest_node(mesh, point, "load")?),
+        }
+    }
+    if body
+        .loads
+        .iter()
+        .any(|load| matches!(load, Load::InSitu { .. }))
+    {
+        add(&mesh.boundary_facets());
+    }
+    nodes.extend(points);
+    Ok(nodes)
+}
