@@ -27,12 +27,12 @@ const LOOKED_AT: usize = 4096;
 /// What linear cells of a body in space spend on what they cannot show; zero where it has none, or of several materials at
 /// whose borders stresses jump.
 ///
-/// Shapes: displacement and recovered stress (nodes,). Errors: a group of cells without a material.
+/// Shapes: displacement and recovered strain (nodes,). Errors: a group of cells without a material.
 pub(crate) fn unseen<const D: usize>(
     body: &Body<D>,
     analysis: Analysis,
     displacement: &[Point<D>],
-    stress: &[[f64; 6]],
+    strain: &[[f64; 6]],
 ) -> Result<Unseen, FemError> {
     let (mut all, mut modes, mut jumps) = (0.0, 0.0, 0.0);
     for block in body.mesh.blocks() {
@@ -49,11 +49,12 @@ pub(crate) fn unseen<const D: usize>(
                 own_energy += here.volume * energy(found);
                 if linear && !has_modes(block.kind) && body.materials.len() == 1 {
                     let shape = own.table.shape(q);
-                    let recovered = |c: usize| -> f64 {
+                    let recovered = std::array::from_fn(|c| {
                         let nodes = cell.iter().zip(shape);
-                        nodes.map(|(&node, n)| n * stress[node as usize][c]).sum()
-                    };
-                    let jump = std::array::from_fn(|c| recovered(c) - found[c]);
+                        nodes.map(|(&node, n)| n * strain[node as usize][c]).sum()
+                    });
+                    let recovered = own.lame.stress_of(recovered, analysis);
+                    let jump = std::array::from_fn(|c| recovered[c] - found[c]);
                     own_jumps += here.volume * energy(jump);
                 }
             }

@@ -280,9 +280,16 @@ pub(crate) fn out_of_balance<const D: usize>(
     };
     for block in body.mesh.blocks() {
         let forces = stressed.cell_forces(body, block, analysis, time)?;
-        for (&node, force) in block.nodes.iter().zip(forces.iter().flatten()) {
-            rest[node as usize] = add_scaled(rest[node as usize], -1.0, *force);
-            size[node as usize] += norm(*force);
+        let cells = forces
+            .iter()
+            .flat_map(|f| f.chunks_exact(block.kind.nodes()));
+        for (cell, forces) in block.cells().zip(cells) {
+            // at a node in the middle of a cell there may be none
+            let most = forces.iter().map(|&force| norm(force)).fold(0.0, f64::max);
+            for (&node, force) in cell.iter().zip(forces) {
+                rest[node as usize] = add_scaled(rest[node as usize], -1.0, *force);
+                size[node as usize] += most;
+            }
         }
     }
     let left_out = carrying(body, touched)?;

@@ -23,6 +23,9 @@ const UNSEEN: f64 = 0.25;
 /// Above this ratio of Poisson it is rather the volume that linear cells cannot keep than their bending.
 const INCOMPRESSIBLE: f64 = 0.45;
 
+/// Stresses of the displacements below this part of the total ones are rounding.
+const UNDISTURBED: f64 = 1e-10;
+
 /// Part of the nodes that may be singular.
 const SINGULAR: f64 = 0.01;
 
@@ -92,10 +95,22 @@ fn bent<const D: usize>(
     body: &Body<D>,
     solved: &BodySolution<D>,
 ) -> Result<Option<String>, Error<D>> {
-    if model.analysis != Analysis::Solid {
+    let most = |of: &[[f64; 6]]| {
+        of.as_flattened()
+            .iter()
+            .fold(0.0, |s: f64, c| s.max(c.abs()))
+    };
+    let stiffest = body
+        .materials
+        .iter()
+        .map(|m| m.elastic.young)
+        .fold(0.0, f64::max);
+    // in ground that nobody touches strains are rounding
+    let rests = stiffest * most(&solved.strain) <= UNDISTURBED * most(&solved.stress);
+    if model.analysis != Analysis::Solid || rests {
         return Ok(None);
     }
-    let found = unseen(body, model.analysis, &solved.displacement, &solved.stress);
+    let found = unseen(body, model.analysis, &solved.displacement, &solved.strain);
     let Unseen { modes, jumps } = found.map_err(|source| Error::in_body(body, source))?;
     let name = &solved.name;
     let ratios = body.materials.iter().map(|m| m.elastic.poisson);

@@ -11,6 +11,7 @@ mod examples;
 mod friction;
 mod gmsh;
 mod gmsh_space;
+mod initial;
 mod judge;
 mod layers;
 mod levels;

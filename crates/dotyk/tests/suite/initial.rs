@@ -1,0 +1,499 @@
+//! Bodies with a stress or a strain before anything acts on them: untouched ground, excavation, temperature.
+//!
+//! Tolerances are rounding unless they say otherwise: 1e-12 of what the excavated ground does, 1e-10 of the largest value.
+
+use dotyk::case::Case;
+use dotyk::geometry::{Field, Point, norm, sub};
+use dotyk::mesh::{CellKind, Cuboid, Diagonals, Mesh, Rectangle, Ring};
+use dotyk::model::{
+    Analysis, BodyId, Components, Elastic, Error, Formulation, Gap, Initial, Load, Model, Solution,
+};
+
+const GROUND: Elastic = Elastic {
+    young: 2e9,
+    poisson: 0.3,
+};
+
+const PLANE: [CellKind; 5] = [
+    CellKind::Tri3,
+    CellKind::Tri6,
+    CellKind::Quad4,
+    CellKind::Quad8,
+    CellKind::Quad9,
+];
+
+/// Weight per volume, and the depth of the origin.
+const WEIGHT: f64 = 27e3;
+const DEPTH: f64 = 80.0;
+
+/// Ground with a horizontal surface, at rest; its lateral stress is 0.6 in the plane and 0.4 out of it.
+fn at_rest<const D: usize>(up: usize, k0: [f64; 2]) -> Initial {
+    let vertical = Field::function("-27e3*(80 - y)", move |x, _| -WEIGHT * (DEPTH - x[up]));
+    Initial {
+        stress: Some(Components::ground::<D>(vertical, k0.map(Field::constant))),
+        strain: None,
+    }
+}
+
+fn half_ring(cell: CellKind) -> Mesh<2> {
+    let ring = Ring {
+        center: [0.0, 0.0],
+        inner: 5.0,
+        outer: 20.0,
+        angles: Some([-90.0, 90.0]),
+        cells: [8, 3],
+        ratio: 1.3,
+        grade: 1.0,
+        cell,
+        diagonals: Diagonals::default(),
+    };
+    ring.build().unwrap()
+}
+
+/// Half of a tunnel in ground with weight: held at its plane of symmetry and, against sinking, at one point.
+fn tunnel(cell: CellKind, analysis: Analysis, k0: [f64; 2]) -> (Model<2>, BodyId) {
+    let mut model = Model::new();
+    model.analysis = analysis;
+    let body = model.body("rock", half_ring(cell), GROUND);
+    model.bodies[0].body_force = [0.0, -WEIGHT].map(Field::constant);
+    model.bodies[0].initial = at_rest::<2>(1, k0);
+    model.pin(body, [0.0, -20.0], [None, Some(0.0)]);
+    for side in ["start", "end"] {
+        model.fix(body, side, [Some(0.0), None]);
+    }
+    model.in_situ(body, "outer", 1.0);
+    (model, body)
+}
+
+fn largest<const D: usize>(vectors: &[Point<D>]) -> f64 {
+    vectors.iter().map(|&v| norm(v)).fold(0.0, f64::max)
+}
+
+/// The excavated ground moves by some millimetres; untouched it does not.
+fn untouched<const D: usize>(
+    mut model: Model<D>,
+    body: BodyId,
+    hole: &str,
+    solve: fn(&Model<D>) -> Result<Solution<D>, Error<D>>,
+) {
+    let mut excavated = model.clone();
+    excavated.in_situ(body, hole, 0.0);
+    let moved = largest(&solve(&excavated).unwrap().bodies[0].displacement);
+    assert!(moved > 1e-4, "{moved}");
+    model.in_situ(body, hole, 1.0);
+    let solution = solve(&model).unwrap();
+    let body = &solution.bodies[0];
+    let left = largest(&body.displacement) / moved;
+    assert!(left < 1e-12, "{left:e}");
+    let initial = model.bodies[0].initial.stress.as_ref().unwrap();
+    for (stress, &point) in body.stress.iter().zip(model.bodies[0].mesh.points()) {
+        for (told, given) in stress.iter().zip(initial.at(point, 1.0)) {
+            assert!(
+                (told - given).abs() < 1e-9 * WEIGHT * DEPTH,
+                "{told} {given}"
+            );
+        }
+    }
+    assert!(
+        solution.converged && solution.warnings.is_empty(),
+        "{:?}",
+        solution.warnings
+    );
+}
+
+#[test]
+fn untouched_ground_does_not_move_in_the_plane() {
+    for cell in PLANE {
+        let (model, body) = tunnel(cell, Analysis::PlaneStrain, [0.6, 0.4]);
+        untouched(model, body, "inner", Model::<2>::solve);
+        let (mut model, body) = tunnel(cell, Analysis::PlaneStress, [0.6, 0.0]);
+        model.bodies[0].thickness = 0.3;
+        untouched(model, body, "inner", Model::<2>::solve);
+    }
+}
+
+#[test]
+fn untouched_ground_does_not_move_in_cells_that_bend() {
+    let (mut model, body) = tunnel(CellKind::Quad4, Analysis::PlaneStrain, [0.6, 0.4]);
+    model.bodies[0].formulation = Formulation::Enhanced;
+    untouched(model, body, "inner", Model::<2>::solve);
+}
+
+#[test]
+fn untouched_ground_does_not_move_around_a_shaft() {
+    // a shaft about the axis of symmetry: radial and hoop stress are alike
+    for cell in PLANE {
+        let mesh = Rectangle {
+            from: [2.0, -10.0],
+            to: [12.0, 0.0],
+            cells: [5, 4],
+            cell,
+            diagonals: Diagonals::default(),
+        };
+        let mesh = mesh.build().unwrap();
+        // oblique edges, and curved ones where the cells can have them
+        let mesh = mesh
+            .map_points(|[r, z]| [r + 0.02 * z * z, z + 0.005 * r * z * (z + 10.0)])
+            .unwrap();
+        let mut model = Model::new();
+        model.analysis = Analysis::Axisymmetric;
+        let body = model.body("ground", mesh, GROUND);
+        model.bodies[0].body_force = [0.0, -WEIGHT].map(Field::constant);
+        model.bodies[0].initial = at_rest::<2>(1, [0.6; 2]);
+        model.fix(body, "bottom", [None, Some(0.0)]);
+        model.in_situ(body, "top", 1.0).in_situ(body, "right", 1.0);
+        untouched(model, body, "left", Model::<2>::solve);
+    }
+}
+
+#[test]
+fn untouched_ground_does_not_move_in_space() {
+    for cell in [
+        CellKind::Tet4,
+        CellKind::Tet10,
+        CellKind::Hex8,
+        CellKind::Hex20,
+        CellKind::Hex27,
+    ] {
+        let mesh = Cuboid {
+            from: [0.0; 3],
+            to: [10.0; 3],
+            cells: [2; 3],
+            cell,
+        };
+        let curved = |[x, y, z]: [f64; 3]| [x + 0.01 * y * z, y + 0.02 * z * z, z - 0.01 * x * y];
+        let mesh = mesh.build().unwrap().map_points(curved).unwrap();
+        let mut model = Model::new();
+        model.analysis = Analysis::Solid;
+        let body = model.body("ground", mesh, GROUND);
+        model.bodies[0].body_force = [0.0, 0.0, -WEIGHT].map(Field::constant);
+        model.bodies[0].initial = at_rest::<3>(2, [0.6, 0.8]);
+        model.fix(body, "bottom", [Some(0.0); 3]);
+        for side in ["right", "front", "back", "top"] {
+            model.in_situ(body, side, 1.0);
+        }
+        untouched(model, body, "left", Model::<3>::solve);
+    }
+}
+
+/// Excavation is the unstressed ground under what the excavated ground no longer bears: the same displacements, and the stress
+/// that was there on top.
+#[test]
+fn excavation_is_a_traction_on_ground_without_stress() {
+    for cell in [CellKind::Quad4, CellKind::Tri6] {
+        let mesh = Rectangle {
+            from: [0.0, 0.0],
+            to: [20.0, 10.0],
+            cells: [8, 5],
+            cell,
+            diagonals: Diagonals::default(),
+        };
+        let mut ground = Model::new();
+        let body = ground.body("ground", mesh.build().unwrap(), GROUND);
+        ground.fix(body, "bottom", [Some(0.0); 2]);
+        let mut bare = ground.clone();
+        ground.bodies[0].body_force = [0.0, -WEIGHT].map(Field::constant);
+        ground.bodies[0].initial = at_rest::<2>(1, [0.6, 0.4]);
+        ground.in_situ(body, "top", 1.0).in_situ(body, "right", 1.0);
+        ground.in_situ(body, "left", Field::function("1 - t", |_, t| 1.0 - t));
+        // −(1 − factor) σ₀ n with the normal (−1, 0)
+        let released = |x: [f64; 3], t: f64| -0.6 * t * WEIGHT * (DEPTH - x[1]);
+        let traction = [Field::function("released", released), Field::constant(0.0)];
+        let side = "left".to_string();
+        bare.load(body, Load::Traction { side, traction });
+        for model in [&mut ground, &mut bare] {
+            model.times = vec![0.3, 1.0];
+        }
+        let (steps, expected) = (ground.solve_steps().unwrap(), bare.solve_steps().unwrap());
+        let stress = ground.bodies[0].initial.stress.clone().unwrap();
+        for (solution, expected) in steps.iter().zip(&expected) {
+            let (told, bare) = (&solution.bodies[0], &expected.bodies[0]);
+            let scale = largest(&bare.displacement);
+            assert!(scale > 1e-4);
+            for (a, b) in told.displacement.iter().zip(&bare.displacement) {
+                assert!(norm(sub(*a, *b)) < 1e-10 * scale, "{a:?} {b:?}");
+            }
+            let totals = told.stress.iter().zip(&bare.stress);
+            for ((total, more), &point) in totals.zip(ground.bodies[0].mesh.points()) {
+                for ((total, more), initial) in total.iter().zip(more).zip(stress.at(point, 0.0)) {
+                    let off = (total - more - initial).abs();
+                    assert!(off < 1e-10 * WEIGHT * DEPTH, "{total} {more} {initial}");
+                }
+            }
+            // the reaction bears the weight, and the horizontal stress that is gone
+            let force = [0.6 * solution.time, 1.0];
+            let sizes = [(DEPTH - 5.0) * 10.0, DEPTH * 20.0].map(|area| WEIGHT * area);
+            for ((told, part), size) in told.reaction.iter().zip(force).zip(sizes) {
+                assert!(
+                    (told - part * size).abs() < 1e-10 * sizes[1],
+                    "{told} {}",
+                    part * size
+                );
+            }
+        }
+    }
+}
+
+/// A free body that is warmed grows without stress; what keeps it flat in plane strain presses it.
+#[test]
+fn a_warm_body_grows() {
+    let (alpha, change) = (1.2e-5, 40.0);
+    let strain = alpha * change;
+    for analysis in [
+        Analysis::PlaneStrain,
+        Analysis::PlaneStress,
+        Analysis::Axisymmetric,
+    ] {
+        for cell in PLANE {
+            let mut model = Model::new();
+            model.analysis = analysis;
+            let mesh = Rectangle {
+                from: [1.0, 0.0],
+                to: [3.0, 1.0],
+                cells: [4, 2],
+                cell,
+                diagonals: Diagonals::default(),
+            };
+            let body = model.body("plate", mesh.build().unwrap(), GROUND);
+            let change = Field::constant(alpha * change);
+            model.bodies[0].initial.strain = Some(Components::isotropic(change));
+            model.pin(body, [1.0, 0.0], [None, Some(0.0)]);
+            if analysis != Analysis::Axisymmetric {
+                model.pin(body, [1.0, 0.0], [Some(0.0), None]);
+                model.pin(body, [3.0, 0.0], [None, Some(0.0)]);
+            }
+            let solution = model.solve().unwrap();
+            let (grown, from, along) = match analysis {
+                Analysis::PlaneStrain => {
+                    ((1.0 + GROUND.poisson) * strain, 1.0, -GROUND.young * strain)
+                }
+                Analysis::PlaneStress => (strain, 1.0, 0.0),
+                _ => (strain, 0.0, 0.0),
+            };
+            let points = model.bodies[0].mesh.points();
+            for (u, x) in solution.bodies[0].displacement.iter().zip(points) {
+                let expected = [grown * (x[0] - from), grown * x[1]];
+                assert!(
+                    norm(sub(*u, expected)) < 1e-11 * strain,
+                    "{u:?} {expected:?}"
+                );
+            }
+            let scale = GROUND.young * strain;
+            for stress in &solution.bodies[0].stress {
+                let expected = [0.0, 0.0, along, 0.0, 0.0, 0.0];
+                for (told, expected) in stress.iter().zip(expected) {
+                    assert!(
+                        (told - expected).abs() < 1e-10 * scale,
+                        "{analysis:?} {stress:?}"
+                    );
+                }
+            }
+        }
+    }
+}
+
+/// Held on all sides it cannot grow: −EαΔT/(1 − 2ν) all around, and swelling differs from temperature by its name alone.
+#[test]
+fn a_warm_body_that_is_held_is_pressed() {
+    let mesh = Cuboid {
+        from: [0.0; 3],
+        to: [1.0; 3],
+        cells: [2; 3],
+        cell: CellKind::Hex8,
+    };
+    let mut model = Model::new();
+    model.analysis = Analysis::Solid;
+    let body = model.body("block", mesh.build().unwrap(), GROUND);
+    let strain = Field::function("4e-4*t", |_, t| 4e-4 * t);
+    model.bodies[0].initial.strain = Some(Components::isotropic(strain));
+    for (side, axis) in [
+        ("left", 0),
+        ("right", 0),
+        ("front", 1),
+        ("back", 1),
+        ("bottom", 2),
+        ("top", 2),
+    ] {
+        let components = std::array::from_fn(|i| (i == axis).then_some(0.0));
+        model.fix(body, side, components);
+    }
+    model.times = vec![0.0, 0.5, 1.0];
+    for solution in model.solve_steps().unwrap() {
+        let expected = -2e9 * 4e-4 * solution.time / (1.0 - 0.6);
+        for stress in &solution.bodies[0].stress {
+            for (c, told) in stress.iter().enumerate() {
+                let expected = if c < 3 { expected } else { 0.0 };
+                assert!(
+                    (told - expected).abs() < 1e-10 * 2e6,
+                    "{stress:?} {expected}"
+                );
+            }
+        }
+        let top = solution.bodies[0].side_reactions["top"];
+        assert!(
+            (top[2] - expected).abs() < 1e-10 * 2e6,
+            "{top:?} {expected}"
+        );
+    }
+}
+
+/// Two bars end to end between two walls: the warmed one grows into its gap, then both are pressed by
+/// (αΔT L − gap)/(2L/E), in plane stress with free sides.
+#[test]
+fn a_warm_bar_presses_the_next_one() {
+    let bar = |from: f64| {
+        let rectangle = Rectangle {
+            from: [from, 0.0],
+            to: [from + 1.0, 0.1],
+            cells: [10, 1],
+            cell: CellKind::Quad8,
+            diagonals: Diagonals::default(),
+        };
+        rectangle.build().unwrap()
+    };
+    let cork = Elastic {
+        young: 1e9,
+        poisson: 0.0,
+    };
+    let mut model = Model::new();
+    model.analysis = Analysis::PlaneStress;
+    let (warm, cold) = (
+        model.body("warm", bar(0.0), cork),
+        model.body("cold", bar(1.0), cork),
+    );
+    let strain = Field::function("1e-3*t", |_, t| 1e-3 * t);
+    model.bodies[0].initial.strain = Some(Components([
+        strain.clone(),
+        strain.clone(),
+        strain,
+        Field::constant(0.0),
+        Field::constant(0.0),
+        Field::constant(0.0),
+    ]));
+    for (body, side, corner) in [(warm, "left", [0.0, 0.0]), (cold, "right", [2.0, 0.0])] {
+        model.fix(body, side, [Some(0.0), None]);
+        model.pin(body, corner, [None, Some(0.0)]);
+    }
+    model.contact((warm, "right"), (cold, "left")).gap = Some(Gap::Given(Field::constant(4e-4)));
+    model.times = vec![0.3, 1.0];
+    let steps = model.solve_steps().unwrap();
+    assert_eq!(steps[0].contacts[0].resultant[0], 0.0);
+    let force = -0.1 * 1e9 * (1e-3 - 4e-4) / 2.0;
+    let found = steps[1].contacts[0].resultant[0];
+    assert!((found / force - 1.0).abs() < 1e-9, "{found} {force}");
+    let certified = |solution: &Solution<2>| solution.converged;
+    assert!(steps.iter().all(certified));
+}
+
+/// Turned by an angle, with its stress and its weight, the ground does the same.
+#[test]
+fn ground_does_the_same_in_any_direction() {
+    let solve = |angle: f64| {
+        let (s, c) = angle.sin_cos();
+        let mesh = half_ring(CellKind::Quad9);
+        let mesh = mesh
+            .map_points(|[x, y]| [c * x - s * y, s * x + c * y])
+            .unwrap();
+        let mut model = Model::new();
+        let body = model.body("rock", mesh, GROUND);
+        // σ in its own axes x', y': [−3, −1, shear 0.5] MPa
+        let [a, b, t] = [-3e6, -1e6, 0.5e6];
+        let turned = [
+            a * c * c + b * s * s - 2.0 * t * s * c,
+            a * s * s + b * c * c + 2.0 * t * s * c,
+            -2e6,
+            (a - b) * s * c + t * (c * c - s * s),
+            0.0,
+            0.0,
+        ];
+        model.bodies[0].initial.stress = Some(Components(turned.map(Field::constant)));
+        model.fix(body, "outer", [Some(0.0); 2]);
+        for side in ["start", "end"] {
+            model.in_situ(body, side, 1.0);
+        }
+        model.in_situ(body, "inner", 0.25);
+        let solution = model.solve().unwrap();
+        let back = |[x, y]: [f64; 2]| [c * x + s * y, -s * x + c * y];
+        let moved: Vec<[f64; 2]> = solution.bodies[0]
+            .displacement
+            .iter()
+            .copied()
+            .map(back)
+            .collect();
+        (moved, solution.bodies[0].von_mises.clone())
+    };
+    let (straight, turned) = (solve(0.0), solve(0.7));
+    let scale = largest(&straight.0);
+    assert!(scale > 1e-4);
+    for (a, b) in straight.0.iter().zip(&turned.0) {
+        assert!(norm(sub(*a, *b)) < 1e-10 * scale, "{a:?} {b:?}");
+    }
+    for (a, b) in straight.1.iter().zip(&turned.1) {
+        assert!((a - b).abs() < 1e-10 * 3e6, "{a} {b}");
+    }
+}
+
+fn ground(body: &str) -> String {
+    format!(
+        "title = \"Ground\"\nanalysis = \"plane-strain\"\n[[body]]\nname = \"rock\"\n\
+         mesh = {{ tunnel_rock = {{ radius = 5, half_width = 30, half_height = 30, cells = [24, 8], cell = \"quad9\" }} }}\n\
+         material = {{ young = 2e9, poisson = 0.3 }}\n\
+         fix = [{{ side = [\"axis\", \"right\"], x = 0 }}, {{ side = \"bottom\", y = 0 }}]\n{body}\n"
+    )
+}
+
+fn warned(body: &str) -> Vec<String> {
+    let case = Case::<2>::from_str(&ground(body), "ground.toml", "".as_ref()).unwrap();
+    let solution = case.model.solve().unwrap();
+    assert_eq!(
+        solution.warnings,
+        case.model.check().warnings,
+        "a run says what a check would have said"
+    );
+    solution.warnings
+}
+
+#[test]
+fn ground_that_moves_by_itself_is_a_warning_with_the_place() {
+    let stress = "initial_stress = { vertical = \"-27e3*(80 - y)\", k0 = 0.6 }";
+    let load = "load = [{ side = \"hole\", in_situ = 0 }, { side = \"top\", in_situ = 1 }]";
+    let weight = "body_force = [0, -27e3]";
+    assert_eq!(warned(&[stress, load, weight].join("\n")), [""; 0]);
+    // a lining could stand in an excavated hole that no load names
+    let top = "load = [{ side = \"top\", in_situ = 1 }]";
+    assert_eq!(warned(&[stress, top, weight].join("\n")), [""; 0]);
+    for (body, words) in [
+        // without weight the ground rises everywhere
+        (
+            [stress, load, ""],
+            "not in equilibrium with its body force: at (",
+        ),
+        // a free top bears no stress
+        ([stress, "", weight], "a nodal force of "),
+        (
+            [stress, load, "body_force = [0, 27e3]"],
+            "and moves the ground; make the stress grow with depth",
+        ),
+    ] {
+        let found = warned(&body.join("\n"));
+        assert!(found.len() == 1 && found[0].contains(words), "{found:?}");
+    }
+}
+
+#[test]
+fn a_component_out_of_the_plane_is_not_forgotten_in_silence() {
+    let load = "load = [{ side = \"hole\", in_situ = 0 }, { side = \"top\", in_situ = 1 }]\n";
+    let found = warned(&format!(
+        "{load}initial_stress = {{ xx = -1e6, yy = -2e6 }}"
+    ));
+    assert!(
+        found.len() == 1 && found[0].contains("zz of its initial stress"),
+        "{found:?}"
+    );
+    let stress = "initial_stress = { xx = -1e6, yy = -2e6, zz = -1e6, yz = 1e5 }";
+    let found = warned(&format!("{load}{stress}"));
+    assert!(
+        found.len() == 1 && found[0].contains("does not move out of its plane"),
+        "{found:?}"
+    );
+}
