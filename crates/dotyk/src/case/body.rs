@@ -1,18 +1,21 @@
 //! `[[body]]` of a case file: mesh, material, supports, loads.
 
 use crate::case::couple::Couples;
-use crate::case::document::{AXES, Node, Span, Table, Value, name, zero};
+use crate::case::document::{AXES, Node, Span, Table, Value, later, name, zero};
 use crate::case::error::Fault;
 use crate::case::initial::initial;
 use crate::case::keys;
 use crate::case::mesh::{Generated, mesh};
 use crate::case::mesh_file::{MeshFiles, Named};
 use crate::case::points::{places, points};
+use crate::case::steps::Steps;
 use crate::case::suggest::{listed, nearest};
 use crate::case::surface::true_surface;
 use crate::geometry::Field;
 use crate::mesh::Mesh;
-use crate::model::{Analysis, Body, Elastic, Formulation, Initial, Load, Material, Place, Support};
+use crate::model::{
+    Active, Analysis, Body, Elastic, Formulation, History, Initial, Load, Material, Place, Support,
+};
 
 const FORMULATIONS: [(&str, Formulation); 2] = [
     ("displacement", Formulation::Displacement),
@@ -24,6 +27,7 @@ pub(crate) fn body<const D: usize>(
     node: &Node,
     analysis: Analysis,
     files: &mut MeshFiles,
+    steps: &Steps,
 ) -> Result<Body<D>, Fault>
 where
     Mesh<D>: Generated<D>,
@@ -37,6 +41,7 @@ where
     let points = points(table, &body_name, of_file)?;
     let (materials, thickness) = materials(table.require("material", &what)?, &body_name, &mesh)?;
     let initial = initial::<D>(table, analysis)?;
+    let (active, release) = steps.active_body(table)?;
     let mut couples = Couples::new(&body_name, analysis);
     for node in table.list("couple")? {
         let table = node.table(keys::COUPLE)?;
@@ -44,10 +49,17 @@ where
         couples.add(table, &side, &points)?;
     }
     let supports = table.list("fix")?.iter();
-    let supports = supports.map(|node| support(node, &mut couples, &mesh, &points));
+    let supports = supports.map(|node| support(node, &mut couples, &mesh, &points, steps));
     let supports: Vec<_> = supports.collect::<Result<_, _>>()?;
     let loads = table.list("load")?.iter();
-    let loads = loads.map(|node| load(node, &mut couples, &mut mesh, &points, &initial));
+    let loads = loads.map(|node| {
+        let active = steps.active(node.table(keys::LOAD)?)?;
+        let loads = load(node, &mut couples, &mut mesh, &points, (&initial, active))?;
+        Ok(loads
+            .into_iter()
+            .map(|load| load.during(active))
+            .collect::<Vec<_>>())
+    });
     let loads: Vec<_> = loads.collect::<Result<_, _>>()?;
     let body_force = table.get("body_force").map_or(Ok(zero()), Node::fields)?;
     let surfaces = table.get("surface").map_or(Ok(&[][..]), Node::entries)?;
@@ -67,6 +79,9 @@ where
         thickness,
         body_force,
         initial,
+        active,
+        release,
+        history: History::default(),
         supports: supports.concat(),
         loads: loads.concat(),
         couples,
@@ -277,8 +292,10 @@ fn support<const D: usize>(
     couples: &mut Couples<'_, D>,
     mesh: &Mesh<D>,
     points: &Named<D>,
+    steps: &Steps,
 ) -> Result<Vec<Support<D>>, Fault> {
     let table = node.table(keys::FIX)?;
+    let active = steps.active(table)?;
     let body = couples.body;
     no_z::<D>(table)?;
     let places: Vec<Place<D>> = match (table.get("side"), table.get("point")) {
@@ -324,12 +341,19 @@ fn support<const D: usize>(
             .help(format!("use {}", listed(AXES[..D].iter().copied()))));
     }
     if couples.hold(table)? {
-        return Ok(Vec::new());
+        return match table.entry("active") {
+            Some(entry) => Err(later(
+                &entry.key_span,
+                "`active` of a support of a coupled point",
+            )),
+            None => Ok(Vec::new()),
+        };
     }
     let each = places.into_iter().map(|place| Support {
         place,
         components: components.clone(),
         normal: normal.clone(),
+        active,
     });
     Ok(each.collect())
 }
@@ -340,14 +364,15 @@ fn load<const D: usize>(
     couples: &mut Couples<'_, D>,
     mesh: &mut Mesh<D>,
     points: &Named<D>,
-    initial: &Initial,
+    (initial, active): (&Initial, Active),
 ) -> Result<Vec<Load<D>>, Fault> {
     let table = node.table(keys::LOAD)?;
     let body = couples.body;
-    if couples.load(table)? {
+    if couples.load(table, active)? {
         return Ok(Vec::new());
     }
     let mut present = table.present();
+    present.retain(|key| *key != "active");
     present.sort_unstable();
     match present[..] {
         ["side", "traction"] => Ok(vec![Load::Traction {

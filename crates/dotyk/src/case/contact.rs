@@ -5,6 +5,7 @@ use crate::case::document::{Entry, Node, Span, Table, Value, later, name, zero};
 use crate::case::error::Fault;
 use crate::case::keys;
 use crate::case::points::{named_places, of_body};
+use crate::case::steps::Steps;
 use crate::case::suggest::listed;
 use crate::case::surface::{shapes, surface};
 use crate::contact::{ContactError, End};
@@ -23,12 +24,12 @@ const PAIRINGS: [(&str, Pairing); 2] = [
 pub(crate) fn contact<const D: usize>(
     node: &Node,
     bodies: &mut [Body<D>],
-    steps: usize,
+    steps: &Steps,
 ) -> Result<Contact<D>, Fault> {
     let table = node.table(keys::CONTACT)?;
     let name = name(table.require("name", "a contact")?)?;
     let pair = pair(table, &name, bodies)?;
-    let law = law(table, &name, steps)?;
+    let law = law(table, &name, steps.times.len())?;
     let pairing = match table.get("pairing") {
         None => None,
         Some(node) => Some(node.choice("pairing", &PAIRINGS)?),
@@ -69,6 +70,7 @@ pub(crate) fn contact<const D: usize>(
         pairing,
         gap,
         law,
+        active: steps.active(table)?,
     })
 }
 

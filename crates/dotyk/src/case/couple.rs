@@ -6,7 +6,7 @@ use crate::case::mesh_file::Named;
 use crate::case::points::places;
 use crate::case::suggest::listed;
 use crate::geometry::Field;
-use crate::model::{Analysis, Couple, CoupleKind};
+use crate::model::{Active, Analysis, Couple, CoupleKind};
 
 const KINDS: [(&str, CoupleKind); 2] = [
     ("rigid", CoupleKind::Rigid),
@@ -125,7 +125,7 @@ impl<'a, const D: usize> Couples<'a, D> {
     }
 
     /// Takes over what a load carries where it names the point of a couple; `false` where it does not.
-    pub fn load(&mut self, table: Table<'_>) -> Result<bool, Fault> {
+    pub fn load(&mut self, table: Table<'_>, active: Active) -> Result<bool, Fault> {
         let axial = self.axial;
         let Some(couple) = self.of_point(table.get("point")) else {
             return match table.entry("moment") {
@@ -154,7 +154,7 @@ impl<'a, const D: usize> Couples<'a, D> {
                 return Err(not_axial(entry));
             }
             for (sum, field) in couple.force.iter_mut().zip(given) {
-                *sum = sum.clone() + field;
+                *sum = sum.clone() + active.gate(field);
             }
         }
         if let Some(entry) = moment {
@@ -170,7 +170,7 @@ impl<'a, const D: usize> Couples<'a, D> {
                 _ => entry.node.fields()?,
             };
             for (sum, field) in couple.moment.iter_mut().zip(given) {
-                *sum = sum.clone() + field;
+                *sum = sum.clone() + active.gate(field);
             }
         }
         Ok(true)

@@ -305,6 +305,11 @@ impl Node {
         self.expressions(Variables::Time)
     }
 
+    /// A number or an expression in t alone.
+    pub fn course(&self) -> Result<Field, Fault> {
+        self.field_of(Variables::Time)
+    }
+
     fn expressions<const D: usize>(&self, variables: Variables) -> Result<[Field; D], Fault> {
         let nodes = self.exactly::<D>("numbers or expressions")?;
         let mut fields = zero();

@@ -29,6 +29,7 @@ pub const BODY: &[&str] = &[
     "body_force",
     "initial_stress",
     "initial_strain",
+    "active",
     "surface",
     "points",
 ];
@@ -135,10 +136,12 @@ pub const CONE: &[&str] = &["apex", "axis", "angle", "inside"];
 /// A circle or sphere.
 pub const CIRCLE: &[&str] = &["center", "radius", "inside"];
 /// One element of `fix`.
-pub const FIX: &[&str] = &["side", "point", "x", "y", "z", "normal", "rotation"];
+pub const FIX: &[&str] = &[
+    "side", "point", "x", "y", "z", "normal", "rotation", "active",
+];
 /// One element of `load`.
 pub const LOAD: &[&str] = &[
-    "side", "point", "traction", "pressure", "force", "in_situ", "moment",
+    "side", "point", "traction", "pressure", "force", "in_situ", "moment", "active",
 ];
 /// One element of `couple`.
 pub const COUPLE: &[&str] = &["side", "point", "kind"];
@@ -155,6 +158,7 @@ pub const CONTACT: &[&str] = &[
     "tied",
     "exclude",
     "friction_exclude",
+    "active",
 ];
 /// `obstacle` of a contact.
 pub const OBSTACLE: &[&str] = &[
@@ -172,7 +176,11 @@ pub const FRICTION: &[&str] = &["coulomb", "tresca", "cohesion", "tension"];
 /// `[solver]`.
 pub const SOLVER: &[&str] = &["method", "tolerance", "max_iterations", "rho", "bolt"];
 /// `[[step]]`.
-pub const STEP: &[&str] = &["time"];
+pub const STEP: &[&str] = &["name", "time"];
+/// `active` of anything but a body.
+pub const ACTIVE: &[&str] = &["from", "until"];
+/// `active` of a body.
+pub const ACTIVE_BODY: &[&str] = &["from", "until", "release"];
 /// `[[probe]]`.
 pub const PROBE: &[&str] = &[
     "name",

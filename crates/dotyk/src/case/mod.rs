@@ -22,6 +22,7 @@ mod probe;
 mod reference;
 mod run;
 mod source;
+mod steps;
 mod suggest;
 mod surface;
 
@@ -31,11 +32,12 @@ pub use reference::{Criterion, Kind, Reference, References, Verdict};
 pub use run::{Failure, Run};
 pub use source::AnyCase;
 
-use crate::case::document::{Node, Span, Table, Value, coordinates};
+use crate::case::document::{Node, Span, Value, coordinates};
 use crate::case::error::{Fault, read_text};
 use crate::case::mesh::Generated;
 use crate::case::mesh_file::MeshFiles;
 use crate::case::source::{Source, analysis};
+use crate::case::steps::Steps;
 use crate::mesh::Mesh;
 use crate::model::{
     Analysis, Bolts, Event, Method, Model, Past, SolverOptions, Study, Subject, Units, Varied,
@@ -274,13 +276,15 @@ where
         let refused = |body| no_thickness(body, analysis);
         bodies.iter().try_for_each(refused)?;
     }
-    let bodies = bodies.iter().map(|node| body::body(node, analysis, files));
+    let steps = Steps::read(table)?;
+    let bodies = bodies
+        .iter()
+        .map(|node| body::body(node, analysis, files, &steps));
     let mut bodies = bodies.collect::<Result<Vec<_>, _>>()?;
 
     let contacts = table.list("contact")?;
     unique_names(contacts, "contacts")?;
-    let times = times(table)?;
-    let contact = |node| contact::contact(node, &mut bodies, times.len());
+    let contact = |node| contact::contact(node, &mut bodies, &steps);
     let contacts = contacts.iter().map(contact);
     let contacts = contacts.collect::<Result<Vec<_>, _>>()?;
 
@@ -305,7 +309,8 @@ where
             ..solver
         },
         probes,
-        times,
+        times: steps.times,
+        step_names: steps.names,
         parameters: Vec::new(),
     })
 }
@@ -421,27 +426,6 @@ fn bolt_places<const D: usize>(node: &Node) -> Result<Bolts<D>, Fault> {
         Value::List(_) => Ok(Bolts::Points(vec![node.point()?])),
         _ => Err(expected()),
     }
-}
-
-/// The times of the steps; one at 1 without steps.
-fn times(table: Table<'_>) -> Result<Vec<f64>, Fault> {
-    let steps = table.list("step")?;
-    if let (Some(node), []) = (table.get("step"), steps) {
-        return Err(Fault::new(&node.span, "the list of steps is empty")
-            .label("no step")
-            .help("leave out `step` for one step at t = 1"));
-    }
-    let mut times = Vec::new();
-    for step in steps {
-        let node = step.table(keys::STEP)?.require("time", "a step")?;
-        let time = node.number()?;
-        if let Some(before) = times.last().filter(|before| time <= **before) {
-            let message = format!("the times of the steps must increase: {time} follows {before}");
-            return Err(Fault::new(&node.span, message).label("not later than the step before"));
-        }
-        times.push(time);
-    }
-    Ok(if times.is_empty() { vec![1.0] } else { times })
 }
 
 #[cfg(test)]

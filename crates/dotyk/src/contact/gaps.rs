@@ -10,6 +10,7 @@
 use crate::contact::obstacle::finite_gap;
 use crate::contact::{ContactError, End, Interface};
 use crate::geometry::{Field, Point, add_scaled, dot};
+use std::borrow::Cow;
 
 /// A point of the nonmortar side and what lies opposite it.
 #[derive(Debug, Clone, PartialEq)]
@@ -49,9 +50,9 @@ impl GapShares {
 /// How far what a contact sees has moved since it was paired.
 pub struct Moved<'a, const D: usize> {
     /// Displacements of the nodes of the nonmortar body.
-    pub own: &'a [Point<D>],
+    pub own: Cow<'a, [Point<D>]>,
     /// Those of the mortar body; `None` against an obstacle.
-    pub other: Option<&'a [Point<D>]>,
+    pub other: Option<Cow<'a, [Point<D>]>>,
     /// Displacement of the obstacle.
     pub obstacle: Point<D>,
 }
@@ -63,11 +64,11 @@ impl<const D: usize> GapPoint<D> {
             let along = nodes.iter().map(|&(j, n)| n * dot(self.normal, u[j]));
             along.sum::<f64>()
         };
-        let other = match moved.other {
+        let other = match &moved.other {
             Some(u) => at(&self.opposite, u),
             None => dot(self.normal, moved.obstacle),
         };
-        self.gap + (other - at(&self.own, moved.own))
+        self.gap + (other - at(&self.own, &moved.own))
     }
 
     /// A gap that is given as a function of place and time.
@@ -131,7 +132,10 @@ pub(super) mod tests {
             }],
             thickness: 1.0,
             body_force: std::array::from_fn(|_| Field::constant(0.0)),
-            initial: Initial::default(),
+            initial: crate::fem::Initial::default(),
+            active: Default::default(),
+            release: None,
+            history: Default::default(),
             supports: Vec::new(),
             loads: Vec::new(),
             formulation: crate::fem::Formulation::default(),
@@ -266,8 +270,8 @@ pub(super) mod tests {
         let (own, other) = (waves(nonmortar.body, 0.2), waves(mortar.body, 1.9));
         let mut again = interface.clone();
         let moved = Moved {
-            own: &own,
-            other: Some(&other),
+            own: Cow::Borrowed(&own),
+            other: Some(Cow::Borrowed(&other)),
             obstacle: [0.0; D],
         };
         again.measure(|point| Ok(point.after(&moved))).unwrap();
@@ -360,8 +364,8 @@ pub(super) mod tests {
             (None, [0.0, 5.0], 10.0 - 1.35 + 4.0),
         ] {
             let moved = Moved {
-                own: &own,
-                other,
+                own: Cow::Borrowed(&own),
+                other: other.map(Cow::Borrowed),
                 obstacle,
             };
             assert!((point.after(&moved) - gap).abs() < 1e-14);

@@ -3,7 +3,7 @@
 use crate::fem::cells::{CellTable, measure};
 use crate::fem::error::FemError;
 use crate::fem::initial::{Components, body_degree};
-use crate::fem::nouns::{Analysis, Body, Place};
+use crate::fem::nouns::{Active, Analysis, Body, Place};
 use crate::fem::quadrature::{self, QuadraturePoint};
 use crate::fem::supports::{describe, finite, nearest_node, side_facets};
 use crate::geometry::{Field, Point, add_scaled, norm};
@@ -102,6 +102,20 @@ impl<const D: usize> Load<D> {
         }
     }
 
+    /// The same as long as something is active, nothing at other times.
+    pub fn during(mut self, active: Active) -> Self {
+        let fields: &mut [Field] = match &mut self {
+            Self::Traction { traction, .. } => traction,
+            Self::Pressure { pressure, .. } => std::slice::from_mut(pressure),
+            Self::InSitu { factor, .. } => std::slice::from_mut(factor),
+            Self::Resultant { force, .. } | Self::Force { force, .. } => force,
+        };
+        for field in fields {
+            *field = active.gate(field.clone());
+        }
+        self
+    }
+
     /// What it is called in messages, and its expressions.
     fn told(&self) -> (&'static str, &[Field]) {
         match self {
@@ -185,6 +199,15 @@ pub(crate) fn nodal_loads<const D: usize>(
     largest = largest.max(body.initial.add_load(body, analysis, time, &mut forces)?);
     for load in &body.loads {
         let size = add_load(body, load, analysis, time, &mut forces)?;
+        largest = largest.max(size.scale());
+    }
+    for (left, factor) in &body.history.released {
+        let mut size = Size::zero();
+        let part = finite(factor, [0.0; D], time, || "release".to_string())?;
+        for (sum, &force) in forces.chunks_exact_mut(D).zip(left.iter()) {
+            (0..D).for_each(|i| sum[i] += part * force[i]);
+            size.add(force.map(|c| part * c));
+        }
         largest = largest.max(size.scale());
     }
     Ok(NodalLoads { forces, largest })

@@ -35,7 +35,7 @@ pub use initial::{Components, Initial, NAMES as COMPONENTS};
 pub use loads::{Amount, Load};
 pub(crate) use loads::{nodal_volumes, side_points};
 pub use modes::{RigidBasis, describe_motion, list_motions};
-pub use nouns::{Analysis, Body, Elastic, Formulation, Material, Place, Support};
+pub use nouns::{Active, Analysis, Body, Elastic, Formulation, History, Material, Place, Support};
 pub use stress::{principal, recover_spin, recover_strain, recover_stress, von_mises};
 pub use supports::{Constraints, Held, nearest_node, node_normals};
 

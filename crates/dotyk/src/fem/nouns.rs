@@ -6,6 +6,7 @@ use crate::fem::loads::Load;
 use crate::geometry::{Field, Point, Surface};
 use crate::mesh::Mesh;
 use std::collections::BTreeMap;
+use std::sync::Arc;
 
 /// The kind of analysis; D = 2 for all but [`Analysis::Solid`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -66,6 +67,50 @@ pub enum Place<const D: usize> {
     Point(Point<D>),
 }
 
+/// When something is there: at the times t with from ≤ t < until.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Active {
+    /// Its first time.
+    pub from: f64,
+    /// The time from which on it is gone.
+    pub until: f64,
+}
+
+impl Active {
+    /// From the beginning to the end.
+    pub const ALWAYS: Self = Self {
+        from: f64::NEG_INFINITY,
+        until: f64::INFINITY,
+    };
+
+    /// A number that counts as zero at other times.
+    pub fn gate(self, field: Field) -> Field {
+        if self == Self::ALWAYS || field.as_constant() == Some(0.0) {
+            return field;
+        }
+        let text = match [self.from.is_finite(), self.until.is_finite()] {
+            [true, true] => format!("{field} (from t = {} until {})", self.from, self.until),
+            [true, false] => format!("{field} (from t = {})", self.from),
+            _ => format!("{field} (until t = {})", self.until),
+        };
+        Field::function(&text, move |x, t| match self.at(t) {
+            true => field.at(x, t),
+            false => 0.0,
+        })
+    }
+
+    /// Whether it is there at a time.
+    pub fn at(self, time: f64) -> bool {
+        self.from <= time && time < self.until
+    }
+}
+
+impl Default for Active {
+    fn default() -> Self {
+        Self::ALWAYS
+    }
+}
+
 /// Prescribed displacements.
 #[derive(Debug, Clone)]
 pub struct Support<const D: usize> {
@@ -75,6 +120,9 @@ pub struct Support<const D: usize> {
     pub components: [Option<Field>; D],
     /// Prescribed displacement along the outward normal (a roller on a side of any orientation).
     pub normal: Option<Field>,
+    /// When it holds. Where it comes later than the body it holds nodes where they are then, and what it prescribes comes
+    /// on top.
+    pub active: Active,
 }
 
 /// How the cells of a body are made.
@@ -101,6 +149,16 @@ pub enum Formulation {
     Enhanced,
 }
 
+/// What load steps have left of things that come and go; nothing in a model as it is written.
+#[derive(Debug, Clone, Default)]
+pub struct History<const D: usize> {
+    /// Supports that came later than the body, by their place among its supports, with the displacements (nodes,) of the
+    /// body then.
+    pub(crate) placed: BTreeMap<usize, Arc<[Point<D>]>>,
+    /// Forces (nodes,) of bodies that have gone, each with what is left of it at a time.
+    pub(crate) released: Vec<(Arc<[Point<D>]>, Field)>,
+}
+
 /// One elastic body.
 #[derive(Debug, Clone)]
 pub struct Body<const D: usize> {
@@ -118,6 +176,12 @@ pub struct Body<const D: usize> {
     pub body_force: [Field; D],
     /// What is in it before anything acts on it.
     pub initial: Initial,
+    /// When it is there. It appears free of stress, fitted to what it touches then; its displacements count from there.
+    pub active: Active,
+    /// What is left, at a time after it has gone, of the forces of its contacts on its neighbours; `None`: nothing.
+    pub release: Option<Field>,
+    /// What the load steps before have left.
+    pub history: History<D>,
     /// Prescribed displacements.
     pub supports: Vec<Support<D>>,
     /// External loads.

@@ -46,6 +46,7 @@ impl<const D: usize> Constraints<D> {
             }
         }
         for (index, support) in body.supports.iter().enumerate() {
+            let placed = body.history.placed.get(&index);
             let (nodes, normals) = match &support.place {
                 Place::Side(side) => {
                     let facets = side_facets(&body.mesh, side)?;
@@ -60,17 +61,23 @@ impl<const D: usize> Constraints<D> {
             for node in nodes {
                 let point = body.mesh.points()[node];
                 let what = || format!("support {}", describe(&support.place));
+                // one that came later holds the node where it was
+                let value = |field: &Field, direction: Point<D>| {
+                    let value = finite(field, point, time, what)?;
+                    Ok::<_, FemError>(match placed {
+                        Some(placed) => (value + dot(placed[node], direction), false),
+                        None => (value, field.as_constant() == Some(0.0)),
+                    })
+                };
                 for (axis, field) in support.components.iter().enumerate() {
                     if let Some(field) = field {
-                        let value = finite(field, point, time, what)?;
                         let direction = std::array::from_fn(|i| if i == axis { 1.0 } else { 0.0 });
-                        let value = (value, field.as_constant() == Some(0.0));
+                        let value = value(field, direction)?;
                         constraints.hold(body, node, direction, value, Some(index))?;
                     }
                 }
                 if let (Some(field), Some(&normal)) = (&support.normal, normals.get(&node)) {
-                    let value = finite(field, point, time, what)?;
-                    let value = (value, field.as_constant() == Some(0.0));
+                    let value = value(field, normal)?;
                     constraints.hold(body, node, normal, value, Some(index))?;
                 }
             }

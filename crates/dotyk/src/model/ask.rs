@@ -126,8 +126,7 @@ macro_rules! doors {
                 if !time.is_finite() {
                     return Err(Error::Times(vec![time]));
                 }
-                let condensed = condense_step(self, time, DENSE_LIMIT, &mut |_| {})?;
-                let model = self.clone();
+                let (model, condensed) = condense_step(self, time, DENSE_LIMIT, &mut |_| {})?;
                 Ok(Dual { model, condensed })
             }
 
@@ -140,7 +139,7 @@ macro_rules! doors {
             /// Errors: as [`Self::dual`].
             pub fn dual_problem(&self, dense_limit: usize) -> Result<DualProblem, Error<$D>> {
                 self.validate()?;
-                let condensed = condense_step(self, self.last_time(), dense_limit, &mut |_| {})?;
+                let (_, condensed) = condense_step(self, self.last_time(), dense_limit, &mut |_| {})?;
                 Ok(condensed.problem)
             }
 
@@ -286,6 +285,7 @@ impl<const D: usize> Model<D> {
         {
             return Err(Error::CohesiveSteps(contact.name.clone()));
         }
+        self.check_presence()?;
         let bodies = self.bodies.iter().map(|body| ("body", &body.name));
         let contacts = self.contacts.iter();
         let contacts = contacts.map(|contact| ("contact", &contact.name));

@@ -469,7 +469,7 @@ mod tests {
         couple.displacement = [0.0, -1e-3].map(|u| Some(Field::constant(u)));
         let floor = model.obstacle((body, "bottom"), Field::constant(0.0));
         floor.law = Law::Coulomb(Field::constant(0.2));
-        let condensed = condense(&model, 1.0, ASSEMBLED, &mut |_| {}).unwrap();
+        let condensed = condense(&model, 1.0, ASSEMBLED, None, &mut |_| {}).unwrap();
         let rows = condensed.gaps.len();
         for (row, named) in [
             (0, "contact \"contact_1\""),

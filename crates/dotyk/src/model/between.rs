@@ -112,7 +112,7 @@ fn gap_at<const D: usize>(node: &InterfaceNode<D>, moved: &Moved<'_, D>) -> Opti
     }
     let along = |u: Point<D>| dot(node.normal(), u);
     let opposite = node.opposite.iter();
-    let other: f64 = match moved.other {
+    let other: f64 = match &moved.other {
         Some(u) => opposite.map(|&(j, n)| n * along(u[j])).sum(),
         None => along(moved.obstacle),
     };

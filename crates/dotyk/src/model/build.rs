@@ -29,6 +29,7 @@ impl<const D: usize> Model<D> {
             solver: SolverOptions::default(),
             probes: Vec::new(),
             times: vec![1.0],
+            step_names: Vec::new(),
             parameters: Vec::new(),
         }
     }
@@ -45,6 +46,9 @@ impl<const D: usize> Model<D> {
             thickness: 1.0,
             body_force: std::array::from_fn(|_| Field::constant(0.0)),
             initial: Initial::default(),
+            active: Active::ALWAYS,
+            release: None,
+            history: History::default(),
             supports: Vec::new(),
             loads: Vec::new(),
             formulation: crate::fem::Formulation::default(),
@@ -102,6 +106,7 @@ impl<const D: usize> Model<D> {
             place,
             components,
             normal,
+            active: Default::default(),
         });
         self
     }
@@ -184,6 +189,7 @@ impl<const D: usize> Model<D> {
             law: Law::Frictionless,
             exclude: Vec::new(),
             friction_exclude: Vec::new(),
+            active: Active::ALWAYS,
         });
         let last = self.contacts.len() - 1;
         &mut self.contacts[last]

@@ -103,10 +103,50 @@ pub(crate) fn check<const D: usize>(model: &Model<D>, valid: Result<(), Error<D>
     check
 }
 
-/// Describes the model at its last load step, then looks at the loads of the steps before.
+/// Describes the model in each of its runs of load steps between which nothing comes or goes; of what is there in several,
+/// what is said of the last.
 fn fill<const D: usize>(model: &Model<D>, check: &mut Check<D>) -> Result<(), Error<D>> {
+    let mut before = 0;
+    for run in model.runs() {
+        let mut of_run = Check::default();
+        fill_run(&run, (model, before), &mut of_run)?;
+        before += run.times.len();
+        check
+            .bodies
+            .retain(|body| !of_run.bodies.iter().any(|b| b.name == body.name));
+        check
+            .contacts
+            .retain(|contact| !of_run.contacts.iter().any(|c| c.name == contact.name));
+        check.bodies.append(&mut of_run.bodies);
+        check.contacts.append(&mut of_run.contacts);
+        for warning in of_run.warnings {
+            if !check.warnings.contains(&warning) {
+                check.warnings.push(warning);
+            }
+        }
+    }
+    let place = |name: &str| model.bodies.iter().position(|body| body.name == name);
+    check.bodies.sort_by_key(|body| place(&body.name));
+    let place = |name: &str| {
+        model
+            .contacts
+            .iter()
+            .position(|contact| contact.name == name)
+    };
+    check.contacts.sort_by_key(|contact| place(&contact.name));
+    Ok(())
+}
+
+/// Describes a run at its last load step, then looks at the loads of the steps before; `before` it are so many steps of the
+/// whole model.
+fn fill_run<const D: usize>(
+    model: &Model<D>,
+    (whole, before): (&Model<D>, usize),
+    check: &mut Check<D>,
+) -> Result<(), Error<D>> {
     let time = model.last_time();
-    let last = |error: Error<D>| error.in_step(model, model.times.len(), Vec::new());
+    let in_step = |error: Error<D>, step: usize| error.in_step(whole, before + step, Vec::new());
+    let last = |error: Error<D>| in_step(error, model.times.len());
     let systems = systems(model, time).map_err(last)?;
     let mut motions = Vec::new();
     check.warnings.extend(body_remarks(model));
@@ -149,7 +189,7 @@ fn fill<const D: usize>(model: &Model<D>, check: &mut Check<D>) -> Result<(), Er
     )
     .map_err(last)?;
     for (index, &time) in model.times.iter().enumerate().rev().skip(1) {
-        let at = |error: Error<D>| error.in_step(model, index + 1, Vec::new());
+        let at = |error: Error<D>| in_step(error, index + 1);
         (bodies, paired) = driven(model, bodies, paired, time).map_err(at)?;
         floating = floating
             .at_time(model, &bodies, &clearances(&paired))

@@ -8,6 +8,7 @@ use crate::model::error::Error;
 use crate::model::event::Event;
 use crate::model::nouns::{Method, Model};
 use crate::model::solution::HistoryPoint;
+use crate::model::steps::condense_step;
 use crate::solve::{SAFE_STEP, SolveError};
 use std::time::Instant;
 
@@ -54,7 +55,7 @@ pub(crate) fn compare<const D: usize>(
     let bench = Bench::new(model, observe)?;
     let mut rows = Vec::new();
     for method in Method::NAMED {
-        match bench.run(model, method, None, observe) {
+        match bench.run(&bench.stage, method, None, observe) {
             Err(Error::Solver(SolveError::Unsupported { .. })) => {}
             row => rows.push(row?),
         }
@@ -72,7 +73,7 @@ pub(crate) fn compare_steps<const D: usize>(
     observe: &mut dyn FnMut(Event),
 ) -> Result<Vec<ComparisonRow>, Error<D>> {
     let bench = Bench::new(model, observe)?;
-    let mut varied = model.clone();
+    let mut varied = bench.stage.clone();
     let mut rows = Vec::new();
     for method in [Method::Uzawa, Method::Gradient] {
         // the automatic step tells λ_max of the operator that the method iterates on
@@ -103,21 +104,31 @@ pub(crate) fn compare_steps<const D: usize>(
 
 /// A condensed model with the answer that all runs are compared with.
 struct Bench<const D: usize> {
+    /// What is there in the last load step.
+    stage: Model<D>,
     condensed: Condensed<D>,
     reference: Vec<f64>,
 }
 
 impl<const D: usize> Bench<D> {
     fn new(model: &Model<D>, observe: &mut dyn FnMut(Event)) -> Result<Self, Error<D>> {
-        let condensed = condense(model, model.last_time(), DENSE_LIMIT, observe)?;
+        let last = model.last_time();
+        let (stage, condensed) = match model.has_stages() {
+            true => condense_step(model, last, DENSE_LIMIT, observe)?,
+            false => {
+                let condensed = condense(model, last, DENSE_LIMIT, None, observe)?;
+                (model.clone(), condensed)
+            }
+        };
         let newton = run_method(
-            model,
+            &stage,
             &condensed,
             (Method::Newton, model.solver.tolerance),
             None,
             &mut |_| {},
         )?;
         Ok(Self {
+            stage,
             condensed,
             reference: newton.outcome.multipliers.lambda,
         })

@@ -9,6 +9,7 @@
 //!
 //! Source: Janovský & Procházka (1980) III, section 7, (7.5)–(7.9).
 
+use crate::contact::InterfaceNode;
 use crate::dual::{DualProblem, Scales};
 use crate::fem::{BodySystem, Constraints};
 use crate::model::admissible::{admissible_set, neighbours};
@@ -23,12 +24,14 @@ use crate::model::event::{Event, Lap, Work};
 use crate::model::factor::{FactoredBody, Ordered, factor, order};
 use crate::model::floating::Floating;
 use crate::model::memory::{self, Demand};
-use crate::model::nouns::{Method, Model};
-use crate::model::pair::{Paired, clearances, initial_gaps, pair_all};
+use crate::model::nouns::{Contact, Method, Model};
+use crate::model::pair::{Paired, clearances, initial_gaps, pair_all, row_ranges};
 use crate::model::probe::{Site, sites};
 use crate::model::singular::Outlines;
 use crate::model::solution::Seconds;
+use crate::model::stages::Track;
 use rayon::prelude::*;
+use std::collections::BTreeMap;
 use std::sync::Arc;
 
 /// Overlaps that are all below this part of the displacements they are differences of mean nothing.
@@ -40,6 +43,76 @@ pub(crate) struct Friction {
     pub slip: Vec<f64>,
     /// Work that it has dissipated, by contact.
     pub dissipated: Vec<f64>,
+}
+
+/// What the last stage leaves to one in which something has come or gone.
+pub(crate) struct Left<'a, const D: usize> {
+    /// Displacements that bodies were fitted to.
+    pub track: &'a Track<D>,
+    /// Slips of the nodes of each contact, by its name: components along their tangents.
+    slips: BTreeMap<String, Vec<[f64; D]>>,
+    /// Work that friction has dissipated in each contact.
+    dissipated: BTreeMap<String, f64>,
+    /// Spent so far.
+    seconds: Seconds,
+}
+
+impl<'a, const D: usize> Left<'a, D> {
+    /// That of a stage, and what friction did up to its last step.
+    pub fn of(track: &'a Track<D>, last: &Condensed<D>, friction: &Friction) -> Self {
+        let slips = row_ranges(&last.paired).map(|(rows, pair)| {
+            let slip = &friction.slip[rows];
+            let of_node =
+                |node: &InterfaceNode<D>| node.rows.map(|row| row.map_or(0.0, |r| slip[r]));
+            (
+                pair.name.clone(),
+                pair.interface.nodes.iter().map(of_node).collect(),
+            )
+        });
+        let works = last.paired.iter().zip(&friction.dissipated);
+        Self {
+            track,
+            slips: slips.collect(),
+            dissipated: works
+                .map(|(pair, &work)| (pair.name.clone(), work))
+                .collect(),
+            seconds: last.seconds,
+        }
+    }
+
+    /// Slips of the contacts that go on, in their rows (m,).
+    fn slip(&self, paired: &[Paired<D>]) -> Vec<f64> {
+        let mut slip = vec![0.0; paired.iter().map(|p| p.interface.nonmortar.len()).sum()];
+        for (rows, pair) in row_ranges(paired) {
+            let before = self.slips.get(&pair.name).into_iter().flatten();
+            for (node, before) in pair.interface.nodes.iter().zip(before) {
+                for (row, before) in node.rows.iter().zip(before).skip(1) {
+                    if let Some(row) = row {
+                        slip[rows.start + row] = *before;
+                    }
+                }
+            }
+        }
+        slip
+    }
+
+    fn dissipated(&self, model: &Model<D>) -> Vec<f64> {
+        let work = |contact: &Contact<D>| self.dissipated.get(&contact.name).copied();
+        model
+            .contacts
+            .iter()
+            .map(|contact| work(contact).unwrap_or(0.0))
+            .collect()
+    }
+}
+
+/// Fits the sides of contacts to each other as their bodies appeared.
+fn fit<const D: usize>(paired: &mut [Paired<D>], track: &Track<D>) {
+    for pair in paired {
+        if let Some(mortar) = &pair.mortar {
+            pair.fit = track.fit(pair.nonmortar.body, mortar.body);
+        }
+    }
 }
 
 /// The bodies of a model condensed onto the contact unknowns, at one time.
@@ -73,23 +146,30 @@ pub(crate) fn condense<const D: usize>(
     model: &Model<D>,
     time: f64,
     dense_limit: usize,
+    left: Option<&Left<'_, D>>,
     observe: &mut dyn FnMut(Event),
 ) -> Result<Condensed<D>, Error<D>> {
-    let mut seconds = Seconds::default();
+    let mut seconds = left.map_or(Seconds::default(), |left| left.seconds);
     let mut lap = Lap::start();
     observe(Event::Stage("assemble"));
     let mut systems = systems(model, time)?;
     let constraints: Vec<&Constraints<D>> = systems.iter().map(|s| &s.constraints).collect();
     let mut paired = pair_all(model, &constraints, time)?;
+    if let Some(left) = left {
+        fit(&mut paired, left.track);
+    }
     let (sites, remarks) = (sites(model, &paired)?, body_remarks(model));
     let dropped = drop_implied(model, &systems, &mut paired);
     turn_to_forces(&mut systems[..model.bodies.len()], &paired);
     let rows = body_rows(&systems, &paired);
-    let gaps = initial_gaps(&paired);
-    seconds.assemble = lap.seconds();
+    let gaps = match left {
+        Some(left) => gaps_after(&paired, &left.slip(&paired)),
+        None => initial_gaps(&paired),
+    };
+    seconds.assemble += lap.seconds();
     observe(Event::Stage("order"));
     let (ordered, dense) = ordered(model, &systems, &paired, &rows, dense_limit)?;
-    seconds.order = lap.seconds();
+    seconds.order += lap.seconds();
     observe(Event::Stage("factor"));
     let loaded = systems
         .into_par_iter()
@@ -99,7 +179,7 @@ pub(crate) fn condense<const D: usize>(
     let work = Arc::new(work_of(&ordered));
     observe(Event::Factoring(Arc::clone(&work)));
     let factored = factor_bodies(model, &bodies, &ordered, &work)?;
-    seconds.factor = lap.seconds();
+    seconds.factor += lap.seconds();
     observe(Event::Stage("condense"));
     let (compliance, parts) = compliance(&bodies, &factored, &ordered, gaps.len(), dense);
     let floating = Floating::new(model, &bodies, &clearances(&paired))?;
@@ -112,7 +192,7 @@ pub(crate) fn condense<const D: usize>(
     problem.soften(least_softness(&bodies, gaps.len()));
     problem.neighbours = neighbours(model, &paired);
     problem.parts = parts;
-    seconds.condense = lap.seconds();
+    seconds.condense += lap.seconds();
     Ok(Condensed {
         bodies,
         factored,
@@ -123,7 +203,9 @@ pub(crate) fn condense<const D: usize>(
         dropped,
         seconds,
         time,
-        dissipated: vec![0.0; model.contacts.len()],
+        dissipated: left.map_or(vec![0.0; model.contacts.len()], |left| {
+            left.dissipated(model)
+        }),
         before: None,
         outlines: Outlines::default(),
         sites,

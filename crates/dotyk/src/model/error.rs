@@ -144,6 +144,16 @@ pub enum Error<const D: usize> {
         /// Why that is an error.
         reason: NotHeld,
     },
+    /// Something is there in no load step.
+    #[error(
+        "{what} \"{name}\" is there in no load step: look at the times of the steps and at what is `active`, of it and of its bodies"
+    )]
+    NeverThere {
+        /// What it is.
+        what: &'static str,
+        /// Its name, or that of its body.
+        name: String,
+    },
     /// The load pulls a floating body away from everything that could hold it.
     #[error(
         "the load pulls body \"{body}\" away from everything that could hold it ({motion}, resultant {load:.4e}): its contacts only push; add a support, turn the load, or tie the contact"
@@ -241,7 +251,11 @@ impl<const D: usize> Error<D> {
             Self::Body { body, .. }
             | Self::NotHeld { body, .. }
             | Self::PulledAway { body, .. } => Some(Subject::Body(body.clone())),
-            Self::CohesiveSteps(contact)
+            Self::NeverThere { what, name } if *what != "contact" => {
+                Some(Subject::Body(name.clone()))
+            }
+            Self::NeverThere { name: contact, .. }
+            | Self::CohesiveSteps(contact)
             | Self::Contact { contact, .. }
             | Self::Unfit { contact, .. }
             | Self::Obstacle { contact, .. } => Some(Subject::Contact(contact.clone())),

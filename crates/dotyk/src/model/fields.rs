@@ -213,7 +213,10 @@ fn mean_slip<const D: usize>(
                     Some(mortar) => dot(c, states[mortar.body.0].u[j]),
                     None => dot(c, obstacle),
                 });
-                own.sum::<f64>() + other.sum::<f64>()
+                let fitted = pair
+                    .fit
+                    .along(&interface.nonmortar[row], &interface.mortar[row]);
+                own.sum::<f64>() + other.sum::<f64>() - fitted
             }
         };
         slip = add_scaled(slip, along, direction);
@@ -250,10 +253,11 @@ fn contact_solution<const D: usize>(
             None => Some(obstacle),
         };
         let along = |u: Point<D>| dot(node.normal(), u);
+        let fitted = pair.fit.jump(&[(node.node, 1.0)], &node.opposite);
         let displacement_nonmortar = along(u_nonmortar);
         let displacement_mortar = u_mortar.map_or(f64::NAN, along);
         let at_node = u_mortar.map_or([f64::NAN; D], |u| {
-            let relative = sub(u_nonmortar, u);
+            let relative = sub(sub(u_nonmortar, u), fitted);
             add_scaled(relative, -along(relative), node.normal())
         });
         // friction opposes the slip of its rows; in the plane, where it has no direction but forwards and back, that of the
@@ -275,7 +279,7 @@ fn contact_solution<const D: usize>(
                 (gaps[row], lambda[row] / node.weight, status)
             }
             (role, _) => {
-                let gap = node.gap - displacement_nonmortar + displacement_mortar;
+                let gap = node.gap + along(fitted) - displacement_nonmortar + displacement_mortar;
                 let status = match role {
                     Role::Multiplier => Status::Tied,
                     _ => Status::Fixed,

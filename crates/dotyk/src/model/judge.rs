@@ -6,15 +6,15 @@
 
 use crate::contact::{Coupling, Moved, Row};
 use crate::dual::{Certificate, Component, DualProblem, Multipliers, ROUNDING, Recomputed};
-use crate::geometry::{Point, distance, dot};
+use crate::geometry::{Point, distance, dot, sub};
 use crate::linalg::SparseVector;
 use crate::model::between::{Overlap, held_overlap, left_overlap, smallest_gap, worst_overlap};
 use crate::model::bodies::{LoadedBody, add_rows};
 use crate::model::condense::Condensed;
 use crate::model::error::Error;
 use crate::model::floating::Floating;
-use crate::model::nouns::Model;
-use crate::model::pair::{Paired, row_ranges};
+use crate::model::nouns::{BodyId, Model};
+use crate::model::pair::{Fit, Paired, row_ranges};
 use crate::model::parts::{first_point, part_name};
 use crate::model::recover::{
     BodyState, balanced_state, elastic_displacement, imbalance, rigid_displacement,
@@ -22,6 +22,8 @@ use crate::model::recover::{
 use crate::model::settle::settle;
 use crate::solve::{Outcome, distance_to_exact};
 use rayon::prelude::*;
+use std::borrow::Cow;
+use std::sync::Arc;
 
 /// A force below this part of the largest is rounding of the linear solves: such a contact holds no body.
 const NO_FORCE: f64 = 1e-12;
@@ -209,15 +211,24 @@ fn displaced<const D: usize>(
     })
 }
 
-/// What each contact of a model moves with.
+/// What each contact of a model moves with, counted from where its sides were fitted to each other.
 pub(crate) fn moved<'a, const D: usize>(
     model: &Model<D>,
     pair: &Paired<D>,
     Displaced { states, parts, .. }: &'a Displaced<D>,
 ) -> Moved<'a, D> {
+    let since = |body: BodyId, fitted: &Option<Arc<[Point<D>]>>| {
+        let now = &states[body.0].u[..];
+        let Some(then) = fitted else {
+            return Cow::Borrowed(now);
+        };
+        let both = now.iter().zip(then.iter());
+        Cow::Owned(both.map(|(now, then)| sub(*now, *then)).collect())
+    };
+    let Fit { own, other } = &pair.fit;
     Moved {
-        own: &states[pair.nonmortar.body.0].u,
-        other: pair.mortar.as_ref().map(|side| &states[side.body.0].u[..]),
+        own: since(pair.nonmortar.body, own),
+        other: pair.mortar.as_ref().map(|side| since(side.body, other)),
         obstacle: match (&pair.mortar, pair.opposite) {
             (None, Some(part)) => parts[part - model.bodies.len()][0],
             _ => pair.obstacle_motion,
@@ -334,7 +345,7 @@ fn implied_violation<const D: usize>(
                 0 => pair.interface.nodes[condition.node].gap,
                 _ => 0.0,
             };
-            let other = match (moved.other, pair.opposite) {
+            let other = match (&moved.other, pair.opposite) {
                 (Some(u), _) => along(other, &|node| u[node]),
                 (None, Some(part)) => {
                     let u = &displaced.parts[part - model.bodies.len()];

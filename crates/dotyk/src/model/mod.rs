@@ -44,6 +44,7 @@ mod settle;
 mod singular;
 mod sliding;
 mod solution;
+mod stages;
 mod steps;
 mod study;
 

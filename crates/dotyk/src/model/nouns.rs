@@ -9,8 +9,8 @@ use crate::model::quantity::{Dimension, Quantity};
 
 pub use crate::contact::Rigid;
 pub use crate::fem::{
-    Amount, Analysis, Body, COMPONENTS, Components, Couple, CoupleKind, Elastic, Formulation,
-    Initial, Load, Material, Place, Support,
+    Active, Amount, Analysis, Body, COMPONENTS, Components, Couple, CoupleKind, Elastic,
+    Formulation, History, Initial, Load, Material, Place, Support,
 };
 
 /// Names of units; they label the report and change no number.
@@ -201,6 +201,8 @@ pub struct Contact<const D: usize> {
     pub exclude: Vec<Place<D>>,
     /// Points and sides of the nonmortar body whose nodes take part without friction.
     pub friction_exclude: Vec<Place<D>>,
+    /// When it is there, as long as its bodies are. One that appears later sees the true gap of its sides.
+    pub active: Active,
 }
 
 /// Which algorithm solves the contact problem.
@@ -417,6 +419,8 @@ pub struct Model<const D: usize> {
     /// Times of the load steps, strictly increasing: loads, prescribed displacements, gaps and the motion of obstacles
     /// are taken at these times.
     pub times: Vec<f64>,
+    /// Names of the load steps, empty where they have none; as many as times, or none at all.
+    pub step_names: Vec<String>,
     /// Named values that the model was made with, for results to tell.
     pub parameters: Vec<(String, f64)>,
 }

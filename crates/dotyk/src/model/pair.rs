@@ -7,7 +7,7 @@ use crate::contact::{
     sagitta, samples, smooth_parts, unmatched_facing,
 };
 use crate::fem::{Constraints, Couple, CoupleKind, FemError, Place, Short, describe, show};
-use crate::geometry::{Field, Point, dot, norm};
+use crate::geometry::{Field, Point, add_scaled, dot, norm, sub};
 use crate::mesh::Facet;
 use crate::model::choose::{chosen, finer_than_softer};
 use crate::model::error::Error;
@@ -16,6 +16,7 @@ use crate::model::parts::{couples, first_point, obstacle_part};
 use rayon::prelude::*;
 use std::collections::BTreeSet;
 use std::ops::Range;
+use std::sync::Arc;
 
 /// What sides are paired for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -46,10 +47,53 @@ pub(crate) struct Paired<const D: usize> {
     pub samples: Vec<Vec<Sample<D>>>,
     /// Those of facets with a node that takes no part: nothing keeps them apart.
     pub left_out: Vec<Sample<D>>,
+    /// What its sides were fitted to.
+    pub fit: Fit<D>,
     /// How far the measured gaps are off because polygons stand for curves.
     pub sagitta: f64,
     /// What the user should know.
     pub warnings: Vec<String>,
+}
+
+/// Displacements (nodes,) of the sides of a contact that were there before the other one, when it appeared: it was fitted to
+/// them, so that its gaps count from there, g₀ + B u_a.
+#[derive(Debug, Clone)]
+pub(crate) struct Fit<const D: usize> {
+    /// Of the nonmortar body.
+    pub own: Option<Arc<[Point<D>]>>,
+    /// Of the mortar body.
+    pub other: Option<Arc<[Point<D>]>>,
+}
+
+impl<const D: usize> Default for Fit<D> {
+    fn default() -> Self {
+        Self {
+            own: None,
+            other: None,
+        }
+    }
+}
+
+impl<const D: usize> Fit<D> {
+    /// B u_a of a row.
+    pub fn along(&self, own: &Row<D>, other: &Row<D>) -> f64 {
+        let product = |u: &Option<Arc<[Point<D>]>>, row: &Row<D>| -> f64 {
+            let Some(u) = u else { return 0.0 };
+            row.iter().map(|&(node, c)| dot(c, u[node])).sum()
+        };
+        product(&self.own, own) + product(&self.other, other)
+    }
+
+    /// By how much the nonmortar side was ahead of the other one at a place, given by nodes and shape functions.
+    pub fn jump(&self, own: &[(usize, f64)], other: &[(usize, f64)]) -> Point<D> {
+        let at = |u: &Option<Arc<[Point<D>]>>, nodes: &[(usize, f64)]| {
+            let Some(u) = u else { return [0.0; D] };
+            nodes
+                .iter()
+                .fold([0.0; D], |sum, &(node, n)| add_scaled(sum, n, u[node]))
+        };
+        sub(at(&self.own, own), at(&self.other, other))
+    }
 }
 
 /// Pairs all contacts, with the gaps at a time, and all couples, whose rows are the last.
@@ -106,6 +150,7 @@ fn pair_point<const D: usize>(
         interface,
         samples: Vec::new(),
         left_out: Vec::new(),
+        fit: Fit::default(),
         sagitta: 0.0,
         warnings: Vec::new(),
     })
@@ -209,6 +254,10 @@ impl<const D: usize> Paired<D> {
     /// g₀ of every row: the initial gap where the row is a normal one, plus the motion of the obstacle along the row.
     pub fn gaps(&self) -> Vec<f64> {
         let mut gaps = self.interface.gaps();
+        let rows = self.interface.nonmortar.iter().zip(&self.interface.mortar);
+        for (gap, (own, other)) in gaps.iter_mut().zip(rows) {
+            *gap += self.fit.along(own, other);
+        }
         if self.mortar.is_none() {
             for (gap, row) in gaps.iter_mut().zip(&self.interface.mortar) {
                 let along = row.iter().map(|(_, c)| dot(*c, self.obstacle_motion));
@@ -529,6 +578,7 @@ impl<'a, const D: usize> Contacting<'a, D> {
             interface: interface.map_err(|source| self.fail(source))?,
             samples: samples.map_err(|source| self.fail(source))?,
             left_out: Vec::new(),
+            fit: Fit::default(),
             sagitta: 0.0,
             warnings: Vec::new(),
         })
@@ -642,6 +692,7 @@ impl<'a, const D: usize> Contacting<'a, D> {
             interface,
             samples,
             left_out: Vec::new(),
+            fit: Fit::default(),
             sagitta: crude,
             warnings,
         })

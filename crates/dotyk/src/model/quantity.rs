@@ -247,6 +247,29 @@ impl Quantity {
         Ok(Self { text, parts })
     }
 
+    /// The same of bodies and contacts that have other places; `None` where they have none.
+    pub(crate) fn placed(
+        &self,
+        bodies: &[Option<usize>],
+        contacts: &[Option<usize>],
+    ) -> Option<Self> {
+        let mut parts = self.parts.clone();
+        match &mut parts {
+            Parts::Displacement(body, _)
+            | Parts::Rotation(body, _)
+            | Parts::Stress(body, _)
+            | Parts::Reaction(body, ..) => *body = bodies[*body]?,
+            Parts::Along(contact, _)
+            | Parts::Resultant(contact, _)
+            | Parts::Moment(contact, _)
+            | Parts::Length(contact, _)
+            | Parts::Dissipated(contact, _)
+            | Parts::Obstacle(contact, _) => *contact = contacts[*contact]?,
+        }
+        let text = self.text.clone();
+        Some(Self { text, parts })
+    }
+
     /// What it is measured in.
     pub fn dimension(&self) -> Dimension {
         match self.parts {

@@ -39,7 +39,7 @@ impl<const D: usize> Model<D> {
 fn same_body<const D: usize>(a: &Body<D>, b: &Body<D>) -> bool {
     let holds = |a: &Support<D>, b: &Support<D>| {
         let components = a.components.iter().zip(&b.components);
-        a.place == b.place
+        (&a.place, a.active) == (&b.place, b.active)
             && a.normal.is_some() == b.normal.is_some()
             && components
                 .into_iter()

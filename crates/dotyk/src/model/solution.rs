@@ -396,6 +396,11 @@ pub struct Solution<const D: usize> {
 }
 
 impl<const D: usize> Solution<D> {
+    /// The contact of this name; `None` where it was not there.
+    pub fn contact(&self, name: &str) -> Option<&ContactSolution<D>> {
+        self.contacts.iter().find(|contact| contact.name == name)
+    }
+
     /// Value of the probe of this name.
     pub fn probe(&self, name: &str) -> Option<f64> {
         let probe = self.probes.iter().find(|probe| probe.name == name)?;

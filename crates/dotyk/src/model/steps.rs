@@ -3,7 +3,7 @@
 use crate::dual::Multipliers;
 use crate::model::attempt::{Start, certified_attempt};
 use crate::model::compliance::DENSE_LIMIT;
-use crate::model::condense::{Condensed, Friction, advance, condense, restart};
+use crate::model::condense::{Condensed, Friction, Left, advance, condense, restart};
 use crate::model::error::{Error, Objection};
 use crate::model::event::{Event, Lap};
 use crate::model::finish::finish;
@@ -14,7 +14,9 @@ use crate::model::pair::initial_gaps;
 use crate::model::past::{Past, check_past, recorded, same_bodies, same_forces};
 use crate::model::reuse::Reuse;
 use crate::model::solution::Solution;
+use crate::model::stages::{Track, all_probes};
 use crate::solve::ContactSolver;
+use std::borrow::Cow;
 use std::mem::take;
 use std::time::Instant;
 
@@ -60,6 +62,8 @@ pub(crate) fn solve_steps<const D: usize>(
     observe: &mut dyn FnMut(Event),
 ) -> Result<Vec<Solution<D>>, Error<D>> {
     check_past(model, given.past)?;
+    // what is there at the end is not what was at the beginning
+    let mut reuse = reuse.take().filter(|_| !model.has_stages());
     let mut march = March {
         condensed: reuse.as_mut().and_then(|reuse| reuse.take(model)),
         ..March::new(DENSE_LIMIT)
@@ -71,8 +75,9 @@ pub(crate) fn solve_steps<const D: usize>(
     solved.map(|()| march.done)
 }
 
-/// The dual problem of the load step at a time, of at most `dense_limit` assembled unknowns. Friction counts the slip since
-/// the last of the model's steps before it: these are solved where there is friction, and nothing else depends on them.
+/// The dual problem of the load step at a time, of at most `dense_limit` assembled unknowns, and the stage that it is of.
+/// Friction counts the slip since the last of the model's steps before it, and stages go on from where the last ones ended:
+/// these are solved where there is either, and nothing else depends on them.
 ///
 /// Errors: those of [`solve_steps`].
 pub(crate) fn condense_step<const D: usize>(
@@ -80,39 +85,49 @@ pub(crate) fn condense_step<const D: usize>(
     time: f64,
     dense_limit: usize,
     observe: &mut dyn FnMut(Event),
-) -> Result<Condensed<D>, Error<D>> {
+) -> Result<(Model<D>, Condensed<D>), Error<D>> {
     let mut march = March::new(dense_limit);
     let smooth = |law: &Law| matches!(law, Law::Frictionless | Law::Tied);
-    if !model.contacts.iter().all(|contact| smooth(&contact.law)) {
-        let mut earlier = model.clone();
-        earlier.times.retain(|&before| before < time);
+    let rough = !model.contacts.iter().all(|contact| smooth(&contact.law));
+    let mut earlier = model.clone();
+    earlier.times.retain(|&before| before < time);
+    if rough || model.has_stages() {
         march.solve(&earlier, Given::NONE, observe)?;
     }
-    march.next(model, time, observe)
+    let step = earlier.times.len() + 1;
+    let condensed = march.next(model, (step, time), observe)?;
+    let stage = march.stage.map_or_else(|| model.clone(), Cow::into_owned);
+    Ok((stage, condensed))
 }
 
 /// The load steps that are done, and what the next one begins from.
-struct March<const D: usize> {
+struct March<'m, const D: usize> {
     done: Vec<Solution<D>>,
     condensed: Option<Condensed<D>>,
     last: Option<End>,
     dense_limit: usize,
+    /// What has come and gone.
+    track: Option<Track<D>>,
+    /// What is there now.
+    stage: Option<Cow<'m, Model<D>>>,
 }
 
-impl<const D: usize> March<D> {
+impl<'m, const D: usize> March<'m, D> {
     fn new(dense_limit: usize) -> Self {
         Self {
             done: Vec::new(),
             condensed: None,
             last: None,
             dense_limit,
+            track: None,
+            stage: None,
         }
     }
 
     /// All steps of the model.
     fn solve(
         &mut self,
-        model: &Model<D>,
+        model: &'m Model<D>,
         Given { past, own }: Given<'_, D>,
         observe: &mut dyn FnMut(Event),
     ) -> Result<(), Error<D>> {
@@ -120,19 +135,24 @@ impl<const D: usize> March<D> {
         for (index, &time) in model.times.iter().enumerate() {
             let (step, steps) = (index + 1, model.times.len());
             observe(Event::Step { step, steps, time });
-            let mut here = match self.next(model, time, observe) {
+            let mut here = match self.next(model, (step, time), observe) {
                 Ok(here) => here,
                 Err(error) => return Err(error.in_step(model, step, take(&mut self.done))),
             };
+            let stage = self.stage.as_deref().unwrap_or(model);
             let guess = self.last.as_ref().and_then(End::guess);
-            let solved = match past.get(index) {
+            let mut solved = match past.get(index) {
                 Some(done) => {
                     let past = (step, done, guess);
-                    solve_again(model, &mut here, past, start, observe)
+                    solve_again(stage, &mut here, past, start, observe)
                 }
-                None => solve_step(model, &mut here, Start { own, guess }, start, observe),
+                None => solve_step(stage, &mut here, Start { own, guess }, start, observe),
             };
             self.condensed = Some(here);
+            if let (Ok((_, solution, _)), Some(track)) = (&mut solved, &mut self.track) {
+                solution.probes = all_probes(model, take(&mut solution.probes));
+                track.remember(solution);
+            }
             match solved {
                 Ok((end, solution, None)) => {
                     self.done.push(solution);
@@ -152,18 +172,57 @@ impl<const D: usize> March<D> {
         Ok(())
     }
 
-    /// The dual problem of the next step.
+    /// The dual problem of the next step, at its time, of the stage that is then there.
     fn next(
         &mut self,
-        model: &Model<D>,
+        model: &'m Model<D>,
+        (step, time): (usize, f64),
+        observe: &mut dyn FnMut(Event),
+    ) -> Result<Condensed<D>, Error<D>> {
+        if self.changes(model, (step, time)) {
+            return self.begin_stage(time, observe);
+        }
+        let stage = self.stage.as_deref().unwrap_or(model);
+        match (self.condensed.take(), &self.last) {
+            (Some(before), Some(last)) => advance(stage, before, &last.friction, time, observe),
+            (Some(kept), None) => restart(stage, kept, time, observe),
+            _ => condense(stage, time, self.dense_limit, None, observe),
+        }
+    }
+
+    /// Goes on to a step; whether something comes or goes there.
+    fn changes(&mut self, model: &'m Model<D>, (step, time): (usize, f64)) -> bool {
+        let Some(track) = &mut self.track else {
+            if model.has_stages() {
+                let track = Track::new(model, time);
+                self.stage = Some(track.stage(model));
+                self.track = Some(track);
+            }
+            return false;
+        };
+        let last = self.condensed.as_ref().zip(self.last.as_ref());
+        let last = last.map(|(condensed, end)| (condensed, &end.multipliers.lambda[..]));
+        let changes = track.change(model, (step, time), last);
+        if changes {
+            self.stage = Some(track.stage(model));
+        }
+        changes
+    }
+
+    /// The dual problem of the first step of a stage, after the last one.
+    fn begin_stage(
+        &mut self,
         time: f64,
         observe: &mut dyn FnMut(Event),
     ) -> Result<Condensed<D>, Error<D>> {
-        match (self.condensed.take(), &self.last) {
-            (Some(before), Some(last)) => advance(model, before, &last.friction, time, observe),
-            (Some(kept), None) => restart(model, kept, time, observe),
-            _ => condense(model, time, self.dense_limit, observe),
-        }
+        let (Some(track), Some(stage)) = (&self.track, self.stage.as_deref()) else {
+            return Err(Error::NoStep);
+        };
+        let last = self.condensed.take().zip(self.last.take());
+        let left = last
+            .as_ref()
+            .map(|(condensed, end)| Left::of(track, condensed, &end.friction));
+        condense(stage, time, self.dense_limit, left.as_ref(), observe)
     }
 }
 

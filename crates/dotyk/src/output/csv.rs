@@ -7,19 +7,18 @@
 use crate::model::{ContactNode, ContactSolution, Law, Model, SideRef, Solution};
 use crate::output::chain::{along_tangent, angles, arc_lengths};
 use crate::output::text::AXES;
+use std::borrow::Cow;
 use std::fmt::Write;
 
-/// Content of `contact.csv` for the steps of one run (numbered from 1).
+/// Content of `contact.csv` for the steps of one run (numbered from 1), with what was there in each.
 ///
 /// The columns `shear` and `slip` (in space `shear_x` ...) are there as soon as one contact bears shear (friction or tied).
 /// After the status: time of the step; in the plane `arc`, the length of the way from the first node along the undeformed side,
 /// and `angle`, where all nodes lie on a circle, about its centre in degrees from +x, running on past half a turn; the sides,
 /// "BODY.SIDE", of which the other is `obstacle` where it is one.
-pub fn contact_csv<const D: usize>(model: &Model<D>, steps: &[Solution<D>]) -> String {
-    let shear = model
-        .contacts
-        .iter()
-        .any(|contact| !matches!(contact.law, Law::Frictionless));
+pub fn contact_csv<const D: usize>(stages: &[Cow<'_, Model<D>>], steps: &[Solution<D>]) -> String {
+    let mut contacts = stages.iter().flat_map(|stage| &stage.contacts);
+    let shear = contacts.any(|contact| !matches!(contact.law, Law::Frictionless));
     let axes = AXES[..D].join(",");
     let mut out = format!(
         "step,contact,node,{axes},n{},weight,gap,pressure",
@@ -36,7 +35,7 @@ pub fn contact_csv<const D: usize>(model: &Model<D>, steps: &[Solution<D>]) -> S
     out.push_str(",status,time");
     out.push_str(if D == 2 { ",arc,angle" } else { "" });
     out.push_str(",nonmortar,mortar\n");
-    for (step, solution) in steps.iter().enumerate() {
+    for (step, (solution, model)) in steps.iter().zip(stages).enumerate() {
         for contact in &solution.contacts {
             rows(&mut out, model, (step + 1, solution.time), contact, shear);
         }
@@ -136,7 +135,7 @@ mod tests {
     #[test]
     fn frictionless_header_is_the_contracted_one() {
         let (model, solution) = tunnel::solved();
-        let text = contact_csv(&model, std::slice::from_ref(&solution));
+        let text = contact_csv(&[Cow::Borrowed(&model)], std::slice::from_ref(&solution));
         let mut lines = text.lines();
         assert_eq!(
             lines.next(),
@@ -175,7 +174,7 @@ mod tests {
         model.contacts[0].law = Law::Coulomb(Field::constant(0.3));
         let node = &mut solution.contacts[0].nodes[0];
         (node.normal, node.shear, node.slip) = ([0.0, -1.0], [2.5, 0.0], [f64::NAN; 2]);
-        let text = contact_csv(&model, std::slice::from_ref(&solution));
+        let text = contact_csv(&[Cow::Borrowed(&model)], std::slice::from_ref(&solution));
         let mut lines = text.lines();
         assert!(
             lines

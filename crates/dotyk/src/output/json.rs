@@ -25,7 +25,7 @@ pub fn summary<const D: usize>(run: &Overview<'_, D>) -> String {
         failed_step: run.failed.map(|failed| FailedEntry {
             step: failed.step,
             time: failed.time,
-            name: None,
+            name: run.step_name(failed.step - 1),
             reason: &failed.reason,
         }),
         ..step_summary(run, run.last, run.earlier.len())
@@ -69,12 +69,14 @@ fn step_summary<'a, const D: usize>(
 ) -> Summary<'a> {
     let several = run.has_steps();
     let labels = Labels::of(run.model);
-    let bodies = run.model.bodies.iter().zip(&solution.bodies);
+    let stage = run.stages.get(index).map_or(run.model, |stage| stage);
+    let bodies = stage.bodies.iter().zip(&solution.bodies);
     let probes = solution.probes.iter();
     Summary {
         case: run.stem,
         version: VERSION,
         step: several.then_some(index + 1),
+        name: run.step_name(index),
         time: solution.time,
         converged: solution.converged,
         solver: &solution.solver.method,
@@ -178,6 +180,9 @@ struct Summary<'a> {
     /// From 1; only where there are several steps.
     #[serde(skip_serializing_if = "Option::is_none")]
     step: Option<usize>,
+    /// As the case names it.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    name: Option<&'a str>,
     time: f64,
     converged: bool,
     solver: &'a str,

@@ -31,7 +31,7 @@ pub fn lines_section<const D: usize>(run: &Overview<'_, D>, labels: &Labels) -> 
         let mut caption = format!(
             "{} {}, {} points.",
             probe.quantity,
-            place_in_words(run.model, probe),
+            place_in_words(run.stage(), probe),
             count(probe.line.len())
         );
         if shown.len() < steps.len() {

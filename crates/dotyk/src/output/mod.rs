@@ -49,6 +49,7 @@ use crate::dual::Multipliers;
 use crate::geometry::Point;
 use crate::model::{Check, Comparison, Dual, Model, Past, Seconds, Solution, Study};
 use stage::Stage;
+use std::borrow::Cow;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
@@ -135,11 +136,18 @@ impl<'a, const D: usize> Record<'a, D> {
         }
     }
 
+    /// What was there in each step.
+    fn stages(&self) -> Vec<Cow<'a, Model<D>>> {
+        let steps = self.steps.iter();
+        steps.map(|step| self.model.stage(step.time)).collect()
+    }
+
     /// What summary and report tell of it, the time it took so far included.
     ///
     /// Errors: [`Error::Name`], [`Error::Mismatch`], there is no step.
     fn overview(&self) -> Result<Overview<'_, D>, Error> {
-        check(self.model, self.steps)?;
+        let stages = self.stages();
+        check(&stages, self.steps)?;
         let (last, earlier) = self.steps.split_last().ok_or(Error::Mismatch {
             what: "steps".to_string(),
             expected: self.model.times.len(),
@@ -147,6 +155,7 @@ impl<'a, const D: usize> Record<'a, D> {
         })?;
         Ok(Overview {
             model: self.model,
+            stages,
             earlier,
             last,
             stem: self.stem,
@@ -173,9 +182,12 @@ pub struct FailedStep {
 }
 
 /// What summary and report tell of.
-#[derive(Clone, Copy)]
+#[derive(Clone)]
 pub(crate) struct Overview<'a, const D: usize> {
+    /// All of the model.
     pub model: &'a Model<D>,
+    /// What was there in each step.
+    pub stages: Vec<Cow<'a, Model<D>>>,
     /// Steps before the last.
     pub earlier: &'a [Solution<D>],
     pub last: &'a Solution<D>,
@@ -195,6 +207,17 @@ impl<'a, const D: usize> Overview<'a, D> {
     /// The model has several steps, even where the first of them has failed.
     pub fn has_steps(&self) -> bool {
         self.model.times.len() > 1 || !self.earlier.is_empty()
+    }
+
+    /// What was there in the last step.
+    pub fn stage(&self) -> &Model<D> {
+        self.stages.last().map_or(self.model, |stage| stage)
+    }
+
+    /// Name of a step, counted from 0; `None` where it has none.
+    pub fn step_name(&self, step: usize) -> Option<&'a str> {
+        let name = self.model.step_names.get(step).map(String::as_str);
+        name.filter(|name| !name.is_empty())
     }
 
     /// All steps in their order.
@@ -288,7 +311,7 @@ fn write<const D: usize>(record: &Record<'_, D>, dir: &Path) -> Result<Vec<PathB
     let mut run = record.overview()?;
     let mut stage = Stage::open(dir)?;
     let several = model.times.len().max(steps.len()) > 1;
-    for (step, solution) in steps.iter().enumerate() {
+    for (step, (solution, model)) in steps.iter().zip(&run.stages).enumerate() {
         for (i, body) in model.bodies.iter().enumerate() {
             let name = vtu::file_name(&body.name, step, several);
             stage.put(&name, vtu::body_vtu(model, solution, i).as_bytes())?;
@@ -299,7 +322,10 @@ fn write<const D: usize>(record: &Record<'_, D>, dir: &Path) -> Result<Vec<PathB
         stage.put(&name, vtu::blocks(solution, step, several).as_bytes())?;
     }
     stage.put(COLLECTION, vtu::collection(steps, several).as_bytes())?;
-    stage.put("contact.csv", csv::contact_csv(model, steps).as_bytes())?;
+    stage.put(
+        "contact.csv",
+        csv::contact_csv(&run.stages, steps).as_bytes(),
+    )?;
     if let Some(lines) = csv::lines_csv(steps) {
         stage.put(LINES, lines.as_bytes())?;
     }
@@ -378,8 +404,9 @@ pub fn write_study(study: &Study, stem: &str, dir: &Path) -> Result<Vec<PathBuf>
 }
 
 /// Names that can be files, and counts that agree in every step.
-fn check<const D: usize>(model: &Model<D>, steps: &[Solution<D>]) -> Result<(), Error> {
-    steps.iter().try_for_each(|step| check_step(model, step))
+fn check<const D: usize>(stages: &[Cow<'_, Model<D>>], steps: &[Solution<D>]) -> Result<(), Error> {
+    let mut both = stages.iter().zip(steps);
+    both.try_for_each(|(stage, step)| check_step(stage, step))
 }
 
 fn check_step<const D: usize>(model: &Model<D>, solution: &Solution<D>) -> Result<(), Error> {

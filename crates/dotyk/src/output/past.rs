@@ -202,7 +202,10 @@ mod tests {
         let dir = tunnel::Scratch::new(test);
         let steps = std::slice::from_ref(&solution);
         let summary = json::summary(&tunnel::run(&model, &solution));
-        let csv = csv::contact_csv(&model, steps);
+        let csv = csv::contact_csv(
+            &vec![std::borrow::Cow::Borrowed(&model); steps.len()],
+            steps,
+        );
         for (name, text) in [("summary.json", summary), ("contact.csv", csv)] {
             std::fs::write(dir.path().join(name), change(name, text)).unwrap();
         }

@@ -19,7 +19,7 @@ use crate::output::verdict;
 
 /// Content of `report.html`.
 pub fn page<const D: usize>(run: &Overview<'_, D>) -> String {
-    let (model, solution) = (run.model, run.last);
+    let (model, solution) = (run.stage(), run.last);
     let labels = Labels::of(model);
     let figures = Figures::of(model);
     let nodes = solution.contacts.iter().flat_map(|c| &c.nodes);

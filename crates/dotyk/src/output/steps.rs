@@ -37,7 +37,7 @@ pub fn steps_section<const D: usize>(run: &Overview<'_, D>, labels: &Labels) -> 
         out += &figure(&svg, "Load steps", &caption);
     }
     out += &overview(&steps, labels);
-    for contact in 0..run.last.contacts.len() {
+    for contact in contact_names(&steps) {
         out += &contact_table(&steps, contact, labels);
     }
     let probes: Vec<usize> = numbers(run.last).collect();
@@ -53,20 +53,23 @@ fn panels<const D: usize>(steps: &[&Solution<D>], labels: &Labels) -> Vec<Panel>
     let Some(last) = steps.last() else {
         return Vec::new();
     };
+    let contacts = contact_names(steps);
     let of_contacts = |title: &str, unit: &str, value: fn(&ContactSolution<D>) -> f64| Panel {
         title: title.to_string(),
         unit: unit.to_string(),
         zero: true,
-        curves: (0..last.contacts.len())
-            .map(|i| Series {
-                name: last.contacts[i].name.clone(),
-                values: steps.iter().map(|s| value(&s.contacts[i])).collect(),
+        curves: (contacts.iter())
+            .map(|name| Series {
+                name: name.to_string(),
+                values: (steps.iter())
+                    .map(|s| s.contact(name).map_or(f64::NAN, value))
+                    .collect(),
             })
             .collect(),
     };
     let values = probe_values(steps);
     let mut list = Vec::new();
-    if !last.contacts.is_empty() {
+    if !contacts.is_empty() {
         let pressure = |c: &ContactSolution<D>| largest(c.nodes.iter().map(|n| n.pressure));
         list.push(of_contacts("Contact force", &labels.force, |c| {
             norm(c.resultant)
@@ -85,6 +88,17 @@ fn panels<const D: usize>(steps: &[&Solution<D>], labels: &Labels) -> Vec<Panel>
         }],
     }));
     list
+}
+
+/// Names of the contacts of all steps, each once.
+fn contact_names<'a, const D: usize>(steps: &[&'a Solution<D>]) -> Vec<&'a str> {
+    let mut names: Vec<&str> = Vec::new();
+    for contact in steps.iter().flat_map(|step| &step.contacts) {
+        if !names.contains(&contact.name.as_str()) {
+            names.push(&contact.name);
+        }
+    }
+    names
 }
 
 /// Indices of the probes of one number.
@@ -153,20 +167,17 @@ fn overview<const D: usize>(steps: &[&Solution<D>], labels: &Labels) -> String {
     })
 }
 
-fn contact_table<const D: usize>(
-    steps: &[&Solution<D>],
-    contact: usize,
-    labels: &Labels,
-) -> String {
+fn contact_table<const D: usize>(steps: &[&Solution<D>], name: &str, labels: &Labels) -> String {
     let heads = vec![
         column("nodes closed / open", ""),
         column(&labels.in_contact().to_lowercase(), labels.extent().1),
         column("largest pressure", &labels.stress),
         column("force on the nonmortar body", &labels.force),
     ];
-    let name = steps.last().map_or("", |s| &s.contacts[contact].name);
     let body = rows(steps, heads, |_, s| {
-        let c = &s.contacts[contact];
+        let Some(c) = s.contact(name) else {
+            return vec!["–".to_string(); 4];
+        };
         let (closed, open) = closed_and_open(&c.nodes);
         vec![
             format!("{} / {}", count(closed), count(open)),

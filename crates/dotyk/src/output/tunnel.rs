@@ -110,6 +110,7 @@ pub fn solved() -> (Model<2>, Solution<2>) {
 pub fn run<'a>(model: &'a Model<2>, solution: &'a Solution<2>) -> Overview<'a, 2> {
     Overview {
         model,
+        stages: vec![std::borrow::Cow::Borrowed(model)],
         earlier: &[],
         failed: None,
         last: solution,

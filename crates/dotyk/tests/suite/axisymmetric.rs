@@ -528,6 +528,7 @@ fn hoop_stresses_of_a_ring_go_around_its_centre() {
         place: dotyk::model::Place::Point(point),
         components: components.map(|c| c.map(Field::constant)),
         normal: None,
+        active: Default::default(),
     };
     model.bodies[0].supports = vec![
         support([6.0, -2.0], [None, Some(0.0)]),

@@ -164,6 +164,7 @@ fn distorted_enhanced_cells_have_a_constant_stress() {
             place: Place::Side(side.to_string()),
             components: [0, 1, 2].map(|i| Some(component(i))),
             normal: None,
+            active: Default::default(),
         });
     }
     let solution = model.solve().unwrap();

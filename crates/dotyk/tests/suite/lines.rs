@@ -129,6 +129,7 @@ fn strained(angles: [f64; 2], strain: [[f64; 2]; 2], cell: CellKind) -> (Model<2
             place: Place::Side(side.to_string()),
             components: moved,
             normal: None,
+            active: Default::default(),
         });
     }
     (model, body)

@@ -602,6 +602,7 @@ fn mirrored_boxes(cell: CellKind, cells: usize) -> Model<2> {
         place: Place::Point([2.0, -2.0]),
         components: [None, Some(Field::constant(0.0))],
         normal: None,
+        active: Default::default(),
     });
     let material = Material {
         young: BOX.young,

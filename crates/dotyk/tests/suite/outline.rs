@@ -470,6 +470,7 @@ fn constant_strain_on_an_outline_gives_the_exact_stress() {
                     })),
                 ],
                 normal: None,
+                active: Default::default(),
             });
         }
         let solution = model.solve().unwrap();

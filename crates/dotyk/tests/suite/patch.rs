@@ -562,6 +562,7 @@ fn a_rigid_shift_of_the_supports_moves_everything_and_strains_nothing() {
                     place: Place::Side("left".to_string()),
                     components: [Some(Field::constant(0.25)), Some(Field::constant(-0.5))],
                     normal: None,
+                    active: Default::default(),
                 }];
             }
             let solution = model.solve().unwrap();

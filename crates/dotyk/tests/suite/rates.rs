@@ -85,6 +85,7 @@ fn smooth_error(
             place: Place::Side(side.to_string()),
             components: fields("u", |p| smooth(p).displacement).map(Some),
             normal: None,
+            active: Default::default(),
         });
     }
     let side = loaded.to_string();

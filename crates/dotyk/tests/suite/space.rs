@@ -454,6 +454,7 @@ fn exact_body(
             place: Place::Side(side.to_string()),
             components: fields(move |x| exact(x).0).map(Some),
             normal: None,
+            active: Default::default(),
         });
     }
     for &(side, n) in pulled {

@@ -65,6 +65,7 @@ fn check_prescribed(cell: CellKind, angles: [f64; 2]) {
             place: Place::Side(side.to_string()),
             components: [0, 1, 2].map(|i| Some(component(i))),
             normal: None,
+            active: Default::default(),
         });
     }
     let solution = model.solve().unwrap();

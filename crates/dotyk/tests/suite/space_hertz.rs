@@ -72,6 +72,7 @@ fn halves(cells: [usize; 2], kinds: [CellKind; 2]) -> Model<3> {
         place: Place::Point([0.0, 0.0, -SIZE]),
         components: [None, None, Some(Field::constant(0.0))],
         normal: None,
+        active: Default::default(),
     });
     let radius = exact.a * exact.a / exact.approach;
     let contact = model.contact((bodies[1], "bottom"), (bodies[0], "top"));

@@ -1,0 +1,389 @@
+//! Stages: bodies, supports and contacts that come and go. A stage is what of a model is there at a time, as a model of its
+//! own, with what the load steps before have left:
+//!
+//! * a body that appears is free of stress and fits what it touches: the gaps of its contacts count from the displacements
+//!   u_a of the bodies that were there, g₀ + B u_a, in normal and tangential rows;
+//! * a support that appears holds the nodes of its body where they are;
+//! * a body that goes leaves, where it is released, the forces −Bᵀλ of its last step on its neighbours, times what is left
+//!   of them at a time.
+//!
+//! A thing is there in the steps whose time t lies in from ≤ t < until; in the first step nothing has appeared.
+
+use crate::fem::{Active, History};
+use crate::geometry::{Point, add_scaled};
+use crate::model::condense::Condensed;
+use crate::model::error::Error;
+use crate::model::nouns::{Along, Body, BodyId, Contact, Model, Pair, Probe, SideRef};
+use crate::model::pair::{Fit, row_ranges};
+use crate::model::solution::{ProbeValue, Solution};
+use std::borrow::Cow;
+use std::collections::BTreeMap;
+use std::sync::Arc;
+
+/// What of a model is there at a time.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Presence {
+    bodies: Vec<bool>,
+    contacts: Vec<bool>,
+    /// Of each body.
+    supports: Vec<Vec<bool>>,
+}
+
+impl Presence {
+    /// That of a model at a time.
+    pub fn at<const D: usize>(model: &Model<D>, time: f64) -> Self {
+        let bodies: Vec<bool> = model.bodies.iter().map(|b| b.active.at(time)).collect();
+        let there = |contact: &Contact<D>| {
+            let sides = contact.pair.sides();
+            contact.active.at(time) && sides.iter().all(|side| bodies[side.body.0])
+        };
+        let supports = |body: &Body<D>| body.supports.iter().map(|s| s.active.at(time)).collect();
+        Self {
+            contacts: model.contacts.iter().map(there).collect(),
+            supports: model.bodies.iter().map(supports).collect(),
+            bodies,
+        }
+    }
+
+    /// Everything is there.
+    fn is_whole(&self) -> bool {
+        let all = |list: &[bool]| list.iter().all(|&there| there);
+        all(&self.bodies) && all(&self.contacts) && self.supports.iter().all(|s| all(s))
+    }
+}
+
+/// Place of each thing that is there among those that are.
+fn places(there: &[bool]) -> Vec<Option<usize>> {
+    let mut next = 0;
+    let place = |&there: &bool| {
+        next += usize::from(there);
+        there.then(|| next - 1)
+    };
+    there.iter().map(place).collect()
+}
+
+/// The elements that are there.
+fn kept<'a, T>(all: &'a [T], there: &'a [bool]) -> impl Iterator<Item = &'a T> {
+    all.iter()
+        .zip(there)
+        .filter(|(_, there)| **there)
+        .map(|(one, _)| one)
+}
+
+impl<const D: usize> Model<D> {
+    /// What of it is there at a time, as a model with the steps up to that time; borrowed where that is everything. What
+    /// earlier steps have left is not in it.
+    pub fn stage(&self, time: f64) -> Cow<'_, Self> {
+        let presence = Presence::at(self, time);
+        match presence.is_whole() {
+            true => Cow::Borrowed(self),
+            false => Cow::Owned(self.part(&presence, Some(time))),
+        }
+    }
+
+    /// Whether something comes or goes from one of its load steps to another.
+    pub(crate) fn has_stages(&self) -> bool {
+        let mut presences = self.times.iter().map(|&time| Presence::at(self, time));
+        let first = presences.next();
+        presences.any(|other| Some(other) != first)
+    }
+
+    /// What is there, as a model; with the steps up to a time.
+    fn part(&self, there: &Presence, until: Option<f64>) -> Self {
+        let [bodies, contacts] = [&there.bodies, &there.contacts].map(|list| places(list));
+        let side = |side: &SideRef| {
+            Some(SideRef {
+                body: BodyId(bodies[side.body.0]?),
+                side: side.side.clone(),
+            })
+        };
+        let body = |(index, body): (usize, &Body<D>)| {
+            let supports = kept(&body.supports, &there.supports[index]);
+            Body {
+                supports: supports.cloned().collect(),
+                ..body.clone()
+            }
+        };
+        let each = self.bodies.iter().enumerate();
+        let each = each.filter(|(index, _)| there.bodies[*index]);
+        let contact = |contact: &Contact<D>| {
+            let pair = match &contact.pair {
+                Pair::Given { nonmortar, mortar } => Pair::Given {
+                    nonmortar: side(nonmortar)?,
+                    mortar: side(mortar)?,
+                },
+                Pair::Automatic([a, b]) => Pair::Automatic([side(a)?, side(b)?]),
+                Pair::Obstacle {
+                    nonmortar,
+                    obstacle,
+                } => Pair::Obstacle {
+                    nonmortar: side(nonmortar)?,
+                    obstacle: obstacle.clone(),
+                },
+            };
+            Some(Contact {
+                pair,
+                ..contact.clone()
+            })
+        };
+        let probe = |probe: &Probe<D>| {
+            Some(Probe {
+                quantity: probe.quantity.placed(&bodies, &contacts)?,
+                along: match &probe.along {
+                    Some(Along::Side(read)) => Some(Along::Side(side(read)?)),
+                    other => other.clone(),
+                },
+                minus_rigid: match probe.minus_rigid {
+                    Some(body) => Some(BodyId(bodies[body.0]?)),
+                    None => None,
+                },
+                ..probe.clone()
+            })
+        };
+        let before = |time: &&f64| until.is_none_or(|until| **time <= until);
+        Self {
+            title: self.title.clone(),
+            source: self.source.clone(),
+            analysis: self.analysis,
+            units: self.units.clone(),
+            bodies: each.map(body).collect(),
+            contacts: kept(&self.contacts, &there.contacts)
+                .filter_map(contact)
+                .collect(),
+            solver: self.solver.clone(),
+            probes: self.probes.iter().filter_map(probe).collect(),
+            times: self.times.iter().filter(before).copied().collect(),
+            step_names: self.step_names.clone(),
+            parameters: self.parameters.clone(),
+        }
+    }
+
+    /// Errors: something that is there in no load step.
+    pub(crate) fn check_presence(&self) -> Result<(), Error<D>> {
+        let never = |what, name: &str| {
+            Err(Error::NeverThere {
+                what,
+                name: name.to_string(),
+            })
+        };
+        let all: Vec<Presence> = self.times.iter().map(|&t| Presence::at(self, t)).collect();
+        for (index, body) in self.bodies.iter().enumerate() {
+            if !all.iter().any(|there| there.bodies[index]) {
+                return never("body", &body.name);
+            }
+            for (place, support) in body.supports.iter().enumerate() {
+                let holds = |there: &Presence| there.bodies[index] && there.supports[index][place];
+                if support.active != Active::ALWAYS && !all.iter().any(holds) {
+                    return never("a support of body", &body.name);
+                }
+            }
+        }
+        for (index, contact) in self.contacts.iter().enumerate() {
+            if !all.iter().any(|there| there.contacts[index]) {
+                return never("contact", &contact.name);
+            }
+        }
+        if let Some(step) = all.iter().position(|there| !there.bodies.contains(&true)) {
+            return Err(Error::NoBody.in_step(self, step + 1, Vec::new()));
+        }
+        Ok(())
+    }
+
+    /// Runs of load steps between which nothing comes or goes, each as a model with these steps, without what is left of
+    /// those before.
+    pub(crate) fn runs(&self) -> Vec<Cow<'_, Self>> {
+        let mut runs: Vec<(Presence, Vec<f64>)> = Vec::new();
+        for &time in &self.times {
+            let presence = Presence::at(self, time);
+            match runs.last_mut().filter(|(last, _)| *last == presence) {
+                Some((_, times)) => times.push(time),
+                None => runs.push((presence, vec![time])),
+            }
+        }
+        if let ([_], true) = (&runs[..], runs.iter().all(|(there, _)| there.is_whole())) {
+            return vec![Cow::Borrowed(self)];
+        }
+        let run = |(presence, times): (Presence, Vec<f64>)| {
+            Cow::Owned(Self {
+                times,
+                ..self.part(&presence, None)
+            })
+        };
+        runs.into_iter().map(run).collect()
+    }
+}
+
+/// Displacements (nodes,) of the bodies of a whole model; `None` of those that were not there.
+type Moved<const D: usize> = Vec<Option<Arc<[Point<D>]>>>;
+
+/// What load steps leave to those after them, of a model all of which it is.
+pub(crate) struct Track<const D: usize> {
+    presence: Presence,
+    moved: Moved<D>,
+    /// What was there when a body appeared.
+    found: BTreeMap<usize, Moved<D>>,
+    /// Number of the step in which a body appeared.
+    appeared: Vec<usize>,
+    /// By body, what supports and neighbours have left.
+    history: Vec<History<D>>,
+}
+
+impl<const D: usize> Track<D> {
+    /// At the first step of a model.
+    pub fn new(model: &Model<D>, time: f64) -> Self {
+        let count = model.bodies.len();
+        Self {
+            presence: Presence::at(model, time),
+            moved: vec![None; count],
+            found: BTreeMap::new(),
+            appeared: vec![0; count],
+            history: vec![History::default(); count],
+        }
+    }
+
+    /// The stage that it is at.
+    pub fn stage<'m>(&self, model: &'m Model<D>) -> Cow<'m, Model<D>> {
+        let left = self
+            .history
+            .iter()
+            .any(|h| !h.placed.is_empty() || !h.released.is_empty());
+        if self.presence.is_whole() && !left {
+            return Cow::Borrowed(model);
+        }
+        let mut stage = model.part(&self.presence, None);
+        let history = kept(&self.history, &self.presence.bodies);
+        let supports = kept(&self.presence.supports, &self.presence.bodies);
+        for ((body, history), supports) in stage.bodies.iter_mut().zip(history).zip(supports) {
+            // counted among those that are there
+            let place = places(supports);
+            let placed = history.placed.iter();
+            body.history = History {
+                placed: placed
+                    .filter_map(|(k, u)| Some((place[*k]?, Arc::clone(u))))
+                    .collect(),
+                released: history.released.clone(),
+            };
+        }
+        Cow::Owned(stage)
+    }
+
+    /// Remembers the displacements of a solved step of the stage.
+    pub fn remember(&mut self, solution: &Solution<D>) {
+        let mut solved = solution.bodies.iter();
+        for (moved, &there) in self.moved.iter_mut().zip(&self.presence.bodies) {
+            *moved = match there {
+                true => solved.next().map(|body| body.displacement.clone().into()),
+                false => None,
+            };
+        }
+    }
+
+    /// Goes on to a step; whether something comes or goes there. `last` are the stage before it, condensed, and its forces (m,).
+    pub fn change(
+        &mut self,
+        model: &Model<D>,
+        (step, time): (usize, f64),
+        last: Option<(&Condensed<D>, &[f64])>,
+    ) -> bool {
+        let next = Presence::at(model, time);
+        if next == self.presence {
+            return false;
+        }
+        if let Some(last) = last {
+            self.release(model, &next, last);
+        }
+        for (index, body) in model.bodies.iter().enumerate() {
+            if !next.bodies[index] {
+                continue;
+            }
+            let Some(moved) = self.moved[index].clone() else {
+                self.appeared[index] = step;
+                self.found.insert(index, self.moved.clone());
+                continue;
+            };
+            for place in 0..body.supports.len() {
+                if next.supports[index][place] && !self.presence.supports[index][place] {
+                    self.history[index].placed.insert(place, Arc::clone(&moved));
+                }
+            }
+        }
+        self.presence = next;
+        true
+    }
+
+    /// Leaves the forces of the contacts of released bodies that go to their neighbours that stay.
+    fn release(
+        &mut self,
+        model: &Model<D>,
+        next: &Presence,
+        (condensed, lambda): (&Condensed<D>, &[f64]),
+    ) {
+        let there = &self.presence.bodies;
+        let whole: Vec<usize> = (0..there.len()).filter(|&body| there[body]).collect();
+        for (rows, pair) in row_ranges(&condensed.paired) {
+            let Some(mortar) = &pair.mortar else { continue };
+            let [own, other] = [pair.nonmortar.body, mortar.body].map(|id| whole[id.0]);
+            let interface = &pair.interface;
+            let ends = [
+                (own, other, &interface.nonmortar),
+                (other, own, &interface.mortar),
+            ];
+            for (stays, goes, coefficients) in ends {
+                let Some(factor) = model.bodies[goes].release.clone() else {
+                    continue;
+                };
+                if !next.bodies[stays] || next.bodies[goes] {
+                    continue;
+                }
+                let mut forces = vec![[0.0; D]; model.bodies[stays].mesh.points().len()];
+                for (row, force) in coefficients.iter().zip(&lambda[rows.clone()]) {
+                    for &(node, c) in row {
+                        forces[node] = add_scaled(forces[node], -force, c);
+                    }
+                }
+                self.history[stays].released.push((forces.into(), factor));
+            }
+        }
+    }
+
+    /// What the sides of a contact of the stage between these two bodies of it were fitted to.
+    pub fn fit(&self, nonmortar: BodyId, mortar: BodyId) -> Fit<D> {
+        let there = &self.presence.bodies;
+        let place = |id: BodyId| (0..there.len()).filter(|&body| there[body]).nth(id.0);
+        let (Some(own), Some(other)) = (place(nonmortar), place(mortar)) else {
+            return Fit::default();
+        };
+        // the later one was fitted to the one that was there
+        let seen = |later: usize, earlier: usize| {
+            let later_came = self.appeared[later] > self.appeared[earlier];
+            let found = self.found.get(&later).filter(|_| later_came)?;
+            found[earlier].clone()
+        };
+        Fit {
+            own: seen(other, own),
+            other: seen(own, other),
+        }
+    }
+}
+
+/// Values of all probes of a model, in their order; NaN of those of what is not there.
+pub(crate) fn all_probes<const D: usize>(
+    model: &Model<D>,
+    mut found: Vec<ProbeValue>,
+) -> Vec<ProbeValue> {
+    let one = |probe: &Probe<D>| {
+        let place = found.iter().position(|value| value.name == probe.name);
+        place.map_or_else(
+            || ProbeValue {
+                name: probe.name.clone(),
+                quantity: probe.quantity.to_string(),
+                dimension: probe.dimension(),
+                value: f64::NAN,
+                at: None,
+                line: Vec::new(),
+            },
+            |place| found.swap_remove(place),
+        )
+    };
+    model.probes.iter().map(one).collect()
+}
