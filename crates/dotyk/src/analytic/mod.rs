@@ -9,6 +9,7 @@
 pub mod beam;
 pub mod hertz;
 pub mod lame;
+pub mod lining;
 pub mod mindlin;
 pub mod punch;
 pub mod ring;

@@ -104,71 +104,22 @@ impl RingInPlate {
 
     /// Harmonics of σrr, σθθ (cos 2θ) and τrθ (sin 2θ) on the circle of radius r.
     pub fn stress_harmonics(&self, r: f64, part: Part) -> [Harmonics; 3] {
-        let series = self.series(part);
-        let rho = r / self.radius;
-        let [radial, hoop, shear] = second_stress(rho).map(|row| product(row, series.second));
-        let [log, square] = series.mean;
-        [
-            Harmonics {
-                mean: log / (rho * rho) + 2.0 * square,
-                second: radial,
-            },
-            Harmonics {
-                mean: -log / (rho * rho) + 2.0 * square,
-                second: hoop,
-            },
-            Harmonics {
-                mean: 0.0,
-                second: shear,
-            },
-        ]
+        self.series(part).stress_harmonics(r)
     }
 
     /// Harmonics of ur (cos 2θ) and uθ (sin 2θ) on the circle of radius r; radial displacement positive outward.
     pub fn displacement_harmonics(&self, r: f64, part: Part) -> [Harmonics; 2] {
-        let series = self.series(part);
-        let (material, rho) = (self.material(part), r / self.radius);
-        let kappa = material.kolosov(self.plane);
-        let scale = 0.5 * self.radius / material.shear();
-        let [radial, tangential] =
-            second_displacement(rho, kappa).map(|row| scale * product(row, series.second));
-        let [log, square] = series.mean;
-        [
-            Harmonics {
-                mean: scale * (-log / rho + (kappa - 1.0) * square * rho),
-                second: radial,
-            },
-            Harmonics {
-                mean: 0.0,
-                second: tangential,
-            },
-        ]
+        self.series(part).displacement_harmonics(r)
     }
 
     /// Stress in polar components at radius r and angle θ (radians).
     pub fn polar_stress(&self, r: f64, theta: f64, part: Part) -> PolarStress {
-        let [radial, hoop, shear] = self.stress_harmonics(r, part);
-        let (sine, cosine) = (2.0 * theta).sin_cos();
-        PolarStress {
-            radial: radial.mean + radial.second * cosine,
-            hoop: hoop.mean + hoop.second * cosine,
-            shear: shear.second * sine,
-        }
+        self.series(part).polar_stress(r, theta)
     }
 
     /// Stress [σxx, σyy, τxy] at a point.
-    pub fn stress(&self, [x, y]: Point<2>, part: Part) -> [f64; 3] {
-        let PolarStress {
-            radial,
-            hoop,
-            shear,
-        } = self.polar_stress(x.hypot(y), y.atan2(x), part);
-        let (s, c) = y.atan2(x).sin_cos();
-        [
-            radial * c * c + hoop * s * s - 2.0 * shear * s * c,
-            radial * s * s + hoop * c * c + 2.0 * shear * s * c,
-            (radial - hoop) * s * c + shear * (c * c - s * s),
-        ]
+    pub fn stress(&self, point: Point<2>, part: Part) -> [f64; 3] {
+        self.series(part).stress(point)
     }
 
     /// Traction σn on a cut with unit normal n, in the plate outside the interface and on it, in the ring inside.
@@ -186,13 +137,8 @@ impl RingInPlate {
     }
 
     /// Displacement [ux, uy] at a point; the rigid motion is the one that keeps both axes of symmetry in place.
-    pub fn displacement(&self, [x, y]: Point<2>, part: Part) -> [f64; 2] {
-        let theta = y.atan2(x);
-        let [radial, tangential] = self.displacement_harmonics(x.hypot(y), part);
-        let ur = radial.mean + radial.second * (2.0 * theta).cos();
-        let ut = tangential.second * (2.0 * theta).sin();
-        let (s, c) = theta.sin_cos();
-        [ur * c - ut * s, ur * s + ut * c]
+    pub fn displacement(&self, point: Point<2>, part: Part) -> [f64; 2] {
+        self.series(part).displacement(point)
     }
 
     fn material(&self, part: Part) -> Material {
@@ -203,27 +149,36 @@ impl RingInPlate {
     }
 
     fn series(&self, part: Part) -> Series {
-        let [ring_log, ring_square, plate_log] = self.solve_mean();
-        let [ra, rb, rc, rd, pc, pd] = self.solve_second();
-        match part {
-            Part::Ring => Series {
-                mean: [ring_log, ring_square],
-                second: [ra, rb, rc, rd],
-            },
-            Part::Plate => Series {
-                mean: [plate_log, self.far_mean()],
-                second: [self.far_second(), 0.0, pc, pd],
-            },
+        self.series_under(Loading::FromAfar, part)
+    }
+
+    /// The series of one part; that of the plate counts the far field, whose stress is there under both loadings.
+    pub(super) fn series_under(&self, loading: Loading, part: Part) -> Series {
+        let [ring_log, ring_square, plate_log] = self.solve_mean(loading);
+        let [ra, rb, rc, rd, pc, pd] = self.solve_second(loading);
+        let (mean, second) = match part {
+            Part::Ring => ([ring_log, ring_square], [ra, rb, rc, rd]),
+            Part::Plate => (
+                [plate_log, self.far_mean()],
+                [self.far_second(), 0.0, pc, pd],
+            ),
+        };
+        Series {
+            radius: self.radius,
+            material: self.material(part),
+            plane: self.plane,
+            mean,
+            second,
         }
     }
 
     /// C of the plate.
-    fn far_mean(&self) -> f64 {
+    pub(super) fn far_mean(&self) -> f64 {
         -0.25 * self.vertical * (1.0 + self.ratio)
     }
 
     /// a of the plate.
-    fn far_second(&self) -> f64 {
+    pub(super) fn far_second(&self) -> f64 {
         -0.25 * self.vertical * (1.0 - self.ratio)
     }
 
@@ -233,7 +188,7 @@ impl RingInPlate {
     }
 
     /// n = 0: A and C of the ring, A of the plate.
-    fn solve_mean(&self) -> [f64; 3] {
+    fn solve_mean(&self, loading: Loading) -> [f64; 3] {
         let rho = self.inner / self.radius;
         let s = self.stiffness_ratio();
         let ring = self.ring.kolosov(self.plane) - 1.0;
@@ -245,12 +200,12 @@ impl RingInPlate {
                 [1.0, 2.0, -1.0],
                 [-s, s * ring, 1.0],
             ],
-            [0.0, 2.0 * far, plate * far],
+            [0.0, 2.0 * far, loading.moves() * plate * far],
         )
     }
 
     /// n = 2: a, b, c, d of the ring, c and d of the plate.
-    fn solve_second(&self) -> [f64; 6] {
+    fn solve_second(&self, loading: Loading) -> [f64; 6] {
         let [inner_radial, _, inner_shear] = second_stress(self.inner / self.radius);
         let [radial, _, shear] = second_stress(1.0);
         let s = self.stiffness_ratio();
@@ -264,15 +219,19 @@ impl RingInPlate {
             let row = [a, b, c, d, -plate[2], -plate[3]];
             (row, plate[0] * self.far_second())
         };
+        let join_moves = |ring: [f64; 4], plate: [f64; 4]| {
+            let (row, far) = join(ring, plate);
+            (row, loading.moves() * far)
+        };
         let last = match self.interface {
             Interface::FullSlip => [join(shear, [0.0; 4]), join([0.0; 4], shear)],
-            Interface::Bonded => [join(shear, shear), join(ring_ut, plate_ut)],
+            Interface::Bonded => [join(shear, shear), join_moves(ring_ut, plate_ut)],
         };
         let rows = [
             join(inner_radial, [0.0; 4]),
             join(inner_shear, [0.0; 4]),
             join(radial, radial),
-            join(ring_ur, plate_ur),
+            join_moves(ring_ur, plate_ur),
             last[0],
             last[1],
         ];
@@ -280,10 +239,146 @@ impl RingInPlate {
     }
 }
 
-/// Coefficients of one part: [A, C] and [a, b, c, d].
-struct Series {
-    mean: [f64; 2],
-    second: [f64; 4],
+/// What displacements count from.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Loading {
+    /// The ring fills the hole, then the plate is compressed: the far field moves the interface, too.
+    FromAfar,
+    /// The plate is compressed, then the hole is cut and the ring put in: the far field has moved already.
+    Excavation,
+}
+
+impl Loading {
+    /// The part of the far field's displacement that the interface takes part in.
+    fn moves(self) -> f64 {
+        match self {
+            Self::FromAfar => 1.0,
+            Self::Excavation => 0.0,
+        }
+    }
+}
+
+/// The harmonics n = 0 and 2 of one part: stress and displacement at every point.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Series {
+    /// R, the radius that ρ = r/R counts in.
+    pub radius: f64,
+    pub material: Material,
+    pub plane: Plane,
+    /// A and C.
+    pub mean: [f64; 2],
+    /// a, b, c, d.
+    pub second: [f64; 4],
+}
+
+impl Series {
+    /// Harmonics of σrr, σθθ (cos 2θ) and τrθ (sin 2θ) on the circle of radius r.
+    pub fn stress_harmonics(&self, r: f64) -> [Harmonics; 3] {
+        let rho = r / self.radius;
+        let [radial, hoop, shear] = second_stress(rho).map(|row| product(row, self.second));
+        let [log, square] = self.mean;
+        let mean = log / (rho * rho);
+        [
+            Harmonics {
+                mean: mean + 2.0 * square,
+                second: radial,
+            },
+            Harmonics {
+                mean: -mean + 2.0 * square,
+                second: hoop,
+            },
+            Harmonics {
+                mean: 0.0,
+                second: shear,
+            },
+        ]
+    }
+
+    /// Harmonics of ur (cos 2θ) and uθ (sin 2θ) on the circle of radius r.
+    pub fn displacement_harmonics(&self, r: f64) -> [Harmonics; 2] {
+        let rho = r / self.radius;
+        let kappa = self.material.kolosov(self.plane);
+        let scale = 0.5 * self.radius / self.material.shear();
+        let [radial, tangential] =
+            second_displacement(rho, kappa).map(|row| scale * product(row, self.second));
+        let [log, square] = self.mean;
+        [
+            Harmonics {
+                mean: scale * (-log / rho + (kappa - 1.0) * square * rho),
+                second: radial,
+            },
+            Harmonics {
+                mean: 0.0,
+                second: tangential,
+            },
+        ]
+    }
+
+    /// Stress in polar components at radius r and angle θ (radians).
+    pub fn polar_stress(&self, r: f64, theta: f64) -> PolarStress {
+        let [radial, hoop, shear] = self.stress_harmonics(r);
+        let (sine, cosine) = (2.0 * theta).sin_cos();
+        PolarStress {
+            radial: radial.mean + radial.second * cosine,
+            hoop: hoop.mean + hoop.second * cosine,
+            shear: shear.second * sine,
+        }
+    }
+
+    /// Stress [σxx, σyy, τxy] at a point.
+    pub fn stress(&self, [x, y]: Point<2>) -> [f64; 3] {
+        let PolarStress {
+            radial,
+            hoop,
+            shear,
+        } = self.polar_stress(x.hypot(y), y.atan2(x));
+        let (s, c) = y.atan2(x).sin_cos();
+        [
+            radial * c * c + hoop * s * s - 2.0 * shear * s * c,
+            radial * s * s + hoop * c * c + 2.0 * shear * s * c,
+            (radial - hoop) * s * c + shear * (c * c - s * s),
+        ]
+    }
+
+    /// Displacement [ux, uy] at a point.
+    pub fn displacement(&self, [x, y]: Point<2>) -> [f64; 2] {
+        let theta = y.atan2(x);
+        let [radial, tangential] = self.displacement_harmonics(x.hypot(y));
+        let ur = radial.mean + radial.second * (2.0 * theta).cos();
+        let ut = tangential.second * (2.0 * theta).sin();
+        let (s, c) = theta.sin_cos();
+        [ur * c - ut * s, ur * s + ut * c]
+    }
+
+    /// ∫σθθ dr and ∫σθθ r dr between two radii, harmonics of cos 2θ, and the sin 2θ amplitude of ∫τrθ dr.
+    pub fn sections(&self, inner: f64, outer: f64) -> ([Harmonics; 2], f64) {
+        let at = |r: f64| self.antiderivatives(r / self.radius);
+        let (from, to) = (at(inner), at(outer));
+        let [force, moment] = [0, 1].map(|k| {
+            let scale = self.radius.powi(k as i32 + 1);
+            Harmonics {
+                mean: scale * (to.0[k].mean - from.0[k].mean),
+                second: scale * (to.0[k].second - from.0[k].second),
+            }
+        });
+        ([force, moment], self.radius * (to.1 - from.1))
+    }
+
+    /// Antiderivatives of σθθ, ρσθθ and τrθ with respect to ρ.
+    fn antiderivatives(&self, rho: f64) -> ([Harmonics; 2], f64) {
+        let ([log, square], [a, b, c, d]) = (self.mean, self.second);
+        let (two, three) = (rho * rho, rho * rho * rho);
+        let force = Harmonics {
+            mean: log / rho + 2.0 * square * rho,
+            second: 2.0 * a * rho + 4.0 * b * three - 2.0 * c / three,
+        };
+        let moment = Harmonics {
+            mean: -log * rho.ln() + square * two,
+            second: a * two + 3.0 * b * two * two - 3.0 * c / two,
+        };
+        let shear = 2.0 * a * rho + 2.0 * b * three + 2.0 * c / three + 2.0 * d / rho;
+        ([force, moment], shear)
+    }
 }
 
 /// σrr, σθθ, τrθ of the harmonic n = 2: coefficients of a, b, c, d at ρ.
@@ -321,7 +416,7 @@ fn product(row: [f64; 4], coefficients: [f64; 4]) -> f64 {
 }
 
 /// Solves a small dense system by elimination with partial pivoting; a singular one gives values that are not finite.
-fn solve<const N: usize>(mut matrix: [[f64; N]; N], mut right: [f64; N]) -> [f64; N] {
+pub(super) fn solve<const N: usize>(mut matrix: [[f64; N]; N], mut right: [f64; N]) -> [f64; N] {
     for k in 0..N {
         let size = |i: &usize| matrix[*i][k].abs();
         let pivot = (k..N)
