@@ -5,11 +5,15 @@
 //!
 //! ```text
 //!   σr = C − D/r²,   σθ = C + D/r²,   u = [(1−ν)Cr + (1+ν)D/r]/E
-//!   C = (p_a a² − p_b b²)/(b²−a²),    D = (p_a − p_b) a²b²/(b²−a²)
+//!   C = (p_a q − p_b)/(1 − q),    D = (p_a − p_b) a²/(1 − q),    q = a²/b², 0 for an infinite plate
 //! ```
 //!
 //! with (E, ν) of plane stress, or (E/(1−ν²), ν/(1−ν)) in plane strain.
 //! A press fit with the radial interference δ at r = b closes the gap: u_outer(b) − u_inner(b) = δ.
+//!
+//! A ring that is warmer than its hole by ΔT, and fitted it when it was cold, is a press fit with the interference αΔT R,
+//! in plane strain (1+ν)αΔT R: Hooke's law with the strain αΔT in all directions has, where εz = 0, the strain (1+ν)αΔT in
+//! the plane and σz = ν(σr + σθ) − EαΔT (S. Timoshenko, J. N. Goodier, article 151).
 //!
 //! Pressure is positive in compression, stress in tension, displacement outward.
 
@@ -20,7 +24,7 @@ use crate::analytic::{Material, Plane};
 pub struct ThickRing {
     /// Inner radius, > 0.
     pub inner: f64,
-    /// Outer radius, > inner.
+    /// Outer radius, > inner; may be infinite.
     pub outer: f64,
     /// Its material.
     pub material: Material,
@@ -35,10 +39,11 @@ pub struct ThickRing {
 impl ThickRing {
     /// The constants C and D of the stress.
     fn constants(&self) -> [f64; 2] {
-        let (a2, b2) = (self.inner * self.inner, self.outer * self.outer);
+        let ratio = (self.inner / self.outer).powi(2);
+        let rest = 1.0 - ratio;
         [
-            (self.inner_pressure * a2 - self.outer_pressure * b2) / (b2 - a2),
-            (self.inner_pressure - self.outer_pressure) * a2 * b2 / (b2 - a2),
+            (self.inner_pressure * ratio - self.outer_pressure) / rest,
+            (self.inner_pressure - self.outer_pressure) * self.inner * self.inner / rest,
         ]
     }
 
@@ -63,7 +68,7 @@ pub struct PressFit {
     pub bore: f64,
     /// Radius of the interface.
     pub radius: f64,
-    /// Outer radius of the outer ring.
+    /// Outer radius of the outer ring; may be infinite.
     pub outer: f64,
     /// Material of the inner ring.
     pub inner_material: Material,
@@ -105,6 +110,74 @@ impl PressFit {
             outer_pressure: 0.0,
         };
         [inner, outer]
+    }
+}
+
+/// A ring that fits a hole free of stress and is then warmer than what is around it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct HeatedRing {
+    /// Bore of the ring.
+    pub bore: f64,
+    /// Radius of the hole.
+    pub radius: f64,
+    /// Outer radius of what is around the hole; may be infinite.
+    pub outer: f64,
+    /// Material of the ring.
+    pub ring: Material,
+    /// Material around the hole.
+    pub around: Material,
+    /// Plane strain or plane stress.
+    pub plane: Plane,
+    /// Coefficient of thermal expansion α of the ring.
+    pub expansion: f64,
+    /// ΔT: how much warmer the ring is.
+    pub temperature: f64,
+}
+
+impl HeatedRing {
+    /// The press fit of the same pressure.
+    pub fn fit(&self) -> PressFit {
+        PressFit {
+            bore: self.bore,
+            radius: self.radius,
+            outer: self.outer,
+            inner_material: self.ring,
+            outer_material: self.around,
+            plane: self.plane,
+            interference: self.strain() * self.radius,
+        }
+    }
+
+    /// Contact pressure.
+    pub fn pressure(&self) -> f64 {
+        self.fit().pressure()
+    }
+
+    /// Stress [σr, σθ, σz] of the ring at radius r.
+    pub fn ring_stress(&self, r: f64) -> [f64; 3] {
+        let [ring, _] = self.fit().rings();
+        let [radial, hoop] = ring.stress(r);
+        let Material { young, poisson } = self.ring;
+        let axial = match self.plane {
+            Plane::Strain => poisson * (radial + hoop) - young * self.expansion * self.temperature,
+            Plane::Stress => 0.0,
+        };
+        [radial, hoop, axial]
+    }
+
+    /// Radial displacement of the ring at radius r, positive outward.
+    pub fn ring_displacement(&self, r: f64) -> f64 {
+        let [ring, _] = self.fit().rings();
+        ring.displacement(r) + self.strain() * r
+    }
+
+    /// Strain in the plane of the ring alone.
+    fn strain(&self) -> f64 {
+        let free = self.expansion * self.temperature;
+        match self.plane {
+            Plane::Strain => (1.0 + self.ring.poisson) * free,
+            Plane::Stress => free,
+        }
     }
 }
 
@@ -196,5 +269,69 @@ mod tests {
         let [inner, outer] = fit.rings();
         close(outer.stress(40.0)[1], 105.0, 1e-9);
         close(inner.stress(20.0)[1], -168.0, 1e-9);
+    }
+
+    #[test]
+    fn an_infinite_plate_is_the_limit_of_large_rings() {
+        let plate = |outer: f64| ThickRing {
+            outer,
+            outer_pressure: 0.0,
+            ..ring(Plane::Strain)
+        };
+        let (large, infinite) = (plate(2e6), plate(f64::INFINITY));
+        close(large.displacement(3.0), infinite.displacement(3.0), 1e-15);
+        close(infinite.stress(2.0)[0], -30.0, 0.0);
+        close(infinite.stress(2.0)[1], 30.0, 0.0);
+    }
+
+    #[test]
+    fn a_heated_ring_obeys_hooke_with_heat_and_stays_in_its_hole() {
+        for plane in [Plane::Strain, Plane::Stress] {
+            let heated = HeatedRing {
+                bore: 4.85,
+                radius: 5.15,
+                outer: f64::INFINITY,
+                ring: Material {
+                    young: 30_000.0,
+                    poisson: 0.2,
+                },
+                around: Material {
+                    young: 500.0,
+                    poisson: 0.3,
+                },
+                plane,
+                expansion: 1e-5,
+                temperature: 30.0,
+            };
+            let Material { young, poisson } = heated.ring;
+            for r in [4.9, 5.1] {
+                let [radial, hoop, axial] = heated.ring_stress(r);
+                let free = 1e-5 * 30.0;
+                let strain = derivative(|r| heated.ring_displacement(r), r, 1e-3);
+                close(
+                    strain,
+                    (radial - poisson * (hoop + axial)) / young + free,
+                    1e-11,
+                );
+                let around = heated.ring_displacement(r) / r;
+                close(
+                    around,
+                    (hoop - poisson * (radial + axial)) / young + free,
+                    1e-15,
+                );
+                if plane == Plane::Strain {
+                    let along = (axial - poisson * (radial + hoop)) / young + free;
+                    close(along, 0.0, 1e-18);
+                }
+            }
+            let [_, plate] = heated.fit().rings();
+            close(
+                heated.ring_displacement(5.15),
+                plate.displacement(5.15),
+                1e-15,
+            );
+            close(heated.ring_stress(4.85)[0], 0.0, 1e-14);
+            close(heated.ring_stress(5.15)[0], -heated.pressure(), 1e-14);
+        }
     }
 }

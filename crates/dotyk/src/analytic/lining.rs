@@ -36,7 +36,7 @@ use crate::analytic::lame::ThickRing;
 use crate::analytic::ring::{
     Harmonics, Interface, Loading, Part, PolarStress, RingInPlate, Series,
 };
-use crate::analytic::{Material, Plane};
+use crate::analytic::{Material, Plane, SectionForces};
 use crate::geometry::Point;
 
 /// A round hole, cut at the origin out of an infinite stressed plate.
@@ -102,17 +102,6 @@ pub struct LinedTunnel {
     pub relaxation: f64,
 }
 
-/// Normal force N (compression positive), shear force V and moment M (outer fibre in tension positive) of a cut θ = const.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct SectionForces {
-    /// N = −∫σθθ dr.
-    pub normal: f64,
-    /// V = ∫τrθ dr.
-    pub shear: f64,
-    /// M = ∫σθθ (r − middle) dr.
-    pub moment: f64,
-}
-
 /// The harmonics of [`SectionForces`]: N and M have a mean and a cos 2θ amplitude, V a sin 2θ amplitude.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SectionHarmonics {
@@ -175,7 +164,7 @@ impl LinedTunnel {
         }
     }
 
-    /// N, V and M of the lining at the angle θ.
+    /// N = −∫σθθ dr, V = ∫τrθ dr and M = ∫σθθ (r − middle) dr of the lining on the cut at θ.
     pub fn section(&self, theta: f64) -> SectionForces {
         let SectionHarmonics {
             normal,

@@ -14,6 +14,7 @@ pub mod mindlin;
 pub mod punch;
 pub mod ring;
 pub mod scalar;
+pub mod structures;
 
 /// What happens across the thickness of a plane body.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -22,6 +23,18 @@ pub enum Plane {
     Strain,
     /// No stress across the thickness.
     Stress,
+}
+
+/// Section forces of a lining, a beam or an arch. N is positive in compression; the signs of V and M are said where they
+/// come from.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct SectionForces {
+    /// Normal force N.
+    pub normal: f64,
+    /// Shear force V.
+    pub shear: f64,
+    /// Moment M about the middle of the section.
+    pub moment: f64,
 }
 
 /// Isotropic linear elasticity: Young's modulus (force / area) and Poisson's ratio.
@@ -55,6 +68,31 @@ impl Material {
         let poisson = self.in_plane(plane).poisson;
         (3.0 - poisson) / (1.0 + poisson)
     }
+}
+
+/// Solves a small dense system by elimination with partial pivoting; a singular one gives values that are not finite.
+fn solve<const N: usize>(mut matrix: [[f64; N]; N], mut right: [f64; N]) -> [f64; N] {
+    for k in 0..N {
+        let size = |i: &usize| matrix[*i][k].abs();
+        let pivot = (k..N)
+            .max_by(|i, j| size(i).total_cmp(&size(j)))
+            .unwrap_or(k);
+        matrix.swap(k, pivot);
+        right.swap(k, pivot);
+        for i in k + 1..N {
+            let factor = matrix[i][k] / matrix[k][k];
+            let above = matrix[k];
+            for (value, pivot) in matrix[i].iter_mut().zip(above).skip(k) {
+                *value -= factor * pivot;
+            }
+            right[i] -= factor * right[k];
+        }
+    }
+    for k in (0..N).rev() {
+        let known: f64 = (k + 1..N).map(|j| matrix[k][j] * right[j]).sum();
+        right[k] = (right[k] - known) / matrix[k][k];
+    }
+    right
 }
 
 /// Numerical operations that know none of the formulas under test.

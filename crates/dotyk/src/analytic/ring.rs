@@ -24,7 +24,7 @@
 //! The contact is bilateral here: it is the solution of the unilateral problem when [`RingInPlate::pressure`] is
 //! nowhere negative. Pressure is positive in compression, stress in tension; lengths and stresses in any consistent units.
 
-use crate::analytic::{Material, Plane};
+use crate::analytic::{Material, Plane, solve};
 use crate::geometry::Point;
 
 /// What the interface between ring and plate can bear.
@@ -413,31 +413,6 @@ fn second_displacement(rho: f64, kappa: f64) -> [[f64; 4]; 2] {
 
 fn product(row: [f64; 4], coefficients: [f64; 4]) -> f64 {
     (0..4).map(|i| row[i] * coefficients[i]).sum()
-}
-
-/// Solves a small dense system by elimination with partial pivoting; a singular one gives values that are not finite.
-pub(super) fn solve<const N: usize>(mut matrix: [[f64; N]; N], mut right: [f64; N]) -> [f64; N] {
-    for k in 0..N {
-        let size = |i: &usize| matrix[*i][k].abs();
-        let pivot = (k..N)
-            .max_by(|i, j| size(i).total_cmp(&size(j)))
-            .unwrap_or(k);
-        matrix.swap(k, pivot);
-        right.swap(k, pivot);
-        for i in k + 1..N {
-            let factor = matrix[i][k] / matrix[k][k];
-            let above = matrix[k];
-            for (value, pivot) in matrix[i].iter_mut().zip(above).skip(k) {
-                *value -= factor * pivot;
-            }
-            right[i] -= factor * right[k];
-        }
-    }
-    for k in (0..N).rev() {
-        let known: f64 = (k + 1..N).map(|j| matrix[k][j] * right[j]).sum();
-        right[k] = (right[k] - known) / matrix[k][k];
-    }
-    right
 }
 
 #[cfg(test)]
