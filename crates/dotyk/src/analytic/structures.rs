@@ -476,8 +476,8 @@ mod tests {
             stiffness: 5.0,
             force: 3.0,
         };
-        // Catalogue: 0.318310 and −0.181690 FR, 0.148779 and 0.136620 FR³/EI.
-        close(ring.section(0.0).moment, 0.318310 * 6.0, 6e-6);
+        // Catalogue: 0.318310 and −0.181690 FR (FR = 6), 0.148779 and 0.136620 FR³/EI.
+        close(ring.section(0.0).moment, 1.90986, 6e-6);
         close(ring.section(FRAC_PI_2).moment, -0.181690 * 6.0, 6e-6);
         close(ring.shortening(), 0.148779 * 4.8, 5e-6);
         close(ring.widening(), 0.136620 * 4.8, 5e-6);
