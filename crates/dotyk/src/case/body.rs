@@ -394,7 +394,7 @@ fn load<const D: usize>(
             Ok(vec![Load::InSitu {
                 side: side(table.require("side", "a load")?, body, mesh)?,
                 factor: factor.field()?,
-                stress,
+                stress: stress.into(),
             }])
         }
         ["force", "side"] => Ok(vec![Load::Resultant {

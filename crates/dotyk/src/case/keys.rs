@@ -216,7 +216,7 @@ pub const REFERENCE: &[&str] = &[
 ];
 
 /// Every table with its keys.
-pub const ALL: [(&str, &[&str]); 37] = [
+pub const ALL: [(&str, &[&str]); 40] = [
     ("case", CASE),
     ("units", UNITS),
     ("body", BODY),
@@ -237,6 +237,9 @@ pub const ALL: [(&str, &[&str]); 37] = [
     ("refine", REFINE),
     ("sides", PATCH),
     ("material", MATERIAL),
+    ("initial_stress", INITIAL_STRESS),
+    ("initial_strain", INITIAL_STRAIN),
+    ("active", ACTIVE_BODY),
     ("surface", SURFACE),
     ("plane", PLANE),
     ("cylinder", CYLINDER),

@@ -16,8 +16,8 @@
 //! | between nodes | deepest penetration between the nodes of the sides | what the meshes resolve | 10 |
 //!
 //! Scales: length is max‖d‖; force is the larger of max‖λ‖ and the largest resultant load, where the force on a support that
-//! moves is a load like any other; arm is the largest diameter of a body; energy is the elastic energy of all bodies. A scale
-//! of zero counts as 1.
+//! moves is a load like any other; arm is the largest diameter of a body; energy is the elastic energy of all bodies, in stressed
+//! ground at least what it would release without its contacts. A scale of zero counts as 1.
 //!
 //! *Force error.* The scale of gaps is one length for the whole problem. Between two stiff bodies a gap that is nothing beside
 //! that length may stand for a large force, and complementarity, a product, does not see it either. So every gap is turned into

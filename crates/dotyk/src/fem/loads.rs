@@ -44,7 +44,7 @@ pub enum Load<const D: usize> {
         /// What is left of the traction.
         factor: Field,
         /// The initial stress of the body.
-        stress: Components,
+        stress: Box<Components>,
     },
     /// Force at the node nearest to a point.
     Force {

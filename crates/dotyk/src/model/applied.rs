@@ -128,11 +128,12 @@ impl BoundaryStiffness {
         len: usize,
         bodies: &[LoadedBody<D>],
         factored: &[FactoredBody],
-        ordered: &[Ordered],
+        ordered: &[Arc<Ordered>],
     ) -> Self {
         let parts = (bodies, factored, ordered).into_par_iter();
-        let part =
-            |(b, f, o): (&_, &FactoredBody, &Ordered)| boundary_part(b, &f.factor, &o.grounded);
+        let part = |(b, f, o): (&_, &FactoredBody, &Arc<Ordered>)| {
+            boundary_part(b, &f.factor, &o.grounded)
+        };
         let parts = parts.map(part);
         let parts: Vec<Option<BoundaryPart>> = parts.collect();
         let mut parts: Vec<BoundaryPart> = parts.into_iter().flatten().collect();

@@ -8,7 +8,7 @@ use crate::fem::{ALONG, BodySystem, Constraints, assemble, largest_coefficient};
 use crate::geometry::{Point, add_scaled, dot, norm};
 use crate::linalg::SparseMatrix;
 use crate::model::error::Error;
-use crate::model::nouns::Model;
+use crate::model::nouns::{Body, Model};
 use crate::model::pair::{Paired, gaps_at, row_ranges};
 use crate::model::parts::rigid_systems;
 use rayon::prelude::*;
@@ -77,14 +77,21 @@ impl<const D: usize> LoadedBody<D> {
     }
 }
 
-/// Assembles all bodies at a time; rigid parts follow them.
+/// Assembles all bodies at a time, but for those that have been before, which only take their loads and prescribed
+/// displacements anew; rigid parts follow them.
 pub(crate) fn systems<const D: usize>(
     model: &Model<D>,
+    before: Vec<Option<BodySystem<D>>>,
     time: f64,
 ) -> Result<Vec<BodySystem<D>>, Error<D>> {
-    let bodies = model.bodies.par_iter();
-    let system =
-        |body| assemble(body, model.analysis, time).map_err(|source| Error::in_body(body, source));
+    let system = |(body, before): (&Body<D>, Option<BodySystem<D>>)| {
+        let system = match before {
+            Some(before) => before.at_time(body, model.analysis, time),
+            None => assemble(body, model.analysis, time),
+        };
+        system.map_err(|source| Error::in_body(body, source))
+    };
+    let bodies = (&model.bodies, before).into_par_iter();
     let mut systems = bodies.map(system).collect::<Result<Vec<_>, _>>()?;
     systems.extend(rigid_systems(model, time)?);
     Ok(systems)

@@ -157,7 +157,7 @@ impl<const D: usize> Model<D> {
             Load::InSitu {
                 side: side.to_string(),
                 factor: factor.into(),
-                stress: stress.unwrap_or_else(none),
+                stress: stress.unwrap_or_else(none).into(),
             },
         )
     }

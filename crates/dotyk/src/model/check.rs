@@ -147,7 +147,7 @@ fn fill_run<const D: usize>(
     let time = model.last_time();
     let in_step = |error: Error<D>, step: usize| error.in_step(whole, before + step, Vec::new());
     let last = |error: Error<D>| in_step(error, model.times.len());
-    let systems = systems(model, time).map_err(last)?;
+    let systems = systems(model, none(model), time).map_err(last)?;
     let mut motions = Vec::new();
     check.warnings.extend(body_remarks(model));
     for (body, system) in model.bodies.iter().zip(&systems) {
@@ -205,6 +205,11 @@ fn fill_run<const D: usize>(
         .map_err(at)?;
     }
     Ok(())
+}
+
+/// No system of any body.
+fn none<const D: usize>(model: &Model<D>) -> Vec<Option<BodySystem<D>>> {
+    model.bodies.iter().map(|_| None).collect()
 }
 
 /// What can be said of each contact before anything is solved.

@@ -72,8 +72,8 @@ pub(crate) fn is_assembled<const D: usize>(
 }
 
 /// Whether F of m unknowns is less dear to assemble than to apply, by the factors of the bodies without contacts last.
-pub(crate) fn pays(m: usize, ordered: &[Ordered]) -> bool {
-    let entries: usize = ordered.iter().map(Ordered::stored).sum();
+pub(crate) fn pays(m: usize, ordered: &[Arc<Ordered>]) -> bool {
+    let entries: usize = ordered.iter().map(|o| o.stored()).sum();
     (m as f64).powi(3) <= CUBES_PER_ENTRY * entries as f64
 }
 
@@ -81,7 +81,7 @@ pub(crate) fn pays(m: usize, ordered: &[Ordered]) -> bool {
 pub(crate) fn compliance<const D: usize>(
     bodies: &[LoadedBody<D>],
     factored: &[FactoredBody],
-    ordered: &[Ordered],
+    ordered: &[Arc<Ordered>],
     m: usize,
     dense: bool,
 ) -> (Compliance, Vec<Part>) {

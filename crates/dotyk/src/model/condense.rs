@@ -12,6 +12,7 @@
 use crate::contact::InterfaceNode;
 use crate::dual::{DualProblem, Scales};
 use crate::fem::{BodySystem, Constraints};
+use crate::linalg::Cholesky;
 use crate::model::admissible::{admissible_set, neighbours};
 use crate::model::bodies::{
     BodyRows, LoadedBody, body_rows, driven, largest_load, least_softness, systems, turn_to_forces,
@@ -24,7 +25,7 @@ use crate::model::event::{Event, Lap, Work};
 use crate::model::factor::{FactoredBody, Ordered, factor, order};
 use crate::model::floating::Floating;
 use crate::model::memory::{self, Demand};
-use crate::model::nouns::{Contact, Method, Model};
+use crate::model::nouns::{Method, Model};
 use crate::model::pair::{Paired, clearances, initial_gaps, pair_all, row_ranges};
 use crate::model::probe::{Site, sites};
 use crate::model::singular::Outlines;
@@ -45,65 +46,95 @@ pub(crate) struct Friction {
     pub dissipated: Vec<f64>,
 }
 
-/// What the last stage leaves to one in which something has come or gone.
-pub(crate) struct Left<'a, const D: usize> {
-    /// Displacements that bodies were fitted to.
+/// What is known of a stage when it is condensed.
+pub(crate) struct Staged<'a, const D: usize> {
+    /// Displacements that bodies were fitted to, and nodes that other stages touch.
     pub track: &'a Track<D>,
+    /// The last stage, and what friction did up to its last step.
+    pub last: Option<(Condensed<D>, Friction)>,
+}
+
+/// What the last stage leaves.
+struct Left<const D: usize> {
     /// Slips of the nodes of each contact, by its name: components along their tangents.
     slips: BTreeMap<String, Vec<[f64; D]>>,
     /// Work that friction has dissipated in each contact.
     dissipated: BTreeMap<String, f64>,
     /// Spent so far.
     seconds: Seconds,
+    /// Bodies that go on, as they were.
+    kept: Vec<Option<Kept<D>>>,
 }
 
-impl<'a, const D: usize> Left<'a, D> {
-    /// That of a stage, and what friction did up to its last step.
-    pub fn of(track: &'a Track<D>, last: &Condensed<D>, friction: &Friction) -> Self {
+/// A body that goes on from one stage to the next, with the same supports.
+struct Kept<const D: usize> {
+    system: BodySystem<D>,
+    ordered: Arc<Ordered>,
+    factor: Arc<Cholesky>,
+}
+
+impl<const D: usize> Left<D> {
+    /// Nothing.
+    fn nothing(model: &Model<D>) -> Self {
+        Self {
+            slips: BTreeMap::new(),
+            dissipated: BTreeMap::new(),
+            seconds: Seconds::default(),
+            kept: model.bodies.iter().map(|_| None).collect(),
+        }
+    }
+
+    /// That of a stage, of whose bodies these go on.
+    fn of(last: Condensed<D>, friction: &Friction, going_on: &[Option<usize>]) -> Self {
         let slips = row_ranges(&last.paired).map(|(rows, pair)| {
             let slip = &friction.slip[rows];
             let of_node =
                 |node: &InterfaceNode<D>| node.rows.map(|row| row.map_or(0.0, |r| slip[r]));
-            (
-                pair.name.clone(),
-                pair.interface.nodes.iter().map(of_node).collect(),
-            )
+            let nodes = pair.interface.nodes.iter().map(of_node);
+            (pair.name.clone(), nodes.collect())
         });
+        let slips = slips.collect();
         let works = last.paired.iter().zip(&friction.dissipated);
+        let dissipated = works
+            .map(|(pair, &work)| (pair.name.clone(), work))
+            .collect();
+        let bodies = last.bodies.into_iter().zip(last.ordered).zip(last.factored);
+        let mut bodies: Vec<Option<Kept<D>>> = bodies
+            .map(|((body, ordered), factored)| {
+                Some(Kept {
+                    system: body.system,
+                    ordered,
+                    factor: factored.factor,
+                })
+            })
+            .collect();
+        let place = |place: &Option<usize>| bodies[(*place)?].take();
         Self {
-            track,
-            slips: slips.collect(),
-            dissipated: works
-                .map(|(pair, &work)| (pair.name.clone(), work))
-                .collect(),
+            slips,
+            dissipated,
             seconds: last.seconds,
+            kept: going_on.iter().map(place).collect(),
         }
     }
+}
 
-    /// Slips of the contacts that go on, in their rows (m,).
-    fn slip(&self, paired: &[Paired<D>]) -> Vec<f64> {
-        let mut slip = vec![0.0; paired.iter().map(|p| p.interface.nonmortar.len()).sum()];
-        for (rows, pair) in row_ranges(paired) {
-            let before = self.slips.get(&pair.name).into_iter().flatten();
-            for (node, before) in pair.interface.nodes.iter().zip(before) {
-                for (row, before) in node.rows.iter().zip(before).skip(1) {
-                    if let Some(row) = row {
-                        slip[rows.start + row] = *before;
-                    }
+/// Slips of the contacts that go on, in their rows (m,).
+fn slips<const D: usize>(
+    before: &BTreeMap<String, Vec<[f64; D]>>,
+    paired: &[Paired<D>],
+) -> Vec<f64> {
+    let mut slip = vec![0.0; paired.iter().map(|p| p.interface.nonmortar.len()).sum()];
+    for (rows, pair) in row_ranges(paired) {
+        let before = before.get(&pair.name).into_iter().flatten();
+        for (node, before) in pair.interface.nodes.iter().zip(before) {
+            for (row, before) in node.rows.iter().zip(before).skip(1) {
+                if let Some(row) = row {
+                    slip[rows.start + row] = *before;
                 }
             }
         }
-        slip
     }
-
-    fn dissipated(&self, model: &Model<D>) -> Vec<f64> {
-        let work = |contact: &Contact<D>| self.dissipated.get(&contact.name).copied();
-        model
-            .contacts
-            .iter()
-            .map(|contact| work(contact).unwrap_or(0.0))
-            .collect()
-    }
+    slip
 }
 
 /// Fits the sides of contacts to each other as their bodies appeared.
@@ -118,6 +149,7 @@ fn fit<const D: usize>(paired: &mut [Paired<D>], track: &Track<D>) {
 /// The bodies of a model condensed onto the contact unknowns, at one time.
 pub(crate) struct Condensed<const D: usize> {
     pub bodies: Vec<LoadedBody<D>>,
+    pub ordered: Vec<Arc<Ordered>>,
     pub factored: Vec<FactoredBody>,
     pub paired: Vec<Paired<D>>,
     pub gaps: Vec<f64>,
@@ -146,29 +178,48 @@ pub(crate) fn condense<const D: usize>(
     model: &Model<D>,
     time: f64,
     dense_limit: usize,
-    left: Option<&Left<'_, D>>,
+    staged: Option<Staged<'_, D>>,
     observe: &mut dyn FnMut(Event),
 ) -> Result<Condensed<D>, Error<D>> {
-    let mut seconds = left.map_or(Seconds::default(), |left| left.seconds);
+    let track = staged.as_ref().map(|staged| staged.track);
+    let last = staged.and_then(|staged| Some((staged.track.going_on(), staged.last?)));
+    let left = match last {
+        Some((going_on, (last, friction))) => Left::of(last, &friction, &going_on),
+        None => Left::nothing(model),
+    };
+    let mut seconds = left.seconds;
     let mut lap = Lap::start();
     observe(Event::Stage("assemble"));
-    let mut systems = systems(model, time)?;
+    let (before, kept): (Vec<_>, Vec<_>) = (left.kept.into_iter())
+        .map(|kept| {
+            kept.map_or((None, None), |k| {
+                (Some(k.system), Some((k.ordered, k.factor)))
+            })
+        })
+        .unzip();
+    let mut systems = systems(model, before, time)?;
     let constraints: Vec<&Constraints<D>> = systems.iter().map(|s| &s.constraints).collect();
     let mut paired = pair_all(model, &constraints, time)?;
-    if let Some(left) = left {
-        fit(&mut paired, left.track);
+    if let Some(track) = track {
+        fit(&mut paired, track);
     }
     let (sites, remarks) = (sites(model, &paired)?, body_remarks(model));
     let dropped = drop_implied(model, &systems, &mut paired);
     turn_to_forces(&mut systems[..model.bodies.len()], &paired);
     let rows = body_rows(&systems, &paired);
-    let gaps = match left {
-        Some(left) => gaps_after(&paired, &left.slip(&paired)),
-        None => initial_gaps(&paired),
-    };
+    let gaps = gaps_after(&paired, &slips(&left.slips, &paired));
     seconds.assemble += lap.seconds();
     observe(Event::Stage("order"));
-    let (ordered, dense) = ordered(model, &systems, &paired, &rows, dense_limit)?;
+    let lasting = track.map_or(vec![Vec::new(); systems.len()], |t| {
+        t.lasting(systems.len())
+    });
+    let of_bodies = OfBodies {
+        systems: &systems,
+        rows: &rows,
+        kept: &kept,
+        lasting: &lasting,
+    };
+    let (ordered, dense) = ordered(model, of_bodies, &paired, dense_limit)?;
     seconds.order += lap.seconds();
     observe(Event::Stage("factor"));
     let loaded = systems
@@ -176,13 +227,20 @@ pub(crate) fn condense<const D: usize>(
         .zip(rows)
         .map(|(system, rows)| LoadedBody::new(system, rows));
     let bodies: Vec<LoadedBody<D>> = loaded.collect();
-    let work = Arc::new(work_of(&ordered));
+    // what is kept has its factor
+    let factors = reused(&ordered, kept);
+    let work = Arc::new(work_of(&ordered, &factors));
     observe(Event::Factoring(Arc::clone(&work)));
-    let factored = factor_bodies(model, &bodies, &ordered, &work)?;
+    let factored = factor_bodies(model, &bodies, &ordered, (factors, &work))?;
     seconds.factor += lap.seconds();
     observe(Event::Stage("condense"));
     let (compliance, parts) = compliance(&bodies, &factored, &ordered, gaps.len(), dense);
     let floating = Floating::new(model, &bodies, &clearances(&paired))?;
+    let works = model
+        .contacts
+        .iter()
+        .map(|contact| left.dissipated.get(&contact.name));
+    let dissipated = works.map(|work| work.copied().unwrap_or(0.0)).collect();
     let balance = floating.balance.clone();
     let admissible = admissible_set(model, &paired, time)?;
     let shift = overlap(&bodies, &factored, &gaps);
@@ -195,6 +253,7 @@ pub(crate) fn condense<const D: usize>(
     seconds.condense += lap.seconds();
     Ok(Condensed {
         bodies,
+        ordered,
         factored,
         paired,
         gaps,
@@ -203,9 +262,7 @@ pub(crate) fn condense<const D: usize>(
         dropped,
         seconds,
         time,
-        dissipated: left.map_or(vec![0.0; model.contacts.len()], |left| {
-            left.dissipated(model)
-        }),
+        dissipated,
         before: None,
         outlines: Outlines::default(),
         sites,
@@ -213,26 +270,55 @@ pub(crate) fn condense<const D: usize>(
     })
 }
 
+/// What orders are made of: a system and rows of each part, the order and factor of bodies that have been before, and nodes that
+/// other stages touch.
+#[derive(Clone, Copy)]
+struct OfBodies<'a, const D: usize> {
+    systems: &'a [BodySystem<D>],
+    rows: &'a [Arc<BodyRows>],
+    kept: &'a [Option<(Arc<Ordered>, Arc<Cholesky>)>],
+    lasting: &'a [Vec<usize>],
+}
+
+impl<const D: usize> OfBodies<'_, D> {
+    /// The order of one of them: the one that it had, where that serves.
+    fn order(&self, model: &Model<D>, body: usize, dense: bool) -> Result<Arc<Ordered>, Error<D>> {
+        let (system, rows) = (&self.systems[body], &self.rows[body]);
+        let lasting = &self.lasting[body];
+        match self.kept.get(body) {
+            Some(Some((ordered, _))) if ordered.serves(system, rows, lasting, dense) => {
+                Ok(Arc::clone(ordered))
+            }
+            _ => Ok(Arc::new(order(
+                model,
+                body,
+                system,
+                (rows, lasting),
+                dense,
+            )?)),
+        }
+    }
+}
+
 /// The orders of all bodies, and whether F is assembled; what does not fit the memory is not begun. F that would pay, but does not
 /// fit, is applied.
 fn ordered<const D: usize>(
     model: &Model<D>,
-    systems: &[BodySystem<D>],
+    of: OfBodies<'_, D>,
     paired: &[Paired<D>],
-    rows: &[Arc<BodyRows>],
     dense_limit: usize,
-) -> Result<(Vec<Ordered>, bool), Error<D>> {
+) -> Result<(Vec<Arc<Ordered>>, bool), Error<D>> {
     let m = paired.iter().map(|p| p.interface.nonmortar.len()).sum();
     let rough = |p: &Paired<D>| p.interface.tangential().contains(&true);
     let rough = paired.iter().any(rough);
     let few_products = matches!(model.solver.method, Method::Auto | Method::Newton);
     let all = |dense| {
-        let each = (systems, rows).into_par_iter().enumerate();
-        let ordered = each.map(|(body, (s, r))| order(model, body, s, r, dense));
-        ordered.collect::<Result<Vec<Ordered>, _>>()
+        let each = (0..of.systems.len()).into_par_iter();
+        let ordered = each.map(|body| of.order(model, body, dense));
+        ordered.collect::<Result<Vec<_>, _>>()
     };
-    let fits = |ordered: &[Ordered], dense| {
-        let each = systems.iter().zip(rows).zip(ordered);
+    let fits = |ordered: &[Arc<Ordered>], dense| {
+        let each = of.systems.iter().zip(of.rows).zip(ordered);
         let demands = each.map(|((system, rows), ordered)| Demand {
             ordered,
             stiffness: system.stiffness.stored(),
@@ -241,7 +327,7 @@ fn ordered<const D: usize>(
         });
         memory::check(model, &demands.collect::<Vec<_>>(), dense, m)
     };
-    let assembled = is_assembled::<D>(rows, m, (dense_limit, rough, few_products));
+    let assembled = is_assembled::<D>(of.rows, m, (dense_limit, rough, few_products));
     let dense = assembled == Assembled::Always;
     let orders = all(dense)?;
     if assembled == Assembled::IfCheaper && pays(m, &orders) {
@@ -252,6 +338,19 @@ fn ordered<const D: usize>(
     }
     fits(&orders, dense)?;
     Ok((orders, dense))
+}
+
+/// Factors of bodies whose order is still the one that they had.
+fn reused(
+    ordered: &[Arc<Ordered>],
+    kept: Vec<Option<(Arc<Ordered>, Arc<Cholesky>)>>,
+) -> Vec<Option<Arc<Cholesky>>> {
+    let mut kept = kept.into_iter();
+    let each = ordered.iter().map(|ordered| {
+        let (before, factor) = kept.next()??;
+        Arc::ptr_eq(&before, ordered).then_some(factor)
+    });
+    each.collect()
 }
 
 /// The same bodies at another time, after a slip: d, e and the friction bounds are taken anew, all else stays.
@@ -288,6 +387,7 @@ pub(crate) fn advance<const D: usize>(
     seconds.condense += lap.seconds();
     Ok(Condensed {
         bodies,
+        ordered: before.ordered,
         factored,
         paired,
         gaps,
@@ -326,10 +426,16 @@ pub(crate) fn restart<const D: usize>(
     })
 }
 
-/// What the factorisations will take.
-fn work_of(ordered: &[Ordered]) -> Work {
-    let operations: f64 = ordered.iter().map(Ordered::operations).sum();
-    let entries: usize = ordered.iter().map(Ordered::stored).sum();
+/// What the factorisations will take, but for factors that are there.
+fn work_of(ordered: &[Arc<Ordered>], factors: &[Option<Arc<Cholesky>>]) -> Work {
+    let new = || {
+        ordered
+            .iter()
+            .zip(factors)
+            .filter(|(_, factor)| factor.is_none())
+    };
+    let operations: f64 = new().map(|(ordered, _)| ordered.operations()).sum();
+    let entries: usize = new().map(|(ordered, _)| ordered.stored()).sum();
     Work {
         all: (operations as u64).into(),
         bytes: (8 * entries as u64).into(),
@@ -340,13 +446,16 @@ fn work_of(ordered: &[Ordered]) -> Work {
 fn factor_bodies<const D: usize>(
     model: &Model<D>,
     bodies: &[LoadedBody<D>],
-    ordered: &[Ordered],
-    work: &Work,
+    ordered: &[Arc<Ordered>],
+    (factors, work): (Vec<Option<Arc<Cholesky>>>, &Work),
 ) -> Result<Vec<FactoredBody>, Error<D>> {
-    let each = bodies.par_iter().zip(ordered).enumerate();
-    each.map(|(index, (body, ordered))| {
-        let factor = factor(model, index, &body.system, ordered, work)?;
-        Ok(FactoredBody::new(body, Arc::new(factor)))
+    let each = (bodies, ordered, factors).into_par_iter().enumerate();
+    each.map(|(index, (body, ordered, before))| {
+        let factor = match before {
+            Some(factor) => factor,
+            None => Arc::new(factor(model, index, &body.system, ordered, work)?),
+        };
+        Ok(FactoredBody::new(body, factor))
     })
     .collect()
 }
@@ -363,13 +472,7 @@ fn scales<const D: usize>(
         .iter()
         .zip(factored)
         .filter(|(body, _)| body.system.modes.is_empty());
-    let stored = held.map(|(body, f)| -> f64 {
-        f.base
-            .iter()
-            .zip(&body.reduced_load)
-            .map(|(u, f)| 0.5 * u * f)
-            .sum()
-    });
+    let stored = held.map(|(body, f)| f.energy(body));
     Scales {
         length: shift.iter().fold(0.0, |largest, d| largest.max(d.abs())),
         force: largest_load(bodies),

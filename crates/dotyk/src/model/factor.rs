@@ -59,34 +59,88 @@ impl FactoredBody {
             .for_each(|(u, lift)| *u += lift);
         Self { factor, base }
     }
+
+    /// Elastic energy of what it does without contact.
+    pub fn energy<const D: usize>(&self, body: &LoadedBody<D>) -> f64 {
+        let works = self.base.iter().zip(&body.reduced_load);
+        works.map(|(u, f)| 0.5 * u * f).sum()
+    }
 }
 
-/// Orders a body: free dofs, those of the contacts last (when F is assembled), grounded dofs left out.
+/// The dofs of a body that contacts touch.
+struct Touched {
+    /// By a row.
+    dofs: Vec<bool>,
+    /// Some dof of the node is, or will be in another stage.
+    nodes: Vec<bool>,
+}
+
+impl Touched {
+    /// By rows; `lasting` are nodes that other stages touch.
+    fn by<const D: usize>(system: &BodySystem<D>, rows: &BodyRows, lasting: &[usize]) -> Self {
+        let mut dofs = vec![false; system.load.len()];
+        for local in 0..rows.index.len() {
+            for (dof, _) in rows.matrix.row(local) {
+                dofs[dof] = true;
+            }
+        }
+        let mut nodes = some_of_node::<D>(&dofs);
+        // in space they would cost more than what they save
+        let lasting = lasting.iter().filter(|_| D == 2);
+        lasting.for_each(|&node| nodes[node] = true);
+        Self { dofs, nodes }
+    }
+
+    /// Those of the kept dofs that stand last.
+    fn trailing<const D: usize>(&self, keep: &[bool], dense: bool) -> Vec<usize> {
+        // in the plane, where contacts are short, nodes stay whole
+        let is_last = |dof: usize| self.dofs[dof] || D == 2 && self.nodes[dof / D];
+        match dense {
+            true => (0..keep.len())
+                .filter(|&dof| keep[dof] && is_last(dof))
+                .collect(),
+            false => Vec::new(),
+        }
+    }
+}
+
+/// Free dofs that are not grounded.
+fn kept_dofs<const D: usize>(system: &BodySystem<D>, grounded: &[usize]) -> Vec<bool> {
+    let mut keep: Vec<bool> = system.held.iter().map(|held| !held).collect();
+    grounded.iter().for_each(|&dof| keep[dof] = false);
+    keep
+}
+
+impl Ordered {
+    /// Whether it is an order for the same body with other rows, too.
+    pub fn serves<const D: usize>(
+        &self,
+        system: &BodySystem<D>,
+        rows: &BodyRows,
+        lasting: &[usize],
+        dense: bool,
+    ) -> bool {
+        let keep = kept_dofs(system, &self.grounded);
+        let touched = Touched::by(system, rows, lasting);
+        let apart = self.grounded.iter().all(|&dof| !touched.dofs[dof]);
+        apart && touched.trailing::<D>(&keep, dense) == self.trailing
+    }
+}
+
+/// Orders a body: free dofs, those of the contacts last (when F is assembled), grounded dofs left out; `lasting` are nodes
+/// that contacts of other stages touch.
 pub(crate) fn order<const D: usize>(
     model: &Model<D>,
     body: usize,
     system: &BodySystem<D>,
-    rows: &BodyRows,
+    (rows, lasting): (&BodyRows, &[usize]),
     dense: bool,
 ) -> Result<Ordered, Error<D>> {
-    let mut touched = vec![false; system.load.len()];
-    for local in 0..rows.index.len() {
-        for (dof, _) in rows.matrix.row(local) {
-            touched[dof] = true;
-        }
-    }
-    let contact_node = some_of_node::<D>(&touched);
-    let mut keep: Vec<bool> = system.held.iter().map(|held| !held).collect();
-    let grounded = grounded_dofs(system, &keep, &contact_node);
-    grounded.iter().for_each(|&dof| keep[dof] = false);
-    // in the plane, where contacts are short, nodes stay whole
-    let is_last = |dof: usize| touched[dof] || D == 2 && contact_node[dof / D];
-    let trailing: Vec<usize> = match dense {
-        true => (0..keep.len())
-            .filter(|&dof| keep[dof] && is_last(dof))
-            .collect(),
-        false => Vec::new(),
-    };
+    let touched = Touched::by(system, rows, lasting);
+    let keep = kept_dofs(system, &[]);
+    let grounded = grounded_dofs(system, &keep, &touched.nodes);
+    let keep = kept_dofs(system, &grounded);
+    let trailing = touched.trailing::<D>(&keep, dense);
     let analysis =
         analyse(system, &keep, &trailing).map_err(|source| singular(model, body, source))?;
     Ok(Ordered {

@@ -480,6 +480,7 @@ fn certify<const D: usize>(
     let on_gaps = lambda.iter().zip(&displaced.clearances).map(|(l, g)| l * g);
     // friction takes its share, bound · |slip|: λ·gap of the tangential rows is minus that where its law holds
     let friction = problem.admissible.slip_potential(lambda, |i| gaps[i]);
+    let strained: f64 = states.iter().map(|state| state.strain_energy).sum();
     let recomputed = Recomputed {
         gap: gaps,
         rounding: &displaced.rounding,
@@ -492,10 +493,22 @@ fn certify<const D: usize>(
         imbalance_force: force,
         imbalance_moment: moment,
         energy_gap: (work + on_gaps.sum::<f64>() + friction).abs(),
-        elastic_energy: states.iter().map(|state| state.strain_energy).sum(),
+        elastic_energy: strained.max(at_rest(model, condensed)),
         driving_force: states.iter().map(|s| s.driving_force).fold(0.0, f64::max),
     };
     problem.certify_with(multipliers, &recomputed, model.solver.tolerance)
+}
+
+/// Elastic energy that stressed ground would release without its contacts: beside it, energies of ground at rest are rounding.
+fn at_rest<const D: usize>(model: &Model<D>, condensed: &Condensed<D>) -> f64 {
+    let bodies = model.bodies.iter().zip(&condensed.bodies);
+    let bodies = bodies.zip(&condensed.factored);
+    let stressed = bodies.filter(|((body, loaded), _)| {
+        body.initial.stress.is_some() && loaded.system.modes.is_empty()
+    });
+    stressed
+        .map(|((_, loaded), factored)| factored.energy(loaded).abs())
+        .sum()
 }
 
 /// What is left of the forces on a rigid part.

@@ -17,7 +17,7 @@ use crate::model::nouns::{Along, Body, BodyId, Contact, Model, Pair, Probe, Side
 use crate::model::pair::{Fit, row_ranges};
 use crate::model::solution::{ProbeValue, Solution};
 use std::borrow::Cow;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
 /// What of a model is there at a time.
@@ -226,6 +226,10 @@ pub(crate) struct Track<const D: usize> {
     appeared: Vec<usize>,
     /// By body, what supports and neighbours have left.
     history: Vec<History<D>>,
+    /// What was there in the last stage.
+    before: Option<Presence>,
+    /// Nodes of each body that some contact of the model may touch.
+    touched: Vec<Vec<usize>>,
 }
 
 impl<const D: usize> Track<D> {
@@ -238,6 +242,8 @@ impl<const D: usize> Track<D> {
             found: BTreeMap::new(),
             appeared: vec![0; count],
             history: vec![History::default(); count],
+            before: None,
+            touched: touched(model),
         }
     }
 
@@ -307,8 +313,36 @@ impl<const D: usize> Track<D> {
                 }
             }
         }
-        self.presence = next;
+        self.before = Some(std::mem::replace(&mut self.presence, next));
         true
+    }
+
+    /// Place in the last stage of each body of this one that has the same supports as there.
+    pub fn going_on(&self) -> Vec<Option<usize>> {
+        let Some(before) = &self.before else {
+            return self
+                .presence
+                .bodies
+                .iter()
+                .filter(|b| **b)
+                .map(|_| None)
+                .collect();
+        };
+        let places = places(&before.bodies);
+        let there = (0..places.len()).filter(|&body| self.presence.bodies[body]);
+        let same = |body: usize| before.supports[body] == self.presence.supports[body];
+        there
+            .map(|body| places[body].filter(|_| same(body)))
+            .collect()
+    }
+
+    /// Nodes that contacts of this or another stage touch, of each of so many parts of the stage.
+    pub fn lasting(&self, parts: usize) -> Vec<Vec<usize>> {
+        let mut nodes: Vec<_> = kept(&self.touched, &self.presence.bodies)
+            .cloned()
+            .collect();
+        nodes.resize(parts, Vec::new());
+        nodes
     }
 
     /// Leaves the forces of the contacts of released bodies that go to their neighbours that stay.
@@ -364,6 +398,21 @@ impl<const D: usize> Track<D> {
             other: seen(own, other),
         }
     }
+}
+
+/// Nodes of each body on sides of contacts.
+fn touched<const D: usize>(model: &Model<D>) -> Vec<Vec<usize>> {
+    let of_body = |(index, body): (usize, &Body<D>)| {
+        let sides = model
+            .contacts
+            .iter()
+            .flat_map(|contact| contact.pair.sides());
+        let own = sides.filter(|side| side.body.0 == index);
+        let nodes = own.flat_map(|side| body.mesh.side_nodes(&side.side).unwrap_or_default());
+        let nodes: BTreeSet<usize> = nodes.map(|node| node as usize).collect();
+        nodes.into_iter().collect()
+    };
+    model.bodies.iter().enumerate().map(of_body).collect()
 }
 
 /// Values of all probes of a model, in their order; NaN of those of what is not there.

@@ -3,7 +3,7 @@
 use crate::dual::Multipliers;
 use crate::model::attempt::{Start, certified_attempt};
 use crate::model::compliance::DENSE_LIMIT;
-use crate::model::condense::{Condensed, Friction, Left, advance, condense, restart};
+use crate::model::condense::{Condensed, Friction, Staged, advance, condense, restart};
 use crate::model::error::{Error, Objection};
 use crate::model::event::{Event, Lap};
 use crate::model::finish::finish;
@@ -186,7 +186,11 @@ impl<'m, const D: usize> March<'m, D> {
         match (self.condensed.take(), &self.last) {
             (Some(before), Some(last)) => advance(stage, before, &last.friction, time, observe),
             (Some(kept), None) => restart(stage, kept, time, observe),
-            _ => condense(stage, time, self.dense_limit, None, observe),
+            _ => {
+                let first = |track| Staged { track, last: None };
+                let staged = self.track.as_ref().map(first);
+                condense(stage, time, self.dense_limit, staged, observe)
+            }
         }
     }
 
@@ -219,10 +223,9 @@ impl<'m, const D: usize> March<'m, D> {
             return Err(Error::NoStep);
         };
         let last = self.condensed.take().zip(self.last.take());
-        let left = last
-            .as_ref()
-            .map(|(condensed, end)| Left::of(track, condensed, &end.friction));
-        condense(stage, time, self.dense_limit, left.as_ref(), observe)
+        let last = last.map(|(condensed, end)| (condensed, end.friction));
+        let staged = Staged { track, last };
+        condense(stage, time, self.dense_limit, Some(staged), observe)
     }
 }
 

@@ -36,6 +36,7 @@ mod space_cost;
 mod space_friction;
 mod space_hertz;
 mod space_judge;
+mod stages;
 mod steps;
 mod tables;
 mod tidy;
