@@ -9,6 +9,7 @@ use crate::case::mesh::{Generated, mesh};
 use crate::case::mesh_file::{MeshFiles, Named};
 use crate::case::points::{places, points};
 use crate::case::steps::Steps;
+use crate::case::strength::strength;
 use crate::case::suggest::{listed, nearest};
 use crate::case::surface::true_surface;
 use crate::geometry::Field;
@@ -186,8 +187,12 @@ fn material(node: &Node, body: &str, groups: &[&str]) -> Result<(Material, f64),
     if let (Some(group), Some(node)) = (&group, table.get("group")) {
         known_group(group, &node.span, body, groups)?;
     }
-    let elastic = Elastic { young, poisson };
-    Ok((Material { group, elastic }, thickness))
+    let material = Material {
+        group,
+        elastic: Elastic { young, poisson },
+        strength: table.get("strength").map(strength).transpose()?,
+    };
+    Ok((material, thickness))
 }
 
 /// Refuses a group of cells that the mesh does not have.

@@ -110,7 +110,19 @@ pub const REFINE: &[&str] = &["at", "size", "radius"];
 /// One side of `mesh.sides`.
 pub const PATCH: &[&str] = &["of", "min", "max"];
 /// `material` of a body, or one element of its list.
-pub const MATERIAL: &[&str] = &["young", "poisson", "thickness", "group"];
+pub const MATERIAL: &[&str] = &["young", "poisson", "thickness", "group", "strength"];
+/// `strength` of a material.
+pub const STRENGTH: &[&str] = &[
+    "yield",
+    "tension",
+    "compression",
+    "friction_angle",
+    "cohesion",
+    "sci",
+    "mb",
+    "s",
+    "a",
+];
 /// `initial_stress` of a body.
 pub const INITIAL_STRESS: &[&str] = &["vertical", "k0", "xx", "yy", "zz", "xy", "yz", "xz"];
 /// `initial_strain` of a body.
@@ -216,7 +228,7 @@ pub const REFERENCE: &[&str] = &[
 ];
 
 /// Every table with its keys.
-pub const ALL: [(&str, &[&str]); 40] = [
+pub const ALL: &[(&str, &[&str])] = &[
     ("case", CASE),
     ("units", UNITS),
     ("body", BODY),
@@ -240,6 +252,7 @@ pub const ALL: [(&str, &[&str]); 40] = [
     ("initial_stress", INITIAL_STRESS),
     ("initial_strain", INITIAL_STRAIN),
     ("active", ACTIVE_BODY),
+    ("strength", STRENGTH),
     ("surface", SURFACE),
     ("plane", PLANE),
     ("cylinder", CYLINDER),

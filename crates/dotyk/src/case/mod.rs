@@ -23,6 +23,7 @@ mod reference;
 mod run;
 mod source;
 mod steps;
+mod strength;
 mod suggest;
 mod surface;
 

@@ -72,6 +72,7 @@ fn fault(node: &Node, error: &QuantityError) -> Fault {
             .label("incomplete")
             .help(format!("add one of {}", listed(known))),
         Mistake::TooLong => fault.label("ends too late"),
+        Mistake::NoStrength => fault.label("nothing to compare the stress with"),
     }
 }
 

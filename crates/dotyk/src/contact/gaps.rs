@@ -129,6 +129,7 @@ pub(super) mod tests {
             materials: vec![Material {
                 group: None,
                 elastic,
+                strength: None,
             }],
             thickness: 1.0,
             body_force: std::array::from_fn(|_| Field::constant(0.0)),

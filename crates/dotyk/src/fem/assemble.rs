@@ -7,7 +7,7 @@ use crate::fem::error::FemError;
 use crate::fem::error::show;
 use crate::fem::loads::{NodalLoads, nodal_loads};
 use crate::fem::modes::{RigidBasis, carried_motion, free_modes};
-use crate::fem::nouns::{Analysis, Body, Elastic, Formulation};
+use crate::fem::nouns::{Analysis, Body, Elastic, Formulation, Material};
 use crate::fem::supports::{Constraints, ON_AXIS};
 use crate::geometry::{Point, add_scaled, dot, norm};
 use crate::linalg::{
@@ -47,14 +47,17 @@ pub struct BodySystem<const D: usize> {
 
 impl<const D: usize> Body<D> {
     /// The material of a block of cells.
-    pub(crate) fn elastic(&self, block: &CellBlock) -> Result<Elastic, FemError> {
+    pub(crate) fn material(&self, block: &CellBlock) -> Result<&Material, FemError> {
         let fits = |group: &Option<String>| group.is_none() || *group == block.group;
         let found = self.materials.iter().find(|m| fits(&m.group));
-        found
-            .map(|m| m.elastic)
-            .ok_or_else(|| FemError::NoMaterial {
-                group: block.group.clone().unwrap_or_else(|| "(none)".to_string()),
-            })
+        found.ok_or_else(|| FemError::NoMaterial {
+            group: block.group.clone().unwrap_or_else(|| "(none)".to_string()),
+        })
+    }
+
+    /// The elasticity of a block of cells.
+    pub(crate) fn elastic(&self, block: &CellBlock) -> Result<Elastic, FemError> {
+        self.material(block).map(|material| material.elastic)
     }
 
     fn check_materials(&self) -> Result<(), FemError> {
@@ -75,6 +78,9 @@ impl<const D: usize> Body<D> {
                     value: poisson,
                     range,
                 });
+            }
+            if let Some(strength) = &material.strength {
+                strength.check()?;
             }
             if let Some(group) = &material.group {
                 let groups: Vec<&str> = self

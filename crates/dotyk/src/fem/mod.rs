@@ -21,7 +21,9 @@ mod internal;
 mod loads;
 mod modes;
 mod nouns;
+mod overstress;
 pub mod quadrature;
+mod strength;
 mod stress;
 mod supports;
 #[cfg(test)]
@@ -36,6 +38,7 @@ pub use loads::{Amount, Load};
 pub(crate) use loads::{nodal_volumes, side_points};
 pub use modes::{RigidBasis, describe_motion, list_motions};
 pub use nouns::{Active, Analysis, Body, Elastic, Formulation, History, Material, Place, Support};
+pub use strength::Strength;
 pub use stress::{principal, recover_spin, recover_strain, recover_stress, von_mises};
 pub use supports::{Constraints, Held, nearest_node, node_normals};
 
@@ -45,4 +48,5 @@ pub(crate) use error::{Short, show};
 pub(crate) use initial::{OutOfBalance, out_of_balance};
 pub(crate) use internal::internal_forces;
 pub(crate) use modes::fit_rigid;
+pub(crate) use overstress::overstress;
 pub(crate) use supports::{describe, side_facets, side_nodes};

@@ -3,6 +3,7 @@
 use crate::fem::couple::Couple;
 use crate::fem::initial::Initial;
 use crate::fem::loads::Load;
+use crate::fem::strength::Strength;
 use crate::geometry::{Field, Point, Surface};
 use crate::mesh::Mesh;
 use std::collections::BTreeMap;
@@ -56,6 +57,8 @@ pub struct Material {
     pub group: Option<String>,
     /// The law.
     pub elastic: Elastic,
+    /// What it can bear, where that is asked for; it changes nothing else.
+    pub strength: Option<Strength>,
 }
 
 /// Where a support holds: a whole side, or the node nearest to a point.

@@ -11,7 +11,7 @@ use crate::fem::elasticity::Lame;
 use crate::fem::error::FemError;
 use crate::fem::nouns::{Analysis, Body};
 use crate::geometry::Point;
-use crate::mesh::CellKind;
+use crate::mesh::{CellBlock, CellKind};
 use rayon::prelude::*;
 
 /// Recovered total stress (xx yy zz xy yz xz) at every node of a body with the given nodal displacements at a time. An initial
@@ -25,11 +25,24 @@ pub fn recover_stress<const D: usize>(
     displacement: &[Point<D>],
     time: f64,
 ) -> Result<Vec<[f64; 6]>, FemError> {
+    recover_stress_within(body, analysis, displacement, time, &|_| true)
+}
+
+/// The same from the cells of some blocks alone; NaN at nodes that none of them has.
+///
+/// Errors: those of [`recover_stress`].
+pub(crate) fn recover_stress_within<const D: usize>(
+    body: &Body<D>,
+    analysis: Analysis,
+    displacement: &[Point<D>],
+    time: f64,
+    within: &dyn Fn(&CellBlock) -> bool,
+) -> Result<Vec<[f64; 6]>, FemError> {
     let local = |lame: Lame, here: &Deformation<D>| {
         let less = body.initial.of_strain((lame, analysis), here.point, time)?;
         Ok(sum(lame.stress(here.gradient, here.hoop), less))
     };
-    let mut stress = recover(body, analysis, displacement, local)?;
+    let mut stress = recover(body, analysis, displacement, local, within)?;
     if body.initial.stress.is_some() {
         for (stress, &point) in stress.iter_mut().zip(body.mesh.points()) {
             *stress = sum(*stress, body.initial.stress_at(point, time)?);
@@ -51,7 +64,7 @@ pub fn recover_strain<const D: usize>(
     displacement: &[Point<D>],
 ) -> Result<Vec<[f64; 6]>, FemError> {
     let local = |lame: Lame, here: &Deformation<D>| Ok(lame.strain(here.gradient, here.hoop));
-    recover(body, analysis, displacement, local)
+    recover(body, analysis, displacement, local, &|_| true)
 }
 
 /// Recovered rotation vector at every node, radians, as [`recover_stress`]; in the plane its third component.
@@ -73,6 +86,7 @@ pub fn recover_spin<const D: usize>(
             };
             Ok([of(1, 2), of(2, 0), of(0, 1), 0.0, 0.0, 0.0])
         },
+        &|_| true,
     )?;
     Ok(spins
         .into_iter()
@@ -86,10 +100,11 @@ fn recover<const D: usize>(
     analysis: Analysis,
     displacement: &[Point<D>],
     local: impl Fn(Lame, &Deformation<D>) -> Result<[f64; 6], FemError> + Sync,
+    within: &dyn Fn(&CellBlock) -> bool,
 ) -> Result<Vec<[f64; 6]>, FemError> {
     let mesh = &body.mesh;
     let mut sums = vec![[0.0; 7]; mesh.points().len()];
-    for block in mesh.blocks() {
+    for block in mesh.blocks().iter().filter(|block| within(block)) {
         let whole = Cells::new(body, block, analysis, body.formulation)?;
         let table = CellTable::at(block.kind, &sampling_points(block.kind));
         let own = whole.at(table.formulated(block.kind, body.formulation));

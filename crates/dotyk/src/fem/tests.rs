@@ -24,13 +24,14 @@ const PLANES: [Analysis; 3] = [
     Analysis::Axisymmetric,
 ];
 
-fn body<const D: usize>(mesh: Mesh<D>) -> Body<D> {
+pub(super) fn body<const D: usize>(mesh: Mesh<D>) -> Body<D> {
     Body {
         name: "block".to_string(),
         mesh,
         materials: vec![Material {
             group: None,
             elastic: ELASTIC,
+            strength: None,
         }],
         thickness: 1.0,
         body_force: std::array::from_fn(|_| Field::constant(0.0)),
@@ -160,7 +161,7 @@ fn materials_out_of_range_are_refused() {
 }
 
 /// Two squares beside each other, [0, 1]² of group "a" and [1, 3] × [0, 1] of group "b".
-fn groups() -> Mesh<2> {
+pub(super) fn groups() -> Mesh<2> {
     let points = [
         [0.0, 0.0],
         [1.0, 0.0],
@@ -187,6 +188,7 @@ fn each_group_has_the_first_material_that_is_given_for_it() {
     let material = |group: Option<&str>, young: f64| Material {
         group: group.map(str::to_string),
         elastic: elastic(young),
+        strength: None,
     };
     let mut body = body(groups());
     body.materials = vec![
@@ -1390,6 +1392,7 @@ fn stress_between_materials_is_the_mean_by_volume() {
             young,
             poisson: 0.0,
         },
+        strength: None,
     };
     let mut body = body(groups());
     body.materials = vec![material("a", 3.0), material("b", 9.0)];

@@ -42,6 +42,7 @@ impl<const D: usize> Model<D> {
             materials: vec![Material {
                 group: None,
                 elastic,
+                strength: None,
             }],
             thickness: 1.0,
             body_force: std::array::from_fn(|_| Field::constant(0.0)),

@@ -3,7 +3,7 @@
 use crate::contact::{Coupling, InterfaceNode, Role};
 use crate::dual::{AdmissibleSet, NONE};
 use crate::fem::{
-    RigidBasis, describe_motion, fit_rigid, recover_strain, recover_stress, von_mises,
+    RigidBasis, describe_motion, fit_rigid, overstress, recover_strain, recover_stress, von_mises,
 };
 use crate::geometry::{Point, add_scaled, bounding_box, cross, distance, dot, norm, sub};
 use crate::model::bodies::LoadedBody;
@@ -66,6 +66,7 @@ fn body_solution<const D: usize>(
 ) -> Result<BodySolution<D>, Error<D>> {
     let fail = |source| Error::in_body(body, source);
     let stress = recover_stress(body, model.analysis, &state.u, time).map_err(fail)?;
+    let utilisation = overstress(body, model.analysis, &state.u, time, &stress).map_err(fail)?;
     let strain = recover_strain(body, model.analysis, &state.u).map_err(fail)?;
     let points = body.mesh.points();
     let basis = RigidBasis::of(model.analysis);
@@ -104,6 +105,12 @@ fn body_solution<const D: usize>(
         dofs: D * points.len(),
         displacement: state.u,
         peak: None,
+        utilisation: utilisation.map(|own| Utilisation {
+            nodal: own.utilisation,
+            overstressed: own.extent,
+            judged: own.whole,
+            peak: None,
+        }),
     })
 }
 

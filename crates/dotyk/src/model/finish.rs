@@ -98,8 +98,11 @@ pub(crate) fn finish<const D: usize>(
         &contacts,
         condensed.time,
     );
-    for (body, peak) in bodies.iter_mut().zip(peaks) {
-        body.peak = peak;
+    for (body, [stress, utilisation]) in bodies.iter_mut().zip(peaks) {
+        body.peak = stress;
+        if let Some(own) = &mut body.utilisation {
+            own.peak = utilisation;
+        }
     }
     if placed {
         warnings.extend(beyond(model, &condensed.paired, &bodies, &contacts)?);

@@ -10,7 +10,7 @@ use crate::model::quantity::{Dimension, Quantity};
 pub use crate::contact::Rigid;
 pub use crate::fem::{
     Active, Amount, Analysis, Body, COMPONENTS, Components, Couple, CoupleKind, Elastic,
-    Formulation, History, Initial, Load, Material, Place, Support,
+    Formulation, History, Initial, Load, Material, Place, Strength, Support,
 };
 
 /// Names of units; they label the report and change no number.

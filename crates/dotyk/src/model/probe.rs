@@ -74,7 +74,9 @@ fn site<const D: usize>(
         return couple.map(|_| nowhere);
     }
     let carrier = match &probe.quantity.parts {
-        Parts::Displacement(of, _) | Parts::Stress(of, _) => Carrier::Body(*of),
+        Parts::Displacement(of, _) | Parts::Stress(of, _) | Parts::Utilisation(of) => {
+            Carrier::Body(*of)
+        }
         Parts::Rotation(..) => return Err(ProbeError::NoCouple),
         Parts::Obstacle(of, _) if paired[*of].mortar.is_some() => {
             return Err(ProbeError::NoObstacle);
@@ -235,9 +237,17 @@ impl<'a, const D: usize> NodalField<'a, D> {
         (self.number)((self.vector)(node, normal))
     }
 
-    /// The value at a place of a cell or facet; a node without weight does not count, whatever it has.
+    /// The value at a place of a cell or facet; a node without weight does not count, whatever it has. Beside a node where it is
+    /// infinite it is, too, whatever the sign of its weight.
     fn interpolated(&self, found: &Located<D>) -> f64 {
         let parts = found.nodes.iter().zip(&found.shape);
+        let counts = parts.clone().filter(|(_, n)| **n != 0.0);
+        if counts
+            .map(|(&node, _)| self.at_node(node, found.normal))
+            .any(|v| v == f64::INFINITY)
+        {
+            return f64::INFINITY;
+        }
         let sum = parts.fold([0.0; D], |sum, (&node, &n)| match n {
             0.0 => sum,
             _ => add_scaled(sum, n, (self.vector)(node, found.normal)),
@@ -329,6 +339,11 @@ fn field<'a, const D: usize>(
                 let from = plane.then(|| sub(mesh.points()[node], probe.center));
                 stress(component, solved.stress[node], normal, from)
             };
+            Quantified::Varies(NodalField::scalar(Carrier::Body(of), value))
+        }
+        Parts::Utilisation(of) => {
+            let nodal = body(of).1.utilisation.as_ref().map(|own| &own.nodal);
+            let value = move |node: usize, _| nodal.map_or(f64::NAN, |nodal| nodal[node]);
             Quantified::Varies(NodalField::scalar(Carrier::Body(of), value))
         }
         Parts::Along(of, field) => {
@@ -578,7 +593,13 @@ fn first<const D: usize>(
 /// Sum of the shares, and of the shares times the values.
 fn sums<const D: usize>(samples: impl Iterator<Item = Sample<D>>) -> (f64, f64) {
     samples.fold((0.0, 0.0), |(whole, sum), (_, share, value)| {
-        (whole + share, sum + share * value)
+        // shares of corners of quadratic cells may be negative
+        let part = if value.is_infinite() {
+            value
+        } else {
+            share * value
+        };
+        (whole + share, sum + part)
     })
 }
 

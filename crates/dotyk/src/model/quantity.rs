@@ -29,6 +29,8 @@ pub(crate) enum Parts {
     Rotation(usize, usize),
     /// Stress of a body; a field.
     Stress(usize, Stress),
+    /// Stress of a body over its strength; a field.
+    Utilisation(usize),
     /// Force of the supports on a body, of all or those of a side; a number.
     Reaction(usize, Option<String>, usize),
     /// What varies along a contact; a field.
@@ -133,6 +135,8 @@ pub enum Dimension {
     Energy,
     /// Radians.
     Angle,
+    /// A number without a unit.
+    Ratio,
     /// An integral of another one.
     Other,
 }
@@ -201,6 +205,8 @@ pub enum Mistake {
     Incomplete,
     /// The quantity goes on after it.
     TooLong,
+    /// No material of the body has a strength.
+    NoStrength,
 }
 
 impl fmt::Display for QuantityError {
@@ -209,6 +215,10 @@ impl fmt::Display for QuantityError {
         match self.mistake {
             Mistake::Unknown(what) => write!(f, "unknown {what} `{word}`"),
             Mistake::Incomplete => write!(f, "the quantity ends after `{word}`"),
+            Mistake::NoStrength => write!(
+                f,
+                "`{word}` of a body without `strength`: give its material one"
+            ),
             Mistake::TooLong => write!(f, "`{word}` of a contact has no components"),
         }
     }
@@ -284,15 +294,16 @@ impl Quantity {
             Parts::Moment(..) => Dimension::Moment,
             Parts::Dissipated(..) => Dimension::Energy,
             Parts::Rotation(..) => Dimension::Angle,
+            Parts::Utilisation(..) => Dimension::Ratio,
         }
     }
 
     /// It varies from place to place.
     pub fn is_field(&self) -> bool {
-        use Parts::{Along, Displacement, Rotation, Stress};
+        use Parts::{Along, Displacement, Rotation, Stress, Utilisation};
         matches!(
             self.parts,
-            Displacement(..) | Rotation(..) | Stress(..) | Along(..)
+            Displacement(..) | Rotation(..) | Stress(..) | Utilisation(..) | Along(..)
         )
     }
 
@@ -353,7 +364,13 @@ fn of_body<const D: usize>(
     index: usize,
     body: &Body<D>,
 ) -> Result<Parts, QuantityError> {
-    const QUANTITIES: [&str; 4] = ["displacement", "rotation", "stress", "reaction"];
+    const QUANTITIES: [&str; 5] = [
+        "displacement",
+        "rotation",
+        "stress",
+        "reaction",
+        "utilisation",
+    ];
     let axes = &AXES[..D];
     let moved = components::<D>();
     let turns = if D == 3 { &AXES[..] } else { &AXES[2..] };
@@ -376,6 +393,10 @@ fn of_body<const D: usize>(
             Ok(Parts::Rotation(index, axis))
         }
         ["stress", _] => Ok(Parts::Stress(index, words.one_of(2, "stress", stresses)?)),
+        ["utilisation"] => match body.materials.iter().any(|m| m.strength.is_some()) {
+            true => Ok(Parts::Utilisation(index)),
+            false => Err(words.mistake(Mistake::NoStrength, 1, [])),
+        },
         ["reaction", _] => {
             let axis = words.one_of(2, "component", axes)?;
             Ok(Parts::Reaction(index, None, axis))

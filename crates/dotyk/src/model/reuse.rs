@@ -3,7 +3,7 @@
 use crate::geometry::Field;
 use crate::model::condense::Condensed;
 use crate::model::nouns::{
-    Body, Contact, Couple, Gap, Law, Model, Motion, Obstacle, Pair, Rigid, Support,
+    Body, Contact, Couple, Elastic, Gap, Law, Model, Motion, Obstacle, Pair, Rigid, Support,
 };
 
 /// What a solved model leaves for the next one: its bodies condensed onto the contact. A model of the same stiffness takes it
@@ -45,8 +45,12 @@ fn same_body<const D: usize>(a: &Body<D>, b: &Body<D>) -> bool {
                 .into_iter()
                 .all(|(a, b)| a.is_some() == b.is_some())
     };
-    (&a.name, &a.materials, a.thickness, a.formulation)
-        == (&b.name, &b.materials, b.thickness, b.formulation)
+    let stiffness = |body: &Body<D>| -> Vec<(Option<String>, Elastic)> {
+        let materials = body.materials.iter();
+        materials.map(|m| (m.group.clone(), m.elastic)).collect()
+    };
+    (&a.name, stiffness(a), a.thickness, a.formulation)
+        == (&b.name, stiffness(b), b.thickness, b.formulation)
         && a.couples.len() == b.couples.len()
         && a.couples
             .iter()

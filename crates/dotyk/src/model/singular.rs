@@ -70,41 +70,49 @@ impl Known {
     }
 }
 
-/// A von Mises stress below this part of the largest stress is rounding.
+/// A value below this part of its scale is rounding.
 const ROUNDING: f64 = 1e-10;
 
 /// Nodes of a body at which the stress is not finite, each with the reason.
 type Places = BTreeMap<usize, Singular>;
 
-/// The largest von Mises stress of every body, from its solution at a time and that of the contacts.
+/// The largest von Mises stress and the largest utilisation of every body, from its solution at a time and that of the contacts.
 pub(crate) fn peaks<const D: usize>(
     model: &Model<D>,
     outlines: &Outlines,
     bodies: &[BodySolution<D>],
     contacts: &[ContactSolution<D>],
     time: f64,
-) -> Vec<Option<Peak<D>>> {
+) -> Vec<[Option<Peak<D>>; 2]> {
     let known = outlines.0.get_or_init(|| Known::of(model, contacts));
     let ends = ends_of_contacts(model, known, contacts);
     let each = model.bodies.par_iter().zip(bodies).zip(ends).enumerate();
     let each = each.map(|(index, ((body, solved), mut places))| {
         places.extend(known.outlines[index].corners(body, &known.tied[index]));
         places.extend(point_forces(model, body, solved, time));
-        peak(model, body, solved, &places)
+        // under equal pressure on all sides von Mises' stress is rounding
+        let components = solved.stress.as_flattened().iter();
+        let scale = components.fold(0.0, |most: f64, s| most.max(s.abs()));
+        let utilised = solved.utilisation.as_ref();
+        [
+            peak(model, body, (&solved.von_mises, scale), &places),
+            utilised.and_then(|own| peak(model, body, (&own.nodal, 1.0), &places)),
+        ]
     });
     each.collect()
 }
 
-/// The largest stress of one body, and if it is at one of these places, what it is beside them.
+/// The largest of the values at the nodes of one body, and if it is at one of these places, what it is beside them; what is far below
+/// `scale` is rounding.
 fn peak<const D: usize>(
     model: &Model<D>,
     body: &Body<D>,
-    solved: &BodySolution<D>,
+    (values, scale): (&[f64], f64),
     places: &Places,
 ) -> Option<Peak<D>> {
     let points = body.mesh.points();
     let largest = |among: &dyn Fn(usize) -> bool| {
-        let values = solved.von_mises.iter().enumerate();
+        let values = values.iter().enumerate();
         let values = values.filter(|(node, value)| !value.is_nan() && among(*node));
         let found = values.reduce(|best, next| if next.1 > best.1 { next } else { best });
         found.map(|(node, &value)| {
@@ -114,9 +122,6 @@ fn peak<const D: usize>(
     };
     let (node, most) = largest(&|_| true)?;
     let near = around(&body.mesh, places);
-    // under equal pressure on all sides it is rounding
-    let components = solved.stress.as_flattened().iter();
-    let scale = components.fold(0.0, |most: f64, s| most.max(s.abs()));
     let singular = near.get(&node).filter(|_| most.value > ROUNDING * scale);
     let place = singular.and_then(|&place| {
         let two = around(&body.mesh, &near);
@@ -126,7 +131,7 @@ fn peak<const D: usize>(
         }
         let bound = away.map_or(f64::INFINITY, |away| away.value);
         let volumes = nodal_volumes(body, model.analysis);
-        let (usual, share) = usual(&volumes, &solved.von_mises, bound);
+        let (usual, share) = usual(&volumes, values, bound);
         Some(SingularPeak {
             place,
             away,

@@ -208,18 +208,35 @@ pub struct BodySolution<const D: usize> {
     pub dofs: usize,
     /// Its largest von Mises stress; `None` where none is a number.
     pub peak: Option<Peak<D>>,
+    /// How far its stress goes towards its strength; `None` where no material has one.
+    pub utilisation: Option<Utilisation<D>>,
 }
 
-/// A von Mises stress and its node.
+/// How far the stress of a body goes towards the strength of its materials. The stress is elastic: what exceeds the strength
+/// would yield or break, and hand stress on to its neighbourhood.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Utilisation<const D: usize> {
+    /// At every node, 1 is failure, infinite beyond the apex of a criterion; NaN where no cell has a strength. Between materials the
+    /// largest of theirs.
+    pub nodal: Vec<f64>,
+    /// Area where it exceeds 1, in space volume; without thickness, with axial symmetry that of the section.
+    pub overstressed: f64,
+    /// Area, in space volume, of what has a strength.
+    pub judged: f64,
+    /// The largest; `None` where none is a number.
+    pub peak: Option<Peak<D>>,
+}
+
+/// A von Mises stress, or a utilisation, and its node.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct StressAt<const D: usize> {
-    /// The stress.
+    /// The stress, or the utilisation.
     pub value: f64,
     /// Undeformed place of the node.
     pub at: Point<D>,
 }
 
-/// The largest von Mises stress of a body.
+/// The largest von Mises stress or utilisation of a body.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Peak<const D: usize> {
     /// The stress and its node.

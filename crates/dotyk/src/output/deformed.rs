@@ -22,7 +22,7 @@ pub const SHOWN: f64 = 0.05;
 /// Bodies whose largest stresses differ by more than this factor have their own colour scales.
 const APART: f64 = 4.0;
 /// A colour scale ends below the largest stress if it then is shorter than this part of it.
-const CLEARLY: f64 = 0.8;
+pub const CLEARLY: f64 = 0.8;
 /// Room for a colour bar with its numbers.
 pub const BAR: f64 = 92.0;
 
@@ -224,8 +224,6 @@ pub fn colour_bars<const D: usize>(
     let bars = scales.len() as f64;
     let each = height / bars;
     let left = WIDTH - BAR + 18.0;
-    let strip: Vec<u8> = (0..colour::STEPS).rev().map(|i| 1 + i as u8).collect();
-    let picture = png(1, colour::STEPS, &strip, &colour::palette());
     for (k, (bodies, high)) in scales.iter().enumerate() {
         let top = 16.0 + each * k as f64;
         let axis = Axis::linear("Von Mises", &labels.stress, &[0.0, *high], true, 5);
@@ -243,34 +241,37 @@ pub fn colour_bars<const D: usize>(
             svg.text([left, start], line.trim(), small.coloured(MUTED));
             start += 13.0;
         }
-        let size = [14.0, (top + each - 22.0 - start).clamp(40.0, 260.0)];
-        svg.picture([left, start], size, &picture);
-        svg.rectangle([left, start], size, INK, "none");
-        if bodies.iter().any(|&i| {
-            solution.bodies[i]
-                .peak
-                .is_some_and(|p| p.most.value > *high)
-        }) {
-            // more than the end of the scale has its colour, too
-            let tip = [
-                [left, start],
-                [left + 14.0, start],
-                [left + 7.0, start - 9.0],
-            ];
-            let end = colour::palette()[colour::STEPS];
-            let fill = format!("#{:02x}{:02x}{:02x}", end[0], end[1], end[2]);
-            svg.path(&segments(&tip, true), INK, 1.0, &fill, "");
-        }
-        for (value, text) in &axis.ticks {
-            let y = start + (1.0 - axis.fraction(*value)) * size[1];
-            svg.line([left + 14.0, y], [left + 18.0, y], INK, 0.8);
-            svg.text([left + 21.0, y + 3.6], text, small);
-        }
+        let peaks = bodies.iter().filter_map(|&i| solution.bodies[i].peak);
+        let more = peaks.into_iter().any(|peak| peak.most.value > *high);
+        colour_bar(svg, [left, start], top + each - 22.0 - start, &axis, more);
     }
 }
 
+/// A strip of the colours with the ticks of its axis, and its height; with a tip where there is more than its end.
+pub fn colour_bar(svg: &mut Svg, [left, top]: Pixel, height: f64, axis: &Axis, more: bool) -> f64 {
+    let strip: Vec<u8> = (0..colour::STEPS).rev().map(|i| 1 + i as u8).collect();
+    let picture = png(1, colour::STEPS, &strip, &colour::palette());
+    let size = [14.0, height.clamp(40.0, 260.0)];
+    svg.picture([left, top], size, &picture);
+    svg.rectangle([left, top], size, INK, "none");
+    if more {
+        // more than the end of the scale has its colour, too
+        let tip = [[left, top], [left + 14.0, top], [left + 7.0, top - 9.0]];
+        let end = colour::palette()[colour::STEPS];
+        let fill = format!("#{:02x}{:02x}{:02x}", end[0], end[1], end[2]);
+        svg.path(&segments(&tip, true), INK, 1.0, &fill, "");
+    }
+    for (value, text) in &axis.ticks {
+        let y = top + (1.0 - axis.fraction(*value)) * size[1];
+        svg.line([left + 14.0, y], [left + 18.0, y], INK, 0.8);
+        let style = Type::SMALL.anchored(Anchor::Start);
+        svg.text([left + 21.0, y + 3.6], text, style);
+    }
+    size[1]
+}
+
 /// A picture of palette indices that grows triangle by triangle.
-struct Canvas {
+pub struct Canvas {
     corner: Pixel,
     width: usize,
     height: usize,
@@ -278,7 +279,8 @@ struct Canvas {
 }
 
 impl Canvas {
-    fn new(view: &View) -> Self {
+    /// An empty one for a view.
+    pub fn new(view: &View) -> Self {
         let (width, height) = (
             (view.size[0] * FINE).ceil() as usize,
             (view.size[1] * FINE).ceil() as usize,
@@ -291,12 +293,13 @@ impl Canvas {
         }
     }
 
-    fn png(&self) -> Vec<u8> {
+    /// As a PNG file.
+    pub fn png(&self) -> Vec<u8> {
         png(self.width, self.height, &self.pixels, &colour::palette())
     }
 
-    /// All cells of a mesh with its nodes at `places`; `values` run from 0 to `high`.
-    fn mesh(&mut self, mesh: &Mesh<2>, places: &[Pixel], values: &[f64], high: f64) {
+    /// All cells of a mesh with its nodes at `places`; `values` run from 0 to `high`, and where one is NaN nothing is drawn.
+    pub fn mesh(&mut self, mesh: &Mesh<2>, places: &[Pixel], values: &[f64], high: f64) {
         let high = if high > 0.0 { high } else { 1.0 };
         let vertex = |n: u32| {
             let p = places[n as usize];
@@ -304,17 +307,7 @@ impl Canvas {
             let y = (p[1] - self.corner[1]) * FINE;
             ([x, y], values[n as usize] / high)
         };
-        let (mut rim, mut fans) = (Vec::new(), Vec::new());
-        for block in mesh.blocks() {
-            for cell in block.cells() {
-                rim.clear();
-                let center = fan(block.kind, cell, &vertex, &mut rim);
-                for (i, &start) in rim.iter().enumerate() {
-                    fans.push([center, start, rim[(i + 1) % rim.len()]]);
-                }
-            }
-        }
-        for corners in fans {
+        for corners in fans(mesh, &vertex) {
             self.triangle(corners);
         }
     }
@@ -324,7 +317,8 @@ impl Canvas {
         let xs = [a.0[0], b.0[0], c.0[0]];
         let ys = [a.0[1], b.0[1], c.0[1]];
         let twice = (xs[1] - xs[0]) * (ys[2] - ys[0]) - (xs[2] - xs[0]) * (ys[1] - ys[0]);
-        if !twice.is_finite() || twice.abs() <= 1e-12 {
+        let known = [a, b, c].iter().all(|corner| !corner.1.is_nan());
+        if !twice.is_finite() || twice.abs() <= 1e-12 || !known {
             return;
         }
         let span = |v: [f64; 3], size: usize| {
@@ -351,7 +345,22 @@ impl Canvas {
 }
 
 /// Place and value.
-type Vertex = ([f64; 2], f64);
+pub type Vertex = ([f64; 2], f64);
+
+/// All cells of a mesh as triangles, on which places and values are linear.
+pub fn fans(mesh: &Mesh<2>, vertex: &dyn Fn(u32) -> Vertex) -> Vec<[Vertex; 3]> {
+    let (mut rim, mut fans) = (Vec::new(), Vec::new());
+    for block in mesh.blocks() {
+        for cell in block.cells() {
+            rim.clear();
+            let center = fan(block.kind, cell, vertex, &mut rim);
+            for (i, &start) in rim.iter().enumerate() {
+                fans.push([center, start, rim[(i + 1) % rim.len()]]);
+            }
+        }
+    }
+    fans
+}
 
 /// Rim of a cell (quadratic edges as four pieces) and its centre: a fan of triangles.
 fn fan(

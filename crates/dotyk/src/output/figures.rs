@@ -11,6 +11,7 @@ use crate::output::scene::Scene;
 use crate::output::setup::setup_figure;
 use crate::output::space;
 use crate::output::text::count;
+use crate::output::utilisation::utilisation_figure;
 use std::any::Any;
 
 /// What draws a model.
@@ -64,6 +65,18 @@ impl<'a> Figures<'a> {
         let (drawing, caption) = deformed_figure(scene, solution);
         let more = " Dashed: undeformed outline. Colour: von Mises stress, recovered at the nodes.";
         figure(&drawing, "Deformed shape", &format!("{caption}{more}"))
+    }
+
+    /// The utilisation of the strength, with the line where it is 1.
+    pub fn utilisation<const D: usize>(&self, solution: &Solution<D>) -> String {
+        if let (Some(scene), Some(solution)) = (&self.space, known(solution)) {
+            return space::utilisation_figures(scene, solution);
+        }
+        let (Some(scene), Some(solution)) = (&self.plane, known(solution)) else {
+            return String::new();
+        };
+        let (drawing, caption) = utilisation_figure(scene, solution);
+        figure(&drawing, "Utilisation of the strength", &caption)
     }
 
     /// Pressure and gap along a contact, in space on its faces.

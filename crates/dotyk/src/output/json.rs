@@ -9,6 +9,7 @@ use crate::model::{
 };
 use crate::output::Overview;
 use crate::output::text::{Labels, THIN};
+use crate::output::vtu::judged;
 use serde::Serialize;
 use std::collections::BTreeMap;
 
@@ -102,7 +103,7 @@ fn step_summary<'a, const D: usize>(
         bodies: bodies
             .map(|(body, answer)| {
                 let cells = body.mesh.blocks().iter().map(|b| b.cells().len()).sum();
-                body_entry(answer, body.mesh.points().len(), cells)
+                body_entry(answer, [body.mesh.points().len(), cells], judged(solution))
             })
             .collect(),
         probes: probes
@@ -358,9 +359,34 @@ struct BodyEntry<'a> {
     max_von_mises_away: Option<f64>,
     max_von_mises_away_at: Option<&'a [f64]>,
     strain_energy: f64,
+    /// Of the stress over the strength; only where a body of the model has one.
+    #[serde(flatten)]
+    strength: Option<StrengthEntry<'a>>,
     /// The points that sides move with; only where there are some.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     couples: Vec<CoupleEntry<'a>>,
+}
+
+/// Null where the body has no strength; the largest utilisation, too, where it is infinite.
+#[derive(Clone, Serialize)]
+struct StrengthEntry<'a> {
+    overstressed_area: Option<f64>,
+    max_utilisation: Option<f64>,
+    max_utilisation_at: Option<&'a [f64]>,
+    /// What is singular there; null where nothing is.
+    max_utilisation_place: Option<String>,
+}
+
+fn strength_entry<const D: usize>(body: &BodySolution<D>) -> StrengthEntry<'_> {
+    let own = body.utilisation.as_ref();
+    let peak = own.and_then(|own| own.peak.as_ref());
+    let singular = peak.and_then(|peak| peak.place.as_ref());
+    StrengthEntry {
+        overstressed_area: own.map(|own| own.overstressed),
+        max_utilisation: peak.map(|peak| peak.most.value),
+        max_utilisation_at: peak.map(|peak| &peak.most.at[..]),
+        max_utilisation_place: singular.map(|singular| singular.place.to_string()),
+    }
 }
 
 #[derive(Clone, Serialize)]
@@ -384,7 +410,11 @@ fn couple_entry<const D: usize>(couple: &CoupleSolution<D>) -> CoupleEntry<'_> {
     }
 }
 
-fn body_entry<const D: usize>(body: &BodySolution<D>, nodes: usize, cells: usize) -> BodyEntry<'_> {
+fn body_entry<const D: usize>(
+    body: &BodySolution<D>,
+    [nodes, cells]: [usize; 2],
+    judged: bool,
+) -> BodyEntry<'_> {
     let peak = body.peak.as_ref();
     let singular = peak.and_then(|peak| peak.place.as_ref());
     let away = singular.and_then(|singular| singular.away.as_ref());
@@ -406,6 +436,7 @@ fn body_entry<const D: usize>(body: &BodySolution<D>, nodes: usize, cells: usize
         max_von_mises_away: away.map(|away| away.value),
         max_von_mises_away_at: away.map(|away| &away.at[..]),
         strain_energy: body.strain_energy,
+        strength: judged.then(|| strength_entry(body)),
         couples: body.couples.iter().map(couple_entry).collect(),
     }
 }

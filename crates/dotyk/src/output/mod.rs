@@ -36,6 +36,7 @@ mod symbols;
 mod text;
 #[cfg(test)]
 mod tunnel;
+mod utilisation;
 mod verdict;
 mod view;
 mod vtu;

@@ -4,7 +4,9 @@
 //! same solution gives the same bytes, but for the block of timings.
 
 use crate::geometry::Point;
-use crate::model::{Analysis, BodySolution, ContactSolution, Dimension, Model, Solution, Status};
+use crate::model::{
+    Analysis, BodySolution, ContactSolution, Dimension, Model, Peak, Solution, Status,
+};
 use crate::output::Overview;
 use crate::output::chain::arc_lengths;
 use crate::output::contacts;
@@ -15,6 +17,7 @@ use crate::output::json::{VERSION, largest, range};
 use crate::output::lines::{lines_section, place_in_words};
 use crate::output::steps::steps_section;
 use crate::output::text::{Labels, Scales, count, number, quantity, seconds, vector};
+use crate::output::utilisation::{largest_utilisation, strength_section};
 use crate::output::verdict;
 
 /// Content of `report.html`.
@@ -36,6 +39,7 @@ pub fn page<const D: usize>(run: &Overview<'_, D>) -> String {
         "<h2>Deformation and stress</h2>\n".to_string(),
         figures.deformed(solution),
         bodies(model, solution, &labels),
+        strength_section(model, solution, &figures, &labels),
         points(solution, &labels),
         contacts::contacts(solution, &figures, &labels),
         contacts::balance(model, solution, &labels),
@@ -129,6 +133,16 @@ fn key_figures<const D: usize>(solution: &Solution<D>, labels: &Labels) -> Strin
             "Largest von Mises stress",
             quantity(value, &labels.stress),
             body,
+        ));
+    }
+    if let Some((body, peak)) = largest_utilisation(solution) {
+        let place = peak
+            .place
+            .map(|singular| format!(", at {}", singular.place));
+        cards.push((
+            "Largest utilisation",
+            number(peak.most.value),
+            format!("in {body}{}", place.unwrap_or_default()),
         ));
     }
     if !solution.contacts.is_empty() {
@@ -298,10 +312,10 @@ fn bodies<const D: usize>(model: &Model<D>, solution: &Solution<D>, labels: &Lab
         column("elastic energy", &labels.energy),
     ];
     let mut out = format!("<h3>Bodies</h3>\n{}", table(&heads, rows));
-    let told = solution
-        .bodies
-        .iter()
-        .filter_map(|b| singular_stress(b, labels));
+    let told = solution.bodies.iter().filter_map(|b| {
+        let what = format!("von Mises stress of {}", b.name);
+        singular_peak(&what, b.peak, [&labels.stress, &labels.length])
+    });
     out += &told
         .map(|line| format!("<p>{}</p>\n", escape(&line)))
         .collect::<String>();
@@ -344,20 +358,23 @@ fn turned(values: &[f64]) -> String {
     }
 }
 
-/// A word on a largest stress that is none; nothing where it is one.
-fn singular_stress<const D: usize>(body: &BodySolution<D>, labels: &Labels) -> Option<String> {
-    let peak = body.peak?;
-    let singular = peak.place?;
+/// A word on a largest value of a body that is none; nothing where it is one.
+pub fn singular_peak<const D: usize>(
+    what: &str,
+    peak: Option<Peak<D>>,
+    [unit, length]: [&str; 2],
+) -> Option<String> {
+    let singular = peak?.place?;
     let away = singular.away.map_or(String::new(), |away| {
-        let at = vector(&away.at, &labels.length);
         format!(
-            " Farther than two cells from such places the largest is {}, at {at}.",
-            quantity(away.value, &labels.stress)
+            " Farther than two cells from such places the largest is {}, at {}.",
+            quantity(away.value, unit),
+            vector(&away.at, length)
         )
     });
     Some(format!(
-        "The largest von Mises stress of {} is at {}: it grows as the mesh is refined, and means nothing by itself.{away}",
-        body.name, singular.place
+        "The largest {what} is at {}: it grows as the mesh is refined, and means nothing by itself.{away}",
+        singular.place
     ))
 }
 

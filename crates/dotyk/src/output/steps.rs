@@ -8,6 +8,8 @@ use crate::output::json::{closed_and_open, largest};
 use crate::output::panels::{Abscissae, Panel, Series, panels_figure};
 use crate::output::plot::Axis;
 use crate::output::text::{Labels, Scales, count, number, vector, without_noise};
+use crate::output::utilisation::largest_utilisation;
+use crate::output::vtu::judged;
 
 /// More probes than this are left to the table.
 const MOST_PANELS: usize = 24;
@@ -147,23 +149,36 @@ fn rows<const D: usize>(
 }
 
 fn overview<const D: usize>(steps: &[&Solution<D>], labels: &Labels) -> String {
-    let heads = vec![
+    let (word, unit) = labels.interior();
+    let strong = steps.iter().any(|step| judged(step));
+    let mut heads = vec![
         column("iterations", ""),
         column("largest displacement", &labels.length),
         column("largest von Mises", &labels.stress),
         column("elastic energy", &labels.energy),
         column("certified", ""),
     ];
+    if strong {
+        heads.push(column("largest utilisation", ""));
+        heads.push(column(&format!("overstressed {word}"), &unit));
+    }
     rows(steps, heads, |_, s| {
         let bodies = || s.bodies.iter();
         let stresses = bodies().flat_map(|b| b.von_mises.iter().copied());
-        vec![
+        let mut row = vec![
             count(s.solver.iterations),
             number(largest(bodies().map(BodySolution::max_displacement))),
             number(largest(stresses)),
             number(bodies().map(|b| b.strain_energy).sum()),
             if s.converged { "✓" } else { "✗" }.to_string(),
-        ]
+        ];
+        if strong {
+            let own = || bodies().filter_map(|body| body.utilisation.as_ref());
+            let most = largest_utilisation(s).map_or(f64::NAN, |(_, peak)| peak.most.value);
+            row.push(number(most));
+            row.push(number(own().map(|own| own.overstressed).sum()));
+        }
+        row
     })
 }
 

@@ -175,6 +175,19 @@ impl Labels {
         }
     }
 
+    /// What a part of a body is, with the unit.
+    pub fn interior(&self) -> (&'static str, String) {
+        let (word, power) = match self.axes.len() {
+            3 => ("volume", '³'),
+            _ => ("area", '²'),
+        };
+        let unit = match self.length.is_empty() {
+            true => String::new(),
+            false => format!("{}{power}", self.length),
+        };
+        (word, unit)
+    }
+
     /// What of a contact is closed, in words.
     pub fn in_contact(&self) -> &'static str {
         match self.axes.len() {
@@ -192,7 +205,7 @@ impl Labels {
             Dimension::Angle => "rad",
             Dimension::Force => &self.force,
             Dimension::Stress => &self.stress,
-            Dimension::Other => "",
+            Dimension::Ratio | Dimension::Other => "",
         }
     }
 }
@@ -267,6 +280,8 @@ impl Scales {
             Dimension::Stress => self.stress,
             Dimension::Length => self.length,
             Dimension::Moment => self.force * self.reach,
+            // 1 is failure
+            Dimension::Ratio => 1.0,
             Dimension::Area | Dimension::Energy | Dimension::Angle | Dimension::Other => 0.0,
         };
         without_noise(value, scale)

@@ -6,7 +6,8 @@
 //! side and, where the contact pairs nodes, at their partners (whose normal is the opposite one); elsewhere they are NaN, and
 //! the state is −1: 0 open, 1 closed, 2 stick, 3 slip, 4 tied, 5 fixed. In space, where corners of facets carry the
 //! multipliers, nodes between them have what is linear there and the state of the corner that bears most. With friction or a tie there is `shear`, the traction
-//! on this body. Cells have the index of their body; field data are the time and the units.
+//! on this body. `utilisation` is there where a body of the model has a strength: 1 is failure, infinite beyond the apex of a criterion,
+//! NaN where a body or group has none. Cells have the index of their body; field data are the time and the units.
 //! Arrays are inline, little-endian, zlib in blocks, base64.
 //! Source: VTK file formats, section "XML file formats" (vtk.org).
 
@@ -67,6 +68,11 @@ pub fn body_vtu<const D: usize>(model: &Model<D>, solution: &Solution<D>, body: 
     floats(&mut out, "stress", &tensor, answer.stress.as_flattened());
     floats(&mut out, "strain", &tensor, answer.strain.as_flattened());
     floats(&mut out, "von_mises", &[], &answer.von_mises);
+    if judged(solution) {
+        let own = answer.utilisation.as_ref().map(|own| own.nodal.clone());
+        let nodal = own.unwrap_or_else(|| vec![f64::NAN; mesh.points().len()]);
+        floats(&mut out, "utilisation", &[], &nodal);
+    }
     floats(
         &mut out,
         "principal_stress",
@@ -115,6 +121,14 @@ pub fn body_vtu<const D: usize>(model: &Model<D>, solution: &Solution<D>, body: 
     array(&mut out, "Int32", "body", &[], &index);
     out.push_str("</CellData>\n</Piece>\n</UnstructuredGrid>\n</VTKFile>\n");
     out
+}
+
+/// Some body has a strength.
+pub fn judged<const D: usize>(solution: &Solution<D>) -> bool {
+    solution
+        .bodies
+        .iter()
+        .any(|body| body.utilisation.is_some())
 }
 
 /// Names of the components of tensors and vectors.

@@ -38,6 +38,7 @@ mod space_hertz;
 mod space_judge;
 mod stages;
 mod steps;
+mod strength;
 mod tables;
 mod tidy;
 mod warnings;

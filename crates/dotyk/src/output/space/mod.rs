@@ -18,9 +18,11 @@ mod stress;
 mod tests;
 mod thin;
 mod turning;
+mod utilisation;
 
 pub use scene::Scene;
 pub use setup::model_figure;
+pub use utilisation::utilisation_figure as utilisation_figures;
 
 use crate::model::Solution;
 

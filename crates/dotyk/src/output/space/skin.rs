@@ -7,7 +7,7 @@
 use crate::geometry::{Point, cross, distance, dot, unit};
 use crate::mesh::{CellKind, Domain, Facet, MAX_FACET_NODES, Mesh};
 use crate::output::space::camera::Window;
-use crate::output::space::canvas::{Canvas, Corner, NONE, Paint};
+use crate::output::space::canvas::{Canvas, Corner, NONE, Paint, between};
 use std::collections::BTreeMap;
 
 /// Cosine of the angle between the normals of facets from which their common edge is one of a feature: 34 degrees.
@@ -228,6 +228,18 @@ impl<'a> Skin<'a> {
         }
     }
 
+    /// Draws the lines on which the values are `level`, on the facets that look at the viewer.
+    pub fn level(&self, canvas: &mut Canvas, look: &Look, level: f64, ink: usize) {
+        let mut lattices = Lattices::default();
+        for &facet in &self.facets {
+            self.triangles(&mut lattices, look, facet, None, &mut |corners, _| {
+                if let Some([a, b]) = level_line(corners, level) {
+                    canvas.line(a, b, ink);
+                }
+            });
+        }
+    }
+
     /// Draws the facets that look at the viewer, each place in the colour of the nearest corner, or of a node between corners
     /// that has one.
     pub fn patches(
@@ -355,6 +367,17 @@ pub fn shade(normal: Point<3>) -> f64 {
     // half of the light comes from all around: nothing is black
     let light = 0.5 + 0.5 * dot(normal, LIGHT);
     (DARK + (1.03 - DARK) * light).min(1.0)
+}
+
+/// The line across a triangle on which its values are `level`.
+pub fn level_line(corners: &[Corner; 3], level: f64) -> Option<[[f64; 3]; 2]> {
+    let known = corners.iter().all(|corner| !corner.value.is_nan());
+    let ends = (0..3).filter_map(|i| {
+        let (a, b) = (&corners[i], &corners[(i + 1) % 3]);
+        let crosses = known && (a.value > level) != (b.value > level);
+        crosses.then(|| between(a.at, b.at, (level - a.value) / (b.value - a.value)))
+    });
+    ends.collect::<Vec<_>>().try_into().ok()
 }
 
 /// The corners run counter-clockwise on paper, where y is downward.

@@ -13,6 +13,8 @@ use crate::output::space::stress::magnification;
 use crate::output::space::thin::{Surface, thinned};
 use crate::output::svg::short;
 use crate::output::text::{Labels, number, quantity, with_unit};
+use crate::output::utilisation::drawn;
+use crate::output::vtu::judged;
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 use serde_json::json;
@@ -95,6 +97,13 @@ fn quantities(scene: &Scene<'_>, solution: &Solution<3>) -> Vec<Shown> {
             values: moved.collect(),
         },
     ];
+    if judged(solution) {
+        list.push(Shown {
+            name: "utilisation",
+            unit: String::new(),
+            values: bodies().map(drawn).collect(),
+        });
+    }
     if !solution.contacts.is_empty() {
         list.push(Shown {
             name: "contact pressure",

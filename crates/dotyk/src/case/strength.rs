@@ -1,0 +1,96 @@
+//! `strength` of a material: which criterion its keys mean, and constants such as a material may have.
+
+use crate::case::document::{Entry, Node, Table};
+use crate::case::error::Fault;
+use crate::case::keys;
+use crate::case::suggest::listed;
+use crate::fem::FemError;
+use crate::model::Strength;
+
+/// The criteria: name, keys that must be there, keys that may.
+const CRITERIA: [(&str, &[&str], &[&str]); 4] = [
+    ("von Mises", &["yield"], &[]),
+    (
+        "Mohr–Coulomb",
+        &["friction_angle", "cohesion"],
+        &["tension"],
+    ),
+    ("Hoek–Brown", &["sci", "mb", "s", "a"], &[]),
+    ("principal stresses", &["compression", "tension"], &[]),
+];
+
+/// The strength that a table means.
+pub(crate) fn strength(node: &Node) -> Result<Strength, Fault> {
+    let table = node.table(keys::STRENGTH)?;
+    let written = node.entries()?;
+    // `tension` belongs to two of them: the first other key tells which
+    let first = written.iter().find(|entry| entry.key != "tension");
+    let has = |needed: &[&str]| first.is_some_and(|first| needed.contains(&first.key.as_str()));
+    let meant = CRITERIA.iter().find(|(_, needed, _)| has(needed));
+    let Some(&(criterion, needed, more)) = meant else {
+        return Err(Fault::new(table.span, "this is no strength")
+            .label("which criterion?")
+            .help(known()));
+    };
+    let belongs = |entry: &&Entry| [needed, more].concat().contains(&entry.key.as_str());
+    if let Some(entry) = written.iter().find(|entry| !belongs(entry)) {
+        let message = format!("`{}` is none of the keys of {criterion}", entry.key);
+        return Err(Fault::new(&entry.key_span, message)
+            .label("of another criterion")
+            .help(known()));
+    }
+    let number = |key: &str| {
+        table
+            .require(key, &format!("the strength of {criterion}"))?
+            .number()
+    };
+    let strength = match needed[0] {
+        "yield" => Strength::VonMises {
+            yield_stress: number("yield")?,
+        },
+        "friction_angle" => Strength::MohrCoulomb {
+            friction_angle: number("friction_angle")?,
+            cohesion: number("cohesion")?,
+            tension: table.get("tension").map(Node::number).transpose()?,
+        },
+        "sci" => Strength::HoekBrown {
+            sci: number("sci")?,
+            mb: number("mb")?,
+            s: number("s")?,
+            a: number("a")?,
+        },
+        _ => Strength::Principal {
+            tension: number("tension")?,
+            compression: number("compression")?,
+        },
+    };
+    strength
+        .check()
+        .map_err(|error| out_of_range(&error, table))?;
+    Ok(strength)
+}
+
+/// A constant that is out of range, at its place.
+fn out_of_range(error: &FemError, table: Table<'_>) -> Fault {
+    let FemError::Material { name, value, range } = error else {
+        return Fault::new(table.span, error.to_string());
+    };
+    let span = table.get(name).map_or(table.span, |node| &node.span);
+    Fault::new(span, format!("`{name}` = {value}: {range}")).label("out of range")
+}
+
+/// The criteria with their keys, for messages.
+fn known() -> String {
+    let one = |(name, needed, more): &(&str, &[&str], &[&str])| {
+        let more = match more {
+            [] => String::new(),
+            more => format!(" and perhaps {}", listed(more.iter().copied())),
+        };
+        format!("{} ({name}){more}", listed(needed.iter().copied()))
+    };
+    let all: Vec<String> = CRITERIA.iter().map(one).collect();
+    format!(
+        "a strength has the keys of one criterion: {}",
+        all.join("; ")
+    )
+}

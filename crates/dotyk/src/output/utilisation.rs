@@ -1,0 +1,242 @@
+//! Section "Strength" of the report: how far the stress goes towards the strength, where it goes beyond, and the figure with the
+//! line where the utilisation is 1.
+
+use crate::geometry::Point;
+use crate::model::{BodySolution, Model, Peak, Solution};
+use crate::output::deformed::{BAR, CLEARLY, Canvas, Vertex, colour_bar, fans};
+use crate::output::figures::Figures;
+use crate::output::html::{column, escape, left, plain, table, text};
+use crate::output::plot::Axis;
+use crate::output::report::singular_peak;
+use crate::output::scene::{Scene, WIDTH, outline_path};
+use crate::output::svg::{ALARM, Anchor, INK, MUTED, Pixel, Svg, Type, segments};
+use crate::output::text::{Labels, number, quantity, vector};
+use crate::output::view::{Margin, View, beside, mark_detail, scale_bar};
+use crate::output::vtu::judged;
+
+/// The colours end here at the latest: what is beyond is far beyond the strength.
+const MOST_SHOWN: f64 = 2.0;
+
+/// The section; nothing where no body has a strength.
+pub fn strength_section<const D: usize>(
+    model: &Model<D>,
+    solution: &Solution<D>,
+    figures: &Figures<'_>,
+    labels: &Labels,
+) -> String {
+    if !judged(solution) {
+        return String::new();
+    }
+    let words = solution
+        .bodies
+        .iter()
+        .flat_map(|body| in_words(body, labels));
+    let words = words.map(|line| format!("<p>{}</p>\n", escape(&line)));
+    let elastic = "The stress is elastic. Where it exceeds the strength the material would yield or break and hand stress on to its \
+                   neighbourhood, which is not computed: what is overstressed tells where that begins, not how far it goes.";
+    format!(
+        "<h2>Strength</h2>\n{}{}{}<p>{elastic}</p>\n",
+        figures.utilisation(solution),
+        bodies(model, solution, labels),
+        words.collect::<String>(),
+    )
+}
+
+/// The body with the largest utilisation, and that.
+pub fn largest_utilisation<const D: usize>(solution: &Solution<D>) -> Option<(&str, Peak<D>)> {
+    let bodies = solution.bodies.iter();
+    let peaks = bodies.filter_map(|body| Some((&body.name[..], body.utilisation.as_ref()?.peak?)));
+    peaks.max_by(|a, b| a.1.most.value.total_cmp(&b.1.most.value))
+}
+
+fn bodies<const D: usize>(model: &Model<D>, solution: &Solution<D>, labels: &Labels) -> String {
+    let (word, unit) = labels.interior();
+    let rows = model.bodies.iter().zip(&solution.bodies);
+    let rows = rows.filter_map(|(_, body)| {
+        let own = body.utilisation.as_ref()?;
+        let most = own.peak.map(|peak| peak.most);
+        Some(vec![
+            text(&body.name),
+            plain(most.map_or("–".to_string(), |most| number(most.value))),
+            plain(most.map_or("–".to_string(), |most| vector(&most.at, ""))),
+            plain(number(own.overstressed)),
+            plain(number(own.judged)),
+        ])
+    });
+    let heads = [
+        left("body"),
+        column("largest utilisation", ""),
+        column("at", &labels.length),
+        column(&format!("overstressed {word}"), &unit),
+        column("of", &unit),
+    ];
+    table(&heads, rows.collect())
+}
+
+/// What is to be said of a body with a strength.
+fn in_words<const D: usize>(body: &BodySolution<D>, labels: &Labels) -> Vec<String> {
+    let Some((own, peak)) = body
+        .utilisation
+        .as_ref()
+        .and_then(|own| Some((own, own.peak?)))
+    else {
+        return Vec::new();
+    };
+    let (name, most) = (&body.name, number(peak.most.value));
+    let at = vector(&peak.most.at, &labels.length);
+    let unit = labels.interior().1;
+    let told = if own.overstressed > 0.0 {
+        format!(
+            "Overstressed: {} of {name}, {}{}% of it; most at {at}, where the utilisation is {most}.",
+            quantity(own.overstressed, &unit),
+            number(100.0 * own.overstressed / own.judged),
+            '\u{202f}',
+        )
+    } else {
+        format!(
+            "No stress exceeds the strength of {name}: the largest utilisation is {most}, at {at}."
+        )
+    };
+    let what = format!("utilisation of {name}");
+    let singular = singular_peak(
+        &what,
+        body.utilisation.as_ref().and_then(|own| own.peak),
+        ["", &labels.length],
+    );
+    std::iter::once(told).chain(singular).collect()
+}
+
+/// Where the colours end: at the largest utilisation, but not below 1, and not far beyond; where that is at a place where stresses are
+/// not finite, at the usual one, if that is clearly less.
+pub fn end_of_scale<const D: usize>(solution: &Solution<D>) -> f64 {
+    let shown = |peak: Peak<D>| match peak.place {
+        Some(place) if place.usual < CLEARLY * peak.most.value => place.usual,
+        _ => peak.most.value,
+    };
+    let peaks = solution
+        .bodies
+        .iter()
+        .filter_map(|body| body.utilisation.as_ref()?.peak);
+    peaks.map(shown).fold(1.0, f64::max).min(MOST_SHOWN)
+}
+
+/// Utilisation of a body at its nodes, as it is drawn: finite, NaN where it has none.
+pub fn drawn<const D: usize>(body: &BodySolution<D>) -> Vec<f64> {
+    const MOST: f64 = 10.0 * MOST_SHOWN;
+    match &body.utilisation {
+        Some(own) => own
+            .nodal
+            .iter()
+            .map(|value| value.clamp(0.0, MOST))
+            .collect(),
+        None => vec![f64::NAN; body.displacement.len()],
+    }
+}
+
+/// The colours with the limit, at the right of a figure of this height.
+pub fn utilisation_bar<const D: usize>(svg: &mut Svg, solution: &Solution<D>, height: f64) {
+    let (left, top) = (WIDTH - BAR + 18.0, 42.0);
+    let high = end_of_scale(solution);
+    let axis = Axis::linear("Utilisation", "", &[0.0, high], true, 5);
+    let small = Type::SMALL.anchored(Anchor::Start);
+    svg.text([left, 20.0], &axis.label, small.coloured(MUTED));
+    let most = largest_utilisation(solution).map_or(0.0, |(_, peak)| peak.most.value);
+    let size = colour_bar(svg, [left, top], height - top - 22.0, &axis, most > high);
+    let y = top + (1.0 - axis.fraction(1.0)) * size;
+    svg.line([left - 4.0, y], [left + 18.0, y], "#fff", 3.0);
+    svg.line([left - 4.0, y], [left + 18.0, y], ALARM, 1.6);
+}
+
+/// What the colours mean, for captions.
+pub fn caption<const D: usize>(solution: &Solution<D>) -> String {
+    let high = end_of_scale(solution);
+    let most = largest_utilisation(solution).map_or(0.0, |(_, peak)| peak.most.value);
+    let more = match most > high {
+        true => format!(
+            " The colours end at {}, the largest is {}.",
+            number(high),
+            number(most)
+        ),
+        false => String::new(),
+    };
+    let line = match most > 1.0 {
+        true => "Red: the line where it is 1, and the place of the largest one.",
+        false => "It is nowhere more than 1. Red: the place of the largest one.",
+    };
+    format!(
+        "Utilisation of the strength by the elastic stress, 1 is failure; undeformed. {line}{more}"
+    )
+}
+
+/// The figure as an SVG element, and its caption.
+pub fn utilisation_figure(scene: &Scene, solution: &Solution<2>) -> (String, String) {
+    let labels = Labels::of(scene.model);
+    let (views, height) = scene.views(Margin::all(26.0), 34.0, BAR);
+    let title = "Utilisation of the strength";
+    let mut svg = Svg::new("utilisation", title, WIDTH, height);
+    let high = end_of_scale(solution);
+    for view in &views {
+        draw_view(&mut svg, scene, solution, view, high);
+        scale_bar(&mut svg, view, &labels);
+    }
+    if let [whole, detail] = views.as_slice() {
+        mark_detail(&mut svg, whole, detail);
+    }
+    utilisation_bar(&mut svg, solution, height - 40.0);
+    (svg.finish(), caption(solution))
+}
+
+fn draw_view(svg: &mut Svg, scene: &Scene, solution: &Solution<2>, view: &View, high: f64) {
+    let mut canvas = Canvas::new(view);
+    let mut limits = String::new();
+    for (body, answer) in scene.model.bodies.iter().zip(&solution.bodies) {
+        let places: Vec<Pixel> = body.mesh.points().iter().map(|&p| view.pixel(p)).collect();
+        let values = drawn(answer);
+        canvas.mesh(&body.mesh, &places, &values, high);
+        let vertex = |node: u32| (places[node as usize], values[node as usize]);
+        let lines = fans(&body.mesh, &vertex).into_iter().filter_map(crossing);
+        let seen = lines.filter(|line| line.iter().any(|&end| view.sees(end)));
+        limits.extend(seen.map(|line| segments(&line, false)));
+    }
+    svg.begin_clip(view.corner, view.size);
+    svg.picture(view.corner, view.size, &canvas.png());
+    for (body, strands) in scene.model.bodies.iter().zip(&scene.outlines) {
+        let points: &[Point<2>] = body.mesh.points();
+        let outline = outline_path(strands, &|n| view.pixel(points[n]));
+        svg.path(
+            &outline,
+            "#10161c",
+            0.9,
+            "none",
+            "stroke-linejoin=\"round\"",
+        );
+    }
+    if !limits.is_empty() {
+        let round = "stroke-linecap=\"round\"";
+        svg.path(&limits, "#fff", 3.2, "none", round);
+        svg.path(&limits, ALARM, 1.6, "none", round);
+    }
+    svg.end_clip();
+    if let Some((_, peak)) = largest_utilisation(solution) {
+        let at = view.pixel(peak.most.at);
+        if view.sees(at) {
+            svg.circle(at, 4.0, INK, ALARM, "largest utilisation");
+            let above = [at[0], at[1] - 12.0];
+            beside(svg, view, above, &number(peak.most.value), INK, false);
+        }
+    }
+}
+
+/// The line across a triangle on which its values are 1.
+fn crossing(corners: [Vertex; 3]) -> Option<[Pixel; 2]> {
+    let edges = (0..3).filter_map(|i| {
+        let (a, b) = (corners[i], corners[(i + 1) % 3]);
+        ((a.1 > 1.0) != (b.1 > 1.0)).then(|| {
+            let part = (1.0 - a.1) / (b.1 - a.1);
+            [0, 1].map(|d| a.0[d] + part * (b.0[d] - a.0[d]))
+        })
+    });
+    let known = corners.iter().all(|corner| !corner.1.is_nan());
+    let ends: Vec<Pixel> = edges.filter(|_| known).collect();
+    ends.try_into().ok()
+}
