@@ -338,10 +338,10 @@ mod tests {
                 cells: [3, 2, 1],
                 cell,
             };
-            let slanted = |[x, y, z]: Point<3>| [x + 0.5 * y - 0.2 * z, y, z];
+            let slanted = |[x, y, z]: Point<3>| [x + 0.5 * y + 0.2 * z, y, z];
             let mesh = cuboid.build().unwrap().map_points(slanted).unwrap();
             let found = graded(mesh, Analysis::Solid, 0.7);
-            let expected = 1.0 - 0.5 * (0.7 - 0.25 + 0.05);
+            let expected = 1.0 - 0.5 * (0.7 - 0.25 - 0.05);
             assert!(
                 (found.extent - expected).abs() < 1e-12,
                 "{cell:?} {}",

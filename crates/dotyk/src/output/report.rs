@@ -39,7 +39,7 @@ pub fn page<const D: usize>(run: &Overview<'_, D>) -> String {
         "<h2>Deformation and stress</h2>\n".to_string(),
         figures.deformed(solution),
         bodies(model, solution, &labels),
-        strength_section(model, solution, &figures, &labels),
+        strength_section(solution, &figures, &labels),
         points(solution, &labels),
         contacts::contacts(solution, &figures, &labels),
         contacts::balance(model, solution, &labels),

@@ -16,6 +16,9 @@ const DIGITS: i32 = 4;
 
 /// A number with four significant digits: `1 234`, `−0.012 34` without inner spaces, `3.142 × 10⁻⁷` outside [1e-3, 1e6).
 pub fn number(value: f64) -> String {
+    if value == f64::INFINITY {
+        return "∞".to_string();
+    }
     if !value.is_finite() {
         return "–".to_string();
     }

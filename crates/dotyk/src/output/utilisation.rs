@@ -2,7 +2,7 @@
 //! line where the utilisation is 1.
 
 use crate::geometry::Point;
-use crate::model::{BodySolution, Model, Peak, Solution};
+use crate::model::{BodySolution, Peak, Solution};
 use crate::output::deformed::{BAR, CLEARLY, Canvas, Vertex, colour_bar, fans};
 use crate::output::figures::Figures;
 use crate::output::html::{column, escape, left, plain, table, text};
@@ -19,7 +19,6 @@ const MOST_SHOWN: f64 = 2.0;
 
 /// The section; nothing where no body has a strength.
 pub fn strength_section<const D: usize>(
-    model: &Model<D>,
     solution: &Solution<D>,
     figures: &Figures<'_>,
     labels: &Labels,
@@ -37,7 +36,7 @@ pub fn strength_section<const D: usize>(
     format!(
         "<h2>Strength</h2>\n{}{}{}<p>{elastic}</p>\n",
         figures.utilisation(solution),
-        bodies(model, solution, labels),
+        bodies(solution, labels),
         words.collect::<String>(),
     )
 }
@@ -49,10 +48,9 @@ pub fn largest_utilisation<const D: usize>(solution: &Solution<D>) -> Option<(&s
     peaks.max_by(|a, b| a.1.most.value.total_cmp(&b.1.most.value))
 }
 
-fn bodies<const D: usize>(model: &Model<D>, solution: &Solution<D>, labels: &Labels) -> String {
+fn bodies<const D: usize>(solution: &Solution<D>, labels: &Labels) -> String {
     let (word, unit) = labels.interior();
-    let rows = model.bodies.iter().zip(&solution.bodies);
-    let rows = rows.filter_map(|(_, body)| {
+    let rows = solution.bodies.iter().filter_map(|body| {
         let own = body.utilisation.as_ref()?;
         let most = own.peak.map(|peak| peak.most);
         Some(vec![
@@ -86,11 +84,16 @@ fn in_words<const D: usize>(body: &BodySolution<D>, labels: &Labels) -> Vec<Stri
     let at = vector(&peak.most.at, &labels.length);
     let unit = labels.interior().1;
     let told = if own.overstressed > 0.0 {
+        let place = match peak.most.value.is_finite() {
+            true => format!("most at {at}, where the utilisation is {most}"),
+            false => format!(
+                "at {at}, and perhaps elsewhere, it is beyond the apex of the criterion and the utilisation infinite"
+            ),
+        };
         format!(
-            "Overstressed: {} of {name}, {}{}% of it; most at {at}, where the utilisation is {most}.",
+            "Overstressed: {} of {name}, {}\u{202f}% of it; {place}.",
             quantity(own.overstressed, &unit),
             number(100.0 * own.overstressed / own.judged),
-            '\u{202f}',
         )
     } else {
         format!(
@@ -98,11 +101,7 @@ fn in_words<const D: usize>(body: &BodySolution<D>, labels: &Labels) -> Vec<Stri
         )
     };
     let what = format!("utilisation of {name}");
-    let singular = singular_peak(
-        &what,
-        body.utilisation.as_ref().and_then(|own| own.peak),
-        ["", &labels.length],
-    );
+    let singular = singular_peak(&what, Some(peak), ["", &labels.length]);
     std::iter::once(told).chain(singular).collect()
 }
 
@@ -120,14 +119,14 @@ pub fn end_of_scale<const D: usize>(solution: &Solution<D>) -> f64 {
     peaks.map(shown).fold(1.0, f64::max).min(MOST_SHOWN)
 }
 
-/// Utilisation of a body at its nodes, as it is drawn: finite, NaN where it has none.
+/// Utilisation of a body at its nodes, as it is drawn: NaN where it has none. Beyond the last colour it is that of its end, so that
+/// what is infinite at a node does not swing between the nodes of quadratic cells.
 pub fn drawn<const D: usize>(body: &BodySolution<D>) -> Vec<f64> {
-    const MOST: f64 = 10.0 * MOST_SHOWN;
     match &body.utilisation {
         Some(own) => own
             .nodal
             .iter()
-            .map(|value| value.clamp(0.0, MOST))
+            .map(|value| value.clamp(0.0, MOST_SHOWN))
             .collect(),
         None => vec![f64::NAN; body.displacement.len()],
     }
@@ -239,4 +238,99 @@ fn crossing(corners: [Vertex; 3]) -> Option<[Pixel; 2]> {
     let known = corners.iter().all(|corner| !corner.1.is_nan());
     let ends: Vec<Pixel> = edges.filter(|_| known).collect();
     ends.try_into().ok()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::model::{Singular, SingularPeak, StressAt, Utilisation};
+    use crate::output::json::summary;
+    use crate::output::report::page;
+    use crate::output::tunnel;
+    use crate::output::vtu::body_vtu;
+    use serde_json::Value;
+
+    /// The tunnel with a utilisation of its first body alone, that is largest at its first node.
+    fn solved(most: f64, singular: bool) -> (crate::model::Model<2>, Solution<2>) {
+        let (model, mut solution) = tunnel::solved();
+        let at = model.bodies[0].mesh.points()[0];
+        let body = &mut solution.bodies[0];
+        let mut nodal = vec![0.5; body.displacement.len()];
+        nodal[0] = most;
+        let place = singular.then_some(SingularPeak {
+            place: Singular::Corner,
+            away: None,
+            usual: 0.5,
+            share: 0.995,
+        });
+        body.utilisation = Some(Utilisation {
+            nodal,
+            overstressed: if most > 1.0 { 0.25 } else { 0.0 },
+            judged: 10.0,
+            peak: Some(Peak {
+                most: StressAt { value: most, at },
+                place,
+            }),
+        });
+        (model, solution)
+    }
+
+    #[test]
+    fn the_report_tells_what_is_overstressed_and_that_nothing_yields() {
+        let told = |most: f64, singular: bool| {
+            let (model, solution) = solved(most, singular);
+            page(&tunnel::run(&model, &solution))
+        };
+        let page = told(1.5, false);
+        for words in [
+            "<h2>Strength</h2>",
+            "Overstressed: 0.25",
+            "2.5\u{202f}%",
+            "The stress is elastic",
+            "Largest utilisation",
+            ALARM,
+        ] {
+            assert!(page.contains(words), "{words}");
+        }
+        assert!(!page.contains("grows as the mesh is refined"));
+        assert!(told(1.5, true).contains("The largest utilisation of ring is at a re-entrant corner: it grows as the mesh is refined"));
+        let page = told(0.9, false);
+        assert!(
+            page.contains("No stress exceeds the strength of ring: the largest utilisation is 0.9")
+        );
+        let page = told(f64::INFINITY, false);
+        assert!(
+            page.contains("beyond the apex")
+                && page.contains("The colours end at 2, the largest is ∞")
+        );
+        let (model, solution) = tunnel::solved();
+        assert!(!super::super::report::page(&tunnel::run(&model, &solution)).contains("Strength"));
+    }
+
+    #[test]
+    fn bodies_without_a_strength_have_nan_and_null_beside_those_with_one() {
+        let (model, solution) = solved(f64::INFINITY, false);
+        for body in 0..2 {
+            assert!(body_vtu(&model, &solution, body).contains("Name=\"utilisation\""));
+        }
+        let value: Value = serde_json::from_str(&summary(&tunnel::run(&model, &solution))).unwrap();
+        let [with, without] = [&value["bodies"][0], &value["bodies"][1]];
+        assert_eq!(with["overstressed_area"], 0.25);
+        // infinite
+        assert_eq!(with["max_utilisation"], Value::Null);
+        assert_eq!(with["max_utilisation_at"].as_array().unwrap().len(), 2);
+        assert!(without["overstressed_area"].is_null() && without.get("max_utilisation").is_some());
+        let (model, solution) = tunnel::solved();
+        assert!(!body_vtu(&model, &solution, 0).contains("utilisation"));
+    }
+
+    #[test]
+    fn the_line_of_the_limit_crosses_where_linear_values_are_one() {
+        let corners = [([0.0, 0.0], 0.0), ([10.0, 0.0], 2.0), ([0.0, 10.0], 0.0)];
+        let mut ends = crossing(corners).unwrap();
+        ends.sort_by(|a, b| a[1].total_cmp(&b[1]));
+        assert_eq!(ends, [[5.0, 0.0], [5.0, 5.0]]);
+        assert!(crossing([corners[0], corners[1], ([0.0, 1.0], f64::NAN)]).is_none());
+        assert!(crossing([corners[0], corners[2], ([1.0, 1.0], 1.0)]).is_none());
+    }
 }

@@ -370,7 +370,7 @@ pub fn shade(normal: Point<3>) -> f64 {
 }
 
 /// The line across a triangle on which its values are `level`.
-pub fn level_line(corners: &[Corner; 3], level: f64) -> Option<[[f64; 3]; 2]> {
+fn level_line(corners: &[Corner; 3], level: f64) -> Option<[[f64; 3]; 2]> {
     let known = corners.iter().all(|corner| !corner.value.is_nan());
     let ends = (0..3).filter_map(|i| {
         let (a, b) = (&corners[i], &corners[(i + 1) % 3]);

@@ -9,16 +9,21 @@ use crate::output::space::canvas::{Canvas, Ink, Paint};
 use crate::output::space::scene::{HEAVY, PALE, Scene, triad_and_scale, windows};
 use crate::output::space::setup::WORDS;
 use crate::output::space::skin::Look;
-use crate::output::svg::Svg;
-use crate::output::text::Labels;
-use crate::output::utilisation::{caption, drawn, end_of_scale, utilisation_bar};
+use crate::output::svg::{ALARM, INK, Svg, Type};
+use crate::output::text::{Labels, number};
+use crate::output::utilisation::{
+    caption, drawn, end_of_scale, largest_utilisation, utilisation_bar,
+};
 use rayon::prelude::*;
 
 /// Room around the bodies.
 const MARGIN: f64 = 14.0;
 
+/// A place on a surface is seen where nothing is nearer by more than this many pixels.
+const SEEN: f64 = 2.0;
+
 /// The limit.
-pub const LIMIT: Ink = Ink {
+const LIMIT: Ink = Ink {
     colour: [0xb3, 0x26, 0x1e],
     cover: 1.0,
     width: 1.8,
@@ -32,12 +37,21 @@ pub fn utilisation_figure(scene: &Scene<'_>, solution: &Solution<3>) -> String {
     let (windows, height) = windows(&scene.cameras, &extents, MARGIN, WIDTH - BAR);
     let title = "Utilisation of the strength";
     let mut svg = Svg::new("utilisation", title, WIDTH, height);
-    let pictures = windows
-        .par_iter()
-        .map(|w| painted(scene, solution, w).png());
-    let pictures: Vec<Vec<u8>> = pictures.collect();
-    for ((window, word), png) in windows.iter().zip(WORDS).zip(pictures) {
+    let peak = largest_utilisation(solution).map(|(_, peak)| peak.most);
+    let pictures = windows.par_iter().map(|window| {
+        let canvas = painted(scene, solution, window);
+        let seen = peak.filter(|most| canvas.sees(window.place(most.at), SEEN));
+        (canvas.png(), seen)
+    });
+    let pictures: Vec<_> = pictures.collect();
+    for ((window, word), (png, seen)) in windows.iter().zip(WORDS).zip(pictures) {
         svg.picture(window.corner, window.size, &png);
+        if let Some(most) = seen {
+            let at = window.pixel(most.at);
+            let above = [at[0], at[1] - 9.0];
+            svg.circle(at, 4.0, INK, ALARM, "largest utilisation");
+            svg.text(above, &number(most.value), Type::LABEL.rimmed());
+        }
         triad_and_scale(&mut svg, window, &labels, word);
     }
     utilisation_bar(&mut svg, solution, height - 40.0);
