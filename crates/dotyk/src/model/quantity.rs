@@ -268,6 +268,7 @@ impl Quantity {
             Parts::Displacement(body, _)
             | Parts::Rotation(body, _)
             | Parts::Stress(body, _)
+            | Parts::Utilisation(body)
             | Parts::Reaction(body, ..) => *body = bodies[*body]?,
             Parts::Along(contact, _)
             | Parts::Resultant(contact, _)
