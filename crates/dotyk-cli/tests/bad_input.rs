@@ -417,6 +417,82 @@ fn folder(name: &str) -> PathBuf {
     path
 }
 
+const GOOD_SECTION: &str = r#"analysis = "plane-strain"
+
+[[body]]
+name = "wall"
+mesh = { rectangle = { from = [0, 0], to = [0.3, 3], cells = [2, 12], cell = "quad8" } }
+material = { young = 30e6, poisson = 0.2 }
+fix = [{ side = "bottom", x = 0, y = 0 }]
+load = [{ side = "top", traction = [1, -100] }]
+
+[[body]]
+name = "block"
+mesh = { rectangle = { from = [0.3, 0], to = [2, 3], cells = [2, 6] } }
+material = { young = 30e6, poisson = 0.2 }
+fix = [{ side = "bottom", x = 0, y = 0 }]
+
+[[contact]]
+name = "joint"
+sides = ["wall.right", "block.left"]
+
+[[section]]
+name = "cut"
+body = "wall"
+sides = ["left", "right"]
+stations = 7
+capacity = { compression = 20e3, tension = 2e3 }
+reinforcement = [{ depth = 0.05, area = 1e-3, yield = 435e3 }]
+
+[[section]]
+name = "points"
+body = "wall"
+sides = ["right", "left"]
+stations = [[0.15, 1.0], [0.2, 2.5]]
+
+[[probe]]
+name = "largest"
+quantity = "cut.M"
+reduce = "max"
+"#;
+
+#[rustfmt::skip]
+const IN_A_SECTION: &[Mistake] = &[
+    ("body = \"wall\"\nsides = [\"left\"", "body = \"wal\"\nsides = [\"left\"", "\"wal\"", "`wall`"),
+    ("sides = [\"left\", \"right\"]", "sides = [\"left\", \"rigth\"]", "rigth", "`right`"),
+    ("sides = [\"left\", \"right\"]", "sides = [\"left\"]", "sides = [\"left\"]", "needs two sides"),
+    ("sides = [\"left\", \"right\"]", "sides = [\"left\", \"left\"]", "sides = [\"left\", \"left\"]", "meet"),
+    ("sides = [\"left\", \"right\"]", "sides = [\"left\", \"top\"]", "sides = [\"left\", \"top\"]", "meet"),
+    ("sides = [\"left\", \"right\"]", "sides = [\"bottom\", \"top\"]", "sides = [\"bottom\", \"top\"]", "not long ones"),
+    ("sides = [\"left\", \"right\"]", "sides = [[\"left\", \"left\"], \"right\"]", "sides = [[", "listed twice"),
+    ("stations = 7", "stations = 1", "stations = 1", "2 to 10000"),
+    ("stations = 7", "stations = 0", "stations = 0", "positive integer"),
+    ("stations = 7", "stations = []", "stations = []", "empty"),
+    ("stations = 7", "stations = true", "stations = true", "a number of stations or a list of points"),
+    ("stations = 7\n", "", "[[section]]\nname = \"cut\"", "needs the key `stations`"),
+    ("[0.2, 2.5]", "[0.9, 2.5]", "[0.9, 2.5]", "lies beside the body"),
+    ("[0.2, 2.5]", "[0.15, 3.5]", "[0.15, 3.5]", "lies beside the body"),
+    ("[0.2, 2.5]", "[0.2, 2.5, 1]", "[0.2, 2.5, 1]", "expected 2 numbers"),
+    ("compression = 20e3", "compression = -20e3", "compression = -20e3", "must be positive"),
+    ("tension = 2e3", "tension = -2e3", "tension = -2e3", "must not be negative"),
+    ("compression = 20e3, ", "", "capacity", "needs the key `compression`"),
+    ("capacity = { compression = 20e3, tension = 2e3 }\n", "", "reinforcement =", "no strength"),
+    ("tension = 2e3 }", "tension = 2e3, reinforcement = [] }", "reinforcement = [{", "beside it"),
+    ("depth = 0.05", "depth = 0.35", "depth = 0.35", "outside of the section"),
+    ("area = 1e-3", "area = 0", "area = 0", "must be positive"),
+    ("yield = 435e3", "yields = 435e3", "yields", "`yield`"),
+    ("name = \"points\"", "name = \"joint\"", "name = \"joint\"\nbody", "a contact already"),
+    ("name = \"points\"", "name = \"block\"", "name = \"block\"\nbody = \"wall\"", "a body already"),
+    ("name = \"points\"", "name = \"cut\"", "name = \"cut\"\nbody = \"wall\"\nsides = [\"right\"", "two sections are named"),
+    ("name = \"joint\"", "name = \"block\"", "name = \"block\"\nsides", "a body already"),
+    ("cut.M", "cut.Q", "Q", "unknown quantity of a section"),
+    ("cut.M", "cut", "cut\"\nreduce", "ends after"),
+    ("cut.M", "cit.M", "cit.M", "`cut`"),
+    ("cut.M", "points.utilisation", "points.utilisation", "no capacity"),
+    ("reduce = \"max\"", "along = \"wall.left\"", "along", "known at stations"),
+    ("reduce = \"max\"\n", "", "[[probe]]", "must say where"),
+];
+
 fn dotyk(folder: &Path, arguments: &[&str]) -> Output {
     Command::new(env!("CARGO_BIN_EXE_dotyk"))
         .args(arguments)
@@ -468,6 +544,23 @@ fn every_mistake_in_space_is_underlined_on_its_line() {
     std::fs::write(folder.join("good.toml"), GOOD_IN_SPACE).unwrap();
     let output = dotyk(&folder, &["run", "good.toml", "--quiet"]);
     assert_eq!(output.status.code(), Some(0), "{output:?}");
+}
+
+#[test]
+fn every_mistake_in_a_section_is_underlined_on_its_line() {
+    let folder = folder("section");
+    each_is_underlined(&folder, GOOD_SECTION, IN_A_SECTION);
+    std::fs::write(folder.join("good.toml"), GOOD_SECTION).unwrap();
+    let output = dotyk(&folder, &["run", "good.toml", "--quiet"]);
+    assert_eq!(output.status.code(), Some(0), "{output:?}");
+    let space = format!("{GOOD_IN_SPACE}\n[[section]]\nname = \"cut\"\n");
+    std::fs::write(folder.join("bad.toml"), &space).unwrap();
+    let message = refused(&dotyk(&folder, &["run", "bad.toml"]), "space");
+    let line = format!("bad.toml, line {}, column ", line_of(&space, "[[section]]"));
+    assert!(
+        message.contains(&line) && message.contains("not supported yet"),
+        "{message}"
+    );
 }
 
 #[track_caller]

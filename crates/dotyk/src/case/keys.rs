@@ -11,6 +11,7 @@ pub const CASE: &[&str] = &[
     "parameters",
     "body",
     "contact",
+    "section",
     "solver",
     "step",
     "probe",
@@ -185,6 +186,19 @@ pub const OBSTACLE: &[&str] = &[
 ];
 /// `friction` of a contact, when it is a table.
 pub const FRICTION: &[&str] = &["coulomb", "tresca", "cohesion", "tension"];
+/// `[[section]]`.
+pub const SECTION: &[&str] = &[
+    "name",
+    "body",
+    "sides",
+    "stations",
+    "capacity",
+    "reinforcement",
+];
+/// `capacity` of a section.
+pub const CAPACITY: &[&str] = &["compression", "tension", "reinforcement"];
+/// One element of `reinforcement`.
+pub const REINFORCEMENT: &[&str] = &["depth", "area", "yield", "young"];
 /// `[solver]`.
 pub const SOLVER: &[&str] = &["method", "tolerance", "max_iterations", "rho", "bolt"];
 /// `[[step]]`.
@@ -264,6 +278,9 @@ pub const ALL: &[(&str, &[&str])] = &[
     ("contact", CONTACT),
     ("obstacle", OBSTACLE),
     ("friction", FRICTION),
+    ("section", SECTION),
+    ("capacity", CAPACITY),
+    ("reinforcement", REINFORCEMENT),
     ("solver", SOLVER),
     ("step", STEP),
     ("probe", PROBE),

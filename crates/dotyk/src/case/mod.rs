@@ -21,6 +21,7 @@ mod points;
 mod probe;
 mod reference;
 mod run;
+mod section;
 mod source;
 mod steps;
 mod strength;
@@ -33,7 +34,7 @@ pub use reference::{Criterion, Kind, Reference, References, Verdict};
 pub use run::{Failure, Run};
 pub use source::AnyCase;
 
-use crate::case::document::{Node, Span, Value, coordinates};
+use crate::case::document::{Node, Span, Value, coordinates, later};
 use crate::case::error::{Fault, read_text};
 use crate::case::mesh::Generated;
 use crate::case::mesh_file::MeshFiles;
@@ -203,6 +204,7 @@ impl<const D: usize> Case<D> {
                 let label = match subject {
                     Subject::Body(_) => "this body",
                     Subject::Contact(_) => "this contact",
+                    Subject::Section(_) => "this section",
                     Subject::Probe(_) => "here",
                 };
                 Fault::new(span, message)
@@ -217,9 +219,10 @@ impl<const D: usize> Case<D> {
 /// Where the names of bodies and contacts stand, and where probes are read.
 fn places(document: &Node) -> Vec<(Subject, Span)> {
     type Named = fn(String) -> Subject;
-    let kinds: [(&str, Named); 3] = [
+    let kinds: [(&str, Named); 4] = [
         ("body", Subject::Body),
         ("contact", Subject::Contact),
+        ("section", Subject::Section),
         ("probe", Subject::Probe),
     ];
     let mut places = Vec::new();
@@ -272,7 +275,12 @@ where
             .label("no body")
             .help("add a table `[[body]]` with `name`, `mesh` and `material`"));
     }
-    unique_names(bodies, "bodies")?;
+    let (contacts, sections) = (table.list("contact")?, table.list("section")?);
+    own_names(&[bodies, contacts, sections])?;
+    if let (Analysis::Solid, Some(entry)) = (analysis, table.entry("section")) {
+        let span = sections.first().map_or(&entry.node.span, |node| &node.span);
+        return Err(later(span, "section forces in space, `section`,"));
+    }
     if let Analysis::Axisymmetric | Analysis::Solid = analysis {
         let refused = |body| no_thickness(body, analysis);
         bodies.iter().try_for_each(refused)?;
@@ -283,11 +291,13 @@ where
         .map(|node| body::body(node, analysis, files, &steps));
     let mut bodies = bodies.collect::<Result<Vec<_>, _>>()?;
 
-    let contacts = table.list("contact")?;
-    unique_names(contacts, "contacts")?;
     let contact = |node| contact::contact(node, &mut bodies, &steps);
     let contacts = contacts.iter().map(contact);
     let contacts = contacts.collect::<Result<Vec<_>, _>>()?;
+
+    let sections = sections.iter();
+    let sections = sections.map(|node| section::section(node, &mut bodies));
+    let sections = sections.collect::<Result<Vec<_>, _>>()?;
 
     let solver = table.get("solver");
     let solver = solver.map_or(Ok(SolverOptions::default()), solver_options)?;
@@ -295,7 +305,7 @@ where
     let probes = table.list("probe")?;
     unique_names(probes, "probes")?;
     let probes = probes.iter();
-    let probes = probes.map(|node| probe::probe(node, &mut bodies, &contacts));
+    let probes = probes.map(|node| probe::probe(node, &mut bodies, &contacts, &sections));
     let probes = probes.collect::<Result<Vec<_>, _>>()?;
 
     Ok(Model {
@@ -305,6 +315,7 @@ where
         units,
         bodies,
         contacts,
+        sections,
         solver: SolverOptions {
             memory: memory::free_memory(),
             ..solver
@@ -347,6 +358,30 @@ fn units(node: &Node) -> Result<Units, Fault> {
         length: label("length")?,
         force: label("force")?,
     })
+}
+
+/// Refuses one `name` for two of bodies, contacts and sections.
+fn own_names(lists: &[&[Node]]) -> Result<(), Fault> {
+    for (list, what) in lists.iter().zip(["bodies", "contacts", "sections"]) {
+        unique_names(list, what)?;
+    }
+    let kinds = ["a body", "a contact", "a section"];
+    let named = lists.iter().zip(kinds).flat_map(|(list, kind)| {
+        let names = list
+            .iter()
+            .filter_map(|node| node.entries().ok()?.iter().find(|e| e.key == "name"));
+        names.filter_map(move |entry| Some((kind, entry.node.text().ok()?, &entry.node.span)))
+    });
+    let named: Vec<_> = named.collect();
+    for (k, (kind, name, span)) in named.iter().enumerate() {
+        if let Some((before, ..)) = named[..k].iter().find(|(_, known, _)| known == name) {
+            let message = format!("`{name}` names {before} already and cannot name {kind}");
+            return Err(Fault::new(span, message)
+                .label("second use of the name")
+                .help("names of bodies, contacts and sections are unique together: quantities of probes begin with them"));
+        }
+    }
+    Ok(())
 }
 
 /// Refuses two elements of a list of tables with the same `name`.

@@ -8,7 +8,7 @@ use crate::case::points::place;
 use crate::case::suggest::listed;
 use crate::geometry::distance;
 use crate::model::{
-    Along, Body, BodyId, Contact, Mistake, Probe, Quantity, QuantityError, Reading,
+    Along, Body, BodyId, Contact, Mistake, Probe, Quantity, QuantityError, Reading, Section,
 };
 
 fn reductions<const D: usize>() -> [(&'static str, Reading<D>); 4] {
@@ -27,13 +27,16 @@ pub(crate) fn probe<const D: usize>(
     node: &Node,
     bodies: &mut [Body<D>],
     contacts: &[Contact<D>],
+    sections: &[Section<D>],
 ) -> Result<Probe<D>, Fault> {
     let table = node.table(keys::PROBE)?;
     let name = label(table.require("name", "a probe")?)?;
     let quantity_node = table.require("quantity", "a probe")?;
     let contacts: Vec<&str> = contacts.iter().map(|c| c.name.as_str()).collect();
-    let parsed = Quantity::parse(quantity_node.text()?, bodies, &contacts);
+    let names: Vec<&str> = sections.iter().map(|s| s.name.as_str()).collect();
+    let parsed = Quantity::parse(quantity_node.text()?, bodies, &contacts, &names);
     let quantity = parsed.map_err(|error| fault(quantity_node, &error))?;
+    refuse_beside_stations(table, &quantity, quantity_node, sections)?;
     let along = table.get("along").map(|node| along(node, bodies));
     let along = along.transpose()?;
     if quantity.needs_side() && !matches!(along, Some(Along::Side(_))) {
@@ -50,6 +53,36 @@ pub(crate) fn probe<const D: usize>(
         name,
         quantity,
     })
+}
+
+/// Of a section: a utilisation without a capacity, and places that are no stations.
+fn refuse_beside_stations<const D: usize>(
+    table: Table<'_>,
+    quantity: &Quantity,
+    node: &Node,
+    sections: &[Section<D>],
+) -> Result<(), Fault> {
+    if let Some(section) = quantity.utilised_section()
+        && sections[section].capacity.is_none()
+    {
+        let message = format!(
+            "section `{}` has no capacity to be used",
+            sections[section].name
+        );
+        return Err(Fault::new(&node.span, message)
+            .label("utilisation of what?")
+            .help("add `capacity = { compression = .. }` to the section"));
+    }
+    let mut others = ["along", "mean_of_neighbours"].into_iter();
+    match others.find_map(|key| table.entry(key)) {
+        Some(entry) if quantity.is_of_section() => {
+            let message = format!("`{quantity}` is known at stations, and not `{}`", entry.key);
+            Err(Fault::new(&entry.key_span, message)
+                .label("not of a section")
+                .help("give `at`, a point whose nearest station is read, or `reduce`"))
+        }
+        _ => Ok(()),
+    }
 }
 
 /// A probe's name is a label: it names no file and is part of no quantity, so it may have blanks.

@@ -71,6 +71,12 @@ impl<const D: usize> CellTable<D> {
         self.nodes + if self.centre.is_some() { D } else { 0 }
     }
 
+    /// Its reference points with their weights.
+    pub fn rule(&self) -> Vec<([f64; 3], f64)> {
+        let points = self.points.iter().copied();
+        points.zip(self.weights.iter().copied()).collect()
+    }
+
     /// Number of points.
     pub fn len(&self) -> usize {
         self.weights.len()

@@ -5,6 +5,7 @@
 //! sum to zero to the rounding of its stresses.
 
 use crate::fem::block::{Cells, Deformation};
+use crate::fem::cells::CellTable;
 use crate::fem::error::FemError;
 use crate::fem::nouns::{Analysis, Body};
 use crate::geometry::{Point, add_scaled};
@@ -44,6 +45,59 @@ pub(crate) fn internal_forces<const D: usize>(
         }
     }
     Ok((forces, energy))
+}
+
+/// Internal forces of single cells: what cuts through a body are in equilibrium with.
+pub(crate) struct CellForces<'a, const D: usize> {
+    blocks: Vec<Cells<'a, D>>,
+    body: &'a Body<D>,
+    displacement: &'a [Point<D>],
+}
+
+impl<'a, const D: usize> CellForces<'a, D> {
+    /// Those of a body with these nodal displacements. Errors: a group of cells without a material.
+    pub fn new(
+        body: &'a Body<D>,
+        analysis: Analysis,
+        displacement: &'a [Point<D>],
+    ) -> Result<Self, FemError> {
+        let blocks = body.mesh.blocks().iter();
+        let blocks = blocks.map(|block| Cells::new(body, block, analysis, body.formulation));
+        Ok(Self {
+            blocks: blocks.collect::<Result<_, _>>()?,
+            body,
+            displacement,
+        })
+    }
+
+    /// Forces of a cell on its nodes, as in [`internal_forces`].
+    pub fn of(&self, block: usize, cell: usize) -> [Point<D>; MAX_CELL_NODES] {
+        let nodes = self.body.mesh.cell_nodes(block, cell);
+        cell_forces(&self.blocks[block], nodes, self.displacement).0
+    }
+
+    /// Hoop stress at reference points of a cell: place and volume of each, and the stress. With axial symmetry.
+    pub fn hoop(
+        &self,
+        block: usize,
+        cell: usize,
+        rule: &[([f64; 3], f64)],
+    ) -> Vec<(Point<D>, f64, f64)> {
+        let kind = self.body.mesh.blocks()[block].kind;
+        let nodes = self.body.mesh.cell_nodes(block, cell);
+        let cells = self.blocks[block].at(CellTable::at(kind, rule));
+        let stress = |q: usize| {
+            let at = cells.deformation(q, (nodes, &[]), self.displacement);
+            let stress = cells.lame.stress(at.gradient, at.hoop)[2];
+            (at.point, at.volume, stress)
+        };
+        (0..rule.len()).map(stress).collect()
+    }
+
+    /// Points of the rule of the stiffness of the cells of a block.
+    pub fn rule(&self, block: usize) -> Vec<([f64; 3], f64)> {
+        self.blocks[block].table.rule()
+    }
 }
 
 /// Cells per parallel task.

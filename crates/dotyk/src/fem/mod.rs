@@ -13,6 +13,7 @@ mod bending;
 mod block;
 mod cells;
 mod couple;
+mod cut;
 mod elasticity;
 mod enhanced;
 mod error;
@@ -44,6 +45,7 @@ pub use supports::{Constraints, Held, nearest_node, node_normals};
 
 pub(crate) use bending::{Unseen, unseen};
 pub(crate) use cells::measure;
+pub(crate) use cut::Ahead;
 pub(crate) use error::{Short, show};
 pub(crate) use initial::{OutOfBalance, out_of_balance};
 pub(crate) use internal::internal_forces;

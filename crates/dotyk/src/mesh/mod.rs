@@ -16,6 +16,7 @@ mod generate;
 mod import;
 mod outline;
 mod reference;
+mod strip;
 
 pub use cell::{CellBlock, MAX_CELL_NODES, MAX_FACET_NODES};
 pub use error::MeshError;
@@ -27,6 +28,7 @@ pub use generate::{
 pub use import::{FilePlace, ImportError, Imported, MeshFile};
 pub use outline::{Contour, Division, EdgeShape, Outline, OutlineEdge, OutlinePlace, SizePoint};
 pub use reference::{CellKind, Domain};
+pub use strip::{Cut, Strip, StripError};
 
 use crate::geometry::{Point, Surface, bounding_box, determinant, distance, norm, padded, sub};
 use crate::mesh::check::check;

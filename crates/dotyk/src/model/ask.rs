@@ -293,11 +293,14 @@ impl<const D: usize> Model<D> {
             .map(|(body, couple)| format!("{}.{}", self.bodies[body].name, couple.name))
             .collect();
         let couples = names.iter().map(|name| ("coupled point", name));
+        let sections = self.sections.iter();
+        let sections = sections.map(|section| ("section", &section.name));
         let mut seen = BTreeSet::new();
         match bodies
             .chain(contacts)
+            .chain(sections)
             .chain(couples)
-            .find(|named| !seen.insert(*named))
+            .find(|(_, name)| !seen.insert(*name))
         {
             Some((kind, name)) => Err(Error::SameName {
                 kind,

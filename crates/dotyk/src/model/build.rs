@@ -4,6 +4,7 @@ use crate::geometry::{Field, Point};
 use crate::mesh::Mesh;
 use crate::model::nouns::*;
 use crate::model::quantity::{Quantity, QuantityError};
+use crate::model::section::{Section, Stations};
 use std::collections::BTreeMap;
 
 impl<const D: usize> Default for Model<D> {
@@ -26,6 +27,7 @@ impl<const D: usize> Model<D> {
             units: Units::default(),
             bodies: Vec::new(),
             contacts: Vec::new(),
+            sections: Vec::new(),
             solver: SolverOptions::default(),
             probes: Vec::new(),
             times: vec![1.0],
@@ -196,6 +198,25 @@ impl<const D: usize> Model<D> {
         &mut self.contacts[last]
     }
 
+    /// The section forces N, V, M of a body between two of its sides, at stations of its middle line, the first side on the left.
+    pub fn section(
+        &mut self,
+        name: &str,
+        body: BodyId,
+        sides: [&str; 2],
+        stations: Stations<D>,
+    ) -> &mut Section<D> {
+        self.sections.push(Section {
+            name: name.to_string(),
+            body,
+            sides: sides.map(str::to_string),
+            stations,
+            capacity: None,
+        });
+        let last = self.sections.len() - 1;
+        &mut self.sections[last]
+    }
+
     /// Reads a quantity off the solution, such as `gamma.pressure`: its name, what is read, and where.
     ///
     /// Errors: the word that is wrong, and what is known in its place.
@@ -207,7 +228,9 @@ impl<const D: usize> Model<D> {
     ) -> Result<&mut Probe<D>, QuantityError> {
         let contacts = self.contacts.iter().map(|contact| contact.name.as_str());
         let contacts: Vec<&str> = contacts.collect();
-        let quantity = Quantity::parse(quantity, &self.bodies, &contacts)?;
+        let sections = self.sections.iter().map(|section| section.name.as_str());
+        let sections: Vec<&str> = sections.collect();
+        let quantity = Quantity::parse(quantity, &self.bodies, &contacts, &sections)?;
         self.probes.push(Probe {
             name: name.to_string(),
             quantity,

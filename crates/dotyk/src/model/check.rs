@@ -18,6 +18,7 @@ use crate::model::nouns::*;
 use crate::model::pair::{Kind, Paired, clearances, pair_all, row_ranges};
 use crate::model::parts::{couples, first_point};
 use crate::model::probe::sites;
+use crate::model::section::lay_out;
 use crate::model::sliding::sliding;
 use rayon::prelude::*;
 use std::fmt;
@@ -163,6 +164,7 @@ fn fill_run<const D: usize>(
     let constraints: Vec<&Constraints<D>> = systems.iter().map(|s| &s.constraints).collect();
     let mut paired = pair_all(model, &constraints, time).map_err(last)?;
     sites(model, &paired)?;
+    lay_out(model)?;
     check
         .warnings
         .extend(drop_implied(model, &systems, &mut paired));

@@ -28,6 +28,7 @@ use crate::model::memory::{self, Demand};
 use crate::model::nouns::{Method, Model};
 use crate::model::pair::{Paired, clearances, initial_gaps, pair_all, row_ranges};
 use crate::model::probe::{Site, sites};
+use crate::model::section::{Laid, lay_out};
 use crate::model::singular::Outlines;
 use crate::model::solution::Seconds;
 use crate::model::stages::Track;
@@ -168,6 +169,8 @@ pub(crate) struct Condensed<const D: usize> {
     pub outlines: Outlines,
     /// Where each probe is read.
     pub sites: Vec<Site<D>>,
+    /// Where each section is cut.
+    pub laid: Vec<Laid<D>>,
     /// What the user should know of the bodies as they are given.
     pub remarks: Vec<String>,
 }
@@ -204,6 +207,7 @@ pub(crate) fn condense<const D: usize>(
         fit(&mut paired, track);
     }
     let (sites, remarks) = (sites(model, &paired)?, body_remarks(model));
+    let laid = lay_out(model)?;
     let dropped = drop_implied(model, &systems, &mut paired);
     turn_to_forces(&mut systems[..model.bodies.len()], &paired);
     let rows = body_rows(&systems, &paired);
@@ -266,6 +270,7 @@ pub(crate) fn condense<const D: usize>(
         before: None,
         outlines: Outlines::default(),
         sites,
+        laid,
         remarks,
     })
 }
@@ -400,6 +405,7 @@ pub(crate) fn advance<const D: usize>(
         before: Some((before.time, load_before)),
         outlines: before.outlines,
         sites: before.sites,
+        laid: before.laid,
         remarks: before.remarks,
     })
 }
@@ -411,8 +417,9 @@ pub(crate) fn restart<const D: usize>(
     time: f64,
     observe: &mut dyn FnMut(Event),
 ) -> Result<Condensed<D>, Error<D>> {
-    // other probes, and other places of loads
+    // other probes and sections, and other places of loads
     kept.sites = sites(model, &kept.paired)?;
+    kept.laid = lay_out(model)?;
     kept.remarks = body_remarks(model);
     kept.seconds = Seconds::default();
     let nothing = Friction {

@@ -6,6 +6,7 @@ use crate::fem::{Analysis, Body, FemError, Short, show};
 use crate::geometry::{Field, Point};
 use crate::linalg::LinalgError;
 use crate::model::nouns::Model;
+use crate::model::section::SectionError;
 use crate::model::solution::Solution;
 use crate::solve::SolveError;
 use std::fmt;
@@ -19,6 +20,8 @@ pub enum Subject {
     Contact(String),
     /// A probe.
     Probe(String),
+    /// A section.
+    Section(String),
 }
 
 /// Bytes in words: 3.2 GB, 40 MB.
@@ -58,10 +61,12 @@ pub enum Error<const D: usize> {
     /// A contact has cohesion, and there are several load steps.
     #[error("contact \"{0}\": cohesion with several load steps is not supported yet")]
     CohesiveSteps(String),
-    /// Two parts of one kind have one name.
-    #[error("two {kind}s are named \"{name}\"")]
+    /// Two parts have one name.
+    #[error(
+        "two parts of the model are named \"{name}\": bodies, contacts, sections and coupled points need names of their own; rename the {kind}"
+    )]
     SameName {
-        /// "body", "contact" or "coupled point".
+        /// What the second one is: "body", "contact", "section" or "coupled point".
         kind: &'static str,
         /// The name.
         name: String,
@@ -174,6 +179,14 @@ pub enum Error<const D: usize> {
         /// What is wrong.
         source: ProbeError<D>,
     },
+    /// A section cannot be cut.
+    #[error("section \"{section}\": {source}")]
+    Section {
+        /// Its name.
+        section: String,
+        /// What is wrong.
+        source: SectionError,
+    },
     /// A bolt is named where no contact is.
     #[error("solver: a bolt is named, but there is no contact")]
     BoltWithoutContact,
@@ -260,6 +273,7 @@ impl<const D: usize> Error<D> {
             | Self::Unfit { contact, .. }
             | Self::Obstacle { contact, .. } => Some(Subject::Contact(contact.clone())),
             Self::Probe { probe, .. } => Some(Subject::Probe(probe.clone())),
+            Self::Section { section, .. } => Some(Subject::Section(section.clone())),
             Self::Step { source, .. } => source.subject(),
             _ => None,
         }
@@ -349,6 +363,11 @@ pub enum ProbeError<const D: usize> {
     /// A body has no such side.
     #[error(transparent)]
     Side(#[from] FemError),
+    /// A section otherwise than at its stations.
+    #[error(
+        "section forces are read at the nearest station, `at`, or reduced over all of them, `reduce`"
+    )]
+    StationsAlone,
     /// The nodes of a side in space as a line.
     #[error(
         "the nodes of a side in space have no order along a line: give `reduce`, or `along` from one point to another"

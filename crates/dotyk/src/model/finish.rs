@@ -12,6 +12,7 @@ use crate::model::judge::{Judged, blurred, held_to_overlap, left_to_overlap};
 use crate::model::nouns::Model;
 use crate::model::pair::{Paired, carriers, row_ranges};
 use crate::model::probe::read_probes;
+use crate::model::section::section_forces;
 use crate::model::singular::peaks;
 use crate::model::solution::*;
 use crate::solve::{Bolt, Outcome};
@@ -107,11 +108,13 @@ pub(crate) fn finish<const D: usize>(
     if placed {
         warnings.extend(beyond(model, &condensed.paired, &bodies, &contacts)?);
     }
+    let sections = section_forces(model, &condensed.laid, condensed.time, &bodies, &contacts)?;
     let mut solution = Solution {
         time: condensed.time,
         dofs: bodies.iter().map(|body| body.dofs).sum(),
         bodies,
         contacts,
+        sections,
         certificate,
         converged,
         solver: SolverReport {

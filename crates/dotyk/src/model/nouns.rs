@@ -6,6 +6,7 @@ use std::fmt;
 use crate::dual::Friction;
 use crate::geometry::{Field, Point};
 use crate::model::quantity::{Dimension, Quantity};
+use crate::model::section::Section;
 
 pub use crate::contact::Rigid;
 pub use crate::fem::{
@@ -412,6 +413,8 @@ pub struct Model<const D: usize> {
     pub bodies: Vec<Body<D>>,
     /// The contacts.
     pub contacts: Vec<Contact<D>>,
+    /// Bodies that are cut across for their section forces.
+    pub sections: Vec<Section<D>>,
     /// How to solve.
     pub solver: SolverOptions<D>,
     /// What to read off.

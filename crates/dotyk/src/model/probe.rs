@@ -12,6 +12,7 @@ use crate::model::on_side::{OnSide, fitting};
 use crate::model::pair::Paired;
 use crate::model::quantity::{Component, ContactField, Parts, Since, Stress, Touching};
 use crate::model::recover::centroid;
+use crate::model::section::{SectionQuantity, SectionSolution, Station as Cutting};
 use crate::model::solution::{BodySolution, ContactNode, LinePoint, ProbeValue, Solution};
 use std::collections::BTreeMap;
 
@@ -91,6 +92,13 @@ fn site<const D: usize>(
         | Parts::Length(..)
         | Parts::Dissipated(..)
         | Parts::Obstacle(..) => return Ok(nowhere),
+        Parts::Section(..) => match (&probe.along, probe.reading) {
+            (None, Reading::Whole) => return Err(ProbeError::NoPlace),
+            (Some(_), _) | (_, Reading::MeanOfNeighbours(_) | Reading::Coupled(_)) => {
+                return Err(ProbeError::StationsAlone);
+            }
+            _ => return Ok(nowhere),
+        },
     };
     match (&probe.along, probe.reading) {
         (None, Reading::Whole) => return Err(ProbeError::NoPlace),
@@ -144,6 +152,9 @@ fn read<const D: usize>(
     probe: &Probe<D>,
     site: &Site<D>,
 ) -> Result<Read<D>, ProbeError<D>> {
+    if let Parts::Section(of, field) = probe.quantity.parts {
+        return Ok(at_stations(&solution.sections[of], field, probe.reading));
+    }
     let field = match field(model, solution, probe) {
         Quantified::Number(number) => return Ok(number.into()),
         Quantified::Varies(field) => field,
@@ -187,6 +198,31 @@ fn read<const D: usize>(
     }
     let found = site.at.as_ref().ok_or(ProbeError::NoPlace)?;
     Ok(field.interpolated(found).into())
+}
+
+/// A quantity of a section at the station nearest to a point, or what its stations become; mean and integral run over s.
+fn at_stations<const D: usize>(
+    section: &SectionSolution,
+    quantity: SectionQuantity,
+    reading: Reading<D>,
+) -> Read<D> {
+    let stations = &section.stations;
+    let value = |station: &Cutting| quantity.at(station);
+    let place = |point: [f64; 2]| -> Point<D> { std::array::from_fn(|i| point[i.min(1)]) };
+    if let Reading::At(point) = reading {
+        let far = |k: &&Cutting| distance(place(k.point), point);
+        let nearest = stations.iter().min_by(|a, b| far(a).total_cmp(&far(b)));
+        return nearest.map_or(f64::NAN, value).into();
+    }
+    // the trapezoidal rule
+    let share = |k: usize| {
+        let before = stations[k].s - stations[k.saturating_sub(1)].s;
+        let after = stations[(k + 1).min(stations.len() - 1)].s - stations[k].s;
+        0.5 * (before.max(0.0) + after.max(0.0))
+    };
+    let samples = stations.iter().enumerate();
+    let samples = samples.map(|(k, station)| (place(station.point), share(k), value(station)));
+    reduced(reading, samples).unwrap_or(f64::NAN.into())
 }
 
 /// Whose nodes a quantity is read at: those of a body, or of the nonmortar side of a contact.
@@ -310,6 +346,7 @@ fn field<'a, const D: usize>(
             let moved = solution.contacts[of].obstacle;
             number(moved.map_or(f64::NAN, |u| component.of(u)))
         }
+        Parts::Section(..) => number(f64::NAN),
         Parts::Rotation(of, axis) => number(rotation(body(of).1, probe.reading, axis)),
         Parts::Displacement(of, component) => {
             let (mesh, solved) = body(of);

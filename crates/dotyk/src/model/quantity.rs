@@ -4,12 +4,14 @@
 //!   BODY.displacement.x   BODY.stress.von_mises   BODY.reaction.y   BODY.SIDE.reaction.y
 //!   BODY.rotation.z       CONTACT.pressure        CONTACT.shear.x
 //!   CONTACT.resultant.x   CONTACT.length          CONTACT.dissipated_work
+//!   SECTION.N             SECTION.M               SECTION.utilisation
 //! ```
 //!
 //! A new quantity is a variant with its word here, and its value in `probe.rs`.
 
 use crate::fem::Body;
 use crate::geometry::{Point, norm};
+use crate::model::section::SectionQuantity;
 use std::fmt;
 use std::ops::Range;
 
@@ -45,6 +47,8 @@ pub(crate) enum Parts {
     Dissipated(usize, Since),
     /// Displacement of the rigid obstacle of a contact; a number.
     Obstacle(usize, Component),
+    /// What varies along a section; a field of its stations.
+    Section(usize, SectionQuantity),
 }
 
 /// A component of a vector, or its length.
@@ -131,12 +135,16 @@ pub enum Dimension {
     Area,
     /// A force times a length.
     Moment,
+    /// A force per length.
+    ForcePerLength,
+    /// A moment per length.
+    MomentPerLength,
+    /// A ratio.
+    Ratio,
     /// A work.
     Energy,
     /// Radians.
     Angle,
-    /// A number without a unit.
-    Ratio,
     /// An integral of another one.
     Other,
 }
@@ -219,7 +227,7 @@ impl fmt::Display for QuantityError {
                 f,
                 "`{word}` of a body without `strength`: give its material one"
             ),
-            Mistake::TooLong => write!(f, "`{word}` of a contact has no components"),
+            Mistake::TooLong => write!(f, "`{word}` has no components here"),
         }
     }
 }
@@ -227,30 +235,32 @@ impl fmt::Display for QuantityError {
 impl std::error::Error for QuantityError {}
 
 impl Quantity {
-    /// The quantity that a text names, of these bodies and contacts.
+    /// The quantity that a text names, of these bodies, contacts and sections, whose names differ.
     ///
     /// Errors: the word that is wrong, and what is known in its place.
     pub fn parse<const D: usize>(
         text: &str,
         bodies: &[Body<D>],
         contacts: &[&str],
+        sections: &[&str],
     ) -> Result<Self, QuantityError> {
         let words = Words(text.split('.').collect());
         let owner = words.0[0];
         let body = bodies.iter().position(|body| body.name == owner);
         let contact = contacts.iter().position(|name| *name == owner);
-        let of_body = |body: usize| of_body(&words, body, &bodies[body]);
-        let parts = match (body, contact) {
-            (Some(body), None) => of_body(body)?,
-            (None, Some(contact)) => of_contact::<D>(&words, contact)?,
-            // a name shared by a body and a contact: the quantity tells which is meant
-            (Some(body), Some(contact)) => {
-                of_contact::<D>(&words, contact).or_else(|_| of_body(body))?
-            }
-            (None, None) => {
+        let section = sections.iter().position(|name| *name == owner);
+        let parts = match (body, contact, section) {
+            (Some(body), ..) => of_body(&words, body, &bodies[body])?,
+            (_, Some(contact), _) => of_contact::<D>(&words, contact)?,
+            (.., Some(section)) => of_section(&words, section)?,
+            (None, None, None) => {
                 let bodies = bodies.iter().map(|body| body.name.as_str());
-                let owners = bodies.chain(contacts.iter().copied());
-                return Err(words.mistake(Mistake::Unknown("body or contact"), 0, owners));
+                let owners = bodies.chain(contacts.iter().chain(sections).copied());
+                let what = match sections {
+                    [] => "body or contact",
+                    _ => "body, contact or section",
+                };
+                return Err(words.mistake(Mistake::Unknown(what), 0, owners));
             }
         };
         let text = text.to_string();
@@ -296,15 +306,21 @@ impl Quantity {
             Parts::Dissipated(..) => Dimension::Energy,
             Parts::Rotation(..) => Dimension::Angle,
             Parts::Utilisation(..) => Dimension::Ratio,
+            Parts::Section(_, quantity) => quantity.dimension(),
         }
     }
 
     /// It varies from place to place.
     pub fn is_field(&self) -> bool {
-        use Parts::{Along, Displacement, Rotation, Stress, Utilisation};
+        use Parts::{Along, Displacement, Rotation, Section, Stress, Utilisation};
         matches!(
             self.parts,
-            Displacement(..) | Rotation(..) | Stress(..) | Utilisation(..) | Along(..)
+            Displacement(..)
+                | Rotation(..)
+                | Stress(..)
+                | Utilisation(..)
+                | Along(..)
+                | Section(..)
         )
     }
 
@@ -329,6 +345,19 @@ impl Quantity {
     /// It belongs to the nodes of a contact.
     pub fn is_of_contact(&self) -> bool {
         matches!(self.parts, Parts::Along(..))
+    }
+
+    /// It is known at the stations of a section alone.
+    pub fn is_of_section(&self) -> bool {
+        matches!(self.parts, Parts::Section(..))
+    }
+
+    /// The section whose utilisation it is.
+    pub fn utilised_section(&self) -> Option<usize> {
+        match self.parts {
+            Parts::Section(section, SectionQuantity::Utilisation) => Some(section),
+            _ => None,
+        }
     }
 
     /// It is read at the point of a couple, and nowhere else.
@@ -470,6 +499,18 @@ fn of_contact<const D: usize>(words: &Words<'_>, contact: usize) -> Result<Parts
             Err(words.mistake(Mistake::TooLong, 1, []))
         }
         _ => Err(words.mistake(Mistake::Unknown("quantity of a contact"), 1, quantities())),
+    }
+}
+
+fn of_section(words: &Words<'_>, section: usize) -> Result<Parts, QuantityError> {
+    let known = SectionQuantity::ALL.map(|quantity| (quantity.name(), quantity));
+    match words.0[1..] {
+        [] => Err(words.incomplete(names(&known))),
+        [_] => {
+            let quantity = words.one_of(1, "quantity of a section", &known)?;
+            Ok(Parts::Section(section, quantity))
+        }
+        _ => Err(words.mistake(Mistake::TooLong, 1, [])),
     }
 }
 

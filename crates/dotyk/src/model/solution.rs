@@ -5,6 +5,7 @@ use crate::fem::{list_motions, principal};
 use crate::geometry::{Point, norm};
 use crate::model::nouns::{CoupleKind, SideRef};
 use crate::model::quantity::Dimension;
+use crate::model::section::SectionSolution;
 use std::collections::BTreeMap;
 use std::fmt;
 
@@ -392,6 +393,8 @@ pub struct Solution<const D: usize> {
     pub bodies: Vec<BodySolution<D>>,
     /// One per contact of the model, in its order.
     pub contacts: Vec<ContactSolution<D>>,
+    /// One per section of the model, in its order.
+    pub sections: Vec<SectionSolution>,
     /// What was checked, and by how much it holds.
     pub certificate: Certificate,
     /// The certificate holds.

@@ -1,10 +1,11 @@
-//! `contact.csv`: one row per contact node; `lines.csv`: one row per place of a probe along a line.
+//! `contact.csv`: one row per contact node; `lines.csv`: one row per place of a probe along a line; `sections.csv`: one row per
+//! station of a section.
 //!
 //! Signs: gap ≥ 0 open, pressure ≥ 0 compression. Vectors along the interface are given in 2D as one number along the
 //! tangent, which is the normal rotated by +90°, in space by their components. Numbers are the shortest that read back to the same
 //! bits.
 
-use crate::model::{ContactNode, ContactSolution, Law, Model, SideRef, Solution};
+use crate::model::{Analysis, ContactNode, ContactSolution, Law, Model, SideRef, Solution};
 use crate::output::chain::{along_tangent, angles, arc_lengths};
 use crate::output::text::AXES;
 use std::borrow::Cow;
@@ -94,6 +95,40 @@ pub fn lines_csv<const D: usize>(steps: &[Solution<D>]) -> Option<String> {
     (out.len() > head).then_some(out)
 }
 
+/// How `sections.csv` begins.
+pub const SECTIONS_HEAD: &str =
+    "step,section,station,s,x,y,angle,thickness,N,V,M,stress_first,stress_second";
+
+/// Content of `sections.csv` for the steps of one run (numbered from 1), stations numbered from 1; nothing where no section is
+/// cut. With axial symmetry `hoop_N` and `hoop_M` follow, the forces around the axis.
+pub fn sections_csv<const D: usize>(model: &Model<D>, steps: &[Solution<D>]) -> Option<String> {
+    let hoop = model.analysis == Analysis::Axisymmetric;
+    let more = if hoop { ",hoop_N,hoop_M" } else { "" };
+    let mut out = format!("{SECTIONS_HEAD}{more}\n");
+    let head = out.len();
+    for (step, solution) in steps.iter().enumerate() {
+        for section in &solution.sections {
+            for (index, station) in section.stations.iter().enumerate() {
+                // Writing to a String cannot fail.
+                let _ = write!(out, "{},{},{}", step + 1, section.name, index + 1);
+                let [x, y] = station.point;
+                numbers(
+                    &mut out,
+                    &[station.s, x, y, station.angle(), station.thickness],
+                );
+                numbers(&mut out, &[station.normal, station.shear, station.moment]);
+                numbers(&mut out, &station.edge_stress());
+                numbers(
+                    &mut out,
+                    station.hoop.as_ref().map_or(&[], |hoop| &hoop[..]),
+                );
+                out.push('\n');
+            }
+        }
+    }
+    (out.len() > head).then_some(out)
+}
+
 /// A text as one cell: quoted where a comma, a quote or a new line would end it.
 pub fn quoted(text: &str) -> String {
     match text.contains([',', '"', '\n', '\r']) {
@@ -130,6 +165,7 @@ fn numbers(out: &mut String, values: &[f64]) {
 mod tests {
     use super::*;
     use crate::geometry::Field;
+    use crate::model::{BodyId, Stations};
     use crate::output::tunnel;
 
     #[test]
@@ -185,5 +221,27 @@ mod tests {
         let first: Vec<&str> = lines.next().unwrap().split(',').collect();
         // (0, −1) rotated by +90° is (1, 0).
         assert_eq!(first[10..12], ["2.5", "NaN"]);
+    }
+
+    #[test]
+    fn sections_have_the_contracted_header_and_a_row_for_each_station() {
+        let (mut model, _) = tunnel::solved();
+        assert_eq!(sections_csv(&model, &[]), None);
+        model.section("wall", BodyId(0), ["inner", "outer"], Stations::Number(5));
+        let solution = model.solve().unwrap();
+        let text = sections_csv(&model, std::slice::from_ref(&solution)).unwrap();
+        let mut lines = text.lines();
+        assert_eq!(
+            lines.next(),
+            Some("step,section,station,s,x,y,angle,thickness,N,V,M,stress_first,stress_second")
+        );
+        let rows: Vec<Vec<&str>> = lines.map(|line| line.split(',').collect()).collect();
+        assert_eq!(rows.len(), 5);
+        let station = &solution.sections[0].stations[3];
+        assert_eq!(rows[3][..3], ["1", "wall", "4"]);
+        assert_eq!(rows[3][8].parse(), Ok(station.normal), "bits must survive");
+        // half a ring from its invert up to its crown, the inner side on the left
+        assert_eq!(rows[0][6].parse::<f64>().unwrap().round(), 0.0);
+        assert_eq!(rows[4][6].parse::<f64>().unwrap().abs().round(), 180.0);
     }
 }

@@ -4,8 +4,8 @@
 
 use crate::dual::Figure;
 use crate::model::{
-    BodySolution, ContactNode, ContactSolution, CoupleSolution, LinePoint, Seconds, Solution,
-    Status,
+    BodySolution, ContactNode, ContactSolution, CoupleSolution, LinePoint, Seconds,
+    SectionQuantity, SectionSolution, Solution, Status,
 };
 use crate::output::Overview;
 use crate::output::text::{Labels, THIN};
@@ -117,6 +117,7 @@ fn step_summary<'a, const D: usize>(
                 line: line_entry(&probe.line),
             })
             .collect(),
+        sections: solution.sections.iter().map(section_entry).collect(),
         warnings: &solution.warnings,
         failed_step: None,
     }
@@ -200,6 +201,9 @@ struct Summary<'a> {
     contacts: Vec<ContactEntry<'a>>,
     bodies: Vec<BodyEntry<'a>>,
     probes: Vec<ProbeEntry<'a>>,
+    /// Only where some are cut.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    sections: Vec<SectionEntry<'a>>,
     warnings: &'a [String],
     #[serde(skip_serializing_if = "Option::is_none")]
     failed_step: Option<FailedEntry<'a>>,
@@ -315,6 +319,101 @@ fn contact_entry<const D: usize>(contact: &ContactSolution<D>) -> ContactEntry<'
         max_penetration: max_penetration(&contact.nodes),
         imbalance: contact.imbalance,
         dissipated_work: contact.dissipated,
+    }
+}
+
+#[derive(Clone, Serialize)]
+struct SectionEntry<'a> {
+    name: &'a str,
+    /// Of the middle line.
+    length: f64,
+    closed: bool,
+    stations: Vec<StationEntry>,
+    extremes: BTreeMap<&'static str, ExtremesEntry>,
+}
+
+#[derive(Clone, Serialize)]
+struct StationEntry {
+    station: usize,
+    s: f64,
+    x: f64,
+    y: f64,
+    angle: f64,
+    thickness: f64,
+    #[serde(rename = "N")]
+    normal: f64,
+    #[serde(rename = "V")]
+    shear: f64,
+    #[serde(rename = "M")]
+    moment: f64,
+    stress_first: f64,
+    stress_second: f64,
+    /// With axial symmetry.
+    #[serde(rename = "hoop_N", skip_serializing_if = "Option::is_none")]
+    hoop_normal: Option<f64>,
+    #[serde(rename = "hoop_M", skip_serializing_if = "Option::is_none")]
+    hoop_moment: Option<f64>,
+    /// With a capacity.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    utilisation: Option<f64>,
+}
+
+#[derive(Clone, Serialize)]
+struct ExtremesEntry {
+    max: ExtremeEntry,
+    min: ExtremeEntry,
+}
+
+#[derive(Clone, Serialize)]
+struct ExtremeEntry {
+    value: f64,
+    station: usize,
+    s: f64,
+    at: [f64; 2],
+}
+
+fn section_entry(section: &SectionSolution) -> SectionEntry<'_> {
+    let stations = section.stations.iter().enumerate().map(|(index, station)| {
+        let [stress_first, stress_second] = station.edge_stress();
+        let [x, y] = station.point;
+        StationEntry {
+            station: index + 1,
+            s: station.s,
+            x,
+            y,
+            angle: station.angle(),
+            thickness: station.thickness,
+            normal: station.normal,
+            shear: station.shear,
+            moment: station.moment,
+            stress_first,
+            stress_second,
+            hoop_normal: station.hoop.map(|[force, _]| force),
+            hoop_moment: station.hoop.map(|[_, moment]| moment),
+            utilisation: station.utilisation,
+        }
+    });
+    let extreme = |index: usize, value: f64| {
+        let station = &section.stations[index];
+        ExtremeEntry {
+            value,
+            station: index + 1,
+            s: station.s,
+            at: station.point,
+        }
+    };
+    let extremes = SectionQuantity::ALL.into_iter().filter_map(|quantity| {
+        let [min, max] = section.extremes(quantity)?;
+        let max = extreme(max.0, max.1);
+        let min = extreme(min.0, min.1);
+        Some((quantity.name(), ExtremesEntry { max, min }))
+    });
+    SectionEntry {
+        name: &section.name,
+        length: section.length,
+        closed: section.closed,
+        stations: stations.collect(),
+        extremes: extremes.collect(),
     }
 }
 

@@ -26,6 +26,7 @@ mod plot;
 mod points;
 mod report;
 mod scene;
+mod sections;
 mod setup;
 mod space;
 mod stage;
@@ -232,13 +233,13 @@ macro_rules! doors {
     ($($D:literal)*) => {$(
         impl Record<'_, $D> {
             /// Writes all result files into a folder and returns their paths: a VTU file per body and step, a VTM file per step that
-            /// names them as blocks, `case.pvd`, `contact.csv`, `lines.csv` where a probe is read along a line, `summary.json`,
+            /// names them as blocks, `case.pvd`, `contact.csv`, `lines.csv` where a probe is read along a line, `sections.csv` where a section is cut, `summary.json`,
             /// `report.html`.
             ///
             /// `seconds.write` in the summary is the time that all other files took, and `seconds.total` all of it since the run began;
             /// the report, which is one of these files, tells the time up to itself.
             /// The folder is made where it does not exist; files of other names in it stay, but for the VTU and VTM files of an
-            /// earlier run, as its `case.pvd` tells, and its `lines.csv`.
+            /// earlier run, as its `case.pvd` tells, and its `lines.csv` and `sections.csv`.
             /// Errors: any [`Error`]; then the folder is as it was before.
             pub fn write(&self, dir: &Path) -> Result<Vec<PathBuf>, Error> {
                 write(self, dir)
@@ -330,6 +331,9 @@ fn write<const D: usize>(record: &Record<'_, D>, dir: &Path) -> Result<Vec<PathB
     if let Some(lines) = csv::lines_csv(steps) {
         stage.put(LINES, lines.as_bytes())?;
     }
+    if let Some(sections) = csv::sections_csv(model, steps) {
+        stage.put(SECTIONS, sections.as_bytes())?;
+    }
 
     let seconds = || Seconds {
         write: start.elapsed().as_secs_f64(),
@@ -365,8 +369,11 @@ const COLLECTION: &str = "case.pvd";
 /// The file of probes along lines.
 const LINES: &str = "lines.csv";
 
+/// The file of section forces.
+const SECTIONS: &str = "sections.csv";
+
 /// Files that not every run writes, of an earlier one in a folder: VTU and VTM files, as its collection names them, and what
-/// looks like its `lines.csv`; none where they cannot be read.
+/// looks like its `lines.csv` or `sections.csv`; none where they cannot be read.
 fn earlier_files(dir: &Path) -> Vec<String> {
     let read = |name: &str| std::fs::read_to_string(dir.join(name)).unwrap_or_default();
     let text = read(COLLECTION);
@@ -374,6 +381,9 @@ fn earlier_files(dir: &Path) -> Vec<String> {
     files.extend(vtu::collected_blocks(&text));
     if read(LINES).starts_with(csv::LINES_HEAD) {
         files.push(LINES.to_string());
+    }
+    if read(SECTIONS).starts_with(csv::SECTIONS_HEAD) {
+        files.push(SECTIONS.to_string());
     }
     files
 }

@@ -15,6 +15,7 @@ use crate::output::html::{self, Head, column, escape, left, plain, table, table_
 use crate::output::interface::largest_gap;
 use crate::output::json::{VERSION, largest, range};
 use crate::output::lines::{lines_section, place_in_words};
+use crate::output::sections::sections_section;
 use crate::output::steps::steps_section;
 use crate::output::text::{Labels, Scales, count, number, quantity, seconds, vector};
 use crate::output::utilisation::{largest_utilisation, strength_section};
@@ -33,6 +34,7 @@ pub fn page<const D: usize>(run: &Overview<'_, D>) -> String {
         key_figures(solution, &labels),
         probes(model, solution, &labels),
         lines_section(run, &labels),
+        sections_section(run, &labels),
         steps_section(run, &labels),
         "<h2>Model</h2>\n".to_string(),
         figures.model(&alone),
@@ -48,14 +50,19 @@ pub fn page<const D: usize>(run: &Overview<'_, D>) -> String {
         contacts::contact_nodes(solution, &labels),
         timings(run),
     ];
+    let lines = solution.probes.iter().any(|p| !p.line.is_empty());
+    let files = [
+        (lines, ", lines.csv"),
+        (!solution.sections.is_empty(), ", sections.csv"),
+    ];
+    let files = files
+        .iter()
+        .filter(|(there, _)| *there)
+        .map(|(_, name)| *name);
     let footer = format!(
         "Computed with dotyk {VERSION}, case {}. Full numbers: summary.json, contact.csv{}; fields: case.pvd.",
         run.stem,
-        if solution.probes.iter().any(|p| !p.line.is_empty()) {
-            ", lines.csv"
-        } else {
-            ""
-        }
+        files.collect::<String>()
     );
     framed(model, run.stem, &sections.concat(), &footer)
 }

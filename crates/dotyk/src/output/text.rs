@@ -134,6 +134,10 @@ pub struct Labels {
     pub energy: String,
     /// Length times length.
     pub area: String,
+    /// Force per length.
+    pub per_length: String,
+    /// Moment per length.
+    pub moment_per_length: String,
     /// Names of the axes, one for each dimension.
     pub axes: &'static [&'static str],
 }
@@ -160,6 +164,8 @@ impl Labels {
             stress: join(format!("{force}/{length}²")),
             density: join(format!("{force}/{length}³")),
             energy: join(format!("{force}{THIN}{length}")),
+            per_length: join(format!("{force}/{length}")),
+            moment_per_length: join(format!("{force}{THIN}{length}/{length}")),
             area: match length.is_empty() {
                 true => String::new(),
                 false => format!("{length}²"),
@@ -208,6 +214,8 @@ impl Labels {
             Dimension::Angle => "rad",
             Dimension::Force => &self.force,
             Dimension::Stress => &self.stress,
+            Dimension::ForcePerLength => &self.per_length,
+            Dimension::MomentPerLength => &self.moment_per_length,
             Dimension::Ratio | Dimension::Other => "",
         }
     }
@@ -285,6 +293,7 @@ impl Scales {
             Dimension::Moment => self.force * self.reach,
             // 1 is failure
             Dimension::Ratio => 1.0,
+            Dimension::ForcePerLength | Dimension::MomentPerLength => 0.0,
             Dimension::Area | Dimension::Energy | Dimension::Angle | Dimension::Other => 0.0,
         };
         without_noise(value, scale)

@@ -26,6 +26,7 @@ mod past;
 mod patch;
 mod probes;
 mod rates;
+mod sections;
 mod sliding;
 mod solids;
 mod solvers;

@@ -1,0 +1,617 @@
+//! What the part of a plane body ahead of a straight cut is loaded with: its equilibrium gives the forces in the cut.
+//!
+//! Let w be a rigid motion, H the step at the cut (0 behind, 1 ahead), and φ a field of nodal values that rises from 0 behind
+//! to 1 ahead across the layer of cells about the cut. As the cells on either side of the layer do no work on φw,
+//!
+//! ```text
+//!   F·w = ∫ σ : ∇(φw) dV  −  ∫ (φ − H) f·w     over the layer,       f: loads, reactions, contact forces, body force
+//! ```
+//!
+//! is the resultant of all forces on the part ahead, H f, to the rounding of the nodal balance: statics, where it determines
+//! them, and where it does not (a ring) what the displacements make of it, twice as accurate as stresses. No stress is
+//! recovered. With axial symmetry the hoop stress is a force per volume −σ_θ/r along r.
+//!
+//! * Tractions and body force are integrated exactly up to the cut, through cells and facets.
+//! * Of contacts, couples and supports of sides nodal forces are known. They count as the traction of shape functions on these
+//!   sides that has these nodal forces, else each cut beside a node would show half of the node's force.
+//! * A force at a point of the cut belongs to the part behind; so does all that acts on a face in which the body begins. Where
+//!   it ends in the cut, the cut is meant just before that face: what acts there is ahead, but for point loads.
+//!
+//! Source: the virtual work of a cut as in `algorithms.md` of the project; forces for the thickness or the full 2π.
+
+use crate::fem::cells::{CellTable, measure};
+use crate::fem::error::FemError;
+use crate::fem::internal::CellForces;
+use crate::fem::loads::{Amount, Load, side_points};
+use crate::fem::nouns::{Analysis, Body, Place};
+use crate::fem::quadrature::gauss;
+use crate::fem::supports::{nearest_node, side_facets};
+use crate::geometry::{Point, add_scaled, dot, norm, sub};
+use crate::mesh::{CellKind, Cut, Domain, Facet, MAX_CELL_NODES, MAX_FACET_NODES};
+use std::collections::{BTreeMap, BTreeSet};
+
+/// A node nearer to the cut than this part of its length lies on it.
+const ON_CUT: f64 = 1e-6;
+
+/// Points of the Gauss rules between the places where a cut enters or leaves: loads may be any expression.
+const POINTS: usize = 8;
+
+/// Forces ahead of cuts through a body in a state.
+pub(crate) struct Ahead<'a, const D: usize> {
+    body: &'a Body<D>,
+    analysis: Analysis,
+    time: f64,
+    cells: CellForces<'a, D>,
+    /// Loads of each facet, and what a unit of their value is per area.
+    loads: BTreeMap<Facet, Vec<(&'a Load<D>, f64)>>,
+    /// By contacts and couples, and by supports.
+    pushed: [Pushed<D>; 2],
+    /// Forces at nodes.
+    points: BTreeMap<u32, Point<D>>,
+    has_body_force: bool,
+    /// Cells of each node, as pairs of block and cell.
+    around: Vec<Vec<(u32, u32)>>,
+}
+
+/// Facets whose nodal forces are known, and the traction at their nodes that has these forces.
+struct Pushed<const D: usize> {
+    facets: BTreeSet<Facet>,
+    traction: Vec<Point<D>>,
+}
+
+/// Force and moment about the middle of a cut.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub(crate) struct Resultant {
+    pub force: Point<2>,
+    pub moment: f64,
+}
+
+impl Resultant {
+    fn add(&mut self, factor: f64, arm: Point<2>, force: Point<2>) {
+        self.force = add_scaled(self.force, factor, force);
+        self.moment += factor * (arm[0] * force[1] - arm[1] * force[0]);
+    }
+}
+
+fn plane<const D: usize>(point: Point<D>) -> Point<2> {
+    [point[0], point[1]]
+}
+
+/// The cut as what divides the body.
+struct Divide<'c> {
+    cut: &'c Cut,
+    middle: Point<2>,
+    along: Point<2>,
+    first: Point<2>,
+    half: f64,
+}
+
+impl<'c> Divide<'c> {
+    fn new(cut: &'c Cut) -> Self {
+        Self {
+            cut,
+            middle: cut.middle(),
+            along: cut.along(),
+            first: cut.toward_first(),
+            half: 0.5 * cut.thickness(),
+        }
+    }
+
+    fn arm(&self, point: Point<2>) -> Point<2> {
+        sub(point, self.middle)
+    }
+
+    /// Distance ahead of the line through the cut.
+    fn ahead(&self, point: Point<2>) -> f64 {
+        dot(self.arm(point), self.along)
+    }
+
+    /// H at a point, with that of its cell in reserve: where it lies on the line beside the cut.
+    fn step(&self, point: Point<2>, of_cell: impl Fn() -> Point<2>) -> bool {
+        let tolerance = 2.0 * ON_CUT * self.half;
+        let ahead = self.ahead(point);
+        if ahead.abs() > tolerance {
+            return ahead > 0.0;
+        }
+        if dot(self.arm(point), self.first).abs() <= self.half + tolerance {
+            return self.cut.last;
+        }
+        self.ahead(of_cell()) > 0.0
+    }
+}
+
+impl<'a, const D: usize> Ahead<'a, D> {
+    /// With the displacements, the forces of contacts and couples, and the reactions of all nodes, at a time; contacts and
+    /// couples act on these `sides`.
+    ///
+    /// Errors: a group of cells without a material; a side that is not there.
+    pub fn new(
+        (body, analysis): (&'a Body<D>, Analysis),
+        time: f64,
+        displacement: &'a [Point<D>],
+        [contact, reactions]: [&[Point<D>]; 2],
+        sides: &[&str],
+    ) -> Result<Self, FemError> {
+        let mesh = &body.mesh;
+        let nodes = mesh.points().len();
+        let mut loads: BTreeMap<Facet, Vec<(&Load<D>, f64)>> = BTreeMap::new();
+        let mut points = BTreeMap::new();
+        for load in &body.loads {
+            match load.place() {
+                Place::Side(side) => {
+                    let share = match load.amount() {
+                        Amount::PerArea => 1.0,
+                        Amount::Whole => {
+                            1.0 / side_points(body, &side, analysis)?
+                                .map(|p| p.area)
+                                .sum::<f64>()
+                        }
+                    };
+                    for &facet in side_facets(mesh, &side)? {
+                        loads.entry(facet).or_default().push((load, share));
+                    }
+                }
+                Place::Point(at) => {
+                    let node = nearest_node(mesh, at, "point force")?;
+                    let force = load.at(mesh.points()[node], [0.0; D], time);
+                    let sum: &mut Point<D> = points.entry(node as u32).or_insert([0.0; D]);
+                    *sum = add_scaled(*sum, 1.0, force);
+                }
+            }
+        }
+        let supports = body
+            .supports
+            .iter()
+            .filter_map(|support| match &support.place {
+                Place::Side(side) => Some(side.as_str()),
+                Place::Point(_) => None,
+            });
+        let supports: Vec<&str> = supports.collect();
+        let pinned = pinned(body)?;
+        let mut held = reactions.to_vec();
+        pinned.into_iter().for_each(|node| held[node] = [0.0; D]);
+        let pushed = |sides: &[&str], forces: &[Point<D>]| {
+            let mut facets = BTreeSet::new();
+            for side in sides {
+                facets.extend(side_facets(mesh, side)?.iter().copied());
+            }
+            Ok(Pushed {
+                traction: traction_of((body, analysis), &facets, forces),
+                facets,
+            })
+        };
+        let mut around = vec![Vec::new(); nodes];
+        for (b, block) in mesh.blocks().iter().enumerate() {
+            for (c, cell) in block.cells().enumerate() {
+                cell.iter()
+                    .for_each(|&node| around[node as usize].push((b as u32, c as u32)));
+            }
+        }
+        Ok(Self {
+            body,
+            analysis,
+            time,
+            cells: CellForces::new(body, analysis, displacement)?,
+            loads,
+            pushed: [pushed(sides, contact)?, pushed(&supports, &held)?],
+            points,
+            has_body_force: body.body_force.iter().any(|b| b.as_constant() != Some(0.0)),
+            around,
+        })
+    }
+
+    fn measure(&self, point: Point<D>) -> f64 {
+        measure(self.analysis, self.body.thickness, point)
+    }
+
+    fn at(&self, node: u32) -> Point<2> {
+        plane(self.body.mesh.points()[node as usize])
+    }
+
+    /// Mean of the nodes of a cell.
+    fn centre(&self, (block, cell): (u32, u32)) -> Point<2> {
+        let nodes = self.body.mesh.cell_nodes(block as usize, cell as usize);
+        let sum = nodes
+            .iter()
+            .fold([0.0; 2], |sum, &n| add_scaled(sum, 1.0, self.at(n)));
+        sum.map(|c| c / nodes.len() as f64)
+    }
+
+    /// Resultant of all forces on the part ahead of a cut.
+    pub fn of(&self, cut: &Cut) -> Resultant {
+        let divide = Divide::new(cut);
+        let centre = |node: u32| {
+            let cells = &self.around[node as usize];
+            let sum = cells.iter().fold([0.0; 2], |sum, &cell| {
+                add_scaled(sum, 1.0, self.centre(cell))
+            });
+            sum.map(|c| c / cells.len() as f64)
+        };
+        let rises: Vec<bool> = (0..self.around.len() as u32)
+            .map(|node| divide.step(self.at(node), || centre(node)))
+            .collect();
+        let mut sum = Resultant::default();
+        let layer = self.layer(&divide, &rises);
+        for &(block, cell) in &layer {
+            self.add_cell(&divide, &rises, (block, cell), &mut sum);
+        }
+        // a point load at the end of the body is behind the cut, and its node ahead
+        if cut.last {
+            let nodes = layer
+                .iter()
+                .flat_map(|&(b, c)| self.body.mesh.cell_nodes(b as usize, c as usize));
+            for node in nodes.copied().collect::<BTreeSet<u32>>() {
+                let on = divide.ahead(self.at(node)).abs() <= 2.0 * ON_CUT * divide.half;
+                if let (true, Some(force)) = (on, self.points.get(&node)) {
+                    sum.add(-1.0, divide.arm(self.at(node)), plane(*force));
+                }
+            }
+        }
+        sum
+    }
+
+    /// The cells that φ rises in and that hang together with the middle of the cut.
+    fn layer(&self, divide: &Divide<'_>, rises: &[bool]) -> Vec<(u32, u32)> {
+        let mesh = &self.body.mesh;
+        let nodes = |(b, c): (u32, u32)| mesh.cell_nodes(b as usize, c as usize);
+        let mixed = |cell: (u32, u32)| {
+            let nodes = nodes(cell);
+            let first = rises[nodes[0] as usize];
+            nodes.iter().any(|&node| rises[node as usize] != first)
+        };
+        // how far the middle of the cut is from a cell, along the cut
+        let far = |cell: (u32, u32)| {
+            let along = nodes(cell)
+                .iter()
+                .map(|&n| dot(divide.arm(self.at(n)), divide.first));
+            let (low, high) = along.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), x| {
+                (l.min(x), h.max(x))
+            });
+            low.max(-high).max(0.0)
+        };
+        let blocks = mesh.blocks().iter().enumerate();
+        let all = blocks
+            .flat_map(|(b, block)| (0..block.cells().len()).map(move |c| (b as u32, c as u32)));
+        let nearest = all
+            .filter(|&cell| mixed(cell))
+            .min_by(|&a, &b| far(a).total_cmp(&far(b)));
+        let mut found: BTreeSet<(u32, u32)> = nearest.into_iter().collect();
+        let mut open: Vec<(u32, u32)> = nearest.into_iter().collect();
+        while let Some(cell) = open.pop() {
+            for &node in nodes(cell) {
+                for &next in &self.around[node as usize] {
+                    if !found.contains(&next) && mixed(next) {
+                        found.insert(next);
+                        open.push(next);
+                    }
+                }
+            }
+        }
+        found.into_iter().collect()
+    }
+
+    /// What a cell of the layer contributes, with the facets of it that are loaded.
+    fn add_cell(&self, divide: &Divide<'_>, rises: &[bool], cell: (u32, u32), sum: &mut Resultant) {
+        let mesh = &self.body.mesh;
+        let (block, index) = (cell.0 as usize, cell.1 as usize);
+        let nodes = mesh.cell_nodes(block, index);
+        let internal = self.cells.of(block, index);
+        let ahead = |node: u32| rises[node as usize];
+        for (&node, force) in nodes.iter().zip(internal).filter(|(n, _)| ahead(**n)) {
+            sum.add(1.0, divide.arm(self.at(node)), plane(force));
+        }
+        if self.has_body_force || self.analysis == Analysis::Axisymmetric {
+            self.add_volume(divide, rises, cell, sum);
+        }
+        let kind = mesh.blocks()[block].kind;
+        for local in 0..kind.facets().len() {
+            let facet = Facet {
+                block: cell.0,
+                cell: cell.1,
+                local: local as u32,
+            };
+            let pushed = self
+                .pushed
+                .iter()
+                .any(|pushed| pushed.facets.contains(&facet));
+            if pushed || self.loads.contains_key(&facet) {
+                self.add_facet(divide, rises, facet, sum);
+            }
+        }
+    }
+
+    /// −∫(φ − H) f over a facet.
+    fn add_facet(&self, divide: &Divide<'_>, rises: &[bool], facet: Facet, sum: &mut Resultant) {
+        let mesh = &self.body.mesh;
+        let nodes: Vec<u32> = mesh.facet_nodes(facet).collect();
+        let kind = mesh.facet_kind(facet);
+        let distance = |xi: f64| divide.ahead(plane(mesh.facet_point(facet, &[xi])));
+        let loads = self.loads.get(&facet).map_or(&[][..], Vec::as_slice);
+        for [low, high] in pieces([-1.0, 1.0], distance) {
+            let middle = plane(mesh.facet_point(facet, &[0.5 * (low + high)]));
+            let ahead = divide.step(middle, || self.centre((facet.block, facet.cell)));
+            for (x, weight) in gauss(POINTS) {
+                let xi = 0.5 * (low + high) + 0.5 * (high - low) * x;
+                let (point, normal) = (
+                    mesh.facet_point(facet, &[xi]),
+                    mesh.outward_normal(facet, &[xi]),
+                );
+                let length = norm(normal);
+                let area = 0.5 * (high - low) * weight * length * self.measure(point);
+                let mut shape = [0.0; MAX_FACET_NODES];
+                kind.shape(&[xi], &mut shape);
+                let mut force = [0.0; D];
+                for (load, share) in loads {
+                    let value = load.at(point, normal.map(|n| n / length), self.time);
+                    force = add_scaled(force, *share, value);
+                }
+                for pushed in self.pushed.iter().filter(|p| p.facets.contains(&facet)) {
+                    for (&node, n) in nodes.iter().zip(shape) {
+                        force = add_scaled(force, n, pushed.traction[node as usize]);
+                    }
+                }
+                let force = plane(force);
+                for (&node, n) in nodes.iter().zip(shape).filter(|(n, _)| rises[**n as usize]) {
+                    sum.add(-area * n, divide.arm(self.at(node)), force);
+                }
+                if ahead {
+                    sum.add(area, divide.arm(plane(point)), force);
+                }
+            }
+        }
+    }
+
+    /// −∫(φ − H) f over a cell, and with axial symmetry −∫ H σ_θ/r, whose other part is in the nodal forces.
+    fn add_volume(
+        &self,
+        divide: &Divide<'_>,
+        rises: &[bool],
+        cell: (u32, u32),
+        sum: &mut Resultant,
+    ) {
+        let mesh = &self.body.mesh;
+        let (block, index) = (cell.0 as usize, cell.1 as usize);
+        let (kind, nodes) = (mesh.blocks()[block].kind, mesh.cell_nodes(block, index));
+        let distances: Vec<f64> = nodes.iter().map(|&n| divide.ahead(self.at(n))).collect();
+        let tolerance = 2.0 * ON_CUT * divide.half;
+        let through =
+            distances.iter().any(|d| *d > tolerance) && distances.iter().any(|d| *d < -tolerance);
+        let [behind, ahead] = match through {
+            true => divided(kind, &distances),
+            false => {
+                let whole = self.cells.rule(block);
+                match divide.ahead(self.centre(cell)) > 0.0 {
+                    true => [Vec::new(), whole],
+                    false => [whole, Vec::new()],
+                }
+            }
+        };
+        if self.has_body_force {
+            // as the nodal loads are integrated, where the cell is whole
+            let loads = CellTable::<D>::new(kind, 2 * kind.order() + 2).rule();
+            let rules = match (through, ahead.is_empty()) {
+                (true, _) => [(false, behind), (true, ahead.clone())],
+                (false, true) => [(false, loads), (true, Vec::new())],
+                (false, false) => [(false, Vec::new()), (true, loads)],
+            };
+            for (ahead, rule) in rules {
+                let table = CellTable::<D>::at(kind, &rule);
+                for q in 0..table.len() {
+                    let (point, _, volume) =
+                        table.map(q, |local| mesh.points()[nodes[local] as usize]);
+                    let volume = volume * self.measure(point);
+                    let force = plane(std::array::from_fn::<_, D, _>(|i| {
+                        self.body.body_force[i].at(point, self.time)
+                    }));
+                    for (&node, n) in nodes
+                        .iter()
+                        .zip(table.shape(q))
+                        .filter(|(n, _)| rises[**n as usize])
+                    {
+                        sum.add(-volume * n, divide.arm(self.at(node)), force);
+                    }
+                    if ahead {
+                        sum.add(volume, divide.arm(plane(point)), force);
+                    }
+                }
+            }
+        }
+        if self.analysis == Analysis::Axisymmetric {
+            for (point, volume, stress) in self.cells.hoop(block, index, &ahead) {
+                let point = plane(point);
+                sum.add(volume, divide.arm(point), [-stress / point[0], 0.0]);
+            }
+        }
+    }
+}
+
+/// Most steps of the conjugate gradients: with the diagonal divided out the mass of lines has eigenvalues between 1/2 and 2.
+const MOST_STEPS: usize = 200;
+
+/// Nodes that supports of points hold.
+fn pinned<const D: usize>(body: &Body<D>) -> Result<BTreeSet<usize>, FemError> {
+    let supports = body.supports.iter();
+    let nodes = supports.filter_map(|support| match support.place {
+        Place::Point(at) => Some(nearest_node(&body.mesh, at, "support")),
+        Place::Side(_) => None,
+    });
+    nodes.collect()
+}
+
+/// The traction at the nodes of some facets that has these nodal forces: M q = f by conjugate gradients, M the mass of
+/// the facets, which is well conditioned.
+fn traction_of<const D: usize>(
+    (body, analysis): (&Body<D>, Analysis),
+    facets: &BTreeSet<Facet>,
+    forces: &[Point<D>],
+) -> Vec<Point<D>> {
+    let mesh = &body.mesh;
+    let rule = gauss(4);
+    let mut entries: Vec<(usize, usize, f64)> = Vec::new();
+    for &facet in facets {
+        let nodes: Vec<usize> = mesh.facet_nodes(facet).map(|n| n as usize).collect();
+        for &(xi, weight) in &rule {
+            let mut shape = [0.0; MAX_FACET_NODES];
+            mesh.facet_kind(facet).shape(&[xi], &mut shape);
+            let area = weight
+                * norm(mesh.outward_normal(facet, &[xi]))
+                * measure(analysis, body.thickness, mesh.facet_point(facet, &[xi]));
+            for (&a, na) in nodes.iter().zip(shape) {
+                for (&b, nb) in nodes.iter().zip(shape) {
+                    entries.push((a, b, area * na * nb));
+                }
+            }
+        }
+    }
+    let mut diagonal = vec![0.0; forces.len()];
+    for &(a, b, m) in entries.iter().filter(|e| e.0 == e.1) {
+        diagonal[a.min(b)] += m;
+    }
+    let scaled = |v: &[f64]| -> Vec<f64> {
+        v.iter()
+            .zip(&diagonal)
+            .map(|(v, d)| if *d > 0.0 { v / d } else { 0.0 })
+            .collect()
+    };
+    let product = |v: &[f64]| {
+        let mut out = vec![0.0; v.len()];
+        entries.iter().for_each(|&(a, b, m)| out[a] += m * v[b]);
+        out
+    };
+    let inner = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
+    let mut traction = vec![[0.0; D]; forces.len()];
+    for axis in 0..D {
+        let on_facet = forces.iter().zip(&diagonal);
+        let mut rest: Vec<f64> = on_facet
+            .map(|(f, d)| if *d > 0.0 { f[axis] } else { 0.0 })
+            .collect();
+        let mut step = scaled(&rest);
+        let mut size = inner(&rest, &step);
+        let start = size;
+        for _ in 0..MOST_STEPS {
+            if size <= f64::EPSILON * f64::EPSILON * start {
+                break;
+            }
+            let image = product(&step);
+            let part = size / inner(&step, &image);
+            for (q, p) in traction.iter_mut().zip(&step) {
+                q[axis] += part * p;
+            }
+            rest.iter_mut()
+                .zip(&image)
+                .for_each(|(r, m)| *r -= part * m);
+            let next = scaled(&rest);
+            let before = std::mem::replace(&mut size, inner(&rest, &next));
+            step.iter_mut()
+                .zip(&next)
+                .for_each(|(p, r)| *p = r + size / before * *p);
+        }
+    }
+    traction
+}
+
+/// The places in an interval where a polynomial of degree two at most is zero, ascending.
+fn zeros([low, high]: [f64; 2], value: impl Fn(f64) -> f64) -> Vec<f64> {
+    let (centre, half) = (0.5 * (low + high), 0.5 * (high - low));
+    let [left, middle, right] = [low, centre, high].map(value);
+    // a + b x + c x² on [−1, 1]
+    let (a, b, c) = (middle, 0.5 * (right - left), 0.5 * (left + right) - middle);
+    let size = left.abs().max(middle.abs()).max(right.abs());
+    let mut found = Vec::new();
+    if c.abs() <= 1e-13 * size {
+        found.push(-a / b);
+    } else {
+        let root = (b * b - 4.0 * a * c).sqrt();
+        // the stable pair; no root is NaN
+        let q = -0.5 * (b + if b < 0.0 { -root } else { root });
+        found.extend([q / c, a / q]);
+    }
+    found.retain(|x| x.abs() < 1.0);
+    found.sort_by(f64::total_cmp);
+    found.iter().map(|x| centre + half * x).collect()
+}
+
+/// An interval cut where a polynomial of degree two at most changes its sign.
+fn pieces(interval: [f64; 2], value: impl Fn(f64) -> f64) -> Vec<[f64; 2]> {
+    let mut ends = zeros(interval, value);
+    ends.insert(0, interval[0]);
+    ends.push(interval[1]);
+    ends.windows(2).map(|pair| [pair[0], pair[1]]).collect()
+}
+
+/// Rules for the parts of a reference cell behind and ahead of a line, by the distances of its nodes ahead of it.
+///
+/// Lines of the cell along its first coordinate are cut where they meet the line; from one to the other Gauss rules go
+/// between the places where the line enters or leaves the cell. Exact for straight cuts through parallelograms and
+/// triangles, to rounding through all straight-sided cells.
+fn divided(kind: CellKind, distances: &[f64]) -> [Vec<([f64; 3], f64)>; 2] {
+    let distance = |x: f64, y: f64| {
+        let mut shape = [0.0; MAX_CELL_NODES];
+        kind.shape(&[x, y], &mut shape);
+        shape.iter().zip(distances).map(|(n, d)| n * d).sum::<f64>()
+    };
+    let (range, ends): ([f64; 2], fn(f64) -> [f64; 2]) = match kind.domain() {
+        Domain::Triangle => ([0.0, 1.0], |y| [0.0, 1.0 - y]),
+        _ => ([-1.0, 1.0], |_| [-1.0, 1.0]),
+    };
+    let mut breaks = vec![range[0], range[1]];
+    for end in 0..2 {
+        breaks.extend(zeros(range, |y| distance(ends(y)[end], y)));
+    }
+    breaks.sort_by(f64::total_cmp);
+    let rule = gauss(POINTS);
+    let mut parts = [Vec::new(), Vec::new()];
+    for panel in breaks.windows(2) {
+        let (centre, half) = (0.5 * (panel[0] + panel[1]), 0.5 * (panel[1] - panel[0]));
+        for &(v, outer) in rule.iter().filter(|_| half > 0.0) {
+            let y = centre + half * v;
+            for [low, high] in pieces(ends(y), |x| distance(x, y)) {
+                let ahead = distance(0.5 * (low + high), y) > 0.0;
+                for &(u, inner) in &rule {
+                    let x = 0.5 * (low + high) + 0.5 * (high - low) * u;
+                    let weight = half * outer * 0.5 * (high - low) * inner;
+                    parts[usize::from(ahead)].push(([x, y, 0.0], weight));
+                }
+            }
+        }
+    }
+    parts
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_divided_cell_keeps_its_area_and_its_centroid() {
+        // the line x + 2y = 0.3 through the square, and x − y = 0.1 through the triangle
+        for (kind, line) in [
+            (CellKind::Quad4, [1.0, 2.0, -0.3]),
+            (CellKind::Quad9, [0.2, -1.0, 0.05]),
+            (CellKind::Tri6, [1.0, -1.0, -0.1]),
+        ] {
+            let nodes = kind.reference_nodes().iter();
+            let distances: Vec<f64> = nodes
+                .map(|n| line[0] * n[0] + line[1] * n[1] + line[2])
+                .collect();
+            let parts = divided(kind, &distances);
+            let sum = |f: &dyn Fn([f64; 3]) -> f64| -> f64 {
+                parts.iter().flatten().map(|(x, w)| w * f(*x)).sum()
+            };
+            assert!((sum(&|_| 1.0) - kind.domain().volume()).abs() < 1e-13);
+            let centre = kind.domain().centre();
+            for axis in 0..2 {
+                assert!((sum(&|x| x[axis]) - centre[axis] * kind.domain().volume()).abs() < 1e-13);
+            }
+            for (part, sign) in parts.iter().zip([-1.0, 1.0]) {
+                let side = |x: &[f64; 3]| line[0] * x[0] + line[1] * x[1] + line[2];
+                assert!(!part.is_empty() && part.iter().all(|(x, _)| sign * side(x) > 0.0));
+            }
+        }
+        // the corner of the triangle x + y < 1 beyond x − y = 0.1 has its base on x from 0.1 to 1
+        let distances = [-0.1, 0.9, -1.1];
+        let [_, ahead] = divided(CellKind::Tri3, &distances);
+        let area: f64 = ahead.iter().map(|(_, w)| w).sum();
+        assert!((area - 0.5 * 0.9 * 0.45).abs() < 1e-14);
+    }
+}

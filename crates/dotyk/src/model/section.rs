@@ -1,0 +1,435 @@
+//! Section forces N, V, M of rings, walls, slabs and beams: on cuts across a body with two long sides, by equilibrium.
+//!
+//! With the resultant F of all forces on the part ahead of a cut and their moment m about its middle (`fem/cut.rs`), the
+//! direction t of s and the direction e from the second side to the first, which is on the left of s:
+//!
+//! ```text
+//!   N = F·t      V = −F·e      M = −m
+//! ```
+//!
+//! N > 0 is tension, V > 0 pushes the part ahead towards the first side, M > 0 is tension on the first side. In the plane they
+//! are per unit of thickness, with axial symmetry (meridional forces) per unit of circumference at the middle of the cut; there
+//! ∫σ_θ dy and ∫σ_θ y dy of the recovered hoop stress, y from the middle to the first side, are told, too.
+
+use crate::fem::{Ahead, Analysis, Body};
+use crate::geometry::{Point, add_scaled, padded, sub};
+use crate::mesh::{Cut, Mesh, Strip, StripError};
+use crate::model::capacity::Capacity;
+use crate::model::error::Error;
+use crate::model::locate::{Located, locate_all};
+use crate::model::nouns::{BodyId, Model};
+use crate::model::quantity::Dimension;
+use crate::model::solution::{BodySolution, ContactSolution};
+use std::f64::consts::PI;
+
+/// Where the forces across a body are asked for.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Section<const D: usize> {
+    /// Unique name.
+    pub name: String,
+    /// The body.
+    pub body: BodyId,
+    /// Its two long sides; s runs with the first on its left.
+    pub sides: [String; 2],
+    /// Where it is cut.
+    pub stations: Stations<D>,
+    /// What it can bear.
+    pub capacity: Option<Capacity>,
+}
+
+/// Where a body is cut.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Stations<const D: usize> {
+    /// At so many equal distances along the middle line, both ends included.
+    Number(usize),
+    /// At the places of the middle line nearest to these points, in their order.
+    Points(Vec<Point<D>>),
+}
+
+/// Why a section cannot be cut.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum SectionError {
+    /// In space.
+    #[error("section forces in space are not supported yet")]
+    Space,
+    /// The sides.
+    #[error(transparent)]
+    Sides(#[from] StripError),
+    /// Less than two.
+    #[error("a number of stations is at least 2, both ends included")]
+    TooFew,
+    /// A point that lies on no cut.
+    #[error("station {} at ({}, {}) lies beside the body", .index + 1, .point[0], .point[1])]
+    Off {
+        /// From zero.
+        index: usize,
+        /// The point.
+        point: [f64; 2],
+    },
+    /// A cut that ends within the body.
+    #[error("the cut of station {} ends within the body, at ({:.4}, {:.4}): its line goes on through it there", .index + 1, .at[0], .at[1])]
+    NotThrough {
+        /// From zero.
+        index: usize,
+        /// The end.
+        at: [f64; 2],
+    },
+    /// A bar outside of the section.
+    #[error("bars at the depth {depth} lie outside of the section, which is {thickness:.4e} thick at ({:.4}, {:.4})", .at[0], .at[1])]
+    Depth {
+        /// From zero.
+        layer: usize,
+        /// Their depth.
+        depth: f64,
+        /// Thickness of the section.
+        thickness: f64,
+        /// Where it is that thin.
+        at: [f64; 2],
+    },
+}
+
+/// Forces of a section.
+#[derive(Debug, Clone, PartialEq)]
+pub struct SectionSolution {
+    /// Its name.
+    pub name: String,
+    /// Length of the middle line.
+    pub length: f64,
+    /// It goes all around; the last station may be the first.
+    pub closed: bool,
+    /// In their order.
+    pub stations: Vec<Station>,
+}
+
+/// Forces on one cut.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Station {
+    /// Length of the middle line up to it.
+    pub s: f64,
+    /// Middle of the cut.
+    pub point: [f64; 2],
+    /// Unit vector from the second side to the first.
+    pub toward_first: [f64; 2],
+    /// Length of the cut.
+    pub thickness: f64,
+    /// N, tension positive.
+    pub normal: f64,
+    /// V, positive where it pushes the part ahead towards the first side.
+    pub shear: f64,
+    /// M, positive with tension on the first side.
+    pub moment: f64,
+    /// With axial symmetry: normal force and moment around the axis.
+    pub hoop: Option<[f64; 2]>,
+    /// With a capacity: 1 is the limit.
+    pub utilisation: Option<f64>,
+}
+
+impl Station {
+    /// Direction of s in degrees from +x, in (−180, 180].
+    pub fn angle(&self) -> f64 {
+        let [x, y] = self.toward_first;
+        // zero is no −0, else a direction along −x would be −180
+        (-x + 0.0).atan2(y + 0.0).to_degrees()
+    }
+
+    /// N/h + 6M/h² on the first side and N/h − 6M/h² on the second.
+    pub fn edge_stress(&self) -> [f64; 2] {
+        let (mean, bending) = (
+            self.normal / self.thickness,
+            6.0 * self.moment / self.thickness.powi(2),
+        );
+        [mean + bending, mean - bending]
+    }
+}
+
+/// What is known at a station.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum SectionQuantity {
+    /// N.
+    Normal,
+    /// V.
+    Shear,
+    /// M.
+    Moment,
+    /// Where there is a capacity.
+    Utilisation,
+}
+
+impl SectionQuantity {
+    /// All of them.
+    pub const ALL: [Self; 4] = [Self::Normal, Self::Shear, Self::Moment, Self::Utilisation];
+
+    /// Its name in quantities and result files.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Normal => "N",
+            Self::Shear => "V",
+            Self::Moment => "M",
+            Self::Utilisation => "utilisation",
+        }
+    }
+
+    /// What it is measured in.
+    pub fn dimension(self) -> Dimension {
+        match self {
+            Self::Normal | Self::Shear => Dimension::ForcePerLength,
+            Self::Moment => Dimension::MomentPerLength,
+            Self::Utilisation => Dimension::Ratio,
+        }
+    }
+
+    /// Its value at a station; NaN without a capacity.
+    pub fn at(self, station: &Station) -> f64 {
+        match self {
+            Self::Normal => station.normal,
+            Self::Shear => station.shear,
+            Self::Moment => station.moment,
+            Self::Utilisation => station.utilisation.unwrap_or(f64::NAN),
+        }
+    }
+}
+
+impl SectionSolution {
+    /// Station (from zero) and value of the smallest and the largest; `None` where there is no value.
+    pub fn extremes(&self, quantity: SectionQuantity) -> Option<[(usize, f64); 2]> {
+        let values = self
+            .stations
+            .iter()
+            .map(|station| quantity.at(station))
+            .enumerate();
+        let values = values.filter(|(_, value)| !value.is_nan());
+        // of equal ones the first
+        let least = values
+            .clone()
+            .reduce(|best, next| if next.1 < best.1 { next } else { best })?;
+        let most = values.reduce(|best, next| if next.1 > best.1 { next } else { best })?;
+        Some([least, most])
+    }
+}
+
+/// The cuts of a section, which do not change from step to step.
+pub(crate) struct Laid<const D: usize> {
+    cuts: Vec<Cut>,
+    length: f64,
+    closed: bool,
+    /// With axial symmetry, for each cut: places on it, and weights whose sum is its length.
+    across: Vec<Vec<(Option<Located<D>>, f64)>>,
+}
+
+impl<const D: usize> Section<D> {
+    /// Its stations on the middle line of a body.
+    ///
+    /// Errors: sides that are not two long sides; stations beside the body; bars outside of the section.
+    pub fn check(&self, body: &Body<D>) -> Result<(), SectionError> {
+        self.cuts(body).map(|_| ())
+    }
+
+    fn cuts(&self, body: &Body<D>) -> Result<(Vec<Cut>, f64, bool), SectionError> {
+        let mesh = body.mesh.in_plane().ok_or(SectionError::Space)?;
+        let strip = Strip::between(mesh, &self.sides[0], &self.sides[1])?;
+        let length = strip.length();
+        let cuts: Vec<Cut> = match &self.stations {
+            Stations::Number(0 | 1) => return Err(SectionError::TooFew),
+            Stations::Number(number) => {
+                let step = length / (number - 1) as f64;
+                (0..*number).map(|k| strip.at(k as f64 * step)).collect()
+            }
+            Stations::Points(points) => {
+                let found = points.iter().enumerate().map(|(index, point)| {
+                    let point = [point[0], point[1]];
+                    strip
+                        .nearest(point)
+                        .ok_or(SectionError::Off { index, point })
+                });
+                found.collect::<Result<_, _>>()?
+            }
+        };
+        if let Some((index, at)) = within(mesh, &cuts) {
+            return Err(SectionError::NotThrough { index, at });
+        }
+        let layers = self
+            .capacity
+            .iter()
+            .flat_map(|capacity| capacity.reinforcement.iter());
+        for (layer, bar) in layers.enumerate() {
+            if let Some(cut) = cuts.iter().find(|cut| bar.depth > cut.thickness()) {
+                return Err(SectionError::Depth {
+                    layer,
+                    depth: bar.depth,
+                    thickness: cut.thickness(),
+                    at: cut.middle(),
+                });
+            }
+        }
+        Ok((cuts, length, strip.closed()))
+    }
+}
+
+/// How far beyond its end, and on both sides of its line, the body must not go on for a cut to divide it; of its thickness.
+const BEYOND: f64 = 0.15;
+
+/// The first cut behind whose end the body goes on, and that end. A face along the line of the cut has the body on one side.
+fn within(mesh: &Mesh<2>, cuts: &[Cut]) -> Option<(usize, [f64; 2])> {
+    let around = cuts.iter().flat_map(|cut| {
+        let reach = BEYOND * cut.thickness();
+        let ends = [(cut.first, reach), (cut.second, -reach)];
+        ends.map(|(end, out)| {
+            let beyond = add_scaled(end, out, cut.toward_first());
+            [reach, -reach].map(|side| add_scaled(beyond, side, cut.along()))
+        })
+    });
+    let around: Vec<[Point<2>; 2]> = around.collect();
+    let found = locate_all(mesh, around.as_flattened());
+    let inside = found
+        .chunks(2)
+        .position(|pair| pair.iter().all(Option::is_some))?;
+    let cut = &cuts[inside / 2];
+    let end = if inside % 2 == 0 {
+        cut.first
+    } else {
+        cut.second
+    };
+    Some((inside / 2, end))
+}
+
+/// Where all sections of a model are cut, before anything is solved.
+///
+/// Errors: those of [`Section::check`], with the section's name.
+pub(crate) fn lay_out<const D: usize>(model: &Model<D>) -> Result<Vec<Laid<D>>, Error<D>> {
+    let laid = model.sections.iter().map(|section| {
+        let body = &model.bodies[section.body.0];
+        let (cuts, length, closed) = section.cuts(body).map_err(|source| Error::Section {
+            section: section.name.clone(),
+            source,
+        })?;
+        let across = match model.analysis {
+            Analysis::Axisymmetric => cuts.iter().map(|cut| places_on(body, cut)).collect(),
+            _ => Vec::new(),
+        };
+        Ok(Laid {
+            cuts,
+            length,
+            closed,
+            across,
+        })
+    });
+    laid.collect()
+}
+
+/// Parts of a cut that a rule of three points is used in.
+const PARTS: usize = 16;
+
+/// Places across a cut with their weights.
+fn places_on<const D: usize>(body: &Body<D>, cut: &Cut) -> Vec<(Option<Located<D>>, f64)> {
+    let step = sub(cut.second, cut.first);
+    // Gauss's three points on [0, 1]
+    let reach = 0.15_f64.sqrt();
+    let rule = [
+        (0.5 - reach, 5.0 / 18.0),
+        (0.5, 8.0 / 18.0),
+        (0.5 + reach, 5.0 / 18.0),
+    ];
+    let parts = (0..PARTS)
+        .flat_map(|k| rule.map(|(x, w)| ((k as f64 + x) / PARTS as f64, w / PARTS as f64)));
+    let (points, weights): (Vec<Point<D>>, Vec<f64>) = parts
+        .map(|(x, w)| {
+            let at = padded(add_scaled(cut.first, x, step));
+            (std::array::from_fn(|i| at[i]), w * cut.thickness())
+        })
+        .unzip();
+    locate_all(&body.mesh, &points)
+        .into_iter()
+        .zip(weights)
+        .collect()
+}
+
+/// The forces of all sections in a solution of bodies and contacts at a time.
+///
+/// Errors: a group of cells without a material.
+pub(crate) fn section_forces<const D: usize>(
+    model: &Model<D>,
+    laid: &[Laid<D>],
+    time: f64,
+    bodies: &[BodySolution<D>],
+    contacts: &[ContactSolution<D>],
+) -> Result<Vec<SectionSolution>, Error<D>> {
+    let solved = model.sections.iter().zip(laid).map(|(section, laid)| {
+        let of = section.body.0;
+        let (body, solution) = (&model.bodies[of], &bodies[of]);
+        let touching = contacts
+            .iter()
+            .flat_map(|c| [Some(&c.nonmortar), c.mortar.as_ref()]);
+        let touching = touching.flatten().filter(|side| side.body.0 == of);
+        let coupled = body.couples.iter().map(|couple| couple.side.as_str());
+        let sides: Vec<&str> = touching
+            .map(|side| side.side.as_str())
+            .chain(coupled)
+            .collect();
+        let forces = [&solution.contact_forces[..], &solution.reactions[..]];
+        let ahead = Ahead::new(
+            (body, model.analysis),
+            time,
+            &solution.displacement,
+            forces,
+            &sides,
+        );
+        let ahead = ahead.map_err(|source| Error::in_body(body, source))?;
+        let stations = laid.cuts.iter().enumerate().map(|(k, cut)| {
+            let resultant = ahead.of(cut);
+            let (middle, thickness, first) = (cut.middle(), cut.thickness(), cut.toward_first());
+            let width = match model.analysis {
+                Analysis::Axisymmetric => 2.0 * PI * middle[0],
+                _ => body.thickness,
+            };
+            let along = |direction: [f64; 2]| {
+                let [x, y] = resultant.force;
+                (x * direction[0] + y * direction[1]) / width
+            };
+            let (normal, moment) = (along(cut.along()), -resultant.moment / width);
+            Station {
+                s: cut.s,
+                point: middle,
+                toward_first: first,
+                thickness,
+                normal,
+                shear: -along(first),
+                moment,
+                hoop: laid
+                    .across
+                    .get(k)
+                    .map(|places| hoop_forces(places, &solution.stress)),
+                utilisation: section
+                    .capacity
+                    .as_ref()
+                    .map(|capacity| capacity.utilisation(thickness, normal, moment)),
+            }
+        });
+        Ok(SectionSolution {
+            name: section.name.clone(),
+            length: laid.length,
+            closed: laid.closed,
+            stations: stations.collect(),
+        })
+    });
+    solved.collect()
+}
+
+/// ∫σ_zz and ∫σ_zz y over a cut, from places in the order from its first side.
+fn hoop_forces<const D: usize>(
+    places: &[(Option<Located<D>>, f64)],
+    stress: &[[f64; 6]],
+) -> [f64; 2] {
+    let thickness: f64 = places.iter().map(|(_, weight)| weight).sum();
+    let parts = PARTS as f64;
+    let reach = 0.15_f64.sqrt();
+    let mut sums = [0.0; 2];
+    for (k, (place, weight)) in places.iter().enumerate() {
+        let Some(place) = place else { continue };
+        let own = place.nodes.iter().zip(&place.shape);
+        let value: f64 = own.map(|(&node, n)| n * stress[node][2]).sum();
+        let x = ((k / 3) as f64 + 0.5 + reach * ((k % 3) as f64 - 1.0)) / parts;
+        sums[0] += weight * value;
+        sums[1] += weight * value * thickness * (0.5 - x);
+    }
+    sums
+}

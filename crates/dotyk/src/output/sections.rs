@@ -1,0 +1,713 @@
+//! Section "Section forces" of the report: diagrams on the geometry and over the middle line, the envelope over the load steps,
+//! its extremes, and the forces inside the limit of what a section can bear.
+
+use crate::geometry::{Point, bounding_box, sub};
+use crate::model::{Analysis, Capacity, Model, Section, SectionQuantity, SectionSolution, Station};
+use crate::output::Overview;
+use crate::output::html::{column, escape, figure, left, plain, table_of_vectors, text};
+use crate::output::plot::{Axis, Frame};
+use crate::output::scene::{Strand, WIDTH, outline_path, strands};
+use crate::output::svg::{Anchor, INK, MUTED, Pixel, SERIES, Svg, Type, segments, text_width};
+use crate::output::text::{Labels, count, number, quantity, vector, with_unit, without_noise};
+use crate::output::view::{Margin, View, on_paper, scale_bar};
+
+/// Colours of positive and negative values.
+const SIGNS: [&str; 2] = [SERIES[1], SERIES[0]];
+
+/// Between the steps.
+const SHADE: &str = "#cfe0ee";
+
+/// More stations than this have no lines across their diagram.
+const MOST_LINES: usize = 90;
+
+/// Points of a limit curve, and the most points of forces beside it.
+const LIMIT_POINTS: usize = 120;
+const MOST_POINTS: usize = 4000;
+
+/// What is drawn of a station.
+struct Curve {
+    name: &'static str,
+    unit: String,
+    value: fn(&Station) -> f64,
+}
+
+fn curves(labels: &Labels) -> [Curve; 3] {
+    let curve = |name: &'static str, unit: &str, value: fn(&Station) -> f64| Curve {
+        name,
+        unit: unit.to_string(),
+        value,
+    };
+    [
+        curve("N", &labels.per_length, |s| s.normal),
+        curve("V", &labels.per_length, |s| s.shear),
+        curve("M", &labels.moment_per_length, |s| s.moment),
+    ]
+}
+
+/// Those of the circumference, and the utilisation, where there are some.
+fn more_curves(section: &SectionSolution, labels: &Labels) -> Vec<Curve> {
+    let mut more = Vec::new();
+    if section.stations.iter().any(|s| s.hoop.is_some()) {
+        more.push(Curve {
+            name: "hoop N",
+            unit: labels.per_length.clone(),
+            value: |s| s.hoop.map_or(f64::NAN, |hoop| hoop[0]),
+        });
+        more.push(Curve {
+            name: "hoop M",
+            unit: labels.moment_per_length.clone(),
+            value: |s| s.hoop.map_or(f64::NAN, |hoop| hoop[1]),
+        });
+    }
+    if section.stations.iter().any(|s| s.utilisation.is_some()) {
+        more.push(Curve {
+            name: "utilisation",
+            unit: String::new(),
+            value: |s| s.utilisation.unwrap_or(f64::NAN),
+        });
+    }
+    more
+}
+
+/// The section; nothing where none is cut.
+pub fn sections_section<const D: usize>(run: &Overview<'_, D>, labels: &Labels) -> String {
+    let asked = run.model.sections.iter().enumerate();
+    let parts: String = asked
+        .map(|(k, section)| one_section(run, (k, section), labels))
+        .collect();
+    if parts.is_empty() {
+        return parts;
+    }
+    let per = match run.model.analysis {
+        Analysis::Axisymmetric => "circumference at the middle of the cut",
+        _ => "thickness",
+    };
+    format!(
+        "<h2>Section forces</h2>\n<p>By equilibrium of the parts that each cut divides, about the middle of the cut, per unit of {per}. \
+         N is positive in tension; M is positive with tension on the first side; V is positive where it pushes the part ahead \
+         towards the first side, which lies on the left of s.</p>\n{parts}"
+    )
+}
+
+fn one_section<const D: usize>(
+    run: &Overview<'_, D>,
+    (index, asked): (usize, &Section<D>),
+    labels: &Labels,
+) -> String {
+    let steps: Vec<&SectionSolution> = run.steps().filter_map(|s| s.sections.get(index)).collect();
+    let Some(&last) = steps.last() else {
+        return String::new();
+    };
+    let body = &run.model.bodies[asked.body.0];
+    let mut out = format!("<h3>{}</h3>\n", escape(&asked.name));
+    let between = format!(
+        "{} between {} (first) and {}, {} stations, length of the middle line {}.",
+        body.name,
+        asked.sides[0],
+        asked.sides[1],
+        count(last.stations.len()),
+        quantity(last.length, &labels.length)
+    );
+    let several = if steps.len() > 1 {
+        " The last load step."
+    } else {
+        ""
+    };
+    if let Some(svg) = on_geometry(run.model, asked, last, index, labels) {
+        let caption = format!(
+            "{between} Positive values are drawn from the middle line towards the first side: M on the side in tension.{several}"
+        );
+        out += &figure(&svg, "N, V and M on the geometry", &caption);
+    }
+    let along = match steps.len() {
+        1 => "Along the middle line; s counts from the first station.".to_string(),
+        n => format!(
+            "Along the middle line. Line: the last load step; shaded: between the least and the largest value of all {} steps.",
+            count(n)
+        ),
+    };
+    out += &figure(
+        &over_s(&steps, index, labels),
+        "Section forces over s",
+        &along,
+    );
+    if let Some(capacity) = &asked.capacity {
+        let (svg, caption) = interaction(capacity, &steps, index, labels);
+        out += &figure(&svg, "Normal force and moment within the limit", &caption);
+    }
+    out + &extremes(&steps, labels)
+}
+
+/// Stations in the order of s.
+fn sorted(section: &SectionSolution) -> Vec<&Station> {
+    let mut stations: Vec<&Station> = section.stations.iter().collect();
+    stations.sort_by(|a, b| a.s.total_cmp(&b.s));
+    stations
+}
+
+/// Values that are rounding beside the others are zero: moments beside forces times the thickness.
+fn quiet(
+    section: &SectionSolution,
+    value: fn(&Station) -> f64,
+    name: &str,
+) -> impl Fn(&Station) -> f64 {
+    let force = section.stations.iter().map(|s| {
+        s.normal
+            .abs()
+            .max(s.shear.abs())
+            .max(s.moment.abs() / s.thickness)
+    });
+    let force = force.filter(|f| f.is_finite()).fold(0.0, f64::max);
+    let thickness = section
+        .stations
+        .iter()
+        .map(|s| s.thickness)
+        .fold(0.0, f64::max);
+    let scale = match name {
+        "M" | "hoop M" => force * thickness,
+        "utilisation" => 0.0,
+        _ => force,
+    };
+    move |station| without_noise(value(station), scale)
+}
+
+/// The three diagrams on the outline of the body; beside each other, or one above the other where the body is long.
+fn on_geometry<const D: usize>(
+    model: &Model<D>,
+    asked: &Section<D>,
+    section: &SectionSolution,
+    index: usize,
+    labels: &Labels,
+) -> Option<String> {
+    let mesh = model.bodies[asked.body.0].mesh.in_plane()?;
+    let outline = strands(mesh, &mesh.boundary_facets());
+    let bounds = bounding_box(mesh.points());
+    let size = sub(bounds.1, bounds.0);
+    let stations = sorted(section);
+    let flat = size[0] > 1.8 * size[1];
+    let reach: f64 = if flat { 46.0 } else { 34.0 };
+    let margin = Margin {
+        left: reach + 26.0,
+        right: reach + 26.0,
+        top: reach + 30.0,
+        bottom: reach + 12.0,
+    };
+    let panel = match flat {
+        true => [
+            WIDTH,
+            ((WIDTH - margin.left - margin.right) * size[1] / size[0]).max(8.0)
+                + margin.top
+                + margin.bottom,
+        ],
+        false => {
+            let width = WIDTH / 3.0;
+            let height = (width - margin.left - margin.right) * (size[1] / size[0]).min(3.0);
+            [width, height.max(60.0) + margin.top + margin.bottom]
+        }
+    };
+    let strip = 34.0;
+    let height = strip + if flat { 3.0 * panel[1] } else { panel[1] };
+    let title = format!(
+        "Diagrams of N, V and M of section {} on its body",
+        asked.name
+    );
+    let mut svg = Svg::new(&format!("section{index}"), &title, WIDTH, height);
+    let mut last_view = None;
+    for (k, curve) in curves(labels).iter().enumerate() {
+        let corner = if flat {
+            [0.0, k as f64 * panel[1]]
+        } else {
+            [k as f64 * panel[0], 0.0]
+        };
+        let view = View::fitted(bounds, corner, panel, margin);
+        let value = quiet(section, curve.value, curve.name);
+        diagram(
+            &mut svg,
+            &view,
+            (&outline, mesh.points()),
+            &stations,
+            &value,
+            reach,
+        );
+        let style = Type::LABEL.anchored(Anchor::Start).bold();
+        svg.text(
+            [corner[0] + 8.0, corner[1] + 16.0],
+            &with_unit(curve.name, &curve.unit),
+            style,
+        );
+        if k == 0 || flat {
+            last_view = Some(view);
+        }
+    }
+    if let Some(view) = last_view {
+        scale_bar(&mut svg, &view, labels);
+    }
+    Some(svg.finish())
+}
+
+/// One diagram: from the middle line towards the first side, `reach` pixels for the largest value.
+fn diagram(
+    svg: &mut Svg,
+    view: &View,
+    (outline, points): (&[Strand], &[Point<2>]),
+    stations: &[&Station],
+    value: &dyn Fn(&Station) -> f64,
+    reach: f64,
+) {
+    let body = outline_path(outline, &|node| view.pixel(points[node]));
+    svg.path(&body, "#9aa5b0", 0.8, "#eef1f4", "fill-rule=\"evenodd\"");
+    let values: Vec<f64> = stations.iter().map(|s| value(s)).collect();
+    let largest = values
+        .iter()
+        .filter(|v| v.is_finite())
+        .fold(0.0, |m: f64, v| m.max(v.abs()));
+    let scale = if largest > 0.0 { reach / largest } else { 0.0 };
+    let base: Vec<Pixel> = stations.iter().map(|s| view.pixel(s.point)).collect();
+    let tip = |k: usize, value: f64| {
+        let [x, y] = on_paper(stations[k].toward_first);
+        [
+            base[k][0] + scale * value * x,
+            base[k][1] + scale * value * y,
+        ]
+    };
+    let tips: Vec<Pixel> = values.iter().enumerate().map(|(k, &v)| tip(k, v)).collect();
+    let mut fills = [String::new(), String::new()];
+    for k in 1..stations.len() {
+        let (a, b) = (values[k - 1], values[k]);
+        if !(a.is_finite() && b.is_finite()) {
+            continue;
+        }
+        let mut piece = |corners: &[Pixel], value: f64| {
+            fills[usize::from(value < 0.0)] += &segments(corners, true)
+        };
+        if a * b < 0.0 {
+            let part = a / (a - b);
+            let zero = [0, 1].map(|i| base[k - 1][i] + part * (base[k][i] - base[k - 1][i]));
+            piece(&[base[k - 1], tips[k - 1], zero], a);
+            piece(&[zero, tips[k], base[k]], b);
+        } else {
+            piece(&[base[k - 1], tips[k - 1], tips[k], base[k]], a + b);
+        }
+    }
+    for (fill, colour) in fills.iter().zip(SIGNS) {
+        svg.path(fill, "none", 0.0, colour, "fill-opacity=\"0.22\"");
+    }
+    if stations.len() <= MOST_LINES {
+        for k in 0..stations.len() {
+            svg.line(base[k], tips[k], SIGNS[usize::from(values[k] < 0.0)], 0.6);
+        }
+    }
+    svg.path(
+        &segments(&base, false),
+        INK,
+        0.8,
+        "none",
+        "stroke-dasharray=\"6 2 1.5 2\"",
+    );
+    svg.path(
+        &segments(&tips, false),
+        INK,
+        1.3,
+        "none",
+        "stroke-linejoin=\"round\"",
+    );
+    let finite = || (0..stations.len()).filter(|&k| values[k].is_finite());
+    let least = finite().min_by(|&a, &b| values[a].total_cmp(&values[b]));
+    let most = finite()
+        .rev()
+        .max_by(|&a, &b| values[a].total_cmp(&values[b]));
+    let hardly = |a: usize, b: usize| (values[a] - values[b]).abs() <= 1e-3 * largest;
+    let (Some(least), Some(most)) = (least, most) else {
+        return;
+    };
+    let mut marked = vec![most];
+    if !hardly(least, most) {
+        marked.push(least);
+    }
+    for k in marked {
+        let away = if values[k] < 0.0 { -1.0 } else { 1.0 };
+        let [x, y] = on_paper(stations[k].toward_first);
+        let label = number(values[k]);
+        let style = Type::LABEL
+            .coloured(SIGNS[usize::from(values[k] < 0.0)])
+            .bold()
+            .rimmed();
+        let half = 0.5 * text_width(&label, style.size) + 2.0;
+        let at = [
+            tips[k][0] + away * (4.0 + half) * x,
+            tips[k][1] + away * 10.0 * y + 4.0,
+        ];
+        let (low, high) = (view.corner[0] + half, view.corner[0] + view.size[0] - half);
+        let top = view.corner[1] + 30.0;
+        let bottom = view.corner[1] + view.size[1] - 2.0;
+        svg.circle(tips[k], 2.2, "#fff", style.colour, "");
+        svg.text(
+            [at[0].clamp(low, high.max(low)), at[1].clamp(top, bottom)],
+            &label,
+            style,
+        );
+    }
+}
+
+/// Plots over s, one above the other, with the envelope of the steps behind the last one.
+fn over_s(steps: &[&SectionSolution], index: usize, labels: &Labels) -> String {
+    let Some(&last) = steps.last() else {
+        return String::new();
+    };
+    let mut all: Vec<Curve> = curves(labels).into();
+    all.extend(more_curves(last, labels));
+    let (high, foot) = (128.0, 44.0);
+    let height = all.len() as f64 * (high + 22.0) + foot;
+    let mut svg = Svg::new(
+        &format!("section{index}-s"),
+        "Section forces over s",
+        WIDTH,
+        height,
+    );
+    let order = sorted(last);
+    let ways: Vec<f64> = order.iter().map(|s| s.s).collect();
+    for (k, curve) in all.iter().enumerate() {
+        let of = |section: &SectionSolution| -> Vec<f64> {
+            let value = quiet(section, curve.value, curve.name);
+            sorted(section).iter().map(|s| value(s)).collect()
+        };
+        let values: Vec<Vec<f64>> = steps.iter().map(|step| of(step)).collect();
+        let now = &values[values.len() - 1];
+        let bound = |choose: fn(f64, f64) -> f64| -> Vec<f64> {
+            (0..now.len())
+                .map(|i| {
+                    values
+                        .iter()
+                        .filter_map(|v| v.get(i))
+                        .fold(f64::NAN, |m, v| choose(m, *v))
+                })
+                .collect()
+        };
+        let (least, most) = (bound(f64::min), bound(f64::max));
+        let shown: Vec<f64> = values
+            .concat()
+            .into_iter()
+            .filter(|v| v.is_finite())
+            .collect();
+        let top = 12.0 + k as f64 * (high + 22.0);
+        let frame = Frame {
+            corner: [92.0, top],
+            size: [WIDTH - 112.0, high],
+            x: Axis::linear("s", &labels.length, &ways, false, 10).roomy(),
+            y: Axis::linear(curve.name, &curve.unit, &shown, true, 4).widened(0.12),
+        };
+        if steps.len() > 1 {
+            let upper = ways.iter().zip(&most).map(|(&s, &v)| frame.at(s, v));
+            let lower = ways.iter().zip(&least).map(|(&s, &v)| frame.at(s, v));
+            let around: Vec<Pixel> = upper.chain(lower.rev()).collect();
+            svg.polygon(&around, SHADE);
+        }
+        frame.draw(&mut svg, k + 1 == all.len());
+        let zero: Vec<Pixel> = [ways.first(), ways.last()]
+            .into_iter()
+            .flatten()
+            .map(|&s| frame.at(s, 0.0))
+            .collect();
+        svg.path(&segments(&zero, false), MUTED, 0.9, "none", "");
+        let points: Vec<[f64; 2]> = ways.iter().zip(now).map(|(&s, &v)| [s, v]).collect();
+        frame.curve(&mut svg, &points, SERIES[1], 1.8);
+        if points.len() <= MOST_LINES {
+            for (p, station) in points.iter().zip(&order).filter(|(p, _)| p[1].is_finite()) {
+                let hint = format!(
+                    "s = {}, {}: {} = {}",
+                    number(p[0]),
+                    vector(&station.point, ""),
+                    curve.name,
+                    number(p[1])
+                );
+                svg.circle(frame.at(p[0], p[1]), 2.2, SERIES[1], "#fff", &hint);
+            }
+        }
+        if curve.name == "utilisation" && frame.y.range[1] > 1.0 {
+            frame.level(&mut svg, 1.0, SERIES[0]);
+        }
+        // the extremes of all steps, with their values
+        let place = |bounds: &[f64], sign: f64| {
+            let finite = (0..bounds.len()).filter(|&i| bounds[i].is_finite());
+            finite.reduce(|best, i| {
+                if sign * bounds[i] > sign * bounds[best] {
+                    i
+                } else {
+                    best
+                }
+            })
+        };
+        let mut marks: Vec<(usize, f64)> = place(&most, 1.0)
+            .map(|i| (i, most[i]))
+            .into_iter()
+            .collect();
+        let span = frame.y.range[1] - frame.y.range[0];
+        marks.extend(
+            place(&least, -1.0)
+                .map(|i| (i, least[i]))
+                .filter(|m| marks.iter().all(|o| (o.1 - m.1).abs() > 0.02 * span)),
+        );
+        for (upper, (i, value)) in marks.into_iter().enumerate() {
+            let [x, y] = frame.at(ways[i], value);
+            let label = number(value);
+            let half = 0.5 * text_width(&label, Type::SMALL.size);
+            let x = x.clamp(
+                frame.corner[0] + half + 2.0,
+                frame.corner[0] + frame.size[0] - half - 2.0,
+            );
+            let y = if upper == 0 { y - 5.0 } else { y + 13.0 };
+            let y = y.clamp(top + 10.0, top + high - 3.0);
+            svg.text([x, y], &label, Type::SMALL.bold().rimmed());
+        }
+    }
+    svg.finish()
+}
+
+/// The limit curves of the thinnest and the thickest cut, and the forces of all stations and steps.
+fn interaction(
+    capacity: &Capacity,
+    steps: &[&SectionSolution],
+    index: usize,
+    labels: &Labels,
+) -> (String, String) {
+    let stations = || steps.iter().flat_map(|step| &step.stations);
+    let (thin, thick) = stations().fold((f64::INFINITY, 0.0_f64), |(a, b), s| {
+        (a.min(s.thickness), b.max(s.thickness))
+    });
+    let mut thicknesses = vec![thin];
+    if thick > thin * 1.001 {
+        thicknesses.push(thick);
+    }
+    let limits: Vec<Vec<[f64; 2]>> = thicknesses
+        .iter()
+        .map(|&h| capacity.curve(h, LIMIT_POINTS))
+        .collect();
+    let all = || {
+        let forces = stations()
+            .map(|s| [s.normal, s.moment])
+            .filter(|p| p.iter().all(|c| c.is_finite()));
+        limits.iter().flatten().copied().chain(forces)
+    };
+    let side = |i: usize| -> Vec<f64> { all().map(|p| p[i]).collect() };
+    let mut svg = Svg::new(
+        &format!("section{index}-limit"),
+        "Normal force and moment within the limit",
+        WIDTH,
+        380.0,
+    );
+    let frame = Frame {
+        corner: [100.0, 14.0],
+        size: [WIDTH - 130.0, 316.0],
+        x: Axis::linear("N", &labels.per_length, &side(0), true, 9).roomy(),
+        y: Axis::linear("M", &labels.moment_per_length, &side(1), true, 7).widened(0.06),
+    };
+    for (limit, fill) in limits.iter().zip(["#eef4ee", "none"]) {
+        let pixels: Vec<Pixel> = limit.iter().map(|p| frame.at(p[0], p[1])).collect();
+        svg.path(&segments(&pixels, true), "none", 0.0, fill, "");
+    }
+    frame.draw(&mut svg, true);
+    let mut axes = |a: [f64; 2], b: [f64; 2]| {
+        svg.path(
+            &segments(&[frame.at(a[0], a[1]), frame.at(b[0], b[1])], false),
+            MUTED,
+            0.9,
+            "none",
+            "",
+        )
+    };
+    axes([frame.x.range[0], 0.0], [frame.x.range[1], 0.0]);
+    axes([0.0, frame.y.range[0]], [0.0, frame.y.range[1]]);
+    for (k, limit) in limits.iter().enumerate() {
+        let mut points = limit.clone();
+        points.extend(limit.first());
+        let colour = [SERIES[2], SERIES[4]][k];
+        frame.curve(&mut svg, &points, colour, 1.8);
+        let at = [
+            frame.corner[0] + 12.0,
+            frame.corner[1] + 18.0 + 16.0 * k as f64,
+        ];
+        let label = format!(
+            "limit, thickness {}",
+            quantity(thicknesses[k], &labels.length)
+        );
+        svg.text(
+            at,
+            &label,
+            Type::LABEL
+                .anchored(Anchor::Start)
+                .coloured(colour)
+                .rimmed(),
+        );
+    }
+    let earlier = steps.len() - 1;
+    let many = stations().count() > MOST_POINTS;
+    for (k, step) in steps
+        .iter()
+        .enumerate()
+        .filter(|(k, _)| *k == earlier || !many)
+    {
+        let colour = if k == earlier { SERIES[1] } else { "#a9b6c2" };
+        for station in step.stations.iter().filter(|s| s.normal.is_finite()) {
+            let used = station
+                .utilisation
+                .map_or(String::new(), |u| format!(", utilisation {}", number(u)));
+            let hint = format!(
+                "N = {}, M = {} at {}{used}",
+                number(station.normal),
+                number(station.moment),
+                vector(&station.point, "")
+            );
+            svg.circle(
+                frame.at(station.normal, station.moment),
+                2.4,
+                colour,
+                colour,
+                &hint,
+            );
+        }
+    }
+    let mut strengths = format!(
+        "Compressive strength {}, tensile strength {}",
+        quantity(capacity.compression, &labels.stress),
+        quantity(capacity.tension, &labels.stress)
+    );
+    if !capacity.reinforcement.is_empty() {
+        strengths += &format!(", {} layers of bars", count(capacity.reinforcement.len()));
+    }
+    let grey = if steps.len() > 1 {
+        " Grey: earlier load steps."
+    } else {
+        ""
+    };
+    let caption = format!(
+        "{strengths}. Limit by strain compatibility with rectangular stress blocks (form of EN 1992-1-1, 3.1.7 and 6.1; without bars \
+         12.6.1): block over 0.8 of the depth of the neutral axis, crushing strain 0.0035. Dots: the stations.{grey} The \
+         utilisation is 1 over the factor that takes N and M to the limit together."
+    );
+    (svg.finish(), caption)
+}
+
+/// The extremes over all stations and steps, each with what acts beside it; σ are the stresses of the two sides.
+fn extremes(steps: &[&SectionSolution], labels: &Labels) -> String {
+    let mut rows = Vec::new();
+    for quantity in SectionQuantity::ALL {
+        let found = steps
+            .iter()
+            .enumerate()
+            .filter_map(|(k, step)| Some((k, step.extremes(quantity)?)));
+        let most = found
+            .clone()
+            .reduce(|a, b| if b.1[1].1 > a.1[1].1 { b } else { a });
+        let least = found.reduce(|a, b| if b.1[0].1 < a.1[0].1 { b } else { a });
+        let ends = [
+            ("max", most.map(|f| (f.0, f.1[1]))),
+            ("min", least.map(|f| (f.0, f.1[0]))),
+        ];
+        for (word, found) in ends {
+            let Some((step, (station, _))) = found else {
+                continue;
+            };
+            if quantity == SectionQuantity::Utilisation && word == "min" {
+                continue;
+            }
+            let (section, place) = (steps[step], &steps[step].stations[station]);
+            // of forces that are rounding there is no stress
+            let heard = |curve: &Curve| quiet(section, curve.value, curve.name)(place);
+            let [normal, _, moment] = curves(labels).each_ref().map(heard);
+            let [first, second] = Station {
+                normal,
+                moment,
+                ..*place
+            }
+            .edge_stress();
+            let mut row = vec![text(&format!("{word} {}", quantity.name()))];
+            row.extend((steps.len() > 1).then(|| plain(count(step + 1))));
+            row.extend([
+                plain(count(station + 1)),
+                plain(number(place.s)),
+                plain(vector(&place.point, "")),
+            ]);
+            row.extend(
+                curves(labels)
+                    .iter()
+                    .map(|curve| plain(number(heard(curve)))),
+            );
+            row.extend([first, second].map(|stress| plain(number(stress))));
+            row.extend(place.utilisation.map(|u| {
+                plain(if u.is_finite() {
+                    number(u)
+                } else {
+                    "∞".to_string()
+                })
+            }));
+            rows.push(row);
+        }
+    }
+    let mut heads = vec![left("extreme")];
+    heads.extend((steps.len() > 1).then(|| column("step", "")));
+    heads.extend([
+        column("station", ""),
+        column("s", &labels.length),
+        column("at", &labels.length),
+    ]);
+    heads.extend(
+        curves(labels)
+            .iter()
+            .map(|curve| column(curve.name, &curve.unit)),
+    );
+    heads.extend(["first", "second"].map(|name| column(&format!("σ {name}"), &labels.stress)));
+    let used = steps
+        .iter()
+        .flat_map(|s| &s.stations)
+        .any(|s| s.utilisation.is_some());
+    heads.extend(used.then(|| column("utilisation", "")));
+    table_of_vectors(&heads, rows)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::model::{BodyId, Reinforcement, Stations};
+    use crate::output::tunnel;
+
+    #[test]
+    fn a_section_has_its_diagrams_its_limit_and_its_extremes() {
+        let (mut model, _) = tunnel::solved();
+        let section = model.section("wall", BodyId(0), ["inner", "outer"], Stations::Number(9));
+        section.capacity = Some(Capacity {
+            compression: 30.0,
+            tension: 0.0,
+            reinforcement: vec![Reinforcement {
+                depth: 0.05,
+                area: 1e-3,
+                yields: 435.0,
+                young: None,
+            }],
+        });
+        let solution = model.solve().unwrap();
+        let labels = Labels::of(&model);
+        let page = sections_section(&tunnel::run(&model, &solution), &labels);
+        assert_eq!(page.matches("<figure>").count(), 3);
+        for words in [
+            "ring between inner (first) and outer, 9 stations",
+            "N [MN/m]",
+            "utilisation",
+            "max M",
+            "12.6.1",
+        ] {
+            assert!(page.contains(words), "{words}");
+        }
+        assert!(!page.contains("shaded"), "one step has no envelope");
+        let earlier = [solution.clone()];
+        let run = Overview {
+            earlier: &earlier,
+            ..tunnel::run(&model, &solution)
+        };
+        assert!(
+            sections_section(&run, &labels)
+                .contains("shaded: between the least and the largest value of all 2 steps")
+        );
+        let none = tunnel::solved();
+        assert!(sections_section(&tunnel::run(&none.0, &none.1), &labels).is_empty());
+    }
+}
