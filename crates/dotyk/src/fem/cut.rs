@@ -7,7 +7,7 @@
 //!   F·w = ∫ σ : ∇(φw) dV  −  ∫ (φ − H) f·w     over the layer,       f: loads, reactions, contact forces, body force
 //! ```
 //!
-//! is the resultant of all forces on the part ahead, H f, to the rounding of the nodal balance: statics, where it determines
+//! with the total stress σ is the resultant of all forces on the part ahead, H f, to the rounding of the nodal balance: statics, where it determines
 //! them, and where it does not (a ring) what the displacements make of it, twice as accurate as stresses. No stress is
 //! recovered. With axial symmetry the hoop stress is a force per volume −σ_θ/r along r.
 //!
@@ -21,7 +21,8 @@
 
 use crate::fem::cells::{CellTable, measure};
 use crate::fem::error::FemError;
-use crate::fem::internal::CellForces;
+use crate::fem::initial::body_degree;
+use crate::fem::internal::{CellForces, Rule};
 use crate::fem::loads::{Amount, Load, side_points};
 use crate::fem::nouns::{Analysis, Body, Place};
 use crate::fem::quadrature::gauss;
@@ -44,8 +45,8 @@ pub(crate) struct Ahead<'a, const D: usize> {
     cells: CellForces<'a, D>,
     /// Loads of each facet, and what a unit of their value is per area.
     loads: BTreeMap<Facet, Vec<(&'a Load<D>, f64)>>,
-    /// By contacts and couples, and by supports.
-    pushed: [Pushed<D>; 2],
+    /// By contacts and couples, by supports, and by what bodies that have gone have left.
+    pushed: [Pushed<D>; 3],
     /// Forces at nodes.
     points: BTreeMap<u32, Point<D>>,
     has_body_force: bool,
@@ -170,15 +171,25 @@ impl<'a, const D: usize> Ahead<'a, D> {
         let pinned = pinned(body)?;
         let mut held = reactions.to_vec();
         pinned.into_iter().for_each(|node| held[node] = [0.0; D]);
-        let pushed = |sides: &[&str], forces: &[Point<D>]| {
+        let facets_of = |sides: &[&str]| -> Result<BTreeSet<Facet>, FemError> {
             let mut facets = BTreeSet::new();
             for side in sides {
                 facets.extend(side_facets(mesh, side)?.iter().copied());
             }
-            Ok(Pushed {
-                traction: traction_of((body, analysis), &facets, forces),
-                facets,
-            })
+            Ok(facets)
+        };
+        let pushed = |facets: BTreeSet<Facet>, forces: &[Point<D>]| Pushed {
+            traction: traction_of((body, analysis), &facets, forces),
+            facets,
+        };
+        let released = released(body, time);
+        let left = |facet: &Facet| {
+            let mut nodes = mesh.facet_nodes(*facet);
+            nodes.all(|node| released[node as usize] != [0.0; D])
+        };
+        let boundary = match body.history.released.is_empty() {
+            true => BTreeSet::new(),
+            false => mesh.boundary_facets().into_iter().filter(left).collect(),
         };
         let mut around = vec![Vec::new(); nodes];
         for (b, block) in mesh.blocks().iter().enumerate() {
@@ -191,9 +202,13 @@ impl<'a, const D: usize> Ahead<'a, D> {
             body,
             analysis,
             time,
-            cells: CellForces::new(body, analysis, displacement)?,
+            cells: CellForces::new((body, analysis), displacement, time)?,
             loads,
-            pushed: [pushed(sides, contact)?, pushed(&supports, &held)?],
+            pushed: [
+                pushed(facets_of(sides)?, contact),
+                pushed(facets_of(&supports)?, &held),
+                pushed(boundary, &released),
+            ],
             points,
             has_body_force: body.body_force.iter().any(|b| b.as_constant() != Some(0.0)),
             around,
@@ -218,7 +233,9 @@ impl<'a, const D: usize> Ahead<'a, D> {
     }
 
     /// Resultant of all forces on the part ahead of a cut.
-    pub fn of(&self, cut: &Cut) -> Resultant {
+    ///
+    /// Errors: an initial stress or strain that is not finite.
+    pub fn of(&self, cut: &Cut) -> Result<Resultant, FemError> {
         let divide = Divide::new(cut);
         let centre = |node: u32| {
             let cells = &self.around[node as usize];
@@ -233,7 +250,7 @@ impl<'a, const D: usize> Ahead<'a, D> {
         let mut sum = Resultant::default();
         let layer = self.layer(&divide, &rises);
         for &(block, cell) in &layer {
-            self.add_cell(&divide, &rises, (block, cell), &mut sum);
+            self.add_cell(&divide, &rises, (block, cell), &mut sum)?;
         }
         // a point load at the end of the body is behind the cut, and its node ahead
         if cut.last {
@@ -247,7 +264,7 @@ impl<'a, const D: usize> Ahead<'a, D> {
                 }
             }
         }
-        sum
+        Ok(sum)
     }
 
     /// The cells that φ rises in and that hang together with the middle of the cut.
@@ -291,17 +308,23 @@ impl<'a, const D: usize> Ahead<'a, D> {
     }
 
     /// What a cell of the layer contributes, with the facets of it that are loaded.
-    fn add_cell(&self, divide: &Divide<'_>, rises: &[bool], cell: (u32, u32), sum: &mut Resultant) {
+    fn add_cell(
+        &self,
+        divide: &Divide<'_>,
+        rises: &[bool],
+        cell: (u32, u32),
+        sum: &mut Resultant,
+    ) -> Result<(), FemError> {
         let mesh = &self.body.mesh;
         let (block, index) = (cell.0 as usize, cell.1 as usize);
         let nodes = mesh.cell_nodes(block, index);
-        let internal = self.cells.of(block, index);
+        let internal = self.cells.of(block, index)?;
         let ahead = |node: u32| rises[node as usize];
         for (&node, force) in nodes.iter().zip(internal).filter(|(n, _)| ahead(**n)) {
             sum.add(1.0, divide.arm(self.at(node)), plane(force));
         }
         if self.has_body_force || self.analysis == Analysis::Axisymmetric {
-            self.add_volume(divide, rises, cell, sum);
+            self.add_volume(divide, rises, cell, sum)?;
         }
         let kind = mesh.blocks()[block].kind;
         for local in 0..kind.facets().len() {
@@ -318,6 +341,7 @@ impl<'a, const D: usize> Ahead<'a, D> {
                 self.add_facet(divide, rises, facet, sum);
             }
         }
+        Ok(())
     }
 
     /// −∫(φ − H) f over a facet.
@@ -368,58 +392,66 @@ impl<'a, const D: usize> Ahead<'a, D> {
         rises: &[bool],
         cell: (u32, u32),
         sum: &mut Resultant,
-    ) {
+    ) -> Result<(), FemError> {
         let mesh = &self.body.mesh;
         let (block, index) = (cell.0 as usize, cell.1 as usize);
         let (kind, nodes) = (mesh.blocks()[block].kind, mesh.cell_nodes(block, index));
         let distances: Vec<f64> = nodes.iter().map(|&n| divide.ahead(self.at(n))).collect();
         let tolerance = 2.0 * ON_CUT * divide.half;
-        let through =
-            distances.iter().any(|d| *d > tolerance) && distances.iter().any(|d| *d < -tolerance);
-        let [behind, ahead] = match through {
-            true => divided(kind, &distances),
-            false => {
-                let whole = self.cells.rule(block);
-                match divide.ahead(self.centre(cell)) > 0.0 {
-                    true => [Vec::new(), whole],
-                    false => [whole, Vec::new()],
-                }
-            }
-        };
+        let beyond = |sign: f64| distances.iter().any(|d| sign * d > tolerance);
+        let divided = (beyond(1.0) && beyond(-1.0)).then(|| divided(kind, &distances));
+        let is_ahead = divide.ahead(self.centre(cell)) > 0.0;
         if self.has_body_force {
-            // as the nodal loads are integrated, where the cell is whole
-            let loads = CellTable::<D>::new(kind, 2 * kind.order() + 2).rule();
-            let rules = match (through, ahead.is_empty()) {
-                (true, _) => [(false, behind), (true, ahead.clone())],
-                (false, true) => [(false, loads), (true, Vec::new())],
-                (false, false) => [(false, Vec::new()), (true, loads)],
-            };
-            for (ahead, rule) in rules {
-                let table = CellTable::<D>::at(kind, &rule);
-                for q in 0..table.len() {
-                    let (point, _, volume) =
-                        table.map(q, |local| mesh.points()[nodes[local] as usize]);
-                    let volume = volume * self.measure(point);
-                    let force = plane(std::array::from_fn::<_, D, _>(|i| {
-                        self.body.body_force[i].at(point, self.time)
-                    }));
-                    for (&node, n) in nodes
-                        .iter()
-                        .zip(table.shape(q))
-                        .filter(|(n, _)| rises[**n as usize])
-                    {
-                        sum.add(-volume * n, divide.arm(self.at(node)), force);
-                    }
-                    if ahead {
-                        sum.add(volume, divide.arm(plane(point)), force);
-                    }
+            let parts = match &divided {
+                Some([behind, ahead]) => vec![(false, behind.clone()), (true, ahead.clone())],
+                // as the nodal loads are integrated
+                None => {
+                    let table = CellTable::<D>::new(kind, body_degree(kind.order()));
+                    vec![(is_ahead, table.rule())]
                 }
+            };
+            for (ahead, rule) in parts {
+                self.add_body_force(divide, rises, (cell, ahead, &rule), sum);
             }
         }
         if self.analysis == Analysis::Axisymmetric {
-            for (point, volume, stress) in self.cells.hoop(block, index, &ahead) {
+            let hoop = match &divided {
+                Some([_, ahead]) => self.cells.hoop(block, index, Some(ahead))?,
+                None if is_ahead => self.cells.hoop(block, index, None)?,
+                None => Vec::new(),
+            };
+            for (point, volume, stress) in hoop {
                 let point = plane(point);
                 sum.add(volume, divide.arm(point), [-stress / point[0], 0.0]);
+            }
+        }
+        Ok(())
+    }
+
+    /// −∫(φ − H) f of the body force over a part of a cell, which is ahead or behind.
+    fn add_body_force(
+        &self,
+        divide: &Divide<'_>,
+        rises: &[bool],
+        (cell, ahead, rule): ((u32, u32), bool, &Rule),
+        sum: &mut Resultant,
+    ) {
+        let mesh = &self.body.mesh;
+        let (block, index) = (cell.0 as usize, cell.1 as usize);
+        let nodes = mesh.cell_nodes(block, index);
+        let table = CellTable::<D>::at(mesh.blocks()[block].kind, rule);
+        for q in 0..table.len() {
+            let (point, _, volume) = table.map(q, |local| mesh.points()[nodes[local] as usize]);
+            let volume = volume * self.measure(point);
+            let force: Point<D> =
+                std::array::from_fn(|i| self.body.body_force[i].at(point, self.time));
+            let force = plane(force);
+            let shapes = nodes.iter().zip(table.shape(q));
+            for (&node, n) in shapes.filter(|(n, _)| rises[**n as usize]) {
+                sum.add(-volume * n, divide.arm(self.at(node)), force);
+            }
+            if ahead {
+                sum.add(volume, divide.arm(plane(point)), force);
             }
         }
     }
@@ -427,6 +459,18 @@ impl<'a, const D: usize> Ahead<'a, D> {
 
 /// Most steps of the conjugate gradients: with the diagonal divided out the mass of lines has eigenvalues between 1/2 and 2.
 const MOST_STEPS: usize = 200;
+
+/// Forces (nodes,) that bodies which have gone have left, at a time.
+fn released<const D: usize>(body: &Body<D>, time: f64) -> Vec<Point<D>> {
+    let mut sum = vec![[0.0; D]; body.mesh.points().len()];
+    for (left, factor) in &body.history.released {
+        let part = factor.at([0.0; D], time);
+        for (sum, force) in sum.iter_mut().zip(left.iter()) {
+            *sum = add_scaled(*sum, part, *force);
+        }
+    }
+    sum
+}
 
 /// Nodes that supports of points hold.
 fn pinned<const D: usize>(body: &Body<D>) -> Result<BTreeSet<usize>, FemError> {
@@ -544,7 +588,7 @@ fn pieces(interval: [f64; 2], value: impl Fn(f64) -> f64) -> Vec<[f64; 2]> {
 /// Lines of the cell along its first coordinate are cut where they meet the line; from one to the other Gauss rules go
 /// between the places where the line enters or leaves the cell. Exact for straight cuts through parallelograms and
 /// triangles, to rounding through all straight-sided cells.
-fn divided(kind: CellKind, distances: &[f64]) -> [Vec<([f64; 3], f64)>; 2] {
+fn divided(kind: CellKind, distances: &[f64]) -> [Rule; 2] {
     let distance = |x: f64, y: f64| {
         let mut shape = [0.0; MAX_CELL_NODES];
         kind.shape(&[x, y], &mut shape);

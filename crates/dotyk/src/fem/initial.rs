@@ -179,8 +179,10 @@ impl Initial {
         Ok(Some(forces))
     }
 
-    /// Adds the forces of one cell, (nodes of the cell,).
-    fn add_cell<const D: usize>(
+    /// Adds the forces of one cell, (nodes of the cell,); nothing where nothing is in the body.
+    ///
+    /// Errors: an expression that is not finite.
+    pub(crate) fn add_cell<const D: usize>(
         &self,
         body: &Body<D>,
         law: Law,
@@ -188,6 +190,9 @@ impl Initial {
         (cell, time): (&[u32], f64),
         forces: &mut [Point<D>],
     ) -> Result<(), FemError> {
+        if self.stress.is_none() && self.strain.is_none() {
+            return Ok(());
+        }
         let points = body.mesh.points();
         for q in 0..table.len() {
             let (point, gradients, volume) = table.map(q, |local| points[cell[local] as usize]);

@@ -7,6 +7,7 @@
 use crate::fem::block::{Cells, Deformation};
 use crate::fem::cells::CellTable;
 use crate::fem::error::FemError;
+use crate::fem::initial::body_degree;
 use crate::fem::nouns::{Analysis, Body};
 use crate::geometry::{Point, add_scaled};
 use crate::mesh::MAX_CELL_NODES;
@@ -47,58 +48,86 @@ pub(crate) fn internal_forces<const D: usize>(
     Ok((forces, energy))
 }
 
-/// Internal forces of single cells: what cuts through a body are in equilibrium with.
+/// Internal forces of single cells, those of the total stress: of the displacements, and of σ₀ − Cε₀. What cuts through a
+/// body are in equilibrium with.
 pub(crate) struct CellForces<'a, const D: usize> {
-    blocks: Vec<Cells<'a, D>>,
+    /// With the rule that initial stresses and strains are integrated with.
+    blocks: Vec<(Cells<'a, D>, CellTable<D>)>,
     body: &'a Body<D>,
     displacement: &'a [Point<D>],
+    time: f64,
 }
 
 impl<'a, const D: usize> CellForces<'a, D> {
-    /// Those of a body with these nodal displacements. Errors: a group of cells without a material.
+    /// Those of a body with these nodal displacements at a time. Errors: a group of cells without a material.
     pub fn new(
-        body: &'a Body<D>,
-        analysis: Analysis,
+        (body, analysis): (&'a Body<D>, Analysis),
         displacement: &'a [Point<D>],
+        time: f64,
     ) -> Result<Self, FemError> {
-        let blocks = body.mesh.blocks().iter();
-        let blocks = blocks.map(|block| Cells::new(body, block, analysis, body.formulation));
+        let blocks = body.mesh.blocks().iter().map(|block| {
+            let cells = Cells::new(body, block, analysis, body.formulation)?;
+            let initial = CellTable::new(block.kind, body_degree(block.kind.order()));
+            Ok((cells, initial))
+        });
         Ok(Self {
             blocks: blocks.collect::<Result<_, _>>()?,
             body,
             displacement,
+            time,
         })
     }
 
-    /// Forces of a cell on its nodes, as in [`internal_forces`].
-    pub fn of(&self, block: usize, cell: usize) -> [Point<D>; MAX_CELL_NODES] {
+    /// Forces of a cell on its nodes, in global axes. Errors: an initial stress or strain that is not finite.
+    pub fn of(&self, block: usize, cell: usize) -> Result<[Point<D>; MAX_CELL_NODES], FemError> {
         let nodes = self.body.mesh.cell_nodes(block, cell);
-        cell_forces(&self.blocks[block], nodes, self.displacement).0
+        let (cells, table) = &self.blocks[block];
+        let mut forces = cell_forces(cells, nodes, self.displacement).0;
+        let law = (cells.lame, cells.analysis);
+        let own = &mut forces[..nodes.len()];
+        let initial = &self.body.initial;
+        initial.add_cell(self.body, law, table, (nodes, self.time), own)?;
+        Ok(forces)
     }
 
-    /// Hoop stress at reference points of a cell: place and volume of each, and the stress. With axial symmetry.
+    /// Total hoop stress in a part of a cell, or in all of it as its forces are integrated: place, volume and stress at
+    /// points of rules, whose sum is the integral. With axial symmetry.
+    ///
+    /// Errors: an initial stress or strain that is not finite.
     pub fn hoop(
         &self,
         block: usize,
         cell: usize,
-        rule: &[([f64; 3], f64)],
-    ) -> Vec<(Point<D>, f64, f64)> {
+        part: Option<&Rule>,
+    ) -> Result<Vec<(Point<D>, f64, f64)>, FemError> {
         let kind = self.body.mesh.blocks()[block].kind;
         let nodes = self.body.mesh.cell_nodes(block, cell);
-        let cells = self.blocks[block].at(CellTable::at(kind, rule));
-        let stress = |q: usize| {
+        let (cells, table) = &self.blocks[block];
+        let law = (cells.lame, cells.analysis);
+        let [elastic, initial] = match part {
+            Some(rule) => [rule.clone(), rule.clone()],
+            None => [cells.table.rule(), table.rule()],
+        };
+        let cells = cells.at(CellTable::at(kind, &elastic));
+        let mut all = Vec::new();
+        for q in 0..elastic.len() {
             let at = cells.deformation(q, (nodes, &[]), self.displacement);
             let stress = cells.lame.stress(at.gradient, at.hoop)[2];
-            (at.point, at.volume, stress)
-        };
-        (0..rule.len()).map(stress).collect()
-    }
-
-    /// Points of the rule of the stiffness of the cells of a block.
-    pub fn rule(&self, block: usize) -> Vec<([f64; 3], f64)> {
-        self.blocks[block].table.rule()
+            all.push((at.point, at.volume, stress));
+        }
+        let cells = cells.at(CellTable::at(kind, &initial));
+        for q in 0..initial.len() {
+            let at = cells.deformation(q, (nodes, &[]), self.displacement);
+            let less = self.body.initial.of_strain(law, at.point, self.time)?;
+            let more = self.body.initial.stress_at(at.point, self.time)?;
+            all.push((at.point, at.volume, less[2] + more[2]));
+        }
+        Ok(all)
     }
 }
+
+/// Points of a reference cell with their weights.
+pub(crate) type Rule = Vec<([f64; 3], f64)>;
 
 /// Cells per parallel task.
 const CHUNK: usize = 256;

@@ -267,11 +267,12 @@ impl Quantity {
         Ok(Self { text, parts })
     }
 
-    /// The same of bodies and contacts that have other places; `None` where they have none.
+    /// The same of bodies, contacts and sections that have other places; `None` where they have none.
     pub(crate) fn placed(
         &self,
         bodies: &[Option<usize>],
         contacts: &[Option<usize>],
+        sections: &[Option<usize>],
     ) -> Option<Self> {
         let mut parts = self.parts.clone();
         match &mut parts {
@@ -286,6 +287,7 @@ impl Quantity {
             | Parts::Length(contact, _)
             | Parts::Dissipated(contact, _)
             | Parts::Obstacle(contact, _) => *contact = contacts[*contact]?,
+            Parts::Section(section, _) => *section = sections[*section]?,
         }
         let text = self.text.clone();
         Some(Self { text, parts })

@@ -345,7 +345,7 @@ fn places_on<const D: usize>(body: &Body<D>, cut: &Cut) -> Vec<(Option<Located<D
 
 /// The forces of all sections in a solution of bodies and contacts at a time.
 ///
-/// Errors: a group of cells without a material.
+/// Errors: a group of cells without a material; an initial stress or strain that is not finite.
 pub(crate) fn section_forces<const D: usize>(
     model: &Model<D>,
     laid: &[Laid<D>],
@@ -375,7 +375,9 @@ pub(crate) fn section_forces<const D: usize>(
         );
         let ahead = ahead.map_err(|source| Error::in_body(body, source))?;
         let stations = laid.cuts.iter().enumerate().map(|(k, cut)| {
-            let resultant = ahead.of(cut);
+            let resultant = ahead
+                .of(cut)
+                .map_err(|source| Error::in_body(body, source))?;
             let (middle, thickness, first) = (cut.middle(), cut.thickness(), cut.toward_first());
             let width = match model.analysis {
                 Analysis::Axisymmetric => 2.0 * PI * middle[0],
@@ -386,7 +388,7 @@ pub(crate) fn section_forces<const D: usize>(
                 (x * direction[0] + y * direction[1]) / width
             };
             let (normal, moment) = (along(cut.along()), -resultant.moment / width);
-            Station {
+            Ok(Station {
                 s: cut.s,
                 point: middle,
                 toward_first: first,
@@ -402,13 +404,13 @@ pub(crate) fn section_forces<const D: usize>(
                     .capacity
                     .as_ref()
                     .map(|capacity| capacity.utilisation(thickness, normal, moment)),
-            }
+            })
         });
         Ok(SectionSolution {
             name: section.name.clone(),
             length: laid.length,
             closed: laid.closed,
-            stations: stations.collect(),
+            stations: stations.collect::<Result<_, Error<D>>>()?,
         })
     });
     solved.collect()

@@ -15,6 +15,7 @@ use crate::model::condense::Condensed;
 use crate::model::error::Error;
 use crate::model::nouns::{Along, Body, BodyId, Contact, Model, Pair, Probe, SideRef};
 use crate::model::pair::{Fit, row_ranges};
+use crate::model::section::Section;
 use crate::model::solution::{ProbeValue, Solution};
 use std::borrow::Cow;
 use std::collections::{BTreeMap, BTreeSet};
@@ -90,7 +91,13 @@ impl<const D: usize> Model<D> {
 
     /// What is there, as a model; with the steps up to a time.
     fn part(&self, there: &Presence, until: Option<f64>) -> Self {
-        let [bodies, contacts] = [&there.bodies, &there.contacts].map(|list| places(list));
+        let cut = self
+            .sections
+            .iter()
+            .map(|section| there.bodies[section.body.0]);
+        let cut: Vec<bool> = cut.collect();
+        let [bodies, contacts, sections] =
+            [&there.bodies, &there.contacts, &cut].map(|list| places(list));
         let side = |side: &SideRef| {
             Some(SideRef {
                 body: BodyId(bodies[side.body.0]?),
@@ -126,9 +133,15 @@ impl<const D: usize> Model<D> {
                 ..contact.clone()
             })
         };
+        let section = |section: &Section<D>| {
+            Some(Section {
+                body: BodyId(bodies[section.body.0]?),
+                ..section.clone()
+            })
+        };
         let probe = |probe: &Probe<D>| {
             Some(Probe {
-                quantity: probe.quantity.placed(&bodies, &contacts)?,
+                quantity: probe.quantity.placed(&bodies, &contacts, &sections)?,
                 along: match &probe.along {
                     Some(Along::Side(read)) => Some(Along::Side(side(read)?)),
                     other => other.clone(),
@@ -150,6 +163,7 @@ impl<const D: usize> Model<D> {
             contacts: kept(&self.contacts, &there.contacts)
                 .filter_map(contact)
                 .collect(),
+            sections: kept(&self.sections, &cut).filter_map(section).collect(),
             solver: self.solver.clone(),
             probes: self.probes.iter().filter_map(probe).collect(),
             times: self.times.iter().filter(before).copied().collect(),

@@ -94,7 +94,12 @@ fn one_section<const D: usize>(
     (index, asked): (usize, &Section<D>),
     labels: &Labels,
 ) -> String {
-    let steps: Vec<&SectionSolution> = run.steps().filter_map(|s| s.sections.get(index)).collect();
+    // in some steps its body may not be there
+    let there = run.steps().enumerate().filter_map(|(step, solution)| {
+        let mut sections = solution.sections.iter();
+        Some((step + 1, sections.find(|s| s.name == asked.name)?))
+    });
+    let (numbers, steps): (Vec<usize>, Vec<&SectionSolution>) = there.unzip();
     let Some(&last) = steps.last() else {
         return String::new();
     };
@@ -135,7 +140,7 @@ fn one_section<const D: usize>(
         let (svg, caption) = interaction(capacity, &steps, index, labels);
         out += &figure(&svg, "Normal force and moment within the limit", &caption);
     }
-    out + &extremes(&steps, labels)
+    out + &extremes((&numbers, &steps), labels)
 }
 
 /// Stations in the order of s.
@@ -588,7 +593,7 @@ fn interaction(
 }
 
 /// The extremes over all stations and steps, each with what acts beside it; σ are the stresses of the two sides.
-fn extremes(steps: &[&SectionSolution], labels: &Labels) -> String {
+fn extremes((numbers, steps): (&[usize], &[&SectionSolution]), labels: &Labels) -> String {
     let mut rows = Vec::new();
     for quantity in SectionQuantity::ALL {
         let found = steps
@@ -621,7 +626,7 @@ fn extremes(steps: &[&SectionSolution], labels: &Labels) -> String {
             }
             .edge_stress();
             let mut row = vec![text(&format!("{word} {}", quantity.name()))];
-            row.extend((steps.len() > 1).then(|| plain(count(step + 1))));
+            row.extend((steps.len() > 1).then(|| plain(count(numbers[step]))));
             row.extend([
                 plain(count(station + 1)),
                 plain(number(place.s)),

@@ -679,6 +679,118 @@ fn a_lining_in_rock_has_the_forces_of_the_exact_ring() {
 }
 
 #[test]
+fn forces_are_those_of_total_stresses() {
+    // ground that nobody has touched, and a bar that is heated between walls
+    let ground = |analysis: &str| {
+        format!(
+            r#"
+analysis = "{analysis}"
+[[body]]
+name = "ground"
+mesh = {{ rectangle = {{ from = [1, 0], to = [2, 3], cells = [3, 7], cell = "quad9" }} }}
+material = {{ young = 2e5, poisson = 0.3 }}
+initial_stress = {{ vertical = "-20*(5 - y)", k0 = [0.5, 0.5] }}
+body_force = [0, -20]
+fix = [{{ side = "bottom", y = 0 }}, {{ point = [1, 0], x = 0 }}]
+load = [{{ side = ["left", "right"], in_situ = 1 }}, {{ side = "top", in_situ = 1 }}]
+[[section]]
+name = "column"
+body = "ground"
+sides = ["left", "right"]
+stations = 6
+"#
+        )
+    };
+    for analysis in ["plane-strain", "axisymmetric"] {
+        for s in section(&ground(analysis)).stations {
+            let expected = -20.0 * (5.0 - s.point[1]);
+            let at = s.point[1];
+            assert!(
+                (s.normal - expected).abs() < 1e-8,
+                "{analysis} {at}: {} {expected}",
+                s.normal
+            );
+            assert!(s.shear.abs() < 1e-8, "{analysis} {at}: {}", s.shear);
+            // around the axis an even stress has its resultant beside the middle: ∫(3/2 − r) r dr = −1/12
+            let moment = if analysis == "axisymmetric" {
+                -expected / 12.0 / 1.5
+            } else {
+                0.0
+            };
+            assert!(
+                (s.moment - moment).abs() < 1e-8,
+                "{analysis} {at}: {}",
+                s.moment
+            );
+            assert!(
+                s.hoop
+                    .is_none_or(|hoop| (hoop[0] - 0.5 * expected).abs() < 1e-6)
+            );
+        }
+    }
+    let heated = r#"
+analysis = "plane-stress"
+[[body]]
+name = "bar"
+mesh = { rectangle = { from = [0, 0], to = [4, 0.5], cells = [7, 2], cell = "quad8" } }
+material = { young = 3e7, poisson = 0 }
+initial_strain = { thermal = 20, expansion = 1e-5 }
+fix = [{ side = "left", x = 0, y = 0 }, { side = "right", x = 0 }]
+[[section]]
+name = "cut"
+body = "bar"
+sides = ["top", "bottom"]
+stations = 5
+"#;
+    for s in section(heated).stations {
+        // E α ΔT h
+        assert!(
+            (s.normal + 3000.0).abs() < 1e-6 && s.moment.abs() < 1e-6,
+            "{s:?}"
+        );
+    }
+}
+
+#[test]
+fn a_section_is_there_when_its_body_is() {
+    let text = r#"
+analysis = "plane-strain"
+[[body]]
+name = "base"
+mesh = { rectangle = { from = [0, -1], to = [1, 0], cells = [2, 2] } }
+material = { young = 1e5, poisson = 0.2 }
+fix = [{ side = "bottom", x = 0, y = 0 }]
+[[body]]
+name = "wall"
+active = { from = "late" }
+mesh = { rectangle = { from = [0, 0], to = [0.5, 2], cells = [2, 8] } }
+material = { young = 1e5, poisson = 0.2 }
+fix = [{ side = "bottom", x = 0, y = 0 }]
+load = [{ side = "top", traction = [0, "-10*t"] }]
+[[section]]
+name = "cut"
+body = "wall"
+sides = ["left", "right"]
+stations = 3
+[[step]]
+name = "early"
+time = 1
+[[step]]
+name = "late"
+time = 2
+[[probe]]
+name = "n"
+quantity = "cut.N"
+reduce = "min"
+"#;
+    let case = Case::<2>::from_str(text, "test.toml", Path::new(".")).unwrap();
+    let steps = case.model.solve_steps().unwrap();
+    assert!(steps[0].sections.is_empty() && steps[0].probes[0].value.is_nan());
+    assert_eq!(steps[1].sections[0].name, "cut");
+    assert!((steps[1].probes[0].value + 10.0).abs() < 1e-9);
+}
+
+#[test]
 fn probes_read_the_nearest_station_and_what_stations_become() {
     let probes = r#"
 [[probe]]
