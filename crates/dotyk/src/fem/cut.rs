@@ -594,9 +594,14 @@ fn divided(kind: CellKind, distances: &[f64]) -> [Rule; 2] {
         kind.shape(&[x, y], &mut shape);
         shape.iter().zip(distances).map(|(n, d)| n * d).sum::<f64>()
     };
-    let (range, ends): ([f64; 2], fn(f64) -> [f64; 2]) = match kind.domain() {
-        Domain::Triangle => ([0.0, 1.0], |y| [0.0, 1.0 - y]),
-        _ => ([-1.0, 1.0], |_| [-1.0, 1.0]),
+    let triangle = kind.domain() == Domain::Triangle;
+    let range = if triangle { [0.0, 1.0] } else { [-1.0, 1.0] };
+    let ends = |y: f64| {
+        if triangle {
+            [0.0, 1.0 - y]
+        } else {
+            [-1.0, 1.0]
+        }
     };
     let mut breaks = vec![range[0], range[1]];
     for end in 0..2 {
