@@ -9,7 +9,7 @@ mod tests {
 
     #[test]
     fn every_key_that_a_file_may_have_is_described() {
-        for (table, keys) in dotyk::case::keys::ALL {
+        for (table, keys) in dotyk::case::keys::ALL.iter().copied() {
             for key in keys {
                 let described = TEXT.lines().any(|line| {
                     let mut words = line.split(|c: char| !(c.is_alphanumeric() || c == '_'));
