@@ -283,11 +283,15 @@ fn results<const D: usize>(model: &Model<D>, steps: &[Solution<D>]) -> String {
 
 /// A line for each step and contact.
 fn contacts_of_steps<const D: usize>(model: &Model<D>, steps: &[Solution<D>]) -> String {
+    // a column of names only where some step has one
+    let named = model.step_names.iter().any(|name| !name.is_empty());
+    let names: &[String] = if named { &model.step_names } else { &[] };
     let mut rows = Vec::new();
     for (i, step) in steps.iter().enumerate() {
         let scales = Scales::of(step);
         let start = |contact: Vec<String>| {
             let mut row = vec![(i + 1).to_string(), number(step.time)];
+            row.extend(names.get(i).cloned());
             row.push(step.solver.iterations.to_string());
             row.extend(contact);
             row
@@ -298,9 +302,11 @@ fn contacts_of_steps<const D: usize>(model: &Model<D>, steps: &[Solution<D>]) ->
         }
     }
     let own = contact_header(model);
-    let header = ["step", "t", "iterations"].into_iter();
+    let header = ["step", "t"].into_iter();
+    let header = header.chain((!names.is_empty()).then_some("name"));
+    let header = header.chain(["iterations"]);
     let header: Vec<&str> = header.chain(own.iter().map(String::as_str)).collect();
-    columns(&header, &rows, 4..header.len())
+    columns(&header, &rows, header.len() - own.len() + 1..header.len())
 }
 
 /// ", in m and N" where the case says so.

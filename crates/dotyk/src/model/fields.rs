@@ -104,6 +104,7 @@ fn body_solution<const D: usize>(
         strain_energy: state.strain_energy,
         dofs: D * points.len(),
         displacement: state.u,
+        fitted: None,
         peak: None,
         utilisation: utilisation.map(|own| Utilisation {
             nodal: own.utilisation,

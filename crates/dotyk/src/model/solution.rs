@@ -2,12 +2,14 @@
 
 use crate::dual::Certificate;
 use crate::fem::{list_motions, principal};
-use crate::geometry::{Point, norm};
+use crate::geometry::{Point, add_scaled, norm};
 use crate::model::nouns::{CoupleKind, SideRef};
 use crate::model::quantity::Dimension;
 use crate::model::section::SectionSolution;
+use std::borrow::Cow;
 use std::collections::BTreeMap;
 use std::fmt;
+use std::sync::Arc;
 
 /// Wall seconds of each stage since the run began, earlier load steps included.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
@@ -179,8 +181,10 @@ pub struct CoupleSolution<const D: usize> {
 pub struct BodySolution<const D: usize> {
     /// Name of the body.
     pub name: String,
-    /// Displacement of every node.
+    /// Displacement of every node; of a body that has come in a later step since then.
     pub displacement: Vec<Point<D>>,
+    /// Of such a body: at every node the displacement, when it came, of what it was fitted to. Pictures show it there.
+    pub fitted: Option<Arc<[Point<D>]>>,
     /// Stress at every node: xx yy zz xy yz xz.
     pub stress: Vec<[f64; 6]>,
     /// Strain at every node: xx yy zz xy yz xz, tensor components.
@@ -287,6 +291,16 @@ impl fmt::Display for Singular {
 }
 
 impl<const D: usize> BodySolution<D> {
+    /// Displacement of every node in pictures: with that of what the body was fitted to.
+    pub fn shown(&self) -> Cow<'_, [Point<D>]> {
+        let Some(fitted) = &self.fitted else {
+            return Cow::Borrowed(&self.displacement);
+        };
+        let both = self.displacement.iter().zip(fitted.iter());
+        both.map(|(u, fitted)| add_scaled(*u, 1.0, *fitted))
+            .collect()
+    }
+
     /// Largest length of the displacement of a node.
     pub fn max_displacement(&self) -> f64 {
         let lengths = self.displacement.iter().map(|&u| norm(u));

@@ -10,13 +10,14 @@
 //! A thing is there in the steps whose time t lies in from ≤ t < until; in the first step nothing has appeared.
 
 use crate::fem::{Active, History};
-use crate::geometry::{Point, add_scaled};
+use crate::geometry::{Point, add_scaled, distance};
 use crate::model::condense::Condensed;
 use crate::model::error::Error;
 use crate::model::nouns::{Along, Body, BodyId, Contact, Model, Pair, Probe, SideRef};
 use crate::model::pair::{Fit, row_ranges};
 use crate::model::section::Section;
 use crate::model::solution::{ProbeValue, Solution};
+use rayon::prelude::*;
 use std::borrow::Cow;
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
@@ -236,6 +237,8 @@ pub(crate) struct Track<const D: usize> {
     moved: Moved<D>,
     /// What was there when a body appeared.
     found: BTreeMap<usize, Moved<D>>,
+    /// By body, the displacements of what it was fitted to, at its nodes.
+    fitted: Moved<D>,
     /// Number of the step in which a body appeared.
     appeared: Vec<usize>,
     /// By body, what supports and neighbours have left.
@@ -254,6 +257,7 @@ impl<const D: usize> Track<D> {
             presence: Presence::at(model, time),
             moved: vec![None; count],
             found: BTreeMap::new(),
+            fitted: vec![None; count],
             appeared: vec![0; count],
             history: vec![History::default(); count],
             before: None,
@@ -287,8 +291,12 @@ impl<const D: usize> Track<D> {
         Cow::Owned(stage)
     }
 
-    /// Remembers the displacements of a solved step of the stage.
-    pub fn remember(&mut self, solution: &Solution<D>) {
+    /// Remembers the displacements of a solved step of the stage, and tells what its bodies were fitted to.
+    pub fn remember(&mut self, solution: &mut Solution<D>) {
+        let fitted = kept(&self.fitted, &self.presence.bodies);
+        for (body, fitted) in solution.bodies.iter_mut().zip(fitted) {
+            body.fitted.clone_from(fitted);
+        }
         let mut solved = solution.bodies.iter();
         for (moved, &there) in self.moved.iter_mut().zip(&self.presence.bodies) {
             *moved = match there {
@@ -319,6 +327,7 @@ impl<const D: usize> Track<D> {
             let Some(moved) = self.moved[index].clone() else {
                 self.appeared[index] = step;
                 self.found.insert(index, self.moved.clone());
+                self.fitted[index] = self.fitted_to(model, index);
                 continue;
             };
             for place in 0..body.supports.len() {
@@ -357,6 +366,38 @@ impl<const D: usize> Track<D> {
             .collect();
         nodes.resize(parts, Vec::new());
         nodes
+    }
+
+    /// At each node of a body that appears, what the nearest node on the other side of its contacts has moved; `None` where it
+    /// touches nothing that was there.
+    fn fitted_to(&self, model: &Model<D>, body: usize) -> Option<Arc<[Point<D>]>> {
+        let mut opposite: Vec<(Point<D>, Point<D>)> = Vec::new();
+        for contact in &model.contacts {
+            let sides = contact.pair.sides();
+            if !sides.iter().any(|side| side.body.0 == body) {
+                continue;
+            }
+            for side in sides.into_iter().filter(|side| side.body.0 != body) {
+                let Some(moved) = &self.moved[side.body.0] else {
+                    continue;
+                };
+                let mesh = &model.bodies[side.body.0].mesh;
+                let before = &self.fitted[side.body.0];
+                let nodes = mesh.side_nodes(&side.side).unwrap_or_default();
+                opposite.extend(nodes.into_iter().map(|node| {
+                    let node = node as usize;
+                    let before = before.as_ref().map_or([0.0; D], |before| before[node]);
+                    (mesh.points()[node], add_scaled(moved[node], 1.0, before))
+                }));
+            }
+        }
+        let nearest = |point: &Point<D>| {
+            let apart = |other: &&(Point<D>, Point<D>)| distance(*point, other.0);
+            let found = opposite.iter().min_by(|a, b| apart(a).total_cmp(&apart(b)));
+            found.map(|found| found.1)
+        };
+        let points = model.bodies[body].mesh.points().par_iter();
+        points.map(nearest).collect()
     }
 
     /// Leaves the forces of the contacts of released bodies that go to their neighbours that stay.

@@ -106,7 +106,7 @@ pub fn beyond_the_scale<const D: usize>(
 fn magnification(scene: &Scene, solution: &Solution<2>, view: &View) -> f64 {
     let mut most: f64 = 0.0;
     for (body, answer) in scene.model.bodies.iter().zip(&solution.bodies) {
-        for (&point, &u) in body.mesh.points().iter().zip(&answer.displacement) {
+        for (&point, &u) in body.mesh.points().iter().zip(answer.shown().iter()) {
             if view.sees(view.pixel(point)) {
                 most = most.max(norm(u));
             }
@@ -159,7 +159,7 @@ fn draw_view(
 ) {
     let mut canvas = Canvas::new(view);
     for (i, body) in scene.model.bodies.iter().enumerate() {
-        let u = &solution.bodies[i].displacement;
+        let u = solution.bodies[i].shown();
         let high = scales
             .iter()
             .find(|s| s.0.contains(&i))
@@ -168,7 +168,7 @@ fn draw_view(
             .mesh
             .points()
             .iter()
-            .zip(u)
+            .zip(u.iter())
             .map(|(p, u)| view.pixel([p[0] + factor * u[0], p[1] + factor * u[1]]))
             .collect();
         canvas.mesh(&body.mesh, &places, &solution.bodies[i].von_mises, high);
@@ -177,7 +177,7 @@ fn draw_view(
     svg.picture(view.corner, view.size, &canvas.png());
     for (i, body) in scene.model.bodies.iter().enumerate() {
         let points = body.mesh.points();
-        let u = &solution.bodies[i].displacement;
+        let u = solution.bodies[i].shown();
         let moved = |n: usize| {
             view.pixel([
                 points[n][0] + factor * u[n][0],

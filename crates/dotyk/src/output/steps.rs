@@ -1,15 +1,17 @@
 //! Section "Load steps" of the report: curves against time and tables, one row for each step.
 
 use crate::geometry::norm;
-use crate::model::{BodySolution, ContactSolution, Solution};
+use crate::model::{BodySolution, ContactSolution, Model, Solution};
 use crate::output::Overview;
-use crate::output::html::{Head, column, escape, figure, plain, table};
+use crate::output::figures::Figures;
+use crate::output::html::{Head, column, escape, figure, left, plain, table, text};
 use crate::output::json::{closed_and_open, largest};
 use crate::output::panels::{Abscissae, Panel, Series, panels_figure};
 use crate::output::plot::Axis;
 use crate::output::text::{Labels, Scales, count, number, vector, without_noise};
 use crate::output::utilisation::largest_utilisation;
 use crate::output::vtu::judged;
+use std::borrow::Cow;
 
 /// More probes than this are left to the table.
 const MOST_PANELS: usize = 24;
@@ -29,6 +31,7 @@ pub fn steps_section<const D: usize>(run: &Overview<'_, D>, labels: &Labels) -> 
         count(steps.len()),
         number(run.last.time)
     );
+    out += &stages(run);
     if let Some(svg) = steps_figure(&steps, labels) {
         let left = numbers(run.last).count().saturating_sub(MOST_PANELS);
         let more = match left {
@@ -47,6 +50,55 @@ pub fn steps_section<const D: usize>(run: &Overview<'_, D>, labels: &Labels) -> 
     for (part, chosen) in probes.chunks(COLUMNS).enumerate() {
         out += if part == 0 { "<h3>Probes</h3>\n" } else { "" };
         out += &probe_table(&steps, &values, chosen, labels);
+    }
+    out
+}
+
+/// What is there in each step, and pictures of the stages before the last; nothing where steps have no names and nothing comes or
+/// goes.
+fn stages<const D: usize>(run: &Overview<'_, D>) -> String {
+    let several = run.model.has_stages();
+    if !several && (0..run.stages.len()).all(|step| run.step_name(step).is_none()) {
+        return String::new();
+    }
+    let heads = [
+        column("step", ""),
+        column("t", ""),
+        left("name"),
+        left("bodies"),
+        left("contacts"),
+    ];
+    let both = || run.steps().zip(&run.stages).enumerate();
+    let row = |(step, (solution, stage)): (usize, (&Solution<D>, &Cow<'_, Model<D>>))| {
+        let bodies: Vec<&str> = stage.bodies.iter().map(|body| body.name.as_str()).collect();
+        let contacts: Vec<&str> = stage.contacts.iter().map(|c| c.name.as_str()).collect();
+        let [number, time] = [count(step + 1), number(solution.time)].map(plain);
+        let name = run.step_name(step).unwrap_or_default();
+        let words = [name, &bodies.join(", "), &contacts.join(", ")].map(text);
+        [number, time].into_iter().chain(words).collect()
+    };
+    let table = table(&heads, both().map(row).collect());
+    let mut out = format!("<h3>Stages</h3>\n{table}");
+    let names = |stage: &Model<D>| -> Vec<String> {
+        let bodies = stage.bodies.iter().map(|body| body.name.clone());
+        bodies
+            .chain(stage.contacts.iter().map(|c| c.name.clone()))
+            .collect()
+    };
+    // the last step of each run in which nothing comes or goes; that of the whole is shown below
+    let ends = both().zip(run.stages.iter().skip(1));
+    let ends = ends.filter(|((_, (_, stage)), next)| several && names(stage) != names(next));
+    for ((step, (solution, stage)), _) in ends {
+        let name = run
+            .step_name(step)
+            .map_or(String::new(), |name| format!(" {name}"));
+        out += &format!(
+            "<details><summary>Deformation and stress after step {}{}, t = {}</summary>\n{}</details>\n",
+            count(step + 1),
+            escape(&name),
+            number(solution.time),
+            Figures::of(stage).deformed(solution)
+        );
     }
     out
 }

@@ -66,9 +66,10 @@ fn moved<'a>(
     solution: &'a Solution<3>,
     factor: f64,
 ) -> impl Iterator<Item = Point<3>> + 'a {
-    let displacements = solution.bodies.iter().flat_map(|body| &body.displacement);
+    let bodies = solution.bodies.iter();
+    let displacements = bodies.flat_map(|body| body.shown().into_owned());
     let places = scene.nodes().zip(displacements);
-    places.map(move |(x, u)| add_scaled(x, factor, *u))
+    places.map(move |(x, u)| add_scaled(x, factor, u))
 }
 
 /// A round factor that makes the largest displacement about 5 % of the model's size, never less than 1.
@@ -103,8 +104,8 @@ fn deformed(
         .iter()
         .enumerate()
         .map(|(body, skin)| {
-            let u = &solution.bodies[body].displacement;
-            let mut look = Look::moved(window, skin.mesh.points(), u, factor);
+            let u = solution.bodies[body].shown();
+            let mut look = Look::moved(window, skin.mesh.points(), &u, factor);
             look.values = stress_values(solution, scales, body);
             look
         })

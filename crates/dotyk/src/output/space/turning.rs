@@ -135,7 +135,8 @@ fn data(scene: &Scene<'_>, solution: &Solution<3>, shown: &[Shown], factor: f64)
     let surfaces = thinned(surfaces, &points, scene.size(), MOST_TRIANGLES);
     let (low, high) = scene.bounds;
     let span = sub(high, low).map(|s| if s > 0.0 { s } else { 1.0 });
-    let unit = largest(solution.bodies.iter().map(|b| b.max_displacement()));
+    let drawn: Vec<_> = solution.bodies.iter().map(|b| b.shown()).collect();
+    let unit = largest(drawn.iter().flat_map(|u| u.iter().map(|&u| norm(u))));
     let unit = if unit > 0.0 { unit } else { 1.0 };
     let mut packed = Packed::default();
     let ends: Vec<f64> = shown
@@ -158,7 +159,7 @@ fn data(scene: &Scene<'_>, solution: &Solution<3>, shown: &[Shown], factor: f64)
                     packed
                         .positions
                         .extend(((65535.0 * share).round() as u16).to_le_bytes());
-                    let moved = solution.bodies[body].displacement[n][d] / unit;
+                    let moved = drawn[body][n][d] / unit;
                     packed
                         .moved
                         .extend(((32767.0 * moved).round() as i16).to_le_bytes());
