@@ -265,23 +265,24 @@ impl<const D: usize> Section<D> {
     }
 }
 
-/// How far beyond its end, and on both sides of its line, the body must not go on for a cut to divide it; of its thickness.
+/// How far beyond its end, there and on both sides of its line, the body must not go on for a cut to divide it; of its thickness.
 const BEYOND: f64 = 0.15;
 
-/// The first cut behind whose end the body goes on, and that end. A face along the line of the cut has the body on one side.
+/// The first cut behind whose end the body goes on, and that end. A face along the line of the cut has the body on one side,
+/// and behind a re-entrant corner there is none.
 fn within(mesh: &Mesh<2>, cuts: &[Cut]) -> Option<(usize, [f64; 2])> {
     let around = cuts.iter().flat_map(|cut| {
         let reach = BEYOND * cut.thickness();
         let ends = [(cut.first, reach), (cut.second, -reach)];
         ends.map(|(end, out)| {
             let beyond = add_scaled(end, out, cut.toward_first());
-            [reach, -reach].map(|side| add_scaled(beyond, side, cut.along()))
+            [reach, 0.0, -reach].map(|side| add_scaled(beyond, side, cut.along()))
         })
     });
-    let around: Vec<[Point<2>; 2]> = around.collect();
+    let around: Vec<[Point<2>; 3]> = around.collect();
     let found = locate_all(mesh, around.as_flattened());
     let inside = found
-        .chunks(2)
+        .chunks(3)
         .position(|pair| pair.iter().all(Option::is_some))?;
     let cut = &cuts[inside / 2];
     let end = if inside % 2 == 0 {
