@@ -283,7 +283,7 @@ fn within(mesh: &Mesh<2>, cuts: &[Cut]) -> Option<(usize, [f64; 2])> {
     let found = locate_all(mesh, around.as_flattened());
     let inside = found
         .chunks(3)
-        .position(|pair| pair.iter().all(Option::is_some))?;
+        .position(|places| places.iter().all(Option::is_some))?;
     let cut = &cuts[inside / 2];
     let end = if inside % 2 == 0 {
         cut.first

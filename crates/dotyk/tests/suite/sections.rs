@@ -465,6 +465,36 @@ stations = 6
 }
 
 #[test]
+fn a_cut_that_ends_within_the_body_is_refused() {
+    // behind the wall the slab is thicker: from the end of one side to that of the other the line goes on through it
+    let text = r#"
+analysis = "plane-strain"
+[[body]]
+name = "wall"
+mesh = { outline = { size = 0.15, from = [0, 0], edges = [
+    { to = [3, 0], name = "ground" }, { to = [3, 1] }, { to = [1.4, 1] }, { to = [1.4, 2.5], name = "back" },
+    { to = [1, 2.5] }, { to = [1, 0.5], name = "front" }, { to = [0, 0.5] }, { to = [0, 0] }] } }
+material = { young = 3e7, poisson = 0.2 }
+fix = [{ side = "ground", x = 0, y = 0 }]
+[[section]]
+name = "foot"
+body = "wall"
+sides = ["front", "back"]
+stations = STATIONS
+"#;
+    let read = |stations: &str| {
+        let text = text.replace("STATIONS", stations);
+        Case::<2>::from_str(&text, "test.toml", Path::new("."))
+    };
+    let error = read("6").unwrap_err().to_string();
+    assert!(
+        error.contains("station 1 ends within the body, at (1.0000, 0.5000)"),
+        "{error}"
+    );
+    read("[[1.2, 1.5], [1.2, 2.5]]").unwrap();
+}
+
+#[test]
 fn turned_and_mirrored_bodies_have_the_same_forces() {
     let case = |text: &str| {
         Case::<2>::from_str(text, "test.toml", Path::new("."))
