@@ -145,9 +145,9 @@ mod tests {
             ("meterial", keys::BODY, None),
             ("nmae", keys::MATERIAL, None),
             (
-                "sides",
+                "compression",
                 keys::BODY,
-                Some("`sides` is a key of `mesh` and `contact`"),
+                Some("`compression` is a key of `strength` and `capacity`"),
             ),
             ("whatever", keys::BODY, None),
         ] {

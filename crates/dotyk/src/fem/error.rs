@@ -31,6 +31,18 @@ pub enum FemError {
         /// Why.
         why: &'static str,
     },
+    /// What is left of the forces of a neighbour that has gone is no part of them.
+    #[error(
+        "what a neighbour that has gone leaves of its forces, release = {text}, is {value} at t = {time}: it must lie in [0, 1]"
+    )]
+    Release {
+        /// The expression.
+        text: String,
+        /// Its value.
+        value: f64,
+        /// When.
+        time: f64,
+    },
     /// A force on a side without area.
     #[error(
         "side \"{side}\" has no area, it lies on the axis of symmetry: a force cannot be spread over it"

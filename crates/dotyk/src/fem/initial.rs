@@ -317,9 +317,11 @@ fn carrying<const D: usize>(
     let mesh = &body.mesh;
     let supports = body.supports.iter().map(|support| support.place.clone());
     let places = supports.chain(body.loads.iter().map(Load::place));
+    let other_stages = body.history.touched.iter().map(String::as_str);
     let sides = touched
         .iter()
         .copied()
+        .chain(other_stages)
         .chain(body.couples.iter().map(|c| c.side.as_str()));
     let places = places.chain(sides.map(|side| Place::Side(side.to_string())));
     let mut nodes = BTreeSet::new();

@@ -155,6 +155,9 @@ pub(crate) struct NodalLoads {
     pub largest: f64,
 }
 
+/// Parts of a whole are in [0, 1] but for the rounding of expressions.
+const PART: f64 = 1e-9;
+
 /// A load counts as balanced in itself when its resultant is below this fraction of the sum of its magnitudes.
 const BALANCED: f64 = 1e-3;
 
@@ -204,6 +207,13 @@ pub(crate) fn nodal_loads<const D: usize>(
     for (left, factor) in &body.history.released {
         let mut size = Size::zero();
         let part = finite(factor, [0.0; D], time, || "release".to_string())?;
+        if !(-PART..=1.0 + PART).contains(&part) {
+            return Err(FemError::Release {
+                text: factor.to_string(),
+                value: part,
+                time,
+            });
+        }
         for (sum, &force) in forces.chunks_exact_mut(D).zip(left.iter()) {
             (0..D).for_each(|i| sum[i] += part * force[i]);
             size.add(force.map(|c| part * c));

@@ -6,7 +6,7 @@ use crate::fem::loads::Load;
 use crate::fem::strength::Strength;
 use crate::geometry::{Field, Point, Surface};
 use crate::mesh::Mesh;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
 /// The kind of analysis; D = 2 for all but [`Analysis::Solid`].
@@ -158,6 +158,8 @@ pub struct History<const D: usize> {
     /// Supports that came later than the body, by their place among its supports, with the displacements (nodes,) of the
     /// body then.
     pub(crate) placed: BTreeMap<usize, Arc<[Point<D>]>>,
+    /// Sides that contacts of some stage touch.
+    pub(crate) touched: BTreeSet<String>,
     /// Forces (nodes,) of bodies that have gone, each with what is left of it at a time.
     pub(crate) released: Vec<(Arc<[Point<D>]>, Field)>,
 }

@@ -119,13 +119,28 @@ impl<const D: usize> Left<D> {
     }
 }
 
-/// Slips of the contacts that go on, in their rows (m,).
+/// Slips of the contacts that go on, in their rows (m,), and, in a stage after others, of contacts that appear how far their sides
+/// have moved along each other by then: it counts from there.
 fn slips<const D: usize>(
     before: &BTreeMap<String, Vec<[f64; D]>>,
     paired: &[Paired<D>],
+    track: Option<&Track<D>>,
 ) -> Vec<f64> {
     let mut slip = vec![0.0; paired.iter().map(|p| p.interface.nonmortar.len()).sum()];
     for (rows, pair) in row_ranges(paired) {
+        let appeared = track.filter(|_| !before.contains_key(&pair.name));
+        if let (Some(track), Some(mortar)) = (appeared, &pair.mortar) {
+            let moved = track.moved(pair.nonmortar.body, mortar.body);
+            let interface = &pair.interface;
+            let both = interface.nonmortar.iter().zip(&interface.mortar);
+            let along = interface.tangential().into_iter().zip(both);
+            for (slip, (tangential, (own, other))) in slip[rows.clone()].iter_mut().zip(along) {
+                if tangential {
+                    *slip = moved.along(own, other) - pair.fit.along(own, other);
+                }
+            }
+            continue;
+        }
         let before = before.get(&pair.name).into_iter().flatten();
         for (node, before) in pair.interface.nodes.iter().zip(before) {
             for (row, before) in node.rows.iter().zip(before).skip(1) {
@@ -142,7 +157,7 @@ fn slips<const D: usize>(
 fn fit<const D: usize>(paired: &mut [Paired<D>], track: &Track<D>) {
     for pair in paired {
         if let Some(mortar) = &pair.mortar {
-            pair.fit = track.fit(pair.nonmortar.body, mortar.body);
+            pair.fit = track.fit(&pair.name, pair.nonmortar.body, mortar.body);
         }
     }
 }
@@ -211,7 +226,7 @@ pub(crate) fn condense<const D: usize>(
     let dropped = drop_implied(model, &systems, &mut paired);
     turn_to_forces(&mut systems[..model.bodies.len()], &paired);
     let rows = body_rows(&systems, &paired);
-    let gaps = gaps_after(&paired, &slips(&left.slips, &paired));
+    let gaps = gaps_after(&paired, &slips(&left.slips, &paired, track));
     seconds.assemble += lap.seconds();
     observe(Event::Stage("order"));
     let lasting = track.map_or(vec![Vec::new(); systems.len()], |t| {

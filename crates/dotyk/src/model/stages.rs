@@ -13,13 +13,14 @@ use crate::fem::{Active, History};
 use crate::geometry::{Point, add_scaled, distance};
 use crate::model::condense::Condensed;
 use crate::model::error::Error;
-use crate::model::nouns::{Along, Body, BodyId, Contact, Model, Pair, Probe, SideRef};
+use crate::model::nouns::{Along, Body, BodyId, Contact, Law, Model, Pair, Probe, SideRef};
 use crate::model::pair::{Fit, row_ranges};
 use crate::model::section::Section;
 use crate::model::solution::{ProbeValue, Solution};
 use rayon::prelude::*;
 use std::borrow::Cow;
 use std::collections::{BTreeMap, BTreeSet};
+use std::mem::take;
 use std::sync::Arc;
 
 /// What of a model is there at a time.
@@ -90,6 +91,12 @@ impl<const D: usize> Model<D> {
         presences.any(|other| Some(other) != first)
     }
 
+    /// Whether at a time something is there, or is not, that differs from its first load step.
+    pub(crate) fn has_stage_at(&self, time: f64) -> bool {
+        let first = self.times.first().map(|&first| Presence::at(self, first));
+        first.is_some_and(|first| first != Presence::at(self, time))
+    }
+
     /// What is there, as a model; with the steps up to a time.
     fn part(&self, there: &Presence, until: Option<f64>) -> Self {
         let cut = self
@@ -107,8 +114,17 @@ impl<const D: usize> Model<D> {
         };
         let body = |(index, body): (usize, &Body<D>)| {
             let supports = kept(&body.supports, &there.supports[index]);
+            let sides = self
+                .contacts
+                .iter()
+                .flat_map(|contact| contact.pair.sides());
+            let own = sides.filter(|side| side.body.0 == index);
             Body {
                 supports: supports.cloned().collect(),
+                history: History {
+                    touched: own.map(|side| side.side.clone()).collect(),
+                    ..History::default()
+                },
                 ..body.clone()
             }
         };
@@ -239,6 +255,8 @@ pub(crate) struct Track<const D: usize> {
     found: BTreeMap<usize, Moved<D>>,
     /// By body, the displacements of what it was fitted to, at its nodes.
     fitted: Moved<D>,
+    /// Displacements, when a tie appeared, of its bodies that were there: it holds them as they are.
+    held: BTreeMap<String, Moved<D>>,
     /// Number of the step in which a body appeared.
     appeared: Vec<usize>,
     /// By body, what supports and neighbours have left.
@@ -258,6 +276,7 @@ impl<const D: usize> Track<D> {
             moved: vec![None; count],
             found: BTreeMap::new(),
             fitted: vec![None; count],
+            held: BTreeMap::new(),
             appeared: vec![0; count],
             history: vec![History::default(); count],
             before: None,
@@ -286,6 +305,7 @@ impl<const D: usize> Track<D> {
                     .filter_map(|(k, u)| Some((place[*k]?, Arc::clone(u))))
                     .collect(),
                 released: history.released.clone(),
+                touched: take(&mut body.history.touched),
             };
         }
         Cow::Owned(stage)
@@ -336,6 +356,14 @@ impl<const D: usize> Track<D> {
                 }
             }
         }
+        for (index, contact) in model.contacts.iter().enumerate() {
+            let appears = next.contacts[index] && !self.presence.contacts[index];
+            let mut sides = contact.pair.sides().into_iter();
+            let both = sides.all(|side| self.moved[side.body.0].is_some());
+            if appears && both && matches!(contact.law, Law::Tied) {
+                self.held.insert(contact.name.clone(), self.moved.clone());
+            }
+        }
         self.before = Some(std::mem::replace(&mut self.presence, next));
         true
     }
@@ -366,6 +394,19 @@ impl<const D: usize> Track<D> {
             .collect();
         nodes.resize(parts, Vec::new());
         nodes
+    }
+
+    /// Displacements of the two bodies of a contact of the stage at the end of the last step; `None` of one that was not there.
+    pub fn moved(&self, nonmortar: BodyId, mortar: BodyId) -> Fit<D> {
+        let there = &self.presence.bodies;
+        let moved = |id: BodyId| {
+            let mut whole = (0..there.len()).filter(|&body| there[body]);
+            self.moved[whole.nth(id.0)?].clone()
+        };
+        Fit {
+            own: moved(nonmortar),
+            other: moved(mortar),
+        }
     }
 
     /// At each node of a body that appears, what the nearest node on the other side of its contacts has moved; `None` where it
@@ -436,12 +477,16 @@ impl<const D: usize> Track<D> {
     }
 
     /// What the sides of a contact of the stage between these two bodies of it were fitted to.
-    pub fn fit(&self, nonmortar: BodyId, mortar: BodyId) -> Fit<D> {
+    pub fn fit(&self, contact: &str, nonmortar: BodyId, mortar: BodyId) -> Fit<D> {
         let there = &self.presence.bodies;
         let place = |id: BodyId| (0..there.len()).filter(|&body| there[body]).nth(id.0);
         let (Some(own), Some(other)) = (place(nonmortar), place(mortar)) else {
             return Fit::default();
         };
+        if let Some(held) = self.held.get(contact) {
+            let [own, other] = [own, other].map(|body| held[body].clone());
+            return Fit { own, other };
+        }
         // the later one was fitted to the one that was there
         let seen = |later: usize, earlier: usize| {
             let later_came = self.appeared[later] > self.appeared[earlier];

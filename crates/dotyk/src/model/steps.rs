@@ -66,6 +66,7 @@ pub(crate) fn solve_steps<const D: usize>(
     let mut reuse = reuse.take().filter(|_| !model.has_stages());
     let mut march = March {
         condensed: reuse.as_mut().and_then(|reuse| reuse.take(model)),
+        staged: model.has_stages(),
         ..March::new(DENSE_LIMIT)
     };
     let solved = march.solve(model, given, observe);
@@ -86,12 +87,15 @@ pub(crate) fn condense_step<const D: usize>(
     dense_limit: usize,
     observe: &mut dyn FnMut(Event),
 ) -> Result<(Model<D>, Condensed<D>), Error<D>> {
-    let mut march = March::new(dense_limit);
+    let mut march = March {
+        staged: model.has_stages() || model.has_stage_at(time),
+        ..March::new(dense_limit)
+    };
     let smooth = |law: &Law| matches!(law, Law::Frictionless | Law::Tied);
     let rough = !model.contacts.iter().all(|contact| smooth(&contact.law));
     let mut earlier = model.clone();
     earlier.times.retain(|&before| before < time);
-    if rough || model.has_stages() {
+    if rough || march.staged {
         march.solve(&earlier, Given::NONE, observe)?;
     }
     let step = earlier.times.len() + 1;
@@ -106,6 +110,8 @@ struct March<'m, const D: usize> {
     condensed: Option<Condensed<D>>,
     last: Option<End>,
     dense_limit: usize,
+    /// Things come and go between the steps of the whole model.
+    staged: bool,
     /// What has come and gone.
     track: Option<Track<D>>,
     /// What is there now.
@@ -119,6 +125,7 @@ impl<'m, const D: usize> March<'m, D> {
             condensed: None,
             last: None,
             dense_limit,
+            staged: false,
             track: None,
             stage: None,
         }
@@ -197,7 +204,7 @@ impl<'m, const D: usize> March<'m, D> {
     /// Goes on to a step; whether something comes or goes there.
     fn changes(&mut self, model: &'m Model<D>, (step, time): (usize, f64)) -> bool {
         let Some(track) = &mut self.track else {
-            if model.has_stages() {
+            if self.staged {
                 let track = Track::new(model, time);
                 self.stage = Some(track.stage(model));
                 self.track = Some(track);

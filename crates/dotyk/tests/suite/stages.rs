@@ -181,6 +181,8 @@ fn ground_that_goes_releases_its_neighbours() {
         "{whole}"
     );
     assert_eq!(steps[1].bodies.len(), 1);
+    let warned = |step: &Solution<2>| step.warnings.iter().any(|w| w.contains("equilibrium"));
+    assert!(!steps.iter().any(warned), "{:?}", steps[1].warnings);
     // the face is free of stress in the end, and half so before
     let half: Vec<Point<2>> = body(&steps[3], "left")
         .iter()
@@ -425,4 +427,55 @@ fn a_check_looks_at_every_stage() {
     assert_eq!(check.contacts.len(), 1);
     let early = tunnel(LATE, "\"1 - t\"", "active = { until = \"heading\" }", "");
     assert_eq!(case(&early).model.check().contacts[0].name, "back");
+}
+
+/// Two blocks of which the upper one is moved sideways before a contact between them appears: friction counts from then, and a tie
+/// holds them as they are.
+#[test]
+fn what_appears_between_moved_bodies_counts_from_then() {
+    for law in ["friction = 0.3", "tied = true"] {
+        let text = format!(
+            "title = \"Late\"\nanalysis = \"plane-stress\"\n[[step]]\ntime = 1\n[[step]]\ntime = 2\n[[step]]\ntime = 3\n\
+             [[body]]\nname = \"low\"\nmesh = {{ rectangle = {{ from = [0, 0], to = [1, 1], cells = [4, 4] }} }}\n\
+             material = {{ young = 100, poisson = 0 }}\nfix = [{{ side = \"bottom\", x = 0, y = 0 }}]\n\
+             [[body]]\nname = \"high\"\nmesh = {{ rectangle = {{ from = [0, 1], to = [1, 2], cells = [4, 4] }} }}\n\
+             material = {{ young = 100, poisson = 0 }}\n\
+             fix = [{{ side = \"top\", x = 0.01, y = \"-0.02*max(0, t - 1)\" }}]\n\
+             [[contact]]\nname = \"joint\"\nnonmortar = \"high.bottom\"\nmortar = \"low.top\"\n{law}\nactive = {{ from = 2 }}\n"
+        );
+        let (_, steps) = solved(&text);
+        for (step, depth) in [(1, 0.02), (2, 0.04)] {
+            let [x, y] = steps[step].contacts[0].resultant;
+            let expected = 100.0 * depth / 2.0;
+            assert!(
+                (y - expected).abs() < 1e-8 * expected,
+                "{law}: {y} {expected}"
+            );
+            assert!(x.abs() < 1e-9 * expected, "{law}: {x}");
+        }
+    }
+}
+
+/// The dual problem of a step, in a program or a file, is that of its stage after what came before.
+#[test]
+fn the_dual_problem_of_a_stage_has_its_history() {
+    let late = tunnel(LATE, "\"1 - t\"", "active = { from = \"support\" }", "");
+    let (model, steps) = solved(&late);
+    let mut dual = model.dual(1.0).unwrap();
+    let forces = dual.solve(dotyk::model::Method::Newton).unwrap();
+    let solution = dual.recover(&forces).unwrap();
+    same(body(&solution, "ring"), body(&steps[3], "ring"), 1e-8);
+    // between its steps, too, and before anything comes
+    assert_eq!(model.dual(0.7).unwrap().model().bodies.len(), 2);
+    assert_eq!(model.dual(0.45).unwrap().model().bodies.len(), 1);
+}
+
+#[test]
+fn a_body_leaves_no_more_than_its_forces() {
+    let steps = "[[step]]\ntime = 0\n[[step]]\ntime = 1";
+    let message = refused(&cut("active = { until = 1, release = \"2*t\" }", steps)).to_string();
+    assert!(
+        message.contains("release = 2*t, is 2 at t = 1: it must lie in [0, 1]"),
+        "{message}"
+    );
 }
