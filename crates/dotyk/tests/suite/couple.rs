@@ -962,7 +962,7 @@ fn what_is_wrong_with_a_couple_is_said() {
         model.couple(body, "left", ("P", [0.0; 2]), rigid);
     });
     assert!(
-        twice.contains("two coupled points are named \"block.P\""),
+        twice.contains("named \"block.P\"") && twice.contains("rename the coupled point"),
         "{twice}"
     );
     let against = said(&|model, body| {
