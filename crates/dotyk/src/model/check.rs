@@ -110,7 +110,8 @@ fn fill<const D: usize>(model: &Model<D>, check: &mut Check<D>) -> Result<(), Er
     let mut before = 0;
     for run in model.runs() {
         let mut of_run = Check::default();
-        fill_run(&run, (model, before), &mut of_run)?;
+        // what was found before a mistake is told, too
+        let filled = fill_run(&run, (model, before), &mut of_run);
         before += run.times.len();
         check
             .bodies
@@ -125,6 +126,7 @@ fn fill<const D: usize>(model: &Model<D>, check: &mut Check<D>) -> Result<(), Er
                 check.warnings.push(warning);
             }
         }
+        filled?;
     }
     let place = |name: &str| model.bodies.iter().position(|body| body.name == name);
     check.bodies.sort_by_key(|body| place(&body.name));
