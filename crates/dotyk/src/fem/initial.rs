@@ -84,7 +84,7 @@ impl Components {
 pub const NAMES: [&str; 6] = ["xx", "yy", "zz", "xy", "yz", "xz"];
 
 /// Where a component σᵢⱼ stands.
-const PLACE: [[usize; 3]; 3] = [[0, 3, 5], [3, 1, 4], [5, 4, 2]];
+pub(crate) const PLACE: [[usize; 3]; 3] = [[0, 3, 5], [3, 1, 4], [5, 4, 2]];
 
 /// What is in a body before anything acts on it.
 #[derive(Debug, Clone, Default)]

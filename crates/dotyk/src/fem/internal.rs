@@ -7,7 +7,7 @@
 use crate::fem::block::{Cells, Deformation};
 use crate::fem::cells::CellTable;
 use crate::fem::error::FemError;
-use crate::fem::initial::body_degree;
+use crate::fem::initial::{PLACE, body_degree};
 use crate::fem::nouns::{Analysis, Body};
 use crate::geometry::{Point, add_scaled};
 use crate::mesh::MAX_CELL_NODES;
@@ -150,7 +150,7 @@ fn cell_forces<const D: usize>(
             hoop,
         } = cells.deformation(q, (cell, &modes), displacement);
         let s = cells.lame.stress(gradient, hoop);
-        let sigma = |i: usize, j: usize| s[[[0, 3, 5], [3, 1, 4], [5, 4, 2]][i][j]];
+        let sigma = |i: usize, j: usize| s[PLACE[i][j]];
         for (local, force) in forces.iter_mut().enumerate().take(cell.len()) {
             for (i, force) in force.iter_mut().enumerate() {
                 let along: f64 = (0..D).map(|j| sigma(i, j) * gradients[local][j]).sum();

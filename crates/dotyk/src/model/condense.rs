@@ -5,7 +5,8 @@
 //! ```
 //!
 //! A load step takes loads, prescribed displacements and gaps anew, which changes d and e alone: stiffness, factors, pairs
-//! and F are made once.
+//! and F are made once. A stage, in which something has come or gone, is condensed anew from what bodies that go on keep:
+//! stiffness, order and factor.
 //!
 //! Source: Janovský & Procházka (1980) III, section 7, (7.5)–(7.9).
 
