@@ -4,7 +4,9 @@
 //! meshes costs, by the same kernels as the contact problem. Nodes, sides and groups of the second body follow those
 //! of the first; sides are called `BODY.SIDE`, groups by the name of the body.
 
-use dotyk::fem::{Analysis, Body, BodySystem, Load, Material, Place, Support, assemble};
+use dotyk::fem::{
+    Analysis, Bed, Body, BodySystem, Load, Material, Place, Spring, Support, assemble,
+};
 use dotyk::geometry::distance;
 use dotyk::linalg::{self, Cholesky, expand_to_dofs, fill_reducing_order};
 use dotyk::mesh::{CellBlock, Facet, Mesh};
@@ -103,6 +105,7 @@ pub fn weld(model: &Model<2>) -> Result<Body<2>, String> {
         release: first.release.clone(),
         history: Default::default(),
         supports: [first, second].into_iter().flat_map(supports).collect(),
+        springs: [first, second].into_iter().flat_map(springs).collect(),
         loads: [first, second].into_iter().flat_map(loads).collect(),
         formulation: Default::default(),
         couples: Vec::new(),
@@ -117,6 +120,15 @@ fn materials(body: &Body<2>) -> impl Iterator<Item = Material> {
         strength: material.strength,
         group: group.clone(),
         elastic: material.elastic,
+    })
+}
+
+fn springs(body: &Body<2>) -> impl Iterator<Item = Spring<2>> {
+    body.springs.iter().cloned().map(|mut spring| {
+        if let Bed::Side { side, .. } = &mut spring.bed {
+            *side = format!("{}.{side}", body.name);
+        }
+        spring
     })
 }
 

@@ -271,6 +271,7 @@ fn results<const D: usize>(model: &Model<D>, steps: &[Solution<D>]) -> String {
         contacts(model, last),
         bodies(model, last),
         points(model, last),
+        bars(last),
         probes(steps),
     ] {
         if !table.is_empty() {
@@ -403,6 +404,32 @@ fn points<const D: usize>(model: &Model<D>, solution: &Solution<D>) -> String {
     .concat();
     let header: Vec<&str> = header.iter().map(String::as_str).collect();
     columns(&header, &rows, 2..header.len())
+}
+
+/// The forces of bars; nothing where there are none.
+fn bars<const D: usize>(solution: &Solution<D>) -> String {
+    if solution.bars.is_empty() {
+        return String::new();
+    }
+    let scales = Scales::of(solution);
+    let rows = solution.bars.iter().map(|bar| {
+        let forces = || bar.stations.iter().map(|station| station.force);
+        let ends = [
+            forces().fold(f64::NAN, f64::min),
+            forces().fold(f64::NAN, f64::max),
+        ];
+        let state = if bar.tightening { "tightened" } else { "" };
+        let [least, most] = ends.map(|f| force(&scales, f));
+        vec![
+            bar.name.clone(),
+            number(bar.length),
+            least,
+            most,
+            state.to_string(),
+        ]
+    });
+    let rows: Vec<Vec<String>> = rows.collect();
+    columns(&["bar", "length", "least N", "largest N", ""], &rows, 1..4)
 }
 
 fn bodies<const D: usize>(model: &Model<D>, solution: &Solution<D>) -> String {

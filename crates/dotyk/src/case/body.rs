@@ -8,6 +8,7 @@ use crate::case::keys;
 use crate::case::mesh::{Generated, mesh};
 use crate::case::mesh_file::{MeshFiles, Named};
 use crate::case::points::{places, points};
+use crate::case::spring::springs as springs_of;
 use crate::case::steps::Steps;
 use crate::case::strength::strength;
 use crate::case::suggest::{listed, nearest};
@@ -52,6 +53,9 @@ where
     let supports = table.list("fix")?.iter();
     let supports = supports.map(|node| support(node, &mut couples, &mesh, &points, steps));
     let supports: Vec<_> = supports.collect::<Result<_, _>>()?;
+    let springs = table.list("spring")?.iter();
+    let springs = springs.map(|node| springs_of(node, &mut couples, &mut mesh, &points, steps));
+    let springs: Vec<_> = springs.collect::<Result<_, _>>()?;
     let loads = table.list("load")?.iter();
     let loads = loads.map(|node| {
         let active = steps.active(node.table(keys::LOAD)?)?;
@@ -84,6 +88,7 @@ where
         release,
         history: History::default(),
         supports: supports.concat(),
+        springs: springs.concat(),
         loads: loads.concat(),
         couples,
         surfaces,
@@ -280,7 +285,7 @@ pub(crate) fn known_side<const D: usize>(
 }
 
 /// Refuses a component along z, which plane analyses do not have.
-fn no_z<const D: usize>(table: Table<'_>) -> Result<(), Fault> {
+pub(crate) fn no_z<const D: usize>(table: Table<'_>) -> Result<(), Fault> {
     match table.entry("z") {
         Some(entry) if D == 2 => {
             let message = "plane and axisymmetric analyses have no `z`";

@@ -1,7 +1,7 @@
 //! `[[contact]]` of a case file.
 
 use crate::case::body::joined;
-use crate::case::document::{Entry, Node, Span, Table, Value, later, name, zero};
+use crate::case::document::{Entry, Node, Span, Table, Value, name, zero};
 use crate::case::error::Fault;
 use crate::case::keys;
 use crate::case::points::{named_places, of_body};
@@ -20,7 +20,7 @@ const PAIRINGS: [(&str, Pairing); 2] = [
     ("mortar", Pairing::Mortar),
 ];
 
-/// One contact between sides of these bodies, in so many load steps.
+/// One contact between sides of these bodies.
 pub(crate) fn contact<const D: usize>(
     node: &Node,
     bodies: &mut [Body<D>],
@@ -29,7 +29,7 @@ pub(crate) fn contact<const D: usize>(
     let table = node.table(keys::CONTACT)?;
     let name = name(table.require("name", "a contact")?)?;
     let pair = pair(table, &name, bodies)?;
-    let law = law(table, &name, steps.times.len())?;
+    let law = law(table, &name)?;
     let pairing = match table.get("pairing") {
         None => None,
         Some(node) => Some(node.choice("pairing", &PAIRINGS)?),
@@ -304,7 +304,7 @@ fn gap(node: &Node) -> Result<Gap, Fault> {
 }
 
 /// The contact law.
-fn law(table: Table<'_>, contact: &str, steps: usize) -> Result<Law, Fault> {
+fn law(table: Table<'_>, contact: &str) -> Result<Law, Fault> {
     let friction = table.get("friction");
     if let Some(node) = table.get("tied")
         && node.boolean()?
@@ -321,17 +321,25 @@ fn law(table: Table<'_>, contact: &str, steps: usize) -> Result<Law, Fault> {
     }
     let law = match friction {
         None => Law::Frictionless,
-        Some(node) => friction_law(node, contact, steps)?,
+        Some(node) => friction_law(node, contact)?,
     };
     let constant = |field: &Field| field.as_constant().ok_or(());
     match law.friction(constant, 1.0) {
-        Ok(Some(smooth)) if smooth.is_smooth() => Ok(Law::Frictionless),
+        Ok(Some(smooth))
+            if smooth.is_smooth()
+                && law
+                    .tension()
+                    .and_then(Field::as_constant)
+                    .is_none_or(|t| t == 0.0) =>
+        {
+            Ok(Law::Frictionless)
+        }
         _ => Ok(law),
     }
 }
 
 /// A coefficient, or a table with the values of one law.
-fn friction_law(node: &Node, contact: &str, steps: usize) -> Result<Law, Fault> {
+fn friction_law(node: &Node, contact: &str) -> Result<Law, Fault> {
     let field = |node: &Node| match node.field()? {
         field if field.as_constant().is_some_and(|value| value < 0.0) => {
             let message = format!("friction of contact `{contact}` is negative");
@@ -343,19 +351,26 @@ fn friction_law(node: &Node, contact: &str, steps: usize) -> Result<Law, Fault> 
         return field(node).map(Law::Coulomb);
     }
     let table = node.table(keys::FRICTION)?;
-    table.refuse_later(&["tension"])?;
+    if let (Some(entry), None) = (table.entry("tension"), table.entry("cohesion")) {
+        let message = format!("the joint of contact `{contact}` has tension and no cohesion");
+        return Err(Fault::new(&entry.key_span, message)
+            .label("more than cohesion / coulomb")
+            .help("a joint that bears tension bears shear, too: add `cohesion`, at least coulomb times tension"));
+    }
     let value = |key: &str| table.get(key).map(field).transpose();
     match (value("coulomb")?, value("tresca")?, table.entry("cohesion")) {
         (Some(coefficient), None, None) => Ok(Law::Coulomb(coefficient)),
         (None, Some(traction), None) => Ok(Law::Tresca(traction)),
-        (_, None, Some(entry)) if steps > 1 => {
-            let what = "cohesion with several load steps";
-            Err(later(&entry.key_span, what))
+        (coefficient, None, Some(entry)) => {
+            let none = || Field::constant(0.0);
+            let values = [
+                field(&entry.node)?,
+                coefficient.unwrap_or_else(none),
+                value("tension")?.unwrap_or_else(none),
+            ];
+            let span = table.get("tension").map_or(&node.span, |node| &node.span);
+            joint(values, span, contact)
         }
-        (coefficient, None, Some(entry)) => Ok(Law::Cohesive {
-            cohesion: field(&entry.node)?,
-            coefficient: coefficient.unwrap_or(Field::constant(0.0)),
-        }),
         _ => {
             let message = format!("friction of contact `{contact}` needs one law");
             let help = "give `coulomb` (a coefficient), `tresca` (a shear traction), or `cohesion` (a stress) with or without \
@@ -365,3 +380,28 @@ fn friction_law(node: &Node, contact: &str, steps: usize) -> Result<Law, Fault> 
         }
     }
 }
+
+/// A joint of this cohesion, coefficient and tension, which must not exceed cohesion over coefficient; `span` is that of the
+/// tension.
+fn joint(values: [Field; 3], span: &Span, contact: &str) -> Result<Law, Fault> {
+    let constant = values.each_ref().map(Field::as_constant);
+    if let [Some(cohesion), Some(coefficient), Some(tension)] = constant
+        && tension * coefficient > cohesion * (1.0 + ROUNDED)
+    {
+        let message =
+            format!("the joint of contact `{contact}` bears more tension than its cohesion allows");
+        let most = cohesion / coefficient;
+        return Err(Fault::new(span, message)
+            .label(format!("more than cohesion / coulomb = {most}"))
+            .help("such a joint fails in shear before it does in tension: lower `tension`, or raise `cohesion`"));
+    }
+    let [cohesion, coefficient, tension] = values;
+    Ok(Law::Cohesive {
+        cohesion,
+        coefficient,
+        tension,
+    })
+}
+
+/// Numbers of a case file are written with some ten digits.
+const ROUNDED: f64 = 1e-9;

@@ -432,15 +432,6 @@ impl<'n> Table<'n> {
             .iter()
             .find(|e| !keys.contains(&e.key.as_str()))
     }
-
-    /// The first of these keys that is present, as an error that it is not supported yet.
-    pub fn refuse_later(&self, keys: &[&str]) -> Result<(), Fault> {
-        match keys.iter().find_map(|key| self.entry(key)) {
-            Some(entry) => Err(later(&entry.key_span, &format!("`{}`", entry.key))),
-            None => Ok(()),
-        }
-    }
-
     /// The keys that are present, for messages.
     pub fn present(&self) -> Vec<&'n str> {
         self.entries.iter().map(|e| e.key.as_str()).collect()

@@ -12,6 +12,7 @@ pub const CASE: &[&str] = &[
     "body",
     "contact",
     "section",
+    "bar",
     "solver",
     "step",
     "probe",
@@ -25,6 +26,7 @@ pub const BODY: &[&str] = &[
     "material",
     "formulation",
     "fix",
+    "spring",
     "load",
     "couple",
     "body_force",
@@ -152,6 +154,18 @@ pub const CIRCLE: &[&str] = &["center", "radius", "inside"];
 pub const FIX: &[&str] = &[
     "side", "point", "x", "y", "z", "normal", "rotation", "active",
 ];
+/// One element of `spring`.
+pub const SPRING: &[&str] = &[
+    "side",
+    "point",
+    "normal",
+    "tangential",
+    "compression_only",
+    "x",
+    "y",
+    "z",
+    "active",
+];
 /// One element of `load`.
 pub const LOAD: &[&str] = &[
     "side", "point", "traction", "pressure", "force", "in_situ", "moment", "active",
@@ -199,6 +213,24 @@ pub const SECTION: &[&str] = &[
 pub const CAPACITY: &[&str] = &["compression", "tension", "reinforcement"];
 /// One element of `reinforcement`.
 pub const REINFORCEMENT: &[&str] = &["depth", "area", "yield", "young"];
+/// `[[bar]]`.
+pub const BAR: &[&str] = &[
+    "name",
+    "from",
+    "to",
+    "bodies",
+    "bond",
+    "young",
+    "area",
+    "prestress",
+    "spacing",
+    "tension_only",
+    "yield",
+    "radius",
+    "active",
+];
+/// `from` or `to` of a bar, where it is a side.
+pub const BAR_END: &[&str] = &["side"];
 /// `[solver]`.
 pub const SOLVER: &[&str] = &["method", "tolerance", "max_iterations", "rho", "bolt"];
 /// `[[step]]`.
@@ -273,6 +305,7 @@ pub const ALL: &[(&str, &[&str])] = &[
     ("cone", CONE),
     ("circle", CIRCLE),
     ("fix", FIX),
+    ("spring", SPRING),
     ("load", LOAD),
     ("couple", COUPLE),
     ("contact", CONTACT),
@@ -281,6 +314,8 @@ pub const ALL: &[(&str, &[&str])] = &[
     ("section", SECTION),
     ("capacity", CAPACITY),
     ("reinforcement", REINFORCEMENT),
+    ("bar", BAR),
+    ("from", BAR_END),
     ("solver", SOLVER),
     ("step", STEP),
     ("probe", PROBE),

@@ -4,6 +4,7 @@
 //! to go wrong is mechanics. Unknown keys are errors. Keys of features that this version does not have are known,
 //! and refused as "not supported yet". Numbers are in any consistent units; paths are relative to the case file.
 
+mod bar;
 mod body;
 mod contact;
 mod couple;
@@ -23,6 +24,7 @@ mod reference;
 mod run;
 mod section;
 mod source;
+mod spring;
 mod steps;
 mod strength;
 mod suggest;
@@ -205,6 +207,7 @@ impl<const D: usize> Case<D> {
                     Subject::Body(_) => "this body",
                     Subject::Contact(_) => "this contact",
                     Subject::Section(_) => "this section",
+                    Subject::Bar(_) => "this bar",
                     Subject::Probe(_) => "here",
                 };
                 Fault::new(span, message)
@@ -219,10 +222,11 @@ impl<const D: usize> Case<D> {
 /// Where the names of bodies and contacts stand, and where probes are read.
 fn places(document: &Node) -> Vec<(Subject, Span)> {
     type Named = fn(String) -> Subject;
-    let kinds: [(&str, Named); 4] = [
+    let kinds: [(&str, Named); 5] = [
         ("body", Subject::Body),
         ("contact", Subject::Contact),
         ("section", Subject::Section),
+        ("bar", Subject::Bar),
         ("probe", Subject::Probe),
     ];
     let mut places = Vec::new();
@@ -276,7 +280,8 @@ where
             .help("add a table `[[body]]` with `name`, `mesh` and `material`"));
     }
     let (contacts, sections) = (table.list("contact")?, table.list("section")?);
-    own_names(&[bodies, contacts, sections])?;
+    let bars = table.list("bar")?;
+    own_names(&[bodies, contacts, sections, bars])?;
     if let (Analysis::Solid, Some(entry)) = (analysis, table.entry("section")) {
         let span = sections.first().map_or(&entry.node.span, |node| &node.span);
         return Err(later(span, "section forces in space, `section`,"));
@@ -299,22 +304,29 @@ where
     let sections = sections.map(|node| section::section(node, &mut bodies));
     let sections = sections.collect::<Result<Vec<_>, _>>()?;
 
+    let nodes = bars;
+    let bars = bars.iter();
+    let bars = bars.map(|node| bar::bar(node, &mut bodies, analysis, &steps));
+    let bars = bars.collect::<Result<Vec<_>, _>>()?;
+
     let solver = table.get("solver");
     let solver = solver.map_or(Ok(SolverOptions::default()), solver_options)?;
 
     let probes = table.list("probe")?;
     unique_names(probes, "probes")?;
     let probes = probes.iter();
-    let probes = probes.map(|node| probe::probe(node, &mut bodies, &contacts, &sections));
+    let owners = (&contacts[..], &sections[..], &bars[..]);
+    let probes = probes.map(|node| probe::probe(node, &mut bodies, owners));
     let probes = probes.collect::<Result<Vec<_>, _>>()?;
 
-    Ok(Model {
+    let model = Model {
         title,
         source,
         analysis,
         units,
         bodies,
         contacts,
+        bars,
         sections,
         solver: SolverOptions {
             memory: memory::free_memory(),
@@ -324,7 +336,13 @@ where
         times: steps.times,
         step_names: steps.names,
         parameters: Vec::new(),
-    })
+    };
+    for (bar, node) in model.bars.iter().zip(nodes) {
+        if let Err(error) = bar.check(&model) {
+            return Err(bar::fault(&error, node, &bar.name)?);
+        }
+    }
+    Ok(model)
 }
 
 /// Refuses a thickness, which bodies of revolution and of space do not have.
@@ -360,12 +378,12 @@ fn units(node: &Node) -> Result<Units, Fault> {
     })
 }
 
-/// Refuses one `name` for two of bodies, contacts and sections.
+/// Refuses one `name` for two of bodies, contacts, sections and bars.
 fn own_names(lists: &[&[Node]]) -> Result<(), Fault> {
-    for (list, what) in lists.iter().zip(["bodies", "contacts", "sections"]) {
+    for (list, what) in lists.iter().zip(["bodies", "contacts", "sections", "bars"]) {
         unique_names(list, what)?;
     }
-    let kinds = ["a body", "a contact", "a section"];
+    let kinds = ["a body", "a contact", "a section", "a bar"];
     let named = lists.iter().zip(kinds).flat_map(|(list, kind)| {
         let names = list
             .iter()
@@ -378,7 +396,7 @@ fn own_names(lists: &[&[Node]]) -> Result<(), Fault> {
             let message = format!("`{name}` names {before} already and cannot name {kind}");
             return Err(Fault::new(span, message)
                 .label("second use of the name")
-                .help("names of bodies, contacts and sections are unique together: quantities of probes begin with them"));
+                .help("names of bodies, contacts, sections and bars are unique together: quantities of probes begin with them"));
         }
     }
     Ok(())

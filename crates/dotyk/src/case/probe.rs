@@ -8,7 +8,7 @@ use crate::case::points::place;
 use crate::case::suggest::listed;
 use crate::geometry::distance;
 use crate::model::{
-    Along, Body, BodyId, Contact, Mistake, Probe, Quantity, QuantityError, Reading, Section,
+    Along, Bar, Body, BodyId, Contact, Mistake, Probe, Quantity, QuantityError, Reading, Section,
 };
 
 fn reductions<const D: usize>() -> [(&'static str, Reading<D>); 4] {
@@ -26,15 +26,16 @@ const UNKNOWN: [&str; 2] = ["the nearest known", "known"];
 pub(crate) fn probe<const D: usize>(
     node: &Node,
     bodies: &mut [Body<D>],
-    contacts: &[Contact<D>],
-    sections: &[Section<D>],
+    (contacts, sections, bars): (&[Contact<D>], &[Section<D>], &[Bar<D>]),
 ) -> Result<Probe<D>, Fault> {
     let table = node.table(keys::PROBE)?;
     let name = label(table.require("name", "a probe")?)?;
     let quantity_node = table.require("quantity", "a probe")?;
     let contacts: Vec<&str> = contacts.iter().map(|c| c.name.as_str()).collect();
-    let names: Vec<&str> = sections.iter().map(|s| s.name.as_str()).collect();
-    let parsed = Quantity::parse(quantity_node.text()?, bodies, &contacts, &names);
+    let cut: Vec<&str> = sections.iter().map(|s| s.name.as_str()).collect();
+    let bars: Vec<&str> = bars.iter().map(|b| b.name.as_str()).collect();
+    let named = [&contacts[..], &cut, &bars];
+    let parsed = Quantity::parse(quantity_node.text()?, bodies, named);
     let quantity = parsed.map_err(|error| fault(quantity_node, &error))?;
     refuse_beside_stations(table, &quantity, quantity_node, sections)?;
     let along = table.get("along").map(|node| along(node, bodies));
@@ -75,10 +76,10 @@ fn refuse_beside_stations<const D: usize>(
     }
     let mut others = ["along", "mean_of_neighbours"].into_iter();
     match others.find_map(|key| table.entry(key)) {
-        Some(entry) if quantity.is_of_section() => {
+        Some(entry) if quantity.is_of_stations() => {
             let message = format!("`{quantity}` is known at stations, and not `{}`", entry.key);
             Err(Fault::new(&entry.key_span, message)
-                .label("not of a section")
+                .label("not of stations")
                 .help("give `at`, a point whose nearest station is read, or `reduce`"))
         }
         _ => Ok(()),
@@ -177,7 +178,8 @@ fn reading<const D: usize>(
     refuse_contradiction(table, name, quantity, along)?;
     refuse_rotation(table, quantity, bodies)?;
     match (at, reduced, table.entry("mean_of_neighbours")) {
-        (None, None, _) if quantity.is_field() && along.is_none() => Err(Fault::new(
+        // that of a bar alone is the largest
+        (None, None, _) if quantity.is_field() && !quantity.is_of_bar() && along.is_none() => Err(Fault::new(
             table.span,
             format!("probe `{name}` must say where: `at`, `along` or `reduce` is missing"),
         )

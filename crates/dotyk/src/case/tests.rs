@@ -258,6 +258,7 @@ fn contacts_have_all_their_forms() {
         let Law::Cohesive {
             cohesion,
             coefficient,
+            ..
         } = &model.contacts[0].law
         else {
             panic!("{friction}")

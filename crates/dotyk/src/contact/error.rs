@@ -95,6 +95,22 @@ pub enum ContactError {
         /// Its value there.
         value: f64,
     },
+    /// What a joint bears in tension is no number from 0 to its cohesion over its coefficient of friction.
+    #[error(
+        "the tension {text} of {side} is {value} at {point}: it must lie between 0 and cohesion over coulomb, {most}"
+    )]
+    Tension {
+        /// The nonmortar side.
+        side: String,
+        /// The expression.
+        text: String,
+        /// Where.
+        point: String,
+        /// Its value there.
+        value: f64,
+        /// The largest that it may be.
+        most: f64,
+    },
     /// Nothing is to be excluded there.
     #[error(
         "no node of {side} {place} carries a multiplier: in space corners of facets do, nodes in the middle of edges do not; name a corner, or a side"

@@ -138,6 +138,7 @@ pub(super) mod tests {
             release: None,
             history: Default::default(),
             supports: Vec::new(),
+            springs: Vec::new(),
             loads: Vec::new(),
             formulation: crate::fem::Formulation::default(),
             couples: Vec::new(),

@@ -8,6 +8,7 @@ use crate::fem::error::show;
 use crate::fem::loads::{NodalLoads, nodal_loads};
 use crate::fem::modes::{RigidBasis, carried_motion, free_modes};
 use crate::fem::nouns::{Analysis, Body, Elastic, Formulation, Material};
+use crate::fem::springs::{spring_loads, spring_stiffness, sprung_directions};
 use crate::fem::supports::{Constraints, ON_AXIS};
 use crate::geometry::{Point, add_scaled, dot, norm};
 use crate::linalg::{
@@ -144,12 +145,17 @@ pub fn assemble<const D: usize>(
         .collect();
     let graph = Graph::from_cells(body.mesh.points().len(), &blocks);
     let mut stiffness = stiffness(body, analysis, &graph)?;
+    for (row, column, value) in spring_stiffness(body, analysis)? {
+        stiffness.add(row, column, value);
+    }
     stiffness.turn(&frames);
     let mut held = vec![false; D * body.mesh.points().len()];
     for (dof, _) in held_dofs(&constraints, &frames) {
         held[dof] = true;
     }
-    let mut modes = free_modes(&body.mesh, &constraints, RigidBasis::of(analysis));
+    let sprung = sprung_directions(body)?;
+    let held_by = (&constraints, &sprung[..]);
+    let mut modes = free_modes(&body.mesh, held_by, RigidBasis::of(analysis));
     for mode in &mut modes {
         into_frames(&frames, mode);
         // held components of a free mode are zero up to rounding: make them exactly zero
@@ -208,7 +214,16 @@ impl Driving {
         for (dof, value) in held_dofs(constraints, frames) {
             prescribed[dof] = value;
         }
-        let mut carried = carried_motion(&body.mesh, constraints, RigidBasis::of(analysis));
+        for (_, came) in spring_loads(body, analysis)? {
+            load.iter_mut()
+                .zip(came.iter().flatten())
+                .for_each(|(f, k)| *f += k);
+        }
+        // what springs hold is strained by a rigid motion, too
+        let mut carried = match body.springs.is_empty() {
+            true => carried_motion(&body.mesh, constraints, RigidBasis::of(analysis)),
+            false => vec![0.0; load.len()],
+        };
         into_frames(frames, &mut load);
         into_frames(frames, &mut carried);
         let mut lift = vec![0.0; load.len()];
@@ -249,6 +264,22 @@ fn held_dofs<const D: usize>(
 }
 
 impl<const D: usize> BodySystem<D> {
+    /// An elastic part whose dofs are springs by themselves: stiffness and load of each, the dofs without stiffness held. Shapes:
+    /// (nodes,).
+    pub fn elastic(stiffness: &[[f64; D]], load: &[Point<D>]) -> Self {
+        let held: Vec<[Option<f64>; D]> = stiffness
+            .iter()
+            .map(|k| k.map(|k| (k == 0.0).then_some(0.0)))
+            .collect();
+        let diagonal = stiffness.as_flattened().iter().enumerate();
+        let diagonal: Vec<_> = diagonal.map(|(i, &k)| (i, i, k)).collect();
+        Self {
+            stiffness: SymmetricMatrix::from_triplets(diagonal.len(), &diagonal),
+            modes: Vec::new(),
+            ..Self::rigid(load, &held)
+        }
+    }
+
     /// A rigid part, without stiffness: each component of its nodes is held at a value, or is a mode by itself. In such a part
     /// what is prescribed strains nothing. Shapes: (nodes,).
     pub fn rigid(load: &[Point<D>], held: &[[Option<f64>; D]]) -> Self {
@@ -329,6 +360,13 @@ impl<const D: usize> BodySystem<D> {
         points
     }
 
+    /// Adds a multiple of a row of global coefficients by node to the load.
+    pub(crate) fn add_force(&mut self, row: &[(usize, Point<D>)], factor: f64) {
+        for (dof, value) in self.row_in_frames(row).collect::<Vec<_>>() {
+            self.load[dof] += factor * value;
+        }
+    }
+
     /// A row of global coefficients by node, by dofs along the frames; what is rounding beside its largest coefficient (1e-13) is
     /// left out.
     pub fn row_in_frames(&self, row: &[(usize, Point<D>)]) -> impl Iterator<Item = (usize, f64)> {
@@ -369,7 +407,7 @@ fn frames<const D: usize>(constraints: &Constraints<D>) -> BTreeMap<usize, [[f64
 }
 
 /// Any orthonormal completion of orthonormal axes.
-fn completed<const D: usize>(mut axes: Vec<Point<D>>) -> [[f64; D]; D] {
+pub(crate) fn completed<const D: usize>(mut axes: Vec<Point<D>>) -> [[f64; D]; D] {
     for i in 0..D {
         let unit: Point<D> = std::array::from_fn(|j| if i == j { 1.0 } else { 0.0 });
         let rest = axes

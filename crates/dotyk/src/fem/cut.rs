@@ -122,21 +122,22 @@ impl<'c> Divide<'c> {
 }
 
 impl<'a, const D: usize> Ahead<'a, D> {
-    /// With the displacements, the forces of contacts and couples, and the reactions of all nodes, at a time; contacts and
-    /// couples act on these `sides`.
+    /// With the displacements, the forces of contacts and couples, and the reactions of all nodes, those of bars by node, at a
+    /// time; contacts and couples act on these `sides`.
     ///
     /// Errors: a group of cells without a material; a side that is not there.
     pub fn new(
         (body, analysis): (&'a Body<D>, Analysis),
         time: f64,
         displacement: &'a [Point<D>],
-        [contact, reactions]: [&[Point<D>]; 2],
+        ([contact, reactions], bars): ([&[Point<D>]; 2], &BTreeMap<usize, Point<D>>),
         sides: &[&str],
     ) -> Result<Self, FemError> {
         let mesh = &body.mesh;
         let nodes = mesh.points().len();
         let mut loads: BTreeMap<Facet, Vec<(&Load<D>, f64)>> = BTreeMap::new();
-        let mut points = BTreeMap::new();
+        let bars = bars.iter().map(|(&node, &force)| (node as u32, force));
+        let mut points: BTreeMap<u32, Point<D>> = bars.collect();
         for load in &body.loads {
             match load.place() {
                 Place::Side(side) => {
@@ -160,14 +161,12 @@ impl<'a, const D: usize> Ahead<'a, D> {
                 }
             }
         }
-        let supports = body
-            .supports
-            .iter()
-            .filter_map(|support| match &support.place {
-                Place::Side(side) => Some(side.as_str()),
-                Place::Point(_) => None,
-            });
-        let supports: Vec<&str> = supports.collect();
+        let supports = body.held_places().filter_map(|place| match place {
+            Place::Side(side) => Some(side),
+            Place::Point(_) => None,
+        });
+        let supports: Vec<String> = supports.collect();
+        let supports: Vec<&str> = supports.iter().map(String::as_str).collect();
         let pinned = pinned(body)?;
         let mut held = reactions.to_vec();
         pinned.into_iter().for_each(|node| held[node] = [0.0; D]);
@@ -472,10 +471,9 @@ fn released<const D: usize>(body: &Body<D>, time: f64) -> Vec<Point<D>> {
     sum
 }
 
-/// Nodes that supports of points hold.
+/// Nodes that supports and springs of points hold.
 fn pinned<const D: usize>(body: &Body<D>) -> Result<BTreeSet<usize>, FemError> {
-    let supports = body.supports.iter();
-    let nodes = supports.filter_map(|support| match support.place {
+    let nodes = body.held_places().filter_map(|place| match place {
         Place::Point(at) => Some(nearest_node(&body.mesh, at, "support")),
         Place::Side(_) => None,
     });

@@ -43,6 +43,12 @@ pub enum FemError {
         /// When.
         time: f64,
     },
+    /// A spring without a stiffness, or with one that is no number from 0 on.
+    #[error("the stiffness of a spring is {value}: it must be positive")]
+    Spring {
+        /// The stiffness.
+        value: f64,
+    },
     /// A force on a side without area.
     #[error(
         "side \"{side}\" has no area, it lies on the axis of symmetry: a force cannot be spread over it"

@@ -315,8 +315,7 @@ fn carrying<const D: usize>(
     touched: &BTreeSet<&str>,
 ) -> Result<BTreeSet<usize>, FemError> {
     let mesh = &body.mesh;
-    let supports = body.supports.iter().map(|support| support.place.clone());
-    let places = supports.chain(body.loads.iter().map(Load::place));
+    let places = body.held_places().chain(body.loads.iter().map(Load::place));
     let other_stages = body.history.touched.iter().map(String::as_str);
     let sides = touched
         .iter()

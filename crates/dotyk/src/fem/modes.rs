@@ -1,6 +1,6 @@
 //! Rigid motions that supports leave free: the kernel of K on the free dofs.
 //!
-//! Every facet-connected component c of a body may move as u(x) = Σ aₖ φₖ(x − x_c). Held directions, and nodes that two
+//! Every facet-connected component c of a body may move as u(x) = Σ aₖ φₖ(x − x_c). Held directions, those of springs, and nodes that two
 //! components share without sharing a facet, are linear conditions on the amplitudes a; their null space is the kernel.
 
 use crate::fem::error::{Short, show};
@@ -72,10 +72,11 @@ impl RigidBasis {
 /// Conditions count as satisfied below this fraction of the largest.
 const RANK_TOLERANCE: f64 = 1e-9;
 
-/// Columns of R in global axes, (D·n,) each, scaled to largest displacement 1.
+/// Columns of R in global axes, (D·n,) each, scaled to largest displacement 1; `sprung` are nodes and the directions in which springs
+/// hold them.
 pub(crate) fn free_modes<const D: usize>(
     mesh: &Mesh<D>,
-    constraints: &Constraints<D>,
+    (constraints, sprung): (&Constraints<D>, &[(usize, Point<D>)]),
     basis: RigidBasis,
 ) -> Vec<Vec<f64>> {
     let (components, members) = node_components(mesh);
@@ -87,14 +88,14 @@ pub(crate) fn free_modes<const D: usize>(
     };
     let unknowns = count * components.len();
     let mut rows: Vec<Vec<f64>> = Vec::new();
-    for (&node, held) in &constraints.nodes {
-        for h in held {
-            let mut row = vec![0.0; unknowns];
-            for k in 0..count {
-                row[count * members[node][0] + k] = dot(h.axis, motion(members[node][0], k, node));
-            }
-            rows.push(row);
+    let supports = constraints.nodes.iter();
+    let held = supports.flat_map(|(&node, held)| held.iter().map(move |h| (node, h.axis)));
+    for (node, axis) in held.chain(sprung.iter().copied()) {
+        let mut row = vec![0.0; unknowns];
+        for k in 0..count {
+            row[count * members[node][0] + k] = dot(axis, motion(members[node][0], k, node));
         }
+        rows.push(row);
     }
     for (node, owners) in members.iter().enumerate() {
         for pair in owners.windows(2) {

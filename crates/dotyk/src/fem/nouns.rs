@@ -3,6 +3,7 @@
 use crate::fem::couple::Couple;
 use crate::fem::initial::Initial;
 use crate::fem::loads::Load;
+use crate::fem::springs::Spring;
 use crate::fem::strength::Strength;
 use crate::geometry::{Field, Point, Surface};
 use crate::mesh::Mesh;
@@ -158,6 +159,8 @@ pub struct History<const D: usize> {
     /// Supports that came later than the body, by their place among its supports, with the displacements (nodes,) of the
     /// body then.
     pub(crate) placed: BTreeMap<usize, Arc<[Point<D>]>>,
+    /// Springs that came later than the body, in the same way.
+    pub(crate) sprung: BTreeMap<usize, Arc<[Point<D>]>>,
     /// Sides that contacts of some stage touch.
     pub(crate) touched: BTreeSet<String>,
     /// Forces (nodes,) of bodies that have gone, each with what is left of it at a time.
@@ -189,6 +192,8 @@ pub struct Body<const D: usize> {
     pub history: History<D>,
     /// Prescribed displacements.
     pub supports: Vec<Support<D>>,
+    /// Springs between it and what does not move.
+    pub springs: Vec<Spring<D>>,
     /// External loads.
     pub loads: Vec<Load<D>>,
     /// Sides that move with a reference point.
@@ -197,4 +202,12 @@ pub struct Body<const D: usize> {
     pub surfaces: BTreeMap<String, Surface<D>>,
     /// Points with a name, on its nodes or not; several have one name where a group of a mesh file says so.
     pub points: BTreeMap<String, Vec<Point<D>>>,
+}
+
+impl<const D: usize> Body<D> {
+    /// Where supports and springs act.
+    pub(crate) fn held_places(&self) -> impl Iterator<Item = Place<D>> {
+        let supports = self.supports.iter().map(|support| support.place.clone());
+        supports.chain(self.springs.iter().map(Spring::place))
+    }
 }

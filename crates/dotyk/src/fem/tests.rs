@@ -40,6 +40,7 @@ pub(super) fn body<const D: usize>(mesh: Mesh<D>) -> Body<D> {
         release: None,
         history: History::default(),
         supports: Vec::new(),
+        springs: Vec::new(),
         loads: Vec::new(),
         formulation: crate::fem::Formulation::default(),
         couples: Vec::new(),
@@ -785,7 +786,7 @@ fn motions_of_a_free_body_are_pure_ones() {
         let mut body = body(mesh.clone());
         body.supports = supports;
         let constraints = Constraints::new(&body, Analysis::PlaneStrain, 0.0).unwrap();
-        let modes = free_modes(&mesh, &constraints, RigidBasis::Full);
+        let modes = free_modes(&mesh, (&constraints, &[]), RigidBasis::Full);
         let points =
             |mode: &Vec<f64>| -> Vec<Point<2>> { mode.chunks(2).map(|u| [u[0], u[1]]).collect() };
         let describe = |mode: &Vec<f64>| describe_motion(mesh.points(), &points(mode));

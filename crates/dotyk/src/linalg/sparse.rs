@@ -515,6 +515,19 @@ impl SymmetricMatrix {
         place.map_or(0.0, |place| self.values[place])
     }
 
+    /// Adds to an entry that is stored; entries above the diagonal are ignored, so that those of a full matrix may be given.
+    ///
+    /// Panics where nothing is stored.
+    pub fn add(&mut self, row: usize, column: usize, value: f64) {
+        if row < column {
+            return;
+        }
+        let place = self.place(row, column);
+        #[expect(clippy::expect_used, reason = "documented panic")]
+        let place = place.expect("an entry that is stored");
+        self.values[place] += value;
+    }
+
     /// The diagonal, (n,).
     pub fn diagonal(&self) -> Vec<f64> {
         (0..self.len())

@@ -1,6 +1,6 @@
-//! Λ of all contacts and couples: what each of their nodes can bear.
+//! Λ of all contacts, couples and links: what each of their nodes can bear.
 
-use crate::contact::{ContactError, Coupling};
+use crate::contact::{ContactError, Coupling, Role};
 use crate::dual::{AdmissibleSet, Block};
 use crate::fem::{CoupleKind, show};
 use crate::geometry::Field;
@@ -8,6 +8,7 @@ use crate::mesh::CellKind;
 use crate::model::error::Error;
 use crate::model::nouns::{Contact, Model};
 use crate::model::pair::{Kind, Paired};
+use std::borrow::Cow;
 use std::collections::BTreeMap;
 
 /// Λ of all contacts and couples at a time, in the order of their rows.
@@ -21,16 +22,25 @@ pub(crate) fn admissible_set<const D: usize>(
     let mut blocks = Vec::new();
     for (index, pair) in paired.iter().enumerate() {
         let points = model.bodies[pair.nonmortar.body.0].mesh.points();
-        for node in pair.interface.carriers() {
+        let carriers = pair.interface.nodes.iter().enumerate();
+        let carriers = carriers.filter(|(_, node)| node.role == Role::Multiplier);
+        for (place, node) in carriers {
             let size = node.rows.iter().flatten().count();
-            let Some(contact) = model.contacts.get(index) else {
-                // the forces of a couple
-                blocks.push(Block::Free { size });
+            let (Kind::Contact, Some(contact)) = (pair.kind, model.contacts.get(index)) else {
+                blocks.push(match pair.kind {
+                    Kind::Bed(_) => Block::Unilateral,
+                    Kind::Bar(bar) => model.bars[bar].block(pair.link.count),
+                    _ => Block::Free { size },
+                });
                 continue;
             };
             let value = |field: &Field| friction_at(contact, pair, field, points[node.node], time);
             let tangents = size.saturating_sub(1);
-            blocks.push(match contact.law.friction(value, node.weight)? {
+            let law = match pair.lost.get(place) {
+                Some(true) => Cow::Owned(contact.law.dry()),
+                _ => Cow::Borrowed(&contact.law),
+            };
+            blocks.push(match law.friction(value, node.weight)? {
                 Some(law) if tangents > 0 => law.block(tangents),
                 None if pair.interface.coupling == Coupling::Tied => Block::Free { size },
                 _ => Block::Unilateral,

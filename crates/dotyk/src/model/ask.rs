@@ -8,7 +8,7 @@ use crate::model::compliance::DENSE_LIMIT;
 use crate::model::dual::{Dual, Unknown};
 use crate::model::error::Error;
 use crate::model::event::Event;
-use crate::model::nouns::{Analysis, Contact, Law, Method, Model};
+use crate::model::nouns::{Analysis, Method, Model};
 use crate::model::parts::couples;
 use crate::model::past::Past;
 use crate::model::reuse::Reuse;
@@ -279,12 +279,6 @@ impl<const D: usize> Model<D> {
         if !self.times.iter().all(|time| time.is_finite()) || !self.times.windows(2).all(rising) {
             return Err(Error::Times(self.times.clone()));
         }
-        let cohesive = |contact: &&Contact<D>| matches!(contact.law, Law::Cohesive { .. });
-        if self.times.len() > 1
-            && let Some(contact) = self.contacts.iter().find(cohesive)
-        {
-            return Err(Error::CohesiveSteps(contact.name.clone()));
-        }
         self.check_presence()?;
         let bodies = self.bodies.iter().map(|body| ("body", &body.name));
         let contacts = self.contacts.iter();
@@ -295,10 +289,12 @@ impl<const D: usize> Model<D> {
         let couples = names.iter().map(|name| ("coupled point", name));
         let sections = self.sections.iter();
         let sections = sections.map(|section| ("section", &section.name));
+        let bars = self.bars.iter().map(|bar| ("bar", &bar.name));
         let mut seen = BTreeSet::new();
         match bodies
             .chain(contacts)
             .chain(sections)
+            .chain(bars)
             .chain(couples)
             .find(|(_, name)| !seen.insert(*name))
         {

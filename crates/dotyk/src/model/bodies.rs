@@ -8,6 +8,8 @@ use crate::fem::{ALONG, BodySystem, Constraints, assemble, largest_coefficient};
 use crate::geometry::{Point, add_scaled, dot, norm};
 use crate::linalg::SparseMatrix;
 use crate::model::error::Error;
+use crate::model::joints::set_base;
+use crate::model::links::add_base;
 use crate::model::nouns::{Body, Model};
 use crate::model::pair::{Paired, gaps_at, row_ranges};
 use crate::model::parts::rigid_systems;
@@ -101,22 +103,31 @@ pub(crate) fn systems<const D: usize>(
 pub(crate) fn driven<const D: usize>(
     model: &Model<D>,
     bodies: Vec<LoadedBody<D>>,
-    paired: Vec<Paired<D>>,
+    mut paired: Vec<Paired<D>>,
     time: f64,
 ) -> Result<(Vec<LoadedBody<D>>, Vec<Paired<D>>), Error<D>> {
     let mut rigid = bodies;
     let bodies = rigid.drain(..model.bodies.len()).collect::<Vec<_>>();
-    let mut bodies: Vec<LoadedBody<D>> = (&model.bodies, bodies)
+    let (mut systems, mut rows): (Vec<_>, Vec<_>) = (&model.bodies, bodies)
         .into_par_iter()
         .map(|(body, loaded)| {
             let system = loaded.system.at_time(body, model.analysis, time);
             let system = system.map_err(|source| Error::in_body(body, source))?;
-            Ok(LoadedBody::new(system, loaded.rows))
+            Ok((system, loaded.rows))
         })
-        .collect::<Result<_, _>>()?;
-    let systems = rigid_systems(model, time)?.into_iter();
-    let rows = rigid.into_iter().map(|part| part.rows);
-    bodies.extend(systems.zip(rows).map(|(s, r)| LoadedBody::new(s, r)));
+        .collect::<Result<Vec<_>, _>>()?
+        .into_iter()
+        .unzip();
+    let of_rigid = rigid_systems(model, time)?;
+    // the parts of links do not know the time
+    let links = rigid.split_off(of_rigid.len());
+    systems.extend(of_rigid);
+    rows.extend(rigid.into_iter().map(|part| part.rows));
+    set_base(model, &mut paired, time)?;
+    add_base(&mut systems, &paired);
+    let loaded = systems.into_par_iter().zip(rows);
+    let mut bodies: Vec<LoadedBody<D>> = loaded.map(|(s, r)| LoadedBody::new(s, r)).collect();
+    bodies.extend(links);
     let constraints: Vec<&Constraints<D>> = bodies.iter().map(|b| &b.system.constraints).collect();
     let paired = gaps_at(model, &constraints, paired, time)?;
     Ok((bodies, paired))
@@ -131,13 +142,9 @@ pub(crate) fn turn_to_forces<const D: usize>(systems: &mut [BodySystem<D>], pair
     }
     let mut rows: Vec<Vec<&Row<D>>> = vec![Vec::new(); systems.len()];
     for pair in paired {
-        let sides = [
-            (Some(pair.nonmortar.body.0), &pair.interface.nonmortar),
-            (pair.opposite, &pair.interface.mortar),
-        ];
-        for (body, more) in sides {
+        for (body, more) in pair.ends() {
             // a rigid part is no body
-            if let Some(rows) = body.and_then(|body| rows.get_mut(body)) {
+            if let Some(rows) = rows.get_mut(body) {
                 rows.extend(more);
             }
         }
@@ -184,15 +191,11 @@ pub(crate) fn body_rows<const D: usize>(
     let mut triplets: Vec<Vec<(usize, usize, f64)>> = vec![Vec::new(); systems.len()];
     for (range, contact) in row_ranges(paired) {
         let start = range.start;
-        let mut add = |body: usize, rows: &[Row<D>]| {
+        for (body, rows) in contact.ends() {
             for (local, row) in rows.iter().enumerate() {
                 let in_frames = systems[body].row_in_frames(row);
                 triplets[body].extend(in_frames.map(|(dof, value)| (start + local, dof, value)));
             }
-        };
-        add(contact.nonmortar.body.0, &contact.interface.nonmortar);
-        if let Some(part) = contact.opposite {
-            add(part, &contact.interface.mortar);
         }
     }
     triplets

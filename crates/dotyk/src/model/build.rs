@@ -27,6 +27,7 @@ impl<const D: usize> Model<D> {
             units: Units::default(),
             bodies: Vec::new(),
             contacts: Vec::new(),
+            bars: Vec::new(),
             sections: Vec::new(),
             solver: SolverOptions::default(),
             probes: Vec::new(),
@@ -53,6 +54,7 @@ impl<const D: usize> Model<D> {
             release: None,
             history: History::default(),
             supports: Vec::new(),
+            springs: Vec::new(),
             loads: Vec::new(),
             formulation: crate::fem::Formulation::default(),
             couples: Vec::new(),
@@ -230,7 +232,9 @@ impl<const D: usize> Model<D> {
         let contacts: Vec<&str> = contacts.collect();
         let sections = self.sections.iter().map(|section| section.name.as_str());
         let sections: Vec<&str> = sections.collect();
-        let quantity = Quantity::parse(quantity, &self.bodies, &contacts, &sections)?;
+        let bars: Vec<&str> = self.bars.iter().map(|bar| bar.name.as_str()).collect();
+        let named = [&contacts[..], &sections, &bars];
+        let quantity = Quantity::parse(quantity, &self.bodies, named)?;
         self.probes.push(Probe {
             name: name.to_string(),
             quantity,

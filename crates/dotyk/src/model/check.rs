@@ -14,13 +14,15 @@ use crate::model::bodies::{LoadedBody, body_rows, driven, largest_load, systems}
 use crate::model::dependent::drop_implied;
 use crate::model::error::{Error, Subject};
 use crate::model::floating::Floating;
+use crate::model::links::complete;
 use crate::model::nouns::*;
-use crate::model::pair::{Kind, Paired, clearances, pair_all, row_ranges};
+use crate::model::pair::{Kind, Paired, pair_all, row_ranges};
 use crate::model::parts::{couples, first_point};
 use crate::model::probe::sites;
 use crate::model::section::lay_out;
 use crate::model::sliding::sliding;
 use rayon::prelude::*;
+use std::collections::BTreeMap;
 use std::fmt;
 use std::ops::Range;
 
@@ -150,7 +152,7 @@ fn fill_run<const D: usize>(
     let time = model.last_time();
     let in_step = |error: Error<D>, step: usize| error.in_step(whole, before + step, Vec::new());
     let last = |error: Error<D>| in_step(error, model.times.len());
-    let systems = systems(model, none(model), time).map_err(last)?;
+    let mut systems = systems(model, none(model), time).map_err(last)?;
     let mut motions = Vec::new();
     check.warnings.extend(body_remarks(model));
     for (body, system) in model.bodies.iter().zip(&systems) {
@@ -165,6 +167,8 @@ fn fill_run<const D: usize>(
     }
     let constraints: Vec<&Constraints<D>> = systems.iter().map(|s| &s.constraints).collect();
     let mut paired = pair_all(model, &constraints, time).map_err(last)?;
+    let nothing = BTreeMap::new();
+    complete(model, &mut systems, (&mut paired, &nothing), time).map_err(last)?;
     sites(model, &paired)?;
     lay_out(model)?;
     check
@@ -180,7 +184,7 @@ fn fill_run<const D: usize>(
         .zip(rows)
         .map(|(system, rows)| LoadedBody::new(system, rows));
     let mut bodies: Vec<LoadedBody<D>> = loaded.collect();
-    let mut floating = Floating::new(model, &bodies, &clearances(&paired)).map_err(last)?;
+    let mut floating = Floating::new(model, &bodies, &paired).map_err(last)?;
     check.warnings.extend(floating.warnings.iter().cloned());
     describe_floating(model, &floating, &paired, &motions, check);
     check_balance(
@@ -195,9 +199,7 @@ fn fill_run<const D: usize>(
     for (index, &time) in model.times.iter().enumerate().rev().skip(1) {
         let at = |error: Error<D>| in_step(error, index + 1);
         (bodies, paired) = driven(model, bodies, paired, time).map_err(at)?;
-        floating = floating
-            .at_time(model, &bodies, &clearances(&paired))
-            .map_err(at)?;
+        floating = floating.at_time(model, &bodies, &paired).map_err(at)?;
         check_balance(
             model,
             &floating,
@@ -317,14 +319,19 @@ fn describe_floating<const D: usize>(
     for (k, &(body, mode)) in of_bodies.filter(|(_, mode)| mode.0 < model.bodies.len()) {
         let works =
             |range: &Range<usize>| range.clone().any(|i| floating.work(k, i).abs() > NO_PART);
-        let holders = |contacts: bool| {
+        let holders = |of: fn(Kind) -> bool| {
             let pairs = paired.iter().zip(&ranges);
-            let own = pairs.filter(|(pair, _)| contacts == (pair.kind == Kind::Contact));
+            let own = pairs.filter(|(pair, _)| of(pair.kind));
             let names = own.filter(|(_, range)| works(range));
             let names = names.map(|(pair, _)| format!("\"{}\"", pair.name));
             names.collect::<Vec<_>>().join(", ")
         };
-        let held = [("contact", holders(true)), ("couple", holders(false))];
+        let held = [
+            ("contact", holders(|kind| kind == Kind::Contact)),
+            ("couple", holders(|kind| matches!(kind, Kind::Couple(_)))),
+            ("bed", holders(|kind| matches!(kind, Kind::Bed(_)))),
+            ("bar", holders(|kind| matches!(kind, Kind::Bar(_)))),
+        ];
         let held = held.iter().filter(|(_, names)| !names.is_empty());
         let held = held.map(|(kind, names)| format!("{kind} {names}"));
         let held = match held.collect::<Vec<_>>().join(" and ") {
@@ -443,23 +450,27 @@ fn moved_points<const D: usize>(body: &Body<D>) -> Vec<String> {
         .supports
         .iter()
         .map(|support| ("support", support.place.clone()));
-    let moved = loads.chain(supports).filter_map(|(what, place)| {
-        let Place::Point(point) = place else {
-            return None;
-        };
-        let node = nearest_node(&body.mesh, point, what).ok()?;
-        let there = body.mesh.points()[node];
-        let away = distance(point, there);
-        (away > ON_A_NODE * body.mesh.diameter()).then(|| {
-            format!(
-                "body \"{}\": the {what} at {} acts at its nearest node {}, {:.4e} away",
-                body.name,
-                show(point),
-                show(there),
-                away
-            )
-        })
-    });
+    let springs = body.springs.iter().map(|spring| ("spring", spring.place()));
+    let moved = loads
+        .chain(supports)
+        .chain(springs)
+        .filter_map(|(what, place)| {
+            let Place::Point(point) = place else {
+                return None;
+            };
+            let node = nearest_node(&body.mesh, point, what).ok()?;
+            let there = body.mesh.points()[node];
+            let away = distance(point, there);
+            (away > ON_A_NODE * body.mesh.diameter()).then(|| {
+                format!(
+                    "body \"{}\": the {what} at {} acts at its nearest node {}, {:.4e} away",
+                    body.name,
+                    show(point),
+                    show(there),
+                    away
+                )
+            })
+        });
     moved.collect()
 }
 

@@ -13,6 +13,7 @@
 use crate::contact::InterfaceNode;
 use crate::dual::{DualProblem, Scales};
 use crate::fem::{BodySystem, Constraints};
+use crate::geometry::dot;
 use crate::linalg::Cholesky;
 use crate::model::admissible::{admissible_set, neighbours};
 use crate::model::bodies::{
@@ -25,9 +26,11 @@ use crate::model::error::Error;
 use crate::model::event::{Event, Lap, Work};
 use crate::model::factor::{FactoredBody, Ordered, factor, order};
 use crate::model::floating::Floating;
+use crate::model::joints::whole;
+use crate::model::links::complete;
 use crate::model::memory::{self, Demand};
 use crate::model::nouns::{Method, Model};
-use crate::model::pair::{Paired, clearances, initial_gaps, pair_all, row_ranges};
+use crate::model::pair::{Kind, Paired, initial_gaps, pair_all, row_ranges};
 use crate::model::probe::{Site, sites};
 use crate::model::section::{Laid, lay_out};
 use crate::model::singular::Outlines;
@@ -46,6 +49,8 @@ pub(crate) struct Friction {
     pub slip: Vec<f64>,
     /// Work that it has dissipated, by contact.
     pub dissipated: Vec<f64>,
+    /// Nodes at which joints have parted or slipped, by contact and its nodes; empty of what is no joint.
+    pub lost: Vec<Vec<bool>>,
 }
 
 /// What is known of a stage when it is condensed.
@@ -62,6 +67,8 @@ struct Left<const D: usize> {
     slips: BTreeMap<String, Vec<[f64; D]>>,
     /// Work that friction has dissipated in each contact.
     dissipated: BTreeMap<String, f64>,
+    /// Nodes of each contact at which a joint has parted or slipped.
+    lost: BTreeMap<String, Vec<bool>>,
     /// Spent so far.
     seconds: Seconds,
     /// Bodies that go on, as they were.
@@ -81,6 +88,7 @@ impl<const D: usize> Left<D> {
         Self {
             slips: BTreeMap::new(),
             dissipated: BTreeMap::new(),
+            lost: BTreeMap::new(),
             seconds: Seconds::default(),
             kept: model.bodies.iter().map(|_| None).collect(),
         }
@@ -100,6 +108,9 @@ impl<const D: usize> Left<D> {
         let dissipated = works
             .map(|(pair, &work)| (pair.name.clone(), work))
             .collect();
+        let lost = last.paired.iter().zip(&friction.lost);
+        let lost = lost.map(|(pair, lost)| (pair.name.clone(), lost.clone()));
+        let lost = lost.collect();
         let bodies = last.bodies.into_iter().zip(last.ordered).zip(last.factored);
         let mut bodies: Vec<Option<Kept<D>>> = bodies
             .map(|((body, ordered), factored)| {
@@ -114,6 +125,7 @@ impl<const D: usize> Left<D> {
         Self {
             slips,
             dissipated,
+            lost,
             seconds: last.seconds,
             kept: going_on.iter().map(place).collect(),
         }
@@ -154,11 +166,23 @@ fn slips<const D: usize>(
     slip
 }
 
-/// Fits the sides of contacts to each other as their bodies appeared.
+/// Fits the sides of contacts to each other as their bodies appeared, and bars to what they found.
 fn fit<const D: usize>(paired: &mut [Paired<D>], track: &Track<D>) {
     for pair in paired {
         if let Some(mortar) = &pair.mortar {
             pair.fit = track.fit(&pair.name, pair.nonmortar.body, mortar.body);
+        }
+        if let (Kind::Bar(_), Some(found)) = (pair.kind, track.found_by_bar(&pair.name)) {
+            let mut came_with = vec![0.0; pair.link.came_with.len()];
+            for (body, rows) in pair.ends() {
+                let Some(Some(u)) = found.get(body) else {
+                    continue;
+                };
+                for (came, row) in came_with.iter_mut().zip(rows) {
+                    *came += row.iter().map(|&(node, c)| dot(c, u[node])).sum::<f64>();
+                }
+            }
+            pair.link.came_with = came_with;
         }
     }
 }
@@ -222,6 +246,7 @@ pub(crate) fn condense<const D: usize>(
     if let Some(track) = track {
         fit(&mut paired, track);
     }
+    complete(model, &mut systems, (&mut paired, &left.lost), time)?;
     let (sites, remarks) = (sites(model, &paired)?, body_remarks(model));
     let laid = lay_out(model)?;
     let dropped = drop_implied(model, &systems, &mut paired);
@@ -255,7 +280,7 @@ pub(crate) fn condense<const D: usize>(
     seconds.factor += lap.seconds();
     observe(Event::Stage("condense"));
     let (compliance, parts) = compliance(&bodies, &factored, &ordered, gaps.len(), dense);
-    let floating = Floating::new(model, &bodies, &clearances(&paired))?;
+    let floating = Floating::new(model, &bodies, &paired)?;
     let works = model
         .contacts
         .iter()
@@ -385,7 +410,11 @@ pub(crate) fn advance<const D: usize>(
     let mut lap = Lap::start();
     let mut seconds = before.seconds;
     observe(Event::Stage("loads"));
-    let (bodies, paired) = driven(model, before.bodies, before.paired, time)?;
+    let mut paired = before.paired;
+    for (pair, lost) in paired.iter_mut().zip(&past.lost) {
+        pair.lost.clone_from(lost);
+    }
+    let (bodies, paired) = driven(model, before.bodies, paired, time)?;
     let gaps = gaps_after(&paired, &past.slip);
     seconds.assemble += lap.seconds();
     observe(Event::Stage("condense"));
@@ -393,9 +422,7 @@ pub(crate) fn advance<const D: usize>(
         .into_par_iter()
         .map(|(body, factored)| FactoredBody::new(body, factored.factor))
         .collect();
-    let floating = before
-        .floating
-        .at_time(model, &bodies, &clearances(&paired))?;
+    let floating = before.floating.at_time(model, &bodies, &paired)?;
     let mut problem = before.problem;
     let load_before = problem.balance.load().to_vec();
     problem.admissible = admissible_set(model, &paired, time)?;
@@ -441,6 +468,7 @@ pub(crate) fn restart<const D: usize>(
     let nothing = Friction {
         slip: vec![0.0; kept.gaps.len()],
         dissipated: vec![0.0; kept.dissipated.len()],
+        lost: whole(model, &kept.paired),
     };
     let here = advance(model, kept, &nothing, time, observe)?;
     Ok(Condensed {

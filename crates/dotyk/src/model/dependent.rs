@@ -163,15 +163,11 @@ fn suspects<const D: usize>(
 
 fn free_part<const D: usize>(systems: &[&BodySystem<D>], pair: &Paired<D>, row: usize) -> Sparse {
     let mut sums: BTreeMap<(usize, usize), f64> = BTreeMap::new();
-    let mut add = |body: usize, row: &[(usize, [f64; D])]| {
-        let in_frames = systems[body].row_in_frames(row);
+    for (body, rows) in pair.ends() {
+        let in_frames = systems[body].row_in_frames(&rows[row]);
         for (dof, value) in in_frames.filter(|(dof, _)| !systems[body].held[*dof]) {
             *sums.entry((body, dof)).or_insert(0.0) += value;
         }
-    };
-    add(pair.nonmortar.body.0, &pair.interface.nonmortar[row]);
-    if let Some(part) = pair.opposite {
-        add(part, &pair.interface.mortar[row]);
     }
     sums.into_iter().collect()
 }

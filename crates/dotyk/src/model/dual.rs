@@ -84,14 +84,8 @@ impl<const D: usize> Dual<D> {
         let columns = self.list_columns();
         let mut entries = Vec::new();
         for (range, pair) in row_ranges(&self.condensed.paired) {
-            let sides = [
-                (Some(pair.nonmortar.body.0), &pair.interface.nonmortar),
-                (pair.opposite, &pair.interface.mortar),
-            ];
-            for (part, rows) in sides {
-                let Some(start) = part.map(|part| columns[part].1.start) else {
-                    continue;
-                };
+            for (part, rows) in pair.ends() {
+                let start = columns[part].1.start;
                 for (i, row) in range.clone().zip(rows) {
                     let parts = row.iter().flat_map(|(node, coefficients)| {
                         let first = start + D * node;

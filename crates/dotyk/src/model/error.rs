@@ -5,6 +5,7 @@ use crate::dual::Certificate;
 use crate::fem::{Analysis, Body, FemError, Short, show};
 use crate::geometry::{Field, Point};
 use crate::linalg::LinalgError;
+use crate::model::bar::BarError;
 use crate::model::nouns::Model;
 use crate::model::section::SectionError;
 use crate::model::solution::Solution;
@@ -22,6 +23,8 @@ pub enum Subject {
     Probe(String),
     /// A section.
     Section(String),
+    /// A bar.
+    Bar(String),
 }
 
 /// Bytes in words: 3.2 GB, 40 MB.
@@ -58,15 +61,12 @@ pub enum Error<const D: usize> {
     /// All load steps were solved before.
     #[error("all {0} steps were solved before; add a step to go on")]
     NothingLeft(usize),
-    /// A contact has cohesion, and there are several load steps.
-    #[error("contact \"{0}\": cohesion with several load steps is not supported yet")]
-    CohesiveSteps(String),
     /// Two parts have one name.
     #[error(
-        "two parts of the model are named \"{name}\": bodies, contacts, sections and coupled points need names of their own; rename the {kind}"
+        "two parts of the model are named \"{name}\": bodies, contacts, sections, bars and coupled points need names of their own; rename the {kind}"
     )]
     SameName {
-        /// What the second one is: "body", "contact", "section" or "coupled point".
+        /// What the second one is: "body", "contact", "section", "bar" or "coupled point".
         kind: &'static str,
         /// The name.
         name: String,
@@ -179,6 +179,22 @@ pub enum Error<const D: usize> {
         /// What is wrong.
         source: ProbeError<D>,
     },
+    /// A spring or bar cannot be solved for.
+    #[error("{part}: its stiffness is out of range: {source}")]
+    Part {
+        /// Which.
+        part: String,
+        /// Why not.
+        source: LinalgError,
+    },
+    /// A bar cannot be laid.
+    #[error("bar \"{bar}\": {source}")]
+    Bar {
+        /// The bar.
+        bar: String,
+        /// Why not.
+        source: BarError,
+    },
     /// A section cannot be cut.
     #[error("section \"{section}\": {source}")]
     Section {
@@ -264,15 +280,16 @@ impl<const D: usize> Error<D> {
             Self::Body { body, .. }
             | Self::NotHeld { body, .. }
             | Self::PulledAway { body, .. } => Some(Subject::Body(body.clone())),
+            Self::NeverThere { what, name } if *what == "bar" => Some(Subject::Bar(name.clone())),
             Self::NeverThere { what, name } if *what != "contact" => {
                 Some(Subject::Body(name.clone()))
             }
             Self::NeverThere { name: contact, .. }
-            | Self::CohesiveSteps(contact)
             | Self::Contact { contact, .. }
             | Self::Unfit { contact, .. }
             | Self::Obstacle { contact, .. } => Some(Subject::Contact(contact.clone())),
             Self::Probe { probe, .. } => Some(Subject::Probe(probe.clone())),
+            Self::Bar { bar, .. } => Some(Subject::Bar(bar.clone())),
             Self::Section { section, .. } => Some(Subject::Section(section.clone())),
             Self::Step { source, .. } => source.subject(),
             _ => None,
@@ -384,7 +401,9 @@ pub enum Objection<const D: usize> {
         body: String,
         /// Its motion in words.
         motion: String,
-        /// The part that friction holds of the load along this motion, or of the change of load in the step.
+        /// What gives way: friction, or what else there is.
+        by: &'static str,
+        /// The part that it holds of the load along this motion, or of the change of load in the step.
         held: f64,
         /// Times of the step before and of this one.
         step: Option<[f64; 2]>,
@@ -453,12 +472,13 @@ impl<const D: usize> fmt::Display for Objection<D> {
             Self::Slides {
                 body,
                 motion,
+                by,
                 held,
                 step,
             } => {
                 write!(
                     f,
-                    "loss of equilibrium: body \"{body}\" slides ({motion}); friction holds "
+                    "loss of equilibrium: body \"{body}\" slides ({motion}); {by} holds "
                 )?;
                 let held_part = Short(*held);
                 match step {

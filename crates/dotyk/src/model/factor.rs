@@ -259,7 +259,12 @@ fn singular<const D: usize>(model: &Model<D>, body: usize, source: LinalgError) 
         _ => 0,
     };
     let node = dof / D;
-    let body = &model.bodies[body];
+    let Some(body) = model.bodies.get(body) else {
+        return Error::Part {
+            part: part_name(model, body),
+            source,
+        };
+    };
     let point = show(body.mesh.points()[node]);
     Error::Body {
         body: body.name.clone(),

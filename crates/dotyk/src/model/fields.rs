@@ -12,7 +12,7 @@ use crate::model::coupled::couple_solutions;
 use crate::model::error::Error;
 use crate::model::judge::{Displaced, moved};
 use crate::model::nouns::{Analysis, Body, Model, Place, SideRef, Support};
-use crate::model::pair::{Paired, row_ranges};
+use crate::model::pair::{Kind, Paired, row_ranges};
 use crate::model::recover::{BodyState, centroid, pushed};
 use crate::model::solution::*;
 use crate::solve::{Shear, State};
@@ -25,7 +25,7 @@ use std::collections::BTreeMap;
 pub(crate) fn fields<const D: usize>(
     model: &Model<D>,
     condensed: &Condensed<D>,
-    displaced: Displaced<D>,
+    mut displaced: Displaced<D>,
     lambda: &[f64],
 ) -> Result<(Vec<BodySolution<D>>, Vec<ContactSolution<D>>), Error<D>> {
     let shears = shears(&condensed.problem.admissible, lambda);
@@ -35,7 +35,8 @@ pub(crate) fn fields<const D: usize>(
         let obstacle = moved(model, pair, &displaced).obstacle;
         let rows = Rows {
             gaps: &displaced.gaps[rows.clone()],
-            lambda: &lambda[rows.clone()],
+            borne: &lambda[rows.clone()],
+            lambda: &pair.forces(&lambda[rows.clone()]),
             shears: &shears[rows],
             dissipated,
         };
@@ -49,20 +50,20 @@ pub(crate) fn fields<const D: usize>(
     });
     let contacts = contacts.collect();
     let couples = couple_solutions(model, condensed, &displaced, lambda);
-    let bodies = (&model.bodies, &condensed.bodies, displaced.states, couples);
-    let bodies = bodies
-        .into_par_iter()
-        .map(|(body, loaded, state, couples)| {
-            body_solution((model, condensed.time), (body, loaded), state, couples)
-        });
+    let links = link_forces(model, &condensed.paired, lambda, &mut displaced.states);
+    let others = couples.into_par_iter().zip(links);
+    let bodies = (&model.bodies, &condensed.bodies, displaced.states, others);
+    let bodies = bodies.into_par_iter().map(|(body, loaded, state, others)| {
+        body_solution((model, condensed.time), (body, loaded), state, others)
+    });
     Ok((bodies.collect::<Result<Vec<_>, _>>()?, contacts))
 }
 
 fn body_solution<const D: usize>(
     (model, time): (&Model<D>, f64),
     (body, factored): (&Body<D>, &LoadedBody<D>),
-    state: BodyState<D>,
-    couples: Vec<CoupleSolution<D>>,
+    mut state: BodyState<D>,
+    (couples, bar_forces): (Vec<CoupleSolution<D>>, BTreeMap<usize, Point<D>>),
 ) -> Result<BodySolution<D>, Error<D>> {
     let fail = |source| Error::in_body(body, source);
     let stress = recover_stress(body, model.analysis, &state.u, time).map_err(fail)?;
@@ -83,14 +84,25 @@ fn body_solution<const D: usize>(
             }
         })
         .collect();
+    let mut side_reactions = side_reactions(body, factored, &state.reactions);
+    let part_reactions = part_reactions(body, factored, &state.reactions);
+    for (spring, forces) in body.springs.iter().zip(&state.springs) {
+        if let Place::Side(side) = spring.place() {
+            let sum = side_reactions.entry(side).or_insert([0.0; D]);
+            *sum = forces.iter().fold(*sum, |sum, &f| add_scaled(sum, 1.0, f));
+        }
+        let reactions = state.reactions.iter_mut().zip(forces);
+        reactions.for_each(|(sum, &force)| *sum = add_scaled(*sum, 1.0, force));
+    }
     Ok(BodySolution {
         name: body.name.clone(),
+        bar_forces,
         von_mises: stress.iter().map(|&s| von_mises(s)).collect(),
         stress,
         strain,
         contact_forces: state.contact_forces,
-        side_reactions: side_reactions(body, factored, &state.reactions),
-        part_reactions: part_reactions(body, factored, &state.reactions),
+        side_reactions,
+        part_reactions,
         reaction: (state.reactions.iter())
             .chain(couples.iter().map(|couple| &couple.reaction))
             .fold([0.0; D], |sum, &f| add_scaled(sum, 1.0, f)),
@@ -113,6 +125,50 @@ fn body_solution<const D: usize>(
             peak: None,
         }),
     })
+}
+
+/// Forces of beds that only press go from those of contacts to those of springs, where they belong; those of bars from there to
+/// what is given back: forces by node ON each body.
+fn link_forces<const D: usize>(
+    model: &Model<D>,
+    paired: &[Paired<D>],
+    lambda: &[f64],
+    states: &mut [BodyState<D>],
+) -> Vec<BTreeMap<usize, Point<D>>> {
+    let count = states.len();
+    let mut of_bars = vec![BTreeMap::new(); model.bodies.len()];
+    for (rows, pair) in row_ranges(paired) {
+        for (body, rows_on) in pair.ends().filter(|(part, _)| *part < count) {
+            // what is in the forces of contacts already are those of the problem
+            for (row, base) in rows_on.iter().zip(&pair.base) {
+                for &(node, c) in row.iter().filter(|_| *base != 0.0) {
+                    let sum = &mut states[body].contact_forces[node];
+                    *sum = add_scaled(*sum, -base, c);
+                }
+            }
+            if !pair.is_link() {
+                continue;
+            }
+            let forces = pair.forces(&lambda[rows.clone()]);
+            let forces = rows_on.iter().zip(forces);
+            let forces =
+                forces.flat_map(|(row, l)| row.iter().map(move |&(n, c)| (n, c.map(|c| -l * c))));
+            for (node, force) in forces {
+                let state = &mut states[body];
+                state.contact_forces[node] = add_scaled(state.contact_forces[node], -1.0, force);
+                let sum = match pair.kind {
+                    Kind::Bed(spring) => &mut state.springs[spring][node],
+                    _ => of_bars[body].entry(node).or_insert([0.0; D]),
+                };
+                *sum = add_scaled(*sum, 1.0, force);
+            }
+        }
+        for &(body, node, force) in &pair.link.steady {
+            let sum = of_bars[body].entry(node).or_insert([0.0; D]);
+            *sum = add_scaled(*sum, 1.0, force);
+        }
+    }
+    of_bars
 }
 
 /// Reactions by the side whose support holds the direction; shared directions are split evenly.
@@ -182,7 +238,10 @@ fn part_reactions<const D: usize>(
 /// What the rows of one contact came out as.
 struct Rows<'a> {
     gaps: &'a [f64],
+    /// Forces.
     lambda: &'a [f64],
+    /// The same above what joints bear in tension: nothing where they are open.
+    borne: &'a [f64],
     /// What the shear of the nodes with friction does, at their normal rows; `None` elsewhere.
     shears: &'a [Option<Shear>],
     /// Work that friction dissipated in them before this step.
@@ -240,6 +299,7 @@ fn contact_solution<const D: usize>(
     Rows {
         gaps,
         lambda,
+        borne,
         shears,
         dissipated: before,
     }: Rows<'_>,
@@ -247,7 +307,7 @@ fn contact_solution<const D: usize>(
     let body = &model.bodies[pair.nonmortar.body.0];
     let coupling = pair.interface.coupling;
     // projected methods leave traces of force where a contact is open
-    let none = NONE * lambda.iter().fold(0.0, |s: f64, l| s.max(l.abs()));
+    let none = NONE * borne.iter().fold(0.0, |s: f64, l| s.max(l.abs()));
     let node_state = |node: &InterfaceNode<D>| {
         let u_nonmortar = states[pair.nonmortar.body.0].u[node.node];
         let u_mortar = match &pair.mortar {
@@ -279,7 +339,7 @@ fn contact_solution<const D: usize>(
             (Role::Multiplier, Some(row)) => {
                 let status = match (coupling, &shears[row]) {
                     (Coupling::Tied, _) => Status::Tied,
-                    _ if lambda[row] <= none => Status::Open,
+                    _ if borne[row] <= none => Status::Open,
                     (_, None) => Status::Closed,
                     (_, Some(Shear::Stick)) => Status::Stick,
                     (_, Some(Shear::Slip { .. } | Shear::Smooth)) => Status::Slip,

@@ -3,12 +3,14 @@
 use crate::fem::{Short, show};
 use crate::model::assumptions::beyond;
 use crate::model::attempt::Attempt;
+use crate::model::bar::Bar;
 use crate::model::check::contact_remarks;
 use crate::model::condense::Condensed;
 use crate::model::dependent::shared_forces;
 use crate::model::error::Error;
 use crate::model::fields::fields;
 use crate::model::judge::{Judged, blurred, held_to_overlap, left_to_overlap};
+use crate::model::links::bar_solutions;
 use crate::model::nouns::Model;
 use crate::model::pair::{Paired, carriers, row_ranges};
 use crate::model::probe::read_probes;
@@ -49,8 +51,15 @@ pub(crate) fn finish<const D: usize>(
     // a body that slides away has no position to tell of
     let placed = failure.is_none() || outcome.iterations > 0;
     for body in judged.displaced.hovering.iter().filter(|_| placed) {
+        let hangs = |bar: &Bar<D>| bar.touched().any(|id| model.bodies[id.0].name == *body);
+        let why = match model.bars.iter().any(hangs) {
+            true => {
+                "nothing but bars holds it, which leave it free to move, and no load moves it so"
+            }
+            false => "it touches nothing and carries no load",
+        };
         warnings.push(format!(
-            "body \"{body}\" hovers: it touches nothing and carries no load; it is placed by least norm of the displacement"
+            "body \"{body}\" hovers: {why}; it is placed by least norm of the displacement"
         ));
     }
     warnings.extend(crude_gaps(model, condensed, &judged.displaced.gaps));
@@ -114,6 +123,7 @@ pub(crate) fn finish<const D: usize>(
         dofs: bodies.iter().map(|body| body.dofs).sum(),
         bodies,
         contacts,
+        bars: bar_solutions(model, &condensed.paired, lambda)?,
         sections,
         certificate,
         converged,

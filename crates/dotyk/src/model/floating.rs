@@ -5,12 +5,13 @@
 //! If no admissible λ satisfies Gλ = e, the load pulls a body away from everything that could hold it.
 
 use crate::dual::{Balance, Modes, NO_WORK};
-use crate::fem::{describe_motion, list_motions};
+use crate::fem::{ALONG, describe_motion, list_motions};
 use crate::geometry::norm;
 use crate::linalg::SparseVector;
 use crate::model::bodies::LoadedBody;
 use crate::model::error::{Error, NotHeld};
 use crate::model::nouns::Model;
+use crate::model::pair::{Paired, clearances, row_ranges};
 use crate::model::parts::{first_point, part_name, part_points};
 use std::collections::BTreeSet;
 
@@ -33,13 +34,17 @@ pub(crate) struct Floating {
 }
 
 impl Floating {
-    /// Sets up G and e for contacts with these initial gaps, infinite along tangents. Errors: as [`Self::at_time`].
+    /// Sets up G and e for these pairs. Errors: as [`Self::at_time`].
     pub fn new<const D: usize>(
         model: &Model<D>,
         bodies: &[LoadedBody<D>],
-        gaps: &[f64],
+        paired: &[Paired<D>],
     ) -> Result<Self, Error<D>> {
+        let gaps = clearances(paired);
         let m = gaps.len();
+        let mut ranges = row_ranges(paired);
+        let links = ranges.find(|(_, pair)| pair.is_link());
+        let links = links.map_or(m, |(rows, _)| rows.start);
         let modes: Vec<(usize, usize)> = bodies
             .iter()
             .enumerate()
@@ -50,10 +55,20 @@ impl Floating {
             let b = &bodies[body];
             let motion = &b.system.modes[mode];
             let rows = b.rows.index.iter().enumerate().map(|(local, &row)| {
-                let parts = b.rows.matrix.row(local);
-                (row, parts.map(|(dof, value)| value * motion[dof]).sum())
+                let parts = || b.rows.matrix.row(local);
+                let sum: f64 = parts().map(|(dof, value)| value * motion[dof]).sum();
+                // a bar within a body does not hold it: what is left of its terms is rounding
+                let size: f64 = parts().map(|(_, value)| value.abs()).sum();
+                (
+                    row,
+                    if row >= links && sum.abs() <= ALONG * size {
+                        0.0
+                    } else {
+                        sum
+                    },
+                )
             });
-            SparseVector::sum(m, rows.collect())
+            SparseVector::sum(m, rows.filter(|(_, work)| *work != 0.0).collect())
         };
         let all: Vec<SparseVector> = modes.iter().map(work).collect();
         let whole = Balance::new(Modes::of_rows(&all, m), vec![0.0; r]);
@@ -84,7 +99,7 @@ impl Floating {
             balance,
             warnings: Vec::new(),
         };
-        unloaded.at_time(model, bodies, gaps)
+        unloaded.at_time(model, bodies, paired)
     }
 
     /// The same motions under the loads and initial gaps of another time: G stays, e is taken anew. Errors: a body that
@@ -93,9 +108,9 @@ impl Floating {
         mut self,
         model: &Model<D>,
         bodies: &[LoadedBody<D>],
-        gaps: &[f64],
+        paired: &[Paired<D>],
     ) -> Result<Self, Error<D>> {
-        reachable(model, bodies, &self.modes, gaps)?;
+        reachable(model, bodies, &self.modes, &clearances(paired))?;
         // a free mode strains nothing: what is prescribed does no work on it
         let work = |&(body, mode): &(usize, usize)| -> f64 {
             let system = &bodies[body].system;

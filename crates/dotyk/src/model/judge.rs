@@ -13,6 +13,7 @@ use crate::model::bodies::{LoadedBody, add_rows};
 use crate::model::condense::Condensed;
 use crate::model::error::Error;
 use crate::model::floating::Floating;
+use crate::model::links::part_balance;
 use crate::model::nouns::{BodyId, Model};
 use crate::model::pair::{Fit, Paired, row_ranges};
 use crate::model::parts::{first_point, part_name};
@@ -23,6 +24,7 @@ use crate::model::settle::settle;
 use crate::solve::{Outcome, distance_to_exact};
 use rayon::prelude::*;
 use std::borrow::Cow;
+use std::ops::Range;
 use std::sync::Arc;
 
 /// A force below this part of the largest is rounding of the linear solves: such a contact holds no body.
@@ -144,14 +146,13 @@ fn displaced<const D: usize>(
     let mut amplitudes = floating.amplitudes(&multipliers.alpha);
     let elastic = (bodies, factored).into_par_iter().enumerate();
     let elastic = elastic.map(|(index, (body, factored))| {
-        // rigid parts have none
         let strained = before.and_then(|(judged, change)| {
             let own = judged.displaced.strained.get(index)?;
             Some((&own[..], change))
         });
         elastic_displacement(body, factored, lambda, strained)
     });
-    let elastic: Vec<Vec<f64>> = elastic.collect();
+    let mut elastic: Vec<Vec<f64>> = elastic.collect();
     let rigid_at = |amplitudes: &[f64]| -> Vec<Vec<f64>> {
         let each = bodies.iter().enumerate();
         let each = each.map(|(index, body)| rigid_displacement(body, floating, amplitudes, index));
@@ -175,13 +176,15 @@ fn displaced<const D: usize>(
         settled.add_to(1.0, &mut amplitudes);
         rigid = rigid_at(&amplitudes);
     }
+    let of_parts = elastic.split_off(model.bodies.len());
     let states = (&model.bodies, bodies, factored, elastic, &rigid).into_par_iter();
     let states = states.map(|(body, loaded, factored, elastic, rigid)| {
         let parts = [elastic, rigid.clone()];
         balanced_state(model, body, loaded, factored, parts, lambda, problem.scales)
     });
     let states = states.collect::<Result<Vec<_>, _>>()?;
-    let (states, strained): (Vec<_>, Vec<_>) = states.into_iter().unzip();
+    let (states, mut strained): (Vec<_>, Vec<_>) = states.into_iter().unzip();
+    strained.extend(of_parts);
     // rigid motions first: they may cancel a clearance that is large beside the strains
     let mut clearances = condensed.gaps.clone();
     add_rows(bodies, -1.0, &rigid, &mut clearances);
@@ -236,6 +239,15 @@ pub(crate) fn moved<'a, const D: usize>(
     }
 }
 
+/// The contacts among the pairs, with their places and rows: couples and links have no sides that could overlap.
+fn contact_rows<'a, const D: usize>(
+    model: &Model<D>,
+    condensed: &'a Condensed<D>,
+) -> impl Iterator<Item = (usize, (Range<usize>, &'a Paired<D>))> + use<'a, D> {
+    let contacts = row_ranges(&condensed.paired).take(model.contacts.len());
+    contacts.enumerate()
+}
+
 /// The worst overlap between the nodes of all contacts.
 fn deepest_overlap<const D: usize>(
     model: &Model<D>,
@@ -246,7 +258,7 @@ fn deepest_overlap<const D: usize>(
     let negligible =
         model.solver.tolerance * condensed.problem.scales.length + displaced.negligible;
     let mut worst: Option<Overlap<D>> = None;
-    for (contact, (rows, pair)) in row_ranges(&condensed.paired).enumerate() {
+    for (contact, (rows, pair)) in contact_rows(model, condensed) {
         let moved = moved(model, pair, displaced);
         let found = worst_overlap(contact, pair, &moved, &lambda[rows], negligible);
         let deeper = |w: Overlap<D>, f: &Overlap<D>| f.depth * w.resolved > w.depth * f.resolved;
@@ -269,8 +281,9 @@ pub(crate) fn left_to_overlap<const D: usize>(
         let found = left_overlap(pair, &moved(model, pair, displaced), negligible);
         found.map(|(point, depth)| (contact, point, depth))
     };
-    let paired = condensed.paired.iter().enumerate();
-    paired.filter_map(deepest).collect()
+    let contacts = contact_rows(model, condensed);
+    let contacts = contacts.map(|(contact, (_, pair))| (contact, pair));
+    contacts.filter_map(deepest).collect()
 }
 
 /// Nodes that supports push into the other side: the deepest of each contact, its undeformed position and depth. No condition
@@ -286,8 +299,9 @@ pub(crate) fn held_to_overlap<const D: usize>(
         let points = model.bodies[pair.nonmortar.body.0].mesh.points();
         (depth > negligible).then_some((contact, points[node], depth))
     };
-    let paired = condensed.paired.iter().enumerate();
-    paired.filter_map(deepest).collect()
+    let contacts = contact_rows(model, condensed);
+    let contacts = contacts.map(|(contact, (_, pair))| (contact, pair));
+    contacts.filter_map(deepest).collect()
 }
 
 /// Contacts whose forces and gaps between nodes tell different things: with a force where the sides are apart everywhere, or
@@ -302,8 +316,7 @@ pub(crate) fn blurred<const D: usize>(
     let largest = |lambda: &[f64]| lambda.iter().fold(0.0, |s: f64, l| s.max(l.abs()));
     let whole = largest(lambda);
     let (none, some) = (NO_FORCE * whole, model.solver.tolerance * whole);
-    let each = row_ranges(&condensed.paired).enumerate();
-    let told = each.filter_map(|(contact, (rows, pair))| {
+    let told = contact_rows(model, condensed).filter_map(|(contact, (rows, pair))| {
         let loose = pair.interface.coupling != Coupling::Tied;
         let lambda = &lambda[rows];
         let bears = |row: usize| lambda[row].abs() > none;
@@ -472,15 +485,26 @@ fn certify<const D: usize>(
         force = force.max(f - state.rounding);
         moment = moment.max(m - state.rounding * problem.scales.moment_arm);
     }
-    for part in &condensed.bodies[model.bodies.len()..] {
-        force = force.max(unbalanced(part, lambda));
+    let (mut of_parts, mut stored) = (0.0, 0.0);
+    let first = model.bodies.len();
+    let parts = condensed.bodies[first..]
+        .iter()
+        .zip(&displaced.strained[first..]);
+    for (part, u) in parts {
+        let [work, energy, left] = part_balance(part, lambda, u);
+        of_parts += work;
+        stored += energy;
+        force = force.max(left);
     }
     // the gap of potential and complementary energy: the sum over the bodies of 2·energy − f·u − R·u_D, and λ·g₀
     let work: f64 = states.iter().map(|state| state.unbalanced_work).sum();
+    let work = work + of_parts;
     let on_gaps = lambda.iter().zip(&displaced.clearances).map(|(l, g)| l * g);
     // friction takes its share, bound · |slip|: λ·gap of the tangential rows is minus that where its law holds
     let friction = problem.admissible.slip_potential(lambda, |i| gaps[i]);
     let strained: f64 = states.iter().map(|state| state.strain_energy).sum();
+    let sprung: f64 = states.iter().map(|state| state.spring_energy).sum();
+    let strained = strained + sprung + stored;
     let recomputed = Recomputed {
         gap: gaps,
         rounding: &displaced.rounding,
@@ -509,15 +533,4 @@ fn at_rest<const D: usize>(model: &Model<D>, condensed: &Condensed<D>) -> f64 {
     stressed
         .map(|((_, loaded), factored)| factored.energy(loaded).abs())
         .sum()
-}
-
-/// What is left of the forces on a rigid part.
-fn unbalanced<const D: usize>(part: &LoadedBody<D>, lambda: &[f64]) -> f64 {
-    let mut rest = part.system.load.clone();
-    part.rows.add_forces(-1.0, lambda, &mut rest);
-    let free = rest
-        .iter()
-        .zip(&part.system.held)
-        .filter(|(_, held)| !**held);
-    free.map(|(f, _)| f * f).sum::<f64>().sqrt()
 }

@@ -19,6 +19,8 @@ pub(crate) struct Located<const D: usize> {
     pub shape: Vec<f64>,
     /// Outward unit normal of the side; zero in a cell.
     pub normal: Point<D>,
+    /// How far it lies outside of the cell, in its own coordinates; not positive within.
+    pub outside: f64,
 }
 
 impl<const D: usize> Located<D> {
@@ -28,6 +30,7 @@ impl<const D: usize> Located<D> {
             nodes: vec![node],
             shape: vec![1.0],
             normal,
+            outside: 0.0,
         }
     }
 
@@ -40,6 +43,7 @@ impl<const D: usize> Located<D> {
             shape: shape[..nodes.len()].to_vec(),
             nodes,
             normal: unit(mesh.outward_normal(facet, xi)).unwrap_or([0.0; D]),
+            outside: 0.0,
         }
     }
 }
@@ -80,6 +84,7 @@ pub(crate) fn locate_all<const D: usize>(
                         nodes: cell.iter().map(|&node| node as usize).collect(),
                         shape: shape[..cell.len()].to_vec(),
                         normal: [0.0; D],
+                        outside,
                     };
                     *best = Some((outside, found));
                 }

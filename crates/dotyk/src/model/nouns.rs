@@ -5,13 +5,14 @@ use std::fmt;
 
 use crate::dual::Friction;
 use crate::geometry::{Field, Point};
+use crate::model::bar::Bar;
 use crate::model::quantity::{Dimension, Quantity};
 use crate::model::section::Section;
 
 pub use crate::contact::Rigid;
 pub use crate::fem::{
-    Active, Amount, Analysis, Body, COMPONENTS, Components, Couple, CoupleKind, Elastic,
-    Formulation, History, Initial, Load, Material, Place, Strength, Support,
+    Active, Amount, Analysis, Bed, Body, COMPONENTS, Components, Couple, CoupleKind, Elastic,
+    Formulation, History, Initial, Load, Material, Place, Spring, Strength, Support,
 };
 
 /// Names of units; they label the report and change no number.
@@ -119,20 +120,23 @@ pub enum Law {
     Coulomb(Field),
     /// Unilateral with a given bound of the shear traction.
     Tresca(Field),
-    /// Unilateral; while closed the shear traction is at most cohesion + coefficient · pressure, while open there is none.
-    /// One load step only.
+    /// A joint: it bears a tension up to its strength, and while closed a shear traction up to cohesion + coefficient · pressure; open
+    /// it bears none. Where it parts or slips, cohesion and tension are lost from the next load step on: dry friction is left.
     Cohesive {
         /// A stress.
         cohesion: Field,
         /// Coefficient of friction.
         coefficient: Field,
+        /// A stress, at most cohesion over coefficient.
+        tension: Field,
     },
     /// Both sides move together; tension is allowed.
     Tied,
 }
 
 impl Law {
-    /// The law of friction of a node, its fields evaluated by `at` and stresses taken times `weight`; `None` without friction.
+    /// The law of friction of a node, its fields evaluated by `at` and stresses taken times `weight`; `None` without friction. Of a
+    /// joint that is whole it is told for the normal force above what it bears in tension.
     pub(crate) fn friction<E>(
         &self,
         at: impl Fn(&Field) -> Result<f64, E>,
@@ -149,14 +153,51 @@ impl Law {
             Self::Cohesive {
                 cohesion,
                 coefficient,
-            } => Some(Friction::Cohesive {
-                cohesion: at(cohesion)? * weight,
-                coefficient: at(coefficient)?,
-            }),
+                tension,
+            } => {
+                let coefficient = at(coefficient)?;
+                let borne = coefficient * at(tension)?;
+                Some(Friction::Cohesive {
+                    cohesion: (at(cohesion)? - borne).max(0.0) * weight,
+                    coefficient,
+                })
+            }
         })
     }
 
-    /// Largest shear traction beside a pressure at a point and a time; `None` without friction.
+    /// What is left of it where a joint has parted or slipped.
+    pub(crate) fn dry(&self) -> Self {
+        match self {
+            Self::Cohesive { coefficient, .. } => Self::Coulomb(coefficient.clone()),
+            other => other.clone(),
+        }
+    }
+
+    /// Cohesion over coefficient: the largest strength in tension that a joint can have.
+    pub(crate) fn most_tension<const D: usize>(&self, point: Point<D>, time: f64) -> f64 {
+        match self {
+            Self::Cohesive {
+                cohesion,
+                coefficient,
+                ..
+            } => match (cohesion.at(point, time), coefficient.at(point, time)) {
+                (_, 0.0) => f64::INFINITY,
+                (cohesion, coefficient) => cohesion / coefficient,
+            },
+            _ => 0.0,
+        }
+    }
+
+    /// The stress in tension that a joint bears where it is whole; `None` of other laws.
+    pub(crate) fn tension(&self) -> Option<&Field> {
+        match self {
+            Self::Cohesive { tension, .. } => Some(tension),
+            _ => None,
+        }
+    }
+
+    /// Largest shear traction beside a pressure at a point and a time; `None` without friction. Of a joint it is that where it is
+    /// whole.
     pub fn shear_limit<const D: usize>(
         &self,
         pressure: f64,
@@ -165,7 +206,8 @@ impl Law {
     ) -> Option<f64> {
         let at = |field: &Field| Ok::<f64, Infallible>(field.at(point, time));
         let Ok(law) = self.friction(at, 1.0);
-        Some(law?.bound(pressure))
+        let tension = self.tension().map_or(0.0, |field| field.at(point, time));
+        Some(law?.bound(pressure + tension))
     }
 }
 
@@ -179,7 +221,14 @@ impl fmt::Display for Law {
             Self::Cohesive {
                 cohesion,
                 coefficient,
-            } => write!(f, "friction {coefficient} with cohesion {cohesion}"),
+                tension,
+            } => {
+                write!(f, "friction {coefficient} with cohesion {cohesion}")?;
+                match tension.as_constant() {
+                    Some(0.0) => Ok(()),
+                    _ => write!(f, " and tension {tension}"),
+                }
+            }
             Self::Tied => write!(f, "tied"),
         }
     }
@@ -413,6 +462,8 @@ pub struct Model<const D: usize> {
     pub bodies: Vec<Body<D>>,
     /// The contacts.
     pub contacts: Vec<Contact<D>>,
+    /// Bolts, anchors and ties.
+    pub bars: Vec<Bar<D>>,
     /// Bodies that are cut across for their section forces.
     pub sections: Vec<Section<D>>,
     /// How to solve.

@@ -1,5 +1,5 @@
 //! Contacts as interfaces: how their sides are coupled, and the gaps of their rows at a time. Behind them stand the couples,
-//! which are interfaces of a side and a point.
+//! which are interfaces of a side and a point, and the links (`links.rs`).
 
 use crate::contact::{
     Against, ContactError, Coupling, Driven, End, GapPoint, InitialGap, Interface, InterfaceNode,
@@ -11,6 +11,7 @@ use crate::geometry::{Field, Point, add_scaled, dot, norm, sub};
 use crate::mesh::Facet;
 use crate::model::choose::{chosen, finer_than_softer};
 use crate::model::error::Error;
+use crate::model::links::{Link, pair_links};
 use crate::model::nouns::*;
 use crate::model::parts::{couples, first_point, obstacle_part};
 use rayon::prelude::*;
@@ -25,19 +26,23 @@ pub(crate) enum Kind {
     Contact,
     /// A side moves with a point.
     Couple(CoupleKind),
+    /// A spring that only presses, by its place among those of the body.
+    Bed(usize),
+    /// A bar, by its place.
+    Bar(usize),
 }
 
-/// One contact or couple of the model, paired.
+/// One contact, couple or link of the model, paired.
 pub(crate) struct Paired<const D: usize> {
     /// What it is.
     pub kind: Kind,
-    /// Its name; of a couple "BODY.POINT".
+    /// Its name; of a couple "BODY.POINT", of a bed "spring of BODY.SIDE".
     pub name: String,
     /// Side that carries the multipliers.
     pub nonmortar: SideRef,
     /// The other side; `None` for an obstacle or a point.
     pub mortar: Option<SideRef>,
-    /// The part that the rows of `interface.mortar` act on: a body, a free obstacle, or a point.
+    /// The part that the rows of `interface.mortar` act on: a body, a free obstacle, a point, or the part of a link.
     pub opposite: Option<usize>,
     /// Prescribed displacement of the obstacle; zero where it is free.
     pub obstacle_motion: [f64; D],
@@ -49,6 +54,12 @@ pub(crate) struct Paired<const D: usize> {
     pub left_out: Vec<Sample<D>>,
     /// What its sides were fitted to.
     pub fit: Fit<D>,
+    /// What else there is of a link.
+    pub link: Link<D>,
+    /// Forces of its rows besides those of the problem: minus what a whole joint bears in tension, the middle of what a bar bears.
+    pub base: Vec<f64>,
+    /// By node, whether a joint has parted or slipped there.
+    pub lost: Vec<bool>,
     /// How far the measured gaps are off because polygons stand for curves.
     pub sagitta: f64,
     /// What the user should know.
@@ -96,26 +107,21 @@ impl<const D: usize> Fit<D> {
     }
 }
 
-/// Pairs all contacts, with the gaps at a time, and all couples, whose rows are the last.
+/// Pairs all contacts, with the gaps at a time, then all couples, then all links.
 pub(crate) fn pair_all<const D: usize>(
     model: &Model<D>,
     constraints: &[&Constraints<D>],
     time: f64,
 ) -> Result<Vec<Paired<D>>, Error<D>> {
-    let contacting = |contact| Contacting {
-        model,
-        constraints,
-        contact,
-        time,
-    };
     let contacts = model.contacts.par_iter();
-    let contacts = contacts.map(|contact| contacting(contact).pair());
+    let contacts = contacts.map(|contact| pair_contact(model, constraints, contact, time));
     let mut paired = contacts.collect::<Result<Vec<_>, _>>()?;
     for (place, (body, couple)) in couples(model).enumerate() {
         let part = first_point(model) + place;
         let held = constraints[body];
         paired.push(pair_point(model, held, BodyId(body), (couple, part), time)?);
     }
+    paired.extend(pair_links(model, constraints, time)?);
     Ok(paired)
 }
 
@@ -151,9 +157,30 @@ fn pair_point<const D: usize>(
         samples: Vec::new(),
         left_out: Vec::new(),
         fit: Fit::default(),
+        link: Link::default(),
+        base: Vec::new(),
+        lost: Vec::new(),
         sagitta: 0.0,
         warnings: Vec::new(),
     })
+}
+
+/// A contact alone.
+///
+/// Errors: sides that cannot be paired.
+pub(crate) fn pair_contact<const D: usize>(
+    model: &Model<D>,
+    constraints: &[&Constraints<D>],
+    contact: &Contact<D>,
+    time: f64,
+) -> Result<Paired<D>, Error<D>> {
+    let contacting = Contacting {
+        model,
+        constraints,
+        contact,
+        time,
+    };
+    contacting.pair()
 }
 
 /// Prescribed displacements of a node and of a rigid side that differ by more than this part of them contradict each other.
@@ -209,8 +236,30 @@ impl<const D: usize> Paired<D> {
             Kind::Contact => "contact",
             Kind::Couple(CoupleKind::Rigid) => "rigid couple",
             Kind::Couple(CoupleKind::Average) => "average couple",
+            Kind::Bed(_) => return self.name.clone(),
+            Kind::Bar(_) => "bar",
         };
         format!("{kind} \"{}\"", self.name)
+    }
+
+    /// It has an elastic part of its own.
+    pub fn is_link(&self) -> bool {
+        matches!(self.kind, Kind::Bed(_) | Kind::Bar(_))
+    }
+
+    /// All of the forces of its rows, of those of the problem (m,) in these.
+    pub fn forces(&self, lambda: &[f64]) -> Vec<f64> {
+        let base = self.base.iter().copied().chain(std::iter::repeat(0.0));
+        lambda.iter().zip(base).map(|(l, base)| l + base).collect()
+    }
+
+    /// The parts that its rows act on, and these.
+    pub fn ends(&self) -> impl Iterator<Item = (usize, &[Row<D>])> {
+        let own = (self.nonmortar.body.0, &self.interface.nonmortar[..]);
+        let opposite = self.opposite.map(|part| (part, &self.interface.mortar[..]));
+        let further = self.link.further.iter();
+        let further = further.map(|(part, rows)| (*part, &rows[..]));
+        std::iter::once(own).chain(opposite).chain(further)
     }
 
     /// This part of a contact and another one.
@@ -258,6 +307,8 @@ impl<const D: usize> Paired<D> {
         for (gap, (own, other)) in gaps.iter_mut().zip(rows) {
             *gap += self.fit.along(own, other);
         }
+        let came_with = gaps.iter_mut().zip(&self.link.came_with);
+        came_with.for_each(|(gap, came)| *gap += came);
         if self.mortar.is_none() {
             for (gap, row) in gaps.iter_mut().zip(&self.interface.mortar) {
                 let along = row.iter().map(|(_, c)| dot(*c, self.obstacle_motion));
@@ -289,7 +340,12 @@ pub(crate) fn initial_gaps<const D: usize>(paired: &[Paired<D>]) -> Vec<f64> {
 pub(crate) fn clearances<const D: usize>(paired: &[Paired<D>]) -> Vec<f64> {
     let of_pair = |pair: &Paired<D>| {
         let both = pair.gaps().into_iter().zip(pair.interface.tangential());
-        let far = |(gap, tangential)| if tangential { f64::INFINITY } else { gap };
+        let far = |(gap, tangential)| match (pair.is_link(), tangential) {
+            // a link is there already
+            (true, _) => 0.0,
+            (false, true) => f64::INFINITY,
+            (false, false) => gap,
+        };
         both.map(far).collect::<Vec<_>>()
     };
     paired.iter().flat_map(of_pair).collect()
@@ -579,6 +635,9 @@ impl<'a, const D: usize> Contacting<'a, D> {
             samples: samples.map_err(|source| self.fail(source))?,
             left_out: Vec::new(),
             fit: Fit::default(),
+            link: Link::default(),
+            base: Vec::new(),
+            lost: Vec::new(),
             sagitta: 0.0,
             warnings: Vec::new(),
         })
@@ -693,6 +752,9 @@ impl<'a, const D: usize> Contacting<'a, D> {
             samples,
             left_out: Vec::new(),
             fit: Fit::default(),
+            link: Link::default(),
+            base: Vec::new(),
+            lost: Vec::new(),
             sagitta: crude,
             warnings,
         })

@@ -1,10 +1,11 @@
 //! Parts of a model: its bodies, and behind them what is rigid and moves, as bodies with K⁺ = 0 whose components are modes where
 //! nothing holds them: the obstacles that are free to translate, in the order of the contacts, then the reference points of
-//! couples, in the order of the bodies.
+//! couples, in the order of the bodies. Behind these stand the elastic parts of links (`links.rs`).
 
 use crate::fem::{BodySystem, Couple};
 use crate::geometry::{Field, Point};
 use crate::model::error::Error;
+use crate::model::links::{first_link, link_name};
 use crate::model::nouns::{Analysis, Body, Contact, Model, Motion, Pair};
 use std::borrow::Cow;
 
@@ -101,9 +102,10 @@ pub(crate) fn part_name<const D: usize>(model: &Model<D>, part: usize) -> String
         }
         Some(place) => {
             let couple = couples(model).nth(place);
-            couple.map_or_else(String::new, |(body, couple)| {
-                format!("{}.{}", model.bodies[body].name, couple.name)
-            })
+            couple.map_or_else(
+                || link_name(model, part - first_link(model)),
+                |(body, couple)| format!("{}.{}", model.bodies[body].name, couple.name),
+            )
         }
     }
 }

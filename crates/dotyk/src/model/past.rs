@@ -142,6 +142,8 @@ pub(crate) fn recorded<const D: usize>(
         };
         let (lambda, gaps) = (&mut lambda[rows.clone()], &mut gaps[rows]);
         of_contact(name, pair, nodes, lambda, gaps)?;
+        let besides = lambda.iter_mut().zip(&pair.base);
+        besides.for_each(|(force, base)| *force -= base);
     }
     let mut multipliers = Multipliers {
         lambda,

@@ -4,6 +4,7 @@ use crate::contact::frame;
 use crate::fem::{RigidBasis, fit_rigid, nodal_volumes, principal, side_facets, von_mises};
 use crate::geometry::{Point, add_scaled, cross, distance, dot, norm, padded, sub};
 use crate::mesh::{Facet, Mesh};
+use crate::model::bar::BarSolution;
 use crate::model::error::{Error, ProbeError};
 use crate::model::line::{Station, points_between, stations_along, stations_at};
 use crate::model::locate::{Located, locate, locate_all, locate_on_side};
@@ -12,7 +13,7 @@ use crate::model::on_side::{OnSide, fitting};
 use crate::model::pair::Paired;
 use crate::model::quantity::{Component, ContactField, Parts, Since, Stress, Touching};
 use crate::model::recover::centroid;
-use crate::model::section::{SectionQuantity, SectionSolution, Station as Cutting};
+use crate::model::section::{SectionQuantity, SectionSolution};
 use crate::model::solution::{BodySolution, ContactNode, LinePoint, ProbeValue, Solution};
 use std::collections::BTreeMap;
 
@@ -92,8 +93,10 @@ fn site<const D: usize>(
         | Parts::Length(..)
         | Parts::Dissipated(..)
         | Parts::Obstacle(..) => return Ok(nowhere),
-        Parts::Section(..) => match (&probe.along, probe.reading) {
-            (None, Reading::Whole) => return Err(ProbeError::NoPlace),
+        Parts::Section(..) | Parts::Bar(_) => match (&probe.along, probe.reading) {
+            (None, Reading::Whole) if !probe.quantity.is_of_bar() => {
+                return Err(ProbeError::NoPlace);
+            }
             (Some(_), _) | (_, Reading::MeanOfNeighbours(_) | Reading::Coupled(_)) => {
                 return Err(ProbeError::StationsAlone);
             }
@@ -153,7 +156,10 @@ fn read<const D: usize>(
     site: &Site<D>,
 ) -> Result<Read<D>, ProbeError<D>> {
     if let Parts::Section(of, field) = probe.quantity.parts {
-        return Ok(at_stations(&solution.sections[of], field, probe.reading));
+        return Ok(along_section(&solution.sections[of], field, probe.reading));
+    }
+    if let Parts::Bar(of) = probe.quantity.parts {
+        return Ok(along_bar(&solution.bars[of], probe.reading));
     }
     let field = match field(model, solution, probe) {
         Quantified::Number(number) => return Ok(number.into()),
@@ -200,29 +206,49 @@ fn read<const D: usize>(
     Ok(field.interpolated(found).into())
 }
 
-/// A quantity of a section at the station nearest to a point, or what its stations become; mean and integral run over s.
-fn at_stations<const D: usize>(
+/// A quantity of a section, read at its stations; mean and integral run over s.
+fn along_section<const D: usize>(
     section: &SectionSolution,
     quantity: SectionQuantity,
     reading: Reading<D>,
 ) -> Read<D> {
-    let stations = &section.stations;
-    let value = |station: &Cutting| quantity.at(station);
     let place = |point: [f64; 2]| -> Point<D> { std::array::from_fn(|i| point[i.min(1)]) };
-    if let Reading::At(point) = reading {
-        let far = |k: &&Cutting| distance(place(k.point), point);
-        let nearest = stations.iter().min_by(|a, b| far(a).total_cmp(&far(b)));
-        return nearest.map_or(f64::NAN, value).into();
-    }
+    let stations = &section.stations;
     // the trapezoidal rule
     let share = |k: usize| {
         let before = stations[k].s - stations[k.saturating_sub(1)].s;
         let after = stations[(k + 1).min(stations.len() - 1)].s - stations[k].s;
         0.5 * (before.max(0.0) + after.max(0.0))
     };
-    let samples = stations.iter().enumerate();
-    let samples = samples.map(|(k, station)| (place(station.point), share(k), value(station)));
-    reduced(reading, samples).unwrap_or(f64::NAN.into())
+    let all = stations.iter().enumerate();
+    let all = all.map(|(k, at)| (place(at.point), share(k), quantity.at(at)));
+    at_stations(all, reading)
+}
+
+/// The force of a bar, read at its stations; alone it is the one of the largest magnitude.
+fn along_bar<const D: usize>(bar: &BarSolution<D>, reading: Reading<D>) -> Read<D> {
+    if reading == Reading::Whole {
+        let largest = bar.largest();
+        return Read {
+            at: largest.map(|station| station.point),
+            ..largest.map_or(f64::NAN, |station| station.force).into()
+        };
+    }
+    let stations = bar.stations.iter();
+    at_stations(stations.map(|at| (at.point, at.length, at.force)), reading)
+}
+
+/// What is known at stations (place, share, value) at the one nearest to a point, or what they become.
+fn at_stations<const D: usize>(
+    stations: impl Iterator<Item = (Point<D>, f64, f64)>,
+    reading: Reading<D>,
+) -> Read<D> {
+    if let Reading::At(point) = reading {
+        let far = |station: &(Point<D>, f64, f64)| distance(station.0, point);
+        let nearest = stations.min_by(|a, b| far(a).total_cmp(&far(b)));
+        return nearest.map_or(f64::NAN, |station| station.2).into();
+    }
+    reduced(reading, stations).unwrap_or(f64::NAN.into())
 }
 
 /// Whose nodes a quantity is read at: those of a body, or of the nonmortar side of a contact.
@@ -346,7 +372,7 @@ fn field<'a, const D: usize>(
             let moved = solution.contacts[of].obstacle;
             number(moved.map_or(f64::NAN, |u| component.of(u)))
         }
-        Parts::Section(..) => number(f64::NAN),
+        Parts::Section(..) | Parts::Bar(_) => number(f64::NAN),
         Parts::Rotation(of, axis) => number(rotation(body(of).1, probe.reading, axis)),
         Parts::Displacement(of, component) => {
             let (mesh, solved) = body(of);
@@ -677,6 +703,7 @@ fn neighbours<const D: usize>(mesh: &Mesh<D>, found: Located<D>, at: Point<D>) -
         nodes: nodes[..2].to_vec(),
         shape: vec![0.5; 2],
         normal,
+        outside: 0.0,
     }
 }
 

@@ -5,6 +5,7 @@
 //!   BODY.rotation.z       CONTACT.pressure        CONTACT.shear.x
 //!   CONTACT.resultant.x   CONTACT.length          CONTACT.dissipated_work
 //!   SECTION.N             SECTION.M               SECTION.utilisation
+//!   BAR.force
 //! ```
 //!
 //! A new quantity is a variant with its word here, and its value in `probe.rs`.
@@ -49,6 +50,8 @@ pub(crate) enum Parts {
     Obstacle(usize, Component),
     /// What varies along a section; a field of its stations.
     Section(usize, SectionQuantity),
+    /// Force of a bar; a field of its stations, and alone the one of the largest magnitude.
+    Bar(usize),
 }
 
 /// A component of a vector, or its length.
@@ -151,6 +154,9 @@ pub enum Dimension {
 
 const AXES: [(&str, usize); 3] = [("x", 0), ("y", 1), ("z", 2)];
 
+/// The force of a bar.
+const FORCE: &str = "force";
+
 /// The displacement of the rigid obstacle of a contact.
 const OBSTACLE: &str = "displacement_obstacle";
 
@@ -235,31 +241,33 @@ impl fmt::Display for QuantityError {
 impl std::error::Error for QuantityError {}
 
 impl Quantity {
-    /// The quantity that a text names, of these bodies, contacts and sections, whose names differ.
+    /// The quantity that a text names, of these bodies, and of contacts, sections and bars of these names, which differ.
     ///
     /// Errors: the word that is wrong, and what is known in its place.
     pub fn parse<const D: usize>(
         text: &str,
         bodies: &[Body<D>],
-        contacts: &[&str],
-        sections: &[&str],
+        [contacts, sections, bars]: [&[&str]; 3],
     ) -> Result<Self, QuantityError> {
         let words = Words(text.split('.').collect());
         let owner = words.0[0];
+        let among = |names: &[&str]| names.iter().position(|name| *name == owner);
         let body = bodies.iter().position(|body| body.name == owner);
-        let contact = contacts.iter().position(|name| *name == owner);
-        let section = sections.iter().position(|name| *name == owner);
-        let parts = match (body, contact, section) {
+        let parts = match (body, among(contacts), among(sections), among(bars)) {
             (Some(body), ..) => of_body(&words, body, &bodies[body])?,
-            (_, Some(contact), _) => of_contact::<D>(&words, contact)?,
-            (.., Some(section)) => of_section(&words, section)?,
-            (None, None, None) => {
+            (_, Some(contact), ..) => of_contact::<D>(&words, contact)?,
+            (.., Some(section), _) => of_section(&words, section)?,
+            (.., Some(bar)) => of_bar(&words, bar)?,
+            (None, None, None, None) => {
                 let bodies = bodies.iter().map(|body| body.name.as_str());
-                let owners = bodies.chain(contacts.iter().chain(sections).copied());
-                let what = match sections {
-                    [] => "body or contact",
-                    _ => "body, contact or section",
+                let others = contacts.iter().chain(sections).chain(bars);
+                let what = match (sections, bars) {
+                    ([], []) => "body or contact",
+                    (_, []) => "body, contact or section",
+                    ([], _) => "body, contact or bar",
+                    _ => "body, contact, section or bar",
                 };
+                let owners = bodies.chain(others.copied());
                 return Err(words.mistake(Mistake::Unknown(what), 0, owners));
             }
         };
@@ -267,12 +275,10 @@ impl Quantity {
         Ok(Self { text, parts })
     }
 
-    /// The same of bodies, contacts and sections that have other places; `None` where they have none.
+    /// The same of bodies, contacts, sections and bars that have other places; `None` where they have none.
     pub(crate) fn placed(
         &self,
-        bodies: &[Option<usize>],
-        contacts: &[Option<usize>],
-        sections: &[Option<usize>],
+        [bodies, contacts, sections, bars]: [&[Option<usize>]; 4],
     ) -> Option<Self> {
         let mut parts = self.parts.clone();
         match &mut parts {
@@ -288,6 +294,7 @@ impl Quantity {
             | Parts::Dissipated(contact, _)
             | Parts::Obstacle(contact, _) => *contact = contacts[*contact]?,
             Parts::Section(section, _) => *section = sections[*section]?,
+            Parts::Bar(bar) => *bar = bars[*bar]?,
         }
         let text = self.text.clone();
         Some(Self { text, parts })
@@ -296,7 +303,7 @@ impl Quantity {
     /// What it is measured in.
     pub fn dimension(&self) -> Dimension {
         match self.parts {
-            Parts::Reaction(..) | Parts::Resultant(..) => Dimension::Force,
+            Parts::Reaction(..) | Parts::Resultant(..) | Parts::Bar(_) => Dimension::Force,
             Parts::Stress(..) | Parts::Along(_, Pressure | Shear | ShearVector(_)) => {
                 Dimension::Stress
             }
@@ -314,7 +321,7 @@ impl Quantity {
 
     /// It varies from place to place.
     pub fn is_field(&self) -> bool {
-        use Parts::{Along, Displacement, Rotation, Section, Stress, Utilisation};
+        use Parts::{Along, Bar, Displacement, Rotation, Section, Stress, Utilisation};
         matches!(
             self.parts,
             Displacement(..)
@@ -323,6 +330,7 @@ impl Quantity {
                 | Utilisation(..)
                 | Along(..)
                 | Section(..)
+                | Bar(_)
         )
     }
 
@@ -349,9 +357,14 @@ impl Quantity {
         matches!(self.parts, Parts::Along(..))
     }
 
-    /// It is known at the stations of a section alone.
-    pub fn is_of_section(&self) -> bool {
-        matches!(self.parts, Parts::Section(..))
+    /// It is known at the stations of a section or of a bar alone.
+    pub fn is_of_stations(&self) -> bool {
+        matches!(self.parts, Parts::Section(..) | Parts::Bar(_))
+    }
+
+    /// It is the force of a bar.
+    pub fn is_of_bar(&self) -> bool {
+        matches!(self.parts, Parts::Bar(_))
     }
 
     /// The section whose utilisation it is.
@@ -513,6 +526,15 @@ fn of_section(words: &Words<'_>, section: usize) -> Result<Parts, QuantityError>
             Ok(Parts::Section(section, quantity))
         }
         _ => Err(words.mistake(Mistake::TooLong, 1, [])),
+    }
+}
+
+fn of_bar(words: &Words<'_>, bar: usize) -> Result<Parts, QuantityError> {
+    match words.0[1..] {
+        [] => Err(words.incomplete([FORCE])),
+        [FORCE] => Ok(Parts::Bar(bar)),
+        [FORCE, ..] => Err(words.mistake(Mistake::TooLong, 1, [])),
+        _ => Err(words.mistake(Mistake::Unknown("quantity of a bar"), 1, [FORCE])),
     }
 }
 

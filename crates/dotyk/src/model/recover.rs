@@ -4,7 +4,7 @@
 
 use crate::contact::Row;
 use crate::dual::{IMBALANCE_LIMIT, ROUNDING, Scales};
-use crate::fem::{FemError, internal_forces};
+use crate::fem::{FemError, internal_forces, spring_forces, spring_loads};
 use crate::geometry::{Point, add_scaled, cross, dot, norm, sub};
 use crate::model::bodies::LoadedBody;
 use crate::model::error::Error;
@@ -54,12 +54,16 @@ pub(crate) fn rigid_displacement<const D: usize>(
 pub(crate) struct BodyState<const D: usize> {
     pub u: Vec<Point<D>>,
     pub reactions: Vec<Point<D>>,
+    /// Forces of each of its springs ON the body, (springs,) and (nodes,).
+    pub springs: Vec<Vec<Point<D>>>,
     /// Forces of all contacts.
     pub contact_forces: Vec<Point<D>>,
-    /// External, support and contact force of every node.
+    /// External, support, spring and contact force of every node.
     pub total: Vec<Point<D>>,
     pub strain_energy: f64,
-    /// 2·(strain energy) − (f + R)·(elastic displacement): minus the work of the contact forces on it, when all forces
+    /// 1/2 uᵀKu of its springs.
+    pub spring_energy: f64,
+    /// 2·(strain energy and that of springs) − (f + R)·(elastic displacement): minus the work of the contact forces on it, when all forces
     /// balance.
     pub unbalanced_work: f64,
     /// Largest resultant of a support that moves.
@@ -119,8 +123,22 @@ impl<const D: usize> BodyState<D> {
         let system = &loaded.system;
         let global = system.to_global(u);
         let (forces, strain_energy) = internal_forces(body, model.analysis, &global)?;
-        let mut internal: Vec<f64> = forces.iter().flatten().copied().collect();
-        system.to_frames(&mut internal);
+        // rigid motions that are left free stretch no spring
+        let mut springs = spring_forces(body, model.analysis, &global)?;
+        let mut stretched = vec![[0.0; D]; global.len()];
+        for own in &springs {
+            let both = stretched.iter_mut().zip(own);
+            both.for_each(|(sum, &force)| *sum = add_scaled(*sum, 1.0, force));
+        }
+        let stored = stretched.iter().zip(&global);
+        let spring_energy: f64 = stored.map(|(&f, &u)| 0.5 * dot(f, u)).sum();
+        let in_frames = |forces: &[Point<D>]| {
+            let mut forces = forces.concat();
+            system.to_frames(&mut forces);
+            forces
+        };
+        let (mut internal, sprung) = (in_frames(&forces), in_frames(&stretched));
+        internal.iter_mut().zip(&sprung).for_each(|(f, k)| *f += k);
         let mut push = vec![0.0; u.len()];
         loaded.rows.add_forces(1.0, lambda, &mut push);
         let (mut reactions, mut total, mut residual) =
@@ -131,7 +149,7 @@ impl<const D: usize> BodyState<D> {
             } else {
                 residual[i] = system.load[i] - push[i] - internal[i];
             }
-            total[i] = system.load[i] + reactions[i] - push[i];
+            total[i] = system.load[i] + reactions[i] - push[i] - sprung[i];
         }
         let applied = system.load.iter().zip(&reactions).map(|(f, r)| f + r);
         let external: f64 = applied.zip(u).map(|(force, u)| force * u).sum();
@@ -140,15 +158,25 @@ impl<const D: usize> BodyState<D> {
             *u = system.prescribed[dof];
         }
         let reactions = of_supports(loaded, system.to_global(&reactions));
+        for force in springs.iter_mut().flatten().flatten() {
+            *force = -*force;
+        }
+        for (place, came) in spring_loads(body, model.analysis)? {
+            for (force, came) in springs[place].iter_mut().zip(came) {
+                *force = add_scaled(*force, 1.0, came);
+            }
+        }
         let state = Self {
             u: system.to_global(&whole),
             driving_force: driving_force(body, loaded, &reactions),
             rounding: ROUNDING * norm_of_terms(&system.stiffness.diagonal(), u),
             reactions,
+            springs,
             contact_forces: system.to_global(&push.iter().map(|force| -force).collect::<Vec<_>>()),
             total: system.to_global(&total),
             strain_energy,
-            unbalanced_work: 2.0 * strain_energy - external,
+            spring_energy,
+            unbalanced_work: 2.0 * (strain_energy + spring_energy) - external,
         };
         Ok((state, residual))
     }

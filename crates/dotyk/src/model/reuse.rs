@@ -57,6 +57,7 @@ fn same_body<const D: usize>(a: &Body<D>, b: &Body<D>) -> bool {
             .zip(&b.couples)
             .all(|(a, b)| same_couple(a, b))
         && a.surfaces == b.surfaces
+        && a.springs == b.springs
         && a.supports.len() == b.supports.len()
         && a.supports.iter().zip(&b.supports).all(|(a, b)| holds(a, b))
         && a.mesh == b.mesh

@@ -367,6 +367,7 @@ pub(crate) fn section_forces<const D: usize>(
             .chain(coupled)
             .collect();
         let forces = [&solution.contact_forces[..], &solution.reactions[..]];
+        let forces = (forces, &solution.bar_forces);
         let ahead = Ahead::new(
             (body, model.analysis),
             time,

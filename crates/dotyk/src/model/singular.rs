@@ -16,7 +16,7 @@
 use crate::fem::{CoupleKind, Load, Material, measure, nearest_node, nodal_volumes};
 use crate::geometry::{Point, distance, dot, norm, unit};
 use crate::mesh::{Facet, Mesh};
-use crate::model::nouns::{Body, Law, Model, Place, SideRef};
+use crate::model::nouns::{Bed, Body, Law, Model, Place, SideRef};
 use crate::model::solution::{
     BodySolution, ContactNode, ContactSolution, Peak, Singular, SingularPeak, Status, StressAt,
 };
@@ -514,6 +514,15 @@ fn point_forces<const D: usize>(
                 std::array::from_fn(|i| support.components[i].as_ref().map_or(0.0, |_| force[i]))
             };
             add(point, Singular::PointSupport, &own);
+        }
+    }
+    for spring in &body.springs {
+        if let Bed::Point { point, stiffness } = &spring.bed {
+            let own = |node: usize| {
+                let force = solved.reactions[node];
+                std::array::from_fn(|i| if stiffness[i] > 0.0 { force[i] } else { 0.0 })
+            };
+            add(*point, Singular::PointSupport, &own);
         }
     }
     for load in &body.loads {

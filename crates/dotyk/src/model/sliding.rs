@@ -9,7 +9,7 @@ use crate::model::bodies::LoadedBody;
 use crate::model::condense::Condensed;
 use crate::model::error::{Error, Objection};
 use crate::model::floating::Floating;
-use crate::model::nouns::Model;
+use crate::model::nouns::{Law, Model};
 
 /// What slides under a load that is infeasible along `direction` (r,), of which friction holds the part `factor`; `step` are
 /// the times of the step before and of this one, e of the one before, and the admissible set.
@@ -31,9 +31,22 @@ pub(crate) fn sliding<const D: usize>(
     Ok(Objection::Slides {
         body,
         motion,
+        by: gives_way(model),
         held: step.map_or(factor, part),
         step: step.map(|(times, ..)| times),
     })
+}
+
+/// What may be exhausted where a load is not held.
+fn gives_way<const D: usize>(model: &Model<D>) -> &'static str {
+    let smooth = |law: &Law| matches!(law, Law::Frictionless | Law::Tied);
+    let friction = !model.contacts.iter().all(|contact| smooth(&contact.law));
+    let yields = model.bars.iter().any(|bar| bar.yields.is_some());
+    match (friction, yields) {
+        (_, false) => "friction",
+        (false, true) => "the strength of the bars",
+        (true, true) => "friction, with the strength of the bars,",
+    }
 }
 
 /// What slides along `direction` (r,) under a load of which friction, with the normal forces that elasticity gives, bears the
@@ -59,6 +72,7 @@ pub(crate) fn slides_along<const D: usize>(
     Objection::Slides {
         body,
         motion,
+        by: gives_way(model),
         held,
         step,
     }

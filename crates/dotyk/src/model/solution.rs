@@ -3,6 +3,7 @@
 use crate::dual::Certificate;
 use crate::fem::{list_motions, principal};
 use crate::geometry::{Point, add_scaled, norm};
+use crate::model::bar::BarSolution;
 use crate::model::nouns::{CoupleKind, SideRef};
 use crate::model::quantity::Dimension;
 use crate::model::section::SectionSolution;
@@ -191,11 +192,14 @@ pub struct BodySolution<const D: usize> {
     pub strain: Vec<[f64; 6]>,
     /// Von Mises stress at every node.
     pub von_mises: Vec<f64>,
-    /// Force of its supports ON the body at every node (zero where not held).
+    /// Force of its supports and springs ON the body at every node (zero where not held).
     pub reactions: Vec<Point<D>>,
-    /// Force of all contacts and couples ON the body at every node. With loads and reactions it balances the internal forces.
+    /// Force of all contacts and couples ON the body at every node. With loads, reactions and the forces of bars it balances the
+    /// internal forces.
     pub contact_forces: Vec<Point<D>>,
-    /// Reactions by the side that is held.
+    /// Forces of bars ON the body, by node.
+    pub bar_forces: BTreeMap<usize, Point<D>>,
+    /// Reactions by the side that is held or bedded.
     pub side_reactions: BTreeMap<String, Point<D>>,
     /// What the supports of larger sides do at the nodes of sides that are parts of them.
     pub part_reactions: BTreeMap<String, Point<D>>,
@@ -407,6 +411,8 @@ pub struct Solution<const D: usize> {
     pub bodies: Vec<BodySolution<D>>,
     /// One per contact of the model, in its order.
     pub contacts: Vec<ContactSolution<D>>,
+    /// One per bar of the model, in its order.
+    pub bars: Vec<BarSolution<D>>,
     /// One per section of the model, in its order.
     pub sections: Vec<SectionSolution>,
     /// What was checked, and by how much it holds.

@@ -4,6 +4,8 @@
 //! * a body that appears is free of stress and fits what it touches: the gaps of its contacts count from the displacements
 //!   u_a of the bodies that were there, g₀ + B u_a, in normal and tangential rows;
 //! * a support that appears holds the nodes of its body where they are;
+//! * a spring or a bar that appears bears nothing there, but for the prestress of a bar, which in its first step pulls with that
+//!   alone, whatever gives;
 //! * a body that goes leaves, where it is released, the forces −Bᵀλ of its last step on its neighbours, times what is left
 //!   of them at a time.
 //!
@@ -11,6 +13,7 @@
 
 use crate::fem::{Active, History};
 use crate::geometry::{Point, add_scaled, distance};
+use crate::model::bar::{Bar, BarEnd};
 use crate::model::condense::Condensed;
 use crate::model::error::Error;
 use crate::model::nouns::{Along, Body, BodyId, Contact, Law, Model, Pair, Probe, SideRef};
@@ -30,28 +33,54 @@ pub(crate) struct Presence {
     contacts: Vec<bool>,
     /// Of each body.
     supports: Vec<Vec<bool>>,
+    /// Of each body.
+    springs: Vec<Vec<bool>>,
+    bars: Vec<bool>,
+    /// Bars that are being tightened: prestressed ones in their first step.
+    tightening: Vec<bool>,
 }
 
 impl Presence {
     /// That of a model at a time.
     pub fn at<const D: usize>(model: &Model<D>, time: f64) -> Self {
+        let before = model.times.iter().copied().filter(|&before| before < time);
+        let before = before.reduce(f64::max);
+        let bars = |time: f64| {
+            let there = |bar: &Bar<D>| {
+                let mut bodies = bar.touched();
+                bar.active.at(time) && bodies.all(|body| model.bodies[body.0].active.at(time))
+            };
+            model.bars.iter().map(there).collect::<Vec<bool>>()
+        };
+        let there = bars(time);
+        let been = before.map_or(vec![false; there.len()], bars);
+        let new = there.iter().zip(&been).map(|(now, been)| *now && !been);
+        let tightened = new.zip(&model.bars);
+        let tightening = tightened.map(|(new, bar)| new && bar.prestress.is_some());
+        let tightening = tightening.collect();
         let bodies: Vec<bool> = model.bodies.iter().map(|b| b.active.at(time)).collect();
-        let there = |contact: &Contact<D>| {
+        let touching = |contact: &Contact<D>| {
             let sides = contact.pair.sides();
             contact.active.at(time) && sides.iter().all(|side| bodies[side.body.0])
         };
         let supports = |body: &Body<D>| body.supports.iter().map(|s| s.active.at(time)).collect();
+        let springs = |body: &Body<D>| body.springs.iter().map(|s| s.active.at(time)).collect();
         Self {
-            contacts: model.contacts.iter().map(there).collect(),
+            contacts: model.contacts.iter().map(touching).collect(),
             supports: model.bodies.iter().map(supports).collect(),
+            springs: model.bodies.iter().map(springs).collect(),
+            bars: there,
+            tightening,
             bodies,
         }
     }
 
-    /// Everything is there.
+    /// Everything is there, and nothing is being tightened.
     fn is_whole(&self) -> bool {
         let all = |list: &[bool]| list.iter().all(|&there| there);
-        all(&self.bodies) && all(&self.contacts) && self.supports.iter().all(|s| all(s))
+        let mut inner = self.supports.iter().chain(&self.springs);
+        let bars = all(&self.bars) && !self.tightening.contains(&true);
+        all(&self.bodies) && all(&self.contacts) && bars && inner.all(|list| all(list))
     }
 }
 
@@ -63,6 +92,15 @@ fn places(there: &[bool]) -> Vec<Option<usize>> {
         there.then(|| next - 1)
     };
     there.iter().map(place).collect()
+}
+
+/// What is remembered of some things by their places, by those among the ones that are there.
+fn among<T>(remembered: &BTreeMap<usize, Arc<[T]>>, there: &[bool]) -> BTreeMap<usize, Arc<[T]>> {
+    let place = places(there);
+    let found = remembered.iter();
+    found
+        .filter_map(|(k, u)| Some((place[*k]?, Arc::clone(u))))
+        .collect()
 }
 
 /// The elements that are there.
@@ -91,6 +129,12 @@ impl<const D: usize> Model<D> {
         presences.any(|other| Some(other) != first)
     }
 
+    /// Whether its steps have something to leave to each other that is no slip.
+    pub(crate) fn is_staged(&self) -> bool {
+        let prestressed = self.bars.iter().any(|bar| bar.prestress.is_some());
+        prestressed || self.has_stages()
+    }
+
     /// Whether at a time something is there, or is not, that differs from its first load step.
     pub(crate) fn has_stage_at(&self, time: f64) -> bool {
         let first = self.times.first().map(|&first| Presence::at(self, first));
@@ -104,8 +148,8 @@ impl<const D: usize> Model<D> {
             .iter()
             .map(|section| there.bodies[section.body.0]);
         let cut: Vec<bool> = cut.collect();
-        let [bodies, contacts, sections] =
-            [&there.bodies, &there.contacts, &cut].map(|list| places(list));
+        let [bodies, contacts, sections, bars] =
+            [&there.bodies, &there.contacts, &cut, &there.bars].map(|list| places(list));
         let side = |side: &SideRef| {
             Some(SideRef {
                 body: BodyId(bodies[side.body.0]?),
@@ -114,6 +158,7 @@ impl<const D: usize> Model<D> {
         };
         let body = |(index, body): (usize, &Body<D>)| {
             let supports = kept(&body.supports, &there.supports[index]);
+            let springs = kept(&body.springs, &there.springs[index]);
             let sides = self
                 .contacts
                 .iter()
@@ -121,6 +166,7 @@ impl<const D: usize> Model<D> {
             let own = sides.filter(|side| side.body.0 == index);
             Body {
                 supports: supports.cloned().collect(),
+                springs: springs.cloned().collect(),
                 history: History {
                     touched: own.map(|side| side.side.clone()).collect(),
                     ..History::default()
@@ -156,9 +202,28 @@ impl<const D: usize> Model<D> {
                 ..section.clone()
             })
         };
+        let bar = |(bar, &tightening): (&Bar<D>, &bool)| {
+            let end = |end: &BarEnd<D>| {
+                Some(match end {
+                    BarEnd::Side(of) => BarEnd::Side(side(of)?),
+                    BarEnd::Point(point) => BarEnd::Point(*point),
+                })
+            };
+            let [from, to] = &bar.ends;
+            let named = bar.bodies.iter().filter_map(|body| bodies[body.0]);
+            Some(Bar {
+                ends: [end(from)?, end(to)?],
+                bodies: named.map(BodyId).collect(),
+                tightening,
+                ..bar.clone()
+            })
+        };
+        let tightening = kept(&there.tightening, &there.bars);
+        let fixed = kept(&self.bars, &there.bars).zip(tightening);
+        let owners = [&bodies, &contacts, &sections, &bars].map(|list| &list[..]);
         let probe = |probe: &Probe<D>| {
             Some(Probe {
-                quantity: probe.quantity.placed(&bodies, &contacts, &sections)?,
+                quantity: probe.quantity.placed(owners)?,
                 along: match &probe.along {
                     Some(Along::Side(read)) => Some(Along::Side(side(read)?)),
                     other => other.clone(),
@@ -180,6 +245,7 @@ impl<const D: usize> Model<D> {
             contacts: kept(&self.contacts, &there.contacts)
                 .filter_map(contact)
                 .collect(),
+            bars: fixed.filter_map(bar).collect(),
             sections: kept(&self.sections, &cut).filter_map(section).collect(),
             solver: self.solver.clone(),
             probes: self.probes.iter().filter_map(probe).collect(),
@@ -208,10 +274,21 @@ impl<const D: usize> Model<D> {
                     return never("a support of body", &body.name);
                 }
             }
+            for (place, spring) in body.springs.iter().enumerate() {
+                let holds = |there: &Presence| there.bodies[index] && there.springs[index][place];
+                if spring.active != Active::ALWAYS && !all.iter().any(holds) {
+                    return never("a spring of body", &body.name);
+                }
+            }
         }
         for (index, contact) in self.contacts.iter().enumerate() {
             if !all.iter().any(|there| there.contacts[index]) {
                 return never("contact", &contact.name);
+            }
+        }
+        for (index, bar) in self.bars.iter().enumerate() {
+            if !all.iter().any(|there| there.bars[index]) {
+                return never("bar", &bar.name);
             }
         }
         if let Some(step) = all.iter().position(|there| !there.bodies.contains(&true)) {
@@ -257,6 +334,8 @@ pub(crate) struct Track<const D: usize> {
     fitted: Moved<D>,
     /// Displacements, when a tie appeared, of its bodies that were there: it holds them as they are.
     held: BTreeMap<String, Moved<D>>,
+    /// Displacements, when a bar was there, of all bodies: it counts from there.
+    bars: BTreeMap<String, Moved<D>>,
     /// Number of the step in which a body appeared.
     appeared: Vec<usize>,
     /// By body, what supports and neighbours have left.
@@ -277,6 +356,7 @@ impl<const D: usize> Track<D> {
             found: BTreeMap::new(),
             fitted: vec![None; count],
             held: BTreeMap::new(),
+            bars: BTreeMap::new(),
             appeared: vec![0; count],
             history: vec![History::default(); count],
             before: None,
@@ -289,21 +369,20 @@ impl<const D: usize> Track<D> {
         let left = self
             .history
             .iter()
-            .any(|h| !h.placed.is_empty() || !h.released.is_empty());
+            .any(|h| !(h.placed.is_empty() && h.sprung.is_empty() && h.released.is_empty()));
         if self.presence.is_whole() && !left {
             return Cow::Borrowed(model);
         }
         let mut stage = model.part(&self.presence, None);
         let history = kept(&self.history, &self.presence.bodies);
         let supports = kept(&self.presence.supports, &self.presence.bodies);
-        for ((body, history), supports) in stage.bodies.iter_mut().zip(history).zip(supports) {
-            // counted among those that are there
-            let place = places(supports);
-            let placed = history.placed.iter();
+        let springs = kept(&self.presence.springs, &self.presence.bodies);
+        let held = supports.zip(springs);
+        for ((body, history), (supports, springs)) in stage.bodies.iter_mut().zip(history).zip(held)
+        {
             body.history = History {
-                placed: placed
-                    .filter_map(|(k, u)| Some((place[*k]?, Arc::clone(u))))
-                    .collect(),
+                placed: among(&history.placed, supports),
+                sprung: among(&history.sprung, springs),
                 released: history.released.clone(),
                 touched: take(&mut body.history.touched),
             };
@@ -340,7 +419,7 @@ impl<const D: usize> Track<D> {
         if let Some(last) = last {
             self.release(model, &next, last);
         }
-        for (index, body) in model.bodies.iter().enumerate() {
+        for index in 0..model.bodies.len() {
             if !next.bodies[index] {
                 continue;
             }
@@ -350,11 +429,15 @@ impl<const D: usize> Track<D> {
                 self.fitted[index] = self.fitted_to(model, index);
                 continue;
             };
-            for place in 0..body.supports.len() {
-                if next.supports[index][place] && !self.presence.supports[index][place] {
-                    self.history[index].placed.insert(place, Arc::clone(&moved));
-                }
-            }
+            let came = |list: fn(&Presence) -> &Vec<Vec<bool>>| {
+                let [before, next] = [&self.presence, &next].map(|there| &list(there)[index]);
+                let new = (0..next.len()).filter(|&place| next[place] && !before[place]);
+                new.map(|place| (place, Arc::clone(&moved)))
+                    .collect::<Vec<_>>()
+            };
+            let (supports, springs) = (came(|p| &p.supports), came(|p| &p.springs));
+            self.history[index].placed.extend(supports);
+            self.history[index].sprung.extend(springs);
         }
         for (index, contact) in model.contacts.iter().enumerate() {
             let appears = next.contacts[index] && !self.presence.contacts[index];
@@ -362,6 +445,12 @@ impl<const D: usize> Track<D> {
             let both = sides.all(|side| self.moved[side.body.0].is_some());
             if appears && both && matches!(contact.law, Law::Tied) {
                 self.held.insert(contact.name.clone(), self.moved.clone());
+            }
+        }
+        for (index, bar) in model.bars.iter().enumerate() {
+            let holds = |there: &Presence| there.bars[index] && !there.tightening[index];
+            if holds(&next) && !holds(&self.presence) {
+                self.bars.insert(bar.name.clone(), self.moved.clone());
             }
         }
         self.before = Some(std::mem::replace(&mut self.presence, next));
@@ -381,7 +470,10 @@ impl<const D: usize> Track<D> {
         };
         let places = places(&before.bodies);
         let there = (0..places.len()).filter(|&body| self.presence.bodies[body]);
-        let same = |body: usize| before.supports[body] == self.presence.supports[body];
+        let now = &self.presence;
+        let same = |body: usize| {
+            before.supports[body] == now.supports[body] && before.springs[body] == now.springs[body]
+        };
         there
             .map(|body| places[body].filter(|_| same(body)))
             .collect()
@@ -466,7 +558,7 @@ impl<const D: usize> Track<D> {
                     continue;
                 }
                 let mut forces = vec![[0.0; D]; model.bodies[stays].mesh.points().len()];
-                for (row, force) in coefficients.iter().zip(&lambda[rows.clone()]) {
+                for (row, force) in coefficients.iter().zip(pair.forces(&lambda[rows.clone()])) {
                     for &(node, c) in row {
                         forces[node] = add_scaled(forces[node], -force, c);
                     }
@@ -474,6 +566,12 @@ impl<const D: usize> Track<D> {
                 self.history[stays].released.push((forces.into(), factor));
             }
         }
+    }
+
+    /// Displacements of the bodies of the stage when a bar was there; `None` where it always was.
+    pub fn found_by_bar(&self, name: &str) -> Option<Moved<D>> {
+        let found = self.bars.get(name)?;
+        Some(kept(found, &self.presence.bodies).cloned().collect())
     }
 
     /// What the sides of a contact of the stage between these two bodies of it were fitted to.

@@ -7,10 +7,11 @@ use crate::model::condense::{Condensed, Friction, Staged, advance, condense, res
 use crate::model::error::{Error, Objection};
 use crate::model::event::{Event, Lap};
 use crate::model::finish::finish;
+use crate::model::joints;
 use crate::model::judge::Judged;
 use crate::model::nouns::{Law, Model};
 use crate::model::objection::objection;
-use crate::model::pair::initial_gaps;
+use crate::model::pair::{Kind, initial_gaps, row_ranges};
 use crate::model::past::{Past, check_past, recorded, same_bodies, same_forces};
 use crate::model::reuse::Reuse;
 use crate::model::solution::Solution;
@@ -63,10 +64,10 @@ pub(crate) fn solve_steps<const D: usize>(
 ) -> Result<Vec<Solution<D>>, Error<D>> {
     check_past(model, given.past)?;
     // what is there at the end is not what was at the beginning
-    let mut reuse = reuse.take().filter(|_| !model.has_stages());
+    let mut reuse = reuse.take().filter(|_| !model.is_staged());
     let mut march = March {
         condensed: reuse.as_mut().and_then(|reuse| reuse.take(model)),
-        staged: model.has_stages(),
+        staged: model.is_staged(),
         ..March::new(DENSE_LIMIT)
     };
     let solved = march.solve(model, given, observe);
@@ -88,7 +89,7 @@ pub(crate) fn condense_step<const D: usize>(
     observe: &mut dyn FnMut(Event),
 ) -> Result<(Model<D>, Condensed<D>), Error<D>> {
     let mut march = March {
-        staged: model.has_stages() || model.has_stage_at(time),
+        staged: model.is_staged() || model.has_stage_at(time),
         ..March::new(dense_limit)
     };
     let smooth = |law: &Law| matches!(law, Law::Frictionless | Law::Tied);
@@ -280,12 +281,15 @@ fn solve_step<const D: usize>(
     observe(Event::Stage("recover"));
     let objection = objection(model, condensed, &attempt, &judged);
     let multipliers = attempt.outcome.multipliers.clone();
-    let slip = slip(&judged, condensed);
+    let slip = slip(model, &judged, condensed);
+    let (lost, parted) = joints::after(model, condensed, &judged, &multipliers.lambda);
     let mut solution = finish(model, condensed, attempt, judged, objection.is_none())?;
+    solution.warnings.extend(parted);
     let works = solution.contacts.iter().map(|c| c.dissipated_total);
     let friction = Friction {
         slip,
         dissipated: works.collect(),
+        lost,
     };
     let end = End {
         multipliers,
@@ -298,20 +302,26 @@ fn solve_step<const D: usize>(
 }
 
 /// Relative tangential displacements in the rows under friction, zero in the others, (m,).
-fn slip<const D: usize>(judged: &Judged<D>, condensed: &Condensed<D>) -> Vec<f64> {
-    let tangential = condensed
-        .paired
-        .iter()
-        .flat_map(|p| p.interface.tangential());
+fn slip<const D: usize>(
+    model: &Model<D>,
+    judged: &Judged<D>,
+    condensed: &Condensed<D>,
+) -> Vec<f64> {
+    let mut slip = vec![0.0; condensed.gaps.len()];
     // gap = g₀ + slip at the last step − slip now
     let undeformed = initial_gaps(&condensed.paired);
-    let slips = condensed
-        .gaps
-        .iter()
-        .zip(&undeformed)
-        .zip(&judged.displaced.gaps);
-    tangential
-        .zip(slips)
-        .map(|(is, ((before, g0), after))| if is { before - g0 - after } else { 0.0 })
-        .collect()
+    for (rows, pair) in row_ranges(&condensed.paired) {
+        let slackens = matches!(pair.kind, Kind::Bar(bar) if model.bars[bar].slackens());
+        for (row, tangential) in rows.zip(pair.interface.tangential()) {
+            let before = condensed.gaps[row] - undeformed[row];
+            let now = before - judged.displaced.gaps[row];
+            slip[row] = match (tangential, slackens) {
+                (false, _) => 0.0,
+                (true, false) => now,
+                // what a slack bar gives way is not plastic
+                (true, true) => now.max(before),
+            };
+        }
+    }
+    slip
 }

@@ -114,10 +114,19 @@ pub fn balance<const D: usize>(
             ]
         })
         .collect();
+    let springs = model.bodies.iter().any(|body| !body.springs.is_empty());
+    let held = match springs {
+        true => "reaction of its supports and springs",
+        false => "reaction of its supports",
+    };
+    let touching = match solution.bars.is_empty() {
+        true => "force of its contacts",
+        false => "force of its contacts and bars",
+    };
     let heads = [
         left("body"),
-        column("reaction of its supports", &labels.force),
-        column("force of its contacts", &labels.force),
+        column(held, &labels.force),
+        column(touching, &labels.force),
         column("applied load, by balance", &labels.force),
     ];
     let mut out = format!(
@@ -163,7 +172,8 @@ fn contact_force<const D: usize>(solution: &Solution<D>, body: usize) -> Point<D
             force = add_scaled(force, -1.0, contact.resultant);
         }
     }
-    force
+    let bars = solution.bodies[body].bar_forces.values();
+    bars.fold(force, |sum, &pull| add_scaled(sum, 1.0, pull))
 }
 
 /// Gap, pressure and state of every contact node.

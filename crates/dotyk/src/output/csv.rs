@@ -1,5 +1,5 @@
-//! `contact.csv`: one row per contact node; `lines.csv`: one row per place of a probe along a line; `sections.csv`: one row per
-//! station of a section.
+//! `contact.csv`: one row per contact node; `lines.csv`: one row per place of a probe along a line; `sections.csv` and
+//! `bars.csv`: one row per station of a section or of a bar.
 //!
 //! Signs: gap ≥ 0 open, pressure ≥ 0 compression. Vectors along the interface are given in 2D as one number along the
 //! tangent, which is the normal rotated by +90°, in space by their components. Numbers are the shortest that read back to the same
@@ -88,6 +88,29 @@ pub fn lines_csv<const D: usize>(steps: &[Solution<D>]) -> Option<String> {
                 numbers(&mut out, &[place.s]);
                 numbers(&mut out, &place.point[..D]);
                 numbers(&mut out, &[place.value]);
+                out.push('\n');
+            }
+        }
+    }
+    (out.len() > head).then_some(out)
+}
+
+/// How `bars.csv` begins.
+pub const BARS_HEAD: &str = "step,bar,station,s,x,y";
+
+/// Content of `bars.csv` for the steps of one run (numbered from 1), stations numbered from 1: the middles of the elements of
+/// each bar, with N of one bar; nothing where there is none.
+pub fn bars_csv<const D: usize>(steps: &[Solution<D>]) -> Option<String> {
+    let mut out = format!("{BARS_HEAD}{}force\n", if D == 2 { "," } else { ",z," });
+    let head = out.len();
+    for (step, solution) in steps.iter().enumerate() {
+        for bar in &solution.bars {
+            for (index, station) in bar.stations.iter().enumerate() {
+                // Writing to a String cannot fail.
+                let _ = write!(out, "{},{},{}", step + 1, bar.name, index + 1);
+                numbers(&mut out, &[station.s]);
+                numbers(&mut out, &station.point[..D]);
+                numbers(&mut out, &[station.force]);
                 out.push('\n');
             }
         }

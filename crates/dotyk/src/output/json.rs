@@ -4,7 +4,7 @@
 
 use crate::dual::Figure;
 use crate::model::{
-    BodySolution, ContactNode, ContactSolution, CoupleSolution, LinePoint, Seconds,
+    BarSolution, BodySolution, ContactNode, ContactSolution, CoupleSolution, LinePoint, Seconds,
     SectionQuantity, SectionSolution, Solution, Status,
 };
 use crate::output::Overview;
@@ -117,6 +117,7 @@ fn step_summary<'a, const D: usize>(
                 line: line_entry(&probe.line),
             })
             .collect(),
+        bars: solution.bars.iter().map(bar_entry).collect(),
         sections: solution.sections.iter().map(section_entry).collect(),
         warnings: &solution.warnings,
         failed_step: None,
@@ -201,6 +202,9 @@ struct Summary<'a> {
     contacts: Vec<ContactEntry<'a>>,
     bodies: Vec<BodyEntry<'a>>,
     probes: Vec<ProbeEntry<'a>>,
+    /// Only where there are some.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    bars: Vec<BarEntry<'a>>,
     /// Only where some are cut.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     sections: Vec<SectionEntry<'a>>,
@@ -370,6 +374,47 @@ struct ExtremeEntry {
     station: usize,
     s: f64,
     at: [f64; 2],
+}
+
+#[derive(Clone, Serialize)]
+struct BarEntry<'a> {
+    name: &'a str,
+    length: f64,
+    /// The largest in magnitude, with its sign.
+    force: f64,
+    min: f64,
+    max: f64,
+    /// It was tightened in this step.
+    tightening: bool,
+    stations: Vec<BarStationEntry<'a>>,
+}
+
+#[derive(Clone, Serialize)]
+struct BarStationEntry<'a> {
+    station: usize,
+    s: f64,
+    at: &'a [f64],
+    force: f64,
+}
+
+fn bar_entry<const D: usize>(bar: &BarSolution<D>) -> BarEntry<'_> {
+    let [min, max] = range(bar.stations.iter().map(|station| station.force));
+    let stations = bar.stations.iter().enumerate();
+    let stations = stations.map(|(index, station)| BarStationEntry {
+        station: index + 1,
+        s: station.s,
+        at: &station.point[..],
+        force: station.force,
+    });
+    BarEntry {
+        name: &bar.name,
+        length: bar.length,
+        force: bar.largest().map_or(f64::NAN, |station| station.force),
+        min,
+        max,
+        tightening: bar.tightening,
+        stations: stations.collect(),
+    }
 }
 
 fn section_entry(section: &SectionSolution) -> SectionEntry<'_> {

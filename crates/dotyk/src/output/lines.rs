@@ -27,7 +27,8 @@ pub fn lines_section<const D: usize>(run: &Overview<'_, D>, labels: &Labels) -> 
             places: &steps[step].probes[index].line,
         });
         let curves: Vec<Curve<'_>> = curves.collect();
-        let svg = line_figure(&format!("line-{index}"), probe, &curves, labels);
+        let drawn = (&probe.quantity[..], labels.unit(probe.dimension));
+        let svg = line_figure(&format!("line-{index}"), drawn, &curves, labels);
         let mut caption = format!(
             "{} {}, {} points.",
             probe.quantity,
@@ -50,7 +51,7 @@ pub fn lines_section<const D: usize>(run: &Overview<'_, D>, labels: &Labels) -> 
 }
 
 /// Indices of as many of these steps as there are colours, the first and the last among them.
-fn spread(steps: usize) -> Vec<usize> {
+pub fn spread(steps: usize) -> Vec<usize> {
     let (shown, last) = (steps.min(SERIES.len()), steps.saturating_sub(1));
     let place = |k: usize| (k * last + (shown - 1) / 2) / (shown - 1).max(1);
     (0..shown).map(place).collect()
@@ -71,9 +72,11 @@ pub fn place_in_words<const D: usize>(model: &Model<D>, probe: &ProbeValue) -> S
 }
 
 /// The values of one step.
-struct Curve<'a> {
-    name: String,
-    places: &'a [LinePoint],
+pub struct Curve<'a> {
+    /// Of the step.
+    pub name: String,
+    /// In the order of s.
+    pub places: &'a [LinePoint],
 }
 
 impl Curve<'_> {
@@ -87,8 +90,14 @@ impl Curve<'_> {
     }
 }
 
-fn line_figure(id: &str, probe: &ProbeValue, curves: &[Curve<'_>], labels: &Labels) -> String {
-    let title = format!("{} along a line", probe.quantity);
+/// Curves of a quantity, in a unit, over s.
+pub fn line_figure(
+    id: &str,
+    (quantity, unit): (&str, &str),
+    curves: &[Curve<'_>],
+    labels: &Labels,
+) -> String {
+    let title = format!("{quantity} along a line");
     let head = if curves.len() > 1 { 30.0 } else { 12.0 };
     let mut svg = Svg::new(id, &title, WIDTH, head + 300.0);
     let places = || curves.iter().flat_map(|curve| curve.places);
@@ -96,12 +105,11 @@ fn line_figure(id: &str, probe: &ProbeValue, curves: &[Curve<'_>], labels: &Labe
     let values: Vec<f64> = places().map(|place| place.value).collect();
     let [low, high] = range(values.iter().copied());
     let hardly = high - low < HARDLY * high.abs().max(low.abs());
-    let unit = labels.unit(probe.dimension);
     let frame = Frame {
         corner: [86.0, head],
         size: [WIDTH - 106.0, 246.0],
         x: Axis::linear("s", &labels.length, &ways, false, 8).roomy(),
-        y: Axis::linear(&probe.quantity, unit, &values, hardly, 6).widened(0.06),
+        y: Axis::linear(quantity, unit, &values, hardly, 6).widened(0.06),
     };
     frame.draw(&mut svg, true);
     let mut key = frame.corner[0];

@@ -3,6 +3,7 @@
 //! Result files appear whole or not at all: see [`Record`]. Numbers and signs are those of the solution; only the report
 //! rounds. The same solution gives the same bytes, but for the timings.
 
+mod bars;
 mod chain;
 mod colour;
 mod compare;
@@ -334,6 +335,9 @@ fn write<const D: usize>(record: &Record<'_, D>, dir: &Path) -> Result<Vec<PathB
     if let Some(sections) = csv::sections_csv(model, steps) {
         stage.put(SECTIONS, sections.as_bytes())?;
     }
+    if let Some(bars) = csv::bars_csv(steps) {
+        stage.put(BARS, bars.as_bytes())?;
+    }
 
     let seconds = || Seconds {
         write: start.elapsed().as_secs_f64(),
@@ -372,8 +376,11 @@ const LINES: &str = "lines.csv";
 /// The file of section forces.
 const SECTIONS: &str = "sections.csv";
 
+/// The file of forces of bars.
+const BARS: &str = "bars.csv";
+
 /// Files that not every run writes, of an earlier one in a folder: VTU and VTM files, as its collection names them, and what
-/// looks like its `lines.csv` or `sections.csv`; none where they cannot be read.
+/// looks like its `lines.csv`, `sections.csv` or `bars.csv`; none where they cannot be read.
 fn earlier_files(dir: &Path) -> Vec<String> {
     let read = |name: &str| std::fs::read_to_string(dir.join(name)).unwrap_or_default();
     let text = read(COLLECTION);
@@ -384,6 +391,9 @@ fn earlier_files(dir: &Path) -> Vec<String> {
     }
     if read(SECTIONS).starts_with(csv::SECTIONS_HEAD) {
         files.push(SECTIONS.to_string());
+    }
+    if read(BARS).starts_with(csv::BARS_HEAD) {
+        files.push(BARS.to_string());
     }
     files
 }

@@ -8,6 +8,7 @@ use crate::model::{
     Analysis, BodySolution, ContactSolution, Dimension, Model, Peak, Solution, Status,
 };
 use crate::output::Overview;
+use crate::output::bars::bars_section;
 use crate::output::chain::arc_lengths;
 use crate::output::contacts;
 use crate::output::figures::Figures;
@@ -35,6 +36,7 @@ pub fn page<const D: usize>(run: &Overview<'_, D>) -> String {
         probes(model, solution, &labels),
         lines_section(run, &labels),
         sections_section(run, &labels),
+        bars_section(run, &labels),
         steps_section(run, &labels),
         "<h2>Model</h2>\n".to_string(),
         figures.model(&alone),
@@ -54,6 +56,7 @@ pub fn page<const D: usize>(run: &Overview<'_, D>) -> String {
     let files = [
         (lines, ", lines.csv"),
         (!solution.sections.is_empty(), ", sections.csv"),
+        (!solution.bars.is_empty(), ", bars.csv"),
     ];
     let files = files
         .iter()

@@ -1,13 +1,16 @@
 //! Figure "Mesh, supports and loads": the model as a textbook draws it.
 
 use crate::geometry::{Field, Point, unit};
-use crate::model::{Body, Contact, Model, Pair, Place, Support};
+use crate::model::{Body, Bond, Contact, Model, Pair, Place, Support};
 use crate::output::points::{couples, draw_points, forces, in_words};
 use crate::output::scene::{Scene, WIDTH, mesh_lines, outline_path, polyline};
 use crate::output::svg::{
-    ALARM, Anchor, INK, LOAD, MUTED, Pixel, RULE, SERIES, SUPPORT, Svg, TINTS, Type, text_width,
+    ALARM, Anchor, BAR, INK, LOAD, MUTED, Pixel, RULE, SERIES, SUPPORT, Svg, TINTS, Type,
+    text_width,
 };
-use crate::output::symbols::{Hold, draw_load, draw_support, hatch, hold, roller};
+use crate::output::symbols::{
+    Hold, draw_load, draw_spring, draw_support, hatch, hold, roller, zigzag,
+};
 use crate::output::text::{Labels, number, quantity, vector};
 use crate::output::view::{Margin, STRIP, View, mark_detail, on_paper, scale_bar};
 
@@ -125,6 +128,14 @@ fn draw_view(svg: &mut Svg, scene: &Scene, view: &View, labels: &Labels) {
     for (i, body) in scene.model.bodies.iter().enumerate() {
         for support in &body.supports {
             draw_support(svg, scene, view, i, support, labels);
+        }
+        for spring in &body.springs {
+            draw_spring(svg, scene, view, i, spring);
+        }
+    }
+    for bar in &scene.model.bars {
+        if let Ok(ends) = bar.places(scene.model) {
+            draw_bar(svg, ends.map(|end| view.pixel(end)), bar.bond);
         }
     }
     draw_points(svg, scene, view, labels);
@@ -249,6 +260,43 @@ fn symbols(svg: &mut Svg, scene: &Scene, flow: &mut Flow) {
     }
     if scene.model.bodies.iter().any(|b| !b.loads.is_empty()) {
         name_loads(svg, flow);
+    }
+    name_links(svg, scene.model, flow);
+}
+
+/// A bar from one end to the other, with its ends marked, or where it is grouted all of it.
+pub fn draw_bar(svg: &mut Svg, [from, to]: [Pixel; 2], bond: Bond) {
+    if bond == Bond::Grouted {
+        svg.line(from, to, "white", 5.0);
+    }
+    svg.line(from, to, BAR, 2.2);
+    for end in [from, to] {
+        svg.circle(
+            end,
+            2.8,
+            BAR,
+            if bond == Bond::Ends { BAR } else { "white" },
+            "",
+        );
+    }
+}
+
+/// The entries of springs and bars, where there are some.
+pub fn name_links<const D: usize>(svg: &mut Svg, model: &Model<D>, flow: &mut Flow) {
+    if model.bodies.iter().any(|body| !body.springs.is_empty()) {
+        let at = flow.explain(svg, "spring");
+        zigzag(svg, [at[0] + 8.0, at[1] - 12.0], [0.0, 1.0]);
+    }
+    for bond in [Bond::Ends, Bond::Grouted] {
+        if model.bars.iter().any(|bar| bar.bond == bond) {
+            let text = match bond {
+                Bond::Ends => "bar, held at its ends",
+                Bond::Grouted => "bar, grouted",
+            };
+            let at = flow.explain(svg, text);
+            let y = at[1] - 4.0;
+            draw_bar(svg, [[at[0], y], [at[0] + 16.0, y]], bond);
+        }
     }
 }
 

@@ -1,6 +1,6 @@
 //! Section "Load steps" of the report: curves against time and tables, one row for each step.
 
-use crate::geometry::norm;
+use crate::geometry::{norm, sub};
 use crate::model::{BodySolution, ContactSolution, Model, Solution};
 use crate::output::Overview;
 use crate::output::figures::Figures;
@@ -61,20 +61,29 @@ fn stages<const D: usize>(run: &Overview<'_, D>) -> String {
     if !several && (0..run.stages.len()).all(|step| run.step_name(step).is_none()) {
         return String::new();
     }
-    let heads = [
+    let with_bars = !run.model.bars.is_empty();
+    let mut heads = vec![
         column("step", ""),
         column("t", ""),
         left("name"),
         left("bodies"),
         left("contacts"),
     ];
+    heads.extend(with_bars.then(|| left("bars")));
     let both = || run.steps().zip(&run.stages).enumerate();
     let row = |(step, (solution, stage)): (usize, (&Solution<D>, &Cow<'_, Model<D>>))| {
         let bodies: Vec<&str> = stage.bodies.iter().map(|body| body.name.as_str()).collect();
         let contacts: Vec<&str> = stage.contacts.iter().map(|c| c.name.as_str()).collect();
         let [number, time] = [count(step + 1), number(solution.time)].map(plain);
         let name = run.step_name(step).unwrap_or_default();
-        let words = [name, &bodies.join(", "), &contacts.join(", ")].map(text);
+        let bars = stage.bars.iter().map(|bar| match bar.is_tightening() {
+            true => format!("{} (tightened)", bar.name),
+            false => bar.name.clone(),
+        });
+        let bars: Vec<String> = bars.collect();
+        let [bodies, contacts, bars] = [bodies.join(", "), contacts.join(", "), bars.join(", ")];
+        let words = [name, &bodies, &contacts, &bars].map(text);
+        let words = words.into_iter().take(3 + usize::from(with_bars));
         [number, time].into_iter().chain(words).collect()
     };
     let table = table(&heads, both().map(row).collect());
@@ -206,6 +215,7 @@ fn overview<const D: usize>(steps: &[&Solution<D>], labels: &Labels) -> String {
     let mut heads = vec![
         column("iterations", ""),
         column("largest displacement", &labels.length),
+        column("of this step alone", &labels.length),
         column("largest von Mises", &labels.stress),
         column("elastic energy", &labels.energy),
         column("certified", ""),
@@ -214,12 +224,14 @@ fn overview<const D: usize>(steps: &[&Solution<D>], labels: &Labels) -> String {
         heads.push(column("largest utilisation", ""));
         heads.push(column(&format!("overstressed {word}"), &unit));
     }
-    rows(steps, heads, |_, s| {
+    rows(steps, heads, |index, s| {
         let bodies = || s.bodies.iter();
+        let before = index.checked_sub(1).map(|before| steps[before]);
         let stresses = bodies().flat_map(|b| b.von_mises.iter().copied());
         let mut row = vec![
             count(s.solver.iterations),
             number(largest(bodies().map(BodySolution::max_displacement))),
+            number(largest(bodies().map(|body| moved_since(body, before)))),
             number(largest(stresses)),
             number(bodies().map(|b| b.strain_energy).sum()),
             if s.converged { "✓" } else { "✗" }.to_string(),
@@ -232,6 +244,18 @@ fn overview<const D: usize>(steps: &[&Solution<D>], labels: &Labels) -> String {
         }
         row
     })
+}
+
+/// The largest displacement of a body since a step; since it came, where it was not there.
+fn moved_since<const D: usize>(body: &BodySolution<D>, before: Option<&Solution<D>>) -> f64 {
+    let mut then = before.iter().flat_map(|solution| &solution.bodies);
+    match then.find(|then| then.name == body.name) {
+        Some(then) => {
+            let both = body.displacement.iter().zip(&then.displacement);
+            largest(both.map(|(&now, &then)| norm(sub(now, then))))
+        }
+        None => body.max_displacement(),
+    }
 }
 
 fn contact_table<const D: usize>(steps: &[&Solution<D>], name: &str, labels: &Labels) -> String {

@@ -18,6 +18,8 @@ pub const MUTED: &str = "#5a6672";
 pub const RULE: &str = "#d5dbe1";
 /// Supports.
 pub const SUPPORT: &str = "#2f6b4f";
+/// Bars.
+pub const BAR: &str = "#5b3a8c";
 /// Loads.
 pub const LOAD: &str = "#1f5c99";
 /// The part of an interface that is open.

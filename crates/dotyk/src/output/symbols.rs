@@ -1,7 +1,7 @@
 //! Symbols of supports and loads, drawn along the sides of bodies.
 
 use crate::geometry::{Field, Point, bounding_box, distance, dot, norm, unit};
-use crate::model::{Amount, Load, Place, Support};
+use crate::model::{Amount, Bed, Load, Place, Spring, Support};
 use crate::output::scene::{Mark, Scene, Strand, polyline};
 use crate::output::svg::{LOAD, Pixel, SUPPORT, Svg, Type, segments, text_width};
 use crate::output::text::{Labels, number, quantity};
@@ -421,6 +421,72 @@ fn hidden(scene: &Scene, view: &View, strand: &Strand, points: &[Point<2>], leas
         .detail
         .is_some_and(|(a, b)| (0..2).all(|i| low[i] >= a[i] && high[i] <= b[i]));
     !view.detail && in_detail && size < least
+}
+
+/// Distance between the springs of a side on paper.
+const APART: f64 = 34.0;
+
+/// The symbols of a spring: all along a side, or at a point along the axes that it holds.
+pub fn draw_spring(svg: &mut Svg, scene: &Scene, view: &View, body: usize, spring: &Spring<2>) {
+    let of = &scene.model.bodies[body];
+    let points = of.mesh.points();
+    match &spring.bed {
+        Bed::Side { side, .. } => {
+            for strand in scene.body_side(body, side) {
+                if hidden(scene, view, &strand, points, 40.0) {
+                    continue;
+                }
+                let parts = (strand.length(points) * view.scale / APART).round() as usize;
+                for mark in strand.marks(points, parts.clamp(1, 400), true) {
+                    let at = view.pixel(mark.point);
+                    if view.sees(at) {
+                        zigzag(svg, at, on_paper(mark.normal));
+                    }
+                }
+            }
+        }
+        Bed::Point { point, stiffness } => {
+            let Some(&node) = nearest(points, *point) else {
+                return;
+            };
+            // away from the body
+            let centre = middle_of(points);
+            for axis in (0..2).filter(|&axis| stiffness[axis] > 0.0) {
+                let away = if node[axis] < centre[axis] { -1.0 } else { 1.0 };
+                let direction: Point<2> =
+                    std::array::from_fn(|i| if i == axis { away } else { 0.0 });
+                zigzag(svg, view.pixel(node), on_paper(direction));
+            }
+        }
+    }
+}
+
+/// A spring from a point in a direction, on the ground.
+pub fn zigzag(svg: &mut Svg, at: Pixel, d: Pixel) {
+    let place = |along: f64, across: f64| -> Pixel {
+        [
+            at[0] + along * d[0] - across * d[1],
+            at[1] + along * d[1] + across * d[0],
+        ]
+    };
+    let turns = [
+        (0.0, 0.0),
+        (2.0, 0.0),
+        (3.5, 3.0),
+        (6.0, -3.0),
+        (8.5, 3.0),
+        (10.0, 0.0),
+        (12.0, 0.0),
+    ];
+    let path: Vec<Pixel> = turns.iter().map(|&(s, q)| place(s, q)).collect();
+    svg.path(
+        &polyline(&path),
+        SUPPORT,
+        1.1,
+        "none",
+        "stroke-linejoin=\"round\"",
+    );
+    svg.line(place(12.0, -4.5), place(12.0, 4.5), SUPPORT, 1.6);
 }
 
 /// The nearest of some points.

@@ -418,6 +418,7 @@ fn pushed(push: f64, angle: f64, swapped: bool) -> Model<2> {
     model.contact(nonmortar, mortar).law = Law::Cohesive {
         cohesion: Field::constant(500.0),
         coefficient: Field::constant(0.3),
+        tension: Field::constant(0.0),
     };
     model
 }
@@ -442,15 +443,4 @@ fn a_block_holds_up_to_cohesion_and_friction_however_it_lies_and_whichever_side_
             }
         }
     }
-}
-
-#[test]
-fn cohesion_with_several_load_steps_is_refused() {
-    let mut model = pushed(1000.0, 0.0, false);
-    model.times = vec![1.0, 2.0];
-    let text = model.solve_steps().unwrap_err().to_string();
-    assert!(
-        text.contains("several load steps is not supported yet"),
-        "{text}"
-    );
 }

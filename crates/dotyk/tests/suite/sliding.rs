@@ -40,6 +40,7 @@ fn slides(model: &Model<2>) -> (String, String, f64, Option<[f64; 2]>) {
                 motion,
                 held,
                 step,
+                ..
             } => (body, motion, held, step),
             other => panic!("{other}"),
         },

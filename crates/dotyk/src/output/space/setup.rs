@@ -6,7 +6,7 @@ use crate::model::{Amount, Couple, Load, Pair, Place};
 use crate::output::html;
 use crate::output::points::couples;
 use crate::output::scene::WIDTH;
-use crate::output::setup::{Flow, NAMED, name_alone, name_loads, name_parts};
+use crate::output::setup::{Flow, NAMED, draw_bar, name_alone, name_links, name_loads, name_parts};
 use crate::output::space::camera::{Camera, Window};
 use crate::output::space::canvas::{Canvas, Ink, Paint};
 use crate::output::space::marks::{Labelled, Mark, force, held, hold, push, seen};
@@ -151,7 +151,7 @@ fn tints(scene: &Scene<'_>, body: usize) -> Vec<[u8; 3]> {
     let own = rgb(TINTS[body % TINTS.len()]);
     let mut colours = vec![own; facets.len()];
     let of = &scene.model.bodies[body];
-    let held = of.supports.iter().map(|s| (s.place.clone(), SUPPORT, 0.22));
+    let held = of.held_places().map(|place| (place, SUPPORT, 0.22));
     let loaded = of.loads.iter().map(|l| (l.place(), LOAD, 0.2));
     for (place, colour, part) in held.chain(loaded) {
         let Place::Side(side) = place else { continue };
@@ -200,6 +200,11 @@ impl Sheet<'_> {
         }
         for (body, couple) in couples(scene.model) {
             self.couple(&scene.model.bodies[body].mesh, couple);
+        }
+        for bar in &scene.model.bars {
+            if let Ok(ends) = bar.places(scene.model) {
+                draw_bar(self.svg, ends.map(|end| window.pixel(end)), bar.bond);
+            }
         }
         let mut labelled = Labelled::default();
         self.arrows.iter().for_each(|ends| labelled.keep(*ends));
@@ -389,6 +394,7 @@ fn legend(svg: &mut Svg, scene: &Scene<'_>, labels: &Labels, alone: bool, top: f
     if scene.model.bodies.iter().any(|b| !b.loads.is_empty()) {
         name_loads(svg, &mut flow);
     }
+    name_links(svg, scene.model, &mut flow);
     if alone {
         name_alone(svg, &mut flow);
     }

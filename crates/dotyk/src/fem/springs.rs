@@ -1,0 +1,259 @@
+//! Springs: beddings of sides and weak supports of points, which count as part of the stiffness of their body.
+//!
+//! ```text
+//!   t = −(kₙ n⊗n + kₜ (1 − n⊗n)) (u − u_a)    per area of a side,        f_i = −k_i (u_i − u_a,i)    at a node
+//!   K += ∫ NᵀCN dS,      f += ∫ NᵀC u_a dS,     C the tensor above
+//! ```
+//!
+//! u_a is the displacement at which a spring came, which it does without a force. A bed that only presses bears along the
+//! normal by a condition of its own (`model/links.rs`); here it has its tangential part alone.
+//!
+//! Units: kₙ, kₜ force per area and length, with the thickness or 2πr coming on top; k_i force per length.
+
+use crate::fem::error::FemError;
+use crate::fem::loads::side_points;
+use crate::fem::nouns::{Active, Analysis, Body, Place};
+use crate::fem::supports::{nearest_node, side_facets};
+use crate::geometry::{Point, add_scaled, dot, norm, unit};
+use std::collections::BTreeMap;
+
+/// Where a spring acts, and how stiff it is.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Bed<const D: usize> {
+    /// All over a side.
+    Side {
+        /// Side of the body.
+        side: String,
+        /// Force per area and displacement along the normal.
+        normal: f64,
+        /// The same across it, in every direction.
+        tangential: f64,
+        /// Along the normal it presses and does not pull; across it acts either way.
+        compression_only: bool,
+    },
+    /// At the node nearest to a point.
+    Point {
+        /// The point.
+        point: Point<D>,
+        /// Force per displacement along each axis.
+        stiffness: [f64; D],
+    },
+}
+
+/// A spring between a body and what does not move.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Spring<const D: usize> {
+    /// Where and how stiff.
+    pub bed: Bed<D>,
+    /// When it is there. One that comes later than its body holds nothing where it finds it.
+    pub active: Active,
+}
+
+impl<const D: usize> Spring<D> {
+    /// Where it acts.
+    pub fn place(&self) -> Place<D> {
+        match &self.bed {
+            Bed::Side { side, .. } => Place::Side(side.clone()),
+            Bed::Point { point, .. } => Place::Point(*point),
+        }
+    }
+
+    /// The side and the stiffness along its normal of one that only presses.
+    pub(crate) fn presses(&self) -> Option<(&str, f64)> {
+        match &self.bed {
+            Bed::Side {
+                side,
+                normal,
+                compression_only: true,
+                ..
+            } if *normal > 0.0 => Some((side, *normal)),
+            _ => None,
+        }
+    }
+
+    /// Stiffness along the normal and across it that holds in both directions.
+    fn of_side(&self) -> [f64; 2] {
+        match self.bed {
+            Bed::Side {
+                normal,
+                tangential,
+                compression_only,
+                ..
+            } => [if compression_only { 0.0 } else { normal }, tangential],
+            Bed::Point { .. } => [0.0; 2],
+        }
+    }
+
+    /// Stiffnesses are numbers from 0 on, and not all of them 0.
+    fn check(&self) -> Result<(), FemError> {
+        let all: &[f64] = match &self.bed {
+            Bed::Side {
+                normal, tangential, ..
+            } => &[*normal, *tangential],
+            Bed::Point { stiffness, .. } => stiffness,
+        };
+        let wrong = |value: &&f64| !(value.is_finite() && **value >= 0.0);
+        match all.iter().find(wrong) {
+            Some(&value) => Err(FemError::Spring { value }),
+            None if all.iter().all(|&k| k == 0.0) => Err(FemError::Spring { value: 0.0 }),
+            None => Ok(()),
+        }
+    }
+}
+
+/// A point at which a spring acts: nodes with their shape functions, and the tensor C times the area there.
+struct Share<const D: usize> {
+    nodes: Vec<(usize, f64)>,
+    tensor: [Point<D>; D],
+}
+
+fn scaled_axes<const D: usize>(scale: [f64; D]) -> [Point<D>; D] {
+    std::array::from_fn(|i| std::array::from_fn(|j| if i == j { scale[i] } else { 0.0 }))
+}
+
+/// The points of a spring.
+fn shares<const D: usize>(
+    body: &Body<D>,
+    analysis: Analysis,
+    spring: &Spring<D>,
+) -> Result<Vec<Share<D>>, FemError> {
+    match &spring.bed {
+        Bed::Point { point, stiffness } => {
+            let node = nearest_node(&body.mesh, *point, "spring")?;
+            Ok(vec![Share {
+                nodes: vec![(node, 1.0)],
+                tensor: scaled_axes(*stiffness),
+            }])
+        }
+        Bed::Side { side, .. } => {
+            let [normal, across] = spring.of_side();
+            let points = side_points(body, side, analysis)?;
+            if normal == 0.0 && across == 0.0 {
+                return Ok(Vec::new());
+            }
+            let share = |place: crate::fem::loads::SidePoint<D>| {
+                let nodes = body.mesh.facet_nodes(place.facet).zip(place.shape);
+                let mut tensor = scaled_axes([across * place.area; D]);
+                for (row, n) in tensor.iter_mut().zip(place.normal) {
+                    *row = add_scaled(*row, (normal - across) * place.area * n, place.normal);
+                }
+                Share {
+                    nodes: nodes.map(|(node, n)| (node as usize, n)).collect(),
+                    tensor,
+                }
+            };
+            Ok(points.map(share).collect())
+        }
+    }
+}
+
+/// Entries (row, column, value) of the stiffness of the springs of a body, in global axes, both triangles.
+///
+/// Errors: a stiffness that is negative or no number, unknown or empty sides, points off the body.
+pub(crate) fn spring_stiffness<const D: usize>(
+    body: &Body<D>,
+    analysis: Analysis,
+) -> Result<Vec<(usize, usize, f64)>, FemError> {
+    let mut sums: BTreeMap<(usize, usize), f64> = BTreeMap::new();
+    for spring in &body.springs {
+        spring.check()?;
+        for share in shares(body, analysis, spring)? {
+            for &(a, na) in &share.nodes {
+                for &(b, nb) in &share.nodes {
+                    for (i, row) in share.tensor.iter().enumerate() {
+                        for (j, value) in row.iter().enumerate() {
+                            *sums.entry((D * a + i, D * b + j)).or_insert(0.0) += na * nb * value;
+                        }
+                    }
+                }
+            }
+        }
+    }
+    Ok(sums.into_iter().map(|((i, j), v)| (i, j, v)).collect())
+}
+
+/// What a spring of a body takes to be displaced, (nodes,), in global axes: ∫ NᵀCu dS.
+fn force<const D: usize>(
+    body: &Body<D>,
+    analysis: Analysis,
+    spring: &Spring<D>,
+    u: &[Point<D>],
+) -> Result<Vec<Point<D>>, FemError> {
+    let mut forces = vec![[0.0; D]; body.mesh.points().len()];
+    for share in shares(body, analysis, spring)? {
+        let nodes = share.nodes.iter();
+        let at = nodes.fold([0.0; D], |sum, &(node, n)| add_scaled(sum, n, u[node]));
+        let force: Point<D> = share.tensor.map(|row| dot(row, at));
+        for &(node, n) in &share.nodes {
+            forces[node] = add_scaled(forces[node], n, force);
+        }
+    }
+    Ok(forces)
+}
+
+/// What each spring of a body takes to be displaced, (nodes,), in global axes: K u of its own.
+pub(crate) fn spring_forces<const D: usize>(
+    body: &Body<D>,
+    analysis: Analysis,
+    displacement: &[Point<D>],
+) -> Result<Vec<Vec<Point<D>>>, FemError> {
+    let springs = body.springs.iter();
+    springs
+        .map(|spring| force(body, analysis, spring, displacement))
+        .collect()
+}
+
+/// The load of each spring that came later, (nodes,), with its place: K u_a of its own, by which it bears nothing at u_a.
+pub(crate) fn spring_loads<const D: usize>(
+    body: &Body<D>,
+    analysis: Analysis,
+) -> Result<Vec<(usize, Vec<Point<D>>)>, FemError> {
+    let placed = body.history.sprung.iter();
+    placed
+        .map(|(&k, u)| Ok((k, force(body, analysis, &body.springs[k], u)?)))
+        .collect()
+}
+
+/// Nodes and directions in which springs hold a body.
+///
+/// Errors: unknown or empty sides, points off the body.
+pub(crate) fn sprung_directions<const D: usize>(
+    body: &Body<D>,
+) -> Result<Vec<(usize, Point<D>)>, FemError> {
+    let mesh = &body.mesh;
+    let mut all = Vec::new();
+    for spring in &body.springs {
+        match &spring.bed {
+            Bed::Point { point, stiffness } => {
+                let node = nearest_node(mesh, *point, "spring")?;
+                let axes = scaled_axes([1.0; D]).into_iter().zip(stiffness);
+                all.extend(
+                    axes.filter(|(_, k)| **k > 0.0)
+                        .map(|(axis, _)| (node, axis)),
+                );
+            }
+            Bed::Side { side, .. } => {
+                let [normal, across] = spring.of_side().map(|k| k > 0.0);
+                for &facet in side_facets(mesh, side)? {
+                    let kind = mesh.facet_kind(facet);
+                    for (node, xi) in mesh.facet_nodes(facet).zip(kind.reference_nodes()) {
+                        let Some(n) = unit(mesh.outward_normal(facet, xi)) else {
+                            continue;
+                        };
+                        let node = node as usize;
+                        if normal {
+                            all.push((node, n));
+                        }
+                        if across {
+                            let axes = scaled_axes([1.0; D]).into_iter();
+                            let along = axes.map(|axis| add_scaled(axis, -dot(axis, n), n));
+                            let along = along.filter(|axis| norm(*axis) > 0.1);
+                            all.extend(along.map(|axis| (node, axis)));
+                        }
+                    }
+                }
+            }
+        }
+    }
+    Ok(all)
+}

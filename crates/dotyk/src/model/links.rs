@@ -1,0 +1,481 @@
+//! Beds that only press, and bars: rows of B between bodies and small elastic parts of their own.
+//!
+//! Each row has a part with one stiffness, K = k, whose displacement q is what gives way:
+//!
+//! ```text
+//!   bed       gap = −(n·u − q) ≥ 0,  λ ≥ 0      k = kₙ ∫ψ        q = λ/k: pressed in
+//!   bar       gap = e_a − (e − q) = 0           k = EA/L         q = (λ − P)/k: lengthened, λ = N
+//!             tension only                      gap ≥ 0, λ ≥ 0
+//!             yields                            −slip = gap,  |λ| ≤ N_y: the plastic elongation is a slip
+//!             both                              λ = N_y/2 + λ',  |λ'| ≤ N_y/2, and slack bars keep their slip
+//!             being tightened                   no row: both ends are pulled with P
+//! ```
+//!
+//! A bed at the nodes of a side is that of a contact with a rigid obstacle without a gap, which its part makes give way. What a bed
+//! or a bar was there with (u_a) stands in its gaps. Bars of a plane model count as many times as there are in its thickness.
+
+use crate::contact::{Coupling, GapShares, Interface, InterfaceNode, Role, Row};
+use crate::dual::{Block, Friction};
+use crate::fem::{Active, BodySystem, Constraints};
+use crate::geometry::{Field, Point, add_scaled, dot, norm};
+use crate::model::bar::{Anchor, Bar, BarSolution, BarStation, LaidBar, lay_bars};
+use crate::model::bodies::LoadedBody;
+use crate::model::error::Error;
+use crate::model::joints::{restore, set_base};
+use crate::model::nouns::{
+    BodyId, Contact, Law, Model, Motion, Obstacle, Pair, Pairing, Rigid, SideRef,
+};
+use crate::model::pair::{Kind, Paired, pair_contact, row_ranges};
+use crate::model::parts::{couples, first_point};
+use std::collections::BTreeMap;
+
+/// What links have besides an interface between two parts.
+#[derive(Debug, Clone)]
+pub(crate) struct Link<const D: usize> {
+    /// Rows on further bodies.
+    pub further: Vec<(usize, Vec<Row<D>>)>,
+    /// B u_a (m of the link,): what its rows came with.
+    pub came_with: Vec<f64>,
+    /// Forces at nodes of bodies while a bar is tightened: body, node, force.
+    pub steady: Vec<(usize, usize, Point<D>)>,
+    /// Stiffness of each dof of its part, (nodes of the part, D); 0 is held.
+    pub stiffness: Vec<[f64; D]>,
+    /// Load of its part.
+    pub load: Vec<[f64; D]>,
+    /// Bars in the thickness of the model.
+    pub count: f64,
+}
+
+impl<const D: usize> Default for Link<D> {
+    fn default() -> Self {
+        Self {
+            further: Vec::new(),
+            came_with: Vec::new(),
+            steady: Vec::new(),
+            stiffness: Vec::new(),
+            load: Vec::new(),
+            count: 1.0,
+        }
+    }
+}
+
+/// The part that the first link has.
+pub(crate) fn first_link<const D: usize>(model: &Model<D>) -> usize {
+    first_point(model) + couples(model).count()
+}
+
+/// Beds that only press: body, and place of the spring in it.
+fn beds<const D: usize>(model: &Model<D>) -> impl Iterator<Item = (usize, usize)> {
+    model.bodies.iter().enumerate().flat_map(|(index, body)| {
+        let pressing = body.springs.iter().enumerate();
+        let pressing = pressing.filter(|(_, spring)| spring.presses().is_some());
+        pressing.map(move |(place, _)| (index, place))
+    })
+}
+
+/// Name of the part of a link, by its place among them.
+pub(crate) fn link_name<const D: usize>(model: &Model<D>, place: usize) -> String {
+    if let Some((body, _)) = beds(model).nth(place) {
+        return format!("bed of {}", model.bodies[body].name);
+    }
+    let bar = place.checked_sub(beds(model).count());
+    let bar = bar.and_then(|place| model.bars.get(place));
+    bar.map_or_else(String::new, |bar| bar.name.clone())
+}
+
+/// Pairs all links of a model.
+///
+/// Errors: sides that cannot be paired; bars that cannot be laid.
+pub(crate) fn pair_links<const D: usize>(
+    model: &Model<D>,
+    constraints: &[&Constraints<D>],
+    time: f64,
+) -> Result<Vec<Paired<D>>, Error<D>> {
+    let parts = first_link(model)..;
+    let mut paired = Vec::new();
+    for (part, bed) in parts.clone().zip(beds(model)) {
+        paired.push(pair_bed(model, constraints, (bed, part), time)?);
+    }
+    let laid = lay_bars(model)?;
+    let parts = parts.skip(paired.len());
+    let bars = parts.zip(laid.iter().enumerate());
+    let bars = bars.map(|(part, (place, laid))| pair_bar((&model.bars[place], place), laid, part));
+    paired.extend(bars);
+    Ok(paired)
+}
+
+/// The unit vector of a dof of a part.
+fn axis<const D: usize>(i: usize) -> Point<D> {
+    std::array::from_fn(|j| if i == j { 1.0 } else { 0.0 })
+}
+
+/// Minus a dof of a node of a part, as a row.
+fn less<const D: usize>(node: usize, dof: usize) -> Row<D> {
+    vec![(node, axis::<D>(dof).map(|c| -c))]
+}
+
+fn pair_bed<const D: usize>(
+    model: &Model<D>,
+    constraints: &[&Constraints<D>],
+    ((index, place), part): ((usize, usize), usize),
+    time: f64,
+) -> Result<Paired<D>, Error<D>> {
+    let body = &model.bodies[index];
+    let (side, stiffness) = body.springs[place].presses().unwrap_or_default();
+    let zero = || Field::constant(0.0);
+    let contact = Contact {
+        name: format!("spring of {}.{side}", body.name),
+        pair: Pair::Obstacle {
+            nonmortar: SideRef {
+                body: BodyId(index),
+                side: side.to_string(),
+            },
+            obstacle: Obstacle {
+                shape: Rigid::Gap(zero()),
+                // it gives way: nothing is prescribed on its side
+                motion: Motion::Loaded(std::array::from_fn(|_| zero())),
+            },
+        },
+        pairing: None::<Pairing>,
+        gap: None,
+        law: Law::Frictionless,
+        exclude: Vec::new(),
+        friction_exclude: Vec::new(),
+        active: Active::ALWAYS,
+    };
+    let mut pair = pair_contact(model, constraints, &contact, time)?;
+    pair.kind = Kind::Bed(place);
+    pair.opposite = Some(part);
+    // in a bed sides may overlap what was there
+    pair.samples.clear();
+    let interface = &mut pair.interface;
+    let rows = interface.nonmortar.len();
+    interface.mortar = (0..rows).map(|row| less(row, 0)).collect();
+    let mut link = Link {
+        stiffness: vec![[0.0; D]; rows],
+        load: vec![[0.0; D]; rows],
+        ..Link::default()
+    };
+    for node in &interface.nodes {
+        if let Some(row) = node.rows[0] {
+            link.stiffness[row][0] = stiffness * node.weight;
+        }
+    }
+    link.came_with = match body.history.sprung.get(&place) {
+        Some(u) => (interface.nonmortar.iter())
+            .map(|row| row.iter().map(|&(node, c)| dot(c, u[node])).sum())
+            .collect(),
+        None => vec![0.0; rows],
+    };
+    pair.link = link;
+    Ok(pair)
+}
+
+/// How a bar gives way.
+enum Gives {
+    /// Not at all.
+    Never,
+    /// In compression.
+    Slack,
+    /// Beyond a force from a middle one.
+    Beyond { middle: f64, most: f64 },
+}
+
+impl<const D: usize> Bar<D> {
+    fn gives(&self) -> Gives {
+        match (self.strength(), self.tension_only) {
+            (None, false) => Gives::Never,
+            (None, true) => Gives::Slack,
+            (Some(most), false) => Gives::Beyond { middle: 0.0, most },
+            (Some(most), true) => Gives::Beyond {
+                middle: 0.5 * most,
+                most: 0.5 * most,
+            },
+        }
+    }
+
+    /// What one of its elements can bear, of so many bars.
+    pub(crate) fn block(&self, count: f64) -> Block {
+        match self.gives() {
+            Gives::Never => Block::Free { size: 1 },
+            Gives::Slack => Block::Unilateral,
+            Gives::Beyond { most, .. } => {
+                let bound = count * most;
+                Friction::Tresca { bound }.block(1)
+            }
+        }
+    }
+
+    /// Its slip is a plastic elongation, which grows, and slackness is none of it.
+    pub(crate) fn slackens(&self) -> bool {
+        self.tension_only && self.yields.is_some()
+    }
+
+    /// The middle of what all bars of the model bear.
+    fn middle(&self, count: f64) -> f64 {
+        match self.gives() {
+            Gives::Beyond { middle, .. } => count * middle,
+            _ => 0.0,
+        }
+    }
+}
+
+/// Rows of the elements of a bar on one body.
+fn rows_on<const D: usize>(laid: &LaidBar<D>, body: usize) -> Vec<Row<D>> {
+    let row = |[from, to]: [&Anchor<D>; 2]| {
+        let mut row: Row<D> = Vec::new();
+        for (anchor, sign) in [(from, -1.0), (to, 1.0)] {
+            for &(node, n) in anchor.nodes.iter().filter(|_| anchor.body == body) {
+                let pull = laid.along.map(|c| sign * n * c);
+                match row.iter_mut().find(|entry| entry.0 == node) {
+                    Some((_, sum)) => *sum = add_scaled(*sum, 1.0, pull),
+                    None => row.push((node, pull)),
+                }
+            }
+        }
+        row
+    };
+    laid.elements().map(row).collect()
+}
+
+fn pair_bar<const D: usize>(
+    (bar, place): (&Bar<D>, usize),
+    laid: &LaidBar<D>,
+    part: usize,
+) -> Paired<D> {
+    let mut bodies: Vec<usize> = laid.anchors.iter().map(|anchor| anchor.body).collect();
+    bodies.sort_unstable();
+    bodies.dedup();
+    let lengths: Vec<f64> = laid
+        .elements()
+        .map(|[from, to]| laid.length_to(to.point) - laid.length_to(from.point))
+        .collect();
+    let yields = matches!(bar.gives(), Gives::Beyond { .. });
+    let prestress = laid.count * bar.prestress.unwrap_or(0.0);
+    let mut link = Link {
+        count: laid.count,
+        ..Link::default()
+    };
+    for length in &lengths {
+        let k = laid.count * bar.young * bar.area / length;
+        // of one that yields the second dof only makes the force along its first no normal one
+        link.stiffness.push(std::array::from_fn(|i| {
+            if i < 1 + usize::from(yields) { k } else { 0.0 }
+        }));
+        link.load.push(axis::<D>(0).map(|c| -c * prestress));
+    }
+    let mut of_bodies: Vec<(usize, Vec<Row<D>>)> = bodies
+        .iter()
+        .map(|&body| (body, rows_on(laid, body)))
+        .collect();
+    if bar.tightening {
+        for (body, rows) in &of_bodies {
+            let pulls = rows.iter().flatten();
+            let pulls = pulls.map(|&(node, c)| (*body, node, c.map(|c| -prestress * c)));
+            link.steady.extend(pulls);
+        }
+    }
+    let mut interface = empty_interface(match (bar.gives(), bar.tightening) {
+        (Gives::Never, _) | (_, true) => Coupling::Tied,
+        (Gives::Slack, _) => Coupling::Normal,
+        (Gives::Beyond { .. }, _) => Coupling::Frictional,
+    });
+    if bar.tightening {
+        of_bodies.iter_mut().for_each(|(_, rows)| rows.clear());
+    } else {
+        for element in 0..lengths.len() {
+            add_element(&mut interface, element, yields);
+        }
+        if yields {
+            for (_, rows) in &mut of_bodies {
+                let both = rows.drain(..).flat_map(|row| [Vec::new(), row]);
+                *rows = both.collect();
+            }
+        }
+    }
+    let mut of_bodies = of_bodies.into_iter();
+    let (body, rows) = of_bodies.next().unwrap_or_default();
+    interface.nonmortar = rows;
+    link.further = of_bodies.collect();
+    let rows = interface.nonmortar.len();
+    link.came_with = vec![0.0; rows];
+    // of one that yields every second row is along it
+    let along = |row: usize| !yields || row % 2 == 1;
+    let middle = bar.middle(laid.count);
+    let base = (0..rows).map(|row| if along(row) { middle } else { 0.0 });
+    Paired {
+        kind: Kind::Bar(place),
+        name: bar.name.clone(),
+        nonmortar: SideRef {
+            body: BodyId(body),
+            side: String::new(),
+        },
+        mortar: None,
+        opposite: Some(part),
+        obstacle_motion: [0.0; D],
+        interface,
+        samples: Vec::new(),
+        left_out: Vec::new(),
+        fit: Default::default(),
+        link,
+        base: base.collect(),
+        lost: Vec::new(),
+        sagitta: 0.0,
+        warnings: Vec::new(),
+    }
+}
+
+fn empty_interface<const D: usize>(coupling: Coupling) -> Interface<D> {
+    Interface {
+        nodes: Vec::new(),
+        cyclic: false,
+        coupling,
+        nonmortar: Vec::new(),
+        mortar: Vec::new(),
+        points: Vec::new(),
+        implied: Vec::new(),
+        missed: [0; 2],
+        unborne: 0,
+    }
+}
+
+/// The rows of an element on its part, and the node that carries them.
+fn add_element<const D: usize>(interface: &mut Interface<D>, element: usize, yields: bool) {
+    let first = interface.mortar.len();
+    let count = 1 + usize::from(yields);
+    if yields {
+        interface.mortar.push(less(element, 1));
+    }
+    interface.mortar.push(less(element, 0));
+    interface.nodes.push(InterfaceNode {
+        node: 0,
+        opposite: Vec::new(),
+        frame: std::array::from_fn(axis),
+        weight: 1.0,
+        extent: 0.0,
+        gap: 0.0,
+        clearance: 0.0,
+        shares: GapShares::default(),
+        role: Role::Multiplier,
+        rows: std::array::from_fn(|k| (k < count).then_some(first + k)),
+    });
+}
+
+/// Completes the systems of bodies and rigid parts by those of links, and by what joints and bars do besides the forces of their
+/// rows at a time; `before` tells by the names of contacts what joints have lost.
+///
+/// Errors: those of [`set_base`].
+pub(crate) fn complete<const D: usize>(
+    model: &Model<D>,
+    systems: &mut Vec<BodySystem<D>>,
+    (paired, before): (&mut [Paired<D>], &BTreeMap<String, Vec<bool>>),
+    time: f64,
+) -> Result<(), Error<D>> {
+    restore(model, paired, before);
+    set_base(model, paired, time)?;
+    systems.extend(link_systems(paired));
+    add_base(systems, paired);
+    Ok(())
+}
+
+/// The parts of all links.
+fn link_systems<const D: usize>(paired: &[Paired<D>]) -> Vec<BodySystem<D>> {
+    let links = paired.iter().filter(|pair| pair.is_link());
+    links
+        .map(|pair| BodySystem::elastic(&pair.link.stiffness, &pair.link.load))
+        .collect()
+}
+
+/// Adds to the loads what contacts and links do besides the forces of their rows. Of all systems, or, where links keep theirs, of
+/// those before them.
+pub(crate) fn add_base<const D: usize>(systems: &mut [BodySystem<D>], paired: &[Paired<D>]) {
+    for pair in paired {
+        for &(body, node, force) in &pair.link.steady {
+            let system = &mut systems[body];
+            system.add_force(&[(node, force)], 1.0);
+            system.largest_load = system.largest_load.max(norm(force));
+        }
+        for (part, rows) in pair.ends() {
+            let Some(system) = systems.get_mut(part) else {
+                continue;
+            };
+            for (row, &base) in rows
+                .iter()
+                .zip(&pair.base)
+                .filter(|(_, base)| **base != 0.0)
+            {
+                system.add_force(row, -base);
+            }
+        }
+    }
+}
+
+/// Twice the elastic energy of a part less the work of its load, the energy, and what is left of the forces on it, under
+/// forces `lambda` (m,) and displacements u.
+pub(crate) fn part_balance<const D: usize>(
+    part: &LoadedBody<D>,
+    lambda: &[f64],
+    u: &[f64],
+) -> [f64; 3] {
+    let mut inner = vec![0.0; u.len()];
+    part.system.stiffness.mul(u, &mut inner);
+    let energy = 0.5 * inner.iter().zip(u).map(|(k, u)| k * u).sum::<f64>();
+    let work: f64 = part.system.load.iter().zip(u).map(|(f, u)| f * u).sum();
+    let mut rest: Vec<f64> = part
+        .system
+        .load
+        .iter()
+        .zip(&inner)
+        .map(|(f, k)| f - k)
+        .collect();
+    part.rows.add_forces(-1.0, lambda, &mut rest);
+    let free = rest
+        .iter()
+        .zip(&part.system.held)
+        .filter(|(_, held)| !**held);
+    let left = free.map(|(f, _)| f * f).sum::<f64>().sqrt();
+    [2.0 * energy - work, energy, left]
+}
+
+/// Forces of all bars under forces `lambda` (m,).
+///
+/// Errors: bars that cannot be laid.
+pub(crate) fn bar_solutions<const D: usize>(
+    model: &Model<D>,
+    paired: &[Paired<D>],
+    lambda: &[f64],
+) -> Result<Vec<BarSolution<D>>, Error<D>> {
+    let laid = lay_bars(model)?;
+    let solved = row_ranges(paired).filter_map(|(rows, pair)| {
+        let Kind::Bar(place) = pair.kind else {
+            return None;
+        };
+        let (bar, laid) = (&model.bars[place], &laid[place]);
+        let forces = pair.forces(&lambda[rows]);
+        // the last row of an element is along the bar
+        let along = pair.interface.nodes.iter();
+        let along = along.filter_map(|node| node.rows.iter().flatten().last());
+        let along: Vec<f64> = along.map(|&row| forces[row] / laid.count).collect();
+        let stations = laid.elements().enumerate().map(|(element, [from, to])| {
+            let middle = add_scaled(from.point.map(|c| 0.5 * c), 0.5, to.point);
+            let own = along.get(element).copied();
+            BarStation {
+                s: laid.length_to(middle),
+                point: middle,
+                length: laid.length_to(to.point) - laid.length_to(from.point),
+                force: own.or(bar.prestress).unwrap_or(0.0),
+            }
+        });
+        let last = laid
+            .anchors
+            .last()
+            .map_or(0.0, |end| laid.length_to(end.point));
+        Some(BarSolution {
+            name: bar.name.clone(),
+            length: last,
+            stations: stations.collect(),
+            tightening: bar.tightening,
+        })
+    });
+    Ok(solved.collect())
+}

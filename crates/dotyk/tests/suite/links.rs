@@ -1,0 +1,496 @@
+//! Springs and bars.
+//!
+//! Tolerances are rounding unless they say otherwise: 1e-9 of the largest value, 1e-8 where contact forces take part, which the
+//! certificate knows to that.
+
+use dotyk::case::{Case, CaseError};
+use dotyk::model::{BarSolution, BodySolution, Model, Solution};
+
+fn solved(text: &str) -> (Model<2>, Vec<Solution<2>>) {
+    let model = Case::<2>::from_str(text, "links.toml", "".as_ref())
+        .unwrap()
+        .model;
+    let steps = model.solve_steps().unwrap();
+    assert!(steps.iter().all(|step| step.converged));
+    (model, steps)
+}
+
+fn refused(text: &str) -> CaseError {
+    match Case::<2>::from_str(text, "links.toml", "".as_ref()) {
+        Ok(case) => {
+            let error = case.model.solve_steps().unwrap_err();
+            case.error(error.subject().as_ref(), &error.to_string())
+        }
+        Err(error) => error,
+    }
+}
+
+fn near(found: f64, expected: f64, tolerance: f64) {
+    let off = (found - expected).abs();
+    assert!(
+        off <= tolerance * expected.abs().max(1.0),
+        "{found} {expected}"
+    );
+}
+
+fn body<'s>(solution: &'s Solution<2>, name: &str) -> &'s BodySolution<2> {
+    let found = solution.bodies.iter().find(|body| body.name == name);
+    found.unwrap()
+}
+
+fn bar<'s>(solution: &'s Solution<2>, name: &str) -> &'s BarSolution<2> {
+    solution.bars.iter().find(|bar| bar.name == name).unwrap()
+}
+
+/// A stiff block of 2 × 1 with these keys.
+fn block(name: &str, from: [f64; 2], keys: &str) -> String {
+    let [x, y] = from;
+    let (right, top) = (x + 2.0, y + 1.0);
+    format!(
+        "[[body]]\nname = \"{name}\"\n\
+         mesh = {{ rectangle = {{ from = [{x}, {y}], to = [{right}, {top}], cells = [4, 2], cell = \"quad9\" }} }}\n\
+         material = {{ young = 1e9, poisson = 0.0, thickness = 0.5 }}\n{keys}\n"
+    )
+}
+
+fn steps(times: &[f64]) -> String {
+    let each = times.iter().map(|t| format!("[[step]]\ntime = {t}\n"));
+    each.collect()
+}
+
+const PLANE: &str = "title = \"Links\"\nanalysis = \"plane-stress\"\n";
+
+/// k · area · u = load, in both directions, with thickness; and nothing floats.
+#[test]
+fn a_bedded_block_sinks_by_its_load_over_its_bed() {
+    let text = format!(
+        "{PLANE}{}",
+        block(
+            "block",
+            [0.0, 0.0],
+            "spring = [{ side = \"bottom\", normal = 100, tangential = 20 }]\n\
+             load = [{ side = \"top\", pressure = 10 }, { side = \"bottom\", traction = [4, 0] }]"
+        )
+    );
+    let (_, solution) = solved(&text);
+    let block = body(&solution[0], "block");
+    for u in &block.displacement {
+        near(u[0], 0.2, 1e-6);
+        near(u[1], -0.1, 1e-6);
+    }
+    assert!(block.floating_modes.is_empty());
+    near(block.reaction[1], 10.0, 1e-9);
+    near(block.side_reactions["bottom"][0], -4.0, 1e-9);
+    // the nodal balance, with which sections are cut
+    let nodal: f64 = block.reactions.iter().map(|f| f[1]).sum();
+    near(nodal, 10.0, 1e-9);
+}
+
+/// Two springs at points carry a beam by statics.
+#[test]
+fn springs_at_points_share_a_load_by_statics() {
+    let keys = "points = { a = [0, 0], b = [2, 0] }\n\
+                spring = [{ point = \"a\", x = 7, y = 50 }, { point = \"b\", y = 100 }]\n\
+                load = [{ point = [1.5, 1], force = [0, -8] }]";
+    let (model, solution) = solved(&format!("{PLANE}{}", block("block", [0.0, 0.0], keys)));
+    let block = body(&solution[0], "block");
+    let sunk = |x: f64| {
+        let points = model.bodies[0].mesh.points();
+        let node = points.iter().position(|point| *point == [x, 0.0]);
+        block.displacement[node.unwrap()][1]
+    };
+    near(sunk(0.0), -2.0 / 50.0, 1e-5);
+    near(sunk(2.0), -6.0 / 100.0, 1e-5);
+    near(block.reaction[1], 8.0, 1e-9);
+}
+
+/// It comes without a force, and what happens from then on is what happens to the bedded body.
+#[test]
+fn a_spring_that_comes_later_bears_nothing_where_it_finds_the_body() {
+    let keys = |active: &str, load: &str| {
+        format!(
+            "spring = [{{ side = \"bottom\", normal = 100, tangential = 20 }}, \
+                       {{ side = \"right\", normal = 300, tangential = 30{active} }}]\n\
+             load = [{{ side = \"top\", traction = [\"{load}\", \"-3*({load})\"] }}]"
+        )
+    };
+    let late = keys(", active = { from = 2 }", "t");
+    let all = steps(&[1.0, 2.0, 3.0]).replace("time = 2\n", "time = 2\nname = \"late\"\n");
+    let text = format!("{PLANE}{all}{}", block("block", [0.0, 0.0], &late));
+    let text = text.replace("t\", \"-3*(t)", "max(t, 2) - 1\", \"-3*(max(t, 2) - 1)");
+    let (_, found) = solved(&text);
+    let [first, second, third] = [0, 1, 2].map(|k| &body(&found[k], "block").displacement);
+    let (_, more) = solved(&format!(
+        "{PLANE}{}",
+        block("block", [0.0, 0.0], &keys("", "1"))
+    ));
+    let more = &body(&more[0], "block").displacement;
+    for node in 0..first.len() {
+        for i in 0..2 {
+            near(second[node][i], first[node][i], 1e-8);
+            near(third[node][i] - second[node][i], more[node][i], 1e-8);
+        }
+    }
+    near(
+        body(&found[1], "block").side_reactions["right"][0],
+        0.0,
+        1e-8,
+    );
+}
+
+/// Pressed it is the bed that acts both ways, lifted it is none; late it presses from where it finds the side.
+#[test]
+fn a_bed_that_only_presses_is_a_bed_where_it_presses() {
+    let case = |only: bool, load: f64, active: &str| {
+        format!(
+            "{PLANE}{}{}",
+            steps(&[1.0, 2.0]),
+            block(
+                "block",
+                [0.0, 0.0],
+                &format!(
+                    "spring = [{{ side = \"bottom\", normal = 100, compression_only = {only}{active} }}, \
+                               {{ side = \"top\", normal = 25, tangential = 10 }}]\n\
+                     load = [{{ side = \"top\", pressure = \"{load}*t\" }}]"
+                )
+            )
+        )
+    };
+    let sunk = |text: &str| {
+        let (_, found) = solved(text);
+        [0, 1].map(|k| body(&found[k], "block").displacement[0][1])
+    };
+    let [one, two] = sunk(&case(true, 5.0, ""));
+    near(one, -5.0 / 125.0, 1e-7);
+    near(two, -10.0 / 125.0, 1e-7);
+    assert_eq!(
+        sunk(&case(false, 5.0, "")).map(|u| (u * 1e9).round()),
+        [one, two].map(|u| (u * 1e9).round())
+    );
+    let [_, lifted] = sunk(&case(true, -5.0, ""));
+    near(lifted, 10.0 / 25.0, 1e-7);
+    let [before, after] = sunk(&case(true, 5.0, ", active = { from = 2 }"));
+    near(before, -5.0 / 25.0, 1e-7);
+    near(after, -5.0 / 25.0 - 5.0 / 125.0, 1e-7);
+    // a late one that is lifted at once
+    let [before, after] = sunk(&case(true, -5.0, ", active = { from = 2 }"));
+    near(before, 5.0 / 25.0, 1e-7);
+    near(after, 10.0 / 25.0, 1e-7);
+}
+
+/// A block that hangs on a bar alone along y: N is its load over the bars in the thickness, and it sinks by F L/(EA).
+#[test]
+fn a_block_hangs_on_its_bar() {
+    for (spacing, bars) in [("", 1.0), ("spacing = 0.1\n", 5.0)] {
+        let text = format!(
+            "{PLANE}{}{}[[bar]]\nname = \"tie\"\nfrom = {{ side = \"upper.bottom\" }}\nto = {{ side = \"lower.top\" }}\n\
+             young = 1000\narea = 0.2\n{spacing}",
+            block(
+                "upper",
+                [0.0, 3.0],
+                "fix = [{ side = \"top\", x = 0, y = 0 }]"
+            ),
+            block(
+                "lower",
+                [0.0, 0.0],
+                "fix = [{ side = \"left\", x = 0 }, { side = \"right\", x = 0 }]\nload = [{ side = \"bottom\", force = [0, -6] }]"
+            )
+        );
+        let (_, found) = solved(&text);
+        let force = bar(&found[0], "tie").stations[0].force;
+        near(force, 6.0 / bars, 1e-9);
+        let sunk = body(&found[0], "lower").displacement[0][1];
+        near(sunk, -6.0 * 2.0 / (bars * 200.0), 1e-6);
+        near(body(&found[0], "upper").reaction[1], 6.0, 1e-9);
+    }
+}
+
+/// A bar between two bodies that are moved: what it does is known from the course of its length.
+fn driven(keys: &str, course: &[f64]) -> Vec<f64> {
+    let times: Vec<f64> = (1..=course.len()).map(|k| k as f64).collect();
+    let mut expression = "0".to_string();
+    for (t, u) in times.iter().zip(course) {
+        expression += &format!(" + ({u})*max(0, 1 - abs(t - {t}))");
+    }
+    let text = format!(
+        "{PLANE}{}{}{}[[bar]]\nname = \"bar\"\nfrom = {{ side = \"left.right\" }}\nto = {{ side = \"right.left\" }}\n\
+         young = 100\narea = 0.5\n{keys}",
+        steps(&times),
+        block(
+            "left",
+            [0.0, 0.0],
+            "fix = [{ side = \"right\", x = 0, y = 0 }]"
+        ),
+        block(
+            "right",
+            [4.0, 0.0],
+            &format!("fix = [{{ side = \"left\", x = \"{expression}\", y = 0 }}]")
+        )
+    );
+    let (_, found) = solved(&text);
+    found
+        .iter()
+        .map(|step| bar(step, "bar").stations[0].force)
+        .collect()
+}
+
+/// EA/L = 25: the law of a spring and a slider in a row, stepped by hand.
+#[test]
+fn bars_slacken_and_yield_as_they_should() {
+    let course = [0.1, 0.5, 0.3, -0.2, 0.1, 0.9, 0.2, 1.1];
+    let follow = |prestress: f64, most: f64, slack: bool| {
+        let mut plastic = 0.0;
+        let each = course.iter().enumerate().map(|(k, u)| {
+            // a prestressed bar is tightened in its first step
+            let (e, p) = match prestress == 0.0 {
+                true => (*u, 0.0),
+                false => (u - course[0], prestress),
+            };
+            if prestress != 0.0 && k == 0 {
+                return prestress;
+            }
+            let trial = p + 25.0 * (e - plastic);
+            let force = trial.clamp(if slack { 0.0 } else { -most }, most);
+            // slackness is not plastic
+            if !(slack && trial < 0.0) {
+                plastic += (trial - force) / 25.0;
+            }
+            force
+        });
+        each.collect::<Vec<f64>>()
+    };
+    let far = f64::MAX;
+    for (keys, expected) in [
+        ("", follow(0.0, far, false)),
+        ("tension_only = true", follow(0.0, far, true)),
+        ("yield = 16", follow(0.0, 8.0, false)),
+        ("yield = 16\ntension_only = true", follow(0.0, 8.0, true)),
+        ("prestress = 5", follow(5.0, far, false)),
+        ("prestress = 5\nyield = 16", follow(5.0, 8.0, false)),
+        (
+            "prestress = 5\nyield = 16\ntension_only = true",
+            follow(5.0, 8.0, true),
+        ),
+        ("prestress = 5\ntension_only = true", follow(5.0, far, true)),
+    ] {
+        let found = driven(keys, &course);
+        for (found, expected) in found.iter().zip(&expected) {
+            assert!(
+                (found - expected).abs() < 1e-6,
+                "{keys}: {found} {expected}"
+            );
+        }
+    }
+}
+
+/// From one body to itself, at points, obliquely: N follows from the strain that the block has anyway, as the bar is soft.
+#[test]
+fn a_soft_bar_follows_the_strain_of_its_body() {
+    let text = |bar: &str| {
+        format!(
+            "{PLANE}[[body]]\nname = \"block\"\n\
+             mesh = {{ rectangle = {{ from = [0, 0], to = [2, 1], cells = [5, 3], cell = \"quad4\" }} }}\n\
+             material = {{ young = 1000, poisson = 0.25 }}\n\
+             fix = [{{ side = \"left\", x = 0 }}, {{ point = [0, 0], y = 0 }}]\n\
+             load = [{{ side = \"right\", traction = [8, 0] }}]\n\
+             [[bar]]\nname = \"bar\"\nbodies = [\"block\"]\nyoung = 1e-3\narea = 1e-3\n{bar}"
+        )
+    };
+    let strain = |t: [f64; 2]| 8.0e-3 * (t[0] * t[0] - 0.25 * t[1] * t[1]);
+    for (ends, t) in [
+        ("from = [0.3, 0.2]\nto = [1.5, 0.2]", [1.0, 0.0]),
+        ("from = [1.5, 0.2]\nto = [0.3, 0.2]", [-1.0, 0.0]),
+        ("from = [0.3, 0.1]\nto = [0.9, 0.9]", [0.6, 0.8]),
+    ] {
+        for bond in ["", "bond = \"grouted\"", "radius = 0.05"] {
+            let (_, found) = solved(&text(&format!("{ends}\n{bond}\n")));
+            for station in &bar(&found[0], "bar").stations {
+                near(station.force / 1e-6, strain(t), 1e-6);
+            }
+        }
+    }
+}
+
+/// What is cut off is in equilibrium with the bars that leave it.
+#[test]
+fn section_forces_know_of_bars_and_springs() {
+    let text = format!(
+        "{PLANE}[[body]]\nname = \"beam\"\n\
+         mesh = {{ rectangle = {{ from = [0, 0], to = [8, 1], cells = [32, 4], cell = \"quad9\" }} }}\n\
+         material = {{ young = 1000, poisson = 0.2 }}\n\
+         fix = [{{ side = \"left\", x = 0, y = 0 }}]\n\
+         spring = [{{ point = [8, 0], y = 3 }}]\n\
+         load = [{{ side = \"top\", pressure = 1 }}]\n\
+         {}[[bar]]\nname = \"tie\"\nfrom = {{ side = \"hook.bottom\" }}\nto = [5, 0.4]\nbodies = [\"beam\"]\n\
+         young = 300\narea = 0.1\nradius = 0.2\n\
+         [[section]]\nname = \"cut\"\nbody = \"beam\"\nsides = [\"top\", \"bottom\"]\nstations = [[2, 0.5], [6.5, 0.5]]\n",
+        block(
+            "hook",
+            [4.0, 3.0],
+            "fix = [{ side = \"top\", x = 0, y = 0 }]"
+        )
+        .replace("thickness = 0.5", "thickness = 1.0")
+    );
+    let (model, found) = solved(&text);
+    let [left, right] = [0, 1].map(|k| found[0].sections[0].stations[k]);
+    let pull = bar(&found[0], "tie").stations[0].force;
+    assert!(pull > 0.1, "{pull}");
+    let points = model.bodies[0].mesh.points();
+    let corner = points.iter().position(|point| *point == [8.0, 0.0]);
+    let tip = -3.0 * body(&found[0], "beam").displacement[corner.unwrap()][1];
+    // V pushes the part ahead up: it carries what is ahead
+    near(right.shear, 1.5 - tip, 1e-9);
+    near(left.shear, 6.0 - tip - pull, 1e-9);
+    near(left.moment, 18.0 - 6.0 * tip - 3.0 * pull, 1e-9);
+}
+
+/// The problem that is handed out has the bars and beds in it.
+#[test]
+fn the_dual_problem_has_links() {
+    let text = format!(
+        "{PLANE}{}{}[[bar]]\nname = \"tie\"\nfrom = {{ side = \"upper.bottom\" }}\nto = [1, 1]\nbodies = [\"lower\"]\n\
+         young = 1000\narea = 0.2\ntension_only = true\n",
+        block(
+            "upper",
+            [0.0, 3.0],
+            "fix = [{ side = \"top\", x = 0, y = 0 }]"
+        ),
+        block(
+            "lower",
+            [0.0, 0.0],
+            "fix = [{ side = \"left\", x = 0 }]\nspring = [{ side = \"bottom\", normal = 10, compression_only = true }]\n\
+             load = [{ side = \"bottom\", force = [0, -6] }]"
+        )
+    );
+    let (model, found) = solved(&text);
+    let pull = bar(&found[0], "tie").stations[0].force;
+    assert!(pull > 0.0 && pull < 6.0, "{pull}");
+    near(body(&found[0], "lower").reaction[1], 6.0 - pull, 1e-8);
+    for method in dotyk::model::Method::NAMED {
+        let mut model = model.clone();
+        model.solver.method = method;
+        model.solver.tolerance = 1e-7;
+        let Ok(steps) = model.solve_steps() else {
+            panic!("{}", method.name());
+        };
+        near(bar(&steps[0], "tie").stations[0].force, pull, 1e-5);
+    }
+}
+
+#[test]
+fn nonsense_is_one_clear_error() {
+    let spring = |keys: &str| {
+        format!(
+            "{PLANE}{}",
+            block(
+                "block",
+                [0.0, 0.0],
+                &format!("fix = [{{ side = \"left\", x = 0, y = 0 }}]\nspring = [{keys}]")
+            )
+        )
+    };
+    let springs = [
+        ("{ normal = 1 }", "needs `side` or `point`"),
+        (
+            "{ side = \"bottom\", point = [0, 0], normal = 1 }",
+            "both `side` and `point`",
+        ),
+        ("{ side = \"bottom\" }", "without a stiffness"),
+        ("{ side = \"bottom\", normal = -1 }", "must not be negative"),
+        ("{ side = \"bottom\", x = 1 }", "no `x`"),
+        ("{ side = \"buttom\", normal = 1 }", "no side `buttom`"),
+        (
+            "{ side = \"bottom\", tangential = 1, compression_only = true }",
+            "`compression_only`",
+        ),
+        ("{ point = [0, 0] }", "without a stiffness"),
+        ("{ point = [0, 0], normal = 1 }", "no `normal`"),
+        ("{ point = [0, 0], z = 1 }", "no `z`"),
+        ("{ point = \"tip\", y = 1 }", "no point `tip`"),
+        ("{ point = [9, 9], y = 1 }", "spring"),
+        (
+            "{ side = \"bottom\", normal = 1, active = { from = 7 } }",
+            "in no load step",
+        ),
+        ("{ side = \"bottom\", normal = \"x\" }", "number"),
+    ];
+    for (keys, words) in springs {
+        let error = refused(&spring(keys)).to_string();
+        assert!(error.contains(words), "{keys}: {error}");
+    }
+    let bar = |keys: &str, analysis: &str| {
+        format!(
+            "title = \"Bars\"\nanalysis = \"{analysis}\"\n{}[[bar]]\n{keys}\n",
+            block(
+                "block",
+                [0.0, 0.0],
+                "fix = [{ side = \"left\", x = 0, y = 0 }]"
+            )
+            .replace(", thickness = 0.5", "")
+        )
+    };
+    let whole = "name = \"b\"\nfrom = [0.5, 0.5]\nto = [1.5, 0.5]\nbodies = [\"block\"]\nyoung = 1\narea = 1\n";
+    let bars = [
+        (whole.replace("name = \"b\"\n", ""), "`name`"),
+        (whole.replace("\"b\"", "\"block\""), "names a body already"),
+        (whole.replace("from = [0.5, 0.5]\n", ""), "`from`"),
+        (
+            whole.replace("[0.5, 0.5]", "[5, 5]"),
+            "lies in none of the bodies block",
+        ),
+        (whole.replace("[0.5, 0.5]", "[1.5, 0.5]"), "same place"),
+        (
+            whole.replace("bodies = [\"block\"]\n", ""),
+            "in which bodies",
+        ),
+        (whole.replace("[\"block\"]", "[]"), "empty"),
+        (
+            whole.replace("[\"block\"]", "[\"bluck\"]"),
+            "no body `bluck`",
+        ),
+        (
+            whole.replace("[\"block\"]", "[\"block\", \"block\"]"),
+            "twice",
+        ),
+        (whole.replace("young = 1\n", ""), "`young`"),
+        (whole.replace("area = 1", "area = 0"), "`area`"),
+        (
+            whole.replace("[0.5, 0.5]", "{ side = \"block.bottem\" }"),
+            "no side `bottem`",
+        ),
+        (
+            whole.replace("[0.5, 0.5]", "{ edge = \"block.bottom\" }"),
+            "unknown key `edge`",
+        ),
+        (format!("{whole}bond = \"glued\""), "bond"),
+        (format!("{whole}spacing = -1"), "`spacing`"),
+        (format!("{whole}radius = 0"), "`radius`"),
+        (format!("{whole}yield = -2"), "`yield`"),
+        (
+            format!("{whole}prestress = 5\nyield = 2"),
+            "at most yield times area",
+        ),
+        (
+            format!("{whole}prestress = -5\ntension_only = true"),
+            "a tension",
+        ),
+        (format!("{whole}tension_only = 1"), "true or false"),
+        (format!("{whole}active = {{ from = 3 }}"), "in no load step"),
+        (
+            format!("{whole}[[probe]]\nname = \"p\"\nquantity = \"b.tension\"\nat = [1, 0]"),
+            "unknown quantity of a bar",
+        ),
+        (
+            format!(
+                "{whole}[[probe]]\nname = \"p\"\nquantity = \"b.force\"\nalong = \"block.top\""
+            ),
+            "stations",
+        ),
+    ];
+    for (keys, words) in bars {
+        let error = refused(&bar(&keys, "plane-stress")).to_string();
+        assert!(error.contains(words), "{keys}: {error}");
+    }
+    let error = refused(&bar(whole, "axisymmetric")).to_string();
+    assert!(error.contains("axial symmetry"), "{error}");
+}
