@@ -30,6 +30,10 @@ use std::sync::Arc;
 /// A force below this part of the largest is rounding of the linear solves: such a contact holds no body.
 const NO_FORCE: f64 = 1e-12;
 
+/// Energies below this part of what bodies would store without their contacts are differences of these: where ties hand a load
+/// to supports, nothing is strained.
+const NO_ENERGY: f64 = 1e-7;
+
 /// Gaps and overlaps below this part of the length of the problem are nothing to be told of.
 const APART: f64 = 1e-6;
 
@@ -159,7 +163,7 @@ fn displaced<const D: usize>(
         each.collect()
     };
     let mut rigid = rigid_at(&amplitudes);
-    let mut open = open_motions(model, bodies, floating, problem, lambda)?;
+    let mut open = open_motions(model, condensed, lambda)?;
     let loose = !open.loose.is_empty();
     if placed == Placed::Loose {
         open.motions.append(&mut open.loose);
@@ -393,16 +397,27 @@ struct OpenMotions {
 /// Errors: a split of the modes that does not succeed.
 fn open_motions<const D: usize>(
     model: &Model<D>,
-    bodies: &[LoadedBody<D>],
-    floating: &Floating,
-    problem: &DualProblem,
+    condensed: &Condensed<D>,
     lambda: &[f64],
 ) -> Result<OpenMotions, Error<D>> {
+    let Condensed {
+        bodies,
+        floating,
+        problem,
+        ..
+    } = condensed;
     let force = lambda
         .iter()
         .fold(problem.scales.force, |s, l| s.max(l.abs()));
     let components = problem.admissible.components();
-    let free: Vec<bool> = components.iter().map(|c| *c == Component::Free).collect();
+    let mut free: Vec<bool> = components.iter().map(|c| *c == Component::Free).collect();
+    // a bar that may yield is a tie until it does
+    for (rows, pair) in row_ranges(&condensed.paired).filter(|(_, pair)| pair.is_link()) {
+        for (row, along) in rows.zip(pair.interface.tangential()) {
+            free[row] |= along;
+        }
+    }
+    let free = free;
     let mut bears = free.clone();
     for (_, block) in problem.admissible.iter() {
         let presses = block
@@ -517,10 +532,21 @@ fn certify<const D: usize>(
         imbalance_force: force,
         imbalance_moment: moment,
         energy_gap: (work + on_gaps.sum::<f64>() + friction).abs(),
-        elastic_energy: strained.max(at_rest(model, condensed)),
+        elastic_energy: (strained.max(at_rest(model, condensed)))
+            .max(of_base(condensed))
+            .max(NO_ENERGY * problem.scales.energy),
         driving_force: states.iter().map(|s| s.driving_force).fold(0.0, f64::max),
     };
     problem.certify_with(multipliers, &recomputed, model.solver.tolerance)
+}
+
+/// Energy that what joints and bars bear besides the forces of their rows would store alone: where these forces take it back,
+/// what is left of it is rounding.
+fn of_base<const D: usize>(condensed: &Condensed<D>) -> f64 {
+    let rows = row_ranges(&condensed.paired).flat_map(|(rows, pair)| rows.zip(&pair.base));
+    let softness = &condensed.problem.softness;
+    let stored = rows.map(|(row, base)| 0.5 * base * base * softness[row]);
+    stored.sum()
 }
 
 /// Elastic energy that stressed ground would release without its contacts: beside it, energies of ground at rest are rounding.
