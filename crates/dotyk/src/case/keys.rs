@@ -238,6 +238,7 @@ pub const REFERENCE: &[&str] = &[
     "reason",
     "label",
     "scale",
+    "minus",
     "against",
 ];
 
