@@ -121,14 +121,18 @@ pub fn study_picture(study: &Study, pairs: &[[String; 2]]) -> String {
     let title = "Columns of the study against each other";
     let mut svg = Svg::new("pairs", title, WIDTH, 0.0);
     let names: Vec<&str> = drawn.iter().map(|(name, _)| name.as_str()).collect();
-    let top = legend(&mut svg, &names) + 6.0;
+    // measured on a drawing of its own: the ground comes first
+    let top = legend(&mut Svg::new("", "", WIDTH, 0.0), &names) + 6.0;
     let frame = Frame {
         corner: [70.0, top],
         size: [WIDTH - 90.0, 330.0],
         x: axis(0, 8),
         y: axis(1, 6),
     };
-    svg.set_height(top + frame.size[1] + 46.0);
+    let height = top + frame.size[1] + 46.0;
+    svg.set_height(height);
+    svg.rectangle([0.0, 0.0], [WIDTH, height], "none", "#fff");
+    legend(&mut svg, &names);
     frame.draw(&mut svg, true);
     for ((name, points), colour) in drawn.iter().zip(SERIES.iter().cycle()) {
         frame.curve(&mut svg, points, colour, 1.8);
