@@ -24,6 +24,9 @@ pub struct Arguments {
     /// Space the values of this parameter by equal ratios; may be repeated
     #[arg(long, value_name = "NAME")]
     log: Vec<String>,
+    /// Draw a probe or varied parameter against another one, of all such pairs one picture, study.svg; may be repeated
+    #[arg(long, value_name = "X:Y")]
+    plot: Vec<String>,
     /// Output folder [default: CASE-out]
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
@@ -140,7 +143,7 @@ pub fn study(arguments: &Arguments) -> Result<Outcome, Failure> {
     let start = Instant::now();
     let varied = all_varied(arguments).map_err(Failure::Message)?;
     let case = arguments.given.read(&arguments.case)?;
-    let (study, stem, folder) = of_any!(case, |case| {
+    let (study, pairs, stem, folder) = of_any!(case, |case| {
         let folder = output_folder(arguments.out.as_deref(), &case.stem)?;
         warn(&case.warnings);
         say_what_is_no_column(&case.model);
@@ -150,13 +153,14 @@ pub fn study(arguments: &Arguments) -> Result<Outcome, Failure> {
             );
             return Err(Failure::of(&arguments.case, message));
         }
+        let pairs = pairs(&arguments.plot, &case.model, &varied).map_err(Failure::Message)?;
         let count = Count::new(Study::count(&varied), arguments.quiet);
         let given = arguments.given.pairs();
         let study = case.study(given, varied, &|| count.one_more());
         count.finish();
-        (study?, case.stem, folder)
+        (study?, pairs, case.stem, folder)
     });
-    let files = output::write_study(&study, &stem, &folder);
+    let files = output::write_study(&study, &pairs, &stem, &folder);
     let files = files.map_err(|e| Failure::Message(e.to_string()))?;
     let seconds = start.elapsed().as_secs_f64();
     warn(&told(&study));
@@ -165,6 +169,49 @@ pub fn study(arguments: &Arguments) -> Result<Outcome, Failure> {
         true => Outcome::Done,
         false => Outcome::Unsatisfied,
     })
+}
+
+/// The names [x, y] of what is drawn against each other; names may have colons.
+fn pairs<const D: usize>(
+    plots: &[String],
+    model: &Model<D>,
+    varied: &[Varied],
+) -> Result<Vec<[String; 2]>, String> {
+    let probes = model.probes.iter().filter(|probe| !probe.is_line());
+    // a parameter may be measured in anything
+    let probes = probes.map(|probe| (probe.name.as_str(), Some(probe.dimension())));
+    let parameters = varied
+        .iter()
+        .map(|parameter| (parameter.name.as_str(), None));
+    let columns: Vec<_> = parameters.chain(probes).collect();
+    let column = |name: &str| columns.iter().find(|(own, _)| *own == name.trim());
+
+    let mut list: Vec<[String; 2]> = Vec::new();
+    let mut measured = [None; 2];
+    for text in plots {
+        let mut splits = text.match_indices(':');
+        let both = splits.find_map(|(k, _)| Some([column(&text[..k])?, column(&text[k + 1..])?]));
+        let Some(both) = both else {
+            let names: Vec<&str> = columns.iter().map(|(name, _)| *name).collect();
+            let names = names.join(", ");
+            return Err(format!(
+                "--plot {text}: expected X:Y, each one of what is varied and read: {names}"
+            ));
+        };
+        for (axis, (name, dimension)) in measured.iter_mut().zip(both) {
+            let Some(dimension) = dimension else {
+                continue;
+            };
+            let (first, expected) = *axis.get_or_insert((*name, *dimension));
+            if expected != *dimension {
+                return Err(format!(
+                    "--plot {text}: `{name}` is measured in something else than `{first}` and cannot share its axis"
+                ));
+            }
+        }
+        list.push(both.map(|(name, _)| name.to_string()));
+    }
+    Ok(list)
 }
 
 /// Warns of probes that the table will not have.

@@ -318,9 +318,12 @@ fn judged(
     let certified = judged_step(reference, solved).is_some_and(|s| s.converged);
     let read = |solved: Option<&Solved>| {
         let step = judged_step(reference, solved);
-        let mut probes = step.iter().flat_map(|step| &step.probes);
-        let probe = probes.find(|probe| probe.name == reference.probe);
-        probe.map_or(f64::NAN, |probe| probe.value)
+        let value = |name: &str| {
+            let mut probes = step.iter().flat_map(|step| &step.probes);
+            let probe = probes.find(|probe| probe.name == name);
+            probe.map_or(f64::NAN, |probe| probe.value)
+        };
+        value(&reference.probe) - reference.minus.as_deref().map_or(0.0, value)
     };
     let computed = reference.computed(read(solved), other.map(read));
     let verdict = match reference.judge(computed) {
@@ -338,7 +341,7 @@ fn judged(
     let difference = reference.difference(computed);
     let difference = match (difference.is_nan(), reference.value == 0.0) {
         (true, _) => "-".to_string(),
-        (false, true) => format!("{difference:+.2e}"),
+        (false, true) => format!("{:+.2e}", difference + 0.0),
         // a percentage differs by percent of the compared number, not of itself
         (false, false) if other.is_some() => format!("{:+.4} points", computed - reference.value),
         (false, false) if difference.abs() < 1e-6 => format!("{:+.1e} %", 100.0 * difference),

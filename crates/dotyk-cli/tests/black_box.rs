@@ -769,6 +769,111 @@ fn a_study_of_what_is_not_there_is_refused() {
     }
 }
 
+#[test]
+fn a_study_draws_columns_against_each_other() {
+    let plot = [
+        "--plot",
+        "p:force, all of it",
+        "--plot",
+        "force, all of it:n",
+    ];
+    let vary = ["--vary", "p=1e6..3e6:3", "--vary", "n=2..3:2", "--quiet"];
+    let study = Run::new(
+        "pairs",
+        &parametric(),
+        "study",
+        &[&vary[..], &plot].concat(),
+    );
+    assert_eq!(study.status, Some(0), "{}", study.stderr);
+    assert_eq!(study.files(), ["study.csv", "study.html", "study.svg"]);
+    let read = |name: &str| std::fs::read_to_string(study.folder.join("case-out").join(name));
+    let picture = read("study.svg").unwrap();
+    assert!(read("study.html").unwrap().contains("Against each other."));
+    // the force does not depend on n: one curve; n does, and is one for each of its values
+    let drawn = |name: &str| picture.contains(&format!(">{name}</text>"));
+    assert!(drawn("force, all of it") && !drawn("force, all of it, n = 2"));
+    assert!(drawn("n, n = 2") && drawn("n, n = 3"));
+    assert_eq!(picture.matches("<circle").count(), 9);
+
+    for (plot, message) in [
+        ("p", "expected X:Y"),
+        ("p:q", "p, n, force, all of it"),
+        ("line:p", "expected X:Y"),
+    ] {
+        let study = Run::new(
+            "no_pair",
+            &parametric(),
+            "study",
+            &["--vary", "p=1..2:2", "--vary", "n=2..3:2", "--plot", plot],
+        );
+        assert_eq!(study.status, Some(2), "{plot}");
+        assert!(study.stderr.contains(message), "{}", study.stderr);
+        assert_eq!(study.files(), [""; 0]);
+    }
+    let other = parametric().replacen(
+        "[[contact]]",
+        &(probe("gap", "sole.gap", "reduce = \"max\"") + "\n[[contact]]"),
+        1,
+    );
+    let mixed = [
+        "--vary",
+        "p=1..2:2",
+        "--plot",
+        "p:force, all of it",
+        "--plot",
+        "p:gap",
+    ];
+    let study = Run::new("mixed", &other, "study", &mixed);
+    assert_eq!(study.status, Some(2));
+    assert!(
+        study.stderr.contains("cannot share its axis"),
+        "{}",
+        study.stderr
+    );
+}
+
+#[test]
+fn the_ground_reaction_and_the_support_line_meet_in_equilibrium() {
+    let text = include_str!("../../../cases/convergence-confinement/tunnel.toml");
+    let vary = [
+        "--vary",
+        "left=0..1:6",
+        "--vary",
+        "lined_at=0.2..0.6:2",
+        "--quiet",
+    ];
+    let study = Run::new("confinement", text, "study", &vary);
+    assert_eq!(study.status, Some(0), "{}", study.stderr);
+    let table = std::fs::read_to_string(study.folder.join("case-out/study.csv")).unwrap();
+    // u = released a/2G; p = k (u − u at installation), k of a thick ring (Lamé)
+    let (shear, ring) = (500.0 / 2.6, 30_000.0 / 2.4);
+    let (a, bore) = (5.15f64, 4.85f64);
+    let bare = a / (2.0 * shear);
+    let k = 2.0 * ring * (a * a - bore * bore) / (a * (0.6 * a * a + bore * bore));
+    let (mut members, mut meet) = (0, 0);
+    for line in table.lines().skip(1) {
+        let numbers: Vec<f64> = line
+            .split(',')
+            .take(5)
+            .map(|n| n.parse().unwrap())
+            .collect();
+        let [left, lined_at, alone, wall, pressure] = numbers[..] else {
+            panic!("{line}");
+        };
+        assert!((alone - (1.0 - left) * bare).abs() < 0.002 * bare, "{line}");
+        let borne = k * (wall - lined_at * bare).max(0.0);
+        assert!((pressure - borne).abs() < 0.002, "{line}");
+        // what is left of the ground's pressure and what the lining bears hold the ground
+        assert!(
+            (wall - (1.0 - left - pressure) * bare).abs() < 0.002 * bare,
+            "{line}"
+        );
+        members += 1;
+        meet += usize::from(pressure > 0.3);
+    }
+    assert_eq!((members, meet > 2), (12, true));
+}
+
 /// Load steps at these times.
 fn steps(times: &[f64]) -> String {
     let step = |time: &f64| format!("[[step]]\ntime = {time:?}\n");

@@ -270,6 +270,7 @@ pub const REFERENCE: &[&str] = &[
     "reason",
     "label",
     "scale",
+    "minus",
     "against",
 ];
 

@@ -81,7 +81,9 @@ pub struct Reference {
     pub case: String,
     /// Name of the probe.
     pub probe: String,
-    /// Words for tables; the probe's name unless given.
+    /// Another probe of the same step that is subtracted: half of the difference of two places is an amplitude.
+    pub minus: Option<String>,
+    /// Words for tables; the probes' names unless given.
     pub label: String,
     /// Where it comes from.
     pub kind: Kind,
@@ -107,7 +109,7 @@ pub struct Reference {
 }
 
 impl Reference {
-    /// What is compared: the probe's value scaled, or its percentage against the `other` case.
+    /// What is compared: the probe's value scaled, or its percentage against the `other` case; less `minus` in both.
     pub fn computed(&self, value: f64, other: Option<f64>) -> f64 {
         match other {
             None => self.scale * value,
@@ -202,21 +204,23 @@ impl References {
                 };
                 let probes = found.probes();
                 let names = || probes.iter().map(|(name, _)| *name);
-                if !names().any(|name| name == reference.probe) {
-                    let message = format!("`{case}` has no probe `{}`", reference.probe);
-                    let help = match listed(names()) {
-                        known if known.is_empty() => "it has no probes".to_string(),
-                        known => format!("its probes: {known}"),
-                    };
-                    let fault = fault("probe", message, "no such probe").help(help);
-                    return Err(self.located(fault));
-                }
-                if probes.contains(&(reference.probe.as_str(), true)) {
-                    let probe = &reference.probe;
-                    let message = format!("`{probe}` of `{case}` has values along a line");
-                    let help = "name a probe of one number: with `at` or `reduce`";
-                    let fault = fault("probe", message, "not one number").help(help);
-                    return Err(self.located(fault));
+                let minus = reference.minus.as_ref().map(|probe| ("minus", probe));
+                for (key, probe) in [("probe", &reference.probe)].into_iter().chain(minus) {
+                    if !names().any(|name| name == probe) {
+                        let message = format!("`{case}` has no probe `{probe}`");
+                        let help = match listed(names()) {
+                            known if known.is_empty() => "it has no probes".to_string(),
+                            known => format!("its probes: {known}"),
+                        };
+                        let fault = fault(key, message, "no such probe").help(help);
+                        return Err(self.located(fault));
+                    }
+                    if probes.contains(&(probe.as_str(), true)) {
+                        let message = format!("`{probe}` of `{case}` has values along a line");
+                        let help = "name a probe of one number: with `at` or `reduce`";
+                        let fault = fault(key, message, "not one number").help(help);
+                        return Err(self.located(fault));
+                    }
                 }
                 let count = found.steps();
                 if let Some(step) = reference.step.filter(|step| *step > count) {
@@ -263,6 +267,7 @@ fn values(document: &Node) -> Result<Vec<Reference>, Fault> {
                 format!("`{case}` is listed twice for the probe `{probe}`"),
             );
             let (against, source) = (value.against.clone(), value.source.clone());
+            let probe = (probe, value.minus.clone());
             if !known.insert((case.clone(), probe, value.step, against, source)) {
                 let help = "another value of the same number has another `source`";
                 return Err(fault.label("once more").help(help));
@@ -308,7 +313,8 @@ fn reference(table: Table<'_>) -> Result<Reference, Fault> {
         let text = table.get(key).map(Node::text).transpose()?;
         Ok(text.map(str::to_string))
     };
-    let against = text("against")?;
+    let (against, minus) = (text("against")?, text("minus")?);
+    let probes = minus.as_ref().map(|minus| format!("{probe} − {minus}"));
     if let (Some(entry), Some(_)) = (table.entry("scale"), &against) {
         let message = "`scale` does not change a percentage";
         return Err(Fault::new(&entry.key_span, message).label("superfluous beside `against`"));
@@ -318,8 +324,9 @@ fn reference(table: Table<'_>) -> Result<Reference, Fault> {
     let step = step.map(|node| node.positive_integer("`step`"));
     Ok(Reference {
         case: String::new(),
-        label: text("label")?.unwrap_or_else(|| probe.clone()),
+        label: text("label")?.unwrap_or_else(|| probes.unwrap_or_else(|| probe.clone())),
         probe,
+        minus,
         kind,
         value,
         scale: table.get("scale").map_or(Ok(1.0), Node::number)?,
@@ -465,6 +472,24 @@ tolerance = 1e-9
         assert_eq!(references.values[0].computed(-3.0, Some(-2.0)), 50.0);
         let both = "value = -2.0\nscale = 2.0\nagainst = \"case_2.toml\"";
         assert!(error("value = -2.0", both).to_string().contains("line 6"));
+    }
+
+    #[test]
+    fn another_probe_may_be_subtracted() {
+        let minus = "value = -2.0\nminus = \"invert\"\nscale = 0.5";
+        let text = GOOD.replacen("value = -2.0", minus, 1);
+        let references = References::from_str(&text, "reference.toml").unwrap();
+        assert_eq!(references.values[0].minus.as_deref(), Some("invert"));
+        assert_eq!(references.values[0].label, "crown − invert");
+        // a difference is another number than either
+        let table = GOOD.split("\n\n").next().unwrap();
+        let second = table.replacen("value = -2.0", minus, 1);
+        let both = References::from_str(&format!("{table}\n\n{second}"), "reference.toml");
+        assert_eq!(both.unwrap().values.len(), 2);
+        assert_eq!(
+            error("value = -2.0", "value = -2.0\nminus = 3").line(),
+            Some(6)
+        );
     }
 
     #[test]

@@ -414,13 +414,24 @@ pub fn write_comparison(comparison: &Comparison, dir: &Path) -> Result<Vec<PathB
     stage.commit(&[])
 }
 
-/// Writes `study.csv` and the page `study.html`, and returns their paths.
+/// Writes `study.csv`, the page `study.html`, and where `pairs` of probes or varied parameters, each by its name [x, y], are
+/// to be drawn against each other, the picture `study.svg`; returns their paths.
 ///
 /// Errors: any [`Error`]; then the folder is as it was before.
-pub fn write_study(study: &Study, stem: &str, dir: &Path) -> Result<Vec<PathBuf>, Error> {
+pub fn write_study(
+    study: &Study,
+    pairs: &[[String; 2]],
+    stem: &str,
+    dir: &Path,
+) -> Result<Vec<PathBuf>, Error> {
+    let picture = (!pairs.is_empty()).then(|| study::study_picture(study, pairs));
+    let page = study::study_page(study, picture.as_deref(), stem);
     let mut stage = Stage::open(dir)?;
     stage.put("study.csv", study::study_csv(study).as_bytes())?;
-    stage.put("study.html", study::study_page(study, stem).as_bytes())?;
+    stage.put("study.html", page.as_bytes())?;
+    if let Some(picture) = picture {
+        stage.put("study.svg", picture.as_bytes())?;
+    }
     stage.commit(&[])
 }
 

@@ -43,7 +43,7 @@ pub fn panels_figure(id: &str, title: &str, panels: &[Panel], x: &Abscissae<'_>)
     let beside = panels.iter().all(names_fit);
     let mut svg = Svg::new(id, title, WIDTH, 0.0);
     let top = match panels.first() {
-        Some(panel) if !beside => legend(&mut svg, panel),
+        Some(panel) if !beside => legend(&mut svg, &names(panel)),
         _ => 0.0,
     };
     svg.set_height(top + rows as f64 * PANEL[1]);
@@ -65,17 +65,22 @@ fn names_fit(panel: &Panel) -> bool {
     panel.curves.len() < 2 || title + names.sum::<f64>() < PANEL[0] - 70.0
 }
 
-/// The names of the curves in lines; returns the height of all.
-fn legend(svg: &mut Svg, panel: &Panel) -> f64 {
+fn names(panel: &Panel) -> Vec<&str> {
+    let names = panel.curves.iter().map(|curve| curve.name.as_str());
+    names.collect()
+}
+
+/// The names of curves in lines, each in its colour; returns the height of all.
+pub fn legend(svg: &mut Svg, names: &[&str]) -> f64 {
     let [left, line] = [52.0, 18.0];
     let mut at = [left, 14.0];
-    for (curve, colour) in panel.curves.iter().zip(SERIES.iter().cycle()) {
-        let width = text_width(&curve.name, Type::LABEL.size);
+    for (name, colour) in names.iter().zip(SERIES.iter().cycle()) {
+        let width = text_width(name, Type::LABEL.size);
         if at[0] > left && at[0] + width > WIDTH - BETWEEN {
             at = [left, at[1] + line];
         }
         let style = Type::LABEL.anchored(Anchor::Start).coloured(colour);
-        svg.text(at, &curve.name, style);
+        svg.text(at, name, style);
         at[0] += width + BETWEEN;
     }
     at[1] + line

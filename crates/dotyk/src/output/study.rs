@@ -1,17 +1,22 @@
-//! `study.csv` and the page of a study: probes against the varied parameters.
+//! `study.csv`, the page of a study, probes against the varied parameters, and its picture, probes against each other.
 
 use crate::model::{Column, Member, Study};
 use crate::output::csv::quoted;
 use crate::output::html::{self, Head, column, figure, left, plain, table, text};
 use crate::output::json::VERSION;
-use crate::output::panels::{Abscissae, Panel, Series, panels_figure};
-use crate::output::plot::Axis;
+use crate::output::panels::{Abscissae, Panel, Series, legend, panels_figure};
+use crate::output::plot::{Axis, Frame};
+use crate::output::scene::WIDTH;
+use crate::output::svg::{SERIES, Svg};
 use crate::output::text::{Labels, count, number};
 use std::collections::BTreeMap;
 use std::fmt::Write;
 
 /// Most curves in one plot: more could not be told apart.
 const MOST_CURVES: usize = 6;
+
+/// Most dots of a curve of the picture.
+const MOST_DOTS: usize = 200;
 
 /// Most warnings on the page.
 const MOST_WARNINGS: usize = 20;
@@ -33,10 +38,14 @@ pub fn study_csv(study: &Study) -> String {
     out
 }
 
-/// The page: a plot for every probe, and the table.
-pub fn study_page(study: &Study, stem: &str) -> String {
+/// The page: the picture if there is one, a plot for every probe, and the table.
+pub fn study_page(study: &Study, picture: Option<&str>, stem: &str) -> String {
     let labels = Labels::new(&study.units, &[]);
     let mut body = banner(study);
+    if let Some(svg) = picture {
+        let caption = "In the last load step; a dot is a member of the study.";
+        body += &figure(svg, "Against each other", caption);
+    }
     if let Some((svg, caption)) = plots(study, &labels) {
         body += &figure(&svg, "Probes", &caption);
     }
@@ -92,19 +101,131 @@ fn banner(study: &Study) -> String {
     }
 }
 
+/// Points (x, y) with the name of their curve.
+type Drawn = (String, Vec<[f64; 2]>);
+
+/// Content of `study.svg`: columns of the table against each other, `pairs` their names [x, y].
+pub fn study_picture(study: &Study, pairs: &[[String; 2]]) -> String {
+    let labels = Labels::new(&study.units, &[]);
+    let drawn = curves_of_pairs(study, pairs);
+    let axis = |k: usize, ticks: usize| {
+        let names = pairs.iter().map(|pair| pair[k].as_str());
+        let unit = names.clone().find_map(|name| unit(study, &labels, name));
+        let mut distinct: Vec<&str> = names.collect();
+        distinct.dedup();
+        let values = drawn.iter().flat_map(|(_, points)| points);
+        let values: Vec<f64> = values.map(|point| point[k]).collect();
+        let name = distinct.join(", ");
+        Axis::linear(&name, unit.unwrap_or_default(), &values, true, ticks).widened(0.05)
+    };
+    let title = "Columns of the study against each other";
+    let mut svg = Svg::new("pairs", title, WIDTH, 0.0);
+    let names: Vec<&str> = drawn.iter().map(|(name, _)| name.as_str()).collect();
+    // measured on a drawing of its own: the ground comes first
+    let top = legend(&mut Svg::new("", "", WIDTH, 0.0), &names) + 6.0;
+    let frame = Frame {
+        corner: [70.0, top],
+        size: [WIDTH - 90.0, 330.0],
+        x: axis(0, 8),
+        y: axis(1, 6),
+    };
+    let height = top + frame.size[1] + 46.0;
+    svg.set_height(height);
+    svg.rectangle([0.0, 0.0], [WIDTH, height], "none", "#fff");
+    legend(&mut svg, &names);
+    frame.draw(&mut svg, true);
+    for ((name, points), colour) in drawn.iter().zip(SERIES.iter().cycle()) {
+        frame.curve(&mut svg, points, colour, 1.8);
+        for p in points.iter().filter(|p| seen(p)).take(MOST_DOTS) {
+            let hint = format!("{name}: {}, {}", number(p[0]), number(p[1]));
+            svg.circle(frame.at(p[0], p[1]), 2.8, colour, "#fff", &hint);
+        }
+    }
+    svg.finish()
+}
+
+fn seen(point: &[f64; 2]) -> bool {
+    point.iter().all(|value| value.is_finite())
+}
+
+/// A curve for each pair and each combination of the parameters but the one with the most values, along which it runs; one
+/// alone where the others change nothing, and none where nothing is seen.
+fn curves_of_pairs(study: &Study, pairs: &[[String; 2]]) -> Vec<Drawn> {
+    let along = longest(study).map_or(0, |(along, _)| along);
+    let curves = curves(study, along);
+    let mut drawn = Vec::new();
+    for [x, y] in pairs {
+        let point = |member: &&Member| [x, y].map(|name| value(study, member, name));
+        let of_pair = shown(&curves).map(|curve| {
+            let points: Vec<[f64; 2]> = curve.members.iter().map(point).collect();
+            (named(y, &curve.name), points)
+        });
+        let of_pair: Vec<Drawn> = of_pair.filter(|(_, p)| p.iter().any(seen)).collect();
+        match of_pair.as_slice() {
+            [(_, first), rest @ ..] if rest.iter().all(|(_, other)| alike(first, other)) => {
+                drawn.push((y.clone(), first.clone()));
+            }
+            _ => drawn.extend(of_pair),
+        }
+    }
+    drawn
+}
+
+/// The name of a curve: what it shows, and for which values of the other parameters.
+fn named(what: &str, others: &str) -> String {
+    match others {
+        "" => what.to_string(),
+        others => format!("{what}, {others}"),
+    }
+}
+
+/// Whether two curves cannot be told apart: a thousandth of a pixel would be 1e-6 of an axis.
+fn alike(curve: &[[f64; 2]], other: &[[f64; 2]]) -> bool {
+    (0..2).all(|k| {
+        let largest = curve.iter().fold(0.0f64, |most, p| most.max(p[k].abs()));
+        let mut both = curve.iter().zip(other);
+        both.all(|(a, b)| (a[k] - b[k]).abs() <= 1e-6 * largest || a[k].is_nan() && b[k].is_nan())
+    })
+}
+
+/// Value of a varied parameter or a probe; NaN where nothing is called so.
+fn value(study: &Study, member: &Member, name: &str) -> f64 {
+    let names = study.varied.iter().map(|parameter| &parameter.name);
+    let mut names = names.chain(study.probes.iter().map(|probe| &probe.name));
+    let place = names.position(|other| other == name);
+    let mut values = member.values.iter().chain(&member.probes);
+    place.and_then(|k| values.nth(k)).map_or(f64::NAN, |v| *v)
+}
+
+/// Unit of a probe; a parameter has none.
+fn unit<'l>(study: &Study, labels: &'l Labels, name: &str) -> Option<&'l str> {
+    let probe = study.probes.iter().find(|probe| probe.name == name)?;
+    Some(labels.unit(probe.dimension))
+}
+
+/// The parameter with the most values, and how many.
+fn longest(study: &Study) -> Option<(usize, usize)> {
+    let sizes = study.varied.iter().map(|parameter| parameter.values.len());
+    sizes
+        .enumerate()
+        .max_by_key(|&(k, size)| (size, std::cmp::Reverse(k)))
+}
+
+/// As many curves as can be told apart, evenly.
+fn shown<'c, 'a>(curves: &'c [Curve<'a>]) -> impl Iterator<Item = &'c Curve<'a>> {
+    let every = curves.len().div_ceil(MOST_CURVES).max(1);
+    curves.iter().step_by(every)
+}
+
 /// The plots against the parameter with the most values, a curve for each combination of the others.
 fn plots(study: &Study, labels: &Labels) -> Option<(String, String)> {
-    let sizes = study.varied.iter().map(|parameter| parameter.values.len());
-    let (along, most) = sizes
-        .enumerate()
-        .max_by_key(|&(k, size)| (size, std::cmp::Reverse(k)))?;
+    let (along, most) = longest(study)?;
     if most < 2 || study.probes.is_empty() {
         return None;
     }
     let parameter = &study.varied[along];
     let curves = curves(study, along);
-    let every = curves.len().div_ceil(MOST_CURVES).max(1);
-    let shown: Vec<&Curve<'_>> = curves.iter().step_by(every).collect();
+    let shown: Vec<&Curve<'_>> = shown(&curves).collect();
     let panels = study.probes.iter().enumerate().map(|(k, probe)| {
         let series = shown.iter().map(|curve| Series {
             name: curve.name.clone(),
