@@ -2,8 +2,8 @@
 
 pub use crate::geometry::{Field, Point};
 pub use crate::mesh::{
-    CellKind, Contour, Cuboid, Diagonals, Division, EdgeShape, Mesh, MeshError, MeshFile, Outline,
-    OutlineEdge, Rectangle, Ring, SizePoint, TunnelRock,
+    CellKind, Contour, Cuboid, Diagonals, Division, Drawing, EdgeShape, Mesh, MeshError, MeshFile,
+    Outline, OutlineEdge, Rectangle, Ring, SizePoint, TunnelRock,
 };
 pub use crate::model::{
     Along, Analysis, BodyId, Bolts, Contact, Couple, CoupleKind, Elastic, Error, Gap, Load, Method,

@@ -9,6 +9,7 @@ pub const CASE: &[&str] = &[
     "analysis",
     "units",
     "parameters",
+    "drawing",
     "body",
     "contact",
     "section",
@@ -46,6 +47,7 @@ pub const MESH: &[&str] = &[
     "sphere",
     "extrude",
     "outline",
+    "region",
     "file",
     "sides",
 ];
@@ -95,6 +97,24 @@ pub const OUTLINE: &[&str] = &[
 ];
 /// One element of `holes`.
 pub const HOLE: &[&str] = &["from", "edges", "circle", "name", "size"];
+/// `[drawing]`.
+pub const DRAWING: &[&str] = &["size", "cell", "growth", "lines", "regions", "refine"];
+/// One element of `lines` of a drawing.
+pub const LINE: &[&str] = &[
+    "from",
+    "edges",
+    "circle",
+    "to",
+    "center",
+    "via",
+    "radius",
+    "clockwise",
+    "name",
+    "size",
+    "cells",
+];
+/// One element of `regions` of a drawing.
+pub const REGION: &[&str] = &["name", "at", "size"];
 /// One element of `edges`.
 pub const EDGE: &[&str] = &[
     "to",
@@ -291,6 +311,9 @@ pub const ALL: &[(&str, &[&str])] = &[
     ("file", FILE),
     ("outline", OUTLINE),
     ("holes", HOLE),
+    ("drawing", DRAWING),
+    ("lines", LINE),
+    ("regions", REGION),
     ("edges", EDGE),
     ("circle", OUTLINE_CIRCLE),
     ("refine", REFINE),

@@ -64,15 +64,22 @@ pub(crate) trait Generated<const D: usize>: Sized {
 pub(crate) type Made<const D: usize> = (Result<Mesh<D>, MeshError>, Named<D>);
 
 impl Generated<2> for Mesh<2> {
-    const GENERATORS: &'static [&'static str] =
-        &["rectangle", "ring", "tunnel_rock", "outline", "file"];
+    const GENERATORS: &'static [&'static str] = &[
+        "rectangle",
+        "ring",
+        "tunnel_rock",
+        "outline",
+        "region",
+        "file",
+    ];
 
-    fn generated(entry: &Entry, body: &str, _: &mut MeshFiles) -> Result<Made<2>, Fault> {
+    fn generated(entry: &Entry, body: &str, files: &mut MeshFiles) -> Result<Made<2>, Fault> {
         let node = &entry.node;
         let built = match entry.key.as_str() {
             "rectangle" => rectangle(node)?.build(),
             "ring" => ring(node)?.build(),
             "tunnel_rock" => tunnel_rock(node)?.build(),
+            "region" => Ok(files.regions(node, body)?),
             _ => Ok(outline::mesh(node, body)?),
         };
         Ok((built, Named::new()))

@@ -1,5 +1,7 @@
-//! `mesh = { file = { path, group } }`: bodies from mesh files, each file read once for all bodies of a case that have the
-//! same dimension: an extruded mesh and a solid may come from one file.
+//! What several bodies are cut out of.
+//!
+//! `mesh = { file = { path, group } }`: mesh files, each read once for all bodies of a case that have the same dimension: an
+//! extruded mesh and a solid may come from one file. `mesh = { region }`: the drawing of the case.
 //!
 //! What of a file has no place in any body is known only when all bodies were read: [`MeshFiles::warnings`].
 
@@ -9,18 +11,22 @@ use crate::case::keys;
 use crate::case::mesh::Generated;
 use crate::case::suggest::{listed, nearest};
 use crate::geometry::Point;
-use crate::mesh::{ImportError, Imported, Mesh, MeshFile};
+use crate::mesh::{ImportError, Imported, Mesh, MeshFile, Regions};
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
 /// Points by name; several have one name where a mesh file says so.
 pub(crate) type Named<const D: usize> = BTreeMap<String, Vec<Point<D>>>;
 
-/// The mesh files of a case.
+/// The mesh files and the drawing of a case.
 pub(crate) struct MeshFiles {
     /// Where relative paths start.
     folder: PathBuf,
     files: Vec<Opened>,
+    /// The regions of the drawing.
+    pub drawing: Option<Regions>,
+    /// Regions that bodies are made of: region, body, place of the name.
+    pub used: Vec<(String, String, Span)>,
     warnings: Vec<String>,
 }
 
@@ -44,6 +50,8 @@ impl MeshFiles {
         Self {
             folder: folder.to_path_buf(),
             files: Vec::new(),
+            drawing: None,
+            used: Vec::new(),
             warnings: Vec::new(),
         }
     }
@@ -86,6 +94,37 @@ impl MeshFiles {
         Ok((imported.mesh, imported.points))
     }
 
+    /// The mesh of a body from the regions that a node names.
+    pub fn regions(&mut self, node: &Node, body: &str) -> Result<Mesh<2>, Fault> {
+        let Some(drawing) = &self.drawing else {
+            let message = format!("body `{body}` is a region, and the case has no drawing");
+            return Err(Fault::new(&node.span, message)
+                .label("region of what?")
+                .help("add `[drawing]` with `size`, `lines` and `regions`"));
+        };
+        let names = groups(node)?;
+        for (k, (region, span)) in names.iter().enumerate() {
+            if !drawing.names().any(|known| known == *region) {
+                let message = format!("the drawing has no region `{region}`");
+                let words = ["the nearest known region", "its regions"];
+                return Err(Fault::new(span, message).nearest(region, words, drawing.names()));
+            }
+            if names[..k].iter().any(|(before, _)| before == region) {
+                let message = format!("the region `{region}` is listed twice");
+                return Err(Fault::new(span, message).label("second time"));
+            }
+        }
+        let used = names.iter();
+        let used = used.map(|(name, span)| (name.to_string(), body.to_string(), span.clone()));
+        self.used.extend(used);
+        let names: Vec<&str> = names.iter().map(|(name, _)| *name).collect();
+        let mesh = drawing.mesh(&names);
+        mesh.map_err(|e| {
+            let message = format!("the mesh of body `{body}`: {e}");
+            Fault::new(&node.span, message).label("cannot be meshed")
+        })
+    }
+
     /// The file of a path for bodies of D dimensions, read when it is met first.
     fn open<const D: usize>(&mut self, node: &Node, body: &str) -> Result<&mut Opened, Fault>
     where
@@ -121,6 +160,13 @@ impl MeshFiles {
     /// What was noticed, and what of the files no body uses.
     pub fn warnings(self) -> Vec<String> {
         let mut warnings = self.warnings;
+        let regions = self.drawing.iter().flat_map(Regions::names);
+        let unused = regions.filter(|region| !self.used.iter().any(|(used, ..)| used == region));
+        let unused: Vec<&str> = unused.collect();
+        if !unused.is_empty() {
+            let unused = listed(unused);
+            warnings.push(format!("drawing: no body has the regions {unused}"));
+        }
         let used = self.files.iter().flat_map(Opened::used);
         let used: BTreeSet<(&Path, &str)> = used.collect();
         for opened in &self.files {

@@ -44,7 +44,7 @@ use crate::case::source::{Source, analysis};
 use crate::case::steps::Steps;
 use crate::mesh::Mesh;
 use crate::model::{
-    Analysis, Bolts, Event, Method, Model, Past, SolverOptions, Study, Subject, Units, Varied,
+    Analysis, Body, Bolts, Event, Method, Model, Past, SolverOptions, Study, Subject, Units, Varied,
 };
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -291,10 +291,12 @@ where
         bodies.iter().try_for_each(refused)?;
     }
     let steps = Steps::read(table)?;
+    files.drawing = table.get("drawing").map(outline::drawing).transpose()?;
     let bodies = bodies
         .iter()
         .map(|node| body::body(node, analysis, files, &steps));
     let mut bodies = bodies.collect::<Result<Vec<_>, _>>()?;
+    own_regions(&files.used, &bodies)?;
 
     let contact = |node| contact::contact(node, &mut bodies, &steps);
     let contacts = contacts.iter().map(contact);
@@ -343,6 +345,34 @@ where
         }
     }
     Ok(model)
+}
+
+/// Refuses two bodies of one region at one time.
+fn own_regions<const D: usize>(
+    used: &[(String, String, Span)],
+    bodies: &[Body<D>],
+) -> Result<(), Fault> {
+    let active = |name: &str| {
+        bodies
+            .iter()
+            .find(|body| body.name == name)
+            .map(|b| b.active)
+    };
+    for (k, (region, body, span)) in used.iter().enumerate() {
+        let before = used[..k].iter().filter(|(other, ..)| other == region);
+        let together = |other: &str| match (active(other), active(body)) {
+            (Some(a), Some(b)) => a.meets(b),
+            _ => false,
+        };
+        if let Some((_, other, _)) = before.into_iter().find(|(_, name, _)| together(name)) {
+            let message =
+                format!("the bodies `{other}` and `{body}` are both made of region `{region}`");
+            return Err(Fault::new(span, message)
+                .label("second body at one place")
+                .help("give them `active` so that one leaves before the other comes, or name another region"));
+        }
+    }
+    Ok(())
 }
 
 /// Refuses a thickness, which bodies of revolution and of space do not have.

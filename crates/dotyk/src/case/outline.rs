@@ -1,12 +1,13 @@
-//! `mesh.outline` of a body: a path of lines and arcs, holes, sizes.
+//! `mesh.outline` of a body: a path of lines and arcs, holes, sizes; and `[drawing]`, lines between the regions that bodies
+//! are made of.
 
 use crate::case::document::{Node, Span, Table, Value, name};
 use crate::case::error::Fault;
 use crate::case::keys;
 use crate::geometry::Point;
 use crate::mesh::{
-    CellKind, Contour, Division, EdgeShape, Mesh, MeshError, Outline, OutlineEdge, OutlinePlace,
-    SizePoint,
+    CellKind, Contour, Division, Drawing, EdgeShape, Mesh, MeshError, Outline, OutlineEdge,
+    OutlinePart, OutlinePlace, Region, Regions, SizePoint,
 };
 
 /// Growth where the file does not say.
@@ -37,34 +38,149 @@ pub(crate) fn mesh(node: &Node, body: &str) -> Result<Mesh<2>, Fault> {
         holes.push(contour);
         all_spans.push(spans);
     }
-    let refine = table.list("refine")?.iter().map(size_point);
-    let growth = table.get("growth");
-    let cell = table.get("cell");
+    let Fineness {
+        growth,
+        refine,
+        cell,
+    } = fineness(table)?;
     let outline = Outline {
         boundary,
         holes,
         size,
+        growth,
+        refine,
+        cell,
+    };
+    outline.build().map_err(|error| {
+        let error = Refused::of(error, table, &all_spans, &[]);
+        error.because(&format!("the mesh of body `{body}`"))
+    })
+}
+
+/// The regions of a drawing, filled.
+pub(crate) fn drawing(node: &Node) -> Result<Regions, Fault> {
+    let table = node.table(keys::DRAWING)?;
+    let what = "a drawing";
+    let size = table.require("size", what)?.positive("`size`")?;
+    let (mut lines, mut spans) = (Vec::new(), Vec::new());
+    for line in table.list("lines")? {
+        let table = line.table(keys::LINE)?;
+        own_shape(table)?;
+        let line_names = names(table)?;
+        let line_size = table.get("size").map(|node| node.positive("`size`"));
+        let (contour, line_spans) = contour(table, "a line", &line_names, line_size.transpose()?)?;
+        lines.push(contour);
+        spans.push(line_spans);
+    }
+    let mut regions = Vec::new();
+    for node in table.list("regions")? {
+        let table = node.table(keys::REGION)?;
+        let size = table.get("size").map(|node| node.positive("`size`"));
+        let at = table.require("at", "a region")?;
+        regions.push(Region {
+            name: name(table.require("name", "a region")?)?,
+            at: match &at.value {
+                Value::List(list) if list.iter().all(|n| matches!(n.value, Value::List(_))) => {
+                    list.iter().map(Node::point).collect::<Result<_, _>>()?
+                }
+                _ => vec![at.point()?],
+            },
+            size: size.transpose()?,
+        });
+    }
+    let region_spans: Vec<Span> = table
+        .list("regions")?
+        .iter()
+        .map(|n| n.span.clone())
+        .collect();
+    let Fineness {
+        growth,
+        refine,
+        cell,
+    } = fineness(table)?;
+    let drawing = Drawing {
+        lines,
+        regions,
+        size,
+        growth,
+        refine,
+        cell,
+    };
+    drawing.build().map_err(|error| {
+        Refused::of(error, table, &spans, &region_spans).because("the regions of the case")
+    })
+}
+
+/// Refuses what belongs to a single edge, in a line that is none.
+fn own_shape(table: Table<'_>) -> Result<(), Fault> {
+    let keys = ["center", "via", "radius", "clockwise", "cells"].into_iter();
+    let other = keys.filter_map(|key| table.entry(key)).next();
+    match (other, table.entry("to")) {
+        (Some(entry), None) => {
+            let message = format!("`{}` belongs to a single edge", entry.key);
+            Err(Fault::new(&entry.key_span, message)
+                .label("says nothing here")
+                .help("a line is { from, to } with the keys of an edge, { from, edges } or { circle }"))
+        }
+        _ => Ok(()),
+    }
+}
+
+/// How fine the cells are, beside their size.
+struct Fineness {
+    growth: f64,
+    refine: Vec<SizePoint>,
+    cell: CellKind,
+}
+
+fn fineness(table: Table<'_>) -> Result<Fineness, Fault> {
+    let refine = table.list("refine")?.iter().map(size_point);
+    let growth = table.get("growth");
+    let cell = table.get("cell");
+    Ok(Fineness {
         growth: growth.map_or(Ok(GROWTH), |node| node.positive("`growth`"))?,
         refine: refine.collect::<Result<_, _>>()?,
         cell: cell.map_or(Ok(CellKind::Tri3), |node| {
             node.choice("cell of an outline", &TRIANGLES)
         })?,
-    };
-    outline.build().map_err(|error| {
-        let place = match &error {
-            MeshError::Outline { place, .. } => span(&all_spans, place),
-            MeshError::Parameter { key, .. } => table.entry(key).map(|entry| &entry.node.span),
-            _ => None,
-        };
-        let message = format!("the mesh of body `{body}`: {error}");
-        Fault::new(place.unwrap_or(table.span), message).label("cannot be meshed")
     })
 }
 
-fn span<'s>(spans: &'s [Spans], place: &OutlinePlace) -> Option<&'s Span> {
-    let contour = spans.get(place.hole.map_or(0, |hole| hole + 1))?;
+/// Why there is no mesh, and where in the file.
+struct Refused {
+    error: MeshError,
+    span: Span,
+}
+
+impl Refused {
+    fn of(error: MeshError, table: Table<'_>, contours: &[Spans], regions: &[Span]) -> Self {
+        let span = match &error {
+            MeshError::Outline { place, .. } | MeshError::Drawing { place, .. } => {
+                span(contours, regions, place)
+            }
+            MeshError::Parameter { key, .. } => table.entry(key).map(|entry| &entry.node.span),
+            _ => None,
+        };
+        let span = span.unwrap_or(table.span).clone();
+        Self { error, span }
+    }
+
+    fn because(self, what: &str) -> Fault {
+        let message = format!("{what}: {}", self.error);
+        Fault::new(&self.span, message).label("cannot be meshed")
+    }
+}
+
+fn span<'s>(contours: &'s [Spans], regions: &'s [Span], place: &OutlinePlace) -> Option<&'s Span> {
+    let contour = match place.part {
+        OutlinePart::Outer => contours.first()?,
+        OutlinePart::Hole(hole) => contours.get(hole + 1)?,
+        OutlinePart::Line(line) => contours.get(line)?,
+        OutlinePart::Region(region) => return regions.get(region),
+        OutlinePart::Drawing => return None,
+    };
     Some(match place.edge {
-        Some(edge) => contour.edges.get(edge)?,
+        Some(edge) => contour.edges.get(edge).unwrap_or(&contour.whole),
         None => &contour.whole,
     })
 }
@@ -78,7 +194,8 @@ fn contour(
 ) -> Result<(Contour, Spans), Fault> {
     let default = default_size.map(Division::Size);
     if let Some(entry) = table.entry("circle") {
-        if let Some(other) = table.entry("edges").or(table.entry("from")) {
+        let others = ["edges", "from", "to"].into_iter();
+        if let Some(other) = others.filter_map(|key| table.entry(key)).next() {
             let message = format!("{what} has both `circle` and `{}`", other.key);
             return Err(Fault::new(&other.key_span, message).label("give one of the two"));
         }
@@ -96,8 +213,25 @@ fn contour(
         };
         return Ok((contour, spans));
     }
+    if table.entry("to").is_some() {
+        if let Some(other) = table.entry("edges") {
+            let message = format!("{what} has both `to` and `edges`");
+            return Err(Fault::new(&other.key_span, message).label("give one of the two"));
+        }
+        let from = table.require("from", what)?.point()?;
+        let edge = edge(table, from)?;
+        let spans = Spans {
+            whole: table.span.clone(),
+            edges: Vec::new(),
+        };
+        let edges = vec![edge];
+        return Ok((Contour::Path { from, edges }, spans));
+    }
     if table.entry("edges").is_none() {
-        let message = format!("{what} needs `from` and `edges`, or `circle`");
+        let message = match what {
+            "a line" => "a line needs `from` and `to` or `edges`, or `circle`".to_string(),
+            _ => format!("{what} needs `from` and `edges`, or `circle`"),
+        };
         return Err(Fault::new(table.span, message).label("no edges"));
     }
     let edges_node = table.require("edges", what)?;
@@ -105,7 +239,7 @@ fn contour(
     let mut start = from;
     let mut edges = Vec::new();
     for node in table.list("edges")? {
-        let mut edge = edge(node, start)?;
+        let mut edge = edge(node.table(keys::EDGE)?, start)?;
         edge.names = or(edge.names, default_names);
         edge.division = edge.division.or(default);
         start = edge.to;
@@ -118,8 +252,7 @@ fn contour(
     Ok((Contour::Path { from, edges }, spans))
 }
 
-fn edge(node: &Node, start: Point<2>) -> Result<OutlineEdge, Fault> {
-    let table = node.table(keys::EDGE)?;
+fn edge(table: Table<'_>, start: Point<2>) -> Result<OutlineEdge, Fault> {
     let to = table.require("to", "an edge")?.point()?;
     let shapes: Vec<_> = ["center", "via", "radius"]
         .into_iter()

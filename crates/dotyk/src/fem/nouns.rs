@@ -107,6 +107,11 @@ impl Active {
     pub fn at(self, time: f64) -> bool {
         self.from <= time && time < self.until
     }
+
+    /// Whether both are there at some time.
+    pub fn meets(self, other: Self) -> bool {
+        self.from.max(other.from) < self.until.min(other.until)
+    }
 }
 
 impl Default for Active {

@@ -173,4 +173,12 @@ pub enum MeshError {
         /// What is wrong, and what to do.
         problem: String,
     },
+    /// A drawing that cannot be meshed.
+    #[error("drawing, {place}: {problem}")]
+    Drawing {
+        /// Where.
+        place: OutlinePlace,
+        /// What is wrong, and what to do.
+        problem: String,
+    },
 }

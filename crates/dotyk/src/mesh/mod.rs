@@ -26,7 +26,10 @@ pub use generate::{
     Cuboid, Cylinder, Diagonals, Extrude, Path, Rectangle, Ring, Sphere, TunnelRock,
 };
 pub use import::{FilePlace, ImportError, Imported, MeshFile};
-pub use outline::{Contour, Division, EdgeShape, Outline, OutlineEdge, OutlinePlace, SizePoint};
+pub use outline::{
+    Contour, Division, Drawing, EdgeShape, Outline, OutlineEdge, OutlinePart, OutlinePlace, Region,
+    Regions, SizePoint,
+};
 pub use reference::{CellKind, Domain};
 pub use strip::{Cut, Strip, StripError};
 

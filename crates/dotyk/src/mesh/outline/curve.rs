@@ -174,6 +174,89 @@ impl Curve {
         }
     }
 
+    /// The parameter of the point of the curve that is nearest to p.
+    pub fn parameter(&self, p: Point<2>) -> f64 {
+        let near = self.nearest(p);
+        if near == self.start {
+            return 0.0;
+        }
+        let t = match self.arc {
+            Some(arc) => {
+                let d = sub(near, arc.center);
+                let turn = (d[1].atan2(d[0]) - arc.first) * arc.sweep.signum();
+                turn.rem_euclid(TAU) / arc.sweep.abs()
+            }
+            None => distance(near, self.start) / self.length(),
+        };
+        t.min(1.0)
+    }
+
+    /// The part between two parameters, with these ends.
+    pub fn part(&self, [from, to]: [f64; 2], [start, end]: [Point<2>; 2]) -> Self {
+        let arc = self.arc.map(|arc| Arc {
+            first: if from == 0.0 {
+                arc.first
+            } else {
+                arc.first + from * arc.sweep
+            },
+            last: if to == 1.0 {
+                arc.last
+            } else {
+                arc.first + to * arc.sweep
+            },
+            sweep: if [from, to] == [0.0, 1.0] {
+                arc.sweep
+            } else {
+                (to - from) * arc.sweep
+            },
+            ..arc
+        });
+        Self { start, end, arc }
+    }
+
+    /// Whether both are parts of one line or of one circle, but for distances up to `near`.
+    pub fn runs_along(&self, other: &Self, near: f64) -> bool {
+        match (self.arc, other.arc) {
+            (Some(a), Some(b)) => {
+                distance(a.center, b.center) <= near && (a.radius - b.radius).abs() <= near
+            }
+            (None, None) => {
+                let Some(along) = unit(sub(self.end, self.start)) else {
+                    return false;
+                };
+                let beside = |p: Point<2>| cross(along, sub(p, self.start)).abs();
+                beside(other.start) <= near && beside(other.end) <= near
+            }
+            _ => false,
+        }
+    }
+
+    /// Where two curves cross or touch within `near`: at ends that lie on the other one, and elsewhere. Curves that run along
+    /// each other meet at their ends alone.
+    pub fn meetings(&self, other: &Self, near: f64) -> Vec<Point<2>> {
+        let on = |curve: &Self, p: Point<2>| distance(curve.nearest(p), p) <= near;
+        let ends = [
+            (self.start, other),
+            (self.end, other),
+            (other.start, self),
+            (other.end, self),
+        ];
+        let ends = ends.into_iter().filter(|(p, curve)| on(curve, *p));
+        let mut points: Vec<Point<2>> = ends.map(|(p, _)| p).collect();
+        if self.runs_along(other, near) {
+            return points;
+        }
+        // What happens within a thousandth of an edge from there is rounding of a tangent arc.
+        let margin = 1e-3 * self.length().min(other.length());
+        for p in self.candidates(other) {
+            let far = points.iter().all(|&q| distance(p, q) > margin);
+            if far && on(self, p) && on(other, p) {
+                points.push(p);
+            }
+        }
+        points
+    }
+
     /// Corners of a box that holds the curve.
     pub fn bounds(&self) -> (Point<2>, Point<2>) {
         let mut points = vec![self.start, self.end];

@@ -12,13 +12,14 @@
 //! Every edge is divided in a direction of its own, so that two bodies that draw it in opposite directions get the
 //! same nodes.
 
-use crate::geometry::{Point, distance, dot, sub};
+use crate::geometry::{Point, add_scaled, distance, dot, sub};
+use crate::mesh::MeshError;
 use crate::mesh::outline::curve::Curve;
 use crate::mesh::outline::nouns::{MOST_VERTICES, SizePoint};
 use std::f64::consts::PI;
 
 /// Largest angle of a piece of an arc: twelve around a circle.
-const WIDEST_PIECE: f64 = PI / 6.0;
+pub(crate) const WIDEST_PIECE: f64 = PI / 6.0;
 
 /// Sizes that differ by less than this part are one: where h is constant it must stay so to the last bit.
 const SAME_SIZE: f64 = 1e-9;
@@ -26,7 +27,7 @@ const SAME_SIZE: f64 = 1e-9;
 /// Samples of h per wanted size.
 const SAMPLES: f64 = 2.0;
 
-/// A curve with what the user wants of it; `loop_index` and `next` say which edges meet.
+/// A curve with what the user wants of it.
 #[derive(Debug, Clone)]
 pub(crate) struct Rib {
     pub curve: Curve,
@@ -34,12 +35,28 @@ pub(crate) struct Rib {
     pub size: f64,
     /// Number of pieces, when it is given.
     pub pieces: Option<usize>,
-    /// Which closed path it belongs to.
-    pub path: usize,
-    /// The edge that follows along the path.
-    pub next: usize,
-    /// The edge before.
-    pub previous: usize,
+    /// Largest angle of a piece of an arc.
+    pub widest: f64,
+    /// Numbers of the corners that it joins: edges with a common corner meet there.
+    pub ends: [usize; 2],
+    /// What is filled on its left and on its right.
+    pub faces: [Option<usize>; 2],
+}
+
+impl Rib {
+    /// Whether it has a corner in common with another one.
+    fn meets(&self, other: &Self) -> bool {
+        self.ends.iter().any(|end| other.ends.contains(end))
+    }
+
+    /// Angle by which the direction from p turns along it, with a face on the left; zero where it is no boundary of that.
+    pub fn winding(&self, face: usize, p: Point<2>) -> f64 {
+        match self.faces.map(|own| own == Some(face)) {
+            [true, false] => self.curve.winding(p),
+            [false, true] => -self.curve.winding(p),
+            _ => 0.0,
+        }
+    }
 }
 
 /// Nodes of one edge in its direction, both ends included, and the points in the middle of its pieces.
@@ -64,6 +81,40 @@ impl Sizes<'_> {
     }
 }
 
+impl Sizes<'_> {
+    /// Refuses faces (number, area, largest size) in which the sizes ask for more corners of cells than [`MOST_VERTICES`].
+    ///
+    /// About the number that the sizes of the faces and of the points of refinement ask for at least.
+    pub fn few_enough(&self, ribs: &[Rib], faces: &[(usize, f64, f64)]) -> Result<(), MeshError> {
+        // Each corner of equilateral triangles has √3/2 h² of the area.
+        let corners = |area: f64, size: f64| 2.0 / 3.0_f64.sqrt() * area / (size * size);
+        let within = |p: Point<2>| {
+            let turns = |face: usize| ribs.iter().map(|rib| rib.winding(face, p)).sum::<f64>();
+            faces.iter().any(|&(face, ..)| turns(face) > PI)
+        };
+        // A share of each disc of refinement, by the middles of 20 × 20 squares.
+        let of_disc = |point: &SizePoint| {
+            let step = point.radius / 10.0;
+            let places = (0..400).map(|k| [k % 20, k / 20].map(|i| (f64::from(i) - 9.5) * step));
+            let inside = places.filter(|&d| {
+                d[0].hypot(d[1]) < point.radius && within(add_scaled(point.at, 1.0, d))
+            });
+            let area = inside.count() as f64 * step * step;
+            corners(area, point.size.min(self.largest))
+        };
+        let discs = self.refine.iter().map(of_disc).fold(0.0, f64::max);
+        let plain = faces.iter().map(|&(_, area, size)| corners(area, size));
+        let wanted = plain.sum::<f64>().max(discs);
+        match wanted > MOST_VERTICES as f64 {
+            true => Err(MeshError::TooLarge {
+                nodes: wanted.min(u64::MAX as f64) as u128,
+                most: MOST_VERTICES,
+            }),
+            false => Ok(()),
+        }
+    }
+}
+
 /// h at places along one edge, in its canonical direction.
 struct Profile {
     /// Parameter and size.
@@ -77,12 +128,12 @@ pub(crate) fn divide(ribs: &[Rib], sizes: &Sizes<'_>) -> Option<Vec<Divided>> {
     let mut profiles = Vec::with_capacity(ribs.len());
     let mut samples = 0;
     for (index, rib) in ribs.iter().enumerate() {
-        let wanted = |curve: &Curve, t: f64, inward: f64| {
+        let wanted = |curve: &Curve, t: f64, filled: [bool; 2]| {
             let x = curve.point(t);
             let mut h = own[index].min(sizes.near(x));
             for (other, &size) in own.iter().enumerate() {
                 let far = box_distance(x, boxes[other]);
-                let wall = other != rib.next && other != rib.previous;
+                let wall = !rib.meets(&ribs[other]);
                 let least = size + sizes.growth * far;
                 if other == index || (least >= h && (!wall || far >= h)) {
                     continue;
@@ -90,7 +141,8 @@ pub(crate) fn divide(ribs: &[Rib], sizes: &Sizes<'_>) -> Option<Vec<Divided>> {
                 let y = ribs[other].curve.nearest(x);
                 let away = distance(x, y);
                 h = h.min(size + sizes.growth * away);
-                if wall && inward * dot(sub(y, x), curve.left(t)) > 0.0 {
+                let beside = dot(sub(y, x), curve.left(t));
+                if wall && (filled[0] && beside > 0.0 || filled[1] && beside < 0.0) {
                     h = h.min(away);
                 }
             }
@@ -113,7 +165,7 @@ fn own_size(rib: &Rib) -> f64 {
     if let Some(pieces) = rib.pieces {
         return length / pieces as f64;
     }
-    let widest = rib.curve.arc.map(|arc| WIDEST_PIECE * arc.radius);
+    let widest = rib.curve.arc.map(|arc| rib.widest * arc.radius);
     let size = rib.size.min(widest.unwrap_or(f64::INFINITY));
     length / whole(length / size)
 }
@@ -128,12 +180,17 @@ fn box_distance(x: Point<2>, (low, high): (Point<2>, Point<2>)) -> f64 {
     outside(0).hypot(outside(1))
 }
 
-/// Samples of h so close that it changes little between them. The body is on the left of the edge.
-fn profile(rib: &Rib, wanted: impl Fn(&Curve, f64, f64) -> f64, most: usize) -> Option<Profile> {
-    let canonical = rib.curve.is_canonical();
-    let (curve, inward) = match canonical {
-        true => (rib.curve, 1.0),
-        false => (rib.curve.reversed(), -1.0),
+/// Samples of h so close that it changes little between them; `wanted` is told what is filled on the left and right of
+/// the curve.
+fn profile(
+    rib: &Rib,
+    wanted: impl Fn(&Curve, f64, [bool; 2]) -> f64,
+    most: usize,
+) -> Option<Profile> {
+    let [left, right] = rib.faces.map(|face| face.is_some());
+    let (curve, filled) = match rib.curve.is_canonical() {
+        true => (rib.curve, [left, right]),
+        false => (rib.curve.reversed(), [right, left]),
     };
     let length = curve.length();
     if rib.pieces.is_some() {
@@ -141,7 +198,7 @@ fn profile(rib: &Rib, wanted: impl Fn(&Curve, f64, f64) -> f64, most: usize) -> 
         let samples = vec![(0.0, size), (1.0, size)];
         return Some(Profile { samples });
     }
-    let at = |t: f64| (t, wanted(&curve, t, inward));
+    let at = |t: f64| (t, wanted(&curve, t, filled));
     let mut samples = vec![at(0.0)];
     // Intervals that wait, the next one last.
     let mut waiting = vec![(0.0, 1.0)];
@@ -162,49 +219,60 @@ fn profile(rib: &Rib, wanted: impl Fn(&Curve, f64, f64) -> f64, most: usize) -> 
     Some(Profile { samples })
 }
 
-/// Lets h grow by at most `growth` per length along every path, in both directions.
+/// Lets h grow by at most `growth` per length along the edges and from edge to edge at their corners. An edge with a given
+/// number of pieces keeps its own.
 fn limit_growth(ribs: &[Rib], profiles: &mut [Profile], growth: f64) {
-    let Some(paths) = ribs.iter().map(|rib| rib.path + 1).max() else {
-        return;
-    };
-    for path in 0..paths {
-        let mut places: Vec<(usize, usize)> = Vec::new();
-        for (index, rib) in ribs.iter().enumerate().filter(|(_, rib)| rib.path == path) {
-            let count = profiles[index].samples.len();
-            match rib.curve.is_canonical() {
-                true => places.extend((0..count).map(|k| (index, k))),
-                false => places.extend((0..count).rev().map(|k| (index, k))),
+    let corners = ribs.iter().flat_map(|rib| rib.ends).max();
+    let mut least = vec![f64::INFINITY; corners.map_or(0, |corner| corner + 1)];
+    loop {
+        let mut changed = false;
+        for (rib, profile) in ribs.iter().zip(&mut *profiles) {
+            if let ([from, to], [first, .., last]) = (canonical_ends(rib), &profile.samples[..]) {
+                for (corner, h) in [(from, first.1), (to, last.1)] {
+                    changed |= h < least[corner];
+                    least[corner] = least[corner].min(h);
+                }
             }
         }
-        // Twice around, so that the smallest size reaches everything whatever the start.
-        let around: Vec<_> = places.iter().chain(&places).copied().collect();
-        sweep(ribs, profiles, growth, around.iter().copied());
-        sweep(ribs, profiles, growth, around.iter().rev().copied());
+        if !changed {
+            return;
+        }
+        for (rib, profile) in ribs.iter().zip(&mut *profiles) {
+            if rib.pieces.is_none() {
+                let ends = canonical_ends(rib).map(|corner| least[corner]);
+                profile.limit(ends, rib.curve.length(), growth);
+            }
+        }
     }
 }
 
-fn sweep(
-    ribs: &[Rib],
-    profiles: &mut [Profile],
-    growth: f64,
-    places: impl Iterator<Item = (usize, usize)>,
-) {
-    let mut last: Option<(usize, f64, f64)> = None;
-    for (index, k) in places {
-        let (t, h) = profiles[index].samples[k];
-        let mut limited = h;
-        if let Some((before, t_before, h_before)) = last {
-            let step = match before == index {
-                true => (t - t_before).abs() * ribs[index].curve.length(),
-                false => 0.0,
-            };
-            let allowed = h_before + growth * step;
-            if ribs[index].pieces.is_none() && allowed < h * (1.0 - SAME_SIZE) {
-                limited = allowed;
-            }
+/// The corners that an edge joins, in its canonical direction.
+fn canonical_ends(rib: &Rib) -> [usize; 2] {
+    match rib.curve.is_canonical() {
+        true => rib.ends,
+        false => [rib.ends[1], rib.ends[0]],
+    }
+}
+
+impl Profile {
+    /// Lets h grow by at most `growth` per length from its values at both ends and from each sample to the next.
+    fn limit(&mut self, ends: [f64; 2], length: f64, growth: f64) {
+        let limited = |h: f64, allowed: f64| match allowed < h * (1.0 - SAME_SIZE) {
+            true => allowed,
+            false => h,
+        };
+        let mut before = (0.0, ends[0]);
+        for sample in &mut self.samples {
+            let allowed = before.1 + growth * ((sample.0 - before.0) * length);
+            sample.1 = limited(sample.1, allowed);
+            before = *sample;
         }
-        profiles[index].samples[k].1 = limited;
-        last = Some((index, t, limited));
+        let mut behind = (1.0, ends[1]);
+        for sample in self.samples.iter_mut().rev() {
+            let allowed = behind.1 + growth * ((behind.0 - sample.0) * length);
+            sample.1 = limited(sample.1, allowed);
+            behind = *sample;
+        }
     }
 }
 

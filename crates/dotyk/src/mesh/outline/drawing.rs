@@ -2,15 +2,16 @@
 
 use crate::geometry::{Point, add_scaled, bounding_box, distance, sub, unit};
 use crate::mesh::outline::curve::{Curve, cross};
-use crate::mesh::outline::divide::Rib;
+use crate::mesh::outline::divide::{Rib, WIDEST_PIECE};
 use crate::mesh::outline::nouns::{
-    Contour, Division, EdgeShape, MOST_VERTICES, Outline, OutlineEdge, OutlinePlace,
+    Contour, Division, EdgeShape, MOST_VERTICES, Outline, OutlineEdge, OutlinePart, OutlinePlace,
+    SizePoint,
 };
 use crate::mesh::{CellKind, MeshError};
 use std::f64::consts::{FRAC_PI_2, TAU};
 
 /// Below this share of the diameter two points are one.
-const SAME: f64 = 1e-9;
+pub(crate) const SAME: f64 = 1e-9;
 
 /// How much the two radii of an arc that is given by its centre may differ, relatively.
 const SAME_RADIUS: f64 = 1e-6;
@@ -19,15 +20,16 @@ const SAME_RADIUS: f64 = 1e-6;
 const MAGNITUDES: [f64; 2] = [1e-100, 1e100];
 
 /// A curve of a contour, before it is known which ones meet.
-struct Drawn {
-    curve: Curve,
-    place: OutlinePlace,
-    names: Vec<String>,
-    division: Option<Division>,
+#[derive(Clone)]
+pub(crate) struct Drawn {
+    pub curve: Curve,
+    pub place: OutlinePlace,
+    pub names: Vec<String>,
+    pub division: Option<Division>,
 }
 
 /// All curves of all contours, each contour with the body on the left.
-pub(crate) struct Drawing {
+pub(crate) struct Curves {
     pub ribs: Vec<Rib>,
     pub places: Vec<OutlinePlace>,
     /// Name of the side of each.
@@ -36,28 +38,22 @@ pub(crate) struct Drawing {
     pub area: f64,
 }
 
-impl Drawing {
+impl Curves {
     /// The contours of an outline as curves, checked and turned.
     pub fn of(outline: &Outline) -> Result<Self, MeshError> {
-        check_values(outline)?;
-        let contours = std::iter::once((None, &outline.boundary));
-        let contours = contours.chain((0..).map(Some).zip(&outline.holes));
+        check_values(outline.size, outline.growth, &outline.refine, outline.cell)?;
+        let contours = std::iter::once((OutlinePart::Outer, &outline.boundary));
+        let contours = contours.chain((0..).map(OutlinePart::Hole).zip(&outline.holes));
         let mut paths = Vec::new();
-        for (hole, contour) in contours {
-            paths.push(contour.curves(hole)?);
+        for (part, contour) in contours {
+            paths.push(contour.curves(part)?);
         }
-        let corners: Vec<Point<2>> = paths
-            .iter()
-            .flatten()
-            .flat_map(|drawn| <[Point<2>; 2]>::from(drawn.curve.bounds()))
-            .collect();
-        let (low, high) = bounding_box(&corners);
-        let diameter = distance(low, high);
+        let (low, diameter) = extent(paths.iter().flatten())?;
         for drawn in paths.iter().flatten() {
             check_division(outline.size, drawn, diameter)?;
         }
         separate(&paths, diameter)?;
-        let mut drawing = Self {
+        let mut curves = Self {
             ribs: Vec::new(),
             places: Vec::new(),
             sides: Vec::new(),
@@ -69,25 +65,21 @@ impl Drawing {
             if area <= SAME * diameter * diameter {
                 return Err(contour_place(path).error("it encloses no area"));
             }
-            drawing.area += if index == 0 { area } else { -area };
-            drawing.add_path(path, (twice > 0.0) != (index == 0), outline.size);
+            curves.area += if index == 0 { area } else { -area };
+            curves.add_path(path, (twice > 0.0) != (index == 0), outline.size);
         }
         nested(&paths)?;
-        Ok(drawing)
+        Ok(curves)
     }
 
     /// Takes over the curves of a contour, in the opposite direction where they are to `turn`.
     fn add_path(&mut self, path: &[Drawn], turn: bool, largest: f64) {
-        let index = self.ribs.last().map_or(0, |rib| rib.path + 1);
+        // The corner of a path where its k-th edge begins has the number of that edge.
         let first = self.ribs.len();
         let count = path.len();
         for k in 0..count {
             let drawn = &path[if turn { count - 1 - k } else { k }];
-            let (size, pieces) = match drawn.division {
-                Some(Division::Size(size)) => (size, None),
-                Some(Division::Cells(cells)) => (largest, Some(cells)),
-                None => (largest, None),
-            };
+            let (size, pieces) = wanted(drawn.division, largest);
             self.ribs.push(Rib {
                 curve: match turn {
                     true => drawn.curve.reversed(),
@@ -95,13 +87,13 @@ impl Drawing {
                 },
                 size,
                 pieces,
-                path: index,
-                next: first + (k + 1) % count,
-                previous: first + (k + count - 1) % count,
+                widest: WIDEST_PIECE,
+                ends: [first + k, first + (k + 1) % count],
+                faces: [Some(0), None],
             });
-            let without = || match drawn.place.hole {
-                Some(hole) => format!("hole_{}", hole + 1),
-                None => "outline".to_string(),
+            let without = || match drawn.place.part {
+                OutlinePart::Hole(hole) => format!("hole_{}", hole + 1),
+                _ => "outline".to_string(),
             };
             self.sides.push(match &drawn.names[..] {
                 [] => vec![without()],
@@ -112,26 +104,58 @@ impl Drawing {
     }
 }
 
-fn check_values(outline: &Outline) -> Result<(), MeshError> {
+/// Lower corner and diagonal of the box around some curves.
+///
+/// Errors: a diagonal whose square is no number.
+pub(crate) fn extent<'d>(
+    drawn: impl Iterator<Item = &'d Drawn> + Clone,
+) -> Result<(Point<2>, f64), MeshError> {
+    let corners = drawn.clone();
+    let corners = corners.flat_map(|drawn| <[Point<2>; 2]>::from(drawn.curve.bounds()));
+    let (low, high) = bounding_box(&corners.collect::<Vec<_>>());
+    let diameter = distance(low, high);
+    if (MAGNITUDES[0]..MAGNITUDES[1]).contains(&diameter) {
+        return Ok((low, diameter));
+    }
+    let place = drawn.map(|drawn| drawn.place.whole()).next();
+    let problem = format!("the outline is {diameter} across: use other units");
+    Err(place.unwrap_or_default().error(problem))
+}
+
+/// Size and number of pieces that a division asks for.
+pub(crate) fn wanted(division: Option<Division>, largest: f64) -> (f64, Option<usize>) {
+    match division {
+        Some(Division::Size(size)) => (size, None),
+        Some(Division::Cells(cells)) => (largest, Some(cells)),
+        None => (largest, None),
+    }
+}
+
+pub(crate) fn check_values(
+    size: f64,
+    growth: f64,
+    refine: &[SizePoint],
+    cell: CellKind,
+) -> Result<(), MeshError> {
     let wrong = |key, value: String, need| MeshError::Parameter {
         generator: "outline",
         key,
         value,
         need,
     };
-    if !matches!(outline.cell, CellKind::Tri3 | CellKind::Tri6) {
+    if !matches!(cell, CellKind::Tri3 | CellKind::Tri6) {
         let need = "an outline is filled with `tri3` or `tri6`";
-        return Err(wrong("cell", outline.cell.name().to_string(), need));
+        return Err(wrong("cell", cell.name().to_string(), need));
     }
-    if !(outline.size > 0.0 && outline.size.is_finite()) {
+    if !(size > 0.0 && size.is_finite()) {
         let need = "must be positive and finite";
-        return Err(wrong("size", outline.size.to_string(), need));
+        return Err(wrong("size", size.to_string(), need));
     }
-    if !(outline.growth > 0.0 && outline.growth <= 1.0) {
+    if !(growth > 0.0 && growth <= 1.0) {
         let need = "must be positive and at most 1: 0.3 lets neighbours differ by a third";
-        return Err(wrong("growth", outline.growth.to_string(), need));
+        return Err(wrong("growth", growth.to_string(), need));
     }
-    for point in &outline.refine {
+    for point in refine {
         if !(point.size > 0.0 && point.size.is_finite()) {
             let need = "the size at a point must be positive and finite";
             return Err(wrong("refine", point.size.to_string(), need));
@@ -146,7 +170,7 @@ fn check_values(outline: &Outline) -> Result<(), MeshError> {
     Ok(())
 }
 
-fn check_division(largest: f64, drawn: &Drawn, diameter: f64) -> Result<(), MeshError> {
+pub(crate) fn check_division(largest: f64, drawn: &Drawn, diameter: f64) -> Result<(), MeshError> {
     let size = match drawn.division {
         Some(Division::Size(size)) => size,
         None => largest,
@@ -188,10 +212,10 @@ fn check_division(largest: f64, drawn: &Drawn, diameter: f64) -> Result<(), Mesh
 }
 
 impl Contour {
-    /// The curves in the order of the user.
-    fn curves(&self, hole: Option<usize>) -> Result<Vec<Drawn>, MeshError> {
+    /// The curves in the order of the user. The path of an outline closes, a line of a drawing need not.
+    pub(crate) fn curves(&self, part: OutlinePart) -> Result<Vec<Drawn>, MeshError> {
         match self {
-            Self::Path { from, edges } => path_curves(*from, edges, hole),
+            Self::Path { from, edges } => path_curves(*from, edges, part),
             Self::Circle {
                 center,
                 radius,
@@ -199,7 +223,7 @@ impl Contour {
                 division,
             } => {
                 let place = OutlinePlace {
-                    hole,
+                    part,
                     edge: None,
                     names: names.clone(),
                 };
@@ -233,15 +257,15 @@ impl Contour {
 fn path_curves(
     from: Point<2>,
     edges: &[OutlineEdge],
-    hole: Option<usize>,
+    part: OutlinePart,
 ) -> Result<Vec<Drawn>, MeshError> {
     let place = |edge: usize| OutlinePlace {
-        hole,
+        part,
         edge: Some(edge),
         names: edges.get(edge).map_or(Vec::new(), |e| e.names.clone()),
     };
     let whole = OutlinePlace {
-        hole,
+        part,
         ..OutlinePlace::default()
     };
     check_points(&whole, &from)?;
@@ -254,7 +278,8 @@ fn path_curves(
     let Some(last) = edges.last() else {
         return Err(whole.error("it has no edges"));
     };
-    if distance(last.to, from) > SAME * diameter {
+    let closed = distance(last.to, from) <= SAME * diameter;
+    if !closed && !matches!(part, OutlinePart::Line(_)) {
         let problem = format!(
             "it ends at {:?}, but the path begins at {from:?}: let the last edge end there",
             last.to
@@ -265,7 +290,7 @@ fn path_curves(
     let mut curves = Vec::with_capacity(edges.len());
     for (index, edge) in edges.iter().enumerate() {
         // To the bit, so that the last node is the first.
-        let end = if index + 1 == edges.len() {
+        let end = if closed && index + 1 == edges.len() {
             from
         } else {
             edge.to
@@ -358,17 +383,13 @@ fn shaped(
 
 fn contour_place(path: &[Drawn]) -> OutlinePlace {
     OutlinePlace {
-        hole: path.first().and_then(|drawn| drawn.place.hole),
+        part: path.first().map_or(OutlinePart::Outer, |d| d.place.part),
         ..OutlinePlace::default()
     }
 }
 
 /// Refuses curves that cross or touch elsewhere than at their common corners.
 fn separate(paths: &[Vec<Drawn>], diameter: f64) -> Result<(), MeshError> {
-    if !(MAGNITUDES[0]..MAGNITUDES[1]).contains(&diameter) {
-        let problem = format!("the outline is {diameter} across: use other units");
-        return Err(OutlinePlace::default().error(problem));
-    }
     // Path, place in the path, curve, box.
     let all: Vec<(usize, usize, &Drawn)> = paths
         .iter()

@@ -195,7 +195,12 @@ impl<'a> Fill<'a> {
             if self.triangulation.num_vertices() == before {
                 // The vertex took over the number of this node: two nodes at one place.
                 let place = handles.iter().position(|&h| h == handle).unwrap_or(node);
-                return Err(Unfilled::Meet(place, node));
+                let from = |node: usize| {
+                    let mut pieces = self.boundary.pieces.iter();
+                    pieces.position(|piece| piece[0] as usize == node)
+                };
+                let [here, there] = [place, node].map(|node| from(node).unwrap_or(node));
+                return Err(Unfilled::Meet(here, there));
             }
             handles[node] = handle;
             hint = Some(handle);

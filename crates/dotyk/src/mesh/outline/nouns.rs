@@ -1,4 +1,4 @@
-//! What a user says of an outline: its contours, their edges, and how fine the cells are.
+//! What a user says of an outline or a drawing: contours or lines, their edges, and how fine the cells are.
 
 use crate::geometry::Point;
 use crate::mesh::{CellKind, MeshError};
@@ -24,14 +24,42 @@ pub struct Outline {
     pub cell: CellKind,
 }
 
-/// A closed path.
+/// A drawing: lines that meet, end and cross wherever they like, and the regions between them. Bodies are made of regions.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Drawing {
+    /// Lines; a path need not close.
+    pub lines: Vec<Contour>,
+    /// What is filled.
+    pub regions: Vec<Region>,
+    /// Largest length of cell edges.
+    pub size: f64,
+    /// How much the size may grow per distance from where it is smaller.
+    pub growth: f64,
+    /// Places with smaller cells.
+    pub refine: Vec<SizePoint>,
+    /// Kind of cells: linear or quadratic triangles.
+    pub cell: CellKind,
+}
+
+/// A part of a drawing, or several, that lines surround.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Region {
+    /// Unique name, also of the sides of other bodies beyond which it lies.
+    pub name: String,
+    /// A point in each of its parts.
+    pub at: Vec<Point<2>>,
+    /// Its own largest length of cell edges.
+    pub size: Option<f64>,
+}
+
+/// A closed path, or a line of a drawing.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Contour {
     /// Edges one after the other.
     Path {
         /// Start of the first edge.
         from: Point<2>,
-        /// The edges; the last one ends at `from`.
+        /// The edges; the last one of a closed path ends at `from`.
         edges: Vec<OutlineEdge>,
     },
     /// A circle. Its rightmost, upper, leftmost and lower points are nodes.
@@ -103,12 +131,28 @@ pub struct SizePoint {
     pub radius: f64,
 }
 
-/// A contour or edge in messages; counted from zero here, from one in the text.
+/// A part of an outline or drawing in messages; counted from zero here, from one in the text.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum OutlinePart {
+    /// The outer path of an outline.
+    #[default]
+    Outer,
+    /// A hole of an outline.
+    Hole(usize),
+    /// A whole drawing.
+    Drawing,
+    /// A line of a drawing.
+    Line(usize),
+    /// A region of a drawing.
+    Region(usize),
+}
+
+/// A contour, line, region or edge in messages.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub struct OutlinePlace {
-    /// Which hole; `None` is the outer path.
-    pub hole: Option<usize>,
-    /// Which edge; `None` is the whole contour.
+    /// Which contour, line or region.
+    pub part: OutlinePart,
+    /// Which edge of it; `None` is all of it.
     pub edge: Option<usize>,
     /// Names of the edge.
     pub names: Vec<String>,
@@ -116,11 +160,23 @@ pub struct OutlinePlace {
 
 impl fmt::Display for OutlinePlace {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match (self.edge, self.hole) {
-            (Some(edge), Some(hole)) => write!(f, "edge {} of hole {}", edge + 1, hole + 1)?,
-            (Some(edge), None) => write!(f, "edge {}", edge + 1)?,
-            (None, Some(hole)) => write!(f, "hole {}", hole + 1)?,
-            (None, None) => write!(f, "the outer path")?,
+        if let Some(edge) = self.edge {
+            write!(f, "edge {}", edge + 1)?;
+        }
+        match (self.edge, self.part) {
+            (None, OutlinePart::Outer) => write!(f, "the outer path")?,
+            (None, OutlinePart::Drawing) => write!(f, "as a whole")?,
+            (Some(_), OutlinePart::Outer | OutlinePart::Drawing) => {}
+            (edge, part) => {
+                let (what, number) = match part {
+                    OutlinePart::Line(line) => ("line", line),
+                    OutlinePart::Region(region) => ("region", region),
+                    OutlinePart::Hole(hole) => ("hole", hole),
+                    OutlinePart::Outer | OutlinePart::Drawing => ("part", 0),
+                };
+                let of = if edge.is_some() { " of " } else { "" };
+                write!(f, "{of}{what} {}", number + 1)?;
+            }
         }
         match &self.names[..] {
             [] => Ok(()),
@@ -132,9 +188,29 @@ impl fmt::Display for OutlinePlace {
 impl OutlinePlace {
     /// What is wrong at this place.
     pub(crate) fn error(&self, problem: impl Into<String>) -> MeshError {
-        MeshError::Outline {
-            place: self.clone(),
-            problem: problem.into(),
+        let (place, problem) = (self.clone(), problem.into());
+        match self.part {
+            OutlinePart::Outer | OutlinePart::Hole(_) => MeshError::Outline { place, problem },
+            _ => MeshError::Drawing { place, problem },
+        }
+    }
+
+    /// More nodes than there may be.
+    pub(crate) fn too_many(&self) -> MeshError {
+        self.error(format!(
+            "the sizes ask for more than {MOST_VERTICES} nodes: use larger ones"
+        ))
+    }
+
+    /// The whole outline or drawing that it is a part of.
+    pub(crate) fn whole(&self) -> Self {
+        let part = match self.part {
+            OutlinePart::Outer | OutlinePart::Hole(_) => OutlinePart::Outer,
+            _ => OutlinePart::Drawing,
+        };
+        Self {
+            part,
+            ..Self::default()
         }
     }
 }
@@ -201,5 +277,29 @@ impl Outline {
             refine: Vec::new(),
             cell: CellKind::Tri3,
         }
+    }
+}
+
+impl Drawing {
+    /// A drawing with cells of one size, linear triangles and growth 0.3, without regions yet.
+    pub fn new(lines: Vec<Contour>, size: f64) -> Self {
+        Self {
+            lines,
+            regions: Vec::new(),
+            size,
+            growth: 0.3,
+            refine: Vec::new(),
+            cell: CellKind::Tri3,
+        }
+    }
+
+    /// The drawing with one more region, by a point in it.
+    pub fn region(mut self, name: &str, at: Point<2>) -> Self {
+        self.regions.push(Region {
+            name: name.to_string(),
+            at: vec![at],
+            size: None,
+        });
+        self
     }
 }

@@ -1,0 +1,234 @@
+//! Divided curves as a net of pieces, what is between them filled, and bodies made of one or several such faces.
+//!
+//! Every curve is divided once, whatever lies on its two sides: faces that meet along it have the same nodes there, to the
+//! last bit. A face is filled for itself; a body of several faces has their common nodes once.
+
+use crate::geometry::{Point, distance};
+use crate::mesh::outline::divide::{Rib, Sizes, divide};
+use crate::mesh::outline::fill::{Boundary, Filled, Unfilled, fill};
+use crate::mesh::outline::nouns::{MOST_VERTICES, OutlinePlace};
+use crate::mesh::{CellBlock, CellKind, Facet, Mesh, MeshError};
+use std::collections::BTreeMap;
+
+/// All pieces of all curves: one edge of a cell each.
+#[derive(Debug, Clone)]
+pub(crate) struct Net {
+    nodes: Vec<Point<2>>,
+    pieces: Vec<Piece>,
+}
+
+/// A piece of a curve, in its direction.
+#[derive(Debug, Clone)]
+struct Piece {
+    ends: [u32; 2],
+    rib: usize,
+    /// Its middle on the true curve.
+    middle: Point<2>,
+}
+
+/// A filled face.
+#[derive(Debug, Clone)]
+pub(crate) struct Part {
+    face: usize,
+    /// The group of its cells.
+    group: Option<String>,
+    /// The nodes of the net that it has, ascending; they are its first.
+    shared: Vec<u32>,
+    /// Its other nodes.
+    inner: Vec<Point<2>>,
+    /// Corners, counter-clockwise.
+    triangles: Vec<[u32; 3]>,
+}
+
+impl Net {
+    /// The curves divided; `None`: into too many pieces.
+    pub fn of(ribs: &[Rib], sizes: &Sizes<'_>) -> Option<Self> {
+        let divided = divide(ribs, sizes)?;
+        let corners = ribs.iter().flat_map(|rib| rib.ends).max();
+        let mut corner = vec![None; corners.map_or(0, |corner| corner + 1)];
+        let mut nodes = Vec::new();
+        let mut firsts = Vec::with_capacity(ribs.len());
+        for (rib, parts) in ribs.iter().zip(&divided) {
+            let start = &mut corner[rib.ends[0]];
+            if start.is_none() {
+                *start = Some(nodes.len() as u32);
+                nodes.push(parts.nodes[0]);
+            }
+            firsts.push(nodes.len() as u32);
+            nodes.extend(&parts.nodes[1..parts.nodes.len() - 1]);
+        }
+        let mut pieces = Vec::new();
+        for (index, (rib, parts)) in ribs.iter().zip(&divided).enumerate() {
+            let count = parts.middles.len();
+            let [start, end] = rib.ends.map(|end| corner[end].unwrap_or_default());
+            let node = |k: usize| match k {
+                0 => start,
+                k if k == count => end,
+                k => firsts[index] + k as u32 - 1,
+            };
+            pieces.extend((0..count).map(|k| Piece {
+                ends: [node(k), node(k + 1)],
+                rib: index,
+                middle: parts.middles[k],
+            }));
+        }
+        Some(Self { nodes, pieces })
+    }
+
+    /// Triangles in a face between curves, which have these places in messages, of at most the largest of the sizes.
+    ///
+    /// Errors: pieces of its boundary that cross or touch, naming their edges; too many nodes.
+    pub fn fill(
+        &self,
+        (ribs, places): (&[Rib], &[OutlinePlace]),
+        face: usize,
+        group: Option<String>,
+        sizes: &Sizes<'_>,
+    ) -> Result<Part, MeshError> {
+        let beside = |piece: &&Piece| ribs[piece.rib].faces.contains(&Some(face));
+        let pieces: Vec<&Piece> = self.pieces.iter().filter(beside).collect();
+        let mut shared: Vec<u32> = pieces.iter().flat_map(|piece| piece.ends).collect();
+        shared.sort_unstable();
+        shared.dedup();
+        let own = |node: u32| shared.binary_search(&node).unwrap_or_default() as u32;
+        let oriented = pieces.iter().map(|piece| {
+            let [from, to] = piece.ends.map(own);
+            match ribs[piece.rib].faces[0] == Some(face) {
+                true => [from, to],
+                false => [to, from],
+            }
+        });
+        let mut boundary = Boundary {
+            nodes: shared.iter().map(|&n| self.nodes[n as usize]).collect(),
+            pieces: oriented.collect(),
+            sizes: Vec::new(),
+            most: MOST_VERTICES,
+        };
+        let mut sums = vec![(0.0, 0.0); boundary.nodes.len()];
+        for piece in &boundary.pieces {
+            let [a, b] = piece.map(|node| boundary.nodes[node as usize]);
+            for &node in piece {
+                let sum = &mut sums[node as usize];
+                *sum = (sum.0 + 0.5 * distance(a, b), sum.1 + 0.5);
+            }
+        }
+        let means = sums.into_iter().map(|(sum, count)| sum / count);
+        boundary.sizes = means.map(|size| size.min(sizes.largest)).collect();
+        let place = |piece: usize| pieces.get(piece).map(|piece| &places[piece.rib]);
+        let filled = fill(&boundary, sizes).map_err(|unfilled| match unfilled {
+            Unfilled::TooMany => places[pieces[0].rib].whole().too_many(),
+            Unfilled::Meet(a, b) => {
+                let here = place(a).or(place(b)).cloned().unwrap_or_default();
+                let there = place(b).cloned().unwrap_or_default();
+                here.error(format!(
+                    "its cell edges meet those of {there}: give both smaller sizes or more cells"
+                ))
+            }
+        })?;
+        let Filled { nodes, triangles } = filled;
+        Ok(Part {
+            face,
+            group,
+            inner: nodes[shared.len()..].to_vec(),
+            shared,
+            triangles,
+        })
+    }
+
+    /// The mesh of some filled faces, nodes of the net first; the cells of each face are a block. `sides` says which sides a
+    /// curve is a part of, beyond which there is that face or nothing.
+    ///
+    /// Errors: as [`Mesh::new`].
+    pub fn mesh(
+        &self,
+        ribs: &[Rib],
+        cell: CellKind,
+        parts: &[&Part],
+        sides: impl Fn(usize, Option<usize>) -> Vec<String>,
+    ) -> Result<Mesh<2>, MeshError> {
+        let mut points = Vec::new();
+        let mut own = vec![None; self.nodes.len()];
+        for &node in parts.iter().flat_map(|part| &part.shared) {
+            own[node as usize] = Some(0);
+        }
+        for (own, &point) in own.iter_mut().zip(&self.nodes) {
+            if let Some(own) = own {
+                *own = points.len() as u32;
+                points.push(point);
+            }
+        }
+        // What lies between two nodes: a piece, and whether these are in its direction.
+        let mut between = BTreeMap::new();
+        for piece in &self.pieces {
+            if let [Some(from), Some(to)] = piece.ends.map(|end| own[end as usize]) {
+                between.insert((from, to), (piece, true));
+                between.insert((to, from), (piece, false));
+            }
+        }
+        let mut made = Made::default();
+        let mut blocks = Vec::with_capacity(parts.len());
+        let mut corners = Vec::with_capacity(parts.len());
+        for part in parts {
+            let first = points.len() as u32;
+            points.extend(&part.inner);
+            let number = |node: u32| match part.shared.get(node as usize) {
+                Some(&shared) => own[shared as usize].unwrap_or_default(),
+                None => first + node - part.shared.len() as u32,
+            };
+            let numbered = part.triangles.iter().map(|corners| corners.map(number));
+            corners.push(numbered.collect::<Vec<_>>());
+        }
+        for (block, (part, triangles)) in parts.iter().zip(corners).enumerate() {
+            let mut nodes = Vec::with_capacity(triangles.len() * cell.nodes());
+            for (index, corners) in triangles.iter().enumerate() {
+                nodes.extend(corners);
+                for local in 0..3 {
+                    let (from, to) = (corners[local], corners[(local + 1) % 3]);
+                    let found = between.get(&(from, to));
+                    if let Some(&(piece, forward)) = found {
+                        let rib = &ribs[piece.rib];
+                        let beyond = rib.faces[usize::from(forward)];
+                        if !parts.iter().any(|part| Some(part.face) == beyond) {
+                            let facet = Facet {
+                                block: block as u32,
+                                cell: index as u32,
+                                local: local as u32,
+                            };
+                            for side in sides(piece.rib, beyond) {
+                                made.sides.entry(side).or_default().push(facet);
+                            }
+                            made.curves
+                                .extend(rib.curve.circle().map(|circle| (facet, circle)));
+                        }
+                    }
+                    if cell == CellKind::Tri6 {
+                        let ends = [from, to].map(|node| points[node as usize]);
+                        let straight = [0, 1].map(|d| 0.5 * (ends[0][d] + ends[1][d]));
+                        let key = (from.min(to), from.max(to));
+                        let node = *made.middles.entry(key).or_insert_with(|| {
+                            points.push(found.map_or(straight, |(piece, _)| piece.middle));
+                            points.len() as u32 - 1
+                        });
+                        nodes.push(node);
+                    }
+                }
+            }
+            blocks.push(CellBlock {
+                kind: cell,
+                nodes,
+                group: part.group.clone(),
+            });
+        }
+        let mesh = Mesh::new(points, blocks)?.with_sides(made.sides)?;
+        Ok(mesh.with_curves(made.curves))
+    }
+}
+
+/// What is collected while cells are numbered.
+#[derive(Default)]
+struct Made {
+    sides: BTreeMap<String, Vec<Facet>>,
+    curves: BTreeMap<Facet, crate::geometry::Surface<2>>,
+    /// Middle nodes, by the ends between which they are.
+    middles: BTreeMap<(u32, u32), u32>,
+}

@@ -1,0 +1,217 @@
+//! The regions of a drawing, filled, and the bodies that are made of them.
+//!
+//! A facet of a body belongs to the sides named by its line, and to the side that is called like the region beyond it. What has
+//! neither is of the side `outline`.
+
+use crate::mesh::outline::divide::{Rib, Sizes};
+use crate::mesh::outline::drawing::{check_division, check_values, extent};
+use crate::mesh::outline::net::{Net, Part};
+use crate::mesh::outline::nouns::{Contour, Drawing, OutlinePart, OutlinePlace, Region};
+use crate::mesh::outline::partition::Partition;
+use crate::mesh::{CellKind, Mesh, MeshError};
+
+/// The filled regions of a drawing.
+#[derive(Debug, Clone)]
+pub struct Regions {
+    cell: CellKind,
+    ribs: Vec<Rib>,
+    net: Net,
+    /// Sides by the names of its line, for each curve.
+    names: Vec<Vec<String>>,
+    /// Names of the regions in their order.
+    regions: Vec<String>,
+    /// The region that each face belongs to.
+    region_of: Vec<usize>,
+    /// The faces.
+    parts: Vec<Part>,
+}
+
+impl Drawing {
+    /// Fills all regions. Lines may meet, cross and coincide; what sticks out beyond the last crossing is cut off. What no
+    /// region names stays empty.
+    ///
+    /// Errors, each naming line, edge or region: numbers that are not finite, arcs that do not exist; lines that lead nowhere
+    /// or nearly coincide; corners below one degree; regions without a point, with a point outside of all lines or on one, of
+    /// the name of another region or a line, or not separated from another; sizes that are not positive, or exceed that of the
+    /// drawing; a kind of cell that is no triangle; more than two million corners of cells.
+    pub fn build(&self) -> Result<Regions, MeshError> {
+        check_values(self.size, self.growth, &self.refine, self.cell)?;
+        let mut drawn = Vec::new();
+        for (line, contour) in self.lines.iter().enumerate() {
+            drawn.extend(contour.curves(OutlinePart::Line(line))?);
+        }
+        if drawn.is_empty() {
+            return Err(whole(OutlinePart::Drawing).error("it has no lines"));
+        }
+        let (_, diameter) = extent(drawn.iter())?;
+        for drawn in &drawn {
+            check_division(self.size, drawn, diameter)?;
+        }
+        self.check_names()?;
+        let mut partition = Partition::of(&drawn, self.size)?;
+        let (faces, region_of) = self.faces(&partition)?;
+        partition.keep(&faces)?;
+        let size_of = |face: usize| {
+            let own = self.regions[region_of[face]].size;
+            own.map_or(self.size, |size| size.min(self.size))
+        };
+        for rib in &mut partition.ribs {
+            let beside = rib.faces.into_iter().flatten().map(size_of);
+            rib.size = beside.fold(rib.size, f64::min);
+        }
+        let sizes = |largest: f64| Sizes {
+            largest,
+            growth: self.growth,
+            refine: &self.refine,
+        };
+        let counted = partition.areas.iter().enumerate();
+        let counted: Vec<_> = counted.map(|(f, &area)| (f, area, size_of(f))).collect();
+        sizes(self.size).few_enough(&partition.ribs, &counted)?;
+        let net = Net::of(&partition.ribs, &sizes(self.size))
+            .ok_or_else(|| whole(OutlinePart::Drawing).too_many())?;
+        let mut parts = Vec::with_capacity(faces.len());
+        for face in 0..faces.len() {
+            let group = Some(self.regions[region_of[face]].name.clone());
+            let sizes = sizes(size_of(face));
+            parts.push(net.fill((&partition.ribs, &partition.places), face, group, &sizes)?);
+        }
+        Ok(Regions {
+            cell: self.cell,
+            ribs: partition.ribs,
+            net,
+            names: partition.names,
+            regions: self.regions.iter().map(|r| r.name.clone()).collect(),
+            region_of,
+            parts,
+        })
+    }
+
+    /// Regions have a name and a point; names of sides have one meaning.
+    fn check_names(&self) -> Result<(), MeshError> {
+        let edges = self.lines.iter().flat_map(|line| match line {
+            Contour::Path { edges, .. } => edges.iter().flat_map(|e| &e.names).collect(),
+            Contour::Circle { names, .. } => names.iter().collect::<Vec<_>>(),
+        });
+        let lines: Vec<&String> = edges.collect();
+        for (k, region) in self.regions.iter().enumerate() {
+            let place = region.place(k);
+            if self.regions[..k].iter().any(|r| r.name == region.name) {
+                let problem = "another region has this name: give all its points in one list";
+                return Err(place.error(problem));
+            }
+            if lines.contains(&&region.name) {
+                let problem = "a line has this name, too: both would name a side of the same bodies; choose another one";
+                return Err(place.error(problem));
+            }
+            if region.at.is_empty() {
+                return Err(place.error("it has no point: `at` says where it is"));
+            }
+            if let Some(size) = region
+                .size
+                .filter(|size| !(*size > 0.0 && *size <= self.size))
+            {
+                return Err(place.error(format!(
+                    "the size {size} must be positive and not exceed that of the drawing, {}",
+                    self.size
+                )));
+            }
+        }
+        match self.regions.is_empty() {
+            true => Err(whole(OutlinePart::Drawing)
+                .error("it has no regions: a name and a point `at` in each say what is filled")),
+            false => Ok(()),
+        }
+    }
+
+    /// The faces that regions name, and the region of each.
+    fn faces(&self, partition: &Partition) -> Result<(Vec<usize>, Vec<usize>), MeshError> {
+        let (mut faces, mut region_of): (Vec<usize>, Vec<usize>) = Default::default();
+        for (k, region) in self.regions.iter().enumerate() {
+            let place = region.place(k);
+            for &at in &region.at {
+                if !at.iter().all(|c| c.is_finite()) {
+                    return Err(place.error(format!("the coordinates {at:?} are not finite")));
+                }
+                let face = partition.face_at(at).map_err(|rib| {
+                    let line = &partition.places[rib];
+                    place.error(format!("its point {at:?} lies on {line}: move it aside"))
+                })?;
+                let Some(face) = face else {
+                    return Err(place.error(format!(
+                        "its point {at:?} is surrounded by no lines: the region is not closed, or the point is wrong"
+                    )));
+                };
+                match faces.iter().position(|&f| f == face) {
+                    None => {
+                        faces.push(face);
+                        region_of.push(k);
+                    }
+                    Some(before) if region_of[before] == k => {
+                        return Err(place.error(format!(
+                            "its point {at:?} is in the same part as another one: one point for each part"
+                        )));
+                    }
+                    Some(before) => {
+                        let other = &self.regions[region_of[before]];
+                        return Err(place.error(format!(
+                            "no line separates it from region `{}`: there is a way from {at:?} to {:?}; a line between them is missing or does not reach the next one",
+                            other.name, other.at[0]
+                        )));
+                    }
+                }
+            }
+        }
+        Ok((faces, region_of))
+    }
+}
+
+impl Region {
+    fn place(&self, number: usize) -> OutlinePlace {
+        OutlinePlace {
+            names: vec![self.name.clone()],
+            ..whole(OutlinePart::Region(number))
+        }
+    }
+}
+
+fn whole(part: OutlinePart) -> OutlinePlace {
+    OutlinePlace {
+        part,
+        ..OutlinePlace::default()
+    }
+}
+
+impl Regions {
+    /// Names of the regions.
+    pub fn names(&self) -> impl Iterator<Item = &str> + Clone {
+        self.regions.iter().map(String::as_str)
+    }
+
+    /// The mesh of a body made of some regions: cells are in groups of their names, nodes on lines first. Along a line that
+    /// it shares with another body both have the same nodes.
+    ///
+    /// Errors: an unknown region, none.
+    pub fn mesh(&self, regions: &[&str]) -> Result<Mesh<2>, MeshError> {
+        if let Some(unknown) = regions
+            .iter()
+            .find(|name| !self.names().any(|n| n == **name))
+        {
+            let known: Vec<&str> = self.names().collect();
+            return Err(whole(OutlinePart::Drawing).error(format!(
+                "it has no region `{unknown}`: it has {}",
+                known.join(", ")
+            )));
+        }
+        let own = |face: &usize| regions.contains(&self.regions[self.region_of[*face]].as_str());
+        let faces = (0..self.parts.len()).filter(own);
+        let parts: Vec<&Part> = faces.map(|face| &self.parts[face]).collect();
+        self.net.mesh(&self.ribs, self.cell, &parts, |rib, beyond| {
+            let mut sides = self.names[rib].clone();
+            sides.extend(beyond.map(|face| self.regions[self.region_of[face]].clone()));
+            if sides.is_empty() {
+                sides.push("outline".to_string());
+            }
+            sides
+        })
+    }
+}
