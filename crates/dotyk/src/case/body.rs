@@ -102,7 +102,7 @@ fn materials<const D: usize>(
     body: &str,
     mesh: &Mesh<D>,
 ) -> Result<(Vec<Material>, f64), Fault> {
-    let groups = groups(mesh);
+    let groups = mesh.groups();
     let (mut materials, thickness) = match &node.value {
         Value::List(list) => list_of_materials(node, list, body, &groups)?,
         _ => {
@@ -127,21 +127,6 @@ fn materials<const D: usize>(
     // The first that fits is taken.
     materials.sort_by_key(|material| material.group.is_none());
     Ok((materials, thickness))
-}
-
-/// Names of the groups of cells of a mesh, each once.
-fn groups<const D: usize>(mesh: &Mesh<D>) -> Vec<&str> {
-    let mut groups: Vec<&str> = Vec::new();
-    for group in mesh
-        .blocks()
-        .iter()
-        .filter_map(|block| block.group.as_deref())
-    {
-        if !groups.contains(&group) {
-            groups.push(group);
-        }
-    }
-    groups
 }
 
 fn list_of_materials(

@@ -172,6 +172,21 @@ impl<const D: usize> Mesh<D> {
         boundary
     }
 
+    /// The facets of the cells of a group that belong to one of these cells alone, in ascending order.
+    pub fn group_boundary(&self, group: &str) -> Vec<Facet> {
+        let own = |facet: &Facet| self.blocks[facet.block as usize].group.as_deref() == Some(group);
+        let table = self.facet_table();
+        let mut boundary: Vec<Facet> = table
+            .groups()
+            .filter_map(|cells| {
+                let mut own = cells.iter().map(|cell| cell.1).filter(own);
+                own.next().filter(|_| own.next().is_none())
+            })
+            .collect();
+        boundary.sort_unstable();
+        boundary
+    }
+
     /// Nodes of a side, each once, in ascending order; `None` when there is no such side.
     pub fn side_nodes(&self, name: &str) -> Option<Vec<u32>> {
         let mut nodes: Vec<u32> = self

@@ -122,6 +122,21 @@ impl<const D: usize> Mesh<D> {
         &self.blocks
     }
 
+    /// Names of the groups of cells, each once.
+    pub fn groups(&self) -> Vec<&str> {
+        let mut groups: Vec<&str> = Vec::new();
+        for group in self
+            .blocks
+            .iter()
+            .filter_map(|block| block.group.as_deref())
+        {
+            if !groups.contains(&group) {
+                groups.push(group);
+            }
+        }
+        groups
+    }
+
     /// Number of cells of all blocks.
     pub fn cell_count(&self) -> usize {
         self.blocks.iter().map(|block| block.cells().len()).sum()

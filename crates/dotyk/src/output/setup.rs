@@ -1,9 +1,9 @@
 //! Figure "Mesh, supports and loads": the model as a textbook draws it.
 
 use crate::geometry::{Field, Point, unit};
-use crate::model::{Body, Bond, Contact, Model, Pair, Place, Support};
+use crate::model::{Body, Bond, Contact, Material, Model, Pair, Place, Support};
 use crate::output::points::{couples, draw_points, forces, in_words};
-use crate::output::scene::{Scene, WIDTH, mesh_lines, outline_path, polyline};
+use crate::output::scene::{Scene, WIDTH, mesh_lines, outline_path, polyline, strands};
 use crate::output::svg::{
     ALARM, Anchor, BAR, INK, LOAD, MUTED, Pixel, RULE, SERIES, SUPPORT, Svg, TINTS, Type,
     text_width,
@@ -97,6 +97,7 @@ fn draw_view(svg: &mut Svg, scene: &Scene, view: &View, labels: &Labels) {
             TINTS[i % TINTS.len()],
             "fill-rule=\"evenodd\"",
         );
+        shade_groups(svg, body, &place);
         svg.path(
             &mesh_lines(&body.mesh, view, &place),
             "#7c8894",
@@ -141,6 +142,22 @@ fn draw_view(svg: &mut Svg, scene: &Scene, view: &View, labels: &Labels) {
     draw_points(svg, scene, view, labels);
     svg.end_clip();
     scale_bar(svg, view, labels);
+}
+
+/// Groups of cells that have materials of their own, one darker than the other.
+fn shade_groups(svg: &mut Svg, body: &Body<2>, place: &dyn Fn(usize) -> Pixel) {
+    let groups = body.mesh.groups();
+    if body.materials.len() < 2 {
+        return;
+    }
+    for (k, group) in groups.into_iter().enumerate() {
+        let outline = strands(&body.mesh, &body.mesh.group_boundary(group));
+        let shade = format!(
+            "fill-rule=\"evenodd\" fill-opacity=\"{}\"",
+            0.08 * (k % 4) as f64
+        );
+        svg.path(&outline_path(&outline, place), INK, 0.7, INK, &shade);
+    }
 }
 
 /// Both sides of a contact, heavy; a rigid obstacle as a hatched line.
@@ -306,16 +323,26 @@ pub fn name_loads(svg: &mut Svg, flow: &mut Flow) {
     svg.arrow([at[0], at[1] - 4.0], [at[0] + 17.0, at[1] - 4.0], LOAD, 1.1);
 }
 
+/// Most materials of a body that the legend tells.
+const MATERIALS: usize = 4;
+
 /// Name, stiffness and body force.
 pub fn body_text<const D: usize>(body: &Body<D>, labels: &Labels) -> String {
     let mut text = body.name.clone();
-    if let [material] = body.materials.as_slice() {
-        let elastic = material.elastic;
-        text += &format!(
-            " (E = {}, ν = {})",
-            quantity(elastic.young, &labels.stress),
-            number(elastic.poisson)
-        );
+    let stiffness = |material: &Material| {
+        let young = quantity(material.elastic.young, &labels.stress);
+        format!("(E = {young}, ν = {})", number(material.elastic.poisson))
+    };
+    match body.materials.as_slice() {
+        [material] => text += &format!(" {}", stiffness(material)),
+        several if several.len() <= MATERIALS => {
+            let each = several.iter().map(|material| {
+                let group = material.group.as_deref().unwrap_or("the rest");
+                format!("{group} {}", stiffness(material))
+            });
+            text += &format!(": {}", each.collect::<Vec<_>>().join(", "));
+        }
+        _ => {}
     }
     if body.body_force.iter().any(|f| f.as_constant() != Some(0.0)) {
         let constant: Option<Vec<f64>> = body.body_force.iter().map(Field::as_constant).collect();

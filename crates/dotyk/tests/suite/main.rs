@@ -7,6 +7,7 @@ mod bending;
 mod cohesion;
 mod couple;
 mod determinism;
+mod drawing;
 mod examples;
 mod friction;
 mod gmsh;

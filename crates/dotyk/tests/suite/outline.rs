@@ -10,7 +10,7 @@ use proptest::prelude::*;
 use std::f64::consts::PI;
 
 /// Area by the rule of degree 2, which is exact for straight cells and for the Jacobian of curved quadratic ones.
-fn area(mesh: &Mesh<2>) -> f64 {
+pub fn area(mesh: &Mesh<2>) -> f64 {
     let points = [[1.0, 1.0], [4.0, 1.0], [1.0, 4.0]].map(|p: [f64; 2]| p.map(|c| c / 6.0));
     let mut sum = 0.0;
     for (block, cells) in mesh.blocks().iter().enumerate() {
@@ -40,7 +40,7 @@ fn triangles(mesh: &Mesh<2>) -> impl Iterator<Item = [Point<2>; 3]> + '_ {
 }
 
 /// Smallest angle of any straight cell, in degrees.
-fn smallest_angle(mesh: &Mesh<2>) -> f64 {
+pub fn smallest_angle(mesh: &Mesh<2>) -> f64 {
     let mut smallest: f64 = 180.0;
     for corners in triangles(mesh) {
         for k in 0..3 {

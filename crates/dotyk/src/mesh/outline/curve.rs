@@ -174,21 +174,21 @@ impl Curve {
         }
     }
 
-    /// The parameter of the point of the curve that is nearest to p.
+    /// The parameter of a point of the curve.
     pub fn parameter(&self, p: Point<2>) -> f64 {
-        let near = self.nearest(p);
-        if near == self.start {
-            return 0.0;
-        }
-        let t = match self.arc {
-            Some(arc) => {
-                let d = sub(near, arc.center);
-                let turn = (d[1].atan2(d[0]) - arc.first) * arc.sweep.signum();
-                turn.rem_euclid(TAU) / arc.sweep.abs()
-            }
-            None => distance(near, self.start) / self.length(),
+        let Some(arc) = self.arc else {
+            let along = sub(self.end, self.start);
+            return (dot(sub(p, self.start), along) / dot(along, along)).clamp(0.0, 1.0);
         };
-        t.min(1.0)
+        let d = sub(p, arc.center);
+        let turn = (d[1].atan2(d[0]) - arc.first) * arc.sweep.signum();
+        let (turn, sweep) = (turn.rem_euclid(TAU), arc.sweep.abs());
+        match turn <= sweep {
+            true => turn / sweep,
+            // Rounding puts it before the start or behind the end.
+            false if TAU - turn < turn - sweep => 0.0,
+            false => 1.0,
+        }
     }
 
     /// The part between two parameters, with these ends.
@@ -402,5 +402,35 @@ mod tests {
         let circle = Curve::quarters([1.0, -2.0], 3.0);
         let twice: f64 = circle.iter().map(|c| c.twice_area([0.5, 0.5])).sum();
         assert!((twice - 18.0 * PI).abs() < 1e-13 * twice);
+    }
+
+    #[test]
+    fn parts_of_an_arc_are_arcs_between_their_points() {
+        for clockwise in [false, true] {
+            let whole = Curve::arc([1.0, 0.0], [0.0, -1.0], [0.0, 0.0], clockwise);
+            for t in [0.0, 0.3, 0.99, 1.0] {
+                assert!((whole.parameter(whole.point(t)) - t).abs() < 1e-15);
+            }
+            let places = [whole.point(0.25), whole.point(0.75)];
+            let part = whole.part([0.25, 0.75], places);
+            assert!((part.length() - 0.5 * whole.length()).abs() < 1e-15);
+            assert!(distance(part.point(0.5), whole.point(0.5)) < 1e-15);
+        }
+    }
+
+    #[test]
+    fn curves_meet_at_crossings_and_at_ends_that_lie_on_the_other_one() {
+        let circle = Curve::quarters([0.0, 0.0], 2.0);
+        let level = Curve::line([-3.0, 1.0], [3.0, 1.0]);
+        let met = circle[0].meetings(&level, 1e-9);
+        assert!(met.len() == 1 && distance(met[0], [3.0_f64.sqrt(), 1.0]) < 1e-15);
+        // a tangent line that begins where the arc ends meets it there and nowhere else
+        let tangent = Curve::line([2.0, 0.0], [2.0, -3.0]);
+        assert_eq!(circle[0].meetings(&tangent, 1e-9), [[2.0, 0.0], [2.0, 0.0]]);
+        // along each other
+        let half = Curve::line([0.0, 1.0], [5.0, 1.0]);
+        let mut met = level.meetings(&half, 1e-9);
+        met.sort_by(|a, b| a[0].total_cmp(&b[0]));
+        assert_eq!(met, [[0.0, 1.0], [3.0, 1.0]]);
     }
 }

@@ -195,16 +195,20 @@ pub(crate) fn check_division(largest: f64, drawn: &Drawn, diameter: f64) -> Resu
         let problem = format!("the size {size} must be positive and finite");
         return Err(drawn.place.error(problem));
     }
+    let whole = match drawn.place.part {
+        OutlinePart::Line(_) => "drawing",
+        _ => "outline",
+    };
     if size > largest {
         let problem = format!(
-            "the size {size} exceeds that of the whole outline, {}: leave it out or make it smaller",
+            "the size {size} exceeds that of the whole {whole}, {}: leave it out or make it smaller",
             largest
         );
         return Err(drawn.place.error(problem));
     }
     if size > diameter {
         let problem = format!(
-            "the size {size} exceeds the whole outline, which is {diameter} across: check the units"
+            "the size {size} exceeds the whole {whole}, which is {diameter} across: check the units"
         );
         return Err(drawn.place.error(problem));
     }

@@ -57,6 +57,14 @@ impl Net {
             firsts.push(nodes.len() as u32);
             nodes.extend(&parts.nodes[1..parts.nodes.len() - 1]);
         }
+        // Where nothing begins, something ends.
+        for (rib, parts) in ribs.iter().zip(&divided) {
+            let end = &mut corner[rib.ends[1]];
+            if end.is_none() {
+                *end = Some(nodes.len() as u32);
+                nodes.push(parts.nodes[parts.nodes.len() - 1]);
+            }
+        }
         let mut pieces = Vec::new();
         for (index, (rib, parts)) in ribs.iter().zip(&divided).enumerate() {
             let count = parts.middles.len();
