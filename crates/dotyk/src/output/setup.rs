@@ -1,7 +1,7 @@
 //! Figure "Mesh, supports and loads": the model as a textbook draws it.
 
 use crate::geometry::{Field, Point, unit};
-use crate::model::{Body, Bond, Contact, Material, Model, Pair, Place, Support};
+use crate::model::{Body, Bond, Contact, Elastic, Model, Pair, Place, Support};
 use crate::output::points::{couples, draw_points, forces, in_words};
 use crate::output::scene::{Scene, WIDTH, mesh_lines, outline_path, polyline, strands};
 use crate::output::svg::{
@@ -144,19 +144,25 @@ fn draw_view(svg: &mut Svg, scene: &Scene, view: &View, labels: &Labels) {
     scale_bar(svg, view, labels);
 }
 
+/// The groups of cells of a body of several materials, as they are shaded; in the plane.
+fn shaded_groups<const D: usize>(body: &Body<D>) -> Vec<&str> {
+    match D == 2 && body.materials.len() > 1 {
+        true => body.mesh.groups(),
+        false => Vec::new(),
+    }
+}
+
+/// How much darker than its body the k-th group of its cells is drawn.
+fn shade(k: usize) -> String {
+    let opacity = 0.08 * (k % 4) as f64;
+    format!("fill-rule=\"evenodd\" fill-opacity=\"{opacity}\"")
+}
+
 /// Groups of cells that have materials of their own, one darker than the other.
 fn shade_groups(svg: &mut Svg, body: &Body<2>, place: &dyn Fn(usize) -> Pixel) {
-    let groups = body.mesh.groups();
-    if body.materials.len() < 2 {
-        return;
-    }
-    for (k, group) in groups.into_iter().enumerate() {
+    for (k, group) in shaded_groups(body).into_iter().enumerate() {
         let outline = strands(&body.mesh, &body.mesh.group_boundary(group));
-        let shade = format!(
-            "fill-rule=\"evenodd\" fill-opacity=\"{}\"",
-            0.08 * (k % 4) as f64
-        );
-        svg.path(&outline_path(&outline, place), INK, 0.7, INK, &shade);
+        svg.path(&outline_path(&outline, place), INK, 0.7, INK, &shade(k));
     }
 }
 
@@ -227,6 +233,25 @@ pub fn name_parts<const D: usize>(
         let tint = TINTS[i % TINTS.len()];
         let at = flow.explain(svg, &body_text(body, labels));
         svg.rectangle([at[0], at[1] - 9.0], [16.0, 10.0], INK, tint);
+        for (k, group) in shaded_groups(body).into_iter().enumerate().take(NAMED) {
+            let own = body
+                .materials
+                .iter()
+                .find(|m| m.group.as_deref() == Some(group));
+            let Some(material) = own.or(body.materials.last()) else {
+                continue;
+            };
+            let text = format!("{group} {}", stiffness(material.elastic, labels));
+            let [x, y] = flow.explain(svg, &text);
+            svg.rectangle([x, y - 9.0], [16.0, 10.0], INK, tint);
+            let corners = [
+                [x, y - 9.0],
+                [x + 16.0, y - 9.0],
+                [x + 16.0, y + 1.0],
+                [x, y + 1.0],
+            ];
+            svg.path(&polyline(&corners), "none", 0.0, INK, &shade(k));
+        }
     }
     more(svg, &mut flow, model.bodies.len(), "bodies");
     for (i, contact) in model.contacts.iter().enumerate().take(NAMED) {
@@ -323,26 +348,17 @@ pub fn name_loads(svg: &mut Svg, flow: &mut Flow) {
     svg.arrow([at[0], at[1] - 4.0], [at[0] + 17.0, at[1] - 4.0], LOAD, 1.1);
 }
 
-/// Most materials of a body that the legend tells.
-const MATERIALS: usize = 4;
+/// Stiffness of a material.
+fn stiffness(elastic: Elastic, labels: &Labels) -> String {
+    let young = quantity(elastic.young, &labels.stress);
+    format!("(E = {young}, ν = {})", number(elastic.poisson))
+}
 
 /// Name, stiffness and body force.
 pub fn body_text<const D: usize>(body: &Body<D>, labels: &Labels) -> String {
     let mut text = body.name.clone();
-    let stiffness = |material: &Material| {
-        let young = quantity(material.elastic.young, &labels.stress);
-        format!("(E = {young}, ν = {})", number(material.elastic.poisson))
-    };
-    match body.materials.as_slice() {
-        [material] => text += &format!(" {}", stiffness(material)),
-        several if several.len() <= MATERIALS => {
-            let each = several.iter().map(|material| {
-                let group = material.group.as_deref().unwrap_or("the rest");
-                format!("{group} {}", stiffness(material))
-            });
-            text += &format!(": {}", each.collect::<Vec<_>>().join(", "));
-        }
-        _ => {}
+    if let [material] = body.materials.as_slice() {
+        text += &format!(" {}", stiffness(material.elastic, labels));
     }
     if body.body_force.iter().any(|f| f.as_constant() != Some(0.0)) {
         let constant: Option<Vec<f64>> = body.body_force.iter().map(Field::as_constant).collect();

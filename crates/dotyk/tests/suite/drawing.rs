@@ -549,6 +549,7 @@ active = { from = 1 }
 name = \"back\"
 nonmortar = \"lining.rock\"
 mortar = \"rock.ring\"
+LAW
 [[section]]
 name = \"forces\"
 body = \"lining\"
@@ -558,20 +559,25 @@ stations = 8
 name = \"what the rock bears\"
 quantity = \"back.resultant.y\"
 ";
-    let (_, steps) = solved(text);
-    let [dry, wet] = [&steps[1], &steps[2]];
-    let resultant = |step: &Solution<2>| step.probes[0].value;
-    // Archimedes: the water bears 0.01·25π, and curved quadratic cells miss 1e-4 of the circle
-    let lifted = resultant(dry) - resultant(wet);
-    assert!((lifted / (0.25 * PI) - 1.0).abs() < 1e-3, "{lifted}");
-    for (a, b) in dry.bodies.iter().zip(&wet.bodies) {
-        let moved = a.displacement.iter().map(|&u| norm(u)).fold(0.0, f64::max);
-        for (u, v) in a.displacement.iter().zip(&b.displacement) {
-            assert!(norm(sub(*u, *v)) < 1e-8 * moved, "{}", a.name);
+    // Without friction the force that a varying pressure on curved edges has at a node is a little off the normal of the node.
+    for (law, tolerance) in [("", 1e-6), ("tied = true", 1e-9)] {
+        let (_, steps) = solved(&text.replace("LAW", law));
+        let [dry, wet] = [&steps[1], &steps[2]];
+        let resultant = |step: &Solution<2>| step.probes[0].value;
+        // Archimedes: the water bears 0.01·25π, and curved quadratic cells miss 1e-4 of the circle
+        let lifted = resultant(dry) - resultant(wet);
+        assert!((lifted / (0.25 * PI) - 1.0).abs() < 1e-3, "{lifted}");
+        for (a, b) in dry.bodies.iter().zip(&wet.bodies) {
+            let moved = a.displacement.iter().map(|&u| norm(u));
+            let moved = moved.fold(0.0, f64::max);
+            for (u, v) in a.displacement.iter().zip(&b.displacement) {
+                assert!(norm(sub(*u, *v)) < tolerance * moved, "{}", a.name);
+            }
         }
-    }
-    for (a, b) in dry.contacts[0].nodes.iter().zip(&wet.contacts[0].nodes) {
-        assert!(b.pressure > 0.0 && b.pressure < a.pressure);
+        let nodes = dry.contacts[0].nodes.iter().zip(&wet.contacts[0].nodes);
+        for (a, b) in nodes {
+            assert!(b.pressure > 0.0 && b.pressure < a.pressure);
+        }
     }
 }
 

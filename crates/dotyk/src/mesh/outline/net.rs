@@ -106,22 +106,8 @@ impl Net {
                 false => [to, from],
             }
         });
-        let mut boundary = Boundary {
-            nodes: shared.iter().map(|&n| self.nodes[n as usize]).collect(),
-            pieces: oriented.collect(),
-            sizes: Vec::new(),
-            most: MOST_VERTICES,
-        };
-        let mut sums = vec![(0.0, 0.0); boundary.nodes.len()];
-        for piece in &boundary.pieces {
-            let [a, b] = piece.map(|node| boundary.nodes[node as usize]);
-            for &node in piece {
-                let sum = &mut sums[node as usize];
-                *sum = (sum.0 + 0.5 * distance(a, b), sum.1 + 0.5);
-            }
-        }
-        let means = sums.into_iter().map(|(sum, count)| sum / count);
-        boundary.sizes = means.map(|size| size.min(sizes.largest)).collect();
+        let nodes = shared.iter().map(|&n| self.nodes[n as usize]).collect();
+        let boundary = boundary(nodes, oriented.collect(), sizes.largest);
         let place = |piece: usize| pieces.get(piece).map(|piece| &places[piece.rib]);
         let filled = fill(&boundary, sizes).map_err(|unfilled| match unfilled {
             Unfilled::TooMany => places[pieces[0].rib].whole().too_many(),
@@ -154,18 +140,53 @@ impl Net {
         parts: &[&Part],
         sides: impl Fn(usize, Option<usize>) -> Vec<String>,
     ) -> Result<Mesh<2>, MeshError> {
-        let mut points = Vec::new();
         let mut own = vec![None; self.nodes.len()];
         for &node in parts.iter().flat_map(|part| &part.shared) {
             own[node as usize] = Some(0);
         }
+        let mut points = Vec::new();
         for (own, &point) in own.iter_mut().zip(&self.nodes) {
             if let Some(own) = own {
                 *own = points.len() as u32;
                 points.push(point);
             }
         }
-        // What lies between two nodes: a piece, and whether these are in its direction.
+        let between = self.between(&own);
+        let mut corners = Vec::with_capacity(parts.len());
+        for part in parts {
+            corners.push(part.numbered(&own, points.len() as u32));
+            points.extend(&part.inner);
+        }
+        let (mut facets, mut curves) = (BTreeMap::<String, Vec<Facet>>::new(), BTreeMap::new());
+        for (facet, edge) in edges(&corners) {
+            let Some(&(piece, forward)) = between.get(&edge) else {
+                continue;
+            };
+            let rib = &ribs[piece.rib];
+            let beyond = rib.faces[usize::from(forward)];
+            if parts.iter().any(|part| Some(part.face) == beyond) {
+                continue;
+            }
+            for side in sides(piece.rib, beyond) {
+                facets.entry(side).or_default().push(facet);
+            }
+            curves.extend(rib.curve.circle().map(|circle| (facet, circle)));
+        }
+        let nodes = match cell {
+            CellKind::Tri6 => with_middles(&corners, &between, &mut points),
+            _ => corners.iter().map(|c| c.as_flattened().to_vec()).collect(),
+        };
+        let blocks = parts.iter().zip(nodes).map(|(part, nodes)| CellBlock {
+            kind: cell,
+            nodes,
+            group: part.group.clone(),
+        });
+        let mesh = Mesh::new(points, blocks.collect())?.with_sides(facets)?;
+        Ok(mesh.with_curves(curves))
+    }
+
+    /// The pieces between nodes of a body, by their ends in either direction; `own` are its numbers of the nodes of the net.
+    fn between(&self, own: &[Option<u32>]) -> Between<'_> {
         let mut between = BTreeMap::new();
         for piece in &self.pieces {
             if let [Some(from), Some(to)] = piece.ends.map(|end| own[end as usize]) {
@@ -173,70 +194,85 @@ impl Net {
                 between.insert((to, from), (piece, false));
             }
         }
-        let mut made = Made::default();
-        let mut blocks = Vec::with_capacity(parts.len());
-        let mut corners = Vec::with_capacity(parts.len());
-        for part in parts {
-            let first = points.len() as u32;
-            points.extend(&part.inner);
-            let number = |node: u32| match part.shared.get(node as usize) {
-                Some(&shared) => own[shared as usize].unwrap_or_default(),
-                None => first + node - part.shared.len() as u32,
-            };
-            let numbered = part.triangles.iter().map(|corners| corners.map(number));
-            corners.push(numbered.collect::<Vec<_>>());
-        }
-        for (block, (part, triangles)) in parts.iter().zip(corners).enumerate() {
-            let mut nodes = Vec::with_capacity(triangles.len() * cell.nodes());
-            for (index, corners) in triangles.iter().enumerate() {
-                nodes.extend(corners);
-                for local in 0..3 {
-                    let (from, to) = (corners[local], corners[(local + 1) % 3]);
-                    let found = between.get(&(from, to));
-                    if let Some(&(piece, forward)) = found {
-                        let rib = &ribs[piece.rib];
-                        let beyond = rib.faces[usize::from(forward)];
-                        if !parts.iter().any(|part| Some(part.face) == beyond) {
-                            let facet = Facet {
-                                block: block as u32,
-                                cell: index as u32,
-                                local: local as u32,
-                            };
-                            for side in sides(piece.rib, beyond) {
-                                made.sides.entry(side).or_default().push(facet);
-                            }
-                            made.curves
-                                .extend(rib.curve.circle().map(|circle| (facet, circle)));
-                        }
-                    }
-                    if cell == CellKind::Tri6 {
-                        let ends = [from, to].map(|node| points[node as usize]);
-                        let straight = [0, 1].map(|d| 0.5 * (ends[0][d] + ends[1][d]));
-                        let key = (from.min(to), from.max(to));
-                        let node = *made.middles.entry(key).or_insert_with(|| {
-                            points.push(found.map_or(straight, |(piece, _)| piece.middle));
-                            points.len() as u32 - 1
-                        });
-                        nodes.push(node);
-                    }
-                }
-            }
-            blocks.push(CellBlock {
-                kind: cell,
-                nodes,
-                group: part.group.clone(),
-            });
-        }
-        let mesh = Mesh::new(points, blocks)?.with_sides(made.sides)?;
-        Ok(mesh.with_curves(made.curves))
+        between
     }
 }
 
-/// What is collected while cells are numbered.
-#[derive(Default)]
-struct Made {
-    sides: BTreeMap<String, Vec<Facet>>,
-    curves: BTreeMap<Facet, crate::geometry::Surface<2>>,
-    /// Middle nodes, by the ends between which they are.
-    middles: BTreeMap<(u32, u32), u32>,
+/// What surrounds a face: the size at a node is the mean length of its pieces, where that is not too large.
+fn boundary(nodes: Vec<Point<2>>, pieces: Vec<[u32; 2]>, largest: f64) -> Boundary {
+    let mut sums = vec![(0.0, 0.0); nodes.len()];
+    for piece in &pieces {
+        let [a, b] = piece.map(|node| nodes[node as usize]);
+        for &node in piece {
+            let sum = &mut sums[node as usize];
+            *sum = (sum.0 + 0.5 * distance(a, b), sum.1 + 0.5);
+        }
+    }
+    let means = sums.into_iter().map(|(sum, count)| sum / count);
+    Boundary {
+        sizes: means.map(|size| size.min(largest)).collect(),
+        nodes,
+        pieces,
+        most: MOST_VERTICES,
+    }
+}
+
+/// The piece between two nodes, and whether these are in its direction.
+type Between<'a> = BTreeMap<(u32, u32), (&'a Piece, bool)>;
+
+impl Part {
+    /// Corners of the triangles in the numbers of a body, in which the inner nodes begin with `first`.
+    fn numbered(&self, own: &[Option<u32>], first: u32) -> Vec<[u32; 3]> {
+        let number = |node: u32| match self.shared.get(node as usize) {
+            Some(&shared) => own[shared as usize].unwrap_or_default(),
+            None => first + node - self.shared.len() as u32,
+        };
+        let triangles = self.triangles.iter();
+        triangles.map(|corners| corners.map(number)).collect()
+    }
+}
+
+/// All edges of the triangles of some blocks: facet and ends.
+fn edges(corners: &[Vec<[u32; 3]>]) -> impl Iterator<Item = (Facet, (u32, u32))> + '_ {
+    let cells = corners.iter().enumerate().flat_map(|(block, triangles)| {
+        let triangles = triangles.iter().enumerate();
+        triangles.map(move |(cell, corners)| (block, cell, corners))
+    });
+    cells.flat_map(|(block, cell, corners)| {
+        (0..3).map(move |local| {
+            let facet = Facet {
+                block: block as u32,
+                cell: cell as u32,
+                local: local as u32,
+            };
+            (facet, (corners[local], corners[(local + 1) % 3]))
+        })
+    })
+}
+
+/// Nodes of quadratic triangles, block by block: a node in the middle of each edge, of a piece on its curve.
+fn with_middles(
+    corners: &[Vec<[u32; 3]>],
+    between: &Between<'_>,
+    points: &mut Vec<Point<2>>,
+) -> Vec<Vec<u32>> {
+    let mut nodes: Vec<Vec<u32>> = vec![Vec::new(); corners.len()];
+    let mut middles = BTreeMap::new();
+    for (facet, (from, to)) in edges(corners) {
+        let cells = &mut nodes[facet.block as usize];
+        if facet.local == 0 {
+            cells.extend(corners[facet.block as usize][facet.cell as usize]);
+        }
+        let node = *middles
+            .entry((from.min(to), from.max(to)))
+            .or_insert_with(|| {
+                let ends = [from, to].map(|node| points[node as usize]);
+                let straight = [0, 1].map(|d| 0.5 * (ends[0][d] + ends[1][d]));
+                let piece = between.get(&(from, to));
+                points.push(piece.map_or(straight, |(piece, _)| piece.middle));
+                points.len() as u32 - 1
+            });
+        cells.push(node);
+    }
+    nodes
 }
