@@ -727,8 +727,16 @@ fn wrong_drawings_are_refused_with_their_place() {
                 layer,
                 "{ from = [-4, 0.8], to = [4, 1.3] }, { from = [-5, 0.73751], to = [5, 1.36251] }",
             ),
-            "nearly coincides",
-            "{ from = [",
+            "nearly coincide: make them one",
+            "{ to = [4, 3], name = \"east\" }",
+        ),
+        (
+            of(
+                layer,
+                "{ from = [-4, 0.8], to = [4, 1.3] }, { from = [-5, 0.73753], to = [5, 1.36253] }",
+            ),
+            "nearly coincides with",
+            "{ ",
         ),
         (
             of(layer, "{ from = [-4, 0.8], to = [4, 1.3], cells = 12 }"),
@@ -774,8 +782,12 @@ fn wrong_drawings_are_refused_with_their_place() {
             "unknown key `too`",
             "too",
         ),
-        (of("size = 1\n", "size = 1e-4\n"), "nodes", "[drawing]"),
-        (of("size = 1\n", ""), "needs `size`", "[drawing]"),
+        (
+            of("size = 1\n", "size = 1e-4\n").replace(", size = 0.4", ""),
+            "nodes",
+            "[drawing]",
+        ),
+        (of("size = 1\n", ""), "needs the key `size`", "[drawing]"),
         (
             of("size = 1\n", "size = 1\ncell = \"quad4\"\n"),
             "quad4",
