@@ -331,10 +331,17 @@ proptest! {
         for (k, (_, points)) in found.iter().enumerate() {
             drawing = drawing.region(&format!("part{k}"), points[0]);
         }
-        // a tunnel may cut the rest of a layer into two: then a part is missing, and the sum is too small
-        let Ok(regions) = drawing.build() else {
-            return Ok(());
+        let regions = match drawing.build() {
+            Ok(regions) => regions,
+            Err(error) => {
+                // lines that nearly touch
+                let said = error.to_string();
+                let near = ["under one degree", "nearly coincide"];
+                prop_assert!(near.iter().any(|words| said.contains(words)), "{}", said);
+                return Ok(());
+            }
         };
+        // what the tunnel cuts into two has a region for one part alone: the sum may be too small
         assert_shared(&regions);
         let names: Vec<&str> = regions.names().collect();
         let all = regions.mesh(&names).unwrap();
@@ -735,8 +742,8 @@ fn wrong_drawings_are_refused_with_their_place() {
                 layer,
                 "{ from = [-4, 0.8], to = [4, 1.3] }, { from = [-5, 0.73753], to = [5, 1.36253] }",
             ),
-            "nearly coincides with",
-            "{ ",
+            "nearly coincides with edge 1 of line",
+            "{ from = [-",
         ),
         (
             of(layer, "{ from = [-4, 0.8], to = [4, 1.3], cells = 12 }"),

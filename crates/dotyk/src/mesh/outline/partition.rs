@@ -261,19 +261,22 @@ impl Partition {
     /// Refuses narrow faces that no region is to be: edges that nearly coincide.
     fn refuse_slivers(&self, faces: &[usize]) -> Result<(), MeshError> {
         for (face, &area) in self.areas.iter().enumerate() {
-            let around: Vec<usize> = (0..self.ribs.len())
+            let mut around: Vec<usize> = (0..self.ribs.len())
                 .filter(|&k| self.ribs[k].faces.contains(&Some(face)))
                 .collect();
+            // The longest two are those that nearly coincide.
+            let length = |k: usize| self.ribs[k].curve.length();
+            around.sort_by(|&a, &b| length(b).total_cmp(&length(a)));
             let boxes = around.iter().map(|&k| self.ribs[k].curve.bounds());
             let corners: Vec<Point<2>> = boxes.flat_map(<[Point<2>; 2]>::from).collect();
             let (low, high) = bounding_box(&corners);
-            let lengths = around.iter().map(|&k| self.ribs[k].curve.length());
+            let lengths = around.iter().map(|&k| length(k));
             let width = 2.0 * area / lengths.sum::<f64>();
             if faces.contains(&face) || width > SLIVER * distance(low, high) {
                 continue;
             }
             let place = |of: Option<&usize>| of.map(|&k| &self.places[k]);
-            if let (Some(here), Some(there)) = (place(around.first()), place(around.last())) {
+            if let (Some(here), Some(there)) = (place(around.first()), place(around.get(1))) {
                 return Err(here.error(format!(
                     "it nearly coincides with {there}: a gap about {width:.3e} wide is between them, near {:?}; draw the common line once, or with the same points",
                     self.ribs[around[0]].curve.point(0.5)
