@@ -69,12 +69,12 @@ impl Drawing {
         sizes(self.size).few_enough(&partition.ribs, &counted)?;
         let net = Net::of(&partition.ribs, &sizes(self.size))
             .ok_or_else(|| whole(OutlinePart::Drawing).too_many())?;
-        let mut parts = Vec::with_capacity(faces.len());
-        for face in 0..faces.len() {
-            let group = Some(self.regions[region_of[face]].name.clone());
-            let sizes = sizes(size_of(face));
-            parts.push(net.fill((&partition.ribs, &partition.places), face, group, &sizes)?);
-        }
+        let places = (&partition.ribs[..], &partition.places[..]);
+        let parts = region_of.iter().enumerate().map(|(face, &region)| {
+            let group = Some(self.regions[region].name.clone());
+            net.fill(places, face, group, &sizes(size_of(face)))
+        });
+        let parts = parts.collect::<Result<Vec<_>, _>>()?;
         Ok(Regions {
             cell: self.cell,
             ribs: partition.ribs,
