@@ -5,14 +5,13 @@
 //! nodal forces of any body leave unbalanced.
 
 use crate::contact::{Coupling, Moved, Row};
-use crate::dual::{Certificate, Component, DualProblem, Multipliers, ROUNDING, Recomputed};
+use crate::dual::{Certificate, Component, Multipliers, ROUNDING, Recomputed};
 use crate::geometry::{Point, distance, dot, sub};
 use crate::linalg::SparseVector;
 use crate::model::between::{Overlap, held_overlap, left_overlap, smallest_gap, worst_overlap};
 use crate::model::bodies::{LoadedBody, add_rows};
 use crate::model::condense::Condensed;
 use crate::model::error::Error;
-use crate::model::floating::Floating;
 use crate::model::links::part_balance;
 use crate::model::nouns::{BodyId, Model};
 use crate::model::pair::{Fit, Paired, row_ranges};
