@@ -1,7 +1,7 @@
 //! Sections of the report on contacts: what they transmit, the balance of the bodies, and their nodes.
 
-use crate::geometry::{Point, add_scaled, norm};
-use crate::model::{Analysis, ContactSolution, Model, Solution};
+use crate::geometry::{Point, add_scaled, norm, sub};
+use crate::model::{Analysis, ContactNode, ContactSolution, Model, Solution, Status};
 use crate::output::chain::along_tangent;
 use crate::output::figures::Figures;
 use crate::output::html::{column, escape, left, marked, plain, table, text};
@@ -25,12 +25,15 @@ pub fn contacts<const D: usize>(
     }
     let mut out = "<h2>Contact</h2>\n".to_string();
     let (extent, unit) = labels.extent();
+    let angles: Vec<Option<f64>> = solution.contacts.iter().map(opening_angle).collect();
+    let gapes = angles.iter().any(Option::is_some);
     let rows = solution
         .contacts
         .iter()
-        .map(|c| {
+        .zip(&angles)
+        .map(|(c, angle)| {
             let (closed, open) = closed_and_open(&c.nodes);
-            vec![
+            let mut row = vec![
                 text(&c.name),
                 plain(format!("{} / {}", count(closed), count(open))),
                 plain(number(c.length)),
@@ -43,10 +46,14 @@ pub fn contacts<const D: usize>(
                     },
                 ),
                 plain(vector(&c.resultant, "")),
-            ]
+            ];
+            if gapes {
+                row.push(plain(angle.map_or("–".to_string(), number)));
+            }
+            row
         })
         .collect();
-    let heads = [
+    let mut heads = vec![
         left("contact"),
         column("nodes closed / open", ""),
         column(&format!("{extent} in contact"), unit),
@@ -55,6 +62,7 @@ pub fn contacts<const D: usize>(
         column("penetration", &labels.length),
         column("force on the nonmortar body", &labels.force),
     ];
+    heads.extend(gapes.then(|| column("opening angle", "rad")));
     out += &table(&heads, rows);
     let drawn = (0..solution.contacts.len()).map(|index| figures.contact(solution, index));
     let drawn: Vec<String> = drawn.filter(|figure| !figure.is_empty()).collect();
@@ -67,6 +75,39 @@ pub fn contacts<const D: usize>(
         );
     }
     out + &drawn.concat()
+}
+
+/// Normals that differ by more are not those of a flat side.
+const FLAT: f64 = 1e-6;
+
+/// The angle by which a flat joint between two bodies of the plane gapes: the slope of its gap, by least squares, where it is
+/// open; `None` of one that is closed, or open all over.
+fn opening_angle<const D: usize>(contact: &ContactSolution<D>) -> Option<f64> {
+    let known = contact.nodes.iter().filter(|node| node.gap.is_finite());
+    let known: Vec<_> = known.collect();
+    let first = known.first()?.normal;
+    let flat = |node: &&ContactNode<D>| norm(sub(node.normal, first)) <= FLAT;
+    let (closed, open) = closed_and_open(&contact.nodes);
+    if D != 2 || contact.mortar.is_none() || closed == 0 || open < 2 || !known.iter().all(flat) {
+        return None;
+    }
+    let open: Vec<_> = known
+        .into_iter()
+        .filter(|n| n.status == Status::Open)
+        .collect();
+    // along the side, which a normal of the plane is turned into
+    let along = |node: &ContactNode<D>| node.point[1] * first[0] - node.point[0] * first[1];
+    let mean = |of: &dyn Fn(&ContactNode<D>) -> f64| {
+        open.iter().map(|node| of(node)).sum::<f64>() / open.len() as f64
+    };
+    let (centre, gap) = (mean(&along), mean(&|node| node.gap));
+    let (mut slope, mut spread) = (0.0, 0.0);
+    for node in &open {
+        let s = along(node) - centre;
+        slope += s * (node.gap - gap);
+        spread += s * s;
+    }
+    (spread > 0.0).then(|| (slope / spread).abs())
 }
 
 /// The least and the largest pressure of the nodes that touch.

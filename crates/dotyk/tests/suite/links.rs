@@ -377,6 +377,90 @@ fn the_dual_problem_has_links() {
     }
 }
 
+/// Between two points of one body a bar resists no motion of the body: what nothing else holds is not held.
+#[test]
+fn a_bar_within_a_body_does_not_hold_it() {
+    let case = |bar: &str, load: &str| {
+        format!(
+            "{PLANE}[[body]]\nname = \"block\"\n\
+             mesh = {{ rectangle = {{ from = [0, 0], to = [2, 1], cells = [2, 2] }} }}\n\
+             material = {{ young = 1000, poisson = 0.2 }}\nfix = [{{ side = \"bottom\", y = 0 }}]\n\
+             load = [{{ side = \"top\", traction = [{load}, -1] }}]\n\
+             [[bar]]\nname = \"tie\"\nbodies = [\"block\"]\nyoung = 1e4\narea = 0.1\n{bar}\n"
+        )
+    };
+    for bar in [
+        "from = [0.4, 0.5]\nto = [0.6, 0.4]",
+        "from = [0.31, 0.17]\nto = [1.73, 0.93]\nbond = \"grouted\"",
+        "from = [0.1, 0.1]\nto = [0.2, 0.9]\ntension_only = true",
+    ] {
+        let (_, found) = solved(&case(bar, "0"));
+        let moved = body(&found[0], "block").displacement.iter();
+        assert!(moved.flatten().all(|u| u.abs() < 0.01), "{bar}");
+        assert!(
+            found[0]
+                .warnings
+                .iter()
+                .any(|w| w.contains("nothing controls"))
+        );
+        let error = refused(&case(bar, "0.5")).to_string();
+        assert!(error.contains("is not held"), "{error}");
+    }
+}
+
+/// A thin plate beside coarse ground: the bar ends in the plate, in whatever order the bodies are named.
+#[test]
+fn a_bar_ends_in_the_body_that_it_lies_in() {
+    let case = |bodies: &str| {
+        format!(
+            "{PLANE}[[body]]\nname = \"rock\"\n\
+             mesh = {{ rectangle = {{ from = [0, 0], to = [8, 8], cells = [2, 2] }} }}\n\
+             material = {{ young = 1000, poisson = 0 }}\n\
+             fix = [{{ side = \"bottom\", x = 0, y = 0 }}, {{ side = \"top\", x = 0, y = 0 }}]\n\
+             [[body]]\nname = \"plate\"\n\
+             mesh = {{ rectangle = {{ from = [0, 8.1], to = [8, 8.2], cells = [8, 1] }} }}\n\
+             material = {{ young = 1000, poisson = 0 }}\n\
+             fix = [{{ side = [\"left\", \"right\", \"bottom\", \"top\"], x = 0 }}]\n\
+             spring = [{{ side = \"bottom\", normal = 1 }}]\nload = [{{ side = \"top\", traction = [0, 1] }}]\n\
+             [[bar]]\nname = \"anchor\"\nfrom = [4, 4]\nto = [4, 8.15]\nbodies = {bodies}\nyoung = 1000\narea = 1\n"
+        )
+    };
+    let force = |bodies: &str| bar(&solved(&case(bodies)).1[0], "anchor").stations[0].force;
+    let found = force("[\"plate\", \"rock\"]");
+    assert!(found > 1.0, "{found}");
+    near(force("[\"rock\", \"plate\"]"), found, 1e-12);
+    let error = refused(&case("[\"rock\"]")).to_string();
+    assert!(error.contains("none of the bodies rock"), "{error}");
+}
+
+/// What a check says of bars and beds, and of what only a bar that may yield holds.
+#[test]
+fn a_check_knows_links() {
+    let wall = block(
+        "wall",
+        [0.0, 0.0],
+        "fix = [{ side = \"left\", x = 0, y = 0 }]",
+    );
+    let keys = "fix = [{ side = \"left\", y = 0 }]\n\
+                spring = [{ side = \"bottom\", normal = 3, compression_only = true, active = { from = 2 } }]\n\
+                load = [{ side = \"right\", traction = [1, \"3 - 2*t\"] }]";
+    let text = format!(
+        "{PLANE}{}{wall}{}[[bar]]\nname = \"tie\"\nfrom = {{ side = \"wall.right\" }}\nto = {{ side = \"block.left\" }}\n\
+         young = 1000\narea = 0.1\nyield = 20\n",
+        steps(&[1.0, 2.0, 3.0]),
+        block("block", [3.0, 0.0], keys)
+    );
+    let model = Case::<2>::from_str(&text, "links.toml", "".as_ref())
+        .unwrap()
+        .model;
+    let told = model.check().bodies[1].floating.join(", ");
+    assert!(told.contains("held by bar \"tie\""), "{told}");
+    let (_, found) = solved(&text);
+    for step in &found {
+        near(bar(step, "tie").stations[0].force, 0.5, 1e-7);
+    }
+}
+
 #[test]
 fn nonsense_is_one_clear_error() {
     let spring = |keys: &str| {
