@@ -183,7 +183,7 @@ fn a_joint_may_be_lost_in_part() {
         "{ coulomb = 0.5, cohesion = 4, tension = 5 }",
         false,
     )
-    .replace("y = \"(0)", "y = \"0.01*t*x + (0)");
+    .replace("y = \"(0)", "y = \"0.0035*t*x + (0)");
     let found = solved(&text);
     let open = |step: usize| {
         nodes(&found[step])
