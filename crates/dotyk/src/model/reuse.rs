@@ -31,6 +31,7 @@ impl<const D: usize> Model<D> {
         let counts = |model: &Self| (model.bodies.len(), model.contacts.len());
         self.analysis == other.analysis
             && counts(self) == counts(other)
+            && self.bars == other.bars
             && bodies.all(|(a, b)| same_body(a, b))
             && contacts.all(|(a, b)| same_contact(a, b))
     }

@@ -461,6 +461,38 @@ fn a_check_knows_links() {
     }
 }
 
+/// What another model has left serves one with the same springs and bars alone.
+#[test]
+fn nothing_is_reused_where_a_bar_or_a_spring_differs() {
+    let case = |area: f64, bed: f64| {
+        let keys = format!(
+            "fix = [{{ side = \"left\", x = 0 }}]\nload = [{{ side = \"bottom\", force = [0, -6] }}]\n\
+             spring = [{{ side = \"bottom\", normal = {bed}, compression_only = true }}]"
+        );
+        let text = format!(
+            "{PLANE}{}{}[[bar]]\nname = \"tie\"\nfrom = {{ side = \"upper.bottom\" }}\nto = {{ side = \"lower.top\" }}\n\
+             young = 1000\narea = {area}\n",
+            block(
+                "upper",
+                [0.0, 3.0],
+                "fix = [{ side = \"top\", x = 0, y = 0 }]"
+            ),
+            block("lower", [0.0, 0.0], &keys)
+        );
+        Case::<2>::from_str(&text, "links.toml", "".as_ref())
+            .unwrap()
+            .model
+    };
+    let mut reuse = dotyk::model::Reuse::default();
+    for (area, bed) in [(0.1, 10.0), (0.1, 30.0), (0.4, 30.0), (0.4, 10.0)] {
+        let model = case(area, bed);
+        let found = model.solve_steps_reusing(&mut reuse, &mut |_| {}).unwrap();
+        let (bar_stiffness, bed_stiffness) = (1000.0 * area / 2.0, bed * 2.0 * 0.5);
+        let share = bar_stiffness / (bar_stiffness + bed_stiffness);
+        near(bar(&found[0], "tie").stations[0].force, 6.0 * share, 1e-6);
+    }
+}
+
 #[test]
 fn nonsense_is_one_clear_error() {
     let spring = |keys: &str| {
