@@ -441,7 +441,7 @@ fn a_check_knows_links() {
         [0.0, 0.0],
         "fix = [{ side = \"left\", x = 0, y = 0 }]",
     );
-    let keys = "fix = [{ side = \"left\", y = 0 }]\n\
+    let keys = "fix = [{ side = \"left\", y = 0 }, { side = \"right\", y = 0 }]\n\
                 spring = [{ side = \"bottom\", normal = 3, compression_only = true, active = { from = 2 } }]\n\
                 load = [{ side = \"right\", traction = [1, \"3 - 2*t\"] }]";
     let text = format!(
