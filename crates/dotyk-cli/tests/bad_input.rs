@@ -223,14 +223,14 @@ const IN_THE_TEXT: &[Mistake] = &[
     ("gap = \"geometric\"", "friction = 0\n[[bar]]\nname = \"block\"\nfrom = [1, 0.5]\nto = [2, 0.5]\nbodies = [\"block\"]\nyoung = 1e9\narea = 1e-4\n", "name = \"block\"\nfrom", "names a body already"),
     ("gap = \"geometric\"", "friction = 0\n[[bar]]\nname = \"bolt\"\nfrom = [1, 7.5]\nto = [2, 0.5]\nbodies = [\"block\"]\nyoung = 1e9\narea = 1e-4\n", "[1, 7.5]", "in none of the bodies block"),
     ("gap = \"geometric\"", "friction = 0\n[[bar]]\nname = \"bolt\"\nfrom = [2, 0.5]\nto = [2, 0.5]\nbodies = [\"block\"]\nyoung = 1e9\narea = 1e-4\n", "to = [2, 0.5]", "same place"),
-    ("gap = \"geometric\"", "friction = 0\n[[bar]]\nname = \"bolt\"\nfrom = [1, 0.5]\nto = [2, 0.5]\nyoung = 1e9\narea = 1e-4\n", "name = \"bolt\"", "in which bodies"),
+    ("gap = \"geometric\"", "friction = 0\n[[bar]]\nname = \"bolt\"\nfrom = [1, 0.5]\nto = [2, 0.5]\nyoung = 1e9\narea = 1e-4\n", "[[bar]]", "in which bodies"),
     ("gap = \"geometric\"", "friction = 0\n[[bar]]\nname = \"bolt\"\nfrom = [1, 0.5]\nto = [2, 0.5]\nbodies = [\"blick\"]\nyoung = 1e9\narea = 1e-4\n", "\"blick\"", "no body `blick`"),
     ("gap = \"geometric\"", "friction = 0\n[[bar]]\nname = \"bolt\"\nfrom = [1, 0.5]\nto = [2, 0.5]\nbodies = [\"block\"]\nyoung = 1e9\narea = 0\n", "area = 0", "`area`"),
     ("gap = \"geometric\"", "friction = 0\n[[bar]]\nname = \"bolt\"\nfrom = [1, 0.5]\nto = [2, 0.5]\nbodies = [\"block\"]\nyoung = 1e9\narea = 1e-4\nbond = \"glued\"", "\"glued\"", "bond"),
     ("gap = \"geometric\"", "friction = 0\n[[bar]]\nname = \"bolt\"\nfrom = [1, 0.5]\nto = [2, 0.5]\nbodies = [\"block\"]\nyoung = 1e9\narea = 1e-4\nprestress = 5\nyield = 2", "prestress = 5", "at most yield times area"),
     ("gap = \"geometric\"", "friction = 0\n[[bar]]\nname = \"bolt\"\nfrom = [1, 0.5]\nto = [2, 0.5]\nbodies = [\"block\"]\nyoung = 1e9\narea = 1e-4\nspacing = 0", "spacing = 0", "`spacing`"),
     ("gap = \"geometric\"", "friction = 0\n[[bar]]\nname = \"bolt\"\nfrom = [1, 0.5]\nto = [2, 0.5]\nbodies = [\"block\"]\nyoung = 1e9\narea = 1e-4\nactive = { from = \"later\" }", "\"later\"", "no step"),
-    ("gap = \"geometric\"", "friction = { cohesion = 1, coulomb = 0.5, tension = 3 }", "3 }", "more tension than its cohesion allows"),
+    ("gap = \"geometric\"", "friction = { cohesion = 1, coulomb = 0.5, tension = 3 }", "tension = 3", "more tension than its cohesion allows"),
     ("gap = \"geometric\"", "friction = { coulomb = 0.5, tension = 3 }", "tension", "has tension and no cohesion"),
 ];
 
