@@ -5,11 +5,13 @@
 
 use crate::case::error::Fault;
 use crate::case::expression::{self, Variables};
+use crate::case::given::Given;
 use crate::case::parameters::{self, Parameters};
 use crate::case::suggest::{elsewhere, listed, meaning};
 use crate::geometry::{Field, Point};
 use std::ops::Range;
 use std::rc::Rc;
+use std::sync::Arc;
 use toml::de::{DeTable, DeValue};
 
 /// Bytes of the text.
@@ -51,34 +53,51 @@ pub(crate) struct Entry {
 
 /// The tree of a TOML text.
 pub(crate) fn parse(text: &str) -> Result<Node, Fault> {
-    Ok(parse_with(text, &[])?.0)
+    Ok(parse_with(text, &[], &Arc::default())?.0)
 }
 
 /// The tree of a case file, in which its `parameters` have these other values, and their values.
 pub(crate) fn parse_with(
     text: &str,
-    given: &[(String, String)],
+    set: &[(String, String)],
+    given: &Arc<Given>,
 ) -> Result<(Node, Rc<Parameters>), Fault> {
-    let document = DeTable::parse(text).map_err(|e| {
-        let span = e.span().unwrap_or(0..0);
-        Fault::new(&span, format!("not valid TOML: {}", e.message())).label("here")
-    })?;
+    let document = tables(text)?;
     let span = document.span();
     let (mut document, none) = (document.into_inner(), Rc::default());
     let own = document.remove(parameters::KEY);
     let own = own.map(|value| node(value, &none)).transpose()?;
     let place = own.as_ref().map_or(0..0, |own| own.span.clone());
-    let parameters = own.map_or(Ok(Parameters::default()), |own| {
-        parameters::read(&own, given)
-    })?;
-    parameters::check_given(&parameters, given, &place)?;
-    let parameters = Rc::new(parameters);
+    let parameters = own.map_or(Ok(Parameters::default()), |own| parameters::read(&own, set))?;
+    parameters::check_given(&parameters, set, &place)?;
+    let parameters = Rc::new(Parameters {
+        given: Arc::clone(given),
+        ..parameters
+    });
     let node = Node {
         value: table(document, &parameters)?,
         span,
         parameters: parameters.clone(),
     };
     Ok((node, parameters))
+}
+
+/// The tree of a TOML text, in which `parameters` is a table as all others.
+pub(crate) fn parse_whole(text: &str) -> Result<Node, Fault> {
+    let document = tables(text)?;
+    let (span, parameters) = (document.span(), Rc::default());
+    Ok(Node {
+        value: table(document.into_inner(), &parameters)?,
+        span,
+        parameters,
+    })
+}
+
+fn tables(text: &str) -> Result<toml::Spanned<DeTable<'_>>, Fault> {
+    DeTable::parse(text).map_err(|e| {
+        let span = e.span().unwrap_or(0..0);
+        Fault::new(&span, format!("not valid TOML: {}", e.message())).label("here")
+    })
 }
 
 fn table(table: DeTable<'_>, parameters: &Rc<Parameters>) -> Result<Value, Fault> {
@@ -150,6 +169,11 @@ impl Node {
             Value::Text(text) => Ok(text),
             _ => Err(self.expected("a string")),
         }
+    }
+
+    /// What the text may name by handles.
+    pub fn given(&self) -> &Given {
+        &self.parameters.given
     }
 
     /// Where a part of the text stands; all of it, where the part is empty.
@@ -244,6 +268,16 @@ impl Node {
         variables: Variables,
         parameters: &[(String, f64)],
     ) -> Result<Field, Fault> {
+        if let Some(function) = self.parameters.given.function(text) {
+            return match variables {
+                Variables::None => Err(Fault::new(
+                    &self.span,
+                    "expected a number, found a function",
+                )
+                .label("a function")),
+                _ => Ok(function.clone()),
+            };
+        }
         let field = expression::parse_with(text, variables, parameters).map_err(|e| {
             let place = self.part(e.offset..e.offset + 1);
             let (what, help) = match variables {

@@ -18,6 +18,8 @@ pub const CASE: &[&str] = &[
     "step",
     "probe",
 ];
+/// A mesh outside of a case.
+pub(crate) const CASE_MESH: &[&str] = &["mesh", "drawing"];
 /// `units`.
 pub const UNITS: &[&str] = &["length", "force"];
 /// `[[body]]`.

@@ -3,6 +3,7 @@
 use crate::case::body::side;
 use crate::case::document::{Entry, Node, Span, Table, check_name};
 use crate::case::error::Fault;
+use crate::case::given::GivenMesh;
 use crate::case::keys;
 use crate::case::mesh_file::{MeshFiles, Named};
 use crate::case::outline;
@@ -53,6 +54,9 @@ pub(crate) trait Generated<const D: usize>: Sized {
     /// The mesh that one of these keys but `file` makes, and the points that a mesh file within it names.
     fn generated(entry: &Entry, body: &str, files: &mut MeshFiles) -> Result<Made<D>, Fault>;
 
+    /// A mesh that is there already, and its named points; `None` where it is of another dimension.
+    fn given(mesh: &GivenMesh) -> Option<(Self, Named<D>)>;
+
     /// A mesh file for such bodies.
     fn read(path: &std::path::Path) -> Result<MeshFile, ImportError>;
 
@@ -85,6 +89,13 @@ impl Generated<2> for Mesh<2> {
         Ok((built, Named::new()))
     }
 
+    fn given(mesh: &GivenMesh) -> Option<(Self, Named<2>)> {
+        match mesh {
+            GivenMesh::Plane(mesh, points) => Some((Self::clone(mesh), points.clone())),
+            GivenMesh::Space(..) => None,
+        }
+    }
+
     fn read(path: &std::path::Path) -> Result<MeshFile, ImportError> {
         MeshFile::read(path)
     }
@@ -106,6 +117,13 @@ impl Generated<3> for Mesh<3> {
             _ => cuboid(node)?.build(),
         };
         Ok((built, Named::new()))
+    }
+
+    fn given(mesh: &GivenMesh) -> Option<(Self, Named<3>)> {
+        match mesh {
+            GivenMesh::Space(mesh, points) => Some((Self::clone(mesh), points.clone())),
+            GivenMesh::Plane(..) => None,
+        }
     }
 
     fn read(path: &std::path::Path) -> Result<MeshFile, ImportError> {

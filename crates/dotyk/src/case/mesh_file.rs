@@ -7,6 +7,7 @@
 
 use crate::case::document::{Node, Span, Value};
 use crate::case::error::Fault;
+use crate::case::given::other_dimension;
 use crate::case::keys;
 use crate::case::mesh::Generated;
 use crate::case::suggest::{listed, nearest};
@@ -65,6 +66,10 @@ impl MeshFiles {
     where
         Mesh<D>: Generated<D>,
     {
+        if let Some(given) = node.given().mesh(node) {
+            let own = Mesh::<D>::given(given);
+            return own.ok_or_else(|| other_dimension(node, body, D));
+        }
         if let Value::Text(name) = &node.value {
             let message = "a mesh file is a table";
             return Err(Fault::new(&node.span, message)

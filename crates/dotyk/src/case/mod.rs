@@ -11,6 +11,7 @@ mod couple;
 mod document;
 mod error;
 mod expression;
+mod given;
 mod initial;
 pub mod keys;
 mod memory;
@@ -32,9 +33,11 @@ mod surface;
 
 pub use error::CaseError;
 pub use expression::{ExpressionError, parse as parse_expression};
+pub use given::{Given, GivenMesh, HANDLE, read_mesh, to_json};
 pub use reference::{Criterion, Kind, Reference, References, Verdict};
 pub use run::{Failure, Run};
 pub use source::AnyCase;
+pub use suggest::nearest;
 
 use crate::case::document::{Node, Span, Value, coordinates, later};
 use crate::case::error::{Fault, read_text};
@@ -44,8 +47,10 @@ use crate::case::source::{Source, analysis};
 use crate::case::steps::Steps;
 use crate::mesh::Mesh;
 use crate::model::{
-    Analysis, Body, Bolts, Event, Method, Model, Past, SolverOptions, Study, Subject, Units, Varied,
+    Analysis, Body, Bolts, Event, Method, Model, Past, ProbeValue, Solution, SolverOptions, Study,
+    Subject, Units, Varied,
 };
+use crate::solve::ContactSolver;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -62,9 +67,11 @@ pub struct Case<const D: usize> {
     pub warnings: Vec<String>,
     /// Wall seconds of reading and of making the meshes.
     seconds: f64,
-    /// The text, and how messages call it.
+    /// The text, how messages call it, where its paths start, and what it names by handles.
     text: Arc<str>,
     name: Arc<str>,
+    folder: Arc<Path>,
+    given: Arc<Given>,
     /// Where the names of bodies and contacts stand, and where probes are read.
     places: Vec<(Subject, Span)>,
 }
@@ -94,7 +101,7 @@ macro_rules! doors {
             ///
             /// Errors: as [`Self::read`].
             pub fn from_str(text: &str, name: &str, folder: &Path) -> Result<Self, CaseError> {
-                of_source(Source::parse(text, name, folder, &[])?)
+                of_source(Source::parse(text, name, folder, &[], &Arc::default())?)
             }
 
             /// Solves all load steps, from those on that were solved before; an observer is told what happens.
@@ -102,8 +109,13 @@ macro_rules! doors {
                 self.became(self.model.solve_steps_after(past, observe))
             }
 
+            /// Solves all load steps with a solver of one's own, as [`Model::solve_steps_by`](Model).
+            pub fn run_by(&self, solver: &dyn ContactSolver, observe: &mut dyn FnMut(Event)) -> Run<$D> {
+                self.became(self.model.solve_steps_by(solver, observe))
+            }
+
             /// Solves the case for all combinations of some values of its parameters; others may be given another value
-            /// than its own, and have it in this case, too. The file is read again for each. `observe` is told when a
+            /// than its own, and have it in this case, too. The text is read again for each. `observe` is told when a
             /// member is done.
             ///
             /// Errors: as [`Self::read_with`], of the names. A member that is bad input is one with its reason.
@@ -113,7 +125,7 @@ macro_rules! doors {
                 varied: Vec<Varied>,
                 observe: &(dyn Fn() + Sync),
             ) -> Result<Study, CaseError> {
-                let read = |values: &[f64]| with_values(&self.path, given, &varied, values);
+                let read = |values: &[f64]| with_values(self, given, &varied, values);
                 let own = varied.iter().map(|varied| self.parameter(&varied.name));
                 let Some(own) = own.collect::<Option<Vec<f64>>>() else {
                     // the names are wrong whatever the values are
@@ -127,6 +139,13 @@ macro_rules! doors {
                     case.map(|case| case.model).map_err(|error| error.message)
                 };
                 Ok(self.model.clone().study(&own, varied.clone(), &make, observe))
+            }
+
+            /// Reads a probe off the solution of a step: `text` is the content of a table `[[probe]]` but for its name.
+            ///
+            /// Errors: what is wrong with the probe, or that it cannot be read there.
+            pub fn probe(&self, text: &str, solution: &Solution<$D>) -> Result<ProbeValue, CaseError> {
+                read_probe(self, text, solution)
             }
         }
     )*};
@@ -163,13 +182,40 @@ where
         seconds: source.start.elapsed().as_secs_f64(),
         text: text.into(),
         name: name.into(),
+        folder: source.folder.into(),
+        given: Arc::clone(&source.parameters.given),
         places: places(&source.document),
     })
 }
 
+/// As [`Case::<2>::probe`](Case).
+fn read_probe<const D: usize>(
+    case: &Case<D>,
+    text: &str,
+    solution: &Solution<D>,
+) -> Result<ProbeValue, CaseError>
+where
+    Mesh<D>: Generated<D>,
+{
+    let text = format!("name = \"probe\"\n{text}");
+    let source = Source::parse(&text, "probe", &case.folder, &[], &case.given)?;
+    let stage = case.model.stage(solution.time);
+    // a list of sides becomes a side of the body
+    let mut bodies = stage.bodies.clone();
+    let owners = (&stage.contacts[..], &stage.sections[..], &stage.bars[..]);
+    let probe = probe::probe(&source.document, &mut bodies, owners);
+    let probe = probe.map_err(|fault| fault.in_source(&source.name, &text))?;
+    let model = Model {
+        bodies,
+        ..stage.into_owned()
+    };
+    let value = crate::model::read_probe(&model, &probe, solution);
+    value.map_err(|error| CaseError::unplaced(&source.name, &error.to_string()))
+}
+
 /// A case read again, with values of varied parameters.
 fn with_values<const D: usize>(
-    path: &Path,
+    case: &Case<D>,
     given: &[(String, String)],
     varied: &[Varied],
     values: &[f64],
@@ -180,7 +226,14 @@ where
     let names = varied.iter().map(|parameter| parameter.name.clone());
     let own = names.zip(values.iter().map(|value| format!("{value:?}")));
     let given: Vec<_> = given.iter().cloned().chain(own).collect();
-    of_source(Source::at(path, &read_text(path)?, &given)?)
+    let (text, folder) = (&case.text, &case.folder);
+    of_source(Source::parse(
+        text,
+        &case.name,
+        folder,
+        &given,
+        &case.given,
+    )?)
 }
 
 impl<const D: usize> Case<D> {

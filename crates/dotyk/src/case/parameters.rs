@@ -6,8 +6,10 @@
 use crate::case::document::{Entry, Node, Span, Value};
 use crate::case::error::Fault;
 use crate::case::expression::{self, Variables};
+use crate::case::given::Given;
 use crate::case::suggest::{listed, nearest};
 use std::collections::BTreeSet;
+use std::sync::Arc;
 
 /// The table of a case file.
 pub(crate) const KEY: &str = "parameters";
@@ -19,8 +21,10 @@ const WORDS: [&str; 3] = ["closed", "geometric", "auto"];
 #[derive(Debug, Default)]
 pub(crate) struct Parameters {
     pub values: Vec<(String, f64)>,
+    /// What the text may name by handles.
+    pub given: Arc<Given>,
     /// Words in their own expressions.
-    words: BTreeSet<String>,
+    pub words: BTreeSet<String>,
 }
 
 impl Parameters {
@@ -68,7 +72,11 @@ pub(crate) fn read(table: &Node, given: &[(String, String)]) -> Result<Parameter
     }
     let mut words = BTreeSet::new();
     words_of(table, &mut words);
-    Ok(Parameters { values, words })
+    Ok(Parameters {
+        values,
+        words,
+        ..Parameters::default()
+    })
 }
 
 /// Refuses an expression of parameters that come later.

@@ -2,11 +2,13 @@
 
 use crate::case::document::{self, Node};
 use crate::case::error::{Fault, read_text};
+use crate::case::given::Given;
 use crate::case::parameters::Parameters;
 use crate::case::{Case, CaseError, keys, of_source};
 use crate::model::{Analysis, Model};
 use std::path::Path;
 use std::rc::Rc;
+use std::sync::Arc;
 use std::time::Instant;
 
 /// A case of the plane or of space, as its `analysis` says.
@@ -32,7 +34,20 @@ impl AnyCase {
     ///
     /// Errors: as [`Self::read_with`].
     pub fn from_str(text: &str, name: &str, folder: &Path) -> Result<Self, CaseError> {
-        Self::of(Source::parse(text, name, folder, &[])?)
+        Self::from_parts(text, name, folder, &[], &Arc::default())
+    }
+
+    /// The same with other values of parameters, and with meshes and functions that the text names.
+    ///
+    /// Errors: as [`Self::read_with`].
+    pub fn from_parts(
+        text: &str,
+        name: &str,
+        folder: &Path,
+        set: &[(String, String)],
+        given: &Arc<Given>,
+    ) -> Result<Self, CaseError> {
+        Self::of(Source::parse(text, name, folder, set, given)?)
     }
 
     /// Names of its probes, and whether they have values along a line.
@@ -89,7 +104,8 @@ impl<'t> Source<'t> {
         given: &[(String, String)],
     ) -> Result<Self, CaseError> {
         let folder = path.parent().unwrap_or(Path::new(""));
-        Self::parse(text, &path.display().to_string(), folder, given)
+        let name = path.display().to_string();
+        Self::parse(text, &name, folder, given, &Arc::default())
     }
 
     /// A text in which some parameters have another value.
@@ -99,10 +115,11 @@ impl<'t> Source<'t> {
         text: &'t str,
         name: &str,
         folder: &'t Path,
-        given: &[(String, String)],
+        set: &[(String, String)],
+        given: &Arc<Given>,
     ) -> Result<Self, CaseError> {
         let start = Instant::now();
-        let parsed = document::parse_with(text, given);
+        let parsed = document::parse_with(text, set, given);
         let (document, parameters) = parsed.map_err(|fault| fault.in_source(name, text))?;
         Ok(Self {
             text,

@@ -49,7 +49,7 @@ fn read_given(
     folder: &Path,
     given: &[(String, String)],
 ) -> Result<Case<2>, CaseError> {
-    of_source(Source::parse(text, name, folder, given)?)
+    of_source(Source::parse(text, name, folder, given, &Arc::default())?)
 }
 
 fn read(text: &str) -> Result<Case<2>, CaseError> {

@@ -78,7 +78,8 @@ impl<const D: usize> GapPoint<D> {
         finite_gap(field, self.place(end.body.mesh.points()), time, end)
     }
 
-    fn place(&self, points: &[Point<D>]) -> Point<D> {
+    /// Where it is.
+    pub fn place(&self, points: &[Point<D>]) -> Point<D> {
         let nodes = self.own.iter();
         nodes.fold([0.0; D], |sum, &(node, n)| add_scaled(sum, n, points[node]))
     }

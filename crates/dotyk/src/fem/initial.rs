@@ -16,7 +16,7 @@
 use crate::fem::cells::{CellTable, measure};
 use crate::fem::elasticity::Lame;
 use crate::fem::error::FemError;
-use crate::fem::loads::{Load, add_body_force};
+use crate::fem::loads::{Load, add_body_force, prepare_within};
 use crate::fem::nouns::{Analysis, Body, Place};
 use crate::fem::supports::{finite, nearest_node};
 use crate::geometry::{Field, Point, add_scaled, norm};
@@ -164,6 +164,8 @@ impl Initial {
             return Ok(None);
         }
         let law = (Lame::new(body.elastic(block)?, analysis), analysis);
+        let fields = [&self.stress, &self.strain].into_iter().flatten();
+        prepare_within(body, fields.flat_map(|components| &components.0), time);
         let table = CellTable::<D>::new(block.kind, body_degree(block.kind.order()));
         let k = block.kind.nodes();
         let mut forces = vec![[0.0; D]; block.nodes.len()];

@@ -116,6 +116,15 @@ impl<const D: usize> Load<D> {
         self
     }
 
+    /// All its expressions, those of the stress that was there among them.
+    fn fields(&self) -> impl Iterator<Item = &Field> {
+        let stress = match self {
+            Self::InSitu { stress, .. } => &stress.0[..],
+            _ => &[],
+        };
+        self.told().1.iter().chain(stress)
+    }
+
     /// What it is called in messages, and its expressions.
     fn told(&self) -> (&'static str, &[Field]) {
         match self {
@@ -237,6 +246,7 @@ fn add_load<const D: usize>(
         Place::Side(side) => side,
         Place::Point(point) => {
             let node = nearest_node(mesh, point, "point force")?;
+            Field::prepare(load.fields(), [mesh.points()[node]], time);
             let force = load.finite_at(mesh.points()[node], [0.0; D], time)?;
             (0..D).for_each(|i| forces[D * node + i] += force[i]);
             size.add(force);
@@ -254,6 +264,11 @@ fn add_load<const D: usize>(
             1.0 / area
         }
     };
+    let mut points = Vec::new();
+    if load.fields().any(Field::is_sampled) {
+        points.extend(places()?.map(|place| place.point));
+    }
+    Field::prepare(load.fields(), points, time);
     for place in places()? {
         let force = load.finite_at(place.point, place.normal, time)?;
         let force = force.map(|c| share * place.area * c);
@@ -265,6 +280,27 @@ fn add_load<const D: usize>(
         }
     }
     Ok(size)
+}
+
+/// Prepares fields at all points of integration of body forces and initial stresses.
+pub(crate) fn prepare_within<'f, const D: usize>(
+    body: &Body<D>,
+    fields: impl IntoIterator<Item = &'f Field> + Clone,
+    time: f64,
+) {
+    if !fields.clone().into_iter().any(Field::is_sampled) {
+        return;
+    }
+    let nodes = body.mesh.points();
+    let mut points = Vec::new();
+    for block in body.mesh.blocks() {
+        let table = CellTable::<D>::new(block.kind, body_degree(block.kind.order()));
+        for cell in block.cells() {
+            let at = |q| table.map(q, |local| nodes[cell[local] as usize]).0;
+            points.extend((0..table.len()).map(at));
+        }
+    }
+    Field::prepare(fields, points, time);
 }
 
 /// ∫N dV of every node, (nodes,), with thickness or 2πr: a nodal field times it sums to the field's integral.
@@ -361,6 +397,7 @@ pub(crate) fn add_body_force<const D: usize>(
     {
         return Ok(size);
     }
+    prepare_within(body, &body.body_force, time);
     let mesh = &body.mesh;
     for block in mesh.blocks() {
         let table = CellTable::<D>::new(block.kind, body_degree(block.kind.order()));

@@ -97,8 +97,9 @@ impl Active {
             [true, false] => format!("{field} (from t = {})", self.from),
             _ => format!("{field} (until t = {})", self.until),
         };
-        Field::function(&text, move |x, t| match self.at(t) {
-            true => field.at(x, t),
+        let inner = field.clone();
+        Field::of(&text, [&field], move |x, t| match self.at(t) {
+            true => inner.at(x, t),
             false => 0.0,
         })
     }

@@ -58,6 +58,9 @@ impl<const D: usize> Constraints<D> {
                     BTreeMap::new(),
                 ),
             };
+            let fields = support.components.iter().flatten().chain(&support.normal);
+            let points = nodes.iter().map(|&node| body.mesh.points()[node]);
+            Field::prepare(fields, points, time);
             for node in nodes {
                 let point = body.mesh.points()[node];
                 let what = || format!("support {}", describe(&support.place));

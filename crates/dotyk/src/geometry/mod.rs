@@ -2,15 +2,13 @@
 //!
 //! Plain functions on arrays: nothing here knows a mesh or a body.
 
+mod field;
 mod matrix;
 mod surface;
 
+pub use field::{Field, Sampler};
 pub(crate) use matrix::{determinant, invert};
 pub use surface::Surface;
-
-use std::fmt;
-use std::ops::{Add, Mul};
-use std::sync::Arc;
 
 /// A point or vector of the D-dimensional space.
 pub type Point<const D: usize> = [f64; D];
@@ -103,98 +101,6 @@ impl Settling {
     }
 }
 
-type Function = dyn Fn([f64; 3], f64) -> f64 + Send + Sync;
-
-/// A number that may depend on the place (x, y, z; missing coordinates are zero) and the time t.
-#[derive(Clone)]
-pub struct Field {
-    constant: f64,
-    function: Option<Arc<Function>>,
-    text: String,
-}
-
-impl Field {
-    /// The same value everywhere.
-    pub fn constant(value: f64) -> Self {
-        Self {
-            constant: value,
-            function: None,
-            text: format!("{value}"),
-        }
-    }
-
-    /// A function of ([x, y, z], t); `text` is how messages and reports name it.
-    pub fn function(text: &str, f: impl Fn([f64; 3], f64) -> f64 + Send + Sync + 'static) -> Self {
-        Self {
-            constant: 0.0,
-            function: Some(Arc::new(f)),
-            text: text.to_string(),
-        }
-    }
-
-    /// Value at a point and time. May be not finite: the caller knows which side and point to name.
-    pub fn at<const D: usize>(&self, point: Point<D>, time: f64) -> f64 {
-        match &self.function {
-            None => self.constant,
-            Some(f) => f(padded(point), time),
-        }
-    }
-
-    /// The value, when it is the same everywhere.
-    pub fn as_constant(&self) -> Option<f64> {
-        self.function.is_none().then_some(self.constant)
-    }
-}
-
-impl Add for Field {
-    type Output = Self;
-
-    fn add(self, other: Self) -> Self {
-        match [self.as_constant(), other.as_constant()] {
-            [Some(a), Some(b)] => Self::constant(a + b),
-            [Some(0.0), _] => other,
-            [_, Some(0.0)] => self,
-            _ => {
-                let text = format!("{self} + {other}");
-                Self::function(&text, move |x, t| self.at(x, t) + other.at(x, t))
-            }
-        }
-    }
-}
-
-impl Mul for Field {
-    type Output = Self;
-
-    fn mul(self, other: Self) -> Self {
-        match [self.as_constant(), other.as_constant()] {
-            [Some(a), Some(b)] => Self::constant(a * b),
-            [Some(0.0), _] | [_, Some(0.0)] => Self::constant(0.0),
-            _ => {
-                let text = format!("({self}) * ({other})");
-                Self::function(&text, move |x, t| self.at(x, t) * other.at(x, t))
-            }
-        }
-    }
-}
-
-impl From<f64> for Field {
-    fn from(value: f64) -> Self {
-        Self::constant(value)
-    }
-}
-
-impl fmt::Display for Field {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(&self.text)
-    }
-}
-
-impl fmt::Debug for Field {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "Field({})", self.text)
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -203,37 +109,5 @@ mod tests {
     fn a_zero_vector_has_no_direction() {
         assert_eq!(unit([0.0, 0.0]), None);
         assert_eq!(unit([0.0, -2.0]), Some([0.0, -1.0]));
-    }
-
-    #[test]
-    fn fields_know_whether_they_are_constant() {
-        assert_eq!(Field::from(2.0).as_constant(), Some(2.0));
-        let f = Field::function("x + t", |p, t| p[0] + t);
-        assert_eq!(f.as_constant(), None);
-        assert_eq!(f.at([3.0, 0.0], 0.5), 3.5);
-    }
-
-    #[test]
-    fn fields_add_up() {
-        let f = || Field::function("x + t", |p, t| p[0] + t);
-        let sum = f() + Field::from(2.0);
-        assert_eq!((sum.at([3.0, 0.0], 0.5), sum.as_constant()), (5.5, None));
-        assert_eq!(sum.to_string(), "x + t + 2");
-        let constant = Field::from(2.0) + Field::from(-0.5);
-        assert_eq!(constant.as_constant(), Some(1.5));
-        assert_eq!((f() + Field::from(0.0)).to_string(), "x + t");
-        assert_eq!((Field::from(0.0) + f()).to_string(), "x + t");
-    }
-
-    #[test]
-    fn fields_multiply() {
-        let f = || Field::function("x + t", |p, t| p[0] + t);
-        let product = Field::from(2.0) * f();
-        assert_eq!(product.at([3.0, 0.0], 0.5), 7.0);
-        assert_eq!(product.as_constant(), None);
-        assert_eq!(product.to_string(), "(2) * (x + t)");
-        let constant = Field::from(2.0) * Field::from(-0.5);
-        assert_eq!(constant.as_constant(), Some(-1.0));
-        assert_eq!((f() * Field::from(0.0)).as_constant(), Some(0.0));
     }
 }

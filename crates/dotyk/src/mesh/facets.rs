@@ -160,6 +160,39 @@ impl<const D: usize> Mesh<D> {
         FacetTable { entries }
     }
 
+    /// The facets with these corner nodes, one after the other: of each the one of a single cell, or of the first of two. Looks
+    /// at cells at these nodes alone.
+    ///
+    /// Errors: the index of the first set of corners that no facet has.
+    pub fn facets_at(&self, corners: &[Vec<u32>]) -> Result<Vec<Facet>, usize> {
+        let mut marked = vec![false; self.points.len()];
+        for &node in corners.iter().flatten() {
+            if let Some(mark) = marked.get_mut(node as usize) {
+                *mark = true;
+            }
+        }
+        let mut entries: Vec<(Key, Facet)> = Vec::new();
+        for (block, cells) in self.blocks.iter().enumerate() {
+            for (cell, nodes) in cells.cells().enumerate() {
+                for (local, (kind, of_cell)) in cells.kind.facets().iter().enumerate() {
+                    let own = of_cell[..kind.corners()].iter().map(|&i| nodes[i]);
+                    if own.clone().all(|node| marked[node as usize]) {
+                        let [block, cell, local] = [block, cell, local].map(|i| i as u32);
+                        entries.push((sorted(own), Facet { block, cell, local }));
+                    }
+                }
+            }
+        }
+        entries.sort_unstable();
+        let table = FacetTable { entries };
+        let found = corners.iter().enumerate();
+        let found = found.map(|(k, corners)| match corners.len() <= MAX_CORNERS {
+            true => table.find(corners).next().ok_or(k),
+            false => Err(k),
+        });
+        found.collect()
+    }
+
     /// The facets that belong to one cell only, in ascending order.
     pub fn boundary_facets(&self) -> Vec<Facet> {
         let table = self.facet_table();

@@ -24,6 +24,10 @@ pub(crate) fn admissible_set<const D: usize>(
         let points = model.bodies[pair.nonmortar.body.0].mesh.points();
         let carriers = pair.interface.nodes.iter().enumerate();
         let carriers = carriers.filter(|(_, node)| node.role == Role::Multiplier);
+        if let (Kind::Contact, Some(contact)) = (pair.kind, model.contacts.get(index)) {
+            let places = carriers.clone().map(|(_, node)| points[node.node]);
+            Field::prepare(contact.law.fields(), places, time);
+        }
         for (place, node) in carriers {
             let size = node.rows.iter().flatten().count();
             let (Kind::Contact, Some(contact)) = (pair.kind, model.contacts.get(index)) else {

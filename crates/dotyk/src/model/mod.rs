@@ -66,6 +66,7 @@ pub use event::{Event, Work};
 pub use nouns::*;
 pub(crate) use on_side::OnSide;
 pub use past::{Past, PastBody, PastNode};
+pub(crate) use probe::read_probe;
 pub use quantity::{Dimension, Mistake, Quantity, QuantityError};
 pub use reuse::Reuse;
 pub use section::{Section, SectionError, SectionQuantity, SectionSolution, Station, Stations};

@@ -165,6 +165,19 @@ impl Law {
         })
     }
 
+    /// Its expressions.
+    pub(crate) fn fields(&self) -> Vec<&Field> {
+        match self {
+            Self::Frictionless | Self::Tied => Vec::new(),
+            Self::Coulomb(field) | Self::Tresca(field) => vec![field],
+            Self::Cohesive {
+                cohesion,
+                coefficient,
+                tension,
+            } => vec![cohesion, coefficient, tension],
+        }
+    }
+
     /// What is left of it where a joint has parted or slipped.
     pub(crate) fn dry(&self) -> Self {
         match self {

@@ -15,9 +15,10 @@ use crate::model::links::{Link, pair_links};
 use crate::model::nouns::*;
 use crate::model::parts::{couples, first_point, obstacle_part};
 use rayon::prelude::*;
+use std::cmp::Ordering;
 use std::collections::BTreeSet;
 use std::ops::Range;
-use std::sync::Arc;
+use std::sync::{Arc, Mutex, PoisonError};
 
 /// What sides are paired for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -180,6 +181,7 @@ pub(crate) fn pair_contact<const D: usize>(
         contact,
         time,
     };
+    contacting.prepare_gap();
     contacting.pair()
 }
 
@@ -398,6 +400,12 @@ pub(crate) fn gaps_at<const D: usize>(
             let side = before.nonmortar.clone();
             let end = contacting.end(&side);
             let fail = |source| contacting.fail(source);
+            let points = end.body.mesh.points();
+            let samples = before.samples.iter().flatten().chain(&before.left_out);
+            let seen = before.interface.points.iter();
+            let seen = seen.chain(samples.map(|sample| &sample.at));
+            let seen = seen.map(|point| point.place(points));
+            Field::prepare([field], seen, time);
             let gap = |point: &GapPoint<D>| point.given(field, end, time);
             before.interface.measure(gap).map_err(fail)?;
             let samples = before.samples.iter_mut().flatten();
@@ -543,6 +551,35 @@ impl<'a, const D: usize> Contacting<'a, D> {
                 point: whole.body.mesh.points()[node],
             }),
         }
+    }
+
+    /// Asks for a sampled gap at all the places where it is needed: those where pairing looks at another one.
+    fn prepare_gap(&self) {
+        let Some(field) = varying_gap(self.contact).filter(|gap| gap.is_sampled()) else {
+            return;
+        };
+        let seen: Arc<Mutex<Vec<[f64; 3]>>> = Arc::default();
+        let sees = Arc::clone(&seen);
+        let closed = Field::function("0", move |point, _| {
+            sees.lock()
+                .unwrap_or_else(PoisonError::into_inner)
+                .push(point);
+            0.0
+        });
+        let mut contact = self.contact.clone();
+        match (&mut contact.pair, &mut contact.gap) {
+            (Pair::Obstacle { obstacle, .. }, _) => obstacle.shape = Rigid::Gap(closed),
+            (_, gap) => *gap = Some(Gap::Given(closed)),
+        }
+        let stand_in = Contacting {
+            contact: &contact,
+            ..*self
+        };
+        // what is wrong is told when the contact itself is paired
+        let _ = stand_in.pair();
+        let mut seen = std::mem::take(&mut *seen.lock().unwrap_or_else(PoisonError::into_inner));
+        seen.sort_by(|a, b| a.partial_cmp(b).unwrap_or(Ordering::Equal));
+        Field::prepare([field], seen, self.time);
     }
 
     /// Errors: a place of nodes none of which can carry a multiplier.

@@ -41,17 +41,26 @@ pub(crate) fn read_probes<const D: usize>(
     solution: &Solution<D>,
 ) -> Result<Vec<ProbeValue>, Error<D>> {
     let read = |(probe, site): (&Probe<D>, &Site<D>)| {
-        let read = read(model, solution, probe, site).map_err(|source| in_probe(probe, source))?;
-        Ok(ProbeValue {
-            name: probe.name.clone(),
-            quantity: probe.quantity.to_string(),
-            dimension: probe.dimension(),
-            value: read.value,
-            at: read.at.map(padded),
-            line: read.line,
-        })
+        value(model, solution, probe, site).map_err(|source| in_probe(probe, source))
     };
     model.probes.iter().zip(sites).map(read).collect()
+}
+
+fn value<const D: usize>(
+    model: &Model<D>,
+    solution: &Solution<D>,
+    probe: &Probe<D>,
+    site: &Site<D>,
+) -> Result<ProbeValue, ProbeError<D>> {
+    let read = read(model, solution, probe, site)?;
+    Ok(ProbeValue {
+        name: probe.name.clone(),
+        quantity: probe.quantity.to_string(),
+        dimension: probe.dimension(),
+        value: read.value,
+        at: read.at.map(padded),
+        line: read.line,
+    })
 }
 
 /// Where each probe is read, before anything is solved.
@@ -61,13 +70,36 @@ pub(crate) fn sites<const D: usize>(
     model: &Model<D>,
     paired: &[Paired<D>],
 ) -> Result<Vec<Site<D>>, Error<D>> {
-    let named = |probe| site(model, paired, probe).map_err(|source| in_probe(probe, source));
+    let sides: Vec<Sides> = paired
+        .iter()
+        .map(|pair| (&pair.nonmortar, pair.mortar.is_some()))
+        .collect();
+    let named = |probe| site(model, &sides, probe).map_err(|source| in_probe(probe, source));
     model.probes.iter().map(named).collect()
 }
 
+/// Reads a probe that the model does not have off a solution of what was there then.
+///
+/// Errors: as [`sites`] and [`read_probes`].
+pub(crate) fn read_probe<const D: usize>(
+    model: &Model<D>,
+    probe: &Probe<D>,
+    solution: &Solution<D>,
+) -> Result<ProbeValue, Error<D>> {
+    let contacts = solution.contacts.iter();
+    let sides: Vec<Sides> = contacts
+        .map(|contact| (&contact.nonmortar, contact.mortar.is_some()))
+        .collect();
+    let value = site(model, &sides, probe).and_then(|site| value(model, solution, probe, &site));
+    value.map_err(|source| in_probe(probe, source))
+}
+
+/// The nonmortar side of a contact, and whether another body is opposite.
+type Sides<'a> = (&'a SideRef, bool);
+
 fn site<const D: usize>(
     model: &Model<D>,
-    paired: &[Paired<D>],
+    sides: &[Sides<'_>],
     probe: &Probe<D>,
 ) -> Result<Site<D>, ProbeError<D>> {
     let nowhere = Site::default();
@@ -80,10 +112,10 @@ fn site<const D: usize>(
             Carrier::Body(*of)
         }
         Parts::Rotation(..) => return Err(ProbeError::NoCouple),
-        Parts::Obstacle(of, _) if paired[*of].mortar.is_some() => {
+        Parts::Obstacle(of, _) if sides[*of].1 => {
             return Err(ProbeError::NoObstacle);
         }
-        Parts::Along(of, _) => Carrier::Side(&paired[*of].nonmortar),
+        Parts::Along(of, _) => Carrier::Side(sides[*of].0),
         Parts::Reaction(of, Some(side), _) => {
             return Ok(side_facets(&model.bodies[*of].mesh, side).map(|_| nowhere)?);
         }

@@ -254,6 +254,35 @@ macro_rules! doors {
             pub fn write_summary(&self, dir: &Path) -> Result<PathBuf, Error> {
                 write_summary(self, dir)
             }
+
+            /// The content of `summary.json`.
+            ///
+            /// Errors: [`Error::Name`], [`Error::Mismatch`].
+            pub fn summary(&self) -> Result<String, Error> {
+                Ok(json::summary(&self.overview()?))
+            }
+
+            /// The content of `contact.csv`.
+            ///
+            /// Errors: [`Error::Name`], [`Error::Mismatch`].
+            pub fn contact_csv(&self) -> Result<String, Error> {
+                Ok(csv::contact_csv(&self.overview()?.stages, self.steps))
+            }
+
+            /// The content of `report.html`.
+            ///
+            /// Errors: [`Error::Name`], [`Error::Mismatch`].
+            pub fn report(&self) -> Result<String, Error> {
+                Ok(report::page(&self.overview()?))
+            }
+
+            /// The pictures of the last step, each as markup of its own that refers to nothing outside: the deformed shape,
+            /// the utilisation where there is a strength, and every contact.
+            ///
+            /// Errors: [`Error::Name`], [`Error::Mismatch`].
+            pub fn figures(&self) -> Result<Vec<String>, Error> {
+                Ok(report::figures(&self.overview()?))
+            }
         }
 
         impl Check<$D> {

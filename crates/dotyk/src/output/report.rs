@@ -70,6 +70,22 @@ pub fn page<const D: usize>(run: &Overview<'_, D>) -> String {
     framed(model, run.stem, &sections.concat(), &footer)
 }
 
+/// The pictures of the last step.
+pub fn figures<const D: usize>(run: &Overview<'_, D>) -> Vec<String> {
+    let (figures, solution) = (Figures::of(run.stage()), run.last);
+    let mut list = vec![figures.deformed(solution)];
+    if solution
+        .bodies
+        .iter()
+        .any(|body| body.utilisation.is_some())
+    {
+        list.push(figures.utilisation(solution));
+    }
+    list.extend((0..solution.contacts.len()).map(|index| figures.contact(solution, index)));
+    list.retain(|figure| !figure.is_empty());
+    list
+}
+
 /// Content of `check.html`; `text` is what the check found, line by line, and `alone` the contact nodes that face nothing.
 pub fn check_page<const D: usize>(
     model: &Model<D>,

@@ -1,0 +1,119 @@
+//! Command line of dotyk: arguments, progress and printing, nothing else. A library, so that other programs can bring it.
+//!
+//! Results go to standard output, progress and messages to standard error. Exit status: 0 done, with or without
+//! warnings; 1 not converged or not verified; 2 bad input.
+
+/// Does the same with a case of the plane and with one of space.
+macro_rules! of_any {
+    ($case:expr, |$name:ident| $body:expr) => {
+        match $case {
+            dotyk::case::AnyCase::Plane($name) => $body,
+            dotyk::case::AnyCase::Space($name) => $body,
+        }
+    };
+}
+
+mod check;
+mod compare;
+mod export;
+mod failure;
+mod given;
+mod keys;
+mod progress;
+mod run;
+mod study;
+mod text;
+mod verify;
+
+pub use keys::TEXT as KEYS;
+
+use clap::{CommandFactory, Parser, Subcommand};
+use std::ffi::OsString;
+
+/// Elastic contact mechanics: bodies pressed against each other, with a certificate for every answer.
+#[derive(Parser)]
+#[command(
+    name = "dotyk",
+    version,
+    after_help = "`dotyk help keys` lists every key of a case file.\n\
+                  Exit status: 0 done, 1 not converged or not verified, 2 bad input."
+)]
+struct Cli {
+    #[command(subcommand)]
+    command: Command,
+}
+
+#[derive(Subcommand)]
+enum Command {
+    /// Solve cases, write their results and reports
+    Run(run::Arguments),
+    /// Look at meshes, supports, floating bodies and contacts without solving
+    Check(check::Arguments),
+    /// Solve every case that has references and compare with them
+    Verify(verify::Arguments),
+    /// Solve one case with all solvers
+    Compare(compare::Arguments),
+    /// Solve one case for many values of its parameters
+    Study(study::Arguments),
+    /// Write the contact problem of a case, F, d, G, e, Λ and B, for solvers elsewhere
+    Export(export::Arguments),
+    /// List every key of a case file
+    #[command(visible_alias = "keys", after_long_help = keys::TEXT)]
+    Reference,
+    /// Print what a shell needs to complete commands, such as `dotyk completions bash`
+    Completions {
+        /// bash, zsh, fish, elvish or powershell
+        shell: clap_complete::Shell,
+    },
+}
+
+/// How a command ended, the better first.
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+enum Outcome {
+    Done,
+    Unsatisfied,
+    /// Some input was refused, and has been said to be.
+    Refused,
+}
+
+/// Runs the command with its arguments, its own name the first of them, and returns the exit status.
+pub fn main(arguments: impl IntoIterator<Item = OsString>) -> u8 {
+    match Cli::try_parse_from(arguments) {
+        Ok(cli) => status(cli.command),
+        Err(told) => {
+            // help and version are told this way, too; what cannot be printed is nobody's mistake
+            let _ = told.print();
+            u8::try_from(told.exit_code()).unwrap_or(2)
+        }
+    }
+}
+
+fn status(command: Command) -> u8 {
+    let outcome = match command {
+        Command::Run(arguments) => run::run(&arguments),
+        Command::Check(arguments) => check::check(&arguments),
+        Command::Verify(arguments) => verify::verify(&arguments),
+        Command::Compare(arguments) => compare::compare(&arguments),
+        Command::Study(arguments) => study::study(&arguments),
+        Command::Export(arguments) => export::export(&arguments),
+        Command::Completions { shell } => {
+            let mut script = Vec::new();
+            clap_complete::generate(shell, &mut Cli::command(), "dotyk", &mut script);
+            text::print(&String::from_utf8_lossy(&script));
+            Ok(Outcome::Done)
+        }
+        Command::Reference => {
+            text::print(keys::TEXT);
+            Ok(Outcome::Done)
+        }
+    };
+    match outcome {
+        Ok(Outcome::Done) => 0,
+        Ok(Outcome::Unsatisfied) => 1,
+        Ok(Outcome::Refused) => 2,
+        Err(failure) => {
+            failure.print();
+            2
+        }
+    }
+}

@@ -1,0 +1,483 @@
+"""Meshes: generated, read, or given as arrays."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING, Any
+
+from dotyk import _dotyk
+from dotyk._errors import ArgumentError, InputError
+from dotyk._words import Writer, friend, key_of, keywords, keywords_of, path_of
+
+if TYPE_CHECKING:
+    import numpy as np
+    import numpy.typing as npt
+
+#: Kinds of cells as meshio calls them.
+_MESHIO = {
+    "tri3": "triangle", "tri6": "triangle6", "quad4": "quad", "quad8": "quad8", "quad9": "quad9",
+    "tet4": "tetra", "tet10": "tetra10", "hex8": "hexahedron", "hex20": "hexahedron20",
+    "hex27": "hexahedron27", "prism6": "wedge", "prism15": "wedge15", "prism18": "wedge18",
+}  # fmt: skip
+_KINDS = {theirs: ours for ours, theirs in _MESHIO.items()}
+_PLANE = ("tri3", "tri6", "quad4", "quad8", "quad9")
+_FACETS = {2: {2: "line", 3: "line3"}, 3: {3: "triangle", 4: "quad", 6: "triangle6", 8: "quad8", 9: "quad9"}}
+_VTK = {
+    "tri3": 5, "tri6": 22, "quad4": 9, "quad8": 23, "quad9": 28, "tet4": 10, "tet10": 24,
+    "hex8": 12, "hex20": 25, "hex27": 29, "prism6": 13, "prism15": 26, "prism18": 32,
+}  # fmt: skip
+
+
+class Mesh:
+    """A checked mesh with named sides.
+
+    points:
+        (n, 2) in the plane, (n, 3) in space; any floats.
+    cells:
+        ``{kind: (m, k) numbers of nodes}``, kinds as in a case file (``quad4``, ``hex8``, ...), nodes in VTK's order. A key
+        ``(kind, group)`` makes a group of cells, for several materials.
+    sides:
+        ``{name: (f, k)}``, facets by the numbers of their nodes; the corners suffice.
+    named:
+        ``{name: point}``, points that supports, loads and probes may name.
+
+    Numbers are taken over: later changes of the arrays change nothing.
+
+    >>> import dotyk
+    >>> mesh = dotyk.Mesh([[0, 0], [1, 0], [1, 1], [0, 1]], {"quad4": [[0, 1, 2, 3]]}, {"bottom": [[0, 1]]})
+    >>> mesh
+    <dotyk.Mesh: 4 nodes, 1 quad4, side bottom>
+    """
+
+    _native: Any
+
+    @keywords
+    def __init__(
+        self,
+        points: npt.ArrayLike,
+        cells: Mapping[Any, npt.ArrayLike],
+        sides: Mapping[str, npt.ArrayLike] | None = None,
+        named: Mapping[str, Sequence[float]] | None = None,
+    ) -> None:
+        import numpy as np
+
+        try:
+            coordinates = np.ascontiguousarray(points, dtype=np.float64)
+        except (TypeError, ValueError):
+            raise ArgumentError("`points` is an array of numbers (n, 2 or 3)") from None
+        if coordinates.ndim != 2:
+            raise InputError(f"`points` has the shape {coordinates.shape}: it must be (n, 2) or (n, 3)")
+        if not isinstance(cells, Mapping):
+            raise ArgumentError("`cells` is a mapping from kinds of cells to arrays, {kind: (m, k)}")
+        if sides is not None and not isinstance(sides, Mapping):
+            raise ArgumentError("`sides` is a mapping from names to arrays, {name: (f, k)}")
+        blocks = []
+        for key, nodes in cells.items():
+            kind, group = key if isinstance(key, tuple) and len(key) == 2 else (key, None)
+            blocks.append((_text(kind, "a kind of cells"), group, _indices(nodes, f"cells of the kind {kind}")))
+        facets = [(_text(name, "a side"), _indices(nodes, f"side `{name}`")) for name, nodes in (sides or {}).items()]
+        places = {name: np.atleast_2d(np.asarray(at, dtype=float)).tolist() for name, at in (named or {}).items()}
+        self._native = _dotyk.Mesh.of_arrays(coordinates, blocks, facets, places)
+
+    @classmethod
+    def _of(cls, native: Any) -> Mesh:
+        mesh = cls.__new__(cls)
+        mesh._native = native
+        return mesh
+
+    @property
+    def dimension(self) -> int:
+        """2 in the plane, 3 in space."""
+        return int(self._native.dimension)
+
+    @property
+    def points(self) -> npt.NDArray[np.float64]:
+        """Coordinates of the nodes, (n, 2 or 3), read-only."""
+        return _frozen(self._native.points())  # type: ignore[no-any-return]
+
+    @property
+    def cells(self) -> dict[Any, npt.NDArray[np.uint32]]:
+        """Nodes of the cells (m, k) by kind; by (kind, group) where cells have groups. Read-only."""
+        import numpy as np
+
+        found: dict[Any, Any] = {}
+        for kind, group, nodes in self._native.blocks():
+            key = kind if group is None else (kind, group)
+            found[key] = np.vstack([found[key], nodes]) if key in found else nodes
+        return {key: _frozen(nodes) for key, nodes in found.items()}
+
+    @property
+    def sides(self) -> dict[str, npt.NDArray[np.uint32]]:
+        """Nodes of the facets (f, k) by side, read-only; of a side with facets of several kinds their corners."""
+        import numpy as np
+
+        found: dict[str, Any] = {}
+        for name, nodes in self._native.sides():
+            if name in found:
+                corners = 2 if self.dimension == 2 else 3
+                least = min(found[name].shape[1], nodes.shape[1], corners)
+                found[name] = np.vstack([found[name][:, :least], nodes[:, :least]])
+            else:
+                found[name] = nodes
+        return {name: _frozen(nodes) for name, nodes in found.items()}
+
+    @property
+    def named(self) -> dict[str, list[list[float]]]:
+        """Named points, such as the groups of points of a mesh file."""
+        return dict(self._native.named())
+
+    @property
+    def warnings(self) -> list[str]:
+        """What was noticed when it was made, such as parts of a file that have no place in it."""
+        return list(self._native.warnings)
+
+    @keywords
+    def patch(self, name: str, of: str, min: Sequence[float], max: Sequence[float]) -> Mesh:
+        """The mesh with one more side: the whole facets of the side ``of`` whose corners lie in a box.
+
+        >>> import dotyk
+        >>> dotyk.rectangle([0, 0], [4, 1], cells=[4, 1]).patch("left_half", of="top", min=[0, 1], max=[2, 1])
+        <dotyk.Mesh: 10 nodes, 4 quad4, sides bottom, left, left_half, right, top>
+        """
+        return _made({"file": self, "sides": {name: {"of": of, "min": min, "max": max}}}, self.dimension == 3)
+
+    def to_meshio(self) -> Any:
+        """A ``meshio.Mesh`` with the sides as ``cell_sets``, so that it can be a body again. Needs meshio."""
+        import numpy as np
+
+        meshio = friend("meshio", "to_meshio()")
+        cells: list[tuple[str, Any]] = []
+        groups: dict[str, list[int]] = {}
+        for kind, group, nodes in self._native.blocks():
+            if group is not None:
+                groups.setdefault(group, []).append(len(cells))
+            cells.append((_MESHIO[kind], nodes))
+        sides: dict[str, list[int]] = {}
+        for name, nodes in self._native.sides():
+            sides.setdefault(name, []).append(len(cells))
+            cells.append((_FACETS[self.dimension][nodes.shape[1]], nodes))
+        sets = {
+            name: [np.arange(len(nodes)) if k in places else np.array([], int) for k, (_, nodes) in enumerate(cells)]
+            for name, places in (groups | sides).items()
+        }
+        points = self._native.points()
+        if self.dimension == 2:
+            points = np.column_stack([points, np.zeros(len(points))])
+        return meshio.Mesh(points, cells, cell_sets=sets)
+
+    def __repr__(self) -> str:
+        cells: dict[str, int] = {}
+        for kind, _, nodes in self._native.blocks():
+            cells[kind] = cells.get(kind, 0) + len(nodes)
+        counts = ", ".join(f"{count} {kind}" for kind, count in cells.items())
+        names = sorted({name for name, _ in self._native.sides()})
+        sides = f", side{'s' if len(names) > 1 else ''} {', '.join(names)}" if names else ""
+        return f"<dotyk.Mesh: {len(self._native.points())} nodes, {counts}{sides}>"
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        blocks = [(kind, group, nodes) for kind, group, nodes in self._native.blocks()]
+        return _restored, (self._native.points(), blocks, self._native.sides(), self.named)
+
+
+def _restored(points: Any, blocks: Any, sides: Any, named: Any) -> Mesh:
+    import numpy as np
+
+    def own(nodes: Any) -> Any:
+        return np.ascontiguousarray(nodes, dtype=np.int64)
+
+    native = _dotyk.Mesh.of_arrays(
+        points, [(k, g, own(n)) for k, g, n in blocks], [(name, own(n)) for name, n in sides], named
+    )
+    return Mesh._of(native)
+
+
+def _frozen(array: Any) -> Any:
+    array.flags.writeable = False
+    return array
+
+
+def _text(value: Any, what: str) -> str:
+    if not isinstance(value, str):
+        raise ArgumentError(f"the name of {what} is a string, not {value!r}")
+    return value
+
+
+def _indices(nodes: Any, what: str) -> Any:
+    import numpy as np
+
+    try:
+        array = np.asarray(nodes)
+    except (TypeError, ValueError):
+        raise ArgumentError(f"{what}: an array of numbers of nodes is expected") from None
+    if array.size == 0:
+        array = array.reshape(0, array.shape[-1] if array.ndim == 2 else 2).astype(np.int64)
+    if array.dtype.kind not in "iu":
+        raise ArgumentError(f"{what}: numbers of nodes are integers, not {array.dtype}")
+    if array.ndim != 2:
+        raise InputError(f"{what}: an array with a row for each is expected, not the shape {array.shape}")
+    return np.ascontiguousarray(array, dtype=np.int64)
+
+
+def _made(mesh: Mapping[str, Any], space: bool, drawing: Any = None) -> Mesh:
+    writer = Writer(3 if space else 2)
+    text = f"mesh = {writer.table(mesh, 'the mesh')}\n"
+    if drawing is not None:
+        text = f"drawing = {writer.table(drawing, 'the drawing')}\n{text}"
+    return Mesh._of(_dotyk.Mesh.of_text(text, os.getcwd(), space, writer.meshes))
+
+
+def _generated(kind: str, space: bool, values: Mapping[str, Any]) -> Mesh:
+    given = {key_of(key): value for key, value in values.items() if value is not None}
+    return _made({kind: given}, space)
+
+
+@keywords
+def rectangle(
+    from_: Sequence[float],
+    to: Sequence[float],
+    cells: Sequence[int],
+    cell: str | None = None,
+    diagonals: str | None = None,
+) -> Mesh:
+    """A rectangle from one corner to the other; sides ``left``, ``right``, ``bottom``, ``top``.
+
+    >>> import dotyk
+    >>> dotyk.rectangle([0, 0], [4, 1], cells=[80, 20])
+    <dotyk.Mesh: 1701 nodes, 1600 quad4, sides bottom, left, right, top>
+    """
+    return _generated("rectangle", False, locals())
+
+
+@keywords
+def ring(
+    inner: float,
+    outer: float,
+    cells: Sequence[int],
+    center: Sequence[float] | None = None,
+    from_: float | None = None,
+    to: float | None = None,
+    ratio: float | None = None,
+    grade: float | None = None,
+    cell: str | None = None,
+    diagonals: str | None = None,
+) -> Mesh:
+    """A ring, or a part of one between two angles in degrees from +x; sides ``inner``, ``outer``, ``start``, ``end``.
+
+    >>> import dotyk
+    >>> dotyk.ring(1, 2, cells=[32, 4], cell="quad9")
+    <dotyk.Mesh: 576 nodes, 128 quad9, sides inner, outer>
+    """
+    return _generated("ring", False, locals())
+
+
+@keywords
+def tunnel_rock(
+    radius: float,
+    half_width: float,
+    half_height: float,
+    cells: Sequence[int],
+    ratio: float | None = None,
+    grade: float | None = None,
+    cell: str | None = None,
+    diagonals: str | None = None,
+) -> Mesh:
+    """The half x ≥ 0 of a plate with a round hole at the origin; sides ``hole``, ``top``, ``bottom``, ``right``, ``axis``.
+
+    >>> import dotyk
+    >>> sorted(dotyk.tunnel_rock(1, 5, 5, cells=[16, 8]).sides)
+    ['axis', 'bottom', 'hole', 'right', 'top']
+    """
+    return _generated("tunnel_rock", False, locals())
+
+
+@keywords_of("outline")
+def outline(**keys: Any) -> Mesh:
+    """A mesh of triangles within lines and arcs, with holes: the keys of ``mesh.outline`` of a case file.
+
+    >>> import dotyk
+    >>> mesh = dotyk.outline(size=0.5, from_=[0, 0], edges=[{"to": [1, 0], "name": "bottom"}, {"to": [0, 1]}, {"to": [0, 0]}])
+    >>> sorted(mesh.sides)
+    ['bottom', 'outline']
+    """
+    return _generated("outline", False, keys)
+
+
+@keywords
+def box(from_: Sequence[float], to: Sequence[float], cells: Sequence[int], cell: str | None = None) -> Mesh:
+    """A box; sides ``left``, ``right`` (x), ``front``, ``back`` (y), ``bottom``, ``top`` (z).
+
+    >>> import dotyk
+    >>> dotyk.box([0, 0, 0], [1, 1, 1], cells=[2, 2, 2])
+    <dotyk.Mesh: 27 nodes, 8 hex8, sides back, bottom, front, left, right, top>
+    """
+    return _generated("box", True, locals())
+
+
+@keywords
+def cylinder(
+    base: Sequence[float],
+    axis: Sequence[float],
+    radius: float,
+    height: float,
+    cells: Sequence[int],
+    inner: float | None = None,
+    from_: float | None = None,
+    to: float | None = None,
+    cell: str | None = None,
+) -> Mesh:
+    """A cylinder or a tube; sides ``bottom``, ``top``, ``outer``, ``inner``, ``start``, ``end``.
+
+    >>> import dotyk
+    >>> tube = dotyk.cylinder([0, 0, 0], [0, 0, 1], radius=2, inner=1, height=1, cells=[16, 2, 1])
+    >>> sorted(tube.sides)
+    ['bottom', 'inner', 'outer', 'top']
+    """
+    return _generated("cylinder", True, locals())
+
+
+@keywords
+def sphere(
+    center: Sequence[float],
+    radius: float,
+    cells: Sequence[int],
+    inner: float | None = None,
+    from_: float | None = None,
+    to: float | None = None,
+    cell: str | None = None,
+) -> Mesh:
+    """A ball, a shell, or a cap between two polar angles from +z in degrees; sides ``outer``, ``inner``, ``start``, ``end``.
+
+    >>> import dotyk
+    >>> sorted(dotyk.sphere([0, 0, 0], 1, cells=[8, 2]).sides)
+    ['outer']
+    """
+    return _generated("sphere", True, locals())
+
+
+@keywords
+def extrude(
+    mesh: Mesh | Mapping[str, Any],
+    layers: Any,
+    height: float | None = None,
+    turn: Mapping[str, Any] | None = None,
+) -> Mesh:
+    """A plane mesh moved along z (``height``) or turned about an axis (``turn``); its sides keep their names, ``first`` and
+    ``last`` are the ends.
+
+    >>> import dotyk
+    >>> plate = dotyk.rectangle([0, 0], [2, 1], cells=[2, 1])
+    >>> dotyk.extrude(plate, height=1, layers=1)
+    <dotyk.Mesh: 12 nodes, 2 hex8, sides bottom, first, last, left, right, top>
+    """
+    plane: Any = {"file": mesh} if isinstance(mesh, Mesh) else mesh
+    return _generated("extrude", True, {"mesh": plane, "layers": layers, "height": height, "turn": turn})
+
+
+@keywords_of("drawing")
+def drawing(regions_of: str | Sequence[str], **keys: Any) -> Mesh:
+    """The mesh of some regions of a drawing: lines whose regions share their nodes; the keys are those of ``[drawing]``."""
+    given = {key_of(key): value for key, value in keys.items() if value is not None}
+    return _made({"region": regions_of}, False, given)
+
+
+@keywords
+def read(path: str | os.PathLike[str], group: str | Sequence[str] | None = None, space: bool | None = None) -> Mesh:
+    """The mesh of a file of Gmsh (``.msh`` 4.1, 2.2) or VTU; ``group`` selects cells, groups of facets are its sides.
+
+    ``space`` says whether a body of space or of the plane is wanted; without it, solid cells make a body of space.
+
+    >>> import dotyk
+    >>> dotyk.read("no-such-file.msh")  # doctest: +ELLIPSIS
+    Traceback (most recent call last):
+    dotyk._errors.InputError: ...no-such-file.msh: cannot read the file: there is no such file
+    """
+    table = {"file": {"path": os.path.abspath(path_of(path, "path")), "group": group}}
+    if space is not None:
+        return _made(table, space)
+    try:
+        return _made(table, True)
+    except InputError as error:
+        try:
+            return _made(table, False)
+        except InputError as other:
+            # which of both was meant, nobody knows: a file without solid cells is one of the plane
+            raise (other if "cells of space" in str(error) else error) from None
+
+
+def of_any(mesh: Any) -> Mesh | Mapping[str, Any]:
+    """A mesh, a mesh of meshio, or a table of a case file."""
+    if isinstance(mesh, (Mesh, Mapping)):
+        return mesh
+    if type(mesh).__module__.startswith("meshio"):
+        return of_meshio(mesh)
+    raise ArgumentError(
+        f"a mesh is a dotyk.Mesh, a meshio.Mesh or a table such as {{'rectangle': ..}}, not {type(mesh).__name__}"
+    )
+
+
+def of_meshio(mesh: Any) -> Mesh:
+    """A mesh of meshio: ``gmsh:physical`` with ``field_data``, else ``cell_sets``, are groups and sides."""
+    import numpy as np
+
+    points = np.asarray(mesh.points, dtype=float)
+    solid = any(_KINDS.get(block.type) not in (None, *_PLANE) for block in mesh.cells)
+    if not solid and points.shape[1] == 3:
+        if np.ptp(points[:, 2]) > 0:
+            raise InputError("a mesh of the plane has the same z everywhere")
+        points = points[:, :2]
+    kinds = [k for k in _KINDS.values() if (k in _PLANE) != solid]
+    tags = _tags(mesh)
+    cells: dict[Any, list[Any]] = {}
+    sides: dict[str, list[Any]] = {}
+    for k, block in enumerate(mesh.cells):
+        kind, nodes = _KINDS.get(block.type), np.asarray(block.data, dtype=np.int64)
+        if kind in kinds:
+            rest = np.ones(len(nodes), bool)
+            for name, members in tags.items():
+                own = members[k][rest[members[k]]]
+                if len(own):
+                    cells.setdefault((kind, name), []).append(nodes[own])
+                    rest[own] = False
+            if rest.any():
+                cells.setdefault(kind, []).append(nodes[rest])
+        elif block.type in _FACETS[3 if solid else 2].values():
+            corners = {"line": 2, "line3": 2, "triangle": 3, "triangle6": 3}.get(block.type, 4)
+            for name, members in tags.items():
+                if len(members[k]):
+                    sides.setdefault(name, []).extend(nodes[members[k], :corners].tolist())
+    if not cells:
+        raise InputError("the mesh of meshio has no cells that a body can be made of")
+    used = np.unique(np.concatenate([nodes.ravel() for own in cells.values() for nodes in own]))
+    number = np.full(len(points), -1, dtype=np.int64)
+    number[used] = np.arange(len(used))
+    groups = {key: number[np.vstack(own)] for key, own in cells.items()}
+    made = {}
+    for name, facets in sides.items():
+        kept = [[int(number[i]) for i in facet] for facet in facets if all(number[i] >= 0 for i in facet)]
+        if kept and len({len(facet) for facet in kept}) == 1:
+            made[name] = kept
+    return Mesh(points[used], groups, made)
+
+
+def _tags(mesh: Any) -> dict[str, list[Any]]:
+    """Members of every group, block by block."""
+    import numpy as np
+
+    physical = mesh.cell_data.get("gmsh:physical")
+    if physical is None:
+        none = np.array([], dtype=np.int64)
+        return {
+            str(name): [none if own is None else np.asarray(own, dtype=np.int64) for own in members]
+            for name, members in mesh.cell_sets.items()
+            if not str(name).startswith("gmsh:")
+        }
+    names = {(int(tag), int(dimension)): str(name) for name, (tag, dimension) in mesh.field_data.items()}
+    tags: dict[str, list[Any]] = {}
+    for k, (block, numbers) in enumerate(zip(mesh.cells, physical, strict=True)):
+        numbers = np.asarray(numbers)
+        for tag in np.unique(numbers):
+            name = names.get((int(tag), int(getattr(block, "dim", 2))), str(int(tag)))
+            members = tags.setdefault(name, [np.array([], dtype=np.int64) for _ in mesh.cells])
+            members[k] = np.flatnonzero(numbers == tag)
+    return tags

@@ -1,0 +1,613 @@
+"""Models built call by call: every key of a case file has its call or keyword."""
+
+from __future__ import annotations
+
+import json
+import os
+from collections.abc import Callable, Mapping, Sequence
+from typing import TYPE_CHECKING, Any
+
+from dotyk import _dotyk
+from dotyk._errors import ArgumentError, InputError
+from dotyk._mesh import Mesh, of_any
+from dotyk._solve import Check, Study, solved, studied
+from dotyk._words import Writer, count_of, keywords, keywords_of, number_of, parameters_of, path_of, quoted, text_of
+
+if TYPE_CHECKING:
+    from dotyk._dual import Dual, Problem
+    from dotyk._solution import Solution
+
+#: What may be a number, an expression, or a function of points and time.
+Number = float | str | Callable[..., Any]
+Vector = Sequence[Number] | Callable[..., Any]
+Table = Mapping[str, Any]
+Solver = Callable[["Problem"], tuple[Any, Any]]
+
+#: Keys of a material that a body may have itself.
+_MATERIAL = ("young", "poisson", "thickness", "strength")
+#: What of a body others need to know when they are checked.
+_BASE = ("name", "mesh", "material", "points", "couple", "initial_stress", "surface")
+
+
+class Body:
+    """A body of a model; made by :meth:`Model.body`. Every call returns the body, so that calls can be chained."""
+
+    def __init__(self, model: Model, table: dict[str, Any]) -> None:
+        self._model = model
+        self._table = table
+
+    @property
+    def name(self) -> str:
+        """Its name."""
+        return str(self._table["name"])
+
+    @property
+    def mesh(self) -> Mesh:
+        """Its mesh."""
+        mesh = self._table["mesh"]
+        if isinstance(mesh, Mesh):
+            return mesh
+        writer = Writer(self._model.dimension)
+        text = f"mesh = {writer.value(mesh, 'the mesh')}\n"
+        native = _dotyk.Mesh.of_text(text, self._model._folder, self._model.dimension == 3, writer.meshes)
+        return Mesh._of(native)
+
+    def _add(self, kind: str, entry: dict[str, Any]) -> Body:
+        entry = {key: value for key, value in entry.items() if value is not None}
+        base = {key: value for key, value in self._table.items() if key in _BASE}
+        listed = [*base.get(kind, []), entry] if kind in _BASE else [entry]
+        self._model._try({"body": [{**base, kind: listed}]})
+        self._table.setdefault(kind, []).append(entry)
+        return self
+
+    def _set(self, key: str, value: Any) -> Body:
+        base = {known: own for known, own in self._table.items() if known in _BASE}
+        self._model._try({"body": [{**base, key: value}]})
+        self._table[key] = value
+        return self
+
+    @keywords
+    def fix(
+        self,
+        side: str | Sequence[str] | None = None,
+        x: Number | None = None,
+        y: Number | None = None,
+        z: Number | None = None,
+        normal: Number | None = None,
+        rotation: Any = None,
+        point: Sequence[float] | str | None = None,
+        active: Table | None = None,
+    ) -> Body:
+        """Holds a side, or the node nearest to a point: each component zero, prescribed by a number, or by an expression.
+
+        >>> import dotyk
+        >>> m = dotyk.Model("plane-strain")
+        >>> block = m.body("block", dotyk.rectangle([0, 0], [4, 1], cells=[4, 1]), young=1, poisson=0.3)
+        >>> block.fix("bottom", x=0, y=0).fix(point=[0, 1], x="1e-3*t")
+        <dotyk.Body block: 10 nodes, 4 quad4, sides bottom, left, right, top>
+        """
+        return self._add("fix", {k: v for k, v in locals().items() if k != "self"})
+
+    @keywords
+    def load(
+        self,
+        side: str | Sequence[str] | None = None,
+        traction: Vector | None = None,
+        pressure: Number | None = None,
+        force: Vector | None = None,
+        in_situ: Number | None = None,
+        moment: Any = None,
+        point: Sequence[float] | str | None = None,
+        active: Table | None = None,
+    ) -> Body:
+        """Loads a side (``traction``, ``pressure``, a resultant ``force``, ``in_situ``) or a point (``force``).
+
+        A function gets all its points (n, 2 or 3) and t, and gives (n,), of a vector (n, 2 or 3).
+
+        >>> import dotyk, numpy as np
+        >>> m = dotyk.Model("plane-strain")
+        >>> block = m.body("block", dotyk.rectangle([0, 0], [4, 1], cells=[4, 1]), young=1, poisson=0.3)
+        >>> _ = block.load("top", traction=[0, "-1e6*t"])
+        >>> _ = block.load("right", pressure=lambda points, t: 1e3 * points[:, 1] * t)
+        """
+        return self._add("load", {k: v for k, v in locals().items() if k != "self"})
+
+    @keywords
+    def spring(
+        self,
+        side: str | Sequence[str] | None = None,
+        normal: float | str | None = None,
+        tangential: float | str | None = None,
+        compression_only: bool | None = None,
+        x: float | str | None = None,
+        y: float | str | None = None,
+        z: float | str | None = None,
+        point: Sequence[float] | str | None = None,
+        active: Table | None = None,
+    ) -> Body:
+        """Beds a side on springs (force per area and length) or a point (force per length).
+
+        >>> import dotyk
+        >>> m = dotyk.Model("plane-strain")
+        >>> beam = m.body("beam", dotyk.rectangle([0, 0], [4, 1], cells=[4, 1]), young=1, poisson=0.3)
+        >>> _ = beam.spring("bottom", normal=1e7, compression_only=True)
+        """
+        return self._add("spring", {k: v for k, v in locals().items() if k != "self"})
+
+    @keywords
+    def couple(self, side: str | Sequence[str], point: str, kind: str) -> Body:
+        """Makes a side move with a named point (``kind="rigid"``), or gives the point its mean motion (``"average"``).
+
+        >>> import dotyk
+        >>> m = dotyk.Model("plane-strain")
+        >>> beam = m.body("beam", dotyk.rectangle([0, 0], [4, 1], cells=[4, 1]), young=1, poisson=0.3, points={"jack": [4, 0.5]})
+        >>> _ = beam.couple("right", point="jack", kind="rigid")
+        """
+        return self._add("couple", {k: v for k, v in locals().items() if k != "self"})
+
+    @keywords
+    def body_force(self, force: Vector) -> Body:
+        """Force per volume, such as gravity.
+
+        >>> import dotyk
+        >>> m = dotyk.Model("plane-strain")
+        >>> rock = m.body("rock", dotyk.rectangle([0, 0], [4, 1], cells=[4, 1]), young=1, poisson=0.3)
+        >>> _ = rock.body_force([0, -27e3])
+        """
+        return self._set("body_force", force)
+
+    @keywords_of("initial_stress")
+    def initial_stress(self, **components: Any) -> Body:
+        """The stress that is there before anything acts: components, or ``vertical`` with ``k0``. Tension is positive.
+
+        >>> import dotyk
+        >>> m = dotyk.Model("plane-strain")
+        >>> rock = m.body("rock", dotyk.rectangle([0, 0], [4, 1], cells=[4, 1]), young=1, poisson=0.3)
+        >>> _ = rock.initial_stress(vertical="-27e3*(80 - y)", k0=0.6)
+        """
+        return self._set("initial_stress", components)
+
+    @keywords_of("initial_strain")
+    def initial_strain(self, **components: Any) -> Body:
+        """A strain without stress: ``thermal`` with ``expansion``, ``isotropic``, or components.
+
+        >>> import dotyk
+        >>> m = dotyk.Model("plane-strain")
+        >>> ring = m.body("ring", dotyk.ring(1, 2, cells=[16, 2]), young=1, poisson=0.3)
+        >>> _ = ring.initial_strain(thermal=20, expansion=1.2e-5)
+        """
+        return self._set("initial_strain", components)
+
+    @keywords_of("surface")
+    def surface(self, side: str, **surface: Any) -> Body:
+        """The true surface behind a polygonal side: ``plane``, ``circle``, ``cylinder``, ``cone`` or ``sphere``.
+
+        >>> import dotyk
+        >>> m = dotyk.Model("plane-strain")
+        >>> ring = m.body("ring", dotyk.ring(1, 2, cells=[16, 2]), young=1, poisson=0.3)
+        >>> _ = ring.surface("inner", circle={"center": [0, 0], "radius": 1})
+        """
+        return self._set("surface", {**self._table.get("surface", {}), side: surface})
+
+    @keywords
+    def points(self, **points: Sequence[float]) -> Body:
+        """Named points for supports, loads, probes and couples.
+
+        >>> import dotyk
+        >>> m = dotyk.Model("plane-strain")
+        >>> beam = m.body("beam", dotyk.rectangle([0, 0], [4, 1], cells=[4, 1]), young=1, poisson=0.3)
+        >>> _ = beam.points(tip=[4, 0.5])
+        """
+        return self._set("points", {**self._table.get("points", {}), **points})
+
+    def __repr__(self) -> str:
+        mesh = self._table["mesh"]
+        what = repr(mesh)[len("<dotyk.Mesh: ") : -1] if isinstance(mesh, Mesh) else "not meshed yet"
+        return f"<dotyk.Body {self.name}: {what}>"
+
+
+class Model:
+    """Bodies, and what is between them.
+
+    analysis:
+        ``"plane-strain"``, ``"plane-stress"``, ``"axisymmetric"`` or ``"3d"``.
+    parameters:
+        Names for numbers, which every expression may use.
+    drawing:
+        Lines whose regions are bodies, as ``[drawing]`` of a case file.
+
+    >>> import dotyk
+    >>> m = dotyk.Model("plane-strain", title="Punch")
+    >>> block = m.body("block", dotyk.rectangle([0, 0], [4, 1], cells=[40, 10]), young=210e9, poisson=0.3)
+    >>> punch = m.body("punch", dotyk.rectangle([1.5, 1], [2.5, 2], cells=[10, 10]), young=210e9, poisson=0.3)
+    >>> _ = block.fix("bottom", x=0, y=0)
+    >>> _ = punch.fix("left", x=0).fix("right", x=0).load("top", traction=[0, -1e6])
+    >>> m.contact("sole", nonmortar="punch.bottom", mortar="block.top")
+    <dotyk.Model Punch: plane-strain, bodies block, punch, contacts sole>
+    >>> s = m.solve()
+    >>> s.converged
+    True
+    >>> round(s.contacts["sole"].resultant[1])
+    1000000
+    """
+
+    @keywords
+    def __init__(
+        self,
+        analysis: str,
+        title: str | None = None,
+        source: str | None = None,
+        units: Table | None = None,
+        parameters: Table | None = None,
+        drawing: Table | None = None,
+    ) -> None:
+        text_of(analysis, "analysis")
+        parameters_of(parameters)
+        head = {"title": title, "source": source, "analysis": analysis, "units": units}
+        self._head: dict[str, Any] = {key: value for key, value in head.items() if value is not None}
+        self._parameters: dict[str, Any] = dict(parameters or {})
+        self._drawing = drawing
+        self._lists: dict[str, list[dict[str, Any]]] = {
+            key: [] for key in ("body", "contact", "section", "bar", "step", "probe")
+        }
+        self._solver: dict[str, Any] = {}
+        self._name, self._folder = "model", os.getcwd()
+        # a head that no case can have is refused here, beside a body that is always right
+        self._try({"body": [_ANY[self.dimension]]})
+
+    @classmethod
+    @keywords
+    def from_case(cls, path: str | os.PathLike[str], parameters: Table | None = None) -> Model:
+        """The model of a case file, to change and to solve.
+
+        >>> import dotyk
+        >>> dotyk.Model.from_case("no-such-case.toml")
+        Traceback (most recent call last):
+        dotyk._errors.InputError: no-such-case.toml: cannot read the file: there is no such file
+        """
+        file = path_of(path, "path")
+        _dotyk.Case.of_file(file, parameters_of(parameters))
+        with open(file, encoding="utf-8") as stream:
+            table = json.loads(_dotyk.to_json(stream.read(), file))
+        model = cls.__new__(cls)
+        model._head = {key: table[key] for key in ("title", "source", "analysis", "units") if key in table}
+        model._parameters = {**table.get("parameters", {}), **(parameters or {})}
+        model._drawing = table.get("drawing")
+        lists = ("body", "contact", "section", "bar", "step", "probe")
+        model._lists = {key: list(table.get(key, [])) for key in lists}
+        model._solver = table.get("solver", {})
+        model._folder = os.path.dirname(os.path.abspath(file))
+        model._name = os.path.basename(file)
+        model._head.setdefault("title", os.path.splitext(model._name)[0])
+        return model
+
+    @property
+    def dimension(self) -> int:
+        """2 in the plane and with axial symmetry, 3 in space."""
+        return dimension_of(self._head.get("analysis"))
+
+    @property
+    def bodies(self) -> dict[str, Body]:
+        """The bodies by name."""
+        return {body["name"]: Body(self, body) for body in self._lists["body"]}
+
+    @property
+    def parameters(self) -> dict[str, Any]:
+        """Names and values of parameters."""
+        return dict(self._parameters)
+
+    @keywords
+    def body(
+        self,
+        name: str,
+        mesh: Any,
+        young: float | str | None = None,
+        poisson: float | str | None = None,
+        thickness: float | str | None = None,
+        strength: Table | None = None,
+        material: Table | Sequence[Table] | None = None,
+        formulation: str | None = None,
+        fix: Sequence[Table] | None = None,
+        spring: Sequence[Table] | None = None,
+        load: Sequence[Table] | None = None,
+        couple: Sequence[Table] | None = None,
+        body_force: Vector | None = None,
+        initial_stress: Table | None = None,
+        initial_strain: Table | None = None,
+        active: Table | None = None,
+        surface: Table | None = None,
+        points: Table | None = None,
+    ) -> Body:
+        """Adds a body: its mesh (a :class:`Mesh`, a ``meshio.Mesh``, or a table of a case file) and its material.
+
+        >>> import dotyk
+        >>> m = dotyk.Model("plane-strain")
+        >>> m.body("rock", dotyk.rectangle([0, 0], [4, 1], cells=[4, 1]), young=2e9, poisson=0.25)
+        <dotyk.Body rock: 10 nodes, 4 quad4, sides bottom, left, right, top>
+        >>> m.body("lining", dotyk.rectangle([0, 1], [4, 2], cells=[4, 1]), young=-1, poisson=0.25)
+        Traceback (most recent call last):
+        dotyk._errors.InputError: `young` must be positive
+        """
+        given = {key: value for key, value in locals().items() if key not in ("self", *_MATERIAL)}
+        text_of(name, "name")
+        own = {"young": young, "poisson": poisson, "thickness": thickness, "strength": strength}
+        own = {key: value for key, value in own.items() if value is not None}
+        if own and material is not None:
+            raise InputError(f"body `{name}`: give `material` or {', '.join(f'`{key}`' for key in own)}, not both")
+        table = {key: value for key, value in given.items() if value is not None}
+        table["mesh"] = of_any(mesh)
+        table["material"] = material if material is not None else own
+        for kind in ("fix", "spring", "load", "couple"):
+            if kind in table:
+                table[kind] = list(table[kind])
+        if any(body["name"] == name for body in self._lists["body"]):
+            raise InputError(f"two bodies are named `{name}`")
+        self._try({"body": [table]})
+        self._lists["body"].append(table)
+        return Body(self, table)
+
+    @keywords
+    def contact(
+        self,
+        name: str,
+        nonmortar: str | Sequence[str] | None = None,
+        mortar: str | Sequence[str] | None = None,
+        sides: Sequence[Any] | None = None,
+        obstacle: Table | None = None,
+        pairing: str | None = None,
+        gap: Number | None = None,
+        friction: Number | Table | None = None,
+        tied: bool | None = None,
+        exclude: Sequence[Any] | None = None,
+        friction_exclude: Sequence[Any] | None = None,
+        active: Table | None = None,
+    ) -> Model:
+        """Adds a contact between two sides, or between a side and a rigid obstacle.
+
+        >>> import dotyk
+        >>> m = dotyk.Model("plane-strain")
+        >>> _ = m.body("block", dotyk.rectangle([0, 0], [4, 1], cells=[4, 1]), young=1, poisson=0.3)
+        >>> m.contact("floor", nonmortar="block.bottom", obstacle={"gap": 0.0}, friction=0.3)
+        <dotyk.Model: plane-strain, bodies block, contacts floor>
+        """
+        return self._add("contact", locals())
+
+    @keywords
+    def section(
+        self,
+        name: str,
+        body: str,
+        sides: Sequence[Any],
+        stations: Any = None,
+        capacity: Table | None = None,
+        reinforcement: Sequence[Table] | None = None,
+    ) -> Model:
+        """Adds a section: N, V and M on cuts between two sides of a body, by equilibrium.
+
+        >>> import dotyk
+        >>> m = dotyk.Model("plane-strain")
+        >>> _ = m.body("ring", dotyk.ring(1, 1.2, cells=[32, 2]), young=1, poisson=0.3)
+        >>> _ = m.section("hoop", body="ring", sides=["inner", "outer"], stations=8)
+        """
+        return self._add("section", locals())
+
+    @keywords
+    def bar(
+        self,
+        name: str,
+        from_: Any,
+        to: Any,
+        young: float | str,
+        area: float | str,
+        bodies: Sequence[str] | None = None,
+        bond: str | None = None,
+        prestress: Number | None = None,
+        spacing: float | str | None = None,
+        tension_only: bool | None = None,
+        yield_: float | str | None = None,
+        radius: float | str | None = None,
+        active: Table | None = None,
+    ) -> Model:
+        """Adds a bar: a bolt, an anchor or a tie between points or sides; ``bond`` is ``"ends"`` or ``"grouted"``.
+
+        >>> import dotyk
+        >>> m = dotyk.Model("plane-strain")
+        >>> _ = m.body("rock", dotyk.rectangle([0, 0], [4, 4], cells=[8, 8]), young=1e9, poisson=0.3)
+        >>> _ = m.bar("bolt", from_=[1, 4], to=[1, 1], bodies=["rock"], young=210e9, area=5e-4, yield_=500e6, bond="grouted")
+        """
+        return self._add("bar", locals())
+
+    @keywords
+    def probe(
+        self,
+        name: str,
+        quantity: str,
+        at: Any = None,
+        along: Any = None,
+        reduce: str | None = None,
+        mean_of_neighbours: bool | None = None,
+        minus_rigid: str | None = None,
+        center: Sequence[float] | None = None,
+    ) -> Model:
+        """Adds a probe, which every solution of this model reads.
+
+        >>> import dotyk
+        >>> m = dotyk.Model("plane-strain")
+        >>> _ = m.body("rock", dotyk.rectangle([0, 0], [4, 4], cells=[8, 8]), young=1e9, poisson=0.3)
+        >>> _ = m.probe("settlement", "rock.displacement.y", at=[2, 4])
+        """
+        return self._add("probe", locals())
+
+    @keywords
+    def step(self, time: float, name: str | None = None) -> Model:
+        """Adds a load step at a time, with a name that ``active`` may use.
+
+        >>> import dotyk
+        >>> _ = dotyk.Model("plane-strain").step(0.5, name="excavation").step(1.0, name="lining")
+        """
+        steps = self._lists["step"]
+        entry = {"name": name, "time": time}
+        self._try({"body": [_ANY[self.dimension]], "step": [*steps, entry]})
+        steps.append(entry)
+        return self
+
+    def _add(self, kind: str, values: dict[str, Any]) -> Model:
+        entry = {key: value for key, value in values.items() if key != "self" and value is not None}
+        text_of(entry.get("name"), "name")
+        if any(own["name"] == entry["name"] for own in self._lists[kind]):
+            raise InputError(f"two {'bodies' if kind == 'body' else kind + 's'} are named `{entry['name']}`")
+        bodies = [{key: value for key, value in body.items() if key in _BASE} for body in self._lists["body"]]
+        known = ("contact", "section", "bar") if kind == "probe" else ()
+        document = {"body": bodies, **{other: self._lists[other] for other in known}, kind: [entry]}
+        self._try(document)
+        self._lists[kind].append(entry)
+        return self
+
+    def _try(self, document: dict[str, Any]) -> None:
+        """Lets the reader of case files look at a part of the model; steps may come later."""
+        self._case(_without_active(document), {})
+
+    def _document(self) -> dict[str, Any]:
+        return {key: entries for key, entries in self._lists.items() if entries}
+
+    def _case(self, document: Mapping[str, Any], solver: Table, parameters: Table | None = None) -> Any:
+        writer = Writer(self.dimension)
+        return _dotyk.Case.of_text(
+            self._text(document, solver, writer),
+            (self._name, self._folder),
+            parameters_of(parameters),
+            writer.meshes,
+            (writer.functions, self.dimension),
+        )
+
+    def _text(self, document: Mapping[str, Any], solver: Table, writer: Writer) -> str:
+        parts = [writer.entries(self._head, "the model")]
+        if self._parameters:
+            parts.append("[parameters]\n" + writer.entries(self._parameters, "parameters"))
+        if self._drawing is not None:
+            parts.append("[drawing]\n" + writer.entries(self._drawing, "the drawing"))
+        if solver:
+            parts.append("[solver]\n" + writer.entries(solver, "the solver"))
+        for kind, entries in document.items():
+            for entry in entries:
+                name = entry.get("name")
+                place = f"{kind} `{name}`" if name is not None else f"a {kind}"
+                parts.append(f"[[{kind}]]\n" + writer.entries(_file_mesh(entry), place))
+        return "\n".join(parts)
+
+    @keywords
+    def solve(
+        self,
+        steps: Sequence[Any] | None = None,
+        method: str | Solver | None = None,
+        tolerance: float | None = None,
+        max_iterations: int | None = None,
+        rho: float | None = None,
+        threads: int | None = None,
+        callback: Callable[[Any], Any] | None = None,
+        parameters: Table | None = None,
+        progress: bool | None = None,
+    ) -> Solution:
+        """Solves all load steps; the solution is that of the last, with all of them in ``steps``.
+
+        steps:
+            Times, pairs (name, time), or tables with ``name`` and ``time``; else those of :meth:`step`, else one at t = 1.
+        method:
+            ``"auto"``, ``"newton"``, ``"mprgp"``, ``"gradient"``, ``"accelerated"``, ``"secant"``, ``"uzawa"``, or a function
+            of a dual problem that gives λ and α; its answer is judged as all others.
+        callback:
+            Called with a :class:`Progress` at every stage, iteration and step.
+
+        Raises :class:`InputError` where there is no such model, :class:`NotConverged` with the last iterate where there is no
+        answer.
+        """
+        document = self._document()
+        if steps is not None:
+            document = {**document, "step": [_step(step) for step in steps]}
+        case = self._case(document, self._solver, parameters)
+        return solved(case, method, tolerance, max_iterations, rho, threads, callback, progress)
+
+    def check(self) -> Check:
+        """Looks at meshes, supports, loads, what floats and what holds it, and contacts; solves nothing.
+
+        >>> import dotyk
+        >>> m = dotyk.Model("plane-strain")
+        >>> _ = m.body("block", dotyk.rectangle([0, 0], [4, 1], cells=[4, 1]), young=1, poisson=0.3)
+        >>> m.check().bodies["block"].floating  # doctest: +ELLIPSIS
+        ('...',)
+        """
+        return Check(self._case(self._document(), self._solver).check())
+
+    @keywords
+    def dual(self, t: float | None = None) -> Dual:
+        """The contact problem of the step at a time, condensed onto the contact forces; see :class:`Dual`."""
+        from dotyk._dual import Dual
+
+        return Dual(self._case(self._document(), self._solver).dual(number_of(t, "t")))
+
+    @keywords
+    def study(self, vary: Table, parameters: Table | None = None, threads: int | None = None) -> Study:
+        """Solves the model for all combinations of values of its parameters."""
+        case = self._case(self._document(), self._solver, parameters)
+        return studied(case, vary, parameters, count_of(threads, "threads"))
+
+    def to_toml(self) -> str:
+        """The model as the text of a case file; meshes and functions that no text can say are named by comments."""
+        writer = Writer(self.dimension)
+        text = self._text(self._document(), self._solver, writer)
+        for k, _ in enumerate(writer.meshes):
+            text = text.replace(f'"\ue000{k}"', quoted(f"mesh-{k}.vtu"))
+        for k, (_, _, name, _) in enumerate(writer.functions):
+            for c in range(3):
+                text = text.replace(f'"\ue000{k}.{c}"', quoted(f"<{name}>"))
+        return text
+
+    def __repr__(self) -> str:
+        title = self._head.get("title")
+        parts = [str(self._head.get("analysis"))]
+        for kind, word in (("body", "bodies"), ("contact", "contacts"), ("bar", "bars"), ("section", "sections")):
+            if self._lists[kind]:
+                parts.append(f"{word} {', '.join(str(entry['name']) for entry in self._lists[kind])}")
+        return f"<dotyk.Model{' ' + title if title else ''}: {', '.join(parts)}>"
+
+
+_ANY: dict[int, dict[str, Any]] = {
+    2: {
+        "name": "b",
+        "mesh": {"rectangle": {"from": [0, 0], "to": [1, 1], "cells": [1, 1]}},
+        "material": {"young": 1, "poisson": 0},
+    },
+    3: {
+        "name": "b",
+        "mesh": {"box": {"from": [0, 0, 0], "to": [1, 1, 1], "cells": [1, 1, 1]}},
+        "material": {"young": 1, "poisson": 0},
+    },
+}
+
+
+def dimension_of(analysis: Any) -> int:
+    """3 in space, else 2."""
+    return 3 if analysis == "3d" else 2
+
+
+def _file_mesh(entry: Mapping[str, Any]) -> Mapping[str, Any]:
+    mesh = entry.get("mesh")
+    return {**entry, "mesh": {"file": mesh}} if isinstance(mesh, Mesh) else entry
+
+
+def _without_active(value: Any) -> Any:
+    if isinstance(value, dict):
+        return {key: _without_active(own) for key, own in value.items() if key != "active"}
+    if isinstance(value, list):
+        return [_without_active(own) for own in value]
+    return value
+
+
+def _step(step: Any) -> dict[str, Any]:
+    if isinstance(step, Mapping):
+        return dict(step)
+    if isinstance(step, tuple) and len(step) == 2:
+        return {"name": step[0], "time": step[1]}
+    if isinstance(step, str):
+        raise ArgumentError(f"a step is a time, (name, time) or a table, not {step!r}")
+    return {"time": step}

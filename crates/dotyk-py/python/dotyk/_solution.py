@@ -1,0 +1,561 @@
+"""Solutions: every key of ``summary.json`` as an attribute, and the arrays behind it."""
+
+from __future__ import annotations
+
+import io
+import json
+import math
+import os
+from collections.abc import Iterator, Mapping
+from typing import TYPE_CHECKING, Any, Generic, NamedTuple, TypeVar
+
+from dotyk import _dotyk
+from dotyk._errors import InputError, UnknownName
+from dotyk._mesh import _VTK, Mesh, _frozen
+from dotyk._words import Writer, friend, keywords, path_of
+
+if TYPE_CHECKING:
+    import numpy as np
+    import numpy.typing as npt
+
+    Array = npt.NDArray[np.float64]
+
+T = TypeVar("T")
+
+#: Keys whose null is none, and not a number that is not there.
+_NONE = frozenset({"name", "length", "force", "stress", "energy", "at", "max_pressure_at", "failed_step"})
+
+
+def unknown(name: object, known: list[str], what: str) -> UnknownName:
+    """The error of a name that a mapping does not have."""
+    near = _dotyk.nearest(str(name), known) if known else None
+    hint = f": did you mean `{near}`?" if near else ""
+    return UnknownName(f"there is no {what} `{name}`{hint}; known: {', '.join(known) or 'none'}")
+
+
+class Named(Mapping[str, T], Generic[T]):
+    """Things by name, in the order of the case."""
+
+    def __init__(self, what: str, items: dict[str, T]) -> None:
+        self._what, self._items = what, items
+
+    def __getitem__(self, name: str) -> T:
+        if name not in self._items:
+            raise unknown(name, list(self._items), self._what)
+        return self._items[name]
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._items)
+
+    def __len__(self) -> int:
+        return len(self._items)
+
+    def __repr__(self) -> str:
+        return f"<{', '.join(self._items) or 'none'}>"
+
+
+class _Frozen:
+    """Attributes of a table that never change."""
+
+    def __init__(self, table: dict[str, Any]) -> None:
+        for key, value in table.items():
+            object.__setattr__(self, key, value)
+
+    def __setattr__(self, name: str, value: Any) -> None:
+        raise AttributeError("a solution never changes")
+
+    def __delattr__(self, name: str) -> None:
+        raise AttributeError("a solution never changes")
+
+
+class Figure(NamedTuple):
+    """One figure of the certificate; it holds where ``relative`` is at most ``limit``."""
+
+    value: float
+    relative: float
+    limit: float
+
+    @property
+    def holds(self) -> bool:
+        """Whether it is within its limit."""
+        return self.relative <= self.limit
+
+
+class ProbeValue(float):
+    """A number that was read, with ``name``, ``quantity``, ``unit`` and ``at``; of a line ``line``."""
+
+    name: str
+    quantity: str
+    unit: str | None
+    at: list[float] | None
+    line: Any
+
+    @classmethod
+    def _of(cls, table: dict[str, Any]) -> ProbeValue:
+        value = table.get("value")
+        probe = cls(math.nan if value is None else value)
+        for key in ("name", "quantity", "unit", "at", "line"):
+            setattr(probe, key, table.get(key))
+        probe.__dict__["value"] = float(probe)
+        return probe
+
+
+class Line(NamedTuple):
+    """Values along a line: distance (n,), points (n, 3), values (n,)."""
+
+    s: Array
+    points: Array
+    values: Array
+
+
+class _Arrays:
+    """Arrays of a body or contact, fetched when they are asked for first."""
+
+    def __init__(self, fetch: Any) -> None:
+        self._fetch = fetch
+        self._arrays: dict[str, Any] | None = None
+
+    def __call__(self) -> dict[str, Any]:
+        if self._arrays is None:
+            self._arrays = {
+                key: _frozen(value) if hasattr(value, "flags") else value for key, value in self._fetch().items()
+            }
+        return self._arrays
+
+
+class ContactSolution(_Frozen):
+    """One contact: its row of ``summary.json`` and the columns of ``contact.csv``."""
+
+    name: str
+    #: Force ON the nonmortar body.
+    resultant: list[float]
+    closed: int
+    open: int
+    length: float
+    max_pressure: float
+    max_penetration: float
+    imbalance: float
+    dissipated_work: float
+
+    def __init__(self, table: dict[str, Any], arrays: _Arrays, solution: Solution) -> None:
+        super().__init__(table)
+        object.__setattr__(self, "_arrays", arrays)
+        object.__setattr__(self, "_solution", solution)
+
+    def _array(self, key: str) -> Any:
+        return self._arrays()[key]  # type: ignore[attr-defined]
+
+    @property
+    def node(self) -> npt.NDArray[np.int64]:
+        """Numbers of the nodes in their body (n,)."""
+        return self._array("node")  # type: ignore[no-any-return]
+
+    @property
+    def points(self) -> Array:
+        """Undeformed positions (n, 2 or 3)."""
+        return self._array("points")  # type: ignore[no-any-return]
+
+    @property
+    def normal(self) -> Array:
+        """Outward unit normals of the nonmortar side (n, 2 or 3)."""
+        return self._array("normal")  # type: ignore[no-any-return]
+
+    @property
+    def weight(self) -> Array:
+        """The area that a node stands for (n,)."""
+        return self._array("weight")  # type: ignore[no-any-return]
+
+    @property
+    def gap(self) -> Array:
+        """Gap after deformation (n,), NaN where nothing is opposite."""
+        return self._array("gap")  # type: ignore[no-any-return]
+
+    @property
+    def pressure(self) -> Array:
+        """Contact pressure (n,), positive in compression."""
+        return self._array("pressure")  # type: ignore[no-any-return]
+
+    @property
+    def shear(self) -> Array:
+        """Shear traction ON the nonmortar body: (n,) in the plane, (n, 3) in space."""
+        return self._array("shear")  # type: ignore[no-any-return]
+
+    @property
+    def slip(self) -> Array:
+        """Tangential displacement relative to the other side: (n,) in the plane, (n, 3) in space."""
+        return self._array("slip")  # type: ignore[no-any-return]
+
+    @property
+    def status(self) -> npt.NDArray[np.str_]:
+        """``open``, ``closed``, ``stick``, ``slip``, ``tied`` or ``fixed`` (n,)."""
+        import numpy as np
+
+        return _frozen(np.array(self._array("status"), dtype=str))  # type: ignore[no-any-return]
+
+    def to_pandas(self) -> Any:
+        """A table of pandas with the columns of ``contact.csv`` and the rows of this step."""
+        pandas = friend("pandas", "to_pandas()")
+        table = pandas.read_csv(io.StringIO(self._solution._run.contact_csv()))  # type: ignore[attr-defined]
+        own = (table["contact"].astype(str) == self.name) & (table["step"] == self._solution._step + 1)  # type: ignore[attr-defined]
+        return table[own].reset_index(drop=True)
+
+    def __repr__(self) -> str:
+        return f"<contact {self.name}: {self.closed} closed, {self.open} open, max pressure {self.max_pressure:.4g}>"
+
+
+class BodySolution(_Frozen):
+    """One body: its row of ``summary.json`` and the fields at its nodes."""
+
+    name: str
+    nodes: int
+    cells: int
+    dofs: int
+    floating_modes: int
+    #: Force of its supports ON the body.
+    reaction: list[float]
+    max_displacement: float
+    max_von_mises: float
+    strain_energy: float
+
+    def __init__(self, table: dict[str, Any], arrays: _Arrays, mesh: Any) -> None:
+        super().__init__(table)
+        object.__setattr__(self, "_arrays", arrays)
+        object.__setattr__(self, "_mesh", mesh)
+
+    def _array(self, key: str) -> Any:
+        arrays = self._arrays()  # type: ignore[attr-defined]
+        if key not in arrays:
+            raise InputError(f"body `{self.name}` has no {key}: give its material a `strength`")
+        return arrays[key]
+
+    @property
+    def points(self) -> Array:
+        """Undeformed positions of the nodes (n, 2 or 3)."""
+        return self._array("points")  # type: ignore[no-any-return]
+
+    @property
+    def displacement(self) -> Array:
+        """Displacements of the nodes (n, 2 or 3)."""
+        return self._array("displacement")  # type: ignore[no-any-return]
+
+    @property
+    def stress(self) -> Array:
+        """Stresses at the nodes (n, 6): xx yy zz xy yz xz, tension positive."""
+        return self._array("stress")  # type: ignore[no-any-return]
+
+    @property
+    def strain(self) -> Array:
+        """Strains at the nodes (n, 6), tensor components."""
+        return self._array("strain")  # type: ignore[no-any-return]
+
+    @property
+    def principal_stress(self) -> Array:
+        """Principal stresses at the nodes (n, 3), largest first."""
+        return self._array("principal_stress")  # type: ignore[no-any-return]
+
+    @property
+    def von_mises(self) -> Array:
+        """Von Mises stress at the nodes (n,)."""
+        return self._array("von_mises")  # type: ignore[no-any-return]
+
+    @property
+    def utilisation(self) -> Array:
+        """Utilisation of the strength at the nodes (n,), 1 is failure."""
+        return self._array("utilisation")  # type: ignore[no-any-return]
+
+    @property
+    def reactions(self) -> Array:
+        """Forces of supports and springs ON the nodes (n, 2 or 3)."""
+        return self._array("reactions")  # type: ignore[no-any-return]
+
+    @property
+    def contact_force(self) -> Array:
+        """Forces of contacts and couples ON the nodes (n, 2 or 3)."""
+        return self._array("contact_force")  # type: ignore[no-any-return]
+
+    @property
+    def mesh(self) -> Mesh:
+        """Its mesh."""
+        return Mesh._of(self._mesh())  # type: ignore[attr-defined]
+
+    def _fields(self) -> dict[str, Any]:
+        import numpy as np
+
+        def three(values: Any) -> Any:
+            missing = 3 - values.shape[1]
+            return np.column_stack([values, np.zeros((len(values), missing))]) if missing else values
+
+        names = ("displacement", "reactions", "contact_force", "stress", "strain", "principal_stress", "von_mises")
+        fields = {name: self._array(name) for name in names}
+        for name in names[:3]:
+            fields[name] = three(fields[name])
+        arrays = self._arrays()  # type: ignore[attr-defined]
+        if "utilisation" in arrays:
+            fields["utilisation"] = arrays["utilisation"]
+        return {name: np.array(values) for name, values in fields.items()}
+
+    def to_meshio(self) -> Any:
+        """A ``meshio.Mesh`` with the fields, and the sides as ``cell_sets``. Needs meshio."""
+        mesh = self.mesh.to_meshio()
+        mesh.point_data.update(self._fields())
+        return mesh
+
+    def to_pyvista(self) -> Any:
+        """A ``pyvista.UnstructuredGrid`` with the fields. Needs pyvista."""
+        import numpy as np
+
+        pyvista = friend("pyvista", "to_pyvista()")
+        cells, kinds = [], []
+        for kind, _, nodes in self._mesh().blocks():  # type: ignore[attr-defined]
+            counts = np.full((len(nodes), 1), nodes.shape[1], dtype=np.int64)
+            cells.append(np.hstack([counts, nodes.astype(np.int64)]).ravel())
+            kinds.append(np.full(len(nodes), _VTK[kind], dtype=np.uint8))
+        points = self.points
+        if points.shape[1] == 2:
+            points = np.column_stack([points, np.zeros(len(points))])
+        grid = pyvista.UnstructuredGrid(np.concatenate(cells), np.concatenate(kinds), np.array(points))
+        for name, values in self._fields().items():
+            grid.point_data[name] = values
+        return grid
+
+    def __repr__(self) -> str:
+        return f"<body {self.name}: {self.nodes} nodes, max displacement {self.max_displacement:.4g}, max von Mises {self.max_von_mises:.4g}>"
+
+
+class Solution(_Frozen):
+    """The answer of a load step with its certificate; every key of ``summary.json`` is an attribute.
+
+    >>> import dotyk
+    >>> m = dotyk.Model("plane-strain")
+    >>> block = m.body("block", dotyk.rectangle([0, 0], [2, 1], cells=[2, 1]), young=1e9, poisson=0)
+    >>> _ = block.fix("bottom", y=0).fix(point=[0, 0], x=0).load("top", pressure="1e6*t")
+    >>> s = m.solve(steps=[0.5, 1.0])
+    >>> [step.time for step in s.steps]
+    [0.5, 1.0]
+    >>> round(s.probe("block.stress.yy", at=[1, 0.5]))
+    -1000000
+    >>> s.bodies["block"].displacement.shape
+    (6, 2)
+    """
+
+    case: str
+    version: str
+    time: float
+    converged: bool
+    solver: str
+    iterations: int
+    dofs: int
+    contact_unknowns: int
+    threads: int
+    peak_memory_bytes: int
+    seconds: dict[str, float]
+    certificate: Named[Figure]
+    contacts: Named[ContactSolution]
+    bodies: Named[BodySolution]
+    probes: Named[ProbeValue]
+    bars: Named[Any]
+    sections: Named[Any]
+    warnings: list[str]
+    #: The solutions of all load steps, at least one; the last is this one.
+    steps: tuple[Solution, ...]
+
+    _run: Any
+    _step: int
+
+    @classmethod
+    def _of(cls, run: Any) -> Solution:
+        summary = _numbers(json.loads(run.summary()))
+        top = {key: value for key, value in summary.items() if key != "steps"}
+        tables = summary.get("steps") or [top]
+        if len(tables) < run.steps:
+            tables = [*tables, top]
+        common = {key: summary[key] for key in ("units", "parameters") if key in summary}
+        earlier = [cls({**common, **table}, run, k) for k, table in enumerate(tables[:-1])]
+        last = cls({**tables[-1], **top}, run, len(tables) - 1)
+        steps = (*earlier, last)
+        for step in earlier:
+            object.__setattr__(step, "steps", (step,))
+        object.__setattr__(last, "steps", steps)
+        return last
+
+    def __init__(self, table: dict[str, Any], run: Any, step: int) -> None:
+        super().__init__({"units": {}, "parameters": {}, **table})
+        own: dict[str, Any] = {"_run": run, "_step": step}
+        figures = {name: Figure(**figure) for name, figure in table["certificate"].items()}
+        own["certificate"] = Named("figure", figures)
+        own["contacts"] = Named(
+            "contact",
+            {
+                entry["name"]: ContactSolution(entry, _Arrays(_fetch(run.contact, step, k)), self)
+                for k, entry in enumerate(table["contacts"])
+            },
+        )
+        own["bodies"] = Named(
+            "body",
+            {
+                entry["name"]: BodySolution(entry, _Arrays(_fetch(run.body, step, k)), _fetch(run.mesh, step, k))
+                for k, entry in enumerate(table["bodies"])
+            },
+        )
+        own["probes"] = Named("probe", {p["name"]: ProbeValue._of(p) for p in table["probes"]})
+        for kind in ("bars", "sections"):
+            own[kind] = Named(kind[:-1], {entry["name"]: _Frozen(entry) for entry in table.get(kind, [])})
+        for key, value in own.items():
+            object.__setattr__(self, key, value)
+
+    @keywords
+    def probe(
+        self,
+        quantity: str,
+        at: Any = None,
+        along: Any = None,
+        reduce: str | None = None,
+        mean_of_neighbours: bool | None = None,
+        minus_rigid: str | None = None,
+        center: Any = None,
+    ) -> float | Line:
+        """Reads a quantity, as a probe of a case file does: a number, or along a line distance, points and values."""
+        table = {key: value for key, value in locals().items() if key != "self"}
+        text = Writer(2).entries(table, "the probe")
+        read = self._run.probe(self._step, text)
+        return Line(*map(_frozen, read)) if isinstance(read, tuple) else float(read)
+
+    def report(self, path: str | os.PathLike[str] | None = None) -> str:
+        """The report as one HTML page; written into a file where ``path`` is given."""
+        page: str = self._run.report()
+        if path is not None:
+            name = path_of(path, "path")
+            try:
+                with open(name, "w", encoding="utf-8") as stream:
+                    stream.write(page)
+            except OSError as error:
+                raise InputError(f"cannot write {name}: {error.strerror}") from error
+        return page
+
+    def write(self, folder: str | os.PathLike[str]) -> list[str]:
+        """Writes all files that the command writes into a folder; returns their paths."""
+        return [str(path) for path in self._run.write(path_of(folder, "folder"))]
+
+    def plot(self, field: str = "von_mises", scale: float | None = None) -> Any:
+        """Deformed bodies coloured by a field, and pressure and gap of every contact, as a figure of matplotlib."""
+        from dotyk._plot import plot
+
+        return plot(self, field, scale)
+
+    def to_pyvista(self) -> Any:
+        """A ``pyvista.MultiBlock`` of the bodies by name. Needs pyvista."""
+        pyvista = friend("pyvista", "to_pyvista()")
+        return pyvista.MultiBlock({name: body.to_pyvista() for name, body in self.bodies.items()})
+
+    @property
+    def history(self) -> list[tuple[int, float, int]]:
+        """Iterations of the contact solver: number, relative violation, contacts with a force."""
+        return list(self._run.history(self._step))
+
+    def __repr__(self) -> str:
+        verdict = "converged" if self.converged else "NOT CONVERGED"
+        worst = max(self.certificate.items(), key=lambda item: item[1].relative / item[1].limit)
+        return (
+            f"<dotyk.Solution {self.case}: {verdict}, {self.dofs} dofs, {self.contact_unknowns} contact unknowns, "
+            f"{self.solver}, {self.iterations} iterations; worst figure {worst[0]} {worst[1].relative:.1e} "
+            f"of {worst[1].limit:.0e}>"
+        )
+
+    def _repr_html_(self) -> str:
+        verdict = "converged" if self.converged else "<b>not converged</b>"
+        rows = "".join(
+            f"<tr><td>{name.replace('_', ' ')}</td><td>{figure.relative:.1e}</td><td>{figure.limit:.0e}</td>"
+            f"<td>{'holds' if figure.holds else '<b>violated</b>'}</td></tr>"
+            for name, figure in self.certificate.items()
+        )
+        table = f"<table><tr><th>certificate</th><th>relative</th><th>limit</th><th></th></tr>{rows}</table>"
+        head = f"<p>{self.case}: {verdict}, {self.dofs} dofs, {self.contact_unknowns} contact unknowns, {self.iterations} iterations of {self.solver}</p>"
+        return f"<div>{head}{table}{''.join(self._run.figures())}</div>"
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        whole = self.steps[-1] is self and len(self.steps) == self._run.steps
+        return _restored, (_Stored.of(self._run), None if whole else self._step)
+
+
+def _fetch(method: Any, *place: int) -> Any:
+    return lambda: method(*place)
+
+
+def _restored(run: Any, step: int | None) -> Solution:
+    solution = Solution._of(run)
+    return solution if step is None else solution.steps[step]
+
+
+class _Stored:
+    """What of a run a pickle keeps: numbers, meshes and pictures, but not the model."""
+
+    @classmethod
+    def of(cls, run: Any) -> Any:
+        """A run, kept."""
+        if isinstance(run, _Stored):
+            return run
+        kept = cls()
+        summary = json.loads(run.summary())
+        tables = summary.get("steps") or [summary]
+        tables = tables if len(tables) >= run.steps else [*tables, summary]
+        kept._kept = {
+            "summary": run.summary(),
+            "report": run.report(),
+            "figures": run.figures(),
+            "contact_csv": run.contact_csv(),
+            "steps": run.steps,
+            "bodies": [[run.body(k, i) for i in range(len(t["bodies"]))] for k, t in enumerate(tables)],
+            "meshes": [[Mesh._of(run.mesh(k, i)) for i in range(len(t["bodies"]))] for k, t in enumerate(tables)],
+            "contacts": [[run.contact(k, i) for i in range(len(t["contacts"]))] for k, t in enumerate(tables)],
+            "history": [run.history(k) for k in range(len(tables))],
+        }
+        return kept
+
+    _kept: dict[str, Any]
+
+    @property
+    def steps(self) -> int:
+        return int(self._kept["steps"])
+
+    def summary(self) -> str:
+        return str(self._kept["summary"])
+
+    def report(self) -> str:
+        return str(self._kept["report"])
+
+    def contact_csv(self) -> str:
+        return str(self._kept["contact_csv"])
+
+    def figures(self) -> list[str]:
+        return list(self._kept["figures"])
+
+    def body(self, step: int, index: int) -> Any:
+        return self._kept["bodies"][step][index]
+
+    def contact(self, step: int, index: int) -> Any:
+        return self._kept["contacts"][step][index]
+
+    def mesh(self, step: int, index: int) -> Any:
+        return self._kept["meshes"][step][index]._native
+
+    def history(self, step: int) -> Any:
+        return self._kept["history"][step]
+
+    def write(self, folder: str) -> list[str]:
+        raise InputError("a solution out of a pickle has no model to write files of: write them before")
+
+    def probe(self, step: int, text: str) -> Any:
+        raise InputError("a solution out of a pickle has no model to read probes of: read them before")
+
+
+def _numbers(value: Any, key: str = "") -> Any:
+    """Null as NaN, where a number is meant."""
+    if value is None:
+        return None if key in _NONE else math.nan
+    if isinstance(value, dict):
+        return {own: _numbers(entry, own) for own, entry in value.items()}
+    if isinstance(value, list):
+        return [_numbers(entry) for entry in value]
+    return value
+
+

@@ -1,0 +1,101 @@
+//! Callables of the user as fields: asked with all points of a place at once, on the thread that waits.
+
+use crate::errors;
+use crate::mesh::rows;
+use crate::worker::Caller;
+use dotyk::geometry::{Field, Sampler};
+use numpy::{PyReadonlyArrayDyn, PyUntypedArrayMethods};
+use pyo3::prelude::*;
+use std::sync::Arc;
+
+/// A callable `f(points, t)`, where it stands, and what it gives.
+pub struct Function {
+    /// Python's callable.
+    pub callable: Py<PyAny>,
+    /// Where it stands, such as "body `rock`, load on `top`, traction".
+    pub place: String,
+    /// Its name, for messages and reports.
+    pub name: String,
+    /// Number of components; `None`: one number for each point.
+    pub components: Option<usize>,
+    /// Coordinates of points.
+    pub dimension: usize,
+}
+
+/// The components of a function.
+pub fn fields(function: Function, caller: &Arc<Caller>) -> Vec<Field> {
+    let (caller, name) = (Arc::clone(caller), function.name.clone());
+    let size = function.components.unwrap_or(1);
+    let function = Arc::new(function);
+    let sampler: Box<Sampler> = Box::new(move |points, t| {
+        let (function, points) = (Arc::clone(&function), points.to_vec());
+        let values = caller.ask(move |py| called(py, &function, points, t));
+        caller.go_on();
+        values.unwrap_or_default()
+    });
+    Field::sampled(&name, size, sampler)
+}
+
+fn called(
+    py: Python<'_>,
+    function: &Function,
+    points: Vec<[f64; 3]>,
+    t: f64,
+) -> PyResult<Vec<f64>> {
+    let count = points.len();
+    let points = match function.dimension {
+        2 => rows(py, points.iter().map(|p| [p[0], p[1]]).collect())?.into_any(),
+        _ => rows(py, points)?.into_any(),
+    };
+    let found = function.callable.call1(py, (points, t))?;
+    let shape: Vec<usize> = [Some(count), function.components]
+        .into_iter()
+        .flatten()
+        .collect();
+    let array = py
+        .import("numpy")?
+        .call_method1("asarray", (found, "float64"))
+        .map_err(|_| {
+            refused(
+                py,
+                function,
+                &shape,
+                "something that is no array of numbers",
+            )
+        })?;
+    let values: PyReadonlyArrayDyn<'_, f64> = array.extract()?;
+    if values.shape() != shape {
+        let told = format!("the shape {}", told(values.shape()));
+        return Err(refused(py, function, &shape, &told));
+    }
+    let values: Vec<f64> = values.as_array().iter().copied().collect();
+    match values.iter().find(|value| !value.is_finite()) {
+        None => Ok(values),
+        Some(value) => {
+            let message = format!(
+                "{}: {} gave {value}: values must be finite",
+                function.place, function.name
+            );
+            Err(errors::input(py, message))
+        }
+    }
+}
+
+fn refused(py: Python<'_>, function: &Function, shape: &[usize], found: &str) -> PyErr {
+    let (place, name) = (&function.place, &function.name);
+    let expected = told(shape);
+    errors::input(
+        py,
+        format!("{place}: {name} must give an array of shape {expected}, it gave {found}"),
+    )
+}
+
+fn told(shape: &[usize]) -> String {
+    match shape {
+        [one] => format!("({one},)"),
+        many => {
+            let sizes: Vec<String> = many.iter().map(usize::to_string).collect();
+            format!("({})", sizes.join(", "))
+        }
+    }
+}

@@ -1,0 +1,69 @@
+//! What of dotyk the Python package `dotyk` is made of. Its words, docstrings and types stand in the package itself; here is what
+//! needs the library: meshes, cases, runs and dual problems, exceptions with the library's texts, and the wait for work with the
+//! interpreter's lock free.
+
+mod case;
+mod dual;
+mod errors;
+mod functions;
+mod mesh;
+mod run;
+mod worker;
+
+use pyo3::prelude::*;
+use std::ffi::OsString;
+
+#[pymodule(name = "_dotyk")]
+mod module {
+    #[pymodule_export]
+    use super::case::Case;
+    #[pymodule_export]
+    use super::dual::{Dual, Problem};
+    #[pymodule_export]
+    use super::mesh::Mesh;
+    #[pymodule_export]
+    use super::run::Run;
+    #[pymodule_export]
+    use super::{command, keys, meaning, nearest, to_json, version};
+}
+
+/// Runs the command with its arguments, its own name the first of them; the exit status.
+#[pyfunction]
+fn command(py: Python<'_>, arguments: Vec<OsString>) -> u8 {
+    py.detach(|| dotyk_cli::main(arguments))
+}
+
+/// Every table of a case file with its keys.
+#[pyfunction]
+fn keys() -> Vec<(&'static str, Vec<&'static str>)> {
+    let tables = dotyk::case::keys::ALL.iter();
+    tables
+        .map(|(table, keys)| (*table, keys.to_vec()))
+        .collect()
+}
+
+/// What `dotyk help keys` prints.
+#[pyfunction]
+fn meaning() -> &'static str {
+    dotyk_cli::KEYS
+}
+
+/// A text of a case file as JSON.
+#[pyfunction]
+fn to_json(py: Python<'_>, text: &str, name: &str) -> PyResult<String> {
+    dotyk::case::to_json(text, name).map_err(|error| errors::of_case(py, &error, true))
+}
+
+/// The nearest of some known words, or none.
+#[pyfunction]
+#[allow(clippy::needless_pass_by_value)]
+fn nearest(word: &str, known: Vec<String>) -> Option<String> {
+    let near = dotyk::case::nearest(word, known.iter().map(String::as_str));
+    near.map(str::to_string)
+}
+
+/// Version of the library.
+#[pyfunction]
+fn version() -> &'static str {
+    env!("CARGO_PKG_VERSION")
+}

@@ -1,0 +1,275 @@
+//! Meshes: from arrays, from the words of a case file, and back to arrays.
+
+use crate::errors;
+use crate::worker::{Caller, wait};
+use dotyk::case::{Given, GivenMesh, read_mesh};
+use dotyk::mesh::{CellBlock, CellKind, Mesh as Core};
+use numpy::{PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray2};
+use pyo3::prelude::*;
+use std::collections::BTreeMap;
+use std::path::PathBuf;
+use std::sync::Arc;
+
+/// A checked mesh, of the plane or of space.
+#[pyclass(frozen, module = "dotyk._dotyk")]
+pub struct Mesh {
+    pub given: GivenMesh,
+    warnings: Vec<String>,
+}
+
+/// Kind, group and nodes (m, k) of cells.
+type Block<'py> = (String, Option<String>, Bound<'py, PyArray2<u32>>);
+
+/// Does the same with a mesh of the plane and with one of space.
+macro_rules! of_mesh {
+    ($given:expr, |$mesh:ident| $body:expr) => {
+        match $given {
+            GivenMesh::Plane($mesh, _) => $body,
+            GivenMesh::Space($mesh, _) => $body,
+        }
+    };
+}
+
+#[pymethods]
+impl Mesh {
+    /// The mesh of a text with the key `mesh`; meshes that it names by handles are given.
+    #[staticmethod]
+    #[pyo3(signature = (text, folder, space, meshes))]
+    fn of_text(
+        py: Python<'_>,
+        text: String,
+        folder: PathBuf,
+        space: bool,
+        meshes: Vec<Py<Self>>,
+    ) -> PyResult<Self> {
+        let given = Arc::new(Given {
+            meshes: meshes.iter().map(|mesh| mesh.get().given.clone()).collect(),
+            functions: Vec::new(),
+        });
+        let caller = Arc::new(Caller::default());
+        let read = wait(py, &caller, None, move |_| {
+            read_mesh(&text, &folder, space, &given)
+        })?;
+        let (given, warnings) = read.map_err(|error| errors::of_case(py, &error, false))?;
+        Ok(Self { given, warnings })
+    }
+
+    /// A mesh from points (n, 2 or 3), blocks of cells (kind, group, nodes (m, k)) and sides by name: nodes of facets (f, k).
+    #[staticmethod]
+    fn of_arrays(
+        py: Python<'_>,
+        points: PyReadonlyArray2<'_, f64>,
+        blocks: Vec<(String, Option<String>, PyReadonlyArray2<'_, i64>)>,
+        sides: Vec<(String, PyReadonlyArray2<'_, i64>)>,
+        named: BTreeMap<String, Vec<Vec<f64>>>,
+    ) -> PyResult<Self> {
+        let dimension = points.as_array().ncols();
+        let blocks = blocks
+            .iter()
+            .map(|(kind, group, nodes)| block(py, kind, group, nodes));
+        let blocks = blocks.collect::<PyResult<Vec<_>>>()?;
+        let sides = sides.iter();
+        let sides =
+            sides.map(|(name, nodes)| Ok((name.clone(), facets(py, name, nodes, dimension)?)));
+        let sides = sides.collect::<PyResult<Vec<_>>>()?;
+        let given = match dimension {
+            2 => GivenMesh::Plane(Arc::new(made(py, &points, blocks, &sides)?), places(&named)),
+            3 => GivenMesh::Space(Arc::new(made(py, &points, blocks, &sides)?), places(&named)),
+            other => {
+                let message = format!("points have 2 or 3 coordinates, not {other}");
+                return Err(errors::input(py, message));
+            }
+        };
+        Ok(Self {
+            given,
+            warnings: Vec::new(),
+        })
+    }
+
+    #[getter]
+    fn dimension(&self) -> usize {
+        match &self.given {
+            GivenMesh::Plane(..) => 2,
+            GivenMesh::Space(..) => 3,
+        }
+    }
+
+    #[getter]
+    fn warnings(&self) -> Vec<String> {
+        self.warnings.clone()
+    }
+
+    /// Coordinates of the nodes, (n, 2 or 3).
+    fn points<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
+        of_mesh!(&self.given, |mesh| rows(py, mesh.points().to_vec()))
+    }
+
+    /// The blocks of cells.
+    fn blocks<'py>(&self, py: Python<'py>) -> PyResult<Vec<Block<'py>>> {
+        let blocks = of_mesh!(&self.given, |mesh| mesh.blocks());
+        let blocks = blocks.iter().map(|block| {
+            let nodes = PyArray1::from_slice(py, &block.nodes);
+            let nodes = nodes.reshape([block.cells().len(), block.kind.nodes()])?;
+            Ok((block.kind.name().to_string(), block.group.clone(), nodes))
+        });
+        blocks.collect()
+    }
+
+    /// Nodes of the facets of every side, (f, k); facets of several kinds of a side in several arrays.
+    fn sides<'py>(&self, py: Python<'py>) -> PyResult<Vec<(String, Bound<'py, PyArray2<u32>>)>> {
+        of_mesh!(&self.given, |mesh| {
+            let mut list = Vec::new();
+            for (name, facets) in mesh.sides() {
+                let mut by_size: BTreeMap<usize, Vec<u32>> = BTreeMap::new();
+                for &facet in facets {
+                    let nodes = mesh.facet_nodes(facet);
+                    by_size.entry(nodes.len()).or_default().extend(nodes);
+                }
+                for (size, nodes) in by_size {
+                    let count = nodes.len() / size;
+                    list.push((
+                        name.clone(),
+                        PyArray1::from_vec(py, nodes).reshape([count, size])?,
+                    ));
+                }
+            }
+            Ok(list)
+        })
+    }
+
+    /// Named points, each by its coordinates.
+    fn named(&self) -> BTreeMap<String, Vec<Vec<f64>>> {
+        fn listed<const D: usize>(
+            points: &BTreeMap<String, Vec<[f64; D]>>,
+        ) -> BTreeMap<String, Vec<Vec<f64>>> {
+            let listed = points.iter();
+            let listed =
+                listed.map(|(name, all)| (name.clone(), all.iter().map(|p| p.to_vec()).collect()));
+            listed.collect()
+        }
+        match &self.given {
+            GivenMesh::Plane(_, points) => listed(points),
+            GivenMesh::Space(_, points) => listed(points),
+        }
+    }
+}
+
+impl Mesh {
+    /// A mesh that a case has made.
+    pub fn of_given(given: GivenMesh) -> Self {
+        Self {
+            given,
+            warnings: Vec::new(),
+        }
+    }
+}
+
+/// An array (n, D) of points.
+pub fn rows<const D: usize>(
+    py: Python<'_>,
+    points: Vec<[f64; D]>,
+) -> PyResult<Bound<'_, PyArray2<f64>>> {
+    let count = points.len();
+    PyArray1::from_vec(py, points.into_flattened()).reshape([count, D])
+}
+
+fn places<const D: usize>(
+    named: &BTreeMap<String, Vec<Vec<f64>>>,
+) -> BTreeMap<String, Vec<[f64; D]>> {
+    let point = |own: &Vec<f64>| std::array::from_fn(|d| own.get(d).copied().unwrap_or(0.0));
+    let named = named.iter();
+    named
+        .map(|(name, all)| (name.clone(), all.iter().map(point).collect()))
+        .collect()
+}
+
+fn indices(py: Python<'_>, what: &str, nodes: &PyReadonlyArray2<'_, i64>) -> PyResult<Vec<u32>> {
+    let nodes = nodes.as_array();
+    let nodes = nodes.iter().map(|&node| {
+        u32::try_from(node)
+            .map_err(|_| errors::input(py, format!("{what}: {node} is not the number of a node")))
+    });
+    nodes.collect()
+}
+
+fn block(
+    py: Python<'_>,
+    name: &str,
+    group: &Option<String>,
+    nodes: &PyReadonlyArray2<'_, i64>,
+) -> PyResult<CellBlock> {
+    let Some(kind) = CellKind::from_name(name) else {
+        let known = CellKind::ALL.map(CellKind::name).join(", ");
+        return Err(errors::input(
+            py,
+            format!("unknown kind of cells `{name}`; known: {known}"),
+        ));
+    };
+    let found = nodes.as_array().ncols();
+    if found != kind.nodes() {
+        let message = format!(
+            "cells of the kind {name} have {} nodes each, not {found}",
+            kind.nodes()
+        );
+        return Err(errors::input(py, message));
+    }
+    Ok(CellBlock {
+        kind,
+        group: group.clone(),
+        nodes: indices(py, &format!("cells of the kind {name}"), nodes)?,
+    })
+}
+
+/// Corners of the facets of a side.
+fn facets(
+    py: Python<'_>,
+    name: &str,
+    nodes: &PyReadonlyArray2<'_, i64>,
+    dimension: usize,
+) -> PyResult<Vec<Vec<u32>>> {
+    let columns = nodes.as_array().ncols();
+    let corners = match (dimension, columns) {
+        (2, 2 | 3) => 2,
+        (3, 3 | 6) => 3,
+        (3, 4 | 8 | 9) => 4,
+        _ => {
+            let message = format!(
+                "side `{name}`: a facet in {dimension}D has no {columns} nodes; give its corners"
+            );
+            return Err(errors::input(py, message));
+        }
+    };
+    let all = indices(py, &format!("side `{name}`"), nodes)?;
+    Ok(all
+        .chunks_exact(columns)
+        .map(|facet| facet[..corners].to_vec())
+        .collect())
+}
+
+fn made<const D: usize>(
+    py: Python<'_>,
+    points: &PyReadonlyArray2<'_, f64>,
+    blocks: Vec<CellBlock>,
+    sides: &[(String, Vec<Vec<u32>>)],
+) -> PyResult<Core<D>> {
+    let points = points.as_array();
+    let rows = points.rows().into_iter();
+    let points: Vec<[f64; D]> = rows.map(|row| std::array::from_fn(|d| row[d])).collect();
+    let refused = |error: dotyk::mesh::MeshError| errors::input(py, error);
+    let mesh = Core::new(points, blocks).map_err(refused)?;
+    let mut found = BTreeMap::new();
+    for (name, corners) in sides {
+        let facets = mesh.facets_at(corners).map_err(|k| {
+            let message = format!(
+                "side `{name}`: no cell has the facet {k} with the corners {:?}",
+                corners[k]
+            );
+            errors::input(py, message)
+        })?;
+        found
+            .entry(name.clone())
+            .or_insert_with(Vec::new)
+            .extend(facets);
+    }
+    mesh.with_sides(found).map_err(refused)
+}

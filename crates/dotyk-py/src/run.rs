@@ -1,0 +1,322 @@
+//! What came of a case: numbers as arrays, the summary, pictures and files.
+
+use crate::case::of_any;
+use crate::errors;
+use crate::mesh::rows;
+use crate::worker::{Caller, wait};
+use dotyk::case::{AnyCase, Case, CaseError};
+use dotyk::model::{ContactNode, Solution};
+use dotyk::output::{self, FailedStep, Record};
+use numpy::PyArray1;
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+use std::path::PathBuf;
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+
+/// The run of a case of the plane or of space.
+pub enum AnyRun {
+    /// Of the plane.
+    Plane(dotyk::case::Run<2>),
+    /// Of space.
+    Space(dotyk::case::Run<3>),
+}
+
+/// Load steps that were solved, and why there are no more.
+#[pyclass(frozen, module = "dotyk._dotyk")]
+pub struct Run {
+    case: Arc<AnyCase>,
+    run: Arc<AnyRun>,
+    file: bool,
+    spent: Duration,
+    caller: Arc<Caller>,
+}
+
+/// Does the same with a case and its run, of the plane or of space; they are always of the same kind.
+macro_rules! of_both {
+    ($own:expr, |$case:ident, $run:ident| $body:expr) => {
+        match (&*$own.case, &*$own.run) {
+            (AnyCase::Plane($case), AnyRun::Plane($run)) => Ok($body),
+            (AnyCase::Space($case), AnyRun::Space($run)) => Ok($body),
+            _ => Err("a run of another case".to_string()),
+        }
+    };
+}
+
+#[pymethods]
+impl Run {
+    /// Every step has its certificate.
+    #[getter]
+    fn certified(&self) -> bool {
+        match &*self.run {
+            AnyRun::Plane(run) => run.certified(),
+            AnyRun::Space(run) => run.certified(),
+        }
+    }
+
+    /// Why it ended early, in words, and whether the input was wrong; `None` if it did not.
+    #[getter]
+    fn failure(&self) -> Option<(String, bool)> {
+        let (text, refusal) = match &*self.run {
+            AnyRun::Plane(run) => (run.to_string(), run.failure.as_ref().map(|f| &f.refusal)),
+            AnyRun::Space(run) => (run.to_string(), run.failure.as_ref().map(|f| &f.refusal)),
+        };
+        let refusal: &Option<CaseError> = refusal?;
+        Some(match refusal {
+            Some(error) if !self.file => (error.message.clone(), true),
+            _ => (text, refusal.is_some()),
+        })
+    }
+
+    /// Number of steps that have an answer, or one, the last iterate, where none has.
+    #[getter]
+    fn steps(&self) -> usize {
+        match &*self.run {
+            AnyRun::Plane(run) => run.standing().len(),
+            AnyRun::Space(run) => run.standing().len(),
+        }
+    }
+
+    /// `summary.json`.
+    fn summary(&self, py: Python<'_>) -> PyResult<String> {
+        self.recorded(py, |own| {
+            of_both!(own, |case, run| own.record(case, run).summary())
+        })
+    }
+
+    /// `report.html`.
+    fn report(&self, py: Python<'_>) -> PyResult<String> {
+        self.recorded(py, |own| {
+            of_both!(own, |case, run| own.record(case, run).report())
+        })
+    }
+
+    /// `contact.csv`.
+    fn contact_csv(&self, py: Python<'_>) -> PyResult<String> {
+        self.recorded(py, |own| {
+            of_both!(own, |case, run| own.record(case, run).contact_csv())
+        })
+    }
+
+    /// The pictures of the last step.
+    fn figures(&self, py: Python<'_>) -> PyResult<Vec<String>> {
+        self.recorded(py, |own| {
+            of_both!(own, |case, run| own.record(case, run).figures())
+        })
+    }
+
+    /// Writes all files of the command into a folder; their paths.
+    fn write(&self, py: Python<'_>, folder: PathBuf) -> PyResult<Vec<PathBuf>> {
+        self.recorded(py, move |own| {
+            of_both!(own, |case, run| own.record(case, run).write(&folder))
+        })
+    }
+
+    /// A probe of a step by the keys of its table as text: value, place, line (s, points, values).
+    fn probe(&self, py: Python<'_>, step: usize, text: String) -> PyResult<Py<PyAny>> {
+        let own = self.clone();
+        let read = wait(py, &self.caller, None, move |_| {
+            of_both!(own, |case, run| case.probe(&text, &run.standing()[step]))
+        })?;
+        let read = read.map_err(|error| errors::input(py, error))?;
+        let value = read.map_err(|error| errors::of_case(py, &error, false))?;
+        if value.line.is_empty() {
+            return Ok(value.value.into_pyobject(py)?.into_any().unbind());
+        }
+        let s: Vec<f64> = value.line.iter().map(|place| place.s).collect();
+        let points: Vec<[f64; 3]> = value.line.iter().map(|place| place.point).collect();
+        let values: Vec<f64> = value.line.iter().map(|place| place.value).collect();
+        let arrays = (
+            PyArray1::from_vec(py, s),
+            rows(py, points)?,
+            PyArray1::from_vec(py, values),
+        );
+        Ok(arrays.into_pyobject(py)?.into_any().unbind())
+    }
+
+    /// Arrays of a body in a step.
+    fn body<'py>(
+        &self,
+        py: Python<'py>,
+        step: usize,
+        index: usize,
+    ) -> PyResult<Bound<'py, PyDict>> {
+        let dict = of_both!(self, |case, run| {
+            let solution = &run.standing()[step];
+            body_arrays(py, &case.model.stage(solution.time), solution, index)
+        });
+        dict.map_err(|error| errors::input(py, error))?
+    }
+
+    /// Arrays of a contact in a step.
+    fn contact<'py>(
+        &self,
+        py: Python<'py>,
+        step: usize,
+        index: usize,
+    ) -> PyResult<Bound<'py, PyDict>> {
+        let dict = of_both!(self, |_case, run| {
+            contact_arrays(py, &run.standing()[step].contacts[index].nodes)
+        });
+        dict.map_err(|error| errors::input(py, error))?
+    }
+
+    /// The mesh of a body in a step.
+    fn mesh(&self, py: Python<'_>, step: usize, index: usize) -> PyResult<crate::mesh::Mesh> {
+        let mesh = match (&*self.case, &*self.run) {
+            (AnyCase::Plane(case), AnyRun::Plane(run)) => {
+                let stage = case.model.stage(run.standing()[step].time);
+                let body = &stage.bodies[index];
+                dotyk::case::GivenMesh::Plane(Arc::new(body.mesh.clone()), body.points.clone())
+            }
+            (AnyCase::Space(case), AnyRun::Space(run)) => {
+                let stage = case.model.stage(run.standing()[step].time);
+                let body = &stage.bodies[index];
+                dotyk::case::GivenMesh::Space(Arc::new(body.mesh.clone()), body.points.clone())
+            }
+            _ => return Err(errors::internal(py)),
+        };
+        Ok(crate::mesh::Mesh::of_given(mesh))
+    }
+
+    /// Convergence history of a step: iterations, residuals, active.
+    fn history(&self, step: usize) -> Vec<(usize, f64, usize)> {
+        let of = |points: &[dotyk::model::HistoryPoint]| {
+            points
+                .iter()
+                .map(|p| (p.iteration, p.residual, p.active))
+                .collect()
+        };
+        match &*self.run {
+            AnyRun::Plane(run) => of(&run.standing()[step].solver.history),
+            AnyRun::Space(run) => of(&run.standing()[step].solver.history),
+        }
+    }
+
+    /// Name of the case.
+    #[getter]
+    fn stem(&self) -> String {
+        of_any!(&*self.case, |case| case.stem.clone())
+    }
+}
+
+impl Clone for Run {
+    fn clone(&self) -> Self {
+        Self {
+            case: Arc::clone(&self.case),
+            run: Arc::clone(&self.run),
+            caller: Arc::clone(&self.caller),
+            ..*self
+        }
+    }
+}
+
+impl Run {
+    /// What came of a case; whether it stands in a file, and when its reading began.
+    pub fn new(
+        case: Arc<AnyCase>,
+        run: AnyRun,
+        (file, since): (bool, Instant),
+        caller: Arc<Caller>,
+    ) -> Self {
+        Self {
+            case,
+            run: Arc::new(run),
+            file,
+            spent: since.elapsed(),
+            caller,
+        }
+    }
+
+    fn record<'a, const D: usize>(
+        &self,
+        case: &'a Case<D>,
+        run: &'a dotyk::case::Run<D>,
+    ) -> Record<'a, D> {
+        let failed = run.failure.as_ref().filter(|_| run.count > 1);
+        let now = Instant::now();
+        Record {
+            model: &case.model,
+            steps: run.standing(),
+            stem: &case.stem,
+            failed: failed.map(|failure| FailedStep {
+                step: failure.step,
+                time: failure.time,
+                reason: failure.reason.clone(),
+            }),
+            since: now.checked_sub(self.spent).unwrap_or(now),
+        }
+    }
+
+    /// Does something with the record without the interpreter's lock.
+    fn recorded<T: Send + 'static>(
+        &self,
+        py: Python<'_>,
+        work: impl FnOnce(&Self) -> Result<Result<T, output::Error>, String> + Send + 'static,
+    ) -> PyResult<T> {
+        let own = self.clone();
+        let done = wait(py, &self.caller, None, move |_| {
+            work(&own).map(|done| done.map_err(|error| error.to_string()))
+        })?;
+        done.and_then(|done| done)
+            .map_err(|error| errors::input(py, error))
+    }
+}
+
+fn body_arrays<'py, const D: usize>(
+    py: Python<'py>,
+    model: &dotyk::model::Model<D>,
+    solution: &Solution<D>,
+    index: usize,
+) -> PyResult<Bound<'py, PyDict>> {
+    let (body, answer) = (&model.bodies[index], &solution.bodies[index]);
+    let dict = PyDict::new(py);
+    let points = |list: &[[f64; D]]| rows(py, list.to_vec());
+    dict.set_item("points", points(body.mesh.points())?)?;
+    dict.set_item("displacement", points(&answer.displacement)?)?;
+    dict.set_item("shown", points(&answer.shown())?)?;
+    dict.set_item("reactions", points(&answer.reactions)?)?;
+    dict.set_item("contact_force", points(&answer.contact_forces)?)?;
+    dict.set_item("stress", rows(py, answer.stress.clone())?)?;
+    dict.set_item("strain", rows(py, answer.strain.clone())?)?;
+    dict.set_item("principal_stress", rows(py, answer.principal_stress())?)?;
+    dict.set_item("von_mises", PyArray1::from_slice(py, &answer.von_mises))?;
+    if let Some(utilisation) = &answer.utilisation {
+        dict.set_item("utilisation", PyArray1::from_slice(py, &utilisation.nodal))?;
+    }
+    Ok(dict)
+}
+
+fn contact_arrays<'py, const D: usize>(
+    py: Python<'py>,
+    nodes: &[ContactNode<D>],
+) -> PyResult<Bound<'py, PyDict>> {
+    let dict = PyDict::new(py);
+    let number = |value: fn(&ContactNode<D>) -> f64| {
+        let values: Vec<f64> = nodes.iter().map(value).collect();
+        PyArray1::from_vec(py, values)
+    };
+    let vector =
+        |value: fn(&ContactNode<D>) -> [f64; D]| rows(py, nodes.iter().map(value).collect());
+    let node: Vec<i64> = nodes.iter().map(|n| n.node as i64).collect();
+    dict.set_item("node", PyArray1::from_vec(py, node))?;
+    dict.set_item("points", vector(|n| n.point)?)?;
+    dict.set_item("normal", vector(|n| n.normal)?)?;
+    dict.set_item("weight", number(|n| n.weight))?;
+    dict.set_item("gap", number(|n| n.gap))?;
+    dict.set_item("pressure", number(|n| n.pressure))?;
+    // in the plane along the tangent of the side, which runs with the body on its left
+    if D == 2 {
+        let along = |v: &[f64; D], n: &[f64; D]| v[1] * n[0] - v[0] * n[1];
+        let shear: Vec<f64> = nodes.iter().map(|n| along(&n.shear, &n.normal)).collect();
+        let slip: Vec<f64> = nodes.iter().map(|n| along(&n.slip, &n.normal)).collect();
+        dict.set_item("shear", PyArray1::from_vec(py, shear))?;
+        dict.set_item("slip", PyArray1::from_vec(py, slip))?;
+    } else {
+        dict.set_item("shear", vector(|n| n.shear)?)?;
+        dict.set_item("slip", vector(|n| n.slip)?)?;
+    }
+    let status: Vec<&str> = nodes.iter().map(|n| n.status.name()).collect();
+    dict.set_item("status", status)?;
+    Ok(dict)
+}

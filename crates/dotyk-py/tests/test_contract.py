@@ -1,0 +1,365 @@
+"""What the interface promises, by small problems whose answers are known."""
+
+from __future__ import annotations
+
+import pickle
+import subprocess
+import sys
+import threading
+import time
+from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import dotyk
+
+CASES = Path(__file__).resolve().parents[3] / "cases"
+
+
+def column(load, analysis="plane-strain"):
+    """A column on a rigid floor: pressure p gives the stress −p everywhere."""
+    m = dotyk.Model(analysis)
+    if analysis == "3d":
+        body = m.body("a", dotyk.box([0, 0, 0], [1, 1, 2], cells=[2, 2, 2]), young=1e9, poisson=0.0)
+        body.fix(point=[0, 0, 0], x=0, y=0).fix(point=[1, 0, 0], y=0)
+    else:
+        body = m.body("a", dotyk.rectangle([0, 0], [1, 2], cells=[2, 4]), young=1e9, poisson=0.0)
+        body.fix(point=[0, 0], x=0)
+    body.load("top", **load)
+    m.contact("floor", nonmortar="a.bottom", obstacle={"gap": 0.0})
+    return m
+
+
+def punch(cells=10, **contact):
+    m = dotyk.Model("plane-strain")
+    block = m.body("block", dotyk.rectangle([0, 0], [4, 1], cells=[4 * cells, cells]), young=210e9, poisson=0.3)
+    top = m.body("punch", dotyk.rectangle([1.5, 1], [2.5, 2], cells=[cells, cells]), young=210e9, poisson=0.3)
+    block.fix("bottom", x=0, y=0)
+    top.fix("left", x=0).fix("right", x=0).load("top", traction=[0, "-1e6*t"])
+    m.contact("sole", nonmortar="punch.bottom", mortar="block.top", **contact)
+    return m
+
+
+def test_a_case_file_gives_what_the_command_gives(tmp_path):
+    case = CASES / "floating-punch" / "floating-punch.toml"
+    if not case.exists():
+        case = next((CASES / "floating-punch").glob("*.toml"))
+    s = dotyk.run(case)
+    from dotyk import _dotyk
+
+    out = tmp_path / "out"
+    assert _dotyk.command(["dotyk", "run", str(case), "--out", str(out), "--quiet"]) == 0
+    import json
+
+    told = json.loads((out / "summary.json").read_text())
+    for contact in told["contacts"]:
+        assert s.contacts[contact["name"]].resultant == contact["resultant"]
+    assert s.case == told["case"] and s.iterations == told["iterations"]
+    assert set(told) <= set(dir(s))
+
+
+def test_steps_are_solutions_with_their_times():
+    s = column({"pressure": "1e6*t"}).solve(steps=[0.5, ("full", 1.0)])
+    assert [step.time for step in s.steps] == [0.5, 1.0]
+    assert s.steps[-1] is s and s.name == "full"
+    assert s.steps[0].contacts["floor"].resultant[1] == pytest.approx(0.5e6)
+    assert s.probe("a.stress.yy", at=[0.5, 1.0]) == pytest.approx(-1e6)
+    assert s.steps[0].probe("a.stress.yy", at=[0.5, 1.0]) == pytest.approx(-0.5e6)
+
+
+@pytest.mark.parametrize("analysis", ["plane-strain", "3d"])
+def test_functions_are_called_once_for_each_step_with_all_points(analysis):
+    calls = []
+
+    def traction(points, t):
+        calls.append((points.shape, t, threading.get_ident()))
+        out = np.zeros_like(points)
+        out[:, -1] = -1e6 * t
+        return out
+
+    s = column({"traction": traction}, analysis).solve(steps=[0.5, 1.0])
+    assert s.contacts["floor"].resultant[-1] == pytest.approx(1e6)
+    assert [t for _, t, _ in calls] == [0.5, 1.0]
+    assert all(shape[0] > 1 for shape, _, _ in calls)
+    assert {thread for _, _, thread in calls} == {threading.get_ident()}
+
+
+def test_functions_stand_for_gaps_friction_supports_and_forces_within():
+    calls = {"gap": [], "friction": [], "lift": [], "weight": []}
+
+    def constant(name, value):
+        def f(points, t):
+            calls[name].append(t)
+            return np.full(len(points), value * t)
+
+        return f
+
+    def weight(points, t):
+        calls["weight"].append(t)
+        return np.column_stack([np.zeros(len(points)), np.full(len(points), -1e3)])
+
+    m = dotyk.Model("plane-strain")
+    m.body("a", dotyk.rectangle([0, 0], [1, 2], cells=[2, 4]), young=1e9, poisson=0.0, body_force=weight).fix(
+        "top", x=0, y=constant("lift", -1e-3)
+    )
+    m.contact("floor", nonmortar="a.bottom", obstacle={"gap": constant("gap", 5e-4)}, friction=constant("friction", 0.3))
+    s = m.solve(steps=[1.0, 2.0])
+    # half of the way is free
+    assert s.contacts["floor"].resultant[1] == pytest.approx(2 * 5e-4 / 2 * 1e9 + 1e3, rel=1e-6)
+    for name in calls:
+        assert calls[name] == [1.0, 2.0], (name, calls[name])
+
+
+def test_what_a_function_gives_is_checked():
+    with pytest.raises(dotyk.InputError, match=r"body `a`.*shape \(\d+, 2\)"):
+        column({"traction": lambda p, t: np.zeros(len(p))}).solve()
+    with pytest.raises(dotyk.InputError, match="finite"):
+        column({"pressure": lambda p, t: np.full(len(p), np.nan)}).solve()
+
+    class Own(Exception):
+        pass
+
+    def raises(points, t):
+        raise Own("mine")
+
+    m = column({"pressure": raises})
+    with pytest.raises(Own, match="mine"):
+        m.solve()
+    with pytest.raises(Own):
+        column({"pressure": 1.0}).solve(callback=lambda told: (_ for _ in ()).throw(Own()))
+
+
+def test_the_callback_is_told_of_stages_steps_and_iterations():
+    told = []
+    punch().solve(steps=[0.5, 1.0], callback=told.append)
+    assert {p.step for p in told} == {1, 2}
+    assert {"step", "assemble", "contact", "recover"} <= {p.stage for p in told}
+    assert any(p.iteration > 0 and p.measure >= 0 for p in told)
+
+
+def test_errors_are_of_the_promised_kinds():
+    m = dotyk.Model("plane-strain")
+    mesh = dotyk.rectangle([0, 0], [1, 1], cells=[2, 2])
+    with pytest.raises(TypeError, match="young"):
+        m.body("a", mesh, yuong=1.0, poisson=0.3)
+    with pytest.raises(ValueError, match="positive"):
+        m.body("a", mesh, young=-1.0, poisson=0.3)
+    body = m.body("a", mesh, young=1.0, poisson=0.3)
+    with pytest.raises(dotyk.InputError, match="`bottom`"):
+        body.fix("botom", x=0)
+    with pytest.raises(dotyk.InputError):
+        m.contact("c", nonmortar="a.top", mortar="b.top")
+    with pytest.raises(TypeError):
+        m.contact("c", nonmortar="a.top", morta="b.top")
+    with pytest.raises(dotyk.InputError, match="no-such"):
+        dotyk.run("no-such.toml")
+    with pytest.raises(dotyk.InputError):
+        dotyk.Model("plane-strian")
+    s = column({"pressure": 1.0}).solve()
+    with pytest.raises(KeyError, match="floor"):
+        s.contacts["flor"]
+    with pytest.raises(dotyk.InputError):
+        s.bodies["b"]
+    assert issubclass(dotyk.InputError, ValueError) and issubclass(dotyk.NotConverged, RuntimeError)
+
+
+def test_what_slides_away_is_refused_and_what_friction_cannot_hold_is_not_converged():
+    m = dotyk.Model("plane-strain")
+    body = m.body("a", dotyk.rectangle([0, 0], [1, 1], cells=[2, 2]), young=1e6, poisson=0.0)
+    body.load("top", traction=[0.4, -1.0])
+    m.contact("floor", nonmortar="a.bottom", obstacle={"gap": 0.0}, friction=0.3)
+    with pytest.raises(dotyk.NotConverged) as caught:
+        m.solve()
+    assert caught.value.solution is not None and not caught.value.solution.converged
+    with pytest.raises(dotyk.NotConverged):
+        punch().solve(method="gradient", max_iterations=2)
+
+
+def test_arrays_are_read_only_and_solutions_never_change():
+    s = punch().solve()
+    array = s.contacts["sole"].pressure
+    with pytest.raises(ValueError):
+        array[0] = 1.0
+    with pytest.raises(AttributeError):
+        s.converged = False
+    del s
+    assert np.isfinite(array).all()
+
+
+def test_the_callers_arrays_stay_the_callers():
+    points = np.array([[0, 0], [1, 0], [1, 1], [0, 1]], dtype=np.float32)
+    cells = np.asfortranarray(np.array([[0, 1, 2, 3]], dtype=np.uint8))
+    mesh = dotyk.Mesh(points, {"quad4": cells}, {"bottom": np.array([[1, 0]], dtype=np.int16)})
+    points[:] = 7
+    assert mesh.points.max() == 1.0 and mesh.points.dtype == np.float64
+    assert sorted(mesh.sides["bottom"][0]) == [0, 1]
+
+
+def test_solutions_meshes_and_errors_pickle():
+    m = punch()
+    s = m.solve(steps=[0.5, 1.0])
+    t = pickle.loads(pickle.dumps(s))
+    assert np.array_equal(s.contacts["sole"].pressure, t.contacts["sole"].pressure)
+    assert np.array_equal(s.steps[0].bodies["punch"].stress, t.steps[0].bodies["punch"].stress)
+    assert len(t.report()) == len(s.report()) or "NaN" not in t.report()
+    mesh = pickle.loads(pickle.dumps(dotyk.rectangle([0, 0], [1, 1], cells=[2, 2])))
+    assert mesh.sides.keys() == {"left", "right", "bottom", "top"}
+    for error in (dotyk.InputError("a"), dotyk.NotConverged("b", s), dotyk.UnknownName("c")):
+        again = pickle.loads(pickle.dumps(error))
+        assert type(again) is type(error) and str(again) == str(error)
+
+
+def test_the_dual_problem_goes_out_and_back():
+    m = punch()
+    d = m.dual()
+    s = m.solve()
+    assert d.F.shape == (len(d.d), len(d.d)) and np.allclose(d.F, d.F.T)
+    assert [b.law for b in d.blocks] == ["unilateral"] * len(d.blocks)
+    lam, alpha = d.solve("newton")
+    assert np.allclose(d.G @ lam, d.e)
+    gap = d.F @ lam - d.d - d.G.T @ alpha
+    contact = s.contacts["sole"]
+    carry = contact.status != "fixed"
+    assert np.allclose(lam / contact.weight[carry], contact.pressure[carry], rtol=1e-6)
+    assert np.allclose(gap, contact.gap[carry], atol=1e-9 * abs(d.d).max())
+    assert all(figure.holds for figure in d.certify(lam, alpha).values())
+    assert d.recover(lam, alpha).converged
+    with pytest.raises(dotyk.NotConverged) as caught:
+        d.recover(0.5 * lam, alpha)
+    assert caught.value.solution.certificate["imbalance_force"].relative > 0.1
+
+
+def test_an_own_solver_is_judged():
+    m = punch()
+
+    def bilateral(p):
+        n, r = len(p.d), len(p.e)
+        # lengths and forces are far from each other in size
+        scale = abs(p.F).max()
+        matrix = np.block([[p.F / scale, -p.G.T], [p.G, np.zeros((r, r))]])
+        x = np.linalg.solve(matrix, np.concatenate([p.d / scale, p.e]))
+        return x[:n], x[n:] * scale
+
+    # all nodes of a flat punch stay closed: the bilateral answer is the answer
+    s = m.solve(method=bilateral)
+    assert s.converged and s.solver == "own"
+    with pytest.raises(dotyk.NotConverged):
+        m.solve(method=lambda p: (np.zeros(len(p.d)), np.zeros(len(p.e))))
+    with pytest.raises(dotyk.InputError):
+        m.solve(method=lambda p: 3)
+
+
+def test_threads_change_no_bit_and_models_are_solved_side_by_side():
+    m = punch(16, friction=0.3)
+    one = m.solve(threads=1).bodies["punch"].displacement
+    assert np.array_equal(one, m.solve(threads=2).bodies["punch"].displacement)
+    with ThreadPoolExecutor(4) as pool:
+        for s in pool.map(lambda _: m.solve(), range(8)):
+            assert np.array_equal(one, s.bodies["punch"].displacement)
+
+
+def test_a_study_has_all_combinations():
+    m = dotyk.Model("plane-strain", parameters={"E": 1e9, "p": 1e6})
+    body = m.body("a", dotyk.rectangle([0, 0], [1, 2], cells=[2, 4]), young="E", poisson=0.0)
+    body.fix("bottom", x=0, y=0).load("top", pressure="p")
+    m.probe("u", "a.displacement.y", at=[0.5, 2.0])
+    t = dotyk.study(m, vary={"E": np.array([1e9, 2e9, 4e9]), "p": [1e6, 2e6]})
+    assert len(t) == 6 and t.converged
+    assert np.allclose(t["u"], -t["p"] * 2.0 / t["E"])
+    with pytest.raises(dotyk.InputError, match="`E`"):
+        dotyk.study(m, vary={"EE": [1.0]})
+    with pytest.raises(KeyError):
+        t["v"]
+
+
+def test_from_case_goes_on_from_a_file():
+    case = next((CASES / "floating-punch").glob("*.toml"))
+    m = dotyk.Model.from_case(case)
+    s, t = m.solve(), dotyk.run(case)
+    for name in t.contacts:
+        assert np.array_equal(s.contacts[name].pressure, t.contacts[name].pressure)
+
+
+def test_every_case_file_is_read_as_a_model():
+    for folder in sorted(CASES.iterdir()):
+        for case in sorted(folder.glob("*.toml")) if folder.is_dir() else []:
+            if case.name != "reference.toml":
+                m = dotyk.Model.from_case(case)
+                # what was read is written again word for word
+                assert m._case(m._document(), m._solver).stem == case.stem
+
+
+def test_check_tells_what_floats():
+    r = punch().check()
+    assert not r.errors and "translation along y" in " ".join(r.bodies["punch"].floating)
+    broken = dotyk.Model("plane-strain")
+    broken.body("a", dotyk.rectangle([0, 0], [1, 1], cells=[2, 2]), young=1.0, poisson=0.0).load("top", pressure=1.0)
+    assert broken.check().errors
+
+
+def test_files_are_those_of_the_command(tmp_path):
+    files = {Path(f).name for f in punch().solve().write(tmp_path / "out")}
+    assert {"report.html", "summary.json", "contact.csv", "block.vtu", "punch.vtu", "case.pvd"} <= files
+    s = punch().solve()
+    assert s.report(tmp_path / "r.html").startswith("<!DOCTYPE html>")
+    with pytest.raises(dotyk.InputError, match="cannot write"):
+        s.report(tmp_path)
+    html = s._repr_html_()
+    assert "http://" not in html.replace("http://www.w3.org", "") and "<svg" in html
+
+
+def test_ctrl_c_ends_the_wait_within_a_second():
+    code = (
+        "import dotyk, _thread, threading, time\n"
+        "m = dotyk.Model('3d')\n"
+        "b = m.body('a', dotyk.box([0,0,0],[1,1,1],cells=[45,45,45]), young=1.0, poisson=0.3)\n"
+        "b.fix('bottom', x=0, y=0, z=0).load('top', pressure=1.0)\n"
+        "start = [0.0]\n"
+        "def stop():\n"
+        "    time.sleep(0.7); start[0] = time.monotonic(); _thread.interrupt_main()\n"
+        "threading.Thread(target=stop, daemon=True).start()\n"
+        "try:\n"
+        "    m.solve()\n"
+        "except KeyboardInterrupt:\n"
+        "    took = time.monotonic() - start[0]\n"
+        "    small = dotyk.Model('plane-strain')\n"
+        "    small.body('a', dotyk.rectangle([0,0],[1,1],cells=[2,2]), young=1.0, poisson=0.0).fix('bottom', x=0, y=0)\n"
+        "    print('took', took, small.solve().converged, flush=True)\n"
+        "    import os; os._exit(0)\n"
+    )
+    out = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=120, check=False)
+    word, took, usable = out.stdout.split()
+    assert float(took) < 1.0 and usable == "True"
+
+
+def test_importing_is_quick_and_needs_no_friend():
+    code = "import sys, dotyk; print([n for n in ('numpy','scipy','pandas','matplotlib','meshio','pyvista') if n in sys.modules])"
+    out = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert out.stdout.strip() == "[]"
+
+
+def test_the_lock_is_free_while_solving():
+    m = punch(40)
+    ticks, stop = [], threading.Event()
+
+    def tick():
+        while not stop.is_set():
+            ticks.append(time.monotonic())
+            time.sleep(0.002)
+
+    thread = threading.Thread(target=tick)
+    thread.start()
+    m.solve()
+    stop.set()
+    thread.join()
+    assert max(np.diff(ticks), default=0.0) < 0.2
+
+
+def test_the_command_comes_with_the_package(tmp_path):
+    case = next((CASES / "floating-punch").glob("*.toml"))
+    out = subprocess.run([sys.executable, "-m", "dotyk", "check", str(case)], capture_output=True, text=True, check=False)
+    assert out.returncode == 0 and "punch" in out.stdout
+    out = subprocess.run([sys.executable, "-m", "dotyk", "run", "none.toml"], capture_output=True, text=True, check=False)
+    assert out.returncode == 2 and "none.toml" in out.stderr

@@ -1,0 +1,66 @@
+"""Every key of the case file has its call or keyword."""
+
+from __future__ import annotations
+
+import inspect
+
+import pytest
+
+import dotyk
+from dotyk import _dotyk
+from dotyk._words import keyword_of
+
+KEYS = dict(_dotyk.keys())
+
+#: Tables of the case file and the call whose keywords are their keys; keys that a call has elsewhere, with the place.
+CALLS = {
+    "body": (dotyk.Model.body, {}),
+    "material": (dotyk.Model.body, {"group": "in `material`, a list"}),
+    "contact": (dotyk.Model.contact, {}),
+    "section": (dotyk.Model.section, {}),
+    "bar": (dotyk.Model.bar, {}),
+    "probe": (dotyk.Model.probe, {}),
+    "step": (dotyk.Model.step, {}),
+    "fix": (dotyk.Body.fix, {}),
+    "load": (dotyk.Body.load, {}),
+    "spring": (dotyk.Body.spring, {}),
+    "couple": (dotyk.Body.couple, {}),
+    "solver": (dotyk.Model.solve, {"bolt": "in the case file, for the method of the paper"}),
+    "rectangle": (dotyk.rectangle, {}),
+    "ring": (dotyk.ring, {}),
+    "tunnel_rock": (dotyk.tunnel_rock, {}),
+    "box": (dotyk.box, {}),
+    "extrude": (dotyk.extrude, {}),
+    "case": (
+        dotyk.Model.__init__,
+        {key: "a call" for key in ("body", "contact", "section", "bar", "step", "probe", "solver")},
+    ),
+}
+
+
+@pytest.mark.parametrize("table", CALLS)
+def test_every_key_has_its_keyword(table):
+    call, elsewhere = CALLS[table]
+    known = inspect.signature(call).parameters
+    missing = [key for key in KEYS[table] if keyword_of(key) not in known and key not in elsewhere]
+    assert missing == []
+
+
+def test_calls_for_lists_of_the_case_have_their_names():
+    for key in ("body", "contact", "section", "bar", "step", "probe"):
+        assert callable(getattr(dotyk.Model, key))
+    for key in ("fix", "load", "spring", "couple", "body_force", "initial_stress", "initial_strain", "surface", "points"):
+        assert callable(getattr(dotyk.Body, key))
+
+
+def test_what_is_public_is_documented():
+    for name in dotyk.__all__:
+        thing = getattr(dotyk, name)
+        if not isinstance(thing, str):
+            assert thing.__doc__, name
+
+
+def test_words_of_python_may_be_given_without_their_underscore():
+    a = dotyk.rectangle(**{"from": [0, 0], "to": [1, 1], "cells": [1, 1]})
+    b = dotyk.rectangle(from_=[0, 0], to=[1, 1], cells=[1, 1])
+    assert (a.points == b.points).all()

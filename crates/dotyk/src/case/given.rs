@@ -1,0 +1,124 @@
+//! What a case holds that no text can say: meshes that are there already, and functions of a program.
+//!
+//! A text names them by their numbers behind a [mark](HANDLE): `file = "\u{E000}0"` is the first mesh,
+//! `traction = ["\u{E000}1.0", "\u{E000}1.1"]` both components of the second function. Without such things the mark means nothing.
+
+use crate::case::document::{self, Node, Value};
+use crate::case::error::{CaseError, Fault};
+use crate::case::mesh::{Generated, mesh};
+use crate::case::mesh_file::{MeshFiles, Named};
+use crate::case::source::Source;
+use crate::case::{keys, outline};
+use crate::geometry::Field;
+use crate::mesh::Mesh;
+use std::path::Path;
+use std::sync::Arc;
+
+/// What a handle begins with: a character that no key, name or expression has.
+pub const HANDLE: char = '\u{E000}';
+
+/// A mesh of the plane or of space, with the points that a mesh file named.
+#[derive(Debug, Clone)]
+pub enum GivenMesh {
+    /// Of the plane.
+    Plane(Arc<Mesh<2>>, Named<2>),
+    /// Of space.
+    Space(Arc<Mesh<3>>, Named<3>),
+}
+
+/// What a text may name by its handle.
+#[derive(Debug, Default)]
+pub struct Given {
+    /// Meshes of bodies.
+    pub meshes: Vec<GivenMesh>,
+    /// Functions, each by its components.
+    pub functions: Vec<Vec<Field>>,
+}
+
+impl Given {
+    /// The component of a function that a text names.
+    pub(crate) fn function(&self, text: &str) -> Option<&Field> {
+        let handle = text.strip_prefix(HANDLE)?;
+        let (function, component) = handle.split_once('.')?;
+        let function = self.functions.get(function.parse::<usize>().ok()?)?;
+        function.get(component.parse::<usize>().ok()?)
+    }
+
+    /// The mesh that a value names; `None` where it names something else.
+    pub(crate) fn mesh(&self, node: &Node) -> Option<&GivenMesh> {
+        let Value::Text(text) = &node.value else {
+            return None;
+        };
+        let place = text.strip_prefix(HANDLE)?.parse::<usize>().ok()?;
+        self.meshes.get(place)
+    }
+}
+
+/// A mesh of another dimension than the case has.
+pub(crate) fn other_dimension(node: &Node, body: &str, dimension: usize) -> Fault {
+    let message = format!(
+        "the mesh of body `{body}` is in {}D, and the analysis is in {dimension}D",
+        5 - dimension
+    );
+    Fault::new(&node.span, message).label("another number of dimensions")
+}
+
+/// What a mesh is called in messages where no body has it yet.
+const NEW: &str = "new";
+
+/// The mesh of a text with the key `mesh` of a body, and `drawing` where it is of regions: in space or in the plane. With it what
+/// was noticed while reading.
+///
+/// Errors: every mistake in the text; files that cannot be read.
+pub fn read_mesh(
+    text: &str,
+    folder: &Path,
+    space: bool,
+    given: &Arc<Given>,
+) -> Result<(GivenMesh, Vec<String>), CaseError> {
+    let source = Source::parse(text, NEW, folder, &[], given)?;
+    let read = match space {
+        true => made(&source).map(|(mesh, points, said)| (GivenMesh::Space(mesh, points), said)),
+        false => made(&source).map(|(mesh, points, said)| (GivenMesh::Plane(mesh, points), said)),
+    };
+    read.map_err(|fault| fault.in_source(NEW, text))
+}
+
+type Made<const D: usize> = (Arc<Mesh<D>>, Named<D>, Vec<String>);
+
+fn made<const D: usize>(source: &Source<'_>) -> Result<Made<D>, Fault>
+where
+    Mesh<D>: Generated<D>,
+{
+    let table = source.document.table(keys::CASE_MESH)?;
+    let mut files = MeshFiles::new(source.folder);
+    files.drawing = table.get("drawing").map(outline::drawing).transpose()?;
+    let node = table.require("mesh", "a mesh")?;
+    let needed = format!("one in {D}D is asked for");
+    let (mesh, points) = mesh(node, NEW, &needed, &mut files)?;
+    Ok((Arc::new(mesh), points, files.warnings()))
+}
+
+/// A text of a case file as JSON, its tables in the order of the text.
+///
+/// Errors: what is not TOML.
+pub fn to_json(text: &str, name: &str) -> Result<String, CaseError> {
+    let document = document::parse_whole(text).map_err(|fault| fault.in_source(name, text))?;
+    Ok(json(&document).to_string())
+}
+
+fn json(node: &Node) -> serde_json::Value {
+    match &node.value {
+        Value::Text(text) => text.as_str().into(),
+        Value::Integer(value) => (*value).into(),
+        Value::Float(value) => (*value).into(),
+        Value::Boolean(value) => (*value).into(),
+        Value::Date => serde_json::Value::Null,
+        Value::List(list) => list.iter().map(json).collect(),
+        Value::Table(entries) => {
+            let entries = entries.iter();
+            let entries = entries.map(|entry| (entry.key.clone(), json(&entry.node)));
+            serde_json::Value::Object(entries.collect())
+        }
+    }
+}
