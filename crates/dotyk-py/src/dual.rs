@@ -11,7 +11,8 @@ use dotyk::solve::{ContactSolver, Observer, Outcome, SolveError};
 use numpy::{PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray1};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::mpsc::{Sender, channel};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 /// F is an array up to so many unknowns.
 const ARRAY: usize = 2000;
@@ -58,7 +59,12 @@ pub struct Problem {
     blocks: Vec<Law>,
     /// F by columns; `None` where it is too large for an array.
     compliance: Option<Vec<f64>>,
+    /// Where products with F are made as long as a solver of the user's own is asked.
+    products: Mutex<Option<Sender<Product>>>,
 }
+
+/// A vector, and where its product goes.
+type Product = (Vec<f64>, Sender<Vec<f64>>);
 
 #[pymethods]
 impl Problem {
@@ -83,6 +89,25 @@ impl Problem {
         self.blocks.clone()
     }
 
+    /// F times a vector (m,), while the solver that got the problem is asked; `None` at other times.
+    fn product<'py>(
+        &self,
+        py: Python<'py>,
+        vector: PyReadonlyArray1<'py, f64>,
+    ) -> PyResult<Option<Bound<'py, PyArray1<f64>>>> {
+        let vector: Vec<f64> = vector.as_array().iter().copied().collect();
+        if vector.len() != self.shift.len() {
+            return Err(errors::input(py, OTHER_LENGTH));
+        }
+        let products = locked(&self.products).clone();
+        let made = products.and_then(|products| {
+            let (reply, answer) = channel();
+            products.send((vector, reply)).ok()?;
+            py.detach(move || answer.recv().ok())
+        });
+        Ok(made.map(|product| PyArray1::from_vec(py, product)))
+    }
+
     #[getter]
     fn f<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyArray2<f64>>>> {
         let m = self.shift.len();
@@ -102,8 +127,16 @@ impl Problem {
             load: problem.balance.load().to_vec(),
             blocks: blocks.collect(),
             compliance: (m <= ARRAY).then(|| columns(problem)),
+            products: Mutex::default(),
         }
     }
+}
+
+/// Why there is no product.
+const OTHER_LENGTH: &str = "the vector has another length than F";
+
+fn locked<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
+    mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
 /// F by columns, which are its rows.
@@ -159,7 +192,7 @@ impl Dual {
                 })
             })
         })?;
-        let y = y.ok_or_else(|| errors::input(py, "the vector has another length than F"))?;
+        let y = y.ok_or_else(|| errors::input(py, OTHER_LENGTH))?;
         Ok(PyArray1::from_vec(py, y))
     }
 
@@ -251,9 +284,7 @@ impl Dual {
         work: impl FnOnce(&mut AnyDual) -> T + Send + 'static,
     ) -> PyResult<T> {
         let dual = Arc::clone(&self.dual);
-        wait(py, &self.caller, None, move |_| {
-            work(&mut dual.lock().unwrap_or_else(PoisonError::into_inner))
-        })
+        wait(py, &self.caller, None, move |_| work(&mut locked(&dual)))
     }
 }
 
@@ -318,11 +349,28 @@ impl ContactSolver for Own {
         _guess: Option<&Multipliers>,
         _observe: Observer<'_>,
     ) -> Result<Outcome, SolveError> {
-        let (callable, copied) = (Arc::clone(&self.callable), Problem::of(problem));
-        let answer = self.caller.ask(move |py| {
-            let answer = callable.call1(py, (copied,))?;
-            let forces: Forces<'_> = answer.extract(py)?;
-            Ok(multipliers(&forces))
+        let (callable, mut copied) = (Arc::clone(&self.callable), Problem::of(problem));
+        let (products, asked) = channel::<Product>();
+        copied.products = Mutex::new(Some(products));
+        let answer = std::thread::scope(|scope| {
+            let answer = scope.spawn(|| {
+                self.caller.ask(move |py| {
+                    let copied = Py::new(py, copied)?;
+                    let answer = callable.call1(py, (&copied,));
+                    // whoever keeps the problem can make no product any more
+                    *locked(&copied.get().products) = None;
+                    let answer = answer?;
+                    let forces: Forces<'_> = answer.extract(py)?;
+                    Ok(multipliers(&forces))
+                })
+            });
+            for (vector, reply) in asked {
+                let mut product = vec![0.0; vector.len()];
+                problem.compliance.apply(&vector, &mut product);
+                // nobody waits for it where the wait was ended
+                let _ = reply.send(product);
+            }
+            answer.join().ok().flatten()
         });
         self.caller.go_on();
         let answer =

@@ -98,6 +98,13 @@ impl Run {
         })
     }
 
+    /// The VTU file of a body in a step.
+    fn vtu(&self, py: Python<'_>, step: usize, index: usize) -> PyResult<String> {
+        self.recorded(py, move |own| {
+            of_both!(own, |case, run| own.record(case, run).body_vtu(step, index))
+        })
+    }
+
     /// The pictures of the last step.
     fn figures(&self, py: Python<'_>) -> PyResult<Vec<String>> {
         self.recorded(py, |own| {

@@ -363,3 +363,61 @@ def test_the_command_comes_with_the_package(tmp_path):
     assert out.returncode == 0 and "punch" in out.stdout
     out = subprocess.run([sys.executable, "-m", "dotyk", "run", "none.toml"], capture_output=True, text=True, check=False)
     assert out.returncode == 2 and "none.toml" in out.stderr
+
+
+def test_lists_may_hold_functions_component_by_component():
+    s = column({"traction": [0, lambda points, t: np.full(len(points), -2e6 * t)]}).solve(steps=[0.5])
+    assert s.contacts["floor"].resultant[1] == pytest.approx(1e6)
+
+
+def test_large_dual_problems_have_an_operator_and_own_solvers_apply_it():
+    linalg = pytest.importorskip("scipy.sparse.linalg")
+    m = dotyk.Model("plane-strain")
+    body = m.body("a", dotyk.rectangle([0, 0], [2100, 1], cells=[2100, 1]), young=1e6, poisson=0.0)
+    body.fix("top", x=0, y="-1e-3*t")
+    m.contact("floor", nonmortar="a.bottom", obstacle={"gap": 0.0})
+    d = m.dual()
+    assert len(d.d) > 2000 and isinstance(d.F, linalg.LinearOperator)
+    lam, alpha = d.solve("newton")
+    contact = m.solve().contacts["floor"]
+    assert np.allclose(lam / contact.weight, contact.pressure)
+    kept = []
+
+    def closed(p):
+        kept.append(p)
+        x, info = linalg.cg(p.F, p.d, rtol=1e-13)
+        assert info == 0
+        return x, np.zeros(0)
+
+    s = m.solve(method=closed)
+    assert np.allclose(s.contacts["floor"].pressure, contact.pressure, rtol=1e-6)
+    with pytest.raises(dotyk.InputError, match="while"):
+        kept[0].F @ kept[0].d
+
+
+def test_meshes_go_to_meshio_and_back_with_sides_groups_and_fields():
+    meshio = pytest.importorskip("meshio")
+    s = punch().solve()
+    there = s.bodies["punch"].to_meshio()
+    assert {"displacement", "stress", "von_mises", "pressure", "gap", "contact_state"} <= set(there.point_data)
+    m = dotyk.Model("plane-strain")
+    body = m.body("again", there, young=1.0, poisson=0.0)
+    assert set(body.mesh.sides) >= {"left", "right", "top", "bottom"}
+    assert np.array_equal(body.mesh.points, s.bodies["punch"].points)
+    tagged = meshio.Mesh(
+        [[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]],
+        [("quad", [[0, 1, 2, 3]]), ("line", [[0, 1]])],
+        cell_data={"gmsh:physical": [np.array([7]), np.array([3])]},
+        field_data={"rock": np.array([7, 2]), "floor": np.array([3, 1])},
+    )
+    mesh = dotyk.Model("plane-strain").body("a", tagged, material=[{"young": 1.0, "poisson": 0.0, "group": "rock"}]).mesh
+    assert list(mesh.cells) == [("quad4", "rock")] and set(mesh.sides) == {"floor"}
+
+
+def test_pictures_and_tables_come_from_friends():
+    pytest.importorskip("matplotlib").use("Agg")
+    s = punch().solve()
+    assert len(s.plot().axes) >= 3
+    assert len(column({"pressure": 1.0}, "3d").solve().plot().axes) >= 1
+    table = s.contacts["sole"].to_pandas()
+    assert np.allclose(table["pressure"], s.contacts["sole"].pressure) and set(table["step"]) == {1}

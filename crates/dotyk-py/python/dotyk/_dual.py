@@ -39,7 +39,7 @@ class Problem:
     """
 
     def __init__(self, native: Any, product: Callable[[Any], Any] | None = None) -> None:
-        self._native, self._product = native, product
+        self._native, self._product = native, product or native.product
 
     @cached_property
     def d(self) -> Array:
@@ -62,12 +62,16 @@ class Problem:
         array = self._native.f
         if array is not None:
             return _frozen(array)
-        if self._product is None:
-            raise InputError("F of so many unknowns is no array; take `Model.dual()`")
         linalg = friend("scipy.sparse.linalg", "F of more than 2000 unknowns")
+
+        def product(x: Any) -> Any:
+            made = self._product(_vector(x, "x"))
+            if made is None:
+                raise InputError("F of this problem can be applied only while the solver that got it is asked")
+            return made
+
         m = len(self.d)
-        product = self._product
-        return linalg.LinearOperator((m, m), matvec=lambda x: product(_vector(x, "x").ravel()), dtype=float)
+        return linalg.LinearOperator((m, m), matvec=product, rmatvec=product, dtype=float)
 
     @cached_property
     def blocks(self) -> list[Block]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import tempfile
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
@@ -382,8 +383,10 @@ def drawing(regions_of: str | Sequence[str], **keys: Any) -> Mesh:
 
 
 @keywords
-def read(path: str | os.PathLike[str], group: str | Sequence[str] | None = None, space: bool | None = None) -> Mesh:
-    """The mesh of a file of Gmsh (``.msh`` 4.1, 2.2) or VTU; ``group`` selects cells, groups of facets are its sides.
+def read(path: Any, group: str | Sequence[str] | None = None, space: bool | None = None) -> Mesh:
+    """The mesh of a file of Gmsh (``.msh`` 4.1, 2.2) or VTU, or of the live model of Gmsh (``gmsh`` or ``gmsh.model``).
+
+    ``group`` selects cells, groups of facets are its sides.
 
     ``space`` says whether a body of space or of the plane is wanted; without it, solid cells make a body of space.
 
@@ -392,6 +395,11 @@ def read(path: str | os.PathLike[str], group: str | Sequence[str] | None = None,
     Traceback (most recent call last):
     dotyk._errors.InputError: ...no-such-file.msh: cannot read the file: there is no such file
     """
+    if _is_gmsh(path):
+        with tempfile.TemporaryDirectory() as folder:
+            file = os.path.join(folder, "model.msh")
+            friend("gmsh", "a live model").write(file)
+            return read(file, group=group, space=space)
     table = {"file": {"path": os.path.abspath(path_of(path, "path")), "group": group}}
     if space is not None:
         return _made(table, space)
@@ -405,8 +413,14 @@ def read(path: str | os.PathLike[str], group: str | Sequence[str] | None = None,
             raise (other if "cells of space" in str(error) else error) from None
 
 
+def _is_gmsh(thing: Any) -> bool:
+    return getattr(thing, "__module__", None) == "gmsh" or getattr(thing, "__name__", None) == "gmsh"
+
+
 def of_any(mesh: Any) -> Mesh | Mapping[str, Any]:
-    """A mesh, a mesh of meshio, or a table of a case file."""
+    """A mesh, a mesh of meshio, a live model of Gmsh, or a table of a case file."""
+    if _is_gmsh(mesh):
+        return read(mesh)
     if isinstance(mesh, (Mesh, Mapping)):
         return mesh
     if type(mesh).__module__.startswith("meshio"):

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any, Generic, NamedTuple, TypeVar
 from dotyk import _dotyk
 from dotyk._errors import InputError, UnknownName
 from dotyk._mesh import _VTK, Mesh, _frozen
+from dotyk._vtu import arrays_of
 from dotyk._words import Writer, friend, keywords, path_of
 
 if TYPE_CHECKING:
@@ -217,10 +218,11 @@ class BodySolution(_Frozen):
     max_von_mises: float
     strain_energy: float
 
-    def __init__(self, table: dict[str, Any], arrays: _Arrays, mesh: Any) -> None:
+    def __init__(self, table: dict[str, Any], arrays: _Arrays, mesh: Any, vtu: Any) -> None:
         super().__init__(table)
         object.__setattr__(self, "_arrays", arrays)
         object.__setattr__(self, "_mesh", mesh)
+        object.__setattr__(self, "_vtu", vtu)
 
     def _array(self, key: str) -> Any:
         arrays = self._arrays()  # type: ignore[attr-defined]
@@ -279,20 +281,9 @@ class BodySolution(_Frozen):
         return Mesh._of(self._mesh())  # type: ignore[attr-defined]
 
     def _fields(self) -> dict[str, Any]:
-        import numpy as np
-
-        def three(values: Any) -> Any:
-            missing = 3 - values.shape[1]
-            return np.column_stack([values, np.zeros((len(values), missing))]) if missing else values
-
-        names = ("displacement", "reactions", "contact_force", "stress", "strain", "principal_stress", "von_mises")
-        fields = {name: self._array(name) for name in names}
-        for name in names[:3]:
-            fields[name] = three(fields[name])
-        arrays = self._arrays()  # type: ignore[attr-defined]
-        if "utilisation" in arrays:
-            fields["utilisation"] = arrays["utilisation"]
-        return {name: np.array(values) for name, values in fields.items()}
+        """The point arrays of the VTU file."""
+        points = len(self.points)
+        return {name: values for name, values in arrays_of(self._vtu()).items() if len(values) == points and name != "points"}  # type: ignore[attr-defined]
 
     def to_meshio(self) -> Any:
         """A ``meshio.Mesh`` with the fields, and the sides as ``cell_sets``. Needs meshio."""
@@ -393,7 +384,9 @@ class Solution(_Frozen):
         own["bodies"] = Named(
             "body",
             {
-                entry["name"]: BodySolution(entry, _Arrays(_fetch(run.body, step, k)), _fetch(run.mesh, step, k))
+                entry["name"]: BodySolution(
+                    entry, _Arrays(_fetch(run.body, step, k)), _fetch(run.mesh, step, k), _fetch(run.vtu, step, k)
+                )
                 for k, entry in enumerate(table["bodies"])
             },
         )
@@ -506,6 +499,7 @@ class _Stored:
             "steps": run.steps,
             "bodies": [[run.body(k, i) for i in range(len(t["bodies"]))] for k, t in enumerate(tables)],
             "meshes": [[Mesh._of(run.mesh(k, i)) for i in range(len(t["bodies"]))] for k, t in enumerate(tables)],
+            "vtus": [[run.vtu(k, i) for i in range(len(t["bodies"]))] for k, t in enumerate(tables)],
             "contacts": [[run.contact(k, i) for i in range(len(t["contacts"]))] for k, t in enumerate(tables)],
             "history": [run.history(k) for k in range(len(tables))],
         }
@@ -537,6 +531,9 @@ class _Stored:
 
     def mesh(self, step: int, index: int) -> Any:
         return self._kept["meshes"][step][index]._native
+
+    def vtu(self, step: int, index: int) -> str:
+        return str(self._kept["vtus"][step][index])
 
     def history(self, step: int) -> Any:
         return self._kept["history"][step]

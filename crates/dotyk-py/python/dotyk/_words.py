@@ -136,7 +136,9 @@ class Writer:
         if callable(value):
             return self.function(value, f"{place}, {key}" if key else place, key)
         if isinstance(value, Sequence) or isinstance(value, (set, range)):
-            return f"[{', '.join(self.value(item, place, key) for item in value)}]"
+            # functions in a list are its components
+            place = f"{place}, {key}" if key else place
+            return f"[{', '.join(self.value(item, place) for item in value)}]"
         what = f"{place}, `{key}`" if key else place
         raise ArgumentError(f"{what}: a value of the type {type(value).__name__} means nothing here")
 

@@ -269,6 +269,23 @@ macro_rules! doors {
                 Ok(csv::contact_csv(&self.overview()?.stages, self.steps))
             }
 
+            /// The content of the VTU file of a body in a step, both counted from 0.
+            ///
+            /// Errors: [`Error::Name`], [`Error::Mismatch`], also where there is no such body.
+            pub fn body_vtu(&self, step: usize, body: usize) -> Result<String, Error> {
+                let run = self.overview()?;
+                match (run.stages.get(step), self.steps.get(step)) {
+                    (Some(stage), Some(solution)) if body < stage.bodies.len() => {
+                        Ok(vtu::body_vtu(stage, solution, body))
+                    }
+                    (stage, _) => Err(Error::Mismatch {
+                        what: "bodies".to_string(),
+                        expected: body + 1,
+                        found: stage.map_or(0, |stage| stage.bodies.len()),
+                    }),
+                }
+            }
+
             /// The content of `report.html`.
             ///
             /// Errors: [`Error::Name`], [`Error::Mismatch`].
