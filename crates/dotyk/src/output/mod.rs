@@ -254,6 +254,14 @@ macro_rules! doors {
             pub fn write_summary(&self, dir: &Path) -> Result<PathBuf, Error> {
                 write_summary(self, dir)
             }
+
+            /// The figures of the report in its order: the title of each, as text, and its `<figure>`, HTML that refers to
+            /// nothing outside itself; in space one of them brings its script. None where the record cannot be written
+            /// because model and steps do not belong together.
+            pub fn figures(&self) -> Vec<(String, String)> {
+                self.overview()
+                    .map_or(Vec::new(), |run| report::figures(&run))
+            }
         }
 
         impl Check<$D> {
