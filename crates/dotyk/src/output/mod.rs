@@ -443,6 +443,17 @@ pub fn write_study(
     stage.commit(&[])
 }
 
+/// Writes files that are made elsewhere, name and content of each, into one folder, and returns their paths.
+///
+/// Errors: any [`Error`]; then the folder is as it was before.
+pub fn write_files(files: &[(String, Vec<u8>)], dir: &Path) -> Result<Vec<PathBuf>, Error> {
+    let mut stage = Stage::open(dir)?;
+    for (name, content) in files {
+        stage.put(name, content)?;
+    }
+    stage.commit(&[])
+}
+
 /// Names that can be files, and counts that agree in every step.
 fn check<const D: usize>(stages: &[Cow<'_, Model<D>>], steps: &[Solution<D>]) -> Result<(), Error> {
     let mut both = stages.iter().zip(steps);
