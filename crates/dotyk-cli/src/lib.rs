@@ -13,6 +13,7 @@ macro_rules! of_any {
     };
 }
 
+mod book;
 mod check;
 mod compare;
 mod export;

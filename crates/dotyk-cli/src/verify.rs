@@ -1,11 +1,14 @@
 //! `dotyk verify`: every case of a folder against its reference values.
 
 use crate::Outcome;
+use crate::book::{self, Book, Found, Picture};
 use crate::failure::{Failure, warn};
 use crate::progress::Progress;
 use crate::text::{colours, columns, number, print, red, vector};
 use dotyk::case::{AnyCase, Criterion, Reference, References, Run, Verdict};
+use dotyk::dual::Certificate;
 use dotyk::model::{ProbeValue, Solution};
+use dotyk::output::Record;
 use std::path::{Path, PathBuf};
 
 /// Arguments of `dotyk verify`.
@@ -14,6 +17,9 @@ pub struct Arguments {
     /// Folders of cases [default: all folders in cases/]
     #[arg(value_name = "CASE_DIR")]
     folders: Vec<PathBuf>,
+    /// Write a page of Markdown for every folder into this one, with pictures, values and verdicts
+    #[arg(long, value_name = "DIR")]
+    book: Option<PathBuf>,
     /// No progress
     #[arg(long)]
     quiet: bool,
@@ -22,21 +28,22 @@ pub struct Arguments {
 const REFERENCE_FILE: &str = "reference.toml";
 
 /// A folder, read and checked.
-struct Folder {
-    path: PathBuf,
-    cases: Vec<(String, AnyCase)>,
+pub struct Folder {
+    pub path: PathBuf,
+    /// File names and cases.
+    pub cases: Vec<(String, AnyCase)>,
     references: Option<References>,
 }
 
-/// What was found, over all folders.
+/// What was found, in a folder or over all of them.
 #[derive(Default)]
-struct Tally {
-    cases: usize,
-    certified: usize,
-    within: usize,
-    outside: usize,
-    known: usize,
-    shown: usize,
+pub struct Tally {
+    pub cases: usize,
+    pub certified: usize,
+    pub within: usize,
+    pub outside: usize,
+    pub known: usize,
+    pub shown: usize,
     refused: bool,
 }
 
@@ -49,6 +56,30 @@ impl Tally {
             Verdict::NotJudged => self.shown += 1,
         }
     }
+
+    fn add(&mut self, other: &Self) {
+        self.cases += other.cases;
+        self.certified += other.certified;
+        self.within += other.within;
+        self.outside += other.outside;
+        self.known += other.known;
+        self.shown += other.shown;
+        self.refused |= other.refused;
+    }
+
+    /// All of it in a line.
+    fn summary(&self) -> String {
+        format!(
+            "{} of {} cases certified; of {} reference values {} within, {} outside, {} outside for a known reason, {} not judged\n",
+            self.certified,
+            self.cases,
+            self.within + self.outside + self.known + self.shown,
+            self.within,
+            self.outside,
+            self.known,
+            self.shown
+        )
+    }
 }
 
 /// Reads everything, then solves everything: a mistake in the last folder shows before the first minute is spent.
@@ -59,20 +90,16 @@ pub fn verify(arguments: &Arguments) -> Result<Outcome, Failure> {
     };
     let folders = folders.iter().map(|path| read_folder(path));
     let folders = folders.collect::<Result<Vec<_>, _>>()?;
+    let book = arguments.book.as_deref();
+    let mut book = book.map(|dir| Book::new(dir, &folders)).transpose()?;
     let mut tally = Tally::default();
     for folder in &folders {
-        verify_folder(folder, arguments.quiet, &mut tally);
+        tally.add(&verify_folder(folder, arguments.quiet, book.as_mut())?);
     }
-    print(&format!(
-        "{} of {} cases certified; of {} reference values {} within, {} outside, {} outside for a known reason, {} not judged\n",
-        tally.certified,
-        tally.cases,
-        tally.within + tally.outside + tally.known + tally.shown,
-        tally.within,
-        tally.outside,
-        tally.known,
-        tally.shown
-    ));
+    print(&tally.summary());
+    if let Some(book) = book {
+        book.close(&tally.summary())?;
+    }
     if tally.refused {
         return Err(Failure::Message(
             "not every case could be solved".to_string(),
@@ -158,27 +185,32 @@ fn read_folder(path: &Path) -> Result<Folder, Failure> {
 }
 
 /// What of a run is compared, in either dimension.
-struct Solved {
+pub struct Solved {
     /// Of the load steps that have an answer, and the last iterate of the one that did not converge.
-    steps: Vec<Step>,
+    pub steps: Vec<Step>,
     /// Number of load steps of the case.
     count: usize,
     certified: bool,
     /// Method, iterations, time and bolts.
     words: String,
+    /// For the book, where they were asked for.
+    pub pictures: Vec<Picture>,
 }
 
 /// A load step.
-struct Step {
+pub struct Step {
     converged: bool,
+    pub certificate: Certificate,
     probes: Vec<ProbeValue>,
 }
 
-impl<const D: usize> From<Run<D>> for Solved {
-    fn from(run: Run<D>) -> Self {
+impl Solved {
+    /// What is compared of a run, with these pictures of it.
+    fn of<const D: usize>(run: Run<D>, pictures: Vec<Picture>) -> Self {
         let (words, certified) = (words(&run), run.certified());
         let steps = run.steps.into_iter().map(|step| Step {
             converged: step.converged,
+            certificate: step.certificate,
             probes: step.probes,
         });
         Self {
@@ -186,6 +218,7 @@ impl<const D: usize> From<Run<D>> for Solved {
             count: run.count,
             certified,
             words,
+            pictures,
         }
     }
 }
@@ -208,61 +241,87 @@ fn words<const D: usize>(run: &Run<D>) -> String {
     )
 }
 
-/// Solves the cases of a folder and prints its table, what is outside in red.
-fn verify_folder(folder: &Folder, quiet: bool, tally: &mut Tally) {
+/// Solves the cases of a folder, prints its table, what is outside in red, and writes its page.
+fn verify_folder(folder: &Folder, quiet: bool, book: Option<&mut Book>) -> Result<Tally, Failure> {
+    let mut tally = Tally::default();
     let mut text = format!("{}\n", folder.path.display());
-    let mut solutions: Vec<(&str, Option<Solved>)> = Vec::new();
+    let pictured = book.as_ref().and_then(|_| book::pictured(folder));
+    let mut solved: Vec<Option<Solved>> = Vec::new();
     for (name, case) in &folder.cases {
         tally.cases += 1;
-        let solution = solve(&folder.path.join(name), case, quiet, tally);
+        let drawn = pictured.as_ref() == Some(name);
+        let solution = solve(&folder.path.join(name), case, drawn, quiet, &mut tally);
         text += &match &solution {
             Some(s) if s.certified => format!("  {name}: certified, {}\n", s.words),
             _ => format!("  {name}: NOT CERTIFIED\n"),
         };
-        solutions.push((name, solution));
+        solved.push(solution);
     }
     let of = |name: &str| {
-        solutions
-            .iter()
-            .find(|(n, _)| *n == name)
-            .and_then(|(_, s)| s.as_ref())
+        let place = folder.cases.iter().position(|(n, _)| *n == name);
+        place.and_then(|place| solved[place].as_ref())
     };
-    let (mut rows, mut verdicts) = (Vec::new(), Vec::new());
-    if let Some(references) = &folder.references {
-        for reference in &references.values {
+    let references = folder.references.iter();
+    let judged = references.flat_map(|references| {
+        references.values.iter().map(|reference| {
             let other = reference.against.as_deref().map(of);
-            let (row, verdict) = judged(reference, of(&reference.case), other);
-            tally.count(verdict);
-            rows.push(row);
-            verdicts.push(verdict);
-            if verdict == Verdict::Unexpected {
+            let judged = judged(reference, of(&reference.case), other);
+            if judged.verdict == Verdict::Unexpected {
                 Failure::from(references.unexpected(reference)).print();
             }
-        }
+            judged
+        })
+    });
+    let judged: Vec<Judged<'_>> = judged.collect();
+    for value in &judged {
+        tally.count(value.verdict);
     }
-    if !rows.is_empty() {
-        let header = [
-            "case",
-            "probe",
-            "kind",
-            "reference",
-            "computed",
-            "difference",
-            "verdict",
-        ];
-        let table = columns(&header, &rows, 4..6);
-        let shown = colours(&std::io::stdout());
-        let agrees = |verdict: &Verdict| matches!(verdict, Verdict::Within | Verdict::NotJudged);
-        let reds = verdicts.iter().map(|verdict| shown && !agrees(verdict));
-        for (line, is_red) in table.lines().zip(std::iter::once(false).chain(reds)) {
-            text += &(red(line, is_red) + "\n");
-        }
+    print(&(text + &table(&judged) + "\n"));
+    if let Some(book) = book {
+        book.put(&Found {
+            folder,
+            solved: &solved,
+            judged: &judged,
+            tally: &tally,
+        })?;
     }
-    print(&(text + "\n"));
+    Ok(tally)
 }
 
-/// The load steps as far as they went; `None` where the case was refused, with a message on standard error.
-fn solve(path: &Path, case: &AnyCase, quiet: bool, tally: &mut Tally) -> Option<Solved> {
+/// The table of a folder, what is outside in red.
+fn table(judged: &[Judged<'_>]) -> String {
+    if judged.is_empty() {
+        return String::new();
+    }
+    let header = [
+        "case",
+        "probe",
+        "kind",
+        "reference",
+        "computed",
+        "difference",
+        "verdict",
+    ];
+    let rows: Vec<_> = judged.iter().map(|value| value.row().to_vec()).collect();
+    let table = columns(&header, &rows, 4..6);
+    let shown = colours(&std::io::stdout());
+    let agrees = |verdict: Verdict| matches!(verdict, Verdict::Within | Verdict::NotJudged);
+    let reds = judged.iter().map(|value| shown && !agrees(value.verdict));
+    let lines = table.lines().zip(std::iter::once(false).chain(reds));
+    lines
+        .map(|(line, is_red)| red(line, is_red) + "\n")
+        .collect()
+}
+
+/// The load steps as far as they went, with pictures where they are to be drawn; `None` where the case was refused, with a
+/// message on standard error.
+fn solve(
+    path: &Path,
+    case: &AnyCase,
+    drawn: bool,
+    quiet: bool,
+    tally: &mut Tally,
+) -> Option<Solved> {
     let mut progress = Progress::new(quiet);
     progress.announce(&path.display().to_string());
     of_any!(case, |case| {
@@ -283,7 +342,12 @@ fn solve(path: &Path, case: &AnyCase, quiet: bool, tally: &mut Tally) -> Option<
                 }
             }
         }
-        Some(run.into())
+        let figures = match drawn {
+            true => Record::of(&case.model, run.standing(), &case.stem).figures(),
+            false => Vec::new(),
+        };
+        let pictures = figures.into_iter().filter_map(Picture::of).collect();
+        Some(Solved::of(run, pictures))
     })
 }
 
@@ -308,13 +372,44 @@ fn judged_step<'s>(reference: &Reference, solved: Option<&'s Solved>) -> Option<
     solved.and_then(|s| reference.of(&s.steps, s.count))
 }
 
-/// One line of the table; `other` is the case that a percentage is taken against, where one is asked for.
+/// A reference value beside what was computed, in words.
+pub struct Judged<'a> {
+    pub reference: &'a Reference,
+    label: String,
+    /// With its band.
+    expected: String,
+    computed: f64,
+    difference: String,
+    verdict: Verdict,
+}
+
+impl Judged<'_> {
+    /// One line of the table.
+    pub fn row(&self) -> [String; 7] {
+        let reason = self.reference.known.as_deref().unwrap_or_default();
+        let known = match self.verdict {
+            Verdict::Known => format!(": {reason}"),
+            _ => String::new(),
+        };
+        [
+            self.reference.case.clone(),
+            self.label.clone(),
+            self.reference.kind.name().to_string(),
+            self.expected.clone(),
+            number(self.computed),
+            self.difference.clone(),
+            self.verdict.name().to_string() + &known,
+        ]
+    }
+}
+
+/// Judges one value; `other` is the case that a percentage is taken against, where one is asked for.
 /// An answer without a certificate agrees with nothing.
-fn judged(
-    reference: &Reference,
+fn judged<'a>(
+    reference: &'a Reference,
     solved: Option<&Solved>,
     other: Option<Option<&Solved>>,
-) -> (Vec<String>, Verdict) {
+) -> Judged<'a> {
     let certified = judged_step(reference, solved).is_some_and(|s| s.converged);
     let read = |solved: Option<&Solved>| {
         let step = judged_step(reference, solved);
@@ -351,16 +446,12 @@ fn judged(
         Some(step) => format!("{} (step {step})", reference.label),
         None => reference.label.clone(),
     };
-    let known = reference.known.iter().map(|reason| format!(": {reason}"));
-    let known: String = known.filter(|_| verdict == Verdict::Known).collect();
-    let row = vec![
-        reference.case.clone(),
+    Judged {
+        reference,
         label,
-        reference.kind.name().to_string(),
         expected,
-        number(computed),
+        computed,
         difference,
-        verdict.name().to_string() + &known,
-    ];
-    (row, verdict)
+        verdict,
+    }
 }

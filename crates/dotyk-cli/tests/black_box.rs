@@ -1454,6 +1454,52 @@ fn what_is_known_to_lie_outside_is_told_with_its_reason_until_it_lies_inside() {
 }
 
 #[test]
+fn a_book_has_a_page_for_every_folder_with_pictures_values_and_links() {
+    let pressure = probe("pressure", "sole.pressure", "at = [0.5, 1]");
+    let case = Run::solved("booked", &(stack(1e6, "") + &pressure));
+    let write = |name: &str, text: &str| std::fs::write(case.folder.join(name), text).unwrap();
+    let value = "[[value]]\ncase = \"case.toml\"\nprobe = \"pressure\"\nkind = \"analytic\"\nvalue = 1e6\n\
+                 tolerance = 0.02\nsource = \"p_0 | by hand\"\n";
+    write("reference.toml", value);
+    write(
+        "README.md",
+        "# Two blocks\n\nSee [it](case.toml) and [more](../elsewhere).\n",
+    );
+    let root = case.folder.parent().unwrap();
+    let (status, output, message) = verify(root, &["booked", "--book", "booked/book"]);
+    assert_eq!(status, Some(0), "{output}{message}");
+    let book = case.folder.join("book");
+    let read = |name: &str| std::fs::read_to_string(book.join(name)).unwrap();
+    let page = read("booked/index.md");
+    let parts = [
+        "# Two blocks\n",
+        "See [it](case.toml) and more.",
+        "![Deformed shape](case_2.svg)",
+        "| case.toml | pressure | analytic | 1e6 ± ",
+        " | ok | 1 |",
+        "1. p\\_0 \\| by hand\n",
+        "| limit | | 1.0e-8 |",
+        "dotyk verify cases/booked\n",
+        "<summary>case.toml</summary>",
+    ];
+    for part in parts {
+        assert!(page.contains(part), "{part}: {page}");
+    }
+    assert!(read("booked/case_2.svg").starts_with("<svg xmlns"));
+    assert_eq!(read("booked/case.toml"), stack(1e6, "") + &pressure);
+    let row = "| [Two blocks](booked/index.md) | `booked` | 1 | 1 | 1 | 0 | 0 | 0 |";
+    assert!(read("index.md").contains(row));
+
+    std::fs::write(case.folder.join("file"), "").unwrap();
+    let (status, _, message) = verify(root, &["booked", "--book", "booked/file"]);
+    assert_eq!(status, Some(2));
+    assert!(
+        message.contains("choose another folder with --book"),
+        "{message}"
+    );
+}
+
+#[test]
 fn every_case_is_certified_and_within_its_bands() {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
     let (status, output, message) = verify(&root, &[]);

@@ -105,10 +105,10 @@ impl Run {
         })
     }
 
-    /// The pictures of the last step.
-    fn figures(&self, py: Python<'_>) -> PyResult<Vec<String>> {
+    /// The figures of the report: titles and markup.
+    fn figures(&self, py: Python<'_>) -> PyResult<Vec<(String, String)>> {
         self.recorded(py, |own| {
-            of_both!(own, |case, run| own.record(case, run).figures())
+            of_both!(own, |case, run| Ok(own.record(case, run).figures()))
         })
     }
 

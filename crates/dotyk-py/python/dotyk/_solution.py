@@ -463,7 +463,8 @@ class Solution(_Frozen):
         )
         table = f"<table><tr><th>certificate</th><th>relative</th><th>limit</th><th></th></tr>{rows}</table>"
         head = f"<p>{self.case}: {verdict}, {self.dofs} dofs, {self.contact_unknowns} contact unknowns, {self.iterations} iterations of {self.solver}</p>"
-        return f"<div>{head}{table}{''.join(self._run.figures())}</div>"
+        figures = "".join(figure for _, figure in self._run.figures())
+        return f"<div>{head}{table}{figures}</div>"
 
     def __reduce__(self) -> tuple[Any, ...]:
         whole = self.steps[-1] is self and len(self.steps) == self._run.steps
@@ -520,7 +521,7 @@ class _Stored:
     def contact_csv(self) -> str:
         return str(self._kept["contact_csv"])
 
-    def figures(self) -> list[str]:
+    def figures(self) -> list[tuple[str, str]]:
         return list(self._kept["figures"])
 
     def body(self, step: int, index: int) -> Any:

@@ -45,6 +45,32 @@ pub fn figure(svg: &str, title: &str, caption: &str) -> String {
     )
 }
 
+/// The figures in this markup of ours, which do not nest: the title of each, as text, and all of its markup.
+pub fn figures(markup: &str) -> Vec<(String, String)> {
+    let begun = markup.match_indices("<figure").filter(|(at, begin)| {
+        let next = markup[at + begin.len()..].chars().next();
+        next == Some('>') || next == Some(' ')
+    });
+    let whole = begun.filter_map(|(at, _)| {
+        const END: &str = "</figure>\n";
+        let end = markup[at..].find(END)? + END.len();
+        Some(&markup[at..at + end])
+    });
+    let titled = whole.filter_map(|figure| {
+        let (_, rest) = figure.split_once("<figcaption><b>")?;
+        let (title, _) = rest.split_once(".</b>")?;
+        Some((unescape(title), figure.to_string()))
+    });
+    titled.collect()
+}
+
+/// The text that was escaped.
+fn unescape(markup: &str) -> String {
+    let plain = markup.replace("&lt;", "<").replace("&gt;", ">");
+    let plain = plain.replace("&quot;", "\"").replace("&#39;", "'");
+    plain.replace("&amp;", "&")
+}
+
 /// Head of a table column.
 pub struct Head {
     name: String,
@@ -132,6 +158,19 @@ mod tests {
         assert_eq!(
             escape("a<b & \"c\"\u{1}"),
             "a&lt;b &amp; &quot;c&quot;\u{fffd}"
+        );
+    }
+
+    #[test]
+    fn figures_are_found_with_their_titles() {
+        let titles = ["a < b & 'c'", "&lt;"];
+        let drawn = titles.map(|title| figure("<svg></svg>\n", title, "more.</b>"));
+        let page = format!("<p>{}</p>\n{}<h2/>", drawn[0], drawn[1]);
+        let found = figures(&page);
+        let expected = titles.map(String::from).into_iter().zip(drawn);
+        assert_eq!(found, expected.collect::<Vec<_>>());
+        assert!(
+            figures("<figcaption><b>a.</b></figcaption> <figure> <figure></figure>\n").is_empty()
         );
     }
 }

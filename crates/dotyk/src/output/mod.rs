@@ -293,12 +293,12 @@ macro_rules! doors {
                 Ok(report::page(&self.overview()?))
             }
 
-            /// The pictures of the last step, each as markup of its own that refers to nothing outside: the deformed shape,
-            /// the utilisation where there is a strength, and every contact.
-            ///
-            /// Errors: [`Error::Name`], [`Error::Mismatch`].
-            pub fn figures(&self) -> Result<Vec<String>, Error> {
-                Ok(report::figures(&self.overview()?))
+            /// The figures of the report in its order: the title of each, as text, and its `<figure>`, HTML that refers to
+            /// nothing outside itself; in space one of them brings its script. None where the record cannot be written
+            /// because model and steps do not belong together.
+            pub fn figures(&self) -> Vec<(String, String)> {
+                self.overview()
+                    .map_or(Vec::new(), |run| report::figures(&run))
             }
         }
 
@@ -477,6 +477,17 @@ pub fn write_study(
     stage.put("study.html", page.as_bytes())?;
     if let Some(picture) = picture {
         stage.put("study.svg", picture.as_bytes())?;
+    }
+    stage.commit(&[])
+}
+
+/// Writes files that are made elsewhere, name and content of each, into one folder, and returns their paths.
+///
+/// Errors: any [`Error`]; then the folder is as it was before.
+pub fn write_files(files: &[(String, Vec<u8>)], dir: &Path) -> Result<Vec<PathBuf>, Error> {
+    let mut stage = Stage::open(dir)?;
+    for (name, content) in files {
+        stage.put(name, content)?;
     }
     stage.commit(&[])
 }

@@ -25,11 +25,37 @@ use crate::output::verdict;
 /// Content of `report.html`.
 pub fn page<const D: usize>(run: &Overview<'_, D>) -> String {
     let (model, solution) = (run.stage(), run.last);
+    let lines = solution.probes.iter().any(|p| !p.line.is_empty());
+    let files = [
+        (lines, ", lines.csv"),
+        (!solution.sections.is_empty(), ", sections.csv"),
+        (!solution.bars.is_empty(), ", bars.csv"),
+    ];
+    let files = files
+        .iter()
+        .filter(|(there, _)| *there)
+        .map(|(_, name)| *name);
+    let footer = format!(
+        "Computed with dotyk {VERSION}, case {}. Full numbers: summary.json, contact.csv{}; fields: case.pvd.",
+        run.stem,
+        files.collect::<String>()
+    );
+    framed(model, run.stem, &content(run), &footer)
+}
+
+/// The figures of `report.html` in their order: title and `<figure>` of each.
+pub fn figures<const D: usize>(run: &Overview<'_, D>) -> Vec<(String, String)> {
+    html::figures(&content(run))
+}
+
+/// What stands between head and footer of `report.html`.
+fn content<const D: usize>(run: &Overview<'_, D>) -> String {
+    let (model, solution) = (run.stage(), run.last);
     let labels = Labels::of(model);
     let figures = Figures::of(model);
     let nodes = solution.contacts.iter().flat_map(|c| &c.nodes);
     let alone: Vec<Point<D>> = nodes.filter(|n| n.gap.is_nan()).map(|n| n.point).collect();
-    let sections = [
+    [
         verdict::banner(run),
         verdict::warnings(run),
         key_figures(solution, &labels),
@@ -51,39 +77,8 @@ pub fn page<const D: usize>(run: &Overview<'_, D>) -> String {
         verdict::solver(model, solution, &labels),
         contacts::contact_nodes(solution, &labels),
         timings(run),
-    ];
-    let lines = solution.probes.iter().any(|p| !p.line.is_empty());
-    let files = [
-        (lines, ", lines.csv"),
-        (!solution.sections.is_empty(), ", sections.csv"),
-        (!solution.bars.is_empty(), ", bars.csv"),
-    ];
-    let files = files
-        .iter()
-        .filter(|(there, _)| *there)
-        .map(|(_, name)| *name);
-    let footer = format!(
-        "Computed with dotyk {VERSION}, case {}. Full numbers: summary.json, contact.csv{}; fields: case.pvd.",
-        run.stem,
-        files.collect::<String>()
-    );
-    framed(model, run.stem, &sections.concat(), &footer)
-}
-
-/// The pictures of the last step.
-pub fn figures<const D: usize>(run: &Overview<'_, D>) -> Vec<String> {
-    let (figures, solution) = (Figures::of(run.stage()), run.last);
-    let mut list = vec![figures.deformed(solution)];
-    if solution
-        .bodies
-        .iter()
-        .any(|body| body.utilisation.is_some())
-    {
-        list.push(figures.utilisation(solution));
-    }
-    list.extend((0..solution.contacts.len()).map(|index| figures.contact(solution, index)));
-    list.retain(|figure| !figure.is_empty());
-    list
+    ]
+    .concat()
 }
 
 /// Content of `check.html`; `text` is what the check found, line by line, and `alone` the contact nodes that face nothing.

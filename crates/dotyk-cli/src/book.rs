@@ -1,0 +1,446 @@
+//! `dotyk verify --book`: what was verified as pages of Markdown, one for each folder of cases, and a table of all of them.
+//!
+//! A folder of the book is called as the folder of the cases; it holds the page `index.md` with its pictures and copies of
+//! the case files, and appears whole or not at all. Pages tell no times: the same program writes the same bytes.
+
+use crate::failure::Failure;
+use crate::text::number;
+use crate::verify::{Folder, Judged, Solved, Tally};
+use dotyk::dual::Certificate;
+use dotyk::output::write_files;
+use std::collections::HashSet;
+use std::fmt::Write;
+use std::path::{Path, PathBuf};
+
+/// Name of the page of a folder, and of the table of all folders.
+const PAGE: &str = "index.md";
+
+/// The text of a folder that its page begins with.
+const README: &str = "README.md";
+
+/// Titles of figures of the report that no page shows: the first tells of the solver, the second moves.
+const LEFT_OUT: [&str; 2] = ["Convergence", "View that turns"];
+
+/// A picture of a page.
+pub struct Picture {
+    title: String,
+    /// Markup of the caption, without the title.
+    caption: String,
+    svg: String,
+}
+
+impl Picture {
+    /// The drawing of a figure of the report; `None` where it is none that stands still.
+    pub fn of((title, html): (String, String)) -> Option<Self> {
+        let (begin, end) = (html.find("<svg")?, html.rfind("</svg>")?);
+        let (_, caption) = html.split_once(".</b>")?;
+        let (caption, _) = caption.split_once("</figcaption>")?;
+        (!LEFT_OUT.contains(&title.as_str())).then(|| Self {
+            caption: caption.trim().to_string(),
+            svg: html[begin..end].to_string() + "</svg>\n",
+            title,
+        })
+    }
+}
+
+/// What was found in a folder.
+pub struct Found<'a> {
+    pub folder: &'a Folder,
+    /// In the order of the cases; `None` where a case was refused.
+    pub solved: &'a [Option<Solved>],
+    pub judged: &'a [Judged<'a>],
+    pub tally: &'a Tally,
+}
+
+/// A book that is being written.
+pub struct Book {
+    dir: PathBuf,
+    /// Of all folders that it will have.
+    names: Vec<String>,
+    /// Of the table of all folders.
+    rows: Vec<String>,
+}
+
+impl Book {
+    /// A book with a page for each of these folders.
+    pub fn new(dir: &Path, folders: &[Folder]) -> Result<Self, Failure> {
+        let names = folders.iter().map(|folder| name_of(&folder.path));
+        let names = names.collect::<Result<Vec<_>, _>>()?;
+        let mut seen = HashSet::new();
+        if let Some(twice) = names.iter().find(|name| !seen.insert(name.as_str())) {
+            let message = format!("two folders are called {twice}, which names a page of the book");
+            return Err(Failure::Message(message));
+        }
+        Ok(Self {
+            dir: dir.to_path_buf(),
+            names,
+            rows: Vec::new(),
+        })
+    }
+
+    /// Writes the page of the next folder.
+    pub fn put(&mut self, found: &Found<'_>) -> Result<(), Failure> {
+        let name = &self.names[self.rows.len()];
+        let folder = &found.folder.path;
+        let problem = Problem::read(folder, name)?;
+        let statement = self.linked(&problem, folder);
+        let mut files = Vec::new();
+        for file in copied(found.folder, &problem.text) {
+            let bytes = std::fs::read(folder.join(&file));
+            files.push((file, bytes.map_err(|e| Failure::of(folder, e))?));
+        }
+        let page = page([&problem.title, &statement, name], found, &mut files);
+        files.push((PAGE.to_string(), page.into_bytes()));
+        write(&files, &self.dir.join(name))?;
+        self.rows.push(row(&problem.title, name, found.tally));
+        Ok(())
+    }
+
+    /// Writes the table of all folders; `summary` is what was found in all of them.
+    pub fn close(self, summary: &str) -> Result<(), Failure> {
+        let mut page = format!("# Verification\n\n{}\n\n", escaped(summary.trim()));
+        page += "Each folder of cases is an example, an input file and a test. Its page has the problem, pictures, every \
+                 reference value with its source and its verdict, and the certificate of each answer.\n\n\
+                 | Problem | Folder | Cases | Certified | Within | Outside | Outside, known | Not judged |\n\
+                 |---|---|---:|---:|---:|---:|---:|---:|\n";
+        page += &self.rows.concat();
+        page += "\n```{toctree}\n:hidden:\n\n";
+        for name in &self.names {
+            page += &format!("{name}/index\n");
+        }
+        page += "```\n";
+        write(&[(PAGE.to_string(), page.into_bytes())], &self.dir)
+    }
+
+    /// The statement of a problem with links that lead somewhere in the book; other links become their words.
+    fn linked(&self, problem: &Problem, folder: &Path) -> String {
+        let (mut out, mut rest) = (String::new(), problem.text.as_str());
+        while let Some(link) = Link::first(rest) {
+            out += &rest[..link.begin];
+            let target = self.target(link.target, folder);
+            out += &match target {
+                Some(target) => format!("[{}]({target})", link.words),
+                None => link.words.to_string(),
+            };
+            rest = &rest[link.end..];
+        }
+        out + rest
+    }
+
+    /// Where a link of a folder's text leads in the book.
+    fn target(&self, target: &str, folder: &Path) -> Option<String> {
+        if target.contains("://") || target.starts_with('#') || folder.join(target).is_file() {
+            return (!target.contains('/') || target.contains("://")).then(|| target.to_string());
+        }
+        let name = target.strip_prefix("../")?.trim_end_matches('/');
+        let known = self.names.iter().any(|known| known == name);
+        known.then(|| format!("../{name}/{PAGE}"))
+    }
+}
+
+/// The case whose pictures stand on the page: the one that the text of the folder names first, else the first.
+pub fn pictured(folder: &Folder) -> Option<String> {
+    let text = std::fs::read_to_string(folder.path.join(README)).unwrap_or_default();
+    let names = folder.cases.iter().map(|(name, _)| name);
+    let first = names.min_by_key(|name| text.find(name.as_str()).unwrap_or(usize::MAX));
+    first.cloned()
+}
+
+/// The name of a folder, whatever it was called by.
+fn name_of(path: &Path) -> Result<String, Failure> {
+    let whole = path.canonicalize().map_err(|e| Failure::of(path, e))?;
+    let name = whole.file_name().unwrap_or_default();
+    Ok(name.to_string_lossy().into_owned())
+}
+
+/// What a folder says of its problem.
+struct Problem {
+    title: String,
+    /// Markdown without the title.
+    text: String,
+}
+
+impl Problem {
+    /// Reads the text of a folder; without one the title is the name of the folder.
+    fn read(folder: &Path, name: &str) -> Result<Self, Failure> {
+        let path = folder.join(README);
+        if !path.exists() {
+            return Ok(Self {
+                title: name.to_string(),
+                text: String::new(),
+            });
+        }
+        let text = std::fs::read_to_string(&path).map_err(|e| Failure::of(&path, e))?;
+        let (first, rest) = text.split_once('\n').unwrap_or((&text, ""));
+        Ok(match first.strip_prefix("# ") {
+            Some(title) => Self {
+                title: title.to_string(),
+                text: rest.trim().to_string(),
+            },
+            None => Self {
+                title: name.to_string(),
+                text,
+            },
+        })
+    }
+}
+
+/// A link of Markdown, `[words](target)`.
+struct Link<'a> {
+    begin: usize,
+    end: usize,
+    words: &'a str,
+    target: &'a str,
+}
+
+impl<'a> Link<'a> {
+    fn first(text: &'a str) -> Option<Self> {
+        let middle = text.find("](")?;
+        let begin = text[..middle].rfind('[')?;
+        let length = text[middle..].find(')')?;
+        Some(Self {
+            begin,
+            end: middle + length + 1,
+            words: &text[begin + 1..middle],
+            target: &text[middle + 2..middle + length],
+        })
+    }
+}
+
+/// Files of a folder that stand beside its page: its cases, and what its text has links to.
+fn copied(folder: &Folder, text: &str) -> Vec<String> {
+    let mut files: Vec<String> = folder.cases.iter().map(|(name, _)| name.clone()).collect();
+    let mut rest = text;
+    while let Some(link) = Link::first(rest) {
+        let known = files.iter().any(|file| file == link.target);
+        if !known && !link.target.contains('/') && folder.path.join(link.target).is_file() {
+            files.push(link.target.to_string());
+        }
+        rest = &rest[link.end..];
+    }
+    files
+}
+
+/// The page of a folder; its pictures are added to its files.
+fn page(
+    [title, statement, name]: [&str; 3],
+    found: &Found<'_>,
+    files: &mut Vec<(String, Vec<u8>)>,
+) -> String {
+    let mut page = format!("# {title}\n\n{statement}");
+    page += "\n\n";
+    let cases = found.folder.cases.iter().map(|(name, _)| name);
+    for (case, solved) in cases.clone().zip(found.solved) {
+        let pictures = solved.iter().flat_map(|solved| &solved.pictures);
+        page += &pictures_of(case, pictures, files);
+    }
+    page += &references(found.judged);
+    page += &certificates(found);
+    page += &format!(
+        "## Case files\n\n```\ndotyk verify cases/{name}\n```\n\n{}\n",
+        cases
+            .clone()
+            .map(|case| format!("* [{case}]({case})\n"))
+            .collect::<String>()
+    );
+    let shown = pictured(found.folder);
+    let text = shown.and_then(|case| {
+        let (_, bytes) = files.iter().find(|(file, _)| *file == case)?;
+        Some((case, String::from_utf8_lossy(bytes).into_owned()))
+    });
+    if let Some((case, text)) = text {
+        page += &format!(
+            "<details><summary>{case}</summary>\n\n```toml\n{}\n```\n\n</details>\n",
+            text.trim_end()
+        );
+    }
+    page
+}
+
+/// The pictures of a case, which become files.
+fn pictures_of<'p>(
+    case: &str,
+    pictures: impl Iterator<Item = &'p Picture>,
+    files: &mut Vec<(String, Vec<u8>)>,
+) -> String {
+    let stem = case.trim_end_matches(".toml");
+    let mut text = String::new();
+    for (number, picture) in (1..).zip(pictures) {
+        if number == 1 {
+            text += &format!("## Pictures of {case}\n\n");
+        }
+        let file = format!("{stem}_{number}.svg");
+        let title = escaped(&picture.title);
+        let caption = &picture.caption;
+        text += &format!("![{title}]({file})\n\n**{title}.** {caption}\n\n");
+        files.push((file, picture.svg.clone().into_bytes()));
+    }
+    text
+}
+
+/// Reference values with their verdicts, and below them where they come from.
+fn references(judged: &[Judged<'_>]) -> String {
+    if judged.is_empty() {
+        return String::new();
+    }
+    let mut text = "## Reference values\n\n\
+                    | Case | Value | Kind | Reference | Computed | Difference | Verdict | Source |\n\
+                    |---|---|---|---:|---:|---:|---|---:|\n"
+        .to_string();
+    let mut sources: Vec<(&str, &str)> = Vec::new();
+    for value in judged {
+        let reference = value.reference;
+        let source = (reference.source.as_str(), reference.reason.as_str());
+        let known = sources.iter().position(|known| *known == source);
+        let place = known.unwrap_or(sources.len());
+        if known.is_none() {
+            sources.push(source);
+        }
+        let cells = value.row().map(|cell| escaped(&cell));
+        text += &format!("| {} | {} |\n", cells.join(" | "), place + 1);
+    }
+    text += "\n";
+    for (number, (source, reason)) in (1..).zip(sources) {
+        let source = match source {
+            "" => "an earlier result of this program",
+            source => source,
+        };
+        text += &format!("{number}. {}", escaped(source));
+        if !reason.is_empty() {
+            text += &format!("; band: {}", escaped(reason));
+        }
+        text += "\n";
+    }
+    text + "\n"
+}
+
+/// The certificate of each case: the largest figures of its load steps beside their limits.
+fn certificates(found: &Found<'_>) -> String {
+    let names = Certificate::default()
+        .figures()
+        .map(|(name, _)| name.replace('_', " "));
+    let mut text = format!(
+        "## Certificates\n\nThe largest figure of all load steps, relative to its scale; in the last line its limit.\n\n\
+         | Case | Steps | {} |\n|---|---:|{}\n",
+        names.join(" | "),
+        "---:|".repeat(names.len())
+    );
+    let mut limits = String::new();
+    for ((case, _), solved) in found.folder.cases.iter().zip(found.solved) {
+        let Some(solved) = solved else {
+            let _ = writeln!(text, "| {case} | refused |{}", " |".repeat(names.len()));
+            continue;
+        };
+        let figures = worst(solved.steps.iter().map(|step| &step.certificate));
+        let cell = |value: f64| match value {
+            0.0 => "0".to_string(),
+            value => format!("{value:.1e}"),
+        };
+        let values = figures.map(|(relative, limit)| match relative <= limit {
+            true => cell(relative),
+            false => format!("**{}**", cell(relative)),
+        });
+        text += &format!(
+            "| {case} | {} | {} |\n",
+            solved.steps.len(),
+            values.join(" | ")
+        );
+        limits = figures.map(|(_, limit)| cell(limit)).join(" | ");
+    }
+    if !limits.is_empty() {
+        text += &format!("| limit | | {limits} |\n");
+    }
+    text + "\n"
+}
+
+/// The largest relative figures, and their limits.
+fn worst<'c>(certificates: impl Iterator<Item = &'c Certificate>) -> [(f64, f64); 9] {
+    certificates.fold([(0.0, f64::NAN); 9], |mut worst, certificate| {
+        for (most, (_, figure)) in worst.iter_mut().zip(certificate.figures()) {
+            // what is no number is worse than any
+            let larger = figure.relative.is_nan() || figure.relative > most.0;
+            *most = (if larger { figure.relative } else { most.0 }, figure.limit);
+        }
+        worst
+    })
+}
+
+/// The line of a folder in the table of all.
+fn row(title: &str, name: &str, tally: &Tally) -> String {
+    let counts = [
+        tally.cases,
+        tally.certified,
+        tally.within,
+        tally.outside,
+        tally.known,
+        tally.shown,
+    ];
+    let counts = counts.map(|count| number(count as f64));
+    format!(
+        "| [{}]({name}/{PAGE}) | `{name}` | {} |\n",
+        escaped(title),
+        counts.join(" | ")
+    )
+}
+
+/// Words that Markdown takes as they are, also within a table.
+fn escaped(words: &str) -> String {
+    let mut out = String::with_capacity(words.len());
+    for c in words.chars() {
+        if "\\`*_[]|<>$#~".contains(c) {
+            out.push('\\');
+        }
+        out.push(if c == '\n' { ' ' } else { c });
+    }
+    out
+}
+
+/// Writes files into a folder of the book, all or none.
+fn write(files: &[(String, Vec<u8>)], dir: &Path) -> Result<(), Failure> {
+    let written = write_files(files, dir);
+    // the library's words name the option of other commands
+    let refused =
+        |e: dotyk::output::Error| Failure::Message(e.to_string().replace("--out", "--book"));
+    written.map(|_| ()).map_err(refused)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn links_lead_to_pages_and_files_or_become_words() {
+        let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("src");
+        let book = Book {
+            dir: PathBuf::new(),
+            names: vec!["other".to_string()],
+            rows: Vec::new(),
+        };
+        let problem = Problem {
+            title: String::new(),
+            text: "[a](../other), [b](main.rs), [c](../else), [d](https://dml.cz/1) [e]"
+                .to_string(),
+        };
+        let expected = "[a](../other/index.md), [b](main.rs), c, [d](https://dml.cz/1) [e]";
+        assert_eq!(book.linked(&problem, &folder), expected);
+    }
+
+    #[test]
+    fn figures_become_drawings_but_for_those_that_move() {
+        let figure = |title: &str| {
+            let html = format!(
+                "<figure>\n<svg x=\"1\">a</svg>\n<figcaption><b>{title}.</b> It &lt; that.</figcaption>\n</figure>\n"
+            );
+            Picture::of((title.to_string(), html))
+        };
+        let picture = figure("Deformed shape").unwrap();
+        assert_eq!(picture.svg, "<svg x=\"1\">a</svg>\n");
+        assert_eq!(picture.caption, "It &lt; that.");
+        assert!(figure("View that turns").is_none());
+    }
+
+    #[test]
+    fn words_of_markdown_are_escaped() {
+        assert_eq!(escaped("a|b_c\n<d>"), "a\\|b\\_c \\<d\\>");
+    }
+}
