@@ -15,7 +15,7 @@ author = "the authors of dotyk"
 copyright = author
 version = release = tomllib.loads((HERE / "Cargo.toml").read_text())["workspace"]["package"]["version"]
 
-extensions = ["myst_nb", "sphinx.ext.autodoc", "sphinx.ext.napoleon", "mathml"]
+extensions = ["myst_nb", "sphinx.ext.autodoc", "mathml"]
 exclude_patterns = ["requirements.txt"]
 nitpicky = True
 # types of other libraries, and those that are not public
