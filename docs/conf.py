@@ -33,6 +33,7 @@ html_css_files = ["book.css"]
 html_show_sphinx = False
 html_copy_source = False
 pygments_style = "friendly"
+highlight_language = "none"
 
 # The module: its pages need it, and the tutorials are run.
 WITHOUT = tags.has("without_python")  # noqa: F821, a name of Sphinx
