@@ -421,3 +421,82 @@ def test_pictures_and_tables_come_from_friends():
     assert len(column({"pressure": 1.0}, "3d").solve().plot().axes) >= 1
     table = s.contacts["sole"].to_pandas()
     assert np.allclose(table["pressure"], s.contacts["sole"].pressure) and set(table["step"]) == {1}
+
+
+def test_what_a_call_was_given_may_change_afterwards():
+    traction, stress = np.array([0.0, -1e6]), {"xx": 0.0, "yy": 0.0, "zz": 0.0}
+    m = column({"traction": traction})
+    m.bodies["a"].initial_stress(**stress)
+    body = m.body("b", dotyk.rectangle([5, 0], [6, 1], cells=[1, 1]), young=1.0, poisson=0.0, initial_stress=stress)
+    body.fix("bottom", x=0, y=0)
+    traction[:] = 0
+    stress["yy"] = -5.0
+    s = m.solve()
+    assert s.contacts["floor"].resultant[1] == pytest.approx(1e6)
+    assert s.bodies["b"].max_displacement < 1e-12
+
+
+def test_names_like_numbers_or_missing_values_keep_their_rows():
+    for name in ("007", "1e3", "NA", "nan", "True"):
+        m = dotyk.Model("plane-strain")
+        m.body("a", dotyk.rectangle([0, 0], [1, 1], cells=[2, 2]), young=1e6, poisson=0.0).load("top", pressure=1.0).fix(
+            point=[0, 0], x=0
+        )
+        s = m.contact(name, nonmortar="a.bottom", obstacle={"gap": 0.0}).solve()
+        assert len(s.contacts[name].to_pandas()) == len(s.contacts[name].node) == 3
+
+
+def test_as_many_cells_as_nodes_make_no_fields_of_cells():
+    m = dotyk.Model("plane-strain")
+    m.body("r", dotyk.ring(1, 2, cells=[16, 1], cell="tri3"), young=1.0, poisson=0.0).fix("inner", x=0, y=0)
+    fields = m.solve().bodies["r"].to_meshio().point_data
+    assert "offsets" not in fields and "types" not in fields and "displacement" in fields
+
+
+def test_sides_with_facets_of_two_kinds_come_back_from_meshio():
+    plane = dotyk.Mesh(
+        [[0, 0], [1, 0], [1, 1], [0, 1], [2, 0]], {"quad4": [[0, 1, 2, 3]], "tri3": [[1, 4, 2]]}, {"bottom": [[0, 1], [1, 4]]}
+    )
+    solid = dotyk.extrude(plane, height=1, layers=1)
+    again = dotyk.Model("3d").body("x", solid.to_meshio(), young=1.0, poisson=0.0).mesh
+    assert set(again.sides) == {"bottom", "first", "last"}
+
+
+def test_wrong_meshes_of_meshio_are_refused():
+    meshio = pytest.importorskip("meshio")
+    points = [[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0.0]]
+    wrong = [
+        ({"quad": [[0, 1, 2, -1]]}, points, {}),
+        ({"quad": [[0, 1, 2, 9]]}, points, {}),
+        ({"quad": np.array([[0, 1, 2.5, 3]])}, points, {}),
+        ({"quad": [[0, 1, 2, 3]]}, [[*p[:2], 5.0] for p in points], {}),
+        ({"quad": [[0, 1, 2, 3]]}, points, {"s": [np.array([4])]}),
+    ]
+    for cells, at, sets in wrong:
+        with pytest.raises((dotyk.InputError, TypeError)):
+            dotyk.Model("plane-strain").body("z", meshio.Mesh(at, cells, cell_sets=sets), young=1.0, poisson=0.0)
+
+
+def test_names_of_the_user_keep_their_underscores():
+    m = dotyk.Model("plane-strain", parameters={"lambda_": 1e6})
+    body = m.body("a", dotyk.rectangle([0, 0], [1, 2], cells=[2, 4]), young=1e9, poisson=0.0)
+    body.fix("bottom", x=0, y=0).load("top", pressure="lambda_").points(is_=[1, 2]).load(point="is_", force=[1, 0])
+    assert m.solve().bodies["a"].reaction[1] == pytest.approx(1e6)
+
+
+def test_threads_beyond_reason_are_refused_and_nothing_of_a_solution_changes():
+    m = punch()
+    with pytest.raises(dotyk.InputError, match="threads"):
+        m.solve(threads=10_000)
+    s = m.solve()
+    array = s.bodies["punch"].displacement
+    with pytest.raises(ValueError):
+        array.flags.writeable = True
+    with pytest.raises(AttributeError):
+        s.warnings.append("x")
+    with pytest.raises(AttributeError):
+        s.contacts["sole"].resultant.append(1.0)
+    contact, body = pickle.loads(pickle.dumps((s.contacts["sole"], s.bodies["punch"])))
+    assert np.array_equal(contact.gap, s.contacts["sole"].gap) and body.dofs == s.bodies["punch"].dofs
+    with pytest.raises(dotyk.NotConverged):
+        m.solve(method=lambda p: (np.full(len(p.d), np.nan), np.zeros(len(p.e))))

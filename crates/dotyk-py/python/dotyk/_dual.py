@@ -35,7 +35,8 @@ class Block(NamedTuple):
 class Problem:
     """F, d, G, e and the blocks of Λ: what a solver of one's own gets.
 
-    gap = F λ − d − Gᵀα, λ in forces, node by node, contacts in the order of the case.
+    gap = F λ − d − Gᵀα, λ in forces, node by node, contacts in the order of the case. A tangential λ pushes the nonmortar body
+    against its tangent, as a normal one does: shear = −λ / weight, and a tangential gap is −slip, counted from the last step.
     """
 
     def __init__(self, native: Any, product: Callable[[Any], Any] | None = None) -> None:

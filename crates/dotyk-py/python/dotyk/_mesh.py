@@ -64,9 +64,13 @@ class Mesh:
         import numpy as np
 
         try:
+            if np.iscomplexobj(points):
+                raise TypeError
             coordinates = np.ascontiguousarray(points, dtype=np.float64)
         except (TypeError, ValueError):
             raise ArgumentError("`points` is an array of numbers (n, 2 or 3)") from None
+        if coordinates.ndim == 2 and coordinates.shape[1] == 3 and _is_plane(cells) and not coordinates[:, 2].any():
+            coordinates = np.ascontiguousarray(coordinates[:, :2])
         if coordinates.ndim != 2:
             raise InputError(f"`points` has the shape {coordinates.shape}: it must be (n, 2) or (n, 3)")
         if not isinstance(cells, Mapping):
@@ -76,9 +80,10 @@ class Mesh:
         blocks = []
         for key, nodes in cells.items():
             kind, group = key if isinstance(key, tuple) and len(key) == 2 else (key, None)
+            group = None if group is None else _text(group, "a group of cells")
             blocks.append((_text(kind, "a kind of cells"), group, _indices(nodes, f"cells of the kind {kind}")))
         facets = [(_text(name, "a side"), _indices(nodes, f"side `{name}`")) for name, nodes in (sides or {}).items()]
-        places = {name: np.atleast_2d(np.asarray(at, dtype=float)).tolist() for name, at in (named or {}).items()}
+        places = _places(named or {}, coordinates.shape[1])
         self._native = _dotyk.Mesh.of_arrays(coordinates, blocks, facets, places)
 
     @classmethod
@@ -194,8 +199,33 @@ def _restored(points: Any, blocks: Any, sides: Any, named: Any) -> Mesh:
 
 
 def _frozen(array: Any) -> Any:
-    array.flags.writeable = False
-    return array
+    """The same numbers where nobody can make them writeable again: in bytes."""
+    import numpy as np
+
+    return np.frombuffer(array.tobytes(), dtype=array.dtype).reshape(array.shape)
+
+
+def _is_plane(cells: Any) -> bool:
+    kinds = (key[0] if isinstance(key, tuple) and key else key for key in cells)
+    return isinstance(cells, Mapping) and all(kind in _PLANE for kind in kinds)
+
+
+def _places(named: Any, dimension: int) -> dict[str, list[list[float]]]:
+    """Named points, checked."""
+    import numpy as np
+
+    if not isinstance(named, Mapping):
+        raise ArgumentError("`named` is a mapping from names to points")
+    places = {}
+    for name, at in named.items():
+        try:
+            points = np.atleast_2d(np.asarray(at, dtype=float))
+        except (TypeError, ValueError):
+            raise ArgumentError(f"the named point `{name}` is {dimension} numbers") from None
+        if points.ndim != 2 or points.shape[1] != dimension or not np.isfinite(points).all():
+            raise InputError(f"the named point `{name}` is {dimension} finite numbers")
+        places[_text(name, "a point")] = points.tolist()
+    return places
 
 
 def _text(value: Any, what: str) -> str:
@@ -435,17 +465,21 @@ def of_meshio(mesh: Any) -> Mesh:
     import numpy as np
 
     points = np.asarray(mesh.points, dtype=float)
+    if points.ndim != 2 or points.shape[1] not in (2, 3):
+        raise InputError(f"points of meshio have the shape {points.shape}: it must be (n, 2) or (n, 3)")
     solid = any(_KINDS.get(block.type) not in (None, *_PLANE) for block in mesh.cells)
     if not solid and points.shape[1] == 3:
-        if np.ptp(points[:, 2]) > 0:
-            raise InputError("a mesh of the plane has the same z everywhere")
+        if points[:, 2].any():
+            raise InputError("a mesh of the plane has z = 0 everywhere")
         points = points[:, :2]
     kinds = [k for k in _KINDS.values() if (k in _PLANE) != solid]
     tags = _tags(mesh)
     cells: dict[Any, list[Any]] = {}
     sides: dict[str, list[Any]] = {}
     for k, block in enumerate(mesh.cells):
-        kind, nodes = _KINDS.get(block.type), np.asarray(block.data, dtype=np.int64)
+        kind, nodes = _KINDS.get(block.type), _indices(block.data, f"cells of the kind {block.type}")
+        if nodes.size and not (0 <= nodes.min() and nodes.max() < len(points)):
+            raise InputError(f"cells of the kind {block.type}: a node is none of the {len(points)} points")
         if kind in kinds:
             rest = np.ones(len(nodes), bool)
             for name, members in tags.items():
@@ -469,9 +503,33 @@ def of_meshio(mesh: Any) -> Mesh:
     made = {}
     for name, facets in sides.items():
         kept = [[int(number[i]) for i in facet] for facet in facets if all(number[i] >= 0 for i in facet)]
-        if kept and len({len(facet) for facet in kept}) == 1:
+        if kept:
             made[name] = kept
-    return Mesh(points[used], groups, made)
+    own = Mesh(points[used], groups)
+    if not made:
+        return own
+    # facets of one number of nodes at a time
+    facets = [
+        (name, np.array([facet for facet in kept if len(facet) == size], dtype=np.int64))
+        for name, kept in made.items()
+        for size in sorted({len(facet) for facet in kept})
+    ]
+    blocks = [
+        (key[0], key[1], nodes) if isinstance(key, tuple) else (key, None, nodes) for key, nodes in groups.items()
+    ]
+    return Mesh._of(_dotyk.Mesh.of_arrays(np.ascontiguousarray(points[used]), blocks, facets, {}))
+
+
+def _members(own: Any, count: int, name: str) -> Any:
+    """Numbers of cells, which may be given as a mask."""
+    import numpy as np
+
+    array = np.asarray(own)
+    if array.dtype == bool:
+        array = np.flatnonzero(array)
+    if array.size and not (0 <= array.min() and array.max() < count):
+        raise InputError(f"the set `{name}` of meshio names a cell that there is not")
+    return array.astype(np.int64)
 
 
 def _tags(mesh: Any) -> dict[str, list[Any]]:
@@ -482,7 +540,10 @@ def _tags(mesh: Any) -> dict[str, list[Any]]:
     if physical is None:
         none = np.array([], dtype=np.int64)
         return {
-            str(name): [none if own is None else np.asarray(own, dtype=np.int64) for own in members]
+            str(name): [
+                none if own is None else _members(own, len(block.data), str(name))
+                for own, block in zip(members, mesh.cells, strict=True)
+            ]
             for name, members in mesh.cell_sets.items()
             if not str(name).startswith("gmsh:")
         }

@@ -11,7 +11,18 @@ from dotyk import _dotyk
 from dotyk._errors import ArgumentError, InputError
 from dotyk._mesh import Mesh, of_any
 from dotyk._solve import Check, Study, solved, studied
-from dotyk._words import Writer, count_of, keywords, keywords_of, number_of, parameters_of, path_of, quoted, text_of
+from dotyk._words import (
+    Writer,
+    keywords,
+    keywords_of,
+    number_of,
+    parameters_of,
+    path_of,
+    quoted,
+    taken,
+    text_of,
+    threads_of,
+)
 
 if TYPE_CHECKING:
     from dotyk._dual import Dual, Problem
@@ -53,7 +64,7 @@ class Body:
         return Mesh._of(native)
 
     def _add(self, kind: str, entry: dict[str, Any]) -> Body:
-        entry = {key: value for key, value in entry.items() if value is not None}
+        entry = {key: taken(value) for key, value in entry.items() if value is not None}
         base = {key: value for key, value in self._table.items() if key in _BASE}
         listed = [*base.get(kind, []), entry] if kind in _BASE else [entry]
         self._model._try({"body": [{**base, kind: listed}]})
@@ -61,6 +72,7 @@ class Body:
         return self
 
     def _set(self, key: str, value: Any) -> Body:
+        value = taken(value)
         base = {known: own for known, own in self._table.items() if known in _BASE}
         self._model._try({"body": [{**base, key: value}]})
         self._table[key] = value
@@ -245,8 +257,8 @@ class Model:
         parameters_of(parameters)
         head = {"title": title, "source": source, "analysis": analysis, "units": units}
         self._head: dict[str, Any] = {key: value for key, value in head.items() if value is not None}
-        self._parameters: dict[str, Any] = dict(parameters or {})
-        self._drawing = drawing
+        self._parameters: dict[str, Any] = taken(parameters or {})
+        self._drawing = taken(drawing)
         self._lists: dict[str, list[dict[str, Any]]] = {
             key: [] for key in ("body", "contact", "section", "bar", "step", "probe")
         }
@@ -287,9 +299,11 @@ class Model:
         return dimension_of(self._head.get("analysis"))
 
     @property
-    def bodies(self) -> dict[str, Body]:
+    def bodies(self) -> Mapping[str, Body]:
         """The bodies by name."""
-        return {body["name"]: Body(self, body) for body in self._lists["body"]}
+        from dotyk._solution import Named
+
+        return Named("body", {body["name"]: Body(self, body) for body in self._lists["body"]})
 
     @property
     def parameters(self) -> dict[str, Any]:
@@ -334,12 +348,12 @@ class Model:
         own = {key: value for key, value in own.items() if value is not None}
         if own and material is not None:
             raise InputError(f"body `{name}`: give `material` or {', '.join(f'`{key}`' for key in own)}, not both")
-        table = {key: value for key, value in given.items() if value is not None}
-        table["mesh"] = of_any(mesh)
-        table["material"] = material if material is not None else own
+        table = {key: taken(value) for key, value in given.items() if value is not None and key != "mesh"}
+        table["mesh"] = taken(of_any(mesh))
+        table["material"] = taken(material if material is not None else own)
         for kind in ("fix", "spring", "load", "couple"):
-            if kind in table:
-                table[kind] = list(table[kind])
+            if not isinstance(table.get(kind, []), list):
+                raise ArgumentError(f"`{kind}` is a list of tables")
         if any(body["name"] == name for body in self._lists["body"]):
             raise InputError(f"two bodies are named `{name}`")
         self._try({"body": [table]})
@@ -452,7 +466,7 @@ class Model:
         return self
 
     def _add(self, kind: str, values: dict[str, Any]) -> Model:
-        entry = {key: value for key, value in values.items() if key != "self" and value is not None}
+        entry = {key: taken(value) for key, value in values.items() if key != "self" and value is not None}
         text_of(entry.get("name"), "name")
         if any(own["name"] == entry["name"] for own in self._lists[kind]):
             raise InputError(f"two {'bodies' if kind == 'body' else kind + 's'} are named `{entry['name']}`")
@@ -483,7 +497,7 @@ class Model:
     def _text(self, document: Mapping[str, Any], solver: Table, writer: Writer) -> str:
         parts = [writer.entries(self._head, "the model")]
         if self._parameters:
-            parts.append("[parameters]\n" + writer.entries(self._parameters, "parameters"))
+            parts.append("[parameters]\n" + writer.entries(self._parameters, "parameters", names=True))
         if self._drawing is not None:
             parts.append("[drawing]\n" + writer.entries(self._drawing, "the drawing"))
         if solver:
@@ -507,6 +521,7 @@ class Model:
         callback: Callable[[Any], Any] | None = None,
         parameters: Table | None = None,
         progress: bool | None = None,
+        bolt: Any = None,
     ) -> Solution:
         """Solves all load steps; the solution is that of the last, with all of them in ``steps``.
 
@@ -523,8 +538,13 @@ class Model:
         """
         document = self._document()
         if steps is not None:
+            if isinstance(steps, (str, Mapping)) or not hasattr(steps, "__iter__"):
+                raise ArgumentError("`steps` is a list of times, of pairs (name, time) or of tables")
             document = {**document, "step": [_step(step) for step in steps]}
-        case = self._case(document, self._solver, parameters)
+        solver = dict(self._solver)
+        if bolt is not None:
+            solver |= {"method": method if isinstance(method, str) else solver.get("method"), "bolt": taken(bolt)}
+        case = self._case(document, solver, parameters)
         return solved(case, method, tolerance, max_iterations, rho, threads, callback, progress)
 
     def check(self) -> Check:
@@ -549,7 +569,7 @@ class Model:
     def study(self, vary: Table, parameters: Table | None = None, threads: int | None = None) -> Study:
         """Solves the model for all combinations of values of its parameters."""
         case = self._case(self._document(), self._solver, parameters)
-        return studied(case, vary, parameters, count_of(threads, "threads"))
+        return studied(case, vary, parameters, threads_of(threads))
 
     def to_toml(self) -> str:
         """The model as the text of a case file; meshes and functions that no text can say are named by comments."""

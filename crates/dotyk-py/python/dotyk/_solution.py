@@ -55,12 +55,29 @@ class Named(Mapping[str, T], Generic[T]):
         return f"<{', '.join(self._items) or 'none'}>"
 
 
+class Fixed(list[Any]):
+    """A list that never changes."""
+
+    def _refuse(self, *_: Any, **__: Any) -> Any:
+        raise AttributeError("a solution never changes")
+
+    append = extend = insert = remove = pop = clear = sort = reverse = _refuse
+    __setitem__ = __delitem__ = __iadd__ = __imul__ = _refuse
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return Fixed, (list(self),)
+
+
+def _fixed(value: Any) -> Any:
+    return Fixed(value) if type(value) is list else value
+
+
 class _Frozen:
     """Attributes of a table that never change."""
 
     def __init__(self, table: dict[str, Any]) -> None:
         for key, value in table.items():
-            object.__setattr__(self, key, value)
+            object.__setattr__(self, key, _fixed(value))
 
     def __setattr__(self, name: str, value: Any) -> None:
         raise AttributeError("a solution never changes")
@@ -196,9 +213,16 @@ class ContactSolution(_Frozen):
     def to_pandas(self) -> Any:
         """A table of pandas with the columns of ``contact.csv`` and the rows of this step."""
         pandas = friend("pandas", "to_pandas()")
-        table = pandas.read_csv(io.StringIO(self._solution._run.contact_csv()))  # type: ignore[attr-defined]
-        own = (table["contact"].astype(str) == self.name) & (table["step"] == self._solution._step + 1)  # type: ignore[attr-defined]
+        text: str = self._solution._run.contact_csv()  # type: ignore[attr-defined]
+        # names stay words, whatever they look like
+        words = {"contact": str, "status": str, "nonmortar": str, "mortar": str}
+        missing = {head: ["NaN"] for head in text.split("\n", 1)[0].split(",") if head not in words}
+        table = pandas.read_csv(io.StringIO(text), dtype=words, keep_default_na=False, na_values=missing)
+        own = (table["contact"] == self.name) & (table["step"] == self._solution._step + 1)  # type: ignore[attr-defined]
         return table[own].reset_index(drop=True)
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return _part, (self._solution, "contacts", self.name)  # type: ignore[attr-defined]
 
     def __repr__(self) -> str:
         return f"<contact {self.name}: {self.closed} closed, {self.open} open, max pressure {self.max_pressure:.4g}>"
@@ -282,8 +306,7 @@ class BodySolution(_Frozen):
 
     def _fields(self) -> dict[str, Any]:
         """The point arrays of the VTU file."""
-        points = len(self.points)
-        return {name: values for name, values in arrays_of(self._vtu()).items() if len(values) == points and name != "points"}  # type: ignore[attr-defined]
+        return arrays_of(self._vtu())  # type: ignore[attr-defined]
 
     def to_meshio(self) -> Any:
         """A ``meshio.Mesh`` with the fields, and the sides as ``cell_sets``. Needs meshio."""
@@ -308,6 +331,9 @@ class BodySolution(_Frozen):
         for name, values in self._fields().items():
             grid.point_data[name] = values
         return grid
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return _part, (self._solution, "bodies", self.name)  # type: ignore[attr-defined]
 
     def __repr__(self) -> str:
         return f"<body {self.name}: {self.nodes} nodes, max displacement {self.max_displacement:.4g}, max von Mises {self.max_von_mises:.4g}>"
@@ -395,6 +421,8 @@ class Solution(_Frozen):
             own[kind] = Named(kind[:-1], {entry["name"]: _Frozen(entry) for entry in table.get(kind, [])})
         for key, value in own.items():
             object.__setattr__(self, key, value)
+        for body in own["bodies"].values():
+            object.__setattr__(body, "_solution", self)
 
     @keywords
     def probe(
@@ -469,6 +497,10 @@ class Solution(_Frozen):
     def __reduce__(self) -> tuple[Any, ...]:
         whole = self.steps[-1] is self and len(self.steps) == self._run.steps
         return _restored, (_Stored.of(self._run), None if whole else self._step)
+
+
+def _part(solution: Solution, kind: str, name: str) -> Any:
+    return getattr(solution, kind)[name]
 
 
 def _fetch(method: Any, *place: int) -> Any:

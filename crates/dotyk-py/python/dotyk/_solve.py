@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 from dotyk import _dotyk
 from dotyk._errors import ArgumentError, InputError, NotConverged
-from dotyk._words import count_of, friend, keywords, number_of, parameters_of, path_of
+from dotyk._words import count_of, friend, keywords, number_of, parameters_of, path_of, threads_of
 
 if TYPE_CHECKING:
     from dotyk._solution import Solution
@@ -139,7 +139,7 @@ def solved(
             name,
             own,
             (number_of(tolerance, "tolerance"), count_of(max_iterations, "max_iterations"), number_of(rho, "rho")),
-            count_of(threads, "threads"),
+            threads_of(threads),
             _Told(all_of_them) if listeners else None,
         )
     finally:
@@ -149,7 +149,8 @@ def solved(
     if failure is None:
         return Solution._of(run)
     reason, refused = failure
-    if refused:
+    # what an own solver gives is judged, whatever it is
+    if refused and not (own is not None and "returned is no answer" in reason):
         raise InputError(reason)
     raise NotConverged(reason, Solution._of(run) if run.steps else None)
 
@@ -283,6 +284,8 @@ def studied(case: Any, vary: Any, parameters: Any, threads: int | None) -> Study
         raise ArgumentError("`vary` is a mapping from names of parameters to their values")
     varied = []
     for name, values in vary.items():
+        if isinstance(values, (str, bytes)):
+            raise ArgumentError(f"the values of `{name}` are an array of numbers")
         try:
             numbers = [float(value) for value in values]
         except (TypeError, ValueError):
@@ -313,4 +316,4 @@ def study(
         return case.study(vary, parameters, threads)
     pairs = parameters_of(parameters)
     read = _dotyk.Case.of_file(path_of(case, "case"), pairs)
-    return studied(read, vary, parameters, count_of(threads, "threads"))
+    return studied(read, vary, parameters, threads_of(threads))

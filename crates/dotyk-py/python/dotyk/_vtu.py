@@ -1,4 +1,4 @@
-"""The arrays of a VTU file that the library wrote."""
+"""The point arrays of a VTU file that the library wrote."""
 
 from __future__ import annotations
 
@@ -12,10 +12,10 @@ _KINDS = {"Float64": "<f8", "Int64": "<i8", "Int32": "<i4", "UInt8": "u1"}
 
 
 def arrays_of(text: str) -> dict[str, Any]:
-    """Point and cell arrays by name: (n,) or (n, components)."""
+    """Point arrays by name: (n,) or (n, components)."""
     import numpy as np
 
-    piece = ElementTree.fromstring(text).find("UnstructuredGrid/Piece")
+    piece = ElementTree.fromstring(text).find("UnstructuredGrid/Piece/PointData")
     found: dict[str, Any] = {}
     for array in piece.iter("DataArray") if piece is not None else []:
         kind, name = array.get("type", ""), array.get("Name", "")

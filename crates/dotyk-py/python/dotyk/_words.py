@@ -26,6 +26,11 @@ HANDLE = "\ue000"
 #: Keys whose functions give a vector for each point.
 VECTORS = frozenset({"traction", "force", "body_force", "displacement"})
 
+#: Tables whose keys are names of the user.
+_NAMES = frozenset({"points", "surface", "sides", "parameters"})
+#: Tables that messages name.
+_TABLES = frozenset({"initial_stress", "initial_strain", "obstacle", "friction"})
+
 _BARE = re.compile(r"[A-Za-z0-9_-]+\Z")
 
 
@@ -87,6 +92,23 @@ def _checked(function: Callable[P, R], table: str | None) -> Callable[P, R]:
     return call
 
 
+def taken(value: Any, depth: int = 0) -> Any:
+    """A value that later changes of the caller's arrays, lists and tables do not change."""
+    from dotyk._mesh import Mesh
+
+    if depth > 100:
+        raise InputError("a value is nested more than 100 deep")
+    if isinstance(value, (str, bytes, Mesh)) or callable(value):
+        return value
+    if hasattr(value, "tolist") and hasattr(value, "dtype"):
+        return value.tolist()
+    if isinstance(value, Mapping):
+        return {key: taken(own, depth + 1) for key, own in value.items()}
+    if isinstance(value, (list, tuple)):
+        return [taken(own, depth + 1) for own in value]
+    return value
+
+
 class Writer:
     """Writes values as TOML, and collects what no text can say."""
 
@@ -130,7 +152,9 @@ class Writer:
         if isinstance(value, os.PathLike):
             return quoted(os.fspath(value))
         if isinstance(value, Mapping):
-            return self.table(value, place)
+            where = value.get("side") or value.get("point")
+            where = f"{place} on `{where}`" if isinstance(where, str) else place
+            return self.table(value, f"{where}, {key}" if key in _TABLES else where, key in _NAMES)
         if hasattr(value, "tolist") and hasattr(value, "dtype"):
             return self.value(value.tolist(), place, key)
         if callable(value):
@@ -142,20 +166,20 @@ class Writer:
         what = f"{place}, `{key}`" if key else place
         raise ArgumentError(f"{what}: a value of the type {type(value).__name__} means nothing here")
 
-    def table(self, table: Mapping[Any, Any], place: str) -> str:
-        """An inline table; what is ``None`` is left out."""
+    def table(self, table: Mapping[Any, Any], place: str, names: bool = False) -> str:
+        """An inline table; what is ``None`` is left out. Its keys are those of a case file, or names of the user."""
         entries = []
         for key, value in table.items():
             if not isinstance(key, str):
                 raise ArgumentError(f"{place}: keys are strings, not {key!r}")
             if value is not None:
-                own = key_of(key)
+                own = key if names else key_of(key)
                 entries.append(f"{_key(own)} = {self.value(value, place, own)}")
         return "{ " + ", ".join(entries) + " }" if entries else "{}"
 
-    def entries(self, table: Mapping[str, Any], place: str) -> str:
-        """The lines of a table of its own; what is ``None`` is left out."""
-        given = ((key_of(key), value) for key, value in table.items() if value is not None)
+    def entries(self, table: Mapping[str, Any], place: str, names: bool = False) -> str:
+        """The lines of a table of its own, as :meth:`table`."""
+        given = ((key if names else key_of(key), value) for key, value in table.items() if value is not None)
         return "".join(f"{_key(key)} = {self.value(value, place, key)}\n" for key, value in given)
 
 
@@ -221,6 +245,18 @@ def number_of(value: Any, name: str) -> float | None:
         return float(value)
     except (TypeError, ValueError, OverflowError):
         raise ArgumentError(f"`{name}` is a number, not {value!r}") from None
+
+
+#: More threads than this only wait for each other.
+MOST_THREADS = 256
+
+
+def threads_of(value: Any) -> int | None:
+    """A number of threads, or ``None``."""
+    count = count_of(value, "threads")
+    if count is not None and count > MOST_THREADS:
+        raise InputError(f"`threads` is at most {MOST_THREADS}")
+    return count
 
 
 def count_of(value: Any, name: str) -> int | None:
