@@ -26,8 +26,6 @@ mod study;
 mod text;
 mod verify;
 
-pub use keys::TEXT as KEYS;
-
 use clap::{CommandFactory, Parser, Subcommand};
 use std::ffi::OsString;
 

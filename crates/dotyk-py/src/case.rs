@@ -7,7 +7,7 @@ use crate::mesh::Mesh;
 use crate::run::{AnyRun, Run};
 use crate::worker::{Caller, wait};
 use dotyk::case::{AnyCase, CaseError, Given};
-use dotyk::model::{Bolts, Event, Method, SolverOptions, Study, Varied};
+use dotyk::model::{Bolts, Check, Event, Method, SolverOptions, Study, Varied};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use std::path::PathBuf;
@@ -106,7 +106,7 @@ impl Case {
     fn check<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         let case = Arc::clone(&self.case);
         wait(py, &self.caller, None, move |_| {
-            of_any!(&*case, |case| checked(case))
+            of_any!(&*case, |case| checked(case, case.model.check()))
         })?
         .into_dict(py)
     }
@@ -132,16 +132,15 @@ impl Case {
         let case = Arc::new(any);
         let (shared, since) = (Arc::clone(&case), self.since);
         let tell = callback.map(Arc::new);
-        let run = wait(py, &self.caller, threads, move |caller| {
+        let run = wait(py, &self.caller, threads, move |work| {
             let mut observe = |event: Event| {
-                caller.go_on();
                 if let Some(tell) = &tell {
                     let tell = Arc::clone(tell);
-                    caller.ask(move |py| told(py, &tell, &event));
-                    caller.go_on();
+                    work.ask(move |py| told(py, &tell, &event));
                 }
+                work.go_on();
             };
-            let own = own.map(|callable| Own::new(callable, Arc::clone(caller)));
+            let own = own.map(|callable| Own::new(callable, Arc::clone(work)));
             match &*shared {
                 AnyCase::Plane(case) => AnyRun::Plane(match &own {
                     Some(own) => case.run_by(own, &mut observe),
@@ -176,8 +175,8 @@ impl Case {
             log: false,
         });
         let varied: Vec<Varied> = varied.collect();
-        let study = wait(py, &self.caller, threads, move |caller| {
-            let observe = || caller.go_on();
+        let study = wait(py, &self.caller, threads, move |work| {
+            let observe = || work.go_on();
             of_any!(&*case, |case| case.study(&parameters, varied, &observe))
         })?;
         let study = study.map_err(|error| errors::of_case(py, &error, self.file))?;
@@ -295,11 +294,8 @@ struct Checked {
     text: String,
 }
 
-fn checked<const D: usize>(case: &dotyk::case::Case<D>) -> Checked
-where
-    dotyk::model::Model<D>: Checks<D>,
-{
-    let mut check = case.model.checked();
+/// What a check found of a case.
+fn checked<const D: usize>(case: &dotyk::case::Case<D>, mut check: Check<D>) -> Checked {
     case.warn_first(&mut check.warnings);
     let bodies = check.bodies.iter();
     let contacts = check.contacts.iter();
@@ -307,13 +303,8 @@ where
         text: check.to_string(),
         bodies: bodies
             .map(|b| {
-                (
-                    b.name.clone(),
-                    b.size,
-                    b.load.to_vec(),
-                    b.held,
-                    b.floating.clone(),
-                )
+                let load = b.load.to_vec();
+                (b.name.clone(), b.size, load, b.held, b.floating.clone())
             })
             .collect(),
         contacts: contacts
@@ -321,23 +312,6 @@ where
             .collect(),
         errors: check.errors,
         warnings: check.warnings,
-    }
-}
-
-/// A model of either dimension.
-trait Checks<const D: usize> {
-    fn checked(&self) -> dotyk::model::Check<D>;
-}
-
-impl Checks<2> for dotyk::model::Model<2> {
-    fn checked(&self) -> dotyk::model::Check<2> {
-        self.check()
-    }
-}
-
-impl Checks<3> for dotyk::model::Model<3> {
-    fn checked(&self) -> dotyk::model::Check<3> {
-        self.check()
     }
 }
 

@@ -2,7 +2,7 @@
 
 use crate::case::{method_of, of_any};
 use crate::errors;
-use crate::worker::{Caller, wait};
+use crate::worker::{Caller, Work, locked, wait};
 use dotyk::case::AnyCase;
 use dotyk::dual::{Block, Certificate, DualProblem, Friction, Multipliers};
 use dotyk::linalg::SparseVector;
@@ -12,7 +12,7 @@ use numpy::{PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray1};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use std::sync::mpsc::{Sender, channel};
-use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::sync::{Arc, Mutex};
 
 /// F is an array up to so many unknowns.
 const ARRAY: usize = 2000;
@@ -134,10 +134,6 @@ impl Problem {
 
 /// Why there is no product.
 const OTHER_LENGTH: &str = "the vector has another length than F";
-
-fn locked<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
-    mutex.lock().unwrap_or_else(PoisonError::into_inner)
-}
 
 /// F by columns, which are its rows.
 fn columns(problem: &DualProblem) -> Vec<f64> {
@@ -325,15 +321,15 @@ fn run_of<const D: usize>(
 /// A solver written in Python: a callable that gets a [`Problem`] and gives λ and α.
 pub struct Own {
     callable: Arc<Py<PyAny>>,
-    caller: Arc<Caller>,
+    work: Arc<Work>,
 }
 
 impl Own {
-    /// The callable, and who calls it.
-    pub fn new(callable: Py<PyAny>, caller: Arc<Caller>) -> Self {
+    /// The callable, and the work that calls it.
+    pub fn new(callable: Py<PyAny>, work: Arc<Work>) -> Self {
         Self {
             callable: Arc::new(callable),
-            caller,
+            work,
         }
     }
 }
@@ -354,7 +350,7 @@ impl ContactSolver for Own {
         copied.products = Mutex::new(Some(products));
         let answer = std::thread::scope(|scope| {
             let answer = scope.spawn(|| {
-                self.caller.ask(move |py| {
+                self.work.ask(move |py| {
                     let copied = Py::new(py, copied)?;
                     let answer = callable.call1(py, (&copied,));
                     // whoever keeps the problem can make no product any more
@@ -372,7 +368,7 @@ impl ContactSolver for Own {
             }
             answer.join().ok().flatten()
         });
-        self.caller.go_on();
+        self.work.go_on();
         let answer =
             answer.ok_or_else(|| SolveError::Invalid("the solver gave no answer".to_string()))?;
         Ok(Outcome::new(answer, 1))

@@ -30,7 +30,6 @@ pub fn fields(function: Function, caller: &Arc<Caller>) -> Vec<Field> {
     let sampler: Box<Sampler> = Box::new(move |points, t| {
         let (function, points) = (Arc::clone(&function), points.to_vec());
         let values = caller.ask(move |py| called(py, &function, points, t));
-        caller.go_on();
         values.unwrap_or_default()
     });
     Field::sampled(&name, size, sampler)

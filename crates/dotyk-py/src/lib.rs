@@ -24,7 +24,7 @@ mod module {
     #[pymodule_export]
     use super::run::Run;
     #[pymodule_export]
-    use super::{command, keys, meaning, nearest, to_json, version};
+    use super::{command, keys, nearest, to_json, version};
 }
 
 /// Runs the command with its arguments, its own name the first of them; the exit status.
@@ -40,12 +40,6 @@ fn keys() -> Vec<(&'static str, Vec<&'static str>)> {
     tables
         .map(|(table, keys)| (*table, keys.to_vec()))
         .collect()
-}
-
-/// What `dotyk help keys` prints.
-#[pyfunction]
-fn meaning() -> &'static str {
-    dotyk_cli::KEYS
 }
 
 /// A text of a case file as JSON.

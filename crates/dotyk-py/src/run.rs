@@ -45,15 +45,6 @@ macro_rules! of_both {
 
 #[pymethods]
 impl Run {
-    /// Every step has its certificate.
-    #[getter]
-    fn certified(&self) -> bool {
-        match &*self.run {
-            AnyRun::Plane(run) => run.certified(),
-            AnyRun::Space(run) => run.certified(),
-        }
-    }
-
     /// Why it ended early, in words, and whether the input was wrong; `None` if it did not.
     #[getter]
     fn failure(&self) -> Option<(String, bool)> {

@@ -2,14 +2,14 @@
 //! and answers what the work asks of Python.
 //!
 //! Callables are called on the thread that asked for the work, one at a time. An exception, Ctrl-C among them, ends the wait at
-//! once; the work unwinds at the next thing that it tells or asks.
+//! once; the work unwinds at the next thing that it tells or asks. The next piece of work knows nothing of it.
 
-use pyo3::exceptions::PyRuntimeError;
+use crate::errors;
 use pyo3::prelude::*;
 use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, channel};
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::thread::Builder;
 use std::time::Duration;
 
@@ -22,33 +22,45 @@ const STACK: usize = 64 << 20;
 /// Something to do with the interpreter.
 type Call = Box<dyn FnOnce(Python<'_>) + Send>;
 
-/// The way from the work to the thread that waits for it.
-#[derive(Default)]
-pub struct Caller {
-    /// Nobody waits where there is none.
-    calls: Mutex<Option<Sender<Call>>>,
+/// What the work unwinds with when nobody wants its result any more.
+struct Ended;
+
+/// What a mutex guards, also after a panic elsewhere.
+pub fn locked<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
+    mutex.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+/// One piece of work, and the way from it to the thread that waits for it.
+pub struct Work {
+    calls: Mutex<Sender<Call>>,
     raised: Mutex<Option<PyErr>>,
     ended: AtomicBool,
 }
 
-/// What the work unwinds with when nobody wants its result any more.
-struct Ended;
-
-fn locked<T>(mutex: &Mutex<T>) -> std::sync::MutexGuard<'_, T> {
-    mutex.lock().unwrap_or_else(PoisonError::into_inner)
-}
-
-impl Caller {
-    /// Whether the result is still wanted.
-    pub fn is_ended(&self) -> bool {
-        self.ended.load(Ordering::Relaxed)
-    }
-
+impl Work {
     /// Unwinds where the result is not wanted any more.
     pub fn go_on(&self) {
-        if self.is_ended() {
+        if self.ended.load(Ordering::Relaxed) {
             resume_unwind(Box::new(Ended));
         }
+    }
+
+    /// Does something with the interpreter on the thread that waits; `None` where it raised an exception, or where the result is
+    /// not wanted any more.
+    pub fn ask<T: Send + 'static>(
+        self: &Arc<Self>,
+        call: impl FnOnce(Python<'_>) -> PyResult<T> + Send + 'static,
+    ) -> Option<T> {
+        let (reply, answer) = channel();
+        let work = Arc::clone(self);
+        let call: Call = Box::new(move |py| match call(py) {
+            // whoever asked may have gone
+            Ok(value) => drop(reply.send(value)),
+            Err(error) => work.end(Some(error)),
+        });
+        // nobody hears it where the wait is over
+        locked(&self.calls).send(call).ok()?;
+        answer.recv().ok()
     }
 
     fn end(&self, error: Option<PyErr>) {
@@ -57,90 +69,91 @@ impl Caller {
         }
         self.ended.store(true, Ordering::Relaxed);
     }
+}
 
-    /// Does something with the interpreter, on the thread that waits if there is one; `None` where it raised an exception, or
-    /// where something before it has.
+/// Whom the functions of a case ask: the pieces of work that go on, each of which has somebody who waits.
+#[derive(Default)]
+pub struct Caller(Mutex<Vec<Arc<Work>>>);
+
+impl Caller {
+    /// As [`Work::ask`] of the last piece of work that has an answer; `None` where none has.
     pub fn ask<T: Send + 'static>(
-        self: &Arc<Self>,
-        work: impl FnOnce(Python<'_>) -> PyResult<T> + Send + 'static,
+        &self,
+        call: impl FnOnce(Python<'_>) -> PyResult<T> + Clone + Send + 'static,
     ) -> Option<T> {
-        if self.is_ended() {
-            return None;
-        }
-        let sender = locked(&self.calls).clone();
-        let Some(sender) = sender else {
-            return Python::attach(|py| self.told(work(py)));
-        };
-        let (reply, answer) = channel();
-        let caller = Arc::clone(self);
-        let call: Call = Box::new(move |py| {
-            // whoever asked may have gone
-            let _ = reply.send(caller.told(work(py)));
-        });
-        sender.send(call).ok()?;
-        answer.recv().ok().flatten()
-    }
-
-    fn told<T>(&self, result: PyResult<T>) -> Option<T> {
-        result.map_err(|error| self.end(Some(error))).ok()
+        let works = locked(&self.0).clone();
+        works.iter().rev().find_map(|work| work.ask(call.clone()))
     }
 }
 
 /// Does work on a thread of its own, with so many threads for its parallel parts, and waits for it.
 ///
-/// Errors: an exception of what the work asked for, of a signal handler; threads that cannot be started.
+/// Errors: an exception of what the work asked for, of a signal handler; threads that cannot be started; a panic.
 pub fn wait<T: Send + 'static>(
     py: Python<'_>,
     caller: &Arc<Caller>,
     threads: Option<usize>,
-    work: impl FnOnce(&Arc<Caller>) -> T + Send + 'static,
+    work: impl FnOnce(&Arc<Work>) -> T + Send + 'static,
 ) -> PyResult<T> {
-    let (calls, called) = channel::<Call>();
-    *locked(&caller.calls) = Some(calls);
-    let own = Arc::clone(caller);
+    let (calls, called) = channel();
     let (done, finished) = channel();
+    let own = Arc::new(Work {
+        calls: Mutex::new(calls),
+        raised: Mutex::default(),
+        ended: AtomicBool::new(false),
+    });
+    locked(&caller.0).push(Arc::clone(&own));
+    let shared = Arc::clone(&own);
     let all = move || {
         let result = catch_unwind(AssertUnwindSafe(|| match threads {
-            None => Ok(work(&own)),
+            None => Ok(work(&shared)),
             Some(threads) => rayon::ThreadPoolBuilder::new()
                 .num_threads(threads)
                 .build()
-                .map(|pool| pool.install(|| work(&own)))
+                .map(|pool| pool.install(|| work(&shared)))
                 .map_err(|error| error.to_string()),
         }));
-        // the sender goes with the work: who waits for calls wakes up
-        *locked(&own.calls) = None;
+        // whoever waits looks for it at once
         let _ = done.send(result);
+        let _ = locked(&shared.calls).send(Box::new(|_| ()));
     };
     let started = Builder::new().stack_size(STACK).spawn(all);
-    started.map_err(|error| PyRuntimeError::new_err(format!("cannot start a thread: {error}")))?;
-    answer(py, caller, Mutex::new(called))?;
-    let result = py.detach(move || finished.recv());
-    if let Some(error) = locked(&caller.raised).take() {
-        return Err(error);
-    }
-    match result {
-        Ok(Ok(Ok(value))) => Ok(value),
-        Ok(Ok(Err(error))) => Err(PyRuntimeError::new_err(error)),
-        _ => Err(crate::errors::internal(py)),
+    let result = match started {
+        Ok(_) => answer(py, &own, &Mutex::new(called), &Mutex::new(finished)),
+        Err(error) => Err(errors::input(py, format!("cannot start a thread: {error}"))),
+    };
+    locked(&caller.0).retain(|other| !Arc::ptr_eq(other, &own));
+    match result? {
+        Ok(Ok(value)) => Ok(value),
+        Ok(Err(error)) => Err(errors::input(py, error)),
+        Err(_) => Err(errors::internal(py)),
     }
 }
 
-/// Answers calls until the work is done, or its result is not wanted any more.
-fn answer(py: Python<'_>, caller: &Arc<Caller>, called: Mutex<Receiver<Call>>) -> PyResult<()> {
+/// Answers calls until the work is done.
+///
+/// Errors: an exception of a call or of a signal handler; then the result is not wanted any more.
+fn answer<T: Send>(
+    py: Python<'_>,
+    work: &Work,
+    called: &Mutex<Receiver<Call>>,
+    finished: &Mutex<Receiver<T>>,
+) -> PyResult<T> {
     loop {
-        match py.detach(|| locked(&called).recv_timeout(PATIENCE)) {
+        match py.detach(|| locked(called).recv_timeout(PATIENCE)) {
             Ok(call) => call(py),
             Err(RecvTimeoutError::Timeout) => {}
-            Err(RecvTimeoutError::Disconnected) => return Ok(()),
+            Err(RecvTimeoutError::Disconnected) => return Err(errors::internal(py)),
         }
         if let Err(error) = py.check_signals() {
-            caller.end(None);
+            work.end(None);
             return Err(error);
         }
-        if caller.is_ended() {
-            let raised = locked(&caller.raised).take();
-            return Err(raised.unwrap_or_else(|| crate::errors::internal(py)));
+        if let Some(error) = locked(&work.raised).take() {
+            return Err(error);
+        }
+        if let Ok(result) = locked(finished).try_recv() {
+            return Ok(result);
         }
     }
 }

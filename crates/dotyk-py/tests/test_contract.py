@@ -500,3 +500,19 @@ def test_threads_beyond_reason_are_refused_and_nothing_of_a_solution_changes():
     assert np.array_equal(contact.gap, s.contacts["sole"].gap) and body.dofs == s.bodies["punch"].dofs
     with pytest.raises(dotyk.NotConverged):
         m.solve(method=lambda p: (np.full(len(p.d), np.nan), np.zeros(len(p.e))))
+
+
+def test_a_solution_stays_usable_after_an_interrupted_call():
+    m = dotyk.Model("plane-strain")
+    body = m.body("a", dotyk.rectangle([0, 0], [1, 1], cells=[200, 200]), young=1.0, poisson=0.3)
+    s = body.fix("bottom", x=0, y=0).load("top", pressure=1.0) and m.solve()
+    import _thread
+
+    timer = threading.Timer(0.02, _thread.interrupt_main)
+    timer.start()
+    with pytest.raises(KeyboardInterrupt):
+        for _ in range(1000):
+            s.report()
+    timer.join()
+    assert s.report().startswith("<!DOCTYPE html>")
+    assert s.probe("a.reaction.y") == pytest.approx(1.0)

@@ -18,7 +18,6 @@ from dotyk._words import (
     number_of,
     parameters_of,
     path_of,
-    quoted,
     taken,
     text_of,
     threads_of,
@@ -570,17 +569,6 @@ class Model:
         """Solves the model for all combinations of values of its parameters."""
         case = self._case(self._document(), self._solver, parameters)
         return studied(case, vary, parameters, threads_of(threads))
-
-    def to_toml(self) -> str:
-        """The model as the text of a case file; meshes and functions that no text can say are named by comments."""
-        writer = Writer(self.dimension)
-        text = self._text(self._document(), self._solver, writer)
-        for k, _ in enumerate(writer.meshes):
-            text = text.replace(f'"\ue000{k}"', quoted(f"mesh-{k}.vtu"))
-        for k, (_, _, name, _) in enumerate(writer.functions):
-            for c in range(3):
-                text = text.replace(f'"\ue000{k}.{c}"', quoted(f"<{name}>"))
-        return text
 
     def __repr__(self) -> str:
         title = self._head.get("title")

@@ -18,6 +18,7 @@ use crate::fem::elasticity::Lame;
 use crate::fem::error::FemError;
 use crate::fem::loads::{Load, add_body_force, prepare_within};
 use crate::fem::nouns::{Analysis, Body, Place};
+use crate::fem::stress::sampled_points;
 use crate::fem::supports::{finite, nearest_node};
 use crate::geometry::{Field, Point, add_scaled, norm};
 use crate::mesh::{CellBlock, Facet};
@@ -149,6 +150,16 @@ impl Initial {
         }
     }
 
+    /// Prepares both wherever they are asked for, those of the recovery of stresses among them.
+    fn prepare<const D: usize>(&self, body: &Body<D>, time: f64) {
+        if let Some(stress) = &self.stress {
+            prepare_within(body, &stress.0, || body.mesh.points().to_vec(), time);
+        }
+        if let Some(strain) = &self.strain {
+            prepare_within(body, &strain.0, || sampled_points(&body.mesh), time);
+        }
+    }
+
     /// The nodal forces that hold σ₀ − Cε₀ in each cell of a block, (nodes of the block's cells,), in global axes:
     /// ∫ σ·∇Nₐ dV of the cell alone, with thickness or 2πr. `None` where there is nothing.
     ///
@@ -164,8 +175,7 @@ impl Initial {
             return Ok(None);
         }
         let law = (Lame::new(body.elastic(block)?, analysis), analysis);
-        let fields = [&self.stress, &self.strain].into_iter().flatten();
-        prepare_within(body, fields.flat_map(|components| &components.0), time);
+        self.prepare(body, time);
         let table = CellTable::<D>::new(block.kind, body_degree(block.kind.order()));
         let k = block.kind.nodes();
         let mut forces = vec![[0.0; D]; block.nodes.len()];

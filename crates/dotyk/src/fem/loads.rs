@@ -7,7 +7,7 @@ use crate::fem::nouns::{Active, Analysis, Body, Place};
 use crate::fem::quadrature::{self, QuadraturePoint};
 use crate::fem::supports::{describe, finite, nearest_node, side_facets};
 use crate::geometry::{Field, Point, add_scaled, norm};
-use crate::mesh::{CellKind, Facet, MAX_FACET_NODES};
+use crate::mesh::{CellKind, Facet, MAX_FACET_NODES, Mesh};
 use std::collections::BTreeMap;
 use std::rc::Rc;
 
@@ -282,25 +282,35 @@ fn add_load<const D: usize>(
     Ok(size)
 }
 
-/// Prepares fields at all points of integration of body forces and initial stresses.
+/// Prepares fields at all points of integration of body forces and initial stresses, and at others.
 pub(crate) fn prepare_within<'f, const D: usize>(
     body: &Body<D>,
     fields: impl IntoIterator<Item = &'f Field> + Clone,
+    others: impl FnOnce() -> Vec<Point<D>>,
     time: f64,
 ) {
-    if !fields.clone().into_iter().any(Field::is_sampled) {
-        return;
+    if fields.clone().into_iter().any(Field::is_sampled) {
+        let within = |kind: CellKind| CellTable::new(kind, body_degree(kind.order()));
+        let points = points_within(&body.mesh, within).into_iter();
+        Field::prepare(fields, points.chain(others()), time);
     }
-    let nodes = body.mesh.points();
+}
+
+/// The places of the points of a table in all cells of a mesh.
+pub(crate) fn points_within<const D: usize>(
+    mesh: &Mesh<D>,
+    table: impl Fn(CellKind) -> CellTable<D>,
+) -> Vec<Point<D>> {
+    let nodes = mesh.points();
     let mut points = Vec::new();
-    for block in body.mesh.blocks() {
-        let table = CellTable::<D>::new(block.kind, body_degree(block.kind.order()));
+    for block in mesh.blocks() {
+        let table = table(block.kind);
         for cell in block.cells() {
             let at = |q| table.map(q, |local| nodes[cell[local] as usize]).0;
             points.extend((0..table.len()).map(at));
         }
     }
-    Field::prepare(fields, points, time);
+    points
 }
 
 /// ∫N dV of every node, (nodes,), with thickness or 2πr: a nodal field times it sums to the field's integral.
@@ -397,7 +407,7 @@ pub(crate) fn add_body_force<const D: usize>(
     {
         return Ok(size);
     }
-    prepare_within(body, &body.body_force, time);
+    prepare_within(body, &body.body_force, Vec::new, time);
     let mesh = &body.mesh;
     for block in mesh.blocks() {
         let table = CellTable::<D>::new(block.kind, body_degree(block.kind.order()));

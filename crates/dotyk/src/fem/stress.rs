@@ -9,9 +9,10 @@ use crate::fem::block::{Cells, Deformation};
 use crate::fem::cells::CellTable;
 use crate::fem::elasticity::Lame;
 use crate::fem::error::FemError;
+use crate::fem::loads::points_within;
 use crate::fem::nouns::{Analysis, Body};
 use crate::geometry::Point;
-use crate::mesh::{CellBlock, CellKind};
+use crate::mesh::{CellBlock, CellKind, Mesh};
 use rayon::prelude::*;
 
 /// Recovered total stress (xx yy zz xy yz xz) at every node of a body with the given nodal displacements at a time. An initial
@@ -170,6 +171,11 @@ fn sampling_points(kind: CellKind) -> Vec<([f64; 3], f64)> {
     corners
         .map(|&corner| (drawn(kind, corner, kind.sampling()), weight))
         .collect()
+}
+
+/// The places in all cells where the stress is sampled.
+pub(crate) fn sampled_points<const D: usize>(mesh: &Mesh<D>) -> Vec<Point<D>> {
+    points_within(mesh, |kind| CellTable::at(kind, &sampling_points(kind)))
 }
 
 /// Weights of the samples at each node of the cell: the linear shape functions of the samples, evaluated there.

@@ -5,67 +5,77 @@
 //! to the last bit of the coordinates.
 
 use crate::geometry::{Point, padded};
-use std::collections::HashMap;
-use std::collections::hash_map::Entry;
+use std::collections::{HashMap, HashSet};
 use std::fmt;
 use std::ops::{Add, Mul};
 use std::sync::{Arc, Mutex, PoisonError};
 
 type Function = dyn Fn([f64; 3], f64) -> f64 + Send + Sync;
 
-/// Answers with the values of `size` components at some points and a time, point by point, (points · size,); of another length, or
-/// not finite, where it has none.
+/// Answers with the values of `size` components at some points and a time, point by point, (points · size,); of another length
+/// where it has none.
 pub type Sampler = dyn Fn(&[[f64; 3]], f64) -> Vec<f64> + Send + Sync;
 
-/// What a sampler has answered at one time, by the bits of the points.
-#[derive(Default)]
-struct Answers {
-    time: f64,
-    values: HashMap<[u64; 3], Box<[f64]>>,
-}
+/// Values at one time, by the bits of the points.
+type Values = HashMap<[u64; 3], Box<[f64]>>;
 
-/// A sampler and its answers.
+/// So many points are remembered beyond those of the present time.
+const REMEMBERED: usize = 1 << 20;
+
+/// A sampler and what it has answered, the latest time last.
 struct Samples {
     size: usize,
     sampler: Box<Sampler>,
-    answers: Mutex<Answers>,
+    answers: Mutex<Vec<(u64, Values)>>,
+}
+
+fn bits(point: &[f64; 3]) -> [u64; 3] {
+    point.map(f64::to_bits)
 }
 
 impl Samples {
-    /// Asks for those of the points that have no answer yet.
-    fn prepare(&self, points: &[[f64; 3]], time: f64) {
+    /// Asks for those of the points that have no answer yet, and does something with all answers at that time.
+    fn with<T>(&self, points: &[[f64; 3]], time: f64, then: impl FnOnce(&Values) -> T) -> T {
         let mut answers = self.answers.lock().unwrap_or_else(PoisonError::into_inner);
-        if answers.time.to_bits() != time.to_bits() {
-            answers.time = time;
-            answers.values.clear();
-        }
-        let bits = |point: &[f64; 3]| point.map(f64::to_bits);
-        let mut asked: Vec<[f64; 3]> = Vec::new();
-        for point in points {
-            // no answer until there is one: it keeps a point from being asked for twice
-            if let Entry::Vacant(place) = answers.values.entry(bits(point)) {
-                place.insert(Box::default());
-                asked.push(*point);
+        let place = answers
+            .iter()
+            .position(|(known, _)| *known == time.to_bits());
+        let place = place.unwrap_or_else(|| {
+            let mut kept: usize = answers.iter().map(|(_, values)| values.len()).sum();
+            answers.retain(|(_, values)| {
+                let stays = kept <= REMEMBERED;
+                kept -= if stays { 0 } else { values.len() };
+                stays
+            });
+            answers.push((time.to_bits(), Values::new()));
+            answers.len() - 1
+        });
+        let values = &mut answers[place].1;
+        let mut seen = HashSet::new();
+        let missing =
+            |point: &&[f64; 3]| !values.contains_key(&bits(point)) && seen.insert(bits(point));
+        let asked: Vec<[f64; 3]> = points.iter().filter(missing).copied().collect();
+        if !asked.is_empty() {
+            let found = (self.sampler)(&asked, time);
+            if found.len() == asked.len() * self.size {
+                let found = found.chunks_exact(self.size).map(Box::from);
+                values.extend(asked.iter().map(bits).zip(found));
             }
         }
-        if asked.is_empty() {
-            return;
-        }
-        let values = (self.sampler)(&asked, time);
-        let mut values = values.chunks_exact(self.size);
-        for point in &asked {
-            let own = values.next().unwrap_or_default();
-            answers.values.insert(bits(point), own.into());
-        }
+        then(values)
+    }
+
+    /// Asks for those of the points that have no answer yet.
+    fn prepare(&self, points: &[[f64; 3]], time: f64) {
+        self.with(points, time, |_| ());
     }
 
     /// A component at a point; not a number where there is no answer.
     fn at(&self, component: usize, point: [f64; 3], time: f64) -> f64 {
-        self.prepare(&[point], time);
-        let answers = self.answers.lock().unwrap_or_else(PoisonError::into_inner);
-        let found = answers.values.get(&point.map(f64::to_bits));
-        let value = found.and_then(|values| values.get(component));
-        value.copied().unwrap_or(f64::NAN)
+        self.with(&[point], time, |values| {
+            let value = values.get(&bits(&point)).and_then(|own| own.get(component));
+            value.copied().unwrap_or(f64::NAN)
+        })
     }
 }
 
@@ -271,9 +281,10 @@ mod tests {
         assert_eq!(fields[1].at([1.0, 2.0], 0.5), 2.0);
         assert_eq!(CALLS.load(Ordering::Relaxed), 1);
         assert_eq!(fields[1].to_string(), "f[1]");
-        // at another time, or at a place that nobody prepared, it is asked again
+        // at another time, or at a place that nobody prepared, it is asked again; what it once said it is not asked twice
         assert_eq!(fields[0].at([1.0, 2.0], 1.0), 2.0);
         assert_eq!(fields[0].at([9.0, 2.0], 1.0), 10.0);
+        assert_eq!(fields[0].at([3.0, 4.0], 0.5), 3.5);
         assert_eq!(CALLS.load(Ordering::Relaxed), 3);
     }
 

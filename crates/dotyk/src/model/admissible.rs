@@ -3,7 +3,7 @@
 use crate::contact::{ContactError, Coupling, Role};
 use crate::dual::{AdmissibleSet, Block};
 use crate::fem::{CoupleKind, show};
-use crate::geometry::Field;
+use crate::geometry::{Field, Point};
 use crate::mesh::CellKind;
 use crate::model::error::Error;
 use crate::model::nouns::{Contact, Model};
@@ -25,8 +25,7 @@ pub(crate) fn admissible_set<const D: usize>(
         let carriers = pair.interface.nodes.iter().enumerate();
         let carriers = carriers.filter(|(_, node)| node.role == Role::Multiplier);
         if let (Kind::Contact, Some(contact)) = (pair.kind, model.contacts.get(index)) {
-            let places = carriers.clone().map(|(_, node)| points[node.node]);
-            Field::prepare(contact.law.fields(), places, time);
+            prepare_law(contact, pair, points, time);
         }
         for (place, node) in carriers {
             let size = node.rows.iter().flatten().count();
@@ -52,6 +51,19 @@ pub(crate) fn admissible_set<const D: usize>(
         }
     }
     Ok(AdmissibleSet::new(blocks))
+}
+
+/// Prepares the numbers of a contact's law at its nodes.
+pub(crate) fn prepare_law<const D: usize>(
+    contact: &Contact<D>,
+    pair: &Paired<D>,
+    points: &[Point<D>],
+    time: f64,
+) {
+    let nodes = pair.interface.nodes.iter();
+    let carriers = nodes.filter(|node| node.role == Role::Multiplier);
+    let places = carriers.map(|node| points[node.node]);
+    Field::prepare(contact.law.fields(), places, time);
 }
 
 /// Coefficient or bound of friction at a point.

@@ -14,6 +14,7 @@
 use crate::contact::{ContactError, InterfaceNode};
 use crate::dual::NONE;
 use crate::fem::show;
+use crate::model::admissible::prepare_law;
 use crate::model::condense::Condensed;
 use crate::model::error::Error;
 use crate::model::judge::Judged;
@@ -81,6 +82,7 @@ pub(crate) fn set_base<const D: usize>(
         };
         pair.base = vec![0.0; pair.interface.nonmortar.len()];
         let points = model.bodies[pair.nonmortar.body.0].mesh.points();
+        prepare_law(contact, pair, points, time);
         for (node, lost) in pair.interface.nodes.iter().zip(&pair.lost) {
             let (Some(row), false) = (node.rows[0], lost) else {
                 continue;
