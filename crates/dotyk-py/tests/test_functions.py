@@ -108,3 +108,43 @@ def agree(seed):
 @pytest.mark.parametrize("seed", range(40))
 def test_functions_give_what_expressions_give(seed):
     assert agree(seed)
+
+
+@pytest.mark.parametrize("kind", ["plane-strain", "plane-stress", "axisymmetric", "3d"])
+def test_functions_are_asked_once_in_each_place_and_step(kind):
+    asked = []
+
+    def numbers(name, value, vector=False):
+        def function(points, t):
+            asked.append((name, t))
+            values = np.zeros_like(points if vector else points[:, 0])
+            values[..., -1 if vector else slice(None)] = value
+            return values
+
+        return function
+
+    space, first = kind == "3d", 1.0 if kind == "axisymmetric" else 0.0
+    corner = [first + 2.0, 1.0] + [1.0] * space
+    make = dotyk.box if space else dotyk.rectangle
+    mesh = make([first, 0.0] + [0.0] * space, corner, cells=[4, 2] + [2] * space)
+    m = dotyk.Model(kind)
+    body = m.body("a", mesh, young=1e6, poisson=0.3)
+    body.fix("left", x=numbers("held", 0.0))
+    if space:
+        body.fix("front", y=0)
+    body.body_force(numbers("weight", -1.0, True))
+    body.load("top", traction=numbers("traction", -5.0, True)).load("right", pressure=numbers("pressure", 1.0))
+    body.load("top", force=numbers("resultant", -3.0, True)).load(point=corner, force=numbers("force", -1.0, True))
+    body.initial_stress(xx=numbers("stress", -2.0), yy=0, zz=0).initial_strain(isotropic=numbers("strain", 1e-6))
+    joint = {"coulomb": numbers("coefficient", 0.4), "cohesion": numbers("cohesion", 0.1), "tension": numbers("tension", 0.05)}
+    m.contact("floor", nonmortar="a.bottom", obstacle={"gap": numbers("gap", 1e-6)}, friction=joint)
+    times = [0.5, 1.0, 1.5]
+    s = m.solve(steps=times)
+    names = {name for name, _ in asked}
+    assert len(names) == 12
+    for name in names:
+        assert [t for own, t in asked if own == name] == times
+    # what they said is remembered: results ask for nothing new
+    asked.clear()
+    assert all(np.isfinite(step.bodies["a"].stress).all() for step in s.steps)
+    assert not asked
