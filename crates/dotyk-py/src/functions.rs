@@ -5,6 +5,7 @@ use crate::mesh::rows;
 use crate::worker::Caller;
 use dotyk::geometry::{Field, Sampler};
 use numpy::{PyReadonlyArrayDyn, PyUntypedArrayMethods};
+use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
 use std::sync::Arc;
 
@@ -42,41 +43,42 @@ fn called(
     t: f64,
 ) -> PyResult<Vec<f64>> {
     let count = points.len();
-    let points = match function.dimension {
+    let array = match function.dimension {
         2 => rows(py, points.iter().map(|p| [p[0], p[1]]).collect())?.into_any(),
-        _ => rows(py, points)?.into_any(),
+        _ => rows(py, points.clone())?.into_any(),
     };
-    let found = function.callable.call1(py, (points, t))?;
+    let found = function.callable.call1(py, (array, t))?;
     let shape: Vec<usize> = [Some(count), function.components]
         .into_iter()
         .flatten()
         .collect();
-    let array = py
-        .import("numpy")?
-        .call_method1("asarray", (found, "float64"))
-        .map_err(|_| {
-            refused(
-                py,
-                function,
-                &shape,
-                "something that is no array of numbers",
-            )
-        })?;
+    let Ok(array) = numbers(py, found.bind(py)) else {
+        let told = "something that is no array of numbers";
+        return Err(refused(py, function, &shape, told));
+    };
     let values: PyReadonlyArrayDyn<'_, f64> = array.extract()?;
     if values.shape() != shape {
         let told = format!("the shape {}", told(values.shape()));
         return Err(refused(py, function, &shape, &told));
     }
     let values: Vec<f64> = values.as_array().iter().copied().collect();
-    match values.iter().find(|value| !value.is_finite()) {
-        None => Ok(values),
-        Some(value) => {
-            let message = format!(
-                "{}: {} gave {value}: values must be finite",
-                function.place, function.name
-            );
-            Err(errors::input(py, message))
-        }
+    let Some(wrong) = values.iter().position(|value| !value.is_finite()) else {
+        return Ok(values);
+    };
+    let at = &points[wrong / function.components.unwrap_or(1)][..function.dimension];
+    let (place, name, value) = (&function.place, &function.name, values[wrong]);
+    let message = format!("{place}: {name} gave {value} at {at:?}: values must be finite");
+    Err(errors::input(py, message))
+}
+
+/// Real numbers of any kind as an array of floats. Errors: something else, such as words or complex numbers.
+fn numbers<'py>(py: Python<'py>, found: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
+    let numpy = py.import("numpy")?;
+    let array = numpy.call_method1("asarray", (found,))?;
+    let kind: String = array.getattr("dtype")?.getattr("kind")?.extract()?;
+    match kind.as_str() {
+        "b" | "i" | "u" | "f" | "O" => numpy.call_method1("asarray", (array, "float64")),
+        _ => Err(PyTypeError::new_err("no numbers")),
     }
 }
 

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from dotyk import _dotyk
 from dotyk._errors import ArgumentError, InputError
-from dotyk._words import Writer, friend, key_of, keywords, keywords_of, path_of
+from dotyk._words import Writer, friend, key_of, keywords, keywords_of, path_of, taken
 
 if TYPE_CHECKING:
     import numpy as np
@@ -252,9 +252,9 @@ def _indices(nodes: Any, what: str) -> Any:
 
 def _made(mesh: Mapping[str, Any], space: bool, drawing: Any = None) -> Mesh:
     writer = Writer(3 if space else 2)
-    text = f"mesh = {writer.table(mesh, 'the mesh')}\n"
+    text = f"mesh = {writer.table(taken(mesh), 'the mesh')}\n"
     if drawing is not None:
-        text = f"drawing = {writer.table(drawing, 'the drawing')}\n{text}"
+        text = f"drawing = {writer.table(taken(drawing), 'the drawing')}\n{text}"
     return Mesh._of(_dotyk.Mesh.of_text(text, os.getcwd(), space, writer.meshes))
 
 
@@ -428,7 +428,13 @@ def read(path: Any, group: str | Sequence[str] | None = None, space: bool | None
     if _is_gmsh(path):
         with tempfile.TemporaryDirectory() as folder:
             file = os.path.join(folder, "model.msh")
-            friend("gmsh", "a live model").write(file)
+            gmsh = friend("gmsh", "a live model")
+            if not gmsh.isInitialized():
+                raise InputError("Gmsh has no live model: call gmsh.initialize() and make one")
+            try:
+                gmsh.write(file)
+            except Exception as error:
+                raise InputError(f"Gmsh cannot write its model: {error}") from None
             return read(file, group=group, space=space)
     table = {"file": {"path": os.path.abspath(path_of(path, "path")), "group": group}}
     if space is not None:

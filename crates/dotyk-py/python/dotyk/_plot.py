@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 from dotyk._errors import InputError
-from dotyk._words import friend
+from dotyk._words import friend, number_of
 
 if TYPE_CHECKING:
     from dotyk._solution import BodySolution, Solution
@@ -29,6 +29,9 @@ def plot(solution: Solution, field: str, scale: float | None) -> Any:
 
     friend("matplotlib", "plot()")
     pyplot = friend("matplotlib.pyplot", "plot()")
+    scale = number_of(scale, "scale")
+    if scale is not None and not np.isfinite(scale):
+        raise InputError("`scale` must be finite")
     bodies = list(solution.bodies.values())
     space = bodies[0].points.shape[1] == 3
     contacts = [] if space else list(solution.contacts.values())

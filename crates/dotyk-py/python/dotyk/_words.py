@@ -281,8 +281,12 @@ def path_of(path: Any, name: str) -> str:
     if not isinstance(path, (str, os.PathLike)):
         raise ArgumentError(f"`{name}` is a path, not {path!r}")
     text = os.fspath(path)
-    if not isinstance(text, str) or "\0" in text:
-        raise InputError(f"{text!r} is not a path")
+    if not isinstance(text, str) or not text or "\0" in text:
+        raise InputError(f"`{name}`: {text!r} is not a path")
+    try:
+        os.fsencode(text)
+    except UnicodeEncodeError:
+        raise InputError(f"`{name}`: {text!r} is not a path") from None
     return text
 
 

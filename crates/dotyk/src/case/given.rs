@@ -81,7 +81,11 @@ pub fn read_mesh(
         true => made(&source).map(|(mesh, points, said)| (GivenMesh::Space(mesh, points), said)),
         false => made(&source).map(|(mesh, points, said)| (GivenMesh::Plane(mesh, points), said)),
     };
-    read.map_err(|fault| fault.in_source(NEW, text))
+    read.map_err(|fault| {
+        let mut error = fault.in_source(NEW, text);
+        error.message = error.message.replace(&format!(" of body `{NEW}`"), "");
+        error
+    })
 }
 
 type Made<const D: usize> = (Arc<Mesh<D>>, Named<D>, Vec<String>);

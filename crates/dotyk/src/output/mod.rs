@@ -60,7 +60,7 @@ use std::time::{Duration, Instant};
 #[derive(Debug, thiserror::Error)]
 pub enum Error {
     /// The system refused.
-    #[error("cannot write {}: {source}; choose another folder with --out, or make it writable", path.display())]
+    #[error("cannot write {}: {source}; choose another folder, or make it writable", path.display())]
     Unwritable {
         /// The file or folder.
         path: PathBuf,
@@ -68,13 +68,13 @@ pub enum Error {
         source: std::io::Error,
     },
     /// The output folder is a file.
-    #[error("{} is not a folder; remove it, or choose another folder with --out", path.display())]
+    #[error("{} is not a folder; remove it, or choose another folder", path.display())]
     NotADirectory {
         /// The path.
         path: PathBuf,
     },
     /// A folder has the name of a result file.
-    #[error("{} is a folder, a result file needs its name; remove it, or choose another folder with --out", path.display())]
+    #[error("{} is a folder, a result file needs its name; remove it, or choose another folder", path.display())]
     IsADirectory {
         /// The path.
         path: PathBuf,
