@@ -20,7 +20,13 @@ if TYPE_CHECKING:
 
 
 class Block(NamedTuple):
-    """The contact forces of a node."""
+    """The contact forces of a node.
+
+    >>> import dotyk.examples
+    >>> dual = dotyk.examples.punch().dual()
+    >>> dual.blocks[0].law, dual.blocks[0].size, dual.blocks[0].coefficient
+    ('coulomb', 2, 0.2)
+    """
 
     #: ``"unilateral"``, ``"free"``, ``"tresca"``, ``"coulomb"`` or ``"cohesive"``.
     law: str
@@ -37,6 +43,11 @@ class Problem:
 
     gap = F λ − d − Gᵀα, λ in forces, node by node, contacts in the order of the case. A tangential λ pushes the nonmortar body
     against its tangent, as a normal one does: shear = −λ / weight, and a tangential gap is −slip, counted from the last step.
+
+    >>> import dotyk.examples
+    >>> dual = dotyk.examples.punch().dual()
+    >>> dual.F.shape, dual.d.shape, dual.G.shape, dual.e.shape
+    ((22, 22), (22,), (1, 22), (1,))
     """
 
     def __init__(self, native: Any, product: Callable[[Any], Any] | None = None) -> None:
@@ -44,22 +55,49 @@ class Problem:
 
     @cached_property
     def d(self) -> Array:
-        """Overlap of the separately loaded bodies (m,)."""
+        """Overlap of the separately loaded bodies (m,).
+
+        >>> import dotyk.examples
+        >>> dual = dotyk.examples.punch().dual()
+        >>> lam, alpha = dual.solve()
+        >>> gap = dual.F @ lam - dual.d - dual.G.T @ alpha
+        >>> bool(abs(gap[::2]).max() < 1e-15)
+        True
+        """
         return _frozen(self._native.d)  # type: ignore[no-any-return]
 
     @cached_property
     def G(self) -> Array:
-        """Balance of the floating bodies (r, m)."""
+        """Balance of the floating bodies (r, m).
+
+        >>> import dotyk.examples
+        >>> dual = dotyk.examples.punch().dual()
+        >>> lam, alpha = dual.solve()
+        >>> bool(abs(dual.G @ lam - dual.e).max() < 1e-3)
+        True
+        """
         return _frozen(self._native.g)  # type: ignore[no-any-return]
 
     @cached_property
     def e(self) -> Array:
-        """What the contact forces have to balance (r,)."""
+        """What the contact forces have to balance (r,).
+
+        >>> import dotyk.examples
+        >>> dual = dotyk.examples.punch().dual()
+        >>> abs(dual.e).round(3).tolist()
+        [1000000.0]
+        """
         return _frozen(self._native.e)  # type: ignore[no-any-return]
 
     @cached_property
     def F(self) -> Any:
-        """Compliance (m, m): an array up to 2000 unknowns, else a ``scipy.sparse.linalg.LinearOperator``."""
+        """Compliance (m, m): an array up to 2000 unknowns, else a ``scipy.sparse.linalg.LinearOperator``.
+
+        >>> import dotyk.examples
+        >>> dual = dotyk.examples.punch().dual()
+        >>> bool(abs(dual.F - dual.F.T).max() < 1e-12 * abs(dual.F).max())
+        True
+        """
         array = self._native.f
         if array is not None:
             return _frozen(array)
@@ -76,7 +114,13 @@ class Problem:
 
     @cached_property
     def blocks(self) -> list[Block]:
-        """One for each node, in the order of the unknowns."""
+        """One for each node, in the order of the unknowns.
+
+        >>> import dotyk.examples
+        >>> dual = dotyk.examples.punch().dual()
+        >>> len(dual.blocks)
+        11
+        """
         return [Block(*block) for block in self._native.blocks]
 
     def __repr__(self) -> str:
@@ -105,21 +149,41 @@ class Dual(Problem):
         self._dual = native
 
     def solve(self, method: str = "auto") -> tuple[Array, Array]:
-        """λ (m,) and α (r,) by one of the methods."""
+        """λ (m,) and α (r,) by one of the methods.
+
+        >>> import dotyk.examples
+        >>> dual = dotyk.examples.punch().dual()
+        >>> lam, alpha = dual.solve("newton")
+        >>> round(float(lam[::2].sum()))
+        1000000
+        """
         if not isinstance(method, str):
             raise ArgumentError("`method` is the name of a method")
         lam, alpha = self._dual.solve(method)
         return lam, alpha
 
     def certify(self, lam: npt.ArrayLike, alpha: npt.ArrayLike) -> Named[Figure]:
-        """The certificate of contact forces, whoever has found them."""
+        """The certificate of contact forces, whoever has found them.
+
+        >>> import dotyk.examples
+        >>> dual = dotyk.examples.punch().dual()
+        >>> lam, alpha = dual.solve()
+        >>> dual.certify(1.01 * lam, alpha)["imbalance_force"].holds
+        False
+        """
         from dotyk._solution import Figure, Named
 
         figures = self._dual.certify((_vector(lam, "lam"), _vector(alpha, "alpha")))
         return Named("figure", {name: Figure(*figure) for name, figure in figures.items()})
 
     def recover(self, lam: npt.ArrayLike, alpha: npt.ArrayLike) -> Solution:
-        """The solution of contact forces; :class:`NotConverged` with it where its certificate does not hold."""
+        """The solution of contact forces; :class:`NotConverged` with it where its certificate does not hold.
+
+        >>> import dotyk.examples
+        >>> dual = dotyk.examples.punch().dual()
+        >>> dual.recover(*dual.solve()).converged
+        True
+        """
         from dotyk._solution import Solution
 
         run = self._dual.recover((_vector(lam, "lam"), _vector(alpha, "alpha")))

@@ -9,28 +9,63 @@ if TYPE_CHECKING:
 
 
 class Error(Exception):
-    """Anything that dotyk refuses or cannot do."""
+    """Anything that dotyk refuses or cannot do.
+
+    >>> import dotyk
+    >>> try:
+    ...     dotyk.run("no-such-case.toml")
+    ... except dotyk.Error as error:
+    ...     print(error)
+    no-such-case.toml: cannot read the file: there is no such file
+    """
 
 
 class InputError(Error, ValueError):
-    """Bad input: the text says what is wrong, where, and what to do."""
+    """Bad input: the text says what is wrong, where, and what to do.
+
+    >>> import dotyk
+    >>> dotyk.rectangle([0, 0], [1, 1], cells=[0, 2])
+    Traceback (most recent call last):
+    dotyk._errors.InputError: the number of cells must be a positive integer
+    """
 
 
 class UnknownName(InputError, KeyError):
-    """A name that a mapping does not have; the text names the nearest one."""
+    """A name that a mapping does not have; the text names the nearest one.
+
+    >>> import dotyk.examples
+    >>> dotyk.examples.punch().solve().bodies["blok"]
+    Traceback (most recent call last):
+    dotyk._errors.UnknownName: there is no body `blok`: did you mean `block`?; known: block, punch
+    """
 
     def __str__(self) -> str:
         return str(self.args[0]) if self.args else ""
 
 
 class ArgumentError(InputError, TypeError):
-    """A wrong keyword or type of an argument; the text names the nearest keyword."""
+    """A wrong keyword or type of an argument; the text names the nearest keyword.
+
+    >>> import dotyk
+    >>> dotyk.rectangle([0, 0], [1, 1], cels=[2, 2])
+    Traceback (most recent call last):
+    dotyk._errors.ArgumentError: rectangle() has no keyword `cels`: did you mean `cells`?; known: from_, to, cells, cell, diagonals
+    """
 
 
 class NotConverged(Error, RuntimeError):
     """No answer with a certificate.
 
     ``solution`` is the last iterate, complete but for ``converged``; ``None`` where a solver of the dual problem gave none.
+
+    >>> import dotyk.examples
+    >>> m = dotyk.examples.press_fit()
+    >>> _ = m.bodies["hub"].load("top", force=[0, "-80e3*t"])
+    >>> try:
+    ...     m.solve(steps=[0.0, 1.0])
+    ... except dotyk.NotConverged as error:
+    ...     error.solution.converged
+    False
     """
 
     solution: Solution | None

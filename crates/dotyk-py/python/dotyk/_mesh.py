@@ -94,17 +94,35 @@ class Mesh:
 
     @property
     def dimension(self) -> int:
-        """2 in the plane, 3 in space."""
+        """2 in the plane, 3 in space.
+
+        >>> import dotyk
+        >>> mesh = dotyk.rectangle([0, 0], [2, 1], cells=[2, 1])
+        >>> mesh.dimension
+        2
+        """
         return int(self._native.dimension)
 
     @property
     def points(self) -> npt.NDArray[np.float64]:
-        """Coordinates of the nodes, (n, 2 or 3), read-only."""
+        """Coordinates of the nodes, (n, 2 or 3), read-only.
+
+        >>> import dotyk
+        >>> mesh = dotyk.rectangle([0, 0], [2, 1], cells=[2, 1])
+        >>> mesh.points.shape
+        (6, 2)
+        """
         return _frozen(self._native.points())  # type: ignore[no-any-return]
 
     @property
     def cells(self) -> dict[Any, npt.NDArray[np.uint32]]:
-        """Nodes of the cells (m, k) by kind; by (kind, group) where cells have groups. Read-only."""
+        """Nodes of the cells (m, k) by kind; by (kind, group) where cells have groups. Read-only.
+
+        >>> import dotyk
+        >>> mesh = dotyk.rectangle([0, 0], [2, 1], cells=[2, 1])
+        >>> mesh.cells["quad4"].tolist()
+        [[0, 1, 4, 3], [1, 2, 5, 4]]
+        """
         import numpy as np
 
         found: dict[Any, Any] = {}
@@ -115,7 +133,13 @@ class Mesh:
 
     @property
     def sides(self) -> dict[str, npt.NDArray[np.uint32]]:
-        """Nodes of the facets (f, k) by side, read-only; of a side with facets of several kinds their corners."""
+        """Nodes of the facets (f, k) by side, read-only; of a side with facets of several kinds their corners.
+
+        >>> import dotyk
+        >>> mesh = dotyk.rectangle([0, 0], [2, 1], cells=[2, 1])
+        >>> mesh.sides["left"].tolist()
+        [[3, 0]]
+        """
         import numpy as np
 
         found: dict[str, Any] = {}
@@ -130,12 +154,24 @@ class Mesh:
 
     @property
     def named(self) -> dict[str, list[list[float]]]:
-        """Named points, such as the groups of points of a mesh file."""
+        """Named points, such as the groups of points of a mesh file.
+
+        >>> import dotyk
+        >>> mesh = dotyk.Mesh([[0, 0], [1, 0], [0, 1]], {"tri3": [[0, 1, 2]]}, named={"tip": [0, 1]})
+        >>> mesh.named
+        {'tip': [[0.0, 1.0]]}
+        """
         return dict(self._native.named())
 
     @property
     def warnings(self) -> list[str]:
-        """What was noticed when it was made, such as parts of a file that have no place in it."""
+        """What was noticed when it was made, such as parts of a file that have no place in it.
+
+        >>> import dotyk
+        >>> mesh = dotyk.rectangle([0, 0], [2, 1], cells=[2, 1])
+        >>> mesh.warnings
+        []
+        """
         return list(self._native.warnings)
 
     @keywords
@@ -149,7 +185,13 @@ class Mesh:
         return _made({"file": self, "sides": {name: {"of": of, "min": min, "max": max}}}, self.dimension == 3)
 
     def to_meshio(self) -> Any:
-        """A ``meshio.Mesh`` with the sides as ``cell_sets``, so that it can be a body again. Needs meshio."""
+        """A ``meshio.Mesh`` with the sides as ``cell_sets``, so that it can be a body again. Needs meshio.
+
+        >>> import dotyk
+        >>> mesh = dotyk.rectangle([0, 0], [2, 1], cells=[2, 1])
+        >>> mesh.to_meshio().cells_dict["quad"].shape
+        (2, 4)
+        """
         import numpy as np
 
         meshio = friend("meshio", "to_meshio()")
@@ -407,7 +449,15 @@ def extrude(
 
 @keywords_of("drawing")
 def drawing(regions_of: str | Sequence[str], **keys: Any) -> Mesh:
-    """The mesh of some regions of a drawing: lines whose regions share their nodes; the keys are those of ``[drawing]``."""
+    """The mesh of some regions of a drawing: lines whose regions share their nodes; the keys are those of ``[drawing]``.
+
+    >>> import dotyk
+    >>> frame = {"from_": [0, 0], "edges": [{"to": [2, 0]}, {"to": [2, 2]}, {"to": [0, 2]}, {"to": [0, 0], "name": "west"}]}
+    >>> layer = {"from_": [-1, 1], "to": [3, 1]}
+    >>> regions = [{"name": "clay", "at": [1, 0.5]}, {"name": "sand", "at": [1, 1.5]}]
+    >>> sorted(dotyk.drawing("sand", size=1, lines=[frame, layer], regions=regions).sides)
+    ['clay', 'outline', 'west']
+    """
     given = {key_of(key): value for key, value in keys.items() if value is not None}
     return _made({"region": regions_of}, False, given)
 

@@ -40,7 +40,13 @@ _BASE = ("name", "mesh", "material", "points", "couple", "initial_stress", "surf
 
 
 class Body:
-    """A body of a model; made by :meth:`Model.body`. Every call returns the body, so that calls can be chained."""
+    """A body of a model; made by :meth:`Model.body`. Every call returns the body, so that calls can be chained.
+
+    >>> import dotyk.examples
+    >>> m = dotyk.examples.punch()
+    >>> m.bodies["punch"].load("top", traction=[1e3, 0])
+    <dotyk.Body punch: 121 nodes, 100 quad4, sides bottom, left, right, top>
+    """
 
     def __init__(self, model: Model, table: dict[str, Any]) -> None:
         self._model = model
@@ -48,12 +54,24 @@ class Body:
 
     @property
     def name(self) -> str:
-        """Its name."""
+        """Its name.
+
+        >>> import dotyk.examples
+        >>> m = dotyk.examples.punch()
+        >>> m.bodies["block"].name
+        'block'
+        """
         return str(self._table["name"])
 
     @property
     def mesh(self) -> Mesh:
-        """Its mesh."""
+        """Its mesh.
+
+        >>> import dotyk.examples
+        >>> m = dotyk.examples.punch()
+        >>> m.bodies["block"].mesh
+        <dotyk.Mesh: 451 nodes, 400 quad4, sides bottom, left, right, top>
+        """
         mesh = self._table["mesh"]
         if isinstance(mesh, Mesh):
             return mesh
@@ -294,19 +312,36 @@ class Model:
 
     @property
     def dimension(self) -> int:
-        """2 in the plane and with axial symmetry, 3 in space."""
+        """2 in the plane and with axial symmetry, 3 in space.
+
+        >>> import dotyk.examples
+        >>> m = dotyk.examples.punch()
+        >>> m.dimension, dotyk.examples.boxes().dimension
+        (2, 3)
+        """
         return dimension_of(self._head.get("analysis"))
 
     @property
     def bodies(self) -> Mapping[str, Body]:
-        """The bodies by name."""
+        """The bodies by name.
+
+        >>> import dotyk.examples
+        >>> m = dotyk.examples.punch()
+        >>> list(m.bodies)
+        ['block', 'punch']
+        """
         from dotyk._solution import Named
 
         return Named("body", {body["name"]: Body(self, body) for body in self._lists["body"]})
 
     @property
     def parameters(self) -> dict[str, Any]:
-        """Names and values of parameters."""
+        """Names and values of parameters.
+
+        >>> import dotyk
+        >>> dotyk.Model("plane-strain", parameters={"E": 210e9}).parameters
+        {'E': 210000000000.0}
+        """
         return dict(self._parameters)
 
     @keywords
@@ -534,6 +569,11 @@ class Model:
 
         Raises :class:`InputError` where there is no such model, :class:`NotConverged` with the last iterate where there is no
         answer.
+
+        >>> import dotyk.examples
+        >>> m = dotyk.examples.punch()
+        >>> m.solve(method="mprgp", threads=1).solver
+        'mprgp'
         """
         document = self._document()
         if steps is not None:
@@ -559,14 +599,29 @@ class Model:
 
     @keywords
     def dual(self, t: float | None = None) -> Dual:
-        """The contact problem of the step at a time, condensed onto the contact forces; see :class:`Dual`."""
+        """The contact problem of the step at a time, condensed onto the contact forces; see :class:`Dual`.
+
+        >>> import dotyk.examples
+        >>> m = dotyk.examples.punch()
+        >>> m.dual()
+        <dotyk.Dual: 22 contact forces, 1 rigid amplitudes>
+        """
         from dotyk._dual import Dual
 
         return Dual(self._case(self._document(), self._solver).dual(number_of(t, "t")))
 
     @keywords
     def study(self, vary: Table, parameters: Table | None = None, threads: int | None = None) -> Study:
-        """Solves the model for all combinations of values of its parameters."""
+        """Solves the model for all combinations of values of its parameters.
+
+        >>> import dotyk
+        >>> m = dotyk.Model("plane-strain", parameters={"q": 1.0})
+        >>> block = m.body("block", dotyk.rectangle([0, 0], [1, 1], cells=[2, 2]), young=1e3, poisson=0)
+        >>> _ = block.fix("bottom", x=0, y=0).load("top", pressure="q")
+        >>> study = m.probe("top", "block.displacement.y", at=[0.5, 1]).study(vary={"q": [1.0, 2.0]})
+        >>> [round(u, 9) for u in study["top"].tolist()]
+        [-0.001, -0.002]
+        """
         case = self._case(self._document(), self._solver, parameters)
         return studied(case, vary, parameters, threads_of(threads))
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import io
 import json
 import math
@@ -35,7 +36,14 @@ def unknown(name: object, known: list[str], what: str) -> UnknownName:
 
 
 class Named(Mapping[str, T], Generic[T]):
-    """Things by name, in the order of the case."""
+    """Things by name, in the order of the case.
+
+    >>> import dotyk.examples
+    >>> s = dotyk.examples.punch().solve()
+    >>> s.contacts["sol"]
+    Traceback (most recent call last):
+    dotyk._errors.UnknownName: there is no contact `sol`: did you mean `sole`?; known: sole
+    """
 
     def __init__(self, what: str, items: dict[str, T]) -> None:
         self._what, self._items = what, items
@@ -87,7 +95,13 @@ class _Frozen:
 
 
 class Figure(NamedTuple):
-    """One figure of the certificate; it holds where ``relative`` is at most ``limit``."""
+    """One figure of the certificate; it holds where ``relative`` is at most ``limit``.
+
+    >>> import dotyk.examples
+    >>> s = dotyk.examples.punch().solve()
+    >>> s.certificate["imbalance_force"].limit
+    1e-10
+    """
 
     value: float
     relative: float
@@ -95,12 +109,24 @@ class Figure(NamedTuple):
 
     @property
     def holds(self) -> bool:
-        """Whether it is within its limit."""
+        """Whether it is within its limit.
+
+        >>> import dotyk.examples
+        >>> s = dotyk.examples.punch().solve()
+        >>> all(figure.holds for figure in s.certificate.values())
+        True
+        """
         return self.relative <= self.limit
 
 
 class ProbeValue(float):
-    """A number that was read, with ``name``, ``quantity``, ``unit`` and ``at``; of a line ``line``."""
+    """A number that was read, with ``name``, ``quantity``, ``unit`` and ``at``; of a line ``line``.
+
+    >>> import dotyk.examples
+    >>> s = dotyk.examples.punch().probe("rise", "punch.displacement.y", at=[2, 2]).solve()
+    >>> s.probes["rise"] < 0, s.probes["rise"].unit
+    (True, 'm')
+    """
 
     name: str
     quantity: str
@@ -119,7 +145,14 @@ class ProbeValue(float):
 
 
 class Line(NamedTuple):
-    """Values along a line: distance (n,), points (n, 3), values (n,)."""
+    """Values along a line: distance (n,), points (n, 3), values (n,).
+
+    >>> import dotyk.examples
+    >>> s = dotyk.examples.punch().solve()
+    >>> line = s.probe("block.stress.yy", along="block.top")
+    >>> line.points.shape, round(float(line.s[-1]), 9)
+    ((41, 3), 4.0)
+    """
 
     s: Array
     points: Array
@@ -142,7 +175,14 @@ class _Arrays:
 
 
 class ContactSolution(_Frozen):
-    """One contact: its row of ``summary.json`` and the columns of ``contact.csv``."""
+    """One contact: its row of ``summary.json`` and the columns of ``contact.csv``.
+
+    >>> import dotyk.examples
+    >>> s = dotyk.examples.punch().solve()
+    >>> sole = s.contacts["sole"]
+    >>> sole.closed, sole.open, [round(force) for force in sole.resultant][1]
+    (11, 0, 1000000)
+    """
 
     name: str
     #: Force ON the nonmortar body.
@@ -165,53 +205,124 @@ class ContactSolution(_Frozen):
 
     @property
     def node(self) -> npt.NDArray[np.int64]:
-        """Numbers of the nodes in their body (n,)."""
+        """Numbers of the nodes in their body (n,).
+
+        >>> import dotyk.examples
+        >>> s = dotyk.examples.punch().solve()
+        >>> sole = s.contacts["sole"]
+        >>> sole.node[:3].tolist()
+        [0, 1, 2]
+        """
         return self._array("node")  # type: ignore[no-any-return]
 
     @property
     def points(self) -> Array:
-        """Undeformed positions (n, 2 or 3)."""
+        """Undeformed positions (n, 2 or 3).
+
+        >>> import dotyk.examples
+        >>> s = dotyk.examples.punch().solve()
+        >>> sole = s.contacts["sole"]
+        >>> sole.points[:2].tolist()
+        [[1.5, 1.0], [1.6, 1.0]]
+        """
         return self._array("points")  # type: ignore[no-any-return]
 
     @property
     def normal(self) -> Array:
-        """Outward unit normals of the nonmortar side (n, 2 or 3)."""
+        """Outward unit normals of the nonmortar side (n, 2 or 3).
+
+        >>> import dotyk.examples
+        >>> s = dotyk.examples.punch().solve()
+        >>> sole = s.contacts["sole"]
+        >>> sole.normal[0].tolist()
+        [0.0, -1.0]
+        """
         return self._array("normal")  # type: ignore[no-any-return]
 
     @property
     def weight(self) -> Array:
-        """The area that a node stands for (n,)."""
+        """The area that a node stands for (n,).
+
+        >>> import dotyk.examples
+        >>> s = dotyk.examples.punch().solve()
+        >>> sole = s.contacts["sole"]
+        >>> round(float(sole.weight.sum()), 9)
+        1.0
+        """
         return self._array("weight")  # type: ignore[no-any-return]
 
     @property
     def gap(self) -> Array:
-        """Gap after deformation (n,), NaN where nothing is opposite."""
+        """Gap after deformation (n,), NaN where nothing is opposite.
+
+        >>> import dotyk.examples
+        >>> s = dotyk.examples.punch().solve()
+        >>> sole = s.contacts["sole"]
+        >>> bool(abs(sole.gap).max() < 1e-15)
+        True
+        """
         return self._array("gap")  # type: ignore[no-any-return]
 
     @property
     def pressure(self) -> Array:
-        """Contact pressure (n,), positive in compression."""
+        """Contact pressure (n,), positive in compression.
+
+        >>> import dotyk.examples
+        >>> s = dotyk.examples.punch().solve()
+        >>> sole = s.contacts["sole"]
+        >>> bool(sole.pressure.min() > 0), round(float(sole.pressure @ sole.weight))
+        (True, 1000000)
+        """
         return self._array("pressure")  # type: ignore[no-any-return]
 
     @property
     def shear(self) -> Array:
-        """Shear traction ON the nonmortar body: (n,) in the plane, (n, 3) in space."""
+        """Shear traction ON the nonmortar body: (n,) in the plane, (n, 3) in space.
+
+        >>> import dotyk.examples
+        >>> s = dotyk.examples.punch().solve()
+        >>> sole = s.contacts["sole"]
+        >>> bool((abs(sole.shear) <= 0.2 * sole.pressure * (1 + 1e-9)).all())
+        True
+        """
         return self._array("shear")  # type: ignore[no-any-return]
 
     @property
     def slip(self) -> Array:
-        """Tangential displacement relative to the other side: (n,) in the plane, (n, 3) in space."""
+        """Tangential displacement relative to the other side: (n,) in the plane, (n, 3) in space.
+
+        >>> import dotyk.examples
+        >>> s = dotyk.examples.punch().solve()
+        >>> sole = s.contacts["sole"]
+        >>> bool((abs(sole.slip[sole.status == "stick"]) < 1e-12).all())
+        True
+        """
         return self._array("slip")  # type: ignore[no-any-return]
 
     @property
     def status(self) -> npt.NDArray[np.str_]:
-        """``open``, ``closed``, ``stick``, ``slip``, ``tied`` or ``fixed`` (n,)."""
+        """``open``, ``closed``, ``stick``, ``slip``, ``tied`` or ``fixed`` (n,).
+
+        >>> import dotyk.examples
+        >>> s = dotyk.examples.punch().solve()
+        >>> sole = s.contacts["sole"]
+        >>> sorted(set(sole.status.tolist()))
+        ['slip', 'stick']
+        """
         import numpy as np
 
         return _frozen(np.array(self._array("status"), dtype=str))  # type: ignore[no-any-return]
 
     def to_pandas(self) -> Any:
-        """A table of pandas with the columns of ``contact.csv`` and the rows of this step."""
+        """A table of pandas with the columns of ``contact.csv`` and the rows of this step.
+
+        >>> import dotyk.examples
+        >>> s = dotyk.examples.punch().solve()
+        >>> sole = s.contacts["sole"]
+        >>> table = sole.to_pandas()
+        >>> table.shape, list(table.columns[:4])
+        ((11, 18), ['step', 'contact', 'node', 'x'])
+        """
         pandas = friend("pandas", "to_pandas()")
         text: str = self._solution._run.contact_csv()  # type: ignore[attr-defined]
         # names stay words, whatever they look like
@@ -229,7 +340,14 @@ class ContactSolution(_Frozen):
 
 
 class BodySolution(_Frozen):
-    """One body: its row of ``summary.json`` and the fields at its nodes."""
+    """One body: its row of ``summary.json`` and the fields at its nodes.
+
+    >>> import dotyk.examples
+    >>> s = dotyk.examples.punch().solve()
+    >>> punch = s.bodies["punch"]
+    >>> punch.nodes, punch.dofs, round(punch.reaction[1])
+    (121, 242, 0)
+    """
 
     name: str
     nodes: int
@@ -256,52 +374,125 @@ class BodySolution(_Frozen):
 
     @property
     def points(self) -> Array:
-        """Undeformed positions of the nodes (n, 2 or 3)."""
+        """Undeformed positions of the nodes (n, 2 or 3).
+
+        >>> import dotyk.examples
+        >>> s = dotyk.examples.punch().solve()
+        >>> punch = s.bodies["punch"]
+        >>> punch.points[0].tolist()
+        [1.5, 1.0]
+        """
         return self._array("points")  # type: ignore[no-any-return]
 
     @property
     def displacement(self) -> Array:
-        """Displacements of the nodes (n, 2 or 3)."""
+        """Displacements of the nodes (n, 2 or 3).
+
+        >>> import dotyk.examples
+        >>> s = dotyk.examples.punch().solve()
+        >>> punch = s.bodies["punch"]
+        >>> punch.displacement.shape, bool((punch.displacement[:, 1] < 0).all())
+        ((121, 2), True)
+        """
         return self._array("displacement")  # type: ignore[no-any-return]
 
     @property
     def stress(self) -> Array:
-        """Stresses at the nodes (n, 6): xx yy zz xy yz xz, tension positive."""
+        """Stresses at the nodes (n, 6): xx yy zz xy yz xz, tension positive.
+
+        >>> import dotyk.examples
+        >>> s = dotyk.examples.punch().solve()
+        >>> punch = s.bodies["punch"]
+        >>> punch.stress.shape, bool(punch.stress[:, 1].max() < 0)
+        ((121, 6), True)
+        """
         return self._array("stress")  # type: ignore[no-any-return]
 
     @property
     def strain(self) -> Array:
-        """Strains at the nodes (n, 6), tensor components."""
+        """Strains at the nodes (n, 6), tensor components.
+
+        >>> import dotyk.examples
+        >>> s = dotyk.examples.punch().solve()
+        >>> punch = s.bodies["punch"]
+        >>> punch.strain.shape
+        (121, 6)
+        """
         return self._array("strain")  # type: ignore[no-any-return]
 
     @property
     def principal_stress(self) -> Array:
-        """Principal stresses at the nodes (n, 3), largest first."""
+        """Principal stresses at the nodes (n, 3), largest first.
+
+        >>> import dotyk.examples
+        >>> s = dotyk.examples.punch().solve()
+        >>> punch = s.bodies["punch"]
+        >>> first, _, third = punch.principal_stress.T
+        >>> bool((first >= third).all())
+        True
+        """
         return self._array("principal_stress")  # type: ignore[no-any-return]
 
     @property
     def von_mises(self) -> Array:
-        """Von Mises stress at the nodes (n,)."""
+        """Von Mises stress at the nodes (n,).
+
+        >>> import dotyk.examples
+        >>> s = dotyk.examples.punch().solve()
+        >>> punch = s.bodies["punch"]
+        >>> bool(punch.von_mises.max() == punch.max_von_mises)
+        True
+        """
         return self._array("von_mises")  # type: ignore[no-any-return]
 
     @property
     def utilisation(self) -> Array:
-        """Utilisation of the strength at the nodes (n,), 1 is failure."""
+        """Utilisation of the strength at the nodes (n,), 1 is failure.
+
+        >>> import dotyk
+        >>> m = dotyk.Model("plane-strain")
+        >>> block = m.body("block", dotyk.rectangle([0, 0], [1, 1], cells=[2, 2]), young=1e3, poisson=0, strength={"yield": 10})
+        >>> s = block.fix("bottom", x=0, y=0).load("top", pressure=5) and m.solve()
+        >>> float(s.bodies["block"].utilisation.max().round(6))
+        0.5
+        """
         return self._array("utilisation")  # type: ignore[no-any-return]
 
     @property
     def reactions(self) -> Array:
-        """Forces of supports and springs ON the nodes (n, 2 or 3)."""
+        """Forces of supports and springs ON the nodes (n, 2 or 3).
+
+        >>> import dotyk.examples
+        >>> s = dotyk.examples.punch().solve()
+        >>> punch = s.bodies["punch"]
+        >>> block = s.bodies["block"]
+        >>> round(block.reactions[:, 1].sum())
+        1000000
+        """
         return self._array("reactions")  # type: ignore[no-any-return]
 
     @property
     def contact_force(self) -> Array:
-        """Forces of contacts and couples ON the nodes (n, 2 or 3)."""
+        """Forces of contacts and couples ON the nodes (n, 2 or 3).
+
+        >>> import dotyk.examples
+        >>> s = dotyk.examples.punch().solve()
+        >>> punch = s.bodies["punch"]
+        >>> round(punch.contact_force[:, 1].sum())
+        1000000
+        """
         return self._array("contact_force")  # type: ignore[no-any-return]
 
     @property
     def mesh(self) -> Mesh:
-        """Its mesh."""
+        """Its mesh.
+
+        >>> import dotyk.examples
+        >>> s = dotyk.examples.punch().solve()
+        >>> punch = s.bodies["punch"]
+        >>> punch.mesh
+        <dotyk.Mesh: 121 nodes, 100 quad4, sides bottom, left, right, top>
+        """
         return Mesh._of(self._mesh())  # type: ignore[attr-defined]
 
     def _fields(self) -> dict[str, Any]:
@@ -309,13 +500,28 @@ class BodySolution(_Frozen):
         return arrays_of(self._vtu())  # type: ignore[attr-defined]
 
     def to_meshio(self) -> Any:
-        """A ``meshio.Mesh`` with the fields, and the sides as ``cell_sets``. Needs meshio."""
+        """A ``meshio.Mesh`` with the fields, and the sides as ``cell_sets``. Needs meshio.
+
+        >>> import dotyk.examples
+        >>> s = dotyk.examples.punch().solve()
+        >>> punch = s.bodies["punch"]
+        >>> sorted(punch.to_meshio().cell_sets)
+        ['bottom', 'left', 'right', 'top']
+        """
         mesh = self.mesh.to_meshio()
         mesh.point_data.update(self._fields())
         return mesh
 
     def to_pyvista(self) -> Any:
-        """A ``pyvista.UnstructuredGrid`` with the fields. Needs pyvista."""
+        """A ``pyvista.UnstructuredGrid`` with the fields. Needs pyvista.
+
+        >>> import dotyk.examples
+        >>> s = dotyk.examples.punch().solve()
+        >>> punch = s.bodies["punch"]
+        >>> grid = punch.to_pyvista()
+        >>> grid.n_points, grid.point_data["stress"].shape
+        (121, (121, 6))
+        """
         import numpy as np
 
         pyvista = friend("pyvista", "to_pyvista()")
@@ -435,42 +641,87 @@ class Solution(_Frozen):
         minus_rigid: str | None = None,
         center: Any = None,
     ) -> float | Line:
-        """Reads a quantity, as a probe of a case file does: a number, or along a line distance, points and values."""
+        """Reads a quantity, as a probe of a case file does: a number, or along a line distance, points and values.
+
+        >>> import dotyk.examples
+        >>> s = dotyk.examples.punch().solve()
+        >>> round(s.probe("punch.stress.yy", at=[2, 2]), -3)
+        -1000000.0
+        """
         table = {key: value for key, value in locals().items() if key != "self"}
         text = Writer(2).entries(table, "the probe")
         read = self._run.probe(self._step, text)
         return Line(*map(_frozen, read)) if isinstance(read, tuple) else float(read)
 
     def report(self, path: str | os.PathLike[str] | None = None) -> str:
-        """The report as one HTML page; written into a file where ``path`` is given."""
+        """The report as one HTML page; written into a file where ``path`` is given.
+
+        >>> import dotyk.examples
+        >>> s = dotyk.examples.punch().solve()
+        >>> s.report()[:15]
+        '<!DOCTYPE html>'
+        """
         page: str = self._run.report()
         if path is not None:
             name = path_of(path, "path")
+            part = name + ".part"
             try:
-                with open(name, "w", encoding="utf-8") as stream:
+                with open(part, "w", encoding="utf-8") as stream:
                     stream.write(page)
+                # whole or not at all
+                os.replace(part, name)
             except OSError as error:
+                with contextlib.suppress(OSError):
+                    os.remove(part)
                 raise InputError(f"cannot write {name}: {error.strerror}") from error
         return page
 
     def write(self, folder: str | os.PathLike[str]) -> list[str]:
-        """Writes all files that the command writes into a folder; returns their paths."""
+        """Writes all files that the command writes into a folder; returns their paths.
+
+        >>> import dotyk.examples
+        >>> s = dotyk.examples.punch().solve()
+        >>> import os, tempfile
+        >>> with tempfile.TemporaryDirectory() as folder:
+        ...     sorted(os.path.basename(path) for path in s.write(folder))[:2]
+        ['block.vtu', 'case.pvd']
+        """
         return [str(path) for path in self._run.write(path_of(folder, "folder"))]
 
     def plot(self, field: str = "von_mises", scale: float | None = None) -> Any:
-        """Deformed bodies coloured by a field, and pressure and gap of every contact, as a figure of matplotlib."""
+        """Deformed bodies coloured by a field, and pressure and gap of every contact, as a figure of matplotlib.
+
+        >>> import dotyk.examples
+        >>> s = dotyk.examples.punch().solve()
+        >>> figure = s.plot()
+        >>> len(figure.axes)
+        4
+        """
         from dotyk._plot import plot
 
         return plot(self, field, scale)
 
     def to_pyvista(self) -> Any:
-        """A ``pyvista.MultiBlock`` of the bodies by name. Needs pyvista."""
+        """A ``pyvista.MultiBlock`` of the bodies by name. Needs pyvista.
+
+        >>> import dotyk.examples
+        >>> s = dotyk.examples.punch().solve()
+        >>> s.to_pyvista().keys()
+        ['block', 'punch']
+        """
         pyvista = friend("pyvista", "to_pyvista()")
         return pyvista.MultiBlock({name: body.to_pyvista() for name, body in self.bodies.items()})
 
     @property
     def history(self) -> list[tuple[int, float, int]]:
-        """Iterations of the contact solver: number, relative violation, contacts with a force."""
+        """Iterations of the contact solver: number, relative violation, contacts with a force.
+
+        >>> import dotyk.examples
+        >>> s = dotyk.examples.punch().solve()
+        >>> number, violation, contacts = s.history[-1]
+        >>> violation < 1e-8, contacts
+        (True, 22)
+        """
         return list(self._run.history(self._step))
 
     def __repr__(self) -> str:

@@ -21,7 +21,14 @@ Table = Mapping[str, Any]
 
 @dataclass(frozen=True)
 class Progress:
-    """What a callback is told."""
+    """What a callback is told.
+
+    >>> import dotyk.examples
+    >>> stages = []
+    >>> _ = dotyk.examples.punch().solve(callback=lambda progress: stages.append(progress.stage))
+    >>> stages[0], "factor" in stages, "contact" in stages
+    ('step', True, True)
+    """
 
     #: ``"step"``, or the stage: ``"assemble"``, ``"order"``, ``"factor"``, ``"condense"``, ``"contact"``, ``"recover"``.
     stage: str
@@ -78,10 +85,10 @@ class _Line:
 
     def show(self, text: str) -> None:
         if _in_notebook():
-            from IPython.display import display  # type: ignore[import-not-found, unused-ignore]
+            from IPython import display  # type: ignore[import-not-found, unused-ignore]
 
             if self.shown is None:
-                self.shown = display({"text/plain": text}, raw=True, display_id=True)
+                self.shown = display.display({"text/plain": text}, raw=True, display_id=True)  # type: ignore[no-untyped-call, unused-ignore]
             else:
                 self.shown.update({"text/plain": text}, raw=True)
         else:
@@ -182,7 +189,13 @@ def run(
 
 @dataclass(frozen=True)
 class BodyCheck:
-    """What a check found of a body."""
+    """What a check found of a body.
+
+    >>> import dotyk.examples
+    >>> check = dotyk.examples.punch().check()
+    >>> check.bodies["punch"].nodes, check.bodies["punch"].load
+    (121, (0.0, -1000000.0))
+    """
 
     name: str
     nodes: int
@@ -197,7 +210,12 @@ class BodyCheck:
 
 @dataclass(frozen=True)
 class ContactCheck:
-    """What a check found of a contact."""
+    """What a check found of a contact.
+
+    >>> import dotyk.examples
+    >>> dotyk.examples.punch().check().contacts["sole"].unknowns
+    11
+    """
 
     name: str
     sides: tuple[str, str]
@@ -206,7 +224,15 @@ class ContactCheck:
 
 
 class Check:
-    """What can be said of a model before anything is solved."""
+    """What can be said of a model before anything is solved.
+
+    >>> import dotyk.examples
+    >>> check = dotyk.examples.punch().check()
+    >>> bool(check), check.errors
+    (True, [])
+    >>> print(check)  # doctest: +ELLIPSIS
+    body "block": 451 nodes, 400 cells, ...
+    """
 
     #: What makes a solution impossible.
     errors: list[str]
@@ -240,13 +266,28 @@ class Check:
 
 @keywords
 def check(case: str | os.PathLike[str], parameters: Table | None = None) -> Check:
-    """Looks at a case file without solving it: what is wrong, what floats and what holds it."""
+    """Looks at a case file without solving it: what is wrong, what floats and what holds it.
+
+    >>> import dotyk
+    >>> dotyk.check("no-such-case.toml")
+    Traceback (most recent call last):
+    dotyk._errors.InputError: no-such-case.toml: cannot read the file: there is no such file
+    """
     return Check(_dotyk.Case.of_file(path_of(case, "case"), parameters_of(parameters)).check())
 
 
 @dataclass(frozen=True)
 class Study(Mapping[str, Any]):
-    """The columns of ``study.csv`` by name: parameters, probes, ``converged``, ``reason``; a row for each combination."""
+    """The columns of ``study.csv`` by name: parameters, probes, ``converged``, ``reason``; a row for each combination.
+
+    >>> import dotyk
+    >>> m = dotyk.Model("plane-strain", parameters={"q": 1.0})
+    >>> block = m.body("block", dotyk.rectangle([0, 0], [1, 1], cells=[2, 2]), young=1e3, poisson=0)
+    >>> _ = block.fix("bottom", x=0, y=0).load("top", pressure="q")
+    >>> study = m.probe("top", "block.displacement.y", at=[0.5, 1]).study(vary={"q": [1.0, 2.0]})
+    >>> len(study), list(study), [round(u, 9) for u in study["top"].tolist()]
+    (2, ['q', 'top', 'converged', 'reason'], [-0.001, -0.002])
+    """
 
     columns: dict[str, Any] = field(repr=False)
     #: Warnings of reading.
@@ -267,11 +308,29 @@ class Study(Mapping[str, Any]):
 
     @property
     def converged(self) -> bool:
-        """Every member has its answer."""
+        """Every member has its answer.
+
+        >>> import dotyk
+        >>> m = dotyk.Model("plane-strain", parameters={"q": 1.0})
+        >>> block = m.body("block", dotyk.rectangle([0, 0], [1, 1], cells=[2, 2]), young=1e3, poisson=0)
+        >>> _ = block.fix("bottom", x=0, y=0).load("top", pressure="q")
+        >>> study = m.probe("top", "block.displacement.y", at=[0.5, 1]).study(vary={"q": [1.0, 2.0]})
+        >>> study.converged
+        True
+        """
         return bool(self.columns["converged"].all())
 
     def to_pandas(self) -> Any:
-        """A table of pandas."""
+        """A table of pandas.
+
+        >>> import dotyk
+        >>> m = dotyk.Model("plane-strain", parameters={"q": 1.0})
+        >>> block = m.body("block", dotyk.rectangle([0, 0], [1, 1], cells=[2, 2]), young=1e3, poisson=0)
+        >>> _ = block.fix("bottom", x=0, y=0).load("top", pressure="q")
+        >>> study = m.probe("top", "block.displacement.y", at=[0.5, 1]).study(vary={"q": [1.0, 2.0]})
+        >>> study.to_pandas().shape
+        (2, 4)
+        """
         return friend("pandas", "to_pandas()").DataFrame(self.columns)
 
     def __repr__(self) -> str:
