@@ -52,6 +52,9 @@ API = """```{eval-rst}
 .. automodule:: dotyk
    :members:
    :imported-members:
+
+.. automodule:: dotyk.examples
+   :members:
 ```"""
 NOTE = """:::{note}
 This copy of the book was built without the module: the reference is missing here, and the tutorials show no outputs.

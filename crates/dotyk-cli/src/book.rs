@@ -398,10 +398,8 @@ fn escaped(words: &str) -> String {
 /// Writes files into a folder of the book, all or none.
 fn write(files: &[(String, Vec<u8>)], dir: &Path) -> Result<(), Failure> {
     let written = write_files(files, dir);
-    // the library's words name the option of other commands
-    let refused =
-        |e: dotyk::output::Error| Failure::Message(e.to_string().replace("--out", "--book"));
-    written.map(|_| ()).map_err(refused)
+    written.map_err(|e| Failure::of_files(&e, "--book"))?;
+    Ok(())
 }
 
 #[cfg(test)]

@@ -116,7 +116,7 @@ fn report(arguments: &Arguments, compared: &Compared) -> Result<Outcome, Failure
             rows: methods.iter().chain(of_rho).cloned().collect(),
         };
         let files = output::write_comparison(&comparison, folder);
-        let files = files.map_err(|e| Failure::Message(e.to_string()))?;
+        let files = files.map_err(Failure::of_output)?;
         text += "\n";
         text += &written(&files);
     }

@@ -54,10 +54,10 @@ pub fn export(arguments: &Arguments) -> Result<Outcome, Failure> {
                 return Err(refusal.into());
             }
         };
-        let refused = |error: output::Error| Failure::Message(error.to_string());
         if !dual.assemble() {
             let (unknowns, most) = (dual.problem().len(), dotyk::model::ASSEMBLED);
-            return Err(refused(output::Error::Unassembled { unknowns, most }));
+            let error = output::Error::Unassembled { unknowns, most };
+            return Err(Failure::of_output(error));
         }
         // what has no answer here is worth another solver's while
         let answer = dual.solve(case.model.solver.method);
@@ -66,7 +66,7 @@ pub fn export(arguments: &Arguments) -> Result<Outcome, Failure> {
         }
         let files = dual.write(answer.as_ref().ok(), &case.stem, &folder);
         let text = summary(&case.model.title, dual.time(), dual.problem());
-        print(&(text + &written(&files.map_err(refused)?)));
+        print(&(text + &written(&files.map_err(Failure::of_output)?)));
         Ok(Outcome::Done)
     })
 }

@@ -2,6 +2,7 @@
 
 use crate::text::{colours, red};
 use dotyk::case::CaseError;
+use dotyk::output;
 use std::fmt;
 use std::io::Write;
 use std::path::Path;
@@ -25,6 +26,17 @@ impl Failure {
     /// A message about a file or folder.
     pub fn of(path: &Path, message: impl fmt::Display) -> Self {
         Self::Message(format!("{}: {message}", path.display()))
+    }
+
+    /// Files that could not be written where `--out` says.
+    pub fn of_output(error: output::Error) -> Self {
+        Self::of_files(&error, "--out")
+    }
+
+    /// Files that could not be written where an option says: the library knows no options.
+    pub fn of_files(error: &output::Error, option: &str) -> Self {
+        let named = format!("another folder with {option}");
+        Self::Message(error.to_string().replace("another folder", &named))
     }
 
     /// Prints the message: with colours on a terminal, plain elsewhere.

@@ -133,7 +133,6 @@ fn run_case(arguments: &Arguments, file: &Path, folder: &Path) -> Result<Outcome
             progress.observe(event)
         });
         progress.finish();
-        let refused = |e: output::Error| Failure::Message(e.to_string());
         warn(&run.warnings());
         let steps = run.standing();
         let failed = run.failure.as_ref().filter(|_| run.count > 1);
@@ -149,7 +148,7 @@ fn run_case(arguments: &Arguments, file: &Path, folder: &Path) -> Result<Outcome
             since: start,
         };
         if steps.last().is_some_and(|last| last.converged) {
-            let files = record.write(folder).map_err(refused)?;
+            let files = record.write(folder).map_err(Failure::of_output)?;
             if arguments.json {
                 print_summary(folder)?;
             } else {
@@ -160,7 +159,7 @@ fn run_case(arguments: &Arguments, file: &Path, folder: &Path) -> Result<Outcome
                 print(&(heading + &results(&case.model, steps) + &written(&files)));
             }
         } else if !steps.is_empty() {
-            let file = record.write_summary(folder).map_err(refused)?;
+            let file = record.write_summary(folder).map_err(Failure::of_output)?;
             match arguments.json {
                 true => print_summary(folder)?,
                 false => print(&(verdict(&case.model, steps) + &written(&[file]))),

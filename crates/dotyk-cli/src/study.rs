@@ -161,7 +161,7 @@ pub fn study(arguments: &Arguments) -> Result<Outcome, Failure> {
         (study?, pairs, case.stem, folder)
     });
     let files = output::write_study(&study, &pairs, &stem, &folder);
-    let files = files.map_err(|e| Failure::Message(e.to_string()))?;
+    let files = files.map_err(Failure::of_output)?;
     let seconds = start.elapsed().as_secs_f64();
     warn(&told(&study));
     print(&(members(&study) + &verdict(&study, seconds) + &written(&files)));

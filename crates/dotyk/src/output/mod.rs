@@ -645,7 +645,7 @@ mod tests {
         fs::write(&file, b"mine").unwrap();
         for target in [file.clone(), file.join("below")] {
             let error = write(&record(&model, from_ref(&solution)), &target).unwrap_err();
-            assert!(error.to_string().contains("--out"), "{error}");
+            assert!(error.to_string().contains("another folder"), "{error}");
         }
         assert_eq!(fs::read(&file).unwrap(), b"mine");
         assert_eq!(names(scratch.path()), ["file", "out"]);
