@@ -97,7 +97,12 @@ class _Line:
             sys.stderr.flush()
 
     def clear(self) -> None:
-        if self.shown is not None and not _in_notebook():
+        if self.shown is None:
+            return
+        if _in_notebook():
+            # nothing of it stays on the page
+            self.shown.update({"text/html": "", "text/plain": ""}, raw=True)
+        else:
             sys.stderr.write("\r" + " " * 78 + "\r")
 
 
