@@ -6,7 +6,7 @@ use crate::given::Given;
 use crate::progress::Progress;
 use crate::text::{columns, number, print, vector, written};
 use dotyk::model::{
-    Analysis, BodySolution, Bolts, ContactSolution, Dimension, Method, Model, ProbeValue, Solution,
+    Analysis, BodySolution, ContactSolution, Dimension, Method, Model, ProbeValue, Solution,
     SolverOptions, StressAt,
 };
 use dotyk::output::{self, Scales};
@@ -123,7 +123,13 @@ fn run_case(arguments: &Arguments, file: &Path, folder: &Path) -> Result<Outcome
     let start = Instant::now();
     of_any!(arguments.given.read(file)?, |case| {
         let mut case = case;
-        override_solver(&mut case.model.solver, arguments.solver, arguments.rho)?;
+        let taken = case.model.solver.take(arguments.solver, arguments.rho);
+        taken.map_err(|method| {
+            Failure::Message(format!(
+                "--rho has no meaning for the solver `{}`: add --solver gradient or --solver uzawa",
+                method.name()
+            ))
+        })?;
         let past = arguments.from.as_deref().map(|dir| case.model.past(dir));
         let past = past.transpose();
         let past = past.map_err(|e| Failure::Message(e.to_string()))?;
@@ -181,32 +187,6 @@ fn print_summary(folder: &Path) -> Result<(), Failure> {
     let path = folder.join("summary.json");
     let text = std::fs::read_to_string(&path).map_err(|e| Failure::of(&path, e))?;
     print(&text);
-    Ok(())
-}
-
-/// The command line's solver and step instead of the case's; what belongs to the case's own method goes with it.
-fn override_solver<const D: usize>(
-    options: &mut SolverOptions<D>,
-    method: Option<Method>,
-    rho: Option<f64>,
-) -> Result<(), Failure> {
-    if let Some(method) = method {
-        options.method = method;
-    }
-    let steps = matches!(options.method, Method::Gradient | Method::Uzawa);
-    if rho.is_some() && !steps {
-        return Err(Failure::Message(format!(
-            "--rho has no meaning for the solver `{}`: add --solver gradient or --solver uzawa",
-            options.method.name()
-        )));
-    }
-    if !steps {
-        options.rho = None;
-    }
-    if options.method != Method::Uzawa {
-        options.bolts = Bolts::Automatic;
-    }
-    options.rho = rho.or(options.rho);
     Ok(())
 }
 

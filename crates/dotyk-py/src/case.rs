@@ -7,7 +7,7 @@ use crate::mesh::Mesh;
 use crate::run::{AnyRun, Run};
 use crate::worker::{Caller, wait};
 use dotyk::case::{AnyCase, CaseError, Given};
-use dotyk::model::{Bolts, Check, Event, Method, SolverOptions, Study, Varied};
+use dotyk::model::{Check, Event, Method, SolverOptions, Study, Varied};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use std::path::PathBuf;
@@ -234,23 +234,14 @@ fn override_options<const D: usize>(
     method: Option<String>,
     (tolerance, most, rho): Limits,
 ) -> PyResult<()> {
-    if let Some(name) = method {
-        options.method = method_of(py, &name)?;
-    }
-    let steps = matches!(options.method, Method::Gradient | Method::Uzawa);
-    if rho.is_some() && !steps {
+    let method = method.map(|name| method_of(py, &name)).transpose()?;
+    options.take(method, rho).map_err(|method| {
         let message = format!(
             "`rho` has no meaning for the method `{}`: it is a step of `gradient` and `uzawa`",
-            options.method.name()
+            method.name()
         );
-        return Err(errors::input(py, message));
-    }
-    if !steps {
-        options.rho = None;
-    }
-    if options.method != Method::Uzawa {
-        options.bolts = Bolts::Automatic;
-    }
+        errors::input(py, message)
+    })?;
     for (name, value) in [("tolerance", tolerance), ("rho", rho)] {
         if value.is_some_and(|value| !(value.is_finite() && value > 0.0)) {
             return Err(errors::input(
@@ -265,7 +256,6 @@ fn override_options<const D: usize>(
             "`max_iterations` must be a positive integer",
         ));
     }
-    options.rho = rho.or(options.rho);
     options.tolerance = tolerance.unwrap_or(options.tolerance);
     options.max_iterations = most.or(options.max_iterations);
     Ok(())

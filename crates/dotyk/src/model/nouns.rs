@@ -347,6 +347,24 @@ pub struct SolverOptions<const D: usize> {
     pub memory: Option<u64>,
 }
 
+impl<const D: usize> SolverOptions<D> {
+    /// Takes another method and step instead of those of a case; what the method has no use for is dropped.
+    ///
+    /// Errors: the method, where it has no step.
+    pub fn take(&mut self, method: Option<Method>, rho: Option<f64>) -> Result<(), Method> {
+        self.method = method.unwrap_or(self.method);
+        let steps = matches!(self.method, Method::Gradient | Method::Uzawa);
+        if rho.is_some() && !steps {
+            return Err(self.method);
+        }
+        self.rho = rho.or(self.rho).filter(|_| steps);
+        if self.method != Method::Uzawa {
+            self.bolts = Bolts::Automatic;
+        }
+        Ok(())
+    }
+}
+
 impl<const D: usize> Default for SolverOptions<D> {
     fn default() -> Self {
         Self {
