@@ -7,7 +7,7 @@ use crate::progress::Progress;
 use crate::text::{columns, number, print, vector, written};
 use dotyk::model::{
     Analysis, BodySolution, ContactSolution, Dimension, Method, Model, ProbeValue, Solution,
-    SolverOptions, StressAt,
+    StressAt,
 };
 use dotyk::output::{self, Scales};
 use std::ffi::OsStr;
