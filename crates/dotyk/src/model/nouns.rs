@@ -516,3 +516,47 @@ impl<const D: usize> Model<D> {
         self.times.last().copied().unwrap_or(1.0)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn options(method: Method) -> SolverOptions<2> {
+        SolverOptions {
+            method,
+            rho: Some(2.0),
+            bolts: Bolts::Points(vec![[1.0, 2.0]]),
+            ..SolverOptions::default()
+        }
+    }
+
+    #[test]
+    fn what_belongs_to_the_replaced_method_goes_with_it() {
+        let mut replaced = options(Method::Uzawa);
+        replaced.take(Some(Method::Newton), None).unwrap();
+        assert_eq!(replaced.method, Method::Newton);
+        assert_eq!((replaced.rho, replaced.bolts), (None, Bolts::Automatic));
+
+        let mut kept = options(Method::Uzawa);
+        kept.take(Some(Method::Gradient), None).unwrap();
+        assert_eq!((kept.rho, kept.bolts), (Some(2.0), Bolts::Automatic));
+
+        let mut same = options(Method::Uzawa);
+        same.take(None, Some(3.0)).unwrap();
+        assert_eq!(same.rho, Some(3.0));
+        assert_eq!(same.bolts, Bolts::Points(vec![[1.0, 2.0]]));
+    }
+
+    #[test]
+    fn a_step_needs_a_method_that_takes_it() {
+        for method in [
+            Method::Auto,
+            Method::Newton,
+            Method::Mprgp,
+            Method::Accelerated,
+            Method::Secant,
+        ] {
+            assert_eq!(options(method).take(None, Some(1.0)), Err(method));
+        }
+    }
+}
