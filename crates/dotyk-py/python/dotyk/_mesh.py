@@ -15,6 +15,9 @@ if TYPE_CHECKING:
     import numpy as np
     import numpy.typing as npt
 
+    Floats = Sequence[float] | npt.NDArray[Any]
+    Counts = Sequence[int] | npt.NDArray[Any]
+
 #: Kinds of cells as meshio calls them.
 _MESHIO = {
     "tri3": "triangle", "tri6": "triangle6", "quad4": "quad", "quad8": "quad8", "quad9": "quad9",
@@ -59,7 +62,7 @@ class Mesh:
         points: npt.ArrayLike,
         cells: Mapping[Any, npt.ArrayLike],
         sides: Mapping[str, npt.ArrayLike] | None = None,
-        named: Mapping[str, Sequence[float]] | None = None,
+        named: Mapping[str, Any] | None = None,
     ) -> None:
         import numpy as np
 
@@ -175,7 +178,7 @@ class Mesh:
         return list(self._native.warnings)
 
     @keywords
-    def patch(self, name: str, of: str, min: Sequence[float], max: Sequence[float]) -> Mesh:
+    def patch(self, name: str, of: str, min: Floats, max: Floats) -> Mesh:
         """The mesh with one more side: the whole facets of the side ``of`` whose corners lie in a box.
 
         >>> import dotyk
@@ -307,9 +310,9 @@ def _generated(kind: str, space: bool, values: Mapping[str, Any]) -> Mesh:
 
 @keywords
 def rectangle(
-    from_: Sequence[float],
-    to: Sequence[float],
-    cells: Sequence[int],
+    from_: Floats,
+    to: Floats,
+    cells: Counts,
     cell: str | None = None,
     diagonals: str | None = None,
 ) -> Mesh:
@@ -326,8 +329,8 @@ def rectangle(
 def ring(
     inner: float,
     outer: float,
-    cells: Sequence[int],
-    center: Sequence[float] | None = None,
+    cells: Counts,
+    center: Floats | None = None,
     from_: float | None = None,
     to: float | None = None,
     ratio: float | None = None,
@@ -349,7 +352,7 @@ def tunnel_rock(
     radius: float,
     half_width: float,
     half_height: float,
-    cells: Sequence[int],
+    cells: Counts,
     ratio: float | None = None,
     grade: float | None = None,
     cell: str | None = None,
@@ -377,7 +380,7 @@ def outline(**keys: Any) -> Mesh:
 
 
 @keywords
-def box(from_: Sequence[float], to: Sequence[float], cells: Sequence[int], cell: str | None = None) -> Mesh:
+def box(from_: Floats, to: Floats, cells: Counts, cell: str | None = None) -> Mesh:
     """A box; sides ``left``, ``right`` (x), ``front``, ``back`` (y), ``bottom``, ``top`` (z).
 
     >>> import dotyk
@@ -389,11 +392,11 @@ def box(from_: Sequence[float], to: Sequence[float], cells: Sequence[int], cell:
 
 @keywords
 def cylinder(
-    base: Sequence[float],
-    axis: Sequence[float],
+    base: Floats,
+    axis: Floats,
     radius: float,
     height: float,
-    cells: Sequence[int],
+    cells: Counts,
     inner: float | None = None,
     from_: float | None = None,
     to: float | None = None,
@@ -411,9 +414,9 @@ def cylinder(
 
 @keywords
 def sphere(
-    center: Sequence[float],
+    center: Floats,
     radius: float,
-    cells: Sequence[int],
+    cells: Counts,
     inner: float | None = None,
     from_: float | None = None,
     to: float | None = None,

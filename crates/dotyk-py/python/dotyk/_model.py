@@ -24,14 +24,17 @@ from dotyk._words import (
 )
 
 if TYPE_CHECKING:
+    import numpy.typing as npt
+
     from dotyk._dual import Dual, Problem
     from dotyk._solution import Solution
 
-#: What may be a number, an expression, or a function of points and time.
-Number = float | str | Callable[..., Any]
-Vector = Sequence[Number] | Callable[..., Any]
-Table = Mapping[str, Any]
-Solver = Callable[["Problem"], tuple[Any, Any]]
+    #: What may be a number, an expression, or a function of points and time.
+    Number = float | str | Callable[..., Any]
+    Vector = Sequence[Number] | npt.NDArray[Any] | Callable[..., Any]
+    Place = Sequence[float] | npt.NDArray[Any]
+    Table = Mapping[str, Any]
+    Solver = Callable[[Problem], tuple[Any, Any]]
 
 #: Keys of a material that a body may have itself.
 _MATERIAL = ("young", "poisson", "thickness", "strength")
@@ -104,7 +107,7 @@ class Body:
         z: Number | None = None,
         normal: Number | None = None,
         rotation: Any = None,
-        point: Sequence[float] | str | None = None,
+        point: Place | str | None = None,
         active: Table | None = None,
     ) -> Body:
         """Holds a side, or the node nearest to a point: each component zero, prescribed by a number, or by an expression.
@@ -126,7 +129,7 @@ class Body:
         force: Vector | None = None,
         in_situ: Number | None = None,
         moment: Any = None,
-        point: Sequence[float] | str | None = None,
+        point: Place | str | None = None,
         active: Table | None = None,
     ) -> Body:
         """Loads a side (``traction``, ``pressure``, a resultant ``force``, ``in_situ``) or a point (``force``).
@@ -151,7 +154,7 @@ class Body:
         x: float | str | None = None,
         y: float | str | None = None,
         z: float | str | None = None,
-        point: Sequence[float] | str | None = None,
+        point: Place | str | None = None,
         active: Table | None = None,
     ) -> Body:
         """Beds a side on springs (force per area and length) or a point (force per length).
@@ -219,7 +222,7 @@ class Body:
         return self._set("surface", {**self._table.get("surface", {}), side: surface})
 
     @keywords
-    def points(self, **points: Sequence[float]) -> Body:
+    def points(self, **points: Place) -> Body:
         """Named points for supports, loads, probes and couples.
 
         >>> import dotyk
@@ -475,7 +478,7 @@ class Model:
         reduce: str | None = None,
         mean_of_neighbours: bool | None = None,
         minus_rigid: str | None = None,
-        center: Sequence[float] | None = None,
+        center: Place | None = None,
     ) -> Model:
         """Adds a probe, which every solution of this model reads.
 

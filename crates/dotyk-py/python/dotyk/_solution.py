@@ -130,6 +130,7 @@ class ProbeValue(float):
 
     name: str
     quantity: str
+    value: float
     unit: str | None
     at: list[float] | None
     line: Any
@@ -138,9 +139,8 @@ class ProbeValue(float):
     def _of(cls, table: dict[str, Any]) -> ProbeValue:
         value = table.get("value")
         probe = cls(math.nan if value is None else value)
-        for key in ("name", "quantity", "unit", "at", "line"):
-            setattr(probe, key, table.get(key))
-        probe.__dict__["value"] = float(probe)
+        for key, own in {"unit": None, "at": None, "line": None, **table, "value": float(probe)}.items():
+            setattr(probe, key, own)
         return probe
 
 
@@ -191,9 +191,12 @@ class ContactSolution(_Frozen):
     open: int
     length: float
     max_pressure: float
+    max_pressure_at: list[float] | None
     max_penetration: float
     imbalance: float
     dissipated_work: float
+    #: In space: of the contact forces about the origin.
+    moment: list[float]
 
     def __init__(self, table: dict[str, Any], arrays: _Arrays, solution: Solution) -> None:
         super().__init__(table)
@@ -358,7 +361,14 @@ class BodySolution(_Frozen):
     reaction: list[float]
     max_displacement: float
     max_von_mises: float
+    max_von_mises_at: list[float]
+    #: Where the largest stress is singular: what makes it so; else ``None``.
+    max_von_mises_place: str | None
+    #: The largest one away from such places.
+    max_von_mises_away: float
     strain_energy: float
+    #: The rigid motion that is nearest to its displacements.
+    rigid: dict[str, Any]
 
     def __init__(self, table: dict[str, Any], arrays: _Arrays, mesh: Any, vtu: Any) -> None:
         super().__init__(table)
@@ -563,6 +573,11 @@ class Solution(_Frozen):
 
     case: str
     version: str
+    units: dict[str, str]
+    parameters: dict[str, float]
+    #: Number of the load step from 1, and its name where it has one.
+    step: int
+    name: str | None
     time: float
     converged: bool
     solver: str
@@ -579,6 +594,8 @@ class Solution(_Frozen):
     bars: Named[Any]
     sections: Named[Any]
     warnings: list[str]
+    #: The step that has no answer, with its number, time and reason; ``None`` where all have one.
+    failed_step: dict[str, Any] | None
     #: The solutions of all load steps, at least one; the last is this one.
     steps: tuple[Solution, ...]
 
@@ -602,7 +619,7 @@ class Solution(_Frozen):
         return last
 
     def __init__(self, table: dict[str, Any], run: Any, step: int) -> None:
-        super().__init__({"units": {}, "parameters": {}, **table})
+        super().__init__({"units": {}, "parameters": {}, "step": 1, "name": None, "failed_step": None, **table})
         own: dict[str, Any] = {"_run": run, "_step": step}
         figures = {name: Figure(**figure) for name, figure in table["certificate"].items()}
         own["certificate"] = Named("figure", figures)
