@@ -49,19 +49,23 @@ def plot(solution: Solution, field: str, scale: float | None) -> Any:
         shapes = _space if space else _plane
         drawn = shapes(axes, body, nodal, scale)
         drawn.set_clim(low, high if high > low else low + 1.0)
-    figure.colorbar(drawn, ax=axes, label=field.replace("_", " "), shrink=0.8)
-    axes.set_title(f"{solution.case}: displacements {scale:.3g} times as large")
+    length, force = (solution.units.get(key) for key in ("length", "force"))
+    stress = f" [{force}/{length}²]" if force and length else ""
+    length = f" [{length}]" if length else ""
+    unit = {"displacement": length, "utilisation": ""}.get(field, stress)
+    figure.colorbar(drawn, ax=axes, label=field.replace("_", " ") + unit, shrink=0.8)
+    axes.set_title(f"displacements {scale:.3g} times as large", fontsize="medium")
     for k, contact in enumerate(contacts):
         below = figure.add_subplot(grid[1 + k])
         arc = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(contact.points, axis=0), axis=1))])
         below.plot(arc, contact.pressure, color="tab:red", label="pressure")
-        below.set_ylabel("pressure")
-        below.set_xlabel(f"{contact.name}: way along the side")
+        below.set_ylabel("pressure" + stress)
+        below.set_xlabel(f"{contact.name}: way along the side{length}")
         other = below.twinx()
         # rounding is no gap
         gap = np.where(np.abs(contact.gap) > 1e-9 * moves, contact.gap, 0.0)
         other.plot(arc, gap, color="tab:blue", linewidth=1, label="gap")
-        other.set_ylabel("gap")
+        other.set_ylabel("gap" + length)
     return figure
 
 
