@@ -53,7 +53,7 @@ def plot(solution: Solution, field: str, scale: float | None) -> Any:
     stress = f" [{force}/{length}²]" if force and length else ""
     length = f" [{length}]" if length else ""
     unit = {"displacement": length, "utilisation": ""}.get(field, stress)
-    figure.colorbar(drawn, ax=axes, label=field.replace("_", " ") + unit, shrink=0.8)
+    figure.colorbar(drawn, ax=axes, label={"von_mises": "von Mises stress"}.get(field, field) + unit, shrink=0.8)
     axes.set_title(f"displacements {scale:.3g} times as large", fontsize="medium")
     for k, contact in enumerate(contacts):
         below = figure.add_subplot(grid[1 + k])
