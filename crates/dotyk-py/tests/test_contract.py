@@ -14,6 +14,7 @@ import numpy as np
 import pytest
 
 import dotyk
+import dotyk.examples
 
 CASES = Path(__file__).resolve().parents[3] / "cases"
 
@@ -516,3 +517,42 @@ def test_a_solution_stays_usable_after_an_interrupted_call():
     timer.join()
     assert s.report().startswith("<!DOCTYPE html>")
     assert s.probe("a.reaction.y") == pytest.approx(1.0)
+
+
+def test_parts_have_names_of_their_own():
+    m = dotyk.examples.punch()
+    with pytest.raises(dotyk.InputError, match="a contact and a bar are named `sole`"):
+        m.bar("sole", from_=[0, 0], to=[0, 1], bodies=["block"], young=1.0, area=1.0)
+    with pytest.raises(dotyk.InputError, match="two bodies are named `punch`"):
+        m.body("punch", dotyk.rectangle([0, 0], [1, 1], cells=[1, 1]), young=1.0, poisson=0.0)
+    assert m.probe("sole", "sole.pressure", reduce="max").solve().probes["sole"] > 0
+
+
+@pytest.mark.parametrize("given", [lambda p, t: p[:, 0] + 1j, lambda p, t: ["1.5"] * len(p), lambda p, t: None])
+def test_functions_give_numbers(given):
+    m = dotyk.examples.punch()
+    m.bodies["punch"].load("top", pressure=given)
+    with pytest.raises(dotyk.InputError, match="body `punch`, load on `top`, pressure"):
+        m.solve()
+    m = dotyk.examples.punch()
+    m.bodies["punch"].load("top", pressure=lambda p, t: np.full(len(p), np.inf))
+    with pytest.raises(dotyk.InputError, match=r"inf at \[1.5"):
+        m.solve()
+
+
+@pytest.mark.parametrize("path", ["", "a\0b", "\ud800"])
+def test_paths_that_are_none_are_refused(path):
+    for call in (dotyk.run, dotyk.read, dotyk.check, dotyk.examples.punch().solve().write):
+        with pytest.raises(dotyk.InputError):
+            call(path)
+
+
+def test_a_report_appears_whole_or_not_at_all(tmp_path):
+    s = dotyk.examples.punch().solve()
+    s.report(tmp_path / "report.html")
+    with pytest.raises(dotyk.InputError, match="cannot write"):
+        s.report(tmp_path / "none" / "report.html")
+    (tmp_path / "folder").mkdir()
+    with pytest.raises(dotyk.InputError, match="cannot write"):
+        s.report(tmp_path / "folder")
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["folder", "report.html"]

@@ -36,6 +36,8 @@ if TYPE_CHECKING:
     Table = Mapping[str, Any]
     Solver = Callable[[Problem], tuple[Any, Any]]
 
+#: Parts whose names no other part may have.
+_PARTS = ("body", "contact", "section", "bar")
 #: Keys of a material that a body may have itself.
 _MATERIAL = ("young", "poisson", "thickness", "strength")
 #: What of a body others need to know when they are checked.
@@ -391,8 +393,7 @@ class Model:
         for kind in ("fix", "spring", "load", "couple"):
             if not isinstance(table.get(kind, []), list):
                 raise ArgumentError(f"`{kind}` is a list of tables")
-        if any(body["name"] == name for body in self._lists["body"]):
-            raise InputError(f"two bodies are named `{name}`")
+        self._unused("body", name)
         self._try({"body": [table]})
         self._lists["body"].append(table)
         return Body(self, table)
@@ -505,14 +506,20 @@ class Model:
     def _add(self, kind: str, values: dict[str, Any]) -> Model:
         entry = {key: taken(value) for key, value in values.items() if key != "self" and value is not None}
         text_of(entry.get("name"), "name")
-        if any(own["name"] == entry["name"] for own in self._lists[kind]):
-            raise InputError(f"two {'bodies' if kind == 'body' else kind + 's'} are named `{entry['name']}`")
+        self._unused(kind, entry["name"])
         bodies = [{key: value for key, value in body.items() if key in _BASE} for body in self._lists["body"]]
         known = ("contact", "section", "bar") if kind == "probe" else ()
         document = {"body": bodies, **{other: self._lists[other] for other in known}, kind: [entry]}
         self._try(document)
         self._lists[kind].append(entry)
         return self
+
+    def _unused(self, kind: str, name: str) -> None:
+        """Refuses a name that another part has whose quantities are called by it."""
+        for other in {kind, *_PARTS} if kind in _PARTS else {kind}:
+            if any(own["name"] == name for own in self._lists[other]):
+                parts = "two bodies" if kind == other == "body" else f"two {kind}s" if kind == other else f"a {other} and a {kind}"
+                raise InputError(f"{parts} are named `{name}`")
 
     def _try(self, document: dict[str, Any]) -> None:
         """Lets the reader of case files look at a part of the model; steps may come later."""
