@@ -3,49 +3,27 @@
 //! One condition along the mean of two normals would let the corner of a block slide through the floor of the pocket that
 //! it sits in, as soon as it leaves the wall.
 
+use crate::contact::curved::TrueSurface;
 use crate::contact::{ContactError, End};
-use crate::geometry::{Point, dot, unit};
+use crate::geometry::{Groups, Point, dot};
 use crate::mesh::Facet;
 use std::collections::BTreeMap;
 
-/// Facets whose normals have a cosine below this meet at a corner: each keeps its own normal there.
-pub const SHARP: f64 = 0.7;
+/// Facets whose normals have a cosine below this, that of 30 degrees, meet at a corner: each keeps its own normal there.
+pub const SHARP: f64 = 0.866;
 
 /// The parts of a side between its sharp corners or edges, in the order of its chain, in space of their first facets; the whole
 /// where it has none.
 ///
-/// Errors: unknown or empty sides.
+/// Errors: unknown or empty sides, nodes off the true surface of the side.
 pub fn smooth_parts<const D: usize>(end: End<'_, D>) -> Result<Vec<Vec<Facet>>, ContactError> {
     let (mesh, side) = (&end.body.mesh, end.facets()?);
-    let mut around: BTreeMap<usize, Vec<(usize, Point<D>)>> = BTreeMap::new();
-    for (index, &facet) in side.iter().enumerate() {
-        let kind = mesh.facet_kind(facet);
-        for (node, xi) in mesh.facet_nodes(facet).zip(kind.reference_nodes()) {
-            let normal = unit(mesh.outward_normal(facet, xi)).unwrap_or([0.0; D]);
-            around
-                .entry(node as usize)
-                .or_default()
-                .push((index, normal));
-        }
-    }
-    let mut part: Vec<usize> = (0..side.len()).collect();
-    let mut sharp = false;
-    for meeting in around.values() {
-        for (place, &(a, normal)) in meeting.iter().enumerate() {
-            for &(b, other) in &meeting[place + 1..] {
-                match dot(normal, other) > SHARP {
-                    true => join(&mut part, a, b),
-                    false => sharp = true,
-                }
-            }
-        }
-    }
+    let Surfaces { first, sharp } = surfaces(end)?;
     if !sharp {
         return Ok(vec![side.to_vec()]);
     }
     let mut parts: BTreeMap<usize, Vec<Facet>> = BTreeMap::new();
-    for (index, &facet) in side.iter().enumerate() {
-        let first = root(&part, index);
+    for (&facet, &first) in side.iter().zip(&first) {
         parts.entry(first).or_default().push(facet);
     }
     let mut parts: Vec<Vec<Facet>> = parts.into_values().collect();
@@ -59,17 +37,44 @@ pub fn smooth_parts<const D: usize>(end: End<'_, D>) -> Result<Vec<Vec<Facet>>, 
     Ok(parts)
 }
 
-/// The first facet of a part.
-fn root(part: &[usize], mut index: usize) -> usize {
-    while part[index] != index {
-        index = part[index];
-    }
-    index
+/// The smooth surfaces of a side: facets that meet at common nodes without a corner.
+pub(super) struct Surfaces {
+    /// By facet of the side, the index of the first one of its surface.
+    pub first: Vec<usize>,
+    /// Some facets meet at a corner.
+    pub sharp: bool,
 }
 
-fn join(part: &mut [usize], a: usize, b: usize) {
-    let (a, b) = (root(part, a), root(part, b));
-    part[a.max(b)] = a.min(b);
+/// Errors: unknown or empty sides, nodes off the true surface of the side.
+pub(super) fn surfaces<const D: usize>(end: End<'_, D>) -> Result<Surfaces, ContactError> {
+    let (mesh, side) = (&end.body.mesh, end.facets()?);
+    let known = TrueSurface::of(end, side)?;
+    let mut around: BTreeMap<usize, Vec<(usize, Point<D>)>> = BTreeMap::new();
+    for (index, &facet) in side.iter().enumerate() {
+        let kind = mesh.facet_kind(facet);
+        for (node, xi) in mesh.facet_nodes(facet).zip(kind.reference_nodes()) {
+            let normal = known.normal(facet, xi);
+            around
+                .entry(node as usize)
+                .or_default()
+                .push((index, normal));
+        }
+    }
+    let (mut groups, mut sharp) = (Groups::new(side.len()), false);
+    for meeting in around.values() {
+        for (place, &(a, normal)) in meeting.iter().enumerate() {
+            for &(b, other) in &meeting[place + 1..] {
+                match dot(normal, other) > SHARP {
+                    true => groups.join(a, b),
+                    false => sharp = true,
+                }
+            }
+        }
+    }
+    Ok(Surfaces {
+        first: (0..side.len()).map(|index| groups.first(index)).collect(),
+        sharp,
+    })
 }
 
 #[cfg(test)]
@@ -108,8 +113,7 @@ mod tests {
 
     #[test]
     fn facets_meet_at_a_corner_when_their_normals_turn_too_far() {
-        // a cosine of 0.7 is 45.57°
-        for (angle, count) in [(45.5f64, 1), (45.7, 2)] {
+        for (angle, count) in [(30.0f64, 1), (30.1, 2)] {
             let (s, c) = angle.to_radians().sin_cos();
             for cell in [CellKind::Quad4, CellKind::Quad8] {
                 let points = [

@@ -220,11 +220,11 @@ mod tests {
 
     #[test]
     fn an_overlap_as_deep_as_a_facet_is_seen() {
-        // two thin bodies that overlap by 0.9 or 1.1 of a facet
+        // a thin body that is 0.9 or 1.1 of a facet deep in another
         for (depth, seen) in [(0.9, true), (1.1, false)] {
             let upper = flat(&[0.0, 1.0, 2.0], 0.1, CellKind::Quad4);
             let points = [[0.0, depth], [0.7, depth], [2.0, depth]];
-            let lower = wall(&points, depth - 0.1, CellKind::Quad4);
+            let lower = wall(&points, -0.2, CellKind::Quad4);
             let found = unmatched(&upper, &lower);
             assert_eq!(found.is_some_and(|found| !found.of_mortar), seen, "{depth}");
         }

@@ -299,8 +299,8 @@ type Matrix = [Values; FUNCTIONS];
 pub(super) enum Basis {
     /// ψ = A N with the functions N of the facet.
     OfFacet(CellKind, Matrix),
-    /// ψ = A h with the hats h of a stretch.
-    OfCell(CellKind, Stretch, Matrix),
+    /// ψ = A h with the hats h of a stretch, and where in the coordinates of that the forces act.
+    OfCell(CellKind, Covered, Matrix),
     /// Hats of the cell.
     Hats,
 }
@@ -319,9 +319,10 @@ impl Basis {
     /// Of the covered part of a cell, with forces where it ends; where all weights are positive.
     pub fn of_cell(
         cell: &Cell,
-        Covered { bound, ends }: &Covered,
+        covered: &Covered,
         points: impl Iterator<Item = ([f64; 2], f64)>,
     ) -> Option<Self> {
+        let Covered { bound, ends } = covered;
         let (kind, n) = (cell.kind, cell.kind.nodes());
         let points = points.map(|(xi, area)| (values(kind, bound.of(xi)), area));
         let (sums, mass) = moments(points);
@@ -338,7 +339,7 @@ impl Basis {
             std::array::from_fn(|k| weights[i] * product(&of_ends[i], &column(k)))
         });
         let positive = weights[..n].iter().all(|&weight| weight > 0.0);
-        (positive && tame(&matrix)).then_some(Self::OfCell(kind, *bound, matrix))
+        (positive && tame(&matrix)).then(|| Self::OfCell(kind, covered.clone(), matrix))
     }
 
     /// ψ of each node of a facet or cell, `nodes` of these, at ξ; where the functions are hats, a node that carries nothing
@@ -350,8 +351,21 @@ impl Basis {
         };
         match self {
             Self::OfFacet(kind, matrix) => dual(*kind, xi, matrix),
-            Self::OfCell(kind, covered, matrix) => dual(*kind, covered.of(xi), matrix),
+            Self::OfCell(kind, covered, matrix) => dual(*kind, covered.bound.of(xi), matrix),
             Self::Hats => hats(cell, xi, carries),
+        }
+    }
+
+    /// Where on the facet the force of its k-th function acts: the value there of any function of the facet, in part of a cell of
+    /// any linear one, is its mean with ψ. None of hats, whose forces are spread.
+    pub fn acts_at(&self, k: usize) -> Option<[f64; 2]> {
+        match self {
+            Self::OfFacet(kind, _) => {
+                let [x, y, _] = kind.reference_nodes()[k];
+                Some([x, y])
+            }
+            Self::OfCell(_, covered, _) => Some(covered.bound.back(covered.ends[k])),
+            Self::Hats => None,
         }
     }
 
@@ -359,7 +373,7 @@ impl Basis {
     pub fn shares(&self, cell: &Cell, xi: [f64; 2], carries: &[bool]) -> Values {
         match self {
             Self::OfFacet(kind, _) => values(*kind, xi),
-            Self::OfCell(kind, covered, _) => values(*kind, covered.of(xi)),
+            Self::OfCell(kind, covered, _) => values(*kind, covered.bound.of(xi)),
             Self::Hats => hats(cell, xi, carries),
         }
     }

@@ -254,14 +254,17 @@ pub(super) mod tests {
         }
     }
 
-    /// Some displacements of the nodes of a body.
-    fn waves<const D: usize>(body: &Body<D>, phase: f64) -> Vec<Point<D>> {
+    /// Some displacements of the nodes of a body; affine, so that what rows see as a mean is seen as well at one place.
+    fn strained<const D: usize>(body: &Body<D>, phase: f64) -> Vec<Point<D>> {
         let points = body.mesh.points().iter();
-        let wave = |x: &Point<D>| {
-            let along: f64 = x.iter().sum();
-            std::array::from_fn(|d| 0.1 * (3.0 * along + phase + d as f64).sin())
+        let moved = |x: &Point<D>| {
+            let component = |d: usize| -> f64 {
+                let slope = |k: usize| (3.0 * phase + 1.7 * d as f64 + k as f64).sin();
+                phase + (0..D).map(|k| 0.1 * slope(k) * x[k]).sum::<f64>()
+            };
+            std::array::from_fn(component)
         };
-        points.map(wave).collect()
+        points.map(moved).collect()
     }
 
     /// The gaps after the nodes have moved are those of the rows, which were integrated apart from them.
@@ -270,7 +273,7 @@ pub(super) mod tests {
         nonmortar: End<'_, D>,
         mortar: End<'_, D>,
     ) {
-        let (own, other) = (waves(nonmortar.body, 0.2), waves(mortar.body, 1.9));
+        let (own, other) = (strained(nonmortar.body, 0.2), strained(mortar.body, 1.9));
         let mut again = interface.clone();
         let moved = Moved {
             own: Cow::Borrowed(&own),

@@ -17,6 +17,7 @@ mod exclude;
 mod facing;
 mod functions;
 mod gaps;
+mod lever;
 mod mortar;
 mod node_to_node;
 mod normals;
@@ -27,6 +28,8 @@ mod polygons;
 mod relative;
 mod sampling;
 mod search;
+mod share;
+mod sheets;
 mod weights;
 
 pub use corners::{SHARP, smooth_parts};

@@ -37,17 +37,20 @@
 //!
 //! Against a rigid obstacle u_m is its translation, and the rows on the other side act on it.
 
-use crate::contact::functions::{Basis, Cell, Cover, Piece, cells, functions};
+use crate::contact::functions::{Basis, Cell, Cover, FUNCTIONS, Piece, cells, functions};
+use crate::contact::lever::Lever;
 use crate::contact::opposite::{Opposite, shape};
 use crate::contact::relative::{Relative, axes, carried, frame, separates, tangents_along};
 use crate::contact::search::{Hit, meet};
+use crate::contact::share::{GapAt, Share, Station, Sums};
+use crate::contact::sheets::sheets;
 use crate::contact::{
     Against, ContactError, Coupling, Driven, End, GapPoint, GapShares, InitialGap, Interface,
-    InterfaceNode, Role, Row, pieces, polygons,
+    InterfaceNode, Role, pieces, polygons,
 };
 use crate::fem::{Analysis, measure};
-use crate::geometry::{Point, add_scaled, dot, invert, norm, unit};
-use crate::mesh::{Facet, MAX_FACET_NODES, Mesh};
+use crate::geometry::{Point, dot, norm, unit};
+use crate::mesh::{Facet, Mesh};
 use rayon::prelude::*;
 use std::any::Any;
 use std::collections::{BTreeMap, BTreeSet};
@@ -66,136 +69,6 @@ const LOOKED_AT: usize = 3;
 
 /// Components of nodes.
 type Components<const D: usize> = BTreeMap<usize, [bool; D]>;
-
-/// Everything at one point of integration.
-struct Station<const D: usize> {
-    cell: usize,
-    /// Index of its piece.
-    piece: usize,
-    /// Reference coordinates on the facet.
-    xi: [f64; 2],
-    area: f64,
-    /// Without thickness or 2πr.
-    extent: f64,
-    /// What it faces.
-    at: GapPoint<D>,
-    /// Where the line from it meets the other side.
-    hit: Option<Hit>,
-}
-
-/// What one facet gives to the sums of one of its nodes.
-struct Share<const D: usize> {
-    node: usize,
-    extent: f64,
-    weight: [f64; D],
-    gap: f64,
-    /// Weights of ψ of the normal row at the stations.
-    psi: Vec<(usize, f64)>,
-    nonmortar: [Row<D>; D],
-    mortar: [Row<D>; D],
-    /// The last piece in each of these.
-    piece: [usize; D],
-}
-
-/// Sums over the stations of one node.
-#[derive(Default)]
-struct Sums<const D: usize> {
-    /// ∫ of the node's hat, and times the gap.
-    own: [f64; 2],
-    /// The weights of that at the stations, and those of ψ of the normal row.
-    hats: Vec<(usize, f64)>,
-    psi: Vec<(usize, f64)>,
-    extent: f64,
-    weight: [f64; 3],
-    gap: f64,
-    nonmortar: [BTreeMap<usize, Point<D>>; 3],
-    mortar: [BTreeMap<usize, Point<D>>; 3],
-}
-
-impl<const D: usize> Share<D> {
-    fn new(node: usize) -> Self {
-        Self {
-            node,
-            extent: 0.0,
-            weight: [0.0; D],
-            gap: 0.0,
-            psi: Vec::new(),
-            nonmortar: std::array::from_fn(|_| Vec::new()),
-            mortar: std::array::from_fn(|_| Vec::new()),
-            piece: [usize::MAX; D],
-        }
-    }
-
-    /// Adds ψ·area at a station to the row of a component along a direction.
-    fn add(
-        &mut self,
-        (component, direction): (usize, Point<D>),
-        psi: f64,
-        (index, station): (usize, &Station<D>),
-        lever: Option<&Lever<D>>,
-    ) {
-        let weight = psi * station.area;
-        self.weight[component] += weight;
-        if component == 0 {
-            self.gap += weight * station.at.gap;
-            self.psi.push((index, weight));
-        }
-        let own = &mut self.nonmortar[component];
-        let other = &mut self.mortar[component];
-        if own.is_empty() {
-            own.extend(station.at.own.iter().map(|&(node, _)| (node, [0.0; D])));
-        }
-        // the nodes opposite are the same all over a piece
-        if self.piece[component] != station.piece {
-            self.piece[component] = station.piece;
-            let nodes = station.at.opposite.iter();
-            other.extend(nodes.map(|&(node, _)| (node, [0.0; D])));
-        }
-        for (entry, (_, shape)) in own.iter_mut().zip(&station.at.own) {
-            entry.1 = add_scaled(entry.1, weight * shape, direction);
-        }
-        let start = other.len() - station.at.opposite.len();
-        for (entry, (_, shape)) in other[start..].iter_mut().zip(&station.at.opposite) {
-            entry.1 = add_scaled(entry.1, -weight * shape, direction);
-        }
-        if let Some(lever) = lever.filter(|_| component > 0) {
-            for (place, entry) in other[start..].iter_mut().enumerate() {
-                entry.1 = add_scaled(entry.1, weight, lever.along(direction, place));
-            }
-        }
-    }
-}
-
-impl<const D: usize> Sums<D> {
-    fn add(&mut self, share: Share<D>) {
-        self.extent += share.extent;
-        self.gap += share.gap;
-        self.psi.extend(share.psi);
-        for c in 0..D {
-            self.weight[c] += share.weight[c];
-            let sides = [
-                (&mut self.nonmortar[c], &share.nonmortar[c]),
-                (&mut self.mortar[c], &share.mortar[c]),
-            ];
-            for (row, terms) in sides {
-                for &(node, coefficient) in terms {
-                    let entry = row.entry(node).or_insert([0.0; D]);
-                    *entry = add_scaled(*entry, 1.0, coefficient);
-                }
-            }
-        }
-    }
-
-    /// Rows of a component on both sides, divided by a weight.
-    fn rows(&self, component: usize, weight: f64) -> [Row<D>; 2] {
-        [&self.nonmortar[component], &self.mortar[component]].map(|row| {
-            let scale = 1.0 / weight;
-            row.iter()
-                .map(|(&node, c)| (node, c.map(|c| c * scale)))
-                .collect()
-        })
-    }
-}
 
 /// Pairs a side with another, or with an obstacle, by mortar integration.
 ///
@@ -234,7 +107,18 @@ fn paired<const D: usize>(
     cut: impl Fn(&Opposite<'_, D>, &[Cell]) -> Vec<Piece>,
 ) -> Result<Interface<D>, ContactError> {
     let pairing = Pairing::new(sides, coupling, analysis)?;
-    pairing.interface(&cut(&pairing.sides, &pairing.cells))
+    pairing.interface(cut(&pairing.sides, &pairing.cells))
+}
+
+/// What one sheet of the other side gives to the nodes of the side.
+struct Sheet<const D: usize> {
+    /// Facets of the other side.
+    facets: BTreeSet<Facet>,
+    stations: Vec<Station<D>>,
+    sums: BTreeMap<usize, Sums<D>>,
+    /// Which components of which nodes carry multipliers.
+    kept: Components<D>,
+    unborne: usize,
 }
 
 struct Pairing<'a, const D: usize> {
@@ -321,6 +205,47 @@ impl<'a, const D: usize> Pairing<'a, D> {
         self.sides.mesh()
     }
 
+    /// What a facet faces at ξ, be it a facet of the other side or its continuation, or the obstacle, and where the line from there
+    /// meets it; `None` where it misses that.
+    ///
+    /// Errors: a gap that is not finite.
+    fn seen(
+        &self,
+        facet: Facet,
+        xi: [f64; 2],
+        opposite: Option<Facet>,
+    ) -> Result<Option<(GapPoint<D>, Option<Hit>)>, ContactError> {
+        let line = self.sides.line(facet, &xi);
+        let own = shape(self.mesh(), facet, &xi);
+        Ok(match (self.sides.against, opposite) {
+            (Against::Side(mortar), Some(other)) => match meet(&mortar.body.mesh, other, line) {
+                Some(hit) => {
+                    let at = GapPoint {
+                        own,
+                        opposite: shape(&mortar.body.mesh, other, &hit.xi),
+                        normal: line.direction,
+                        gap: self.sides.gap_at(facet, line, hit)?,
+                    };
+                    Some((at, Some(hit)))
+                }
+                None => None,
+            },
+            (Against::Obstacle(..), _) => {
+                let found = self.sides.obstacle(facet, line)?;
+                found.map(|(normal, gap)| {
+                    let at = GapPoint {
+                        own,
+                        opposite: vec![(0, 1.0)],
+                        normal,
+                        gap,
+                    };
+                    (at, None)
+                })
+            }
+            (Against::Side(_), None) => None,
+        })
+    }
+
     /// Everything at a point of a piece; `None` where the line misses the facet by rounding of a tangent.
     fn station(
         &self,
@@ -329,63 +254,54 @@ impl<'a, const D: usize> Pairing<'a, D> {
         reference: f64,
     ) -> Result<Option<Station<D>>, ContactError> {
         let facet = self.cells[piece.cell].facet;
+        let Some((at, hit)) = self.seen(facet, xi, piece.opposite)? else {
+            return Ok(None);
+        };
         let mesh = self.mesh();
-        let line = self.sides.line(facet, &xi);
-        let own = shape(mesh, facet, &xi);
         let extent = reference * norm(mesh.outward_normal(facet, &xi));
         let thickness = self.sides.nonmortar.body.thickness;
-        let area = extent * measure(self.analysis, thickness, line.start);
-        let mut across = None;
-        let (normal, opposite, gap) = match (self.sides.against, piece.opposite) {
-            (Against::Side(mortar), Some(other)) => {
-                let Some(hit) = meet(&mortar.body.mesh, other, line) else {
-                    return Ok(None);
-                };
-                across = Some(hit);
-                (
-                    line.direction,
-                    shape(&mortar.body.mesh, other, &hit.xi),
-                    self.sides.gap_at(facet, line, hit)?,
-                )
-            }
-            (Against::Obstacle(..), _) => {
-                let Some((normal, gap)) = self.sides.obstacle(facet, line)? else {
-                    return Ok(None);
-                };
-                (normal, vec![(0, 1.0)], gap)
-            }
-            (Against::Side(_), None) => return Ok(None),
-        };
+        let start = mesh.facet_point(facet, &xi);
         Ok(Some(Station {
             cell: piece.cell,
             piece: index,
             xi,
-            area,
+            area: extent * measure(self.analysis, thickness, start),
             extent,
-            at: GapPoint {
-                own,
-                opposite,
-                normal,
-                gap,
-            },
-            hit: across,
+            at,
+            hit,
         }))
     }
 
-    fn interface(&self, pieces: &[Piece]) -> Result<Interface<D>, ContactError> {
+    fn interface(&self, pieces: Vec<Piece>) -> Result<Interface<D>, ContactError> {
+        let missed = self.missed(&pieces);
+        let whole = self.whole_weights();
+        let ties = self.coupling == Coupling::Tied;
+        let sheets = sheets(&self.cells, pieces, self.sides.against, ties)?;
+        let sheets = sheets.iter().map(|pieces| self.sheet(pieces, &whole));
+        let sheets = sheets.collect::<Result<Vec<_>, _>>()?;
+        Ok(Interface {
+            missed,
+            ..self.assembled(sheets, &whole)?
+        })
+    }
+
+    /// What one sheet of the other side gives to the nodes.
+    fn sheet(
+        &self,
+        pieces: &[Piece],
+        whole: &BTreeMap<usize, f64>,
+    ) -> Result<Sheet<D>, ContactError> {
         let stations = self.stations(pieces)?;
         let mut sums: BTreeMap<usize, Sums<D>> = BTreeMap::new();
         for (index, station) in stations.iter().enumerate() {
             let cell = &self.cells[station.cell];
             for (&node, hat) in cell.nodes.iter().zip(cell.hats(station.xi)) {
-                let sums = sums.entry(node).or_default();
-                sums.own[0] += hat * station.area;
-                sums.own[1] += hat * station.area * station.at.gap;
+                let sums = sums.entry(node).or_insert_with(Sums::new);
+                sums.own += hat * station.area;
                 sums.hats.push((index, hat * station.area));
             }
         }
-        let whole = self.whole_weights();
-        let kept = self.kept(&sums, &whole, &stations);
+        let kept = self.kept(&sums, whole, &stations);
         let implied = self.implied();
         let cover = Cover::new(&self.cells, pieces);
         // pieces follow the side, so the stations of a facet follow one another
@@ -399,19 +315,18 @@ impl<'a, const D: usize> Pairing<'a, D> {
         let shares: Vec<Vec<Share<D>>> = of_facets
             .par_iter()
             .map(|&(first, stations)| self.shares(first, stations, (&kept, &implied), &cover))
-            .collect();
+            .collect::<Result<_, _>>()?;
         for share in shares.into_iter().flatten() {
             if let Some(sums) = sums.get_mut(&share.node) {
                 sums.add(share);
             }
         }
-        let unborne = self.unborne(&stations, &kept, &implied);
-        let points = stations.into_iter().map(|station| station.at).collect();
-        let interface = self.assembled(&sums, &whole, &kept, points)?;
-        Ok(Interface {
-            missed: self.missed(pieces),
-            unborne,
-            ..interface
+        Ok(Sheet {
+            facets: pieces.iter().filter_map(|piece| piece.opposite).collect(),
+            unborne: self.unborne(&stations, &kept, &implied),
+            sums,
+            kept,
+            stations,
         })
     }
 
@@ -535,7 +450,7 @@ impl<'a, const D: usize> Pairing<'a, D> {
         whole: &BTreeMap<usize, f64>,
         stations: &[Station<D>],
     ) -> Components<D> {
-        let covered = |node: &usize| sums.get(node).map_or(0.0, |s| s.own[0]) / whole[node];
+        let covered = |node: &usize| sums.get(node).map_or(0.0, |s| s.own) / whole[node];
         let decided = |&(node, place): &(usize, (Facet, [f64; 2]))| {
             let held = self.relative(node, place);
             let held = held.decided(self.frames[&node], self.coupling);
@@ -570,13 +485,15 @@ impl<'a, const D: usize> Pairing<'a, D> {
     }
 
     /// What a facet gives to its nodes; its stations are those from `first` on.
+    ///
+    /// Errors: a gap that is not finite.
     fn shares(
         &self,
         first: usize,
         stations: &[Station<D>],
         (kept, implied): (&Components<D>, &Components<D>),
         cover: &Cover,
-    ) -> Vec<Share<D>> {
+    ) -> Result<Vec<Share<D>>, ContactError> {
         let facet = self.cells[stations[0].cell].facet;
         let (kind, of_facet) = functions(self.mesh(), facet);
         let mut shares: BTreeMap<usize, Share<D>> = BTreeMap::new();
@@ -594,46 +511,81 @@ impl<'a, const D: usize> Pairing<'a, D> {
                 true => Basis::of_facet(kind, stations.iter().map(|s| (s.xi, s.area))),
                 false => None,
             };
+            // what has functions of its own: the whole facet, or its cells
+            let parts = match whole {
+                Some(basis) => vec![(stations, &of_facet, basis)],
+                None => {
+                    let of_cells = stations.chunk_by(|a, b| a.cell == b.cell);
+                    let of_cells = of_cells.map(|stations| {
+                        let (index, points) = (stations[0].cell, stations.iter());
+                        let cell = &self.cells[index];
+                        let covered = cover.of_cell(index);
+                        let covered = covered.filter(|_| cell.nodes.iter().all(carries));
+                        let points = points.map(|s| (s.xi, s.area));
+                        let basis = covered.and_then(|c| Basis::of_cell(cell, c, points));
+                        (stations, &cell.nodes, basis.unwrap_or(Basis::Hats))
+                    });
+                    of_cells.collect()
+                }
+            };
             let mut index = first;
-            for of_cell in stations.chunk_by(|a, b| a.cell == b.cell) {
-                let cell = &self.cells[of_cell[0].cell];
-                let nodes = match whole {
-                    Some(_) => &of_facet,
-                    None => &cell.nodes,
-                };
+            for (stations, nodes, basis) in parts {
                 let carrying: Vec<bool> = nodes.iter().map(carries).collect();
-                let in_part = || {
-                    let covered = cover.of_cell(of_cell[0].cell)?;
-                    let points = of_cell.iter().map(|s| (s.xi, s.area));
-                    let all = carrying.iter().all(|c| *c);
-                    all.then(|| Basis::of_cell(cell, covered, points))?
-                };
-                let own = match whole {
-                    Some(_) => None,
-                    None => Some(in_part().unwrap_or(Basis::Hats)),
-                };
-                let basis = whole.as_ref().or(own.as_ref()).unwrap_or(&Basis::Hats);
-                for station in of_cell {
+                let mut weights = [0.0; FUNCTIONS];
+                for station in stations {
+                    let cell = &self.cells[station.cell];
                     let lever = self.lever(station);
                     let psi = basis.values(cell, station.xi, &carrying);
                     let parts = basis.shares(cell, station.xi, &carrying);
-                    for ((&node, psi), part) in nodes.iter().zip(psi).zip(parts) {
+                    for (k, &node) in nodes.iter().enumerate() {
                         let share = shares.entry(node).or_insert_with(|| Share::new(node));
                         if shared == 0 {
-                            share.extent += part * station.extent;
+                            share.extent += parts[k] * station.extent;
                         }
+                        let weight = psi[k] * station.area;
                         let frame = carried(self.frames[&node], station.at.normal);
                         let kept = components.iter().filter(|&&c| kept[&node][c]);
-                        for &component in kept.filter(|_| psi != 0.0) {
+                        for &component in kept.filter(|_| weight != 0.0) {
                             let along = (component, frame[component]);
-                            share.add(along, psi, (index, station), lever.as_ref());
+                            share.add(along, weight, station, lever.as_ref());
+                            if component == 0 && matches!(basis, Basis::Hats) {
+                                share.take_gap(GapAt::Station(index), weight);
+                            }
                         }
+                        weights[k] += weight;
                     }
                     index += 1;
                 }
+                for (k, node) in nodes.iter().enumerate().filter(|_| shared == 0) {
+                    if let (Some(place), true) = (basis.acts_at(k), carrying[k]) {
+                        let at = self.gap_at(facet, place, stations)?;
+                        let share = shares.entry(*node).or_insert_with(|| Share::new(*node));
+                        share.take_gap(GapAt::Place(at), weights[k]);
+                    }
+                }
             }
         }
-        shares.into_values().collect()
+        Ok(shares.into_values().collect())
+    }
+
+    /// The gap at a place of a facet, to the sheet that some of its stations face: as the nearest of them sees it.
+    ///
+    /// Errors: a gap that is not finite.
+    fn gap_at(
+        &self,
+        facet: Facet,
+        xi: [f64; 2],
+        stations: &[Station<D>],
+    ) -> Result<GapPoint<D>, ContactError> {
+        let away = |station: &Station<D>| (station.xi[0] - xi[0]).hypot(station.xi[1] - xi[1]);
+        let nearest = stations.iter().min_by(|a, b| away(a).total_cmp(&away(b)));
+        let nearest = nearest.unwrap_or(&stations[0]);
+        let across = match (self.sides.against, nearest.hit) {
+            (Against::Side(_), Some(hit)) => Some(hit.facet),
+            _ => None,
+        };
+        let seen = self.seen(facet, xi, across)?;
+        Ok(seen.map_or_else(|| nearest.at.clone(), |(at, _)| at))
     }
 
     /// What the distance between the sides makes of tangential rows at a station; none where there is no such row.
@@ -646,77 +598,48 @@ impl<'a, const D: usize> Pairing<'a, D> {
         }
     }
 
+    /// All sheets together: a node has an entry for each sheet on which it carries multipliers or is fixed, or one that faces nothing.
     fn assembled(
         &self,
-        sums: &BTreeMap<usize, Sums<D>>,
+        sheets: Vec<Sheet<D>>,
         whole: &BTreeMap<usize, f64>,
-        kept: &Components<D>,
-        points: Vec<GapPoint<D>>,
     ) -> Result<Interface<D>, ContactError> {
         let mut interface = Interface {
             nodes: Vec::new(),
-            cyclic: self.cyclic,
+            cyclic: self.cyclic && sheets.len() < 2,
             coupling: self.coupling,
             nonmortar: Vec::new(),
             mortar: Vec::new(),
-            points,
+            points: Vec::new(),
             implied: Vec::new(),
             missed: [0; 2],
-            unborne: 0,
+            unborne: sheets.iter().map(|sheet| sheet.unborne).sum(),
         };
-        for &(node, (facet, xi)) in &self.places {
-            let mut entry = InterfaceNode {
-                node,
-                opposite: Vec::new(),
-                frame: self.frames[&node],
-                weight: whole[&node],
-                extent: 0.0,
-                gap: f64::NAN,
-                clearance: f64::NAN,
-                shares: GapShares::default(),
-                role: Role::Alone,
-                rows: [None; D],
-            };
-            let sums = sums.get(&node).filter(|s| s.own[0] > SLIVER * whole[&node]);
-            if let Some(sums) = sums {
-                if let Some(found) = self.sides.at(facet, &xi)? {
-                    (entry.opposite, entry.clearance) = (found.nodes.clone(), found.gap);
-                    entry.shares.at_node = Some(interface.points.len());
-                    let along = self.sides.line(facet, &xi).direction;
-                    interface.points.push(GapPoint {
-                        own: vec![(node, 1.0)],
-                        opposite: found.nodes,
-                        normal: along,
-                        gap: found.gap,
-                    });
-                }
-                entry.shares.mean = sums.hats.clone();
-                entry.role = Role::Fixed;
-                entry.weight = sums.own[0];
-                entry.gap = sums.own[1] / sums.own[0];
-                for component in (0..D).filter(|&c| kept[&node][c] && sums.weight[c] > 0.0) {
-                    if entry.role == Role::Fixed {
-                        (entry.weight, entry.extent) = (sums.weight[component], sums.extent);
-                    }
-                    entry.role = Role::Multiplier;
-                    entry.rows[component] = Some(interface.nonmortar.len());
-                    let divisor = match self.coupling {
-                        Coupling::Tied => component,
-                        _ => 0,
-                    };
-                    let [own, other] = sums.rows(component, sums.weight[divisor]);
-                    interface.nonmortar.push(own);
-                    interface.mortar.push(other);
-                    if component == 0 {
-                        entry.gap = sums.gap / sums.weight[0];
-                        entry.shares.mean = sums.psi.clone();
-                    }
-                }
-                if entry.clearance.is_nan() {
-                    entry.clearance = entry.gap;
+        // points of the interface that stations have become
+        let mut taken: Vec<BTreeMap<usize, usize>> = vec![BTreeMap::new(); sheets.len()];
+        for &(node, place) in &self.places {
+            let before = interface.nodes.len();
+            for (sheet, taken) in sheets.iter().zip(&mut taken) {
+                let sums = sheet.sums.get(&node);
+                if let Some(sums) = sums.filter(|sums| sums.own > SLIVER * whole[&node]) {
+                    let entry = self.on_sheet((node, place), (sheet, sums), taken, &mut interface);
+                    interface.nodes.push(entry?);
                 }
             }
-            interface.nodes.push(entry);
+            if interface.nodes.len() == before {
+                interface.nodes.push(InterfaceNode {
+                    node,
+                    opposite: Vec::new(),
+                    frame: self.frames[&node],
+                    weight: whole[&node],
+                    extent: 0.0,
+                    gap: f64::NAN,
+                    clearance: f64::NAN,
+                    shares: GapShares::default(),
+                    role: Role::Alone,
+                    rows: [None; D],
+                });
+            }
         }
         let fixed = |node: &InterfaceNode<D>| node.role == Role::Fixed;
         if interface.nonmortar.is_empty() && interface.nodes.iter().any(fixed) {
@@ -724,6 +647,89 @@ impl<'a, const D: usize> Pairing<'a, D> {
             return Err(ContactError::AllFixed { side });
         }
         Ok(interface)
+    }
+
+    /// A node on a sheet, whose rows and points go to the interface.
+    ///
+    /// Errors: a gap that is not finite.
+    fn on_sheet(
+        &self,
+        (node, (facet, xi)): (usize, (Facet, [f64; 2])),
+        (sheet, sums): (&Sheet<D>, &Sums<D>),
+        taken: &mut BTreeMap<usize, usize>,
+        interface: &mut Interface<D>,
+    ) -> Result<InterfaceNode<D>, ContactError> {
+        let mut entry = InterfaceNode {
+            node,
+            opposite: Vec::new(),
+            frame: self.frames[&node],
+            weight: sums.own,
+            extent: 0.0,
+            gap: f64::NAN,
+            clearance: f64::NAN,
+            shares: GapShares::default(),
+            role: Role::Fixed,
+            rows: [None; D],
+        };
+        let among = |other: Facet| sheet.facets.contains(&other);
+        if let Some(found) = self.sides.at_among(facet, &xi, among)? {
+            (entry.opposite, entry.clearance) = (found.nodes.clone(), found.gap);
+            entry.shares.at_node = Some(interface.points.len());
+            interface.points.push(GapPoint {
+                own: vec![(node, 1.0)],
+                opposite: found.nodes,
+                normal: self.sides.line(facet, &xi).direction,
+                gap: found.gap,
+            });
+        }
+        let points = &mut interface.points;
+        let mut of_station = |station: usize, points: &mut Vec<GapPoint<D>>| {
+            *taken.entry(station).or_insert_with(|| {
+                points.push(sheet.stations[station].at.clone());
+                points.len() - 1
+            })
+        };
+        if sheet.kept[&node][0] && sums.weight[0] > 0.0 {
+            for (at, weight) in &sums.gaps {
+                let point = match at {
+                    GapAt::Station(station) => of_station(*station, points),
+                    GapAt::Place(at) => {
+                        points.push(at.clone());
+                        points.len() - 1
+                    }
+                };
+                entry.shares.mean.push((point, *weight));
+            }
+            if let Some(normal) = unit(sums.normal) {
+                entry.frame = carried(entry.frame, normal);
+            }
+        } else {
+            let hats = sums.hats.iter();
+            let hats = hats.map(|&(station, weight)| (of_station(station, points), weight));
+            entry.shares.mean = hats.collect();
+        }
+        let gaps = entry.shares.mean.iter();
+        let gaps = gaps.map(|&(point, weight)| weight * interface.points[point].gap);
+        let weights: f64 = entry.shares.mean.iter().map(|share| share.1).sum();
+        entry.gap = gaps.sum::<f64>() / weights;
+        if entry.clearance.is_nan() {
+            entry.clearance = entry.gap;
+        }
+        for component in (0..D).filter(|&c| sheet.kept[&node][c] && sums.weight[c] > 0.0) {
+            if entry.role == Role::Fixed {
+                (entry.weight, entry.extent) = (sums.weight[component], sums.extent);
+            }
+            entry.role = Role::Multiplier;
+            entry.rows[component] = Some(interface.nonmortar.len());
+            let divisor = match self.coupling {
+                Coupling::Tied => component,
+                _ => 0,
+            };
+            let [own, other] = sums.rows(component, sums.weight[divisor]);
+            interface.nonmortar.push(own);
+            interface.mortar.push(other);
+        }
+        Ok(entry)
     }
 
     /// Whether the motion of the other side along an axis is prescribed where it lies opposite a place, and if `still`
@@ -748,62 +754,6 @@ impl<'a, const D: usize> Pairing<'a, D> {
     }
 }
 
-/// What the rotation W of a facet adds to tangential rows: s·t·W n, for points at the distance s along n.
-///
-/// In the tangents aₖ of the facet and its normal ν, t = Σ cₖaₖ + c_ν ν and n = Σ dₖaₖ + d_ν ν, W is known from the derivatives
-/// u,ₖ of the displacements along it: ν·W aₖ = ν·u,ₖ and in space a₁·W a₂ = (a₁·u,₂ − a₂·u,₁)/2, hence
-///
-/// ```text
-///   t·W n = Σ (c_ν dₖ − cₖ d_ν) ν·u,ₖ + (c₁d₂ − c₂d₁)(a₁·u,₂ − a₂·u,₁)/2
-/// ```
-struct Lever<const D: usize> {
-    distance: f64,
-    tangents: [Point<D>; D],
-    normal: Point<D>,
-    /// Rows are what gives the cₖ and c_ν of a vector.
-    inverse: [Point<D>; D],
-    /// dₖ and d_ν.
-    along_normal: Point<D>,
-    slopes: [[f64; D]; MAX_FACET_NODES],
-}
-
-impl<const D: usize> Lever<D> {
-    /// At a hit of a line along n.
-    fn new(mesh: &Mesh<D>, hit: Hit, direction: Point<D>) -> Self {
-        let mut slopes = [[0.0; D]; MAX_FACET_NODES];
-        mesh.facet_kind(hit.facet).gradients(&hit.xi, &mut slopes);
-        let mut tangents = mesh.facet_tangents(hit.facet, &hit.xi);
-        let normal = unit(mesh.outward_normal(hit.facet, &hit.xi)).unwrap_or([0.0; D]);
-        tangents[D - 1] = normal;
-        let columns = std::array::from_fn(|i| tangents.map(|axis| axis[i]));
-        let (inverse, _) = invert::<D>(&columns);
-        Self {
-            distance: hit.distance,
-            along_normal: inverse.map(|row| dot(row, direction)),
-            tangents,
-            normal,
-            inverse,
-            slopes,
-        }
-    }
-
-    /// Coefficients of the displacement of the facet's node at this place.
-    fn along(&self, t: Point<D>, place: usize) -> Point<D> {
-        let (d, slope) = (self.along_normal, self.slopes[place]);
-        let c = self.inverse.map(|row| dot(row, t));
-        let tilt: f64 = (0..D - 1)
-            .map(|k| slope[k] * (c[D - 1] * d[k] - c[k] * d[D - 1]))
-            .sum();
-        let mut sum = self.normal.map(|n| tilt * n);
-        if D > 2 {
-            let twist = 0.5 * (c[0] * d[1] - c[1] * d[0]);
-            sum = add_scaled(sum, twist * slope[1], self.tangents[0]);
-            sum = add_scaled(sum, -twist * slope[0], self.tangents[1]);
-        }
-        sum.map(|x| self.distance * x)
-    }
-}
-
 /// An interface of one dimension as that of the same dimension.
 fn same<const D: usize, const E: usize>(interface: Interface<D>) -> Option<Interface<E>> {
     let any: Box<dyn Any> = Box::new(interface);
@@ -814,10 +764,10 @@ fn same<const D: usize, const E: usize>(interface: Interface<D>) -> Option<Inter
 mod tests {
     use super::*;
     use crate::contact::gaps::tests::{body, end, flat, held, node_at, ring, wall};
-    use crate::contact::{Rigid, pair_nodes};
+    use crate::contact::{Rigid, Row, pair_nodes};
     use crate::fem::quadrature;
     use crate::fem::{Body, Constraints};
-    use crate::geometry::{Field, Surface};
+    use crate::geometry::{Field, Surface, add_scaled};
     use crate::mesh::{CellKind, Cuboid};
 
     /// The bottom of a body over a side of another, nothing held.
@@ -851,11 +801,12 @@ mod tests {
         let nonmortar = end(&upper, "bottom", &free);
         let sides = Opposite::new(nonmortar, against, InitialGap::Closed, 0.0).unwrap();
         let pairing = Pairing::new(sides, Coupling::Normal, Analysis::PlaneStrain).unwrap();
-        let mut pieces = pieces::pieces(&pairing.sides, &pairing.cells);
+        let pieces = || pieces::pieces(&pairing.sides, &pairing.cells);
         let looked_at = pairing.cells.len() * pairing.cells[0].rule(LOOKED_AT).count();
-        assert_eq!(pairing.interface(&pieces).unwrap().missed, [0, looked_at]);
-        pieces.pop();
-        let [missed, facing] = pairing.interface(&pieces).unwrap().missed;
+        assert_eq!(pairing.interface(pieces()).unwrap().missed, [0, looked_at]);
+        let mut fewer = pieces();
+        fewer.pop();
+        let [missed, facing] = pairing.interface(fewer).unwrap().missed;
         assert!(missed > 0 && facing == looked_at);
     }
 
@@ -930,8 +881,9 @@ mod tests {
                     sum(&|node| times(&other[row(node, 0)], &lower, um)),
                     sum(&|node| times(&other[row(node, 1)], &lower, um)),
                 ];
-                // the normal is −y, the tangent +x
-                let expected = [6.0, 3.0, 6.0 * 14.25, -4.2, 12.0, 1.2, -6.0];
+                // the normal is −y, the tangent +x; the gap is taken at 0.5, 1, 2, 3 and 3.5
+                let trapezia = 0.25 * 1.25 + 0.5 * 5.0 + 0.5 * 13.0 + 0.25 * 21.25;
+                let expected = [6.0, 3.0, 6.0 * trapezia, -4.2, 12.0, 1.2, -6.0];
                 for (found, expected) in found.into_iter().zip(expected) {
                     assert!((found - expected).abs() < 1e-12, "{found} {expected}");
                 }
@@ -1029,7 +981,7 @@ mod tests {
     }
 
     #[test]
-    fn over_a_hole_the_functions_are_linear() {
+    fn what_lies_beyond_a_hole_is_a_sheet_of_its_own() {
         let upper = flat(&[0.0, 1.0], 1.0, CellKind::Quad4);
         let lower = flat(&[0.0, 0.4, 0.6, 1.0], -1.0, CellKind::Quad4);
         let free = Constraints::default();
@@ -1048,13 +1000,14 @@ mod tests {
             0.0,
         );
         let interface = interface.unwrap();
-        // ∫(1 − x) and ∫(1 − x) x over 0 … 0.4 and 0.6 … 1
-        let weight = 0.4;
-        let first = 0.5 * (0.16 + 1.0 - 0.36) - (0.064 + 1.0 - 0.216) / 3.0;
-        let row = &interface.nonmortar[interface.nodes[0].rows[0].unwrap()];
-        assert!((interface.nodes[0].weight - weight).abs() < 1e-14);
-        let found = times(row, &upper, |[x, _]| [0.0, x]);
-        assert!((found + first / weight).abs() < 1e-13, "{found}");
+        // each node has a row for each of them, which acts where that ends
+        assert_eq!(interface.nodes.len(), 4);
+        for (node, place) in interface.nodes.iter().zip([0.0, 0.6, 0.4, 1.0]) {
+            let row = &interface.nonmortar[node.rows[0].unwrap()];
+            assert!((node.weight - 0.2).abs() < 1e-14);
+            let found = times(row, &upper, |[x, _]| [0.0, x]);
+            assert!((found + place).abs() < 1e-13, "{found}");
+        }
     }
 
     #[test]

@@ -70,8 +70,32 @@ impl<'a, const D: usize> Opposite<'a, D> {
 
     /// What of the other side lies opposite ξ of a facet; none where the line misses it, and of an obstacle.
     pub fn at(&self, facet: Facet, xi: &[f64]) -> Result<Option<Found>, ContactError> {
+        self.at_among(facet, xi, |_| true)
+    }
+
+    /// The same where that belongs to some facets of the other side: of several that meet there the search knows one.
+    pub fn at_among(
+        &self,
+        facet: Facet,
+        xi: &[f64],
+        among: impl Fn(Facet) -> bool,
+    ) -> Result<Option<Found>, ContactError> {
         let line = self.line(facet, xi);
-        let (Some(hit), Against::Side(mortar)) = (self.facing(facet, line), self.against) else {
+        let (Some(search), Against::Side(mortar)) = (&self.search, self.against) else {
+            return Ok(None);
+        };
+        let Some(nearest) = self.facing(facet, line) else {
+            return Ok(None);
+        };
+        let there = |hit: &Hit| {
+            let beside = (hit.distance - nearest.distance).abs();
+            beside <= SAME * mortar.body.mesh.facet_length(hit.facet)
+        };
+        let hit = match among(nearest.facet) {
+            true => Some(nearest),
+            false => search.opposite_among(line, f64::INFINITY, among),
+        };
+        let Some(hit) = hit.filter(there) else {
             return Ok(None);
         };
         let place = hit.xi.map(|c| c.clamp(-1.0, 1.0));
@@ -128,6 +152,9 @@ impl<'a, const D: usize> Opposite<'a, D> {
     }
 }
 
+/// Distances along a line that differ by less than this part of a facet are one: facets meet at their edges but for rounding.
+const SAME: f64 = 1e-6;
+
 /// How far before the facet that it starts from a line leaves the true surface of its side; zero where none is known.
 fn rise<const D: usize>(surface: &Option<TrueSurface<'_, D>>, facet: Facet, line: Line<D>) -> f64 {
     let surface = surface.as_ref().and_then(|surface| surface.at(facet));
@@ -160,11 +187,11 @@ mod tests {
 
     #[test]
     fn overlaps_up_to_the_length_of_a_facet_are_believed() {
-        // of thin bodies, so that the line has left its own one
+        // of a thin body, so that the line has left it
         for (depth, found) in [(0.9, true), (1.1, false)] {
             let upper = flat(&[0.0, 1.0, 2.0], 0.1, CellKind::Quad4);
             let points = [[0.0, depth], [0.7, depth], [2.0, depth]];
-            let lower = wall(&points, depth - 0.1, CellKind::Quad4);
+            let lower = wall(&points, -0.2, CellKind::Quad4);
             let free = Constraints::default();
             let against = Against::Side(end(&lower, "bottom", &free));
             let nonmortar = end(&upper, "bottom", &free);

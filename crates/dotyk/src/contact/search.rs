@@ -1,8 +1,9 @@
 //! What lies opposite a point: intersections of lines with the facets of a side, found through a tree of their boxes.
 //!
 //! A point x with outward normal n faces the facet that the line x + s·n meets nearest to x (smallest |s|), if the
-//! outward normal there is opposed to n. Behind x (s < 0) the bodies overlap; that counts only where the line is still
-//! inside x's own body, so that the far side of the other body is not taken for an overlap.
+//! outward normal there is opposed to n, and the way there passes through no boundary of the two bodies. Before x (s > 0) that way
+//! lies outside of both. Behind x (s < 0) the bodies overlap, and it lies inside of both: x itself is inside the other body, so
+//! that what stands on the far side of that is no partner, nor is a surface behind the far side of x's own body.
 //! Cost: O(log n) for each line.
 
 use crate::contact::polygons::clip;
@@ -12,6 +13,7 @@ use crate::geometry::{
 };
 use crate::mesh::{CellKind, Domain, Facet, Mesh};
 use rstar::{AABB, RTree, RTreeObject, SelectionFunction};
+use std::cmp::Ordering;
 use std::sync::OnceLock;
 
 /// Facets count as opposed when the cosine between the normals is below this.
@@ -19,6 +21,9 @@ const OPPOSED: f64 = -0.1;
 
 /// A line may miss the end of a facet by this much in its reference coordinate: rounding, not more.
 const END: f64 = 1e-9;
+
+/// All of a line.
+const EVERYWHERE: [f64; 2] = [f64::NEG_INFINITY, f64::INFINITY];
 
 /// Where a line meets a facet.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -87,9 +92,13 @@ impl<const D: usize, F: Fn(Point<D>, Point<D>) -> bool> SelectionFunction<Boxed<
     }
 }
 
-/// Whether a line meets a box: the interval of s in which it is between the faces of every axis is not empty.
-fn meets_box<const D: usize>(line: Line<D>, low: Point<D>, high: Point<D>) -> bool {
-    let (mut from, mut to) = (f64::NEG_INFINITY, f64::INFINITY);
+/// Whether a line meets a box between two distances: the interval of s in which it is between the faces of every axis is not empty.
+fn meets_box<const D: usize>(
+    line: Line<D>,
+    [mut from, mut to]: [f64; 2],
+    low: Point<D>,
+    high: Point<D>,
+) -> bool {
     for d in 0..D {
         let (start, slope) = (line.start[d], line.direction[d]);
         if slope == 0.0 {
@@ -144,15 +153,24 @@ impl<'a, const D: usize> Screen<'a, D> {
         facets
     }
 
-    /// All hits of a line whose outward normal satisfies a condition on its cosine with the line.
-    fn hits(&self, line: Line<D>, cosine: impl Fn(f64) -> bool) -> impl Iterator<Item = Hit> {
-        let facets = self.select(|low, high| meets_box(line, low, high));
-        facets.into_iter().filter_map(move |facet| {
+    /// Where a line meets them between two distances with a cosine to their outward normals that satisfies a condition, in
+    /// ascending order of facets, with these cosines.
+    fn meets(
+        &self,
+        line: Line<D>,
+        [from, to]: [f64; 2],
+        condition: impl Fn(f64) -> bool,
+    ) -> Vec<(Hit, f64)> {
+        let facets = self.select(|low, high| meets_box(line, [from, to], low, high));
+        let on_facet = |facet: Facet| {
             let hit = meet(self.mesh, facet, line)?;
             let normal = self.mesh.outward_normal(facet, &hit.xi);
-            let inside = self.mesh.facet_kind(facet).domain().outside(&hit.xi) <= END;
-            (inside && cosine(dot(normal, line.direction) / norm(normal))).then_some(hit)
-        })
+            let cosine = dot(normal, line.direction) / norm(normal);
+            let inside = self.mesh.facet_kind(facet).domain().outside(&hit.xi) <= END
+                && (from..=to).contains(&hit.distance);
+            (inside && condition(cosine)).then_some((hit, cosine))
+        };
+        facets.into_iter().filter_map(on_facet).collect()
     }
 }
 
@@ -243,48 +261,95 @@ fn quadratic_root(alpha: f64, beta: f64, gamma: f64) -> Option<f64> {
     root.is_finite().then_some(root)
 }
 
+/// The whole boundary of a body, made when it is asked for: only where sides lie apart.
+struct Boundary<'a, const D: usize> {
+    mesh: &'a Mesh<D>,
+    screen: OnceLock<Screen<'a, D>>,
+}
+
+impl<'a, const D: usize> Boundary<'a, D> {
+    fn of(mesh: &'a Mesh<D>) -> Self {
+        Self {
+            mesh,
+            screen: OnceLock::new(),
+        }
+    }
+
+    /// Whether a line passes through it between two distances. Where two facets back to back lie within `rounding` it passes
+    /// through none: along the seam between two parts of one body, or by an edge that it touches.
+    fn crossed(&self, line: Line<D>, [from, to]: [f64; 2], rounding: f64) -> bool {
+        let screen = self
+            .screen
+            .get_or_init(|| Screen::new(self.mesh, &self.mesh.boundary_facets()));
+        let met = screen.meets(line, [from, to], |cosine| cosine.abs() > ALONG);
+        let back_to_back = |&(a, cosine): &(Hit, f64)| {
+            let mut others = met.iter();
+            others.any(|(b, other)| {
+                cosine * other < 0.0 && (a.distance - b.distance).abs() <= rounding
+            })
+        };
+        !met.iter().all(back_to_back)
+    }
+}
+
+/// A line along a facet, with a cosine up to this, does not pass through it.
+const ALONG: f64 = 1e-6;
+
+/// Boundaries that lie within this part of a facet from the ends of a way do not stand in it.
+const NEAR: f64 = 1e-6;
+
 /// The search from points of one body for a side of another.
 pub(crate) struct Search<'a, const D: usize> {
-    own: &'a Mesh<D>,
-    other: Screen<'a, D>,
-    /// The whole boundary of the own body, needed only for deep overlaps.
-    boundary: OnceLock<Screen<'a, D>>,
+    side: Screen<'a, D>,
+    own: Boundary<'a, D>,
+    other: Boundary<'a, D>,
 }
 
 impl<'a, const D: usize> Search<'a, D> {
     /// Prepares a search from `own` for these facets of `other`.
     pub fn new(own: &'a Mesh<D>, other: &'a Mesh<D>, facets: &[Facet]) -> Self {
         Self {
-            own,
-            other: Screen::new(other, facets),
-            boundary: OnceLock::new(),
+            side: Screen::new(other, facets),
+            own: Boundary::of(own),
+            other: Boundary::of(other),
         }
     }
 
-    /// What lies opposite a point with this outward normal; overlaps up to `shallow` are believed without asking whether
-    /// the line is still inside the own body.
+    /// What lies opposite a point with this outward normal; overlaps up to `shallow`, the length of its facet, are believed
+    /// without asking whether the line is still inside the own body: beside an edge it may have left it.
     pub fn opposite(&self, line: Line<D>, shallow: f64) -> Option<Hit> {
-        let hits = self.other.hits(line, |cosine| cosine < OPPOSED);
-        let mut best: Option<Hit> = None;
-        for hit in hits {
-            let nearer = best.is_none_or(|b| hit.distance.abs() < b.distance.abs());
-            if nearer && (hit.distance >= -shallow || -hit.distance <= self.depth(line, shallow)) {
-                best = Some(hit);
-            }
-        }
-        best
+        self.opposite_among(line, shallow, |_| true)
     }
 
-    /// How far the line against its direction stays inside the own body.
-    fn depth(&self, line: Line<D>, shallow: f64) -> f64 {
-        let boundary = self
-            .boundary
-            .get_or_init(|| Screen::new(self.own, &self.own.boundary_facets()));
-        let behind = boundary
-            .hits(line, |cosine| cosine < 0.0)
-            .map(|hit| -hit.distance);
-        let leaving = behind.filter(|depth| *depth > 1e-6 * shallow);
-        leaving.fold(f64::INFINITY, f64::min)
+    /// The same among the facets that satisfy a condition.
+    pub fn opposite_among(
+        &self,
+        line: Line<D>,
+        shallow: f64,
+        of: impl Fn(Facet) -> bool,
+    ) -> Option<Hit> {
+        let hits = self
+            .side
+            .meets(line, EVERYWHERE, |cosine| cosine < OPPOSED)
+            .into_iter();
+        let mut hits: Vec<Hit> = hits.map(|(hit, _)| hit).filter(|h| of(h.facet)).collect();
+        hits.sort_by(|a, b| a.distance.abs().total_cmp(&b.distance.abs()));
+        hits.into_iter()
+            .find(|hit| self.clear(line, hit.distance, shallow))
+    }
+
+    /// Whether the way along a line to a distance passes through no body.
+    fn clear(&self, line: Line<D>, distance: f64, shallow: f64) -> bool {
+        let rounding = NEAR * shallow;
+        let way = [
+            distance.min(0.0) + rounding,
+            distance.max(0.0) - rounding,
+        ];
+        let beside_own = distance < 0.0 && -distance <= shallow;
+        // not longer than rounding
+        way[0].partial_cmp(&way[1]) != Some(Ordering::Less)
+            || !self.other.crossed(line, way, rounding)
+                && (beside_own || !self.own.crossed(line, way, rounding))
     }
 }
 
@@ -292,7 +357,7 @@ impl Search<'_, 2> {
     /// Facets of the other side that lines between these two may meet.
     pub fn between(&self, lines: [Line<2>; 2]) -> Vec<Facet> {
         let meets = |low, high| meets_between(lines, low, high);
-        self.other.select(meets)
+        self.side.select(meets)
     }
 }
 
@@ -379,7 +444,7 @@ impl Prism {
 impl Search<'_, 3> {
     /// Facets of the other side that may reach into what lines along the normals of a facet sweep.
     pub fn within(&self, prism: &Prism) -> Vec<Facet> {
-        self.other.select(|low, high| prism.meets(low, high))
+        self.side.select(|low, high| prism.meets(low, high))
     }
 }
 
@@ -444,6 +509,65 @@ mod tests {
     }
 
     #[test]
+    fn what_lies_on_the_far_side_of_the_other_body_is_no_partner() {
+        let plate = |from: f64, to: f64| block([0.0, from], [4.0, to], CellKind::Quad4);
+        let (lower, sunk) = (plate(0.0, 1.0), plate(0.95, 2.0));
+        let left = Line {
+            start: [0.0, 0.97],
+            direction: [-1.0, 0.0],
+        };
+        // its right end lies behind the left one of the lower plate and inside that plate, as far from it as is asked for
+        for squeeze in [0.25, 0.5] {
+            let upper = sunk.clone().map_points(|[x, y]| [squeeze * x + 1.0, y]);
+            let upper = upper.unwrap();
+            let search = Search::new(&lower, &upper, &upper.boundary_facets());
+            assert_eq!(search.opposite(left, 1.0), None);
+            assert_eq!(search.opposite(left, 9.0), None);
+            let overlap = search.opposite(up(1.7, 1.0), 1.0).unwrap();
+            assert!((overlap.distance + 0.05).abs() < 1e-14);
+        }
+    }
+
+    #[test]
+    fn what_lies_behind_a_part_of_either_body_is_no_partner() {
+        let plate = |from: f64, to: f64| block([0.0, from], [4.0, to], CellKind::Quad4);
+        let (lower, upper, far) = (plate(0.0, 1.0), plate(1.1, 2.0), plate(3.0, 4.0));
+        // one body of two plates
+        let both = |a: &Mesh<2>, b: &Mesh<2>| {
+            let first = a.points().len() as u32;
+            let points = a.points().iter().chain(b.points()).copied();
+            let mut blocks = a.blocks().to_vec();
+            blocks.extend(b.blocks().iter().cloned());
+            let nodes = blocks.last_mut().unwrap().nodes.iter_mut();
+            nodes.for_each(|node| *node += first);
+            Mesh::new(points.collect(), blocks).unwrap()
+        };
+        let at = |mesh: &Mesh<2>, height: f64| -> Vec<Facet> {
+            let level = |facet: &Facet| mesh.facet_points(*facet).all(|x| x[1] == height);
+            let facets = mesh.boundary_facets().into_iter();
+            facets.filter(level).collect()
+        };
+        let met = |own: &Mesh<2>, other: &Mesh<2>, height: f64| {
+            let search = Search::new(own, other, &at(other, height));
+            search.opposite(up(1.3, 1.0), 1.0).map(|hit| hit.distance)
+        };
+        let near = |found: Option<f64>, s: f64| (found.unwrap() - s).abs() < 1e-14;
+        assert!(near(met(&lower, &upper, 1.1), 0.1));
+        assert!(near(met(&lower, &far, 3.0), 2.0));
+        // a side that leaves the near plate out
+        let other = both(&upper, &far);
+        assert!(near(met(&lower, &other, 1.1), 0.1));
+        assert_eq!(met(&lower, &other, 3.0), None);
+        // a part of the own body stands between
+        let own = both(&lower, &upper);
+        assert_eq!(met(&own, &far, 3.0), None);
+        // two parts of the other body that touch are one
+        let (near_part, far_part) = (plate(0.5, 0.8), plate(0.8, 2.0));
+        let other = both(&near_part, &far_part);
+        assert!(near(met(&lower, &other, 0.5), -0.5));
+    }
+
+    #[test]
     fn a_place_has_a_part_along_a_line_and_a_part_to_its_right() {
         let line = Line {
             start: [1.0, 2.0],
@@ -472,7 +596,7 @@ mod tests {
                 std::array::from_fn(|_| std::array::from_fn(|_| noise()));
             let (low, high) = bounding_box(&[a, b]);
             let line = Line { start, direction };
-            let meets = meets_box(line, low, high);
+            let meets = meets_box(line, EVERYWHERE, low, high);
             assert_eq!(meets, meets_a_face(line, low, high), "{line:?}");
             met += usize::from(meets);
         }
@@ -496,7 +620,7 @@ mod tests {
             (1.05, false),
         ];
         for (x, meets) in along_an_axis {
-            assert_eq!(meets_box(up(x, 7.0), low, high), meets, "{x}");
+            assert_eq!(meets_box(up(x, 7.0), EVERYWHERE, low, high), meets, "{x}");
         }
         for (y, meets) in [(2.95, true), (3.0, true), (3.05, false)] {
             let line = Line {
@@ -504,7 +628,7 @@ mod tests {
                 direction: [-1.0, -1.0],
             };
             // through the corner (0, 2) at y = 3
-            assert_eq!(meets_box(line, low, high), meets, "{y}");
+            assert_eq!(meets_box(line, EVERYWHERE, low, high), meets, "{y}");
         }
     }
 
@@ -644,7 +768,7 @@ mod tests {
             };
             // where ξ = 1/2 − √0.05
             let expected = 5.0 - (1.5 - 0.05f64.sqrt());
-            let hit = search.opposite(line, 1.0).unwrap();
+            let hit = search.opposite(line, f64::INFINITY).unwrap();
             // the root stands where the line is nearly tangent: cancellation of coordinates as large as 50
             assert!((hit.distance - expected).abs() < 1e-12, "{hit:?}");
         }

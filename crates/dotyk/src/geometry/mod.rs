@@ -5,10 +5,12 @@
 mod field;
 mod matrix;
 mod surface;
+mod union;
 
 pub use field::{Field, Sampler};
 pub(crate) use matrix::{determinant, invert};
 pub use surface::Surface;
+pub(crate) use union::Groups;
 
 /// A point or vector of the D-dimensional space.
 pub type Point<const D: usize> = [f64; D];

@@ -261,13 +261,14 @@ fn an_obstacle_that_moves_to_where_it_was_not_opposite_is_told() {
     assert!(!warned(&moved(0.0, 0.0), words));
 }
 
-/// Rigid discs above a straight side, whose facets are too large to see them.
+/// Discs above a straight side, whose facets are too large to see them between their nodes. What is above a node is seen as it is:
+/// there a disc apart bears no force.
 #[test]
-fn forces_that_do_not_go_with_the_gaps_between_nodes_are_told() {
-    let below = |cells: usize, clearance: f64, down: f64| {
+fn overlaps_between_nodes_that_bear_no_force_are_told() {
+    let below = |cells: usize, [beside, clearance]: [f64; 2], down: f64| {
         let mut model = Model::<2>::new();
         let ring = Ring {
-            center: [0.0, 1.0 + clearance],
+            center: [beside, 1.0 + clearance],
             inner: 0.5,
             outer: 1.0,
             angles: None,
@@ -290,10 +291,11 @@ fn forces_that_do_not_go_with_the_gaps_between_nodes_are_told() {
         model.contacts[0].pairing = Some(Pairing::Mortar);
         model
     };
-    let apart = "it bears a force although its sides stay";
-    assert!(warned(&below(4, 0.005, 0.0), apart));
-    assert!(!warned(&below(64, 0.005, 0.0), apart));
-    assert!(!warned(&below(64, 0.0, 0.01), apart));
+    let between = "between nodes none of which is closed";
+    assert!(warned(&below(4, [0.25, 0.0], 0.01), between));
+    assert!(!warned(&below(64, [0.25, 0.0], 0.01), between));
+    let apart = below(4, [0.0, 0.005], 0.0);
+    assert_eq!(apart.solve().unwrap().contacts[0].resultant, [0.0; 2]);
 }
 
 /// A stiff punch on a soft block that is finer below it, and coarser everywhere else.
