@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import os
 from collections.abc import Callable, Mapping, Sequence
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Literal
 
 from dotyk import _dotyk
 from dotyk._errors import ArgumentError, InputError
@@ -213,15 +213,19 @@ class Body:
         return self._set("initial_strain", components)
 
     @keywords_of("surface")
-    def surface(self, side: str, **surface: Any) -> Body:
-        """The true surface behind a polygonal side: ``plane``, ``circle``, ``cylinder``, ``cone`` or ``sphere``.
+    def surface(self, side: str, facets: Literal["facets"] | None = None, **surface: Any) -> Body:
+        """The true surface behind a polygonal side: ``plane``, ``circle``, ``cylinder``, ``cone`` or ``sphere``; ``"facets"``
+        where its facets are what it is, although the mesh knows what they stand for.
 
         >>> import dotyk
         >>> m = dotyk.Model("plane-strain")
         >>> ring = m.body("ring", dotyk.ring(1, 2, cells=[16, 2]), young=1, poisson=0.3)
         >>> _ = ring.surface("inner", circle={"center": [0, 0], "radius": 1})
         """
-        return self._set("surface", {**self._table.get("surface", {}), side: surface})
+        if facets is not None and surface:
+            raise TypeError('surface() takes one shape, or "facets"')
+        shape = surface if facets is None else facets
+        return self._set("surface", {**self._table.get("surface", {}), side: shape})
 
     @keywords
     def points(self, **points: Place) -> Body:

@@ -12,13 +12,19 @@ const SHAPES: [&[&str]; 2] = [
     &["plane", "cylinder", "cone", "sphere"],
 ];
 
+/// Word for a side that is as its facets are.
+const FACETS: &str = "facets";
+
 /// Shapes of D dimensions.
 pub(crate) fn shapes<const D: usize>() -> impl Iterator<Item = &'static str> + Clone {
     SHAPES[D - 2].iter().copied()
 }
 
-/// The true surface behind a side: `{ circle = .. }`, `{ plane = .. }` ...
-pub(crate) fn true_surface<const D: usize>(node: &Node) -> Result<Surface<D>, Fault> {
+/// The true surface behind a side: `{ circle = .. }`, `{ plane = .. }` ..., or "facets" where its facets are what it is.
+pub(crate) fn true_surface<const D: usize>(node: &Node) -> Result<Option<Surface<D>>, Fault> {
+    if node.text().is_ok() {
+        return node.choice("surface", &[(FACETS, None)]);
+    }
     let table = node.table(keys::SURFACE)?;
     let given: Vec<&Entry> = keys::SURFACE
         .iter()
@@ -27,7 +33,10 @@ pub(crate) fn true_surface<const D: usize>(node: &Node) -> Result<Surface<D>, Fa
     let [entry] = given[..] else {
         return Err(Fault::new(table.span, "a surface is exactly one shape")
             .label("not exactly one")
-            .help(format!("give one of {}", listed(shapes::<D>()))));
+            .help(format!(
+                "give one of {}, or \"{FACETS}\" instead",
+                listed(shapes::<D>())
+            )));
     };
     let (surface, _) = surface(entry)?;
     match entry.node.entries()?.iter().find(|e| e.key == "inside") {
@@ -37,7 +46,7 @@ pub(crate) fn true_surface<const D: usize>(node: &Node) -> Result<Surface<D>, Fa
                 .label("no meaning here")
                 .help("leave it out; obstacles have it"))
         }
-        None => Ok(surface),
+        None => Ok(Some(surface)),
     }
 }
 

@@ -891,7 +891,7 @@ fn a_case_in_space_has_three_components_everywhere() {
         axis: [0.0, 0.0, 1.0],
         half_angle: 30f64.to_radians(),
     };
-    assert_eq!(block.surfaces["right"], cone);
+    assert_eq!(block.surfaces["right"], Some(cone));
     let Pair::Obstacle { obstacle, .. } = &model.contacts[0].pair else {
         panic!("an obstacle")
     };

@@ -10,12 +10,15 @@ use std::collections::BTreeMap;
 /// Nodes may lie off the true surface of their side by this part of a facet.
 const OFF_SURFACE: f64 = 0.01;
 
+/// What is given as the surface behind a side; `None`: its facets are what it is.
+type Behind<const D: usize> = Option<Surface<D>>;
+
 /// The true surface of a side, facet by facet: the one that is given for the side, or for another side of the body that the
 /// facet belongs to, or what the mesh knows.
 pub(super) struct TrueSurface<'a, const D: usize> {
-    own: Option<Surface<D>>,
+    own: Option<Behind<D>>,
     /// Facets of the body's other sides that a surface is given for.
-    around: Vec<(&'a [Facet], Surface<D>)>,
+    around: Vec<(&'a [Facet], Behind<D>)>,
     mesh: &'a Mesh<D>,
 }
 
@@ -35,7 +38,7 @@ impl<'a, const D: usize> TrueSurface<'a, D> {
             mesh,
         };
         for &facet in facets {
-            let Some(given) = surface.given(facet) else {
+            let Some(given) = surface.given(facet).flatten() else {
                 continue;
             };
             let limit = OFF_SURFACE * mesh.facet_length(facet);
@@ -55,7 +58,7 @@ impl<'a, const D: usize> TrueSurface<'a, D> {
         Ok(surface)
     }
 
-    fn given(&self, facet: Facet) -> Option<Surface<D>> {
+    fn given(&self, facet: Facet) -> Option<Behind<D>> {
         let mut around = self.around.iter();
         let belongs = |side: &[Facet]| side.binary_search(&facet).is_ok();
         let found = || {
@@ -68,7 +71,7 @@ impl<'a, const D: usize> TrueSurface<'a, D> {
 
     /// The surface behind a facet; `None` where nothing is known.
     pub fn at(&self, facet: Facet) -> Option<Surface<D>> {
-        self.given(facet).or_else(|| self.mesh.curve(facet))
+        self.given(facet).unwrap_or_else(|| self.mesh.curve(facet))
     }
 
     /// Outward unit normal at ξ of a facet: that of the surface behind it, or its own; zero where it has none.
@@ -482,7 +485,10 @@ mod tests {
             center: [0.0, 0.0],
             radius: 2.0,
         };
-        body.surfaces.insert("outer".to_string(), surface);
+        // what the maker of the mesh knew
+        body.surfaces.remove("outer");
+        assert_eq!(sagitta(end(&body, "outer", &free)).unwrap(), 0.0);
+        body.surfaces.insert("outer".to_string(), Some(surface));
         assert_eq!(sagitta(end(&body, "outer", &free)).unwrap(), 0.0);
         assert!(sagitta(end(&body, "inner", &free)).unwrap() > 0.1 * rough);
         // part of that side has its curve
@@ -509,7 +515,7 @@ mod tests {
                 point: [0.0, 0.0],
                 normal: [0.0, 1.0],
             };
-            body.surfaces.insert("bottom".to_string(), surface);
+            body.surfaces.insert("bottom".to_string(), Some(surface));
             let free = Constraints::default();
             let end = end(&body, "bottom", &free);
             match (TrueSurface::of(end, end.facets().unwrap()), allowed) {

@@ -149,6 +149,7 @@ pub(super) mod tests {
     }
 
     /// A ring of one layer of cells.
+    /// A ring that is as its facets are.
     pub fn ring(center: Point<2>, [inner, outer]: [f64; 2], around: usize) -> Body<2> {
         let ring = Ring {
             center,
@@ -161,7 +162,11 @@ pub(super) mod tests {
             cell: CellKind::Quad4,
             diagonals: Default::default(),
         };
-        body(ring.build().unwrap())
+        let mut ring = body(ring.build().unwrap());
+        for side in ["inner", "outer"] {
+            ring.surfaces.insert(side.to_string(), None);
+        }
+        ring
     }
 
     pub fn plate(from: Point<2>, to: Point<2>, cells: [usize; 2]) -> Body<2> {
@@ -252,6 +257,16 @@ pub(super) mod tests {
             constraints,
             part: None,
         }
+    }
+
+    /// Two meshes of one block each as one, without sides.
+    pub fn together<const D: usize>(a: &Mesh<D>, b: &Mesh<D>) -> Mesh<D> {
+        let first = a.points().len() as u32;
+        let points = a.points().iter().chain(b.points()).copied();
+        let mut blocks = [a.blocks(), b.blocks()].concat();
+        let moved = blocks[1].nodes.iter_mut();
+        moved.for_each(|node| *node += first);
+        Mesh::new(points.collect(), blocks).unwrap()
     }
 
     /// Some displacements of the nodes of a body; affine, so that what rows see as a mean is seen as well at one place.

@@ -1,17 +1,29 @@
 //! Mortar pairing: contact conditions as weighted means along the nonmortar side.
 //!
 //! Two meshes that do not match have no common nodes at which a gap could be asked for. So every node j of the nonmortar side
-//! carries a multiplier λⱼ, a force that is spread along the side with a weight ψⱼ(x), and its condition is that the mean of
-//! the gap with this weight is not negative:
+//! carries a multiplier λⱼ, a force that is spread along the side with a weight ψⱼ(x), and its condition is that
 //!
 //! ```text
-//!   row j:  ∫ψⱼ n(x)·(u_s(x) − u_m(y)) dx / ∫ψⱼ dx,      g₀ⱼ = ∫ψⱼ s dx / ∫ψⱼ dx
+//!   row j:  ∫ψⱼ n(x)·(u_s(x) − u_m(y)) dx / ∫ψⱼ dx  ≤  g₀ⱼ = s(pⱼ)
 //! ```
 //!
 //! x runs along the nonmortar side, n is its normal ([`Normals`](crate::contact::normals::Normals)), y the point where the line
 //! x + s·n(x) meets the other side at the distance s, u_s and u_m are the displacements of the two sides. The gap s is measured
 //! between the true surfaces where a side has one. Both bodies feel the force at the two ends of one line along n, so that forces
 //! and moments balance whatever the two polygons are.
+//!
+//! **Gaps.** pⱼ is where the force acts: ψⱼ are biorthogonal to the functions of their facet, so that the mean of any of these
+//! with ψⱼ is its value at one place. Of a gap that is one of them the mean and the value at pⱼ are the same, and patches are
+//! exact. Of a gap that bends they are not, because ψⱼ is negative on parts of its facet: a side that touches another one in node
+//! j alone, with s = κx²/2 to both sides of it, would have the mean −κh²/12, an overlap of sides that do not overlap, and a body
+//! that is pressed down would rise by as much; before an edge beyond which the other side is H farther away, the mean is of the
+//! size −H. A value has no such part: where no place overlaps, no row does, and what a facet does not see, between its nodes, is
+//! told by the judge (`model/between.rs`). Displacements stay means: only so do the forces of both bodies balance. Where ψ are
+//! hats, and nowhere negative, the gap is their mean.
+//!
+//! **Sheets.** What is near and what lies behind an edge are two surfaces, be they two faces of a step, lands beside a groove, or
+//! the next tooth (`sheets.rs`): a node has a row for each of them that its facets face, with ψ on what they face of it, as if
+//! they were two contacts.
 //!
 //! **Integration.** Facets are cut where the line from them meets a node, in space an edge of the other side (`pieces.rs`,
 //! `polygons.rs`): on each piece all shape functions are smooth, and a Gauss rule is exact for straight facets.

@@ -236,7 +236,7 @@ mod tests {
         for (side, radius) in [("inner", 1.0), ("outer", 2.0)] {
             let center = [1.0, 2.0];
             let surface = Surface::Sphere { center, radius };
-            ring.surfaces.insert(side.to_string(), surface);
+            ring.surfaces.insert(side.to_string(), Some(surface));
         }
         let free = Constraints::default();
         let mut noise = noise();

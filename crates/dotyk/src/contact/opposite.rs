@@ -262,10 +262,10 @@ mod tests {
             let mut lower = wall(&points, -3.0, CellKind::Quad4);
             upper
                 .surfaces
-                .extend(own.map(|s| ("bottom".to_string(), s)));
+                .extend(own.map(|s| ("bottom".to_string(), Some(s))));
             lower
                 .surfaces
-                .extend(other.map(|s| ("bottom".to_string(), s)));
+                .extend(other.map(|s| ("bottom".to_string(), Some(s))));
             let against = Against::Side(end(&lower, "bottom", &free));
             let nonmortar = end(&upper, "bottom", &free);
             let sides = Opposite::new(nonmortar, against, InitialGap::Measured, 0.0).unwrap();

@@ -18,7 +18,9 @@ use crate::contact::functions::{Cell, Piece};
 use crate::contact::opposite::Opposite;
 use crate::contact::search::{Line, Prism, meet};
 use crate::fem::quadrature::{QuadraturePoint, rule};
-use crate::geometry::{Point, Settling, add_scaled, cross, dot, invert, norm, sub, unit};
+use crate::geometry::{
+    Point, Settling, add_scaled, bounding_box, cross, dot, invert, norm, sub, unit,
+};
 use crate::mesh::{CellKind, Domain, Facet, Mesh};
 use rayon::prelude::*;
 
@@ -65,34 +67,34 @@ fn cut(sides: &Opposite<'_, 3>, other: &Mesh<3>, index: usize, cell: &Cell) -> V
         return Vec::new();
     };
     let chart = Chart::new(sides, cell);
-    let mut pieces = Vec::new();
-    for facet in search.within(&chart.prism) {
-        for outline in outlines(other, facet) {
-            let polygon = chart.cut_by(&outline);
-            let area = area(&polygon);
-            if area < SLIVER * chart.area {
-                continue;
-            }
-            if !chart.sees(sides, other, facet, centroid(&polygon)) {
-                continue;
-            }
-            let degree = chart.degree(other, facet);
-            let Some(points) = chart.points(&polygon, degree) else {
-                continue;
-            };
-            let Some(corners) = polygon.iter().map(|&c| chart.xi(c)).collect() else {
-                continue;
-            };
-            pieces.push(Piece {
-                cell: index,
-                opposite: Some(facet),
-                corners,
-                part: area / chart.area,
-                points,
-            });
-        }
-    }
-    pieces
+    let seen = |facet: Facet| {
+        let outlines = outlines(other, facet).into_iter();
+        let parts = outlines.map(|outline| chart.cut_by(&outline));
+        let parts = parts.filter(|polygon| area(polygon) >= SLIVER * chart.area);
+        parts.map(move |polygon| Part { facet, polygon })
+    };
+    let parts = search.within(&chart.prism).into_iter().flat_map(seen);
+    let parts = chart.visible(sides, other, parts.collect());
+    let seen = |part: &Part| chart.sees(sides, other, part.facet, centroid(&part.polygon));
+    let piece = |Part { facet, polygon }: Part| {
+        let degree = chart.degree(other, facet);
+        let points = chart.points(&polygon, degree)?;
+        let corners: Option<Vec<[f64; 2]>> = polygon.iter().map(|&c| chart.xi(c)).collect();
+        Some(Piece {
+            cell: index,
+            opposite: Some(facet),
+            corners: corners?,
+            part: area(&polygon) / chart.area,
+            points,
+        })
+    };
+    parts.into_iter().filter(seen).filter_map(piece).collect()
+}
+
+/// What of a chart lies in front of a facet of the other side: a convex polygon, counter-clockwise.
+struct Part {
+    facet: Facet,
+    polygon: Vec<[f64; 2]>,
 }
 
 /// Pieces smaller than this part of their facet are rounding.
@@ -284,13 +286,47 @@ impl<'a> Chart<'a> {
             return Vec::new();
         }
         places.reverse();
-        let edges = (0..places.len()).map(|k| [places[k], places[(k + 1) % places.len()]]);
-        edges.fold(self.polygon.clone(), |left, [a, b]| {
-            let inside = |p: [f64; 2]| turn(a, b, p);
-            clip(&left, inside, |p, q, t| {
-                [0, 1].map(|d| p[d] + t * (q[d] - p[d]))
-            })
-        })
+        intersection(&self.polygon, &places)
+    }
+
+    /// The parts without what other parts hide of them: where a near and a far facet lie in front of the same place, it faces the
+    /// near one. Parts of one surface do not overlap but for rounding and what its facets turn.
+    fn visible(&self, sides: &Opposite<'_, 3>, other: &Mesh<3>, parts: Vec<Part>) -> Vec<Part> {
+        let boxes: Vec<_> = parts.iter().map(|p| bounding_box(&p.polygon)).collect();
+        let mut order: Vec<usize> = (0..parts.len()).collect();
+        order.sort_by(|&a, &b| boxes[a].0[0].total_cmp(&boxes[b].0[0]));
+        let mut hidden_by: Vec<Vec<usize>> = vec![Vec::new(); parts.len()];
+        for (place, &a) in order.iter().enumerate() {
+            let later = order[place + 1..].iter();
+            let beside = |&&b: &&usize| boxes[b].0[0] < boxes[a].1[0];
+            let level =
+                |&&b: &&usize| boxes[b].0[1] < boxes[a].1[1] && boxes[a].0[1] < boxes[b].1[1];
+            for &b in later.take_while(beside).filter(level) {
+                let common = intersection(&parts[a].polygon, &parts[b].polygon);
+                if area(&common) <= OVERLAPS * area(&parts[a].polygon).min(area(&parts[b].polygon))
+                {
+                    continue;
+                }
+                let at = centroid(&common);
+                let sees = |k: usize| self.sees(sides, other, parts[k].facet, at);
+                match (sees(a), sees(b)) {
+                    (true, false) => hidden_by[b].push(a),
+                    (false, true) => hidden_by[a].push(b),
+                    _ => {}
+                }
+            }
+        }
+        let without_hidden = |(part, nearer): (&Part, &Vec<usize>)| {
+            let whole = vec![part.polygon.clone()];
+            let left = nearer.iter().fold(whole, |left, &k| {
+                let rest = left.iter().flat_map(|p| difference(p, &parts[k].polygon));
+                rest.filter(|p| area(p) >= SLIVER * self.area).collect()
+            });
+            let facet = part.facet;
+            left.into_iter().map(move |polygon| Part { facet, polygon })
+        };
+        let both = parts.iter().zip(&hidden_by);
+        both.flat_map(without_hidden).collect()
     }
 
     /// Whether a place of the chart faces this facet of the other side, and nothing nearer.
@@ -447,6 +483,39 @@ fn merge(polygon: &mut Vec<[f64; 2]>) {
     }
 }
 
+/// Parts of which less than this lies in front of each other lie side by side.
+const OVERLAPS: f64 = 1e-6;
+
+/// The edges of a polygon.
+fn edges(polygon: &[[f64; 2]]) -> impl Iterator<Item = [[f64; 2]; 2]> {
+    (0..polygon.len()).map(|k| [polygon[k], polygon[(k + 1) % polygon.len()]])
+}
+
+/// The part of a polygon of a chart on the left of an edge, or on the right.
+fn beside(polygon: &[[f64; 2]], [a, b]: [[f64; 2]; 2], left: bool) -> Vec<[f64; 2]> {
+    let sign = if left { 1.0 } else { -1.0 };
+    let inside = |p: [f64; 2]| sign * turn(a, b, p);
+    clip(polygon, inside, |p, q, t| {
+        [0, 1].map(|d| p[d] + t * (q[d] - p[d]))
+    })
+}
+
+/// What two polygons have in common; the second one convex, counter-clockwise.
+fn intersection(polygon: &[[f64; 2]], other: &[[f64; 2]]) -> Vec<[f64; 2]> {
+    edges(other).fold(polygon.to_vec(), |left, edge| beside(&left, edge, true))
+}
+
+/// What of a convex polygon another one leaves, in convex parts.
+fn difference(polygon: &[[f64; 2]], other: &[[f64; 2]]) -> Vec<Vec<[f64; 2]>> {
+    let mut rest = polygon.to_vec();
+    let mut outside = Vec::new();
+    for edge in edges(other) {
+        outside.push(beside(&rest, edge, false));
+        rest = beside(&rest, edge, true);
+    }
+    outside
+}
+
 /// Mean of the corners.
 fn centroid(polygon: &[[f64; 2]]) -> [f64; 2] {
     let sum = |d: usize| polygon.iter().map(|p| p[d]).sum::<f64>();
@@ -476,11 +545,11 @@ pub(super) fn clip<P: Copy>(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::contact::InitialGap;
     use crate::contact::functions::cells;
-    use crate::contact::gaps::tests::{body, end};
+    use crate::contact::gaps::tests::{body, end, together};
+    use crate::contact::{End, InitialGap};
     use crate::fem::Constraints;
-    use crate::mesh::Cylinder;
+    use crate::mesh::{Cuboid, Cylinder};
 
     #[test]
     fn facets_with_curved_edges_tile_each_other_wherever_corners_and_edges_coincide() {
@@ -518,6 +587,57 @@ mod tests {
                     assert!((part - 1.0).abs() < limit, "{kind:?} {own:?} {part}");
                 }
             }
+        }
+    }
+
+    /// A floor under a slab, nearer to it than another one, with facets that do not match.
+    #[test]
+    fn what_a_near_surface_hides_of_a_far_one_faces_that_alone() {
+        let cuboid = |from: Point<3>, to: Point<3>, cells: [usize; 3], cell: CellKind| {
+            let cuboid = Cuboid {
+                from,
+                to,
+                cells,
+                cell,
+            };
+            cuboid.build().unwrap()
+        };
+        let free = Constraints::default();
+        for cell in [CellKind::Hex8, CellKind::Tet4] {
+            let slab = body(cuboid([0.0; 3], [4.0, 4.0, 1.0], [2, 2, 1], cell));
+            let near = cuboid([0.5, 1.0, -1.0], [3.0, 2.7, -0.1], [4, 3, 1], cell);
+            let far = cuboid([-1.0, -1.0, -4.0], [5.0, 5.0, -3.0], [3, 1, 1], cell);
+            let mesh = together(&near, &far);
+            let down = |facet: &Facet| {
+                let normal = mesh.outward_normal(*facet, &[0.3, 0.3]);
+                normal[2] < 0.0 || normal[2].abs() < norm(normal)
+            };
+            let mut tops = mesh.boundary_facets();
+            tops.retain(|facet| !down(facet));
+            let lower = body(mesh);
+            let mortar = End {
+                part: Some(&tops),
+                ..end(&lower, "tops", &free)
+            };
+            let nonmortar = end(&slab, "bottom", &free);
+            let against = Against::Side(mortar);
+            let sides = Opposite::new(nonmortar, against, InitialGap::Measured, 0.0).unwrap();
+            let facets = nonmortar.facets().unwrap().iter();
+            let cells: Vec<Cell> = facets.flat_map(|&f| cells(&slab.mesh, f)).collect();
+            let mut covered = vec![0.0; cells.len()];
+            let mut on_near = 0.0;
+            for piece in pieces(&sides, &cells) {
+                covered[piece.cell] += piece.part;
+                let facet = cells[piece.cell].facet;
+                let area = norm(slab.mesh.outward_normal(facet, &[0.3, 0.3]));
+                let integrated: f64 = piece.points.iter().map(|point| area * point.1).sum();
+                let opposite = lower.mesh.facet_point(piece.opposite.unwrap(), &[0.0; 2]);
+                if opposite[2] > -1.0 {
+                    on_near += integrated;
+                }
+            }
+            assert!(covered.iter().all(|part| (part - 1.0).abs() < 1e-12));
+            assert!((on_near - 2.5 * 1.7).abs() < 1e-12, "{on_near}");
         }
     }
 }

@@ -267,11 +267,15 @@ mod tests {
                 .iter()
                 .any(|gap| (gap - 0.1).abs() > 0.01)
         );
-        inner.surfaces.insert("outer".to_string(), circle(1.0));
+        inner
+            .surfaces
+            .insert("outer".to_string(), Some(circle(1.0)));
         // the polygon outside is nearer than the circle that it stands for, by 2 % at most
         let mixed = gaps(&inner, &outer);
         assert!(mixed.iter().all(|gap| *gap < 0.1 + 1e-12 && *gap > 0.07));
-        outer.surfaces.insert("inner".to_string(), circle(1.1));
+        outer
+            .surfaces
+            .insert("inner".to_string(), Some(circle(1.1)));
         for gap in gaps(&inner, &outer) {
             assert!((gap - 0.1).abs() < 1e-13, "{gap}");
         }
@@ -302,7 +306,7 @@ mod tests {
             center: [0.5, 0.0],
             radius: 1.0,
         };
-        inner.surfaces.insert("outer".to_string(), circle);
+        inner.surfaces.insert("outer".to_string(), Some(circle));
         for radius in [1.0, 1.1] {
             assert!(largest(&inner, radius) < 1e-14);
         }

@@ -341,10 +341,7 @@ impl<'a, const D: usize> Search<'a, D> {
     /// Whether the way along a line to a distance passes through no body.
     fn clear(&self, line: Line<D>, distance: f64, shallow: f64) -> bool {
         let rounding = NEAR * shallow;
-        let way = [
-            distance.min(0.0) + rounding,
-            distance.max(0.0) - rounding,
-        ];
+        let way = [distance.min(0.0) + rounding, distance.max(0.0) - rounding];
         let beside_own = distance < 0.0 && -distance <= shallow;
         // not longer than rounding
         way[0].partial_cmp(&way[1]) != Some(Ordering::Less)
@@ -451,7 +448,7 @@ impl Search<'_, 3> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::contact::gaps::tests::{flat, noise, wall};
+    use crate::contact::gaps::tests::{flat, noise, together, wall};
     use crate::geometry::unit;
     use crate::mesh::{CellKind, Cuboid, Rectangle, Ring};
 
@@ -532,16 +529,6 @@ mod tests {
     fn what_lies_behind_a_part_of_either_body_is_no_partner() {
         let plate = |from: f64, to: f64| block([0.0, from], [4.0, to], CellKind::Quad4);
         let (lower, upper, far) = (plate(0.0, 1.0), plate(1.1, 2.0), plate(3.0, 4.0));
-        // one body of two plates
-        let both = |a: &Mesh<2>, b: &Mesh<2>| {
-            let first = a.points().len() as u32;
-            let points = a.points().iter().chain(b.points()).copied();
-            let mut blocks = a.blocks().to_vec();
-            blocks.extend(b.blocks().iter().cloned());
-            let nodes = blocks.last_mut().unwrap().nodes.iter_mut();
-            nodes.for_each(|node| *node += first);
-            Mesh::new(points.collect(), blocks).unwrap()
-        };
         let at = |mesh: &Mesh<2>, height: f64| -> Vec<Facet> {
             let level = |facet: &Facet| mesh.facet_points(*facet).all(|x| x[1] == height);
             let facets = mesh.boundary_facets().into_iter();
@@ -555,15 +542,15 @@ mod tests {
         assert!(near(met(&lower, &upper, 1.1), 0.1));
         assert!(near(met(&lower, &far, 3.0), 2.0));
         // a side that leaves the near plate out
-        let other = both(&upper, &far);
+        let other = together(&upper, &far);
         assert!(near(met(&lower, &other, 1.1), 0.1));
         assert_eq!(met(&lower, &other, 3.0), None);
         // a part of the own body stands between
-        let own = both(&lower, &upper);
+        let own = together(&lower, &upper);
         assert_eq!(met(&own, &far, 3.0), None);
         // two parts of the other body that touch are one
         let (near_part, far_part) = (plate(0.5, 0.8), plate(0.8, 2.0));
-        let other = both(&near_part, &far_part);
+        let other = together(&near_part, &far_part);
         assert!(near(met(&lower, &other, 0.5), -0.5));
     }
 

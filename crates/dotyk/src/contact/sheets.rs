@@ -39,7 +39,9 @@ pub(super) fn sheets<const D: usize>(
         };
         for &own in &cells[piece.cell].nodes {
             for other in mortar.body.mesh.facet_nodes(opposite) {
-                let before = *seen.entry((own, surface[&opposite], other)).or_insert(index);
+                let before = *seen
+                    .entry((own, surface[&opposite], other))
+                    .or_insert(index);
                 groups.join(before, index);
             }
         }

@@ -204,8 +204,9 @@ pub struct Body<const D: usize> {
     pub loads: Vec<Load<D>>,
     /// Sides that move with a reference point.
     pub couples: Vec<Couple<D>>,
-    /// True surface behind a side, for contact gaps and normals.
-    pub surfaces: BTreeMap<String, Surface<D>>,
+    /// True surface behind a side, for contact gaps and normals, instead of the one that the mesh may know; `None`: its facets
+    /// are what it is.
+    pub surfaces: BTreeMap<String, Option<Surface<D>>>,
     /// Points with a name, on its nodes or not; several have one name where a group of a mesh file says so.
     pub points: BTreeMap<String, Vec<Point<D>>>,
 }

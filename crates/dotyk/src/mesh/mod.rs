@@ -207,6 +207,15 @@ impl<const D: usize> Mesh<D> {
         self.curves.get(&facet).copied()
     }
 
+    /// The mesh with a surface that the facets of some sides stand for, too.
+    pub(crate) fn with_curve(mut self, sides: &[&str], surface: Surface<D>) -> Self {
+        for side in sides {
+            let facets = self.sides.get(*side).into_iter().flatten();
+            self.curves.extend(facets.map(|&facet| (facet, surface)));
+        }
+        self
+    }
+
     /// The mesh with curves that facets stand for.
     pub(crate) fn with_curves(mut self, curves: BTreeMap<Facet, Surface<D>>) -> Self {
         self.curves = curves;

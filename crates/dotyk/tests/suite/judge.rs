@@ -1,7 +1,7 @@
 //! The certificate sees what was dropped, prescribed or moved: each problem here was once certified and wrong.
 
 use dotyk::case::Case;
-use dotyk::model::{ContactNode, Error, Solution, Status};
+use dotyk::model::{ContactNode, Error, Objection, Solution, Status};
 use std::path::Path;
 
 const PLANE: &str = "analysis = \"plane-strain\"\n";
@@ -293,11 +293,11 @@ fn two_meshes_of_one_arc_press_evenly() {
     let (known, warnings) = scatter(&text);
     assert!(known < 0.005 && warnings.is_empty(), "{known} {warnings:?}");
     // where nobody knows the arc, the gaps are below what the meshes miss of it
-    let rings = |cell: &str| {
+    let rings = |cell: &str, surface: &str| {
         let ring = |name: &str, inner: f64, cells: [usize; 2], extra: &str| {
             format!(
                 "[[body]]\nname = \"{name}\"\nmesh = {{ ring = {{ inner = {inner:?}, outer = {:?}, from = 0, to = 90, cells = {cells:?}, cell = \"{cell}\" }} }}\n\
-                 material = {{ young = 1e5, poisson = 0.3 }}\nfix = [{{ side = \"start\", y = 0.0 }}, {{ side = \"end\", x = 0.0 }}]\n{extra}\n",
+                 material = {{ young = 1e5, poisson = 0.3 }}\nfix = [{{ side = \"start\", y = 0.0 }}, {{ side = \"end\", x = 0.0 }}]\n{surface}\n{extra}\n",
                 inner + 1.0
             )
         };
@@ -315,7 +315,10 @@ fn two_meshes_of_one_arc_press_evenly() {
         .concat()
     };
     for (cell, most) in [("quad8", 0.001), ("quad9", 0.001), ("quad4", 0.03)] {
-        let (unknown, warnings) = scatter(&rings(cell));
+        let (known, warnings) = scatter(&rings(cell, ""));
+        assert!(known < most && warnings.is_empty(), "{cell}: {known}");
+        let facets = "surface = { inner = \"facets\", outer = \"facets\" }";
+        let (unknown, warnings) = scatter(&rings(cell, facets));
         assert!(unknown < most, "{cell}: {unknown}");
         let [warning] = &warnings[..] else {
             panic!("{warnings:?}");
@@ -324,6 +327,38 @@ fn two_meshes_of_one_arc_press_evenly() {
             assert!(warning.contains(word), "{warning}");
         }
     }
+}
+
+/// A post between floor and ceiling that is driven to turn: their clearance has a lever of half its width, so that it turns by two
+/// radians before it touches both.
+#[test]
+fn a_body_that_hardly_anything_holds_against_turning_has_no_answer() {
+    let text = r#"analysis = "plane-strain"
+[[body]]
+name = "post"
+mesh = { rectangle = { from = [-0.005, 0.0], to = [0.005, 1.0], cells = [2, 50], cell = "quad8" } }
+material = { young = 1.0, poisson = 0.3 }
+body_force = [0.0, -1e-9]
+fix = [{ point = [0.0, 0.5], x = 0.0 }]
+load = [{ side = "left", traction = ["1e-11 * (y - 0.5)", 0.0] }]
+[[contact]]
+name = "floor"
+nonmortar = "post.bottom"
+obstacle = { plane = { point = [0.0, 0.0], normal = [0.0, 1.0] } }
+[[contact]]
+name = "ceiling"
+nonmortar = "post.top"
+obstacle = { plane = { point = [0.0, 1.02], normal = [0.0, -1.0] } }
+"#;
+    let Err(Error::NotConverged { reason, .. }) = solve(text) else {
+        panic!("an answer");
+    };
+    let told = reason.to_string();
+    let Objection::Turned { body, turn, .. } = *reason else {
+        panic!("{told}");
+    };
+    assert!(body == "post" && (turn - 2.0).abs() < 1e-3, "{told}");
+    assert!(told.contains("hold it by a support"), "{told}");
 }
 
 #[test]

@@ -20,7 +20,7 @@ mod tets;
 pub use cuboid::Cuboid;
 pub use solids::{Cylinder, Extrude, Path, Sphere};
 
-use crate::geometry::{Point, add_scaled};
+use crate::geometry::{Point, Surface, add_scaled};
 use crate::mesh::{CellBlock, CellKind, Domain, Facet, Mesh, MeshError};
 use std::collections::BTreeMap;
 use std::ops::Range;
@@ -234,10 +234,14 @@ impl Ring {
             sides.push(("start", vec![lattice.edge(Edge::Bottom)]));
             sides.push(("end", vec![lattice.edge(Edge::Top)]));
         }
-        lattice.mesh(
-            |u, v| add_scaled(self.center, radii[u], directions[v]),
-            &sides,
-        )
+        let at = |u: usize, v: usize| add_scaled(self.center, radii[u], directions[v]);
+        let circle = |radius: f64| Surface::Sphere {
+            center: self.center,
+            radius,
+        };
+        let mesh = lattice.mesh(at, &sides)?;
+        let mesh = mesh.with_curve(&["inner"], circle(self.inner));
+        Ok(mesh.with_curve(&["outer"], circle(self.outer)))
     }
 }
 
@@ -287,7 +291,11 @@ impl TunnelRock {
         let (outline, corner) = self.outline(&arc);
         let outline = lattice.with_middle_points(outline);
         let (bottom, top) = (0..around - corner, corner..around);
-        lattice.mesh(
+        let circle = Surface::Sphere {
+            center: [0.0; 2],
+            radius: self.radius,
+        };
+        let mesh = lattice.mesh(
             |u, v| {
                 let s = layers[u];
                 std::array::from_fn(|d| hole[v][d] * (1.0 - s) + outline[v][d] * s)
@@ -302,7 +310,8 @@ impl TunnelRock {
                     vec![lattice.edge(Edge::Bottom), lattice.edge(Edge::Top)],
                 ),
             ],
-        )
+        );
+        Ok(mesh?.with_curve(&["hole"], circle))
     }
 
     /// Nodes of the rectangle from (0, −H) to (0, H), and the index of the one at (W, H).

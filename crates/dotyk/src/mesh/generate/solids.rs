@@ -283,14 +283,34 @@ impl Extrude {
                     })
                 }
                 Some(_) => None,
-                // a line along the axis
                 None => {
-                    let mut nodes = mesh.facet_points(edge).map(from_axis);
-                    let radius = nodes.next()?;
-                    nodes.all(|d| near(d, radius)).then_some(Surface::Cylinder {
-                        point: space(point),
-                        axis: space(along),
-                        radius: radius.abs(),
+                    let ends: Vec<Point<2>> = mesh.facet_points(edge).collect();
+                    let [first, second] = [ends[0], ends[1]];
+                    let [dx, dy] = unit(sub(second, first))?;
+                    let straight = |x: &Point<2>| near(dot([-dy, dx], sub(*x, first)), 0.0);
+                    if !ends.iter().all(straight) {
+                        return None;
+                    }
+                    let height = |x: Point<2>| dot(sub(x, point), along);
+                    let [near_axis, far] = match from_axis(first).abs() < from_axis(second).abs() {
+                        true => [first, second],
+                        false => [second, first],
+                    };
+                    let wider = from_axis(far).abs() - from_axis(near_axis).abs();
+                    let higher = height(far) - height(near_axis);
+                    if near(wider, 0.0) {
+                        return Some(Surface::Cylinder {
+                            point: space(point),
+                            axis: space(along),
+                            radius: from_axis(first).abs(),
+                        });
+                    }
+                    // a line across the axis makes a plane, whose facets are what it is
+                    let apex = height(far) - from_axis(far).abs() * higher / wider;
+                    (!near(higher, 0.0)).then(|| Surface::Cone {
+                        apex: space(add_scaled(point, apex, along)),
+                        axis: space(along.map(|c| c * higher.signum())),
+                        half_angle: wider.atan2(higher.abs()),
                     })
                 }
             }
@@ -631,12 +651,8 @@ impl Sphere {
 
     /// The mesh with the spheres behind its sides.
     fn with_spheres(&self, mesh: Mesh<3>) -> Mesh<3> {
-        let mut curves = BTreeMap::new();
-        for (name, radius) in [("outer", self.radius), ("inner", self.inner)] {
-            let facets = mesh.side(name).unwrap_or_default();
-            curves.extend(facets.iter().map(|&facet| (facet, self.surface(radius))));
-        }
-        mesh.with_curves(curves)
+        mesh.with_curve(&["outer"], self.surface(self.radius))
+            .with_curve(&["inner"], self.surface(self.inner))
     }
 
     /// A cube of one cell kind, q ∈ [−1, 1]³ or its half with qz ≥ 0.
