@@ -121,14 +121,6 @@ pub enum ContactError {
         /// Where.
         place: String,
     },
-    /// Supports hold the whole nonmortar side: no unknown is left.
-    #[error(
-        "supports hold every node of the nonmortar side {side} along the normal, and with mortar pairing such nodes carry no pressure; swap nonmortar and mortar"
-    )]
-    AllFixed {
-        /// The nonmortar side.
-        side: String,
-    },
     /// A body of neither two nor three dimensions.
     #[error("{side} is a side of neither the plane nor space")]
     NeitherPlaneNorSpace {

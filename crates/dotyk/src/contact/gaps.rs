@@ -448,7 +448,7 @@ pub(super) mod tests {
         // half of the facet is covered: its end is
         assert!((last.gap - 2.5).abs() < 1e-13, "{}", last.gap);
         assert_eq!(last.clearance, last.gap);
-        let error = ContactError::AllFixed {
+        let error = ContactError::NeitherPlaneNorSpace {
             side: String::new(),
         };
         assert_eq!(

@@ -60,7 +60,7 @@ use crate::contact::{
     Against, ContactError, Coupling, Driven, End, GapPoint, GapShares, InitialGap, Interface,
     InterfaceNode, Role, pieces, polygons,
 };
-use crate::fem::{Analysis, measure};
+use crate::fem::{Analysis, Held, measure};
 use crate::geometry::{Point, dot, norm, unit};
 use crate::mesh::{Facet, Mesh};
 use rayon::prelude::*;
@@ -79,13 +79,15 @@ const ALIKE: f64 = 0.9;
 /// Degree of the rule whose points are looked at apart from the pieces.
 const LOOKED_AT: usize = 3;
 
+/// A look from a corner of a piece goes out by this part of the way to its middle: at the corner itself the other side may end.
+const INSIDE: f64 = 1e-3;
+
 /// Components of nodes.
 type Components<const D: usize> = BTreeMap<usize, [bool; D]>;
 
 /// Pairs a side with another, or with an obstacle, by mortar integration.
 ///
-/// Errors: unknown or empty sides, nodes off their true surface, a gap that is not finite, supports that hold the whole
-/// nonmortar side.
+/// Errors: unknown or empty sides, nodes off their true surface, a gap that is not finite.
 pub fn pair_mortar<const D: usize>(
     nonmortar: End<'_, D>,
     against: Against<'_, D>,
@@ -118,9 +120,12 @@ fn paired<const D: usize>(
     analysis: Analysis,
     cut: impl Fn(&Opposite<'_, D>, &[Cell]) -> Vec<Piece>,
 ) -> Result<Interface<D>, ContactError> {
-    let pairing = Pairing::new(sides, coupling, analysis)?;
-    pairing.interface(cut(&pairing.sides, &pairing.cells))
+    let (pairing, pieces) = Pairing::new(sides, coupling, analysis, cut)?;
+    pairing.interface(pieces)
 }
+
+/// A place on the nonmortar side: a facet and ξ.
+type Place = (Facet, [f64; 2]);
 
 /// What one sheet of the other side gives to the nodes of the side.
 struct Sheet<const D: usize> {
@@ -139,18 +144,22 @@ struct Pairing<'a, const D: usize> {
     analysis: Analysis,
     cells: Vec<Cell>,
     /// Nodes in the order of the interface, with one of their places.
-    places: Vec<(usize, (Facet, [f64; 2]))>,
+    places: Vec<(usize, Place)>,
+    /// From where nodes look at the other side.
+    looks: BTreeMap<usize, Place>,
     /// Normal and tangents at the nodes.
     frames: BTreeMap<usize, [Point<D>; D]>,
     cyclic: bool,
 }
 
 impl<'a, const D: usize> Pairing<'a, D> {
+    /// With the pieces that `cut` makes.
     fn new(
         sides: Opposite<'a, D>,
         coupling: Coupling,
         analysis: Analysis,
-    ) -> Result<Self, ContactError> {
+        cut: impl Fn(&Opposite<'_, D>, &[Cell]) -> Vec<Piece>,
+    ) -> Result<(Self, Vec<Piece>), ContactError> {
         let (nonmortar, mesh) = (sides.nonmortar, sides.mesh());
         let mut cyclic = false;
         let facets = match mesh.in_plane() {
@@ -182,6 +191,7 @@ impl<'a, const D: usize> Pairing<'a, D> {
         }
         let mut pairing = Self {
             frames: BTreeMap::new(),
+            looks: BTreeMap::new(),
             sides,
             coupling,
             analysis,
@@ -189,8 +199,41 @@ impl<'a, const D: usize> Pairing<'a, D> {
             places,
             cyclic,
         };
+        let pieces = cut(&pairing.sides, &pairing.cells);
+        pairing.looks = pairing.looks(&pieces);
         pairing.frames = pairing.frames();
-        Ok(pairing)
+        Ok((pairing, pieces))
+    }
+
+    /// From where the nodes of some pieces look at what these face: from where they are, or from the nearest place in a piece.
+    fn looks(&self, pieces: &[Piece]) -> BTreeMap<usize, Place> {
+        let mut nearest: BTreeMap<usize, (f64, Place)> = BTreeMap::new();
+        for piece in pieces {
+            let cell = &self.cells[piece.cell];
+            let corners = piece.corners.len() as f64;
+            let middle = [0, 1].map(|d| piece.corners.iter().map(|c| c[d]).sum::<f64>() / corners);
+            for (&node, at) in cell.nodes.iter().zip(&cell.places) {
+                for corner in &piece.corners {
+                    let away = (corner[0] - at[0]).hypot(corner[1] - at[1]);
+                    let found = nearest
+                        .entry(node)
+                        .or_insert((f64::INFINITY, (cell.facet, *at)));
+                    if away < found.0 {
+                        let inside = |d: usize| corner[d] + INSIDE * (middle[d] - corner[d]);
+                        *found = (away, (cell.facet, [0, 1].map(inside)));
+                    }
+                }
+            }
+        }
+        let own: BTreeMap<usize, Place> = self.places.iter().copied().collect();
+        let among: BTreeSet<Facet> = pieces.iter().filter_map(|p| p.opposite).collect();
+        let from = |(node, (_, nearest)): (usize, (f64, Place))| {
+            let (facet, xi) = own[&node];
+            let faces = self.sides.facing(facet, self.sides.line(facet, &xi));
+            let faces = faces.is_some_and(|hit| among.contains(&hit.facet));
+            (node, if faces { (facet, xi) } else { nearest })
+        };
+        nearest.into_iter().map(from).collect()
     }
 
     /// Normal and tangents at the nodes: along an oblique direction that supports hold somewhere, so that a node and those to whom
@@ -199,7 +242,7 @@ impl<'a, const D: usize> Pairing<'a, D> {
         let normals = self.sides.normals.nodal();
         let normal = |node: usize| normals.get(&node).copied().unwrap_or([0.0; D]);
         let oblique =
-            |&(node, place): &(usize, _)| self.relative(node, place).oblique(normal(node));
+            |&(node, _): &(usize, _)| self.relative(node, &self.looks).oblique(normal(node));
         let common = match self.coupling {
             Coupling::Frictional => self.places.iter().find_map(oblique),
             _ => None,
@@ -313,7 +356,8 @@ impl<'a, const D: usize> Pairing<'a, D> {
                 sums.hats.push((index, hat * station.area));
             }
         }
-        let kept = self.kept(&sums, whole, &stations);
+        let looks = self.looks(pieces);
+        let kept = self.kept(&sums, whole, (&stations, &looks));
         let implied = self.implied();
         let cover = Cover::new(&self.cells, pieces);
         // pieces follow the side, so the stations of a facet follow one another
@@ -370,9 +414,9 @@ impl<'a, const D: usize> Pairing<'a, D> {
         if self.coupling != Coupling::Frictional {
             return BTreeMap::new();
         }
-        let implied = |&(node, place): &(usize, (Facet, [f64; 2]))| {
+        let implied = |&(node, _): &(usize, Place)| {
             let frame = self.frames[&node];
-            let oblique = self.relative(node, place).oblique(frame[0])?;
+            let oblique = self.relative(node, &self.looks).oblique(frame[0])?;
             Some((node, tangents_along(&frame, oblique)))
         };
         self.places.iter().filter_map(implied).collect()
@@ -417,11 +461,13 @@ impl<'a, const D: usize> Pairing<'a, D> {
     }
 
     /// What supports leave of the motion of a node relative to the other side.
-    fn relative(&self, node: usize, place: (Facet, [f64; 2])) -> Relative<D> {
+    fn relative(&self, node: usize, looks: &BTreeMap<usize, Place>) -> Relative<D> {
         let held = self.sides.nonmortar.constraints.at(node);
+        let place = looks.get(&node);
+        let still = |h: &Held<D>| h.still && self.opposite_held(place, h.axis, true);
         Relative {
             prescribed: axes(held, |_| true),
-            still: axes(held, |h| h.still && self.opposite_held(place, h.axis, true)),
+            still: axes(held, still),
         }
     }
 
@@ -460,26 +506,40 @@ impl<'a, const D: usize> Pairing<'a, D> {
         &self,
         sums: &BTreeMap<usize, Sums<D>>,
         whole: &BTreeMap<usize, f64>,
-        stations: &[Station<D>],
+        (stations, looks): (&[Station<D>], &BTreeMap<usize, Place>),
     ) -> Components<D> {
         let covered = |node: &usize| sums.get(node).map_or(0.0, |s| s.own) / whole[node];
-        let decided = |&(node, place): &(usize, (Facet, [f64; 2]))| {
-            let held = self.relative(node, place);
+        let decided = |&(node, _): &(usize, Place)| {
+            let held = self.relative(node, looks);
             let held = held.decided(self.frames[&node], self.coupling);
             (node, held.map(|held| !held))
         };
         let mut kept: Components<D> = self.places.iter().map(decided).collect();
         let cells: BTreeSet<usize> = stations.iter().map(|station| station.cell).collect();
         // a prescribed node gives its functions to its neighbours; where all of a cell are prescribed they keep their own
-        let lone = |cell: &usize| self.cells[*cell].nodes.iter().all(|n| !kept[n][0]);
-        let alone: BTreeSet<usize> = cells.iter().copied().filter(lone).collect();
-        if self.coupling != Coupling::Tied && cells.iter().any(|cell| !alone.contains(cell)) {
-            let nodes = alone.iter().flat_map(|&cell| &self.cells[cell].nodes);
+        let coupled = match self.coupling {
+            Coupling::Tied => D,
+            _ => 1,
+        };
+        let decided = kept.clone();
+        for component in 0..coupled {
+            let lone = |cell: &&usize| {
+                let nodes = &self.cells[**cell].nodes;
+                nodes.iter().all(|node| !decided[node][component])
+            };
+            let alone = cells.iter().filter(lone);
+            let nodes = alone.flat_map(|&cell| &self.cells[cell].nodes);
             let nodes: BTreeSet<usize> = nodes.copied().collect();
-            for &(node, place) in self.places.iter().filter(|place| nodes.contains(&place.0)) {
-                if !self.opposite_held(place, self.frames[&node][0], false) {
-                    let frictional = self.coupling == Coupling::Frictional;
-                    kept.insert(node, std::array::from_fn(|c| c == 0 || frictional));
+            for node in nodes {
+                let axis = self.frames[&node][component];
+                if self.opposite_held(looks.get(&node), axis, false) {
+                    continue;
+                }
+                if let Some(own) = kept.get_mut(&node) {
+                    own[component] = true;
+                    own[1..]
+                        .iter_mut()
+                        .for_each(|shear| *shear |= self.coupling == Coupling::Frictional);
                 }
             }
         }
@@ -653,11 +713,6 @@ impl<'a, const D: usize> Pairing<'a, D> {
                 });
             }
         }
-        let fixed = |node: &InterfaceNode<D>| node.role == Role::Fixed;
-        if interface.nonmortar.is_empty() && interface.nodes.iter().any(fixed) {
-            let side = self.sides.nonmortar.name();
-            return Err(ContactError::AllFixed { side });
-        }
         Ok(interface)
     }
 
@@ -666,7 +721,7 @@ impl<'a, const D: usize> Pairing<'a, D> {
     /// Errors: a gap that is not finite.
     fn on_sheet(
         &self,
-        (node, (facet, xi)): (usize, (Facet, [f64; 2])),
+        (node, (facet, xi)): (usize, Place),
         (sheet, sums): (&Sheet<D>, &Sums<D>),
         taken: &mut BTreeMap<usize, usize>,
         interface: &mut Interface<D>,
@@ -745,14 +800,14 @@ impl<'a, const D: usize> Pairing<'a, D> {
     }
 
     /// Whether the motion of the other side along an axis is prescribed where it lies opposite a place, and if `still`
-    /// is asked, to be none at any time.
-    fn opposite_held(&self, (facet, xi): (Facet, [f64; 2]), axis: Point<D>, still: bool) -> bool {
+    /// is asked, to be none at any time. Nothing, which no place looks at, does not move.
+    fn opposite_held(&self, place: Option<&Place>, axis: Point<D>, still: bool) -> bool {
         let mortar = match self.sides.against {
             Against::Obstacle(_, Driven::Free) => return false,
             Against::Obstacle(_, driven) => return driven == Driven::Still || !still,
             Against::Side(mortar) => mortar,
         };
-        let opposite = self.sides.at(facet, &xi).ok().flatten();
+        let opposite = place.and_then(|(facet, xi)| self.sides.at(*facet, xi).ok().flatten());
         let held = |node: usize| {
             let held = axes(mortar.constraints.at(node), |h| h.still || !still);
             let part: f64 = held.iter().map(|&h| dot(h, axis).powi(2)).sum();
@@ -812,7 +867,9 @@ mod tests {
         let against = Against::Side(end(&lower, "bottom", &free));
         let nonmortar = end(&upper, "bottom", &free);
         let sides = Opposite::new(nonmortar, against, InitialGap::Closed, 0.0).unwrap();
-        let pairing = Pairing::new(sides, Coupling::Normal, Analysis::PlaneStrain).unwrap();
+        let (coupling, analysis) = (Coupling::Normal, Analysis::PlaneStrain);
+        let pairing = Pairing::new(sides, coupling, analysis, pieces::pieces);
+        let (pairing, _) = pairing.unwrap();
         let pieces = || pieces::pieces(&pairing.sides, &pairing.cells);
         let looked_at = pairing.cells.len() * pairing.cells[0].rule(LOOKED_AT).count();
         assert_eq!(pairing.interface(pieces()).unwrap().missed, [0, looked_at]);
@@ -1087,7 +1144,7 @@ mod tests {
         );
         assert!(interface.nodes.iter().all(|node| node.opposite.is_empty()));
         let length: f64 = interface.carriers().map(|node| node.weight).sum();
-        assert!(coupling == Coupling::Tied || (length - 3.0).abs() < 1e-13);
+        assert!(coupling == Coupling::Tied || length == 0.0 || (length - 3.0).abs() < 1e-13);
         let rows = |node: &InterfaceNode<2>| node.rows.map(|row| row.is_some());
         Ok(interface.nodes.iter().map(rows).collect())
     }
@@ -1119,16 +1176,19 @@ mod tests {
             // forces may move the obstacle against them
             assert_eq!(found(Driven::Free), Ok(vec![free; 4]));
         }
-        // a tie of what is prescribed is none
-        let found = over_a_plane(&two, Driven::Free, Coupling::Tied).unwrap();
-        assert_eq!(found, [[false, true], [false, true], BOTH, BOTH]);
+        // and by a tie, which against what does not move says nothing there
+        for (driven, tied) in [(Driven::Free, BOTH), (Driven::Still, [false, true])] {
+            let found = over_a_plane(&two, driven, Coupling::Tied).unwrap();
+            assert_eq!(found, [tied, tied, BOTH, BOTH]);
+        }
         // one alone gives way
         let found = over_a_plane(&two[..1], Driven::Free, Coupling::Frictional).unwrap();
         assert_eq!(found, [NONE, BOTH, BOTH, BOTH]);
         let all = [0.0, 1.0, 2.0, 3.0].map(|x| (x, Y, true));
-        let side = "body.bottom".to_string();
-        let found = over_a_plane(&all, Driven::Free, Coupling::Normal);
-        assert_eq!(found, Err(ContactError::AllFixed { side }));
+        for (driven, rows) in [(Driven::Free, NORMAL), (Driven::Still, NONE)] {
+            let found = over_a_plane(&all, driven, Coupling::Normal);
+            assert_eq!(found, Ok(vec![rows; 4]));
+        }
     }
 
     /// Which rows the nodes of a side at x = 0, 1, 2, 3 have over one at x = −1, 0.5, 1.5, 4.

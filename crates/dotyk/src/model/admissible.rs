@@ -1,13 +1,14 @@
 //! Λ of all contacts, couples and links: what each of their nodes can bear.
 
 use crate::contact::{ContactError, Coupling, Role};
-use crate::dual::{AdmissibleSet, Block};
+use crate::dual::{AdmissibleSet, Block, Friction};
 use crate::fem::{CoupleKind, show};
 use crate::geometry::{Field, Point};
 use crate::mesh::CellKind;
 use crate::model::error::Error;
-use crate::model::nouns::{Contact, Model};
+use crate::model::nouns::{Contact, Law, Model};
 use crate::model::pair::{Kind, Paired};
+use crate::model::shared::coefficients;
 use std::borrow::Cow;
 use std::collections::BTreeMap;
 
@@ -38,6 +39,13 @@ pub(crate) fn admissible_set<const D: usize>(
                 continue;
             };
             let value = |field: &Field| friction_at(contact, pair, field, points[node.node], time);
+            let shared = pair.sharers_at(place).next().is_some();
+            if shared && matches!(contact.law, Law::Coulomb(_)) {
+                let all = coefficients(model, (index, pair), place, value)?;
+                let coefficient = all.iter().sum();
+                blocks.push(Friction::Coulomb { coefficient }.block(size.saturating_sub(1)));
+                continue;
+            }
             let tangents = size.saturating_sub(1);
             let law = match pair.lost.get(place) {
                 Some(true) => Cow::Owned(contact.law.dry()),

@@ -11,7 +11,6 @@ use crate::mesh::Mesh;
 use crate::model::admissible::admissible_set;
 use crate::model::assumptions::{NAMED, named};
 use crate::model::bodies::{LoadedBody, body_rows, driven, largest_load, systems};
-use crate::model::dependent::drop_implied;
 use crate::model::error::{Error, Subject};
 use crate::model::floating::Floating;
 use crate::model::links::complete;
@@ -168,12 +167,10 @@ fn fill_run<const D: usize>(
     let constraints: Vec<&Constraints<D>> = systems.iter().map(|s| &s.constraints).collect();
     let mut paired = pair_all(model, &constraints, time).map_err(last)?;
     let nothing = BTreeMap::new();
-    complete(model, &mut systems, (&mut paired, &nothing), time).map_err(last)?;
+    let dropped = complete(model, &mut systems, (&mut paired, &nothing), time).map_err(last)?;
     sites(model, &paired)?;
     lay_out(model)?;
-    check
-        .warnings
-        .extend(drop_implied(model, &systems, &mut paired));
+    check.warnings.extend(dropped);
     let of_pairs = paired.iter().flat_map(|pair| pair.warnings.clone());
     check.warnings.extend(of_pairs);
     check.contacts = check_contacts(model, &paired);

@@ -21,7 +21,6 @@ use crate::model::bodies::{
 };
 use crate::model::check::body_remarks;
 use crate::model::compliance::{Assembled, compliance, is_assembled, pays};
-use crate::model::dependent::drop_implied;
 use crate::model::error::Error;
 use crate::model::event::{Event, Lap, Work};
 use crate::model::factor::{FactoredBody, Ordered, factor, order};
@@ -246,10 +245,9 @@ pub(crate) fn condense<const D: usize>(
     if let Some(track) = track {
         fit(&mut paired, track);
     }
-    complete(model, &mut systems, (&mut paired, &left.lost), time)?;
+    let dropped = complete(model, &mut systems, (&mut paired, &left.lost), time)?;
     let (sites, remarks) = (sites(model, &paired)?, body_remarks(model));
     let laid = lay_out(model)?;
-    let dropped = drop_implied(model, &systems, &mut paired);
     turn_to_forces(&mut systems[..model.bodies.len()], &paired);
     let rows = body_rows(&systems, &paired);
     let gaps = gaps_after(&paired, &slips(&left.slips, &paired, track));

@@ -2,7 +2,7 @@
 //!
 //! A condition that *ties and supports* imply has a gap that no contact force changes, and one of two frictionless
 //! conditions that say the same at all times says nothing: these get no multiplier, are named in a warning, and are judged
-//! all the same. Other inequalities imply nothing: of two obstacles under one side either may be the nearer one, and on the
+//! all the same. A slip that supports of both sides prescribe is no such condition: whatever it is, the law tells the shear from it. Other inequalities imply nothing: of two obstacles under one side either may be the nearer one, and on the
 //! two rough walls of a corner a node may stick or slip. They keep their multipliers although F is singular; where
 //! dependent ones bear, how they share their sum is not unique, which a warning tells.
 //!
@@ -48,7 +48,10 @@ pub(crate) fn drop_implied<const D: usize>(
     let tied = |&(contact, _): &Place| paired[contact].interface.coupling == Coupling::Tied;
     let equalities: Vec<usize> = (0..rows.len()).filter(|&i| tied(&places[i])).collect();
     let (basis, mut implied) = split(&rows, &equalities);
-    let rest = (0..rows.len()).filter(|&i| !tied(&places[i]));
+    // a slip that supports prescribe follows from them, but the law still tells its shear
+    let shears: Vec<Vec<bool>> = paired.iter().map(|p| p.interface.tangential()).collect();
+    let prescribed = |i: usize| rows[i].is_empty() && shears[places[i].0][places[i].1];
+    let rest = (0..rows.len()).filter(|&i| !tied(&places[i]) && !prescribed(i));
     implied.extend(within(&rows, &basis, rest));
     implied.extend(repeated(model, paired, &places, &rows));
     implied.sort_unstable();

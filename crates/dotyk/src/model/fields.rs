@@ -14,6 +14,7 @@ use crate::model::judge::{Displaced, moved};
 use crate::model::nouns::{Analysis, Body, Model, Place, SideRef, Support};
 use crate::model::pair::{Kind, Paired, row_ranges};
 use crate::model::recover::{BodyState, centroid, pushed};
+use crate::model::shared::share_out;
 use crate::model::solution::*;
 use crate::solve::{Shear, State};
 use rayon::prelude::*;
@@ -48,7 +49,15 @@ pub(crate) fn fields<const D: usize>(
             rows,
         )
     });
-    let contacts = contacts.collect();
+    let mut contacts: Vec<ContactSolution<D>> = contacts.collect();
+    let of_rows = [lambda, &displaced.gaps];
+    share_out(
+        model,
+        &condensed.paired,
+        of_rows,
+        condensed.time,
+        &mut contacts,
+    );
     let couples = couple_solutions(model, condensed, &displaced, lambda);
     let links = link_forces(model, &condensed.paired, lambda, &mut displaced.states);
     let others = couples.into_par_iter().zip(links);

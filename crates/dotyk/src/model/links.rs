@@ -20,6 +20,7 @@ use crate::fem::{Active, BodySystem, Constraints};
 use crate::geometry::{Field, Point, add_scaled, dot, norm};
 use crate::model::bar::{Anchor, Bar, BarSolution, BarStation, LaidBar, lay_bars};
 use crate::model::bodies::LoadedBody;
+use crate::model::dependent::drop_implied;
 use crate::model::error::Error;
 use crate::model::joints::{restore, set_base};
 use crate::model::nouns::{
@@ -27,6 +28,7 @@ use crate::model::nouns::{
 };
 use crate::model::pair::{Kind, Paired, pair_contact, row_ranges};
 use crate::model::parts::{couples, first_point};
+use crate::model::shared::share_nodes;
 use std::collections::BTreeMap;
 
 /// What links have besides an interface between two parts.
@@ -320,6 +322,7 @@ fn pair_bar<const D: usize>(
         link,
         base: base.collect(),
         lost: Vec::new(),
+        sharers: Vec::new(),
         sagitta: 0.0,
         warnings: Vec::new(),
     }
@@ -361,8 +364,9 @@ fn add_element<const D: usize>(interface: &mut Interface<D>, element: usize, yie
     });
 }
 
-/// Completes the systems of bodies and rigid parts by those of links, and by what joints and bars do besides the forces of their
-/// rows at a time; `before` tells by the names of contacts what joints have lost.
+/// Completes the systems of bodies and rigid parts by those of links, gives nodes that contacts have in common one multiplier, drops
+/// conditions that others imply, and adds what joints and bars do besides the forces of the rows that are left, at a time;
+/// `before` tells by the names of contacts what joints have lost. Returns warnings about conditions that were dropped.
 ///
 /// Errors: those of [`set_base`].
 pub(crate) fn complete<const D: usize>(
@@ -370,12 +374,14 @@ pub(crate) fn complete<const D: usize>(
     systems: &mut Vec<BodySystem<D>>,
     (paired, before): (&mut [Paired<D>], &BTreeMap<String, Vec<bool>>),
     time: f64,
-) -> Result<(), Error<D>> {
-    restore(model, paired, before);
-    set_base(model, paired, time)?;
+) -> Result<Vec<String>, Error<D>> {
     systems.extend(link_systems(paired));
+    restore(model, paired, before);
+    share_nodes(model, systems, paired);
+    let dropped = drop_implied(model, systems, paired);
+    set_base(model, paired, time)?;
     add_base(systems, paired);
-    Ok(())
+    Ok(dropped)
 }
 
 /// The parts of all links.

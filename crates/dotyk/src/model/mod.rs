@@ -46,6 +46,7 @@ mod recover;
 mod reuse;
 mod section;
 mod settle;
+mod shared;
 mod singular;
 mod sliding;
 mod solution;

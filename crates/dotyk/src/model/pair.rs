@@ -14,6 +14,7 @@ use crate::model::error::Error;
 use crate::model::links::{Link, pair_links};
 use crate::model::nouns::*;
 use crate::model::parts::{couples, first_point, obstacle_part};
+use crate::model::shared::Sharer;
 use rayon::prelude::*;
 use std::cmp::Ordering;
 use std::collections::BTreeSet;
@@ -63,6 +64,8 @@ pub(crate) struct Paired<const D: usize> {
     pub lost: Vec<bool>,
     /// How far the measured gaps are off because polygons stand for curves.
     pub sagitta: f64,
+    /// What other contacts have of its nodes: see `shared.rs`.
+    pub sharers: Vec<Sharer>,
     /// What the user should know.
     pub warnings: Vec<String>,
 }
@@ -161,6 +164,7 @@ fn pair_point<const D: usize>(
         link: Link::default(),
         base: Vec::new(),
         lost: Vec::new(),
+        sharers: Vec::new(),
         sagitta: 0.0,
         warnings: Vec::new(),
     })
@@ -675,6 +679,7 @@ impl<'a, const D: usize> Contacting<'a, D> {
             link: Link::default(),
             base: Vec::new(),
             lost: Vec::new(),
+            sharers: Vec::new(),
             sagitta: 0.0,
             warnings: Vec::new(),
         })
@@ -792,6 +797,7 @@ impl<'a, const D: usize> Contacting<'a, D> {
             link: Link::default(),
             base: Vec::new(),
             lost: Vec::new(),
+            sharers: Vec::new(),
             sagitta: crude,
             warnings,
         })

@@ -13,6 +13,7 @@ use crate::model::condense::Condensed;
 use crate::model::error::Error;
 use crate::model::nouns::Model;
 use crate::model::pair::{Paired, row_ranges};
+use crate::model::shared::shear_parts;
 use crate::model::solution::{BodySolution, Solution, Status};
 
 /// A load step that was solved before.
@@ -135,13 +136,15 @@ pub(crate) fn recorded<const D: usize>(
 ) -> Result<Multipliers, String> {
     let m = condensed.gaps.len();
     let (mut lambda, mut gaps) = (vec![0.0; m], vec![None; m]);
-    for (contact, (rows, pair)) in model.contacts.iter().zip(row_ranges(&condensed.paired)) {
+    let pairs = model.contacts.iter().zip(row_ranges(&condensed.paired));
+    for (index, (contact, (rows, pair))) in pairs.enumerate() {
         let found = past.contacts.iter().find(|(name, _)| *name == contact.name);
         let Some((name, nodes)) = found else {
             return Err(format!("it has no contact \"{}\"", contact.name));
         };
         let (lambda, gaps) = (&mut lambda[rows.clone()], &mut gaps[rows]);
-        of_contact(name, pair, nodes, lambda, gaps)?;
+        let shears = |place| shear_parts(model, (index, pair), place, past.time);
+        of_contact(name, pair, (nodes, shears), lambda, gaps)?;
         let besides = lambda.iter_mut().zip(&pair.base);
         besides.for_each(|(force, base)| *force -= base);
     }
@@ -164,32 +167,34 @@ pub(crate) fn recorded<const D: usize>(
 fn of_contact<const D: usize>(
     name: &str,
     pair: &Paired<D>,
-    past: &[PastNode<D>],
+    (past, shears): (&[PastNode<D>], impl Fn(usize) -> Vec<f64>),
     lambda: &mut [f64],
     gaps: &mut [Option<f64>],
 ) -> Result<(), String> {
     let nodes = &pair.interface.nodes;
-    let same = |(now, then): (&InterfaceNode<D>, &PastNode<D>)| {
-        now.node == then.node && (now.weight - then.weight).abs() <= SAME_WEIGHT * now.weight.abs()
+    let same = |(place, (now, then)): (usize, (&InterfaceNode<D>, &PastNode<D>))| {
+        let own = pair.own_weight(place);
+        now.node == then.node && (own - then.weight).abs() <= SAME_WEIGHT * own.abs()
     };
-    if nodes.len() != past.len() || !nodes.iter().zip(past).all(same) {
+    if nodes.len() != past.len() || !nodes.iter().zip(past).enumerate().all(same) {
         return Err(format!(
             "contact \"{name}\" had other nodes, or weights of nodes"
         ));
     }
-    for (now, then) in nodes.iter().zip(past) {
+    for (place, (now, then)) in nodes.iter().zip(past).enumerate() {
         if let Some(row) = now.rows[0] {
             lambda[row] = if then.pressure.is_nan() {
                 0.0
             } else {
-                then.pressure * then.weight
+                then.pressure * now.weight
             };
             gaps[row] = Some(then.gap).filter(|gap| gap.is_finite());
         }
         for (direction, row) in now.frame.iter().zip(now.rows).skip(1) {
             let Some(row) = row else { continue };
             // the rows push the nonmortar body by −λ
-            lambda[row] = -dot(then.shear, *direction) * then.weight;
+            let whole = then.weight / shears(place)[0];
+            lambda[row] = -dot(then.shear, *direction) * whole;
             // what sticks has not moved in this step
             gaps[row] = matches!(then.status, Status::Stick | Status::Tied).then_some(0.0);
         }
