@@ -46,3 +46,4 @@ mod strength;
 mod tables;
 mod tidy;
 mod warnings;
+mod written;
