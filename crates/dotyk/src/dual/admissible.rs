@@ -170,32 +170,41 @@ impl AdmissibleSet {
             .fold(0.0, f64::max)
     }
 
-    /// Largest violation of the friction law, a force: λₜ against the projection of the trial forces onto the disc of its
-    /// bound (where it follows from λₙ, at λₙ). NaN if there is any.
+    /// Violations of the friction law, forces: λₜ against the projection of the trial forces onto the disc of its bound (where it
+    /// follows from λₙ, at λₙ), for each block with friction and beside its first component.
     ///
     /// Shapes: λ (m,). `trial` gives λ − gap/softness of a component, the softness being a length over force.
-    pub fn slip_violation(&self, lambda: &[f64], trial: impl Fn(usize) -> f64) -> f64 {
-        let mut worst: f64 = 0.0;
-        for ((block, range), bound) in self.iter().zip(self.bounds(lambda)) {
-            if block.friction().is_none() {
-                continue;
-            }
-            let tangents = range.start + 1..range.end;
-            let length = tangents
-                .clone()
-                .map(|i| trial(i).powi(2))
-                .sum::<f64>()
-                .sqrt();
+    pub fn slip_violations(
+        &self,
+        lambda: &[f64],
+        trial: impl Fn(usize) -> f64,
+    ) -> impl Iterator<Item = (usize, f64)> {
+        self.tangents(lambda).map(move |(tangents, bound)| {
+            let square: f64 = tangents.clone().map(|i| trial(i).powi(2)).sum();
+            let length = square.sqrt();
             let factor = if length > bound { bound / length } else { 1.0 };
-            let distance = tangents
-                .map(|i| (lambda[i] - factor * trial(i)).powi(2))
-                .sum::<f64>()
-                .sqrt();
-            if distance.is_nan() || distance > worst {
-                worst = distance;
+            let first = tangents.start - 1;
+            let off = tangents.map(|i| (lambda[i] - factor * trial(i)).powi(2));
+            (first, off.sum::<f64>().sqrt())
+        })
+    }
+
+    /// The largest of [`Self::slip_violations`]; NaN if there is any.
+    pub fn slip_violation(&self, lambda: &[f64], trial: impl Fn(usize) -> f64) -> f64 {
+        let each = self.slip_violations(lambda, trial);
+        each.fold(0.0, |worst: f64, (_, distance)| {
+            match distance.is_nan() || distance > worst {
+                true => distance,
+                false => worst,
             }
-        }
-        worst
+        })
+    }
+
+    /// Tangential components and bound of every block with friction.
+    fn tangents(&self, lambda: &[f64]) -> impl Iterator<Item = (Range<usize>, f64)> {
+        let each = self.iter().zip(self.bounds(lambda));
+        let with_friction = each.filter(|((block, _), _)| block.friction().is_some());
+        with_friction.map(|((_, range), bound)| (range.start + 1..range.end, bound))
     }
 
     /// Work of the tangential forces on the slip of this step, λₜ·slip = −λₜ·gapₜ, one per block (0 without friction).
@@ -213,19 +222,20 @@ impl AdmissibleSet {
             .collect()
     }
 
-    /// Σ bound·|slip|, the potential of the friction forces at bounds that follow from λ; an energy ≥ 0.
+    /// bound·|slip| of every block with friction, the potential of its forces at bounds that follow from λ, beside its first
+    /// component; energies ≥ 0.
     ///
-    /// At a solution it equals the sum of [`AdmissibleSet::dissipated`]; elsewhere in Λ it is larger. `gap` gives that of a
-    /// component.
-    pub fn slip_potential(&self, lambda: &[f64], gap: impl Fn(usize) -> f64) -> f64 {
-        let terms = self.iter().zip(self.bounds(lambda));
-        let with_friction = terms.filter(|((block, _), _)| block.friction().is_some());
-        with_friction
-            .map(|((_, range), bound)| {
-                let square: f64 = range.skip(1).map(|i| gap(i).powi(2)).sum();
-                bound * square.sqrt()
-            })
-            .sum()
+    /// At a solution they equal [`AdmissibleSet::dissipated`]; elsewhere in Λ they are larger. `gap` gives that of a component.
+    pub fn slip_potentials(
+        &self,
+        lambda: &[f64],
+        gap: impl Fn(usize) -> f64,
+    ) -> impl Iterator<Item = (usize, f64)> {
+        self.tangents(lambda).map(move |(tangents, bound)| {
+            let first = tangents.start - 1;
+            let square: f64 = tangents.map(|i| gap(i).powi(2)).sum();
+            (first, bound * square.sqrt())
+        })
     }
 }
 
@@ -348,10 +358,24 @@ mod tests {
         for (found, expected) in dissipated.iter().zip([0.0, 0.0, 0.5, 0.8]) {
             assert!((found - expected).abs() < 1e-15);
         }
-        assert!((set.slip_potential(&lambda, |i| gap[i]) - 1.3).abs() < 1e-15);
+        assert!(
+            (set.slip_potentials(&lambda, |i| gap[i])
+                .map(|p| p.1)
+                .sum::<f64>()
+                - 1.3)
+                .abs()
+                < 1e-15
+        );
         gap[8] = 2.0;
         assert!(set.dissipated(&lambda, &gap)[3] < 0.0);
-        assert!((set.slip_potential(&lambda, |i| gap[i]) - 1.3).abs() < 1e-15);
+        assert!(
+            (set.slip_potentials(&lambda, |i| gap[i])
+                .map(|p| p.1)
+                .sum::<f64>()
+                - 1.3)
+                .abs()
+                < 1e-15
+        );
     }
 
     #[test]

@@ -19,6 +19,12 @@
 //! moves is a load like any other; arm is the largest diameter of a body; energy is the elastic energy of all bodies, in stressed
 //! ground at least what it would release without its contacts. A scale of zero counts as 1.
 //!
+//! *What is coupled.* All of this is asked of bodies that contacts couple, domain by domain ([`Coupled`]): what a far body bears is
+//! no scale of this contact. A figure tells of the domain that is farthest from its limit. Loads may bypass a contact, be it because
+//! supports take them or because they balance each other, as those of heat do; beside the forces of contacts they count by a
+//! millionth alone, beside resultants of bodies in full. A contact with small forces beside others with large ones is judged by its
+//! own, down to a thousandth of these.
+//!
 //! *Force error.* The scale of gaps is one length for the whole problem. Between two stiff bodies a gap that is nothing beside
 //! that length may stand for a large force, and complementarity, a product, does not see it either. So every gap is turned into
 //! a force with the softness of its own contact, which is how far it gives way under a unit force: the figure is
@@ -37,7 +43,7 @@
 
 use std::fmt;
 
-use crate::dual::{AdmissibleSet, Component, DualProblem, Multipliers};
+use crate::dual::{AdmissibleSet, Component, DualProblem, Multipliers, Scales};
 
 /// Limit of the relative imbalances, whatever the tolerance.
 pub const IMBALANCE_LIMIT: f64 = 1e-10;
@@ -162,24 +168,31 @@ impl fmt::Display for Certificate {
 }
 
 /// What a caller found from the displacements, independently of F.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct Recomputed<'a> {
     /// Gap at the contact unknowns (m,).
     pub gap: &'a [f64],
     /// To what these gaps are known (m,), a length.
     pub rounding: &'a [f64],
-    /// Largest violation of a condition without a multiplier, a length.
-    pub implied: f64,
-    /// Largest difference to the forces of the answer that exact steps find beside these; 0 where not known.
-    pub exact: f64,
+    /// How far each force is from that of the answer that exact steps find beside these (m,); empty where that is not known.
+    pub exact: Vec<f64>,
     /// Deepest penetration between the nodes, and what the meshes can resolve there: lengths.
     pub between: [f64; 2],
+    /// The rest, by domain of [`DualProblem::coupled`].
+    pub domains: Vec<OfDomain>,
+}
+
+/// What a caller found of bodies that contacts couple.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct OfDomain {
+    /// Largest violation of a condition without a multiplier, a length.
+    pub implied: f64,
     /// Largest resultant force of a body that is not balanced.
     pub imbalance_force: f64,
     /// Largest resultant moment of a body that is not balanced.
     pub imbalance_moment: f64,
     /// Difference of primal and dual energy; with friction the primal one includes Σ bound·|slip|
-    /// ([`AdmissibleSet::slip_potential`]).
+    /// ([`AdmissibleSet::slip_potentials`]).
     pub energy_gap: f64,
     /// Elastic energy 1/2 uᵀKu of all bodies: the scale of energies.
     pub elastic_energy: f64,
@@ -187,108 +200,211 @@ pub struct Recomputed<'a> {
     pub driving_force: f64,
 }
 
-/// Violations of the optimality conditions in the problem's units, with the scales that λ implies.
+/// The violation that is largest beside its scale.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub(crate) struct Violations {
-    penetration: f64,
-    tension: f64,
-    force_error: f64,
-    complementarity: f64,
-    imbalance_force: f64,
-    imbalance_moment: f64,
-    energy_gap: f64,
-    slip: f64,
-    force: f64,
-    energy: f64,
-    length: f64,
+struct Worst {
+    value: f64,
+    scale: f64,
 }
 
+impl Worst {
+    /// Takes over another violation where that is no smaller beside its scale. One that is no number is the largest.
+    fn raise(&mut self, value: f64, scale: f64) {
+        let other = Self { value, scale };
+        let (own, new) = (self.relative(), other.relative());
+        if !own.is_nan() && (new.is_nan() || new >= own) {
+            *self = other;
+        }
+    }
+
+    fn relative(&self) -> f64 {
+        self.value / one_if_zero(self.scale)
+    }
+
+    fn figure(&self, limit: f64) -> Figure {
+        Figure::new(self.value, self.scale, limit)
+    }
+}
+
+/// Largest values over one contact.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+struct OfContact {
+    force: f64,
+    tension: f64,
+    error: f64,
+    slip: f64,
+}
+
+/// Sums and largest values over one domain.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+struct Sums {
+    force: f64,
+    penetration: f64,
+    complementarity: f64,
+    primal_dual: f64,
+    stored: f64,
+    imbalance_force: f64,
+    imbalance_moment: f64,
+}
+
+/// Violations of the optimality conditions, each where it is largest beside its scale; with the workspace to find them.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub(crate) struct Violations {
+    penetration: Worst,
+    tension: Worst,
+    force_error: Worst,
+    complementarity: Worst,
+    imbalance_force: Worst,
+    imbalance_moment: Worst,
+    energy_gap: Worst,
+    slip: Worst,
+    contacts: Vec<OfContact>,
+    domains: Vec<Sums>,
+}
+
+/// Forces of a contact are compared with its own largest one, at least this part of the largest one of its domain.
+const SMALL: f64 = 1e-3;
+
+/// Loads of a domain count by this part beside the forces of its contacts.
+const PASSES: f64 = 1e-6;
+
 impl Violations {
-    /// Violations at (λ, α) with the gap there; `components` may call a component free that is not (a bolt).
+    /// Finds them at (λ, α) with the gap there; `components` may call a component free that is not (a bolt).
     ///
-    /// `gap` must be Fλ − d − Gᵀα, known to `rounding` (of the terms of that sum where there is none); `admissible` has
-    /// the bounds of friction, which may be other than those of the problem. Shapes: (m,), α (r,).
+    /// `gap` must be Fλ − d − Gᵀα; `admissible` has the bounds of friction, which may be other than those of the problem.
+    /// Shapes: (m,), α (r,).
     ///
     /// The energy gap is λ·gap + Σ bound·|slip| + α·(Gλ − e): with friction the tangential part of λ·gap is minus the
     /// dissipated work, and bound·|slip| + λₜ·gapₜ ≥ 0 vanishes exactly where the friction law holds.
-    pub(crate) fn at(
+    pub(crate) fn find(
+        &mut self,
         problem: &DualProblem,
         admissible: &AdmissibleSet,
-        lambda: &[f64],
-        alpha: &[f64],
-        (gap, rounding): (&[f64], Option<&[f64]>),
+        (lambda, alpha): (&[f64], &[f64]),
+        gap: &[f64],
         components: &[Component],
-    ) -> Self {
-        let largest = lambda.iter().fold(0.0, |s: f64, x| s.max(x.abs()));
-        let force = problem.scales.force.max(largest);
-        let mut violations = Self {
-            force,
-            length: problem.scales.length,
-            ..Self::default()
-        };
+    ) {
         let own = problem.rounding(gap, alpha);
-        let told = |i: usize| match rounding {
-            Some(rounding) => beyond(gap[i], rounding[i]),
-            None => beyond(gap[i], own(i)),
-        };
-        let (mut primal_dual, mut stored) = (0.0, 0.0);
+        let told = |i: usize| beyond(gap[i], own(i));
+        self.sum(
+            problem,
+            admissible,
+            (lambda, alpha),
+            (gap, told),
+            components,
+        );
+        self.compare_forces(problem, |_| 0.0);
+        for (domain, found) in self.domains.iter().enumerate() {
+            let scales = problem.domain_scales(domain);
+            let energy = scales.energy + 0.5 * found.stored;
+            let force = scales.force.max(found.force);
+            let moment = one_if_zero(force) * one_if_zero(scales.moment_arm);
+            self.penetration.raise(found.penetration, scales.length);
+            self.complementarity.raise(found.complementarity, energy);
+            self.energy_gap.raise(found.primal_dual.abs(), energy);
+            self.imbalance_force.raise(found.imbalance_force, force);
+            self.imbalance_moment.raise(found.imbalance_moment, moment);
+        }
+    }
+
+    /// Sums and largest values over contacts and domains; `told` is the gap but for what is rounding of it.
+    fn sum(
+        &mut self,
+        problem: &DualProblem,
+        admissible: &AdmissibleSet,
+        (lambda, alpha): (&[f64], &[f64]),
+        (gap, told): (&[f64], impl Fn(usize) -> f64),
+        components: &[Component],
+    ) {
+        let coupled = &problem.coupled;
+        let (contacts, domains) = (&mut self.contacts, &mut self.domains);
+        contacts.clear();
+        contacts.resize(coupled.contacts(), OfContact::default());
+        domains.clear();
+        domains.resize(coupled.domains(), Sums::default());
         for (i, &component) in components.iter().enumerate() {
-            let (force, known) = (lambda[i], gap[i]);
+            let force = lambda[i];
+            let contact = &mut contacts[coupled.contact(i)];
+            let domain = &mut domains[coupled.domain_of(i)];
+            contact.force = contact.force.max(force.abs());
+            domain.force = domain.force.max(force.abs());
             let rigid = problem.balance.modes().motion(i, alpha);
-            stored += force * (known + problem.shift[i] + rigid);
+            domain.stored += force * (gap[i] + problem.shift[i] + rigid);
             let gap = told(i);
-            primal_dual += force * gap;
+            domain.primal_dual += force * gap;
+            let asked = gap / problem.softness[i];
             match component {
                 Component::Free => {
-                    violations.penetration = larger(violations.penetration, gap.abs());
+                    domain.penetration = larger(domain.penetration, gap.abs());
+                    contact.error = larger(contact.error, asked.abs());
                 }
                 Component::Normal => {
-                    violations.penetration = larger(violations.penetration, -gap);
-                    violations.tension = larger(violations.tension, -force);
+                    let trial = force - asked;
+                    let nearest = if trial < 0.0 { 0.0 } else { trial };
+                    domain.penetration = larger(domain.penetration, -gap);
+                    contact.tension = larger(contact.tension, -force);
+                    contact.error = larger(contact.error, (force - nearest).abs());
                 }
                 Component::Tangent => continue,
             }
-            violations.complementarity += (force * gap).abs();
+            domain.complementarity += (force * gap).abs();
         }
-        let arm = one_if_zero(problem.scales.moment_arm);
         let carried = problem.balance.modes().product(lambda);
         for (row, &load) in problem.balance.load().iter().enumerate() {
-            let carried = carried[row];
-            let rest = (carried - load).abs();
-            primal_dual += alpha[row] * (carried - load);
+            let domain = coupled.domain_of_mode(row);
+            let arm = one_if_zero(problem.domain_scales(domain).moment_arm);
+            let domain = &mut domains[domain];
+            let rest = carried[row] - load;
+            domain.primal_dual += alpha[row] * rest;
             if problem.balance.moments()[row] {
-                violations.imbalance_moment = larger(violations.imbalance_moment, rest * arm);
+                domain.imbalance_moment = larger(domain.imbalance_moment, rest.abs() * arm);
             } else {
-                violations.imbalance_force = larger(violations.imbalance_force, rest);
+                domain.imbalance_force = larger(domain.imbalance_force, rest.abs());
             }
         }
         if admissible.has_friction() {
-            primal_dual += admissible.slip_potential(lambda, told);
-            violations.slip =
-                admissible.slip_violation(lambda, |i| lambda[i] - told(i) / problem.softness[i]);
+            let potentials = admissible.slip_potentials(lambda, &told);
+            for (first, potential) in potentials {
+                domains[coupled.domain_of(first)].primal_dual += potential;
+            }
+            let trial = |i: usize| lambda[i] - told(i) / problem.softness[i];
+            for (first, distance) in admissible.slip_violations(lambda, trial) {
+                let contact = &mut contacts[coupled.contact(first)];
+                contact.slip = larger(contact.slip, distance);
+                contact.error = larger(contact.error, distance);
+            }
         }
-        violations.force_error = larger(
-            normal_error(components, lambda, told, &problem.softness),
-            violations.slip,
-        );
-        violations.energy_gap = primal_dual.abs();
-        violations.energy = problem.scales.energy + 0.5 * stored;
-        violations
+    }
+
+    /// Compares what is wrong with forces with those of their contact; all other figures begin anew. `driving` is the largest force of a
+    /// support that moves, by domain.
+    fn compare_forces(&mut self, problem: &DualProblem, driving: impl Fn(usize) -> f64) {
+        let contacts = std::mem::take(&mut self.contacts);
+        let domains = std::mem::take(&mut self.domains);
+        *self = Self::default();
+        for (contact, found) in contacts.iter().enumerate() {
+            let domain = problem.coupled.domain(contact);
+            let load = problem.domain_scales(domain).force.max(driving(domain));
+            let whole = domains[domain].force.max(PASSES * load);
+            let scale = found.force.max(SMALL * whole);
+            self.tension.raise(found.tension, scale);
+            self.force_error.raise(found.error, scale);
+            self.slip.raise(found.slip, scale);
+        }
+        (self.contacts, self.domains) = (contacts, domains);
     }
 
     /// The largest relative violation.
-    pub(crate) fn residual(&self, moment_arm: f64) -> f64 {
-        let force = one_if_zero(self.force);
-        let energy = one_if_zero(self.energy);
+    pub(crate) fn residual(&self) -> f64 {
         [
-            self.penetration / one_if_zero(self.length),
-            self.tension / force,
-            self.force_error / (FORCE_LIMIT * force),
-            self.complementarity / energy,
-            self.imbalance_force / force,
-            self.imbalance_moment / (force * one_if_zero(moment_arm)),
-            self.energy_gap / energy,
-            self.slip / force,
+            self.penetration.relative(),
+            self.tension.relative(),
+            self.force_error.relative() / FORCE_LIMIT,
+            self.complementarity.relative(),
+            self.imbalance_force.relative(),
+            self.imbalance_moment.relative(),
+            self.energy_gap.relative(),
+            self.slip.relative(),
         ]
         .into_iter()
         .fold(0.0, larger)
@@ -296,26 +412,35 @@ impl Violations {
 }
 
 impl DualProblem {
+    /// The scales of a domain.
+    pub(crate) fn domain_scales(&self, domain: usize) -> &Scales {
+        self.coupled.scales.get(domain).unwrap_or(&self.scales)
+    }
+
     /// The certificate of an answer, from the data of the dual problem alone.
     ///
     /// Figures are relative to the scales of the problem; imbalances have the limit 1e-10, the others `tolerance`.
     /// Panics if lengths differ.
     pub fn certify(&self, multipliers: &Multipliers, tolerance: f64) -> Certificate {
         let gap = self.gap(multipliers);
-        let found = self.violations(multipliers, (&gap, None));
         let own = self.rounding(&gap, &multipliers.alpha);
         let rounding: Vec<f64> = (0..gap.len()).map(own).collect();
+        let found = self.violations(multipliers);
+        let domains = found.domains.iter().enumerate();
+        let domains = domains.map(|(domain, found)| OfDomain {
+            implied: 0.0,
+            imbalance_force: found.imbalance_force,
+            imbalance_moment: found.imbalance_moment,
+            energy_gap: found.primal_dual.abs(),
+            elastic_energy: self.domain_scales(domain).energy + 0.5 * found.stored,
+            driving_force: 0.0,
+        });
         let recomputed = Recomputed {
             gap: &gap,
             rounding: &rounding,
-            implied: 0.0,
-            exact: 0.0,
+            exact: Vec::new(),
             between: [0.0, 1.0],
-            imbalance_force: found.imbalance_force,
-            imbalance_moment: found.imbalance_moment,
-            energy_gap: found.energy_gap,
-            elastic_energy: found.energy,
-            driving_force: 0.0,
+            domains: domains.collect(),
         };
         self.certify_with(multipliers, &recomputed, tolerance)
     }
@@ -327,29 +452,48 @@ impl DualProblem {
         recomputed: &Recomputed<'_>,
         tolerance: f64,
     ) -> Certificate {
-        let seen = (recomputed.gap, Some(recomputed.rounding));
-        let found = self.violations(multipliers, seen);
-        let (length, force) = (found.length, found.force.max(recomputed.driving_force));
-        let energy = recomputed.elastic_energy;
+        let Multipliers { lambda, alpha } = multipliers;
+        let (gap, rounding) = (recomputed.gap, recomputed.rounding);
+        let told = |i: usize| beyond(gap[i], rounding[i]);
+        let components = self.admissible.components();
+        let mut found = Violations::default();
+        found.sum(
+            self,
+            &self.admissible,
+            (lambda, alpha),
+            (gap, told),
+            &components,
+        );
+        for (i, &off) in recomputed.exact.iter().enumerate() {
+            let contact = &mut found.contacts[self.coupled.contact(i)];
+            contact.error = larger(contact.error, off);
+        }
+        let of = |domain: usize| recomputed.domains.get(domain).copied();
+        let of = |domain: usize| of(domain).unwrap_or_default();
+        found.compare_forces(self, |domain| of(domain).driving_force);
+        let sums = std::mem::take(&mut found.domains);
+        for (domain, sums) in sums.iter().enumerate() {
+            let (scales, own) = (self.domain_scales(domain), of(domain));
+            let (energy, force) = (own.elastic_energy, sums.force.max(own.driving_force));
+            let force = force.max(scales.force);
+            let moment = one_if_zero(force) * one_if_zero(scales.moment_arm);
+            let depth = larger(sums.penetration, own.implied);
+            found.penetration.raise(depth, scales.length);
+            found.complementarity.raise(sums.complementarity, energy);
+            found.imbalance_force.raise(own.imbalance_force, force);
+            found.imbalance_moment.raise(own.imbalance_moment, moment);
+            found.energy_gap.raise(own.energy_gap, energy);
+        }
         let [depth, resolved] = recomputed.between;
-        let moment = one_if_zero(force) * one_if_zero(self.scales.moment_arm);
         Certificate {
-            penetration: Figure::new(
-                larger(found.penetration, recomputed.implied),
-                length,
-                tolerance,
-            ),
-            tension: Figure::new(found.tension, force, tolerance),
-            complementarity: Figure::new(found.complementarity, energy, tolerance),
-            imbalance_force: Figure::new(recomputed.imbalance_force, force, IMBALANCE_LIMIT),
-            imbalance_moment: Figure::new(recomputed.imbalance_moment, moment, IMBALANCE_LIMIT),
-            energy_gap: Figure::new(recomputed.energy_gap, energy, tolerance),
-            slip_violation: Figure::new(found.slip, force, tolerance),
-            force_error: Figure::new(
-                larger(found.force_error, recomputed.exact),
-                force,
-                FORCE_LIMIT * tolerance,
-            ),
+            penetration: found.penetration.figure(tolerance),
+            tension: found.tension.figure(tolerance),
+            complementarity: found.complementarity.figure(tolerance),
+            imbalance_force: found.imbalance_force.figure(IMBALANCE_LIMIT),
+            imbalance_moment: found.imbalance_moment.figure(IMBALANCE_LIMIT),
+            energy_gap: found.energy_gap.figure(tolerance),
+            slip_violation: found.slip.figure(tolerance),
+            force_error: found.force_error.figure(FORCE_LIMIT * tolerance),
             between_nodes: Figure::new(depth, resolved, BETWEEN_LIMIT),
         }
     }
@@ -358,9 +502,7 @@ impl DualProblem {
     ///
     /// It bounds every figure of [`DualProblem::certify`] over its limit, in tolerances. Costs one product with F.
     pub fn kkt_residual(&self, multipliers: &Multipliers) -> f64 {
-        let gap = self.gap(multipliers);
-        self.violations(multipliers, (&gap, None))
-            .residual(self.scales.moment_arm)
+        self.violations(multipliers).residual()
     }
 
     /// The component whose force differs most from what its law makes of force and gap; `None` without a finite one.
@@ -375,24 +517,25 @@ impl DualProblem {
         finite.max_by(|a, b| off(a).total_cmp(&off(b)))
     }
 
-    /// To what gaps are known from Fλ, d and Gᵀα. A motion that is large in one component rounds the others too: rotations are
-    /// told from translations by differences of these.
+    /// To what gaps are known from Fλ, d and Gᵀα. A motion that is large in one component rounds the others of its domain, too:
+    /// rotations are told from translations by differences of these.
     pub(crate) fn rounding(&self, gap: &[f64], alpha: &[f64]) -> impl Fn(usize) -> f64 {
-        let rigid = |i: usize| self.balance.modes().motion(i, alpha).abs();
-        let moved = (0..gap.len()).fold(0.0, |s: f64, i| s.max(rigid(i) + self.shift[i].abs()));
-        move |i| ROUNDING * (gap[i].abs() + moved)
+        let domain = |i: usize| self.coupled.domain_of(i);
+        let mut moved = vec![0.0f64; self.coupled.domains()];
+        for (i, shift) in self.shift.iter().enumerate() {
+            let rigid = self.balance.modes().motion(i, alpha).abs();
+            let largest = &mut moved[domain(i)];
+            *largest = largest.max(rigid + shift.abs());
+        }
+        move |i| ROUNDING * (gap[i].abs() + moved[domain(i)])
     }
 
-    fn violations(&self, multipliers: &Multipliers, gap: (&[f64], Option<&[f64]>)) -> Violations {
+    fn violations(&self, multipliers: &Multipliers) -> Violations {
         let Multipliers { lambda, alpha } = multipliers;
-        Violations::at(
-            self,
-            &self.admissible,
-            lambda,
-            alpha,
-            gap,
-            &self.admissible.components(),
-        )
+        let (gap, components) = (self.gap(multipliers), self.admissible.components());
+        let mut violations = Violations::default();
+        violations.find(self, &self.admissible, (lambda, alpha), &gap, &components);
+        violations
     }
 
     /// Work that friction dissipates in this step, Σ λₜ·slip ≥ 0 at a solution.
@@ -413,26 +556,6 @@ fn beyond(value: f64, uncertainty: f64) -> f64 {
     value - uncertainty.copysign(value)
 }
 
-/// Largest |λ − P(λ − gap/softness)| of the free and normal components.
-fn normal_error(
-    components: &[Component],
-    lambda: &[f64],
-    gap: impl Fn(usize) -> f64,
-    softness: &[f64],
-) -> f64 {
-    let error = |(i, component): (usize, &Component)| match component {
-        Component::Free => (gap(i) / softness[i]).abs(),
-        Component::Normal => {
-            let trial = lambda[i] - gap(i) / softness[i];
-            let nearest = if trial < 0.0 { 0.0 } else { trial };
-            (lambda[i] - nearest).abs()
-        }
-        Component::Tangent => 0.0,
-    };
-    let errors = components.iter().enumerate().map(error);
-    errors.fold(0.0, larger)
-}
-
 fn one_if_zero(scale: f64) -> f64 {
     if scale > 0.0 { scale } else { 1.0 }
 }
@@ -445,7 +568,7 @@ fn larger(a: f64, b: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::dual::{Balance, Block, Compliance, Friction, Mat};
+    use crate::dual::{Balance, Block, Compliance, Coupled, Friction, Mat};
 
     /// Two springs of compliance 1 pressed by 3 into a floating plate: λ = (2, 1), both closed.
     fn plate() -> (DualProblem, Multipliers) {
@@ -527,14 +650,12 @@ mod tests {
         let recomputed = Recomputed {
             gap: &[0.0, -1e-3],
             rounding: &[0.0; 2],
-            implied: 0.0,
-            exact: 0.0,
+            exact: Vec::new(),
             between: [0.0, 1.0],
-            imbalance_force: 0.0,
-            imbalance_moment: 0.0,
-            energy_gap: 0.0,
-            elastic_energy: 2.5,
-            driving_force: 0.0,
+            domains: vec![OfDomain {
+                elastic_energy: 2.5,
+                ..OfDomain::default()
+            }],
         };
         let certificate = problem.certify_with(&answer, &recomputed, 1e-8);
         assert!(!certificate.penetration.holds());
@@ -659,7 +780,8 @@ mod tests {
             let dissipated = bounds[0] * f64::hypot(gap[4], gap[5]) + bounds[1] * gap[7].abs();
             let work = sum(&|i| lambda[i] * gap[i]);
             let energy = 0.7 + 0.5 * sum(&|i| lambda[i] * product(i));
-            let force = largest(&lambda.iter().map(|l| l.abs()).collect::<Vec<_>>()).max(1.5);
+            let borne = largest(&lambda.iter().map(|l| l.abs()).collect::<Vec<_>>());
+            let force = borne.max(1.5);
             let contacts = [0, 1, 2, 3, 6];
             let expected = [
                 (
@@ -667,7 +789,7 @@ mod tests {
                     largest(&[depth[0], depth[1], depth[2], gap[0].abs(), gap[1].abs()]),
                     1.0,
                 ),
-                ("tension", largest(&normal.map(|i| -lambda[i])), force),
+                ("tension", largest(&normal.map(|i| -lambda[i])), borne),
                 (
                     "complementarity",
                     contacts.iter().map(|&i| (lambda[i] * gap[i]).abs()).sum(),
@@ -680,11 +802,11 @@ mod tests {
                     (work + dissipated + alpha[0] * rest[0] + alpha[1] * rest[1]).abs(),
                     energy,
                 ),
-                ("slip_violation", slip, force),
+                ("slip_violation", slip, borne),
                 (
                     "force_error",
                     largest(&[largest(&pushes), largest(&pulls), slip]),
-                    force,
+                    borne,
                 ),
                 (BETWEEN_NODES, 0.0, 1.0),
             ];
@@ -728,33 +850,101 @@ mod tests {
 
     #[test]
     fn solvers_stop_on_the_worst_figure_whichever_it_is() {
-        // one violation of 8 over its scale of 2; energies and lengths have another scale, and moments an arm
-        let none = Violations {
-            force: 2.0,
-            energy: 4.0,
-            length: 8.0,
-            ..Violations::default()
+        let residual = |change: fn(&mut Violations, Worst), value: f64| {
+            let mut violations = Violations::default();
+            change(&mut violations, Worst { value, scale: 2.0 });
+            violations.residual()
         };
-        let residual = |change: fn(&mut Violations)| {
-            let mut violations = none;
-            change(&mut violations);
-            violations.residual(16.0)
+        assert_eq!(Violations::default().residual(), 0.0);
+        let changes: [fn(&mut Violations, Worst); 7] = [
+            |v, worst| v.penetration = worst,
+            |v, worst| v.tension = worst,
+            |v, worst| v.complementarity = worst,
+            |v, worst| v.imbalance_force = worst,
+            |v, worst| v.imbalance_moment = worst,
+            |v, worst| v.energy_gap = worst,
+            |v, worst| v.slip = worst,
+        ];
+        for change in changes {
+            assert_eq!(residual(change, 8.0), 4.0);
+            assert!(residual(change, f64::NAN).is_nan());
+        }
+        let error = residual(|v, worst| v.force_error = worst, 8.0);
+        assert!((error - 0.4).abs() < 1e-15);
+    }
+
+    #[test]
+    fn the_worst_is_that_beside_its_scale() {
+        let mut worst = Worst::default();
+        for (value, scale, relative) in [
+            (1.0, 10.0, 0.1),
+            (0.5, 1.0, 0.5),
+            (3.0, 100.0, 0.5),
+            // a scale of zero is one
+            (0.7, 0.0, 0.7),
+            (f64::NAN, 1.0, f64::NAN),
+            (5.0, 1.0, f64::NAN),
+        ] {
+            worst.raise(value, scale);
+            let found = worst.relative();
+            assert!(found == relative || (found.is_nan() && relative.is_nan()));
+        }
+    }
+
+    /// Two plates that nothing couples, the second one with forces a billion times as large: a millionth of the first one's forces
+    /// is nothing beside those, and a violation of its own.
+    #[test]
+    fn what_bears_a_far_domain_is_no_scale() {
+        let far = 1e9;
+        let mut problem = DualProblem::new(
+            Compliance::Dense(Mat::from_fn(4, 4, |i, j| f64::from(i == j))),
+            vec![1.0, 0.0, far, 0.0],
+            AdmissibleSet::new(vec![Block::Unilateral; 4]),
+            Balance::new(
+                Mat::from_fn(2, 4, |i, j| f64::from(i == j / 2)),
+                vec![3.0, 3.0 * far],
+            ),
+        )
+        .unwrap();
+        let answer = |error: f64| Multipliers {
+            lambda: vec![2.0 + error, 1.0 - error, 2.0 * far, far],
+            alpha: vec![1.0, far],
         };
-        assert_eq!(residual(|_| ()), 0.0);
-        assert_eq!(residual(|v| v.penetration = 8.0), 1.0);
-        assert_eq!(residual(|v| v.tension = 8.0), 4.0);
-        assert!((residual(|v| v.force_error = 8.0) - 0.4).abs() < 1e-15);
-        assert_eq!(residual(|v| v.complementarity = 8.0), 2.0);
-        assert_eq!(residual(|v| v.imbalance_force = 8.0), 4.0);
-        assert_eq!(residual(|v| v.imbalance_moment = 8.0), 0.25);
-        assert_eq!(residual(|v| v.energy_gap = 8.0), 2.0);
-        assert_eq!(residual(|v| v.slip = 8.0), 4.0);
-        assert!(residual(|v| v.slip = f64::NAN).is_nan());
-        let zero = Violations {
-            tension: 3.0,
-            ..Violations::default()
+        let wrong = answer(1e-6);
+        assert!(problem.certify(&wrong, 1e-8).holds());
+        assert!(problem.kkt_residual(&wrong) < 1e-8);
+        problem.coupled = Coupled {
+            contact: vec![0, 0, 1, 1],
+            domain: vec![0, 1],
+            modes: vec![0, 1],
+            scales: [1.0, far]
+                .map(|size| Scales {
+                    length: size,
+                    force: 3.0 * size,
+                    ..Scales::default()
+                })
+                .to_vec(),
         };
-        assert_eq!(zero.residual(0.0), 3.0);
+        let certificate = problem.certify(&wrong, 1e-8);
+        let violated = certificate.figures().into_iter().filter(|f| !f.1.holds());
+        let violated: Vec<&str> = violated.map(|(name, _)| name).collect();
+        let expected = [
+            "penetration",
+            "complementarity",
+            "energy_gap",
+            "force_error",
+        ];
+        assert_eq!(violated, expected);
+        assert!((certificate.force_error.relative - 0.5e-6).abs() < 1e-12);
+        assert!(problem.kkt_residual(&wrong) > 1e-8);
+        assert!(problem.certify(&answer(0.0), 1e-8).holds());
+        // two contacts of one domain: each by its own forces, down to a thousandth of the larger ones
+        problem.coupled.domain = vec![0, 0];
+        problem.coupled.modes = vec![0, 0];
+        problem.coupled.scales = vec![problem.scales];
+        let error = problem.certify(&answer(0.1), 1e-8).force_error;
+        assert!((error.value - 0.1).abs() < 1e-4, "{error:?}");
+        assert!((error.relative * 1e-3 * 2.0 * far - 0.1).abs() < 1e-4);
     }
 
     #[test]
@@ -857,38 +1047,44 @@ mod tests {
         let none = Recomputed {
             gap: &[0.0; 2],
             rounding: &[0.0; 2],
-            implied: 0.0,
-            exact: 0.0,
+            exact: Vec::new(),
             between: [0.0, 1.0],
-            imbalance_force: 0.0,
-            imbalance_moment: 0.0,
-            energy_gap: 0.0,
-            elastic_energy: 2.5,
-            driving_force: 0.0,
+            domains: vec![OfDomain {
+                elastic_energy: 2.5,
+                ..OfDomain::default()
+            }],
         };
         let certify = |change: fn(&mut Recomputed)| {
-            let mut found = none;
+            let mut found = none.clone();
             change(&mut found);
             problem.certify_with(&answer, &found, 1e-8)
         };
         assert!(certify(|_| ()).holds());
-        assert_eq!(certify(|f| f.implied = 0.5).penetration.value, 0.5);
-        assert_eq!(certify(|f| f.exact = 0.5).force_error.value, 0.5);
+        assert_eq!(
+            certify(|f| f.domains[0].implied = 0.5).penetration.value,
+            0.5
+        );
+        assert_eq!(certify(|f| f.exact = vec![0.1, 0.5]).force_error.value, 0.5);
         let between = certify(|f| f.between = [0.5, 0.25]).between_nodes;
         assert_eq!(
             (between.value, between.relative, between.limit),
             (0.5, 2.0, 10.0)
         );
         assert_eq!(
-            certify(|f| f.imbalance_force = 0.5).imbalance_force.value,
+            certify(|f| f.domains[0].imbalance_force = 0.5)
+                .imbalance_force
+                .value,
             0.5
         );
-        let moment = certify(|f| f.imbalance_moment = 0.5).imbalance_moment;
+        let moment = certify(|f| f.domains[0].imbalance_moment = 0.5).imbalance_moment;
         // an arm of zero counts as one; the load of 3 is the scale of forces
         assert_eq!((moment.value, moment.relative), (0.5, 0.5 / 3.0));
-        let gap = certify(|f| f.energy_gap = 0.5).energy_gap;
+        let gap = certify(|f| f.domains[0].energy_gap = 0.5).energy_gap;
         assert_eq!((gap.value, gap.relative), (0.5, 0.2));
-        let driven = |f: &mut Recomputed| (f.imbalance_force, f.driving_force) = (0.5, 10.0);
+        let driven = |f: &mut Recomputed| {
+            let own = &mut f.domains[0];
+            (own.imbalance_force, own.driving_force) = (0.5, 10.0);
+        };
         assert_eq!(certify(driven).imbalance_force.relative, 0.05);
         // a gap that the caller knows no better
         let told = certify(|f| (f.gap, f.rounding) = (&[0.0, -1e-3], &[0.0, 2e-3]));

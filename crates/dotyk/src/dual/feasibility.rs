@@ -404,7 +404,7 @@ fn unit(mut v: Vec<f64>) -> Vec<f64> {
 mod tests {
     use super::*;
     use crate::dual::split::tests::row_of_discs;
-    use crate::dual::{AdmissibleSet, Balance, Block, Compliance, Friction, Mat, Scales};
+    use crate::dual::{AdmissibleSet, Balance, Block, Compliance, Coupled, Friction, Mat, Scales};
 
     /// A plate on two unilateral points at x = 0 and 1 (forces up), modes: lift and rotation.
     fn plate(load: [f64; 2], blocks: [Block; 2]) -> DualProblem {
@@ -415,6 +415,7 @@ mod tests {
             admissible: AdmissibleSet::new(blocks.to_vec()),
             balance: Balance::new(modes, load.to_vec()),
             scales: Scales::default(),
+            coupled: Coupled::default(),
             softness: vec![1.0; 2],
             neighbours: Vec::new(),
             parts: Vec::new(),

@@ -36,7 +36,7 @@ mod split;
 pub use admissible::{AdmissibleSet, Component};
 pub use balance::Balance;
 pub(crate) use certificate::{BETWEEN_NODES, ROUNDING, Violations};
-pub use certificate::{Certificate, Figure, IMBALANCE_LIMIT, Recomputed};
+pub use certificate::{Certificate, Figure, IMBALANCE_LIMIT, OfDomain, Recomputed};
 pub use feasibility::{Feasibility, NO_WORK};
 pub(crate) use law::NONE;
 pub use law::{Block, Friction};
@@ -129,6 +129,52 @@ pub struct Scales {
     pub energy: f64,
 }
 
+/// Which components are contacts of their own, and which contacts are coupled: a domain is what contacts make of bodies, and its
+/// figures are compared with its own scales. What is not told belongs to the first one; empty, all is one contact.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Coupled {
+    /// Contact of every component, (m,).
+    pub contact: Vec<usize>,
+    /// Domain of every contact.
+    pub domain: Vec<usize>,
+    /// Domain of every mode, (r,).
+    pub modes: Vec<usize>,
+    /// Scales of every domain; those of the problem where they are missing.
+    pub scales: Vec<Scales>,
+}
+
+impl Coupled {
+    /// Number of contacts.
+    pub(crate) fn contacts(&self) -> usize {
+        self.domain.len().max(1)
+    }
+
+    /// Number of domains.
+    pub(crate) fn domains(&self) -> usize {
+        self.scales.len().max(1)
+    }
+
+    /// Contact of a component.
+    pub(crate) fn contact(&self, component: usize) -> usize {
+        self.contact.get(component).copied().unwrap_or(0)
+    }
+
+    /// Domain of a contact.
+    pub(crate) fn domain(&self, contact: usize) -> usize {
+        self.domain.get(contact).copied().unwrap_or(0)
+    }
+
+    /// Domain of a component.
+    pub(crate) fn domain_of(&self, component: usize) -> usize {
+        self.domain(self.contact(component))
+    }
+
+    /// Domain of a mode.
+    pub(crate) fn domain_of_mode(&self, mode: usize) -> usize {
+        self.modes.get(mode).copied().unwrap_or(0)
+    }
+}
+
 impl Scales {
     /// Scales that follow from d and e alone.
     pub fn of(shift: &[f64], balance: &Balance) -> Self {
@@ -190,8 +236,10 @@ pub struct DualProblem {
     pub admissible: AdmissibleSet,
     /// Gλ = e.
     pub balance: Balance,
-    /// What violations are compared with.
+    /// What violations are compared with, where all is one domain.
     pub scales: Scales,
+    /// What is judged by itself.
+    pub coupled: Coupled,
     /// Compliance of every component by itself, (m,), length over force: it makes a gap and a force comparable.
     pub softness: Vec<f64>,
     /// Pairs of blocks that lie beside each other on a contact; may be empty. They tell solvers which contacts to take
@@ -234,6 +282,7 @@ impl DualProblem {
         let scales = Scales::of(&shift, &balance);
         let mut problem = Self {
             softness: vec![1.0; shift.len()],
+            coupled: Coupled::default(),
             neighbours: Vec::new(),
             parts: Vec::new(),
             compliance,

@@ -11,21 +11,22 @@
 //! Source: Janovský & Procházka (1980) III, section 7, (7.5)–(7.9).
 
 use crate::contact::InterfaceNode;
-use crate::dual::{DualProblem, Scales};
+use crate::dual::DualProblem;
 use crate::fem::{BodySystem, Constraints};
 use crate::geometry::dot;
 use crate::linalg::Cholesky;
 use crate::model::admissible::{admissible_set, neighbours};
 use crate::model::bodies::{
-    BodyRows, LoadedBody, body_rows, driven, largest_load, least_softness, systems, turn_to_forces,
+    BodyRows, LoadedBody, body_rows, driven, least_softness, systems, turn_to_forces,
 };
 use crate::model::check::body_remarks;
 use crate::model::compliance::{Assembled, compliance, is_assembled, pays};
+use crate::model::domains::{coupled, whole};
 use crate::model::error::Error;
 use crate::model::event::{Event, Lap, Work};
 use crate::model::factor::{FactoredBody, Ordered, factor, order};
 use crate::model::floating::Floating;
-use crate::model::joints::whole;
+use crate::model::joints;
 use crate::model::links::complete;
 use crate::model::memory::{self, Demand};
 use crate::model::nouns::{Method, Model};
@@ -289,7 +290,9 @@ pub(crate) fn condense<const D: usize>(
     let shift = overlap(&bodies, &factored, &gaps);
     let mut problem = DualProblem::new(compliance, shift, admissible, balance)
         .map_err(|error| Error::Solver(error.into()))?;
-    problem.scales = scales(model, &bodies, &factored, &problem.shift);
+    let of_bodies = (&bodies[..], &factored[..]);
+    problem.coupled = coupled(model, of_bodies, (&paired, &floating), &problem.shift);
+    problem.scales = whole(&problem.coupled);
     problem.soften(least_softness(&bodies, gaps.len()));
     problem.neighbours = neighbours(model, &paired);
     problem.parts = parts;
@@ -429,7 +432,9 @@ pub(crate) fn advance<const D: usize>(
     problem
         .check()
         .map_err(|error| Error::Solver(error.into()))?;
-    problem.scales = scales(model, &bodies, &factored, &problem.shift);
+    let of_bodies = (&bodies[..], &factored[..]);
+    problem.coupled = coupled(model, of_bodies, (&paired, &floating), &problem.shift);
+    problem.scales = whole(&problem.coupled);
     seconds.condense += lap.seconds();
     Ok(Condensed {
         bodies,
@@ -466,7 +471,7 @@ pub(crate) fn restart<const D: usize>(
     let nothing = Friction {
         slip: vec![0.0; kept.gaps.len()],
         dissipated: vec![0.0; kept.dissipated.len()],
-        lost: whole(model, &kept.paired),
+        lost: joints::whole(model, &kept.paired),
     };
     let here = advance(model, kept, &nothing, time, observe)?;
     Ok(Condensed {
@@ -507,31 +512,6 @@ fn factor_bodies<const D: usize>(
         Ok(FactoredBody::new(body, factor))
     })
     .collect()
-}
-
-/// The scales of the certificate: see its documentation.
-fn scales<const D: usize>(
-    model: &Model<D>,
-    bodies: &[LoadedBody<D>],
-    factored: &[FactoredBody],
-    shift: &[f64],
-) -> Scales {
-    // a floating body's energy without contact depends on how it is held for K⁺: leave it out
-    let held = bodies
-        .iter()
-        .zip(factored)
-        .filter(|(body, _)| body.system.modes.is_empty());
-    let stored = held.map(|(body, f)| f.energy(body));
-    Scales {
-        length: shift.iter().fold(0.0, |largest, d| largest.max(d.abs())),
-        force: largest_load(bodies),
-        moment_arm: model
-            .bodies
-            .iter()
-            .map(|body| body.mesh.diameter())
-            .fold(0.0, f64::max),
-        energy: stored.sum::<f64>().abs(),
-    }
 }
 
 /// The gaps g₀ of a step that begins with a slip, (m,): friction counts the slip from there.

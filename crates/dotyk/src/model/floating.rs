@@ -119,17 +119,29 @@ impl Floating {
         };
         let e: Vec<f64> = self.modes.iter().map(work).collect();
         self.warnings.clear();
-        let silent = NO_WORK * load_scale(bodies, &self.modes);
+        let sizes: Vec<f64> = bodies.iter().map(load_size).collect();
+        let silent = |mode: usize| NO_WORK * sizes[self.modes[mode].0];
         for z in &self.uncontrolled {
+            let moved = z.entries().filter(|(_, amplitude)| *amplitude != 0.0);
+            let silent = moved.map(|(mode, _)| silent(mode)).fold(0.0, f64::max);
             let z = z.to_dense();
             let warning = check_undriven(model, bodies, &self.modes, &z, &e, silent)?;
             self.warnings.push(warning);
         }
-        let loads = e.iter().map(|&e| if e.abs() > silent { e } else { 0.0 });
+        let loads = e.iter().enumerate();
+        let loads = loads.map(|(k, &e)| if e.abs() > silent(k) { e } else { 0.0 });
         self.loads = loads.collect();
         let controlled = self.controlled.iter().map(|z| z.dot(&e));
         self.balance.set_load(controlled.collect());
         Ok(self)
+    }
+
+    /// The part that each row of the balance moves most.
+    pub fn parts_of_balance(&self) -> impl Iterator<Item = usize> {
+        self.controlled.iter().map(|z| {
+            let largest = z.entries().max_by(|a, b| a.1.abs().total_cmp(&b.1.abs()));
+            largest.map_or(0, |(mode, _)| self.modes[mode].0)
+        })
     }
 
     /// Work of a unit force of multiplier i on mode k.
@@ -316,13 +328,9 @@ pub(crate) fn describe<const D: usize>(
     describe_motion(&part_points(model, body), &system.to_global(&motion))
 }
 
-/// Largest sum of nodal forces of a floating body: the load's own scale.
-fn load_scale<const D: usize>(bodies: &[LoadedBody<D>], modes: &[(usize, usize)]) -> f64 {
-    let size = |body: usize| -> f64 { bodies[body].system.load.iter().map(|f| f.abs()).sum() };
-    modes
-        .iter()
-        .map(|&(body, _)| size(body))
-        .fold(0.0, f64::max)
+/// Sum of the nodal forces of a body: its load's own scale.
+fn load_size<const D: usize>(body: &LoadedBody<D>) -> f64 {
+    body.system.load.iter().map(|f| f.abs()).sum()
 }
 
 /// Warning about a motion that nothing controls and no load drives; an error when the load does more work on it than is

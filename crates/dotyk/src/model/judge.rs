@@ -5,12 +5,13 @@
 //! nodal forces of any body leave unbalanced.
 
 use crate::contact::{Coupling, Moved, Row};
-use crate::dual::{Certificate, Component, Multipliers, ROUNDING, Recomputed};
+use crate::dual::{Certificate, Component, Multipliers, OfDomain, ROUNDING, Recomputed};
 use crate::geometry::{Point, distance, dot, sub};
 use crate::linalg::SparseVector;
 use crate::model::between::{Overlap, held_overlap, left_overlap, smallest_gap, worst_overlap};
 use crate::model::bodies::{LoadedBody, add_rows};
 use crate::model::condense::Condensed;
+use crate::model::domains::domains;
 use crate::model::error::Error;
 use crate::model::links::part_balance;
 use crate::model::nouns::{BodyId, Model};
@@ -61,8 +62,8 @@ pub(crate) struct Displaced<const D: usize> {
     clearances: Vec<f64>,
     /// The part of the displacements that strains each body.
     strained: Vec<Vec<f64>>,
-    /// Rounding of the largest displacement.
-    negligible: f64,
+    /// Rounding of the largest displacement, by domain.
+    negligible: Vec<f64>,
     /// Bodies that touch nothing and carry no load.
     pub hovering: Vec<String>,
     /// Contacts that press some body let it move.
@@ -179,15 +180,18 @@ fn displaced<const D: usize>(
         settled.add_to(1.0, &mut amplitudes);
         rigid = rigid_at(&amplitudes);
     }
-    let of_parts = elastic.split_off(model.bodies.len());
+    let of_rigid = elastic.split_off(model.bodies.len());
+    let of_parts = domains(&condensed.paired, bodies.len());
     let states = (&model.bodies, bodies, factored, elastic, &rigid).into_par_iter();
-    let states = states.map(|(body, loaded, factored, elastic, rigid)| {
+    let states = states.enumerate();
+    let states = states.map(|(index, (body, loaded, factored, elastic, rigid))| {
         let parts = [elastic, rigid.clone()];
-        balanced_state(model, body, loaded, factored, parts, lambda, problem.scales)
+        let scales = problem.domain_scales(of_parts[index]);
+        balanced_state(model, body, loaded, factored, parts, lambda, scales)
     });
     let states = states.collect::<Result<Vec<_>, _>>()?;
     let (states, mut strained): (Vec<_>, Vec<_>) = states.into_iter().unzip();
-    strained.extend(of_parts);
+    strained.extend(of_rigid);
     // rigid motions first: they may cancel a clearance that is large beside the strains
     let mut clearances = condensed.gaps.clone();
     add_rows(bodies, -1.0, &rigid, &mut clearances);
@@ -200,7 +204,11 @@ fn displaced<const D: usize>(
         let rows = body.rows.index.iter();
         rows.for_each(|&row| rounding[row] += size);
     }
-    let moved = strained.iter().chain(&rigid).flatten();
+    let mut negligible = vec![0.0f64; problem.coupled.domains()];
+    for (part, moved) in of_parts.iter().zip(strained.iter().zip(&rigid)) {
+        let own = &mut negligible[*part];
+        *own = own.max(4.0 * terms(moved.0)).max(4.0 * terms(moved.1));
+    }
     let rigid_parts = bodies.iter().zip(&rigid).skip(model.bodies.len());
     Ok(Displaced {
         states,
@@ -210,7 +218,7 @@ fn displaced<const D: usize>(
         gaps,
         rounding,
         clearances,
-        negligible: 4.0 * ROUNDING * moved.fold(0.0, |s: f64, u| s.max(u.abs())),
+        negligible,
         strained,
         hovering: open.hovering,
         loose,
@@ -251,6 +259,18 @@ fn contact_rows<'a, const D: usize>(
     contacts.enumerate()
 }
 
+/// Lengths in a contact that are nothing to be told of: a part of the length of its domain, and what is rounding there.
+fn negligible<const D: usize>(
+    condensed: &Condensed<D>,
+    displaced: &Displaced<D>,
+    contact: usize,
+    part: f64,
+) -> f64 {
+    let domain = condensed.problem.coupled.domain(contact);
+    let length = condensed.problem.domain_scales(domain).length;
+    part * length + displaced.negligible[domain]
+}
+
 /// The worst overlap between the nodes of all contacts.
 fn deepest_overlap<const D: usize>(
     model: &Model<D>,
@@ -258,11 +278,10 @@ fn deepest_overlap<const D: usize>(
     displaced: &Displaced<D>,
     lambda: &[f64],
 ) -> Option<Overlap<D>> {
-    let negligible =
-        model.solver.tolerance * condensed.problem.scales.length + displaced.negligible;
     let mut worst: Option<Overlap<D>> = None;
     for (contact, (rows, pair)) in contact_rows(model, condensed) {
         let moved = moved(model, pair, displaced);
+        let negligible = negligible(condensed, displaced, contact, model.solver.tolerance);
         let found = worst_overlap(contact, pair, &moved, &lambda[rows], negligible);
         let deeper = |w: Overlap<D>, f: &Overlap<D>| f.depth * w.resolved > w.depth * f.resolved;
         if let Some(found) = found.filter(|f| worst.is_none_or(|w| deeper(w, f))) {
@@ -278,9 +297,8 @@ pub(crate) fn left_to_overlap<const D: usize>(
     condensed: &Condensed<D>,
     displaced: &Displaced<D>,
 ) -> Vec<(usize, Point<D>, f64)> {
-    let negligible =
-        model.solver.tolerance * condensed.problem.scales.length + displaced.negligible;
     let deepest = |(contact, pair): (usize, &Paired<D>)| {
+        let negligible = negligible(condensed, displaced, contact, model.solver.tolerance);
         let found = left_overlap(pair, &moved(model, pair, displaced), negligible);
         found.map(|(point, depth)| (contact, point, depth))
     };
@@ -296,10 +314,10 @@ pub(crate) fn held_to_overlap<const D: usize>(
     condensed: &Condensed<D>,
     displaced: &Displaced<D>,
 ) -> Vec<(usize, Point<D>, f64)> {
-    let negligible = DEEP * condensed.problem.scales.length + displaced.negligible;
     let deepest = |(contact, pair): (usize, &Paired<D>)| {
         let (node, depth) = held_overlap(pair, &moved(model, pair, displaced))?;
         let points = model.bodies[pair.nonmortar.body.0].mesh.points();
+        let negligible = negligible(condensed, displaced, contact, DEEP);
         (depth > negligible).then_some((contact, points[node], depth))
     };
     let contacts = contact_rows(model, condensed);
@@ -315,7 +333,6 @@ pub(crate) fn blurred<const D: usize>(
     displaced: &Displaced<D>,
     lambda: &[f64],
 ) -> Vec<(usize, bool, f64)> {
-    let rounding = APART * condensed.problem.scales.length + displaced.negligible;
     let largest = |lambda: &[f64]| lambda.iter().fold(0.0, |s: f64, l| s.max(l.abs()));
     let whole = largest(lambda);
     let (none, some) = (NO_FORCE * whole, model.solver.tolerance * whole);
@@ -325,6 +342,7 @@ pub(crate) fn blurred<const D: usize>(
         let bears = |row: usize| lambda[row].abs() > none;
         let nearest = smallest_gap(pair, &moved(model, pair, displaced), bears);
         let nearest = nearest.filter(|_| loose)?;
+        let rounding = negligible(condensed, displaced, contact, APART);
         // forces within the tolerance may be or not be
         let force = largest(lambda);
         let bears = force > some;
@@ -337,14 +355,14 @@ pub(crate) fn blurred<const D: usize>(
     told.collect()
 }
 
-/// Largest violation of a condition without a multiplier, a length.
-fn implied_violation<const D: usize>(
+/// Largest violation of a condition without a multiplier, a length, by contact.
+fn implied_violations<const D: usize>(
     model: &Model<D>,
     condensed: &Condensed<D>,
     displaced: &Displaced<D>,
-) -> f64 {
-    let mut worst = 0.0f64;
-    for pair in &condensed.paired {
+) -> Vec<f64> {
+    let of_pair = |pair: &Paired<D>| {
+        let mut worst = 0.0f64;
         let moved = moved(model, pair, displaced);
         let tied = pair.interface.coupling == Coupling::Tied;
         for condition in pair
@@ -372,8 +390,9 @@ fn implied_violation<const D: usize>(
             let gap = gap - along(own, &|node| moved.own[node]) - other;
             worst = worst.max(if tied { gap.abs() } else { -gap });
         }
-    }
-    worst
+        worst
+    };
+    condensed.paired.iter().map(of_pair).collect()
 }
 
 /// Motions that the contact forces leave open.
@@ -405,9 +424,12 @@ fn open_motions<const D: usize>(
         problem,
         ..
     } = condensed;
-    let force = lambda
-        .iter()
-        .fold(problem.scales.force, |s, l| s.max(l.abs()));
+    let coupled = &problem.coupled;
+    let mut forces: Vec<f64> = coupled.scales.iter().map(|scales| scales.force).collect();
+    for (row, l) in lambda.iter().enumerate() {
+        let largest = &mut forces[coupled.domain_of(row)];
+        *largest = largest.max(l.abs());
+    }
     let components = problem.admissible.components();
     let mut free: Vec<bool> = components.iter().map(|c| *c == Component::Free).collect();
     // a bar that may yield is a tie until it does
@@ -419,6 +441,7 @@ fn open_motions<const D: usize>(
     let free = free;
     let mut bears = free.clone();
     for (_, block) in problem.admissible.iter() {
+        let force = forces[coupled.domain_of(block.start)];
         let presses = block
             .clone()
             .any(|row| lambda[row].abs() > NO_FORCE * force);
@@ -490,72 +513,109 @@ fn certify<const D: usize>(
     }: &Outcome,
     overlap: Option<Overlap<D>>,
 ) -> Certificate {
-    let Displaced { states, gaps, .. } = displaced;
-    let problem = &condensed.problem;
+    let (gaps, problem) = (&displaced.gaps, &condensed.problem);
     let lambda = &multipliers.lambda;
-    let (mut force, mut moment) = (0.0f64, 0.0f64);
-    for (body, state) in model.bodies.iter().zip(states) {
-        let (f, m) = imbalance(model, body.mesh.points(), &state.total);
-        force = force.max(f - state.rounding);
-        moment = moment.max(m - state.rounding * problem.scales.moment_arm);
-    }
-    let (mut of_parts, mut stored) = (0.0, 0.0);
-    let first = model.bodies.len();
-    let parts = condensed.bodies[first..]
-        .iter()
-        .zip(&displaced.strained[first..]);
-    for (part, u) in parts {
-        let [work, energy, left] = part_balance(part, lambda, u);
-        of_parts += work;
-        stored += energy;
-        force = force.max(left);
-    }
-    // the gap of potential and complementary energy: the sum over the bodies of 2·energy − f·u − R·u_D, and λ·g₀
-    let work: f64 = states.iter().map(|state| state.unbalanced_work).sum();
-    let work = work + of_parts;
-    let on_gaps = lambda.iter().zip(&displaced.clearances).map(|(l, g)| l * g);
-    // friction takes its share, bound · |slip|: λ·gap of the tangential rows is minus that where its law holds
-    let friction = problem.admissible.slip_potential(lambda, |i| gaps[i]);
-    let strained: f64 = states.iter().map(|state| state.strain_energy).sum();
-    let sprung: f64 = states.iter().map(|state| state.spring_energy).sum();
-    let strained = strained + sprung + stored;
+    let exact = match exact {
+        true => None,
+        false => distance_to_exact(problem, multipliers),
+    };
     let recomputed = Recomputed {
         gap: gaps,
         rounding: &displaced.rounding,
-        implied: implied_violation(model, condensed, displaced),
-        exact: match exact {
-            true => 0.0,
-            false => distance_to_exact(problem, multipliers).unwrap_or(0.0),
-        },
+        exact: exact.unwrap_or_default(),
         between: overlap.map_or([0.0, 1.0], |o| [o.depth, o.resolved]),
-        imbalance_force: force,
-        imbalance_moment: moment,
-        energy_gap: (work + on_gaps.sum::<f64>() + friction).abs(),
-        elastic_energy: (strained.max(at_rest(model, condensed)))
-            .max(of_base(condensed))
-            .max(NO_ENERGY * problem.scales.energy),
-        driving_force: states.iter().map(|s| s.driving_force).fold(0.0, f64::max),
+        domains: of_domains(model, condensed, displaced, lambda),
     };
     problem.certify_with(multipliers, &recomputed, model.solver.tolerance)
 }
 
-/// Energy that what joints and bars bear besides the forces of their rows would store alone: where these forces take it back,
-/// what is left of it is rounding.
-fn of_base<const D: usize>(condensed: &Condensed<D>) -> f64 {
-    let rows = row_ranges(&condensed.paired).flat_map(|(rows, pair)| rows.zip(&pair.base));
-    let softness = &condensed.problem.softness;
-    let stored = rows.map(|(row, base)| 0.5 * base * base * softness[row]);
-    stored.sum()
+/// What the displacements tell of every domain.
+///
+/// The gap of potential and complementary energy is the sum over the bodies of 2·energy − f·u − R·u_D, and λ·g₀; friction takes its
+/// share, bound·|slip|: λ·gap of the tangential rows is minus that where its law holds.
+fn of_domains<const D: usize>(
+    model: &Model<D>,
+    condensed: &Condensed<D>,
+    displaced: &Displaced<D>,
+    lambda: &[f64],
+) -> Vec<OfDomain> {
+    let Displaced { states, gaps, .. } = displaced;
+    let Condensed {
+        bodies,
+        paired,
+        problem,
+        ..
+    } = condensed;
+    let coupled = &problem.coupled;
+    let of_parts = domains(paired, bodies.len());
+    let mut found = vec![OfDomain::default(); coupled.domains()];
+    for (index, (body, state)) in model.bodies.iter().zip(states).enumerate() {
+        let own = &mut found[of_parts[index]];
+        let (force, moment) = imbalance(model, body.mesh.points(), &state.total);
+        let arm = coupled.scales[of_parts[index]].moment_arm;
+        own.imbalance_force = own.imbalance_force.max(force - state.rounding);
+        own.imbalance_moment = own.imbalance_moment.max(moment - state.rounding * arm);
+        own.energy_gap += state.unbalanced_work;
+        own.elastic_energy += state.strain_energy + state.spring_energy;
+        own.driving_force = own.driving_force.max(state.driving_force);
+    }
+    let first = model.bodies.len();
+    let parts = bodies.iter().zip(&displaced.strained).enumerate();
+    for (index, (part, u)) in parts.skip(first) {
+        let own = &mut found[of_parts[index]];
+        let [work, energy, left] = part_balance(part, lambda, u);
+        own.energy_gap += work;
+        own.elastic_energy += energy;
+        own.imbalance_force = own.imbalance_force.max(left);
+    }
+    let of_row = |row: usize| coupled.domain_of(row);
+    for (row, (l, gap)) in lambda.iter().zip(&displaced.clearances).enumerate() {
+        found[of_row(row)].energy_gap += l * gap;
+    }
+    for (row, work) in problem.admissible.slip_potentials(lambda, |i| gaps[i]) {
+        found[of_row(row)].energy_gap += work;
+    }
+    let implied = implied_violations(model, condensed, displaced);
+    for (&domain, depth) in coupled.domain.iter().zip(implied) {
+        found[domain].implied = found[domain].implied.max(depth);
+    }
+    let [mut rest, mut borne] = [0, 1].map(|_| vec![0.0; found.len()]);
+    for (index, energy) in at_rest(model, condensed) {
+        rest[of_parts[index]] += energy;
+    }
+    for (row, energy) in of_base(condensed) {
+        borne[of_row(row)] += energy;
+    }
+    for (domain, own) in found.iter_mut().enumerate() {
+        own.energy_gap = own.energy_gap.abs();
+        let least = NO_ENERGY * coupled.scales[domain].energy;
+        own.elastic_energy = own
+            .elastic_energy
+            .max(rest[domain])
+            .max(borne[domain])
+            .max(least);
+    }
+    found
 }
 
-/// Elastic energy that stressed ground would release without its contacts: beside it, energies of ground at rest are rounding.
-fn at_rest<const D: usize>(model: &Model<D>, condensed: &Condensed<D>) -> f64 {
+/// Energy that what joints and bars bear besides the forces of their rows would store alone, by row: where these forces take it
+/// back, what is left of it is rounding.
+fn of_base<const D: usize>(condensed: &Condensed<D>) -> impl Iterator<Item = (usize, f64)> {
+    let rows = row_ranges(&condensed.paired).flat_map(|(rows, pair)| rows.zip(&pair.base));
+    let softness = &condensed.problem.softness;
+    rows.map(|(row, base)| (row, 0.5 * base * base * softness[row]))
+}
+
+/// Elastic energy that stressed ground would release without its contacts, by body: beside it, energies of ground at rest are
+/// rounding.
+fn at_rest<const D: usize>(
+    model: &Model<D>,
+    condensed: &Condensed<D>,
+) -> impl Iterator<Item = (usize, f64)> {
     let bodies = model.bodies.iter().zip(&condensed.bodies);
-    let bodies = bodies.zip(&condensed.factored);
-    let stressed = bodies.filter(|((body, loaded), _)| {
+    let bodies = bodies.zip(&condensed.factored).enumerate();
+    let stressed = bodies.filter(|(_, ((body, loaded), _))| {
         body.initial.stress.is_some() && loaded.system.modes.is_empty()
     });
-    stressed
-        .map(|((_, loaded), factored)| factored.energy(loaded).abs())
-        .sum()
+    stressed.map(|(index, ((_, loaded), factored))| (index, factored.energy(loaded).abs()))
 }

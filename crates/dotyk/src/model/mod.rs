@@ -20,6 +20,7 @@ mod compliance;
 mod condense;
 mod coupled;
 mod dependent;
+mod domains;
 mod dual;
 mod error;
 mod event;

@@ -84,7 +84,7 @@ pub(crate) fn balanced_state<const D: usize>(
     factored: &FactoredBody,
     parts: [Vec<f64>; 2],
     lambda: &[f64],
-    scales: Scales,
+    scales: &Scales,
 ) -> Result<(BodyState<D>, Vec<f64>), Error<D>> {
     let force = lambda
         .iter()

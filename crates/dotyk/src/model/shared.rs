@@ -40,6 +40,9 @@ pub(crate) struct Sharer {
 /// A row at the dofs that move at some time, by body.
 type Moving = Vec<((usize, usize), f64)>;
 
+/// The dofs that a row is at, by body: the same for the rows of a node that contacts have in common.
+type Dofs = Vec<(usize, usize)>;
+
 /// Coefficients and gaps are the same within this part of the largest, of the size of the body.
 const SAME: f64 = 1e-10;
 
@@ -49,7 +52,7 @@ pub(crate) fn share_nodes<const D: usize>(
     systems: &[BodySystem<D>],
     paired: &mut [Paired<D>],
 ) {
-    let mut at_nodes: BTreeMap<Vec<(usize, usize)>, Vec<(usize, usize)>> = BTreeMap::new();
+    let mut at_nodes: BTreeMap<Dofs, Vec<(usize, usize)>> = BTreeMap::new();
     let mut rows: BTreeMap<(usize, usize), Vec<Moving>> = BTreeMap::new();
     for (contact, pair) in paired.iter().enumerate() {
         if !may_share(model, contact, pair) {
@@ -256,7 +259,7 @@ pub(crate) fn share_out<const D: usize>(
         for place in places {
             let node = &pair.interface.nodes[place];
             let shears = shear_parts(model, (contact, pair), place, time);
-            let whole = contacts[contact].nodes[place].clone();
+            let whole = contacts[contact].nodes[place];
             let parts = pair.sharers_at(place).zip(&shears[1..]);
             for (sharer, &shear) in parts {
                 let part_of = |component: usize| match component {

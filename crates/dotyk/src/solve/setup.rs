@@ -164,6 +164,7 @@ impl<'a> Setup<'a> {
         Judge {
             alpha: vec![0.0; self.balance.load().len()],
             gap: vec![0.0; self.len()],
+            violations: Violations::default(),
         }
     }
 }
@@ -213,6 +214,7 @@ pub(crate) struct Judge {
     alpha: Vec<f64>,
     /// Gap of the last call (m,).
     pub gap: Vec<f64>,
+    violations: Violations,
 }
 
 impl Judge {
@@ -221,15 +223,14 @@ impl Judge {
         let (problem, forces) = (setup.problem, point.forces);
         setup.balance.to_original(&forces.alpha, &mut self.alpha);
         problem.gap_from_product(&forces.product, &self.alpha, &mut self.gap);
-        Violations::at(
+        self.violations.find(
             problem,
             &setup.admissible,
-            &forces.lambda,
-            &self.alpha,
-            (&self.gap, None),
+            (&forces.lambda, &self.alpha),
+            &self.gap,
             point.components,
-        )
-        .residual(problem.scales.moment_arm)
+        );
+        self.violations.residual()
     }
 }
 
