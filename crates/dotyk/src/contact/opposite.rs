@@ -1,10 +1,11 @@
 //! What lies opposite a side: the line along its contact normal, the facet that it meets, and the gap between.
 
-use crate::contact::curved::TrueSurface;
+use crate::contact::curved::true_surface;
 use crate::contact::normals::Normals;
 use crate::contact::obstacle::{Rigid, finite_gap};
 use crate::contact::search::{Hit, Line, Search};
 use crate::contact::{Against, ContactError, End, InitialGap};
+use crate::fem::TrueSurface;
 use crate::geometry::{Point, add_scaled};
 use crate::mesh::{Facet, MAX_FACET_NODES, Mesh};
 
@@ -30,12 +31,12 @@ impl<'a, const D: usize> Opposite<'a, D> {
         time: f64,
     ) -> Result<Self, ContactError> {
         let own = nonmortar.facets()?;
-        let mut surfaces = [Some(TrueSurface::of(nonmortar, own)?), None];
+        let mut surfaces = [Some(true_surface(nonmortar, own)?), None];
         let search = match against {
             Against::Obstacle(..) => None,
             Against::Side(mortar) => {
                 let other = mortar.facets()?;
-                surfaces[1] = Some(TrueSurface::of(mortar, other)?);
+                surfaces[1] = Some(true_surface(mortar, other)?);
                 Some(Search::new(&nonmortar.body.mesh, &mortar.body.mesh, other))
             }
         };
