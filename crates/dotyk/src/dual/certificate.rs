@@ -25,7 +25,7 @@
 //! millionth alone, beside resultants of bodies in full. A contact with small forces beside others with large ones is judged by its
 //! own, down to a thousandth of these.
 //!
-//! *Force error.* The scale of gaps is one length for the whole problem. Between two stiff bodies a gap that is nothing beside
+//! *Force error.* The scale of gaps is one length for a whole domain. Between two stiff bodies a gap that is nothing beside
 //! that length may stand for a large force, and complementarity, a product, does not see it either. So every gap is turned into
 //! a force with the softness of its own contact, which is how far it gives way under a unit force: the figure is
 //! ‖λ − P(λ − gap/softness)‖, zero for an exact answer. Neighbouring contacts may be much stiffer against each other than each
@@ -247,6 +247,20 @@ struct Sums {
     imbalance_moment: f64,
 }
 
+impl Sums {
+    /// What they tell where nobody has recomputed anything.
+    fn told(&self, scales: &Scales) -> OfDomain {
+        OfDomain {
+            implied: 0.0,
+            imbalance_force: self.imbalance_force,
+            imbalance_moment: self.imbalance_moment,
+            energy_gap: self.primal_dual.abs(),
+            elastic_energy: scales.energy + 0.5 * self.stored,
+            driving_force: 0.0,
+        }
+    }
+}
+
 /// Violations of the optimality conditions, each where it is largest beside its scale; with the workspace to find them.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub(crate) struct Violations {
@@ -293,18 +307,9 @@ impl Violations {
             (gap, told),
             components,
         );
-        self.compare_forces(problem, |_| 0.0);
-        for (domain, found) in self.domains.iter().enumerate() {
-            let scales = problem.domain_scales(domain);
-            let energy = scales.energy + 0.5 * found.stored;
-            let force = scales.force.max(found.force);
-            let moment = one_if_zero(force) * one_if_zero(scales.moment_arm);
-            self.penetration.raise(found.penetration, scales.length);
-            self.complementarity.raise(found.complementarity, energy);
-            self.energy_gap.raise(found.primal_dual.abs(), energy);
-            self.imbalance_force.raise(found.imbalance_force, force);
-            self.imbalance_moment.raise(found.imbalance_moment, moment);
-        }
+        self.compare(problem, |domain, sums| {
+            sums.told(problem.domain_scales(domain))
+        });
     }
 
     /// Sums and largest values over contacts and domains; `told` is the gap but for what is rounding of it.
@@ -376,20 +381,32 @@ impl Violations {
         }
     }
 
-    /// Compares what is wrong with forces with those of their contact; all other figures begin anew. `driving` is the largest force of a
-    /// support that moves, by domain.
-    fn compare_forces(&mut self, problem: &DualProblem, driving: impl Fn(usize) -> f64) {
+    /// Compares what is wrong with forces with those of their contact, and the rest, as it is `told` of each domain, with the scales
+    /// of that.
+    fn compare(&mut self, problem: &DualProblem, told: impl Fn(usize, &Sums) -> OfDomain) {
         let contacts = std::mem::take(&mut self.contacts);
         let domains = std::mem::take(&mut self.domains);
         *self = Self::default();
         for (contact, found) in contacts.iter().enumerate() {
             let domain = problem.coupled.domain(contact);
-            let load = problem.domain_scales(domain).force.max(driving(domain));
+            let driving = told(domain, &domains[domain]).driving_force;
+            let load = problem.domain_scales(domain).force.max(driving);
             let whole = domains[domain].force.max(PASSES * load);
             let scale = found.force.max(SMALL * whole);
             self.tension.raise(found.tension, scale);
             self.force_error.raise(found.error, scale);
             self.slip.raise(found.slip, scale);
+        }
+        for (domain, sums) in domains.iter().enumerate() {
+            let (scales, own) = (problem.domain_scales(domain), told(domain, sums));
+            let force = sums.force.max(own.driving_force).max(scales.force);
+            let moment = one_if_zero(force) * one_if_zero(scales.moment_arm);
+            let (depth, energy) = (larger(sums.penetration, own.implied), own.elastic_energy);
+            self.penetration.raise(depth, scales.length);
+            self.complementarity.raise(sums.complementarity, energy);
+            self.imbalance_force.raise(own.imbalance_force, force);
+            self.imbalance_moment.raise(own.imbalance_moment, moment);
+            self.energy_gap.raise(own.energy_gap, energy);
         }
         (self.contacts, self.domains) = (contacts, domains);
     }
@@ -427,14 +444,7 @@ impl DualProblem {
         let rounding: Vec<f64> = (0..gap.len()).map(own).collect();
         let found = self.violations(multipliers);
         let domains = found.domains.iter().enumerate();
-        let domains = domains.map(|(domain, found)| OfDomain {
-            implied: 0.0,
-            imbalance_force: found.imbalance_force,
-            imbalance_moment: found.imbalance_moment,
-            energy_gap: found.primal_dual.abs(),
-            elastic_energy: self.domain_scales(domain).energy + 0.5 * found.stored,
-            driving_force: 0.0,
-        });
+        let domains = domains.map(|(domain, sums)| sums.told(self.domain_scales(domain)));
         let recomputed = Recomputed {
             gap: &gap,
             rounding: &rounding,
@@ -468,22 +478,8 @@ impl DualProblem {
             let contact = &mut found.contacts[self.coupled.contact(i)];
             contact.error = larger(contact.error, off);
         }
-        let of = |domain: usize| recomputed.domains.get(domain).copied();
-        let of = |domain: usize| of(domain).unwrap_or_default();
-        found.compare_forces(self, |domain| of(domain).driving_force);
-        let sums = std::mem::take(&mut found.domains);
-        for (domain, sums) in sums.iter().enumerate() {
-            let (scales, own) = (self.domain_scales(domain), of(domain));
-            let (energy, force) = (own.elastic_energy, sums.force.max(own.driving_force));
-            let force = force.max(scales.force);
-            let moment = one_if_zero(force) * one_if_zero(scales.moment_arm);
-            let depth = larger(sums.penetration, own.implied);
-            found.penetration.raise(depth, scales.length);
-            found.complementarity.raise(sums.complementarity, energy);
-            found.imbalance_force.raise(own.imbalance_force, force);
-            found.imbalance_moment.raise(own.imbalance_moment, moment);
-            found.energy_gap.raise(own.energy_gap, energy);
-        }
+        let told = |domain: usize| recomputed.domains.get(domain).copied();
+        found.compare(self, |domain, _| told(domain).unwrap_or_default());
         let [depth, resolved] = recomputed.between;
         Certificate {
             penetration: found.penetration.figure(tolerance),

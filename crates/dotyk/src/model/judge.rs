@@ -62,7 +62,8 @@ pub(crate) struct Displaced<const D: usize> {
     clearances: Vec<f64>,
     /// The part of the displacements that strains each body.
     strained: Vec<Vec<f64>>,
-    /// Rounding of the largest displacement, by domain.
+    /// Domain of every part, and rounding of the largest displacement of every domain.
+    domains: Vec<usize>,
     negligible: Vec<f64>,
     /// Bodies that touch nothing and carry no load.
     pub hovering: Vec<String>,
@@ -218,6 +219,7 @@ fn displaced<const D: usize>(
         gaps,
         rounding,
         clearances,
+        domains: of_parts,
         negligible,
         strained,
         hovering: open.hovering,
@@ -540,15 +542,16 @@ fn of_domains<const D: usize>(
     displaced: &Displaced<D>,
     lambda: &[f64],
 ) -> Vec<OfDomain> {
-    let Displaced { states, gaps, .. } = displaced;
-    let Condensed {
-        bodies,
-        paired,
-        problem,
+    let Displaced {
+        states,
+        gaps,
+        domains: of_parts,
         ..
+    } = displaced;
+    let Condensed {
+        bodies, problem, ..
     } = condensed;
     let coupled = &problem.coupled;
-    let of_parts = domains(paired, bodies.len());
     let mut found = vec![OfDomain::default(); coupled.domains()];
     for (index, (body, state)) in model.bodies.iter().zip(states).enumerate() {
         let own = &mut found[of_parts[index]];

@@ -12,7 +12,7 @@
 //! ∫σ_θ dy and ∫σ_θ y dy of the recovered hoop stress, y from the middle to the first side, are told, too.
 
 use crate::fem::{Ahead, Analysis, Body, Push};
-use crate::geometry::{Point, add_scaled, padded, sub};
+use crate::geometry::{Groups, Point, add_scaled, padded, sub};
 use crate::mesh::{Cut, Mesh, Strip, StripError};
 use crate::model::capacity::Capacity;
 use crate::model::condense::Condensed;
@@ -349,24 +349,22 @@ fn places_on<const D: usize>(body: &Body<D>, cut: &Cut) -> Vec<(Option<Located<D
         .collect()
 }
 
-/// What pushes the bodies of all sections, (sections,), under forces `lambda` (m,): supports of sides, contacts, couples, and beds
-/// that only press. Contacts that have nodes in common are one: the force there is that of both.
+/// What pushes each body that has sections, under forces `lambda` (m,): supports of sides, contacts, couples, and beds that only
+/// press. Contacts that have nodes in common are one: the force there is that of both.
 pub(crate) fn pushes<const D: usize>(
     model: &Model<D>,
     condensed: &Condensed<D>,
     displaced: &Displaced<D>,
     lambda: &[f64],
-) -> Vec<Vec<Push<D>>> {
+) -> BTreeMap<usize, Vec<Push<D>>> {
     let paired = &condensed.paired;
-    let mut first: Vec<usize> = (0..paired.len()).collect();
+    let mut together = Groups::new(paired.len());
     for (contact, pair) in paired.iter().enumerate() {
         for sharer in &pair.sharers {
-            let both = [first[contact], first[sharer.at.0]];
-            let [low, high] = [both[0].min(both[1]), both[0].max(both[1])];
-            let of_high = first.iter_mut().filter(|k| **k == high);
-            of_high.for_each(|k| *k = low);
+            together.join(contact, sharer.at.0);
         }
     }
+    let first: Vec<usize> = (0..paired.len()).map(|k| together.first(k)).collect();
     let of_body = |of: usize| -> Vec<Push<D>> {
         let (body, loaded) = (&model.bodies[of], &condensed.bodies[of]);
         let mut supports = vec![Push::default(); body.supports.len()];
@@ -397,12 +395,7 @@ pub(crate) fn pushes<const D: usize>(
         supports.into_iter().chain(others.into_values()).collect()
     };
     let cut: BTreeSet<usize> = model.sections.iter().map(|s| s.body.0).collect();
-    let known: BTreeMap<usize, Vec<Push<D>>> =
-        cut.into_iter().map(|of| (of, of_body(of))).collect();
-    let sections = model.sections.iter();
-    sections
-        .map(|section| known[&section.body.0].clone())
-        .collect()
+    cut.into_iter().map(|of| (of, of_body(of))).collect()
 }
 
 /// The forces of all sections in a solution of bodies at a time; `pushes` are those of [`pushes`].
@@ -412,11 +405,11 @@ pub(crate) fn section_forces<const D: usize>(
     model: &Model<D>,
     laid: &[Laid<D>],
     time: f64,
-    (bodies, pushes): (&[BodySolution<D>], &[Vec<Push<D>>]),
+    (bodies, pushes): (&[BodySolution<D>], &BTreeMap<usize, Vec<Push<D>>>),
 ) -> Result<Vec<SectionSolution>, Error<D>> {
-    let sections = model.sections.iter().zip(laid).zip(pushes);
-    let solved = sections.map(|((section, laid), pushes)| {
+    let solved = model.sections.iter().zip(laid).map(|(section, laid)| {
         let of = section.body.0;
+        let pushes = pushes.get(&of).map_or(&[][..], Vec::as_slice);
         let (body, solution) = (&model.bodies[of], &bodies[of]);
         let ahead = Ahead::new(
             (body, model.analysis),
