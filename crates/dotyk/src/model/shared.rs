@@ -12,17 +12,18 @@
 //!
 //! Conditions are one where their rows are, at all dofs that ever move, and their gaps; which of two bodies carries the
 //! multipliers does not matter. Others stay apart: two bodies beside each other under a third one, faces of a corner, near and far
-//! sheets.
+//! sheets. Nor is it shared where one contact repeats another: W would count the same facets twice. What it says is implied then.
 
 use crate::contact::{Coupling, Row};
 use crate::fem::{Body, BodySystem, Constraints};
 use crate::geometry::{Field, add_scaled};
-use crate::model::nouns::{Contact, Law, Model, Motion, Pair};
+use crate::mesh::Facet;
+use crate::model::nouns::{Contact, Law, Model, Motion, Pair, SideRef};
 use crate::model::pair::{Kind, Paired, gap_varies, row_ranges};
 use crate::model::recover::pushed;
 use crate::model::solution::{ContactSolution, Status};
 use std::cmp::Reverse;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::convert::Infallible;
 
 /// What a contact has of a node whose multiplier another one carries.
@@ -69,6 +70,7 @@ pub(crate) fn share_nodes<const D: usize>(
         }
     }
     let mut dropped: BTreeMap<usize, Vec<usize>> = BTreeMap::new();
+    let mut twice: BTreeMap<[usize; 2], BTreeSet<usize>> = BTreeMap::new();
     for nodes in at_nodes.into_values().filter(|nodes| nodes.len() > 1) {
         let count = |at: &(usize, usize)| rows[at].len();
         let mut nodes = nodes;
@@ -82,6 +84,10 @@ pub(crate) fn share_nodes<const D: usize>(
                     && laws_agree(laws)
                     && same_rows(&rows[&at], &rows[owner])
                     && same_gap(model, paired, [at, **owner])
+                    && !twice
+                        .entry([at.0, owner.0])
+                        .or_insert_with_key(|&both| repeated(model, paired, both))
+                        .contains(&paired[at.0].interface.nodes[at.1].node)
             };
             let Some(&owner) = owners.iter().find(alike) else {
                 owners.push(at);
@@ -108,6 +114,35 @@ pub(crate) fn share_nodes<const D: usize>(
     for (contact, rows) in dropped {
         paired[contact].interface.drop_rows(&rows);
     }
+}
+
+/// Nodes of the nonmortar side of a contact on facets that another one touches, too, against the same.
+fn repeated<const D: usize>(
+    model: &Model<D>,
+    paired: &[Paired<D>],
+    [contact, other]: [usize; 2],
+) -> BTreeSet<usize> {
+    let mesh = |side: &SideRef| &model.bodies[side.body.0].mesh;
+    let facets = |side: &SideRef| mesh(side).side(&side.side).unwrap_or_default();
+    let (own, other) = (&paired[contact], &paired[other]);
+    let common = |side: &SideRef| -> Vec<Facet> {
+        let others = [Some(&other.nonmortar), other.mortar.as_ref()];
+        let others = others.into_iter().flatten();
+        let others = others.filter(|of| of.body == side.body).flat_map(facets);
+        let others: BTreeSet<&Facet> = others.collect();
+        let both = facets(side).iter().filter(|facet| others.contains(facet));
+        both.copied().collect()
+    };
+    if own
+        .mortar
+        .as_ref()
+        .is_some_and(|side| common(side).is_empty())
+    {
+        return BTreeSet::new();
+    }
+    let nodes = common(&own.nonmortar).into_iter();
+    let nodes = nodes.flat_map(|facet| mesh(&own.nonmortar).facet_nodes(facet));
+    nodes.map(|node| node as usize).collect()
 }
 
 /// A contact whose conditions may be those of another one: nothing changes its gaps, nothing moves its obstacle.

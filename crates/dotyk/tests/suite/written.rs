@@ -511,6 +511,55 @@ fn contacts_that_share_a_node_share_its_force() {
 }
 
 /// A plane that leans by a fifth: forces act along its normal, and the rows tell so.
+/// A contact that repeats another one bears nothing, and takes nothing of its force.
+#[test]
+fn a_contact_that_is_written_twice_is_one() {
+    let text = |first: &str, again: &str, cells: usize| {
+        format!(
+            r#"
+analysis = "plane-strain"
+[[body]]
+name = "low"
+mesh = {{ rectangle = {{ from = [0, -1], to = [2, 0], cells = [4, 2] }} }}
+material = {{ young = 1000, poisson = 0 }}
+fix = [{{ side = "bottom", x = 0, y = 0 }}]
+[[body]]
+name = "up"
+mesh = {{ rectangle = {{ from = [0, 0], to = [2, 1], cells = [{cells}, 2] }} }}
+material = {{ young = 1000, poisson = 0 }}
+fix = [{{ side = "top", x = 0 }}]
+load = [{{ side = "top", pressure = 1 }}]
+[[contact]]
+name = "first"
+{first}
+[[contact]]
+name = "again"
+{again}
+"#
+        )
+    };
+    let (down, up) = (
+        "nonmortar = \"up.bottom\"\nmortar = \"low.top\"",
+        "nonmortar = \"low.top\"\nmortar = \"up.bottom\"",
+    );
+    for (first, again, cells) in [
+        (down, down, 4),
+        (down, up, 4),
+        (up, down, 4),
+        (down, down, 5),
+    ] {
+        let solution = solve(&text(first, again, cells));
+        let contact = &solution.contacts[0];
+        near(contact.resultant[1].abs(), 2.0, 1e-10);
+        for node in &contact.nodes {
+            near(node.pressure, 1.0, 1e-9);
+        }
+        near(solution.contacts[1].resultant[1], 0.0, 1e-10);
+        let dropped = |w: &String| w.contains("\"again\"") && w.contains("dropped");
+        assert!(solution.warnings.iter().any(dropped));
+    }
+}
+
 #[test]
 fn rows_tell_the_direction_of_their_forces() {
     let text = |pairing: &str, cell: &str| {
