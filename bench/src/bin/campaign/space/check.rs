@@ -334,7 +334,12 @@ fn check_normals(judgement: &mut Judgement, view: &View<'_>, c: usize) {
         if held(touch.own, row.node) || partner.is_some_and(|(b, &n)| held(b, n)) {
             continue;
         }
-        let off = length(minus(row.normal, sample.normal));
+        // that of one of the faces that meet at the node
+        let faces = touch.skin.normals_at(row.node);
+        let off = faces
+            .chain([sample.normal])
+            .map(|n| length(minus(row.normal, n)));
+        let off = off.fold(f64::INFINITY, f64::min);
         let limit = 1.1 * touch.skin.turn + 1e-6;
         judgement.compare("normal", off, limit, || view.node(touch.own, row.node));
     }
@@ -398,14 +403,14 @@ fn check_gaps(judgement: &mut Judgement, view: &View<'_>, c: usize) {
     let rows = &view.step.contacts[c].rows;
     let largest = rows.iter().fold(0.0, |s: f64, r| s.max(r.pressure.abs()));
     for row in rows {
-        let Some(sample) = touch.at_nodes.get(&row.node) else {
+        let Some(sample) = touch.at_row(row) else {
             continue;
         };
         let place = || view.node(touch.own, row.node);
-        let jump = touch.jump(sample, &view.step.displacements, obstacle);
+        let jump = touch.jump(&sample, &view.step.displacements, obstacle);
         if touch.nodal && !row.gap.is_nan() {
             // along the row's own normal: a support may have turned it
-            let gap = row.gap - touch.clearance(sample) - dot(row.normal, jump);
+            let gap = row.gap - touch.clearance(&sample) - dot(row.normal, jump);
             judgement.compare("gap", gap.abs(), fine, place);
             if touch.driven(view.step.time).is_some() && touch.contact.law.rough() {
                 let slip = plus(row.slip, 1.0, across(jump, row.normal));
@@ -428,7 +433,7 @@ fn check_gaps(judgement: &mut Judgement, view: &View<'_>, c: usize) {
         if row.status == Status::Fixed || touch.contact.law == Law::Tied || !bears {
             continue;
         }
-        let gap = touch.gap(sample, &view.step.displacements, obstacle);
+        let gap = touch.gap(&sample, &view.step.displacements, obstacle);
         if touch.nodal {
             judgement.compare("open force", gap, fine, place);
         } else if row.pressure > 1e-2 * largest {

@@ -7,7 +7,7 @@ use super::problem::Law;
 use super::touch::{Touch, area};
 use crate::judgement::Judgement;
 use crate::raw::Status;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 /// Force of a row on its node of the nonmortar body; `None` where it is not defined.
 pub fn force(row: &Row) -> Option<Vector> {
@@ -41,12 +41,21 @@ fn check_weights(judgement: &mut Judgement, view: &View<'_>, c: usize) {
     if touch.nodal {
         let weights = touch.weights();
         // where a round side turns away from what it faces, nothing touches and weights say nothing
-        for row in known.filter(|r| touch.exact || r.pressure > 0.0) {
-            let own = weights.get(&row.node).copied().unwrap_or(0.0);
+        // and of a sharp edge only some faces may touch
+        let asked =
+            known.filter(|r| touch.exact || r.pressure > 0.0 && touch.faces(r.node).is_empty());
+        let asked: BTreeSet<usize> = asked.map(|r| r.node).collect();
+        // a node at a sharp edge has a row for each of its faces
+        let mut sums: BTreeMap<usize, f64> = BTreeMap::new();
+        for row in rows.iter().filter(|r| asked.contains(&r.node)) {
+            *sums.entry(row.node).or_default() += row.weight;
+        }
+        for (node, sum) in sums {
+            let own = weights.get(&node).copied().unwrap_or(0.0);
             // on a curved facet the area is no polynomial: another rule gives another number
             let limit = if touch.skin.flat() { 1e-6 } else { 1e-3 };
-            judgement.compare("weight", (row.weight - own).abs(), limit * own, || {
-                view.node(touch.own, row.node)
+            judgement.compare("weight", (sum - own).abs(), limit * own, || {
+                view.node(touch.own, node)
             });
         }
     } else if touch.exact && !touch.polygons.is_empty() {
@@ -63,7 +72,7 @@ fn check_weights(judgement: &mut Judgement, view: &View<'_>, c: usize) {
 /// The initial gap of a row, where it is known: at its own node, or the same everywhere.
 fn initial(touch: &Touch<'_>, row: &Row, spread: Option<f64>) -> Option<f64> {
     match touch.nodal {
-        true => touch.at_nodes.get(&row.node).map(|s| touch.clearance(s)),
+        true => touch.at_row(row).map(|s| touch.clearance(&s)),
         false => spread,
     }
 }

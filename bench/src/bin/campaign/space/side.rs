@@ -201,7 +201,10 @@ impl Skin {
         for facet in &mut facets {
             let own = facet.normals.clone();
             for (&node, normal) in facet.nodes.iter().zip(&mut facet.normals) {
-                let smooth = meeting[&node].iter().filter(|n| dot(**n, *normal) > SHARP);
+                // a true surface has no corners, however few facets stand for it
+                let known = surface.is_some();
+                let meets = |n: &&Vector| known || dot(**n, *normal) > SHARP;
+                let smooth = meeting[&node].iter().filter(meets);
                 let mut sum = [0.0; 3];
                 for &other in smooth {
                     turn = turn.max(length(minus(other, *normal)));
@@ -256,15 +259,18 @@ impl Skin {
 
     /// The mean normal at a node.
     pub fn normal_at(&self, node: usize) -> Vector {
-        let mut sum = [0.0; 3];
-        for &index in self.around.get(&node).into_iter().flatten() {
+        let normals = self.normals_at(node);
+        unit(normals.fold([0.0; 3], |sum, normal| plus(sum, 1.0, normal)))
+    }
+
+    /// The normals that the facets around a node have there: more than one at a sharp edge.
+    pub fn normals_at(&self, node: usize) -> impl Iterator<Item = Vector> + '_ {
+        let around = self.around.get(&node).into_iter().flatten();
+        around.filter_map(move |&index| {
             let facet = &self.facets[index];
-            if let Some(place) = facet.nodes.iter().position(|&n| n == node) {
-                let at = facet.at(places(facet.kind)[place]);
-                sum = plus(sum, 1.0, self.normal(index, &at));
-            }
-        }
-        unit(sum)
+            let place = facet.nodes.iter().position(|&n| n == node)?;
+            Some(self.normal(index, &facet.at(places(facet.kind)[place])))
+        })
     }
 
     /// Reference coordinates of a node on a facet.

@@ -8,13 +8,14 @@
 //! plane's. g₀ is s between the meshes, or between the true surfaces behind them, or zero, or given.
 //! Between two plane sides the polygons in which facets face each other are cut out exactly; else points are looked at.
 
-use super::geometry::{Vector, cross, dot, length, mean, minus, plus, times};
+use super::geometry::{Vector, cross, dot, length, mean, minus, plus, times, unit};
 use super::problem::{Against, Contact, Drive, Form, Gap, Law, Problem};
 use super::side::{At, Skin};
-use super::{Answer, Mesh};
+use super::{Answer, Mesh, Row};
 use crate::amount::vector_at;
 use crate::problem::Pairing;
 use crate::raw;
+use crate::side::SHARP;
 use std::collections::{BTreeMap, BTreeSet};
 
 /// Points along an edge of a facet at which a curved side is looked at.
@@ -291,22 +292,62 @@ impl<'a> Touch<'a> {
                     let at = self.skin.facets[f].at(self.skin.place(f, node)?);
                     self.look(f, &at).map(|(sample, _)| sample)
                 }),
-                (
-                    None,
-                    Against::Obstacle {
-                        surface, inside, ..
-                    },
-                ) => surface
-                    .opposite(*inside, sample.x, normal)
-                    .map(|(normal, distance)| Sample {
-                        normal,
-                        distance,
-                        ..sample
-                    }),
+                (None, Against::Obstacle { .. }) => self.beyond(&sample, normal),
                 _ => None,
             };
             self.at_nodes.extend(found.map(|sample| (node, sample)));
         }
+    }
+
+    /// What an obstacle has opposite a node that looks along a normal.
+    fn beyond(&self, sample: &Sample, normal: Vector) -> Option<Sample> {
+        let Against::Obstacle {
+            surface, inside, ..
+        } = &self.contact.against
+        else {
+            return None;
+        };
+        let found = surface.opposite(*inside, sample.x, normal);
+        found.map(|(normal, distance)| Sample {
+            normal,
+            distance,
+            ..sample.clone()
+        })
+    }
+
+    /// The normals of the facets around a node where some meet at a sharp edge; else none.
+    pub fn faces(&self, node: usize) -> Vec<Vector> {
+        let faces: Vec<Vector> = self.skin.normals_at(node).collect();
+        let sharp = |a: &Vector| faces.iter().any(|b| dot(*a, *b) <= SHARP);
+        match faces.iter().any(sharp) {
+            true => faces,
+            false => Vec::new(),
+        }
+    }
+
+    /// The sample of a face at a node.
+    fn of_face(&self, sample: &Sample, normal: Vector) -> Option<Sample> {
+        match &self.contact.against {
+            Against::Obstacle { .. } => self.beyond(sample, normal),
+            Against::Side { .. } => Some(Sample {
+                normal,
+                ..sample.clone()
+            }),
+        }
+    }
+
+    /// The sample of a row. Where facets meet sharply it belongs to some of them: to those whose mean normal fits its own.
+    pub fn at_row(&self, row: &Row) -> Option<Sample> {
+        let sample = self.at_nodes.get(&row.node)?;
+        let faces = self.faces(row.node);
+        let some = (1..1usize << faces.len()).filter_map(|some| {
+            let own = faces.iter().enumerate().filter(|(k, _)| some >> k & 1 == 1);
+            let normal = own.fold([0.0; 3], |sum, (_, &n)| plus(sum, 1.0, n));
+            self.of_face(sample, unit(normal))
+        });
+        let fit = |sample: &Sample| dot(sample.normal, row.normal);
+        let best = some.max_by(|a, b| fit(a).total_cmp(&fit(b)));
+        best.or_else(|| faces.is_empty().then(|| sample.clone()))
     }
 
     /// The initial gap at a sample.
@@ -371,8 +412,12 @@ impl<'a> Touch<'a> {
     /// Points that face the other side, corners of the polygons included, with contact normals.
     pub fn facing_points(&self) -> Vec<(Vector, Vector)> {
         if !self.exact {
+            let faces = self.at_nodes.iter().flat_map(|(&node, sample)| {
+                let faces = self.faces(node).into_iter();
+                faces.filter_map(|normal| self.of_face(sample, normal))
+            });
             let all = self.between.iter().chain(self.at_nodes.values());
-            return all.map(|s| (s.x, s.normal)).collect();
+            return all.cloned().chain(faces).map(|s| (s.x, s.normal)).collect();
         }
         let normal = self.between.first().map_or([0.0; 3], |s| s.normal);
         let corners = self.polygons.iter().flat_map(|(_, corners)| corners);
