@@ -10,10 +10,9 @@ use crate::twin::{Twin, difference};
 use crate::vector::{length, minus};
 use dotyk::case::Case;
 use std::collections::BTreeMap;
-use std::ops::Range;
 use std::path::{Path, PathBuf};
 use std::sync::Mutex;
-use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::Instant;
 
 /// A problem of the plane (D = 2) or of space (D = 3), as the campaign asks and judges it.
@@ -72,7 +71,7 @@ pub trait Problem<const D: usize>: Clone {
 
 /// What the command line asks for.
 pub struct Options {
-    pub seeds: Range<u64>,
+    pub seeds: Vec<u64>,
     pub threads: usize,
     pub family: Option<String>,
     /// Where case files of failing seeds go.
@@ -142,7 +141,7 @@ where
     }
     // a panic is a result, told in the report
     std::panic::set_hook(Box::new(|_| {}));
-    let next = AtomicU64::new(options.seeds.start);
+    let next = AtomicUsize::new(0);
     let results = Mutex::new(Vec::new());
     let clock = Instant::now();
     std::thread::scope(|scope| {
@@ -150,10 +149,10 @@ where
             scope.spawn(|| {
                 let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build();
                 loop {
-                    let seed = next.fetch_add(1, Ordering::Relaxed);
-                    if seed >= options.seeds.end {
+                    let place = next.fetch_add(1, Ordering::Relaxed);
+                    let Some(&seed) = options.seeds.get(place) else {
                         break;
-                    }
+                    };
                     let result = match &pool {
                         Ok(pool) => pool.install(|| one::<P, D>(seed, options)),
                         Err(_) => one::<P, D>(seed, options),

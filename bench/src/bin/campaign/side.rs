@@ -13,7 +13,7 @@ use crate::raw::Mesh;
 use std::collections::BTreeMap;
 
 /// Facets whose normals have a smaller cosine meet at a corner.
-pub const SHARP: f64 = 0.7;
+pub const SHARP: f64 = 0.866;
 
 /// Surfaces face each other when the cosine of their normals is below this.
 pub const OPPOSED: f64 = -0.1;

@@ -5,7 +5,7 @@ use crate::contact::normals::Normals;
 use crate::contact::obstacle::{Rigid, finite_gap};
 use crate::contact::search::{Hit, Line, Search};
 use crate::contact::{Against, ContactError, End, InitialGap};
-use crate::geometry::{Point, add_scaled};
+use crate::geometry::{Point, add_scaled, size_of, told_apart};
 use crate::mesh::{Facet, MAX_FACET_NODES, Mesh};
 
 /// A nonmortar side and what it is paired with, ready to be looked across.
@@ -109,7 +109,10 @@ impl<'a, const D: usize> Opposite<'a, D> {
     /// The gap at a line from a facet to where it meets the other side.
     pub fn gap_at(&self, facet: Facet, line: Line<D>, hit: Hit) -> Result<f64, ContactError> {
         match self.gap {
-            InitialGap::Measured => Ok(self.true_distance(facet, line, hit)),
+            InitialGap::Measured => {
+                let distance = self.true_distance(facet, line, hit);
+                Ok(told_apart(distance, size_of(line.start)))
+            }
             InitialGap::Closed => Ok(0.0),
             InitialGap::Given(field) => finite_gap(field, line.start, self.time, self.nonmortar),
         }

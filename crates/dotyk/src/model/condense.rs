@@ -26,6 +26,7 @@ use crate::model::error::Error;
 use crate::model::event::{Event, Lap, Work};
 use crate::model::factor::{FactoredBody, Ordered, factor, order};
 use crate::model::floating::Floating;
+use crate::model::intrusion::Skins;
 use crate::model::joints;
 use crate::model::links::complete;
 use crate::model::memory::{self, Demand};
@@ -207,6 +208,8 @@ pub(crate) struct Condensed<const D: usize> {
     pub before: Option<(f64, Vec<f64>)>,
     /// Where stresses may be singular.
     pub outlines: Outlines,
+    /// What the bodies are from outside.
+    pub skins: Skins<D>,
     /// Where each probe is read.
     pub sites: Vec<Site<D>>,
     /// Where each section is cut.
@@ -311,6 +314,7 @@ pub(crate) fn condense<const D: usize>(
         dissipated,
         before: None,
         outlines: Outlines::default(),
+        skins: Skins::default(),
         sites,
         laid,
         remarks,
@@ -450,6 +454,7 @@ pub(crate) fn advance<const D: usize>(
         dissipated: past.dissipated.clone(),
         before: Some((before.time, load_before)),
         outlines: before.outlines,
+        skins: before.skins,
         sites: before.sites,
         laid: before.laid,
         remarks: before.remarks,

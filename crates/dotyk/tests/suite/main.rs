@@ -45,5 +45,6 @@ mod steps;
 mod strength;
 mod tables;
 mod tidy;
+mod travel;
 mod warnings;
 mod written;

@@ -236,6 +236,9 @@ pub fn masonry(scene: &mut Scene) {
     let rough = scene.random.chance(0.5);
     let total = courses * (wide + 1);
     let matching = scene.random.chance(0.5);
+    // what stands side by side without a joint stands apart, or is no answer
+    let joints = joints || matching;
+    let apart = if joints { 0.0 } else { 0.05 * w };
     let (kind, along) = (scene.kind(), 2 * scene.random.count(1, 3));
     let mut rows: Vec<Vec<(String, [f64; 2])>> = Vec::new();
     for j in 0..courses {
@@ -246,7 +249,7 @@ pub fn masonry(scene: &mut Scene) {
             let half = j % 2 == 1 && (index == 0 || x + w > wide as f64 * w + 1e-9);
             let width = if half { 0.5 * w } else { w };
             let name = format!("b{j}x{index}");
-            let (from, to) = ([x, j as f64 * h], [x + width, (j + 1) as f64 * h]);
+            let (from, to) = ([x, j as f64 * h], [x + width - apart, (j + 1) as f64 * h]);
             if matching {
                 let cells = ((along as f64 * width).round() as usize).max(1);
                 scene.rectangle(&name, from, to, [cells, 2], kind);
