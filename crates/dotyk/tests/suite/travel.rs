@@ -7,8 +7,8 @@ use std::path::Path;
 
 type Answer<const D: usize> = Result<Solution<D>, Box<Objection<D>>>;
 
-fn ask<const D: usize>(read: dotyk::model::Model<D>) -> Answer<D> {
-    match read.solve() {
+fn asked<const D: usize>(answer: Result<Solution<D>, Error<D>>) -> Answer<D> {
+    match answer {
         Ok(solution) => Ok(solution),
         Err(Error::NotConverged { reason, .. }) => Err(reason),
         Err(error) => panic!("{error}"),
@@ -16,15 +16,13 @@ fn ask<const D: usize>(read: dotyk::model::Model<D>) -> Answer<D> {
 }
 
 fn solve(text: &str) -> Answer<2> {
-    ask(Case::<2>::from_str(text, "case.toml", Path::new("."))
-        .unwrap()
-        .model)
+    let case = Case::<2>::from_str(text, "case.toml", Path::new("."));
+    asked(case.unwrap().model.solve())
 }
 
 fn solve_in_space(text: &str) -> Answer<3> {
-    ask(Case::<3>::from_str(text, "case.toml", Path::new("."))
-        .unwrap()
-        .model)
+    let case = Case::<3>::from_str(text, "case.toml", Path::new("."));
+    asked(case.unwrap().model.solve())
 }
 
 /// What stands in what, where an answer is refused for that and nothing else.
