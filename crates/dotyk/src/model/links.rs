@@ -22,7 +22,7 @@ use crate::model::bar::{Anchor, Bar, BarSolution, BarStation, LaidBar, lay_bars}
 use crate::model::bodies::LoadedBody;
 use crate::model::dependent::drop_implied;
 use crate::model::error::Error;
-use crate::model::joints::{restore, set_base};
+use crate::model::joints::{Lost, restore, set_base};
 use crate::model::nouns::{
     BodyId, Contact, Law, Model, Motion, Obstacle, Pair, Pairing, Rigid, SideRef,
 };
@@ -319,6 +319,7 @@ fn pair_bar<const D: usize>(
         samples: Vec::new(),
         left_out: Vec::new(),
         fit: Default::default(),
+        began: Default::default(),
         link,
         base: base.collect(),
         lost: Vec::new(),
@@ -372,7 +373,7 @@ fn add_element<const D: usize>(interface: &mut Interface<D>, element: usize, yie
 pub(crate) fn complete<const D: usize>(
     model: &Model<D>,
     systems: &mut Vec<BodySystem<D>>,
-    (paired, before): (&mut [Paired<D>], &BTreeMap<String, Vec<bool>>),
+    (paired, before): (&mut [Paired<D>], &BTreeMap<String, Lost>),
     time: f64,
 ) -> Result<Vec<String>, Error<D>> {
     systems.extend(link_systems(paired));

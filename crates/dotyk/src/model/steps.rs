@@ -261,7 +261,8 @@ fn solve_again<const D: usize>(
         return Err(differs(format!("it has no answer here ({objection})")));
     }
     same_forces(condensed, model, &recorded, &end.multipliers).map_err(differs)?;
-    same_bodies(model, &done.bodies, &solution.bodies).map_err(differs)?;
+    let here = (&*condensed, model);
+    same_bodies(here, &done.bodies, &solution.bodies).map_err(differs)?;
     solution.solver.iterations = done.iterations;
     Ok((end, solution, None))
 }
