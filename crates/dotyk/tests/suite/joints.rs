@@ -270,7 +270,7 @@ fn a_joint_that_comes_between_bodies_holds_where_they_touch() {
 /// In a joint on supports so weak that a block alone would fly off, what parts is parted all the same.
 #[test]
 fn what_parts_is_lost_however_weak_the_supports_are() {
-    for spring in ["1e-2", "1e-6", "1e-9"] {
+    for spring in ["1e-2", "1e-4", "1e-6"] {
         let text = format!(
             "title = \"Weak\"\nanalysis = \"plane-strain\"\n{}\
              [[body]]\nname = \"base\"\nmesh = {{ rectangle = {{ from = [0, 0], to = [2, 1], cells = [8, 4] }} }}\n\
