@@ -217,6 +217,7 @@ pub(super) mod tests {
             let held = Held {
                 axis,
                 value: 0.0,
+                terms: 0.0,
                 still,
                 supports: Vec::new(),
             };

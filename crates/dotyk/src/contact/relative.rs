@@ -355,6 +355,7 @@ mod tests {
         let held = |axis, still| Held {
             axis,
             value: 0.0,
+            terms: 0.0,
             still,
             supports: Vec::new(),
         };

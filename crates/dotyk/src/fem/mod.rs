@@ -54,4 +54,4 @@ pub(crate) use internal::internal_forces;
 pub(crate) use modes::fit_rigid;
 pub(crate) use overstress::overstress;
 pub(crate) use springs::{spring_forces, spring_loads};
-pub(crate) use supports::{describe, side_facets, side_nodes};
+pub(crate) use supports::{AGREE, describe, side_facets, side_nodes};

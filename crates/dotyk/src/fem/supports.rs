@@ -2,6 +2,10 @@
 //!
 //! Every support contributes conditions a·u = v at nodes. Conditions at one node are orthonormalised in the order in
 //! which they are written; a dependent one must agree with the earlier ones, else it is a contradiction.
+//!
+//! Both are sums of terms that may cancel: a roller across a prescribed displacement follows as Σ (a·aₖ) vₖ = 0, and a value is an
+//! expression at coordinates with rounding. So two agree when they differ by no more than a part of the *terms*: of those of the
+//! sum, of those that each vₖ is itself left of, and of the largest value that a support prescribes anywhere.
 
 use crate::fem::error::{FemError, show};
 use crate::fem::nouns::{Analysis, Body, Place};
@@ -16,6 +20,8 @@ pub struct Held<const D: usize> {
     pub axis: Point<D>,
     /// Displacement along it.
     pub value: f64,
+    /// Size of the terms of which the value is a sum: it is known to the rounding of these.
+    pub terms: f64,
     /// It is zero at all times.
     pub still: bool,
     /// Indices of the body's supports that ask for it; none where the axis of symmetry alone does.
@@ -32,6 +38,27 @@ pub struct Constraints<const D: usize> {
 /// Two directions count as the same below this sine.
 const PARALLEL: f64 = 1e-8;
 
+/// Two values at a node that differ by no more than this part of their terms are the same.
+pub(crate) const AGREE: f64 = 1e-9;
+
+/// A displacement along a direction as a support says it.
+#[derive(Clone, Copy)]
+struct Prescribed {
+    value: f64,
+    /// The largest value that the support prescribes, and what its value is left of.
+    terms: f64,
+    /// It is zero at all times.
+    still: bool,
+}
+
+impl Prescribed {
+    const STILL: Self = Self {
+        value: 0.0,
+        terms: 0.0,
+        still: true,
+    };
+}
+
 impl<const D: usize> Constraints<D> {
     /// Evaluates the supports of a body at a time. On the axis of an axisymmetric analysis the radius cannot change: its
     /// nodes are held along it without a support.
@@ -42,7 +69,7 @@ impl<const D: usize> Constraints<D> {
         if analysis == Analysis::Axisymmetric {
             let radial = std::array::from_fn(|i| if i == 0 { 1.0 } else { 0.0 });
             for node in nodes_on_axis(&body.mesh) {
-                constraints.hold(body, node, radial, (0.0, true), None)?;
+                constraints.hold(body, node, radial, Prescribed::STILL, None)?;
             }
         }
         for (index, support) in body.supports.iter().enumerate() {
@@ -61,27 +88,33 @@ impl<const D: usize> Constraints<D> {
             let fields = support.components.iter().flatten().chain(&support.normal);
             let points = nodes.iter().map(|&node| body.mesh.points()[node]);
             Field::prepare(fields, points, time);
-            for node in nodes {
-                let point = body.mesh.points()[node];
-                let what = || format!("support {}", describe(&support.place));
-                // one that came later holds the node where it was
-                let value = |field: &Field, direction: Point<D>| {
-                    let value = finite(field, point, time, what)?;
-                    Ok::<_, FemError>(match placed {
-                        Some(placed) => (value + dot(placed[node], direction), false),
-                        None => (value, field.as_constant() == Some(0.0)),
-                    })
-                };
-                for (axis, field) in support.components.iter().enumerate() {
-                    if let Some(field) = field {
-                        let direction = std::array::from_fn(|i| if i == axis { 1.0 } else { 0.0 });
-                        let value = value(field, direction)?;
-                        constraints.hold(body, node, direction, value, Some(index))?;
-                    }
+            let directions = |node: usize| {
+                let unit = |i: usize| std::array::from_fn(|j| f64::from(u8::from(i == j)));
+                let components = support.components.iter().enumerate();
+                let along =
+                    components.filter_map(move |(i, field)| Some((unit(i), field.as_ref()?)));
+                let normal = support.normal.as_ref();
+                along.chain(normal.and_then(|field| Some((*normals.get(&node)?, field))))
+            };
+            let what = || format!("support {}", describe(&support.place));
+            let value =
+                |node: usize, field: &Field| finite(field, body.mesh.points()[node], time, what);
+            let mut largest: f64 = 0.0;
+            for &node in &nodes {
+                for (_, field) in directions(node) {
+                    largest = largest.max(value(node, field)?.abs());
                 }
-                if let (Some(field), Some(&normal)) = (&support.normal, normals.get(&node)) {
-                    let value = value(field, normal)?;
-                    constraints.hold(body, node, normal, value, Some(index))?;
+            }
+            for &node in &nodes {
+                for (direction, field) in directions(node) {
+                    // one that came later holds the node where it was
+                    let was = placed.map(|placed| placed[node]);
+                    let prescribed = Prescribed {
+                        value: value(node, field)? + was.map_or(0.0, |u| dot(u, direction)),
+                        terms: largest + was.map_or(0.0, norm),
+                        still: was.is_none() && field.as_constant() == Some(0.0),
+                    };
+                    constraints.hold(body, node, direction, prescribed, Some(index))?;
                 }
             }
         }
@@ -93,36 +126,42 @@ impl<const D: usize> Constraints<D> {
         self.nodes.get(&node).map_or(&[], Vec::as_slice)
     }
 
-    /// Adds a condition: a displacement along a direction, and whether it is zero at all times.
+    /// Adds a condition: a displacement along a direction.
     fn hold(
         &mut self,
         body: &Body<D>,
         node: usize,
         direction: Point<D>,
-        (value, mut still): (f64, bool),
+        prescribed: Prescribed,
         support: Option<usize>,
     ) -> Result<(), FemError> {
+        let Prescribed {
+            value,
+            terms,
+            mut still,
+        } = prescribed;
         let held = self.nodes.entry(node).or_default();
-        let (mut rest, mut implied) = (direction, 0.0);
+        let (mut rest, mut implied, mut of_others) = (direction, 0.0, 0.0);
         for h in held.iter() {
             let part = dot(direction, h.axis);
             rest = add_scaled(rest, -part, h.axis);
             implied += part * h.value;
+            of_others += part.abs() * h.terms;
             still &= h.still || part.abs() <= PARALLEL;
         }
-        let size = norm(rest);
+        let (size, terms) = (norm(rest), terms.max(of_others));
         if size > PARALLEL {
             let axis = rest.map(|c| c / size);
             held.push(Held {
                 axis,
                 value: (value - implied) / size,
+                terms: terms / size,
                 still,
                 supports: support.into_iter().collect(),
             });
             return Ok(());
         }
-        let scale = value.abs().max(implied.abs());
-        if (value - implied).abs() > 1e-9 * scale {
+        if (value - implied).abs() > AGREE * terms {
             let name = |index: Option<usize>| match index {
                 Some(index) => describe(&body.supports[index].place),
                 None => "by symmetry about the axis r = 0".to_string(),

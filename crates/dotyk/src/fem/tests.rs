@@ -1161,6 +1161,42 @@ fn supports_that_agree_are_one_and_others_are_a_contradiction() {
 }
 
 #[test]
+fn supports_whose_terms_cancel_agree_to_the_rounding_of_these() {
+    let new = |supports: Vec<Support<2>>, angle: f64| {
+        // the normal of the left side is that of a wedge
+        let (sin, cos) = angle.sin_cos();
+        let turned = rectangle(CellKind::Quad4, [2, 1])
+            .map_points(|[x, y]| [cos * x - sin * y, sin * x + cos * y]);
+        let mut body = body(turned.unwrap());
+        body.supports = supports;
+        Constraints::new(&body, Analysis::PlaneStrain, 0.0)
+    };
+    for k in 1..30 {
+        let angle = 0.1 * f64::from(k);
+        // along the side, which its normal does not move
+        let [x, y] = [-angle.sin() * 0.01, angle.cos() * 0.01];
+        let all = [
+            on_side("left", [Some(x), None]),
+            on_side("left", [None, Some(y)]),
+            roller("left", 0.0),
+        ];
+        for order in [[0, 1, 2], [2, 0, 1], [0, 2, 1], [1, 2, 0]] {
+            let supports = order.map(|i| all[i].clone()).to_vec();
+            assert_eq!(new(supports, angle).err(), None, "{angle} {order:?}");
+        }
+        let mut apart = all.to_vec();
+        apart[2] = roller("left", 1e-8 * 0.01);
+        assert!(new(apart, angle).is_err(), "{angle}");
+    }
+    // a value that is nothing but rounding of those beside it
+    let mut rest = on_side("left", [Some(0.0), None]);
+    let field = Field::function("0.01*(y - y0)", |[_, y, _], _| 0.01 * y + 1e-18);
+    rest.components[0] = Some(field);
+    let still = at_point([1.0, 0.0], [Some(0.0), None]);
+    assert_eq!(new(vec![rest, still], 0.0).err(), None);
+}
+
+#[test]
 fn an_oblique_condition_counts_beyond_those_that_hold_already() {
     // the wall of a wedge at 45° beside a vertical one: its normal is (−1, −1)/√2
     let mesh = rectangle(CellKind::Quad4, [1, 1])

@@ -6,8 +6,8 @@ use crate::contact::{
     Role, Row, Sample, facets_coincide, pair_couple, pair_mortar, pair_nodes, pair_obstacle,
     sagitta, samples, smooth_parts, unmatched_facing,
 };
-use crate::fem::{Constraints, Couple, CoupleKind, FemError, Place, Short, describe, show};
-use crate::geometry::{Field, Point, add_scaled, dot, norm, sub};
+use crate::fem::{AGREE, Constraints, Couple, CoupleKind, FemError, Place, Short, describe, show};
+use crate::geometry::{Field, Point, add_scaled, dot, sub};
 use crate::mesh::Facet;
 use crate::model::choose::{chosen, finer_than_softer};
 use crate::model::error::Error;
@@ -206,9 +206,6 @@ pub(crate) fn pair_contact<const D: usize>(
 /// Gaps below this part of the coordinates are rounding.
 const NO_GAP: f64 = 16.0 * f64::EPSILON;
 
-/// Prescribed displacements of a node and of a rigid side that differ by more than this part of them contradict each other.
-const AGREE: f64 = 1e-9;
-
 /// Errors: a support of a node of a rigid side says something else than those of its point, where these hold all of it.
 fn check_held<const D: usize>(
     model: &Model<D>,
@@ -223,21 +220,28 @@ fn check_held<const D: usize>(
     let (Some(held), CoupleKind::Rigid) = (held, couple.kind) else {
         return Ok(());
     };
-    let at_point = |row: &Row<D>| -> f64 {
-        let of_node = |&(node, c): &(usize, Point<D>)| -> f64 {
-            c.iter().zip(&held[D * node..]).map(|(c, u)| c * u).sum()
+    // the displacement along a row and the size of its terms, of which it may be left
+    let at_point = |row: &Row<D>| -> [f64; 2] {
+        let of_node = |&(node, c): &(usize, Point<D>)| {
+            let u = &held[D * node..];
+            c.into_iter().enumerate().map(move |(i, c)| c * u[i])
         };
-        row.iter().map(of_node).sum()
+        let terms = || row.iter().flat_map(of_node);
+        [terms().sum(), terms().map(f64::abs).sum()]
     };
+    let largest = held
+        .iter()
+        .fold(0.0, |largest: f64, u| largest.max(u.abs()));
     for node in &interface.nodes {
-        let moved = node
-            .rows
-            .map(|row| row.map_or(0.0, |row| -at_point(&interface.mortar[row])));
+        let of_row = |row: Option<usize>| row.map_or([0.0; 2], |k| at_point(&interface.mortar[k]));
+        let moved = node.rows.map(of_row);
         let supports = constraints.at(node.node).iter();
         for support in supports.filter(|h| !h.supports.is_empty()) {
-            let along = dot(support.axis, moved);
-            let scale = norm(moved).max(support.value.abs());
-            if (along - support.value).abs() > AGREE * scale {
+            let parts = support.axis.iter().zip(&moved);
+            let along: f64 = parts.clone().map(|(a, [u, _])| -a * u).sum();
+            let terms: f64 = parts.map(|(a, [_, terms])| a.abs() * terms).sum();
+            let terms = terms.max(largest).max(support.terms);
+            if (along - support.value).abs() > AGREE * terms {
                 return Err(FemError::Contradiction {
                     node: node.node,
                     point: show(body.mesh.points()[node.node]),

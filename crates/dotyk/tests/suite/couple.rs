@@ -976,6 +976,22 @@ fn what_is_wrong_with_a_couple_is_said() {
     );
 }
 
+/// A rigid side that turns about one of its nodes moves that by a sum that cancels.
+#[test]
+fn supports_on_the_pole_of_a_rigid_side_agree_with_it() {
+    let (mut model, body) = clamped(uneven(CellKind::Quad4));
+    let [_, x] = [0.0, 0.7];
+    let couple = model.couple(body, "top", ("P", [x, 0.4]), CoupleKind::Rigid);
+    // about (0, 1): u = θ × (P − pole)
+    let turn = 0.01;
+    couple.displacement = [-turn * (0.4 - 1.0), turn * x].map(|u| Some(Field::constant(u)));
+    couple.rotation[2] = Some(Field::constant(turn));
+    model.pin(body, [0.0, 1.0], [Some(0.0), Some(0.0)]);
+    model.solve().unwrap();
+    model.pin(body, [0.0, 1.0], [None, Some(1e-9)]);
+    assert!(model.solve().is_err());
+}
+
 /// What agrees at the first time need not do so later.
 #[test]
 fn supports_that_leave_the_motion_of_a_rigid_side_are_told_with_their_step() {
