@@ -3,14 +3,12 @@
 //! One condition along the mean of two normals would let the corner of a block slide through the floor of the pocket that
 //! it sits in, as soon as it leaves the wall.
 
-use crate::contact::curved::TrueSurface;
+use crate::contact::curved::true_surface;
 use crate::contact::{ContactError, End};
+use crate::fem::SHARP;
 use crate::geometry::{Groups, Point, dot};
 use crate::mesh::Facet;
 use std::collections::BTreeMap;
-
-/// Facets whose normals have a cosine below this, that of 30 degrees, meet at a corner: each keeps its own normal there.
-pub const SHARP: f64 = 0.866;
 
 /// The parts of a side between its sharp corners or edges, in the order of its chain, in space of their first facets; the whole
 /// where it has none.
@@ -48,7 +46,7 @@ pub(super) struct Surfaces {
 /// Errors: unknown or empty sides, nodes off the true surface of the side.
 pub(super) fn surfaces<const D: usize>(end: End<'_, D>) -> Result<Surfaces, ContactError> {
     let (mesh, side) = (&end.body.mesh, end.facets()?);
-    let known = TrueSurface::of(end, side)?;
+    let known = true_surface(end, side)?;
     let mut around: BTreeMap<usize, Vec<(usize, Point<D>)>> = BTreeMap::new();
     for (index, &facet) in side.iter().enumerate() {
         let kind = mesh.facet_kind(facet);

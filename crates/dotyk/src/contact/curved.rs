@@ -1,86 +1,42 @@
 //! The curve behind a side: the true surface where it is known, and how far the mesh is off it where it is not.
 
-use crate::contact::corners::SHARP;
 use crate::contact::{ContactError, End};
-use crate::fem::show;
-use crate::geometry::{Point, Surface, add_scaled, cross, distance, dot, norm, sub, unit};
+use crate::fem::{SHARP, TrueSurface, show};
+use crate::geometry::{Point, add_scaled, cross, distance, dot, norm, sub, unit};
 use crate::mesh::{Facet, Mesh};
 use std::collections::BTreeMap;
 
 /// Nodes may lie off the true surface of their side by this part of a facet.
 const OFF_SURFACE: f64 = 0.01;
 
-/// What is given as the surface behind a side; `None`: its facets are what it is.
-type Behind<const D: usize> = Option<Surface<D>>;
-
-/// The true surface of a side, facet by facet: the one that is given for the side, or for another side of the body that the
-/// facet belongs to, or what the mesh knows.
-pub(super) struct TrueSurface<'a, const D: usize> {
-    own: Option<Behind<D>>,
-    /// Facets of the body's other sides that a surface is given for.
-    around: Vec<(&'a [Facet], Behind<D>)>,
-    mesh: &'a Mesh<D>,
-}
-
-impl<'a, const D: usize> TrueSurface<'a, D> {
-    /// That of the facets of one end of an interface.
-    ///
-    /// Errors: nodes off the given surface.
-    pub fn of(end: End<'a, D>, facets: &[Facet]) -> Result<Self, ContactError> {
-        let (mesh, surfaces) = (&end.body.mesh, &end.body.surfaces);
-        let whole = |side: &str| mesh.side(side).unwrap_or_default();
-        let surface = Self {
-            own: surfaces.get(end.side).copied(),
-            around: surfaces
-                .iter()
-                .map(|(side, &surface)| (whole(side), surface))
-                .collect(),
-            mesh,
+/// The true surface of the facets of one end of an interface.
+///
+/// Errors: nodes off the given surface.
+pub(super) fn true_surface<'a, const D: usize>(
+    end: End<'a, D>,
+    facets: &[Facet],
+) -> Result<TrueSurface<'a, D>, ContactError> {
+    let mesh = &end.body.mesh;
+    let surface = TrueSurface::of(end.body, end.side);
+    for &facet in facets {
+        let Some(given) = surface.given(facet).flatten() else {
+            continue;
         };
-        for &facet in facets {
-            let Some(given) = surface.given(facet).flatten() else {
-                continue;
-            };
-            let limit = OFF_SURFACE * mesh.facet_length(facet);
-            for node in mesh.facet_nodes(facet) {
-                let point = mesh.points()[node as usize];
-                let distance = given.distance(point).abs();
-                if distance > limit {
-                    return Err(ContactError::OffSurface {
-                        side: end.name(),
-                        node: node as usize,
-                        point: show(point),
-                        distance,
-                    });
-                }
+        let limit = OFF_SURFACE * mesh.facet_length(facet);
+        for node in mesh.facet_nodes(facet) {
+            let point = mesh.points()[node as usize];
+            let distance = given.distance(point).abs();
+            if distance > limit {
+                return Err(ContactError::OffSurface {
+                    side: end.name(),
+                    node: node as usize,
+                    point: show(point),
+                    distance,
+                });
             }
         }
-        Ok(surface)
     }
-
-    fn given(&self, facet: Facet) -> Option<Behind<D>> {
-        let mut around = self.around.iter();
-        let belongs = |side: &[Facet]| side.binary_search(&facet).is_ok();
-        let found = || {
-            around
-                .find(|(side, _)| belongs(side))
-                .map(|(_, surface)| *surface)
-        };
-        self.own.or_else(found)
-    }
-
-    /// The surface behind a facet; `None` where nothing is known.
-    pub fn at(&self, facet: Facet) -> Option<Surface<D>> {
-        self.given(facet).unwrap_or_else(|| self.mesh.curve(facet))
-    }
-
-    /// Outward unit normal at ξ of a facet: that of the surface behind it, or its own; zero where it has none.
-    pub fn normal(&self, facet: Facet, xi: &[f64]) -> Point<D> {
-        let own = unit(self.mesh.outward_normal(facet, xi)).unwrap_or([0.0; D]);
-        let surface = self.at(facet);
-        let behind = surface.and_then(|s| s.normal(self.mesh.facet_point(facet, xi)));
-        behind.map_or(own, |n| n.map(|c| c * dot(n, own).signum()))
-    }
+    Ok(surface)
 }
 
 /// Largest distance of the facets of a side from the smooth curve or surface that they stand for. Zero where their true surface is
@@ -96,7 +52,7 @@ impl<'a, const D: usize> TrueSurface<'a, D> {
 pub fn sagitta<const D: usize>(end: End<'_, D>) -> Result<f64, ContactError> {
     let mesh = &end.body.mesh;
     let facets = end.facets()?;
-    let surface = TrueSurface::of(end, facets)?;
+    let surface = true_surface(end, facets)?;
     let curved = facets.iter().filter(|&&facet| surface.at(facet).is_none());
     let pieces: Vec<Vec<Piece<D>>> = curved.map(|&facet| pieces(mesh, facet)).collect();
     let mut around: BTreeMap<[u32; 2], Vec<&Piece<D>>> = BTreeMap::new();
@@ -260,6 +216,7 @@ mod tests {
     use super::*;
     use crate::contact::gaps::tests::{end, flat, node_at, ring, wall};
     use crate::fem::{Body, Constraints};
+    use crate::geometry::Surface;
     use crate::mesh::CellKind;
 
     fn off(body: &Body<2>) -> f64 {
@@ -518,7 +475,7 @@ mod tests {
             body.surfaces.insert("bottom".to_string(), Some(surface));
             let free = Constraints::default();
             let end = end(&body, "bottom", &free);
-            match (TrueSurface::of(end, end.facets().unwrap()), allowed) {
+            match (true_surface(end, end.facets().unwrap()), allowed) {
                 (Ok(found), true) => {
                     assert_eq!(found.at(end.facets().unwrap()[0]), Some(surface));
                 }

@@ -32,7 +32,7 @@ mod share;
 mod sheets;
 mod weights;
 
-pub use corners::{SHARP, smooth_parts};
+pub use corners::smooth_parts;
 pub use couple::pair_couple;
 pub use curved::{sagitta, straight_turn};
 pub use error::ContactError;

@@ -7,10 +7,10 @@
 //!
 //! Source: the bisector rule and the axis direction on the axis, Janovský & Procházka (1980) III, section 7.
 
-use crate::contact::corners::SHARP;
-use crate::contact::curved::TrueSurface;
+use crate::contact::curved::true_surface;
 use crate::contact::relative::free_part;
 use crate::contact::{ContactError, End};
+use crate::fem::{SHARP, TrueSurface};
 use crate::geometry::{Point, add_scaled, dot, unit};
 use crate::mesh::{Facet, MAX_FACET_NODES, Mesh};
 use std::collections::{BTreeMap, BTreeSet, HashMap};
@@ -28,7 +28,7 @@ impl<'a, const D: usize> Normals<'a, D> {
     /// Errors: nodes off the true surface of the side.
     pub fn new(end: End<'a, D>, facets: &[Facet]) -> Result<Self, ContactError> {
         let mesh = &end.body.mesh;
-        let surface = TrueSurface::of(end, facets)?;
+        let surface = true_surface(end, facets)?;
         let mut at_nodes: HashMap<Facet, [Point<D>; MAX_FACET_NODES]> = HashMap::new();
         let mut around: BTreeMap<usize, Vec<(Facet, Point<D>)>> = BTreeMap::new();
         for &facet in facets {
@@ -74,13 +74,7 @@ impl<'a, const D: usize> Normals<'a, D> {
             .zip(shape)
             .fold([0.0; D], |sum, (&n, value)| add_scaled(sum, value, n));
         let normal = unit(sum).unwrap_or(sum);
-        match self.surface.at(facet) {
-            None => normal,
-            Some(surface) => {
-                let true_normal = surface.normal(self.mesh.facet_point(facet, xi));
-                true_normal.map_or(normal, |n| n.map(|c| c * dot(n, normal).signum()))
-            }
-        }
+        self.surface.along(facet, xi, normal)
     }
 
     /// Normals at the nodes: the mean of those of the facets that meet there.

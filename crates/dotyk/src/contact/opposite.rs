@@ -1,11 +1,12 @@
 //! What lies opposite a side: the line along its contact normal, the facet that it meets, and the gap between.
 
-use crate::contact::curved::TrueSurface;
+use crate::contact::curved::true_surface;
 use crate::contact::normals::Normals;
 use crate::contact::obstacle::{Rigid, finite_gap};
 use crate::contact::search::{Hit, Line, Search};
 use crate::contact::{Against, ContactError, End, InitialGap};
-use crate::geometry::{Point, add_scaled, size_of, told_apart};
+use crate::fem::TrueSurface;
+use crate::geometry::{Point, add_scaled};
 use crate::mesh::{Facet, MAX_FACET_NODES, Mesh};
 
 /// A nonmortar side and what it is paired with, ready to be looked across.
@@ -30,12 +31,12 @@ impl<'a, const D: usize> Opposite<'a, D> {
         time: f64,
     ) -> Result<Self, ContactError> {
         let own = nonmortar.facets()?;
-        let mut surfaces = [Some(TrueSurface::of(nonmortar, own)?), None];
+        let mut surfaces = [Some(true_surface(nonmortar, own)?), None];
         let search = match against {
             Against::Obstacle(..) => None,
             Against::Side(mortar) => {
                 let other = mortar.facets()?;
-                surfaces[1] = Some(TrueSurface::of(mortar, other)?);
+                surfaces[1] = Some(true_surface(mortar, other)?);
                 Some(Search::new(&nonmortar.body.mesh, &mortar.body.mesh, other))
             }
         };
@@ -109,10 +110,7 @@ impl<'a, const D: usize> Opposite<'a, D> {
     /// The gap at a line from a facet to where it meets the other side.
     pub fn gap_at(&self, facet: Facet, line: Line<D>, hit: Hit) -> Result<f64, ContactError> {
         match self.gap {
-            InitialGap::Measured => {
-                let distance = self.true_distance(facet, line, hit);
-                Ok(told_apart(distance, size_of(line.start)))
-            }
+            InitialGap::Measured => Ok(self.true_distance(facet, line, hit)),
             InitialGap::Closed => Ok(0.0),
             InitialGap::Given(field) => finite_gap(field, line.start, self.time, self.nonmortar),
         }

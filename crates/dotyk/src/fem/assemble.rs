@@ -153,7 +153,7 @@ pub fn assemble<const D: usize>(
     for (dof, _) in held_dofs(&constraints, &frames) {
         held[dof] = true;
     }
-    let sprung = sprung_directions(body)?;
+    let sprung = sprung_directions(body, analysis)?;
     let held_by = (&constraints, &sprung[..]);
     let mut modes = free_modes(&body.mesh, held_by, RigidBasis::of(analysis));
     for mode in &mut modes {

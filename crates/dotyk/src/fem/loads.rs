@@ -343,6 +343,8 @@ pub(crate) fn nodal_volumes<const D: usize>(body: &Body<D>, analysis: Analysis) 
 /// A point of integration of a side.
 pub(crate) struct SidePoint<const D: usize> {
     pub facet: Facet,
+    /// Reference coordinates on the facet.
+    pub xi: [f64; 3],
     /// Of the nodes of the facet.
     pub shape: [f64; MAX_FACET_NODES],
     pub point: Point<D>,
@@ -375,6 +377,7 @@ pub(crate) fn side_points<'a, const D: usize>(
             let area = norm(normal);
             SidePoint {
                 facet,
+                xi: *xi,
                 shape: *shape,
                 point,
                 normal: normal.map(|n| n / area),

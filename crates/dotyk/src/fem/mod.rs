@@ -28,6 +28,7 @@ mod springs;
 mod strength;
 mod stress;
 mod supports;
+mod surface;
 #[cfg(test)]
 mod tests;
 
@@ -55,3 +56,4 @@ pub(crate) use modes::fit_rigid;
 pub(crate) use overstress::overstress;
 pub(crate) use springs::{spring_forces, spring_loads};
 pub(crate) use supports::{AGREE, describe, side_facets, side_nodes};
+pub(crate) use surface::{SHARP, TrueSurface};

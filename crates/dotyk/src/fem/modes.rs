@@ -5,6 +5,7 @@
 
 use crate::fem::error::{Short, show};
 use crate::fem::nouns::Analysis;
+use crate::fem::springs::Direction;
 use crate::fem::supports::Constraints;
 use crate::geometry::{Point, add_scaled, bounding_box, cross, dot, norm, padded, sub};
 use crate::linalg::{Mat, least_squares, null_space};
@@ -72,11 +73,10 @@ impl RigidBasis {
 /// Conditions count as satisfied below this fraction of the largest.
 const RANK_TOLERANCE: f64 = 1e-9;
 
-/// Columns of R in global axes, (D·n,) each, scaled to largest displacement 1; `sprung` are nodes and the directions in which springs
-/// hold them.
+/// Columns of R in global axes, (D·n,) each, scaled to largest displacement 1; `sprung` are the directions in which springs hold.
 pub(crate) fn free_modes<const D: usize>(
     mesh: &Mesh<D>,
-    (constraints, sprung): (&Constraints<D>, &[(usize, Point<D>)]),
+    (constraints, sprung): (&Constraints<D>, &[Direction<D>]),
     basis: RigidBasis,
 ) -> Vec<Vec<f64>> {
     let (components, members) = node_components(mesh);
@@ -90,10 +90,14 @@ pub(crate) fn free_modes<const D: usize>(
     let mut rows: Vec<Vec<f64>> = Vec::new();
     let supports = constraints.nodes.iter();
     let held = supports.flat_map(|(&node, held)| held.iter().map(move |h| (node, h.axis)));
-    for (node, axis) in held.chain(sprung.iter().copied()) {
+    let held = held.map(|(node, axis)| (vec![(node, 1.0)], axis));
+    for (nodes, axis) in held.chain(sprung.iter().cloned()) {
         let mut row = vec![0.0; unknowns];
-        for k in 0..count {
-            row[count * members[node][0] + k] = dot(axis, motion(members[node][0], k, node));
+        for (node, n) in nodes {
+            let component = members[node][0];
+            for k in 0..count {
+                row[count * component + k] += n * dot(axis, motion(component, k, node));
+            }
         }
         rows.push(row);
     }

@@ -6,15 +6,17 @@
 //! ```
 //!
 //! u_a is the displacement at which a spring came, which it does without a force. A bed that only presses bears along the
-//! normal by a condition of its own (`model/links.rs`); here it has its tangential part alone.
+//! normal by a condition of its own (`model/links.rs`); here it has its tangential part alone. n is the normal of what the side
+//! stands for (`fem/surface.rs`), so that a bed along the radius does not resist a spin.
 //!
 //! Units: kₙ, kₜ force per area and length, with the thickness or 2πr coming on top; k_i force per length.
 
 use crate::fem::error::FemError;
-use crate::fem::loads::side_points;
+use crate::fem::loads::{SidePoint, side_points};
 use crate::fem::nouns::{Active, Analysis, Body, Place};
-use crate::fem::supports::{nearest_node, side_facets};
-use crate::geometry::{Point, add_scaled, dot, norm, unit};
+use crate::fem::supports::nearest_node;
+use crate::fem::surface::SideNormals;
+use crate::geometry::{Point, add_scaled, dot, norm};
 use std::collections::BTreeMap;
 
 /// Where a spring acts, and how stiff it is.
@@ -101,9 +103,11 @@ impl<const D: usize> Spring<D> {
     }
 }
 
-/// A point at which a spring acts: nodes with their shape functions, and the tensor C times the area there.
+/// A point at which a spring acts: nodes with their shape functions, the directions in which it holds, and the tensor C times the
+/// area there.
 struct Share<const D: usize> {
     nodes: Vec<(usize, f64)>,
+    held: Vec<Point<D>>,
     tensor: [Point<D>; D],
 }
 
@@ -120,8 +124,10 @@ fn shares<const D: usize>(
     match &spring.bed {
         Bed::Point { point, stiffness } => {
             let node = nearest_node(&body.mesh, *point, "spring")?;
+            let axes = scaled_axes([1.0; D]).into_iter().zip(stiffness);
             Ok(vec![Share {
                 nodes: vec![(node, 1.0)],
+                held: axes.filter(|(_, k)| **k > 0.0).map(|(a, _)| a).collect(),
                 tensor: scaled_axes(*stiffness),
             }])
         }
@@ -131,14 +137,20 @@ fn shares<const D: usize>(
             if normal == 0.0 && across == 0.0 {
                 return Ok(Vec::new());
             }
-            let share = |place: crate::fem::loads::SidePoint<D>| {
+            let normals = SideNormals::new(body, side)?;
+            let share = |place: SidePoint<D>| {
                 let nodes = body.mesh.facet_nodes(place.facet).zip(place.shape);
+                let n = normals.at(place.facet, &place.xi);
                 let mut tensor = scaled_axes([across * place.area; D]);
-                for (row, n) in tensor.iter_mut().zip(place.normal) {
-                    *row = add_scaled(*row, (normal - across) * place.area * n, place.normal);
+                for (row, c) in tensor.iter_mut().zip(n) {
+                    *row = add_scaled(*row, (normal - across) * place.area * c, n);
                 }
+                let axes = scaled_axes([1.0; D]).into_iter();
+                let along = axes.map(|axis| add_scaled(axis, -dot(axis, n), n));
+                let along = along.filter(|axis| across > 0.0 && norm(*axis) > 0.1);
                 Share {
                     nodes: nodes.map(|(node, n)| (node as usize, n)).collect(),
+                    held: along.chain((normal > 0.0).then_some(n)).collect(),
                     tensor,
                 }
             };
@@ -214,45 +226,20 @@ pub(crate) fn spring_loads<const D: usize>(
         .collect()
 }
 
-/// Nodes and directions in which springs hold a body.
+/// A direction that something holds at a place: nodes with their shape functions there, and the unit vector.
+pub(crate) type Direction<const D: usize> = (Vec<(usize, f64)>, Point<D>);
+
+/// The directions in which springs hold a body, wherever they act: what has no part of any of these stretches nothing.
 ///
 /// Errors: unknown or empty sides, points off the body.
 pub(crate) fn sprung_directions<const D: usize>(
     body: &Body<D>,
-) -> Result<Vec<(usize, Point<D>)>, FemError> {
-    let mesh = &body.mesh;
+    analysis: Analysis,
+) -> Result<Vec<Direction<D>>, FemError> {
     let mut all = Vec::new();
     for spring in &body.springs {
-        match &spring.bed {
-            Bed::Point { point, stiffness } => {
-                let node = nearest_node(mesh, *point, "spring")?;
-                let axes = scaled_axes([1.0; D]).into_iter().zip(stiffness);
-                all.extend(
-                    axes.filter(|(_, k)| **k > 0.0)
-                        .map(|(axis, _)| (node, axis)),
-                );
-            }
-            Bed::Side { side, .. } => {
-                let [normal, across] = spring.of_side().map(|k| k > 0.0);
-                for &facet in side_facets(mesh, side)? {
-                    let kind = mesh.facet_kind(facet);
-                    for (node, xi) in mesh.facet_nodes(facet).zip(kind.reference_nodes()) {
-                        let Some(n) = unit(mesh.outward_normal(facet, xi)) else {
-                            continue;
-                        };
-                        let node = node as usize;
-                        if normal {
-                            all.push((node, n));
-                        }
-                        if across {
-                            let axes = scaled_axes([1.0; D]).into_iter();
-                            let along = axes.map(|axis| add_scaled(axis, -dot(axis, n), n));
-                            let along = along.filter(|axis| norm(*axis) > 0.1);
-                            all.extend(along.map(|axis| (node, axis)));
-                        }
-                    }
-                }
-            }
+        for Share { nodes, held, .. } in shares(body, analysis, spring)? {
+            all.extend(held.into_iter().map(|axis| (nodes.clone(), axis)));
         }
     }
     Ok(all)

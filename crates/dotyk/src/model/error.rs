@@ -312,8 +312,10 @@ pub enum NotHeld {
         /// The smallest clearance.
         clearance: f64,
     },
-    /// The load drives a motion that no contact controls.
-    #[error("its load does work on it (resultant {load:.4e}) and no contact can resist it")]
+    /// The load drives a motion that no contact or spring controls.
+    #[error(
+        "its load does work on it (resultant {load:.4e}) and no contact or spring can resist it"
+    )]
     Driven {
         /// Work of the load for a unit motion.
         load: f64,

@@ -3,6 +3,9 @@
 //! The columns of R of all bodies are the modes; G = RᵀBᵀ and e = Rᵀf. A combination z with Gᵀz = 0 is a
 //! motion that no contact can resist: driven by the load it is an error, else it is fixed by least norm with a warning.
 //! If no admissible λ satisfies Gλ = e, the load pulls a body away from everything that could hold it.
+//!
+//! A body that contacts cannot reach is an error in any case, but for one on springs: a bed, too, holds along its normal and leaves
+//! alone what is across, such as the spin of a ring.
 
 use crate::dual::{Balance, Modes, NO_WORK};
 use crate::fem::{ALONG, describe_motion, list_motions};
@@ -281,10 +284,13 @@ fn unreachable_contacts<const D: usize>(
 ) -> Option<NotHeld> {
     let nearest = loaded.rows.index.iter().map(|&row| gaps[row]);
     let nearest = nearest.fold(f64::INFINITY, f64::min);
+    let own = model.bodies.get(body);
+    if own.is_some_and(|body| !body.springs.is_empty()) {
+        return None;
+    }
     if nearest == f64::INFINITY {
         return Some(NotHeld::Alone);
     }
-    let own = model.bodies.get(body);
     let sizes = own.map_or(&model.bodies[..], std::slice::from_ref).iter();
     let size = sizes.map(|body| body.mesh.diameter()).fold(0.0, f64::max);
     let far = nearest > OUT_OF_REACH * size;

@@ -3,8 +3,8 @@
 //! A side falls into pieces where its chains end, and at its sharp corners for what depends on the normal: a corner node then
 //! stands there twice, with the normal of each of its faces.
 
-use crate::contact::{SHARP, nodal_weights};
-use crate::fem::{Analysis, Body, side_facets};
+use crate::contact::nodal_weights;
+use crate::fem::{Analysis, Body, SHARP, side_facets};
 use crate::geometry::{Point, add_scaled, distance, dot, unit};
 use crate::mesh::Facet;
 use crate::model::error::ProbeError;

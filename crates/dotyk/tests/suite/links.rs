@@ -4,7 +4,8 @@
 //! certificate knows to that.
 
 use dotyk::case::{Case, CaseError};
-use dotyk::model::{BarSolution, BodySolution, Model, Solution};
+use dotyk::geometry::Field;
+use dotyk::model::{BarSolution, BodyId, BodySolution, Load, Model, Solution};
 
 fn solved(text: &str) -> (Model<2>, Vec<Solution<2>>) {
     let model = Case::<2>::from_str(text, "links.toml", "".as_ref())
@@ -176,6 +177,128 @@ fn a_bed_that_only_presses_is_a_bed_where_it_presses() {
     let [before, after] = sunk(&case(true, -5.0, ", active = { from = 2 }"));
     near(before, 5.0 / 25.0, 1e-7);
     near(after, 10.0 / 25.0, 1e-7);
+}
+
+/// A ring on springs along its radius, as an oval presses it, with a twist `dp`.
+fn bedded_ring(cell: &str, n: usize, dp: f64, more: &str) -> Model<2> {
+    let text = format!(
+        "analysis = \"plane-strain\"\n[[body]]\nname = \"a\"\n\
+         mesh = {{ ring = {{ inner = 4.7, outer = 5, cells = [{n}, 2], cell = \"{cell}\" }} }}\n\
+         material = {{ young = 35e3, poisson = 0.2 }}\nspring = [{{ side = \"outer\", normal = 10 }}{more}]\n\
+         load = [{{ side = \"outer\", traction = [\"-0.2*x/5 - {dp}*y/5\", \"-0.4*y/5 + {dp}*x/5\"] }}]\n"
+    );
+    Case::<2>::from_str(&text, "ring.toml", "".as_ref())
+        .unwrap()
+        .model
+}
+
+/// The same with its nodes at other angles, so that no two facets are alike, and without a word of what its sides are.
+fn uneven(mut model: Model<2>, oval: f64) -> Model<2> {
+    let body = &mut model.bodies[0];
+    let moved = body.mesh.clone().map_points(|[x, y]| {
+        let (r, a) = (x.hypot(y), y.atan2(x));
+        let a = a + 0.2 * (2.0 * a).sin() * a.cos();
+        [(1.0 + oval) * r * a.cos(), r * a.sin()]
+    });
+    body.mesh = moved.unwrap();
+    model
+}
+
+fn largest(solution: &Solution<2>) -> f64 {
+    let u = solution.bodies[0].displacement.iter();
+    u.map(|u| u[0].hypot(u[1])).fold(0.0, f64::max)
+}
+
+#[test]
+fn a_bed_along_the_radius_leaves_a_ring_its_spin_however_fine_it_is() {
+    for cell in ["quad4", "quad8", "quad9"] {
+        let mut sizes = Vec::new();
+        for n in [24, 48, 50, 64, 96] {
+            let solution = bedded_ring(cell, n, 0.0, "").solve().unwrap();
+            assert_eq!(solution.bodies[0].floating_modes.len(), 1, "{cell} {n}");
+            let told = &solution.warnings[..];
+            assert!(
+                told.iter()
+                    .any(|w| w.contains("nothing controls its rotation about (0, 0)")),
+                "{cell} {n}: {told:?}"
+            );
+            assert!(solution.bodies[0].rigid.rotation[0].abs() < 1e-9);
+            sizes.push(largest(&solution));
+            let driven = bedded_ring(cell, n, 1e-4, "")
+                .solve()
+                .unwrap_err()
+                .to_string();
+            assert!(
+                driven.contains("rotation about (0, 0)") && driven.contains("does work"),
+                "{driven}"
+            );
+        }
+        let [least, most] = [f64::min, f64::max].map(|f| sizes.iter().copied().reduce(f).unwrap());
+        assert!(most < 1.05 * least && most < 0.2, "{cell}: {sizes:?}");
+    }
+}
+
+#[test]
+fn the_spin_of_a_ring_of_which_nothing_is_known_is_free_too() {
+    for cell in ["quad4", "quad8", "quad9"] {
+        let mut model = uneven(bedded_ring(cell, 48, 0.0, ""), 0.0);
+        model.bodies[0].loads.clear();
+        model.load(
+            BodyId(0),
+            Load::Pressure {
+                side: "outer".to_string(),
+                pressure: Field::constant(0.3),
+            },
+        );
+        let solution = model.solve().unwrap();
+        assert_eq!(solution.bodies[0].floating_modes.len(), 1, "{cell}");
+        assert!(largest(&solution) < 0.1, "{cell}: {}", largest(&solution));
+        // out of round by 1 % it bears a torque on its bed
+        let oval = uneven(bedded_ring(cell, 48, 1e-4, ""), 0.01);
+        let solution = oval.solve().unwrap();
+        assert!(solution.bodies[0].floating_modes.is_empty(), "{cell}");
+    }
+}
+
+#[test]
+fn a_weak_spring_holds_what_strong_ones_leave() {
+    // torque 2π R² dp over 2π R² k R: turned by dp/(k R), for the spring at the outer side
+    let [dp, k] = [1e-4, 1e-3];
+    let more = format!(", {{ side = \"outer\", normal = 0, tangential = {k} }}");
+    for cell in ["quad4", "quad9"] {
+        let solution = bedded_ring(cell, 64, dp, &more).solve().unwrap();
+        assert!(solution.bodies[0].floating_modes.is_empty());
+        near(
+            solution.bodies[0].rigid.rotation[0] * 5.0 * k / dp,
+            1.0,
+            2e-2,
+        );
+    }
+}
+
+/// A pipe in space on springs along its radius, held along its axis by springs, too: it spins, and nothing drives that.
+#[test]
+fn a_bedded_pipe_spins_in_space() {
+    for cell in ["hex8", "hex20", "tet4", "tet10"] {
+        let text = format!(
+            "analysis = \"3d\"\n[[body]]\nname = \"pipe\"\n\
+             mesh = {{ cylinder = {{ base = [0, 0, 0], axis = [0, 0, 1], radius = 1, inner = 0.8, height = 1, cells = [16, 1, 2], cell = \"{cell}\" }} }}\n\
+             material = {{ young = 1e4, poisson = 0.2 }}\n\
+             spring = [{{ side = \"outer\", normal = 10 }}, {{ side = \"bottom\", normal = 7 }}]\n\
+             load = [{{ side = \"outer\", pressure = 1 }}]\n"
+        );
+        let model = Case::<3>::from_str(&text, "pipe.toml", "".as_ref())
+            .unwrap()
+            .model;
+        let solution = model.solve().unwrap();
+        let modes = &solution.bodies[0].floating_modes;
+        assert_eq!(modes.len(), 1, "{cell}");
+        assert!(
+            modes[0].description.contains("rotation about z"),
+            "{}",
+            modes[0].description
+        );
+    }
 }
 
 /// A block that hangs on a bar alone along y: N is its load over the bars in the thickness, and it sinks by F L/(EA).

@@ -1,0 +1,292 @@
+//! What the facets of a side stand for: the true surface behind them, and their normals.
+//!
+//! The normal of a facet is off that of a curve by up to half the angle between two facets. A ring on radial springs then seems
+//! to be held against spinning: its facets are pressed on one half and lifted on the other, and the energy of that, a part of
+//! (half angle)²/3 of what springs in all directions would store, is nothing but an error of the mesh. So springs act along the
+//! normals of the curve:
+//!
+//! * of the true surface where it is known;
+//! * else between nodes interpolated, and at nodes the sum of the normals n of what meets there, weighted by 1/L with the lengths L
+//!   of edges in the plane, by sin α/(L₁L₂) with the edges of corners in space. On circles, spheres and cylinders along whose
+//!   axis edges run, of facets as different as they may be, that is the radius: for chords of the angles 2a and 2b, of
+//!   lengths 2R sin a and 2R sin b, the normals' parts along the tangent are −sin a/(2R sin a) + sin b/(2R sin b) = 0. And what
+//!   is along the radius x/R at nodes is so between them. At the end of a line its last edge bends as at its other end.
+//!
+//! A motion along such a surface is then resisted by nothing, to rounding, and one across it by the whole spring, however weak.
+//! Facets that meet at a sharp corner keep their own normals.
+//!
+//! Source of the weights: N. Max, Weights for computing vertex normals from facet normals, J. Graphics Tools 4 (1999) 1–6.
+
+use crate::fem::error::FemError;
+use crate::fem::nouns::Body;
+use crate::fem::supports::side_facets;
+use crate::geometry::{Point, Surface, add_scaled, cross, dot, norm, padded, sub, unit};
+use crate::mesh::{CellKind, Facet, MAX_FACET_NODES, Mesh};
+use std::collections::BTreeMap;
+
+/// Facets whose normals have a cosine below this, that of 30 degrees, meet at a corner: each keeps its own normal there.
+pub(crate) const SHARP: f64 = 0.866;
+
+/// What is given as the surface behind a side; `None`: its facets are what it is.
+type Behind<const D: usize> = Option<Surface<D>>;
+
+/// The true surface of a side, facet by facet: the one that is given for the side, or for another side of the body that the
+/// facet belongs to, or what the mesh knows.
+pub(crate) struct TrueSurface<'a, const D: usize> {
+    own: Option<Behind<D>>,
+    /// Facets of the body's other sides that a surface is given for.
+    around: Vec<(&'a [Facet], Behind<D>)>,
+    mesh: &'a Mesh<D>,
+}
+
+impl<'a, const D: usize> TrueSurface<'a, D> {
+    /// That of a side of a body.
+    pub fn of(body: &'a Body<D>, side: &str) -> Self {
+        let whole = |side: &str| body.mesh.side(side).unwrap_or_default();
+        let around = body.surfaces.iter();
+        Self {
+            own: body.surfaces.get(side).copied(),
+            around: around
+                .map(|(side, &surface)| (whole(side), surface))
+                .collect(),
+            mesh: &body.mesh,
+        }
+    }
+
+    /// What is given for a facet.
+    pub fn given(&self, facet: Facet) -> Option<Behind<D>> {
+        let mut around = self.around.iter();
+        let belongs = |side: &[Facet]| side.binary_search(&facet).is_ok();
+        let found = || {
+            around
+                .find(|(side, _)| belongs(side))
+                .map(|(_, surface)| *surface)
+        };
+        self.own.or_else(found)
+    }
+
+    /// The surface behind a facet; `None` where nothing is known.
+    pub fn at(&self, facet: Facet) -> Option<Surface<D>> {
+        self.given(facet).unwrap_or_else(|| self.mesh.curve(facet))
+    }
+
+    /// Outward unit normal at ξ of a facet: that of the surface behind it, or its own; zero where it has none.
+    pub fn normal(&self, facet: Facet, xi: &[f64]) -> Point<D> {
+        let own = unit(self.mesh.outward_normal(facet, xi)).unwrap_or([0.0; D]);
+        self.along(facet, xi, own)
+    }
+
+    /// The normal of the surface behind a facet at ξ, the way that another one points; else that.
+    pub fn along(&self, facet: Facet, xi: &[f64], other: Point<D>) -> Point<D> {
+        let surface = self.at(facet);
+        let behind = surface.and_then(|s| s.normal(self.mesh.facet_point(facet, xi)));
+        behind.map_or(other, |n| n.map(|c| c * dot(n, other).signum()))
+    }
+}
+
+/// Outward unit normals of a side along which its springs act.
+pub(crate) struct SideNormals<'a, const D: usize> {
+    surface: TrueSurface<'a, D>,
+    /// At the nodes of facets behind which no surface is known.
+    at_nodes: BTreeMap<Facet, [Point<D>; MAX_FACET_NODES]>,
+}
+
+/// A part of a facet at one of its nodes: the facet, its unit normal, and the weight of that.
+type Part<const D: usize> = (Facet, Point<D>, f64);
+
+impl<'a, const D: usize> SideNormals<'a, D> {
+    /// Those of a side of a body. Errors: an unknown or empty side.
+    pub fn new(body: &'a Body<D>, side: &str) -> Result<Self, FemError> {
+        let mesh = &body.mesh;
+        let surface = TrueSurface::of(body, side);
+        let facets = side_facets(mesh, side)?.iter().copied();
+        // a given side without a surface is what its facets are
+        let smooth = facets.filter(|&f| surface.given(f).is_none() && mesh.curve(f).is_none());
+        let smooth: Vec<Facet> = smooth.collect();
+        let mut around: BTreeMap<u32, Vec<Part<D>>> = BTreeMap::new();
+        for &facet in &smooth {
+            for (node, normal, weight) in parts(mesh, facet) {
+                around
+                    .entry(node)
+                    .or_default()
+                    .push((facet, normal, weight));
+            }
+        }
+        let sum = |own: Point<D>, all: &[Part<D>]| {
+            let alike = all.iter().filter(|(_, n, _)| dot(*n, own) > SHARP);
+            let sum = alike.fold([0.0; D], |sum, (_, n, w)| add_scaled(sum, *w, *n));
+            unit(sum).unwrap_or(own)
+        };
+        let mut at_nodes = BTreeMap::new();
+        for &facet in &smooth {
+            let xi = mesh.facet_kind(facet).reference_nodes();
+            let nodes: Vec<u32> = mesh.facet_nodes(facet).collect();
+            let mut normals = [[0.0; D]; MAX_FACET_NODES];
+            for ((normal, node), xi) in normals.iter_mut().zip(&nodes).zip(xi) {
+                let own = unit(mesh.outward_normal(facet, xi)).unwrap_or([0.0; D]);
+                *normal = sum(own, &around[node]);
+            }
+            if D == 2 {
+                bend_ends(&nodes, &around, &mut normals);
+            }
+            at_nodes.insert(facet, normals);
+        }
+        Ok(Self { surface, at_nodes })
+    }
+
+    /// Normal at ξ of a facet.
+    pub fn at(&self, facet: Facet, xi: &[f64]) -> Point<D> {
+        let Some(nodal) = self.at_nodes.get(&facet) else {
+            return self.surface.normal(facet, xi);
+        };
+        let mut shape = [0.0; MAX_FACET_NODES];
+        self.surface.mesh.facet_kind(facet).shape(xi, &mut shape);
+        let sum = nodal.iter().zip(shape);
+        let sum = sum.fold([0.0; D], |sum, (&n, value)| add_scaled(sum, value, n));
+        unit(sum).unwrap_or(sum)
+    }
+}
+
+/// A line that ends at an end of a facet bends there as it does at the other end of its last edge: the normal of that, mirrored in
+/// the normal of the edge.
+fn bend_ends<const D: usize>(
+    nodes: &[u32],
+    around: &BTreeMap<u32, Vec<Part<D>>>,
+    normals: &mut [Point<D>; MAX_FACET_NODES],
+) {
+    let middle = nodes.get(2).map(|_| 2);
+    let known = *normals;
+    for end in 0..2 {
+        if let [(_, edge, _)] = around[&nodes[end]][..] {
+            let other = known[middle.unwrap_or(1 - end)];
+            normals[end] = add_scaled(other.map(|c| -c), 2.0 * dot(other, edge), edge);
+        }
+    }
+}
+
+/// The parts of a facet at its nodes: edges between neighbouring nodes in the plane, corners in space; nodes of curved facets
+/// of space have the normal of the facet there.
+fn parts<const D: usize>(mesh: &Mesh<D>, facet: Facet) -> Vec<(u32, Point<D>, f64)> {
+    let kind = mesh.facet_kind(facet);
+    let nodes: Vec<u32> = mesh.facet_nodes(facet).collect();
+    let at = |k: usize| mesh.points()[nodes[k] as usize];
+    let outward = |k: usize| unit(mesh.outward_normal(facet, &kind.reference_nodes()[k]));
+    let mut parts = Vec::new();
+    if D == 2 {
+        let edges: &[[usize; 2]] = match kind {
+            CellKind::Line3 => &[[0, 2], [2, 1]],
+            _ => &[[0, 1]],
+        };
+        for &[a, b] in edges {
+            let along = sub(at(b), at(a));
+            let turned = std::array::from_fn(|i| if i == 0 { along[1] } else { -along[0] });
+            let (Some(n), Some(own)) = (unit(turned), outward(a)) else {
+                continue;
+            };
+            let n = n.map(|c| c * dot(n, own).signum());
+            parts.extend([a, b].map(|k| (nodes[k], n, 1.0 / norm(along))));
+        }
+        return parts;
+    }
+    let corners = kind.corners();
+    for (k, &node) in nodes.iter().enumerate() {
+        let Some(own) = outward(k) else { continue };
+        if nodes.len() > corners {
+            parts.push((node, own, 1.0));
+            continue;
+        }
+        let edges = [k + 1, k + corners - 1].map(|other| sub(at(other % corners), at(k)));
+        let [first, second] = edges.map(padded);
+        let across = cross(first, second);
+        let across: Point<D> = std::array::from_fn(|i| across[i]);
+        if let Some(n) = unit(across) {
+            let lengths = dot(edges[0], edges[0]) * dot(edges[1], edges[1]);
+            let n = n.map(|c| c * dot(n, own).signum());
+            parts.push((node, n, norm(across) / lengths));
+        }
+    }
+    parts
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::fem::tests::body;
+    use crate::mesh::{Cuboid, Diagonals, Rectangle};
+
+    #[test]
+    fn lines_on_a_circle_have_its_radius_whatever_their_lengths() {
+        for cell in [CellKind::Quad4, CellKind::Quad8, CellKind::Quad9] {
+            let rectangle = Rectangle {
+                from: [0.0, 1.0],
+                to: [2.0, 1.5],
+                cells: [9, 1],
+                cell,
+                diagonals: Diagonals::default(),
+            };
+            let bent = |[x, r]: Point<2>| {
+                let angle = x + 0.2 * (3.0 * x).sin();
+                [3.0 - r * angle.cos(), r * angle.sin()]
+            };
+            let body = body(rectangle.build().unwrap().map_points(bent).unwrap());
+            let normals = SideNormals::new(&body, "top").unwrap();
+            for &facet in body.mesh.side("top").unwrap() {
+                for xi in [-1.0, -0.7, 0.0, 0.31, 1.0] {
+                    let [x, y] = body.mesh.facet_point(facet, &[xi]);
+                    let radius = unit([x - 3.0, y]).unwrap();
+                    let off = norm(sub(normals.at(facet, &[xi]), radius));
+                    assert!(off < 1e-14, "{cell:?} {xi}: {off:.1e}");
+                    // the facet itself is off
+                    let own = unit(body.mesh.outward_normal(facet, &[-1.0])).unwrap();
+                    assert!(norm(sub(own, normals.at(facet, &[-1.0]))) > 1e-5);
+                }
+            }
+            // straight ends keep theirs, as do corners
+            let normals = SideNormals::new(&body, "left").unwrap();
+            for &facet in body.mesh.side("left").unwrap() {
+                assert!(norm(sub(normals.at(facet, &[-1.0]), [0.0, -1.0])) < 1e-14);
+            }
+        }
+    }
+
+    #[test]
+    fn corners_on_a_sphere_have_its_radius() {
+        for cell in [CellKind::Hex8, CellKind::Tet4] {
+            let cuboid = Cuboid {
+                from: [-0.5, -0.5, 1.0],
+                to: [0.5, 0.5, 1.2],
+                cells: [5, 5, 1],
+                cell,
+            };
+            let bent = |[x, y, r]: Point<3>| {
+                let way = unit([x + 0.2 * x * y, y - 0.3 * x * x, 1.0]).unwrap();
+                way.map(|c| r * c)
+            };
+            let body = body(cuboid.build().unwrap().map_points(bent).unwrap());
+            let normals = SideNormals::new(&body, "top").unwrap();
+            let facets = body.mesh.side("top").unwrap();
+            let mut rim = BTreeMap::new();
+            for &facet in facets {
+                let mut nodes: Vec<u32> = body.mesh.facet_nodes(facet).collect();
+                nodes.rotate_left(1);
+                for (a, b) in body.mesh.facet_nodes(facet).zip(nodes) {
+                    *rim.entry([a.min(b), a.max(b)]).or_insert(0) += 1;
+                }
+            }
+            let on_rim = |node: u32| rim.iter().any(|(e, n)| *n == 1 && e.contains(&node));
+            let mut within = 0;
+            for &facet in facets {
+                let xi = body.mesh.facet_kind(facet).reference_nodes();
+                for (node, xi) in body.mesh.facet_nodes(facet).zip(xi) {
+                    if !on_rim(node) {
+                        let radius = unit(body.mesh.points()[node as usize]).unwrap();
+                        let off = norm(sub(normals.at(facet, xi), radius));
+                        assert!(off < 1e-14, "{cell:?}: {off:.1e}");
+                        within += 1;
+                    }
+                }
+            }
+            assert!(within > 16);
+        }
+    }
+}
