@@ -11,9 +11,11 @@
 //! them, and where it does not (a ring) what the displacements make of it, twice as accurate as stresses. No stress is
 //! recovered. With axial symmetry the hoop stress is a force per volume −σ_θ/r along r.
 //!
-//! * Tractions and body force are integrated exactly up to the cut, through cells and facets.
-//! * Of contacts, couples and supports of sides nodal forces are known. They count as the traction of shape functions on these
-//!   sides that has these nodal forces, else each cut beside a node would show half of the node's force.
+//! * Tractions, body force and springs of sides are integrated exactly up to the cut, through cells and facets.
+//! * Of contacts, couples, supports of sides and beds that only press nodal forces are known. They count as the traction of shape
+//!   functions on these sides that has these nodal forces, else each cut beside a node would show half of the node's force. Each
+//!   stands on its own side alone: at the corner of a held end and a bedded long side the reaction of the support belongs to
+//!   the end, the force of the bed to the long side, and as one traction over both they would leak into each other.
 //! * A force at a point of the cut belongs to the part behind; so does all that acts on a face in which the body begins. Where
 //!   it ends in the cut, the cut is meant just before that face: what acts there is ahead, but for point loads.
 //!
@@ -26,7 +28,9 @@ use crate::fem::internal::{CellForces, Rule};
 use crate::fem::loads::{Amount, Load, side_points};
 use crate::fem::nouns::{Analysis, Body, Place};
 use crate::fem::quadrature::gauss;
+use crate::fem::springs::{Bed, Spring};
 use crate::fem::supports::{nearest_node, side_facets};
+use crate::fem::surface::SideNormals;
 use crate::geometry::{Point, add_scaled, dot, norm, sub};
 use crate::mesh::{CellKind, Cut, Domain, Facet, MAX_CELL_NODES, MAX_FACET_NODES};
 use std::collections::{BTreeMap, BTreeSet};
@@ -43,15 +47,42 @@ pub(crate) struct Ahead<'a, const D: usize> {
     analysis: Analysis,
     time: f64,
     cells: CellForces<'a, D>,
+    displacement: &'a [Point<D>],
     /// Loads of each facet, and what a unit of their value is per area.
     loads: BTreeMap<Facet, Vec<(&'a Load<D>, f64)>>,
-    /// By contacts and couples, by supports, and by what bodies that have gone have left.
-    pushed: [Pushed<D>; 3],
+    springs: Vec<Sprung<'a, D>>,
+    /// By what pushes its sides, and by what bodies that have gone have left.
+    pushed: Vec<Pushed<D>>,
     /// Forces at nodes.
     points: BTreeMap<u32, Point<D>>,
     has_body_force: bool,
     /// Cells of each node, as pairs of block and cell.
     around: Vec<Vec<(u32, u32)>>,
+}
+
+/// A spring of a side.
+struct Sprung<'a, const D: usize> {
+    spring: &'a Spring<D>,
+    facets: &'a [Facet],
+    normals: SideNormals<'a, D>,
+    /// The displacements (nodes,) at which it came.
+    came: Option<&'a [Point<D>]>,
+}
+
+/// Nodal forces ON a body of one support, bed, contact or couple, or of contacts that have nodes in common, and the sides that
+/// they are spread over.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct Push<const D: usize> {
+    pub sides: BTreeSet<String>,
+    pub forces: BTreeMap<usize, Point<D>>,
+}
+
+impl<const D: usize> Push<D> {
+    /// Adds a force at a node.
+    pub fn add(&mut self, node: usize, force: Point<D>) {
+        let sum = self.forces.entry(node).or_insert([0.0; D]);
+        *sum = add_scaled(*sum, 1.0, force);
+    }
 }
 
 /// Facets whose nodal forces are known, and the traction at their nodes that has these forces.
@@ -122,74 +153,56 @@ impl<'c> Divide<'c> {
 }
 
 impl<'a, const D: usize> Ahead<'a, D> {
-    /// With the displacements, the forces of contacts and couples, and the reactions of all nodes, those of bars by node, at a
-    /// time; contacts and couples act on these `sides`.
+    /// With the displacements, what pushes its sides besides loads and springs, and the forces of bars by node, at a time.
     ///
     /// Errors: a group of cells without a material; a side that is not there.
     pub fn new(
         (body, analysis): (&'a Body<D>, Analysis),
         time: f64,
         displacement: &'a [Point<D>],
-        ([contact, reactions], bars): ([&[Point<D>]; 2], &BTreeMap<usize, Point<D>>),
-        sides: &[&str],
+        (pushes, bars): (&[Push<D>], &BTreeMap<usize, Point<D>>),
     ) -> Result<Self, FemError> {
         let mesh = &body.mesh;
         let nodes = mesh.points().len();
-        let mut loads: BTreeMap<Facet, Vec<(&Load<D>, f64)>> = BTreeMap::new();
-        let bars = bars.iter().map(|(&node, &force)| (node as u32, force));
-        let mut points: BTreeMap<u32, Point<D>> = bars.collect();
-        for load in &body.loads {
-            match load.place() {
-                Place::Side(side) => {
-                    let share = match load.amount() {
-                        Amount::PerArea => 1.0,
-                        Amount::Whole => {
-                            1.0 / side_points(body, &side, analysis)?
-                                .map(|p| p.area)
-                                .sum::<f64>()
-                        }
-                    };
-                    for &facet in side_facets(mesh, &side)? {
-                        loads.entry(facet).or_default().push((load, share));
-                    }
-                }
-                Place::Point(at) => {
-                    let node = nearest_node(mesh, at, "point force")?;
-                    let force = load.at(mesh.points()[node], [0.0; D], time);
-                    let sum: &mut Point<D> = points.entry(node as u32).or_insert([0.0; D]);
-                    *sum = add_scaled(*sum, 1.0, force);
-                }
+        let (loads, mut points) = loads(body, analysis, time)?;
+        for (&node, &force) in bars {
+            let sum = points.entry(node as u32).or_insert([0.0; D]);
+            *sum = add_scaled(*sum, 1.0, force);
+        }
+        let mut springs = Vec::new();
+        for (place, spring) in body.springs.iter().enumerate() {
+            if let Bed::Side { side, .. } = &spring.bed {
+                springs.push(Sprung {
+                    spring,
+                    facets: side_facets(mesh, side)?,
+                    normals: SideNormals::new(body, side)?,
+                    came: body.history.sprung.get(&place).map(|u| &u[..]),
+                });
             }
         }
-        let supports = body.held_places().filter_map(|place| match place {
-            Place::Side(side) => Some(side),
-            Place::Point(_) => None,
-        });
-        let supports: Vec<String> = supports.collect();
-        let supports: Vec<&str> = supports.iter().map(String::as_str).collect();
-        let pinned = pinned(body)?;
-        let mut held = reactions.to_vec();
-        pinned.into_iter().for_each(|node| held[node] = [0.0; D]);
-        let facets_of = |sides: &[&str]| -> Result<BTreeSet<Facet>, FemError> {
-            let mut facets = BTreeSet::new();
-            for side in sides {
-                facets.extend(side_facets(mesh, side)?.iter().copied());
-            }
-            Ok(facets)
-        };
-        let pushed = |facets: BTreeSet<Facet>, forces: &[Point<D>]| Pushed {
+        let spread = |facets: BTreeSet<Facet>, forces: &[Point<D>]| Pushed {
             traction: traction_of((body, analysis), &facets, forces),
             facets,
         };
-        let released = released(body, time);
-        let left = |facet: &Facet| {
-            let mut nodes = mesh.facet_nodes(*facet);
-            nodes.all(|node| released[node as usize] != [0.0; D])
-        };
-        let boundary = match body.history.released.is_empty() {
-            true => BTreeSet::new(),
-            false => mesh.boundary_facets().into_iter().filter(left).collect(),
-        };
+        let mut pushed = Vec::new();
+        for push in pushes {
+            let mut facets = BTreeSet::new();
+            for side in &push.sides {
+                facets.extend(side_facets(mesh, side)?.iter().copied());
+            }
+            let mut forces = vec![[0.0; D]; nodes];
+            push.forces.iter().for_each(|(&node, &f)| forces[node] = f);
+            pushed.push(spread(facets, &forces));
+        }
+        if !body.history.released.is_empty() {
+            let released = released(body, time);
+            let left = |facet: &Facet| {
+                let mut nodes = mesh.facet_nodes(*facet);
+                nodes.all(|node| released[node as usize] != [0.0; D])
+            };
+            let boundary = mesh.boundary_facets().into_iter().filter(left);
+            pushed.push(spread(boundary.collect(), &released));
+        }
         let mut around = vec![Vec::new(); nodes];
         for (b, block) in mesh.blocks().iter().enumerate() {
             for (c, cell) in block.cells().enumerate() {
@@ -202,12 +215,10 @@ impl<'a, const D: usize> Ahead<'a, D> {
             analysis,
             time,
             cells: CellForces::new((body, analysis), displacement, time)?,
+            displacement,
             loads,
-            pushed: [
-                pushed(facets_of(sides)?, contact),
-                pushed(facets_of(&supports)?, &held),
-                pushed(boundary, &released),
-            ],
+            springs,
+            pushed,
             points,
             has_body_force: body.body_force.iter().any(|b| b.as_constant() != Some(0.0)),
             around,
@@ -332,11 +343,11 @@ impl<'a, const D: usize> Ahead<'a, D> {
                 cell: cell.1,
                 local: local as u32,
             };
-            let pushed = self
-                .pushed
-                .iter()
-                .any(|pushed| pushed.facets.contains(&facet));
-            if pushed || self.loads.contains_key(&facet) {
+            let mut pushed = self.pushed.iter();
+            if pushed.any(|pushed| pushed.facets.contains(&facet))
+                || self.loads.contains_key(&facet)
+                || self.springs_at(facet).next().is_some()
+            {
                 self.add_facet(divide, rises, facet, sum);
             }
         }
@@ -349,7 +360,6 @@ impl<'a, const D: usize> Ahead<'a, D> {
         let nodes: Vec<u32> = mesh.facet_nodes(facet).collect();
         let kind = mesh.facet_kind(facet);
         let distance = |xi: f64| divide.ahead(plane(mesh.facet_point(facet, &[xi])));
-        let loads = self.loads.get(&facet).map_or(&[][..], Vec::as_slice);
         for [low, high] in pieces([-1.0, 1.0], distance) {
             let middle = plane(mesh.facet_point(facet, &[0.5 * (low + high)]));
             let ahead = divide.step(middle, || self.centre((facet.block, facet.cell)));
@@ -363,17 +373,8 @@ impl<'a, const D: usize> Ahead<'a, D> {
                 let area = 0.5 * (high - low) * weight * length * self.measure(point);
                 let mut shape = [0.0; MAX_FACET_NODES];
                 kind.shape(&[xi], &mut shape);
-                let mut force = [0.0; D];
-                for (load, share) in loads {
-                    let value = load.at(point, normal.map(|n| n / length), self.time);
-                    force = add_scaled(force, *share, value);
-                }
-                for pushed in self.pushed.iter().filter(|p| p.facets.contains(&facet)) {
-                    for (&node, n) in nodes.iter().zip(shape) {
-                        force = add_scaled(force, n, pushed.traction[node as usize]);
-                    }
-                }
-                let force = plane(force);
+                let normal = normal.map(|n| n / length);
+                let force = plane(self.traction((facet, xi), (point, normal), &shape));
                 for (&node, n) in nodes.iter().zip(shape).filter(|(n, _)| rises[**n as usize]) {
                     sum.add(-area * n, divide.arm(self.at(node)), force);
                 }
@@ -382,6 +383,40 @@ impl<'a, const D: usize> Ahead<'a, D> {
                 }
             }
         }
+    }
+
+    fn springs_at(&self, facet: Facet) -> impl Iterator<Item = &Sprung<'a, D>> {
+        let springs = self.springs.iter();
+        springs.filter(move |sprung| sprung.facets.binary_search(&facet).is_ok())
+    }
+
+    /// Force per area at a place of a facet, its point and normal, given by its shape functions.
+    fn traction(
+        &self,
+        (facet, xi): (Facet, f64),
+        (point, normal): (Point<D>, Point<D>),
+        shape: &[f64],
+    ) -> Point<D> {
+        let of_facet = |values: &[Point<D>]| {
+            let nodes = self.body.mesh.facet_nodes(facet).zip(shape);
+            nodes.fold([0.0; D], |sum, (node, &n)| {
+                add_scaled(sum, n, values[node as usize])
+            })
+        };
+        let mut sum = [0.0; D];
+        for (load, share) in self.loads.get(&facet).into_iter().flatten() {
+            sum = add_scaled(sum, *share, load.at(point, normal, self.time));
+        }
+        for sprung in self.springs_at(facet) {
+            let u = of_facet(self.displacement);
+            let stretched = sprung.came.map_or(u, |came| sub(u, of_facet(came)));
+            let along = sprung.normals.at(facet, &[xi]);
+            sum = add_scaled(sum, 1.0, sprung.spring.traction(along, stretched));
+        }
+        for pushed in self.pushed.iter().filter(|p| p.facets.contains(&facet)) {
+            sum = add_scaled(sum, 1.0, of_facet(&pushed.traction));
+        }
+        sum
     }
 
     /// −∫(φ − H) f over a cell, and with axial symmetry −∫ H σ_θ/r, whose other part is in the nodal forces.
@@ -459,6 +494,46 @@ impl<'a, const D: usize> Ahead<'a, D> {
 /// Most steps of the conjugate gradients: with the diagonal divided out the mass of lines has eigenvalues between 1/2 and 2.
 const MOST_STEPS: usize = 200;
 
+/// Loads of each facet with what a unit of their value is per area, and those of nodes.
+type Loads<'a, const D: usize> = (
+    BTreeMap<Facet, Vec<(&'a Load<D>, f64)>>,
+    BTreeMap<u32, Point<D>>,
+);
+
+/// The loads of a body at a time.
+fn loads<const D: usize>(
+    body: &Body<D>,
+    analysis: Analysis,
+    time: f64,
+) -> Result<Loads<'_, D>, FemError> {
+    let mesh = &body.mesh;
+    let mut of_facets: BTreeMap<Facet, Vec<(&Load<D>, f64)>> = BTreeMap::new();
+    let mut of_nodes: BTreeMap<u32, Point<D>> = BTreeMap::new();
+    for load in &body.loads {
+        match load.place() {
+            Place::Side(side) => {
+                let area = || {
+                    side_points(body, &side, analysis).map(|all| all.map(|p| p.area).sum::<f64>())
+                };
+                let share = match load.amount() {
+                    Amount::PerArea => 1.0,
+                    Amount::Whole => 1.0 / area()?,
+                };
+                for &facet in side_facets(mesh, &side)? {
+                    of_facets.entry(facet).or_default().push((load, share));
+                }
+            }
+            Place::Point(at) => {
+                let node = nearest_node(mesh, at, "point force")?;
+                let force = load.at(mesh.points()[node], [0.0; D], time);
+                let sum = of_nodes.entry(node as u32).or_insert([0.0; D]);
+                *sum = add_scaled(*sum, 1.0, force);
+            }
+        }
+    }
+    Ok((of_facets, of_nodes))
+}
+
 /// Forces (nodes,) that bodies which have gone have left, at a time.
 fn released<const D: usize>(body: &Body<D>, time: f64) -> Vec<Point<D>> {
     let mut sum = vec![[0.0; D]; body.mesh.points().len()];
@@ -469,15 +544,6 @@ fn released<const D: usize>(body: &Body<D>, time: f64) -> Vec<Point<D>> {
         }
     }
     sum
-}
-
-/// Nodes that supports and springs of points hold.
-fn pinned<const D: usize>(body: &Body<D>) -> Result<BTreeSet<usize>, FemError> {
-    let nodes = body.held_places().filter_map(|place| match place {
-        Place::Point(at) => Some(nearest_node(&body.mesh, at, "support")),
-        Place::Side(_) => None,
-    });
-    nodes.collect()
 }
 
 /// The traction at the nodes of some facets that has these nodal forces: M q = f by conjugate gradients, M the mass of

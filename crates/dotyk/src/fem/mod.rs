@@ -48,7 +48,7 @@ pub use supports::{Constraints, Held, nearest_node, node_normals};
 
 pub(crate) use bending::{Unseen, unseen};
 pub(crate) use cells::measure;
-pub(crate) use cut::Ahead;
+pub(crate) use cut::{Ahead, Push};
 pub(crate) use error::{Short, show};
 pub(crate) use initial::{OutOfBalance, out_of_balance};
 pub(crate) use internal::internal_forces;

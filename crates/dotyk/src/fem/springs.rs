@@ -86,6 +86,13 @@ impl<const D: usize> Spring<D> {
         }
     }
 
+    /// Force per area of a side's spring where it is stretched by a displacement, without what only presses.
+    pub(crate) fn traction(&self, n: Point<D>, stretched: Point<D>) -> Point<D> {
+        let [normal, across] = self.of_side();
+        let along = add_scaled([0.0; D], (across - normal) * dot(n, stretched), n);
+        add_scaled(along, -across, stretched)
+    }
+
     /// Stiffnesses are numbers from 0 on, and not all of them 0.
     fn check(&self) -> Result<(), FemError> {
         let all: &[f64] = match &self.bed {

@@ -190,18 +190,29 @@ fn side_reactions<const D: usize>(
     reactions: &[Point<D>],
 ) -> BTreeMap<String, Point<D>> {
     let mut sums = BTreeMap::new();
-    for (&node, held) in &loaded.system.constraints.nodes {
-        for h in held {
-            let part = dot(reactions[node], h.axis) / h.supports.len() as f64;
-            for &support in &h.supports {
-                if let Place::Side(side) = &body.supports[support].place {
-                    let sum = sums.entry(side.clone()).or_insert([0.0; D]);
-                    *sum = add_scaled(*sum, part, h.axis);
-                }
-            }
+    for (support, _, force) in support_forces(loaded, reactions) {
+        if let Place::Side(side) = &body.supports[support].place {
+            let sum = sums.entry(side.clone()).or_insert([0.0; D]);
+            *sum = add_scaled(*sum, 1.0, force);
         }
     }
     sums
+}
+
+/// Support, node and force ON the body: reactions (nodes,) by who holds the direction; shared directions are split evenly.
+pub(crate) fn support_forces<const D: usize>(
+    loaded: &LoadedBody<D>,
+    reactions: &[Point<D>],
+) -> impl Iterator<Item = (usize, usize, Point<D>)> {
+    let nodes = loaded.system.constraints.nodes.iter();
+    let held = nodes.flat_map(|(&node, held)| held.iter().map(move |h| (node, h)));
+    held.flat_map(|(node, h)| {
+        let part = dot(reactions[node], h.axis) / h.supports.len() as f64;
+        let force = h.axis.map(|a| part * a);
+        h.supports
+            .iter()
+            .map(move |&support| (support, node, force))
+    })
 }
 
 /// Reactions of supports on larger sides at the nodes of the sides that are parts of them.

@@ -14,7 +14,7 @@ use crate::model::links::bar_solutions;
 use crate::model::nouns::Model;
 use crate::model::pair::{Paired, carriers, row_ranges};
 use crate::model::probe::read_probes;
-use crate::model::section::section_forces;
+use crate::model::section::{pushes, section_forces};
 use crate::model::singular::peaks;
 use crate::model::solution::*;
 use crate::solve::{Bolt, Outcome};
@@ -100,6 +100,7 @@ pub(crate) fn finish<const D: usize>(
         &judged.displaced.gaps,
     ));
     let (certificate, overlap) = (judged.certificate, judged.intrusion.clone());
+    let pushes = pushes(model, condensed, &judged.displaced, lambda);
     let (mut bodies, contacts) = fields(model, condensed, judged.displaced, lambda)?;
     let peaks = peaks(
         model,
@@ -117,7 +118,7 @@ pub(crate) fn finish<const D: usize>(
     if placed {
         warnings.extend(beyond(model, &condensed.paired, &bodies, &contacts)?);
     }
-    let sections = section_forces(model, &condensed.laid, condensed.time, &bodies, &contacts)?;
+    let sections = section_forces(model, &condensed.laid, condensed.time, (&bodies, &pushes))?;
     let mut solution = Solution {
         time: condensed.time,
         dofs: bodies.iter().map(|body| body.dofs).sum(),

@@ -11,15 +11,20 @@
 //! are per unit of thickness, with axial symmetry (meridional forces) per unit of circumference at the middle of the cut; there
 //! ∫σ_θ dy and ∫σ_θ y dy of the recovered hoop stress, y from the middle to the first side, are told, too.
 
-use crate::fem::{Ahead, Analysis, Body};
+use crate::fem::{Ahead, Analysis, Body, Push};
 use crate::geometry::{Point, add_scaled, padded, sub};
 use crate::mesh::{Cut, Mesh, Strip, StripError};
 use crate::model::capacity::Capacity;
+use crate::model::condense::Condensed;
 use crate::model::error::Error;
+use crate::model::fields::support_forces;
+use crate::model::judge::Displaced;
 use crate::model::locate::{Located, locate_all};
-use crate::model::nouns::{BodyId, Model};
+use crate::model::nouns::{BodyId, Model, Place};
+use crate::model::pair::{Kind, row_ranges};
 use crate::model::quantity::Dimension;
-use crate::model::solution::{BodySolution, ContactSolution};
+use crate::model::solution::BodySolution;
+use std::collections::{BTreeMap, BTreeSet};
 use std::f64::consts::PI;
 
 /// Where the forces across a body are asked for.
@@ -344,36 +349,80 @@ fn places_on<const D: usize>(body: &Body<D>, cut: &Cut) -> Vec<(Option<Located<D
         .collect()
 }
 
-/// The forces of all sections in a solution of bodies and contacts at a time.
+/// What pushes the bodies of all sections, (sections,), under forces `lambda` (m,): supports of sides, contacts, couples, and beds
+/// that only press. Contacts that have nodes in common are one: the force there is that of both.
+pub(crate) fn pushes<const D: usize>(
+    model: &Model<D>,
+    condensed: &Condensed<D>,
+    displaced: &Displaced<D>,
+    lambda: &[f64],
+) -> Vec<Vec<Push<D>>> {
+    let paired = &condensed.paired;
+    let mut first: Vec<usize> = (0..paired.len()).collect();
+    for (contact, pair) in paired.iter().enumerate() {
+        for sharer in &pair.sharers {
+            let both = [first[contact], first[sharer.at.0]];
+            let [low, high] = [both[0].min(both[1]), both[0].max(both[1])];
+            let of_high = first.iter_mut().filter(|k| **k == high);
+            of_high.for_each(|k| *k = low);
+        }
+    }
+    let of_body = |of: usize| -> Vec<Push<D>> {
+        let (body, loaded) = (&model.bodies[of], &condensed.bodies[of]);
+        let mut supports = vec![Push::default(); body.supports.len()];
+        for (support, node, force) in support_forces(loaded, &displaced.states[of].reactions) {
+            if let Place::Side(side) = &body.supports[support].place {
+                supports[support].sides.insert(side.clone());
+                supports[support].add(node, force);
+            }
+        }
+        let mut others: BTreeMap<usize, Push<D>> = BTreeMap::new();
+        for (place, (rows, pair)) in row_ranges(paired).enumerate() {
+            if matches!(pair.kind, Kind::Bar(_)) {
+                continue;
+            }
+            let forces = pair.forces(&lambda[rows]);
+            let sides = [Some(&pair.nonmortar), pair.mortar.as_ref()];
+            let own = pair.ends().zip(sides).filter(|((part, _), _)| *part == of);
+            for ((_, rows), side) in own {
+                let Some(side) = side else { continue };
+                let push = others.entry(first[place]).or_default();
+                push.sides.insert(side.side.clone());
+                for (row, force) in rows.iter().zip(&forces) {
+                    row.iter()
+                        .for_each(|&(node, c)| push.add(node, c.map(|c| -force * c)));
+                }
+            }
+        }
+        supports.into_iter().chain(others.into_values()).collect()
+    };
+    let cut: BTreeSet<usize> = model.sections.iter().map(|s| s.body.0).collect();
+    let known: BTreeMap<usize, Vec<Push<D>>> =
+        cut.into_iter().map(|of| (of, of_body(of))).collect();
+    let sections = model.sections.iter();
+    sections
+        .map(|section| known[&section.body.0].clone())
+        .collect()
+}
+
+/// The forces of all sections in a solution of bodies at a time; `pushes` are those of [`pushes`].
 ///
 /// Errors: a group of cells without a material; an initial stress or strain that is not finite.
 pub(crate) fn section_forces<const D: usize>(
     model: &Model<D>,
     laid: &[Laid<D>],
     time: f64,
-    bodies: &[BodySolution<D>],
-    contacts: &[ContactSolution<D>],
+    (bodies, pushes): (&[BodySolution<D>], &[Vec<Push<D>>]),
 ) -> Result<Vec<SectionSolution>, Error<D>> {
-    let solved = model.sections.iter().zip(laid).map(|(section, laid)| {
+    let sections = model.sections.iter().zip(laid).zip(pushes);
+    let solved = sections.map(|((section, laid), pushes)| {
         let of = section.body.0;
         let (body, solution) = (&model.bodies[of], &bodies[of]);
-        let touching = contacts
-            .iter()
-            .flat_map(|c| [Some(&c.nonmortar), c.mortar.as_ref()]);
-        let touching = touching.flatten().filter(|side| side.body.0 == of);
-        let coupled = body.couples.iter().map(|couple| couple.side.as_str());
-        let sides: Vec<&str> = touching
-            .map(|side| side.side.as_str())
-            .chain(coupled)
-            .collect();
-        let forces = [&solution.contact_forces[..], &solution.reactions[..]];
-        let forces = (forces, &solution.bar_forces);
         let ahead = Ahead::new(
             (body, model.analysis),
             time,
             &solution.displacement,
-            forces,
-            &sides,
+            (pushes, &solution.bar_forces),
         );
         let ahead = ahead.map_err(|source| Error::in_body(body, source))?;
         let stations = laid.cuts.iter().enumerate().map(|(k, cut)| {

@@ -9,7 +9,7 @@ use dotyk::analytic::{
     ring::{Interface, Part, RingInPlate},
 };
 use dotyk::case::Case;
-use dotyk::model::{BodyId, SectionSolution, Solution, Station, Stations};
+use dotyk::model::{BodyId, Model, SectionSolution, Solution, Station, Stations};
 use std::f64::consts::{PI, TAU};
 use std::path::Path;
 
@@ -866,4 +866,251 @@ reinforcement = [{ depth = 0.05, area = 1e-3, yield = 435e3 }]
         solution.sections[2].stations[0].utilisation
     );
     assert!(probe("used").value > 0.0);
+}
+
+/// A wall along y from 0 to 6, of the thickness 1/2, pressed from the left by 10 (6 − y), with further keys.
+fn wall(held: &str, keys: &str) -> String {
+    format!(
+        r#"
+analysis = "plane-strain"
+[[body]]
+name = "wall"
+mesh = {{ outline = {{ size = 0.25, cell = "tri6", from = [0, 0], edges = [
+    {{ to = [0.5, 0], name = "foot" }}, {{ to = [0.5, 1.5], name = "low", cells = 5 }}, {{ to = [0.5, 6], name = "high", cells = 17 }},
+    {{ to = [0, 6], name = "head" }}, {{ to = [0, 0], name = "left", cells = 25 }}] }} }}
+material = {{ young = 30e6, poisson = 0.2 }}
+fix = [{{ side = "{held}", x = 0, y = 0 }}]
+load = [{{ side = "left", traction = ["10*(6 - y)", 0] }}]
+{keys}
+[[section]]
+name = "s"
+body = "wall"
+sides = ["left", ["low", "high"]]
+stations = [[0.25, 0], [0.25, 0.13], [0.25, 0.5], [0.25, 1.45], [0.25, 1.5], [0.25, 1.6], [0.25, 3], [0.25, 5.9], [0.25, 6]]
+"#
+    )
+}
+
+/// Force and moment about the origin of what acts above a height: a function of y and the force per length along +x there on
+/// sides at 0 and 1/2, given where it has kinks.
+fn above(y: f64, kinks: &[f64], along_x: impl Fn(f64) -> f64) -> [f64; 2] {
+    let mut ends: Vec<f64> = kinks.iter().copied().filter(|k| *k > y).collect();
+    ends.insert(0, y);
+    let mut sums = [0.0; 2];
+    for pair in ends.windows(2) {
+        // Gauss's three points: exact for parabolas times y
+        let (middle, half) = (0.5 * (pair[0] + pair[1]), 0.5 * (pair[1] - pair[0]));
+        for (x, w) in [
+            (-0.6_f64.sqrt(), 5.0 / 9.0),
+            (0.0, 8.0 / 9.0),
+            (0.6_f64.sqrt(), 5.0 / 9.0),
+        ] {
+            let at = middle + half * x;
+            let force = half * w * along_x(at);
+            sums[0] += force;
+            sums[1] += force * (at - y);
+        }
+    }
+    sums
+}
+
+/// Traction along x of a spring on the right side of the wall, and the ends of its facets.
+fn spring_of(
+    model: &Model<2>,
+    solution: &Solution<2>,
+    sides: &[&str],
+    k: f64,
+) -> (Vec<f64>, impl Fn(f64) -> f64) {
+    let mesh = &model.bodies[0].mesh;
+    let mut facets: Vec<[(f64, f64); 3]> = Vec::new();
+    for side in sides {
+        for &facet in mesh.side(side).unwrap() {
+            let nodes: Vec<u32> = mesh.facet_nodes(facet).collect();
+            let at = |n: u32| {
+                let n = n as usize;
+                (mesh.points()[n][1], solution.bodies[0].displacement[n][0])
+            };
+            facets.push([at(nodes[0]), at(nodes[2]), at(nodes[1])]);
+        }
+    }
+    let mut kinks: Vec<f64> = facets.iter().flat_map(|f| [f[0].0, f[2].0]).collect();
+    kinks.sort_by(f64::total_cmp);
+    kinks.dedup();
+    let traction = move |y: f64| {
+        let within = |f: &&[(f64, f64); 3]| (f[0].0.min(f[2].0)..=f[0].0.max(f[2].0)).contains(&y);
+        let Some([a, b, c]) = facets.iter().find(within) else {
+            return 0.0;
+        };
+        let x = 2.0 * (y - a.0) / (c.0 - a.0) - 1.0;
+        -k * (0.5 * x * (x - 1.0) * a.1 + (1.0 - x * x) * b.1 + 0.5 * x * (x + 1.0) * c.1)
+    };
+    (kinks, traction)
+}
+
+fn model_of(text: &str) -> Model<2> {
+    let case = Case::<2>::from_str(text, "test.toml", Path::new("."));
+    case.unwrap_or_else(|e| panic!("{e}")).model
+}
+
+#[test]
+fn a_wall_on_springs_is_statics_up_to_its_clamp() {
+    for (held, sides) in [
+        ("foot", &["low", "high"][..]),
+        ("head", &["low", "high"]),
+        ("foot", &["high"]),
+        ("head", &["low"]),
+    ] {
+        let names = format!(
+            "[{}]",
+            sides
+                .iter()
+                .map(|s| format!("\"{s}\""))
+                .collect::<Vec<_>>()
+                .join(", ")
+        );
+        let keys = format!("spring = [{{ side = {names}, normal = 2e4, tangential = 0 }}]");
+        let model = model_of(&wall(held, &keys));
+        let solution = model.solve().unwrap();
+        let (mut kinks, spring) = spring_of(&model, &solution, sides, 2e4);
+        kinks.extend([0.0, 6.0]);
+        kinks.sort_by(f64::total_cmp);
+        kinks.dedup();
+        let reaction = solution.bodies[0].side_reactions[held];
+        // the first side is on the left of s, which runs up
+        let error = off(&solution.sections[0], |s| {
+            let y = s.point[1];
+            let [mut v, mut m] = above(y, &kinks, |y| 10.0 * (6.0 - y) + spring(y));
+            if held == "head" {
+                // the reaction, and its moment: what balances all the rest about the cut
+                let [all, about] = above(0.0, &kinks, |y| 10.0 * (6.0 - y) + spring(y));
+                assert!((all + reaction[0]).abs() < 1e-8 * 180.0);
+                v -= all;
+                m -= about - all * y;
+            }
+            [0.0, v, m]
+        });
+        assert!(error < 1e-9, "{held} {sides:?}: {error:.1e}");
+    }
+}
+
+#[test]
+fn a_long_side_that_is_held_in_part_bears_its_own_reaction() {
+    // a roller on the lower part, springs above it, and the foot clamped: both hold x at the corner
+    let keys = "spring = [{ side = \"high\", normal = 2e4 }]";
+    let text = wall("foot", keys).replace(
+        "fix = [{ side = \"foot\"",
+        "fix = [{ side = \"low\", x = 0 }, { side = \"foot\"",
+    );
+    let model = model_of(&text);
+    let solution = model.solve().unwrap();
+    let (mut kinks, spring) = spring_of(&model, &solution, &["high"], 2e4);
+    kinks.extend([0.0, 6.0]);
+    kinks.sort_by(f64::total_cmp);
+    kinks.dedup();
+    let section = &solution.sections[0];
+    let force: f64 = 180.0;
+    for s in &section.stations {
+        let y = s.point[1];
+        let [mut v, m] = above(y, &kinks, |y| 10.0 * (6.0 - y) + spring(y));
+        assert!(s.normal.abs() < 1e-9 * force, "{y}: {}", s.normal);
+        if y > 1.5 - 1e-9 {
+            assert!((s.shear - v).abs() < 1e-9 * force, "{y}: {} {v}", s.shear);
+            assert!(
+                (s.moment - m).abs() < 1e-9 * 3.0 * force,
+                "{y}: {} {m}",
+                s.moment
+            );
+        } else if y < 1e-9 {
+            // all of the roller's reaction is ahead of the foot
+            v += solution.bodies[0].side_reactions["low"][0];
+            assert!((s.shear - v).abs() < 1e-9 * force, "{} {v}", s.shear);
+            let foot = solution.bodies[0].side_reactions["foot"];
+            assert!((s.shear + foot[0]).abs() < 1e-9 * force);
+        }
+    }
+}
+
+#[test]
+fn contacts_and_couples_beside_a_held_end_are_on_their_own_side() {
+    // pushed by a stiff beam below, driven by a point above
+    let more = r#"
+couple = [{ side = "head", point = "P", kind = "rigid" }]
+points = { P = [0.25, 6] }
+[[body]]
+name = "prop"
+mesh = { rectangle = { from = [0.5, 0], to = [1.5, 1.5], cells = [3, 4] } }
+material = { young = 1e5, poisson = 0 }
+fix = [{ side = "right", x = 0, y = 0 }]
+[[contact]]
+name = "prop"
+nonmortar = "wall.low"
+mortar = "prop.left"
+"#;
+    let text = wall("foot", more).replace(
+        "load = [{ side",
+        "load = [{ point = \"P\", force = [-20, -30], moment = 4 }, { side",
+    );
+    let solution = model_of(&text).solve().unwrap();
+    let contact = &solution.contacts[0];
+    let pushed = contact.resultant[0];
+    assert!(pushed < -10.0, "{pushed}");
+    for s in &solution.sections[0].stations {
+        let y = s.point[1];
+        let [mut v, mut m] = above(y, &[0.0, 6.0], |y| 10.0 * (6.0 - y));
+        v -= 20.0;
+        // with tension on the left side of s positive: a moment ahead about z is minus that
+        m += -20.0 * (6.0 - y) - 4.0;
+        if (1e-9..1.5 - 1e-9).contains(&y) {
+            continue;
+        }
+        if y < 1e-9 {
+            v += pushed;
+            // its moment is about the origin: −y fx + x fy
+            m += 0.25 * contact.resultant[1] - contact.moment[2];
+        }
+        if y > 6.0 - 1e-9 {
+            continue;
+        }
+        assert!((s.normal + 30.0).abs() < 1e-8 * 180.0, "{y}: {}", s.normal);
+        assert!((s.shear - v).abs() < 1e-7 * 180.0, "{y}: {} {v}", s.shear);
+        assert!((s.moment - m).abs() < 1e-7 * 540.0, "{y}: {} {m}", s.moment);
+    }
+}
+
+#[test]
+fn beds_along_a_closed_ring_are_cut_where_the_cut_is() {
+    // pressed evenly it bears N = −(p − k w) R on every cut, w the way inward of its outer side
+    for only in [false, true] {
+        for cell in ["quad4", "quad9"] {
+            let text = format!(
+                r#"
+analysis = "plane-strain"
+[[body]]
+name = "ring"
+mesh = {{ ring = {{ inner = 1.8, outer = 2, cells = [40, 2], cell = "{cell}" }} }}
+material = {{ young = 3e4, poisson = 0.2 }}
+spring = [{{ side = "outer", normal = 30, compression_only = {only} }}]
+load = [{{ side = "inner", pressure = 10 }}]
+fix = [{{ point = [1.8, 0], y = 0 }}]
+[[section]]
+name = "s"
+body = "ring"
+sides = ["inner", "outer"]
+stations = 24
+"#
+            );
+            let section = section(&text);
+            let normal = section.stations[0].normal;
+            assert!(normal > 15.0 && normal < 18.0, "{normal}");
+            for s in &section.stations {
+                let off = (s.normal / normal - 1.0).abs();
+                // cuts within facets of a polygon are oblique to these
+                let band = if cell == "quad4" { 1e-2 } else { 1e-4 };
+                assert!(
+                    off < band && s.shear.abs() < band * normal,
+                    "{only} {cell} {s:?}"
+                );
+            }
+        }
+    }
 }
