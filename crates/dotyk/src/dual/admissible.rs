@@ -235,16 +235,25 @@ impl AdmissibleSet {
     /// bound·|slip| of every block with friction, the potential of its forces at bounds that follow from λ, beside its first
     /// component; energies ≥ 0.
     ///
+    /// Of a bound that follows from the normal force no more counts than twice the force of the block. One beyond that is
+    /// met by no shear: the node sticks, and would with half that bound, in a law of which the answer is one, too. A rough
+    /// contact, whose coefficient stands for infinity, has no bound, and times it the rounding of a slip would be an energy.
+    ///
     /// At a solution they equal [`AdmissibleSet::dissipated`]; elsewhere in Λ they are larger. `gap` gives that of a component.
     pub fn slip_potentials(
         &self,
         lambda: &[f64],
         gap: impl Fn(usize) -> f64,
     ) -> impl Iterator<Item = (usize, f64)> {
-        self.tangents(lambda).map(move |(tangents, bound)| {
-            let first = tangents.start - 1;
-            let square: f64 = tangents.map(|i| gap(i).powi(2)).sum();
-            (first, bound * square.sqrt())
+        let blocks = self.iter().zip(self.bounds(lambda));
+        blocks.filter_map(move |((block, range), bound)| {
+            let law = block.friction()?;
+            let most = match law.follows() {
+                true => law.terms().0 + 2.0 * norm(&lambda[range.clone()]),
+                false => bound,
+            };
+            let square: f64 = range.clone().skip(1).map(|i| gap(i).powi(2)).sum();
+            Some((range.start, bound.min(most) * square.sqrt()))
         })
     }
 }

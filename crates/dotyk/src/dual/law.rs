@@ -70,6 +70,18 @@ pub enum Friction {
 /// A normal force below this part of the largest force is none: projected methods leave traces where a contact is open.
 pub(crate) const NONE: f64 = 1e-10;
 
+/// Beside the least normal force that is one this coefficient bears the largest force, so that a larger one says nothing more; and its
+/// square is a number.
+const ROUGH: f64 = 1.0 / NONE;
+
+/// What of a coefficient of friction counts; one that is no finite number stays what it is.
+fn growth(coefficient: f64) -> f64 {
+    match coefficient.is_finite() {
+        true => coefficient.min(ROUGH),
+        false => coefficient,
+    }
+}
+
 impl Friction {
     /// The block of a node with this law.
     pub fn block(self, tangents: usize) -> Block {
@@ -78,14 +90,16 @@ impl Friction {
     }
 
     /// Given, a force, and growth, a number: the bound of a closed node is given + growth · λₙ.
+    ///
+    /// A coefficient of [`ROUGH`] and more is one that never lets anything slide.
     pub(crate) fn terms(&self) -> (f64, f64) {
         match *self {
             Self::Tresca { bound } => (bound, 0.0),
-            Self::Coulomb { coefficient } => (0.0, coefficient),
+            Self::Coulomb { coefficient } => (0.0, growth(coefficient)),
             Self::Cohesive {
                 cohesion,
                 coefficient,
-            } => (cohesion, coefficient),
+            } => (cohesion, growth(coefficient)),
         }
     }
 

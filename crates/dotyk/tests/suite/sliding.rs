@@ -115,3 +115,79 @@ friction = 0.15
     assert!((0.5 + 0.5 * part - held).abs() < 0.02, "{part} {held}");
     assert!(model(&[0.5, 0.97 * held]).solve_steps().is_ok());
 }
+
+/// A coefficient that stands for infinity: what is pressed sticks, in every step, in the plane and in space.
+#[test]
+fn rough_contacts_stick_whatever_number_says_so() {
+    let case = |dimension: usize, friction: &str| {
+        let mesh = |low: f64, cells: [usize; 2]| {
+            let [around, up] = cells;
+            match dimension {
+                2 => format!(
+                    "rectangle = {{ from = [0, {low}], to = [1, {}], cells = [{around}, {up}] }}",
+                    low + 1.0
+                ),
+                _ => format!(
+                    "box = {{ from = [0, 0, {low}], to = [1, 1, {}], cells = [{around}, {around}, {up}] }}",
+                    low + 1.0
+                ),
+            }
+        };
+        let [analysis, up, held] = match dimension {
+            2 => ["plane-strain", "y", ""],
+            _ => ["3d", "z", ", y = 0"],
+        };
+        format!(
+            r#"
+analysis = "{analysis}"
+[[body]]
+name = "base"
+mesh = {{ {} }}
+material = {{ young = 210000.0, poisson = 0.3 }}
+fix = [{{ side = "bottom", x = 0, {up} = 0{held} }}]
+[[body]]
+name = "block"
+mesh = {{ {} }}
+material = {{ young = 210000.0, poisson = 0.3 }}
+fix = [{{ side = "top", x = "0.001*t", {up} = "-0.01 + 0.002*t"{held} }}]
+[[contact]]
+name = "rough"
+nonmortar = "block.bottom"
+mortar = "base.top"
+friction = {friction}
+[[step]]
+time = 1
+[[step]]
+time = 2
+"#,
+            mesh(0.0, [2, 2]),
+            mesh(1.0, [3, 2])
+        )
+    };
+    fn forces<const D: usize>(steps: &[Solution<D>]) -> Vec<[f64; D]> {
+        for step in steps {
+            let contact = &step.contacts[0];
+            assert!(contact.nodes.iter().all(|n| n.status == Status::Stick));
+            assert!(contact.dissipated.abs() < 1e-9);
+        }
+        steps
+            .iter()
+            .map(|step| step.contacts[0].resultant)
+            .collect()
+    }
+    let near = |a: f64, b: f64| (a - b).abs() < 1e-7 * b.abs().max(1.0);
+    let in_plane = |friction: &str| forces(&self::case(&case(2, friction)).solve_steps().unwrap());
+    let in_space = |friction: &str| {
+        let case = Case::<3>::from_str(&case(3, friction), "rough.toml", "".as_ref());
+        forces(&case.unwrap().model.solve_steps().unwrap())
+    };
+    let (plane, space) = (in_plane("100"), in_space("100"));
+    for friction in ["1e8", "1e10", "1e20", "1e300"] {
+        for (found, expected) in in_plane(friction).iter().zip(&plane) {
+            assert!(near(found[0], expected[0]) && near(found[1], expected[1]));
+        }
+        for (found, expected) in in_space(friction).iter().zip(&space) {
+            assert!(near(found[0], expected[0]) && near(found[2], expected[2]));
+        }
+    }
+}
