@@ -360,11 +360,21 @@ pub(crate) fn side_points<'a, const D: usize>(
     side: &str,
     analysis: Analysis,
 ) -> Result<impl Iterator<Item = SidePoint<D>> + 'a, FemError> {
+    points_of_degree(body, side, analysis, |_| LOAD_DEGREE)
+}
+
+/// The points of integration of a side, by the degree to which a kind of facets is integrated.
+pub(crate) fn points_of_degree<'a, const D: usize>(
+    body: &'a Body<D>,
+    side: &str,
+    analysis: Analysis,
+    degree: impl Fn(CellKind) -> usize,
+) -> Result<impl Iterator<Item = SidePoint<D>> + 'a, FemError> {
     let mesh = &body.mesh;
     let facets = side_facets(mesh, side)?;
     let mut rules: BTreeMap<CellKind, Rc<[Sample]>> = BTreeMap::new();
     for &facet in facets {
-        let rule = |kind: &CellKind| samples(*kind).collect();
+        let rule = |kind: &CellKind| samples(*kind, degree(*kind)).collect();
         let kind = mesh.facet_kind(facet);
         rules.entry(kind).or_insert_with_key(rule);
     }
@@ -391,8 +401,8 @@ pub(crate) fn side_points<'a, const D: usize>(
 type Sample = (QuadraturePoint, [f64; MAX_FACET_NODES]);
 
 /// The points of integration of a kind of facets.
-fn samples(kind: CellKind) -> impl Iterator<Item = Sample> {
-    let points = quadrature::rule(kind, LOAD_DEGREE).into_iter();
+fn samples(kind: CellKind, degree: usize) -> impl Iterator<Item = Sample> {
+    let points = quadrature::rule(kind, degree).into_iter();
     points.map(move |point| {
         let mut shape = [0.0; MAX_FACET_NODES];
         kind.shape(&point.xi, &mut shape);

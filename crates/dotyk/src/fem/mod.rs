@@ -54,6 +54,6 @@ pub(crate) use initial::{OutOfBalance, out_of_balance};
 pub(crate) use internal::internal_forces;
 pub(crate) use modes::fit_rigid;
 pub(crate) use overstress::overstress;
-pub(crate) use springs::{spring_forces, spring_loads};
+pub(crate) use springs::{pads, spring_forces, spring_loads};
 pub(crate) use supports::{AGREE, describe, side_facets, side_nodes};
 pub(crate) use surface::{SHARP, TrueSurface};

@@ -11,8 +11,9 @@
 //!
 //! Units: kₙ, kₜ force per area and length, with the thickness or 2πr coming on top; k_i force per length.
 
+use crate::fem::cells::measure;
 use crate::fem::error::FemError;
-use crate::fem::loads::{SidePoint, side_points};
+use crate::fem::loads::{SidePoint, points_of_degree, side_points};
 use crate::fem::nouns::{Active, Analysis, Body, Place};
 use crate::fem::supports::nearest_node;
 use crate::fem::surface::SideNormals;
@@ -231,6 +232,42 @@ pub(crate) fn spring_loads<const D: usize>(
     placed
         .map(|(&k, u)| Ok((k, force(body, analysis, &body.springs[k], u)?)))
         .collect()
+}
+
+/// A point at which a bed that only presses has a spring of its own.
+pub(crate) struct Pad<const D: usize> {
+    /// Nodes with their shape functions.
+    pub nodes: Vec<(usize, f64)>,
+    /// Outward unit normal.
+    pub normal: Point<D>,
+    /// Its part of the area, thickness or the full turn included, and without these.
+    pub area: f64,
+    pub extent: f64,
+}
+
+/// The points at which a side is bedded by springs that only press: the fewest whose springs, where all of them press, are the
+/// stiffness ∫ NᵀCN dS of straight facets.
+///
+/// Errors: an unknown or empty side.
+pub(crate) fn pads<const D: usize>(
+    body: &Body<D>,
+    side: &str,
+    analysis: Analysis,
+) -> Result<Vec<Pad<D>>, FemError> {
+    let normals = SideNormals::new(body, side)?;
+    // with axial symmetry the radius is one more factor
+    let more = usize::from(analysis == Analysis::Axisymmetric);
+    let points = points_of_degree(body, side, analysis, |kind| 2 * kind.order() + more)?;
+    let pad = |place: SidePoint<D>| {
+        let nodes = body.mesh.facet_nodes(place.facet).zip(place.shape);
+        Pad {
+            nodes: nodes.map(|(node, n)| (node as usize, n)).collect(),
+            normal: normals.at(place.facet, &place.xi),
+            area: place.area,
+            extent: place.area / measure(analysis, body.thickness, place.point),
+        }
+    };
+    Ok(points.map(pad).collect())
 }
 
 /// A direction that something holds at a place: nodes with their shape functions there, and the unit vector.

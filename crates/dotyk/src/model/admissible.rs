@@ -105,8 +105,16 @@ pub(crate) fn neighbours<const D: usize>(
     let mut pairs = Vec::new();
     let mut first = 0;
     for pair in paired {
-        let carriers = pair.interface.carriers().enumerate();
-        let block: BTreeMap<usize, usize> = carriers.map(|(k, n)| (n.node, first + k)).collect();
+        let carriers = || {
+            let carriers = pair.interface.carriers().enumerate();
+            carriers.map(|(k, n)| (n.node, first + k))
+        };
+        let block: BTreeMap<usize, usize> = carriers().collect();
+        if matches!(pair.kind, Kind::Bed(_)) {
+            // the points of a bed that are nearest to one node
+            let both = carriers().map(|(node, k)| [block[&node].min(k), block[&node].max(k)]);
+            pairs.extend(both.filter(|[a, b]| a != b));
+        }
         // a corner carries one for each of its faces
         first += pair.interface.carriers().count();
         let mesh = &model.bodies[pair.nonmortar.body.0].mesh;

@@ -3,7 +3,7 @@
 //! Each row has a part with one stiffness, K = k, whose displacement q is what gives way:
 //!
 //! ```text
-//!   bed       gap = −(n·u − q) ≥ 0,  λ ≥ 0      k = kₙ ∫ψ        q = λ/k: pressed in
+//!   bed       gap = −(n·u − q) ≥ 0,  λ ≥ 0      k = kₙ A         q = λ/k: pressed in
 //!   bar       gap = e_a − (e − q) = 0           k = EA/L         q = (λ − P)/k: lengthened, λ = N
 //!             tension only                      gap ≥ 0, λ ≥ 0
 //!             yields                            −slip = gap,  |λ| ≤ N_y: the plastic elongation is a slip
@@ -11,22 +11,33 @@
 //!             being tightened                   no row: both ends are pulled with P
 //! ```
 //!
-//! A bed at the nodes of a side is that of a contact with a rigid obstacle without a gap, which its part makes give way. What a bed
-//! or a bar was there with (u_a) stands in its gaps. Bars of a plane model count as many times as there are in its thickness.
+//! A bed is springs side by side, each of which parts by itself. They stand at the points of integration of the facets, of the area
+//! A = weight · Jacobian: u = Σ Nₐuₐ there, and where all press they do the work of the bed that acts both ways,
+//!
+//! ```text
+//!   Σ_q k_q (n·u)² = Σ_q kₙ A_q (n·u)² = ∫ kₙ (n·u)² dS        for every u of straight facets, with rules of degree 2 · order
+//! ```
+//!
+//! of a line 2 points, or 3 with a middle node; 4 or 9 of a quadrilateral, 3 or 6 of a triangle: one to three times its nodes, and
+//! all of positive weight. Conditions at nodes would have to share the area out among them, k = kₙ∫N: a stiffness that a side which
+//! turns feels too large, by a third with one facet across a footing, by 1/n² of that with n. And with the nodal forces of
+//! the whole bed, ∫NᵀCN dS u, as what must not pull, corners of curved facets would part under an even pressure, because
+//! their ∫N is no more than zero.
+//!
+//! What a bed or a bar was there with (u_a) stands in its gaps. Bars of a plane model count as many times as there are in its
+//! thickness.
 
-use crate::contact::{Coupling, GapShares, Interface, InterfaceNode, Role, Row};
+use crate::contact::{Coupling, GapShares, Interface, InterfaceNode, Role, Row, frame};
 use crate::dual::{Block, Friction};
-use crate::fem::{Active, BodySystem, Constraints};
-use crate::geometry::{Field, Point, add_scaled, dot, norm};
+use crate::fem::{BodySystem, pads};
+use crate::geometry::{Point, add_scaled, dot, norm};
 use crate::model::bar::{Anchor, Bar, BarSolution, BarStation, LaidBar, lay_bars};
 use crate::model::bodies::LoadedBody;
 use crate::model::dependent::drop_implied;
 use crate::model::error::Error;
 use crate::model::joints::{Lost, restore, set_base};
-use crate::model::nouns::{
-    BodyId, Contact, Law, Model, Motion, Obstacle, Pair, Pairing, Rigid, SideRef,
-};
-use crate::model::pair::{Kind, Paired, pair_contact, row_ranges};
+use crate::model::nouns::{BodyId, Model, SideRef};
+use crate::model::pair::{Kind, Paired, row_ranges};
 use crate::model::parts::{couples, first_point};
 use crate::model::shared::share_nodes;
 use std::collections::BTreeMap;
@@ -88,15 +99,11 @@ pub(crate) fn link_name<const D: usize>(model: &Model<D>, place: usize) -> Strin
 /// Pairs all links of a model.
 ///
 /// Errors: sides that cannot be paired; bars that cannot be laid.
-pub(crate) fn pair_links<const D: usize>(
-    model: &Model<D>,
-    constraints: &[&Constraints<D>],
-    time: f64,
-) -> Result<Vec<Paired<D>>, Error<D>> {
+pub(crate) fn pair_links<const D: usize>(model: &Model<D>) -> Result<Vec<Paired<D>>, Error<D>> {
     let parts = first_link(model)..;
     let mut paired = Vec::new();
     for (part, bed) in parts.clone().zip(beds(model)) {
-        paired.push(pair_bed(model, constraints, (bed, part), time)?);
+        paired.push(pair_bed(model, bed, part)?);
     }
     let laid = lay_bars(model)?;
     let parts = parts.skip(paired.len());
@@ -118,59 +125,69 @@ fn less<const D: usize>(node: usize, dof: usize) -> Row<D> {
 
 fn pair_bed<const D: usize>(
     model: &Model<D>,
-    constraints: &[&Constraints<D>],
-    ((index, place), part): ((usize, usize), usize),
-    time: f64,
+    (index, place): (usize, usize),
+    part: usize,
 ) -> Result<Paired<D>, Error<D>> {
     let body = &model.bodies[index];
     let (side, stiffness) = body.springs[place].presses().unwrap_or_default();
-    let zero = || Field::constant(0.0);
-    let contact = Contact {
-        name: format!("spring of {}.{side}", body.name),
-        pair: Pair::Obstacle {
-            nonmortar: SideRef {
-                body: BodyId(index),
-                side: side.to_string(),
-            },
-            obstacle: Obstacle {
-                shape: Rigid::Gap(zero()),
-                // it gives way: nothing is prescribed on its side
-                motion: Motion::Loaded(std::array::from_fn(|_| zero())),
-            },
-        },
-        pairing: None::<Pairing>,
-        gap: None,
-        law: Law::Frictionless,
-        exclude: Vec::new(),
-        friction_exclude: Vec::new(),
-        active: Active::ALWAYS,
-    };
-    let mut pair = pair_contact(model, constraints, &contact, time)?;
-    pair.kind = Kind::Bed(place);
-    pair.opposite = Some(part);
-    // in a bed sides may overlap what was there
-    pair.samples.clear();
-    let interface = &mut pair.interface;
-    let rows = interface.nonmortar.len();
-    interface.mortar = (0..rows).map(|row| less(row, 0)).collect();
-    let mut link = Link {
-        stiffness: vec![[0.0; D]; rows],
-        load: vec![[0.0; D]; rows],
-        ..Link::default()
-    };
-    for node in &interface.nodes {
-        if let Some(row) = node.rows[0] {
-            link.stiffness[row][0] = stiffness * node.weight;
-        }
+    let pads = pads(body, side, model.analysis);
+    let pads = pads.map_err(|source| Error::in_body(body, source))?;
+    let came = body.history.sprung.get(&place);
+    let mut interface = empty_interface(Coupling::Normal);
+    let mut link = Link::default();
+    for (row, pad) in pads.into_iter().enumerate() {
+        let along = |n: f64| pad.normal.map(|c| n * c);
+        let own: Row<D> = pad.nodes.iter().map(|&(k, n)| (k, along(n))).collect();
+        let came = came.map(|u| own.iter().map(|&(node, c)| dot(c, u[node])).sum());
+        let nearest = pad.nodes.iter().max_by(|a, b| a.1.total_cmp(&b.1));
+        interface.nodes.push(InterfaceNode {
+            node: nearest.map_or(0, |nearest| nearest.0),
+            frame: frame(pad.normal, &[]),
+            weight: pad.area,
+            extent: pad.extent,
+            ..carrier(row, 1)
+        });
+        interface.nonmortar.push(own);
+        interface.mortar.push(less(row, 0));
+        link.came_with.push(came.unwrap_or(0.0));
+        link.stiffness
+            .push(axis::<D>(0).map(|c| c * stiffness * pad.area));
+        link.load.push([0.0; D]);
     }
-    link.came_with = match body.history.sprung.get(&place) {
-        Some(u) => (interface.nonmortar.iter())
-            .map(|row| row.iter().map(|&(node, c)| dot(c, u[node])).sum())
-            .collect(),
-        None => vec![0.0; rows],
+    let name = format!("spring of {}.{side}", body.name);
+    let nonmortar = SideRef {
+        body: BodyId(index),
+        side: side.to_string(),
     };
-    pair.link = link;
-    Ok(pair)
+    let kind = (Kind::Bed(place), name);
+    Ok(linked(kind, (nonmortar, part), interface, link))
+}
+
+/// A link between a body, or a side of it, and a part of its own.
+fn linked<const D: usize>(
+    (kind, name): (Kind, String),
+    (nonmortar, part): (SideRef, usize),
+    interface: Interface<D>,
+    link: Link<D>,
+) -> Paired<D> {
+    Paired {
+        kind,
+        name,
+        nonmortar,
+        mortar: None,
+        opposite: Some(part),
+        obstacle_motion: [0.0; D],
+        base: vec![0.0; interface.nonmortar.len()],
+        interface,
+        samples: Vec::new(),
+        left_out: Vec::new(),
+        fit: Default::default(),
+        link,
+        lost: Vec::new(),
+        sharers: Vec::new(),
+        sagitta: 0.0,
+        warnings: Vec::new(),
+    }
 }
 
 /// How a bar gives way.
@@ -305,27 +322,14 @@ fn pair_bar<const D: usize>(
     let along = |row: usize| !yields || row % 2 == 1;
     let middle = bar.middle(laid.count);
     let base = (0..rows).map(|row| if along(row) { middle } else { 0.0 });
+    let end = SideRef {
+        body: BodyId(body),
+        side: String::new(),
+    };
+    let kind = (Kind::Bar(place), bar.name.clone());
     Paired {
-        kind: Kind::Bar(place),
-        name: bar.name.clone(),
-        nonmortar: SideRef {
-            body: BodyId(body),
-            side: String::new(),
-        },
-        mortar: None,
-        opposite: Some(part),
-        obstacle_motion: [0.0; D],
-        interface,
-        samples: Vec::new(),
-        left_out: Vec::new(),
-        fit: Default::default(),
-        began: Default::default(),
-        link,
         base: base.collect(),
-        lost: Vec::new(),
-        sharers: Vec::new(),
-        sagitta: 0.0,
-        warnings: Vec::new(),
+        ..linked(kind, (end, part), interface, link)
     }
 }
 
@@ -351,7 +355,12 @@ fn add_element<const D: usize>(interface: &mut Interface<D>, element: usize, yie
         interface.mortar.push(less(element, 1));
     }
     interface.mortar.push(less(element, 0));
-    interface.nodes.push(InterfaceNode {
+    interface.nodes.push(carrier(first, count));
+}
+
+/// What carries some rows one after the other, in no place of a side.
+fn carrier<const D: usize>(first: usize, count: usize) -> InterfaceNode<D> {
+    InterfaceNode {
         node: 0,
         opposite: Vec::new(),
         frame: std::array::from_fn(axis),
@@ -362,7 +371,7 @@ fn add_element<const D: usize>(interface: &mut Interface<D>, element: usize, yie
         shares: GapShares::default(),
         role: Role::Multiplier,
         rows: std::array::from_fn(|k| (k < count).then_some(first + k)),
-    });
+    }
 }
 
 /// Completes the systems of bodies and rigid parts by those of links, gives nodes that contacts have in common one multiplier, drops

@@ -138,7 +138,7 @@ pub(crate) fn pair_all<const D: usize>(
         let held = constraints[body];
         paired.push(pair_point(model, held, BodyId(body), (couple, part), time)?);
     }
-    paired.extend(pair_links(model, constraints, time)?);
+    paired.extend(pair_links(model)?);
     Ok(paired)
 }
 
@@ -187,7 +187,7 @@ fn pair_point<const D: usize>(
 /// A contact alone.
 ///
 /// Errors: sides that cannot be paired.
-pub(crate) fn pair_contact<const D: usize>(
+fn pair_contact<const D: usize>(
     model: &Model<D>,
     constraints: &[&Constraints<D>],
     contact: &Contact<D>,

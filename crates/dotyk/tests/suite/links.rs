@@ -179,6 +179,115 @@ fn a_bed_that_only_presses_is_a_bed_where_it_presses() {
     near(after, 10.0 / 25.0, 1e-7);
 }
 
+/// A rigid footing of width 1 on a bed, under 1 at a distance from its middle: the largest pressure.
+fn footing(mesh: &str, analysis: &str, only: bool, off: f64) -> f64 {
+    let space = analysis == "3d";
+    let (at, force, moment) = match space {
+        false => ("[0, 1]", "[0, -1]", format!("{}", -off)),
+        true => ("[0, 0, 1]", "[0, 0, -1]", format!("[0, {off}, 0]")),
+    };
+    let held = match space {
+        false => "{ point = [-0.5, 0], x = 0 }".to_string(),
+        true => "{ point = [-0.5, -0.5, 0], x = 0, y = 0 }, { point = [0.5, -0.5, 0], y = 0 }"
+            .to_string(),
+    };
+    let text = format!(
+        "analysis = \"{analysis}\"\n[[body]]\nname = \"f\"\nmesh = {{ {mesh} }}\n\
+         material = {{ young = 1e15, poisson = 0.0 }}\npoints = {{ P = {at} }}\nfix = [{held}]\n\
+         spring = [{{ side = \"bottom\", normal = 1e6, compression_only = {only} }}]\n\
+         couple = [{{ side = \"top\", point = \"P\", kind = \"rigid\" }}]\n\
+         load = [{{ point = \"P\", force = {force}, moment = {moment} }}]\n"
+    );
+    fn sunk<const D: usize>(solution: &Solution<D>) -> f64 {
+        let body = &solution.bodies[0];
+        near(body.side_reactions["bottom"][D - 1], 1.0, 1e-8);
+        let least = body.displacement.iter().map(|u| u[D - 1]);
+        -1e6 * least.fold(f64::INFINITY, f64::min)
+    }
+    match space {
+        false => {
+            let case = Case::<2>::from_str(&text, "footing.toml", "".as_ref());
+            sunk(&case.unwrap().model.solve().unwrap())
+        }
+        true => {
+            let case = Case::<3>::from_str(&text, "footing.toml", "".as_ref());
+            sunk(&case.unwrap().model.solve().unwrap())
+        }
+    }
+}
+
+/// Where all of it presses a bed that only presses is the one that acts both ways, with any number of facets; where it parts it
+/// comes near Winkler's triangle.
+#[test]
+fn a_footing_turns_on_its_bed() {
+    for cell in ["tri3", "tri6", "quad4", "quad8", "quad9"] {
+        for n in [1, 2, 3, 8] {
+            let mesh = format!(
+                "rectangle = {{ from = [-0.5, 0], to = [0.5, 0.5], cells = [{n}, 1], cell = \"{cell}\" }}"
+            );
+            for only in [false, true] {
+                // no tension at the sixth: P/B (1 + 6 e/B)
+                near(footing(&mesh, "plane-strain", only, 1.0 / 6.0), 2.0, 1e-6);
+                near(footing(&mesh, "plane-strain", only, 0.05), 1.3, 1e-6);
+            }
+        }
+        let mesh = format!(
+            "rectangle = {{ from = [-0.5, 0], to = [0.5, 0.5], cells = [32, 1], cell = \"{cell}\" }}"
+        );
+        near(footing(&mesh, "plane-strain", true, 0.25), 2.0 / 0.75, 1e-3);
+    }
+    for cell in [
+        "tet4", "tet10", "hex8", "hex20", "hex27", "prism6", "prism15",
+    ] {
+        let mesh = |n: usize| {
+            format!(
+                "box = {{ from = [-0.5, -0.5, 0], to = [0.5, 0.5, 0.5], cells = [{n}, 1, 1], cell = \"{cell}\" }}"
+            )
+        };
+        for n in [1, 3] {
+            for only in [false, true] {
+                near(footing(&mesh(n), "3d", only, 1.0 / 6.0), 2.0, 1e-6);
+            }
+        }
+        near(footing(&mesh(12), "3d", true, 0.25), 2.0 / 0.75, 1e-2);
+    }
+}
+
+/// A soft plate, which presses its whole bed unevenly: node by node the displacements of the bed that acts both ways.
+#[test]
+fn a_bed_that_is_pressed_everywhere_is_that_which_acts_both_ways() {
+    let bent = |analysis: &str, only: bool| {
+        let text = format!(
+            "analysis = \"{analysis}\"\n[[body]]\nname = \"plate\"\n\
+             mesh = {{ rectangle = {{ from = [0, 0], to = [3, 0.2], cells = [9, 2], cell = \"quad9\" }} }}\n\
+             material = {{ young = 1e3, poisson = 0.3 }}\nfix = [{{ side = \"left\", x = 0 }}]\n\
+             spring = [{{ side = \"bottom\", normal = 20, compression_only = {only} }}]\n\
+             load = [{{ side = \"top\", pressure = \"1 + x*x/3\" }}]\n\
+             [[section]]\nname = \"s\"\nbody = \"plate\"\nsides = [\"top\", \"bottom\"]\nstations = 7\n"
+        );
+        let model = Case::<2>::from_str(&text, "plate.toml", "".as_ref())
+            .unwrap()
+            .model;
+        model.solve().unwrap()
+    };
+    for analysis in ["plane-strain", "axisymmetric"] {
+        let [only, both] = [true, false].map(|only| bent(analysis, only));
+        let displacements = only.bodies[0].displacement.iter().flatten();
+        for (a, b) in displacements.zip(both.bodies[0].displacement.iter().flatten()) {
+            near(*a, *b, 1e-8);
+        }
+        for (a, b) in only.sections[0]
+            .stations
+            .iter()
+            .zip(&both.sections[0].stations)
+        {
+            near(a.normal, b.normal, 1e-7);
+            near(a.shear, b.shear, 1e-7);
+            near(a.moment, b.moment, 1e-7);
+        }
+    }
+}
+
 /// A ring on springs along its radius, as an oval presses it, with a twist `dp`.
 fn bedded_ring(cell: &str, n: usize, dp: f64, more: &str) -> Model<2> {
     let text = format!(
