@@ -54,6 +54,7 @@ mod sliding;
 mod solution;
 mod stages;
 mod steps;
+mod stiff;
 mod study;
 
 pub use crate::contact::ContactError;

@@ -19,6 +19,7 @@ mod layers;
 mod levels;
 mod lines;
 mod links;
+mod locking;
 mod mindlin;
 mod mortar;
 mod names;
