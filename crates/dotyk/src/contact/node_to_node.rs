@@ -14,7 +14,7 @@ use crate::contact::{
     ContactError, Coupling, End, GapPoint, GapShares, InitialGap, Interface, InterfaceNode, Role,
 };
 use crate::fem::{Analysis, show};
-use crate::geometry::{Point, distance, dot, size_of, sub, told_apart};
+use crate::geometry::{Point, distance, dot, sub};
 use crate::mesh::{Facet, Mesh};
 use std::collections::BTreeMap;
 
@@ -123,9 +123,7 @@ pub fn pair_nodes<const D: usize>(
             let facing = normal;
             let normal = relative.free_normal(facing);
             let gap = match gap {
-                InitialGap::Measured => {
-                    told_apart(dot(normal, sub(m.points()[j], point)), size_of(point))
-                }
+                InitialGap::Measured => dot(normal, sub(m.points()[j], point)),
                 InitialGap::Closed => 0.0,
                 InitialGap::Given(field) => finite_gap(field, point, time, nonmortar)?,
             };

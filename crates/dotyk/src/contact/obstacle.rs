@@ -2,7 +2,7 @@
 
 use crate::contact::{ContactError, End};
 use crate::fem::show;
-use crate::geometry::{Field, Point, Surface, add_scaled, dot, size_of, told_apart};
+use crate::geometry::{Field, Point, Surface, add_scaled, dot};
 
 /// The shape of a rigid obstacle.
 #[derive(Debug, Clone)]
@@ -47,11 +47,7 @@ impl<const D: usize> Rigid<D> {
     ) -> Result<Option<(Point<D>, f64)>, ContactError> {
         Ok(match self {
             Self::Gap(field) => Some((normal, finite_gap(field, point, time, end)?)),
-            Self::Surface { surface, inside } => {
-                let size = size_of(point).max(surface.size());
-                let found = surface_opposite(surface, *inside, point, normal);
-                found.map(|(normal, gap)| (normal, told_apart(gap, size)))
-            }
+            Self::Surface { surface, inside } => surface_opposite(surface, *inside, point, normal),
         })
     }
 }

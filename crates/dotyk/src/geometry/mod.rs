@@ -15,24 +15,6 @@ pub(crate) use union::Groups;
 /// A point or vector of the D-dimensional space.
 pub type Point<const D: usize> = [f64; D];
 
-/// A difference of coordinates as large as `size` is rounding up to this part of it: those of places that should be one differ so
-/// where different ways led to them.
-const ROUNDING: f64 = 16.0 * f64::EPSILON;
-
-/// A length that is a difference of coordinates up to `size`: zero where it is their rounding. Between stiff bodies that would be
-/// a force.
-pub(crate) fn told_apart(length: f64, size: f64) -> f64 {
-    match length.abs() <= ROUNDING * size {
-        true => 0.0,
-        false => length,
-    }
-}
-
-/// Largest magnitude of the coordinates of a point.
-pub(crate) fn size_of<const D: usize>(point: Point<D>) -> f64 {
-    point.iter().fold(0.0, |s: f64, c| s.max(c.abs()))
-}
-
 /// a − b.
 pub fn sub<const D: usize>(a: Point<D>, b: Point<D>) -> Point<D> {
     std::array::from_fn(|i| a[i] - b[i])

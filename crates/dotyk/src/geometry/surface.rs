@@ -8,7 +8,7 @@
 //!   distance = ρ cos β − h sin β      where h cos β + ρ sin β ≥ 0, else |x − a|
 //! ```
 
-use crate::geometry::{Point, add_scaled, distance, dot, norm, size_of, sub, unit};
+use crate::geometry::{Point, add_scaled, distance, dot, norm, sub, unit};
 
 /// A surface given by its equation.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -93,16 +93,6 @@ impl<const D: usize> Surface<D> {
                 let (sin, cos) = half_angle.sin_cos();
                 cos * norm(across(from, axis)) - sin * dot(from, axis)
             }
-        }
-    }
-
-    /// The size of the numbers that tell where it is.
-    pub(crate) fn size(&self) -> f64 {
-        match *self {
-            Self::Plane { point, .. } => size_of(point),
-            Self::Sphere { center, radius } => size_of(center).max(radius),
-            Self::Cylinder { point, radius, .. } => size_of(point).max(radius),
-            Self::Cone { apex, .. } => size_of(apex),
         }
     }
 

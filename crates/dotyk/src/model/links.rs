@@ -182,6 +182,7 @@ fn linked<const D: usize>(
         samples: Vec::new(),
         left_out: Vec::new(),
         fit: Default::default(),
+        began: Default::default(),
         link,
         lost: Vec::new(),
         sharers: Vec::new(),
