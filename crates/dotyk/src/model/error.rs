@@ -427,7 +427,7 @@ pub enum Objection<const D: usize> {
         /// Contact, place and depth where two sides overlap most between their nodes, if by too much.
         overlap: Option<(String, Point<D>, f64)>,
         /// Where a deformed body stands in another one, if farther than it may.
-        intrusion: Option<Intrusion<D>>,
+        intrusion: Option<Box<Intrusion<D>>>,
     },
     /// Hardly anything holds a floating body against turning: it turns farther than the theory of small rotations goes.
     Turned {

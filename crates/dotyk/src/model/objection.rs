@@ -58,7 +58,9 @@ pub(crate) fn objection<const D: usize>(
             let intrusion = judged.intrusion.clone();
             Some(Objection::Violated {
                 certificate,
-                intrusion: intrusion.filter(|_| !certificate.overlap.holds()),
+                intrusion: intrusion
+                    .filter(|_| !certificate.overlap.holds())
+                    .map(Box::new),
                 overlap: overlap.map(|o| {
                     let contact = &model.contacts[o.contact];
                     (contact.name.clone(), o.point, o.depth)

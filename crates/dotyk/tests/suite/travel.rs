@@ -37,7 +37,7 @@ fn stands<const D: usize>(answer: Answer<D>) -> Intrusion<D> {
             let violated: Vec<_> = violated.filter(|(_, figure)| !figure.holds()).collect();
             assert_eq!(violated.len(), 1, "{certificate}");
             assert_eq!(violated[0].0, "overlap");
-            found
+            *found
         }
         Err(other) => panic!("{other}"),
         Ok(solution) => panic!("certified:\n{}", solution.certificate),
