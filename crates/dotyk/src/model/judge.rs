@@ -475,12 +475,13 @@ fn open_motions<const D: usize>(
     let points = first_point(model);
     for group in groups(bodies, &free) {
         let left = floating.left_by(&group, |row| bears[row])?;
+        // what no contact of theirs controls is there already
+        if left.len() == floating.left_by(&group, |_| true)?.len() {
+            continue;
+        }
         let mut rows = group.iter().flat_map(|&part| &bodies[part].rows.index);
         if rows.any(|&row| bears[row] && !free[row]) {
-            // what no contact of theirs controls is there already
-            if left.len() > floating.left_by(&group, |_| true)?.len() {
-                open.loose.extend(left);
-            }
+            open.loose.extend(left);
             continue;
         }
         let moved = |&&part: &&usize| {

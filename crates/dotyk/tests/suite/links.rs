@@ -350,6 +350,7 @@ fn a_bed_along_the_radius_leaves_a_ring_its_spin_however_fine_it_is() {
                     .any(|w| w.contains("nothing controls its rotation about (0, 0)")),
                 "{cell} {n}: {told:?}"
             );
+            assert!(!told.iter().any(|w| w.contains("hovers")), "{told:?}");
             assert!(solution.bodies[0].rigid.rotation[0].abs() < 1e-9);
             sizes.push(largest(&solution));
             let driven = bedded_ring(cell, n, 1e-4, "")
