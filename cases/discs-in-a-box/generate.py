@@ -83,8 +83,10 @@ def square(n=10):
     rollers_y = '{ side = "bottom", y = 0.0 }, { side = "top", y = 0.0 }'
     load = f'pressure = {PRESSURE} }}]'
     fix = "fix      = ["
-    text += plate("lid", (0, size), (size, size + 2), "bottom", f'{fix}{rollers_x}]\nload     = [{{ side = "top", {load}')
-    text += plate("press", (size, 0), (size + 2, size), "left", f'{fix}{rollers_y}]\nload     = [{{ side = "right", {load}')
+    # the two would meet at the corner: both are a cell beside the discs
+    low, high = -0.25, size - 0.25
+    text += plate("lid", (low, size), (high, size + 2), "bottom", f'{fix}{rollers_x}]\nload     = [{{ side = "top", {load}')
+    text += plate("press", (size, low), (size + 2, high), "left", f'{fix}{rollers_y}]\nload     = [{{ side = "right", {load}')
     for k in range(n):
         text += wall(f"floor_{k}", f"disc_{k}_0.south", "0.0, 0.0", "0.0, 1.0")
         text += wall(f"left_{k}", f"disc_0_{k}.west", "0.0, 0.0", "1.0, 0.0")

@@ -354,8 +354,8 @@ fn certificates(found: &Found<'_>) -> String {
 }
 
 /// The largest relative figures, and their limits.
-fn worst<'c>(certificates: impl Iterator<Item = &'c Certificate>) -> [(f64, f64); 9] {
-    certificates.fold([(0.0, f64::NAN); 9], |mut worst, certificate| {
+fn worst<'c>(certificates: impl Iterator<Item = &'c Certificate>) -> [(f64, f64); 10] {
+    certificates.fold([(0.0, f64::NAN); 10], |mut worst, certificate| {
         for (most, (_, figure)) in worst.iter_mut().zip(certificate.figures()) {
             // what is no number is worse than any
             let larger = figure.relative.is_nan() || figure.relative > most.0;

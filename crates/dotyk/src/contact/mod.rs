@@ -277,6 +277,15 @@ impl<const D: usize> Interface<D> {
         self.points.iter_mut().for_each(|point| point.gap = 0.0);
     }
 
+    /// Takes initial gaps for zero that are within some rounding.
+    pub fn settle(&mut self, rounding: f64) {
+        let nodes = self.nodes.iter_mut();
+        let gaps = nodes.flat_map(|node| [&mut node.gap, &mut node.clearance]);
+        let gaps = gaps.chain(self.points.iter_mut().map(|point| &mut point.gap));
+        let none = gaps.filter(|gap| gap.abs() <= rounding);
+        none.for_each(|gap| *gap = 0.0);
+    }
+
     /// Takes the multipliers of rows away, and with a normal row under friction those of the tangential ones: the rows
     /// become implied ones, those after them move up, and nodes that lose all rows become fixed.
     pub fn drop_rows(&mut self, rows: &[usize]) {

@@ -99,6 +99,16 @@ impl AdmissibleSet {
         Self::new(blocks.collect())
     }
 
+    /// The set in which blocks with friction have none where they slip, one answer for each block, and no end of it elsewhere.
+    pub fn with_slip(&self, slips: &[bool]) -> Self {
+        let blocks = self.blocks.iter().zip(slips);
+        let blocks = blocks.flat_map(|(block, slips)| match slips {
+            true => vec![block.with_friction(|_| Friction::Tresca { bound: 0.0 })],
+            false => block.sticking().into_iter().collect(),
+        });
+        Self::new(blocks.collect())
+    }
+
     /// The set in which every block with friction has the given bound `bound`.
     pub fn with_all_bounds(&self, bound: f64) -> Self {
         let given = |block: &Block| block.with_friction(|_| Friction::Tresca { bound });

@@ -1,4 +1,4 @@
-//! The certificate: nine figures that tell how far an answer is from being one. It is the only judge of convergence, whoever
+//! The certificate: ten figures that tell how far an answer is from being one. It is the only judge of convergence, whoever
 //! solved.
 //!
 //! Each figure is a violation in the problem's units; over its scale it must not exceed its limit.
@@ -14,6 +14,7 @@
 //! | slip violation | largest distance of λₜ from what friction makes of the bound and the slip | force | tolerance |
 //! | force error | largest change of a force that its gap asks for | force | 10 tolerances |
 //! | between nodes | deepest penetration between the nodes of the sides | what the meshes resolve | 10 |
+//! | overlap | deepest overlap of two bodies beyond that at first, whoever named a contact | what small displacements and the meshes explain | 1 |
 //!
 //! Scales: length is max‖d‖; force is the larger of max‖λ‖ and the largest resultant load, where the force on a support that
 //! moves is a load like any other; arm is the largest diameter of a body; energy is the elastic energy of all bodies, in stressed
@@ -37,6 +38,9 @@
 //!
 //! *Between nodes.* The conditions of a contact are imposed at its nodes. What the sides do between them is measured without
 //! knowing which conditions were imposed.
+//!
+//! *Overlap.* Contacts are where the model names them, and what lies opposite is what lay there at first. So the deformed surfaces
+//! of all bodies are looked at, too, by whoever knows them.
 //!
 //! *Rounding.* A gap is a difference of displacements that may be much larger than it: a soft body carries a stiff one along.
 //! The part of a gap that is rounding of these displacements says nothing, and every figure is computed without it.
@@ -106,14 +110,19 @@ pub struct Certificate {
     pub force_error: Figure,
     /// Deepest penetration between the nodes, a length; relative to what the meshes can resolve.
     pub between_nodes: Figure,
+    /// Deepest overlap of the deformed bodies beyond the one at first, a length; relative to what is explained. Not asked: zero.
+    pub overlap: Figure,
 }
 
 /// Name of the figure that no contact solver can change.
 pub(crate) const BETWEEN_NODES: &str = "between_nodes";
 
+/// Name of the figure of what no contact keeps apart.
+pub(crate) const OVERLAP: &str = "overlap";
+
 impl Certificate {
     /// The figures with their names in `summary.json`, in its order.
-    pub fn figures(&self) -> [(&'static str, Figure); 9] {
+    pub fn figures(&self) -> [(&'static str, Figure); 10] {
         [
             ("penetration", self.penetration),
             ("tension", self.tension),
@@ -124,6 +133,7 @@ impl Certificate {
             ("slip_violation", self.slip_violation),
             ("force_error", self.force_error),
             (BETWEEN_NODES, self.between_nodes),
+            (OVERLAP, self.overlap),
         ]
     }
 
@@ -491,6 +501,7 @@ impl DualProblem {
             slip_violation: found.slip.figure(tolerance),
             force_error: found.force_error.figure(FORCE_LIMIT * tolerance),
             between_nodes: Figure::new(depth, resolved, BETWEEN_LIMIT),
+            overlap: Figure::new(0.0, 0.0, 1.0),
         }
     }
 

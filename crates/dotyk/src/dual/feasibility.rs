@@ -23,8 +23,9 @@
 //! Where a bound of friction follows from the normal force, a positive answer is necessary for a solution, not sufficient: the
 //! forces must go with the slips, too.
 //!
-//! Where friction does not suffice, the motion that is named is the one that the bodies would make without friction, and the
-//! answer tells how much of the load along it friction can hold. Where no friction whatever could hold the bodies (they tip or
+//! Where friction does not suffice, y opens contacts as it slips along them, in the ratio of the coefficient, which no body does.
+//! It tells where the bodies slip: the motion that is named is the one that they make without friction there, while they stick
+//! everywhere else, and the answer tells how much of the load along it friction can hold. Where no friction whatever could hold the bodies (they tip or
 //! are lifted), it is the motion that is left when no contact slips, and friction holds nothing of the load along it.
 
 use crate::dual::cone;
@@ -36,6 +37,7 @@ use crate::dual::{AdmissibleSet, Balance, Block, DualProblem, ModeSplit, Modes};
 use crate::linalg::SparseVector;
 use crate::linalg::dense::{dot, norm};
 use std::f64::consts::TAU;
+use std::ops::Range;
 
 /// Work on a rigid motion below this part of the load's scale counts as none.
 pub const NO_WORK: f64 = 1e-9;
@@ -121,14 +123,34 @@ impl Feasibility {
             let (direction, factor) = (unit(held), None);
             return Feasibility::Infeasible { direction, factor };
         }
-        let direction = unit(motion(&admissible.with_all_bounds(0.0)));
-        let work = dot(&direction, load);
-        let factor = Some(largest_part(|part| {
-            let along = |(e, z): (&f64, &f64)| e - (1.0 - part) * work * z;
-            let reduced: Vec<f64> = load.iter().zip(&direction).map(along).collect();
-            carrier.carries(&reduced, no_work)
-        }));
+        let slips = slipping(admissible, balance, &motion(admissible));
+        let mechanism = motion(&admissible.with_slip(&slips));
+        let direction = match norm(&mechanism) > no_work {
+            true => unit(mechanism),
+            false => unit(motion(&admissible.with_all_bounds(0.0))),
+        };
+        let factor = Self::part_along(admissible, balance, &direction, force);
+        let factor = Some(factor);
         Feasibility::Infeasible { direction, factor }
+    }
+
+    /// Largest s in [0, 1] for which some admissible force balances e − (1 − s)(z·e)z, z = `direction` (r,) of unit length: the part
+    /// of the load along that motion which is held. `force` as in [`Self::of`].
+    pub fn part_along(
+        admissible: &AdmissibleSet,
+        balance: &Balance,
+        direction: &[f64],
+        force: f64,
+    ) -> f64 {
+        let load = balance.load();
+        let no_work = NO_WORK * scale_of(load, force);
+        let carrier = Carrier::new(admissible, balance);
+        let work = dot(direction, load);
+        largest_part(|part| {
+            let along = |(e, z): (&f64, &f64)| e - (1.0 - part) * work * z;
+            let reduced: Vec<f64> = load.iter().zip(direction).map(along).collect();
+            carrier.carries(&reduced, no_work)
+        })
     }
 
     /// Largest s in [0, 1] for which some admissible force balances e₀ + s(e − e₀), e₀ = `before` (r,) the load of the
@@ -145,6 +167,25 @@ impl Feasibility {
             carrier.carries(&mixed, no_work)
         })
     }
+}
+
+/// A slip below this part of the largest is rounding of a motion.
+const NO_SLIP: f64 = 1e-6;
+
+/// Which blocks with friction slip in a motion (r,), block after block.
+fn slipping(admissible: &AdmissibleSet, balance: &Balance, motion: &[f64]) -> Vec<bool> {
+    let slip = |(block, range): (&Block, Range<usize>)| {
+        let rows = range.skip(usize::from(block.friction().is_some()));
+        let slips = rows.map(|row| balance.modes().column(row).dot(motion));
+        match block.friction() {
+            Some(_) => slips.fold(0.0, |s: f64, slip| s.max(slip.abs())),
+            None => 0.0,
+        }
+    };
+    let slips: Vec<f64> = admissible.iter().map(slip).collect();
+    let largest = slips.iter().fold(0.0, |s: f64, slip| s.max(*slip));
+    let slips = slips.into_iter();
+    slips.map(|slip| slip > NO_SLIP * largest).collect()
 }
 
 /// Largest s in [0, 1] that `holds`, if those that do form an interval from 0.

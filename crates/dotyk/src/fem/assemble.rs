@@ -209,6 +209,7 @@ impl Driving {
         let NodalLoads {
             forces: mut load,
             largest: largest_load,
+            rounding,
         } = nodal_loads(body, analysis, time)?;
         let mut prescribed = vec![0.0; load.len()];
         for (dof, value) in held_dofs(constraints, frames) {
@@ -226,6 +227,11 @@ impl Driving {
         };
         into_frames(frames, &mut load);
         into_frames(frames, &mut carried);
+        // what is rounding of an initial stress and its loads moves nothing
+        for (force, known) in load.chunks_exact_mut(D).zip(rounding) {
+            let none = force.iter_mut().filter(|c| c.abs() <= known);
+            none.for_each(|c| *c = 0.0);
+        }
         let mut lift = vec![0.0; load.len()];
         let largest = prescribed.iter().fold(0.0f64, |l, v| l.max(v.abs()));
         for (dof, value) in held_dofs(constraints, frames) {

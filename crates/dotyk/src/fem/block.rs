@@ -56,8 +56,25 @@ impl<'a, const D: usize> Cells<'a, D> {
         D * self.table.count()
     }
 
-    fn measure(&self, point: Point<D>) -> f64 {
-        measure(self.analysis, self.body.thickness, point)
+    /// Image of point q, gradients there and its volume, with thickness or 2πr, for a cell whose nodes lie at `at(local)`.
+    ///
+    /// With axial symmetry the gradients of the modes are those of the plane times r₀/r, r₀ at the centre, so that a constant
+    /// stress does no work on them there either; they have no hoop strain.
+    fn map(
+        &self,
+        q: usize,
+        at: impl Fn(usize) -> Point<D>,
+    ) -> (Point<D>, [[f64; D]; MAX_CELL_NODES], f64) {
+        let (point, mut gradients, volume) = self.table.map(q, &at);
+        let nodes = self.table.shape(q).len();
+        if self.analysis == Analysis::Axisymmetric && self.table.count() > nodes {
+            let centre = (0..nodes).map(|a| at(a)[0]).sum::<f64>() / nodes as f64;
+            for gradient in &mut gradients[nodes..self.table.count()] {
+                *gradient = gradient.map(|c| c * centre / point[0]);
+            }
+        }
+        let measure = measure(self.analysis, self.body.thickness, point);
+        (point, gradients, volume * measure)
     }
 
     /// Stiffness of a cell, dense and row-major (size, size), in global axes, its modes eliminated: the leading part is that
@@ -71,8 +88,7 @@ impl<'a, const D: usize> Cells<'a, D> {
         }
         matrix.fill(0.0);
         for q in 0..self.table.len() {
-            let (point, g, volume) = self.table.map(q, |local| at[local]);
-            let w = volume * self.measure(point);
+            let (point, g, w) = self.map(q, |local| at[local]);
             let mut hoop = [0.0; MAX_CELL_NODES];
             if self.analysis == Analysis::Axisymmetric {
                 for (h, n) in hoop.iter_mut().zip(self.table.shape(q)) {
@@ -127,7 +143,7 @@ impl<'a, const D: usize> Cells<'a, D> {
         displacement: &[Point<D>],
     ) -> Deformation<D> {
         let points = self.body.mesh.points();
-        let (point, gradients, volume) = self.table.map(q, |a| points[cell[a] as usize]);
+        let (point, gradients, volume) = self.map(q, |a| points[cell[a] as usize]);
         let first = displacement[cell[0] as usize];
         let relative = cell.iter().map(|&n| sub(displacement[n as usize], first));
         let amplitudes = relative.chain(modes.iter().copied());
@@ -148,7 +164,7 @@ impl<'a, const D: usize> Cells<'a, D> {
         Deformation {
             point,
             gradients,
-            volume: volume * self.measure(point),
+            volume,
             gradient,
             hoop,
         }

@@ -81,13 +81,33 @@ impl Lame {
         })
     }
 
-    /// Strain energy per volume of a stress (xx yy zz xy yz xz) of space, or of plane strain.
+    /// Bulk modulus, but for plane stress.
+    pub fn bulk(self) -> f64 {
+        self.lambda + 2.0 / 3.0 * self.mu
+    }
+
+    /// Energy of distortion per volume of a strain (xx yy zz xy yz xz, tensor components).
+    pub fn distortion(self, e: [f64; 6]) -> f64 {
+        let trace: f64 = e[..3].iter().sum();
+        let all = e[..3].iter().map(|c| c * c).sum::<f64>()
+            + 2.0 * e[3..].iter().map(|c| c * c).sum::<f64>();
+        self.mu * (all - trace * trace / 3.0)
+    }
+
+    /// Whether these are the parameters of plane stress, whose λ is 2μν/(1 − ν); without ν there is no difference.
+    fn is_flat(self) -> bool {
+        self.out_of_plane != self.lambda
+    }
+
+    /// Strain energy per volume of a stress (xx yy zz xy yz xz).
     pub fn energy(self, s: [f64; 6]) -> f64 {
         let trace = s[0] + s[1] + s[2];
         let all = s[..3].iter().map(|c| c * c).sum::<f64>()
             + 2.0 * s[3..].iter().map(|c| c * c).sum::<f64>();
-        let bulk = self.lambda / (3.0 * self.lambda + 2.0 * self.mu);
-        (all - bulk * trace * trace) / (4.0 * self.mu)
+        // ν/(1 + ν)
+        let free = if self.is_flat() { 2.0 } else { 3.0 };
+        let lateral = self.lambda / (free * self.lambda + 2.0 * self.mu);
+        (all - lateral * trace * trace) / (4.0 * self.mu)
     }
 
     /// Strain (xx yy zz xy yz xz, tensor components) of a displacement gradient and a hoop strain; in plane stress with the
@@ -100,8 +120,7 @@ impl Lame {
         let in_plane: f64 = (0..D).map(|i| gradient[i][i]).sum();
         let zz = match D {
             3 => strain(2, 2),
-            // σzz = 0: the reduced λ is 2μν/(1 − ν)
-            _ if self.out_of_plane != self.lambda => -self.lambda / (2.0 * self.mu) * in_plane,
+            _ if self.is_flat() => -self.lambda / (2.0 * self.mu) * in_plane,
             _ => hoop,
         };
         [
@@ -142,12 +161,23 @@ mod tests {
             [-2e-4, -5e-4, 6e-4],
             [7e-4, 1e-4, 2e-4],
         ];
+        let work = |s: [f64; 6], e: [f64; 6]| -> f64 {
+            (0..6)
+                .map(|c| if c < 3 { 0.5 } else { 1.0 } * s[c] * e[c])
+                .sum()
+        };
         let lame = Lame::new(STEEL, Analysis::Solid);
         let (s, e) = (lame.stress(h, 0.0), lame.strain(h, 0.0));
-        let work: f64 = (0..6)
-            .map(|c| if c < 3 { 0.5 } else { 1.0 } * s[c] * e[c])
-            .sum();
-        assert!((lame.energy(s) / work - 1.0).abs() < 1e-14);
+        assert!((lame.energy(s) / work(s, e) - 1.0).abs() < 1e-14);
+        let volume: f64 = e[..3].iter().sum();
+        let parts = lame.distortion(e) + 0.5 * lame.bulk() * volume * volume;
+        assert!((parts / work(s, e) - 1.0).abs() < 1e-14);
+        let flat = [[1e-3, 4e-4], [-2e-4, -5e-4]];
+        for analysis in [Analysis::PlaneStress, Analysis::PlaneStrain] {
+            let lame = Lame::new(STEEL, analysis);
+            let (s, e) = (lame.stress(flat, 0.0), lame.strain(flat, 0.0));
+            assert!((lame.energy(s) / work(s, e) - 1.0).abs() < 1e-14);
+        }
     }
 
     #[test]

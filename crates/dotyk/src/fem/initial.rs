@@ -10,6 +10,15 @@
 //! expressions is so at the nodes, in curved cells, too. On the incompatible modes of enhanced cells they do no work, so
 //! that ground that nobody touches does not move there either.
 //!
+//! *Rest.* What the stress leaves of the loads is a difference of these. Gradients of shape functions are known to the rounding of
+//! coordinates x beside the size h of the cell, and expressions to that of the largest stress, so that a nodal force is known to
+//!
+//! ```text
+//!   a few ε · max|σ| (h + |x|) h^(D−2) per cell,      ε the unit of rounding
+//! ```
+//!
+//! and is zero where it is less: ground that nobody touches is at rest, not loaded by rounding.
+//!
 //! Tensile stress and elongation are positive; components xx yy zz xy yz xz, of strains tensorial (half the shear angle);
 //! with axial symmetry zz is the hoop component.
 
@@ -20,7 +29,7 @@ use crate::fem::loads::{Load, add_body_force, prepare_within};
 use crate::fem::nouns::{Analysis, Body, Place};
 use crate::fem::stress::sampled_points;
 use crate::fem::supports::{finite, nearest_node};
-use crate::geometry::{Field, Point, add_scaled, norm};
+use crate::geometry::{Field, Point, add_scaled, bounding_box, distance, norm};
 use crate::mesh::{CellBlock, Facet};
 use rayon::prelude::*;
 use std::collections::BTreeSet;
@@ -161,7 +170,7 @@ impl Initial {
     }
 
     /// The nodal forces that hold σ₀ − Cε₀ in each cell of a block, (nodes of the block's cells,), in global axes:
-    /// ∫ σ·∇Nₐ dV of the cell alone, with thickness or 2πr. `None` where there is nothing.
+    /// ∫ σ·∇Nₐ dV of the cell alone, with thickness or 2πr; and the largest component of σ₀ or Cε₀. `None` where there is nothing.
     ///
     /// Errors: an expression that is not finite; a group of cells without a material.
     pub(crate) fn cell_forces<const D: usize>(
@@ -170,7 +179,7 @@ impl Initial {
         block: &CellBlock,
         analysis: Analysis,
         time: f64,
-    ) -> Result<Option<Vec<Point<D>>>, FemError> {
+    ) -> Result<Option<(Vec<Point<D>>, f64)>, FemError> {
         if self.stress.is_none() && self.strain.is_none() {
             return Ok(None);
         }
@@ -179,19 +188,22 @@ impl Initial {
         let table = CellTable::<D>::new(block.kind, body_degree(block.kind.order()));
         let k = block.kind.nodes();
         let mut forces = vec![[0.0; D]; block.nodes.len()];
-        forces
+        let largest = forces
             .par_chunks_mut(k * CHUNK)
             .zip(block.nodes.par_chunks(k * CHUNK))
-            .try_for_each(|(out, nodes)| {
+            .map(|(out, nodes)| {
+                let mut largest = 0.0f64;
                 for (out, cell) in out.chunks_exact_mut(k).zip(nodes.chunks_exact(k)) {
-                    self.add_cell(body, law, &table, (cell, time), out)?;
+                    largest = largest.max(self.add_cell(body, law, &table, (cell, time), out)?);
                 }
-                Ok(())
-            })?;
-        Ok(Some(forces))
+                Ok(largest)
+            })
+            .try_reduce(|| 0.0, |a, b| Ok(f64::max(a, b)))?;
+        Ok(Some((forces, largest)))
     }
 
-    /// Adds the forces of one cell, (nodes of the cell,); nothing where nothing is in the body.
+    /// Adds the forces of one cell, (nodes of the cell,), and returns the largest component of σ₀ or Cε₀; nothing where nothing is
+    /// in the body.
     ///
     /// Errors: an expression that is not finite.
     pub(crate) fn add_cell<const D: usize>(
@@ -201,15 +213,18 @@ impl Initial {
         table: &CellTable<D>,
         (cell, time): (&[u32], f64),
         forces: &mut [Point<D>],
-    ) -> Result<(), FemError> {
+    ) -> Result<f64, FemError> {
+        let mut largest = 0.0f64;
         if self.stress.is_none() && self.strain.is_none() {
-            return Ok(());
+            return Ok(largest);
         }
         let points = body.mesh.points();
         for q in 0..table.len() {
             let (point, gradients, volume) = table.map(q, |local| points[cell[local] as usize]);
             let mut stress = self.of_strain(law, point, time)?;
             let initial = self.stress_at(point, time)?;
+            let parts = stress.iter().chain(&initial);
+            largest = parts.fold(largest, |largest, s| largest.max(s.abs()));
             stress.iter_mut().zip(initial).for_each(|(s, i)| *s += i);
             let weight = volume * measure(law.1, body.thickness, point);
             let nodes = forces.iter_mut().zip(&gradients).zip(table.shape(q));
@@ -223,11 +238,10 @@ impl Initial {
                 }
             }
         }
-        Ok(())
+        Ok(largest)
     }
 
-    /// Adds the load −∫ (σ₀ − Cε₀)·∇Nₐ dV to nodal forces (D·n,) of a body in global axes, and returns the sum of its
-    /// magnitudes.
+    /// Adds the load −∫ (σ₀ − Cε₀)·∇Nₐ dV to nodal forces (D·n,) of a body in global axes; `None` where there is nothing.
     ///
     /// Errors: an expression that is not finite; a group of cells without a material.
     pub(crate) fn add_load<const D: usize>(
@@ -236,18 +250,60 @@ impl Initial {
         analysis: Analysis,
         time: f64,
         forces: &mut [f64],
-    ) -> Result<f64, FemError> {
+    ) -> Result<Option<Held>, FemError> {
+        if self.stress.is_none() && self.strain.is_none() {
+            return Ok(None);
+        }
+        let (mut largest, mut cells) = (0.0f64, vec![0.0; body.mesh.points().len()]);
         let mut all = vec![[0.0; D]; body.mesh.points().len()];
         for block in body.mesh.blocks() {
-            let held = self.cell_forces(body, block, analysis, time)?;
-            for (&node, force) in block.nodes.iter().zip(held.iter().flatten()) {
-                all[node as usize] = add_scaled(all[node as usize], -1.0, *force);
+            let Some((held, stress)) = self.cell_forces(body, block, analysis, time)? else {
+                continue;
+            };
+            largest = largest.max(stress);
+            for (&node, force) in block.nodes.iter().zip(held) {
+                all[node as usize] = add_scaled(all[node as usize], -1.0, force);
+            }
+            for cell in block.cells() {
+                let known = known_area(body, analysis, cell);
+                cell.iter().for_each(|&node| cells[node as usize] += known);
             }
         }
         let sums = forces.iter_mut().zip(all.as_flattened());
         sums.for_each(|(sum, force)| *sum += force);
-        Ok(all.into_iter().map(norm).sum())
+        Ok(Some(Held {
+            magnitude: all.into_iter().map(norm).sum(),
+            rounding: cells
+                .into_iter()
+                .map(|area| ROUNDING * largest * area)
+                .collect(),
+        }))
     }
+}
+
+/// Forces are known to this part of what they are sums of; in cells of all kinds, near and far from the origin, up to 0.6 ε was seen.
+const ROUNDING: f64 = 16.0 * f64::EPSILON;
+
+/// What holds the initial stress and strain of a body.
+pub(crate) struct Held {
+    /// Sum of the magnitudes of the nodal forces.
+    pub magnitude: f64,
+    /// By node, to what a force there is known that it is a part of, (n,).
+    pub rounding: Vec<f64>,
+}
+
+/// Area over which a cell hands a stress to a node, as far as rounding goes, with thickness or 2πr: (h + |x|) h^(D−2).
+fn known_area<const D: usize>(body: &Body<D>, analysis: Analysis, cell: &[u32]) -> f64 {
+    let points: Vec<Point<D>> = (cell.iter())
+        .map(|&node| body.mesh.points()[node as usize])
+        .collect();
+    let (low, high) = bounding_box(&points);
+    let size = distance(low, high);
+    let far = low
+        .iter()
+        .chain(&high)
+        .fold(0.0, |s: f64, x| s.max(x.abs()));
+    (size + far) * size.powi(D as i32 - 2) * measure(analysis, body.thickness, high)
 }
 
 /// Degree of the quadrature of body forces and initial stresses: exact for ones that are linear in the place, in cells with
@@ -297,9 +353,8 @@ pub(crate) fn out_of_balance<const D: usize>(
     };
     for block in body.mesh.blocks() {
         let forces = stressed.cell_forces(body, block, analysis, time)?;
-        let cells = forces
-            .iter()
-            .flat_map(|f| f.chunks_exact(block.kind.nodes()));
+        let forces = forces.map(|(forces, _)| forces).unwrap_or_default();
+        let cells = forces.chunks_exact(block.kind.nodes());
         for (cell, forces) in block.cells().zip(cells) {
             // at a node in the middle of a cell there may be none
             let most = forces.iter().map(|&force| norm(force)).fold(0.0, f64::max);

@@ -162,6 +162,8 @@ pub(crate) struct NodalLoads {
     /// Resultant of the largest single load, a force. A load that nearly balances itself, such as pressure all around
     /// a ring, counts with the sum of its magnitudes: its resultant is rounding.
     pub largest: f64,
+    /// By node, to what the force there is known, where it is what an initial stress leaves of loads; else empty.
+    pub rounding: Vec<f64>,
 }
 
 /// Parts of a whole are in [0, 1] but for the rounding of expressions.
@@ -208,7 +210,9 @@ pub(crate) fn nodal_loads<const D: usize>(
     let mut forces = vec![0.0; D * body.mesh.points().len()];
     let mut largest = add_body_force(body, analysis, time, &mut forces)?.scale();
     // an initial stress balances itself
-    largest = largest.max(body.initial.add_load(body, analysis, time, &mut forces)?);
+    let held = body.initial.add_load(body, analysis, time, &mut forces)?;
+    let (magnitude, rounding) = held.map_or_else(Default::default, |h| (h.magnitude, h.rounding));
+    largest = largest.max(magnitude);
     for load in &body.loads {
         let size = add_load(body, load, analysis, time, &mut forces)?;
         largest = largest.max(size.scale());
@@ -229,7 +233,11 @@ pub(crate) fn nodal_loads<const D: usize>(
         }
         largest = largest.max(size.scale());
     }
-    Ok(NodalLoads { forces, largest })
+    Ok(NodalLoads {
+        forces,
+        largest,
+        rounding,
+    })
 }
 
 /// Adds ∫ N·t dS over a side, or the force at the node nearest to a point, and returns its size.

@@ -9,7 +9,6 @@
 //! Tensile stress is positive; forces in plane analyses are for the body's thickness.
 
 mod assemble;
-mod bending;
 mod block;
 mod cells;
 mod couple;
@@ -20,6 +19,7 @@ mod error;
 mod initial;
 mod internal;
 mod loads;
+mod locking;
 mod modes;
 mod nouns;
 mod overstress;
@@ -46,12 +46,12 @@ pub use strength::Strength;
 pub use stress::{principal, recover_spin, recover_strain, recover_stress, von_mises};
 pub use supports::{Constraints, Held, nearest_node, node_normals};
 
-pub(crate) use bending::{Unseen, unseen};
 pub(crate) use cells::measure;
 pub(crate) use cut::{Ahead, Push};
 pub(crate) use error::{Short, show};
 pub(crate) use initial::{OutOfBalance, out_of_balance};
 pub(crate) use internal::internal_forces;
+pub(crate) use locking::{INCOMPRESSIBLE, Unseen, unseen};
 pub(crate) use modes::fit_rigid;
 pub(crate) use overstress::overstress;
 pub(crate) use springs::{pads, spring_forces, spring_loads};

@@ -64,8 +64,20 @@ pub fn recover_strain<const D: usize>(
     analysis: Analysis,
     displacement: &[Point<D>],
 ) -> Result<Vec<[f64; 6]>, FemError> {
+    recover_strain_within(body, analysis, displacement, &|_| true)
+}
+
+/// The same from the cells of some blocks alone; NaN at nodes that none of them has.
+///
+/// Errors: those of [`recover_strain`].
+pub(crate) fn recover_strain_within<const D: usize>(
+    body: &Body<D>,
+    analysis: Analysis,
+    displacement: &[Point<D>],
+    within: &dyn Fn(&CellBlock) -> bool,
+) -> Result<Vec<[f64; 6]>, FemError> {
     let local = |lame: Lame, here: &Deformation<D>| Ok(lame.strain(here.gradient, here.hoop));
-    recover(body, analysis, displacement, local, &|_| true)
+    recover(body, analysis, displacement, local, within)
 }
 
 /// Recovered rotation vector at every node, radians, as [`recover_stress`]; in the plane its third component.

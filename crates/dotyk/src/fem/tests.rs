@@ -973,7 +973,12 @@ fn resultants_are_spread_and_forces_act_at_their_node() {
         },
     ];
     for analysis in PLANES {
-        let NodalLoads { forces, largest } = nodal_loads(&body, analysis, 0.5).unwrap();
+        let NodalLoads {
+            forces,
+            largest,
+            rounding,
+        } = nodal_loads(&body, analysis, 0.5).unwrap();
+        assert!(rounding.is_empty());
         let total = sum::<2>(&forces);
         near(total[0], 4.5, 1e-13);
         near(total[1], -2.0, 1e-13);

@@ -16,6 +16,7 @@ mod generate;
 mod import;
 mod outline;
 mod reference;
+mod skin;
 mod strip;
 
 pub use cell::{CellBlock, MAX_CELL_NODES, MAX_FACET_NODES};
@@ -31,6 +32,7 @@ pub use outline::{
     Regions, SizePoint,
 };
 pub use reference::{CellKind, Domain};
+pub(crate) use skin::Skin;
 pub use strip::{Cut, Strip, StripError};
 
 use crate::geometry::{Point, Surface, bounding_box, determinant, distance, norm, padded, sub};

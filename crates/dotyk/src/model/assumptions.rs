@@ -5,26 +5,18 @@
 //! hundredth of the nodes is passed over.
 
 use crate::contact::Coupling;
-use crate::fem::{Analysis, Short, Unseen, recover_spin, show, unseen};
+use crate::fem::{Short, recover_spin, show};
 use crate::geometry::{Point, Surface, add_scaled, dot, norm, sub};
 use crate::model::check::mean_facet;
 use crate::model::error::Error;
 use crate::model::nouns::{Body, Contact, Model, Pair, Rigid};
 use crate::model::pair::Paired;
 use crate::model::solution::{BodySolution, ContactNode, ContactSolution, Status};
+use crate::model::stiff::{too_stiff, uneven_pressures};
 use rayon::prelude::*;
 
 /// Strains and rotations above this are large.
 const LARGE: f64 = 0.05;
-
-/// A body whose linear cells spend more of its energy on what they cannot show gives way by about as much too little.
-const UNSEEN: f64 = 0.25;
-
-/// Above this ratio of Poisson it is rather the volume that linear cells cannot keep than their bending.
-const INCOMPRESSIBLE: f64 = 0.45;
-
-/// Stresses of the displacements below this part of the total ones are rounding.
-const UNDISTURBED: f64 = 1e-10;
 
 /// Part of the nodes that may be singular.
 const SINGULAR: f64 = 0.01;
@@ -48,15 +40,28 @@ pub(crate) fn beyond<const D: usize>(
     contacts: &[ContactSolution<D>],
 ) -> Result<Vec<String>, Error<D>> {
     let each = model.bodies.par_iter().zip(bodies);
-    let each = each.map(|(body, solved)| of_body(model, body, solved));
-    let large: Vec<Vec<String>> = each.collect::<Result<_, _>>()?;
-    let mut warnings = large.concat();
+    let each = each.map(|(body, solved)| {
+        let stiff = too_stiff(model, body, solved)?;
+        Ok((large(model, body, solved)?, stiff))
+    });
+    let told: Vec<(Vec<String>, Option<String>)> = each.collect::<Result<_, Error<D>>>()?;
+    let of_bodies = told
+        .iter()
+        .flat_map(|(large, stiff)| large.iter().chain(stiff));
+    let mut warnings: Vec<String> = of_bodies.cloned().collect();
     let is_loose = |pair: &Paired<D>| pair.interface.coupling != Coupling::Tied;
     let loose = contacts.iter().zip(paired);
     let loose = loose.filter(|(_, pair)| is_loose(pair));
     let loose: Vec<&ContactSolution<D>> = loose.map(|(contact, _)| contact).collect();
     warnings.extend(few_closed(&loose));
     warnings.extend(loose.iter().filter_map(|contact| far_slip(model, contact)));
+    let uneven = loose.iter().filter_map(|contact| {
+        let body = contact.nonmortar.body.0;
+        let enough = FEW.pow(D as u32 - 1);
+        let holds = told[body].1.is_none();
+        holds.then(|| uneven_pressures(model, contact, &bodies[body], enough))?
+    });
+    warnings.extend(uneven);
     let both = model.contacts.iter().zip(contacts).zip(paired);
     let rolled = both.filter(|(_, pair)| is_loose(pair));
     for ((contact, solved), pair) in rolled {
@@ -66,8 +71,8 @@ pub(crate) fn beyond<const D: usize>(
     Ok(warnings)
 }
 
-/// Warnings about a body that is strained or turned by much, or bends.
-fn of_body<const D: usize>(
+/// Warnings about a body that is strained or turned by much.
+fn large<const D: usize>(
     model: &Model<D>,
     body: &Body<D>,
     solved: &BodySolution<D>,
@@ -86,53 +91,7 @@ fn of_body<const D: usize>(
             100.0 * value
         )
     });
-    Ok(told.chain(bent(model, body, solved)?).collect())
-}
-
-/// A body of space whose linear cells bend.
-fn bent<const D: usize>(
-    model: &Model<D>,
-    body: &Body<D>,
-    solved: &BodySolution<D>,
-) -> Result<Option<String>, Error<D>> {
-    let most = |of: &[[f64; 6]]| {
-        of.as_flattened()
-            .iter()
-            .fold(0.0, |s: f64, c| s.max(c.abs()))
-    };
-    let stiffest = body
-        .materials
-        .iter()
-        .map(|m| m.elastic.young)
-        .fold(0.0, f64::max);
-    // in ground that nobody touches strains are rounding
-    let rests = stiffest * most(&solved.strain) <= UNDISTURBED * most(&solved.stress);
-    if model.analysis != Analysis::Solid || rests {
-        return Ok(None);
-    }
-    let found = unseen(body, model.analysis, &solved.displacement, &solved.strain);
-    let Unseen { modes, jumps } = found.map_err(|source| Error::in_body(body, source))?;
-    let name = &solved.name;
-    let ratios = body.materials.iter().map(|m| m.elastic.poisson);
-    let poisson = ratios.fold(0.0, f64::max);
-    let locks = (poisson > INCOMPRESSIBLE)
-        .then(|| format!("is nearly incompressible (ν = {poisson}), where linear cells lock"));
-    let or = |usual: &str| locks.clone().unwrap_or(usual.to_string());
-    Ok(if modes > UNSEEN {
-        let part = 100.0 * modes;
-        let cause = or("bends, and its linear hexahedra cannot");
-        Some(format!(
-            "body \"{name}\" {cause}: {part:.0} % of its energy is in strains of the cells alone, and it gives way too little by about as much: use hex20 or hex27, or formulation = \"enhanced\""
-        ))
-    } else if jumps > UNSEEN {
-        let part = 100.0 * jumps;
-        let cause = or("bends, or its linear cells are too large");
-        Some(format!(
-            "body \"{name}\" {cause}: its stresses jump from cell to cell by {part:.0} % of its energy, and it gives way too little: use quadratic cells (tet10, prism15)"
-        ))
-    } else {
-        None
-    })
+    Ok(told.collect())
 }
 
 /// The largest of some values, those of singular places passed over.

@@ -6,7 +6,7 @@
 //! from there. Where an applied or sparse F does not do (slender bodies), F is assembled after all.
 //! A solver of somebody else's is asked once, and what it says is judged as it is.
 
-use crate::dual::{BETWEEN_NODES, Certificate, Multipliers};
+use crate::dual::{BETWEEN_NODES, Certificate, Multipliers, OVERLAP};
 use crate::fem::show;
 use crate::geometry::{bounding_box, distance, norm, sub};
 use crate::model::condense::Condensed;
@@ -210,7 +210,7 @@ fn continued<const D: usize>(
 fn excess(certificate: &Certificate) -> f64 {
     let figures = certificate.figures().into_iter();
     figures
-        .filter(|(name, _)| *name != BETWEEN_NODES)
+        .filter(|(name, _)| ![BETWEEN_NODES, OVERLAP].contains(name))
         .map(|(_, f)| f.relative / f.limit)
         .fold(
             0.0,
@@ -287,8 +287,8 @@ fn run_solver<const D: usize>(
         Err(SolveError::Infeasible { direction, factor }) => {
             let before = condensed.before.as_ref();
             let admissible = &condensed.problem.admissible;
-            let step = before.map(|(time, e)| ([*time, condensed.time], &e[..], admissible));
-            let parts = (&condensed.floating, &condensed.bodies[..]);
+            let step = before.map(|(time, e)| ([*time, condensed.time], &e[..]));
+            let parts = (&condensed.floating, &condensed.bodies[..], admissible);
             let slides = sliding(model, parts, (&direction, factor), step)?;
             (nowhere(condensed), Some(slides))
         }

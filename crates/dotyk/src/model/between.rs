@@ -37,26 +37,9 @@ pub(crate) fn worst_overlap<const D: usize>(
     lambda: &[f64],
     negligible: f64,
 ) -> Option<Overlap<D>> {
-    let own = |node: &InterfaceNode<D>| node.rows[0].map(|row| (lambda[row] / node.weight).abs());
-    let nodes = pair.interface.nodes.iter();
-    let pressures = nodes.filter_map(|n| Some((n.node, own(n)?))).collect();
-    let pressure = near(pair, &pressures);
-    let facets = pair.samples.iter().map(|samples| gaps(samples, moved));
-    let facets: Vec<Vec<f64>> = facets.collect();
-    let mut bends = BTreeMap::new();
-    for (samples, gaps) in pair.samples.iter().zip(&facets) {
-        let bend = bend(samples, gaps);
-        nodes_of(samples).for_each(|node| raise(&mut bends, node, bend));
-    }
-    // a condition that is a mean over the facets of a node sees how the gap bends on all of them
-    let bends = near(pair, &bends);
     let mut worst: Option<Overlap<D>> = None;
-    for (samples, gaps) in pair.samples.iter().zip(facets) {
-        let largest = |of: &BTreeMap<usize, f64>| {
-            let values = nodes_of(samples).filter_map(|node| of.get(&node));
-            values.fold(0.0, |largest: f64, value| largest.max(*value))
-        };
-        let (pressure, bend) = (largest(&pressure), largest(&bends));
+    let facets = pair.samples.iter().zip(seen(pair, moved, lambda));
+    for (samples, (gaps, [pressure, bend])) in facets {
         for (sample, gap) in samples.iter().zip(gaps).filter(|(_, gap)| *gap < 0.0) {
             let found = Overlap {
                 contact,
@@ -70,6 +53,55 @@ pub(crate) fn worst_overlap<const D: usize>(
         }
     }
     worst
+}
+
+/// What the meshes can resolve of one contact under its forces `lambda` at each node of its nonmortar side that faces something, a
+/// length.
+pub(crate) fn resolved<const D: usize>(
+    pair: &Paired<D>,
+    moved: &Moved<'_, D>,
+    lambda: &[f64],
+) -> BTreeMap<usize, f64> {
+    let mut resolved = BTreeMap::new();
+    let facets = pair.samples.iter().zip(seen(pair, moved, lambda));
+    for (samples, (_, [pressure, bend])) in facets {
+        let dent = samples
+            .iter()
+            .fold(0.0, |s: f64, sample| s.max(sample.dent));
+        nodes_of(samples).for_each(|node| raise(&mut resolved, node, pressure * dent + bend));
+    }
+    resolved
+}
+
+/// Of each facet the gaps at its samples, and the largest pressure and bend of the gap at its nodes.
+fn seen<const D: usize>(
+    pair: &Paired<D>,
+    moved: &Moved<'_, D>,
+    lambda: &[f64],
+) -> Vec<(Vec<f64>, [f64; 2])> {
+    let own = |node: &InterfaceNode<D>| node.rows[0].map(|row| (lambda[row] / node.weight).abs());
+    let nodes = pair.interface.nodes.iter();
+    let pressures = nodes.filter_map(|n| Some((n.node, own(n)?))).collect();
+    let pressure = near(pair, &pressures);
+    let facets = pair.samples.iter().map(|samples| gaps(samples, moved));
+    let facets: Vec<Vec<f64>> = facets.collect();
+    let mut bends = BTreeMap::new();
+    for (samples, gaps) in pair.samples.iter().zip(&facets) {
+        let bend = bend(samples, gaps);
+        nodes_of(samples).for_each(|node| raise(&mut bends, node, bend));
+    }
+    // a condition that is a mean over the facets of a node sees how the gap bends on all of them
+    let bends = near(pair, &bends);
+    let most = |samples: &[Sample<D>], of: &BTreeMap<usize, f64>| {
+        let values = nodes_of(samples).filter_map(|node| of.get(&node));
+        values.fold(0.0, |largest: f64, value| largest.max(*value))
+    };
+    let facets = pair.samples.iter().zip(facets);
+    let facets = facets.map(|(samples, gaps)| {
+        let largest = [&pressure, &bends].map(|of| most(samples, of));
+        (gaps, largest)
+    });
+    facets.collect()
 }
 
 /// The deepest overlap of one contact where nodes were told to take no part, beyond how much its gap bends along a facet that

@@ -10,7 +10,6 @@
 //!
 //! Source: Janovský & Procházka (1980) III, section 7, (7.5)–(7.9).
 
-use crate::contact::InterfaceNode;
 use crate::dual::DualProblem;
 use crate::fem::{BodySystem, Constraints};
 use crate::geometry::dot;
@@ -26,7 +25,8 @@ use crate::model::error::Error;
 use crate::model::event::{Event, Lap, Work};
 use crate::model::factor::{FactoredBody, Ordered, factor, order};
 use crate::model::floating::Floating;
-use crate::model::joints;
+use crate::model::intrusion::Skins;
+use crate::model::joints::{self, Lost};
 use crate::model::links::complete;
 use crate::model::memory::{self, Demand};
 use crate::model::nouns::{Method, Model};
@@ -63,12 +63,12 @@ pub(crate) struct Staged<'a, const D: usize> {
 
 /// What the last stage leaves.
 struct Left<const D: usize> {
-    /// Slips of the nodes of each contact, by its name: components along their tangents.
-    slips: BTreeMap<String, Vec<[f64; D]>>,
+    /// Plastic elongations of bars, by their names and rows.
+    elongations: BTreeMap<String, Vec<f64>>,
     /// Work that friction has dissipated in each contact.
     dissipated: BTreeMap<String, f64>,
     /// Nodes of each contact at which a joint has parted or slipped.
-    lost: BTreeMap<String, Vec<bool>>,
+    lost: BTreeMap<String, Lost>,
     /// Spent so far.
     seconds: Seconds,
     /// Bodies that go on, as they were.
@@ -86,7 +86,7 @@ impl<const D: usize> Left<D> {
     /// Nothing.
     fn nothing(model: &Model<D>) -> Self {
         Self {
-            slips: BTreeMap::new(),
+            elongations: BTreeMap::new(),
             dissipated: BTreeMap::new(),
             lost: BTreeMap::new(),
             seconds: Seconds::default(),
@@ -96,20 +96,16 @@ impl<const D: usize> Left<D> {
 
     /// That of a stage, of whose bodies these go on.
     fn of(last: Condensed<D>, friction: &Friction, going_on: &[Option<usize>]) -> Self {
-        let slips = row_ranges(&last.paired).map(|(rows, pair)| {
-            let slip = &friction.slip[rows];
-            let of_node =
-                |node: &InterfaceNode<D>| node.rows.map(|row| row.map_or(0.0, |r| slip[r]));
-            let nodes = pair.interface.nodes.iter().map(of_node);
-            (pair.name.clone(), nodes.collect())
-        });
-        let slips = slips.collect();
+        let links = row_ranges(&last.paired).filter(|(_, pair)| pair.is_link());
+        let elongations =
+            links.map(|(rows, pair)| (pair.name.clone(), friction.slip[rows].to_vec()));
+        let elongations = elongations.collect();
         let works = last.paired.iter().zip(&friction.dissipated);
         let dissipated = works
             .map(|(pair, &work)| (pair.name.clone(), work))
             .collect();
         let lost = last.paired.iter().zip(&friction.lost);
-        let lost = lost.map(|(pair, lost)| (pair.name.clone(), lost.clone()));
+        let lost = lost.map(|(pair, lost)| (pair.name.clone(), Lost::of(pair, lost)));
         let lost = lost.collect();
         let bodies = last.bodies.into_iter().zip(last.ordered).zip(last.factored);
         let mut bodies: Vec<Option<Kept<D>>> = bodies
@@ -123,7 +119,7 @@ impl<const D: usize> Left<D> {
             .collect();
         let place = |place: &Option<usize>| bodies[(*place)?].take();
         Self {
-            slips,
+            elongations,
             dissipated,
             lost,
             seconds: last.seconds,
@@ -132,42 +128,38 @@ impl<const D: usize> Left<D> {
     }
 }
 
-/// Slips of the contacts that go on, in their rows (m,), and, in a stage after others, of contacts that appear how far their sides
-/// have moved along each other by then: it counts from there.
+/// What friction counts from when a stage begins, in all rows (m,): how far the sides of contacts have moved along each other by
+/// then, and the plastic elongations of bars.
 fn slips<const D: usize>(
-    before: &BTreeMap<String, Vec<[f64; D]>>,
+    elongations: &BTreeMap<String, Vec<f64>>,
     paired: &[Paired<D>],
-    track: Option<&Track<D>>,
 ) -> Vec<f64> {
-    let mut slip = vec![0.0; paired.iter().map(|p| p.interface.nonmortar.len()).sum()];
-    for (rows, pair) in row_ranges(paired) {
-        let appeared = track.filter(|_| !before.contains_key(&pair.name));
-        if let (Some(track), Some(mortar)) = (appeared, &pair.mortar) {
-            let moved = track.moved(pair.nonmortar.body, mortar.body);
-            let interface = &pair.interface;
-            let both = interface.nonmortar.iter().zip(&interface.mortar);
-            let along = interface.tangential().into_iter().zip(both);
-            for (slip, (tangential, (own, other))) in slip[rows.clone()].iter_mut().zip(along) {
-                if tangential {
-                    *slip = moved.along(own, other) - pair.fit.along(own, other);
-                }
-            }
-            continue;
-        }
-        let before = before.get(&pair.name).into_iter().flatten();
-        for (node, before) in pair.interface.nodes.iter().zip(before) {
-            for (row, before) in node.rows.iter().zip(before).skip(1) {
-                if let Some(row) = row {
-                    slip[rows.start + row] = *before;
-                }
+    let of_pair = |pair: &Paired<D>| {
+        let tangential = pair.interface.tangential();
+        let known = elongations.get(&pair.name).filter(|_| pair.is_link());
+        match known.filter(|known| known.len() == tangential.len()) {
+            Some(known) => known.clone(),
+            None => {
+                let rows = tangential.iter().enumerate();
+                rows.map(|(row, &along)| if along { pair.moved_before(row) } else { 0.0 })
+                    .collect()
             }
         }
-    }
-    slip
+    };
+    paired.iter().flat_map(of_pair).collect()
 }
 
-/// Fits the sides of contacts to each other as their bodies appeared, and bars to what they found.
-fn fit<const D: usize>(paired: &mut [Paired<D>], track: &Track<D>) {
+/// Tells contacts where their sides were when their bodies appeared and when the stage begins, and bars what they found.
+///
+/// Errors: a prescribed displacement of an obstacle that is not finite.
+fn place<const D: usize>(
+    model: &Model<D>,
+    paired: &mut [Paired<D>],
+    track: &Track<D>,
+) -> Result<(), Error<D>> {
+    for (contact, pair) in model.contacts.iter().zip(&mut *paired) {
+        pair.began = track.moved(contact, pair)?;
+    }
     for pair in paired {
         if let Some(mortar) = &pair.mortar {
             pair.fit = track.fit(&pair.name, pair.nonmortar.body, mortar.body);
@@ -185,6 +177,7 @@ fn fit<const D: usize>(paired: &mut [Paired<D>], track: &Track<D>) {
             pair.link.came_with = came_with;
         }
     }
+    Ok(())
 }
 
 /// The bodies of a model condensed onto the contact unknowns, at one time.
@@ -207,6 +200,8 @@ pub(crate) struct Condensed<const D: usize> {
     pub before: Option<(f64, Vec<f64>)>,
     /// Where stresses may be singular.
     pub outlines: Outlines,
+    /// What the bodies are from outside.
+    pub skins: Skins<D>,
     /// Where each probe is read.
     pub sites: Vec<Site<D>>,
     /// Where each section is cut.
@@ -244,14 +239,14 @@ pub(crate) fn condense<const D: usize>(
     let constraints: Vec<&Constraints<D>> = systems.iter().map(|s| &s.constraints).collect();
     let mut paired = pair_all(model, &constraints, time)?;
     if let Some(track) = track {
-        fit(&mut paired, track);
+        place(model, &mut paired, track)?;
     }
     let dropped = complete(model, &mut systems, (&mut paired, &left.lost), time)?;
     let (sites, remarks) = (sites(model, &paired)?, body_remarks(model));
     let laid = lay_out(model)?;
     turn_to_forces(&mut systems[..model.bodies.len()], &paired);
     let rows = body_rows(&systems, &paired);
-    let gaps = gaps_after(&paired, &slips(&left.slips, &paired, track));
+    let gaps = gaps_after(&paired, &slips(&left.elongations, &paired));
     seconds.assemble += lap.seconds();
     observe(Event::Stage("order"));
     let lasting = track.map_or(vec![Vec::new(); systems.len()], |t| {
@@ -311,6 +306,7 @@ pub(crate) fn condense<const D: usize>(
         dissipated,
         before: None,
         outlines: Outlines::default(),
+        skins: Skins::default(),
         sites,
         laid,
         remarks,
@@ -450,6 +446,7 @@ pub(crate) fn advance<const D: usize>(
         dissipated: past.dissipated.clone(),
         before: Some((before.time, load_before)),
         outlines: before.outlines,
+        skins: before.skins,
         sites: before.sites,
         laid: before.laid,
         remarks: before.remarks,

@@ -172,7 +172,8 @@ impl<const D: usize> Dual<D> {
             history: Vec::new(),
             failure: None,
         };
-        let judged = judge(&self.model, &self.condensed, &attempt.outcome, None)?;
+        let mut judged = judge(&self.model, &self.condensed, &attempt.outcome, None)?;
+        judged.look_for_intrusion(&self.model, &self.condensed, &multipliers.lambda);
         Ok((attempt, judged))
     }
 }

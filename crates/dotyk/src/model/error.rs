@@ -6,6 +6,7 @@ use crate::fem::{Analysis, Body, FemError, Short, show};
 use crate::geometry::{Field, Point};
 use crate::linalg::LinalgError;
 use crate::model::bar::BarError;
+use crate::model::intrusion::Intrusion;
 use crate::model::nouns::Model;
 use crate::model::section::SectionError;
 use crate::model::solution::Solution;
@@ -397,14 +398,14 @@ pub enum ProbeError<const D: usize> {
 /// Why the last iterate is not an answer.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Objection<const D: usize> {
-    /// Loss of equilibrium: friction does not hold the load.
+    /// Loss of equilibrium: friction, or what the bodies touch, does not hold the load.
     Slides {
-        /// The body that slides.
-        body: String,
+        /// The bodies that move, first the one that moves most.
+        bodies: Vec<String>,
         /// Its motion in words.
         motion: String,
-        /// What gives way: friction, or what else there is.
-        by: &'static str,
+        /// What gives way: friction, or what else there is; `None` where no friction could hold the load.
+        by: Option<&'static str>,
         /// The part that it holds of the load along this motion, or of the change of load in the step.
         held: f64,
         /// Times of the step before and of this one.
@@ -425,6 +426,8 @@ pub enum Objection<const D: usize> {
         certificate: Certificate,
         /// Contact, place and depth where two sides overlap most between their nodes, if by too much.
         overlap: Option<(String, Point<D>, f64)>,
+        /// Where a deformed body stands in another one, if farther than it may.
+        intrusion: Option<Box<Intrusion<D>>>,
     },
     /// Hardly anything holds a floating body against turning: it turns farther than the theory of small rotations goes.
     Turned {
@@ -468,19 +471,41 @@ pub enum Advice {
     LargerTolerance,
 }
 
+/// Most bodies that move together and are named.
+const NAMED: usize = 4;
+
+/// Bodies in words: the first few, and how many more there are.
+fn moving(bodies: &[String]) -> String {
+    let shown = bodies.iter().take(NAMED).map(|name| format!("\"{name}\""));
+    let shown: Vec<String> = shown.collect();
+    let more = bodies.len().saturating_sub(NAMED);
+    match (&shown[..], more) {
+        ([one], _) => format!("body {one}"),
+        ([others @ .., last], 0) => format!("bodies {} and {last}", others.join(", ")),
+        (all, _) => format!("bodies {} and {more} more", all.join(", ")),
+    }
+}
+
 impl<const D: usize> fmt::Display for Objection<D> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Slides {
-                body,
+                bodies,
                 motion,
                 by,
                 held,
                 step,
             } => {
+                let (moved, alone) = (moving(bodies), bodies.len() == 1);
+                let (does, by) = match (by, alone) {
+                    (Some(by), true) => ("slides", *by),
+                    (Some(by), false) => ("slide", *by),
+                    (None, true) => ("tips or parts", "what it touches"),
+                    (None, false) => ("tip or part", "what they touch"),
+                };
                 write!(
                     f,
-                    "loss of equilibrium: body \"{body}\" slides ({motion}); {by} holds "
+                    "loss of equilibrium: {moved} {does} ({motion}); {by} holds "
                 )?;
                 let held_part = Short(*held);
                 match step {
@@ -510,15 +535,30 @@ impl<const D: usize> fmt::Display for Objection<D> {
             Self::Violated {
                 certificate,
                 overlap,
+                intrusion,
             } => {
                 f.write_str(&certificate.objection())?;
-                let Some((contact, point, depth)) = overlap else {
+                if let Some((contact, point, depth)) = overlap {
+                    let (depth, at) = (Short(*depth), show(*point));
+                    write!(
+                        f,
+                        ": the sides of contact \"{contact}\" overlap by {depth} at {at}"
+                    )?;
+                }
+                let Some(found) = intrusion else {
                     return Ok(());
                 };
-                let (depth, at) = (Short(*depth), show(*point));
+                let (depth, at) = (Short(found.depth), show(found.point));
                 write!(
                     f,
-                    ": the sides of contact \"{contact}\" overlap by {depth} at {at}"
+                    ": as they have moved, body \"{}\" stands {depth} deep in {} with what was at {at}; {}",
+                    found.body,
+                    found.what(),
+                    match found.named {
+                        true =>
+                            "a contact knows what its sides faced at first, and no others: name all that may touch as its sides, and motions of more than a facet are beyond small displacements",
+                        false => "no contact is named between them",
+                    }
                 )
             }
             Self::Turned { body, motion, turn } => write!(

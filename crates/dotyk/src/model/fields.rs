@@ -58,6 +58,9 @@ pub(crate) fn fields<const D: usize>(
         condensed.time,
         &mut contacts,
     );
+    for (contact, told) in model.contacts.iter().zip(&mut contacts) {
+        told.tell_for(contact.pair.first());
+    }
     let couples = couple_solutions(model, condensed, &displaced, lambda);
     let links = link_forces(model, &condensed.paired, lambda, &mut displaced.states);
     let others = couples.into_par_iter().zip(links);
@@ -417,6 +420,7 @@ fn contact_solution<const D: usize>(
         length_slip: length(&|n| n.status == Status::Slip),
         nodes,
         cyclic: pair.interface.cyclic,
+        first: pair.nonmortar.clone(),
         resultant,
         moment,
         imbalance,

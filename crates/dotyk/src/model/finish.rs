@@ -99,7 +99,7 @@ pub(crate) fn finish<const D: usize>(
         lambda,
         &judged.displaced.gaps,
     ));
-    let certificate = judged.certificate;
+    let (certificate, overlap) = (judged.certificate, judged.intrusion.clone());
     let pushes = pushes(model, condensed, &judged.displaced, lambda);
     let (mut bodies, contacts) = fields(model, condensed, judged.displaced, lambda)?;
     let peaks = peaks(
@@ -127,6 +127,7 @@ pub(crate) fn finish<const D: usize>(
         bars: bar_solutions(model, &condensed.paired, lambda)?,
         sections,
         certificate,
+        overlap,
         converged,
         solver: SolverReport {
             method,

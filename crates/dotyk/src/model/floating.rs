@@ -211,27 +211,44 @@ impl Floating {
         bodies: &[LoadedBody<D>],
         direction: &[f64],
     ) -> Error<D> {
-        let (body, motion) = self.motion(model, bodies, direction);
+        let (names, motion) = self.motion(model, bodies, direction);
+        let body = names.into_iter().next().unwrap_or_default();
         let work = direction.iter().zip(self.balance.load());
         let load = work.map(|(z, e)| z * e).sum();
         Error::PulledAway { body, motion, load }
     }
 
-    /// The part that moves most along a direction of the dual problem, and its motion in words.
+    /// The parts that move along a direction of the dual problem, first the one that moves most, and the motion of that in words.
     pub fn motion<const D: usize>(
         &self,
         model: &Model<D>,
         bodies: &[LoadedBody<D>],
         direction: &[f64],
-    ) -> (String, String) {
+    ) -> (Vec<String>, String) {
         let z = self.amplitudes(direction);
         let body = main_body(model, &self.modes, &z);
         let motion = describe(model, bodies, body, |mode| {
             amplitude(&self.modes, &z, body, mode)
         });
-        (part_name(model, body), motion)
+        let largest = z.iter().fold(0.0, |s: f64, z| s.max(z.abs()));
+        let mut others: Vec<usize> = self.modes.iter().map(|mode| mode.0).collect();
+        others.dedup();
+        let moves = |part: &usize| {
+            let own = self
+                .modes
+                .iter()
+                .zip(&z)
+                .filter(|(mode, _)| mode.0 == *part);
+            *part != body && own.fold(0.0, |s: f64, (_, z)| s.max(z.abs())) > STILL * largest
+        };
+        others.retain(moves);
+        let parts = [body].into_iter().chain(others);
+        (parts.map(|part| part_name(model, part)).collect(), motion)
     }
 }
+
+/// Bodies that move less than this part of the one that moves most are carried along by a strain, or by rounding.
+const STILL: f64 = 1e-3;
 
 /// A clearance of more diameters of the body than this cannot be meant: strains would drown in rounding.
 const OUT_OF_REACH: f64 = 1e6;

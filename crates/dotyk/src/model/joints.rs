@@ -9,25 +9,34 @@
 //!
 //! With λₙ = λ' − Tw a whole joint is a contact with the cohesion c − μT ≥ 0 for λ', and what it bears in tension a load of its own,
 //! Bᵀ(Tw): the problem of a step is one of contact with friction. A node that is open after a step, or has slipped in it,
-//! is lost from the next step on, for good. One that has a gap when it comes was never whole.
+//! is lost from the next step on, for good. One whose sides are apart when it comes, be it by a clearance or because they have parted
+//! before, was never whole; one of a body that is fitted to what has moved is.
+//!
+//! A gap or a slip is one where it is more than what the answer is known to: rounding of displacements, and of forces in what
+//! they displace, and what the largest error that the certificate lets pass in a force closes or opens at the node by itself,
+//!
+//! ```text
+//!   |gap| > ε (max|u| + Fᵢᵢ max|λ|) + 10 tolerances · cᵢ max|λ|,      cᵢ = Σ b²/K
+//! ```
+//!
+//! with the forces of what contacts couple with it, and the dofs b/K of the row. Fᵢᵢ is large where supports are weak, cᵢ is not.
 
 use crate::contact::{ContactError, InterfaceNode};
-use crate::dual::NONE;
+use crate::dual::{FORCE_LIMIT, NONE, ROUNDING};
 use crate::fem::show;
+use crate::geometry::distance;
 use crate::model::admissible::prepare_law;
+use crate::model::bodies::least_softness;
 use crate::model::condense::Condensed;
 use crate::model::error::Error;
 use crate::model::judge::Judged;
-use crate::model::nouns::{Contact, Law, Model};
+use crate::model::nouns::{Contact, Law, Model, SideRef};
 use crate::model::pair::{Paired, row_ranges};
 use crate::solve::{Shear, State};
 use std::collections::BTreeMap;
 
 /// A gap above this part of what its node stands for is one.
 const GAP: f64 = 1e-9;
-
-/// An opening or a slip below this part of the length of the problem is none.
-const MOVED: f64 = 1e-8;
 
 /// The joints of a model with their interfaces.
 fn joints<'a, const D: usize>(
@@ -39,14 +48,66 @@ fn joints<'a, const D: usize>(
     contacts.filter(|(_, contact, _)| matches!(contact.law, Law::Cohesive { .. }))
 }
 
-/// Which nodes are lost from the beginning, by contact.
+/// What a stage leaves of the nodes of a joint.
+pub(crate) struct Lost {
+    /// The side that carried the multipliers: its name, and whether its body is the first of the two.
+    side: (String, bool),
+    /// Every node, and whether it is lost; not known where it had no condition.
+    nodes: Vec<(usize, Option<bool>)>,
+}
+
+impl Lost {
+    /// Of a contact of the last stage.
+    pub fn of<const D: usize>(pair: &Paired<D>, lost: &[bool]) -> Self {
+        let nodes = pair.interface.nodes.iter().zip(lost);
+        let nodes = nodes.map(|(node, &lost)| {
+            let known = lost || node.rows[0].is_some();
+            (node.node, known.then_some(lost))
+        });
+        Self {
+            side: carrying(pair),
+            nodes: nodes.collect(),
+        }
+    }
+
+    /// What is known of the nodes of the same contact now; supports may have left its multipliers to its other side, whose nodes do
+    /// what those nearest to them did.
+    fn at<const D: usize>(&self, model: &Model<D>, pair: &Paired<D>) -> Vec<Option<bool>> {
+        let nodes = &pair.interface.nodes;
+        let (true, other) = (self.side != carrying(pair), &pair.mortar) else {
+            return self.nodes.iter().map(|(_, lost)| *lost).collect();
+        };
+        let points = |side: &SideRef| model.bodies[side.body.0].mesh.points();
+        let (now, then) = (points(&pair.nonmortar), other.as_ref().map(points));
+        let nearest = |node: &InterfaceNode<D>| {
+            let then = then?;
+            let far = |(other, _): &&(usize, Option<bool>)| distance(now[node.node], then[*other]);
+            let nearest = self.nodes.iter().min_by(|a, b| far(a).total_cmp(&far(b)));
+            nearest.and_then(|(_, lost)| *lost)
+        };
+        nodes.iter().map(nearest).collect()
+    }
+}
+
+/// Which side carries the multipliers of a contact: bodies keep their order from stage to stage.
+fn carrying<const D: usize>(pair: &Paired<D>) -> (String, bool) {
+    let own = &pair.nonmortar;
+    let first = pair.mortar.as_ref();
+    let first = first.is_none_or(|other| own.body.0 <= other.body.0);
+    (own.side.clone(), first)
+}
+
+/// Which nodes are lost from the beginning, by contact: those whose sides are apart.
 pub(crate) fn whole<const D: usize>(model: &Model<D>, paired: &[Paired<D>]) -> Vec<Vec<bool>> {
     let mut lost = vec![Vec::new(); paired.len()];
     for (index, _, pair) in joints(model, paired) {
-        let gaps = pair.gaps();
         let apart = |node: &InterfaceNode<D>| {
-            let gap = node.rows[0].map_or(node.gap, |row| gaps[row]);
-            gap > GAP * node.extent.abs()
+            let (moved, known) = node.rows[0].map_or((0.0, 0.0), |row| {
+                let [own, other] = [&pair.interface.nonmortar, &pair.interface.mortar];
+                let parts = pair.began.magnitude(&own[row], &other[row]);
+                (pair.moved_before(row), model.solver.tolerance * parts)
+            });
+            node.gap - moved > GAP * node.extent.abs() + known
         };
         lost[index] = pair.interface.nodes.iter().map(apart).collect();
     }
@@ -57,13 +118,15 @@ pub(crate) fn whole<const D: usize>(model: &Model<D>, paired: &[Paired<D>]) -> V
 pub(crate) fn restore<const D: usize>(
     model: &Model<D>,
     paired: &mut [Paired<D>],
-    before: &BTreeMap<String, Vec<bool>>,
+    before: &BTreeMap<String, Lost>,
 ) {
     let new = whole(model, paired);
-    for (pair, new) in paired.iter_mut().zip(new) {
-        let known = before.get(&pair.name);
-        let known = known.filter(|lost| lost.len() == pair.interface.nodes.len());
-        pair.lost = known.cloned().unwrap_or(new);
+    for (pair, mut new) in paired.iter_mut().zip(new) {
+        let known = before.get(&pair.name).map(|lost| lost.at(model, pair));
+        for (lost, known) in new.iter_mut().zip(known.into_iter().flatten()) {
+            *lost = known.unwrap_or(*lost);
+        }
+        pair.lost = new;
     }
 }
 
@@ -119,8 +182,7 @@ pub(crate) fn after<const D: usize>(
         .map(|pair| pair.lost.clone())
         .collect();
     let mut warnings = Vec::new();
-    let moved = MOVED * condensed.problem.scales.length;
-    let none = NONE * lambda.iter().fold(0.0, |s: f64, l| s.max(l.abs()));
+    let known = known_gaps(model, condensed, judged, lambda);
     let mut slips = vec![false; lambda.len()];
     for (block, range) in condensed.problem.admissible.iter() {
         let state = State::of_forces(block, &lambda[range.clone()]);
@@ -131,14 +193,17 @@ pub(crate) fn after<const D: usize>(
         .collect();
     for (index, contact, pair) in joints(model, &condensed.paired) {
         let first = ranges[index].start;
+        let own = lambda[ranges[index].clone()].iter();
+        let none = NONE * own.fold(0.0, |s: f64, l| s.max(l.abs()));
+        let moved = |row: usize| judged.displaced.gaps[row].abs() > known[row];
         let goes = |node: &InterfaceNode<D>| {
             let mut rows = node.rows.iter().flatten().map(|row| first + row);
             let Some(normal) = rows.next() else {
                 return false;
             };
-            let gap = |row: usize| judged.displaced.gaps[row];
-            let open = lambda[normal] <= none && gap(normal) > moved;
-            open || slips[normal] && rows.any(|row| gap(row).abs() > moved)
+            let parts = judged.displaced.gaps[normal] > 0.0 && moved(normal);
+            let open = lambda[normal] <= none && parts;
+            open || slips[normal] && rows.any(moved)
         };
         let mut count = 0;
         for (lost, node) in lost[index].iter_mut().zip(&pair.interface.nodes) {
@@ -159,4 +224,32 @@ pub(crate) fn after<const D: usize>(
         }
     }
     (lost, warnings)
+}
+
+/// To what the gaps of an answer are known, (m,).
+fn known_gaps<const D: usize>(
+    model: &Model<D>,
+    condensed: &Condensed<D>,
+    judged: &Judged<D>,
+    lambda: &[f64],
+) -> Vec<f64> {
+    let coupled = &condensed.problem.coupled;
+    let mut largest = vec![0.0f64; coupled.domains()];
+    for (row, force) in lambda.iter().enumerate() {
+        let own = &mut largest[coupled.domain_of(row)];
+        *own = own.max(force.abs());
+    }
+    let error = FORCE_LIMIT * model.solver.tolerance;
+    let alone = least_softness(&condensed.bodies, lambda.len());
+    let known = |(row, rounding): (usize, &f64)| {
+        let gives = ROUNDING * condensed.problem.softness[row] + error * alone[row];
+        rounding + gives * largest[coupled.domain_of(row)]
+    };
+    judged
+        .displaced
+        .rounding
+        .iter()
+        .enumerate()
+        .map(known)
+        .collect()
 }

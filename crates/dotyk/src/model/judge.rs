@@ -13,6 +13,7 @@ use crate::model::bodies::{LoadedBody, add_rows};
 use crate::model::condense::Condensed;
 use crate::model::domains::domains;
 use crate::model::error::Error;
+use crate::model::intrusion::{Intrusion, intrusion};
 use crate::model::links::part_balance;
 use crate::model::nouns::{BodyId, Model};
 use crate::model::pair::{Fit, Paired, row_ranges};
@@ -47,6 +48,22 @@ pub(crate) struct Judged<const D: usize> {
     pub certificate: Certificate,
     /// Where two sides overlap most between their nodes.
     pub overlap: Option<Overlap<D>>,
+    /// Where a body stands in what it should not, if that was looked for.
+    pub intrusion: Option<Intrusion<D>>,
+}
+
+impl<const D: usize> Judged<D> {
+    /// Looks for bodies that stand in each other, under the forces `lambda` (m,): once an answer is found, because no contact
+    /// force can change it.
+    pub fn look_for_intrusion(
+        &mut self,
+        model: &Model<D>,
+        condensed: &Condensed<D>,
+        lambda: &[f64],
+    ) {
+        self.intrusion = intrusion(model, condensed, &self.displaced, lambda);
+        self.certificate.overlap = Intrusion::figure(self.intrusion.as_ref());
+    }
 }
 
 /// All bodies and rigid parts, displaced.
@@ -130,6 +147,7 @@ fn judge_placed<const D: usize>(
         displaced,
         certificate,
         overlap,
+        intrusion: None,
     })
 }
 

@@ -35,7 +35,7 @@ use crate::model::bar::{Anchor, Bar, BarSolution, BarStation, LaidBar, lay_bars}
 use crate::model::bodies::LoadedBody;
 use crate::model::dependent::drop_implied;
 use crate::model::error::Error;
-use crate::model::joints::{restore, set_base};
+use crate::model::joints::{Lost, restore, set_base};
 use crate::model::nouns::{BodyId, Model, SideRef};
 use crate::model::pair::{Kind, Paired, row_ranges};
 use crate::model::parts::{couples, first_point};
@@ -182,6 +182,7 @@ fn linked<const D: usize>(
         samples: Vec::new(),
         left_out: Vec::new(),
         fit: Default::default(),
+        began: Default::default(),
         link,
         lost: Vec::new(),
         sharers: Vec::new(),
@@ -382,7 +383,7 @@ fn carrier<const D: usize>(first: usize, count: usize) -> InterfaceNode<D> {
 pub(crate) fn complete<const D: usize>(
     model: &Model<D>,
     systems: &mut Vec<BodySystem<D>>,
-    (paired, before): (&mut [Paired<D>], &BTreeMap<String, Vec<bool>>),
+    (paired, before): (&mut [Paired<D>], &BTreeMap<String, Lost>),
     time: f64,
 ) -> Result<Vec<String>, Error<D>> {
     systems.extend(link_systems(paired));

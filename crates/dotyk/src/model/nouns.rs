@@ -81,6 +81,14 @@ pub enum Pair<const D: usize> {
 }
 
 impl<const D: usize> Pair<D> {
+    /// The side that it names first: results that have a sign are told for its body.
+    pub fn first(&self) -> &SideRef {
+        match self {
+            Self::Given { nonmortar, .. } | Self::Obstacle { nonmortar, .. } => nonmortar,
+            Self::Automatic([first, _]) => first,
+        }
+    }
+
     /// The sides of bodies that it names, the nonmortar side first where it is known.
     pub fn sides(&self) -> Vec<&SideRef> {
         match self {

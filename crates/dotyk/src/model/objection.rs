@@ -55,8 +55,12 @@ pub(crate) fn objection<const D: usize>(
             let overlap = judged
                 .overlap
                 .filter(|_| !certificate.between_nodes.holds());
+            let intrusion = judged.intrusion.clone();
             Some(Objection::Violated {
                 certificate,
+                intrusion: intrusion
+                    .filter(|_| !certificate.overlap.holds())
+                    .map(Box::new),
                 overlap: overlap.map(|o| {
                     let contact = &model.contacts[o.contact];
                     (contact.name.clone(), o.point, o.depth)

@@ -56,6 +56,8 @@ pub(crate) struct Paired<const D: usize> {
     pub left_out: Vec<Sample<D>>,
     /// What its sides were fitted to.
     pub fit: Fit<D>,
+    /// Where its sides were when its stage began: slip counts from there, and what was apart there is bonded to nothing.
+    pub began: Fit<D>,
     /// What else there is of a link.
     pub link: Link<D>,
     /// Forces of its rows besides those of the problem: minus what a whole joint bears in tension, the middle of what a bar bears.
@@ -70,13 +72,15 @@ pub(crate) struct Paired<const D: usize> {
     pub warnings: Vec<String>,
 }
 
-/// Displacements (nodes,) of the sides of a contact that were there before the other one, when it appeared: it was fitted to
-/// them, so that its gaps count from there, g₀ + B u_a.
+/// Displacements (nodes,) of the two sides of a contact at some moment; `None` of one that was not there.
+///
+/// Of the moment when the later one of two bodies appeared: it was fitted to the other one, so that gaps count from there,
+/// g₀ + B u_a; and of the beginning of a stage.
 #[derive(Debug, Clone)]
 pub(crate) struct Fit<const D: usize> {
     /// Of the nonmortar body.
     pub own: Option<Arc<[Point<D>]>>,
-    /// Of the mortar body.
+    /// Of the mortar body; of an obstacle, which moves as one, a single one.
     pub other: Option<Arc<[Point<D>]>>,
 }
 
@@ -97,6 +101,15 @@ impl<const D: usize> Fit<D> {
             row.iter().map(|&(node, c)| dot(c, u[node])).sum()
         };
         product(&self.own, own) + product(&self.other, other)
+    }
+
+    /// Sum of the magnitudes of the parts of that: what it is a difference of.
+    pub fn magnitude(&self, own: &Row<D>, other: &Row<D>) -> f64 {
+        let parts = |u: &Option<Arc<[Point<D>]>>, row: &Row<D>| -> f64 {
+            let Some(u) = u else { return 0.0 };
+            row.iter().map(|&(node, c)| dot(c, u[node]).abs()).sum()
+        };
+        parts(&self.own, own) + parts(&self.other, other)
     }
 
     /// By how much the nonmortar side was ahead of the other one at a place, given by nodes and shape functions.
@@ -161,6 +174,7 @@ fn pair_point<const D: usize>(
         samples: Vec::new(),
         left_out: Vec::new(),
         fit: Fit::default(),
+        began: Fit::default(),
         link: Link::default(),
         base: Vec::new(),
         lost: Vec::new(),
@@ -188,6 +202,9 @@ fn pair_contact<const D: usize>(
     contacting.prepare_gap();
     contacting.pair()
 }
+
+/// Gaps below this part of the coordinates are rounding.
+const NO_GAP: f64 = 16.0 * f64::EPSILON;
 
 /// Errors: a support of a node of a rigid side says something else than those of its point, where these hold all of it.
 fn check_held<const D: usize>(
@@ -285,6 +302,18 @@ impl<const D: usize> Paired<D> {
         self
     }
 
+    /// Takes initial gaps for zero that are rounding of the coordinates they are differences of: sides that touch neither press nor
+    /// part by that.
+    fn settle(&mut self, points: &[Point<D>]) {
+        let nodes = self.interface.nodes.iter();
+        let coordinates = nodes.flat_map(|node| points[node.node]);
+        let rounding = NO_GAP * coordinates.fold(0.0, |s: f64, x| s.max(x.abs()));
+        self.interface.settle(rounding);
+        let samples = self.samples.iter_mut().flatten();
+        let none = samples.filter(|sample| sample.at.gap.abs() <= rounding);
+        none.for_each(|sample| sample.at.gap = 0.0);
+    }
+
     /// Leaves nodes out, and what lies between them and their neighbours.
     fn exclude(&mut self, out: &BTreeSet<usize>) {
         self.interface.exclude(out);
@@ -327,6 +356,40 @@ impl<const D: usize> Paired<D> {
         }
         gaps
     }
+
+    /// What the sides have moved along each other, or apart, since they were fitted to each other until the stage began, in a row:
+    /// B (u − u_a).
+    pub fn moved_before(&self, row: usize) -> f64 {
+        let [own, other] =
+            [&self.interface.nonmortar, &self.interface.mortar].map(|rows| &rows[row]);
+        self.began.along(own, other) - self.fit.along(own, other)
+    }
+}
+
+/// Prescribed displacement of the obstacle of a contact at a time; zero where it is free, or where there is none.
+///
+/// Errors: a displacement that is not finite.
+pub(crate) fn obstacle_motion<const D: usize>(
+    contact: &Contact<D>,
+    time: f64,
+) -> Result<Point<D>, Error<D>> {
+    let mut motion = [0.0; D];
+    let Pair::Obstacle { obstacle, .. } = &contact.pair else {
+        return Ok(motion);
+    };
+    if let Motion::Prescribed(fields) = &obstacle.motion {
+        for (component, field) in motion.iter_mut().zip(fields) {
+            *component = field.at([0.0; D], time);
+            if !component.is_finite() {
+                return Err(Error::Obstacle {
+                    contact: contact.name.clone(),
+                    what: "displacement of",
+                    field: field.clone(),
+                });
+            }
+        }
+    }
+    Ok(motion)
 }
 
 /// Every contact, then every couple, with the range of its rows among those of all.
@@ -401,9 +464,7 @@ pub(crate) fn gaps_at<const D: usize>(
             contact,
             time,
         };
-        if let Pair::Obstacle { obstacle, .. } = &contact.pair {
-            before.obstacle_motion = contacting.motion(obstacle)?;
-        }
+        before.obstacle_motion = obstacle_motion(contact, time)?;
         if let Some(field) = varying_gap(contact) {
             let side = before.nonmortar.clone();
             let end = contacting.end(&side);
@@ -538,6 +599,7 @@ impl<'a, const D: usize> Contacting<'a, D> {
         for part in &parts[1..] {
             paired = paired.followed_by(pair(part)?);
         }
+        paired.settle(whole.body.mesh.points());
         paired.warnings.extend(self.unintegrated(&paired.interface));
         let [out, smooth] = [&self.contact.exclude, &self.contact.friction_exclude];
         for place in out.iter().chain(smooth) {
@@ -675,11 +737,12 @@ impl<'a, const D: usize> Contacting<'a, D> {
             nonmortar: nonmortar.clone(),
             mortar: None,
             opposite: obstacle_part(self.model, self.contact),
-            obstacle_motion: self.motion(obstacle)?,
+            obstacle_motion: obstacle_motion(self.contact, self.time)?,
             interface: interface.map_err(|source| self.fail(source))?,
             samples: samples.map_err(|source| self.fail(source))?,
             left_out: Vec::new(),
             fit: Fit::default(),
+            began: Fit::default(),
             link: Link::default(),
             base: Vec::new(),
             lost: Vec::new(),
@@ -687,24 +750,6 @@ impl<'a, const D: usize> Contacting<'a, D> {
             sagitta: 0.0,
             warnings: Vec::new(),
         })
-    }
-
-    /// Prescribed displacement of an obstacle; zero when it is free.
-    fn motion(&self, obstacle: &Obstacle<D>) -> Result<[f64; D], Error<D>> {
-        let mut motion = [0.0; D];
-        if let Motion::Prescribed(fields) = &obstacle.motion {
-            for (component, field) in motion.iter_mut().zip(fields) {
-                *component = field.at([0.0; D], self.time);
-                if !component.is_finite() {
-                    return Err(Error::Obstacle {
-                        contact: self.contact.name.clone(),
-                        what: "displacement of",
-                        field: field.clone(),
-                    });
-                }
-            }
-        }
-        Ok(motion)
     }
 
     fn obstacle(
@@ -798,6 +843,7 @@ impl<'a, const D: usize> Contacting<'a, D> {
             samples,
             left_out: Vec::new(),
             fit: Fit::default(),
+            began: Fit::default(),
             link: Link::default(),
             base: Vec::new(),
             lost: Vec::new(),

@@ -93,6 +93,9 @@ impl<const D: usize> From<&BodySolution<D>> for PastBody {
 /// certificate bounds gaps, and forces are known to a few digits less.
 const SAME: f64 = 100.0;
 
+/// Displacements and energies below this part of those that the loads would cause without contacts are rounding: bodies are at rest.
+const REST: f64 = 1e-13;
+
 /// Weights that differ by less, relative to their size, are those of the same mesh.
 const SAME_WEIGHT: f64 = 1e-9;
 
@@ -258,7 +261,7 @@ fn amplitudes(columns: &[SparseVector], motion: &[Option<f64>], mut alpha: Vec<f
 
 /// Errors: bodies that move or are strained otherwise than in the recorded step.
 pub(crate) fn same_bodies<const D: usize>(
-    model: &Model<D>,
+    (condensed, model): (&Condensed<D>, &Model<D>),
     recorded: &[PastBody],
     found: &[BodySolution<D>],
 ) -> Result<(), String> {
@@ -271,15 +274,17 @@ pub(crate) fn same_bodies<const D: usize>(
             names(&found).join(", ")
         ));
     }
-    type Figure = (&'static str, fn(&PastBody) -> f64);
+    type Figure = (&'static str, fn(&PastBody) -> f64, f64);
+    // what loads would do to bodies alone, where contacts take it back
+    let scales = &condensed.problem.scales;
     let figures: [Figure; 2] = [
-        ("moved", |body| body.max_displacement),
-        ("strained", |body| body.strain_energy),
+        ("moved", |body| body.max_displacement, scales.length),
+        ("strained", |body| body.strain_energy, scales.energy),
     ];
-    for (what, of) in figures {
+    for (what, of, alone) in figures {
         let both = recorded.iter().chain(&found).map(of);
         let largest = both.fold(0.0, f64::max);
-        let limit = SAME * model.solver.tolerance * largest;
+        let limit = (SAME * model.solver.tolerance * largest).max(REST * alone);
         let pairs = recorded.iter().zip(&found);
         let differs = |(a, b): &(&PastBody, &PastBody)| {
             let off = (of(a) - of(b)).abs();

@@ -443,6 +443,7 @@ fn field<'a, const D: usize>(
         }
         Parts::Along(of, field) => {
             let contact = &solution.contacts[of];
+            let field = (field, contact.sign());
             let mesh = &model.bodies[contact.nonmortar.body.0].mesh;
             let side = OnSide::new(mesh, contact);
             let mut between: BTreeMap<usize, Vec<(Point<D>, f64)>> = BTreeMap::new();
@@ -542,9 +543,10 @@ fn check_owner<const D: usize>(
     }
 }
 
-/// A quantity at a node of a contact; a displacement is that beside the rigid motion `minus`.
+/// A quantity at a node of a contact; a displacement is that beside the rigid motion `minus`. Vectors are told for the side
+/// that is named first: `sign` is −1 where that is the mortar side.
 fn along<const D: usize>(
-    field: ContactField,
+    (field, sign): (ContactField, f64),
     node: &ContactNode<D>,
     minus: &dyn Fn(Point<D>) -> Point<D>,
 ) -> f64 {
@@ -557,9 +559,9 @@ fn along<const D: usize>(
         ContactField::Pressure => node.pressure,
         ContactField::Gap => node.gap,
         ContactField::Shear => tangential(node.shear),
-        ContactField::ShearVector(component) => component.of(node.shear),
+        ContactField::ShearVector(component) => component.of(node.shear.map(|t| sign * t)),
         ContactField::Slip => tangential(node.slip),
-        ContactField::SlipVector(component) => component.of(node.slip),
+        ContactField::SlipVector(component) => component.of(node.slip.map(|s| sign * s)),
         ContactField::DisplacementNonmortar => beside_rigid(node.displacement_nonmortar),
         ContactField::DisplacementMortar => beside_rigid(node.displacement_mortar),
     }

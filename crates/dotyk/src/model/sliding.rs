@@ -1,7 +1,8 @@
 //! Loss of equilibrium: a load that no friction can hold is an answer, which names body, motion and load factor.
 //!
-//! The load is infeasible: no forces within the friction cones balance it. If unlimited friction could, the body slides;
-//! if not, it is pulled away from everything that could hold it, which is an error of the model. The load may be feasible and
+//! The load is infeasible: no forces within the friction cones balance it. If unlimited friction could, the body slides; if
+//! not, it tips or parts from what it touches, under more of the load than this can hold. A load of which nothing is held pulls
+//! the body away from everything that could hold it: an error of the model. The load may be feasible and
 //! slide all the same, where the normal forces that would bear it are not those that elasticity gives.
 
 use crate::dual::{AdmissibleSet, Feasibility};
@@ -11,29 +12,34 @@ use crate::model::error::{Error, Objection};
 use crate::model::floating::Floating;
 use crate::model::nouns::{Law, Model};
 
-/// What slides under a load that is infeasible along `direction` (r,), of which friction holds the part `factor`; `step` are
-/// the times of the step before and of this one, e of the one before, and the admissible set.
+/// A load of which no more than this part is held is held by nothing.
+const NOTHING: f64 = 1e-6;
+
+/// What gives way under a load that is infeasible along `direction` (r,), of which friction holds the part `factor`; `step` are
+/// the times of the step before and of this one, and e of the one before.
 ///
-/// Errors: the body that no friction could hold.
+/// Errors: the body that nothing holds.
 pub(crate) fn sliding<const D: usize>(
     model: &Model<D>,
-    (floating, bodies): (&Floating, &[LoadedBody<D>]),
+    (floating, bodies, admissible): (&Floating, &[LoadedBody<D>], &AdmissibleSet),
     (direction, factor): (&[f64], Option<f64>),
-    step: Option<([f64; 2], &[f64], &AdmissibleSet)>,
+    step: Option<([f64; 2], &[f64])>,
 ) -> Result<Objection<D>, Error<D>> {
-    let Some(factor) = factor else {
+    let slides = factor.is_some();
+    let part = || Feasibility::part_along(admissible, &floating.balance, direction, 0.0);
+    let held = factor.unwrap_or_else(part);
+    if !slides && held <= NOTHING {
         return Err(floating.pulled_away(model, bodies, direction));
-    };
-    let (body, motion) = floating.motion(model, bodies, direction);
-    let part = |(_, before, admissible): (_, &[f64], &AdmissibleSet)| {
-        Feasibility::fraction(admissible, &floating.balance, before)
-    };
+    }
+    let (bodies, motion) = floating.motion(model, bodies, direction);
+    let part =
+        |(_, before): (_, &[f64])| Feasibility::fraction(admissible, &floating.balance, before);
     Ok(Objection::Slides {
-        body,
+        bodies,
         motion,
-        by: gives_way(model),
-        held: step.map_or(factor, part),
-        step: step.map(|(times, ..)| times),
+        by: if slides { Some(gives_way(model)) } else { None },
+        held: step.map_or(held, part),
+        step: step.map(|(times, _)| times),
     })
 }
 
@@ -58,7 +64,7 @@ pub(crate) fn slides_along<const D: usize>(
     factor: f64,
 ) -> Objection<D> {
     let (floating, bodies) = (&condensed.floating, &condensed.bodies[..]);
-    let (body, motion) = floating.motion(model, bodies, direction);
+    let (bodies, motion) = floating.motion(model, bodies, direction);
     let work = |load: &[f64]| -> f64 { load.iter().zip(direction).map(|(e, z)| e * z).sum() };
     // of the change of load in the step, if it is this change that is too much
     let of_step = condensed.before.as_ref().and_then(|(time, load)| {
@@ -70,9 +76,9 @@ pub(crate) fn slides_along<const D: usize>(
     });
     let (held, step) = of_step.map_or((factor, None), |(held, step)| (held, Some(step)));
     Objection::Slides {
-        body,
+        bodies,
         motion,
-        by: gives_way(model),
+        by: Some(gives_way(model)),
         held,
         step,
     }

@@ -4,6 +4,7 @@ use crate::dual::Certificate;
 use crate::fem::{list_motions, principal};
 use crate::geometry::{Point, add_scaled, norm};
 use crate::model::bar::BarSolution;
+use crate::model::intrusion::Intrusion;
 use crate::model::nouns::{CoupleKind, SideRef};
 use crate::model::quantity::Dimension;
 use crate::model::section::SectionSolution;
@@ -118,7 +119,10 @@ pub struct ContactSolution<const D: usize> {
     pub nodes: Vec<ContactNode<D>>,
     /// The chain closes on itself (a full ring).
     pub cyclic: bool,
-    /// Force ON the nonmortar body.
+    /// Of its two sides the one that the model names first, which may be either where dotyk has chosen what carries the
+    /// multipliers.
+    pub first: SideRef,
+    /// Force ON the body of that side.
     pub resultant: Point<D>,
     /// Its moment about the origin.
     pub moment: [f64; 3],
@@ -136,6 +140,26 @@ pub struct ContactSolution<const D: usize> {
     pub dissipated: f64,
     /// The same since the first step, this one included.
     pub dissipated_total: f64,
+}
+
+impl<const D: usize> ContactSolution<D> {
+    /// Turns force and moment, which are those on the nonmortar body, to be those on one of its sides.
+    pub(crate) fn tell_for(&mut self, side: &SideRef) {
+        if *side != self.nonmortar {
+            self.resultant = self.resultant.map(|f| -f);
+            self.moment = self.moment.map(|m| -m);
+        }
+        self.first = side.clone();
+    }
+
+    /// 1 where the side that carries the multipliers is named first, otherwise −1.
+    pub(crate) fn sign(&self) -> f64 {
+        if self.first == self.nonmortar {
+            1.0
+        } else {
+            -1.0
+        }
+    }
 }
 
 /// A rigid motion that a body's supports leave free, in words and numbers.
@@ -417,6 +441,8 @@ pub struct Solution<const D: usize> {
     pub sections: Vec<SectionSolution>,
     /// What was checked, and by how much it holds.
     pub certificate: Certificate,
+    /// Where a deformed body stands deepest in another one or in an obstacle, in parts of what is explained.
+    pub overlap: Option<Intrusion<D>>,
     /// The certificate holds.
     pub converged: bool,
     /// How it was solved.

@@ -6,6 +6,9 @@
 //! * a support that appears holds the nodes of its body where they are;
 //! * a spring or a bar that appears bears nothing there, but for the prestress of a bar, which in its first step pulls with that
 //!   alone, whatever gives;
+//! * friction counts from where the sides of a contact were when its stage began, B u of the last step in whatever directions the
+//!   tangents are now: a support that leaves a side leaves the slips under it, a contact or an obstacle that comes has none;
+//! * a joint that comes, between bodies one of which comes or not, is whole where its sides are not apart then, g₀ + B (u_a − u);
 //! * a body that goes leaves, where it is released, the forces −Bᵀλ of its last step on its neighbours, times what is left
 //!   of them at a time.
 //!
@@ -17,7 +20,7 @@ use crate::model::bar::{Bar, BarEnd};
 use crate::model::condense::Condensed;
 use crate::model::error::Error;
 use crate::model::nouns::{Along, Body, BodyId, Contact, Law, Model, Pair, Probe, SideRef};
-use crate::model::pair::{Fit, row_ranges};
+use crate::model::pair::{Fit, Paired, obstacle_motion, row_ranges};
 use crate::model::section::Section;
 use crate::model::solution::{ProbeValue, Solution};
 use rayon::prelude::*;
@@ -342,6 +345,8 @@ pub(crate) struct Track<const D: usize> {
     history: Vec<History<D>>,
     /// What was there in the last stage.
     before: Option<Presence>,
+    /// Time of the last step, and what obstacles had moved then, by contact.
+    last: Option<(f64, BTreeMap<String, Point<D>>)>,
     /// Nodes of each body that some contact of the model may touch.
     touched: Vec<Vec<usize>>,
 }
@@ -360,6 +365,7 @@ impl<const D: usize> Track<D> {
             appeared: vec![0; count],
             history: vec![History::default(); count],
             before: None,
+            last: None,
             touched: touched(model),
         }
     }
@@ -396,6 +402,9 @@ impl<const D: usize> Track<D> {
         for (body, fitted) in solution.bodies.iter_mut().zip(fitted) {
             body.fitted.clone_from(fitted);
         }
+        let obstacles = solution.contacts.iter();
+        let obstacles = obstacles.filter_map(|c| Some((c.name.clone(), c.obstacle?)));
+        self.last = Some((solution.time, obstacles.collect()));
         let mut solved = solution.bodies.iter();
         for (moved, &there) in self.moved.iter_mut().zip(&self.presence.bodies) {
             *moved = match there {
@@ -488,17 +497,30 @@ impl<const D: usize> Track<D> {
         nodes
     }
 
-    /// Displacements of the two bodies of a contact of the stage at the end of the last step; `None` of one that was not there.
-    pub fn moved(&self, nonmortar: BodyId, mortar: BodyId) -> Fit<D> {
-        let there = &self.presence.bodies;
-        let moved = |id: BodyId| {
-            let mut whole = (0..there.len()).filter(|&body| there[body]);
-            self.moved[whole.nth(id.0)?].clone()
+    /// Where the two sides of a contact of the stage were at the end of the last step. What is prescribed of an obstacle that
+    /// comes is its way before, too; one that forces move comes as it is drawn.
+    ///
+    /// Errors: a prescribed displacement that is not finite.
+    pub fn moved(&self, contact: &Contact<D>, pair: &Paired<D>) -> Result<Fit<D>, Error<D>> {
+        let Some((time, obstacles)) = &self.last else {
+            return Ok(Fit::default());
         };
-        Fit {
-            own: moved(nonmortar),
-            other: moved(mortar),
-        }
+        let there = &self.presence.bodies;
+        let moved = |side: &SideRef| {
+            let mut whole = (0..there.len()).filter(|&body| there[body]);
+            self.moved[whole.nth(side.body.0)?].clone()
+        };
+        let other = match &pair.mortar {
+            Some(mortar) => moved(mortar),
+            None => Some(Arc::from(vec![match obstacles.get(&contact.name) {
+                Some(&moved) => moved,
+                None => obstacle_motion(contact, *time)?,
+            }])),
+        };
+        Ok(Fit {
+            own: moved(&pair.nonmortar),
+            other,
+        })
     }
 
     /// At each node of a body that appears, what the nearest node on the other side of its contacts has moved; `None` where it

@@ -261,7 +261,8 @@ fn solve_again<const D: usize>(
         return Err(differs(format!("it has no answer here ({objection})")));
     }
     same_forces(condensed, model, &recorded, &end.multipliers).map_err(differs)?;
-    same_bodies(model, &done.bodies, &solution.bodies).map_err(differs)?;
+    let here = (&*condensed, model);
+    same_bodies(here, &done.bodies, &solution.bodies).map_err(differs)?;
     solution.solver.iterations = done.iterations;
     Ok((end, solution, None))
 }
@@ -276,9 +277,12 @@ fn solve_step<const D: usize>(
 ) -> Result<Solved<D>, Error<D>> {
     observe(Event::Stage("contact"));
     let mut lap = Lap::start();
-    let (attempt, judged) = certified_attempt(model, condensed, from, observe)?;
+    let (attempt, mut judged) = certified_attempt(model, condensed, from, observe)?;
     condensed.seconds.contact += lap.seconds();
     observe(Event::Stage("recover"));
+    if attempt.failure.is_none() {
+        judged.look_for_intrusion(model, condensed, &attempt.outcome.multipliers.lambda);
+    }
     let objection = objection(model, condensed, &attempt, &judged);
     let multipliers = attempt.outcome.multipliers.clone();
     let slip = slip(model, &judged, condensed);

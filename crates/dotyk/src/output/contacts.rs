@@ -60,7 +60,7 @@ pub fn contacts<const D: usize>(
         column("pressure where it touches", &labels.stress),
         column("largest gap", &labels.length),
         column("penetration", &labels.length),
-        column("force on the nonmortar body", &labels.force),
+        column("force on the first side", &labels.force),
     ];
     heads.extend(gapes.then(|| column("opening angle", "rad")));
     out += &table(&heads, rows);
@@ -206,11 +206,12 @@ pub fn balance<const D: usize>(
 fn contact_force<const D: usize>(solution: &Solution<D>, body: usize) -> Point<D> {
     let mut force: Point<D> = [0.0; D];
     for contact in &solution.contacts {
+        let sign = contact.sign();
         if contact.nonmortar.body.0 == body {
-            force = add_scaled(force, 1.0, contact.resultant);
+            force = add_scaled(force, sign, contact.resultant);
         }
         if contact.mortar.as_ref().is_some_and(|m| m.body.0 == body) {
-            force = add_scaled(force, -1.0, contact.resultant);
+            force = add_scaled(force, -sign, contact.resultant);
         }
     }
     let bars = solution.bodies[body].bar_forces.values();

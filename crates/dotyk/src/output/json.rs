@@ -98,6 +98,13 @@ fn step_summary<'a, const D: usize>(
             slip_violation: solution.certificate.slip_violation.into(),
             force_error: solution.certificate.force_error.into(),
             between_nodes: solution.certificate.between_nodes.into(),
+            overlap: OverlapEntry {
+                figure: solution.certificate.overlap.into(),
+                place: solution.overlap.as_ref().map(|found| OverlapPlace {
+                    bodies: [&found.body, &found.other],
+                    at: &found.point,
+                }),
+            },
         },
         contacts: solution.contacts.iter().map(contact_entry).collect(),
         bodies: bodies
@@ -198,7 +205,7 @@ struct Summary<'a> {
     threads: usize,
     peak_memory_bytes: u64,
     seconds: SecondsEntry,
-    certificate: CertificateEntry,
+    certificate: CertificateEntry<'a>,
     contacts: Vec<ContactEntry<'a>>,
     bodies: Vec<BodyEntry<'a>>,
     probes: Vec<ProbeEntry<'a>>,
@@ -277,7 +284,7 @@ impl From<Figure> for FigureEntry {
 }
 
 #[derive(Clone, Serialize)]
-struct CertificateEntry {
+struct CertificateEntry<'a> {
     penetration: FigureEntry,
     tension: FigureEntry,
     complementarity: FigureEntry,
@@ -287,6 +294,24 @@ struct CertificateEntry {
     slip_violation: FigureEntry,
     force_error: FigureEntry,
     between_nodes: FigureEntry,
+    overlap: OverlapEntry<'a>,
+}
+
+/// The overlap of two deformed bodies, and where it is, if there is one.
+#[derive(Clone, Serialize)]
+struct OverlapEntry<'a> {
+    #[serde(flatten)]
+    figure: FigureEntry,
+    #[serde(flatten)]
+    place: Option<OverlapPlace<'a>>,
+}
+
+#[derive(Clone, Serialize)]
+struct OverlapPlace<'a> {
+    /// The one whose node it is, and the body, or the contact whose obstacle, it is in.
+    bodies: [&'a str; 2],
+    /// Undeformed position.
+    at: &'a [f64],
 }
 
 #[derive(Clone, Serialize)]

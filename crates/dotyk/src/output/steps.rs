@@ -263,7 +263,7 @@ fn contact_table<const D: usize>(steps: &[&Solution<D>], name: &str, labels: &La
         column("nodes closed / open", ""),
         column(&labels.in_contact().to_lowercase(), labels.extent().1),
         column("largest pressure", &labels.stress),
-        column("force on the nonmortar body", &labels.force),
+        column("force on the first side", &labels.force),
     ];
     let body = rows(steps, heads, |_, s| {
         let Some(c) = s.contact(name) else {

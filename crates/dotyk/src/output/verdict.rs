@@ -85,8 +85,9 @@ pub fn certificate<const D: usize>(solution: &Solution<D>, labels: &Labels) -> S
         slip_violation,
         force_error,
         between_nodes,
+        overlap,
     } = solution.certificate;
-    let lines: [(&str, &str, Figure, &str); 9] = [
+    let lines: [(&str, &str, Figure, &str); 10] = [
         (
             "Penetration",
             "No contact point lies inside the other body by more than",
@@ -139,6 +140,12 @@ pub fn certificate<const D: usize>(solution: &Solution<D>, labels: &Labels) -> S
             "Between the nodes",
             "Looked at between their nodes, whatever was imposed, the sides overlap, compared with what the meshes can resolve, by",
             between_nodes,
+            &labels.length,
+        ),
+        (
+            "Overlap",
+            "Where they have moved to, no two bodies overlap more than at first, compared with what small displacements explain, by more than",
+            overlap,
             &labels.length,
         ),
     ];

@@ -542,11 +542,7 @@ mod tests {
         let contact = &solution.contacts[0];
         for axis in 0..2 {
             let sum: f64 = forces.iter().skip(axis).step_by(3).sum();
-            let sign = if contact.nonmortar.body.0 == 0 {
-                1.0
-            } else {
-                -1.0
-            };
+            let sign = if contact.first.body.0 == 0 { 1.0 } else { -1.0 };
             let scale = forces.iter().fold(0.0f64, |m, f| m.max(f.abs()));
             assert!((sum - sign * contact.resultant[axis]).abs() < 1e-9 * scale);
         }

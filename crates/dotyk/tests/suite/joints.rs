@@ -211,6 +211,131 @@ fn a_joint_may_be_lost_in_part() {
     }
 }
 
+/// A block that comes on a base that has risen fits it, however far that is: its joint bears half of its strength.
+#[test]
+fn the_joint_of_a_body_that_comes_is_whole() {
+    for rise in [0.2, 20.0, -20.0] {
+        let text = format!(
+            "title = \"Late\"\nanalysis = \"plane-strain\"\n{}\
+             [[body]]\nname = \"base\"\nmesh = {{ rectangle = {{ from = [0, 0], to = [2, 1], cells = [4, 2] }} }}\n\
+             material = {{ young = 1000, poisson = 0 }}\n\
+             fix = [{{ side = \"bottom\", x = 0, y = 0 }}, {{ side = \"left\", x = 0 }}, {{ side = \"right\", x = 0 }}]\n\
+             load = [{{ side = \"top\", traction = [0, {rise}], active = {{ until = 2 }} }}]\n\
+             [[body]]\nname = \"block\"\nmesh = {{ rectangle = {{ from = [0, 1], to = [2, 2], cells = [4, 2] }} }}\n\
+             material = {{ young = 1000, poisson = 0 }}\nactive = {{ from = 2 }}\n\
+             spring = [{{ side = \"top\", normal = 1e-3, tangential = 1e-3 }}]\n\
+             load = [{{ side = \"top\", traction = [0, \"{rise} + 0.5\"] }}]\n\
+             [[contact]]\nname = \"joint\"\nnonmortar = \"block.bottom\"\nmortar = \"base.top\"\n\
+             friction = {{ coulomb = 0.5, cohesion = 100, tension = 100 }}\n",
+            steps(2)
+        );
+        // the base is let down by what the block is pulled up with: nothing moves but by the half
+        let found = solved(&text);
+        for node in nodes(&found[1]) {
+            assert_eq!(node.status, Status::Stick);
+            assert!(
+                (node.pressure + rise + 0.5).abs() < 1e-3,
+                "{}",
+                node.pressure
+            );
+            assert!(node.gap.abs() < 1e-9, "{}", node.gap);
+        }
+    }
+}
+
+/// What comes between bodies that have parted is bonded to nothing; between those that touch it is whole.
+#[test]
+fn a_joint_that_comes_between_bodies_holds_where_they_touch() {
+    for (apart, pressure) in [(0.002, 0.0), (0.0, -0.5), (-0.002, 0.5)] {
+        let law = "{ coulomb = 0.5, cohesion = 4, tension = 5 }\nactive = { from = 2 }";
+        // moved by its head, and then by a thousandth more
+        let text = blocks([&[0.0; 2], &[apart, apart + 0.001]], law, false);
+        let found = solved(&text);
+        for node in nodes(&found[1]) {
+            // a gap of blocks that nothing holds together is that of the head
+            let (expected, gap) = match apart > 0.0 {
+                true => (0.0, apart + 0.001),
+                false => (pressure, 0.0),
+            };
+            assert!(
+                (node.pressure - expected).abs() < 1e-6,
+                "{apart}: {}",
+                node.pressure
+            );
+            assert!((node.gap - gap).abs() < 1e-9, "{}", node.gap);
+        }
+    }
+}
+
+/// In a joint on supports so weak that a block alone would fly off, what parts is parted all the same.
+#[test]
+fn what_parts_is_lost_however_weak_the_supports_are() {
+    for spring in ["1e-2", "1e-4", "1e-6"] {
+        let text = format!(
+            "title = \"Weak\"\nanalysis = \"plane-strain\"\n{}\
+             [[body]]\nname = \"base\"\nmesh = {{ rectangle = {{ from = [0, 0], to = [2, 1], cells = [8, 4] }} }}\n\
+             material = {{ young = 1000, poisson = 0.2 }}\nfix = [{{ side = \"bottom\", x = 0, y = 0 }}]\n\
+             [[body]]\nname = \"block\"\nmesh = {{ rectangle = {{ from = [0, 1], to = [2, 2], cells = [8, 4] }} }}\n\
+             material = {{ young = 1000, poisson = 0.2 }}\n\
+             spring = [{{ side = \"top\", normal = {spring}, tangential = {spring} }}]\n\
+             load = [{{ side = \"top\", traction = [\"0.3*t\", \"-0.2 - x\"] }}]\n\
+             [[contact]]\nname = \"joint\"\nnonmortar = \"block.bottom\"\nmortar = \"base.top\"\n\
+             friction = {{ coulomb = 0.5, cohesion = 0.6, tension = 0.3 }}\n",
+            steps(3)
+        );
+        let found = solved(&text);
+        let parted = nodes(&found[0]).iter().filter(|node| node.gap > 1e-6);
+        assert!(parted.count() > 0, "{spring}");
+        for step in 1..3 {
+            for (now, then) in nodes(&found[step]).iter().zip(nodes(&found[step - 1])) {
+                if then.gap > 1e-6 {
+                    assert!(now.pressure > -1e-9, "{spring}: {}", now.pressure);
+                }
+            }
+        }
+    }
+}
+
+/// Ground that nobody touches neither parts from a wall beside it nor slips along it: the cohesion is there afterwards.
+#[test]
+fn a_joint_of_untouched_ground_is_whole() {
+    for (far, tension) in [(0.0, 0.0), (0.0, 1.5), (3000.0, 0.0)] {
+        let text = format!(
+            "title = \"Wall\"\nanalysis = \"plane-strain\"\n{}\
+             [[body]]\nname = \"rock\"\n\
+             mesh = {{ rectangle = {{ from = [{far}, 0], to = [{}, 3], cells = [3, 5], cell = \"tri3\" }} }}\n\
+             material = {{ young = 1000, poisson = 0.3 }}\n\
+             initial_stress = {{ vertical = \"-0.1*(3.1 - y)\", k0 = 0.7 }}\nbody_force = [0, -0.1]\n\
+             fix = [{{ side = \"bottom\", x = 0, y = 0 }}, {{ side = \"left\", x = 0 }}]\n\
+             load = [{{ side = \"top\", in_situ = 1 }}, {{ side = \"right\", in_situ = 1 }}]\n\
+             [[body]]\nname = \"wall\"\n\
+             mesh = {{ rectangle = {{ from = [{}, 0], to = [{}, 3], cells = [2, 7], cell = \"quad9\" }} }}\n\
+             material = {{ young = 1000, poisson = 0.3 }}\n\
+             fix = [{{ side = \"right\", x = \"-0.0001*(t-1)\", y = \"-0.001*(t-1)\" }}]\n\
+             [[contact]]\nname = \"joint\"\nnonmortar = \"wall.left\"\nmortar = \"rock.right\"\n\
+             friction = {{ coulomb = 0.5, cohesion = 1.0, tension = {tension} }}\n",
+            steps(2),
+            far + 2.0,
+            far + 2.0,
+            far + 3.0
+        );
+        let found = solved(&text);
+        let parted = found[0]
+            .warnings
+            .iter()
+            .any(|w| w.contains("parted or slipped"));
+        assert!(!parted, "{:?}", found[0].warnings);
+        for body in &found[0].bodies {
+            let moved = body.displacement.iter().flatten();
+            assert!(moved.fold(0.0, |s: f64, u| s.max(u.abs())) < 1e-15);
+        }
+        for node in nodes(&found[1]) {
+            // the same shear overcomes dry friction, and not the cohesion
+            assert_ne!(node.status, Status::Slip, "{:?}", node.point);
+        }
+    }
+}
+
 #[test]
 fn nonsense_is_one_clear_error() {
     let case = |law: &str| blocks([&[0.0], &[0.0]], law, false);

@@ -230,3 +230,48 @@ load = [{ point = "Q", force = [1e5, 0] }]"#;
         assert!(told.contains("the forces of contact \"sole\""), "{told}");
     }
 }
+
+/// A run goes on behind ground that nobody has touched, and behind steps in which supports of contacts came and went.
+#[test]
+fn runs_go_on_behind_rest_and_behind_supports_that_leave() {
+    let ground = |law: &str| {
+        format!(
+            "title = \"Ground\"\nanalysis = \"plane-strain\"\n[[step]]\ntime = 0\n[[step]]\ntime = 1\n[[step]]\ntime = 2\n\
+             [[body]]\nname = \"rock\"\nmesh = {{ rectangle = {{ from = [0, 0], to = [2, 3], cells = [3, 5], cell = \"tri3\" }} }}\n\
+             material = {{ young = 1000, poisson = 0.3 }}\n\
+             initial_stress = {{ vertical = \"-0.1*(3.1 - y)\", k0 = 0.7 }}\nbody_force = [0, -0.1]\n\
+             fix = [{{ side = \"bottom\", x = 0, y = 0 }}, {{ side = \"left\", x = 0 }}]\n\
+             load = [{{ side = \"top\", in_situ = 1 }}, {{ side = \"right\", in_situ = 1 }}]\n\
+             [[body]]\nname = \"wall\"\nmesh = {{ rectangle = {{ from = [2, 0], to = [3, 3], cells = [2, 7], cell = \"quad9\" }} }}\n\
+             material = {{ young = 1000, poisson = 0.3 }}\nfix = [{{ side = \"right\", x = \"-0.0001*t\", y = \"-0.001*t\" }}]\n\
+             [[contact]]\nname = \"joint\"\nnonmortar = \"wall.left\"\nmortar = \"rock.right\"\n{law}\n"
+        )
+    };
+    let held = "title = \"Sole\"\nanalysis = \"plane-strain\"\n[[step]]\ntime = 1\n[[step]]\ntime = 2\n[[step]]\ntime = 3\n\
+         [[body]]\nname = \"base\"\nmesh = { rectangle = { from = [-1, 0], to = [3, 1], cells = [8, 2] } }\n\
+         material = { young = 1000, poisson = 0 }\n\
+         fix = [{ side = \"bottom\", x = \"0.01*t\", y = 0 }, { side = \"top\", y = 0, active = { until = 2 } }]\n\
+         [[body]]\nname = \"block\"\nmesh = { rectangle = { from = [0, 1], to = [2, 2], cells = [4, 2] } }\n\
+         material = { young = 1000, poisson = 0 }\nload = [{ side = \"top\", pressure = 1 }]\n\
+         spring = [{ side = \"top\", tangential = 1, normal = 1e-3 }]\n\
+         fix = [{ side = \"bottom\", x = 0, y = 0, active = { until = 2 } }]\n\
+         [[contact]]\nname = \"sole\"\nnonmortar = \"block.bottom\"\nmortar = \"base.top\"\nfriction = 0.5\n";
+    for text in [
+        ground("friction = 0.3"),
+        ground("friction = { coulomb = 0.3, cohesion = 1, tension = 0.5 }"),
+        held.to_string(),
+    ] {
+        let model = Case::<2>::from_str(&text, "past.toml", "".as_ref())
+            .unwrap()
+            .model;
+        let whole = model.solve_steps().unwrap();
+        for done in 1..whole.len() {
+            let past: Vec<Past<2>> = whole[..done].iter().map(Past::from).collect();
+            let on = model.solve_steps_after(&past, &mut silent);
+            let on = on.unwrap_or_else(|e| panic!("{done}: {e}\n{text}"));
+            for (a, b) in on.iter().zip(&whole) {
+                assert_same(a, b, &whole);
+            }
+        }
+    }
+}

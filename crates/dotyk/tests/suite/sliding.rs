@@ -36,12 +36,12 @@ fn slides(model: &Model<2>) -> (String, String, f64, Option<[f64; 2]>) {
     match model.solve_steps() {
         Err(Error::NotConverged { reason, .. }) => match *reason {
             Objection::Slides {
-                body,
+                bodies,
                 motion,
                 held,
                 step,
                 ..
-            } => (body, motion, held, step),
+            } => (bodies[0].clone(), motion, held, step),
             other => panic!("{other}"),
         },
         other => panic!("{:?}", other.map(|steps| steps.len())),

@@ -5,7 +5,7 @@
 
 use dotyk::case::{Case, CaseError};
 use dotyk::geometry::{Point, add_scaled, norm, sub};
-use dotyk::model::{Model, Solution};
+use dotyk::model::{Model, Solution, Status};
 
 fn case(text: &str) -> Case<2> {
     Case::<2>::from_str(text, "stages.toml", "".as_ref()).unwrap()
@@ -452,6 +452,109 @@ fn what_appears_between_moved_bodies_counts_from_then() {
                 "{law}: {y} {expected}"
             );
             assert!(x.abs() < 1e-9 * expected, "{law}: {x}");
+        }
+    }
+}
+
+/// A block that is moved sideways before a rigid floor comes, which was on its way, too: friction counts from then.
+#[test]
+fn an_obstacle_that_comes_rubs_from_then() {
+    // how far the floor has moved at t, and whether it does so in the second step
+    for (floor, slides) in [("0", false), ("0.03", false), ("0.004*t", true)] {
+        let text = format!(
+            "title = \"Late\"\nanalysis = \"plane-strain\"\n[[step]]\ntime = 1\n[[step]]\ntime = 2\n\
+             [[body]]\nname = \"block\"\nmesh = {{ rectangle = {{ from = [0, 0], to = [1, 1], cells = [4, 4] }} }}\n\
+             material = {{ young = 1000, poisson = 0 }}\nfix = [{{ side = \"top\", x = 0.01, y = \"-0.001*(t - 1)\" }}]\n\
+             [[contact]]\nname = \"floor\"\nnonmortar = \"block.bottom\"\nfriction = 0.5\nactive = {{ from = 2 }}\n\
+             obstacle = {{ plane = {{ point = [0, 0], normal = [0, 1] }}, displacement = [\"{floor}\", 0] }}\n"
+        );
+        let (_, steps) = solved(&text);
+        let [x, y] = steps[1].contacts[0].resultant;
+        assert!((y - 1.0).abs() < 0.01, "{y}");
+        // rubbed along by more than it sticks to, or not at all
+        let rubbed = if slides { 0.5 * y } else { 0.0 };
+        assert!((x - rubbed).abs() < 1e-8, "{floor}: {x}");
+    }
+}
+
+/// The sole of a block and the base under it are held together, so that the contact has no conditions, while the base is pushed
+/// along. Where the supports leave, the slip under them stays: the block does not move.
+#[test]
+fn supports_that_leave_a_contact_leave_the_slip_under_them() {
+    for (nonmortar, mortar) in [("block.bottom", "base.top"), ("base.top", "block.bottom")] {
+        for pairing in ["mortar", "node-to-node"] {
+            let text = sole(nonmortar, mortar, pairing, "y = 0, ");
+            let (_, steps) = solved(&text);
+            let [first, second] = &steps[..] else {
+                panic!("two steps")
+            };
+            let sole = &second.contacts[0];
+            let [x, y] = sole.resultant;
+            // springs of 1e-3 at the head
+            assert!((y.abs() - 2.0).abs() < 1e-4 && x.abs() < 1e-9, "{x} {y}");
+            let moved = body(second, "block").iter().map(|u| u[0]);
+            assert!((moved.sum::<f64>() / 15.0).abs() < 1e-9);
+            let under = sole.nodes.iter().zip(&first.contacts[0].nodes);
+            for (now, then) in under.filter(|(now, _)| now.pressure > 0.0) {
+                assert!((then.slip[0].abs() - 0.01).abs() < 1e-12, "{:?}", then.slip);
+                assert_eq!(now.status, Status::Stick);
+                assert!(norm(sub(now.slip, then.slip)) < 1e-10, "{:?}", now.slip);
+            }
+        }
+    }
+}
+
+/// A block whose sole is held along x, and along what `held` says beside, in the first step alone, on a base that is moved under it.
+fn sole(nonmortar: &str, mortar: &str, pairing: &str, held: &str) -> String {
+    let top = match held.is_empty() {
+        true => String::new(),
+        false => format!(", {{ side = \"top\", {held}active = {{ until = 2 }} }}"),
+    };
+    format!(
+        "title = \"Sole\"\nanalysis = \"plane-strain\"\n[[step]]\ntime = 1\n[[step]]\ntime = 2\n\
+         [[body]]\nname = \"base\"\nmesh = {{ rectangle = {{ from = [-1, 0], to = [3, 1], cells = [8, 2] }} }}\n\
+         material = {{ young = 1000, poisson = 0 }}\nfix = [{{ side = \"bottom\", x = 0.01, y = 0 }}{top}]\n\
+         [[body]]\nname = \"block\"\nmesh = {{ rectangle = {{ from = [0, 1], to = [2, 2], cells = [4, 2] }} }}\n\
+         material = {{ young = 1000, poisson = 0 }}\nload = [{{ side = \"top\", pressure = 1 }}]\n\
+         spring = [{{ side = \"top\", tangential = 1e-3, normal = 1e-3 }}]\n\
+         fix = [{{ side = \"bottom\", x = 0, {held}active = {{ until = 2 }} }}]\n\
+         [[contact]]\nname = \"sole\"\nnonmortar = \"{nonmortar}\"\nmortar = \"{mortar}\"\nfriction = 2\n\
+         pairing = \"{pairing}\"\n"
+    )
+}
+
+/// In space tangents follow what supports hold. Where these leave, slips are where they were: on a sole that is rough then, nothing
+/// moves.
+#[test]
+fn slips_in_space_stay_when_supports_leave() {
+    for (axis, across) in [("x", "y"), ("y", "x")] {
+        let side = if across == "y" { "right" } else { "back" };
+        let text = format!(
+            "title = \"Space\"\nanalysis = \"3d\"\n[[step]]\ntime = 1\n[[step]]\ntime = 2\n\
+             [[body]]\nname = \"base\"\nmesh = {{ box = {{ from = [-1, -1, -1], to = [2, 2, 0], cells = [2, 2, 1] }} }}\n\
+             material = {{ young = 1000, poisson = 0 }}\n\
+             fix = [{{ side = \"bottom\", {axis} = 0, {across} = 0.01, z = 0 }}]\n\
+             [[body]]\nname = \"block\"\nmesh = {{ box = {{ from = [0, 0, 0], to = [1, 1, 1], cells = [1, 1, 1] }} }}\n\
+             material = {{ young = 1000, poisson = 0 }}\nload = [{{ side = \"top\", traction = [0, 0, -1] }}]\n\
+             spring = [{{ side = \"top\", tangential = 1e-2, normal = 1e-2 }}]\n\
+             fix = [{{ side = \"bottom\", {axis} = 0, active = {{ until = 2 }} }}, {{ side = \"{side}\", {across} = 0, active = {{ until = 2 }} }}]\n\
+             [[contact]]\nname = \"sole\"\nnonmortar = \"block.bottom\"\nmortar = \"base.top\"\nfriction = \"0.3 + 0.7*(t - 1)\"\n"
+        );
+        let case = Case::<3>::from_str(&text, "stages.toml", "".as_ref()).unwrap();
+        let steps = case.model.solve_steps().unwrap();
+        let [first, second] = [0, 1].map(|step| &steps[step].contacts[0]);
+        let [x, y, _] = second.resultant;
+        // springs of 1e-2 at the head
+        assert!(x.abs() < 1e-4 && y.abs() < 1e-4, "{x} {y}");
+        for (now, then) in second.nodes.iter().zip(&first.nodes) {
+            assert!(norm(then.slip) > 0.008, "{:?}", then.slip);
+            assert!(
+                norm(sub(now.slip, then.slip)) < 1e-9,
+                "{:?} {:?}",
+                now.slip,
+                then.slip
+            );
+            assert_eq!(now.status, Status::Stick);
         }
     }
 }

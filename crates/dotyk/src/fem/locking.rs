@@ -1,0 +1,301 @@
+//! How much too stiff the linear cells of a body are: because they bend, keep their volume, or are too large.
+//!
+//! Such cells give way too little, by the part s of their compliance, found from the displacements u of their nodes alone. With
+//! the strain energy E of the body
+//!
+//! ```text
+//!   s = 1 − (1 − (M + J) / E) / (1 + G / E)
+//! ```
+//!
+//! * M, quadrilaterals and hexahedra: what incompatible modes would release at the same u ([`crate::fem::enhanced`]). Zero
+//!   under constant stress; close to E where a thin body bends with one cell through its thickness.
+//! * J, simplices, prisms and cells that have their modes: the energy of the difference between the strain of the cells and
+//!   the continuous one recovered at the nodes of the same material, what Zienkiewicz and Zhu take for the error (Int. J.
+//!   Numer. Methods Eng. 24 (1987) 337–357). Where that and the energy of the recovered strain are more than the energy of
+//!   the cells, E in the first fraction is their sum.
+//! * G, the same cells, nearly incompressible: they resist by pressures that jump from cell to cell, whose energy is small
+//!   because the bulk modulus K is large, and that u hardly shows. The difference δp = K (tr ε − tr ε*) from the recovered one
+//!   loads the inner nodes by f = ∫ δp ∇N; where it lets go, they move by v = −f / k, k what distortion alone opposes to each
+//!   of them, and one step of steepest descent releases G = (f·v)² / 4 W(v), W the energy of distortion. Pressures that
+//!   alternate without forces, as they do in pairs of triangles, add nothing.
+
+use crate::fem::block::{Cells, Deformation};
+use crate::fem::enhanced::{has_modes, relative, released};
+use crate::fem::error::FemError;
+use crate::fem::nouns::{Analysis, Body, Elastic, Formulation};
+use crate::fem::stress::recover_strain_within;
+use crate::geometry::{Point, dot};
+use crate::mesh::{CellBlock, CellKind};
+use std::borrow::Cow;
+
+/// Above this ratio of Poisson it is rather the volume that cells cannot keep than their bending.
+pub(crate) const INCOMPRESSIBLE: f64 = 0.45;
+
+/// Cells of a block that are looked at, spread evenly: a share of the energy of the whole body needs no more.
+const LOOKED_AT: usize = 4096;
+
+/// What linear cells cannot show.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Unseen {
+    /// The part of its compliance that a body lacks.
+    pub part: f64,
+    /// The cells that have most of it; `None` where there are no linear ones.
+    pub kind: Option<CellKind>,
+}
+
+/// Energies of some cells.
+#[derive(Debug, Clone, Copy, Default)]
+struct Energies {
+    all: f64,
+    modes: f64,
+    jumps: f64,
+    /// Of the recovered strain, where there are jumps.
+    smooth: f64,
+}
+
+/// What the linear cells of a body lack of its compliance.
+///
+/// Shapes: displacement and recovered strain (nodes,). Errors: a group of cells without a material.
+pub(crate) fn unseen<const D: usize>(
+    body: &Body<D>,
+    analysis: Analysis,
+    displacement: &[Point<D>],
+    strain: &[[f64; 6]],
+) -> Result<Unseen, FemError> {
+    let (mut all, mut excess, mut own, mut freed) = (0.0, 0.0, 0.0, 0.0);
+    let mut most = (0.0, None);
+    for part in of_each_material(body, analysis, displacement, strain)? {
+        for block in part.blocks() {
+            let found = part.energies(block)?;
+            all += found.all;
+            let unseen = found.modes + found.jumps;
+            own += unseen;
+            if found.jumps > 0.0 {
+                excess += (found.jumps + found.smooth - found.all).max(0.0);
+            }
+            if block.kind.order() == 1 && unseen >= most.0 {
+                most = (unseen, Some(block.kind));
+            }
+        }
+        freed += part.freed()?;
+    }
+    let part = if all > 0.0 {
+        1.0 - (1.0 - own / (all + excess)) / (1.0 + freed / all)
+    } else {
+        0.0
+    };
+    Ok(Unseen { part, kind: most.1 })
+}
+
+/// The cells of a body that have one material, with the strain recovered from them.
+struct Part<'a, const D: usize> {
+    body: &'a Body<D>,
+    analysis: Analysis,
+    displacement: &'a [Point<D>],
+    elastic: Elastic,
+    strain: Cow<'a, [[f64; 6]]>,
+}
+
+fn of_each_material<'a, const D: usize>(
+    body: &'a Body<D>,
+    analysis: Analysis,
+    displacement: &'a [Point<D>],
+    strain: &'a [[f64; 6]],
+) -> Result<Vec<Part<'a, D>>, FemError> {
+    let mut materials: Vec<Elastic> = Vec::new();
+    for block in body.mesh.blocks() {
+        let elastic = body.elastic(block)?;
+        if !materials.contains(&elastic) {
+            materials.push(elastic);
+        }
+    }
+    let alone = materials.len() == 1;
+    let part = |elastic: Elastic| {
+        let strain = if alone {
+            Cow::Borrowed(strain)
+        } else {
+            let within = |block: &CellBlock| body.elastic(block).is_ok_and(|own| own == elastic);
+            Cow::Owned(recover_strain_within(
+                body,
+                analysis,
+                displacement,
+                &within,
+            )?)
+        };
+        Ok(Part {
+            body,
+            analysis,
+            displacement,
+            elastic,
+            strain,
+        })
+    };
+    materials.into_iter().map(part).collect()
+}
+
+impl<'a, const D: usize> Part<'a, D> {
+    fn blocks(&self) -> impl Iterator<Item = &'a CellBlock> + use<'_, 'a, D> {
+        let own = |block: &&CellBlock| self.body.elastic(block).is_ok_and(|e| e == self.elastic);
+        self.body.mesh.blocks().iter().filter(own)
+    }
+
+    /// Whether cells of a kind are judged by the modes that they do not have.
+    fn lacks_modes(&self, kind: CellKind) -> bool {
+        has_modes(kind) && self.body.formulation == Formulation::Displacement
+    }
+
+    fn cells(&self, block: &CellBlock, formulation: Formulation) -> Result<Cells<'a, D>, FemError> {
+        Cells::new(self.body, block, self.analysis, formulation)
+    }
+
+    /// The recovered strain at a point of a cell with these shape functions.
+    fn recovered(&self, cell: &[u32], shape: &[f64]) -> [f64; 6] {
+        std::array::from_fn(|c| {
+            let nodes = cell.iter().zip(shape);
+            nodes
+                .map(|(&node, n)| n * self.strain[node as usize][c])
+                .sum()
+        })
+    }
+
+    fn energies(&self, block: &CellBlock) -> Result<Energies, FemError> {
+        let own = self.cells(block, self.body.formulation)?;
+        let lacking = self.lacks_modes(block.kind);
+        let jumps = block.kind.order() == 1 && !lacking;
+        let stride = block.cells().len().div_ceil(LOOKED_AT).max(1);
+        let mut sums = Energies::default();
+        for cell in block.cells().step_by(stride) {
+            let modes = own.modes(cell, self.displacement);
+            for q in 0..own.table.len() {
+                let here = own.deformation(q, (cell, &modes), self.displacement);
+                let found = own.lame.stress(here.gradient, here.hoop);
+                sums.all += here.volume * own.lame.energy(found);
+                if jumps {
+                    let smooth = self.recovered(cell, own.table.shape(q));
+                    let smooth = own.lame.stress_of(smooth, self.analysis);
+                    let jump = std::array::from_fn(|c| smooth[c] - found[c]);
+                    sums.jumps += here.volume * own.lame.energy(jump);
+                    sums.smooth += here.volume * own.lame.energy(smooth);
+                }
+            }
+        }
+        if lacking {
+            let free = self.cells(block, Formulation::Enhanced)?;
+            let cells = block.cells().step_by(stride);
+            sums.modes = released_by(&free, cells, self.displacement);
+        }
+        let scale = stride as f64;
+        Ok(Energies {
+            all: scale * sums.all,
+            modes: scale * sums.modes,
+            jumps: scale * sums.jumps,
+            smooth: scale * sums.smooth,
+        })
+    }
+
+    /// The energy that pressures which jump from cell to cell hold back.
+    fn freed(&self) -> Result<f64, FemError> {
+        let keeps = self.elastic.poisson > INCOMPRESSIBLE && self.analysis != Analysis::PlaneStress;
+        let jumping = |block: &&CellBlock| block.kind.order() == 1 && !self.lacks_modes(block.kind);
+        let blocks: Vec<&CellBlock> = self.blocks().filter(jumping).collect();
+        if !keeps || blocks.is_empty() {
+            return Ok(0.0);
+        }
+        let mut force = vec![[0.0; D]; self.displacement.len()];
+        let mut stiffness = force.clone();
+        for block in &blocks {
+            let own = self.cells(block, self.body.formulation)?;
+            for cell in block.cells() {
+                let modes = own.modes(cell, self.displacement);
+                for q in 0..own.table.len() {
+                    let here = own.deformation(q, (cell, &modes), self.displacement);
+                    let shape = own.table.shape(q);
+                    let smooth = trace(self.recovered(cell, shape));
+                    let own_trace = trace(own.lame.strain(here.gradient, here.hoop));
+                    let jump = here.volume * own.lame.bulk() * (own_trace - smooth);
+                    let opposed = here.volume * own.lame.mu;
+                    for (a, &node) in cell.iter().enumerate() {
+                        let (slope, hoop) = (here.gradients[a], self.hoop(&here, shape[a]));
+                        for i in 0..D {
+                            let hoop = if i == 0 { hoop } else { 0.0 };
+                            force[node as usize][i] += jump * (slope[i] + hoop);
+                            let both = slope[i] * slope[i] + dot(slope, slope);
+                            stiffness[node as usize][i] += opposed * (both + 2.0 * hoop * hoop);
+                        }
+                    }
+                }
+            }
+        }
+        let free = self.inner_nodes(&blocks);
+        let nodes = force.iter().zip(&stiffness).zip(&free);
+        let motion = |((f, k), free): ((&Point<D>, &Point<D>), &bool)| match free {
+            true => std::array::from_fn(|i| f[i] / k[i]),
+            false => [0.0; D],
+        };
+        let motion: Vec<Point<D>> = nodes.map(motion).collect();
+        let work: f64 = force.iter().zip(&motion).map(|(f, v)| dot(*f, *v)).sum();
+        let mut opposed = 0.0;
+        for block in &blocks {
+            let own = self.cells(block, Formulation::Displacement)?;
+            for cell in block.cells() {
+                for q in 0..own.table.len() {
+                    let here = own.deformation(q, (cell, &[]), &motion);
+                    let strain = own.lame.strain(here.gradient, here.hoop);
+                    opposed += here.volume * own.lame.distortion(strain);
+                }
+            }
+        }
+        Ok(if opposed > 0.0 {
+            work * work / (4.0 * opposed)
+        } else {
+            0.0
+        })
+    }
+
+    /// The hoop strain per radial displacement of a node.
+    fn hoop(&self, here: &Deformation<D>, shape: f64) -> f64 {
+        match self.analysis {
+            Analysis::Axisymmetric => shape / here.point[0],
+            _ => 0.0,
+        }
+    }
+
+    /// Nodes (nodes,) of some blocks that nothing else touches: neither the outside nor other cells.
+    fn inner_nodes(&self, blocks: &[&CellBlock]) -> Vec<bool> {
+        let mesh = &self.body.mesh;
+        let mut inner = vec![false; mesh.points().len()];
+        let mut mark = |nodes: &mut dyn Iterator<Item = u32>, value: bool| {
+            nodes.for_each(|node| inner[node as usize] = value);
+        };
+        for block in blocks {
+            mark(&mut block.nodes.iter().copied(), true);
+        }
+        let others = mesh.blocks().iter();
+        for block in others.filter(|block| !blocks.iter().any(|own| std::ptr::eq(*own, *block))) {
+            mark(&mut block.nodes.iter().copied(), false);
+        }
+        for facet in mesh.boundary_facets() {
+            mark(&mut mesh.facet_nodes(facet), false);
+        }
+        inner
+    }
+}
+
+fn trace(strain: [f64; 6]) -> f64 {
+    strain[..3].iter().sum()
+}
+
+/// The energy that the incompatible modes of some cells would release.
+fn released_by<'m, const D: usize>(
+    free: &Cells<'_, D>,
+    cells: impl Iterator<Item = &'m [u32]>,
+    displacement: &[Point<D>],
+) -> f64 {
+    let size = free.size();
+    let mut matrix = vec![0.0; size * size];
+    let of_cell = |cell: &[u32]| {
+        free.stiffness(cell, &mut matrix);
+        released(&matrix, size, &relative(cell, displacement))
+    };
+    cells.map(of_cell).sum()
+}

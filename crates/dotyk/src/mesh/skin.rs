@@ -1,0 +1,393 @@
+//! The outer surface of a body as simplices, wherever its nodes are: which points lie inside of it, and how deep.
+//!
+//! ```text
+//!   φ(p) = ± min over the surface of ‖p − y‖,     negative inside
+//! ```
+//!
+//! Where the nearest point is a corner or an edge, the sign is that of the simplices around it together: their normals, each
+//! weighted with its angle there (J. A. Baerentzen, H. Aanaes, Signed distance computation using the angle weighted
+//! pseudonormal, IEEE Trans. Vis. Comput. Graph. 11 (2005) 243–253). Facets of second order are divided at their nodes.
+
+use crate::geometry::{Point, add_scaled, bounding_box, cross, distance, dot, norm, sub, unit};
+use crate::mesh::{CellKind, Mesh};
+use rstar::{AABB, PointDistance, RTree, RTreeObject};
+
+/// Simplices whose nearest points lie this near to each other, in parts of their distance and size, meet there.
+const SAME: f64 = 1e-9;
+
+/// Facets that meet at a smaller cosine stand for an edge, no curve.
+const EDGE: f64 = 0.866;
+
+/// The outer surface of a mesh, divided into simplices of D corners.
+#[derive(Debug, Clone)]
+pub(crate) struct Skin<const D: usize> {
+    /// Nodes of the simplices, which turn as facets do: outwards.
+    simplices: Vec<[u32; D]>,
+    /// Nodes of the surface, ascending.
+    nodes: Vec<u32>,
+    /// What is known at each of these.
+    at_nodes: Vec<AtNode>,
+}
+
+/// The surface at one of its nodes.
+#[derive(Debug, Clone, Default)]
+struct AtNode {
+    /// The nodes that share a simplex with it.
+    beside: Vec<u32>,
+    /// How far the simplices may be off the curve that they stand for, a length.
+    bow: f64,
+}
+
+impl<const D: usize> Skin<D> {
+    /// Of a mesh: its facets that belong to one cell only.
+    pub fn of(mesh: &Mesh<D>) -> Self {
+        let mut simplices = Vec::new();
+        for facet in mesh.boundary_facets() {
+            let nodes: Vec<u32> = mesh.facet_nodes(facet).collect();
+            let parts = divided(mesh.facet_kind(facet)).iter();
+            simplices.extend(parts.map(|part| std::array::from_fn(|k| nodes[part[k]])));
+        }
+        let mut nodes: Vec<u32> = simplices.iter().flatten().copied().collect();
+        nodes.sort_unstable();
+        nodes.dedup();
+        let mut skin = Self {
+            simplices,
+            at_nodes: vec![AtNode::default(); nodes.len()],
+            nodes,
+        };
+        skin.look_around(mesh.points());
+        skin
+    }
+
+    /// Tells the nodes what is around them. Two simplices that turn by θ stand for a curve of which they are up to hθ/8 off.
+    fn look_around(&mut self, points: &[Point<D>]) {
+        let mut ridges: Vec<([u32; 2], usize)> = Vec::new();
+        for (index, simplex) in self.simplices.iter().enumerate() {
+            for k in 0..D {
+                // the corner of a segment, the edge of a triangle
+                let ends = match D {
+                    2 => [simplex[k], simplex[k]],
+                    _ => [simplex[k], simplex[(k + 1) % D]],
+                };
+                ridges.push(([ends[0].min(ends[1]), ends[0].max(ends[1])], index));
+            }
+        }
+        ridges.sort_unstable();
+        let simplex = |index: usize| self.simplex(index, points);
+        let mut bows = vec![0.0f64; self.nodes.len()];
+        for pair in ridges.windows(2).filter(|pair| pair[0].0 == pair[1].0) {
+            let both = [simplex(pair[0].1), simplex(pair[1].1)];
+            let cosine = dot(both[0].normal(), both[1].normal());
+            if cosine > EDGE {
+                let size = both[0].size().max(both[1].size());
+                let bow = size * cosine.min(1.0).acos() / 8.0;
+                for node in pair[0].0 {
+                    let at = self.place(node);
+                    bows[at] = bows[at].max(bow);
+                }
+            }
+        }
+        for simplex in &self.simplices {
+            for node in simplex {
+                let place = self.nodes.binary_search(node).unwrap_or(0);
+                let others = simplex.iter().filter(|other| *other != node);
+                self.at_nodes[place].beside.extend(others);
+            }
+        }
+        for (at, bow) in self.at_nodes.iter_mut().zip(bows) {
+            at.beside.sort_unstable();
+            at.beside.dedup();
+            at.bow = bow;
+        }
+    }
+
+    fn simplex(&self, index: usize, points: &[Point<D>]) -> Simplex<D> {
+        let nodes = self.simplices[index];
+        Simplex {
+            corners: nodes.map(|node| points[node as usize]),
+            nodes,
+        }
+    }
+
+    fn place(&self, node: u32) -> usize {
+        self.nodes.binary_search(&node).unwrap_or(0)
+    }
+
+    /// Its nodes, ascending.
+    pub fn nodes(&self) -> &[u32] {
+        &self.nodes
+    }
+
+    /// How far the surface at one of its nodes may be off the curve that it stands for, a length.
+    pub fn bow(&self, node: u32) -> f64 {
+        self.at_nodes[self.place(node)].bow
+    }
+
+    /// Nodes that share a simplex with one of its nodes, ascending.
+    pub fn beside(&self, node: u32) -> &[u32] {
+        &self.at_nodes[self.place(node)].beside
+    }
+
+    /// The surface with the nodes of its mesh at some points (nodes,), as far as it meets a box.
+    pub fn at(&self, points: &[Point<D>], (low, high): (Point<D>, Point<D>)) -> Surrounding<D> {
+        let near = AABB::from_corners(low, high);
+        let simplices = (0..self.simplices.len()).map(|index| self.simplex(index, points));
+        let meets = |simplex: &Simplex<D>| rstar::Envelope::intersects(&simplex.envelope(), &near);
+        Surrounding(RTree::bulk_load(simplices.filter(meets).collect()))
+    }
+}
+
+/// How the facets of a kind are divided, by places of their nodes.
+fn divided(kind: CellKind) -> &'static [[usize; 3]] {
+    match kind {
+        CellKind::Line2 => &[[0, 1, 1]],
+        CellKind::Line3 => &[[0, 2, 2], [2, 1, 1]],
+        CellKind::Tri3 => &[[0, 1, 2]],
+        CellKind::Tri6 => &[[0, 3, 5], [3, 1, 4], [5, 4, 2], [3, 4, 5]],
+        CellKind::Quad4 => &[[0, 1, 2], [0, 2, 3]],
+        CellKind::Quad8 => &[
+            [0, 4, 7],
+            [4, 1, 5],
+            [5, 2, 6],
+            [6, 3, 7],
+            [4, 5, 6],
+            [4, 6, 7],
+        ],
+        CellKind::Quad9 => &[
+            [0, 4, 8],
+            [0, 8, 7],
+            [4, 1, 5],
+            [4, 5, 8],
+            [8, 5, 2],
+            [8, 2, 6],
+            [7, 8, 6],
+            [7, 6, 3],
+        ],
+        _ => &[],
+    }
+}
+
+/// A part of a surface, somewhere.
+pub(crate) struct Surrounding<const D: usize>(RTree<Simplex<D>>);
+
+impl<const D: usize> Surrounding<D> {
+    /// How deep a point lies inside of the surface, negative outside; and the nodes of the simplex that is nearest. `None` where
+    /// the box holds nothing of the surface.
+    pub fn depth(&self, p: Point<D>) -> Option<(f64, [u32; D])> {
+        let nearest = self.0.nearest_neighbor(p)?;
+        let at = nearest.closest(p);
+        let length = distance(p, at);
+        let reach = length + SAME * (length + nearest.size());
+        let around = self.0.locate_within_distance(p, reach * reach);
+        let meets = |other: &&Simplex<D>| {
+            distance(other.closest(p), at) <= SAME * (nearest.size() + other.size())
+        };
+        let outward = around
+            .filter(meets)
+            .fold([0.0; D], |sum, s| add_scaled(sum, s.angle(at), s.normal()));
+        let outside = dot(sub(p, at), outward) >= 0.0;
+        Some((if outside { -length } else { length }, nearest.nodes))
+    }
+}
+
+/// A segment of the plane, a triangle of space.
+struct Simplex<const D: usize> {
+    corners: [Point<D>; D],
+    nodes: [u32; D],
+}
+
+impl<const D: usize> Simplex<D> {
+    fn size(&self) -> f64 {
+        let (low, high) = bounding_box(&self.corners);
+        distance(low, high)
+    }
+
+    /// Unit normal outwards; zero where it has none.
+    fn normal(&self) -> Point<D> {
+        let c = &self.corners;
+        let along = sub(c[1], c[0]);
+        let normal: Point<D> = match D {
+            2 => {
+                let mut n = [0.0; D];
+                (n[0], n[1]) = (along[1], -along[0]);
+                n
+            }
+            _ => {
+                let n = cross(along, sub(c[2], c[0]));
+                std::array::from_fn(|i| n[i])
+            }
+        };
+        unit(normal).unwrap_or([0.0; D])
+    }
+
+    /// The angle that it fills at one of its points, up to a factor that is the same for all that meet there: at a corner of a
+    /// triangle its own, half a turn elsewhere.
+    fn angle(&self, at: Point<D>) -> f64 {
+        if D < 3 {
+            return 1.0;
+        }
+        let c = &self.corners;
+        let near = SAME * self.size();
+        let Some(k) = (0..D).find(|&k| distance(c[k], at) <= near) else {
+            return std::f64::consts::PI;
+        };
+        let ends = [1, 2].map(|step| unit(sub(c[(k + step) % D], c[k])));
+        match ends {
+            [Some(a), Some(b)] => dot(a, b).clamp(-1.0, 1.0).acos(),
+            _ => 0.0,
+        }
+    }
+
+    /// Its point that is nearest to p.
+    fn closest(&self, p: Point<D>) -> Point<D> {
+        let c = &self.corners;
+        if D < 3 {
+            return on_segment([c[0], c[1]], p);
+        }
+        let (a, b) = (sub(c[1], c[0]), sub(c[2], c[0]));
+        let from = sub(p, c[0]);
+        let (aa, ab, bb) = (dot(a, a), dot(a, b), dot(b, b));
+        let (pa, pb) = (dot(from, a), dot(from, b));
+        let det = aa * bb - ab * ab;
+        let (s, t) = ((bb * pa - ab * pb) / det, (aa * pb - ab * pa) / det);
+        if s >= 0.0 && t >= 0.0 && s + t <= 1.0 {
+            return add_scaled(add_scaled(c[0], s, a), t, b);
+        }
+        let edges = [[c[0], c[1]], [c[1], c[2]], [c[2], c[0]]];
+        let mut best = on_segment(edges[0], p);
+        for edge in &edges[1..] {
+            let other = on_segment(*edge, p);
+            if distance(p, other) < distance(p, best) {
+                best = other;
+            }
+        }
+        best
+    }
+}
+
+fn on_segment<const D: usize>([a, b]: [Point<D>; 2], p: Point<D>) -> Point<D> {
+    let along = sub(b, a);
+    let length = norm(along);
+    if length == 0.0 {
+        return a;
+    }
+    let part = dot(sub(p, a), along) / (length * length);
+    match part {
+        _ if part <= 0.0 => a,
+        _ if part >= 1.0 => b,
+        _ => add_scaled(a, part, along),
+    }
+}
+
+impl<const D: usize> RTreeObject for Simplex<D> {
+    type Envelope = AABB<Point<D>>;
+
+    fn envelope(&self) -> Self::Envelope {
+        let (low, high) = bounding_box(&self.corners);
+        AABB::from_corners(low, high)
+    }
+}
+
+impl<const D: usize> PointDistance for Simplex<D> {
+    fn distance_2(&self, p: &Point<D>) -> f64 {
+        let from = sub(*p, self.closest(*p));
+        dot(from, from)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::mesh::{Cuboid, Diagonals, Rectangle};
+
+    const EVERYWHERE: f64 = 1e9;
+
+    fn depths<const D: usize>(mesh: &Mesh<D>, points: &[(Point<D>, f64)]) {
+        let whole = ([-EVERYWHERE; D], [EVERYWHERE; D]);
+        let surface = Skin::of(mesh).at(mesh.points(), whole);
+        for &(p, expected) in points {
+            let (depth, _) = surface.depth(p).unwrap();
+            assert!((depth - expected).abs() < 1e-14, "{p:?}: {depth}");
+        }
+    }
+
+    #[test]
+    fn points_of_the_plane_know_how_deep_they_are() {
+        for cell in [CellKind::Tri3, CellKind::Quad4, CellKind::Quad8] {
+            let block = Rectangle {
+                from: [0.0, 0.0],
+                to: [4.0, 2.0],
+                cells: [4, 2],
+                cell,
+                diagonals: Diagonals::default(),
+            };
+            depths(
+                &block.build().unwrap(),
+                &[
+                    ([1.0, 0.3], 0.3),
+                    ([1.25, 1.9], 0.1),
+                    ([2.0, 1.0], 1.0),
+                    ([1.0, -0.3], -0.3),
+                    // beyond a corner, and on its bisector inside
+                    ([-3.0, -4.0], -5.0),
+                    ([0.1, 0.1], 0.1),
+                    ([5.0, 2.0], -1.0),
+                ],
+            );
+        }
+    }
+
+    #[test]
+    fn points_of_space_know_how_deep_they_are() {
+        for cell in [
+            CellKind::Tet4,
+            CellKind::Hex8,
+            CellKind::Hex20,
+            CellKind::Hex27,
+        ] {
+            let block = Cuboid {
+                from: [0.0; 3],
+                to: [2.0, 2.0, 1.0],
+                cells: [2, 2, 1],
+                cell,
+            };
+            depths(
+                &block.build().unwrap(),
+                &[
+                    ([1.0, 0.9, 0.2], 0.2),
+                    ([0.1, 0.6, 0.5], 0.1),
+                    ([0.3, 0.6, -0.5], -0.5),
+                    ([-3.0, -4.0, 0.5], -5.0),
+                    ([-1.0, -2.0, -2.0], -3.0),
+                    ([0.1, 0.1, 0.1], 0.1),
+                ],
+            );
+        }
+    }
+
+    #[test]
+    fn a_notch_is_outside() {
+        // an L of three squares: what lies in its corner is nearest to the vertex that points into it
+        let points = [
+            [0., 0.],
+            [2., 0.],
+            [2., 1.],
+            [1., 1.],
+            [1., 2.],
+            [0., 2.],
+            [0., 1.],
+            [1., 0.],
+        ];
+        let block = crate::mesh::CellBlock {
+            kind: CellKind::Quad4,
+            group: None,
+            nodes: vec![0, 7, 3, 6, 7, 1, 2, 3, 6, 3, 4, 5],
+        };
+        let mesh = Mesh::new(points.to_vec(), vec![block]).unwrap();
+        let deep = 0.1 * 2f64.sqrt();
+        depths(
+            &mesh,
+            &[([1.1, 1.3], -0.1), ([0.9, 0.9], deep), ([0.5, 0.5], 0.5)],
+        );
+    }
+}

@@ -1,0 +1,397 @@
+//! What stands in what: the deformed outer surfaces of all bodies against each other and against rigid obstacles, whoever named a
+//! contact between them.
+//!
+//! ```text
+//!   grown(x) = max(0, −φ(x + u)) − max(0, −φ₀(x))          φ the signed distance from what may be stood in, now and at first
+//! ```
+//!
+//! Conditions of a contact hold between what lay opposite at first, and where a contact is named. Neither tells what becomes of a
+//! body that travels, nor of two that no contact keeps apart. So the nodes of every outer surface are looked up in every other
+//! body as it has moved. What an answer of small displacements may overlap, and no more, is
+//!
+//! ```text
+//!   allowed = 10 × what the meshes of a contact resolve there          dents and bends of the gap, see `between`
+//!           + 2 (b₁ + b₂)                          b = hθ/8, how far polygons are off the curves that they stand for
+//!           + s (‖∇u₁‖ + ‖∇u₂‖)                    rotations by angles instead of their sines, over a motion s past each other
+//!           + a given clearance that the meshes lack + rounding
+//! ```
+//!
+//! The first and the last but one hold at the sides of contacts alone. The third is of second order in the displacements, as the
+//! theory is of first: a body that travels without a strain gets none of it. What lay deeper than it has moved since was drawn
+//! so. Where a gap is given, what the meshes do beside the sides says nothing. An obstacle is there for the side that its contact
+//! names, and no other: a plane may stand for a punch.
+
+use crate::contact::{Moved, Rigid};
+use crate::dual::{BETWEEN_LIMIT, Figure, ROUNDING};
+use crate::geometry::{Point, Surface, add_scaled, bounding_box, distance, dot, norm, sub};
+use crate::mesh::Skin;
+use crate::model::between::resolved;
+use crate::model::condense::Condensed;
+use crate::model::judge::{Displaced, moved};
+use crate::model::nouns::{Contact, Gap, Model, Pair};
+use crate::model::pair::{Paired, row_ranges};
+use rayon::prelude::*;
+use std::borrow::Cow;
+use std::collections::BTreeMap;
+use std::sync::OnceLock;
+
+/// Overlaps below this part of the motion are nothing to be told of.
+const APART: f64 = 1e-6;
+
+/// How many times surfaces may be deeper than they are off their curves.
+const BOWS: f64 = 2.0;
+
+/// Gradients beyond this one are no gradients of small displacements.
+const TURN: f64 = 1.0;
+
+/// A rounding of coordinates, in parts of the size of what is looked at.
+const COORDINATE: f64 = 8.0 * ROUNDING;
+
+/// Where one body stands in another one, or in the obstacle of a contact.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Intrusion<const D: usize> {
+    /// The body whose node it is.
+    pub body: String,
+    /// The body that it stands in, or the contact whose obstacle it stands in.
+    pub other: String,
+    /// It is an obstacle.
+    pub obstacle: bool,
+    /// Undeformed position of the node.
+    pub point: Point<D>,
+    /// By how much deeper than at first, a length > 0.
+    pub depth: f64,
+    /// What small displacements and the meshes explain of that, a length > 0.
+    pub allowed: f64,
+    /// A contact between the two is named.
+    pub named: bool,
+}
+
+impl<const D: usize> Intrusion<D> {
+    /// The figure of the certificate; none of them is none.
+    pub(crate) fn figure(found: Option<&Self>) -> Figure {
+        let (depth, allowed) = found.map_or((0.0, 0.0), |found| (found.depth, found.allowed));
+        Figure::new(depth, allowed, 1.0)
+    }
+
+    /// What it stands in, in words.
+    pub fn what(&self) -> String {
+        match self.obstacle {
+            true => format!("the obstacle of contact \"{}\"", self.other),
+            false => format!("body \"{}\"", self.other),
+        }
+    }
+
+    fn ratio(&self) -> f64 {
+        self.depth / self.allowed
+    }
+
+    /// The other one, where that is worse.
+    fn worse(self, other: Self) -> Self {
+        if other.ratio() > self.ratio() {
+            other
+        } else {
+            self
+        }
+    }
+}
+
+/// Outer surfaces of all bodies, made when they are asked for first: they are those of every load step.
+#[derive(Default)]
+pub(crate) struct Skins<const D: usize>(OnceLock<Vec<Skin<D>>>);
+
+impl<const D: usize> Skins<D> {
+    fn of(&self, model: &Model<D>) -> &[Skin<D>] {
+        let bodies = model.bodies.par_iter();
+        self.0
+            .get_or_init(|| bodies.map(|body| Skin::of(&body.mesh)).collect())
+    }
+}
+
+/// The worst intrusion under the forces `lambda` (m,), in parts of what is allowed.
+pub(crate) fn intrusion<const D: usize>(
+    model: &Model<D>,
+    condensed: &Condensed<D>,
+    displaced: &Displaced<D>,
+    lambda: &[f64],
+) -> Option<Intrusion<D>> {
+    let skins = condensed.skins.of(model);
+    let contacts = model.contacts.iter().zip(row_ranges(&condensed.paired));
+    let known = contacts.map(|(contact, (rows, pair))| {
+        Named::new(contact, pair, moved(model, pair, displaced), &lambda[rows])
+    });
+    let known: Vec<Named<'_, D>> = known.collect();
+    let bodies = model.bodies.iter().zip(skins).zip(&displaced.states);
+    let bodies = bodies
+        .map(|((body, skin), state)| Solid::new(&body.name, body.mesh.points(), skin, &state.u));
+    let bodies: Vec<Solid<'_, D>> = bodies.collect();
+    let count = bodies.len();
+    let pairs = (0..count).flat_map(|a| (0..count).map(move |b| (a, b)));
+    let near = |&(a, b): &(usize, usize)| a != b && bodies[a].meets(&bodies[b]);
+    let pairs: Vec<(usize, usize)> = pairs.filter(near).collect();
+    let between = pairs
+        .into_par_iter()
+        .filter_map(|pair| in_body(&bodies, &known, pair));
+    let deepest: Vec<Intrusion<D>> = between.collect();
+    let obstacles = model.contacts.iter().zip(&known);
+    let obstacles = obstacles
+        .filter_map(|(contact, own)| in_obstacle(&contact.pair, own, &bodies[own.bodies.0]));
+    deepest
+        .into_iter()
+        .chain(obstacles)
+        .reduce(Intrusion::worse)
+}
+
+/// A contact, and what its meshes resolve.
+struct Named<'a, const D: usize> {
+    name: &'a str,
+    bodies: (usize, Option<usize>),
+    moved: Moved<'a, D>,
+    resolved: BTreeMap<usize, f64>,
+    /// The largest clearance, where it is given beside what the meshes show.
+    given: Option<f64>,
+}
+
+impl<'a, const D: usize> Named<'a, D> {
+    fn new(contact: &'a Contact<D>, pair: &Paired<D>, moved: Moved<'a, D>, lambda: &[f64]) -> Self {
+        let clearances = pair.interface.nodes.iter().map(|node| node.clearance);
+        let given = match contact.gap {
+            Some(Gap::Given(_)) => Some(clearances.fold(0.0, f64::max)),
+            _ => None,
+        };
+        Self {
+            name: &contact.name,
+            bodies: (
+                pair.nonmortar.body.0,
+                pair.mortar.as_ref().map(|side| side.body.0),
+            ),
+            resolved: resolved(pair, &moved, lambda),
+            moved,
+            given,
+        }
+    }
+
+    /// What it allows at a node of its nonmortar side.
+    fn allows(&self, node: u32) -> Option<f64> {
+        let resolved = self.resolved.get(&(node as usize))?;
+        Some(BETWEEN_LIMIT * resolved + self.given.unwrap_or(0.0))
+    }
+}
+
+/// A body where it has moved to.
+#[derive(Clone)]
+struct Solid<'a, const D: usize> {
+    name: &'a str,
+    first: &'a [Point<D>],
+    skin: &'a Skin<D>,
+    moved: Cow<'a, [Point<D>]>,
+    now: Vec<Point<D>>,
+    bounds: (Point<D>, Point<D>),
+    /// Largest displacement of the surface.
+    most: f64,
+}
+
+impl<'a, const D: usize> Solid<'a, D> {
+    fn new(name: &'a str, first: &'a [Point<D>], skin: &'a Skin<D>, moved: &'a [Point<D>]) -> Self {
+        Self::placed(name, first, skin, Cow::Borrowed(moved))
+    }
+
+    fn placed(
+        name: &'a str,
+        first: &'a [Point<D>],
+        skin: &'a Skin<D>,
+        moved: Cow<'a, [Point<D>]>,
+    ) -> Self {
+        let both = first.iter().zip(moved.iter());
+        let now: Vec<Point<D>> = both.map(|(x, u)| add_scaled(*x, 1.0, *u)).collect();
+        let most = skin.nodes().iter().map(|&node| norm(moved[node as usize]));
+        Self {
+            most: most.fold(0.0, f64::max),
+            bounds: bounding_box(&now),
+            name,
+            first,
+            skin,
+            moved,
+            now,
+        }
+    }
+
+    fn meets(&self, other: &Self) -> bool {
+        let (a, b) = (&self.bounds, &other.bounds);
+        (0..D).all(|d| a.0[d] <= b.1[d] && b.0[d] <= a.1[d])
+    }
+
+    /// Largest gradient of the displacement along its surface at a node.
+    fn gradient(&self, node: u32) -> f64 {
+        let at = node as usize;
+        let each = self.skin.beside(node).iter().map(|&other| {
+            let other = other as usize;
+            let apart = distance(self.first[at], self.first[other]);
+            distance(self.moved[at], self.moved[other]) / apart
+        });
+        each.fold(0.0, f64::max).min(TURN)
+    }
+
+    /// What its mesh and its rotation allow at a node that something has moved past by `motion`.
+    fn allows(&self, node: u32, motion: f64) -> f64 {
+        BOWS * self.skin.bow(node) + motion * self.gradient(node)
+    }
+}
+
+/// The worst intrusion of nodes of one body in another one.
+fn in_body<const D: usize>(
+    bodies: &[Solid<'_, D>],
+    contacts: &[Named<'_, D>],
+    (a, b): (usize, usize),
+) -> Option<Intrusion<D>> {
+    let between =
+        |contact: &&Named<'_, D>| contact.bodies == (a, Some(b)) || contact.bodies == (b, Some(a));
+    let between: Vec<&Named<'_, D>> = contacts.iter().filter(between).collect();
+    // what was fitted to something that had moved counts from there
+    let since = |index: usize| {
+        let own = &bodies[index];
+        let fitted = between
+            .first()
+            .and_then(|contact| match contact.bodies.0 == index {
+                true => Some(&contact.moved.own),
+                false => contact.moved.other.as_ref(),
+            });
+        let fitted = fitted.filter(|u| matches!(u, Cow::Owned(_)));
+        let placed = |u: &Cow<'_, [Point<D>]>| {
+            Solid::placed(own.name, own.first, own.skin, Cow::Owned(u.to_vec()))
+        };
+        fitted.map_or(Cow::Borrowed(own), |u| Cow::Owned(placed(u)))
+    };
+    let (own, other) = (since(a), since(b));
+    let motion = own.most + other.most;
+    let rounding = COORDINATE * extent(&[own.bounds, other.bounds]);
+    if motion <= rounding {
+        return None;
+    }
+    // nothing that has moved as far is deeper than twice that
+    let reach = 2.0 * motion + rounding;
+    let low = std::array::from_fn(|d| own.bounds.0[d].max(other.bounds.0[d]) - reach);
+    let high = std::array::from_fn(|d| own.bounds.1[d].min(other.bounds.1[d]) + reach);
+    let inside =
+        |p: Point<D>| (0..D).all(|d| other.bounds.0[d] <= p[d] && p[d] <= other.bounds.1[d]);
+    let nodes = own.skin.nodes().iter();
+    let nodes: Vec<u32> = nodes
+        .copied()
+        .filter(|&node| inside(own.now[node as usize]))
+        .collect();
+    if nodes.is_empty() {
+        return None;
+    }
+    let surface = other.skin.at(&other.now, (low, high));
+    let deep = nodes.into_iter().filter_map(|node| {
+        let (depth, near) = surface.depth(own.now[node as usize])?;
+        (depth > rounding && depth <= reach).then_some((node, depth, near))
+    });
+    let deep: Vec<(u32, f64, [u32; D])> = deep.collect();
+    if deep.is_empty() {
+        return None;
+    }
+    let undeformed = other.skin.at(other.first, (low, high));
+    let found = deep.into_iter().filter_map(|(node, depth, near)| {
+        let at = node as usize;
+        let (drawn, _) = undeformed.depth(own.first[at])?;
+        let beside = near.map(|node| sub(own.moved[at], other.moved[node as usize]));
+        let motion = beside.into_iter().map(norm).fold(0.0, f64::max);
+        let grown = depth - drawn.max(0.0);
+        if drawn > motion + rounding || grown <= rounding {
+            return None;
+        }
+        let of_contacts = between
+            .iter()
+            .filter_map(|contact| match contact.bodies.0 == a {
+                true => contact.allows(node),
+                false => near
+                    .iter()
+                    .filter_map(|&node| contact.allows(node))
+                    .reduce(f64::max),
+            });
+        let of_contacts = of_contacts.reduce(f64::max);
+        if of_contacts.is_none() && between.iter().any(|contact| contact.given.is_some()) {
+            return None;
+        }
+        let of_other = near.iter().map(|&node| other.allows(node, motion));
+        let allowed = of_contacts.unwrap_or(0.0)
+            + own.allows(node, motion)
+            + of_other.fold(0.0, f64::max)
+            + APART * motion
+            + rounding;
+        Some(Intrusion {
+            body: own.name.to_string(),
+            other: other.name.to_string(),
+            obstacle: false,
+            point: own.first[at],
+            depth: grown,
+            allowed,
+            named: !between.is_empty(),
+        })
+    });
+    found.reduce(Intrusion::worse)
+}
+
+/// The size of what holds some boxes.
+fn extent<const D: usize>(boxes: &[(Point<D>, Point<D>)]) -> f64 {
+    let corners: Vec<Point<D>> = boxes.iter().flat_map(|(low, high)| [*low, *high]).collect();
+    let coordinates = corners.iter().flatten();
+    coordinates.fold(0.0, |s: f64, c| s.max(c.abs()))
+}
+
+/// The worst intrusion of nodes of a body in the obstacle of a contact.
+fn in_obstacle<const D: usize>(
+    pair: &Pair<D>,
+    contact: &Named<'_, D>,
+    body: &Solid<'_, D>,
+) -> Option<Intrusion<D>> {
+    let Pair::Obstacle { obstacle, .. } = pair else {
+        return None;
+    };
+    let Rigid::Surface { surface, inside } = &obstacle.shape else {
+        return None;
+    };
+    let rounding = COORDINATE * extent(&[body.bounds]);
+    let depth = |x: Point<D>| {
+        if *inside {
+            surface.distance(x)
+        } else {
+            -surface.distance(x)
+        }
+    };
+    let found = body.skin.nodes().iter().filter_map(|&node| {
+        let at = node as usize;
+        let of_contact = contact.allows(node)?;
+        let first = body.first[at];
+        let relative = sub(contact.moved.own[at], contact.moved.obstacle);
+        let (now, motion) = (add_scaled(first, 1.0, relative), norm(relative));
+        let (deep, drawn) = (depth(now), depth(first));
+        let grown = deep - drawn.max(0.0);
+        if grown <= rounding || drawn > motion + rounding {
+            return None;
+        }
+        let allowed = of_contact
+            + body.allows(node, motion)
+            + motion * turn(surface, first, now)
+            + APART * motion
+            + rounding;
+        Some(Intrusion {
+            body: body.name.to_string(),
+            other: contact.name.to_string(),
+            obstacle: true,
+            point: first,
+            depth: grown,
+            allowed,
+            named: true,
+        })
+    });
+    found.reduce(Intrusion::worse)
+}
+
+/// The angle between the normals of a surface at two points, in radians.
+fn turn<const D: usize>(surface: &Surface<D>, a: Point<D>, b: Point<D>) -> f64 {
+    match (surface.normal(a), surface.normal(b)) {
+        (Some(a), Some(b)) => dot(a, b).clamp(-1.0, 1.0).acos(),
+        _ => 0.0,
+    }
+}

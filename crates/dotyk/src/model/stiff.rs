@@ -1,0 +1,138 @@
+//! What cells make of bodies that bend or keep their volume: linear ones give way too little, and pressures at single nodes
+//! may be none.
+
+use crate::fem::{Analysis, Formulation, INCOMPRESSIBLE, Unseen, unseen};
+use crate::geometry::{Point, dot};
+use crate::mesh::CellKind;
+use crate::model::error::Error;
+use crate::model::nouns::{Body, Model};
+use crate::model::solution::{BodySolution, ContactNode, ContactSolution, Status};
+
+/// Linear cells that lack more of the compliance of their body are told.
+const LACKING: f64 = 0.08;
+
+/// Stresses of the displacements below this part of the total ones, and strains of that part of a motion, are rounding.
+const UNDISTURBED: f64 = 1e-10;
+
+/// From this ratio of Poisson on pressures may differ from cell to cell although displacements are right.
+const KEEPS_VOLUME: f64 = 0.49;
+
+/// Pressures that differ from the stresses beside them by more than this part of them.
+const UNEVEN: f64 = 0.12;
+
+/// A body whose linear cells give way too little.
+///
+/// Errors: a group of cells without a material.
+pub(crate) fn too_stiff<const D: usize>(
+    model: &Model<D>,
+    body: &Body<D>,
+    solved: &BodySolution<D>,
+) -> Result<Option<String>, Error<D>> {
+    if rests(body, solved) {
+        return Ok(None);
+    }
+    let found = unseen(body, model.analysis, &solved.displacement, &solved.strain);
+    let Unseen { part, kind } = found.map_err(|source| Error::in_body(body, source))?;
+    let Some(kind) = kind.filter(|_| part > LACKING) else {
+        return Ok(None);
+    };
+    let poisson = poisson(body);
+    let locks = poisson > INCOMPRESSIBLE && model.analysis != Analysis::PlaneStress;
+    let cause = match kind {
+        _ if locks => {
+            format!("is nearly incompressible (ν = {poisson}), where linear cells lock")
+        }
+        CellKind::Quad4 => "bends, and its linear quadrilaterals cannot".to_string(),
+        CellKind::Hex8 => "bends, and its linear hexahedra cannot".to_string(),
+        _ => "bends, or its linear cells are too large".to_string(),
+    };
+    let cure = match body.formulation {
+        Formulation::Displacement => instead(kind, model.analysis, locks),
+        Formulation::Enhanced if D == 3 => "tet10",
+        Formulation::Enhanced => "tri6",
+    };
+    Ok(Some(format!(
+        "body \"{}\" {cause}: {:.0} % of its energy is in strains of the cells alone, and it gives way too little by about as much: use {cure}",
+        solved.name,
+        100.0 * part
+    )))
+}
+
+/// Cells that bend, or keep their volume, in place of linear ones.
+fn instead(kind: CellKind, analysis: Analysis, locks: bool) -> &'static str {
+    let turns = analysis == Analysis::Axisymmetric;
+    match kind {
+        CellKind::Quad4 if locks && turns => "tri6",
+        CellKind::Quad4 if locks => "tri6, or formulation = \"enhanced\"",
+        CellKind::Quad4 if turns => "quad8 or quad9",
+        CellKind::Quad4 => "quad8 or quad9, or formulation = \"enhanced\"",
+        CellKind::Hex8 if locks => "tet10, or formulation = \"enhanced\"",
+        CellKind::Hex8 => "hex20 or hex27, or formulation = \"enhanced\"",
+        CellKind::Prism6 => "prism15",
+        CellKind::Tet4 => "tet10",
+        _ => "tri6",
+    }
+}
+
+fn poisson<const D: usize>(body: &Body<D>) -> f64 {
+    let ratios = body.materials.iter().map(|m| m.elastic.poisson);
+    ratios.fold(0.0, f64::max)
+}
+
+/// Whether the strains of a body are rounding: in ground that nobody touches, and where it moves as a whole.
+fn rests<const D: usize>(body: &Body<D>, solved: &BodySolution<D>) -> bool {
+    let most = |of: &[f64]| of.iter().fold(0.0, |s: f64, c| s.max(c.abs()));
+    let strain = most(solved.strain.as_flattened());
+    let young = body.materials.iter().map(|m| m.elastic.young);
+    let stiffest = young.fold(0.0, f64::max);
+    let motion = most(solved.displacement.as_flattened());
+    stiffest * strain <= UNDISTURBED * most(solved.stress.as_flattened())
+        || strain * body.mesh.diameter() <= UNDISTURBED * motion
+}
+
+/// A contact of a nearly incompressible body whose pressures are not those of the stresses beside them.
+///
+/// Sums of them are right, as displacements are; where the body is too stiff, that is what is to be said.
+pub(crate) fn uneven_pressures<const D: usize>(
+    model: &Model<D>,
+    contact: &ContactSolution<D>,
+    solved: &BodySolution<D>,
+    enough: usize,
+) -> Option<String> {
+    let body = &model.bodies[contact.nonmortar.body.0];
+    let ratio = poisson(body);
+    if ratio < KEEPS_VOLUME || model.analysis == Analysis::PlaneStress {
+        return None;
+    }
+    let closed = |node: &&ContactNode<D>| node.status != Status::Open && node.pressure > 0.0;
+    let mut count = 0;
+    let (mut all, mut off) = (0.0, 0.0);
+    for node in contact.nodes.iter().filter(closed) {
+        let beside = -along(solved.stress[node.node], node.normal);
+        count += 1;
+        all += node.weight * node.pressure;
+        off += node.weight * (node.pressure - beside).abs();
+    }
+    let turns = model.analysis == Analysis::Axisymmetric;
+    let use_ = match D {
+        3 => "tet10",
+        _ if turns => "smaller tri6",
+        _ => "tri6, or quad4 with formulation = \"enhanced\"",
+    };
+    (count >= enough && off > UNEVEN * all).then(|| {
+        format!(
+            "contact \"{}\": its pressures differ from the stresses of \"{}\" beside them by {:.0} % on average, because the body is nearly incompressible (ν = {ratio}): forces and displacements hold, pressures and stresses at single nodes alternate; use {use_}",
+            contact.name,
+            solved.name,
+            100.0 * off / all
+        )
+    })
+}
+
+/// n·σ·n.
+fn along<const D: usize>(s: [f64; 6], normal: Point<D>) -> f64 {
+    let entry = [[0, 3, 5], [3, 1, 4], [5, 4, 2]];
+    let traction: Point<D> =
+        std::array::from_fn(|i| (0..D).map(|j| s[entry[i][j]] * normal[j]).sum());
+    dot(traction, normal)
+}

@@ -1,0 +1,303 @@
+//! What moves until it stands in something else is no answer, whoever named a contact between the two; what loses equilibrium is
+//! named, with how much of the load is held; and results with a sign are told for the side that is named first.
+
+use dotyk::case::Case;
+use dotyk::model::{Error, Intrusion, Objection, Solution};
+use std::path::Path;
+
+type Answer<const D: usize> = Result<Solution<D>, Box<Objection<D>>>;
+
+fn asked<const D: usize>(answer: Result<Solution<D>, Error<D>>) -> Answer<D> {
+    match answer {
+        Ok(solution) => Ok(solution),
+        Err(Error::NotConverged { reason, .. }) => Err(reason),
+        Err(error) => panic!("{error}"),
+    }
+}
+
+fn solve(text: &str) -> Answer<2> {
+    let case = Case::<2>::from_str(text, "case.toml", Path::new("."));
+    asked(case.unwrap().model.solve())
+}
+
+fn solve_in_space(text: &str) -> Answer<3> {
+    let case = Case::<3>::from_str(text, "case.toml", Path::new("."));
+    asked(case.unwrap().model.solve())
+}
+
+/// What stands in what, where an answer is refused for that and nothing else.
+fn stands<const D: usize>(answer: Answer<D>) -> Intrusion<D> {
+    match answer.map_err(|reason| *reason) {
+        Err(Objection::Violated {
+            certificate,
+            overlap: None,
+            intrusion: Some(found),
+        }) => {
+            let violated = certificate.figures().into_iter();
+            let violated: Vec<_> = violated.filter(|(_, figure)| !figure.holds()).collect();
+            assert_eq!(violated.len(), 1, "{certificate}");
+            assert_eq!(violated[0].0, "overlap");
+            *found
+        }
+        Err(other) => panic!("{other}"),
+        Ok(solution) => panic!("certified:\n{}", solution.certificate),
+    }
+}
+
+/// A block that is moved along a table, which rises to a ramp ahead of it.
+fn ramp(travel: f64, contact: &str) -> String {
+    format!(
+        r#"
+analysis = "plane-strain"
+[[body]]
+name = "table"
+mesh = {{ outline = {{ size = 1, cell = "tri6", from = [-10, -5], edges = [{{ to = [40, -5], name = "bottom" }}, {{ to = [40, 1] }}, {{ to = [15, 1], name = "ramp" }}, {{ to = [12, 0], name = "ramp" }}, {{ to = [-10, 0], name = "top" }}, {{ to = [-10, -5] }}] }} }}
+material = {{ young = 210e3, poisson = 0.3 }}
+fix = [{{ side = "bottom", x = 0, y = 0 }}]
+[[body]]
+name = "block"
+mesh = {{ rectangle = {{ from = [0, 0.1], to = [10, 5], cells = [10, 5], cell = "quad8" }} }}
+material = {{ young = 210e3, poisson = 0.3 }}
+fix = [{{ side = "top", x = {travel}, y = 0 }}]
+{contact}
+"#
+    )
+}
+
+const SOLE: &str = r#"
+[[contact]]
+name = "sole"
+nonmortar = "block.bottom"
+"#;
+
+#[test]
+fn a_block_does_not_travel_through_a_ramp() {
+    let named = format!("{SOLE}mortar = [\"table.top\", \"table.ramp\"]\n");
+    let beside = format!("{SOLE}mortar = \"table.top\"\n");
+    // the ramp is on the contact's side, is on none, and no contact is named at all
+    for (contact, has_contact) in [(&named, true), (&beside, true), (&String::new(), false)] {
+        let found = stands(solve(&ramp(10.0, contact)));
+        // 0.1 above the table, in what is 1 above it; the nearest surface is the top or the slope
+        assert!((0.8..=0.9 + 1e-9).contains(&found.depth), "{found:?}");
+        assert_eq!(
+            (found.body.as_str(), found.other.as_str()),
+            ("block", "table")
+        );
+        assert_eq!(found.named, has_contact);
+        // up to the ramp it stands in nothing
+        let before = solve(&ramp(2.2, contact)).unwrap();
+        assert_eq!(
+            (before.overlap, before.certificate.overlap.value),
+            (None, 0.0)
+        );
+        // and just in it: 0.1 is at 12.3, where the slope begins to rise by 1 in 3
+        let found = stands(solve(&ramp(2.6, contact)));
+        assert!((found.depth - 0.1 / 10f64.sqrt()).abs() < 2e-3, "{found:?}");
+    }
+}
+
+/// Two blocks, one above the other; the upper one is moved down.
+fn two(space: bool, down: f64, shift: f64) -> String {
+    let (analysis, low, high, z) = match space {
+        false => (
+            "plane-strain",
+            "rectangle = { from = [0, 0], to = [2, 1], cells = [4, 2]".to_string(),
+            "rectangle = { from = [0.5, 1.25], to = [1.5, 2], cells = [2, 2]".to_string(),
+            "",
+        ),
+        true => (
+            "3d",
+            "box = { from = [0, 0, 0], to = [2, 1, 2], cells = [4, 2, 4]".to_string(),
+            "box = { from = [0.5, 1.25, 0.5], to = [1.5, 2, 1.5], cells = [2, 2, 2]".to_string(),
+            ", z = 0",
+        ),
+    };
+    format!(
+        r#"
+analysis = "{analysis}"
+[[body]]
+name = "low"
+mesh = {{ {low} }} }}
+material = {{ young = 1e5, poisson = 0.3 }}
+fix = [{{ side = "{}", x = {shift}, y = {shift}{z} }}]
+[[body]]
+name = "high"
+mesh = {{ {high} }} }}
+material = {{ young = 1e5, poisson = 0.3 }}
+fix = [{{ side = "{}", x = {shift}, y = "{shift} - {down}"{z} }}]
+"#,
+        if space { "front" } else { "bottom" },
+        if space { "back" } else { "top" },
+    )
+}
+
+#[test]
+fn bodies_between_which_nobody_named_a_contact_stand_in_each_other() {
+    fn check<const D: usize>(found: Intrusion<D>) {
+        assert!((found.depth - 0.1).abs() < 1e-12, "{found:?}");
+        let mut names = [&found.body[..], &found.other[..]];
+        names.sort_unstable();
+        assert_eq!((names, found.named), (["high", "low"], false));
+    }
+    for shift in [0.0, 100.0] {
+        check(stands(solve(&two(false, 0.35, shift))));
+        check(stands(solve_in_space(&two(true, 0.35, shift))));
+        assert!(solve(&two(false, 0.2, shift)).is_ok());
+        assert!(solve_in_space(&two(true, 0.2, shift)).is_ok());
+    }
+    let refused = solve(&two(false, 0.35, 0.0)).unwrap_err().to_string();
+    for word in [
+        "stands 0.1 deep",
+        "\"high\"",
+        "\"low\"",
+        "no contact is named",
+    ] {
+        assert!(refused.contains(word), "{refused}");
+    }
+}
+
+/// What is drawn in each other and stays so is what was drawn.
+#[test]
+fn an_overlap_that_was_drawn_is_none() {
+    let drawn = two(false, 0.0, 0.0).replace("1.25", "0.9");
+    assert!(solve(&drawn).is_ok());
+    let deeper = two(false, 0.05, 0.0).replace("1.25", "0.9");
+    let found = stands(solve(&deeper));
+    assert!((found.depth - 0.05).abs() < 1e-12, "{found:?}");
+}
+
+/// A force that a study reads keeps its sign, whichever side dotyk lets carry the multipliers.
+#[test]
+fn a_resultant_is_that_on_the_side_that_is_named_first() {
+    let text = |cells: usize, sides: &str| {
+        format!(
+            r#"
+analysis = "plane-strain"
+[[body]]
+name = "lower"
+mesh = {{ rectangle = {{ from = [-1, -1], to = [2, 0], cells = [12, 4] }} }}
+material = {{ young = 2e5, poisson = 0.3 }}
+fix = [{{ side = "bottom", x = 0, y = 0 }}]
+[[body]]
+name = "upper"
+mesh = {{ rectangle = {{ from = [0, 0], to = [1, 1], cells = [{cells}, {cells}] }} }}
+material = {{ young = 2e5, poisson = 0.3 }}
+load = [{{ side = "top", force = [30, -100] }}]
+[[contact]]
+name = "c"
+friction = 0.9
+sides = {sides}
+[[probe]]
+name = "force"
+quantity = "c.resultant.y"
+[[probe]]
+name = "shear"
+quantity = "c.shear.x"
+reduce = "mean"
+"#
+        )
+    };
+    let mut carried = Vec::new();
+    for cells in [2, 8] {
+        for (sides, sign) in [
+            ("[\"upper.bottom\", \"lower.top\"]", 1.0),
+            ("[\"lower.top\", \"upper.bottom\"]", -1.0),
+        ] {
+            let solution = solve(&text(cells, sides)).unwrap();
+            let contact = &solution.contacts[0];
+            assert!((solution.probes[0].value - sign * 100.0).abs() < 1e-8);
+            assert!((contact.resultant[0] + sign * 30.0).abs() < 1e-8);
+            assert!(
+                sign * solution.probes[1].value < 0.0,
+                "{}",
+                solution.probes[1].value
+            );
+            carried.push(contact.nonmortar.side.clone());
+        }
+    }
+    // both sides carry them at some time
+    assert!(carried.contains(&"top".to_string()) && carried.contains(&"bottom".to_string()));
+}
+
+/// Three boxes on an incline of 1 in 2, of which the middle joint is the weakest.
+#[test]
+fn a_stack_slides_where_it_is_weakest() {
+    let boxes: String = (0..3)
+        .map(|k| {
+            format!(
+                "[[body]]\nname = \"b{k}\"\nmesh = {{ rectangle = {{ from = [0, {k}], to = [2, {}], cells = [4, 2] }} }}\nmaterial = {{ young = 1e5, poisson = 0.2 }}\nbody_force = [1, -2]\n",
+                k + 1
+            )
+        })
+        .collect();
+    let stack = |weak: f64| {
+        format!(
+            r#"
+analysis = "plane-strain"
+{boxes}
+[[contact]]
+name = "j0"
+nonmortar = "b0.bottom"
+friction = 0.8
+obstacle = {{ plane = {{ point = [0, 0], normal = [0, 1] }} }}
+[[contact]]
+name = "j1"
+nonmortar = "b1.bottom"
+mortar = "b0.top"
+friction = {weak}
+[[contact]]
+name = "j2"
+nonmortar = "b2.bottom"
+mortar = "b1.top"
+friction = 0.8
+"#
+        )
+    };
+    assert!(solve(&stack(0.55)).is_ok());
+    let refused = *solve(&stack(0.4)).unwrap_err();
+    let Objection::Slides {
+        bodies, held, by, ..
+    } = &refused
+    else {
+        panic!("{refused}");
+    };
+    let mut bodies = bodies.clone();
+    bodies.sort();
+    assert_eq!(bodies, ["b1", "b2"]);
+    assert_eq!(*by, Some("friction"));
+    // μ times the weight over the thrust
+    assert!((held - 0.8).abs() < 1e-6, "{held}");
+}
+
+/// A block that leans over its edge tips: what it stands on holds a part of the load along that motion.
+#[test]
+fn what_tips_is_told_with_the_part_that_is_held() {
+    let leaning = r#"
+analysis = "plane-strain"
+[[body]]
+name = "tower"
+mesh = { rectangle = { from = [0, 0], to = [1, 3], cells = [2, 6] } }
+material = { young = 1e5, poisson = 0.2 }
+body_force = [F, -1]
+[[contact]]
+name = "foot"
+nonmortar = "tower.bottom"
+friction = 2
+obstacle = { plane = { point = [0, 0], normal = [0, 1] } }
+"#;
+    // tips about its edge where the thrust is a third of the weight
+    assert!(solve(&leaning.replace('F', "0.3")).is_ok());
+    let refused = *solve(&leaning.replace('F', "0.4")).unwrap_err();
+    let Objection::Slides {
+        bodies, held, by, ..
+    } = &refused
+    else {
+        panic!("{refused}");
+    };
+    assert_eq!((&bodies[..], *by), (&["tower".to_string()][..], None));
+    assert!((0.1..1.0).contains(held), "{held}");
+    let told = refused.to_string();
+    for word in ["loss of equilibrium", "tips", "rotation", "holds"] {
+        assert!(told.contains(word), "{told}");
+    }
+}
