@@ -45,7 +45,8 @@ def pair(point):
 def plate(name, low, high, inner, extra):
     """Cells of 0.25 along the plate; `inner` faces the discs and has a patch of two cells opposite each of them."""
     lying = inner in ("top", "bottom")
-    cells = [80, 3] if lying else [3, 80]
+    along = round((high[0] - low[0] if lying else high[1] - low[1]) / 0.25)
+    cells = [along, 3] if lying else [3, along]
     level = {"top": high[1], "bottom": low[1], "right": high[0], "left": low[0]}[inner]
     patches = []
     for k in range(10):
@@ -81,10 +82,10 @@ def square(n=10):
             text += disc(f"disc_{i}_{j}", (2 * i + 1, 2 * j + 1), quarter)
     rollers_x = '{ side = "left", x = 0.0 }, { side = "right", x = 0.0 }'
     rollers_y = '{ side = "bottom", y = 0.0 }, { side = "top", y = 0.0 }'
-    load = f'pressure = {PRESSURE} }}]'
     fix = "fix      = ["
-    # the two would meet at the corner: both are a cell beside the discs
-    low, high = -0.25, size - 0.25
+    # the two would meet at the corner: both end a cell before it, and with the same force
+    low, high = 0.25, size - 0.25
+    load = f'pressure = "{PRESSURE} * {size} / {high - low}" }}]'
     text += plate("lid", (low, size), (high, size + 2), "bottom", f'{fix}{rollers_x}]\nload     = [{{ side = "top", {load}')
     text += plate("press", (size, low), (size + 2, high), "left", f'{fix}{rollers_y}]\nload     = [{{ side = "right", {load}')
     for k in range(n):

@@ -198,11 +198,16 @@ fn mesh<K: Cell, const D: usize>(mesh: &dotyk::mesh::Mesh<D>) -> Mesh<D, K> {
 }
 
 fn step<const D: usize>(solution: &Solution<D>) -> Step<D> {
-    let contact = |contact: &dotyk::model::ContactSolution<D>| raw::Contact {
-        nonmortar: (contact.nonmortar.body.0, contact.nonmortar.side.clone()),
-        rows: contact.nodes.iter().map(row).collect(),
-        resultant: contact.resultant,
-        moment: contact.moment,
+    let contact = |contact: &dotyk::model::ContactSolution<D>| {
+        // told for the side that is named first, rows are those of the other one where that carries the forces
+        let turned = contact.first != contact.nonmortar;
+        let sign = if turned { -1.0 } else { 1.0 };
+        raw::Contact {
+            nonmortar: (contact.nonmortar.body.0, contact.nonmortar.side.clone()),
+            rows: contact.nodes.iter().map(row).collect(),
+            resultant: contact.resultant.map(|f| sign * f),
+            moment: contact.moment.map(|m| sign * m),
+        }
     };
     Step {
         time: solution.time,

@@ -153,6 +153,23 @@ impl Feasibility {
         })
     }
 
+    /// Whether a motion (r,) turns about something that it goes on to touch: the first row of a block keeps its gap although
+    /// parts of the motion, which cancel, would change it.
+    pub fn leans(admissible: &AdmissibleSet, balance: &Balance, motion: &[f64]) -> bool {
+        let rates = admissible.iter().filter_map(|(_, range)| {
+            let column = balance.modes().column(range.start);
+            let parts = column
+                .entries()
+                .map(|(mode, part)| (part * motion[mode]).abs());
+            (!range.is_empty()).then(|| (column.dot(motion).abs(), parts.sum::<f64>()))
+        });
+        let rates: Vec<(f64, f64)> = rates.collect();
+        let largest = rates.iter().fold(0.0, |s: f64, (_, parts)| s.max(*parts));
+        let keeps =
+            |&(rate, parts): &(f64, f64)| rate <= NO_SLIP * parts && parts > NO_SLIP * largest;
+        rates.iter().any(keeps)
+    }
+
     /// Largest s in [0, 1] for which some admissible force balances e₀ + s(e − e₀), e₀ = `before` (r,) the load of the
     /// step before and e that of `balance`: where within the step equilibrium is lost. 1: nowhere.
     ///

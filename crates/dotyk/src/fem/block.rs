@@ -58,7 +58,7 @@ impl<'a, const D: usize> Cells<'a, D> {
 
     /// Image of point q, gradients there and its volume, with thickness or 2πr, for a cell whose nodes lie at `at(local)`.
     ///
-    /// With axial symmetry the gradients of the modes are those of the plane times r₀/r, r₀ at the centre, so that a constant
+    /// With axial symmetry the gradients of the modes are those of the plane less their mean over the ring, so that a constant
     /// stress does no work on them there either; they have no hoop strain.
     fn map(
         &self,
@@ -68,9 +68,17 @@ impl<'a, const D: usize> Cells<'a, D> {
         let (point, mut gradients, volume) = self.table.map(q, &at);
         let nodes = self.table.shape(q).len();
         if self.analysis == Analysis::Axisymmetric && self.table.count() > nodes {
-            let centre = (0..nodes).map(|a| at(a)[0]).sum::<f64>() / nodes as f64;
-            for gradient in &mut gradients[nodes..self.table.count()] {
-                *gradient = gradient.map(|c| c * centre / point[0]);
+            let (mut sums, mut ring) = ([[0.0; D]; D], 0.0);
+            for q in 0..self.table.len() {
+                let (point, slopes, volume) = self.table.map(q, &at);
+                let weight = volume * point[0];
+                ring += weight;
+                for (sum, slope) in sums.iter_mut().zip(&slopes[nodes..]) {
+                    *sum = add_scaled(*sum, weight, *slope);
+                }
+            }
+            for (slope, sum) in gradients[nodes..].iter_mut().zip(&sums) {
+                *slope = add_scaled(*slope, -1.0 / ring, *sum);
             }
         }
         let measure = measure(self.analysis, self.body.thickness, point);

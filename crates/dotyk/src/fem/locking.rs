@@ -9,7 +9,7 @@
 //!
 //! * M, quadrilaterals and hexahedra: what incompatible modes would release at the same u ([`crate::fem::enhanced`]). Zero
 //!   under constant stress; close to E where a thin body bends with one cell through its thickness.
-//! * J, simplices, prisms and cells that have their modes: the energy of the difference between the strain of the cells and
+//! * J, simplices and prisms: the energy of the difference between the strain of the cells and
 //!   the continuous one recovered at the nodes of the same material, what Zienkiewicz and Zhu take for the error (Int. J.
 //!   Numer. Methods Eng. 24 (1987) 337–357). Where that and the energy of the recovered strain are more than the energy of
 //!   the cells, E in the first fraction is their sum.
@@ -73,7 +73,7 @@ pub(crate) fn unseen<const D: usize>(
             if found.jumps > 0.0 {
                 excess += (found.jumps + found.smooth - found.all).max(0.0);
             }
-            if block.kind.order() == 1 && unseen >= most.0 {
+            if unseen > most.0 {
                 most = (unseen, Some(block.kind));
             }
         }
@@ -144,6 +144,11 @@ impl<'a, const D: usize> Part<'a, D> {
         has_modes(kind) && self.body.formulation == Formulation::Displacement
     }
 
+    /// Whether cells of a kind are judged by what differs from cell to cell.
+    fn has_jumps(kind: CellKind) -> bool {
+        kind.order() == 1 && !has_modes(kind)
+    }
+
     fn cells(&self, block: &CellBlock, formulation: Formulation) -> Result<Cells<'a, D>, FemError> {
         Cells::new(self.body, block, self.analysis, formulation)
     }
@@ -161,7 +166,7 @@ impl<'a, const D: usize> Part<'a, D> {
     fn energies(&self, block: &CellBlock) -> Result<Energies, FemError> {
         let own = self.cells(block, self.body.formulation)?;
         let lacking = self.lacks_modes(block.kind);
-        let jumps = block.kind.order() == 1 && !lacking;
+        let jumps = Self::has_jumps(block.kind);
         let stride = block.cells().len().div_ceil(LOOKED_AT).max(1);
         let mut sums = Energies::default();
         for cell in block.cells().step_by(stride) {
@@ -196,7 +201,7 @@ impl<'a, const D: usize> Part<'a, D> {
     /// The energy that pressures which jump from cell to cell hold back.
     fn freed(&self) -> Result<f64, FemError> {
         let keeps = self.elastic.poisson > INCOMPRESSIBLE && self.analysis != Analysis::PlaneStress;
-        let jumping = |block: &&CellBlock| block.kind.order() == 1 && !self.lacks_modes(block.kind);
+        let jumping = |block: &&CellBlock| Self::has_jumps(block.kind);
         let blocks: Vec<&CellBlock> = self.blocks().filter(jumping).collect();
         if !keeps || blocks.is_empty() {
             return Ok(0.0);
@@ -204,11 +209,10 @@ impl<'a, const D: usize> Part<'a, D> {
         let mut force = vec![[0.0; D]; self.displacement.len()];
         let mut stiffness = force.clone();
         for block in &blocks {
-            let own = self.cells(block, self.body.formulation)?;
+            let own = self.cells(block, Formulation::Displacement)?;
             for cell in block.cells() {
-                let modes = own.modes(cell, self.displacement);
                 for q in 0..own.table.len() {
-                    let here = own.deformation(q, (cell, &modes), self.displacement);
+                    let here = own.deformation(q, (cell, &[]), self.displacement);
                     let shape = own.table.shape(q);
                     let smooth = trace(self.recovered(cell, shape));
                     let own_trace = trace(own.lame.strain(here.gradient, here.hoop));
@@ -295,7 +299,15 @@ fn released_by<'m, const D: usize>(
     let mut matrix = vec![0.0; size * size];
     let of_cell = |cell: &[u32]| {
         free.stiffness(cell, &mut matrix);
-        released(&matrix, size, &relative(cell, displacement))
+        // around an axis a radial motion is a strain
+        let motion = match free.analysis {
+            Analysis::Axisymmetric => cell
+                .iter()
+                .flat_map(|&n| displacement[n as usize])
+                .collect(),
+            _ => relative(cell, displacement),
+        };
+        released(&matrix, size, &motion)
     };
     cells.map(of_cell).sum()
 }

@@ -169,6 +169,8 @@ pub struct History<const D: usize> {
     pub(crate) sprung: BTreeMap<usize, Arc<[Point<D>]>>,
     /// Sides that contacts of some stage touch.
     pub(crate) touched: BTreeSet<String>,
+    /// Other bodies, by their places, with the name of a contact that is not there.
+    pub(crate) waits: BTreeMap<usize, String>,
     /// Forces (nodes,) of bodies that have gone, each with what is left of it at a time.
     pub(crate) released: Vec<(Arc<[Point<D>]>, Field)>,
 }

@@ -39,9 +39,10 @@ pub(crate) fn beyond<const D: usize>(
     bodies: &[BodySolution<D>],
     contacts: &[ContactSolution<D>],
 ) -> Result<Vec<String>, Error<D>> {
+    let all: f64 = bodies.iter().map(|solved| solved.strain_energy).sum();
     let each = model.bodies.par_iter().zip(bodies);
     let each = each.map(|(body, solved)| {
-        let stiff = too_stiff(model, body, solved)?;
+        let stiff = too_stiff(model, body, solved, all)?;
         Ok((large(model, body, solved)?, stiff))
     });
     let told: Vec<(Vec<String>, Option<String>)> = each.collect::<Result<_, Error<D>>>()?;
@@ -57,7 +58,7 @@ pub(crate) fn beyond<const D: usize>(
     warnings.extend(loose.iter().filter_map(|contact| far_slip(model, contact)));
     let uneven = loose.iter().filter_map(|contact| {
         let body = contact.nonmortar.body.0;
-        let enough = FEW.pow(D as u32 - 1);
+        let enough = FEW * (D - 1);
         let holds = told[body].1.is_none();
         holds.then(|| uneven_pressures(model, contact, &bodies[body], enough))?
     });

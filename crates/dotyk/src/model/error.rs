@@ -500,8 +500,8 @@ impl<const D: usize> fmt::Display for Objection<D> {
                 let (does, by) = match (by, alone) {
                     (Some(by), true) => ("slides", *by),
                     (Some(by), false) => ("slide", *by),
-                    (None, true) => ("tips or parts", "what it touches"),
-                    (None, false) => ("tip or part", "what they touch"),
+                    (None, true) => ("tips", "what it touches"),
+                    (None, false) => ("tip", "what they touch"),
                 };
                 write!(
                     f,

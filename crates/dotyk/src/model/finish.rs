@@ -71,6 +71,7 @@ pub(crate) fn finish<const D: usize>(
             show(point)
         ));
     }
+    warnings.extend(judged.remarks.iter().cloned());
     for (contact, point, depth) in held_to_overlap(model, condensed, &judged.displaced) {
         warnings.push(format!(
             "contact \"{}\": supports hold nodes of its nonmortar side up to {} deep in the other side, at {}: such nodes have no condition, and the forces beside them are too small; swap nonmortar and mortar, or support other nodes",

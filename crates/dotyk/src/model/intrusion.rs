@@ -18,11 +18,12 @@
 //!
 //! The first and the last but one hold at the sides of contacts alone. The third is of second order in the displacements, as the
 //! theory is of first: a body that travels without a strain gets none of it. What lay deeper than it has moved since was drawn
-//! so. Where a gap is given, what the meshes do beside the sides says nothing. An obstacle is there for the side that its contact
-//! names, and no other: a plane may stand for a punch.
+//! so. What lies beside excluded nodes is told by a warning of its own, as is what a contact would hold that is not there. Where a gap is given, what the meshes do beside the sides says
+//! nothing. An obstacle is there for the side that its contact names, and no other: a plane may stand for a punch.
 
-use crate::contact::{Moved, Rigid};
+use crate::contact::{Moved, Rigid, Role};
 use crate::dual::{BETWEEN_LIMIT, Figure, ROUNDING};
+use crate::fem::{Short, show};
 use crate::geometry::{Point, Surface, add_scaled, bounding_box, distance, dot, norm, sub};
 use crate::mesh::Skin;
 use crate::model::between::resolved;
@@ -32,7 +33,7 @@ use crate::model::nouns::{Contact, Gap, Model, Pair};
 use crate::model::pair::{Paired, row_ranges};
 use rayon::prelude::*;
 use std::borrow::Cow;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::sync::OnceLock;
 
 /// Overlaps below this part of the motion are nothing to be told of.
@@ -64,13 +65,35 @@ pub struct Intrusion<const D: usize> {
     pub allowed: f64,
     /// A contact between the two is named.
     pub named: bool,
+    /// Such a contact, where it is not there yet, or no more: who said so is told, and no more.
+    pub waits: Option<String>,
 }
 
 impl<const D: usize> Intrusion<D> {
+    /// The worst of those that no contact explains by its absence.
+    pub(crate) fn worst(found: &[Self]) -> Option<Self> {
+        let judged = found.iter().filter(|found| found.waits.is_none());
+        judged.cloned().reduce(Self::worse)
+    }
+
     /// The figure of the certificate; none of them is none.
     pub(crate) fn figure(found: Option<&Self>) -> Figure {
         let (depth, allowed) = found.map_or((0.0, 0.0), |found| (found.depth, found.allowed));
         Figure::new(depth, allowed, 1.0)
+    }
+
+    /// What is told of two bodies whose contact is not there.
+    pub(crate) fn remark(&self) -> Option<String> {
+        let contact = self.waits.as_ref()?;
+        (self.ratio() > 1.0).then(|| {
+            format!(
+                "body \"{}\" stands {} deep in {} at {}: contact \"{contact}\" between them is not active now",
+                self.body,
+                Short(self.depth),
+                self.what(),
+                show(self.point)
+            )
+        })
     }
 
     /// What it stands in, in words.
@@ -107,13 +130,13 @@ impl<const D: usize> Skins<D> {
     }
 }
 
-/// The worst intrusion under the forces `lambda` (m,), in parts of what is allowed.
-pub(crate) fn intrusion<const D: usize>(
+/// The worst intrusions, of each body in each other one and in each obstacle, under the forces `lambda` (m,).
+pub(crate) fn intrusions<const D: usize>(
     model: &Model<D>,
     condensed: &Condensed<D>,
     displaced: &Displaced<D>,
     lambda: &[f64],
-) -> Option<Intrusion<D>> {
+) -> Vec<Intrusion<D>> {
     let skins = condensed.skins.of(model);
     let contacts = model.contacts.iter().zip(row_ranges(&condensed.paired));
     let known = contacts.map(|(contact, (rows, pair))| {
@@ -128,17 +151,17 @@ pub(crate) fn intrusion<const D: usize>(
     let pairs = (0..count).flat_map(|a| (0..count).map(move |b| (a, b)));
     let near = |&(a, b): &(usize, usize)| a != b && bodies[a].meets(&bodies[b]);
     let pairs: Vec<(usize, usize)> = pairs.filter(near).collect();
-    let between = pairs
-        .into_par_iter()
-        .filter_map(|pair| in_body(&bodies, &known, pair));
+    let waits = |of: usize, other: usize| model.bodies[of].history.waits.get(&other);
+    let between = pairs.into_par_iter().filter_map(|(a, b)| {
+        let found = in_body(&bodies, &known, (a, b))?;
+        let waits = waits(a, b).filter(|_| !found.named).cloned();
+        Some(Intrusion { waits, ..found })
+    });
     let deepest: Vec<Intrusion<D>> = between.collect();
     let obstacles = model.contacts.iter().zip(&known);
     let obstacles = obstacles
         .filter_map(|(contact, own)| in_obstacle(&contact.pair, own, &bodies[own.bodies.0]));
-    deepest
-        .into_iter()
-        .chain(obstacles)
-        .reduce(Intrusion::worse)
+    deepest.into_iter().chain(obstacles).collect()
 }
 
 /// A contact, and what its meshes resolve.
@@ -149,6 +172,8 @@ struct Named<'a, const D: usize> {
     resolved: BTreeMap<usize, f64>,
     /// The largest clearance, where it is given beside what the meshes show.
     given: Option<f64>,
+    /// Nodes of the nonmortar side that are excluded, and those beside them: what overlaps there is told apart.
+    out: BTreeSet<usize>,
 }
 
 impl<'a, const D: usize> Named<'a, D> {
@@ -158,8 +183,15 @@ impl<'a, const D: usize> Named<'a, D> {
             Some(Gap::Given(_)) => Some(clearances.fold(0.0, f64::max)),
             _ => None,
         };
+        let nodes = pair.interface.nodes.iter();
+        let out = nodes.filter(|node| node.role == Role::Excluded);
+        let beside = pair.left_out.iter().flat_map(|sample| &sample.at.own);
+        let out = out
+            .map(|node| node.node)
+            .chain(beside.map(|(node, _)| *node));
         Self {
             name: &contact.name,
+            out: out.collect(),
             bodies: (
                 pair.nonmortar.body.0,
                 pair.mortar.as_ref().map(|side| side.body.0),
@@ -174,6 +206,15 @@ impl<'a, const D: usize> Named<'a, D> {
     fn allows(&self, node: u32) -> Option<f64> {
         let resolved = self.resolved.get(&(node as usize))?;
         Some(BETWEEN_LIMIT * resolved + self.given.unwrap_or(0.0))
+    }
+
+    /// A node of body `of`, next to nodes of the other one, lies where a part of the side is excluded.
+    fn leaves_out<const N: usize>(&self, of: usize, node: u32, near: [u32; N]) -> bool {
+        let out = |node: u32| self.out.contains(&(node as usize));
+        match self.bodies.0 == of {
+            true => out(node),
+            false => near.into_iter().any(out),
+        }
     }
 }
 
@@ -293,6 +334,9 @@ fn in_body<const D: usize>(
     let undeformed = other.skin.at(other.first, (low, high));
     let found = deep.into_iter().filter_map(|(node, depth, near)| {
         let at = node as usize;
+        if between.iter().any(|c| c.leaves_out(a, node, near)) {
+            return None;
+        }
         let (drawn, _) = undeformed.depth(own.first[at])?;
         let beside = near.map(|node| sub(own.moved[at], other.moved[node as usize]));
         let motion = beside.into_iter().map(norm).fold(0.0, f64::max);
@@ -327,6 +371,7 @@ fn in_body<const D: usize>(
             depth: grown,
             allowed,
             named: !between.is_empty(),
+            waits: None,
         })
     });
     found.reduce(Intrusion::worse)
@@ -383,6 +428,7 @@ fn in_obstacle<const D: usize>(
             depth: grown,
             allowed,
             named: true,
+            waits: None,
         })
     });
     found.reduce(Intrusion::worse)

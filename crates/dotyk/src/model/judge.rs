@@ -13,7 +13,7 @@ use crate::model::bodies::{LoadedBody, add_rows};
 use crate::model::condense::Condensed;
 use crate::model::domains::domains;
 use crate::model::error::Error;
-use crate::model::intrusion::{Intrusion, intrusion};
+use crate::model::intrusion::{Intrusion, intrusions};
 use crate::model::links::part_balance;
 use crate::model::nouns::{BodyId, Model};
 use crate::model::pair::{Fit, Paired, row_ranges};
@@ -50,6 +50,8 @@ pub(crate) struct Judged<const D: usize> {
     pub overlap: Option<Overlap<D>>,
     /// Where a body stands in what it should not, if that was looked for.
     pub intrusion: Option<Intrusion<D>>,
+    /// What is to be told of bodies whose contact is not there.
+    pub remarks: Vec<String>,
 }
 
 impl<const D: usize> Judged<D> {
@@ -61,7 +63,9 @@ impl<const D: usize> Judged<D> {
         condensed: &Condensed<D>,
         lambda: &[f64],
     ) {
-        self.intrusion = intrusion(model, condensed, &self.displaced, lambda);
+        let found = intrusions(model, condensed, &self.displaced, lambda);
+        self.intrusion = Intrusion::worst(&found);
+        self.remarks = found.iter().filter_map(Intrusion::remark).collect();
         self.certificate.overlap = Intrusion::figure(self.intrusion.as_ref());
     }
 }
@@ -148,6 +152,7 @@ fn judge_placed<const D: usize>(
         certificate,
         overlap,
         intrusion: None,
+        remarks: Vec::new(),
     })
 }
 

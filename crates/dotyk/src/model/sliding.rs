@@ -1,9 +1,9 @@
 //! Loss of equilibrium: a load that no friction can hold is an answer, which names body, motion and load factor.
 //!
 //! The load is infeasible: no forces within the friction cones balance it. If unlimited friction could, the body slides; if
-//! not, it tips or parts from what it touches, under more of the load than this can hold. A load of which nothing is held pulls
-//! the body away from everything that could hold it: an error of the model. The load may be feasible and
-//! slide all the same, where the normal forces that would bear it are not those that elasticity gives.
+//! not, it tips about what it goes on to touch, somewhere between the load of the step before and that of this one; else the load
+//! pulls it away from everything that could hold it: an error of the model. The load may be feasible and slide all the same,
+//! where the normal forces that would bear it are not those that elasticity gives.
 
 use crate::dual::{AdmissibleSet, Feasibility};
 use crate::model::bodies::LoadedBody;
@@ -12,7 +12,7 @@ use crate::model::error::{Error, Objection};
 use crate::model::floating::Floating;
 use crate::model::nouns::{Law, Model};
 
-/// A load of which no more than this part is held is held by nothing.
+/// A change of load of which no more than this part is held is held by nothing.
 const NOTHING: f64 = 1e-6;
 
 /// What gives way under a load that is infeasible along `direction` (r,), of which friction holds the part `factor`; `step` are
@@ -25,21 +25,23 @@ pub(crate) fn sliding<const D: usize>(
     (direction, factor): (&[f64], Option<f64>),
     step: Option<([f64; 2], &[f64])>,
 ) -> Result<Objection<D>, Error<D>> {
-    let slides = factor.is_some();
-    let part = || Feasibility::part_along(admissible, &floating.balance, direction, 0.0);
-    let held = factor.unwrap_or_else(part);
-    if !slides && held <= NOTHING {
+    let balance = &floating.balance;
+    let of_step = step.map(|(times, before)| {
+        let part = Feasibility::fraction(admissible, balance, before);
+        (part, times)
+    });
+    let leans = || Feasibility::leans(admissible, balance, direction);
+    let of_step = of_step.filter(|(part, _)| factor.is_some() || *part > NOTHING && leans());
+    let Some(held) = of_step.map(|(part, _)| part).or(factor) else {
         return Err(floating.pulled_away(model, bodies, direction));
-    }
+    };
     let (bodies, motion) = floating.motion(model, bodies, direction);
-    let part =
-        |(_, before): (_, &[f64])| Feasibility::fraction(admissible, &floating.balance, before);
     Ok(Objection::Slides {
         bodies,
         motion,
-        by: if slides { Some(gives_way(model)) } else { None },
-        held: step.map_or(held, part),
-        step: step.map(|(times, _)| times),
+        by: factor.map(|_| gives_way(model)),
+        held,
+        step: of_step.map(|(_, times)| times),
     })
 }
 

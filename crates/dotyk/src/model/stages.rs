@@ -159,6 +159,20 @@ impl<const D: usize> Model<D> {
                 side: side.side.clone(),
             })
         };
+        let absent = self.contacts.iter().zip(&there.contacts);
+        let absent = absent.filter_map(|(contact, there)| (!there).then_some(contact));
+        let absent: Vec<&Contact<D>> = absent.collect();
+        let waits = |index: usize, contact: &Contact<D>| {
+            let [a, b] = contact.pair.sides()[..] else {
+                return None;
+            };
+            let other = match (a.body.0 == index, b.body.0 == index) {
+                (true, false) => b.body.0,
+                (false, true) => a.body.0,
+                _ => return None,
+            };
+            Some((bodies[other]?, contact.name.clone()))
+        };
         let body = |(index, body): (usize, &Body<D>)| {
             let supports = kept(&body.supports, &there.supports[index]);
             let springs = kept(&body.springs, &there.springs[index]);
@@ -172,6 +186,10 @@ impl<const D: usize> Model<D> {
                 springs: springs.cloned().collect(),
                 history: History {
                     touched: own.map(|side| side.side.clone()).collect(),
+                    waits: absent
+                        .iter()
+                        .filter_map(|&contact| waits(index, contact))
+                        .collect(),
                     ..History::default()
                 },
                 ..body.clone()
@@ -391,6 +409,7 @@ impl<const D: usize> Track<D> {
                 sprung: among(&history.sprung, springs),
                 released: history.released.clone(),
                 touched: take(&mut body.history.touched),
+                waits: take(&mut body.history.waits),
             };
         }
         Cow::Owned(stage)

@@ -1,7 +1,7 @@
 //! What cells make of bodies that bend or keep their volume: linear ones give way too little, and pressures at single nodes
 //! may be none.
 
-use crate::fem::{Analysis, Formulation, INCOMPRESSIBLE, Unseen, unseen};
+use crate::fem::{Analysis, INCOMPRESSIBLE, Unseen, unseen};
 use crate::geometry::{Point, dot};
 use crate::mesh::CellKind;
 use crate::model::error::Error;
@@ -14,21 +14,25 @@ const LACKING: f64 = 0.08;
 /// Stresses of the displacements below this part of the total ones, and strains of that part of a motion, are rounding.
 const UNDISTURBED: f64 = 1e-10;
 
+/// A body with less than this part of the energy of all is only breathed at.
+const NEGLIGIBLE: f64 = 1e-6;
+
 /// From this ratio of Poisson on pressures may differ from cell to cell although displacements are right.
 const KEEPS_VOLUME: f64 = 0.49;
 
 /// Pressures that differ from the stresses beside them by more than this part of them.
 const UNEVEN: f64 = 0.12;
 
-/// A body whose linear cells give way too little.
+/// A body whose linear cells give way too little; `all` is the strain energy of all bodies.
 ///
 /// Errors: a group of cells without a material.
 pub(crate) fn too_stiff<const D: usize>(
     model: &Model<D>,
     body: &Body<D>,
     solved: &BodySolution<D>,
+    all: f64,
 ) -> Result<Option<String>, Error<D>> {
-    if rests(body, solved) {
+    if solved.strain_energy <= NEGLIGIBLE * all || rests(body, solved) {
         return Ok(None);
     }
     let found = unseen(body, model.analysis, &solved.displacement, &solved.strain);
@@ -46,13 +50,12 @@ pub(crate) fn too_stiff<const D: usize>(
         CellKind::Hex8 => "bends, and its linear hexahedra cannot".to_string(),
         _ => "bends, or its linear cells are too large".to_string(),
     };
-    let cure = match body.formulation {
-        Formulation::Displacement => instead(kind, model.analysis, locks),
-        Formulation::Enhanced if D == 3 => "tet10",
-        Formulation::Enhanced => "tri6",
-    };
+    let cure = instead(kind, model.analysis, locks);
+    // around an axis the volume also resists by the hoop strain, which no mode lets go
+    let turns = model.analysis == Analysis::Axisymmetric;
+    let least = if locks && turns { "at least" } else { "about" };
     Ok(Some(format!(
-        "body \"{}\" {cause}: {:.0} % of its energy is in strains of the cells alone, and it gives way too little by about as much: use {cure}",
+        "body \"{}\" {cause}: {:.0} % of its energy is in strains of the cells alone, and it gives way too little by {least} as much: use {cure}",
         solved.name,
         100.0 * part
     )))
