@@ -14,7 +14,7 @@
 //! | penetration | gap ≥ 0 at nodes with conditions of their own, at all nodes and points of straight linear sides | 1e-6 of the largest displacement |
 //! | overlap | gap ≥ 0 elsewhere, between nodes and for integrated conditions | what the mesh resolves, see [`resolution`], and half of what the gap varies on a facet and its neighbours |
 //! | jump | both components of the jump of a tie | like penetration and overlap |
-//! | tension | pressures ≥ 0; nodal forces push | 1e-7 of the force scale; on the other side of integrated conditions twice the largest push, since biorthogonal functions change sign |
+//! | tension | pressures ≥ 0; nodal forces push | 1e-7 of the force scale; on the other side of integrated conditions twice the largest push (force, with friction), since biorthogonal functions change sign |
 //! | open force | no pressure where the gap is open | like penetration and overlap |
 //! | shear | \|shear\| ≤ bound | 1e-6 of the force scale |
 //! | stuck slip | below its bound a node does not slip in this step | like penetration and overlap |

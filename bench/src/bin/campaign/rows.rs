@@ -275,10 +275,12 @@ fn check_pushes(judgement: &mut Judgement, view: &View<'_>) {
                 + (0.5 * curve.turn + f64::from(u8::from(touch.contact.law.rough())) * curve.turn)
                     * length(force)
         } else {
-            let around = curve
-                .around
-                .keys()
-                .map(|&n| -dot(view.state.rest[body][n], normal));
+            // the functions of shears change sign, too, and what is a shear there is a push here
+            let rough = touch.contact.law.rough();
+            let around = curve.around.keys().map(|&n| match rough {
+                true => length(view.state.rest[body][n]),
+                false => -dot(view.state.rest[body][n], normal),
+            });
             limit + 2.0 * around.fold(0.0, f64::max)
         };
         judgement.compare("tension", dot(force, normal), allowed, || {

@@ -23,13 +23,21 @@ const VISIBLE: f64 = 0.02;
 /// Sides whose edges differ by less than this factor are equally fine.
 const ALIKE: f64 = 1.05;
 
+/// Sides whose edges differ by less than this factor differ by rounding: of these it is the one that is named first, however the
+/// model is turned.
+const SAME: f64 = 1.0 + 1e-9;
+
 /// Index of the side that carries the multipliers: that of the more compliant body; within a factor 10 the finer one, unless
 /// that would show the straight facets of the other. A side that supports hold altogether cannot carry them.
 pub(crate) fn chosen<const D: usize>(ends: [End<'_, D>; 2]) -> Result<usize, ContactError> {
     let stiff = ends.map(stiffness);
     let held = [held(ends[0])?, held(ends[1])?];
     let edge = [mean_edge(ends[0])?, mean_edge(ends[1])?];
-    let (fine, coarse) = if edge[0] <= edge[1] { (0, 1) } else { (1, 0) };
+    let (fine, coarse) = if edge[0] <= SAME * edge[1] {
+        (0, 1)
+    } else {
+        (1, 0)
+    };
     if held[0] != held[1] {
         return Ok(usize::from(held[0]));
     }
