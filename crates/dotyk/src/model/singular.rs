@@ -542,14 +542,7 @@ fn is_felt<const D: usize>(
     (node, force): (usize, Point<D>),
 ) -> bool {
     let mesh = &body.mesh;
-    let mut size: f64 = 0.0;
-    for (index, block) in mesh.blocks().iter().enumerate() {
-        for (cell, nodes) in block.cells().enumerate() {
-            if nodes.contains(&(node as u32)) {
-                size = size.max(mesh.longest_edge(index, cell));
-            }
-        }
-    }
+    let size = mesh.longest_edge_at(node);
     let depth = match D {
         2 => measure(model.analysis, body.thickness, mesh.points()[node]),
         _ => size,

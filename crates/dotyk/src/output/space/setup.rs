@@ -15,7 +15,6 @@ use crate::output::space::skin::{Look, Skin};
 use crate::output::svg::{
     ALARM, INK, LOAD, MUTED, Pixel, SERIES, SUPPORT, Svg, TINTS, Type, segments,
 };
-use crate::output::symbols::nearest;
 use crate::output::text::{Labels, count, number, quantity};
 use rayon::prelude::*;
 use std::collections::BTreeSet;
@@ -252,12 +251,11 @@ impl Sheet<'_> {
             let marks = match &support.place {
                 Place::Side(side) => seen(&body.mesh, scene.side(index, side), window, self.canvas),
                 Place::Point(target) => {
-                    let node = nearest(body.mesh.points(), *target);
-                    let here = node.map(|&point| Mark {
-                        point,
+                    let node = body.mesh.nearest_node(*target);
+                    vec![Mark {
+                        point: body.mesh.points()[node],
                         normal: [0.0, 0.0, -1.0],
-                    });
-                    here.into_iter().collect()
+                    }]
                 }
             };
             for mark in &marks {
@@ -289,9 +287,7 @@ impl Sheet<'_> {
         for load in &body.loads {
             match load.place() {
                 Place::Point(target) => {
-                    let Some(&point) = nearest(body.mesh.points(), target) else {
-                        continue;
-                    };
+                    let point = body.mesh.points()[body.mesh.nearest_node(target)];
                     self.force(point, load.at(point, [0.0; 3], time));
                 }
                 Place::Side(side) => {
