@@ -2,7 +2,7 @@
 
 use crate::geometry::{Field, Point, norm, unit};
 use crate::mesh::Mesh;
-use crate::model::{Amount, Couple, Load, Pair, Place};
+use crate::model::{Amount, Borders, Couple, Load, Pair, Place};
 use crate::output::html;
 use crate::output::points::couples;
 use crate::output::scene::WIDTH;
@@ -139,6 +139,7 @@ fn obstacle(canvas: &mut Canvas, scene: &Scene<'_>, window: &Window, pair: &Pair
     let look = Look {
         places,
         values: Vec::new(),
+        borders: Borders::default(),
     };
     let skin = Skin::new(mesh, facets.to_vec());
     skin.outline(canvas, window, &look, [None, Some(1)]);
