@@ -33,7 +33,7 @@ pub fn recover_stress<const D: usize>(
         Ok(sum(lame.stress(here.gradient, here.hoop), less))
     };
     let borders = Borders::of(body)?;
-    let mut stress = recover(body, analysis, displacement, local, &borders)?;
+    let mut stress = recover(body, analysis, (displacement, time), local, &borders)?;
     if body.initial.stress.is_some() {
         for (stress, node) in stress.iter_mut().zip(borders.nodes()) {
             let point = body.mesh.points()[node];
@@ -49,28 +49,31 @@ fn sum(a: [f64; 6], b: [f64; 6]) -> [f64; 6] {
 
 /// Recovered strain (xx yy zz xy yz xz, tensor components) at every place, as [`recover_stress`].
 ///
-/// Errors: a group of cells without a material.
+/// Errors: a group of cells without a material; an initial strain that is not finite.
 pub fn recover_strain<const D: usize>(
     body: &Body<D>,
     analysis: Analysis,
     displacement: &[Point<D>],
+    time: f64,
 ) -> Result<Vec<[f64; 6]>, FemError> {
     let local = |lame: Lame, here: &Deformation<D>| Ok(lame.strain(here.gradient, here.hoop));
-    recover(body, analysis, displacement, local, &Borders::of(body)?)
+    let state = (displacement, time);
+    recover(body, analysis, state, local, &Borders::of(body)?)
 }
 
 /// Recovered rotation vector at every place, radians, as [`recover_stress`]; in the plane its third component.
 ///
-/// Errors: a group of cells without a material.
+/// Errors: a group of cells without a material; an initial strain that is not finite.
 pub fn recover_spin<const D: usize>(
     body: &Body<D>,
     analysis: Analysis,
     displacement: &[Point<D>],
+    time: f64,
 ) -> Result<Vec<[f64; 3]>, FemError> {
     let spins = recover(
         body,
         analysis,
-        displacement,
+        (displacement, time),
         |_, Deformation { gradient, .. }| {
             let of = |i: usize, j: usize| match i.max(j) < D {
                 true => 0.5 * (gradient[j][i] - gradient[i][j]),
@@ -90,13 +93,14 @@ pub fn recover_spin<const D: usize>(
 fn recover<const D: usize>(
     body: &Body<D>,
     analysis: Analysis,
-    displacement: &[Point<D>],
+    (displacement, time): (&[Point<D>], f64),
     local: impl Fn(Lame, &Deformation<D>) -> Result<[f64; 6], FemError> + Sync,
     borders: &Borders,
 ) -> Result<Vec<[f64; 6]>, FemError> {
     let mut sums = vec![[0.0; 7]; borders.count()];
     for (index, block) in body.mesh.blocks().iter().enumerate() {
         let whole = Cells::new(body, block, analysis, body.formulation)?;
+        let of_initial = whole.for_initial(block);
         let table = CellTable::at(block.kind, &sampling_points(block.kind));
         let own = whole.at(table.formulated(block.kind, body.formulation));
         let count = own.table.len();
@@ -109,7 +113,8 @@ fn recover<const D: usize>(
             .zip(block.nodes.par_chunks(k * CHUNK))
             .try_for_each(|(out, cells)| {
                 for (out, cell) in out.chunks_exact_mut(count).zip(cells.chunks_exact(k)) {
-                    let modes = whole.modes(cell, displacement);
+                    let held = body.initial.held_modes(&of_initial, (cell, time))?;
+                    let modes = whole.modes(cell, displacement, &held);
                     for (q, sample) in out.iter_mut().enumerate() {
                         let here = own.deformation(q, (cell, &modes), displacement);
                         sample[..6].copy_from_slice(&local(own.lame, &here)?);

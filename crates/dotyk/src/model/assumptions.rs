@@ -42,13 +42,13 @@ const FEW: usize = 5;
 ///
 /// Errors: a group of cells without a material.
 pub(crate) fn beyond<const D: usize>(
-    model: &Model<D>,
+    (model, time): (&Model<D>, f64),
     paired: &[Paired<D>],
     bodies: &[BodySolution<D>],
     contacts: &[ContactSolution<D>],
 ) -> Result<Vec<String>, Error<D>> {
     let each = model.bodies.par_iter().zip(bodies);
-    let each = each.map(|(body, solved)| of_body(model, body, solved));
+    let each = each.map(|(body, solved)| of_body((model, time), body, solved));
     let large: Vec<Vec<String>> = each.collect::<Result<_, _>>()?;
     let mut warnings = large.concat();
     let is_loose = |pair: &Paired<D>| pair.interface.coupling != Coupling::Tied;
@@ -68,11 +68,11 @@ pub(crate) fn beyond<const D: usize>(
 
 /// Warnings about a body that is strained or turned by much, or bends.
 fn of_body<const D: usize>(
-    model: &Model<D>,
+    (model, time): (&Model<D>, f64),
     body: &Body<D>,
     solved: &BodySolution<D>,
 ) -> Result<Vec<String>, Error<D>> {
-    let spins = recover_spin(body, model.analysis, &solved.displacement);
+    let spins = recover_spin(body, model.analysis, &solved.displacement, time);
     let spins = spins.map_err(|source| Error::in_body(body, source))?;
     let strain = |e: &[f64; 6]| e.iter().fold(0.0, |largest: f64, e| largest.max(e.abs()));
     let strains = solved.strain.iter().map(strain).collect();

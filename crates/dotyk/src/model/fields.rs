@@ -79,7 +79,7 @@ fn body_solution<const D: usize>(
     let stress = recover_stress(body, model.analysis, &state.u, time).map_err(fail)?;
     let borders = Borders::of(body).map_err(fail)?;
     let utilisation = overstress(body, &borders, &stress).map_err(fail)?;
-    let strain = recover_strain(body, model.analysis, &state.u).map_err(fail)?;
+    let strain = recover_strain(body, model.analysis, &state.u, time).map_err(fail)?;
     let points = body.mesh.points();
     let basis = RigidBasis::of(model.analysis);
     let (translation, rotation) = fit_rigid(basis, points, &state.u, centroid(points));

@@ -115,7 +115,12 @@ pub(crate) fn finish<const D: usize>(
         }
     }
     if placed {
-        warnings.extend(beyond(model, &condensed.paired, &bodies, &contacts)?);
+        warnings.extend(beyond(
+            (model, condensed.time),
+            &condensed.paired,
+            &bodies,
+            &contacts,
+        )?);
     }
     let sections = section_forces(model, &condensed.laid, condensed.time, &bodies, &contacts)?;
     let mut solution = Solution {
