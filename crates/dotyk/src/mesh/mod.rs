@@ -19,7 +19,7 @@ mod outline;
 mod reference;
 mod strip;
 
-pub use cell::{CellBlock, MAX_CELL_NODES, MAX_FACET_NODES};
+pub use cell::{CellBlock, MAX_CELL_NODES, MAX_FACET_NODES, drop_repeated};
 pub use error::MeshError;
 pub use facets::{Chain, FacetTable};
 pub(crate) use generate::pieces;

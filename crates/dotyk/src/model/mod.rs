@@ -54,6 +54,7 @@ mod solution;
 mod stages;
 mod steps;
 mod study;
+mod unglued;
 
 pub use crate::contact::ContactError;
 pub use attempt::ASSEMBLED;
