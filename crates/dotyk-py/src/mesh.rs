@@ -3,7 +3,7 @@
 use crate::errors;
 use crate::worker::{Caller, wait};
 use dotyk::case::{Given, GivenMesh, read_mesh};
-use dotyk::mesh::{CellBlock, CellKind, Mesh as Core};
+use dotyk::mesh::{CellBlock, CellKind, Mesh as Core, drop_repeated};
 use numpy::{PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray2};
 use pyo3::prelude::*;
 use std::collections::BTreeMap;
@@ -67,7 +67,8 @@ impl Mesh {
         let blocks = blocks
             .iter()
             .map(|(kind, group, nodes)| block(py, kind, group, nodes));
-        let blocks = blocks.collect::<PyResult<Vec<_>>>()?;
+        let mut blocks = blocks.collect::<PyResult<Vec<_>>>()?;
+        let repeated = drop_repeated(&mut blocks).map_err(|error| errors::input(py, error))?;
         let sides = sides.iter();
         let sides =
             sides.map(|(name, nodes)| Ok((name.clone(), facets(py, name, nodes, dimension)?)));
@@ -80,9 +81,10 @@ impl Mesh {
                 return Err(errors::input(py, message));
             }
         };
+        let told = format!("{repeated} repeated cells are left out");
         Ok(Self {
             given,
-            warnings: Vec::new(),
+            warnings: (repeated > 0).then_some(told).into_iter().collect(),
         })
     }
 

@@ -275,12 +275,22 @@ fn body_arrays<'py, const D: usize>(
     dict.set_item("shown", points(&answer.shown())?)?;
     dict.set_item("reactions", points(&answer.reactions)?)?;
     dict.set_item("contact_force", points(&answer.contact_forces)?)?;
-    dict.set_item("stress", rows(py, answer.stress.clone())?)?;
-    dict.set_item("strain", rows(py, answer.strain.clone())?)?;
-    dict.set_item("principal_stress", rows(py, answer.principal_stress())?)?;
-    dict.set_item("von_mises", PyArray1::from_slice(py, &answer.von_mises))?;
+    // at the nodes alone: on a border between materials that of the one that is stressed most
+    let stressed = answer.borders.largest(&answer.von_mises);
+    let tensors =
+        |values: &[[f64; 6]]| rows(py, stressed.iter().map(|&place| values[place]).collect());
+    let principal = answer.principal_stress();
+    let principal = stressed.iter().map(|&place| principal[place]).collect();
+    let numbers = |values: &[f64]| {
+        let places = answer.borders.largest(values).into_iter();
+        PyArray1::from_vec(py, places.map(|place| values[place]).collect())
+    };
+    dict.set_item("stress", tensors(&answer.stress)?)?;
+    dict.set_item("strain", tensors(&answer.strain)?)?;
+    dict.set_item("principal_stress", rows(py, principal)?)?;
+    dict.set_item("von_mises", numbers(&answer.von_mises))?;
     if let Some(utilisation) = &answer.utilisation {
-        dict.set_item("utilisation", PyArray1::from_slice(py, &utilisation.nodal))?;
+        dict.set_item("utilisation", numbers(&utilisation.nodal))?;
     }
     Ok(dict)
 }

@@ -478,6 +478,60 @@ def test_wrong_meshes_of_meshio_are_refused():
             dotyk.Model("plane-strain").body("z", meshio.Mesh(at, cells, cell_sets=sets), young=1.0, poisson=0.0)
 
 
+def test_cells_of_kinds_that_are_not_known_are_refused_with_kind_and_count():
+    meshio = pytest.importorskip("meshio")
+    points = [[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0], [0, 0, 1], [1, 0, 1], [1, 1, 1], [0, 1, 1], [0.5, 0.5, 2.0]]
+    cells = [("hexahedron", [[0, 1, 2, 3, 4, 5, 6, 7]]), ("pyramid", [[4, 5, 6, 7, 8]])]
+    with pytest.raises(dotyk.InputError, match="1 `pyramid`"):
+        dotyk.Model("3d").body("b", meshio.Mesh(points, cells), young=1.0, poisson=0.0)
+    with pytest.raises(dotyk.InputError, match="1 `pyramid`"):
+        dotyk.Model("3d").body("b", meshio.Mesh(points, cells[1:]), young=1.0, poisson=0.0)
+    third = [[0, 0], [1, 0], [1, 1], [0, 1], [1, 1 / 3], [1, 2 / 3], [2 / 3, 1], [1 / 3, 1], [2 / 3, 2 / 3], [1 / 3, 1 / 3]]
+    plane = meshio.Mesh(third, [("quad", [[0, 1, 2, 3]]), ("triangle10", [[0, 1, 2, 9, 8, 4, 5, 6, 7, 3], [0, 2, 3, 9, 8, 4, 5, 6, 7, 1]])])
+    with pytest.raises(dotyk.InputError, match="2 `triangle10`"):
+        dotyk.Model("plane-strain").body("b", plane, young=1.0, poisson=0.0)
+
+
+def test_cells_that_are_listed_twice_count_once():
+    points, square = [[0, 0], [1, 0], [1, 1], [0, 1]], [[0, 1, 2], [0, 2, 3]]
+    twice = dotyk.Mesh(points, {("tri3", "a"): [*square, [2, 0, 1]], ("tri3", "b"): square}, {"bottom": [[0, 1]]})
+    assert twice.warnings == ["3 repeated cells are left out"] and list(twice.cells) == [("tri3", "a")]
+    m = dotyk.Model("plane-strain")
+    m.body("b", twice, young=1e3, poisson=0.0).fix("bottom", x=0, y=0).body_force([0, -1.0])
+    assert m.solve().bodies["b"].reaction[1] == pytest.approx(1.0)
+    meshio = pytest.importorskip("meshio")
+    tags = {"gmsh:physical": [np.array([1, 1, 2, 2])]}
+    names = {"low": np.array([1, 2]), "all": np.array([2, 2])}
+    mesh = meshio.Mesh(points, [("triangle", square + square)], cell_data=tags, field_data=names)
+    cells = dotyk.Model("plane-strain").body("b", mesh, young=1.0, poisson=0.0).mesh.cells
+    assert {key: len(own) for key, own in cells.items()} == {("tri3", "low"): 2}
+
+
+def test_parts_that_are_not_glued_are_told_with_the_place():
+    points = [[0, 0], [1, 0], [1, 1], [0, 1], [0, 1], [1, 1], [1, 2], [0, 2]]
+    mesh = dotyk.Mesh(points, {"quad4": [[0, 1, 2, 3], [4, 5, 6, 7]]}, {"bottom": [[0, 1]], "top": [[6, 7]]})
+    m = dotyk.Model("plane-strain")
+    m.body("b", mesh, young=1e3, poisson=0.0).fix("bottom", x=0, y=0).fix("top", x=0, y=0)
+    assert any("without common nodes" in told and "(0.5, 1)" in told for told in m.solve().warnings)
+
+
+def test_between_materials_nodes_have_the_stress_of_the_one_that_is_stressed_most():
+    mesh = dotyk.Mesh(
+        [[0, 0], [1, 0], [2, 0], [0, 1], [1, 1], [2, 1]], {("quad4", "soft"): [[0, 1, 4, 3]], ("quad4", "stiff"): [[1, 2, 5, 4]]}
+    )
+    m = dotyk.Model("plane-stress")
+    material = [{"group": "soft", "young": 1.0, "poisson": 0}, {"group": "stiff", "young": 100.0, "poisson": 0}]
+    body = m.body("b", mesh, material=material)
+    for x in (0, 1, 2):
+        for y in (0, 1):
+            body.fix(point=[x, y], x=0.01 * x, y=0)
+    s = m.solve().bodies["b"]
+    assert np.allclose(s.stress[:, 0], [0.01, 1, 1, 0.01, 1, 1]) and s.von_mises.max() == s.max_von_mises
+    assert np.allclose(s.strain[:, 0], 0.01) and np.allclose(s.principal_stress[:, 0], s.stress[:, 0])
+    fields = s._fields()
+    assert all(len(values) == 6 for values in fields.values()) and np.array_equal(fields["stress"], s.stress)
+
+
 def test_names_of_the_user_keep_their_underscores():
     m = dotyk.Model("plane-strain", parameters={"lambda_": 1e6})
     body = m.body("a", dotyk.rectangle([0, 0], [1, 2], cells=[2, 4]), young=1e9, poisson=0.0)

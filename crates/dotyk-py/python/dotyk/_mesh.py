@@ -46,7 +46,8 @@ class Mesh:
     named:
         ``{name: point}``, points that supports, loads and probes may name.
 
-    Numbers are taken over: later changes of the arrays change nothing.
+    Numbers are taken over: later changes of the arrays change nothing. A cell that is listed several times counts once, in the
+    group that comes first.
 
     >>> import dotyk
     >>> mesh = dotyk.Mesh([[0, 0], [1, 0], [1, 1], [0, 1]], {"quad4": [[0, 1, 2, 3]]}, {"bottom": [[0, 1]]})
@@ -520,19 +521,23 @@ def of_any(mesh: Any) -> Mesh | Mapping[str, Any]:
 
 
 def of_meshio(mesh: Any) -> Mesh:
-    """A mesh of meshio: ``gmsh:physical`` with ``field_data``, else ``cell_sets``, are groups and sides."""
+    """A mesh of meshio: ``gmsh:physical`` with ``field_data``, else ``cell_sets``, are groups and sides.
+
+    Cells that are listed several times, as version 2.2 of Gmsh's format has them, count once.
+    """
     import numpy as np
 
     points = np.asarray(mesh.points, dtype=float)
     if points.ndim != 2 or points.shape[1] not in (2, 3):
         raise InputError(f"points of meshio have the shape {points.shape}: it must be (n, 2) or (n, 3)")
-    solid = any(_KINDS.get(block.type) not in (None, *_PLANE) for block in mesh.cells)
+    solid = any(_dimension(block) == 3 for block in mesh.cells)
     if not solid and points.shape[1] == 3:
         if points[:, 2].any():
             raise InputError("a mesh of the plane has z = 0 everywhere")
         points = points[:, :2]
     kinds = [k for k in _KINDS.values() if (k in _PLANE) != solid]
     tags = _tags(mesh)
+    _refuse_unknown(mesh, tags, 3 if solid else 2)
     cells: dict[Any, list[Any]] = {}
     sides: dict[str, list[Any]] = {}
     for k, block in enumerate(mesh.cells):
@@ -577,6 +582,31 @@ def of_meshio(mesh: Any) -> Mesh:
         (key[0], key[1], nodes) if isinstance(key, tuple) else (key, None, nodes) for key, nodes in groups.items()
     ]
     return Mesh._of(_dotyk.Mesh.of_arrays(np.ascontiguousarray(points[used]), blocks, facets, {}))
+
+
+def _dimension(block: Any) -> int:
+    """Dimension of the cells of a block of meshio; 0 where it does not say."""
+    kind = _KINDS.get(block.type)
+    return int(getattr(block, "dim", 0)) if kind is None else 2 if kind in _PLANE else 3
+
+
+def _refuse_unknown(mesh: Any, tags: Mapping[str, list[Any]], dimension: int) -> None:
+    """Cells, and facets in groups, of kinds that would be left out without a word are an error with their kinds and counts."""
+    known = [theirs for theirs, ours in _KINDS.items() if (ours in _PLANE) == (dimension == 2)]
+    facets = list(_FACETS[dimension].values())
+    counts: dict[str, int] = {}
+    for k, block in enumerate(mesh.cells):
+        if _dimension(block) == dimension and block.type not in known:
+            counts[block.type] = counts.get(block.type, 0) + len(block.data)
+        elif _dimension(block) == dimension - 1 and block.type not in facets:
+            named = sum(len(members[k]) for members in tags.values())
+            counts[block.type] = counts.get(block.type, 0) + named
+    told = ", ".join(f"{count} `{kind}`" for kind, count in counts.items() if count)
+    if told:
+        raise InputError(
+            f"the mesh of meshio has cells of kinds that are not supported: {told}; divide them or leave them out "
+            f"(supported: {', '.join(known)}, and as facets {', '.join(facets)})"
+        )
 
 
 def _members(own: Any, count: int, name: str) -> Any:

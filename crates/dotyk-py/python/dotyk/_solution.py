@@ -410,6 +410,8 @@ class BodySolution(_Frozen):
     def stress(self) -> Array:
         """Stresses at the nodes (n, 6): xx yy zz xy yz xz, tension positive.
 
+        They jump between materials: a node there has those of the material with the largest von Mises stress. A VTU file has all.
+
         >>> import dotyk.examples
         >>> s = dotyk.examples.punch().solve()
         >>> punch = s.bodies["punch"]
@@ -420,7 +422,7 @@ class BodySolution(_Frozen):
 
     @property
     def strain(self) -> Array:
-        """Strains at the nodes (n, 6), tensor components.
+        """Strains at the nodes (n, 6), tensor components; between materials those of the material that `stress` tells of.
 
         >>> import dotyk.examples
         >>> s = dotyk.examples.punch().solve()
@@ -432,7 +434,7 @@ class BodySolution(_Frozen):
 
     @property
     def principal_stress(self) -> Array:
-        """Principal stresses at the nodes (n, 3), largest first.
+        """Principal stresses at the nodes (n, 3), largest first; between materials those of the material that `stress` tells of.
 
         >>> import dotyk.examples
         >>> s = dotyk.examples.punch().solve()
@@ -445,7 +447,7 @@ class BodySolution(_Frozen):
 
     @property
     def von_mises(self) -> Array:
-        """Von Mises stress at the nodes (n,).
+        """Von Mises stress at the nodes (n,); between materials the largest.
 
         >>> import dotyk.examples
         >>> s = dotyk.examples.punch().solve()
@@ -457,7 +459,7 @@ class BodySolution(_Frozen):
 
     @property
     def utilisation(self) -> Array:
-        """Utilisation of the strength at the nodes (n,), 1 is failure.
+        """Utilisation of the strength at the nodes (n,), 1 is failure; between materials the largest.
 
         >>> import dotyk
         >>> m = dotyk.Model("plane-strain")
@@ -506,8 +508,12 @@ class BodySolution(_Frozen):
         return Mesh._of(self._mesh())  # type: ignore[attr-defined]
 
     def _fields(self) -> dict[str, Any]:
-        """The point arrays of the VTU file."""
-        return arrays_of(self._vtu())  # type: ignore[attr-defined]
+        """The point arrays of the VTU file at the nodes: between materials, where the file has several points, those of `stress`."""
+        fields = arrays_of(self._vtu())  # type: ignore[attr-defined]
+        own = self._arrays()  # type: ignore[attr-defined]
+        count = len(own["points"])
+        jumping = ("stress", "strain", "von_mises", "principal_stress", "utilisation")
+        return {name: own[name] if name in jumping and name in own else values[:count] for name, values in fields.items()}
 
     def to_meshio(self) -> Any:
         """A ``meshio.Mesh`` with the fields, and the sides as ``cell_sets``. Needs meshio.

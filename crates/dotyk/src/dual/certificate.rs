@@ -620,7 +620,10 @@ mod tests {
         assert!(failing([2.0 + 1e-6, 1.0], 1.0).contains(&"imbalance_force"));
         assert!(failing([3.0 + 1e-6, -1e-6], 1.0).contains(&"tension"));
         assert!(failing([f64::NAN, 1.0], 1.0).len() >= 3);
-        assert!(problem.certify(&answer, 1e-8).to_string().lines().count() == 9);
+        assert_eq!(
+            problem.certify(&answer, 1e-8).to_string().lines().count(),
+            10
+        );
     }
 
     #[test]
@@ -1006,7 +1009,7 @@ mod tests {
                 .iter()
                 .filter(|line| line.ends_with(": holds"))
                 .count(),
-            7
+            8
         );
     }
 

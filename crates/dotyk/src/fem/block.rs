@@ -2,8 +2,9 @@
 
 use crate::fem::cells::{CellTable, measure, stiffness_table};
 use crate::fem::elasticity::Lame;
-use crate::fem::enhanced::{amplitudes, eliminate, relative};
+use crate::fem::enhanced::{amplitudes, condense, eliminate, relative};
 use crate::fem::error::FemError;
+use crate::fem::initial::body_degree;
 use crate::fem::nouns::{Analysis, Body, Formulation};
 use crate::geometry::{Point, add_scaled, dot, sub};
 use crate::mesh::{CellBlock, MAX_CELL_NODES};
@@ -46,6 +47,12 @@ impl<'a, const D: usize> Cells<'a, D> {
         })
     }
 
+    /// The same cells at the points that initial stresses and strains are integrated with.
+    pub fn for_initial(&self, block: &CellBlock) -> Self {
+        let table = CellTable::new(block.kind, body_degree(block.kind.order()));
+        self.at(table.formulated(block.kind, self.body.formulation))
+    }
+
     /// The same cells at other points.
     pub fn at(&self, table: CellTable<D>) -> Self {
         Self { table, ..*self }
@@ -60,7 +67,7 @@ impl<'a, const D: usize> Cells<'a, D> {
     ///
     /// With axial symmetry the gradients of the modes are those of the plane less their mean over the ring, so that a constant
     /// stress does no work on them there either; they have no hoop strain.
-    fn map(
+    fn image(
         &self,
         q: usize,
         at: impl Fn(usize) -> Point<D>,
@@ -96,7 +103,7 @@ impl<'a, const D: usize> Cells<'a, D> {
         }
         matrix.fill(0.0);
         for q in 0..self.table.len() {
-            let (point, g, w) = self.map(q, |local| at[local]);
+            let (point, g, w) = self.image(q, |local| at[local]);
             let mut hoop = [0.0; MAX_CELL_NODES];
             if self.analysis == Analysis::Axisymmetric {
                 for (h, n) in hoop.iter_mut().zip(self.table.shape(q)) {
@@ -130,15 +137,49 @@ impl<'a, const D: usize> Cells<'a, D> {
         eliminate(matrix, size, D * cell.len());
     }
 
-    /// The amplitudes of the incompatible modes of a cell under the given nodal displacements; empty where it has none.
-    pub fn modes(&self, cell: &[u32], displacement: &[Point<D>]) -> Vec<Point<D>> {
+    /// The amplitudes of the incompatible modes of a cell under the given nodal displacements, which these forces hold (modes,);
+    /// empty where it has none.
+    pub fn modes(
+        &self,
+        cell: &[u32],
+        displacement: &[Point<D>],
+        held: &[Point<D>],
+    ) -> Vec<Point<D>> {
         if self.table.count() == cell.len() {
             return Vec::new();
         }
-        let size = self.size();
+        let (matrix, forces) = self.condensed(cell, held);
+        let relative = relative(cell, displacement);
+        amplitudes(&matrix, self.size(), &relative, &forces)
+    }
+
+    /// Adds what forces that hold the modes of a cell (modes,) do at its nodes.
+    pub fn hand_on(&self, cell: &[u32], held: &[Point<D>], forces: &mut [Point<D>]) {
+        if held.is_empty() {
+            return;
+        }
+        let condensed = self.condensed(cell, held).1;
+        let sums = forces.as_flattened_mut().iter_mut().zip(condensed);
+        sums.for_each(|(sum, force)| *sum += force);
+    }
+
+    /// The stiffness of a cell, its modes eliminated, and forces on these (modes,) handed on to the nodes: (size,).
+    fn condensed(&self, cell: &[u32], held: &[Point<D>]) -> (Vec<f64>, Vec<f64>) {
+        let (size, kept) = (self.size(), D * cell.len());
         let mut matrix = vec![0.0; size * size];
         self.stiffness(cell, &mut matrix);
-        amplitudes(&matrix, size, &relative(cell, displacement))
+        let mut forces = vec![0.0; size];
+        let behind = forces[kept..].iter_mut().zip(held.as_flattened());
+        behind.for_each(|(force, held)| *force = *held);
+        condense(&matrix, size, kept, &mut forces);
+        (matrix, forces)
+    }
+
+    /// Image of point q of a cell, gradients there, those of the modes behind those of the nodes, and its weight, with thickness
+    /// or 2πr.
+    pub fn map(&self, q: usize, cell: &[u32]) -> (Point<D>, [[f64; D]; MAX_CELL_NODES], f64) {
+        let points = self.body.mesh.points();
+        self.image(q, |a| points[cell[a] as usize])
     }
 
     /// The deformation of a cell at point q under the given nodal displacements and the amplitudes of its modes.
@@ -150,8 +191,7 @@ impl<'a, const D: usize> Cells<'a, D> {
         (cell, modes): (&[u32], &[Point<D>]),
         displacement: &[Point<D>],
     ) -> Deformation<D> {
-        let points = self.body.mesh.points();
-        let (point, gradients, volume) = self.map(q, |a| points[cell[a] as usize]);
+        let (point, gradients, volume) = self.map(q, cell);
         let first = displacement[cell[0] as usize];
         let relative = cell.iter().map(|&n| sub(displacement[n as usize], first));
         let amplitudes = relative.chain(modes.iter().copied());

@@ -10,6 +10,14 @@
 //! With the Jacobian J₀ of the centre and the ratio of its determinant to that of the point, ∫gₖ dV = 0 in cells of any shape:
 //! a constant stress does no work on them, so that the patch test holds. The amplitudes are eliminated cell by cell,
 //! K = Kᵤᵤ − Kᵤₐ Kₐₐ⁻¹ Kₐᵤ, and found again from the displacements where forces and stresses are asked for.
+//!
+//! A strain ε₀ that is there before anything acts (`initial.rs`) holds the modes by hₐ = −∫ Cε₀ gₖ dV, with which
+//!
+//! ```text
+//!   α = −Kₐₐ⁻¹(hₐ + Kₐᵤ u),      forces of the cell on its nodes: K u + hᵤ − Kᵤₐ Kₐₐ⁻¹ hₐ
+//! ```
+//!
+//! so that a cell bends freely where ε₀ is linear. hₐ = 0 where ε₀ is constant.
 //! Source: as described in R. L. Taylor, P. J. Beresford and E. L. Wilson, Int. J. Numer. Methods Eng. 10 (1976) 1211–1219.
 
 use crate::geometry::{Point, sub};
@@ -41,17 +49,30 @@ pub(crate) fn relative<const D: usize>(cell: &[u32], displacement: &[Point<D>]) 
     cell.iter().flat_map(of_node).collect()
 }
 
-/// The amplitudes of the modes, from what [`eliminate`] left of the matrix and the displacements of the nodes.
+/// Hands forces on dofs (size,), all behind `kept`, on to those before them, with what [`eliminate`] left of the matrix: the first
+/// become those on the kept dofs alone.
+pub(crate) fn condense(matrix: &[f64], size: usize, kept: usize, forces: &mut [f64]) {
+    for p in (kept..size).rev() {
+        let row = &matrix[p * size..(p + 1) * size];
+        let part = forces[p] / row[p];
+        let before = forces[..p].iter_mut().zip(row);
+        before.for_each(|(force, k)| *force -= k * part);
+    }
+}
+
+/// The amplitudes of the modes, from what [`eliminate`] left of the matrix, the displacements of the nodes and the forces that
+/// hold the modes as [`condense`] left them.
 pub(crate) fn amplitudes<const D: usize>(
     matrix: &[f64],
     size: usize,
     relative: &[f64],
+    held: &[f64],
 ) -> Vec<Point<D>> {
     let mut values = relative.to_vec();
     for p in relative.len()..size {
         let row = &matrix[p * size..(p + 1) * size];
         let sum: f64 = row.iter().zip(&values).map(|(k, u)| k * u).sum();
-        values.push(-sum / row[p]);
+        values.push(-(held[p] + sum) / row[p]);
     }
     let modes = values[relative.len()..].chunks_exact(D);
     modes.map(|c| std::array::from_fn(|i| c[i])).collect()

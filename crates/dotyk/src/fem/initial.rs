@@ -7,8 +7,10 @@
 //!
 //! so that both enter the load alone, and u = 0 where σ₀ balances the loads. The forces of σ₀ − Cε₀ sum to zero in every
 //! cell, do no work on rigid motions, and are integrated as exactly as the body force: what is in equilibrium by its
-//! expressions is so at the nodes, in curved cells, too. On the incompatible modes of enhanced cells they do no work, so
-//! that ground that nobody touches does not move there either.
+//! expressions is so at the nodes, in curved cells, too.
+//!
+//! The incompatible modes of enhanced cells (`enhanced.rs`) feel ε₀, but neither σ₀ nor the body force, which balance each other:
+//! what is deformed by other loads adds to σ₀, and ground that nobody touches does not move there either.
 //!
 //! *Rest.* What the stress leaves of the loads is a difference of these. Gradients of shape functions are known to the rounding of
 //! coordinates x beside the size h of the cell, and expressions to that of the largest stress, so that a nodal force is known to
@@ -22,7 +24,8 @@
 //! Tensile stress and elongation are positive; components xx yy zz xy yz xz, of strains tensorial (half the shear angle);
 //! with axial symmetry zz is the hoop component.
 
-use crate::fem::cells::{CellTable, measure};
+use crate::fem::block::Cells;
+use crate::fem::cells::measure;
 use crate::fem::elasticity::Lame;
 use crate::fem::error::FemError;
 use crate::fem::loads::{Load, add_body_force, prepare_within};
@@ -85,8 +88,7 @@ impl Components {
         normal: Point<D>,
         time: f64,
     ) -> Point<D> {
-        let stress = self.at(point, time);
-        std::array::from_fn(|i| (0..D).map(|j| stress[PLACE[i][j]] * normal[j]).sum())
+        along(self.at(point, time), normal)
     }
 }
 
@@ -183,9 +185,8 @@ impl Initial {
         if self.stress.is_none() && self.strain.is_none() {
             return Ok(None);
         }
-        let law = (Lame::new(body.elastic(block)?, analysis), analysis);
+        let cells = Cells::new(body, block, analysis, body.formulation)?.for_initial(block);
         self.prepare(body, time);
-        let table = CellTable::<D>::new(block.kind, body_degree(block.kind.order()));
         let k = block.kind.nodes();
         let mut forces = vec![[0.0; D]; block.nodes.len()];
         let largest = forces
@@ -194,7 +195,7 @@ impl Initial {
             .map(|(out, nodes)| {
                 let mut largest = 0.0f64;
                 for (out, cell) in out.chunks_exact_mut(k).zip(nodes.chunks_exact(k)) {
-                    largest = largest.max(self.add_cell(body, law, &table, (cell, time), out)?);
+                    largest = largest.max(self.add_cell(&cells, (cell, time), out)?);
                 }
                 Ok(largest)
             })
@@ -202,15 +203,37 @@ impl Initial {
         Ok(Some((forces, largest)))
     }
 
-    /// Adds the forces of one cell, (nodes of the cell,), and returns the largest component of σ₀ or Cε₀; nothing where nothing is
-    /// in the body.
+    /// The forces that hold −Cε₀ in the incompatible modes of one cell, (modes,), by the rule of these cells; none where it has no
+    /// modes or there is no strain.
+    ///
+    /// Errors: an expression that is not finite.
+    pub(crate) fn held_modes<const D: usize>(
+        &self,
+        cells: &Cells<'_, D>,
+        (cell, time): (&[u32], f64),
+    ) -> Result<Vec<Point<D>>, FemError> {
+        let count = cells.table.count() - cell.len();
+        if count == 0 || self.strain.is_none() {
+            return Ok(Vec::new());
+        }
+        let mut held = vec![[0.0; D]; count];
+        for q in 0..cells.table.len() {
+            let (point, gradients, weight) = cells.map(q, cell);
+            let stress = self.of_strain((cells.lame, cells.analysis), point, time)?;
+            for (held, gradient) in held.iter_mut().zip(&gradients[cell.len()..]) {
+                *held = add_scaled(*held, weight, along(stress, *gradient));
+            }
+        }
+        Ok(held)
+    }
+
+    /// Adds the forces of one cell, (nodes of the cell,), by the rule of these cells, and returns the largest component of σ₀ or
+    /// Cε₀; nothing where nothing is in the body.
     ///
     /// Errors: an expression that is not finite.
     pub(crate) fn add_cell<const D: usize>(
         &self,
-        body: &Body<D>,
-        law: Law,
-        table: &CellTable<D>,
+        cells: &Cells<'_, D>,
         (cell, time): (&[u32], f64),
         forces: &mut [Point<D>],
     ) -> Result<f64, FemError> {
@@ -218,26 +241,23 @@ impl Initial {
         if self.stress.is_none() && self.strain.is_none() {
             return Ok(largest);
         }
-        let points = body.mesh.points();
-        for q in 0..table.len() {
-            let (point, gradients, volume) = table.map(q, |local| points[cell[local] as usize]);
+        let law = (cells.lame, cells.analysis);
+        for q in 0..cells.table.len() {
+            let (point, gradients, weight) = cells.map(q, cell);
             let mut stress = self.of_strain(law, point, time)?;
             let initial = self.stress_at(point, time)?;
             let parts = stress.iter().chain(&initial);
             largest = parts.fold(largest, |largest, s| largest.max(s.abs()));
             stress.iter_mut().zip(initial).for_each(|(s, i)| *s += i);
-            let weight = volume * measure(law.1, body.thickness, point);
-            let nodes = forces.iter_mut().zip(&gradients).zip(table.shape(q));
-            for ((force, gradient), shape) in nodes {
-                for (i, force) in force.iter_mut().enumerate() {
-                    let along = (0..D).map(|j| stress[PLACE[i][j]] * gradient[j]);
-                    *force += weight * along.sum::<f64>();
-                }
+            let nodes = forces.iter_mut().zip(&gradients);
+            for ((force, gradient), shape) in nodes.zip(cells.table.shape(q)) {
+                *force = add_scaled(*force, weight, along(stress, *gradient));
                 if law.1 == Analysis::Axisymmetric {
                     force[0] += weight * stress[2] * shape / point[0];
                 }
             }
         }
+        cells.hand_on(cell, &self.held_modes(cells, (cell, time))?, forces);
         Ok(largest)
     }
 
@@ -304,6 +324,11 @@ fn known_area<const D: usize>(body: &Body<D>, analysis: Analysis, cell: &[u32]) 
         .chain(&high)
         .fold(0.0, |s: f64, x| s.max(x.abs()));
     (size + far) * size.powi(D as i32 - 2) * measure(analysis, body.thickness, high)
+}
+
+/// σ·g of a stress and a gradient.
+fn along<const D: usize>(stress: [f64; 6], gradient: [f64; D]) -> Point<D> {
+    std::array::from_fn(|i| (0..D).map(|j| stress[PLACE[i][j]] * gradient[j]).sum())
 }
 
 /// Degree of the quadrature of body forces and initial stresses: exact for ones that are linear in the place, in cells with

@@ -7,7 +7,7 @@
 use crate::fem::block::{Cells, Deformation};
 use crate::fem::cells::CellTable;
 use crate::fem::error::FemError;
-use crate::fem::initial::{PLACE, body_degree};
+use crate::fem::initial::PLACE;
 use crate::fem::nouns::{Analysis, Body};
 use crate::geometry::{Point, add_scaled};
 use crate::mesh::MAX_CELL_NODES;
@@ -51,8 +51,8 @@ pub(crate) fn internal_forces<const D: usize>(
 /// Internal forces of single cells, those of the total stress: of the displacements, and of σ₀ − Cε₀. What cuts through a
 /// body are in equilibrium with.
 pub(crate) struct CellForces<'a, const D: usize> {
-    /// With the rule that initial stresses and strains are integrated with.
-    blocks: Vec<(Cells<'a, D>, CellTable<D>)>,
+    /// With the rule of the stiffness, and that which initial stresses and strains are integrated with.
+    blocks: Vec<[Cells<'a, D>; 2]>,
     body: &'a Body<D>,
     displacement: &'a [Point<D>],
     time: f64,
@@ -67,8 +67,8 @@ impl<'a, const D: usize> CellForces<'a, D> {
     ) -> Result<Self, FemError> {
         let blocks = body.mesh.blocks().iter().map(|block| {
             let cells = Cells::new(body, block, analysis, body.formulation)?;
-            let initial = CellTable::new(block.kind, body_degree(block.kind.order()));
-            Ok((cells, initial))
+            let initial = cells.for_initial(block);
+            Ok([cells, initial])
         });
         Ok(Self {
             blocks: blocks.collect::<Result<_, _>>()?,
@@ -81,12 +81,11 @@ impl<'a, const D: usize> CellForces<'a, D> {
     /// Forces of a cell on its nodes, in global axes. Errors: an initial stress or strain that is not finite.
     pub fn of(&self, block: usize, cell: usize) -> Result<[Point<D>; MAX_CELL_NODES], FemError> {
         let nodes = self.body.mesh.cell_nodes(block, cell);
-        let (cells, table) = &self.blocks[block];
+        let [cells, of_initial] = &self.blocks[block];
         let mut forces = cell_forces(cells, nodes, self.displacement).0;
-        let law = (cells.lame, cells.analysis);
         let own = &mut forces[..nodes.len()];
         let initial = &self.body.initial;
-        initial.add_cell(self.body, law, table, (nodes, self.time), own)?;
+        initial.add_cell(of_initial, (nodes, self.time), own)?;
         Ok(forces)
     }
 
@@ -102,11 +101,11 @@ impl<'a, const D: usize> CellForces<'a, D> {
     ) -> Result<Vec<(Point<D>, f64, f64)>, FemError> {
         let kind = self.body.mesh.blocks()[block].kind;
         let nodes = self.body.mesh.cell_nodes(block, cell);
-        let (cells, table) = &self.blocks[block];
+        let [cells, of_initial] = &self.blocks[block];
         let law = (cells.lame, cells.analysis);
         let [elastic, initial] = match part {
             Some(rule) => [rule.clone(), rule.clone()],
-            None => [cells.table.rule(), table.rule()],
+            None => [cells.table.rule(), of_initial.table.rule()],
         };
         let cells = cells.at(CellTable::at(kind, &elastic));
         let mut all = Vec::new();
@@ -137,7 +136,7 @@ fn cell_forces<const D: usize>(
     cell: &[u32],
     displacement: &[Point<D>],
 ) -> ([Point<D>; MAX_CELL_NODES], f64) {
-    let modes = cells.modes(cell, displacement);
+    let modes = cells.modes(cell, displacement, &[]);
     let axisymmetric = cells.analysis == Analysis::Axisymmetric;
     let mut forces = [[0.0; D]; MAX_CELL_NODES];
     let mut energy = 0.0;

@@ -1,5 +1,6 @@
 //! Consistent nodal forces: f = ∫ N·b dV + ∫ N·t dS + point forces − ∫ (σ₀ − Cε₀)·∇N dV, on the undeformed body.
 
+use crate::fem::borders::Borders;
 use crate::fem::cells::{CellTable, measure};
 use crate::fem::error::FemError;
 use crate::fem::initial::{Components, body_degree};
@@ -321,22 +322,53 @@ pub(crate) fn points_within<const D: usize>(
     points
 }
 
-/// ∫N dV of every node, (nodes,), with thickness or 2πr: a nodal field times it sums to the field's integral.
-pub(crate) fn nodal_volumes<const D: usize>(body: &Body<D>, analysis: Analysis) -> Vec<f64> {
-    let mesh = &body.mesh;
-    let mut volumes = vec![0.0; mesh.points().len()];
-    for block in mesh.blocks() {
+/// A point of integration of a body.
+pub(crate) struct VolumePoint<'a> {
+    /// Index of the block of its cell.
+    pub block: usize,
+    /// Nodes of its cell.
+    pub cell: &'a [u32],
+    /// Of the nodes of the cell.
+    pub shape: &'a [f64],
+    /// Its part of the volume, with thickness or 2πr.
+    pub volume: f64,
+}
+
+/// Goes through the points of integration of a body.
+pub(crate) fn volume_points<const D: usize>(
+    body: &Body<D>,
+    analysis: Analysis,
+    mut visit: impl FnMut(VolumePoint<'_>),
+) {
+    let points = body.mesh.points();
+    for (index, block) in body.mesh.blocks().iter().enumerate() {
         let table = CellTable::<D>::new(block.kind, 2 * block.kind.order() + 2);
         for cell in block.cells() {
             for q in 0..table.len() {
-                let (point, _, volume) = table.map(q, |local| mesh.points()[cell[local] as usize]);
-                let volume = volume * measure(analysis, body.thickness, point);
-                for (&node, shape) in cell.iter().zip(table.shape(q)) {
-                    volumes[node as usize] += shape * volume;
-                }
+                let (point, _, volume) = table.map(q, |local| points[cell[local] as usize]);
+                visit(VolumePoint {
+                    block: index,
+                    cell,
+                    shape: table.shape(q),
+                    volume: volume * measure(analysis, body.thickness, point),
+                });
             }
         }
     }
+}
+
+/// ∫N dV of every place, (places,), with thickness or 2πr: a field at the places times it sums to the field's integral.
+pub(crate) fn nodal_volumes<const D: usize>(
+    body: &Body<D>,
+    borders: &Borders,
+    analysis: Analysis,
+) -> Vec<f64> {
+    let mut volumes = vec![0.0; borders.count()];
+    volume_points(body, analysis, |at| {
+        for (&node, shape) in at.cell.iter().zip(at.shape) {
+            volumes[borders.place(at.block, node as usize)] += shape * at.volume;
+        }
+    });
     volumes
 }
 

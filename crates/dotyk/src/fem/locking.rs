@@ -20,13 +20,12 @@
 //!   alternate without forces, as they do in pairs of triangles, add nothing.
 
 use crate::fem::block::{Cells, Deformation};
+use crate::fem::borders::Borders;
 use crate::fem::enhanced::{has_modes, relative, released};
 use crate::fem::error::FemError;
 use crate::fem::nouns::{Analysis, Body, Elastic, Formulation};
-use crate::fem::stress::recover_strain_within;
 use crate::geometry::{Point, dot};
 use crate::mesh::{CellBlock, CellKind};
-use std::borrow::Cow;
 
 /// Above this ratio of Poisson it is rather the volume that cells cannot keep than their bending.
 pub(crate) const INCOMPRESSIBLE: f64 = 0.45;
@@ -55,18 +54,29 @@ struct Energies {
 
 /// What the linear cells of a body lack of its compliance.
 ///
-/// Shapes: displacement and recovered strain (nodes,). Errors: a group of cells without a material.
+/// Shapes: displacement (nodes,), recovered strain (places,) of [`Borders`]. Errors: a group of cells without a material; an
+/// initial strain that is not finite.
 pub(crate) fn unseen<const D: usize>(
     body: &Body<D>,
-    analysis: Analysis,
+    (analysis, time): (Analysis, f64),
     displacement: &[Point<D>],
     strain: &[[f64; 6]],
 ) -> Result<Unseen, FemError> {
     let (mut all, mut excess, mut own, mut freed) = (0.0, 0.0, 0.0, 0.0);
     let mut most = (0.0, None);
-    for part in of_each_material(body, analysis, displacement, strain)? {
-        for block in part.blocks() {
-            let found = part.energies(block)?;
+    let borders = Borders::of(body)?;
+    let whole = Whole {
+        body,
+        analysis,
+        time,
+        displacement,
+        strain,
+        borders: &borders,
+    };
+    for elastic in elastic(body)? {
+        let part = Part { whole, elastic };
+        for (place, block) in part.blocks() {
+            let found = part.energies(place, block)?;
             all += found.all;
             let unseen = found.modes + found.jumps;
             own += unseen;
@@ -87,21 +97,8 @@ pub(crate) fn unseen<const D: usize>(
     Ok(Unseen { part, kind: most.1 })
 }
 
-/// The cells of a body that have one material, with the strain recovered from them.
-struct Part<'a, const D: usize> {
-    body: &'a Body<D>,
-    analysis: Analysis,
-    displacement: &'a [Point<D>],
-    elastic: Elastic,
-    strain: Cow<'a, [[f64; 6]]>,
-}
-
-fn of_each_material<'a, const D: usize>(
-    body: &'a Body<D>,
-    analysis: Analysis,
-    displacement: &'a [Point<D>],
-    strain: &'a [[f64; 6]],
-) -> Result<Vec<Part<'a, D>>, FemError> {
+/// The materials of a body.
+fn elastic<const D: usize>(body: &Body<D>) -> Result<Vec<Elastic>, FemError> {
     let mut materials: Vec<Elastic> = Vec::new();
     for block in body.mesh.blocks() {
         let elastic = body.elastic(block)?;
@@ -109,39 +106,38 @@ fn of_each_material<'a, const D: usize>(
             materials.push(elastic);
         }
     }
-    let alone = materials.len() == 1;
-    let part = |elastic: Elastic| {
-        let strain = if alone {
-            Cow::Borrowed(strain)
-        } else {
-            let within = |block: &CellBlock| body.elastic(block).is_ok_and(|own| own == elastic);
-            Cow::Owned(recover_strain_within(
-                body,
-                analysis,
-                displacement,
-                &within,
-            )?)
-        };
-        Ok(Part {
-            body,
-            analysis,
-            displacement,
-            elastic,
-            strain,
-        })
-    };
-    materials.into_iter().map(part).collect()
+    Ok(materials)
+}
+
+/// A body, displaced, with the strain recovered at its places.
+#[derive(Clone, Copy)]
+struct Whole<'a, const D: usize> {
+    body: &'a Body<D>,
+    analysis: Analysis,
+    time: f64,
+    displacement: &'a [Point<D>],
+    strain: &'a [[f64; 6]],
+    borders: &'a Borders,
+}
+
+/// The cells of a body that have one material.
+struct Part<'a, const D: usize> {
+    whole: Whole<'a, D>,
+    elastic: Elastic,
 }
 
 impl<'a, const D: usize> Part<'a, D> {
-    fn blocks(&self) -> impl Iterator<Item = &'a CellBlock> + use<'_, 'a, D> {
-        let own = |block: &&CellBlock| self.body.elastic(block).is_ok_and(|e| e == self.elastic);
-        self.body.mesh.blocks().iter().filter(own)
+    /// Its blocks, with their places among all of the body.
+    fn blocks(&self) -> impl Iterator<Item = (usize, &'a CellBlock)> + use<'_, 'a, D> {
+        let body = self.whole.body;
+        let own =
+            |(_, block): &(usize, &CellBlock)| body.elastic(block).is_ok_and(|e| e == self.elastic);
+        body.mesh.blocks().iter().enumerate().filter(own)
     }
 
     /// Whether cells of a kind are judged by the modes that they do not have.
     fn lacks_modes(&self, kind: CellKind) -> bool {
-        has_modes(kind) && self.body.formulation == Formulation::Displacement
+        has_modes(kind) && self.whole.body.formulation == Formulation::Displacement
     }
 
     /// Whether cells of a kind are judged by what differs from cell to cell.
@@ -150,34 +146,44 @@ impl<'a, const D: usize> Part<'a, D> {
     }
 
     fn cells(&self, block: &CellBlock, formulation: Formulation) -> Result<Cells<'a, D>, FemError> {
-        Cells::new(self.body, block, self.analysis, formulation)
+        Cells::new(self.whole.body, block, self.whole.analysis, formulation)
     }
 
-    /// The recovered strain at a point of a cell with these shape functions.
-    fn recovered(&self, cell: &[u32], shape: &[f64]) -> [f64; 6] {
+    /// The recovered strain at a point of a cell of a block with these shape functions.
+    fn recovered(&self, block: usize, cell: &[u32], shape: &[f64]) -> [f64; 6] {
+        let Whole {
+            strain, borders, ..
+        } = self.whole;
         std::array::from_fn(|c| {
             let nodes = cell.iter().zip(shape);
-            nodes
-                .map(|(&node, n)| n * self.strain[node as usize][c])
-                .sum()
+            let parts = nodes.map(|(&node, n)| n * strain[borders.place(block, node as usize)][c]);
+            parts.sum()
         })
     }
 
-    fn energies(&self, block: &CellBlock) -> Result<Energies, FemError> {
-        let own = self.cells(block, self.body.formulation)?;
+    fn energies(&self, place: usize, block: &CellBlock) -> Result<Energies, FemError> {
+        let Whole {
+            body,
+            displacement,
+            time,
+            ..
+        } = self.whole;
+        let own = self.cells(block, body.formulation)?;
+        let of_initial = own.for_initial(block);
         let lacking = self.lacks_modes(block.kind);
         let jumps = Self::has_jumps(block.kind);
         let stride = block.cells().len().div_ceil(LOOKED_AT).max(1);
         let mut sums = Energies::default();
         for cell in block.cells().step_by(stride) {
-            let modes = own.modes(cell, self.displacement);
+            let held = body.initial.held_modes(&of_initial, (cell, time))?;
+            let modes = own.modes(cell, displacement, &held);
             for q in 0..own.table.len() {
-                let here = own.deformation(q, (cell, &modes), self.displacement);
+                let here = own.deformation(q, (cell, &modes), displacement);
                 let found = own.lame.stress(here.gradient, here.hoop);
                 sums.all += here.volume * own.lame.energy(found);
                 if jumps {
-                    let smooth = self.recovered(cell, own.table.shape(q));
-                    let smooth = own.lame.stress_of(smooth, self.analysis);
+                    let smooth = self.recovered(place, cell, own.table.shape(q));
+                    let smooth = own.lame.stress_of(smooth, self.whole.analysis);
                     let jump = std::array::from_fn(|c| smooth[c] - found[c]);
                     sums.jumps += here.volume * own.lame.energy(jump);
                     sums.smooth += here.volume * own.lame.energy(smooth);
@@ -187,7 +193,7 @@ impl<'a, const D: usize> Part<'a, D> {
         if lacking {
             let free = self.cells(block, Formulation::Enhanced)?;
             let cells = block.cells().step_by(stride);
-            sums.modes = released_by(&free, cells, self.displacement);
+            sums.modes = released_by(&free, cells, displacement);
         }
         let scale = stride as f64;
         Ok(Energies {
@@ -200,21 +206,22 @@ impl<'a, const D: usize> Part<'a, D> {
 
     /// The energy that pressures which jump from cell to cell hold back.
     fn freed(&self) -> Result<f64, FemError> {
-        let keeps = self.elastic.poisson > INCOMPRESSIBLE && self.analysis != Analysis::PlaneStress;
-        let jumping = |block: &&CellBlock| Self::has_jumps(block.kind);
-        let blocks: Vec<&CellBlock> = self.blocks().filter(jumping).collect();
+        let keeps =
+            self.elastic.poisson > INCOMPRESSIBLE && self.whole.analysis != Analysis::PlaneStress;
+        let jumping = |(_, block): &(usize, &CellBlock)| Self::has_jumps(block.kind);
+        let blocks: Vec<(usize, &CellBlock)> = self.blocks().filter(jumping).collect();
         if !keeps || blocks.is_empty() {
             return Ok(0.0);
         }
-        let mut force = vec![[0.0; D]; self.displacement.len()];
+        let mut force = vec![[0.0; D]; self.whole.displacement.len()];
         let mut stiffness = force.clone();
-        for block in &blocks {
+        for &(place, block) in &blocks {
             let own = self.cells(block, Formulation::Displacement)?;
             for cell in block.cells() {
                 for q in 0..own.table.len() {
-                    let here = own.deformation(q, (cell, &[]), self.displacement);
+                    let here = own.deformation(q, (cell, &[]), self.whole.displacement);
                     let shape = own.table.shape(q);
-                    let smooth = trace(self.recovered(cell, shape));
+                    let smooth = trace(self.recovered(place, cell, shape));
                     let own_trace = trace(own.lame.strain(here.gradient, here.hoop));
                     let jump = here.volume * own.lame.bulk() * (own_trace - smooth);
                     let opposed = here.volume * own.lame.mu;
@@ -239,7 +246,7 @@ impl<'a, const D: usize> Part<'a, D> {
         let motion: Vec<Point<D>> = nodes.map(motion).collect();
         let work: f64 = force.iter().zip(&motion).map(|(f, v)| dot(*f, *v)).sum();
         let mut opposed = 0.0;
-        for block in &blocks {
+        for (_, block) in &blocks {
             let own = self.cells(block, Formulation::Displacement)?;
             for cell in block.cells() {
                 for q in 0..own.table.len() {
@@ -258,24 +265,26 @@ impl<'a, const D: usize> Part<'a, D> {
 
     /// The hoop strain per radial displacement of a node.
     fn hoop(&self, here: &Deformation<D>, shape: f64) -> f64 {
-        match self.analysis {
+        match self.whole.analysis {
             Analysis::Axisymmetric => shape / here.point[0],
             _ => 0.0,
         }
     }
 
     /// Nodes (nodes,) of some blocks that nothing else touches: neither the outside nor other cells.
-    fn inner_nodes(&self, blocks: &[&CellBlock]) -> Vec<bool> {
-        let mesh = &self.body.mesh;
+    fn inner_nodes(&self, blocks: &[(usize, &CellBlock)]) -> Vec<bool> {
+        let mesh = &self.whole.body.mesh;
         let mut inner = vec![false; mesh.points().len()];
         let mut mark = |nodes: &mut dyn Iterator<Item = u32>, value: bool| {
             nodes.for_each(|node| inner[node as usize] = value);
         };
-        for block in blocks {
+        for (_, block) in blocks {
             mark(&mut block.nodes.iter().copied(), true);
         }
         let others = mesh.blocks().iter();
-        for block in others.filter(|block| !blocks.iter().any(|own| std::ptr::eq(*own, *block))) {
+        for block in
+            others.filter(|block| !blocks.iter().any(|(_, own)| std::ptr::eq(*own, *block)))
+        {
             mark(&mut block.nodes.iter().copied(), false);
         }
         for facet in mesh.boundary_facets() {

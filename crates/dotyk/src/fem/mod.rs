@@ -10,6 +10,7 @@
 
 mod assemble;
 mod block;
+mod borders;
 mod cells;
 mod couple;
 mod cut;
@@ -34,11 +35,12 @@ mod tests;
 
 pub(crate) use assemble::{ALONG, completed, largest_coefficient};
 pub use assemble::{BodySystem, assemble};
+pub use borders::Borders;
 pub use couple::{Couple, CoupleKind};
 pub use error::FemError;
 pub use initial::{Components, Initial, NAMES as COMPONENTS};
 pub use loads::{Amount, Load};
-pub(crate) use loads::{nodal_volumes, side_points};
+pub(crate) use loads::{SidePoint, nodal_volumes, side_points, volume_points};
 pub use modes::{RigidBasis, describe_motion, list_motions};
 pub use nouns::{Active, Analysis, Body, Elastic, Formulation, History, Material, Place, Support};
 pub use springs::{Bed, Spring};

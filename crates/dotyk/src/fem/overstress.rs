@@ -1,7 +1,8 @@
 //! The utilisation of a body's materials at its nodes, and how much of it is overstressed.
 //!
-//! Stress jumps where elasticity does: there a node has one recovered stress for each elasticity that its cells have, and none is
-//! averaged with that of the neighbour. Its utilisation is the largest of those of its materials; each cell is judged by its own.
+//! Stress jumps where elasticity does: there a node has one recovered stress, and one utilisation, for each elasticity that its
+//! cells have ([`Borders`]). Between materials of one elasticity the utilisation is the largest of theirs; each cell is judged by
+//! its own.
 //!
 //! A place is overstressed where the stress of its cell, interpolated between the nodes, exceeds the strength. Cells are cut into
 //! simplices, on which the excess over the strength is taken as linear between the corners:
@@ -12,18 +13,17 @@
 //!
 //! Its boundary is off by O(h²), and so is the area; counting points of integration instead is off by O(h) and jumps with the load.
 
+use crate::fem::borders::Borders;
 use crate::fem::cells::CellTable;
 use crate::fem::error::FemError;
-use crate::fem::nouns::{Analysis, Body, Elastic};
+use crate::fem::nouns::Body;
 use crate::fem::strength::Strength;
-use crate::fem::stress::recover_stress_within;
-use crate::geometry::Point;
 use crate::mesh::{CellBlock, CellKind, MAX_CELL_NODES, Mesh};
 use rayon::prelude::*;
 
 /// What the strengths of a body's materials say of its stress.
 pub(crate) struct Overstress {
-    /// Utilisation at every node; NaN where no cell has a strength.
+    /// Utilisation at every place; NaN where no cell has a strength.
     pub utilisation: Vec<f64>,
     /// Area of the mesh where it exceeds 1, without thickness and 2πr; in space the volume.
     pub extent: f64,
@@ -31,92 +31,68 @@ pub(crate) struct Overstress {
     pub whole: f64,
 }
 
-/// Utilisation and overstressed area of a body with the given nodal displacements at a time, whose recovered total stress is `stress`;
-/// `None` where no material has a strength.
+/// Utilisation and overstressed area of a body whose recovered total stress is `stress` (places,); `None` where no material has
+/// a strength.
 ///
-/// Errors: a group of cells without a material; an initial stress or strain that is not finite.
+/// Errors: a group of cells without a material.
 pub(crate) fn overstress<const D: usize>(
     body: &Body<D>,
-    analysis: Analysis,
-    displacement: &[Point<D>],
-    time: f64,
+    borders: &Borders,
     stress: &[[f64; 6]],
 ) -> Result<Option<Overstress>, FemError> {
     if body.materials.iter().all(|m| m.strength.is_none()) {
         return Ok(None);
-    }
-    let blocks = body.mesh.blocks();
-    let elastic = |block: &CellBlock| body.elastic(block).ok();
-    let mut kinds: Vec<Elastic> = Vec::new();
-    for block in blocks {
-        let own = body.elastic(block)?;
-        if !kinds.contains(&own) {
-            kinds.push(own);
-        }
     }
     let mut found = Overstress {
         utilisation: vec![f64::NAN; stress.len()],
         extent: 0.0,
         whole: 0.0,
     };
-    for kind in &kinds {
-        let like = |block: &CellBlock| elastic(block) == Some(*kind);
-        let judged: Vec<(&CellBlock, Strength)> = blocks
-            .iter()
-            .filter(|block| like(block))
-            .filter_map(|block| Some((block, body.material(block).ok()?.strength?)))
-            .collect();
-        if judged.is_empty() {
-            continue;
-        }
-        let own;
-        let stress = match kinds.len() {
-            1 => stress,
-            _ => {
-                own = recover_stress_within(body, analysis, displacement, time, &like)?;
-                &own[..]
-            }
-        };
-        for (block, strength) in judged {
-            found.add(&body.mesh, block, strength, stress);
+    for (index, block) in body.mesh.blocks().iter().enumerate() {
+        if let Some(strength) = body.material(block)?.strength {
+            let place = |&node: &u32| borders.place(index, node as usize);
+            let places: Vec<usize> = block.nodes.iter().map(place).collect();
+            found.add(&body.mesh, (block, &places), strength, stress);
         }
     }
     Ok(Some(found))
 }
 
 impl Overstress {
-    /// Takes in the cells of a block.
+    /// Takes in the cells of a block, whose nodes have these places.
     fn add<const D: usize>(
         &mut self,
         mesh: &Mesh<D>,
-        block: &CellBlock,
+        (block, places): (&CellBlock, &[usize]),
         strength: Strength,
         stress: &[[f64; 6]],
     ) {
-        let mut nodes = block.nodes.clone();
-        nodes.sort_unstable();
-        nodes.dedup();
-        let values: Vec<f64> = nodes
+        let mut once = places.to_vec();
+        once.sort_unstable();
+        once.dedup();
+        let values: Vec<f64> = once
             .par_iter()
-            .map(|&node| strength.utilisation(stress[node as usize]))
+            .map(|&place| strength.utilisation(stress[place]))
             .collect();
         let mut safe = vec![false; stress.len()];
-        for (&node, value) in nodes.iter().zip(values) {
-            let known = &mut self.utilisation[node as usize];
+        for (&place, value) in once.iter().zip(values) {
+            let known = &mut self.utilisation[place];
             // the larger; that which is a number, where the other is none
             *known = known.max(value);
-            safe[node as usize] = value <= 1.0;
+            safe[place] = value <= 1.0;
         }
         let division = Division::<D>::new(block.kind);
+        let k = block.kind.nodes();
         let extents: Vec<[f64; 2]> = (block.nodes)
-            .par_chunks(block.kind.nodes())
-            .map(|cell| {
+            .par_chunks(k)
+            .zip(places.par_chunks(k))
+            .map(|(cell, places)| {
                 // states that do not fail are convex: between such nodes of a linear cell there are none that do
                 let linear = block.kind.order() == 1;
-                let whole = linear && cell.iter().all(|&node| safe[node as usize]);
+                let whole = linear && places.iter().all(|&place| safe[place]);
                 division.extent(mesh, cell, |at| match whole {
                     true => -1.0,
-                    false => strength.excess(interpolated(cell, at, stress)),
+                    false => strength.excess(interpolated(places, at, stress)),
                 })
             })
             .collect();
@@ -127,11 +103,11 @@ impl Overstress {
     }
 }
 
-/// A nodal stress between the nodes of a cell.
-fn interpolated(cell: &[u32], shape: &[f64], stress: &[[f64; 6]]) -> [f64; 6] {
+/// The stress between the nodes of a cell, which have these places.
+fn interpolated(places: &[usize], shape: &[f64], stress: &[[f64; 6]]) -> [f64; 6] {
     let mut sum = [0.0; 6];
-    for (&node, n) in cell.iter().zip(shape) {
-        for (s, own) in sum.iter_mut().zip(stress[node as usize]) {
+    for (&place, n) in places.iter().zip(shape) {
+        for (s, own) in sum.iter_mut().zip(stress[place]) {
             *s += n * own;
         }
     }
@@ -272,8 +248,9 @@ fn share(values: &[f64]) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::fem::nouns::Material;
+    use crate::fem::nouns::{Analysis, Elastic, Material};
     use crate::fem::tests::{body, groups};
+    use crate::geometry::Point;
     use crate::mesh::{Cuboid, Diagonals, Rectangle};
 
     const KINDS: [CellKind; 5] = [
@@ -294,7 +271,7 @@ mod tests {
     ];
 
     /// A tension that grows as x, from zero at x = 0, beside a yield stress.
-    fn graded<const D: usize>(mesh: Mesh<D>, analysis: Analysis, yield_stress: f64) -> Overstress {
+    fn graded<const D: usize>(mesh: Mesh<D>, yield_stress: f64) -> Overstress {
         let mut body = body(mesh);
         body.materials[0].strength = Some(Strength::VonMises { yield_stress });
         let points = body.mesh.points();
@@ -302,8 +279,7 @@ mod tests {
             .iter()
             .map(|p| [p[0], 0.0, 0.0, 0.0, 0.0, 0.0])
             .collect();
-        let none = vec![[0.0; D]; points.len()];
-        overstress(&body, analysis, &none, 1.0, &stress)
+        overstress(&body, &Borders::of(&body).unwrap(), &stress)
             .unwrap()
             .unwrap()
     }
@@ -321,7 +297,7 @@ mod tests {
             // parallelograms: the excess is linear on them, too
             let slanted = |[x, y]: Point<2>| [x + 0.5 * y, y];
             let mesh = rectangle.build().unwrap().map_points(slanted).unwrap();
-            let found = graded(mesh, Analysis::PlaneStrain, 0.7);
+            let found = graded(mesh, 0.7);
             // all but what is left of x = 0.7 in the parallelogram: at y it is 0.7 − y/2 wide
             let expected = 2.0 - (0.7 - 0.25);
             assert!(
@@ -340,7 +316,7 @@ mod tests {
             };
             let slanted = |[x, y, z]: Point<3>| [x + 0.5 * y + 0.2 * z, y, z];
             let mesh = cuboid.build().unwrap().map_points(slanted).unwrap();
-            let found = graded(mesh, Analysis::Solid, 0.7);
+            let found = graded(mesh, 0.7);
             let expected = 1.0 - 0.5 * (0.7 - 0.25 - 0.05);
             assert!(
                 (found.extent - expected).abs() < 1e-12,
@@ -415,9 +391,11 @@ mod tests {
             body.materials = vec![material("a", a.0, a.1), material("b", b.0, b.1)];
             let plane = Analysis::PlaneStress;
             let stress = crate::fem::recover_stress(&body, plane, &u, 1.0).unwrap();
-            overstress(&body, plane, &u, 1.0, &stress).unwrap()
+            overstress(&body, &Borders::of(&body).unwrap(), &stress).unwrap()
         };
-        let near = |found: &[f64], expected: [f64; 6]| {
+        // nodes 1 and 4 lie between the groups, and are there again behind the six
+        let near = |found: &[f64], expected: [f64; 8]| {
+            assert_eq!(found.len(), expected.len());
             for (found, expected) in found.iter().zip(expected) {
                 let same = found.is_nan() && expected.is_nan();
                 assert!(
@@ -426,17 +404,23 @@ mod tests {
                 );
             }
         };
-        // the node between has the larger one, and the soft rock beside the stiff lining is not overstressed
+        // each side has its own, and the soft rock beside the stiff lining is not overstressed
         let found = judge((3.0, Some(4.0)), (9.0, Some(10.0))).unwrap();
-        near(&found.utilisation, [0.75, 0.9, 0.9, 0.75, 0.9, 0.9]);
+        near(
+            &found.utilisation,
+            [0.75, 0.75, 0.9, 0.75, 0.75, 0.9, 0.9, 0.9],
+        );
         assert_eq!((found.extent, found.whole), (0.0, 3.0));
         let found = judge((3.0, Some(2.0)), (9.0, Some(10.0))).unwrap();
-        near(&found.utilisation, [1.5, 1.5, 0.9, 1.5, 1.5, 0.9]);
+        near(&found.utilisation, [1.5, 1.5, 0.9, 1.5, 1.5, 0.9, 0.9, 0.9]);
         assert!((found.extent - 1.0).abs() < 1e-12);
         // a group without a strength has no utilisation; no group with one, no field
         let none = f64::NAN;
         let found = judge((3.0, None), (9.0, Some(6.0))).unwrap();
-        near(&found.utilisation, [none, 1.5, 1.5, none, 1.5, 1.5]);
+        near(
+            &found.utilisation,
+            [none, none, 1.5, none, none, 1.5, 1.5, 1.5],
+        );
         assert!((found.extent - 2.0).abs() < 1e-12 && (found.whole - 2.0).abs() < 1e-12);
         assert!(judge((3.0, None), (9.0, None)).is_none());
     }

@@ -3,20 +3,22 @@
 //! In each cell the stress is sampled at the points where it is most accurate (the centre of a linear simplex, else the
 //! corners drawn towards the centre: three points in a quadratic triangle, four in a quadratic tetrahedron, 2 × 2 (× 2) in
 //! quadrilaterals and hexahedra, 3 × 2 in prisms), extrapolated to the
-//! nodes by the linear function through the samples and averaged there with the cells' volumes.
+//! nodes by the linear function through the samples and averaged there with the cells' volumes, those of each material by
+//! themselves.
 
 use crate::fem::block::{Cells, Deformation};
+use crate::fem::borders::Borders;
 use crate::fem::cells::CellTable;
 use crate::fem::elasticity::Lame;
 use crate::fem::error::FemError;
 use crate::fem::loads::points_within;
 use crate::fem::nouns::{Analysis, Body};
 use crate::geometry::Point;
-use crate::mesh::{CellBlock, CellKind, Mesh};
+use crate::mesh::{CellKind, Mesh};
 use rayon::prelude::*;
 
-/// Recovered total stress (xx yy zz xy yz xz) at every node of a body with the given nodal displacements at a time. An initial
-/// stress is taken at the nodes as it is given, the stress of an initial strain where that of the displacements is.
+/// Recovered total stress (xx yy zz xy yz xz) at every place of a body ([`Borders`]) with the given nodal displacements at a
+/// time. An initial stress is taken there as it is given, the stress of an initial strain where that of the displacements is.
 ///
 /// Errors: a group of cells without a material; an initial stress or strain that is not finite.
 /// Source: J. Barlow's optimal sampling points, as described in finite-element textbooks.
@@ -26,26 +28,15 @@ pub fn recover_stress<const D: usize>(
     displacement: &[Point<D>],
     time: f64,
 ) -> Result<Vec<[f64; 6]>, FemError> {
-    recover_stress_within(body, analysis, displacement, time, &|_| true)
-}
-
-/// The same from the cells of some blocks alone; NaN at nodes that none of them has.
-///
-/// Errors: those of [`recover_stress`].
-pub(crate) fn recover_stress_within<const D: usize>(
-    body: &Body<D>,
-    analysis: Analysis,
-    displacement: &[Point<D>],
-    time: f64,
-    within: &dyn Fn(&CellBlock) -> bool,
-) -> Result<Vec<[f64; 6]>, FemError> {
     let local = |lame: Lame, here: &Deformation<D>| {
         let less = body.initial.of_strain((lame, analysis), here.point, time)?;
         Ok(sum(lame.stress(here.gradient, here.hoop), less))
     };
-    let mut stress = recover(body, analysis, displacement, local, within)?;
+    let borders = Borders::of(body)?;
+    let mut stress = recover(body, analysis, (displacement, time), local, &borders)?;
     if body.initial.stress.is_some() {
-        for (stress, &point) in stress.iter_mut().zip(body.mesh.points()) {
+        for (stress, node) in stress.iter_mut().zip(borders.nodes()) {
+            let point = body.mesh.points()[node];
             *stress = sum(*stress, body.initial.stress_at(point, time)?);
         }
     }
@@ -56,42 +47,33 @@ fn sum(a: [f64; 6], b: [f64; 6]) -> [f64; 6] {
     std::array::from_fn(|c| a[c] + b[c])
 }
 
-/// Recovered strain (xx yy zz xy yz xz, tensor components) at every node, as [`recover_stress`].
+/// Recovered strain (xx yy zz xy yz xz, tensor components) at every place, as [`recover_stress`].
 ///
-/// Errors: a group of cells without a material.
+/// Errors: a group of cells without a material; an initial strain that is not finite.
 pub fn recover_strain<const D: usize>(
     body: &Body<D>,
     analysis: Analysis,
     displacement: &[Point<D>],
-) -> Result<Vec<[f64; 6]>, FemError> {
-    recover_strain_within(body, analysis, displacement, &|_| true)
-}
-
-/// The same from the cells of some blocks alone; NaN at nodes that none of them has.
-///
-/// Errors: those of [`recover_strain`].
-pub(crate) fn recover_strain_within<const D: usize>(
-    body: &Body<D>,
-    analysis: Analysis,
-    displacement: &[Point<D>],
-    within: &dyn Fn(&CellBlock) -> bool,
+    time: f64,
 ) -> Result<Vec<[f64; 6]>, FemError> {
     let local = |lame: Lame, here: &Deformation<D>| Ok(lame.strain(here.gradient, here.hoop));
-    recover(body, analysis, displacement, local, within)
+    let state = (displacement, time);
+    recover(body, analysis, state, local, &Borders::of(body)?)
 }
 
-/// Recovered rotation vector at every node, radians, as [`recover_stress`]; in the plane its third component.
+/// Recovered rotation vector at every place, radians, as [`recover_stress`]; in the plane its third component.
 ///
-/// Errors: a group of cells without a material.
+/// Errors: a group of cells without a material; an initial strain that is not finite.
 pub fn recover_spin<const D: usize>(
     body: &Body<D>,
     analysis: Analysis,
     displacement: &[Point<D>],
+    time: f64,
 ) -> Result<Vec<[f64; 3]>, FemError> {
     let spins = recover(
         body,
         analysis,
-        displacement,
+        (displacement, time),
         |_, Deformation { gradient, .. }| {
             let of = |i: usize, j: usize| match i.max(j) < D {
                 true => 0.5 * (gradient[j][i] - gradient[i][j]),
@@ -99,7 +81,7 @@ pub fn recover_spin<const D: usize>(
             };
             Ok([of(1, 2), of(2, 0), of(0, 1), 0.0, 0.0, 0.0])
         },
-        &|_| true,
+        &Borders::of(body)?,
     )?;
     Ok(spins
         .into_iter()
@@ -107,18 +89,18 @@ pub fn recover_spin<const D: usize>(
         .collect())
 }
 
-/// Nodal values of what is `local` to a material and a deformation.
+/// Values of what is `local` to a material and a deformation, at every place.
 fn recover<const D: usize>(
     body: &Body<D>,
     analysis: Analysis,
-    displacement: &[Point<D>],
+    (displacement, time): (&[Point<D>], f64),
     local: impl Fn(Lame, &Deformation<D>) -> Result<[f64; 6], FemError> + Sync,
-    within: &dyn Fn(&CellBlock) -> bool,
+    borders: &Borders,
 ) -> Result<Vec<[f64; 6]>, FemError> {
-    let mesh = &body.mesh;
-    let mut sums = vec![[0.0; 7]; mesh.points().len()];
-    for block in mesh.blocks().iter().filter(|block| within(block)) {
+    let mut sums = vec![[0.0; 7]; borders.count()];
+    for (index, block) in body.mesh.blocks().iter().enumerate() {
         let whole = Cells::new(body, block, analysis, body.formulation)?;
+        let of_initial = whole.for_initial(block);
         let table = CellTable::at(block.kind, &sampling_points(block.kind));
         let own = whole.at(table.formulated(block.kind, body.formulation));
         let count = own.table.len();
@@ -131,7 +113,8 @@ fn recover<const D: usize>(
             .zip(block.nodes.par_chunks(k * CHUNK))
             .try_for_each(|(out, cells)| {
                 for (out, cell) in out.chunks_exact_mut(count).zip(cells.chunks_exact(k)) {
-                    let modes = whole.modes(cell, displacement);
+                    let held = body.initial.held_modes(&of_initial, (cell, time))?;
+                    let modes = whole.modes(cell, displacement, &held);
                     for (q, sample) in out.iter_mut().enumerate() {
                         let here = own.deformation(q, (cell, &modes), displacement);
                         sample[..6].copy_from_slice(&local(own.lame, &here)?);
@@ -143,7 +126,7 @@ fn recover<const D: usize>(
         for (cell, samples) in block.cells().zip(samples.chunks_exact(count)) {
             let volume: f64 = samples.iter().map(|s| s[6]).sum();
             for (&node, weights) in cell.iter().zip(&extrapolation) {
-                let sum = &mut sums[node as usize];
+                let sum = &mut sums[borders.place(index, node as usize)];
                 for c in 0..6 {
                     sum[c] += volume
                         * samples

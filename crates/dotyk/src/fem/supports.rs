@@ -280,20 +280,9 @@ pub fn nearest_node<const D: usize>(
     point: Point<D>,
     what: &str,
 ) -> Result<usize, FemError> {
-    let nearest = (0..mesh.points().len())
-        .min_by(|&a, &b| {
-            distance(mesh.points()[a], point).total_cmp(&distance(mesh.points()[b], point))
-        })
-        .unwrap_or(0);
+    let nearest = mesh.nearest_node(point);
     let at = mesh.points()[nearest];
-    let mut longest: f64 = 0.0;
-    for (index, block) in mesh.blocks().iter().enumerate() {
-        let around = block.cells().enumerate();
-        for (cell, _) in around.filter(|(_, nodes)| nodes.contains(&(nearest as u32))) {
-            longest = longest.max(mesh.longest_edge(index, cell));
-        }
-    }
-    let (gap, limit) = (distance(at, point), 0.5 * longest);
+    let (gap, limit) = (distance(at, point), 0.5 * mesh.longest_edge_at(nearest));
     if gap <= limit {
         Ok(nearest)
     } else {

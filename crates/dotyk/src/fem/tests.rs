@@ -1427,7 +1427,7 @@ fn stress_of_bending_is_linear_where_cells_are_quadratic() {
 }
 
 #[test]
-fn stress_between_materials_is_the_mean_by_volume() {
+fn stress_of_a_material_is_its_own_and_the_mean_by_volume_between_its_cells() {
     let material = |group: &str, young: f64| Material {
         group: Some(group.to_string()),
         elastic: Elastic {
@@ -1439,12 +1439,29 @@ fn stress_between_materials_is_the_mean_by_volume() {
     let mut body = body(groups());
     body.materials = vec![material("a", 3.0), material("b", 9.0)];
     let u: Vec<Point<2>> = body.mesh.points().iter().map(|x| [x[0], 0.0]).collect();
-    let stress = recover_stress(&body, Analysis::PlaneStress, &u, 1.0).unwrap();
-    // areas 1 and 2
-    let found: Vec<f64> = stress.iter().map(|s| s[0]).collect();
-    for (found, expected) in found.iter().zip([3.0, 7.0, 9.0, 3.0, 7.0, 9.0]) {
-        near(*found, expected, 1e-13);
-    }
+    let along = |body: &Body<2>, u: &[Point<2>], expected: &[f64]| {
+        let stress = recover_stress(body, Analysis::PlaneStress, u, 1.0).unwrap();
+        assert_eq!(stress.len(), expected.len());
+        let both = stress.iter().zip(expected);
+        both.for_each(|(stress, expected)| near(stress[0], *expected, 1e-13));
+    };
+    // nodes 1 and 4 lie on the border: that of the first material there, those of the second behind all nodes
+    along(&body, &u, &[3.0, 3.0, 9.0, 3.0, 3.0, 9.0, 9.0, 9.0]);
+    let borders = Borders::of(&body).unwrap();
+    assert_eq!([borders.place(0, 4), borders.place(1, 4)], [4, 7]);
+    assert_eq!(
+        borders.nodes().collect::<Vec<_>>(),
+        [0, 1, 2, 3, 4, 5, 1, 4]
+    );
+    assert_eq!(
+        borders.largest(&[0.0, 1.0, 0.0, 0.0, f64::NAN, 0.0, 0.5, 0.5]),
+        [0, 1, 2, 3, 7, 5]
+    );
+    // two groups of one elasticity are one material: areas 1 and 2
+    body.materials = vec![material("a", 3.0), material("b", 3.0)];
+    let bent = |x: &Point<2>| [x[0] + 2.0 * (x[0] - 1.0).max(0.0), 0.0];
+    let u: Vec<Point<2>> = body.mesh.points().iter().map(bent).collect();
+    along(&body, &u, &[3.0, 7.0, 9.0, 3.0, 7.0, 9.0]);
     // with axial symmetry by that of the ring, 2πr at the samples: their mean radii are 1/2 and 2
     let ring = recover_stress(&body, Analysis::Axisymmetric, &u, 1.0).unwrap();
     let volumes = [0.5, 4.0];

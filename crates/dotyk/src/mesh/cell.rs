@@ -3,7 +3,10 @@
 //! What a kind is stands in `reference.rs`, as data.
 
 use crate::mesh::basis::Basis;
+use crate::mesh::error::MeshError;
 use crate::mesh::reference::{CellKind, Domain};
+use std::collections::HashMap;
+use std::collections::hash_map::Entry;
 use std::sync::LazyLock;
 
 /// Largest number of nodes of any cell: the length of buffers on the stack.
@@ -237,6 +240,44 @@ impl CellBlock {
     }
 }
 
+/// Keeps the first of cells that are listed several times, in one block or in several; returns how many were dropped.
+///
+/// Errors: two cells with the same corners that differ otherwise.
+pub fn drop_repeated(blocks: &mut Vec<CellBlock>) -> Result<usize, MeshError> {
+    let sorted = |nodes: &[u32]| {
+        let mut nodes = nodes.to_vec();
+        nodes.sort_unstable();
+        nodes
+    };
+    let mut seen: HashMap<Vec<u32>, (CellKind, Vec<u32>, (usize, usize))> = HashMap::new();
+    let mut dropped = 0;
+    for (index, block) in blocks.iter_mut().enumerate() {
+        let kind = block.kind;
+        let mut kept = Vec::with_capacity(block.nodes.len());
+        for (cell, nodes) in block.nodes.chunks_exact(kind.nodes()).enumerate() {
+            let (own, place) = (sorted(nodes), (index, cell));
+            match seen.entry(sorted(&nodes[..kind.corners()])) {
+                Entry::Vacant(free) => {
+                    free.insert((kind, own, place));
+                    kept.extend_from_slice(nodes);
+                }
+                Entry::Occupied(known) if known.get().0 == kind && known.get().1 == own => {
+                    dropped += 1;
+                }
+                Entry::Occupied(known) => {
+                    return Err(MeshError::Overlap {
+                        first: known.get().2,
+                        second: place,
+                    });
+                }
+            }
+        }
+        block.nodes = kept;
+    }
+    blocks.retain(|block| !block.nodes.is_empty());
+    Ok(dropped)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -246,6 +287,36 @@ mod tests {
         let mut values = vec![f64::NAN; kind.nodes()];
         kind.shape(&xi, &mut values);
         values
+    }
+
+    #[test]
+    fn cells_that_are_listed_twice_count_once() {
+        let block = |kind: CellKind, nodes: &[u32], group: &str| CellBlock {
+            kind,
+            nodes: nodes.to_vec(),
+            group: Some(group.to_string()),
+        };
+        let mut blocks = vec![
+            block(CellKind::Tri3, &[0, 1, 2, 2, 1, 3], "low"),
+            // the second again, from another corner; the first the other way round
+            block(CellKind::Tri3, &[1, 3, 2, 0, 2, 1, 3, 1, 4], "all"),
+            block(CellKind::Tri3, &[1, 4, 3], "high"),
+        ];
+        assert_eq!(drop_repeated(&mut blocks).unwrap(), 3);
+        let left: Vec<_> = blocks.iter().map(|block| &block.nodes[..]).collect();
+        assert_eq!(left, [&[0, 1, 2, 2, 1, 3][..], &[3, 1, 4]]);
+        let mut blocks = vec![
+            block(CellKind::Tri3, &[0, 1, 2], "a"),
+            block(CellKind::Tri6, &[0, 1, 2, 3, 4, 5], "b"),
+        ];
+        let error = drop_repeated(&mut blocks).unwrap_err();
+        assert!(matches!(
+            error,
+            MeshError::Overlap {
+                first: (0, 0),
+                second: (1, 0)
+            }
+        ));
     }
 
     #[test]

@@ -63,6 +63,16 @@ pub enum MeshError {
         /// Number of nodes.
         points: usize,
     },
+    /// Two cells have the same corners, and differ.
+    #[error(
+        "cell {} of block {} and cell {} of block {} overlap: they have the same corners, but differ in kind or middle nodes; remove one", .second.1, .second.0, .first.1, .first.0
+    )]
+    Overlap {
+        /// Block and cell that come first.
+        first: (usize, usize),
+        /// Block and cell of the other one.
+        second: (usize, usize),
+    },
     /// A cell names a node twice.
     #[error(
         "cell {cell} of block {block} names node {node} twice: give it distinct nodes or remove it"

@@ -14,12 +14,13 @@ mod error;
 mod facets;
 mod generate;
 mod import;
+mod nearest;
 mod outline;
 mod reference;
 mod skin;
 mod strip;
 
-pub use cell::{CellBlock, MAX_CELL_NODES, MAX_FACET_NODES};
+pub use cell::{CellBlock, MAX_CELL_NODES, MAX_FACET_NODES, drop_repeated};
 pub use error::MeshError;
 pub use facets::{Chain, FacetTable};
 pub(crate) use generate::pieces;
@@ -35,8 +36,9 @@ pub use reference::{CellKind, Domain};
 pub(crate) use skin::Skin;
 pub use strip::{Cut, Strip, StripError};
 
-use crate::geometry::{Point, Surface, bounding_box, determinant, distance, norm, padded, sub};
+use crate::geometry::{Point, Surface, determinant, distance, norm, padded, sub};
 use crate::mesh::check::check;
+use crate::mesh::nearest::Found;
 use std::collections::BTreeMap;
 
 /// A facet: the `local`-th facet of a cell of a block.
@@ -58,6 +60,7 @@ pub struct Mesh<const D: usize> {
     sides: BTreeMap<String, Vec<Facet>>,
     /// The curves that facets stand for, where the maker of the mesh knew them.
     curves: BTreeMap<Facet, Surface<D>>,
+    found: Found<D>,
 }
 
 impl<const D: usize> Mesh<D> {
@@ -71,6 +74,7 @@ impl<const D: usize> Mesh<D> {
             blocks,
             sides: BTreeMap::new(),
             curves: BTreeMap::new(),
+            found: Found::default(),
         }
         .checked()
     }
@@ -89,6 +93,7 @@ impl<const D: usize> Mesh<D> {
 
     /// Checks what a mesh must be, turns cells with the facets of sides and curves, sorts the sides.
     fn checked(mut self) -> Result<Self, MeshError> {
+        self.found = Found::default();
         let turned = check(&self.points, &mut self.blocks)?;
         let mirrored: Vec<Vec<u32>> = self
             .blocks
@@ -153,7 +158,7 @@ impl<const D: usize> Mesh<D> {
 
     /// Length of the diagonal of the bounding box.
     pub fn diameter(&self) -> f64 {
-        let (low, high) = bounding_box(&self.points);
+        let [low, high] = self.bounds();
         distance(low, high)
     }
 

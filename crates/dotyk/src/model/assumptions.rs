@@ -34,7 +34,7 @@ const FEW: usize = 5;
 ///
 /// Errors: a group of cells without a material.
 pub(crate) fn beyond<const D: usize>(
-    model: &Model<D>,
+    (model, time): (&Model<D>, f64),
     paired: &[Paired<D>],
     bodies: &[BodySolution<D>],
     contacts: &[ContactSolution<D>],
@@ -42,8 +42,8 @@ pub(crate) fn beyond<const D: usize>(
     let all: f64 = bodies.iter().map(|solved| solved.strain_energy).sum();
     let each = model.bodies.par_iter().zip(bodies);
     let each = each.map(|(body, solved)| {
-        let stiff = too_stiff(model, body, solved, all)?;
-        Ok((large(model, body, solved)?, stiff))
+        let stiff = too_stiff((model, time), body, solved, all)?;
+        Ok((large((model, time), body, solved)?, stiff))
     });
     let told: Vec<(Vec<String>, Option<String>)> = each.collect::<Result<_, Error<D>>>()?;
     let of_bodies = told
@@ -74,11 +74,11 @@ pub(crate) fn beyond<const D: usize>(
 
 /// Warnings about a body that is strained or turned by much.
 fn large<const D: usize>(
-    model: &Model<D>,
+    (model, time): (&Model<D>, f64),
     body: &Body<D>,
     solved: &BodySolution<D>,
 ) -> Result<Vec<String>, Error<D>> {
-    let spins = recover_spin(body, model.analysis, &solved.displacement);
+    let spins = recover_spin(body, model.analysis, &solved.displacement, time);
     let spins = spins.map_err(|source| Error::in_body(body, source))?;
     let strain = |e: &[f64; 6]| e.iter().fold(0.0, |largest: f64, e| largest.max(e.abs()));
     let strains = solved.strain.iter().map(strain).collect();

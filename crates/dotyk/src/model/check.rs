@@ -20,6 +20,7 @@ use crate::model::parts::{couples, first_point};
 use crate::model::probe::sites;
 use crate::model::section::lay_out;
 use crate::model::sliding::sliding;
+use crate::model::unglued::unglued;
 use rayon::prelude::*;
 use std::collections::BTreeMap;
 use std::fmt;
@@ -393,6 +394,7 @@ fn of_body<const D: usize>(model: &Model<D>, id: BodyId) -> Vec<String> {
         .chain(moved_points(body))
         .chain(moving_ground(model, id))
         .chain(out_of_plane(model.analysis, body))
+        .chain(unglued(model, id))
         .collect()
 }
 

@@ -3,7 +3,8 @@
 use crate::contact::{Coupling, InterfaceNode, Role};
 use crate::dual::{AdmissibleSet, NONE};
 use crate::fem::{
-    RigidBasis, describe_motion, fit_rigid, overstress, recover_strain, recover_stress, von_mises,
+    Borders, RigidBasis, describe_motion, fit_rigid, overstress, recover_strain, recover_stress,
+    von_mises,
 };
 use crate::geometry::{Point, add_scaled, bounding_box, cross, distance, dot, norm, sub};
 use crate::model::bodies::LoadedBody;
@@ -79,8 +80,9 @@ fn body_solution<const D: usize>(
 ) -> Result<BodySolution<D>, Error<D>> {
     let fail = |source| Error::in_body(body, source);
     let stress = recover_stress(body, model.analysis, &state.u, time).map_err(fail)?;
-    let utilisation = overstress(body, model.analysis, &state.u, time, &stress).map_err(fail)?;
-    let strain = recover_strain(body, model.analysis, &state.u).map_err(fail)?;
+    let borders = Borders::of(body).map_err(fail)?;
+    let utilisation = overstress(body, &borders, &stress).map_err(fail)?;
+    let strain = recover_strain(body, model.analysis, &state.u, time).map_err(fail)?;
     let points = body.mesh.points();
     let basis = RigidBasis::of(model.analysis);
     let (translation, rotation) = fit_rigid(basis, points, &state.u, centroid(points));
@@ -109,6 +111,7 @@ fn body_solution<const D: usize>(
     Ok(BodySolution {
         name: body.name.clone(),
         bar_forces,
+        borders,
         von_mises: stress.iter().map(|&s| von_mises(s)).collect(),
         stress,
         strain,

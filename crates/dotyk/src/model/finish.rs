@@ -117,7 +117,12 @@ pub(crate) fn finish<const D: usize>(
         }
     }
     if placed {
-        warnings.extend(beyond(model, &condensed.paired, &bodies, &contacts)?);
+        warnings.extend(beyond(
+            (model, condensed.time),
+            &condensed.paired,
+            &bodies,
+            &contacts,
+        )?);
     }
     let sections = section_forces(model, &condensed.laid, condensed.time, (&bodies, &pushes))?;
     let mut solution = Solution {

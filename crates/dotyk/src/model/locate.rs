@@ -14,6 +14,8 @@ const OUTSIDE: f64 = 0.1;
 /// What the value at a place is made of.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Located<const D: usize> {
+    /// Index of the block of the cell, or of that behind the facet: its material.
+    pub block: usize,
     pub nodes: Vec<usize>,
     /// Shape functions of the nodes.
     pub shape: Vec<f64>,
@@ -24,9 +26,10 @@ pub(crate) struct Located<const D: usize> {
 }
 
 impl<const D: usize> Located<D> {
-    /// A node of a side with this normal.
-    pub fn at_node(node: usize, normal: Point<D>) -> Self {
+    /// A node of the cells of a block, of a side with this normal.
+    pub fn at_node(block: usize, node: usize, normal: Point<D>) -> Self {
         Self {
+            block,
             nodes: vec![node],
             shape: vec![1.0],
             normal,
@@ -40,11 +43,21 @@ impl<const D: usize> Located<D> {
         mesh.facet_kind(facet).shape(xi, &mut shape);
         let nodes: Vec<usize> = mesh.facet_nodes(facet).map(|n| n as usize).collect();
         Self {
+            block: facet.block as usize,
             shape: shape[..nodes.len()].to_vec(),
             nodes,
             normal: unit(mesh.outward_normal(facet, xi)).unwrap_or([0.0; D]),
             outside: 0.0,
         }
+    }
+
+    /// What has these values at the nodes is here; a node without weight does not count, whatever it has.
+    pub fn interpolate<const N: usize>(&self, value: impl Fn(usize) -> [f64; N]) -> [f64; N] {
+        let parts = self.nodes.iter().zip(&self.shape);
+        parts.fold([0.0; N], |sum, (&node, &n)| match n {
+            0.0 => sum,
+            _ => add_scaled(sum, n, value(node)),
+        })
     }
 }
 
@@ -62,7 +75,7 @@ pub(crate) fn locate_all<const D: usize>(
     let indexed = indexed.map(|(index, &point)| GeomWithData::new(point, index));
     let tree = RTree::bulk_load(indexed.collect());
     let mut best: Vec<Option<(f64, Located<D>)>> = vec![None; points.len()];
-    for block in mesh.blocks() {
+    for (index, block) in mesh.blocks().iter().enumerate() {
         for cell in block.cells() {
             let corners: Vec<Point<D>> = cell
                 .iter()
@@ -81,6 +94,7 @@ pub(crate) fn locate_all<const D: usize>(
                     let mut shape = [0.0; MAX_CELL_NODES];
                     block.kind.shape(&xi, &mut shape);
                     let found = Located {
+                        block: index,
                         nodes: cell.iter().map(|&node| node as usize).collect(),
                         shape: shape[..cell.len()].to_vec(),
                         normal: [0.0; D],

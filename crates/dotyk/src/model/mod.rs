@@ -56,6 +56,7 @@ mod stages;
 mod steps;
 mod stiff;
 mod study;
+mod unglued;
 
 pub use crate::contact::ContactError;
 pub use attempt::ASSEMBLED;

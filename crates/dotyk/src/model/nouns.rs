@@ -11,8 +11,8 @@ use crate::model::section::Section;
 
 pub use crate::contact::Rigid;
 pub use crate::fem::{
-    Active, Amount, Analysis, Bed, Body, COMPONENTS, Components, Couple, CoupleKind, Elastic,
-    Formulation, History, Initial, Load, Material, Place, Spring, Strength, Support,
+    Active, Amount, Analysis, Bed, Body, Borders, COMPONENTS, Components, Couple, CoupleKind,
+    Elastic, Formulation, History, Initial, Load, Material, Place, Spring, Strength, Support,
 };
 
 /// Names of units; they label the report and change no number.

@@ -1,21 +1,29 @@
 //! Probes: numbers read off a solution, interpolated in the containing cell or along the nonmortar side.
+//!
+//! What is known at the nodes is a vector or a tensor; it is interpolated, and the number that is asked for is taken of it at the
+//! point: σ_m = m·(ΣNₐσₐ)·m with the direction m there, not ΣNₐ(mₐ·σₐ·mₐ). A cell has the stress of its own material, its strength,
+//! too. Means and integrals are Σ wₖ q(xₖ) over points of integration; largest and smallest values are those at nodes.
 
 use crate::contact::frame;
-use crate::fem::{RigidBasis, fit_rigid, nodal_volumes, principal, side_facets, von_mises};
+use crate::fem::{
+    Body, RigidBasis, Strength, fit_rigid, principal, side_facets, volume_points, von_mises,
+};
 use crate::geometry::{Point, add_scaled, cross, distance, dot, norm, padded, sub};
 use crate::mesh::{Facet, Mesh};
 use crate::model::bar::BarSolution;
 use crate::model::error::{Error, ProbeError};
-use crate::model::line::{Station, points_between, stations_along, stations_at};
+use crate::model::line::{
+    Breaks, Station, points_between, stations_along, stations_at, stations_within,
+};
 use crate::model::locate::{Located, locate, locate_all, locate_on_side};
 use crate::model::nouns::{Along, Analysis, BodyId, Model, Probe, Reading, SideRef};
 use crate::model::on_side::{OnSide, fitting};
 use crate::model::pair::Paired;
-use crate::model::quantity::{Component, ContactField, Parts, Since, Stress, Touching};
+use crate::model::quantity::{ContactField, Parts, Since, Stress, Touching};
 use crate::model::recover::centroid;
 use crate::model::section::{SectionQuantity, SectionSolution};
 use crate::model::solution::{BodySolution, ContactNode, LinePoint, ProbeValue, Solution};
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 /// A smaller shape function is rounding: that node has no part in the value.
 const NO_WEIGHT: f64 = 1e-12;
@@ -28,8 +36,8 @@ const ON_THE_NODE: f64 = 1e-6;
 pub(crate) struct Site<const D: usize> {
     /// The places that it is read along; none where it is read otherwise.
     stations: Vec<Station<D>>,
-    /// Nodes and their parts in the value at its point.
-    at: Option<Located<D>>,
+    /// Where its value at a point comes from: the mean of those at one or two places.
+    at: Vec<Located<D>>,
 }
 
 /// Reads all probes of a model off a solution, each at its site.
@@ -142,18 +150,19 @@ fn site<const D: usize>(
         }
         _ => {}
     }
-    let located = |at| -> Result<Located<D>, ProbeError<D>> {
+    let located = |at| -> Result<Vec<Located<D>>, ProbeError<D>> {
         let found = located(model, carrier, at)?;
         Ok(match probe.reading {
             Reading::MeanOfNeighbours(_) => {
                 neighbours(&model.bodies[carrier.body()].mesh, found, at)
             }
-            _ => found,
+            _ => vec![found],
         })
     };
+    let at = probe.reading.point().map(located).transpose()?;
     Ok(Site {
         stations: stations(model, probe, carrier)?,
-        at: probe.reading.point().map(located).transpose()?,
+        at: at.unwrap_or_default(),
     })
 }
 
@@ -211,14 +220,8 @@ fn read<const D: usize>(
             reduced(probe.reading, samples)
         }
         (None, Carrier::Body(of)) => {
-            let body = &model.bodies[of];
-            let weighted = matches!(probe.reading, Reading::Mean | Reading::Integral);
-            let volumes = weighted.then(|| nodal_volumes(body, model.analysis));
-            let volume = |node: usize| volumes.as_ref().map_or(0.0, |volumes| volumes[node]);
-            let nodes = body.mesh.points().iter().enumerate();
-            let samples =
-                nodes.map(|(node, &point)| (point, volume(node), field.at_node(node, [0.0; D])));
-            reduced(probe.reading, samples)
+            let samples = within(&model.bodies[of], model.analysis, probe.reading, &field);
+            reduced(probe.reading, samples.into_iter())
         }
         (None, Carrier::Side(_)) => {
             let Parts::Along(of, _) = probe.quantity.parts else {
@@ -227,15 +230,54 @@ fn read<const D: usize>(
             // a mean is that of the part of the side that faces something
             let facing = |n: &&ContactNode<D>| probe.reading != Reading::Mean || !n.gap.is_nan();
             let nodes = solution.contacts[of].nodes.iter().filter(facing);
-            let value = |n: &ContactNode<D>| field.at_node(n.node, n.normal);
+            // what a contact has depends on no material
+            let value = |n: &ContactNode<D>| (field.value)(&Located::at_node(0, n.node, n.normal));
             reduced(probe.reading, nodes.map(|n| (n.point, n.weight, value(n))))
         }
     };
     if let Some(read) = reduced {
         return Ok(read);
     }
-    let found = site.at.as_ref().ok_or(ProbeError::NoPlace)?;
-    Ok(field.interpolated(found).into())
+    if site.at.is_empty() {
+        return Err(ProbeError::NoPlace);
+    }
+    let sum: f64 = site.at.iter().map(|found| (field.value)(found)).sum();
+    Ok((sum / site.at.len() as f64).into())
+}
+
+/// Values within a body: at its nodes in their order, or, where they are weighted, at points of integration with their volumes.
+fn within<const D: usize>(
+    body: &Body<D>,
+    analysis: Analysis,
+    reading: Reading<D>,
+    field: &ReadField<'_, D>,
+) -> Vec<Sample<D>> {
+    let mut samples = Vec::new();
+    if !matches!(reading, Reading::Mean | Reading::Integral) {
+        let blocks = body.mesh.blocks().iter().enumerate();
+        let nodes = blocks.flat_map(|(block, own)| own.nodes.iter().map(move |&n| (n, block)));
+        let nodes: BTreeSet<(u32, usize)> = nodes.collect();
+        samples.extend(nodes.into_iter().map(|(node, block)| {
+            let found = Located::at_node(block, node as usize, [0.0; D]);
+            (
+                body.mesh.points()[node as usize],
+                0.0,
+                (field.value)(&found),
+            )
+        }));
+        return samples;
+    }
+    volume_points(body, analysis, |at| {
+        let found = Located {
+            block: at.block,
+            nodes: at.cell.iter().map(|&node| node as usize).collect(),
+            shape: at.shape.to_vec(),
+            normal: [0.0; D],
+            outside: 0.0,
+        };
+        samples.push(([0.0; D], at.volume, (field.value)(&found)));
+    });
+    samples
 }
 
 /// A quantity of a section, read at its stations; mean and integral run over s.
@@ -302,51 +344,21 @@ impl Carrier<'_> {
 /// What a quantity is in a solution.
 enum Quantified<'a, const D: usize> {
     Number(f64),
-    Varies(NodalField<'a, D>),
+    Varies(ReadField<'a, D>),
 }
 
-/// A quantity at nodes: the number of a vector, which is interpolated before.
-struct NodalField<'a, const D: usize> {
+/// A quantity that varies from place to place: its number at one.
+struct ReadField<'a, const D: usize> {
     carrier: Carrier<'a>,
-    /// The vector at a node, of a side with this normal.
-    vector: Box<dyn Fn(usize, Point<D>) -> Point<D> + 'a>,
-    number: fn(Point<D>) -> f64,
+    value: Box<dyn Fn(&Located<D>) -> f64 + 'a>,
 }
 
-impl<'a, const D: usize> NodalField<'a, D> {
-    /// One that is a number itself.
-    fn scalar(carrier: Carrier<'a>, value: impl Fn(usize, Point<D>) -> f64 + 'a) -> Self {
-        let vector = move |node: usize, normal: Point<D>| {
-            let value = value(node, normal);
-            std::array::from_fn(|i| if i == 0 { value } else { 0.0 })
-        };
+impl<'a, const D: usize> ReadField<'a, D> {
+    fn new(carrier: Carrier<'a>, value: impl Fn(&Located<D>) -> f64 + 'a) -> Self {
         Self {
             carrier,
-            vector: Box::new(vector),
-            number: |vector| vector[0],
+            value: Box::new(value),
         }
-    }
-
-    fn at_node(&self, node: usize, normal: Point<D>) -> f64 {
-        (self.number)((self.vector)(node, normal))
-    }
-
-    /// The value at a place of a cell or facet; a node without weight does not count, whatever it has. Beside a node where it is
-    /// infinite it is, too, whatever the sign of its weight.
-    fn interpolated(&self, found: &Located<D>) -> f64 {
-        let parts = found.nodes.iter().zip(&found.shape);
-        let counts = parts.clone().filter(|(_, n)| **n != 0.0);
-        if counts
-            .map(|(&node, _)| self.at_node(node, found.normal))
-            .any(|v| v == f64::INFINITY)
-        {
-            return f64::INFINITY;
-        }
-        let sum = parts.fold([0.0; D], |sum, (&node, &n)| match n {
-            0.0 => sum,
-            _ => add_scaled(sum, n, (self.vector)(node, found.normal)),
-        });
-        (self.number)(sum)
     }
 
     fn on_line(&self, station: &Station<D>) -> LinePoint {
@@ -354,7 +366,7 @@ impl<'a, const D: usize> NodalField<'a, D> {
         LinePoint {
             s: station.s,
             point: padded(station.point),
-            value: found.map_or(f64::NAN, |f| self.interpolated(f)),
+            value: found.map_or(f64::NAN, |found| (self.value)(found)),
             starts: station.starts,
         }
     }
@@ -416,30 +428,32 @@ fn field<'a, const D: usize>(
             }
             let relative =
                 move |node: usize| sub(solved.displacement[node], minus(mesh.points()[node]));
-            Quantified::Varies(match component {
-                Component::Axis(axis) => {
-                    NodalField::scalar(Carrier::Body(of), move |node, _| relative(node)[axis])
-                }
-                Component::Magnitude => NodalField {
-                    carrier: Carrier::Body(of),
-                    vector: Box::new(move |node, _| relative(node)),
-                    number: norm,
-                },
-            })
+            let value = move |at: &Located<D>| component.of(at.interpolate(&relative));
+            Quantified::Varies(ReadField::new(Carrier::Body(of), value))
         }
         Parts::Stress(of, component) => {
             let (mesh, solved) = body(of);
             let plane = model.analysis != Analysis::Axisymmetric;
-            let value = move |node: usize, normal: Point<D>| {
-                let from = plane.then(|| sub(mesh.points()[node], probe.center));
-                stress(component, solved.stress[node], normal, from)
+            let value = move |at: &Located<D>| {
+                let point = at.interpolate(|node| mesh.points()[node]);
+                let from = plane.then(|| sub(point, probe.center));
+                let tensor = at.interpolate(|node| solved.stress_in(at.block, node));
+                stress(component, tensor, at.normal, from)
             };
-            Quantified::Varies(NodalField::scalar(Carrier::Body(of), value))
+            Quantified::Varies(ReadField::new(Carrier::Body(of), value))
         }
         Parts::Utilisation(of) => {
-            let nodal = body(of).1.utilisation.as_ref().map(|own| &own.nodal);
-            let value = move |node: usize, _| nodal.map_or(f64::NAN, |nodal| nodal[node]);
-            Quantified::Varies(NodalField::scalar(Carrier::Body(of), value))
+            let solved = body(of).1;
+            let body = &model.bodies[of];
+            let blocks = body.mesh.blocks().iter();
+            let strengths: Vec<Option<Strength>> = blocks
+                .map(|block| body.material(block).ok()?.strength)
+                .collect();
+            let value = move |at: &Located<D>| {
+                let tensor = at.interpolate(|node| solved.stress_in(at.block, node));
+                strengths[at.block].map_or(f64::NAN, |strength| strength.utilisation(tensor))
+            };
+            Quantified::Varies(ReadField::new(Carrier::Body(of), value))
         }
         Parts::Along(of, field) => {
             let contact = &solution.contacts[of];
@@ -459,7 +473,8 @@ fn field<'a, const D: usize>(
                 let values = between.get(&node).into_iter().flatten();
                 fitting(values, normal, |value| value.0).map_or(f64::NAN, |value| value.1)
             };
-            Quantified::Varies(NodalField::scalar(Carrier::Side(&contact.nonmortar), value))
+            let value = move |at: &Located<D>| at.interpolate(|node| [value(node, at.normal)])[0];
+            Quantified::Varies(ReadField::new(Carrier::Side(&contact.nonmortar), value))
         }
     }
 }
@@ -489,10 +504,17 @@ fn stations<const D: usize>(
             if D == 3 && probe.is_line() {
                 return Err(ProbeError::SideInSpace);
             }
-            // there a normal and a contact have two values
-            let corners = probe.quantity.needs_side() || probe.quantity.is_of_contact();
             let body = &model.bodies[side.body.0];
-            stations_along(body, &side.side, model.analysis, corners)
+            let of_contact = probe.quantity.is_of_contact();
+            if !of_contact && matches!(probe.reading, Reading::Mean | Reading::Integral) {
+                return stations_within(body, &side.side, model.analysis);
+            }
+            // where what it depends on has two values
+            let breaks = Breaks {
+                corners: probe.quantity.needs_side() || of_contact,
+                materials: probe.quantity.depends_on_material(),
+            };
+            stations_along(body, &side.side, model.analysis, breaks)
         }
         _ if probe.quantity.needs_side() => Err(ProbeError::NoSide),
         Some(Along::Line { from, to, points }) => {
@@ -567,7 +589,7 @@ fn along<const D: usize>(
     }
 }
 
-/// A component of the stress at a node with this normal, at this place from the centre; `None` with axial symmetry.
+/// A component of a stress at a point with this normal, at this place from the centre; `None` with axial symmetry.
 fn stress<const D: usize>(
     component: Stress,
     s: [f64; 6],
@@ -720,25 +742,27 @@ fn located<const D: usize>(
     Ok(found)
 }
 
-/// The two nodes nearest to a point of a facet, with equal weights; a point on a node takes that node.
-fn neighbours<const D: usize>(mesh: &Mesh<D>, found: Located<D>, at: Point<D>) -> Located<D> {
+/// The two nodes nearest to a point of a facet; a point on a node takes that node.
+fn neighbours<const D: usize>(mesh: &Mesh<D>, found: Located<D>, at: Point<D>) -> Vec<Located<D>> {
     let Located {
-        mut nodes, normal, ..
+        block,
+        mut nodes,
+        normal,
+        ..
     } = found;
     // on a curved facet the middle node splits it: the neighbours are the two nodes nearest to the point
     nodes.sort_by(|&a, &b| {
         distance(mesh.points()[a], at).total_cmp(&distance(mesh.points()[b], at))
     });
     let spacing = distance(mesh.points()[nodes[0]], mesh.points()[nodes[1]]);
-    if distance(mesh.points()[nodes[0]], at) < ON_THE_NODE * spacing {
-        return Located::at_node(nodes[0], normal);
-    }
-    Located {
-        nodes: nodes[..2].to_vec(),
-        shape: vec![0.5; 2],
-        normal,
-        outside: 0.0,
-    }
+    let count = match distance(mesh.points()[nodes[0]], at) < ON_THE_NODE * spacing {
+        true => 1,
+        false => 2,
+    };
+    let nearest = nodes[..count].iter();
+    nearest
+        .map(|&node| Located::at_node(block, node, normal))
+        .collect()
 }
 
 #[cfg(test)]

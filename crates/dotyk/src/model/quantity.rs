@@ -347,6 +347,11 @@ impl Quantity {
         matches!(self.parts, Parts::Stress(_, Stress::Normal))
     }
 
+    /// It jumps between the materials of a body.
+    pub(crate) fn depends_on_material(&self) -> bool {
+        matches!(self.parts, Parts::Stress(..) | Parts::Utilisation(_))
+    }
+
     /// It is the length of a contact, or in space its area.
     pub(crate) fn is_extent(&self) -> bool {
         matches!(self.parts, Parts::Length(..))

@@ -443,7 +443,7 @@ pub(crate) fn section_forces<const D: usize>(
                 hoop: laid
                     .across
                     .get(k)
-                    .map(|places| hoop_forces(places, &solution.stress)),
+                    .map(|places| hoop_forces(places, solution)),
                 utilisation: section
                     .capacity
                     .as_ref()
@@ -463,7 +463,7 @@ pub(crate) fn section_forces<const D: usize>(
 /// ∫σ_zz and ∫σ_zz y over a cut, from places in the order from its first side.
 fn hoop_forces<const D: usize>(
     places: &[(Option<Located<D>>, f64)],
-    stress: &[[f64; 6]],
+    solution: &BodySolution<D>,
 ) -> [f64; 2] {
     let thickness: f64 = places.iter().map(|(_, weight)| weight).sum();
     let parts = PARTS as f64;
@@ -471,8 +471,7 @@ fn hoop_forces<const D: usize>(
     let mut sums = [0.0; 2];
     for (k, (place, weight)) in places.iter().enumerate() {
         let Some(place) = place else { continue };
-        let own = place.nodes.iter().zip(&place.shape);
-        let value: f64 = own.map(|(&node, n)| n * stress[node][2]).sum();
+        let value = place.interpolate(|node| solution.stress_in(place.block, node))[2];
         let x = ((k / 3) as f64 + 0.5 + reach * ((k % 3) as f64 - 1.0)) / parts;
         sums[0] += weight * value;
         sums[1] += weight * value * thickness * (0.5 - x);

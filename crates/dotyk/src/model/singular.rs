@@ -95,24 +95,24 @@ pub(crate) fn peaks<const D: usize>(
         let scale = components.fold(0.0, |most: f64, s| most.max(s.abs()));
         let utilised = solved.utilisation.as_ref();
         [
-            peak(model, body, (&solved.von_mises, scale), &places),
-            utilised.and_then(|own| peak(model, body, (&own.nodal, 1.0), &places)),
+            peak(model, (body, solved), (&solved.von_mises, scale), &places),
+            utilised.and_then(|own| peak(model, (body, solved), (&own.nodal, 1.0), &places)),
         ]
     });
     each.collect()
 }
 
-/// The largest of the values at the nodes of one body, and if it is at one of these places, what it is beside them; what is far below
-/// `scale` is rounding.
+/// The largest of the values of one body where stress is given, and if it is at one of these nodes, what it is beside them; what is
+/// far below `scale` is rounding.
 fn peak<const D: usize>(
     model: &Model<D>,
-    body: &Body<D>,
+    (body, BodySolution { borders, .. }): (&Body<D>, &BodySolution<D>),
     (values, scale): (&[f64], f64),
     places: &Places,
 ) -> Option<Peak<D>> {
     let points = body.mesh.points();
     let largest = |among: &dyn Fn(usize) -> bool| {
-        let values = values.iter().enumerate();
+        let values = borders.nodes().zip(values);
         let values = values.filter(|(node, value)| !value.is_nan() && among(*node));
         let found = values.reduce(|best, next| if next.1 > best.1 { next } else { best });
         found.map(|(node, &value)| {
@@ -130,7 +130,7 @@ fn peak<const D: usize>(
             return None;
         }
         let bound = away.map_or(f64::INFINITY, |away| away.value);
-        let volumes = nodal_volumes(body, model.analysis);
+        let volumes = nodal_volumes(body, borders, model.analysis);
         let (usual, share) = usual(&volumes, values, bound);
         Some(SingularPeak {
             place,
@@ -542,14 +542,7 @@ fn is_felt<const D: usize>(
     (node, force): (usize, Point<D>),
 ) -> bool {
     let mesh = &body.mesh;
-    let mut size: f64 = 0.0;
-    for (index, block) in mesh.blocks().iter().enumerate() {
-        for (cell, nodes) in block.cells().enumerate() {
-            if nodes.contains(&(node as u32)) {
-                size = size.max(mesh.longest_edge(index, cell));
-            }
-        }
-    }
+    let size = mesh.longest_edge_at(node);
     let depth = match D {
         2 => measure(model.analysis, body.thickness, mesh.points()[node]),
         _ => size,

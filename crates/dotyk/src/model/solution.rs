@@ -1,7 +1,7 @@
 //! What comes out: displacements, stresses, reactions, contact state, certificate.
 
 use crate::dual::Certificate;
-use crate::fem::{list_motions, principal};
+use crate::fem::{Borders, list_motions, principal};
 use crate::geometry::{Point, add_scaled, norm};
 use crate::model::bar::BarSolution;
 use crate::model::intrusion::Intrusion;
@@ -210,11 +210,14 @@ pub struct BodySolution<const D: usize> {
     pub displacement: Vec<Point<D>>,
     /// Of such a body: at every node the displacement, when it came, of what it was fitted to. Pictures show it there.
     pub fitted: Option<Arc<[Point<D>]>>,
-    /// Stress at every node: xx yy zz xy yz xz.
+    /// Where stress and strain are given: at every node, and behind them at nodes on borders between materials once more for
+    /// each further material.
+    pub borders: Borders,
+    /// Stress at every node, and at the further places of `borders`: xx yy zz xy yz xz.
     pub stress: Vec<[f64; 6]>,
-    /// Strain at every node: xx yy zz xy yz xz, tensor components.
+    /// Strain there: xx yy zz xy yz xz, tensor components.
     pub strain: Vec<[f64; 6]>,
-    /// Von Mises stress at every node.
+    /// Von Mises stress there.
     pub von_mises: Vec<f64>,
     /// Force of its supports and springs ON the body at every node (zero where not held).
     pub reactions: Vec<Point<D>>,
@@ -249,8 +252,8 @@ pub struct BodySolution<const D: usize> {
 /// would yield or break, and hand stress on to its neighbourhood.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Utilisation<const D: usize> {
-    /// At every node, 1 is failure, infinite beyond the apex of a criterion; NaN where no cell has a strength. Between materials the
-    /// largest of theirs.
+    /// At every node, and at the further places of the body's `borders`: 1 is failure, infinite beyond the apex of a criterion; NaN
+    /// where no cell has a strength. Between materials of one elasticity the largest of theirs.
     pub nodal: Vec<f64>,
     /// Area where it exceeds 1, in space volume; without thickness, with axial symmetry that of the section.
     pub overstressed: f64,
@@ -342,7 +345,12 @@ impl<const D: usize> BodySolution<D> {
         list_motions::<D>(&modes)
     }
 
-    /// Principal stresses at every node, largest first.
+    /// The stress of the cells of a block at one of their nodes.
+    pub fn stress_in(&self, block: usize, node: usize) -> [f64; 6] {
+        self.stress[self.borders.place(block, node)]
+    }
+
+    /// Principal stresses at every node, and at the further places of `borders`, largest first.
     pub fn principal_stress(&self) -> Vec<[f64; 3]> {
         self.stress
             .iter()

@@ -27,7 +27,7 @@ const UNEVEN: f64 = 0.12;
 ///
 /// Errors: a group of cells without a material.
 pub(crate) fn too_stiff<const D: usize>(
-    model: &Model<D>,
+    (model, time): (&Model<D>, f64),
     body: &Body<D>,
     solved: &BodySolution<D>,
     all: f64,
@@ -35,7 +35,12 @@ pub(crate) fn too_stiff<const D: usize>(
     if solved.strain_energy <= NEGLIGIBLE * all || rests(body, solved) {
         return Ok(None);
     }
-    let found = unseen(body, model.analysis, &solved.displacement, &solved.strain);
+    let found = unseen(
+        body,
+        (model.analysis, time),
+        &solved.displacement,
+        &solved.strain,
+    );
     let Unseen { part, kind } = found.map_err(|source| Error::in_body(body, source))?;
     let Some(kind) = kind.filter(|_| part > LACKING) else {
         return Ok(None);

@@ -4,7 +4,7 @@
 
 use crate::geometry::{Point, norm, sub};
 use crate::mesh::{CellKind, MAX_CELL_NODES, Mesh};
-use crate::model::{BodySolution, Solution};
+use crate::model::{BodySolution, Borders, Solution};
 use crate::output::colour;
 use crate::output::encode::png;
 use crate::output::json::largest;
@@ -171,7 +171,10 @@ fn draw_view(
             .zip(u.iter())
             .map(|(p, u)| view.pixel([p[0] + factor * u[0], p[1] + factor * u[1]]))
             .collect();
-        canvas.mesh(&body.mesh, &places, &solution.bodies[i].von_mises, high);
+        let BodySolution {
+            borders, von_mises, ..
+        } = &solution.bodies[i];
+        canvas.mesh((&body.mesh, borders), &places, von_mises, high);
     }
     svg.begin_clip(view.corner, view.size);
     svg.picture(view.corner, view.size, &canvas.png());
@@ -299,13 +302,19 @@ impl Canvas {
     }
 
     /// All cells of a mesh with its nodes at `places`; `values` run from 0 to `high`, and where one is NaN nothing is drawn.
-    pub fn mesh(&mut self, mesh: &Mesh<2>, places: &[Pixel], values: &[f64], high: f64) {
+    pub fn mesh(
+        &mut self,
+        (mesh, borders): (&Mesh<2>, &Borders),
+        nodes: &[Pixel],
+        values: &[f64],
+        high: f64,
+    ) {
         let high = if high > 0.0 { high } else { 1.0 };
-        let vertex = |n: u32| {
-            let p = places[n as usize];
+        let vertex = |block: usize, n: u32| {
+            let p = nodes[n as usize];
             let x = (p[0] - self.corner[0]) * FINE;
             let y = (p[1] - self.corner[1]) * FINE;
-            ([x, y], values[n as usize] / high)
+            ([x, y], values[borders.place(block, n as usize)] / high)
         };
         for corners in fans(mesh, &vertex) {
             self.triangle(corners);
@@ -347,13 +356,13 @@ impl Canvas {
 /// Place and value.
 pub type Vertex = ([f64; 2], f64);
 
-/// All cells of a mesh as triangles, on which places and values are linear.
-pub fn fans(mesh: &Mesh<2>, vertex: &dyn Fn(u32) -> Vertex) -> Vec<[Vertex; 3]> {
+/// All cells of a mesh as triangles, on which places and values are linear: those of a node for the cells of a block.
+pub fn fans(mesh: &Mesh<2>, vertex: &dyn Fn(usize, u32) -> Vertex) -> Vec<[Vertex; 3]> {
     let (mut rim, mut fans) = (Vec::new(), Vec::new());
-    for block in mesh.blocks() {
+    for (index, block) in mesh.blocks().iter().enumerate() {
         for cell in block.cells() {
             rim.clear();
-            let center = fan(block.kind, cell, vertex, &mut rim);
+            let center = fan(block.kind, cell, &|node| vertex(index, node), &mut rim);
             for (i, &start) in rim.iter().enumerate() {
                 fans.push([center, start, rim[(i + 1) % rim.len()]]);
             }
@@ -419,7 +428,7 @@ mod tests {
             height,
             pixels: vec![0; width * height],
         };
-        canvas.mesh(&mesh, &places, &values, 20.0);
+        canvas.mesh((&mesh, &Borders::default()), &places, &values, 20.0);
         let inside = canvas.pixels.iter().filter(|&&p| p > 0).count();
         // 20 × 10 at two pixels each way.
         assert_eq!(inside, 40 * 20);

@@ -710,6 +710,7 @@ mod tests {
                 "slip_violation",
                 "force_error",
                 "between_nodes",
+                "overlap",
             ])
         );
         assert_eq!(

@@ -1,6 +1,6 @@
 //! Symbols of supports and loads, drawn along the sides of bodies.
 
-use crate::geometry::{Field, Point, bounding_box, distance, dot, norm, unit};
+use crate::geometry::{Field, Point, bounding_box, dot, norm, unit};
 use crate::model::{Amount, Bed, Load, Place, Spring, Support};
 use crate::output::scene::{Mark, Scene, Strand, polyline};
 use crate::output::svg::{LOAD, Pixel, SUPPORT, Svg, Type, segments, text_width};
@@ -50,14 +50,12 @@ pub fn draw_support(
     let mesh = &scene.model.bodies[body].mesh;
     match &support.place {
         Place::Point(target) => {
-            let Some(&point) = nearest(mesh.points(), *target) else {
-                return;
-            };
+            let point = mesh.points()[mesh.nearest_node(*target)];
             draw_hold(
                 svg,
                 view.pixel(point),
                 hold,
-                (point, middle_of(mesh.points())),
+                (point, middle_of(mesh.bounds())),
             );
         }
         Place::Side(side) => {
@@ -263,9 +261,7 @@ pub fn draw_load(
             draw_fence(svg, scene, view, body, &side, &traction, unit);
         }
         Place::Point(point) => {
-            let Some(&node) = nearest(mesh.points(), point) else {
-                return;
-            };
+            let node = mesh.points()[mesh.nearest_node(point)];
             draw_force(svg, view, view.pixel(node), value(node, [0.0; 2]), labels);
         }
     }
@@ -428,8 +424,8 @@ const APART: f64 = 34.0;
 
 /// The symbols of a spring: all along a side, or at a point along the axes that it holds.
 pub fn draw_spring(svg: &mut Svg, scene: &Scene, view: &View, body: usize, spring: &Spring<2>) {
-    let of = &scene.model.bodies[body];
-    let points = of.mesh.points();
+    let mesh = &scene.model.bodies[body].mesh;
+    let points = mesh.points();
     match &spring.bed {
         Bed::Side { side, .. } => {
             for strand in scene.body_side(body, side) {
@@ -446,11 +442,9 @@ pub fn draw_spring(svg: &mut Svg, scene: &Scene, view: &View, body: usize, sprin
             }
         }
         Bed::Point { point, stiffness } => {
-            let Some(&node) = nearest(points, *point) else {
-                return;
-            };
+            let node = points[mesh.nearest_node(*point)];
             // away from the body
-            let centre = middle_of(points);
+            let centre = middle_of(mesh.bounds());
             for axis in (0..2).filter(|&axis| stiffness[axis] > 0.0) {
                 let away = if node[axis] < centre[axis] { -1.0 } else { 1.0 };
                 let direction: Point<2> =
@@ -489,14 +483,6 @@ pub fn zigzag(svg: &mut Svg, at: Pixel, d: Pixel) {
     svg.line(place(12.0, -4.5), place(12.0, 4.5), SUPPORT, 1.6);
 }
 
-/// The nearest of some points.
-pub fn nearest<const D: usize>(points: &[Point<D>], target: Point<D>) -> Option<&Point<D>> {
-    points
-        .iter()
-        .min_by(|a, b| distance(**a, target).total_cmp(&distance(**b, target)))
-}
-
-fn middle_of(points: &[Point<2>]) -> Point<2> {
-    let (low, high) = bounding_box(points);
+fn middle_of([low, high]: [Point<2>; 2]) -> Point<2> {
     [0, 1].map(|i| 0.5 * (low[i] + high[i]))
 }

@@ -119,7 +119,7 @@ pub fn end_of_scale<const D: usize>(solution: &Solution<D>) -> f64 {
     peaks.map(shown).fold(1.0, f64::max).min(MOST_SHOWN)
 }
 
-/// Utilisation of a body at its nodes, as it is drawn: NaN where it has none. Beyond the last colour it is that of its end, so that
+/// Utilisation of a body where stress is given, as it is drawn: NaN where it has none. Beyond the last colour it is that of its end, so that
 /// what is infinite at a node does not swing between the nodes of quadratic cells.
 pub fn drawn<const D: usize>(body: &BodySolution<D>) -> Vec<f64> {
     match &body.utilisation {
@@ -128,7 +128,7 @@ pub fn drawn<const D: usize>(body: &BodySolution<D>) -> Vec<f64> {
             .iter()
             .map(|value| value.clamp(0.0, MOST_SHOWN))
             .collect(),
-        None => vec![f64::NAN; body.displacement.len()],
+        None => vec![f64::NAN; body.borders.count()],
     }
 }
 
@@ -191,8 +191,11 @@ fn draw_view(svg: &mut Svg, scene: &Scene, solution: &Solution<2>, view: &View, 
     for (body, answer) in scene.model.bodies.iter().zip(&solution.bodies) {
         let places: Vec<Pixel> = body.mesh.points().iter().map(|&p| view.pixel(p)).collect();
         let values = drawn(answer);
-        canvas.mesh(&body.mesh, &places, &values, high);
-        let vertex = |node: u32| (places[node as usize], values[node as usize]);
+        canvas.mesh((&body.mesh, &answer.borders), &places, &values, high);
+        let vertex = |block: usize, node: u32| {
+            let node = node as usize;
+            (places[node], values[answer.borders.place(block, node)])
+        };
         let lines = fans(&body.mesh, &vertex).into_iter().filter_map(crossing);
         let seen = lines.filter(|line| line.iter().any(|&end| view.sees(end)));
         limits.extend(seen.map(|line| segments(&line, false)));

@@ -8,6 +8,8 @@
 //! multipliers, nodes between them have what is linear there and the state of the corner that bears most. With friction or a tie there is `shear`, the traction
 //! on this body. `utilisation` is there where a body of the model has a strength: 1 is failure, infinite beyond the apex of a criterion,
 //! NaN where a body or group has none. Cells have the index of their body; field data are the time and the units.
+//! A node on a border between materials is a point for each of them, with the stress and strain of its own: the cells of the
+//! further materials name points behind the nodes. All else is the same at both.
 //! Arrays are inline, little-endian, zlib in blocks, base64.
 //! Source: VTK file formats, section "XML file formats" (vtk.org).
 
@@ -31,12 +33,23 @@ const BLOCK: usize = 1 << 20;
 pub fn body_vtu<const D: usize>(model: &Model<D>, solution: &Solution<D>, body: usize) -> String {
     let mesh = &model.bodies[body].mesh;
     let answer = &solution.bodies[body];
-    let points: Vec<f64> = mesh.points().iter().flat_map(|&p| padded(p)).collect();
+    let borders = &answer.borders;
+    // what does not jump between materials
+    let vectors = |values: &[Point<D>]| -> Vec<f64> {
+        borders
+            .nodes()
+            .flat_map(|node| padded(values[node]))
+            .collect()
+    };
     let fields = contact_fields(solution, body, mesh);
+    let numbers = |values: &[f64]| -> Vec<f64> { borders.nodes().map(|n| values[n]).collect() };
+    let triples =
+        |values: &[[f64; 3]]| -> Vec<f64> { borders.nodes().flat_map(|n| values[n]).collect() };
     let (mut connectivity, mut offsets, mut types) = (Vec::new(), Vec::new(), Vec::new());
-    for block in mesh.blocks() {
+    for (index, block) in mesh.blocks().iter().enumerate() {
         for cell in block.cells() {
-            connectivity.extend(cell.iter().map(|&n| i64::from(n)));
+            let places = cell.iter().map(|&n| borders.place(index, n as usize));
+            connectivity.extend(places.map(|place| place as i64));
             offsets.push(connectivity.len() as i64);
             types.push(block.kind.vtk());
         }
@@ -50,14 +63,11 @@ pub fn body_vtu<const D: usize>(model: &Model<D>, solution: &Solution<D>, body: 
     let _ = writeln!(
         out,
         "<Piece NumberOfPoints=\"{}\" NumberOfCells=\"{}\">",
-        mesh.points().len(),
+        borders.count(),
         types.len()
     );
     out.push_str("<PointData Vectors=\"displacement\" Scalars=\"von_mises\">\n");
     let (tensor, vector) = component_names(model.analysis);
-    let vectors = |values: &[Point<D>]| -> Vec<f64> {
-        values.iter().flat_map(|&value| padded(value)).collect()
-    };
     let principal = answer.principal_stress();
     floats(
         &mut out,
@@ -70,7 +80,7 @@ pub fn body_vtu<const D: usize>(model: &Model<D>, solution: &Solution<D>, body: 
     floats(&mut out, "von_mises", &[], &answer.von_mises);
     if judged(solution) {
         let own = answer.utilisation.as_ref().map(|own| own.nodal.clone());
-        let nodal = own.unwrap_or_else(|| vec![f64::NAN; mesh.points().len()]);
+        let nodal = own.unwrap_or_else(|| vec![f64::NAN; borders.count()]);
         floats(&mut out, "utilisation", &[], &nodal);
     }
     floats(
@@ -86,29 +96,26 @@ pub fn body_vtu<const D: usize>(model: &Model<D>, solution: &Solution<D>, body: 
         &vector,
         &vectors(&answer.contact_forces),
     );
-    floats(&mut out, "pressure", &[], &fields.pressure);
-    floats(&mut out, "gap", &[], &fields.gap);
+    floats(&mut out, "pressure", &[], &numbers(&fields.pressure));
+    floats(&mut out, "gap", &[], &numbers(&fields.gap));
     floats(
         &mut out,
         "contact_normal",
         &vector,
-        fields.normal.as_flattened(),
+        &triples(&fields.normal),
     );
     let laws = model.contacts.iter().map(|contact| &contact.law);
     if laws
         .into_iter()
         .any(|law| !matches!(law, Law::Frictionless))
     {
-        floats(&mut out, "shear", &vector, fields.shear.as_flattened());
+        floats(&mut out, "shear", &vector, &triples(&fields.shear));
     }
-    let states: Vec<u8> = fields
-        .state
-        .iter()
-        .flat_map(|state| state.to_le_bytes())
-        .collect();
+    let states = borders.nodes().map(|node| fields.state[node]);
+    let states: Vec<u8> = states.flat_map(i32::to_le_bytes).collect();
     array(&mut out, "Int32", "contact_state", &[], &states);
     out.push_str("</PointData>\n<Points>\n");
-    floats(&mut out, "points", &AXES, &points);
+    floats(&mut out, "points", &AXES, &vectors(mesh.points()));
     out.push_str("</Points>\n<Cells>\n");
     integers(&mut out, "connectivity", &connectivity);
     integers(&mut out, "offsets", &offsets);
@@ -399,8 +406,8 @@ fn array(out: &mut String, kind: &str, name: &str, components: &[&str], bytes: &
 mod tests {
     use super::*;
     use crate::geometry::Field;
-    use crate::mesh::{CellKind, Cuboid};
-    use crate::model::{Elastic, Status};
+    use crate::mesh::{CellBlock, CellKind, Cuboid};
+    use crate::model::{Elastic, Material, Status};
     use crate::output::tunnel;
     use std::io::Read;
 
@@ -451,6 +458,54 @@ mod tests {
         );
         assert_eq!(read(&ring, "von_mises").len(), nodes);
         assert_eq!(read(&ring, "points").len(), 3 * nodes);
+    }
+
+    #[test]
+    fn nodes_between_materials_are_points_of_either() {
+        // two columns of cells, pushed together by 1 %: 10 in the first, 1 in the second
+        let points = [0.0, 1.0].map(|y| [0.0, 1.0, 2.0].map(|x| [x, y])).concat();
+        let block = |nodes: [u32; 4], group: &str| CellBlock {
+            kind: CellKind::Quad4,
+            nodes: nodes.to_vec(),
+            group: Some(group.to_string()),
+        };
+        let blocks = vec![block([0, 1, 4, 3], "stiff"), block([1, 2, 5, 4], "soft")];
+        let mesh = Mesh::<2>::new(points, blocks).unwrap();
+        let material = |group: &str, young: f64| Material {
+            group: Some(group.to_string()),
+            elastic: Elastic {
+                young,
+                poisson: 0.0,
+            },
+            strength: None,
+        };
+        let mut model = Model::new();
+        let elastic = material("stiff", 1000.0).elastic;
+        let body = model.body("bar", mesh, elastic);
+        model.bodies[0].materials = vec![material("stiff", 1000.0), material("soft", 100.0)];
+        for x in [0.0, 1.0, 2.0] {
+            model.pin(body, [x, 0.0], [Some(-0.01 * x), Some(0.0)]);
+            model.pin(body, [x, 1.0], [Some(-0.01 * x), None]);
+        }
+        let vtu = body_vtu(&model, &model.solve().unwrap(), 0);
+        assert!(vtu.contains("NumberOfPoints=\"8\""));
+        let points = read(&vtu, "points");
+        assert_eq!(points[18..], [1.0, 0.0, 0.0, 1.0, 1.0, 0.0]);
+        let stress = read(&vtu, "von_mises");
+        for (found, expected) in stress
+            .iter()
+            .zip([10.0, 10.0, 1.0, 10.0, 10.0, 1.0, 1.0, 1.0])
+        {
+            assert!((found - expected).abs() < 1e-12, "{stress:?}");
+        }
+        assert_eq!(
+            read(&vtu, "displacement")[18..20],
+            read(&vtu, "displacement")[3..5]
+        );
+        assert_eq!(read(&vtu, "pressure").len(), 8);
+        // numbers of points, read as what they are not
+        let cells = read(&vtu, "connectivity").into_iter().map(f64::to_bits);
+        assert_eq!(cells.collect::<Vec<_>>(), [0, 1, 4, 3, 6, 2, 5, 7]);
     }
 
     #[test]

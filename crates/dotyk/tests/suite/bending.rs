@@ -5,7 +5,9 @@
 
 use dotyk::geometry::{Field, Point, distance};
 use dotyk::mesh::{CellKind, Cuboid, Diagonals, Mesh, Rectangle};
-use dotyk::model::{Elastic, Formulation, Load, Model, Place, Solution, Support};
+use dotyk::model::{
+    Analysis, BodyId, Components, Elastic, Formulation, Load, Model, Place, Solution, Support,
+};
 
 const STEEL: Elastic = Elastic {
     young: 200e3,
@@ -183,6 +185,77 @@ fn distorted_enhanced_cells_have_a_constant_stress() {
             "{s:?}"
         );
     }
+}
+
+/// A body of cells that bend with an initial strain that is the same in all directions, and nothing else.
+fn warmed<const D: usize>(mesh: Mesh<D>, strain: Field) -> (Model<D>, BodyId) {
+    let mut model = Model::new();
+    let body = model.body("body", mesh, STEEL);
+    model.bodies[0].formulation = Formulation::Enhanced;
+    model.bodies[0].initial.strain = Some(Components::isotropic(strain));
+    (model, body)
+}
+
+/// The body has these displacements, of which the largest is 8e-3, and no stress, beside some 600 in cells that are not free.
+fn moves_freely<const D: usize>(
+    model: &Model<D>,
+    solution: &Solution<D>,
+    expected: impl Fn(Point<D>) -> Point<D>,
+) {
+    let body = &solution.bodies[0];
+    for (&x, &u) in model.bodies[0].mesh.points().iter().zip(&body.displacement) {
+        assert!(distance(u, expected(x)) < 1e-14, "{x:?} {u:?}");
+    }
+    let most = body.von_mises.iter().fold(0.0, |a: f64, &b| a.max(b));
+    assert!(most < 1e-8, "{most}");
+}
+
+/// A strain that is linear in the place, the same in all directions, bends a free body into a sphere without stress.
+#[test]
+fn a_free_body_bends_without_stress_under_a_linear_temperature() {
+    let alpha = 1e-3;
+    let rectangle = Rectangle {
+        from: [0.0, 0.0],
+        to: [4.0, 1.0],
+        cells: [8, 2],
+        cell: CellKind::Quad4,
+        diagonals: Diagonals::default(),
+    };
+    let strain = Field::function("1e-3*y", move |x, _| alpha * x[1]);
+    let (mut model, body) = warmed(rectangle.build().unwrap(), strain);
+    model.analysis = Analysis::PlaneStress;
+    model.pin(body, [0.0, 0.0], [Some(0.0), Some(0.0)]);
+    model.pin(body, [0.0, 1.0], [Some(0.0), None]);
+    moves_freely(&model, &model.solve().unwrap(), |[x, y]| {
+        [alpha * x * y, 0.5 * alpha * (y * y - x * x)]
+    });
+    let cuboid = Cuboid {
+        from: [0.0; 3],
+        to: [4.0, 1.0, 1.0],
+        cells: [4, 1, 2],
+        cell: CellKind::Hex8,
+    };
+    let strain = Field::function("1e-3*z", move |x, _| alpha * x[2]);
+    let (mut model, body) = warmed(cuboid.build().unwrap(), strain);
+    model.pin(body, [0.0; 3], [Some(0.0); 3]);
+    model.pin(body, [0.0, 0.0, 1.0], [Some(0.0), Some(0.0), None]);
+    model.pin(body, [0.0, 1.0, 0.0], [Some(0.0), None, None]);
+    moves_freely(&model, &model.solve().unwrap(), |[x, y, z]| {
+        let down = 0.5 * alpha * (z * z - x * x - y * y);
+        [alpha * x * z, alpha * y * z, down]
+    });
+}
+
+#[test]
+fn distorted_cells_that_bend_expand_without_stress() {
+    let alpha = 1e-3;
+    let (mut model, body) = warmed(distorted([3, 3, 3]), Field::constant(alpha));
+    for side in ["left", "front", "bottom"] {
+        let axis = ["left", "front", "bottom"].iter().position(|s| *s == side);
+        let held = std::array::from_fn(|i| (Some(i) == axis).then_some(0.0));
+        model.fix(body, side, held);
+    }
+    moves_freely(&model, &model.solve().unwrap(), |x| x.map(|c| alpha * c));
 }
 
 /// Pure bending of a beam of square cells: exact with incompatible modes, in space and in the plane.

@@ -28,6 +28,7 @@ mod outline;
 mod own;
 mod past;
 mod patch;
+mod points;
 mod probes;
 mod rates;
 mod sections;

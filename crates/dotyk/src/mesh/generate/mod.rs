@@ -561,6 +561,7 @@ impl Lattice {
             blocks: vec![block],
             sides,
             curves: BTreeMap::new(),
+            found: Default::default(),
         }
         .checked()
     }

@@ -132,6 +132,7 @@ fn carry(
         blocks: stack.blocks(),
         sides,
         curves,
+        found: Default::default(),
     }
     .checked()
 }
@@ -733,6 +734,7 @@ impl Sphere {
             blocks: vec![block],
             sides,
             curves: BTreeMap::new(),
+            found: Default::default(),
         }
         .checked()
     }

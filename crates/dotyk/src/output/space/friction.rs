@@ -5,7 +5,7 @@
 //! beginning. The lines are where states that are linear between the nodes, 1 and 0, are ½.
 
 use crate::geometry::{Point, norm};
-use crate::model::{ContactNode, ContactSolution, OnSide, Status};
+use crate::model::{Borders, ContactNode, ContactSolution, OnSide, Status};
 use crate::output::html;
 use crate::output::json::{in_contact, largest};
 use crate::output::plot::Axis;
@@ -158,7 +158,7 @@ struct Lines {
 
 impl Lines {
     fn new(face: &Face<'_>, contact: &ContactSolution<3>) -> Self {
-        let triangles = Surface::of(&face.skin).triangles;
+        let triangles = Surface::of(&face.skin, &Borders::default()).triangles;
         let between = |state: &dyn Fn(Status) -> Option<bool>| {
             let part = |node: &ContactNode<3>| match state(node.status) {
                 Some(is) => f64::from(u8::from(is)),
@@ -258,7 +258,7 @@ mod tests {
         let (model, solution) = punch();
         let scene = Scene::new(&model);
         let faces = sides(&scene, &solution.contacts[0]).unwrap();
-        let triangles = Surface::of(&faces[0].skin).triangles;
+        let triangles = Surface::of(&faces[0].skin, &Borders::default()).triangles;
         // the sole of the punch, two cells of ½ from 0.5 on: 0 on the left, 1 in the middle and beyond
         let points = model.bodies[faces[0].body].mesh.points();
         let values: Vec<f64> = points.iter().map(|p| f64::from(p[0] > 0.8)).collect();

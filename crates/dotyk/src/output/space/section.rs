@@ -7,8 +7,8 @@
 //! quadrilateral out of it. Neighbours divide their common facet alike, so that the pieces fit.
 
 use crate::geometry::{Point, add_scaled, bounding_box, dot, unit};
-use crate::mesh::{CellKind, Facet, MAX_CELL_NODES, MAX_FACET_NODES, Mesh};
-use crate::model::{ContactNode, ContactSolution, Solution, Status};
+use crate::mesh::{Facet, MAX_CELL_NODES, MAX_FACET_NODES, Mesh};
+use crate::model::{Borders, ContactNode, ContactSolution, Solution, Status};
 use crate::output::deformed::{BAR, colour_bars, stress_scales};
 use crate::output::html;
 use crate::output::json::in_contact;
@@ -262,6 +262,7 @@ fn cut(
     for (body, skin) in scene.skins.iter().enumerate() {
         let mut look = Look::at(window, skin.mesh.points());
         look.values = stress_values(solution, scales, body);
+        look.borders = solution.bodies[body].borders.clone();
         skin.fill(&mut canvas, &look, body, &|_| Paint::Scale);
     }
     canvas.cut(None);
@@ -270,6 +271,7 @@ fn cut(
         let cells = Cells {
             mesh: skin.mesh,
             values: &values,
+            borders: &solution.bodies[body].borders,
             plane: (on, normal),
         };
         cells.draw(&mut canvas, window, body);
@@ -292,6 +294,8 @@ fn cut(
 struct Cells<'a> {
     mesh: &'a Mesh<3>,
     values: &'a [f64],
+    /// Where the values are given.
+    borders: &'a Borders,
     plane: (Point<3>, Point<3>),
 }
 
@@ -328,7 +332,7 @@ impl Cells<'_> {
                 if ahead == 0 || ahead == nodes.len() {
                     continue;
                 }
-                let centre = self.centre(cells.kind, nodes);
+                let centre = self.centre(block, nodes);
                 for local in 0..cells.kind.facets().len() {
                     let [block, cell, local] = [block, cell, local].map(|i| i as u32);
                     let facet = Facet { block, cell, local };
@@ -341,13 +345,14 @@ impl Cells<'_> {
         }
     }
 
-    fn centre(&self, kind: CellKind, nodes: &[u32]) -> Vertex {
+    fn centre(&self, block: usize, nodes: &[u32]) -> Vertex {
+        let kind = self.mesh.blocks()[block].kind;
         let mut shape = [0.0; MAX_CELL_NODES];
         kind.shape(&kind.domain().centre(), &mut shape);
         let mut sum = ([0.0; 3], 0.0);
         for (&node, weight) in nodes.iter().zip(shape) {
             sum.0 = add_scaled(sum.0, weight, self.mesh.points()[node as usize]);
-            sum.1 += weight * self.values[node as usize];
+            sum.1 += weight * self.values[self.borders.place(block, node as usize)];
         }
         sum
     }
@@ -359,7 +364,8 @@ impl Cells<'_> {
         let mut values = [0.0; MAX_FACET_NODES];
         for (local, node) in self.mesh.facet_nodes(facet).enumerate() {
             points[local] = self.mesh.points()[node as usize];
-            values[local] = self.values[node as usize];
+            let block = facet.block as usize;
+            values[local] = self.values[self.borders.place(block, node as usize)];
         }
         let lattice = lattices.of(kind, if kind.order() == 1 { 1 } else { 3 });
         let vertex = |i: usize| (lattice.place(i, &points), lattice.value(i, &values));
@@ -427,7 +433,7 @@ impl Cells<'_> {
 mod tests {
     use super::*;
     use crate::geometry::{cross, norm, sub};
-    use crate::mesh::Cuboid;
+    use crate::mesh::{CellKind, Cuboid};
     use crate::model::Model;
     use crate::output::space::tests::{STEEL, cuboid, punch};
 
@@ -438,6 +444,7 @@ mod tests {
         let cells = Cells {
             mesh: &mesh,
             values: &values,
+            borders: &Borders::default(),
             plane,
         };
         let (mut area, mut integral) = (0.0, 0.0);

@@ -2,7 +2,7 @@
 
 use crate::geometry::{Field, Point, norm, unit};
 use crate::mesh::Mesh;
-use crate::model::{Amount, Couple, Load, Pair, Place};
+use crate::model::{Amount, Borders, Couple, Load, Pair, Place};
 use crate::output::html;
 use crate::output::points::couples;
 use crate::output::scene::WIDTH;
@@ -15,7 +15,6 @@ use crate::output::space::skin::{Look, Skin};
 use crate::output::svg::{
     ALARM, INK, LOAD, MUTED, Pixel, SERIES, SUPPORT, Svg, TINTS, Type, segments,
 };
-use crate::output::symbols::nearest;
 use crate::output::text::{Labels, count, number, quantity};
 use rayon::prelude::*;
 use std::collections::BTreeSet;
@@ -140,6 +139,7 @@ fn obstacle(canvas: &mut Canvas, scene: &Scene<'_>, window: &Window, pair: &Pair
     let look = Look {
         places,
         values: Vec::new(),
+        borders: Borders::default(),
     };
     let skin = Skin::new(mesh, facets.to_vec());
     skin.outline(canvas, window, &look, [None, Some(1)]);
@@ -252,12 +252,11 @@ impl Sheet<'_> {
             let marks = match &support.place {
                 Place::Side(side) => seen(&body.mesh, scene.side(index, side), window, self.canvas),
                 Place::Point(target) => {
-                    let node = nearest(body.mesh.points(), *target);
-                    let here = node.map(|&point| Mark {
-                        point,
+                    let node = body.mesh.nearest_node(*target);
+                    vec![Mark {
+                        point: body.mesh.points()[node],
                         normal: [0.0, 0.0, -1.0],
-                    });
-                    here.into_iter().collect()
+                    }]
                 }
             };
             for mark in &marks {
@@ -289,9 +288,7 @@ impl Sheet<'_> {
         for load in &body.loads {
             match load.place() {
                 Place::Point(target) => {
-                    let Some(&point) = nearest(body.mesh.points(), target) else {
-                        continue;
-                    };
+                    let point = body.mesh.points()[body.mesh.nearest_node(target)];
                     self.force(point, load.at(point, [0.0; 3], time));
                 }
                 Place::Side(side) => {

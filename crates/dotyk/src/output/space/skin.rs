@@ -6,6 +6,7 @@
 
 use crate::geometry::{Point, cross, distance, dot, unit};
 use crate::mesh::{CellKind, Domain, Facet, MAX_FACET_NODES, Mesh};
+use crate::model::Borders;
 use crate::output::space::camera::Window;
 use crate::output::space::canvas::{Canvas, Corner, NONE, Paint, between};
 use std::collections::BTreeMap;
@@ -164,6 +165,8 @@ pub struct Look {
     pub places: Vec<Point<3>>,
     /// In [0, 1] along the colours; NaN where there is none.
     pub values: Vec<f64>,
+    /// Where the values are given; by default at the nodes.
+    pub borders: Borders,
 }
 
 impl Look {
@@ -181,6 +184,7 @@ impl Look {
         Self {
             places: points.iter().enumerate().map(at).collect(),
             values: Vec::new(),
+            borders: Borders::default(),
         }
     }
 
@@ -283,7 +287,8 @@ impl<'a> Skin<'a> {
         for (local, node) in self.mesh.facet_nodes(facet).enumerate() {
             let [x, y, z] = look.places[node as usize];
             nodes[local] = [x, -y, z];
-            values[local] = look.values.get(node as usize).copied().unwrap_or(0.0);
+            let place = look.borders.place(facet.block as usize, node as usize);
+            values[local] = look.values.get(place).copied().unwrap_or(0.0);
         }
         let (nodes, values) = (&nodes[..kind.nodes()], &values[..kind.nodes()]);
         let parts = parts.unwrap_or_else(|| fineness(kind, nodes));

@@ -82,7 +82,7 @@ pub fn magnification(scene: &Scene<'_>, solution: &Solution<3>) -> f64 {
     }
 }
 
-/// Stress at the nodes of a body as parts of its scale.
+/// Stress of a body, where it is given, as parts of its scale.
 pub fn stress_values(solution: &Solution<3>, scales: &Scales, body: usize) -> Vec<f64> {
     let own = scales.iter().find(|s| s.0.contains(&body));
     let high = own.map_or(1.0, |s| s.1);
@@ -107,6 +107,7 @@ fn deformed(
             let u = solution.bodies[body].shown();
             let mut look = Look::moved(window, skin.mesh.points(), &u, factor);
             look.values = stress_values(solution, scales, body);
+            look.borders = solution.bodies[body].borders.clone();
             look
         })
         .collect();

@@ -3,7 +3,7 @@
 use super::*;
 use crate::geometry::Field;
 use crate::mesh::{CellKind, Cuboid, Mesh};
-use crate::model::{Couple, CoupleKind, Elastic, Law, Model, Status};
+use crate::model::{Borders, Couple, CoupleKind, Elastic, Law, Model, Status};
 use crate::output::colour;
 use crate::output::space::camera::{Camera, Window};
 use crate::output::space::canvas::{Canvas, Paint};
@@ -258,6 +258,7 @@ fn a_hundred_thousand_triangles_are_small_and_quick() {
     solution.contacts.clear();
     solution.bodies[0].displacement = points.iter().map(|p| [0.0, 0.0, wave(p)]).collect();
     solution.bodies[0].von_mises = points.iter().map(|p| 1.0 + wave(p)).collect();
+    solution.bodies[0].borders = Borders::of(&model.bodies[0]).unwrap();
     let scene = Scene::new(&model);
     let triangles = 2 * scene.skins[0].facets.len();
     assert!(triangles > 100_000, "{triangles}");

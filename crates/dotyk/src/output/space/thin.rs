@@ -9,6 +9,7 @@
 //! later texts.
 
 use crate::geometry::{Point, add_scaled, cross, sub};
+use crate::model::Borders;
 use crate::output::space::skin::Skin;
 use std::collections::BTreeMap;
 
@@ -22,12 +23,13 @@ pub struct Surface {
 }
 
 impl Surface {
-    /// All nodes of facets are corners.
-    pub fn of(skin: &Skin<'_>) -> Self {
+    /// All nodes of facets are corners, each at the place where its cell has its stress.
+    pub fn of(skin: &Skin<'_>, borders: &Borders) -> Self {
         let mut triangles = Vec::new();
         for &facet in &skin.facets {
             let kind = skin.mesh.facet_kind(facet);
-            let nodes: Vec<u32> = skin.mesh.facet_nodes(facet).collect();
+            let place = |node: u32| borders.place(facet.block as usize, node as usize) as u32;
+            let nodes: Vec<u32> = skin.mesh.facet_nodes(facet).map(place).collect();
             divide(&nodes, kind.corners(), &mut triangles);
         }
         let features = skin.edges.iter().filter(|edge| edge.feature);
@@ -166,7 +168,7 @@ mod tests {
         let sizes = [2.0, 1.0, 0.1];
         let mesh = cuboid([0.0; 3], sizes, [60, 30, 3], CellKind::Hex8);
         let skin = Skin::new(&mesh, mesh.boundary_facets());
-        let whole = Surface::of(&skin);
+        let whole = Surface::of(&skin, &Borders::default());
         let most = whole.triangles.len() / 5;
         let thin = thinned(vec![whole], &[mesh.points()], 2.0, most).remove(0);
         assert!(thin.triangles.len() <= most && thin.triangles.len() > most / 3);

@@ -3,7 +3,7 @@
 //!
 //! Quantities: positions are low + span · p / 65535, displacements unit · u / 32767, values high · v / 255.
 
-use crate::geometry::{add_scaled, norm, sub};
+use crate::geometry::{Point, add_scaled, norm, sub};
 use crate::model::{Model, Solution};
 use crate::output::html::escape;
 use crate::output::json::largest;
@@ -22,11 +22,11 @@ use serde_json::json;
 /// Most triangles: with their nodes about 1 MB, so that a page stays below two.
 pub const MOST_TRIANGLES: usize = 48_000;
 
-/// A quantity at the nodes of all bodies.
+/// A quantity of all bodies.
 struct Shown {
     name: &'static str,
     unit: String,
-    /// By body and node; NaN where there is none.
+    /// By body and place where stress is given; NaN where there is none.
     values: Vec<Vec<f64>>,
 }
 
@@ -84,7 +84,10 @@ fn triad() -> String {
 fn quantities(scene: &Scene<'_>, solution: &Solution<3>) -> Vec<Shown> {
     let labels = Labels::of(scene.model);
     let bodies = || solution.bodies.iter();
-    let moved = bodies().map(|b| b.displacement.iter().map(|&u| norm(u)).collect());
+    let moved = bodies().map(|b| {
+        let nodes = b.borders.nodes();
+        nodes.map(|node| norm(b.displacement[node])).collect()
+    });
     let mut list = vec![
         Shown {
             name: "von Mises stress",
@@ -124,18 +127,32 @@ fn pressures(scene: &Scene<'_>, solution: &Solution<3>) -> Vec<Vec<f64>> {
             }
         }
     }
+    for (own, body) in values.iter_mut().zip(&solution.bodies) {
+        *own = body.borders.nodes().map(|node| own[node]).collect();
+    }
     values
 }
 
 /// Everything that the script draws, as JSON.
 fn data(scene: &Scene<'_>, solution: &Solution<3>, shown: &[Shown], factor: f64) -> String {
     let Model { bodies, .. } = scene.model;
-    let points: Vec<_> = bodies.iter().map(|b| b.mesh.points()).collect();
-    let surfaces = scene.skins.iter().map(Surface::of).collect();
-    let surfaces = thinned(surfaces, &points, scene.size(), MOST_TRIANGLES);
+    let solved = || solution.bodies.iter();
+    let points = bodies.iter().zip(solved()).map(|(body, own)| {
+        let nodes = own.borders.nodes();
+        nodes.map(|node| body.mesh.points()[node]).collect()
+    });
+    let points: Vec<Vec<Point<3>>> = points.collect();
+    let skins = scene.skins.iter().zip(solved());
+    let surfaces = skins.map(|(skin, own)| Surface::of(skin, &own.borders));
+    let by_body: Vec<&[Point<3>]> = points.iter().map(Vec::as_slice).collect();
+    let surfaces = thinned(surfaces.collect(), &by_body, scene.size(), MOST_TRIANGLES);
     let (low, high) = scene.bounds;
     let span = sub(high, low).map(|s| if s > 0.0 { s } else { 1.0 });
-    let drawn: Vec<_> = solution.bodies.iter().map(|b| b.shown()).collect();
+    let drawn = solved().map(|own| {
+        let shown = own.shown();
+        own.borders.nodes().map(|node| shown[node]).collect()
+    });
+    let drawn: Vec<Vec<Point<3>>> = drawn.collect();
     let unit = largest(drawn.iter().flat_map(|u| u.iter().map(|&u| norm(u))));
     let unit = if unit > 0.0 { unit } else { 1.0 };
     let mut packed = Packed::default();

@@ -68,6 +68,7 @@ fn painted(scene: &Scene<'_>, solution: &Solution<3>, window: &Window) -> Canvas
         .map(|(skin, body)| {
             let mut look = Look::at(window, skin.mesh.points());
             look.values = drawn(body).into_iter().map(|value| value / high).collect();
+            look.borders = body.borders.clone();
             look
         });
     let looks: Vec<Look> = looks.collect();
