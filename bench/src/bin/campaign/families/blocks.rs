@@ -409,8 +409,13 @@ pub fn beam(scene: &mut Scene) {
         .map(|k| long * (k as f64 + scene.random.between(0.1, 0.9)) / n as f64)
         .collect();
     let half = scene.random.between(0.5, 1.5) * long / along as f64;
-    places[0] = places[0].max(1.1 * half);
     let blocks = scene.random.chance(0.5);
+    // blocks stand apart
+    let half = match blocks {
+        true => half.min(0.09 * long / n as f64),
+        false => half,
+    };
+    places[0] = places[0].max(1.1 * half);
     let mut ends = [f64::INFINITY, f64::NEG_INFINITY];
     let mut order: Vec<usize> = (0..n).collect();
     scene.random.shuffle(&mut order);
@@ -623,7 +628,8 @@ pub fn tied(scene: &mut Scene) {
     }
     for k in 0..n {
         let name = format!("t{k}");
-        if scene.random.chance(0.15) && k > 0 && k + 1 < n {
+        // on a floor all have a contact: what is not named stands in it
+        if scene.random.chance(0.15) && k > 0 && k + 1 < n && !floor {
             continue;
         }
         if floor {
