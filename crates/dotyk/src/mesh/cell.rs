@@ -249,7 +249,9 @@ pub fn drop_repeated(blocks: &mut Vec<CellBlock>) -> Result<usize, MeshError> {
         nodes.sort_unstable();
         nodes
     };
-    let mut seen: HashMap<Vec<u32>, (CellKind, Vec<u32>, (usize, usize))> = HashMap::new();
+    // by its corners the kind, the nodes and the place of a cell
+    type Cell = (CellKind, Vec<u32>, (usize, usize));
+    let mut seen: HashMap<Vec<u32>, Cell> = HashMap::new();
     let mut dropped = 0;
     for (index, block) in blocks.iter_mut().enumerate() {
         let kind = block.kind;
