@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 T = TypeVar("T")
 
 #: Keys whose null is none, and not a number that is not there.
-_NONE = frozenset({"name", "length", "force", "stress", "energy", "at", "max_pressure_at", "failed_step"})
+_NONE = frozenset({"name", "length", "force", "stress", "energy", "at", "max_pressure_at", "failed_step", "overlap"})
 
 
 def unknown(name: object, known: list[str], what: str) -> UnknownName:
@@ -602,6 +602,8 @@ class Solution(_Frozen):
     warnings: list[str]
     #: The step that has no answer, with its number, time and reason; ``None`` where all have one.
     failed_step: dict[str, Any] | None
+    #: Where two deformed bodies stand in each other, their ``bodies`` and the place ``at``; ``None`` where nothing is unexplained.
+    overlap: dict[str, Any] | None
     #: The solutions of all load steps, at least one; the last is this one.
     steps: tuple[Solution, ...]
 
@@ -625,7 +627,7 @@ class Solution(_Frozen):
         return last
 
     def __init__(self, table: dict[str, Any], run: Any, step: int) -> None:
-        super().__init__({"units": {}, "parameters": {}, "step": 1, "name": None, "failed_step": None, **table})
+        super().__init__({"units": {}, "parameters": {}, "step": 1, "name": None, "failed_step": None, "overlap": None, **table})
         own: dict[str, Any] = {"_run": run, "_step": step}
         figures = {name: Figure(**figure) for name, figure in table["certificate"].items()}
         own["certificate"] = Named("figure", figures)

@@ -4,8 +4,8 @@
 
 use crate::dual::Figure;
 use crate::model::{
-    BarSolution, BodySolution, ContactNode, ContactSolution, CoupleSolution, LinePoint, Seconds,
-    SectionQuantity, SectionSolution, Solution, Status,
+    BarSolution, BodySolution, ContactNode, ContactSolution, CoupleSolution, Intrusion, LinePoint,
+    Seconds, SectionQuantity, SectionSolution, Solution, Status,
 };
 use crate::output::Overview;
 use crate::output::text::{Labels, THIN};
@@ -98,14 +98,12 @@ fn step_summary<'a, const D: usize>(
             slip_violation: solution.certificate.slip_violation.into(),
             force_error: solution.certificate.force_error.into(),
             between_nodes: solution.certificate.between_nodes.into(),
-            overlap: OverlapEntry {
-                figure: solution.certificate.overlap.into(),
-                place: solution.overlap.as_ref().map(|found| OverlapPlace {
-                    bodies: [&found.body, &found.other],
-                    at: &found.point,
-                }),
-            },
+            overlap: solution.certificate.overlap.into(),
         },
+        overlap: unexplained(solution).map(|found| OverlapEntry {
+            bodies: [&found.body, &found.other],
+            at: &found.point,
+        }),
         contacts: solution.contacts.iter().map(contact_entry).collect(),
         bodies: bodies
             .map(|(body, answer)| {
@@ -205,7 +203,10 @@ struct Summary<'a> {
     threads: usize,
     peak_memory_bytes: u64,
     seconds: SecondsEntry,
-    certificate: CertificateEntry<'a>,
+    certificate: CertificateEntry,
+    /// Where the overlap of the certificate is, if that does not hold.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    overlap: Option<OverlapEntry<'a>>,
     contacts: Vec<ContactEntry<'a>>,
     bodies: Vec<BodyEntry<'a>>,
     probes: Vec<ProbeEntry<'a>>,
@@ -284,7 +285,7 @@ impl From<Figure> for FigureEntry {
 }
 
 #[derive(Clone, Serialize)]
-struct CertificateEntry<'a> {
+struct CertificateEntry {
     penetration: FigureEntry,
     tension: FigureEntry,
     complementarity: FigureEntry,
@@ -294,20 +295,18 @@ struct CertificateEntry<'a> {
     slip_violation: FigureEntry,
     force_error: FigureEntry,
     between_nodes: FigureEntry,
-    overlap: OverlapEntry<'a>,
+    overlap: FigureEntry,
 }
 
-/// The overlap of two deformed bodies, and where it is, if there is one.
+/// The overlap of deformed bodies that nothing explains.
+fn unexplained<const D: usize>(solution: &Solution<D>) -> Option<&Intrusion<D>> {
+    let found = solution.overlap.as_ref();
+    found.filter(|_| !solution.certificate.overlap.holds())
+}
+
+/// Where two deformed bodies overlap.
 #[derive(Clone, Serialize)]
 struct OverlapEntry<'a> {
-    #[serde(flatten)]
-    figure: FigureEntry,
-    #[serde(flatten)]
-    place: Option<OverlapPlace<'a>>,
-}
-
-#[derive(Clone, Serialize)]
-struct OverlapPlace<'a> {
     /// The one whose node it is, and the body, or the contact whose obstacle, it is in.
     bodies: [&'a str; 2],
     /// Undeformed position.
