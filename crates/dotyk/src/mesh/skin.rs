@@ -27,6 +27,8 @@ pub(crate) struct Skin<const D: usize> {
     nodes: Vec<u32>,
     /// What is known at each of these.
     at_nodes: Vec<AtNode>,
+    /// Where simplices meet sharply: the ends of edges in space, twice the corner in the plane.
+    sharp: Vec<[u32; 2]>,
 }
 
 /// The surface at one of its nodes.
@@ -54,6 +56,7 @@ impl<const D: usize> Skin<D> {
             simplices,
             at_nodes: vec![AtNode::default(); nodes.len()],
             nodes,
+            sharp: Vec::new(),
         };
         skin.look_around(mesh.points());
         skin
@@ -75,6 +78,7 @@ impl<const D: usize> Skin<D> {
         ridges.sort_unstable();
         let simplex = |index: usize| self.simplex(index, points);
         let mut bows = vec![0.0f64; self.nodes.len()];
+        let mut sharp = Vec::new();
         for pair in ridges.windows(2).filter(|pair| pair[0].0 == pair[1].0) {
             let both = [simplex(pair[0].1), simplex(pair[1].1)];
             let cosine = dot(both[0].normal(), both[1].normal());
@@ -85,6 +89,8 @@ impl<const D: usize> Skin<D> {
                     let at = self.place(node);
                     bows[at] = bows[at].max(bow);
                 }
+            } else {
+                sharp.push(pair[0].0);
             }
         }
         for simplex in &self.simplices {
@@ -99,6 +105,23 @@ impl<const D: usize> Skin<D> {
             at.beside.dedup();
             at.bow = bow;
         }
+        self.sharp = sharp;
+    }
+
+    /// The simplices at a node.
+    pub fn around(&self, node: u32) -> impl Iterator<Item = &[u32; D]> {
+        self.simplices.iter().filter(move |s| s.contains(&node))
+    }
+
+    /// Whether a point is no farther than `reach` from where the surface is sharp, with its nodes at `points`.
+    pub fn is_sharp_at(&self, points: &[Point<D>], x: Point<D>, reach: f64) -> bool {
+        let near = |&[a, b]: &[u32; 2]| {
+            let [a, b] = [a, b].map(|node| points[node as usize]);
+            let (along, to) = (sub(b, a), sub(x, a));
+            let part = (dot(to, along) / dot(along, along).max(f64::MIN_POSITIVE)).clamp(0.0, 1.0);
+            norm(add_scaled(to, -part, along)) <= reach
+        };
+        self.sharp.iter().any(near)
     }
 
     fn simplex(&self, index: usize, points: &[Point<D>]) -> Simplex<D> {

@@ -344,6 +344,18 @@ fn in_body<const D: usize>(
         if drawn > motion + rounding || grown <= rounding {
             return None;
         }
+        // bodies that meet at edges alone have no sides there that a contact could name
+        let reach = motion + rounding;
+        let is_edge =
+            |solid: &Solid<'_, D>| solid.skin.is_sharp_at(solid.first, own.first[at], reach);
+        let touches = |node: &u32| {
+            let depth = undeformed.depth(own.first[*node as usize]);
+            depth.is_some_and(|(depth, _)| depth >= -reach)
+        };
+        let faces = || own.skin.around(node).any(|s| s.iter().all(touches));
+        if between.is_empty() && is_edge(&own) && is_edge(&other) && !faces() {
+            return None;
+        }
         let of_contacts = between
             .iter()
             .filter_map(|contact| match contact.bodies.0 == a {
