@@ -5,9 +5,8 @@
 
 use crate::contact::curved::true_surface;
 use crate::contact::{ContactError, End};
-use crate::fem::SHARP;
 use crate::geometry::{Groups, Point, dot};
-use crate::mesh::Facet;
+use crate::mesh::{Facet, SHARP};
 use std::collections::BTreeMap;
 
 /// The parts of a side between its sharp corners or edges, in the order of its chain, in space of their first facets; the whole

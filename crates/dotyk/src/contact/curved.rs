@@ -1,9 +1,9 @@
 //! The curve behind a side: the true surface where it is known, and how far the mesh is off it where it is not.
 
 use crate::contact::{ContactError, End};
-use crate::fem::{SHARP, TrueSurface, show};
+use crate::fem::{TrueSurface, show};
 use crate::geometry::{Point, add_scaled, cross, distance, dot, norm, sub, unit};
-use crate::mesh::{Facet, Mesh};
+use crate::mesh::{Facet, Mesh, SHARP};
 use std::collections::BTreeMap;
 
 /// Nodes may lie off the true surface of their side by this part of a facet.

@@ -10,9 +10,9 @@
 use crate::contact::curved::true_surface;
 use crate::contact::relative::free_part;
 use crate::contact::{ContactError, End};
-use crate::fem::{SHARP, TrueSurface};
+use crate::fem::TrueSurface;
 use crate::geometry::{Point, add_scaled, dot, unit};
-use crate::mesh::{Facet, MAX_FACET_NODES, Mesh};
+use crate::mesh::{Facet, MAX_FACET_NODES, Mesh, SHARP};
 use std::collections::{BTreeMap, BTreeSet, HashMap};
 
 /// Outward unit normals of a side.

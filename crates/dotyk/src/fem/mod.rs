@@ -58,4 +58,4 @@ pub(crate) use modes::fit_rigid;
 pub(crate) use overstress::overstress;
 pub(crate) use springs::{pads, spring_forces, spring_loads};
 pub(crate) use supports::{AGREE, describe, side_facets, side_nodes};
-pub(crate) use surface::{SHARP, TrueSurface};
+pub(crate) use surface::TrueSurface;

@@ -21,11 +21,8 @@ use crate::fem::error::FemError;
 use crate::fem::nouns::Body;
 use crate::fem::supports::side_facets;
 use crate::geometry::{Point, Surface, add_scaled, cross, dot, norm, padded, sub, unit};
-use crate::mesh::{CellKind, Facet, MAX_FACET_NODES, Mesh};
+use crate::mesh::{CellKind, Facet, MAX_FACET_NODES, Mesh, SHARP};
 use std::collections::BTreeMap;
-
-/// Facets whose normals have a cosine below this, that of 30 degrees, meet at a corner: each keeps its own normal there.
-pub(crate) const SHARP: f64 = 0.866;
 
 /// What is given as the surface behind a side; `None`: its facets are what it is.
 type Behind<const D: usize> = Option<Surface<D>>;

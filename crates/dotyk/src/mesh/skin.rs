@@ -15,8 +15,8 @@ use rstar::{AABB, PointDistance, RTree, RTreeObject};
 /// Simplices whose nearest points lie this near to each other, in parts of their distance and size, meet there.
 const SAME: f64 = 1e-9;
 
-/// Facets that meet at a smaller cosine stand for an edge, no curve.
-const EDGE: f64 = 0.866;
+/// Facets whose normals have a cosine below this, that of 30 degrees, meet at a corner, and stand for no curve there.
+pub(crate) const SHARP: f64 = 0.866;
 
 /// The outer surface of a mesh, divided into simplices of D corners.
 #[derive(Debug, Clone)]
@@ -82,7 +82,7 @@ impl<const D: usize> Skin<D> {
         for pair in ridges.windows(2).filter(|pair| pair[0].0 == pair[1].0) {
             let both = [simplex(pair[0].1), simplex(pair[1].1)];
             let cosine = dot(both[0].normal(), both[1].normal());
-            if cosine > EDGE {
+            if cosine > SHARP {
                 let size = both[0].size().max(both[1].size());
                 let bow = size * cosine.min(1.0).acos() / 8.0;
                 for node in pair[0].0 {
@@ -95,7 +95,7 @@ impl<const D: usize> Skin<D> {
         }
         for simplex in &self.simplices {
             for node in simplex {
-                let place = self.nodes.binary_search(node).unwrap_or(0);
+                let place = self.place(*node);
                 let others = simplex.iter().filter(|other| *other != node);
                 self.at_nodes[place].beside.extend(others);
             }
@@ -115,13 +115,9 @@ impl<const D: usize> Skin<D> {
 
     /// Whether a point is no farther than `reach` from where the surface is sharp, with its nodes at `points`.
     pub fn is_sharp_at(&self, points: &[Point<D>], x: Point<D>, reach: f64) -> bool {
-        let near = |&[a, b]: &[u32; 2]| {
-            let [a, b] = [a, b].map(|node| points[node as usize]);
-            let (along, to) = (sub(b, a), sub(x, a));
-            let part = (dot(to, along) / dot(along, along).max(f64::MIN_POSITIVE)).clamp(0.0, 1.0);
-            norm(add_scaled(to, -part, along)) <= reach
-        };
-        self.sharp.iter().any(near)
+        let edges = self.sharp.iter();
+        let mut edges = edges.map(|ends| ends.map(|node| points[node as usize]));
+        edges.any(|edge| distance(x, on_segment(edge, x)) <= reach)
     }
 
     fn simplex(&self, index: usize, points: &[Point<D>]) -> Simplex<D> {

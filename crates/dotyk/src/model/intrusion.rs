@@ -19,7 +19,7 @@
 //! The first and the last but one hold at the sides of contacts alone. The third is of second order in the displacements, as the
 //! theory is of first: a body that travels without a strain gets none of it. What lay deeper than it has moved since was drawn
 //! so. What lies beside excluded nodes is told by a warning of its own, as is what a contact would hold that is not there. Where a gap is given, what the meshes do beside the sides says
-//! nothing. An obstacle is there for the side that its contact names, and no other: a plane may stand for a punch.
+//! nothing; nor does it where two bodies meet at edges alone, which no contact could name. An obstacle is there for the side that its contact names, and no other: a plane may stand for a punch.
 
 use crate::contact::{Moved, Rigid, Role};
 use crate::dual::{BETWEEN_LIMIT, Figure, ROUNDING};

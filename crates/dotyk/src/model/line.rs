@@ -5,9 +5,9 @@
 //! its cells.
 
 use crate::contact::nodal_weights;
-use crate::fem::{Analysis, Body, SHARP, SidePoint, side_facets, side_points};
+use crate::fem::{Analysis, Body, SidePoint, side_facets, side_points};
 use crate::geometry::{Point, add_scaled, distance, dot, unit};
-use crate::mesh::Facet;
+use crate::mesh::{Facet, SHARP};
 use crate::model::error::ProbeError;
 use crate::model::locate::Located;
 use std::collections::BTreeMap;

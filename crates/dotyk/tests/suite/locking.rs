@@ -201,6 +201,7 @@ const PAD: One = One {
 
 #[test]
 fn a_pad_is_told_that_it_keeps_its_volume() {
+    // as measured, with diagonals that all run one way: 1.86 times what is missing at 0.499, less elsewhere
     for (poisson, factor) in [(0.3, 1.5), (0.499, 2.0), (0.4999, 1.8), (0.49999, 1.8)] {
         let pad = One { poisson, ..PAD };
         let (right, _) = One {

@@ -168,6 +168,56 @@ fn an_overlap_that_was_drawn_is_none() {
     assert!((found.depth - 0.2).abs() < 1e-12, "{found:?}");
 }
 
+/// Four squares around a point, with contacts between neighbours; without the lower upright joint two stand side by side.
+fn around_a_point(cells: usize, joint: bool) -> String {
+    let square = |i: usize, j: usize| {
+        let young = if i == j { 1e4 } else { 1e3 };
+        let held = match (i, j) {
+            (_, 0) => "fix = [{ side = \"bottom\", x = 0, y = 0 }]".to_string(),
+            (0, _) => {
+                "fix = [{ side = \"left\", x = 0 }]\nload = [{ side = \"top\", pressure = 1 }]"
+                    .to_string()
+            }
+            _ => "load = [{ side = \"top\", pressure = 4 }, { side = \"right\", pressure = 1 }]"
+                .to_string(),
+        };
+        format!(
+            "[[body]]\nname = \"q{i}{j}\"\nmesh = {{ rectangle = {{ from = [{i}, {j}], to = [{}, {}], cells = [{cells}, {cells}] }} }}\nmaterial = {{ young = {young}, poisson = 0.3 }}\n{held}\n",
+            i + 1,
+            j + 1
+        )
+    };
+    let touch = |name: &str, nonmortar: &str, mortar: &str| {
+        format!(
+            "[[contact]]\nname = \"{name}\"\nnonmortar = \"{nonmortar}\"\nmortar = \"{mortar}\"\n"
+        )
+    };
+    let mut text = "analysis = \"plane-strain\"\n".to_string();
+    for (i, j) in [(0, 0), (1, 0), (0, 1), (1, 1)] {
+        text += &square(i, j);
+    }
+    text += &touch("h0", "q01.bottom", "q00.top");
+    text += &touch("h1", "q11.bottom", "q10.top");
+    text += &touch("v1", "q11.left", "q01.right");
+    if joint {
+        text += &touch("v0", "q10.left", "q00.right");
+    }
+    text
+}
+
+/// Bodies that meet at an edge alone have no sides there that a contact could name; those that lie side by side have, with one
+/// cell along them, too.
+#[test]
+fn only_what_lies_side_by_side_needs_a_contact() {
+    for cells in [1, 2, 5] {
+        assert!(solve(&around_a_point(cells, true)).is_ok(), "{cells}");
+        let found = stands(solve(&around_a_point(cells, false)));
+        let mut names = [&found.body[..], &found.other[..]];
+        names.sort_unstable();
+        assert_eq!((names, found.named), (["q00", "q10"], false), "{cells}");
+    }
+}
+
 /// A force that a study reads keeps its sign, whichever side dotyk lets carry the multipliers.
 #[test]
 fn a_resultant_is_that_on_the_side_that_is_named_first() {
