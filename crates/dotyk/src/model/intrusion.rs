@@ -18,8 +18,10 @@
 //!
 //! The first and the last but one hold at the sides of contacts alone. The third is of second order in the displacements, as the
 //! theory is of first: a body that travels without a strain gets none of it. What lay deeper than it has moved since was drawn
-//! so. What lies beside excluded nodes is told by a warning of its own, as is what a contact would hold that is not there. Where a gap is given, what the meshes do beside the sides says
-//! nothing; nor does it where two bodies meet at edges alone, which no contact could name. An obstacle is there for the side that its contact names, and no other: a plane may stand for a punch.
+//! so. What lies beside excluded nodes is told by a warning of its own, as is what a contact would hold that is not there. Where
+//! a gap is given, what the meshes do beside the sides says nothing. Bodies that are drawn to meet at edges alone have no sides
+//! there that a contact could name: what overlaps is narrow by the motion, and is left as long as that is small beside the facets.
+//! An obstacle is there for the side that its contact names, and no other: a plane may stand for a punch.
 
 use crate::contact::{Moved, Rigid, Role};
 use crate::dual::{BETWEEN_LIMIT, Figure, ROUNDING};
@@ -44,6 +46,9 @@ const BOWS: f64 = 2.0;
 
 /// Gradients beyond this one are no gradients of small displacements.
 const TURN: f64 = 1.0;
+
+/// Facets of an edge that all lie within this many times the motion are too small beside it for what overlaps to be narrow.
+const NARROW: f64 = 10.0;
 
 /// A rounding of coordinates, in parts of the size of what is looked at.
 const COORDINATE: f64 = 8.0 * ROUNDING;
@@ -344,10 +349,9 @@ fn in_body<const D: usize>(
         if drawn > motion + rounding || grown <= rounding {
             return None;
         }
-        // bodies that meet at edges alone have no sides there that a contact could name
-        let reach = motion + rounding;
         let is_edge =
-            |solid: &Solid<'_, D>| solid.skin.is_sharp_at(solid.first, own.first[at], reach);
+            |solid: &Solid<'_, D>| solid.skin.is_sharp_at(solid.first, own.first[at], rounding);
+        let reach = NARROW * motion + rounding;
         let touches = |node: &u32| {
             let depth = undeformed.depth(own.first[*node as usize]);
             depth.is_some_and(|(depth, _)| depth >= -reach)

@@ -218,6 +218,62 @@ fn only_what_lies_side_by_side_needs_a_contact() {
     }
 }
 
+/// Rectangles that are moved at random past each other are as deep as the nodes of both say, by their sides alone.
+#[test]
+fn rectangles_are_as_deep_as_their_nodes_say() {
+    let mut state = 0x9e37_79b9_7f4a_7c15u64;
+    let mut between = |low: f64, high: f64| {
+        // xorshift
+        state ^= state << 13;
+        state ^= state >> 7;
+        state ^= state << 17;
+        low + (high - low) * (state >> 11) as f64 / (1u64 << 53) as f64
+    };
+    let depth = |p: [f64; 2], [from, to]: [[f64; 2]; 2]| {
+        let of_axis = |d: usize| (p[d] - from[d]).min(to[d] - p[d]);
+        of_axis(0).min(of_axis(1))
+    };
+    let nodes = |[from, to]: [[f64; 2]; 2], n: [usize; 2]| {
+        let at = move |d: usize, k: usize| from[d] + (to[d] - from[d]) * k as f64 / n[d] as f64;
+        let all = (0..=n[0]).flat_map(move |i| (0..=n[1]).map(move |j| [i, j]));
+        let outer = all.filter(move |ij| (0..2).any(|d| ij[d] == 0 || ij[d] == n[d]));
+        outer.map(move |[i, j]| [at(0, i), at(1, j)])
+    };
+    let (mut deep, mut free) = (0, 0);
+    for _ in 0..200 {
+        let [w, h, b, t] = [0; 4].map(|_| between(0.5, 2.0));
+        let n = [0; 4].map(|_| between(1.0, 5.0) as usize);
+        let (x, y) = (between(-b, w), h + between(0.0, 0.5));
+        let [u, v] = [between(-0.5, 0.5), -between(0.0, 1.2)];
+        let low = [[0.0, 0.0], [w, h]];
+        let high = [[x + u, y + v], [x + b + u, y + t + v]];
+        let of_low = nodes(low, [n[0], n[1]]).map(|p| depth(p, high));
+        let of_high = nodes(high, [n[2], n[3]]).map(|p| depth(p, low));
+        let deepest = of_low.chain(of_high).fold(0.0, f64::max);
+        let moved = ["left", "right", "top", "bottom"]
+            .map(|side| format!("{{ side = \"{side}\", x = {u}, y = {v} }}"));
+        let text = format!(
+            "analysis = \"plane-strain\"\n[[body]]\nname = \"low\"\nmesh = {{ rectangle = {{ from = [0, 0], to = [{w}, {h}], cells = [{}, {}] }} }}\nmaterial = {{ young = 1e3, poisson = 0.3 }}\nfix = [{{ side = \"bottom\", x = 0, y = 0 }}]\n[[body]]\nname = \"high\"\nmesh = {{ rectangle = {{ from = [{x}, {y}], to = [{}, {}], cells = [{}, {}] }} }}\nmaterial = {{ young = 1e3, poisson = 0.3 }}\nfix = [{}]\n",
+            n[0],
+            n[1],
+            x + b,
+            y + t,
+            n[2],
+            n[3],
+            moved.join(", ")
+        );
+        if deepest > 1e-9 {
+            let found = stands(solve(&text));
+            assert!((found.depth - deepest).abs() < 1e-9, "{deepest} {found:?}");
+            deep += 1;
+        } else {
+            assert!(solve(&text).is_ok(), "{text}");
+            free += 1;
+        }
+    }
+    assert!(deep > 50 && free > 20, "{deep} {free}");
+}
+
 /// A force that a study reads keeps its sign, whichever side dotyk lets carry the multipliers.
 #[test]
 fn a_resultant_is_that_on_the_side_that_is_named_first() {
