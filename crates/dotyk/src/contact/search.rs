@@ -3,7 +3,8 @@
 //! A point x with outward normal n faces the facet that the line x + s·n meets nearest to x (smallest |s|), if the
 //! outward normal there is opposed to n, and the way there passes through no boundary of the two bodies. Before x (s > 0) that way
 //! lies outside of both. Behind x (s < 0) the bodies overlap, and it lies inside of both: x itself is inside the other body, so
-//! that what stands on the far side of that is no partner, nor is a surface behind the far side of x's own body.
+//! that what stands on the far side of that is no partner, nor is a surface behind the far side of x's own body. What the bodies
+//! have in common is pressed out of each other the short way: a surface that lies behind the length of it is no partner either.
 //! Cost: O(log n) for each line.
 
 use crate::contact::polygons::clip;
@@ -275,20 +276,27 @@ impl<'a, const D: usize> Boundary<'a, D> {
         }
     }
 
-    /// Whether a line passes through it between two distances. Where two facets back to back lie within `rounding` it passes
-    /// through none: along the seam between two parts of one body, or by an edge that it touches.
-    fn crossed(&self, line: Line<D>, [from, to]: [f64; 2], rounding: f64) -> bool {
+    /// Whether a line passes through it between two distances.
+    fn crossed(&self, line: Line<D>, way: [f64; 2], rounding: f64) -> bool {
+        self.crossing(line, way, rounding).is_some()
+    }
+
+    /// The distance between two at which a line passes through it first. Where two facets back to back lie within `rounding` it
+    /// passes through none: along the seam between two parts of one body, or by an edge that it touches.
+    fn crossing(&self, line: Line<D>, way: [f64; 2], rounding: f64) -> Option<f64> {
         let screen = self
             .screen
             .get_or_init(|| Screen::new(self.mesh, &self.mesh.boundary_facets()));
-        let met = screen.meets(line, [from, to], |cosine| cosine.abs() > ALONG);
-        let back_to_back = |&(a, cosine): &(Hit, f64)| {
+        let met = screen.meets(line, way, |cosine| cosine.abs() > ALONG);
+        let back_to_back = |&&(a, cosine): &&(Hit, f64)| {
             let mut others = met.iter();
             others.any(|(b, other)| {
                 cosine * other < 0.0 && (a.distance - b.distance).abs() <= rounding
             })
         };
-        !met.iter().all(back_to_back)
+        let through = met.iter().filter(|met| !back_to_back(met));
+        let distances = through.map(|(hit, _)| hit.distance);
+        distances.reduce(f64::min)
     }
 }
 
@@ -297,6 +305,9 @@ const ALONG: f64 = 1e-6;
 
 /// Boundaries that lie within this part of a facet from the ends of a way do not stand in it.
 const NEAR: f64 = 1e-6;
+
+/// Bodies that have more in common along a line than this many times what they have across it overlap across, not along it.
+const LONGEST: f64 = 2.0;
 
 /// The search from points of one body for a side of another.
 pub(crate) struct Search<'a, const D: usize> {
@@ -338,7 +349,7 @@ impl<'a, const D: usize> Search<'a, D> {
             .find(|hit| self.clear(line, hit.distance, shallow))
     }
 
-    /// Whether the way along a line to a distance passes through no body.
+    /// Whether the way along a line to a distance passes through no body, nor along what two have in common.
     fn clear(&self, line: Line<D>, distance: f64, shallow: f64) -> bool {
         let rounding = NEAR * shallow;
         let way = [distance.min(0.0) + rounding, distance.max(0.0) - rounding];
@@ -347,6 +358,28 @@ impl<'a, const D: usize> Search<'a, D> {
         way[0].partial_cmp(&way[1]) != Some(Ordering::Less)
             || !self.other.crossed(line, way, rounding)
                 && (beside_own || !self.own.crossed(line, way, rounding))
+                && (distance > 0.0 || self.is_short(line, -distance, rounding))
+    }
+
+    /// Whether what the bodies have in common is not more than [`LONGEST`] times as deep behind the start of a line as it is wide
+    /// half way there. How wide it is beyond that depth is not asked.
+    fn is_short(&self, line: Line<D>, depth: f64, rounding: f64) -> bool {
+        let middle = add_scaled(line.start, -0.5 * depth, line.direction);
+        let to_the_end = |direction: Point<D>| {
+            let line = Line {
+                start: middle,
+                direction,
+            };
+            let ends = [&self.own, &self.other];
+            let ends = ends.map(|body| body.crossing(line, [rounding, depth], rounding));
+            ends.into_iter().flatten().fold(depth, f64::min)
+        };
+        let across = frame(line.direction, &[]);
+        let mut across = across[1..].iter();
+        across.all(|&axis| {
+            let width = to_the_end(axis) + to_the_end(axis.map(|c| -c));
+            depth <= LONGEST * width
+        })
     }
 }
 

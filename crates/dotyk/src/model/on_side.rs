@@ -1,6 +1,7 @@
 //! What a contact does at each node of the facets of its side.
 //!
-//! A node at a sharp corner has a state for each of its faces: a facet has the one whose normal fits its own. In space only the
+//! A node at a sharp corner has a state for each of its faces: a facet has the one whose normal fits its own; of those that a
+//! node has against a near and a far surface the one that bears most. In space only the
 //! corners of facets carry multipliers: the nodes between them have, for each of their facets, what is linear between the states
 //! that this facet has at its corners, and the state of that one of these which bears most. So they agree with what the
 //! multipliers say, and a node that bears is not called open.
@@ -44,7 +45,12 @@ impl<'a, const D: usize> OnSide<'a, D> {
     /// The state of a node on a facet with this normal; `None` where it has none of its own.
     pub fn state(&self, node: usize, normal: Point<D>) -> Option<&'a ContactNode<D>> {
         let states = self.states.get(&node)?.iter().copied();
-        fitting(states, normal, |state| state.normal)
+        let fits = fitting(states.clone(), normal, |state| state.normal)?;
+        let fit = |state: &&ContactNode<D>| dot(state.normal, normal);
+        let least = fit(&fits) - ALIKE;
+        states
+            .filter(|state| fit(state) >= least)
+            .reduce(bearing_most)
     }
 
     /// The nodes between corners that have no state of their own, once for each of their facets; none in the plane, where all
@@ -97,17 +103,24 @@ impl<const D: usize> Between<'_, D> {
 
     /// The state of the corner that bears most.
     pub fn status(&self) -> Option<Status> {
-        let bears = |node: &ContactNode<D>| {
-            if node.pressure.is_nan() {
-                0.0
-            } else {
-                node.pressure
-            }
-        };
         let corners = self.corners.iter().map(|(node, _)| *node);
-        let most = corners.reduce(|a, b| if bears(b) > bears(a) { b } else { a });
-        most.map(|node| node.status)
+        corners.reduce(bearing_most).map(|node| node.status)
     }
+}
+
+/// Normals whose cosines to that of a facet differ by less than this fit it alike.
+const ALIKE: f64 = 1e-6;
+
+/// That of two states that bears more; of equal ones the first.
+fn bearing_most<'a, const D: usize>(
+    a: &'a ContactNode<D>,
+    b: &'a ContactNode<D>,
+) -> &'a ContactNode<D> {
+    let bears = |node: &ContactNode<D>| match node.pressure.is_nan() {
+        true => 0.0,
+        false => node.pressure,
+    };
+    if bears(b) > bears(a) { b } else { a }
 }
 
 /// The one of several whose normal fits a normal best; of equal ones the first.

@@ -13,7 +13,7 @@ use crate::model::condense::Condensed;
 use crate::model::error::Error;
 use crate::model::nouns::Model;
 use crate::model::pair::{Paired, row_ranges};
-use crate::model::shared::shear_parts;
+use crate::model::shared::{bearing_weight, shear_parts};
 use crate::model::solution::{BodySolution, Solution, Status};
 
 /// A load step that was solved before.
@@ -147,7 +147,8 @@ pub(crate) fn recorded<const D: usize>(
         };
         let (lambda, gaps) = (&mut lambda[rows.clone()], &mut gaps[rows]);
         let shears = |place| shear_parts(model, (index, pair), place, past.time);
-        of_contact(name, pair, (nodes, shears), lambda, gaps)?;
+        let bearing = |place, pulls| bearing_weight(model, (index, pair), place, pulls);
+        of_contact(name, pair, nodes, (bearing, shears), (lambda, gaps))?;
         let besides = lambda.iter_mut().zip(&pair.base);
         besides.for_each(|(force, base)| *force -= base);
     }
@@ -166,13 +167,14 @@ pub(crate) fn recorded<const D: usize>(
     Ok(multipliers)
 }
 
-/// Forces and known gaps of the rows of a contact.
+/// Forces and known gaps of the rows of a contact, at whose nodes `bearing` is the weight that has the pressure, where that pulls
+/// or not, and `shears` are the parts of the shear that the contacts there bear.
 fn of_contact<const D: usize>(
     name: &str,
     pair: &Paired<D>,
-    (past, shears): (&[PastNode<D>], impl Fn(usize) -> Vec<f64>),
-    lambda: &mut [f64],
-    gaps: &mut [Option<f64>],
+    past: &[PastNode<D>],
+    (bearing, shears): (impl Fn(usize, bool) -> f64, impl Fn(usize) -> Vec<f64>),
+    (lambda, gaps): (&mut [f64], &mut [Option<f64>]),
 ) -> Result<(), String> {
     let nodes = &pair.interface.nodes;
     let same = |(place, (now, then)): (usize, (&InterfaceNode<D>, &PastNode<D>))| {
@@ -189,7 +191,7 @@ fn of_contact<const D: usize>(
             lambda[row] = if then.pressure.is_nan() {
                 0.0
             } else {
-                then.pressure * now.weight
+                then.pressure * bearing(place, then.pressure < 0.0)
             };
             gaps[row] = Some(then.gap).filter(|gap| gap.is_finite());
         }

@@ -8,7 +8,8 @@
 //! ```
 //!
 //! are the parts of the contacts: the pressure λₙ/W is the same in all of them, and the sum of their forces the traction of the side.
-//! With laws whose bounds are not that of Coulomb's the parts are told where all are alike, w_k/W.
+//! With laws whose bounds are not that of Coulomb's the parts are told where all are alike, w_k/W. Beside a tie the multiplier is
+//! the tie's: it bears all of the shear, and where λₙ pulls all of that, since a contact bears none of it.
 //!
 //! Conditions are one where their rows are, at all dofs that ever move, and their gaps; which of two bodies carries the
 //! multipliers does not matter. Others stay apart: two bodies beside each other under a third one, faces of a corner, near and far
@@ -72,10 +73,10 @@ pub(crate) fn share_nodes<const D: usize>(
     let mut dropped: BTreeMap<usize, Vec<usize>> = BTreeMap::new();
     let mut twice: BTreeMap<[usize; 2], BTreeSet<usize>> = BTreeMap::new();
     for nodes in at_nodes.into_values().filter(|nodes| nodes.len() > 1) {
-        let count = |at: &(usize, usize)| rows[at].len();
+        let first = |at: &(usize, usize)| (is_tied(&model.contacts[at.0]), rows[at].len());
         let mut nodes = nodes;
-        // stable: the first of those with most rows
-        nodes.sort_by_key(|at| Reverse(count(at)));
+        // stable: of ties before others the first of those with most rows
+        nodes.sort_by_key(|at| Reverse(first(at)));
         let mut owners: Vec<(usize, usize)> = Vec::new();
         for at in nodes {
             let alike = |owner: &&(usize, usize)| {
@@ -155,9 +156,16 @@ fn may_share<const D: usize>(model: &Model<D>, contact: usize, pair: &Paired<D>)
     pair.kind == Kind::Contact && contact.is_some_and(|c| !gap_varies(c) && !moved(c))
 }
 
-/// Laws of which one bound can be made that divides among the contacts.
+fn is_tied<const D: usize>(contact: &Contact<D>) -> bool {
+    matches!(contact.law, Law::Tied)
+}
+
+/// Laws of which one bound can be made that divides among the contacts; of the second is the multiplier.
 fn laws_agree<const D: usize>([a, b]: [&Contact<D>; 2]) -> bool {
     let dry = |law: &Law| matches!(law, Law::Frictionless | Law::Coulomb(_));
+    if is_tied(b) && dry(&a.law) {
+        return true;
+    }
     let constant =
         |law: &Law| -> Vec<Option<f64>> { law.fields().iter().map(|f| f.as_constant()).collect() };
     let same = std::mem::discriminant(&a.law) == std::mem::discriminant(&b.law);
@@ -252,6 +260,22 @@ pub(crate) fn coefficients<const D: usize, E>(
         .collect()
 }
 
+/// Weight of the facets at a node that bear its normal force: where that pulls, of those that are tied.
+pub(crate) fn bearing_weight<const D: usize>(
+    model: &Model<D>,
+    (contact, pair): (usize, &Paired<D>),
+    place: usize,
+    pulls: bool,
+) -> f64 {
+    let whole = pair.interface.nodes[place].weight;
+    if !pulls || !is_tied(&model.contacts[contact]) {
+        return whole;
+    }
+    let others = pair.sharers_at(place);
+    let others = others.filter(|s| !is_tied(&model.contacts[s.at.0]));
+    whole - others.map(|s| s.weight).sum::<f64>()
+}
+
 /// The parts of a node's shear that its contacts bear, as [`coefficients`] lists them.
 pub(crate) fn shear_parts<const D: usize>(
     model: &Model<D>,
@@ -259,10 +283,13 @@ pub(crate) fn shear_parts<const D: usize>(
     place: usize,
     time: f64,
 ) -> Vec<f64> {
-    let whole = pair.interface.nodes[place].weight;
     let by_weight = || {
+        let tied = is_tied(&model.contacts[contact]);
+        let whole = bearing_weight(model, (contact, pair), place, tied);
+        let bears = |of: usize| !tied || is_tied(&model.contacts[of]);
         let own = std::iter::once(pair.own_weight(place));
-        let others = pair.sharers_at(place).map(|s| s.weight);
+        let others = pair.sharers_at(place);
+        let others = others.map(|s| if bears(s.at.0) { s.weight } else { 0.0 });
         own.chain(others).map(|weight| weight / whole).collect()
     };
     if !matches!(model.contacts[contact].law, Law::Coulomb(_)) {
@@ -295,10 +322,17 @@ pub(crate) fn share_out<const D: usize>(
             let node = &pair.interface.nodes[place];
             let shears = shear_parts(model, (contact, pair), place, time);
             let whole = contacts[contact].nodes[place];
+            let pulls = whole.pressure < 0.0;
+            let bearing = bearing_weight(model, (contact, pair), place, pulls);
+            let traction = whole.pressure * (node.weight / bearing);
             let parts = pair.sharers_at(place).zip(&shears[1..]);
             for (sharer, &shear) in parts {
+                let tied = is_tied(&model.contacts[sharer.at.0]);
+                // beside a tie that pulls
+                let none = bearing < node.weight && !tied;
                 let part_of = |component: usize| match component {
-                    0 => sharer.weight / node.weight,
+                    0 if none => 0.0,
+                    0 => sharer.weight / bearing,
                     _ => shear,
                 };
                 let of_rows = node.rows.iter().enumerate();
@@ -327,6 +361,9 @@ pub(crate) fn share_out<const D: usize>(
                 let of_node = &other.interface.nodes[sharer.at.1];
                 let rough = other.interface.coupling != Coupling::Normal;
                 let status = match whole.status {
+                    Status::Tied if none => Status::Open,
+                    Status::Tied if !tied && rough => Status::Stick,
+                    Status::Tied if !tied => Status::Closed,
                     Status::Stick | Status::Slip if !rough => Status::Closed,
                     status => status,
                 };
@@ -336,7 +373,8 @@ pub(crate) fn share_out<const D: usize>(
                     (work, sharer.extent, status),
                 );
                 let shown = &mut contacts[sharer.at.0].nodes[sharer.at.1];
-                (shown.gap, shown.pressure, shown.status) = (whole.gap, whole.pressure, status);
+                let pressure = if none { 0.0 } else { traction };
+                (shown.gap, shown.pressure, shown.status) = (whole.gap, pressure, status);
                 let tangents = of_node.frame.iter().enumerate().skip(1);
                 shown.shear = tangents.fold([0.0; D], |sum, (c, &direction)| {
                     let found = moved.iter().find(|(component, ..)| *component == c);
@@ -346,8 +384,9 @@ pub(crate) fn share_out<const D: usize>(
             }
             let own = pair.own_weight(place);
             let shown = &mut contacts[contact].nodes[place];
-            let traction = shears[0] * node.weight / own;
-            (shown.weight, shown.shear) = (own, shown.shear.map(|t| traction * t));
+            let of_whole = shears[0] * node.weight / own;
+            (shown.weight, shown.shear) = (own, shown.shear.map(|t| of_whole * t));
+            shown.pressure = traction;
         }
     }
 }

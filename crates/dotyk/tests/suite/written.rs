@@ -3,7 +3,7 @@
 
 use dotyk::case::Case;
 use dotyk::geometry::Point;
-use dotyk::model::{ContactSolution, Solution, Status};
+use dotyk::model::{ContactNode, ContactSolution, Solution, Status};
 use std::path::Path;
 
 fn solve(text: &str) -> Solution<2> {
@@ -329,6 +329,138 @@ fn whole_boundaries_touch_where_they_touch() {
     }
 }
 
+/// Bodies that overlap at an edge have more in common along it than across, and are pressed apart across: whole boundaries mean
+/// what the faces do that lie in each other.
+#[test]
+fn whole_boundaries_that_overlap_at_an_edge_are_pressed_apart_the_short_way() {
+    let all = |min: &str, max: &str| {
+        format!("sides = {{ all = {{ of = \"boundary\", min = {min}, max = {max} }} }}")
+    };
+    let blocks = |shift: f64, cells: [usize; 4], sides: [&str; 2]| {
+        let all = all("[-9, -9]", "[9, 9]");
+        let [a, b, c, d] = cells;
+        format!(
+            r#"
+analysis = "plane-stress"
+[[body]]
+name = "low"
+mesh = {{ rectangle = {{ from = [0, 0], to = [3, 1], cells = [{a}, {b}] }}, {all} }}
+material = {{ young = 1000, poisson = 0.0 }}
+fix = [{{ side = "bottom", x = 0, y = 0 }}]
+[[body]]
+name = "up"
+mesh = {{ rectangle = {{ from = [{shift}, 0.99], to = [{}, 2], cells = [{c}, {d}] }}, {all} }}
+material = {{ young = 1000, poisson = 0.0 }}
+fix = [{{ side = "top", x = 0, y = 0 }}]
+[[contact]]
+name = "c"
+nonmortar = "low.{}"
+mortar = "up.{}"
+"#,
+            3.0 + shift,
+            sides[0],
+            sides[1]
+        )
+    };
+    let cells = [[1, 1, 1, 1], [6, 2, 4, 2], [3, 1, 7, 3]];
+    for (shift, cells) in [0.0, 0.5, -0.5, 2.5, 2.9]
+        .into_iter()
+        .flat_map(|s| cells.map(|c| (s, c)))
+    {
+        let faces = solve(&blocks(shift, cells, ["top", "bottom"]));
+        let whole = solve(&blocks(shift, cells, ["all", "all"]));
+        let [faces, whole] = [faces, whole].map(|solution| solution.contacts[0].resultant);
+        assert!(faces[1].abs() > 0.1);
+        near(whole[0], faces[0], 1e-9);
+        near(whole[1], faces[1], 1e-9);
+    }
+    // of equal width: E times 0.01 over both heights, but for what the sides do where they end
+    let flush = solve(&blocks(0.0, [6, 2, 6, 2], ["all", "all"]));
+    for node in &flush.contacts[0].nodes {
+        assert!(node.pressure.abs() < 1e-9 || (node.pressure - 10.0 / 2.01).abs() < 1e-9);
+    }
+    let cubes = |shift: f64, sides: [&str; 2]| {
+        let all = all("[-9, -9, -9]", "[9, 9, 9]");
+        format!(
+            r#"
+analysis = "3d"
+[[body]]
+name = "low"
+mesh = {{ box = {{ from = [0, 0, 0], to = [3, 2, 1], cells = [3, 2, 1] }}, {all} }}
+material = {{ young = 1000, poisson = 0.0 }}
+fix = [{{ side = "bottom", x = 0, y = 0, z = 0 }}]
+[[body]]
+name = "up"
+mesh = {{ box = {{ from = [{shift}, 0, 0.99], to = [{}, 2, 2], cells = [2, 3, 1] }}, {all} }}
+material = {{ young = 1000, poisson = 0.0 }}
+fix = [{{ side = "top", x = 0, y = 0, z = 0 }}]
+[[contact]]
+name = "c"
+nonmortar = "low.{}"
+mortar = "up.{}"
+"#,
+            3.0 + shift,
+            sides[0],
+            sides[1]
+        )
+    };
+    for shift in [0.0, 0.5, 2.5] {
+        let faces = solve_in_space(&cubes(shift, ["top", "bottom"]));
+        let whole = solve_in_space(&cubes(shift, ["all", "all"]));
+        let [faces, whole] = [faces, whole].map(|solution| solution.contacts[0].resultant);
+        assert!(faces[2].abs() > 0.1);
+        for d in 0..3 {
+            near(whole[d], faces[d], 1e-9);
+        }
+    }
+}
+
+/// A node that faces a near surface and a far one is asked for what it bears.
+#[test]
+fn a_probe_reads_the_surface_that_presses() {
+    let text = r#"
+analysis = "plane-strain"
+[[body]]
+name = "base"
+mesh = { outline = { size = 1, cell = "tri3", from = [0, -2], edges = [ { to = [3, -2], name = "bottom" }, { to = [3, -1], name = "e" }, { to = [2, -1], name = "floor" }, { to = [2, 0], name = "w" }, { to = [1, 0], name = "top" }, { to = [1, -1], name = "w" }, { to = [0, -1], name = "floor" }, { to = [0, -2], name = "e" } ] } }
+material = { young = 1000, poisson = 0.0 }
+fix = [{ side = "bottom", x = 0, y = 0 }]
+[[body]]
+name = "block"
+mesh = { rectangle = { from = [0.2, 0], to = [2.7, 1], cells = [3, 1] } }
+material = { young = 1000, poisson = 0.0 }
+fix = [{ side = "left", x = 0 }]
+load = [{ side = "top", traction = [0, "-(0.1 + 0.3*x)"] }]
+[[contact]]
+name = "c"
+nonmortar = "block.bottom"
+mortar = ["base.floor", "base.top"]
+[[probe]]
+name = "most"
+quantity = "c.pressure"
+reduce = "max"
+[[probe]]
+name = "there"
+quantity = "c.pressure"
+at = [0.2, 0]
+[[probe]]
+name = "gap"
+quantity = "c.gap"
+reduce = "min"
+"#;
+    let found = solve(text);
+    let nodes = &found.contacts[0].nodes;
+    let at_end = |n: &&ContactNode<2>| n.point[0] < 0.3;
+    assert_eq!(nodes.iter().filter(at_end).count(), 2);
+    let largest = |pressures: Vec<f64>| pressures.into_iter().fold(0.0, f64::max);
+    let all = largest(nodes.iter().map(|n| n.pressure).collect());
+    let there = largest(nodes.iter().filter(at_end).map(|n| n.pressure).collect());
+    assert!(there > 0.0);
+    near(probe(&found, "most"), all, 1e-12);
+    near(probe(&found, "there"), there, 1e-12);
+    near(probe(&found, "gap"), 0.0, 1e-12);
+}
+
 /// A shaft 0.0025 too large for its hub: 6.15 by Lamé.
 #[test]
 fn rings_know_their_circles() {
@@ -432,6 +564,9 @@ fn contacts_that_share_a_node_share_its_force() {
         ["friction = 0.3"; 2],
         ["friction = 0.3", ""],
         ["", "friction = 0.2"],
+        ["tied = true", ""],
+        ["", "tied = true"],
+        ["friction = 0.3", "tied = true"],
         ["pairing = \"mortar\""; 2],
     ];
     for laws in laws {
@@ -481,6 +616,29 @@ fn contacts_that_share_a_node_share_its_force() {
         for (a, b) in along_both(&found).iter().zip(along_both(&swapped)) {
             near(a.1, b.1, 1e-9);
         }
+    }
+    // a tie that pulls at the common node bears all of that, and all of the shear
+    for (laws, tie) in [
+        (["tied = true", "friction = 0.4"], 0),
+        (["", "tied = true"], 1),
+    ] {
+        let pulled = split(laws, "0.02", "0").replace("-1 - 0 * (x - 1)", "0.1");
+        let pulled = pulled.replace("fix = [{ side = \"left\", x = 0 }]\nload", "load");
+        let found = solve(&pulled);
+        let [tied, loose] = [&found.contacts[tie], &found.contacts[1 - tie]];
+        near(tied.resultant[1], -0.2, 1e-10);
+        near(tied.resultant[0], -0.04, 1e-10);
+        near(loose.resultant[0].hypot(loose.resultant[1]), 0.0, 1e-12);
+        assert!(
+            loose
+                .nodes
+                .iter()
+                .all(|n| n.pressure == 0.0 && n.shear == [0.0; 2])
+        );
+        let common = tied.nodes.iter().find(|n| n.point[0] == 1.0).unwrap();
+        assert!(common.pressure < 0.0);
+        let forces = tied.nodes.iter().map(|n| n.pressure * n.weight);
+        near(forces.sum(), -0.2, 1e-10);
     }
     // what slides bears the shear of both coefficients: 0.3 and 0.1 on halves of equal pressure at the common node
     let sliding = with(
