@@ -27,6 +27,8 @@ pub(crate) struct Skin<const D: usize> {
     nodes: Vec<u32>,
     /// What is known at each of these.
     at_nodes: Vec<AtNode>,
+    /// The edges of the simplices, each once: the simplices themselves in the plane.
+    edges: Vec<[u32; 2]>,
     /// Where simplices meet sharply: the ends of edges in space, twice the corner in the plane.
     sharp: Vec<[u32; 2]>,
 }
@@ -56,6 +58,7 @@ impl<const D: usize> Skin<D> {
             simplices,
             at_nodes: vec![AtNode::default(); nodes.len()],
             nodes,
+            edges: Vec::new(),
             sharp: Vec::new(),
         };
         skin.look_around(mesh.points());
@@ -106,11 +109,22 @@ impl<const D: usize> Skin<D> {
             at.bow = bow;
         }
         self.sharp = sharp;
+        self.edges = match D {
+            2 => self.simplices.iter().map(|s| [s[0], s[1]]).collect(),
+            _ => ridges.into_iter().map(|(ends, _)| ends).collect(),
+        };
+        self.edges.dedup();
     }
 
-    /// The simplices at a node.
-    pub fn around(&self, node: u32) -> impl Iterator<Item = &[u32; D]> {
-        self.simplices.iter().filter(move |s| s.contains(&node))
+    /// The simplices at a node, or at an edge between two.
+    pub fn around(&self, ends: [u32; 2]) -> impl Iterator<Item = &[u32; D]> {
+        let holds = move |s: &&[u32; D]| ends.iter().all(|node| s.contains(node));
+        self.simplices.iter().filter(holds)
+    }
+
+    /// Its edges: two nodes of each.
+    pub fn edges(&self) -> &[[u32; 2]] {
+        &self.edges
     }
 
     /// Whether a point is no farther than `reach` from where the surface is sharp, with its nodes at `points`.
@@ -207,6 +221,16 @@ impl<const D: usize> Surrounding<D> {
         let outside = dot(sub(p, at), outward) >= 0.0;
         Some((if outside { -length } else { length }, nearest.nodes))
     }
+
+    /// Where the way from one point straight to another passes through the surface, in parts of it, ascending.
+    pub fn crossings(&self, way: [Point<D>; 2]) -> Vec<f64> {
+        let (low, high) = bounding_box(&way);
+        let near = AABB::from_corners(low, high);
+        let near = self.0.locate_in_envelope_intersecting(near);
+        let mut at: Vec<f64> = near.filter_map(|s| s.crossed(way)).collect();
+        at.sort_unstable_by(f64::total_cmp);
+        at
+    }
 }
 
 /// A segment of the plane, a triangle of space.
@@ -255,6 +279,18 @@ impl<const D: usize> Simplex<D> {
             [Some(a), Some(b)] => dot(a, b).clamp(-1.0, 1.0).acos(),
             _ => 0.0,
         }
+    }
+
+    /// Where the way from a to b passes through it, in parts of it.
+    fn crossed(&self, [a, b]: [Point<D>; 2]) -> Option<f64> {
+        let normal = self.normal();
+        let [from, to] = [a, b].map(|p| dot(sub(p, self.corners[0]), normal));
+        if from * to >= 0.0 {
+            return None;
+        }
+        let part = from / (from - to);
+        let at = add_scaled(a, part, sub(b, a));
+        (distance(at, self.closest(at)) <= SAME * self.size()).then_some(part)
     }
 
     /// Its point that is nearest to p.

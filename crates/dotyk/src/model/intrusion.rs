@@ -7,7 +7,7 @@
 //!
 //! Conditions of a contact hold between what lay opposite at first, and where a contact is named. Neither tells what becomes of a
 //! body that travels, nor of two that no contact keeps apart. So the nodes of every outer surface are looked up in every other
-//! body as it has moved. What an answer of small displacements may overlap, and no more, is
+//! body as it has moved; and edges that pass through it, half way between where they come in and go out. What an answer of small displacements may overlap, and no more, is
 //!
 //! ```text
 //!   allowed = 10 × what the meshes of a contact resolve there          dents and bends of the gap, see `between`
@@ -18,8 +18,8 @@
 //!
 //! The first and the last but one hold at the sides of contacts alone. The third is of second order in the displacements, as the
 //! theory is of first: a body that travels without a strain gets none of it. What lay deeper than it has moved since was drawn
-//! so. What lies beside excluded nodes is told by a warning of its own, as is what a contact would hold that is not there. Where
-//! a gap is given, what the meshes do beside the sides says nothing. Bodies that are drawn to meet at edges alone have no sides
+//! so. What lies beside excluded nodes is told by a warning of its own, as is what a contact would hold that is not there. A given
+//! clearance is one of both sides: what stands in either of them may have come from beside the other. Bodies that are drawn to meet at edges alone have no sides
 //! there that a contact could name: what overlaps is narrow by the motion, and is left as long as that is small beside the facets.
 //! An obstacle is there for the side that its contact names, and no other: a plane may stand for a punch.
 
@@ -27,11 +27,11 @@ use crate::contact::{Moved, Rigid, Role};
 use crate::dual::{BETWEEN_LIMIT, Figure, ROUNDING};
 use crate::fem::{Short, show};
 use crate::geometry::{Point, Surface, add_scaled, bounding_box, distance, dot, norm, sub};
-use crate::mesh::Skin;
+use crate::mesh::{Skin, Surrounding};
 use crate::model::between::resolved;
 use crate::model::condense::Condensed;
 use crate::model::judge::{Displaced, moved};
-use crate::model::nouns::{Contact, Gap, Model, Pair};
+use crate::model::nouns::{Contact, Gap, Model, Pair, SideRef};
 use crate::model::pair::{Paired, row_ranges};
 use rayon::prelude::*;
 use std::borrow::Cow;
@@ -145,7 +145,13 @@ pub(crate) fn intrusions<const D: usize>(
     let skins = condensed.skins.of(model);
     let contacts = model.contacts.iter().zip(row_ranges(&condensed.paired));
     let known = contacts.map(|(contact, (rows, pair))| {
-        Named::new(contact, pair, moved(model, pair, displaced), &lambda[rows])
+        Named::new(
+            model,
+            contact,
+            pair,
+            moved(model, pair, displaced),
+            &lambda[rows],
+        )
     });
     let known: Vec<Named<'_, D>> = known.collect();
     let bodies = model.bodies.iter().zip(skins).zip(&displaced.states);
@@ -175,17 +181,33 @@ struct Named<'a, const D: usize> {
     bodies: (usize, Option<usize>),
     moved: Moved<'a, D>,
     resolved: BTreeMap<usize, f64>,
-    /// The largest clearance, where it is given beside what the meshes show.
-    given: Option<f64>,
+    /// The largest clearance, where it is given beside what the meshes show, and the nodes of both sides, nonmortar and mortar.
+    given: Option<(f64, [BTreeSet<u32>; 2])>,
     /// Nodes of the nonmortar side that are excluded, and those beside them: what overlaps there is told apart.
     out: BTreeSet<usize>,
 }
 
 impl<'a, const D: usize> Named<'a, D> {
-    fn new(contact: &'a Contact<D>, pair: &Paired<D>, moved: Moved<'a, D>, lambda: &[f64]) -> Self {
+    fn new(
+        model: &Model<D>,
+        contact: &'a Contact<D>,
+        pair: &Paired<D>,
+        moved: Moved<'a, D>,
+        lambda: &[f64],
+    ) -> Self {
         let clearances = pair.interface.nodes.iter().map(|node| node.clearance);
+        let side = |side: Option<&SideRef>| -> BTreeSet<u32> {
+            side.map_or(BTreeSet::new(), |side| {
+                let mesh = &model.bodies[side.body.0].mesh;
+                let facets = mesh.side(&side.side).unwrap_or_default().iter();
+                facets.flat_map(|facet| mesh.facet_nodes(*facet)).collect()
+            })
+        };
         let given = match contact.gap {
-            Some(Gap::Given(_)) => Some(clearances.fold(0.0, f64::max)),
+            Some(Gap::Given(_)) => Some((
+                clearances.fold(0.0, f64::max),
+                [side(Some(&pair.nonmortar)), side(pair.mortar.as_ref())],
+            )),
             _ => None,
         };
         let nodes = pair.interface.nodes.iter();
@@ -210,7 +232,16 @@ impl<'a, const D: usize> Named<'a, D> {
     /// What it allows at a node of its nonmortar side.
     fn allows(&self, node: u32) -> Option<f64> {
         let resolved = self.resolved.get(&(node as usize))?;
-        Some(BETWEEN_LIMIT * resolved + self.given.unwrap_or(0.0))
+        Some(BETWEEN_LIMIT * resolved + self.given.as_ref().map_or(0.0, |given| given.0))
+    }
+
+    /// The given clearance, for what of body `of` stands in the contact's side of the other one next to nodes of it.
+    fn given_beside(&self, of: usize, near: &[u32]) -> Option<f64> {
+        let (clearance, sides) = self.given.as_ref()?;
+        let side = &sides[usize::from(self.bodies.0 == of)];
+        near.iter()
+            .all(|node| side.contains(node))
+            .then_some(*clearance)
     }
 
     /// A node of body `of`, next to nodes of the other one, lies where a part of the side is excluded.
@@ -283,7 +314,41 @@ impl<'a, const D: usize> Solid<'a, D> {
     }
 }
 
-/// The worst intrusion of nodes of one body in another one.
+/// A point of an edge of a surface: its first end, or one on the way to the second.
+#[derive(Clone, Copy)]
+struct Spot {
+    ends: [u32; 2],
+    part: f64,
+}
+
+impl Spot {
+    fn node(node: u32) -> Self {
+        Self {
+            ends: [node; 2],
+            part: 0.0,
+        }
+    }
+
+    /// A value there, of values at all nodes such as positions or displacements.
+    fn of<const D: usize>(&self, values: &[Point<D>]) -> Point<D> {
+        let [from, to] = self.ends.map(|node| values[node as usize]);
+        add_scaled(from, self.part, sub(to, from))
+    }
+}
+
+/// Two bodies, of which parts of the first may stand in the second.
+struct Meeting<'a, 'b, const D: usize> {
+    /// Which of the bodies the first is.
+    of: usize,
+    own: Cow<'a, Solid<'b, D>>,
+    other: Cow<'a, Solid<'b, D>>,
+    /// The contacts between them.
+    between: Vec<&'a Named<'b, D>>,
+    /// Lengths below this one are rounding.
+    rounding: f64,
+}
+
+/// The worst intrusion of one body in another one.
 fn in_body<const D: usize>(
     bodies: &[Solid<'_, D>],
     contacts: &[Named<'_, D>],
@@ -308,89 +373,146 @@ fn in_body<const D: usize>(
         fitted.map_or(Cow::Borrowed(own), |u| Cow::Owned(placed(u)))
     };
     let (own, other) = (since(a), since(b));
-    let motion = own.most + other.most;
-    let rounding = COORDINATE * extent(&[own.bounds, other.bounds]);
-    if motion <= rounding {
-        return None;
-    }
-    // nothing that has moved as far is deeper than twice that
-    let reach = 2.0 * motion + rounding;
-    let low = std::array::from_fn(|d| own.bounds.0[d].max(other.bounds.0[d]) - reach);
-    let high = std::array::from_fn(|d| own.bounds.1[d].min(other.bounds.1[d]) + reach);
-    let inside =
-        |p: Point<D>| (0..D).all(|d| other.bounds.0[d] <= p[d] && p[d] <= other.bounds.1[d]);
-    let nodes = own.skin.nodes().iter();
-    let nodes: Vec<u32> = nodes
-        .copied()
-        .filter(|&node| inside(own.now[node as usize]))
-        .collect();
-    if nodes.is_empty() {
-        return None;
-    }
-    let surface = other.skin.at(&other.now, (low, high));
-    let deep = nodes.into_iter().filter_map(|node| {
-        let (depth, near) = surface.depth(own.now[node as usize])?;
-        (depth > rounding && depth <= reach).then_some((node, depth, near))
-    });
-    let deep: Vec<(u32, f64, [u32; D])> = deep.collect();
-    if deep.is_empty() {
-        return None;
-    }
-    let undeformed = other.skin.at(other.first, (low, high));
-    let found = deep.into_iter().filter_map(|(node, depth, near)| {
-        let at = node as usize;
-        if between.iter().any(|c| c.leaves_out(a, node, near)) {
+    let meeting = Meeting {
+        of: a,
+        rounding: COORDINATE * extent(&[own.bounds, other.bounds]),
+        own,
+        other,
+        between,
+    };
+    meeting.worst()
+}
+
+impl<const D: usize> Meeting<'_, '_, D> {
+    fn worst(&self) -> Option<Intrusion<D>> {
+        let (own, other) = (&*self.own, &*self.other);
+        let motion = own.most + other.most;
+        if motion <= self.rounding {
             return None;
         }
-        let (drawn, _) = undeformed.depth(own.first[at])?;
-        let beside = near.map(|node| sub(own.moved[at], other.moved[node as usize]));
+        // nothing that has moved as far is deeper than twice that
+        let reach = 2.0 * motion + self.rounding;
+        let low = std::array::from_fn(|d| own.bounds.0[d].max(other.bounds.0[d]) - reach);
+        let high = std::array::from_fn(|d| own.bounds.1[d].min(other.bounds.1[d]) + reach);
+        let surface = other.skin.at(&other.now, (low, high));
+        let deep = self.spots(&surface).into_iter().filter_map(|spot| {
+            let (depth, near) = surface.depth(spot.of(&own.now))?;
+            (depth > self.rounding && depth <= reach).then_some((spot, depth, near))
+        });
+        let deep: Vec<(Spot, f64, [u32; D])> = deep.collect();
+        if deep.is_empty() {
+            return None;
+        }
+        let undeformed = other.skin.at(other.first, (low, high));
+        let deep = deep.into_iter();
+        deep.filter_map(|(spot, depth, near)| self.intrusion(&undeformed, spot, depth, near))
+            .reduce(Intrusion::worse)
+    }
+
+    /// Where the first body may be deepest: its nodes, and on edges that pass through the other one, half way between.
+    fn spots(&self, surface: &Surrounding<D>) -> Vec<Spot> {
+        let (own, (low, high)) = (&*self.own, self.other.bounds);
+        let nodes = own.skin.nodes().iter().copied().filter(|&node| {
+            let p = own.now[node as usize];
+            (0..D).all(|d| low[d] <= p[d] && p[d] <= high[d])
+        });
+        let edges = own.skin.edges().iter();
+        let through = edges.flat_map(|&ends| {
+            let way = ends.map(|node| own.now[node as usize]);
+            let box_of = bounding_box(&way);
+            let meets = (0..D).all(|d| low[d] <= box_of.1[d] && box_of.0[d] <= high[d]);
+            let at = if meets {
+                surface.crossings(way)
+            } else {
+                Vec::new()
+            };
+            let between = at.windows(2).map(|pair| 0.5 * (pair[0] + pair[1]));
+            let spots = between.map(|part| Spot { ends, part });
+            spots.collect::<Vec<Spot>>()
+        });
+        nodes.map(Spot::node).chain(through).collect()
+    }
+
+    /// What stands there too deep, next to nodes `near` of the other body.
+    fn intrusion(
+        &self,
+        undeformed: &Surrounding<D>,
+        spot: Spot,
+        depth: f64,
+        near: [u32; D],
+    ) -> Option<Intrusion<D>> {
+        let (own, other, rounding) = (&*self.own, &*self.other, self.rounding);
+        let mut ends = spot.ends.iter();
+        if ends.any(|&end| {
+            self.between
+                .iter()
+                .any(|c| c.leaves_out(self.of, end, near))
+        }) {
+            return None;
+        }
+        let first = spot.of(own.first);
+        let (drawn, _) = undeformed.depth(first)?;
+        let moved = spot.of(&own.moved);
+        let beside = near.map(|node| sub(moved, other.moved[node as usize]));
         let motion = beside.into_iter().map(norm).fold(0.0, f64::max);
         let grown = depth - drawn.max(0.0);
-        if drawn > motion + rounding || grown <= rounding {
+        let unnamed = self.between.is_empty();
+        if drawn > motion + rounding
+            || grown <= rounding
+            || (unnamed && self.is_narrow(undeformed, spot, motion))
+        {
             return None;
         }
-        let is_edge =
-            |solid: &Solid<'_, D>| solid.skin.is_sharp_at(solid.first, own.first[at], rounding);
-        let reach = NARROW * motion + rounding;
-        let touches = |node: &u32| {
-            let depth = undeformed.depth(own.first[*node as usize]);
-            depth.is_some_and(|(depth, _)| depth >= -reach)
-        };
-        let faces = || own.skin.around(node).any(|s| s.iter().all(touches));
-        if between.is_empty() && is_edge(&own) && is_edge(&other) && !faces() {
-            return None;
-        }
-        let of_contacts = between
-            .iter()
-            .filter_map(|contact| match contact.bodies.0 == a {
-                true => contact.allows(node),
-                false => near
-                    .iter()
-                    .filter_map(|&node| contact.allows(node))
-                    .reduce(f64::max),
-            });
-        let of_contacts = of_contacts.reduce(f64::max);
-        if of_contacts.is_none() && between.iter().any(|contact| contact.given.is_some()) {
-            return None;
-        }
-        let of_other = near.iter().map(|&node| other.allows(node, motion));
+        let of_contacts = self.of_contacts(spot, near);
+        let of_own = spot.ends.map(|node| own.allows(node, motion));
+        let of_other = near.map(|node| other.allows(node, motion));
         let allowed = of_contacts.unwrap_or(0.0)
-            + own.allows(node, motion)
-            + of_other.fold(0.0, f64::max)
+            + of_own.into_iter().fold(0.0, f64::max)
+            + of_other.into_iter().fold(0.0, f64::max)
             + APART * motion
             + rounding;
         Some(Intrusion {
             body: own.name.to_string(),
             other: other.name.to_string(),
             obstacle: false,
-            point: own.first[at],
+            point: first,
             depth: grown,
             allowed,
-            named: !between.is_empty(),
+            named: !unnamed,
             waits: None,
         })
-    });
-    found.reduce(Intrusion::worse)
+    }
+
+    /// Whether edges of both are drawn to meet at a point, and no facet there is drawn along the other body.
+    fn is_narrow(&self, undeformed: &Surrounding<D>, spot: Spot, motion: f64) -> bool {
+        let at = spot.of(self.own.first);
+        let is_edge = |solid: &Solid<'_, D>| solid.skin.is_sharp_at(solid.first, at, self.rounding);
+        let reach = NARROW * motion + self.rounding;
+        let touches = |node: &u32| {
+            let depth = undeformed.depth(self.own.first[*node as usize]);
+            depth.is_some_and(|(depth, _)| depth >= -reach)
+        };
+        let mut around = self.own.skin.around(spot.ends);
+        is_edge(&self.own) && is_edge(&self.other) && !around.any(|s| s.iter().all(touches))
+    }
+
+    /// What the contacts between the two allow there.
+    fn of_contacts(&self, spot: Spot, near: [u32; D]) -> Option<f64> {
+        let largest = |contact: &&Named<'_, D>, nodes: &[u32]| {
+            let allowed = nodes.iter().filter_map(|&node| contact.allows(node));
+            allowed.reduce(f64::max)
+        };
+        let each = self
+            .between
+            .iter()
+            .filter_map(|contact| match contact.bodies.0 == self.of {
+                true => largest(contact, &spot.ends),
+                false => largest(contact, &near),
+            });
+        let given = self.between.iter();
+        let given = given.filter_map(|contact| contact.given_beside(self.of, &near));
+        each.chain(given).reduce(f64::max)
+    }
 }
 
 /// The size of what holds some boxes.

@@ -219,8 +219,38 @@ fn only_what_lies_side_by_side_needs_a_contact() {
 }
 
 /// Rectangles that are moved at random past each other are as deep as the nodes of both say, by their sides alone.
+/// The parts of the outline of a rectangle with `n` cells.
+fn outline([from, to]: [[f64; 2]; 2], n: [usize; 2]) -> Vec<[[f64; 2]; 2]> {
+    let at = |d: usize, k: usize| from[d] + (to[d] - from[d]) * k as f64 / n[d] as f64;
+    let flat = [from[1], to[1]]
+        .into_iter()
+        .flat_map(|y| (0..n[0]).map(move |k| [[at(0, k), y], [at(0, k + 1), y]]));
+    let upright = [from[0], to[0]]
+        .into_iter()
+        .flat_map(|x| (0..n[1]).map(move |k| [[x, at(1, k)], [x, at(1, k + 1)]]));
+    flat.chain(upright).collect()
+}
+
+/// How deep a point is in a rectangle.
+fn depth(p: [f64; 2], [from, to]: [[f64; 2]; 2]) -> f64 {
+    let of_axis = |d: usize| (p[d] - from[d]).min(to[d] - p[d]);
+    of_axis(0).min(of_axis(1))
+}
+
+/// Where a part of an outline is deepest in a rectangle: at its ends, or half way through where it goes right through.
+fn deepest(part: [[f64; 2]; 2], into: [[f64; 2]; 2]) -> f64 {
+    let ends = depth(part[0], into).max(depth(part[1], into));
+    let through = (0..2).filter(|&d| part[0][d] < into[0][d] && into[1][d] < part[1][d]);
+    let half = through.map(|d| {
+        let mut p = part[0];
+        p[d] = 0.5 * (into[0][d] + into[1][d]);
+        depth(p, into)
+    });
+    half.fold(ends, f64::max)
+}
+
 #[test]
-fn rectangles_are_as_deep_as_their_nodes_say() {
+fn rectangles_are_as_deep_as_their_outlines_say() {
     let mut state = 0x9e37_79b9_7f4a_7c15u64;
     let mut between = |low: f64, high: f64| {
         // xorshift
@@ -229,27 +259,31 @@ fn rectangles_are_as_deep_as_their_nodes_say() {
         state ^= state << 17;
         low + (high - low) * (state >> 11) as f64 / (1u64 << 53) as f64
     };
-    let depth = |p: [f64; 2], [from, to]: [[f64; 2]; 2]| {
-        let of_axis = |d: usize| (p[d] - from[d]).min(to[d] - p[d]);
-        of_axis(0).min(of_axis(1))
-    };
-    let nodes = |[from, to]: [[f64; 2]; 2], n: [usize; 2]| {
-        let at = move |d: usize, k: usize| from[d] + (to[d] - from[d]) * k as f64 / n[d] as f64;
-        let all = (0..=n[0]).flat_map(move |i| (0..=n[1]).map(move |j| [i, j]));
-        let outer = all.filter(move |ij| (0..2).any(|d| ij[d] == 0 || ij[d] == n[d]));
-        outer.map(move |[i, j]| [at(0, i), at(1, j)])
-    };
-    let (mut deep, mut free) = (0, 0);
-    for _ in 0..200 {
-        let [w, h, b, t] = [0; 4].map(|_| between(0.5, 2.0));
+    let (mut through, mut deep, mut free) = (0, 0, 0);
+    for round in 0..300 {
+        let [mut w, h, b, mut t] = [0; 4].map(|_| between(0.2, 2.0));
+        if round % 2 == 1 {
+            // a post and a beam
+            (w, t) = (0.3 * w, 0.3 * t);
+        }
         let n = [0; 4].map(|_| between(1.0, 5.0) as usize);
         let (x, y) = (between(-b, w), h + between(0.0, 0.5));
-        let [u, v] = [between(-0.5, 0.5), -between(0.0, 1.2)];
+        let [u, v] = [between(-0.5, 0.5), -between(0.0, 2.0)];
         let low = [[0.0, 0.0], [w, h]];
         let high = [[x + u, y + v], [x + b + u, y + t + v]];
-        let of_low = nodes(low, [n[0], n[1]]).map(|p| depth(p, high));
-        let of_high = nodes(high, [n[2], n[3]]).map(|p| depth(p, low));
-        let deepest = of_low.chain(of_high).fold(0.0, f64::max);
+        let parts = outline(low, [n[0], n[1]])
+            .into_iter()
+            .map(|part| (part, high));
+        let others = outline(high, [n[2], n[3]])
+            .into_iter()
+            .map(|part| (part, low));
+        let parts: Vec<_> = parts.chain(others).collect();
+        let most = parts.iter().map(|&(part, into)| deepest(part, into));
+        let most = most.fold(0.0, f64::max);
+        let mut ends = parts
+            .iter()
+            .flat_map(|&(part, into)| part.map(|p| depth(p, into)));
+        through += usize::from(most > 1e-9 && ends.all(|depth| depth < 0.0));
         let moved = ["left", "right", "top", "bottom"]
             .map(|side| format!("{{ side = \"{side}\", x = {u}, y = {v} }}"));
         let text = format!(
@@ -262,16 +296,89 @@ fn rectangles_are_as_deep_as_their_nodes_say() {
             n[3],
             moved.join(", ")
         );
-        if deepest > 1e-9 {
+        // the height of what overlaps, told by the rectangles alone
+        let overlap = (0..2).map(|d| low[1][d].min(high[1][d]) - low[0][d].max(high[0][d]));
+        let overlap = overlap.fold(f64::INFINITY, f64::min);
+        assert_eq!(most > 1e-9, overlap > 1e-9, "{text}");
+        if most > 1e-9 {
             let found = stands(solve(&text));
-            assert!((found.depth - deepest).abs() < 1e-9, "{deepest} {found:?}");
+            assert!((found.depth - most).abs() < 1e-9, "{most} {found:?}");
             deep += 1;
         } else {
             assert!(solve(&text).is_ok(), "{text}");
             free += 1;
         }
     }
-    assert!(deep > 50 && free > 20, "{deep} {free}");
+    assert!(
+        through > 10 && deep > 50 && free > 20,
+        "{through} {deep} {free}"
+    );
+}
+
+/// A block over a floor that is 0.5 lower than it is drawn, and a post beside it that stands where it is drawn.
+#[test]
+fn a_given_clearance_is_one_of_its_sides() {
+    let moved = |x: f64, y: f64| {
+        format!(
+            r#"
+analysis = "plane-strain"
+[[body]]
+name = "a"
+mesh = {{ outline = {{ size = 0.5, from = [0, 0], edges = [{{ to = [4, 0], name = "bottom" }}, {{ to = [4, 3], name = "r" }}, {{ to = [3, 3], name = "pt" }}, {{ to = [3, 1], name = "post" }}, {{ to = [0, 1], name = "floor" }}, {{ to = [0, 0], name = "l" }}] }} }}
+material = {{ young = 1e6, poisson = 0.3 }}
+fix = [{{ side = "bottom", x = 0, y = 0 }}]
+[[body]]
+name = "b"
+mesh = {{ rectangle = {{ from = [1, 1.2], to = [2.8, 2], cells = [4, 4] }} }}
+material = {{ young = 1e6, poisson = 0.3 }}
+fix = [{{ side = "top", x = {x}, y = {y} }}]
+[[contact]]
+name = "c"
+nonmortar = "b.bottom"
+mortar = "a.floor"
+gap = 0.7
+"#
+        )
+    };
+    // down to where the floor is, whose sides alone have the clearance: the edge of the block goes with it
+    assert!(solve(&moved(0.0, -0.6)).is_ok());
+    assert!(solve(&moved(0.1, -0.6)).is_ok());
+    for down in [0.0, -0.1, -0.6] {
+        let found = stands(solve(&moved(0.6, down)));
+        assert!((found.depth - 0.4).abs() < 1e-6, "{found:?}");
+    }
+}
+
+#[test]
+fn a_beam_does_not_pass_through_a_post() {
+    // a post of one cell across, and a beam of one cell, whose nodes are all outside of each other in the end
+    let body = |name: &str, box_of: &str, fix: &str| {
+        format!(
+            "[[body]]\nname = \"{name}\"\nmesh = {{ {box_of} }}\nmaterial = {{ young = 1e3, poisson = 0.3 }}\nfix = [{fix}]\n"
+        )
+    };
+    let post = body(
+        "post",
+        "box = { from = [-0.3, -0.4, -2], to = [0.3, 0.4, 2], cells = [1, 1, 1] }",
+        "{ side = \"bottom\", x = 0, y = 0, z = 0 }",
+    );
+    let all =
+        ["left", "right"].map(|side| format!("{{ side = \"{side}\", x = 0, y = TRAVEL, z = 0 }}"));
+    for (travel, stands_in) in [(1.0, None), (2.0, Some(0.1))] {
+        let beam = body(
+            "beam",
+            "box = { from = [-2, -2.2, -0.11], to = [2, -1.8, 0.13], cells = [1, 1, 1], cell = \"tet4\" }",
+            &all.join(", ").replace("TRAVEL", &travel.to_string()),
+        );
+        let answer = solve_in_space(&format!("analysis = \"3d\"\n{post}{beam}"));
+        match stands_in {
+            None => assert!(answer.is_ok()),
+            Some(least) => {
+                let found = stands(answer);
+                assert!(found.depth > least && found.depth <= 0.3, "{found:?}");
+            }
+        }
+    }
 }
 
 /// A force that a study reads keeps its sign, whichever side dotyk lets carry the multipliers.
