@@ -9,12 +9,15 @@
 //! curves along a facet. Where nothing presses and nothing curves there is no excuse: a condition was lost.
 
 use crate::contact::{Coupling, InterfaceNode, Moved, Role, Sample};
-use crate::geometry::{Point, dot, invert};
+use crate::geometry::{Point, add_scaled, dot, invert, norm};
 use crate::model::pair::Paired;
 use std::collections::BTreeMap;
 
 /// Samples whose scatter in ξ has a smaller determinant lie on a line: reference facets are of size one, their samples far from that.
 const ON_A_LINE: f64 = 1e-12;
+
+/// Sides that have sunk into each other by more than this part of their motion were not kept apart.
+const SUNK: f64 = 0.5;
 
 /// The place where two sides overlap most beyond what their meshes can resolve.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -169,6 +172,28 @@ pub(crate) fn smallest_gap<const D: usize>(
     }
     let between = pair.samples.iter().flat_map(|samples| gaps(samples, moved));
     Some(between.fold(smallest, f64::min)).filter(|gap| gap.is_finite())
+}
+
+/// How deep the sides of one contact have sunk into each other between the nodes, where that is more than half of what either has
+/// moved there: what was drawn so, and what a pressed facet dents, is less.
+pub(crate) fn sunk<const D: usize>(pair: &Paired<D>, moved: &Moved<'_, D>) -> Option<f64> {
+    let motion = |nodes: &[(usize, f64)], u: &[Point<D>]| {
+        let sum = nodes
+            .iter()
+            .fold([0.0; D], |sum, &(j, n)| add_scaled(sum, n, u[j]));
+        norm(sum)
+    };
+    let depths = pair.samples.iter().flatten().filter_map(|sample| {
+        let at = &sample.at;
+        let own = motion(&at.own, &moved.own);
+        let other = match &moved.other {
+            Some(u) => motion(&at.opposite, u),
+            None => norm(moved.obstacle),
+        };
+        let depth = at.gap.min(0.0) - at.after(moved);
+        (depth > SUNK * own.max(other)).then_some(depth)
+    });
+    depths.reduce(f64::max)
 }
 
 fn gaps<const D: usize>(samples: &[Sample<D>], moved: &Moved<'_, D>) -> Vec<f64> {

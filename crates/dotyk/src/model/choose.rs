@@ -47,26 +47,32 @@ pub(crate) fn chosen<const D: usize>(ends: [End<'_, D>; 2]) -> Result<usize, Con
     if edge[coarse] < ALIKE * edge[fine] {
         return Ok(fine);
     }
-    let stiffer = stiff[fine] / stiff[coarse];
-    let finer = (edge[coarse] / edge[fine]).ln();
-    let shown =
-        |turn: f64| stiffer * finer > SHOWS || KINKS * turn * finer * stiffer.max(1.0) > VISIBLE;
-    let turn = straight_turn(ends[coarse])?;
-    Ok(match turn.is_some_and(shown) {
-        true => coarse,
-        false => fine,
-    })
+    let shown = shows_kinks(
+        ends[coarse],
+        stiff[fine] / stiff[coarse],
+        edge[coarse] / edge[fine],
+    )?;
+    Ok(if shown { coarse } else { fine })
 }
 
-/// Whether the nonmortar side, the first, is finer than a mortar side of much softer material, where they face each other: far
-/// from there either may be as coarse as it likes.
+/// Whether pressures on a side that is stiffer and finer by these factors show the kinks between the straight facets of the other.
+fn shows_kinks<const D: usize>(
+    coarse: End<'_, D>,
+    stiffer: f64,
+    finer: f64,
+) -> Result<bool, ContactError> {
+    let answer = finer.ln();
+    let shown =
+        |turn: f64| stiffer * answer > SHOWS || KINKS * turn * answer * stiffer.max(1.0) > VISIBLE;
+    Ok(straight_turn(coarse)?.is_some_and(shown))
+}
+
+/// Whether the nonmortar side, the first, is finer where they face each other than a mortar side of much softer material, or than
+/// one whose kinks it shows: far from there either may be as coarse as it likes.
 pub(crate) fn finer_than_softer<const D: usize>(
     [nonmortar, mortar]: [End<'_, D>; 2],
     interface: &Interface<D>,
 ) -> Result<bool, ContactError> {
-    if stiffness(mortar) * SOFTER >= stiffness(nonmortar) {
-        return Ok(false);
-    }
     let [own, other] = [edges_at(nonmortar)?, edges_at(mortar)?];
     let mut sums = [0.0; 2];
     for node in &interface.nodes {
@@ -76,7 +82,9 @@ pub(crate) fn finer_than_softer<const D: usize>(
             sums[1] += other[opposite];
         }
     }
-    Ok(sums[0] < 0.99 * sums[1])
+    let stiffer = stiffness(nonmortar) / stiffness(mortar);
+    Ok(sums[0] < 0.99 * sums[1]
+        && (stiffer > SOFTER || shows_kinks(mortar, stiffer, sums[1] / sums[0])?))
 }
 
 /// Mean distance of neighbouring nodes on the facets around each node.

@@ -9,7 +9,7 @@ use crate::model::condense::Condensed;
 use crate::model::dependent::shared_forces;
 use crate::model::error::Error;
 use crate::model::fields::fields;
-use crate::model::judge::{Judged, blurred, held_to_overlap, left_to_overlap};
+use crate::model::judge::{Blur, Judged, blurred, held_to_overlap, left_to_overlap};
 use crate::model::links::bar_solutions;
 use crate::model::nouns::Model;
 use crate::model::pair::{Paired, carriers, row_ranges};
@@ -80,17 +80,23 @@ pub(crate) fn finish<const D: usize>(
             show(point)
         ));
     }
-    for (contact, bears, gap) in blurred(model, condensed, &judged.displaced, lambda) {
+    for (contact, blur) in blurred(model, condensed, &judged.displaced, lambda) {
         let name = &model.contacts[contact].name;
-        let length = Short(gap.abs());
-        warnings.push(match bears {
-            true => format!(
-                "contact \"{name}\": it bears a force although its sides stay {length} apart: conditions are means over facets, and these are too large for its curves; use smaller facets there"
+        let told = match blur {
+            Blur::Apart(gap) => format!(
+                "it bears a force although its sides stay {} apart: conditions are means over facets, and these are too large for its curves; use smaller facets there",
+                Short(gap)
             ),
-            false => format!(
-                "contact \"{name}\": its sides overlap by up to {length} between nodes none of which is closed: its facets are too large to see the contact; use smaller ones there"
+            Blur::Unborne(depth) => format!(
+                "its sides overlap by up to {} between nodes none of which is closed: its facets are too large to see the contact; use smaller ones there",
+                Short(depth)
             ),
-        });
+            Blur::Sunk(depth) => format!(
+                "its sides have sunk {} into each other between nodes, most of what they have moved: facets of the nonmortar side are too large for what presses on them; use smaller ones there, or swap nonmortar and mortar",
+                Short(depth)
+            ),
+        };
+        warnings.push(format!("contact \"{name}\": {told}"));
     }
     let pairs = (&condensed.bodies[..], &condensed.paired[..]);
     warnings.extend(shared_forces(

@@ -8,7 +8,9 @@ use crate::contact::{Coupling, Moved, Row};
 use crate::dual::{Certificate, Component, Multipliers, OfDomain, ROUNDING, Recomputed};
 use crate::geometry::{Point, distance, dot, sub};
 use crate::linalg::SparseVector;
-use crate::model::between::{Overlap, held_overlap, left_overlap, smallest_gap, worst_overlap};
+use crate::model::between::{
+    Overlap, held_overlap, left_overlap, smallest_gap, sunk, worst_overlap,
+};
 use crate::model::bodies::{LoadedBody, add_rows};
 use crate::model::condense::Condensed;
 use crate::model::domains::domains;
@@ -350,14 +352,24 @@ pub(crate) fn held_to_overlap<const D: usize>(
     contacts.filter_map(deepest).collect()
 }
 
-/// Contacts whose forces and gaps between nodes tell different things: with a force where the sides are apart everywhere, or
-/// without any where they overlap. Index, whether it bears a force, and the smallest gap.
+/// Forces and gaps between the nodes of a contact that tell different things, since its facets are too large to see it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) enum Blur {
+    /// It bears a force although its sides are so far apart everywhere.
+    Apart(f64),
+    /// It bears none although they overlap by so much.
+    Unborne(f64),
+    /// It bears one, but they have sunk into each other by most of what they have moved.
+    Sunk(f64),
+}
+
+/// Contacts whose forces and gaps between nodes tell different things, by their index.
 pub(crate) fn blurred<const D: usize>(
     model: &Model<D>,
     condensed: &Condensed<D>,
     displaced: &Displaced<D>,
     lambda: &[f64],
-) -> Vec<(usize, bool, f64)> {
+) -> Vec<(usize, Blur)> {
     let largest = |lambda: &[f64]| lambda.iter().fold(0.0, |s: f64, l| s.max(l.abs()));
     let whole = largest(lambda);
     let (none, some) = (NO_FORCE * whole, model.solver.tolerance * whole);
@@ -365,17 +377,21 @@ pub(crate) fn blurred<const D: usize>(
         let loose = pair.interface.coupling != Coupling::Tied;
         let lambda = &lambda[rows];
         let bears = |row: usize| lambda[row].abs() > none;
-        let nearest = smallest_gap(pair, &moved(model, pair, displaced), bears);
+        let moved = moved(model, pair, displaced);
+        let nearest = smallest_gap(pair, &moved, bears);
         let nearest = nearest.filter(|_| loose)?;
         let rounding = negligible(condensed, displaced, contact, APART);
         // forces within the tolerance may be or not be
         let force = largest(lambda);
-        let bears = force > some;
-        let differs = match bears {
-            true => nearest > rounding,
-            false => nearest < -rounding && force <= none,
+        let blur = if force > some && nearest > rounding {
+            Some(Blur::Apart(nearest))
+        } else if force <= none && nearest < -rounding {
+            Some(Blur::Unborne(-nearest))
+        } else {
+            let deep = sunk(pair, &moved).filter(|depth| *depth > rounding);
+            deep.map(Blur::Sunk)
         };
-        differs.then_some((contact, bears, nearest))
+        Some((contact, blur?))
     });
     told.collect()
 }

@@ -9,7 +9,6 @@ use crate::model::{
 };
 use crate::output::Overview;
 use crate::output::bars::bars_section;
-use crate::output::chain::arc_lengths;
 use crate::output::contacts;
 use crate::output::figures::Figures;
 use crate::output::html::{self, Head, column, escape, left, plain, table, table_of_vectors, text};
@@ -58,7 +57,7 @@ fn content<const D: usize>(run: &Overview<'_, D>) -> String {
     [
         verdict::banner(run),
         verdict::warnings(run),
-        key_figures(solution, &labels),
+        key_figures(model, solution, &labels),
         probes(model, solution, &labels),
         lines_section(run, &labels),
         sections_section(run, &labels),
@@ -134,7 +133,11 @@ fn analysis_in_words<const D: usize>(model: &Model<D>) -> String {
     }
 }
 
-fn key_figures<const D: usize>(solution: &Solution<D>, labels: &Labels) -> String {
+fn key_figures<const D: usize>(
+    model: &Model<D>,
+    solution: &Solution<D>,
+    labels: &Labels,
+) -> String {
     let mut cards: Vec<(&str, String, String)> = Vec::new();
     if let Some((body, value)) = greatest(&solution.bodies, BodySolution::max_displacement) {
         cards.push((
@@ -182,7 +185,7 @@ fn key_figures<const D: usize>(solution: &Solution<D>, labels: &Labels) -> Strin
         let loose = |c: &&ContactSolution<D>| c.nodes.iter().all(|n| n.status != Status::Tied);
         let any = solution.contacts.iter().any(|c| loose(&c));
         let counted = || solution.contacts.iter().filter(|c| !any || loose(c));
-        let whole: f64 = counted().map(side_extent).sum();
+        let whole: f64 = counted().map(|contact| side_extent(model, contact)).sum();
         let closed: f64 = counted().map(|c| c.length).sum();
         let (_, unit) = labels.extent();
         cards.push((
@@ -234,16 +237,14 @@ fn key_figures<const D: usize>(solution: &Solution<D>, labels: &Labels) -> Strin
     format!("<div class=\"keys\">\n{cards}</div>\n")
 }
 
-/// Length of the whole nonmortar side, in space its area, undeformed.
-fn side_extent<const D: usize>(contact: &ContactSolution<D>) -> f64 {
+/// Length of the whole nonmortar side, in space the area of what faces something, undeformed.
+fn side_extent<const D: usize>(model: &Model<D>, contact: &ContactSolution<D>) -> f64 {
     if D == 3 {
         return contact.nodes.iter().map(|n| n.weight).sum();
     }
-    let mut chain: Vec<_> = contact.nodes.iter().map(|n| n.point).collect();
-    if contact.cyclic {
-        chain.extend(chain.first().copied());
-    }
-    arc_lengths(&chain).last().copied().unwrap_or(0.0)
+    let mesh = &model.bodies[contact.nonmortar.body.0].mesh;
+    let facets = mesh.side(&contact.nonmortar.side).unwrap_or_default();
+    facets.iter().map(|&facet| mesh.facet_length(facet)).sum()
 }
 
 /// Name and value of the body where a number is largest.

@@ -1,8 +1,10 @@
 //! Warnings about what the theory assumes: each where it belongs, and none where it does not.
 
+use dotyk::case::Case;
 use dotyk::mesh::Diagonals;
 use dotyk::model::{Motion, Pair, Pairing};
 use dotyk::prelude::*;
+use std::path::Path;
 
 fn rectangle(from: Point<2>, to: Point<2>, cells: [usize; 2]) -> Mesh<2> {
     Rectangle {
@@ -298,6 +300,23 @@ fn overlaps_between_nodes_that_bear_no_force_are_told() {
     assert_eq!(apart.solve().unwrap().contacts[0].resultant, [0.0; 2]);
 }
 
+/// A pin that is pressed on a block: where its facets are larger than the pin, it sinks until they are a mean distance apart.
+#[test]
+fn a_pin_that_sinks_between_nodes_is_told() {
+    let on = |cells: usize, nonmortar: &str, mortar: &str| {
+        let text = format!(
+            "analysis = \"plane-strain\"\n[[body]]\nname = \"a\"\nmesh = {{ rectangle = {{ from = [-2, -1], to = [2, 0], cells = [{cells}, 2] }} }}\nmaterial = {{ young = 1000, poisson = 0.3 }}\nfix = [{{ side = \"bottom\", x = 0, y = 0 }}]\n[[body]]\nname = \"b\"\nmesh = {{ ring = {{ center = [0.1, 0.25], inner = 0.1, outer = 0.25, cells = [32, 3] }} }}\nmaterial = {{ young = 1000, poisson = 0.3 }}\nfix = [{{ side = \"inner\", x = 0 }}]\nload = [{{ side = \"inner\", force = [0, -7] }}]\n[[contact]]\nname = \"c\"\nnonmortar = \"{nonmortar}\"\nmortar = \"{mortar}\"\n"
+        );
+        let case = Case::<2>::from_str(&text, "case.toml", Path::new("."));
+        case.unwrap().model
+    };
+    let words = "have sunk";
+    assert!(warned(&on(1, "a.top", "b.outer"), words));
+    assert!(warned(&on(3, "a.top", "b.outer"), words));
+    assert!(!warned(&on(200, "a.top", "b.outer"), words));
+    assert!(!warned(&on(64, "b.outer", "a.top"), words));
+}
+
 /// A stiff punch on a soft block that is finer below it, and coarser everywhere else.
 #[test]
 fn a_side_is_finer_than_the_softer_one_where_they_face_each_other() {
@@ -321,6 +340,50 @@ fn a_side_is_finer_than_the_softer_one_where_they_face_each_other() {
     let words = "multipliers finer than the softer side";
     assert!(warned(&on(65, false), words));
     assert!(!warned(&on(65, true), words));
+}
+
+/// A finer ring of the same material in a coarse one, pressed by an overlap: it answers the corners of the other, which a coarser
+/// one does not, nor one that is finer than facets of second order.
+#[test]
+fn a_side_is_finer_than_one_whose_corners_it_shows() {
+    let ring = |[inner, outer]: [f64; 2], cells: usize, cell: CellKind| Ring {
+        center: [0.0, 0.0],
+        inner,
+        outer,
+        angles: None,
+        cells: [cells, 4],
+        ratio: 1.0,
+        grade: 1.0,
+        cell,
+        diagonals: Diagonals::default(),
+    };
+    let pressed = |own: usize, others: usize, cell: CellKind| {
+        let mut model = Model::<2>::new();
+        let shaft = ring([10.0, 20.0025], own, cell).build().unwrap();
+        let hub = ring([20.0, 30.0], others, cell).build().unwrap();
+        let shaft = model.body("shaft", shaft, SOFT);
+        let hub = model.body("hub", hub, SOFT);
+        model
+            .fix(hub, "outer", [Some(0.0), Some(0.0)])
+            .contact((shaft, "outer"), (hub, "inner"));
+        model
+    };
+    let words = "multipliers finer than the softer side";
+    let spread = |model: &Model<2>| {
+        let nodes = &model.solve().unwrap().contacts[0].nodes;
+        let pressures = nodes.iter().map(|node| node.pressure);
+        let most = pressures.clone().fold(0.0, f64::max);
+        most / pressures.fold(f64::INFINITY, f64::min) - 1.0
+    };
+    let finer = pressed(128, 16, CellKind::Quad4);
+    assert!(warned(&finer, words) && spread(&finer) > 0.05);
+    for right in [
+        pressed(16, 128, CellKind::Quad4),
+        pressed(44, 40, CellKind::Quad4),
+        pressed(128, 16, CellKind::Quad8),
+    ] {
+        assert!(!warned(&right, words) && spread(&right) < 0.01);
+    }
 }
 
 #[test]
