@@ -17,11 +17,12 @@ impl run::Problem<2> for Problem {
     type Kind = Kind;
 
     fn families() -> Vec<&'static str> {
-        families::FAMILIES.map(|(name, _)| name).to_vec()
+        let all = families::FAMILIES.iter().chain(&families::MORE);
+        all.map(|(name, _)| *name).collect()
     }
 
-    fn of_seed(seed: u64, family: Option<&str>) -> Self {
-        families::problem(seed, family)
+    fn of_seed(seed: u64, family: Option<&str>, more: bool) -> Self {
+        families::problem(seed, family, more)
     }
 
     fn family(&self) -> &'static str {
@@ -70,6 +71,10 @@ impl run::Problem<2> for Problem {
 
     fn twins(&self, answer: &Answer, random: &mut Random) -> Vec<Twin<Self, 2>> {
         twins(self, answer, random)
+    }
+
+    fn told_twice(&self) -> bool {
+        self.other.is_some()
     }
 
     fn unique(&self, answer: &Answer, twin: &str) -> bool {

@@ -3,7 +3,7 @@
 //! ```text
 //! cargo run --release -p dotyk-bench --bin campaign -- [--space] [--seeds 0..1000] [--threads N] [--family NAME] [--keep DIR]
 //!                                                      [--twins PART] [--method NAME] [--limit SECONDS] [--margins]
-//!                                                      [--seed K --show] [--failed]
+//!                                                      [--seed K --show] [--failed] [--more]
 //! ```
 //!
 //! A seed makes a problem ([`families`], in space [`space`]), the problem makes a case file, the program answers, and [`check`]
@@ -26,6 +26,7 @@ mod held;
 mod judgement;
 #[cfg(test)]
 mod mutations;
+mod overlap;
 mod plane;
 mod problem;
 mod random;
@@ -84,6 +85,7 @@ fn options(mut words: impl Iterator<Item = String>) -> Result<(Options, bool), S
         seeds: (0..1000).collect(),
         threads: std::thread::available_parallelism().map_or(1, |n| n.get()),
         family: None,
+        more: false,
         keep: None,
         twins: 0.25,
         method: "accelerated".to_string(),
@@ -122,6 +124,7 @@ fn options(mut words: impl Iterator<Item = String>) -> Result<(Options, bool), S
             }
             "--margins" => options.margins = true,
             "--failed" => failed = true,
+            "--more" => options.more = true,
             "--space" => space = true,
             "--show" => options.show = true,
             other => return Err(format!("unknown argument {other}")),

@@ -24,6 +24,7 @@ fn body(name: &str, shape: Shape, kind: Kind) -> Body {
         loads: Vec::new(),
         weight: Default::default(),
         circles: Vec::new(),
+        more: Default::default(),
     }
 }
 
@@ -60,6 +61,10 @@ fn problem(bodies: Vec<Body>, contacts: Vec<Contact>, count: usize) -> Problem {
         uniform: None,
         spins: false,
         method: "auto".to_string(),
+        drawing: None,
+        sections: Vec::new(),
+        other: None,
+        idle: Vec::new(),
     }
 }
 

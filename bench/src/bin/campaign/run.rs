@@ -22,8 +22,8 @@ pub trait Problem<const D: usize>: Clone {
     /// Names of all families.
     fn families() -> Vec<&'static str>;
 
-    /// The problem of a seed, of this family or of one that the seed chooses.
-    fn of_seed(seed: u64, family: Option<&str>) -> Self;
+    /// The problem of a seed, of this family or of one that the seed chooses; `more`: among those that came later.
+    fn of_seed(seed: u64, family: Option<&str>, more: bool) -> Self;
 
     fn family(&self) -> &'static str;
 
@@ -54,6 +54,11 @@ pub trait Problem<const D: usize>: Clone {
     /// Some twins.
     fn twins(&self, answer: &Answer<D, Self::Kind>, random: &mut Random) -> Vec<Twin<Self, D>>;
 
+    /// Its family knows it in other words: they are always asked.
+    fn told_twice(&self) -> bool {
+        false
+    }
+
     /// The answer of this kind of twin must be the same.
     fn unique(&self, answer: &Answer<D, Self::Kind>, twin: &str) -> bool;
 
@@ -74,6 +79,8 @@ pub struct Options {
     pub seeds: Vec<u64>,
     pub threads: usize,
     pub family: Option<String>,
+    /// Seeds choose among the families that came later.
+    pub more: bool,
     /// Where case files of failing seeds go.
     pub keep: Option<PathBuf>,
     /// Part of the seeds that is asked again in other words.
@@ -175,7 +182,7 @@ fn one<P: Problem<D>, const D: usize>(seed: u64, options: &Options) -> Result
 where
     Case<D>: Solvable<D>,
 {
-    let problem = P::of_seed(seed, options.family.as_deref());
+    let problem = P::of_seed(seed, options.family.as_deref(), options.more);
     let (known, reason) = problem.known();
     let clock = Instant::now();
     let mut result = Result {
@@ -300,7 +307,7 @@ fn judge<P: Problem<D>, const D: usize>(
         return;
     }
     let mut random = Random::new(seed ^ 0x7717);
-    if random.chance(options.twins) {
+    if random.chance(options.twins) || problem.told_twice() {
         ask_twins(
             problem,
             &answer,

@@ -3,9 +3,9 @@
 //! rest = internal − external is what supports and contacts exert on a node. Off both it must vanish; on a contact side it
 //! is the true contact force.
 
-use crate::elastic::{conditions, external, internal};
+use crate::elastic::{bedded, conditions, external, internal, of_support};
 use crate::held::{Condition, free_part, held_axes};
-use crate::plane::{Vector, bounds, length, minus};
+use crate::plane::{Vector, bounds, dot, length, minus, plus};
 use crate::problem::{Body, Problem};
 use crate::raw::{Answer, Step};
 use std::collections::BTreeMap;
@@ -39,6 +39,27 @@ pub struct State {
     pub moves: f64,
     /// Largest coordinate: positions are rounded to 2⁻⁵³ of it.
     pub size: f64,
+    /// What beds exert on each body.
+    pub beds: Vec<Vector>,
+}
+
+/// Conditions of supports that came later: nodes are held where they were in the step before.
+fn held_later(problem: &Problem, answer: &Answer, step: &Step, body: usize) -> Vec<Condition> {
+    let mut all = Vec::new();
+    for support in &problem.bodies[body].supports {
+        let Some(from) = support.from.filter(|&from| step.time >= from) else {
+            continue;
+        };
+        let before = answer.steps.iter().rfind(|step| step.time < from);
+        for condition in of_support(&answer.meshes[body], support, step.time) {
+            let was = before.map_or([0.0; 2], |b| b.displacements[body][condition.node]);
+            all.push(Condition {
+                value: condition.value + dot(condition.axis, was),
+                ..condition
+            });
+        }
+    }
+    all
 }
 
 impl State {
@@ -53,6 +74,7 @@ impl State {
             force: 0.0,
             moves: 0.0,
             size: 0.0,
+            beds: Vec::new(),
         };
         let mut magnitudes = Vec::new();
         // what other bodies move by hundreds leaves dust on one that hardly moves
@@ -65,7 +87,15 @@ impl State {
             .zip(&step.displacements)
         {
             let inside = internal(mesh, body, analysis, moves, 0.01 * largest);
-            let outside = external(mesh, body, analysis, step.time);
+            let there = body.more.from.is_none_or(|from| step.time >= from);
+            let mut outside = match there {
+                true => external(mesh, body, analysis, step.time),
+                false => vec![[0.0; 2]; moves.len()],
+            };
+            let beds = bedded(mesh, body, analysis, moves);
+            for (sum, &bed) in outside.iter_mut().zip(&beds) {
+                *sum = plus(*sum, 1.0, bed);
+            }
             let rest: Vec<Vector> = inside
                 .forces
                 .iter()
@@ -83,7 +113,11 @@ impl State {
             state.size = state.size.max(corner);
             state.rest.push(rest);
             magnitudes.push(inside.magnitudes);
-            let conditions = conditions(mesh, body, analysis, step.time);
+            state
+                .beds
+                .push(beds.iter().fold([0.0; 2], |s, &f| plus(s, 1.0, f)));
+            let mut conditions = conditions(mesh, body, analysis, step.time);
+            conditions.extend(held_later(problem, answer, step, state.conditions.len()));
             state.held.push(held_axes(&conditions));
             state.conditions.push(conditions);
         }
