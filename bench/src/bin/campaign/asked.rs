@@ -73,12 +73,24 @@ impl run::Problem<2> for Problem {
         twins(self, answer, random)
     }
 
+    fn past(&self) -> usize {
+        self.past
+    }
+
     fn told_twice(&self) -> bool {
         self.other.is_some()
     }
 
     fn unique(&self, answer: &Answer, twin: &str) -> bool {
-        !Problem::coulomb(self) && !self.spins && (twin != "sides" || all_nodal(self, answer))
+        // where nothing ever moves displacements are rounding
+        if (1..=self.times.len()).all(|step| self.idle.contains(&step)) {
+            return false;
+        }
+        // a history in other words is the same history
+        let same = matches!(twin, "no stage" | "resumed");
+        (same || !Problem::coulomb(self))
+            && !self.spins
+            && (twin != "sides" || all_nodal(self, answer))
     }
 
     fn determined(&self, body: usize, mesh: &Mesh, moves: Vec<Vector>) -> Vec<Vector> {

@@ -28,8 +28,10 @@
 //! | reaction | the reactions that the program tells are those of the displacements | the same |
 //! | stands in | no outline stands deeper in another one than at first | see [`overlap`](crate::overlap) |
 //! | idle | nothing moves in a step in which nothing changes | like penetration |
+//! | section | N, V, M are those of the stresses and loads ahead of the cut | ten times the limit of equilibrium |
 //! | pressure | contact pressures are those of a uniform state, where one is known | 1e-4, and ten times the limit of equilibrium |
 
+use crate::cuts::check_sections;
 use crate::judgement::Judgement;
 use crate::overlap::{Outline, check_overlaps};
 use crate::plane::{Vector, bounds, dot, length, plus};
@@ -39,7 +41,7 @@ use crate::rows::{check_corners, check_rows};
 use crate::state::{MOVE, State};
 use crate::touch::Touch;
 use crate::wrench::check_wrenches;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 /// A corner makes the pressure of a cell several times that of its neighbours: so many dents of a cell are allowed.
 const DENTS: f64 = 2.0;
@@ -69,6 +71,7 @@ pub fn check(problem: &Problem, answer: &Answer) -> Judgement {
         moves: rest,
         obstacles: vec![[0.0; 2]; touches.len()],
     };
+    let mut lost = BTreeSet::new();
     for (index, step) in answer.steps.iter().enumerate() {
         judgement.begin(index + 1);
         let state = State::new(problem, answer, step);
@@ -88,6 +91,7 @@ pub fn check(problem: &Problem, answer: &Answer) -> Judgement {
             touches: &touches,
             obstacles: &obstacles,
             before: &before,
+            lost: &lost,
         };
         check_supports(&mut judgement, &view);
         check_equilibrium(&mut judgement, &view);
@@ -99,6 +103,8 @@ pub fn check(problem: &Problem, answer: &Answer) -> Judgement {
         check_reactions(&mut judgement, &view);
         check_overlaps(&mut judgement, &view, &outlines);
         check_idle(&mut judgement, &view, index);
+        check_sections(&mut judgement, &view);
+        lost.extend(crate::rows::lost(&view));
         before = Before {
             moves: step.displacements.clone(),
             obstacles: obstacles.iter().map(|o| o.unwrap_or([0.0; 2])).collect(),
@@ -141,6 +147,8 @@ pub struct View<'a> {
     /// Displacements of obstacles; `None` where a force moves one that touches nothing.
     pub obstacles: &'a [Option<Vector>],
     pub before: &'a Before,
+    /// Contacts and nodes of joints that have parted or slipped in a step before.
+    pub lost: &'a BTreeSet<(usize, usize)>,
 }
 
 impl View<'_> {
@@ -265,6 +273,10 @@ fn check_reactions(judgement: &mut Judgement, view: &View<'_>) {
             }
             limit += 10.0 * view.state.limits[body][node];
         }
+        if view.state.beds[body] != [0.0; 2] {
+            let each = view.state.limits[body].iter();
+            limit += 10.0 * each.fold(0.0, |s: f64, l| s.max(*l));
+        }
         let mut off = crate::plane::minus(view.step.reactions[body], sum);
         if axisymmetric {
             off[0] = 0.0;
@@ -280,10 +292,23 @@ fn check_idle(judgement: &mut Judgement, view: &View<'_>, index: usize) {
         return;
     }
     for (body, moves) in view.step.displacements.iter().enumerate() {
-        // what has just come has not moved either
+        // beside what the stress that is there could do
+        let given = &view.problem.bodies[body];
+        let points = &view.answer.meshes[body].points;
+        let (low, high) = bounds(points);
+        let stress = given.more.initial.as_ref().map_or(0.0, |stress| {
+            let at = |x: Vector| {
+                stress
+                    .iter()
+                    .map(|s| s.at(x, 0.0).abs())
+                    .fold(0.0, f64::max)
+            };
+            at(low).max(at(high))
+        });
+        let could = stress / given.young * length(crate::plane::minus(high, low));
         for (node, (&now, &before)) in moves.iter().zip(&view.before.moves[body]).enumerate() {
             let off = length(crate::plane::minus(now, before));
-            let limit = view.state.tiny_length();
+            let limit = view.state.tiny_length() + MOVE * could;
             judgement.compare("idle", off, limit, || view.node(body, node));
         }
     }

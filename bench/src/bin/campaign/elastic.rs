@@ -237,7 +237,8 @@ fn resist_initial(mesh: &Mesh, body: &Body, analysis: Analysis, forces: &mut [Ve
     }
 }
 
-/// Nodal forces of the beds under a body. One that only presses is springs side by side at the Gauss points of its facets, two
+/// Nodal forces of the beds under a body, and of the spring or bar along x at one of its nodes, whose other end is held. A bed
+/// that only presses is springs side by side at the Gauss points of its facets, two
 /// of a line and three with a middle node, each of which parts by itself.
 pub fn bedded(mesh: &Mesh, body: &Body, analysis: Analysis, moves: &[Vector]) -> Vec<Vector> {
     let mut forces = vec![[0.0; 2]; mesh.points.len()];
@@ -270,6 +271,10 @@ pub fn bedded(mesh: &Mesh, body: &Body, analysis: Analysis, moves: &[Vector]) ->
                 }
             }
         }
+    }
+    if let Some(bar) = &body.more.bar {
+        let node = nearest(mesh, bar.at);
+        forces[node][0] -= bar.stiffness * moves[node][0];
     }
     forces
 }

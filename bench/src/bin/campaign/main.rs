@@ -19,6 +19,7 @@ mod cells;
 mod check;
 mod cone;
 mod corners;
+mod cuts;
 mod elastic;
 mod families;
 mod gmsh;

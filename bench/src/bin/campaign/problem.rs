@@ -164,6 +164,28 @@ pub struct More {
     pub beyond: Option<Beyond>,
     /// It comes in the first step at or after this time.
     pub from: Option<f64>,
+    pub couple: Option<Couple>,
+    pub bar: Option<Bar>,
+}
+
+/// A side whose supports, or whose even tractions, are those of a point, as a case file has it: a rigid side that the point holds,
+/// or the mean of the side, which bears the point's force. To the checker both are the same as without it.
+#[derive(Debug, Clone)]
+pub struct Couple {
+    pub side: String,
+    /// The middle of the side.
+    pub point: Vector,
+    /// Its area.
+    pub area: f64,
+    pub rigid: bool,
+}
+
+/// A spring along x at a node; or a bar from there to a node of another body that is held.
+#[derive(Debug, Clone)]
+pub struct Bar {
+    pub at: Vector,
+    pub stiffness: f64,
+    pub to: Option<(String, Vector)>,
 }
 
 /// Another material beyond a vertical border.
@@ -328,6 +350,8 @@ pub struct Problem {
     pub other: Option<Box<Other>>,
     /// Steps, from 1, in which nothing has moved since the step before.
     pub idle: Vec<usize>,
+    /// So many steps are taken from an earlier run.
+    pub past: usize,
 }
 
 /// A rectangle that a vertical line divides into the regions "a" and "b".
@@ -337,6 +361,7 @@ pub struct Drawing {
     pub to: Vector,
     pub border: f64,
     pub size: f64,
+    pub cell: Kind,
 }
 
 /// Section forces of a body between two of its sides.
@@ -394,6 +419,25 @@ impl Problem {
         for contact in &self.contacts {
             write_contact(&mut out, contact);
         }
+        for body in &self.bodies {
+            if let Some(Bar {
+                at,
+                stiffness,
+                to: Some((other, to)),
+            }) = &body.more.bar
+            {
+                let long = (to[0] - at[0]).abs();
+                line(
+                    &mut out,
+                    format_args!(
+                        "\n[[bar]]\nname     = \"bar\"\nfrom     = {at:?}\nto       = {to:?}\n\
+                         bodies   = {:?}\nyoung    = {:?}\narea     = 1.0",
+                        [&body.name, other],
+                        stiffness * long
+                    ),
+                );
+            }
+        }
         for section in &self.sections {
             line(
                 &mut out,
@@ -429,12 +473,14 @@ fn write_drawing(out: &mut String, drawing: &Drawing) {
         to: [z, w],
         border,
         size,
+        cell,
     } = drawing;
+    let cell = cell.name();
     let high = 0.5 * (y + w);
     line(
         out,
         format_args!(
-            "\n[drawing]\nsize    = {size:?}\nlines   = [{{ from = [{x:?}, {y:?}], edges = [\
+            "\n[drawing]\ncell    = \"{cell}\"\nsize    = {size:?}\nlines   = [{{ from = [{x:?}, {y:?}], edges = [\
              {{ to = [{border:?}, {y:?}], name = \"bottom\" }}, {{ to = [{z:?}, {y:?}], name = \"bottom\" }}, \
              {{ to = [{z:?}, {w:?}], name = \"right\" }}, {{ to = [{border:?}, {w:?}], name = \"top\" }}, \
              {{ to = [{x:?}, {w:?}], name = \"top\" }}, {{ to = [{x:?}, {y:?}], name = \"left\" }}] }}, \
@@ -498,16 +544,36 @@ fn write_body(out: &mut String, body: &Body, analysis: Analysis) {
             format_args!("initial_stress = {{ xx = {xx}, yy = {yy}, zz = {zz}, xy = {xy} }}"),
         );
     }
-    if !body.more.springs.is_empty() {
-        let each: Vec<String> = body.more.springs.iter().map(spring).collect();
-        line(out, format_args!("spring   = [{}]", each.join(", ")));
+    let mut springs: Vec<String> = body.more.springs.iter().map(spring).collect();
+    if let Some(Bar {
+        at,
+        stiffness,
+        to: None,
+    }) = &body.more.bar
+    {
+        springs.push(format!("{{ point = {at:?}, x = {stiffness:?} }}"));
+    }
+    if !springs.is_empty() {
+        line(out, format_args!("spring   = [{}]", springs.join(", ")));
+    }
+    if let Some(couple) = &body.more.couple {
+        let kind = if couple.rigid { "rigid" } else { "average" };
+        line(
+            out,
+            format_args!(
+                "points   = {{ c = {:?} }}\ncouple   = [{{ side = \"{}\", point = \"c\", kind = \"{kind}\" }}]",
+                couple.point, couple.side
+            ),
+        );
     }
     if !body.supports.is_empty() {
-        let each: Vec<String> = body.supports.iter().map(support).collect();
+        let each = body.supports.iter().map(|s| support(s, &body.more.couple));
+        let each: Vec<String> = each.collect();
         line(out, format_args!("fix      = [{}]", each.join(", ")));
     }
     if !body.loads.is_empty() {
-        let each: Vec<String> = body.loads.iter().map(load).collect();
+        let each = body.loads.iter().map(|l| load(l, &body.more.couple));
+        let each: Vec<String> = each.collect();
         line(out, format_args!("load     = [{}]", each.join(", ")));
     }
     if body.weight.iter().any(|w| !w.is_zero()) {
@@ -589,8 +655,10 @@ fn edge(edge: &Edge) -> String {
     format!("{{ to = {:?}, name = {names}{arc}{cells} }}", edge.to)
 }
 
-fn support(support: &Support) -> String {
+fn support(support: &Support, couple: &Option<Couple>) -> String {
+    let rigid = |side: &String| couple.as_ref().is_some_and(|c| c.rigid && c.side == *side);
     let mut keys = vec![match &support.place {
+        Place::Side(side) if rigid(side) => "point = \"c\", rotation = 0".to_string(),
         Place::Side(side) => format!("side = \"{side}\""),
         Place::Point(point) => format!("point = {point:?}"),
     }];
@@ -611,8 +679,15 @@ fn spring(spring: &Spring) -> String {
     )
 }
 
-fn load(load: &Load) -> String {
+fn load(load: &Load, couple: &Option<Couple>) -> String {
     match load {
+        Load::Traction { side, field }
+            if couple.as_ref().is_some_and(|c| !c.rigid && c.side == *side) =>
+        {
+            let area = couple.as_ref().map_or(1.0, |c| c.area);
+            let force = field.each_ref().map(|f| f.times(area));
+            format!("{{ point = \"c\", force = {} }}", pair(&force))
+        }
         Load::Traction { side, field } => {
             format!("{{ side = \"{side}\", traction = {} }}", pair(field))
         }

@@ -84,11 +84,30 @@ fn bound(view: &View<'_>, c: usize, row: &Row, push: f64) -> f64 {
         Law::Coulomb(coefficient) => coefficient.at(x, view.step.time) * push.max(0.0),
         Law::Tresca(traction) => traction.at(x, view.step.time) * row.weight,
         Law::Tied => f64::INFINITY,
-        // what a joint has lost is known to its history alone: at most all of it
+        Law::Joint { coulomb, .. } if view.lost.contains(&(c, row.node)) => coulomb * push.max(0.0),
         Law::Joint {
             coulomb, cohesion, ..
         } => (coulomb * push + cohesion * row.weight).max(0.0),
     }
+}
+
+/// Nodes of joints that have parted or slipped in this step, by far more than rounding.
+pub fn lost(view: &View<'_>) -> Vec<(usize, usize)> {
+    let mut found = Vec::new();
+    let limit = 100.0 * view.state.tiny_length();
+    for (c, touch) in view.touches.iter().enumerate() {
+        if !matches!(touch.contact.law, Law::Joint { .. }) || !touch.nodal {
+            continue;
+        }
+        for (&node, sample) in &touch.at_nodes {
+            let gap = touch.gap(sample, &view.step.displacements, [0.0; 2], view.step.time);
+            let slipped = slip(view, c, sample).is_some_and(|slip| slip.abs() > limit);
+            if gap > limit || slipped {
+                found.push((c, node));
+            }
+        }
+    }
+    found
 }
 
 /// The laws of contact in every row, and the rows against the true forces.
@@ -160,7 +179,7 @@ fn check_row(judgement: &mut Judgement, view: &View<'_>, c: usize, row: &Row) {
     let place = || view.node(touch.own, row.node);
     let push = row.pressure * row.weight;
     let strength = match touch.contact.law {
-        Law::Joint { tension, .. } => tension * row.weight,
+        Law::Joint { tension, .. } if !view.lost.contains(&(c, row.node)) => tension * row.weight,
         _ => 0.0,
     };
     judgement.compare("tension", -push - strength, limit + 1e-6 * strength, place);

@@ -54,6 +54,11 @@ pub trait Problem<const D: usize>: Clone {
     /// Some twins.
     fn twins(&self, answer: &Answer<D, Self::Kind>, random: &mut Random) -> Vec<Twin<Self, D>>;
 
+    /// So many steps are taken from an earlier run.
+    fn past(&self) -> usize {
+        0
+    }
+
     /// Its family knows it in other words: they are always asked.
     fn told_twice(&self) -> bool {
         false

@@ -3,10 +3,10 @@
 //! rest = internal − external is what supports and contacts exert on a node. Off both it must vanish; on a contact side it
 //! is the true contact force.
 
-use crate::elastic::{bedded, conditions, external, internal, of_support};
+use crate::elastic::{bedded, conditions, external, internal, nearest, of_support};
 use crate::held::{Condition, free_part, held_axes};
 use crate::plane::{Vector, bounds, dot, length, minus, plus};
-use crate::problem::{Body, Problem};
+use crate::problem::{Bar, Body, Problem};
 use crate::raw::{Answer, Step};
 use std::collections::BTreeMap;
 
@@ -120,6 +120,21 @@ impl State {
             conditions.extend(held_later(problem, answer, step, state.conditions.len()));
             state.held.push(held_axes(&conditions));
             state.conditions.push(conditions);
+        }
+        for (place, body) in problem.bodies.iter().enumerate() {
+            // the force of a bar is no reaction, at either of its ends
+            if let Some(Bar {
+                at,
+                stiffness,
+                to: Some((other, _)),
+            }) = &body.more.bar
+            {
+                let node = nearest(&answer.meshes[place], *at);
+                let pull = [stiffness * step.displacements[place][node][0], 0.0];
+                state.beds[place] = plus(state.beds[place], 1.0, pull);
+                let other = problem.body(other);
+                state.beds[other] = plus(state.beds[other], -1.0, pull);
+            }
         }
         for (place, contact) in problem.contacts.iter().enumerate() {
             if let crate::problem::Against::Obstacle {

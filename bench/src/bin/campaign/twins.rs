@@ -55,6 +55,17 @@ pub fn carried(problem: &Problem, lengths: f64, forces: f64, angle: f64) -> Opti
             spring.normal *= stress / lengths;
             spring.tangential *= stress / lengths;
         }
+        if let Some(couple) = &mut body.more.couple {
+            couple.point = place(couple.point);
+            couple.area *= lengths * lengths;
+        }
+        if let Some(bar) = &mut body.more.bar {
+            if angle != 0.0 {
+                return None;
+            }
+            (bar.at, bar.stiffness) = (place(bar.at), bar.stiffness * stress * lengths);
+            bar.to = bar.to.take().map(|(body, to)| (body, place(to)));
+        }
         if let Some(beyond) = &mut body.more.beyond {
             (beyond.border, beyond.young) = (beyond.border * lengths, beyond.young * stress);
         }
@@ -361,6 +372,14 @@ fn split(problem: &Problem, random: &mut Random) -> Option<Twin> {
         };
         for axis in 0..2 {
             // a cut across x meets top and bottom
+            let more = &body.more;
+            let plain = more.springs.is_empty()
+                && more.initial.is_none()
+                && more.bar.is_none()
+                && problem.sections.iter().all(|s| s.body != body.name);
+            if !plain {
+                continue;
+            }
             let cut = [["bottom", "top"], ["left", "right"]][axis];
             let free = |side: &&str| !touches(problem, &body.name, side);
             let even = cells[axis] >= 4 || (!body.kind.triangle() && cells[axis] >= 2);

@@ -3,7 +3,9 @@
 //! A point x with outward normal n faces the facet that the line x + s·n meets nearest to x (smallest |s|), if the
 //! outward normal there is opposed to n, and the way there passes through no boundary of the two bodies. Before x (s > 0) that way
 //! lies outside of both. Behind x (s < 0) the bodies overlap, and it lies inside of both: x itself is inside the other body, so
-//! that what stands on the far side of that is no partner, nor is a surface behind the far side of x's own body.
+//! that what stands on the far side of that is no partner, nor is a surface behind the far side of x's own body. And the bodies
+//! overlap by less than the own surface is sunk: where a corner of a body stands a little in another one, the flank beside it has
+//! sunk through what the corner has passed, not through the surface far behind.
 //! Cost: O(log n) for each line.
 
 use crate::contact::polygons::clip;
@@ -290,6 +292,18 @@ impl<'a, const D: usize> Boundary<'a, D> {
         };
         !met.iter().all(back_to_back)
     }
+
+    /// Whether the start of a line lies in the body: what the line meets first it leaves the body through.
+    fn contains(&self, line: Line<D>) -> bool {
+        let screen = self
+            .screen
+            .get_or_init(|| Screen::new(self.mesh, &self.mesh.boundary_facets()));
+        let met = screen.meets(line, [0.0, f64::INFINITY], |cosine| cosine.abs() > ALONG);
+        let first = met
+            .iter()
+            .min_by(|a, b| a.0.distance.total_cmp(&b.0.distance));
+        first.is_some_and(|(_, cosine)| *cosine > 0.0)
+    }
 }
 
 /// A line along a facet, with a cosine up to this, does not pass through it.
@@ -297,6 +311,13 @@ const ALONG: f64 = 1e-6;
 
 /// Boundaries that lie within this part of a facet from the ends of a way do not stand in it.
 const NEAR: f64 = 1e-6;
+
+/// Overlaps below this part of a facet are believed wherever they are.
+const FLAT: f64 = 0.1;
+
+/// How far below its surface a body is looked for beside a point, in parts of the distance from it: a surface that turns away, and
+/// a body that is thin.
+const BELOW: [f64; 2] = [0.5, 0.02];
 
 /// The search from points of one body for a side of another.
 pub(crate) struct Search<'a, const D: usize> {
@@ -347,6 +368,33 @@ impl<'a, const D: usize> Search<'a, D> {
         way[0].partial_cmp(&way[1]) != Some(Ordering::Less)
             || !self.other.crossed(line, way, rounding)
                 && (beside_own || !self.own.crossed(line, way, rounding))
+                && (-distance <= FLAT * shallow || self.sunk(line, -distance))
+    }
+
+    /// Whether the own surface around the start of a line, which leaves the own body along its normal, is as far in the other body
+    /// as it is deep: along axes across the line, one way or the other, a point half of that depth away and a little inside of the
+    /// own body is in both bodies. In space, both axes of one of two pairs: beside a corner one pair may leave it either way.
+    fn sunk(&self, line: Line<D>, depth: f64) -> bool {
+        let aside = 0.5 * depth;
+        let frame = frame(line.direction, &[]);
+        let reaches = |(a, b): (f64, f64)| {
+            let sum = add_scaled(frame[1].map(|c| a * c), b, frame[D - 1]);
+            let axis = unit(sum).unwrap_or(frame[1]);
+            let ways = [aside, -aside].into_iter();
+            ways.flat_map(|way| BELOW.map(|below| (way, below * aside)))
+                .any(|(way, below)| {
+                    let beside = add_scaled(line.start, way, axis);
+                    let start = add_scaled(beside, -below, line.direction);
+                    let line = Line { start, ..line };
+                    self.own.contains(line) && self.other.contains(line)
+                })
+        };
+        match D {
+            3 => [[(1.0, 0.0), (0.0, 1.0)], [(1.0, 1.0), (1.0, -1.0)]]
+                .into_iter()
+                .any(|pair| pair.into_iter().all(reaches)),
+            _ => reaches((1.0, 0.0)),
+        }
     }
 }
 
@@ -503,6 +551,25 @@ mod tests {
             direction: [0.0, -1.0],
         };
         assert_eq!(search.opposite(down, 0.01), None);
+    }
+
+    #[test]
+    fn a_flank_beside_a_corner_that_is_sunk_a_little_does_not_face_what_is_far_behind() {
+        let lower = block([0.0, 0.0], [4.0, 1.0], CellKind::Quad4);
+        let upper = block([0.1, 0.999], [6.0, 2.0], CellKind::Quad4);
+        let all = upper.boundary_facets();
+        let search = Search::new(&lower, &upper, &all);
+        // its left side is behind, inside of the lower body all the way
+        let right = Line {
+            start: [4.0, 0.9995],
+            direction: [1.0, 0.0],
+        };
+        assert_eq!(search.opposite(right, 0.5), None);
+        // the top is sunk by as much as it faces, up to its ends
+        for x in [0.11, 0.2, 2.3, 3.99] {
+            let found = search.opposite(up(x, 1.0), 1e-3).unwrap();
+            assert!((found.distance + 1e-3).abs() < 1e-14);
+        }
     }
 
     #[test]

@@ -10,7 +10,9 @@ mod blocks;
 mod faces;
 mod floors;
 mod friction;
+mod histories;
 mod rounds;
+mod structures;
 mod travel;
 
 use crate::amount::{Amount, Time, vector_at};
@@ -62,12 +64,22 @@ pub const FAMILIES: [(&str, Make); 28] = [
 
 /// Families that came later. They are drawn by themselves: a further one among those above would make another problem of every
 /// seed. What a seed means in a family by name stays, whatever comes.
-pub const MORE: [(&str, Make); 5] = [
+pub const MORE: [(&str, Make); 15] = [
     ("travel", travel::travel),
     ("steps", faces::steps_of_a_floor),
     ("teeth", faces::teeth),
     ("whole", faces::whole),
     ("shared", faces::shared),
+    ("stages", histories::stages),
+    ("resumed", histories::resumed),
+    ("ground", histories::ground),
+    ("bed", structures::bed),
+    ("section", structures::section),
+    ("layers", structures::layers),
+    ("joint", structures::joint),
+    ("couple", structures::couple),
+    ("bar", structures::bar),
+    ("graded", structures::graded),
 ];
 
 /// The problem of a seed; `only` is the family, else the seed chooses among the first ones, or those that came later.
@@ -142,6 +154,7 @@ impl Scene {
                 sections: Vec::new(),
                 other: None,
                 idle: Vec::new(),
+                past: 0,
             },
             random,
         }
