@@ -9,6 +9,8 @@
 //! A seed makes a problem ([`families`], in space [`space`]), the problem makes a case file, the program answers, and [`check`]
 //! judges the answer from displacements and rows alone. What is hunted are answers that are certified and wrong. A part of the seeds
 //! is asked again in other words ([`twins`]), frictionless ones by another method.
+//! `--more` draws among the families that came later: which family a seed means would change with each new one among the first.
+//! In a family by name a seed means the same problem for ever.
 //! `--failed` asks the seeds that were ever answered wrongly, and no others.
 //! The same seeds give the same report for any number of threads, but for the seconds and what they stop.
 //! Exit status 1 when an answer is wrong or the program panics.
@@ -79,11 +81,22 @@ const FAILED: [&[u64]; 2] = [
     &[20],
 ];
 
+/// The same of the families that came later: a seed means the same in a family whatever other families there are.
+const FAILED_MORE: &[(&str, u64)] = &[
+    ("whole", 31),
+    ("whole", 39),
+    ("whole", 43),
+    ("whole", 61),
+    ("whole", 85),
+    ("whole", 90),
+    ("whole", 93),
+];
+
 /// What is asked for, and whether in space.
 fn options(mut words: impl Iterator<Item = String>) -> Result<(Options, bool), String> {
     let (mut space, mut failed) = (false, false);
     let mut options = Options {
-        seeds: (0..1000).collect(),
+        seeds: (0..1000).map(|seed| (seed, None)).collect(),
         threads: std::thread::available_parallelism().map_or(1, |n| n.get()),
         family: None,
         more: false,
@@ -104,10 +117,11 @@ fn options(mut words: impl Iterator<Item = String>) -> Result<(Options, bool), S
             "--seeds" => {
                 let text = value()?;
                 let (from, to) = text.split_once("..").ok_or("--seeds needs FROM..TO")?;
-                options.seeds = (number(from.to_string())?..number(to.to_string())?).collect();
+                let range = number(from.to_string())?..number(to.to_string())?;
+                options.seeds = range.map(|seed| (seed, None)).collect();
             }
             "--seed" => {
-                options.seeds = vec![number(value()?)?];
+                options.seeds = vec![(number(value()?)?, None)];
             }
             "--threads" => options.threads = (number(value()?)? as usize).max(1),
             "--family" => {
@@ -131,8 +145,18 @@ fn options(mut words: impl Iterator<Item = String>) -> Result<(Options, bool), S
             other => return Err(format!("unknown argument {other}")),
         }
     }
+    if space && options.more {
+        return Err("--more has families of the plane alone: leave out --space".to_string());
+    }
     if failed {
-        options.seeds = FAILED[usize::from(space)].to_vec();
+        let drawn = FAILED[usize::from(space)].iter();
+        options.seeds = drawn.map(|&seed| (seed, None)).collect();
+        if !space {
+            let named = FAILED_MORE.iter();
+            options
+                .seeds
+                .extend(named.map(|&(family, seed)| (seed, Some(family))));
+        }
     }
     Ok((options, space))
 }

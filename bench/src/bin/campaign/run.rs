@@ -81,7 +81,8 @@ pub trait Problem<const D: usize>: Clone {
 
 /// What the command line asks for.
 pub struct Options {
-    pub seeds: Vec<u64>,
+    /// Each with its family, where that is not chosen by the seed or for all of them.
+    pub seeds: Vec<(u64, Option<&'static str>)>,
     pub threads: usize,
     pub family: Option<String>,
     /// Seeds choose among the families that came later.
@@ -162,12 +163,12 @@ where
                 let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build();
                 loop {
                     let place = next.fetch_add(1, Ordering::Relaxed);
-                    let Some(&seed) = options.seeds.get(place) else {
+                    let Some(&(seed, family)) = options.seeds.get(place) else {
                         break;
                     };
                     let result = match &pool {
-                        Ok(pool) => pool.install(|| one::<P, D>(seed, options)),
-                        Err(_) => one::<P, D>(seed, options),
+                        Ok(pool) => pool.install(|| one::<P, D>(seed, family, options)),
+                        Err(_) => one::<P, D>(seed, family, options),
                     };
                     if let Ok(mut results) = results.lock() {
                         results.push(result);
@@ -183,11 +184,11 @@ where
     Ok(report.clean())
 }
 
-fn one<P: Problem<D>, const D: usize>(seed: u64, options: &Options) -> Result
+fn one<P: Problem<D>, const D: usize>(seed: u64, family: Option<&str>, options: &Options) -> Result
 where
     Case<D>: Solvable<D>,
 {
-    let problem = P::of_seed(seed, options.family.as_deref(), options.more);
+    let problem = P::of_seed(seed, family.or(options.family.as_deref()), options.more);
     let (known, reason) = problem.known();
     let clock = Instant::now();
     let mut result = Result {

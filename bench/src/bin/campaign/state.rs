@@ -17,6 +17,9 @@ pub const FORCE: f64 = 1e-7;
 /// Displacements below this part of the displacement scale are rounding: the brief's limit at nodes.
 pub const MOVE: f64 = 1e-6;
 
+/// A stress that is there counts as one that moves a body by this part of what it would, were it let go.
+const GIVEN: f64 = 0.1;
+
 /// Roundings of displacements in units of 2⁻⁵³ that add up at a node.
 pub const ROUNDINGS: f64 = 32.0;
 
@@ -106,6 +109,18 @@ impl State {
             state.force = state.force.max(0.5 * sizes.sum::<f64>());
             state.moves = moves.iter().fold(state.moves, |s, &u| s.max(length(u)));
             let (low, high) = bounds(&mesh.points);
+            // beside what the stress that is there could do
+            let stress = body.more.initial.as_ref().map_or(0.0, |stress| {
+                let at = |x: Vector| {
+                    stress
+                        .iter()
+                        .map(|s| s.at(x, 0.0).abs())
+                        .fold(0.0, f64::max)
+                };
+                at(low).max(at(high))
+            });
+            let could = stress / body.young * length(minus(high, low));
+            state.moves = state.moves.max(GIVEN * could);
             let corner = low
                 .iter()
                 .chain(&high)
