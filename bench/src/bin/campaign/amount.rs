@@ -12,6 +12,8 @@ pub enum Time {
     Line(f64, f64),
     /// sin(ω·t + φ).
     Wave(f64, f64),
+    /// The same of a time that stands still from one time to another: ω, φ, from, to.
+    Rest(f64, f64, f64, f64),
 }
 
 impl Time {
@@ -20,6 +22,9 @@ impl Time {
             Self::Always => 1.0,
             Self::Line(a, b) => a + b * t,
             Self::Wave(omega, phase) => (omega * t + phase).sin(),
+            Self::Rest(omega, phase, from, to) => {
+                (omega * (t.min(from) + (t - to).max(0.0)) + phase).sin()
+            }
         }
     }
 }
@@ -135,6 +140,9 @@ fn expression<const D: usize>(term: &Term<D>) -> String {
         Time::Always => format!("({place})"),
         Time::Line(a, b) => format!("({place})*({a:?} + ({b:?})*t)"),
         Time::Wave(omega, phase) => format!("({place})*sin({omega:?}*t + ({phase:?}))"),
+        Time::Rest(omega, phase, from, to) => format!(
+            "({place})*sin({omega:?}*(min(t, {from:?}) + max(0, t - {to:?})) + ({phase:?}))"
+        ),
     }
 }
 

@@ -17,11 +17,12 @@ impl run::Problem<2> for Problem {
     type Kind = Kind;
 
     fn families() -> Vec<&'static str> {
-        families::FAMILIES.map(|(name, _)| name).to_vec()
+        let all = families::FAMILIES.iter().chain(&families::MORE);
+        all.map(|(name, _)| *name).collect()
     }
 
-    fn of_seed(seed: u64, family: Option<&str>) -> Self {
-        families::problem(seed, family)
+    fn of_seed(seed: u64, family: Option<&str>, more: bool) -> Self {
+        families::problem(seed, family, more)
     }
 
     fn family(&self) -> &'static str {
@@ -72,8 +73,24 @@ impl run::Problem<2> for Problem {
         twins(self, answer, random)
     }
 
+    fn past(&self) -> usize {
+        self.past
+    }
+
+    fn told_twice(&self) -> bool {
+        self.other.is_some()
+    }
+
     fn unique(&self, answer: &Answer, twin: &str) -> bool {
-        !Problem::coulomb(self) && !self.spins && (twin != "sides" || all_nodal(self, answer))
+        // where nothing ever moves displacements are rounding
+        if (1..=self.times.len()).all(|step| self.idle.contains(&step)) {
+            return false;
+        }
+        // a history in other words is the same history
+        let same = matches!(twin, "no stage" | "resumed");
+        (same || !Problem::coulomb(self))
+            && !self.spins
+            && (twin != "sides" || all_nodal(self, answer))
     }
 
     fn determined(&self, body: usize, mesh: &Mesh, moves: Vec<Vector>) -> Vec<Vector> {

@@ -26,9 +26,14 @@
 //! | gap, slip | the columns of rows node by node are those of the displacements | like penetration |
 //! | resultant | the resultant that the program tells is that of the forces on the nonmortar side | ten times the limit of equilibrium |
 //! | reaction | the reactions that the program tells are those of the displacements | the same |
+//! | stands in | no outline stands deeper in another one than at first | see [`overlap`](crate::overlap) |
+//! | idle | nothing moves in a step in which nothing changes | like penetration |
+//! | section | N, V, M are those of the stresses and loads ahead of the cut | ten times the limit of equilibrium |
 //! | pressure | contact pressures are those of a uniform state, where one is known | 1e-4, and ten times the limit of equilibrium |
 
+use crate::cuts::check_sections;
 use crate::judgement::Judgement;
+use crate::overlap::{Outline, check_overlaps};
 use crate::plane::{Vector, bounds, dot, length, plus};
 use crate::problem::{Against, Law, Problem, Surface};
 use crate::raw::{Answer, Status, Step};
@@ -36,7 +41,7 @@ use crate::rows::{check_corners, check_rows};
 use crate::state::{MOVE, State};
 use crate::touch::Touch;
 use crate::wrench::check_wrenches;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 /// A corner makes the pressure of a cell several times that of its neighbours: so many dents of a cell are allowed.
 const DENTS: f64 = 2.0;
@@ -47,7 +52,7 @@ const DROPPED: &str = ", whose condition was dropped";
 /// Judges all steps of an answer.
 pub fn check(problem: &Problem, answer: &Answer) -> Judgement {
     let mut judgement = Judgement::default();
-    let (answer, owners) = crate::corners::split(problem, answer);
+    let (answer, owners) = crate::corners::split(problem, &with_lists(problem, answer));
     let answer = &answer;
     let Some(first) = answer.steps.first() else {
         return judgement;
@@ -56,6 +61,7 @@ pub fn check(problem: &Problem, answer: &Answer) -> Judgement {
     let touches: Vec<Touch<'_>> = contacts
         .map(|(&c, raw)| Touch::new(problem, &problem.contacts[c], answer, raw))
         .collect();
+    let outlines: Vec<Outline> = answer.meshes.iter().map(Outline::new).collect();
     let rest: Vec<Vec<Vector>> = answer
         .meshes
         .iter()
@@ -65,6 +71,7 @@ pub fn check(problem: &Problem, answer: &Answer) -> Judgement {
         moves: rest,
         obstacles: vec![[0.0; 2]; touches.len()],
     };
+    let mut lost = BTreeSet::new();
     for (index, step) in answer.steps.iter().enumerate() {
         judgement.begin(index + 1);
         let state = State::new(problem, answer, step);
@@ -84,6 +91,7 @@ pub fn check(problem: &Problem, answer: &Answer) -> Judgement {
             touches: &touches,
             obstacles: &obstacles,
             before: &before,
+            lost: &lost,
         };
         check_supports(&mut judgement, &view);
         check_equilibrium(&mut judgement, &view);
@@ -93,12 +101,34 @@ pub fn check(problem: &Problem, answer: &Answer) -> Judgement {
         check_wrenches(&mut judgement, &view);
         check_uniform(&mut judgement, &view);
         check_reactions(&mut judgement, &view);
+        check_overlaps(&mut judgement, &view, &outlines);
+        check_idle(&mut judgement, &view, index);
+        check_sections(&mut judgement, &view);
+        lost.extend(crate::rows::lost(&view));
         before = Before {
             moves: step.displacements.clone(),
             obstacles: obstacles.iter().map(|o| o.unwrap_or([0.0; 2])).collect(),
         };
     }
     judgement
+}
+
+/// The answer with lists of sides as sides, too.
+fn with_lists(problem: &Problem, answer: &Answer) -> Answer {
+    let mut joined = answer.clone();
+    let mut join = |side: &crate::problem::Side| {
+        let mesh = &mut joined.meshes[problem.body(&side.body)];
+        let each = side.side.split('+').filter_map(|name| mesh.sides.get(name));
+        let facets: Vec<Vec<usize>> = each.flatten().cloned().collect();
+        mesh.sides.insert(side.side.clone(), facets);
+    };
+    for contact in &problem.contacts {
+        join(&contact.own);
+        if let Against::Side { side, .. } = &contact.against {
+            join(side);
+        }
+    }
+    joined
 }
 
 /// What friction remembers of the step before.
@@ -117,6 +147,8 @@ pub struct View<'a> {
     /// Displacements of obstacles; `None` where a force moves one that touches nothing.
     pub obstacles: &'a [Option<Vector>],
     pub before: &'a Before,
+    /// Contacts and nodes of joints that have parted or slipped in a step before.
+    pub lost: &'a BTreeSet<(usize, usize)>,
 }
 
 impl View<'_> {
@@ -232,7 +264,8 @@ fn check_reactions(judgement: &mut Judgement, view: &View<'_>) {
         if held.keys().any(|&node| members.contains_key(&(body, node))) {
             continue;
         }
-        let (mut sum, mut limit) = ([0.0; 2], 0.0);
+        // what beds exert counts as a reaction
+        let (mut sum, mut limit) = (view.state.beds[body], 0.0);
         for (&node, axes) in held {
             let force = view.state.rest[body][node];
             for &axis in axes {
@@ -240,12 +273,30 @@ fn check_reactions(judgement: &mut Judgement, view: &View<'_>) {
             }
             limit += 10.0 * view.state.limits[body][node];
         }
+        if view.state.beds[body] != [0.0; 2] {
+            let each = view.state.limits[body].iter();
+            limit += 10.0 * each.fold(0.0, |s: f64, l| s.max(*l));
+        }
         let mut off = crate::plane::minus(view.step.reactions[body], sum);
         if axisymmetric {
             off[0] = 0.0;
         }
         let name = &view.problem.bodies[body].name;
         judgement.compare("reaction", length(off), limit, || format!("body {name}"));
+    }
+}
+
+/// Nothing moves in a step in which nothing changes.
+fn check_idle(judgement: &mut Judgement, view: &View<'_>, index: usize) {
+    if !view.problem.idle.contains(&(index + 1)) {
+        return;
+    }
+    for (body, moves) in view.step.displacements.iter().enumerate() {
+        for (node, (&now, &before)) in moves.iter().zip(&view.before.moves[body]).enumerate() {
+            let off = length(crate::plane::minus(now, before));
+            let limit = view.state.tiny_length();
+            judgement.compare("idle", off, limit, || view.node(body, node));
+        }
     }
 }
 
@@ -378,16 +429,17 @@ fn check_normals(judgement: &mut Judgement, view: &View<'_>, c: usize) {
 }
 
 /// How far gaps of a contact may be from what must hold.
-struct Limits {
+pub struct Limits {
     /// Where conditions hold point by point.
-    fine: f64,
+    pub fine: f64,
     /// Where they are integrated, on each facet: what the mesh resolves, and half of what the gap varies on the facet
     /// and its neighbours, over which it is averaged.
-    coarse: Vec<f64>,
+    pub coarse: Vec<f64>,
 }
 
 impl Limits {
-    fn new(view: &View<'_>, c: usize, obstacle: Vector) -> Self {
+    /// Of a contact whose obstacle has this displacement.
+    pub fn new(view: &View<'_>, c: usize, obstacle: Vector) -> Self {
         let touch = &view.touches[c];
         let mut ranges = vec![[f64::INFINITY, f64::NEG_INFINITY]; touch.curve.facets.len()];
         for sample in &touch.between {
@@ -470,7 +522,7 @@ fn check_open_forces(
             if force > limit {
                 judgement.compare("open force", gap, limits.fine, place);
             }
-        } else if row.pressure > 1e-2 * largest && force > limit {
+        } else if row.pressure > 1e-2 * largest && force > limit && !touch.mixed(row.node) {
             judgement.compare("open force", gap, limits.coarse[sample.facet], place);
         }
     }
@@ -495,6 +547,7 @@ fn round(touch: &Touch<'_>) -> bool {
 
 /// All contacts between bodies have conditions node by node.
 pub fn all_nodal(problem: &Problem, answer: &Answer) -> bool {
+    let answer = &with_lists(problem, answer);
     let Some(first) = answer.steps.first() else {
         return true;
     };

@@ -11,7 +11,7 @@
 use crate::amount::vector_at;
 use crate::cells::{along, gauss};
 use crate::held::Condition;
-use crate::plane::{Vector, bounds, length, minus, plus, times, unit};
+use crate::plane::{Vector, bounds, dot, length, minus, plus, times, unit};
 use crate::problem::{Analysis, Body, Load, Place, Support};
 use crate::raw::Mesh;
 use std::collections::BTreeMap;
@@ -26,8 +26,7 @@ pub struct Internal {
 }
 
 /// The matrix of Hooke's law on (εxx, εyy, 2εxy, ε_θθ).
-fn hooke(body: &Body, analysis: Analysis) -> [[f64; 4]; 4] {
-    let (e, v) = (body.young, body.poisson);
+fn hooke((e, v): (f64, f64), analysis: Analysis) -> [[f64; 4]; 4] {
     let shear = e / (2.0 * (1.0 + v));
     match analysis {
         Analysis::PlaneStress => {
@@ -114,13 +113,20 @@ pub fn internal(
     least: f64,
 ) -> Internal {
     let axisymmetric = analysis.axisymmetric();
-    let law = hooke(body, analysis);
-    let stiff = law.iter().flatten().fold(0.0, |s: f64, c| s.max(*c));
+    let own = hooke((body.young, body.poisson), analysis);
+    let beyond = body.more.beyond.as_ref();
+    let other = beyond.map(|b| (b.border, hooke((b.young, b.poisson), analysis)));
     let mut out = Internal {
         forces: vec![[0.0; 2]; moves.len()],
         magnitudes: vec![0.0; moves.len()],
     };
     for (cell, (kind, nodes)) in mesh.cells.iter().enumerate() {
+        let middle = nodes.iter().map(|&n| mesh.points[n][0]).sum::<f64>() / nodes.len() as f64;
+        let law = match other {
+            Some((border, law)) if middle > border => law,
+            _ => own,
+        };
+        let stiff = law.iter().flatten().fold(0.0, |s: f64, c| s.max(*c));
         // a translation of the cell strains nothing: without it less is rounded
         let first = moves[nodes[0]];
         let largest = nodes
@@ -178,7 +184,17 @@ pub fn external(mesh: &Mesh, body: &Body, analysis: Analysis, t: f64) -> Vec<Vec
                 let node = nearest(mesh, *point);
                 forces[node] = plus(forces[node], 1.0, vector_at(field, mesh.points[node], t));
             }
+            Load::InSitu { side, factor } => {
+                add_on_side(mesh, body, analysis, side, &mut forces, |x, [nx, ny]| {
+                    let [xx, yy, _, xy] = initial_at(body, x);
+                    let pull = [xx * nx + xy * ny, xy * nx + yy * ny];
+                    times(factor.at(x, t), pull)
+                });
+            }
         }
+    }
+    if body.more.initial.is_some() {
+        resist_initial(mesh, body, analysis, &mut forces);
     }
     if body.weight.iter().any(|w| !w.is_zero()) {
         for (cell, (kind, nodes)) in mesh.cells.iter().enumerate() {
@@ -191,6 +207,74 @@ pub fn external(mesh: &Mesh, body: &Body, analysis: Analysis, t: f64) -> Vec<Vec
                 }
             }
         }
+    }
+    forces
+}
+
+/// The stress before anything acts: xx yy zz xy.
+fn initial_at(body: &Body, x: Vector) -> [f64; 4] {
+    let initial = body.more.initial.as_ref();
+    initial.map_or([0.0; 4], |stress| {
+        std::array::from_fn(|k| stress[k].at(x, 0.0))
+    })
+}
+
+/// What the initial stress does to the nodes: −∫ σ₀·∇N dV, as if it were a load.
+fn resist_initial(mesh: &Mesh, body: &Body, analysis: Analysis, forces: &mut [Vector]) {
+    for (cell, (kind, nodes)) in mesh.cells.iter().enumerate() {
+        for (xi, weight) in kind.rule(analysis.axisymmetric()) {
+            let at = station(mesh, cell, xi, weight);
+            let volume = at.area * depth(body, analysis, at.x);
+            let [xx, yy, zz, xy] = initial_at(body, at.x);
+            for ((&node, g), n) in nodes.iter().zip(&at.gradients).zip(&at.shape) {
+                let mut force = [xx * g[0] + xy * g[1], xy * g[0] + yy * g[1]];
+                if analysis.axisymmetric() {
+                    force[0] += zz * n / at.x[0];
+                }
+                forces[node] = plus(forces[node], -volume, force);
+            }
+        }
+    }
+}
+
+/// Nodal forces of the beds under a body, and of the spring or bar along x at one of its nodes, whose other end is held. A bed
+/// that only presses is springs side by side at the Gauss points of its facets, two
+/// of a line and three with a middle node, each of which parts by itself.
+pub fn bedded(mesh: &Mesh, body: &Body, analysis: Analysis, moves: &[Vector]) -> Vec<Vector> {
+    let mut forces = vec![[0.0; 2]; mesh.points.len()];
+    for spring in &body.more.springs {
+        for facet in &mesh.sides[&spring.side] {
+            for (xi, weight) in gauss(facet.len()) {
+                let (n, slopes) = along(facet.len(), xi);
+                let sum = |values: &[f64; 3], of: &[Vector]| {
+                    let nodes = facet.iter().zip(values);
+                    nodes.fold([0.0; 2], |s, (&node, v)| plus(s, *v, of[node]))
+                };
+                let tangent = sum(&slopes, &mesh.points);
+                let normal = unit([tangent[1], -tangent[0]]);
+                let area = weight * length(tangent);
+                let area = area * depth(body, analysis, sum(&n, &mesh.points));
+                let u = sum(&n, moves);
+                let out = dot(u, normal);
+                let across = plus(u, -out, normal);
+                let pressed = match spring.compression_only {
+                    true => out.max(0.0),
+                    false => out,
+                };
+                let force = plus(
+                    times(-spring.normal * area * pressed, normal),
+                    -spring.tangential * area,
+                    across,
+                );
+                for (&node, n) in facet.iter().zip(n) {
+                    forces[node] = plus(forces[node], n, force);
+                }
+            }
+        }
+    }
+    if let Some(bar) = &body.more.bar {
+        let node = nearest(mesh, bar.at);
+        forces[node][0] -= bar.stiffness * moves[node][0];
     }
     forces
 }
@@ -230,7 +314,7 @@ pub fn nearest(mesh: &Mesh, point: Vector) -> usize {
         .unwrap_or(0)
 }
 
-/// All conditions of the supports of a body at a time, and of the axis of revolution.
+/// All conditions of the supports of a body that are there from the first, at a time, and of the axis of revolution.
 pub fn conditions(mesh: &Mesh, body: &Body, analysis: Analysis, t: f64) -> Vec<Condition> {
     let mut all = Vec::new();
     if analysis.axisymmetric() {
@@ -246,19 +330,22 @@ pub fn conditions(mesh: &Mesh, body: &Body, analysis: Analysis, t: f64) -> Vec<C
             }
         }
     }
-    for support in &body.supports {
-        for node in held_nodes(mesh, support) {
-            let x = mesh.points[node.0];
-            for (axis, value) in [[1.0, 0.0], [0.0, 1.0]].into_iter().zip(&support.axes) {
-                all.extend(value.as_ref().map(|value| Condition {
-                    node: node.0,
-                    axis,
-                    value: value.at(x, t),
-                }));
-            }
-            all.extend(support.normal.as_ref().map(|value| Condition {
-                node: node.0,
-                axis: node.1,
+    for support in body.supports.iter().filter(|s| s.from.is_none()) {
+        all.extend(of_support(mesh, support, t));
+    }
+    all
+}
+
+/// The conditions of one support.
+pub fn of_support(mesh: &Mesh, support: &Support, t: f64) -> Vec<Condition> {
+    let mut all = Vec::new();
+    for (node, normal) in held_nodes(mesh, support) {
+        let x = mesh.points[node];
+        let named = [[1.0, 0.0], [0.0, 1.0]].into_iter().zip(&support.axes);
+        for (axis, value) in named.chain([(normal, &support.normal)]) {
+            all.extend(value.as_ref().map(|value| Condition {
+                node,
+                axis,
                 value: value.at(x, t),
             }));
         }
@@ -316,6 +403,7 @@ mod tests {
             loads: Vec::new(),
             weight: Default::default(),
             circles: Vec::new(),
+            more: Default::default(),
         }
     }
 

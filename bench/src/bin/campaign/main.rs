@@ -3,12 +3,14 @@
 //! ```text
 //! cargo run --release -p dotyk-bench --bin campaign -- [--space] [--seeds 0..1000] [--threads N] [--family NAME] [--keep DIR]
 //!                                                      [--twins PART] [--method NAME] [--limit SECONDS] [--margins]
-//!                                                      [--seed K --show] [--failed]
+//!                                                      [--seed K --show] [--failed] [--more]
 //! ```
 //!
 //! A seed makes a problem ([`families`], in space [`space`]), the problem makes a case file, the program answers, and [`check`]
 //! judges the answer from displacements and rows alone. What is hunted are answers that are certified and wrong. A part of the seeds
 //! is asked again in other words ([`twins`]), frictionless ones by another method.
+//! `--more` draws among the families that came later: which family a seed means would change with each new one among the first.
+//! In a family by name a seed means the same problem for ever.
 //! `--failed` asks the seeds that were ever answered wrongly, and no others.
 //! The same seeds give the same report for any number of threads, but for the seconds and what they stop.
 //! Exit status 1 when an answer is wrong or the program panics.
@@ -19,6 +21,7 @@ mod cells;
 mod check;
 mod cone;
 mod corners;
+mod cuts;
 mod elastic;
 mod families;
 mod gmsh;
@@ -26,6 +29,7 @@ mod held;
 mod judgement;
 #[cfg(test)]
 mod mutations;
+mod overlap;
 mod plane;
 mod problem;
 mod random;
@@ -77,13 +81,25 @@ const FAILED: [&[u64]; 2] = [
     &[20],
 ];
 
+/// The same of the families that came later: a seed means the same in a family whatever other families there are.
+const FAILED_MORE: &[(&str, u64)] = &[
+    ("whole", 31),
+    ("whole", 39),
+    ("whole", 43),
+    ("whole", 61),
+    ("whole", 85),
+    ("whole", 90),
+    ("whole", 93),
+];
+
 /// What is asked for, and whether in space.
 fn options(mut words: impl Iterator<Item = String>) -> Result<(Options, bool), String> {
     let (mut space, mut failed) = (false, false);
     let mut options = Options {
-        seeds: (0..1000).collect(),
+        seeds: (0..1000).map(|seed| (seed, None)).collect(),
         threads: std::thread::available_parallelism().map_or(1, |n| n.get()),
         family: None,
+        more: false,
         keep: None,
         twins: 0.25,
         method: "accelerated".to_string(),
@@ -101,10 +117,11 @@ fn options(mut words: impl Iterator<Item = String>) -> Result<(Options, bool), S
             "--seeds" => {
                 let text = value()?;
                 let (from, to) = text.split_once("..").ok_or("--seeds needs FROM..TO")?;
-                options.seeds = (number(from.to_string())?..number(to.to_string())?).collect();
+                let range = number(from.to_string())?..number(to.to_string())?;
+                options.seeds = range.map(|seed| (seed, None)).collect();
             }
             "--seed" => {
-                options.seeds = vec![number(value()?)?];
+                options.seeds = vec![(number(value()?)?, None)];
             }
             "--threads" => options.threads = (number(value()?)? as usize).max(1),
             "--family" => {
@@ -122,13 +139,24 @@ fn options(mut words: impl Iterator<Item = String>) -> Result<(Options, bool), S
             }
             "--margins" => options.margins = true,
             "--failed" => failed = true,
+            "--more" => options.more = true,
             "--space" => space = true,
             "--show" => options.show = true,
             other => return Err(format!("unknown argument {other}")),
         }
     }
+    if space && options.more {
+        return Err("--more has families of the plane alone: leave out --space".to_string());
+    }
     if failed {
-        options.seeds = FAILED[usize::from(space)].to_vec();
+        let drawn = FAILED[usize::from(space)].iter();
+        options.seeds = drawn.map(|&seed| (seed, None)).collect();
+        if !space {
+            let named = FAILED_MORE.iter();
+            options
+                .seeds
+                .extend(named.map(|&(family, seed)| (seed, Some(family))));
+        }
     }
     Ok((options, space))
 }

@@ -24,6 +24,7 @@ fn body(name: &str, shape: Shape, kind: Kind) -> Body {
         loads: Vec::new(),
         weight: Default::default(),
         circles: Vec::new(),
+        more: Default::default(),
     }
 }
 
@@ -60,6 +61,11 @@ fn problem(bodies: Vec<Body>, contacts: Vec<Contact>, count: usize) -> Problem {
         uniform: None,
         spins: false,
         method: "auto".to_string(),
+        drawing: None,
+        sections: Vec::new(),
+        other: None,
+        idle: Vec::new(),
+        past: 0,
     }
 }
 
@@ -585,6 +591,86 @@ fn wrong_columns_and_sums_are_noticed() {
             place: on("left"),
             axes: [None, None],
             normal: Some(Amount::from(1e-6)),
+            from: None,
         });
+    });
+}
+
+/// A problem of a family by name.
+fn family(name: &str, seed: u64) -> Problem {
+    crate::families::problem(seed, Some(name), false)
+}
+
+#[test]
+fn a_body_that_stands_in_one_that_nobody_named_is_noticed() {
+    let apart = (0..).map(|seed| family("travel", seed)).find(|problem| {
+        problem.known == Known::Holds && problem.contacts.is_empty() && problem.bodies.len() == 3
+    });
+    noticed("travel", &apart.unwrap(), "stands in", |_, answer| {
+        // the floor rises into post and slider
+        let points = answer.meshes.iter().flat_map(|mesh| &mesh.points);
+        let high = points.fold(0.0, |s: f64, x| s.max(x[1]));
+        lifted(answer, [0.0, 0.5 * high]);
+    });
+}
+
+#[test]
+fn another_bed_bar_or_material_is_noticed() {
+    noticed("bed", &family("bed", 0), "equilibrium", |problem, _| {
+        problem.bodies[0].more.springs[0].normal *= 1.001;
+    });
+    noticed("bar", &family("bar", 0), "equilibrium", |problem, _| {
+        problem.bodies[1].more.bar.as_mut().unwrap().stiffness *= 1.01;
+    });
+    noticed(
+        "layers",
+        &family("layers", 0),
+        "equilibrium",
+        |problem, _| {
+            problem.bodies[0].more.beyond.as_mut().unwrap().young *= 1.001;
+        },
+    );
+}
+
+#[test]
+fn another_force_in_a_section_is_noticed() {
+    for force in 2..5 {
+        noticed("section", &family("section", 0), "section", |_, answer| {
+            let station = &mut last(answer).sections[0][0];
+            station[force] += 0.05 * station[3];
+        });
+    }
+}
+
+#[test]
+fn ground_that_moves_at_rest_or_presses_otherwise_is_noticed() {
+    let at_rest = (0..).map(|seed| family("ground", seed));
+    let at_rest = at_rest.into_iter().find(|p| p.uniform.is_some()).unwrap();
+    noticed("ground", &at_rest, "idle", |problem, answer| {
+        let stress = problem.bodies[0].more.initial.as_ref().unwrap()[1].at([0.0; 2], 1.0);
+        let young = problem.bodies[0].young;
+        let high = answer.meshes[0].points[0][1].abs();
+        lifted(answer, [0.0, 1e-4 * stress / young * high]);
+    });
+    noticed("ground", &at_rest, "pressure", |_, answer| {
+        last(answer).contacts[0].rows[0].pressure *= 1.01;
+    });
+}
+
+#[test]
+fn a_joint_that_bears_more_than_its_strength_is_noticed() {
+    let strong = (0..).map(|seed| family("joint", seed)).find(|problem| {
+        let all = |row: &crate::raw::Row| -row.pressure;
+        let folder = Folder::new("mutations-joint").unwrap();
+        let Outcome::Certified(answer) = solve(problem, &folder, 60.0) else {
+            return false;
+        };
+        let rows = answer.steps.iter().flat_map(|s| &s.contacts[0].rows);
+        rows.map(all).fold(0.0, f64::max) > 0.0
+    });
+    noticed("joint", &strong.unwrap(), "tension", |problem, _| {
+        if let Law::Joint { tension, .. } = &mut problem.contacts[0].law {
+            *tension = 0.0;
+        }
     });
 }

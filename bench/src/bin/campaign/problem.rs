@@ -33,7 +33,8 @@ impl Analysis {
     }
 }
 
-/// A path of an outline: corners with the name of the edge that leads there, and the centre of an arc.
+/// A path of an outline: corners with the names, between spaces, of the edge that leads there, and the
+/// centre of an arc.
 #[derive(Debug, Clone)]
 pub struct Edge {
     pub to: Vector,
@@ -75,6 +76,8 @@ pub enum Shape {
     },
     /// A Gmsh file of that name with this text.
     File { name: String, text: String },
+    /// Regions of the drawing of the problem.
+    Region(Vec<&'static str>),
 }
 
 /// The whole facets of a side in a box.
@@ -100,14 +103,30 @@ pub struct Support {
     pub place: Place,
     pub axes: [Option<Amount>; 2],
     pub normal: Option<Amount>,
+    /// It comes in the first step at or after this time, and holds the nodes where they are.
+    pub from: Option<f64>,
 }
 
 /// An external load.
 #[derive(Debug, Clone)]
 pub enum Load {
-    Traction { side: String, field: [Amount; 2] },
-    Pressure { side: String, field: Amount },
-    Force { point: Vector, field: [Amount; 2] },
+    Traction {
+        side: String,
+        field: [Amount; 2],
+    },
+    Pressure {
+        side: String,
+        field: Amount,
+    },
+    Force {
+        point: Vector,
+        field: [Amount; 2],
+    },
+    /// The traction of the initial stress times a factor of time.
+    InSitu {
+        side: String,
+        factor: Amount,
+    },
 }
 
 /// A true circle behind a side.
@@ -132,6 +151,58 @@ pub struct Body {
     pub loads: Vec<Load>,
     pub weight: [Amount; 2],
     pub circles: Vec<Circle>,
+    pub more: More,
+}
+
+/// What few bodies have.
+#[derive(Debug, Clone, Default)]
+pub struct More {
+    pub springs: Vec<Spring>,
+    /// σxx, σyy, σzz, σxy before anything acts, tension positive.
+    pub initial: Option<[Amount; 4]>,
+    /// Young's modulus and Poisson's ratio of what lies beyond x of the border; the group is that of the shape.
+    pub beyond: Option<Beyond>,
+    /// It comes in the first step at or after this time.
+    pub from: Option<f64>,
+    pub couple: Option<Couple>,
+    pub bar: Option<Bar>,
+}
+
+/// A side whose supports, or whose even tractions, are those of a point, as a case file has it: a rigid side that the point holds,
+/// or the mean of the side, which bears the point's force. To the checker both are the same as without it.
+#[derive(Debug, Clone)]
+pub struct Couple {
+    pub side: String,
+    /// The middle of the side.
+    pub point: Vector,
+    /// Its area.
+    pub area: f64,
+    pub rigid: bool,
+}
+
+/// A spring along x at a node; or a bar from there to a node of another body that is held.
+#[derive(Debug, Clone)]
+pub struct Bar {
+    pub at: Vector,
+    pub stiffness: f64,
+    pub to: Option<(String, Vector)>,
+}
+
+/// Another material beyond a vertical border.
+#[derive(Debug, Clone)]
+pub struct Beyond {
+    pub border: f64,
+    pub young: f64,
+    pub poisson: f64,
+}
+
+/// A bed under a side: stiffness per area, along its normal and across it.
+#[derive(Debug, Clone)]
+pub struct Spring {
+    pub side: String,
+    pub normal: f64,
+    pub tangential: f64,
+    pub compression_only: bool,
 }
 
 impl Body {
@@ -141,7 +212,7 @@ impl Body {
     }
 }
 
-/// A side of a body, by names.
+/// A side of a body, by names; of several sides the names stand between plus signs.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Side {
     pub body: String,
@@ -215,12 +286,21 @@ pub enum Law {
     Coulomb(Amount),
     Tresca(Amount),
     Tied,
+    /// Bears tension and shear until it parts or slips.
+    Joint {
+        coulomb: f64,
+        cohesion: f64,
+        tension: f64,
+    },
 }
 
 impl Law {
     /// It bears shear up to a bound.
     pub fn rough(&self) -> bool {
-        matches!(self, Self::Coulomb(_) | Self::Tresca(_))
+        matches!(
+            self,
+            Self::Coulomb(_) | Self::Tresca(_) | Self::Joint { .. }
+        )
     }
 }
 
@@ -263,6 +343,45 @@ pub struct Problem {
     /// Round bodies may spin: polygons let them spin by what rounding decides, until the next node touches.
     pub spins: bool,
     pub method: String,
+    /// `[drawing]` of a case file.
+    pub drawing: Option<Drawing>,
+    pub sections: Vec<Section>,
+    /// The same physical problem in other words, which its family knows.
+    pub other: Option<Box<Other>>,
+    /// Steps, from 1, in which nothing has moved since the step before.
+    pub idle: Vec<usize>,
+    /// So many steps are taken from an earlier run.
+    pub past: usize,
+}
+
+/// A rectangle that a vertical line divides into the regions "a" and "b".
+#[derive(Debug, Clone)]
+pub struct Drawing {
+    pub from: Vector,
+    pub to: Vector,
+    pub border: f64,
+    pub size: f64,
+    pub cell: Kind,
+}
+
+/// Section forces of a body between two of its sides.
+#[derive(Debug, Clone)]
+pub struct Section {
+    pub name: String,
+    pub body: String,
+    pub sides: [&'static str; 2],
+    pub stations: Vec<Vector>,
+}
+
+/// A problem in other words.
+#[derive(Debug, Clone)]
+pub struct Other {
+    pub name: &'static str,
+    pub problem: Problem,
+    /// Bodies of it that make each body of the original.
+    pub parts: Vec<Vec<usize>>,
+    /// Relative difference of displacements that is allowed.
+    pub tolerance: f64,
 }
 
 impl Problem {
@@ -279,7 +398,8 @@ impl Problem {
 
     /// Some contact follows Coulomb's law, which may have several answers.
     pub fn coulomb(&self) -> bool {
-        let coulomb = |contact: &Contact| matches!(contact.law, Law::Coulomb(_));
+        let coulomb =
+            |contact: &Contact| matches!(contact.law, Law::Coulomb(_) | Law::Joint { .. });
         self.contacts.iter().any(coulomb)
     }
 
@@ -290,11 +410,42 @@ impl Problem {
             self.family,
             self.analysis.name()
         );
+        if let Some(drawing) = &self.drawing {
+            write_drawing(&mut out, drawing);
+        }
         for body in &self.bodies {
             write_body(&mut out, body, self.analysis);
         }
         for contact in &self.contacts {
             write_contact(&mut out, contact);
+        }
+        for body in &self.bodies {
+            if let Some(Bar {
+                at,
+                stiffness,
+                to: Some((other, to)),
+            }) = &body.more.bar
+            {
+                let long = (to[0] - at[0]).abs();
+                line(
+                    &mut out,
+                    format_args!(
+                        "\n[[bar]]\nname     = \"bar\"\nfrom     = {at:?}\nto       = {to:?}\n\
+                         bodies   = {:?}\nyoung    = {:?}\narea     = 1.0",
+                        [&body.name, other],
+                        stiffness * long
+                    ),
+                );
+            }
+        }
+        for section in &self.sections {
+            line(
+                &mut out,
+                format_args!(
+                    "\n[[section]]\nname     = \"{}\"\nbody     = \"{}\"\nsides    = {:?}\nstations = {:?}",
+                    section.name, section.body, section.sides, section.stations
+                ),
+            );
         }
         if self.method != "auto" {
             line(
@@ -314,6 +465,31 @@ impl Problem {
 /// Writing to a String cannot fail.
 fn line(out: &mut String, text: std::fmt::Arguments<'_>) {
     let _ = writeln!(out, "{text}");
+}
+
+fn write_drawing(out: &mut String, drawing: &Drawing) {
+    let Drawing {
+        from: [x, y],
+        to: [z, w],
+        border,
+        size,
+        cell,
+    } = drawing;
+    let cell = cell.name();
+    let high = 0.5 * (y + w);
+    line(
+        out,
+        format_args!(
+            "\n[drawing]\ncell    = \"{cell}\"\nsize    = {size:?}\nlines   = [{{ from = [{x:?}, {y:?}], edges = [\
+             {{ to = [{border:?}, {y:?}], name = \"bottom\" }}, {{ to = [{z:?}, {y:?}], name = \"bottom\" }}, \
+             {{ to = [{z:?}, {w:?}], name = \"right\" }}, {{ to = [{border:?}, {w:?}], name = \"top\" }}, \
+             {{ to = [{x:?}, {w:?}], name = \"top\" }}, {{ to = [{x:?}, {y:?}], name = \"left\" }}] }}, \
+             {{ from = [{border:?}, {y:?}], to = [{border:?}, {w:?}], name = \"border\" }}]\n\
+             regions = [{{ name = \"a\", at = [{:?}, {high:?}] }}, {{ name = \"b\", at = [{:?}, {high:?}] }}]",
+            0.5 * (x + border),
+            0.5 * (border + z)
+        ),
+    );
 }
 
 fn write_body(out: &mut String, body: &Body, analysis: Analysis) {
@@ -344,19 +520,60 @@ fn write_body(out: &mut String, body: &Body, analysis: Analysis) {
         _ if body.thickness == 1.0 => String::new(),
         _ => format!(", thickness = {:?}", body.thickness),
     };
-    line(
-        out,
-        format_args!(
-            "material = {{ young = {:?}, poisson = {:?}{thickness} }}",
-            body.young, body.poisson
-        ),
-    );
+    let material = |group: &str, young: f64, poisson: f64| {
+        format!("{{ {group}young = {young:?}, poisson = {poisson:?}{thickness} }}")
+    };
+    let plain = material("", body.young, body.poisson);
+    let materials = match &body.more.beyond {
+        None => plain,
+        Some(Beyond { young, poisson, .. }) => {
+            format!(
+                "[{plain}, {}]",
+                material("group = \"b\", ", *young, *poisson)
+            )
+        }
+    };
+    line(out, format_args!("material = {materials}"));
+    if let Some(from) = body.more.from {
+        line(out, format_args!("active   = {{ from = {from:?} }}"));
+    }
+    if let Some([xx, yy, zz, xy]) = &body.more.initial {
+        let [xx, yy, zz, xy] = [xx, yy, zz, xy].map(Amount::text);
+        line(
+            out,
+            format_args!("initial_stress = {{ xx = {xx}, yy = {yy}, zz = {zz}, xy = {xy} }}"),
+        );
+    }
+    let mut springs: Vec<String> = body.more.springs.iter().map(spring).collect();
+    if let Some(Bar {
+        at,
+        stiffness,
+        to: None,
+    }) = &body.more.bar
+    {
+        springs.push(format!("{{ point = {at:?}, x = {stiffness:?} }}"));
+    }
+    if !springs.is_empty() {
+        line(out, format_args!("spring   = [{}]", springs.join(", ")));
+    }
+    if let Some(couple) = &body.more.couple {
+        let kind = if couple.rigid { "rigid" } else { "average" };
+        line(
+            out,
+            format_args!(
+                "points   = {{ c = {:?} }}\ncouple   = [{{ side = \"{}\", point = \"c\", kind = \"{kind}\" }}]",
+                couple.point, couple.side
+            ),
+        );
+    }
     if !body.supports.is_empty() {
-        let each: Vec<String> = body.supports.iter().map(support).collect();
+        let each = body.supports.iter().map(|s| support(s, &body.more.couple));
+        let each: Vec<String> = each.collect();
         line(out, format_args!("fix      = [{}]", each.join(", ")));
     }
     if !body.loads.is_empty() {
-        let each: Vec<String> = body.loads.iter().map(load).collect();
+        let each = body.loads.iter().map(|l| load(l, &body.more.couple));
+        let each: Vec<String> = each.collect();
         line(out, format_args!("load     = [{}]", each.join(", ")));
     }
     if body.weight.iter().any(|w| !w.is_zero()) {
@@ -423,6 +640,7 @@ fn shape(body: &Body) -> String {
             )
         }
         Shape::File { name, .. } => format!("file = {{ path = \"{name}\" }}"),
+        Shape::Region(names) => format!("region = {names:?}"),
     }
 }
 
@@ -433,14 +651,14 @@ fn edge(edge: &Edge) -> String {
     let cells = edge
         .cells
         .map_or(String::new(), |n| format!(", cells = {n}"));
-    format!(
-        "{{ to = {:?}, name = \"{}\"{arc}{cells} }}",
-        edge.to, edge.name
-    )
+    let names = quoted(edge.name.split(' '));
+    format!("{{ to = {:?}, name = {names}{arc}{cells} }}", edge.to)
 }
 
-fn support(support: &Support) -> String {
+fn support(support: &Support, couple: &Option<Couple>) -> String {
+    let rigid = |side: &String| couple.as_ref().is_some_and(|c| c.rigid && c.side == *side);
     let mut keys = vec![match &support.place {
+        Place::Side(side) if rigid(side) => "point = \"c\", rotation = 0".to_string(),
         Place::Side(side) => format!("side = \"{side}\""),
         Place::Point(point) => format!("point = {point:?}"),
     }];
@@ -448,11 +666,28 @@ fn support(support: &Support) -> String {
     for (value, name) in named.chain([(&support.normal, "normal")]) {
         keys.extend(value.as_ref().map(|v| format!("{name} = {}", v.text())));
     }
+    if let Some(from) = support.from {
+        keys.push(format!("active = {{ from = {from:?} }}"));
+    }
     format!("{{ {} }}", keys.join(", "))
 }
 
-fn load(load: &Load) -> String {
+fn spring(spring: &Spring) -> String {
+    format!(
+        "{{ side = \"{}\", normal = {:?}, tangential = {:?}, compression_only = {} }}",
+        spring.side, spring.normal, spring.tangential, spring.compression_only
+    )
+}
+
+fn load(load: &Load, couple: &Option<Couple>) -> String {
     match load {
+        Load::Traction { side, field }
+            if couple.as_ref().is_some_and(|c| !c.rigid && c.side == *side) =>
+        {
+            let area = couple.as_ref().map_or(1.0, |c| c.area);
+            let force = field.each_ref().map(|f| f.times(area));
+            format!("{{ point = \"c\", force = {} }}", pair(&force))
+        }
         Load::Traction { side, field } => {
             format!("{{ side = \"{side}\", traction = {} }}", pair(field))
         }
@@ -462,6 +697,9 @@ fn load(load: &Load) -> String {
         Load::Force { point, field } => {
             format!("{{ point = {point:?}, force = {} }}", pair(field))
         }
+        Load::InSitu { side, factor } => {
+            format!("{{ side = \"{side}\", in_situ = {} }}", factor.text())
+        }
     }
 }
 
@@ -470,21 +708,18 @@ fn pair(field: &[Amount; 2]) -> String {
 }
 
 fn write_contact(out: &mut String, contact: &Contact) {
-    let own = format!("{}.{}", contact.own.body, contact.own.side);
+    let own = named(&contact.own);
     line(
         out,
         format_args!("\n[[contact]]\nname      = \"{}\"", contact.name),
     );
     match &contact.against {
         Against::Side { side, chosen } => {
-            let other = format!("{}.{}", side.body, side.side);
+            let other = named(side);
             if *chosen {
-                line(out, format_args!("sides     = [\"{own}\", \"{other}\"]"));
+                line(out, format_args!("sides     = [{own}, {other}]"));
             } else {
-                line(
-                    out,
-                    format_args!("nonmortar = \"{own}\"\nmortar    = \"{other}\""),
-                );
+                line(out, format_args!("nonmortar = {own}\nmortar    = {other}"));
             }
         }
         Against::Obstacle { surface, drive } => {
@@ -508,7 +743,7 @@ fn write_contact(out: &mut String, contact: &Contact) {
             };
             line(
                 out,
-                format_args!("nonmortar = \"{own}\"\nobstacle  = {{ {surface}{drive} }}"),
+                format_args!("nonmortar = {own}\nobstacle  = {{ {surface}{drive} }}"),
             );
         }
     }
@@ -531,6 +766,29 @@ fn write_contact(out: &mut String, contact: &Contact) {
             );
         }
         Law::Tied => line(out, format_args!("tied      = true")),
+        Law::Joint {
+            coulomb,
+            cohesion,
+            tension,
+        } => line(
+            out,
+            format_args!(
+                "friction  = {{ coulomb = {coulomb:?}, cohesion = {cohesion:?}, tension = {tension:?} }}"
+            ),
+        ),
+    }
+}
+
+/// A side, or a list of sides, in quotes.
+fn named(side: &Side) -> String {
+    quoted(side.side.split('+').map(|s| format!("{}.{s}", side.body)))
+}
+
+/// A name, or a list of names, in quotes.
+fn quoted(names: impl Iterator<Item = impl std::fmt::Debug>) -> String {
+    match &names.collect::<Vec<_>>()[..] {
+        [one] => format!("{one:?}"),
+        several => format!("{several:?}"),
     }
 }
 
@@ -547,6 +805,7 @@ pub fn moved(place: Place, axis: usize, value: Amount) -> Support {
         place,
         axes,
         normal: None,
+        from: None,
     }
 }
 
@@ -556,6 +815,7 @@ pub fn clamp(place: Place) -> Support {
         place,
         axes: [Some(Amount::from(0.0)), Some(Amount::from(0.0))],
         normal: None,
+        from: None,
     }
 }
 

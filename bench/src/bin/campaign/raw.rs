@@ -83,6 +83,8 @@ pub struct Step<const D: usize = 2> {
     pub reactions: Vec<[f64; D]>,
     /// In the order of the problem.
     pub contacts: Vec<Contact<D>>,
+    /// Of each section at each station: x, y, N, V, M.
+    pub sections: Vec<Vec<[f64; 5]>>,
     pub iterations: usize,
     /// The program warns that it dropped conditions: for the report, the checker does not ask.
     pub dropped: bool,

@@ -84,7 +84,30 @@ fn bound(view: &View<'_>, c: usize, row: &Row, push: f64) -> f64 {
         Law::Coulomb(coefficient) => coefficient.at(x, view.step.time) * push.max(0.0),
         Law::Tresca(traction) => traction.at(x, view.step.time) * row.weight,
         Law::Tied => f64::INFINITY,
+        Law::Joint { coulomb, .. } if view.lost.contains(&(c, row.node)) => coulomb * push.max(0.0),
+        Law::Joint {
+            coulomb, cohesion, ..
+        } => (coulomb * push + cohesion * row.weight).max(0.0),
     }
+}
+
+/// Nodes of joints that have parted or slipped in this step, by far more than rounding.
+pub fn lost(view: &View<'_>) -> Vec<(usize, usize)> {
+    let mut found = Vec::new();
+    let limit = 100.0 * view.state.tiny_length();
+    for (c, touch) in view.touches.iter().enumerate() {
+        if !matches!(touch.contact.law, Law::Joint { .. }) || !touch.nodal {
+            continue;
+        }
+        for (&node, sample) in &touch.at_nodes {
+            let gap = touch.gap(sample, &view.step.displacements, [0.0; 2], view.step.time);
+            let slipped = slip(view, c, sample).is_some_and(|slip| slip.abs() > limit);
+            if gap > limit || slipped {
+                found.push((c, node));
+            }
+        }
+    }
+    found
 }
 
 /// The laws of contact in every row, and the rows against the true forces.
@@ -155,7 +178,11 @@ fn check_row(judgement: &mut Judgement, view: &View<'_>, c: usize, row: &Row) {
     let limit = view.state.limits[touch.own][row.node];
     let place = || view.node(touch.own, row.node);
     let push = row.pressure * row.weight;
-    judgement.compare("tension", -push, limit, place);
+    let strength = match touch.contact.law {
+        Law::Joint { tension, .. } if !view.lost.contains(&(c, row.node)) => tension * row.weight,
+        _ => 0.0,
+    };
+    judgement.compare("tension", -push - strength, limit + 1e-6 * strength, place);
     if !touch.contact.law.rough() {
         let shear = (row.shear() * row.weight).abs();
         judgement.compare("shear", shear, limit, place);
@@ -164,10 +191,16 @@ fn check_row(judgement: &mut Judgement, view: &View<'_>, c: usize, row: &Row) {
     let shear = row.shear() * row.weight;
     let most = bound(view, c, row, push);
     judgement.compare("shear", shear.abs() - most, 10.0 * limit, place);
+    if matches!(touch.contact.law, Law::Joint { .. }) {
+        return;
+    }
     let Some(sample) = touch.at_nodes.get(&row.node) else {
         return;
     };
-    if row.gap.is_nan() || matches!(row.status, Status::Open) && most == 0.0 {
+    if row.gap.is_nan()
+        || matches!(row.status, Status::Open) && most == 0.0
+        || touch.mixed(row.node)
+    {
         return;
     }
     let Some(slip) = slip(view, c, sample) else {
@@ -252,7 +285,8 @@ fn check_pushes(judgement: &mut Judgement, view: &View<'_>) {
     for ((body, node), contacts) in view.members() {
         let [(c, own)] = contacts[..] else { continue };
         let touch = &view.touches[c];
-        if matches!(touch.contact.law, Law::Tied) || view.state.held[body].contains_key(&node) {
+        let bears = matches!(touch.contact.law, Law::Tied | Law::Joint { .. });
+        if bears || view.state.held[body].contains_key(&node) {
             continue;
         }
         let curve = if own {
@@ -305,9 +339,12 @@ pub fn check_corners(judgement: &mut Judgement, view: &View<'_>) {
         let missing = rows
             .iter()
             .any(|(_, row)| row.is_some_and(|r| r.pressure.is_nan()));
-        let tresca = rows
-            .iter()
-            .any(|(c, _)| matches!(view.touches[*c].contact.law, Law::Tresca(_) | Law::Tied));
+        let tresca = rows.iter().any(|(c, _)| {
+            matches!(
+                view.touches[*c].contact.law,
+                Law::Tresca(_) | Law::Tied | Law::Joint { .. }
+            )
+        });
         if !all_own || !missing || tresca {
             continue;
         }

@@ -22,8 +22,8 @@ pub trait Problem<const D: usize>: Clone {
     /// Names of all families.
     fn families() -> Vec<&'static str>;
 
-    /// The problem of a seed, of this family or of one that the seed chooses.
-    fn of_seed(seed: u64, family: Option<&str>) -> Self;
+    /// The problem of a seed, of this family or of one that the seed chooses; `more`: among those that came later.
+    fn of_seed(seed: u64, family: Option<&str>, more: bool) -> Self;
 
     fn family(&self) -> &'static str;
 
@@ -54,6 +54,16 @@ pub trait Problem<const D: usize>: Clone {
     /// Some twins.
     fn twins(&self, answer: &Answer<D, Self::Kind>, random: &mut Random) -> Vec<Twin<Self, D>>;
 
+    /// So many steps are taken from an earlier run.
+    fn past(&self) -> usize {
+        0
+    }
+
+    /// Its family knows it in other words: they are always asked.
+    fn told_twice(&self) -> bool {
+        false
+    }
+
     /// The answer of this kind of twin must be the same.
     fn unique(&self, answer: &Answer<D, Self::Kind>, twin: &str) -> bool;
 
@@ -71,9 +81,12 @@ pub trait Problem<const D: usize>: Clone {
 
 /// What the command line asks for.
 pub struct Options {
-    pub seeds: Vec<u64>,
+    /// Each with its family, where that is not chosen by the seed or for all of them.
+    pub seeds: Vec<(u64, Option<&'static str>)>,
     pub threads: usize,
     pub family: Option<String>,
+    /// Seeds choose among the families that came later.
+    pub more: bool,
     /// Where case files of failing seeds go.
     pub keep: Option<PathBuf>,
     /// Part of the seeds that is asked again in other words.
@@ -150,12 +163,12 @@ where
                 let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build();
                 loop {
                     let place = next.fetch_add(1, Ordering::Relaxed);
-                    let Some(&seed) = options.seeds.get(place) else {
+                    let Some(&(seed, family)) = options.seeds.get(place) else {
                         break;
                     };
                     let result = match &pool {
-                        Ok(pool) => pool.install(|| one::<P, D>(seed, options)),
-                        Err(_) => one::<P, D>(seed, options),
+                        Ok(pool) => pool.install(|| one::<P, D>(seed, family, options)),
+                        Err(_) => one::<P, D>(seed, family, options),
                     };
                     if let Ok(mut results) = results.lock() {
                         results.push(result);
@@ -171,11 +184,11 @@ where
     Ok(report.clean())
 }
 
-fn one<P: Problem<D>, const D: usize>(seed: u64, options: &Options) -> Result
+fn one<P: Problem<D>, const D: usize>(seed: u64, family: Option<&str>, options: &Options) -> Result
 where
     Case<D>: Solvable<D>,
 {
-    let problem = P::of_seed(seed, options.family.as_deref());
+    let problem = P::of_seed(seed, family.or(options.family.as_deref()), options.more);
     let (known, reason) = problem.known();
     let clock = Instant::now();
     let mut result = Result {
@@ -300,7 +313,7 @@ fn judge<P: Problem<D>, const D: usize>(
         return;
     }
     let mut random = Random::new(seed ^ 0x7717);
-    if random.chance(options.twins) {
+    if random.chance(options.twins) || problem.told_twice() {
         ask_twins(
             problem,
             &answer,

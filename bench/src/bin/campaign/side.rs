@@ -84,6 +84,8 @@ pub struct Curve {
     pub corners: bool,
     /// Largest length of a facet.
     pub longest: f64,
+    /// Of each facet the first one that it meets smoothly, over others or not.
+    pub sheets: Vec<usize>,
     circle: Option<(Vector, f64)>,
     /// Facets at each node.
     pub around: BTreeMap<usize, Vec<usize>>,
@@ -137,6 +139,22 @@ impl Curve {
             let [first, last] = [own[index][0], own[index][1]];
             turn = turn.max(dot(first, last).clamp(-1.0, 1.0).acos());
         }
+        let mut sheets: Vec<usize> = (0..facets.len()).collect();
+        for (&node, list) in &around {
+            for (k, &a) in list.iter().enumerate() {
+                for &b in &list[k + 1..] {
+                    let [at_a, at_b] =
+                        [a, b].map(|f| position(&own[f], &around, f, node, mesh, side));
+                    let (low, high) = (sheets[a].min(sheets[b]), sheets[a].max(sheets[b]));
+                    if dot(at_a, at_b) > SHARP {
+                        sheets
+                            .iter_mut()
+                            .filter(|s| **s == high)
+                            .for_each(|s| *s = low);
+                    }
+                }
+            }
+        }
         let circle = circles
             .iter()
             .find(|c| c.side == crate::corners::whole(side));
@@ -144,6 +162,7 @@ impl Curve {
             longest: facets.iter().fold(0.0, |s: f64, f| s.max(f.length)),
             // the angle of a cosine that is one but for rounding
             corners,
+            sheets,
             turn: if turn < 1e-7 { 0.0 } else { turn },
             facets,
             circle: circle.map(|c| (c.center, c.radius)),

@@ -3,7 +3,7 @@
 use crate::raw::{self, Answer, Cell, Mesh, Row, Step};
 use crate::run::Problem;
 use dotyk::case::{Case, CaseError, Run};
-use dotyk::model::{ContactNode, Event, Model, Solution, Status};
+use dotyk::model::{ContactNode, Event, Model, Past, Solution, Status};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::{Path, PathBuf};
 use std::time::Instant;
@@ -56,7 +56,7 @@ pub trait Solvable<const D: usize>: Sized {
     fn parsed(text: &str, folder: &Path) -> Result<Self, CaseError>;
 
     /// Solves all its load steps.
-    fn solved(&self, observe: &mut dyn FnMut(Event)) -> Run<D>;
+    fn solved(&self, past: &[Past<D>], observe: &mut dyn FnMut(Event)) -> Run<D>;
 }
 
 macro_rules! solvable {
@@ -66,8 +66,8 @@ macro_rules! solvable {
                 Self::from_str(text, "case.toml", folder)
             }
 
-            fn solved(&self, observe: &mut dyn FnMut(Event)) -> Run<$D> {
-                self.run(&[], observe)
+            fn solved(&self, past: &[Past<$D>], observe: &mut dyn FnMut(Event)) -> Run<$D> {
+                self.run(past, observe)
             }
         }
     )*};
@@ -99,7 +99,10 @@ where
         return Outcome::Refused(format!("campaign: {error}"));
     }
     let text = problem.text();
-    let attempt = catch_unwind(AssertUnwindSafe(|| attempt(&text, folder.path(), seconds)));
+    let past = problem.past();
+    let attempt = catch_unwind(AssertUnwindSafe(|| {
+        attempt(&text, folder.path(), past, seconds)
+    }));
     match attempt {
         Ok(outcome) => outcome,
         Err(payload) if payload.is::<TooSlow>() => Outcome::Slow,
@@ -114,6 +117,7 @@ where
 fn attempt<K: Cell, const D: usize>(
     text: &str,
     folder: &Path,
+    past: usize,
     seconds: f64,
 ) -> Outcome<Answer<D, K>>
 where
@@ -129,7 +133,11 @@ where
             std::panic::panic_any(TooSlow);
         }
     };
-    let run = case.solved(&mut watch);
+    let mut run = case.solved(&[], &mut watch);
+    if past > 0 && run.failure.is_none() {
+        let done: Vec<Past<D>> = run.steps[..past].iter().map(Past::from).collect();
+        run = case.solved(&done, &mut watch);
+    }
     let Some(failure) = &run.failure else {
         return Outcome::Certified(answer(&case.model, &run.steps));
     };
@@ -216,6 +224,7 @@ fn step<const D: usize>(solution: &Solution<D>) -> Step<D> {
             .iter()
             .map(|body| body.displacement.clone())
             .collect(),
+        sections: solution.sections.iter().map(section).collect(),
         reactions: solution.bodies.iter().map(|body| body.reaction).collect(),
         contacts: solution.contacts.iter().map(contact).collect(),
         iterations: solution.solver.iterations,
@@ -224,6 +233,14 @@ fn step<const D: usize>(solution: &Solution<D>) -> Step<D> {
             .iter()
             .any(|text| text.contains("it is dropped")),
     }
+}
+
+/// The columns of `sections.csv`.
+fn section(section: &dotyk::model::SectionSolution) -> Vec<[f64; 5]> {
+    let stations = section.stations.iter();
+    stations
+        .map(|at| [at.point[0], at.point[1], at.normal, at.shear, at.moment])
+        .collect()
 }
 
 /// The columns of `contact.csv`.

@@ -3,10 +3,10 @@
 //! rest = internal − external is what supports and contacts exert on a node. Off both it must vanish; on a contact side it
 //! is the true contact force.
 
-use crate::elastic::{conditions, external, internal};
+use crate::elastic::{bedded, conditions, external, internal, nearest, of_support};
 use crate::held::{Condition, free_part, held_axes};
-use crate::plane::{Vector, bounds, length, minus};
-use crate::problem::{Body, Problem};
+use crate::plane::{Vector, bounds, dot, length, minus, plus};
+use crate::problem::{Bar, Body, Problem};
 use crate::raw::{Answer, Step};
 use std::collections::BTreeMap;
 
@@ -16,6 +16,9 @@ pub const FORCE: f64 = 1e-7;
 
 /// Displacements below this part of the displacement scale are rounding: the brief's limit at nodes.
 pub const MOVE: f64 = 1e-6;
+
+/// A stress that is there counts as one that moves a body by this part of what it would, were it let go.
+const GIVEN: f64 = 0.1;
 
 /// Roundings of displacements in units of 2⁻⁵³ that add up at a node.
 pub const ROUNDINGS: f64 = 32.0;
@@ -39,6 +42,27 @@ pub struct State {
     pub moves: f64,
     /// Largest coordinate: positions are rounded to 2⁻⁵³ of it.
     pub size: f64,
+    /// What beds exert on each body.
+    pub beds: Vec<Vector>,
+}
+
+/// Conditions of supports that came later: nodes are held where they were in the step before.
+fn held_later(problem: &Problem, answer: &Answer, step: &Step, body: usize) -> Vec<Condition> {
+    let mut all = Vec::new();
+    for support in &problem.bodies[body].supports {
+        let Some(from) = support.from.filter(|&from| step.time >= from) else {
+            continue;
+        };
+        let before = answer.steps.iter().rfind(|step| step.time < from);
+        for condition in of_support(&answer.meshes[body], support, step.time) {
+            let was = before.map_or([0.0; 2], |b| b.displacements[body][condition.node]);
+            all.push(Condition {
+                value: condition.value + dot(condition.axis, was),
+                ..condition
+            });
+        }
+    }
+    all
 }
 
 impl State {
@@ -53,6 +77,7 @@ impl State {
             force: 0.0,
             moves: 0.0,
             size: 0.0,
+            beds: Vec::new(),
         };
         let mut magnitudes = Vec::new();
         // what other bodies move by hundreds leaves dust on one that hardly moves
@@ -65,7 +90,15 @@ impl State {
             .zip(&step.displacements)
         {
             let inside = internal(mesh, body, analysis, moves, 0.01 * largest);
-            let outside = external(mesh, body, analysis, step.time);
+            let there = body.more.from.is_none_or(|from| step.time >= from);
+            let mut outside = match there {
+                true => external(mesh, body, analysis, step.time),
+                false => vec![[0.0; 2]; moves.len()],
+            };
+            let beds = bedded(mesh, body, analysis, moves);
+            for (sum, &bed) in outside.iter_mut().zip(&beds) {
+                *sum = plus(*sum, 1.0, bed);
+            }
             let rest: Vec<Vector> = inside
                 .forces
                 .iter()
@@ -76,6 +109,18 @@ impl State {
             state.force = state.force.max(0.5 * sizes.sum::<f64>());
             state.moves = moves.iter().fold(state.moves, |s, &u| s.max(length(u)));
             let (low, high) = bounds(&mesh.points);
+            // beside what the stress that is there could do
+            let stress = body.more.initial.as_ref().map_or(0.0, |stress| {
+                let at = |x: Vector| {
+                    stress
+                        .iter()
+                        .map(|s| s.at(x, 0.0).abs())
+                        .fold(0.0, f64::max)
+                };
+                at(low).max(at(high))
+            });
+            let could = stress / body.young * length(minus(high, low));
+            state.moves = state.moves.max(GIVEN * could);
             let corner = low
                 .iter()
                 .chain(&high)
@@ -83,9 +128,28 @@ impl State {
             state.size = state.size.max(corner);
             state.rest.push(rest);
             magnitudes.push(inside.magnitudes);
-            let conditions = conditions(mesh, body, analysis, step.time);
+            state
+                .beds
+                .push(beds.iter().fold([0.0; 2], |s, &f| plus(s, 1.0, f)));
+            let mut conditions = conditions(mesh, body, analysis, step.time);
+            conditions.extend(held_later(problem, answer, step, state.conditions.len()));
             state.held.push(held_axes(&conditions));
             state.conditions.push(conditions);
+        }
+        for (place, body) in problem.bodies.iter().enumerate() {
+            // the force of a bar is no reaction, at either of its ends
+            if let Some(Bar {
+                at,
+                stiffness,
+                to: Some((other, _)),
+            }) = &body.more.bar
+            {
+                let node = nearest(&answer.meshes[place], *at);
+                let pull = [stiffness * step.displacements[place][node][0], 0.0];
+                state.beds[place] = plus(state.beds[place], 1.0, pull);
+                let other = problem.body(other);
+                state.beds[other] = plus(state.beds[other], -1.0, pull);
+            }
         }
         for (place, contact) in problem.contacts.iter().enumerate() {
             if let crate::problem::Against::Obstacle {

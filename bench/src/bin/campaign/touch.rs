@@ -35,6 +35,8 @@ pub struct Sample {
     pub other: Vec<(usize, f64)>,
     /// Distance along the normal.
     distance: f64,
+    /// Smooth part of the other side.
+    pub sheet: usize,
     /// −s·ω of the opposite facet, as coefficients of its nodes' displacements: what the tangent feels when the other side is
     /// carried on rigidly from y to x.
     lever: Vec<(usize, Vector)>,
@@ -49,6 +51,7 @@ impl Sample {
             own,
             other: opposite.shape,
             distance: opposite.distance,
+            sheet: opposite.sheet,
             lever: opposite.lever,
         }
     }
@@ -59,6 +62,8 @@ struct Opposite {
     /// Contact normal.
     normal: Vector,
     distance: f64,
+    /// Smooth part of the other side.
+    sheet: usize,
     /// Shape functions of the other side.
     shape: Vec<(usize, f64)>,
     lever: Vec<(usize, Vector)>,
@@ -193,6 +198,7 @@ impl<'a> Touch<'a> {
                 Some(Opposite {
                     normal: n,
                     distance,
+                    sheet: opposite.sheets[hit.facet],
                     shape: other.shape(hit.xi),
                     lever: lever.collect(),
                 })
@@ -338,6 +344,7 @@ impl<'a> Touch<'a> {
                     let opposite = Opposite {
                         normal,
                         distance: 0.0,
+                        sheet: 0,
                         shape: vec![(partner, 1.0)],
                         lever: Vec::new(),
                     };
@@ -367,6 +374,23 @@ impl<'a> Touch<'a> {
                 }
             }
         }
+    }
+
+    /// The facets around a node face several smooth parts of the other side, each with a condition of its own: none of them is that
+    /// of what lies opposite the node.
+    pub fn mixed(&self, node: usize) -> bool {
+        let around = self.curve.around.get(&node);
+        let around: Vec<usize> = around.into_iter().flatten().copied().collect();
+        let samples = self.between.iter().filter(|s| around.contains(&s.facet));
+        let mut sheets: Vec<usize> = samples.map(|s| s.sheet).collect();
+        sheets.sort_unstable();
+        sheets.dedup();
+        !self.nodal && self.opposite.is_some() && sheets.len() > 1
+    }
+
+    /// The distance between the sides as they are drawn.
+    pub fn drawn(&self, sample: &Sample) -> f64 {
+        sample.distance
     }
 
     /// The initial gap at a sample.
@@ -499,6 +523,7 @@ fn from_obstacle(surface: &Surface, x: Vector, n: Vector) -> Option<Opposite> {
     Some(Opposite {
         normal,
         distance,
+        sheet: 0,
         shape: Vec::new(),
         lever: Vec::new(),
     })

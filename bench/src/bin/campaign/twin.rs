@@ -17,6 +17,9 @@ pub struct Twin<P, const D: usize> {
     pub tolerance: f64,
 }
 
+/// Steps whose displacements are less than this part of the largest ones have none.
+const DUST: f64 = 1e-9;
+
 /// The largest difference of the displacements of two answers in any step, relative to the largest displacement.
 ///
 /// `None` where nodes of the twin cannot be found.
@@ -27,12 +30,17 @@ pub fn difference<P: Problem<D>, const D: usize>(
     other: &Answer<D, P::Kind>,
 ) -> Option<f64> {
     let mut worst: f64 = 0.0;
+    let largest = |step: &Step<D>| {
+        let all = step.displacements.iter().flatten();
+        all.fold(0.0, |s: f64, &u| s.max(length(u)))
+    };
+    let overall = answer.steps.iter().map(largest).fold(0.0, f64::max);
     for (mine, theirs) in answer.steps.iter().zip(&other.steps) {
-        let largest = mine
-            .displacements
-            .iter()
-            .flatten()
-            .fold(0.0, |s: f64, &u| s.max(length(u)));
+        let largest = largest(mine);
+        // nothing moves but by rounding
+        if largest <= DUST * overall {
+            continue;
+        }
         let mut off: f64 = 0.0;
         for (b, parts) in twin.parts.iter().enumerate() {
             let mesh = &answer.meshes[b];

@@ -35,8 +35,49 @@ pub fn carried(problem: &Problem, lengths: f64, forces: f64, angle: f64) -> Opti
         .uniform
         .as_ref()
         .map(|p| p.carried(stress, lengths, angle));
+    if let Some(other) = &mut twin.other {
+        other.problem = carried(&other.problem, lengths, forces, angle)?;
+    }
+    if angle != 0.0 && (twin.drawing.is_some() || !twin.sections.is_empty()) {
+        return None;
+    }
+    if let Some(drawing) = &mut twin.drawing {
+        let (from, to) = (place(drawing.from), place(drawing.to));
+        (drawing.from, drawing.to) = (from, to);
+        (drawing.border, drawing.size) = (drawing.border * lengths, drawing.size * lengths);
+    }
+    for section in &mut twin.sections {
+        section.stations.iter_mut().for_each(|x| *x = place(*x));
+    }
     for body in &mut twin.bodies {
         body.young *= stress;
+        for spring in &mut body.more.springs {
+            spring.normal *= stress / lengths;
+            spring.tangential *= stress / lengths;
+        }
+        if let Some(couple) = &mut body.more.couple {
+            couple.point = place(couple.point);
+            couple.area *= lengths * lengths;
+        }
+        if let Some(bar) = &mut body.more.bar {
+            if angle != 0.0 {
+                return None;
+            }
+            (bar.at, bar.stiffness) = (place(bar.at), bar.stiffness * stress * lengths);
+            bar.to = bar.to.take().map(|(body, to)| (body, place(to)));
+        }
+        if let Some(beyond) = &mut body.more.beyond {
+            (beyond.border, beyond.young) = (beyond.border * lengths, beyond.young * stress);
+        }
+        if let Some(initial) = &mut body.more.initial {
+            // the components would have to be turned, too
+            if angle != 0.0 {
+                return None;
+            }
+            for component in initial {
+                *component = component.carried(stress, lengths, angle);
+            }
+        }
         if !problem.analysis.axisymmetric() {
             body.thickness *= lengths;
         }
@@ -52,6 +93,7 @@ pub fn carried(problem: &Problem, lengths: f64, forces: f64, angle: f64) -> Opti
                     *field = carried_vector(field, stress, lengths, angle);
                 }
                 Load::Pressure { field, .. } => *field = field.carried(stress, lengths, angle),
+                Load::InSitu { factor, .. } => *factor = factor.carried(1.0, lengths, angle),
                 Load::Force { point, field } => {
                     *point = place(*point);
                     *field = carried_vector(field, forces, lengths, angle);
@@ -74,6 +116,9 @@ pub fn carried(problem: &Problem, lengths: f64, forces: f64, angle: f64) -> Opti
         match &mut contact.law {
             Law::Tresca(bound) => *bound = bound.carried(stress, lengths, angle),
             Law::Coulomb(coefficient) => *coefficient = coefficient.carried(1.0, lengths, angle),
+            Law::Joint {
+                cohesion, tension, ..
+            } => (*cohesion, *tension) = (*cohesion * stress, *tension * stress),
             _ => {}
         }
         if let Against::Obstacle { surface, drive } = &mut contact.against {
@@ -130,6 +175,7 @@ fn carried_support(support: &Support, lengths: f64, angle: f64) -> Option<Suppor
         place,
         axes,
         normal,
+        from: support.from,
     })
 }
 
@@ -183,6 +229,8 @@ fn carry_shape(body: &mut Body, lengths: f64, angle: f64) -> Option<()> {
             (*size, *center, *radius) = (*size * lengths, place(*center), *radius * lengths);
         }
         Shape::File { .. } => return None,
+        Shape::Region(_) if straight => {}
+        Shape::Region(_) => return None,
     }
     Some(())
 }
@@ -324,6 +372,14 @@ fn split(problem: &Problem, random: &mut Random) -> Option<Twin> {
         };
         for axis in 0..2 {
             // a cut across x meets top and bottom
+            let more = &body.more;
+            let plain = more.springs.is_empty()
+                && more.initial.is_none()
+                && more.bar.is_none()
+                && problem.sections.iter().all(|s| s.body != body.name);
+            if !plain {
+                continue;
+            }
             let cut = [["bottom", "top"], ["left", "right"]][axis];
             let free = |side: &&str| !touches(problem, &body.name, side);
             let even = cells[axis] >= 4 || (!body.kind.triangle() && cells[axis] >= 2);
@@ -379,6 +435,7 @@ fn split(problem: &Problem, random: &mut Random) -> Option<Twin> {
             .retain(|s| s.place != Place::Side(gone.to_string()));
         half.loads.retain(|load| match load {
             Load::Traction { side, .. } | Load::Pressure { side, .. } => side != gone,
+            Load::InSitu { side, .. } => side != gone,
             Load::Force { .. } => true,
         });
         half
@@ -438,6 +495,17 @@ fn touches(problem: &Problem, body: &str, name: &str) -> bool {
 /// Some twins of a problem.
 pub fn twins(problem: &Problem, answer: &Answer, random: &mut Random) -> Vec<Twin> {
     let mut all = Vec::new();
+    if let Some(other) = &problem.other {
+        all.push(Twin {
+            name: other.name,
+            problem: other.problem.clone(),
+            lengths: 1.0,
+            turn: rotation(0.0),
+            parts: other.parts.clone(),
+            tolerance: other.tolerance,
+        });
+        return all;
+    }
     match random.count(0, 4) {
         0 => {
             let forces = random.magnitude(1e-6, 1e6);

@@ -247,7 +247,7 @@ fn check_footprint(judgement: &mut Judgement, view: &View<'_>, cluster: &Cluster
     };
     for &c in &cluster.contacts {
         let touch = &view.touches[c];
-        if matches!(touch.contact.law, Law::Tied) {
+        if matches!(touch.contact.law, Law::Tied | Law::Joint { .. }) {
             return;
         }
         turn = turn.max(touch.curve.turn);

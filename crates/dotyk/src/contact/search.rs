@@ -539,6 +539,25 @@ mod tests {
     }
 
     #[test]
+    fn a_flank_beside_a_corner_that_is_sunk_a_little_does_not_face_what_is_far_behind() {
+        let lower = block([0.0, 0.0], [4.0, 1.0], CellKind::Quad4);
+        let upper = block([0.1, 0.999], [6.0, 2.0], CellKind::Quad4);
+        let all = upper.boundary_facets();
+        let search = Search::new(&lower, &upper, &all);
+        // its left side is behind, inside of the lower body all the way
+        let right = Line {
+            start: [4.0, 0.9995],
+            direction: [1.0, 0.0],
+        };
+        assert_eq!(search.opposite(right, 0.5), None);
+        // the top is sunk by as much as it faces, up to its ends
+        for x in [0.11, 0.2, 2.3, 3.99] {
+            let found = search.opposite(up(x, 1.0), 1e-3).unwrap();
+            assert!((found.distance + 1e-3).abs() < 1e-14);
+        }
+    }
+
+    #[test]
     fn what_lies_on_the_far_side_of_the_other_body_is_no_partner() {
         let plate = |from: f64, to: f64| block([0.0, from], [4.0, to], CellKind::Quad4);
         let (lower, sunk) = (plate(0.0, 1.0), plate(0.95, 2.0));

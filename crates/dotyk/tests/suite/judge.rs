@@ -573,3 +573,46 @@ fn a_slender_beam_on_many_supports_is_certified() {
         .count();
     assert!((50..150).contains(&bearing), "{bearing}");
 }
+
+/// Two blocks of almost one width that are drawn a little into each other, their whole boundaries as sides: the flank of the upper
+/// tip of one faces nothing, though the other's flank lies behind it, inside of both all the way.
+#[test]
+fn whole_boundaries_of_blocks_that_are_sunk_a_little_press_as_the_sides_that_face_each_other() {
+    let text = |own: &str, other: &str| {
+        format!(
+            r#"
+analysis = "plane-strain"
+[[body]]
+name = "lower"
+mesh = {{ rectangle = {{ from = [-0.35, 0], to = [0.257, 0.5232], cells = [11, 9], cell = "tri6" }} }}
+material = {{ young = 1, poisson = 0.2 }}
+fix = [{{ side = "bottom", x = 0, y = 0 }}]
+[[body]]
+name = "upper"
+mesh = {{ rectangle = {{ from = [-0.345, 0.5228], to = [0.525, 1.46], cells = [5, 6], cell = "tri6" }} }}
+material = {{ young = 1, poisson = 0.3 }}
+fix = [{{ side = "left", x = 0 }}]
+load = [{{ side = "top", pressure = 1e-4 }}]
+[[contact]]
+name = "c"
+nonmortar = {own}
+mortar = {other}
+"#
+        )
+    };
+    let all = |body: &str| {
+        let sides = ["left", "bottom", "right", "top"].map(|side| format!("\"{body}.{side}\""));
+        format!("[{}]", sides.join(", "))
+    };
+    let largest = |text: &str| {
+        let case = Case::<2>::from_str(text, "case.toml", Path::new(".")).unwrap();
+        let solution = case.model.solve().unwrap();
+        let moves = solution.bodies.iter().flat_map(|body| &body.displacement);
+        moves.fold(0.0, |s: f64, u| s.max(u[0].hypot(u[1])))
+    };
+    let facing = largest(&text("\"lower.top\"", "\"upper.bottom\""));
+    let whole = largest(&text(&all("lower"), &all("upper")));
+    // the strain of the load and of an overlap of 4e-4 over heights of about one
+    assert!(facing > 1e-4 && facing < 2e-3, "{facing}");
+    assert!((whole - facing).abs() < 1e-9 * facing, "{whole} {facing}");
+}

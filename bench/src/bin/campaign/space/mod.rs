@@ -55,7 +55,7 @@ impl run::Problem<3> for Problem {
         families::FAMILIES.map(|(name, _)| name).to_vec()
     }
 
-    fn of_seed(seed: u64, family: Option<&str>) -> Self {
+    fn of_seed(seed: u64, family: Option<&str>, _more: bool) -> Self {
         families::problem(seed, family)
     }
 
