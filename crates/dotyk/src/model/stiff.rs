@@ -7,6 +7,7 @@ use crate::mesh::CellKind;
 use crate::model::error::Error;
 use crate::model::nouns::{Body, Model};
 use crate::model::solution::{BodySolution, ContactNode, ContactSolution, Status};
+use std::collections::BTreeSet;
 
 /// Linear cells that lack more of the compliance of their body are told.
 const LACKING: f64 = 0.08;
@@ -112,10 +113,14 @@ pub(crate) fn uneven_pressures<const D: usize>(
     if ratio < KEEPS_VOLUME || model.analysis == Analysis::PlaneStress {
         return None;
     }
-    let closed = |node: &&ContactNode<D>| node.status != Status::Open && node.pressure > 0.0;
+    let enclosed = enclosed(model, contact);
+    let borne = |node: &&ContactNode<D>| match node.status {
+        Status::Open => enclosed.contains(&node.node),
+        _ => node.pressure > 0.0,
+    };
     let mut count = 0;
     let (mut all, mut off) = (0.0, 0.0);
-    for node in contact.nodes.iter().filter(closed) {
+    for node in contact.nodes.iter().filter(borne) {
         let beside = -along(solved.stress[node.node], node.normal);
         count += 1;
         all += node.weight * node.pressure;
@@ -135,6 +140,32 @@ pub(crate) fn uneven_pressures<const D: usize>(
             100.0 * off / all
         )
     })
+}
+
+/// Open nodes of the nonmortar side within what is in contact: all facets around them have a closed node. Of pressures that alternate
+/// between zero and twice what they should be every second one is such a node.
+pub(crate) fn enclosed<const D: usize>(
+    model: &Model<D>,
+    contact: &ContactSolution<D>,
+) -> BTreeSet<usize> {
+    let mesh = &model.bodies[contact.nonmortar.body.0].mesh;
+    let of = |status: fn(Status) -> bool| -> BTreeSet<usize> {
+        let nodes = contact.nodes.iter().filter(|node| !node.gap.is_nan());
+        let nodes = nodes.filter(|node| status(node.status));
+        nodes.map(|node| node.node).collect()
+    };
+    let closed = of(|status| status != Status::Open);
+    let mut enclosed = of(|status| status == Status::Open);
+    enclosed.retain(|node| !closed.contains(node));
+    for &facet in mesh.side(&contact.nonmortar.side).unwrap_or_default() {
+        let mut nodes = mesh.facet_nodes(facet);
+        if !nodes.any(|node| closed.contains(&(node as usize))) {
+            for node in mesh.facet_nodes(facet) {
+                enclosed.remove(&(node as usize));
+            }
+        }
+    }
+    enclosed
 }
 
 /// n·σ·n.

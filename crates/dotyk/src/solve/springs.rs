@@ -38,6 +38,9 @@ const EXACT: Patience = Patience::new(8, f64::INFINITY);
 /// Accuracy of the problem without friction, a start.
 const START: f64 = 1e-6;
 
+/// Compliances of the springs that tell which load friction bears.
+const TELLING: [f64; 3] = [FIRST, 1.0, 1e-2];
+
 /// Bisections of a load: three digits.
 const BISECTIONS: usize = 12;
 
@@ -79,34 +82,54 @@ pub(crate) fn stiffen<S: FixedBounds>(
 
 /// The motion, amplitudes (r,), on which friction does not bear the load of a problem, and the part of the load along it that it
 /// bears: where a part has an answer with springs and the whole none, and at the largest part friction is exhausted.
+///
+/// Soft springs are asked first. Near the limit they may bear a load that friction does not, as their normal forces are those of
+/// another slip, and stiffer ones tell.
 pub(crate) fn limit<S: FixedBounds>(method: &S, setup: &Setup<'_>) -> Option<(Vec<f64>, f64)> {
     let (_, most) = method.limits();
     let rest = Rest::of(method, setup, most, &mut |_| ControlFlow::Continue(()))?;
     if rest.motions.is_empty() {
         return None;
     }
-    let bears = |part: f64| {
+    TELLING
+        .iter()
+        .find_map(|&springs| limit_with(method, setup, &rest, springs))
+}
+
+/// As [`limit`], with springs of one compliance.
+fn limit_with<S: FixedBounds>(
+    method: &S,
+    setup: &Setup<'_>,
+    rest: &Rest,
+    springs: f64,
+) -> Option<(Vec<f64>, f64)> {
+    let bears = |part: f64, from: &[State]| {
         let mut given = setup.with_admissible(setup.admissible.clone());
         let load = setup.balance.load().iter().zip(&rest.held);
         given
             .balance
             .set_load(load.map(|(e, held)| e - (1.0 - part) * held).collect());
-        let mut search = Search::new(method.limits(), &given);
-        let silent: Observer<'_> = &mut |_| ControlFlow::Continue(());
-        let found = sprung(&mut search, rest.states.clone(), FIRST, silent);
-        matches!(found, Inner::Settled(_)).then_some(search.point)
+        // from the states of a smaller load, or, where these lead nowhere, from no shear at all
+        [from, &rest.states[..]].into_iter().find_map(|from| {
+            let mut search = Search::new(method.limits(), &given);
+            let silent: Observer<'_> = &mut |_| ControlFlow::Continue(());
+            match sprung(&mut search, from.to_vec(), springs, silent) {
+                Inner::Settled(states) => Some((search.point, states)),
+                _ => None,
+            }
+        })
     };
-    let mut before = bears(0.0)?;
-    if bears(1.0).is_some() {
+    let (mut before, mut states) = bears(0.0, &rest.states)?;
+    if bears(1.0, &states).is_some() {
         return None;
     }
     let (mut low, mut high, mut last) = (0.0, 1.0, None);
     for _ in 0..BISECTIONS {
         let part = 0.5 * (low + high);
-        match bears(part) {
-            Some(forces) => {
+        match bears(part, &states) {
+            Some((forces, next)) => {
                 before = last.replace(forces).unwrap_or(before);
-                low = part;
+                (low, states) = (part, next);
             }
             None => high = part,
         }
