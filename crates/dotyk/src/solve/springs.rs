@@ -44,8 +44,10 @@ const TELLING: [f64; 3] = [FIRST, 1.0, 1e-2];
 /// Bisections of a load: three digits.
 const BISECTIONS: usize = 12;
 
-/// At the largest load that friction bears it is exhausted, but for this part.
+/// At the largest load that friction bears it is exhausted, but for this part; within the second one the load is known as well
+/// as bisections tell it.
 const SPARE: f64 = 0.05;
+const EXHAUSTED: f64 = 0.003;
 
 /// Springs that stiffen, and exact steps where their states tell the answer.
 pub(crate) fn stiffen<S: FixedBounds>(
@@ -91,9 +93,33 @@ pub(crate) fn limit<S: FixedBounds>(method: &S, setup: &Setup<'_>) -> Option<(Ve
     if rest.motions.is_empty() {
         return None;
     }
-    TELLING
-        .iter()
-        .find_map(|&springs| limit_with(method, setup, &rest, springs))
+    let mut best: Option<Limit> = None;
+    for springs in TELLING {
+        let Some(found) = limit_with(method, setup, &rest, springs) else {
+            continue;
+        };
+        let known = best.as_ref().map_or(1.0 - SPARE, |best| best.exhausted);
+        if found.exhausted >= known {
+            best = Some(found);
+        }
+        if best
+            .as_ref()
+            .is_some_and(|best| best.exhausted >= 1.0 - EXHAUSTED)
+        {
+            break;
+        }
+    }
+    best.map(|best| (best.direction, best.held))
+}
+
+/// The largest load that friction bears with springs.
+struct Limit {
+    /// Amplitudes (k,) of the motion beyond it.
+    direction: Vec<f64>,
+    /// The part of the load along it.
+    held: f64,
+    /// The part of what friction can bear there that it does.
+    exhausted: f64,
 }
 
 /// As [`limit`], with springs of one compliance.
@@ -102,7 +128,7 @@ fn limit_with<S: FixedBounds>(
     setup: &Setup<'_>,
     rest: &Rest,
     springs: f64,
-) -> Option<(Vec<f64>, f64)> {
+) -> Option<Limit> {
     let bears = |part: f64, from: &[State]| {
         let mut given = setup.with_admissible(setup.admissible.clone());
         let load = setup.balance.load().iter().zip(&rest.held);
@@ -143,12 +169,15 @@ fn limit_with<S: FixedBounds>(
         let part = dot(z, &moved);
         along.iter_mut().zip(z).for_each(|(a, z)| *a += part * z);
     }
-    is_exhausted(setup, &last.lambda, &along)
-        .then(|| (setup.multipliers(&last.lambda, &along).alpha, low))
+    Some(Limit {
+        exhausted: exhausted(setup, &last.lambda, &along),
+        direction: setup.multipliers(&last.lambda, &along).alpha,
+        held: low,
+    })
 }
 
-/// Friction that resists a motion α̂ (k,) bears what it can, but for a small part. Shapes: λ (m,).
-fn is_exhausted(setup: &Setup<'_>, lambda: &[f64], along: &[f64]) -> bool {
+/// The part of what friction that resists a motion α̂ (k,) can bear that it does; none where nothing resists. Shapes: λ (m,).
+fn exhausted(setup: &Setup<'_>, lambda: &[f64], along: &[f64]) -> f64 {
     let mut motion = vec![0.0; setup.len()];
     setup.balance.add_transposed(1.0, along, &mut motion);
     let size = motion.iter().fold(0.0, |s: f64, u| s.max(u.abs()));
@@ -161,7 +190,11 @@ fn is_exhausted(setup: &Setup<'_>, lambda: &[f64], along: &[f64]) -> bool {
             most += bound;
         }
     }
-    size > 0.0 && most > 0.0 && borne >= (1.0 - SPARE) * most
+    if size > 0.0 && most > 0.0 {
+        borne / most
+    } else {
+        0.0
+    }
 }
 
 /// Where normal forces alone hold the bodies.
