@@ -7,7 +7,7 @@ use crate::mesh::CellKind;
 use crate::model::error::Error;
 use crate::model::nouns::{Body, Model};
 use crate::model::solution::{BodySolution, ContactNode, ContactSolution, Status};
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 
 /// Linear cells that lack more of the compliance of their body are told.
 const LACKING: f64 = 0.08;
@@ -142,30 +142,39 @@ pub(crate) fn uneven_pressures<const D: usize>(
     })
 }
 
-/// Open nodes of the nonmortar side within what is in contact: all facets around them have a closed node. Of pressures that alternate
-/// between zero and twice what they should be every second one is such a node.
+/// Open nodes of the nonmortar side within what is in contact: all neighbours along the edges of facets are closed, two at least. Of
+/// pressures that alternate between zero and twice what they should be every second one is such a node.
 pub(crate) fn enclosed<const D: usize>(
     model: &Model<D>,
     contact: &ContactSolution<D>,
 ) -> BTreeSet<usize> {
     let mesh = &model.bodies[contact.nonmortar.body.0].mesh;
-    let of = |status: fn(Status) -> bool| -> BTreeSet<usize> {
-        let nodes = contact.nodes.iter().filter(|node| !node.gap.is_nan());
-        let nodes = nodes.filter(|node| status(node.status));
-        nodes.map(|node| node.node).collect()
-    };
-    let closed = of(|status| status != Status::Open);
-    let mut enclosed = of(|status| status == Status::Open);
-    enclosed.retain(|node| !closed.contains(node));
+    let facing = || contact.nodes.iter().filter(|node| !node.gap.is_nan());
+    let closed = facing().filter(|node| node.status != Status::Open);
+    let closed: BTreeSet<usize> = closed.map(|node| node.node).collect();
+    let mut beside: BTreeMap<usize, BTreeSet<usize>> = BTreeMap::new();
     for &facet in mesh.side(&contact.nonmortar.side).unwrap_or_default() {
-        let mut nodes = mesh.facet_nodes(facet);
-        if !nodes.any(|node| closed.contains(&(node as usize))) {
-            for node in mesh.facet_nodes(facet) {
-                enclosed.remove(&(node as usize));
+        let nodes: Vec<usize> = mesh.facet_nodes(facet).map(|node| node as usize).collect();
+        let corners = mesh.facet_kind(facet).corners();
+        let edges = if corners == 2 { 1 } else { corners };
+        for k in 0..edges {
+            let ends = [nodes[k], nodes[(k + 1) % corners]];
+            // a middle node stands between them
+            let pairs = match nodes.get(corners + k) {
+                Some(&middle) => vec![[ends[0], middle], [middle, ends[1]]],
+                None => vec![ends],
+            };
+            for [a, b] in pairs {
+                beside.entry(a).or_default().insert(b);
+                beside.entry(b).or_default().insert(a);
             }
         }
     }
-    enclosed
+    let within = |node: &usize| {
+        let surrounded = |beside: &BTreeSet<usize>| beside.len() > 1 && beside.is_subset(&closed);
+        !closed.contains(node) && beside.get(node).is_some_and(surrounded)
+    };
+    facing().map(|node| node.node).filter(within).collect()
 }
 
 /// n·σ·n.
