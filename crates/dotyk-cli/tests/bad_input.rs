@@ -58,6 +58,9 @@ const IN_THE_TEXT: &[Mistake] = &[
     // in-situ stress and initial strain
     ("fix = [{ side = \"bottom\", x = 0.0, y = 0.0 }]", "fix = [{ side = \"bottom\", x = 0.0, y = 0.0 }]\ninitial_stress = { vertical = -1e6 }", "vertical", "needs the key `k0`"),
     ("fix = [{ side = \"bottom\", x = 0.0, y = 0.0 }]", "fix = [{ side = \"bottom\", x = 0.0, y = 0.0 }]\ninitial_stress = { k0 = 0.5 }", "k0 = 0.5", "needs the key `vertical`"),
+    ("fix = [{ side = \"bottom\", x = 0.0, y = 0.0 }]", "fix = [{ side = \"bottom\", x = 0.0, y = 0.0 }]\ninitial_stress = { vertical = -1e6, k0 = 0.5, direction = [0, 0] }", "[0, 0]", "has no length"),
+    ("fix = [{ side = \"bottom\", x = 0.0, y = 0.0 }]", "fix = [{ side = \"bottom\", x = 0.0, y = 0.0 }]\ninitial_stress = { xx = -1e6, direction = [0, 1] }", "direction", "do not go together"),
+    ("fix = [{ side = \"bottom\", x = 0.0, y = 0.0 }]", "fix = [{ side = \"bottom\", x = 0.0, y = 0.0 }]\ninitial_stress = { direction = [0, 1], k0 = 0.5 }", "direction", "needs the key `vertical`"),
     ("fix = [{ side = \"bottom\", x = 0.0, y = 0.0 }]", "fix = [{ side = \"bottom\", x = 0.0, y = 0.0 }]\ninitial_stress = { vertical = -1e6, k0 = 0.5, xx = -1e6 }", "xx = -1e6", "do not go together"),
     ("fix = [{ side = \"bottom\", x = 0.0, y = 0.0 }]", "fix = [{ side = \"bottom\", x = 0.0, y = 0.0 }]\ninitial_stress = {}", "initial_stress = {}", "nothing is given"),
     ("fix = [{ side = \"bottom\", x = 0.0, y = 0.0 }]", "fix = [{ side = \"bottom\", x = 0.0, y = 0.0 }]\ninitial_stress = { vertical = -1e6, k0 = [0.5, 0.5, 0.5] }", "k0 = [0.5", "expected 2"),

@@ -194,6 +194,8 @@ class Body:
     def initial_stress(self, **components: Any) -> Body:
         """The stress that is there before anything acts: components, or ``vertical`` with ``k0``. Tension is positive.
 
+        The vertical is along y, in space along z, or along a ``direction``.
+
         >>> import dotyk
         >>> m = dotyk.Model("plane-strain")
         >>> rock = m.body("rock", dotyk.rectangle([0, 0], [4, 1], cells=[4, 1]), young=1, poisson=0.3)

@@ -4,7 +4,7 @@ use crate::case::document::{Node, Table, Value};
 use crate::case::error::Fault;
 use crate::case::keys;
 use crate::case::suggest::listed;
-use crate::geometry::Field;
+use crate::geometry::{Field, Point, padded, unit};
 use crate::model::{Analysis, COMPONENTS, Components, Initial};
 
 /// What is in a body before anything acts on it.
@@ -14,11 +14,12 @@ pub(crate) fn initial<const D: usize>(
 ) -> Result<Initial, Fault> {
     let nodes = ["initial_stress", "initial_strain"].map(|key| body.get(key));
     let [stress, strain] = nodes;
+    let stress = stress.map(|node| self::stress::<D>(node, analysis));
+    let (stress, vertical) = stress.transpose()?.unzip();
     let initial = Initial {
-        stress: stress
-            .map(|node| self::stress::<D>(node, analysis))
-            .transpose()?,
+        stress,
         strain: strain.map(self::strain).transpose()?,
+        vertical: vertical.flatten(),
     };
     // each alone, to tell which one
     let alone = [
@@ -28,6 +29,7 @@ pub(crate) fn initial<const D: usize>(
         },
         Initial {
             stress: None,
+            vertical: None,
             ..initial.clone()
         },
     ];
@@ -39,17 +41,20 @@ pub(crate) fn initial<const D: usize>(
     Ok(initial)
 }
 
-/// Components, or the vertical stress and what part of it acts across.
-fn stress<const D: usize>(node: &Node, analysis: Analysis) -> Result<Components, Fault> {
+/// Components, or the vertical stress and what part of it acts across, with its direction.
+fn stress<const D: usize>(
+    node: &Node,
+    analysis: Analysis,
+) -> Result<(Components, Option<[f64; 3]>), Fault> {
     let table = node.table(keys::INITIAL_STRESS)?;
-    let ways = [&["vertical", "k0"][..], &COMPONENTS];
+    let ways = [&["vertical", "k0", "direction"][..], &COMPONENTS];
     let words = "a stress is `vertical` with `k0`, or components: `xx`, `yy`, `zz`, `xy` (tension positive)";
     one_of(table, &ways, words)?;
-    if table.get("vertical").is_none() && table.get("k0").is_none() {
-        return components(table);
+    if ways[0].iter().all(|key| table.get(key).is_none()) {
+        return Ok((components(table)?, None));
     }
     let vertical = table
-        .require("vertical", "an initial stress with `k0`")?
+        .require("vertical", "an initial stress with `k0` or `direction`")?
         .field()?;
     let k0 = table.get("k0").ok_or_else(|| {
         let message = "an initial stress with `vertical` needs the key `k0`";
@@ -63,7 +68,41 @@ fn stress<const D: usize>(node: &Node, analysis: Analysis) -> Result<Components,
         _ if analysis == Analysis::PlaneStress => [k0.field()?, Field::constant(0.0)],
         _ => [k0.field()?, k0.field()?],
     };
-    Ok(Components::ground::<D>(vertical, [first, second]))
+    let direction = match table.get("direction") {
+        None => std::array::from_fn(|axis| f64::from(axis == D - 1)),
+        Some(node) => {
+            let direction: Point<D> = node.point()?;
+            let direction = unit(direction).ok_or_else(|| {
+                Fault::new(&node.span, "the direction of the vertical has no length")
+                    .label("all components are zero")
+                    .help("such as `direction = [0, 1, 0]` where the vertical is along y")
+            });
+            direction?
+        }
+    };
+    let stress = Components::ground(direction, vertical, [first, second]);
+    Ok((stress, Some(padded(direction))))
+}
+
+/// Warnings about bodies that are profiles extruded along z, the vertical of their stress where none is named, and without a weight
+/// that would tell whether it is: most such profiles are those of tunnels.
+pub(crate) fn along_profiles(document: &Node) -> Vec<String> {
+    fn at<'n>(node: &'n Node, key: &str) -> Option<&'n Node> {
+        let mut entries = node.entries().ok()?.iter();
+        entries.find(|e| e.key == key).map(|e| &e.node)
+    }
+    let bodies = at(document, "body").and_then(|list| list.list().ok());
+    let told = bodies.unwrap_or_default().iter().filter_map(|body| {
+        at(at(at(body, "mesh")?, "extrude")?, "height")?;
+        let stress = at(body, "initial_stress")?;
+        at(stress, "vertical")?;
+        let open = at(stress, "direction").is_none() && at(body, "body_force").is_none();
+        let name = at(body, "name")?.text().ok()?;
+        open.then(|| {
+            format!("body \"{name}\": the vertical of its initial stress is z, along which its profile is extruded; name it, `direction = [0, 1, 0]` for a tunnel along z and [0, 0, 1] for a shaft")
+        })
+    });
+    told.collect()
 }
 
 /// A temperature with its coefficient, a strain that has no direction, or components.

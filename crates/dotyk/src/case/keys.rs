@@ -149,7 +149,17 @@ pub const STRENGTH: &[&str] = &[
     "a",
 ];
 /// `initial_stress` of a body.
-pub const INITIAL_STRESS: &[&str] = &["vertical", "k0", "xx", "yy", "zz", "xy", "yz", "xz"];
+pub const INITIAL_STRESS: &[&str] = &[
+    "vertical",
+    "k0",
+    "direction",
+    "xx",
+    "yy",
+    "zz",
+    "xy",
+    "yz",
+    "xz",
+];
 /// `initial_strain` of a body.
 pub const INITIAL_STRAIN: &[&str] = &[
     "thermal",

@@ -171,6 +171,7 @@ where
     model.parameters.clone_from(&source.parameters.values);
     let unused = source.parameters.unused(&source.document);
     let mut warnings = files.warnings();
+    warnings.extend(initial::along_profiles(&source.document));
     warnings.extend(unused.iter().map(|name| {
         format!("no number of this case depends on the parameter `{name}`: in a string its name stands for it, as in young = \"{name}\"")
     }));

@@ -1,7 +1,7 @@
 //! A case as a run: solved step by step, with what stands where a step has no answer.
 
 use crate::case::{Case, CaseError};
-use crate::model::{Error, Solution};
+use crate::model::{Error, Solution, told_in_steps};
 use std::fmt;
 
 /// What came of a case.
@@ -91,15 +91,9 @@ impl<const D: usize> Run<D> {
         self.steps.iter().map(|step| step.solver.iterations).sum()
     }
 
-    /// Warnings of all steps that stand, each once.
+    /// Warnings of all steps that stand, each once; of those that differ in their figures alone that with the largest.
     pub fn warnings(&self) -> Vec<String> {
-        let mut list: Vec<String> = Vec::new();
-        for warning in self.standing().iter().flat_map(|step| &step.warnings) {
-            if !list.contains(warning) {
-                list.push(warning.clone());
-            }
-        }
-        list
+        told_in_steps(self.standing().iter().map(|step| &step.warnings[..]))
     }
 }
 

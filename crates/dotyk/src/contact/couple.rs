@@ -62,6 +62,7 @@ pub fn pair_couple<const D: usize>(
             frame: std::array::from_fn(axis),
             weight: 1.0,
             extent: 0.0,
+            share: 1.0,
             gap: 0.0,
             clearance: 0.0,
             shares: GapShares::default(),

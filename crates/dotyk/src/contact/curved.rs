@@ -2,9 +2,10 @@
 
 use crate::contact::{ContactError, End};
 use crate::fem::{TrueSurface, show};
-use crate::geometry::{Point, add_scaled, cross, distance, dot, norm, sub, unit};
+use crate::geometry::{Groups, Point, add_scaled, cross, distance, dot, norm, sub, unit};
 use crate::mesh::{Facet, Mesh, SHARP};
 use std::collections::BTreeMap;
+use std::rc::Rc;
 
 /// Nodes may lie off the true surface of their side by this part of a facet.
 const OFF_SURFACE: f64 = 0.01;
@@ -39,28 +40,38 @@ pub(super) fn true_surface<'a, const D: usize>(
     Ok(surface)
 }
 
-/// Largest distance of the facets of a side from the smooth curve or surface that they stand for. Zero where their true surface is
-/// known, and across sharp corners.
+/// Largest distance of the facets around each node of a side from the smooth curve or surface that they stand for; nodes around which
+/// nothing is missed are left out. Nothing is where the true surface is known, and across corners.
 ///
 /// * Straight facets of length L that turn by θ at their common node miss Lθ/8. In space a facet has the extent L across each of
 ///   its edges, and what it misses in its two directions adds up: half of the sum over four edges, the sum over three.
 /// * Parabolas of length L and rise s, whose curvature κ = 8s/L² changes by Δκ at a common node: s³/L² is what a parabola
 ///   through three points of a circle misses, Δκ L²/(72√3) what it misses of a curve whose curvature changes; and a quarter of
 ///   what straight ones would miss, since parabolas on a circle turn, too.
+/// * A corner is a sharp one, or a blunt one between two flat parts of the side, each of which goes on beyond its first facet: a
+///   curve would turn again there. The bend of a step is what it is drawn as.
 ///
 /// Errors: unknown or empty sides.
-pub fn sagitta<const D: usize>(end: End<'_, D>) -> Result<f64, ContactError> {
+pub(crate) fn missed_by_nodes<const D: usize>(
+    end: End<'_, D>,
+) -> Result<BTreeMap<usize, f64>, ContactError> {
     let mesh = &end.body.mesh;
     let facets = end.facets()?;
     let surface = true_surface(end, facets)?;
     let curved = facets.iter().filter(|&&facet| surface.at(facet).is_none());
-    let pieces: Vec<Vec<Piece<D>>> = curved.map(|&facet| pieces(mesh, facet)).collect();
-    let mut around: BTreeMap<[u32; 2], Vec<&Piece<D>>> = BTreeMap::new();
-    for piece in pieces.iter().flatten() {
-        around.entry(piece.place).or_default().push(piece);
+    let curved: Vec<Facet> = curved.copied().collect();
+    let pieces: Vec<Vec<Piece<D>>> = curved.iter().map(|&facet| pieces(mesh, facet)).collect();
+    let mut around: BTreeMap<[u32; 2], Vec<(usize, &Piece<D>)>> = BTreeMap::new();
+    for (facet, pieces) in pieces.iter().enumerate() {
+        for piece in pieces {
+            around.entry(piece.place).or_default().push((facet, piece));
+        }
     }
+    let flat = Flat::of(mesh, &curved, &around);
     let missed_at = |piece: &Piece<D>| match around[&piece.place][..] {
-        [a, b] if dot(a.normal, b.normal) > SHARP => missed_between(a, b),
+        [a, b] if dot(a.1.normal, b.1.normal) > SHARP && !flat.meet_at_corner(a, b) => {
+            missed_between(a.1, b.1)
+        }
         _ => 0.0,
     };
     let missed = |of_facet: &Vec<Piece<D>>| {
@@ -74,7 +85,90 @@ pub fn sagitta<const D: usize>(end: End<'_, D>) -> Result<f64, ContactError> {
             .map(|p| p.rise.abs().powi(3) / (p.length * p.length));
         own.fold(between, f64::max)
     };
-    Ok(pieces.iter().map(missed).fold(0.0, f64::max))
+    let mut by_nodes = BTreeMap::new();
+    for (&facet, pieces) in curved.iter().zip(&pieces) {
+        let missed = missed(pieces);
+        for node in mesh.facet_nodes(facet).filter(|_| missed > 0.0) {
+            let most: &mut f64 = by_nodes.entry(node as usize).or_default();
+            *most = most.max(missed);
+        }
+    }
+    Ok(by_nodes)
+}
+
+/// The flat parts of a side: facets that go on without a turn.
+struct Flat<'a, const D: usize> {
+    mesh: &'a Mesh<D>,
+    /// Of each facet, by index, the nodes of its part.
+    parts: Vec<Rc<[u32]>>,
+    /// The facets.
+    facets: &'a [Facet],
+}
+
+/// Facets that turn by less, in radians, go on flat, and those that turn by ten times that may meet at a corner.
+const FLAT: f64 = 1e-3;
+
+/// A flat part goes on beyond a facet where it reaches farther by this factor.
+const BEYOND: f64 = 1.1;
+
+impl<'a, const D: usize> Flat<'a, D> {
+    fn of(
+        mesh: &'a Mesh<D>,
+        facets: &'a [Facet],
+        around: &BTreeMap<[u32; 2], Vec<(usize, &Piece<D>)>>,
+    ) -> Self {
+        let mut groups = Groups::new(facets.len());
+        for meeting in around.values() {
+            if let [(a, first), (b, second)] = meeting[..]
+                && angle(first.normal, second.normal) < FLAT
+                && first.straight()
+                && second.straight()
+            {
+                groups.join(a, b);
+            }
+        }
+        let mut nodes: BTreeMap<usize, Vec<u32>> = BTreeMap::new();
+        for (index, &facet) in facets.iter().enumerate() {
+            let part = nodes.entry(groups.first(index)).or_default();
+            part.extend(mesh.facet_nodes(facet));
+        }
+        let nodes: BTreeMap<usize, Rc<[u32]>> = nodes
+            .into_iter()
+            .map(|(first, nodes)| (first, nodes.into()))
+            .collect();
+        let part = |index| Rc::clone(&nodes[&groups.first(index)]);
+        Self {
+            mesh,
+            parts: (0..facets.len()).map(part).collect(),
+            facets,
+        }
+    }
+
+    /// Two facets turn at a common place, and both go on flat beyond themselves.
+    fn meet_at_corner(&self, a: (usize, &Piece<D>), b: (usize, &Piece<D>)) -> bool {
+        let turn = angle(a.1.normal, b.1.normal);
+        let goes_on = |(index, piece)| self.goes_on(index, piece);
+        turn > 10.0 * FLAT && goes_on(a) && goes_on(b)
+    }
+
+    /// The flat part of a straight facet reaches farther from one of its places than the facet.
+    fn goes_on(&self, index: usize, piece: &Piece<D>) -> bool {
+        let points = self.mesh.points();
+        let [first, second] = piece.place.map(|node| points[node as usize]);
+        let along = unit(sub(second, first)).unwrap_or([0.0; D]);
+        let facet = self.mesh.facet_points(self.facets[index]);
+        let off = |point: Point<D>| {
+            let away = sub(point, first);
+            add_scaled(away, -dot(away, along), along)
+        };
+        let farthest = facet.map(off).max_by(|a, b| norm(*a).total_cmp(&norm(*b)));
+        let Some(across) = farthest.and_then(unit) else {
+            return false;
+        };
+        let mut nodes = self.parts[index].iter();
+        let far = BEYOND * piece.length;
+        piece.straight() && nodes.any(|&node| dot(off(points[node as usize]), across) > far)
+    }
 }
 
 /// What two facets that meet at a place miss of a smooth curve across it.
@@ -206,6 +300,10 @@ fn bows<const D: usize>(mesh: &Mesh<D>, facet: Facet) -> Vec<(f64, f64)> {
 }
 
 impl<const D: usize> Piece<D> {
+    fn straight(&self) -> bool {
+        self.rise.abs() < FLAT * self.length
+    }
+
     fn curvature(&self) -> f64 {
         8.0 * self.rise / (self.length * self.length)
     }
@@ -218,6 +316,12 @@ mod tests {
     use crate::fem::{Body, Constraints};
     use crate::geometry::Surface;
     use crate::mesh::CellKind;
+
+    /// The most that a side misses anywhere.
+    fn sagitta<const D: usize>(end: End<'_, D>) -> Result<f64, ContactError> {
+        let missed = missed_by_nodes(end)?;
+        Ok(missed.values().fold(0.0, |most, &missed| most.max(missed)))
+    }
 
     fn off(body: &Body<2>) -> f64 {
         sagitta(end(body, "bottom", &Constraints::default())).unwrap()
@@ -264,6 +368,23 @@ mod tests {
             off(&flat(&[0.0, 1.0, 2.0, 4.0, 5.0], 1.0, CellKind::Quad8)),
             0.0
         );
+    }
+
+    #[test]
+    fn a_bend_between_flat_parts_is_a_corner_and_nothing_is_missed_there() {
+        for cell in [CellKind::Quad4, CellKind::Quad8] {
+            let off = |lengths: &[f64], turns: &[f64]| off(&polygon(lengths, turns, cell));
+            // a step with flanks, a bend
+            let step = [0.0, 0.4, 0.0, -0.4, 0.0];
+            assert_eq!(off(&[1.0; 6], &step), 0.0);
+            assert_eq!(off(&[1.0, 2.0, 3.0, 1.0], &[0.0, 0.3, 0.0]), 0.0);
+            // beside a single facet nobody knows, and an arc between tangents turns at all of its nodes
+            let near = |a: f64, b: f64| (a - b).abs() < 1e-13;
+            assert!(near(off(&[1.0, 1.0, 1.0], &[0.0, 0.3]), 0.3 / 8.0));
+            let arc = [0.0, 0.1, 0.2, 0.1, 0.0];
+            assert!(near(off(&[1.0; 6], &arc), 0.2 / 8.0));
+            assert!(near(off(&[1.0; 6], &[0.0, 0.1, 0.1, 0.0, 0.0]), 0.1 / 8.0));
+        }
     }
 
     #[test]
@@ -318,6 +439,14 @@ mod tests {
                 (found / (2.0 * missed) - 1.0).abs() < 0.5,
                 "{cell:?} {found}"
             );
+        }
+        // a roof of two flat halves is no curve, and one of as many facets as planes may be
+        let roof: fn(Point<3>) -> f64 = |[x, _, _]| -0.2 * x.abs();
+        for cell in [CellKind::Hex8, CellKind::Tet4, CellKind::Hex20] {
+            for along in [1, 8] {
+                assert_eq!(off(cell, [8, along, 1], roof), 0.0, "{cell:?} {along}");
+                assert!(off(cell, [2, along, 1], roof) > 0.0, "{cell:?} {along}");
+            }
         }
         // parabolas are on a parabola but for rounding, in one direction or both
         for cell in [CellKind::Hex20, CellKind::Tet10] {

@@ -34,7 +34,8 @@ mod weights;
 
 pub use corners::smooth_parts;
 pub use couple::pair_couple;
-pub use curved::{sagitta, straight_turn};
+pub(crate) use curved::missed_by_nodes;
+pub use curved::straight_turn;
 pub use error::ContactError;
 pub use facing::{facets_coincide, unmatched_facing};
 pub use gaps::{GapPoint, GapShares, Moved};
@@ -164,6 +165,8 @@ pub struct InterfaceNode<const D: usize> {
     pub weight: f64,
     /// The part of the side that the multiplier stands for: a length (in space an area) without thickness or 2πr.
     pub extent: f64,
+    /// The part of its surroundings that faces the other side, ∫ of its hat there over that of the whole.
+    pub share: f64,
     /// Initial gap, ∫ψ s/∫ψ; NaN where nothing is opposite.
     pub gap: f64,
     /// Initial gap at the node itself: between the surfaces, or as given. NaN where nothing is opposite.
@@ -176,7 +179,16 @@ pub struct InterfaceNode<const D: usize> {
     pub rows: [Option<usize>; D],
 }
 
+/// A node of whose surroundings a smaller part faces the other side has a force for a sliver of its facets alone: a pressure that is
+/// much larger or smaller than those beside it.
+const SLIVER: f64 = 0.1;
+
 impl<const D: usize> InterfaceNode<D> {
+    /// It carries a multiplier for no more than a sliver of its facets.
+    pub fn is_sliver(&self) -> bool {
+        self.role == Role::Multiplier && self.share < SLIVER
+    }
+
     /// Outward unit normal.
     pub fn normal(&self) -> Point<D> {
         self.frame[0]

@@ -695,7 +695,8 @@ impl<'a, const D: usize> Pairing<'a, D> {
                 let sums = sheet.sums.get(&node);
                 if let Some(sums) = sums.filter(|sums| sums.own > SLIVER * whole[&node]) {
                     let entry = self.on_sheet((node, place), (sheet, sums), taken, &mut interface);
-                    interface.nodes.push(entry?);
+                    let share = sums.own / whole[&node];
+                    interface.nodes.push(InterfaceNode { share, ..entry? });
                 }
             }
             if interface.nodes.len() == before {
@@ -705,6 +706,7 @@ impl<'a, const D: usize> Pairing<'a, D> {
                     frame: self.frames[&node],
                     weight: whole[&node],
                     extent: 0.0,
+                    share: 0.0,
                     gap: f64::NAN,
                     clearance: f64::NAN,
                     shares: GapShares::default(),
@@ -732,6 +734,7 @@ impl<'a, const D: usize> Pairing<'a, D> {
             frame: self.frames[&node],
             weight: sums.own,
             extent: 0.0,
+            share: 0.0,
             gap: f64::NAN,
             clearance: f64::NAN,
             shares: GapShares::default(),

@@ -234,6 +234,7 @@ fn build<const D: usize>(
             frame: frame(normal, &[]),
             weight: whole[&node].area,
             extent: 0.0,
+            share: 0.0,
             gap: f64::NAN,
             clearance: f64::NAN,
             shares: GapShares::default(),
@@ -275,6 +276,7 @@ fn build<const D: usize>(
             });
             entry.opposite = state.nodes;
             (entry.weight, entry.extent) = (weight.area, weight.extent);
+            entry.share = weight.area / whole[&node].area;
             (entry.gap, entry.clearance) = (state.gap, state.gap);
         }
         interface.nodes.push(entry);

@@ -32,7 +32,7 @@ use crate::fem::loads::{Load, add_body_force, prepare_within};
 use crate::fem::nouns::{Analysis, Body, Place};
 use crate::fem::stress::sampled_points;
 use crate::fem::supports::{finite, nearest_node};
-use crate::geometry::{Field, Point, add_scaled, bounding_box, distance, norm};
+use crate::geometry::{Field, Point, add_scaled, bounding_box, cross, distance, norm, padded};
 use crate::mesh::{CellBlock, Facet};
 use rayon::prelude::*;
 use std::collections::BTreeSet;
@@ -50,16 +50,36 @@ impl Components {
         Self([xx, yy, zz, none(), none(), none()])
     }
 
-    /// The stress of ground: `vertical`, tension positive, along the last axis of the space, and `k0` times it along the
-    /// two others: in the plane [x, out of the plane], with axial symmetry [radial, hoop], in space [x, y].
-    pub fn ground<const D: usize>(vertical: Field, k0: [Field; 2]) -> Self {
-        let [first, second] = k0.map(|k0| k0 * vertical.clone());
-        let [xx, yy, zz] = match D {
-            3 => [first, second, vertical],
-            _ => [first, vertical, second],
+    /// The stress of ground, tension positive, along a vertical n of any length and sign, and `k0` times it across:
+    ///
+    /// ```text
+    ///   σ₀ = s (n nᵀ + k₁ a aᵀ + k₂ b bᵀ),        n, a, b orthonormal
+    /// ```
+    ///
+    /// In the plane a lies in it and b out of it; with axial symmetry b is the hoop direction; in space a and b are the two axes
+    /// beside that of n, in their order, turned as little as makes them horizontal where n is oblique.
+    pub fn ground<const D: usize>(vertical: Point<D>, stress: Field, k0: [Field; 2]) -> Self {
+        let [n, a, b] = triad(padded(vertical));
+        let directions = [
+            (n, Field::constant(1.0)),
+            (a, k0[0].clone()),
+            (b, k0[1].clone()),
+        ];
+        let component = |c: usize| {
+            let (i, j) = AXES[c];
+            let parts = directions.iter().filter_map(|(d, k)| match d[i] * d[j] {
+                0.0 => None,
+                1.0 => Some(k.clone()),
+                part => Some(Field::constant(part) * k.clone()),
+            });
+            let factor = parts.reduce(|sum, part| sum + part);
+            match factor.map(|factor| (factor.as_constant(), factor)) {
+                None => Field::constant(0.0),
+                Some((Some(1.0), _)) => stress.clone(),
+                Some((_, factor)) => factor * stress.clone(),
+            }
         };
-        let none = || Field::constant(0.0);
-        Self([xx, yy, zz, none(), none(), none()])
+        Self(std::array::from_fn(component))
     }
 
     /// Values at a point and time; those of some expressions may not be finite.
@@ -95,6 +115,25 @@ impl Components {
 /// Names of the components.
 pub const NAMES: [&str; 6] = ["xx", "yy", "zz", "xy", "yz", "xz"];
 
+/// The axes of each component.
+const AXES: [(usize, usize); 6] = [(0, 0), (1, 1), (2, 2), (0, 1), (1, 2), (0, 2)];
+
+/// The unit vector of n, that of the first axis beside its largest component made perpendicular to it, and the one across both.
+fn triad(n: [f64; 3]) -> [[f64; 3]; 3] {
+    let size = norm(n);
+    let n = n.map(|c| c / size);
+    let own = (0..3).fold(0, |own, axis| match n[axis].abs() > n[own].abs() {
+        true => axis,
+        false => own,
+    });
+    let first = usize::from(own == 0);
+    let mut a = add_scaled([0.0; 3], -n[first], n);
+    a[first] += 1.0;
+    let length = norm(a);
+    let a = a.map(|c| c / length);
+    [n, a, cross(n, a)]
+}
+
 /// Where a component σᵢⱼ stands.
 pub(crate) const PLACE: [[usize; 3]; 3] = [[0, 3, 5], [3, 1, 4], [5, 4, 2]];
 
@@ -105,6 +144,8 @@ pub struct Initial {
     pub stress: Option<Components>,
     /// ε₀.
     pub strain: Option<Components>,
+    /// The vertical that the stress was given by, if it was ([`Components::ground`]): what the body force must act along.
+    pub vertical: Option<[f64; 3]>,
 }
 
 /// The material of some cells in an analysis.
@@ -120,6 +161,9 @@ impl Initial {
         let shear = |of: &Option<Components>| has(of, 4) || has(of, 5);
         let [stress, strain] = [&self.stress, &self.strain];
         match analysis {
+            Analysis::Axisymmetric if self.vertical.is_some_and(|n| n[0] != 0.0) => {
+                Some("with axial symmetry the vertical is the axis: its direction is [0, 1]")
+            }
             Analysis::PlaneStress if has(stress, 2) || shear(stress) => {
                 Some("in plane stress zz, yz and xz of the initial stress must be zero")
             }
@@ -339,6 +383,38 @@ pub(crate) fn body_degree(order: usize) -> usize {
 
 /// Cells per parallel task.
 const CHUNK: usize = 64;
+
+/// A vertical and a resultant of body forces farther apart than this, the sine of their angle, are two directions.
+const TILTED: f64 = 1e-3;
+
+/// The resultant of the body force where it does not act along the vertical that the initial stress was given by.
+///
+/// Errors: an expression that is not finite.
+pub(crate) fn tilted<const D: usize>(
+    body: &Body<D>,
+    analysis: Analysis,
+    time: f64,
+) -> Result<Option<(Point<D>, Point<D>)>, FemError> {
+    // around an axis radial forces have no resultant
+    let (Some(_), Some(vertical), false) = (
+        &body.initial.stress,
+        body.initial.vertical,
+        analysis == Analysis::Axisymmetric,
+    ) else {
+        return Ok(None);
+    };
+    let mut forces = vec![[0.0; D]; body.mesh.points().len()];
+    add_body_force(body, analysis, time, forces.as_flattened_mut())?;
+    let all = forces
+        .iter()
+        .fold([0.0; D], |sum, &f| add_scaled(sum, 1.0, f));
+    let sizes: f64 = forces.iter().map(|&f| norm(f)).sum();
+    let across = norm(cross(padded(all), vertical)) / norm(vertical);
+    let vertical = std::array::from_fn(|i| vertical[i]);
+    // what is a rounding of forces that cancel has no direction
+    let tilted = norm(all) > BALANCED * sizes && across > TILTED * norm(all);
+    Ok(tilted.then_some((vertical, all)))
+}
 
 /// Where a body would move although nothing was done to it.
 #[derive(Debug, Clone, PartialEq)]

@@ -51,7 +51,7 @@ pub use supports::{Constraints, Held, nearest_node, node_normals};
 pub(crate) use cells::measure;
 pub(crate) use cut::{Ahead, Push};
 pub(crate) use error::{Short, show};
-pub(crate) use initial::{OutOfBalance, out_of_balance};
+pub(crate) use initial::{OutOfBalance, out_of_balance, tilted};
 pub(crate) use internal::internal_forces;
 pub(crate) use locking::{INCOMPRESSIBLE, Unseen, unseen};
 pub(crate) use modes::fit_rigid;

@@ -12,7 +12,7 @@ use crate::model::error::Error;
 use crate::model::nouns::{Body, Contact, Model, Pair, Rigid};
 use crate::model::pair::Paired;
 use crate::model::solution::{BodySolution, ContactNode, ContactSolution, Status};
-use crate::model::stiff::{too_stiff, uneven_pressures};
+use crate::model::stiff::{enclosed, too_stiff, uneven_pressures};
 use rayon::prelude::*;
 
 /// Strains and rotations above this are large.
@@ -54,7 +54,7 @@ pub(crate) fn beyond<const D: usize>(
     let loose = contacts.iter().zip(paired);
     let loose = loose.filter(|(_, pair)| is_loose(pair));
     let loose: Vec<&ContactSolution<D>> = loose.map(|(contact, _)| contact).collect();
-    warnings.extend(few_closed(&loose));
+    warnings.extend(few_closed(model, &loose));
     warnings.extend(loose.iter().filter_map(|contact| far_slip(model, contact)));
     let uneven = loose.iter().filter_map(|contact| {
         let body = contact.nonmortar.body.0;
@@ -118,11 +118,15 @@ pub(crate) fn named<'a>(names: impl ExactSizeIterator<Item = &'a str>) -> String
 }
 
 /// Contacts whose edges lie between nodes, and that have few of them.
-fn few_closed<const D: usize>(contacts: &[&ContactSolution<D>]) -> Option<String> {
+fn few_closed<const D: usize>(
+    model: &Model<D>,
+    contacts: &[&ContactSolution<D>],
+) -> Option<String> {
     let few = |contact: &&&ContactSolution<D>| {
         let facing = || contact.nodes.iter().filter(|node| !node.gap.is_nan());
         let closed = facing().filter(|node| node.status != Status::Open).count();
-        (1..FEW).contains(&closed) && closed < facing().count()
+        let few = (1..FEW).contains(&closed) && closed < facing().count();
+        few && closed + enclosed(model, contact).len() < FEW
     };
     let names: Vec<&str> = contacts
         .iter()

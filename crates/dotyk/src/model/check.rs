@@ -1,12 +1,12 @@
 //! `check`: what can be said of a model before anything is solved.
 
 use crate::contact::Role;
-use crate::dual::Feasibility;
+use crate::dual::{Feasibility, NO_WORK};
 use crate::fem::{
-    BodySystem, Constraints, OutOfBalance, Short, describe_motion, list_motions, nearest_node,
-    out_of_balance, show,
+    BodySystem, Constraints, OutOfBalance, RigidBasis, Short, describe_motion, fit_rigid,
+    list_motions, nearest_node, out_of_balance, show, tilted,
 };
-use crate::geometry::{Point, add_scaled, distance};
+use crate::geometry::{Point, add_scaled, distance, dot, norm, unit};
 use crate::mesh::Mesh;
 use crate::model::admissible::admissible_set;
 use crate::model::assumptions::{NAMED, named};
@@ -20,6 +20,7 @@ use crate::model::parts::{couples, first_point};
 use crate::model::probe::sites;
 use crate::model::section::lay_out;
 use crate::model::sliding::sliding;
+use crate::model::told::{told_in_steps, told_once};
 use crate::model::unglued::unglued;
 use rayon::prelude::*;
 use std::collections::BTreeMap;
@@ -39,7 +40,7 @@ pub struct BodyCheck<const D: usize> {
     pub size: [usize; 2],
     /// Quality of the worst cell, in (0, 1].
     pub worst_quality: f64,
-    /// Resultant of its loads.
+    /// Resultant of its loads, with those at points of its couples; what is a rounding of loads that cancel is zero.
     pub load: Point<D>,
     /// Number of held dofs.
     pub held: usize,
@@ -110,6 +111,7 @@ pub(crate) fn check<const D: usize>(model: &Model<D>, valid: Result<(), Error<D>
 /// what is said of the last.
 fn fill<const D: usize>(model: &Model<D>, check: &mut Check<D>) -> Result<(), Error<D>> {
     let mut before = 0;
+    let mut warnings: Vec<Vec<String>> = Vec::new();
     for run in model.runs() {
         let mut of_run = Check::default();
         // what was found before a mistake is told, too
@@ -123,11 +125,8 @@ fn fill<const D: usize>(model: &Model<D>, check: &mut Check<D>) -> Result<(), Er
             .retain(|contact| !of_run.contacts.iter().any(|c| c.name == contact.name));
         check.bodies.append(&mut of_run.bodies);
         check.contacts.append(&mut of_run.contacts);
-        for warning in of_run.warnings {
-            if !check.warnings.contains(&warning) {
-                check.warnings.push(warning);
-            }
-        }
+        warnings.push(told_once(of_run.warnings));
+        check.warnings = told_in_steps(warnings.iter().map(Vec::as_slice));
         filled?;
     }
     let place = |name: &str| model.bodies.iter().position(|body| body.name == name);
@@ -155,14 +154,19 @@ fn fill_run<const D: usize>(
     let mut systems = systems(model, none(model), time).map_err(last)?;
     let mut motions = Vec::new();
     check.warnings.extend(body_remarks(model));
-    for (body, system) in model.bodies.iter().zip(&systems) {
-        let free = free_motions(body, system);
-        check.bodies.push(check_body(body, system, &free));
+    for (index, body) in model.bodies.iter().enumerate() {
+        let loads = Loads::of(model, index, &systems).map_err(last)?;
+        let free = free_motions(model.analysis, body, &systems[index], &loads);
+        check
+            .bodies
+            .push(check_body(body, &systems[index], &loads, &free));
         motions.push(free);
     }
     let points = first_point(model)..;
     for (part, (body, couple)) in points.zip(couples(model)) {
-        let found = check_couple(model, couple, &systems[part]);
+        let arm = couple.arm(&model.bodies[body]);
+        let arm = arm.map_err(|source| Error::in_body(&model.bodies[body], source))?;
+        let found = check_couple(model, (couple, arm), &systems[part]);
         check.bodies[body].couples.push(found);
     }
     let constraints: Vec<&Constraints<D>> = systems.iter().map(|s| &s.constraints).collect();
@@ -225,7 +229,9 @@ fn check_contacts<const D: usize>(model: &Model<D>, paired: &[Paired<D>]) -> Vec
         let mesh = &model.bodies[pair.nonmortar.body.0].mesh;
         let alone = nodes.iter().filter(|n| n.role == Role::Alone);
         let negligible = ROUNDING * mesh.diameter();
-        let deep = gaps.iter().filter(|gap| -**gap > negligible);
+        let real = |gap: &f64| if gap.abs() > negligible { *gap } else { 0.0 };
+        let gaps: Vec<f64> = gaps.iter().map(real).collect();
+        let deep = gaps.iter().filter(|gap| **gap < 0.0);
         let name = |side: &SideRef| format!("{}.{}", model.bodies[side.body.0].name, side.side);
         ContactCheck {
             name: contact.name.clone(),
@@ -251,7 +257,10 @@ fn check_contacts<const D: usize>(model: &Model<D>, paired: &[Paired<D>]) -> Vec
 pub(crate) fn body_remarks<const D: usize>(model: &Model<D>) -> Vec<String> {
     let bodies = model.bodies.par_iter().enumerate();
     let bodies = bodies.flat_map_iter(|(index, _)| of_body(model, BodyId(index)));
-    bodies.collect()
+    poor_cells(model)
+        .into_iter()
+        .chain(bodies.collect::<Vec<_>>())
+        .collect()
 }
 
 /// What a run should say of contacts, too, at the time of their gaps.
@@ -307,7 +316,7 @@ fn describe_floating<const D: usize>(
     model: &Model<D>,
     floating: &Floating,
     paired: &[Paired<D>],
-    motions: &[Vec<String>],
+    motions: &[Vec<FreeMotion>],
     check: &mut Check<D>,
 ) {
     for body in &mut check.bodies {
@@ -337,10 +346,9 @@ fn describe_floating<const D: usize>(
             none if none.is_empty() => "held by nothing".to_string(),
             all => format!("held by {all}"),
         };
-        let load = Short(floating.load(k));
-        let motion = &motions[body][mode];
+        let FreeMotion { words, load } = &motions[body][mode];
         let found = &mut check.bodies[body].floating;
-        found.push(format!("{motion}: load on it {load}, {held}"));
+        found.push(format!("{words}: load on it {}, {held}", Short(*load)));
     }
 }
 
@@ -389,9 +397,8 @@ fn remarks<const D: usize>(contacts: &[ContactCheck<D>]) -> Vec<String> {
 /// What the user should know of a body.
 fn of_body<const D: usize>(model: &Model<D>, id: BodyId) -> Vec<String> {
     let body = &model.bodies[id.0];
-    poor_cells(body)
+    moved_points(body)
         .into_iter()
-        .chain(moved_points(body))
         .chain(moving_ground(model, id))
         .chain(out_of_plane(model.analysis, body))
         .chain(unglued(model, id))
@@ -406,6 +413,14 @@ fn moving_ground<const D: usize>(model: &Model<D>, id: BodyId) -> Option<String>
     let touched = sides.filter(|side| side.body == id);
     let touched = touched.map(|side| side.side.as_str()).collect();
     let first = model.times.first().copied().unwrap_or(1.0);
+    if let Some((vertical, weight)) = tilted(body, model.analysis, first).ok()? {
+        return Some(format!(
+            "body \"{}\": the vertical of its initial stress is along {}, its body force along {}: these are not in equilibrium; give the stress the `direction` in which gravity acts",
+            body.name,
+            show(vertical),
+            show(unit(weight)?)
+        ));
+    }
     let OutOfBalance { force, part, at } =
         out_of_balance(body, model.analysis, first, &touched).ok()??;
     Some(format!(
@@ -474,15 +489,17 @@ fn moved_points<const D: usize>(body: &Body<D>) -> Vec<String> {
     moved.collect()
 }
 
-/// A warning about a body whose cells are badly shaped.
-fn poor_cells<const D: usize>(body: &Body<D>) -> Option<String> {
-    let worst = worst_quality(body);
-    (worst < POOR).then(|| {
-        format!(
-            "body \"{}\": the worst cell has quality {worst:.3} (1 is best); the result near it is poor",
-            body.name
-        )
-    })
+/// A warning about bodies whose cells are badly shaped, first the one with the worst.
+fn poor_cells<const D: usize>(model: &Model<D>) -> Option<String> {
+    let bodies = model.bodies.par_iter();
+    let all = bodies.map(|body| (worst_quality(body), body.name.as_str()));
+    let mut poor: Vec<(f64, &str)> = all.filter(|(worst, _)| *worst < POOR).collect();
+    poor.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let (worst, _) = poor.first()?;
+    let names = named(poor.iter().map(|(_, name)| *name));
+    Some(format!(
+        "body {names}: the worst cell has quality {worst:.3} (1 is best); the result near it is poor"
+    ))
 }
 
 pub(crate) fn mean_facet<const D: usize>(mesh: &Mesh<D>, side: &str) -> f64 {
@@ -498,58 +515,167 @@ fn worst_quality<const D: usize>(body: &Body<D>) -> f64 {
     quality.fold(1.0, f64::min)
 }
 
-/// A couple with what its point is held by and carries.
+/// A couple, and the arm of its rotations, with what its point is held by and carries.
 fn check_couple<const D: usize>(
     model: &Model<D>,
-    couple: &Couple<D>,
+    (couple, arm): (&Couple<D>, f64),
     system: &BodySystem<D>,
 ) -> String {
-    let turns = Couple::<D>::turns(model.analysis).map(|axis| ["x", "y", "z"][axis]);
-    let turns = turns.map(|axis| match D {
+    let turns = Couple::<D>::turns(model.analysis);
+    let about = turns.clone().map(|axis| match D {
         2 => "rotation".to_string(),
-        _ => format!("rotation about {axis}"),
+        _ => format!("rotation about {}", ["x", "y", "z"][axis]),
     });
     let moves = ["x", "y", "z"].into_iter().take(D);
     let moves = moves.map(|axis| format!("displacement along {axis}"));
-    let all: Vec<String> = moves.chain(turns).collect();
+    let all: Vec<String> = moves.chain(about).collect();
     let held = all.iter().zip(&system.held).filter(|(_, held)| **held);
     let held: Vec<&str> = held.map(|(name, _)| name.as_str()).collect();
     let held = match held.is_empty() {
         true => "nothing held".to_string(),
         false => format!("held: {}", held.join(", ")),
     };
-    let force = show(system.to_global(&system.load)[0]);
+    let [force, moment] = carried(system);
+    let moments: Vec<String> = turns
+        .map(|axis| Short(moment[axis - turns_from::<D>()] * arm).to_string())
+        .collect();
+    let moment = match moments.as_slice() {
+        none if none.iter().all(|m| m == "0") => String::new(),
+        [one] => format!(", moment {one}"),
+        all => format!(", moment ({})", all.join(", ")),
+    };
     format!(
-        "point \"{}\" at {}: {} couple of side \"{}\", {held}, force {force}",
+        "point \"{}\" at {}: {} couple of side \"{}\", {held}, force {}{moment}",
         couple.name,
         show(couple.point),
         couple.kind.name(),
-        couple.side
+        couple.side,
+        show(force)
     )
 }
 
+/// The first axis about which a point of a couple turns.
+fn turns_from<const D: usize>() -> usize {
+    if D == 2 { 2 } else { 0 }
+}
+
+/// What the point of a couple carries: its force, and its moments over the arm.
+fn carried<const D: usize>(system: &BodySystem<D>) -> [Point<D>; 2] {
+    let loads = system.to_global(&system.load);
+    [loads[0], loads[1]]
+}
+
+/// What the loads of a body sum up to: those on its nodes, and those at points of its couples, but for what bears a force all the
+/// same, such as prestress or the tension of a joint.
+struct Loads<'a, const D: usize> {
+    /// Forces by node, in the order of the nodes.
+    nodes: Vec<Point<D>>,
+    /// Couples with their arm, and the system of the point.
+    points: Vec<(&'a Couple<D>, f64, &'a BodySystem<D>)>,
+}
+
+impl<'a, const D: usize> Loads<'a, D> {
+    /// Those of a body, from the systems of all parts.
+    ///
+    /// Errors: a couple with an unknown side.
+    fn of(
+        model: &'a Model<D>,
+        body: usize,
+        systems: &'a [BodySystem<D>],
+    ) -> Result<Self, Error<D>> {
+        let parts = (first_point(model)..).zip(couples(model));
+        let own = parts.filter(|(_, (of, _))| *of == body);
+        let point = |(part, (_, couple)): (usize, (usize, &'a Couple<D>))| {
+            let arm = couple.arm(&model.bodies[body]);
+            let arm = arm.map_err(|source| Error::in_body(&model.bodies[body], source))?;
+            Ok((couple, arm, &systems[part]))
+        };
+        Ok(Self {
+            nodes: systems[body].to_global(&systems[body].load),
+            points: own.map(point).collect::<Result<_, Error<D>>>()?,
+        })
+    }
+
+    /// Their resultant, and the sum of their sizes.
+    fn resultant(&self) -> (Point<D>, f64) {
+        let at_points = self.points.iter().map(|(_, _, system)| carried(system)[0]);
+        let all = self.nodes.iter().copied().chain(at_points);
+        all.fold(([0.0; D], 0.0), |(sum, size), force| {
+            (add_scaled(sum, 1.0, force), size + norm(force))
+        })
+    }
+
+    /// Their work on a rigid motion, the displacements of all nodes, which takes the points of couples along: Σ f·u + m·ω over
+    /// what is free. What is a rounding of the sum is zero.
+    fn work(&self, analysis: Analysis, mesh: &Mesh<D>, motion: &[Point<D>]) -> f64 {
+        let basis = RigidBasis::of(analysis);
+        let parts = self.nodes.iter().zip(motion).map(|(&f, &u)| dot(f, u));
+        let mut parts: Vec<f64> = parts.collect();
+        for (couple, arm, system) in &self.points {
+            let (mut u, spin) = fit_rigid(basis, mesh.points(), motion, couple.point);
+            let mut turn = [0.0; D];
+            turn.iter_mut().zip(&spin).for_each(|(t, s)| *t = s * arm);
+            let [force, moment] = carried(system);
+            let free = |k: usize| if system.held[k] { 0.0 } else { 1.0 };
+            (0..D).for_each(|k| u[k] *= free(k));
+            (0..D).for_each(|k| turn[k] *= free(D + k));
+            parts.extend([dot(force, u), dot(moment, turn)]);
+        }
+        let sizes: f64 = self.nodes.iter().map(|&f| norm(f)).sum();
+        let sizes = parts[self.nodes.len()..]
+            .iter()
+            .fold(sizes, |s, p| s + p.abs());
+        told(parts.iter().sum(), sizes)
+    }
+}
+
+/// A figure that is a sum, with the sum of the sizes of its parts: zero where it is their rounding.
+fn told(figure: f64, sizes: f64) -> f64 {
+    if figure.abs() <= NO_WORK * sizes {
+        0.0
+    } else {
+        figure
+    }
+}
+
+/// A rigid motion that the supports of a body leave free, and the work of its loads for a largest displacement of 1.
+struct FreeMotion {
+    words: String,
+    load: f64,
+}
+
 /// Each of the motions that the supports of a body leave free.
-fn free_motions<const D: usize>(body: &Body<D>, system: &BodySystem<D>) -> Vec<String> {
-    let points = body.mesh.points();
-    let describe = |mode: &Vec<f64>| describe_motion(points, &system.to_global(mode));
+fn free_motions<const D: usize>(
+    analysis: Analysis,
+    body: &Body<D>,
+    system: &BodySystem<D>,
+    loads: &Loads<D>,
+) -> Vec<FreeMotion> {
+    let describe = |mode: &Vec<f64>| {
+        let motion = system.to_global(mode);
+        FreeMotion {
+            words: describe_motion(body.mesh.points(), &motion),
+            load: loads.work(analysis, &body.mesh, &motion),
+        }
+    };
     system.modes.iter().map(describe).collect()
 }
 
 fn check_body<const D: usize>(
     body: &Body<D>,
     system: &BodySystem<D>,
-    free: &[String],
+    loads: &Loads<D>,
+    free: &[FreeMotion],
 ) -> BodyCheck<D> {
     let mesh = &body.mesh;
-    let forces = system.to_global(&system.load);
-    let floating = (!free.is_empty()).then(|| list_motions::<D>(free));
+    let (load, sizes) = loads.resultant();
+    let words: Vec<String> = free.iter().map(|motion| motion.words.clone()).collect();
+    let floating = (!free.is_empty()).then(|| list_motions::<D>(&words));
     BodyCheck {
         name: body.name.clone(),
         size: [mesh.points().len(), mesh.cell_count()],
         worst_quality: worst_quality(body),
-        load: forces
-            .iter()
-            .fold([0.0; D], |sum, &f| add_scaled(sum, 1.0, f)),
+        load: load.map(|c| told(c, sizes)),
         held: system.held.iter().filter(|held| **held).count(),
         floating: floating.into_iter().collect(),
         couples: Vec::new(),

@@ -67,6 +67,17 @@ fn shows_kinks<const D: usize>(
     Ok(straight_turn(coarse)?.is_some_and(shown))
 }
 
+/// Edges of a side that is as good for the multipliers as the other are no longer than by this factor.
+const AS_FINE: f64 = 1.5;
+
+/// Whether either of two sides may carry the multipliers: none is much softer, much coarser, or held.
+pub(crate) fn either_may<const D: usize>(ends: [End<'_, D>; 2]) -> Result<bool, ContactError> {
+    let stiff = ends.map(stiffness);
+    let edge = [mean_edge(ends[0])?, mean_edge(ends[1])?];
+    let alike = |of: [f64; 2], factor: f64| of[0].max(of[1]) <= factor * of[0].min(of[1]);
+    Ok(!held(ends[0])? && !held(ends[1])? && alike(stiff, SOFTER) && alike(edge, AS_FINE))
+}
+
 /// Whether the nonmortar side, the first, is finer where they face each other than a mortar side of much softer material, or than
 /// one whose kinks it shows: far from there either may be as coarse as it likes.
 pub(crate) fn finer_than_softer<const D: usize>(

@@ -1,7 +1,8 @@
 //! From a judged attempt to the solution of a step, with what the user should know of it.
 
+use crate::contact::{Coupling, Row};
 use crate::fem::{Short, show};
-use crate::model::assumptions::beyond;
+use crate::model::assumptions::{beyond, named};
 use crate::model::attempt::Attempt;
 use crate::model::bar::Bar;
 use crate::model::check::contact_remarks;
@@ -11,13 +12,15 @@ use crate::model::error::Error;
 use crate::model::fields::fields;
 use crate::model::judge::{Blur, Judged, blurred, held_to_overlap, left_to_overlap};
 use crate::model::links::bar_solutions;
-use crate::model::nouns::Model;
+use crate::model::nouns::{Contact, Model};
 use crate::model::pair::{Paired, carriers, row_ranges};
 use crate::model::probe::read_probes;
 use crate::model::section::{pushes, section_forces};
 use crate::model::singular::peaks;
 use crate::model::solution::*;
 use crate::solve::{Bolt, Outcome};
+use std::collections::BTreeMap;
+use std::ops::Range;
 
 /// The solution of a step, but for the times that it took.
 ///
@@ -62,7 +65,11 @@ pub(crate) fn finish<const D: usize>(
             "body \"{body}\" hovers: {why}; it is placed by least norm of the displacement"
         ));
     }
-    warnings.extend(crude_gaps(model, condensed, &judged.displaced.gaps));
+    warnings.extend(crude_gaps(
+        model,
+        condensed,
+        (lambda, &judged.displaced.gaps),
+    ));
     for (contact, point, depth) in left_to_overlap(model, condensed, &judged.displaced) {
         warnings.push(format!(
             "contact \"{}\": the sides overlap by up to {} at {}, beside nodes that are excluded: nothing keeps them apart there",
@@ -71,6 +78,7 @@ pub(crate) fn finish<const D: usize>(
             show(point)
         ));
     }
+    warnings.extend(peaks_of_slivers(model, condensed, lambda));
     warnings.extend(judged.remarks.iter().cloned());
     for (contact, point, depth) in held_to_overlap(model, condensed, &judged.displaced) {
         warnings.push(format!(
@@ -188,40 +196,96 @@ fn bolt_reports<const D: usize>(
     reports
 }
 
-/// Most contacts that a warning names.
-const NAMED: usize = 4;
+/// The pressure of a sliver of facets is told where it is the largest of its contact, by this factor.
+const PEAK: f64 = 1.25;
+
+/// Warnings about contacts whose largest pressure is that of a node of which only a sliver faces the other side.
+fn peaks_of_slivers<const D: usize>(
+    model: &Model<D>,
+    condensed: &Condensed<D>,
+    lambda: &[f64],
+) -> Vec<String> {
+    let told = |(contact, (rows, pair)): (&Contact<D>, (Range<usize>, &Paired<D>))| {
+        let forces = pair.forces(&lambda[rows]);
+        let points = model.bodies[pair.nonmortar.body.0].mesh.points();
+        let (mut sliver, mut other) = ((0.0, None), 0.0f64);
+        for node in &pair.interface.nodes {
+            let Some(force) = node.rows[0].map(|row| forces[row]) else {
+                continue;
+            };
+            let pressure = force / node.weight;
+            match node.is_sliver() {
+                true if pressure > sliver.0 => sliver = (pressure, Some((node, force))),
+                true => {}
+                false => other = other.max(pressure),
+            }
+        }
+        let (pressure, node) = sliver;
+        let (node, force) = node.filter(|_| pressure > PEAK * other)?;
+        Some(format!(
+            "contact \"{}\": the largest pressure, {} at {}, is that of a node of whose facets {:.1} % face the other side, beside {} elsewhere: its force {} counts, its pressure says nothing; swap nonmortar and mortar, or let a facet end where the other side does",
+            contact.name,
+            Short(pressure),
+            show(points[node.node]),
+            100.0 * node.share,
+            Short(other),
+            Short(force)
+        ))
+    };
+    let pairs = model.contacts.iter().zip(row_ranges(&condensed.paired));
+    let loose = pairs.filter(|(_, (_, pair))| pair.interface.coupling != Coupling::Tied);
+    loose.filter_map(told).collect()
+}
 
 /// A polygon's distance from its curve matters when it is more than this part of the displacement jump.
 const SAGITTA: f64 = 0.01;
 
-/// A warning about gaps that were measured between polygons which stand for curves; `gaps` (m,) are those of the answer.
+/// Nodes that bear less than this part of the largest contact force are not loaded.
+const LOADED: f64 = 1e-9;
+
+/// A warning about gaps that were measured between polygons which stand for curves, where these bear a force; forces and `gaps` (m,)
+/// are those of the answer.
 fn crude_gaps<const D: usize>(
     model: &Model<D>,
     condensed: &Condensed<D>,
-    gaps: &[f64],
+    (lambda, gaps): (&[f64], &[f64]),
 ) -> Option<String> {
     let mut crude: Vec<(f64, f64, &str)> = Vec::new();
     for (contact, (rows, pair)) in model.contacts.iter().zip(row_ranges(&condensed.paired)) {
-        let jumps = rows.map(|row| (gaps[row] - condensed.gaps[row]).abs());
+        if pair.missed.iter().all(BTreeMap::is_empty) {
+            continue;
+        }
+        let jumps = rows
+            .clone()
+            .map(|row| (gaps[row] - condensed.gaps[row]).abs());
         let jump = jumps.fold(0.0, f64::max);
-        if pair.sagitta > SAGITTA * jump {
-            crude.push((pair.sagitta, jump, &contact.name));
+        let forces = pair.forces(&lambda[rows]);
+        let largest = forces.iter().fold(0.0, |most: f64, f| most.max(f.abs()));
+        let missed = |(sides, rows): (&BTreeMap<usize, f64>, &Row<D>)| {
+            let missed = rows.iter().filter_map(|(node, _)| sides.get(node));
+            missed.copied().fold(0.0, f64::max)
+        };
+        let normals = pair.interface.nodes.iter().filter_map(|node| node.rows[0]);
+        let loaded = normals.filter(|&row| forces[row].abs() > LOADED * largest);
+        let missed = loaded.map(|row| {
+            let sides = [&pair.interface.nonmortar[row], &pair.interface.mortar[row]];
+            pair.missed
+                .iter()
+                .zip(sides)
+                .map(missed)
+                .fold(0.0, f64::max)
+        });
+        let missed = missed.fold(0.0, f64::max);
+        if missed > SAGITTA * jump {
+            crude.push((missed, jump, &contact.name));
         }
     }
     let worst = crude
         .iter()
         .max_by(|a, b| (a.0 * b.1).total_cmp(&(b.0 * a.1)))?;
-    let names: Vec<String> = crude
-        .iter()
-        .map(|(.., name)| format!("\"{name}\""))
-        .collect();
-    let more = match names.len().saturating_sub(NAMED) {
-        0 => String::new(),
-        more => format!(" and {more} more"),
-    };
     Some(format!(
-        "contact {}{more}: polygons stand for curves from which they are up to {} away, where the displacement jump is {}: measured gaps are too crude; set gap = \"closed\", or give the true `surface` of both sides, or use quadratic cells",
-        names[..names.len().min(NAMED)].join(", "),
+        "contact {}: polygons stand for curves from which they are up to {} away, where the displacement jump is {}: measured gaps are too crude; set gap = \"closed\", or give the true `surface` of both sides, or use quadratic cells",
+        named(crude.iter().map(|(.., name)| *name)),
         Short(worst.0),
         Short(worst.1)
     ))

@@ -28,8 +28,6 @@ pub(crate) struct Floating {
     pub uncontrolled: Vec<SparseVector>,
     /// G of all modes, r rows (m,).
     all: Vec<SparseVector>,
-    /// e of all modes, (r,).
-    loads: Vec<f64>,
     /// Gλ = e in the controlled combinations.
     pub balance: Balance,
     /// What the user should know.
@@ -98,7 +96,6 @@ impl Floating {
             controlled,
             uncontrolled: split.uncontrolled,
             all,
-            loads: vec![0.0; r],
             balance,
             warnings: Vec::new(),
         };
@@ -131,9 +128,6 @@ impl Floating {
             let warning = check_undriven(model, bodies, &self.modes, &z, &e, silent)?;
             self.warnings.push(warning);
         }
-        let loads = e.iter().enumerate();
-        let loads = loads.map(|(k, &e)| if e.abs() > silent(k) { e } else { 0.0 });
-        self.loads = loads.collect();
         let controlled = self.controlled.iter().map(|z| z.dot(&e));
         self.balance.set_load(controlled.collect());
         Ok(self)
@@ -150,11 +144,6 @@ impl Floating {
     /// Work of a unit force of multiplier i on mode k.
     pub fn work(&self, k: usize, i: usize) -> f64 {
         self.all[k][i]
-    }
-
-    /// Work of the load on mode k, for a largest displacement of 1; rounding of loads that balance is zero.
-    pub fn load(&self, k: usize) -> f64 {
-        self.loads[k]
     }
 
     /// Combinations (r,) of the modes of some parts that do no work on some rows.

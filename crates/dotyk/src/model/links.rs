@@ -186,7 +186,7 @@ fn linked<const D: usize>(
         link,
         lost: Vec::new(),
         sharers: Vec::new(),
-        sagitta: 0.0,
+        missed: Default::default(),
         warnings: Vec::new(),
     }
 }
@@ -367,6 +367,7 @@ fn carrier<const D: usize>(first: usize, count: usize) -> InterfaceNode<D> {
         frame: std::array::from_fn(axis),
         weight: 1.0,
         extent: 0.0,
+        share: 1.0,
         gap: 0.0,
         clearance: 0.0,
         shares: GapShares::default(),

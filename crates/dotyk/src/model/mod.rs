@@ -56,6 +56,7 @@ mod stages;
 mod steps;
 mod stiff;
 mod study;
+mod told;
 mod unglued;
 
 pub use crate::contact::ContactError;
@@ -78,3 +79,4 @@ pub use reuse::Reuse;
 pub use section::{Section, SectionError, SectionQuantity, SectionSolution, Station, Stations};
 pub use solution::*;
 pub use study::{Column, Make, Member, Study, Varied};
+pub(crate) use told::told_in_steps;

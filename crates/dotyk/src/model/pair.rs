@@ -3,13 +3,13 @@
 
 use crate::contact::{
     Against, ContactError, Coupling, Driven, End, GapPoint, InitialGap, Interface, InterfaceNode,
-    Role, Row, Sample, facets_coincide, pair_couple, pair_mortar, pair_nodes, pair_obstacle,
-    sagitta, samples, smooth_parts, unmatched_facing,
+    Role, Row, Sample, facets_coincide, missed_by_nodes, pair_couple, pair_mortar, pair_nodes,
+    pair_obstacle, samples, smooth_parts, unmatched_facing,
 };
 use crate::fem::{AGREE, Constraints, Couple, CoupleKind, FemError, Place, Short, describe, show};
 use crate::geometry::{Field, Point, add_scaled, dot, sub};
 use crate::mesh::Facet;
-use crate::model::choose::{chosen, finer_than_softer};
+use crate::model::choose::{chosen, either_may, finer_than_softer};
 use crate::model::error::Error;
 use crate::model::links::{Link, pair_links};
 use crate::model::nouns::*;
@@ -17,7 +17,7 @@ use crate::model::parts::{couples, first_point, obstacle_part};
 use crate::model::shared::Sharer;
 use rayon::prelude::*;
 use std::cmp::Ordering;
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 use std::ops::Range;
 use std::sync::{Arc, Mutex, PoisonError};
 
@@ -64,8 +64,8 @@ pub(crate) struct Paired<const D: usize> {
     pub base: Vec<f64>,
     /// By node, whether a joint has parted or slipped there.
     pub lost: Vec<bool>,
-    /// How far the measured gaps are off because polygons stand for curves.
-    pub sagitta: f64,
+    /// How far the measured gaps are off because polygons stand for curves, at nodes of the nonmortar and of the mortar side.
+    pub missed: [BTreeMap<usize, f64>; 2],
     /// What other contacts have of its nodes: see `shared.rs`.
     pub sharers: Vec<Sharer>,
     /// What the user should know.
@@ -179,7 +179,7 @@ fn pair_point<const D: usize>(
         base: Vec::new(),
         lost: Vec::new(),
         sharers: Vec::new(),
-        sagitta: 0.0,
+        missed: Default::default(),
         warnings: Vec::new(),
     })
 }
@@ -293,7 +293,12 @@ impl<const D: usize> Paired<D> {
     fn followed_by(mut self, further: Self) -> Self {
         self.interface.append(further.interface);
         self.samples.extend(further.samples);
-        self.sagitta = self.sagitta.max(further.sagitta);
+        for (missed, more) in self.missed.iter_mut().zip(further.missed) {
+            for (node, more) in more {
+                let most = missed.entry(node).or_default();
+                *most = most.max(more);
+            }
+        }
         let new = further.warnings.into_iter();
         let new: Vec<String> = new
             .filter(|warning| !self.warnings.contains(warning))
@@ -558,7 +563,6 @@ struct Contacting<'a, const D: usize> {
 
 impl<'a, const D: usize> Contacting<'a, D> {
     fn pair(&self) -> Result<Paired<D>, Error<D>> {
-        let fail = |source| self.fail(source);
         let coupling = match &self.contact.law {
             Law::Frictionless => Coupling::Normal,
             Law::Tied => Coupling::Tied,
@@ -570,12 +574,40 @@ impl<'a, const D: usize> Contacting<'a, D> {
                 obstacle,
             } => (nonmortar, Opposite::Rigid(obstacle)),
             Pair::Given { nonmortar, mortar } => (nonmortar, Opposite::Side(mortar)),
-            Pair::Automatic(sides) => {
-                let ends = sides.each_ref().map(|side| self.end(side));
-                let first = chosen(ends).map_err(fail)?;
-                (&sides[first], Opposite::Side(&sides[1 - first]))
-            }
+            Pair::Automatic(sides) => return self.chosen(sides, coupling),
         };
+        self.paired(nonmortar, opposite, coupling)
+    }
+
+    /// Of two sides the one that is to carry the multipliers, or the other, where that is as good and has no slivers.
+    fn chosen(&self, sides: &'a [SideRef; 2], coupling: Coupling) -> Result<Paired<D>, Error<D>> {
+        let ends = sides.each_ref().map(|side| self.end(side));
+        let first = chosen(ends).map_err(|source| self.fail(source))?;
+        let with = |first: usize| {
+            let opposite = Opposite::Side(&sides[1 - first]);
+            self.paired(&sides[first], opposite, coupling)
+        };
+        let paired = with(first)?;
+        let slivers = |paired: &Paired<D>| paired.interface.nodes.iter().any(|n| n.is_sliver());
+        let either = || either_may(ends).map_err(|source| self.fail(source));
+        if !slivers(&paired) || !either()? {
+            return Ok(paired);
+        }
+        // what the other cannot be paired to, this one is
+        match with(1 - first) {
+            Ok(other) if !slivers(&other) => Ok(other),
+            _ => Ok(paired),
+        }
+    }
+
+    /// The interface of a side and what lies opposite.
+    fn paired(
+        &self,
+        nonmortar: &'a SideRef,
+        opposite: Opposite<'a, D>,
+        coupling: Coupling,
+    ) -> Result<Paired<D>, Error<D>> {
+        let fail = |source| self.fail(source);
         let whole = self.end(nonmortar);
         // a tie holds both faces of a corner by one condition
         let parts = match coupling {
@@ -747,7 +779,7 @@ impl<'a, const D: usize> Contacting<'a, D> {
             base: Vec::new(),
             lost: Vec::new(),
             sharers: Vec::new(),
-            sagitta: 0.0,
+            missed: Default::default(),
             warnings: Vec::new(),
         })
     }
@@ -808,16 +840,17 @@ impl<'a, const D: usize> Contacting<'a, D> {
         let mut warnings = Vec::new();
         let mut partners = interface.nodes.iter().filter(|n| n.role != Role::Alone);
         let matching = partners.all(|n| n.partner().is_some());
-        let mut crude = 0.0;
+        let mut crude = Default::default();
         if measured && !matching {
-            let missed = ends.map(sagitta);
-            let [first, second] = missed;
-            let missed = [first?, second?];
-            crude = missed[0].max(missed[1]);
+            let [first, second] = ends.map(missed_by_nodes);
+            let by_nodes = [first?, second?];
+            let most = |of: &BTreeMap<usize, f64>| of.values().copied().fold(0.0, f64::max);
+            let missed: [f64; 2] = [most(&by_nodes[0]), most(&by_nodes[1])];
+            crude = by_nodes;
             if let Some(largest) = all_within(missed[0] + missed[1], &interface, &samples) {
                 interface.close();
                 samples.iter_mut().flatten().for_each(|s| s.at.gap = 0.0);
-                crude = 0.0;
+                crude = Default::default();
                 warnings.push(format!(
                     "contact \"{}\": all initial gaps lie within {} of zero, which is less than what the meshes miss of the curves that they stand for ({}): they count as closed; set gap = \"closed\" to say so, or give the true `surface` of both sides",
                     self.contact.name,
@@ -848,7 +881,7 @@ impl<'a, const D: usize> Contacting<'a, D> {
             base: Vec::new(),
             lost: Vec::new(),
             sharers: Vec::new(),
-            sagitta: crude,
+            missed: crude,
             warnings,
         })
     }

@@ -16,6 +16,7 @@ use crate::model::past::{Past, check_past, recorded, same_bodies, same_forces};
 use crate::model::reuse::Reuse;
 use crate::model::solution::Solution;
 use crate::model::stages::{Track, all_probes};
+use crate::model::told::told_once;
 use crate::solve::ContactSolver;
 use std::borrow::Cow;
 use std::mem::take;
@@ -289,6 +290,7 @@ fn solve_step<const D: usize>(
     let (lost, parted) = joints::after(model, condensed, &judged, &multipliers.lambda);
     let mut solution = finish(model, condensed, attempt, judged, objection.is_none())?;
     solution.warnings.extend(parted);
+    solution.warnings = told_once(solution.warnings);
     let works = solution.contacts.iter().map(|c| c.dissipated_total);
     let friction = Friction {
         slip,

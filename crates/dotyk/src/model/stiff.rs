@@ -7,6 +7,7 @@ use crate::mesh::CellKind;
 use crate::model::error::Error;
 use crate::model::nouns::{Body, Model};
 use crate::model::solution::{BodySolution, ContactNode, ContactSolution, Status};
+use std::collections::{BTreeMap, BTreeSet};
 
 /// Linear cells that lack more of the compliance of their body are told.
 const LACKING: f64 = 0.08;
@@ -112,10 +113,14 @@ pub(crate) fn uneven_pressures<const D: usize>(
     if ratio < KEEPS_VOLUME || model.analysis == Analysis::PlaneStress {
         return None;
     }
-    let closed = |node: &&ContactNode<D>| node.status != Status::Open && node.pressure > 0.0;
+    let enclosed = enclosed(model, contact);
+    let borne = |node: &&ContactNode<D>| match node.status {
+        Status::Open => enclosed.contains(&node.node),
+        _ => node.pressure > 0.0,
+    };
     let mut count = 0;
     let (mut all, mut off) = (0.0, 0.0);
-    for node in contact.nodes.iter().filter(closed) {
+    for node in contact.nodes.iter().filter(borne) {
         let beside = -along(solved.stress[node.node], node.normal);
         count += 1;
         all += node.weight * node.pressure;
@@ -135,6 +140,41 @@ pub(crate) fn uneven_pressures<const D: usize>(
             100.0 * off / all
         )
     })
+}
+
+/// Open nodes of the nonmortar side within what is in contact: all neighbours along the edges of facets are closed, two at least. Of
+/// pressures that alternate between zero and twice what they should be every second one is such a node.
+pub(crate) fn enclosed<const D: usize>(
+    model: &Model<D>,
+    contact: &ContactSolution<D>,
+) -> BTreeSet<usize> {
+    let mesh = &model.bodies[contact.nonmortar.body.0].mesh;
+    let facing = || contact.nodes.iter().filter(|node| !node.gap.is_nan());
+    let closed = facing().filter(|node| node.status != Status::Open);
+    let closed: BTreeSet<usize> = closed.map(|node| node.node).collect();
+    let mut beside: BTreeMap<usize, BTreeSet<usize>> = BTreeMap::new();
+    for &facet in mesh.side(&contact.nonmortar.side).unwrap_or_default() {
+        let nodes: Vec<usize> = mesh.facet_nodes(facet).map(|node| node as usize).collect();
+        let corners = mesh.facet_kind(facet).corners();
+        let edges = if corners == 2 { 1 } else { corners };
+        for k in 0..edges {
+            let ends = [nodes[k], nodes[(k + 1) % corners]];
+            // a middle node stands between them
+            let pairs = match nodes.get(corners + k) {
+                Some(&middle) => vec![[ends[0], middle], [middle, ends[1]]],
+                None => vec![ends],
+            };
+            for [a, b] in pairs {
+                beside.entry(a).or_default().insert(b);
+                beside.entry(b).or_default().insert(a);
+            }
+        }
+    }
+    let within = |node: &usize| {
+        let surrounded = |beside: &BTreeSet<usize>| beside.len() > 1 && beside.is_subset(&closed);
+        !closed.contains(node) && beside.get(node).is_some_and(surrounded)
+    };
+    facing().map(|node| node.node).filter(within).collect()
 }
 
 /// n·σ·n.

@@ -7,6 +7,7 @@
 use crate::model::nouns::{Model, Units};
 use crate::model::quantity::Dimension;
 use crate::model::reuse::Reuse;
+use crate::model::told::told_in_steps;
 use rayon::prelude::*;
 use std::collections::BTreeMap;
 
@@ -193,12 +194,8 @@ fn member<const D: usize>(
         let steps = model.solve_reusing(reuse, &mut |_| {});
         steps.map_err(|error| error.to_string())
     });
-    let mut warnings: Vec<String> = Vec::new();
-    for warning in solved.iter().flatten().flat_map(|step| &step.warnings) {
-        if !warnings.contains(warning) {
-            warnings.push(warning.clone());
-        }
-    }
+    let steps = solved.iter().flatten();
+    let warnings = told_in_steps(steps.map(|step| &step.warnings[..]));
     let (read, reason) = match solved {
         Ok(steps) => (steps.last().map(|last| last.probes.clone()), String::new()),
         Err(reason) => (None, reason),

@@ -1,7 +1,7 @@
 //! Sections of the report on how far its numbers can be trusted: banner, warnings, certificate and convergence.
 
 use crate::dual::{Certificate, Figure};
-use crate::model::{Model, Solution};
+use crate::model::{Model, Solution, told_in_steps};
 use crate::output::Overview;
 use crate::output::history::history_figure;
 use crate::output::html::{
@@ -58,12 +58,7 @@ pub fn banner<const D: usize>(run: &Overview<'_, D>) -> String {
 
 /// Warnings of all steps, each once.
 pub fn warnings<const D: usize>(run: &Overview<'_, D>) -> String {
-    let mut list: Vec<&str> = Vec::new();
-    for warning in run.steps().flat_map(|step| &step.warnings) {
-        if !list.contains(&warning.as_str()) {
-            list.push(warning);
-        }
-    }
+    let list = told_in_steps(run.steps().map(|step| &step.warnings[..]));
     let items = list.iter().map(|w| format!("<li>{}</li>\n", escape(w)));
     let body = format!("<ul>\n{}</ul>", items.collect::<String>());
     match list.len() {

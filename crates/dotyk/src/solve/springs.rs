@@ -38,11 +38,16 @@ const EXACT: Patience = Patience::new(8, f64::INFINITY);
 /// Accuracy of the problem without friction, a start.
 const START: f64 = 1e-6;
 
+/// Compliances of the springs that tell which load friction bears.
+const TELLING: [f64; 3] = [FIRST, 1.0, 1e-2];
+
 /// Bisections of a load: three digits.
 const BISECTIONS: usize = 12;
 
-/// At the largest load that friction bears it is exhausted, but for this part.
+/// At the largest load that friction bears it is exhausted, but for this part; within the second one the load is known as well
+/// as bisections tell it.
 const SPARE: f64 = 0.05;
+const EXHAUSTED: f64 = 0.003;
 
 /// Springs that stiffen, and exact steps where their states tell the answer.
 pub(crate) fn stiffen<S: FixedBounds>(
@@ -79,34 +84,78 @@ pub(crate) fn stiffen<S: FixedBounds>(
 
 /// The motion, amplitudes (r,), on which friction does not bear the load of a problem, and the part of the load along it that it
 /// bears: where a part has an answer with springs and the whole none, and at the largest part friction is exhausted.
+///
+/// Soft springs are asked first. Near the limit they may bear a load that friction does not, as their normal forces are those of
+/// another slip, and stiffer ones tell.
 pub(crate) fn limit<S: FixedBounds>(method: &S, setup: &Setup<'_>) -> Option<(Vec<f64>, f64)> {
     let (_, most) = method.limits();
     let rest = Rest::of(method, setup, most, &mut |_| ControlFlow::Continue(()))?;
     if rest.motions.is_empty() {
         return None;
     }
-    let bears = |part: f64| {
+    let mut best: Option<Limit> = None;
+    for springs in TELLING {
+        let Some(found) = limit_with(method, setup, &rest, springs) else {
+            continue;
+        };
+        let known = best.as_ref().map_or(1.0 - SPARE, |best| best.exhausted);
+        if found.exhausted >= known {
+            best = Some(found);
+        }
+        if best
+            .as_ref()
+            .is_some_and(|best| best.exhausted >= 1.0 - EXHAUSTED)
+        {
+            break;
+        }
+    }
+    best.map(|best| (best.direction, best.held))
+}
+
+/// The largest load that friction bears with springs.
+struct Limit {
+    /// Amplitudes (k,) of the motion beyond it.
+    direction: Vec<f64>,
+    /// The part of the load along it.
+    held: f64,
+    /// The part of what friction can bear there that it does.
+    exhausted: f64,
+}
+
+/// As [`limit`], with springs of one compliance.
+fn limit_with<S: FixedBounds>(
+    method: &S,
+    setup: &Setup<'_>,
+    rest: &Rest,
+    springs: f64,
+) -> Option<Limit> {
+    let bears = |part: f64, from: &[State]| {
         let mut given = setup.with_admissible(setup.admissible.clone());
         let load = setup.balance.load().iter().zip(&rest.held);
         given
             .balance
             .set_load(load.map(|(e, held)| e - (1.0 - part) * held).collect());
-        let mut search = Search::new(method.limits(), &given);
-        let silent: Observer<'_> = &mut |_| ControlFlow::Continue(());
-        let found = sprung(&mut search, rest.states.clone(), FIRST, silent);
-        matches!(found, Inner::Settled(_)).then_some(search.point)
+        // from the states of a smaller load, or, where these lead nowhere, from no shear at all
+        [from, &rest.states[..]].into_iter().find_map(|from| {
+            let mut search = Search::new(method.limits(), &given);
+            let silent: Observer<'_> = &mut |_| ControlFlow::Continue(());
+            match sprung(&mut search, from.to_vec(), springs, silent) {
+                Inner::Settled(states) => Some((search.point, states)),
+                _ => None,
+            }
+        })
     };
-    let mut before = bears(0.0)?;
-    if bears(1.0).is_some() {
+    let (mut before, mut states) = bears(0.0, &rest.states)?;
+    if bears(1.0, &states).is_some() {
         return None;
     }
     let (mut low, mut high, mut last) = (0.0, 1.0, None);
     for _ in 0..BISECTIONS {
         let part = 0.5 * (low + high);
-        match bears(part) {
-            Some(forces) => {
+        match bears(part, &states) {
+            Some((forces, next)) => {
                 before = last.replace(forces).unwrap_or(before);
-                low = part;
+                (low, states) = (part, next);
             }
             None => high = part,
         }
@@ -120,12 +169,15 @@ pub(crate) fn limit<S: FixedBounds>(method: &S, setup: &Setup<'_>) -> Option<(Ve
         let part = dot(z, &moved);
         along.iter_mut().zip(z).for_each(|(a, z)| *a += part * z);
     }
-    is_exhausted(setup, &last.lambda, &along)
-        .then(|| (setup.multipliers(&last.lambda, &along).alpha, low))
+    Some(Limit {
+        exhausted: exhausted(setup, &last.lambda, &along),
+        direction: setup.multipliers(&last.lambda, &along).alpha,
+        held: low,
+    })
 }
 
-/// Friction that resists a motion α̂ (k,) bears what it can, but for a small part. Shapes: λ (m,).
-fn is_exhausted(setup: &Setup<'_>, lambda: &[f64], along: &[f64]) -> bool {
+/// The part of what friction that resists a motion α̂ (k,) can bear that it does; none where nothing resists. Shapes: λ (m,).
+fn exhausted(setup: &Setup<'_>, lambda: &[f64], along: &[f64]) -> f64 {
     let mut motion = vec![0.0; setup.len()];
     setup.balance.add_transposed(1.0, along, &mut motion);
     let size = motion.iter().fold(0.0, |s: f64, u| s.max(u.abs()));
@@ -138,7 +190,11 @@ fn is_exhausted(setup: &Setup<'_>, lambda: &[f64], along: &[f64]) -> bool {
             most += bound;
         }
     }
-    size > 0.0 && most > 0.0 && borne >= (1.0 - SPARE) * most
+    if size > 0.0 && most > 0.0 {
+        borne / most
+    } else {
+        0.0
+    }
 }
 
 /// Where normal forces alone hold the bodies.

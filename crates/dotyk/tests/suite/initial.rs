@@ -28,10 +28,17 @@ const DEPTH: f64 = 80.0;
 
 /// Ground with a horizontal surface, at rest; its lateral stress is 0.6 in the plane and 0.4 out of it.
 fn at_rest<const D: usize>(up: usize, k0: [f64; 2]) -> Initial {
-    let vertical = Field::function("-27e3*(80 - y)", move |x, _| -WEIGHT * (DEPTH - x[up]));
+    at_rest_along(std::array::from_fn::<_, D, _>(|i| f64::from(i == up)), k0)
+}
+
+/// The same with any vertical, a unit vector.
+fn at_rest_along<const D: usize>(up: Point<D>, k0: [f64; 2]) -> Initial {
+    let height = move |x: [f64; 3]| (0..D).map(|i| up[i] * x[i]).sum::<f64>();
+    let stress = Field::function("-27e3*(80 - y)", move |x, _| -WEIGHT * (DEPTH - height(x)));
     Initial {
-        stress: Some(Components::ground::<D>(vertical, k0.map(Field::constant))),
+        stress: Some(Components::ground(up, stress, k0.map(Field::constant))),
         strain: None,
+        vertical: Some(dotyk::geometry::padded(up)),
     }
 }
 
@@ -172,6 +179,65 @@ fn untouched_ground_does_not_move_in_space() {
             model.in_situ(body, side, 1.0);
         }
         untouched(model, body, "left", Model::<3>::solve);
+    }
+}
+
+/// The vertical may have any direction: a ring turned by any angle, and a block of space whose vertical is y, or oblique.
+#[test]
+fn untouched_ground_does_not_move_whatever_its_vertical() {
+    let (s, c) = 0.7f64.sin_cos();
+    let (mut model, body) = tunnel(CellKind::Quad9, Analysis::PlaneStrain, [0.6, 0.4]);
+    let turned = half_ring(CellKind::Quad9).map_points(|[x, y]| [c * x - s * y, s * x + c * y]);
+    model.bodies[0].mesh = turned.unwrap();
+    model.bodies[0].supports.clear();
+    model.bodies[0].body_force = [s * WEIGHT, -c * WEIGHT].map(Field::constant);
+    model.bodies[0].initial = at_rest_along([-s, c], [0.6, 0.4]);
+    model.fix(body, "start", [Some(0.0); 2]);
+    model.in_situ(body, "end", 1.0);
+    untouched(model, body, "inner", Model::<2>::solve);
+
+    for up in [[0.0, 1.0, 0.0], [0.36, -0.48, 0.8]] {
+        let mesh = Cuboid {
+            from: [0.0; 3],
+            to: [10.0; 3],
+            cells: [2; 3],
+            cell: CellKind::Hex20,
+        };
+        let mut model = Model::new();
+        model.analysis = Analysis::Solid;
+        let body = model.body("ground", mesh.build().unwrap(), GROUND);
+        model.bodies[0].body_force = up.map(|n| Field::constant(-WEIGHT * n));
+        model.bodies[0].initial = at_rest_along(up, [0.6, 0.8]);
+        model.fix(body, "bottom", [Some(0.0); 3]);
+        for side in ["right", "front", "back", "top"] {
+            model.in_situ(body, side, 1.0);
+        }
+        untouched(model, body, "left", Model::<3>::solve);
+    }
+}
+
+#[test]
+fn stresses_of_ground_are_principal_along_its_vertical_and_across() {
+    // n = (2, −1, 2)/3 and x made horizontal: the largest component of n is the first of the two that are equal
+    let n = [2.0, -1.0, 2.0].map(|c: f64| c / 3.0);
+    let stress = Components::ground(n, Field::constant(-5.0), [0.6, 0.4].map(Field::constant));
+    let rows = |v: Point<3>| stress.traction([0.0; 3], v, 0.0);
+    let close = |a: Point<3>, b: Point<3>| norm(sub(a, b)) < 1e-14;
+    assert!(close(rows(n), n.map(|c| -5.0 * c)));
+    // y without its part along n: (0, 1, 0) + n/3
+    let a = [2.0, 8.0, 2.0].map(|c: f64| c / 72f64.sqrt());
+    assert!(close(rows(a), a.map(|c| -3.0 * c)), "{:?}", rows(a));
+    let b = dotyk::geometry::cross(n, a);
+    assert!(close(rows(b), b.map(|c| -2.0 * c)));
+    // along an axis the two others come in their order, and nothing is sheared
+    for (up, expected) in [
+        ([0.0, 0.0, 1.0], [-3.0, -2.0, -5.0]),
+        ([0.0, -7.0, 0.0], [-3.0, -5.0, -2.0]),
+        ([1.0, 0.0, 0.0], [-5.0, -3.0, -2.0]),
+    ] {
+        let stress = Components::ground(up, Field::constant(-5.0), [0.6, 0.4].map(Field::constant));
+        let [x, y, z] = expected;
+        assert_eq!(stress.at([0.0; 3], 0.0), [x, y, z, 0.0, 0.0, 0.0]);
     }
 }
 
@@ -526,6 +592,51 @@ fn ground_that_moves_by_itself_is_a_warning_with_the_place() {
         let found = warned(&body.join("\n"));
         assert!(found.len() == 1 && found[0].contains(words), "{found:?}");
     }
+}
+
+#[test]
+fn a_vertical_that_is_not_the_direction_of_the_weight_is_told_with_both() {
+    let load = "load = [{ side = \"hole\", in_situ = 1 }, { side = \"top\", in_situ = 1 }]";
+    let stress = |more: &str| {
+        format!("initial_stress = {{ vertical = \"-27e3*(80 + x)\", k0 = 0.6{more} }}")
+    };
+    let weight = "body_force = [27e3, 0]";
+    let found = warned(&[&stress(""), load, weight].join("\n"));
+    let words = "body \"rock\": the vertical of its initial stress is along (0, 1), its body force along (1, 0)";
+    assert!(found.len() == 1 && found[0].starts_with(words), "{found:?}");
+    // named, it is: but for the bottom of the mesh, which the stress presses now
+    let named = warned(&[&stress(", direction = [-1, 0]"), load, weight].join("\n"));
+    assert!(named.iter().all(|w| !w.contains("vertical")), "{named:?}");
+
+    // a profile that is extruded along its tunnel
+    let profile = |more: &str, stress: &str| {
+        format!(
+            "title = \"Profile\"\nanalysis = \"3d\"\n[[body]]\nname = \"rock\"\nmaterial = {{ young = 1e9, poisson = 0.3 }}\n\
+             mesh = {{ extrude = {{ mesh = {{ rectangle = {{ from = [0, 0], to = [4, 4], cells = [2, 2], cell = \"quad4\" }} }}, height = 3, layers = 1 }} }}\n\
+             fix = [{{ side = [\"bottom\", \"top\", \"left\", \"right\"], x = 0, y = 0, z = 0 }}]\n{more}\n\
+             initial_stress = {{ vertical = -1e6, k0 = 0.5{stress} }}\n"
+        )
+    };
+    let told = |text: String| {
+        let case = Case::<3>::from_str(&text, "profile.toml", "".as_ref()).unwrap();
+        let run = case.run(&[], &mut |_| {});
+        run.warnings()
+    };
+    let about = |warnings: &[String]| warnings.iter().filter(|w| w.contains("vertical")).count();
+    let silent = told(profile("", ", direction = [0, 1, 0]"));
+    assert_eq!(about(&silent), 0, "{silent:?}");
+    let found = told(profile("", ""));
+    assert_eq!(about(&found), 1, "{found:?}");
+    assert!(
+        found
+            .iter()
+            .any(|w| w.contains("along which its profile is extruded"))
+    );
+    let found = told(profile("body_force = [0, -27e3, 0]", ""));
+    assert_eq!(about(&found), 1, "{found:?}");
+    let words =
+        "the vertical of its initial stress is along (0, 0, 1), its body force along (0, -1, 0)";
+    assert!(found.iter().any(|w| w.contains(words)), "{found:?}");
 }
 
 #[test]

@@ -4,6 +4,7 @@
 
 mod axisymmetric;
 mod bending;
+mod checks;
 mod cohesion;
 mod couple;
 mod determinism;

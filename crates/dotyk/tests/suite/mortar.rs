@@ -10,7 +10,7 @@ use dotyk::geometry::{Field, Point, Surface};
 use dotyk::mesh::{CellKind, Diagonals, Mesh, Rectangle, Ring};
 use dotyk::model::{
     Analysis, BodyId, Elastic, Gap, Law, Load, Model, Motion, Obstacle, Pair, Pairing, Place,
-    Rigid, Solution, Status, Support,
+    Rigid, SideRef, Solution, Status, Support,
 };
 
 const SOFT: Elastic = Elastic {
@@ -786,6 +786,124 @@ fn crude_polygons_are_told_and_what_to_do() {
     // a straight side is no polygon for anything
     let (_, solution) = patch([CellKind::Quad4, CellKind::Quad4], false, 0.0);
     assert_eq!(solution.warnings, Vec::<String>::new());
+}
+
+/// A block of so many columns whose top, or bottom, follows a profile.
+fn profiled(
+    [low, high]: [f64; 2],
+    columns: usize,
+    profile: fn(f64) -> f64,
+    upper: bool,
+) -> Mesh<2> {
+    let rectangle = block([0.0, low], [4.0, high], [columns, 4], CellKind::Quad4, 0.0);
+    let moved = rectangle.map_points(|[x, y]| {
+        let part = (y - low) / (high - low);
+        let part = if upper { 1.0 - part } else { part };
+        [x, y + part * profile(x)]
+    });
+    moved.unwrap()
+}
+
+/// A blunt step, with a flank of 20 degrees, is drawn as it is, and a polygon for a circle is not; neither is told where it does not
+/// touch.
+#[test]
+fn polygons_stand_for_curves_where_they_turn_all_along_and_are_loaded() {
+    let step: fn(f64) -> f64 = |x| 0.36 * (x - 1.0).clamp(0.0, 1.0);
+    let arch: fn(f64) -> f64 = |x| -0.03 * (x - 2.0).powi(2);
+    let flat: fn(f64) -> f64 = |_| 0.0;
+    // bends down, and behind that is curved
+    let far: fn(f64) -> f64 = |x| -0.2 * (x - 2.0).max(0.0) - 0.1 * (x - 3.0).max(0.0).powi(2);
+    let told = |[floor, sole]: [fn(f64) -> f64; 2]| {
+        let mut model = Model::new();
+        let soft = Elastic {
+            young: 1000.0,
+            poisson: 0.0,
+        };
+        let lower = model.body("floor", profiled([-2.0, 0.0], 20, floor, false), soft);
+        let upper = model.body("block", profiled([0.0, 2.0], 28, sole, true), soft);
+        model.fix(lower, "bottom", [Some(0.0); 2]);
+        model.fix(upper, "top", [Some(0.0), Some(-1e-3)]);
+        model.contact((lower, "top"), (upper, "bottom")).gap = Some(Gap::Geometric);
+        let solution = model.solve().unwrap();
+        let words = "polygons stand for curves";
+        solution
+            .warnings
+            .iter()
+            .any(|w| w.contains(words) || w.contains("count as closed"))
+    };
+    assert!(!told([step; 2]));
+    assert!(told([arch; 2]));
+    assert!(!told([far, flat]));
+    // as a curve that touches all along
+    assert!(told([far; 2]));
+}
+
+/// A block on a wider base whose facets end anywhere under its corners.
+fn over_slivers(cells: usize, cell: CellKind, off: f64) -> (Model<2>, [(BodyId, &'static str); 2]) {
+    let soft = Elastic {
+        young: 100.0,
+        poisson: 0.3,
+    };
+    let mut model = Model::new();
+    let (from, to) = ([0.0, 0.0], [4.0, 1.0]);
+    let lower = model.body("base", block(from, to, [16, 4], cell, 0.0), soft);
+    let (from, to) = ([1.0 + off, 1.0], [3.0 + off, 2.0]);
+    let upper = model.body("block", block(from, to, [cells, 4], cell, 0.0), soft);
+    model.fix(lower, "bottom", [Some(0.0); 2]);
+    model.fix(upper, "top", [Some(0.0), Some(-0.05)]);
+    (model, [(lower, "top"), (upper, "bottom")])
+}
+
+/// The side whose facets end under the corners of the other has pressures that are ten times too large at slivers, which is said; the
+/// other one has none, and carries the multipliers where that is free and it is not much coarser.
+#[test]
+fn slivers_are_told_or_left_to_the_side_that_has_none() {
+    let words = "is that of a node of whose facets";
+    let most = |solution: &Solution<2>| {
+        let nodes = solution.contacts[0].nodes.iter();
+        nodes.fold(0.0, |most: f64, node| most.max(node.pressure))
+    };
+    let said = |solution: &Solution<2>| solution.warnings.iter().any(|w| w.contains(words));
+    for (cell, off, large) in [
+        (CellKind::Quad8, 0.24, 40.0),
+        (CellKind::Quad8, 0.1, 10.0),
+        (CellKind::Quad4, 0.1, 8.0),
+    ] {
+        let solve = |[first, second]: [(BodyId, &'static str); 2], free: bool, cells: usize| {
+            let (mut model, _) = over_slivers(cells, cell, off);
+            model.contact(first, second);
+            let [one, other] = [first, second].map(|(body, side)| SideRef {
+                body,
+                side: side.to_string(),
+            });
+            if free {
+                model.contacts[0].pair = Pair::Automatic([one, other]);
+            }
+            model.solve().unwrap()
+        };
+        let (_, [base, block]) = over_slivers(7, cell, off);
+        let given = solve([base, block], false, 7);
+        assert!(
+            most(&given) > large && said(&given),
+            "{off} {}",
+            most(&given)
+        );
+        let turned = solve([block, base], false, 7);
+        assert!(
+            most(&turned) < 6.0 && !said(&turned),
+            "{off} {}",
+            most(&turned)
+        );
+        let free = solve([base, block], true, 7);
+        assert_eq!(most(&free), most(&turned), "{off}");
+        // one that is much coarser would see less
+        let coarse = solve([base, block], true, 3);
+        assert_eq!(coarse.contacts[0].nonmortar.body, base.0);
+        assert!(said(&coarse));
+        // forces do not depend on it by much
+        let force = |solution: &Solution<2>| solution.contacts[0].resultant[1].abs();
+        assert!((force(&given) / force(&turned) - 1.0).abs() < 0.02);
+    }
 }
 
 // Friction on meshes that do not match

@@ -191,3 +191,59 @@ time = 2
         }
     }
 }
+
+/// A pile between blocks that press it, drawn out: its skin bears cohesion and friction.
+fn pile(law: &str, load: f64) -> Model<2> {
+    let block = |name: &str, from: f64, to: f64, keys: &str| {
+        format!(
+            "[[body]]\nname = \"{name}\"\nmesh = {{ rectangle = {{ from = [{from}, -10], to = [{to}, 0], cells = [6, 16], cell = \"quad8\" }} }}\n\
+             material = {{ young = 100, poisson = 0.3 }}\n{keys}\n"
+        )
+    };
+    case(&format!(
+        "analysis = \"plane-strain\"\n[[body]]\nname = \"pile\"\n\
+         mesh = {{ rectangle = {{ from = [-0.5, -10], to = [0.5, 0], cells = [2, 20], cell = \"quad8\" }} }}\n\
+         material = {{ young = 30e3, poisson = 0.2 }}\nload = [{{ side = \"top\", traction = [0, {load}] }}]\n{}{}\
+         [[contact]]\nname = \"west\"\nsides = [\"pile.left\", \"left.right\"]\nfriction = {law}\n\
+         [[contact]]\nname = \"east\"\nsides = [\"pile.right\", \"right.left\"]\nfriction = {law}\n",
+        block(
+            "left",
+            -5.0,
+            -0.5,
+            "fix = [{ side = \"bottom\", x = 0, y = 0 }, { side = \"left\", y = 0 }]\nload = [{ side = \"left\", traction = [1, 0] }]"
+        ),
+        block(
+            "right",
+            0.5,
+            5.0,
+            "fix = [{ side = \"bottom\", x = 0, y = 0 }, { side = \"right\", x = 0 }]"
+        ),
+    ))
+}
+
+/// Above what the skin bears the pile slides, however much is asked for; below it does not.
+#[test]
+fn a_pile_slides_at_what_its_skin_bears() {
+    for law in [
+        "0.3",
+        "{ coulomb = 0.3, cohesion = 0.2 }",
+        "{ coulomb = 0.3, cohesion = 0.2, tension = 0.1 }",
+    ] {
+        let bears = |load: f64| {
+            let (body, motion, held, _) = slides(&pile(law, load));
+            assert_eq!((&body[..], &motion[..]), ("pile", "translation along y"));
+            held * load
+        };
+        let most = bears(20.0);
+        for part in [1.02, 1.1, 1.4, 2.0] {
+            let again = bears(part * most);
+            assert!(
+                (again / most - 1.0).abs() < 0.01,
+                "{law} {part}: {again} {most}"
+            );
+        }
+        let solution = pile(law, 0.98 * most).solve().unwrap();
+        let shear: f64 = solution.contacts.iter().map(|c| c.resultant[1].abs()).sum();
+        assert!((shear / (0.98 * most) - 1.0).abs() < 1e-6, "{law}: {shear}");
+    }
+}

@@ -404,3 +404,32 @@ fn bodies_of_different_thickness_are_told() {
     assert!(warned(&stack(2.0), words));
     assert!(!warned(&stack(1.0), words));
 }
+
+/// A dozen strips that are drawn out by more and more, each on its own, in two steps.
+#[test]
+fn what_is_wrong_with_a_dozen_bodies_is_told_once_with_the_worst() {
+    let mut text =
+        "analysis = \"plane-strain\"\n[[step]]\ntime = 1\n[[step]]\ntime = 2\n".to_string();
+    for k in 0..12 {
+        let low = 2 * k;
+        text += &format!(
+            "[[body]]\nname = \"strip_{k}\"\nmesh = {{ rectangle = {{ from = [0, {low}], to = [1, {}], cells = [4, 4] }} }}\n\
+             material = {{ young = 100, poisson = 0.3 }}\n\
+             fix = [{{ side = \"left\", x = 0 }}, {{ side = \"right\", x = \"(0.06 + 0.001*{k})*t\" }}, {{ side = \"bottom\", y = 0 }}]\n",
+            low + 1
+        );
+    }
+    let case = dotyk::case::Case::<2>::from_str(&text, "strips.toml", "".as_ref()).unwrap();
+    let run = case.run(&[], &mut |_| {});
+    let expected = |part: f64| {
+        format!(
+            "body \"strip_11\" is strained by up to {part:.1} %: the theory is for small strains and rotations, and off by about as much; likewise \"strip_0\", \"strip_1\", \"strip_2\", \"strip_3\" and 7 more"
+        )
+    };
+    assert_eq!(run.steps[0].warnings, [expected(7.1)]);
+    assert_eq!(run.steps[1].warnings, [expected(14.2)]);
+    assert_eq!(
+        run.warnings(),
+        [expected(14.2) + " (in 2 steps, here most)"]
+    );
+}
