@@ -76,9 +76,9 @@ fn main() -> ExitCode {
 /// Seeds that were answered wrongly once, in the plane and in space, by faults that are cured: asked for ever.
 const FAILED: [&[u64]; 2] = [
     &[
-        1_008_342, 1_008_558, 1_011_141, 1_017_930, 1_022_964, 1_024_636, 1_027_712,
+        1_005_828, 1_008_342, 1_008_558, 1_011_141, 1_017_930, 1_022_964, 1_024_636, 1_027_712,
     ],
-    &[20],
+    &[20, 2_006, 2_154],
 ];
 
 /// The same of the families that came later: a seed means the same in a family whatever other families there are.

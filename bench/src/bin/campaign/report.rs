@@ -175,25 +175,44 @@ impl<'a> Report<'a> {
     }
 
     fn print_iterations(&self) {
-        println!();
-        for (name, rough, goal) in [("frictionless", false, 20), ("friction", true, 40)] {
-            let chosen = self.results.iter().filter(|r| r.rough == rough);
-            let each = chosen.flat_map(|r| r.iterations.iter().map(|&count| (count, r.seed)));
-            let mut iterations: Vec<(usize, u64)> = each.collect();
-            iterations.sort_unstable();
-            if iterations.is_empty() {
+        for (name, rough, goal) in [("frictionless", false, 20), ("friction", true, 60)] {
+            let mut families: BTreeMap<&str, Vec<(usize, u64)>> = BTreeMap::new();
+            for result in self.results.iter().filter(|r| r.rough == rough) {
+                for family in [result.family, "~ all"] {
+                    let counts = result.iterations.iter().map(|&count| (count, result.seed));
+                    families.entry(family).or_default().extend(counts);
+                }
+            }
+            families.retain(|_, counts| !counts.is_empty());
+            if families.is_empty() {
                 continue;
             }
-            let at = |part: f64| iterations[(part * (iterations.len() - 1) as f64) as usize].0;
-            let over = iterations.iter().filter(|(count, _)| *count > goal).count();
-            let most = with_seeds(iterations.iter().rev(), usize::to_string);
             println!(
-                "iterations, {name}: {} steps, median {}, 99 % {}, {over} over {goal}, most {most}",
-                iterations.len(),
-                at(0.5),
-                at(0.99)
+                "\n{:<28} {:>7} {:>7} {:>6} {:>6} {:>7} {:>9}  most (seeds)",
+                format!("iterations, {name}"),
+                "steps",
+                "median",
+                "90 %",
+                "99 %",
+                "99.9 %",
+                format!("over {goal}")
             );
+            for (family, mut counts) in families {
+                counts.sort_unstable();
+                let at = |part: f64| counts[(part * (counts.len() - 1) as f64) as usize].0;
+                let over = counts.iter().filter(|(count, _)| *count > goal).count();
+                println!(
+                    "{family:<28} {:>7} {:>7} {:>6} {:>6} {:>7} {over:>9}  {}",
+                    counts.len(),
+                    at(0.5),
+                    at(0.9),
+                    at(0.99),
+                    at(0.999),
+                    with_seeds(counts.iter().rev(), usize::to_string)
+                );
+            }
         }
+        println!();
     }
 
     fn print_comparisons(&self) {

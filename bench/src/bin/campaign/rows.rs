@@ -309,18 +309,35 @@ fn check_pushes(judgement: &mut Judgement, view: &View<'_>) {
                 + (0.5 * curve.turn + f64::from(u8::from(touch.contact.law.rough())) * curve.turn)
                     * length(force)
         } else {
-            // the functions of shears change sign, too, and what is a shear there is a push here
-            let rough = touch.contact.law.rough();
-            let around = curve.around.keys().map(|&n| match rough {
-                true => length(view.state.rest[body][n]),
-                false => -dot(view.state.rest[body][n], normal),
-            });
-            limit + 2.0 * around.fold(0.0, f64::max)
+            let nodes = || curve.around.keys().map(|&n| view.state.rest[body][n]);
+            let push = nodes().fold(0.0, |s: f64, f| s.max(-dot(f, normal)));
+            let size = nodes().fold(0.0, |s: f64, f| s.max(length(f)));
+            let aside = match touch.contact.law.rough() {
+                true => turned_shear(touch) * size,
+                false => 0.0,
+            };
+            limit + (2.0 * push + aside).min(2.0 * push.max(size))
         };
         judgement.compare("tension", dot(force, normal), allowed, || {
             view.node(body, node)
         });
     }
+}
+
+/// How much of the largest force of a side the shears of integrated rows may pull at a node, along its normal n.
+///
+/// With the contact normal ν and its tangent t the tractions λ and τ of the rows exert ∫N (∓λ ν·n ± τ t·n) there, N the shape function
+/// of the node. On a facet τ is the linear function whose moments with the hats of its ends are those of the rows, so that it is as
+/// large as 2q₀ − q₁ at an end: at most three times the larger row where the two differ in sign, twice where they do not, and of any
+/// sign, whatever the law says of each row. But |t·n| is the sine of the angle between ν and n: no more than both sides turn from
+/// facet to facet. Shears of straight sides pull nothing.
+fn turned_shear(touch: &Touch<'_>) -> f64 {
+    let opposite = touch.opposite.as_ref();
+    if touch.curve.corners || opposite.is_some_and(|o| o.corners) {
+        return 2.0;
+    }
+    let turn = touch.curve.turn + opposite.map_or(0.0, |o| o.turn);
+    3.0 * turn.min(std::f64::consts::FRAC_PI_2).sin()
 }
 
 /// Where a row has no force, the force on its node must still be one that the contacts there allow.

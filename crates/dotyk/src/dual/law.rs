@@ -133,7 +133,7 @@ impl Friction {
     }
 
     /// The bound jumps from zero where the node closes.
-    pub(super) fn jumps(&self) -> bool {
+    pub(crate) fn jumps(&self) -> bool {
         self.follows() && self.terms().0 > 0.0
     }
 

@@ -54,7 +54,7 @@ impl<const D: usize> Attempt<D> {
     }
 
     /// This run and one that went on from its answer.
-    fn followed_by(mut self, further: Self) -> Self {
+    pub fn followed_by(mut self, further: Self) -> Self {
         let done = self.outcome.iterations;
         self.history
             .extend(further.history.iter().map(|h| HistoryPoint {

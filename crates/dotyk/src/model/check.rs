@@ -201,7 +201,7 @@ fn fill_run<const D: usize>(
     for (index, &time) in model.times.iter().enumerate().rev().skip(1) {
         let at = |error: Error<D>| in_step(error, index + 1);
         (bodies, paired) = driven(model, bodies, paired, time).map_err(at)?;
-        floating = floating.at_time(model, &bodies, &paired).map_err(at)?;
+        floating.set_loads(model, &bodies, &paired).map_err(at)?;
         check_balance(
             model,
             &floating,

@@ -38,6 +38,7 @@ use crate::model::solution::Seconds;
 use crate::model::stages::Track;
 use rayon::prelude::*;
 use std::collections::BTreeMap;
+use std::mem::take;
 use std::sync::Arc;
 
 /// Overlaps that are all below this part of the displacements they are differences of mean nothing.
@@ -399,58 +400,66 @@ fn reused(
 /// The same bodies at another time, after a slip: d, e and the friction bounds are taken anew, all else stays.
 pub(crate) fn advance<const D: usize>(
     model: &Model<D>,
-    before: Condensed<D>,
+    mut here: Condensed<D>,
     past: &Friction,
     time: f64,
     observe: &mut dyn FnMut(Event),
 ) -> Result<Condensed<D>, Error<D>> {
-    let mut lap = Lap::start();
-    let mut seconds = before.seconds;
+    here.before = Some((here.time, here.problem.balance.load().to_vec()));
+    here.dissipated = past.dissipated.clone();
+    here.time = time;
+    drive(model, &mut here, (&past.slip, &past.lost), observe)?;
+    Ok(here)
+}
+
+/// The same step once more, with what joints have lost on its way.
+///
+/// Errors: those of the step itself.
+pub(crate) fn again<const D: usize>(
+    model: &Model<D>,
+    here: &mut Condensed<D>,
+    lost: &[Vec<bool>],
+    observe: &mut dyn FnMut(Event),
+) -> Result<(), Error<D>> {
+    let slip = here.gaps.iter().zip(initial_gaps(&here.paired));
+    let slip: Vec<f64> = slip.map(|(then, first)| then - first).collect();
+    drive(model, here, (&slip, lost), observe)
+}
+
+/// Takes d, e and the friction bounds anew, at the time that is told, after a slip and with what joints have lost.
+fn drive<const D: usize>(
+    model: &Model<D>,
+    here: &mut Condensed<D>,
+    (slip, lost): (&[f64], &[Vec<bool>]),
+    observe: &mut dyn FnMut(Event),
+) -> Result<(), Error<D>> {
+    let (mut lap, time) = (Lap::start(), here.time);
     observe(Event::Stage("loads"));
-    let mut paired = before.paired;
-    for (pair, lost) in paired.iter_mut().zip(&past.lost) {
+    for (pair, lost) in here.paired.iter_mut().zip(lost) {
         pair.lost.clone_from(lost);
     }
-    let (bodies, paired) = driven(model, before.bodies, paired, time)?;
-    let gaps = gaps_after(&paired, &past.slip);
-    seconds.assemble += lap.seconds();
+    let (bodies, paired) = driven(model, take(&mut here.bodies), take(&mut here.paired), time)?;
+    (here.bodies, here.paired) = (bodies, paired);
+    here.gaps = gaps_after(&here.paired, slip);
+    here.seconds.assemble += lap.seconds();
     observe(Event::Stage("condense"));
-    let factored: Vec<FactoredBody> = (&bodies, before.factored)
+    here.factored = (&here.bodies, take(&mut here.factored))
         .into_par_iter()
         .map(|(body, factored)| FactoredBody::new(body, factored.factor))
         .collect();
-    let floating = before.floating.at_time(model, &bodies, &paired)?;
-    let mut problem = before.problem;
-    let load_before = problem.balance.load().to_vec();
-    problem.admissible = admissible_set(model, &paired, time)?;
-    problem.balance = floating.balance.clone();
-    problem.shift = overlap(&bodies, &factored, &gaps);
+    here.floating.set_loads(model, &here.bodies, &here.paired)?;
+    let (of_bodies, problem) = ((&here.bodies[..], &here.factored[..]), &mut here.problem);
+    problem.admissible = admissible_set(model, &here.paired, time)?;
+    problem.balance = here.floating.balance.clone();
+    problem.shift = overlap(of_bodies.0, of_bodies.1, &here.gaps);
     problem
         .check()
         .map_err(|error| Error::Solver(error.into()))?;
-    let of_bodies = (&bodies[..], &factored[..]);
-    problem.coupled = coupled(model, of_bodies, (&paired, &floating), &problem.shift);
+    let fitted = (&here.paired[..], &here.floating);
+    problem.coupled = coupled(model, of_bodies, fitted, &problem.shift);
     problem.scales = whole(&problem.coupled);
-    seconds.condense += lap.seconds();
-    Ok(Condensed {
-        bodies,
-        ordered: before.ordered,
-        factored,
-        paired,
-        gaps,
-        floating,
-        problem,
-        dropped: before.dropped,
-        seconds,
-        time,
-        dissipated: past.dissipated.clone(),
-        before: Some((before.time, load_before)),
-        outlines: before.outlines,
-        skins: before.skins,
-        sites: before.sites,
-        laid: before.laid,
-        remarks: before.remarks,
-    })
+    here.seconds.condense += lap.seconds();
+    Ok(())
 }
 
 /// A model of the same stiffness at its first step: stiffness, factors, pairs and F of the other one serve it.

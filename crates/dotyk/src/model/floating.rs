@@ -35,7 +35,7 @@ pub(crate) struct Floating {
 }
 
 impl Floating {
-    /// Sets up G and e for these pairs. Errors: as [`Self::at_time`].
+    /// Sets up G and e for these pairs. Errors: as [`Self::set_loads`].
     pub fn new<const D: usize>(
         model: &Model<D>,
         bodies: &[LoadedBody<D>],
@@ -91,7 +91,7 @@ impl Floating {
             let balance = Balance::new(Modes::of_rows(&reduced, m), vec![0.0; c.len()]);
             (c, balance)
         };
-        let unloaded = Self {
+        let mut unloaded = Self {
             modes,
             controlled,
             uncontrolled: split.uncontrolled,
@@ -99,17 +99,18 @@ impl Floating {
             balance,
             warnings: Vec::new(),
         };
-        unloaded.at_time(model, bodies, paired)
+        unloaded.set_loads(model, bodies, paired)?;
+        Ok(unloaded)
     }
 
-    /// The same motions under the loads and initial gaps of another time: G stays, e is taken anew. Errors: a body that
-    /// floats without any contact in reach, or whose load drives what nothing controls.
-    pub fn at_time<const D: usize>(
-        mut self,
+    /// Takes over the loads and initial gaps of another time: G stays, e is taken anew. Errors: a body that floats without any
+    /// contact in reach, or whose load drives what nothing controls.
+    pub fn set_loads<const D: usize>(
+        &mut self,
         model: &Model<D>,
         bodies: &[LoadedBody<D>],
         paired: &[Paired<D>],
-    ) -> Result<Self, Error<D>> {
+    ) -> Result<(), Error<D>> {
         reachable(model, bodies, &self.modes, &clearances(paired))?;
         // a free mode strains nothing: what is prescribed does no work on it
         let work = |&(body, mode): &(usize, usize)| -> f64 {
@@ -130,7 +131,7 @@ impl Floating {
         }
         let controlled = self.controlled.iter().map(|z| z.dot(&e));
         self.balance.set_load(controlled.collect());
-        Ok(self)
+        Ok(())
     }
 
     /// The part that each row of the balance moves most.

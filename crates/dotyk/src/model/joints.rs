@@ -12,6 +12,10 @@
 //! is lost from the next step on, for good. One whose sides are apart when it comes, be it by a clearance or because they have parted
 //! before, was never whole; one of a body that is fitted to what has moved is.
 //!
+//! A shear that a whole joint bears may lift a node off, and without it the node is pressed on again: then neither a whole nor a
+//! parted joint is in equilibrium there. On the way to the load of the step it has parted, which cannot be undone: it is lost
+//! in this step already, and what its friction bears is the answer.
+//!
 //! A gap or a slip is one where it is more than what the answer is known to: rounding of displacements, and of forces in what
 //! they displace, and what the largest error that the certificate lets pass in a force closes or opens at the node by itself,
 //!
@@ -26,13 +30,14 @@ use crate::dual::{FORCE_LIMIT, NONE, ROUNDING};
 use crate::fem::show;
 use crate::geometry::distance;
 use crate::model::admissible::prepare_law;
+use crate::model::attempt::Attempt;
 use crate::model::bodies::least_softness;
 use crate::model::condense::Condensed;
-use crate::model::error::Error;
+use crate::model::error::{Error, Objection};
 use crate::model::judge::Judged;
 use crate::model::nouns::{Contact, Law, Model, SideRef};
 use crate::model::pair::{Paired, row_ranges};
-use crate::solve::{Shear, State};
+use crate::solve::{Shear, State, torn as torn_component};
 use std::collections::BTreeMap;
 
 /// A gap above this part of what its node stands for is one.
@@ -169,6 +174,45 @@ pub(crate) fn set_base<const D: usize>(
         }
     }
     Ok(())
+}
+
+/// A node of a joint that is lost on the way to the end of a step.
+pub(crate) struct Torn {
+    /// What is then lost, by contact and node.
+    pub lost: Vec<Vec<bool>>,
+    /// What the user should know of it.
+    pub words: String,
+}
+
+/// A node of a joint that has no state of its own, where an attempt found no answer.
+pub(crate) fn torn<const D: usize>(
+    model: &Model<D>,
+    condensed: &Condensed<D>,
+    attempt: &Attempt<D>,
+) -> Option<Torn> {
+    let unsettled = matches!(attempt.failure, Some(Objection::Unsettled { .. }));
+    let forces = unsettled.then_some(&attempt.outcome.multipliers)?;
+    let component = torn_component(&condensed.problem, forces)?;
+    let mut ranges = row_ranges(&condensed.paired).enumerate();
+    let (index, (rows, pair)) = ranges.find(|(_, (rows, _))| rows.contains(&component))?;
+    let row = component - rows.start;
+    let mut nodes = pair.interface.nodes.iter();
+    let place = nodes.position(|node| node.rows[0] == Some(row))?;
+    let mut lost: Vec<Vec<bool>> = (condensed.paired.iter())
+        .map(|pair| pair.lost.clone())
+        .collect();
+    let own = lost.get_mut(index)?.get_mut(place)?;
+    if std::mem::replace(own, true) {
+        return None;
+    }
+    let node = pair.interface.nodes[place].node;
+    let at = model.bodies[pair.nonmortar.body.0].mesh.points()[node];
+    let words = format!(
+        "contact \"{}\": at node {node} {} the shear that the joint bears lifts it off, and without that shear it is pressed on again: the joint has parted there within this step, cohesion and tension are lost in it already, and dry friction is left; smaller load steps tell when it parts",
+        pair.name,
+        show(at)
+    );
+    Some(Torn { lost, words })
 }
 
 /// What is lost after a step, by contact and node, and what the user should know of it.

@@ -3,7 +3,7 @@
 use crate::dual::Multipliers;
 use crate::model::attempt::{Start, certified_attempt};
 use crate::model::compliance::DENSE_LIMIT;
-use crate::model::condense::{Condensed, Friction, Staged, advance, condense, restart};
+use crate::model::condense::{Condensed, Friction, Staged, advance, again, condense, restart};
 use crate::model::error::{Error, Objection};
 use crate::model::event::{Event, Lap};
 use crate::model::finish::finish;
@@ -278,7 +278,14 @@ fn solve_step<const D: usize>(
 ) -> Result<Solved<D>, Error<D>> {
     observe(Event::Stage("contact"));
     let mut lap = Lap::start();
-    let (attempt, mut judged) = certified_attempt(model, condensed, from, observe)?;
+    let (mut attempt, mut judged) = certified_attempt(model, condensed, from, observe)?;
+    let mut torn = Vec::new();
+    while let Some(more) = joints::torn(model, condensed, &attempt) {
+        again(model, condensed, &more.lost, observe)?;
+        torn.push(more.words);
+        let (further, again) = certified_attempt(model, condensed, from, observe)?;
+        (attempt, judged) = (attempt.followed_by(further), again);
+    }
     condensed.seconds.contact += lap.seconds();
     observe(Event::Stage("recover"));
     if attempt.failure.is_none() {
@@ -289,7 +296,7 @@ fn solve_step<const D: usize>(
     let slip = slip(model, &judged, condensed);
     let (lost, parted) = joints::after(model, condensed, &judged, &multipliers.lambda);
     let mut solution = finish(model, condensed, attempt, judged, objection.is_none())?;
-    solution.warnings.extend(parted);
+    solution.warnings.extend(torn.into_iter().chain(parted));
     solution.warnings = told_once(solution.warnings);
     let works = solution.contacts.iter().map(|c| c.dissipated_total);
     let friction = Friction {

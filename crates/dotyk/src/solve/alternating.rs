@@ -35,10 +35,12 @@ use crate::linalg::{
 };
 use crate::solve::Observer;
 use crate::solve::anderson::Anderson;
-use crate::solve::exact::{Ended, NEARBY, Search};
+use crate::solve::exact::{Ended, NEAR, NEARBY, Patience, Search};
+use crate::solve::hold::held;
 use crate::solve::levels::local_softness;
 use crate::solve::setup::Setup;
 use crate::solve::states::State;
+use std::collections::HashSet;
 
 /// a, relative to the compliance of each contact: one after the other, each from the start, until one leads to an answer.
 /// The first is six times as fast as the second where both do. Forces that bodies clamp each other with, however, and that
@@ -59,6 +61,9 @@ const TOGETHER: usize = 32;
 const PATIENCE: usize = 25;
 const PATIENCE_WITH_FEW: usize = 10;
 const PROGRESS: f64 = 0.9;
+
+/// An exact step from states that do not change any more.
+const ONCE: Patience = Patience::new(1, f64::INFINITY);
 
 /// The residual is brought below this part of the tolerance where that is to be had.
 const WITHIN: f64 = 1e-2;
@@ -83,6 +88,22 @@ pub(crate) fn alternate(
     if let Some(start) = start {
         by_law(setup, start, &mut lambda);
     }
+    let gap = vec![0.0; setup.len()];
+    alternate_from(search, (lambda, gap), states, observe)
+}
+
+/// Alternates from forces and their gaps (m,): at the trial forces λ − gap/a, which an answer keeps. What is far open stays so, while
+/// from forces alone bodies would have to find their way again.
+pub(crate) fn alternate_from(
+    search: &mut Search<'_>,
+    (lambda, gap): (Vec<f64>, Vec<f64>),
+    states: Vec<State>,
+    observe: Observer<'_>,
+) -> Ended {
+    let setup = search.setup;
+    if setup.admissible.jumps() {
+        return Ended::Stuck(states);
+    }
     let local = local_compliance(setup);
     let (parts, patience) = match setup.problem.is_crowd() {
         true => (&PARTS[..], PATIENCE),
@@ -93,14 +114,16 @@ pub(crate) fn alternate(
         if search.exhausted() {
             break;
         }
-        let compliance = local.iter().map(|c| part * c).collect();
+        let compliance: Vec<f64> = local.iter().map(|c| part * c).collect();
+        let trial = lambda.iter().zip(&gap).zip(&compliance);
+        let trial = trial.map(|((l, g), a)| l - g / a).collect();
         let Some(half) = LinearHalf::new(setup, compliance) else {
             break;
         };
-        let start = lambda.clone();
-        let Some((balanced, amplitudes)) = descend(search, &half, (start, patience), observe)
-        else {
-            return Ended::Stopped;
+        let (balanced, amplitudes) = match descend(search, &half, (trial, patience), observe) {
+            Left::Forces(balanced, amplitudes) => (balanced, amplitudes),
+            Left::Exact => return Ended::Converged,
+            Left::Stopped => return Ended::Stopped,
         };
         // short of the last digits what is balanced serves better than what obeys the law: a balance is asked for to ten
         // digits, whatever the tolerance
@@ -118,20 +141,31 @@ pub(crate) fn alternate(
     }
 }
 
-/// Alternates with one matrix from the trial forces (m,), with so much patience. The last balanced forces (m,) and amplitudes of
-/// the rows of the balance; `None` where it was stopped.
+/// What alternating left.
+enum Left {
+    /// The last balanced forces (m,) and amplitudes of the rows of the balance.
+    Forces(Vec<f64>, Vec<f64>),
+    /// The answer, by exact steps.
+    Exact,
+    /// It was stopped.
+    Stopped,
+}
+
+/// Alternates with one matrix from the trial forces (m,), with so much patience. States that no step changes any more are those of
+/// the answer, mostly, long before the forces are: exact steps from there tell, once for the same states.
 fn descend(
     search: &mut Search<'_>,
     half: &LinearHalf<'_>,
     (mut trial, patience): (Vec<f64>, usize),
     observe: Observer<'_>,
-) -> Option<(Vec<f64>, Vec<f64>)> {
+) -> Left {
     let setup = search.setup;
     let roots: Vec<f64> = half.compliance.iter().map(|a| a.sqrt()).collect();
     let mut lambda = vec![0.0; setup.len()];
     let (mut balanced, mut amplitudes) = (Vec::new(), Vec::new());
     let mut anderson = Anderson::default();
     let (mut least, mut still) = (f64::INFINITY, 0);
+    let (mut before, mut tried) = (Vec::new(), HashSet::new());
     while !search.exhausted() && still < patience {
         for _ in 0..TOGETHER {
             by_law(setup, &trial, &mut lambda);
@@ -153,7 +187,7 @@ fn descend(
         search.move_to(lambda.clone(), setup.balance.from_rows(amplitudes.clone()));
         search.kind = 'd';
         if search.tell(observe) {
-            return None;
+            return Left::Stopped;
         }
         if search.residual <= WITHIN * search.tolerance {
             break;
@@ -165,8 +199,37 @@ fn descend(
         if still == 0 {
             least = search.residual;
         }
+        // of a crowd states do not determine the forces
+        if setup.problem.is_crowd() {
+            continue;
+        }
+        let states = of_trial(setup, &trial);
+        let keys = State::keys(&states);
+        if keys == before && tried.insert(keys.clone()) {
+            // in space the directions of slip may still turn
+            let patience = match states.iter().any(State::may_turn) {
+                true => &NEAR,
+                false => &ONCE,
+            };
+            match search.exact(states, patience, &held(setup), observe) {
+                Ended::Converged => return Left::Exact,
+                Ended::Stopped => return Left::Stopped,
+                Ended::Stuck(_) => {
+                    search.move_to(lambda.clone(), setup.balance.from_rows(amplitudes.clone()));
+                }
+            }
+        }
+        before = keys;
     }
-    Some((balanced, amplitudes))
+    Left::Forces(balanced, amplitudes)
+}
+
+/// What trial forces (m,) ask every node to do.
+fn of_trial(setup: &Setup<'_>, trial: &[f64]) -> Vec<State> {
+    let blocks = setup.admissible.iter();
+    blocks
+        .map(|(block, range)| State::of_trial(block, &trial[range]))
+        .collect()
 }
 
 /// λ of trial forces t, node by node: pressing, and shears within the bound that goes with the normal force. Shapes: (m,).
@@ -536,6 +599,27 @@ mod tests {
             let certificate = problem.certify(&answer, 1e-8);
             assert!(certificate.holds(), "{certificate}");
             assert!(search.steps <= 20, "{}", search.steps);
+        }
+    }
+
+    #[test]
+    fn few_bodies_are_handed_over_to_exact_steps_once_states_settle() {
+        for (bodies, coefficient) in [(4, 0.05), (12, 0.5), (24, 0.3)] {
+            let mut problem = row(bodies, coefficient);
+            assert!(problem.assemble(1000));
+            let setup = Setup::new(&problem).unwrap();
+            let mut search = Search::new(Newton::default().limits(), &setup);
+            let states = search.all_closed();
+            let ended = alternate(&mut search, states, &mut silent);
+            assert!(matches!(ended, Ended::Converged), "{bodies}");
+            assert_eq!(search.kind, 'n', "{bodies}");
+            assert!(search.steps <= 12, "{bodies}: {}", search.steps);
+            // what exact steps leave of closed gaps is rounding
+            let gap = &search.judge.gap;
+            let closed = (0..setup.len())
+                .step_by(3)
+                .filter(|&i| search.point.lambda[i] > 0.0);
+            assert!(closed.fold(0.0, |s: f64, i| s.max(gap[i].abs())) < 1e-12);
         }
     }
 

@@ -114,6 +114,8 @@ pub(crate) struct Search<'a> {
     pub kind: char,
     /// The states of the last exact step determine its forces.
     pub unique: bool,
+    /// Forces and gaps (m,) with which floating bodies rest under given bounds of friction, once they are known.
+    pub rested: Option<(Vec<f64>, Vec<f64>)>,
 }
 
 impl<'a> Search<'a> {
@@ -136,6 +138,7 @@ impl<'a> Search<'a> {
             products: setup.products(),
             kind: 'n',
             unique: false,
+            rested: None,
             accuracy: match setup.problem.compliance {
                 Compliance::Dense(_) | Compliance::Sparse(_) => finest(tolerance),
                 Compliance::Operator { .. } => BEGINNING,
@@ -185,11 +188,38 @@ impl<'a> Search<'a> {
     }
 
     /// Exact steps while there is patience, until the states repeat themselves; `adjust` may change those that come next.
+    ///
+    /// Forces that pass are an answer even where their states are not those that they ask for: between stiff bodies the rounding of a
+    /// gap asks for a force that is more than nothing beside those of soft ones. Further steps may do better; if none does, they are
+    /// taken back.
     pub fn exact(
+        &mut self,
+        states: Vec<State>,
+        patience: &Patience,
+        adjust: &dyn Fn(&mut Vec<State>, &[State]),
+        observe: Observer<'_>,
+    ) -> Ended {
+        let mut answer = None;
+        let ended = self.steps_on(states, patience, (adjust, &mut answer), observe);
+        match (ended, answer) {
+            (Ended::Stuck(_), Some((residual, point))) => {
+                (self.residual, self.point, self.kind) = (residual, point, 'n');
+                self.unique = false;
+                Ended::Converged
+            }
+            (ended, _) => ended,
+        }
+    }
+
+    /// The steps of [`Self::exact`]; `answer` is the best point that passes.
+    fn steps_on(
         &mut self,
         mut states: Vec<State>,
         patience: &Patience,
-        adjust: &dyn Fn(&mut Vec<State>, &[State]),
+        (adjust, answer): (
+            &dyn Fn(&mut Vec<State>, &[State]),
+            &mut Option<(f64, Forces)>,
+        ),
         observe: Observer<'_>,
     ) -> Ended {
         let mut seen = HashSet::new();
@@ -209,6 +239,13 @@ impl<'a> Search<'a> {
             if passes && (same || self.residual <= CERTAIN * self.tolerance) {
                 return Ended::Converged;
             }
+            if passes
+                && answer
+                    .as_ref()
+                    .is_none_or(|(least, _)| self.residual < *least)
+            {
+                *answer = Some((self.residual, self.point.clone()));
+            }
             if same && self.accuracy > finest(self.tolerance) {
                 self.accuracy = match self.accuracy > tight(self.tolerance) {
                     true => tight(self.tolerance),
@@ -217,9 +254,6 @@ impl<'a> Search<'a> {
                 continue;
             }
             let repeated = !seen.insert(now);
-            if repeated && passes {
-                return Ended::Converged;
-            }
             let before = std::mem::replace(&mut last, self.residual);
             let falls = self.residual <= patience.factor * before;
             // in space the directions of slip go on turning in the same states

@@ -44,6 +44,7 @@ mod spectrum;
 mod springs;
 mod states;
 mod system;
+mod torn;
 mod uzawa;
 
 pub use accelerated::Accelerated;
@@ -56,6 +57,7 @@ pub use outcome::{Bolt, FixedPoint, Iterate, Observer, Outcome, SolveError};
 pub use secant::Secant;
 pub(crate) use setup::largest;
 pub(crate) use states::{Shear, State};
+pub(crate) use torn::torn;
 pub use uzawa::Uzawa;
 
 pub(crate) use crate::linalg::dense::{dot, norm};

@@ -5,16 +5,18 @@
 //! step from a bad one. Each stage covers what the one before it cannot do:
 //!
 //! 1. [`exact`]: guess what every node does, solve, guess anew. Few steps where friction is moderate and the start is good.
-//! 2. [`alternate`]: the law of each node and the linear problem of the bodies by turns, with no guess of states at all. Some
-//!    hundred cheap steps, however many bodies float.
+//! 2. [`alternate`]: the law of each node and the linear problem of the bodies by turns, with no guess of states at all, until
+//!    these settle. Some hundred cheap steps, however many bodies float.
 //! 3. [`rest`], where bodies float: exact steps move such a body hither and thither while too few contacts hold it. With
 //!    bounds that are *given*, those of the best forces so far, the problem is convex and its solution moves the bodies to
-//!    where contacts hold them. Exact steps go on from there.
+//!    where contacts hold them. Exact steps go on from there, and behind them, by turns again, [`alternate_rested`].
 //! 4. [`settle`]: proximal steps, on a problem to which compliance is added until Newton's iteration ends on it.
 //! 5. [`stiffen`]: springs that bear shears within their bounds, softer than the contacts at first: bodies go where normal
 //!    forces hold them before anything sticks.
 //! 6. [`iterate_bounds`]: the convex problem with given bounds, again and again, each with the bounds that follow from the
 //!    forces of the one before. A contraction for small coefficients.
+//!
+//! An answer that is not one of exact steps is sharpened by some ([`sharpen`]).
 //!
 //! A crowd (`DualProblem::is_crowd`) has the first two alone, or the second where there are very many: the others wander among
 //! forces that bodies clamp each other with, or take dense matrices.
@@ -24,10 +26,10 @@
 //! As described in Alart & Curnier (1991) for the steps, Nečas, Jarušek & Haslinger (1980) for the bounds.
 
 use crate::dual::{DualProblem, Multipliers};
-use crate::solve::alternating::alternate;
+use crate::solve::alternating::{alternate, alternate_from};
 use crate::solve::anchored::settle;
 use crate::solve::coulomb::{carry, fixed_point};
-use crate::solve::exact::{Ended, NEARBY, Patience, STALLED, Search};
+use crate::solve::exact::{Ended, NEAR, NEARBY, Patience, STALLED, Search};
 use crate::solve::hold::{held, hold};
 use crate::solve::iteration::{completed, counting_from};
 use crate::solve::levels;
@@ -42,20 +44,20 @@ const EXACT: Patience = Patience::new(14, f64::INFINITY);
 /// Most steps on a coarser problem: no more than a guess is asked for.
 const COARSE: usize = 20;
 
-/// Most convex problems that look for where floating bodies rest, and their accuracy.
-const ROUNDS: usize = 2;
+/// Accuracy of convex problems that look for where floating bodies rest.
 const RESTING: f64 = 1e-4;
 
 /// One stage: goes on from states, with what a method for given bounds can do.
 type Stage<S> = fn(&S, &mut Search<'_>, Vec<State>, Observer<'_>) -> Ended;
 
-/// The stages of single forces: the first five; of crowds those that do not wander, without guesses where bodies are known one
+/// The stages of single forces: all but the last; of crowds those that do not wander, without guesses where bodies are known one
 /// by one, as there are too many then.
 fn stages<S: FixedBounds>(problem: &DualProblem) -> Vec<Stage<S>> {
     let settle: Stage<S> = |_, search, states, observe| settle(search, states, observe);
     let alternate: Stage<S> = |_, search, states, observe| alternate(search, states, observe);
+    let rested: Stage<S> = |_, search, states, observe| alternate_rested(search, states, observe);
     match (problem.is_crowd(), problem.parts.is_empty()) {
-        (false, _) => vec![exact, alternate, rest, settle, stiffen],
+        (false, _) => vec![exact, alternate, rest, rested, settle, stiffen],
         (true, true) => vec![exact, alternate],
         (true, false) => vec![alternate],
     }
@@ -70,9 +72,12 @@ pub(crate) fn solve<S: FixedBounds>(
     guess: Option<&Multipliers>,
     observe: Observer<'_>,
 ) -> Result<Outcome, SolveError> {
-    let (search, ended) = climb(method, setup, guess, &stages(setup.problem), observe)?;
+    let (mut search, ended) = climb(method, setup, guess, &stages(setup.problem), observe)?;
     match ended {
-        Ended::Converged => Ok(search.outcome(false)),
+        Ended::Converged => {
+            let stopped = sharpen(&mut search, observe);
+            Ok(search.outcome(stopped))
+        }
         Ended::Stopped => Ok(search.outcome(true)),
         Ended::Stuck(_) if setup.problem.is_crowd() => Err(search.not_converged(S::NAME, STALLED)),
         Ended::Stuck(_) => match iterate_bounds(method, search, observe) {
@@ -126,30 +131,56 @@ fn coarse<S: FixedBounds>(
     Ok(search.outcome(false))
 }
 
+/// Exact steps from an answer that other steps found, taken where they lead to one; whether they were stopped.
+///
+/// The tolerance is a part of the largest length of a problem, which may be a clearance that never closes: beside the motions of a
+/// contact that bears, what such steps leave of its gaps may be much. What exact steps leave is rounding.
+fn sharpen(search: &mut Search<'_>, observe: Observer<'_>) -> bool {
+    let setup = search.setup;
+    if search.kind == 'n' || setup.problem.is_crowd() {
+        return false;
+    }
+    let found = (search.residual, search.kind, search.point.clone());
+    let sticking = State::of_all_forces(&setup.admissible, &search.point.lambda);
+    let states = search.next_states(&sticking, &search.judge.gap);
+    match search.exact(states, &NEAR, &held(setup), observe) {
+        Ended::Stopped => true,
+        Ended::Converged if search.residual <= found.0 => false,
+        Ended::Converged | Ended::Stuck(_) => {
+            (search.residual, search.kind, search.point) = found;
+            false
+        }
+    }
+}
+
 /// Exact steps in which floating bodies are held.
 fn exact<S>(_: &S, search: &mut Search<'_>, states: Vec<State>, observe: Observer<'_>) -> Ended {
     search.exact(states, &EXACT, &held(search.setup), observe)
 }
 
-/// Exact steps from where floating bodies rest with given bounds, once and again.
+/// Exact steps from where floating bodies rest with given bounds.
 fn rest<S: FixedBounds>(
     method: &S,
     search: &mut Search<'_>,
     states: Vec<State>,
     observe: Observer<'_>,
 ) -> Ended {
-    let mut ended = Ended::Stuck(states);
-    let rounds = if search.setup.modes() > 0 { ROUNDS } else { 0 };
-    for _ in 0..rounds {
-        if !matches!(ended, Ended::Stuck(_)) {
-            break;
-        }
-        let Some(states) = at_rest(method, search, observe) else {
-            break;
-        };
-        ended = exact(method, search, states, observe);
+    if search.setup.modes() == 0 {
+        return Ended::Stuck(states);
     }
-    ended
+    let Some(states) = at_rest(method, search, observe) else {
+        return Ended::Stuck(states);
+    };
+    search.rested = Some((search.point.lambda.clone(), search.judge.gap.clone()));
+    search.exact(states, &NEAR, &held(search.setup), observe)
+}
+
+/// The law and the bodies by turns from where floating bodies rest, where that is known.
+fn alternate_rested(search: &mut Search<'_>, states: Vec<State>, observe: Observer<'_>) -> Ended {
+    match search.rested.take() {
+        Some(start) => alternate_from(search, start, states, observe),
+        None => Ended::Stuck(states),
+    }
 }
 
 /// Solves the convex problem whose bounds of friction are those of the best forces so far, or none where these cannot carry
@@ -243,8 +274,8 @@ mod tests {
     const EXACTLY: usize = 0;
     const ALTERNATING: usize = 1;
     const AT_REST: usize = 2;
-    const SETTLING: usize = 3;
-    const STIFFENING: usize = 4;
+    const SETTLING: usize = 4;
+    const STIFFENING: usize = 5;
 
     fn chosen(places: &[usize]) -> Vec<Stage<Newton>> {
         let all = stages(&LAST.problem());
@@ -275,6 +306,44 @@ mod tests {
             coefficient: 0.3,
         };
         needs(&[], EXACTLY, &frozen);
+    }
+
+    /// Both nodes stick; the second one bears a hundred thousandth of the first, so that what the tolerance lets pass of its force is
+    /// a hundredth of it.
+    #[test]
+    fn answer_within_the_tolerance_is_sharpened_to_rounding() {
+        let exact = [1.0, 0.1, 1e-5, 0.0];
+        let a = [[1.0, 0.0, 0.2, 0.0], [0.0, 1.0, 0.0, 0.2]];
+        let product = |i: usize| {
+            let rows = a.iter().map(|row| {
+                let image: f64 = row.iter().zip(&exact).map(|(a, l)| a * l).sum();
+                row[i] * image
+            });
+            rows.sum::<f64>() + 0.01 * exact[i]
+        };
+        let shift = [0, 1, 2, 3].map(product);
+        let block = Friction::Coulomb { coefficient: 0.3 }.block(1);
+        let problem = of_rank(&a, &shift, vec![block; 2], (&[], &[]));
+        let setup = Setup::new(&problem).unwrap();
+        let mut search = Search::new(Newton::default().limits(), &setup);
+        let mut near = exact.to_vec();
+        near[2] += 2e-8;
+        search.move_to(near, Vec::new());
+        assert!(search.residual <= search.tolerance, "{}", search.residual);
+        let gap = |search: &Search<'_>| {
+            search
+                .judge
+                .gap
+                .iter()
+                .fold(0.0, |s: f64, g| s.max(g.abs()))
+        };
+        assert!(gap(&search) > 1e-9, "{}", gap(&search));
+        assert!(!sharpen(&mut search, &mut silent));
+        assert_eq!((search.kind, search.steps), ('n', 1));
+        assert!(gap(&search) < 1e-15, "{}", gap(&search));
+        // an exact answer is one already
+        assert!(!sharpen(&mut search, &mut silent));
+        assert_eq!(search.steps, 1);
     }
 
     #[test]

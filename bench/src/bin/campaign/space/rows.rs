@@ -60,7 +60,7 @@ fn check_weights(judgement: &mut Judgement, view: &View<'_>, c: usize) {
         }
     } else if touch.exact && !touch.polygons.is_empty() {
         let sum: f64 = known.map(|r| r.weight).sum();
-        let facing: f64 = touch.polygons.iter().map(|(_, p)| area(p)).sum();
+        let facing: f64 = touch.polygons.iter().map(|p| area(&p.corners)).sum();
         // a sliver of a facet that the program leaves out is less than a thousandth of its nodes' weight
         judgement.compare("weight", (sum - facing).abs(), 1e-3 * facing, || {
             let name = &touch.contact.name;

@@ -43,6 +43,14 @@ pub struct Sample {
     distance: f64,
 }
 
+/// A part of a plane facet of the nonmortar side that faces one thing.
+#[derive(Debug)]
+pub struct Polygon {
+    pub corners: Vec<Vector>,
+    /// Contact normal there: plane facets that meet at sharp edges have one each.
+    pub normal: Vector,
+}
+
 /// A contact, seen in the undeformed state.
 #[derive(Debug)]
 pub struct Touch<'a> {
@@ -57,9 +65,9 @@ pub struct Touch<'a> {
     pub nodal: bool,
     /// Coincident node of the other side.
     pub partners: BTreeMap<usize, usize>,
-    /// Both sides are plane with straight edges, and `polygons` are what of each facet faces something.
+    /// All facets of both sides are plane with straight edges, and `polygons` are what of each of them faces something.
     pub exact: bool,
-    pub polygons: Vec<(usize, Vec<Vector>)>,
+    pub polygons: Vec<Polygon>,
     /// Nodes with a facet that faces something.
     pub faced: BTreeSet<usize>,
     pub faced_other: BTreeSet<usize>,
@@ -196,9 +204,9 @@ impl<'a> Touch<'a> {
                     let centre = mean(&polygon);
                     let facing = self.inside(index, centre);
                     // another layer of facets, or one that looks away, lies there
-                    if facing.is_none_or(|(_, found)| found != other) {
+                    let Some((facing, _)) = facing.filter(|(_, found)| *found == other) else {
                         continue;
-                    }
+                    };
                     for &corner in &polygon {
                         for part in [1.0 - 1e-6, 0.6] {
                             let x = plus(centre, part, minus(corner, centre));
@@ -207,7 +215,10 @@ impl<'a> Touch<'a> {
                     }
                     between.extend(self.inside(index, centre).map(|(sample, _)| sample));
                     seen.insert((index, other));
-                    self.polygons.push((index, polygon));
+                    self.polygons.push(Polygon {
+                        corners: polygon,
+                        normal: facing.normal,
+                    });
                 }
                 continue;
             }
@@ -242,8 +253,7 @@ impl<'a> Touch<'a> {
     /// What lies opposite a point of the plane of a facet, which is inside it.
     fn inside(&self, facet: usize, x: Vector) -> Option<(Sample, Option<usize>)> {
         let own = &self.skin.facets[facet];
-        let normal = self.skin.normal_at(own.nodes[0]);
-        let (xi, _) = own.hit(x, normal)?;
+        let (xi, _) = own.hit(x, unit(doubled(own.corners())))?;
         self.look(facet, &own.at(xi))
     }
 
@@ -409,7 +419,8 @@ impl<'a> Touch<'a> {
         weights
     }
 
-    /// Points that face the other side, corners of the polygons included, with contact normals.
+    /// Points that face the other side with the contact normals there; of plane facets the corners of the polygons, because pushes
+    /// between these are sums of pushes at them.
     pub fn facing_points(&self) -> Vec<(Vector, Vector)> {
         if !self.exact {
             let faces = self.at_nodes.iter().flat_map(|(&node, sample)| {
@@ -419,9 +430,9 @@ impl<'a> Touch<'a> {
             let all = self.between.iter().chain(self.at_nodes.values());
             return all.cloned().chain(faces).map(|s| (s.x, s.normal)).collect();
         }
-        let normal = self.between.first().map_or([0.0; 3], |s| s.normal);
-        let corners = self.polygons.iter().flat_map(|(_, corners)| corners);
-        corners.map(|&x| (x, normal)).collect()
+        let each = self.polygons.iter();
+        each.flat_map(|p| p.corners.iter().map(|&x| (x, p.normal)))
+            .collect()
     }
 }
 
