@@ -609,8 +609,13 @@ impl<'a, const D: usize> Loads<'a, D> {
     /// what is free. What is a rounding of the sum is zero.
     fn work(&self, analysis: Analysis, mesh: &Mesh<D>, motion: &[Point<D>]) -> f64 {
         let basis = RigidBasis::of(analysis);
-        let parts = self.nodes.iter().zip(motion).map(|(&f, &u)| dot(f, u));
-        let mut parts: Vec<f64> = parts.collect();
+        let mut work: f64 = self
+            .nodes
+            .iter()
+            .zip(motion)
+            .map(|(&f, &u)| dot(f, u))
+            .sum();
+        let mut sizes: f64 = self.nodes.iter().map(|&f| norm(f)).sum();
         for (couple, arm, system) in &self.points {
             let (mut u, spin) = fit_rigid(basis, mesh.points(), motion, couple.point);
             let mut turn = [0.0; D];
@@ -619,13 +624,10 @@ impl<'a, const D: usize> Loads<'a, D> {
             let free = |k: usize| if system.held[k] { 0.0 } else { 1.0 };
             (0..D).for_each(|k| u[k] *= free(k));
             (0..D).for_each(|k| turn[k] *= free(D + k));
-            parts.extend([dot(force, u), dot(moment, turn)]);
+            work += dot(force, u) + dot(moment, turn);
+            sizes += norm(force) + norm(moment);
         }
-        let sizes: f64 = self.nodes.iter().map(|&f| norm(f)).sum();
-        let sizes = parts[self.nodes.len()..]
-            .iter()
-            .fold(sizes, |s, p| s + p.abs());
-        told(parts.iter().sum(), sizes)
+        told(work, sizes)
     }
 }
 
