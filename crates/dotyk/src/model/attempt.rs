@@ -159,7 +159,7 @@ fn corrected<const D: usize>(
             last = Some((outcome, judged));
         }
     }
-    if least <= 1.0 && best.0.exact {
+    if least <= 1.0 && (best.0.exact || is_unloaded(condensed, &best.0.multipliers.lambda)) {
         attempt.failure = None;
     }
     let iterations = last.map_or(best.0.iterations, |(outcome, _)| outcome.iterations);
@@ -168,6 +168,18 @@ fn corrected<const D: usize>(
         ..best.0
     };
     Ok((attempt, best.1))
+}
+
+/// Forces below this part of the loads of what their contact couples are rounding.
+const UNLOADED: f64 = 1e-13;
+
+/// Whether all forces are rounding: what the contacts bear then is nothing, and a residual relative to it says nothing.
+fn is_unloaded<const D: usize>(condensed: &Condensed<D>, lambda: &[f64]) -> bool {
+    let coupled = &condensed.problem.coupled;
+    let rows = lambda.iter().zip(&coupled.contact);
+    rows.into_iter().all(|(force, &contact)| {
+        force.abs() <= UNLOADED * coupled.scales[coupled.domain[contact]].force
+    })
 }
 
 /// Goes on from an answer whose certificate does not hold, with a tolerance that much smaller and d corrected so that the

@@ -616,3 +616,43 @@ mortar = {other}
     assert!(facing > 1e-4 && facing < 2e-3, "{facing}");
     assert!((whole - facing).abs() < 1e-9 * facing, "{whole} {facing}");
 }
+
+/// A free body that is curved by a strain of its own, without a stress, and lies on a plane: nothing presses, whatever the cells.
+#[test]
+fn a_body_that_is_warped_without_a_load_lies_without_a_force() {
+    for (cell, cells) in [
+        ("tri6", [3, 2]),
+        ("quad4", [6, 2]),
+        ("quad9", [3, 2]),
+        ("tri3", [4, 2]),
+        ("quad8", [5, 3]),
+    ] {
+        for (strain, law) in [
+            ("xx = \"-1e-3*y\"", ""),
+            ("xx = \"1e-3*y\"", ""),
+            ("thermal = 1, expansion = 1e-3", "friction = 0.3"),
+        ] {
+            let text = format!(
+                r#"
+analysis = "plane-strain"
+[[body]]
+name = "a"
+mesh = {{ rectangle = {{ from = [0, 0], to = [1, 1], cells = [{}, {}], cell = "{cell}" }} }}
+material = {{ young = 1000, poisson = 0.2 }}
+initial_strain = {{ {strain} }}
+[[contact]]
+name = "c"
+nonmortar = "a.bottom"
+obstacle = {{ plane = {{ point = [0, 0], normal = [0, 1] }} }}
+{law}
+"#,
+                cells[0], cells[1]
+            );
+            let case = Case::<2>::from_str(&text, "case.toml", Path::new(".")).unwrap();
+            let solution = case.model.solve().unwrap();
+            let contact = &solution.contacts[0];
+            assert!(contact.resultant.iter().all(|f| f.abs() < 1e-12));
+            assert!(contact.nodes.iter().all(|n| n.gap > -1e-12));
+        }
+    }
+}
