@@ -57,11 +57,8 @@ fn stands(search: &mut Search<'_>, states: &[State], place: usize) -> bool {
         },
         excess: 0.0,
     };
-    let either = [1.0, -1.0].map(slips).into_iter();
-    length > 0.0
-        && either
-            .into_iter()
-            .any(|own| asks_for_itself(search, states, place, own))
+    let mut either = [1.0, -1.0].map(slips).into_iter();
+    length > 0.0 && either.any(|own| asks_for_itself(search, states, place, own))
 }
 
 /// Whether the forces of a state of one block ask for that state again.
