@@ -136,14 +136,21 @@ pub(crate) fn held_overlap<const D: usize>(
     let nodes = pair.interface.nodes.iter();
     let held = nodes.filter(|node| node.role == Role::Fixed);
     let held = held.filter(|_| pair.interface.coupling != Coupling::Tied);
-    let depths = held.filter_map(|node| Some((node.node, -gap_at(node, moved)?)));
+    let depths = held.filter_map(|node| Some((node.node, -gap_at(pair, node, moved)?)));
     depths.max_by(|a, b| a.1.total_cmp(&b.1))
 }
 
-/// The gap of the deformed sides at a node, where that is known.
-fn gap_at<const D: usize>(node: &InterfaceNode<D>, moved: &Moved<'_, D>) -> Option<f64> {
-    if node.shares.at_node.is_none() && node.shares.mean.len() != 1 {
-        return None;
+/// The gap of the deformed sides at a node, or at the one place that stands for it, where that is known.
+fn gap_at<const D: usize>(
+    pair: &Paired<D>,
+    node: &InterfaceNode<D>,
+    moved: &Moved<'_, D>,
+) -> Option<f64> {
+    if node.shares.at_node.is_none() {
+        let [(place, _)] = node.shares.mean[..] else {
+            return None;
+        };
+        return Some(pair.interface.points[place].after(moved));
     }
     let along = |u: Point<D>| dot(node.normal(), u);
     let opposite = node.opposite.iter();
@@ -164,7 +171,7 @@ pub(crate) fn smallest_gap<const D: usize>(
     let mut smallest = f64::INFINITY;
     for node in &pair.interface.nodes {
         let Some(row) = node.rows[0] else { continue };
-        match gap_at(node, moved) {
+        match gap_at(pair, node, moved) {
             Some(gap) => smallest = smallest.min(gap),
             None if bears(row) => return None,
             None => {}

@@ -317,6 +317,37 @@ fn a_pin_that_sinks_between_nodes_is_told() {
     assert!(!warned(&on(64, "b.outer", "a.top"), words));
 }
 
+/// A free body in the way of a wider one that comes down goes along: nothing presses, nothing overlaps.
+#[test]
+fn a_body_that_goes_along_overlaps_nothing() {
+    let text = r#"
+analysis = "plane-strain"
+[[body]]
+name = "a"
+mesh = { rectangle = { from = [0, 0], to = [1, 1], cells = [2, 2] } }
+material = { young = 1000, poisson = 0.2 }
+[[body]]
+name = "b"
+mesh = { rectangle = { from = [-0.25, 1], to = [1.25, 2], cells = [3, 2] } }
+material = { young = 1000, poisson = 0.2 }
+fix = [{ side = "top", x = -0.005, y = -0.01 }]
+[[contact]]
+name = "c"
+nonmortar = "b.bottom"
+mortar = "a.top"
+"#;
+    let case = Case::<2>::from_str(text, "case.toml", Path::new("."));
+    let model = case.unwrap().model;
+    let solution = model.solve().unwrap();
+    assert!(
+        solution.bodies[0]
+            .displacement
+            .iter()
+            .all(|u| (u[1] + 0.01).abs() < 1e-12)
+    );
+    assert!(!warned(&model, "overlap"));
+}
+
 /// A stiff punch on a soft block that is finer below it, and coarser everywhere else.
 #[test]
 fn a_side_is_finer_than_the_softer_one_where_they_face_each_other() {
