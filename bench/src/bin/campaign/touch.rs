@@ -157,10 +157,16 @@ impl<'a> Touch<'a> {
         touch
     }
 
-    /// Overlaps are looked for up to this depth.
+    /// Overlaps are looked for up to this depth: of lists of sides, whose flanks may have sunk a little beside a corner, not through
+    /// the whole of a body.
     fn deepest(&self) -> f64 {
         let other = self.opposite.as_ref().map_or(0.0, |c| c.longest);
-        self.curve.longest.max(other)
+        let part = if self.contact.own.side.contains('+') {
+            0.05
+        } else {
+            1.0
+        };
+        part * self.curve.longest.max(other)
     }
 
     fn find_partners(&mut self, answer: &Answer) {

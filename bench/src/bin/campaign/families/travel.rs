@@ -132,20 +132,19 @@ pub fn travel(scene: &mut Scene) {
         let shift = [way * t, -down * t];
         let [low, far] = slider.map(|x| plus(x, 1.0, shift));
         let own = [low, [far[0], low[1]], far, [low[0], far[1]]];
-        // pressed onto what is named it stays on it
         polygons
             .iter()
             .enumerate()
             .map(|(index, other)| {
                 let (deep, apart) = deepest(&own, other);
                 match index {
-                    0 if named && kind != 3 => Known::Holds,
+                    // pressed onto what is named it dents it where it stood at first
+                    0 if named && down > 0.0 => Known::Open,
+                    // what faces a ramp of the named side is kept off by it, as far as small displacements go
+                    0 if named && deep > 0.0 && kind == 3 => Known::Open,
+                    0 if named => Known::Holds,
                     _ if deep > DEEP => Known::Falls,
-                    _ if deep > 2.0 * down * f64::from(u8::from(named))
-                        || (apart < 0.1 * DEEP && index > 0) =>
-                    {
-                        Known::Open
-                    }
+                    _ if deep > 0.0 || (apart < 0.1 * DEEP && index > 0) => Known::Open,
                     _ => Known::Holds,
                 }
             })
