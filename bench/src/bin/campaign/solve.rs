@@ -164,10 +164,15 @@ where
 }
 
 fn answer<K: Cell, const D: usize>(model: &Model<D>, steps: &[Solution<D>]) -> Answer<D, K> {
-    Answer {
-        meshes: model.bodies.iter().map(|body| mesh(&body.mesh)).collect(),
-        steps: steps.iter().map(step).collect(),
+    let meshes: Vec<Mesh<D, K>> = model.bodies.iter().map(|body| mesh(&body.mesh)).collect();
+    let mut steps: Vec<Step<D>> = steps.iter().map(step).collect();
+    // a body that is not there yet has no displacements
+    for step in &mut steps {
+        for (moves, mesh) in step.displacements.iter_mut().zip(&meshes) {
+            moves.resize(mesh.points.len(), [0.0; D]);
+        }
     }
+    Answer { meshes, steps }
 }
 
 /// The points, cells and sides of a mesh.

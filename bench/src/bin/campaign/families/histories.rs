@@ -57,45 +57,19 @@ fn pushed(scene: &mut Scene, count: usize, rest: usize) {
     scene.holds("pushed by what is held, pressed down");
 }
 
-/// In one step nothing changes but that a body far away, or a support, comes; the same without that body.
+/// In one step nothing changes but that a support comes, mostly, which holds what it finds.
 pub fn stages(scene: &mut Scene) {
     let count = scene.random.count(3, 6);
     let rest = scene.random.count(2, count);
     pushed(scene, count, rest);
     scene.problem.idle = vec![rest];
-    if scene.random.chance(0.5) {
-        let plain = scene.problem.clone();
-        scene.block("far", [5.0, 0.0], [5.5, 0.5], 4);
-        scene.problem.bodies[2].supports.push(clamp(on("bottom")));
-        scene.problem.bodies[2].more.from = Some(rest as f64);
-        // asked the other way round: the plain problem has the bodies that both have
-        let problem = std::mem::replace(&mut scene.problem, plain);
-        scene.problem.other = Some(Box::new(Other {
-            name: "no stage",
-            problem,
-            parts: vec![vec![0], vec![1]],
-            tolerance: 1e-6,
-        }));
-    } else {
-        let place = scene.random.pick(&["left", "right"]);
-        let held = hold(on(place), 1);
-        let mut axes = held.axes;
-        if scene.random.chance(0.5) {
-            axes[0] = Some(Amount::from(0.0));
-        }
-        // what holds the same direction at the same nodes already
-        let sides = &scene.problem.bodies[1].supports;
-        let twice = sides.iter().any(|s| s.axes[0].is_some());
-        if twice {
-            axes[0] = None;
-        }
-        if sides.iter().all(|s| s.place != on("top")) {
-            scene.problem.bodies[1].supports.push(Support {
-                axes,
-                from: Some(rest as f64),
-                ..held
-            });
-        }
+    // not on a flank, whose corner is the contact's: a condition whose normal is held is none of its own any more
+    let block = &mut scene.problem.bodies[1];
+    if block.supports.iter().all(|s| s.place != on("top")) {
+        block.supports.push(Support {
+            from: Some(rest as f64),
+            ..hold(on("top"), 1)
+        });
     }
 }
 
