@@ -376,8 +376,9 @@ mod tests {
             let off = |lengths: &[f64], turns: &[f64]| off(&polygon(lengths, turns, cell));
             // a step with flanks, a bend
             let step = [0.0, 0.4, 0.0, -0.4, 0.0];
-            assert_eq!(off(&[1.0; 6], &step), 0.0);
-            assert_eq!(off(&[1.0, 2.0, 3.0, 1.0], &[0.0, 0.3, 0.0]), 0.0);
+            // the rise of a straight parabola is rounding, and goes in with its third power
+            assert!(off(&[1.0; 6], &step) < 1e-40);
+            assert!(off(&[1.0, 2.0, 3.0, 1.0], &[0.0, 0.3, 0.0]) < 1e-40);
             // beside a single facet nobody knows, and an arc between tangents turns at all of its nodes
             let near = |a: f64, b: f64| (a - b).abs() < 1e-13;
             assert!(near(off(&[1.0, 1.0, 1.0], &[0.0, 0.3]), 0.3 / 8.0));
@@ -444,8 +445,9 @@ mod tests {
         let roof: fn(Point<3>) -> f64 = |[x, _, _]| -0.2 * x.abs();
         for cell in [CellKind::Hex8, CellKind::Tet4, CellKind::Hex20] {
             for along in [1, 8] {
-                assert_eq!(off(cell, [8, along, 1], roof), 0.0, "{cell:?} {along}");
-                assert!(off(cell, [2, along, 1], roof) > 0.0, "{cell:?} {along}");
+                let found = off(cell, [8, along, 1], roof);
+                assert!(found < 1e-40, "{cell:?} {along} {found}");
+                assert!(off(cell, [2, along, 1], roof) > 1e-3, "{cell:?} {along}");
             }
         }
         // parabolas are on a parabola but for rounding, in one direction or both

@@ -8,9 +8,12 @@
 //! weighted with its angle there (J. A. Baerentzen, H. Aanaes, Signed distance computation using the angle weighted
 //! pseudonormal, IEEE Trans. Vis. Comput. Graph. 11 (2005) 243–253). Facets of second order are divided at their nodes.
 
-use crate::geometry::{Point, add_scaled, bounding_box, cross, distance, dot, norm, sub, unit};
+use crate::geometry::{
+    Groups, Point, add_scaled, bounding_box, cross, distance, dot, norm, sub, unit,
+};
 use crate::mesh::{CellKind, Mesh};
 use rstar::{AABB, PointDistance, RTree, RTreeObject};
+use std::collections::BTreeSet;
 
 /// Simplices whose nearest points lie this near to each other, in parts of their distance and size, meet there.
 const SAME: f64 = 1e-9;
@@ -29,6 +32,8 @@ pub(crate) struct Skin<const D: usize> {
     at_nodes: Vec<AtNode>,
     /// The edges of the simplices, each once: the simplices themselves in the plane.
     edges: Vec<[u32; 2]>,
+    /// Where two simplices meet: ends as those of `sharp`, and the two.
+    ridges: Vec<([u32; 2], [usize; 2])>,
     /// Where simplices meet sharply: the ends of edges in space, twice the corner in the plane.
     sharp: Vec<[u32; 2]>,
 }
@@ -59,6 +64,7 @@ impl<const D: usize> Skin<D> {
             at_nodes: vec![AtNode::default(); nodes.len()],
             nodes,
             edges: Vec::new(),
+            ridges: Vec::new(),
             sharp: Vec::new(),
         };
         skin.look_around(mesh.points());
@@ -79,23 +85,12 @@ impl<const D: usize> Skin<D> {
             }
         }
         ridges.sort_unstable();
-        let simplex = |index: usize| self.simplex(index, points);
-        let mut bows = vec![0.0f64; self.nodes.len()];
-        let mut sharp = Vec::new();
-        for pair in ridges.windows(2).filter(|pair| pair[0].0 == pair[1].0) {
-            let both = [simplex(pair[0].1), simplex(pair[1].1)];
-            let cosine = dot(both[0].normal(), both[1].normal());
-            if cosine > SHARP {
-                let size = both[0].size().max(both[1].size());
-                let bow = size * cosine.min(1.0).acos() / 8.0;
-                for node in pair[0].0 {
-                    let at = self.place(node);
-                    bows[at] = bows[at].max(bow);
-                }
-            } else {
-                sharp.push(pair[0].0);
-            }
-        }
+        let pairs = ridges.windows(2).filter(|pair| pair[0].0 == pair[1].0);
+        self.ridges = pairs.map(|p| (p[0].0, [p[0].1, p[1].1])).collect();
+        let turns = self.ridges.iter();
+        let sharp = turns.filter(|(_, both)| self.cosine(*both, points) <= SHARP);
+        self.sharp = sharp.map(|(ends, _)| *ends).collect();
+        let bows = self.bows(points);
         for simplex in &self.simplices {
             for node in simplex {
                 let place = self.place(*node);
@@ -108,12 +103,35 @@ impl<const D: usize> Skin<D> {
             at.beside.dedup();
             at.bow = bow;
         }
-        self.sharp = sharp;
         self.edges = match D {
             2 => self.simplices.iter().map(|s| [s[0], s[1]]).collect(),
             _ => ridges.into_iter().map(|(ends, _)| ends).collect(),
         };
         self.edges.dedup();
+    }
+
+    /// The cosine between the normals of two simplices, with the nodes at `points`.
+    fn cosine(&self, both: [usize; 2], points: &[Point<D>]) -> f64 {
+        let [a, b] = both.map(|index| self.simplex(index, points).normal());
+        dot(a, b)
+    }
+
+    /// How far the surface at its nodes, in their order, may be off the curve that it stands for with the nodes of its mesh at
+    /// `points`: that of the body, or of its displacement. Lengths.
+    pub fn bows(&self, points: &[Point<D>]) -> Vec<f64> {
+        let mut bows = vec![0.0f64; self.nodes.len()];
+        for (ends, both) in &self.ridges {
+            let cosine = self.cosine(*both, points);
+            if cosine > SHARP {
+                let sizes = both.map(|index| self.simplex(index, points).size());
+                let bow = sizes[0].max(sizes[1]) * cosine.min(1.0).acos() / 8.0;
+                for &node in ends {
+                    let at = self.place(node);
+                    bows[at] = bows[at].max(bow);
+                }
+            }
+        }
+        bows
     }
 
     /// The simplices at a node, or at an edge between two.
@@ -142,7 +160,28 @@ impl<const D: usize> Skin<D> {
         }
     }
 
-    fn place(&self, node: u32) -> usize {
+    /// The nodes of all that goes on without a sharp edge from the simplices between some nodes, with the nodes of its mesh at
+    /// `points`.
+    pub fn going_on_from(&self, nodes: &BTreeSet<u32>, points: &[Point<D>]) -> BTreeSet<u32> {
+        let mut groups = Groups::new(self.simplices.len());
+        for (_, both) in &self.ridges {
+            if self.cosine(*both, points) > SHARP {
+                groups.join(both[0], both[1]);
+            }
+        }
+        let between = |index: &usize| self.simplices[*index].iter().all(|n| nodes.contains(n));
+        let all = 0..self.simplices.len();
+        let from: BTreeSet<usize> = all
+            .clone()
+            .filter(between)
+            .map(|k| groups.first(k))
+            .collect();
+        let goes_on = all.filter(|&index| from.contains(&groups.first(index)));
+        goes_on.flat_map(|index| self.simplices[index]).collect()
+    }
+
+    /// The place of one of its nodes among them.
+    pub fn place(&self, node: u32) -> usize {
         self.nodes.binary_search(&node).unwrap_or(0)
     }
 

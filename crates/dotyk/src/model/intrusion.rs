@@ -11,7 +11,8 @@
 //!
 //! ```text
 //!   allowed = 10 × what the meshes of a contact resolve there          dents and bends of the gap, see `between`
-//!           + 2 (b₁ + b₂)                          b = hθ/8, how far polygons are off the curves that they stand for
+//!           + 2 (b₁ + b₂)                          b = hθ/8, how far polygons are off the curves that they stand for, as drawn or
+//!                                                  as bent: facets of second order are looked at as polygons
 //!           + s (‖∇u₁‖ + ‖∇u₂‖)                    rotations by angles instead of their sines, over a motion s past each other
 //!           + a given clearance that the meshes lack + rounding
 //! ```
@@ -19,7 +20,7 @@
 //! The first and the last but one hold at the sides of contacts alone. The third is of second order in the displacements, as the
 //! theory is of first: a body that travels without a strain gets none of it. What lay deeper than it has moved since was drawn
 //! so. What lies beside excluded nodes is told by a warning of its own, as is what a contact would hold that is not there. A given
-//! clearance is one of both sides: what stands in either of them may have come from beside the other. Bodies that are drawn to meet at edges alone have no sides
+//! clearance is one of both sides, and of what goes on from them without an edge. Bodies that are drawn to meet at edges alone have no sides
 //! there that a contact could name: what overlaps is narrow by the motion, and is left as long as that is small beside the facets.
 //! An obstacle is there for the side that its contact names, and no other: a plane may stand for a punch.
 
@@ -146,7 +147,7 @@ pub(crate) fn intrusions<const D: usize>(
     let contacts = model.contacts.iter().zip(row_ranges(&condensed.paired));
     let known = contacts.map(|(contact, (rows, pair))| {
         Named::new(
-            model,
+            (model, skins),
             contact,
             pair,
             moved(model, pair, displaced),
@@ -181,7 +182,8 @@ struct Named<'a, const D: usize> {
     bodies: (usize, Option<usize>),
     moved: Moved<'a, D>,
     resolved: BTreeMap<usize, f64>,
-    /// The largest clearance, where it is given beside what the meshes show, and the nodes of both sides, nonmortar and mortar.
+    /// The largest clearance, where it is given beside what the meshes show, and the nodes of both sides and of what goes on from
+    /// them smoothly, nonmortar and mortar.
     given: Option<(f64, [BTreeSet<u32>; 2])>,
     /// Nodes of the nonmortar side that are excluded, and those beside them: what overlaps there is told apart.
     out: BTreeSet<usize>,
@@ -189,7 +191,7 @@ struct Named<'a, const D: usize> {
 
 impl<'a, const D: usize> Named<'a, D> {
     fn new(
-        model: &Model<D>,
+        (model, skins): (&Model<D>, &[Skin<D>]),
         contact: &'a Contact<D>,
         pair: &Paired<D>,
         moved: Moved<'a, D>,
@@ -200,7 +202,8 @@ impl<'a, const D: usize> Named<'a, D> {
             side.map_or(BTreeSet::new(), |side| {
                 let mesh = &model.bodies[side.body.0].mesh;
                 let facets = mesh.side(&side.side).unwrap_or_default().iter();
-                facets.flat_map(|facet| mesh.facet_nodes(*facet)).collect()
+                let nodes = facets.flat_map(|facet| mesh.facet_nodes(*facet)).collect();
+                skins[side.body.0].going_on_from(&nodes, mesh.points())
             })
         };
         let given = match contact.gap {
@@ -235,13 +238,15 @@ impl<'a, const D: usize> Named<'a, D> {
         Some(BETWEEN_LIMIT * resolved + self.given.as_ref().map_or(0.0, |given| given.0))
     }
 
-    /// The given clearance, for what of body `of` stands in the contact's side of the other one next to nodes of it.
-    fn given_beside(&self, of: usize, near: &[u32]) -> Option<f64> {
-        let (clearance, sides) = self.given.as_ref()?;
-        let side = &sides[usize::from(self.bodies.0 == of)];
-        near.iter()
-            .all(|node| side.contains(node))
-            .then_some(*clearance)
+    /// The given clearance, for a spot of body `of` that is of one side of the contact, or next to nodes of the other.
+    fn given_at(&self, of: usize, spot: Spot, near: &[u32]) -> Option<f64> {
+        let (clearance, [nonmortar, mortar]) = self.given.as_ref()?;
+        let (own, other) = match self.bodies.0 == of {
+            true => (nonmortar, mortar),
+            false => (mortar, nonmortar),
+        };
+        let on = |side: &BTreeSet<u32>, nodes: &[u32]| nodes.iter().all(|n| side.contains(n));
+        (on(own, &spot.ends) || on(other, near)).then_some(*clearance)
     }
 
     /// A node of body `of`, next to nodes of the other one, lies where a part of the side is excluded.
@@ -265,6 +270,8 @@ struct Solid<'a, const D: usize> {
     bounds: (Point<D>, Point<D>),
     /// Largest displacement of the surface.
     most: f64,
+    /// How far it may be off the curve that it stands for where it has moved to, at the nodes of the skin.
+    bows: OnceLock<Vec<f64>>,
 }
 
 impl<'a, const D: usize> Solid<'a, D> {
@@ -283,6 +290,7 @@ impl<'a, const D: usize> Solid<'a, D> {
         let most = skin.nodes().iter().map(|&node| norm(moved[node as usize]));
         Self {
             most: most.fold(0.0, f64::max),
+            bows: OnceLock::new(),
             bounds: bounding_box(&now),
             name,
             first,
@@ -310,7 +318,9 @@ impl<'a, const D: usize> Solid<'a, D> {
 
     /// What its mesh and its rotation allow at a node that something has moved past by `motion`.
     fn allows(&self, node: u32, motion: f64) -> f64 {
-        BOWS * self.skin.bow(node) + motion * self.gradient(node)
+        let bent = self.bows.get_or_init(|| self.skin.bows(&self.now));
+        let bow = self.skin.bow(node).max(bent[self.skin.place(node)]);
+        BOWS * bow + motion * self.gradient(node)
     }
 }
 
@@ -510,7 +520,7 @@ impl<const D: usize> Meeting<'_, '_, D> {
                 false => largest(contact, &near),
             });
         let given = self.between.iter();
-        let given = given.filter_map(|contact| contact.given_beside(self.of, &near));
+        let given = given.filter_map(|contact| contact.given_at(self.of, spot, &near));
         each.chain(given).reduce(f64::max)
     }
 }

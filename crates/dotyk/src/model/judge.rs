@@ -378,18 +378,20 @@ pub(crate) fn blurred<const D: usize>(
         let lambda = &lambda[rows];
         let bears = |row: usize| lambda[row].abs() > none;
         let moved = moved(model, pair, displaced);
+        if !loose {
+            return None;
+        }
         let nearest = smallest_gap(pair, &moved, bears);
-        let nearest = nearest.filter(|_| loose)?;
         let rounding = negligible(condensed, displaced, contact, APART);
         // forces within the tolerance may be or not be
         let force = largest(lambda);
-        let blur = if force > some && nearest > rounding {
-            Some(Blur::Apart(nearest))
-        } else if force <= none && nearest < -rounding {
-            Some(Blur::Unborne(-nearest))
-        } else {
-            let deep = sunk(pair, &moved).filter(|depth| *depth > rounding);
-            deep.map(Blur::Sunk)
+        let blur = match nearest {
+            Some(gap) if force > some && gap > rounding => Some(Blur::Apart(gap)),
+            Some(gap) if force <= none && gap < -rounding => Some(Blur::Unborne(-gap)),
+            _ => {
+                let deep = sunk(pair, &moved).filter(|depth| *depth > rounding);
+                deep.map(Blur::Sunk)
+            }
         };
         Some((contact, blur?))
     });

@@ -221,7 +221,8 @@ fn pile(law: &str, load: f64) -> Model<2> {
     ))
 }
 
-/// Above what the skin bears the pile slides, however much is asked for; below it does not.
+/// Above what the skin bears the pile slides, however much is asked for; below it does not. What it bears is found by loads on
+/// springs, which tell it to two per cent: 4.06 of a load of 20, 4.00 of one of 4.06.
 #[test]
 fn a_pile_slides_at_what_its_skin_bears() {
     for law in [
@@ -238,12 +239,12 @@ fn a_pile_slides_at_what_its_skin_bears() {
         for part in [1.02, 1.1, 1.4, 2.0] {
             let again = bears(part * most);
             assert!(
-                (again / most - 1.0).abs() < 0.01,
+                (again / most - 1.0).abs() < 0.02,
                 "{law} {part}: {again} {most}"
             );
         }
-        let solution = pile(law, 0.98 * most).solve().unwrap();
+        let solution = pile(law, 0.97 * most).solve().unwrap();
         let shear: f64 = solution.contacts.iter().map(|c| c.resultant[1].abs()).sum();
-        assert!((shear / (0.98 * most) - 1.0).abs() < 1e-6, "{law}: {shear}");
+        assert!((shear / (0.97 * most) - 1.0).abs() < 1e-6, "{law}: {shear}");
     }
 }
