@@ -43,7 +43,7 @@ pub(crate) fn contact<const D: usize>(
                 let message = format!("the obstacle of contact `{name}` has its own gap");
                 return Err(Fault::new(&node.span, message)
                     .label("a second gap")
-                    .help("write the gap inside `obstacle`"));
+                    .help("leave it out: an obstacle with a shape is where it is drawn or `displacement` moves it to, and `obstacle = { gap = .. }` has no shape"));
             }
         },
         (Some(node), _) => Some(gap(node)?),

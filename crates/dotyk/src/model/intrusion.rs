@@ -19,8 +19,8 @@
 //!
 //! The first and the last but one hold at the sides of contacts alone. The third is of second order in the displacements, as the
 //! theory is of first: a body that travels without a strain gets none of it. What lay deeper than it has moved since was drawn
-//! so. What lies beside excluded nodes is told by a warning of its own, as is what a contact would hold that is not there. A given
-//! clearance is one of both sides, and of what goes on from them without an edge. Bodies that are drawn to meet at edges alone have no sides
+//! so. What lies beside excluded nodes is told by a warning of its own, as is what a contact would hold that is not there. Where
+//! a clearance is given, what meshes do beside the sides, and where these go on without an edge, says nothing. Bodies that are drawn to meet at edges alone have no sides
 //! there that a contact could name: what overlaps is narrow by the motion, and is left as long as that is small beside the facets.
 //! An obstacle is there for the side that its contact names, and no other: a plane may stand for a punch.
 
@@ -238,15 +238,17 @@ impl<'a, const D: usize> Named<'a, D> {
         Some(BETWEEN_LIMIT * resolved + self.given.as_ref().map_or(0.0, |given| given.0))
     }
 
-    /// The given clearance, for a spot of body `of` that is of one side of the contact, or next to nodes of the other.
-    fn given_at(&self, of: usize, spot: Spot, near: &[u32]) -> Option<f64> {
-        let (clearance, [nonmortar, mortar]) = self.given.as_ref()?;
+    /// Whether a clearance is given, and a spot of body `of` is of one side of the contact, or next to nodes of the other.
+    fn excuses(&self, of: usize, spot: Spot, near: &[u32]) -> bool {
+        let Some((_, [nonmortar, mortar])) = &self.given else {
+            return false;
+        };
         let (own, other) = match self.bodies.0 == of {
             true => (nonmortar, mortar),
             false => (mortar, nonmortar),
         };
         let on = |side: &BTreeSet<u32>, nodes: &[u32]| nodes.iter().all(|n| side.contains(n));
-        (on(own, &spot.ends) || on(other, near)).then_some(*clearance)
+        on(own, &spot.ends) || on(other, near)
     }
 
     /// A node of body `of`, next to nodes of the other one, lies where a part of the side is excluded.
@@ -474,6 +476,10 @@ impl<const D: usize> Meeting<'_, '_, D> {
             return None;
         }
         let of_contacts = self.of_contacts(spot, near);
+        let mut given = self.between.iter();
+        if of_contacts.is_none() && given.any(|contact| contact.excuses(self.of, spot, &near)) {
+            return None;
+        }
         let of_own = spot.ends.map(|node| own.allows(node, motion));
         let of_other = near.map(|node| other.allows(node, motion));
         let allowed = of_contacts.unwrap_or(0.0)
@@ -519,9 +525,7 @@ impl<const D: usize> Meeting<'_, '_, D> {
                 true => largest(contact, &spot.ends),
                 false => largest(contact, &near),
             });
-        let given = self.between.iter();
-        let given = given.filter_map(|contact| contact.given_at(self.of, spot, &near));
-        each.chain(given).reduce(f64::max)
+        each.reduce(f64::max)
     }
 }
 
