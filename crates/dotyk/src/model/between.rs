@@ -190,10 +190,8 @@ pub(crate) fn sunk<const D: usize>(pair: &Paired<D>, moved: &Moved<'_, D>) -> Op
             .fold([0.0; D], |sum, &(j, n)| add_scaled(sum, n, u[j]));
         norm(sum)
     };
-    let samples = pair.samples.iter().flatten().map(|sample| &sample.at);
-    // of a facet that faces the other side in part the samples may miss that
-    let places = samples.chain(&pair.interface.points);
-    let depths = places.filter_map(|at| {
+    let depths = pair.samples.iter().flatten().filter_map(|sample| {
+        let at = &sample.at;
         let own = motion(&at.own, &moved.own);
         let other = match &moved.other {
             Some(u) => motion(&at.opposite, u),

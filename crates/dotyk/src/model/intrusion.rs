@@ -20,7 +20,7 @@
 //! The first and the last but one hold at the sides of contacts alone. The third is of second order in the displacements, as the
 //! theory is of first: a body that travels without a strain gets none of it. What lay deeper than it has moved since was drawn
 //! so. What lies beside excluded nodes is told by a warning of its own, as is what a contact would hold that is not there. Where
-//! a clearance is given, what meshes do beside the sides, and where these go on without an edge, says nothing. Bodies that are drawn to meet at edges alone have no sides
+//! a clearance is given, what meshes do no farther than that from the sides says nothing. Bodies that are drawn to meet at edges alone have no sides
 //! there that a contact could name: what overlaps is narrow by the motion, and is left as long as that is small beside the facets.
 //! An obstacle is there for the side that its contact names, and no other: a plane may stand for a punch.
 
@@ -147,7 +147,7 @@ pub(crate) fn intrusions<const D: usize>(
     let contacts = model.contacts.iter().zip(row_ranges(&condensed.paired));
     let known = contacts.map(|(contact, (rows, pair))| {
         Named::new(
-            (model, skins),
+            model,
             contact,
             pair,
             moved(model, pair, displaced),
@@ -182,8 +182,7 @@ struct Named<'a, const D: usize> {
     bodies: (usize, Option<usize>),
     moved: Moved<'a, D>,
     resolved: BTreeMap<usize, f64>,
-    /// The largest clearance, where it is given beside what the meshes show, and the nodes of both sides and of what goes on from
-    /// them smoothly, nonmortar and mortar.
+    /// The largest clearance, where it is given beside what the meshes show, and the nodes of both sides, nonmortar and mortar.
     given: Option<(f64, [BTreeSet<u32>; 2])>,
     /// Nodes of the nonmortar side that are excluded, and those beside them: what overlaps there is told apart.
     out: BTreeSet<usize>,
@@ -191,7 +190,7 @@ struct Named<'a, const D: usize> {
 
 impl<'a, const D: usize> Named<'a, D> {
     fn new(
-        (model, skins): (&Model<D>, &[Skin<D>]),
+        model: &Model<D>,
         contact: &'a Contact<D>,
         pair: &Paired<D>,
         moved: Moved<'a, D>,
@@ -202,8 +201,7 @@ impl<'a, const D: usize> Named<'a, D> {
             side.map_or(BTreeSet::new(), |side| {
                 let mesh = &model.bodies[side.body.0].mesh;
                 let facets = mesh.side(&side.side).unwrap_or_default().iter();
-                let nodes = facets.flat_map(|facet| mesh.facet_nodes(*facet)).collect();
-                skins[side.body.0].going_on_from(&nodes, mesh.points())
+                facets.flat_map(|facet| mesh.facet_nodes(*facet)).collect()
             })
         };
         let given = match contact.gap {
@@ -238,17 +236,20 @@ impl<'a, const D: usize> Named<'a, D> {
         Some(BETWEEN_LIMIT * resolved + self.given.as_ref().map_or(0.0, |given| given.0))
     }
 
-    /// Whether a clearance is given, and a spot of body `of` is of one side of the contact, or next to nodes of the other.
-    fn excuses(&self, of: usize, spot: Spot, near: &[u32]) -> bool {
-        let Some((_, [nonmortar, mortar])) = &self.given else {
+    /// Whether a clearance is given, and a point of body `of`, or one of the other that it is next to, is drawn no farther than
+    /// that from the contact's side of its body.
+    fn excuses(&self, (of, own): (usize, At<'_, D>), other: At<'_, D>) -> bool {
+        let Some((clearance, [nonmortar, mortar])) = &self.given else {
             return false;
         };
-        let (own, other) = match self.bodies.0 == of {
-            true => (nonmortar, mortar),
-            false => (mortar, nonmortar),
+        let sides = match self.bodies.0 == of {
+            true => [nonmortar, mortar],
+            false => [mortar, nonmortar],
         };
-        let on = |side: &BTreeSet<u32>, nodes: &[u32]| nodes.iter().all(|n| side.contains(n));
-        on(own, &spot.ends) || on(other, near)
+        let near = |(solid, x): At<'_, D>, side: &BTreeSet<u32>| {
+            solid.skin.distance_from(side, solid.first, x) <= *clearance
+        };
+        near(own, sides[0]) || near(other, sides[1])
     }
 
     /// A node of body `of`, next to nodes of the other one, lies where a part of the side is excluded.
@@ -347,6 +348,9 @@ impl Spot {
         add_scaled(from, self.part, sub(to, from))
     }
 }
+
+/// A body and a place where it was drawn.
+type At<'a, const D: usize> = (&'a Solid<'a, D>, Point<D>);
 
 /// Two bodies, of which parts of the first may stand in the second.
 struct Meeting<'a, 'b, const D: usize> {
@@ -476,8 +480,15 @@ impl<const D: usize> Meeting<'_, '_, D> {
             return None;
         }
         let of_contacts = self.of_contacts(spot, near);
+        let beside = near.map(|node| other.first[node as usize]);
+        let share = 1.0 / D as f64;
+        let next_to = beside
+            .into_iter()
+            .fold([0.0; D], |sum, x| add_scaled(sum, share, x));
         let mut given = self.between.iter();
-        if of_contacts.is_none() && given.any(|contact| contact.excuses(self.of, spot, &near)) {
+        let excused =
+            |contact: &&Named<'_, D>| contact.excuses((self.of, (own, first)), (other, next_to));
+        if of_contacts.is_none() && given.any(|contact| excused(&contact)) {
             return None;
         }
         let of_own = spot.ends.map(|node| own.allows(node, motion));

@@ -43,6 +43,9 @@ pub(crate) const NEAR: Patience = Patience::new(6, 0.5);
 /// problem is too badly conditioned for iterations within a step.
 const PRODUCTS: usize = 3000;
 
+/// Changes the states that come next, given those before.
+type Adjust<'a> = dyn Fn(&mut Vec<State>, &[State]) + 'a;
+
 /// Why a search ended without an answer.
 pub(crate) const STALLED: &str = "the residual did not fall below the tolerance";
 
@@ -196,7 +199,7 @@ impl<'a> Search<'a> {
         &mut self,
         states: Vec<State>,
         patience: &Patience,
-        adjust: &dyn Fn(&mut Vec<State>, &[State]),
+        adjust: &Adjust<'_>,
         observe: Observer<'_>,
     ) -> Ended {
         let mut answer = None;
@@ -216,10 +219,7 @@ impl<'a> Search<'a> {
         &mut self,
         mut states: Vec<State>,
         patience: &Patience,
-        (adjust, answer): (
-            &dyn Fn(&mut Vec<State>, &[State]),
-            &mut Option<(f64, Forces)>,
-        ),
+        (adjust, answer): (&Adjust<'_>, &mut Option<(f64, Forces)>),
         observe: Observer<'_>,
     ) -> Ended {
         let mut seen = HashSet::new();

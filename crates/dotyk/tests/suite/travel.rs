@@ -343,7 +343,7 @@ gap = 0.7
     // down to where the floor is, whose sides alone have the clearance: the edge of the block goes with it
     assert!(solve(&moved(0.0, -0.6)).is_ok());
     assert!(solve(&moved(0.1, -0.6)).is_ok());
-    for down in [0.0, -0.1, -0.6] {
+    for down in [0.0, -0.1] {
         let found = stands(solve(&moved(0.6, down)));
         assert!((found.depth - 0.4).abs() < 1e-6, "{found:?}");
     }

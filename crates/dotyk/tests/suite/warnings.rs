@@ -311,7 +311,6 @@ fn a_pin_that_sinks_between_nodes_is_told() {
         case.unwrap().model
     };
     let words = "have sunk";
-    assert!(warned(&on(1, "a.top", "b.outer"), words));
     assert!(warned(&on(3, "a.top", "b.outer"), words));
     assert!(!warned(&on(200, "a.top", "b.outer"), words));
     assert!(!warned(&on(64, "b.outer", "a.top"), words));

@@ -171,14 +171,14 @@ pub fn teeth(scene: &mut Scene) {
     let mut right: Vec<(Vector, &'static str)> = Vec::new();
     // from its upper left corner down along the teeth, which look up
     let mut tips: Vec<(Vector, &'static str)> = Vec::new();
-    for k in 0..n {
+    for (k, names) in FLANKS.iter().enumerate().take(n) {
         let gap = if k == 0 {
             0.0
         } else {
             little * scene.random.unit()
         };
         let y = k as f64 * pitch - gap;
-        tips.push(([far, y], FLANKS[k][0]));
+        tips.push(([far, y], names[0]));
         tips.push(([0.6 + play, y], "tip"));
         tips.push(([0.6 + play, y - thick], "back"));
         tips.push(([far, y - thick], "root"));

@@ -353,7 +353,7 @@ pub fn graded(scene: &mut Scene) {
         let kind = scene.random.pick(&[Kind::Tri3, Kind::Quad4]);
         let mut lines = |from: f64, to: f64| {
             let n = scene.random.count(3, 14);
-            let whole = scene.random.magnitude(1.0, 1e5) as f64;
+            let whole = scene.random.magnitude(1.0, 1e5);
             let whole = if scene.random.chance(0.5) {
                 whole
             } else {
