@@ -488,7 +488,7 @@ impl<const D: usize> Meeting<'_, '_, D> {
         let mut given = self.between.iter();
         let excused =
             |contact: &&Named<'_, D>| contact.excuses((self.of, (own, first)), (other, next_to));
-        if of_contacts.is_none() && given.any(|contact| excused(&contact)) {
+        if of_contacts.is_none() && given.any(excused) {
             return None;
         }
         let of_own = spot.ends.map(|node| own.allows(node, motion));
