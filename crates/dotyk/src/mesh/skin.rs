@@ -8,7 +8,9 @@
 //! weighted with its angle there (J. A. Baerentzen, H. Aanaes, Signed distance computation using the angle weighted
 //! pseudonormal, IEEE Trans. Vis. Comput. Graph. 11 (2005) 243–253). Facets of second order are divided at their nodes.
 
-use crate::geometry::{Point, add_scaled, bounding_box, cross, distance, dot, norm, sub, unit};
+use crate::geometry::{
+    Groups, Point, add_scaled, bounding_box, cross, distance, dot, norm, sub, unit,
+};
 use crate::mesh::{CellKind, Mesh};
 use rstar::{AABB, PointDistance, RTree, RTreeObject};
 use std::collections::BTreeSet;
@@ -156,6 +158,23 @@ impl<const D: usize> Skin<D> {
             corners: nodes.map(|node| points[node as usize]),
             nodes,
         }
+    }
+
+    /// The nodes of all that goes on without a sharp edge from the simplices between some nodes, with the nodes of its mesh at
+    /// `points`.
+    pub fn going_on_from(&self, nodes: &BTreeSet<u32>, points: &[Point<D>]) -> BTreeSet<u32> {
+        let mut groups = Groups::new(self.simplices.len());
+        for (_, both) in &self.ridges {
+            if self.cosine(*both, points) > SHARP {
+                groups.join(both[0], both[1]);
+            }
+        }
+        let between = |index: &usize| self.simplices[*index].iter().all(|n| nodes.contains(n));
+        let all = 0..self.simplices.len();
+        let from = all.clone().filter(between);
+        let from: BTreeSet<usize> = from.map(|k| groups.first(k)).collect();
+        let goes_on = all.filter(|&index| from.contains(&groups.first(index)));
+        goes_on.flat_map(|index| self.simplices[index]).collect()
     }
 
     /// The distance of a point from the simplices between some nodes, with the nodes of its mesh at `points`; infinite from none.

@@ -20,7 +20,8 @@
 //! The first and the last but one hold at the sides of contacts alone. The third is of second order in the displacements, as the
 //! theory is of first: a body that travels without a strain gets none of it. What lay deeper than it has moved since was drawn
 //! so. What lies beside excluded nodes is told by a warning of its own, as is what a contact would hold that is not there. Where
-//! a clearance is given, what meshes do no farther than that from the sides says nothing. Bodies that are drawn to meet at edges alone have no sides
+//! a clearance is given, what meshes do no farther than that from the sides, and from what goes on from these without an edge,
+//! says nothing. Bodies that are drawn to meet at edges alone have no sides
 //! there that a contact could name: what overlaps is narrow by the motion, and is left as long as that is small beside the facets.
 //! An obstacle is there for the side that its contact names, and no other: a plane may stand for a punch.
 
@@ -147,7 +148,7 @@ pub(crate) fn intrusions<const D: usize>(
     let contacts = model.contacts.iter().zip(row_ranges(&condensed.paired));
     let known = contacts.map(|(contact, (rows, pair))| {
         Named::new(
-            model,
+            (model, skins),
             contact,
             pair,
             moved(model, pair, displaced),
@@ -182,7 +183,8 @@ struct Named<'a, const D: usize> {
     bodies: (usize, Option<usize>),
     moved: Moved<'a, D>,
     resolved: BTreeMap<usize, f64>,
-    /// The largest clearance, where it is given beside what the meshes show, and the nodes of both sides, nonmortar and mortar.
+    /// The largest clearance, where it is given beside what the meshes show, and the nodes of both sides and of what goes on from
+    /// them without an edge, nonmortar and mortar.
     given: Option<(f64, [BTreeSet<u32>; 2])>,
     /// Nodes of the nonmortar side that are excluded, and those beside them: what overlaps there is told apart.
     out: BTreeSet<usize>,
@@ -190,7 +192,7 @@ struct Named<'a, const D: usize> {
 
 impl<'a, const D: usize> Named<'a, D> {
     fn new(
-        model: &Model<D>,
+        (model, skins): (&Model<D>, &[Skin<D>]),
         contact: &'a Contact<D>,
         pair: &Paired<D>,
         moved: Moved<'a, D>,
@@ -201,7 +203,9 @@ impl<'a, const D: usize> Named<'a, D> {
             side.map_or(BTreeSet::new(), |side| {
                 let mesh = &model.bodies[side.body.0].mesh;
                 let facets = mesh.side(&side.side).unwrap_or_default().iter();
-                facets.flat_map(|facet| mesh.facet_nodes(*facet)).collect()
+                let nodes = facets.flat_map(|facet| mesh.facet_nodes(*facet));
+                let skin = &skins[side.body.0];
+                skin.going_on_from(&nodes.collect(), mesh.points())
             })
         };
         let given = match contact.gap {
@@ -237,7 +241,7 @@ impl<'a, const D: usize> Named<'a, D> {
     }
 
     /// Whether a clearance is given, and a point of body `of`, or one of the other that it is next to, is drawn no farther than
-    /// that from the contact's side of its body.
+    /// that from the contact's side of its body, or from what goes on from it.
     fn excuses(&self, (of, own): (usize, At<'_, D>), other: At<'_, D>) -> bool {
         let Some((clearance, [nonmortar, mortar])) = &self.given else {
             return false;
