@@ -517,8 +517,13 @@ impl<const D: usize> Meeting<'_, '_, D> {
     /// Whether edges of both are drawn to meet at a point, and no facet there is drawn along the other body.
     fn is_narrow(&self, undeformed: &Surrounding<D>, spot: Spot, motion: f64) -> bool {
         let at = spot.of(self.own.first);
-        let is_edge = |solid: &Solid<'_, D>| solid.skin.is_sharp_at(solid.first, at, self.rounding);
         let reach = NARROW * motion + self.rounding;
+        // what passes through a corner has its middle beside it
+        let beside = match spot.ends[0] == spot.ends[1] {
+            true => self.rounding,
+            false => reach,
+        };
+        let is_edge = |solid: &Solid<'_, D>| solid.skin.is_sharp_at(solid.first, at, beside);
         let touches = |node: &u32| {
             let depth = undeformed.depth(self.own.first[*node as usize]);
             depth.is_some_and(|(depth, _)| depth >= -reach)
