@@ -160,9 +160,8 @@ impl<const D: usize> Skin<D> {
         }
     }
 
-    /// The nodes of all that goes on without a sharp edge from the simplices between some nodes, with the nodes of its mesh at
-    /// `points`.
-    pub fn going_on_from(&self, nodes: &BTreeSet<u32>, points: &[Point<D>]) -> BTreeSet<u32> {
+    /// All that goes on without a sharp edge from the simplices between some nodes, with the nodes of its mesh at `points`.
+    pub fn going_on_from(&self, nodes: &BTreeSet<u32>, points: &[Point<D>]) -> Surrounding<D> {
         let mut groups = Groups::new(self.simplices.len());
         for (_, both) in &self.ridges {
             if self.cosine(*both, points) > SHARP {
@@ -174,15 +173,8 @@ impl<const D: usize> Skin<D> {
         let from = all.clone().filter(between);
         let from: BTreeSet<usize> = from.map(|k| groups.first(k)).collect();
         let goes_on = all.filter(|&index| from.contains(&groups.first(index)));
-        goes_on.flat_map(|index| self.simplices[index]).collect()
-    }
-
-    /// The distance of a point from the simplices between some nodes, with the nodes of its mesh at `points`; infinite from none.
-    pub fn distance_from(&self, nodes: &BTreeSet<u32>, points: &[Point<D>], x: Point<D>) -> f64 {
-        let all = 0..self.simplices.len();
-        let between = all.filter(|&k| self.simplices[k].iter().all(|n| nodes.contains(n)));
-        let distances = between.map(|k| distance(x, self.simplex(k, points).closest(x)));
-        distances.fold(f64::INFINITY, f64::min)
+        let simplices = goes_on.map(|index| self.simplex(index, points));
+        Surrounding(RTree::bulk_load(simplices.collect()))
     }
 
     /// The place of one of its nodes among them.
@@ -264,6 +256,12 @@ impl<const D: usize> Surrounding<D> {
             .fold([0.0; D], |sum, s| add_scaled(sum, s.angle(at), s.normal()));
         let outside = dot(sub(p, at), outward) >= 0.0;
         Some((if outside { -length } else { length }, nearest.nodes))
+    }
+
+    /// The distance of a point from the surface; infinite where there is none.
+    pub fn distance(&self, p: Point<D>) -> f64 {
+        let nearest = self.0.nearest_neighbor(p);
+        nearest.map_or(f64::INFINITY, |simplex| distance(p, simplex.closest(p)))
     }
 
     /// Where the way from one point straight to another passes through the surface, in parts of it, ascending.

@@ -7,7 +7,8 @@
 //!
 //! Conditions of a contact hold between what lay opposite at first, and where a contact is named. Neither tells what becomes of a
 //! body that travels, nor of two that no contact keeps apart. So the nodes of every outer surface are looked up in every other
-//! body as it has moved; and edges that pass through it, half way between where they come in and go out. What an answer of small displacements may overlap, and no more, is
+//! body as it has moved; and edges that pass through it, half way between where they come in and go out. What an answer of small
+//! displacements may overlap, and no more, is
 //!
 //! ```text
 //!   allowed = 10 × what the meshes of a contact resolve there          dents and bends of the gap, see `between`
@@ -21,9 +22,9 @@
 //! theory is of first: a body that travels without a strain gets none of it. What lay deeper than it has moved since was drawn
 //! so. What lies beside excluded nodes is told by a warning of its own, as is what a contact would hold that is not there. Where
 //! a clearance is given, what meshes do no farther than that from the sides, and from what goes on from these without an edge,
-//! says nothing. Bodies that are drawn to meet at edges alone have no sides
-//! there that a contact could name: what overlaps is narrow by the motion, and is left as long as that is small beside the facets.
-//! An obstacle is there for the side that its contact names, and no other: a plane may stand for a punch.
+//! says nothing. Bodies that are drawn to meet at edges alone have no sides there that a contact could name: what overlaps is
+//! narrow by the motion, and is left as long as that is small beside the facets. An obstacle is there for the side that its
+//! contact names, and no other: a plane may stand for a punch.
 
 use crate::contact::{Moved, Rigid, Role};
 use crate::dual::{BETWEEN_LIMIT, Figure, ROUNDING};
@@ -183,9 +184,9 @@ struct Named<'a, const D: usize> {
     bodies: (usize, Option<usize>),
     moved: Moved<'a, D>,
     resolved: BTreeMap<usize, f64>,
-    /// The largest clearance, where it is given beside what the meshes show, and the nodes of both sides and of what goes on from
-    /// them without an edge, nonmortar and mortar.
-    given: Option<(f64, [BTreeSet<u32>; 2])>,
+    /// The largest clearance, where it is given beside what the meshes show, and both sides, nonmortar and mortar, with what goes
+    /// on from them without an edge, as they are drawn.
+    given: Option<(f64, [Option<Surrounding<D>>; 2])>,
     /// Nodes of the nonmortar side that are excluded, and those beside them: what overlaps there is told apart.
     out: BTreeSet<usize>,
 }
@@ -199,19 +200,16 @@ impl<'a, const D: usize> Named<'a, D> {
         lambda: &[f64],
     ) -> Self {
         let clearances = pair.interface.nodes.iter().map(|node| node.clearance);
-        let side = |side: Option<&SideRef>| -> BTreeSet<u32> {
-            side.map_or(BTreeSet::new(), |side| {
-                let mesh = &model.bodies[side.body.0].mesh;
-                let facets = mesh.side(&side.side).unwrap_or_default().iter();
-                let nodes = facets.flat_map(|facet| mesh.facet_nodes(*facet));
-                let skin = &skins[side.body.0];
-                skin.going_on_from(&nodes.collect(), mesh.points())
-            })
+        let side = |side: &SideRef| -> Surrounding<D> {
+            let mesh = &model.bodies[side.body.0].mesh;
+            let facets = mesh.side(&side.side).unwrap_or_default().iter();
+            let nodes = facets.flat_map(|facet| mesh.facet_nodes(*facet));
+            skins[side.body.0].going_on_from(&nodes.collect(), mesh.points())
         };
         let given = match contact.gap {
             Some(Gap::Given(_)) => Some((
                 clearances.fold(0.0, f64::max),
-                [side(Some(&pair.nonmortar)), side(pair.mortar.as_ref())],
+                [Some(side(&pair.nonmortar)), pair.mortar.as_ref().map(side)],
             )),
             _ => None,
         };
@@ -242,18 +240,19 @@ impl<'a, const D: usize> Named<'a, D> {
 
     /// Whether a clearance is given, and a point of body `of`, or one of the other that it is next to, is drawn no farther than
     /// that from the contact's side of its body, or from what goes on from it.
-    fn excuses(&self, (of, own): (usize, At<'_, D>), other: At<'_, D>) -> bool {
+    fn excuses(&self, of: usize, [own, other]: [Point<D>; 2]) -> bool {
         let Some((clearance, [nonmortar, mortar])) = &self.given else {
             return false;
         };
-        let sides = match self.bodies.0 == of {
-            true => [nonmortar, mortar],
-            false => [mortar, nonmortar],
+        let (of_own, of_other) = match self.bodies.0 == of {
+            true => (nonmortar, mortar),
+            false => (mortar, nonmortar),
         };
-        let near = |(solid, x): At<'_, D>, side: &BTreeSet<u32>| {
-            solid.skin.distance_from(side, solid.first, x) <= *clearance
+        let near = |side: &Option<Surrounding<D>>, x: Point<D>| {
+            side.as_ref()
+                .is_some_and(|side| side.distance(x) <= *clearance)
         };
-        near(own, sides[0]) || near(other, sides[1])
+        near(of_own, own) || near(of_other, other)
     }
 
     /// A node of body `of`, next to nodes of the other one, lies where a part of the side is excluded.
@@ -352,9 +351,6 @@ impl Spot {
         add_scaled(from, self.part, sub(to, from))
     }
 }
-
-/// A body and a place where it was drawn.
-type At<'a, const D: usize> = (&'a Solid<'a, D>, Point<D>);
 
 /// Two bodies, of which parts of the first may stand in the second.
 struct Meeting<'a, 'b, const D: usize> {
@@ -484,15 +480,12 @@ impl<const D: usize> Meeting<'_, '_, D> {
             return None;
         }
         let of_contacts = self.of_contacts(spot, near);
-        let beside = near.map(|node| other.first[node as usize]);
         let share = 1.0 / D as f64;
-        let next_to = beside
-            .into_iter()
-            .fold([0.0; D], |sum, x| add_scaled(sum, share, x));
+        let next_to = near.iter().fold([0.0; D], |sum, &node| {
+            add_scaled(sum, share, other.first[node as usize])
+        });
         let mut given = self.between.iter();
-        let excused =
-            |contact: &&Named<'_, D>| contact.excuses((self.of, (own, first)), (other, next_to));
-        if of_contacts.is_none() && given.any(excused) {
+        if of_contacts.is_none() && given.any(|c| c.excuses(self.of, [first, next_to])) {
             return None;
         }
         let of_own = spot.ends.map(|node| own.allows(node, motion));

@@ -75,10 +75,6 @@ pub(crate) fn alternate(
     observe: Observer<'_>,
 ) -> Ended {
     let setup = search.setup;
-    // where a trace of a normal force brings cohesion, the splitting would end on traces
-    if setup.admissible.jumps() {
-        return Ended::Stuck(states);
-    }
     let mut lambda = vec![0.0; setup.len()];
     // forces that steps before these left far from an answer are worse than none
     let start = match search.steps {
@@ -101,6 +97,7 @@ pub(crate) fn alternate_from(
     observe: Observer<'_>,
 ) -> Ended {
     let setup = search.setup;
+    // where a trace of a normal force brings cohesion, the splitting would end on traces
     if setup.admissible.jumps() {
         return Ended::Stuck(states);
     }

@@ -79,9 +79,7 @@ pub(crate) fn distance_to_exact(
     }
     let setup = Setup::new(problem).ok()?;
     let mut search = Search::new(Newton::default().limits(), &setup);
-    let sticking = search.states_of_guess(multipliers).ok()?;
-    search.move_to(multipliers.lambda.clone(), search.point.alpha.clone());
-    let states = search.next_states(&sticking, &search.judge.gap);
+    let states = search.states_asked_by(multipliers).ok()?;
     let (list, _) = unknowns(&setup.admissible, &states, None, search.softness());
     let gap = search.judge.gap.clone();
     let known = problem.rounding(&gap, &multipliers.alpha);

@@ -160,6 +160,15 @@ impl<'a> Search<'a> {
         Ok(State::of_all_forces(admissible, &self.point.lambda))
     }
 
+    /// Goes to some forces, and tells the states that these ask for.
+    ///
+    /// Errors: as [`Self::states_of_guess`].
+    pub fn states_asked_by(&mut self, forces: &Multipliers) -> Result<Vec<State>, SolveError> {
+        let states = self.states_of_guess(forces)?;
+        self.move_to(forces.lambda.clone(), self.point.alpha.clone());
+        Ok(self.next_states(&states, &self.judge.gap))
+    }
+
     /// Every contact closed, none slips.
     pub fn all_closed(&self) -> Vec<State> {
         let blocks = self.setup.admissible.blocks().iter();

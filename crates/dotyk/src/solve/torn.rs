@@ -24,9 +24,7 @@ pub(crate) fn torn(problem: &DualProblem, multipliers: &Multipliers) -> Option<u
     }
     let setup = Setup::new(problem).ok()?;
     let mut search = Search::new(Newton::default().limits(), &setup);
-    let sticking = search.states_of_guess(multipliers).ok()?;
-    search.move_to(multipliers.lambda.clone(), search.point.alpha.clone());
-    let states = search.next_states(&sticking, &search.judge.gap);
+    let states = search.states_asked_by(multipliers).ok()?;
     let blocks = setup.admissible.blocks().iter().enumerate();
     let joints = blocks.filter(|(_, block)| block.friction().is_some_and(|law| law.jumps()));
     let mut joints = joints.map(|(place, _)| place);

@@ -3,6 +3,7 @@
 //! A problem is built from its answer: λ* and the gap s* are chosen complementary (λ* ≥ 0, s* ≥ 0, λ*s* = 0), α*, F and G
 //! freely, and then d = Fλ* − Gᵀα* − s* and e = Gλ*. Signs: gap ≥ 0 is open, λ ≥ 0 is compression. Units: none.
 
+use crate::friction::Random;
 use std::ops::ControlFlow;
 use std::path::Path;
 
@@ -18,25 +19,6 @@ use dotyk::solve::{
 
 /// Residual asked of every solver: the conditioning of these problems then leaves 1e-9 in λ.
 const TOLERANCE: f64 = 1e-12;
-
-/// Pseudo-random numbers (splitmix64), the same in every run.
-struct Random(u64);
-
-impl Random {
-    /// Uniform in [0, 1).
-    fn unit(&mut self) -> f64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        ((z ^ (z >> 31)) >> 11) as f64 / (1u64 << 53) as f64
-    }
-
-    /// Uniform in [−1, 1).
-    fn signed(&mut self) -> f64 {
-        2.0 * self.unit() - 1.0
-    }
-}
 
 /// AᵀA/m + `floor`·I.
 fn compliance(random: &mut Random, m: usize, floor: f64) -> Mat<f64> {

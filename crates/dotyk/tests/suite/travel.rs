@@ -1,6 +1,7 @@
 //! What moves until it stands in something else is no answer, whoever named a contact between the two; what loses equilibrium is
 //! named, with how much of the load is held; and results with a sign are told for the side that is named first.
 
+use crate::friction::Random;
 use dotyk::case::Case;
 use dotyk::model::{Error, Intrusion, Objection, Solution};
 use std::path::Path;
@@ -218,7 +219,6 @@ fn only_what_lies_side_by_side_needs_a_contact() {
     }
 }
 
-/// Rectangles that are moved at random past each other are as deep as the nodes of both say, by their sides alone.
 /// The parts of the outline of a rectangle with `n` cells.
 fn outline([from, to]: [[f64; 2]; 2], n: [usize; 2]) -> Vec<[[f64; 2]; 2]> {
     let at = |d: usize, k: usize| from[d] + (to[d] - from[d]) * k as f64 / n[d] as f64;
@@ -249,16 +249,49 @@ fn deepest(part: [[f64; 2]; 2], into: [[f64; 2]; 2]) -> f64 {
     half.fold(ends, f64::max)
 }
 
+/// Four boxes around an edge, with contacts between neighbours and meshes that do not match: the edges of those across from each
+/// other cut each other's corners wherever their nodes are.
+#[test]
+fn boxes_that_meet_at_an_edge_need_no_contact() {
+    let mut random = Random(1);
+    let mut random = |low: f64, high: f64| low + (high - low) * random.unit();
+    for round in 0..12 {
+        let mut text = "analysis = \"3d\"\n".to_string();
+        for (k, [x, y]) in [[-1, -1], [0, -1], [-1, 0], [0, 0]].into_iter().enumerate() {
+            let cells = [0; 3].map(|_| random(1.0, 4.0) as usize);
+            let young = [100, 1000][random(0.0, 2.0) as usize];
+            let along = |from: i32, sides: [&str; 2], axis: &str, by: f64| match from {
+                0 => format!("{{ side = \"{}\", {axis} = {by} }}", sides[1]),
+                _ => format!("{{ side = \"{}\", {axis} = 0 }}", sides[0]),
+            };
+            let [by_x, by_y] = [0; 2].map(|_| -random(0.001, 0.003));
+            text += &format!(
+                "[[body]]\nname = \"b{k}\"\nmesh = {{ box = {{ from = [{x}, {y}, 0], to = [{}, {}, 1], cells = {cells:?} }} }}\nmaterial = {{ young = {young}, poisson = 0.3 }}\nfix = [{}, {}, {{ side = \"bottom\", z = 0 }}]\n",
+                x + 1,
+                y + 1,
+                along(x, ["left", "right"], "x", by_x),
+                along(y, ["front", "back"], "y", by_y),
+            );
+        }
+        for (name, first, second) in [
+            ("low", "b0.right", "b1.left"),
+            ("high", "b2.right", "b3.left"),
+            ("west", "b0.back", "b2.front"),
+            ("east", "b1.back", "b3.front"),
+        ] {
+            text +=
+                &format!("[[contact]]\nname = \"{name}\"\nsides = [\"{first}\", \"{second}\"]\n");
+        }
+        if let Err(refused) = solve_in_space(&text) {
+            panic!("{round}: {refused}\n{text}");
+        }
+    }
+}
+
 #[test]
 fn rectangles_are_as_deep_as_their_outlines_say() {
-    let mut state = 0x9e37_79b9_7f4a_7c15u64;
-    let mut between = |low: f64, high: f64| {
-        // xorshift
-        state ^= state << 13;
-        state ^= state >> 7;
-        state ^= state << 17;
-        low + (high - low) * (state >> 11) as f64 / (1u64 << 53) as f64
-    };
+    let mut random = Random(2);
+    let mut between = |low: f64, high: f64| low + (high - low) * random.unit();
     let (mut through, mut deep, mut free) = (0, 0, 0);
     for round in 0..300 {
         let [mut w, h, b, mut t] = [0; 4].map(|_| between(0.2, 2.0));
