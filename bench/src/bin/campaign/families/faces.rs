@@ -117,13 +117,7 @@ pub fn steps_of_a_floor(scene: &mut Scene) {
     );
     let tall = scene.random.between(0.4, 1.0);
     scene.block("block", [a, 0.0], [b, tall], 2);
-    let p = scene.strain * scene.random.between(0.2, 1.0);
-    let block = &mut scene.problem.bodies[1];
-    block.supports.push(hold(on("left"), 0));
-    block.loads.push(Load::Pressure {
-        side: "top".to_string(),
-        field: Amount::from(p),
-    });
+    scene.press_upright(1);
     let law = scene.law(0.2);
     let c = scene.touch(side("block", "bottom"), side("floor", "top"), law);
     decided(scene, c);
@@ -211,14 +205,8 @@ pub fn teeth(scene: &mut Scene) {
     let shape = outline(size, start, &right);
     let kind = triangle(scene);
     scene.add("holding", shape, kind);
-    let p = scene.strain * scene.random.between(0.2, 1.0);
     scene.problem.bodies[1].supports.push(clamp(on("right")));
-    let pushed = &mut scene.problem.bodies[0];
-    pushed.supports.push(hold(on("left"), 0));
-    pushed.loads.push(Load::Pressure {
-        side: "top".to_string(),
-        field: Amount::from(p),
-    });
+    scene.press_upright(0);
     let law = scene.law(0.2);
     let c = scene.touch(side("pushed", "flank"), side("holding", "flank"), law);
     decided(scene, c);

@@ -21,7 +21,7 @@ use crate::cone::distance;
 use crate::plane::{Vector, cross, length, minus, plus, times, turned};
 use crate::problem::{
     Against, Analysis, Body, Contact, Drive, Gap, Known, Law, Load, Pairing, Problem, Shape, Side,
-    Surface,
+    Surface, hold, on,
 };
 use crate::random::Random;
 use crate::raw::Cell;
@@ -342,6 +342,17 @@ impl Scene {
             false => Time::Line(1.0, self.random.between(-0.1, 0.2)),
         };
         Law::Coulomb(Amount::new(mu, [slope, 0.0], time))
+    }
+
+    /// Presses a body on its top, held along x at its left side.
+    pub fn press_upright(&mut self, body: usize) {
+        let pressure = self.strain * self.random.between(0.2, 1.0);
+        let body = &mut self.problem.bodies[body];
+        body.supports.push(hold(on("left"), 0));
+        body.loads.push(Load::Pressure {
+            side: "top".to_string(),
+            field: Amount::from(pressure),
+        });
     }
 
     /// Takes what is known of the answer from single bodies: each with the wrench of its loads (about the origin) at every

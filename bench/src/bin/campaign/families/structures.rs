@@ -378,13 +378,7 @@ pub fn graded(scene: &mut Scene) {
         scene.add(name, shape, kind);
     }
     scene.problem.bodies[0].supports.push(clamp(on("bottom")));
-    let p = scene.strain * scene.random.between(0.2, 1.0);
-    let block = &mut scene.problem.bodies[1];
-    block.supports.push(hold(on("left"), 0));
-    block.loads.push(Load::Pressure {
-        side: "top".to_string(),
-        field: Amount::from(p),
-    });
+    scene.press_upright(1);
     let law = scene.law(0.3);
     scene.touch(side("block", "bottom"), side("floor", "top"), law);
     scene.holds("pressed down, upright by its left side");
