@@ -1,9 +1,11 @@
-//! Contact sides with sharp corners as several contacts, one for each smooth part: a corner has a row for each of its faces.
+//! Contact sides with sharp corners as several contacts, one for each smooth part: a corner has a row for each of its faces. Where it
+//! meets an obstacle between its faces it has one row, which stands for a row of each of them with the same pressure.
 
-use crate::plane::{Vector, cross, dot, minus, unit};
-use crate::problem::{Law, Problem};
-use crate::raw::{Answer, Contact, Mesh};
+use crate::plane::{Vector, cross, dot, length, minus, times, unit};
+use crate::problem::{Against, Contact as Touching, Law, Pairing, Problem, Surface};
+use crate::raw::{Answer, Contact, Mesh, Row};
 use crate::side::SHARP;
+use crate::touch::faces_obstacle;
 
 /// Between the name of a side and the number of its part.
 const MARK: char = '#';
@@ -45,10 +47,20 @@ pub fn split(problem: &Problem, answer: &Answer) -> (Answer, Vec<usize>) {
             owners.push(c);
             for (to, from) in parted.steps.iter_mut().zip(&answer.steps) {
                 let rows = from.contacts[c].rows.iter();
-                let own = rows.filter(|row| nearest(mesh, &parts, row.node, row.normal) == number);
+                let own = rows.filter_map(|row| {
+                    let whole = &mesh.sides[side];
+                    match (&contact.against, met(contact, mesh, whole, row.node)) {
+                        (Against::Obstacle { surface, .. }, Some(way)) => {
+                            shared(surface, mesh, whole, (facets, way), row)
+                        }
+                        _ => {
+                            (nearest(mesh, &parts, row.node, row.normal) == number).then_some(*row)
+                        }
+                    }
+                });
                 to.contacts.push(Contact {
                     nonmortar: (*body, name.clone()),
-                    rows: own.copied().collect(),
+                    rows: own.collect(),
                     resultant: from.contacts[c].resultant,
                     moment: from.contacts[c].moment,
                 });
@@ -80,6 +92,62 @@ fn normal(mesh: &Mesh, facet: &[usize], node: usize) -> Vector {
     };
     let [x, y] = unit(tangent);
     [y, -x]
+}
+
+/// The way from the sharp corner of a side to an obstacle that it meets between its faces, at a node; `None` where it meets none so.
+pub fn met(contact: &Touching, mesh: &Mesh, side: &[Vec<usize>], node: usize) -> Option<Vector> {
+    let Against::Obstacle { surface, .. } = &contact.against else {
+        return None;
+    };
+    if contact.pairing == Pairing::Mortar || matches!(contact.law, Law::Tied) {
+        return None;
+    }
+    let at_node = side.iter().filter(|facet| facet.contains(&node));
+    let normals: Vec<Vector> = at_node.map(|facet| normal(mesh, facet, node)).collect();
+    let [a, b] = normals[..] else {
+        return None;
+    };
+    let way = match surface {
+        Surface::Gap(_) => return None,
+        Surface::Plane { normal, .. } => times(-1.0, *normal),
+        Surface::Circle { center, inside, .. } => {
+            let outward = unit(minus(mesh.points[node], *center));
+            if *inside {
+                outward
+            } else {
+                times(-1.0, outward)
+            }
+        }
+    };
+    let parts = [cross(way, b), cross(a, way)].map(|part| part / cross(a, b));
+    (dot(a, b) <= SHARP && parts.iter().all(|&part| part > 1e-9)).then_some(way)
+}
+
+/// The part of a row at such a corner that a face of the side has: in proportion to its facets that face the obstacle, or to all
+/// where none does.
+fn shared(
+    surface: &Surface,
+    mesh: &Mesh,
+    side: &[Vec<usize>],
+    (facets, way): (&[Vec<usize>], Vector),
+    row: &Row,
+) -> Option<Row> {
+    let faces = |facet: &&Vec<usize>| {
+        facet.iter().take(2).all(|&node| {
+            let own = normal(mesh, facet, node);
+            let towards = if node == row.node { way } else { own };
+            faces_obstacle(surface, mesh.points[node], towards)
+        })
+    };
+    let at_node = || side.iter().filter(|facet| facet.contains(&row.node));
+    let none = !at_node().any(|facet| faces(&facet));
+    let bears = |facet: &&Vec<usize>| none || faces(facet);
+    let long = |facet: &Vec<usize>| length(minus(mesh.points[facet[1]], mesh.points[facet[0]]));
+    let all: f64 = at_node().filter(bears).map(long).sum();
+    let own = facets.iter().filter(|facet| facet.contains(&row.node));
+    let own: f64 = own.filter(bears).map(long).sum();
+    let weight = row.weight * own / all;
+    (own > 0.0).then_some(Row { weight, ..*row })
 }
 
 /// Facets of a side, taken apart at sharp corners; empty where it has none.

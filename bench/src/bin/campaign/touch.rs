@@ -90,6 +90,8 @@ pub struct Touch<'a> {
     pub faced_other: BTreeSet<usize>,
     /// At nodes of the nonmortar side.
     pub at_nodes: BTreeMap<usize, Sample>,
+    /// Nodes that meet an obstacle between the faces of a sharp corner.
+    pub met: BTreeSet<usize>,
     /// Between them.
     pub between: Vec<Sample>,
     /// Normals of the rows that are not those of the side.
@@ -147,13 +149,14 @@ impl<'a> Touch<'a> {
             faced: BTreeSet::new(),
             faced_other: BTreeSet::new(),
             at_nodes: BTreeMap::new(),
+            met: BTreeSet::new(),
             between: Vec::new(),
             wrong_normals,
         };
         touch.find_partners(answer);
         touch.find_facing();
         touch.decide_pairing(problem);
-        touch.find_samples(&answer.meshes[own]);
+        touch.find_samples(&answer.meshes[own], crate::corners::whole(side));
         touch
     }
 
@@ -336,10 +339,12 @@ impl<'a> Touch<'a> {
         self.nodal = own && theirs && alike && !on_axis;
     }
 
-    fn find_samples(&mut self, mesh: &Mesh) {
+    fn find_samples(&mut self, mesh: &Mesh, whole: &str) {
         let nodes: Vec<usize> = self.curve.around.keys().copied().collect();
         for node in nodes {
-            if !self.faced.contains(&node) {
+            let side = &mesh.sides[whole];
+            let met = crate::corners::met(self.contact, mesh, side, node);
+            if !self.faced.contains(&node) && met.is_none() {
                 continue;
             }
             let normal = self.curve.normal_at(node);
@@ -361,7 +366,9 @@ impl<'a> Touch<'a> {
                     Some((f, self.opposite_at(f, [-1.0, 1.0, 0.0][place])?))
                 }),
                 (None, Against::Obstacle { surface, .. }) => {
-                    from_obstacle(surface, x, normal).map(|opposite| (facet, opposite))
+                    self.met.extend(met.map(|_| node));
+                    let towards = met.unwrap_or(normal);
+                    from_obstacle(surface, x, towards).map(|opposite| (facet, opposite))
                 }
                 _ => None,
             };
@@ -465,9 +472,9 @@ impl<'a> Touch<'a> {
         for (index, facet) in self.curve.facets.iter().enumerate() {
             let counts = match &self.opposite {
                 Some(_) => facet.nodes.iter().all(|n| self.partners.contains_key(n)),
-                None => [-1.0, 1.0]
-                    .iter()
-                    .all(|&xi| self.opposite_at(index, xi).is_some()),
+                None => [-1.0, 1.0].iter().zip(&facet.nodes).all(|(&xi, node)| {
+                    self.met.contains(node) || self.opposite_at(index, xi).is_some()
+                }),
             };
             if !counts {
                 continue;
@@ -500,6 +507,11 @@ impl<'a> Touch<'a> {
     }
 }
 
+/// Whether a point with this outward normal faces an obstacle.
+pub fn faces_obstacle(surface: &Surface, x: Vector, n: Vector) -> bool {
+    from_obstacle(surface, x, n).is_some()
+}
+
 /// Contact normal and distance of an obstacle's surface from a point with this outward normal.
 fn from_obstacle(surface: &Surface, x: Vector, n: Vector) -> Option<Opposite> {
     let (normal, distance) = match surface {
@@ -520,8 +532,11 @@ fn from_obstacle(surface: &Surface, x: Vector, n: Vector) -> Option<Opposite> {
                 };
                 dot(towards_body, n) < OPPOSED
             };
+            // nothing of it lies behind a point that is clear of it
+            let clear = (length(minus(x, *center)) - radius) * if *inside { -1.0 } else { 1.0 };
+            let ahead = |s: &f64| *s >= 0.0 || clear < 1e-12 * radius;
             let hits = on_circle(x, n, *center, *radius)?;
-            let facing = hits.into_iter().filter(faces);
+            let facing = hits.into_iter().filter(ahead).filter(faces);
             let nearest = facing.min_by(|a, b| a.abs().total_cmp(&b.abs()))?;
             Some((n, nearest))
         }

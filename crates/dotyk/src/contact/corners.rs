@@ -2,12 +2,21 @@
 //!
 //! One condition along the mean of two normals would let the corner of a block slide through the floor of the pocket that
 //! it sits in, as soon as it leaves the wall.
+//!
+//! An obstacle is not always met along a face: the edge of a wedge over a roller moves straight down onto it, and twice as far before
+//! distances along faces at 45° are used up. A corner has every normal of the cone that its faces span, and meets an obstacle
+//! along that one which is nearest to the way there. Where this is none of the faces' own, they have one condition together.
 
 use crate::contact::curved::true_surface;
+use crate::contact::normals::Normals;
+use crate::contact::obstacle::Rigid;
+use crate::contact::weights::{NodalWeight, nodal_weights};
 use crate::contact::{ContactError, End};
-use crate::geometry::{Groups, Point, dot};
+use crate::fem::Analysis;
+use crate::geometry::{Groups, Point, dot, unit};
+use crate::linalg::signed::least_squares_nonnegative;
 use crate::mesh::{Facet, SHARP};
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 /// The parts of a side between its sharp corners or edges, in the order of its chain, in space of their first facets; the whole
 /// where it has none.
@@ -44,21 +53,9 @@ pub(super) struct Surfaces {
 
 /// Errors: unknown or empty sides, nodes off the true surface of the side.
 pub(super) fn surfaces<const D: usize>(end: End<'_, D>) -> Result<Surfaces, ContactError> {
-    let (mesh, side) = (&end.body.mesh, end.facets()?);
-    let known = true_surface(end, side)?;
-    let mut around: BTreeMap<usize, Vec<(usize, Point<D>)>> = BTreeMap::new();
-    for (index, &facet) in side.iter().enumerate() {
-        let kind = mesh.facet_kind(facet);
-        for (node, xi) in mesh.facet_nodes(facet).zip(kind.reference_nodes()) {
-            let normal = known.normal(facet, xi);
-            around
-                .entry(node as usize)
-                .or_default()
-                .push((index, normal));
-        }
-    }
+    let side = end.facets()?;
     let (mut groups, mut sharp) = (Groups::new(side.len()), false);
-    for meeting in around.values() {
+    for meeting in meeting(end)?.values() {
         for (place, &(a, normal)) in meeting.iter().enumerate() {
             for &(b, other) in &meeting[place + 1..] {
                 match dot(normal, other) > SHARP {
@@ -74,11 +71,118 @@ pub(super) fn surfaces<const D: usize>(end: End<'_, D>) -> Result<Surfaces, Cont
     })
 }
 
+/// Facets of a side, by index, with their normals, at each of its nodes.
+type Meeting<const D: usize> = BTreeMap<usize, Vec<(usize, Point<D>)>>;
+
+/// Errors: unknown or empty sides, nodes off the true surface of the side.
+fn meeting<const D: usize>(end: End<'_, D>) -> Result<Meeting<D>, ContactError> {
+    let (mesh, side) = (&end.body.mesh, end.facets()?);
+    let known = true_surface(end, side)?;
+    let mut meeting = Meeting::new();
+    for (index, &facet) in side.iter().enumerate() {
+        let kind = mesh.facet_kind(facet);
+        for (node, xi) in mesh.facet_nodes(facet).zip(kind.reference_nodes()) {
+            let here = meeting.entry(node as usize).or_default();
+            here.push((index, known.normal(facet, xi)));
+        }
+    }
+    Ok(meeting)
+}
+
+/// Corners that meet an obstacle between their faces, by node.
+pub type Corners<const D: usize> = BTreeMap<usize, Corner<D>>;
+
+/// A corner that meets an obstacle between its faces: they have one condition together.
+#[derive(Debug, Clone)]
+pub struct Corner<const D: usize> {
+    /// The direction of this condition.
+    pub normal: Point<D>,
+    /// What the node has of the facets that bear it, those that face the obstacle or else all, and of all.
+    pub weights: [NodalWeight; 2],
+    /// Of the facets that bear it the one that looks there most: the condition belongs to its surface.
+    pub owner: Facet,
+}
+
+/// The corners of a whole side that meet an obstacle between their faces.
+///
+/// Errors: unknown or empty sides, nodes off the true surface of the side.
+pub fn corners_above<const D: usize>(
+    whole: End<'_, D>,
+    rigid: &Rigid<D>,
+    analysis: Analysis,
+) -> Result<Corners<D>, ContactError> {
+    let (mesh, side) = (&whole.body.mesh, whole.facets()?);
+    let meeting = meeting(whole)?;
+    let sharp = meeting.iter().filter(|(_, meeting)| is_sharp(meeting));
+    let between = sharp.filter_map(|(&node, meeting)| {
+        let way = rigid.towards(mesh.points()[node])?;
+        Some((node, between(meeting.iter().map(|(_, n)| *n), way)?))
+    });
+    let between: BTreeMap<usize, Point<D>> = between.collect();
+    let normals = Normals::new(whole, side)?;
+    let faces = |&facet: &Facet| {
+        let places = mesh.facet_kind(facet).reference_nodes().iter();
+        mesh.facet_nodes(facet).zip(places).all(|(node, xi)| {
+            let met = between.get(&(node as usize)).copied();
+            let normal = met.unwrap_or_else(|| normals.at(facet, xi));
+            rigid.faces(mesh.points()[node as usize], normal)
+        })
+    };
+    let facing: BTreeSet<Facet> = side.iter().copied().filter(faces).collect();
+    let weights = |facets: Vec<Facet>| nodal_weights(mesh, facets, analysis, whole.body.thickness);
+    let [some, all] = [facing.iter().copied().collect(), side.to_vec()].map(weights);
+    let corner = |(&node, &normal): (&usize, &Point<D>)| {
+        let around = &meeting[&node];
+        let sees = |of: &&(usize, Point<D>)| facing.contains(&side[of.0]);
+        let seen: Vec<&(usize, Point<D>)> = around.iter().filter(sees).collect();
+        // the tip of a needle touches though neither of its faces looks there
+        let (bearing, own) = match seen.is_empty() {
+            true => (around.iter().collect(), all[&node]),
+            false => (seen, some[&node]),
+        };
+        let most = bearing.into_iter();
+        let most = most.max_by(|a, b| dot(a.1, normal).total_cmp(&dot(b.1, normal)))?;
+        let corner = Corner {
+            normal,
+            weights: [own, all[&node]],
+            owner: side[most.0],
+        };
+        Some((node, corner))
+    };
+    Ok(between.iter().filter_map(corner).collect())
+}
+
+/// Not all facets that meet at a node go over into each other there, be it that they do so around the corner.
+fn is_sharp<const D: usize>(meeting: &[(usize, Point<D>)]) -> bool {
+    let mut groups = Groups::new(meeting.len());
+    for (a, (_, normal)) in meeting.iter().enumerate() {
+        for (b, (_, other)) in meeting.iter().enumerate().skip(a + 1) {
+            if dot(*normal, *other) > SHARP {
+                groups.join(a, b);
+            }
+        }
+    }
+    (0..meeting.len()).any(|facet| groups.first(facet) > 0)
+}
+
+/// The direction in the cone of some normals that is nearest to one; `None` where that is one of them.
+fn between<const D: usize>(
+    faces: impl Iterator<Item = Point<D>>,
+    direction: Point<D>,
+) -> Option<Point<D>> {
+    let faces: Vec<Vec<f64>> = faces.map(|normal| normal.to_vec()).collect();
+    let (parts, rest) = least_squares_nonnegative(&faces, &direction);
+    let several = parts.iter().filter(|&&part| part > 0.0).count() > 1;
+    let nearest = std::array::from_fn(|k| direction[k] - rest[k]);
+    unit(nearest).filter(|_| several)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::contact::gaps::tests::{body, end, plate, ring, wall};
     use crate::fem::{Body, Constraints};
+    use crate::geometry::{Surface, distance};
     use crate::mesh::{CellKind, Cuboid, Mesh};
 
     fn parts<const D: usize>(mesh: Mesh<D>, side: &str) -> (Body<D>, Vec<Vec<Facet>>) {
@@ -161,6 +265,51 @@ mod tests {
             let firsts: Vec<Facet> = parts.iter().map(|part| part[0]).collect();
             assert!(firsts.is_sorted());
         }
+    }
+
+    #[test]
+    fn a_corner_meets_what_is_before_it_along_the_nearest_of_its_normals() {
+        let cube = Cuboid {
+            from: [0.0; 3],
+            to: [1.0; 3],
+            cells: [2, 2, 2],
+            cell: CellKind::Hex8,
+        };
+        let mesh = cube.build().unwrap().with_side("all", |_| true);
+        let (body, free) = (body(mesh), Constraints::default());
+        let end = end(&body, "all", &free);
+        let ball = |center: Point<3>| Rigid::Surface {
+            surface: Surface::Sphere {
+                center,
+                radius: 0.9,
+            },
+            inside: false,
+        };
+        let at = |center: Point<3>, place: Point<3>| {
+            let corners = corners_above(end, &ball(center), Analysis::Solid).unwrap();
+            let node = body.mesh.points().iter().position(|&p| p == place).unwrap();
+            corners.get(&node).cloned()
+        };
+        let s = |n: f64| 1.0 / n.sqrt();
+        // before the corner: straight there; its three facets do not see the ball, and bear it all
+        let corner = at([2.0; 3], [1.0; 3]).unwrap();
+        assert!(distance(corner.normal, [s(3.0); 3]) < 1e-15);
+        assert!((corner.weights[0].area - 3.0 / 16.0).abs() < 1e-15);
+        // before an edge: across it, whatever lies along it
+        for along in [0.5, 0.7] {
+            let corner = at([along, 2.0, 2.0], [0.5, 1.0, 1.0]).unwrap();
+            assert!(distance(corner.normal, [0.0, s(2.0), s(2.0)]) < 1e-15);
+            assert!((corner.weights[1].area - 4.0 / 16.0).abs() < 1e-15);
+        }
+        // before a face: along its own normal, one for each face
+        assert!(at([0.5, 0.5, 2.0], [1.0; 3]).is_none());
+        assert!(at([2.0; 3], [0.5, 0.5, 1.0]).is_none());
+        // a little off the face it is the same, and the face that sees more bears it
+        let corner = at([1.01, 1.02, 2.0], [1.0; 3]).unwrap();
+        assert!(distance(corner.normal, unit([0.01, 0.02, 1.0]).unwrap()) < 1e-15);
+        let top = body.mesh.side("top").unwrap();
+        assert!(top.contains(&corner.owner));
+        assert!((corner.weights[0].area - 1.0 / 16.0).abs() < 1e-15);
     }
 
     #[test]

@@ -112,7 +112,8 @@ impl<const D: usize> Interface<D> {
 pub(super) mod tests {
     use super::*;
     use crate::contact::{
-        Against, Coupling, Driven, InitialGap, Rigid, Row, pair_mortar, pair_nodes, pair_obstacle,
+        Against, Corners, Coupling, Driven, InitialGap, Rigid, Row, pair_mortar, pair_nodes,
+        pair_obstacle,
     };
     use crate::fem::{Analysis, Body, Constraints, Elastic, Held, Material};
     use crate::geometry::distance;
@@ -360,7 +361,7 @@ pub(super) mod tests {
         let nonmortar = end(&cube, "top", &free);
         let coupling = Coupling::Normal;
         check(nonmortar, &|time| {
-            let obstacle = (&rigid, Driven::Prescribed);
+            let obstacle = (&rigid, Driven::Prescribed, &Corners::new());
             pair_obstacle(nonmortar, obstacle, coupling, Analysis::Solid, time).unwrap()
         });
         check(nonmortar, &|time| {

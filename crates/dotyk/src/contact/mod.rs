@@ -32,7 +32,7 @@ mod share;
 mod sheets;
 mod weights;
 
-pub use corners::smooth_parts;
+pub use corners::{Corners, corners_above, smooth_parts};
 pub use couple::pair_couple;
 pub(crate) use curved::missed_by_nodes;
 pub use curved::straight_turn;

@@ -6,6 +6,7 @@
 //!
 //! Source: Janovský & Procházka (1980) III, section 7 (normals by the bisector rule, axis direction on the axis).
 
+use crate::contact::corners::Corners;
 use crate::contact::normals::Normals;
 use crate::contact::obstacle::{Driven, Rigid, finite_gap};
 use crate::contact::relative::{Relative, axes, frame, shared};
@@ -16,7 +17,7 @@ use crate::contact::{
 use crate::fem::{Analysis, show};
 use crate::geometry::{Point, distance, dot, sub};
 use crate::mesh::{Facet, Mesh};
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 /// Two nodes coincide within this fraction of the local edge.
 const COINCIDENT: f64 = 1e-6;
@@ -108,7 +109,7 @@ pub fn pair_nodes<const D: usize>(
     build(
         nonmortar,
         coupling,
-        analysis,
+        (analysis, &Corners::new()),
         |node, _| matches[&node].0.is_some(),
         |node, normal| {
             let Some(j) = matches[&node].0 else {
@@ -138,12 +139,13 @@ pub fn pair_nodes<const D: usize>(
     )
 }
 
-/// A side against a rigid obstacle; its rows on the other side act on the translation of the obstacle.
+/// A side, or a part of it, against a rigid obstacle; its rows on the other side act on the translation of the obstacle. `corners` are
+/// those of the whole side where the end is a part.
 ///
 /// Errors: as [`pair_nodes`].
 pub fn pair_obstacle<const D: usize>(
     nonmortar: End<'_, D>,
-    (rigid, driven): (&Rigid<D>, Driven),
+    (rigid, driven, corners): (&Rigid<D>, Driven, &Corners<D>),
     coupling: Coupling,
     analysis: Analysis,
     time: f64,
@@ -152,7 +154,7 @@ pub fn pair_obstacle<const D: usize>(
     build(
         nonmortar,
         coupling,
-        analysis,
+        (analysis, corners),
         |node, normal| rigid.faces(mesh.points()[node], normal),
         |node, normal| {
             let held = nonmortar.constraints.at(node);
@@ -189,24 +191,29 @@ struct Opposite<const D: usize> {
 fn build<const D: usize>(
     nonmortar: End<'_, D>,
     coupling: Coupling,
-    analysis: Analysis,
+    (analysis, corners): (Analysis, &Corners<D>),
     faces: impl Fn(usize, Point<D>) -> bool,
     opposite: impl Fn(usize, Point<D>) -> Result<Option<Opposite<D>>, ContactError>,
 ) -> Result<Interface<D>, ContactError> {
     let mesh = &nonmortar.body.mesh;
     let facets = nonmortar.facets()?;
-    let normals = Normals::new(nonmortar, facets)?.nodal();
+    let mut normals = Normals::new(nonmortar, facets)?.nodal();
+    for (node, normal) in &mut normals {
+        *normal = corners.get(node).map_or(*normal, |corner| corner.normal);
+    }
     let facing = facets.iter().copied().filter(|&facet| {
         let mut nodes = mesh.facet_nodes(facet).map(|node| node as usize);
         nodes.all(|node| normals.get(&node).is_some_and(|&n| faces(node, n)))
     });
-    let weights = nodal_weights(mesh, facing, analysis, nonmortar.body.thickness);
-    let whole = nodal_weights(
-        mesh,
-        facets.iter().copied(),
-        analysis,
-        nonmortar.body.thickness,
-    );
+    let thickness = nonmortar.body.thickness;
+    let mut weights = nodal_weights(mesh, facing, analysis, thickness);
+    let mut whole = nodal_weights(mesh, facets.iter().copied(), analysis, thickness);
+    let own: BTreeSet<Facet> = facets.iter().copied().collect();
+    for (&node, corner) in corners {
+        let [facing, all] = corner.weights;
+        weights.insert(node, facing);
+        whole.insert(node, all);
+    }
     let (order, cyclic) = mesh.side_order(nonmortar.side).unwrap_or_default();
     let mut interface = Interface {
         nodes: Vec::new(),
@@ -223,6 +230,9 @@ fn build<const D: usize>(
         let Some(&normal) = normals.get(&node) else {
             continue;
         };
+        if corners.get(&node).is_some_and(|c| !own.contains(&c.owner)) {
+            continue;
+        }
         // a node whose partner exists but none of whose facets faces the other side carries nothing
         let state = match weights.get(&node) {
             Some(&weight) => opposite(node, normal)?.map(|state| (state, weight)),
@@ -509,7 +519,13 @@ mod tests {
             let supports = held(&[(node, axis, still)]);
             let nonmortar = end(&upper, "bottom", &supports);
             let (coupling, analysis) = (Coupling::Frictional, Analysis::PlaneStrain);
-            let found = pair_obstacle(nonmortar, (&rigid, driven), coupling, analysis, 0.0);
+            let found = pair_obstacle(
+                nonmortar,
+                (&rigid, driven, &Corners::new()),
+                coupling,
+                analysis,
+                0.0,
+            );
             let interface = found.unwrap();
             let found = interface.nodes[1].rows.map(|row| row.is_some());
             assert_eq!(found, rows, "{axis:?} {still} {driven:?}");
@@ -547,7 +563,14 @@ mod tests {
         let rigid = Rigid::Gap(Field::constant(0.0));
         let pair = |nonmortar| {
             let (coupling, analysis) = (Coupling::Normal, Analysis::PlaneStrain);
-            pair_obstacle(nonmortar, (&rigid, Driven::Still), coupling, analysis, 0.0).unwrap()
+            pair_obstacle(
+                nonmortar,
+                (&rigid, Driven::Still, &Corners::new()),
+                coupling,
+                analysis,
+                0.0,
+            )
+            .unwrap()
         };
         let whole = end(&ring, "outer", &free);
         assert!(pair(whole).cyclic);

@@ -2,7 +2,7 @@
 
 use crate::contact::{ContactError, End};
 use crate::fem::show;
-use crate::geometry::{Field, Point, Surface, add_scaled, dot};
+use crate::geometry::{Field, Point, Surface, add_scaled, dot, norm};
 
 /// The shape of a rigid obstacle.
 #[derive(Debug, Clone)]
@@ -25,6 +25,28 @@ impl<const D: usize> Rigid<D> {
         match self {
             Self::Gap(field) => add_scaled(point, field.at(point, time), normal),
             Self::Surface { surface, .. } => surface.closest(point),
+        }
+    }
+
+    /// How far a point is out of the obstacle, negative in it; a given gap tells nothing of points that have moved.
+    pub fn distance(&self, point: Point<D>) -> Option<f64> {
+        match self {
+            Self::Gap(_) => None,
+            Self::Surface { surface, inside } => {
+                let outward = if *inside { -1.0 } else { 1.0 };
+                Some(outward * surface.distance(point))
+            }
+        }
+    }
+
+    /// The way to the nearest point of the obstacle; a given gap tells none.
+    pub fn towards(&self, point: Point<D>) -> Option<Point<D>> {
+        match self {
+            Self::Gap(_) => None,
+            Self::Surface { surface, inside } => {
+                let normal = surface.normal(point)?;
+                Some(if *inside { normal } else { normal.map(|c| -c) })
+            }
         }
     }
 
@@ -52,6 +74,9 @@ impl<const D: usize> Rigid<D> {
     }
 }
 
+/// Points that are closer than this part of their coordinates are the same.
+const SAME: f64 = 1e-13;
+
 /// Surfaces count as opposed when the cosine between the normals is below this.
 const OPPOSED: f64 = -0.1;
 
@@ -69,7 +94,12 @@ fn surface_opposite<const D: usize>(
         let n = surface.normal(add_scaled(point, s, normal))?;
         Some(if inside { n.map(|c| -c) } else { n })
     };
+    // what is not in the obstacle has none of it behind, through the body
+    let out = surface.distance(point) * if inside { -1.0 } else { 1.0 };
+    let rounding = SAME * (norm(point) + norm(surface.closest(point)));
+    let back = if out < rounding { f64::INFINITY } else { 0.0 };
     let hits = surface.intersections(point, normal).into_iter();
+    let hits = hits.filter(|&s| s >= -back);
     let facing = hits.filter(|&s| outward(s).is_some_and(|n| dot(n, normal) < OPPOSED));
     let nearest = facing.min_by(|a, b| a.abs().total_cmp(&b.abs()))?;
     Some((normal, nearest))
@@ -168,6 +198,8 @@ mod tests {
             ([0.0, -1.25], false, Some(-0.25)),
             ([1.2, 0.0], false, Some(1.4)),
             ([2.1, 0.0], false, None),
+            // the ball lies behind, through the body
+            ([0.0, -5.5], false, None),
             ([0.0, 0.5], true, Some(5.5)),
             ([0.0, -2.0], true, Some(3.0)),
             ([0.0, -5.25], true, Some(-0.25)),

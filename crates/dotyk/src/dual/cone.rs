@@ -276,7 +276,7 @@ impl Iterate {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::dual::least_squares::least_squares_nonnegative;
+    use crate::linalg::signed::least_squares_nonnegative;
 
     /// Columns that each meet two of k places, some of them clamping against each other.
     fn joints(k: usize, seed: usize) -> Vec<SparseVector> {

@@ -11,7 +11,7 @@
 //! some load along y, too: then eᵀy is more than the work of any forces that they can bear.)
 //!
 //! C is told by *generators*: the sums of these vectors with weights ≥ 0 are the points of C. Each block of Λ gives its own
-//! (`law.rs`), and the weights that come nearest to e are found by least squares with signs (`least_squares.rs`), of many
+//! (`law.rs`), and the weights that come nearest to e are found by least squares with signs (`linalg/signed.rs`), of many
 //! bodies by an interior point method (`cone.rs`) whose answer is checked.
 //!
 //! Two sets have no finite list of generators that could be written down at once. The cone of Coulomb's law in space is round:
@@ -30,12 +30,12 @@
 
 use crate::dual::cone;
 use crate::dual::law::{Generators, farthest};
-use crate::dual::least_squares::least_squares_nonnegative;
 use crate::dual::modes::transposed;
 use crate::dual::split::{MANY, Split};
 use crate::dual::{AdmissibleSet, Balance, Block, DualProblem, ModeSplit, Modes};
 use crate::linalg::SparseVector;
 use crate::linalg::dense::{dot, norm};
+use crate::linalg::signed::least_squares_nonnegative;
 use std::f64::consts::TAU;
 use std::ops::Range;
 

@@ -28,7 +28,6 @@ mod certificate;
 mod cone;
 mod feasibility;
 mod law;
-mod least_squares;
 mod modes;
 mod projection;
 mod split;
@@ -42,7 +41,6 @@ pub use certificate::{Certificate, Figure, IMBALANCE_LIMIT, OfDomain, Recomputed
 pub use feasibility::{Feasibility, NO_WORK};
 pub(crate) use law::NONE;
 pub use law::{Block, Friction};
-pub(crate) use least_squares::least_norm_within;
 pub use modes::Modes;
 pub use projection::Projector;
 pub use split::ModeSplit;

@@ -16,6 +16,7 @@ mod cholesky;
 pub(crate) mod dense;
 mod gram;
 mod order;
+pub(crate) mod signed;
 mod sparse;
 mod sparse_lu;
 

@@ -9,7 +9,7 @@
 //! curves along a facet. Where nothing presses and nothing curves there is no excuse: a condition was lost.
 
 use crate::contact::{Coupling, InterfaceNode, Moved, Role, Sample};
-use crate::geometry::{Point, add_scaled, dot, invert, norm};
+use crate::geometry::{Point, add_scaled, dot, invert, norm, sub};
 use crate::model::pair::Paired;
 use std::collections::BTreeMap;
 
@@ -41,8 +41,8 @@ pub(crate) fn worst_overlap<const D: usize>(
     negligible: f64,
 ) -> Option<Overlap<D>> {
     let mut worst: Option<Overlap<D>> = None;
-    let facets = pair.samples.iter().zip(seen(pair, moved, lambda));
-    for (samples, (gaps, [pressure, bend])) in facets {
+    let seen = seen(pair, lambda, |sample| sample.at.after(moved));
+    for (samples, (gaps, [pressure, bend])) in pair.samples.iter().zip(seen) {
         for (sample, gap) in samples.iter().zip(gaps).filter(|(_, gap)| *gap < 0.0) {
             let found = Overlap {
                 contact,
@@ -59,15 +59,21 @@ pub(crate) fn worst_overlap<const D: usize>(
 }
 
 /// What the meshes can resolve of one contact under its forces `lambda` at each node of its nonmortar side that faces something, a
-/// length.
+/// length; `out` tells how far points are out of the obstacle, where one lies opposite: seen from a side that leans, it would
+/// bend more than it does.
 pub(crate) fn resolved<const D: usize>(
     pair: &Paired<D>,
     moved: &Moved<'_, D>,
     lambda: &[f64],
+    out: impl Fn(Point<D>) -> Option<f64>,
 ) -> BTreeMap<usize, f64> {
+    let gap = |sample: &Sample<D>| {
+        let own = sample.at.own.iter();
+        let own = own.fold(sample.point, |x, &(j, n)| add_scaled(x, n, moved.own[j]));
+        out(sub(own, moved.obstacle)).unwrap_or_else(|| sample.at.after(moved))
+    };
     let mut resolved = BTreeMap::new();
-    let facets = pair.samples.iter().zip(seen(pair, moved, lambda));
-    for (samples, (_, [pressure, bend])) in facets {
+    for (samples, (_, [pressure, bend])) in pair.samples.iter().zip(seen(pair, lambda, gap)) {
         let dent = samples
             .iter()
             .fold(0.0, |s: f64, sample| s.max(sample.dent));
@@ -76,18 +82,18 @@ pub(crate) fn resolved<const D: usize>(
     resolved
 }
 
-/// Of each facet the gaps at its samples, and the largest pressure and bend of the gap at its nodes.
+/// Of each facet the gaps at its samples, as they are told, and the largest pressure and bend of the gap at its nodes.
 fn seen<const D: usize>(
     pair: &Paired<D>,
-    moved: &Moved<'_, D>,
     lambda: &[f64],
+    gap: impl Fn(&Sample<D>) -> f64,
 ) -> Vec<(Vec<f64>, [f64; 2])> {
     let own = |node: &InterfaceNode<D>| node.rows[0].map(|row| (lambda[row] / node.weight).abs());
     let nodes = pair.interface.nodes.iter();
     let pressures = nodes.filter_map(|n| Some((n.node, own(n)?))).collect();
     let pressure = near(pair, &pressures);
-    let facets = pair.samples.iter().map(|samples| gaps(samples, moved));
-    let facets: Vec<Vec<f64>> = facets.collect();
+    let gaps = |samples: &Vec<Sample<D>>| samples.iter().map(&gap).collect();
+    let facets: Vec<Vec<f64>> = pair.samples.iter().map(gaps).collect();
     let mut bends = BTreeMap::new();
     for (samples, gaps) in pair.samples.iter().zip(&facets) {
         let bend = bend(samples, gaps);

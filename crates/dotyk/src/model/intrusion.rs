@@ -23,8 +23,11 @@
 //! so. What lies beside excluded nodes is told by a warning of its own, as is what a contact would hold that is not there. Where
 //! a clearance is given, what meshes do no farther than that from the sides, and from what goes on from these without an edge,
 //! says nothing. Bodies that are drawn to meet at edges alone have no sides there that a contact could name: what overlaps is
-//! narrow by the motion, and is left as long as that is small beside the facets. An obstacle is there for the side that its
-//! contact names, and no other: a plane may stand for a punch.
+//! narrow by the motion, and is left as long as that is small beside the facets.
+//!
+//! An obstacle is there for the side that its contact names, and no other: a plane may stand for a punch. Nodes alone can stand in
+//! it: the second term does not count, and of the first the tenth part where each node has a condition of its own, and nothing
+//! where a node of the side has none. Beside them stands what the normal of the obstacle turns by along the motion.
 
 use crate::contact::{Moved, Rigid, Role};
 use crate::dual::{BETWEEN_LIMIT, Figure, ROUNDING};
@@ -189,6 +192,8 @@ struct Named<'a, const D: usize> {
     given: Option<(f64, [Option<Surrounding<D>>; 2])>,
     /// Nodes of the nonmortar side that are excluded, and those beside them: what overlaps there is told apart.
     out: BTreeSet<usize>,
+    /// Nodes of the nonmortar side that meet an obstacle one by one and are not excluded; none where conditions are means.
+    above: Option<BTreeSet<usize>>,
 }
 
 impl<'a, const D: usize> Named<'a, D> {
@@ -219,6 +224,16 @@ impl<'a, const D: usize> Named<'a, D> {
         let out = out
             .map(|node| node.node)
             .chain(beside.map(|(node, _)| *node));
+        let shape = match &contact.pair {
+            Pair::Obstacle { obstacle, .. } => Some(&obstacle.shape),
+            _ => None,
+        };
+        let nodes = &pair.interface.nodes;
+        let above = shape.filter(|_| nodes.iter().all(|node| node.shares.mean.len() < 2));
+        let above = above.map(|_| {
+            let nodes = nodes.iter().filter(|node| node.role != Role::Excluded);
+            nodes.map(|node| node.node).collect()
+        });
         Self {
             name: &contact.name,
             out: out.collect(),
@@ -226,7 +241,8 @@ impl<'a, const D: usize> Named<'a, D> {
                 pair.nonmortar.body.0,
                 pair.mortar.as_ref().map(|side| side.body.0),
             ),
-            resolved: resolved(pair, &moved, lambda),
+            resolved: resolved(pair, &moved, lambda, |x| shape?.distance(x)),
+            above,
             moved,
             given,
         }
@@ -558,32 +574,28 @@ fn in_obstacle<const D: usize>(
     let Pair::Obstacle { obstacle, .. } = pair else {
         return None;
     };
-    let Rigid::Surface { surface, inside } = &obstacle.shape else {
+    let Rigid::Surface { surface, .. } = &obstacle.shape else {
         return None;
     };
     let rounding = COORDINATE * extent(&[body.bounds]);
-    let depth = |x: Point<D>| {
-        if *inside {
-            surface.distance(x)
-        } else {
-            -surface.distance(x)
-        }
-    };
+    let depth = |x: Point<D>| obstacle.shape.distance(x).map(|out| -out);
     let found = body.skin.nodes().iter().filter_map(|&node| {
         let at = node as usize;
-        let of_contact = contact.allows(node)?;
         let first = body.first[at];
         let relative = sub(contact.moved.own[at], contact.moved.obstacle);
         let (now, motion) = (add_scaled(first, 1.0, relative), norm(relative));
-        let (deep, drawn) = (depth(now), depth(first));
+        let (deep, drawn) = (depth(now)?, depth(first)?);
         let grown = deep - drawn.max(0.0);
         if grown <= rounding || drawn > motion + rounding {
             return None;
         }
+        let of_contact = match &contact.above {
+            Some(above) if !above.contains(&at) => return None,
+            Some(_) => contact.resolved.get(&at).copied().unwrap_or(0.0),
+            None => contact.allows(node)?,
+        };
         let allowed = of_contact
-            + body.allows(node, motion)
-            + motion * turn(surface, first, now)
-            + APART * motion
+            + motion * (body.gradient(node) + turn(surface, first, now) + APART)
             + rounding;
         Some(Intrusion {
             body: body.name.to_string(),

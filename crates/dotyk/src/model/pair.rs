@@ -2,9 +2,9 @@
 //! which are interfaces of a side and a point, and the links (`links.rs`).
 
 use crate::contact::{
-    Against, ContactError, Coupling, Driven, End, GapPoint, InitialGap, Interface, InterfaceNode,
-    Role, Row, Sample, facets_coincide, missed_by_nodes, pair_couple, pair_mortar, pair_nodes,
-    pair_obstacle, samples, smooth_parts, unmatched_facing,
+    Against, ContactError, Corners, Coupling, Driven, End, GapPoint, InitialGap, Interface,
+    InterfaceNode, Role, Row, Sample, corners_above, facets_coincide, missed_by_nodes, pair_couple,
+    pair_mortar, pair_nodes, pair_obstacle, samples, smooth_parts, unmatched_facing,
 };
 use crate::fem::{AGREE, Constraints, Couple, CoupleKind, FemError, Place, Short, describe, show};
 use crate::geometry::{Field, Point, add_scaled, dot, sub};
@@ -614,13 +614,21 @@ impl<'a, const D: usize> Contacting<'a, D> {
             Coupling::Tied => vec![whole.facets().map_err(fail)?.to_vec()],
             _ => smooth_parts(whole).map_err(fail)?,
         };
+        let corners = match opposite {
+            Opposite::Rigid(obstacle) if coupling != Coupling::Tied => {
+                corners_above(whole, &obstacle.shape, self.model.analysis).map_err(fail)?
+            }
+            _ => Corners::new(),
+        };
         let pair = |part: &Vec<Facet>| {
             let end = End {
                 part: (parts.len() > 1).then_some(part.as_slice()),
                 ..whole
             };
             match opposite {
-                Opposite::Rigid(obstacle) => self.above(nonmortar, end, obstacle, coupling),
+                Opposite::Rigid(obstacle) => {
+                    self.above(nonmortar, end, (obstacle, &corners), coupling)
+                }
                 Opposite::Side(mortar) => {
                     let sides = self.sides([nonmortar, mortar], end, coupling);
                     sides.map_err(fail)
@@ -757,11 +765,11 @@ impl<'a, const D: usize> Contacting<'a, D> {
         &self,
         nonmortar: &SideRef,
         end: End<'_, D>,
-        obstacle: &Obstacle<D>,
+        (obstacle, corners): (&Obstacle<D>, &Corners<D>),
         coupling: Coupling,
     ) -> Result<Paired<D>, Error<D>> {
         let against = Against::Obstacle(&obstacle.shape, driven(obstacle));
-        let interface = self.obstacle(end, obstacle, coupling);
+        let interface = self.obstacle(end, (obstacle, corners), coupling);
         let samples = self.samples(end, against, InitialGap::Measured);
         Ok(Paired {
             kind: Kind::Contact,
@@ -787,12 +795,13 @@ impl<'a, const D: usize> Contacting<'a, D> {
     fn obstacle(
         &self,
         end: End<'_, D>,
-        obstacle: &Obstacle<D>,
+        (obstacle, corners): (&Obstacle<D>, &Corners<D>),
         coupling: Coupling,
     ) -> Result<Interface<D>, ContactError> {
         let driven = driven(obstacle);
         let (analysis, time) = (self.model.analysis, self.time);
-        let nodal = || pair_obstacle(end, (&obstacle.shape, driven), coupling, analysis, time);
+        let rigid = (&obstacle.shape, driven, corners);
+        let nodal = || pair_obstacle(end, rigid, coupling, analysis, time);
         let integrated = || {
             let against = Against::Obstacle(&obstacle.shape, driven);
             pair_mortar(end, against, InitialGap::Measured, coupling, analysis, time)

@@ -1,8 +1,8 @@
 //! Rigid motions that the contact forces leave open: least norm of the displacement without penetration.
 
-use crate::dual::least_norm_within;
 use crate::linalg::SparseVector;
 use crate::linalg::dense::dot;
+use crate::linalg::signed::least_norm_within;
 use crate::model::bodies::LoadedBody;
 use crate::model::floating::Floating;
 use std::collections::{BTreeMap, BTreeSet};

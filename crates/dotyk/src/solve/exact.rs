@@ -14,7 +14,8 @@
 use std::collections::HashSet;
 use std::ops::Range;
 
-use crate::dual::{Compliance, Multipliers, least_norm_within};
+use crate::dual::{Compliance, Multipliers};
+use crate::linalg::signed::least_norm_within;
 use crate::solve::iteration::tell;
 use crate::solve::levels;
 use crate::solve::setup::{Forces, Judge, Setup};

@@ -565,3 +565,68 @@ obstacle = { plane = { point = [0, 0], normal = [0, 1] } }
         assert!(told.contains(word), "{told}");
     }
 }
+
+/// A wedge with faces at 45° whose edge is at the origin and moves down by `down`, and its contact.
+fn edge(pairing: &str, obstacle: &str, down: f64) -> String {
+    format!(
+        r#"analysis = "plane-strain"
+[[body]]
+name = "wedge"
+mesh = {{ outline = {{ size = 0.15, cell = "tri3", from = [0, 0], edges = [{{ to = [1, 1], name = "low" }}, {{ to = [-1, 1], name = "top" }}, {{ to = [0, 0], name = "low" }}] }} }}
+material = {{ young = 1e4, poisson = 0.3 }}
+fix = [{{ side = "top", x = 0, y = {} }}]
+[[contact]]
+name = "edge"
+nonmortar = "wedge.low"
+obstacle = {{ {obstacle} }}
+{pairing}
+"#,
+        -down
+    )
+}
+
+/// Along faces at 45° a clearance of 0.01 would be used up after 0.02 alone. On its way straight down the edge meets a roller, a
+/// bowl, or a needle's eye that its faces do not see, as it meets a plane.
+#[test]
+fn an_edge_meets_what_is_round_where_it_is() {
+    let plane = "plane = { point = [0, -0.01], normal = [0, 1] }";
+    let round = [
+        "circle = { center = [0, -1.01], radius = 1 }",
+        "circle = { center = [0, -0.06], radius = 0.05 }",
+        "circle = { center = [0, 9.99], radius = 10, inside = true }",
+    ];
+    for down in [0.0099, 0.0101, 0.012] {
+        let force = |obstacle: &str| {
+            let solution = solve(&edge("", obstacle, down)).map_err(|reason| panic!("{reason}"));
+            let contact = &solution.unwrap().contacts[0];
+            let closed = contact.nodes.iter().filter(|node| node.pressure > 0.0);
+            (contact.resultant[1], closed.count())
+        };
+        let (flat, count) = force(plane);
+        assert_eq!(
+            count,
+            usize::from(down > 0.01),
+            "one condition, not one for each face"
+        );
+        for obstacle in round {
+            let (found, closed) = force(obstacle);
+            assert_eq!(closed, count, "{obstacle}");
+            assert!(
+                (found - flat).abs() <= 1e-9 * flat.abs(),
+                "{obstacle}: {found}, {flat}"
+            );
+        }
+    }
+}
+
+/// Conditions in the mean go along the faces: what the edge overlaps is told.
+#[test]
+fn an_edge_that_means_over_its_faces_let_through_is_told() {
+    let obstacle = "circle = { center = [0, -1.01], radius = 1 }";
+    let found = stands(solve(&edge("pairing = \"mortar\"", obstacle, 0.015)));
+    assert!(
+        found.obstacle && (found.depth - 0.005).abs() < 1e-9,
+        "{found:?}"
+    );
+    assert_eq!(found.point, [0.0, 0.0]);
+}

@@ -4,9 +4,10 @@ use super::floors::polygon;
 use super::{Push, Scene, course};
 use crate::amount::{Amount, Time};
 use crate::cells::Kind;
-use crate::plane::{cross, rotated, times};
+use crate::plane::{cross, plus, rotated, times};
 use crate::problem::{
-    Circle, Drive, Gap, Known, Law, Load, Place, Shape, Surface, clamp, hold, on, side, steps,
+    Circle, Drive, Gap, Known, Law, Load, Pairing, Place, Shape, Surface, clamp, hold, moved, on,
+    side, steps,
 };
 use std::f64::consts::PI;
 
@@ -543,4 +544,52 @@ pub fn pocket(scene: &mut Scene) {
         field: [Amount::from(aside), Amount::from(-p)],
     });
     scene.holds("pressed into a pocket that surrounds it");
+}
+
+/// A corner that is moved onto a round obstacle, into a hollow one or onto a plane, near or far; its faces may not see it.
+pub fn edge(scene: &mut Scene) {
+    let half = scene.random.between(0.35, 1.2);
+    let lean = scene.random.between(-0.5, 0.5) * half;
+    let along = [half + lean, lean - half].map(|angle| {
+        let long = scene.random.between(0.5, 1.2);
+        times(long, [angle.sin(), angle.cos()])
+    });
+    let far = plus(along[0], 1.0, along[1]);
+    let corners = [[0.0; 2], along[0], far, along[1]];
+    let kind = scene.random.pick(&[Kind::Tri3, Kind::Tri6]);
+    let size = scene.cell_length(1.0, 1, kind).clamp(0.05, 0.3);
+    let shape = polygon(size, &corners, &["low", "up", "up", "low"], &[]);
+    scene.add("wedge", shape, kind);
+    let clear = scene.random.pick(&[0.0, 0.3, 1.0, 30.0, 300.0]) * scene.strain.min(3e-4);
+    // farther off the middle the other corner would come first
+    let turn = scene.random.between(-0.9, 0.9) * (0.5 * PI - half) - lean;
+    let way = [turn.sin(), -turn.cos()];
+    let surface = match scene.random.count(0, 2) {
+        0 => Surface::Plane {
+            point: times(clear, way),
+            normal: times(-1.0, way),
+        },
+        which => {
+            let inside = which == 1;
+            let radius = scene.random.magnitude(0.5, 5.0) + if inside { 15.0 } else { 0.0 };
+            let centre = if inside {
+                clear - radius
+            } else {
+                clear + radius
+            };
+            Surface::Circle {
+                center: times(centre, way),
+                radius,
+                inside,
+            }
+        }
+    };
+    let law = scene.law(0.4);
+    let c = scene.stand(side("wedge", "low"), surface, Drive::Nothing, law);
+    // means over facets go along the faces: of a corner between them they tell
+    scene.problem.contacts[c].pairing = Pairing::Default;
+    let depth = clear + scene.strain * scene.random.between(0.1, 1.0);
+    let supports = &mut scene.problem.bodies[0].supports;
+    supports.extend([0, 1].map(|axis| moved(on("up"), axis, Amount::from(depth * way[axis]))));
+    scene.holds("moved onto what stands still");
 }

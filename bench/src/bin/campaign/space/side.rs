@@ -348,7 +348,10 @@ impl Surface {
         }
         let sign = if inside { -1.0 } else { 1.0 };
         let faces = |s: &f64| sign * dot(self.normal(plus(x, *s, n)), n) < OPPOSED;
-        let facing = self.meets(x, n).into_iter().filter(faces);
+        // nothing of it lies behind a point that is clear of it
+        let clear = sign * (length(across(minus(x, self.point), self.axis)) - self.radius);
+        let ahead = |s: &f64| *s >= 0.0 || clear < 1e-12 * self.radius;
+        let facing = self.meets(x, n).into_iter().filter(ahead).filter(faces);
         let nearest = facing.min_by(|a, b| a.abs().total_cmp(&b.abs()))?;
         Some((n, nearest))
     }

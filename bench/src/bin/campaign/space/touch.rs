@@ -24,6 +24,9 @@ const POINTS: usize = 5;
 /// Two nodes coincide within this part of the facets there.
 const COINCIDENT: f64 = 1e-6;
 
+/// Sweeps over the faces of a corner: they meet at 30° and more, so that each leaves three quarters of an error at most.
+const SWEEPS: usize = 200;
+
 /// Polygons of a smaller part of their facet are rounding.
 const SLIVER: f64 = 1e-9;
 
@@ -302,7 +305,10 @@ impl<'a> Touch<'a> {
                     let at = self.skin.facets[f].at(self.skin.place(f, node)?);
                     self.look(f, &at).map(|(sample, _)| sample)
                 }),
-                (None, Against::Obstacle { .. }) => self.beyond(&sample, normal),
+                (None, Against::Obstacle { .. }) => {
+                    let met = self.met_at_corner(node, mesh.points[node]);
+                    self.beyond(&sample, met.unwrap_or(normal))
+                }
                 _ => None,
             };
             self.at_nodes.extend(found.map(|sample| (node, sample)));
@@ -335,6 +341,34 @@ impl<'a> Touch<'a> {
         }
     }
 
+    /// The direction along which a sharp corner meets a curved obstacle: that of the cone of its faces which is nearest to the
+    /// shortest way there. `None` where that is a face's.
+    fn met_at_corner(&self, node: usize, x: Vector) -> Option<Vector> {
+        let Against::Obstacle {
+            surface, inside, ..
+        } = &self.contact.against
+        else {
+            return None;
+        };
+        let faces = self.faces(node);
+        if self.contact.law == Law::Tied || surface.form == Form::Plane || !apart(&faces) {
+            return None;
+        }
+        let way = times(if *inside { 1.0 } else { -1.0 }, surface.normal(x));
+        // the weights of the faces, one after the other, until the sum comes no nearer
+        let mut weights = vec![0.0; faces.len()];
+        let mut rest = way;
+        for _ in 0..SWEEPS {
+            for (weight, &face) in weights.iter_mut().zip(&faces) {
+                let raised = (*weight + dot(rest, face)).max(0.0);
+                rest = plus(rest, *weight - raised, face);
+                *weight = raised;
+            }
+        }
+        let several = weights.iter().filter(|&&w| w > 1e-9).count() > 1;
+        several.then(|| unit(minus(way, rest)))
+    }
+
     /// The sample of a face at a node.
     fn of_face(&self, sample: &Sample, normal: Vector) -> Option<Sample> {
         match &self.contact.against {
@@ -349,6 +383,9 @@ impl<'a> Touch<'a> {
     /// The sample of a row. Where facets meet sharply it belongs to some of them: to those whose mean normal fits its own.
     pub fn at_row(&self, row: &Row) -> Option<Sample> {
         let sample = self.at_nodes.get(&row.node)?;
+        if self.met_at_corner(row.node, sample.x).is_some() {
+            return Some(sample.clone());
+        }
         let faces = self.faces(row.node);
         let some = (1..1usize << faces.len()).filter_map(|some| {
             let own = faces.iter().enumerate().filter(|(k, _)| some >> k & 1 == 1);
@@ -434,6 +471,18 @@ impl<'a> Touch<'a> {
         each.flat_map(|p| p.corners.iter().map(|&x| (x, p.normal)))
             .collect()
     }
+}
+
+/// Some of these normals cannot be reached from others by turns that are no corner.
+fn apart(faces: &[Vector]) -> bool {
+    let mut reached = vec![false; faces.len()];
+    for _ in faces {
+        for k in 0..faces.len() {
+            let near = |j: usize| reached[j] && dot(faces[j], faces[k]) > SHARP;
+            reached[k] = reached[k] || k == 0 || (0..faces.len()).any(near);
+        }
+    }
+    reached.contains(&false)
 }
 
 /// Facets that share a node with some, and these.

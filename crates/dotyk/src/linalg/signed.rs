@@ -14,7 +14,7 @@
 use crate::linalg::dense::{dot, norm};
 
 /// x ≥ 0 that minimises ‖Σ xⱼ columnsⱼ − target‖, and the rest target − Σ xⱼ columnsⱼ.
-pub(super) fn least_squares_nonnegative(
+pub(crate) fn least_squares_nonnegative(
     columns: &[Vec<f64>],
     target: &[f64],
 ) -> (Vec<f64>, Vec<f64>) {
