@@ -119,6 +119,9 @@ pub fn corners_above<const D: usize>(
         Some((node, between(meeting.iter().map(|(_, n)| *n), way)?))
     });
     let between: BTreeMap<usize, Point<D>> = between.collect();
+    if between.is_empty() {
+        return Ok(Corners::new());
+    }
     let normals = Normals::new(whole, side)?;
     let faces = |&facet: &Facet| {
         let places = mesh.facet_kind(facet).reference_nodes().iter();

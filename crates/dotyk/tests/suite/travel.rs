@@ -586,7 +586,7 @@ obstacle = {{ {obstacle} }}
 }
 
 /// Along faces at 45° a clearance of 0.01 would be used up after 0.02 alone. On its way straight down the edge meets a roller, a
-/// bowl, or a needle's eye that its faces do not see, as it meets a plane.
+/// wire that its faces do not see, or a bowl as it meets a plane.
 #[test]
 fn an_edge_meets_what_is_round_where_it_is() {
     let plane = "plane = { point = [0, -0.01], normal = [0, 1] }";
