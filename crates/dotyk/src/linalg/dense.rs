@@ -352,12 +352,24 @@ impl Lu {
     /// Factors a (n, n).
     ///
     /// Errors: [`LinalgError::NotFinite`]; [`LinalgError::Singular`] when a pivot is at most n·2⁻⁵² times the largest entry.
-    pub fn new(mut a: Mat<f64>) -> Result<Self, LinalgError> {
-        check_matrix(&a)?;
+    pub fn new(a: Mat<f64>) -> Result<Self, LinalgError> {
         let n = a.nrows();
         let largest = (0..n)
             .flat_map(|j| a.col_as_slice(j))
             .fold(0.0, |m: f64, value| m.max(value.abs()));
+        Self::with_pivots(a, n as f64 * f64::EPSILON * largest)
+    }
+
+    /// The same of a matrix whose small pivots are what they are, as where a barrier adds its own size to each diagonal entry.
+    ///
+    /// Errors: as those of [`Self::new`], but only a pivot that is zero is none.
+    pub fn graded(a: Mat<f64>) -> Result<Self, LinalgError> {
+        Self::with_pivots(a, 0.0)
+    }
+
+    fn with_pivots(mut a: Mat<f64>, smallest_pivot: f64) -> Result<Self, LinalgError> {
+        check_matrix(&a)?;
+        let n = a.nrows();
         let (mut rows, mut inverse) = (vec![0usize; n], vec![0usize; n]);
         let scratch =
             lu::factor::lu_in_place_scratch::<usize, f64>(n, n, Par::Seq, Default::default());
@@ -370,7 +382,6 @@ impl Lu {
             MemStack::new(&mut memory),
             Default::default(),
         );
-        let smallest_pivot = n as f64 * f64::EPSILON * largest;
         let vanishes = |pivot: f64| pivot.is_nan() || pivot.abs() <= smallest_pivot;
         match (0..n).find(|&k| vanishes(a[(k, k)])) {
             Some(column) => Err(LinalgError::Singular { column }),

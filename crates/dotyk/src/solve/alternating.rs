@@ -35,12 +35,10 @@ use crate::linalg::{
 };
 use crate::solve::Observer;
 use crate::solve::anderson::Anderson;
-use crate::solve::exact::{Ended, NEAR, NEARBY, Patience, Search};
-use crate::solve::hold::held;
+use crate::solve::exact::{Ended, NEARBY, Search, Settled};
 use crate::solve::levels::local_softness;
 use crate::solve::setup::Setup;
 use crate::solve::states::State;
-use std::collections::HashSet;
 
 /// a, relative to the compliance of each contact: one after the other, each from the start, until one leads to an answer.
 /// The first is six times as fast as the second where both do. Forces that bodies clamp each other with, however, and that
@@ -61,9 +59,6 @@ const TOGETHER: usize = 32;
 const PATIENCE: usize = 25;
 const PATIENCE_WITH_FEW: usize = 10;
 const PROGRESS: f64 = 0.9;
-
-/// An exact step from states that do not change any more.
-const ONCE: Patience = Patience::new(1, f64::INFINITY);
 
 /// The residual is brought below this part of the tolerance where that is to be had.
 const WITHIN: f64 = 1e-2;
@@ -148,8 +143,7 @@ enum Left {
     Stopped,
 }
 
-/// Alternates with one matrix from the trial forces (m,), with so much patience. States that no step changes any more are those of
-/// the answer, mostly, long before the forces are: exact steps from there tell, once for the same states.
+/// Alternates with one matrix from the trial forces (m,), with so much patience.
 fn descend(
     search: &mut Search<'_>,
     half: &LinearHalf<'_>,
@@ -162,7 +156,7 @@ fn descend(
     let (mut balanced, mut amplitudes) = (Vec::new(), Vec::new());
     let mut anderson = Anderson::default();
     let (mut least, mut still) = (f64::INFINITY, 0);
-    let (mut before, mut tried) = (Vec::new(), HashSet::new());
+    let mut settled = Settled::default();
     while !search.exhausted() && still < patience {
         for _ in 0..TOGETHER {
             by_law(setup, &trial, &mut lambda);
@@ -200,23 +194,12 @@ fn descend(
         if setup.problem.is_crowd() {
             continue;
         }
-        let states = of_trial(setup, &trial);
-        let keys = State::keys(&states);
-        if keys == before && tried.insert(keys.clone()) {
-            // in space the directions of slip may still turn
-            let patience = match states.iter().any(State::may_turn) {
-                true => &NEAR,
-                false => &ONCE,
+        if let Some(ended) = settled.exact(search, of_trial(setup, &trial), 2, observe) {
+            return match ended {
+                Ended::Stopped => Left::Stopped,
+                _ => Left::Exact,
             };
-            match search.exact(states, patience, &held(setup), observe) {
-                Ended::Converged => return Left::Exact,
-                Ended::Stopped => return Left::Stopped,
-                Ended::Stuck(_) => {
-                    search.move_to(lambda.clone(), setup.balance.from_rows(amplitudes.clone()));
-                }
-            }
         }
-        before = keys;
     }
     Left::Forces(balanced, amplitudes)
 }

@@ -16,6 +16,7 @@ use std::ops::Range;
 
 use crate::dual::{Compliance, Multipliers};
 use crate::linalg::signed::least_norm_within;
+use crate::solve::hold::held;
 use crate::solve::iteration::tell;
 use crate::solve::levels;
 use crate::solve::setup::{Forces, Judge, Setup};
@@ -29,11 +30,22 @@ pub(crate) struct Patience {
     pub steps: usize,
     /// Each residual is to be at most this part of the one before.
     pub factor: f64,
+    /// From this step on fewer states are to change than by the one before, or the residual is to fall.
+    pub settling: usize,
 }
 
 impl Patience {
     pub const fn new(steps: usize, factor: f64) -> Self {
-        Self { steps, factor }
+        Self {
+            steps,
+            factor,
+            settling: usize::MAX,
+        }
+    }
+
+    /// The same where fewer states are to change each time, or the residual is to fall, from such a step on.
+    pub const fn settling(self, settling: usize) -> Self {
+        Self { settling, ..self }
     }
 }
 
@@ -91,6 +103,64 @@ pub(crate) fn tight(tolerance: f64) -> f64 {
 /// Accuracy where that does not do: in many contacts the error of one is small beside that of all.
 pub(crate) fn finest(tolerance: f64) -> f64 {
     WITHIN * tight(tolerance)
+}
+
+/// An exact step from states that do not change any more.
+const ONCE: Patience = Patience::new(1, f64::INFINITY);
+
+/// States that iterates in a row ask for. They are those of the answer, mostly, long before the iterates are: exact steps from
+/// there tell, once for the same states.
+#[derive(Default)]
+pub(crate) struct Settled {
+    /// The last states, and for how many iterates they have been the same.
+    last: Vec<(bool, u8)>,
+    times: usize,
+    tried: HashSet<Vec<(bool, u8)>>,
+}
+
+impl Settled {
+    /// Exact steps where `states` have been the same so many times in a row; `None`, and the search where it was, where they have
+    /// not or no answer follows.
+    pub fn exact(
+        &mut self,
+        search: &mut Search<'_>,
+        states: Vec<State>,
+        times: usize,
+        observe: Observer<'_>,
+    ) -> Option<Ended> {
+        let keys = State::keys(&states);
+        self.times = if keys == self.last { self.times + 1 } else { 1 };
+        self.last.clone_from(&keys);
+        if self.times < times || !self.tried.insert(keys.clone()) {
+            return None;
+        }
+        let here = (search.residual, search.kind, search.point.clone());
+        // in space the directions of slip may still turn
+        let patience = match states.iter().any(State::may_turn) {
+            true => &NEAR,
+            false => &ONCE,
+        };
+        let adjust = held(search.setup);
+        let mut ended = search.exact(states, patience, &adjust, observe);
+        // the node that was still wrong is the one that the step tells of
+        if let Ended::Stuck(next) = &ended
+            && apart(&keys, &State::keys(next)) == 1
+        {
+            ended = search.exact(next.clone(), patience, &adjust, observe);
+        }
+        match ended {
+            Ended::Stuck(_) => {
+                (search.residual, search.kind, search.point) = here;
+                None
+            }
+            ended => Some(ended),
+        }
+    }
+}
+
+/// In how many nodes states differ.
+fn apart(these: &[(bool, u8)], those: &[(bool, u8)]) -> usize {
+    these.iter().zip(those).filter(|(a, b)| a != b).count()
 }
 
 /// The iterate and its history.
@@ -234,7 +304,8 @@ impl<'a> Search<'a> {
     ) -> Ended {
         let mut seen = HashSet::new();
         let mut last = f64::INFINITY;
-        for _ in 0..patience.steps {
+        let mut changing = usize::MAX;
+        for step in 1..=patience.steps {
             if self.exhausted() || !self.exact_step(&states) {
                 return Ended::Stuck(states);
             }
@@ -263,12 +334,15 @@ impl<'a> Search<'a> {
                 };
                 continue;
             }
+            let changed = apart(&now, &then);
             let repeated = !seen.insert(now);
             let before = std::mem::replace(&mut last, self.residual);
+            let settles =
+                changed < std::mem::replace(&mut changing, changed) || self.residual < before;
             let falls = self.residual <= patience.factor * before;
             // in space the directions of slip go on turning in the same states
             let turns = states.iter().any(State::may_turn) && self.residual <= 0.5 * before;
-            if (repeated || same) && !turns || !falls {
+            if (repeated || same) && !turns || !falls || step >= patience.settling && !settles {
                 return Ended::Stuck(next);
             }
             let enough = (0.1 * self.residual).max(tight(self.tolerance));
@@ -553,6 +627,7 @@ mod tests {
                 lambda: vec![1.0, 2.0],
                 alpha: Vec::new(),
                 states: vec![State::sticking(&Block::Unilateral, false); 2],
+                solved: true,
                 steps: 1.2,
             })
         };

@@ -51,6 +51,8 @@ pub(crate) struct Start {
     /// α̂, (k,).
     pub alpha: Vec<f64>,
     pub states: Vec<State>,
+    /// The coarser problem has an answer, and did not come to a standstill.
+    pub solved: bool,
     /// Linear solves, each counted by its share of unknowns.
     pub steps: f64,
 }
@@ -143,6 +145,7 @@ struct Clusters {
 /// A coarser problem and what came out.
 struct Coarse {
     outcome: Outcome,
+    solved: bool,
     /// Its solves, each counted by its share of unknowns.
     steps: f64,
 }
@@ -194,18 +197,20 @@ impl Clusters {
         let coarse = self.problem(setup, compliance)?;
         let coarse_setup = Setup::new(&coarse).ok()?;
         let limits = (ACCURACY, STEPS);
-        let outcome = match solve(limits, &coarse_setup, &mut |_| ControlFlow::Continue(())) {
-            Ok(outcome) => outcome,
-            // a guess that is rough is still one
-            Err(SolveError::NotConverged { outcome, .. }) => *outcome,
-            Err(_) => return None,
-        };
+        let (outcome, solved) =
+            match solve(limits, &coarse_setup, &mut |_| ControlFlow::Continue(())) {
+                Ok(outcome) => (outcome, true),
+                // a guess that is rough is still one
+                Err(SolveError::NotConverged { outcome, .. }) => (*outcome, false),
+                Err(_) => return None,
+            };
         let Multipliers { lambda, alpha } = &outcome.multipliers;
         let finite = lambda.iter().chain(alpha).all(|x| x.is_finite());
         let share = coarse.len() as f64 / setup.len() as f64;
         finite.then_some(Coarse {
             steps: share * outcome.iterations as f64,
             outcome,
+            solved,
         })
     }
 
@@ -247,6 +252,7 @@ impl Clusters {
             lambda,
             alpha,
             states,
+            solved: found.solved,
             steps: found.steps,
         }
     }

@@ -30,6 +30,7 @@ mod exact;
 mod foreign;
 mod gradient;
 mod hold;
+mod interior;
 mod iteration;
 mod levels;
 mod mprgp;

@@ -7,9 +7,10 @@
 //! * The start is far, so that the edge of a contact moves by a few nodes in each step and the steps grow with the mesh.
 //!   Where there are many contacts, a problem with fewer of them is solved first, in which neighbours act as one
 //!   (`levels.rs`). Its answer is right to a node.
-//! * The states come back in a circle. A problem whose bounds of friction are given is the minimum of a convex energy:
-//!   *proximal steps* (`proximal.rs`) lower it with each step, so that no state can come back. Where bounds follow from normal
-//!   forces, as with Coulomb's law, nothing is minimised: what is done there stands in `slip.rs`.
+//! * The states come back in a circle. *Interior points* (`interior.rs`) guess none; near the answer, and where F is not assembled,
+//!   *proximal steps* (`proximal.rs`) come first: a problem whose bounds of friction are given is the minimum of a convex energy,
+//!   which they lower each time, so that no state can come back. Where bounds follow from normal forces, as with Coulomb's law,
+//!   nothing is minimised: what is done there stands in `slip.rs`.
 //!
 //! Steps that led nowhere are taken back: a bad guess is worse than none.
 //!
@@ -18,8 +19,9 @@
 
 use crate::dual::Multipliers;
 use crate::solve::exact::{Ended, NEAR, Patience, STALLED, Search};
+use crate::solve::interior::{self, interior};
 use crate::solve::proximal::descend;
-use crate::solve::setup::Setup;
+use crate::solve::setup::{Forces, Setup};
 use crate::solve::states::State;
 use crate::solve::{FixedBounds, Observer, Outcome, SolveError, TOLERANCE, levels, slip};
 
@@ -28,6 +30,14 @@ const ONE: Patience = Patience::new(1, 1.0);
 
 /// Steps from all contacts closed where there is no coarser problem.
 const PLAIN: Patience = Patience::new(7, f64::INFINITY);
+
+/// The same where interior points can follow. Steps that end change fewer states each time or bring the residual down, once the
+/// first have told most states: at once on a coarser problem, whose answer is a guess.
+const SETTLING: Patience = PLAIN.settling(5);
+const ROUGH: Patience = PLAIN.settling(3);
+
+/// Steps from a coarser problem, whose states are right but for a node.
+const BESIDE: Patience = NEAR.settling(2);
 
 /// With fewer blocks than this no coarser problem is asked for.
 const SMALL: usize = 96;
@@ -63,19 +73,7 @@ impl FixedBounds for Newton {
         guess: Option<&Multipliers>,
         observe: Observer<'_>,
     ) -> Result<Outcome, SolveError> {
-        let mut search = Search::new(self.limits(), setup);
-        let ended = match guess {
-            Some(guess) => {
-                let states = search.states_of_guess(guess)?;
-                from_near(&mut search, states, observe)
-            }
-            None => from_anywhere(self, &mut search, observe),
-        };
-        match ended {
-            Ended::Converged => Ok(search.outcome(false)),
-            Ended::Stopped => Ok(search.outcome(true)),
-            Ended::Stuck(_) => Err(search.not_converged(Self::NAME, STALLED)),
-        }
+        self.search(setup, guess, (&SETTLING, FAR), observe)
     }
 
     fn run_coulomb(
@@ -88,42 +86,113 @@ impl FixedBounds for Newton {
     }
 }
 
-/// Exact steps from a start that is thought to be near, then proximal ones from the same start.
-fn from_near(search: &mut Search<'_>, states: Vec<State>, observe: Observer<'_>) -> Ended {
-    let start = (states.clone(), search.point.clone());
-    match search.exact(states, &NEAR, &|_, _| {}, observe) {
-        Ended::Stuck(_) => {
-            search.point = start.1;
-            descend(search, start.0, observe)
+/// What follows where exact steps do not end: the states that come next go in, where it ends comes out.
+type Rescue = fn(&mut Search<'_>, Vec<State>, Observer<'_>) -> Ended;
+
+/// How long steps from all contacts closed go on, and what follows where they do not end.
+type Course<'a> = (&'a Patience, &'a [Rescue]);
+
+/// Rescues in their order. From a coarser problem, whose states are right but for a node, energies fall to the answer at once.
+const FAR: &[Rescue] = &[interior, descend];
+const CLOSE: &[Rescue] = &[descend, interior];
+
+impl Newton {
+    /// Searches from a guess, or from anywhere.
+    fn search(
+        &self,
+        setup: &Setup<'_>,
+        guess: Option<&Multipliers>,
+        course: Course<'_>,
+        observe: Observer<'_>,
+    ) -> Result<Outcome, SolveError> {
+        let mut search = Search::new(self.limits(), setup);
+        let ended = match guess {
+            Some(guess) => {
+                let states = search.states_of_guess(guess)?;
+                from_near(&mut search, states, (&NEAR, course.1), observe)
+            }
+            None => from_anywhere(self, &mut search, course, observe),
+        };
+        match ended {
+            Ended::Converged => Ok(search.outcome(false)),
+            Ended::Stopped => Ok(search.outcome(true)),
+            Ended::Stuck(_) => Err(search.not_converged(Self::NAME, STALLED)),
         }
+    }
+}
+
+/// Exact steps from a start that is thought to be near, then one rescue after the other from the same start.
+fn from_near(
+    search: &mut Search<'_>,
+    states: Vec<State>,
+    (patience, rescues): Course<'_>,
+    observe: Observer<'_>,
+) -> Ended {
+    let start = (states.clone(), search.point.clone());
+    match search.exact(states, patience, &|_, _| {}, observe) {
+        Ended::Stuck(_) => rescued(search, start, rescues, observe),
         ended => ended,
     }
 }
 
+/// One rescue after the other from the same start, until one ends.
+fn rescued(
+    search: &mut Search<'_>,
+    (states, point): (Vec<State>, Forces),
+    rescues: &[Rescue],
+    observe: Observer<'_>,
+) -> Ended {
+    for rescue in rescues {
+        search.point = point.clone();
+        let ended = rescue(search, states.clone(), observe);
+        if !matches!(ended, Ended::Stuck(_)) {
+            return ended;
+        }
+    }
+    Ended::Stuck(states)
+}
+
 /// Exact steps from all contacts closed; then, where there are many, from a coarser problem.
-fn from_anywhere(method: &Newton, search: &mut Search<'_>, observe: Observer<'_>) -> Ended {
+///
+/// A coarser problem that exact steps do not solve is none where interior points can follow: these are fewer than a rescue on each
+/// of the levels.
+fn from_anywhere(
+    method: &Newton,
+    search: &mut Search<'_>,
+    (plain, rescues): Course<'_>,
+    observe: Observer<'_>,
+) -> Ended {
     let setup = search.setup;
     let mut ended = Ended::Stuck(search.all_closed());
+    let inside = interior::serves(setup);
+    let mut patience = Some(if inside { plain } else { &PLAIN });
     if setup.admissible.blocks().len() >= SMALL {
         ended = search.exact(search.all_closed(), &ONE, &|_, _| {}, observe);
         if !matches!(ended, Ended::Stuck(_)) {
             return ended;
         }
         let coarse = levels::start(setup, &|(tolerance, most), coarse, tell| {
-            method.within(tolerance, most).run(coarse, None, tell)
+            let rough = method.within(tolerance, most);
+            let rescues = if inside { &[] } else { CLOSE };
+            rough.search(coarse, None, (&ROUGH, rescues), tell)
         });
         if let Some(start) = coarse {
+            let solved = start.solved;
             let states = search.begin(start);
-            return from_near(search, states, observe);
+            if solved || !inside {
+                return from_near(search, states, (&BESIDE, CLOSE), observe);
+            }
+            (ended, patience) = (Ended::Stuck(states), None);
         }
     }
-    if let Ended::Stuck(states) = ended {
-        ended = search.exact(states, &PLAIN, &|_, _| {}, observe);
+    if let (Ended::Stuck(states), Some(patience)) = (&ended, patience) {
+        ended = search.exact(states.clone(), patience, &|_, _| {}, observe);
     }
     match ended {
         Ended::Stuck(states) => {
             search.point.lambda.fill(0.0);
-            descend(search, states, observe)
+            let start = (states, search.point.clone());
+            rescued(search, start, rescues, observe)
         }
         ended => ended,
     }
@@ -133,7 +202,8 @@ fn from_anywhere(method: &Newton, search: &mut Search<'_>, observe: Observer<'_>
 mod tests {
     use super::*;
     use crate::dual::{Block, Compliance, DualProblem};
-    use crate::solve::tests::{apart, by_trial, definite, of, of_rank, silent};
+    use crate::linalg::Mat;
+    use crate::solve::tests::{apart, applied, by_trial, definite, of, of_rank, silent};
     use crate::solve::{ContactSolver, Iterate};
     use std::ops::ControlFlow;
 
@@ -159,7 +229,7 @@ mod tests {
     }
 
     #[test]
-    fn proximal_steps_follow_where_exact_ones_circle_from_a_guess_and_without() {
+    fn interior_points_follow_where_exact_ones_circle_from_a_guess_and_without() {
         let problem = circle();
         let nothing = Multipliers {
             lambda: vec![0.0; 6],
@@ -174,8 +244,17 @@ mod tests {
             );
             assert!(kinds.len() <= 20, "{kinds}");
         }
-        let (_, kinds) = kinds(&problem, None);
-        assert!(kinds.contains('p'), "{kinds}");
+        let (_, dense) = kinds(&problem, None);
+        assert!(dense.contains('i') && !dense.contains('p'), "{dense}");
+        // where F is applied proximal steps do
+        let Compliance::Dense(f) = &problem.compliance else {
+            panic!("F is assembled");
+        };
+        let mut other = circle();
+        other.compliance = applied(f, Mat::identity(6, 6));
+        let (outcome, applied) = kinds(&other, None);
+        assert!(problem.certify(&outcome.multipliers, 1e-8).holds());
+        assert!(applied.contains('p') && !applied.contains('i'), "{applied}");
     }
 
     #[test]

@@ -16,7 +16,7 @@ pub struct Iterate<'a> {
     /// Contact unknowns with a force.
     pub active: usize,
     /// Kind of step: `u` p,A-step, `g` gradient, `a` accelerated, `r` restarted, `s` secant, `c` conjugate gradient, `e` expansion,
-    /// `p` proportioning (MPRGP) or proximal step (Newton), `n` exact Newton step, `d` alternating directions (Newton).
+    /// `p` proportioning (MPRGP) or proximal step (Newton), `n` exact Newton step, `i` interior point, `d` alternating directions (Newton).
     pub step: char,
 }
 

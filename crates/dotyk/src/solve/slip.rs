@@ -1,27 +1,28 @@
-//! Newton's method where bounds of friction follow from normal forces: exact steps, and five further stages where they find
+//! Newton's method where bounds of friction follow from normal forces: exact steps, and six further stages where they find
 //! no answer.
 //!
 //! Coulomb's law is such a law. It minimises nothing, so that no energy tells a good
 //! step from a bad one. Each stage covers what the one before it cannot do:
 //!
 //! 1. [`exact`]: guess what every node does, solve, guess anew. Few steps where friction is moderate and the start is good.
-//! 2. [`alternate`]: the law of each node and the linear problem of the bodies by turns, with no guess of states at all, until
+//! 2. [`interior`]: all nodes in the middle of what the law allows, and from there to its border together. No state is guessed.
+//! 3. [`alternate`]: the law of each node and the linear problem of the bodies by turns, with no guess of states at all, until
 //!    these settle. Some hundred cheap steps, however many bodies float.
-//! 3. [`rest`], where bodies float: exact steps move such a body hither and thither while too few contacts hold it. With
+//! 4. [`rest`], where bodies float: exact steps move such a body hither and thither while too few contacts hold it. With
 //!    bounds that are *given*, those of the best forces so far, the problem is convex and its solution moves the bodies to
 //!    where contacts hold them. Exact steps go on from there, and behind them, by turns again, [`alternate_rested`].
-//! 4. [`settle`]: proximal steps, on a problem to which compliance is added until Newton's iteration ends on it.
-//! 5. [`stiffen`]: springs that bear shears within their bounds, softer than the contacts at first: bodies go where normal
+//! 5. [`settle`]: proximal steps, on a problem to which compliance is added until Newton's iteration ends on it.
+//! 6. [`stiffen`]: springs that bear shears within their bounds, softer than the contacts at first: bodies go where normal
 //!    forces hold them before anything sticks.
-//! 6. [`iterate_bounds`]: the convex problem with given bounds, again and again, each with the bounds that follow from the
+//! 7. [`iterate_bounds`]: the convex problem with given bounds, again and again, each with the bounds that follow from the
 //!    forces of the one before. A contraction for small coefficients.
 //!
 //! An answer that is not one of exact steps is sharpened by some ([`sharpen`]).
 //!
-//! A crowd (`DualProblem::is_crowd`) has the first two alone, or the second where there are very many: the others wander among
+//! A crowd (`DualProblem::is_crowd`) has the first and the third alone, or the third where there are very many: the others wander among
 //! forces that bodies clamp each other with, or take dense matrices.
 //!
-//! Stages 3, 4 and 6 begin from the forces of least residual so far: the last ones may have grown without bound.
+//! Stages 4, 5 and 7 begin from the forces of least residual so far: the last ones may have grown without bound.
 //!
 //! As described in Alart & Curnier (1991) for the steps, Nečas, Jarušek & Haslinger (1980) for the bounds.
 
@@ -31,6 +32,7 @@ use crate::solve::anchored::settle;
 use crate::solve::coulomb::{carry, fixed_point};
 use crate::solve::exact::{Ended, NEAR, NEARBY, Patience, STALLED, Search};
 use crate::solve::hold::{held, hold};
+use crate::solve::interior::interior;
 use crate::solve::iteration::{completed, counting_from};
 use crate::solve::levels;
 use crate::solve::setup::Setup;
@@ -42,7 +44,7 @@ use crate::solve::{FixedBounds, Observer, Outcome, SolveError};
 const EXACT: Patience = Patience::new(14, f64::INFINITY);
 
 /// Most steps on a coarser problem: no more than a guess is asked for.
-const COARSE: usize = 20;
+const COARSE: usize = 30;
 
 /// Accuracy of convex problems that look for where floating bodies rest.
 const RESTING: f64 = 1e-4;
@@ -55,9 +57,10 @@ type Stage<S> = fn(&S, &mut Search<'_>, Vec<State>, Observer<'_>) -> Ended;
 fn stages<S: FixedBounds>(problem: &DualProblem) -> Vec<Stage<S>> {
     let settle: Stage<S> = |_, search, states, observe| settle(search, states, observe);
     let alternate: Stage<S> = |_, search, states, observe| alternate(search, states, observe);
+    let interior: Stage<S> = |_, search, states, observe| interior(search, states, observe);
     let rested: Stage<S> = |_, search, states, observe| alternate_rested(search, states, observe);
     match (problem.is_crowd(), problem.parts.is_empty()) {
-        (false, _) => vec![exact, alternate, rest, rested, settle, stiffen],
+        (false, _) => vec![exact, interior, alternate, rest, rested, settle, stiffen],
         (true, true) => vec![exact, alternate],
         (true, false) => vec![alternate],
     }
@@ -272,10 +275,11 @@ mod tests {
 
     /// Places among the stages.
     const EXACTLY: usize = 0;
-    const ALTERNATING: usize = 1;
-    const AT_REST: usize = 2;
-    const SETTLING: usize = 4;
-    const STIFFENING: usize = 5;
+    const INSIDE: usize = 1;
+    const ALTERNATING: usize = 2;
+    const AT_REST: usize = 3;
+    const SETTLING: usize = 5;
+    const STIFFENING: usize = 6;
 
     fn chosen(places: &[usize]) -> Vec<Stage<Newton>> {
         let all = stages(&LAST.problem());
@@ -368,6 +372,11 @@ mod tests {
             coefficient: 2.0,
         };
         needs(&[EXACTLY, AT_REST], SETTLING, &frozen);
+    }
+
+    #[test]
+    fn interior_points_end_where_guessed_states_do_not() {
+        needs(&[EXACTLY], INSIDE, &LAST);
     }
 
     #[test]

@@ -167,7 +167,7 @@ fn a_point_that_is_no_node_is_told_with_its_distance() {
     ));
 }
 
-/// A disc in a groove under a force that leads almost out of it: the exact steps wander before they find the slips.
+/// A disc in a groove under a force that leads almost out of it: neither guessed states nor interior points find the slips soon.
 #[test]
 fn friction_that_is_hard_to_find_is_told_with_its_place() {
     let disc = |force: &str| {
@@ -175,19 +175,20 @@ fn friction_that_is_hard_to_find_is_told_with_its_place() {
             r#"analysis = "plane-strain"
 [[body]]
 name = "disc"
-mesh = {{ ring = {{ center = [0, 0], inner = 0.2, outer = 1.0, cells = [32, 5], ratio = 1.2, cell = "tri3" }} }}
-material = {{ young = 1.0, poisson = 0.3736323401742344 }}
+mesh = {{ ring = {{ center = [0, 0], inner = 0.2, outer = 1.0, cells = [40, 6], ratio = 1.2, cell = "quad4" }} }}
+material = {{ young = 1.0, poisson = 0.2824210408273037 }}
 load = [{{ point = [0.7071067811865476, 0.7071067811865475], force = {force} }}]
 [[contact]]
 name = "floor"
 nonmortar = "disc.outer"
-obstacle = {{ plane = {{ point = [0.0, -1.0], normal = [-0.0, 1.0] }} }}
-friction = 0.14400130475160555
+obstacle = {{ plane = {{ point = [0.7071067811865476, -0.7071067811865475], normal = [-0.7071067811865476, 0.7071067811865475] }} }}
+pairing = "mortar"
+friction = 0.6019868100526565
 [[contact]]
 name = "wall"
 nonmortar = "disc.outer"
-obstacle = {{ plane = {{ point = [1.0, 0.0], normal = [-1.0, -0.0] }} }}
-friction = 0.14400130475160555
+obstacle = {{ plane = {{ point = [-1.0, 0.0], normal = [1.0, -0.0] }} }}
+friction = 0.6019868100526565
 "#
         )
     };
@@ -204,10 +205,10 @@ friction = 0.14400130475160555
                 && w.contains("smaller load steps")
         })
     };
-    let hard = solve("[7.668418114739744e-6, -2.152592021985889e-5]");
+    let hard = solve("[2.5870558044280414e-5, -3.950776880870536e-5]");
     assert!(hard.solver.iterations > 60, "{}", hard.solver.iterations);
     assert!(told(&hard));
-    let easy = solve("[0.0, -2.0e-5]");
+    let easy = solve("[0.0, -4.0e-5]");
     assert!(easy.solver.iterations <= 60 && !told(&easy));
 }
 
