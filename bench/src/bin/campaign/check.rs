@@ -12,7 +12,7 @@
 //! | outside | no contact force at a node none of whose facets faces the other side | ten times the limit of equilibrium |
 //! | footprint | a sum of pushes (in the cone of friction) from points that face the other side has this resultant and moment | 1e-6 of Σ\|force\| times length; curved: see [`wrench`](crate::wrench) |
 //! | penetration | gap ≥ 0 at nodes with conditions of their own, at all nodes and points of straight linear sides | 1e-6 of the largest displacement |
-//! | overlap | gap ≥ 0 elsewhere, between nodes and for integrated conditions | what the mesh resolves, see [`resolution`], and half of what the gap varies on a facet and its neighbours |
+//! | overlap | gap ≥ 0 elsewhere, between nodes and for integrated conditions | what the mesh resolves, see [`resolution`], and two thirds of what the gap varies on a facet and its neighbours |
 //! | jump | both components of the jump of a tie | like penetration and overlap |
 //! | tension | pressures ≥ 0; nodal forces push | 1e-7 of the force scale; on the other side of integrated conditions twice the largest push (force, with friction), since biorthogonal functions change sign |
 //! | open force | no pressure where the gap is open | like penetration and overlap |
@@ -428,12 +428,16 @@ fn check_normals(judgement: &mut Judgement, view: &View<'_>, c: usize) {
     }
 }
 
+/// How much of its range a gap may overlap where its means vanish: one that bends over a facet, 1/2 − 6(x − 1/2)² on 0 ≤ x ≤ 1,
+/// has no mean with any linear function, is −1 at the ends and 1/2 in the middle.
+const AVERAGED: f64 = 2.0 / 3.0;
+
 /// How far gaps of a contact may be from what must hold.
 pub struct Limits {
     /// Where conditions hold point by point.
     pub fine: f64,
-    /// Where they are integrated, on each facet: what the mesh resolves, and half of what the gap varies on the facet
-    /// and its neighbours, over which it is averaged.
+    /// Where they are integrated, on each facet: what the mesh resolves, and a part of what the gap varies on the facet
+    /// and its neighbours, over which it is averaged ([`AVERAGED`]).
     pub coarse: Vec<f64>,
 }
 
@@ -442,7 +446,7 @@ impl Limits {
     pub fn new(view: &View<'_>, c: usize, obstacle: Vector) -> Self {
         let touch = &view.touches[c];
         let mut ranges = vec![[f64::INFINITY, f64::NEG_INFINITY]; touch.curve.facets.len()];
-        for sample in &touch.between {
+        for sample in touch.between.iter().chain(touch.at_nodes.values()) {
             let gap = touch.gap(sample, &view.step.displacements, obstacle, view.step.time);
             let [low, high] = &mut ranges[sample.facet];
             (*low, *high) = (low.min(gap), high.max(gap));
@@ -456,7 +460,7 @@ impl Limits {
             .map(|(facet, resolved)| {
                 let around = facet.nodes.iter().flat_map(|n| &touch.curve.around[n]);
                 let varies = around.map(|&f| (ranges[f][1] - ranges[f][0]).max(0.0));
-                resolved + 0.5 * varies.fold(0.0, f64::max)
+                resolved + AVERAGED * varies.fold(0.0, f64::max)
             });
         Self {
             fine: view.state.tiny_length() + MOVE * length(obstacle),
