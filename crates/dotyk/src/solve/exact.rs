@@ -144,7 +144,7 @@ impl Settled {
         let mut ended = search.exact(states, patience, &adjust, observe);
         // the node that was still wrong is the one that the step tells of
         if let Ended::Stuck(next) = &ended
-            && apart(&keys, &State::keys(next)) == 1
+            && differing(&keys, &State::keys(next)) == 1
         {
             ended = search.exact(next.clone(), patience, &adjust, observe);
         }
@@ -159,7 +159,7 @@ impl Settled {
 }
 
 /// In how many nodes states differ.
-fn apart(these: &[(bool, u8)], those: &[(bool, u8)]) -> usize {
+fn differing(these: &[(bool, u8)], those: &[(bool, u8)]) -> usize {
     these.iter().zip(those).filter(|(a, b)| a != b).count()
 }
 
@@ -184,7 +184,7 @@ pub(crate) struct Search<'a> {
     products: usize,
     /// Relative accuracy asked of iterations within a step.
     pub accuracy: f64,
-    /// What the last step was: exact ('n') or proximal ('p').
+    /// What the last step was, as [`crate::solve::Iterate`] tells it.
     pub kind: char,
     /// The states of the last exact step determine its forces.
     pub unique: bool,
@@ -334,7 +334,7 @@ impl<'a> Search<'a> {
                 };
                 continue;
             }
-            let changed = apart(&now, &then);
+            let changed = differing(&now, &then);
             let repeated = !seen.insert(now);
             let before = std::mem::replace(&mut last, self.residual);
             let settles =
@@ -548,7 +548,7 @@ mod tests {
     use crate::linalg::Mat;
     use crate::solve::Iterate;
     use crate::solve::levels::Start;
-    use crate::solve::tests::{apart, applied, by_trial, definite, of, silent};
+    use crate::solve::tests::{apart, applied, by_trial, circle, definite, of, silent};
     use std::ops::ControlFlow;
 
     fn pressed(m: usize) -> DualProblem {
@@ -692,6 +692,64 @@ mod tests {
         let mut satisfied = |_: &Iterate<'_>| ControlFlow::Break(());
         let (end, steps) = ended(Patience::new(20, f64::INFINITY), 50, &mut satisfied);
         assert!(matches!(end, Ended::Stopped) && steps == 1);
+    }
+
+    #[test]
+    fn steps_that_change_no_fewer_states_end_where_they_are_to_settle() {
+        let problem = circle();
+        let setup = Setup::new(&problem).unwrap();
+        let steps = |patience: Patience| {
+            let mut search = Search::new((1e-10, 50), &setup);
+            let closed = search.all_closed();
+            let ended = search.exact(closed, &patience, &|_, _| {}, &mut silent);
+            assert!(matches!(ended, Ended::Stuck(_)));
+            search.steps
+        };
+        let plain = || Patience::new(20, f64::INFINITY);
+        let found = [2, 4, 20].map(|from| steps(plain().settling(from)));
+        assert!(found[0] < found[2], "{found:?}");
+        assert!(found[0] >= 2 && found[1] >= 4, "{found:?}");
+        assert_eq!(found[2], steps(plain()), "{found:?}");
+    }
+
+    #[test]
+    fn a_node_that_is_wrong_when_states_have_settled_is_told_by_the_first_step() {
+        let problem = pressed(9);
+        let setup = Setup::new(&problem).unwrap();
+        let mut search = Search::new((1e-10, 50), &setup);
+        let closed = search.all_closed();
+        let plain = Patience::new(20, f64::INFINITY);
+        let ended = search.exact(closed, &plain, &|_, _| {}, &mut silent);
+        assert!(matches!(ended, Ended::Converged));
+        let answer = search.next_states(
+            &State::of_all_forces(&setup.admissible, &search.point.lambda),
+            &search.judge.gap,
+        );
+        let edge = answer.iter().position(|state| !state.closed).unwrap();
+        let mut wrong = answer.clone();
+        wrong[edge] = State::sticking(&Block::Unilateral, true);
+
+        let mut search = Search::new((1e-10, 50), &setup);
+        let mut settled = Settled::default();
+        let first = settled.exact(&mut search, wrong.clone(), 2, &mut silent);
+        assert!(first.is_none() && search.steps == 0, "once is not settled");
+        let second = settled.exact(&mut search, wrong, 2, &mut silent);
+        assert!(matches!(second, Some(Ended::Converged)));
+        assert_eq!(search.steps, 2);
+
+        // where two are wrong the search is where it was, and the same states are not tried again
+        let far: Vec<State> = answer
+            .iter()
+            .map(|state| State::sticking(&Block::Unilateral, !state.closed))
+            .collect();
+        let mut search = Search::new((1e-10, 50), &setup);
+        let mut settled = Settled::default();
+        let here = search.point.lambda.clone();
+        let ended = settled.exact(&mut search, far.clone(), 1, &mut silent);
+        assert!(ended.is_none() && search.steps == 1);
+        assert_eq!(search.point.lambda, here);
+        let ended = settled.exact(&mut search, far, 1, &mut silent);
+        assert!(ended.is_none() && search.steps == 1);
     }
 
     #[test]

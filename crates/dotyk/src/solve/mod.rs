@@ -167,6 +167,16 @@ mod tests {
         ControlFlow::Continue(())
     }
 
+    /// Contacts whose exact steps run in a circle.
+    pub(crate) fn circle() -> DualProblem {
+        let a = [
+            [0.5, 0.1, 0.3, 0.9, 1.0, -0.3],
+            [0.2, 0.2, 0.7, 0.7, -0.1, 0.6],
+        ];
+        let shift = [0.6, -0.6, 0.6, -0.6, 0.2, 0.8];
+        of_rank(&a, &shift, vec![Block::Unilateral; 6], (&[], &[]))
+    }
+
     /// The problem with F = AᵀA + I/100, d, Λ, G and e: far from an M-matrix where A has few rows.
     pub(crate) fn of_rank<const M: usize>(
         a: &[[f64; M]],

@@ -92,8 +92,10 @@ type Rescue = fn(&mut Search<'_>, Vec<State>, Observer<'_>) -> Ended;
 /// How long steps from all contacts closed go on, and what follows where they do not end.
 type Course<'a> = (&'a Patience, &'a [Rescue]);
 
-/// Rescues in their order. From a coarser problem, whose states are right but for a node, energies fall to the answer at once.
+/// Rescues in their order.
 const FAR: &[Rescue] = &[interior, descend];
+
+/// The same from a coarser problem, whose states are right but for a node: energies fall to the answer at once.
 const CLOSE: &[Rescue] = &[descend, interior];
 
 impl Newton {
@@ -163,13 +165,12 @@ fn from_anywhere(
     observe: Observer<'_>,
 ) -> Ended {
     let setup = search.setup;
-    let mut ended = Ended::Stuck(search.all_closed());
     let inside = interior::serves(setup);
-    let mut patience = Some(if inside { plain } else { &PLAIN });
+    let mut states = search.all_closed();
     if setup.admissible.blocks().len() >= SMALL {
-        ended = search.exact(search.all_closed(), &ONE, &|_, _| {}, observe);
-        if !matches!(ended, Ended::Stuck(_)) {
-            return ended;
+        match search.exact(states, &ONE, &|_, _| {}, observe) {
+            Ended::Stuck(next) => states = next,
+            ended => return ended,
         }
         let coarse = levels::start(setup, &|(tolerance, most), coarse, tell| {
             let rough = method.within(tolerance, most);
@@ -178,24 +179,30 @@ fn from_anywhere(
         });
         if let Some(start) = coarse {
             let solved = start.solved;
-            let states = search.begin(start);
-            if solved || !inside {
-                return from_near(search, states, (&BESIDE, CLOSE), observe);
-            }
-            (ended, patience) = (Ended::Stuck(states), None);
+            states = search.begin(start);
+            return match solved || !inside {
+                true => from_near(search, states, (&BESIDE, CLOSE), observe),
+                false => from_nothing(search, states, rescues, observe),
+            };
         }
     }
-    if let (Ended::Stuck(states), Some(patience)) = (&ended, patience) {
-        ended = search.exact(states.clone(), patience, &|_, _| {}, observe);
-    }
-    match ended {
-        Ended::Stuck(states) => {
-            search.point.lambda.fill(0.0);
-            let start = (states, search.point.clone());
-            rescued(search, start, rescues, observe)
-        }
+    let plain = if inside { plain } else { &PLAIN };
+    match search.exact(states, plain, &|_, _| {}, observe) {
+        Ended::Stuck(states) => from_nothing(search, states, rescues, observe),
         ended => ended,
     }
+}
+
+/// One rescue after the other, each without any force.
+fn from_nothing(
+    search: &mut Search<'_>,
+    states: Vec<State>,
+    rescues: &[Rescue],
+    observe: Observer<'_>,
+) -> Ended {
+    search.point.lambda.fill(0.0);
+    let start = (states, search.point.clone());
+    rescued(search, start, rescues, observe)
 }
 
 #[cfg(test)]
@@ -203,19 +210,9 @@ mod tests {
     use super::*;
     use crate::dual::{Block, Compliance, DualProblem};
     use crate::linalg::Mat;
-    use crate::solve::tests::{apart, applied, by_trial, definite, of, of_rank, silent};
+    use crate::solve::tests::{apart, applied, by_trial, circle, definite, of, silent};
     use crate::solve::{ContactSolver, Iterate};
     use std::ops::ControlFlow;
-
-    /// Contacts whose exact steps run in a circle.
-    fn circle() -> DualProblem {
-        let a = [
-            [0.5, 0.1, 0.3, 0.9, 1.0, -0.3],
-            [0.2, 0.2, 0.7, 0.7, -0.1, 0.6],
-        ];
-        let shift = [0.6, -0.6, 0.6, -0.6, 0.2, 0.8];
-        of_rank(&a, &shift, vec![Block::Unilateral; 6], (&[], &[]))
-    }
 
     fn kinds(problem: &DualProblem, guess: Option<&Multipliers>) -> (Outcome, String) {
         let mut kinds = String::new();

@@ -400,17 +400,12 @@ mod tests {
     use crate::linalg::Mat;
     use crate::solve::Iterate;
     use crate::solve::exact::Patience;
-    use crate::solve::tests::{apart, by_trial, definite, of, of_rank, silent, times};
+    use crate::solve::tests::{apart, by_trial, circle, definite, of, silent, times};
     use std::ops::ControlFlow;
 
     #[test]
     fn descent_ends_where_exact_steps_run_in_circles() {
-        let a = [
-            [0.5, 0.1, 0.3, 0.9, 1.0, -0.3],
-            [0.2, 0.2, 0.7, 0.7, -0.1, 0.6],
-        ];
-        let shift = [0.6, -0.6, 0.6, -0.6, 0.2, 0.8];
-        let problem = of_rank(&a, &shift, vec![Block::Unilateral; 6], (&[], &[]));
+        let problem = circle();
         let setup = Setup::new(&problem).unwrap();
         let mut search = Search::new((1e-8, 200), &setup);
         let patience = Patience::new(100, f64::INFINITY);
@@ -650,12 +645,7 @@ mod tests {
 
     #[test]
     fn descent_keeps_to_its_limits_and_to_its_observer() {
-        let a = [
-            [0.5, 0.1, 0.3, 0.9, 1.0, -0.3],
-            [0.2, 0.2, 0.7, 0.7, -0.1, 0.6],
-        ];
-        let shift = [0.6, -0.6, 0.6, -0.6, 0.2, 0.8];
-        let problem = of_rank(&a, &shift, vec![Block::Unilateral; 6], (&[], &[]));
+        let problem = circle();
         let setup = Setup::new(&problem).unwrap();
         let mut search = Search::new((1e-8, 2), &setup);
         let closed = search.all_closed();
@@ -688,14 +678,10 @@ mod tests {
         ));
         assert_eq!(search.steps, shown);
         assert!(shown <= 12, "{shown} steps");
-        let expected = by_trial(
-            &Mat::from_fn(6, 6, |i, j| {
-                let sum: f64 = a.iter().map(|row| row[i] * row[j]).sum();
-                sum + if i == j { 0.01 } else { 0.0 }
-            }),
-            &shift,
-            (&[], &[]),
-        );
+        let Compliance::Dense(f) = &problem.compliance else {
+            panic!("F is assembled");
+        };
+        let expected = by_trial(f, &problem.shift, (&[], &[]));
         // the least eigenvalue of F is 0.01: residual 1e-8 leaves 1e-6
         assert!(apart(&search.point.lambda, &expected.lambda) < 1e-6);
     }

@@ -19,8 +19,8 @@
 //!
 //! An answer that is not one of exact steps is sharpened by some ([`sharpen`]).
 //!
-//! A crowd (`DualProblem::is_crowd`) has the first and the third alone, or the third where there are very many: the others wander among
-//! forces that bodies clamp each other with, or take dense matrices.
+//! A crowd (`DualProblem::is_crowd`) has the first and the third alone, or the third where there are very many: the others
+//! wander among forces that bodies clamp each other with, or take dense matrices.
 //!
 //! Stages 4, 5 and 7 begin from the forces of least residual so far: the last ones may have grown without bound.
 //!
