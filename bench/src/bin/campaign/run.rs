@@ -99,6 +99,8 @@ pub struct Options {
     pub show: bool,
     /// Seconds after which a run is stopped.
     pub limit: f64,
+    /// An answer that does not come is a failure, too.
+    pub answered: bool,
 }
 
 /// How a seed came out.
@@ -139,7 +141,7 @@ pub struct Result {
     pub seconds: f64,
 }
 
-/// Runs all seeds; whether nothing is wrong.
+/// Runs all seeds; whether nothing is wrong, or lacks its answer where these are asked for.
 pub fn run<P: Problem<D>, const D: usize>(options: &Options) -> std::result::Result<bool, String>
 where
     Case<D>: Solvable<D>,
@@ -181,7 +183,7 @@ where
     results.sort_by_key(|result: &Result| result.seed);
     let report = Report::new(&results, clock.elapsed().as_secs_f64(), &options.method);
     report.print(options.margins);
-    Ok(report.clean())
+    Ok(report.clean(options.answered))
 }
 
 fn one<P: Problem<D>, const D: usize>(seed: u64, family: Option<&str>, options: &Options) -> Result

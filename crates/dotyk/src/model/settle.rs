@@ -7,8 +7,12 @@ use crate::model::bodies::LoadedBody;
 use crate::model::floating::Floating;
 use std::collections::{BTreeMap, BTreeSet};
 
-/// What is left of a motion beside others, and what a motion of unit size closes of a gap: below this, rounding.
+/// What a motion of unit size closes of a gap: below this, rounding.
 const NOTHING: f64 = 1e-12;
+
+/// A motion of which others leave no more than this part is one of theirs: lists of motions overlap where a body that nothing
+/// controls in one direction touches nothing. What rounding leaves of it is no motion, and made to unit size it strains.
+const DEPENDENT: f64 = 1e-9;
 
 /// Nodal displacements of the bodies that a rigid motion moves.
 type Moved = BTreeMap<usize, Vec<f64>>;
@@ -69,22 +73,8 @@ pub(crate) fn settle<const D: usize>(
     [elastic, rigid]: [&[Vec<f64>]; 2],
     gaps: &[Option<f64>],
 ) -> SparseVector {
-    // orthonormalise the motions over all nodes, so that the least norm of amplitudes is that of displacements
-    let mut motions: Vec<Motion> = Vec::new();
-    for z in free {
-        let mut motion = Motion::new(bodies, floating, z);
-        for other in &motions {
-            let part = inner(&motion.moved, &other.moved, counted);
-            if part != 0.0 {
-                motion.add(-part, other);
-            }
-        }
-        let size = inner(&motion.moved, &motion.moved, counted).sqrt();
-        if size > NOTHING {
-            motion.scale(1.0 / size);
-            motions.push(motion);
-        }
-    }
+    let all = free.iter().map(|z| Motion::new(bodies, floating, z));
+    let motions = orthonormal(all, counted);
     let mut settled = Motion::default();
     for motion in &motions {
         let along =
@@ -118,6 +108,29 @@ pub(crate) fn settle<const D: usize>(
     SparseVector::new(floating.modes.len(), settled.amplitudes)
 }
 
+/// Motions that span the same, orthonormal over all nodes of the first `counted` parts: the least norm of their amplitudes is
+/// that of displacements.
+fn orthonormal(all: impl Iterator<Item = Motion>, counted: usize) -> Vec<Motion> {
+    let size = |motion: &Motion| inner(&motion.moved, &motion.moved, counted).sqrt();
+    let mut motions: Vec<Motion> = Vec::new();
+    for mut motion in all {
+        let whole = size(&motion);
+        // twice: the second pass removes what rounding left
+        for other in motions.iter().chain(&motions) {
+            let part = inner(&motion.moved, &other.moved, counted);
+            if part != 0.0 {
+                motion.add(-part, other);
+            }
+        }
+        let left = size(&motion);
+        if left > DEPENDENT * whole {
+            motion.scale(1.0 / left);
+            motions.push(motion);
+        }
+    }
+    motions
+}
+
 /// By how much a motion closes the gaps of rows.
 fn closed_by<const D: usize>(bodies: &[LoadedBody<D>], motion: &Motion) -> BTreeMap<usize, f64> {
     let mut closed = BTreeMap::new();
@@ -141,4 +154,41 @@ fn inner(a: &Moved, b: &Moved, counted: usize) -> f64 {
         .range(..counted)
         .filter_map(|(body, u)| Some((u, b.get(body)?)));
     common.map(|(u, v)| dot(u, v)).sum()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn motion(body: usize, amplitudes: [f64; 2], moved: [f64; 3]) -> Motion {
+        Motion {
+            amplitudes: amplitudes.into_iter().enumerate().collect(),
+            moved: BTreeMap::from([(body, moved.to_vec())]),
+        }
+    }
+
+    #[test]
+    fn what_rounding_leaves_of_a_motion_that_others_make_is_none() {
+        let rounding = 3e-11;
+        let all = [
+            motion(0, [1.0, 0.0], [1e3, 2e3, 0.0]),
+            motion(0, [0.0, 1.0], [0.0, 1e3, 1e3]),
+            motion(0, [1.0, 1.0], [1e3, 3e3, 1e3 + rounding]),
+            motion(1, [0.0, 0.0], [0.0; 3]),
+        ];
+        let motions = orthonormal(all.into_iter(), 2);
+        assert_eq!(motions.len(), 2);
+        for (k, own) in motions.iter().enumerate() {
+            for (l, other) in motions.iter().enumerate() {
+                let expected = f64::from(k == l);
+                assert!((inner(&own.moved, &other.moved, 2) - expected).abs() < 1e-15);
+            }
+            // a motion of unit size has the amplitudes that make it
+            let [a, b] = [0, 1].map(|k| own.amplitudes[&k]);
+            let made = [1e3 * a, 2e3 * a + 1e3 * b, 1e3 * b];
+            for (made, u) in made.iter().zip(&own.moved[&0]) {
+                assert!((made - u).abs() < 1e-15);
+            }
+        }
+    }
 }
