@@ -87,7 +87,7 @@ pub struct Options {
     pub family: Option<String>,
     /// Seeds choose among the families that came later.
     pub more: bool,
-    /// Where case files of failing seeds go.
+    /// Where case files of failing seeds go, of all that are shown.
     pub keep: Option<PathBuf>,
     /// Part of the seeds that is asked again in other words.
     pub twins: f64,
@@ -233,7 +233,7 @@ where
     }
     let bad = matches!(result.verdict, Verdict::Wrong | Verdict::Panicked)
         || (known == Known::Holds && result.verdict != Verdict::Right);
-    if let (true, Some(folder)) = (bad, &options.keep) {
+    if let (true, Some(folder)) = (bad || options.show, &options.keep) {
         for (index, problem) in kept.iter().enumerate() {
             if let Err(error) = keep(problem, folder, seed, index) {
                 result.message += &format!(" (not kept: {error})");
