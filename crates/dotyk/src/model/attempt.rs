@@ -300,8 +300,14 @@ fn run_solver<const D: usize>(
             let before = condensed.before.as_ref();
             let admissible = &condensed.problem.admissible;
             let step = before.map(|(time, e)| ([*time, condensed.time], &e[..]));
-            let parts = (&condensed.floating, &condensed.bodies[..], admissible);
-            let slides = sliding(model, parts, (&direction, factor), step)?;
+            let Condensed {
+                floating,
+                bodies,
+                paired,
+                ..
+            } = condensed;
+            let parts = (floating, &bodies[..], &paired[..]);
+            let slides = sliding(model, parts, admissible, (&direction, factor), step)?;
             (nowhere(condensed), Some(slides))
         }
         Err(SolveError::Slides { direction, factor }) => {

@@ -304,8 +304,8 @@ fn check_balance<const D: usize>(
     let force = largest_load(bodies);
     let feasible = Feasibility::of(&admissible, &floating.balance, force);
     if let Feasibility::Infeasible { direction, factor } = feasible {
-        let parts = (floating, bodies, &admissible);
-        let slides = sliding(model, parts, (&direction, factor), None)?;
+        let parts = (floating, bodies, paired);
+        let slides = sliding(model, parts, &admissible, (&direction, factor), None)?;
         warnings.push(slides.to_string());
     }
     Ok(())

@@ -172,6 +172,18 @@ pub enum Error<const D: usize> {
         /// Work of the load for a unit motion.
         load: f64,
     },
+    /// The sides of a floating body could hold its load, but not by forces at their nodes.
+    #[error(
+        "no forces at the nodes of contact {contacts} hold body \"{body}\" against {motion}, although pushes between them would: too few facets face the other side there; use smaller ones"
+    )]
+    OutOfReach {
+        /// Its name.
+        body: String,
+        /// The motion in words.
+        motion: String,
+        /// Names of the contacts, in words.
+        contacts: String,
+    },
     /// A probe cannot be read.
     #[error("probe \"{probe}\": {source}")]
     Probe {
@@ -280,6 +292,7 @@ impl<const D: usize> Error<D> {
         match self {
             Self::Body { body, .. }
             | Self::NotHeld { body, .. }
+            | Self::OutOfReach { body, .. }
             | Self::PulledAway { body, .. } => Some(Subject::Body(body.clone())),
             Self::NeverThere { what, name } if *what == "bar" => Some(Subject::Bar(name.clone())),
             Self::NeverThere { what, name } if *what != "contact" => {

@@ -11,6 +11,7 @@ use crate::model::condense::Condensed;
 use crate::model::error::{Error, Objection};
 use crate::model::floating::Floating;
 use crate::model::nouns::{Law, Model};
+use crate::model::pair::Paired;
 
 /// A change of load of which no more than this part is held is held by nothing.
 const NOTHING: f64 = 1e-6;
@@ -21,7 +22,8 @@ const NOTHING: f64 = 1e-6;
 /// Errors: the body that nothing holds.
 pub(crate) fn sliding<const D: usize>(
     model: &Model<D>,
-    (floating, bodies, admissible): (&Floating, &[LoadedBody<D>], &AdmissibleSet),
+    (floating, bodies, paired): (&Floating, &[LoadedBody<D>], &[Paired<D>]),
+    admissible: &AdmissibleSet,
     (direction, factor): (&[f64], Option<f64>),
     step: Option<([f64; 2], &[f64])>,
 ) -> Result<Objection<D>, Error<D>> {
@@ -33,7 +35,7 @@ pub(crate) fn sliding<const D: usize>(
     let leans = || Feasibility::leans(admissible, balance, direction);
     let of_step = of_step.filter(|(part, _)| factor.is_some() || *part > NOTHING && leans());
     let Some(held) = of_step.map(|(part, _)| part).or(factor) else {
-        return Err(floating.pulled_away(model, bodies, direction));
+        return Err(floating.pulled_away(model, (bodies, paired), admissible, direction));
     };
     let (bodies, motion) = floating.motion(model, bodies, direction);
     Ok(Objection::Slides {

@@ -3,7 +3,7 @@
 use dotyk::case::Case;
 use dotyk::geometry::{Field, Point};
 use dotyk::mesh::{CellKind, Cuboid, Mesh};
-use dotyk::model::{Elastic, Law, Model, Pairing, Place, Solution};
+use dotyk::model::{Elastic, Error, Law, Model, Pairing, Place, Solution};
 use std::path::Path;
 
 fn solve(text: &str) -> Solution<3> {
@@ -255,4 +255,38 @@ fn a_strip_of_a_hundredth_of_a_facet_bears() {
             assert!(force > 0.05, "{width} {nonmortar}: {force}");
         }
     }
+}
+
+/// The forces of nodes reach less far than facets of which only a part faces something: no load "pulls away" what the sides hold.
+#[test]
+fn a_load_beyond_the_reach_of_coarse_facets_is_told_from_one_that_nothing_holds() {
+    let error = |cells: [usize; 3], x: f64| {
+        let text = format!(
+            "analysis = \"3d\"\n\
+             [[body]]\nname = \"base\"\n\
+             mesh = {{ box = {{ from = [-0.6, -0.55, -0.5], to = [0.6, 0.55, 0.0], cells = {cells:?}, cell = \"tet10\" }} }}\n\
+             material = {{ young = 1000.0, poisson = 0.3 }}\n\
+             fix = [{{ side = \"bottom\", x = 0.0, y = 0.0, z = 0.0 }}]\n\
+             [[body]]\nname = \"block\"\n\
+             mesh = {{ box = {{ from = [-0.82, -0.33, 0.0], to = [-0.12, 0.34, 0.5], cells = [4, 4, 2], cell = \"hex8\" }} }}\n\
+             material = {{ young = 1000.0, poisson = 0.3 }}\n\
+             load = [{{ side = \"top\", pressure = \"max(0, -y - 0.1)*max(0, 0.1 - abs(x - ({x})))\" }}]\n\
+             [[contact]]\nname = \"foot\"\nnonmortar = \"base.top\"\nmortar = \"block.bottom\"\n"
+        );
+        let case = Case::<3>::from_str(&text, "case.toml", Path::new(".")).unwrap();
+        case.model.solve().err()
+    };
+    // its middle lies within both, close to a corner of what they share
+    let coarse = error([2, 2, 1], -0.45);
+    assert!(
+        matches!(&coarse, Some(Error::OutOfReach { body, contacts, .. }) if body == "block" && contacts == "\"foot\""),
+        "{coarse:?}"
+    );
+    assert_eq!(error([6, 6, 1], -0.45).map(|error| error.to_string()), None);
+    // and here beside the base
+    let beside = error([2, 2, 1], -0.7);
+    assert!(
+        matches!(&beside, Some(Error::PulledAway { body, .. }) if body == "block"),
+        "{beside:?}"
+    );
 }
