@@ -8,19 +8,18 @@
 //! A body that contacts cannot reach is an error in any case, but for one on springs: a bed, too, holds along its normal and leaves
 //! alone what is across, such as the spin of a ring.
 
-use crate::contact::{Coupling, GapPoint};
-use crate::dual::{AdmissibleSet, Balance, Block, Feasibility, Modes, NO_WORK};
+use crate::dual::{AdmissibleSet, Balance, Modes, NO_WORK};
 use crate::fem::{ALONG, describe_motion, list_motions};
-use crate::geometry::{dot, norm};
+use crate::geometry::norm;
 use crate::linalg::SparseVector;
 use crate::model::assumptions::named;
 use crate::model::bodies::LoadedBody;
 use crate::model::error::{Error, NotHeld};
-use crate::model::nouns::{Model, SideRef};
+use crate::model::nouns::Model;
 use crate::model::pair::{Paired, clearances, row_ranges};
 use crate::model::parts::{first_point, part_name, part_points};
+use crate::model::reach::hold_between_nodes;
 use std::collections::BTreeSet;
-use std::iter::repeat_n;
 
 /// Rigid modes of all bodies and what the contact does with them.
 pub(crate) struct Floating {
@@ -212,7 +211,9 @@ impl Floating {
     ) -> Error<D> {
         let (names, motion) = self.motion(model, bodies, direction);
         let body = names.into_iter().next().unwrap_or_default();
-        if let Some(contacts) = self.hold_between_nodes(bodies, paired, admissible, direction) {
+        let balance = (&self.modes[..], &self.all[..], self.works(bodies));
+        let z = self.amplitudes(direction);
+        if let Some(contacts) = hold_between_nodes(bodies, paired, admissible, balance, &z) {
             let contacts = named(contacts.into_iter());
             return Error::OutOfReach {
                 body,
@@ -223,63 +224,6 @@ impl Floating {
         let work = direction.iter().zip(self.balance.load());
         let load = work.map(|(z, e)| z * e).sum();
         Error::PulledAway { body, motion, load }
-    }
-
-    /// Contacts that could hold a load which their forces do not, if they pushed between their nodes, too, wherever two bodies
-    /// face each other: those that the motion along `direction` closes there. `None` where pushes would not hold it either.
-    ///
-    /// The force of a node acts at one place. Where facets face the other side in part, these places reach less far than the
-    /// bodies do.
-    fn hold_between_nodes<'a, const D: usize>(
-        &self,
-        bodies: &[LoadedBody<D>],
-        paired: &'a [Paired<D>],
-        admissible: &AdmissibleSet,
-        direction: &[f64],
-    ) -> Option<Vec<&'a str>> {
-        let pushes =
-            |pair: &&Paired<D>| pair.mortar.is_some() && pair.interface.coupling != Coupling::Tied;
-        let samples = |pair: &'a Paired<D>| {
-            let all = pair.samples.iter().flatten();
-            all.map(move |sample| (pair, &sample.at))
-        };
-        let places: Vec<_> = paired.iter().filter(pushes).flat_map(samples).collect();
-        let (first, m) = (admissible.len(), admissible.len() + places.len());
-        let with_places = |(&(body, mode), row): (&(usize, usize), &SparseVector)| {
-            let system = &bodies[body].system;
-            let moved = system.to_global(&system.modes[mode]);
-            let along = |side: Option<&SideRef>, nodes: &[(usize, f64)], normal| {
-                let own = side.is_some_and(|side| side.body.0 == body);
-                let nodes = nodes.iter().filter(|_| own);
-                nodes
-                    .map(|&(n, shape)| shape * dot(moved[n], normal))
-                    .sum::<f64>()
-            };
-            let closed = |(pair, at): &(&Paired<D>, &GapPoint<D>)| {
-                along(Some(&pair.nonmortar), &at.own, at.normal)
-                    - along(pair.mortar.as_ref(), &at.opposite, at.normal)
-            };
-            let closed = places.iter().map(closed).enumerate();
-            let closed = closed.map(|(k, closed)| (first + k, closed));
-            SparseVector::new(m, row.entries().chain(closed))
-        };
-        let rows: Vec<SparseVector> = self.modes.iter().zip(&self.all).map(with_places).collect();
-        let mut closed = vec![0.0; m];
-        for (row, z) in rows.iter().zip(self.amplitudes(direction)) {
-            row.add_to(z, &mut closed);
-        }
-        let balance = Balance::new(Modes::of_rows(&rows, m), self.works(bodies));
-        let blocks = admissible.blocks().iter().copied();
-        let blocks = blocks.chain(repeat_n(Block::Unilateral, places.len()));
-        let force = bodies.iter().map(load_size).fold(0.0, f64::max);
-        let feasible = Feasibility::of(&AdmissibleSet::new(blocks.collect()), &balance, force);
-        matches!(feasible, Feasibility::Feasible { .. }).then(|| {
-            let met = places.iter().zip(&closed[first..]);
-            let met = met.filter(|(_, closed)| **closed > 0.0);
-            let mut names: Vec<&str> = met.map(|((pair, _), _)| pair.name.as_str()).collect();
-            names.dedup();
-            names
-        })
     }
 
     /// The parts that move along a direction of the dual problem, first the one that moves most, and the motion of that in words.
@@ -416,7 +360,7 @@ pub(crate) fn describe<const D: usize>(
 }
 
 /// Sum of the nodal forces of a body: its load's own scale.
-fn load_size<const D: usize>(body: &LoadedBody<D>) -> f64 {
+pub(crate) fn load_size<const D: usize>(body: &LoadedBody<D>) -> f64 {
     body.system.load.iter().map(|f| f.abs()).sum()
 }
 

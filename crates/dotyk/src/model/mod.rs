@@ -44,6 +44,7 @@ mod parts;
 mod past;
 mod probe;
 mod quantity;
+mod reach;
 mod recover;
 mod reuse;
 mod section;
