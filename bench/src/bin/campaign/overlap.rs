@@ -9,7 +9,8 @@
 //!
 //! ```text
 //!   tiny + 2 s (‖∇u₁‖ + ‖∇u₂‖)       rotations by angles instead of their sines, over a motion s; ‖∇u‖ along the outlines
-//!        + 10 × what the mesh resolves + s²/R + a clearance that the meshes lack      at sides of contacts between the two
+//!        + 10 × what the mesh resolves + s²/R + a clearance that the meshes lack      at sides of contacts between the two,
+//!                                                                                     and no farther from them than that
 //! ```
 //!
 //! Bodies that are drawn to meet in a point, and along no line, have no sides there that a contact could name: what is as near to
@@ -197,7 +198,13 @@ pub fn check_overlaps(judgement: &mut Judgement, view: &View<'_>, outlines: &[Ou
                     continue;
                 }
                 let (before, _) = depth(drawn[0][point], first.iter().copied());
-                let in_contact = bearers.iter().any(|(node, _)| named.nodes.contains(node));
+                // what is nearer to a side than that may sink goes down with it: a corner of the finest cells
+                let beside = |node: &usize| {
+                    let off = minus(meshes[a].points[*node], drawn[0][point]);
+                    length(off) <= named.allowed
+                };
+                let in_contact = bearers.iter().any(|(node, _)| named.nodes.contains(node))
+                    || named.nodes.iter().any(beside);
                 let allowed = base + if in_contact { named.allowed } else { 0.0 };
                 judgement.compare("stands in", deep - before, allowed, || {
                     let [x, y] = drawn[0][point];

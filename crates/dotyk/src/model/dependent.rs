@@ -124,20 +124,30 @@ pub(crate) fn shared_forces<const D: usize>(
         owners.push(places[first]);
     }
     let all: Vec<usize> = (0..columns.len()).collect();
-    let mut dependent = Vec::new();
+    let (mut dependent, mut involved) = (Vec::new(), BTreeSet::new());
     for together in connected(&columns, &all) {
-        match together.len() > TOGETHER {
+        let contacts = together.iter().map(|&i| owners[i].0);
+        let contacts: BTreeSet<usize> = contacts.collect();
+        let found = match together.len() > TOGETHER {
             // more forces than dofs: some of them must share
-            true if together.len() > dofs_of(&columns, &together) => dependent.extend(together),
-            true => {}
-            false => dependent.extend(split_together(&columns, &together).1),
+            true if together.len() > dofs_of(&columns, &together) => together,
+            true => Vec::new(),
+            false => split_together(&columns, &together).1,
+        };
+        if !found.is_empty() {
+            involved.extend(contacts);
+            dependent.extend(found);
         }
     }
     let (contact, _) = *dependent.iter().map(|&i| &owners[i]).min()?;
     let own = dependent.iter().filter(|&&i| owners[i].0 == contact);
     let own: Vec<usize> = own.map(|&i| owners[i].1).collect();
+    let bear = match involved.len() {
+        1 => "several of its forces do the same",
+        _ => "several contacts bear the same force",
+    };
     Some(format!(
-        "{}: at {} several contacts bear the same force; how they share it is not unique",
+        "{}: at {} {bear}; how they share it is not unique",
         paired[contact].called(),
         describe(model, &paired[contact], &own)
     ))

@@ -520,7 +520,11 @@ impl<const D: usize> fmt::Display for Objection<D> {
                     f,
                     "loss of equilibrium: {moved} {does} ({motion}); {by} holds "
                 )?;
-                let held_part = Short(*held);
+                // "1 of the load" would be all of it
+                let held_part = match format!("{}", Short(*held)).as_str() {
+                    "1" if *held < 1.0 => format!("all but {}", Short(1.0 - held)),
+                    part => part.to_string(),
+                };
                 match step {
                     Some([before, now]) => write!(
                         f,

@@ -239,7 +239,10 @@ impl Floating {
             amplitude(&self.modes, &z, body, mode)
         });
         let largest = z.iter().fold(0.0, |s: f64, z| s.max(z.abs()));
-        let mut others: Vec<usize> = self.modes.iter().map(|mode| mode.0).collect();
+        // points of couples go with their bodies, and are none
+        let points = first_point(model);
+        let parts = self.modes.iter().map(|mode| mode.0);
+        let mut others: Vec<usize> = parts.filter(|part| *part < points).collect();
         others.dedup();
         let moves = |part: &usize| {
             let own = self

@@ -85,6 +85,37 @@ fn a_corner_with_friction_on_both_walls_is_not_passed() {
 }
 
 #[test]
+fn a_corner_node_of_one_contact_shares_with_no_other() {
+    let text = PLANE.to_string()
+        + "[[body]]\nname = \"corner\"\nmaterial = { young = 1000, poisson = 0.3 }\n\
+           fix = [{ side = \"base\", x = 0, y = 0 }]\n\
+           [body.mesh.outline]\nsize = 0.4\nfrom = [-1, -1]\n\
+           edges = [{ to = [2, -1], name = \"base\" }, { to = [2, 0] }, { to = [0, 0], name = \"face\" }, \
+           { to = [0, 2], name = \"face\" }, { to = [-1, 2] }, { to = [-1, -1] }]\n"
+        + &block(
+            "block",
+            [0.0; 2],
+            [1.0; 2],
+            [4, 4],
+            "body_force = [-1.0, -1.0]",
+        )
+        + &contact(
+            "both",
+            "nonmortar = [\"block.bottom\", \"block.left\"]\nmortar = \"corner.face\"\nfriction = 0.3",
+        );
+    let warnings = solve(&text).unwrap().warnings;
+    let shared: Vec<&String> = warnings
+        .iter()
+        .filter(|w| w.contains("not unique"))
+        .collect();
+    let told = "several of its forces do the same; how they share it is not unique";
+    assert!(
+        shared.len() == 1 && shared[0].ends_with(told),
+        "{warnings:?}"
+    );
+}
+
+#[test]
 fn the_nearer_of_two_obstacles_counts_whatever_their_order() {
     let body = "fix = [{ side = \"left\", x = 0.0 }, { side = \"right\", x = 0.0 }]\n\
                 load = [{ side = \"top\", traction = [0.0, -10.0] }]";

@@ -254,3 +254,23 @@ fn a_pile_slides_at_what_its_skin_bears() {
         assert!((shear / (0.94 * most) - 1.0).abs() < 1e-6, "{law}: {shear}");
     }
 }
+
+#[test]
+fn what_friction_hardly_lacks_is_no_whole() {
+    let told = |held: f64, step: Option<[f64; 2]>| {
+        let objection = Objection::<2>::Slides {
+            bodies: vec!["block".to_string()],
+            motion: "translation along x".to_string(),
+            by: Some("friction"),
+            held,
+            step,
+        };
+        objection.to_string()
+    };
+    let along = "friction holds all but 2e-9 of the load along this motion";
+    assert!(told(1.0 - 2e-9, None).ends_with(along));
+    assert!(told(0.25, None).ends_with("friction holds 0.25 of the load along this motion"));
+    let change =
+        "friction holds it up to all but 2e-9 of the change of load from t = 0 to t = 2 (t = 2)";
+    assert!(told(1.0 - 2e-9, Some([0.0, 2.0])).ends_with(change));
+}
