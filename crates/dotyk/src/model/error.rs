@@ -466,6 +466,19 @@ pub enum Advice {
         /// How many times.
         times: f64,
     },
+    /// A node on two rough faces, which need not have forces there.
+    #[error(
+        "{node} lies on two rough faces, which jam it: sliding off one it leans on the other, and with coefficients of {} and {} there need not be any forces; use less than {}, or `exclude` the node from one of the contacts",
+        Short(coefficients[0]), Short(coefficients[1]), Short(*limit)
+    )]
+    Jammed {
+        /// The node in words.
+        node: String,
+        /// Coefficients of friction of the two faces.
+        coefficients: [f64; 2],
+        /// Below this coefficient of both nothing jams.
+        limit: f64,
+    },
     /// Forces that go with the slips.
     #[error(
         "within the bounds of friction some forces balance the load, but those that go with the slips were not found, or are not unique: try smaller load steps or a smaller coefficient; where a clearance closes, close it in a step of its own, before loads that turn a body or push it along"

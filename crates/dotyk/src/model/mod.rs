@@ -29,6 +29,7 @@ mod fields;
 mod finish;
 mod floating;
 mod intrusion;
+mod jam;
 mod joints;
 mod judge;
 mod line;

@@ -6,6 +6,7 @@ use crate::linalg::dense::dot;
 use crate::model::attempt::Attempt;
 use crate::model::condense::Condensed;
 use crate::model::error::{Advice, Objection};
+use crate::model::jam::jammed;
 use crate::model::judge::Judged;
 use crate::model::nouns::Model;
 use crate::model::pair::carriers;
@@ -110,13 +111,18 @@ fn turned<const D: usize>(
 
 /// What to try where an iteration did not settle.
 fn advice<const D: usize>(model: &Model<D>, condensed: &Condensed<D>, residual: f64) -> Advice {
-    match slender(model, condensed) {
-        Some((body, times)) => Advice::Divide { body, times },
-        None if condensed.problem.is_crowd() && residual < ROUGH => Advice::Crowd {
+    if let Some((body, times)) = slender(model, condensed) {
+        return Advice::Divide { body, times };
+    }
+    if let Some(jam) = jammed(model, condensed) {
+        return jam;
+    }
+    match condensed.problem.admissible.bounds_follow() {
+        _ if condensed.problem.is_crowd() && residual < ROUGH => Advice::Crowd {
             tolerance: 10f64.powf((10.0 * residual).log10().ceil()),
         },
-        None if condensed.problem.admissible.bounds_follow() => Advice::SmallerSteps,
-        None => Advice::LargerTolerance,
+        true => Advice::SmallerSteps,
+        false => Advice::LargerTolerance,
     }
 }
 

@@ -533,6 +533,9 @@ pub fn pocket(scene: &mut Scene) {
     };
     scene.add("block", shape, kind);
     let law = scene.law(0.4);
+    // an overlap moves the corners off both faces, whose friction leans them away from each other: N₁ − μN₂ and N₂ − μN₁ are
+    // positive for no N₁, N₂ ≥ 0 where μ ≥ 1
+    let jams = play < 0.0 && matches!(&law, Law::Coulomb(mu) if mu.at([0.0; 2], 0.0) >= 1.0);
     let c = scene.touch(side("block", "sole"), side("box", "pocket"), law);
     if play != 0.0 {
         scene.problem.contacts[c].gap = Gap::Given(Amount::from(play));
@@ -543,7 +546,9 @@ pub fn pocket(scene: &mut Scene) {
         side: "top".to_string(),
         field: [Amount::from(aside), Amount::from(-p)],
     });
-    scene.holds("pressed into a pocket that surrounds it");
+    if !jams {
+        scene.holds("pressed into a pocket that surrounds it");
+    }
 }
 
 /// A corner that is moved onto a round obstacle, into a hollow one or onto a plane, near or far; its faces may not see it.
