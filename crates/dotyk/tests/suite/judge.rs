@@ -84,25 +84,26 @@ fn a_corner_with_friction_on_both_walls_is_not_passed() {
     );
 }
 
-#[test]
-fn a_corner_node_of_one_contact_shares_with_no_other() {
-    let text = PLANE.to_string()
+/// A block in the corner of a body, by one contact with these further keys.
+fn in_a_corner(of_block: &str, of_contact: &str) -> String {
+    PLANE.to_string()
         + "[[body]]\nname = \"corner\"\nmaterial = { young = 1000, poisson = 0.3 }\n\
            fix = [{ side = \"base\", x = 0, y = 0 }]\n\
            [body.mesh.outline]\nsize = 0.4\nfrom = [-1, -1]\n\
            edges = [{ to = [2, -1], name = \"base\" }, { to = [2, 0] }, { to = [0, 0], name = \"face\" }, \
            { to = [0, 2], name = \"face\" }, { to = [-1, 2] }, { to = [-1, -1] }]\n"
-        + &block(
-            "block",
-            [0.0; 2],
-            [1.0; 2],
-            [4, 4],
-            "body_force = [-1.0, -1.0]",
-        )
+        + &block("block", [0.0; 2], [1.0; 2], [4, 4], of_block)
         + &contact(
             "both",
-            "nonmortar = [\"block.bottom\", \"block.left\"]\nmortar = \"corner.face\"\nfriction = 0.3",
-        );
+            &format!(
+                "nonmortar = [\"block.bottom\", \"block.left\"]\nmortar = \"corner.face\"\n{of_contact}"
+            ),
+        )
+}
+
+#[test]
+fn a_corner_node_of_one_contact_shares_with_no_other() {
+    let text = in_a_corner("body_force = [-1.0, -1.0]", "friction = 0.3");
     let warnings = solve(&text).unwrap().warnings;
     let shared: Vec<&String> = warnings
         .iter()
@@ -685,5 +686,29 @@ obstacle = {{ plane = {{ point = [0, 0], normal = [0, 1] }} }}
             assert!(contact.resultant.iter().all(|f| f.abs() < 1e-12));
             assert!(contact.nodes.iter().all(|n| n.gap > -1e-12));
         }
+    }
+}
+
+/// An overlap pushes the corner off both faces: there N₁ − μN₂ and N₂ − μN₁ cannot both be positive from μ = 1 on.
+#[test]
+fn a_node_that_two_rough_faces_jam_is_named_with_what_helps() {
+    let solve = |of_contact: &str| {
+        let of_block = "points = { tip = [0, 0] }\nbody_force = [0.0, -1.0]";
+        solve(&in_a_corner(
+            of_block,
+            &format!("gap = -0.001\n{of_contact}"),
+        ))
+    };
+    let Err(Error::NotConverged { reason, .. }) = solve("friction = 1.2") else {
+        panic!("there are no forces");
+    };
+    let told = reason.to_string();
+    let jam = "node 0 at (0, 0) of body \"block\" lies on two rough faces, which jam it";
+    assert!(
+        told.contains(jam) && told.contains("use less than 1,"),
+        "{told}"
+    );
+    for helps in ["friction = 0.99", "friction = 1.2\nexclude = [\"tip\"]"] {
+        assert!(solve(helps).is_ok(), "{helps}");
     }
 }
