@@ -33,7 +33,7 @@ pub use outline::{
     Regions, SizePoint,
 };
 pub use reference::{CellKind, Domain};
-pub(crate) use skin::{SHARP, Skin, Surrounding};
+pub(crate) use skin::{Bow, SHARP, Skin, Surrounding};
 pub use strip::{Cut, Strip, StripError};
 
 use crate::geometry::{Point, Surface, determinant, distance, norm, padded, sub};

@@ -43,8 +43,17 @@ pub(crate) struct Skin<const D: usize> {
 struct AtNode {
     /// The nodes that share a simplex with it.
     beside: Vec<u32>,
-    /// How far the simplices may be off the curve that they stand for, a length.
-    bow: f64,
+    /// How far the simplices may be off the curve that they stand for.
+    bow: Bow,
+}
+
+/// How far a surface may be off the curve that it stands for, lengths.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct Bow {
+    /// On either side.
+    pub off: f64,
+    /// Beyond it, where the curve is hollow: there chords lie in what may stand beside the body. Those of a round one lie in it.
+    pub beyond: f64,
 }
 
 impl<const D: usize> Skin<D> {
@@ -117,17 +126,21 @@ impl<const D: usize> Skin<D> {
     }
 
     /// How far the surface at its nodes, in their order, may be off the curve that it stands for with the nodes of its mesh at
-    /// `points`: that of the body, or of its displacement. Lengths.
-    pub fn bows(&self, points: &[Point<D>]) -> Vec<f64> {
-        let mut bows = vec![0.0f64; self.nodes.len()];
+    /// `points`: that of the body, or of its displacement.
+    pub fn bows(&self, points: &[Point<D>]) -> Vec<Bow> {
+        let mut bows = vec![Bow::default(); self.nodes.len()];
         for (ends, both) in &self.ridges {
             let cosine = self.cosine(*both, points);
             if cosine > SHARP {
-                let sizes = both.map(|index| self.simplex(index, points).size());
-                let bow = sizes[0].max(sizes[1]) * cosine.min(1.0).acos() / 8.0;
+                let [a, b] = both.map(|index| self.simplex(index, points));
+                let bow = a.size().max(b.size()) * cosine.min(1.0).acos() / 8.0;
+                let hollow = dot(a.normal(), sub(b.middle(), a.middle())) > 0.0;
                 for &node in ends {
-                    let at = self.place(node);
-                    bows[at] = bows[at].max(bow);
+                    let at = &mut bows[self.place(node)];
+                    at.off = at.off.max(bow);
+                    if hollow {
+                        at.beyond = at.beyond.max(bow);
+                    }
                 }
             }
         }
@@ -187,8 +200,8 @@ impl<const D: usize> Skin<D> {
         &self.nodes
     }
 
-    /// How far the surface at one of its nodes may be off the curve that it stands for, a length.
-    pub fn bow(&self, node: u32) -> f64 {
+    /// How far the surface at one of its nodes may be off the curve that it stands for.
+    pub fn bow(&self, node: u32) -> Bow {
         self.at_nodes[self.place(node)].bow
     }
 
@@ -285,6 +298,12 @@ impl<const D: usize> Simplex<D> {
     fn size(&self) -> f64 {
         let (low, high) = bounding_box(&self.corners);
         distance(low, high)
+    }
+
+    fn middle(&self) -> Point<D> {
+        let share = 1.0 / D as f64;
+        let corners = self.corners.iter();
+        corners.fold([0.0; D], |sum, &c| add_scaled(sum, share, c))
     }
 
     /// Unit normal outwards; zero where it has none.

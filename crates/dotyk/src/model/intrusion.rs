@@ -13,7 +13,8 @@
 //! ```text
 //!   allowed = 10 × what the meshes of a contact resolve there          dents and bends of the gap, see `between`
 //!           + 2 (b₁ + b₂)                          b = hθ/8, how far polygons are off the curves that they stand for, as drawn or
-//!                                                  as bent: facets of second order are looked at as polygons
+//!                                                  as bent: facets of second order are looked at as polygons; where no contact
+//!                                                  is named, of hollow ones alone, whose chords lie in what is beside the body
 //!           + s (‖∇u₁‖ + ‖∇u₂‖)                    rotations by angles instead of their sines, over a motion s past each other
 //!           + a given clearance that the meshes lack + rounding
 //! ```
@@ -33,7 +34,7 @@ use crate::contact::{Moved, Rigid, Role};
 use crate::dual::{BETWEEN_LIMIT, Figure, ROUNDING};
 use crate::fem::{Short, show};
 use crate::geometry::{Point, Surface, add_scaled, bounding_box, distance, dot, norm, sub};
-use crate::mesh::{Skin, Surrounding};
+use crate::mesh::{Bow, Skin, Surrounding};
 use crate::model::between::resolved;
 use crate::model::condense::Condensed;
 use crate::model::judge::{Displaced, moved};
@@ -293,7 +294,7 @@ struct Solid<'a, const D: usize> {
     /// Largest displacement of the surface.
     most: f64,
     /// How far it may be off the curve that it stands for where it has moved to, at the nodes of the skin.
-    bows: OnceLock<Vec<f64>>,
+    bows: OnceLock<Vec<Bow>>,
 }
 
 impl<'a, const D: usize> Solid<'a, D> {
@@ -338,11 +339,13 @@ impl<'a, const D: usize> Solid<'a, D> {
         each.fold(0.0, f64::max).min(TURN)
     }
 
-    /// What its mesh and its rotation allow at a node that something has moved past by `motion`.
-    fn allows(&self, node: u32, motion: f64) -> f64 {
+    /// What its mesh and its rotation allow at a node that something has moved past by `motion`; whether a contact between the two
+    /// is `named`.
+    fn allows(&self, node: u32, motion: f64, named: bool) -> f64 {
         let bent = self.bows.get_or_init(|| self.skin.bows(&self.now));
-        let bow = self.skin.bow(node).max(bent[self.skin.place(node)]);
-        BOWS * bow + motion * self.gradient(node)
+        let bows = [self.skin.bow(node), bent[self.skin.place(node)]];
+        let bow = bows.map(|bow| if named { bow.off } else { bow.beyond });
+        BOWS * bow[0].max(bow[1]) + motion * self.gradient(node)
     }
 }
 
@@ -504,8 +507,8 @@ impl<const D: usize> Meeting<'_, '_, D> {
         if of_contacts.is_none() && given.any(|c| c.excuses(self.of, [first, next_to])) {
             return None;
         }
-        let of_own = spot.ends.map(|node| own.allows(node, motion));
-        let of_other = near.map(|node| other.allows(node, motion));
+        let of_own = spot.ends.map(|node| own.allows(node, motion, !unnamed));
+        let of_other = near.map(|node| other.allows(node, motion, !unnamed));
         let allowed = of_contacts.unwrap_or(0.0)
             + of_own.into_iter().fold(0.0, f64::max)
             + of_other.into_iter().fold(0.0, f64::max)

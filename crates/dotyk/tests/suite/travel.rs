@@ -630,3 +630,58 @@ fn an_edge_that_means_over_its_faces_let_through_is_told() {
     );
     assert_eq!(found.point, [0.0, 0.0]);
 }
+
+/// A polygon of ten sides stands for a post of radius 0.3338: it is 0.016 off, inside. What is less deep in it stands in the post.
+#[test]
+fn a_corner_that_stands_in_a_round_post_is_excused_by_no_chord() {
+    let moved = |aside: f64| {
+        solve(&format!(
+            r#"
+analysis = "plane-strain"
+[[body]]
+name = "post"
+mesh = {{ outline = {{ size = 0.21, circle = {{ center = [1.2562872240440321, 0.6337706286315488], radius = 0.3337706286315487, name = "round" }} }} }}
+material = {{ young = 82.0, poisson = 0.17 }}
+fix = [{{ side = "round", x = 0, y = 0 }}]
+[[body]]
+name = "slider"
+mesh = {{ rectangle = {{ from = [0.2, 0.016], to = [0.7111, 0.4513], cells = [2, 2], cell = "tri6" }} }}
+material = {{ young = 132.0, poisson = 0.16 }}
+fix = [{{ side = "top", x = {aside}, y = 0 }}]
+"#
+        ))
+    };
+    // the true circle stands at x = 0.9757 at this height, and the chord a little behind
+    assert!(moved(0.26).is_ok());
+    let depths = [0.28, 0.29].map(|aside| stands(moved(aside)));
+    assert!(
+        depths
+            .iter()
+            .all(|found| !found.named && found.body == "slider")
+    );
+    assert!(depths[0].depth < depths[1].depth && depths[1].depth < 0.016);
+}
+
+/// The chords of a bore stand in a shaft that fits and turns, by what they are off the bore; no contact is named.
+#[test]
+fn a_shaft_that_turns_in_its_bore_stands_in_no_more_than_chords() {
+    let turned = |angle: f64| {
+        solve(&format!(
+            r#"
+analysis = "plane-strain"
+[[body]]
+name = "hub"
+mesh = {{ ring = {{ inner = 1, outer = 2, cells = [24, 2], cell = "quad4" }} }}
+material = {{ young = 1000, poisson = 0.3 }}
+fix = [{{ side = "outer", x = 0, y = 0 }}]
+[[body]]
+name = "shaft"
+mesh = {{ ring = {{ inner = 0.5, outer = 1, cells = [24, 2], cell = "quad4" }} }}
+material = {{ young = 1000, poisson = 0.3 }}
+fix = [{{ side = "inner", x = "-{angle}*y", y = "{angle}*x" }}]
+"#
+        ))
+    };
+    assert!(turned(0.02).is_ok());
+    assert!(turned(0.1).is_ok());
+}
