@@ -1,4 +1,4 @@
-//! The certificate: ten figures that tell how far an answer is from being one. It is the only judge of convergence, whoever
+//! The certificate: eleven figures that tell how far an answer is from being one. It is the only judge of convergence, whoever
 //! solved.
 //!
 //! Each figure is a violation in the problem's units; over its scale it must not exceed its limit.
@@ -13,6 +13,7 @@
 //! | energy gap | difference of the primal and the dual energy | energy | tolerance |
 //! | slip violation | largest distance of λₜ from what friction makes of the bound and the slip | force | tolerance |
 //! | force error | largest change of a force that its gap asks for | force | 10 tolerances |
+//! | rounding | largest change of a force that rounding of the gaps leaves open | force | 0.01 |
 //! | between nodes | deepest penetration between the nodes of the sides | what the meshes resolve | 10 |
 //! | overlap | deepest overlap of two bodies beyond that at first, whoever named a contact | what small displacements and the meshes explain | 1 |
 //!
@@ -36,6 +37,10 @@
 //! *Slip violation* is the same for the shear alone: λₜ against the trial shear λₜ − gapₜ/softness, shortened to the bound that
 //! the law of the node gives beside λₙ. Where the node sticks gapₜ = 0; where it slips the trial shear points along the slip.
 //!
+//! *Rounding.* Multipliers finer than the softer side have forces that it answers alike: the stiffer side alone tells them apart, by
+//! gaps that may be less than the rounding of the coordinates. All figures above may be zero then, and the forces still be others. So
+//! they are asked how far they go when gaps change by as much as they are known.
+//!
 //! *Between nodes.* The conditions of a contact are imposed at its nodes. What the sides do between them is measured without
 //! knowing which conditions were imposed.
 //!
@@ -54,6 +59,9 @@ pub const IMBALANCE_LIMIT: f64 = 1e-10;
 
 /// Limit of the force error, in tolerances: neighbouring forces share their errors, a component by itself overstates them.
 pub const FORCE_LIMIT: f64 = 10.0;
+
+/// Limit of what rounding leaves open of forces: pressures are read to a percent.
+const OPEN_LIMIT: f64 = 1e-2;
 
 /// Limit of the penetration between nodes, in depths that the meshes can resolve.
 pub const BETWEEN_LIMIT: f64 = 10.0;
@@ -108,21 +116,22 @@ pub struct Certificate {
     pub slip_violation: Figure,
     /// Largest change of a force that its own gap asks for.
     pub force_error: Figure,
+    /// Largest change of a force that rounding of the gaps leaves open. Asked where multipliers are finer than the softer side and F
+    /// is assembled; zero elsewhere.
+    pub rounding: Figure,
     /// Deepest penetration between the nodes, a length; relative to what the meshes can resolve.
     pub between_nodes: Figure,
     /// Deepest overlap of the deformed bodies beyond the one at first, a length; relative to what is explained. Not asked: zero.
     pub overlap: Figure,
 }
 
-/// Name of the figure that no contact solver can change.
-pub(crate) const BETWEEN_NODES: &str = "between_nodes";
-
-/// Name of the figure of what no contact keeps apart.
-pub(crate) const OVERLAP: &str = "overlap";
+/// Names of the figures that no contact solver can change.
+pub(crate) const NOT_OF_THE_SOLVER: [&str; 3] = ["rounding", "between_nodes", "overlap"];
 
 impl Certificate {
     /// The figures with their names in `summary.json`, in its order.
-    pub fn figures(&self) -> [(&'static str, Figure); 10] {
+    pub fn figures(&self) -> [(&'static str, Figure); 11] {
+        let [rounding, between_nodes, overlap] = NOT_OF_THE_SOLVER;
         [
             ("penetration", self.penetration),
             ("tension", self.tension),
@@ -132,8 +141,9 @@ impl Certificate {
             ("energy_gap", self.energy_gap),
             ("slip_violation", self.slip_violation),
             ("force_error", self.force_error),
-            (BETWEEN_NODES, self.between_nodes),
-            (OVERLAP, self.overlap),
+            (rounding, self.rounding),
+            (between_nodes, self.between_nodes),
+            (overlap, self.overlap),
         ]
     }
 
@@ -186,6 +196,8 @@ pub struct Recomputed<'a> {
     pub rounding: &'a [f64],
     /// How far each force is from that of the answer that exact steps find beside these (m,); empty where that is not known.
     pub exact: Vec<f64>,
+    /// What rounding of the gaps leaves open of each force (m,); empty where that is not asked.
+    pub open: Vec<f64>,
     /// Deepest penetration between the nodes, and what the meshes can resolve there: lengths.
     pub between: [f64; 2],
     /// The rest, by domain of [`DualProblem::coupled`].
@@ -242,6 +254,7 @@ struct OfContact {
     force: f64,
     tension: f64,
     error: f64,
+    open: f64,
     slip: f64,
 }
 
@@ -277,6 +290,7 @@ pub(crate) struct Violations {
     penetration: Worst,
     tension: Worst,
     force_error: Worst,
+    open: Worst,
     complementarity: Worst,
     imbalance_force: Worst,
     imbalance_moment: Worst,
@@ -405,6 +419,7 @@ impl Violations {
             let scale = found.force.max(SMALL * whole);
             self.tension.raise(found.tension, scale);
             self.force_error.raise(found.error, scale);
+            self.open.raise(found.open, scale);
             self.slip.raise(found.slip, scale);
         }
         for (domain, sums) in domains.iter().enumerate() {
@@ -459,6 +474,7 @@ impl DualProblem {
             gap: &gap,
             rounding: &rounding,
             exact: Vec::new(),
+            open: Vec::new(),
             between: [0.0, 1.0],
             domains: domains.collect(),
         };
@@ -488,6 +504,10 @@ impl DualProblem {
             let contact = &mut found.contacts[self.coupled.contact(i)];
             contact.error = larger(contact.error, off);
         }
+        for (i, &open) in recomputed.open.iter().enumerate() {
+            let contact = &mut found.contacts[self.coupled.contact(i)];
+            contact.open = larger(contact.open, open);
+        }
         let told = |domain: usize| recomputed.domains.get(domain).copied();
         found.compare(self, |domain, _| told(domain).unwrap_or_default());
         let [depth, resolved] = recomputed.between;
@@ -500,6 +520,7 @@ impl DualProblem {
             energy_gap: found.energy_gap.figure(tolerance),
             slip_violation: found.slip.figure(tolerance),
             force_error: found.force_error.figure(FORCE_LIMIT * tolerance),
+            rounding: found.open.figure(OPEN_LIMIT),
             between_nodes: Figure::new(depth, resolved, BETWEEN_LIMIT),
             overlap: Figure::new(0.0, 0.0, 1.0),
         }
@@ -622,7 +643,7 @@ mod tests {
         assert!(failing([f64::NAN, 1.0], 1.0).len() >= 3);
         assert_eq!(
             problem.certify(&answer, 1e-8).to_string().lines().count(),
-            10
+            11
         );
     }
 
@@ -661,6 +682,7 @@ mod tests {
             gap: &[0.0, -1e-3],
             rounding: &[0.0; 2],
             exact: Vec::new(),
+            open: Vec::new(),
             between: [0.0, 1.0],
             domains: vec![OfDomain {
                 elastic_energy: 2.5,
@@ -818,11 +840,12 @@ mod tests {
                     largest(&[largest(&pushes), largest(&pulls), slip]),
                     borne,
                 ),
-                (BETWEEN_NODES, 0.0, 1.0),
+                ("rounding", 0.0, borne),
+                ("between_nodes", 0.0, 1.0),
             ];
             let answer = Multipliers { lambda, alpha };
             let certificate = problem.certify(&answer, 1e-6);
-            let limits = [1e-6, 1e-6, 1e-6, 1e-10, 1e-10, 1e-6, 1e-6, 1e-5, 10.0];
+            let limits = [1e-6, 1e-6, 1e-6, 1e-10, 1e-10, 1e-6, 1e-6, 1e-5, 1e-2, 10.0];
             for ((name, found), ((own, value, scale), limit)) in certificate
                 .figures()
                 .iter()
@@ -1009,7 +1032,7 @@ mod tests {
                 .iter()
                 .filter(|line| line.ends_with(": holds"))
                 .count(),
-            8
+            9
         );
     }
 
@@ -1058,6 +1081,7 @@ mod tests {
             gap: &[0.0; 2],
             rounding: &[0.0; 2],
             exact: Vec::new(),
+            open: Vec::new(),
             between: [0.0, 1.0],
             domains: vec![OfDomain {
                 elastic_energy: 2.5,
@@ -1075,6 +1099,9 @@ mod tests {
             0.5
         );
         assert_eq!(certify(|f| f.exact = vec![0.1, 0.5]).force_error.value, 0.5);
+        let open = certify(|f| f.open = vec![0.0, 1.5]).rounding;
+        // forces of 2
+        assert_eq!((open.value, open.relative, open.limit), (1.5, 0.75, 1e-2));
         let between = certify(|f| f.between = [0.5, 0.25]).between_nodes;
         assert_eq!(
             (between.value, between.relative, between.limit),

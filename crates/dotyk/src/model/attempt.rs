@@ -6,7 +6,7 @@
 //! from there. Where an applied or sparse F does not do (slender bodies), F is assembled after all.
 //! A solver of somebody else's is asked once, and what it says is judged as it is.
 
-use crate::dual::{BETWEEN_NODES, Certificate, Multipliers, OVERLAP};
+use crate::dual::{Certificate, Multipliers, NOT_OF_THE_SOLVER};
 use crate::fem::show;
 use crate::geometry::{bounding_box, distance, norm, sub};
 use crate::model::condense::Condensed;
@@ -217,12 +217,11 @@ fn continued<const D: usize>(
     Ok((attempt, judged))
 }
 
-/// The worst figure of a certificate in its limits, infinite where one is no number; but for what happens between the nodes,
-/// which is not the solver's.
+/// The worst figure of a certificate in its limits, infinite where one is no number; but for what no solver can change.
 fn excess(certificate: &Certificate) -> f64 {
     let figures = certificate.figures().into_iter();
     figures
-        .filter(|(name, _)| ![BETWEEN_NODES, OVERLAP].contains(name))
+        .filter(|(name, _)| !NOT_OF_THE_SOLVER.contains(name))
         .map(|(_, f)| f.relative / f.limit)
         .fold(
             0.0,

@@ -437,6 +437,8 @@ pub enum Objection<const D: usize> {
     Violated {
         /// What was checked.
         certificate: Certificate,
+        /// The contact in words whose forces rounding leaves open, if by too much.
+        open: Option<String>,
         /// Contact, place and depth where two sides overlap most between their nodes, if by too much.
         overlap: Option<(String, Point<D>, f64)>,
         /// Where a deformed body stands in another one, if farther than it may.
@@ -564,10 +566,17 @@ impl<const D: usize> fmt::Display for Objection<D> {
             }
             Self::Violated {
                 certificate,
+                open,
                 overlap,
                 intrusion,
             } => {
                 f.write_str(&certificate.objection())?;
+                if let Some(called) = open {
+                    write!(
+                        f,
+                        ": rounding of coordinates and displacements decides forces of {called}, whose multipliers are finer than the softer side; swap its nonmortar and mortar"
+                    )?;
+                }
                 if let Some((contact, point, depth)) = overlap {
                     let (depth, at) = (Short(*depth), show(*point));
                     write!(

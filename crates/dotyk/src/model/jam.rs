@@ -9,7 +9,7 @@
 //! away from the other one, by the angle φᵢ = atan μᵢ. With the angle θ between the normals the two forces enclose
 //! θ + φ₁ + φ₂. From half a turn on nothing between n₁ and n₂ is a sum of them: at a right angle, where μ₁μ₂ ≥ 1.
 
-use crate::dual::{Block, Friction};
+use crate::dual::{Block, Friction, Multipliers};
 use crate::fem::show;
 use crate::geometry::{Point, dot};
 use crate::model::condense::Condensed;
@@ -25,16 +25,22 @@ const SLIT: f64 = 1e-3;
 /// A rough face at a node: its normal and coefficient.
 type Face<const D: usize> = (Point<D>, f64);
 
-/// What to do about the first node that two rough faces jam.
-pub(crate) fn jammed<const D: usize>(model: &Model<D>, condensed: &Condensed<D>) -> Option<Advice> {
+/// What to do about the first node that two rough faces jam, of those that press both or overlap them under some forces.
+pub(crate) fn jammed<const D: usize>(
+    model: &Model<D>,
+    condensed: &Condensed<D>,
+    forces: &Multipliers,
+) -> Option<Advice> {
+    let gap = condensed.problem.gap(forces);
+    let meets = |row: usize| forces.lambda[row] > 0.0 || gap[row] < 0.0;
     let carriers = condensed.paired.iter().flat_map(|pair| {
         let carriers = pair.interface.carriers();
         carriers.map(move |node| ((pair.nonmortar.body.0, node.node), node.normal()))
     });
-    let blocks = condensed.problem.admissible.blocks();
+    let blocks = condensed.problem.admissible.iter();
     let mut faces: BTreeMap<(usize, usize), Vec<Face<D>>> = BTreeMap::new();
-    for ((at, normal), block) in carriers.zip(blocks) {
-        if let Some(coefficient) = coefficient(block) {
+    for ((at, normal), (block, rows)) in carriers.zip(blocks) {
+        if let Some(coefficient) = coefficient(block).filter(|_| meets(rows.start)) {
             faces.entry(at).or_default().push((normal, coefficient));
         }
     }

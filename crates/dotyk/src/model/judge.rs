@@ -24,7 +24,7 @@ use crate::model::recover::{
     BodyState, balanced_state, elastic_displacement, imbalance, rigid_displacement,
 };
 use crate::model::settle::settle;
-use crate::solve::{Outcome, distance_to_exact};
+use crate::solve::{Outcome, distance_to_exact, left_open};
 use rayon::prelude::*;
 use std::borrow::Cow;
 use std::ops::Range;
@@ -567,10 +567,60 @@ fn certify<const D: usize>(
         gap: gaps,
         rounding: &displaced.rounding,
         exact: exact.unwrap_or_default(),
+        open: open_forces(model, condensed, displaced, multipliers).unwrap_or_default(),
         between: overlap.map_or([0.0, 1.0], |o| [o.depth, o.resolved]),
         domains: of_domains(model, condensed, displaced, lambda),
     };
     problem.certify_with(multipliers, &recomputed, model.solver.tolerance)
+}
+
+/// What rounding leaves open of the forces of contacts whose multipliers are finer than the softer side (m,), zero in others;
+/// `None` without such a contact.
+///
+/// The gaps of an answer are known to that of the displacements, those at first to that of the coordinates.
+fn open_forces<const D: usize>(
+    model: &Model<D>,
+    condensed: &Condensed<D>,
+    displaced: &Displaced<D>,
+    multipliers: &Multipliers,
+) -> Option<Vec<f64>> {
+    let finer = contact_rows(model, condensed).filter(|(_, (_, pair))| pair.finer);
+    let mut asked = vec![false; displaced.gaps.len()];
+    let mut rounding = displaced.rounding.clone();
+    for (_, (rows, pair)) in finer {
+        let points = model.bodies[pair.nonmortar.body.0].mesh.points();
+        let far = points
+            .iter()
+            .flatten()
+            .fold(0.0, |s: f64, x| s.max(x.abs()));
+        asked[rows.clone()].fill(true);
+        // what touches at first has gaps of zero, and those are exact
+        let measured = pair.interface.carriers().filter(|node| node.gap != 0.0);
+        for row in measured.filter_map(|node| node.rows[0]) {
+            rounding[rows.start + row] += f64::EPSILON * far;
+        }
+    }
+    if !asked.contains(&true) {
+        return None;
+    }
+    let mut open = left_open(&condensed.problem, multipliers, &rounding)?;
+    let others = open.iter_mut().zip(&asked).filter(|(_, asked)| !**asked);
+    others.for_each(|(open, _)| *open = 0.0);
+    Some(open)
+}
+
+/// The contact in words with the force that rounding leaves most open.
+pub(crate) fn most_open<const D: usize>(
+    model: &Model<D>,
+    condensed: &Condensed<D>,
+    displaced: &Displaced<D>,
+    multipliers: &Multipliers,
+) -> Option<String> {
+    let open = open_forces(model, condensed, displaced, multipliers)?;
+    let most = |rows: Range<usize>| open[rows].iter().copied().fold(0.0, f64::max);
+    let each = contact_rows(model, condensed).map(|(_, (rows, pair))| (most(rows), pair));
+    let (_, pair) = each.max_by(|a, b| a.0.total_cmp(&b.0))?;
+    Some(pair.called())
 }
 
 /// What the displacements tell of every domain.

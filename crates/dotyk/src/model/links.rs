@@ -186,6 +186,7 @@ fn linked<const D: usize>(
         link,
         lost: Vec::new(),
         sharers: Vec::new(),
+        finer: false,
         missed: Default::default(),
         warnings: Vec::new(),
     }

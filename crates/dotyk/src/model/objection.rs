@@ -1,5 +1,6 @@
 //! Why an attempt is no answer.
 
+use crate::dual::Multipliers;
 use crate::fem::{RigidBasis, describe_motion, fit_rigid};
 use crate::geometry::{Point, add_scaled, distance, sub};
 use crate::linalg::dense::dot;
@@ -7,7 +8,7 @@ use crate::model::attempt::Attempt;
 use crate::model::condense::Condensed;
 use crate::model::error::{Advice, Objection};
 use crate::model::jam::jammed;
-use crate::model::judge::Judged;
+use crate::model::judge::{Judged, most_open};
 use crate::model::nouns::Model;
 use crate::model::pair::carriers;
 use crate::model::parts::part_name;
@@ -36,13 +37,12 @@ pub(crate) fn objection<const D: usize>(
         Some(Objection::Unsettled {
             reason, residual, ..
         }) if attempt.outcome.iterations > 0 => {
-            let row = condensed
-                .problem
-                .least_settled(&attempt.outcome.multipliers);
+            let forces = &attempt.outcome.multipliers;
+            let row = condensed.problem.least_settled(forces);
             let worst = row.map(|row| {
                 let (index, point) = carriers(model, &condensed.paired)[row];
                 let called = condensed.paired[index].called();
-                (called, point, advice(model, condensed, *residual))
+                (called, point, advice(model, condensed, (forces, *residual)))
             });
             Some(Objection::Unsettled {
                 reason: reason.clone(),
@@ -57,8 +57,13 @@ pub(crate) fn objection<const D: usize>(
                 .overlap
                 .filter(|_| !certificate.between_nodes.holds());
             let intrusion = judged.intrusion.clone();
+            let open = (!certificate.rounding.holds()).then(|| {
+                let forces = &attempt.outcome.multipliers;
+                most_open(model, condensed, &judged.displaced, forces)
+            });
             Some(Objection::Violated {
                 certificate,
+                open: open.flatten(),
                 intrusion: intrusion
                     .filter(|_| !certificate.overlap.holds())
                     .map(Box::new),
@@ -110,11 +115,15 @@ fn turned<const D: usize>(
 }
 
 /// What to try where an iteration did not settle.
-fn advice<const D: usize>(model: &Model<D>, condensed: &Condensed<D>, residual: f64) -> Advice {
+fn advice<const D: usize>(
+    model: &Model<D>,
+    condensed: &Condensed<D>,
+    (forces, residual): (&Multipliers, f64),
+) -> Advice {
     if let Some((body, times)) = slender(model, condensed) {
         return Advice::Divide { body, times };
     }
-    if let Some(jam) = jammed(model, condensed) {
+    if let Some(jam) = jammed(model, condensed, forces) {
         return jam;
     }
     match condensed.problem.admissible.bounds_follow() {

@@ -68,6 +68,8 @@ pub(crate) struct Paired<const D: usize> {
     pub missed: [BTreeMap<usize, f64>; 2],
     /// What other contacts have of its nodes: see `shared.rs`.
     pub sharers: Vec<Sharer>,
+    /// Its multipliers are finer than the softer side, which then need not tell their forces apart.
+    pub finer: bool,
     /// What the user should know.
     pub warnings: Vec<String>,
 }
@@ -179,6 +181,7 @@ fn pair_point<const D: usize>(
         base: Vec::new(),
         lost: Vec::new(),
         sharers: Vec::new(),
+        finer: false,
         missed: Default::default(),
         warnings: Vec::new(),
     })
@@ -787,6 +790,7 @@ impl<'a, const D: usize> Contacting<'a, D> {
             base: Vec::new(),
             lost: Vec::new(),
             sharers: Vec::new(),
+            finer: false,
             missed: Default::default(),
             warnings: Vec::new(),
         })
@@ -868,7 +872,8 @@ impl<'a, const D: usize> Contacting<'a, D> {
                 ));
             }
         }
-        if !matching && finer_than_softer(ends, &interface)? {
+        let finer = !matching && finer_than_softer(ends, &interface)?;
+        if finer {
             warnings.push(format!(
                 "contact \"{}\": multipliers finer than the softer side, pressures may oscillate; swap nonmortar and mortar",
                 self.contact.name
@@ -890,6 +895,7 @@ impl<'a, const D: usize> Contacting<'a, D> {
             base: Vec::new(),
             lost: Vec::new(),
             sharers: Vec::new(),
+            finer,
             missed: crude,
             warnings,
         })

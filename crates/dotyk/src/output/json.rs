@@ -97,6 +97,7 @@ fn step_summary<'a, const D: usize>(
             energy_gap: solution.certificate.energy_gap.into(),
             slip_violation: solution.certificate.slip_violation.into(),
             force_error: solution.certificate.force_error.into(),
+            rounding: solution.certificate.rounding.into(),
             between_nodes: solution.certificate.between_nodes.into(),
             overlap: solution.certificate.overlap.into(),
         },
@@ -294,6 +295,7 @@ struct CertificateEntry {
     energy_gap: FigureEntry,
     slip_violation: FigureEntry,
     force_error: FigureEntry,
+    rounding: FigureEntry,
     between_nodes: FigureEntry,
     overlap: FigureEntry,
 }
@@ -708,6 +710,7 @@ mod tests {
                 "energy_gap",
                 "slip_violation",
                 "force_error",
+                "rounding",
                 "between_nodes",
                 "overlap",
             ])

@@ -79,10 +79,11 @@ pub fn certificate<const D: usize>(solution: &Solution<D>, labels: &Labels) -> S
         energy_gap,
         slip_violation,
         force_error,
+        rounding,
         between_nodes,
         overlap,
     } = solution.certificate;
-    let lines: [(&str, &str, Figure, &str); 10] = [
+    let lines: [(&str, &str, Figure, &str); 11] = [
         (
             "Penetration",
             "No contact point lies inside the other body by more than",
@@ -129,6 +130,12 @@ pub fn certificate<const D: usize>(solution: &Solution<D>, labels: &Labels) -> S
             "Contact forces",
             "No contact force would change, if it answered its own gap, by more than",
             force_error,
+            &labels.force,
+        ),
+        (
+            "Rounding",
+            "Where multipliers are finer than the softer side, rounding of coordinates and displacements changes no contact force by more than",
+            rounding,
             &labels.force,
         ),
         (

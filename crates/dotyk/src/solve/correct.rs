@@ -98,6 +98,42 @@ pub(crate) fn distance_to_exact(
     exact.then(|| difference.map(|(a, b)| (a - b).abs()).collect())
 }
 
+/// By how much each force changes (m,) where the gaps change within `rounding` (m,) and the states stay, in two patterns of signs that
+/// are as good as random. `None` where F is not assembled, and where the states do not determine the forces.
+///
+/// Forces whose gaps a stiff side alone tells apart change most, and every pattern has a part of those.
+pub(crate) fn left_open(
+    problem: &DualProblem,
+    multipliers: &Multipliers,
+    rounding: &[f64],
+) -> Option<Vec<f64>> {
+    if matches!(problem.compliance, Compliance::Operator { .. }) || problem.is_crowd() {
+        return None;
+    }
+    let limits = Newton::default().limits();
+    let mut setup = Setup::new(problem).ok()?;
+    let states = Search::new(limits, &setup)
+        .states_asked_by(multipliers)
+        .ok()?;
+    setup.balance.set_load(vec![0.0; setup.modes()]);
+    let mut most = vec![0.0f64; rounding.len()];
+    for pattern in [0x9e37_79b9_7f4a_7c15, 0xd1b5_4a32_d192_ed03u64] {
+        let odd = |i: usize| (i as u64 + 1).wrapping_mul(pattern).count_ones() % 2 == 1;
+        let signed = rounding.iter().enumerate();
+        let signed = signed.map(|(i, r)| if odd(i) { -r } else { *r });
+        setup.shift = signed.collect();
+        let (list, _) = unknowns(&setup.admissible, &states, None, &problem.softness);
+        let mut system = System::new(&setup, list, vec![0.0; most.len()]);
+        let found = system.solve(&Forces::none(&setup), finest(limits.0))?;
+        if !system.unique {
+            return None;
+        }
+        let changes = most.iter_mut().zip(&found.lambda);
+        changes.for_each(|(most, change)| *most = most.max(change.abs()));
+    }
+    Some(most)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -267,5 +303,29 @@ mod tests {
         assert_eq!(distance_to_exact(&problem, &half(0.0)), None);
         let distance = largest(0.0, &distance_to_exact(&problem, &half(0.1)).unwrap());
         assert!((distance - 0.1).abs() < 1e-14);
+    }
+
+    #[test]
+    fn rounding_changes_forces_that_a_stiff_side_alone_tells_apart() {
+        // two forces on one soft place; what tells them apart is a millionth of what it gives
+        let f = Mat::from_fn(2, 2, |i, j| if i == j { 1.0 + 1e-6 } else { 1.0 });
+        let changes = |compliance: Compliance, shift: [f64; 2], lambda: [f64; 2]| {
+            let problem = of(compliance, &shift, vec![Block::Unilateral; 2], (&[], &[]));
+            let answer = Multipliers {
+                lambda: lambda.to_vec(),
+                alpha: Vec::new(),
+            };
+            left_open(&problem, &answer, &[1e-9; 2])
+        };
+        let both = [2.0 + 1e-6; 2];
+        // (1, -1) is an eigenvector to 1e-6
+        for change in changes(Compliance::Dense(f.clone()), both, [1.0; 2]).unwrap() {
+            assert!((change - 1e-3).abs() < 1e-8, "{change:e}");
+        }
+        // beside a node that is open, what the soft place gives
+        let alone = changes(Compliance::Dense(f.clone()), [1.0 + 1e-6, 0.5], [1.0, 0.0]).unwrap();
+        assert!((alone[0] - 1e-9).abs() < 1e-14 && alone[1] == 0.0);
+        let applied = applied(&f, Mat::identity(2, 2));
+        assert_eq!(changes(applied, both, [1.0; 2]), None);
     }
 }

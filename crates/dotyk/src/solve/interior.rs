@@ -13,7 +13,8 @@
 //! normal force and one of constant s₀.
 //!
 //! Newton's method on s∘z = τ, τ → 0, linearised where the same transformation of the cone takes s and z to one point
-//! (Nesterov & Todd), with a first step towards τ = 0 that tells how far τ can fall (Mehrotra). ‖zₜ‖ is rounded by a part of
+//! (Nesterov & Todd), with a first step towards τ = 0 that tells how far τ can fall (Mehrotra), and further ones that bring products
+//! s∘z nearer to τ which are far from it, as long as they let the step go farther (Gondzio), where an energy falls. ‖zₜ‖ is rounded by a part of
 //! z₀ − ‖zₜ‖. Each step is one linear problem
 //!
 //! ```text
@@ -25,7 +26,7 @@
 //! contact is undecided about are those of the answer, mostly but for a node, long before τ is small: exact steps end it. With friction the
 //! term in ‖zₜ‖ may bring them to a standstill: then there may be no answer, or another stage finds it.
 //!
-//! As described in Nesterov & Todd (1998) and Mehrotra (1992) for cones and for the order of steps; Acary, Cadoux, Lemaréchal & Malick
+//! As described in Nesterov & Todd (1998), Mehrotra (1992) and Gondzio (1996) for cones and for the order of steps; Acary, Cadoux, Lemaréchal & Malick
 //! (2011) for friction as a problem in cones, with ‖zₜ‖ given.
 
 use crate::dual::{Compliance, Friction};
@@ -59,6 +60,13 @@ const SHORT: f64 = 0.9;
 const FURTHER: f64 = 0.09;
 const LEFT: f64 = 0.1;
 const LEAST_LEFT: f64 = 1e-4;
+
+/// Where an energy falls, most corrections that bring products s∘z, which are far from the others, between τ over and times this; each is to go so much farther
+/// than the one before, and is worth while where it goes this part of that.
+const CENTRED: usize = 3;
+const SPREAD: f64 = 10.0;
+const FARTHER: f64 = 0.3;
+const WORTH: f64 = 0.1;
 
 /// τ falls to this part of itself at most.
 const FALL: f64 = 1e-8;
@@ -218,6 +226,19 @@ fn reach(s: &Vector, ds: &Vector) -> f64 {
         true => own / far,
         false => f64::INFINITY,
     }
+}
+
+/// What brings a product s∘z to one whose eigenvalues s₀ ± ‖sₜ‖ are between τ over and times [`SPREAD`], but takes at most that
+/// much from either.
+fn lacking(product: &Vector, tau: f64) -> Vector {
+    let size = tail(product);
+    let lacks = |value: f64| (value.clamp(tau / SPREAD, tau * SPREAD) - value).max(-tau * SPREAD);
+    let [most, least] = [product[0] + size, product[0] - size].map(lacks);
+    let along = match size > 0.0 {
+        true => 0.5 * (most - least) / size,
+        false => 0.0,
+    };
+    [0.5 * (most + least), along * product[1], along * product[2]]
 }
 
 /// The transformation W of a cone that takes z and, backwards, s to the same point: W = η(2vvᵀ − J).
@@ -490,9 +511,23 @@ impl<'a> Interior<'a> {
                     t[0] += part * tau;
                     t
                 });
-        let corrected: Vec<Vector> = corrected.collect();
-        let change = system.solve(self, &scalings, &slips, (&middles, &corrected));
-        let border = match self.cones.iter().any(|cone| cone.follows) {
+        let mut corrected: Vec<Vector> = corrected.collect();
+        let mut change = system.solve(self, &scalings, &slips, (&middles, &corrected));
+        let mut far = self.reach(&change).min(1.0);
+        let follows = self.cones.iter().any(|cone| cone.follows);
+        for _ in 0..if follows { 0 } else { CENTRED } {
+            let aimed = (far + FARTHER).min(1.0);
+            let outside = self.outside(&scalings, &change, (aimed, part * tau));
+            let terms = corrected.iter().zip(&outside);
+            let terms: Vec<Vector> = terms.map(|(t, more)| moved(t, 1.0, more)).collect();
+            let other = system.solve(self, &scalings, &slips, (&middles, &terms));
+            let reach = self.reach(&other).min(1.0);
+            if reach < far + WORTH * FARTHER {
+                break;
+            }
+            (corrected, change, far) = (terms, other, reach);
+        }
+        let border = match follows {
             true => SHORT + FURTHER * length,
             false => 1.0 - (LEFT * (1.0 - length)).max(LEAST_LEFT),
         };
@@ -515,6 +550,23 @@ impl<'a> Interior<'a> {
             cone.z = moved(&cone.z, length, dz);
         }
         Some(())
+    }
+
+    /// What the products s∘z lack to be near τ after a change of length `aimed`: one that is far from the others keeps all of them
+    /// from going on.
+    fn outside(
+        &self,
+        scalings: &[Scaling],
+        change: &Change,
+        (aimed, tau): (f64, f64),
+    ) -> Vec<Vector> {
+        let cones = self.cones.iter().zip(scalings).zip(&change.cones);
+        let each = cones.map(|((cone, w), (ds, dz))| {
+            let own = w.back(&moved(&cone.s, aimed, ds));
+            let other = w.forth(&moved(&cone.z, aimed, dz));
+            lacking(&jordan(&own, &other), tau)
+        });
+        each.collect()
     }
 
     /// How far the cones let a change go.
@@ -747,6 +799,20 @@ mod tests {
 
     const S: Vector = [2.0, 0.7, -0.9];
     const Z: Vector = [0.9, -0.6, 0.2];
+
+    #[test]
+    fn products_far_from_the_others_are_brought_nearer() {
+        let tau = 0.2;
+        // without tangents: near, too small, too large, far too large
+        for (product, lacks) in [(0.3, 0.0), (0.005, 0.015), (2.5, -0.5), (9.0, -2.0)] {
+            let [head, rest @ ..] = lacking(&[product, 0.0, 0.0], tau);
+            assert!((head - lacks).abs() < 1e-15 && rest == [0.0; 2]);
+        }
+        // eigenvalues -0.5 and 3.5 along (0.6, -0.8): to 0.02 and 2
+        let change = lacking(&[1.5, 1.2, -1.6], tau);
+        let after = moved(&[1.5, 1.2, -1.6], 1.0, &change);
+        assert!(apart(&after, &[1.01, 0.99 * 0.6, -0.99 * 0.8]) < 1e-14);
+    }
 
     #[test]
     fn both_points_of_a_cone_are_taken_to_one() {

@@ -31,6 +31,7 @@ fn stands<const D: usize>(answer: Answer<D>) -> Intrusion<D> {
     match answer.map_err(|reason| *reason) {
         Err(Objection::Violated {
             certificate,
+            open: None,
             overlap: None,
             intrusion: Some(found),
         }) => {

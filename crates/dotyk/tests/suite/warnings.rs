@@ -373,6 +373,52 @@ fn a_side_is_finer_than_the_softer_one_where_they_face_each_other() {
     assert!(!warned(&on(65, true), words));
 }
 
+/// A stiff block on a soft one, pressed by a load that the rounding of their coordinates is more than, in the stiff one: its finer
+/// multipliers have forces that nothing tells. As mortar side it has none, and the pressure is the load.
+#[test]
+fn forces_that_rounding_decides_are_no_answer() {
+    let on = |stiff: f64, finer: bool| {
+        let mut model = Model::<2>::new();
+        let material = |times: f64| Elastic {
+            young: times * SOFT.young,
+            poisson: 0.0,
+        };
+        let soft = rectangle([0.0, 0.0], [1.0, 1.0], [5, 3]);
+        let soft = model.body("soft", soft, material(1.0));
+        let hard = rectangle([0.0, 1.0 - 1e-7], [1.0, 1.6], [8, 3]);
+        let hard = model.body("hard", hard, material(stiff));
+        let sides = [(hard, "bottom"), (soft, "top")];
+        model
+            .fix(soft, "bottom", [None, Some(0.0)])
+            .fix(soft, "left", [Some(0.0), None])
+            .fix(hard, "left", [Some(0.0), None])
+            .press(hard, "top", 1e-6 * SOFT.young);
+        match finer {
+            true => model.contact(sides[0], sides[1]),
+            false => model.contact(sides[1], sides[0]),
+        };
+        model
+    };
+    let Err(Error::NotConverged { reason, .. }) = on(1e9, true).solve() else {
+        panic!("rounding of 1e-16 beside strains of 1e-15");
+    };
+    let told = reason.to_string();
+    let words = "rounding of coordinates and displacements decides forces of contact \"contact_1\"";
+    assert!(told.contains("rounding ") && told.contains(words), "{told}");
+    for (right, known) in [(on(1e9, false), 0.0), (on(1e3, true), 1e-4)] {
+        let answer = right.solve().unwrap();
+        let relative = answer.certificate.rounding.relative;
+        assert!(relative <= known && (relative == 0.0) == (known == 0.0));
+        for node in &answer.contacts[0].nodes {
+            assert!(
+                (node.pressure / SOFT.young - 1e-6).abs() < 1e-9,
+                "{}",
+                node.pressure
+            );
+        }
+    }
+}
+
 /// A finer ring of the same material in a coarse one, pressed by an overlap: it answers the corners of the other, which a coarser
 /// one does not, nor one that is finer than facets of second order.
 #[test]

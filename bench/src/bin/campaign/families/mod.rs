@@ -336,7 +336,7 @@ impl Scene {
         }
         let (mu, slope) = (
             self.random.between(0.2, 0.6),
-            self.random.between(-0.05, 0.05),
+            self.random.between(-0.015, 0.05),
         );
         let time = match self.random.chance(0.5) {
             true => Time::Always,
