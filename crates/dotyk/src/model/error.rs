@@ -481,6 +481,19 @@ pub enum Advice {
         /// Below this coefficient of both nothing jams.
         limit: f64,
     },
+    /// A body between two rough faces, which need not have forces.
+    #[error(
+        "body \"{body}\" stands between two rough faces, which jam it: with coefficients of {} and {} friction could hold any load, even one that draws it out, but there need not be any forces that do; hold it by a support, or by a load that presses it in (below a coefficient of {} nothing jams)",
+        Short(coefficients[0]), Short(coefficients[1]), Short(*limit)
+    )]
+    Wedged {
+        /// The body.
+        body: String,
+        /// Coefficients of friction of the two faces.
+        coefficients: [f64; 2],
+        /// Below this coefficient of both nothing jams.
+        limit: f64,
+    },
     /// Forces that go with the slips.
     #[error(
         "within the bounds of friction some forces balance the load, but those that go with the slips were not found, or are not unique: try smaller load steps or a smaller coefficient; where a clearance closes, close it in a step of its own, before loads that turn a body or push it along"

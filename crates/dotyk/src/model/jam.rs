@@ -1,4 +1,4 @@
-//! Nodes on two rough faces, which jam them: where Coulomb's law need not have an answer.
+//! Nodes on two rough faces, and bodies between them, which jam: where Coulomb's law need not have an answer.
 //!
 //! ```text
 //!   N₁(n₁ − μ₁s₁) + N₂(n₂ − μ₂s₂) = f,     Nᵢ ≥ 0
@@ -8,6 +8,10 @@
 //! these. So the node slips on each face towards the normal of the other one, sᵢ, and friction leans the force of either face
 //! away from the other one, by the angle φᵢ = atan μᵢ. With the angle θ between the normals the two forces enclose
 //! θ + φ₁ + φ₂. From half a turn on nothing between n₁ and n₂ is a sum of them: at a right angle, where μ₁μ₂ ≥ 1.
+//!
+//! From there on the cones of friction of two flat faces of one body, too, hold forces against each other. As far as statics goes
+//! they bear any load then, even one that draws the body out from between the faces. But those forces have to come from elasticity,
+//! and a body that nothing has pressed in before is not pressed by being drawn out: it has none.
 
 use crate::dual::{Block, Friction, Multipliers};
 use crate::fem::show;
@@ -22,7 +26,10 @@ use std::f64::consts::PI;
 /// Faces whose normals are closer than this to opposite ones are those of a slit, not of a corner.
 const SLIT: f64 = 1e-3;
 
-/// A rough face at a node: its normal and coefficient.
+/// A side is flat whose normals differ by less than this, as the cosines of angles do from 1.
+const FLAT: f64 = 1e-9;
+
+/// A rough face at a node, or a flat one: its normal and coefficient.
 type Face<const D: usize> = (Point<D>, f64);
 
 /// What to do about the first node that two rough faces jam, of those that press both or overlap them under some forces.
@@ -45,9 +52,7 @@ pub(crate) fn jammed<const D: usize>(
         }
     }
     faces.into_iter().find_map(|((body, node), faces)| {
-        let pairs = (1..faces.len()).flat_map(|j| (0..j).map(move |i| (i, j)));
-        let mut pairs = pairs.map(|(i, j)| [faces[i], faces[j]]);
-        let (coefficients, limit) = pairs.find_map(jam)?;
+        let (coefficients, limit) = first_jam(&faces)?;
         let at = show(model.bodies[body].mesh.points()[node]);
         Some(Advice::Jammed {
             node: format!("node {node} at {at} of body \"{}\"", part_name(model, body)),
@@ -57,7 +62,46 @@ pub(crate) fn jammed<const D: usize>(
     })
 }
 
-/// Coefficients of two faces that jam a node, and below which they do not.
+/// What to do about the first floating body that two flat rough faces jam.
+pub(crate) fn wedged<const D: usize>(model: &Model<D>, condensed: &Condensed<D>) -> Option<Advice> {
+    let mut blocks = condensed.problem.admissible.blocks().iter();
+    let mut faces: BTreeMap<usize, Vec<Face<D>>> = BTreeMap::new();
+    for pair in &condensed.paired {
+        let normals: Vec<Point<D>> = pair.interface.carriers().map(|n| n.normal()).collect();
+        let own = blocks.by_ref().take(normals.len());
+        let rough = own.filter_map(coefficient).reduce(f64::min);
+        let (Some(coefficient), Some(&normal)) = (rough, normals.first()) else {
+            continue;
+        };
+        if normals.iter().all(|n| dot(*n, normal) > 1.0 - FLAT) {
+            let own = (pair.nonmortar.body.0, normal);
+            let other = pair.mortar.as_ref();
+            let other = other.map(|side| (side.body.0, normal.map(|x| -x)));
+            for (body, normal) in [Some(own), other].into_iter().flatten() {
+                faces.entry(body).or_default().push((normal, coefficient));
+            }
+        }
+    }
+    faces.into_iter().find_map(|(body, faces)| {
+        let floats = !condensed.bodies[body].system.modes.is_empty();
+        let (coefficients, limit) = floats.then(|| first_jam(&faces)).flatten()?;
+        Some(Advice::Wedged {
+            body: part_name(model, body),
+            coefficients,
+            limit,
+        })
+    })
+}
+
+/// The first two of some faces that jam.
+fn first_jam<const D: usize>(faces: &[Face<D>]) -> Option<([f64; 2], f64)> {
+    let pairs = (1..faces.len()).flat_map(|j| (0..j).map(move |i| (i, j)));
+    pairs
+        .map(|(i, j)| [faces[i], faces[j]])
+        .find_map(|faces| jam(faces))
+}
+
+/// Coefficients of two faces that jam, and below which they do not.
 fn jam<const D: usize>([first, second]: [Face<D>; 2]) -> Option<([f64; 2], f64)> {
     let between = dot(first.0, second.0).clamp(-1.0, 1.0).acos();
     let coefficients = [first.1, second.1];

@@ -7,7 +7,7 @@ use crate::linalg::dense::dot;
 use crate::model::attempt::Attempt;
 use crate::model::condense::Condensed;
 use crate::model::error::{Advice, Objection};
-use crate::model::jam::jammed;
+use crate::model::jam::{jammed, wedged};
 use crate::model::judge::{Judged, most_open};
 use crate::model::nouns::Model;
 use crate::model::pair::carriers;
@@ -123,7 +123,8 @@ fn advice<const D: usize>(
     if let Some((body, times)) = slender(model, condensed) {
         return Advice::Divide { body, times };
     }
-    if let Some(jam) = jammed(model, condensed, forces) {
+    let jam = jammed(model, condensed, forces).or_else(|| wedged(model, condensed));
+    if let Some(jam) = jam {
         return jam;
     }
     match condensed.problem.admissible.bounds_follow() {

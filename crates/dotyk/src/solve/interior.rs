@@ -78,6 +78,9 @@ const ROUNDED: f64 = 0.05;
 /// their load, and overlaps tell more only where these are far smaller.
 const BEYOND_LOAD: f64 = 10.0;
 
+/// Gaps begin with no less than this part of the largest one.
+const NEAREST: f64 = 1e-3;
+
 /// Coefficients below this one count as this one where gaps begin.
 const SMOOTH: f64 = 0.1;
 
@@ -385,7 +388,8 @@ struct Interior<'a> {
 }
 
 impl<'a> Interior<'a> {
-    /// The same force at every node, as large as loads and overlaps ask for, and gaps as large as these.
+    /// With friction the same force at every node, as large as loads and overlaps ask for, and gaps as large as these. Where an energy
+    /// falls, gaps as they are at first, but no less than that force gives way, and forces whose products with them are the same.
     fn new(setup: &'a Setup<'a>) -> Self {
         let mut cones: Vec<Cone> = setup
             .admissible
@@ -420,9 +424,17 @@ impl<'a> Interior<'a> {
             false => asked,
         };
         let force = if force > 0.0 { force } else { 1.0 };
-        let gap = largest(force * median(&mut soft), &setup.shift);
+        let give = force * median(&mut soft);
+        let gap = largest(give, &setup.shift);
+        let least = give.max(NEAREST * gap);
+        let follows = cones.iter().any(|cone| cone.follows);
         let mut at = Forces::none(setup);
         for cone in &mut cones {
+            let gap = match follows {
+                true => gap,
+                false => least.max(-setup.shift[cone.normal]),
+            };
+            let force = if follows { force } else { force * least / gap };
             at.lambda[cone.normal] = force;
             cone.s[0] = cone.given + cone.growth * force;
             let growth = if cone.growth > 0.0 {

@@ -689,6 +689,60 @@ obstacle = {{ plane = {{ point = [0, 0], normal = [0, 1] }} }}
     }
 }
 
+/// A wedge whose faces enclose 53 degrees, drawn out: from a coefficient of 1/2 on friction could hold it, but nothing presses it in.
+/// Pressed in it is held, also by what is left of a load; below 1/2 it is drawn out.
+#[test]
+fn a_body_that_two_rough_faces_jam_is_named_with_what_helps() {
+    let solve = |friction: f64, course: &str| {
+        let text = format!(
+            r#"
+analysis = "plane-strain"
+[[body]]
+name = "wedge"
+material = {{ young = 1, poisson = 0.3 }}
+load = [{{ side = "top", pressure = "{course}" }}]
+[body.mesh.outline]
+size = 0.15
+from = [-0.2, 0]
+edges = [
+  {{ to = [0.2, 0] }},
+  {{ to = [0.5, 0.6], name = "right", cells = 8 }},
+  {{ to = [-0.5, 0.6], name = "top" }},
+  {{ to = [-0.2, 0], name = "left", cells = 8 }},
+]
+[[contact]]
+name = "left"
+nonmortar = "wedge.left"
+obstacle = {{ plane = {{ point = [-0.2, 0], normal = [2, 1] }} }}
+friction = {friction}
+[[contact]]
+name = "right"
+nonmortar = "wedge.right"
+obstacle = {{ plane = {{ point = [0.2, 0], normal = [-2, 1] }} }}
+friction = {friction}
+[[step]]
+time = 1
+[[step]]
+time = 2
+"#
+        );
+        let case = Case::<2>::from_str(&text, "case.toml", Path::new(".")).unwrap();
+        case.run(&[], &mut |_| {})
+    };
+    let told = |run: &dotyk::case::Run<2>| {
+        let failure = run.failure.as_ref();
+        failure.map_or(String::new(), |failure| failure.reason.clone())
+    };
+    let drawn = told(&solve(0.7, "-1e-3"));
+    let jam = "body \"wedge\" stands between two rough faces, which jam it: with coefficients of 0.7 and 0.7";
+    assert!(
+        drawn.contains(jam) && drawn.contains("below a coefficient of 0.5 nothing jams"),
+        "{drawn}"
+    );
+    assert!(told(&solve(0.45, "-1e-3")).contains("loss of equilibrium: body \"wedge\""));
+    assert_eq!(told(&solve(0.7, "1e-3*(1.99 - 0.99*t)")), "");
+}
+
 /// An overlap pushes the corner off both faces: there N₁ − μN₂ and N₂ − μN₁ cannot both be positive from μ = 1 on.
 #[test]
 fn a_node_that_two_rough_faces_jam_is_named_with_what_helps() {
