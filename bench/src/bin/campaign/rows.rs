@@ -213,7 +213,11 @@ fn check_row(judgement: &mut Judgement, view: &View<'_>, c: usize, row: &Row) {
     let smallest = if touch.nodal {
         view.state.tiny_length()
     } else {
-        resolution(view, c)[sample.facet]
+        // the condition is a mean over the facets around, on which the slip may be another one than at the node
+        let around = &touch.curve.around[&row.node];
+        let nearby = touch.between.iter().filter(|s| around.contains(&s.facet));
+        let others = nearby.filter_map(|s| Some((self::slip(view, c, s)? - slip).abs()));
+        resolution(view, c)[sample.facet] + others.fold(0.0, f64::max)
     };
     // held along the tangent on both sides: there is no shear to speak of
     let held = view.state.held[touch.own].get(&row.node);

@@ -436,7 +436,7 @@ pub enum Objection<const D: usize> {
     /// The certificate does not hold.
     Violated {
         /// What was checked.
-        certificate: Certificate,
+        certificate: Box<Certificate>,
         /// The contact in words whose forces rounding leaves open, if by too much.
         open: Option<String>,
         /// Contact, place and depth where two sides overlap most between their nodes, if by too much.

@@ -96,9 +96,7 @@ pub(crate) fn wedged<const D: usize>(model: &Model<D>, condensed: &Condensed<D>)
 /// The first two of some faces that jam.
 fn first_jam<const D: usize>(faces: &[Face<D>]) -> Option<([f64; 2], f64)> {
     let pairs = (1..faces.len()).flat_map(|j| (0..j).map(move |i| (i, j)));
-    pairs
-        .map(|(i, j)| [faces[i], faces[j]])
-        .find_map(|faces| jam(faces))
+    pairs.map(|(i, j)| [faces[i], faces[j]]).find_map(jam)
 }
 
 /// Coefficients of two faces that jam, and below which they do not.

@@ -62,7 +62,7 @@ pub(crate) fn objection<const D: usize>(
                 most_open(model, condensed, &judged.displaced, forces)
             });
             Some(Objection::Violated {
-                certificate,
+                certificate: Box::new(certificate),
                 open: open.flatten(),
                 intrusion: intrusion
                     .filter(|_| !certificate.overlap.holds())
