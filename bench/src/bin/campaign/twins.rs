@@ -38,13 +38,9 @@ pub fn carried(problem: &Problem, lengths: f64, forces: f64, angle: f64) -> Opti
     if let Some(other) = &mut twin.other {
         other.problem = carried(&other.problem, lengths, forces, angle)?;
     }
-    if angle != 0.0 && (twin.drawing.is_some() || !twin.sections.is_empty()) {
+    // where points are as far apart one way as another, their rounding decides how a region is meshed
+    if twin.drawing.is_some() || (angle != 0.0 && !twin.sections.is_empty()) {
         return None;
-    }
-    if let Some(drawing) = &mut twin.drawing {
-        let (from, to) = (place(drawing.from), place(drawing.to));
-        (drawing.from, drawing.to) = (from, to);
-        (drawing.border, drawing.size) = (drawing.border * lengths, drawing.size * lengths);
     }
     for section in &mut twin.sections {
         section.stations.iter_mut().for_each(|x| *x = place(*x));

@@ -196,7 +196,8 @@ pub struct Recomputed<'a> {
     pub rounding: &'a [f64],
     /// How far each force is from that of the answer that exact steps find beside these (m,); empty where that is not known.
     pub exact: Vec<f64>,
-    /// What rounding of the gaps leaves open of each force (m,); empty where that is not asked.
+    /// What rounding of the gaps leaves open of each force (m,), infinite where they do not determine it; empty where that is not
+    /// asked.
     pub open: Vec<f64>,
     /// Deepest penetration between the nodes, and what the meshes can resolve there: lengths.
     pub between: [f64; 2],

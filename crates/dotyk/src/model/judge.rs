@@ -18,13 +18,14 @@ use crate::model::error::Error;
 use crate::model::intrusion::{Intrusion, intrusions};
 use crate::model::links::part_balance;
 use crate::model::nouns::{BodyId, Model};
+use crate::model::open::open_forces;
 use crate::model::pair::{Fit, Paired, row_ranges};
 use crate::model::parts::{first_point, part_name};
 use crate::model::recover::{
     BodyState, balanced_state, elastic_displacement, imbalance, rigid_displacement,
 };
 use crate::model::settle::settle;
-use crate::solve::{Outcome, distance_to_exact, left_open};
+use crate::solve::{Outcome, distance_to_exact};
 use rayon::prelude::*;
 use std::borrow::Cow;
 use std::ops::Range;
@@ -278,7 +279,7 @@ pub(crate) fn moved<'a, const D: usize>(
 }
 
 /// The contacts among the pairs, with their places and rows: couples and links have no sides that could overlap.
-fn contact_rows<'a, const D: usize>(
+pub(crate) fn contact_rows<'a, const D: usize>(
     model: &Model<D>,
     condensed: &'a Condensed<D>,
 ) -> impl Iterator<Item = (usize, (Range<usize>, &'a Paired<D>))> + use<'a, D> {
@@ -572,55 +573,6 @@ fn certify<const D: usize>(
         domains: of_domains(model, condensed, displaced, lambda),
     };
     problem.certify_with(multipliers, &recomputed, model.solver.tolerance)
-}
-
-/// What rounding leaves open of the forces of contacts whose multipliers are finer than the softer side (m,), zero in others;
-/// `None` without such a contact.
-///
-/// The gaps of an answer are known to that of the displacements, those at first to that of the coordinates.
-fn open_forces<const D: usize>(
-    model: &Model<D>,
-    condensed: &Condensed<D>,
-    displaced: &Displaced<D>,
-    multipliers: &Multipliers,
-) -> Option<Vec<f64>> {
-    let finer = contact_rows(model, condensed).filter(|(_, (_, pair))| pair.finer);
-    let mut asked = vec![false; displaced.gaps.len()];
-    let mut rounding = displaced.rounding.clone();
-    for (_, (rows, pair)) in finer {
-        let points = model.bodies[pair.nonmortar.body.0].mesh.points();
-        let far = points
-            .iter()
-            .flatten()
-            .fold(0.0, |s: f64, x| s.max(x.abs()));
-        asked[rows.clone()].fill(true);
-        // what touches at first has gaps of zero, and those are exact
-        let measured = pair.interface.carriers().filter(|node| node.gap != 0.0);
-        for row in measured.filter_map(|node| node.rows[0]) {
-            rounding[rows.start + row] += f64::EPSILON * far;
-        }
-    }
-    if !asked.contains(&true) {
-        return None;
-    }
-    let mut open = left_open(&condensed.problem, multipliers, &rounding)?;
-    let others = open.iter_mut().zip(&asked).filter(|(_, asked)| !**asked);
-    others.for_each(|(open, _)| *open = 0.0);
-    Some(open)
-}
-
-/// The contact in words with the force that rounding leaves most open.
-pub(crate) fn most_open<const D: usize>(
-    model: &Model<D>,
-    condensed: &Condensed<D>,
-    displaced: &Displaced<D>,
-    multipliers: &Multipliers,
-) -> Option<String> {
-    let open = open_forces(model, condensed, displaced, multipliers)?;
-    let most = |rows: Range<usize>| open[rows].iter().copied().fold(0.0, f64::max);
-    let each = contact_rows(model, condensed).map(|(_, (rows, pair))| (most(rows), pair));
-    let (_, pair) = each.max_by(|a, b| a.0.total_cmp(&b.0))?;
-    Some(pair.called())
 }
 
 /// What the displacements tell of every domain.

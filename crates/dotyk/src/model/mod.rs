@@ -40,6 +40,7 @@ mod nouns;
 mod objection;
 mod on_side;
 mod on_surface;
+mod open;
 mod pair;
 mod parts;
 mod past;

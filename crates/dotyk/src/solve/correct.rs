@@ -16,9 +16,23 @@ use crate::dual::{Compliance, DualProblem, Multipliers};
 use crate::solve::exact::{Ended, NEAR, Search, finest};
 use crate::solve::hold::hold;
 use crate::solve::setup::{Forces, Setup};
-use crate::solve::states::unknowns;
+use crate::solve::spectrum::start;
+use crate::solve::states::{State, unknowns};
 use crate::solve::system::System;
 use crate::solve::{FixedBounds, Newton};
+
+/// How many standard deviations of the rounding of gaps the forces are asked for.
+const DEVIATIONS: f64 = 3.0;
+
+/// What is open by so many times the rounding of its gap is so for sure.
+const UNDECIDED: f64 = 10.0;
+
+/// How often gaps that were not answered are asked again: null vectors of a shifted matrix leave all of theirs, others ever less.
+const AGAIN: usize = 6;
+
+/// A force that answers by more than this what is left of the gap of a unit one is not determined by gaps. Null vectors answer by the
+/// inverse of the shift, 1e10; vectors of a stiffness of 2e-10 of the others, after so many times, by less.
+pub(crate) const FREE: f64 = 1e8;
 
 /// What one exact step adds to forces and rigid amplitudes whose displacements have the gaps `gap`, known to `rounding`; `None`
 /// where it cannot be solved, and for a crowd. Shapes: (m,).
@@ -98,40 +112,66 @@ pub(crate) fn distance_to_exact(
     exact.then(|| difference.map(|(a, b)| (a - b).abs()).collect())
 }
 
-/// By how much each force changes (m,) where the gaps change within `rounding` (m,) and the states stay, in two patterns of signs that
-/// are as good as random. `None` where F is not assembled, and where the states do not determine the forces.
+/// How far forces go with gaps that are not known.
+pub(crate) struct Open {
+    /// What each force changes by (m,) where the gaps change by random numbers of some deviations of their rounding; NaN where that
+    /// cannot be solved.
+    pub change: Vec<f64>,
+    /// Where states do not determine the forces, what each answers by (m,) to what is left of random gaps of unit forces: more than
+    /// [`FREE`] where no gap tells of it. Empty where they do.
+    pub free: Vec<f64>,
+}
+
+/// How far forces go with gaps that change within `rounding` (m,). The states stay, but that what is open by no more than that may
+/// press. `None` where F is not assembled, and for a crowd.
 ///
-/// Forces whose gaps a stiff side alone tells apart change most, and every pattern has a part of those.
+/// Forces whose gaps a stiff side alone tells apart go farthest, and random gaps have a part of those.
 pub(crate) fn left_open(
     problem: &DualProblem,
     multipliers: &Multipliers,
-    rounding: &[f64],
-) -> Option<Vec<f64>> {
+    (gap, rounding): (&[f64], &[f64]),
+) -> Option<Open> {
     if matches!(problem.compliance, Compliance::Operator { .. }) || problem.is_crowd() {
         return None;
     }
     let limits = Newton::default().limits();
     let mut setup = Setup::new(problem).ok()?;
-    let states = Search::new(limits, &setup)
-        .states_asked_by(multipliers)
-        .ok()?;
-    setup.balance.set_load(vec![0.0; setup.modes()]);
-    let mut most = vec![0.0f64; rounding.len()];
-    for pattern in [0x9e37_79b9_7f4a_7c15, 0xd1b5_4a32_d192_ed03u64] {
-        let odd = |i: usize| (i as u64 + 1).wrapping_mul(pattern).count_ones() % 2 == 1;
-        let signed = rounding.iter().enumerate();
-        let signed = signed.map(|(i, r)| if odd(i) { -r } else { *r });
-        setup.shift = signed.collect();
-        let (list, _) = unknowns(&setup.admissible, &states, None, &problem.softness);
-        let mut system = System::new(&setup, list, vec![0.0; most.len()]);
-        let found = system.solve(&Forces::none(&setup), finest(limits.0))?;
-        if !system.unique {
-            return None;
+    let states = Search::new(limits, &setup).states_asked_by(multipliers);
+    let mut states = states.ok()?;
+    for (state, (block, range)) in states.iter_mut().zip(setup.admissible.iter()) {
+        let first = range.start;
+        if !state.closed && gap[first].abs() <= UNDECIDED * rounding[first] {
+            *state = State::sticking(block, true);
         }
-        let changes = most.iter_mut().zip(&found.lambda);
-        changes.for_each(|(most, change)| *most = most.max(change.abs()));
     }
-    Some(most)
+    setup.balance.set_load(vec![0.0; setup.modes()]);
+    // a unit vector's numbers have a mean square of 1/m
+    let size = DEVIATIONS * (rounding.len() as f64).sqrt();
+    let random = start(rounding.len());
+    let within = |gaps: &[f64]| -> Vec<f64> {
+        let parts = gaps.iter().zip(&random);
+        parts.map(|(gap, part)| gap * size * part).collect()
+    };
+    // forces, what they leave of the gaps, and whether they are unique
+    let mut answer = |gaps: Vec<f64>| {
+        setup.shift = gaps;
+        let (list, known) = unknowns(&setup.admissible, &states, None, &problem.softness);
+        let mut system = System::new(&setup, list, vec![0.0; known.len()]);
+        let found = system.solve(&Forces::none(&setup), finest(limits.0))?;
+        let parts = setup.shift.iter().zip(&found.product);
+        let mut left: Vec<f64> = parts.map(|(gap, closed)| gap - closed).collect();
+        setup.balance.add_transposed(1.0, &found.alpha, &mut left);
+        Some((found.lambda, left, system.unique))
+    };
+    let (mut change, mut free) = (vec![f64::NAN; rounding.len()], Vec::new());
+    if let Some((found, _, unique)) = answer(within(rounding)) {
+        change = found;
+        let mut left = within(&problem.softness);
+        for _ in 0..if unique { 0 } else { AGAIN } {
+            (free, left, _) = answer(left)?;
+        }
+    }
+    Some(Open { change, free })
 }
 
 #[cfg(test)]
@@ -315,17 +355,29 @@ mod tests {
                 lambda: lambda.to_vec(),
                 alpha: Vec::new(),
             };
-            left_open(&problem, &answer, &[1e-9; 2])
+            left_open(&problem, &answer, (&problem.gap(&answer), &[1e-9; 2]))
         };
         let both = [2.0 + 1e-6; 2];
-        // (1, -1) is an eigenvector to 1e-6
-        for change in changes(Compliance::Dense(f.clone()), both, [1.0; 2]).unwrap() {
-            assert!((change - 1e-3).abs() < 1e-8, "{change:e}");
-        }
-        // beside a node that is open, what the soft place gives
-        let alone = changes(Compliance::Dense(f.clone()), [1.0 + 1e-6, 0.5], [1.0, 0.0]).unwrap();
-        assert!((alone[0] - 1e-9).abs() < 1e-14 && alone[1] == 0.0);
+        // (1, -1) is an eigenvector to 1e-6, and both get the same of it
+        let apart = changes(Compliance::Dense(f.clone()), both, [1.0; 2]).unwrap();
+        let [own, other] = [0, 1].map(|i| DEVIATIONS * start(2)[i] * 2f64.sqrt() * 1e-9);
+        let known = (0.5 * (own - other) / 1e-6).abs();
+        let close = |x: &f64| (x.abs() / known - 1.0).abs() < 1e-5;
+        assert!(known > 1e-5 && apart.change.iter().all(close) && apart.free.is_empty());
+        // nothing tells them apart
+        let same = Mat::from_fn(2, 2, |_, _| 1.0);
+        let same = changes(Compliance::Dense(same), [2.0; 2], [1.0; 2]).unwrap();
+        assert!(same.free.len() == 2 && same.free.iter().all(|x| x.abs() > FREE));
+        // beside a node that is open, what the soft place gives; one that touches within rounding may press
+        let alone = |gap: f64| {
+            let shift = [1.0 + 1e-6, 1.0 - gap];
+            let open = changes(Compliance::Dense(f.clone()), shift, [1.0, 0.0]).unwrap();
+            [0, 1].map(|i| open.change[i].abs())
+        };
+        let [own, other] = alone(0.5);
+        assert!(own > 0.0 && own < DEVIATIONS * 2e-9 && other == 0.0);
+        assert!(alone(1e-9).iter().all(close));
         let applied = applied(&f, Mat::identity(2, 2));
-        assert_eq!(changes(applied, both, [1.0; 2]), None);
+        assert!(changes(applied, both, [1.0; 2]).is_none());
     }
 }

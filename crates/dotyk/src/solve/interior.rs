@@ -61,8 +61,8 @@ const FURTHER: f64 = 0.09;
 const LEFT: f64 = 0.1;
 const LEAST_LEFT: f64 = 1e-4;
 
-/// Where an energy falls, most corrections that bring products s∘z, which are far from the others, between τ over and times this; each is to go so much farther
-/// than the one before, and is worth while where it goes this part of that.
+/// Where an energy falls, most corrections that bring products s∘z far from the others between τ over and times this; each is to go
+/// so much farther than the one before, and is worth while where it goes this part of that.
 const CENTRED: usize = 3;
 const SPREAD: f64 = 10.0;
 const FARTHER: f64 = 0.3;

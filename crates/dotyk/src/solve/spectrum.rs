@@ -58,7 +58,7 @@ pub(crate) fn largest_eigenvalue(
 }
 
 /// Unit vector of uniform pseudo-random numbers (splitmix64).
-fn start(n: usize) -> Vec<f64> {
+pub(crate) fn start(n: usize) -> Vec<f64> {
     let mut state: u64 = 0x9e37_79b9_7f4a_7c15;
     let mut vector: Vec<f64> = (0..n)
         .map(|_| {

@@ -154,6 +154,7 @@ pub fn layers(scene: &mut Scene) {
         cell,
     };
     scene.add("rock", Shape::Region(vec!["a", "b"]), cell);
+    let facet = drawing.size;
     scene.problem.drawing = Some(drawing);
     let wide = border * scene.random.between(0.3, 0.8);
     let left = (border - wide) * scene.random.between(0.05, 0.95);
@@ -202,12 +203,16 @@ pub fn layers(scene: &mut Scene) {
     };
     (tie.pairing, tie.law) = (crate::problem::Pairing::Default, Law::Tied);
     apart.contacts.push(tie);
-    scene.problem.other = Some(Box::new(Other {
-        name: "tied",
-        problem: apart,
-        parts: vec![vec![0, 2], vec![1]],
-        tolerance: 1e-6,
-    }));
+    // where the punch ends on the facet beside the border, the node there has half the surroundings when it is the end of a side, and
+    // with it another part that faces the punch
+    if left + wide < border - facet {
+        scene.problem.other = Some(Box::new(Other {
+            name: "tied",
+            problem: apart,
+            parts: vec![vec![0, 2], vec![1]],
+            tolerance: 1e-6,
+        }));
+    }
     scene.holds("pressed onto a clamped body");
 }
 
