@@ -74,15 +74,21 @@ pub(crate) fn most_open<const D: usize>(
     Some(pair.called())
 }
 
-/// The size of the force that all rows together have on the node of each (m,).
+/// The size of the force that all rows together have on the node of each (m,): where contacts meet they may push a node by forces of
+/// which others take as much back, and those move nothing.
 fn on_nodes<const D: usize>(paired: &[Paired<D>], forces: &[f64]) -> Vec<f64> {
     let mut sums: BTreeMap<(usize, usize), Point<D>> = BTreeMap::new();
     for (rows, pair) in row_ranges(paired) {
-        for (row, force) in pair.interface.nonmortar.iter().zip(&forces[rows]) {
-            for &(node, c) in row {
-                let sum = sums.entry((pair.nonmortar.body.0, node));
-                let sum = sum.or_insert([0.0; D]);
-                *sum = add_scaled(*sum, *force, c);
+        let own = (Some(pair.nonmortar.body.0), &pair.interface.nonmortar);
+        for (part, sides) in [own, (pair.opposite, &pair.interface.mortar)] {
+            let Some(part) = part else {
+                continue;
+            };
+            for (row, force) in sides.iter().zip(&forces[rows.clone()]) {
+                for &(node, c) in row {
+                    let sum = sums.entry((part, node)).or_insert([0.0; D]);
+                    *sum = add_scaled(*sum, *force, c);
+                }
             }
         }
     }
