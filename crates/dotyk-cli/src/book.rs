@@ -7,10 +7,10 @@ use crate::failure::Failure;
 use crate::text::number;
 use crate::verify::{Folder, Judged, Solved, Tally};
 use dotyk::dual::Certificate;
-use dotyk::output::write_files;
+use dotyk::output::{self, Stage};
 use std::collections::HashSet;
 use std::fmt::Write;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 /// Name of the page of a folder, and of the table of all folders.
 const PAGE: &str = "index.md";
@@ -54,7 +54,7 @@ pub struct Found<'a> {
 
 /// A book that is being written.
 pub struct Book {
-    dir: PathBuf,
+    stage: Stage,
     /// Of all folders that it will have.
     names: Vec<String>,
     /// Of the table of all folders.
@@ -62,7 +62,7 @@ pub struct Book {
 }
 
 impl Book {
-    /// A book with a page for each of these folders.
+    /// A book with a page for each of these folders, whose files are seen when it is closed.
     pub fn new(dir: &Path, folders: &[Folder]) -> Result<Self, Failure> {
         let names = folders.iter().map(|folder| name_of(&folder.path));
         let names = names.collect::<Result<Vec<_>, _>>()?;
@@ -71,8 +71,9 @@ impl Book {
             let message = format!("two folders are called {twice}, which names a page of the book");
             return Err(Failure::Message(message));
         }
+        let stage = output::Folder::hold(dir).and_then(|folder| Stage::open(&folder));
         Ok(Self {
-            dir: dir.to_path_buf(),
+            stage: stage.map_err(of_book)?,
             names,
             rows: Vec::new(),
         })
@@ -83,7 +84,7 @@ impl Book {
         let name = &self.names[self.rows.len()];
         let folder = &found.folder.path;
         let problem = Problem::read(folder, name)?;
-        let statement = self.linked(&problem, folder);
+        let statement = linked(&self.names, &problem, folder);
         let mut files = Vec::new();
         for file in copied(found.folder, &problem.text) {
             let bytes = std::fs::read(folder.join(&file));
@@ -91,13 +92,16 @@ impl Book {
         }
         let page = page([&problem.title, &statement, name], found, &mut files);
         files.push((PAGE.to_string(), page.into_bytes()));
-        write(&files, &self.dir.join(name))?;
+        for (file, bytes) in files {
+            let put = self.stage.put(&format!("{name}/{file}"), &bytes);
+            put.map_err(of_book)?;
+        }
         self.rows.push(row(&problem.title, name, found.tally));
         Ok(())
     }
 
     /// Writes the table of all folders; `summary` is what was found in all of them.
-    pub fn close(self, summary: &str) -> Result<(), Failure> {
+    pub fn close(mut self, summary: &str) -> Result<(), Failure> {
         let mut page = format!("# Verification\n\n{}\n\n", escaped(summary.trim()));
         page += "Each folder of cases is an example, an input file and a test. Its page has the problem, pictures, every \
                  reference value with its source and its verdict, and the certificate of each answer.\n\n\
@@ -109,33 +113,35 @@ impl Book {
             page += &format!("{name}/index\n");
         }
         page += "```\n";
-        write(&[(PAGE.to_string(), page.into_bytes())], &self.dir)
+        let put = self.stage.put(PAGE, page.as_bytes());
+        let written = put.and_then(|()| self.stage.commit(&[]));
+        written.map(drop).map_err(of_book)
     }
+}
 
-    /// The statement of a problem with links that lead somewhere in the book; other links become their words.
-    fn linked(&self, problem: &Problem, folder: &Path) -> String {
-        let (mut out, mut rest) = (String::new(), problem.text.as_str());
-        while let Some(link) = Link::first(rest) {
-            out += &rest[..link.begin];
-            let target = self.target(link.target, folder);
-            out += &match target {
-                Some(target) => format!("[{}]({target})", link.words),
-                None => link.words.to_string(),
-            };
-            rest = &rest[link.end..];
-        }
-        out + rest
+/// The statement of a problem with links that lead somewhere in the book; other links become their words.
+fn linked(names: &[String], problem: &Problem, folder: &Path) -> String {
+    let (mut out, mut rest) = (String::new(), problem.text.as_str());
+    while let Some(link) = Link::first(rest) {
+        out += &rest[..link.begin];
+        let target = self::target(names, link.target, folder);
+        out += &match target {
+            Some(target) => format!("[{}]({target})", link.words),
+            None => link.words.to_string(),
+        };
+        rest = &rest[link.end..];
     }
+    out + rest
+}
 
-    /// Where a link of a folder's text leads in the book.
-    fn target(&self, target: &str, folder: &Path) -> Option<String> {
-        if target.contains("://") || target.starts_with('#') || folder.join(target).is_file() {
-            return (!target.contains('/') || target.contains("://")).then(|| target.to_string());
-        }
-        let name = target.strip_prefix("../")?.trim_end_matches('/');
-        let known = self.names.iter().any(|known| known == name);
-        known.then(|| format!("../{name}/{PAGE}"))
+/// Where a link of a folder's text leads in the book.
+fn target(names: &[String], target: &str, folder: &Path) -> Option<String> {
+    if target.contains("://") || target.starts_with('#') || folder.join(target).is_file() {
+        return (!target.contains('/') || target.contains("://")).then(|| target.to_string());
     }
+    let name = target.strip_prefix("../")?.trim_end_matches('/');
+    let known = names.iter().any(|known| known == name);
+    known.then(|| format!("../{name}/{PAGE}"))
 }
 
 /// The case whose pictures stand on the page: the one that the text of the folder names first, else the first.
@@ -395,11 +401,9 @@ fn escaped(words: &str) -> String {
     out
 }
 
-/// Writes files into a folder of the book, all or none.
-fn write(files: &[(String, Vec<u8>)], dir: &Path) -> Result<(), Failure> {
-    let written = write_files(files, dir);
-    written.map_err(|e| Failure::of_files(&e, "--book"))?;
-    Ok(())
+/// Files that could not be written.
+fn of_book(error: output::Error) -> Failure {
+    Failure::of_files(&error, "--book")
 }
 
 #[cfg(test)]
@@ -409,18 +413,14 @@ mod tests {
     #[test]
     fn links_lead_to_pages_and_files_or_become_words() {
         let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("src");
-        let book = Book {
-            dir: PathBuf::new(),
-            names: vec!["other".to_string()],
-            rows: Vec::new(),
-        };
+        let names = ["other".to_string()];
         let problem = Problem {
             title: String::new(),
             text: "[a](../other), [b](main.rs), [c](../else), [d](https://dml.cz/1) [e]"
                 .to_string(),
         };
         let expected = "[a](../other/index.md), [b](main.rs), c, [d](https://dml.cz/1) [e]";
-        assert_eq!(book.linked(&problem, &folder), expected);
+        assert_eq!(linked(&names, &problem, &folder), expected);
     }
 
     #[test]

@@ -4,7 +4,7 @@ use crate::Outcome;
 use crate::failure::Failure;
 use crate::given::Given;
 use crate::run::output_folder;
-use crate::text::{print, written};
+use crate::text::{named, print};
 use dotyk::model::Check;
 use std::path::PathBuf;
 
@@ -42,9 +42,9 @@ pub fn check(arguments: &Arguments) -> Result<Outcome, Failure> {
         if let Some(folder) = folder {
             let page = check.write_page(&case.model, &case.stem, &folder);
             let page = page.map_err(|e| Failure::Message(e.to_string()))?;
-            text += &written(&[page]);
+            text += &named(&[page]);
         }
-        print(&text);
+        print(&text)?;
         match check.errors.as_slice() {
             [] => Ok(Outcome::Done),
             errors => Err(case

@@ -5,9 +5,9 @@ use crate::failure::{Failure, warn};
 use crate::given::Given;
 use crate::progress::Progress;
 use crate::run::{output_folder, positive};
-use crate::text::{columns, number, print, written};
+use crate::text::{columns, named, number, print};
 use dotyk::model::{Comparison, ComparisonRow};
-use dotyk::output;
+use dotyk::output::{self, Folder};
 use std::path::PathBuf;
 
 /// Arguments of `dotyk compare`.
@@ -49,7 +49,9 @@ fn log_spaced((a, b): (f64, f64)) -> Vec<f64> {
 pub fn compare(arguments: &Arguments) -> Result<Outcome, Failure> {
     let case = arguments.given.read(&arguments.case)?;
     let compared = of_any!(&case, |case| {
-        let folder = output_folder(arguments.out.as_deref(), &case.stem)?;
+        let writes = arguments.rho.is_some() || arguments.out.is_some();
+        let folder = writes.then(|| output_folder(arguments.out.as_deref(), &case.stem));
+        let folder = folder.transpose()?;
         warn(&case.warnings);
         let mut progress = Progress::new(false);
         let methods = case.model.compare(&mut |event| progress.observe(event));
@@ -79,7 +81,7 @@ pub fn compare(arguments: &Arguments) -> Result<Outcome, Failure> {
             of_rho: steps.and_then(Result::ok).unwrap_or_default(),
         }
     });
-    report(arguments, &compared)
+    report(&compared)
 }
 
 /// What came of all solvers.
@@ -87,13 +89,14 @@ struct Compared {
     title: String,
     /// Number of load steps of the case.
     steps: usize,
-    folder: PathBuf,
+    /// Where files are asked for.
+    folder: Option<Folder>,
     methods: Vec<ComparisonRow>,
     of_rho: Vec<ComparisonRow>,
 }
 
 /// Writes and prints.
-fn report(arguments: &Arguments, compared: &Compared) -> Result<Outcome, Failure> {
+fn report(compared: &Compared) -> Result<Outcome, Failure> {
     let Compared {
         title,
         folder,
@@ -110,7 +113,7 @@ fn report(arguments: &Arguments, compared: &Compared) -> Result<Outcome, Failure
         text += "\n";
         text += &step_table(of_rho);
     }
-    if arguments.rho.is_some() || arguments.out.is_some() {
+    if let Some(folder) = folder {
         let comparison = Comparison {
             title: title.clone(),
             rows: methods.iter().chain(of_rho).cloned().collect(),
@@ -118,9 +121,9 @@ fn report(arguments: &Arguments, compared: &Compared) -> Result<Outcome, Failure
         let files = output::write_comparison(&comparison, folder);
         let files = files.map_err(Failure::of_output)?;
         text += "\n";
-        text += &written(&files);
+        text += &named(&files);
     }
-    print(&text);
+    print(&text)?;
     Ok(if methods.iter().all(|run| run.converged) {
         Outcome::Done
     } else {

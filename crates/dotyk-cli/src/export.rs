@@ -4,7 +4,7 @@ use crate::Outcome;
 use crate::failure::{Failure, warn};
 use crate::given::Given;
 use crate::run::{output_folder, start_threads};
-use crate::text::{number, print, written};
+use crate::text::{named, number, print};
 use dotyk::dual::{Block, DualProblem};
 use dotyk::model::Error;
 use dotyk::output;
@@ -66,7 +66,7 @@ pub fn export(arguments: &Arguments) -> Result<Outcome, Failure> {
         }
         let files = dual.write(answer.as_ref().ok(), &case.stem, &folder);
         let text = summary(&case.model.title, dual.time(), dual.problem());
-        print(&(text + &written(&files.map_err(Failure::of_output)?)));
+        print(&(text + &named(&files.map_err(Failure::of_output)?)))?;
         Ok(Outcome::Done)
     })
 }

@@ -1,6 +1,6 @@
 //! Bad input: one clear message on standard error, underlined in its file where it has a place.
 
-use crate::text::{colours, red};
+use crate::text::{colours, red, shown};
 use dotyk::case::CaseError;
 use dotyk::output;
 use std::fmt;
@@ -43,7 +43,7 @@ impl Failure {
     pub fn print(self) {
         let rendered = self.rendered(colours(&std::io::stderr()));
         // Nobody is left to tell when standard error is closed.
-        let _ = std::io::stderr().write_all(rendered.as_bytes());
+        let _ = std::io::stderr().write_all(shown(&rendered).as_bytes());
     }
 
     fn rendered(&self, colours: bool) -> String {
@@ -97,7 +97,7 @@ fn underlined(error: &CaseError, colours: bool) -> String {
 pub fn warn(warnings: &[String]) {
     let lines: String = warnings.iter().map(|w| format!("warning: {w}\n")).collect();
     // As above.
-    let _ = std::io::stderr().write_all(lines.as_bytes());
+    let _ = std::io::stderr().write_all(shown(&lines).as_bytes());
 }
 
 #[cfg(test)]

@@ -22,12 +22,15 @@ mod given;
 mod keys;
 mod progress;
 mod run;
+mod signals;
 mod study;
 mod text;
 mod verify;
 
 use clap::{CommandFactory, Parser, Subcommand};
+use failure::Failure;
 use std::ffi::OsString;
+use std::io::Write;
 
 /// Elastic contact mechanics: bodies pressed against each other, with a certificate for every answer.
 #[derive(Parser)]
@@ -77,18 +80,39 @@ enum Outcome {
 
 /// Runs the command with its arguments, its own name the first of them, and returns the exit status.
 pub fn main(arguments: impl IntoIterator<Item = OsString>) -> u8 {
+    signals::watch();
     match Cli::try_parse_from(arguments) {
         Ok(cli) => status(cli.command),
-        Err(told) => {
-            // help and version are told this way, too; what cannot be printed is nobody's mistake
-            let _ = told.print();
-            u8::try_from(told.exit_code()).unwrap_or(2)
-        }
+        // help and version are told this way, too
+        Err(told) => match tell(&told) {
+            Ok(()) => u8::try_from(told.exit_code()).unwrap_or(2),
+            Err(failure) => status_of(Err(failure)),
+        },
     }
 }
 
+/// Prints what the reader of the command line has to say.
+fn tell(told: &clap::Error) -> Result<(), Failure> {
+    let to_errors = told.use_stderr();
+    let coloured = match to_errors {
+        true => text::colours(&std::io::stderr()),
+        false => text::colours(&std::io::stdout()),
+    };
+    let styled = told.render();
+    let words = match coloured {
+        true => styled.ansi().to_string(),
+        false => styled.to_string(),
+    };
+    if to_errors {
+        // nobody is left to tell when standard error is closed
+        let _ = std::io::stderr().write_all(text::shown(&words).as_bytes());
+        return Ok(());
+    }
+    text::print(&words)
+}
+
 fn status(command: Command) -> u8 {
-    let outcome = match command {
+    status_of(match command {
         Command::Run(arguments) => run::run(&arguments),
         Command::Check(arguments) => check::check(&arguments),
         Command::Verify(arguments) => verify::verify(&arguments),
@@ -98,14 +122,13 @@ fn status(command: Command) -> u8 {
         Command::Completions { shell } => {
             let mut script = Vec::new();
             clap_complete::generate(shell, &mut Cli::command(), "dotyk", &mut script);
-            text::print(&String::from_utf8_lossy(&script));
-            Ok(Outcome::Done)
+            text::print(&String::from_utf8_lossy(&script)).map(|()| Outcome::Done)
         }
-        Command::Reference => {
-            text::print(keys::TEXT);
-            Ok(Outcome::Done)
-        }
-    };
+        Command::Reference => text::print(keys::TEXT).map(|()| Outcome::Done),
+    })
+}
+
+fn status_of(outcome: Result<Outcome, Failure>) -> u8 {
     match outcome {
         Ok(Outcome::Done) => 0,
         Ok(Outcome::Unsatisfied) => 1,

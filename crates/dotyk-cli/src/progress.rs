@@ -1,5 +1,6 @@
 //! Progress on standard error: silent unless it is a terminal.
 
+use crate::text::shown;
 use dotyk::model::{Event, HistoryPoint, Work};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressState, ProgressStyle};
 use std::fmt;
@@ -109,7 +110,7 @@ impl Progress {
 
     /// Says what is being worked on before the first stage.
     pub fn announce(&self, what: &str) {
-        self.bar.set_message(what.to_string());
+        self.bar.set_message(shown(what).into_owned());
     }
 
     /// Takes note of an event.

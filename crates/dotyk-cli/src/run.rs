@@ -4,12 +4,12 @@ use crate::Outcome;
 use crate::failure::{Failure, warn};
 use crate::given::Given;
 use crate::progress::Progress;
-use crate::text::{columns, number, print, vector, written};
+use crate::text::{columns, named, number, print, vector};
 use dotyk::model::{
     Analysis, BodySolution, ContactSolution, Dimension, Method, Model, ProbeValue, Solution,
     StressAt,
 };
-use dotyk::output::{self, Scales};
+use dotyk::output::{self, Folder, Scales};
 use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
@@ -79,10 +79,10 @@ pub fn run(arguments: &Arguments) -> Result<Outcome, Failure> {
         return Err(Failure::Message(message.to_string()));
     }
     if let ([case], [folder]) = (&arguments.cases[..], &folders[..]) {
-        return run_case(arguments, case, folder);
+        return run_case(arguments, case, folder.clone());
     }
     let mut worst = Outcome::Done;
-    for (case, folder) in arguments.cases.iter().zip(&folders) {
+    for (case, folder) in arguments.cases.iter().zip(folders) {
         let outcome = run_case(arguments, case, folder).unwrap_or_else(|failure| {
             // the other cases have nothing to do with it
             failure.print();
@@ -119,7 +119,7 @@ fn output_folders(arguments: &Arguments) -> Result<Vec<PathBuf>, Failure> {
 }
 
 /// Solves one case, writes its files into a folder, prints.
-fn run_case(arguments: &Arguments, file: &Path, folder: &Path) -> Result<Outcome, Failure> {
+fn run_case(arguments: &Arguments, file: &Path, folder: PathBuf) -> Result<Outcome, Failure> {
     let start = Instant::now();
     of_any!(arguments.given.read(file)?, |case| {
         let mut case = case;
@@ -133,6 +133,7 @@ fn run_case(arguments: &Arguments, file: &Path, folder: &Path) -> Result<Outcome
         let past = arguments.from.as_deref().map(|dir| case.model.past(dir));
         let past = past.transpose();
         let past = past.map_err(|e| Failure::Message(e.to_string()))?;
+        let folder = Folder::hold(&folder).map_err(Failure::of_output)?;
 
         let mut progress = Progress::new(arguments.quiet);
         let run = case.run(&past.unwrap_or_default(), &mut |event| {
@@ -154,21 +155,22 @@ fn run_case(arguments: &Arguments, file: &Path, folder: &Path) -> Result<Outcome
             since: start,
         };
         if steps.last().is_some_and(|last| last.converged) {
-            let files = record.write(folder).map_err(Failure::of_output)?;
+            let written = record.write(&folder).map_err(Failure::of_output)?;
             if arguments.json {
-                print_summary(folder)?;
+                print(&written.summary)?;
             } else {
                 let heading = match arguments.cases.len() {
                     1 => String::new(),
                     _ => format!("{}\n", file.display()),
                 };
-                print(&(heading + &results(&case.model, steps) + &written(&files)));
+                let results = results(&case.model, steps);
+                print(&(heading + &results + &named(&written.files)))?;
             }
         } else if !steps.is_empty() {
-            let file = record.write_summary(folder).map_err(Failure::of_output)?;
+            let written = record.write_summary(&folder).map_err(Failure::of_output)?;
             match arguments.json {
-                true => print_summary(folder)?,
-                false => print(&(verdict(&case.model, steps) + &written(&[file]))),
+                true => print(&written.summary)?,
+                false => print(&(verdict(&case.model, steps) + &named(&written.files)))?,
             }
         }
         let ended = run.to_string();
@@ -183,19 +185,14 @@ fn run_case(arguments: &Arguments, file: &Path, folder: &Path) -> Result<Outcome
     })
 }
 
-fn print_summary(folder: &Path) -> Result<(), Failure> {
-    let path = folder.join("summary.json");
-    let text = std::fs::read_to_string(&path).map_err(|e| Failure::of(&path, e))?;
-    print(&text);
-    Ok(())
-}
-
-/// The folder for results of a case; refused before any work when a file is in its way.
-pub fn output_folder(given: Option<&Path>, stem: &str) -> Result<PathBuf, Failure> {
-    free_folder(match given {
+/// The folder for results of a case, which is held from then on; refused before any work when a file is in its way, or another run
+/// has it.
+pub fn output_folder(given: Option<&Path>, stem: &str) -> Result<Folder, Failure> {
+    let folder = free_folder(match given {
         Some(folder) => folder.to_path_buf(),
         None => PathBuf::from(format!("{stem}-out")),
-    })
+    })?;
+    Folder::hold(&folder).map_err(Failure::of_output)
 }
 
 fn free_folder(folder: PathBuf) -> Result<PathBuf, Failure> {

@@ -5,7 +5,7 @@ use crate::failure::{Failure, warn};
 use crate::given::Given;
 use crate::progress::Count;
 use crate::run::output_folder;
-use crate::text::{columns, number, print, written};
+use crate::text::{columns, named, number, print};
 use dotyk::model::{Model, Study, Varied};
 use dotyk::output;
 use std::path::PathBuf;
@@ -164,7 +164,7 @@ pub fn study(arguments: &Arguments) -> Result<Outcome, Failure> {
     let files = files.map_err(Failure::of_output)?;
     let seconds = start.elapsed().as_secs_f64();
     warn(&told(&study));
-    print(&(members(&study) + &verdict(&study, seconds) + &written(&files)));
+    print(&(members(&study) + &verdict(&study, seconds) + &named(&files)))?;
     Ok(match study.converged() {
         true => Outcome::Done,
         false => Outcome::Unsatisfied,

@@ -1,15 +1,60 @@
 //! Result lines: aligned columns and short numbers.
 
+use crate::failure::Failure;
 use comfy_table::{Cell, CellAlignment, Table};
-use std::io::{IsTerminal, Write};
+use std::borrow::Cow;
+use std::io::{ErrorKind, IsTerminal, Write};
 use std::ops::Range;
 use std::path::PathBuf;
 
 /// Writes to standard output. A reader that closes the pipe early ends the output and is no error.
-pub fn print(text: &str) {
+///
+/// Errors: anything else that keeps the text from whoever waits for it, such as a full disk.
+pub fn print(text: &str) -> Result<(), Failure> {
     let mut out = std::io::stdout().lock();
-    // As said above.
-    let _ = out.write_all(text.as_bytes()).and_then(|()| out.flush());
+    let written = out.write_all(shown(text).as_bytes());
+    match written.and_then(|()| out.flush()) {
+        Err(error) if error.kind() != ErrorKind::BrokenPipe => Err(Failure::Message(format!(
+            "the results cannot be printed, standard output takes no more: {error}"
+        ))),
+        _ => Ok(()),
+    }
+}
+
+/// Text in which a terminal finds nothing to obey but colours: titles and names of files may come from strangers. What is left out
+/// stands there in the way of JSON.
+pub fn shown(text: &str) -> Cow<'_, str> {
+    if !text.chars().any(commands) {
+        return Cow::Borrowed(text);
+    }
+    let mut out = String::with_capacity(text.len());
+    let mut rest = text;
+    while let Some(c) = rest.chars().next() {
+        let length = match commands(c) {
+            true => colour(rest).unwrap_or_else(|| {
+                out += &format!("\\u{:04x}", u32::from(c));
+                0
+            }),
+            false => c.len_utf8(),
+        };
+        out += &rest[..length];
+        rest = &rest[length.max(c.len_utf8())..];
+    }
+    Cow::Owned(out)
+}
+
+/// Characters that a terminal obeys, and those that turn the order of others round.
+fn commands(c: char) -> bool {
+    let turns =
+        matches!(c, '\u{200e}' | '\u{200f}' | '\u{202a}'..='\u{202e}' | '\u{2066}'..='\u{2069}');
+    turns || c.is_control() && c != '\n' && c != '\t'
+}
+
+/// Length of what sets a colour at the beginning of a text.
+fn colour(text: &str) -> Option<usize> {
+    let inner = text.strip_prefix("\u{1b}[")?;
+    let end = inner.find(|c: char| !c.is_ascii_digit() && c != ';')?;
+    inner[end..].starts_with('m').then_some(2 + end + 1)
 }
 
 /// Whether a stream shows colours: on a terminal, unless the user wants none (<https://no-color.org>).
@@ -106,7 +151,7 @@ fn columns_within(
 const NAMED: usize = 8;
 
 /// "wrote FOLDER: a, b, c"; of many files of one kind the first, and how many more.
-pub fn written(files: &[PathBuf]) -> String {
+pub fn named(files: &[PathBuf]) -> String {
     let Some(folder) = files.first().and_then(|file| file.parent()) else {
         return String::new();
     };
@@ -157,20 +202,33 @@ mod tests {
     }
 
     #[test]
+    fn a_terminal_obeys_no_text() {
+        for (text, expected) in [
+            ("plain\tand\nmore, µ", "plain\tand\nmore, µ"),
+            ("\u{1b}[31mNO\u{1b}[0m", "\u{1b}[31mNO\u{1b}[0m"),
+            (
+                "\u{1b}[2J\u{1b}]0;x\u{7}\r",
+                "\\u001b[2J\\u001b]0;x\\u0007\\u000d",
+            ),
+            ("\u{9b}2J\u{202e}", "\\u009b2J\\u202e"),
+            ("end\u{1b}[3", "end\\u001b[3"),
+        ] {
+            assert_eq!(shown(text), expected);
+        }
+    }
+
+    #[test]
     fn many_files_of_a_kind_are_counted() {
         let files = |n: usize| -> Vec<PathBuf> {
             let bodies = (0..n).map(|k| PathBuf::from(format!("out/b{k}.vtu")));
             bodies.chain([PathBuf::from("out/contact.csv")]).collect()
         };
+        assert_eq!(named(&files(2)), "wrote out: b0.vtu, b1.vtu, contact.csv\n");
         assert_eq!(
-            written(&files(2)),
-            "wrote out: b0.vtu, b1.vtu, contact.csv\n"
-        );
-        assert_eq!(
-            written(&files(40)),
+            named(&files(40)),
             "wrote out: b0.vtu and 39 more, contact.csv\n"
         );
-        assert_eq!(written(&[]), "");
+        assert_eq!(named(&[]), "");
     }
 
     #[test]

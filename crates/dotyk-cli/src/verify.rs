@@ -96,7 +96,7 @@ pub fn verify(arguments: &Arguments) -> Result<Outcome, Failure> {
     for folder in &folders {
         tally.add(&verify_folder(folder, arguments.quiet, book.as_mut())?);
     }
-    print(&tally.summary());
+    print(&tally.summary())?;
     if let Some(book) = book {
         book.close(&tally.summary())?;
     }
@@ -276,7 +276,7 @@ fn verify_folder(folder: &Folder, quiet: bool, book: Option<&mut Book>) -> Resul
     for value in &judged {
         tally.count(value.verdict);
     }
-    print(&(text + &table(&judged) + "\n"));
+    print(&(text + &table(&judged) + "\n"))?;
     if let Some(book) = book {
         book.put(&Found {
             folder,

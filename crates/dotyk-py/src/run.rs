@@ -106,7 +106,9 @@ impl Run {
     /// Writes all files of the command into a folder; their paths.
     fn write(&self, py: Python<'_>, folder: PathBuf) -> PyResult<Vec<PathBuf>> {
         self.recorded(py, move |own| {
+            let folder = output::Folder::wait(&folder)?;
             of_both!(own, |case, run| own.record(case, run).write(&folder))
+                .map(|written| written.files)
         })
     }
 

@@ -86,7 +86,7 @@ impl Caller {
     }
 }
 
-/// Does work on a thread of its own, with so many threads for its parallel parts, and waits for it.
+/// Does work on a thread of its own, with so many threads for its parallel parts, or one for each processor, and waits for it.
 ///
 /// Errors: an exception of what the work asked for, of a signal handler; threads that cannot be started; a panic.
 pub fn wait<T: Send + 'static>(
@@ -105,13 +105,13 @@ pub fn wait<T: Send + 'static>(
     locked(&caller.0).push(Arc::clone(&own));
     let shared = Arc::clone(&own);
     let all = move || {
-        let result = catch_unwind(AssertUnwindSafe(|| match threads {
-            None => Ok(work(&shared)),
-            Some(threads) => rayon::ThreadPoolBuilder::new()
-                .num_threads(threads)
+        let result = catch_unwind(AssertUnwindSafe(|| {
+            // threads of its own: a process that is forked has none of those that its parent had
+            rayon::ThreadPoolBuilder::new()
+                .num_threads(threads.unwrap_or(0))
                 .build()
                 .map(|pool| pool.install(|| work(&shared)))
-                .map_err(|error| error.to_string()),
+                .map_err(|error| error.to_string())
         }));
         // whoever waits looks for it at once
         let _ = done.send(result);

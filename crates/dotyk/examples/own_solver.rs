@@ -161,8 +161,9 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         solution.solver.iterations, solution.certificate
     );
     let folder = std::path::Path::new("own_solver-out");
+    let folder = dotyk::output::Folder::hold(folder)?;
     let record = dotyk::output::Record::of(&model, std::slice::from_ref(&solution), "own_solver");
-    for file in record.write(folder)? {
+    for file in record.write(&folder)?.files {
         println!("{}", file.display());
     }
     Ok(())

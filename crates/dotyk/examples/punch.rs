@@ -53,8 +53,9 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let solution = solve(&model)?;
     println!("{}", solution.certificate);
     let folder = std::path::Path::new("punch-out");
+    let folder = dotyk::output::Folder::hold(folder)?;
     let record = dotyk::output::Record::of(&model, std::slice::from_ref(&solution), "punch");
-    for file in record.write(folder)? {
+    for file in record.write(&folder)?.files {
         println!("{}", file.display());
     }
     Ok(())

@@ -5,9 +5,9 @@
 use crate::dual::{Compliance, Modes, Multipliers};
 use crate::model::{ASSEMBLED, Analysis, Dual, Unknown};
 use crate::output::Error;
+use crate::output::files::Stage;
 use crate::output::market;
 use crate::output::npz::Archive;
-use crate::output::stage::Stage;
 use crate::output::text::AXES;
 use std::fmt::Write as _;
 use std::io;

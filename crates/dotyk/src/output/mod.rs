@@ -1,6 +1,6 @@
 //! VTU, CSV, JSON, pictures and the report of a solution.
 //!
-//! Result files appear whole or not at all: see [`Record`]. Numbers and signs are those of the solution; only the report
+//! Result files change together, or not at all: see [`Folder`] and [`Record`]. Numbers and signs are those of the solution; only the report
 //! rounds. The same solution gives the same bytes, but for the timings.
 
 mod bars;
@@ -13,6 +13,7 @@ mod deformed;
 mod encode;
 mod export;
 mod figures;
+mod files;
 mod history;
 mod html;
 mod interface;
@@ -30,7 +31,6 @@ mod scene;
 mod sections;
 mod setup;
 mod space;
-mod stage;
 mod steps;
 mod study;
 mod svg;
@@ -43,6 +43,7 @@ mod verdict;
 mod view;
 mod vtu;
 
+pub use files::{Folder, Stage, abandon};
 pub use json::closed_and_open;
 pub use memory::peak_memory_bytes;
 pub use past::PastError;
@@ -51,7 +52,6 @@ pub use text::Scales;
 use crate::dual::Multipliers;
 use crate::geometry::Point;
 use crate::model::{Check, Comparison, Dual, Model, Past, Seconds, Solution, Study};
-use stage::Stage;
 use std::borrow::Cow;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
@@ -71,6 +71,12 @@ pub enum Error {
     #[error("{} is not a folder; remove it, or choose another folder", path.display())]
     NotADirectory {
         /// The path.
+        path: PathBuf,
+    },
+    /// The output folder is that of a run that goes on.
+    #[error("{} is in use: another run writes its results there; wait for its end, or choose another folder", path.display())]
+    Taken {
+        /// The folder.
         path: PathBuf,
     },
     /// A folder has the name of a result file.
@@ -173,6 +179,15 @@ impl<'a, const D: usize> Record<'a, D> {
     }
 }
 
+/// What was written.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Written {
+    /// Paths of the files.
+    pub files: Vec<PathBuf>,
+    /// Content of `summary.json`.
+    pub summary: String,
+}
+
 /// A load step without an answer.
 #[derive(Debug, Clone, PartialEq)]
 pub struct FailedStep {
@@ -233,17 +248,17 @@ impl<'a, const D: usize> Overview<'a, D> {
 macro_rules! doors {
     ($($D:literal)*) => {$(
         impl Record<'_, $D> {
-            /// Writes all result files into a folder and returns their paths: a VTU file per body and step, a VTM file per step that
+            /// Writes all result files into a folder: a VTU file per body and step, a VTM file per step that
             /// names them as blocks, `case.pvd`, `contact.csv`, `lines.csv` where a probe is read along a line, `sections.csv` where a section is cut, `summary.json`,
             /// `report.html`.
             ///
             /// `seconds.write` in the summary is the time that all other files took, and `seconds.total` all of it since the run began;
             /// the report, which is one of these files, tells the time up to itself.
-            /// The folder is made where it does not exist; files of other names in it stay, but for the VTU and VTM files of an
+            /// Files of other names in the folder stay, but for the VTU and VTM files of an
             /// earlier run, as its `case.pvd` tells, and its `lines.csv` and `sections.csv`.
             /// Errors: any [`Error`]; then the folder is as it was before.
-            pub fn write(&self, dir: &Path) -> Result<Vec<PathBuf>, Error> {
-                write(self, dir)
+            pub fn write(&self, folder: &Folder) -> Result<Written, Error> {
+                write(self, folder)
             }
 
             /// Writes `summary.json` alone, with `"converged": false`, and removes the other result files of an earlier run of this
@@ -251,8 +266,8 @@ macro_rules! doors {
             ///
             /// The steps of the record are the last iterate of that step alone.
             /// Errors: any [`Error`]; then the folder is as it was before.
-            pub fn write_summary(&self, dir: &Path) -> Result<PathBuf, Error> {
-                write_summary(self, dir)
+            pub fn write_summary(&self, folder: &Folder) -> Result<Written, Error> {
+                write_summary(self, folder)
             }
 
             /// The content of `summary.json`.
@@ -310,15 +325,15 @@ macro_rules! doors {
                 &self,
                 model: &Model<$D>,
                 stem: &str,
-                dir: &Path,
+                folder: &Folder,
             ) -> Result<PathBuf, Error> {
                 let alone = self.contacts.iter().flat_map(|contact| &contact.alone);
                 let alone: Vec<Point<$D>> = alone.copied().collect();
                 let page = report::check_page(model, &self.to_string(), &alone, stem);
-                let mut stage = Stage::open(dir)?;
+                let mut stage = Stage::open(folder)?;
                 stage.put("check.html", page.as_bytes())?;
                 stage.commit(&[])?;
-                Ok(dir.join("check.html"))
+                Ok(folder.path().join("check.html"))
             }
         }
 
@@ -332,9 +347,9 @@ macro_rules! doors {
                 &self,
                 answer: Option<&Multipliers>,
                 stem: &str,
-                dir: &Path,
+                folder: &Folder,
             ) -> Result<Vec<PathBuf>, Error> {
-                let mut stage = Stage::open(dir)?;
+                let mut stage = Stage::open(folder)?;
                 export::put(&mut stage, self, answer, stem)?;
                 stage.commit(&export::OPTIONAL.map(String::from))
             }
@@ -354,11 +369,11 @@ macro_rules! doors {
 doors!(2 3);
 
 /// As [`Record::<2>::write`](Record).
-fn write<const D: usize>(record: &Record<'_, D>, dir: &Path) -> Result<Vec<PathBuf>, Error> {
+fn write<const D: usize>(record: &Record<'_, D>, folder: &Folder) -> Result<Written, Error> {
     let start = Instant::now();
     let (model, steps) = (record.model, record.steps);
     let mut run = record.overview()?;
-    let mut stage = Stage::open(dir)?;
+    let mut stage = Stage::open(folder)?;
     let several = model.times.len().max(steps.len()) > 1;
     for (step, (solution, model)) in steps.iter().zip(&run.stages).enumerate() {
         for (i, body) in model.bodies.iter().enumerate() {
@@ -393,24 +408,30 @@ fn write<const D: usize>(record: &Record<'_, D>, dir: &Path) -> Result<Vec<PathB
     run.seconds = seconds();
     stage.put("report.html", report::page(&run).as_bytes())?;
     run.seconds = seconds();
-    stage.put("summary.json", json::summary(&run).as_bytes())?;
-    stage.commit(&earlier_files(dir))
+    let summary = json::summary(&run);
+    stage.put("summary.json", summary.as_bytes())?;
+    let files = stage.commit(&earlier_files(folder.path()))?;
+    Ok(Written { files, summary })
 }
 
 /// As [`Record::<2>::write_summary`](Record).
-fn write_summary<const D: usize>(record: &Record<'_, D>, dir: &Path) -> Result<PathBuf, Error> {
+fn write_summary<const D: usize>(
+    record: &Record<'_, D>,
+    folder: &Folder,
+) -> Result<Written, Error> {
     let run = Overview {
         converged: false,
         ..record.overview()?
     };
-    let mut stage = Stage::open(dir)?;
-    stage.put("summary.json", json::summary(&run).as_bytes())?;
-    let mut stale = earlier_files(dir);
+    let mut stage = Stage::open(folder)?;
+    let summary = json::summary(&run);
+    stage.put("summary.json", summary.as_bytes())?;
+    let mut stale = earlier_files(folder.path());
     let bodies = record.model.bodies.iter();
     stale.extend(bodies.map(|b| format!("{}.vtu", b.name)));
     stale.extend([COLLECTION, "contact.csv", "report.html"].map(String::from));
-    stage.commit(&stale)?;
-    Ok(dir.join("summary.json"))
+    let files = stage.commit(&stale)?;
+    Ok(Written { files, summary })
 }
 
 /// The file that names all VTU files.
@@ -447,8 +468,8 @@ fn earlier_files(dir: &Path) -> Vec<String> {
 /// Writes `compare.csv` and `compare.svg`, and returns their paths.
 ///
 /// Errors: any [`Error`]; then the folder is as it was before.
-pub fn write_comparison(comparison: &Comparison, dir: &Path) -> Result<Vec<PathBuf>, Error> {
-    let mut stage = Stage::open(dir)?;
+pub fn write_comparison(comparison: &Comparison, folder: &Folder) -> Result<Vec<PathBuf>, Error> {
+    let mut stage = Stage::open(folder)?;
     stage.put(
         "compare.csv",
         compare::comparison_csv(comparison).as_bytes(),
@@ -468,26 +489,15 @@ pub fn write_study(
     study: &Study,
     pairs: &[[String; 2]],
     stem: &str,
-    dir: &Path,
+    folder: &Folder,
 ) -> Result<Vec<PathBuf>, Error> {
     let picture = (!pairs.is_empty()).then(|| study::study_picture(study, pairs));
     let page = study::study_page(study, picture.as_deref(), stem);
-    let mut stage = Stage::open(dir)?;
+    let mut stage = Stage::open(folder)?;
     stage.put("study.csv", study::study_csv(study).as_bytes())?;
     stage.put("study.html", page.as_bytes())?;
     if let Some(picture) = picture {
         stage.put("study.svg", picture.as_bytes())?;
-    }
-    stage.commit(&[])
-}
-
-/// Writes files that are made elsewhere, name and content of each, into one folder, and returns their paths.
-///
-/// Errors: any [`Error`]; then the folder is as it was before.
-pub fn write_files(files: &[(String, Vec<u8>)], dir: &Path) -> Result<Vec<PathBuf>, Error> {
-    let mut stage = Stage::open(dir)?;
-    for (name, content) in files {
-        stage.put(name, content)?;
     }
     stage.commit(&[])
 }
@@ -536,6 +546,10 @@ mod tests {
     use std::fs;
     use std::slice::from_ref;
 
+    fn held(dir: &Path) -> Folder {
+        Folder::hold(dir).unwrap()
+    }
+
     fn record<'a>(model: &'a Model<2>, steps: &'a [Solution<2>]) -> Record<'a, 2> {
         Record::of(model, steps, "case_1")
     }
@@ -546,7 +560,7 @@ mod tests {
         fs::write(scratch.path().join("notes.txt"), b"mine").unwrap();
         fs::write(scratch.path().join("contact.csv"), b"old").unwrap();
         let (model, solution) = tunnel::solved();
-        let paths = write(&record(&model, from_ref(&solution)), scratch.path()).unwrap();
+        let written = write(&record(&model, from_ref(&solution)), &held(scratch.path())).unwrap();
         let mut expected = vec![
             "case.pvd",
             "case.vtm",
@@ -559,7 +573,7 @@ mod tests {
         ];
         assert_eq!(names(scratch.path()), expected);
         expected.retain(|n| *n != "notes.txt");
-        assert_eq!(paths.len(), expected.len());
+        assert_eq!(written.files.len(), expected.len());
         assert!(
             fs::read_to_string(scratch.path().join("contact.csv"))
                 .unwrap()
@@ -574,7 +588,7 @@ mod tests {
         let dir = scratch.path();
         fs::write(dir.join("ring_0009.vtu"), b"mine").unwrap();
         let three = vec![solution.clone(); 3];
-        write(&record(&model, &three), dir).unwrap();
+        write(&record(&model, &three), &held(dir)).unwrap();
         let fields = |dir: &Path| -> Vec<String> {
             let all = names(dir).into_iter();
             all.filter(|n| n.ends_with(".vtu")).collect()
@@ -582,7 +596,7 @@ mod tests {
         let of_three = ["ring_0001.vtu", "ring_0002.vtu", "ring_0003.vtu"];
         assert_eq!(fields(dir)[..3], of_three);
         assert_eq!(fields(dir).len(), 7);
-        write(&record(&model, &three[..2]), dir).unwrap();
+        write(&record(&model, &three[..2]), &held(dir)).unwrap();
         let two = [
             "ring_0001.vtu",
             "ring_0002.vtu",
@@ -592,11 +606,11 @@ mod tests {
         ];
         assert_eq!(fields(dir), two);
         assert!(dir.join("case_0002.vtm").exists() && !dir.join("case_0003.vtm").exists());
-        write(&record(&model, from_ref(&solution)), dir).unwrap();
+        write(&record(&model, from_ref(&solution)), &held(dir)).unwrap();
         assert_eq!(fields(dir), ["ring.vtu", "ring_0009.vtu", "rock.vtu"]);
-        write_summary(&record(&model, &three), dir).unwrap();
+        write_summary(&record(&model, &three), &held(dir)).unwrap();
         assert_eq!(names(dir), ["ring_0009.vtu", "summary.json"]);
-        let empty = write(&record(&model, &[]), dir).unwrap_err();
+        let empty = write(&record(&model, &[]), &held(dir)).unwrap_err();
         assert!(empty.to_string().contains("0 steps"), "{empty}");
     }
 
@@ -615,15 +629,15 @@ mod tests {
         with.probes[0].line = vec![place];
         let (dir, file) = (scratch.path(), scratch.path().join(LINES));
         let both = [with.clone(), with];
-        write(&record(&model, &both), dir).unwrap();
+        write(&record(&model, &both), &held(dir)).unwrap();
         let text = fs::read_to_string(&file).unwrap();
         let row = "\"one, \"\"two\"\"\",0.1,1.0,0.0,NaN\n";
         assert_eq!(text, format!("{},value\n1,{row}2,{row}", csv::LINES_HEAD));
-        write(&record(&model, from_ref(&solution)), dir).unwrap();
+        write(&record(&model, from_ref(&solution)), &held(dir)).unwrap();
         assert!(!file.exists());
         // one of somebody else
         fs::write(&file, b"mine").unwrap();
-        write(&record(&model, from_ref(&solution)), dir).unwrap();
+        write(&record(&model, from_ref(&solution)), &held(dir)).unwrap();
         assert_eq!(fs::read(&file).unwrap(), b"mine");
     }
 
@@ -634,14 +648,14 @@ mod tests {
         // The last file cannot get its name.
         let dir = scratch.path().join("out");
         fs::create_dir_all(dir.join("report.html")).unwrap();
-        let error = write(&record(&model, from_ref(&solution)), &dir).unwrap_err();
+        let error = write(&record(&model, from_ref(&solution)), &held(&dir)).unwrap_err();
         assert!(matches!(error, Error::IsADirectory { .. }), "{error}");
         assert_eq!(names(&dir), ["report.html"]);
 
         let file = scratch.path().join("file");
         fs::write(&file, b"mine").unwrap();
         for target in [file.clone(), file.join("below")] {
-            let error = write(&record(&model, from_ref(&solution)), &target).unwrap_err();
+            let error = Folder::hold(&target).err().unwrap();
             assert!(error.to_string().contains("another folder"), "{error}");
         }
         assert_eq!(fs::read(&file).unwrap(), b"mine");
@@ -652,8 +666,8 @@ mod tests {
     fn a_failed_run_leaves_its_summary_only() {
         let scratch = tunnel::Scratch::new("summary");
         let (model, solution) = tunnel::solved();
-        write(&record(&model, from_ref(&solution)), scratch.path()).unwrap();
-        write_summary(&record(&model, from_ref(&solution)), scratch.path()).unwrap();
+        write(&record(&model, from_ref(&solution)), &held(scratch.path())).unwrap();
+        write_summary(&record(&model, from_ref(&solution)), &held(scratch.path())).unwrap();
         assert_eq!(names(scratch.path()), ["summary.json"]);
         let text = fs::read_to_string(scratch.path().join("summary.json")).unwrap();
         assert!(text.contains("\"converged\": false"));
@@ -664,10 +678,10 @@ mod tests {
         let scratch = tunnel::Scratch::new("names");
         let (mut model, mut solution) = tunnel::solved();
         solution.bodies[1].von_mises.pop();
-        let error = write(&record(&model, from_ref(&solution)), scratch.path()).unwrap_err();
+        let error = write(&record(&model, from_ref(&solution)), &held(scratch.path())).unwrap_err();
         assert!(error.to_string().contains("nodes of body rock"), "{error}");
         model.bodies[0].name = "../ring".to_string();
-        let error = write(&record(&model, from_ref(&solution)), scratch.path()).unwrap_err();
+        let error = write(&record(&model, from_ref(&solution)), &held(scratch.path())).unwrap_err();
         assert!(matches!(error, Error::Name { .. }), "{error}");
         assert!(names(scratch.path()).is_empty());
     }

@@ -2,6 +2,7 @@
 
 use crate::model::{Past, PastBody, PastNode, Status};
 use crate::output::chain::tangent;
+use crate::output::files;
 use serde::Deserialize;
 use std::path::{Path, PathBuf};
 
@@ -40,12 +41,16 @@ struct Body {
 
 /// The steps that have an answer in the results of an earlier run, at least one.
 ///
-/// Errors: files that are missing or are not what a run writes; a run without an answer.
+/// Errors: files that are missing or are not what a run writes; a run without an answer, or one whose files are not all in place.
 pub(crate) fn past<const D: usize>(dir: &Path) -> Result<Vec<Past<D>>, PastError> {
     let fail = |file: &Path, why: String| PastError {
         file: file.to_path_buf(),
         why,
     };
+    if files::is_unfinished(dir) {
+        let why = "its files belong to two runs, of which the second was ended while it put its own in their places; run that again";
+        return Err(fail(dir, why.to_string()));
+    }
     let read = |name: &str| {
         let file = dir.join(name);
         let text = std::fs::read_to_string(&file).map_err(|e| {
@@ -54,7 +59,13 @@ pub(crate) fn past<const D: usize>(dir: &Path) -> Result<Vec<Past<D>>, PastError
         })?;
         Ok((file, text))
     };
-    let (file, text) = read("summary.json")?;
+    let ((file, text), (csv_file, csv)) = loop {
+        let both = (read("summary.json")?, read("contact.csv")?);
+        // another run may have put its answer in their place between the two
+        if read("summary.json")?.1 == both.0.1 {
+            break both;
+        }
+    };
     let summary: Summary = serde_json::from_str(&text)
         .map_err(|e| fail(&file, format!("is no summary of a run: {e}")))?;
     let steps = match summary.steps {
@@ -83,8 +94,7 @@ pub(crate) fn past<const D: usize>(dir: &Path) -> Result<Vec<Past<D>>, PastError
         let why = "no step of this run has an answer: there is nothing to go on from";
         return Err(fail(&file, why.to_string()));
     }
-    let (file, text) = read("contact.csv")?;
-    contacts(&text, &mut past).map_err(|why| fail(&file, why))?;
+    contacts(&csv, &mut past).map_err(|why| fail(&csv_file, why))?;
     Ok(past)
 }
 

@@ -65,7 +65,8 @@ fn an_own_solver_is_named_in_summary_and_report() {
     let solution = own_solver::solve(&model).unwrap();
     let folder = std::path::Path::new(env!("CARGO_TARGET_TMPDIR")).join("own_solver");
     let record = dotyk::output::Record::of(&model, std::slice::from_ref(&solution), "own_solver");
-    record.write(&folder).unwrap();
+    let held = dotyk::output::Folder::hold(&folder).unwrap();
+    record.write(&held).unwrap();
     for file in ["summary.json", "report.html"] {
         let text = std::fs::read_to_string(folder.join(file)).unwrap();
         assert!(text.contains("fast gradient"), "{file}");

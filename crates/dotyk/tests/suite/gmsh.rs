@@ -674,7 +674,8 @@ fn vtu_files_of_dotyk_read_back() {
     let folder = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join("vtu");
     let steps = std::slice::from_ref(&solution);
     let record = output::Record::of(&model, steps, "ring");
-    record.write(&folder).unwrap();
+    let held = output::Folder::hold(&folder).unwrap();
+    record.write(&held).unwrap();
     let file = MeshFile::read(&folder.join("ring.vtu")).unwrap();
     assert!(
         file.warnings()[0].contains("`displacement`, `stress`"),

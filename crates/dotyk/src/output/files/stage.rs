@@ -1,56 +1,89 @@
-//! Result files that appear whole or not at all.
-//!
-//! Every file is written under a temporary name in the target directory; only when all of them are complete are they
-//! renamed, and a failing rename puts back what was there before. Dropping an uncommitted [`Stage`] removes all it made,
-//! the directories too.
+//! Files on their way into a folder.
 
 use crate::output::Error;
+use crate::output::files::folder::remove_empty;
+use crate::output::files::{Folder, Lock, journal, lock, random_name, swap, unwritable};
+use std::collections::BTreeSet;
 use std::fs::{self, File};
 use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
+use std::sync::{Mutex, MutexGuard, PoisonError, RwLock};
 
-/// Files on their way into a directory.
+/// Most files that are brought to the disk side by side.
+const SIDE_BY_SIDE: usize = 8;
+
+/// What a process that ends at once has to remove.
+#[derive(Default)]
+pub(super) struct Left {
+    pub stages: BTreeSet<PathBuf>,
+    /// Folders that were made for results: those that are empty.
+    pub made: BTreeSet<PathBuf>,
+}
+
+static LEFT: Mutex<Left> = Mutex::new(Left {
+    stages: BTreeSet::new(),
+    made: BTreeSet::new(),
+});
+
+/// Whoever writes has it to read; whoever ends the process has it to write, and for ever.
+static WRITING: RwLock<()> = RwLock::new(());
+
+pub(super) fn left() -> MutexGuard<'static, Left> {
+    LEFT.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+/// Removes all that is being written, and folders that were made for it, and lets nothing be written any more: for a process that was
+/// told to end. Files that take their places do so first.
+pub fn abandon() {
+    std::mem::forget(WRITING.write().unwrap_or_else(PoisonError::into_inner));
+    let left = std::mem::take(&mut *left());
+    for stage in left.stages {
+        let _ = fs::remove_dir_all(stage);
+    }
+    remove_empty(left.made.iter());
+}
+
+/// Files on their way into a folder, which see nobody before all of them are there; dropped without [`Stage::commit`] it leaves nothing.
 pub struct Stage {
-    dir: PathBuf,
-    /// Directories that did not exist before, outermost first.
-    made: Vec<PathBuf>,
+    folder: Folder,
+    /// Where they are until then.
+    place: PathBuf,
     files: Vec<String>,
-    committed: bool,
+    /// Nobody else may remove it.
+    _lock: Lock,
 }
 
 impl Stage {
-    /// Opens a directory, and makes it where it does not exist.
+    /// A stage for a folder.
     ///
-    /// Errors: [`Error::NotADirectory`], [`Error::Unwritable`].
-    pub fn open(dir: &Path) -> Result<Self, Error> {
-        let mut missing: Vec<PathBuf> = dir
-            .ancestors()
-            .filter(|a| !a.as_os_str().is_empty())
-            .take_while(|a| !a.exists())
-            .map(Path::to_path_buf)
-            .collect();
-        missing.reverse();
-        let mut stage = Self {
-            dir: dir.to_path_buf(),
-            made: Vec::new(),
-            files: Vec::new(),
-            committed: false,
+    /// Errors: [`Error::Unwritable`].
+    pub fn open(folder: &Folder) -> Result<Self, Error> {
+        let target = folder.place();
+        let name = target.file_name().map(|name| name.to_string_lossy());
+        let beside = target.parent().zip(name);
+        let beside = beside.and_then(|(parent, name)| new_folder(parent, &name).ok());
+        // the folder above may belong to somebody else
+        let place = match beside {
+            Some(place) => place,
+            None => {
+                new_folder(target, journal::INSIDE).map_err(|e| unwritable(folder.path(), e))?
+            }
         };
-        for path in missing {
-            fs::create_dir(&path).map_err(|source| unwritable(&path, source))?;
-            stage.made.push(path);
+        if let Ok(data) = target.metadata() {
+            // whoever may read the folder may read the stage, which has its name for a moment
+            let _ = fs::set_permissions(&place, data.permissions());
         }
-        if !dir.is_dir() {
-            return Err(Error::NotADirectory {
-                path: dir.to_path_buf(),
-            });
-        }
-        Ok(stage)
+        Ok(Self {
+            folder: folder.clone(),
+            files: Vec::new(),
+            _lock: lock(&place),
+            place,
+        })
     }
 
-    /// Writes one file under its temporary name.
+    /// Writes one file; its name may lead into folders within the folder.
     ///
-    /// Errors: [`Error::Unwritable`]; [`Error::IsADirectory`] when a directory has the final name.
+    /// Errors: [`Error::Unwritable`]; [`Error::IsADirectory`] when a folder has its name.
     pub fn put(&mut self, name: &str, bytes: &[u8]) -> Result<(), Error> {
         self.put_with(name, &mut |out| out.write_all(bytes))
     }
@@ -63,13 +96,15 @@ impl Stage {
         name: &str,
         write: &mut dyn FnMut(&mut dyn Write) -> io::Result<()>,
     ) -> Result<(), Error> {
-        let target = self.dir.join(name);
+        let _writing = WRITING.read().unwrap_or_else(PoisonError::into_inner);
+        let target = self.folder.path().join(name);
         if target.is_dir() {
             return Err(Error::IsADirectory { path: target });
         }
-        let temporary = self.temporary(name);
+        let staged = self.place.join(name);
         self.files.push(name.to_string());
-        let written = File::create(&temporary).and_then(|file| {
+        let opened = journal::make_parents(&staged).and_then(|()| File::create_new(&staged));
+        let written = opened.and_then(|file| {
             let mut out = BufWriter::new(file);
             write(&mut out)?;
             out.flush()
@@ -77,78 +112,84 @@ impl Stage {
         written.map_err(|source| unwritable(&target, source))
     }
 
-    /// Renames all files to their final names and removes `stale` ones of an earlier run; returns the paths.
+    /// Puts all files in their places, in one step where the system has one, and removes `stale` ones of an earlier run; returns the
+    /// paths.
     ///
-    /// Errors: [`Error::Unwritable`]; then the directory is as it was before.
-    pub fn commit(mut self, stale: &[String]) -> Result<Vec<PathBuf>, Error> {
-        let mut done: Vec<String> = Vec::new();
-        let result = self.files.iter().try_for_each(|name| {
-            let target = self.dir.join(name);
-            done.push(name.clone());
-            if target.exists() {
-                fs::rename(&target, self.backup(name)).map_err(|s| unwritable(&target, s))?;
-            }
-            fs::rename(self.temporary(name), &target).map_err(|s| unwritable(&target, s))
-        });
-        if let Err(error) = result {
-            for name in &done {
-                let (target, backup) = (self.dir.join(name), self.backup(name));
-                // Best effort: the first error is the one that the user must hear of.
-                if backup.exists() {
-                    let _ = fs::rename(&backup, &target);
-                } else if !self.temporary(name).exists() {
-                    let _ = fs::remove_file(&target);
-                }
-            }
-            return Err(error);
+    /// Errors: [`Error::Unwritable`], [`Error::IsADirectory`]; then the folder is as it was before.
+    pub fn commit(self, stale: &[String]) -> Result<Vec<PathBuf>, Error> {
+        let _writing = WRITING.read().unwrap_or_else(PoisonError::into_inner);
+        let folder = self.folder.place();
+        let paths: Vec<PathBuf> = self.named(&self.files);
+        if let Some(path) = paths.iter().find(|path| path.is_dir()) {
+            return Err(Error::IsADirectory { path: path.clone() });
         }
-        for name in &self.files {
-            let backup = self.backup(name);
-            if backup.exists() {
-                fs::remove_file(&backup).map_err(|source| unwritable(&backup, source))?;
-            }
+        let stale = stale.iter().filter(|name| !self.files.contains(name));
+        let stale: Vec<String> = stale
+            .filter(|name| folder.join(name).is_file())
+            .cloned()
+            .collect();
+        sync(&self.place, &self.files).map_err(|e| unwritable(self.folder.path(), e))?;
+        let beside = !self.place.starts_with(folder);
+        if !(beside && swap::swap(folder, &self.place, &self.files, &stale)) {
+            journal::put_in_place(folder, &self.place, &self.files, &stale)?;
         }
-        for name in stale.iter().filter(|name| !self.files.contains(name)) {
-            let path = self.dir.join(name);
-            if path.is_file() {
-                fs::remove_file(&path).map_err(|source| unwritable(&path, source))?;
-            }
+        // the names, too; a folder that cannot be synced has been written nevertheless
+        for path in [Some(folder), folder.parent()].into_iter().flatten() {
+            let _ = File::open(path).and_then(|dir| dir.sync_all());
         }
-        self.committed = true;
-        Ok(self.files.iter().map(|name| self.dir.join(name)).collect())
+        Ok(paths)
     }
 
-    fn temporary(&self, name: &str) -> PathBuf {
-        self.dir
-            .join(format!(".{name}.{}.partial", std::process::id()))
-    }
-
-    fn backup(&self, name: &str) -> PathBuf {
-        self.dir
-            .join(format!(".{name}.{}.before", std::process::id()))
+    fn named(&self, files: &[String]) -> Vec<PathBuf> {
+        let dir = self.folder.path();
+        files.iter().map(|name| dir.join(name)).collect()
     }
 }
 
 impl Drop for Stage {
     fn drop(&mut self) {
-        if self.committed {
-            return;
-        }
-        for name in &self.files {
-            let _ = fs::remove_file(self.temporary(name));
-        }
-        for path in self.made.iter().rev() {
-            // Fails on a directory that somebody else has put something into: then it stays.
-            let _ = fs::remove_dir(path);
+        let _ = fs::remove_dir_all(&self.place);
+        left().stages.remove(&self.place);
+    }
+}
+
+/// Makes a folder with a name that nobody can foresee.
+fn new_folder(parent: &Path, of: &str) -> io::Result<PathBuf> {
+    loop {
+        let place = parent.join(random_name(of));
+        left().stages.insert(place.clone());
+        match fs::create_dir(&place) {
+            Ok(()) => return Ok(place),
+            Err(error) => {
+                left().stages.remove(&place);
+                if error.kind() != io::ErrorKind::AlreadyExists {
+                    return Err(error);
+                }
+            }
         }
     }
 }
 
-fn unwritable(path: &Path, source: io::Error) -> Error {
-    Error::Unwritable {
-        path: path.to_path_buf(),
-        source,
-    }
+/// Brings files to the disk.
+fn sync(place: &Path, files: &[String]) -> io::Result<()> {
+    let each = files.len().div_ceil(SIDE_BY_SIDE).max(1);
+    let some = |names: &[String]| {
+        let mut names = names.iter();
+        names.try_for_each(|name| File::open(place.join(name))?.sync_all())
+    };
+    std::thread::scope(|scope| {
+        let parts = files.chunks(each).map(|names| {
+            let thread = std::thread::Builder::new().spawn_scoped(scope, move || some(names));
+            // a system that gives no thread has this one
+            thread.map_or_else(|_| Err(some(names)), Ok)
+        });
+        let parts: Vec<_> = parts.collect();
+        let results = parts.into_iter().map(|part| match part {
+            Ok(thread) => thread.join().unwrap_or(Err(io::ErrorKind::Other.into())),
+            Err(done) => done,
+        });
+        results.collect()
+    })
 }
 
 #[cfg(test)]
@@ -156,37 +197,76 @@ mod tests {
     use super::*;
     use crate::output::tunnel::{Scratch, names};
 
+    fn stage(dir: &Path) -> Stage {
+        Stage::open(&Folder::hold(dir).unwrap()).unwrap()
+    }
+
     #[test]
     fn nothing_is_seen_before_the_commit() {
         let scratch = Scratch::new("stage-commit");
         let dir = scratch.path().join("a/b");
-        let mut stage = Stage::open(&dir).unwrap();
+        let mut stage = stage(&dir);
         stage.put("one.txt", b"1").unwrap();
-        assert!(!dir.join("one.txt").exists());
+        stage.put("in/two.txt", b"2").unwrap();
+        assert!(names(&dir).is_empty());
         stage.commit(&[]).unwrap();
-        assert_eq!(names(&dir), ["one.txt"]);
+        assert_eq!(names(&dir), ["in", "one.txt"]);
+        assert_eq!(names(&scratch.path().join("a")), ["b"]);
+        assert_eq!(fs::read(dir.join("in/two.txt")).unwrap(), b"2");
     }
 
     #[test]
     fn dropped_stage_leaves_no_trace() {
         let scratch = Scratch::new("stage-drop");
-        let mut stage = Stage::open(&scratch.path().join("a/b")).unwrap();
+        let mut stage = stage(&scratch.path().join("a/b"));
         stage.put("one.txt", b"1").unwrap();
         drop(stage);
         assert!(names(scratch.path()).is_empty());
     }
 
     #[test]
-    fn failing_rename_restores_the_old_files() {
+    fn what_others_put_there_stays_and_the_folder_is_the_same() {
+        let scratch = Scratch::new("stage-others");
+        let dir = scratch.path().join("out");
+        fs::create_dir_all(dir.join("sub/deep")).unwrap();
+        for name in ["one.txt", "old.txt", "mine.txt", "sub/deep/mine.txt"] {
+            fs::write(dir.join(name), b"old").unwrap();
+        }
+        #[cfg(unix)]
+        std::os::unix::fs::symlink("nowhere", dir.join("link")).unwrap();
+        // a link that somebody has planted where a result is to be: it is not followed
+        #[cfg(unix)]
+        std::os::unix::fs::symlink(dir.join("mine.txt"), dir.join("two.txt")).unwrap();
+        let opened = File::open(&dir).unwrap();
+        let mut stage = stage(&dir);
+        for name in ["one.txt", "two.txt"] {
+            stage.put(name, b"new").unwrap();
+        }
+        stage
+            .commit(&["old.txt".to_string(), "one.txt".to_string()])
+            .unwrap();
+        let mut expected = vec!["mine.txt", "one.txt", "sub", "two.txt"];
+        if cfg!(unix) {
+            expected.insert(0, "link");
+        }
+        assert_eq!(names(&dir), expected);
+        assert_eq!(fs::read(dir.join("mine.txt")).unwrap(), b"old");
+        assert_eq!(fs::read(dir.join("sub/deep/mine.txt")).unwrap(), b"old");
+        assert_eq!(fs::read(dir.join("two.txt")).unwrap(), b"new");
+        assert_eq!(names(scratch.path()), ["out"]);
+        assert!(super::super::is_still(&opened, &dir));
+    }
+
+    #[test]
+    fn a_folder_in_the_way_leaves_the_old_files() {
         let scratch = Scratch::new("stage-restore");
         let dir = scratch.path();
         fs::write(dir.join("one.txt"), b"old").unwrap();
-        let mut stage = Stage::open(dir).unwrap();
+        let mut stage = stage(dir);
         stage.put("one.txt", b"new").unwrap();
         stage.put("two.txt", b"new").unwrap();
-        // A directory that takes the name between writing and renaming, and cannot be moved onto a file.
+        // it takes the name between writing and putting in place
         fs::create_dir(dir.join("two.txt")).unwrap();
-        fs::write(stage.backup("two.txt"), b"in the way").unwrap();
         let error = stage.commit(&[]).unwrap_err();
         assert!(error.to_string().contains("two.txt"), "{error}");
         assert_eq!(fs::read(dir.join("one.txt")).unwrap(), b"old");
