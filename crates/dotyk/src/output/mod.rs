@@ -19,6 +19,7 @@ mod interface;
 mod json;
 mod lines;
 mod market;
+mod markup;
 mod memory;
 mod npz;
 mod panels;
@@ -290,7 +291,7 @@ macro_rules! doors {
             ///
             /// Errors: [`Error::Name`], [`Error::Mismatch`].
             pub fn report(&self) -> Result<String, Error> {
-                Ok(report::page(&self.overview()?))
+                Ok(report::page(&self.overview()?).into_string())
             }
 
             /// The figures of the report in its order: the title of each, as text, and its `<figure>`, HTML that refers to
@@ -471,7 +472,7 @@ pub fn write_study(
     dir: &Path,
 ) -> Result<Vec<PathBuf>, Error> {
     let picture = (!pairs.is_empty()).then(|| study::study_picture(study, pairs));
-    let page = study::study_page(study, picture.as_deref(), stem);
+    let page = study::study_page(study, picture.as_ref(), stem);
     let mut stage = Stage::open(dir)?;
     stage.put("study.csv", study::study_csv(study).as_bytes())?;
     stage.put("study.html", page.as_bytes())?;
