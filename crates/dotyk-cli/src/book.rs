@@ -24,7 +24,7 @@ const LEFT_OUT: [&str; 2] = ["Convergence", "View that turns"];
 /// A picture of a page.
 pub struct Picture {
     title: String,
-    /// Markup of the caption, without the title.
+    /// The caption as it stands in HTML, without the title.
     caption: String,
     svg: String,
 }
@@ -71,6 +71,14 @@ impl Book {
             let message = format!("two folders are called {twice}, which names a page of the book");
             return Err(Failure::Message(message));
         }
+        let cases = folders.iter().flat_map(|folder| &folder.cases);
+        let mut all = names.iter().chain(cases.map(|(name, _)| name));
+        if let Some(name) = all.find(|name| !name.chars().all(is_plain)) {
+            let message = format!(
+                "`{name}` cannot name a page or a file of the book: rename it, with letters, digits, `-`, `_` and `.` only"
+            );
+            return Err(Failure::Message(message));
+        }
         let stage = output::Folder::hold(dir).and_then(|folder| Stage::open(&folder));
         Ok(Self {
             stage: stage.map_err(of_book)?,
@@ -102,7 +110,7 @@ impl Book {
 
     /// Writes the table of all folders; `summary` is what was found in all of them.
     pub fn close(mut self, summary: &str) -> Result<(), Failure> {
-        let mut page = format!("# Verification\n\n{}\n\n", escaped(summary.trim()));
+        let mut page = format!("# Verification\n\n{}\n\n", begun(summary));
         page += "Each folder of cases is an example, an input file and a test. Its page has the problem, pictures, every \
                  reference value with its source and its verdict, and the certificate of each answer.\n\n\
                  | Problem | Folder | Cases | Certified | Within | Outside | Outside, known | Not judged |\n\
@@ -150,6 +158,11 @@ pub fn pictured(folder: &Folder) -> Option<String> {
     let names = folder.cases.iter().map(|(name, _)| name);
     let first = names.min_by_key(|name| text.find(name.as_str()).unwrap_or(usize::MAX));
     first.cloned()
+}
+
+/// A character that means the same in names of files, links, Markdown and HTML.
+fn is_plain(c: char) -> bool {
+    c.is_alphanumeric() || "-_.".contains(c)
 }
 
 /// The name of a folder, whatever it was called by.
@@ -233,8 +246,7 @@ fn page(
     found: &Found<'_>,
     files: &mut Vec<(String, Vec<u8>)>,
 ) -> String {
-    let mut page = format!("# {title}\n\n{statement}");
-    page += "\n\n";
+    let mut page = format!("# {}\n\n{statement}\n\n", begun(title));
     let cases = found.folder.cases.iter().map(|(name, _)| name);
     for (case, solved) in cases.clone().zip(found.solved) {
         let pictures = solved.iter().flat_map(|solved| &solved.pictures);
@@ -243,10 +255,11 @@ fn page(
     page += &references(found.judged);
     page += &certificates(found);
     page += &format!(
-        "## Case files\n\n```\ndotyk verify cases/{name}\n```\n\n{}\n",
+        "## Case files\n\n{}\n{}\n",
+        fenced("", &format!("dotyk verify cases/{name}")),
         cases
             .clone()
-            .map(|case| format!("* [{case}]({case})\n"))
+            .map(|case| format!("* [{}]({case})\n", escaped(case)))
             .collect::<String>()
     );
     let shown = pictured(found.folder);
@@ -256,8 +269,8 @@ fn page(
     });
     if let Some((case, text)) = text {
         page += &format!(
-            "<details><summary>{case}</summary>\n\n```toml\n{}\n```\n\n</details>\n",
-            text.trim_end()
+            "<details><summary>{case}</summary>\n\n{}\n</details>\n",
+            fenced("toml", text.trim_end())
         );
     }
     page
@@ -273,11 +286,11 @@ fn pictures_of<'p>(
     let mut text = String::new();
     for (number, picture) in (1..).zip(pictures) {
         if number == 1 {
-            text += &format!("## Pictures of {case}\n\n");
+            text += &format!("## Pictures of {}\n\n", escaped(case));
         }
         let file = format!("{stem}_{number}.svg");
         let title = escaped(&picture.title);
-        let caption = &picture.caption;
+        let caption = shielded(&picture.caption);
         text += &format!("![{title}]({file})\n\n**{title}.** {caption}\n\n");
         files.push((file, picture.svg.clone().into_bytes()));
     }
@@ -311,7 +324,7 @@ fn references(judged: &[Judged<'_>]) -> String {
             "" => "an earlier result of this program",
             source => source,
         };
-        text += &format!("{number}. {}", escaped(source));
+        text += &format!("{number}. {}", begun(source));
         if !reason.is_empty() {
             text += &format!("; band: {}", escaped(reason));
         }
@@ -334,7 +347,12 @@ fn certificates(found: &Found<'_>) -> String {
     let mut limits = String::new();
     for ((case, _), solved) in found.folder.cases.iter().zip(found.solved) {
         let Some(solved) = solved else {
-            let _ = writeln!(text, "| {case} | refused |{}", " |".repeat(names.len()));
+            let _ = writeln!(
+                text,
+                "| {} | refused |{}",
+                escaped(case),
+                " |".repeat(names.len())
+            );
             continue;
         };
         let figures = worst(solved.steps.iter().map(|step| &step.certificate));
@@ -347,7 +365,8 @@ fn certificates(found: &Found<'_>) -> String {
             false => format!("**{}**", cell(relative)),
         });
         text += &format!(
-            "| {case} | {} | {} |\n",
+            "| {} | {} | {} |\n",
+            escaped(case),
             solved.steps.len(),
             values.join(" | ")
         );
@@ -389,14 +408,19 @@ fn row(title: &str, name: &str, tally: &Tally) -> String {
     )
 }
 
-/// Words that Markdown takes as they are, also within a table.
+/// Words that Markdown takes as they are within a line, also in a table: neither markup nor HTML, formulas, roles or entities.
 fn escaped(words: &str) -> String {
+    shielded(&words.replace('&', "&amp;"))
+}
+
+/// Words in which the entities of HTML mean what they do there, and all else means itself.
+fn shielded(words: &str) -> String {
     let mut out = String::with_capacity(words.len());
     for c in words.chars() {
-        if "\\`*_[]|<>$#~".contains(c) {
+        if "\\`*_[]|<>$~{}".contains(c) {
             out.push('\\');
         }
-        out.push(if c == '\n' { ' ' } else { c });
+        out.push(if c.is_control() { ' ' } else { c });
     }
     out
 }
@@ -404,6 +428,24 @@ fn escaped(words: &str) -> String {
 /// Files that could not be written.
 fn of_book(error: output::Error) -> Failure {
     Failure::of_files(&error, "--book")
+}
+
+/// Words that begin a block, and no heading, list, directive, comment or target.
+fn begun(words: &str) -> String {
+    let mut out = escaped(words.trim());
+    let number = out.len() - out.trim_start_matches(|c: char| c.is_ascii_digit()).len();
+    let sign = |c: char| c.is_ascii_punctuation() && !"\\&".contains(c);
+    if out[number..].starts_with(sign) {
+        out.insert(number, '\\');
+    }
+    out
+}
+
+/// A block of code that ends where its text does: its fence is longer than all backquotes beside each other in the text.
+fn fenced(language: &str, text: &str) -> String {
+    let longest = text.split(|c| c != '`').map(str::len).max();
+    let fence = "`".repeat(3.max(longest.unwrap_or(0) + 1));
+    format!("{fence}{language}\n{text}\n{fence}\n")
 }
 
 #[cfg(test)]
@@ -440,5 +482,32 @@ mod tests {
     #[test]
     fn words_of_markdown_are_escaped() {
         assert_eq!(escaped("a|b_c\n<d>"), "a\\|b\\_c \\<d\\>");
+        assert_eq!(escaped("{raw}`<b>`&lt;"), "\\{raw\\}\\`\\<b\\>\\`&amp;lt;");
+        // a caption is HTML already
+        assert_eq!(shielded("it&#39;s $x$ &lt;"), "it&#39;s \\$x\\$ &lt;");
+    }
+
+    #[test]
+    fn words_that_begin_a_block_begin_nothing_else() {
+        for (words, text) in [
+            (":::{include} /a", "\\:::\\{include\\} /a"),
+            ("# a", "\\# a"),
+            ("+ a", "\\+ a"),
+            ("1. a", "1\\. a"),
+            ("(a)=", "\\(a)="),
+            ("% a", "\\% a"),
+            ("    a", "a"),
+            ("```{raw} html\r<b>", "\\`\\`\\`\\{raw\\} html \\<b\\>"),
+            ("a: b", "a: b"),
+        ] {
+            assert_eq!(begun(words), text);
+        }
+    }
+
+    #[test]
+    fn no_text_leaves_its_block_of_code() {
+        assert_eq!(fenced("toml", "a = 1"), "```toml\na = 1\n```\n");
+        let text = "a\n```\n{raw} html\n`````";
+        assert_eq!(fenced("", text), format!("``````\n{text}\n``````\n"));
     }
 }

@@ -1500,6 +1500,46 @@ fn a_book_has_a_page_for_every_folder_with_pictures_values_and_links() {
 }
 
 #[test]
+fn nothing_of_a_case_leaves_its_place_in_the_book() {
+    let obey = "]</details> ```{raw} html <script>{eval}`1`</script>";
+    let text = format!(
+        "title = '{obey}'\n# ````\n# {obey}\n{}{}",
+        stack(1e6, ""),
+        probe(obey, "sole.pressure", "at = [0.5, 1]")
+    );
+    let case = Run::solved("strange", &text);
+    let write = |name: &str, text: &str| std::fs::write(case.folder.join(name), text).unwrap();
+    let value = format!(
+        "[[value]]\ncase = \"case.toml\"\nprobe = '{obey}'\nkind = \"analytic\"\nvalue = 1e6\ntolerance = 0.02\n\
+         source = ':::{obey}'\nreason = '{obey}'\n"
+    );
+    write("reference.toml", &value);
+    write("README.md", &format!("# {obey}\n\nText.\n"));
+    let root = case.folder.parent().unwrap();
+    let (status, output, message) = verify(root, &["strange", "--book", "strange/book"]);
+    assert_eq!(status, Some(0), "{output}{message}");
+    let book = case.folder.join("book");
+    let page = std::fs::read_to_string(book.join("strange/index.md")).unwrap();
+    let (before, code) = page.split_once("`````toml\n").unwrap();
+    assert_eq!(code, format!("{}\n`````\n\n</details>\n", text.trim_end()));
+    let index = std::fs::read_to_string(book.join("index.md")).unwrap();
+    for page in [before, &index] {
+        for place in ["<script", "]</details>", "`{raw", "{eval}`", "\n1. :::"] {
+            assert!(!page.contains(place), "{place}: {page}");
+        }
+    }
+    std::fs::rename(
+        case.folder.join("case.toml"),
+        case.folder.join("a <b>.toml"),
+    )
+    .unwrap();
+    write("reference.toml", &value.replace("case.toml", "a <b>.toml"));
+    let (status, _, message) = verify(root, &["strange", "--book", "strange/book"]);
+    assert_eq!(status, Some(2));
+    assert!(message.contains("rename it"), "{message}");
+}
+
+#[test]
 fn every_case_is_certified_and_within_its_bands() {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
     // the pages of the book are made of the same runs

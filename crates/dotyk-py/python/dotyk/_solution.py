@@ -8,6 +8,7 @@ import json
 import math
 import os
 from collections.abc import Iterator, Mapping
+from html import escape
 from typing import TYPE_CHECKING, Any, Generic, NamedTuple, TypeVar
 
 from dotyk import _dotyk
@@ -332,6 +333,9 @@ class ContactSolution(_Frozen):
         words = {"contact": str, "status": str, "nonmortar": str, "mortar": str}
         missing = {head: ["NaN"] for head in text.split("\n", 1)[0].split(",") if head not in words}
         table = pandas.read_csv(io.StringIO(text), dtype=words, keep_default_na=False, na_values=missing)
+        for head in words:
+            # what a spreadsheet would take for a formula stands behind an apostrophe
+            table[head] = table[head].str.replace(r"^'(?=[=+@\t\r-])", "", regex=True)
         own = (table["contact"] == self.name) & (table["step"] == self._solution._step + 1)  # type: ignore[attr-defined]
         return table[own].reset_index(drop=True)
 
@@ -766,7 +770,8 @@ class Solution(_Frozen):
             for name, figure in self.certificate.items()
         )
         table = f"<table><tr><th>certificate</th><th>relative</th><th>limit</th><th></th></tr>{rows}</table>"
-        head = f"<p>{self.case}: {verdict}, {self.dofs} dofs, {self.contact_unknowns} contact unknowns, {self.iterations} iterations of {self.solver}</p>"
+        of = f"{self.dofs} dofs, {self.contact_unknowns} contact unknowns, {self.iterations} iterations of {escape(self.solver)}"
+        head = f"<p>{escape(self.case)}: {verdict}, {of}</p>"
         figures = "".join(figure for _, figure in self._run.figures())
         return f"<div>{head}{table}{figures}</div>"
 

@@ -2,9 +2,10 @@
 
 use crate::model::{Bar, BarSolution, Bond, LinePoint};
 use crate::output::Overview;
-use crate::output::html::{Head, column, escape, figure, left, plain, table, text};
+use crate::output::html::{Head, column, figure, left, plain, table, text};
 use crate::output::json::range;
 use crate::output::lines::{Curve, line_figure, spread};
+use crate::output::markup::{Markup, markup};
 use crate::output::plot::{Axis, Frame};
 use crate::output::scene::WIDTH;
 use crate::output::svg::{Anchor, SERIES, Svg, Type, text_width};
@@ -14,22 +15,22 @@ use crate::output::text::{Labels, count, number, quantity, without_noise};
 const DRAWN: usize = 6;
 
 /// The section; nothing where there is no bar.
-pub fn bars_section<const D: usize>(run: &Overview<'_, D>, labels: &Labels) -> String {
+pub fn bars_section<const D: usize>(run: &Overview<'_, D>, labels: &Labels) -> Markup {
     if run.model.bars.is_empty() {
-        return String::new();
+        return Markup::default();
     }
-    let mut out = "<h2>Bars</h2>\n<p>Forces of one bar, tension positive.</p>\n".to_string();
-    out += &forces(run, labels);
+    let mut out = markup!("<h2>Bars</h2>\n<p>Forces of one bar, tension positive.</p>\n");
+    out += forces(run, labels);
     if run.earlier.is_empty() {
-        return out + &along(run, labels);
+        return out + along(run, labels);
     }
     let svg = over_steps(run, labels);
-    out += &figure(
+    out += figure(
         &svg,
         "Forces of the bars over the load steps",
         "The force of the largest magnitude of each bar against the time t of the steps.",
     );
-    out + &along(run, labels)
+    out + along(run, labels)
 }
 
 /// What a bar does in each step in which it is there: number of the step from 1, and its forces.
@@ -48,7 +49,7 @@ fn extremes<const D: usize>(bar: &BarSolution<D>) -> [f64; 2] {
     range(bar.stations.iter().map(|station| station.force))
 }
 
-fn forces<const D: usize>(run: &Overview<'_, D>, labels: &Labels) -> String {
+fn forces<const D: usize>(run: &Overview<'_, D>, labels: &Labels) -> Markup {
     let several = !run.earlier.is_empty();
     let mut heads: Vec<Head> = vec![
         left("bar"),
@@ -102,9 +103,9 @@ fn forces<const D: usize>(run: &Overview<'_, D>, labels: &Labels) -> String {
     };
     let mut out = table(&heads, run.model.bars.iter().map(row).collect());
     let tightened = run.last.bars.iter().filter(|bar| bar.tightening);
-    let tightened: Vec<String> = tightened.map(|bar| escape(&bar.name)).collect();
+    let tightened: Vec<&str> = tightened.map(|bar| bar.name.as_str()).collect();
     if !tightened.is_empty() {
-        out += &format!(
+        out += markup!(
             "<p>Tightened in the last step, in which they pull with their prestress whatever gives: {}.</p>\n",
             tightened.join(", ")
         );
@@ -112,7 +113,7 @@ fn forces<const D: usize>(run: &Overview<'_, D>, labels: &Labels) -> String {
     out
 }
 
-fn over_steps<const D: usize>(run: &Overview<'_, D>, labels: &Labels) -> String {
+fn over_steps<const D: usize>(run: &Overview<'_, D>, labels: &Labels) -> Markup {
     let shown: Vec<&Bar<D>> = run.model.bars.iter().take(SERIES.len()).collect();
     let times: Vec<f64> = run.steps().map(|solution| solution.time).collect();
     let of = |bar: &Bar<D>| -> Vec<[f64; 2]> {
@@ -161,7 +162,7 @@ fn over_steps<const D: usize>(run: &Overview<'_, D>, labels: &Labels) -> String 
 }
 
 /// The forces along grouted bars.
-fn along<const D: usize>(run: &Overview<'_, D>, labels: &Labels) -> String {
+fn along<const D: usize>(run: &Overview<'_, D>, labels: &Labels) -> Markup {
     let grouted = run
         .model
         .bars
@@ -189,10 +190,10 @@ fn along<const D: usize>(run: &Overview<'_, D>, labels: &Labels) -> String {
         let caption = "Along the bar; s counts from its beginning. One force for each element, drawn at its middle.";
         figure(&svg, &bar.name, caption)
     };
-    let mut out: String = grouted.clone().take(DRAWN).enumerate().map(one).collect();
+    let mut out: Markup = grouted.clone().take(DRAWN).enumerate().map(one).collect();
     let left_out = grouted.count().saturating_sub(DRAWN);
     if left_out > 0 {
-        out += &format!("<p>{} more grouted bars: bars.csv.</p>\n", count(left_out));
+        out += markup!("<p>{} more grouted bars: bars.csv.</p>\n", count(left_out));
     }
     out
 }

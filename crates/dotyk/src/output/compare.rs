@@ -4,6 +4,8 @@
 //! Apl. mat. 25 (1980): a long branch of about C/ρ, and a wall at ρ = 2/λ_max.
 
 use crate::model::{Comparison, ComparisonRow};
+use crate::output::csv::quoted;
+use crate::output::markup::Markup;
 use crate::output::plot::{Axis, Frame};
 use crate::output::svg::{ALARM, Anchor, MUTED, SERIES, Svg, Type, short, text_width};
 use crate::output::text::{count, seconds};
@@ -20,7 +22,7 @@ pub fn comparison_csv(comparison: &Comparison) -> String {
         let _ = writeln!(
             out,
             "{},{},{},{},{},{},{:?},{:?}",
-            row.method,
+            quoted(&row.method),
             optional(row.rho),
             optional(row.rho_lambda_max),
             row.converged,
@@ -34,7 +36,7 @@ pub fn comparison_csv(comparison: &Comparison) -> String {
 }
 
 /// Content of `compare.svg`: curves where ρ was varied, otherwise bars.
-pub fn comparison_svg(comparison: &Comparison) -> String {
+pub fn comparison_svg(comparison: &Comparison) -> Markup {
     let steps = |method: &str| {
         let rows = comparison.rows.iter().filter(|r| r.method == method);
         rows.filter(|r| r.rho_lambda_max.is_some()).count()
@@ -56,7 +58,7 @@ fn methods(comparison: &Comparison) -> Vec<&str> {
     list
 }
 
-fn curves(comparison: &Comparison) -> String {
+fn curves(comparison: &Comparison) -> Markup {
     let mut svg = canvas("Iterations as a function of rho times lambda max", 470.0);
     headline(&mut svg, 70.0, &comparison.title);
     let places: Vec<f64> = comparison
@@ -173,7 +175,7 @@ fn cross(svg: &mut Svg, at: [f64; 2], colour: &str) {
     svg.line([at[0] - r, at[1] + r], [at[0] + r, at[1] - r], colour, 1.5);
 }
 
-fn bars(comparison: &Comparison) -> String {
+fn bars(comparison: &Comparison) -> Markup {
     let each = 34.0;
     let height = 66.0 + each * comparison.rows.len() as f64;
     let mut svg = canvas("Products with the compliance by method", height);

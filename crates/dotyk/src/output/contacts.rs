@@ -4,9 +4,10 @@ use crate::geometry::{Point, add_scaled, norm, sub};
 use crate::model::{Analysis, ContactNode, ContactSolution, Model, Solution, Status};
 use crate::output::chain::along_tangent;
 use crate::output::figures::Figures;
-use crate::output::html::{column, escape, left, marked, plain, table, text};
+use crate::output::html::{column, left, marked, plain, table, text};
 use crate::output::interface::{largest_gap, length_scale};
 use crate::output::json::{closed_and_open, in_contact, largest, max_penetration, range};
+use crate::output::markup::{Markup, markup};
 use crate::output::text::{
     Labels, count, number, power, quantity, vector, vector_on, without_noise,
 };
@@ -19,11 +20,11 @@ pub fn contacts<const D: usize>(
     solution: &Solution<D>,
     figures: &Figures<'_>,
     labels: &Labels,
-) -> String {
+) -> Markup {
     if solution.contacts.is_empty() {
-        return String::new();
+        return Markup::default();
     }
-    let mut out = "<h2>Contact</h2>\n".to_string();
+    let mut out = markup!("<h2>Contact</h2>\n");
     let (extent, unit) = labels.extent();
     let angles: Vec<Option<f64>> = solution.contacts.iter().map(opening_angle).collect();
     let gapes = angles.iter().any(Option::is_some);
@@ -63,18 +64,18 @@ pub fn contacts<const D: usize>(
         column("force on the first side", &labels.force),
     ];
     heads.extend(gapes.then(|| column("opening angle", "rad")));
-    out += &table(&heads, rows);
+    out += table(&heads, rows);
     let drawn = (0..solution.contacts.len()).map(|index| figures.contact(solution, index));
-    let drawn: Vec<String> = drawn.filter(|figure| !figure.is_empty()).collect();
+    let drawn: Vec<Markup> = drawn.filter(|figure| !figure.is_empty()).collect();
     let left = solution.contacts.len() - drawn.len();
     if left > 0 && !drawn.is_empty() {
-        out += &format!(
+        out += markup!(
             "<p>Pictures show the {} contacts that bear most, tied ones last; of the other {} the table tells, and contact.csv.</p>\n",
             count(drawn.len()),
             count(left)
         );
     }
-    out + &drawn.concat()
+    out + drawn.into_iter().collect()
 }
 
 /// Normals that differ by more are not those of a flat side.
@@ -127,7 +128,7 @@ pub fn balance<const D: usize>(
     model: &Model<D>,
     solution: &Solution<D>,
     labels: &Labels,
-) -> String {
+) -> Markup {
     let forces: Vec<(Point<D>, Point<D>)> = solution
         .bodies
         .iter()
@@ -170,7 +171,7 @@ pub fn balance<const D: usize>(
         column(touching, &labels.force),
         column("applied load, by balance", &labels.force),
     ];
-    let mut out = format!(
+    let out = markup!(
         "<h2>Reactions and balance</h2>\n<p>Forces ON each body, {}. The three add up to zero; what is below 10⁻¹⁰ of the largest is shown as 0.</p>\n{}",
         match axial {
             true => "along the axis z, for the full turn".to_string(),
@@ -182,7 +183,7 @@ pub fn balance<const D: usize>(
     let sides: Vec<String> = solution
         .contacts
         .iter()
-        .map(|k| format!("{} {}", escape(&k.name), power(k.imbalance)))
+        .map(|k| format!("{} {}", k.name, power(k.imbalance)))
         .collect();
     let action = if sides.is_empty() {
         String::new()
@@ -192,14 +193,14 @@ pub fn balance<const D: usize>(
             sides.join(", ")
         )
     };
-    out += &format!(
-        "<p>What is left over on the worst body: force {}, moment {} (relative {} and {}).{action}</p>\n",
+    out + markup!(
+        "<p>What is left over on the worst body: force {}, moment {} (relative {} and {}).{}</p>\n",
         quantity(c.imbalance_force.value, &labels.force),
         quantity(c.imbalance_moment.value, &labels.energy),
         power(c.imbalance_force.relative),
         power(c.imbalance_moment.relative),
-    );
-    out
+        action,
+    )
 }
 
 /// Force of all contacts ON a body.
@@ -219,16 +220,16 @@ fn contact_force<const D: usize>(solution: &Solution<D>, body: usize) -> Point<D
 }
 
 /// Gap, pressure and state of every contact node.
-pub fn contact_nodes<const D: usize>(solution: &Solution<D>, labels: &Labels) -> String {
+pub fn contact_nodes<const D: usize>(solution: &Solution<D>, labels: &Labels) -> Markup {
     if solution.contacts.is_empty() {
-        return String::new();
+        return Markup::default();
     }
-    let mut out = "<h2>Contact nodes</h2>\n".to_string();
+    let mut out = markup!("<h2>Contact nodes</h2>\n");
     for contact in &solution.contacts {
         if contact.nodes.len() > MOST_ROWS {
-            out += &format!(
+            out += markup!(
                 "<p>Contact {}: {} nodes, listed in contact.csv.</p>\n",
-                escape(&contact.name),
+                contact.name,
                 count(contact.nodes.len())
             );
             continue;
@@ -259,20 +260,20 @@ pub fn contact_nodes<const D: usize>(solution: &Solution<D>, labels: &Labels) ->
                 }
                 let status = n.status.name();
                 row.push(marked(match in_contact(n.status) {
-                    true => format!("<b>{status}</b>"),
-                    false => status.to_string(),
+                    true => markup!("<b>{}</b>", status),
+                    false => markup!("{}", status),
                 }));
                 row
             })
             .collect();
-        out += &format!(
+        out += markup!(
             "<details{}>\n<summary>{}: {} nodes</summary>\n{}</details>\n",
             if contact.nodes.len() <= 12 {
                 " open"
             } else {
                 ""
             },
-            escape(&contact.name),
+            contact.name,
             count(contact.nodes.len()),
             table(&heads, rows)
         );

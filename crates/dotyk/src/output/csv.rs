@@ -55,12 +55,14 @@ fn rows<const D: usize>(
     let nodes = contact.nodes.iter();
     let points: Vec<[f64; 2]> = nodes.map(|node| [node.point[0], node.point[1]]).collect();
     let plane = (D == 2).then(|| (arc_lengths(&points), angles(&points)));
-    let name = |side: &SideRef| format!("{}.{}", model.bodies[side.body.0].name, side.side);
+    let name =
+        |side: &SideRef| quoted(&format!("{}.{}", model.bodies[side.body.0].name, side.side));
     let mortar = contact.mortar.as_ref().map_or("obstacle".to_string(), name);
     let sides = format!("{},{mortar}", name(&contact.nonmortar));
+    let start = format!("{step},{}", quoted(&contact.name));
     for (k, node) in contact.nodes.iter().enumerate() {
         // Writing to a String cannot fail.
-        let _ = write!(out, "{step},{},{}", contact.name, node.node);
+        let _ = write!(out, "{start},{}", node.node);
         numbers(out, &of_node(node, shear));
         let _ = write!(out, ",{}", node.status.name());
         numbers(out, &[time]);
@@ -105,9 +107,10 @@ pub fn bars_csv<const D: usize>(steps: &[Solution<D>]) -> Option<String> {
     let head = out.len();
     for (step, solution) in steps.iter().enumerate() {
         for bar in &solution.bars {
+            let start = format!("{},{}", step + 1, quoted(&bar.name));
             for (index, station) in bar.stations.iter().enumerate() {
                 // Writing to a String cannot fail.
-                let _ = write!(out, "{},{},{}", step + 1, bar.name, index + 1);
+                let _ = write!(out, "{start},{}", index + 1);
                 numbers(&mut out, &[station.s]);
                 numbers(&mut out, &station.point[..D]);
                 numbers(&mut out, &[station.force]);
@@ -131,9 +134,10 @@ pub fn sections_csv<const D: usize>(model: &Model<D>, steps: &[Solution<D>]) -> 
     let head = out.len();
     for (step, solution) in steps.iter().enumerate() {
         for section in &solution.sections {
+            let start = format!("{},{}", step + 1, quoted(&section.name));
             for (index, station) in section.stations.iter().enumerate() {
                 // Writing to a String cannot fail.
-                let _ = write!(out, "{},{},{}", step + 1, section.name, index + 1);
+                let _ = write!(out, "{start},{}", index + 1);
                 let [x, y] = station.point;
                 numbers(
                     &mut out,
@@ -152,12 +156,24 @@ pub fn sections_csv<const D: usize>(model: &Model<D>, steps: &[Solution<D>]) -> 
     (out.len() > head).then_some(out)
 }
 
-/// A text as one cell: quoted where a comma, a quote or a new line would end it.
+/// What makes a formula of a cell that begins with it.
+const FORMULA: [char; 6] = ['=', '+', '-', '@', '\t', '\r'];
+
+/// A text as one cell: quoted where a comma, a quote or a new line would end it, and behind an apostrophe where a spreadsheet
+/// would take it for a formula, and run it.
 pub fn quoted(text: &str) -> String {
+    let guard = if text.starts_with(FORMULA) { "'" } else { "" };
     match text.contains([',', '"', '\n', '\r']) {
-        true => format!("\"{}\"", text.replace('"', "\"\"")),
-        false => text.to_string(),
+        true => format!("\"{guard}{}\"", text.replace('"', "\"\"")),
+        false => format!("{guard}{text}"),
     }
+}
+
+/// The text of a cell that needed no quotes.
+pub fn unguarded(cell: &str) -> &str {
+    let text = cell.strip_prefix('\'');
+    text.filter(|text| text.starts_with(FORMULA))
+        .unwrap_or(cell)
 }
 
 fn of_node<const D: usize>(node: &ContactNode<D>, shear: bool) -> Vec<f64> {
@@ -225,6 +241,40 @@ mod tests {
                 "{chord} {exact}"
             );
         }
+    }
+
+    #[test]
+    fn texts_are_no_formulas_of_a_spreadsheet() {
+        for (text, cell) in [
+            ("=1+2", "'=1+2"),
+            ("-x", "'-x"),
+            ("+a", "'+a"),
+            ("@b", "'@b"),
+            ("\tc", "'\tc"),
+            ("a-b", "a-b"),
+            ("'a", "'a"),
+        ] {
+            assert_eq!(quoted(text), cell);
+            assert_eq!(unguarded(cell), text);
+        }
+        assert_eq!(
+            quoted("=HYPERLINK(\"a\",1)"),
+            "\"'=HYPERLINK(\"\"a\"\",1)\""
+        );
+        assert_eq!(quoted("\r"), "\"'\r\"");
+    }
+
+    #[test]
+    fn names_that_begin_as_formulas_do_not_in_a_file() {
+        let (mut model, mut solution) = tunnel::solved();
+        solution.contacts[0].name = "-1".to_string();
+        model.bodies[0].name = "-ring".to_string();
+        let text = contact_csv(&[Cow::Borrowed(&model)], std::slice::from_ref(&solution));
+        let row: Vec<&str> = text.lines().nth(1).unwrap().split(',').collect();
+        assert_eq!(
+            [row[1], row[14], row[15]],
+            ["'-1", "'-ring.outer", "rock.hole"]
+        );
     }
 
     #[test]

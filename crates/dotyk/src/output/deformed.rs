@@ -8,6 +8,7 @@ use crate::model::{BodySolution, Borders, Solution};
 use crate::output::colour;
 use crate::output::encode::png;
 use crate::output::json::largest;
+use crate::output::markup::Markup;
 use crate::output::plot::{Axis, round_down_to_125};
 use crate::output::points::draw_moved;
 use crate::output::scene::{Scene, WIDTH, mesh_lines, outline_path, parabola};
@@ -27,7 +28,7 @@ pub const CLEARLY: f64 = 0.8;
 pub const BAR: f64 = 92.0;
 
 /// The figure as an SVG element, and its caption.
-pub fn deformed_figure(scene: &Scene, solution: &Solution<2>) -> (String, String) {
+pub fn deformed_figure(scene: &Scene, solution: &Solution<2>) -> (Markup, String) {
     let labels = Labels::of(scene.model);
     let (views, height) = scene.views(Margin::all(26.0), 34.0, BAR);
     let mut svg = Svg::new(

@@ -5,6 +5,7 @@
 use crate::dual::{Compliance, Modes, Multipliers};
 use crate::model::{ASSEMBLED, Analysis, Dual, Unknown};
 use crate::output::Error;
+use crate::output::csv::quoted;
 use crate::output::files::Stage;
 use crate::output::market;
 use crate::output::npz::Archive;
@@ -234,7 +235,7 @@ fn rows_csv<const D: usize>(dual: &Dual<D>, unknowns: &[Unknown<D>]) -> String {
             "{row},{},{},{},{},{component}",
             unknown.block,
             blocks[unknown.block].name(),
-            dual.contact_name(unknown.contact),
+            quoted(dual.contact_name(unknown.contact)),
             unknown.node,
         );
         let place = unknown.point.into_iter().chain(unknown.direction);

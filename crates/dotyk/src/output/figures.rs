@@ -7,6 +7,7 @@ use crate::model::{Model, SideRef, Solution};
 use crate::output::deformed::deformed_figure;
 use crate::output::html::figure;
 use crate::output::interface::interface_figure;
+use crate::output::markup::Markup;
 use crate::output::scene::Scene;
 use crate::output::setup::setup_figure;
 use crate::output::space;
@@ -37,13 +38,13 @@ impl<'a> Figures<'a> {
     }
 
     /// Mesh, supports and loads, and these contact nodes that face nothing.
-    pub fn model<const D: usize>(&self, alone: &[Point<D>]) -> String {
+    pub fn model<const D: usize>(&self, alone: &[Point<D>]) -> Markup {
         if let Some(scene) = &self.space {
             let alone: Vec<Point<3>> = alone.iter().map(|p| padded(*p)).collect();
             return space::model_figure(scene, &alone);
         }
         let Some(scene) = &self.plane else {
-            return String::new();
+            return Markup::default();
         };
         let alone: Vec<Point<2>> = alone.iter().map(|p| [p[0], p[1]]).collect();
         let drawing = setup_figure(scene, &alone);
@@ -55,12 +56,12 @@ impl<'a> Figures<'a> {
     }
 
     /// The deformed shape, coloured by stress; in space a view that turns and a section, too.
-    pub fn deformed<const D: usize>(&self, solution: &Solution<D>) -> String {
+    pub fn deformed<const D: usize>(&self, solution: &Solution<D>) -> Markup {
         if let (Some(scene), Some(solution)) = (&self.space, known(solution)) {
             return space::stress_figures(scene, solution);
         }
         let (Some(scene), Some(solution)) = (&self.plane, known(solution)) else {
-            return String::new();
+            return Markup::default();
         };
         let (drawing, caption) = deformed_figure(scene, solution);
         let more = " Dashed: undeformed outline. Colour: von Mises stress, recovered at the nodes.";
@@ -68,30 +69,30 @@ impl<'a> Figures<'a> {
     }
 
     /// The utilisation of the strength, with the line where it is 1.
-    pub fn utilisation<const D: usize>(&self, solution: &Solution<D>) -> String {
+    pub fn utilisation<const D: usize>(&self, solution: &Solution<D>) -> Markup {
         if let (Some(scene), Some(solution)) = (&self.space, known(solution)) {
             return space::utilisation_figures(scene, solution);
         }
         let (Some(scene), Some(solution)) = (&self.plane, known(solution)) else {
-            return String::new();
+            return Markup::default();
         };
         let (drawing, caption) = utilisation_figure(scene, solution);
         figure(&drawing, "Utilisation of the strength", &caption)
     }
 
     /// Pressure and gap along a contact, in space on its faces.
-    pub fn contact<const D: usize>(&self, solution: &Solution<D>, index: usize) -> String {
+    pub fn contact<const D: usize>(&self, solution: &Solution<D>, index: usize) -> Markup {
         if let (Some(scene), Some(solution)) = (&self.space, known(solution)) {
             return space::contact_figure(scene, solution, index);
         }
         let (Some(scene), Some(solution)) = (&self.plane, known::<_, Solution<2>>(solution)) else {
-            return String::new();
+            return Markup::default();
         };
         let contact = &solution.contacts[index];
         let law = &scene.model.contacts[index].law;
         let Some(drawing) = interface_figure(scene, contact, law, &format!("interface{index}"))
         else {
-            return String::new();
+            return Markup::default();
         };
         let bodies = &scene.model.bodies;
         let name = |side: &SideRef| format!("{}.{}", bodies[side.body.0].name, side.side);

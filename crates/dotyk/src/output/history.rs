@@ -1,6 +1,7 @@
 //! Figure "Convergence": residual and active contact unknowns against iterations.
 
 use crate::model::{HistoryPoint, Solution};
+use crate::output::markup::Markup;
 use crate::output::plot::{Axis, Frame};
 use crate::output::scene::WIDTH;
 use crate::output::svg::{Anchor, MUTED, SERIES, Svg, Type};
@@ -12,7 +13,7 @@ const MOST: usize = 1200;
 const MOST_DOTS: usize = 60;
 
 /// The figure as an SVG element; nothing without a history.
-pub fn history_figure<const D: usize>(solution: &Solution<D>, tolerance: f64) -> Option<String> {
+pub fn history_figure<const D: usize>(solution: &Solution<D>, tolerance: f64) -> Option<Markup> {
     let history = thinned(&solution.solver.history);
     if history.is_empty() {
         return None;

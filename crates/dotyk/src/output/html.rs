@@ -1,47 +1,53 @@
-//! The HTML of the pages: escaping, the frame of a page, figures, banners and tables.
+//! The HTML of the pages: their frame, figures, banners and tables.
 
-/// Text that is safe inside HTML, XML and their attributes.
-pub fn escape(text: &str) -> String {
-    let mut out = String::with_capacity(text.len());
-    for c in text.chars() {
-        match c {
-            '&' => out.push_str("&amp;"),
-            '<' => out.push_str("&lt;"),
-            '>' => out.push_str("&gt;"),
-            '"' => out.push_str("&quot;"),
-            '\'' => out.push_str("&#39;"),
-            // XML has no place for control characters.
-            c if c.is_control() && c != '\n' && c != '\t' => out.push('\u{fffd}'),
-            c => out.push(c),
-        }
-    }
-    out
+use crate::output::markup::{Markup, markup, unescape};
+use base64::Engine;
+use base64::engine::general_purpose::STANDARD;
+use sha2::{Digest, Sha256};
+
+/// The only script of all pages: it turns the view of a model in space.
+const SCRIPT: &str = concat!("\n", include_str!("space/turning.js"));
+
+/// The element of the script.
+pub fn script() -> Markup {
+    markup!("<script>{}</script>\n", Markup::own(SCRIPT))
 }
 
-/// A page of its own, which needs no network; title escaped, `intro` and `body` are markup, `footer` text.
-pub fn page(title: &str, intro: &str, body: &str, footer: &str) -> String {
-    format!(
+/// A page of its own. It tells the browser to ask nobody for anything, and to run no script but ours.
+pub fn page(title: &str, intro: &Markup, body: &Markup, footer: &str) -> Markup {
+    markup!(
         "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n\
-         <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n<title>{title}</title>\n\
-         <style>\n{css}</style>\n</head>\n<body>\n<main>\n<h1>{title}</h1>\n{intro}{body}\
-         <footer>{footer}</footer>\n</main>\n</body>\n</html>\n",
-        title = escape(title),
-        css = include_str!("report.css"),
-        footer = escape(footer),
+         <meta http-equiv=\"Content-Security-Policy\" content=\"default-src 'none'; style-src 'unsafe-inline'; \
+         img-src data:; script-src 'sha256-{0}'; base-uri 'none'; form-action 'none'\">\n\
+         <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n<title>{1}</title>\n\
+         <style>\n{2}</style>\n</head>\n<body>\n<main>\n<h1>{1}</h1>\n{3}{4}\
+         <footer>{5}</footer>\n</main>\n</body>\n</html>\n",
+        STANDARD.encode(Sha256::digest(SCRIPT)),
+        title,
+        Markup::own(include_str!("report.css")),
+        intro,
+        body,
+        footer,
     )
 }
 
-/// A box that is seen first; `class` is `good`, `warn` or `bad`, `body` is markup.
-pub fn banner(class: &str, title: &str, body: &str) -> String {
-    format!("<div class=\"banner {class}\"><b>{title}</b>{body}</div>\n")
+/// A box that is seen first; `class` is `good`, `warn` or `bad`.
+pub fn banner(class: &str, title: &str, body: &Markup) -> Markup {
+    markup!(
+        "<div class=\"banner {}\"><b>{}</b>{}</div>\n",
+        class,
+        title,
+        body
+    )
 }
 
 /// A drawing with what it shows.
-pub fn figure(svg: &str, title: &str, caption: &str) -> String {
-    format!(
-        "<figure>\n{svg}<figcaption><b>{}.</b> {}</figcaption>\n</figure>\n",
-        escape(title),
-        escape(caption)
+pub fn figure(svg: &Markup, title: &str, caption: &str) -> Markup {
+    markup!(
+        "<figure>\n{}<figcaption><b>{}.</b> {}</figcaption>\n</figure>\n",
+        svg,
+        title,
+        caption
     )
 }
 
@@ -62,13 +68,6 @@ pub fn figures(markup: &str) -> Vec<(String, String)> {
         Some((unescape(title), figure.to_string()))
     });
     titled.collect()
-}
-
-/// The text that was escaped.
-fn unescape(markup: &str) -> String {
-    let plain = markup.replace("&lt;", "<").replace("&gt;", ">");
-    let plain = plain.replace("&quot;", "\"").replace("&#39;", "'");
-    plain.replace("&amp;", "&")
 }
 
 /// Head of a table column.
@@ -95,58 +94,66 @@ pub fn left(name: &str) -> Head {
     }
 }
 
-/// Content of a table cell, already escaped.
+/// Content of a table cell.
 pub struct Entry {
-    html: String,
-    text: bool,
+    content: Markup,
+    words: bool,
 }
 
 /// A cell with a number.
 pub fn plain(text: String) -> Entry {
-    marked(escape(&text))
+    marked(markup!("{}", text))
 }
 
 /// A cell with words.
 pub fn text(text: &str) -> Entry {
-    described(escape(text))
+    described(markup!("{}", text))
 }
 
 /// A cell of markup.
-pub fn marked(html: String) -> Entry {
-    Entry { html, text: false }
+pub fn marked(content: Markup) -> Entry {
+    Entry {
+        content,
+        words: false,
+    }
 }
 
 /// A cell of markup that reads as words.
-pub fn described(html: String) -> Entry {
-    Entry { html, text: true }
+pub fn described(content: Markup) -> Entry {
+    Entry {
+        content,
+        words: true,
+    }
 }
 
 /// A table that scrolls where it is too wide.
-pub fn table(heads: &[Head], rows: Vec<Vec<Entry>>) -> String {
-    let class = |is_text: bool| if is_text { " class=\"text\"" } else { "" };
-    let mut out = String::from("<div class=\"scroll\"><table>\n<thead><tr>");
-    for head in heads {
-        let unit = if head.unit.is_empty() {
-            String::new()
-        } else {
-            format!("<small>{}</small>", escape(&head.unit))
+pub fn table(heads: &[Head], rows: Vec<Vec<Entry>>) -> Markup {
+    let class = |words: bool| match words {
+        true => markup!(" class=\"text\""),
+        false => Markup::default(),
+    };
+    let head = |head: &Head| {
+        let unit = match head.unit.as_str() {
+            "" => Markup::default(),
+            unit => markup!("<small>{}</small>", unit),
         };
-        out += &format!("<th{}>{}{unit}</th>", class(head.left), escape(&head.name));
-    }
-    out += "</tr></thead>\n<tbody>\n";
-    for row in rows {
-        out += "<tr>";
-        for cell in row {
-            out += &format!("<td{}>{}</td>", class(cell.text), cell.html);
-        }
-        out += "</tr>\n";
-    }
-    out + "</tbody></table></div>\n"
+        markup!("<th{}>{}{}</th>", class(head.left), head.name, unit)
+    };
+    let cell = |cell: Entry| markup!("<td{}>{}</td>", class(cell.words), cell.content);
+    let row = |row: Vec<Entry>| {
+        let cells: Markup = row.into_iter().map(cell).collect();
+        markup!("<tr>{}</tr>\n", cells)
+    };
+    markup!(
+        "<div class=\"scroll\"><table>\n<thead><tr>{}</tr></thead>\n<tbody>\n{}</tbody></table></div>\n",
+        heads.iter().map(head).collect::<Markup>(),
+        rows.into_iter().map(row).collect::<Markup>()
+    )
 }
 
 /// A table of vectors, which may take several lines each.
-pub fn table_of_vectors(heads: &[Head], rows: Vec<Vec<Entry>>) -> String {
-    format!("<div class=\"tight\">\n{}</div>\n", table(heads, rows))
+pub fn table_of_vectors(heads: &[Head], rows: Vec<Vec<Entry>>) -> Markup {
+    markup!("<div class=\"tight\">\n{}</div>\n", table(heads, rows))
 }
 
 #[cfg(test)]
@@ -154,20 +161,15 @@ mod tests {
     use super::*;
 
     #[test]
-    fn markup_is_escaped() {
-        assert_eq!(
-            escape("a<b & \"c\"\u{1}"),
-            "a&lt;b &amp; &quot;c&quot;\u{fffd}"
-        );
-    }
-
-    #[test]
     fn figures_are_found_with_their_titles() {
         let titles = ["a < b & 'c'", "&lt;"];
-        let drawn = titles.map(|title| figure("<svg></svg>\n", title, "more.</b>"));
-        let page = format!("<p>{}</p>\n{}<h2/>", drawn[0], drawn[1]);
+        let drawn = titles.map(|title| figure(&markup!("<svg></svg>\n"), title, "more.</b>"));
+        let page = markup!("<p>{}</p>\n{}<h2/>", drawn[0], drawn[1]);
         let found = figures(&page);
-        let expected = titles.map(String::from).into_iter().zip(drawn);
+        let expected = titles
+            .map(String::from)
+            .into_iter()
+            .zip(drawn.map(Markup::into_string));
         assert_eq!(found, expected.collect::<Vec<_>>());
         assert!(
             figures("<figcaption><b>a.</b></figcaption> <figure> <figure></figure>\n").is_empty()

@@ -7,6 +7,7 @@ use crate::geometry::{Point, add_scaled, bounding_box, distance, dot, norm, sub}
 use crate::model::{ContactNode, ContactSolution, Law, Status};
 use crate::output::chain::{angles, arc_lengths, tangent};
 use crate::output::json::{in_contact, largest};
+use crate::output::markup::Markup;
 use crate::output::plot::{Axis, Frame};
 use crate::output::scene::{Scene, WIDTH, outline_path, polyline};
 use crate::output::svg::{
@@ -24,7 +25,7 @@ pub fn interface_figure(
     contact: &ContactSolution<2>,
     law: &Law,
     id: &str,
-) -> Option<String> {
+) -> Option<Markup> {
     if contact.nodes.is_empty() {
         return None;
     }

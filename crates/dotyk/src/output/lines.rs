@@ -4,6 +4,7 @@ use crate::model::{Along, LinePoint, Model, Probe, ProbeValue, Solution};
 use crate::output::Overview;
 use crate::output::html::figure;
 use crate::output::json::range;
+use crate::output::markup::{Markup, markup};
 use crate::output::plot::{Axis, Frame};
 use crate::output::scene::WIDTH;
 use crate::output::svg::{Anchor, SERIES, Svg, Type, text_width};
@@ -16,7 +17,7 @@ const MOST_DOTS: usize = 60;
 const HARDLY: f64 = 0.01;
 
 /// The section; nothing where no probe is a line.
-pub fn lines_section<const D: usize>(run: &Overview<'_, D>, labels: &Labels) -> String {
+pub fn lines_section<const D: usize>(run: &Overview<'_, D>, labels: &Labels) -> Markup {
     let steps: Vec<&Solution<D>> = run.steps().collect();
     let shown = spread(steps.len());
     let probes = run.last.probes.iter().enumerate();
@@ -43,10 +44,10 @@ pub fn lines_section<const D: usize>(run: &Overview<'_, D>, labels: &Labels) -> 
         }
         figure(&svg, &probe.name, &caption)
     });
-    let figures: String = figures.collect();
+    let figures: Markup = figures.collect();
     match figures.is_empty() {
         true => figures,
-        false => format!("<h2>Along lines</h2>\n{figures}"),
+        false => markup!("<h2>Along lines</h2>\n{}", figures),
     }
 }
 
@@ -96,7 +97,7 @@ pub fn line_figure(
     (quantity, unit): (&str, &str),
     curves: &[Curve<'_>],
     labels: &Labels,
-) -> String {
+) -> Markup {
     let title = format!("{quantity} along a line");
     let head = if curves.len() > 1 { 30.0 } else { 12.0 };
     let mut svg = Svg::new(id, &title, WIDTH, head + 300.0);

@@ -20,6 +20,7 @@ mod interface;
 mod json;
 mod lines;
 mod market;
+mod markup;
 mod memory;
 mod npz;
 mod panels;
@@ -305,7 +306,7 @@ macro_rules! doors {
             ///
             /// Errors: [`Error::Name`], [`Error::Mismatch`].
             pub fn report(&self) -> Result<String, Error> {
-                Ok(report::page(&self.overview()?))
+                Ok(report::page(&self.overview()?).into_string())
             }
 
             /// The figures of the report in its order: the title of each, as text, and its `<figure>`, HTML that refers to
@@ -492,7 +493,7 @@ pub fn write_study(
     folder: &Folder,
 ) -> Result<Vec<PathBuf>, Error> {
     let picture = (!pairs.is_empty()).then(|| study::study_picture(study, pairs));
-    let page = study::study_page(study, picture.as_deref(), stem);
+    let page = study::study_page(study, picture.as_ref(), stem);
     let mut stage = Stage::open(folder)?;
     stage.put("study.csv", study::study_csv(study).as_bytes())?;
     stage.put("study.html", page.as_bytes())?;

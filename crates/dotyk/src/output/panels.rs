@@ -1,5 +1,6 @@
 //! Small plots beside and below each other, all against the same values.
 
+use crate::output::markup::Markup;
 use crate::output::plot::{Axis, Frame};
 use crate::output::scene::WIDTH;
 use crate::output::svg::{Anchor, SERIES, Svg, Type, text_width};
@@ -38,7 +39,7 @@ const PANEL: [f64; 2] = [WIDTH / 2.0, 190.0];
 
 /// The plots, two in a row, as an SVG element. Where the names of the curves do not fit beside every title, they stand
 /// once, above all.
-pub fn panels_figure(id: &str, title: &str, panels: &[Panel], x: &Abscissae<'_>) -> String {
+pub fn panels_figure(id: &str, title: &str, panels: &[Panel], x: &Abscissae<'_>) -> Markup {
     let rows = panels.len().div_ceil(2);
     let beside = panels.iter().all(names_fit);
     let mut svg = Svg::new(id, title, WIDTH, 0.0);

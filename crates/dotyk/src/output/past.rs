@@ -2,6 +2,7 @@
 
 use crate::model::{Past, PastBody, PastNode, Status};
 use crate::output::chain::tangent;
+use crate::output::csv::unguarded;
 use crate::output::files;
 use serde::Deserialize;
 use std::path::{Path, PathBuf};
@@ -158,7 +159,7 @@ fn contacts<const D: usize>(text: &str, past: &mut [Past<D>]) -> Result<(), Stri
             shear,
             status: row.status(status)?,
         };
-        let name = row.cell(contact)?;
+        let name = unguarded(row.cell(contact)?);
         match into.contacts.last_mut().filter(|(known, _)| known == name) {
             Some((_, nodes)) => nodes.push(read),
             None => into.contacts.push((name.to_string(), vec![read])),
@@ -243,6 +244,12 @@ mod tests {
             assert!(a.gap == b.gap || a.gap.is_nan() && b.gap.is_nan());
             assert!((0..2).all(|d| (a.shear[d] - b.shear[d]).abs() <= 1e-15 * b.pressure.abs()));
         }
+    }
+
+    #[test]
+    fn a_name_that_begins_as_a_formula_is_read_back() {
+        let read = written("formula", |_, text| text.replace(",lining,", ",'-lining,")).unwrap();
+        assert_eq!(read[0].contacts[0].0, "-lining");
     }
 
     #[test]

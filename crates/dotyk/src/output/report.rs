@@ -11,10 +11,11 @@ use crate::output::Overview;
 use crate::output::bars::bars_section;
 use crate::output::contacts;
 use crate::output::figures::Figures;
-use crate::output::html::{self, Head, column, escape, left, plain, table, table_of_vectors, text};
+use crate::output::html::{self, Head, column, left, plain, table, table_of_vectors, text};
 use crate::output::interface::largest_gap;
 use crate::output::json::{VERSION, largest, range};
 use crate::output::lines::{lines_section, place_in_words};
+use crate::output::markup::{Markup, markup};
 use crate::output::sections::sections_section;
 use crate::output::steps::steps_section;
 use crate::output::text::{Labels, Scales, count, number, quantity, seconds, vector};
@@ -22,7 +23,7 @@ use crate::output::utilisation::{largest_utilisation, strength_section};
 use crate::output::verdict;
 
 /// Content of `report.html`.
-pub fn page<const D: usize>(run: &Overview<'_, D>) -> String {
+pub fn page<const D: usize>(run: &Overview<'_, D>) -> Markup {
     let (model, solution) = (run.stage(), run.last);
     let lines = solution.probes.iter().any(|p| !p.line.is_empty());
     let files = [
@@ -48,7 +49,7 @@ pub fn figures<const D: usize>(run: &Overview<'_, D>) -> Vec<(String, String)> {
 }
 
 /// What stands between head and footer of `report.html`.
-fn content<const D: usize>(run: &Overview<'_, D>) -> String {
+fn content<const D: usize>(run: &Overview<'_, D>) -> Markup {
     let (model, solution) = (run.stage(), run.last);
     let labels = Labels::of(model);
     let figures = Figures::of(model);
@@ -63,9 +64,9 @@ fn content<const D: usize>(run: &Overview<'_, D>) -> String {
         sections_section(run, &labels),
         bars_section(run, &labels),
         steps_section(run, &labels),
-        "<h2>Model</h2>\n".to_string(),
+        markup!("<h2>Model</h2>\n"),
         figures.model(&alone),
-        "<h2>Deformation and stress</h2>\n".to_string(),
+        markup!("<h2>Deformation and stress</h2>\n"),
         figures.deformed(solution),
         bodies(model, solution, &labels),
         strength_section(solution, &figures, &labels),
@@ -77,7 +78,8 @@ fn content<const D: usize>(run: &Overview<'_, D>) -> String {
         contacts::contact_nodes(solution, &labels),
         timings(run),
     ]
-    .concat()
+    .into_iter()
+    .collect()
 }
 
 /// Content of `check.html`; `text` is what the check found, line by line, and `alone` the contact nodes that face nothing.
@@ -86,18 +88,18 @@ pub fn check_page<const D: usize>(
     text: &str,
     alone: &[Point<D>],
     stem: &str,
-) -> String {
-    let body = format!(
+) -> Markup {
+    let body = markup!(
         "<h2>Mesh, supports and loads</h2>\n{}<h2>Findings</h2>\n<pre>{}</pre>\n",
         Figures::of(model).model(alone),
-        escape(text)
+        text
     );
     let footer = format!("Checked with dotyk {VERSION}. Nothing has been solved.");
     framed(model, stem, &body, &footer)
 }
 
 /// A page with the title, the source and the analysis of a model.
-fn framed<const D: usize>(model: &Model<D>, stem: &str, body: &str, footer: &str) -> String {
+fn framed<const D: usize>(model: &Model<D>, stem: &str, body: &Markup, footer: &str) -> Markup {
     let title = match model.title.as_str() {
         "" => stem,
         title => title,
@@ -111,8 +113,8 @@ fn framed<const D: usize>(model: &Model<D>, stem: &str, body: &str, footer: &str
     };
     let lines = [model.source.as_str(), &case, &parameters];
     let intro = lines.iter().filter(|line| !line.is_empty());
-    let intro = intro.map(|line| format!("<p class=\"source\">{}</p>\n", escape(line)));
-    html::page(title, &intro.collect::<String>(), body, footer)
+    let intro = intro.map(|line| markup!("<p class=\"source\">{}</p>\n", line));
+    html::page(title, &intro.collect(), body, footer)
 }
 
 fn analysis_in_words<const D: usize>(model: &Model<D>) -> String {
@@ -137,7 +139,7 @@ fn key_figures<const D: usize>(
     model: &Model<D>,
     solution: &Solution<D>,
     labels: &Labels,
-) -> String {
+) -> Markup {
     let mut cards: Vec<(&str, String, String)> = Vec::new();
     if let Some((body, value)) = greatest(&solution.bodies, BodySolution::max_displacement) {
         cards.push((
@@ -224,17 +226,18 @@ fn key_figures<const D: usize>(
         solution.solver.method.to_string(),
         format!("{} {plural}", count(solution.solver.iterations)),
     ));
-    let cards: String = cards
+    let cards: Markup = cards
         .iter()
         .map(|(name, value, note)| {
-            format!(
-                "<div><span>{name}</span><strong>{}</strong><span>{}</span></div>\n",
-                escape(value),
-                escape(note)
+            markup!(
+                "<div><span>{}</span><strong>{}</strong><span>{}</span></div>\n",
+                name,
+                value,
+                note
             )
         })
         .collect();
-    format!("<div class=\"keys\">\n{cards}</div>\n")
+    markup!("<div class=\"keys\">\n{}</div>\n", cards)
 }
 
 /// Length of the whole nonmortar side, in space the area of what faces something, undeformed.
@@ -260,9 +263,9 @@ fn greatest<const D: usize>(
         .map(|(name, value)| (format!("in {name}"), value))
 }
 
-fn probes<const D: usize>(model: &Model<D>, solution: &Solution<D>, labels: &Labels) -> String {
+fn probes<const D: usize>(model: &Model<D>, solution: &Solution<D>, labels: &Labels) -> Markup {
     if solution.probes.is_empty() {
-        return String::new();
+        return Markup::default();
     }
     let scales = Scales::of(solution);
     let rows = solution
@@ -290,7 +293,7 @@ fn probes<const D: usize>(model: &Model<D>, solution: &Solution<D>, labels: &Lab
         })
         .collect();
     let at = column("at", &labels.length);
-    format!(
+    markup!(
         "<h2>Results asked for</h2>\n{}",
         table(
             &[left("probe"), left("quantity"), at, column("value", "")],
@@ -299,7 +302,7 @@ fn probes<const D: usize>(model: &Model<D>, solution: &Solution<D>, labels: &Lab
     )
 }
 
-fn bodies<const D: usize>(model: &Model<D>, solution: &Solution<D>, labels: &Labels) -> String {
+fn bodies<const D: usize>(model: &Model<D>, solution: &Solution<D>, labels: &Labels) -> Markup {
     let scales = Scales::of(solution);
     let rows = model
         .bodies
@@ -333,14 +336,12 @@ fn bodies<const D: usize>(model: &Model<D>, solution: &Solution<D>, labels: &Lab
         column("at", &labels.length),
         column("elastic energy", &labels.energy),
     ];
-    let mut out = format!("<h3>Bodies</h3>\n{}", table(&heads, rows));
+    let mut out = markup!("<h3>Bodies</h3>\n{}", table(&heads, rows));
     let told = solution.bodies.iter().filter_map(|b| {
         let what = format!("von Mises stress of {}", b.name);
         singular_peak(&what, b.peak, [&labels.stress, &labels.length])
     });
-    out += &told
-        .map(|line| format!("<p>{}</p>\n", escape(&line)))
-        .collect::<String>();
+    out += told.map(|line| markup!("<p>{}</p>\n", line)).collect();
     let rows = solution
         .bodies
         .iter()
@@ -364,12 +365,11 @@ fn bodies<const D: usize>(model: &Model<D>, solution: &Solution<D>, labels: &Lab
         column("rotation", "rad"),
         left("rigid motions"),
     ];
-    out += &format!(
+    out + markup!(
         "<h3>Rigid motion</h3>\n<p>The rigid motion that comes closest to the displacements of the nodes, about their \
          centroid.</p>\n{}",
         table_of_vectors(&heads, rows)
-    );
-    out
+    )
 }
 
 /// A rotation or moment: a number in the plane, in space one about each axis.
@@ -401,7 +401,7 @@ pub fn singular_peak<const D: usize>(
 }
 
 /// The points of couples; nothing where there are none.
-fn points<const D: usize>(solution: &Solution<D>, labels: &Labels) -> String {
+fn points<const D: usize>(solution: &Solution<D>, labels: &Labels) -> Markup {
     let scales = Scales::of(solution);
     let shown = |values: &[f64], dimension: Dimension| {
         let values: Vec<f64> = values
@@ -431,7 +431,7 @@ fn points<const D: usize>(solution: &Solution<D>, labels: &Labels) -> String {
         })
         .collect();
     if rows.is_empty() {
-        return String::new();
+        return Markup::default();
     }
     let heads = [
         left("point"),
@@ -441,13 +441,13 @@ fn points<const D: usize>(solution: &Solution<D>, labels: &Labels) -> String {
         column("force on the body", &labels.force),
         column("moment on the body", &labels.energy),
     ];
-    format!(
+    markup!(
         "<h3>Coupled points</h3>\n{}",
         table_of_vectors(&heads, rows)
     )
 }
 
-fn timings<const D: usize>(run: &Overview<'_, D>) -> String {
+fn timings<const D: usize>(run: &Overview<'_, D>) -> Markup {
     let (s, threads) = (run.seconds, run.last.threads);
     let stages = [
         ("read", s.read),
@@ -465,7 +465,7 @@ fn timings<const D: usize>(run: &Overview<'_, D>) -> String {
         .iter()
         .map(|(_, value)| plain(seconds(*value)))
         .collect();
-    format!(
+    markup!(
         "<h2>Effort</h2>\n{}<p>{} {}, largest memory {} MB.</p>\n",
         table(&heads, vec![row]),
         threads,

@@ -4,7 +4,8 @@
 use crate::geometry::{Point, bounding_box, sub};
 use crate::model::{Analysis, Capacity, Model, Section, SectionQuantity, SectionSolution, Station};
 use crate::output::Overview;
-use crate::output::html::{column, escape, figure, left, plain, table_of_vectors, text};
+use crate::output::html::{column, figure, left, plain, table_of_vectors, text};
+use crate::output::markup::{Markup, markup};
 use crate::output::plot::{Axis, Frame};
 use crate::output::scene::{Strand, WIDTH, outline_path, strands};
 use crate::output::svg::{Anchor, INK, MUTED, Pixel, SERIES, Svg, Type, segments, text_width};
@@ -70,9 +71,9 @@ fn more_curves(section: &SectionSolution, labels: &Labels) -> Vec<Curve> {
 }
 
 /// The section; nothing where none is cut.
-pub fn sections_section<const D: usize>(run: &Overview<'_, D>, labels: &Labels) -> String {
+pub fn sections_section<const D: usize>(run: &Overview<'_, D>, labels: &Labels) -> Markup {
     let asked = run.model.sections.iter().enumerate();
-    let parts: String = asked
+    let parts: Markup = asked
         .map(|(k, section)| one_section(run, (k, section), labels))
         .collect();
     if parts.is_empty() {
@@ -82,10 +83,12 @@ pub fn sections_section<const D: usize>(run: &Overview<'_, D>, labels: &Labels) 
         Analysis::Axisymmetric => "circumference at the middle of the cut",
         _ => "thickness",
     };
-    format!(
-        "<h2>Section forces</h2>\n<p>By equilibrium of the parts that each cut divides, about the middle of the cut, per unit of {per}. \
+    markup!(
+        "<h2>Section forces</h2>\n<p>By equilibrium of the parts that each cut divides, about the middle of the cut, per unit of {}. \
          N is positive in tension; M is positive with tension on the first side; V is positive where it pushes the part ahead \
-         towards the first side, which lies on the left of s.</p>\n{parts}"
+         towards the first side, which lies on the left of s.</p>\n{}",
+        per,
+        parts
     )
 }
 
@@ -93,7 +96,7 @@ fn one_section<const D: usize>(
     run: &Overview<'_, D>,
     (index, asked): (usize, &Section<D>),
     labels: &Labels,
-) -> String {
+) -> Markup {
     // in some steps its body may not be there
     let there = run.steps().enumerate().filter_map(|(step, solution)| {
         let mut sections = solution.sections.iter();
@@ -101,10 +104,10 @@ fn one_section<const D: usize>(
     });
     let (numbers, steps): (Vec<usize>, Vec<&SectionSolution>) = there.unzip();
     let Some(&last) = steps.last() else {
-        return String::new();
+        return Markup::default();
     };
     let body = &run.model.bodies[asked.body.0];
-    let mut out = format!("<h3>{}</h3>\n", escape(&asked.name));
+    let mut out = markup!("<h3>{}</h3>\n", asked.name);
     let between = format!(
         "{} between {} (first) and {}, {} stations, length of the middle line {}.",
         body.name,
@@ -122,7 +125,7 @@ fn one_section<const D: usize>(
         let caption = format!(
             "{between} Positive values are drawn from the middle line towards the first side: M on the side in tension.{several}"
         );
-        out += &figure(&svg, "N, V and M on the geometry", &caption);
+        out += figure(&svg, "N, V and M on the geometry", &caption);
     }
     let along = match steps.len() {
         1 => "Along the middle line; s counts from the first station.".to_string(),
@@ -131,16 +134,16 @@ fn one_section<const D: usize>(
             count(n)
         ),
     };
-    out += &figure(
+    out += figure(
         &over_s(&steps, index, labels),
         "Section forces over s",
         &along,
     );
     if let Some(capacity) = &asked.capacity {
         let (svg, caption) = interaction(capacity, &steps, index, labels);
-        out += &figure(&svg, "Normal force and moment within the limit", &caption);
+        out += figure(&svg, "Normal force and moment within the limit", &caption);
     }
-    out + &extremes((&numbers, &steps), labels)
+    out + extremes((&numbers, &steps), labels)
 }
 
 /// Stations in the order of s.
@@ -183,7 +186,7 @@ fn on_geometry<const D: usize>(
     section: &SectionSolution,
     index: usize,
     labels: &Labels,
-) -> Option<String> {
+) -> Option<Markup> {
     let mesh = model.bodies[asked.body.0].mesh.in_plane()?;
     let outline = strands(mesh, &mesh.boundary_facets());
     let bounds = bounding_box(mesh.points());
@@ -355,9 +358,9 @@ fn diagram(
 }
 
 /// Plots over s, one above the other, with the envelope of the steps behind the last one.
-fn over_s(steps: &[&SectionSolution], index: usize, labels: &Labels) -> String {
+fn over_s(steps: &[&SectionSolution], index: usize, labels: &Labels) -> Markup {
     let Some(&last) = steps.last() else {
-        return String::new();
+        return Markup::default();
     };
     let mut all: Vec<Curve> = curves(labels).into();
     all.extend(more_curves(last, labels));
@@ -474,7 +477,7 @@ fn interaction(
     steps: &[&SectionSolution],
     index: usize,
     labels: &Labels,
-) -> (String, String) {
+) -> (Markup, String) {
     let stations = || steps.iter().flat_map(|step| &step.stations);
     let (thin, thick) = stations().fold((f64::INFINITY, 0.0_f64), |(a, b), s| {
         (a.min(s.thickness), b.max(s.thickness))
@@ -593,7 +596,7 @@ fn interaction(
 }
 
 /// The extremes over all stations and steps, each with what acts beside it; σ are the stresses of the two sides.
-fn extremes((numbers, steps): (&[usize], &[&SectionSolution]), labels: &Labels) -> String {
+fn extremes((numbers, steps): (&[usize], &[&SectionSolution]), labels: &Labels) -> Markup {
     let mut rows = Vec::new();
     for quantity in SectionQuantity::ALL {
         let found = steps

@@ -2,6 +2,7 @@
 
 use crate::geometry::{Field, Point, unit};
 use crate::model::{Body, Bond, Contact, Elastic, Model, Pair, Place, Support};
+use crate::output::markup::Markup;
 use crate::output::points::{couples, draw_points, forces, in_words};
 use crate::output::scene::{Scene, WIDTH, mesh_lines, outline_path, polyline, strands};
 use crate::output::svg::{
@@ -24,7 +25,7 @@ const BARE: f64 = 30.0;
 pub const NAMED: usize = 12;
 
 /// The figure as an SVG element; `alone` are contact nodes that face nothing.
-pub fn setup_figure(scene: &Scene, alone: &[Point<2>]) -> String {
+pub fn setup_figure(scene: &Scene, alone: &[Point<2>]) -> Markup {
     let labels = Labels::of(scene.model);
     let (views, height) = scene.views(margin(scene), STRIP, 0.0);
     let mut svg = Svg::new("setup", "Mesh, supports and loads", WIDTH, height);
@@ -152,17 +153,25 @@ fn shaded_groups<const D: usize>(body: &Body<D>) -> Vec<&str> {
     }
 }
 
-/// How much darker than its body the k-th group of its cells is drawn.
-fn shade(k: usize) -> String {
-    let opacity = 0.08 * (k % 4) as f64;
-    format!("fill-rule=\"evenodd\" fill-opacity=\"{opacity}\"")
-}
+/// How much darker than its body the groups of its cells are drawn, by turns.
+const SHADES: [&str; 4] = [
+    "fill-rule=\"evenodd\" fill-opacity=\"0\"",
+    "fill-rule=\"evenodd\" fill-opacity=\"0.08\"",
+    "fill-rule=\"evenodd\" fill-opacity=\"0.16\"",
+    "fill-rule=\"evenodd\" fill-opacity=\"0.24\"",
+];
 
 /// Groups of cells that have materials of their own, one darker than the other.
 fn shade_groups(svg: &mut Svg, body: &Body<2>, place: &dyn Fn(usize) -> Pixel) {
     for (k, group) in shaded_groups(body).into_iter().enumerate() {
         let outline = strands(&body.mesh, &body.mesh.group_boundary(group));
-        svg.path(&outline_path(&outline, place), INK, 0.7, INK, &shade(k));
+        svg.path(
+            &outline_path(&outline, place),
+            INK,
+            0.7,
+            INK,
+            SHADES[k % SHADES.len()],
+        );
     }
 }
 
@@ -250,7 +259,13 @@ pub fn name_parts<const D: usize>(
                 [x + 16.0, y + 1.0],
                 [x, y + 1.0],
             ];
-            svg.path(&polyline(&corners), "none", 0.0, INK, &shade(k));
+            svg.path(
+                &polyline(&corners),
+                "none",
+                0.0,
+                INK,
+                SHADES[k % SHADES.len()],
+            );
         }
     }
     more(svg, &mut flow, model.bodies.len(), "bodies");

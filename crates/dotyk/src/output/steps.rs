@@ -4,8 +4,9 @@ use crate::geometry::{norm, sub};
 use crate::model::{BodySolution, ContactSolution, Model, Solution};
 use crate::output::Overview;
 use crate::output::figures::Figures;
-use crate::output::html::{Head, column, escape, figure, left, plain, table, text};
+use crate::output::html::{Head, column, figure, left, plain, table, text};
 use crate::output::json::{closed_and_open, largest};
+use crate::output::markup::{Markup, markup};
 use crate::output::panels::{Abscissae, Panel, Series, panels_figure};
 use crate::output::plot::Axis;
 use crate::output::text::{Labels, Scales, count, number, vector, without_noise};
@@ -20,18 +21,17 @@ const MOST_PANELS: usize = 24;
 const COLUMNS: usize = 4;
 
 /// The section; nothing where there is one step.
-pub fn steps_section<const D: usize>(run: &Overview<'_, D>, labels: &Labels) -> String {
+pub fn steps_section<const D: usize>(run: &Overview<'_, D>, labels: &Labels) -> Markup {
     if run.earlier.is_empty() {
-        return String::new();
+        return Markup::default();
     }
     let steps: Vec<&Solution<D>> = run.steps().collect();
-    let mut out = "<h2>Load steps</h2>\n".to_string();
-    out += &format!(
-        "<p>All else on this page shows the last of {} steps, at t = {}.</p>\n",
+    let mut out = markup!(
+        "<h2>Load steps</h2>\n<p>All else on this page shows the last of {} steps, at t = {}.</p>\n",
         count(steps.len()),
         number(run.last.time)
     );
-    out += &stages(run);
+    out += stages(run);
     if let Some(svg) = steps_figure(&steps, labels) {
         let left = numbers(run.last).count().saturating_sub(MOST_PANELS);
         let more = match left {
@@ -39,27 +39,29 @@ pub fn steps_section<const D: usize>(run: &Overview<'_, D>, labels: &Labels) -> 
             left => format!(" The last {} probes are in the table alone.", count(left)),
         };
         let caption = format!("Contact and probes against the time t of the steps.{more}");
-        out += &figure(&svg, "Load steps", &caption);
+        out += figure(&svg, "Load steps", &caption);
     }
-    out += &overview(&steps, labels);
+    out += overview(&steps, labels);
     for contact in contact_names(&steps) {
-        out += &contact_table(&steps, contact, labels);
+        out += contact_table(&steps, contact, labels);
     }
     let probes: Vec<usize> = numbers(run.last).collect();
     let values = probe_values(&steps);
     for (part, chosen) in probes.chunks(COLUMNS).enumerate() {
-        out += if part == 0 { "<h3>Probes</h3>\n" } else { "" };
-        out += &probe_table(&steps, &values, chosen, labels);
+        if part == 0 {
+            out += markup!("<h3>Probes</h3>\n");
+        }
+        out += probe_table(&steps, &values, chosen, labels);
     }
     out
 }
 
 /// What is there in each step, and pictures of the stages before the last; nothing where steps have no names and nothing comes or
 /// goes.
-fn stages<const D: usize>(run: &Overview<'_, D>) -> String {
+fn stages<const D: usize>(run: &Overview<'_, D>) -> Markup {
     let several = run.model.has_stages();
     if !several && (0..run.stages.len()).all(|step| run.step_name(step).is_none()) {
-        return String::new();
+        return Markup::default();
     }
     let with_bars = !run.model.bars.is_empty();
     let mut heads = vec![
@@ -87,7 +89,7 @@ fn stages<const D: usize>(run: &Overview<'_, D>) -> String {
         [number, time].into_iter().chain(words).collect()
     };
     let table = table(&heads, both().map(row).collect());
-    let mut out = format!("<h3>Stages</h3>\n{table}");
+    let mut out = markup!("<h3>Stages</h3>\n{}", table);
     let names = |stage: &Model<D>| -> Vec<String> {
         let bodies = stage.bodies.iter().map(|body| body.name.clone());
         bodies
@@ -101,10 +103,10 @@ fn stages<const D: usize>(run: &Overview<'_, D>) -> String {
         let name = run
             .step_name(step)
             .map_or(String::new(), |name| format!(" {name}"));
-        out += &format!(
+        out += markup!(
             "<details><summary>Deformation and stress after step {}{}, t = {}</summary>\n{}</details>\n",
             count(step + 1),
-            escape(&name),
+            name,
             number(solution.time),
             Figures::of(stage).deformed(solution)
         );
@@ -172,7 +174,7 @@ fn numbers<const D: usize>(solution: &Solution<D>) -> impl Iterator<Item = usize
         .map(|(i, _)| i)
 }
 
-fn steps_figure<const D: usize>(steps: &[&Solution<D>], labels: &Labels) -> Option<String> {
+fn steps_figure<const D: usize>(steps: &[&Solution<D>], labels: &Labels) -> Option<Markup> {
     let panels = panels(steps, labels);
     if panels.is_empty() {
         return None;
@@ -201,7 +203,7 @@ fn rows<const D: usize>(
     steps: &[&Solution<D>],
     heads: Vec<Head>,
     row: impl Fn(usize, &Solution<D>) -> Vec<String>,
-) -> String {
+) -> Markup {
     let rows = steps.iter().enumerate().map(|(i, solution)| {
         let first = first_cells(i, solution).into_iter();
         first.chain(row(i, solution)).map(plain).collect()
@@ -209,7 +211,7 @@ fn rows<const D: usize>(
     table(&self::heads(heads), rows.collect())
 }
 
-fn overview<const D: usize>(steps: &[&Solution<D>], labels: &Labels) -> String {
+fn overview<const D: usize>(steps: &[&Solution<D>], labels: &Labels) -> Markup {
     let (word, unit) = labels.interior();
     let strong = steps.iter().any(|step| judged(step));
     let mut heads = vec![
@@ -258,7 +260,7 @@ fn moved_since<const D: usize>(body: &BodySolution<D>, before: Option<&Solution<
     }
 }
 
-fn contact_table<const D: usize>(steps: &[&Solution<D>], name: &str, labels: &Labels) -> String {
+fn contact_table<const D: usize>(steps: &[&Solution<D>], name: &str, labels: &Labels) -> Markup {
     let heads = vec![
         column("nodes closed / open", ""),
         column(&labels.in_contact().to_lowercase(), labels.extent().1),
@@ -277,7 +279,7 @@ fn contact_table<const D: usize>(steps: &[&Solution<D>], name: &str, labels: &La
             vector(&c.resultant, ""),
         ]
     });
-    format!("<h3>Contact {}</h3>\n{body}", escape(name))
+    markup!("<h3>Contact {}</h3>\n{}", name, body)
 }
 
 fn probe_table<const D: usize>(
@@ -285,9 +287,9 @@ fn probe_table<const D: usize>(
     values: &[Vec<f64>],
     chosen: &[usize],
     labels: &Labels,
-) -> String {
+) -> Markup {
     let Some(last) = steps.last() else {
-        return String::new();
+        return Markup::default();
     };
     let head = |&i: &usize| {
         let probe = &last.probes[i];

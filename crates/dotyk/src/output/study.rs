@@ -4,6 +4,7 @@ use crate::model::{Column, Member, Study};
 use crate::output::csv::quoted;
 use crate::output::html::{self, Head, column, figure, left, plain, table, text};
 use crate::output::json::VERSION;
+use crate::output::markup::{Markup, markup};
 use crate::output::panels::{Abscissae, Panel, Series, legend, panels_figure};
 use crate::output::plot::{Axis, Frame};
 use crate::output::scene::WIDTH;
@@ -39,24 +40,24 @@ pub fn study_csv(study: &Study) -> String {
 }
 
 /// The page: the picture if there is one, a plot for every probe, and the table.
-pub fn study_page(study: &Study, picture: Option<&str>, stem: &str) -> String {
+pub fn study_page(study: &Study, picture: Option<&Markup>, stem: &str) -> Markup {
     let labels = Labels::new(&study.units, &[]);
     let mut body = banner(study);
     if let Some(svg) = picture {
         let caption = "In the last load step; a dot is a member of the study.";
-        body += &figure(svg, "Against each other", caption);
+        body += figure(svg, "Against each other", caption);
     }
     if let Some((svg, caption)) = plots(study, &labels) {
-        body += &figure(&svg, "Probes", &caption);
+        body += figure(&svg, "Probes", &caption);
     }
-    body += &warnings(study);
-    body += &members_table(study, &labels);
+    body += warnings(study);
+    body += members_table(study, &labels);
     let title = match study.title.as_str() {
         "" => stem,
         title => title,
     };
     let intro = format!("Study of case {stem}: {}", ranges(study));
-    let intro = format!("<p class=\"source\">{}</p>\n", html::escape(&intro));
+    let intro = markup!("<p class=\"source\">{}</p>\n", intro);
     let footer = format!("Computed with dotyk {VERSION}. Full numbers: study.csv.");
     html::page(title, &intro, &body, &footer)
 }
@@ -85,7 +86,7 @@ fn ranges(study: &Study) -> String {
         .join(", ")
 }
 
-fn banner(study: &Study) -> String {
+fn banner(study: &Study) -> Markup {
     let failed = study
         .members
         .iter()
@@ -93,10 +94,14 @@ fn banner(study: &Study) -> String {
         .count();
     let all = count(study.members.len());
     match failed {
-        0 => html::banner("good", &format!("{all} members, all certified."), ""),
+        0 => html::banner(
+            "good",
+            &format!("{all} members, all certified."),
+            &Markup::default(),
+        ),
         failed => {
             let title = format!("{} of {all} members have no answer.", count(failed));
-            html::banner("warn", &title, " The table says why.")
+            html::banner("warn", &title, &markup!(" The table says why."))
         }
     }
 }
@@ -105,7 +110,7 @@ fn banner(study: &Study) -> String {
 type Drawn = (String, Vec<[f64; 2]>);
 
 /// Content of `study.svg`: columns of the table against each other, `pairs` their names [x, y].
-pub fn study_picture(study: &Study, pairs: &[[String; 2]]) -> String {
+pub fn study_picture(study: &Study, pairs: &[[String; 2]]) -> Markup {
     let labels = Labels::new(&study.units, &[]);
     let drawn = curves_of_pairs(study, pairs);
     let axis = |k: usize, ticks: usize| {
@@ -218,7 +223,7 @@ fn shown<'c, 'a>(curves: &'c [Curve<'a>]) -> impl Iterator<Item = &'c Curve<'a>>
 }
 
 /// The plots against the parameter with the most values, a curve for each combination of the others.
-fn plots(study: &Study, labels: &Labels) -> Option<(String, String)> {
+fn plots(study: &Study, labels: &Labels) -> Option<(Markup, String)> {
     let (along, most) = longest(study)?;
     if most < 2 || study.probes.is_empty() {
         return None;
@@ -290,24 +295,23 @@ fn curves(study: &Study, along: usize) -> Vec<Curve<'_>> {
 }
 
 /// The first warnings of the members.
-fn warnings(study: &Study) -> String {
+fn warnings(study: &Study) -> Markup {
     let all = study.warnings();
     if all.is_empty() {
-        return String::new();
+        return Markup::default();
     }
     let item = |(warning, members): &(String, usize)| {
-        let members = count(*members);
-        format!("<li>{} ({members} members)</li>\n", html::escape(warning))
+        markup!("<li>{} ({} members)</li>\n", warning, count(*members))
     };
-    let items: String = all.iter().take(MOST_WARNINGS).map(item).collect();
+    let items: Markup = all.iter().take(MOST_WARNINGS).map(item).collect();
     let more = match all.len().saturating_sub(MOST_WARNINGS) {
-        0 => String::new(),
-        more => format!("<p>and {} more</p>\n", count(more)),
+        0 => Markup::default(),
+        more => markup!("<p>and {} more</p>\n", count(more)),
     };
-    format!("<h2>Warnings</h2>\n<ul>\n{items}</ul>\n{more}")
+    markup!("<h2>Warnings</h2>\n<ul>\n{}</ul>\n{}", items, more)
 }
 
-fn members_table(study: &Study, labels: &Labels) -> String {
+fn members_table(study: &Study, labels: &Labels) -> Markup {
     let parameters = study
         .varied
         .iter()
@@ -326,5 +330,5 @@ fn members_table(study: &Study, labels: &Labels) -> String {
         row.push(text(&member.reason));
         row
     });
-    "<h2>Members</h2>\n".to_string() + &table(&heads, rows.collect())
+    markup!("<h2>Members</h2>\n{}", table(&heads, rows.collect()))
 }

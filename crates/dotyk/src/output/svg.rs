@@ -2,7 +2,7 @@
 //!
 //! Every shape carries its own colours, so that a drawing looks the same inside the report and as a file of its own.
 
-use crate::output::html::escape;
+use crate::output::markup::{Markup, markup};
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 use std::fmt::Write;
@@ -40,8 +40,6 @@ pub const SERIES: [&str; 6] = [
 pub const TINTS: [&str; 6] = [
     "#d9e6f2", "#f4e7d1", "#dcecdf", "#ecdfec", "#f3eec7", "#e3e6ea",
 ];
-
-const FONT: &str = "'Inter','Segoe UI',system-ui,-apple-system,'Helvetica Neue',Arial,sans-serif";
 
 /// Where a text is anchored.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -116,7 +114,7 @@ pub struct Svg {
     width: f64,
     height: f64,
     description: String,
-    body: String,
+    body: Markup,
     clips: usize,
     id: String,
 }
@@ -127,8 +125,8 @@ impl Svg {
         Self {
             width,
             height,
-            description: escape(description),
-            body: String::new(),
+            description: description.to_string(),
+            body: Markup::default(),
             clips: 0,
             id: id.to_string(),
         }
@@ -146,22 +144,25 @@ impl Svg {
     }
 
     /// A path of SVG commands; `more` are further attributes.
-    pub fn path(&mut self, commands: &str, stroke: &str, width: f64, fill: &str, more: &str) {
+    pub fn path(
+        &mut self,
+        commands: &str,
+        stroke: &str,
+        width: f64,
+        fill: &str,
+        more: &'static str,
+    ) {
         if commands.is_empty() {
             return;
         }
-        let _ = write!(self.body, "<path d=\"{commands}\" fill=\"{fill}\"");
+        self.body += markup!("<path d=\"{}\" fill=\"{}\"", commands, fill);
         if stroke != "none" {
-            let _ = write!(
-                self.body,
-                " stroke=\"{stroke}\" stroke-width=\"{}\"",
-                short(width)
-            );
+            self.body += markup!(" stroke=\"{}\" stroke-width=\"{}\"", stroke, short(width));
         }
         if !more.is_empty() {
-            let _ = write!(self.body, " {more}");
+            self.body += markup!(" {}", Markup::own(more));
         }
-        self.body.push_str("/>\n");
+        self.body += markup!("/>\n");
     }
 
     /// A filled polygon.
@@ -171,30 +172,31 @@ impl Svg {
 
     /// An axis-parallel rectangle.
     pub fn rectangle(&mut self, corner: Pixel, size: Pixel, stroke: &str, fill: &str) {
-        let _ = writeln!(
-            self.body,
-            "<rect x=\"{}\" y=\"{}\" width=\"{}\" height=\"{}\" stroke=\"{stroke}\" fill=\"{fill}\"/>",
+        self.body += markup!(
+            "<rect x=\"{}\" y=\"{}\" width=\"{}\" height=\"{}\" stroke=\"{}\" fill=\"{}\"/>\n",
             short(corner[0]),
             short(corner[1]),
             short(size[0].max(0.0)),
-            short(size[1].max(0.0))
+            short(size[1].max(0.0)),
+            stroke,
+            fill
         );
     }
 
     /// A circle; `title` is shown while the pointer rests on it.
     pub fn circle(&mut self, center: Pixel, radius: f64, stroke: &str, fill: &str, title: &str) {
-        let _ = write!(
-            self.body,
-            "<circle cx=\"{}\" cy=\"{}\" r=\"{}\" stroke=\"{stroke}\" fill=\"{fill}\"",
+        self.body += markup!(
+            "<circle cx=\"{}\" cy=\"{}\" r=\"{}\" stroke=\"{}\" fill=\"{}\"",
             short(center[0]),
             short(center[1]),
-            short(radius)
+            short(radius),
+            stroke,
+            fill
         );
-        if title.is_empty() {
-            self.body.push_str("/>\n");
-        } else {
-            let _ = writeln!(self.body, "><title>{}</title></circle>", escape(title));
-        }
+        self.body += match title {
+            "" => markup!("/>\n"),
+            title => markup!("><title>{}</title></circle>\n", title),
+        };
     }
 
     /// A line of text with its baseline at `at`.
@@ -205,33 +207,30 @@ impl Svg {
     /// Text turned by `degrees` clockwise about its anchor.
     pub fn turned_text(&mut self, at: Pixel, text: &str, style: Type, degrees: f64) {
         let (x, y) = (short(at[0]), short(at[1]));
-        let _ = write!(
-            self.body,
-            "<text x=\"{x}\" y=\"{y}\" font-size=\"{}\" fill=\"{}\"",
+        self.body += markup!(
+            "<text x=\"{}\" y=\"{}\" font-size=\"{}\" fill=\"{}\"",
+            x,
+            y,
             short(style.size),
             style.colour
         );
-        match style.anchor {
-            Anchor::Start => {}
-            Anchor::Middle => self.body.push_str(" text-anchor=\"middle\""),
-            Anchor::End => self.body.push_str(" text-anchor=\"end\""),
-        }
+        self.body += match style.anchor {
+            Anchor::Start => markup!(""),
+            Anchor::Middle => markup!(" text-anchor=\"middle\""),
+            Anchor::End => markup!(" text-anchor=\"end\""),
+        };
         if style.bold {
-            self.body.push_str(" font-weight=\"600\"");
+            self.body += markup!(" font-weight=\"600\"");
         }
         if style.rim {
-            self.body.push_str(
-                " stroke=\"#fff\" stroke-width=\"3\" stroke-linejoin=\"round\" paint-order=\"stroke\"",
+            self.body += markup!(
+                " stroke=\"#fff\" stroke-width=\"3\" stroke-linejoin=\"round\" paint-order=\"stroke\""
             );
         }
         if degrees != 0.0 {
-            let _ = write!(
-                self.body,
-                " transform=\"rotate({} {x} {y})\"",
-                short(degrees)
-            );
+            self.body += markup!(" transform=\"rotate({} {} {})\"", short(degrees), x, y);
         }
-        let _ = writeln!(self.body, ">{}</text>", escape(text));
+        self.body += markup!(">{}</text>\n", text);
     }
 
     /// An arrow from `tail` to `tip`.
@@ -258,9 +257,8 @@ impl Svg {
 
     /// A PNG picture.
     pub fn picture(&mut self, corner: Pixel, size: Pixel, png: &[u8]) {
-        let _ = writeln!(
-            self.body,
-            "<image x=\"{}\" y=\"{}\" width=\"{}\" height=\"{}\" preserveAspectRatio=\"none\" href=\"data:image/png;base64,{}\"/>",
+        self.body += markup!(
+            "<image x=\"{}\" y=\"{}\" width=\"{}\" height=\"{}\" preserveAspectRatio=\"none\" href=\"data:image/png;base64,{}\"/>\n",
             short(corner[0]),
             short(corner[1]),
             short(size[0]),
@@ -273,9 +271,9 @@ impl Svg {
     pub fn begin_clip(&mut self, corner: Pixel, size: Pixel) {
         self.clips += 1;
         let id = format!("{}-clip{}", self.id, self.clips);
-        let _ = writeln!(
-            self.body,
-            "<clipPath id=\"{id}\"><rect x=\"{}\" y=\"{}\" width=\"{}\" height=\"{}\"/></clipPath>\n<g clip-path=\"url(#{id})\">",
+        self.body += markup!(
+            "<clipPath id=\"{0}\"><rect x=\"{1}\" y=\"{2}\" width=\"{3}\" height=\"{4}\"/></clipPath>\n<g clip-path=\"url(#{0})\">\n",
+            id,
             short(corner[0]),
             short(corner[1]),
             short(size[0]),
@@ -285,18 +283,18 @@ impl Svg {
 
     /// Ends [`Svg::begin_clip`].
     pub fn end_clip(&mut self) {
-        self.body.push_str("</g>\n");
+        self.body += markup!("</g>\n");
     }
 
     /// The finished drawing, with the namespace that a file of its own needs.
-    pub fn finish(self) -> String {
-        format!(
-            "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {w} {h}\" width=\"{w}\" height=\"{h}\" role=\"img\" \
-             aria-label=\"{}\" font-family=\"{FONT}\">\n{}</svg>\n",
+    pub fn finish(self) -> Markup {
+        markup!(
+            "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {0} {1}\" width=\"{0}\" height=\"{1}\" role=\"img\" \
+             aria-label=\"{2}\" font-family=\"'Inter','Segoe UI',system-ui,-apple-system,'Helvetica Neue',Arial,sans-serif\">\n{3}</svg>\n",
+            short(self.width),
+            short(self.height),
             self.description,
             self.body,
-            w = short(self.width),
-            h = short(self.height),
         )
     }
 }

@@ -5,7 +5,8 @@ use crate::geometry::Point;
 use crate::model::{BodySolution, Peak, Solution};
 use crate::output::deformed::{BAR, CLEARLY, Canvas, Vertex, colour_bar, fans};
 use crate::output::figures::Figures;
-use crate::output::html::{column, escape, left, plain, table, text};
+use crate::output::html::{column, left, plain, table, text};
+use crate::output::markup::{Markup, markup};
 use crate::output::plot::Axis;
 use crate::output::report::singular_peak;
 use crate::output::scene::{Scene, WIDTH, outline_path};
@@ -22,22 +23,23 @@ pub fn strength_section<const D: usize>(
     solution: &Solution<D>,
     figures: &Figures<'_>,
     labels: &Labels,
-) -> String {
+) -> Markup {
     if !judged(solution) {
-        return String::new();
+        return Markup::default();
     }
     let words = solution
         .bodies
         .iter()
         .flat_map(|body| in_words(body, labels));
-    let words = words.map(|line| format!("<p>{}</p>\n", escape(&line)));
+    let words = words.map(|line| markup!("<p>{}</p>\n", line));
     let elastic = "The stress is elastic. Where it exceeds the strength the material would yield or break and hand stress on to its \
                    neighbourhood, which is not computed: what is overstressed tells where that begins, not how far it goes.";
-    format!(
-        "<h2>Strength</h2>\n{}{}{}<p>{elastic}</p>\n",
+    markup!(
+        "<h2>Strength</h2>\n{}{}{}<p>{}</p>\n",
         figures.utilisation(solution),
         bodies(solution, labels),
-        words.collect::<String>(),
+        words.collect::<Markup>(),
+        elastic,
     )
 }
 
@@ -48,7 +50,7 @@ pub fn largest_utilisation<const D: usize>(solution: &Solution<D>) -> Option<(&s
     peaks.max_by(|a, b| a.1.most.value.total_cmp(&b.1.most.value))
 }
 
-fn bodies<const D: usize>(solution: &Solution<D>, labels: &Labels) -> String {
+fn bodies<const D: usize>(solution: &Solution<D>, labels: &Labels) -> Markup {
     let (word, unit) = labels.interior();
     let rows = solution.bodies.iter().filter_map(|body| {
         let own = body.utilisation.as_ref()?;
@@ -168,7 +170,7 @@ pub fn caption<const D: usize>(solution: &Solution<D>) -> String {
 }
 
 /// The figure as an SVG element, and its caption.
-pub fn utilisation_figure(scene: &Scene, solution: &Solution<2>) -> (String, String) {
+pub fn utilisation_figure(scene: &Scene, solution: &Solution<2>) -> (Markup, String) {
     let labels = Labels::of(scene.model);
     let (views, height) = scene.views(Margin::all(26.0), 34.0, BAR);
     let title = "Utilisation of the strength";

@@ -4,22 +4,22 @@ use crate::dual::{Certificate, Figure};
 use crate::model::{Model, Solution, told_in_steps};
 use crate::output::Overview;
 use crate::output::history::history_figure;
-use crate::output::html::{
-    self, column, described, escape, figure, left, marked, plain, table, text,
-};
+use crate::output::html::{self, column, described, figure, left, marked, plain, table, text};
+use crate::output::markup::{Markup, markup};
 use crate::output::text::{Labels, count, number, power, vector};
 
 /// Whether the answer is certified, and if not, why.
-pub fn banner<const D: usize>(run: &Overview<'_, D>) -> String {
+pub fn banner<const D: usize>(run: &Overview<'_, D>) -> Markup {
     let solution = run.last;
     if run.converged {
         let steps = match run.earlier {
             [] => "",
             _ => " in every step",
         };
-        let body = format!(
+        let body = markup!(
             "The computed answer satisfies equilibrium and the contact conditions: every figure of the certificate is \
-             within its limit{steps}."
+             within its limit{}.",
+            steps
         );
         return html::banner("good", "✓ Certified", &body);
     }
@@ -30,9 +30,9 @@ pub fn banner<const D: usize>(run: &Overview<'_, D>) -> String {
             run.model.times.len(),
             number(failed.time)
         );
-        let body = format!(
+        let body = markup!(
             "{}. The numbers below are those of the step before it, which is certified.",
-            escape(&failed.reason)
+            failed.reason
         );
         return html::banner("bad", &title, &body);
     }
@@ -49,27 +49,27 @@ pub fn banner<const D: usize>(run: &Overview<'_, D>) -> String {
         0 => "The solver reports that it did not reach its goal.".to_string(),
         _ => format!("Out of limits: {}.", failed.join(", ")),
     };
-    let body = format!(
+    let body = markup!(
         "The numbers below are those of the last iterate and must not be used. {}",
-        escape(&reason)
+        reason
     );
     html::banner("bad", "✗ Not converged", &body)
 }
 
 /// Warnings of all steps, each once.
-pub fn warnings<const D: usize>(run: &Overview<'_, D>) -> String {
+pub fn warnings<const D: usize>(run: &Overview<'_, D>) -> Markup {
     let list = told_in_steps(run.steps().map(|step| &step.warnings[..]));
-    let items = list.iter().map(|w| format!("<li>{}</li>\n", escape(w)));
-    let body = format!("<ul>\n{}</ul>", items.collect::<String>());
+    let items = list.iter().map(|w| markup!("<li>{}</li>\n", w));
+    let body = markup!("<ul>\n{}</ul>", items.collect::<Markup>());
     match list.len() {
-        0 => String::new(),
+        0 => Markup::default(),
         1 => html::banner("warn", "Warning", &body),
         count => html::banner("warn", &format!("{count} warnings"), &body),
     }
 }
 
 /// The figures of the certificate in sentences.
-pub fn certificate<const D: usize>(solution: &Solution<D>, labels: &Labels) -> String {
+pub fn certificate<const D: usize>(solution: &Solution<D>, labels: &Labels) -> Markup {
     let Certificate {
         penetration,
         tension,
@@ -155,23 +155,23 @@ pub fn certificate<const D: usize>(solution: &Solution<D>, labels: &Labels) -> S
         .iter()
         .map(|(name, sentence, figure, unit)| {
             let mark = match figure.holds() {
-                true => "<span class=\"yes\" title=\"within its limit\">✓</span>",
-                false => "<span class=\"no\" title=\"out of its limit\">✗</span>",
+                true => markup!("<span class=\"yes\" title=\"within its limit\">✓</span>"),
+                false => markup!("<span class=\"no\" title=\"out of its limit\">✗</span>"),
             };
             let value = match unit.is_empty() {
                 true => power(figure.value),
                 false => format!("{}\u{202f}{unit}", power(figure.value)),
             };
-            let words = format!("<b>{name}.</b> {sentence} {}.", escape(&value));
+            let words = markup!("<b>{}.</b> {} {}.", name, sentence, value);
             vec![
                 described(words),
                 plain(power(figure.relative)),
                 plain(power(figure.limit)),
-                marked(mark.to_string()),
+                marked(mark),
             ]
         })
         .collect();
-    format!(
+    markup!(
         "<h2>Certificate</h2>\n<p>Checked on the answer itself, whichever method computed it.</p>\n{}",
         table(
             &[
@@ -186,11 +186,11 @@ pub fn certificate<const D: usize>(solution: &Solution<D>, labels: &Labels) -> S
 }
 
 /// How the solver arrived, and what became of its bolts.
-pub fn solver<const D: usize>(model: &Model<D>, solution: &Solution<D>, labels: &Labels) -> String {
+pub fn solver<const D: usize>(model: &Model<D>, solution: &Solution<D>, labels: &Labels) -> Markup {
     let report = &solution.solver;
-    let mut out = format!(
+    let mut out = markup!(
         "<h2>Convergence</h2>\n<p>Method {}: {} iterations, {} products with the compliance{}.</p>\n",
-        escape(&report.method),
+        report.method,
         count(report.iterations),
         count(report.products),
         report
@@ -199,7 +199,7 @@ pub fn solver<const D: usize>(model: &Model<D>, solution: &Solution<D>, labels: 
     );
     if let Some(svg) = history_figure(solution, model.solver.tolerance) {
         let caption = "Largest relative violation of the optimality conditions, and the number of contact unknowns with a force.";
-        out += &figure(&svg, "Convergence", caption);
+        out += figure(&svg, "Convergence", caption);
     }
     if report.bolts.is_empty() {
         return out;
@@ -221,12 +221,14 @@ pub fn solver<const D: usize>(model: &Model<D>, solution: &Solution<D>, labels: 
             ]
         })
         .collect();
-    out += "<h3>Bolts</h3>\n<p>A bolt holds a rigid motion while the forces are iterated. It is proper when it ends in compression.</p>\n";
+    out += markup!(
+        "<h3>Bolts</h3>\n<p>A bolt holds a rigid motion while the forces are iterated. It is proper when it ends in compression.</p>\n"
+    );
     let heads = [
         left("contact"),
         column("at", &labels.length),
         column("force", &labels.force),
         left("state"),
     ];
-    out + &table(&heads, rows)
+    out + table(&heads, rows)
 }

@@ -17,7 +17,7 @@ use crate::geometry::{Point, padded, unit};
 use crate::mesh::Mesh;
 use crate::model::{Analysis, Law, Model, OnSide, Solution, Status};
 use crate::output::encode::zlib;
-use crate::output::html::escape;
+use crate::output::markup::{Markup, markup};
 use crate::output::text::{AXES, Labels};
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
@@ -164,10 +164,10 @@ fn field_data<const D: usize>(out: &mut String, model: &Model<D>, time: f64) {
         ("stress", &labels.stress),
     ] {
         if !unit.is_empty() {
-            let name = escape(&format!("unit of {name}: {unit}"));
-            let _ = writeln!(
-                out,
-                "<DataArray type=\"Float64\" Name=\"{name}\" NumberOfTuples=\"1\" format=\"ascii\">1</DataArray>"
+            *out += &markup!(
+                "<DataArray type=\"Float64\" Name=\"unit of {}: {}\" NumberOfTuples=\"1\" format=\"ascii\">1</DataArray>\n",
+                name,
+                unit
             );
         }
     }
@@ -194,11 +194,12 @@ pub fn blocks<const D: usize>(solution: &Solution<D>, step: usize, several: bool
          <vtkMultiBlockDataSet>\n",
     );
     for (index, body) in solution.bodies.iter().enumerate() {
-        let _ = writeln!(
-            out,
-            "<DataSet index=\"{index}\" name=\"{}\" {FILE}{}\"/>",
-            escape(&body.name),
-            escape(&file_name(&body.name, step, several))
+        out += &markup!(
+            "<DataSet index=\"{}\" name=\"{}\" {}{}\"/>\n",
+            index,
+            body.name,
+            Markup::own(FILE),
+            file_name(&body.name, step, several)
         );
     }
     out.push_str("</vtkMultiBlockDataSet>\n</VTKFile>\n");
@@ -212,12 +213,13 @@ pub fn collection<const D: usize>(steps: &[Solution<D>], several: bool) -> Strin
     );
     for (step, solution) in steps.iter().enumerate() {
         for (part, body) in solution.bodies.iter().enumerate() {
-            let _ = writeln!(
-                out,
-                "<DataSet timestep=\"{:?}\" part=\"{part}\" name=\"{}\" {FILE}{}\"/>",
-                solution.time,
-                escape(&body.name),
-                escape(&file_name(&body.name, step, several))
+            out += &markup!(
+                "<DataSet timestep=\"{}\" part=\"{}\" name=\"{}\" {}{}\"/>\n",
+                format!("{:?}", solution.time),
+                part,
+                body.name,
+                Markup::own(FILE),
+                file_name(&body.name, step, several)
             );
         }
     }

@@ -45,6 +45,7 @@ mod space_hertz;
 mod space_judge;
 mod stages;
 mod steps;
+mod strangers;
 mod strength;
 mod tables;
 mod tidy;

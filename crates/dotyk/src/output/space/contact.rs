@@ -6,6 +6,7 @@ use crate::output::colour;
 use crate::output::encode::png;
 use crate::output::html;
 use crate::output::json::largest;
+use crate::output::markup::Markup;
 use crate::output::plot::Axis;
 use crate::output::scene::WIDTH;
 use crate::output::space::camera::Window;
@@ -50,7 +51,7 @@ const STATES: [(Status, &str); 6] = [
 const CELLS: Ink = Ink { cover: 0.3, ..THIN };
 
 /// The figures of a contact; nothing for a contact without nodes, and where many others bear more.
-pub fn contact_figure(scene: &Scene<'_>, solution: &Solution<3>, index: usize) -> Option<String> {
+pub fn contact_figure(scene: &Scene<'_>, solution: &Solution<3>, index: usize) -> Option<Markup> {
     let force = |i: usize| norm(solution.contacts[i].resultant);
     let tied = |i: usize| {
         let first = solution.contacts[i].nodes.first();
@@ -70,7 +71,7 @@ pub fn contact_figure(scene: &Scene<'_>, solution: &Solution<3>, index: usize) -
         || states_figure(scene, contact, &faces, index),
         || friction_figure(scene, contact, &faces, index),
     );
-    Some(states + &friction.unwrap_or_default())
+    Some(states + friction.unwrap_or_default())
 }
 
 /// Width and left ends of columns beside each other.
@@ -92,7 +93,7 @@ fn states_figure(
     contact: &ContactSolution<3>,
     faces: &[Face<'_>],
     index: usize,
-) -> String {
+) -> Markup {
     let labels = Labels::of(scene.model);
     let (width, left) = columns(3);
     let title = format!("Pressure, gap and state on the faces of {}", contact.name);

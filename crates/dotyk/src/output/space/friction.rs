@@ -8,6 +8,7 @@ use crate::geometry::{Point, norm};
 use crate::model::{Borders, ContactNode, ContactSolution, OnSide, Status};
 use crate::output::html;
 use crate::output::json::{in_contact, largest};
+use crate::output::markup::Markup;
 use crate::output::plot::Axis;
 use crate::output::scene::WIDTH;
 use crate::output::space::camera::{Window, faces};
@@ -60,7 +61,7 @@ pub fn friction_figure(
     contact: &ContactSolution<3>,
     sides: &[Face<'_>],
     index: usize,
-) -> Option<String> {
+) -> Option<Markup> {
     let rubs = |node: &ContactNode<3>| matches!(node.status, Status::Stick | Status::Slip);
     let face = sides.first()?;
     if !contact.nodes.iter().any(rubs) {

@@ -25,19 +25,20 @@ pub use setup::model_figure;
 pub use utilisation::utilisation_figure as utilisation_figures;
 
 use crate::model::Solution;
+use crate::output::markup::Markup;
 
 /// Deformed shape, the view that turns and a section, coloured by stress.
-pub fn stress_figures(scene: &Scene<'_>, solution: &Solution<3>) -> String {
+pub fn stress_figures(scene: &Scene<'_>, solution: &Solution<3>) -> Markup {
     let turning = || turning::turning_view(scene, solution);
     let section = || section::section_figure(scene, solution).unwrap_or_default();
     let (shape, (turning, section)) = rayon::join(
         || stress::stress_figure(scene, solution),
         || rayon::join(turning, section),
     );
-    shape + &turning + &section
+    shape + turning + section
 }
 
 /// Pressure, gap and state of a contact; nothing where others bear more and there are many.
-pub fn contact_figure(scene: &Scene<'_>, solution: &Solution<3>, index: usize) -> String {
+pub fn contact_figure(scene: &Scene<'_>, solution: &Solution<3>, index: usize) -> Markup {
     contact::contact_figure(scene, solution, index).unwrap_or_default()
 }

@@ -12,6 +12,7 @@ use crate::model::{Borders, ContactNode, ContactSolution, Solution, Status};
 use crate::output::deformed::{BAR, colour_bars, stress_scales};
 use crate::output::html;
 use crate::output::json::in_contact;
+use crate::output::markup::Markup;
 use crate::output::scene::WIDTH;
 use crate::output::space::camera::{Camera, Window, beyond};
 use crate::output::space::canvas::{Canvas, Corner, Paint, between};
@@ -54,7 +55,7 @@ struct Section {
 type Vertex = (Point<3>, f64);
 
 /// The figure; nothing where there is no place to cut through.
-pub fn section_figure(scene: &Scene<'_>, solution: &Solution<3>) -> Option<String> {
+pub fn section_figure(scene: &Scene<'_>, solution: &Solution<3>) -> Option<Markup> {
     let section = section(scene, solution)?;
     let labels = Labels::of(scene.model);
     // towards the viewer

@@ -4,6 +4,7 @@ use crate::geometry::{Field, Point, norm, unit};
 use crate::mesh::Mesh;
 use crate::model::{Amount, Borders, Couple, Load, Pair, Place};
 use crate::output::html;
+use crate::output::markup::Markup;
 use crate::output::points::couples;
 use crate::output::scene::WIDTH;
 use crate::output::setup::{Flow, NAMED, draw_bar, name_alone, name_links, name_loads, name_parts};
@@ -32,7 +33,7 @@ const LEAST_SHOWN: f64 = 900.0;
 pub const WORDS: [&str; 2] = ["from above", "other side, from below"];
 
 /// The figure; `alone` are contact nodes that face nothing.
-pub fn model_figure(scene: &Scene<'_>, alone: &[Point<3>]) -> String {
+pub fn model_figure(scene: &Scene<'_>, alone: &[Point<3>]) -> Markup {
     let labels = Labels::of(scene.model);
     let (windows, height) = scene.windows(MARGIN);
     let mut svg = Svg::new("setup", "Mesh, supports and loads", WIDTH, height);

@@ -4,6 +4,7 @@ use crate::geometry::{Point, add_scaled};
 use crate::model::Solution;
 use crate::output::deformed::{BAR, SHOWN, beyond_the_scale, colour_bars, stress_scales};
 use crate::output::html;
+use crate::output::markup::Markup;
 use crate::output::plot::round_down_to_125;
 use crate::output::scene::WIDTH;
 use crate::output::space::camera::Window;
@@ -28,7 +29,7 @@ const BEFORE: Ink = Ink {
 pub type Scales = [(Vec<usize>, f64)];
 
 /// The figure.
-pub fn stress_figure(scene: &Scene<'_>, solution: &Solution<3>) -> String {
+pub fn stress_figure(scene: &Scene<'_>, solution: &Solution<3>) -> Markup {
     let labels = Labels::of(scene.model);
     let factor = magnification(scene, solution);
     let extents = scene.cameras.map(|camera| {

@@ -5,8 +5,9 @@
 
 use crate::geometry::{Point, add_scaled, norm, sub};
 use crate::model::{Model, Solution};
-use crate::output::html::escape;
+use crate::output::html;
 use crate::output::json::largest;
+use crate::output::markup::{Markup, markup};
 use crate::output::space::face::faces;
 use crate::output::space::scene::Scene;
 use crate::output::space::stress::magnification;
@@ -31,7 +32,7 @@ struct Shown {
 }
 
 /// The view with its controls and its script.
-pub fn turning_view(scene: &Scene<'_>, solution: &Solution<3>) -> String {
+pub fn turning_view(scene: &Scene<'_>, solution: &Solution<3>) -> Markup {
     let shown = quantities(scene, solution);
     let names = shown.iter().enumerate();
     let quantities = options(&mut names.map(|(i, q)| (i as i64, q.name.to_string())));
@@ -39,45 +40,47 @@ pub fn turning_view(scene: &Scene<'_>, solution: &Solution<3>) -> String {
     let bodies = bodies.map(|(i, b)| (i as i64, b.name.clone()));
     let bodies = options(&mut std::iter::once((-1, "all bodies".to_string())).chain(bodies));
     let factor = magnification(scene, solution);
-    // nothing in a string may end the element
-    let data = data(scene, solution, &shown, factor).replace('<', "\\u003c");
-    format!(
+    markup!(
         "<figure id=\"turning\" class=\"turning\">\n<style>\n{}</style>\n<div class=\"tools\">\
-         <label>Colour <select name=\"quantity\">{quantities}</select></label>\
-         <label>Show <select name=\"body\">{bodies}</select></label>\
+         <label>Colour <select name=\"quantity\">{}</select></label>\
+         <label>Show <select name=\"body\">{}</select></label>\
          <label>Deformation <input name=\"factor\" type=\"range\" min=\"0\" max=\"100\" value=\"50\"> \
          <output>× {}</output></label><button name=\"reset\" type=\"button\">Reset</button></div>\n\
          <div class=\"stage\"><canvas tabindex=\"0\" aria-label=\"The model, to be turned\"></canvas>\
          <div class=\"scale\"><span class=\"name\"></span><span class=\"high\"></span><i></i><span>0</span></div>{}</div>\n\
          <figcaption><b>View that turns.</b> Drag to turn, with Shift to move, wheel or two fingers to zoom; arrow keys, \
          + and −, 0 for the first view. Without scripts this place is empty: the pictures show the same.</figcaption>\n\
-         <script type=\"application/json\" id=\"turning-data\">{data}</script>\n<script>\n{}</script>\n</figure>\n",
-        include_str!("turning.css"),
+         <script type=\"application/json\" id=\"turning-data\">{}</script>\n{}</figure>\n",
+        Markup::own(include_str!("turning.css")),
+        quantities,
+        bodies,
         number(factor),
         triad(),
-        include_str!("turning.js"),
+        Markup::json(&data(scene, solution, &shown, factor)),
+        html::script(),
     )
 }
 
-fn options(names: &mut dyn Iterator<Item = (i64, String)>) -> String {
-    let option = |(value, name): (i64, String)| {
-        format!("<option value=\"{value}\">{}</option>", escape(&name))
-    };
+fn options(names: &mut dyn Iterator<Item = (i64, String)>) -> Markup {
+    let option =
+        |(value, name): (i64, String)| markup!("<option value=\"{}\">{}</option>", value, name);
     names.map(option).collect()
 }
 
 /// Axes that the script turns.
-fn triad() -> String {
+fn triad() -> Markup {
     let axis = |(name, colour): (&str, &str)| {
-        format!(
-            "<g data-axis=\"{name}\"><line stroke=\"{colour}\" stroke-width=\"1.6\"/><text fill=\"{colour}\" \
-             font-size=\"11\" font-weight=\"600\" text-anchor=\"middle\">{name}</text></g>"
+        markup!(
+            "<g data-axis=\"{0}\"><line stroke=\"{1}\" stroke-width=\"1.6\"/><text fill=\"{1}\" \
+             font-size=\"11\" font-weight=\"600\" text-anchor=\"middle\">{0}</text></g>",
+            name,
+            colour
         )
     };
     let axes = [("x", "#b3402e"), ("y", "#2f7d4f"), ("z", "#2a5d9f")].map(axis);
-    format!(
+    markup!(
         "<svg viewBox=\"-34 -34 68 68\" aria-hidden=\"true\">{}</svg>",
-        axes.concat()
+        axes.into_iter().collect::<Markup>()
     )
 }
 
@@ -133,8 +136,13 @@ fn pressures(scene: &Scene<'_>, solution: &Solution<3>) -> Vec<Vec<f64>> {
     values
 }
 
-/// Everything that the script draws, as JSON.
-fn data(scene: &Scene<'_>, solution: &Solution<3>, shown: &[Shown], factor: f64) -> String {
+/// Everything that the script draws.
+fn data(
+    scene: &Scene<'_>,
+    solution: &Solution<3>,
+    shown: &[Shown],
+    factor: f64,
+) -> serde_json::Value {
     let Model { bodies, .. } = scene.model;
     let solved = || solution.bodies.iter();
     let points = bodies.iter().zip(solved()).map(|(body, own)| {
@@ -242,7 +250,6 @@ fn data(scene: &Scene<'_>, solution: &Solution<3>, shown: &[Shown], factor: f64)
         "triangles": STANDARD.encode(packed.indices(&packed.triangles)),
         "edges": STANDARD.encode(packed.indices(&packed.edges)),
     })
-    .to_string()
 }
 
 /// Bytes of all nodes, and the corners of triangles and ends of edges by number.

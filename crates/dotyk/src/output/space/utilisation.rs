@@ -3,6 +3,7 @@
 use crate::model::Solution;
 use crate::output::deformed::BAR;
 use crate::output::html;
+use crate::output::markup::Markup;
 use crate::output::scene::WIDTH;
 use crate::output::space::camera::Window;
 use crate::output::space::canvas::{Canvas, Ink, Paint};
@@ -31,7 +32,7 @@ const LIMIT: Ink = Ink {
 };
 
 /// The figure.
-pub fn utilisation_figure(scene: &Scene<'_>, solution: &Solution<3>) -> String {
+pub fn utilisation_figure(scene: &Scene<'_>, solution: &Solution<3>) -> Markup {
     let labels = Labels::of(scene.model);
     let extents = scene.cameras.map(|camera| camera.extent(scene.nodes()));
     let (windows, height) = windows(&scene.cameras, &extents, MARGIN, WIDTH - BAR);

@@ -1,0 +1,175 @@
+//! Markup, HTML, SVG or XML, into which no text gets unescaped.
+//!
+//! Cases come from strangers: what they call things is to be seen on a page, and must never be obeyed by it. [`Markup`] comes
+//! out of templates alone, [`markup!`], which escape whatever is not markup itself, so that an escape cannot be forgotten.
+
+use std::fmt::{self, Display, Write};
+use std::ops::{Add, AddAssign, Deref};
+
+/// Markup of this program. It reads as text, but no text becomes markup unescaped, and it cannot be formatted into text.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub struct Markup(String);
+
+/// Markup from a template: a literal with `{}` for each part, which is escaped if it is not markup.
+macro_rules! markup {
+    ($template:literal $(, $part:expr)* $(,)?) => {
+        // What `concat!` returns captures no variables: parts stand behind the template, where they are escaped.
+        $crate::output::markup::Markup::filled(format_args!(
+            concat!($template, "") $(, $crate::output::markup::Escaped(&$part))*
+        ))
+    };
+}
+pub(crate) use markup;
+
+impl Markup {
+    /// A template with its parts; for [`markup!`] alone.
+    pub fn filled(template: fmt::Arguments<'_>) -> Self {
+        Self(template.to_string())
+    }
+
+    /// What is markup, style or script since the program was compiled.
+    pub fn own(text: &'static str) -> Self {
+        Self(text.to_string())
+    }
+
+    /// Data for the inside of a script element, which no text of it can end.
+    pub fn json(data: &serde_json::Value) -> Self {
+        Self(data.to_string().replace('<', "\\u003c"))
+    }
+
+    /// The markup as text, to be written into a file.
+    pub fn into_string(self) -> String {
+        self.0
+    }
+}
+
+impl Deref for Markup {
+    type Target = str;
+
+    fn deref(&self) -> &str {
+        &self.0
+    }
+}
+
+impl AddAssign for Markup {
+    fn add_assign(&mut self, more: Self) {
+        self.0 += &more.0;
+    }
+}
+
+impl Add for Markup {
+    type Output = Self;
+
+    fn add(mut self, more: Self) -> Self {
+        self += more;
+        self
+    }
+}
+
+impl FromIterator<Self> for Markup {
+    fn from_iter<I: IntoIterator<Item = Self>>(parts: I) -> Self {
+        parts.into_iter().fold(Self::default(), Self::add)
+    }
+}
+
+/// What a template takes.
+pub trait Part {
+    /// Writes markup as it is, all else escaped.
+    fn put(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result;
+}
+
+impl Part for Markup {
+    fn put(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
+        out.write_str(self)
+    }
+}
+
+impl Part for &Markup {
+    fn put(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
+        out.write_str(self)
+    }
+}
+
+impl<T: Display + ?Sized> Part for T {
+    fn put(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(Escaping(out), "{self}")
+    }
+}
+
+/// A part in its template.
+pub struct Escaped<'a, P: ?Sized>(pub &'a P);
+
+impl<P: Part + ?Sized> Display for Escaped<'_, P> {
+    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
+        self.0.put(out)
+    }
+}
+
+/// Escapes what is written to it.
+struct Escaping<'a, 'f>(&'a mut fmt::Formatter<'f>);
+
+impl Write for Escaping<'_, '_> {
+    fn write_str(&mut self, text: &str) -> fmt::Result {
+        let mut written = 0;
+        for (at, c) in text.char_indices() {
+            let Some(escaped) = escaped(c) else { continue };
+            self.0.write_str(&text[written..at])?;
+            self.0.write_str(escaped)?;
+            written = at + c.len_utf8();
+        }
+        self.0.write_str(&text[written..])
+    }
+}
+
+/// What stands for a character inside HTML, XML and their attributes; `None` where that is the character.
+fn escaped(c: char) -> Option<&'static str> {
+    match c {
+        '&' => Some("&amp;"),
+        '<' => Some("&lt;"),
+        '>' => Some("&gt;"),
+        '"' => Some("&quot;"),
+        '\'' => Some("&#39;"),
+        // XML has no place for control characters
+        c if c.is_control() && c != '\n' && c != '\t' => Some("\u{fffd}"),
+        _ => None,
+    }
+}
+
+/// The text that was escaped.
+pub fn unescape(markup: &str) -> String {
+    let plain = markup.replace("&lt;", "<").replace("&gt;", ">");
+    let plain = plain.replace("&quot;", "\"").replace("&#39;", "'");
+    plain.replace("&amp;", "&")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn texts_are_escaped_and_markup_is_not() {
+        let text = "a<b & \"c\" 'd'\u{1}";
+        let once = markup!("<p>{}</p>", text);
+        let escaped = "a&lt;b &amp; &quot;c&quot; &#39;d&#39;\u{fffd}";
+        assert_eq!(*once, *format!("<p>{escaped}</p>"));
+        let both = markup!("<i title=\"{1}\">{0} {2}</i>", once, text, 3);
+        assert_eq!(
+            *both,
+            *format!("<i title=\"{escaped}\"><p>{escaped}</p> 3</i>")
+        );
+        assert_eq!(unescape("&amp;lt; &lt;&quot;"), "&lt; <\"");
+        let list: Markup = [&once, &both].map(Clone::clone).into_iter().collect();
+        assert_eq!(list, once + both);
+    }
+
+    #[test]
+    fn data_do_not_end_their_script() {
+        let data = serde_json::json!({ "name": "</script><!--" });
+        let written = Markup::json(&data);
+        assert!(!written.contains('<'));
+        assert_eq!(
+            serde_json::from_str::<serde_json::Value>(&written).ok(),
+            Some(data)
+        );
+    }
+}
