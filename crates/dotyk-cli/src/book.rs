@@ -7,6 +7,7 @@ use crate::failure::Failure;
 use crate::text::number;
 use crate::verify::{Folder, Judged, Solved, Tally};
 use dotyk::dual::Certificate;
+use dotyk::model::check_file_names;
 use dotyk::output::{self, Stage};
 use std::collections::HashSet;
 use std::fmt::Write;
@@ -64,13 +65,7 @@ pub struct Book {
 impl Book {
     /// A book with a page for each of these folders, whose files are seen when it is closed.
     pub fn new(dir: &Path, folders: &[Folder]) -> Result<Self, Failure> {
-        let names = folders.iter().map(|folder| name_of(&folder.path));
-        let names = names.collect::<Result<Vec<_>, _>>()?;
-        let mut seen = HashSet::new();
-        if let Some(twice) = names.iter().find(|name| !seen.insert(name.as_str())) {
-            let message = format!("two folders are called {twice}, which names a page of the book");
-            return Err(Failure::Message(message));
-        }
+        let names = names_of(folders)?;
         let cases = folders.iter().flat_map(|folder| &folder.cases);
         let mut all = names.iter().chain(cases.map(|(name, _)| name));
         if let Some(name) = all.find(|name| !name.chars().all(is_plain)) {
@@ -165,8 +160,24 @@ fn is_plain(c: char) -> bool {
     c.is_alphanumeric() || "-_.".contains(c)
 }
 
+/// Names of folders for folders of their own: no two are one, on no system.
+pub fn names_of(folders: &[Folder]) -> Result<Vec<String>, Failure> {
+    let names = folders.iter().map(|folder| name_of(&folder.path));
+    let names = names.collect::<Result<Vec<_>, _>>()?;
+    let mut seen = HashSet::new();
+    if let Some(twice) = names.iter().find(|name| !seen.insert(name.as_str())) {
+        let message = format!(
+            "two folders are called {twice}, and each needs a folder of its own for what is written"
+        );
+        return Err(Failure::Message(message));
+    }
+    let checked = check_file_names(names.iter().map(String::as_str));
+    checked.map_err(|error| Failure::Message(format!("folder `{}`: {error}", error.name())))?;
+    Ok(names)
+}
+
 /// The name of a folder, whatever it was called by.
-fn name_of(path: &Path) -> Result<String, Failure> {
+pub fn name_of(path: &Path) -> Result<String, Failure> {
     let whole = path.canonicalize().map_err(|e| Failure::of(path, e))?;
     let name = whole.file_name().unwrap_or_default();
     Ok(name.to_string_lossy().into_owned())

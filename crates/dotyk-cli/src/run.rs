@@ -7,7 +7,7 @@ use crate::progress::Progress;
 use crate::text::{columns, named, number, print, vector};
 use dotyk::model::{
     Analysis, BodySolution, ContactSolution, Dimension, Method, Model, ProbeValue, Solution,
-    StressAt,
+    StressAt, check_file_names,
 };
 use dotyk::output::{self, Folder, Scales};
 use std::ffi::OsStr;
@@ -106,6 +106,9 @@ fn output_folders(arguments: &Arguments) -> Result<Vec<PathBuf>, Failure> {
         return Err(Failure::of(&arguments.cases[k], message));
     }
     let several = stems.len() > 1;
+    if several {
+        check_stems(&stems)?;
+    }
     let folder = |stem: Option<&OsStr>| {
         let stem = stem.unwrap_or_default();
         let folder = match &arguments.out {
@@ -193,6 +196,14 @@ pub fn output_folder(given: Option<&Path>, stem: &str) -> Result<Folder, Failure
         None => PathBuf::from(format!("{stem}-out")),
     })?;
     Folder::hold(&folder).map_err(Failure::of_output)
+}
+
+/// Refuses cases whose folders cannot have their names, or are one on some systems.
+fn check_stems(stems: &[Option<&OsStr>]) -> Result<(), Failure> {
+    let names = stems.iter().flatten().map(|stem| stem.to_string_lossy());
+    let names: Vec<_> = names.collect();
+    let checked = check_file_names(names.iter().map(|name| &**name));
+    checked.map_err(|error| Failure::Message(format!("case `{}`: {error}", error.name())))
 }
 
 fn free_folder(folder: PathBuf) -> Result<PathBuf, Failure> {

@@ -8,7 +8,7 @@ use crate::text::{colours, columns, number, print, red, vector};
 use dotyk::case::{AnyCase, Criterion, Reference, References, Run, Verdict};
 use dotyk::dual::Certificate;
 use dotyk::model::{ProbeValue, Solution};
-use dotyk::output::Record;
+use dotyk::output::{self, Record};
 use std::path::{Path, PathBuf};
 
 /// Arguments of `dotyk verify`.
@@ -20,6 +20,9 @@ pub struct Arguments {
     /// Write a page of Markdown for every folder into this one, with pictures, values and verdicts
     #[arg(long, value_name = "DIR")]
     book: Option<PathBuf>,
+    /// Write the summary.json of every case that has an answer into this folder, as FOLDER/CASE.json
+    #[arg(long, value_name = "DIR")]
+    summaries: Option<PathBuf>,
     /// No progress
     #[arg(long)]
     quiet: bool,
@@ -90,11 +93,20 @@ pub fn verify(arguments: &Arguments) -> Result<Outcome, Failure> {
     };
     let folders = folders.iter().map(|path| read_folder(path));
     let folders = folders.collect::<Result<Vec<_>, _>>()?;
+    let summaries = arguments.summaries.as_deref();
+    if summaries.is_some() {
+        book::names_of(&folders)?;
+    }
     let book = arguments.book.as_deref();
     let mut book = book.map(|dir| Book::new(dir, &folders)).transpose()?;
     let mut tally = Tally::default();
     for folder in &folders {
-        tally.add(&verify_folder(folder, arguments.quiet, book.as_mut())?);
+        tally.add(&verify_folder(
+            folder,
+            arguments.quiet,
+            book.as_mut(),
+            summaries,
+        )?);
     }
     print(&tally.summary())?;
     if let Some(book) = book {
@@ -193,6 +205,8 @@ pub struct Solved {
     certified: bool,
     /// Method, iterations, time and bolts.
     words: String,
+    /// Content of `summary.json`, where every step has an answer.
+    summary: Option<String>,
     /// For the book, where they were asked for.
     pub pictures: Vec<Picture>,
 }
@@ -205,8 +219,8 @@ pub struct Step {
 }
 
 impl Solved {
-    /// What is compared of a run, with these pictures of it.
-    fn of<const D: usize>(run: Run<D>, pictures: Vec<Picture>) -> Self {
+    /// What is compared of a run, with its summary and these pictures of it.
+    fn of<const D: usize>(run: Run<D>, summary: Option<String>, pictures: Vec<Picture>) -> Self {
         let (words, certified) = (words(&run), run.certified());
         let steps = run.steps.into_iter().map(|step| Step {
             converged: step.converged,
@@ -218,6 +232,7 @@ impl Solved {
             count: run.count,
             certified,
             words,
+            summary,
             pictures,
         }
     }
@@ -241,8 +256,13 @@ fn words<const D: usize>(run: &Run<D>) -> String {
     )
 }
 
-/// Solves the cases of a folder, prints its table, what is outside in red, and writes its page.
-fn verify_folder(folder: &Folder, quiet: bool, book: Option<&mut Book>) -> Result<Tally, Failure> {
+/// Solves the cases of a folder, prints its table, what is outside in red, and writes its page and its summaries.
+fn verify_folder(
+    folder: &Folder,
+    quiet: bool,
+    book: Option<&mut Book>,
+    summaries: Option<&Path>,
+) -> Result<Tally, Failure> {
     let mut tally = Tally::default();
     let mut text = format!("{}\n", folder.path.display());
     let pictured = book.as_ref().and_then(|_| book::pictured(folder));
@@ -277,6 +297,9 @@ fn verify_folder(folder: &Folder, quiet: bool, book: Option<&mut Book>) -> Resul
         tally.count(value.verdict);
     }
     print(&(text + &table(&judged) + "\n"))?;
+    if let Some(dir) = summaries {
+        write_summaries(folder, &solved, dir)?;
+    }
     if let Some(book) = book {
         book.put(&Found {
             folder,
@@ -286,6 +309,24 @@ fn verify_folder(folder: &Folder, quiet: bool, book: Option<&mut Book>) -> Resul
         })?;
     }
     Ok(tally)
+}
+
+/// Writes the summaries of a folder into one of its name.
+fn write_summaries(folder: &Folder, solved: &[Option<Solved>], dir: &Path) -> Result<(), Failure> {
+    let of_summaries = |e: output::Error| Failure::of_files(&e, "--summaries");
+    let held = output::Folder::hold(&dir.join(book::name_of(&folder.path)?));
+    let stage = held.and_then(|held| output::Stage::open(&held));
+    let mut stage = stage.map_err(of_summaries)?;
+    for ((name, _), solved) in folder.cases.iter().zip(solved) {
+        let summary = solved.as_ref().and_then(|solved| solved.summary.as_ref());
+        if let Some(text) = summary {
+            let name = Path::new(name).with_extension("json");
+            let put = stage.put(&name.display().to_string(), text.as_bytes());
+            put.map_err(of_summaries)?;
+        }
+    }
+    stage.commit(&[]).map_err(of_summaries)?;
+    Ok(())
 }
 
 /// The table of a folder, what is outside in red.
@@ -342,12 +383,14 @@ fn solve(
                 }
             }
         }
+        let record = Record::of(&case.model, run.standing(), &case.stem);
         let figures = match drawn {
-            true => Record::of(&case.model, run.standing(), &case.stem).figures(),
+            true => record.figures(),
             false => Vec::new(),
         };
         let pictures = figures.into_iter().filter_map(Picture::of).collect();
-        Some(Solved::of(run, pictures))
+        let summary = run.certified().then(|| record.summary().ok()).flatten();
+        Some(Solved::of(run, summary, pictures))
     })
 }
 

@@ -55,6 +55,10 @@ const IN_THE_TEXT: &[Mistake] = &[
     ("name = \"punch\"\n", "", "[[body]]\nmesh", "needs the key `name`"),
     (", cells = [8, 2]", "", "to = [4.0, 1.0]", "needs the key `cells`"),
     (", poisson = 0.3 }\nfix = [{ side = \"bottom\"", " }\nfix = [{ side = \"bottom\"", "young = 210e9 }", "`poisson`"),
+    // names that no file can have, or that are one file on some systems
+    ("name = \"punch\"", "name = \"CON\"", "CON", "body `CON`: Windows keeps the name `CON` for a device"),
+    ("name = \"punch\"", "name = \"lpt7\"", "lpt7", "choose another one, such as `lpt7_1`"),
+    ("name = \"punch\"", "name = \"Block\"", "Block", "body `Block`: its name differs from `block` in case alone"),
     // in-situ stress and initial strain
     ("fix = [{ side = \"bottom\", x = 0.0, y = 0.0 }]", "fix = [{ side = \"bottom\", x = 0.0, y = 0.0 }]\ninitial_stress = { vertical = -1e6 }", "vertical", "needs the key `k0`"),
     ("fix = [{ side = \"bottom\", x = 0.0, y = 0.0 }]", "fix = [{ side = \"bottom\", x = 0.0, y = 0.0 }]\ninitial_stress = { k0 = 0.5 }", "k0 = 0.5", "needs the key `vertical`"),

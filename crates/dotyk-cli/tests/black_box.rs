@@ -1,8 +1,10 @@
 //! What a user sees of the program: exit status, result files and their numbers, on small cases with known answers.
 
 mod arrays;
+mod schema;
 
 use arrays::{Archive, market};
+use schema::Schema;
 use serde_json::Value;
 use std::path::{Path, PathBuf};
 use std::process::Command;
@@ -78,9 +80,12 @@ impl Run {
         names
     }
 
+    /// The summary, which is as its schema says.
     fn summary(&self) -> Value {
         let text = std::fs::read_to_string(self.folder.join("case-out/summary.json")).unwrap();
-        serde_json::from_str(&text).unwrap()
+        let summary = serde_json::from_str(&text).unwrap();
+        assert_eq!(Schema::read().faults(&summary), [""; 0]);
+        summary
     }
 
     /// Value of a probe; NaN where it is null.
@@ -632,6 +637,12 @@ fn several_cases_are_run_each_into_a_folder_of_its_own() {
         message.contains("another case has the same name"),
         "{message}"
     );
+    // folders that not every system has, or tells apart
+    for (case, words) in [("nul.toml", "for a device"), ("CASE.toml", "in case alone")] {
+        let (status, message) = run(&["run", "case.toml", case]);
+        assert_eq!(status, Some(2), "{case}");
+        assert!(message.contains(words), "{case}: {message}");
+    }
 }
 
 #[test]
@@ -1499,6 +1510,154 @@ fn a_book_has_a_page_for_every_folder_with_pictures_values_and_links() {
     );
 }
 
+/// Number of summaries in the folders of a folder, none of which has what the schema does not allow.
+fn summaries_as_the_schema_says(folder: &Path) -> usize {
+    let schema = Schema::read();
+    let inside = |path: &Path| {
+        let entries = std::fs::read_dir(path).unwrap();
+        entries.map(|entry| entry.unwrap().path())
+    };
+    let files: Vec<PathBuf> = inside(folder).flat_map(|path| inside(&path)).collect();
+    for file in &files {
+        let text = std::fs::read_to_string(file).unwrap();
+        let faults = schema.faults(&serde_json::from_str(&text).unwrap());
+        assert_eq!(faults, [""; 0], "{}", file.display());
+    }
+    files.len()
+}
+
+#[test]
+fn the_schema_knows_what_is_wrong_with_a_summary() {
+    let summary = Run::solved("schema", &stack(1e6, "")).summary();
+    let schema = Schema::read();
+    let faults_with = |place: &str, value: Option<Value>| {
+        let mut summary = summary.clone();
+        let (parent, key) = place.rsplit_once('/').unwrap();
+        let parent = summary.pointer_mut(parent).unwrap();
+        let parent = parent.as_object_mut().unwrap();
+        match value {
+            Some(value) => parent.insert(key.to_string(), value),
+            None => parent.remove(key),
+        };
+        schema.faults(&summary).len()
+    };
+    let faults = [
+        ("/schema", Some(Value::from(2))),
+        ("/schema", None),
+        ("/further", Some(Value::from(1))),
+        ("/iterations", Some(Value::from(1.5))),
+        ("/converged", Some(Value::Null)),
+        ("/bodies/0/reaction", Some(Value::from(vec![1.0]))),
+        ("/bodies/0/rigid/rotation", Some(Value::from("x"))),
+        ("/bodies/0/max_utilisation", Some(Value::from(1.0))),
+        ("/contacts/0/closed", Some(Value::from(-1))),
+        ("/certificate/tension/limit", Some(Value::Null)),
+    ];
+    for (place, value) in faults {
+        assert_eq!(faults_with(place, value), 1, "{place}");
+    }
+    let undefined = faults_with("/certificate/tension/relative", Some(Value::Null));
+    assert_eq!(undefined, 0);
+}
+
+/// What the page of the reference on files says of a file or an object, under a heading of its own.
+fn told_of(title: &str) -> String {
+    let page = std::fs::read_to_string(schema::reference().join("files.md")).unwrap();
+    let head = format!("\n### {title}\n");
+    let begin = page.find(&head);
+    let begin = begin.unwrap_or_else(|| panic!("files.md has no heading `{title}`"));
+    let text = &page[begin + head.len()..];
+    text[..text.find("\n##").unwrap_or(text.len())].to_string()
+}
+
+#[test]
+fn every_key_of_a_summary_is_told_in_the_reference() {
+    let schema = Schema::read();
+    let keys = schema.keys();
+    assert!(keys.len() > 100);
+    let silent = keys.iter().filter(|(object, key)| {
+        // those of a step are those of the whole
+        let object = if *object == "step" { "summary" } else { object };
+        !told_of(&object.replace('_', " ")).contains(&format!("`{key}`"))
+    });
+    assert_eq!(silent.collect::<Vec<_>>(), [&("", ""); 0]);
+}
+
+#[test]
+fn every_column_of_a_table_is_told_in_the_reference() {
+    let more =
+        "[[section]]\nname = \"cut\"\nbody = \"up\"\nsides = [\"left\", \"right\"]\nstations = 2\n";
+    let bar = |ends: [&str; 2]| {
+        format!(
+            "[[bar]]\nname = \"bolt\"\nfrom = {}\nto = {}\nbodies = [\"low\", \"up\"]\nyoung = 1e9\narea = 1e-3\n",
+            ends[0], ends[1]
+        )
+    };
+    let plane = stack(1e6, "friction = 0.3")
+        + more
+        + &bar(["[0.3, 0.6]", "[0.3, 1.6]"])
+        + &probe("line", "up.stress.yy", "along = \"up.bottom\"");
+    let round = stack(1e6, "friction = 0.3").replace("plane-strain", "axisymmetric") + more;
+    let space = "box = { from = [0, 0, 0], to = [1, 1, 1], cells = [2, 2, 2] }";
+    let above = "box = { from = [0, 0, 1], to = [1, 1, 2], cells = [2, 2, 2] }";
+    let space = [
+        "analysis = \"3d\"\n".to_string(),
+        steel(
+            "low",
+            space,
+            "{ side = \"bottom\", x = 0, y = 0, z = 0 }",
+            "",
+        ),
+        steel(
+            "up",
+            above,
+            "{ side = \"left\", x = 0 }, { side = \"front\", y = 0 }",
+            "{ side = \"top\", pressure = 1e6 }",
+        ),
+        contact("sole", "up.bottom", "low.top", "friction = 0.3"),
+        bar(["[0.3, 0.3, 0.6]", "[0.3, 0.3, 1.6]"]),
+        probe(
+            "line",
+            "up.stress.zz",
+            "along = { from = [0.5, 0.5, 1.2], to = [0.5, 0.5, 1.8], points = 3 }",
+        ),
+    ]
+    .concat();
+    let cases = [
+        (
+            "columns_plane",
+            &plane,
+            "run",
+            &["contact.csv", "sections.csv", "lines.csv", "bars.csv"][..],
+        ),
+        ("columns_round", &round, "run", &["sections.csv"]),
+        (
+            "columns_space",
+            &space,
+            "run",
+            &["contact.csv", "lines.csv", "bars.csv"],
+        ),
+        ("columns_export", &space, "export", &["rows.csv"]),
+        (
+            "columns_compare",
+            &stack(1e6, ""),
+            "compare",
+            &["compare.csv"],
+        ),
+    ];
+    for (name, text, command, files) in cases {
+        let run = Run::new(name, text, command, &["--out", "case-out"]);
+        assert_eq!(run.status, Some(0), "{name}: {}", run.stderr);
+        for file in files {
+            let table = std::fs::read_to_string(run.folder.join("case-out").join(file)).unwrap();
+            let told = told_of(file);
+            for column in table.lines().next().unwrap().split(',') {
+                assert!(told.contains(&format!("`{column}`")), "{file}: {column}");
+            }
+        }
+    }
+}
+
 #[test]
 fn nothing_of_a_case_leaves_its_place_in_the_book() {
     let obey = "]</details> ```{raw} html <script>{eval}`1`</script>";
@@ -1542,12 +1701,20 @@ fn nothing_of_a_case_leaves_its_place_in_the_book() {
 #[test]
 fn every_case_is_certified_and_within_its_bands() {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
-    // the pages of the book are made of the same runs
-    let book = Path::new(env!("CARGO_TARGET_TMPDIR")).join("verification");
-    let _ = std::fs::remove_dir_all(&book);
-    let (status, output, message) = verify(&root, &["--book", book.to_str().unwrap()]);
+    // the pages of the book are made of the same runs, and summaries for whoever holds them against the schema
+    let folder = |name: &str| {
+        let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join(name);
+        let _ = std::fs::remove_dir_all(&folder);
+        folder
+    };
+    let (book, summaries) = (folder("verification"), folder("summaries"));
+    let options = [("--book", &book), ("--summaries", &summaries)];
+    let options = options.map(|(option, folder)| [option, folder.to_str().unwrap()]);
+    let (status, output, message) = verify(&root, options.as_flattened());
     assert_eq!(status, Some(0), "{output}{message}");
     assert!(book.join("index.md").exists());
+    let certified = output.matches(": certified, ").count();
+    assert_eq!(summaries_as_the_schema_says(&summaries), certified);
     // an empty folder would pass as well
     let judged = output.matches("  ok\n").count();
     assert!(judged > 1000, "only {judged} values are judged");

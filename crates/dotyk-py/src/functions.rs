@@ -48,6 +48,9 @@ fn called(
         _ => rows(py, points.clone())?.into_any(),
     };
     let found = function.callable.call1(py, (array, t))?;
+    let what = format!("{}: what {} gave", function.place, function.name);
+    let words = py.import("dotyk._words")?;
+    words.call_method1("unmasked", (&found, what))?;
     let shape: Vec<usize> = [Some(count), function.components]
         .into_iter()
         .flatten()

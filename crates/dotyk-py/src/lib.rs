@@ -24,7 +24,7 @@ mod module {
     #[pymodule_export]
     use super::run::Run;
     #[pymodule_export]
-    use super::{command, keys, nearest, to_json, version};
+    use super::{check_file_names, command, keys, nearest, to_json, version};
 }
 
 /// Runs the command with its arguments, its own name the first of them; the exit status.
@@ -54,6 +54,14 @@ fn to_json(py: Python<'_>, text: &str, name: &str) -> PyResult<String> {
 fn nearest(word: &str, known: Vec<String>) -> Option<String> {
     let near = dotyk::case::nearest(word, known.iter().map(String::as_str));
     near.map(str::to_string)
+}
+
+/// Refuses names of bodies by which no result files can be called.
+#[pyfunction]
+#[allow(clippy::needless_pass_by_value)]
+fn check_file_names(py: Python<'_>, names: Vec<String>) -> PyResult<()> {
+    let checked = dotyk::model::check_file_names(names.iter().map(String::as_str));
+    checked.map_err(|error| errors::input(py, format!("body `{}`: {error}", error.name())))
 }
 
 /// Version of the library.

@@ -106,9 +106,11 @@ impl Run {
     /// Writes all files of the command into a folder; their paths.
     fn write(&self, py: Python<'_>, folder: PathBuf) -> PyResult<Vec<PathBuf>> {
         self.recorded(py, move |own| {
-            let folder = output::Folder::wait(&folder)?;
-            of_both!(own, |case, run| own.record(case, run).write(&folder))
-                .map(|written| written.files)
+            of_both!(own, |case, run| {
+                let record = own.record(case, run);
+                let written = output::Folder::wait(&folder).and_then(|held| record.write(&held));
+                written.map(|written| written.files)
+            })
         })
     }
 

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 from dotyk._errors import ArgumentError, InputError, NotConverged
 from dotyk._mesh import _frozen
-from dotyk._words import friend
+from dotyk._words import friend, unmasked
 
 if TYPE_CHECKING:
     import numpy as np
@@ -210,6 +210,7 @@ def own_solver(solver: Callable[[Problem], Any]) -> Callable[[Any], Any]:
 def _vector(values: Any, name: str) -> Any:
     import numpy as np
 
+    unmasked(values, f"`{name}`")
     try:
         array = np.ascontiguousarray(values, dtype=np.float64)
     except (TypeError, ValueError):

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from dotyk import _dotyk
 from dotyk._errors import ArgumentError, InputError
-from dotyk._words import Writer, friend, key_of, keywords, keywords_of, path_of, taken
+from dotyk._words import Writer, friend, key_of, keywords, keywords_of, path_of, taken, unmasked
 
 if TYPE_CHECKING:
     import numpy as np
@@ -67,6 +67,7 @@ class Mesh:
     ) -> None:
         import numpy as np
 
+        unmasked(points, "`points`")
         try:
             if np.iscomplexobj(points):
                 raise TypeError
@@ -264,6 +265,7 @@ def _places(named: Any, dimension: int) -> dict[str, list[list[float]]]:
         raise ArgumentError("`named` is a mapping from names to points")
     places = {}
     for name, at in named.items():
+        unmasked(at, f"the named point `{name}`")
         try:
             points = np.atleast_2d(np.asarray(at, dtype=float))
         except (TypeError, ValueError):
@@ -283,6 +285,7 @@ def _text(value: Any, what: str) -> str:
 def _indices(nodes: Any, what: str) -> Any:
     import numpy as np
 
+    unmasked(nodes, what)
     try:
         array = np.asarray(nodes)
     except (TypeError, ValueError):
@@ -527,7 +530,7 @@ def of_meshio(mesh: Any) -> Mesh:
     """
     import numpy as np
 
-    points = np.asarray(mesh.points, dtype=float)
+    points = np.asarray(unmasked(mesh.points, "`points` of meshio"), dtype=float)
     if points.ndim != 2 or points.shape[1] not in (2, 3):
         raise InputError(f"points of meshio have the shape {points.shape}: it must be (n, 2) or (n, 3)")
     solid = any(_dimension(block) == 3 for block in mesh.cells)
@@ -613,7 +616,7 @@ def _members(own: Any, count: int, name: str) -> Any:
     """Numbers of cells, which may be given as a mask."""
     import numpy as np
 
-    array = np.asarray(own)
+    array = np.asarray(unmasked(own, f"the set `{name}` of meshio"))
     if array.dtype == bool:
         array = np.flatnonzero(array)
     if array.size and not (0 <= array.min() and array.max() < count):

@@ -246,6 +246,26 @@ class Body:
         return f"<dotyk.Body {self.name}: {what}>"
 
 
+class _Solves:
+    """The solves of a model that are going on; a copy of the model has none."""
+
+    def __init__(self) -> None:
+        # of a list, adding and taking are whole, whichever thread does it
+        self._running: list[None] = []
+
+    def __enter__(self) -> None:
+        self._running.append(None)
+
+    def __exit__(self, *_: object) -> None:
+        self._running.pop()
+
+    def __bool__(self) -> bool:
+        return bool(self._running)
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return _Solves, ()
+
+
 class Model:
     """Bodies, and what is between them.
 
@@ -292,6 +312,7 @@ class Model:
         }
         self._solver: dict[str, Any] = {}
         self._name, self._folder = "model", os.getcwd()
+        self._solves = _Solves()
         # a head that no case can have is refused here, beside a body that is always right
         self._try({"body": [_ANY[self.dimension]]})
 
@@ -318,6 +339,7 @@ class Model:
         model._solver = table.get("solver", {})
         model._folder = os.path.dirname(os.path.abspath(file))
         model._name = os.path.basename(file)
+        model._solves = _Solves()
         model._head.setdefault("title", os.path.splitext(model._name)[0])
         return model
 
@@ -526,9 +548,13 @@ class Model:
             if any(own["name"] == name for own in self._lists[other]):
                 parts = "two bodies" if kind == other == "body" else f"two {kind}s" if kind == other else f"a {other} and a {kind}"
                 raise InputError(f"{parts} are named `{name}`")
+        if kind == "body":
+            _dotyk.check_file_names([*(own["name"] for own in self._lists[kind]), name])
 
     def _try(self, document: dict[str, Any]) -> None:
-        """Lets the reader of case files look at a part of the model; steps may come later."""
+        """Lets the reader of case files look at what the model is to have more; steps may come later."""
+        if self._solves:
+            raise InputError("a model cannot be changed while it is solved")
         self._case(_without_active(document), {})
 
     def _document(self) -> dict[str, Any]:
@@ -581,7 +607,7 @@ class Model:
             ``"auto"``, ``"newton"``, ``"mprgp"``, ``"gradient"``, ``"accelerated"``, ``"secant"``, ``"uzawa"``, or a function
             of a dual problem that gives λ and α; its answer is judged as all others.
         callback:
-            Called with a :class:`Progress` at every stage, iteration and step.
+            Called with a :class:`Progress` at every stage, iteration and step. It may raise, but not change the model.
 
         Raises :class:`InputError` where there is no such model, :class:`NotConverged` with the last iterate where there is no
         answer.
@@ -600,7 +626,8 @@ class Model:
         if bolt is not None:
             solver |= {"method": method if isinstance(method, str) else solver.get("method"), "bolt": taken(bolt)}
         case = self._case(document, solver, parameters)
-        return solved(case, method, tolerance, max_iterations, rho, threads, callback, progress)
+        with self._solves:
+            return solved(case, method, tolerance, max_iterations, rho, threads, callback, progress)
 
     def check(self) -> Check:
         """Looks at meshes, supports, loads, what floats and what holds it, and contacts; solves nothing.
@@ -624,7 +651,9 @@ class Model:
         """
         from dotyk._dual import Dual
 
-        return Dual(self._case(self._document(), self._solver).dual(number_of(t, "t")))
+        case = self._case(self._document(), self._solver)
+        with self._solves:
+            return Dual(case.dual(number_of(t, "t")))
 
     @keywords
     def study(self, vary: Table, parameters: Table | None = None, threads: int | None = None) -> Study:
@@ -639,7 +668,8 @@ class Model:
         [-0.001, -0.002]
         """
         case = self._case(self._document(), self._solver, parameters)
-        return studied(case, vary, parameters, threads_of(threads))
+        with self._solves:
+            return studied(case, vary, parameters, threads_of(threads))
 
     def __repr__(self) -> str:
         title = self._head.get("title")

@@ -121,7 +121,7 @@ class Figure(NamedTuple):
 
 
 class ProbeValue(float):
-    """A number that was read, with ``name``, ``quantity``, ``unit`` and ``at``; of a line ``line``.
+    """A number that was read, with ``name``, ``quantity``, ``unit`` and ``at``; of a line ``points``, ``length``, ``smallest`` and ``largest``.
 
     >>> import dotyk.examples
     >>> s = dotyk.examples.punch().probe("rise", "punch.displacement.y", at=[2, 2]).solve()
@@ -134,13 +134,17 @@ class ProbeValue(float):
     value: float
     unit: str | None
     at: list[float] | None
-    line: Any
+    #: Of a line: number of values, length and range.
+    points: int
+    length: float
+    smallest: float
+    largest: float
 
     @classmethod
     def _of(cls, table: dict[str, Any]) -> ProbeValue:
         value = table.get("value")
         probe = cls(math.nan if value is None else value)
-        for key, own in {"unit": None, "at": None, "line": None, **table, "value": float(probe)}.items():
+        for key, own in {"unit": None, "at": None, **table, "value": float(probe)}.items():
             setattr(probe, key, own)
         return probe
 
@@ -370,7 +374,15 @@ class BodySolution(_Frozen):
     max_von_mises_place: str | None
     #: The largest one away from such places.
     max_von_mises_away: float
+    max_von_mises_away_at: list[float]
     strain_energy: float
+    #: Where a body of the model has a strength: the area, in space volume, where the utilisation exceeds 1.
+    overstressed_area: float
+    max_utilisation: float
+    max_utilisation_at: list[float]
+    max_utilisation_place: str | None
+    #: The points of its couples, where it has some.
+    couples: list[dict[str, Any]]
     #: The rigid motion that is nearest to its displacements.
     rigid: dict[str, Any]
 
@@ -581,6 +593,8 @@ class Solution(_Frozen):
     (6, 2)
     """
 
+    #: Version of the keys.
+    schema: int
     case: str
     version: str
     units: dict[str, str]
@@ -592,6 +606,8 @@ class Solution(_Frozen):
     converged: bool
     solver: str
     iterations: int
+    #: Where Coulomb's law was solved as a fixed point: the factor by which each round reduces the error.
+    contraction: float
     dofs: int
     contact_unknowns: int
     threads: int
@@ -621,7 +637,7 @@ class Solution(_Frozen):
         tables = summary.get("steps") or [top]
         if len(tables) < run.steps:
             tables = [*tables, top]
-        common = {key: summary[key] for key in ("units", "parameters") if key in summary}
+        common = {key: summary[key] for key in ("schema", "units", "parameters") if key in summary}
         earlier = [cls({**common, **table}, run, k) for k, table in enumerate(tables[:-1])]
         last = cls({**tables[-1], **top}, run, len(tables) - 1)
         steps = (*earlier, last)

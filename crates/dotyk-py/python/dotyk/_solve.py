@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 from dotyk import _dotyk
 from dotyk._errors import ArgumentError, InputError, NotConverged
-from dotyk._words import count_of, friend, keywords, number_of, parameters_of, path_of, threads_of
+from dotyk._words import count_of, friend, keywords, number_of, parameters_of, path_of, threads_of, unmasked
 
 if TYPE_CHECKING:
     from dotyk._solution import Solution
@@ -350,6 +350,7 @@ def studied(case: Any, vary: Any, parameters: Any, threads: int | None) -> Study
     for name, values in vary.items():
         if isinstance(values, (str, bytes)):
             raise ArgumentError(f"the values of `{name}` are an array of numbers")
+        unmasked(values, f"the array of values of `{name}`")
         try:
             numbers = [float(value) for value in values]
         except (TypeError, ValueError):

@@ -8,6 +8,7 @@ import keyword
 import math
 import os
 import re
+import sys
 from collections.abc import Callable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any, ParamSpec, TypeVar
 
@@ -92,6 +93,20 @@ def _checked(function: Callable[P, R], table: str | None) -> Callable[P, R]:
     return call
 
 
+def unmasked(value: Any, what: str) -> Any:
+    """The value, unless it is a masked array of NumPy or a list of such: what its mask hides are no numbers."""
+    masks = sys.modules.get("numpy.ma")
+    if masks is not None and isinstance(value, masks.MaskedArray):
+        raise InputError(
+            f"{what} is a masked array of NumPy, and what is hidden is no number: give plain arrays, with the numbers of "
+            "`.filled(..)` or without those that are masked (`.compressed()`)"
+        )
+    if isinstance(value, (list, tuple)):
+        for own in value:
+            unmasked(own, what)
+    return value
+
+
 def taken(value: Any, depth: int = 0) -> Any:
     """A value that later changes of the caller's arrays, lists and tables do not change."""
     from dotyk._mesh import Mesh
@@ -101,7 +116,7 @@ def taken(value: Any, depth: int = 0) -> Any:
     if isinstance(value, (str, bytes, Mesh)) or callable(value):
         return value
     if hasattr(value, "tolist") and hasattr(value, "dtype"):
-        return value.tolist()
+        return unmasked(value, "a value").tolist()
     if isinstance(value, Mapping):
         return {key: taken(own, depth + 1) for key, own in value.items()}
     if isinstance(value, (list, tuple)):
@@ -156,7 +171,8 @@ class Writer:
             where = f"{place} on `{where}`" if isinstance(where, str) else place
             return self.table(value, f"{where}, {key}" if key in _TABLES else where, key in _NAMES)
         if hasattr(value, "tolist") and hasattr(value, "dtype"):
-            return self.value(value.tolist(), place, key)
+            what = f"{place}, `{key}`" if key else place
+            return self.value(unmasked(value, f"{what}: a value").tolist(), place, key)
         if callable(value):
             return self.function(value, f"{place}, {key}" if key else place, key)
         if isinstance(value, Sequence) or isinstance(value, (set, range)):
@@ -226,6 +242,7 @@ def parameters_of(parameters: Mapping[str, Any] | None) -> list[tuple[str, str]]
         if isinstance(value, str):
             pairs.append((name, value))
             continue
+        unmasked(value, f"the parameter `{name}`")
         try:
             pairs.append((name, _number(float(value))))
         except (TypeError, ValueError):
@@ -241,6 +258,7 @@ def number_of(value: Any, name: str) -> float | None:
         return None
     if isinstance(value, (str, bytes, bool)):
         raise ArgumentError(f"`{name}` is a number, not {value!r}")
+    unmasked(value, f"`{name}`")
     try:
         return float(value)
     except (TypeError, ValueError, OverflowError):

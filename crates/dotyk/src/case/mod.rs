@@ -48,7 +48,7 @@ use crate::case::steps::Steps;
 use crate::mesh::Mesh;
 use crate::model::{
     Analysis, Body, Bolts, Event, Method, Model, Past, ProbeValue, Solution, SolverOptions, Study,
-    Subject, Units, Varied,
+    Subject, Units, Varied, check_file_names,
 };
 use crate::solve::ContactSolver;
 use std::path::{Path, PathBuf};
@@ -336,6 +336,7 @@ where
     let (contacts, sections) = (table.list("contact")?, table.list("section")?);
     let bars = table.list("bar")?;
     own_names(&[bodies, contacts, sections, bars])?;
+    names_of_files(bodies)?;
     if let (Analysis::Solid, Some(entry)) = (analysis, table.entry("section")) {
         let span = sections.first().map_or(&entry.node.span, |node| &node.span);
         return Err(later(span, "section forces in space, `section`,"));
@@ -484,6 +485,22 @@ fn own_names(lists: &[&[Node]]) -> Result<(), Fault> {
         }
     }
     Ok(())
+}
+
+/// Refuses bodies whose result files cannot be called by their names.
+fn names_of_files(bodies: &[Node]) -> Result<(), Fault> {
+    let named = bodies.iter().filter_map(|node| {
+        let entry = node.entries().ok()?.iter().find(|e| e.key == "name")?;
+        Some((entry.node.text().ok()?, &entry.node.span))
+    });
+    let named: Vec<_> = named.collect();
+    let Err(error) = check_file_names(named.iter().map(|(name, _)| *name)) else {
+        return Ok(());
+    };
+    let refused = named.iter().find(|(name, _)| *name == error.name());
+    let span = refused.map_or(0..0, |(_, span)| (*span).clone());
+    let message = format!("body `{}`: {error}", error.name());
+    Err(Fault::new(&span, message).label("names a result file"))
 }
 
 /// Refuses two elements of a list of tables with the same `name`.

@@ -8,6 +8,7 @@ use crate::model::compliance::DENSE_LIMIT;
 use crate::model::dual::{Dual, Unknown};
 use crate::model::error::Error;
 use crate::model::event::Event;
+use crate::model::file_names::check_file_names;
 use crate::model::nouns::{Analysis, Method, Model};
 use crate::model::parts::couples;
 use crate::model::past::Past;
@@ -302,7 +303,16 @@ impl<const D: usize> Model<D> {
                 kind,
                 name: name.clone(),
             }),
-            None => Ok(()),
+            None => self.check_file_names(),
         }
+    }
+
+    /// Errors: a body by whose name no file can be called, or one that is the same on some systems.
+    fn check_file_names(&self) -> Result<(), Error<D>> {
+        let names = self.bodies.iter().map(|body| &body.name[..]);
+        check_file_names(names).map_err(|source| Error::FileName {
+            body: source.name().to_string(),
+            source,
+        })
     }
 }

@@ -6,6 +6,7 @@ use crate::fem::{Analysis, Body, FemError, Short, show};
 use crate::geometry::{Field, Point};
 use crate::linalg::LinalgError;
 use crate::model::bar::BarError;
+use crate::model::file_names::NameError;
 use crate::model::intrusion::Intrusion;
 use crate::model::nouns::Model;
 use crate::model::section::SectionError;
@@ -71,6 +72,14 @@ pub enum Error<const D: usize> {
         kind: &'static str,
         /// The name.
         name: String,
+    },
+    /// The result file of a body cannot have its name.
+    #[error("body \"{body}\": {source}")]
+    FileName {
+        /// Its name.
+        body: String,
+        /// What is wrong with it.
+        source: NameError,
     },
     /// A body cannot be assembled or factored.
     #[error("body \"{body}\": {source}")]
@@ -291,6 +300,7 @@ impl<const D: usize> Error<D> {
     pub fn subject(&self) -> Option<Subject> {
         match self {
             Self::Body { body, .. }
+            | Self::FileName { body, .. }
             | Self::NotHeld { body, .. }
             | Self::OutOfReach { body, .. }
             | Self::PulledAway { body, .. } => Some(Subject::Body(body.clone())),

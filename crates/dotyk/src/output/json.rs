@@ -1,6 +1,7 @@
 //! `summary.json`: the answer in numbers for programs.
 //!
-//! The order of the keys is that of the structs. A number that is not finite becomes `null`.
+//! The order of the keys is that of the structs. A number that is not finite becomes `null`. What there may be is said by
+//! `docs/reference/summary.schema.json`, and what it means by `files.md` beside it: tests hold them together.
 
 use crate::dual::Figure;
 use crate::model::{
@@ -15,6 +16,9 @@ use std::collections::BTreeMap;
 
 /// Version that every file names.
 pub const VERSION: &str = env!("CARGO_PKG_VERSION");
+
+/// Version of the keys: another one where a key goes or means something else, the same where keys come.
+const SCHEMA: u32 = 1;
 
 /// Content of `summary.json`: the last step and, where there are several, all that were solved in `steps`.
 ///
@@ -51,6 +55,7 @@ pub fn summary<const D: usize>(run: &Overview<'_, D>) -> String {
         energy: told(&labels.energy.replace(THIN, " ")),
     };
     let summary = Document {
+        schema: SCHEMA,
         units: (units.length.is_some() || units.force.is_some()).then_some(units),
         parameters: (!parameters.is_empty()).then_some(parameters),
         steps: run.has_steps().then(|| earlier.chain(good).collect()),
@@ -170,6 +175,7 @@ pub fn max_penetration<const D: usize>(nodes: &[ContactNode<D>]) -> f64 {
 
 #[derive(Serialize)]
 struct Document<'a> {
+    schema: u32,
     #[serde(flatten)]
     last: Summary<'a>,
     /// As the case names them.
@@ -673,6 +679,7 @@ mod tests {
         assert_eq!(
             keys(&value),
             sorted([
+                "schema",
                 "case",
                 "version",
                 "units",
@@ -790,7 +797,9 @@ mod tests {
         });
         let mut value: Value = serde_json::from_str(&text).unwrap();
         let steps = value.as_object_mut().unwrap().remove("steps").unwrap();
-        value.as_object_mut().unwrap().remove("units").unwrap();
+        for of_all in ["schema", "units"] {
+            value.as_object_mut().unwrap().remove(of_all).unwrap();
+        }
         assert_eq!(steps[1], value);
         assert_eq!(keys(&steps[0]), keys(&value));
         for (step, time) in [(0, 0.25), (1, 1.0)] {
@@ -821,7 +830,7 @@ mod tests {
         let contact = &value["contacts"][0];
         let (closed, open) = (contact["closed"].as_u64(), contact["open"].as_u64());
         assert_eq!(closed.unwrap() + open.unwrap(), 17);
-        assert!(text.starts_with("{\n  \"case\": \"case_1\",\n  \"version\""));
+        assert!(text.starts_with("{\n  \"schema\": 1,\n  \"case\": \"case_1\",\n  \"version\""));
     }
 
     #[test]

@@ -207,3 +207,36 @@ fn a_mean_pressure_is_over_what_faces_something() {
         assert!((solution.probes[0].value - force).abs() < 1e-9 * force);
     }
 }
+
+#[test]
+fn a_model_whose_result_files_no_system_can_have_is_not_solved() {
+    let unit = Rectangle {
+        from: [0.0, 0.0],
+        to: [1.0, 1.0],
+        cells: [1, 1],
+        cell: CellKind::Quad4,
+        diagonals: Diagonals::default(),
+    };
+    let steel = Elastic {
+        young: 1e3,
+        poisson: 0.3,
+    };
+    let solved = |names: [&str; 2]| {
+        let mut model = Model::new();
+        for name in names {
+            let body = model.body(name, unit.build().unwrap(), steel);
+            model.fix(body, "bottom", [Some(0.0), Some(0.0)]);
+        }
+        model.solve()
+    };
+    for (names, words) in [
+        (["rock", "aux"], "body \"aux\": Windows keeps the name"),
+        (
+            ["Rock", "rock"],
+            "body \"rock\": its name differs from `Rock`",
+        ),
+    ] {
+        let error = solved(names).unwrap_err().to_string();
+        assert!(error.starts_with(words), "{error}");
+    }
+}
