@@ -1682,7 +1682,19 @@ fn nothing_of_a_case_leaves_its_place_in_the_book() {
     let (before, code) = page.split_once("`````toml\n").unwrap();
     assert_eq!(code, format!("{}\n`````\n\n</details>\n", text.trim_end()));
     let index = std::fs::read_to_string(book.join("index.md")).unwrap();
-    for page in [before, &index] {
+    // what stands behind a backslash is a character like others
+    let obeyed = |page: &str| -> String {
+        let mut out = String::new();
+        let mut characters = page.chars();
+        while let Some(c) = characters.next() {
+            match c {
+                '\\' => drop(characters.next()),
+                c => out.push(c),
+            }
+        }
+        out
+    };
+    for page in [obeyed(before), obeyed(&index)] {
         for place in ["<script", "]</details>", "`{raw", "{eval}`", "\n1. :::"] {
             assert!(!page.contains(place), "{place}: {page}");
         }

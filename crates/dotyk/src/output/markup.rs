@@ -34,7 +34,8 @@ impl Markup {
 
     /// Data for the inside of a script element, which no text of it can end.
     pub fn json(data: &serde_json::Value) -> Self {
-        Self(data.to_string().replace('<', "\\u003c"))
+        let data = data.to_string().replace('<', "\\u003c");
+        Self(data.replace('>', "\\u003e"))
     }
 
     /// The markup as text, to be written into a file.
@@ -166,7 +167,7 @@ mod tests {
     fn data_do_not_end_their_script() {
         let data = serde_json::json!({ "name": "</script><!--" });
         let written = Markup::json(&data);
-        assert!(!written.contains('<'));
+        assert!(!written.contains(['<', '>']));
         assert_eq!(
             serde_json::from_str::<serde_json::Value>(&written).ok(),
             Some(data)

@@ -51,6 +51,15 @@ fn nothing_is_left_for_later() {
     report(&found);
 }
 
+/// Its parts are escaped by the macro, and by nothing else.
+#[test]
+fn markup_comes_out_of_templates_alone() {
+    let others = sources(&library().join("src")).into_iter();
+    let others = others.filter(|source| source.path != "output/markup.rs");
+    let around = others.filter(|source| source.code.contains("Markup::filled"));
+    report(&around.map(|source| source.path).collect::<Vec<_>>());
+}
+
 /// What cannot happen may say so with a reason; what can happen is an error.
 #[test]
 fn the_library_panics_on_no_input() {
