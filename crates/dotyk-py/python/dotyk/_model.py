@@ -21,6 +21,7 @@ from dotyk._words import (
     taken,
     text_of,
     threads_of,
+    unmasked,
 )
 
 if TYPE_CHECKING:
@@ -86,7 +87,7 @@ class Body:
         return Mesh._of(native)
 
     def _add(self, kind: str, entry: dict[str, Any]) -> Body:
-        entry = {key: taken(value) for key, value in entry.items() if value is not None}
+        entry = taken({key: value for key, value in entry.items() if value is not None})
         base = {key: value for key, value in self._table.items() if key in _BASE}
         listed = [*base.get(kind, []), entry] if kind in _BASE else [entry]
         self._model._try({"body": [{**base, kind: listed}]})
@@ -94,7 +95,7 @@ class Body:
         return self
 
     def _set(self, key: str, value: Any) -> Body:
-        value = taken(value)
+        value = taken(value, what=f"`{key}`")
         base = {known: own for known, own in self._table.items() if known in _BASE}
         self._model._try({"body": [{**base, key: value}]})
         self._table[key] = value
@@ -415,9 +416,9 @@ class Model:
         own = {key: value for key, value in own.items() if value is not None}
         if own and material is not None:
             raise InputError(f"body `{name}`: give `material` or {', '.join(f'`{key}`' for key in own)}, not both")
-        table = {key: taken(value) for key, value in given.items() if value is not None and key != "mesh"}
+        table = taken({key: value for key, value in given.items() if value is not None and key != "mesh"})
         table["mesh"] = taken(of_any(mesh))
-        table["material"] = taken(material if material is not None else own)
+        table["material"] = taken(material if material is not None else own, what="`material`")
         for kind in ("fix", "spring", "load", "couple"):
             if not isinstance(table.get(kind, []), list):
                 raise ArgumentError(f"`{kind}` is a list of tables")
@@ -532,7 +533,7 @@ class Model:
         return self
 
     def _add(self, kind: str, values: dict[str, Any]) -> Model:
-        entry = {key: taken(value) for key, value in values.items() if key != "self" and value is not None}
+        entry = taken({key: value for key, value in values.items() if key != "self" and value is not None})
         text_of(entry.get("name"), "name")
         self._unused(kind, entry["name"])
         bodies = [{key: value for key, value in body.items() if key in _BASE} for body in self._lists["body"]]
@@ -621,6 +622,7 @@ class Model:
         if steps is not None:
             if isinstance(steps, (str, Mapping)) or not hasattr(steps, "__iter__"):
                 raise ArgumentError("`steps` is a list of times, of pairs (name, time) or of tables")
+            unmasked(steps, "`steps`")
             document = {**document, "step": [_step(step) for step in steps]}
         solver = dict(self._solver)
         if bolt is not None:

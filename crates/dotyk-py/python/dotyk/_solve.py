@@ -350,7 +350,7 @@ def studied(case: Any, vary: Any, parameters: Any, threads: int | None) -> Study
     for name, values in vary.items():
         if isinstance(values, (str, bytes)):
             raise ArgumentError(f"the values of `{name}` are an array of numbers")
-        unmasked(values, f"the array of values of `{name}`")
+        unmasked(values, f"the values of `{name}`")
         try:
             numbers = [float(value) for value in values]
         except (TypeError, ValueError):

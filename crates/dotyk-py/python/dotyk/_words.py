@@ -98,8 +98,8 @@ def unmasked(value: Any, what: str) -> Any:
     masks = sys.modules.get("numpy.ma")
     if masks is not None and isinstance(value, masks.MaskedArray):
         raise InputError(
-            f"{what} is a masked array of NumPy, and what is hidden is no number: give plain arrays, with the numbers of "
-            "`.filled(..)` or without those that are masked (`.compressed()`)"
+            f"{what}: masked arrays of NumPy are no numbers, for what is hidden is none; give a plain array, with numbers in "
+            "its place (`.filled(..)`) or without it (`.compressed()`)"
         )
     if isinstance(value, (list, tuple)):
         for own in value:
@@ -107,8 +107,8 @@ def unmasked(value: Any, what: str) -> Any:
     return value
 
 
-def taken(value: Any, depth: int = 0) -> Any:
-    """A value that later changes of the caller's arrays, lists and tables do not change."""
+def taken(value: Any, depth: int = 0, what: str = "a value") -> Any:
+    """A value that later changes of the caller's arrays, lists and tables do not change; ``what`` it is in messages."""
     from dotyk._mesh import Mesh
 
     if depth > 100:
@@ -116,11 +116,11 @@ def taken(value: Any, depth: int = 0) -> Any:
     if isinstance(value, (str, bytes, Mesh)) or callable(value):
         return value
     if hasattr(value, "tolist") and hasattr(value, "dtype"):
-        return unmasked(value, "a value").tolist()
+        return unmasked(value, what).tolist()
     if isinstance(value, Mapping):
-        return {key: taken(own, depth + 1) for key, own in value.items()}
+        return {key: taken(own, depth + 1, f"`{key}`") for key, own in value.items()}
     if isinstance(value, (list, tuple)):
-        return [taken(own, depth + 1) for own in value]
+        return [taken(own, depth + 1, what) for own in value]
     return value
 
 
@@ -172,7 +172,7 @@ class Writer:
             return self.table(value, f"{where}, {key}" if key in _TABLES else where, key in _NAMES)
         if hasattr(value, "tolist") and hasattr(value, "dtype"):
             what = f"{place}, `{key}`" if key else place
-            return self.value(unmasked(value, f"{what}: a value").tolist(), place, key)
+            return self.value(unmasked(value, what).tolist(), place, key)
         if callable(value):
             return self.function(value, f"{place}, {key}" if key else place, key)
         if isinstance(value, Sequence) or isinstance(value, (set, range)):
