@@ -2,6 +2,8 @@
 //!
 //! Source: "Naming Files, Paths, and Namespaces" of the documentation of Windows, reserved names.
 
+use std::collections::HashMap;
+
 /// What Windows keeps for devices, whatever stands behind a point and whatever the case.
 const DEVICES: [&str; 4] = ["con", "prn", "aux", "nul"];
 
@@ -47,7 +49,7 @@ impl NameError {
 ///
 /// Errors: the first name that no file can have, or that only its case tells from one before it.
 pub fn check_file_names<'a>(names: impl IntoIterator<Item = &'a str>) -> Result<(), NameError> {
-    let mut seen: Vec<(String, &str)> = Vec::new();
+    let mut seen: HashMap<String, &str> = HashMap::new();
     for name in names {
         let lower = name.to_lowercase();
         if is_device(&lower) {
@@ -56,14 +58,13 @@ pub fn check_file_names<'a>(names: impl IntoIterator<Item = &'a str>) -> Result<
         if name.len() > LONGEST {
             return Err(NameError::TooLong(name.to_string()));
         }
-        let alike = |(known, other): &&(String, &str)| *known == lower && *other != name;
-        if let Some((_, other)) = seen.iter().find(alike) {
+        let other = *seen.entry(lower).or_insert(name);
+        if other != name {
             return Err(NameError::Alike {
                 name: name.to_string(),
-                other: (*other).to_string(),
+                other: other.to_string(),
             });
         }
-        seen.push((lower, name));
     }
     Ok(())
 }

@@ -1,7 +1,7 @@
 //! A folder of results that one run holds.
 
 use crate::output::Error;
-use crate::output::files::stage::left;
+use crate::output::files::stage::{left, writing};
 use crate::output::files::{Lock, is_random_name, is_still, journal, lock, missing, unwritable};
 use std::fs::{self, File};
 use std::path::{Path, PathBuf};
@@ -13,6 +13,9 @@ const PATIENCE: Duration = Duration::from_secs(10);
 
 /// How often it is looked whether they have ended.
 const PAUSE: Duration = Duration::from_millis(10);
+
+/// How often a folder is looked for that others exchange meanwhile.
+const MOST_TRIES: usize = 100;
 
 /// A folder of results; as long as it lives, no other run of any process can have it.
 ///
@@ -34,7 +37,9 @@ impl Folder {
     ///
     /// Errors: [`Error::Taken`] where another run has it, [`Error::NotADirectory`], [`Error::Unwritable`].
     pub fn hold(dir: &Path) -> Result<Self, Error> {
+        let _writing = writing();
         let mut own = Made(Vec::new());
+        let mut tries = 0..MOST_TRIES;
         let lock = loop {
             for path in missing(dir) {
                 match fs::create_dir(&path) {
@@ -55,8 +60,10 @@ impl Folder {
                     });
                 }
                 Lock::Held(None) => break None,
-                // another run may just have put another folder in its place
-                Lock::Held(Some(file)) if is_still(&file, dir) => break Some(file),
+                // another run may just have put another folder in its place; some systems never tell which folder it is
+                Lock::Held(Some(file)) if is_still(&file, dir) || tries.next().is_none() => {
+                    break Some(file);
+                }
                 Lock::Held(Some(_)) => {}
             }
         };

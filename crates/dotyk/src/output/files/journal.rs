@@ -82,9 +82,10 @@ pub(super) fn finish(folder: &Path) -> Result<(), Error> {
     let list = journal.join(LIST);
     let text = fs::read_to_string(&list).map_err(|e| unwritable(&list, e))?;
     for line in text.lines() {
-        // a name that leads elsewhere is none of ours
+        // a name that leads elsewhere, or through a link that somebody planted, is none of ours
         let Some(target) = line.get(1..).and_then(|name| within(folder, name)) else {
-            continue;
+            let message = format!("`{line}` of {} leads out of the folder", list.display());
+            return Err(unwritable(folder, io::Error::other(message)));
         };
         let own = journal.join(&line[1..]);
         let done = match line.starts_with('+') && own.symlink_metadata().is_ok() {
@@ -97,11 +98,14 @@ pub(super) fn finish(folder: &Path) -> Result<(), Error> {
     fs::remove_dir_all(&journal).map_err(|e| unwritable(&journal, e))
 }
 
-/// A place within a folder; `None` for a name that leads out of it.
-fn within(folder: &Path, name: &str) -> Option<PathBuf> {
+/// A place within a folder; `None` for a name that leads out of it, by itself or through links.
+pub(super) fn within(folder: &Path, name: &str) -> Option<PathBuf> {
     let plain = |part| matches!(part, std::path::Component::Normal(_));
     let inside = !name.is_empty() && Path::new(name).components().all(plain);
-    inside.then(|| folder.join(name))
+    let above = Path::new(name).ancestors().skip(1);
+    let mut above = above.filter(|part| !part.as_os_str().is_empty());
+    let linked = above.any(|part| folder.join(part).is_symlink());
+    (inside && !linked).then(|| folder.join(name))
 }
 
 #[cfg(test)]
@@ -141,7 +145,7 @@ mod tests {
         let scratch = Scratch::new("journal-killed");
         let [folder, stage] = both(&scratch);
         // killed after the first of the files
-        fs::write(stage.join(LIST), "+a\n+b\n-old\n+../out2\n").unwrap();
+        fs::write(stage.join(LIST), "+a\n+b\n-old\n").unwrap();
         fs::rename(&stage, folder.join(JOURNAL)).unwrap();
         fs::rename(folder.join(JOURNAL).join("a"), folder.join("a")).unwrap();
         assert!(is_unfinished(&folder));
@@ -149,5 +153,25 @@ mod tests {
         assert_eq!(names(&folder), ["a", "b"]);
         assert_eq!(names(scratch.path()), ["out"]);
         finish(&folder).unwrap();
+    }
+
+    #[test]
+    fn no_list_leads_out_of_the_folder() {
+        for line in ["+../a", "-../mine", "+/tmp/a", "+link/a"] {
+            let scratch = Scratch::new("journal-planted");
+            let [folder, stage] = both(&scratch);
+            fs::write(scratch.path().join("mine"), b"mine").unwrap();
+            #[cfg(unix)]
+            std::os::unix::fs::symlink(scratch.path(), folder.join("link")).unwrap();
+            fs::create_dir(stage.join("link")).unwrap();
+            fs::write(stage.join("link/a"), b"planted").unwrap();
+            fs::write(stage.join(LIST), line).unwrap();
+            fs::rename(&stage, folder.join(JOURNAL)).unwrap();
+            let told = finish(&folder).map_err(|e| e.to_string());
+            if cfg!(unix) || !line.contains("link") {
+                assert!(told.unwrap_err().contains("leads out of the folder"));
+                assert_eq!(names(scratch.path()), ["mine", "out"], "{line}");
+            }
+        }
     }
 }

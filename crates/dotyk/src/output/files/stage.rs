@@ -7,7 +7,7 @@ use std::collections::BTreeSet;
 use std::fs::{self, File};
 use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
-use std::sync::{Mutex, MutexGuard, PoisonError, RwLock};
+use std::sync::{Mutex, MutexGuard, PoisonError, RwLock, RwLockReadGuard};
 
 /// Most files that are brought to the disk side by side.
 const SIDE_BY_SIDE: usize = 8;
@@ -27,6 +27,11 @@ static LEFT: Mutex<Left> = Mutex::new(Left {
 
 /// Whoever writes has it to read; whoever ends the process has it to write, and for ever.
 static WRITING: RwLock<()> = RwLock::new(());
+
+/// What keeps the process from ending while something is written.
+pub(super) fn writing() -> RwLockReadGuard<'static, ()> {
+    WRITING.read().unwrap_or_else(PoisonError::into_inner)
+}
 
 pub(super) fn left() -> MutexGuard<'static, Left> {
     LEFT.lock().unwrap_or_else(PoisonError::into_inner)
@@ -58,6 +63,7 @@ impl Stage {
     ///
     /// Errors: [`Error::Unwritable`].
     pub fn open(folder: &Folder) -> Result<Self, Error> {
+        let _writing = writing();
         let target = folder.place();
         let name = target.file_name().map(|name| name.to_string_lossy());
         let beside = target.parent().zip(name);
@@ -96,10 +102,14 @@ impl Stage {
         name: &str,
         write: &mut dyn FnMut(&mut dyn Write) -> io::Result<()>,
     ) -> Result<(), Error> {
-        let _writing = WRITING.read().unwrap_or_else(PoisonError::into_inner);
+        let _writing = writing();
         let target = self.folder.path().join(name);
         if target.is_dir() {
             return Err(Error::IsADirectory { path: target });
+        }
+        if journal::within(self.folder.place(), name).is_none() {
+            let linked = io::Error::other("a link stands where its folder is to be");
+            return Err(unwritable(&target, linked));
         }
         let staged = self.place.join(name);
         self.files.push(name.to_string());
@@ -115,9 +125,10 @@ impl Stage {
     /// Puts all files in their places, in one step where the system has one, and removes `stale` ones of an earlier run; returns the
     /// paths.
     ///
-    /// Errors: [`Error::Unwritable`], [`Error::IsADirectory`]; then the folder is as it was before.
+    /// Errors: [`Error::Unwritable`], [`Error::IsADirectory`]; then the folder is as it was before, or, where files are put in place one
+    /// by one, the next run finishes it.
     pub fn commit(self, stale: &[String]) -> Result<Vec<PathBuf>, Error> {
-        let _writing = WRITING.read().unwrap_or_else(PoisonError::into_inner);
+        let _writing = writing();
         let folder = self.folder.place();
         let paths: Vec<PathBuf> = self.named(&self.files);
         if let Some(path) = paths.iter().find(|path| path.is_dir()) {
@@ -255,6 +266,18 @@ mod tests {
         assert_eq!(fs::read(dir.join("two.txt")).unwrap(), b"new");
         assert_eq!(names(scratch.path()), ["out"]);
         assert!(super::super::is_still(&opened, &dir));
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn no_link_leads_files_out_of_the_folder() {
+        let scratch = Scratch::new("stage-link");
+        let dir = scratch.path().join("out");
+        fs::create_dir(&dir).unwrap();
+        std::os::unix::fs::symlink(scratch.path(), dir.join("link")).unwrap();
+        let error = stage(&dir).put("link/one.txt", b"1").unwrap_err();
+        assert!(error.to_string().contains("a link stands"), "{error}");
+        assert_eq!(names(scratch.path()), ["out"]);
     }
 
     #[test]
