@@ -41,9 +41,10 @@ impl Failure {
 
     /// Prints the message: with colours on a terminal, plain elsewhere.
     pub fn print(self) {
-        let rendered = self.rendered(colours(&std::io::stderr()));
+        let coloured = colours(&std::io::stderr());
+        let rendered = self.rendered(coloured);
         // Nobody is left to tell when standard error is closed.
-        let _ = std::io::stderr().write_all(shown(&rendered).as_bytes());
+        let _ = std::io::stderr().write_all(shown(&rendered, coloured).as_bytes());
     }
 
     fn rendered(&self, colours: bool) -> String {
@@ -97,7 +98,7 @@ fn underlined(error: &CaseError, colours: bool) -> String {
 pub fn warn(warnings: &[String]) {
     let lines: String = warnings.iter().map(|w| format!("warning: {w}\n")).collect();
     // As above.
-    let _ = std::io::stderr().write_all(shown(&lines).as_bytes());
+    let _ = std::io::stderr().write_all(shown(&lines, false).as_bytes());
 }
 
 #[cfg(test)]

@@ -99,16 +99,18 @@ fn tell(told: &clap::Error) -> Result<(), Failure> {
         false => text::colours(&std::io::stdout()),
     };
     let styled = told.render();
-    let words = match coloured {
+    let plain = styled.to_string();
+    // styles are not ours: beside words of strangers there are none
+    let words = match coloured && !plain.chars().any(text::commands) {
         true => styled.ansi().to_string(),
-        false => styled.to_string(),
+        false => text::shown(&plain, false).into_owned(),
     };
     if to_errors {
         // nobody is left to tell when standard error is closed
-        let _ = std::io::stderr().write_all(text::shown(&words).as_bytes());
+        let _ = std::io::stderr().write_all(words.as_bytes());
         return Ok(());
     }
-    text::print(&words)
+    text::put(&words)
 }
 
 fn status(command: Command) -> u8 {

@@ -110,7 +110,7 @@ impl Progress {
 
     /// Says what is being worked on before the first stage.
     pub fn announce(&self, what: &str) {
-        self.bar.set_message(shown(what).into_owned());
+        self.bar.set_message(shown(what, false).into_owned());
     }
 
     /// Takes note of an event.

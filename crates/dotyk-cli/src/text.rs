@@ -7,12 +7,19 @@ use std::io::{ErrorKind, IsTerminal, Write};
 use std::ops::Range;
 use std::path::PathBuf;
 
-/// Writes to standard output. A reader that closes the pipe early ends the output and is no error.
+/// Writes what a terminal may show to standard output.
+///
+/// Errors: as [`put`].
+pub fn print(text: &str) -> Result<(), Failure> {
+    put(&shown(text, colours(&std::io::stdout())))
+}
+
+/// Writes words of ours to standard output as they are. A reader that closes the pipe early ends the output and is no error.
 ///
 /// Errors: anything else that keeps the text from whoever waits for it, such as a full disk.
-pub fn print(text: &str) -> Result<(), Failure> {
+pub fn put(text: &str) -> Result<(), Failure> {
     let mut out = std::io::stdout().lock();
-    let written = out.write_all(shown(text).as_bytes());
+    let written = out.write_all(text.as_bytes());
     match written.and_then(|()| out.flush()) {
         Err(error) if error.kind() != ErrorKind::BrokenPipe => Err(Failure::Message(format!(
             "the results cannot be printed, standard output takes no more: {error}"
@@ -21,40 +28,36 @@ pub fn print(text: &str) -> Result<(), Failure> {
     }
 }
 
-/// Text in which a terminal finds nothing to obey but colours: titles and names of files may come from strangers. What is left out
-/// stands there in the way of JSON.
-pub fn shown(text: &str) -> Cow<'_, str> {
+/// What sets the colour of words, and what ends it: what a terminal finds to obey.
+const COLOURS: [&str; 2] = ["\u{1b}[31m", "\u{1b}[0m"];
+
+/// Text in which a terminal finds nothing to obey but, where they are shown, our colours: titles and names of files may come from
+/// strangers. What is left out stands there in the way of JSON.
+pub fn shown(text: &str, coloured: bool) -> Cow<'_, str> {
     if !text.chars().any(commands) {
         return Cow::Borrowed(text);
     }
     let mut out = String::with_capacity(text.len());
     let mut rest = text;
     while let Some(c) = rest.chars().next() {
-        let length = match commands(c) {
-            true => colour(rest).unwrap_or_else(|| {
-                out += &format!("\\u{:04x}", u32::from(c));
-                0
-            }),
-            false => c.len_utf8(),
-        };
-        out += &rest[..length];
-        rest = &rest[length.max(c.len_utf8())..];
+        let own = COLOURS
+            .iter()
+            .find(|own| coloured && rest.starts_with(**own));
+        let length = own.map_or(c.len_utf8(), |own| own.len());
+        match own.is_none() && commands(c) {
+            true => out += &format!("\\u{:04x}", u32::from(c)),
+            false => out += &rest[..length],
+        }
+        rest = &rest[length..];
     }
     Cow::Owned(out)
 }
 
 /// Characters that a terminal obeys, and those that turn the order of others round.
-fn commands(c: char) -> bool {
+pub fn commands(c: char) -> bool {
     let turns =
         matches!(c, '\u{200e}' | '\u{200f}' | '\u{202a}'..='\u{202e}' | '\u{2066}'..='\u{2069}');
     turns || c.is_control() && c != '\n' && c != '\t'
-}
-
-/// Length of what sets a colour at the beginning of a text.
-fn colour(text: &str) -> Option<usize> {
-    let inner = text.strip_prefix("\u{1b}[")?;
-    let end = inner.find(|c: char| !c.is_ascii_digit() && c != ';')?;
-    inner[end..].starts_with('m').then_some(2 + end + 1)
 }
 
 /// Whether a stream shows colours: on a terminal, unless the user wants none (<https://no-color.org>).
@@ -65,7 +68,7 @@ pub fn colours(stream: &impl IsTerminal) -> bool {
 /// Words in red, where colours are shown.
 pub fn red(words: &str, shown: bool) -> String {
     match shown {
-        true => format!("\u{1b}[31m{words}\u{1b}[0m"),
+        true => [COLOURS[0], words, COLOURS[1]].concat(),
         false => words.to_string(),
     }
 }
@@ -205,16 +208,20 @@ mod tests {
     fn a_terminal_obeys_no_text() {
         for (text, expected) in [
             ("plain\tand\nmore, µ", "plain\tand\nmore, µ"),
-            ("\u{1b}[31mNO\u{1b}[0m", "\u{1b}[31mNO\u{1b}[0m"),
             (
                 "\u{1b}[2J\u{1b}]0;x\u{7}\r",
                 "\\u001b[2J\\u001b]0;x\\u0007\\u000d",
             ),
             ("\u{9b}2J\u{202e}", "\\u009b2J\\u202e"),
-            ("end\u{1b}[3", "end\\u001b[3"),
+            // what would hide the words behind it
+            ("\u{1b}[8mhidden\u{1b}[3", "\\u001b[8mhidden\\u001b[3"),
         ] {
-            assert_eq!(shown(text), expected);
+            assert_eq!(shown(text, false), expected);
+            assert_eq!(shown(text, true), expected);
         }
+        let coloured = red("NO", true);
+        assert_eq!(shown(&coloured, true), coloured);
+        assert_eq!(shown(&coloured, false), "\\u001b[31mNO\\u001b[0m");
     }
 
     #[test]

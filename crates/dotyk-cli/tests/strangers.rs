@@ -269,23 +269,27 @@ fn the_summary_that_is_printed_is_that_of_the_run() {
 fn no_text_of_a_case_reaches_the_terminal_as_a_command() {
     let folder = folder("terminal");
     let odd = "\u{1b}[2Jodd\u{9b}.toml";
-    let case = punch("\\u001b[2J\\u001b]0;PWNED\\u0007", 1e5, 8);
-    let case = case.replacen("time = 0.5", "time = 0.5\nname = \"a\\u001b[2Jb\"", 1);
+    let case = punch("\\u001b[2J\\u001b]0;PWNED\\u0007\\u001b[8m", 1e5, 8);
     fs::write(folder.join(odd), &case).unwrap();
-    fs::write(
-        folder.join("wrong.toml"),
-        case.replace("[[probe]]", "[[pro\u{7}be]]"),
-    )
-    .unwrap();
+    let step = case.replacen("time = 0.5", "time = 0.5\nname = \"a\\u001b[2Jb\"", 1);
+    fs::write(folder.join("step.toml"), step).unwrap();
+    let key = case.replace("[[probe]]", "[[pro\u{7}be]]");
+    fs::write(folder.join("key.toml"), key).unwrap();
+    // the title is told
+    let ended = dotyk(&folder, &["run", odd]).output().unwrap();
+    let text = String::from_utf8(ended.stdout).unwrap();
+    assert!(text.contains("\\u001b[2J\\u001b]0;PWNED"), "{text}");
     let missing = "\u{1b}]0;none\u{7}";
     for arguments in [
         &["run", odd][..],
         &["check", odd],
         &["verify", "."],
-        &["run", "wrong.toml"],
+        &["run", "step.toml"],
+        &["run", "key.toml"],
         &["run", missing],
         &["run", odd, "--solver", missing],
         &[missing],
+        &["\u{1b}[8mhidden"],
     ] {
         let ended = dotyk(&folder, arguments).output().unwrap();
         for bytes in [&ended.stdout, &ended.stderr] {
