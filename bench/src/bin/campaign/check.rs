@@ -346,7 +346,8 @@ fn check_equilibrium(judgement: &mut Judgement, view: &View<'_>) {
                         } else {
                             &touch.faced_other
                         };
-                        faced.contains(&node)
+                        // what a corner meets between its faces lies before none of them
+                        faced.contains(&node) || own && touch.met.contains(&node)
                     });
                     if !faces {
                         judgement.compare("outside", left, 10.0 * limit, || view.node(body, node));

@@ -34,7 +34,9 @@ fn leak(view: &View<'_>, body: usize, at: f64) -> f64 {
             };
             for &node in curve.around.keys() {
                 let between = (mesh.points[node][0] - at).abs() / curve.longest;
-                sum += length(view.state.rest[body][node]) * LEAK.powf(between - 1.0);
+                // of what supports exert nothing is spread
+                let force = view.state.free(body, node, view.state.rest[body][node]);
+                sum += length(force) * LEAK.powf(between - 1.0);
             }
         }
     }

@@ -366,7 +366,7 @@ mod tests {
     #[test]
     fn lines_meet_a_ball_where_it_is_and_normals_point_outwards() {
         for kind in [Solid::Hex8, Solid::Hex20, Solid::Tet4, Solid::Tet10] {
-            let mesh = mesh_of(&body("b", ball([1.0, 2.0, 3.0], 2.0, [8, 1]), kind));
+            let mesh = mesh_of(&body("b", ball([1.0, 2.0, 3.0], 2.0, [16, 1]), kind));
             let skin = Skin::new(&mesh, "outer", None);
             let off = 1.5 * skin.sagitta();
             for n in [[1.0, 0.2, 0.1], [-0.3, 0.9, 0.4], [0.1, 0.1, -1.0]].map(unit) {
@@ -374,7 +374,7 @@ mod tests {
                 let hit = skin.hit(start, times(-1.0, n), 0.1).unwrap();
                 assert!(
                     (hit.distance - 1.0).abs() < off,
-                    "{kind:?} {}",
+                    "{kind:?} {} {off}",
                     hit.distance
                 );
                 let at = skin.facets[hit.facet].at(hit.xi);
