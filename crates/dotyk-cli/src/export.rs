@@ -3,7 +3,7 @@
 use crate::Outcome;
 use crate::failure::{Failure, warn};
 use crate::given::Given;
-use crate::run::{output_folder, start_threads};
+use crate::run::output_folder;
 use crate::text::{named, number, print};
 use dotyk::dual::{Block, DualProblem};
 use dotyk::model::Error;
@@ -25,7 +25,7 @@ pub struct Arguments {
     out: Option<PathBuf>,
     /// Number of threads [default: all]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
-    threads: Option<u16>,
+    pub threads: Option<u16>,
 }
 
 fn finite(text: &str) -> Result<f64, String> {
@@ -37,7 +37,6 @@ fn finite(text: &str) -> Result<f64, String> {
 
 /// Condenses, solves for comparison, writes, prints.
 pub fn export(arguments: &Arguments) -> Result<Outcome, Failure> {
-    start_threads(arguments.threads)?;
     of_any!(arguments.given.read(&arguments.case)?, |case| {
         let folder = output_folder(arguments.out.as_deref(), &case.stem)?;
         warn(&case.warnings);

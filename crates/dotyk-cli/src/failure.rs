@@ -61,6 +61,9 @@ impl Failure {
     }
 }
 
+/// Most bytes of a line that is shown.
+const LONGEST: usize = 2000;
+
 /// The line of a mistake between its neighbours, underlined; nothing where the mistake has no place.
 fn underlined(error: &CaseError, colours: bool) -> String {
     let (Some(line), Some(column), Some(span)) = (error.line(), error.column(), &error.span) else {
@@ -76,6 +79,10 @@ fn underlined(error: &CaseError, colours: bool) -> String {
         .skip_while(|(n, _)| n + 1 < line)
         .take_while(|(n, _)| *n <= line + 1)
     {
+        if words.len() > LONGEST {
+            // the place has been told
+            continue;
+        }
         // a tab takes one column here, as it does in the number of the column
         let shown = format!(" {number:>width$} | {}", words.replace('\t', " "));
         text += &format!("{}\n", shown.trim_end());

@@ -29,6 +29,7 @@ mod verify;
 
 use clap::{CommandFactory, Parser, Subcommand};
 use failure::Failure;
+use std::error::Error;
 use std::ffi::OsString;
 use std::io::Write;
 
@@ -78,9 +79,22 @@ enum Outcome {
     Refused,
 }
 
+/// Stack of the thread that a command runs on, in bytes: that of the process may be as small as whoever started it likes.
+const STACK: usize = 16 << 20;
+
 /// Runs the command with its arguments, its own name the first of them, and returns the exit status.
 pub fn main(arguments: impl IntoIterator<Item = OsString>) -> u8 {
     signals::watch();
+    let arguments: Vec<OsString> = arguments.into_iter().collect();
+    let thread = std::thread::Builder::new().stack_size(STACK);
+    match thread.spawn(move || of_arguments(&arguments)) {
+        // a panic has told what it has to say
+        Ok(command) => command.join().unwrap_or(101),
+        Err(e) => status_of(Err(Failure::Message(format!("cannot start a thread: {e}")))),
+    }
+}
+
+fn of_arguments(arguments: &[OsString]) -> u8 {
     match Cli::try_parse_from(arguments) {
         Ok(cli) => status(cli.command),
         // help and version are told this way, too
@@ -113,7 +127,28 @@ fn tell(told: &clap::Error) -> Result<(), Failure> {
     text::put(&words)
 }
 
+/// Starts the threads that a command is given, or as many as there are processors and room for; the rest of it needs none.
+fn start_threads(command: &Command) -> Result<(), Failure> {
+    let wanted = match command {
+        Command::Run(arguments) => arguments.threads,
+        Command::Export(arguments) => arguments.threads,
+        Command::Reference | Command::Completions { .. } => return Ok(()),
+        _ => None,
+    };
+    let pool = dotyk::system::threads(wanted.map(usize::from)).map_err(Failure::Message)?;
+    match pool.build_global() {
+        // a program that brings this one may have started its own
+        Err(e) if wanted.is_some() || e.source().is_some() => {
+            Err(Failure::Message(format!("cannot start threads: {e}")))
+        }
+        _ => Ok(()),
+    }
+}
+
 fn status(command: Command) -> u8 {
+    if let Err(failure) = start_threads(&command) {
+        return status_of(Err(failure));
+    }
     status_of(match command {
         Command::Run(arguments) => run::run(&arguments),
         Command::Check(arguments) => check::check(&arguments),

@@ -1,6 +1,5 @@
 //! Progress on standard error: silent unless it is a terminal.
 
-use crate::text::shown;
 use dotyk::model::{Event, HistoryPoint, Work};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressState, ProgressStyle};
 use std::fmt;
@@ -106,11 +105,6 @@ impl Progress {
             stage: None,
             factoring,
         }
-    }
-
-    /// Says what is being worked on before the first stage.
-    pub fn announce(&self, what: &str) {
-        self.bar.set_message(shown(what, false).into_owned());
     }
 
     /// Takes note of an event.

@@ -36,7 +36,7 @@ pub struct Arguments {
     from: Option<PathBuf>,
     /// Number of threads [default: all]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
-    threads: Option<u16>,
+    pub threads: Option<u16>,
     /// No progress
     #[arg(long)]
     quiet: bool,
@@ -60,19 +60,8 @@ pub fn positive(text: &str) -> Result<f64, String> {
     }
 }
 
-/// Sets the number of threads, where it is given.
-pub fn start_threads(threads: Option<u16>) -> Result<(), Failure> {
-    let Some(threads) = threads else {
-        return Ok(());
-    };
-    let pool = rayon::ThreadPoolBuilder::new().num_threads(usize::from(threads));
-    let built = pool.build_global();
-    built.map_err(|e| Failure::Message(format!("cannot start {threads} threads: {e}")))
-}
-
 /// Solves, writes, prints.
 pub fn run(arguments: &Arguments) -> Result<Outcome, Failure> {
-    start_threads(arguments.threads)?;
     let folders = output_folders(arguments)?;
     if arguments.from.is_some() && arguments.cases.len() > 1 {
         let message = "--from goes on with one case: give one";

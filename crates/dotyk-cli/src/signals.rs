@@ -1,9 +1,19 @@
 //! A command that is told to end leaves nothing half done: what is being written is removed first.
 
+#[cfg(unix)]
+use std::sync::{Arc, atomic::AtomicBool};
+
+/// Exit status of what is not done.
+#[cfg(unix)]
+const REFUSED: i32 = 2;
+
 /// Watches for signals that end the process; those that whoever started it lets it ignore, as `nohup` does, stay ignored.
 #[cfg(unix)]
 pub fn watch() {
-    use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM};
+    use signal_hook::consts::{SIGABRT, SIGHUP, SIGINT, SIGTERM};
+    // memory that the system does not give, a stack that is full: the runtime has told it, and aborts
+    let always = Arc::new(AtomicBool::new(true));
+    let _ = signal_hook::flag::register_conditional_shutdown(SIGABRT, REFUSED, always);
     let ignored = ignored();
     let heard = [SIGHUP, SIGINT, SIGTERM];
     let heard = heard

@@ -3,13 +3,16 @@
 use crate::Outcome;
 use crate::book::{self, Book, Found, Picture};
 use crate::failure::{Failure, warn};
-use crate::progress::Progress;
+use crate::progress::Count;
 use crate::text::{colours, columns, number, print, red, vector};
-use dotyk::case::{AnyCase, Criterion, Reference, References, Run, Verdict};
+use dotyk::case::{AnyCase, CaseError, Criterion, Reference, References, Run, Verdict};
 use dotyk::dual::Certificate;
 use dotyk::model::{ProbeValue, Solution};
 use dotyk::output::{self, Record};
 use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::mpsc::{Sender, channel};
+use std::thread;
 
 /// Arguments of `dotyk verify`.
 #[derive(clap::Args)]
@@ -85,7 +88,8 @@ impl Tally {
     }
 }
 
-/// Reads everything, then solves everything: a mistake in the last folder shows before the first minute is spent.
+/// Reads everything, then solves everything: a mistake in the last folder shows before the first minute is spent. What is told
+/// comes in the order of the folders.
 pub fn verify(arguments: &Arguments) -> Result<Outcome, Failure> {
     let folders = match arguments.folders.as_slice() {
         [] => default_folders()?,
@@ -100,14 +104,12 @@ pub fn verify(arguments: &Arguments) -> Result<Outcome, Failure> {
     let book = arguments.book.as_deref();
     let mut book = book.map(|dir| Book::new(dir, &folders)).transpose()?;
     let mut tally = Tally::default();
-    for folder in &folders {
-        tally.add(&verify_folder(
-            folder,
-            arguments.quiet,
-            book.as_mut(),
-            summaries,
-        )?);
-    }
+    let count = Count::new(folders.iter().map(|f| f.cases.len()).sum(), arguments.quiet);
+    solve_all(&folders, book.is_some(), &count, |folder, answers| {
+        tally.add(&verify_folder(folder, answers, book.as_mut(), summaries)?);
+        Ok(())
+    })?;
+    count.finish();
     print(&tally.summary())?;
     if let Some(book) = book {
         book.close(&tally.summary())?;
@@ -256,26 +258,105 @@ fn words<const D: usize>(run: &Run<D>) -> String {
     )
 }
 
-/// Solves the cases of a folder, prints its table, what is outside in red, and writes its page and its summaries.
+/// What came of a case.
+struct Answer {
+    /// `None` where it was refused.
+    solved: Option<Solved>,
+    told: Told,
+}
+
+/// What is to be told of a case on standard error.
+enum Told {
+    Warnings(Vec<String>),
+    Refusal(CaseError),
+}
+
+impl Told {
+    fn print(self) {
+        match self {
+            Self::Warnings(warnings) => warn(&warnings),
+            Self::Refusal(error) => Failure::from(error).print(),
+        }
+    }
+}
+
+/// Most cases that are solved side by side: each may take the memory that is free.
+const TOGETHER: usize = 4;
+
+/// Solves the cases of all folders, several side by side, and gives away those of each folder, in the order of the folders.
+fn solve_all(
+    folders: &[Folder],
+    pictured: bool,
+    count: &Count,
+    mut take: impl FnMut(&Folder, Vec<Answer>) -> Result<(), Failure>,
+) -> Result<(), Failure> {
+    let cases = folders.iter().enumerate();
+    let cases = cases.flat_map(|(k, folder)| (0..folder.cases.len()).map(move |case| (k, case)));
+    let cases: Vec<(usize, usize)> = cases.collect();
+    let next = AtomicUsize::new(0);
+    let (sender, receiver) = channel();
+    let work = |sender: Sender<(usize, usize, Answer)>| {
+        while let Some(&(k, case)) = cases.get(next.fetch_add(1, Ordering::Relaxed)) {
+            let folder = &folders[k];
+            let (name, read) = &folder.cases[case];
+            let drawn = pictured && book::pictured(folder).as_ref() == Some(name);
+            let answer = solve(&folder.path.join(name), read, drawn);
+            count.one_more();
+            if sender.send((k, case, answer)).is_err() {
+                // nobody waits for more
+                break;
+            }
+        }
+    };
+    thread::scope(|scope| {
+        // threads of the pool would begin another case wherever they wait for a part of one
+        for _ in 0..TOGETHER.min(rayon::current_num_threads()) {
+            let thread = thread::Builder::new().stack_size(crate::STACK);
+            let sender = sender.clone();
+            let started = thread.spawn_scoped(scope, || work(sender));
+            started.map_err(|e| Failure::Message(format!("cannot start a thread: {e}")))?;
+        }
+        // what is left are those of the threads: without them nothing comes
+        drop(sender);
+        let own = |folder: &Folder| folder.cases.iter().map(|_| None).collect();
+        let mut answers: Vec<Vec<Option<Answer>>> = folders.iter().map(own).collect();
+        for (k, folder) in folders.iter().enumerate() {
+            while answers[k].iter().any(Option::is_none) {
+                let Ok((k, case, answer)) = receiver.recv() else {
+                    return Err(Failure::Message(
+                        "a case was not solved to its end".to_string(),
+                    ));
+                };
+                answers[k][case] = Some(answer);
+            }
+            take(folder, answers[k].drain(..).flatten().collect())?;
+        }
+        Ok(())
+    })
+}
+
+/// Judges the answers of a folder, prints its table, what is outside in red, and writes its page and its summaries.
 fn verify_folder(
     folder: &Folder,
-    quiet: bool,
+    answers: Vec<Answer>,
     book: Option<&mut Book>,
     summaries: Option<&Path>,
 ) -> Result<Tally, Failure> {
     let mut tally = Tally::default();
     let mut text = format!("{}\n", folder.path.display());
-    let pictured = book.as_ref().and_then(|_| book::pictured(folder));
     let mut solved: Vec<Option<Solved>> = Vec::new();
-    for (name, case) in &folder.cases {
+    for ((name, _), answer) in folder.cases.iter().zip(answers) {
         tally.cases += 1;
-        let drawn = pictured.as_ref() == Some(name);
-        let solution = solve(&folder.path.join(name), case, drawn, quiet, &mut tally);
-        text += &match &solution {
+        answer.told.print();
+        text += &match &answer.solved {
             Some(s) if s.certified => format!("  {name}: certified, {}\n", s.words),
             _ => format!("  {name}: NOT CERTIFIED\n"),
         };
-        solved.push(solution);
+        match &answer.solved {
+            Some(s) => tally.certified += usize::from(s.certified),
+            None => tally.refused = true,
+        }
+        solved.push(answer.solved);
     }
     let of = |name: &str| {
         let place = folder.cases.iter().position(|(n, _)| *n == name);
@@ -354,35 +435,23 @@ fn table(judged: &[Judged<'_>]) -> String {
         .collect()
 }
 
-/// The load steps as far as they went, with pictures where they are to be drawn; `None` where the case was refused, with a
-/// message on standard error.
-fn solve(
-    path: &Path,
-    case: &AnyCase,
-    drawn: bool,
-    quiet: bool,
-    tally: &mut Tally,
-) -> Option<Solved> {
-    let mut progress = Progress::new(quiet);
-    progress.announce(&path.display().to_string());
+/// The load steps as far as they went, with pictures where they are to be drawn.
+fn solve(path: &Path, case: &AnyCase, drawn: bool) -> Answer {
     of_any!(case, |case| {
-        let run = case.run(&[], &mut |event| progress.observe(event));
-        progress.finish();
-        match &run.failure {
-            None => {
-                let warnings = run.warnings().into_iter();
-                let warnings = warnings.map(|w| format!("{}: {w}", path.display()));
-                warn(&warnings.collect::<Vec<_>>());
-                tally.certified += 1;
-            }
-            Some(failure) => {
-                if let Some(refusal) = &failure.refusal {
-                    Failure::from(refusal.clone()).print();
-                    tally.refused = true;
-                    return None;
-                }
-            }
+        let run = case.run(&[], &mut |_| ());
+        let refusal = run.failure.as_ref().and_then(|f| f.refusal.clone());
+        if let Some(error) = refusal {
+            return Answer {
+                solved: None,
+                told: Told::Refusal(error),
+            };
         }
+        let warnings = match run.certified() {
+            true => run.warnings(),
+            false => Vec::new(),
+        };
+        let warnings = warnings.iter().map(|w| format!("{}: {w}", path.display()));
+        let told = Told::Warnings(warnings.collect());
         let record = Record::of(&case.model, run.standing(), &case.stem);
         let figures = match drawn {
             true => record.figures(),
@@ -390,7 +459,10 @@ fn solve(
         };
         let pictures = figures.into_iter().filter_map(Picture::of).collect();
         let summary = run.certified().then(|| record.summary().ok()).flatten();
-        Some(Solved::of(run, summary, pictures))
+        Answer {
+            solved: Some(Solved::of(run, summary, pictures)),
+            told,
+        }
     })
 }
 

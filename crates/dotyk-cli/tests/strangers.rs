@@ -299,3 +299,160 @@ fn no_text_of_a_case_reaches_the_terminal_as_a_command() {
         }
     }
 }
+
+/// The exit status of a command in a folder, and what it told, which must be short.
+#[track_caller]
+fn refused(command: &mut Command) -> String {
+    let output = command.output().unwrap();
+    let told = told(&output);
+    assert_eq!(output.status.code(), Some(2), "{told}");
+    assert!(told.len() < 1500, "{} bytes: {told:.500}", told.len());
+    told
+}
+
+/// A case of one body, with a mesh and a modulus.
+fn body(mesh: &str, young: &str) -> String {
+    format!(
+        "analysis = \"plane-strain\"\n[[body]]\nname = \"b\"\nmesh = {{ {mesh} }}\n\
+         material = {{ young = {young}, poisson = 0.3 }}\nfix = [{{ side = \"bottom\", x = 0, y = 0 }}]\n"
+    )
+}
+
+fn rectangle(cells: &str) -> String {
+    format!("rectangle = {{ from = [0, 0], to = [1, 1], cells = [{cells}] }}")
+}
+
+#[test]
+fn pipes_and_devices_are_no_meshes() {
+    let folder = folder("pipes");
+    fs::write(
+        folder.join("case.toml"),
+        body("file = { path = \"a.msh\" }", "1"),
+    )
+    .unwrap();
+    let mesh = folder.join("a.msh");
+    let made = Command::new("mkfifo").arg(&mesh).status().unwrap();
+    assert!(made.success());
+    let pipe = refused(&mut dotyk(&folder, &["check", "case.toml"]));
+    assert!(pipe.contains("no regular file"), "{pipe}");
+    fs::remove_file(&mesh).unwrap();
+    std::os::unix::fs::symlink("/dev/zero", &mesh).unwrap();
+    let device = refused(&mut dotyk(&folder, &["check", "case.toml"]));
+    assert!(device.contains("no regular file"), "{device}");
+    fs::remove_file(&mesh).unwrap();
+    File::create(&mesh).unwrap().set_len(1 << 42).unwrap();
+    let huge = refused(&mut dotyk(&folder, &["check", "case.toml"]));
+    assert!(huge.contains("it has more than "), "{huge}");
+    let endless = refused(&mut dotyk(&folder, &["run", "/dev/zero"]));
+    assert!(endless.contains("no regular file"), "{endless}");
+}
+
+#[test]
+fn numbers_and_lengths_have_limits() {
+    let folder = folder("limits");
+    let small = body(&rectangle("1, 1"), "1");
+    let many = |entry: &dyn Fn(usize) -> String| (0..10_001).map(entry).collect::<String>();
+    let cases = [
+        ("body", many(&|k| format!("[[body]]\nname = \"b{k}\"\n"))),
+        ("step", many(&|k| format!("[[step]]\ntime = {}\n", k + 1))),
+        ("probe", many(&|k| format!("[[probe]]\nname = \"p{k}\"\n"))),
+        (
+            "contact",
+            many(&|k| format!("[[contact]]\nname = \"c{k}\"\n")),
+        ),
+        (
+            "parameters",
+            format!("[parameters]\n{}", many(&|k| format!("p{k} = {k}\n"))),
+        ),
+    ];
+    for (key, more) in &cases {
+        fs::write(folder.join("case.toml"), format!("{small}{more}")).unwrap();
+        let said = refused(&mut dotyk(&folder, &["check", "case.toml"]));
+        assert!(said.contains(&format!("`{key}` has 1000")), "{said}");
+        assert!(said.contains("at most 10000"), "{said}");
+    }
+    for word in ["1+".repeat(100_000), "q".repeat(1_000_000)] {
+        let case = body(&rectangle("1, 1"), &format!("\"{word}\""));
+        fs::write(folder.join("case.toml"), case).unwrap();
+        let said = refused(&mut dotyk(&folder, &["check", "case.toml"]));
+        assert!(said.contains("longer than 4000 characters"), "{said}");
+    }
+    fs::write(
+        folder.join("case.toml"),
+        format!("{small}#{}", " ".repeat(30 << 20)),
+    )
+    .unwrap();
+    let said = refused(&mut dotyk(&folder, &["check", "case.toml"]));
+    assert!(said.contains("it has more than 20 MB"), "{said}");
+    // as many parameters as may be, each of which names the one before it, and warned of at once
+    let chain = many(&|k| match k {
+        0 => "[parameters]\np0 = 1\n".to_string(),
+        1..10_000 => format!("p{k} = \"p{} + 1\"\n", k - 1),
+        _ => String::new(),
+    });
+    fs::write(folder.join("case.toml"), format!("{small}{chain}")).unwrap();
+    let output = dotyk(&folder, &["check", "case.toml"]).output().unwrap();
+    assert_eq!(output.status.code(), Some(0), "{}", told_briefly(&output));
+    let warnings = String::from_utf8_lossy(&output.stdout)
+        .matches("warning")
+        .count();
+    assert_eq!(warnings, 1, "{}", told_briefly(&output));
+    fs::write(folder.join("case.toml"), &small).unwrap();
+    let said = refused(&mut dotyk(
+        &folder,
+        &["run", "case.toml", "--threads", "5000"],
+    ));
+    assert!(said.contains("at most 1024"), "{said}");
+}
+
+fn told_briefly(output: &Output) -> String {
+    told(output).chars().take(500).collect()
+}
+
+/// A command under limits that a shell sets first.
+#[cfg(target_os = "linux")]
+fn limited(folder: &Path, limits: &str, arguments: &str) -> Command {
+    let mut command = Command::new("sh");
+    let line = format!("{limits}; exec \"$0\" {arguments}");
+    let program = env!("CARGO_BIN_EXE_dotyk");
+    command.args(["-c", &line, program]).current_dir(folder);
+    command
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn memory_that_there_is_not_is_an_error() {
+    let folder = folder("memory");
+    fs::write(folder.join("case.toml"), punch("small", 1e5, 8)).unwrap();
+    fs::write(
+        folder.join("wide.toml"),
+        body(&rectangle("5, 1000000"), "1"),
+    )
+    .unwrap();
+    for space in [50_000, 100_000, 200_000] {
+        let limit = format!("ulimit -v {space}");
+        let told = refused(&mut limited(&folder, &limit, "run case.toml"));
+        assert!(told.contains("the address space is limited"), "{told}");
+        assert!(!folder.join("case-out").exists());
+    }
+    let told = refused(&mut limited(
+        &folder,
+        "ulimit -v 3000000",
+        "check wide.toml",
+    ));
+    assert!(told.contains("of memory are needed at least"), "{told}");
+    assert!(told.contains("wide.toml, line 4"), "{told}");
+    // a stack of 64 kB
+    let run = limited(&folder, "ulimit -s 64", "run case.toml --quiet").status();
+    assert_eq!(run.unwrap().code(), Some(0));
+}
+
+#[test]
+fn an_abort_is_an_exit_status() {
+    let folder = folder("abort");
+    fs::write(folder.join("case.toml"), punch("long", 1e5, 400)).unwrap();
+    let mut child = begin(&folder, "case.toml");
+    std::thread::sleep(Duration::from_millis(300));
+    kill(&child, "-ABRT");
+    assert_eq!(child.wait().unwrap().code(), Some(2));
+}

@@ -107,11 +107,9 @@ pub fn wait<T: Send + 'static>(
     let all = move || {
         let result = catch_unwind(AssertUnwindSafe(|| {
             // threads of its own: a process that is forked has none of those that its parent had
-            rayon::ThreadPoolBuilder::new()
-                .num_threads(threads.unwrap_or(0))
-                .build()
-                .map(|pool| pool.install(|| work(&shared)))
-                .map_err(|error| error.to_string())
+            let pool = dotyk::system::threads(threads)?;
+            let pool = pool.build().map_err(|error| error.to_string())?;
+            Ok(pool.install(|| work(&shared)))
         }));
         // whoever waits looks for it at once
         let _ = done.send(result);

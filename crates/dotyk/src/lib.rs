@@ -19,6 +19,7 @@
 //! | [`case`], [`output`] | a front end that reads case files and writes results: the command line, a language binding |
 //! | [`dual`], [`solve`] | a solver of one's own: F, d, G and e as a [`DualProblem`](dual::DualProblem), an answer as `Outcome`; a model takes it by [`solve_by`](model::Model::solve_by), and forces found elsewhere by [`dual`](model::Model::dual) |
 //! | [`fem`], [`linalg`] | who assembles, factors and condenses bodies elsewhere, such as in several processes |
+//! | [`system`] | how many threads and how much memory a process has |
 //! | [`analytic`] | comparisons with closed-form solutions |
 //!
 //! How two sides become rows, and the dense algebra within solvers, is nobody's business: it changes with the methods.
@@ -37,3 +38,4 @@ pub mod model;
 pub mod output;
 pub mod prelude;
 pub mod solve;
+pub mod system;

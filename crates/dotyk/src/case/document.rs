@@ -9,6 +9,7 @@ use crate::case::given::Given;
 use crate::case::parameters::{self, Parameters};
 use crate::case::suggest::{elsewhere, listed, meaning};
 use crate::geometry::{Field, Point};
+use std::borrow::Cow;
 use std::ops::Range;
 use std::rc::Rc;
 use std::sync::Arc;
@@ -39,6 +40,12 @@ pub(crate) enum Value {
 
 /// An expression comes out whole when it is nearer to an integer than this part of it: rounding.
 const WHOLE: f64 = 1e-9;
+
+/// Most bodies, contacts, steps, probes or parameters: each is named, and looked for by its name.
+const MOST_LISTED: usize = 10_000;
+
+/// Characters of an expression that a message quotes.
+const QUOTED: usize = 80;
 
 /// No count is this large.
 const MOST: f64 = 1e15;
@@ -94,10 +101,33 @@ pub(crate) fn parse_whole(text: &str) -> Result<Node, Fault> {
 }
 
 fn tables(text: &str) -> Result<toml::Spanned<DeTable<'_>>, Fault> {
-    DeTable::parse(text).map_err(|e| {
+    let document = DeTable::parse(text).map_err(|e| {
         let span = e.span().unwrap_or(0..0);
         Fault::new(&span, format!("not valid TOML: {}", e.message())).label("here")
-    })
+    })?;
+    for (key, value) in document.get_ref() {
+        let count = match value.get_ref() {
+            DeValue::Array(list) => list.len(),
+            DeValue::Table(entries) => entries.len(),
+            _ => 0,
+        };
+        if count > MOST_LISTED {
+            let message = format!(
+                "`{}` has {count} entries, at most {MOST_LISTED} are read",
+                key.get_ref()
+            );
+            return Err(Fault::new(&key.span(), message).label("too many"));
+        }
+    }
+    Ok(document)
+}
+
+/// A text as messages quote it: as much of it as a line holds.
+fn short(text: &str) -> Cow<'_, str> {
+    match text.char_indices().nth(QUOTED) {
+        Some((end, _)) => Cow::Owned(format!("{} ...", &text[..end])),
+        None => Cow::Borrowed(text),
+    }
 }
 
 fn table(table: DeTable<'_>, parameters: &Rc<Parameters>) -> Result<Value, Fault> {
@@ -284,12 +314,13 @@ impl Node {
                 Variables::None => ("expected a number, the expression", expression::OF_NUMBERS),
                 _ => ("expression", expression::VOCABULARY),
             };
-            Fault::new(&place, format!("{what} \"{text}\": {e}"))
+            Fault::new(&place, format!("{what} \"{}\": {e}", short(text)))
                 .label("here")
                 .help(help)
         })?;
         match field.as_constant() {
             Some(value) if !value.is_finite() => {
+                let text = short(text);
                 let message = format!("the value of the expression \"{text}\" is not finite");
                 Err(Fault::new(&self.span, message).label(format!("{value}")))
             }

@@ -135,21 +135,8 @@ fn floor(text: &str, index: usize) -> usize {
 
 /// The text of a file, or an error that names the file.
 pub(crate) fn read_text(path: &std::path::Path) -> Result<String, CaseError> {
-    let name = path.display().to_string();
-    if path.is_dir() {
-        return Err(CaseError::unreadable(&name, "it is a folder"));
-    }
-    let bytes = std::fs::read(path).map_err(|e| {
-        let why = match e.kind() {
-            std::io::ErrorKind::NotFound => "there is no such file".to_string(),
-            _ => e.to_string(),
-        };
-        CaseError::unreadable(&name, &why)
-    })?;
-    String::from_utf8(bytes).map_err(|e| {
-        let at = e.utf8_error().valid_up_to();
-        CaseError::unreadable(&name, &format!("byte {at} is not UTF-8 text"))
-    })
+    crate::system::read_text(path)
+        .map_err(|why| CaseError::unreadable(&path.display().to_string(), &why))
 }
 
 #[cfg(test)]

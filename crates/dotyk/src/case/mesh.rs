@@ -12,12 +12,14 @@ use crate::mesh::{
     CellKind, Cuboid, Cylinder, Diagonals, Extrude, ImportError, Imported, Mesh, MeshError,
     MeshFile, Path, Rectangle, Ring, Sphere, TunnelRock, pieces,
 };
+use crate::model::least;
+use crate::system::{free_memory, told};
 
 /// The side that a patch may be of, whichever sides a mesh has: all of its boundary.
 const BOUNDARY: &str = "boundary";
 
-/// Most cells of a generated mesh: a misplaced digit must not exhaust the memory.
-const MOST_CELLS: usize = 20_000_000;
+/// Most cells of a generated mesh: a misplaced digit must not exhaust the memory, and no direct factor of more fits one.
+const MOST_CELLS: usize = 5_000_000;
 
 const CELLS_OF_THE_PLANE: [(&str, CellKind); 5] = [
     ("tri3", CellKind::Tri3),
@@ -264,7 +266,7 @@ fn lattice<const N: usize>(
 ) -> Result<[usize; N], Fault> {
     let counts = cells(table, what)?;
     let all = counts.iter().map(|&n| n as u128);
-    few_enough(table, all.fold(pieces(cell), u128::saturating_mul))?;
+    few_enough::<N>(table, all.fold(pieces(cell), u128::saturating_mul), cell)?;
     Ok(counts)
 }
 
@@ -273,12 +275,22 @@ fn cells<const N: usize>(table: Table<'_>, what: &str) -> Result<[usize; N], Fau
     node.counts("the number of cells")
 }
 
-fn few_enough(table: Table<'_>, cells: u128) -> Result<(), Fault> {
-    if cells <= MOST_CELLS as u128 {
-        return Ok(());
-    }
+/// Refuses, before any memory is taken, what no machine or not this one has memory for.
+fn few_enough<const D: usize>(table: Table<'_>, cells: u128, kind: CellKind) -> Result<(), Fault> {
+    let message = if cells > MOST_CELLS as u128 {
+        format!("more than {MOST_CELLS} cells in one body")
+    } else {
+        let needed = least::<D>(kind, cells as u64);
+        match free_memory().filter(|&free| needed > free) {
+            None => return Ok(()),
+            Some(free) => format!(
+                "{} of memory are needed at least, and {} are free",
+                told(needed),
+                told(free)
+            ),
+        }
+    };
     let span = table.get("cells").map_or(table.span, |node| &node.span);
-    let message = format!("more than {MOST_CELLS} cells in one body");
     Err(Fault::new(span, message).label(format!("{cells} cells")))
 }
 
@@ -356,7 +368,7 @@ fn cylinder(node: &Node) -> Result<Cylinder, Fault> {
         cells: cells(table, what)?,
         cell: cell(table, 3)?,
     };
-    few_enough(table, cylinder.cell_count())?;
+    few_enough::<3>(table, cylinder.cell_count(), cylinder.cell)?;
     Ok(cylinder)
 }
 
@@ -372,7 +384,7 @@ fn sphere(node: &Node) -> Result<Sphere, Fault> {
         cells: cells(table, what)?,
         cell: cell(table, 3)?,
     };
-    few_enough(table, sphere.cell_count())?;
+    few_enough::<3>(table, sphere.cell_count(), sphere.cell)?;
     Ok(sphere)
 }
 
@@ -403,7 +415,8 @@ fn extrude(node: &Node, body: &str, files: &mut MeshFiles) -> Result<Made<3>, Fa
     };
     let layers = table.require("layers", what)?;
     let layers = layers.positive_integer("the number of layers")?;
-    few_enough(table, layers as u128 * plane.cell_count() as u128)?;
+    let cells = layers as u128 * plane.cell_count() as u128;
+    few_enough::<3>(table, cells, CellKind::Prism6)?;
     let at_foot = |[x, y]: [f64; 2]| [x, y, 0.0];
     let named = points.into_iter();
     let named = named.map(|(name, places)| (name, places.into_iter().map(at_foot).collect()));

@@ -14,7 +14,6 @@ mod expression;
 mod given;
 mod initial;
 pub mod keys;
-mod memory;
 mod mesh;
 mod mesh_file;
 mod outline;
@@ -45,12 +44,14 @@ use crate::case::mesh::Generated;
 use crate::case::mesh_file::MeshFiles;
 use crate::case::source::{Source, analysis};
 use crate::case::steps::Steps;
+use crate::case::suggest::listed;
 use crate::mesh::Mesh;
 use crate::model::{
     Analysis, Body, Bolts, Event, Method, Model, Past, ProbeValue, Solution, SolverOptions, Study,
     Subject, Units, Varied, check_file_names,
 };
 use crate::solve::ContactSolver;
+use crate::system::free_memory;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -172,9 +173,7 @@ where
     let unused = source.parameters.unused(&source.document);
     let mut warnings = files.warnings();
     warnings.extend(initial::along_profiles(&source.document));
-    warnings.extend(unused.iter().map(|name| {
-        format!("no number of this case depends on the parameter `{name}`: in a string its name stands for it, as in young = \"{name}\"")
-    }));
+    warnings.extend(idle(&unused));
     Ok(Case {
         stem,
         path,
@@ -302,6 +301,23 @@ fn places(document: &Node) -> Vec<(Subject, Span)> {
     places
 }
 
+/// A warning about parameters that nothing depends on.
+fn idle(names: &[String]) -> Option<String> {
+    let first = names.first()?;
+    let told = listed(names.iter().take(NAMED).map(String::as_str));
+    let which = match names.len() {
+        1 => format!("parameter {told}"),
+        all if all > NAMED => format!("parameters {told} and {} more", all - NAMED),
+        _ => format!("parameters {told}"),
+    };
+    Some(format!(
+        "no number of this case depends on the {which}: in a string its name stands for it, as in young = \"{first}\""
+    ))
+}
+
+/// How many of several a message names.
+const NAMED: usize = 4;
+
 /// The model of a whole document.
 fn model<const D: usize>(
     document: &Node,
@@ -386,7 +402,7 @@ where
         bars,
         sections,
         solver: SolverOptions {
-            memory: memory::free_memory(),
+            memory: free_memory(),
             ..solver
         },
         probes,

@@ -8,7 +8,7 @@ use crate::case::error::Fault;
 use crate::case::expression::{self, Variables};
 use crate::case::given::Given;
 use crate::case::suggest::{listed, nearest};
-use std::collections::BTreeSet;
+use std::collections::{BTreeSet, HashMap};
 use std::sync::Arc;
 
 /// The table of a case file.
@@ -59,9 +59,14 @@ fn words_of(node: &Node, words: &mut BTreeSet<String>) {
 pub(crate) fn read(table: &Node, given: &[(String, String)]) -> Result<Parameters, Fault> {
     let entries = table.entries()?;
     let mut values: Vec<(String, f64)> = Vec::with_capacity(entries.len());
+    let places = entries
+        .iter()
+        .zip(0..)
+        .map(|(entry, k)| (entry.key.as_str(), k));
+    let places: HashMap<&str, usize> = places.collect();
     for (k, entry) in entries.iter().enumerate() {
         check_name(entry)?;
-        check_order(entry, &entries[k + 1..])?;
+        check_order(entry, k, &places)?;
         let own = entry.node.number_among(&values)?;
         let other = given.iter().rfind(|(name, _)| *name == entry.key);
         let value = match other {
@@ -80,13 +85,16 @@ pub(crate) fn read(table: &Node, given: &[(String, String)]) -> Result<Parameter
 }
 
 /// Refuses an expression of parameters that come later.
-fn check_order(entry: &Entry, later: &[Entry]) -> Result<(), Fault> {
+fn check_order(entry: &Entry, place: usize, places: &HashMap<&str, usize>) -> Result<(), Fault> {
     let mut words = BTreeSet::new();
     words_of(&entry.node, &mut words);
-    let Some(other) = later.iter().find(|other| words.contains(&other.key)) else {
+    let known = words
+        .iter()
+        .filter_map(|word| Some((places.get(word.as_str())?, word)));
+    let Some((_, other)) = known.filter(|(at, _)| **at > place).min() else {
         return Ok(());
     };
-    let (name, other) = (&entry.key, &other.key);
+    let name = &entry.key;
     let message = format!("the parameter `{name}` depends on `{other}`, which comes after it");
     Err(Fault::new(&entry.node.span, message)
         .label("too early")

@@ -10,6 +10,7 @@ use crate::linalg::SparseMatrix;
 use crate::model::error::Error;
 use crate::model::joints::set_base;
 use crate::model::links::add_base;
+use crate::model::memory;
 use crate::model::nouns::{Body, Model};
 use crate::model::pair::{Paired, gaps_at, row_ranges};
 use crate::model::parts::rigid_systems;
@@ -86,6 +87,7 @@ pub(crate) fn systems<const D: usize>(
     before: Vec<Option<BodySystem<D>>>,
     time: f64,
 ) -> Result<Vec<BodySystem<D>>, Error<D>> {
+    memory::check_meshes(model)?;
     let system = |(body, before): (&Body<D>, Option<BodySystem<D>>)| {
         let system = match before {
             Some(before) => before.at_time(body, model.analysis, time),

@@ -12,6 +12,7 @@ use crate::model::nouns::Model;
 use crate::model::section::SectionError;
 use crate::model::solution::Solution;
 use crate::solve::SolveError;
+use crate::system::told;
 use std::fmt;
 
 /// The part of a model that an error is about, by name.
@@ -27,14 +28,6 @@ pub enum Subject {
     Section(String),
     /// A bar.
     Bar(String),
-}
-
-/// Bytes in words: 3.2 GB, 40 MB.
-fn size(bytes: u64) -> String {
-    match bytes < 1_000_000_000 {
-        true => format!("{} MB", bytes.div_ceil(1_000_000)),
-        false => format!("{:.1} GB", bytes as f64 / 1e9),
-    }
 }
 
 /// An error of the whole model: it names body, contact, side or node and says what to do.
@@ -92,7 +85,7 @@ pub enum Error<const D: usize> {
     /// The factors need more memory than there is.
     #[error(
         "{} of memory are needed, and {} are free: body \"{body}\" of {unknowns} unknowns alone needs {}; coarsen its mesh, or take a machine with more memory",
-        size(*needed), size(*free), size(*bytes)
+        told(*needed), told(*free), told(*bytes)
     )]
     Memory {
         /// The body that needs most.

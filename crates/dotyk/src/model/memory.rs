@@ -6,9 +6,13 @@
 //!   all:       8 · 3m²                            F, and the system of an exact step with its factor
 //! ```
 //!
+//! A mesh alone tells the least: |K| of a large regular one, and |L| ≥ |K|. That is asked before it is made, and before it is
+//! assembled.
+//!
 //! |K| and |L| are stored entries, t contact dofs and r rows of a body, m all rows. Where F is assembled without its zeros,
 //! Σr² stands for m². Meshes and results are small beside this.
 
+use crate::mesh::{CellKind, Mesh};
 use crate::model::error::Error;
 use crate::model::factor::Ordered;
 use crate::model::nouns::Model;
@@ -39,6 +43,49 @@ impl Demand<'_> {
     }
 }
 
+/// Bytes of the stiffness and factor of so many cells, at least.
+pub(crate) fn least<const D: usize>(kind: CellKind, cells: u64) -> u64 {
+    cells
+        .saturating_mul(pairs(kind))
+        .saturating_mul((32 * D * D) as u64)
+}
+
+/// Pairs of nodes that share a cell, each once, of a large regular mesh, for each of its cells, rounded down.
+const fn pairs(kind: CellKind) -> u64 {
+    use CellKind::*;
+    match kind {
+        Line2 | Line3 => 1,
+        Tri3 => 2,
+        Tri6 => 11,
+        Quad4 => 5,
+        Quad8 => 24,
+        Quad9 => 34,
+        Tet4 => 1,
+        Tet10 => 15,
+        Hex8 => 14,
+        Hex20 => 110,
+        Hex27 => 260,
+        Prism6 => 5,
+        Prism15 => 40,
+        Prism18 => 70,
+    }
+}
+
+/// The same of a mesh.
+fn of_mesh<const D: usize>(mesh: &Mesh<D>) -> u64 {
+    let blocks = mesh.blocks().iter();
+    let each = blocks.map(|block| least::<D>(block.kind, block.cells().len() as u64));
+    each.sum()
+}
+
+/// Errors: [`Error::Memory`] when the meshes alone tell that their bodies take more than the model may.
+pub(crate) fn check_meshes<const D: usize>(model: &Model<D>) -> Result<(), Error<D>> {
+    let own = model.bodies.iter().map(|body| of_mesh(&body.mesh));
+    let own: Vec<u64> = own.collect();
+    let dofs = |body: usize| D * model.bodies[body].mesh.points().len();
+    within(model, &own, 0, dofs)
+}
+
 /// Errors: [`Error::Memory`] when the bodies take more than the model may, with the one that takes most.
 pub(crate) fn check<const D: usize>(
     model: &Model<D>,
@@ -46,21 +93,31 @@ pub(crate) fn check<const D: usize>(
     dense: bool,
     m: usize,
 ) -> Result<(), Error<D>> {
-    let Some(free) = model.solver.memory else {
-        return Ok(());
-    };
     let own: Vec<u64> = bodies.iter().map(|body| body.bytes(dense)).collect();
     let blocks: u64 = bodies.iter().map(|body| (body.rows as u64).pow(2)).sum();
     let shared = match dense {
         true => 24 * blocks.min((m as u64).pow(2)),
         false => 0,
     };
+    within(model, &own, shared, |body| bodies[body].dofs)
+}
+
+/// Errors: [`Error::Memory`] when what the bodies take and what they share is more than the model may take.
+fn within<const D: usize>(
+    model: &Model<D>,
+    own: &[u64],
+    shared: u64,
+    dofs: impl Fn(usize) -> usize,
+) -> Result<(), Error<D>> {
+    let Some(free) = model.solver.memory else {
+        return Ok(());
+    };
     let needed = own.iter().sum::<u64>() + shared;
     let largest = own.iter().enumerate().max_by_key(|(_, bytes)| **bytes);
     match largest {
         Some((body, &bytes)) if needed > free => Err(Error::Memory {
             body: part_name(model, body),
-            unknowns: bodies[body].dofs,
+            unknowns: dofs(body),
             bytes,
             needed,
             free,

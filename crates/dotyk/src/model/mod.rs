@@ -75,6 +75,7 @@ pub use error::{Advice, Error, NotHeld, Objection, ProbeError, Subject};
 pub use event::{Event, Work};
 pub use file_names::{NameError, check_file_names};
 pub use intrusion::Intrusion;
+pub(crate) use memory::least;
 pub use nouns::*;
 pub(crate) use on_side::OnSide;
 pub use past::{Past, PastBody, PastNode};

@@ -21,7 +21,6 @@ mod json;
 mod lines;
 mod market;
 mod markup;
-mod memory;
 mod npz;
 mod panels;
 mod past;
@@ -46,13 +45,13 @@ mod vtu;
 
 pub use files::{Folder, Stage, abandon};
 pub use json::closed_and_open;
-pub use memory::peak_memory_bytes;
 pub use past::PastError;
 pub use text::Scales;
 
 use crate::dual::Multipliers;
 use crate::geometry::Point;
 use crate::model::{Check, Comparison, Dual, Model, Past, Seconds, Solution, Study};
+use crate::system::peak_memory_bytes;
 use std::borrow::Cow;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};

@@ -54,10 +54,12 @@ pub(crate) fn past<const D: usize>(dir: &Path) -> Result<Vec<Past<D>>, PastError
     }
     let read = |name: &str| {
         let file = dir.join(name);
-        let text = std::fs::read_to_string(&file).map_err(|e| {
+        let bytes = crate::system::read(&file).map_err(|why| {
             let what = "a run goes on from the folder that `dotyk run` wrote its results to";
-            fail(&file, format!("cannot be read ({e}); {what}"))
+            fail(&file, format!("cannot be read ({why}); {what}"))
         })?;
+        let text =
+            String::from_utf8(bytes).map_err(|_| fail(&file, "is not UTF-8 text".to_string()))?;
         Ok((file, text))
     };
     let ((file, text), (csv_file, csv)) = loop {

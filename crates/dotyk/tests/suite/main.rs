@@ -43,6 +43,7 @@ mod space_cost;
 mod space_friction;
 mod space_hertz;
 mod space_judge;
+mod spoilt;
 mod stages;
 mod steps;
 mod strangers;

@@ -340,3 +340,52 @@ fn nothing_of_a_study_or_a_comparison_is_obeyed() {
     assert!(tables[0].starts_with("'=1+2,'@=1+2,converged,reason\n1.0,1.0,true,'=1+2\n"));
     assert!(tables[1].contains("\n'=1+2,"), "{}", tables[1]);
 }
+
+/// A VTU file of one quadrilateral, with its coordinates compressed, and so many further zeros behind them.
+fn compressed(zeros: usize) -> Vec<u8> {
+    use base64::Engine;
+    use std::io::Write;
+    let packed = |bytes: &[u8]| {
+        let mut encoder = flate2::write::ZlibEncoder::new(Vec::new(), flate2::Compression::best());
+        encoder.write_all(bytes).unwrap();
+        let packed = encoder.finish().unwrap();
+        let counts = [1, bytes.len(), 0, packed.len()];
+        let head: Vec<u8> = counts
+            .iter()
+            .flat_map(|&n| (n as u64).to_le_bytes())
+            .collect();
+        let code = |bytes: &[u8]| base64::engine::general_purpose::STANDARD.encode(bytes);
+        code(&head) + &code(&packed)
+    };
+    let corners = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]];
+    let numbers = corners.iter().flat_map(|&[x, y]| [x, y, 0.0]);
+    let mut points: Vec<u8> = numbers.flat_map(f64::to_le_bytes).collect();
+    points.resize(points.len() + zeros, 0);
+    let integers = |all: &[i64]| all.iter().flat_map(|n| n.to_le_bytes()).collect::<Vec<_>>();
+    let array = |name: &str, kind: &str, bytes: &[u8]| {
+        let data = packed(bytes);
+        format!("<DataArray Name=\"{name}\" type=\"{kind}\" format=\"binary\">{data}</DataArray>")
+    };
+    format!(
+        "<VTKFile type=\"UnstructuredGrid\" byte_order=\"LittleEndian\" header_type=\"UInt64\" \
+         compressor=\"vtkZLibDataCompressor\"><UnstructuredGrid><Piece NumberOfPoints=\"4\" NumberOfCells=\"1\">\
+         <Points>{}</Points><Cells>{}{}{}</Cells></Piece></UnstructuredGrid></VTKFile>",
+        array("Points", "Float64", &points),
+        array("connectivity", "Int64", &integers(&[0, 1, 2, 3])),
+        array("offsets", "Int64", &integers(&[4])),
+        array("types", "Int64", &integers(&[9])),
+    )
+    .into_bytes()
+}
+
+#[test]
+fn what_a_compressed_mesh_unpacks_to_is_bounded() {
+    use dotyk::mesh::MeshFile;
+    assert!(MeshFile::from_bytes("a.vtu", &compressed(0)).is_ok());
+    // 200 MB in 200 kB
+    let bomb = compressed(200_000_000);
+    assert!(bomb.len() < 400_000, "{}", bomb.len());
+    let error = MeshFile::from_bytes("a.vtu", &bomb).unwrap_err();
+    let told = error.to_string();
+    assert!(told.contains("more than 100 times the file"), "{told}");
+}

@@ -76,16 +76,9 @@ impl MeshFile {
     }
 
     fn open(path: &Path, dimension: u8) -> Result<Self, ImportError> {
-        let unreadable = |why: String| ImportError::Unreadable {
+        let bytes = crate::system::read(path).map_err(|why| ImportError::Unreadable {
             file: path.display().to_string(),
             why,
-        };
-        if path.is_dir() {
-            return Err(unreadable("it is a folder".to_string()));
-        }
-        let bytes = std::fs::read(path).map_err(|e| match e.kind() {
-            std::io::ErrorKind::NotFound => unreadable("there is no such file".to_string()),
-            _ => unreadable(e.to_string()),
         })?;
         Self::parse(&path.display().to_string(), &bytes, dimension)
     }

@@ -1,7 +1,8 @@
 //! VTU files (VTK's XML unstructured grids): one piece, arrays as text, base64 or appended, raw or zlib.
 //!
 //! The groups of cells and of their edges are the numbers of an integer cell array `gmsh:physical` or `group`; zero is
-//! no group. Other arrays are reported. The tags are read one after the other up to appended data, which may be any bytes
+//! no group. Other arrays are reported. What is compressed may unpack to a hundred times the file: coordinates and numbers of
+//! nodes never do, only what was made to fill a memory. The tags are read one after the other up to appended data, which may be any bytes
 //! and no XML: a tree of the whole document could not be made. Entities of a document's own are not expanded.
 //! Source: VTK file formats, section "XML file formats" (vtk.org).
 
@@ -13,8 +14,12 @@ use base64::engine::general_purpose::STANDARD;
 use flate2::read::ZlibDecoder;
 use quick_xml::events::{BytesStart, Event};
 use quick_xml::{Reader, XmlVersion};
+use std::cell::Cell;
 use std::fmt::Display;
 use std::io::Read;
+
+/// How many times the bytes of a file its arrays may have together.
+const EXPANSION: usize = 100;
 
 /// Cell arrays that hold groups.
 const GROUPS: [&str; 2] = ["gmsh:physical", "group"];
@@ -133,6 +138,8 @@ struct Document<'b> {
     parent: String,
     arrays: Vec<Array<'b>>,
     appended: Option<Appended<'b>>,
+    /// Bytes that arrays may still unpack to.
+    left: Cell<usize>,
 }
 
 impl<'b> Document<'b> {
@@ -147,6 +154,7 @@ impl<'b> Document<'b> {
             parent: String::new(),
             arrays: Vec::new(),
             appended: None,
+            left: Cell::new(EXPANSION.saturating_mul(bytes.len())),
         };
         let mut closed = false;
         let mut reader = Reader::from_reader(bytes);
@@ -480,11 +488,18 @@ impl<'b> Document<'b> {
         let mut bytes = Vec::new();
         for length in lengths {
             let packed: Vec<u8> = stream.by_ref().take(length).collect();
+            let most = size.min(self.left.get().saturating_add(1));
             let unpacked = ZlibDecoder::new(&packed[..])
-                .take(size as u64)
+                .take(most as u64)
                 .read_to_end(&mut bytes);
-            unpacked
+            let unpacked = unpacked
                 .map_err(|e| self.error(array, &format!("the data cannot be unpacked: {e}")))?;
+            let left = self.left.get().checked_sub(unpacked).ok_or_else(|| {
+                self.unsupported(format!(
+                    "its data unpack to more than {EXPANSION} times the file: no mesh does"
+                ))
+            })?;
+            self.left.set(left);
         }
         Ok(bytes)
     }

@@ -1,0 +1,10 @@
+//! What the system gives to this process: memory, threads, and the bytes of files that a case names.
+
+mod files;
+mod memory;
+mod threads;
+
+pub(crate) use files::{read, read_text};
+pub(crate) use memory::told;
+pub use memory::{free_memory, peak_memory_bytes};
+pub use threads::threads;
