@@ -205,14 +205,44 @@ impl Problem {
         Ok(match first.strip_prefix("# ") {
             Some(title) => Self {
                 title: title.to_string(),
-                text: rest.trim().to_string(),
+                text: plain(rest.trim()),
             },
             None => Self {
                 title: name.to_string(),
-                text,
+                text: plain(&text),
             },
         })
     }
+}
+
+/// Markdown without what more than sets words: elements of HTML, and the directives and roles that makers of books obey, lose
+/// what they begin with. Addresses in angle brackets stay.
+fn plain(text: &str) -> String {
+    let mut out = String::with_capacity(text.len());
+    for (at, c) in text.char_indices() {
+        let rest = &text[at + c.len_utf8()..];
+        let next = rest.chars().next().unwrap_or(' ');
+        let address = ["http://", "https://"].iter().any(|a| rest.starts_with(a));
+        out.push(c);
+        match c {
+            '<' if !address && (next.is_ascii_alphabetic() || "/!?".contains(next)) => {
+                out.push(' ')
+            }
+            '}' if next == '`' => out.push(' '),
+            '`' | '~' | ':'
+                if opens(&out, c) && rest.trim_start_matches([' ', '\t']).starts_with('{') =>
+            {
+                out.push_str(" text ");
+            }
+            _ => (),
+        }
+    }
+    out
+}
+
+/// Whether a text ends with a fence of these characters.
+fn opens(text: &str, fence: char) -> bool {
+    text.chars().rev().take_while(|c| *c == fence).count() >= 3
 }
 
 /// A link of Markdown, `[words](target)`.
@@ -474,6 +504,28 @@ mod tests {
         };
         let expected = "[a](../other/index.md), [b](main.rs), c, [d](https://dml.cz/1) [e]";
         assert_eq!(linked(&names, &problem, &folder), expected);
+    }
+
+    #[test]
+    fn texts_of_folders_set_words_and_nothing_else() {
+        let cases = [
+            (
+                "a < b, 12 <r, <https://dml.cz/1>",
+                "a < b, 12 < r, <https://dml.cz/1>",
+            ),
+            (
+                "<script>1</script><!-- x -->",
+                "< script>1< /script>< !-- x -->",
+            ),
+            ("```{raw} html", "``` text {raw} html"),
+            ("~~~~ {include} x", "~~~~ text  {include} x"),
+            (":::{figure} x", "::: text {figure} x"),
+            ("{download}`x` `{}`", "{download} `x` `{} `"),
+            ("```\n|<-a->|\n```", "```\n|<-a->|\n```"),
+        ];
+        for (text, expected) in cases {
+            assert_eq!(plain(text), expected);
+        }
     }
 
     #[test]

@@ -1673,7 +1673,7 @@ fn nothing_of_a_case_leaves_its_place_in_the_book() {
          source = ':::{obey}'\nreason = '{obey}'\n"
     );
     write("reference.toml", &value);
-    write("README.md", &format!("# {obey}\n\nText.\n"));
+    write("README.md", &format!("# {obey}\n\nText.\n{obey}\n"));
     let root = case.folder.parent().unwrap();
     let (status, output, message) = verify(root, &["strange", "--book", "strange/book"]);
     assert_eq!(status, Some(0), "{output}{message}");

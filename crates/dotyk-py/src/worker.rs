@@ -109,7 +109,7 @@ pub fn wait<T: Send + 'static>(
             // threads of its own: a process that is forked has none of those that its parent had
             let pool = dotyk::system::threads(threads)?;
             let pool = pool.build().map_err(|error| error.to_string())?;
-            Ok(pool.install(|| work(&shared)))
+            Ok::<_, String>(pool.install(|| work(&shared)))
         }));
         // whoever waits looks for it at once
         let _ = done.send(result);

@@ -40,7 +40,8 @@ fn bytes(path: &Path, most: u64, stream: bool) -> Result<Vec<u8>, String> {
     if found.is_dir() {
         return Err("it is a folder".to_string());
     }
-    if !found.is_file() && !(stream && is_pipe(&found)) {
+    let readable = found.is_file() || stream && is_pipe(&found);
+    if !readable {
         return Err("it is no regular file but a device, a pipe or a socket".to_string());
     }
     let large = || format!("it has more than {}, all that may be read here", told(most));

@@ -4,6 +4,7 @@ use crate::output::Error;
 use crate::output::files::stage::{left, writing};
 use crate::output::files::{Lock, is_random_name, is_still, journal, lock, missing, unwritable};
 use std::fs::{self, File};
+use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::{Duration, Instant};
@@ -40,11 +41,15 @@ impl Folder {
         let _writing = writing();
         let mut own = Made(Vec::new());
         let mut tries = 0..MOST_TRIES;
-        let lock = loop {
+        let lock = 'again: loop {
             for path in missing(dir) {
                 match fs::create_dir(&path) {
                     Ok(()) => own.0.push(path),
                     Err(_) if path.is_dir() => {}
+                    // another run that found nothing to write has just taken its own away
+                    Err(e) if e.kind() == ErrorKind::NotFound && tries.next().is_some() => {
+                        continue 'again;
+                    }
                     Err(source) => return Err(unwritable(&path, source)),
                 }
             }
@@ -55,6 +60,8 @@ impl Folder {
             }
             match lock(dir) {
                 Lock::Taken => {
+                    // it is the other run's now, although this one may have made it
+                    drop(own.kept());
                     return Err(Error::Taken {
                         path: dir.to_path_buf(),
                     });
