@@ -95,6 +95,7 @@ const FAILED: [&[u64]; 2] = [
 const FAILED_MORE: &[(&str, u64)] = &[
     ("edge", 240_663_960),
     ("graded", 200_417_299),
+    ("shared", 238_392_131),
     ("whole", 31),
     ("whole", 39),
     ("whole", 43),

