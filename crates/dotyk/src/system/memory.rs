@@ -7,6 +7,7 @@
 //! Products of matrices reserve two buffers as large as the third cache for each thread. Reserved is not taken: that counts only
 //! where the address space is limited.
 
+use crate::system::threads::started;
 use std::fs::read_to_string;
 
 /// The third cache of a processor that does not tell.
@@ -22,8 +23,7 @@ pub fn free_memory() -> Option<u64> {
     };
     let group = group("max").zip(group("current"));
     let group = group.map(|(most, taken)| most.saturating_sub(taken));
-    let threads = rayon::current_num_threads() as u64;
-    let space = address_space().map(|left| left.saturating_sub(threads * of_products()));
+    let space = address_space().map(|left| left.saturating_sub(started() * of_products()));
     [group, space]
         .into_iter()
         .flatten()

@@ -2,6 +2,7 @@
 
 use crate::system::memory::{address_space, of_products, told};
 use rayon::ThreadPoolBuilder;
+use std::sync::atomic::{AtomicU64, Ordering};
 use std::thread::available_parallelism;
 
 /// Most threads that may be asked for.
@@ -39,7 +40,16 @@ pub fn threads(wanted: Option<usize>) -> Result<ThreadPoolBuilder, String> {
             told(needed),
         ));
     }
+    STARTED.store(count as u64, Ordering::Relaxed);
     Ok(pool.num_threads(count))
+}
+
+/// Threads of the last pool under a limit of the address space; those of rayon's own are not asked for, which would start them.
+static STARTED: AtomicU64 = AtomicU64::new(0);
+
+/// Threads that have reserved, or will, what is not to be counted as free where the address space is limited.
+pub(super) fn started() -> u64 {
+    STARTED.load(Ordering::Relaxed)
 }
 
 /// Bytes that a thread reserves.
