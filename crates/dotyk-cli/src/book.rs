@@ -139,8 +139,14 @@ fn linked(names: &[String], problem: &Problem, folder: &Path) -> String {
 
 /// Where a link of a folder's text leads in the book.
 fn target(names: &[String], target: &str, folder: &Path) -> Option<String> {
-    if target.contains("://") || target.starts_with('#') || folder.join(target).is_file() {
-        return (!target.contains('/') || target.contains("://")).then(|| target.to_string());
+    if ["https://", "http://", "#"]
+        .iter()
+        .any(|begin| target.starts_with(begin))
+    {
+        return Some(target.to_string());
+    }
+    if folder.join(target).is_file() {
+        return (!target.contains('/')).then(|| target.to_string());
     }
     let name = target.strip_prefix("../")?.trim_end_matches('/');
     let known = names.iter().any(|known| known == name);
@@ -499,10 +505,10 @@ mod tests {
         let names = ["other".to_string()];
         let problem = Problem {
             title: String::new(),
-            text: "[a](../other), [b](main.rs), [c](../else), [d](https://dml.cz/1) [e]"
+            text: "[a](../other), [b](main.rs), [c](../else), [d](https://dml.cz/1) [e], [f](javascript://x)"
                 .to_string(),
         };
-        let expected = "[a](../other/index.md), [b](main.rs), c, [d](https://dml.cz/1) [e]";
+        let expected = "[a](../other/index.md), [b](main.rs), c, [d](https://dml.cz/1) [e], f";
         assert_eq!(linked(&names, &problem, &folder), expected);
     }
 

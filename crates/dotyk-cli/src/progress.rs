@@ -77,6 +77,11 @@ impl Count {
         self.bar.inc(1);
     }
 
+    /// Does what prints, while the line is away.
+    pub fn aside<T>(&self, print: impl FnOnce() -> T) -> T {
+        self.bar.suspend(print)
+    }
+
     /// Clears the line.
     pub fn finish(self) {
         self.bar.finish_and_clear();

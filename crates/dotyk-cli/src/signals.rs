@@ -1,4 +1,5 @@
-//! A command that is told to end leaves nothing half done: what is being written is removed first.
+//! A command that is told to end leaves nothing half done: what is being written is removed first. One that the runtime ends,
+//! for want of memory or stack, has an exit status like others; what it was writing is swept by the next run.
 
 #[cfg(unix)]
 use std::sync::{Arc, atomic::AtomicBool};

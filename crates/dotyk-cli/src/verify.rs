@@ -105,11 +105,13 @@ pub fn verify(arguments: &Arguments) -> Result<Outcome, Failure> {
     let mut book = book.map(|dir| Book::new(dir, &folders)).transpose()?;
     let mut tally = Tally::default();
     let count = Count::new(folders.iter().map(|f| f.cases.len()).sum(), arguments.quiet);
-    solve_all(&folders, book.is_some(), &count, |folder, answers| {
-        tally.add(&verify_folder(folder, answers, book.as_mut(), summaries)?);
+    let solved = solve_all(&folders, book.is_some(), &count, |folder, answers| {
+        let own = count.aside(|| verify_folder(folder, answers, book.as_mut(), summaries));
+        tally.add(&own?);
         Ok(())
-    })?;
+    });
     count.finish();
+    solved?;
     print(&tally.summary())?;
     if let Some(book) = book {
         book.close(&tally.summary())?;
