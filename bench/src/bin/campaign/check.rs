@@ -29,7 +29,7 @@
 //! | stands in | no outline stands deeper in another one than at first | see [`overlap`](crate::overlap) |
 //! | idle | nothing moves in a step in which nothing changes | like penetration |
 //! | section | N, V, M are those of the stresses and loads ahead of the cut | ten times the limit of equilibrium |
-//! | pressure | contact pressures are those of a uniform state, where one is known | 1e-4, and ten times the limit of equilibrium |
+//! | pressure | contact pressures are those of a uniform state, where one is known | 1e-4, ten times the limit of equilibrium, and what the program tells that rounding leaves open |
 
 use crate::cuts::check_sections;
 use crate::judgement::Judgement;
@@ -309,8 +309,8 @@ fn check_uniform(judgement: &mut Judgement, view: &View<'_>) {
     for (touch, raw) in view.touches.iter().zip(&view.step.contacts) {
         for row in raw.rows.iter().filter(|r| r.status != Status::Fixed) {
             let off = (row.pressure - known).abs();
-            let limit =
-                1e-4 * known.abs() + 10.0 * view.state.limits[touch.own][row.node] / row.weight;
+            let open = 10.0 * view.state.limits[touch.own][row.node] + view.step.rounding;
+            let limit = 1e-4 * known.abs() + open / row.weight;
             judgement.compare("pressure", off, limit, || view.node(touch.own, row.node));
         }
     }

@@ -96,6 +96,7 @@ const FAILED_MORE: &[(&str, u64)] = &[
     ("edge", 240_663_960),
     ("graded", 200_417_299),
     ("shared", 238_392_131),
+    ("stack", 238_432_234),
     ("whole", 31),
     ("whole", 39),
     ("whole", 43),

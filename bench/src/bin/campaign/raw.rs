@@ -86,6 +86,8 @@ pub struct Step<const D: usize = 2> {
     /// Of each section at each station: x, y, N, V, M.
     pub sections: Vec<Vec<[f64; 5]>>,
     pub iterations: usize,
+    /// What the program tells that rounding leaves open of a force.
+    pub rounding: f64,
     /// The program warns that it dropped conditions: for the report, the checker does not ask.
     pub dropped: bool,
 }

@@ -28,7 +28,7 @@
 //! | normal | normals of the rows are those of the side, or minus the plane's | the angle between neighbouring facets, and 1e-6 |
 //! | gap, slip | the columns of rows node by node are those of the displacements | like penetration |
 //! | gap | those of integrated rows lie among the gaps around their nodes | twice the range of these gaps, since functions change sign, and the sagittas |
-//! | pressure | contact pressures are those of a uniform state, where one is known | 1e-6, and ten times the limit of equilibrium |
+//! | pressure | contact pressures are those of a uniform state, where one is known | 1e-6, ten times the limit of equilibrium, and what the program tells that rounding leaves open |
 //!
 //! That `work` agrees ties gaps and slips of integrated rows to the true displacements; what the rows say of themselves is
 //! judged sharply then.
@@ -480,8 +480,8 @@ fn check_uniform(judgement: &mut Judgement, view: &View<'_>) {
     for (touch, raw) in view.touches.iter().zip(&view.step.contacts) {
         for row in raw.rows.iter().filter(|r| r.status != Status::Fixed) {
             let off = (row.pressure - known).abs();
-            let rounding = 10.0 * view.state.limits[touch.own][row.node] / row.weight;
-            let limit = 1e-6 * known.abs() + rounding;
+            let open = 10.0 * view.state.limits[touch.own][row.node] + view.step.rounding;
+            let limit = 1e-6 * known.abs() + open / row.weight;
             judgement.compare("pressure", off, limit, || view.node(touch.own, row.node));
         }
     }
