@@ -135,7 +135,7 @@ fn start_threads(command: &Command) -> Result<(), Failure> {
         Command::Reference | Command::Completions { .. } => return Ok(()),
         _ => None,
     };
-    let pool = dotyk::system::threads(wanted.map(usize::from)).map_err(Failure::Message)?;
+    let pool = dotyk::host::threads(wanted.map(usize::from)).map_err(Failure::Message)?;
     match pool.build_global() {
         // a program that brings this one may have started its own
         Err(e) if wanted.is_some() || e.source().is_some() => {

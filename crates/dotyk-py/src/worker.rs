@@ -107,7 +107,7 @@ pub fn wait<T: Send + 'static>(
     let all = move || {
         let result = catch_unwind(AssertUnwindSafe(|| {
             // threads of its own: a process that is forked has none of those that its parent had
-            let pool = dotyk::system::threads(threads)?;
+            let pool = dotyk::host::threads(threads)?;
             let pool = pool.build().map_err(|error| error.to_string())?;
             Ok::<_, String>(pool.install(|| work(&shared)))
         }));

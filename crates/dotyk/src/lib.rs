@@ -19,7 +19,7 @@
 //! | [`case`], [`output`] | a front end that reads case files and writes results: the command line, a language binding |
 //! | [`dual`], [`solve`] | a solver of one's own: F, d, G and e as a [`DualProblem`](dual::DualProblem), an answer as `Outcome`; a model takes it by [`solve_by`](model::Model::solve_by), and forces found elsewhere by [`dual`](model::Model::dual) |
 //! | [`fem`], [`linalg`] | who assembles, factors and condenses bodies elsewhere, such as in several processes |
-//! | [`system`] | how many threads and how much memory a process has |
+//! | [`host`] | how many threads and how much memory a process has |
 //! | [`analytic`] | comparisons with closed-form solutions |
 //!
 //! How two sides become rows, and the dense algebra within solvers, is nobody's business: it changes with the methods.
@@ -32,10 +32,10 @@ mod contact;
 pub mod dual;
 pub mod fem;
 pub mod geometry;
+pub mod host;
 pub mod linalg;
 pub mod mesh;
 pub mod model;
 pub mod output;
 pub mod prelude;
 pub mod solve;
-pub mod system;

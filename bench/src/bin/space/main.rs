@@ -173,7 +173,7 @@ fn told(what: &str, solution: &Solution<3>) {
         solution.contact_unknowns,
         solution.solver.iterations,
         solution.solver.products,
-        dotyk::system::peak_memory_bytes() as f64 / 1e9,
+        dotyk::host::peak_memory_bytes() as f64 / 1e9,
         linear::processor_seconds(),
     );
     println!(

@@ -135,7 +135,7 @@ fn floor(text: &str, index: usize) -> usize {
 
 /// The text of a file, or an error that names the file.
 pub(crate) fn read_text(path: &std::path::Path) -> Result<String, CaseError> {
-    crate::system::read_text(path)
+    crate::host::read_text(path)
         .map_err(|why| CaseError::unreadable(&path.display().to_string(), &why))
 }
 

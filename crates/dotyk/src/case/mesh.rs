@@ -8,12 +8,12 @@ use crate::case::keys;
 use crate::case::mesh_file::{MeshFiles, Named};
 use crate::case::outline;
 use crate::case::suggest::listed;
+use crate::host::{free_memory, told};
 use crate::mesh::{
     CellKind, Cuboid, Cylinder, Diagonals, Extrude, ImportError, Imported, Mesh, MeshError,
     MeshFile, Path, Rectangle, Ring, Sphere, TunnelRock, pieces,
 };
 use crate::model::least;
-use crate::system::{free_memory, told};
 
 /// Bytes that every machine has.
 const SMALL: u64 = 10_000_000;

@@ -45,13 +45,13 @@ use crate::case::mesh_file::MeshFiles;
 use crate::case::source::{Source, analysis};
 use crate::case::steps::Steps;
 use crate::case::suggest::listed;
+use crate::host::free_memory;
 use crate::mesh::Mesh;
 use crate::model::{
     Analysis, Body, Bolts, Event, Method, Model, Past, ProbeValue, Solution, SolverOptions, Study,
     Subject, Units, Varied, check_file_names,
 };
 use crate::solve::ContactSolver;
-use crate::system::free_memory;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 

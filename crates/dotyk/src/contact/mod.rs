@@ -48,6 +48,7 @@ pub use weights::nodal_weights;
 
 use crate::fem::{Body, Constraints, side_facets};
 use crate::geometry::{Field, Point};
+use crate::geometry::{add_scaled, cross, sub};
 use crate::mesh::Facet;
 use std::any::Any;
 
@@ -357,6 +358,24 @@ impl<const D: usize> Interface<D> {
             .iter()
             .filter(|node| node.role == Role::Multiplier)
     }
+}
+
+/// Force and moment about a place ON the nodes of some rows of B under forces `lambda`: −Bᵀλ.
+pub(crate) fn pushed<const D: usize>(
+    rows: &[Row<D>],
+    lambda: &[f64],
+    points: &[Point<D>],
+    about: Point<D>,
+) -> (Point<D>, [f64; 3]) {
+    let (mut force, mut moment) = ([0.0; D], [0.0; 3]);
+    for (row, l) in rows.iter().zip(lambda) {
+        for &(node, coefficients) in row {
+            let push = coefficients.map(|c| -l * c);
+            force = add_scaled(force, 1.0, push);
+            moment = add_scaled(moment, 1.0, cross(sub(points[node], about), push));
+        }
+    }
+    (force, moment)
 }
 
 #[cfg(test)]

@@ -21,6 +21,7 @@ use crate::fem::quadrature::{QuadraturePoint, rule};
 use crate::geometry::{
     Point, Settling, add_scaled, bounding_box, cross, dot, invert, norm, sub, unit,
 };
+use crate::geometry::{centroid, clip};
 use crate::mesh::{CellKind, Domain, Facet, Mesh};
 use rayon::prelude::*;
 
@@ -514,32 +515,6 @@ fn difference(polygon: &[[f64; 2]], other: &[[f64; 2]]) -> Vec<Vec<[f64; 2]>> {
         rest = beside(&rest, edge, true);
     }
     outside
-}
-
-/// Mean of the corners.
-fn centroid(polygon: &[[f64; 2]]) -> [f64; 2] {
-    let sum = |d: usize| polygon.iter().map(|p| p[d]).sum::<f64>();
-    [0, 1].map(|d| sum(d) / polygon.len() as f64)
-}
-
-/// The part of a convex polygon where a linear function is not negative.
-pub(super) fn clip<P: Copy>(
-    polygon: &[P],
-    inside: impl Fn(P) -> f64,
-    between: impl Fn(P, P, f64) -> P,
-) -> Vec<P> {
-    let mut left = Vec::with_capacity(polygon.len() + 1);
-    for (k, &p) in polygon.iter().enumerate() {
-        let q = polygon[(k + 1) % polygon.len()];
-        let (a, b) = (inside(p), inside(q));
-        if a >= 0.0 {
-            left.push(p);
-        }
-        if (a > 0.0 && b < 0.0) || (a < 0.0 && b > 0.0) {
-            left.push(between(p, q, a / (a - b)));
-        }
-    }
-    left
 }
 
 #[cfg(test)]

@@ -7,8 +7,8 @@
 //! have in common is pressed out of each other the short way: a surface that lies behind the length of it is no partner either.
 //! Cost: O(log n) for each line.
 
-use crate::contact::polygons::clip;
 use crate::contact::relative::frame;
+use crate::geometry::clip;
 use crate::geometry::{
     Point, Settling, add_scaled, bounding_box, distance, dot, invert, norm, sub, unit,
 };

@@ -103,6 +103,34 @@ impl Settling {
     }
 }
 
+/// The part of a convex polygon where a linear function is not negative.
+pub(crate) fn clip<P: Copy>(
+    polygon: &[P],
+    inside: impl Fn(P) -> f64,
+    between: impl Fn(P, P, f64) -> P,
+) -> Vec<P> {
+    let mut left = Vec::with_capacity(polygon.len() + 1);
+    for (k, &p) in polygon.iter().enumerate() {
+        let q = polygon[(k + 1) % polygon.len()];
+        let (a, b) = (inside(p), inside(q));
+        if a >= 0.0 {
+            left.push(p);
+        }
+        if (a > 0.0 && b < 0.0) || (a < 0.0 && b > 0.0) {
+            left.push(between(p, q, a / (a - b)));
+        }
+    }
+    left
+}
+
+/// Mean of some points.
+pub(crate) fn centroid<const D: usize>(points: &[Point<D>]) -> Point<D> {
+    let sum = points
+        .iter()
+        .fold([0.0; D], |sum, &x| add_scaled(sum, 1.0, x));
+    sum.map(|c| c / points.len() as f64)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

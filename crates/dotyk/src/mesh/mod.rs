@@ -14,7 +14,9 @@ mod error;
 mod facets;
 mod generate;
 mod import;
+mod locate;
 mod nearest;
+mod on_surface;
 mod outline;
 mod reference;
 mod skin;
@@ -28,6 +30,7 @@ pub use generate::{
     Cuboid, Cylinder, Diagonals, Extrude, Path, Rectangle, Ring, Sphere, TunnelRock,
 };
 pub use import::{FilePlace, ImportError, Imported, MeshFile};
+pub(crate) use locate::{Located, locate, locate_all, locate_on_side};
 pub use outline::{
     Contour, Division, Drawing, EdgeShape, Outline, OutlineEdge, OutlinePart, OutlinePlace, Region,
     Regions, SizePoint,

@@ -1,88 +1,46 @@
-//! The user's nouns and what becomes of them: pair → condense → attempt → finish, step by step.
+//! The user's nouns and what becomes of them, in five rooms, each of which uses itself and those before it:
+//!
+//! | Room | What it holds |
+//! |---|---|
+//! | `nouns` | what a user writes, and what comes out |
+//! | `system` | bodies and pairs at a time as a dual problem, and from forces back to displacements |
+//! | `read` | what is read off displaced bodies and their forces |
+//! | `march` | step by step: the loop around solver and certificate, the judge, what a step leaves to the next one |
+//! | `ask` | what a model can be asked |
 //!
 //! A [`Model`] is plain data: bodies with meshes, materials, supports and loads, contacts between their sides.
 //! [`Model::solve`] turns it into a [`Solution`]; nothing in between is visible or valid only after a second call.
 
-mod admissible;
-mod applied;
 mod ask;
-mod assumptions;
-mod attempt;
-mod bar;
-mod between;
-mod bodies;
-mod build;
-mod capacity;
-mod check;
-mod choose;
-mod compare;
-mod compliance;
-mod condense;
-mod coupled;
-mod dependent;
-mod domains;
-mod dual;
-mod error;
-mod event;
-mod factor;
-mod fields;
-mod file_names;
-mod finish;
-mod floating;
-mod intrusion;
-mod jam;
-mod joints;
-mod judge;
-mod line;
-mod links;
-mod locate;
-mod memory;
+mod march;
 mod nouns;
-mod objection;
-mod on_side;
-mod on_surface;
-mod open;
-mod pair;
-mod parts;
-mod past;
-mod probe;
-mod quantity;
-mod reach;
-mod recover;
-mod reuse;
-mod section;
-mod settle;
-mod shared;
-mod singular;
-mod sliding;
-mod solution;
-mod stages;
-mod steps;
-mod stiff;
-mod study;
-mod told;
-mod unglued;
+mod read;
+mod system;
 
 pub use crate::contact::ContactError;
-pub use attempt::ASSEMBLED;
-pub use bar::{Bar, BarEnd, BarError, BarSolution, BarStation, Bond};
-pub use capacity::{Capacity, Reinforcement};
-pub use check::{BodyCheck, Check, ContactCheck};
-pub use compare::{Comparison, ComparisonRow};
-pub use compliance::DENSE_LIMIT;
-pub use dual::{Dual, Unknown};
-pub use error::{Advice, Error, NotHeld, Objection, ProbeError, Subject};
-pub use event::{Event, Work};
-pub use file_names::{NameError, check_file_names};
-pub use intrusion::Intrusion;
-pub(crate) use memory::least;
-pub use nouns::*;
-pub(crate) use on_side::OnSide;
-pub use past::{Past, PastBody, PastNode};
-pub(crate) use probe::read_probe;
-pub use quantity::{Dimension, Mistake, Quantity, QuantityError};
-pub use reuse::Reuse;
-pub use section::{Section, SectionError, SectionQuantity, SectionSolution, Station, Stations};
-pub use solution::*;
-pub use study::{Column, Make, Member, Study, Varied};
-pub(crate) use told::told_in_steps;
+pub use ask::check::{BodyCheck, Check};
+pub use ask::compare::{Comparison, ComparisonRow};
+pub use ask::dual::{Dual, Unknown};
+pub use ask::study::{Column, Make, Member, Study, Varied};
+pub use march::past::{Past, PastBody, PastNode};
+pub use march::reuse::Reuse;
+pub use nouns::bar::{Bar, BarEnd, BarError, BarSolution, BarStation, Bond};
+pub use nouns::capacity::{Capacity, Reinforcement};
+pub use nouns::dimension::Dimension;
+pub use nouns::error::{Advice, Error, NotHeld, Objection, ProbeError, Subject};
+pub use nouns::event::{Event, Work};
+pub use nouns::file_names::{NameError, check_file_names};
+pub use nouns::ids::*;
+pub use nouns::intrusion::Intrusion;
+pub use nouns::model::*;
+pub use nouns::quantity::{Mistake, Quantity, QuantityError};
+pub use nouns::section::{
+    Section, SectionError, SectionQuantity, SectionSolution, Station, Stations,
+};
+pub use nouns::solution::*;
+pub(crate) use nouns::told::told_in_steps;
+pub(crate) use read::on_side::OnSide;
+pub(crate) use read::probe::read_probe;
+pub use read::remarks::ContactCheck;
+pub use system::compliance::{ASSEMBLED, DENSE_LIMIT};
+pub(crate) use system::memory::least;

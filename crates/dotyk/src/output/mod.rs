@@ -32,6 +32,7 @@ mod sections;
 mod setup;
 mod space;
 mod steps;
+mod strength;
 mod study;
 mod svg;
 mod symbols;
@@ -50,8 +51,8 @@ pub use text::Scales;
 
 use crate::dual::Multipliers;
 use crate::geometry::Point;
+use crate::host::peak_memory_bytes;
 use crate::model::{Check, Comparison, Dual, Model, Past, Seconds, Solution, Study};
-use crate::system::peak_memory_bytes;
 use std::borrow::Cow;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};

@@ -54,7 +54,7 @@ pub(crate) fn past<const D: usize>(dir: &Path) -> Result<Vec<Past<D>>, PastError
     }
     let read = |name: &str| {
         let file = dir.join(name);
-        let bytes = crate::system::read(&file).map_err(|why| {
+        let bytes = crate::host::read(&file).map_err(|why| {
             let what = "a run goes on from the folder that `dotyk run` wrote its results to";
             fail(&file, format!("cannot be read ({why}); {what}"))
         })?;

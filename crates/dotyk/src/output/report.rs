@@ -4,9 +4,7 @@
 //! same solution gives the same bytes, but for the block of timings.
 
 use crate::geometry::Point;
-use crate::model::{
-    Analysis, BodySolution, ContactSolution, Dimension, Model, Peak, Solution, Status,
-};
+use crate::model::{Analysis, BodySolution, ContactSolution, Dimension, Model, Solution, Status};
 use crate::output::Overview;
 use crate::output::bars::bars_section;
 use crate::output::contacts;
@@ -18,8 +16,10 @@ use crate::output::lines::{lines_section, place_in_words};
 use crate::output::markup::{Markup, markup};
 use crate::output::sections::sections_section;
 use crate::output::steps::steps_section;
+use crate::output::strength::strength_section;
+use crate::output::text::singular_peak;
 use crate::output::text::{Labels, Scales, count, number, quantity, seconds, vector};
-use crate::output::utilisation::{largest_utilisation, strength_section};
+use crate::output::utilisation::largest_utilisation;
 use crate::output::verdict;
 
 /// Content of `report.html`.
@@ -378,26 +378,6 @@ fn turned(values: &[f64]) -> String {
         [one] => number(*one),
         all => vector(all, ""),
     }
-}
-
-/// A word on a largest value of a body that is none; nothing where it is one.
-pub fn singular_peak<const D: usize>(
-    what: &str,
-    peak: Option<Peak<D>>,
-    [unit, length]: [&str; 2],
-) -> Option<String> {
-    let singular = peak?.place?;
-    let away = singular.away.map_or(String::new(), |away| {
-        format!(
-            " Farther than two cells from such places the largest is {}, at {}.",
-            quantity(away.value, unit),
-            vector(&away.at, length)
-        )
-    });
-    Some(format!(
-        "The largest {what} is at {}: it grows as the mesh is refined, and means nothing by itself.{away}",
-        singular.place
-    ))
 }
 
 /// The points of couples; nothing where there are none.

@@ -3,6 +3,7 @@
 //! Invariant: the same number gives the same text on every machine; what is not finite gives a dash.
 
 use crate::geometry::norm;
+use crate::model::Peak;
 use crate::model::{Analysis, Dimension, Model, Solution, Units};
 
 /// Names of Cartesian axes.
@@ -327,6 +328,26 @@ pub fn with_unit(name: &str, unit: &str) -> String {
     } else {
         format!("{name} [{unit}]")
     }
+}
+
+/// A word on a largest value of a body that is none; nothing where it is one.
+pub fn singular_peak<const D: usize>(
+    what: &str,
+    peak: Option<Peak<D>>,
+    [unit, length]: [&str; 2],
+) -> Option<String> {
+    let singular = peak?.place?;
+    let away = singular.away.map_or(String::new(), |away| {
+        format!(
+            " Farther than two cells from such places the largest is {}, at {}.",
+            quantity(away.value, unit),
+            vector(&away.at, length)
+        )
+    });
+    Some(format!(
+        "The largest {what} is at {}: it grows as the mesh is refined, and means nothing by itself.{away}",
+        singular.place
+    ))
 }
 
 #[cfg(test)]

@@ -2,37 +2,49 @@
 //!
 //! Two legs that meet once: geometry → mesh → fem → contact and linalg → dual → solve meet in model; output and case
 //! stand on it. Modules are named by `crate::` paths outside test modules, one module per `use`, so that this
-//! test can read them.
+//! test can read them. Within model the rooms stand one behind the other, and no files in circles.
 
 use crate::source::{Source, library, sources};
+use std::collections::{BTreeMap, BTreeSet};
 
 /// Each module and what it may use beside itself.
 const TABLE: [(&str, &str); 13] = [
-    ("system", ""),
+    ("host", ""),
     ("geometry", ""),
     ("linalg", ""),
     ("analytic", "geometry"),
-    ("mesh", "system geometry"),
+    ("mesh", "host geometry"),
     ("fem", "geometry linalg mesh"),
     ("contact", "geometry linalg mesh fem"),
     ("dual", "linalg"),
     ("solve", "linalg dual"),
-    (
-        "model",
-        "system geometry linalg mesh fem contact dual solve",
-    ),
-    ("output", "system geometry mesh model dual"),
+    ("model", "host geometry linalg mesh fem contact dual solve"),
+    ("output", "host geometry mesh model dual"),
     (
         "case",
-        "system geometry analytic linalg mesh fem contact dual solve model",
+        "host geometry analytic linalg mesh fem contact dual solve model",
     ),
     ("prelude", "geometry mesh model"),
 ];
+
+/// The rooms of `model`; each uses itself and those before it.
+const ROOMS: [&str; 5] = ["nouns", "system", "read", "march", "ask"];
 
 /// The module that a file of `src` belongs to; `lib.rs` belongs to none.
 fn module(source: &Source) -> &str {
     let first = source.path.split('/').next().unwrap_or("");
     first.strip_suffix(".rs").unwrap_or(first)
+}
+
+/// What a file of a room of `model` may not name behind `crate::model::`: a later room, or what the house shows outside.
+fn above(path: &str, used: &str) -> Option<String> {
+    let place = |name: &str| ROOMS.iter().position(|room| *room == name);
+    let room = path.strip_prefix("model/")?.split('/').next()?;
+    let own = place(room)?;
+    match place(used) {
+        Some(used) if used <= own => None,
+        _ => Some(format!("the room {room} uses {used}")),
+    }
 }
 
 /// Modules that may appear in `source`, itself included.
@@ -54,7 +66,7 @@ fn findings(source: &Source) -> Vec<String> {
             source.path
         )];
     };
-    let touches_files = ["case", "output", "mesh", "system"].contains(&module);
+    let touches_files = ["case", "output", "mesh", "host"].contains(&module);
     let pure = ["dual", "solve"].contains(&module);
     for (index, line) in source.code.lines().enumerate() {
         let mut find = |what: String| {
@@ -62,10 +74,14 @@ fn findings(source: &Source) -> Vec<String> {
         };
         for (start, _) in line.match_indices("crate::") {
             let path = &line[start + "crate::".len()..];
-            let used = path.split(|c: char| !(c.is_alphanumeric() || c == '_'));
-            match used.into_iter().next().unwrap_or("") {
+            let mut used = path.split(|c: char| !(c.is_alphanumeric() || c == '_'));
+            match used.next().unwrap_or("") {
                 "" => find("a group of modules: write one `use` per module".to_string()),
                 used if !allowed.contains(&used) => find(format!("{module} uses {used}")),
+                "model" => {
+                    let room = used.find(|word| !word.is_empty()).unwrap_or("");
+                    above(&source.path, room).into_iter().for_each(&mut find);
+                }
                 _ => {}
             }
         }
@@ -80,7 +96,7 @@ fn findings(source: &Source) -> Vec<String> {
             find("only linalg names the linear-algebra library".to_string());
         }
         if (line.contains("std::fs") || line.contains("std::env")) && !touches_files {
-            find("only case, output, system and the readers of mesh touch files".to_string());
+            find("only case, output, host and the readers of mesh touch files".to_string());
         }
         if ["print", "println", "eprint", "eprintln", "dbg"]
             .iter()
@@ -113,6 +129,49 @@ fn every_module_uses_only_what_its_layer_allows() {
     assert!(all.is_empty(), "{}", all.join("\n"));
 }
 
+/// The file of `model` behind a `crate::model::` path, by room and name.
+fn file_of_model(path: &str) -> Option<String> {
+    let mut words = path.split(|c: char| !(c.is_alphanumeric() || c == '_'));
+    let (room, _, file) = (words.next()?, words.next()?, words.next()?);
+    ROOMS
+        .contains(&room)
+        .then(|| format!("model/{room}/{file}.rs"))
+}
+
+#[test]
+fn no_file_of_the_model_needs_itself_through_others() {
+    let sources = sources(&library().join("src"));
+    let ours = sources.iter().filter(|s| s.path.starts_with("model/"));
+    let mut needs: BTreeMap<&str, BTreeSet<String>> = ours
+        .map(|source| {
+            let lines = source.code.lines();
+            let paths = lines.flat_map(|line| {
+                line.match_indices("crate::model::")
+                    .map(move |m| &line[m.0..])
+            });
+            let files = paths.filter_map(|path| file_of_model(&path["crate::model::".len()..]));
+            (
+                &source.path[..],
+                files.filter(|file| *file != source.path).collect(),
+            )
+        })
+        .collect();
+    assert!(needs.len() > 50, "the sources are elsewhere");
+    // what needs nothing that is left is taken away, until nothing is left or all of it needs each other
+    loop {
+        let names: BTreeSet<String> = needs.keys().map(|name| name.to_string()).collect();
+        let before = needs.len();
+        needs.retain(|_, needs| needs.iter().any(|need| names.contains(need)));
+        if needs.len() == before {
+            break;
+        }
+    }
+    assert!(
+        needs.is_empty(),
+        "files in circles, and what they need: {needs:?}"
+    );
+}
+
 #[test]
 fn every_row_of_the_table_names_modules_below_it() {
     for (row, (module, uses)) in TABLE.iter().enumerate() {
@@ -141,24 +200,34 @@ fn forbidden_uses_are_found_with_file_and_line() {
             "fem/stress.rs:1: fem uses model",
         ),
         (
-            "model/build.rs",
+            "model/nouns/build.rs",
             "use crate::{fem, mesh};",
-            "model/build.rs:1: a group",
+            "model/nouns/build.rs:1: a group",
         ),
         (
-            "model/build.rs",
-            "use super::nouns::Body;",
-            "model/build.rs:1: `super::`",
+            "model/nouns/build.rs",
+            "use super::model::Body;",
+            "model/nouns/build.rs:1: `super::`",
         ),
         (
-            "model/condense.rs",
+            "model/system/condense.rs",
             "use faer::Mat;",
-            "model/condense.rs:1: only linalg",
+            "model/system/condense.rs:1: only linalg",
         ),
         (
-            "model/build.rs",
+            "model/system/condense.rs",
+            "use crate::model::march::judge::judge;",
+            "model/system/condense.rs:1: the room system uses march",
+        ),
+        (
+            "model/read/fields.rs",
+            "use crate::model::Solution;",
+            "model/read/fields.rs:1: the room read uses Solution",
+        ),
+        (
+            "model/nouns/build.rs",
             "std::fs::read(path)",
-            "model/build.rs:1: only case",
+            "model/nouns/build.rs:1: only case",
         ),
         (
             "solve/newton.rs",

@@ -76,7 +76,7 @@ impl MeshFile {
     }
 
     fn open(path: &Path, dimension: u8) -> Result<Self, ImportError> {
-        let bytes = crate::system::read(path).map_err(|why| ImportError::Unreadable {
+        let bytes = crate::host::read(path).map_err(|why| ImportError::Unreadable {
             file: path.display().to_string(),
             why,
         })?;

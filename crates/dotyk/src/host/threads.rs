@@ -1,0 +1,79 @@
+//! How many threads there may be.
+
+use crate::host::memory::{address_space, of_products, told};
+use rayon::ThreadPoolBuilder;
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::thread::available_parallelism;
+
+/// Most threads that may be asked for.
+const MOST: usize = 1024;
+
+/// What the allocator reserves for a thread at most, two of its heaps of 64 MB while it aligns the first, and a stack.
+const OF_ALLOCATOR: u64 = 136 << 20;
+
+/// What a small model takes beside.
+const OF_MODEL: u64 = 32 << 20;
+
+/// A pool of that many threads, to be built; without a number as many as there are processors, or room for where the address
+/// space is limited.
+///
+/// Errors: more threads than anybody has processors for; no room for them, in words.
+pub fn threads(wanted: Option<usize>) -> Result<ThreadPoolBuilder, String> {
+    if let Some(wanted) = wanted.filter(|&wanted| wanted > MOST) {
+        return Err(format!("{wanted} threads are too many, at most {MOST}"));
+    }
+    let pool = ThreadPoolBuilder::new();
+    let Some(left) = address_space() else {
+        return Ok(pool.num_threads(wanted.unwrap_or(0)));
+    };
+    let all = available_parallelism().map_or(1, usize::from);
+    let count = wanted.unwrap_or_else(|| all.min(fitting(left)).max(1));
+    if count > fitting(left) {
+        let needed = OF_MODEL + of_products() + count as u64 * of_thread();
+        let (threads, advice) = match count {
+            1 => ("thread", ""),
+            _ => ("threads", ", or take fewer threads"),
+        };
+        return Err(format!(
+            "the address space is limited: {} of it are left, and {count} {threads} would reserve {}; give it more (`ulimit -v`){advice}",
+            told(left),
+            told(needed),
+        ));
+    }
+    STARTED.store(count as u64, Ordering::Relaxed);
+    Ok(pool.num_threads(count))
+}
+
+/// Threads of the last pool under a limit of the address space; those of rayon's own are not asked for, which would start them.
+static STARTED: AtomicU64 = AtomicU64::new(0);
+
+/// Threads that have reserved, or will, what is not to be counted as free where the address space is limited.
+pub(super) fn started() -> u64 {
+    STARTED.load(Ordering::Relaxed)
+}
+
+/// Bytes that a thread reserves.
+fn of_thread() -> u64 {
+    of_products() + OF_ALLOCATOR
+}
+
+/// How many threads fit an address space, beside the one that asks.
+fn fitting(left: u64) -> usize {
+    let left = left.saturating_sub(OF_MODEL + of_products());
+    usize::try_from(left / of_thread()).unwrap_or(MOST)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn threads_are_as_many_as_fit() {
+        let room = |count: u64| OF_MODEL + of_products() + count * of_thread();
+        assert_eq!(fitting(0), 0);
+        assert_eq!(fitting(room(1) - 1), 0);
+        assert_eq!(fitting(room(3)), 3);
+        assert!(threads(Some(3)).is_ok());
+        assert!(threads(Some(5000)).unwrap_err().contains("at most 1024"));
+    }
+}

@@ -1,0 +1,472 @@
+//! `check`: what can be said of a model before anything is solved.
+
+use crate::dual::{Feasibility, NO_WORK};
+use crate::fem::{
+    BodySystem, Constraints, RigidBasis, Short, describe_motion, fit_rigid, list_motions, show,
+};
+use crate::geometry::{Point, add_scaled, dot, norm};
+use crate::mesh::Mesh;
+use crate::model::march::sliding::sliding;
+use crate::model::nouns::error::{Error, Subject};
+use crate::model::nouns::model::*;
+use crate::model::nouns::told::{told_in_steps, told_once};
+use crate::model::read::probe::sites;
+use crate::model::read::remarks::ContactCheck;
+use crate::model::read::remarks::body_remarks;
+use crate::model::read::remarks::check_contacts;
+use crate::model::read::remarks::remarks;
+use crate::model::read::remarks::worst_quality;
+use crate::model::read::section::lay_out;
+use crate::model::system::admissible::admissible_set;
+use crate::model::system::bodies::{LoadedBody, body_rows, largest_load, systems};
+use crate::model::system::drive::complete;
+use crate::model::system::drive::driven;
+use crate::model::system::floating::Floating;
+use crate::model::system::pair::pair_all;
+use crate::model::system::paired::{Kind, Paired, row_ranges};
+use crate::model::system::parts::{couples, first_point};
+use std::collections::BTreeMap;
+use std::fmt;
+use std::ops::Range;
+
+/// A contact that does less work on a motion has no part in holding it: modes are scaled to a largest displacement of 1, and half
+/// the digits of their normals are good.
+const NO_PART: f64 = 1e-8;
+
+/// What was found about one body.
+#[derive(Debug, Clone, PartialEq)]
+pub struct BodyCheck<const D: usize> {
+    /// Its name.
+    pub name: String,
+    /// Nodes and cells.
+    pub size: [usize; 2],
+    /// Quality of the worst cell, in (0, 1].
+    pub worst_quality: f64,
+    /// Resultant of its loads, with those at points of its couples; what is a rounding of loads that cancel is zero.
+    pub load: Point<D>,
+    /// Number of held dofs.
+    pub held: usize,
+    /// Rigid motions that the supports leave free, each with what holds it; in one text where nothing can.
+    pub floating: Vec<String>,
+    /// Its couples, each with what its point is held by and carries.
+    pub couples: Vec<String>,
+}
+
+/// What was found about a model.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Check<const D: usize> {
+    /// One per body.
+    pub bodies: Vec<BodyCheck<D>>,
+    /// One per contact.
+    pub contacts: Vec<ContactCheck<D>>,
+    /// What makes a solution impossible.
+    pub errors: Vec<String>,
+    /// What the first error is about.
+    pub subject: Option<Subject>,
+    /// What the user should know.
+    pub warnings: Vec<String>,
+}
+
+/// What is found of a model that is `valid`, or why it is not.
+pub(crate) fn check<const D: usize>(model: &Model<D>, valid: Result<(), Error<D>>) -> Check<D> {
+    let mut check = Check::default();
+    if let Err(error) = valid.and_then(|()| fill(model, &mut check)) {
+        check.subject = error.subject();
+        check.errors.push(error.to_string());
+    }
+    check
+}
+
+/// Describes the model in each of its runs of load steps between which nothing comes or goes; of what is there in several,
+/// what is said of the last.
+fn fill<const D: usize>(model: &Model<D>, check: &mut Check<D>) -> Result<(), Error<D>> {
+    let mut before = 0;
+    let mut warnings: Vec<Vec<String>> = Vec::new();
+    for run in model.runs() {
+        let mut of_run = Check::default();
+        // what was found before a mistake is told, too
+        let filled = fill_run(&run, (model, before), &mut of_run);
+        before += run.times.len();
+        check
+            .bodies
+            .retain(|body| !of_run.bodies.iter().any(|b| b.name == body.name));
+        check
+            .contacts
+            .retain(|contact| !of_run.contacts.iter().any(|c| c.name == contact.name));
+        check.bodies.append(&mut of_run.bodies);
+        check.contacts.append(&mut of_run.contacts);
+        warnings.push(told_once(of_run.warnings));
+        check.warnings = told_in_steps(warnings.iter().map(Vec::as_slice));
+        filled?;
+    }
+    let place = |name: &str| model.bodies.iter().position(|body| body.name == name);
+    check.bodies.sort_by_key(|body| place(&body.name));
+    let place = |name: &str| {
+        model
+            .contacts
+            .iter()
+            .position(|contact| contact.name == name)
+    };
+    check.contacts.sort_by_key(|contact| place(&contact.name));
+    Ok(())
+}
+
+/// Describes a run at its last load step, then looks at the loads of the steps before; `before` it are so many steps of the
+/// whole model.
+fn fill_run<const D: usize>(
+    model: &Model<D>,
+    (whole, before): (&Model<D>, usize),
+    check: &mut Check<D>,
+) -> Result<(), Error<D>> {
+    let time = model.last_time();
+    let in_step = |error: Error<D>, step: usize| error.in_step(whole, before + step, Vec::new());
+    let last = |error: Error<D>| in_step(error, model.times.len());
+    let mut systems = systems(model, none(model), time).map_err(last)?;
+    let mut motions = Vec::new();
+    check.warnings.extend(body_remarks(model));
+    for (index, body) in model.bodies.iter().enumerate() {
+        let loads = Loads::of(model, index, &systems).map_err(last)?;
+        let free = free_motions(model.analysis, body, &systems[index], &loads);
+        check
+            .bodies
+            .push(check_body(body, &systems[index], &loads, &free));
+        motions.push(free);
+    }
+    let points = first_point(model)..;
+    for (part, (body, couple)) in points.zip(couples(model)) {
+        let arm = couple.arm(&model.bodies[body]);
+        let arm = arm.map_err(|source| Error::in_body(&model.bodies[body], source))?;
+        let found = check_couple(model, (couple, arm), &systems[part]);
+        check.bodies[body].couples.push(found);
+    }
+    let constraints: Vec<&Constraints<D>> = systems.iter().map(|s| &s.constraints).collect();
+    let mut paired = pair_all(model, &constraints, time).map_err(last)?;
+    let nothing = BTreeMap::new();
+    let dropped = complete(model, &mut systems, (&mut paired, &nothing), time).map_err(last)?;
+    sites(model, &paired)?;
+    lay_out(model)?;
+    check.warnings.extend(dropped);
+    let of_pairs = paired.iter().flat_map(|pair| pair.warnings.clone());
+    check.warnings.extend(of_pairs);
+    check.contacts = check_contacts(model, &paired);
+    check.warnings.extend(remarks(&check.contacts));
+    let rows = body_rows(&systems, &paired);
+    let loaded = systems
+        .into_iter()
+        .zip(rows)
+        .map(|(system, rows)| LoadedBody::new(system, rows));
+    let mut bodies: Vec<LoadedBody<D>> = loaded.collect();
+    let mut floating = Floating::new(model, &bodies, &paired).map_err(last)?;
+    check.warnings.extend(floating.warnings.iter().cloned());
+    describe_floating(model, &floating, &paired, &motions, check);
+    check_balance(
+        model,
+        &floating,
+        &bodies,
+        &paired,
+        time,
+        &mut check.warnings,
+    )
+    .map_err(last)?;
+    for (index, &time) in model.times.iter().enumerate().rev().skip(1) {
+        let at = |error: Error<D>| in_step(error, index + 1);
+        (bodies, paired) = driven(model, bodies, paired, time).map_err(at)?;
+        floating.set_loads(model, &bodies, &paired).map_err(at)?;
+        check_balance(
+            model,
+            &floating,
+            &bodies,
+            &paired,
+            time,
+            &mut check.warnings,
+        )
+        .map_err(at)?;
+    }
+    Ok(())
+}
+
+/// No system of any body.
+fn none<const D: usize>(model: &Model<D>) -> Vec<Option<BodySystem<D>>> {
+    model.bodies.iter().map(|_| None).collect()
+}
+
+/// Errors: a load that no contact force can balance.
+fn check_balance<const D: usize>(
+    model: &Model<D>,
+    floating: &Floating,
+    bodies: &[LoadedBody<D>],
+    paired: &[Paired<D>],
+    time: f64,
+    warnings: &mut Vec<String>,
+) -> Result<(), Error<D>> {
+    let admissible = admissible_set(model, paired, time)?;
+    let force = largest_load(bodies);
+    let feasible = Feasibility::of(&admissible, &floating.balance, force);
+    if let Feasibility::Infeasible { direction, factor } = feasible {
+        let parts = (floating, bodies, paired);
+        let slides = sliding(model, parts, &admissible, (&direction, factor), None)?;
+        warnings.push(slides.to_string());
+    }
+    Ok(())
+}
+
+/// Which contacts and couples do work on each of the free `motions` of the bodies.
+fn describe_floating<const D: usize>(
+    model: &Model<D>,
+    floating: &Floating,
+    paired: &[Paired<D>],
+    motions: &[Vec<FreeMotion>],
+    check: &mut Check<D>,
+) {
+    for body in &mut check.bodies {
+        body.floating.clear();
+    }
+    let ranges: Vec<Range<usize>> = row_ranges(paired).map(|(rows, _)| rows).collect();
+    let of_bodies = floating.modes.iter().enumerate();
+    for (k, &(body, mode)) in of_bodies.filter(|(_, mode)| mode.0 < model.bodies.len()) {
+        let works =
+            |range: &Range<usize>| range.clone().any(|i| floating.work(k, i).abs() > NO_PART);
+        let holders = |of: fn(Kind) -> bool| {
+            let pairs = paired.iter().zip(&ranges);
+            let own = pairs.filter(|(pair, _)| of(pair.kind));
+            let names = own.filter(|(_, range)| works(range));
+            let names = names.map(|(pair, _)| format!("\"{}\"", pair.name));
+            names.collect::<Vec<_>>().join(", ")
+        };
+        let held = [
+            ("contact", holders(|kind| kind == Kind::Contact)),
+            ("couple", holders(|kind| matches!(kind, Kind::Couple(_)))),
+            ("bed", holders(|kind| matches!(kind, Kind::Bed(_)))),
+            ("bar", holders(|kind| matches!(kind, Kind::Bar(_)))),
+        ];
+        let held = held.iter().filter(|(_, names)| !names.is_empty());
+        let held = held.map(|(kind, names)| format!("{kind} {names}"));
+        let held = match held.collect::<Vec<_>>().join(" and ") {
+            none if none.is_empty() => "held by nothing".to_string(),
+            all => format!("held by {all}"),
+        };
+        let FreeMotion { words, load } = &motions[body][mode];
+        let found = &mut check.bodies[body].floating;
+        found.push(format!("{words}: load on it {}, {held}", Short(*load)));
+    }
+}
+
+/// A couple, and the arm of its rotations, with what its point is held by and carries.
+fn check_couple<const D: usize>(
+    model: &Model<D>,
+    (couple, arm): (&Couple<D>, f64),
+    system: &BodySystem<D>,
+) -> String {
+    let turns = Couple::<D>::turns(model.analysis);
+    let about = turns.clone().map(|axis| match D {
+        2 => "rotation".to_string(),
+        _ => format!("rotation about {}", ["x", "y", "z"][axis]),
+    });
+    let moves = ["x", "y", "z"].into_iter().take(D);
+    let moves = moves.map(|axis| format!("displacement along {axis}"));
+    let all: Vec<String> = moves.chain(about).collect();
+    let held = all.iter().zip(&system.held).filter(|(_, held)| **held);
+    let held: Vec<&str> = held.map(|(name, _)| name.as_str()).collect();
+    let held = match held.is_empty() {
+        true => "nothing held".to_string(),
+        false => format!("held: {}", held.join(", ")),
+    };
+    let [force, moment] = carried(system);
+    let moments: Vec<String> = turns
+        .map(|axis| Short(moment[axis - turns_from::<D>()] * arm).to_string())
+        .collect();
+    let moment = match moments.as_slice() {
+        none if none.iter().all(|m| m == "0") => String::new(),
+        [one] => format!(", moment {one}"),
+        all => format!(", moment ({})", all.join(", ")),
+    };
+    format!(
+        "point \"{}\" at {}: {} couple of side \"{}\", {held}, force {}{moment}",
+        couple.name,
+        show(couple.point),
+        couple.kind.name(),
+        couple.side,
+        show(force)
+    )
+}
+
+/// The first axis about which a point of a couple turns.
+fn turns_from<const D: usize>() -> usize {
+    if D == 2 { 2 } else { 0 }
+}
+
+/// What the point of a couple carries: its force, and its moments over the arm.
+fn carried<const D: usize>(system: &BodySystem<D>) -> [Point<D>; 2] {
+    let loads = system.to_global(&system.load);
+    [loads[0], loads[1]]
+}
+
+/// What the loads of a body sum up to: those on its nodes, and those at points of its couples, but for what bears a force all the
+/// same, such as prestress or the tension of a joint.
+struct Loads<'a, const D: usize> {
+    /// Forces by node, in the order of the nodes.
+    nodes: Vec<Point<D>>,
+    /// Couples with their arm, and the system of the point.
+    points: Vec<(&'a Couple<D>, f64, &'a BodySystem<D>)>,
+}
+
+impl<'a, const D: usize> Loads<'a, D> {
+    /// Those of a body, from the systems of all parts.
+    ///
+    /// Errors: a couple with an unknown side.
+    fn of(
+        model: &'a Model<D>,
+        body: usize,
+        systems: &'a [BodySystem<D>],
+    ) -> Result<Self, Error<D>> {
+        let parts = (first_point(model)..).zip(couples(model));
+        let own = parts.filter(|(_, (of, _))| *of == body);
+        let point = |(part, (_, couple)): (usize, (usize, &'a Couple<D>))| {
+            let arm = couple.arm(&model.bodies[body]);
+            let arm = arm.map_err(|source| Error::in_body(&model.bodies[body], source))?;
+            Ok((couple, arm, &systems[part]))
+        };
+        Ok(Self {
+            nodes: systems[body].to_global(&systems[body].load),
+            points: own.map(point).collect::<Result<_, Error<D>>>()?,
+        })
+    }
+
+    /// Their resultant, and the sum of their sizes.
+    fn resultant(&self) -> (Point<D>, f64) {
+        let at_points = self.points.iter().map(|(_, _, system)| carried(system)[0]);
+        let all = self.nodes.iter().copied().chain(at_points);
+        all.fold(([0.0; D], 0.0), |(sum, size), force| {
+            (add_scaled(sum, 1.0, force), size + norm(force))
+        })
+    }
+
+    /// Their work on a rigid motion, the displacements of all nodes, which takes the points of couples along: Σ f·u + m·ω over
+    /// what is free. What is a rounding of the sum is zero.
+    fn work(&self, analysis: Analysis, mesh: &Mesh<D>, motion: &[Point<D>]) -> f64 {
+        let basis = RigidBasis::of(analysis);
+        let mut work: f64 = self
+            .nodes
+            .iter()
+            .zip(motion)
+            .map(|(&f, &u)| dot(f, u))
+            .sum();
+        let mut sizes: f64 = self.nodes.iter().map(|&f| norm(f)).sum();
+        for (couple, arm, system) in &self.points {
+            let (mut u, spin) = fit_rigid(basis, mesh.points(), motion, couple.point);
+            let mut turn = [0.0; D];
+            turn.iter_mut().zip(&spin).for_each(|(t, s)| *t = s * arm);
+            let [force, moment] = carried(system);
+            let free = |k: usize| if system.held[k] { 0.0 } else { 1.0 };
+            (0..D).for_each(|k| u[k] *= free(k));
+            (0..D).for_each(|k| turn[k] *= free(D + k));
+            work += dot(force, u) + dot(moment, turn);
+            sizes += norm(force) + norm(moment);
+        }
+        told(work, sizes)
+    }
+}
+
+/// A figure that is a sum, with the sum of the sizes of its parts: zero where it is their rounding.
+fn told(figure: f64, sizes: f64) -> f64 {
+    if figure.abs() <= NO_WORK * sizes {
+        0.0
+    } else {
+        figure
+    }
+}
+
+/// A rigid motion that the supports of a body leave free, and the work of its loads for a largest displacement of 1.
+struct FreeMotion {
+    words: String,
+    load: f64,
+}
+
+/// Each of the motions that the supports of a body leave free.
+fn free_motions<const D: usize>(
+    analysis: Analysis,
+    body: &Body<D>,
+    system: &BodySystem<D>,
+    loads: &Loads<D>,
+) -> Vec<FreeMotion> {
+    let describe = |mode: &Vec<f64>| {
+        let motion = system.to_global(mode);
+        FreeMotion {
+            words: describe_motion(body.mesh.points(), &motion),
+            load: loads.work(analysis, &body.mesh, &motion),
+        }
+    };
+    system.modes.iter().map(describe).collect()
+}
+
+fn check_body<const D: usize>(
+    body: &Body<D>,
+    system: &BodySystem<D>,
+    loads: &Loads<D>,
+    free: &[FreeMotion],
+) -> BodyCheck<D> {
+    let mesh = &body.mesh;
+    let (load, sizes) = loads.resultant();
+    let words: Vec<String> = free.iter().map(|motion| motion.words.clone()).collect();
+    let floating = (!free.is_empty()).then(|| list_motions::<D>(&words));
+    BodyCheck {
+        name: body.name.clone(),
+        size: [mesh.points().len(), mesh.cell_count()],
+        worst_quality: worst_quality(body),
+        load: load.map(|c| told(c, sizes)),
+        held: system.held.iter().filter(|held| **held).count(),
+        floating: floating.into_iter().collect(),
+        couples: Vec::new(),
+    }
+}
+
+impl<const D: usize> fmt::Display for Check<D> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        for body in &self.bodies {
+            writeln!(
+                f,
+                "body \"{}\": {} nodes, {} cells, worst cell quality {:.3}, {} dofs held, resultant load {}",
+                body.name,
+                body.size[0],
+                body.size[1],
+                body.worst_quality,
+                body.held,
+                show(body.load)
+            )?;
+            match body.floating.as_slice() {
+                [] => writeln!(f, "  held by its supports")?,
+                modes => modes
+                    .iter()
+                    .try_for_each(|mode| writeln!(f, "  floats: {mode}"))?,
+            }
+            for couple in &body.couples {
+                writeln!(f, "  {couple}")?;
+            }
+        }
+        for contact in &self.contacts {
+            write!(
+                f,
+                "contact \"{}\": {} against {}, {} unknowns",
+                contact.name, contact.sides[0], contact.sides[1], contact.unknowns
+            )?;
+            if !contact.alone.is_empty() {
+                write!(f, ", {} nodes face nothing", contact.alone.len())?;
+            }
+            match contact.penetration {
+                _ if contact.unknowns == 0 => writeln!(f)?,
+                0.0 if contact.clearance > 0.0 => {
+                    writeln!(f, ", initial clearance {:.4e}", contact.clearance)?
+                }
+                0.0 => writeln!(f, ", touching initially")?,
+                depth => writeln!(f, ", initial penetration {depth:.4e}")?,
+            }
+        }
+        for warning in &self.warnings {
+            writeln!(f, "warning: {warning}")?;
+        }
+        for error in &self.errors {
+            writeln!(f, "error: {error}")?;
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,203 @@
+//! The dual problem of a model, with the way there and back: which contact force each unknown is, the rows of B, and from
+//! forces that anybody has found to displacements, their certificate and a solution. Factored once for any number of these.
+
+use crate::dual::{Certificate, Compliance, Multipliers};
+use crate::geometry::Point;
+use crate::linalg::SparseMatrix;
+use crate::model::march::attempt::{Attempt, Start, certified_attempt};
+use crate::model::march::finish::finish;
+use crate::model::march::judge::{Judged, judge};
+use crate::model::march::objection::objection;
+use crate::model::nouns::error::{Error, Objection};
+use crate::model::nouns::event::Event;
+use crate::model::nouns::model::{Method, Model};
+use crate::model::nouns::solution::Solution;
+use crate::model::read::view::View;
+use crate::model::system::compliance::ASSEMBLED;
+use crate::model::system::condense::Condensed;
+use crate::model::system::paired::row_ranges;
+use crate::model::system::parts::part_name;
+use crate::solve::Outcome;
+use std::ops::Range;
+
+/// A model condensed onto its contact forces λ (m,) and rigid amplitudes α (r,), at one time; made by `Model::dual`.
+///
+/// ```text
+///   min 1/2 λᵀFλ − dᵀλ over λ ∈ Λ, Gλ = e,      gap = Fλ − d − Gᵀα = g₀ − Bu
+/// ```
+///
+/// The unknowns go contact by contact in the order of the model, and within one node by node in the order of
+/// [`ContactSolution::nodes`](crate::model::ContactSolution::nodes), of a node with friction or a tie the normal force first, then the
+/// tangential ones. Behind them stand the couples, in the order of the bodies. Nodes that face nothing, or whose displacement is prescribed, have none: [`Unknown`] tells each one's place.
+pub struct Dual<const D: usize> {
+    pub(crate) model: Model<D>,
+    pub(crate) condensed: Condensed<D>,
+    pub(crate) view: View<D>,
+}
+
+/// What a contact force λᵢ is.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Unknown<const D: usize> {
+    /// Index of its contact in the model; those of couples follow in the order of the bodies.
+    pub contact: usize,
+    /// Index of its node among those of the contact in a solution.
+    pub place: usize,
+    /// Index of its node in the mesh of the nonmortar body; of an average couple, which moves the whole side, any of its nodes.
+    pub node: usize,
+    /// 0: along the contact normal, else along a tangent.
+    pub component: usize,
+    /// Index of its block in the admissible set.
+    pub block: usize,
+    /// Undeformed position of the node.
+    pub point: Point<D>,
+    /// Unit vector of its row of B. λ > 0 pushes the nonmortar body against it, the mortar body along it.
+    pub direction: Point<D>,
+    /// ∫ψ, an area (times thickness or 2πr): pressure, or shear traction, is λ over it.
+    pub weight: f64,
+}
+
+impl<const D: usize> Dual<D> {
+    /// What each contact force is, m in number.
+    pub(crate) fn list_unknowns(&self) -> Vec<Unknown<D>> {
+        let mut list = Vec::with_capacity(self.condensed.gaps.len());
+        let mut block = 0;
+        for (contact, pair) in self.condensed.paired.iter().enumerate() {
+            let points = self.model.bodies[pair.nonmortar.body.0].mesh.points();
+            for (place, node) in pair.interface.nodes.iter().enumerate() {
+                let components = (0..D).filter(|&component| node.rows[component].is_some());
+                let before = list.len();
+                list.extend(components.map(|component| Unknown {
+                    contact,
+                    place,
+                    node: node.node,
+                    component,
+                    block,
+                    point: points[node.node],
+                    direction: node.frame[component],
+                    weight: node.weight,
+                }));
+                block += usize::from(list.len() > before);
+            }
+        }
+        list
+    }
+
+    /// B (m, n).
+    pub(crate) fn assemble_rows(&self) -> SparseMatrix {
+        let columns = self.list_columns();
+        let mut entries = Vec::new();
+        for (range, pair) in row_ranges(&self.condensed.paired) {
+            for (part, rows) in pair.ends() {
+                let start = columns[part].1.start;
+                for (i, row) in range.clone().zip(rows) {
+                    let parts = row.iter().flat_map(|(node, coefficients)| {
+                        let first = start + D * node;
+                        (first..).zip(*coefficients)
+                    });
+                    entries.extend(parts.map(|(j, value)| (i, j, value)));
+                }
+            }
+        }
+        entries.retain(|entry| entry.2 != 0.0);
+        let dofs = columns.last().map_or(0, |(_, last)| last.end);
+        SparseMatrix::from_triplets(self.condensed.gaps.len(), dofs, &entries)
+    }
+
+    /// Columns of B: those of each body, then of each obstacle that a force moves and of the point of each couple.
+    pub(crate) fn list_columns(&self) -> Vec<(String, Range<usize>)> {
+        let mut last = 0;
+        let parts = self.condensed.bodies.iter().enumerate();
+        let columns = parts.map(|(part, body)| {
+            let first = last;
+            last += body.system.load.len();
+            (part_name(&self.model, part), first..last)
+        });
+        columns.collect()
+    }
+
+    /// F with all its entries, if it is not yet there and not too large; `true` where it is there.
+    pub(crate) fn assemble_compliance(&mut self) -> bool {
+        let problem = &mut self.condensed.problem;
+        match problem.compliance {
+            Compliance::Operator { .. } => problem.assemble(ASSEMBLED),
+            Compliance::Dense(_) | Compliance::Sparse(_) => true,
+        }
+    }
+
+    /// λ and α by one of the methods, as in a load step of the model.
+    pub(crate) fn solved(
+        &mut self,
+        method: Method,
+        observe: &mut dyn FnMut(Event),
+    ) -> Result<Multipliers, Error<D>> {
+        let own = std::mem::replace(&mut self.model.solver.method, method);
+        // the certificate may ask for a d that knows the rounding of the displacements; this problem keeps its own
+        let shift = self.condensed.problem.shift.clone();
+        let start = Start::default();
+        let solved = certified_attempt(&self.model, &mut self.condensed, start, observe);
+        self.condensed.problem.shift = shift;
+        self.model.solver.method = own;
+        let (attempt, judged) = solved?;
+        let multipliers = attempt.outcome.multipliers.clone();
+        match objection(&self.model, &self.condensed, &attempt, &judged) {
+            None => Ok(multipliers),
+            Some(reason) => {
+                let solution = finish(
+                    &self.model,
+                    (&self.condensed, &self.view),
+                    attempt,
+                    judged,
+                    false,
+                )?;
+                Err(no_answer(reason, solution))
+            }
+        }
+    }
+
+    /// The certificate of given forces.
+    pub(crate) fn certified(&self, multipliers: &Multipliers) -> Result<Certificate, Error<D>> {
+        self.judged(multipliers)
+            .map(|(_, judged)| judged.certificate)
+    }
+
+    /// The solution with given forces.
+    pub(crate) fn recovered(&self, multipliers: &Multipliers) -> Result<Solution<D>, Error<D>> {
+        let (attempt, judged) = self.judged(multipliers)?;
+        let objection = objection(&self.model, &self.condensed, &attempt, &judged);
+        let holds = objection.is_none();
+        let solution = finish(
+            &self.model,
+            (&self.condensed, &self.view),
+            attempt,
+            judged,
+            holds,
+        )?;
+        match objection {
+            None => Ok(solution),
+            Some(reason) => Err(no_answer(reason, solution)),
+        }
+    }
+
+    fn judged(&self, multipliers: &Multipliers) -> Result<(Attempt<D>, Judged<D>), Error<D>> {
+        let shape = self.condensed.problem.check_multipliers(multipliers);
+        shape.map_err(|error| Error::Solver(error.into()))?;
+        let attempt = Attempt {
+            method: "given".to_string(),
+            outcome: Outcome::new(multipliers.clone(), 0),
+            history: Vec::new(),
+            failure: None,
+        };
+        let mut judged = judge(&self.model, &self.condensed, &attempt.outcome, None)?;
+        let here = (&self.condensed, &self.view);
+        judged.look_for_intrusion(&self.model, here, &multipliers.lambda);
+        Ok((attempt, judged))
+    }
+}
+
+fn no_answer<const D: usize>(reason: Objection<D>, solution: Solution<D>) -> Error<D> {
+    Error::NotConverged {
+        reason: Box::new(reason),
+        solution: Box::new(solution),
+        earlier: Vec::new(),
+    }
+}

@@ -1,0 +1,7 @@
+//! What a model can be asked: its solution, its dual problem, a check, a comparison of solvers, a study.
+
+pub mod check;
+pub mod compare;
+pub mod doors;
+pub mod dual;
+pub mod study;

@@ -1,0 +1,214 @@
+//! A model solved for many values of its parameters.
+//!
+//! Members that differ in loads, friction, prescribed values or steps alone share one factorisation ([`Reuse`]): parameters
+//! that change the stiffness are varied outermost, and what is inside such a loop is solved one after the other. Different
+//! stiffnesses are solved in parallel.
+
+use crate::model::march::reuse::Reuse;
+use crate::model::nouns::dimension::Dimension;
+use crate::model::nouns::model::{Model, Units};
+use crate::model::nouns::told::told_in_steps;
+use rayon::prelude::*;
+use std::collections::BTreeMap;
+
+/// A parameter and the values that it takes.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Varied {
+    /// Name of the parameter.
+    pub name: String,
+    /// Its values, at least one.
+    pub values: Vec<f64>,
+    /// The values are spaced by equal ratios: plots are logarithmic.
+    pub log: bool,
+}
+
+/// What is read in every member: a probe of one number.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Column {
+    /// Name of the probe.
+    pub name: String,
+    /// What it is measured in.
+    pub dimension: Dimension,
+}
+
+/// The case for one choice of values.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Member {
+    /// Values of the varied parameters, in their order.
+    pub values: Vec<f64>,
+    /// Values of the probes in the last load step, NaN where it has no answer.
+    pub probes: Vec<f64>,
+    /// Every load step has its certificate.
+    pub converged: bool,
+    /// Why not; empty if it has.
+    pub reason: String,
+    /// Warnings of all its load steps, each once.
+    pub warnings: Vec<String>,
+}
+
+/// A model solved for all combinations of some values.
+#[derive(Debug, Clone)]
+pub struct Study {
+    /// Title of the model.
+    pub title: String,
+    /// Its units.
+    pub units: Units,
+    /// What was varied.
+    pub varied: Vec<Varied>,
+    /// What was read.
+    pub probes: Vec<Column>,
+    /// All combinations; the first parameter changes slowest.
+    pub members: Vec<Member>,
+}
+
+/// Makes the model for some values, or says why there is none.
+pub type Make<'a, const D: usize> = dyn Fn(&[f64]) -> Result<Model<D>, String> + Sync + 'a;
+
+impl Study {
+    /// As [`Model::study`].
+    pub(crate) fn run<const D: usize>(
+        (model, own): (Model<D>, &[f64]),
+        varied: Vec<Varied>,
+        make: &Make<'_, D>,
+        observe: &(dyn Fn() + Sync),
+    ) -> Self {
+        let numbers = model.probes.iter().filter(|probe| !probe.is_line());
+        let probes = numbers.map(|probe| Column {
+            name: probe.name.clone(),
+            dimension: probe.dimension(),
+        });
+        let probes: Vec<Column> = probes.collect();
+        let stiff = |k: usize| changes_stiffness((&model, own), k, &varied[k], make);
+        let stiff: Vec<bool> = (0..varied.len()).map(stiff).collect();
+        let members = groups(&varied, &stiff).into_par_iter().map(|group| {
+            let mut reuse = Reuse::default();
+            let solve = |index: usize| {
+                let values = combination(&varied, index);
+                let member = member(make(&values), values, probes.len(), &mut reuse);
+                observe();
+                (index, member)
+            };
+            group.into_iter().map(solve).collect::<Vec<_>>()
+        });
+        let mut members: Vec<(usize, Member)> = members.flatten_iter().collect();
+        members.sort_by_key(|(index, _)| *index);
+        Self {
+            members: members.into_iter().map(|(_, member)| member).collect(),
+            title: model.title,
+            units: model.units,
+            varied,
+            probes,
+        }
+    }
+
+    /// Which value of every parameter a member has, by its index.
+    pub fn places(&self, member: usize) -> Vec<usize> {
+        places(&self.varied, member)
+    }
+
+    /// Warnings of the members, each once with the number of members that have it, in the order of their first one.
+    pub fn warnings(&self) -> Vec<(String, usize)> {
+        let mut list: Vec<(String, usize)> = Vec::new();
+        for warning in self.members.iter().flat_map(|member| &member.warnings) {
+            match list.iter_mut().find(|(known, _)| known == warning) {
+                Some((_, count)) => *count += 1,
+                None => list.push((warning.clone(), 1)),
+            }
+        }
+        list
+    }
+
+    /// Every member has its answer.
+    pub fn converged(&self) -> bool {
+        self.members.iter().all(|member| member.converged)
+    }
+
+    /// Number of members of a study.
+    pub fn count(varied: &[Varied]) -> usize {
+        varied
+            .iter()
+            .map(|parameter| parameter.values.len())
+            .product()
+    }
+}
+
+/// Whether the ends of a parameter's range make another stiffness; then it is varied outermost.
+fn changes_stiffness<const D: usize>(
+    (model, own): (&Model<D>, &[f64]),
+    index: usize,
+    parameter: &Varied,
+    make: &Make<'_, D>,
+) -> bool {
+    let ends = [parameter.values.first(), parameter.values.last()];
+    ends.into_iter().flatten().any(|&value| {
+        let mut values = own.to_vec();
+        values[index] = value;
+        // what cannot be made is solved by nobody
+        make(&values).is_ok_and(|other| !other.has_stiffness_of(model))
+    })
+}
+
+/// Indices of the members, those of each stiffness together.
+fn groups(varied: &[Varied], stiff: &[bool]) -> Vec<Vec<usize>> {
+    let mut groups: BTreeMap<Vec<u64>, Vec<usize>> = BTreeMap::new();
+    for index in 0..Study::count(varied) {
+        let values = combination(varied, index);
+        let values = values.iter().zip(stiff).filter(|(_, stiff)| **stiff);
+        let key = values.map(|(value, _)| value.to_bits()).collect();
+        groups.entry(key).or_default().push(index);
+    }
+    groups.into_values().collect()
+}
+
+/// Which value of every parameter a member has; the first parameter changes slowest.
+fn places(varied: &[Varied], index: usize) -> Vec<usize> {
+    let mut rest = index;
+    let mut places: Vec<usize> = varied
+        .iter()
+        .rev()
+        .map(|parameter| {
+            let place = rest % parameter.values.len();
+            rest /= parameter.values.len();
+            place
+        })
+        .collect();
+    places.reverse();
+    places
+}
+
+/// Values of a member.
+fn combination(varied: &[Varied], index: usize) -> Vec<f64> {
+    let places = places(varied, index).into_iter().zip(varied);
+    places
+        .map(|(place, parameter)| parameter.values[place])
+        .collect()
+}
+
+fn member<const D: usize>(
+    model: Result<Model<D>, String>,
+    values: Vec<f64>,
+    probes: usize,
+    reuse: &mut Reuse<D>,
+) -> Member {
+    let solved = model.and_then(|model| {
+        let steps = model.solve_reusing(reuse, &mut |_| {});
+        steps.map_err(|error| error.to_string())
+    });
+    let steps = solved.iter().flatten();
+    let warnings = told_in_steps(steps.map(|step| &step.warnings[..]));
+    let (read, reason) = match solved {
+        Ok(steps) => (steps.last().map(|last| last.probes.clone()), String::new()),
+        Err(reason) => (None, reason),
+    };
+    let read = read.map(|read| {
+        let numbers = read.iter().filter(|probe| probe.line.is_empty());
+        numbers.map(|probe| probe.value).collect()
+    });
+    Member {
+        values,
+        converged: reason.is_empty(),
+        probes: read.unwrap_or_else(|| vec![f64::NAN; probes]),
+        reason,
+        warnings,
+    }
+}

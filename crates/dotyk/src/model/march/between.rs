@@ -1,0 +1,285 @@
+//! Penetration between the nodes: the deformed sides as they are, independent of rows, weights and multipliers.
+//!
+//! ```text
+//!   gap(x) = g₀(x) + n·(u_m(y) − u_s(x)) ≥ −(what the meshes can resolve at x)
+//! ```
+//!
+//! Contact conditions hold at nodes or in the mean of functions ψ. Between them the sides may overlap by what the meshes
+//! cannot resolve: the dent p(h_s/E_s + h_m/E_m) of a pressure p that varies from node to node, and how much the gap itself
+//! curves along a facet. Where nothing presses and nothing curves there is no excuse: a condition was lost.
+
+use crate::contact::{Coupling, InterfaceNode, Moved, Role, Sample};
+use crate::geometry::{Point, add_scaled, dot, invert, norm, sub};
+use crate::model::system::paired::Paired;
+use std::collections::BTreeMap;
+
+/// Samples whose scatter in ξ has a smaller determinant lie on a line: reference facets are of size one, their samples far from that.
+const ON_A_LINE: f64 = 1e-12;
+
+/// Sides that have sunk into each other by more than this part of their motion were not kept apart.
+const SUNK: f64 = 0.5;
+
+/// The place where two sides overlap most beyond what their meshes can resolve.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Overlap<const D: usize> {
+    /// Index of the contact.
+    pub contact: usize,
+    /// Undeformed position.
+    pub point: Point<D>,
+    /// Penetration, a length > 0.
+    pub depth: f64,
+    /// What the meshes can resolve there, a length > 0.
+    pub resolved: f64,
+}
+
+/// The worst overlap of one contact between its nodes under its forces `lambda`; overlaps up to `negligible` are rounding.
+pub(crate) fn worst_overlap<const D: usize>(
+    contact: usize,
+    pair: &Paired<D>,
+    moved: &Moved<'_, D>,
+    lambda: &[f64],
+    negligible: f64,
+) -> Option<Overlap<D>> {
+    let mut worst: Option<Overlap<D>> = None;
+    let seen = seen(pair, lambda, |sample| sample.at.after(moved));
+    for (samples, (gaps, [pressure, bend])) in pair.samples.iter().zip(seen) {
+        for (sample, gap) in samples.iter().zip(gaps).filter(|(_, gap)| *gap < 0.0) {
+            let found = Overlap {
+                contact,
+                point: sample.point,
+                depth: -gap,
+                resolved: pressure * sample.dent + bend + negligible,
+            };
+            if worst.is_none_or(|w| found.depth * w.resolved > w.depth * found.resolved) {
+                worst = Some(found);
+            }
+        }
+    }
+    worst
+}
+
+/// What the meshes can resolve of one contact under its forces `lambda` at each node of its nonmortar side that faces something, a
+/// length; `out` tells how far points are out of the obstacle, where one lies opposite: seen from a side that leans, it would
+/// bend more than it does.
+pub(crate) fn resolved<const D: usize>(
+    pair: &Paired<D>,
+    moved: &Moved<'_, D>,
+    lambda: &[f64],
+    out: impl Fn(Point<D>) -> Option<f64>,
+) -> BTreeMap<usize, f64> {
+    let gap = |sample: &Sample<D>| {
+        let own = sample.at.own.iter();
+        let own = own.fold(sample.point, |x, &(j, n)| add_scaled(x, n, moved.own[j]));
+        out(sub(own, moved.obstacle)).unwrap_or_else(|| sample.at.after(moved))
+    };
+    let mut resolved = BTreeMap::new();
+    for (samples, (_, [pressure, bend])) in pair.samples.iter().zip(seen(pair, lambda, gap)) {
+        let dent = samples
+            .iter()
+            .fold(0.0, |s: f64, sample| s.max(sample.dent));
+        nodes_of(samples).for_each(|node| raise(&mut resolved, node, pressure * dent + bend));
+    }
+    resolved
+}
+
+/// Of each facet the gaps at its samples, as they are told, and the largest pressure and bend of the gap at its nodes.
+fn seen<const D: usize>(
+    pair: &Paired<D>,
+    lambda: &[f64],
+    gap: impl Fn(&Sample<D>) -> f64,
+) -> Vec<(Vec<f64>, [f64; 2])> {
+    let own = |node: &InterfaceNode<D>| node.rows[0].map(|row| (lambda[row] / node.weight).abs());
+    let nodes = pair.interface.nodes.iter();
+    let pressures = nodes.filter_map(|n| Some((n.node, own(n)?))).collect();
+    let pressure = near(pair, &pressures);
+    let gaps = |samples: &Vec<Sample<D>>| samples.iter().map(&gap).collect();
+    let facets: Vec<Vec<f64>> = pair.samples.iter().map(gaps).collect();
+    let mut bends = BTreeMap::new();
+    for (samples, gaps) in pair.samples.iter().zip(&facets) {
+        let bend = bend(samples, gaps);
+        nodes_of(samples).for_each(|node| raise(&mut bends, node, bend));
+    }
+    // a condition that is a mean over the facets of a node sees how the gap bends on all of them
+    let bends = near(pair, &bends);
+    let most = |samples: &[Sample<D>], of: &BTreeMap<usize, f64>| {
+        let values = nodes_of(samples).filter_map(|node| of.get(&node));
+        values.fold(0.0, |largest: f64, value| largest.max(*value))
+    };
+    let facets = pair.samples.iter().zip(facets);
+    let facets = facets.map(|(samples, gaps)| {
+        let largest = [&pressure, &bends].map(|of| most(samples, of));
+        (gaps, largest)
+    });
+    facets.collect()
+}
+
+/// The deepest overlap of one contact where nodes were told to take no part, beyond how much its gap bends along a facet that
+/// does: undeformed position and depth.
+pub(crate) fn left_overlap<const D: usize>(
+    pair: &Paired<D>,
+    moved: &Moved<'_, D>,
+    negligible: f64,
+) -> Option<(Point<D>, f64)> {
+    if pair.left_out.is_empty() {
+        return None;
+    }
+    let bends = pair
+        .samples
+        .iter()
+        .map(|samples| bend(samples, &gaps(samples, moved)));
+    let resolved = bends.fold(negligible, |s, bend| s.max(negligible + bend));
+    let depths = pair.left_out.iter().zip(gaps(&pair.left_out, moved));
+    let depths = depths.map(|(sample, gap)| (sample.point, -gap));
+    let deep = depths.filter(|(_, depth)| *depth > resolved);
+    deep.max_by(|a, b| a.1.total_cmp(&b.1))
+}
+
+/// Node of the nonmortar side that supports hold, and how deep it is in the other side: the deepest one of a contact that is no tie.
+pub(crate) fn held_overlap<const D: usize>(
+    pair: &Paired<D>,
+    moved: &Moved<'_, D>,
+) -> Option<(usize, f64)> {
+    let nodes = pair.interface.nodes.iter();
+    let held = nodes.filter(|node| node.role == Role::Fixed);
+    let held = held.filter(|_| pair.interface.coupling != Coupling::Tied);
+    let depths = held.filter_map(|node| Some((node.node, -gap_at(pair, node, moved)?)));
+    depths.max_by(|a, b| a.1.total_cmp(&b.1))
+}
+
+/// The gap of the deformed sides at a node, or at the one place that stands for it, where that is known.
+fn gap_at<const D: usize>(
+    pair: &Paired<D>,
+    node: &InterfaceNode<D>,
+    moved: &Moved<'_, D>,
+) -> Option<f64> {
+    if node.shares.at_node.is_none() {
+        let [(place, _)] = node.shares.mean[..] else {
+            return None;
+        };
+        return Some(pair.interface.points[place].after(moved));
+    }
+    let along = |u: Point<D>| dot(node.normal(), u);
+    let opposite = node.opposite.iter();
+    let other: f64 = match &moved.other {
+        Some(u) => opposite.map(|&(j, n)| n * along(u[j])).sum(),
+        None => along(moved.obstacle),
+    };
+    Some(node.clearance + other - along(moved.own[node.node]))
+}
+
+/// The smallest gap of one contact at nodes that face something, and between them; `None` where it is not known at a node that
+/// `bears` a force.
+pub(crate) fn smallest_gap<const D: usize>(
+    pair: &Paired<D>,
+    moved: &Moved<'_, D>,
+    bears: impl Fn(usize) -> bool,
+) -> Option<f64> {
+    let mut smallest = f64::INFINITY;
+    for node in &pair.interface.nodes {
+        let Some(row) = node.rows[0] else { continue };
+        match gap_at(pair, node, moved) {
+            Some(gap) => smallest = smallest.min(gap),
+            None if bears(row) => return None,
+            None => {}
+        }
+    }
+    let between = pair.samples.iter().flat_map(|samples| gaps(samples, moved));
+    Some(between.fold(smallest, f64::min)).filter(|gap| gap.is_finite())
+}
+
+/// How deep the sides of one contact have sunk into each other between the nodes, where that is more than half of what either has
+/// moved there: what was drawn so, and what a pressed facet dents, is less.
+pub(crate) fn sunk<const D: usize>(pair: &Paired<D>, moved: &Moved<'_, D>) -> Option<f64> {
+    let motion = |nodes: &[(usize, f64)], u: &[Point<D>]| {
+        let sum = nodes
+            .iter()
+            .fold([0.0; D], |sum, &(j, n)| add_scaled(sum, n, u[j]));
+        norm(sum)
+    };
+    let depths = pair.samples.iter().flatten().filter_map(|sample| {
+        let at = &sample.at;
+        let own = motion(&at.own, &moved.own);
+        let other = match &moved.other {
+            Some(u) => motion(&at.opposite, u),
+            None => norm(moved.obstacle),
+        };
+        let depth = at.gap.min(0.0) - at.after(moved);
+        (depth > SUNK * own.max(other)).then_some(depth)
+    });
+    depths.reduce(f64::max)
+}
+
+fn gaps<const D: usize>(samples: &[Sample<D>], moved: &Moved<'_, D>) -> Vec<f64> {
+    samples
+        .iter()
+        .map(|sample| sample.at.after(moved))
+        .collect()
+}
+
+/// Largest distance of some values along a facet from the straight line between the first and the last, in space from the
+/// linear function that fits them best.
+fn bend<const D: usize>(samples: &[Sample<D>], values: &[f64]) -> f64 {
+    if D > 2 {
+        return bend_of_surface(samples, values);
+    }
+    let ([first, .., last], steps) = (values, values.len().saturating_sub(1)) else {
+        return 0.0;
+    };
+    let off = |(k, value): (usize, &f64)| {
+        let t = k as f64 / steps as f64;
+        (value - first - t * (last - first)).abs()
+    };
+    values.iter().enumerate().map(off).fold(0.0, f64::max)
+}
+
+/// Largest distance of some values from the linear function of ξ that fits them best.
+fn bend_of_surface<const D: usize>(samples: &[Sample<D>], values: &[f64]) -> f64 {
+    let mean = |of: &dyn Fn(usize) -> f64| {
+        let sum: f64 = (0..values.len()).map(of).sum();
+        sum / values.len() as f64
+    };
+    let middle = [0, 1].map(|d| mean(&|k| samples[k].xi[d]));
+    let level = mean(&|k| values[k]);
+    let from_middle = |k: usize| [0, 1].map(|d| samples[k].xi[d] - middle[d]);
+    let moment = |i: usize, j: usize| mean(&|k| from_middle(k)[i] * from_middle(k)[j]);
+    let load = [0, 1].map(|d| mean(&|k| from_middle(k)[d] * (values[k] - level)));
+    let scatter = [[moment(0, 0), moment(0, 1)], [moment(1, 0), moment(1, 1)]];
+    let (inverse, det) = invert(&scatter);
+    let spread = scatter[0][0] + scatter[1][1];
+    // fewer than three points fit any plane
+    if values.len() < 3 || spread <= ON_A_LINE {
+        return 0.0;
+    }
+    let slope = match det > ON_A_LINE {
+        true => inverse.map(|row| dot(row, load)),
+        // points on a line: both moments lie along it
+        false => load.map(|load| load / spread),
+    };
+    let off = (0..values.len()).map(|k| (values[k] - level - dot(slope, from_middle(k))).abs());
+    off.fold(0.0, f64::max)
+}
+
+/// Nodes of the facet of some samples.
+fn nodes_of<const D: usize>(samples: &[Sample<D>]) -> impl Iterator<Item = usize> {
+    let nodes = samples
+        .first()
+        .into_iter()
+        .flat_map(|sample| &sample.at.own);
+    nodes.map(|(node, _)| *node)
+}
+
+fn raise(values: &mut BTreeMap<usize, f64>, node: usize, value: f64) {
+    let at = values.entry(node).or_insert(0.0);
+    *at = at.max(value);
+}
+
+/// The largest of some nonnegative values at each node of the side or at a node that shares a facet with it.
+fn near<const D: usize>(pair: &Paired<D>, values: &BTreeMap<usize, f64>) -> BTreeMap<usize, f64> {
+    let mut near = values.clone();
+    for samples in &pair.samples {
+        let at = nodes_of(samples).filter_map(|node| values.get(&node));
+        let largest = at.fold(0.0, |s: f64, value| s.max(*value));
+        nodes_of(samples).for_each(|node| raise(&mut near, node, largest));
+    }
+    near
+}

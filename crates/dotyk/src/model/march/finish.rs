@@ -1,0 +1,288 @@
+//! From a judged attempt to the solution of a step, with what the user should know of it.
+
+use crate::contact::{Coupling, Row};
+use crate::fem::{Short, show};
+use crate::model::march::attempt::Attempt;
+use crate::model::march::judge::{Blur, Judged, blurred, held_to_overlap, left_to_overlap};
+use crate::model::nouns::bar::Bar;
+use crate::model::nouns::error::Error;
+use crate::model::nouns::model::{Contact, Model};
+use crate::model::nouns::solution::*;
+use crate::model::nouns::told::named;
+use crate::model::read::assumptions::beyond;
+use crate::model::read::fields::fields;
+use crate::model::read::probe::read_probes;
+use crate::model::read::remarks::contact_remarks;
+use crate::model::read::section::{pushes, section_forces};
+use crate::model::read::singular::peaks;
+use crate::model::read::view::View;
+use crate::model::system::condense::Condensed;
+use crate::model::system::dependent::shared_forces;
+use crate::model::system::links::bar_solutions;
+use crate::model::system::paired::{Paired, carriers, row_ranges};
+use crate::solve::{Bolt, Outcome};
+use std::collections::BTreeMap;
+use std::ops::Range;
+
+/// The solution of a step, but for the times that it took.
+///
+/// Errors: a group of cells without a material; a probe that cannot be read.
+pub(crate) fn finish<const D: usize>(
+    model: &Model<D>,
+    (condensed, view): (&Condensed<D>, &View<D>),
+    attempt: Attempt<D>,
+    judged: Judged<D>,
+    converged: bool,
+) -> Result<Solution<D>, Error<D>> {
+    let Attempt {
+        method,
+        outcome,
+        history,
+        failure,
+    } = attempt;
+    let lambda = &outcome.multipliers.lambda;
+    let mut warnings = condensed.dropped.clone();
+    warnings.extend(
+        condensed
+            .paired
+            .iter()
+            .flat_map(|pair| pair.warnings.clone()),
+    );
+    warnings.extend(view.remarks.iter().cloned());
+    warnings.extend(contact_remarks(model, &condensed.paired));
+    warnings.extend(condensed.floating.warnings.iter().cloned());
+    let bolts = bolt_reports(model, &outcome, &condensed.paired, &mut warnings);
+    warnings.extend(outcome.remarks.iter().cloned());
+    // a body that slides away has no position to tell of
+    let placed = failure.is_none() || outcome.iterations > 0;
+    for body in judged.displaced.hovering.iter().filter(|_| placed) {
+        let hangs = |bar: &Bar<D>| bar.touched().any(|id| model.bodies[id.0].name == *body);
+        let why = match model.bars.iter().any(hangs) {
+            true => {
+                "nothing but bars holds it, which leave it free to move, and no load moves it so"
+            }
+            false => "it touches nothing and carries no load",
+        };
+        warnings.push(format!(
+            "body \"{body}\" hovers: {why}; it is placed by least norm of the displacement"
+        ));
+    }
+    warnings.extend(crude_gaps(
+        model,
+        condensed,
+        (lambda, &judged.displaced.gaps),
+    ));
+    for (contact, point, depth) in left_to_overlap(model, condensed, &judged.displaced) {
+        warnings.push(format!(
+            "contact \"{}\": the sides overlap by up to {} at {}, beside nodes that are excluded: nothing keeps them apart there",
+            model.contacts[contact].name,
+            Short(depth),
+            show(point)
+        ));
+    }
+    warnings.extend(peaks_of_slivers(model, condensed, lambda));
+    warnings.extend(judged.remarks.iter().cloned());
+    for (contact, point, depth) in held_to_overlap(model, condensed, &judged.displaced) {
+        warnings.push(format!(
+            "contact \"{}\": supports hold nodes of its nonmortar side up to {} deep in the other side, at {}: such nodes have no condition, and the forces beside them are too small; swap nonmortar and mortar, or support other nodes",
+            model.contacts[contact].name,
+            Short(depth),
+            show(point)
+        ));
+    }
+    for (contact, blur) in blurred(model, condensed, &judged.displaced, lambda) {
+        let name = &model.contacts[contact].name;
+        let told = match blur {
+            Blur::Apart(gap) => format!(
+                "it bears a force although its sides stay {} apart: conditions are means over facets, and these are too large for its curves; use smaller facets there",
+                Short(gap)
+            ),
+            Blur::Unborne(depth) => format!(
+                "its sides overlap by up to {} between nodes none of which is closed: its facets are too large to see the contact; use smaller ones there",
+                Short(depth)
+            ),
+            Blur::Sunk(depth) => format!(
+                "its sides have sunk {} into each other between nodes, most of what they have moved: facets of the nonmortar side are too large for what presses on them; use smaller ones there, or swap nonmortar and mortar",
+                Short(depth)
+            ),
+        };
+        warnings.push(format!("contact \"{name}\": {told}"));
+    }
+    let pairs = (&condensed.bodies[..], &condensed.paired[..]);
+    warnings.extend(shared_forces(
+        model,
+        pairs,
+        &condensed.problem,
+        lambda,
+        &judged.displaced.gaps,
+    ));
+    let (certificate, overlap) = (judged.certificate, judged.intrusion.clone());
+    let pushes = pushes(model, condensed, &judged.displaced, lambda);
+    let (mut bodies, contacts) = fields(model, condensed, judged.displaced, lambda)?;
+    let peaks = peaks(model, &view.outlines, &bodies, &contacts, condensed.time);
+    for (body, [stress, utilisation]) in bodies.iter_mut().zip(peaks) {
+        body.peak = stress;
+        if let Some(own) = &mut body.utilisation {
+            own.peak = utilisation;
+        }
+    }
+    if placed {
+        warnings.extend(beyond(
+            (model, condensed.time),
+            &condensed.paired,
+            &bodies,
+            &contacts,
+        )?);
+    }
+    let sections = section_forces(model, &view.laid, condensed.time, (&bodies, &pushes))?;
+    let mut solution = Solution {
+        time: condensed.time,
+        dofs: bodies.iter().map(|body| body.dofs).sum(),
+        bodies,
+        contacts,
+        bars: bar_solutions(model, &condensed.paired, lambda)?,
+        sections,
+        certificate,
+        overlap,
+        converged,
+        solver: SolverReport {
+            method,
+            iterations: outcome.iterations,
+            products: outcome.products,
+            rho: outcome.rho,
+            history,
+            bolts,
+            contraction: outcome.fixed_point.and_then(|found| found.contraction),
+        },
+        warnings,
+        probes: Vec::new(),
+        contact_unknowns: condensed.gaps.len(),
+        threads: rayon::current_num_threads(),
+        seconds: condensed.seconds,
+    };
+    solution.probes = read_probes(model, &view.sites, &solution)?;
+    Ok(solution)
+}
+
+fn bolt_reports<const D: usize>(
+    model: &Model<D>,
+    outcome: &Outcome,
+    paired: &[Paired<D>],
+    warnings: &mut Vec<String>,
+) -> Vec<BoltReport<D>> {
+    let carriers = carriers(model, paired);
+    let report = |bolt: &Bolt| {
+        let (contact, point) = carriers[bolt.index];
+        BoltReport {
+            contact: paired[contact].name.clone(),
+            point,
+            force: bolt.force,
+            moved: bolt.moved,
+        }
+    };
+    let reports: Vec<BoltReport<D>> = outcome.bolts.iter().map(report).collect();
+    for bolt in reports.iter().filter(|bolt| bolt.moved) {
+        warnings.push(format!(
+            "the bolt of contact \"{}\" at {} was improper: its force was {:.6e}, a tension; it was moved",
+            bolt.contact,
+            show(bolt.point),
+            bolt.force
+        ));
+    }
+    reports
+}
+
+/// The pressure of a sliver of facets is told where it is the largest of its contact, by this factor.
+const PEAK: f64 = 1.25;
+
+/// Warnings about contacts whose largest pressure is that of a node of which only a sliver faces the other side.
+fn peaks_of_slivers<const D: usize>(
+    model: &Model<D>,
+    condensed: &Condensed<D>,
+    lambda: &[f64],
+) -> Vec<String> {
+    let told = |(contact, (rows, pair)): (&Contact<D>, (Range<usize>, &Paired<D>))| {
+        let forces = pair.forces(&lambda[rows]);
+        let points = model.bodies[pair.nonmortar.body.0].mesh.points();
+        let (mut sliver, mut other) = ((0.0, None), 0.0f64);
+        for node in &pair.interface.nodes {
+            let Some(force) = node.rows[0].map(|row| forces[row]) else {
+                continue;
+            };
+            let pressure = force / node.weight;
+            match node.is_sliver() {
+                true if pressure > sliver.0 => sliver = (pressure, Some((node, force))),
+                true => {}
+                false => other = other.max(pressure),
+            }
+        }
+        let (pressure, node) = sliver;
+        let (node, force) = node.filter(|_| pressure > PEAK * other)?;
+        Some(format!(
+            "contact \"{}\": the largest pressure, {} at {}, is that of a node of whose facets {:.1} % face the other side, beside {} elsewhere: its force {} counts, its pressure says nothing; swap nonmortar and mortar, or let a facet end where the other side does",
+            contact.name,
+            Short(pressure),
+            show(points[node.node]),
+            100.0 * node.share,
+            Short(other),
+            Short(force)
+        ))
+    };
+    let pairs = model.contacts.iter().zip(row_ranges(&condensed.paired));
+    let loose = pairs.filter(|(_, (_, pair))| pair.interface.coupling != Coupling::Tied);
+    loose.filter_map(told).collect()
+}
+
+/// A polygon's distance from its curve matters when it is more than this part of the displacement jump.
+const SAGITTA: f64 = 0.01;
+
+/// Nodes that bear less than this part of the largest contact force are not loaded.
+const LOADED: f64 = 1e-9;
+
+/// A warning about gaps that were measured between polygons which stand for curves, where these bear a force; forces and `gaps` (m,)
+/// are those of the answer.
+fn crude_gaps<const D: usize>(
+    model: &Model<D>,
+    condensed: &Condensed<D>,
+    (lambda, gaps): (&[f64], &[f64]),
+) -> Option<String> {
+    let mut crude: Vec<(f64, f64, &str)> = Vec::new();
+    for (contact, (rows, pair)) in model.contacts.iter().zip(row_ranges(&condensed.paired)) {
+        if pair.missed.iter().all(BTreeMap::is_empty) {
+            continue;
+        }
+        let jumps = rows
+            .clone()
+            .map(|row| (gaps[row] - condensed.gaps[row]).abs());
+        let jump = jumps.fold(0.0, f64::max);
+        let forces = pair.forces(&lambda[rows]);
+        let largest = forces.iter().fold(0.0, |most: f64, f| most.max(f.abs()));
+        let missed = |(sides, rows): (&BTreeMap<usize, f64>, &Row<D>)| {
+            let missed = rows.iter().filter_map(|(node, _)| sides.get(node));
+            missed.copied().fold(0.0, f64::max)
+        };
+        let normals = pair.interface.nodes.iter().filter_map(|node| node.rows[0]);
+        let loaded = normals.filter(|&row| forces[row].abs() > LOADED * largest);
+        let missed = loaded.map(|row| {
+            let sides = [&pair.interface.nonmortar[row], &pair.interface.mortar[row]];
+            pair.missed
+                .iter()
+                .zip(sides)
+                .map(missed)
+                .fold(0.0, f64::max)
+        });
+        let missed = missed.fold(0.0, f64::max);
+        if missed > SAGITTA * jump {
+            crude.push((missed, jump, &contact.name));
+        }
+    }
+    let worst = crude
+        .iter()
+        .max_by(|a, b| (a.0 * b.1).total_cmp(&(b.0 * a.1)))?;
+    Some(format!(
+        "contact {}: polygons stand for curves from which they are up to {} away, where the displacement jump is {}: measured gaps are too crude; set gap = \"closed\", or give the true `surface` of both sides, or use quadratic cells",
+        named(crude.iter().map(|(.., name)| *name)),
+        Short(worst.0),
+        Short(worst.1)
+    ))
+}

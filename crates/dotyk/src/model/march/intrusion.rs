@@ -1,0 +1,543 @@
+//! What stands in what: the deformed outer surfaces of all bodies against each other and against rigid obstacles, whoever named a
+//! contact between them.
+//!
+//! ```text
+//!   grown(x) = max(0, −φ(x + u)) − max(0, −φ₀(x))          φ the signed distance from what may be stood in, now and at first
+//! ```
+//!
+//! Conditions of a contact hold between what lay opposite at first, and where a contact is named. Neither tells what becomes of a
+//! body that travels, nor of two that no contact keeps apart. So the nodes of every outer surface are looked up in every other
+//! body as it has moved; and edges that pass through it, half way between where they come in and go out. What an answer of small
+//! displacements may overlap, and no more, is
+//!
+//! ```text
+//!   allowed = 10 × what the meshes of a contact resolve there          dents and bends of the gap, see `between`
+//!           + 2 (b₁ + b₂)                          b = hθ/8, how far polygons are off the curves that they stand for, as drawn or
+//!                                                  as bent: facets of second order are looked at as polygons; where no contact
+//!                                                  is named, of hollow ones alone, whose chords lie in what is beside the body
+//!           + s (‖∇u₁‖ + ‖∇u₂‖)                    rotations by angles instead of their sines, over a motion s past each other
+//!           + a given clearance that the meshes lack + rounding
+//! ```
+//!
+//! The first and the last but one hold at the sides of contacts alone. The third is of second order in the displacements, as the
+//! theory is of first: a body that travels without a strain gets none of it. What lay deeper than it has moved since was drawn
+//! so. What lies beside excluded nodes is told by a warning of its own, as is what a contact would hold that is not there. Where
+//! a clearance is given, what meshes do no farther than that from the sides, and from what goes on from these without an edge,
+//! says nothing. Bodies that are drawn to meet at edges alone have no sides there that a contact could name: what overlaps is
+//! narrow by the motion, and is left as long as that is small beside the facets.
+//!
+//! An obstacle is there for the side that its contact names, and no other: a plane may stand for a punch. Nodes alone can stand in
+//! it: the second term does not count, and of the first the tenth part where each node has a condition of its own, and nothing
+//! where a node of the side has none. Beside them stands what the normal of the obstacle turns by along the motion.
+
+use crate::contact::{Moved, Rigid, Role};
+use crate::dual::{BETWEEN_LIMIT, ROUNDING};
+use crate::geometry::{Point, Surface, add_scaled, bounding_box, distance, dot, norm, sub};
+use crate::mesh::{Bow, Skin, Surrounding};
+use crate::model::march::between::resolved;
+use crate::model::nouns::ids::SideRef;
+use crate::model::nouns::intrusion::Intrusion;
+use crate::model::nouns::model::{Contact, Gap, Model, Pair};
+use crate::model::read::view::View;
+use crate::model::system::condense::Condensed;
+use crate::model::system::displaced::{Displaced, moved};
+use crate::model::system::paired::{Paired, row_ranges};
+use rayon::prelude::*;
+use std::borrow::Cow;
+use std::collections::{BTreeMap, BTreeSet};
+use std::sync::OnceLock;
+
+/// Overlaps below this part of the motion are nothing to be told of.
+const APART: f64 = 1e-6;
+
+/// How many times surfaces may be deeper than they are off their curves.
+const BOWS: f64 = 2.0;
+
+/// Gradients beyond this one are no gradients of small displacements.
+const TURN: f64 = 1.0;
+
+/// Facets of an edge that all lie within this many times the motion are too small beside it for what overlaps to be narrow.
+const NARROW: f64 = 10.0;
+
+/// A rounding of coordinates, in parts of the size of what is looked at.
+const COORDINATE: f64 = 8.0 * ROUNDING;
+
+/// The worst intrusions, of each body in each other one and in each obstacle, under the forces `lambda` (m,).
+pub(crate) fn intrusions<const D: usize>(
+    model: &Model<D>,
+    (condensed, view): (&Condensed<D>, &View<D>),
+    displaced: &Displaced<D>,
+    lambda: &[f64],
+) -> Vec<Intrusion<D>> {
+    let skins = view.skins(model);
+    let contacts = model.contacts.iter().zip(row_ranges(&condensed.paired));
+    let known = contacts.map(|(contact, (rows, pair))| {
+        Named::new(
+            (model, skins),
+            contact,
+            pair,
+            moved(model, pair, displaced),
+            &lambda[rows],
+        )
+    });
+    let known: Vec<Named<'_, D>> = known.collect();
+    let bodies = model.bodies.iter().zip(skins).zip(&displaced.states);
+    let bodies = bodies
+        .map(|((body, skin), state)| Solid::new(&body.name, body.mesh.points(), skin, &state.u));
+    let bodies: Vec<Solid<'_, D>> = bodies.collect();
+    let count = bodies.len();
+    let pairs = (0..count).flat_map(|a| (0..count).map(move |b| (a, b)));
+    let near = |&(a, b): &(usize, usize)| a != b && bodies[a].meets(&bodies[b]);
+    let pairs: Vec<(usize, usize)> = pairs.filter(near).collect();
+    let waits = |of: usize, other: usize| model.bodies[of].history.waits.get(&other);
+    let between = pairs.into_par_iter().filter_map(|(a, b)| {
+        let found = in_body(&bodies, &known, (a, b))?;
+        let waits = waits(a, b).filter(|_| !found.named).cloned();
+        Some(Intrusion { waits, ..found })
+    });
+    let deepest: Vec<Intrusion<D>> = between.collect();
+    let obstacles = model.contacts.iter().zip(&known);
+    let obstacles = obstacles
+        .filter_map(|(contact, own)| in_obstacle(&contact.pair, own, &bodies[own.bodies.0]));
+    deepest.into_iter().chain(obstacles).collect()
+}
+
+/// A contact, and what its meshes resolve.
+struct Named<'a, const D: usize> {
+    name: &'a str,
+    bodies: (usize, Option<usize>),
+    moved: Moved<'a, D>,
+    resolved: BTreeMap<usize, f64>,
+    /// The largest clearance, where it is given beside what the meshes show, and both sides, nonmortar and mortar, with what goes
+    /// on from them without an edge, as they are drawn.
+    given: Option<(f64, [Option<Surrounding<D>>; 2])>,
+    /// Nodes of the nonmortar side that are excluded, and those beside them: what overlaps there is told apart.
+    out: BTreeSet<usize>,
+    /// Nodes of the nonmortar side that meet an obstacle one by one and are not excluded; none where conditions are means.
+    above: Option<BTreeSet<usize>>,
+}
+
+impl<'a, const D: usize> Named<'a, D> {
+    fn new(
+        (model, skins): (&Model<D>, &[Skin<D>]),
+        contact: &'a Contact<D>,
+        pair: &Paired<D>,
+        moved: Moved<'a, D>,
+        lambda: &[f64],
+    ) -> Self {
+        let clearances = pair.interface.nodes.iter().map(|node| node.clearance);
+        let side = |side: &SideRef| -> Surrounding<D> {
+            let mesh = &model.bodies[side.body.0].mesh;
+            let facets = mesh.side(&side.side).unwrap_or_default().iter();
+            let nodes = facets.flat_map(|facet| mesh.facet_nodes(*facet));
+            skins[side.body.0].going_on_from(&nodes.collect(), mesh.points())
+        };
+        let given = match contact.gap {
+            Some(Gap::Given(_)) => Some((
+                clearances.fold(0.0, f64::max),
+                [Some(side(&pair.nonmortar)), pair.mortar.as_ref().map(side)],
+            )),
+            _ => None,
+        };
+        let nodes = pair.interface.nodes.iter();
+        let out = nodes.filter(|node| node.role == Role::Excluded);
+        let beside = pair.left_out.iter().flat_map(|sample| &sample.at.own);
+        let out = out
+            .map(|node| node.node)
+            .chain(beside.map(|(node, _)| *node));
+        let shape = match &contact.pair {
+            Pair::Obstacle { obstacle, .. } => Some(&obstacle.shape),
+            _ => None,
+        };
+        let nodes = &pair.interface.nodes;
+        let above = shape.filter(|_| nodes.iter().all(|node| node.shares.mean.len() < 2));
+        let above = above.map(|_| {
+            let nodes = nodes.iter().filter(|node| node.role != Role::Excluded);
+            nodes.map(|node| node.node).collect()
+        });
+        Self {
+            name: &contact.name,
+            out: out.collect(),
+            bodies: (
+                pair.nonmortar.body.0,
+                pair.mortar.as_ref().map(|side| side.body.0),
+            ),
+            resolved: resolved(pair, &moved, lambda, |x| shape?.distance(x)),
+            above,
+            moved,
+            given,
+        }
+    }
+
+    /// What it allows at a node of its nonmortar side.
+    fn allows(&self, node: u32) -> Option<f64> {
+        let resolved = self.resolved.get(&(node as usize))?;
+        Some(BETWEEN_LIMIT * resolved + self.given.as_ref().map_or(0.0, |given| given.0))
+    }
+
+    /// Whether a clearance is given, and a point of body `of`, or one of the other that it is next to, is drawn no farther than
+    /// that from the contact's side of its body, or from what goes on from it.
+    fn excuses(&self, of: usize, [own, other]: [Point<D>; 2]) -> bool {
+        let Some((clearance, [nonmortar, mortar])) = &self.given else {
+            return false;
+        };
+        let (of_own, of_other) = match self.bodies.0 == of {
+            true => (nonmortar, mortar),
+            false => (mortar, nonmortar),
+        };
+        let near = |side: &Option<Surrounding<D>>, x: Point<D>| {
+            side.as_ref()
+                .is_some_and(|side| side.distance(x) <= *clearance)
+        };
+        near(of_own, own) || near(of_other, other)
+    }
+
+    /// A node of body `of`, next to nodes of the other one, lies where a part of the side is excluded.
+    fn leaves_out<const N: usize>(&self, of: usize, node: u32, near: [u32; N]) -> bool {
+        let out = |node: u32| self.out.contains(&(node as usize));
+        match self.bodies.0 == of {
+            true => out(node),
+            false => near.into_iter().any(out),
+        }
+    }
+}
+
+/// A body where it has moved to.
+#[derive(Clone)]
+struct Solid<'a, const D: usize> {
+    name: &'a str,
+    first: &'a [Point<D>],
+    skin: &'a Skin<D>,
+    moved: Cow<'a, [Point<D>]>,
+    now: Vec<Point<D>>,
+    bounds: (Point<D>, Point<D>),
+    /// Largest displacement of the surface.
+    most: f64,
+    /// How far it may be off the curve that it stands for where it has moved to, at the nodes of the skin.
+    bows: OnceLock<Vec<Bow>>,
+}
+
+impl<'a, const D: usize> Solid<'a, D> {
+    fn new(name: &'a str, first: &'a [Point<D>], skin: &'a Skin<D>, moved: &'a [Point<D>]) -> Self {
+        Self::placed(name, first, skin, Cow::Borrowed(moved))
+    }
+
+    fn placed(
+        name: &'a str,
+        first: &'a [Point<D>],
+        skin: &'a Skin<D>,
+        moved: Cow<'a, [Point<D>]>,
+    ) -> Self {
+        let both = first.iter().zip(moved.iter());
+        let now: Vec<Point<D>> = both.map(|(x, u)| add_scaled(*x, 1.0, *u)).collect();
+        let most = skin.nodes().iter().map(|&node| norm(moved[node as usize]));
+        Self {
+            most: most.fold(0.0, f64::max),
+            bows: OnceLock::new(),
+            bounds: bounding_box(&now),
+            name,
+            first,
+            skin,
+            moved,
+            now,
+        }
+    }
+
+    fn meets(&self, other: &Self) -> bool {
+        let (a, b) = (&self.bounds, &other.bounds);
+        (0..D).all(|d| a.0[d] <= b.1[d] && b.0[d] <= a.1[d])
+    }
+
+    /// Largest gradient of the displacement along its surface at a node.
+    fn gradient(&self, node: u32) -> f64 {
+        let at = node as usize;
+        let each = self.skin.beside(node).iter().map(|&other| {
+            let other = other as usize;
+            let apart = distance(self.first[at], self.first[other]);
+            distance(self.moved[at], self.moved[other]) / apart
+        });
+        each.fold(0.0, f64::max).min(TURN)
+    }
+
+    /// What its mesh and its rotation allow at a node that something has moved past by `motion`; whether a contact between the two
+    /// is `named`.
+    fn allows(&self, node: u32, motion: f64, named: bool) -> f64 {
+        let bent = self.bows.get_or_init(|| self.skin.bows(&self.now));
+        let bows = [self.skin.bow(node), bent[self.skin.place(node)]];
+        let bow = bows.map(|bow| if named { bow.off } else { bow.beyond });
+        BOWS * bow[0].max(bow[1]) + motion * self.gradient(node)
+    }
+}
+
+/// A point of an edge of a surface: its first end, or one on the way to the second.
+#[derive(Clone, Copy)]
+struct Spot {
+    ends: [u32; 2],
+    part: f64,
+}
+
+impl Spot {
+    fn node(node: u32) -> Self {
+        Self {
+            ends: [node; 2],
+            part: 0.0,
+        }
+    }
+
+    /// A value there, of values at all nodes such as positions or displacements.
+    fn of<const D: usize>(&self, values: &[Point<D>]) -> Point<D> {
+        let [from, to] = self.ends.map(|node| values[node as usize]);
+        add_scaled(from, self.part, sub(to, from))
+    }
+}
+
+/// Two bodies, of which parts of the first may stand in the second.
+struct Meeting<'a, 'b, const D: usize> {
+    /// Which of the bodies the first is.
+    of: usize,
+    own: Cow<'a, Solid<'b, D>>,
+    other: Cow<'a, Solid<'b, D>>,
+    /// The contacts between them.
+    between: Vec<&'a Named<'b, D>>,
+    /// Lengths below this one are rounding.
+    rounding: f64,
+}
+
+/// The worst intrusion of one body in another one.
+fn in_body<const D: usize>(
+    bodies: &[Solid<'_, D>],
+    contacts: &[Named<'_, D>],
+    (a, b): (usize, usize),
+) -> Option<Intrusion<D>> {
+    let between =
+        |contact: &&Named<'_, D>| contact.bodies == (a, Some(b)) || contact.bodies == (b, Some(a));
+    let between: Vec<&Named<'_, D>> = contacts.iter().filter(between).collect();
+    // what was fitted to something that had moved counts from there
+    let since = |index: usize| {
+        let own = &bodies[index];
+        let fitted = between
+            .first()
+            .and_then(|contact| match contact.bodies.0 == index {
+                true => Some(&contact.moved.own),
+                false => contact.moved.other.as_ref(),
+            });
+        let fitted = fitted.filter(|u| matches!(u, Cow::Owned(_)));
+        let placed = |u: &Cow<'_, [Point<D>]>| {
+            Solid::placed(own.name, own.first, own.skin, Cow::Owned(u.to_vec()))
+        };
+        fitted.map_or(Cow::Borrowed(own), |u| Cow::Owned(placed(u)))
+    };
+    let (own, other) = (since(a), since(b));
+    let meeting = Meeting {
+        of: a,
+        rounding: COORDINATE * extent(&[own.bounds, other.bounds]),
+        own,
+        other,
+        between,
+    };
+    meeting.worst()
+}
+
+impl<const D: usize> Meeting<'_, '_, D> {
+    fn worst(&self) -> Option<Intrusion<D>> {
+        let (own, other) = (&*self.own, &*self.other);
+        let motion = own.most + other.most;
+        if motion <= self.rounding {
+            return None;
+        }
+        // nothing that has moved as far is deeper than twice that
+        let reach = 2.0 * motion + self.rounding;
+        let low = std::array::from_fn(|d| own.bounds.0[d].max(other.bounds.0[d]) - reach);
+        let high = std::array::from_fn(|d| own.bounds.1[d].min(other.bounds.1[d]) + reach);
+        let surface = other.skin.at(&other.now, (low, high));
+        let deep = self.spots(&surface).into_iter().filter_map(|spot| {
+            let (depth, near) = surface.depth(spot.of(&own.now))?;
+            (depth > self.rounding && depth <= reach).then_some((spot, depth, near))
+        });
+        let deep: Vec<(Spot, f64, [u32; D])> = deep.collect();
+        if deep.is_empty() {
+            return None;
+        }
+        let undeformed = other.skin.at(other.first, (low, high));
+        let deep = deep.into_iter();
+        deep.filter_map(|(spot, depth, near)| self.intrusion(&undeformed, spot, depth, near))
+            .reduce(Intrusion::worse)
+    }
+
+    /// Where the first body may be deepest: its nodes, and on edges that pass through the other one, half way between.
+    fn spots(&self, surface: &Surrounding<D>) -> Vec<Spot> {
+        let (own, (low, high)) = (&*self.own, self.other.bounds);
+        let nodes = own.skin.nodes().iter().copied().filter(|&node| {
+            let p = own.now[node as usize];
+            (0..D).all(|d| low[d] <= p[d] && p[d] <= high[d])
+        });
+        let edges = own.skin.edges().iter();
+        let through = edges.flat_map(|&ends| {
+            let way = ends.map(|node| own.now[node as usize]);
+            let box_of = bounding_box(&way);
+            let meets = (0..D).all(|d| low[d] <= box_of.1[d] && box_of.0[d] <= high[d]);
+            let at = if meets {
+                surface.crossings(way)
+            } else {
+                Vec::new()
+            };
+            let between = at.windows(2).map(|pair| 0.5 * (pair[0] + pair[1]));
+            let spots = between.map(|part| Spot { ends, part });
+            spots.collect::<Vec<Spot>>()
+        });
+        nodes.map(Spot::node).chain(through).collect()
+    }
+
+    /// What stands there too deep, next to nodes `near` of the other body.
+    fn intrusion(
+        &self,
+        undeformed: &Surrounding<D>,
+        spot: Spot,
+        depth: f64,
+        near: [u32; D],
+    ) -> Option<Intrusion<D>> {
+        let (own, other, rounding) = (&*self.own, &*self.other, self.rounding);
+        let mut ends = spot.ends.iter();
+        if ends.any(|&end| {
+            self.between
+                .iter()
+                .any(|c| c.leaves_out(self.of, end, near))
+        }) {
+            return None;
+        }
+        let first = spot.of(own.first);
+        let (drawn, _) = undeformed.depth(first)?;
+        let moved = spot.of(&own.moved);
+        let beside = near.map(|node| sub(moved, other.moved[node as usize]));
+        let motion = beside.into_iter().map(norm).fold(0.0, f64::max);
+        let grown = depth - drawn.max(0.0);
+        let unnamed = self.between.is_empty();
+        if drawn > motion + rounding
+            || grown <= rounding
+            || (unnamed && self.is_narrow(undeformed, spot, motion))
+        {
+            return None;
+        }
+        let of_contacts = self.of_contacts(spot, near);
+        let share = 1.0 / D as f64;
+        let next_to = near.iter().fold([0.0; D], |sum, &node| {
+            add_scaled(sum, share, other.first[node as usize])
+        });
+        let mut given = self.between.iter();
+        if of_contacts.is_none() && given.any(|c| c.excuses(self.of, [first, next_to])) {
+            return None;
+        }
+        let of_own = spot.ends.map(|node| own.allows(node, motion, !unnamed));
+        let of_other = near.map(|node| other.allows(node, motion, !unnamed));
+        let allowed = of_contacts.unwrap_or(0.0)
+            + of_own.into_iter().fold(0.0, f64::max)
+            + of_other.into_iter().fold(0.0, f64::max)
+            + APART * motion
+            + rounding;
+        Some(Intrusion {
+            body: own.name.to_string(),
+            other: other.name.to_string(),
+            obstacle: false,
+            point: first,
+            depth: grown,
+            allowed,
+            named: !unnamed,
+            waits: None,
+        })
+    }
+
+    /// Whether edges of both are drawn to meet at a point, and no facet there is drawn along the other body.
+    fn is_narrow(&self, undeformed: &Surrounding<D>, spot: Spot, motion: f64) -> bool {
+        let at = spot.of(self.own.first);
+        let reach = NARROW * motion + self.rounding;
+        // what passes through a corner has its middle beside it
+        let beside = match spot.ends[0] == spot.ends[1] {
+            true => self.rounding,
+            false => reach,
+        };
+        let is_edge = |solid: &Solid<'_, D>| solid.skin.is_sharp_at(solid.first, at, beside);
+        let touches = |node: &u32| {
+            let depth = undeformed.depth(self.own.first[*node as usize]);
+            depth.is_some_and(|(depth, _)| depth >= -reach)
+        };
+        let mut around = self.own.skin.around(spot.ends);
+        is_edge(&self.own) && is_edge(&self.other) && !around.any(|s| s.iter().all(touches))
+    }
+
+    /// What the contacts between the two allow there.
+    fn of_contacts(&self, spot: Spot, near: [u32; D]) -> Option<f64> {
+        let largest = |contact: &&Named<'_, D>, nodes: &[u32]| {
+            let allowed = nodes.iter().filter_map(|&node| contact.allows(node));
+            allowed.reduce(f64::max)
+        };
+        let each = self
+            .between
+            .iter()
+            .filter_map(|contact| match contact.bodies.0 == self.of {
+                true => largest(contact, &spot.ends),
+                false => largest(contact, &near),
+            });
+        each.reduce(f64::max)
+    }
+}
+
+/// The size of what holds some boxes.
+fn extent<const D: usize>(boxes: &[(Point<D>, Point<D>)]) -> f64 {
+    let corners: Vec<Point<D>> = boxes.iter().flat_map(|(low, high)| [*low, *high]).collect();
+    let coordinates = corners.iter().flatten();
+    coordinates.fold(0.0, |s: f64, c| s.max(c.abs()))
+}
+
+/// The worst intrusion of nodes of a body in the obstacle of a contact.
+fn in_obstacle<const D: usize>(
+    pair: &Pair<D>,
+    contact: &Named<'_, D>,
+    body: &Solid<'_, D>,
+) -> Option<Intrusion<D>> {
+    let Pair::Obstacle { obstacle, .. } = pair else {
+        return None;
+    };
+    let Rigid::Surface { surface, .. } = &obstacle.shape else {
+        return None;
+    };
+    let rounding = COORDINATE * extent(&[body.bounds]);
+    let depth = |x: Point<D>| obstacle.shape.distance(x).map(|out| -out);
+    let found = body.skin.nodes().iter().filter_map(|&node| {
+        let at = node as usize;
+        let first = body.first[at];
+        let relative = sub(contact.moved.own[at], contact.moved.obstacle);
+        let (now, motion) = (add_scaled(first, 1.0, relative), norm(relative));
+        let (deep, drawn) = (depth(now)?, depth(first)?);
+        let grown = deep - drawn.max(0.0);
+        if grown <= rounding || drawn > motion + rounding {
+            return None;
+        }
+        let of_contact = match &contact.above {
+            Some(above) if !above.contains(&at) => return None,
+            Some(_) => contact.resolved.get(&at).copied().unwrap_or(0.0),
+            None => contact.allows(node)?,
+        };
+        let allowed = of_contact
+            + motion * (body.gradient(node) + turn(surface, first, now) + APART)
+            + rounding;
+        Some(Intrusion {
+            body: body.name.to_string(),
+            other: contact.name.to_string(),
+            obstacle: true,
+            point: first,
+            depth: grown,
+            allowed,
+            named: true,
+            waits: None,
+        })
+    });
+    found.reduce(Intrusion::worse)
+}
+
+/// The angle between the normals of a surface at two points, in radians.
+fn turn<const D: usize>(surface: &Surface<D>, a: Point<D>, b: Point<D>) -> f64 {
+    match (surface.normal(a), surface.normal(b)) {
+        (Some(a), Some(b)) => dot(a, b).clamp(-1.0, 1.0).acos(),
+        _ => 0.0,
+    }
+}

@@ -1,0 +1,105 @@
+//! What rounding leaves open of contact forces.
+//!
+//! Multipliers that are finer than the softer side have forces that it answers alike: those that differ by a null vector of its part
+//! of F. The stiffer side alone tells them apart, by gaps δg = F δλ that may be less than what is known of any gap, the rounding of
+//! displacements and of the coordinates that first gaps are measured between. So the exact step of the answer's states is asked what δλ
+//! such gaps bring (`solve/correct.rs`), and the certificate compares it with the forces of the contact.
+
+use crate::dual::Multipliers;
+use crate::geometry::{Point, add_scaled, norm};
+use crate::model::nouns::model::{Gap, Model};
+use crate::model::system::condense::Condensed;
+use crate::model::system::displaced::{Displaced, contact_rows};
+use crate::model::system::paired::{Paired, row_ranges};
+use crate::solve::{FREE, left_open};
+use std::collections::BTreeMap;
+use std::ops::Range;
+
+/// What rounding leaves open of the forces on nodes whose contacts have multipliers finer than the softer side (m,), zero at others;
+/// `None` without such a contact.
+///
+/// The gaps of an answer are known to the rounding of the displacements, those at first to that of the coordinates where they are
+/// measured. How the conditions of a node share its force is not asked: a corner has more of them than it needs.
+pub(crate) fn open_forces<const D: usize>(
+    model: &Model<D>,
+    condensed: &Condensed<D>,
+    displaced: &Displaced<D>,
+    multipliers: &Multipliers,
+) -> Option<Vec<f64>> {
+    let finer = contact_rows(model, condensed).filter(|(_, (_, pair))| pair.finer);
+    let mut asked = vec![false; displaced.gaps.len()];
+    let mut rounding = displaced.rounding.clone();
+    for (contact, (rows, pair)) in finer {
+        asked[rows.clone()].fill(true);
+        let given = model.contacts[contact].gap.as_ref();
+        if given.is_some_and(|gap| !matches!(gap, Gap::Geometric)) {
+            continue;
+        }
+        let points = model.bodies[pair.nonmortar.body.0].mesh.points();
+        let coordinates = points.iter().flatten();
+        let far = coordinates.fold(0.0, |s: f64, x| s.max(x.abs()));
+        // what touches at first has gaps of zero, and those are exact
+        let measured = pair.interface.carriers().filter(|node| node.gap != 0.0);
+        for row in measured.filter_map(|node| node.rows[0]) {
+            rounding[rows.start + row] += f64::EPSILON * far;
+        }
+    }
+    if !asked.contains(&true) {
+        return None;
+    }
+    let known = (&displaced.gaps[..], &rounding[..]);
+    let found = left_open(&condensed.problem, multipliers, known)?;
+    let mut open = on_nodes(&condensed.paired, &found.change);
+    if !found.free.is_empty() {
+        let free = on_nodes(&condensed.paired, &found.free);
+        let free = open.iter_mut().zip(&free).filter(|(_, free)| **free > FREE);
+        free.for_each(|(open, _)| *open = f64::INFINITY);
+    }
+    let others = open.iter_mut().zip(&asked).filter(|(_, asked)| !**asked);
+    others.for_each(|(open, _)| *open = 0.0);
+    Some(open)
+}
+
+/// The contact in words with the force that rounding leaves most open.
+pub(crate) fn most_open<const D: usize>(
+    model: &Model<D>,
+    condensed: &Condensed<D>,
+    displaced: &Displaced<D>,
+    multipliers: &Multipliers,
+) -> Option<String> {
+    let open = open_forces(model, condensed, displaced, multipliers)?;
+    let most = |rows: Range<usize>| open[rows].iter().copied().fold(0.0, f64::max);
+    let each = contact_rows(model, condensed).map(|(_, (rows, pair))| (most(rows), pair));
+    let (_, pair) = each.max_by(|a, b| a.0.total_cmp(&b.0))?;
+    Some(pair.called())
+}
+
+/// The size of the force that all rows together have on the node of each (m,): where contacts meet they may push a node by forces of
+/// which others take as much back, and those move nothing.
+fn on_nodes<const D: usize>(paired: &[Paired<D>], forces: &[f64]) -> Vec<f64> {
+    let mut sums: BTreeMap<(usize, usize), Point<D>> = BTreeMap::new();
+    for (rows, pair) in row_ranges(paired) {
+        let own = (Some(pair.nonmortar.body.0), &pair.interface.nonmortar);
+        for (part, sides) in [own, (pair.opposite, &pair.interface.mortar)] {
+            let Some(part) = part else {
+                continue;
+            };
+            for (row, force) in sides.iter().zip(&forces[rows.clone()]) {
+                for &(node, c) in row {
+                    let sum = sums.entry((part, node)).or_insert([0.0; D]);
+                    *sum = add_scaled(*sum, *force, c);
+                }
+            }
+        }
+    }
+    let mut sizes = vec![0.0; forces.len()];
+    for (rows, pair) in row_ranges(paired) {
+        for node in pair.interface.carriers() {
+            let sum = sums.get(&(pair.nonmortar.body.0, node.node));
+            for row in node.rows.iter().flatten() {
+                sizes[rows.start + row] = sum.copied().map_or(0.0, norm);
+            }
+        }
+    }
+    sizes
+}

@@ -1,0 +1,89 @@
+//! Loss of equilibrium: a load that no friction can hold is an answer, which names body, motion and load factor.
+//!
+//! The load is infeasible: no forces within the friction cones balance it. If unlimited friction could, the body slides; if
+//! not, it tips about what it goes on to touch, somewhere between the load of the step before and that of this one; else the load
+//! pulls it away from everything that could hold it: an error of the model. The load may be feasible and slide all the same,
+//! where the normal forces that would bear it are not those that elasticity gives.
+
+use crate::dual::{AdmissibleSet, Feasibility};
+use crate::model::nouns::error::{Error, Objection};
+use crate::model::nouns::model::{Law, Model};
+use crate::model::system::bodies::LoadedBody;
+use crate::model::system::condense::Condensed;
+use crate::model::system::floating::Floating;
+use crate::model::system::paired::Paired;
+
+/// A change of load of which no more than this part is held is held by nothing.
+const NOTHING: f64 = 1e-6;
+
+/// What gives way under a load that is infeasible along `direction` (r,), of which friction holds the part `factor`; `step` are
+/// the times of the step before and of this one, and e of the one before.
+///
+/// Errors: the body that nothing holds.
+pub(crate) fn sliding<const D: usize>(
+    model: &Model<D>,
+    (floating, bodies, paired): (&Floating, &[LoadedBody<D>], &[Paired<D>]),
+    admissible: &AdmissibleSet,
+    (direction, factor): (&[f64], Option<f64>),
+    step: Option<([f64; 2], &[f64])>,
+) -> Result<Objection<D>, Error<D>> {
+    let balance = &floating.balance;
+    let of_step = step.map(|(times, before)| {
+        let part = Feasibility::fraction(admissible, balance, before);
+        (part, times)
+    });
+    let leans = || Feasibility::leans(admissible, balance, direction);
+    let of_step = of_step.filter(|(part, _)| factor.is_some() || *part > NOTHING && leans());
+    let Some(held) = of_step.map(|(part, _)| part).or(factor) else {
+        return Err(floating.pulled_away(model, (bodies, paired), admissible, direction));
+    };
+    let (bodies, motion) = floating.motion(model, bodies, direction);
+    Ok(Objection::Slides {
+        bodies,
+        motion,
+        by: factor.map(|_| gives_way(model)),
+        held,
+        step: of_step.map(|(_, times)| times),
+    })
+}
+
+/// What may be exhausted where a load is not held.
+fn gives_way<const D: usize>(model: &Model<D>) -> &'static str {
+    let smooth = |law: &Law| matches!(law, Law::Frictionless | Law::Tied);
+    let friction = !model.contacts.iter().all(|contact| smooth(&contact.law));
+    let yields = model.bars.iter().any(|bar| bar.yields.is_some());
+    match (friction, yields) {
+        (_, false) => "friction",
+        (false, true) => "the strength of the bars",
+        (true, true) => "friction, with the strength of the bars,",
+    }
+}
+
+/// What slides along `direction` (r,) under a load of which friction, with the normal forces that elasticity gives, bears the
+/// part `factor`.
+pub(crate) fn slides_along<const D: usize>(
+    model: &Model<D>,
+    condensed: &Condensed<D>,
+    direction: &[f64],
+    factor: f64,
+) -> Objection<D> {
+    let (floating, bodies) = (&condensed.floating, &condensed.bodies[..]);
+    let (bodies, motion) = floating.motion(model, bodies, direction);
+    let work = |load: &[f64]| -> f64 { load.iter().zip(direction).map(|(e, z)| e * z).sum() };
+    // of the change of load in the step, if it is this change that is too much
+    let of_step = condensed.before.as_ref().and_then(|(time, load)| {
+        let (before, now) = (work(load), work(condensed.problem.balance.load()));
+        let held = (factor * now - before) / (now - before);
+        (0.0..=1.0)
+            .contains(&held)
+            .then_some((held, [*time, condensed.time]))
+    });
+    let (held, step) = of_step.map_or((factor, None), |(held, step)| (held, Some(step)));
+    Objection::Slides {
+        bodies,
+        motion,
+        by: Some(gives_way(model)),
+        held,
+        step,
+    }
+}

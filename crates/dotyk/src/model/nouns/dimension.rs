@@ -1,0 +1,28 @@
+//! What quantities are measured in.
+
+/// What a quantity is measured in.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Dimension {
+    /// A length.
+    Length,
+    /// A force.
+    Force,
+    /// A force per area.
+    Stress,
+    /// A length times a length.
+    Area,
+    /// A force times a length.
+    Moment,
+    /// A force per length.
+    ForcePerLength,
+    /// A moment per length.
+    MomentPerLength,
+    /// A ratio.
+    Ratio,
+    /// A work.
+    Energy,
+    /// Radians.
+    Angle,
+    /// An integral of another one.
+    Other,
+}

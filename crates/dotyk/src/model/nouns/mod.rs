@@ -1,0 +1,17 @@
+//! What a user writes, and what comes out: models, solutions, errors, and the words for them.
+
+pub mod bar;
+pub mod build;
+pub mod capacity;
+pub mod dimension;
+pub mod error;
+pub mod event;
+pub mod file_names;
+pub mod ids;
+pub mod intrusion;
+pub mod model;
+pub mod presence;
+pub mod quantity;
+pub mod section;
+pub mod solution;
+pub mod told;

@@ -1,0 +1,341 @@
+//! Stages: bodies, supports and contacts that come and go. A stage is what of a model is there at a time, as a model of its
+//! own, with what the load steps before have left:
+//!
+//! * a body that appears is free of stress and fits what it touches: the gaps of its contacts count from the displacements
+//!   u_a of the bodies that were there, g₀ + B u_a, in normal and tangential rows;
+//! * a support that appears holds the nodes of its body where they are;
+//! * a spring or a bar that appears bears nothing there, but for the prestress of a bar, which in its first step pulls with that
+//!   alone, whatever gives;
+//! * friction counts from where the sides of a contact were when its stage began, B u of the last step in whatever directions the
+//!   tangents are now: a support that leaves a side leaves the slips under it, a contact or an obstacle that comes has none;
+//! * a joint that comes, between bodies one of which comes or not, is whole where its sides are not apart then, g₀ + B (u_a − u);
+//! * a body that goes leaves, where it is released, the forces −Bᵀλ of its last step on its neighbours, times what is left
+//!   of them at a time.
+//!
+//! A thing is there in the steps whose time t lies in from ≤ t < until; in the first step nothing has appeared.
+
+use crate::fem::{Active, History};
+use crate::model::nouns::bar::{Bar, BarEnd};
+use crate::model::nouns::error::Error;
+use crate::model::nouns::ids::{BodyId, SideRef};
+use crate::model::nouns::model::{Along, Body, Contact, Model, Pair, Probe};
+use crate::model::nouns::section::Section;
+use std::borrow::Cow;
+use std::collections::BTreeMap;
+use std::sync::Arc;
+
+/// What of a model is there at a time.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Presence {
+    pub bodies: Vec<bool>,
+    pub contacts: Vec<bool>,
+    /// Of each body.
+    pub supports: Vec<Vec<bool>>,
+    /// Of each body.
+    pub springs: Vec<Vec<bool>>,
+    pub bars: Vec<bool>,
+    /// Bars that are being tightened: prestressed ones in their first step.
+    pub tightening: Vec<bool>,
+}
+
+impl Presence {
+    /// That of a model at a time.
+    pub fn at<const D: usize>(model: &Model<D>, time: f64) -> Self {
+        let before = model.times.iter().copied().filter(|&before| before < time);
+        let before = before.reduce(f64::max);
+        let bars = |time: f64| {
+            let there = |bar: &Bar<D>| {
+                let mut bodies = bar.touched();
+                bar.active.at(time) && bodies.all(|body| model.bodies[body.0].active.at(time))
+            };
+            model.bars.iter().map(there).collect::<Vec<bool>>()
+        };
+        let there = bars(time);
+        let been = before.map_or(vec![false; there.len()], bars);
+        let new = there.iter().zip(&been).map(|(now, been)| *now && !been);
+        let tightened = new.zip(&model.bars);
+        let tightening = tightened.map(|(new, bar)| new && bar.prestress.is_some());
+        let tightening = tightening.collect();
+        let bodies: Vec<bool> = model.bodies.iter().map(|b| b.active.at(time)).collect();
+        let touching = |contact: &Contact<D>| {
+            let sides = contact.pair.sides();
+            contact.active.at(time) && sides.iter().all(|side| bodies[side.body.0])
+        };
+        let supports = |body: &Body<D>| body.supports.iter().map(|s| s.active.at(time)).collect();
+        let springs = |body: &Body<D>| body.springs.iter().map(|s| s.active.at(time)).collect();
+        Self {
+            contacts: model.contacts.iter().map(touching).collect(),
+            supports: model.bodies.iter().map(supports).collect(),
+            springs: model.bodies.iter().map(springs).collect(),
+            bars: there,
+            tightening,
+            bodies,
+        }
+    }
+
+    /// Everything is there, and nothing is being tightened.
+    pub fn is_whole(&self) -> bool {
+        let all = |list: &[bool]| list.iter().all(|&there| there);
+        let mut inner = self.supports.iter().chain(&self.springs);
+        let bars = all(&self.bars) && !self.tightening.contains(&true);
+        all(&self.bodies) && all(&self.contacts) && bars && inner.all(|list| all(list))
+    }
+}
+
+/// Place of each thing that is there among those that are.
+pub(crate) fn places(there: &[bool]) -> Vec<Option<usize>> {
+    let mut next = 0;
+    let place = |&there: &bool| {
+        next += usize::from(there);
+        there.then(|| next - 1)
+    };
+    there.iter().map(place).collect()
+}
+
+/// What is remembered of some things by their places, by those among the ones that are there.
+pub(crate) fn among<T>(
+    remembered: &BTreeMap<usize, Arc<[T]>>,
+    there: &[bool],
+) -> BTreeMap<usize, Arc<[T]>> {
+    let place = places(there);
+    let found = remembered.iter();
+    found
+        .filter_map(|(k, u)| Some((place[*k]?, Arc::clone(u))))
+        .collect()
+}
+
+/// The elements that are there.
+pub(crate) fn kept<'a, T>(all: &'a [T], there: &'a [bool]) -> impl Iterator<Item = &'a T> {
+    all.iter()
+        .zip(there)
+        .filter(|(_, there)| **there)
+        .map(|(one, _)| one)
+}
+
+impl<const D: usize> Model<D> {
+    /// What of it is there at a time, as a model with the steps up to that time; borrowed where that is everything. What
+    /// earlier steps have left is not in it.
+    pub fn stage(&self, time: f64) -> Cow<'_, Self> {
+        let presence = Presence::at(self, time);
+        match presence.is_whole() {
+            true => Cow::Borrowed(self),
+            false => Cow::Owned(self.part(&presence, Some(time))),
+        }
+    }
+
+    /// Whether something comes or goes from one of its load steps to another.
+    pub(crate) fn has_stages(&self) -> bool {
+        let mut presences = self.times.iter().map(|&time| Presence::at(self, time));
+        let first = presences.next();
+        presences.any(|other| Some(other) != first)
+    }
+
+    /// Whether its steps have something to leave to each other that is no slip.
+    pub(crate) fn is_staged(&self) -> bool {
+        let prestressed = self.bars.iter().any(|bar| bar.prestress.is_some());
+        prestressed || self.has_stages()
+    }
+
+    /// Whether at a time something is there, or is not, that differs from its first load step.
+    pub(crate) fn has_stage_at(&self, time: f64) -> bool {
+        let first = self.times.first().map(|&first| Presence::at(self, first));
+        first.is_some_and(|first| first != Presence::at(self, time))
+    }
+
+    /// What is there, as a model; with the steps up to a time.
+    pub(crate) fn part(&self, there: &Presence, until: Option<f64>) -> Self {
+        let cut = self
+            .sections
+            .iter()
+            .map(|section| there.bodies[section.body.0]);
+        let cut: Vec<bool> = cut.collect();
+        let [bodies, contacts, sections, bars] =
+            [&there.bodies, &there.contacts, &cut, &there.bars].map(|list| places(list));
+        let side = |side: &SideRef| {
+            Some(SideRef {
+                body: BodyId(bodies[side.body.0]?),
+                side: side.side.clone(),
+            })
+        };
+        let absent = self.contacts.iter().zip(&there.contacts);
+        let absent = absent.filter_map(|(contact, there)| (!there).then_some(contact));
+        let absent: Vec<&Contact<D>> = absent.collect();
+        let waits = |index: usize, contact: &Contact<D>| {
+            let [a, b] = contact.pair.sides()[..] else {
+                return None;
+            };
+            let other = match (a.body.0 == index, b.body.0 == index) {
+                (true, false) => b.body.0,
+                (false, true) => a.body.0,
+                _ => return None,
+            };
+            Some((bodies[other]?, contact.name.clone()))
+        };
+        let body = |(index, body): (usize, &Body<D>)| {
+            let supports = kept(&body.supports, &there.supports[index]);
+            let springs = kept(&body.springs, &there.springs[index]);
+            let sides = self
+                .contacts
+                .iter()
+                .flat_map(|contact| contact.pair.sides());
+            let own = sides.filter(|side| side.body.0 == index);
+            Body {
+                supports: supports.cloned().collect(),
+                springs: springs.cloned().collect(),
+                history: History {
+                    touched: own.map(|side| side.side.clone()).collect(),
+                    waits: absent
+                        .iter()
+                        .filter_map(|&contact| waits(index, contact))
+                        .collect(),
+                    ..History::default()
+                },
+                ..body.clone()
+            }
+        };
+        let each = self.bodies.iter().enumerate();
+        let each = each.filter(|(index, _)| there.bodies[*index]);
+        let contact = |contact: &Contact<D>| {
+            let pair = match &contact.pair {
+                Pair::Given { nonmortar, mortar } => Pair::Given {
+                    nonmortar: side(nonmortar)?,
+                    mortar: side(mortar)?,
+                },
+                Pair::Automatic([a, b]) => Pair::Automatic([side(a)?, side(b)?]),
+                Pair::Obstacle {
+                    nonmortar,
+                    obstacle,
+                } => Pair::Obstacle {
+                    nonmortar: side(nonmortar)?,
+                    obstacle: obstacle.clone(),
+                },
+            };
+            Some(Contact {
+                pair,
+                ..contact.clone()
+            })
+        };
+        let section = |section: &Section<D>| {
+            Some(Section {
+                body: BodyId(bodies[section.body.0]?),
+                ..section.clone()
+            })
+        };
+        let bar = |(bar, &tightening): (&Bar<D>, &bool)| {
+            let end = |end: &BarEnd<D>| {
+                Some(match end {
+                    BarEnd::Side(of) => BarEnd::Side(side(of)?),
+                    BarEnd::Point(point) => BarEnd::Point(*point),
+                })
+            };
+            let [from, to] = &bar.ends;
+            let named = bar.bodies.iter().filter_map(|body| bodies[body.0]);
+            Some(Bar {
+                ends: [end(from)?, end(to)?],
+                bodies: named.map(BodyId).collect(),
+                tightening,
+                ..bar.clone()
+            })
+        };
+        let tightening = kept(&there.tightening, &there.bars);
+        let fixed = kept(&self.bars, &there.bars).zip(tightening);
+        let owners = [&bodies, &contacts, &sections, &bars].map(|list| &list[..]);
+        let probe = |probe: &Probe<D>| {
+            Some(Probe {
+                quantity: probe.quantity.placed(owners)?,
+                along: match &probe.along {
+                    Some(Along::Side(read)) => Some(Along::Side(side(read)?)),
+                    other => other.clone(),
+                },
+                minus_rigid: match probe.minus_rigid {
+                    Some(body) => Some(BodyId(bodies[body.0]?)),
+                    None => None,
+                },
+                ..probe.clone()
+            })
+        };
+        let before = |time: &&f64| until.is_none_or(|until| **time <= until);
+        Self {
+            title: self.title.clone(),
+            source: self.source.clone(),
+            analysis: self.analysis,
+            units: self.units.clone(),
+            bodies: each.map(body).collect(),
+            contacts: kept(&self.contacts, &there.contacts)
+                .filter_map(contact)
+                .collect(),
+            bars: fixed.filter_map(bar).collect(),
+            sections: kept(&self.sections, &cut).filter_map(section).collect(),
+            solver: self.solver.clone(),
+            probes: self.probes.iter().filter_map(probe).collect(),
+            times: self.times.iter().filter(before).copied().collect(),
+            step_names: self.step_names.clone(),
+            parameters: self.parameters.clone(),
+        }
+    }
+
+    /// Errors: something that is there in no load step.
+    pub(crate) fn check_presence(&self) -> Result<(), Error<D>> {
+        let never = |what, name: &str| {
+            Err(Error::NeverThere {
+                what,
+                name: name.to_string(),
+            })
+        };
+        let all: Vec<Presence> = self.times.iter().map(|&t| Presence::at(self, t)).collect();
+        for (index, body) in self.bodies.iter().enumerate() {
+            if !all.iter().any(|there| there.bodies[index]) {
+                return never("body", &body.name);
+            }
+            for (place, support) in body.supports.iter().enumerate() {
+                let holds = |there: &Presence| there.bodies[index] && there.supports[index][place];
+                if support.active != Active::ALWAYS && !all.iter().any(holds) {
+                    return never("a support of body", &body.name);
+                }
+            }
+            for (place, spring) in body.springs.iter().enumerate() {
+                let holds = |there: &Presence| there.bodies[index] && there.springs[index][place];
+                if spring.active != Active::ALWAYS && !all.iter().any(holds) {
+                    return never("a spring of body", &body.name);
+                }
+            }
+        }
+        for (index, contact) in self.contacts.iter().enumerate() {
+            if !all.iter().any(|there| there.contacts[index]) {
+                return never("contact", &contact.name);
+            }
+        }
+        for (index, bar) in self.bars.iter().enumerate() {
+            if !all.iter().any(|there| there.bars[index]) {
+                return never("bar", &bar.name);
+            }
+        }
+        if let Some(step) = all.iter().position(|there| !there.bodies.contains(&true)) {
+            return Err(Error::NoBody.in_step(self, step + 1, Vec::new()));
+        }
+        Ok(())
+    }
+
+    /// Runs of load steps between which nothing comes or goes, each as a model with these steps, without what is left of
+    /// those before.
+    pub(crate) fn runs(&self) -> Vec<Cow<'_, Self>> {
+        let mut runs: Vec<(Presence, Vec<f64>)> = Vec::new();
+        for &time in &self.times {
+            let presence = Presence::at(self, time);
+            match runs.last_mut().filter(|(last, _)| *last == presence) {
+                Some((_, times)) => times.push(time),
+                None => runs.push((presence, vec![time])),
+            }
+        }
+        if let ([_], true) = (&runs[..], runs.iter().all(|(there, _)| there.is_whole())) {
+            return vec![Cow::Borrowed(self)];
+        }
+        let run = |(presence, times): (Presence, Vec<f64>)| {
+            Cow::Owned(Self {
+                times,
+                ..self.part(&presence, None)
+            })
+        };
+        runs.into_iter().map(run).collect()
+    }
+}

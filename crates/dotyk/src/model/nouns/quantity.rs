@@ -1,0 +1,563 @@
+//! What a probe reads: the quantities of bodies and contacts, and the words that name them.
+//!
+//! ```text
+//!   BODY.displacement.x   BODY.stress.von_mises   BODY.reaction.y   BODY.SIDE.reaction.y
+//!   BODY.rotation.z       CONTACT.pressure        CONTACT.shear.x
+//!   CONTACT.resultant.x   CONTACT.length          CONTACT.dissipated_work
+//!   SECTION.N             SECTION.M               SECTION.utilisation
+//!   BAR.force
+//! ```
+//!
+//! A new quantity is a variant with its word here, and its value in `probe.rs`.
+
+use crate::fem::Body;
+use crate::geometry::{Point, norm};
+use crate::model::nouns::dimension::Dimension;
+use crate::model::nouns::section::SectionQuantity;
+use std::fmt;
+use std::ops::Range;
+
+/// What a probe reads, as a text names it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Quantity {
+    text: String,
+    pub(crate) parts: Parts,
+}
+
+/// The parts of a quantity: index of the body or contact first, index of the axis last.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) enum Parts {
+    /// Displacement of a body; a field.
+    Displacement(usize, Component),
+    /// Rotation of the point of a couple of a body, in radians; a number.
+    Rotation(usize, usize),
+    /// Stress of a body; a field.
+    Stress(usize, Stress),
+    /// Stress of a body over its strength; a field.
+    Utilisation(usize),
+    /// Force of the supports on a body, of all or those of a side; a number.
+    Reaction(usize, Option<String>, usize),
+    /// What varies along a contact; a field.
+    Along(usize, ContactField),
+    /// Force of a contact on its nonmortar body; a number.
+    Resultant(usize, usize),
+    /// Its moment in space about a centre; a number.
+    Moment(usize, usize),
+    /// Length or area in contact; a number.
+    Length(usize, Touching),
+    /// Work that friction has dissipated; a number.
+    Dissipated(usize, Since),
+    /// Displacement of the rigid obstacle of a contact; a number.
+    Obstacle(usize, Component),
+    /// What varies along a section; a field of its stations.
+    Section(usize, SectionQuantity),
+    /// Force of a bar; a field of its stations, and alone the one of the largest magnitude.
+    Bar(usize),
+}
+
+/// A component of a vector, or its length.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) enum Component {
+    Axis(usize),
+    Magnitude,
+}
+
+impl Component {
+    /// That of a vector.
+    pub(crate) fn of<const D: usize>(self, vector: Point<D>) -> f64 {
+        match self {
+            Self::Axis(axis) => vector[axis],
+            Self::Magnitude => norm(vector),
+        }
+    }
+}
+
+/// What of a contact is counted.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) enum Touching {
+    /// All that touches.
+    Whole,
+    /// What is held by friction.
+    Stick,
+    /// What is at the bound of friction.
+    Slip,
+}
+
+/// Where a sum over load steps begins.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) enum Since {
+    /// With the step itself.
+    Step,
+    /// With the first one.
+    Start,
+}
+
+/// One of xx yy zz xy yz xz by its place there, von Mises, a principal stress, or the difference of the largest and the
+/// smallest one, after Tresca.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) enum Stress {
+    Component(usize),
+    VonMises,
+    First,
+    Second,
+    Third,
+    Tresca,
+    /// Of the plane: around a centre; with axial symmetry around the axis.
+    Hoop,
+    /// Normal to the side that it is read along.
+    Normal,
+}
+
+/// What varies along a contact. Shear and slip are along the tangent in the plane, lengths in space; or components in global
+/// axes.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) enum ContactField {
+    Pressure,
+    Gap,
+    Shear,
+    ShearVector(Component),
+    Slip,
+    SlipVector(Component),
+    DisplacementNonmortar,
+    DisplacementMortar,
+}
+
+use ContactField::{
+    DisplacementMortar, DisplacementNonmortar, Gap, Pressure, Shear, ShearVector, Slip, SlipVector,
+};
+
+const AXES: [(&str, usize); 3] = [("x", 0), ("y", 1), ("z", 2)];
+
+/// The force of a bar.
+const FORCE: &str = "force";
+
+/// The displacement of the rigid obstacle of a contact.
+const OBSTACLE: &str = "displacement_obstacle";
+
+/// The two last are those of space, the one before them that of the plane.
+const STRESSES: [(&str, Stress); 13] = [
+    ("xx", Stress::Component(0)),
+    ("yy", Stress::Component(1)),
+    ("zz", Stress::Component(2)),
+    ("xy", Stress::Component(3)),
+    ("von_mises", Stress::VonMises),
+    ("s1", Stress::First),
+    ("s2", Stress::Second),
+    ("s3", Stress::Third),
+    ("tresca", Stress::Tresca),
+    ("normal", Stress::Normal),
+    ("hoop", Stress::Hoop),
+    ("yz", Stress::Component(4)),
+    ("xz", Stress::Component(5)),
+];
+
+const FIELDS: [(&str, ContactField); 6] = [
+    ("pressure", Pressure),
+    ("gap", Gap),
+    ("shear", Shear),
+    ("slip", Slip),
+    ("displacement_nonmortar", DisplacementNonmortar),
+    ("displacement_mortar", DisplacementMortar),
+];
+
+const LENGTHS: [(&str, Touching); 3] = [
+    ("length", Touching::Whole),
+    ("length_stick", Touching::Stick),
+    ("length_slip", Touching::Slip),
+];
+
+const WORKS: [(&str, Since); 2] = [
+    ("dissipated_work", Since::Step),
+    ("dissipated_work_total", Since::Start),
+];
+
+/// Why a text is no quantity: which of its words is wrong.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct QuantityError {
+    /// What is wrong with the word.
+    pub mistake: Mistake,
+    /// The word.
+    pub word: String,
+    /// Its bytes in the text.
+    pub at: Range<usize>,
+    /// The words that are known in its place, or after it, where the text ends too early.
+    pub known: Vec<String>,
+}
+
+/// What is wrong with a word of a quantity.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Mistake {
+    /// It should be one of these.
+    Unknown(&'static str),
+    /// The quantity ends after it.
+    Incomplete,
+    /// The quantity goes on after it.
+    TooLong,
+    /// No material of the body has a strength.
+    NoStrength,
+}
+
+impl fmt::Display for QuantityError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let word = &self.word;
+        match self.mistake {
+            Mistake::Unknown(what) => write!(f, "unknown {what} `{word}`"),
+            Mistake::Incomplete => write!(f, "the quantity ends after `{word}`"),
+            Mistake::NoStrength => write!(
+                f,
+                "`{word}` of a body without `strength`: give its material one"
+            ),
+            Mistake::TooLong => write!(f, "`{word}` has no components here"),
+        }
+    }
+}
+
+impl std::error::Error for QuantityError {}
+
+impl Quantity {
+    /// The quantity that a text names, of these bodies, and of contacts, sections and bars of these names, which differ.
+    ///
+    /// Errors: the word that is wrong, and what is known in its place.
+    pub fn parse<const D: usize>(
+        text: &str,
+        bodies: &[Body<D>],
+        [contacts, sections, bars]: [&[&str]; 3],
+    ) -> Result<Self, QuantityError> {
+        let words = Words(text.split('.').collect());
+        let owner = words.0[0];
+        let among = |names: &[&str]| names.iter().position(|name| *name == owner);
+        let body = bodies.iter().position(|body| body.name == owner);
+        let parts = match (body, among(contacts), among(sections), among(bars)) {
+            (Some(body), ..) => of_body(&words, body, &bodies[body])?,
+            (_, Some(contact), ..) => of_contact::<D>(&words, contact)?,
+            (.., Some(section), _) => of_section(&words, section)?,
+            (.., Some(bar)) => of_bar(&words, bar)?,
+            (None, None, None, None) => {
+                let bodies = bodies.iter().map(|body| body.name.as_str());
+                let others = contacts.iter().chain(sections).chain(bars);
+                let what = match (sections, bars) {
+                    ([], []) => "body or contact",
+                    (_, []) => "body, contact or section",
+                    ([], _) => "body, contact or bar",
+                    _ => "body, contact, section or bar",
+                };
+                let owners = bodies.chain(others.copied());
+                return Err(words.mistake(Mistake::Unknown(what), 0, owners));
+            }
+        };
+        let text = text.to_string();
+        Ok(Self { text, parts })
+    }
+
+    /// The same of bodies, contacts, sections and bars that have other places; `None` where they have none.
+    pub(crate) fn placed(
+        &self,
+        [bodies, contacts, sections, bars]: [&[Option<usize>]; 4],
+    ) -> Option<Self> {
+        let mut parts = self.parts.clone();
+        match &mut parts {
+            Parts::Displacement(body, _)
+            | Parts::Rotation(body, _)
+            | Parts::Stress(body, _)
+            | Parts::Utilisation(body)
+            | Parts::Reaction(body, ..) => *body = bodies[*body]?,
+            Parts::Along(contact, _)
+            | Parts::Resultant(contact, _)
+            | Parts::Moment(contact, _)
+            | Parts::Length(contact, _)
+            | Parts::Dissipated(contact, _)
+            | Parts::Obstacle(contact, _) => *contact = contacts[*contact]?,
+            Parts::Section(section, _) => *section = sections[*section]?,
+            Parts::Bar(bar) => *bar = bars[*bar]?,
+        }
+        let text = self.text.clone();
+        Some(Self { text, parts })
+    }
+
+    /// What it is measured in.
+    pub fn dimension(&self) -> Dimension {
+        match self.parts {
+            Parts::Reaction(..) | Parts::Resultant(..) | Parts::Bar(_) => Dimension::Force,
+            Parts::Stress(..) | Parts::Along(_, Pressure | Shear | ShearVector(_)) => {
+                Dimension::Stress
+            }
+            Parts::Displacement(..)
+            | Parts::Along(..)
+            | Parts::Length(..)
+            | Parts::Obstacle(..) => Dimension::Length,
+            Parts::Moment(..) => Dimension::Moment,
+            Parts::Dissipated(..) => Dimension::Energy,
+            Parts::Rotation(..) => Dimension::Angle,
+            Parts::Utilisation(..) => Dimension::Ratio,
+            Parts::Section(_, quantity) => quantity.dimension(),
+        }
+    }
+
+    /// It varies from place to place.
+    pub fn is_field(&self) -> bool {
+        use Parts::{Along, Bar, Displacement, Rotation, Section, Stress, Utilisation};
+        matches!(
+            self.parts,
+            Displacement(..)
+                | Rotation(..)
+                | Stress(..)
+                | Utilisation(..)
+                | Along(..)
+                | Section(..)
+                | Bar(_)
+        )
+    }
+
+    /// It is taken about a centre.
+    pub fn has_center(&self) -> bool {
+        matches!(
+            self.parts,
+            Parts::Stress(_, Stress::Hoop) | Parts::Moment(..)
+        )
+    }
+
+    /// It is read along a side: it depends on the normal.
+    pub fn needs_side(&self) -> bool {
+        matches!(self.parts, Parts::Stress(_, Stress::Normal))
+    }
+
+    /// It jumps between the materials of a body.
+    pub(crate) fn depends_on_material(&self) -> bool {
+        matches!(self.parts, Parts::Stress(..) | Parts::Utilisation(_))
+    }
+
+    /// It is the length of a contact, or in space its area.
+    pub(crate) fn is_extent(&self) -> bool {
+        matches!(self.parts, Parts::Length(..))
+    }
+
+    /// It belongs to the nodes of a contact.
+    pub fn is_of_contact(&self) -> bool {
+        matches!(self.parts, Parts::Along(..))
+    }
+
+    /// It is known at the stations of a section or of a bar alone.
+    pub fn is_of_stations(&self) -> bool {
+        matches!(self.parts, Parts::Section(..) | Parts::Bar(_))
+    }
+
+    /// It is the force of a bar.
+    pub fn is_of_bar(&self) -> bool {
+        matches!(self.parts, Parts::Bar(_))
+    }
+
+    /// The section whose utilisation it is.
+    pub fn utilised_section(&self) -> Option<usize> {
+        match self.parts {
+            Parts::Section(section, SectionQuantity::Utilisation) => Some(section),
+            _ => None,
+        }
+    }
+
+    /// It is read at the point of a couple, and nowhere else.
+    pub(crate) fn is_rotation(&self) -> bool {
+        matches!(self.parts, Parts::Rotation(..))
+    }
+
+    /// The body whose displacement or rotation it is.
+    pub(crate) fn displaced_body(&self) -> Option<usize> {
+        match self.parts {
+            Parts::Displacement(body, _) | Parts::Rotation(body, _) => Some(body),
+            _ => None,
+        }
+    }
+
+    /// A rigid motion can be taken away from it.
+    pub fn is_displacement(&self) -> bool {
+        use Parts::{Along, Displacement};
+        matches!(
+            self.parts,
+            Displacement(..) | Along(_, DisplacementNonmortar | DisplacementMortar)
+        )
+    }
+}
+
+impl fmt::Display for Quantity {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(&self.text)
+    }
+}
+
+fn of_body<const D: usize>(
+    words: &Words<'_>,
+    index: usize,
+    body: &Body<D>,
+) -> Result<Parts, QuantityError> {
+    const QUANTITIES: [&str; 5] = [
+        "displacement",
+        "rotation",
+        "stress",
+        "reaction",
+        "utilisation",
+    ];
+    let axes = &AXES[..D];
+    let moved = components::<D>();
+    let turns = if D == 3 { &AXES[..] } else { &AXES[2..] };
+    let stresses: Vec<(&str, Stress)> = match D {
+        3 => STRESSES
+            .iter()
+            .copied()
+            .filter(|s| s.1 != Stress::Hoop)
+            .collect(),
+        _ => STRESSES[..11].to_vec(),
+    };
+    let stresses = &stresses[..];
+    match words.0[1..] {
+        ["displacement", _] => {
+            let component = words.one_of(2, "displacement", &moved)?;
+            Ok(Parts::Displacement(index, component))
+        }
+        ["rotation", _] => {
+            let axis = words.one_of(2, "component", turns)?;
+            Ok(Parts::Rotation(index, axis))
+        }
+        ["stress", _] => Ok(Parts::Stress(index, words.one_of(2, "stress", stresses)?)),
+        ["utilisation"] => match body.materials.iter().any(|m| m.strength.is_some()) {
+            true => Ok(Parts::Utilisation(index)),
+            false => Err(words.mistake(Mistake::NoStrength, 1, [])),
+        },
+        ["reaction", _] => {
+            let axis = words.one_of(2, "component", axes)?;
+            Ok(Parts::Reaction(index, None, axis))
+        }
+        [side, "reaction", _] => {
+            let sides: Vec<_> = body.mesh.side_names().map(|side| (side, ())).collect();
+            words.one_of(1, "side", &sides)?;
+            let axis = words.one_of(3, "component", axes)?;
+            Ok(Parts::Reaction(index, Some(side.to_string()), axis))
+        }
+        ["displacement"] => Err(words.incomplete(names(&moved))),
+        ["rotation"] => Err(words.incomplete(names(turns))),
+        ["stress"] => Err(words.incomplete(names(stresses))),
+        ["reaction"] | [_, "reaction"] => Err(words.incomplete(names(axes))),
+        [] => Err(words.incomplete(QUANTITIES)),
+        [_, ..] => Err(words.mistake(Mistake::Unknown("quantity of a body"), 1, QUANTITIES)),
+    }
+}
+
+/// The words of the components of a vector.
+fn components<const D: usize>() -> Vec<(&'static str, Component)> {
+    let axes = AXES[..D].iter();
+    let axes = axes.map(|&(word, i)| (word, Component::Axis(i)));
+    axes.chain([("magnitude", Component::Magnitude)]).collect()
+}
+
+fn of_contact<const D: usize>(words: &Words<'_>, contact: usize) -> Result<Parts, QuantityError> {
+    let moment = (D == 3).then_some("moment");
+    let quantities = || {
+        let vectors = ["resultant"].into_iter().chain(moment).chain([OBSTACLE]);
+        let numbers = names(&LENGTHS).chain(names(&WORKS));
+        names(&FIELDS).chain(vectors).chain(numbers)
+    };
+    let components = components::<D>();
+    match words.0[1..] {
+        [OBSTACLE, _] => {
+            let component = words.one_of(2, "component", &components)?;
+            Ok(Parts::Obstacle(contact, component))
+        }
+        [OBSTACLE] => Err(words.incomplete(names(&components))),
+        ["resultant", _] => {
+            let axis = words.one_of(2, "component", &AXES[..D])?;
+            Ok(Parts::Resultant(contact, axis))
+        }
+        ["moment", _] if D == 3 => {
+            let axis = words.one_of(2, "component", &AXES)?;
+            Ok(Parts::Moment(contact, axis))
+        }
+        ["moment"] if D == 3 => Err(words.incomplete(names(&AXES))),
+        ["resultant"] => Err(words.incomplete(names(&AXES[..D]))),
+        [] => Err(words.incomplete(quantities())),
+        [word @ ("shear" | "slip"), _] => {
+            let component = words.one_of(2, "component", &components)?;
+            let vector = if word == "shear" {
+                ShearVector
+            } else {
+                SlipVector
+            };
+            Ok(Parts::Along(contact, vector(component)))
+        }
+        [word] => {
+            let field = find(&FIELDS, word).map(|field| Parts::Along(contact, field));
+            let length = || find(&LENGTHS, word).map(|what| Parts::Length(contact, what));
+            let work = || find(&WORKS, word).map(|since| Parts::Dissipated(contact, since));
+            let unknown =
+                || words.mistake(Mistake::Unknown("quantity of a contact"), 1, quantities());
+            field.or_else(length).or_else(work).ok_or_else(unknown)
+        }
+        [word, ..] if quantities().any(|name| name == word) => {
+            Err(words.mistake(Mistake::TooLong, 1, []))
+        }
+        _ => Err(words.mistake(Mistake::Unknown("quantity of a contact"), 1, quantities())),
+    }
+}
+
+fn of_section(words: &Words<'_>, section: usize) -> Result<Parts, QuantityError> {
+    let known = SectionQuantity::ALL.map(|quantity| (quantity.name(), quantity));
+    match words.0[1..] {
+        [] => Err(words.incomplete(names(&known))),
+        [_] => {
+            let quantity = words.one_of(1, "quantity of a section", &known)?;
+            Ok(Parts::Section(section, quantity))
+        }
+        _ => Err(words.mistake(Mistake::TooLong, 1, [])),
+    }
+}
+
+fn of_bar(words: &Words<'_>, bar: usize) -> Result<Parts, QuantityError> {
+    match words.0[1..] {
+        [] => Err(words.incomplete([FORCE])),
+        [FORCE] => Ok(Parts::Bar(bar)),
+        [FORCE, ..] => Err(words.mistake(Mistake::TooLong, 1, [])),
+        _ => Err(words.mistake(Mistake::Unknown("quantity of a bar"), 1, [FORCE])),
+    }
+}
+
+/// The meaning of a word.
+fn find<T: Copy>(table: &[(&str, T)], word: &str) -> Option<T> {
+    let found = table.iter().find(|(name, _)| *name == word);
+    found.map(|(_, value)| *value)
+}
+
+fn names<'k, T>(table: &[(&'k str, T)]) -> impl Iterator<Item = &'k str> {
+    table.iter().map(|(word, _)| *word)
+}
+
+/// The words of a text between its dots, at least one.
+struct Words<'t>(Vec<&'t str>);
+
+impl Words<'_> {
+    /// The meaning of the word `at`.
+    fn one_of<T: Copy>(
+        &self,
+        at: usize,
+        what: &'static str,
+        table: &[(&str, T)],
+    ) -> Result<T, QuantityError> {
+        let found = find(table, self.0[at]);
+        found.ok_or_else(|| self.mistake(Mistake::Unknown(what), at, names(table)))
+    }
+
+    fn incomplete<'k>(&self, next: impl IntoIterator<Item = &'k str>) -> QuantityError {
+        self.mistake(Mistake::Incomplete, self.0.len() - 1, next)
+    }
+
+    fn mistake<'k>(
+        &self,
+        mistake: Mistake,
+        at: usize,
+        known: impl IntoIterator<Item = &'k str>,
+    ) -> QuantityError {
+        let start: usize = self.0[..at].iter().map(|word| word.len() + 1).sum();
+        QuantityError {
+            mistake,
+            word: self.0[at].to_string(),
+            at: start..start + self.0[at].len(),
+            known: known.into_iter().map(str::to_string).collect(),
+        }
+    }
+}

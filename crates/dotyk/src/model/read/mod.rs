@@ -1,0 +1,14 @@
+//! What is read off displaced bodies and their contact forces: fields, sections, probes, peaks, and what is to be told of them.
+
+pub mod assumptions;
+pub mod coupled;
+pub mod fields;
+pub mod line;
+pub mod on_side;
+pub mod probe;
+pub mod remarks;
+pub mod section;
+pub mod singular;
+pub mod stiff;
+pub mod unglued;
+pub mod view;

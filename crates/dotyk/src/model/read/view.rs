@@ -1,0 +1,60 @@
+//! What the steps of a stage are looked at with: where probes are read and sections cut, what is to be told of the bodies as they are
+//! given, and what they are from outside. None of it changes from step to step.
+
+use crate::mesh::Skin;
+use crate::model::nouns::error::Error;
+use crate::model::nouns::model::Model;
+use crate::model::read::probe::{Site, sites};
+use crate::model::read::remarks::body_remarks;
+use crate::model::read::section::{Laid, lay_out};
+use crate::model::read::singular::Outlines;
+use crate::model::system::paired::Paired;
+use rayon::prelude::*;
+use std::sync::OnceLock;
+
+/// What is made once for all steps of a stage.
+pub(crate) struct View<const D: usize> {
+    /// Where each probe is read.
+    pub sites: Vec<Site<D>>,
+    /// Where each section is cut.
+    pub laid: Vec<Laid<D>>,
+    /// What the user should know of the bodies as they are given.
+    pub remarks: Vec<String>,
+    /// Where stresses may be singular.
+    pub outlines: Outlines,
+    skins: OnceLock<Vec<Skin<D>>>,
+}
+
+impl<const D: usize> View<D> {
+    /// That of a model whose contacts are paired.
+    ///
+    /// Errors: a probe that has no place, a section that cannot be cut, with its name.
+    pub fn new(model: &Model<D>, paired: &[Paired<D>]) -> Result<Self, Error<D>> {
+        Ok(Self {
+            sites: sites(model, paired)?,
+            laid: lay_out(model)?,
+            remarks: body_remarks(model),
+            outlines: Outlines::default(),
+            skins: OnceLock::new(),
+        })
+    }
+
+    /// That of a model with the same bodies and contacts, and other probes, sections or loads.
+    ///
+    /// Errors: as [`Self::new`].
+    pub fn of_same(self, model: &Model<D>, paired: &[Paired<D>]) -> Result<Self, Error<D>> {
+        let (outlines, skins) = (self.outlines, self.skins);
+        Ok(Self {
+            outlines,
+            skins,
+            ..Self::new(model, paired)?
+        })
+    }
+
+    /// The outer surfaces of all bodies, made when they are asked for first.
+    pub fn skins(&self, model: &Model<D>) -> &[Skin<D>] {
+        let bodies = model.bodies.par_iter();
+        self.skins
+            .get_or_init(|| bodies.map(|body| Skin::of(&body.mesh)).collect())
+    }
+}

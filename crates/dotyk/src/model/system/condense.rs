@@ -1,0 +1,581 @@
+//! Condensation: the bodies as a dual problem on the contact unknowns, at one time and at the next.
+//!
+//! ```text
+//!   F = B K⁺ Bᵀ,        d = B (u_D + K⁺(f − K u_D)) − g₀,        G = RᵀBᵀ,  e = Rᵀf
+//! ```
+//!
+//! A load step takes loads, prescribed displacements and gaps anew, which changes d and e alone: stiffness, factors, pairs
+//! and F are made once. A stage, in which something has come or gone, is condensed anew from what bodies that go on keep:
+//! stiffness, order and factor.
+//!
+//! Source: Janovský & Procházka (1980) III, section 7, (7.5)–(7.9).
+
+use crate::dual::DualProblem;
+use crate::fem::{BodySystem, Constraints};
+use crate::geometry::dot;
+use crate::linalg::Cholesky;
+use crate::model::nouns::error::Error;
+use crate::model::nouns::event::{Event, Lap, Work};
+use crate::model::nouns::model::{Method, Model};
+use crate::model::nouns::solution::Seconds;
+use crate::model::system::admissible::{admissible_set, neighbours};
+use crate::model::system::bodies::{
+    BodyRows, LoadedBody, body_rows, least_softness, systems, turn_to_forces,
+};
+use crate::model::system::compliance::{Assembled, compliance, is_assembled, pays};
+use crate::model::system::domains::{coupled, whole};
+use crate::model::system::drive::complete;
+use crate::model::system::drive::driven;
+use crate::model::system::factor::{FactoredBody, Ordered, factor, order};
+use crate::model::system::floating::Floating;
+use crate::model::system::joints::{self, Lost};
+use crate::model::system::memory::{self, Demand};
+use crate::model::system::pair::pair_all;
+use crate::model::system::paired::{Kind, Paired, initial_gaps, row_ranges};
+use crate::model::system::track::Track;
+use rayon::prelude::*;
+use std::collections::BTreeMap;
+use std::mem::take;
+use std::sync::Arc;
+
+/// Overlaps that are all below this part of the displacements they are differences of mean nothing.
+const ROUNDING: f64 = 1e-12;
+
+/// What friction did up to a step.
+pub(crate) struct Friction {
+    /// Relative tangential displacement in every row under friction, zero in the others, (m,).
+    pub slip: Vec<f64>,
+    /// Work that it has dissipated, by contact.
+    pub dissipated: Vec<f64>,
+    /// Nodes at which joints have parted or slipped, by contact and its nodes; empty of what is no joint.
+    pub lost: Vec<Vec<bool>>,
+}
+
+/// What is known of a stage when it is condensed.
+pub(crate) struct Staged<'a, const D: usize> {
+    /// Displacements that bodies were fitted to, and nodes that other stages touch.
+    pub track: &'a Track<D>,
+    /// The last stage, and what friction did up to its last step.
+    pub last: Option<(Condensed<D>, Friction)>,
+}
+
+/// What the last stage leaves.
+struct Left<const D: usize> {
+    /// Plastic elongations of bars, by their names and rows.
+    elongations: BTreeMap<String, Vec<f64>>,
+    /// Work that friction has dissipated in each contact.
+    dissipated: BTreeMap<String, f64>,
+    /// Nodes of each contact at which a joint has parted or slipped.
+    lost: BTreeMap<String, Lost>,
+    /// Spent so far.
+    seconds: Seconds,
+    /// Bodies that go on, as they were.
+    kept: Vec<Option<Kept<D>>>,
+}
+
+/// A body that goes on from one stage to the next, with the same supports.
+struct Kept<const D: usize> {
+    system: BodySystem<D>,
+    ordered: Arc<Ordered>,
+    factor: Arc<Cholesky>,
+}
+
+impl<const D: usize> Left<D> {
+    /// Nothing.
+    fn nothing(model: &Model<D>) -> Self {
+        Self {
+            elongations: BTreeMap::new(),
+            dissipated: BTreeMap::new(),
+            lost: BTreeMap::new(),
+            seconds: Seconds::default(),
+            kept: model.bodies.iter().map(|_| None).collect(),
+        }
+    }
+
+    /// That of a stage, of whose bodies these go on.
+    fn of(last: Condensed<D>, friction: &Friction, going_on: &[Option<usize>]) -> Self {
+        let links = row_ranges(&last.paired).filter(|(_, pair)| pair.is_link());
+        let elongations =
+            links.map(|(rows, pair)| (pair.name.clone(), friction.slip[rows].to_vec()));
+        let elongations = elongations.collect();
+        let works = last.paired.iter().zip(&friction.dissipated);
+        let dissipated = works
+            .map(|(pair, &work)| (pair.name.clone(), work))
+            .collect();
+        let lost = last.paired.iter().zip(&friction.lost);
+        let lost = lost.map(|(pair, lost)| (pair.name.clone(), Lost::of(pair, lost)));
+        let lost = lost.collect();
+        let bodies = last.bodies.into_iter().zip(last.ordered).zip(last.factored);
+        let mut bodies: Vec<Option<Kept<D>>> = bodies
+            .map(|((body, ordered), factored)| {
+                Some(Kept {
+                    system: body.system,
+                    ordered,
+                    factor: factored.factor,
+                })
+            })
+            .collect();
+        let place = |place: &Option<usize>| bodies[(*place)?].take();
+        Self {
+            elongations,
+            dissipated,
+            lost,
+            seconds: last.seconds,
+            kept: going_on.iter().map(place).collect(),
+        }
+    }
+}
+
+/// What friction counts from when a stage begins, in all rows (m,): how far the sides of contacts have moved along each other by
+/// then, and the plastic elongations of bars.
+fn slips<const D: usize>(
+    elongations: &BTreeMap<String, Vec<f64>>,
+    paired: &[Paired<D>],
+) -> Vec<f64> {
+    let of_pair = |pair: &Paired<D>| {
+        let tangential = pair.interface.tangential();
+        let known = elongations.get(&pair.name).filter(|_| pair.is_link());
+        match known.filter(|known| known.len() == tangential.len()) {
+            Some(known) => known.clone(),
+            None => {
+                let rows = tangential.iter().enumerate();
+                rows.map(|(row, &along)| if along { pair.moved_before(row) } else { 0.0 })
+                    .collect()
+            }
+        }
+    };
+    paired.iter().flat_map(of_pair).collect()
+}
+
+/// Tells contacts where their sides were when their bodies appeared and when the stage begins, and bars what they found.
+///
+/// Errors: a prescribed displacement of an obstacle that is not finite.
+fn place<const D: usize>(
+    model: &Model<D>,
+    paired: &mut [Paired<D>],
+    track: &Track<D>,
+) -> Result<(), Error<D>> {
+    for (contact, pair) in model.contacts.iter().zip(&mut *paired) {
+        pair.began = track.moved(contact, pair)?;
+    }
+    for pair in paired {
+        if let Some(mortar) = &pair.mortar {
+            pair.fit = track.fit(&pair.name, pair.nonmortar.body, mortar.body);
+        }
+        if let (Kind::Bar(_), Some(found)) = (pair.kind, track.found_by_bar(&pair.name)) {
+            let mut came_with = vec![0.0; pair.link.came_with.len()];
+            for (body, rows) in pair.ends() {
+                let Some(Some(u)) = found.get(body) else {
+                    continue;
+                };
+                for (came, row) in came_with.iter_mut().zip(rows) {
+                    *came += row.iter().map(|&(node, c)| dot(c, u[node])).sum::<f64>();
+                }
+            }
+            pair.link.came_with = came_with;
+        }
+    }
+    Ok(())
+}
+
+/// The bodies of a model condensed onto the contact unknowns, at one time.
+pub(crate) struct Condensed<const D: usize> {
+    pub bodies: Vec<LoadedBody<D>>,
+    pub ordered: Vec<Arc<Ordered>>,
+    pub factored: Vec<FactoredBody>,
+    pub paired: Vec<Paired<D>>,
+    pub gaps: Vec<f64>,
+    pub floating: Floating,
+    pub problem: DualProblem,
+    /// What the user should know of conditions that were dropped.
+    pub dropped: Vec<String>,
+    /// Spent so far, earlier steps included.
+    pub seconds: Seconds,
+    pub time: f64,
+    /// Work that friction dissipated before, by contact.
+    pub dissipated: Vec<f64>,
+    /// Time and e of the step before.
+    pub before: Option<(f64, Vec<f64>)>,
+}
+
+/// The bodies of a model at one time with their contacts paired, not yet condensed.
+pub(crate) struct Uncondensed<const D: usize> {
+    systems: Vec<BodySystem<D>>,
+    pub paired: Vec<Paired<D>>,
+    gaps: Vec<f64>,
+    dropped: Vec<String>,
+    /// Nodes of each part that other stages touch.
+    lasting: Vec<Vec<usize>>,
+    /// Order and factor of bodies that have been before.
+    kept: Vec<Option<(Arc<Ordered>, Arc<Cholesky>)>>,
+    /// Work that friction dissipated before, by the names of contacts.
+    dissipated: BTreeMap<String, f64>,
+    seconds: Seconds,
+    time: f64,
+}
+
+/// Assembles the bodies and pairs the contacts of a valid model at a time, in the first stage or after the last one.
+///
+/// Errors: what cannot be assembled or paired.
+pub(crate) fn assemble<const D: usize>(
+    model: &Model<D>,
+    time: f64,
+    staged: Option<Staged<'_, D>>,
+    observe: &mut dyn FnMut(Event),
+) -> Result<Uncondensed<D>, Error<D>> {
+    let track = staged.as_ref().map(|staged| staged.track);
+    let last = staged.and_then(|staged| Some((staged.track.going_on(), staged.last?)));
+    let left = match last {
+        Some((going_on, (last, friction))) => Left::of(last, &friction, &going_on),
+        None => Left::nothing(model),
+    };
+    let mut seconds = left.seconds;
+    let mut lap = Lap::start();
+    observe(Event::Stage("assemble"));
+    let (before, kept): (Vec<_>, Vec<_>) = (left.kept.into_iter())
+        .map(|kept| {
+            kept.map_or((None, None), |k| {
+                (Some(k.system), Some((k.ordered, k.factor)))
+            })
+        })
+        .unzip();
+    let mut systems = systems(model, before, time)?;
+    let constraints: Vec<&Constraints<D>> = systems.iter().map(|s| &s.constraints).collect();
+    let mut paired = pair_all(model, &constraints, time)?;
+    if let Some(track) = track {
+        place(model, &mut paired, track)?;
+    }
+    let dropped = complete(model, &mut systems, (&mut paired, &left.lost), time)?;
+    turn_to_forces(&mut systems[..model.bodies.len()], &paired);
+    let lasting = track.map_or(vec![Vec::new(); systems.len()], |t| {
+        t.lasting(systems.len())
+    });
+    seconds.assemble += lap.seconds();
+    Ok(Uncondensed {
+        gaps: gaps_after(&paired, &slips(&left.elongations, &paired)),
+        dissipated: left.dissipated,
+        systems,
+        paired,
+        dropped,
+        lasting,
+        kept,
+        seconds,
+        time,
+    })
+}
+
+impl<const D: usize> Uncondensed<D> {
+    /// The dual problem, of at most `dense_limit` assembled unknowns.
+    ///
+    /// Errors: what takes more memory than there is; a body that cannot be factored; a floating body that nothing can hold; a law
+    /// without meaning.
+    pub fn condense(
+        self,
+        model: &Model<D>,
+        dense_limit: usize,
+        observe: &mut dyn FnMut(Event),
+    ) -> Result<Condensed<D>, Error<D>> {
+        let Self {
+            systems,
+            paired,
+            gaps,
+            dropped,
+            mut seconds,
+            time,
+            ..
+        } = self;
+        let mut lap = Lap::start();
+        observe(Event::Stage("order"));
+        let rows = body_rows(&systems, &paired);
+        let of_bodies = OfBodies {
+            systems: &systems,
+            rows: &rows,
+            kept: &self.kept,
+            lasting: &self.lasting,
+        };
+        let (ordered, dense) = ordered(model, of_bodies, &paired, dense_limit)?;
+        seconds.order += lap.seconds();
+        observe(Event::Stage("factor"));
+        let loaded = systems
+            .into_par_iter()
+            .zip(rows)
+            .map(|(system, rows)| LoadedBody::new(system, rows));
+        let bodies: Vec<LoadedBody<D>> = loaded.collect();
+        // what is kept has its factor
+        let factors = reused(&ordered, self.kept);
+        let work = Arc::new(work_of(&ordered, &factors));
+        observe(Event::Factoring(Arc::clone(&work)));
+        let factored = factor_bodies(model, &bodies, &ordered, (factors, &work))?;
+        seconds.factor += lap.seconds();
+        observe(Event::Stage("condense"));
+        let (compliance, parts) = compliance(&bodies, &factored, &ordered, gaps.len(), dense);
+        let floating = Floating::new(model, &bodies, &paired)?;
+        let works = model
+            .contacts
+            .iter()
+            .map(|contact| self.dissipated.get(&contact.name));
+        let dissipated = works.map(|work| work.copied().unwrap_or(0.0)).collect();
+        let balance = floating.balance.clone();
+        let admissible = admissible_set(model, &paired, time)?;
+        let shift = overlap(&bodies, &factored, &gaps);
+        let mut problem = DualProblem::new(compliance, shift, admissible, balance)
+            .map_err(|error| Error::Solver(error.into()))?;
+        let of_bodies = (&bodies[..], &factored[..]);
+        problem.coupled = coupled(model, of_bodies, (&paired, &floating), &problem.shift);
+        problem.scales = whole(&problem.coupled);
+        problem.soften(least_softness(&bodies, gaps.len()));
+        problem.neighbours = neighbours(model, &paired);
+        problem.parts = parts;
+        seconds.condense += lap.seconds();
+        Ok(Condensed {
+            bodies,
+            ordered,
+            factored,
+            paired,
+            gaps,
+            floating,
+            problem,
+            dropped,
+            seconds,
+            time,
+            dissipated,
+            before: None,
+        })
+    }
+}
+
+/// What orders are made of: a system and rows of each part, the order and factor of bodies that have been before, and nodes that
+/// other stages touch.
+#[derive(Clone, Copy)]
+struct OfBodies<'a, const D: usize> {
+    systems: &'a [BodySystem<D>],
+    rows: &'a [Arc<BodyRows>],
+    kept: &'a [Option<(Arc<Ordered>, Arc<Cholesky>)>],
+    lasting: &'a [Vec<usize>],
+}
+
+impl<const D: usize> OfBodies<'_, D> {
+    /// The order of one of them: the one that it had, where that serves.
+    fn order(&self, model: &Model<D>, body: usize, dense: bool) -> Result<Arc<Ordered>, Error<D>> {
+        let (system, rows) = (&self.systems[body], &self.rows[body]);
+        let lasting = &self.lasting[body];
+        match self.kept.get(body) {
+            Some(Some((ordered, _))) if ordered.serves(system, rows, lasting, dense) => {
+                Ok(Arc::clone(ordered))
+            }
+            _ => Ok(Arc::new(order(
+                model,
+                body,
+                system,
+                (rows, lasting),
+                dense,
+            )?)),
+        }
+    }
+}
+
+/// The orders of all bodies, and whether F is assembled; what does not fit the memory is not begun. F that would pay, but does not
+/// fit, is applied.
+fn ordered<const D: usize>(
+    model: &Model<D>,
+    of: OfBodies<'_, D>,
+    paired: &[Paired<D>],
+    dense_limit: usize,
+) -> Result<(Vec<Arc<Ordered>>, bool), Error<D>> {
+    let m = paired.iter().map(|p| p.interface.nonmortar.len()).sum();
+    let rough = |p: &Paired<D>| p.interface.tangential().contains(&true);
+    let rough = paired.iter().any(rough);
+    let few_products = matches!(model.solver.method, Method::Auto | Method::Newton);
+    let all = |dense| {
+        let each = (0..of.systems.len()).into_par_iter();
+        let ordered = each.map(|body| of.order(model, body, dense));
+        ordered.collect::<Result<Vec<_>, _>>()
+    };
+    let fits = |ordered: &[Arc<Ordered>], dense| {
+        let each = of.systems.iter().zip(of.rows).zip(ordered);
+        let demands = each.map(|((system, rows), ordered)| Demand {
+            ordered,
+            stiffness: system.stiffness.stored(),
+            dofs: system.load.len(),
+            rows: rows.index.len(),
+        });
+        memory::check(model, &demands.collect::<Vec<_>>(), dense, m)
+    };
+    let assembled = is_assembled::<D>(of.rows, m, (dense_limit, rough, few_products));
+    let dense = assembled == Assembled::Always;
+    let orders = all(dense)?;
+    if assembled == Assembled::IfCheaper && pays(m, &orders) {
+        let last = all(true)?;
+        if fits(&last, true).is_ok() {
+            return Ok((last, true));
+        }
+    }
+    fits(&orders, dense)?;
+    Ok((orders, dense))
+}
+
+/// Factors of bodies whose order is still the one that they had.
+fn reused(
+    ordered: &[Arc<Ordered>],
+    kept: Vec<Option<(Arc<Ordered>, Arc<Cholesky>)>>,
+) -> Vec<Option<Arc<Cholesky>>> {
+    let mut kept = kept.into_iter();
+    let each = ordered.iter().map(|ordered| {
+        let (before, factor) = kept.next()??;
+        Arc::ptr_eq(&before, ordered).then_some(factor)
+    });
+    each.collect()
+}
+
+/// The same bodies at another time, after a slip: d, e and the friction bounds are taken anew, all else stays.
+pub(crate) fn advance<const D: usize>(
+    model: &Model<D>,
+    mut here: Condensed<D>,
+    past: &Friction,
+    time: f64,
+    observe: &mut dyn FnMut(Event),
+) -> Result<Condensed<D>, Error<D>> {
+    here.before = Some((here.time, here.problem.balance.load().to_vec()));
+    here.dissipated = past.dissipated.clone();
+    here.time = time;
+    drive(model, &mut here, (&past.slip, &past.lost), observe)?;
+    Ok(here)
+}
+
+/// The same step once more, with what joints have lost on its way.
+///
+/// Errors: those of the step itself.
+pub(crate) fn again<const D: usize>(
+    model: &Model<D>,
+    here: &mut Condensed<D>,
+    lost: &[Vec<bool>],
+    observe: &mut dyn FnMut(Event),
+) -> Result<(), Error<D>> {
+    let slip = here.gaps.iter().zip(initial_gaps(&here.paired));
+    let slip: Vec<f64> = slip.map(|(then, first)| then - first).collect();
+    drive(model, here, (&slip, lost), observe)
+}
+
+/// Takes d, e and the friction bounds anew, at the time that is told, after a slip and with what joints have lost.
+fn drive<const D: usize>(
+    model: &Model<D>,
+    here: &mut Condensed<D>,
+    (slip, lost): (&[f64], &[Vec<bool>]),
+    observe: &mut dyn FnMut(Event),
+) -> Result<(), Error<D>> {
+    let (mut lap, time) = (Lap::start(), here.time);
+    observe(Event::Stage("loads"));
+    for (pair, lost) in here.paired.iter_mut().zip(lost) {
+        pair.lost.clone_from(lost);
+    }
+    let (bodies, paired) = driven(model, take(&mut here.bodies), take(&mut here.paired), time)?;
+    (here.bodies, here.paired) = (bodies, paired);
+    here.gaps = gaps_after(&here.paired, slip);
+    here.seconds.assemble += lap.seconds();
+    observe(Event::Stage("condense"));
+    here.factored = (&here.bodies, take(&mut here.factored))
+        .into_par_iter()
+        .map(|(body, factored)| FactoredBody::new(body, factored.factor))
+        .collect();
+    here.floating.set_loads(model, &here.bodies, &here.paired)?;
+    let (of_bodies, problem) = ((&here.bodies[..], &here.factored[..]), &mut here.problem);
+    problem.admissible = admissible_set(model, &here.paired, time)?;
+    problem.balance = here.floating.balance.clone();
+    problem.shift = overlap(of_bodies.0, of_bodies.1, &here.gaps);
+    problem
+        .check()
+        .map_err(|error| Error::Solver(error.into()))?;
+    let fitted = (&here.paired[..], &here.floating);
+    problem.coupled = coupled(model, of_bodies, fitted, &problem.shift);
+    problem.scales = whole(&problem.coupled);
+    here.seconds.condense += lap.seconds();
+    Ok(())
+}
+
+/// A model of the same stiffness at its first step: stiffness, factors, pairs and F of the other one serve it.
+pub(crate) fn restart<const D: usize>(
+    model: &Model<D>,
+    mut kept: Condensed<D>,
+    time: f64,
+    observe: &mut dyn FnMut(Event),
+) -> Result<Condensed<D>, Error<D>> {
+    kept.seconds = Seconds::default();
+    let nothing = Friction {
+        slip: vec![0.0; kept.gaps.len()],
+        dissipated: vec![0.0; kept.dissipated.len()],
+        lost: joints::whole(model, &kept.paired),
+    };
+    let here = advance(model, kept, &nothing, time, observe)?;
+    Ok(Condensed {
+        before: None,
+        ..here
+    })
+}
+
+/// What the factorisations will take, but for factors that are there.
+fn work_of(ordered: &[Arc<Ordered>], factors: &[Option<Arc<Cholesky>>]) -> Work {
+    let new = || {
+        ordered
+            .iter()
+            .zip(factors)
+            .filter(|(_, factor)| factor.is_none())
+    };
+    let operations: f64 = new().map(|(ordered, _)| ordered.operations()).sum();
+    let entries: usize = new().map(|(ordered, _)| ordered.stored()).sum();
+    Work {
+        all: (operations as u64).into(),
+        bytes: (8 * entries as u64).into(),
+        ..Work::default()
+    }
+}
+
+fn factor_bodies<const D: usize>(
+    model: &Model<D>,
+    bodies: &[LoadedBody<D>],
+    ordered: &[Arc<Ordered>],
+    (factors, work): (Vec<Option<Arc<Cholesky>>>, &Work),
+) -> Result<Vec<FactoredBody>, Error<D>> {
+    let each = (bodies, ordered, factors).into_par_iter().enumerate();
+    each.map(|(index, (body, ordered, before))| {
+        let factor = match before {
+            Some(factor) => factor,
+            None => Arc::new(factor(model, index, &body.system, ordered, work)?),
+        };
+        Ok(FactoredBody::new(body, factor))
+    })
+    .collect()
+}
+
+/// The gaps g₀ of a step that begins with a slip, (m,): friction counts the slip from there.
+fn gaps_after<const D: usize>(paired: &[Paired<D>], slip: &[f64]) -> Vec<f64> {
+    let gaps = initial_gaps(paired).into_iter().zip(slip);
+    gaps.map(|(gap, slip)| gap + slip).collect()
+}
+
+/// d of all bodies: by how much they overlap where there is no contact force.
+fn overlap<const D: usize>(
+    bodies: &[LoadedBody<D>],
+    factored: &[FactoredBody],
+    gaps: &[f64],
+) -> Vec<f64> {
+    let mut overlap: Vec<f64> = gaps.iter().map(|gap| -gap).collect();
+    // rigid motions first: they may cancel a clearance that is large beside the strains
+    for body in bodies {
+        for (row, product) in body.rows.products(&body.system.carried) {
+            overlap[row] += product;
+        }
+    }
+    let mut largest = gaps.iter().fold(0.0, |s: f64, gap| s.max(gap.abs()));
+    for (body, factored) in bodies.iter().zip(factored) {
+        for (row, product) in body.rows.products(&factored.base) {
+            overlap[row] += product;
+        }
+        let moved = body.system.carried.iter().chain(&factored.base);
+        largest = moved.fold(largest, |s, u| s.max(u.abs()));
+    }
+    // Bodies that their supports carry along together do not overlap: what is left is rounding of the displacement.
+    if overlap.iter().all(|d| d.abs() <= ROUNDING * largest) {
+        overlap.fill(0.0);
+    }
+    overlap
+}

@@ -1,0 +1,394 @@
+//! Conditions that follow from others, such as those of a pair of nodes in two contacts.
+//!
+//! A condition that *ties and supports* imply has a gap that no contact force changes, and one of two frictionless
+//! conditions that say the same at all times says nothing: these get no multiplier, are named in a warning, and are judged
+//! all the same. A slip that supports of both sides prescribe is no such condition: whatever it is, the law tells the shear from it. Other inequalities imply nothing: of two obstacles under one side either may be the nearer one, and on the
+//! two rough walls of a corner a node may stick or slip. They keep their multipliers although F is singular; where
+//! dependent ones bear, how they share their sum is not unique, which a warning tells.
+//!
+//! Dependence is found by Cholesky factorisation of BBᵀ on the free dofs with diagonal pivoting. A row with a free dof of its
+//! own is independent; setting such rows aside again and again leaves few rows, mostly none, for the factorisation.
+
+use crate::contact::Coupling;
+use crate::dual::DualProblem;
+use crate::fem::{BodySystem, CoupleKind, show};
+use crate::linalg::dense::{cholesky_in_place, solve_lower_in_place};
+use crate::linalg::{Mat, pivoted_cholesky};
+use crate::model::nouns::model::{Law, Model};
+use crate::model::system::bodies::LoadedBody;
+use crate::model::system::paired::{Kind, Paired, gap_varies, row_ranges};
+use std::collections::{BTreeMap, BTreeSet};
+
+/// A row is dependent when less than this part of its square is its own.
+const DEPENDENT: f64 = 1e-12;
+
+/// Of more forces that share dofs with each other they are counted, not looked at one by one.
+const TOGETHER: usize = 3000;
+
+/// Coefficients of one row on the free dofs, by (body, dof).
+type Sparse = Vec<((usize, usize), f64)>;
+
+/// Where a row is: its contact, and its index there.
+type Place = (usize, usize);
+
+/// Tangential gaps above this part of the length scale are slip.
+const SLIP: f64 = 1e-9;
+
+/// Two gaps are the same within this part of the size of the body.
+const SAME_GAP: f64 = 1e-12;
+
+/// Takes the multipliers of implied conditions. Returns warnings, one for each contact that loses some.
+pub(crate) fn drop_implied<const D: usize>(
+    model: &Model<D>,
+    systems: &[BodySystem<D>],
+    paired: &mut [Paired<D>],
+) -> Vec<String> {
+    let refs: Vec<&BodySystem<D>> = systems.iter().collect();
+    let (places, rows) = suspects(&refs, paired);
+    let tied = |&(contact, _): &Place| paired[contact].interface.coupling == Coupling::Tied;
+    let equalities: Vec<usize> = (0..rows.len()).filter(|&i| tied(&places[i])).collect();
+    let (basis, mut implied) = split(&rows, &equalities);
+    // a slip that supports prescribe follows from them, but the law still tells its shear
+    let shears: Vec<Vec<bool>> = paired.iter().map(|p| p.interface.tangential()).collect();
+    let prescribed = |i: usize| rows[i].is_empty() && shears[places[i].0][places[i].1];
+    let rest = (0..rows.len()).filter(|&i| !tied(&places[i]) && !prescribed(i));
+    implied.extend(within(&rows, &basis, rest));
+    implied.extend(repeated(model, paired, &places, &rows));
+    implied.sort_unstable();
+    implied.dedup();
+    let mut dropped: BTreeMap<usize, Vec<usize>> = BTreeMap::new();
+    for index in implied {
+        let (contact, row) = places[index];
+        dropped.entry(contact).or_default().push(row);
+    }
+    let drop = |(contact, rows): (usize, Vec<usize>)| {
+        let nodes = describe(model, &paired[contact], &rows);
+        let pair = &mut paired[contact];
+        pair.interface.drop_rows(&rows);
+        let undefined = match model.contacts.get(contact) {
+            Some(_) => "the pressure there is not defined",
+            None => "how it shares its force with these is not unique",
+        };
+        format!(
+            "{}: the condition of {nodes} follows from supports and other contacts; it is dropped, and {undefined}",
+            pair.called()
+        )
+    };
+    dropped.into_iter().map(drop).collect()
+}
+
+/// A warning about forces λ (m,) of these bodies and pairs that are not unique, because those of several contacts at a node do the same; `gaps` (m,)
+/// tell which nodes slip.
+pub(crate) fn shared_forces<const D: usize>(
+    model: &Model<D>,
+    (bodies, paired): (&[LoadedBody<D>], &[Paired<D>]),
+    problem: &DualProblem,
+    lambda: &[f64],
+    gaps: &[f64],
+) -> Option<String> {
+    let systems: Vec<&BodySystem<D>> = bodies.iter().map(|body| &body.system).collect();
+    let (places, rows) = suspects(&systems, paired);
+    if rows.is_empty() {
+        return None;
+    }
+    let starts: Vec<usize> = row_ranges(paired).map(|(rows, _)| rows.start).collect();
+    let row_of: BTreeMap<usize, usize> = (0..rows.len())
+        .map(|i| (starts[places[i].0] + places[i].1, i))
+        .collect();
+    let slips = |i: usize| gaps[i].abs() > SLIP * problem.scales.length;
+    // the forces that are free to change: normal ones that push, with the shear of nodes that slip, and shears that stick
+    let mut columns: Vec<Sparse> = Vec::new();
+    let mut owners: Vec<Place> = Vec::new();
+    for (block, range) in problem.admissible.iter() {
+        let Some(&first) = row_of.get(&range.start) else {
+            continue;
+        };
+        let free = block.is_free();
+        if !free && lambda[range.start] <= 0.0 {
+            continue;
+        }
+        let mut normal = rows[first].clone();
+        for i in range.clone().skip(1) {
+            match row_of.get(&i) {
+                Some(&row) if free || !slips(i) => {
+                    columns.push(rows[row].clone());
+                    owners.push(places[row]);
+                }
+                Some(&row) => {
+                    normal = combine(&normal, lambda[i] / lambda[range.start], &rows[row])
+                }
+                None => {}
+            }
+        }
+        columns.push(normal);
+        owners.push(places[first]);
+    }
+    let all: Vec<usize> = (0..columns.len()).collect();
+    let (mut dependent, mut involved) = (Vec::new(), BTreeSet::new());
+    for together in connected(&columns, &all) {
+        let contacts = together.iter().map(|&i| owners[i].0);
+        let contacts: BTreeSet<usize> = contacts.collect();
+        let found = match together.len() > TOGETHER {
+            // more forces than dofs: some of them must share
+            true if together.len() > dofs_of(&columns, &together) => together,
+            true => Vec::new(),
+            false => split_together(&columns, &together).1,
+        };
+        if !found.is_empty() {
+            involved.extend(contacts);
+            dependent.extend(found);
+        }
+    }
+    let (contact, _) = *dependent.iter().map(|&i| &owners[i]).min()?;
+    let own = dependent.iter().filter(|&&i| owners[i].0 == contact);
+    let own: Vec<usize> = own.map(|&i| owners[i].1).collect();
+    let bear = match involved.len() {
+        1 => "several of its forces do the same",
+        _ => "several contacts bear the same force",
+    };
+    Some(format!(
+        "{}: at {} {bear}; how they share it is not unique",
+        paired[contact].called(),
+        describe(model, &paired[contact], &own)
+    ))
+}
+
+/// Rows that may depend on others, with their places.
+fn suspects<const D: usize>(
+    systems: &[&BodySystem<D>],
+    paired: &[Paired<D>],
+) -> (Vec<Place>, Vec<Sparse>) {
+    let mut places = Vec::new();
+    let mut rows = Vec::new();
+    for (contact, pair) in paired.iter().enumerate() {
+        for row in 0..pair.interface.nonmortar.len() {
+            places.push((contact, row));
+            rows.push(free_part(systems, pair, row));
+        }
+    }
+    let suspects = without_own_dof(&rows);
+    let mut rows: Vec<Option<Sparse>> = rows.into_iter().map(Some).collect();
+    suspects
+        .into_iter()
+        .filter_map(|i| Some((places[i], rows[i].take()?)))
+        .unzip()
+}
+
+fn free_part<const D: usize>(systems: &[&BodySystem<D>], pair: &Paired<D>, row: usize) -> Sparse {
+    let mut sums: BTreeMap<(usize, usize), f64> = BTreeMap::new();
+    for (body, rows) in pair.ends() {
+        let in_frames = systems[body].row_in_frames(&rows[row]);
+        for (dof, value) in in_frames.filter(|(dof, _)| !systems[body].held[*dof]) {
+            *sums.entry((body, dof)).or_insert(0.0) += value;
+        }
+    }
+    sums.into_iter().collect()
+}
+
+/// Rows that have no dof of their own, once all rows that have one are set aside.
+fn without_own_dof(rows: &[Sparse]) -> Vec<usize> {
+    let mut users: BTreeMap<(usize, usize), Vec<usize>> = BTreeMap::new();
+    for (index, row) in rows.iter().enumerate() {
+        for (dof, _) in row {
+            users.entry(*dof).or_default().push(index);
+        }
+    }
+    let mut count: BTreeMap<(usize, usize), usize> =
+        users.iter().map(|(dof, rows)| (*dof, rows.len())).collect();
+    let mut aside = vec![false; rows.len()];
+    let mut own: Vec<(usize, usize)> = count
+        .iter()
+        .filter(|(_, n)| **n == 1)
+        .map(|(dof, _)| *dof)
+        .collect();
+    while let Some(dof) = own.pop() {
+        let Some(&index) = users[&dof].iter().find(|&&index| !aside[index]) else {
+            continue;
+        };
+        aside[index] = true;
+        for (other, _) in &rows[index] {
+            let left = count.entry(*other).or_insert(0);
+            *left = left.saturating_sub(1);
+            if *left == 1 {
+                own.push(*other);
+            }
+        }
+    }
+    (0..rows.len()).filter(|&index| !aside[index]).collect()
+}
+
+/// The chosen rows as independent ones and those that depend on them.
+fn split(rows: &[Sparse], chosen: &[usize]) -> (Vec<usize>, Vec<usize>) {
+    let (mut independent, mut dependent) = (Vec::new(), Vec::new());
+    for together in connected(rows, chosen) {
+        let (some, others) = split_together(rows, &together);
+        independent.extend(some);
+        dependent.extend(others);
+    }
+    independent.sort_unstable();
+    dependent.sort_unstable();
+    (independent, dependent)
+}
+
+/// The same by one factorisation.
+fn split_together(rows: &[Sparse], chosen: &[usize]) -> (Vec<usize>, Vec<usize>) {
+    let gram = Mat::from_fn(chosen.len(), chosen.len(), |i, j| {
+        product(&rows[chosen[i]], &rows[chosen[j]])
+    });
+    let named = |list: Vec<usize>| list.into_iter().map(|i| chosen[i]).collect();
+    // cannot fail: rows are finite (else the contact was refused), so that their products are, with squares ≥ 0
+    match pivoted_cholesky(&gram, DEPENDENT) {
+        Ok((independent, dependent)) => (named(independent), named(dependent)),
+        Err(_) => (chosen.to_vec(), Vec::new()),
+    }
+}
+
+/// The chosen rows, those together that share dofs; each group in the order of `chosen`, groups by their first row.
+fn connected(rows: &[Sparse], chosen: &[usize]) -> Vec<Vec<usize>> {
+    // the group of each row is the first one that it leads to
+    let mut leads_to: Vec<usize> = (0..chosen.len()).collect();
+    fn first(leads_to: &mut [usize], mut at: usize) -> usize {
+        while leads_to[at] != at {
+            leads_to[at] = leads_to[leads_to[at]];
+            at = leads_to[at];
+        }
+        at
+    }
+    let mut users: BTreeMap<(usize, usize), usize> = BTreeMap::new();
+    for (at, &row) in chosen.iter().enumerate() {
+        for &(dof, _) in &rows[row] {
+            let user = *users.entry(dof).or_insert(at);
+            let (a, b) = (first(&mut leads_to, user), first(&mut leads_to, at));
+            leads_to[a.max(b)] = a.min(b);
+        }
+    }
+    let mut groups: BTreeMap<usize, Vec<usize>> = BTreeMap::new();
+    for (at, &row) in chosen.iter().enumerate() {
+        groups
+            .entry(first(&mut leads_to, at))
+            .or_default()
+            .push(row);
+    }
+    groups.into_values().collect()
+}
+
+/// On how many dofs the chosen rows act.
+fn dofs_of(rows: &[Sparse], chosen: &[usize]) -> usize {
+    let dofs = chosen.iter().flat_map(|&row| &rows[row]);
+    let dofs: BTreeSet<(usize, usize)> = dofs.map(|(dof, _)| *dof).collect();
+    dofs.len()
+}
+
+/// Those of some rows that lie in the span of the independent rows `basis`.
+fn within(rows: &[Sparse], basis: &[usize], some: impl Iterator<Item = usize>) -> Vec<usize> {
+    let mut factor = Mat::from_fn(basis.len(), basis.len(), |i, j| {
+        product(&rows[basis[i]], &rows[basis[j]])
+    });
+    // cannot fail: each of these rows has a part of its own, far above rounding
+    let usable = cholesky_in_place(&mut factor).is_ok();
+    let implied = |&row: &usize| {
+        let square = product(&rows[row], &rows[row]);
+        let mut parts = Mat::from_fn(basis.len(), 1, |i, _| product(&rows[basis[i]], &rows[row]));
+        if usable {
+            solve_lower_in_place(&factor, &mut parts);
+        }
+        let inside: f64 = parts.col_as_slice(0).iter().map(|x| x * x).sum();
+        square == 0.0 || usable && square - inside <= DEPENDENT * square
+    };
+    some.filter(implied).collect()
+}
+
+/// Rows of frictionless contacts that say the same as an earlier one at all times.
+fn repeated<const D: usize>(
+    model: &Model<D>,
+    paired: &[Paired<D>],
+    places: &[Place],
+    rows: &[Sparse],
+) -> Vec<usize> {
+    let gaps: Vec<Vec<f64>> = paired.iter().map(Paired::gaps).collect();
+    let diameters: Vec<f64> = model.bodies.iter().map(|b| b.mesh.diameter()).collect();
+    let lasting = |contact: usize| {
+        let contact = model.contacts.get(contact);
+        contact.is_some_and(|c| matches!(c.law, Law::Frictionless) && !gap_varies(c))
+    };
+    let mut alike: BTreeMap<Vec<(usize, usize)>, Vec<usize>> = BTreeMap::new();
+    let mut repeated = Vec::new();
+    for (i, row) in rows.iter().enumerate().filter(|(_, row)| !row.is_empty()) {
+        let (contact, own) = places[i];
+        if !lasting(contact) {
+            continue;
+        }
+        let square = product(row, row);
+        let gap = gaps[contact][own];
+        let size = diameters[paired[contact].nonmortar.body.0];
+        let same = |&other: &usize| {
+            let factor = product(row, &rows[other]) / square;
+            let rest = combine(&rows[other], -factor, row);
+            let (contact, other) = places[other];
+            factor > 0.0
+                && product(&rest, &rest) <= DEPENDENT * square * factor * factor
+                && (gaps[contact][other] - factor * gap).abs() <= SAME_GAP * size
+        };
+        let seen = alike
+            .entry(row.iter().map(|(dof, _)| *dof).collect())
+            .or_default();
+        match seen.iter().any(same) {
+            true => repeated.push(i),
+            false => seen.push(i),
+        }
+    }
+    repeated
+}
+
+fn product(a: &Sparse, b: &Sparse) -> f64 {
+    let (mut i, mut j, mut sum) = (0, 0, 0.0);
+    while i < a.len() && j < b.len() {
+        match a[i].0.cmp(&b[j].0) {
+            std::cmp::Ordering::Less => i += 1,
+            std::cmp::Ordering::Greater => j += 1,
+            std::cmp::Ordering::Equal => {
+                sum += a[i].1 * b[j].1;
+                i += 1;
+                j += 1;
+            }
+        }
+    }
+    sum
+}
+
+/// a + factor · b.
+fn combine(a: &Sparse, factor: f64, b: &Sparse) -> Sparse {
+    let mut sums: BTreeMap<(usize, usize), f64> = a.iter().copied().collect();
+    for &(dof, value) in b {
+        *sums.entry(dof).or_insert(0.0) += factor * value;
+    }
+    sums.into_iter().collect()
+}
+
+/// Most nodes that a warning names.
+const NAMED: usize = 4;
+
+/// The nodes of some rows of a contact, in words.
+fn describe<const D: usize>(model: &Model<D>, pair: &Paired<D>, rows: &[usize]) -> String {
+    let body = &model.bodies[pair.nonmortar.body.0];
+    if pair.kind == Kind::Couple(CoupleKind::Average) {
+        return format!("side {}.{}", body.name, pair.nonmortar.side);
+    }
+    let rows: BTreeSet<usize> = rows.iter().copied().collect();
+    let nodes = pair.interface.nodes.iter();
+    let places: Vec<String> = nodes
+        .filter(|node| node.rows.iter().flatten().any(|row| rows.contains(row)))
+        .map(|node| format!("{} at {}", node.node, show(body.mesh.points()[node.node])))
+        .collect();
+    let more = match places.len().saturating_sub(NAMED) {
+        0 => String::new(),
+        more => format!(" and {more} more"),
+    };
+    let word = if places.len() > 1 { "nodes" } else { "node" };
+    format!(
+        "{word} {}{more} of {}.{}",
+        places[..places.len().min(NAMED)].join(", "),
+        body.name,
+        pair.nonmortar.side
+    )
+}

@@ -1,0 +1,104 @@
+//! What drives bodies and pairs at a time: loads, prescribed values, gaps, and what joints and bars do besides the forces of their rows.
+
+use crate::fem::{BodySystem, Constraints};
+use crate::geometry::norm;
+use crate::model::nouns::error::Error;
+use crate::model::nouns::model::Model;
+use crate::model::system::bodies::LoadedBody;
+use crate::model::system::dependent::drop_implied;
+use crate::model::system::joints::Lost;
+use crate::model::system::joints::restore;
+use crate::model::system::joints::set_base;
+use crate::model::system::shared::share_nodes;
+
+use crate::model::system::pair::gaps_at;
+use crate::model::system::paired::Paired;
+use crate::model::system::parts::rigid_systems;
+use rayon::prelude::*;
+use std::collections::BTreeMap;
+
+/// Bodies and pairs with the loads, prescribed displacements and gaps of another time.
+pub(crate) fn driven<const D: usize>(
+    model: &Model<D>,
+    bodies: Vec<LoadedBody<D>>,
+    mut paired: Vec<Paired<D>>,
+    time: f64,
+) -> Result<(Vec<LoadedBody<D>>, Vec<Paired<D>>), Error<D>> {
+    let mut rigid = bodies;
+    let bodies = rigid.drain(..model.bodies.len()).collect::<Vec<_>>();
+    let (mut systems, mut rows): (Vec<_>, Vec<_>) = (&model.bodies, bodies)
+        .into_par_iter()
+        .map(|(body, loaded)| {
+            let system = loaded.system.at_time(body, model.analysis, time);
+            let system = system.map_err(|source| Error::in_body(body, source))?;
+            Ok((system, loaded.rows))
+        })
+        .collect::<Result<Vec<_>, _>>()?
+        .into_iter()
+        .unzip();
+    let of_rigid = rigid_systems(model, time)?;
+    // the parts of links do not know the time
+    let links = rigid.split_off(of_rigid.len());
+    systems.extend(of_rigid);
+    rows.extend(rigid.into_iter().map(|part| part.rows));
+    set_base(model, &mut paired, time)?;
+    add_base(&mut systems, &paired);
+    let loaded = systems.into_par_iter().zip(rows);
+    let mut bodies: Vec<LoadedBody<D>> = loaded.map(|(s, r)| LoadedBody::new(s, r)).collect();
+    bodies.extend(links);
+    let constraints: Vec<&Constraints<D>> = bodies.iter().map(|b| &b.system.constraints).collect();
+    let paired = gaps_at(model, &constraints, paired, time)?;
+    Ok((bodies, paired))
+}
+
+/// Completes the systems of bodies and rigid parts by those of links, gives nodes that contacts have in common one multiplier, drops
+/// conditions that others imply, and adds what joints and bars do besides the forces of the rows that are left, at a time;
+/// `before` tells by the names of contacts what joints have lost. Returns warnings about conditions that were dropped.
+///
+/// Errors: those of [`set_base`].
+pub(crate) fn complete<const D: usize>(
+    model: &Model<D>,
+    systems: &mut Vec<BodySystem<D>>,
+    (paired, before): (&mut [Paired<D>], &BTreeMap<String, Lost>),
+    time: f64,
+) -> Result<Vec<String>, Error<D>> {
+    systems.extend(link_systems(paired));
+    restore(model, paired, before);
+    share_nodes(model, systems, paired);
+    let dropped = drop_implied(model, systems, paired);
+    set_base(model, paired, time)?;
+    add_base(systems, paired);
+    Ok(dropped)
+}
+
+/// The parts of all links.
+fn link_systems<const D: usize>(paired: &[Paired<D>]) -> Vec<BodySystem<D>> {
+    let links = paired.iter().filter(|pair| pair.is_link());
+    links
+        .map(|pair| BodySystem::elastic(&pair.link.stiffness, &pair.link.load))
+        .collect()
+}
+
+/// Adds to the loads what contacts and links do besides the forces of their rows. Of all systems, or, where links keep theirs, of
+/// those before them.
+pub(crate) fn add_base<const D: usize>(systems: &mut [BodySystem<D>], paired: &[Paired<D>]) {
+    for pair in paired {
+        for &(body, node, force) in &pair.link.steady {
+            let system = &mut systems[body];
+            system.add_force(&[(node, force)], 1.0);
+            system.largest_load = system.largest_load.max(norm(force));
+        }
+        for (part, rows) in pair.ends() {
+            let Some(system) = systems.get_mut(part) else {
+                continue;
+            };
+            for (row, &base) in rows
+                .iter()
+                .zip(&pair.base)
+                .filter(|(_, base)| **base != 0.0)
+            {
+                system.add_force(row, -base);
+            }
+        }
+    }
+}

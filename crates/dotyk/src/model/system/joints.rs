@@ -1,0 +1,172 @@
+//! Joints: contacts that bear tension and cohesion until they part or slip.
+//!
+//! At a node of weight w, with the strength T in tension, the cohesion c and the coefficient of friction μ:
+//!
+//! ```text
+//!   whole      λₙ ≥ −Tw,  gap ≥ 0,  (λₙ + Tw) gap = 0,     ‖λₜ‖ ≤ cw + μλₙ,  nothing where it is open
+//!   lost       λₙ ≥ 0,    ...                              ‖λₜ‖ ≤ μλₙ
+//! ```
+//!
+//! With λₙ = λ' − Tw a whole joint is a contact with the cohesion c − μT ≥ 0 for λ', and what it bears in tension a load of its own,
+//! Bᵀ(Tw): the problem of a step is one of contact with friction. A node that is open after a step, or has slipped in it,
+//! is lost from the next step on, for good. One whose sides are apart when it comes, be it by a clearance or because they have parted
+//! before, was never whole; one of a body that is fitted to what has moved is.
+//!
+//! A shear that a whole joint bears may lift a node off, and without it the node is pressed on again: then neither a whole nor a
+//! parted joint is in equilibrium there. On the way to the load of the step it has parted, which cannot be undone: it is lost
+//! in this step already, and what its friction bears is the answer.
+//!
+//! A gap or a slip is one where it is more than what the answer is known to: rounding of displacements, and of forces in what
+//! they displace, and what the largest error that the certificate lets pass in a force closes or opens at the node by itself,
+//!
+//! ```text
+//!   |gap| > ε (max|u| + Fᵢᵢ max|λ|) + 10 tolerances · cᵢ max|λ|,      cᵢ = Σ b²/K
+//! ```
+//!
+//! with the forces of what contacts couple with it, and the dofs b/K of the row. Fᵢᵢ is large where supports are weak, cᵢ is not.
+
+use crate::contact::{ContactError, InterfaceNode};
+use crate::fem::show;
+use crate::geometry::distance;
+use crate::model::nouns::error::Error;
+use crate::model::nouns::ids::SideRef;
+use crate::model::nouns::model::{Contact, Law, Model};
+use crate::model::system::admissible::prepare_law;
+use crate::model::system::paired::Paired;
+use std::collections::BTreeMap;
+
+/// A gap above this part of what its node stands for is one.
+const GAP: f64 = 1e-9;
+
+/// The joints of a model with their interfaces.
+pub(crate) fn joints<'a, const D: usize>(
+    model: &'a Model<D>,
+    paired: &'a [Paired<D>],
+) -> impl Iterator<Item = (usize, &'a Contact<D>, &'a Paired<D>)> {
+    let contacts = model.contacts.iter().zip(paired).enumerate();
+    let contacts = contacts.map(|(index, (contact, pair))| (index, contact, pair));
+    contacts.filter(|(_, contact, _)| matches!(contact.law, Law::Cohesive { .. }))
+}
+
+/// What a stage leaves of the nodes of a joint.
+pub(crate) struct Lost {
+    /// The side that carried the multipliers: its name, and whether its body is the first of the two.
+    side: (String, bool),
+    /// Every node, and whether it is lost; not known where it had no condition.
+    nodes: Vec<(usize, Option<bool>)>,
+}
+
+impl Lost {
+    /// Of a contact of the last stage.
+    pub fn of<const D: usize>(pair: &Paired<D>, lost: &[bool]) -> Self {
+        let nodes = pair.interface.nodes.iter().zip(lost);
+        let nodes = nodes.map(|(node, &lost)| {
+            let known = lost || node.rows[0].is_some();
+            (node.node, known.then_some(lost))
+        });
+        Self {
+            side: carrying(pair),
+            nodes: nodes.collect(),
+        }
+    }
+
+    /// What is known of the nodes of the same contact now; supports may have left its multipliers to its other side, whose nodes do
+    /// what those nearest to them did.
+    fn at<const D: usize>(&self, model: &Model<D>, pair: &Paired<D>) -> Vec<Option<bool>> {
+        let nodes = &pair.interface.nodes;
+        let (true, other) = (self.side != carrying(pair), &pair.mortar) else {
+            return self.nodes.iter().map(|(_, lost)| *lost).collect();
+        };
+        let points = |side: &SideRef| model.bodies[side.body.0].mesh.points();
+        let (now, then) = (points(&pair.nonmortar), other.as_ref().map(points));
+        let nearest = |node: &InterfaceNode<D>| {
+            let then = then?;
+            let far = |(other, _): &&(usize, Option<bool>)| distance(now[node.node], then[*other]);
+            let nearest = self.nodes.iter().min_by(|a, b| far(a).total_cmp(&far(b)));
+            nearest.and_then(|(_, lost)| *lost)
+        };
+        nodes.iter().map(nearest).collect()
+    }
+}
+
+/// Which side carries the multipliers of a contact: bodies keep their order from stage to stage.
+fn carrying<const D: usize>(pair: &Paired<D>) -> (String, bool) {
+    let own = &pair.nonmortar;
+    let first = pair.mortar.as_ref();
+    let first = first.is_none_or(|other| own.body.0 <= other.body.0);
+    (own.side.clone(), first)
+}
+
+/// Which nodes are lost from the beginning, by contact: those whose sides are apart.
+pub(crate) fn whole<const D: usize>(model: &Model<D>, paired: &[Paired<D>]) -> Vec<Vec<bool>> {
+    let mut lost = vec![Vec::new(); paired.len()];
+    for (index, _, pair) in joints(model, paired) {
+        let apart = |node: &InterfaceNode<D>| {
+            let (moved, known) = node.rows[0].map_or((0.0, 0.0), |row| {
+                let [own, other] = [&pair.interface.nonmortar, &pair.interface.mortar];
+                let parts = pair.began.magnitude(&own[row], &other[row]);
+                (pair.moved_before(row), model.solver.tolerance * parts)
+            });
+            node.gap - moved > GAP * node.extent.abs() + known
+        };
+        lost[index] = pair.interface.nodes.iter().map(apart).collect();
+    }
+    lost
+}
+
+/// Tells the interfaces what was lost before, by the names of contacts.
+pub(crate) fn restore<const D: usize>(
+    model: &Model<D>,
+    paired: &mut [Paired<D>],
+    before: &BTreeMap<String, Lost>,
+) {
+    let new = whole(model, paired);
+    for (pair, mut new) in paired.iter_mut().zip(new) {
+        let known = before.get(&pair.name).map(|lost| lost.at(model, pair));
+        for (lost, known) in new.iter_mut().zip(known.into_iter().flatten()) {
+            *lost = known.unwrap_or(*lost);
+        }
+        pair.lost = new;
+    }
+}
+
+/// Sets what joints bear in tension, at a time.
+///
+/// Errors: a strength that is negative, not finite, or more than cohesion over coefficient.
+pub(crate) fn set_base<const D: usize>(
+    model: &Model<D>,
+    paired: &mut [Paired<D>],
+    time: f64,
+) -> Result<(), Error<D>> {
+    for (contact, pair) in model.contacts.iter().zip(paired) {
+        let Some(tension) = contact.law.tension() else {
+            pair.base.clear();
+            continue;
+        };
+        pair.base = vec![0.0; pair.interface.nonmortar.len()];
+        let points = model.bodies[pair.nonmortar.body.0].mesh.points();
+        prepare_law(contact, pair, points, time);
+        for (node, lost) in pair.interface.nodes.iter().zip(&pair.lost) {
+            let (Some(row), false) = (node.rows[0], lost) else {
+                continue;
+            };
+            let at = points[node.node];
+            let value = tension.at(at, time);
+            let most = contact.law.most_tension(at, time);
+            if !(value >= 0.0 && value.is_finite() && value <= most * (1.0 + GAP)) {
+                return Err(Error::Contact {
+                    contact: contact.name.clone(),
+                    source: ContactError::Tension {
+                        side: pair.nonmortar.side.clone(),
+                        text: tension.to_string(),
+                        point: show(at),
+                        value,
+                        most,
+                    },
+                });
+            }
+            pair.base[row] = -value * node.weight;
+        }
+    }
+    Ok(())
+}

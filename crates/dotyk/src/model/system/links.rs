@@ -1,0 +1,394 @@
+//! Beds that only press, and bars: rows of B between bodies and small elastic parts of their own.
+//!
+//! Each row has a part with one stiffness, K = k, whose displacement q is what gives way:
+//!
+//! ```text
+//!   bed       gap = −(n·u − q) ≥ 0,  λ ≥ 0      k = kₙ A         q = λ/k: pressed in
+//!   bar       gap = e_a − (e − q) = 0           k = EA/L         q = (λ − P)/k: lengthened, λ = N
+//!             tension only                      gap ≥ 0, λ ≥ 0
+//!             yields                            −slip = gap,  |λ| ≤ N_y: the plastic elongation is a slip
+//!             both                              λ = N_y/2 + λ',  |λ'| ≤ N_y/2, and slack bars keep their slip
+//!             being tightened                   no row: both ends are pulled with P
+//! ```
+//!
+//! A bed is springs side by side, each of which parts by itself. They stand at the points of integration of the facets, of the area
+//! A = weight · Jacobian: u = Σ Nₐuₐ there, and where all press they do the work of the bed that acts both ways,
+//!
+//! ```text
+//!   Σ_q k_q (n·u)² = Σ_q kₙ A_q (n·u)² = ∫ kₙ (n·u)² dS        for every u of straight facets, with rules of degree 2 · order
+//! ```
+//!
+//! of a line 2 points, or 3 with a middle node; 4 or 9 of a quadrilateral, 3 or 6 of a triangle: one to three times its nodes, and
+//! all of positive weight. Conditions at nodes would have to share the area out among them, k = kₙ∫N: a stiffness that a side which
+//! turns feels too large, by a third with one facet across a footing, by 1/n² of that with n. And with the nodal forces of
+//! the whole bed, ∫NᵀCN dS u, as what must not pull, corners of curved facets would part under an even pressure, because
+//! their ∫N is no more than zero.
+//!
+//! What a bed or a bar was there with (u_a) stands in its gaps. Bars of a plane model count as many times as there are in its
+//! thickness.
+
+use crate::contact::{Coupling, GapShares, Interface, InterfaceNode, Role, Row, frame};
+use crate::dual::{Block, Friction};
+use crate::fem::pads;
+use crate::geometry::{Point, add_scaled, dot};
+use crate::model::nouns::bar::{Bar, BarSolution, BarStation};
+use crate::model::nouns::error::Error;
+use crate::model::nouns::ids::{BodyId, SideRef};
+use crate::model::nouns::model::Model;
+use crate::model::system::bars::{Anchor, LaidBar, lay_bars};
+use crate::model::system::bodies::LoadedBody;
+use crate::model::system::paired::Link;
+use crate::model::system::paired::{Kind, Paired, row_ranges};
+use crate::model::system::parts::beds;
+use crate::model::system::parts::first_link;
+
+/// Pairs all links of a model.
+///
+/// Errors: sides that cannot be paired; bars that cannot be laid.
+pub(crate) fn pair_links<const D: usize>(model: &Model<D>) -> Result<Vec<Paired<D>>, Error<D>> {
+    let parts = first_link(model)..;
+    let mut paired = Vec::new();
+    for (part, bed) in parts.clone().zip(beds(model)) {
+        paired.push(pair_bed(model, bed, part)?);
+    }
+    let laid = lay_bars(model)?;
+    let parts = parts.skip(paired.len());
+    let bars = parts.zip(laid.iter().enumerate());
+    let bars = bars.map(|(part, (place, laid))| pair_bar((&model.bars[place], place), laid, part));
+    paired.extend(bars);
+    Ok(paired)
+}
+
+/// The unit vector of a dof of a part.
+fn axis<const D: usize>(i: usize) -> Point<D> {
+    std::array::from_fn(|j| if i == j { 1.0 } else { 0.0 })
+}
+
+/// Minus a dof of a node of a part, as a row.
+fn less<const D: usize>(node: usize, dof: usize) -> Row<D> {
+    vec![(node, axis::<D>(dof).map(|c| -c))]
+}
+
+fn pair_bed<const D: usize>(
+    model: &Model<D>,
+    (index, place): (usize, usize),
+    part: usize,
+) -> Result<Paired<D>, Error<D>> {
+    let body = &model.bodies[index];
+    let (side, stiffness) = body.springs[place].presses().unwrap_or_default();
+    let pads = pads(body, side, model.analysis);
+    let pads = pads.map_err(|source| Error::in_body(body, source))?;
+    let came = body.history.sprung.get(&place);
+    let mut interface = empty_interface(Coupling::Normal);
+    let mut link = Link::default();
+    for (row, pad) in pads.into_iter().enumerate() {
+        let along = |n: f64| pad.normal.map(|c| n * c);
+        let own: Row<D> = pad.nodes.iter().map(|&(k, n)| (k, along(n))).collect();
+        let came = came.map(|u| own.iter().map(|&(node, c)| dot(c, u[node])).sum());
+        let nearest = pad.nodes.iter().max_by(|a, b| a.1.total_cmp(&b.1));
+        interface.nodes.push(InterfaceNode {
+            node: nearest.map_or(0, |nearest| nearest.0),
+            frame: frame(pad.normal, &[]),
+            weight: pad.area,
+            extent: pad.extent,
+            ..carrier(row, 1)
+        });
+        interface.nonmortar.push(own);
+        interface.mortar.push(less(row, 0));
+        link.came_with.push(came.unwrap_or(0.0));
+        link.stiffness
+            .push(axis::<D>(0).map(|c| c * stiffness * pad.area));
+        link.load.push([0.0; D]);
+    }
+    let name = format!("spring of {}.{side}", body.name);
+    let nonmortar = SideRef {
+        body: BodyId(index),
+        side: side.to_string(),
+    };
+    let kind = (Kind::Bed(place), name);
+    Ok(linked(kind, (nonmortar, part), interface, link))
+}
+
+/// A link between a body, or a side of it, and a part of its own.
+fn linked<const D: usize>(
+    (kind, name): (Kind, String),
+    (nonmortar, part): (SideRef, usize),
+    interface: Interface<D>,
+    link: Link<D>,
+) -> Paired<D> {
+    Paired {
+        kind,
+        name,
+        nonmortar,
+        mortar: None,
+        opposite: Some(part),
+        obstacle_motion: [0.0; D],
+        base: vec![0.0; interface.nonmortar.len()],
+        interface,
+        samples: Vec::new(),
+        left_out: Vec::new(),
+        fit: Default::default(),
+        began: Default::default(),
+        link,
+        lost: Vec::new(),
+        sharers: Vec::new(),
+        finer: false,
+        missed: Default::default(),
+        warnings: Vec::new(),
+    }
+}
+
+/// How a bar gives way.
+enum Gives {
+    /// Not at all.
+    Never,
+    /// In compression.
+    Slack,
+    /// Beyond a force from a middle one.
+    Beyond { middle: f64, most: f64 },
+}
+
+impl<const D: usize> Bar<D> {
+    fn gives(&self) -> Gives {
+        match (self.strength(), self.tension_only) {
+            (None, false) => Gives::Never,
+            (None, true) => Gives::Slack,
+            (Some(most), false) => Gives::Beyond { middle: 0.0, most },
+            (Some(most), true) => Gives::Beyond {
+                middle: 0.5 * most,
+                most: 0.5 * most,
+            },
+        }
+    }
+
+    /// What one of its elements can bear, of so many bars.
+    pub(crate) fn block(&self, count: f64) -> Block {
+        match self.gives() {
+            Gives::Never => Block::Free { size: 1 },
+            Gives::Slack => Block::Unilateral,
+            Gives::Beyond { most, .. } => {
+                let bound = count * most;
+                Friction::Tresca { bound }.block(1)
+            }
+        }
+    }
+
+    /// Its slip is a plastic elongation, which grows, and slackness is none of it.
+    pub(crate) fn slackens(&self) -> bool {
+        self.tension_only && self.yields.is_some()
+    }
+
+    /// The middle of what all bars of the model bear.
+    fn middle(&self, count: f64) -> f64 {
+        match self.gives() {
+            Gives::Beyond { middle, .. } => count * middle,
+            _ => 0.0,
+        }
+    }
+}
+
+/// Rows of the elements of a bar on one body.
+fn rows_on<const D: usize>(laid: &LaidBar<D>, body: usize) -> Vec<Row<D>> {
+    let row = |[from, to]: [&Anchor<D>; 2]| {
+        let mut row: Row<D> = Vec::new();
+        for (anchor, sign) in [(from, -1.0), (to, 1.0)] {
+            for &(node, n) in anchor.nodes.iter().filter(|_| anchor.body == body) {
+                let pull = laid.along.map(|c| sign * n * c);
+                match row.iter_mut().find(|entry| entry.0 == node) {
+                    Some((_, sum)) => *sum = add_scaled(*sum, 1.0, pull),
+                    None => row.push((node, pull)),
+                }
+            }
+        }
+        row
+    };
+    laid.elements().map(row).collect()
+}
+
+fn pair_bar<const D: usize>(
+    (bar, place): (&Bar<D>, usize),
+    laid: &LaidBar<D>,
+    part: usize,
+) -> Paired<D> {
+    let mut bodies: Vec<usize> = laid.anchors.iter().map(|anchor| anchor.body).collect();
+    bodies.sort_unstable();
+    bodies.dedup();
+    let lengths: Vec<f64> = laid
+        .elements()
+        .map(|[from, to]| laid.length_to(to.point) - laid.length_to(from.point))
+        .collect();
+    let yields = matches!(bar.gives(), Gives::Beyond { .. });
+    let prestress = laid.count * bar.prestress.unwrap_or(0.0);
+    let mut link = Link {
+        count: laid.count,
+        ..Link::default()
+    };
+    for length in &lengths {
+        let k = laid.count * bar.young * bar.area / length;
+        // of one that yields the second dof only makes the force along its first no normal one
+        link.stiffness.push(std::array::from_fn(|i| {
+            if i < 1 + usize::from(yields) { k } else { 0.0 }
+        }));
+        link.load.push(axis::<D>(0).map(|c| -c * prestress));
+    }
+    let mut of_bodies: Vec<(usize, Vec<Row<D>>)> = bodies
+        .iter()
+        .map(|&body| (body, rows_on(laid, body)))
+        .collect();
+    if bar.tightening {
+        for (body, rows) in &of_bodies {
+            let pulls = rows.iter().flatten();
+            let pulls = pulls.map(|&(node, c)| (*body, node, c.map(|c| -prestress * c)));
+            link.steady.extend(pulls);
+        }
+    }
+    let mut interface = empty_interface(match (bar.gives(), bar.tightening) {
+        (Gives::Never, _) | (_, true) => Coupling::Tied,
+        (Gives::Slack, _) => Coupling::Normal,
+        (Gives::Beyond { .. }, _) => Coupling::Frictional,
+    });
+    if bar.tightening {
+        of_bodies.iter_mut().for_each(|(_, rows)| rows.clear());
+    } else {
+        for element in 0..lengths.len() {
+            add_element(&mut interface, element, yields);
+        }
+        if yields {
+            for (_, rows) in &mut of_bodies {
+                let both = rows.drain(..).flat_map(|row| [Vec::new(), row]);
+                *rows = both.collect();
+            }
+        }
+    }
+    let mut of_bodies = of_bodies.into_iter();
+    let (body, rows) = of_bodies.next().unwrap_or_default();
+    interface.nonmortar = rows;
+    link.further = of_bodies.collect();
+    let rows = interface.nonmortar.len();
+    link.came_with = vec![0.0; rows];
+    // of one that yields every second row is along it
+    let along = |row: usize| !yields || row % 2 == 1;
+    let middle = bar.middle(laid.count);
+    let base = (0..rows).map(|row| if along(row) { middle } else { 0.0 });
+    let end = SideRef {
+        body: BodyId(body),
+        side: String::new(),
+    };
+    let kind = (Kind::Bar(place), bar.name.clone());
+    Paired {
+        base: base.collect(),
+        ..linked(kind, (end, part), interface, link)
+    }
+}
+
+fn empty_interface<const D: usize>(coupling: Coupling) -> Interface<D> {
+    Interface {
+        nodes: Vec::new(),
+        cyclic: false,
+        coupling,
+        nonmortar: Vec::new(),
+        mortar: Vec::new(),
+        points: Vec::new(),
+        implied: Vec::new(),
+        missed: [0; 2],
+        unborne: 0,
+    }
+}
+
+/// The rows of an element on its part, and the node that carries them.
+fn add_element<const D: usize>(interface: &mut Interface<D>, element: usize, yields: bool) {
+    let first = interface.mortar.len();
+    let count = 1 + usize::from(yields);
+    if yields {
+        interface.mortar.push(less(element, 1));
+    }
+    interface.mortar.push(less(element, 0));
+    interface.nodes.push(carrier(first, count));
+}
+
+/// What carries some rows one after the other, in no place of a side.
+fn carrier<const D: usize>(first: usize, count: usize) -> InterfaceNode<D> {
+    InterfaceNode {
+        node: 0,
+        opposite: Vec::new(),
+        frame: std::array::from_fn(axis),
+        weight: 1.0,
+        extent: 0.0,
+        share: 1.0,
+        gap: 0.0,
+        clearance: 0.0,
+        shares: GapShares::default(),
+        role: Role::Multiplier,
+        rows: std::array::from_fn(|k| (k < count).then_some(first + k)),
+    }
+}
+
+/// Twice the elastic energy of a part less the work of its load, the energy, and what is left of the forces on it, under
+/// forces `lambda` (m,) and displacements u.
+pub(crate) fn part_balance<const D: usize>(
+    part: &LoadedBody<D>,
+    lambda: &[f64],
+    u: &[f64],
+) -> [f64; 3] {
+    let mut inner = vec![0.0; u.len()];
+    part.system.stiffness.mul(u, &mut inner);
+    let energy = 0.5 * inner.iter().zip(u).map(|(k, u)| k * u).sum::<f64>();
+    let work: f64 = part.system.load.iter().zip(u).map(|(f, u)| f * u).sum();
+    let mut rest: Vec<f64> = part
+        .system
+        .load
+        .iter()
+        .zip(&inner)
+        .map(|(f, k)| f - k)
+        .collect();
+    part.rows.add_forces(-1.0, lambda, &mut rest);
+    let free = rest
+        .iter()
+        .zip(&part.system.held)
+        .filter(|(_, held)| !**held);
+    let left = free.map(|(f, _)| f * f).sum::<f64>().sqrt();
+    [2.0 * energy - work, energy, left]
+}
+
+/// Forces of all bars under forces `lambda` (m,).
+///
+/// Errors: bars that cannot be laid.
+pub(crate) fn bar_solutions<const D: usize>(
+    model: &Model<D>,
+    paired: &[Paired<D>],
+    lambda: &[f64],
+) -> Result<Vec<BarSolution<D>>, Error<D>> {
+    let laid = lay_bars(model)?;
+    let solved = row_ranges(paired).filter_map(|(rows, pair)| {
+        let Kind::Bar(place) = pair.kind else {
+            return None;
+        };
+        let (bar, laid) = (&model.bars[place], &laid[place]);
+        let forces = pair.forces(&lambda[rows]);
+        // the last row of an element is along the bar
+        let along = pair.interface.nodes.iter();
+        let along = along.filter_map(|node| node.rows.iter().flatten().last());
+        let along: Vec<f64> = along.map(|&row| forces[row] / laid.count).collect();
+        let stations = laid.elements().enumerate().map(|(element, [from, to])| {
+            let middle = add_scaled(from.point.map(|c| 0.5 * c), 0.5, to.point);
+            let own = along.get(element).copied();
+            BarStation {
+                s: laid.length_to(middle),
+                point: middle,
+                length: laid.length_to(to.point) - laid.length_to(from.point),
+                force: own.or(bar.prestress).unwrap_or(0.0),
+            }
+        });
+        let last = laid
+            .anchors
+            .last()
+            .map_or(0.0, |end| laid.length_to(end.point));
+        Some(BarSolution {
+            name: bar.name.clone(),
+            length: last,
+            stations: stations.collect(),
+            tightening: bar.tightening,
+        })
+    });
+    Ok(solved.collect())
+}

@@ -1,0 +1,127 @@
+//! Whether a model fits the memory that it may take, told before anything is factored.
+//!
+//! ```text
+//!   a body:    24|K| + 8|L| + 8(t² + tr + r²)     its stiffness as it is, permuted and analysed; its factor; L_c, X and F_b
+//!   applied:   24|K| + 16|L|                      with the factor of the preconditioner, which has not more entries
+//!   all:       8 · 3m²                            F, and the system of an exact step with its factor
+//! ```
+//!
+//! A mesh alone tells the least: |K| of a large regular one, and |L| ≥ |K|. That is asked before it is made, and before it is
+//! assembled.
+//!
+//! |K| and |L| are stored entries, t contact dofs and r rows of a body, m all rows. Where F is assembled without its zeros,
+//! Σr² stands for m². Meshes and results are small beside this.
+
+use crate::mesh::{CellKind, Mesh};
+use crate::model::nouns::error::Error;
+use crate::model::nouns::model::Model;
+use crate::model::system::factor::Ordered;
+use crate::model::system::parts::part_name;
+
+/// What counts of a body.
+pub(crate) struct Demand<'a> {
+    /// Its order.
+    pub ordered: &'a Ordered,
+    /// Entries of its stiffness.
+    pub stiffness: usize,
+    /// Its dofs.
+    pub dofs: usize,
+    /// Its rows of B.
+    pub rows: usize,
+}
+
+impl Demand<'_> {
+    /// Bytes, with F assembled or applied.
+    fn bytes(&self, dense: bool) -> u64 {
+        let [t, r] = [self.ordered.trailing.len(), self.rows].map(|n| n as u64);
+        let factor = 8 * self.ordered.stored() as u64;
+        let own = match dense {
+            true => factor + 8 * (t * t + t * r + r * r),
+            false => 2 * factor,
+        };
+        24 * self.stiffness as u64 + own
+    }
+}
+
+/// Bytes of the stiffness and factor of so many cells, at least.
+pub(crate) fn least<const D: usize>(kind: CellKind, cells: u64) -> u64 {
+    cells
+        .saturating_mul(pairs(kind))
+        .saturating_mul((32 * D * D) as u64)
+}
+
+/// Pairs of nodes that share a cell, each once, of a large regular mesh, for each of its cells, rounded down.
+const fn pairs(kind: CellKind) -> u64 {
+    use CellKind::*;
+    match kind {
+        Line2 | Line3 => 1,
+        Tri3 => 2,
+        Tri6 => 11,
+        Quad4 => 5,
+        Quad8 => 24,
+        Quad9 => 34,
+        Tet4 => 1,
+        Tet10 => 15,
+        Hex8 => 14,
+        Hex20 => 110,
+        Hex27 => 260,
+        Prism6 => 5,
+        Prism15 => 40,
+        Prism18 => 70,
+    }
+}
+
+/// The same of a mesh.
+fn of_mesh<const D: usize>(mesh: &Mesh<D>) -> u64 {
+    let blocks = mesh.blocks().iter();
+    let each = blocks.map(|block| least::<D>(block.kind, block.cells().len() as u64));
+    each.sum()
+}
+
+/// Errors: [`Error::Memory`] when the meshes alone tell that their bodies take more than the model may.
+pub(crate) fn check_meshes<const D: usize>(model: &Model<D>) -> Result<(), Error<D>> {
+    let own = model.bodies.iter().map(|body| of_mesh(&body.mesh));
+    let own: Vec<u64> = own.collect();
+    let dofs = |body: usize| D * model.bodies[body].mesh.points().len();
+    within(model, &own, 0, dofs)
+}
+
+/// Errors: [`Error::Memory`] when the bodies take more than the model may, with the one that takes most.
+pub(crate) fn check<const D: usize>(
+    model: &Model<D>,
+    bodies: &[Demand<'_>],
+    dense: bool,
+    m: usize,
+) -> Result<(), Error<D>> {
+    let own: Vec<u64> = bodies.iter().map(|body| body.bytes(dense)).collect();
+    let blocks: u64 = bodies.iter().map(|body| (body.rows as u64).pow(2)).sum();
+    let shared = match dense {
+        true => 24 * blocks.min((m as u64).pow(2)),
+        false => 0,
+    };
+    within(model, &own, shared, |body| bodies[body].dofs)
+}
+
+/// Errors: [`Error::Memory`] when what the bodies take and what they share is more than the model may take.
+fn within<const D: usize>(
+    model: &Model<D>,
+    own: &[u64],
+    shared: u64,
+    dofs: impl Fn(usize) -> usize,
+) -> Result<(), Error<D>> {
+    let Some(free) = model.solver.memory else {
+        return Ok(());
+    };
+    let needed = own.iter().sum::<u64>() + shared;
+    let largest = own.iter().enumerate().max_by_key(|(_, bytes)| **bytes);
+    match largest {
+        Some((body, &bytes)) if needed > free => Err(Error::Memory {
+            body: part_name(model, body),
+            unknowns: dofs(body),
+            bytes,
+            needed,
+            free,
+        }),
+        _ => Ok(()),
+    }
+}

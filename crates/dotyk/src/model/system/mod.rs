@@ -1,0 +1,26 @@
+//! From a model to a dual problem at a time: who moves, what holds them together, their stiffness and compliance, and what comes
+//! back from forces: displacements.
+
+pub mod admissible;
+pub mod applied;
+pub mod bars;
+pub mod bodies;
+pub mod choose;
+pub mod compliance;
+pub mod condense;
+pub mod dependent;
+pub mod displaced;
+pub mod domains;
+pub mod drive;
+pub mod factor;
+pub mod floating;
+pub mod joints;
+pub mod links;
+pub mod memory;
+pub mod pair;
+pub mod paired;
+pub mod parts;
+pub mod reach;
+pub mod recover;
+pub mod shared;
+pub mod track;

@@ -1,0 +1,634 @@
+//! Contacts as interfaces: how their sides are coupled, and the gaps of their rows at a time. Behind them stand the couples,
+//! which are interfaces of a side and a point, and the links (`links.rs`).
+
+use crate::contact::{
+    Against, ContactError, Corners, Coupling, Driven, End, GapPoint, InitialGap, Interface, Role,
+    Row, Sample, corners_above, facets_coincide, missed_by_nodes, pair_couple, pair_mortar,
+    pair_nodes, pair_obstacle, samples, smooth_parts, unmatched_facing,
+};
+use crate::fem::{AGREE, Constraints, Couple, CoupleKind, FemError, Place, Short, describe, show};
+use crate::geometry::{Field, Point};
+use crate::mesh::Facet;
+use crate::model::nouns::error::Error;
+use crate::model::nouns::ids::BodyId;
+use crate::model::nouns::ids::SideRef;
+use crate::model::nouns::model::*;
+use crate::model::system::choose::{chosen, either_may, finer_than_softer};
+use crate::model::system::links::pair_links;
+use crate::model::system::paired::Fit;
+use crate::model::system::paired::Kind;
+use crate::model::system::paired::Link;
+use crate::model::system::paired::Paired;
+use crate::model::system::paired::obstacle_motion;
+use crate::model::system::paired::varying_gap;
+use crate::model::system::parts::{couples, first_point, obstacle_part};
+use rayon::prelude::*;
+use std::cmp::Ordering;
+use std::collections::BTreeMap;
+use std::sync::{Arc, Mutex, PoisonError};
+
+/// Pairs all contacts, with the gaps at a time, then all couples, then all links.
+pub(crate) fn pair_all<const D: usize>(
+    model: &Model<D>,
+    constraints: &[&Constraints<D>],
+    time: f64,
+) -> Result<Vec<Paired<D>>, Error<D>> {
+    let contacts = model.contacts.par_iter();
+    let contacts = contacts.map(|contact| pair_contact(model, constraints, contact, time));
+    let mut paired = contacts.collect::<Result<Vec<_>, _>>()?;
+    for (place, (body, couple)) in couples(model).enumerate() {
+        let part = first_point(model) + place;
+        let held = constraints[body];
+        paired.push(pair_point(model, held, BodyId(body), (couple, part), time)?);
+    }
+    paired.extend(pair_links(model)?);
+    Ok(paired)
+}
+
+/// A couple of a body with its point, which is a part.
+fn pair_point<const D: usize>(
+    model: &Model<D>,
+    constraints: &Constraints<D>,
+    id: BodyId,
+    (couple, part): (&Couple<D>, usize),
+    time: f64,
+) -> Result<Paired<D>, Error<D>> {
+    let body = &model.bodies[id.0];
+    let end = End {
+        body,
+        side: &couple.side,
+        constraints,
+        part: None,
+    };
+    let fail = |source| Error::in_body(body, source);
+    let interface = pair_couple(couple, end, model.analysis).map_err(fail)?;
+    check_held(model, constraints, (id.0, couple), &interface, time).map_err(fail)?;
+    Ok(Paired {
+        kind: Kind::Couple(couple.kind),
+        name: format!("{}.{}", body.name, couple.name),
+        nonmortar: SideRef {
+            body: id,
+            side: couple.side.clone(),
+        },
+        mortar: None,
+        opposite: Some(part),
+        obstacle_motion: [0.0; D],
+        interface,
+        samples: Vec::new(),
+        left_out: Vec::new(),
+        fit: Fit::default(),
+        began: Fit::default(),
+        link: Link::default(),
+        base: Vec::new(),
+        lost: Vec::new(),
+        sharers: Vec::new(),
+        finer: false,
+        missed: Default::default(),
+        warnings: Vec::new(),
+    })
+}
+
+/// A contact alone.
+///
+/// Errors: sides that cannot be paired.
+fn pair_contact<const D: usize>(
+    model: &Model<D>,
+    constraints: &[&Constraints<D>],
+    contact: &Contact<D>,
+    time: f64,
+) -> Result<Paired<D>, Error<D>> {
+    let contacting = Contacting {
+        model,
+        constraints,
+        contact,
+        time,
+    };
+    contacting.prepare_gap();
+    contacting.pair()
+}
+
+/// Errors: a support of a node of a rigid side says something else than those of its point, where these hold all of it.
+fn check_held<const D: usize>(
+    model: &Model<D>,
+    constraints: &Constraints<D>,
+    (body, couple): (usize, &Couple<D>),
+    interface: &Interface<D>,
+    time: f64,
+) -> Result<(), FemError> {
+    let body = &model.bodies[body];
+    let drive = couple.drive(model.analysis, couple.arm(body)?, time)?;
+    let held: Option<Vec<f64>> = drive.held.iter().flatten().copied().collect();
+    let (Some(held), CoupleKind::Rigid) = (held, couple.kind) else {
+        return Ok(());
+    };
+    // the displacement along a row and the size of its terms, of which it may be left
+    let at_point = |row: &Row<D>| -> [f64; 2] {
+        let of_node = |&(node, c): &(usize, Point<D>)| {
+            let u = &held[D * node..];
+            c.into_iter().enumerate().map(move |(i, c)| c * u[i])
+        };
+        let terms = || row.iter().flat_map(of_node);
+        [terms().sum(), terms().map(f64::abs).sum()]
+    };
+    let largest = held
+        .iter()
+        .fold(0.0, |largest: f64, u| largest.max(u.abs()));
+    for node in &interface.nodes {
+        let of_row = |row: Option<usize>| row.map_or([0.0; 2], |k| at_point(&interface.mortar[k]));
+        let moved = node.rows.map(of_row);
+        let supports = constraints.at(node.node).iter();
+        for support in supports.filter(|h| !h.supports.is_empty()) {
+            let parts = support.axis.iter().zip(&moved);
+            let along: f64 = parts.clone().map(|(a, [u, _])| -a * u).sum();
+            let terms: f64 = parts.map(|(a, [_, terms])| a.abs() * terms).sum();
+            let terms = terms.max(largest).max(support.terms);
+            if (along - support.value).abs() > AGREE * terms {
+                return Err(FemError::Contradiction {
+                    node: node.node,
+                    point: show(body.mesh.points()[node.node]),
+                    first: describe(&body.supports[support.supports[0]].place),
+                    second: format!("at point \"{}\"", couple.name),
+                    a: support.value,
+                    b: along,
+                });
+            }
+        }
+    }
+    Ok(())
+}
+
+/// The same pairs with the gaps and the motion of obstacles at another time; rows, weights and roles stay.
+pub(crate) fn gaps_at<const D: usize>(
+    model: &Model<D>,
+    constraints: &[&Constraints<D>],
+    mut paired: Vec<Paired<D>>,
+    time: f64,
+) -> Result<Vec<Paired<D>>, Error<D>> {
+    let coupled = paired.split_off(model.contacts.len());
+    for ((body, couple), pair) in couples(model).zip(&coupled) {
+        let held = check_held(
+            model,
+            constraints[body],
+            (body, couple),
+            &pair.interface,
+            time,
+        );
+        held.map_err(|source| Error::in_body(&model.bodies[body], source))?;
+    }
+    let at_time = |(contact, mut before): (&Contact<D>, Paired<D>)| {
+        let contacting = Contacting {
+            model,
+            constraints,
+            contact,
+            time,
+        };
+        before.obstacle_motion = obstacle_motion(contact, time)?;
+        if let Some(field) = varying_gap(contact) {
+            let side = before.nonmortar.clone();
+            let end = contacting.end(&side);
+            let fail = |source| contacting.fail(source);
+            let points = end.body.mesh.points();
+            let samples = before.samples.iter().flatten().chain(&before.left_out);
+            let seen = before.interface.points.iter();
+            let seen = seen.chain(samples.map(|sample| &sample.at));
+            let seen = seen.map(|point| point.place(points));
+            Field::prepare([field], seen, time);
+            let gap = |point: &GapPoint<D>| point.given(field, end, time);
+            before.interface.measure(gap).map_err(fail)?;
+            let samples = before.samples.iter_mut().flatten();
+            for sample in samples.chain(&mut before.left_out) {
+                sample.at.gap = gap(&sample.at).map_err(fail)?;
+            }
+        }
+        Ok(before)
+    };
+    let both = model.contacts.par_iter().zip(paired);
+    let mut paired = both.map(at_time).collect::<Result<Vec<_>, _>>()?;
+    paired.extend(coupled);
+    Ok(paired)
+}
+
+/// Gaps below this part of what the meshes miss of their curves are rounding: the contact is closed, and nothing is to be said.
+const CLOSED: f64 = 1e-9;
+
+/// The largest initial gap at nodes and between them, if all are within a bound and not all are rounding of it.
+fn all_within<const D: usize>(
+    bound: f64,
+    interface: &Interface<D>,
+    samples: &[Vec<Sample<D>>],
+) -> Option<f64> {
+    let nodes = interface.nodes.iter().filter(|node| !node.gap.is_nan());
+    // the gap of a row is a mean with functions of both signs: it may be larger than any single gap
+    let at_nodes = nodes.map(|node| node.clearance);
+    let gaps = at_nodes.chain(samples.iter().flatten().map(|s| s.at.gap));
+    let largest = gaps.fold(0.0, |s: f64, gap| s.max(gap.abs()));
+    (largest <= bound && largest > CLOSED * bound).then_some(largest)
+}
+
+/// What moves an obstacle.
+fn driven<const D: usize>(obstacle: &Obstacle<D>) -> Driven {
+    let still = |field: &Field| field.as_constant() == Some(0.0);
+    match &obstacle.motion {
+        Motion::Loaded(_) => Driven::Free,
+        Motion::Prescribed(motion) if motion.iter().all(still) => Driven::Still,
+        Motion::Prescribed(_) => Driven::Prescribed,
+    }
+}
+
+/// What a side may touch.
+enum Opposite<'a, const D: usize> {
+    Side(&'a SideRef),
+    Rigid(&'a Obstacle<D>),
+}
+
+/// One contact on its way to becoming an interface.
+struct Contacting<'a, const D: usize> {
+    model: &'a Model<D>,
+    constraints: &'a [&'a Constraints<D>],
+    contact: &'a Contact<D>,
+    time: f64,
+}
+
+impl<'a, const D: usize> Contacting<'a, D> {
+    fn pair(&self) -> Result<Paired<D>, Error<D>> {
+        let coupling = match &self.contact.law {
+            Law::Frictionless => Coupling::Normal,
+            Law::Tied => Coupling::Tied,
+            _ => Coupling::Frictional,
+        };
+        let (nonmortar, opposite) = match &self.contact.pair {
+            Pair::Obstacle {
+                nonmortar,
+                obstacle,
+            } => (nonmortar, Opposite::Rigid(obstacle)),
+            Pair::Given { nonmortar, mortar } => (nonmortar, Opposite::Side(mortar)),
+            Pair::Automatic(sides) => return self.chosen(sides, coupling),
+        };
+        self.paired(nonmortar, opposite, coupling)
+    }
+
+    /// Of two sides the one that is to carry the multipliers, or the other, where that is as good and has no slivers.
+    fn chosen(&self, sides: &'a [SideRef; 2], coupling: Coupling) -> Result<Paired<D>, Error<D>> {
+        let ends = sides.each_ref().map(|side| self.end(side));
+        let first = chosen(ends).map_err(|source| self.fail(source))?;
+        let with = |first: usize| {
+            let opposite = Opposite::Side(&sides[1 - first]);
+            self.paired(&sides[first], opposite, coupling)
+        };
+        let paired = with(first)?;
+        let slivers = |paired: &Paired<D>| paired.interface.nodes.iter().any(|n| n.is_sliver());
+        let either = || either_may(ends).map_err(|source| self.fail(source));
+        if !slivers(&paired) || !either()? {
+            return Ok(paired);
+        }
+        // what the other cannot be paired to, this one is
+        match with(1 - first) {
+            Ok(other) if !slivers(&other) => Ok(other),
+            _ => Ok(paired),
+        }
+    }
+
+    /// The interface of a side and what lies opposite.
+    fn paired(
+        &self,
+        nonmortar: &'a SideRef,
+        opposite: Opposite<'a, D>,
+        coupling: Coupling,
+    ) -> Result<Paired<D>, Error<D>> {
+        let fail = |source| self.fail(source);
+        let whole = self.end(nonmortar);
+        // a tie holds both faces of a corner by one condition
+        let parts = match coupling {
+            Coupling::Tied => vec![whole.facets().map_err(fail)?.to_vec()],
+            _ => smooth_parts(whole).map_err(fail)?,
+        };
+        let corners = match opposite {
+            Opposite::Rigid(obstacle) if coupling != Coupling::Tied => {
+                corners_above(whole, &obstacle.shape, self.model.analysis).map_err(fail)?
+            }
+            _ => Corners::new(),
+        };
+        let pair = |part: &Vec<Facet>| {
+            let end = End {
+                part: (parts.len() > 1).then_some(part.as_slice()),
+                ..whole
+            };
+            match opposite {
+                Opposite::Rigid(obstacle) => {
+                    self.above(nonmortar, end, (obstacle, &corners), coupling)
+                }
+                Opposite::Side(mortar) => {
+                    let sides = self.sides([nonmortar, mortar], end, coupling);
+                    sides.map_err(fail)
+                }
+            }
+        };
+        let mut paired = pair(&parts[0])?;
+        for part in &parts[1..] {
+            paired = paired.followed_by(pair(part)?);
+        }
+        paired.settle(whole.body.mesh.points());
+        paired.warnings.extend(self.unintegrated(&paired.interface));
+        let [out, smooth] = [&self.contact.exclude, &self.contact.friction_exclude];
+        for place in out.iter().chain(smooth) {
+            self.carrier_at(whole, &paired.interface, place)
+                .map_err(fail)?;
+        }
+        if !out.is_empty() {
+            paired.exclude(&whole.nodes_at(out).map_err(fail)?);
+        }
+        if coupling == Coupling::Frictional && !smooth.is_empty() {
+            let smooth = whole.nodes_at(smooth);
+            paired.interface.smooth(&smooth.map_err(fail)?);
+        }
+        match paired.unfit() {
+            None => Ok(paired),
+            Some(node) => Err(Error::Unfit {
+                contact: self.contact.name.clone(),
+                node,
+                point: whole.body.mesh.points()[node],
+            }),
+        }
+    }
+
+    /// Asks for a sampled gap at all the places where it is needed: those where pairing looks at another one.
+    fn prepare_gap(&self) {
+        let Some(field) = varying_gap(self.contact).filter(|gap| gap.is_sampled()) else {
+            return;
+        };
+        let seen: Arc<Mutex<Vec<[f64; 3]>>> = Arc::default();
+        let sees = Arc::clone(&seen);
+        let closed = Field::function("0", move |point, _| {
+            sees.lock()
+                .unwrap_or_else(PoisonError::into_inner)
+                .push(point);
+            0.0
+        });
+        let mut contact = self.contact.clone();
+        match (&mut contact.pair, &mut contact.gap) {
+            (Pair::Obstacle { obstacle, .. }, _) => obstacle.shape = Rigid::Gap(closed),
+            (_, gap) => *gap = Some(Gap::Given(closed)),
+        }
+        let stand_in = Contacting {
+            contact: &contact,
+            ..*self
+        };
+        // what is wrong is told when the contact itself is paired
+        let _ = stand_in.pair();
+        let mut seen = std::mem::take(&mut *seen.lock().unwrap_or_else(PoisonError::into_inner));
+        seen.sort_by(|a, b| a.partial_cmp(b).unwrap_or(Ordering::Equal));
+        Field::prepare([field], seen, self.time);
+    }
+
+    /// Errors: a place of nodes none of which can carry a multiplier.
+    fn carrier_at(
+        &self,
+        side: End<'_, D>,
+        interface: &Interface<D>,
+        place: &Place<D>,
+    ) -> Result<(), ContactError> {
+        let found = side.nodes_at(std::slice::from_ref(place))?;
+        let mut carriers = interface.nodes.iter();
+        match carriers.any(|node| found.contains(&node.node)) {
+            true => Ok(()),
+            false => Err(ContactError::NoCarrier {
+                side: side.name(),
+                place: describe(place),
+            }),
+        }
+    }
+
+    /// Warnings about what the rows of an interface leave out.
+    fn unintegrated(&self, interface: &Interface<D>) -> Vec<String> {
+        let name = &self.contact.name;
+        let [missed, facing] = interface.missed;
+        let pieces = (missed > 0).then(|| {
+            format!(
+                "contact \"{name}\": {missed} of {facing} points that face the other side lie in no part that is integrated: pressures and areas there are not to be trusted; use smaller or less curved facets there"
+            )
+        });
+        let advice = match interface.nodes.iter().any(|node| node.partner().is_some()) {
+            true => "set pairing = \"mortar\"",
+            false => "use more facets between these supports",
+        };
+        let count = interface.unborne;
+        let shear = (count > 0).then(|| {
+            format!(
+                "contact \"{name}\": at {count} nodes supports hold both sides along a direction oblique to the contact: shear along it follows from no condition there and is left out, so that its resultant lacks in that of the contact; {advice}, or hold one side only"
+            )
+        });
+        pieces.into_iter().chain(shear).collect()
+    }
+
+    fn fail(&self, source: ContactError) -> Error<D> {
+        Error::Contact {
+            contact: self.contact.name.clone(),
+            source,
+        }
+    }
+
+    fn end<'s>(&self, side: &'s SideRef) -> End<'s, D>
+    where
+        'a: 's,
+    {
+        End {
+            body: &self.model.bodies[side.body.0],
+            side: &side.side,
+            constraints: self.constraints[side.body.0],
+            part: None,
+        }
+    }
+
+    fn samples(
+        &self,
+        nonmortar: End<'_, D>,
+        against: Against<'_, D>,
+        gap: InitialGap<'_>,
+    ) -> Result<Vec<Vec<Sample<D>>>, ContactError> {
+        samples(nonmortar, against, gap, self.time)
+    }
+
+    /// A side, or a part of it, above an obstacle.
+    fn above(
+        &self,
+        nonmortar: &SideRef,
+        end: End<'_, D>,
+        (obstacle, corners): (&Obstacle<D>, &Corners<D>),
+        coupling: Coupling,
+    ) -> Result<Paired<D>, Error<D>> {
+        let against = Against::Obstacle(&obstacle.shape, driven(obstacle));
+        let interface = self.obstacle(end, (obstacle, corners), coupling);
+        let samples = self.samples(end, against, InitialGap::Measured);
+        Ok(Paired {
+            kind: Kind::Contact,
+            name: self.contact.name.clone(),
+            nonmortar: nonmortar.clone(),
+            mortar: None,
+            opposite: obstacle_part(self.model, self.contact),
+            obstacle_motion: obstacle_motion(self.contact, self.time)?,
+            interface: interface.map_err(|source| self.fail(source))?,
+            samples: samples.map_err(|source| self.fail(source))?,
+            left_out: Vec::new(),
+            fit: Fit::default(),
+            began: Fit::default(),
+            link: Link::default(),
+            base: Vec::new(),
+            lost: Vec::new(),
+            sharers: Vec::new(),
+            finer: false,
+            missed: Default::default(),
+            warnings: Vec::new(),
+        })
+    }
+
+    fn obstacle(
+        &self,
+        end: End<'_, D>,
+        (obstacle, corners): (&Obstacle<D>, &Corners<D>),
+        coupling: Coupling,
+    ) -> Result<Interface<D>, ContactError> {
+        let driven = driven(obstacle);
+        let (analysis, time) = (self.model.analysis, self.time);
+        let rigid = (&obstacle.shape, driven, corners);
+        let nodal = || pair_obstacle(end, rigid, coupling, analysis, time);
+        let integrated = || {
+            let against = Against::Obstacle(&obstacle.shape, driven);
+            pair_mortar(end, against, InitialGap::Measured, coupling, analysis, time)
+        };
+        match self.contact.pairing {
+            Some(Pairing::NodeToNode) => nodal(),
+            Some(Pairing::Mortar) => integrated(),
+            None => match nodal() {
+                Err(ContactError::Weight { .. }) => integrated(),
+                other => other,
+            },
+        }
+    }
+
+    /// A side, or a part of it, and a mortar side.
+    fn sides(
+        &self,
+        [nonmortar, mortar]: [&'a SideRef; 2],
+        end: End<'_, D>,
+        coupling: Coupling,
+    ) -> Result<Paired<D>, ContactError> {
+        let ends = [end, self.end(mortar)];
+        let conforming = self.conforming(ends, coupling)?;
+        let against = Against::Side(ends[1]);
+        let gap = self.gap(match (&conforming, coupling) {
+            (None, Coupling::Normal | Coupling::Frictional) => InitialGap::Measured,
+            _ => InitialGap::Closed,
+        });
+        let mut interface = match conforming {
+            Some(interface) => interface,
+            None => pair_mortar(
+                ends[0],
+                against,
+                gap,
+                coupling,
+                self.model.analysis,
+                self.time,
+            )?,
+        };
+        let mut samples = self.samples(end, against, gap)?;
+        let measured = match &self.contact.gap {
+            None => coupling != Coupling::Tied,
+            Some(gap) => matches!(gap, Gap::Geometric),
+        };
+        let mut warnings = Vec::new();
+        let mut partners = interface.nodes.iter().filter(|n| n.role != Role::Alone);
+        let matching = partners.all(|n| n.partner().is_some());
+        let mut crude = Default::default();
+        if measured && !matching {
+            let [first, second] = ends.map(missed_by_nodes);
+            let by_nodes = [first?, second?];
+            let most = |of: &BTreeMap<usize, f64>| of.values().copied().fold(0.0, f64::max);
+            let missed: [f64; 2] = [most(&by_nodes[0]), most(&by_nodes[1])];
+            crude = by_nodes;
+            if let Some(largest) = all_within(missed[0] + missed[1], &interface, &samples) {
+                interface.close();
+                samples.iter_mut().flatten().for_each(|s| s.at.gap = 0.0);
+                crude = Default::default();
+                warnings.push(format!(
+                    "contact \"{}\": all initial gaps lie within {} of zero, which is less than what the meshes miss of the curves that they stand for ({}): they count as closed; set gap = \"closed\" to say so, or give the true `surface` of both sides",
+                    self.contact.name,
+                    Short(largest),
+                    Short(missed[0] + missed[1])
+                ));
+            }
+        }
+        let finer = !matching && finer_than_softer(ends, &interface)?;
+        if finer {
+            warnings.push(format!(
+                "contact \"{}\": multipliers finer than the softer side, pressures may oscillate; swap nonmortar and mortar",
+                self.contact.name
+            ));
+        }
+        Ok(Paired {
+            kind: Kind::Contact,
+            name: self.contact.name.clone(),
+            nonmortar: nonmortar.clone(),
+            mortar: Some(mortar.clone()),
+            opposite: Some(mortar.body.0),
+            obstacle_motion: [0.0; D],
+            interface,
+            samples,
+            left_out: Vec::new(),
+            fit: Fit::default(),
+            began: Fit::default(),
+            link: Link::default(),
+            base: Vec::new(),
+            lost: Vec::new(),
+            sharers: Vec::new(),
+            finer,
+            missed: crude,
+            warnings,
+        })
+    }
+
+    /// The interface of coincident nodes, where that is what is wanted and possible: a partial overlap of matching sides is
+    /// legal, and so are sides that do not face each other at all.
+    fn conforming(
+        &self,
+        ends: [End<'_, D>; 2],
+        coupling: Coupling,
+    ) -> Result<Option<Interface<D>>, ContactError> {
+        let [nonmortar, mortar] = ends;
+        let nodal = || {
+            let gap = self.gap(InitialGap::Closed);
+            let (analysis, time) = (self.model.analysis, self.time);
+            pair_nodes(nonmortar, mortar, gap, coupling, analysis, time)
+        };
+        match (self.contact.pairing, unmatched_facing(nonmortar, mortar)?) {
+            (Some(Pairing::Mortar), _) | (None, Some(_)) => Ok(None),
+            (Some(Pairing::NodeToNode), None) => nodal().map(Some),
+            (Some(Pairing::NodeToNode), Some(unmatched)) => {
+                let (own, other) = match unmatched.of_mortar {
+                    true => (mortar, nonmortar),
+                    false => (nonmortar, mortar),
+                };
+                Err(ContactError::Unpaired {
+                    side: own.name(),
+                    other: other.name(),
+                    node: unmatched.node,
+                    point: show(unmatched.point),
+                    distance: unmatched.distance,
+                })
+            }
+            (None, None) if !facets_coincide(nonmortar, mortar)? => Ok(None),
+            (None, None) => match nodal() {
+                Err(ContactError::Weight { .. }) => Ok(None),
+                other => other.map(Some),
+            },
+        }
+    }
+
+    fn gap(&self, default: InitialGap<'a>) -> InitialGap<'a> {
+        match &self.contact.gap {
+            None => default,
+            Some(Gap::Closed) => InitialGap::Closed,
+            Some(Gap::Geometric) => InitialGap::Measured,
+            Some(Gap::Given(field)) => InitialGap::Given(field),
+        }
+    }
+}

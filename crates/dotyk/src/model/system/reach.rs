@@ -1,0 +1,112 @@
+//! How far the forces of contact nodes reach: could pushes between them hold a load that they do not?
+//!
+//! ```text
+//!   Σ λᵢ gᵢ + Σ μₖ g(xₖ) = e,     λ ∈ Λ, μ ≥ 0,     g(x)ⱼ = n·(rⱼ(x) on the nonmortar side − rⱼ(y) on the other one)
+//! ```
+//!
+//! The force of a node acts at one place. Where facets face the other side in part, these places reach less far than the
+//! bodies do, and a load near an edge of what they share has no forces at nodes, although the bodies hold it. So that such a load
+//! is told from one that nothing holds, the points xₖ between the nodes, where the judge measures gaps, push as well.
+
+use crate::contact::{Coupling, GapPoint};
+use crate::dual::{AdmissibleSet, Balance, Block, Feasibility, Modes};
+use crate::geometry::dot;
+use crate::linalg::SparseVector;
+use crate::model::nouns::ids::SideRef;
+use crate::model::system::bodies::LoadedBody;
+use crate::model::system::bodies::load_size;
+use crate::model::system::paired::Paired;
+use std::collections::BTreeMap;
+use std::iter::repeat_n;
+
+/// A place where two bodies may push each other, and their contact.
+type Place<'a, const D: usize> = (&'a Paired<D>, &'a GapPoint<D>);
+
+/// Names of the contacts that could hold a load if they pushed between their nodes, too, wherever two bodies face each other: those
+/// that the motion with the amplitudes `z` (r,) closes there. `None` where pushes would not hold it either.
+///
+/// Of each mode: its part with its number there, its row of G and its load.
+pub(crate) fn hold_between_nodes<'a, const D: usize>(
+    bodies: &[LoadedBody<D>],
+    paired: &'a [Paired<D>],
+    admissible: &AdmissibleSet,
+    (modes, rows, load): (&[(usize, usize)], &[SparseVector], Vec<f64>),
+    z: &[f64],
+) -> Option<Vec<&'a str>> {
+    let places = places(paired);
+    let (first, m) = (admissible.len(), admissible.len() + places.len());
+    let between = closed(bodies, &places, modes);
+    let with_places = |(row, between): (&SparseVector, &Vec<(usize, f64)>)| {
+        let between = between
+            .iter()
+            .map(|&(place, closed)| (first + place, closed));
+        SparseVector::new(m, row.entries().chain(between))
+    };
+    let rows: Vec<SparseVector> = rows.iter().zip(&between).map(with_places).collect();
+    let blocks = admissible.blocks().iter().copied();
+    let blocks = blocks.chain(repeat_n(Block::Unilateral, places.len()));
+    let balance = Balance::new(Modes::of_rows(&rows, m), load);
+    let force = bodies.iter().map(load_size).fold(0.0, f64::max);
+    match Feasibility::of(&AdmissibleSet::new(blocks.collect()), &balance, force) {
+        Feasibility::Infeasible { .. } => None,
+        Feasibility::Feasible { .. } => {
+            let mut met = vec![0.0; m];
+            let parts = rows.iter().zip(z);
+            parts.for_each(|(row, z)| row.add_to(*z, &mut met));
+            let met = places.iter().zip(&met[first..]);
+            let met = met.filter(|(_, closed)| **closed > 0.0);
+            let mut names: Vec<&str> = met.map(|((pair, _), _)| pair.name.as_str()).collect();
+            names.dedup();
+            Some(names)
+        }
+    }
+}
+
+/// Where two bodies face each other in contacts that push, contact by contact.
+fn places<const D: usize>(paired: &[Paired<D>]) -> Vec<Place<'_, D>> {
+    let pushes = |pair: &&Paired<D>| {
+        // no rigid motion closes what a body has between its own sides
+        let two = |other: &SideRef| other.body != pair.nonmortar.body;
+        pair.mortar.as_ref().is_some_and(two) && pair.interface.coupling != Coupling::Tied
+    };
+    let all = paired.iter().filter(pushes).flat_map(|pair| {
+        let samples = pair.samples.iter().flatten();
+        samples.map(move |sample| (pair, &sample.at))
+    });
+    all.collect()
+}
+
+/// By how much each mode closes the places of its own body, by their numbers.
+fn closed<const D: usize>(
+    bodies: &[LoadedBody<D>],
+    places: &[Place<'_, D>],
+    modes: &[(usize, usize)],
+) -> Vec<Vec<(usize, f64)>> {
+    let mut of_body: BTreeMap<usize, Vec<usize>> = BTreeMap::new();
+    for (k, (pair, _)) in places.iter().enumerate() {
+        for side in [Some(&pair.nonmortar), pair.mortar.as_ref()] {
+            let Some(side) = side else { continue };
+            of_body.entry(side.body.0).or_default().push(k);
+        }
+    }
+    let of_mode = |&(body, mode): &(usize, usize)| {
+        let Some(own) = of_body.get(&body) else {
+            return Vec::new();
+        };
+        let system = &bodies[body].system;
+        let moved = system.to_global(&system.modes[mode]);
+        let along = |nodes: &[(usize, f64)], normal| -> f64 {
+            let nodes = nodes.iter();
+            nodes.map(|&(n, shape)| shape * dot(moved[n], normal)).sum()
+        };
+        let closed = |&k: &usize| {
+            let (pair, at) = places[k];
+            match pair.nonmortar.body.0 == body {
+                true => (k, along(&at.own, at.normal)),
+                false => (k, -along(&at.opposite, at.normal)),
+            }
+        };
+        own.iter().map(closed).collect()
+    };
+    modes.iter().map(of_mode).collect()
+}
