@@ -1858,6 +1858,92 @@ fn problems_with_couples_are_exported() {
     assert_eq!(of(",couple,"), 13);
 }
 
+/// A plate on a block, and a bar through both, exported: the rows of the bar.
+fn exported_bar(name: &str, bar: &str) -> Vec<Vec<String>> {
+    let case = format!(
+        r#"
+analysis = "plane-strain"
+[[body]]
+name = "block"
+mesh = {{ rectangle = {{ from = [0, 0], to = [2, 1], cells = [8, 4] }} }}
+material = {{ young = 1000, poisson = 0.3 }}
+fix = [{{ side = "bottom", x = 0, y = 0 }}]
+[[body]]
+name = "plate"
+mesh = {{ rectangle = {{ from = [0, 1], to = [2, 2], cells = [8, 4] }} }}
+material = {{ young = 1000, poisson = 0.3 }}
+load = [{{ side = "top", traction = [0, -1] }}]
+fix = [{{ side = "left", x = 0 }}]
+[[contact]]
+name = "joint"
+sides = ["plate.bottom", "block.top"]
+[[bar]]
+name = "bolt"
+bodies = ["plate", "block"]
+young = 1e5
+area = 0.01
+{bar}
+"#
+    );
+    let run = Run::new(name, &case, "export", &["--out", "dual"]);
+    assert_eq!(run.status, Some(0), "{}", run.stderr);
+    let rows = std::fs::read_to_string(run.folder.join("dual/rows.csv")).unwrap();
+    let bolts = rows.lines().filter(|line| line.contains(",bolt,"));
+    bolts
+        .map(|line| line.split(',').map(str::to_string).collect())
+        .collect()
+}
+
+#[test]
+fn bars_are_exported_along_themselves_and_where_they_are() {
+    let upright = "from = [1.5, 1.75]\nto = [1.5, 0.25]";
+    let oblique = "from = [1.5, 1.75]\nto = [0.5, 0.25]";
+    let laws = [
+        ("elastic", "", "free"),
+        ("slack", "tension_only = true", "unilateral"),
+        ("yields", "yield = 1e4", "interval"),
+        ("both", "yield = 1e4\ntension_only = true", "interval"),
+    ];
+    for (name, key, law) in laws {
+        for (way, ends, middle) in [("up", upright, [1.5, 1.0]), ("askew", oblique, [1.0, 1.0])] {
+            let rows = exported_bar(
+                &format!("exported_bar_{name}_{way}"),
+                &format!("{ends}\n{key}"),
+            );
+            let [row] = &rows[..] else {
+                panic!("one row for one element: {rows:?}");
+            };
+            assert_eq!([&row[2][..], &row[5][..]], [law, "bar"]);
+            let [x, y, along, across]: [f64; 4] = [6, 7, 8, 9].map(|k| row[k].parse().unwrap());
+            let [from, to] = match way {
+                "up" => [[1.5, 1.75], [1.5, 0.25]],
+                _ => [[1.5, 1.75], [0.5, 0.25]],
+            };
+            let length = (to[0] - from[0] as f64).hypot(to[1] - from[1]);
+            let expected = [
+                middle[0],
+                middle[1],
+                (to[0] - from[0]) / length,
+                (to[1] - from[1]) / length,
+            ];
+            for (found, expected) in [x, y, along, across].into_iter().zip(expected) {
+                assert!((found - expected).abs() < 1e-12, "{row:?}");
+            }
+        }
+    }
+    // a grouted one has a row for each element, in their order
+    let rows = exported_bar(
+        "exported_bar_grouted",
+        &format!("{upright}\nbond = \"grouted\""),
+    );
+    assert!(rows.len() >= 8);
+    let heights: Vec<f64> = rows.iter().map(|row| row[7].parse().unwrap()).collect();
+    assert!(
+        heights.windows(2).all(|pair| pair[0] > pair[1]),
+        "{heights:?}"
+    );
+}
+
 #[test]
 fn check_tells_what_points_hold() {
     let run = Run::new("couples_checked", COUPLED, "check", &[]);

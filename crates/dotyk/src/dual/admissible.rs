@@ -15,7 +15,7 @@ pub enum Component {
     Free,
     /// A normal force, ≥ 0.
     Normal,
-    /// A tangential force, bounded by its block.
+    /// A tangential force, or one along a line, bounded by its block.
     Tangent,
 }
 
@@ -129,9 +129,12 @@ impl AdmissibleSet {
     /// What each component of λ is, (m,).
     pub fn components(&self) -> Vec<Component> {
         let of_block = |block: &Block| {
-            let (first, others) = match block.is_free() {
-                true => (Component::Free, Component::Free),
-                false => (Component::Normal, Component::Tangent),
+            let (first, others) = match block {
+                Block::Free { .. } => (Component::Free, Component::Free),
+                Block::Unilateral | Block::Frictional { .. } => {
+                    (Component::Normal, Component::Tangent)
+                }
+                Block::Interval { .. } => (Component::Tangent, Component::Tangent),
             };
             let others = std::iter::repeat(others);
             std::iter::once(first).chain(others).take(block.size())
@@ -163,7 +166,7 @@ impl AdmissibleSet {
     pub fn bound_tangents(&self, lambda: &mut [f64]) {
         for (block, range) in self.iter() {
             if let Some(bound) = block.bound(lambda[range.start]) {
-                let tangents = &mut lambda[range.start + 1..range.end];
+                let tangents = &mut lambda[block.shear(&range)];
                 let length = norm(tangents);
                 if length > bound {
                     tangents.iter_mut().for_each(|t| *t *= bound / length);
@@ -175,7 +178,7 @@ impl AdmissibleSet {
     /// Largest tension of a normal component, a force ≥ 0.
     pub fn tension(&self, lambda: &[f64]) -> f64 {
         self.iter()
-            .filter(|(block, _)| !block.is_free())
+            .filter(|(block, _)| block.is_normal())
             .map(|(_, range)| -lambda[range.start])
             .fold(0.0, f64::max)
     }
@@ -189,11 +192,10 @@ impl AdmissibleSet {
         lambda: &[f64],
         trial: impl Fn(usize) -> f64,
     ) -> impl Iterator<Item = (usize, f64)> {
-        self.tangents(lambda).map(move |(tangents, bound)| {
+        self.tangents(lambda).map(move |(first, tangents, bound)| {
             let square: f64 = tangents.clone().map(|i| trial(i).powi(2)).sum();
             let length = square.sqrt();
             let factor = if length > bound { bound / length } else { 1.0 };
-            let first = tangents.start - 1;
             let off = tangents.map(|i| (lambda[i] - factor * trial(i)).powi(2));
             (first, off.sum::<f64>().sqrt())
         })
@@ -210,11 +212,11 @@ impl AdmissibleSet {
         })
     }
 
-    /// Tangential components and bound of every block with friction.
-    fn tangents(&self, lambda: &[f64]) -> impl Iterator<Item = (Range<usize>, f64)> {
+    /// First component, tangential components and bound of every block with friction.
+    fn tangents(&self, lambda: &[f64]) -> impl Iterator<Item = (usize, Range<usize>, f64)> {
         let each = self.iter().zip(self.bounds(lambda));
         let with_friction = each.filter(|((block, _), _)| block.friction().is_some());
-        with_friction.map(|((_, range), bound)| (range.start + 1..range.end, bound))
+        with_friction.map(|((block, range), bound)| (range.start, block.shear(&range), bound))
     }
 
     /// Work of the tangential forces on the slip of this step, λₜ·slip = −λₜ·gapₜ, one per block (0 without friction).
@@ -222,12 +224,9 @@ impl AdmissibleSet {
     /// Shapes: λ, gap (m,). Unit: energy. At a solution it is bound · |slip| ≥ 0: what friction dissipates.
     pub fn dissipated(&self, lambda: &[f64], gap: &[f64]) -> Vec<f64> {
         self.iter()
-            .map(|(block, range)| match block.friction() {
-                Some(_) => -dot(
-                    &lambda[range.start + 1..range.end],
-                    &gap[range.start + 1..range.end],
-                ),
-                None => 0.0,
+            .map(|(block, range)| {
+                let slips = block.shear(&range);
+                -dot(&lambda[slips.clone()], &gap[slips])
             })
             .collect()
     }
@@ -252,7 +251,7 @@ impl AdmissibleSet {
                 true => law.terms().0 + 2.0 * norm(&lambda[range.clone()]),
                 false => bound,
             };
-            let square: f64 = range.clone().skip(1).map(|i| gap(i).powi(2)).sum();
+            let square: f64 = block.shear(&range).map(|i| gap(i).powi(2)).sum();
             Some((range.start, bound.min(most) * square.sqrt()))
         })
     }

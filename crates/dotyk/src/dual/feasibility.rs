@@ -156,7 +156,9 @@ impl Feasibility {
     /// Whether a motion (r,) turns about something that it goes on to touch: the first row of a block keeps its gap although
     /// parts of the motion, which cancel, would change it.
     pub fn leans(admissible: &AdmissibleSet, balance: &Balance, motion: &[f64]) -> bool {
-        let rates = admissible.iter().filter_map(|(_, range)| {
+        let touched = admissible.iter();
+        let touched = touched.filter(|(block, _)| !matches!(block, Block::Interval { .. }));
+        let rates = touched.filter_map(|(_, range)| {
             let column = balance.modes().column(range.start);
             let parts = column
                 .entries()
@@ -192,12 +194,9 @@ const NO_SLIP: f64 = 1e-6;
 /// Which blocks with friction slip in a motion (r,), block after block.
 fn slipping(admissible: &AdmissibleSet, balance: &Balance, motion: &[f64]) -> Vec<bool> {
     let slip = |(block, range): (&Block, Range<usize>)| {
-        let rows = range.skip(usize::from(block.friction().is_some()));
-        let slips = rows.map(|row| balance.modes().column(row).dot(motion));
-        match block.friction() {
-            Some(_) => slips.fold(0.0, |s: f64, slip| s.max(slip.abs())),
-            None => 0.0,
-        }
+        let slips = block.shear(&range);
+        let slips = slips.map(|row| balance.modes().column(row).dot(motion));
+        slips.fold(0.0, |s: f64, slip| s.max(slip.abs()))
     };
     let slips: Vec<f64> = admissible.iter().map(slip).collect();
     let largest = slips.iter().fold(0.0, |s: f64, slip| s.max(*slip));
@@ -244,8 +243,8 @@ impl Carrier {
         // what friction cannot bear controls nothing
         let split = if admissible.blocks().iter().any(smooth) {
             let mut borne = modes.columns().to_vec();
-            for (_, range) in admissible.iter().filter(|(block, _)| smooth(block)) {
-                borne[range.start + 1..range.end].fill(SparseVector::new(modes.nrows(), []));
+            for (block, range) in admissible.iter().filter(|(block, _)| smooth(block)) {
+                borne[block.shear(&range)].fill(SparseVector::new(modes.nrows(), []));
             }
             Split::new(&Modes::new(modes.nrows(), borne)).map(|split| split.modes)
         } else {

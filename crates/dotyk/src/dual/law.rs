@@ -22,6 +22,11 @@
 //! the law allows, and a problem need not have a solution: a shear may ask for a normal force that it itself takes away.
 //!
 //! A node has one tangent in the plane and two in space: the set is a disc beside every λₙ, and nothing here counts them.
+//!
+//! What gives way both ways along a line, as a bar that yields, bears |λ| ≤ bound: such an interval is a bounded shear without a normal
+//! force. λ counts from the middle of what is borne; the force there is a load like any other.
+
+use std::ops::Range;
 
 use crate::linalg::SparseVector;
 use crate::linalg::dense::{dot, norm};
@@ -42,6 +47,11 @@ pub enum Block {
         tangents: usize,
         /// Which law.
         law: Friction,
+    },
+    /// One force along a line, |λ| ≤ bound.
+    Interval {
+        /// A force.
+        bound: f64,
     },
 }
 
@@ -236,7 +246,7 @@ impl Block {
     pub fn size(&self) -> usize {
         match *self {
             Self::Free { size } => size,
-            Self::Unilateral => 1,
+            Self::Unilateral | Self::Interval { .. } => 1,
             Self::Frictional { tangents, .. } => 1 + tangents,
         }
     }
@@ -246,15 +256,34 @@ impl Block {
         matches!(self, Self::Free { .. })
     }
 
+    /// Its first component may not be negative.
+    pub fn is_normal(&self) -> bool {
+        matches!(self, Self::Unilateral | Self::Frictional { .. })
+    }
+
+    /// Which of its components in `range` its law bounds by their length.
+    pub fn shear(&self, range: &Range<usize>) -> Range<usize> {
+        match self {
+            Self::Free { .. } | Self::Unilateral => range.end..range.end,
+            Self::Frictional { .. } => range.start + 1..range.end,
+            Self::Interval { .. } => range.clone(),
+        }
+    }
+
     /// What a block can bear, in words; `coulomb` may have cohesion.
-    pub const LAWS: [&'static str; 4] = ["unilateral", "free", "tresca", "coulomb"];
+    pub const LAWS: [&'static str; 5] = ["unilateral", "free", "tresca", "coulomb", "interval"];
 
     /// Its place in [`Self::LAWS`].
     pub fn law(&self) -> usize {
-        match self.friction() {
-            None => usize::from(self.is_free()),
-            Some(Friction::Tresca { .. }) => 2,
-            Some(Friction::Coulomb { .. } | Friction::Cohesive { .. }) => 3,
+        match self {
+            Self::Unilateral => 0,
+            Self::Free { .. } => 1,
+            Self::Frictional {
+                law: Friction::Tresca { .. },
+                ..
+            } => 2,
+            Self::Frictional { .. } => 3,
+            Self::Interval { .. } => 4,
         }
     }
 
@@ -269,10 +298,11 @@ impl Block {
         self.friction().map_or((0.0, 0.0), |law| law.terms())
     }
 
-    /// Its law of friction, where it has one.
+    /// The law of what it bounds by a length, where it does.
     pub fn friction(&self) -> Option<Friction> {
         match *self {
             Self::Frictional { law, .. } => Some(law),
+            Self::Interval { bound } => Some(Friction::Tresca { bound }),
             Self::Free { .. } | Self::Unilateral => None,
         }
     }
@@ -286,6 +316,9 @@ impl Block {
     pub(crate) fn with_friction(self, law: impl FnOnce(Friction) -> Friction) -> Self {
         match self {
             Self::Frictional { tangents, law: own } => law(own).block(tangents),
+            Self::Interval { bound } => Self::Interval {
+                bound: law(Friction::Tresca { bound }).terms().0,
+            },
             other => other,
         }
     }
@@ -299,6 +332,7 @@ impl Block {
             Self::Frictional { tangents, .. } => {
                 vec![Self::Unilateral, Self::Free { size: tangents }]
             }
+            Self::Interval { bound } if bound > 0.0 => vec![Self::Free { size: 1 }],
             other => vec![other],
         }
     }
@@ -309,6 +343,7 @@ impl Block {
             Self::Free { .. } => to.copy_from_slice(from),
             Self::Unilateral => to[0] = from[0].max(0.0),
             Self::Frictional { law, .. } => law.project(from, to),
+            Self::Interval { bound } => to[0] = from[0].max(-bound).min(*bound),
         }
     }
 
@@ -318,6 +353,7 @@ impl Block {
             Self::Free { .. } => out.copy_from_slice(v),
             Self::Unilateral => out[0] = if y[0] > 0.0 { v[0] } else { 0.0 },
             Self::Frictional { law, .. } => law.project_derivative(y, v, out),
+            Self::Interval { bound } => out[0] = if y[0].abs() <= *bound { v[0] } else { 0.0 },
         }
     }
 
@@ -337,7 +373,11 @@ impl Block {
             return all;
         };
         if given > 0.0 {
-            all.disc = Some(scaled(given, &images[1..]));
+            let bounded = self.shear(&(0..images.len()));
+            all.disc = Some(scaled(given, &images[bounded]));
+        }
+        if !self.is_normal() {
+            return all;
         }
         let radii = scaled(growth, &images[1..]);
         let axis = images.swap_remove(0);
@@ -482,6 +522,42 @@ mod tests {
         near(projected(Block::Unilateral, &[1.0]), &[1.0]);
         let free = Block::Free { size: 2 };
         near(projected(free, &[-1.0, 2.0]), &[-1.0, 2.0]);
+        let interval = Block::Interval { bound: 0.5 };
+        for (from, to) in [(-2.0, -0.5), (-0.5, -0.5), (0.2, 0.2), (0.6, 0.5)] {
+            near(projected(interval, &[from]), &[to]);
+        }
+        near(projected(Block::Interval { bound: 0.0 }, &[-3.0]), &[0.0]);
+    }
+
+    #[test]
+    fn an_interval_is_a_bounded_shear_without_a_normal_force() {
+        let interval = Block::Interval { bound: 0.5 };
+        assert_eq!(interval.size(), 1);
+        assert!(!interval.is_free() && !interval.is_normal());
+        assert_eq!(interval.friction(), Some(TRESCA));
+        assert_eq!(
+            (interval.name(), interval.terms()),
+            ("interval", (0.5, 0.0))
+        );
+        let half = interval.with_friction(|_| Friction::Tresca { bound: 0.25 });
+        assert_eq!(half, Block::Interval { bound: 0.25 });
+        assert_eq!(interval.sticking(), [Block::Free { size: 1 }]);
+        let none = Block::Interval { bound: 0.0 };
+        assert_eq!(none.sticking(), [none]);
+        let sheared = [
+            (Block::Free { size: 3 }, 5..5),
+            (Block::Unilateral, 5..5),
+            (COULOMB.block(2), 3..5),
+            (interval, 2..5),
+        ];
+        for (block, expected) in sheared {
+            assert_eq!(block.shear(&(2..5)), expected, "{block:?}");
+        }
+        // both ends of it and nothing else
+        let found = interval.generators(vec![SparseVector::from_dense(&[2.0, -4.0])]);
+        assert!(found.rays.is_empty() && found.cone.is_none());
+        let ends = found.disc.unwrap();
+        assert_eq!(ends, [SparseVector::from_dense(&[1.0, -2.0])]);
     }
 
     #[test]
@@ -491,7 +567,8 @@ mod tests {
         let mut compared = 0;
         for tangents in [1, 2] {
             let blocks = LAWS.map(|law| law.block(tangents));
-            for block in blocks.into_iter().chain([Block::Unilateral]) {
+            let interval = Block::Interval { bound: 0.5 };
+            for block in blocks.into_iter().chain([Block::Unilateral, interval]) {
                 let size = block.size();
                 for pair in noise(400 * size).chunks_exact(2 * size) {
                     let (y, v) = pair.split_at(size);
@@ -520,8 +597,8 @@ mod tests {
                 }
             }
         }
-        // 200 points for each of 2 + 3 components of three laws, and one twice
-        assert!(compared > 3300, "{compared}");
+        // 200 points for each of 2 + 3 components of three laws, and two twice
+        assert!(compared > 3700, "{compared}");
     }
 
     #[test]

@@ -343,7 +343,7 @@ impl DualProblem {
     fn positive_softness(&self, mut softness: Vec<f64>) -> Vec<f64> {
         for (block, range) in self.admissible.iter() {
             if block.friction().is_some() {
-                let tangents = &mut softness[range.start + 1..range.end];
+                let tangents = &mut softness[block.shear(&range)];
                 let mean = tangents.iter().sum::<f64>() / tangents.len().max(1) as f64;
                 tangents.fill(mean);
             }

@@ -220,15 +220,8 @@ fn rows_csv<const D: usize>(dual: &Dual<D>, unknowns: &[Unknown<D>]) -> String {
         AXES[..D].join(","),
         AXES[..D].join(",direction_")
     );
-    let components: &[&str] = match D {
-        2 => &["normal", "tangent"],
-        _ => &["normal", "tangent_1", "tangent_2"],
-    };
     for (row, unknown) in unknowns.iter().enumerate() {
-        let component = match unknown.contact < dual.model().contacts.len() {
-            true => components[unknown.component],
-            false => "couple",
-        };
+        let component = dual.component_name(unknown);
         // Writing to a String cannot fail.
         let _ = write!(
             out,
@@ -301,12 +294,16 @@ LAMBDA is a product of blocks, one for each node, whose rows follow each other:
                                        have opposite signs
   3 coulomb     normal, then {tangent}  |lambda_t| <= bound + coefficient lambda_n, else as tresca; a bound > 0 is cohesion
                                        and counts only while lambda_n > 0. No minimum: the bound follows from lambda_n
+  4 interval    1 row                  |lambda| <= bound; below it gap = 0, at it lambda and gap have opposite signs
 With friction the gaps hold for one load step: what slipped in earlier ones is in g0 and d.
 
 ROWS go contact by contact in the order of the case and node by node in that of contact.csv, without the nodes that are
 `fixed` there, face nothing or take no part (their gap is NaN); rows.csv tells contact, node, direction and weight of each.
 Behind them stand the couples, called BODY.POINT: a rigid one has a row for each node and direction, an average one those of its
-displacement and then that of its rotation, whatever node and direction are written there.
+displacement and then that of its rotation, whatever node and direction are written there. Then come springs that only press,
+a row for each of their points, and bars, a row for each element: in rows.csv its middle and its direction from the beginning of
+the bar to its end; lambda > 0 is tension. Of a bar that yields lambda counts from the middle of what it bears; what lambda = 0
+pulls there is in d and e.
 
 COLUMNS of B and u are displacements in the directions {axes}, prescribed ones included, node by node (column first + {D} node
 + direction, all from 0); the point of a couple has two nodes, the second for its {rotation}:

@@ -326,7 +326,7 @@ fn local_compliance(setup: &Setup<'_>) -> Vec<f64> {
     };
     for (block, range) in setup.admissible.iter() {
         if block.friction().is_some() {
-            let tangents = &mut local[range.start + 1..range.end];
+            let tangents = &mut local[block.shear(&range)];
             let mean = tangents.iter().sum::<f64>() / tangents.len() as f64;
             tangents.fill(mean);
         }

@@ -49,10 +49,12 @@ fn stick_where_free(setup: &Setup<'_>, states: &mut [State]) {
         let moves = |i: usize| motions.iter().any(|motion| motion[i].abs() > LOOSE);
         let slipping = |place: &usize| {
             let state = &states[*place];
-            let law = setup.admissible.blocks()[*place].friction();
+            let block = &setup.admissible.blocks()[*place];
+            let mut sheared = block.shear(&setup.admissible.range(*place));
+            let law = block.friction();
             matches!(state.shear, Shear::Slip { .. })
                 && law.is_some_and(|law| law.bears(state.closed))
-                && setup.admissible.range(*place).skip(1).any(moves)
+                && sheared.any(moves)
         };
         let least = (0..states.len())
             .filter(slipping)

@@ -29,7 +29,7 @@
 //! As described in Nesterov & Todd (1998), Mehrotra (1992) and Gondzio (1996) for cones and for the order of steps; Acary, Cadoux, Lemaréchal & Malick
 //! (2011) for friction as a problem in cones, with ‖zₜ‖ given.
 
-use crate::dual::{Compliance, Friction};
+use crate::dual::{Block, Compliance};
 use crate::linalg::Mat;
 use crate::linalg::dense::{Lu, matvec};
 use crate::solve::exact::{CERTAIN, Ended, Search, Settled};
@@ -320,16 +320,17 @@ impl Cone {
         }
     }
 
-    /// The cones of a node whose first component is `range.start`.
-    fn of_node(law: Option<Friction>, range: Range<usize>) -> Vec<Self> {
-        let (normal, tangents) = (range.start, range.start + 1..range.end);
-        let alone = Self::new(normal, normal..normal, (0.0, 1.0));
-        match law {
-            Some(law) if !law.is_smooth() => match law.follows() {
-                true => vec![Self::new(normal, tangents, law.terms())],
-                false => vec![alone, Self::new(normal, tangents, law.terms())],
-            },
-            _ => vec![alone],
+    /// The cones of a node whose components are `range`.
+    fn of_node(block: &Block, range: Range<usize>) -> Vec<Self> {
+        let (normal, tangents) = (range.start, block.shear(&range));
+        let alone = || Self::new(normal, normal..normal, (0.0, 1.0));
+        let law = block.friction().filter(|law| !law.is_smooth());
+        let bounded = law.map(|law| (law.follows(), Self::new(normal, tangents, law.terms())));
+        match (block.is_normal(), bounded) {
+            (false, None) => Vec::new(),
+            (false, Some((_, bounded))) | (true, Some((true, bounded))) => vec![bounded],
+            (true, Some((false, bounded))) => vec![alone(), bounded],
+            (true, None) => vec![alone()],
         }
     }
 
@@ -394,13 +395,12 @@ impl<'a> Interior<'a> {
         let mut cones: Vec<Cone> = setup
             .admissible
             .iter()
-            .filter(|(block, _)| !block.is_free())
-            .flat_map(|(block, range)| Cone::of_node(block.friction(), range))
+            .flat_map(|(block, range)| Cone::of_node(block, range))
             .collect();
         let unknown = setup.admissible.iter().flat_map(|(block, range)| {
             let smooth = block.friction().is_some_and(|law| law.is_smooth());
-            let count = if smooth { 1 } else { range.len() };
-            range.take(count)
+            let sheared = block.shear(&range);
+            range.filter(move |i| !(smooth && sheared.contains(i)))
         });
         let unknown = unknown.collect();
         let softness = &setup.problem.softness;
@@ -435,7 +435,9 @@ impl<'a> Interior<'a> {
                 false => least.max(-setup.shift[cone.normal]),
             };
             let force = if follows { force } else { force * least / gap };
-            at.lambda[cone.normal] = force;
+            if cone.growth > 0.0 {
+                at.lambda[cone.normal] = force;
+            }
             cone.s[0] = cone.given + cone.growth * force;
             let growth = if cone.growth > 0.0 {
                 cone.growth.max(SMOOTH)
@@ -472,7 +474,8 @@ impl<'a> Interior<'a> {
     /// How far contacts are from the middle between closed and open, least of all nodes: (λ − gap/c)/(λ + gap/c), without its sign.
     fn decided(&self, gap: &[f64]) -> f64 {
         let softness = &self.setup.problem.softness;
-        self.cones.iter().fold(1.0, |least: f64, cone| {
+        let pressed = self.cones.iter().filter(|cone| cone.growth > 0.0);
+        pressed.fold(1.0, |least: f64, cone| {
             let i = cone.normal;
             let (force, other) = (self.at.lambda[i], gap[i] / softness[i]);
             least.min((force - other).abs() / (force.abs() + other.abs()))
@@ -806,7 +809,7 @@ fn median(values: &mut [f64]) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::dual::{Block, DualProblem};
+    use crate::dual::{DualProblem, Friction};
     use crate::solve::tests::{apart, applied, by_trial, definite, of, of_rank, silent};
 
     const S: Vector = [2.0, 0.7, -0.9];

@@ -315,6 +315,109 @@ mod tests {
         panic!("no choice of closed contacts is an answer");
     }
 
+    /// λ of contacts that press only and of what bears up to a bound both ways, by trial of every choice of states. Of an interval
+    /// λ is at an end where its gap goes on against it.
+    fn by_trial_of_states(f: &Mat<f64>, shift: &[f64], blocks: &[Block]) -> Vec<f64> {
+        let m = shift.len();
+        for choice in 0..3usize.pow(m as u32) {
+            let state: Vec<usize> = (0..m).map(|i| choice / 3usize.pow(i as u32) % 3).collect();
+            // 0 closed or within, 1 open or at the upper end, 2 at the lower end
+            let known = |i: usize| match (&blocks[i], state[i]) {
+                (_, 0) => None,
+                (Block::Interval { bound }, 1) => Some(*bound),
+                (Block::Interval { bound }, _) => Some(-bound),
+                (_, 1) => Some(0.0),
+                _ => Some(f64::NAN),
+            };
+            let matrix = Mat::from_fn(m, m, |i, j| match known(i) {
+                None => f[(i, j)],
+                Some(_) => f64::from(i == j),
+            });
+            let right: Vec<f64> = (0..m).map(|i| known(i).unwrap_or(shift[i])).collect();
+            let Some(lambda) =
+                eliminated(&matrix, &right).filter(|l| l.iter().all(|l| l.is_finite()))
+            else {
+                continue;
+            };
+            let product = times(f, &lambda);
+            let holds = |i: usize| {
+                let (force, gap) = (lambda[i], product[i] - shift[i]);
+                match (&blocks[i], state[i]) {
+                    (Block::Interval { bound }, 0) => force.abs() <= *bound,
+                    (Block::Interval { .. }, 1) => gap <= 0.0,
+                    (Block::Interval { .. }, _) => gap >= 0.0,
+                    (_, 0) => force >= 0.0,
+                    _ => gap >= 0.0,
+                }
+            };
+            if (0..m).all(holds) {
+                return lambda;
+            }
+        }
+        panic!("no choice of states is an answer");
+    }
+
+    #[test]
+    fn every_method_finds_what_intervals_bear_beside_contacts() {
+        let mut ends = [0; 3];
+        for seed in 0..40 {
+            let f = definite(6);
+            let shift: Vec<f64> = (0..6)
+                .map(|i| 2.0 * (2.1 * i as f64 + 1.7 * f64::from(seed)).sin())
+                .collect();
+            let interval = |bound| Block::Interval { bound };
+            let contact = Block::Unilateral;
+            let blocks = [
+                interval(0.4),
+                contact,
+                interval(0.7),
+                contact,
+                interval(0.3),
+                contact,
+            ];
+            let expected = by_trial_of_states(&f, &shift, &blocks);
+            for (force, block) in expected.iter().zip(&blocks) {
+                if let Block::Interval { bound } = block {
+                    ends[match *force {
+                        force if force >= bound - 1e-12 => 1,
+                        force if force <= 1e-12 - bound => 2,
+                        _ => 0,
+                    }] += 1;
+                }
+            }
+            let problem = of(
+                Compliance::Dense(f.clone()),
+                &shift,
+                blocks.to_vec(),
+                (&[], &[]),
+            );
+            let operator = applied(&f, Mat::from_fn(6, 6, |i, j| f64::from(i == j)));
+            let other = of(operator, &shift, blocks.to_vec(), (&[], &[]));
+            let solvers: [&dyn ContactSolver; 5] = [
+                &Gradient::default(),
+                &Accelerated::default(),
+                &Secant::default(),
+                &Mprgp::default(),
+                &Newton::default(),
+            ];
+            for solver in solvers {
+                for problem in [&problem, &other] {
+                    let found = solver.solve(problem, None, &mut silent).unwrap();
+                    let lambda = &found.multipliers.lambda;
+                    let told = format!("{} {seed}: {lambda:?} {expected:?}", solver.name());
+                    assert!(apart(lambda, &expected) < 1e-6, "{told}");
+                    let certificate = problem.certify(&found.multipliers, 1e-6);
+                    assert!(certificate.holds(), "{told} {certificate}");
+                    // and it notices what is beyond an end, or short of one
+                    let mut wrong = found.multipliers.clone();
+                    wrong.lambda[0] = if lambda[0] >= 0.4 - 1e-9 { 0.3 } else { 0.41 };
+                    assert!(!problem.certify(&wrong, 1e-6).holds(), "{told}");
+                }
+            }
+        }
+        assert!(ends.iter().all(|&count| count > 10), "{ends:?}");
+    }
+
     #[test]
     fn other_limits_leave_the_rest_of_a_method_as_it_is() {
         let own = Uzawa {

@@ -490,7 +490,7 @@ fn bounds(setup: &Setup<'_>) -> Vec<Range<f64>> {
     let mut bounds: Vec<Range<f64>> = components.map(|c| least(c)..f64::INFINITY).collect();
     for (block, range) in setup.admissible.iter() {
         if let Some(bound) = block.bound(0.0) {
-            bounds[range.start + 1..range.end].fill(-bound..bound);
+            bounds[block.shear(&range)].fill(-bound..bound);
         }
     }
     bounds

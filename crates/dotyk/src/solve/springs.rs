@@ -183,8 +183,8 @@ fn exhausted(setup: &Setup<'_>, lambda: &[f64], along: &[f64]) -> f64 {
     let size = motion.iter().fold(0.0, |s: f64, u| s.max(u.abs()));
     let bounds = setup.admissible.bounds(lambda);
     let (mut borne, mut most) = (0.0, 0.0);
-    for ((_, range), bound) in setup.admissible.iter().zip(bounds) {
-        let tangents = range.start + 1..range.end;
+    for ((block, range), bound) in setup.admissible.iter().zip(bounds) {
+        let tangents = block.shear(&range);
         if tangents.clone().any(|i| motion[i].abs() > LOOSE * size) {
             borne += lambda[tangents].iter().map(|t| t * t).sum::<f64>().sqrt();
             most += bound;

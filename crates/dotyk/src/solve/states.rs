@@ -6,6 +6,8 @@
 //!   slip:   gapₙ = 0, λₜ = bound · s,     bound = given + growth · λₙ, see `dual/law.rs`
 //! ```
 //!
+//! An interval is a shear by itself: it sticks or slips, and counts as closed.
+//!
 //! The states follow from trial forces z = λ − gap/a with a compliance a: λₙ = max(0, zₙ), and λₜ is zₜ shortened to its
 //! bound. A bound that does not follow from λₙ holds in open contacts as well (`dual/law.rs`).
 //!
@@ -58,7 +60,7 @@ impl State {
             false => Shear::Stick,
         };
         Self {
-            closed: closed || block.is_free(),
+            closed: closed || !block.is_normal(),
             shear,
             excess: 0.0,
         }
@@ -67,7 +69,8 @@ impl State {
     /// What forces of a block tell by themselves: a contact with a force is closed, and a shear at its bound slips.
     pub fn of_forces(block: &Block, forces: &[f64]) -> Self {
         let mut trial = forces.to_vec();
-        trial[1..].iter_mut().for_each(|t| *t *= 1.0 + AT_BOUND);
+        let sheared = block.shear(&(0..trial.len()));
+        trial[sheared].iter_mut().for_each(|t| *t *= 1.0 + AT_BOUND);
         Self::of_trial(block, &trial)
     }
 
@@ -88,11 +91,12 @@ impl State {
         if state.shear == Shear::Smooth || !law.bears(closed) {
             return state;
         }
-        let (length, bound) = (norm(&trial[1..]), law.bound(trial[0]));
+        let sheared = &trial[block.shear(&(0..trial.len()))];
+        let (length, bound) = (norm(sheared), law.bound(trial[0]));
         state.excess = length - bound;
         if length > bound {
             state.shear = Shear::Slip {
-                direction: trial[1..].iter().map(|z| z / length).collect(),
+                direction: sheared.iter().map(|z| z / length).collect(),
                 share: bound / length,
             };
         }
@@ -202,14 +206,14 @@ pub(crate) fn unknowns(
     let mut unknowns = Vec::new();
     for (state, (block, range)) in states.iter().zip(admissible.iter()) {
         let first = range.start;
-        let tangents = first + 1..range.end;
+        let tangents = block.shear(&range);
         if block.is_free() {
             unknowns.extend(range.map(plain));
             continue;
         }
         let law = block.friction();
         let (given, growth) = law.map_or((0.0, 0.0), |law| law.terms());
-        if state.closed {
+        if state.closed && block.is_normal() {
             let mut normal = plain(first);
             if let Shear::Slip { direction, .. } = &state.shear
                 && growth > 0.0

@@ -15,7 +15,7 @@ use crate::model::nouns::solution::Solution;
 use crate::model::read::view::View;
 use crate::model::system::compliance::ASSEMBLED;
 use crate::model::system::condense::Condensed;
-use crate::model::system::paired::row_ranges;
+use crate::model::system::paired::{Kind, row_ranges};
 use crate::model::system::parts::part_name;
 use crate::solve::Outcome;
 use std::ops::Range;
@@ -38,19 +38,21 @@ pub struct Dual<const D: usize> {
 /// What a contact force λᵢ is.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Unknown<const D: usize> {
-    /// Index of its contact in the model; those of couples follow in the order of the bodies.
+    /// Index of its contact in the model; those of couples follow in the order of the bodies, then beds, then bars.
     pub contact: usize,
     /// Index of its node among those of the contact in a solution.
     pub place: usize,
-    /// Index of its node in the mesh of the nonmortar body; of an average couple, which moves the whole side, any of its nodes.
+    /// Index of its node in the mesh of the nonmortar body; of an average couple, which moves the whole side, any of its nodes; of an
+    /// element of a bar, whose ends need not be nodes, the one that moves it most, zero where that body does not.
     pub node: usize,
     /// 0: along the contact normal, else along a tangent.
     pub component: usize,
     /// Index of its block in the admissible set.
     pub block: usize,
-    /// Undeformed position of the node.
+    /// Undeformed position of the node; of an element of a bar its middle.
     pub point: Point<D>,
-    /// Unit vector of its row of B. λ > 0 pushes the nonmortar body against it, the mortar body along it.
+    /// Unit vector of its row of B. λ > 0 pushes the nonmortar body against it, the mortar body along it; of an element of a bar
+    /// from its beginning to its end, λ > 0 is tension.
     pub direction: Point<D>,
     /// ∫ψ, an area (times thickness or 2πr): pressure, or shear traction, is λ over it.
     pub weight: f64,
@@ -72,7 +74,7 @@ impl<const D: usize> Dual<D> {
                     node: node.node,
                     component,
                     block,
-                    point: points[node.node],
+                    point: pair.place(place, points),
                     direction: node.frame[component],
                     weight: node.weight,
                 }));
@@ -80,6 +82,20 @@ impl<const D: usize> Dual<D> {
             }
         }
         list
+    }
+
+    /// What a contact force is along, in a word: of a contact its component, else what it is a force of.
+    pub(crate) fn component_name(&self, unknown: &Unknown<D>) -> &'static str {
+        let components: &[&str] = match D {
+            2 => &["normal", "tangent"],
+            _ => &["normal", "tangent_1", "tangent_2"],
+        };
+        match self.condensed.paired[unknown.contact].kind {
+            Kind::Contact => components[unknown.component],
+            Kind::Couple(_) => "couple",
+            Kind::Bed(_) => "spring",
+            Kind::Bar(_) => "bar",
+        }
     }
 
     /// B (m, n).

@@ -370,7 +370,7 @@ impl Unrest {
         paired: &[Paired<D>],
         iterations: usize,
     ) -> Option<String> {
-        let rough = |pair: &Paired<D>| pair.interface.tangential().contains(&true);
+        let rough = |pair: &Paired<D>| pair.slides().contains(&true);
         if iterations <= MANY || !paired.iter().any(rough) {
             return None;
         }

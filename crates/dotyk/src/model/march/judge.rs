@@ -422,9 +422,9 @@ fn open_motions<const D: usize>(
     }
     let components = problem.admissible.components();
     let mut free: Vec<bool> = components.iter().map(|c| *c == Component::Free).collect();
-    // a bar that may yield is a tie until it does
+    // a bar is a tie until it yields
     for (rows, pair) in row_ranges(&condensed.paired).filter(|(_, pair)| pair.is_link()) {
-        for (row, along) in rows.zip(pair.interface.tangential()) {
+        for (row, along) in rows.zip(pair.slides()) {
             free[row] |= along;
         }
     }
@@ -594,9 +594,9 @@ fn of_domains<const D: usize>(
 /// Energy that what joints and bars bear besides the forces of their rows would store alone, by row: where these forces take it
 /// back, what is left of it is rounding.
 fn of_base<const D: usize>(condensed: &Condensed<D>) -> impl Iterator<Item = (usize, f64)> {
-    let rows = row_ranges(&condensed.paired).flat_map(|(rows, pair)| rows.zip(&pair.base));
+    let rows = row_ranges(&condensed.paired).flat_map(|(rows, pair)| rows.zip(&pair.offset));
     let softness = &condensed.problem.softness;
-    rows.map(|(row, base)| (row, 0.5 * base * base * softness[row]))
+    rows.map(|(row, offset)| (row, 0.5 * offset * offset * softness[row]))
 }
 
 /// Elastic energy that stressed ground would release without its contacts, by body: beside it, energies of ground at rest are

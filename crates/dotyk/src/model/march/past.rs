@@ -149,8 +149,8 @@ pub(crate) fn recorded<const D: usize>(
         let shears = |place| shear_parts(model, (index, pair), place, past.time);
         let bearing = |place, pulls| bearing_weight(model, (index, pair), place, pulls);
         of_contact(name, pair, nodes, (bearing, shears), (lambda, gaps))?;
-        let besides = lambda.iter_mut().zip(&pair.base);
-        besides.for_each(|(force, base)| *force -= base);
+        let besides = lambda.iter_mut().zip(&pair.offset);
+        besides.for_each(|(force, offset)| *force -= offset);
     }
     let mut multipliers = Multipliers {
         lambda,

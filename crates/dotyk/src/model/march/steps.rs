@@ -359,7 +359,7 @@ fn slip<const D: usize>(
     let undeformed = initial_gaps(&condensed.paired);
     for (rows, pair) in row_ranges(&condensed.paired) {
         let slackens = matches!(pair.kind, Kind::Bar(bar) if model.bars[bar].slackens());
-        for (row, tangential) in rows.zip(pair.interface.tangential()) {
+        for (row, tangential) in rows.zip(pair.slides()) {
             let before = condensed.gaps[row] - undeformed[row];
             let now = before - judged.displaced.gaps[row];
             slip[row] = match (tangential, slackens) {

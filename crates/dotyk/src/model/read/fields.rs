@@ -158,10 +158,10 @@ fn link_forces<const D: usize>(
     for (rows, pair) in row_ranges(paired) {
         for (body, rows_on) in pair.ends().filter(|(part, _)| *part < count) {
             // what is in the forces of contacts already are those of the problem
-            for (row, base) in rows_on.iter().zip(&pair.base) {
-                for &(node, c) in row.iter().filter(|_| *base != 0.0) {
+            for (row, offset) in rows_on.iter().zip(&pair.offset) {
+                for &(node, c) in row.iter().filter(|_| *offset != 0.0) {
                     let sum = &mut states[body].contact_forces[node];
-                    *sum = add_scaled(*sum, -base, c);
+                    *sum = add_scaled(*sum, -offset, c);
                 }
             }
             if !pair.is_link() {
@@ -413,7 +413,7 @@ fn contact_solution<const D: usize>(
         counted.map(|(_, node)| node.extent).sum()
     };
     let (resultant, moment, imbalance) = balance(model, pair, lambda);
-    let tangential = pair.interface.tangential().into_iter();
+    let tangential = pair.slides().into_iter();
     let work = tangential.zip(lambda.iter().zip(gaps));
     let dissipated = work.map(|(is, (l, gap))| if is { -l * gap } else { 0.0 });
     let dissipated = dissipated.sum::<f64>();

@@ -33,7 +33,7 @@ pub(crate) fn admissible_set<const D: usize>(
             let (Kind::Contact, Some(contact)) = (pair.kind, model.contacts.get(index)) else {
                 blocks.push(match pair.kind {
                     Kind::Bed(_) => Block::Unilateral,
-                    Kind::Bar(bar) => model.bars[bar].block(pair.link.count),
+                    Kind::Bar(bar) => model.bars[bar].law(pair.link.count).0,
                     _ => Block::Free { size },
                 });
                 continue;

@@ -133,7 +133,7 @@ fn slips<const D: usize>(
     paired: &[Paired<D>],
 ) -> Vec<f64> {
     let of_pair = |pair: &Paired<D>| {
-        let tangential = pair.interface.tangential();
+        let tangential = pair.slides();
         let known = elongations.get(&pair.name).filter(|_| pair.is_link());
         match known.filter(|known| known.len() == tangential.len()) {
             Some(known) => known.clone(),
@@ -383,7 +383,7 @@ fn ordered<const D: usize>(
     dense_limit: usize,
 ) -> Result<(Vec<Arc<Ordered>>, bool), Error<D>> {
     let m = paired.iter().map(|p| p.interface.nonmortar.len()).sum();
-    let rough = |p: &Paired<D>| p.interface.tangential().contains(&true);
+    let rough = |p: &Paired<D>| p.slides().contains(&true);
     let rough = paired.iter().any(rough);
     let few_products = matches!(model.solver.method, Method::Auto | Method::Newton);
     let all = |dense| {

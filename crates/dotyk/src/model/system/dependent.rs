@@ -49,7 +49,7 @@ pub(crate) fn drop_implied<const D: usize>(
     let equalities: Vec<usize> = (0..rows.len()).filter(|&i| tied(&places[i])).collect();
     let (basis, mut implied) = split(&rows, &equalities);
     // a slip that supports prescribe follows from them, but the law still tells its shear
-    let shears: Vec<Vec<bool>> = paired.iter().map(|p| p.interface.tangential()).collect();
+    let shears: Vec<Vec<bool>> = paired.iter().map(|p| p.slides()).collect();
     let prescribed = |i: usize| rows[i].is_empty() && shears[places[i].0][places[i].1];
     let rest = (0..rows.len()).filter(|&i| !tied(&places[i]) && !prescribed(i));
     implied.extend(within(&rows, &basis, rest));
@@ -104,7 +104,8 @@ pub(crate) fn shared_forces<const D: usize>(
             continue;
         };
         let free = block.is_free();
-        if !free && lambda[range.start] <= 0.0 {
+        // what yields has a part of its own to give way
+        if !free && (!block.is_normal() || lambda[range.start] <= 0.0) {
             continue;
         }
         let mut normal = rows[first].clone();

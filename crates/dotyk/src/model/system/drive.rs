@@ -8,7 +8,7 @@ use crate::model::system::bodies::LoadedBody;
 use crate::model::system::dependent::drop_implied;
 use crate::model::system::joints::Lost;
 use crate::model::system::joints::restore;
-use crate::model::system::joints::set_base;
+use crate::model::system::joints::set_offsets;
 use crate::model::system::shared::share_nodes;
 
 use crate::model::system::pair::gaps_at;
@@ -41,8 +41,8 @@ pub(crate) fn driven<const D: usize>(
     let links = rigid.split_off(of_rigid.len());
     systems.extend(of_rigid);
     rows.extend(rigid.into_iter().map(|part| part.rows));
-    set_base(model, &mut paired, time)?;
-    add_base(&mut systems, &paired);
+    set_offsets(model, &mut paired, time)?;
+    add_offsets(&mut systems, &paired);
     let loaded = systems.into_par_iter().zip(rows);
     let mut bodies: Vec<LoadedBody<D>> = loaded.map(|(s, r)| LoadedBody::new(s, r)).collect();
     bodies.extend(links);
@@ -55,7 +55,7 @@ pub(crate) fn driven<const D: usize>(
 /// conditions that others imply, and adds what joints and bars do besides the forces of the rows that are left, at a time;
 /// `before` tells by the names of contacts what joints have lost. Returns warnings about conditions that were dropped.
 ///
-/// Errors: those of [`set_base`].
+/// Errors: those of [`set_offsets`].
 pub(crate) fn complete<const D: usize>(
     model: &Model<D>,
     systems: &mut Vec<BodySystem<D>>,
@@ -66,8 +66,8 @@ pub(crate) fn complete<const D: usize>(
     restore(model, paired, before);
     share_nodes(model, systems, paired);
     let dropped = drop_implied(model, systems, paired);
-    set_base(model, paired, time)?;
-    add_base(systems, paired);
+    set_offsets(model, paired, time)?;
+    add_offsets(systems, paired);
     Ok(dropped)
 }
 
@@ -81,7 +81,7 @@ fn link_systems<const D: usize>(paired: &[Paired<D>]) -> Vec<BodySystem<D>> {
 
 /// Adds to the loads what contacts and links do besides the forces of their rows. Of all systems, or, where links keep theirs, of
 /// those before them.
-pub(crate) fn add_base<const D: usize>(systems: &mut [BodySystem<D>], paired: &[Paired<D>]) {
+pub(crate) fn add_offsets<const D: usize>(systems: &mut [BodySystem<D>], paired: &[Paired<D>]) {
     for pair in paired {
         for &(body, node, force) in &pair.link.steady {
             let system = &mut systems[body];
@@ -92,12 +92,12 @@ pub(crate) fn add_base<const D: usize>(systems: &mut [BodySystem<D>], paired: &[
             let Some(system) = systems.get_mut(part) else {
                 continue;
             };
-            for (row, &base) in rows
+            for (row, &offset) in rows
                 .iter()
-                .zip(&pair.base)
-                .filter(|(_, base)| **base != 0.0)
+                .zip(&pair.offset)
+                .filter(|(_, offset)| **offset != 0.0)
             {
-                system.add_force(row, -base);
+                system.add_force(row, -offset);
             }
         }
     }

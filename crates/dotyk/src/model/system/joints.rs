@@ -133,17 +133,17 @@ pub(crate) fn restore<const D: usize>(
 /// Sets what joints bear in tension, at a time.
 ///
 /// Errors: a strength that is negative, not finite, or more than cohesion over coefficient.
-pub(crate) fn set_base<const D: usize>(
+pub(crate) fn set_offsets<const D: usize>(
     model: &Model<D>,
     paired: &mut [Paired<D>],
     time: f64,
 ) -> Result<(), Error<D>> {
     for (contact, pair) in model.contacts.iter().zip(paired) {
         let Some(tension) = contact.law.tension() else {
-            pair.base.clear();
+            pair.offset.clear();
             continue;
         };
-        pair.base = vec![0.0; pair.interface.nonmortar.len()];
+        pair.offset = vec![0.0; pair.interface.nonmortar.len()];
         let points = model.bodies[pair.nonmortar.body.0].mesh.points();
         prepare_law(contact, pair, points, time);
         for (node, lost) in pair.interface.nodes.iter().zip(&pair.lost) {
@@ -165,7 +165,7 @@ pub(crate) fn set_base<const D: usize>(
                     },
                 });
             }
-            pair.base[row] = -value * node.weight;
+            pair.offset[row] = -value * node.weight;
         }
     }
     Ok(())

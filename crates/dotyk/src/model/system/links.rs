@@ -6,8 +6,8 @@
 //!   bed       gap = −(n·u − q) ≥ 0,  λ ≥ 0      k = kₙ A         q = λ/k: pressed in
 //!   bar       gap = e_a − (e − q) = 0           k = EA/L         q = (λ − P)/k: lengthened, λ = N
 //!             tension only                      gap ≥ 0, λ ≥ 0
-//!             yields                            −slip = gap,  |λ| ≤ N_y: the plastic elongation is a slip
-//!             both                              λ = N_y/2 + λ',  |λ'| ≤ N_y/2, and slack bars keep their slip
+//!             yields                            −slip = gap,  −N_y ≤ λ ≤ N_y: the plastic elongation is a slip
+//!             both                              0 ≤ λ ≤ N_y, and slack bars keep their slip
 //!             being tightened                   no row: both ends are pulled with P
 //! ```
 //!
@@ -28,9 +28,9 @@
 //! thickness.
 
 use crate::contact::{Coupling, GapShares, Interface, InterfaceNode, Role, Row, frame};
-use crate::dual::{Block, Friction};
+use crate::dual::Block;
 use crate::fem::pads;
-use crate::geometry::{Point, add_scaled, dot};
+use crate::geometry::{Point, add_scaled, dot, norm};
 use crate::model::nouns::bar::{Bar, BarSolution, BarStation};
 use crate::model::nouns::error::Error;
 use crate::model::nouns::ids::{BodyId, SideRef};
@@ -123,7 +123,7 @@ fn linked<const D: usize>(
         mortar: None,
         opposite: Some(part),
         obstacle_motion: [0.0; D],
-        base: vec![0.0; interface.nonmortar.len()],
+        offset: vec![0.0; interface.nonmortar.len()],
         interface,
         samples: Vec::new(),
         left_out: Vec::new(),
@@ -138,52 +138,26 @@ fn linked<const D: usize>(
     }
 }
 
-/// How a bar gives way.
-enum Gives {
-    /// Not at all.
-    Never,
-    /// In compression.
-    Slack,
-    /// Beyond a force from a middle one.
-    Beyond { middle: f64, most: f64 },
-}
-
 impl<const D: usize> Bar<D> {
-    fn gives(&self) -> Gives {
+    /// What one of its elements can bear, of so many bars, and from where that counts.
+    pub(crate) fn law(&self, count: f64) -> (Block, f64) {
+        let half = |most: f64| 0.5 * count * most;
         match (self.strength(), self.tension_only) {
-            (None, false) => Gives::Never,
-            (None, true) => Gives::Slack,
-            (Some(most), false) => Gives::Beyond { middle: 0.0, most },
-            (Some(most), true) => Gives::Beyond {
-                middle: 0.5 * most,
-                most: 0.5 * most,
-            },
-        }
-    }
-
-    /// What one of its elements can bear, of so many bars.
-    pub(crate) fn block(&self, count: f64) -> Block {
-        match self.gives() {
-            Gives::Never => Block::Free { size: 1 },
-            Gives::Slack => Block::Unilateral,
-            Gives::Beyond { most, .. } => {
-                let bound = count * most;
-                Friction::Tresca { bound }.block(1)
-            }
+            (None, false) => (Block::Free { size: 1 }, 0.0),
+            (None, true) => (Block::Unilateral, 0.0),
+            (Some(most), false) => (
+                Block::Interval {
+                    bound: count * most,
+                },
+                0.0,
+            ),
+            (Some(most), true) => (Block::Interval { bound: half(most) }, half(most)),
         }
     }
 
     /// Its slip is a plastic elongation, which grows, and slackness is none of it.
     pub(crate) fn slackens(&self) -> bool {
         self.tension_only && self.yields.is_some()
-    }
-
-    /// The middle of what all bars of the model bear.
-    fn middle(&self, count: f64) -> f64 {
-        match self.gives() {
-            Gives::Beyond { middle, .. } => count * middle,
-            _ => 0.0,
-        }
     }
 }
 
@@ -217,18 +191,15 @@ fn pair_bar<const D: usize>(
         .elements()
         .map(|[from, to]| laid.length_to(to.point) - laid.length_to(from.point))
         .collect();
-    let yields = matches!(bar.gives(), Gives::Beyond { .. });
     let prestress = laid.count * bar.prestress.unwrap_or(0.0);
     let mut link = Link {
         count: laid.count,
+        yields: bar.yields.is_some(),
         ..Link::default()
     };
     for length in &lengths {
         let k = laid.count * bar.young * bar.area / length;
-        // of one that yields the second dof only makes the force along its first no normal one
-        link.stiffness.push(std::array::from_fn(|i| {
-            if i < 1 + usize::from(yields) { k } else { 0.0 }
-        }));
+        link.stiffness.push(axis::<D>(0).map(|c| c * k));
         link.load.push(axis::<D>(0).map(|c| -c * prestress));
     }
     let mut of_bodies: Vec<(usize, Vec<Row<D>>)> = bodies
@@ -241,42 +212,37 @@ fn pair_bar<const D: usize>(
             let pulls = pulls.map(|&(node, c)| (*body, node, c.map(|c| -prestress * c)));
             link.steady.extend(pulls);
         }
-    }
-    let mut interface = empty_interface(match (bar.gives(), bar.tightening) {
-        (Gives::Never, _) | (_, true) => Coupling::Tied,
-        (Gives::Slack, _) => Coupling::Normal,
-        (Gives::Beyond { .. }, _) => Coupling::Frictional,
-    });
-    if bar.tightening {
         of_bodies.iter_mut().for_each(|(_, rows)| rows.clear());
-    } else {
-        for element in 0..lengths.len() {
-            add_element(&mut interface, element, yields);
-        }
-        if yields {
-            for (_, rows) in &mut of_bodies {
-                let both = rows.drain(..).flat_map(|row| [Vec::new(), row]);
-                *rows = both.collect();
-            }
-        }
     }
+    let (block, offset) = bar.law(laid.count);
+    let mut interface = empty_interface(match block.is_free() || bar.tightening {
+        true => Coupling::Tied,
+        false => Coupling::Normal,
+    });
     let mut of_bodies = of_bodies.into_iter();
     let (body, rows) = of_bodies.next().unwrap_or_default();
+    for (row, (element, [from, to])) in rows.iter().zip(laid.elements().enumerate()) {
+        let most = row.iter().max_by(|a, b| norm(a.1).total_cmp(&norm(b.1)));
+        interface.nodes.push(InterfaceNode {
+            node: most.map_or(0, |&(node, _)| node),
+            frame: frame(laid.along, &[]),
+            ..carrier(element, 1)
+        });
+        interface.mortar.push(less(element, 0));
+        link.places
+            .push(add_scaled(from.point.map(|c| 0.5 * c), 0.5, to.point));
+    }
+    let offset = vec![offset; rows.len()];
+    link.came_with = vec![0.0; rows.len()];
     interface.nonmortar = rows;
     link.further = of_bodies.collect();
-    let rows = interface.nonmortar.len();
-    link.came_with = vec![0.0; rows];
-    // of one that yields every second row is along it
-    let along = |row: usize| !yields || row % 2 == 1;
-    let middle = bar.middle(laid.count);
-    let base = (0..rows).map(|row| if along(row) { middle } else { 0.0 });
     let end = SideRef {
         body: BodyId(body),
         side: String::new(),
     };
     let kind = (Kind::Bar(place), bar.name.clone());
     Paired {
-        base: base.collect(),
+        offset,
         ..linked(kind, (end, part), interface, link)
     }
 }
@@ -293,17 +259,6 @@ fn empty_interface<const D: usize>(coupling: Coupling) -> Interface<D> {
         missed: [0; 2],
         unborne: 0,
     }
-}
-
-/// The rows of an element on its part, and the node that carries them.
-fn add_element<const D: usize>(interface: &mut Interface<D>, element: usize, yields: bool) {
-    let first = interface.mortar.len();
-    let count = 1 + usize::from(yields);
-    if yields {
-        interface.mortar.push(less(element, 1));
-    }
-    interface.mortar.push(less(element, 0));
-    interface.nodes.push(carrier(first, count));
 }
 
 /// What carries some rows one after the other, in no place of a side.
@@ -365,10 +320,7 @@ pub(crate) fn bar_solutions<const D: usize>(
         };
         let (bar, laid) = (&model.bars[place], &laid[place]);
         let forces = pair.forces(&lambda[rows]);
-        // the last row of an element is along the bar
-        let along = pair.interface.nodes.iter();
-        let along = along.filter_map(|node| node.rows.iter().flatten().last());
-        let along: Vec<f64> = along.map(|&row| forces[row] / laid.count).collect();
+        let along: Vec<f64> = forces.iter().map(|force| force / laid.count).collect();
         let stations = laid.elements().enumerate().map(|(element, [from, to])| {
             let middle = add_scaled(from.point.map(|c| 0.5 * c), 0.5, to.point);
             let own = along.get(element).copied();

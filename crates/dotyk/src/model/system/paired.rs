@@ -1,6 +1,6 @@
 //! What two sides are once they are paired: rows, gaps and what else there is of a contact, a couple or a link.
 
-use crate::contact::{Interface, InterfaceNode, Row, Sample};
+use crate::contact::{Interface, InterfaceNode, Role, Row, Sample};
 use crate::fem::CoupleKind;
 use crate::geometry::Field;
 use crate::geometry::{Point, add_scaled, dot, sub};
@@ -51,8 +51,9 @@ pub(crate) struct Paired<const D: usize> {
     pub began: Fit<D>,
     /// What else there is of a link.
     pub link: Link<D>,
-    /// Forces of its rows besides those of the problem: minus what a whole joint bears in tension, the middle of what a bar bears.
-    pub base: Vec<f64>,
+    /// Where the forces of the problem count from, λ = offset + μ: minus what a whole joint bears in tension, the middle of what a
+    /// bar bears.
+    pub offset: Vec<f64>,
     /// By node, whether a joint has parted or slipped there.
     pub lost: Vec<bool>,
     /// How far the measured gaps are off because polygons stand for curves, at nodes of the nonmortar and of the mortar side.
@@ -137,8 +138,23 @@ impl<const D: usize> Paired<D> {
 
     /// All of the forces of its rows, of those of the problem (m,) in these.
     pub fn forces(&self, lambda: &[f64]) -> Vec<f64> {
-        let base = self.base.iter().copied().chain(std::iter::repeat(0.0));
-        lambda.iter().zip(base).map(|(l, base)| l + base).collect()
+        let offset = self.offset.iter().copied().chain(std::iter::repeat(0.0));
+        let each = lambda.iter().zip(offset);
+        each.map(|(l, offset)| l + offset).collect()
+    }
+
+    /// Whether the gap of each row is a slip: a force that is bounded does work on it, and it counts from step to step.
+    pub fn slides(&self) -> Vec<bool> {
+        match self.link.yields {
+            true => vec![true; self.interface.nonmortar.len()],
+            false => self.interface.tangential(),
+        }
+    }
+
+    /// Where a node of its interface is, undeformed; `points` are those of the nonmortar body.
+    pub fn place(&self, node: usize, points: &[Point<D>]) -> Point<D> {
+        let own = self.link.places.get(node).copied();
+        own.unwrap_or_else(|| points[self.interface.nodes[node].node])
     }
 
     /// The parts that its rows act on, and these.
@@ -278,8 +294,8 @@ pub(crate) fn initial_gaps<const D: usize>(paired: &[Paired<D>]) -> Vec<f64> {
 /// The same without shears: how far it is to what may hold a body; infinite in tangential rows, whose gap is none.
 pub(crate) fn clearances<const D: usize>(paired: &[Paired<D>]) -> Vec<f64> {
     let of_pair = |pair: &Paired<D>| {
-        let both = pair.gaps().into_iter().zip(pair.interface.tangential());
-        let far = |(gap, tangential)| match (pair.is_link(), tangential) {
+        let both = pair.gaps().into_iter().zip(pair.slides());
+        let far = |(gap, slides)| match (pair.is_link(), slides) {
             // a link is there already
             (true, _) => 0.0,
             (false, true) => f64::INFINITY,
@@ -298,9 +314,9 @@ pub(crate) fn carriers<const D: usize>(
     let each = paired.iter().enumerate().flat_map(|(contact, pair)| {
         let points = model.bodies[pair.nonmortar.body.0].mesh.points();
         let rows = |node: &InterfaceNode<D>| node.rows.iter().flatten().count();
-        pair.interface
-            .carriers()
-            .flat_map(move |node| vec![(contact, points[node.node]); rows(node)])
+        let carriers = pair.interface.nodes.iter().enumerate();
+        let carriers = carriers.filter(|(_, node)| node.role == Role::Multiplier);
+        carriers.flat_map(move |(k, node)| vec![(contact, pair.place(k, points)); rows(node)])
     });
     each.collect()
 }
@@ -332,6 +348,10 @@ pub(crate) struct Link<const D: usize> {
     pub load: Vec<[f64; D]>,
     /// Bars in the thickness of the model.
     pub count: f64,
+    /// Its gaps are plastic elongations: slips.
+    pub yields: bool,
+    /// Where its rows are, if not at nodes.
+    pub places: Vec<Point<D>>,
 }
 
 impl<const D: usize> Default for Link<D> {
@@ -343,6 +363,8 @@ impl<const D: usize> Default for Link<D> {
             stiffness: Vec::new(),
             load: Vec::new(),
             count: 1.0,
+            yields: false,
+            places: Vec::new(),
         }
     }
 }
