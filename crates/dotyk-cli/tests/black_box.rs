@@ -1919,7 +1919,7 @@ fn bars_are_exported_along_themselves_and_where_they_are() {
                 "up" => [[1.5, 1.75], [1.5, 0.25]],
                 _ => [[1.5, 1.75], [0.5, 0.25]],
             };
-            let length = (to[0] - from[0] as f64).hypot(to[1] - from[1]);
+            let length = f64::hypot(to[0] - from[0], to[1] - from[1]);
             let expected = [
                 middle[0],
                 middle[1],

@@ -152,6 +152,7 @@ fn law(block: &Block) -> Law {
     match *block {
         Block::Free { size } => ("free", size, none, none),
         Block::Unilateral => ("unilateral", 1, none, none),
+        Block::Interval { bound } => ("interval", 1, bound, none),
         Block::Frictional { tangents, law } => match law {
             Friction::Tresca { bound } => ("tresca", 1 + tangents, bound, none),
             Friction::Coulomb { coefficient } => ("coulomb", 1 + tangents, none, coefficient),

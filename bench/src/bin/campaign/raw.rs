@@ -86,6 +86,8 @@ pub struct Step<const D: usize = 2> {
     /// Of each section at each station: x, y, N, V, M.
     pub sections: Vec<Vec<[f64; 5]>>,
     pub iterations: usize,
+    /// Stages of the solver that were entered; the last one answered.
+    pub tried: Vec<&'static str>,
     /// What the program tells that rounding leaves open of a force.
     pub rounding: f64,
     /// The program warns that it dropped conditions: for the report, the checker does not ask.

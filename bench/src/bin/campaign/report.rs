@@ -2,6 +2,7 @@
 
 use crate::problem::Known;
 use crate::run::{Result, Verdict};
+use std::cmp::Reverse;
 use std::collections::BTreeMap;
 
 /// All results, counted.
@@ -52,6 +53,7 @@ impl<'a> Report<'a> {
         self.print_families();
         self.print_kinds();
         self.print_iterations();
+        self.print_stages();
         self.print_comparisons();
         if margins {
             self.print_margins();
@@ -213,6 +215,28 @@ impl<'a> Report<'a> {
                     at(0.99),
                     at(0.999),
                     with_seeds(counts.iter().rev(), usize::to_string)
+                );
+            }
+        }
+        println!();
+    }
+
+    /// Which stage of the solver answered how many steps, in how many iterations, and the least seed of each.
+    fn print_stages(&self) {
+        for (name, rough) in [("frictionless", false), ("friction", true)] {
+            let mut stages: BTreeMap<&str, (usize, usize, u64)> = BTreeMap::new();
+            for result in self.results.iter().filter(|r| r.rough == rough) {
+                for (&stage, &count) in result.answered.iter().zip(&result.iterations) {
+                    let (steps, all, least) = stages.entry(stage).or_insert((0, 0, u64::MAX));
+                    (*steps, *all) = (*steps + 1, *all + count);
+                    *least = result.seed.min(*least);
+                }
+            }
+            let mut stages: Vec<_> = stages.into_iter().collect();
+            stages.sort_by_key(|(_, (steps, ..))| Reverse(*steps));
+            for (stage, (steps, all, least)) in stages {
+                println!(
+                    "answered, {name}: {stage:<26} {steps:>7} steps {all:>8} iterations, seed {least}"
                 );
             }
         }

@@ -132,6 +132,8 @@ pub struct Result {
     /// The program warned that it dropped conditions.
     pub dropped: bool,
     pub iterations: Vec<usize>,
+    /// Of each step, the stage of the solver that answered.
+    pub answered: Vec<&'static str>,
     pub margins: BTreeMap<&'static str, f64>,
     /// Name of the twin with the difference of its answer, where it is none of the findings.
     pub twin: Option<(&'static str, f64)>,
@@ -204,6 +206,7 @@ where
         what: "",
         dropped: false,
         iterations: Vec::new(),
+        answered: Vec::new(),
         margins: BTreeMap::new(),
         twin: None,
         method: None,
@@ -337,6 +340,8 @@ fn look<P: Problem<D>, const D: usize>(
 ) {
     result.dofs = answer.meshes.iter().map(|m| D * m.points.len()).sum();
     result.iterations = answer.steps.iter().map(|s| s.iterations).collect();
+    let last = |step: &Step<D>| step.tried.last().copied().unwrap_or("no stage");
+    result.answered = answer.steps.iter().map(last).collect();
     result.dropped = answer.steps.iter().any(|s| s.dropped);
     let judgement = problem.check(answer);
     if let Some(Finding {

@@ -233,6 +233,7 @@ fn step<const D: usize>(solution: &Solution<D>) -> Step<D> {
         reactions: solution.bodies.iter().map(|body| body.reaction).collect(),
         contacts: solution.contacts.iter().map(contact).collect(),
         iterations: solution.solver.iterations,
+        tried: solution.solver.tried.clone(),
         rounding: solution.certificate.rounding.value,
         dropped: solution
             .warnings

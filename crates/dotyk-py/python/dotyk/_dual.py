@@ -28,11 +28,12 @@ class Block(NamedTuple):
     ('coulomb', 2, 0.2)
     """
 
-    #: ``"unilateral"``, ``"free"``, ``"tresca"``, ``"coulomb"`` or ``"cohesive"``.
+    #: ``"unilateral"``, ``"free"``, ``"tresca"``, ``"coulomb"``, ``"cohesive"`` or ``"interval"``: one force along a line between
+    #: −bound and bound.
     law: str
     #: Number of components, the normal one first.
     size: int
-    #: Bound of the tangential force; NaN where the law has none.
+    #: Bound of the tangential force, or of that of an interval; NaN where the law has none.
     bound: float
     #: Coefficient of friction; NaN where the law has none.
     coefficient: float

@@ -163,6 +163,11 @@ fn differing(these: &[(bool, u8)], those: &[(bool, u8)]) -> usize {
     these.iter().zip(those).filter(|(a, b)| a != b).count()
 }
 
+/// What stages are called that other files begin, too.
+pub(crate) const EXACT_STEPS: &str = "exact steps";
+pub(crate) const COARSER: &str = "a coarser problem";
+pub(crate) const INTERIOR: &str = "interior points";
+
 /// The iterate and its history.
 pub(crate) struct Search<'a> {
     /// Residual below which an answer is accepted, and the most linear solves on the problem itself.
@@ -190,6 +195,8 @@ pub(crate) struct Search<'a> {
     pub unique: bool,
     /// Forces and gaps (m,) with which floating bodies rest under given bounds of friction, once they are known.
     pub rested: Option<(Vec<f64>, Vec<f64>)>,
+    /// Names of the stages that were entered.
+    pub tried: Vec<&'static str>,
 }
 
 impl<'a> Search<'a> {
@@ -213,6 +220,7 @@ impl<'a> Search<'a> {
             kind: 'n',
             unique: false,
             rested: None,
+            tried: Vec::new(),
             accuracy: match setup.problem.compliance {
                 Compliance::Dense(_) | Compliance::Sparse(_) => finest(tolerance),
                 Compliance::Operator { .. } => BEGINNING,
@@ -253,6 +261,17 @@ impl<'a> Search<'a> {
         self.coarse += start.steps;
         self.accuracy = self.accuracy.min(CLOSE);
         start.states
+    }
+
+    /// Enters a stage; one that took no step was not tried.
+    pub fn stage(&mut self, name: &'static str, run: impl FnOnce(&mut Self) -> Ended) -> Ended {
+        self.tried.push(name);
+        let before = self.steps;
+        let ended = run(self);
+        if matches!(ended, Ended::Stuck(_)) && self.steps == before {
+            self.tried.pop();
+        }
+        ended
     }
 
     /// All linear solves, in solves of this size.
@@ -487,6 +506,7 @@ impl<'a> Search<'a> {
             iterations: self.iterations(),
             exact: self.kind == 'n',
             stopped_by_observer,
+            tried: self.tried.clone(),
             ..self.setup.outcome(&self.point)
         }
     }

@@ -18,7 +18,7 @@
 //! augmented Lagrangian methods, and the semismooth Newton methods on them since.
 
 use crate::dual::Multipliers;
-use crate::solve::exact::{Ended, NEAR, Patience, STALLED, Search};
+use crate::solve::exact::{COARSER, EXACT_STEPS, Ended, INTERIOR, NEAR, Patience, STALLED, Search};
 use crate::solve::interior::{self, interior};
 use crate::solve::proximal::descend;
 use crate::solve::setup::{Forces, Setup};
@@ -86,17 +86,23 @@ impl FixedBounds for Newton {
     }
 }
 
-/// What follows where exact steps do not end: the states that come next go in, where it ends comes out.
-type Rescue = fn(&mut Search<'_>, Vec<State>, Observer<'_>) -> Ended;
+/// What follows where exact steps do not end, with its name: the states that come next go in, where it ends comes out.
+type Rescue = (
+    &'static str,
+    fn(&mut Search<'_>, Vec<State>, Observer<'_>) -> Ended,
+);
+
+const INSIDE: Rescue = (INTERIOR, interior);
+const FALLING: Rescue = ("energies that fall", descend);
 
 /// How long steps from all contacts closed go on, and what follows where they do not end.
 type Course<'a> = (&'a Patience, &'a [Rescue]);
 
 /// Rescues in their order.
-const FAR: &[Rescue] = &[interior, descend];
+const FAR: &[Rescue] = &[INSIDE, FALLING];
 
 /// The same from a coarser problem, whose states are right but for a node: energies fall to the answer at once.
-const CLOSE: &[Rescue] = &[descend, interior];
+const CLOSE: &[Rescue] = &[FALLING, INSIDE];
 
 impl Newton {
     /// Searches from a guess, or from anywhere.
@@ -111,6 +117,7 @@ impl Newton {
         let ended = match guess {
             Some(guess) => {
                 let states = search.states_of_guess(guess)?;
+                search.tried.push(EXACT_STEPS);
                 from_near(&mut search, states, (&NEAR, course.1), observe)
             }
             None => from_anywhere(self, &mut search, course, observe),
@@ -144,9 +151,10 @@ fn rescued(
     rescues: &[Rescue],
     observe: Observer<'_>,
 ) -> Ended {
-    for rescue in rescues {
+    for (name, rescue) in rescues {
         search.point = point.clone();
-        let ended = rescue(search, states.clone(), observe);
+        let states = states.clone();
+        let ended = search.stage(name, |search| rescue(search, states, observe));
         if !matches!(ended, Ended::Stuck(_)) {
             return ended;
         }
@@ -167,6 +175,7 @@ fn from_anywhere(
     let setup = search.setup;
     let inside = interior::serves(setup);
     let mut states = search.all_closed();
+    search.tried.push(EXACT_STEPS);
     if setup.admissible.blocks().len() >= SMALL {
         match search.exact(states, &ONE, &|_, _| {}, observe) {
             Ended::Stuck(next) => states = next,
@@ -180,10 +189,12 @@ fn from_anywhere(
         if let Some(start) = coarse {
             let solved = start.solved;
             states = search.begin(start);
-            return match solved || !inside {
-                true => from_near(search, states, (&BESIDE, CLOSE), observe),
-                false => from_nothing(search, states, rescues, observe),
-            };
+            search.tried.push(COARSER);
+            if inside && !solved {
+                return from_nothing(search, states, rescues, observe);
+            }
+            search.tried.push(EXACT_STEPS);
+            return from_near(search, states, (&BESIDE, CLOSE), observe);
         }
     }
     let plain = if inside { plain } else { &PLAIN };
@@ -241,8 +252,9 @@ mod tests {
             );
             assert!(kinds.len() <= 20, "{kinds}");
         }
-        let (_, dense) = kinds(&problem, None);
+        let (outcome, dense) = kinds(&problem, None);
         assert!(dense.contains('i') && !dense.contains('p'), "{dense}");
+        assert_eq!(outcome.tried, [EXACT_STEPS, INTERIOR]);
         // where F is applied proximal steps do
         let Compliance::Dense(f) = &problem.compliance else {
             panic!("F is assembled");
@@ -252,6 +264,7 @@ mod tests {
         let (outcome, applied) = kinds(&other, None);
         assert!(problem.certify(&outcome.multipliers, 1e-8).holds());
         assert!(applied.contains('p') && !applied.contains('i'), "{applied}");
+        assert_eq!(outcome.tried, [EXACT_STEPS, FALLING.0]);
     }
 
     #[test]
@@ -280,6 +293,9 @@ mod tests {
             });
             let outcome = outcome.unwrap();
             assert!(problem.certify(&outcome.multipliers, 1e-8).holds());
+            let levels = [EXACT_STEPS, COARSER, EXACT_STEPS];
+            let tried = &outcome.tried[..];
+            assert!(tried == levels || tried == [EXACT_STEPS], "{tried:?}");
             // coarser steps are counted, and not shown
             outcome.iterations - count
         };
@@ -311,6 +327,7 @@ mod tests {
         assert_eq!((method.as_str(), outcome.iterations), ("newton", 4));
         assert!(residual >= least && residual > 1e-8);
         assert_eq!(reason, STALLED);
+        assert_eq!(outcome.tried.first(), Some(&EXACT_STEPS));
     }
 
     #[test]
@@ -324,6 +341,7 @@ mod tests {
             .solve(&problem, Some(&expected), &mut silent)
             .unwrap();
         assert_eq!((again.iterations, again.exact), (1, true));
+        assert_eq!(again.tried, [EXACT_STEPS]);
         let wrong = Multipliers {
             lambda: vec![0.0, 1.0, 0.0, 0.0, 5.0, 0.0, 0.0, 0.0],
             alpha: Vec::new(),

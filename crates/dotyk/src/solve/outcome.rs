@@ -44,6 +44,8 @@ pub struct Outcome {
     pub fixed_point: Option<FixedPoint>,
     /// What the user should know, in words.
     pub remarks: Vec<String>,
+    /// Stages of Newton's method in the order in which they were entered; the last one answered.
+    pub tried: Vec<&'static str>,
 }
 
 /// The fixed point of bounds ↦ bounds that follow from the normal forces of the solution with them.
@@ -69,6 +71,7 @@ impl Outcome {
             fixed_point: None,
             stopped_by_observer: false,
             remarks: Vec::new(),
+            tried: Vec::new(),
         }
     }
 

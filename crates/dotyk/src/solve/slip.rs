@@ -30,7 +30,9 @@ use crate::dual::{DualProblem, Multipliers};
 use crate::solve::alternating::{alternate, alternate_from};
 use crate::solve::anchored::settle;
 use crate::solve::coulomb::{carry, fixed_point};
-use crate::solve::exact::{Ended, NEAR, NEARBY, Patience, STALLED, Search};
+use crate::solve::exact::{
+    COARSER, EXACT_STEPS, Ended, INTERIOR, NEAR, NEARBY, Patience, STALLED, Search,
+};
 use crate::solve::hold::{held, hold};
 use crate::solve::interior::interior;
 use crate::solve::iteration::{completed, counting_from};
@@ -49,16 +51,33 @@ const COARSE: usize = 30;
 /// Accuracy of convex problems that look for where floating bodies rest.
 const RESTING: f64 = 1e-4;
 
-/// One stage: goes on from states, with what a method for given bounds can do.
-type Stage<S> = fn(&S, &mut Search<'_>, Vec<State>, Observer<'_>) -> Ended;
+/// One stage and its name: goes on from states, with what a method for given bounds can do.
+type Stage<S> = (
+    &'static str,
+    fn(&S, &mut Search<'_>, Vec<State>, Observer<'_>) -> Ended,
+);
+
+/// The last stage.
+const BOUNDS: &str = "bounds that are given";
 
 /// The stages of single forces: all but the last; of crowds those that do not wander, without guesses where bodies are known one
 /// by one, as there are too many then.
 fn stages<S: FixedBounds>(problem: &DualProblem) -> Vec<Stage<S>> {
-    let settle: Stage<S> = |_, search, states, observe| settle(search, states, observe);
-    let alternate: Stage<S> = |_, search, states, observe| alternate(search, states, observe);
-    let interior: Stage<S> = |_, search, states, observe| interior(search, states, observe);
-    let rested: Stage<S> = |_, search, states, observe| alternate_rested(search, states, observe);
+    let exact: Stage<S> = (EXACT_STEPS, exact);
+    let settle: Stage<S> = ("proximal steps", |_, search, states, observe| {
+        settle(search, states, observe)
+    });
+    let alternate: Stage<S> = ("law and bodies by turns", |_, search, states, observe| {
+        alternate(search, states, observe)
+    });
+    let interior: Stage<S> = (INTERIOR, |_, search, states, observe| {
+        interior(search, states, observe)
+    });
+    let rest: Stage<S> = ("exact steps from rest", rest);
+    let rested: Stage<S> = ("turns from rest", |_, search, states, observe| {
+        alternate_rested(search, states, observe)
+    });
+    let stiffen: Stage<S> = ("springs", stiffen);
     match (problem.is_crowd(), problem.parts.is_empty()) {
         (false, _) => vec![exact, interior, alternate, rest, rested, settle, stiffen],
         (true, true) => vec![exact, alternate],
@@ -108,15 +127,20 @@ fn climb<'a, S: FixedBounds>(
     let mut states = match guess {
         Some(guess) => search.states_of_guess(guess)?,
         None => match levels::start(setup, &coarse) {
-            Some(start) => search.begin(start),
+            Some(start) => {
+                search.tried.push(COARSER);
+                search.begin(start)
+            }
             None => search.all_closed(),
         },
     };
     hold(setup, &mut states, None);
     let mut ended = Ended::Stuck(states);
-    for stage in stages {
+    for (name, stage) in stages {
         ended = match ended {
-            Ended::Stuck(states) => stage(method, &mut search, states, observe),
+            Ended::Stuck(states) => {
+                search.stage(name, |search| stage(method, search, states, observe))
+            }
             ended => ended,
         };
     }
@@ -230,6 +254,8 @@ fn iterate_bounds<S: FixedBounds>(
     let guess = residual.is_finite().then_some(&guess);
     let done = search.iterations();
     let mut after = counting_from(done, observe);
+    let mut tried = std::mem::take(&mut search.tried);
+    tried.push(BOUNDS);
     let mut result = fixed_point(method, setup, guess, &mut after);
     search.go_back();
     if let Err(SolveError::NotConverged {
@@ -243,6 +269,7 @@ fn iterate_bounds<S: FixedBounds>(
     }
     completed(S::NAME, result, |outcome| Outcome {
         iterations: done + outcome.iterations,
+        tried,
         ..outcome
     })
 }
@@ -404,6 +431,7 @@ mod tests {
         let before = search.iterations();
         let outcome = iterate_bounds(&method, search, &mut observe).unwrap();
         assert!(outcome.fixed_point.is_some());
+        assert_eq!(outcome.tried.last(), Some(&BOUNDS));
         assert!(problem.certify(&outcome.multipliers, 1e-8).holds());
         // systems that are singular are no iterates
         assert!(

@@ -286,6 +286,11 @@ fn run_solver<const D: usize>(
             reason,
             ..
         }) => {
+            let tried = &outcome.tried;
+            let reason = match tried.is_empty() {
+                true => reason,
+                false => format!("{reason} by {}", tried.join(", then by ")),
+            };
             let failure = Objection::Unsettled {
                 reason,
                 residual,

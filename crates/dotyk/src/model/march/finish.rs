@@ -147,6 +147,7 @@ pub(crate) fn finish<const D: usize>(
         converged,
         solver: SolverReport {
             method,
+            tried: outcome.tried,
             iterations: outcome.iterations,
             products: outcome.products,
             rho: outcome.rho,

@@ -5,7 +5,7 @@ pub use crate::fem::{
     Elastic, Formulation, History, Initial, Load, Material, Place, Spring, Strength, Support,
 };
 
-/// Index of a body in [`Model::bodies`].
+/// Index of a body in [`Model::bodies`](crate::model::Model::bodies).
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub struct BodyId(
     /// The index.
@@ -15,7 +15,7 @@ pub struct BodyId(
 /// A named side of one of the model's bodies.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SideRef {
-    /// Index of the body in [`Model::bodies`].
+    /// Index of the body in [`Model::bodies`](crate::model::Model::bodies).
     pub body: BodyId,
     /// Name of the side in its mesh.
     pub side: String,

@@ -389,6 +389,8 @@ pub struct BoltReport<const D: usize> {
 pub struct SolverReport<const D: usize> {
     /// Method that was used (never "auto"), or name of a solver of one's own; "given" where forces were given.
     pub method: String,
+    /// Stages of Newton's method in the order in which they were entered; the last one answered.
+    pub tried: Vec<&'static str>,
     /// Iterations.
     pub iterations: usize,
     /// Products with the compliance F.

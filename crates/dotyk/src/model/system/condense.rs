@@ -394,7 +394,8 @@ fn ordered<const D: usize>(
     let fits = |ordered: &[Arc<Ordered>], dense| {
         let each = of.systems.iter().zip(of.rows).zip(ordered);
         let demands = each.map(|((system, rows), ordered)| Demand {
-            ordered,
+            trailing: ordered.trailing.len(),
+            factor: ordered.stored(),
             stiffness: system.stiffness.stored(),
             dofs: system.load.len(),
             rows: rows.index.len(),

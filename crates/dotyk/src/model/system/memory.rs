@@ -15,13 +15,14 @@
 use crate::mesh::{CellKind, Mesh};
 use crate::model::nouns::error::Error;
 use crate::model::nouns::model::Model;
-use crate::model::system::factor::Ordered;
 use crate::model::system::parts::part_name;
 
 /// What counts of a body.
-pub(crate) struct Demand<'a> {
-    /// Its order.
-    pub ordered: &'a Ordered,
+pub(crate) struct Demand {
+    /// Its contact dofs.
+    pub trailing: usize,
+    /// Entries of its factor.
+    pub factor: usize,
     /// Entries of its stiffness.
     pub stiffness: usize,
     /// Its dofs.
@@ -30,11 +31,11 @@ pub(crate) struct Demand<'a> {
     pub rows: usize,
 }
 
-impl Demand<'_> {
+impl Demand {
     /// Bytes, with F assembled or applied.
     fn bytes(&self, dense: bool) -> u64 {
-        let [t, r] = [self.ordered.trailing.len(), self.rows].map(|n| n as u64);
-        let factor = 8 * self.ordered.stored() as u64;
+        let [t, r] = [self.trailing, self.rows].map(|n| n as u64);
+        let factor = 8 * self.factor as u64;
         let own = match dense {
             true => factor + 8 * (t * t + t * r + r * r),
             false => 2 * factor,
@@ -89,7 +90,7 @@ pub(crate) fn check_meshes<const D: usize>(model: &Model<D>) -> Result<(), Error
 /// Errors: [`Error::Memory`] when the bodies take more than the model may, with the one that takes most.
 pub(crate) fn check<const D: usize>(
     model: &Model<D>,
-    bodies: &[Demand<'_>],
+    bodies: &[Demand],
     dense: bool,
     m: usize,
 ) -> Result<(), Error<D>> {
