@@ -31,7 +31,7 @@ pub struct Picture {
 }
 
 impl Picture {
-    /// The drawing of a figure of the report; `None` where it is none that stands still.
+    /// The drawing of a figure of the report; `None` of one that moves.
     pub fn of((title, html): (String, String)) -> Option<Self> {
         let (begin, end) = (html.find("<svg")?, html.rfind("</svg>")?);
         let (_, caption) = html.split_once(".</b>")?;

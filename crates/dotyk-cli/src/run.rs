@@ -433,7 +433,7 @@ fn bodies<const D: usize>(model: &Model<D>, solution: &Solution<D>) -> String {
     columns(&header, &rows, 1..3 + D) + &told.collect::<String>()
 }
 
-/// A line on a largest stress that is none; nothing where it is one.
+/// A line on a largest stress that only the mesh makes; nothing on one that the model has.
 fn singular_stress<const D: usize>(body: &BodySolution<D>) -> Option<String> {
     let peak = body.peak?;
     let singular = peak.place?;

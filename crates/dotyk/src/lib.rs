@@ -22,7 +22,7 @@
 //! | [`host`] | how many threads and how much memory a process has |
 //! | [`analytic`] | comparisons with closed-form solutions |
 //!
-//! How two sides become rows, and the dense algebra within solvers, is nobody's business: it changes with the methods.
+//! How two sides become rows, and the dense algebra within solvers, is not public: it changes with the methods.
 //!
 //! Source: V. Janovský, P. Procházka, Contact problem of two elastic bodies III, Apl. mat. 25 (1980) 137–146.
 

@@ -6,7 +6,7 @@
 //! ```
 //!
 //! Every file of FOLDER that ends in `.dat`, `.dat.gz`, `.hdf5` or `.h5` is read (`text.rs`, `hdf5.rs`), mapped to a
-//! dual problem and judged by the scaled error (`problem.rs`); what is none is named and left out. HDF5 is read in pure Rust.
+//! dual problem and judged by the scaled error (`problem.rs`); other files are named and left out. HDF5 is read in pure Rust.
 //!
 //! Each problem runs in a process of its own, on one thread, and is ended when the limit (60 s) is over; the clock begins when
 //! the problem is read. A problem is *solved* when its scaled error is at most the tolerance, whatever the solver says.

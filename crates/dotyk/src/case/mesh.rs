@@ -4,10 +4,9 @@ use crate::case::body::side;
 use crate::case::document::{Entry, Node, Span, Table, check_name};
 use crate::case::error::Fault;
 use crate::case::given::GivenMesh;
-use crate::case::keys;
 use crate::case::mesh_file::{MeshFiles, Named};
-use crate::case::outline;
 use crate::case::suggest::listed;
+use crate::case::{keys, outline};
 use crate::host::{free_memory, told};
 use crate::mesh::{
     CellKind, Cuboid, Cylinder, Diagonals, Extrude, ImportError, Imported, Mesh, MeshError,

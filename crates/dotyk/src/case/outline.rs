@@ -111,7 +111,7 @@ pub(crate) fn drawing(node: &Node) -> Result<Regions, Fault> {
     })
 }
 
-/// Refuses what belongs to a single edge, in a line that is none.
+/// Refuses what belongs to a single edge, in a line of several.
 fn own_shape(table: Table<'_>) -> Result<(), Fault> {
     let keys = ["center", "via", "radius", "clockwise", "cells"].into_iter();
     let other = keys.filter_map(|key| table.entry(key)).next();

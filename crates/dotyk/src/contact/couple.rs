@@ -42,17 +42,7 @@ pub fn pair_couple<const D: usize>(
         CoupleKind::Rigid => rigid(couple, end, analysis, arm)?,
         CoupleKind::Average => average(couple, end, analysis, arm)?,
     };
-    let mut interface = Interface {
-        nodes: Vec::new(),
-        cyclic: false,
-        coupling: Coupling::Tied,
-        nonmortar: Vec::new(),
-        mortar: Vec::new(),
-        points: Vec::new(),
-        implied: Vec::new(),
-        missed: [0; 2],
-        unborne: 0,
-    };
+    let mut interface = Interface::empty(Coupling::Tied);
     for (node, rows) in conditions {
         let first = interface.nonmortar.len();
         let count = rows.len();

@@ -47,8 +47,7 @@ pub use sampling::{Sample, samples};
 pub use weights::nodal_weights;
 
 use crate::fem::{Body, Constraints, side_facets};
-use crate::geometry::{Field, Point};
-use crate::geometry::{add_scaled, cross, sub};
+use crate::geometry::{Field, Point, add_scaled, cross, sub};
 use crate::mesh::Facet;
 use std::any::Any;
 
@@ -93,7 +92,7 @@ impl<'a, const D: usize> End<'a, D> {
         })
     }
 
-    /// The same end as one of a body of E dimensions; `None` where it is none.
+    /// The same end as one of a body of E dimensions; `None` where D is not E.
     pub(crate) fn of_dimension<const E: usize>(self) -> Option<End<'a, E>> {
         Some(End {
             body: same(self.body)?,
@@ -119,7 +118,7 @@ pub enum Against<'a, const D: usize> {
 }
 
 impl<'a, const D: usize> Against<'a, D> {
-    /// The same as one of E dimensions; `None` where it is none.
+    /// The same as one of E dimensions; `None` where D is not E.
     pub(crate) fn of_dimension<const E: usize>(self) -> Option<Against<'a, E>> {
         Some(match self {
             Self::Side(end) => Against::Side(end.of_dimension()?),
@@ -259,6 +258,21 @@ impl<const D: usize> Interface<D> {
         self.missed = [0, 1].map(|k| self.missed[k] + part.missed[k]);
         self.unborne += part.unborne;
         self.cyclic = false;
+    }
+
+    /// One without nodes.
+    pub fn empty(coupling: Coupling) -> Self {
+        Self {
+            nodes: Vec::new(),
+            cyclic: false,
+            coupling,
+            nonmortar: Vec::new(),
+            mortar: Vec::new(),
+            points: Vec::new(),
+            implied: Vec::new(),
+            missed: [0; 2],
+            unborne: 0,
+        }
     }
 
     /// Initial gap between the undeformed surfaces in every row; tangential rows have none.

@@ -677,15 +677,9 @@ impl<'a, const D: usize> Pairing<'a, D> {
         whole: &BTreeMap<usize, f64>,
     ) -> Result<Interface<D>, ContactError> {
         let mut interface = Interface {
-            nodes: Vec::new(),
             cyclic: self.cyclic && sheets.len() < 2,
-            coupling: self.coupling,
-            nonmortar: Vec::new(),
-            mortar: Vec::new(),
-            points: Vec::new(),
-            implied: Vec::new(),
-            missed: [0; 2],
             unborne: sheets.iter().map(|sheet| sheet.unborne).sum(),
+            ..Interface::empty(self.coupling)
         };
         // points of the interface that stations have become
         let mut taken: Vec<BTreeMap<usize, usize>> = vec![BTreeMap::new(); sheets.len()];

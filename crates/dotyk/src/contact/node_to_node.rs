@@ -216,15 +216,8 @@ fn build<const D: usize>(
     }
     let (order, cyclic) = mesh.side_order(nonmortar.side).unwrap_or_default();
     let mut interface = Interface {
-        nodes: Vec::new(),
         cyclic: nonmortar.part.is_none() && cyclic,
-        coupling,
-        nonmortar: Vec::new(),
-        mortar: Vec::new(),
-        points: Vec::new(),
-        implied: Vec::new(),
-        missed: [0; 2],
-        unborne: 0,
+        ..Interface::empty(coupling)
     };
     for node in order.into_iter().map(|node| node as usize) {
         let Some(&normal) = normals.get(&node) else {

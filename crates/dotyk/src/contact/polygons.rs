@@ -1,7 +1,7 @@
 //! Where the facets of a side in space are cut, so that on each piece all shape functions of both sides are smooth.
 //!
 //! A facet is cut in a *chart*, two coordinates in which its edges are straight: its reference coordinates, which the map to
-//! space turns into straight lines where the facet is affine; where it is a plane quadrilateral that is none, coordinates of its
+//! space turns into straight lines where the facet is affine; where it is a plane quadrilateral that is not affine, coordinates of its
 //! plane. There the corners y of the other side's facets lie where a line along the contact normal meets them,
 //!
 //! ```text
@@ -19,9 +19,8 @@ use crate::contact::opposite::Opposite;
 use crate::contact::search::{Line, Prism, meet};
 use crate::fem::quadrature::{QuadraturePoint, rule};
 use crate::geometry::{
-    Point, Settling, add_scaled, bounding_box, cross, dot, invert, norm, sub, unit,
+    Point, Settling, add_scaled, bounding_box, centroid, clip, cross, dot, invert, norm, sub, unit,
 };
-use crate::geometry::{centroid, clip};
 use crate::mesh::{CellKind, Domain, Facet, Mesh};
 use rayon::prelude::*;
 

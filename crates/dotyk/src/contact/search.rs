@@ -8,9 +8,8 @@
 //! Cost: O(log n) for each line.
 
 use crate::contact::relative::frame;
-use crate::geometry::clip;
 use crate::geometry::{
-    Point, Settling, add_scaled, bounding_box, distance, dot, invert, norm, sub, unit,
+    Point, Settling, add_scaled, bounding_box, clip, distance, dot, invert, norm, sub, unit,
 };
 use crate::mesh::{CellKind, Domain, Facet, Mesh};
 use rstar::{AABB, RTree, RTreeObject, SelectionFunction};

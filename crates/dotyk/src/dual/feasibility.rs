@@ -28,11 +28,10 @@
 //! everywhere else, and the answer tells how much of the load along it friction can hold. Where no friction whatever could hold the bodies (they tip or
 //! are lifted), it is the motion that is left when no contact slips, and friction holds nothing of the load along it.
 
-use crate::dual::cone;
 use crate::dual::law::{Generators, farthest};
 use crate::dual::modes::transposed;
 use crate::dual::split::{MANY, Split};
-use crate::dual::{AdmissibleSet, Balance, Block, DualProblem, ModeSplit, Modes};
+use crate::dual::{AdmissibleSet, Balance, Block, DualProblem, ModeSplit, Modes, cone};
 use crate::linalg::SparseVector;
 use crate::linalg::dense::{dot, norm};
 use crate::linalg::signed::least_squares_nonnegative;
@@ -70,7 +69,7 @@ const EDGES: usize = 20;
 const CORNERS: usize = 8;
 const ROUNDS_OF_MANY: usize = 20;
 
-/// Rests of many bodies below this part of the load are none; edges that point along a rest by less than the second do not.
+/// Rests of many bodies below this part of the load count as zero; edges point along a rest if they do by more than the second.
 const BORNE: f64 = 1e-11;
 const SEPARATED: f64 = 1e-9;
 
@@ -353,7 +352,7 @@ impl Carrier {
                     }
                 }
             }
-            // nothing admissible lies along the rest: it is none, or proves that the load is not borne
+            // nothing admissible lies along the rest: it is zero, or proves that the load is not borne
             if !left || size <= BORNE * norm(target) {
                 return Some(nearest.rest);
             }

@@ -77,7 +77,7 @@ pub enum Friction {
     },
 }
 
-/// A normal force below this part of the largest force is none: projected methods leave traces where a contact is open.
+/// A normal force below this part of the largest force counts as zero: projected methods leave traces where a contact is open.
 pub(crate) const NONE: f64 = 1e-10;
 
 /// Beside the least normal force that is one this coefficient bears the largest force, so that a larger one says nothing more; and its

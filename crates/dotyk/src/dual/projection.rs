@@ -100,7 +100,7 @@ impl<'a> Projector<'a> {
             }
             _ => self.newton(y, tau, lambda),
         }
-        // y − Ĝᵀτ is rounded; what is left of a force below that is none (it would press an open contact).
+        // y − Ĝᵀτ is rounded; what is left of a force below that is zero (it would press an open contact).
         let rounding = 16.0 * f64::EPSILON * y.iter().fold(0.0, |s: f64, y| s.max(y.abs()));
         for (block, range) in self.admissible.iter() {
             let bears = block.friction().is_none_or(|law| law.bears(false));

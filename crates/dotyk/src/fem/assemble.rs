@@ -3,8 +3,7 @@
 use crate::fem::block::Cells;
 
 use crate::fem::enhanced::has_modes;
-use crate::fem::error::FemError;
-use crate::fem::error::show;
+use crate::fem::error::{FemError, show};
 use crate::fem::loads::{NodalLoads, nodal_loads};
 use crate::fem::modes::{RigidBasis, carried_motion, free_modes};
 use crate::fem::nouns::{Analysis, Body, Elastic, Formulation, Material};

@@ -77,7 +77,7 @@ impl Overstress {
         let mut safe = vec![false; stress.len()];
         for (&place, value) in once.iter().zip(values) {
             let known = &mut self.utilisation[place];
-            // the larger; that which is a number, where the other is none
+            // the larger; of a number and one that is not, the number
             *known = known.max(value);
             safe[place] = value <= 1.0;
         }

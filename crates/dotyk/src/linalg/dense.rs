@@ -362,7 +362,7 @@ impl Lu {
 
     /// The same of a matrix whose small pivots are what they are, as where a barrier adds its own size to each diagonal entry.
     ///
-    /// Errors: as those of [`Self::new`], but only a pivot that is zero is none.
+    /// Errors: as those of [`Self::new`], but only a pivot that is zero is refused.
     pub fn graded(a: Mat<f64>) -> Result<Self, LinalgError> {
         Self::with_pivots(a, 0.0)
     }

@@ -4,12 +4,11 @@
 
 use crate::dual::{Compliance, Modes, Multipliers};
 use crate::model::{ASSEMBLED, Analysis, Dual, Unknown};
-use crate::output::Error;
 use crate::output::csv::quoted;
 use crate::output::files::Stage;
-use crate::output::market;
 use crate::output::npz::Archive;
 use crate::output::text::AXES;
+use crate::output::{Error, market};
 use std::fmt::Write as _;
 use std::io;
 

@@ -5,9 +5,7 @@
 
 use crate::geometry::Point;
 use crate::model::{Analysis, BodySolution, ContactSolution, Dimension, Model, Solution, Status};
-use crate::output::Overview;
 use crate::output::bars::bars_section;
-use crate::output::contacts;
 use crate::output::figures::Figures;
 use crate::output::html::{self, Head, column, left, plain, table, table_of_vectors, text};
 use crate::output::interface::largest_gap;
@@ -17,10 +15,11 @@ use crate::output::markup::{Markup, markup};
 use crate::output::sections::sections_section;
 use crate::output::steps::steps_section;
 use crate::output::strength::strength_section;
-use crate::output::text::singular_peak;
-use crate::output::text::{Labels, Scales, count, number, quantity, seconds, vector};
+use crate::output::text::{
+    Labels, Scales, count, number, quantity, seconds, singular_peak, vector,
+};
 use crate::output::utilisation::largest_utilisation;
-use crate::output::verdict;
+use crate::output::{Overview, contacts, verdict};
 
 /// Content of `report.html`.
 pub fn page<const D: usize>(run: &Overview<'_, D>) -> Markup {

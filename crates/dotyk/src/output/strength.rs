@@ -4,8 +4,7 @@ use crate::model::{BodySolution, Solution};
 use crate::output::figures::Figures;
 use crate::output::html::{column, left, plain, table, text};
 use crate::output::markup::{Markup, markup};
-use crate::output::text::singular_peak;
-use crate::output::text::{Labels, number, quantity, vector};
+use crate::output::text::{Labels, number, quantity, singular_peak, vector};
 use crate::output::vtu::judged;
 
 /// The section; nothing where no body has a strength.

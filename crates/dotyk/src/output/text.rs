@@ -3,8 +3,7 @@
 //! Invariant: the same number gives the same text on every machine; what is not finite gives a dash.
 
 use crate::geometry::norm;
-use crate::model::Peak;
-use crate::model::{Analysis, Dimension, Model, Solution, Units};
+use crate::model::{Analysis, Dimension, Model, Peak, Solution, Units};
 
 /// Names of Cartesian axes.
 pub const AXES: [&str; 3] = ["x", "y", "z"];
@@ -330,7 +329,7 @@ pub fn with_unit(name: &str, unit: &str) -> String {
     }
 }
 
-/// A word on a largest value of a body that is none; nothing where it is one.
+/// A word on a largest value of a body that only the mesh makes; nothing on one that the model has.
 pub fn singular_peak<const D: usize>(
     what: &str,
     peak: Option<Peak<D>>,

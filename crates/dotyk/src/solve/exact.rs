@@ -6,7 +6,7 @@
 //! guess that asks for itself is the answer, exact but for the rounding of one solve. From a good start that takes a few
 //! steps; on general compliances the guesses may come back in a circle, and then the steps end and say which guess is next.
 //!
-//! [`Search`] is the iterate of these steps and of what comes to their rescue: forces, residual, the best forces so far,
+//! [`Search`] is the iterate of these steps and of the stages that follow where they fail: forces, residual, the best forces so far,
 //! and what it took.
 //!
 //! As described in Hintermüller, Ito & Kunisch (2003) without friction, Alart & Curnier (1991) with it.
@@ -18,11 +18,10 @@ use crate::dual::{Compliance, Multipliers};
 use crate::linalg::signed::least_norm_within;
 use crate::solve::hold::held;
 use crate::solve::iteration::tell;
-use crate::solve::levels;
 use crate::solve::setup::{Forces, Judge, Setup};
 use crate::solve::states::{Shear, State};
 use crate::solve::system::System;
-use crate::solve::{Observer, Outcome, SolveError, dot, largest};
+use crate::solve::{Observer, Outcome, SolveError, dot, largest, levels};
 
 /// How long exact steps may go on.
 pub(crate) struct Patience {
@@ -202,7 +201,7 @@ pub(crate) struct Search<'a> {
 impl<'a> Search<'a> {
     /// Begins without any force.
     pub fn new((tolerance, most): (f64, usize), setup: &'a Setup<'a>) -> Self {
-        // the forces that the overlaps ask for: what is rounding of these is none, whatever the solution
+        // the forces that the overlaps ask for: what is rounding of these is no force, whatever the solution
         let asked = setup.problem.shift.iter().zip(&setup.problem.softness);
         let force = asked.fold(0.0, |s: f64, (d, c)| s.max((d / c).abs()));
         Self {
@@ -399,7 +398,7 @@ impl<'a> Search<'a> {
         true
     }
 
-    /// Forces that are rounding of the largest one, or of what the overlaps ask for, are none: their signs mean nothing.
+    /// Forces that are rounding of the largest one, or of what the overlaps ask for, become zero: their signs mean nothing.
     fn drop_rounding(&mut self) {
         let force = largest(self.asked, &self.point.lambda);
         let mut rest = false;

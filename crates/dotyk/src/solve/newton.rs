@@ -164,8 +164,8 @@ fn rescued(
 
 /// Exact steps from all contacts closed; then, where there are many, from a coarser problem.
 ///
-/// A coarser problem that exact steps do not solve is none where interior points can follow: these are fewer than a rescue on each
-/// of the levels.
+/// Where interior points can follow, a coarser problem that exact steps do not solve is given up: interior points take fewer steps
+/// than a rescue on each of the levels.
 fn from_anywhere(
     method: &Newton,
     search: &mut Search<'_>,

@@ -141,7 +141,7 @@ impl<'a> Setup<'a> {
         self.products.get()
     }
 
-    /// What there is to return of some forces.
+    /// The outcome that forces make.
     pub fn outcome(&self, forces: &Forces) -> Outcome {
         Outcome {
             products: self.products(),

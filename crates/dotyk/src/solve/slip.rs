@@ -8,7 +8,7 @@
 //! 2. [`interior`]: all nodes in the middle of what the law allows, and from there to its border together. No state is guessed.
 //! 3. [`alternate`]: the law of each node and the linear problem of the bodies by turns, with no guess of states at all, until
 //!    these settle. Some hundred cheap steps, however many bodies float.
-//! 4. [`rest`], where bodies float: exact steps move such a body hither and thither while too few contacts hold it. With
+//! 4. [`rest`], where bodies float: exact steps move such a body to and fro while too few contacts hold it. With
 //!    bounds that are *given*, those of the best forces so far, the problem is convex and its solution moves the bodies to
 //!    where contacts hold them. Exact steps go on from there, and behind them, by turns again, [`alternate_rested`].
 //! 5. [`settle`]: proximal steps, on a problem to which compliance is added until Newton's iteration ends on it.
@@ -36,11 +36,10 @@ use crate::solve::exact::{
 use crate::solve::hold::{held, hold};
 use crate::solve::interior::interior;
 use crate::solve::iteration::{completed, counting_from};
-use crate::solve::levels;
 use crate::solve::setup::Setup;
 use crate::solve::springs::{limit, stiffen};
 use crate::solve::states::State;
-use crate::solve::{FixedBounds, Observer, Outcome, SolveError};
+use crate::solve::{FixedBounds, Observer, Outcome, SolveError, levels};
 
 /// Exact steps: their residuals may rise on the way.
 const EXACT: Patience = Patience::new(14, f64::INFINITY);

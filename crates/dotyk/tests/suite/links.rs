@@ -139,7 +139,7 @@ fn a_spring_that_comes_later_bears_nothing_where_it_finds_the_body() {
     );
 }
 
-/// Pressed it is the bed that acts both ways, lifted it is none; late it presses from where it finds the side.
+/// Pressed it is the bed that acts both ways, lifted it does nothing; late it presses from where it finds the side.
 #[test]
 fn a_bed_that_only_presses_is_a_bed_where_it_presses() {
     let case = |only: bool, load: f64, active: &str| {

@@ -99,7 +99,7 @@ fn cut(kind: CellKind, nodes: &[u32]) -> Vec<[usize; 4]> {
     tetrahedra
 }
 
-/// The node in the middle between two corners, (corners, corners); of a linear cell that is none, and not asked for.
+/// The node in the middle between two corners, (corners, corners); not asked for of linear cells, which have no such node.
 fn middles(kind: CellKind) -> Vec<Vec<usize>> {
     let nodes = kind.reference_nodes();
     let corners = &nodes[..kind.corners()];

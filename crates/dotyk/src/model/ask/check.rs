@@ -11,16 +11,13 @@ use crate::model::nouns::error::{Error, Subject};
 use crate::model::nouns::model::*;
 use crate::model::nouns::told::{told_in_steps, told_once};
 use crate::model::read::probe::sites;
-use crate::model::read::remarks::ContactCheck;
-use crate::model::read::remarks::body_remarks;
-use crate::model::read::remarks::check_contacts;
-use crate::model::read::remarks::remarks;
-use crate::model::read::remarks::worst_quality;
+use crate::model::read::remarks::{
+    ContactCheck, body_remarks, check_contacts, remarks, worst_quality,
+};
 use crate::model::read::section::lay_out;
 use crate::model::system::admissible::admissible_set;
 use crate::model::system::bodies::{LoadedBody, body_rows, largest_load, systems};
-use crate::model::system::drive::complete;
-use crate::model::system::drive::driven;
+use crate::model::system::drive::{complete, driven};
 use crate::model::system::floating::Floating;
 use crate::model::system::pair::pair_all;
 use crate::model::system::paired::{Kind, Paired, row_ranges};

@@ -135,7 +135,7 @@ macro_rules! doors {
             ///
             /// F is assembled up to `dense_limit` nodes, or as many entries in all as theirs ([`DENSE_LIMIT`] in
             /// [`Self::solve`]), of many bodies without its zeros; above, each product is one solve with every body. Of few bodies
-            /// in space, solved by Newton's method, the less dear of both is taken from as many unknowns to three times as many.
+            /// in space, solved by Newton's method, the cheaper of both is taken from as many unknowns to three times as many.
             ///
             /// Errors: as [`Self::dual`].
             pub fn dual_problem(&self, dense_limit: usize) -> Result<DualProblem, Error<$D>> {

@@ -2,8 +2,7 @@
 
 use crate::dual::Multipliers;
 use crate::fem::{RigidBasis, describe_motion, fit_rigid};
-use crate::geometry::centroid;
-use crate::geometry::{Point, add_scaled, distance, sub};
+use crate::geometry::{Point, add_scaled, centroid, distance, sub};
 use crate::linalg::dense::dot;
 use crate::model::march::attempt::Attempt;
 use crate::model::march::jam::{jammed, wedged};
@@ -26,7 +25,7 @@ const ROUGH: f64 = 1e-3;
 const FAR: f64 = 1.0;
 const UNDRIVEN: f64 = 100.0;
 
-/// Why an attempt is not an answer, if it is none.
+/// Why an attempt is not an answer; nothing where it is one.
 pub(crate) fn objection<const D: usize>(
     model: &Model<D>,
     condensed: &Condensed<D>,

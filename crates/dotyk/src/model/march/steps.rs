@@ -292,7 +292,7 @@ fn solve_again<const D: usize>(
     Ok((end, solution, None))
 }
 
-/// Solves the contact problem of one step, and tells why what came out is not an answer, if it is none.
+/// Solves the contact problem of one step. What comes out has the reason with it where it is not an answer.
 fn solve_step<const D: usize>(
     model: &Model<D>,
     (condensed, view): &mut Here<D>,

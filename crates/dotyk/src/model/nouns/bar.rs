@@ -80,7 +80,7 @@ impl Bond {
     }
 }
 
-/// Why a bar is none.
+/// Why a bar is refused.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum BarError {
     /// A number out of its range.

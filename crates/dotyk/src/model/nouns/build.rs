@@ -2,8 +2,7 @@
 
 use crate::geometry::{Field, Point};
 use crate::mesh::Mesh;
-use crate::model::nouns::ids::BodyId;
-use crate::model::nouns::ids::SideRef;
+use crate::model::nouns::ids::{BodyId, SideRef};
 use crate::model::nouns::model::*;
 use crate::model::nouns::quantity::{Quantity, QuantityError};
 use crate::model::nouns::section::{Section, Stations};

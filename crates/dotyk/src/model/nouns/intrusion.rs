@@ -62,7 +62,7 @@ impl<const D: usize> Intrusion<D> {
         judged.cloned().reduce(Self::worse)
     }
 
-    /// The figure of the certificate; none of them is none.
+    /// The figure of the certificate; zero where nothing was found.
     pub(crate) fn figure(found: Option<&Self>) -> Figure {
         let (depth, allowed) = found.map_or((0.0, 0.0), |found| (found.depth, found.allowed));
         Figure::new(depth, allowed, 1.0)

@@ -1,7 +1,6 @@
 //! What the user writes: bodies, supports, loads, contacts, solver options, probes.
 
-use crate::model::nouns::ids::BodyId;
-use crate::model::nouns::ids::SideRef;
+use crate::model::nouns::ids::{BodyId, SideRef};
 use std::convert::Infallible;
 use std::fmt;
 

@@ -1,14 +1,12 @@
 //! What a solution tells of bodies and contacts: stresses, reactions by side, and the state of every contact node.
 
-use crate::contact::pushed;
-use crate::contact::{Coupling, InterfaceNode, Role};
+use crate::contact::{Coupling, InterfaceNode, Role, pushed};
 use crate::dual::{AdmissibleSet, NONE};
 use crate::fem::{
     Borders, RigidBasis, describe_motion, fit_rigid, overstress, recover_strain, recover_stress,
     von_mises,
 };
-use crate::geometry::centroid;
-use crate::geometry::{Point, add_scaled, bounding_box, cross, distance, dot, norm, sub};
+use crate::geometry::{Point, add_scaled, bounding_box, centroid, cross, distance, dot, norm, sub};
 use crate::model::nouns::error::Error;
 use crate::model::nouns::ids::SideRef;
 use crate::model::nouns::model::{Analysis, Body, Model, Place, Support};

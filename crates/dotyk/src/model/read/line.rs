@@ -7,8 +7,7 @@
 use crate::contact::nodal_weights;
 use crate::fem::{Analysis, Body, SidePoint, side_facets, side_points};
 use crate::geometry::{Point, add_scaled, distance, dot, unit};
-use crate::mesh::Located;
-use crate::mesh::{Facet, SHARP};
+use crate::mesh::{Facet, Located, SHARP};
 use crate::model::nouns::error::ProbeError;
 use std::collections::BTreeMap;
 

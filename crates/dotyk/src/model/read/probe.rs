@@ -8,10 +8,8 @@ use crate::contact::frame;
 use crate::fem::{
     Body, RigidBasis, Strength, fit_rigid, principal, side_facets, volume_points, von_mises,
 };
-use crate::geometry::centroid;
-use crate::geometry::{Point, add_scaled, cross, distance, dot, norm, padded, sub};
-use crate::mesh::{Facet, Mesh};
-use crate::mesh::{Located, locate, locate_all, locate_on_side};
+use crate::geometry::{Point, add_scaled, centroid, cross, distance, dot, norm, padded, sub};
+use crate::mesh::{Facet, Located, Mesh, locate, locate_all, locate_on_side};
 use crate::model::nouns::bar::BarSolution;
 use crate::model::nouns::error::{Error, ProbeError};
 use crate::model::nouns::ids::{BodyId, SideRef};

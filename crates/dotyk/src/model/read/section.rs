@@ -2,15 +2,10 @@
 
 use crate::fem::{Ahead, Analysis, Body, Push};
 use crate::geometry::{Groups, Point, add_scaled, padded, sub};
-use crate::mesh::{Cut, Mesh, Strip};
-use crate::mesh::{Located, locate_all};
+use crate::mesh::{Cut, Located, Mesh, Strip, locate_all};
 use crate::model::nouns::error::Error;
 use crate::model::nouns::model::{Model, Place};
-use crate::model::nouns::section::Section;
-use crate::model::nouns::section::SectionError;
-use crate::model::nouns::section::SectionSolution;
-use crate::model::nouns::section::Station;
-use crate::model::nouns::section::Stations;
+use crate::model::nouns::section::{Section, SectionError, SectionSolution, Station, Stations};
 use crate::model::nouns::solution::BodySolution;
 use crate::model::read::fields::support_forces;
 use crate::model::system::condense::Condensed;

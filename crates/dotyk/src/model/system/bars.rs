@@ -3,10 +3,7 @@
 use crate::fem::{Analysis, completed, side_points};
 use crate::geometry::{Point, add_scaled, distance, dot, sub};
 use crate::mesh::{Located, locate_all};
-use crate::model::nouns::bar::Bar;
-use crate::model::nouns::bar::BarEnd;
-use crate::model::nouns::bar::BarError;
-use crate::model::nouns::bar::Bond;
+use crate::model::nouns::bar::{Bar, BarEnd, BarError, Bond};
 use crate::model::nouns::error::Error;
 use crate::model::nouns::ids::SideRef;
 use crate::model::nouns::model::Model;

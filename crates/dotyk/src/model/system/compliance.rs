@@ -20,7 +20,7 @@ use std::sync::Arc;
 /// Contact unknowns up to which F is always assembled (72 MB).
 pub const DENSE_LIMIT: usize = 3000;
 
-/// Up to so many times the limit F of few bodies in space is assembled where that is less dear than products through their factors.
+/// Up to this many times the limit, F of few bodies in space is assembled if that is cheaper than products through their factors.
 /// Where many bodies clamp each other, what is known entry by entry serves better.
 const DEARER: usize = 3;
 const FEW_BODIES: usize = 4;
@@ -70,7 +70,7 @@ pub(crate) fn is_assembled<const D: usize>(
     }
 }
 
-/// Whether F of m unknowns is less dear to assemble than to apply, by the factors of the bodies without contacts last.
+/// Whether F of m unknowns is cheaper to assemble than to apply, by the factors of the bodies without contacts last.
 pub(crate) fn pays(m: usize, ordered: &[Arc<Ordered>]) -> bool {
     let entries: usize = ordered.iter().map(|o| o.stored()).sum();
     (m as f64).powi(3) <= CUBES_PER_ENTRY * entries as f64

@@ -24,8 +24,7 @@ use crate::model::system::bodies::{
 };
 use crate::model::system::compliance::{Assembled, compliance, is_assembled, pays};
 use crate::model::system::domains::{coupled, whole};
-use crate::model::system::drive::complete;
-use crate::model::system::drive::driven;
+use crate::model::system::drive::{complete, driven};
 use crate::model::system::factor::{FactoredBody, Ordered, factor, order};
 use crate::model::system::floating::Floating;
 use crate::model::system::joints::{self, Lost};

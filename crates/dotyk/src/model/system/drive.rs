@@ -6,9 +6,7 @@ use crate::model::nouns::error::Error;
 use crate::model::nouns::model::Model;
 use crate::model::system::bodies::LoadedBody;
 use crate::model::system::dependent::drop_implied;
-use crate::model::system::joints::Lost;
-use crate::model::system::joints::restore;
-use crate::model::system::joints::set_offsets;
+use crate::model::system::joints::{Lost, restore, set_offsets};
 use crate::model::system::shared::share_nodes;
 
 use crate::model::system::pair::gaps_at;

@@ -15,8 +15,7 @@ use crate::linalg::SparseVector;
 use crate::model::nouns::error::{Error, NotHeld};
 use crate::model::nouns::model::Model;
 use crate::model::nouns::told::named;
-use crate::model::system::bodies::LoadedBody;
-use crate::model::system::bodies::load_size;
+use crate::model::system::bodies::{LoadedBody, load_size};
 use crate::model::system::paired::{Paired, clearances, row_ranges};
 use crate::model::system::parts::{first_point, part_name, part_points};
 use crate::model::system::reach::hold_between_nodes;
@@ -240,7 +239,7 @@ impl Floating {
             amplitude(&self.modes, &z, body, mode)
         });
         let largest = z.iter().fold(0.0, |s: f64, z| s.max(z.abs()));
-        // points of couples go with their bodies, and are none
+        // points of couples go with their bodies, and are not bodies themselves
         let points = first_point(model);
         let parts = self.modes.iter().map(|mode| mode.0);
         let mut others: Vec<usize> = parts.filter(|part| *part < points).collect();

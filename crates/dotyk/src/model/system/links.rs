@@ -37,10 +37,8 @@ use crate::model::nouns::ids::{BodyId, SideRef};
 use crate::model::nouns::model::Model;
 use crate::model::system::bars::{Anchor, LaidBar, lay_bars};
 use crate::model::system::bodies::LoadedBody;
-use crate::model::system::paired::Link;
-use crate::model::system::paired::{Kind, Paired, row_ranges};
-use crate::model::system::parts::beds;
-use crate::model::system::parts::first_link;
+use crate::model::system::paired::{Kind, Link, Paired, row_ranges};
+use crate::model::system::parts::{beds, first_link};
 
 /// Pairs all links of a model.
 ///
@@ -79,7 +77,7 @@ fn pair_bed<const D: usize>(
     let pads = pads(body, side, model.analysis);
     let pads = pads.map_err(|source| Error::in_body(body, source))?;
     let came = body.history.sprung.get(&place);
-    let mut interface = empty_interface(Coupling::Normal);
+    let mut interface = Interface::empty(Coupling::Normal);
     let mut link = Link::default();
     for (row, pad) in pads.into_iter().enumerate() {
         let along = |n: f64| pad.normal.map(|c| n * c);
@@ -117,24 +115,10 @@ fn linked<const D: usize>(
     link: Link<D>,
 ) -> Paired<D> {
     Paired {
-        kind,
-        name,
-        nonmortar,
-        mortar: None,
         opposite: Some(part),
-        obstacle_motion: [0.0; D],
         offset: vec![0.0; interface.nonmortar.len()],
-        interface,
-        samples: Vec::new(),
-        left_out: Vec::new(),
-        fit: Default::default(),
-        began: Default::default(),
         link,
-        lost: Vec::new(),
-        sharers: Vec::new(),
-        finer: false,
-        missed: Default::default(),
-        warnings: Vec::new(),
+        ..Paired::new(kind, name, nonmortar, interface)
     }
 }
 
@@ -215,7 +199,7 @@ fn pair_bar<const D: usize>(
         of_bodies.iter_mut().for_each(|(_, rows)| rows.clear());
     }
     let (block, offset) = bar.law(laid.count);
-    let mut interface = empty_interface(match block.is_free() || bar.tightening {
+    let mut interface = Interface::empty(match block.is_free() || bar.tightening {
         true => Coupling::Tied,
         false => Coupling::Normal,
     });
@@ -244,20 +228,6 @@ fn pair_bar<const D: usize>(
     Paired {
         offset,
         ..linked(kind, (end, part), interface, link)
-    }
-}
-
-fn empty_interface<const D: usize>(coupling: Coupling) -> Interface<D> {
-    Interface {
-        nodes: Vec::new(),
-        cyclic: false,
-        coupling,
-        nonmortar: Vec::new(),
-        mortar: Vec::new(),
-        points: Vec::new(),
-        implied: Vec::new(),
-        missed: [0; 2],
-        unborne: 0,
     }
 }
 

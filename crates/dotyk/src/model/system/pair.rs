@@ -10,17 +10,11 @@ use crate::fem::{AGREE, Constraints, Couple, CoupleKind, FemError, Place, Short,
 use crate::geometry::{Field, Point};
 use crate::mesh::Facet;
 use crate::model::nouns::error::Error;
-use crate::model::nouns::ids::BodyId;
-use crate::model::nouns::ids::SideRef;
+use crate::model::nouns::ids::{BodyId, SideRef};
 use crate::model::nouns::model::*;
 use crate::model::system::choose::{chosen, either_may, finer_than_softer};
 use crate::model::system::links::pair_links;
-use crate::model::system::paired::Fit;
-use crate::model::system::paired::Kind;
-use crate::model::system::paired::Link;
-use crate::model::system::paired::Paired;
-use crate::model::system::paired::obstacle_motion;
-use crate::model::system::paired::varying_gap;
+use crate::model::system::paired::{Kind, Paired, obstacle_motion, varying_gap};
 use crate::model::system::parts::{couples, first_point, obstacle_part};
 use rayon::prelude::*;
 use std::cmp::Ordering;
@@ -63,28 +57,14 @@ fn pair_point<const D: usize>(
     let fail = |source| Error::in_body(body, source);
     let interface = pair_couple(couple, end, model.analysis).map_err(fail)?;
     check_held(model, constraints, (id.0, couple), &interface, time).map_err(fail)?;
+    let side = SideRef {
+        body: id,
+        side: couple.side.clone(),
+    };
+    let name = format!("{}.{}", body.name, couple.name);
     Ok(Paired {
-        kind: Kind::Couple(couple.kind),
-        name: format!("{}.{}", body.name, couple.name),
-        nonmortar: SideRef {
-            body: id,
-            side: couple.side.clone(),
-        },
-        mortar: None,
         opposite: Some(part),
-        obstacle_motion: [0.0; D],
-        interface,
-        samples: Vec::new(),
-        left_out: Vec::new(),
-        fit: Fit::default(),
-        began: Fit::default(),
-        link: Link::default(),
-        offset: Vec::new(),
-        lost: Vec::new(),
-        sharers: Vec::new(),
-        finer: false,
-        missed: Default::default(),
-        warnings: Vec::new(),
+        ..Paired::new(Kind::Couple(couple.kind), name, side, interface)
     })
 }
 
@@ -459,25 +439,13 @@ impl<'a, const D: usize> Contacting<'a, D> {
         let against = Against::Obstacle(&obstacle.shape, driven(obstacle));
         let interface = self.obstacle(end, (obstacle, corners), coupling);
         let samples = self.samples(end, against, InitialGap::Measured);
+        let obstacle_motion = obstacle_motion(self.contact, self.time)?;
+        let interface = interface.map_err(|source| self.fail(source))?;
         Ok(Paired {
-            kind: Kind::Contact,
-            name: self.contact.name.clone(),
-            nonmortar: nonmortar.clone(),
-            mortar: None,
             opposite: obstacle_part(self.model, self.contact),
-            obstacle_motion: obstacle_motion(self.contact, self.time)?,
-            interface: interface.map_err(|source| self.fail(source))?,
+            obstacle_motion,
             samples: samples.map_err(|source| self.fail(source))?,
-            left_out: Vec::new(),
-            fit: Fit::default(),
-            began: Fit::default(),
-            link: Link::default(),
-            offset: Vec::new(),
-            lost: Vec::new(),
-            sharers: Vec::new(),
-            finer: false,
-            missed: Default::default(),
-            warnings: Vec::new(),
+            ..self.bare(nonmortar, interface)
         })
     }
 
@@ -565,25 +533,20 @@ impl<'a, const D: usize> Contacting<'a, D> {
             ));
         }
         Ok(Paired {
-            kind: Kind::Contact,
-            name: self.contact.name.clone(),
-            nonmortar: nonmortar.clone(),
             mortar: Some(mortar.clone()),
             opposite: Some(mortar.body.0),
-            obstacle_motion: [0.0; D],
-            interface,
             samples,
-            left_out: Vec::new(),
-            fit: Fit::default(),
-            began: Fit::default(),
-            link: Link::default(),
-            offset: Vec::new(),
-            lost: Vec::new(),
-            sharers: Vec::new(),
             finer,
             missed: crude,
             warnings,
+            ..self.bare(nonmortar, interface)
         })
+    }
+
+    /// The contact with rows, and what else there is of it still to be told.
+    fn bare(&self, nonmortar: &SideRef, interface: Interface<D>) -> Paired<D> {
+        let name = self.contact.name.clone();
+        Paired::new(Kind::Contact, name, nonmortar.clone(), interface)
     }
 
     /// The interface of coincident nodes, where that is what is wanted and possible: a partial overlap of matching sides is

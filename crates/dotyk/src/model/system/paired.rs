@@ -2,8 +2,7 @@
 
 use crate::contact::{Interface, InterfaceNode, Role, Row, Sample};
 use crate::fem::CoupleKind;
-use crate::geometry::Field;
-use crate::geometry::{Point, add_scaled, dot, sub};
+use crate::geometry::{Field, Point, add_scaled, dot, sub};
 use crate::model::nouns::error::Error;
 use crate::model::nouns::ids::SideRef;
 use crate::model::nouns::model::*;
@@ -119,6 +118,30 @@ impl<const D: usize> Fit<D> {
 }
 
 impl<const D: usize> Paired<D> {
+    /// Rows of a side and of nothing else that anybody has told.
+    pub fn new(kind: Kind, name: String, nonmortar: SideRef, interface: Interface<D>) -> Self {
+        Self {
+            kind,
+            name,
+            nonmortar,
+            mortar: None,
+            opposite: None,
+            obstacle_motion: [0.0; D],
+            interface,
+            samples: Vec::new(),
+            left_out: Vec::new(),
+            fit: Fit::default(),
+            began: Fit::default(),
+            link: Link::default(),
+            offset: Vec::new(),
+            lost: Vec::new(),
+            missed: Default::default(),
+            sharers: Vec::new(),
+            finer: false,
+            warnings: Vec::new(),
+        }
+    }
+
     /// As messages call it.
     pub fn called(&self) -> String {
         let kind = match self.kind {
@@ -291,7 +314,7 @@ pub(crate) fn initial_gaps<const D: usize>(paired: &[Paired<D>]) -> Vec<f64> {
     paired.iter().flat_map(Paired::gaps).collect()
 }
 
-/// The same without shears: how far it is to what may hold a body; infinite in tangential rows, whose gap is none.
+/// The same without shears: how far it is to what may hold a body; infinite in tangential rows, whose gap is a slip.
 pub(crate) fn clearances<const D: usize>(paired: &[Paired<D>]) -> Vec<f64> {
     let of_pair = |pair: &Paired<D>| {
         let both = pair.gaps().into_iter().zip(pair.slides());

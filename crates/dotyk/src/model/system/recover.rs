@@ -4,8 +4,7 @@
 
 use crate::dual::{IMBALANCE_LIMIT, ROUNDING, Scales};
 use crate::fem::{FemError, internal_forces, spring_forces, spring_loads};
-use crate::geometry::centroid;
-use crate::geometry::{Point, add_scaled, cross, dot, norm, sub};
+use crate::geometry::{Point, add_scaled, centroid, cross, dot, norm, sub};
 use crate::model::nouns::error::Error;
 use crate::model::nouns::model::{Analysis, Body, Model};
 use crate::model::system::bodies::LoadedBody;

@@ -15,16 +15,14 @@
 //! multipliers does not matter. Others stay apart: two bodies beside each other under a third one, faces of a corner, near and far
 //! sheets. Nor is it shared where one contact repeats another: W would count the same facets twice. What it says is implied then.
 
-use crate::contact::pushed;
-use crate::contact::{Coupling, Row};
+use crate::contact::{Coupling, Row, pushed};
 use crate::fem::{Body, BodySystem, Constraints};
 use crate::geometry::{Field, add_scaled};
 use crate::mesh::Facet;
 use crate::model::nouns::ids::SideRef;
 use crate::model::nouns::model::{Contact, Law, Model, Motion, Pair};
 use crate::model::nouns::solution::{ContactSolution, Status};
-use crate::model::system::paired::Sharer;
-use crate::model::system::paired::{Kind, Paired, gap_varies, row_ranges};
+use crate::model::system::paired::{Kind, Paired, Sharer, gap_varies, row_ranges};
 use std::cmp::Reverse;
 use std::collections::{BTreeMap, BTreeSet};
 use std::convert::Infallible;

@@ -2,9 +2,7 @@
 
 use crate::geometry::norm;
 use crate::model::{ContactSolution, Solution, Status};
-use crate::output::colour;
 use crate::output::encode::png;
-use crate::output::html;
 use crate::output::json::largest;
 use crate::output::markup::Markup;
 use crate::output::plot::Axis;
@@ -19,6 +17,7 @@ use crate::output::space::skin::Look;
 use crate::output::svg::{Anchor, INK, MUTED, Svg, Type, text_width};
 use crate::output::text::{Labels, count};
 use crate::output::view::Box2;
+use crate::output::{colour, html};
 use rayon::prelude::*;
 
 /// Room around the faces.

@@ -236,7 +236,7 @@ fn arrows(
         let [x, y, _] = window.camera.turned(value);
         let half = [0.5 * ARROW * x / most, -0.5 * ARROW * y / most];
         let size = half[0].hypot(half[1]);
-        // where all are zero, it is none
+        // where all are zero there is no scale
         if size.is_nan() || size < 0.5 * ARROW * LEAST {
             continue;
         }

@@ -4,11 +4,10 @@ use super::*;
 use crate::geometry::Field;
 use crate::mesh::{CellKind, Cuboid, Mesh};
 use crate::model::{Borders, Couple, CoupleKind, Elastic, Law, Model, Status};
-use crate::output::colour;
 use crate::output::space::camera::{Camera, Window};
 use crate::output::space::canvas::{Canvas, Paint};
 use crate::output::space::skin::{Look, Skin, shade};
-use crate::output::{Record, report};
+use crate::output::{Record, colour, report};
 use std::time::Instant;
 
 pub const STEEL: Elastic = Elastic {
