@@ -289,7 +289,7 @@ fn run_solver<const D: usize>(
             let tried = &outcome.tried;
             let reason = match tried.is_empty() {
                 true => reason,
-                false => format!("{reason} by {}", tried.join(", then by ")),
+                false => format!("{reason}; tried: {}", tried.join(", ")),
             };
             let failure = Objection::Unsettled {
                 reason,
