@@ -237,7 +237,7 @@ fn resist_initial(mesh: &Mesh, body: &Body, analysis: Analysis, forces: &mut [Ve
     }
 }
 
-/// Nodal forces of the beds under a body, and of the spring or bar along x at one of its nodes, whose other end is held. A bed
+/// Nodal forces of the beds under a body. A bed
 /// that only presses is springs side by side at the Gauss points of its facets, two
 /// of a line and three with a middle node, each of which parts by itself.
 pub fn bedded(mesh: &Mesh, body: &Body, analysis: Analysis, moves: &[Vector]) -> Vec<Vector> {
@@ -271,10 +271,6 @@ pub fn bedded(mesh: &Mesh, body: &Body, analysis: Analysis, moves: &[Vector]) ->
                 }
             }
         }
-    }
-    if let Some(bar) = &body.more.bar {
-        let node = nearest(mesh, bar.at);
-        forces[node][0] -= bar.stiffness * moves[node][0];
     }
     forces
 }

@@ -622,6 +622,28 @@ fn another_bed_bar_or_material_is_noticed() {
     noticed("bar", &family("bar", 0), "equilibrium", |problem, _| {
         problem.bodies[1].more.bar.as_mut().unwrap().stiffness *= 1.01;
     });
+    // one that has yielded: its elastic part is far stiffer than what it does now
+    let yields = |p: &Problem| {
+        let gives = p.bodies[1].more.bar.as_ref().unwrap().gives.as_ref();
+        gives.is_some_and(|gives| gives.most.is_some())
+    };
+    let has_yielded = (0..).map(|seed| family("yielding", seed)).filter(yields);
+    let has_yielded = has_yielded.into_iter().find(|problem| {
+        let answer = answer(problem, "yielding");
+        let bar = problem.bodies[1].more.bar.as_ref().unwrap();
+        let node = crate::elastic::nearest(&answer.meshes[1], bar.at);
+        let ways = answer.steps.iter().map(|s| s.displacements[1][node][0]);
+        Some(bar.tension(ways).abs()) == bar.gives.as_ref().unwrap().most
+    });
+    noticed(
+        "yielding",
+        &has_yielded.unwrap(),
+        "equilibrium",
+        |problem, _| {
+            let bar = problem.bodies[1].more.bar.as_mut().unwrap();
+            *bar.gives.as_mut().unwrap().most.as_mut().unwrap() *= 1.01;
+        },
+    );
     noticed(
         "layers",
         &family("layers", 0),

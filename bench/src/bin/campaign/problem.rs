@@ -186,6 +186,37 @@ pub struct Bar {
     pub at: Vector,
     pub stiffness: f64,
     pub to: Option<(String, Vector)>,
+    pub gives: Option<Gives>,
+}
+
+/// How a bar gives way.
+#[derive(Debug, Clone)]
+pub struct Gives {
+    /// It bears no compression.
+    pub slack: bool,
+    /// It yields at this force.
+    pub most: Option<f64>,
+}
+
+impl Bar {
+    /// Its tension after its node has gone these ways along x, one after the other: what is beyond its strength is plastic, what
+    /// slackens is not.
+    pub fn tension(&self, ways: impl Iterator<Item = f64>) -> f64 {
+        let (slack, most) = match &self.gives {
+            Some(gives) => (gives.slack, gives.most.unwrap_or(f64::INFINITY)),
+            None => (false, f64::INFINITY),
+        };
+        let least = if slack { 0.0 } else { -most };
+        let (mut plastic, mut tension) = (0.0, 0.0);
+        for way in ways {
+            let elastic = self.stiffness * (way - plastic);
+            tension = elastic.max(least).min(most);
+            if !(slack && elastic < 0.0) {
+                plastic += (elastic - tension) / self.stiffness;
+            }
+        }
+        tension
+    }
 }
 
 /// Another material beyond a vertical border.
@@ -424,6 +455,7 @@ impl Problem {
                 at,
                 stiffness,
                 to: Some((other, to)),
+                gives,
             }) = &body.more.bar
             {
                 let long = (to[0] - at[0]).abs();
@@ -436,6 +468,12 @@ impl Problem {
                         stiffness * long
                     ),
                 );
+                if let Some(most) = gives.as_ref().and_then(|gives| gives.most) {
+                    line(&mut out, format_args!("yield    = {most:?}"));
+                }
+                if gives.as_ref().is_some_and(|gives| gives.slack) {
+                    line(&mut out, format_args!("tension_only = true"));
+                }
             }
         }
         for section in &self.sections {
@@ -549,6 +587,7 @@ fn write_body(out: &mut String, body: &Body, analysis: Analysis) {
         at,
         stiffness,
         to: None,
+        ..
     }) = &body.more.bar
     {
         springs.push(format!("{{ point = {at:?}, x = {stiffness:?} }}"));

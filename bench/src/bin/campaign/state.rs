@@ -65,6 +65,13 @@ fn held_later(problem: &Problem, answer: &Answer, step: &Step, body: usize) -> V
     all
 }
 
+/// The tension of the spring or bar of a body in a step, after all steps up to it.
+fn tension(answer: &Answer, step: &Step, body: usize, bar: &Bar) -> f64 {
+    let node = nearest(&answer.meshes[body], bar.at);
+    let before = answer.steps.iter().filter(|s| s.time <= step.time);
+    bar.tension(before.map(|s| s.displacements[body][node][0]))
+}
+
 impl State {
     /// The forces of a step.
     pub fn new(problem: &Problem, answer: &Answer, step: &Step) -> Self {
@@ -95,7 +102,12 @@ impl State {
                 true => external(mesh, body, analysis, step.time),
                 false => vec![[0.0; 2]; moves.len()],
             };
-            let beds = bedded(mesh, body, analysis, moves);
+            let mut beds = bedded(mesh, body, analysis, moves);
+            // a spring or bar along x at one of the nodes, whose other end is held
+            if let Some(bar) = &body.more.bar {
+                let node = nearest(mesh, bar.at);
+                beds[node][0] -= tension(answer, step, state.rest.len(), bar);
+            }
             for (sum, &bed) in outside.iter_mut().zip(&beds) {
                 *sum = plus(*sum, 1.0, bed);
             }
@@ -138,14 +150,10 @@ impl State {
         }
         for (place, body) in problem.bodies.iter().enumerate() {
             // the force of a bar is no reaction, at either of its ends
-            if let Some(Bar {
-                at,
-                stiffness,
-                to: Some((other, _)),
-            }) = &body.more.bar
+            if let Some(bar) = &body.more.bar
+                && let Some((other, _)) = &bar.to
             {
-                let node = nearest(&answer.meshes[place], *at);
-                let pull = [stiffness * step.displacements[place][node][0], 0.0];
+                let pull = [tension(answer, step, place, bar), 0.0];
                 state.beds[place] = plus(state.beds[place], 1.0, pull);
                 let other = problem.body(other);
                 state.beds[other] = plus(state.beds[other], -1.0, pull);

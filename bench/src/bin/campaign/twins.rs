@@ -60,6 +60,10 @@ pub fn carried(problem: &Problem, lengths: f64, forces: f64, angle: f64) -> Opti
                 return None;
             }
             (bar.at, bar.stiffness) = (place(bar.at), bar.stiffness * stress * lengths);
+            let forces = stress * lengths * lengths;
+            if let Some(most) = bar.gives.as_mut().and_then(|gives| gives.most.as_mut()) {
+                *most *= forces;
+            }
             bar.to = bar.to.take().map(|(body, to)| (body, place(to)));
         }
         if let Some(beyond) = &mut body.more.beyond {
@@ -369,9 +373,14 @@ fn split(problem: &Problem, random: &mut Random) -> Option<Twin> {
         for axis in 0..2 {
             // a cut across x meets top and bottom
             let more = &body.more;
+            let barred = |other: &Body| {
+                let to = other.more.bar.as_ref().and_then(|bar| bar.to.as_ref());
+                to.is_some_and(|(name, _)| *name == body.name)
+            };
             let plain = more.springs.is_empty()
                 && more.initial.is_none()
                 && more.bar.is_none()
+                && !problem.bodies.iter().any(barred)
                 && problem.sections.iter().all(|s| s.body != body.name);
             if !plain {
                 continue;

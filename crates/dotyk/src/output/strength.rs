@@ -1,4 +1,4 @@
-//! The section on strength: the utilisation of every body in numbers and words.
+//! Section "Strength" of the report: how far the stress goes towards the strength, and where it goes beyond.
 
 use crate::model::{BodySolution, Solution};
 use crate::output::figures::Figures;

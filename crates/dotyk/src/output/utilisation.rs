@@ -1,5 +1,4 @@
-//! Section "Strength" of the report: how far the stress goes towards the strength, where it goes beyond, and the figure with the
-//! line where the utilisation is 1.
+//! The picture of the utilisation of the strength, with the line where it is 1.
 
 use crate::geometry::Point;
 use crate::model::{BodySolution, Peak, Solution};

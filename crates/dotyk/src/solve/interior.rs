@@ -435,6 +435,7 @@ impl<'a> Interior<'a> {
                 false => least.max(-setup.shift[cone.normal]),
             };
             let force = if follows { force } else { force * least / gap };
+            // a bound that is given has no normal force in it
             if cone.growth > 0.0 {
                 at.lambda[cone.normal] = force;
             }

@@ -64,7 +64,7 @@ pub const FAMILIES: [(&str, Make); 28] = [
 
 /// Families that came later. They are drawn by themselves: a further one among those above would make another problem of every
 /// seed. What a seed means in a family by name stays, whatever comes.
-pub const MORE: [(&str, Make); 16] = [
+pub const MORE: [(&str, Make); 17] = [
     ("travel", travel::travel),
     ("steps", faces::steps_of_a_floor),
     ("teeth", faces::teeth),
@@ -81,6 +81,7 @@ pub const MORE: [(&str, Make); 16] = [
     ("bar", structures::bar),
     ("graded", structures::graded),
     ("edge", rounds::edge),
+    ("yielding", structures::yielding),
 ];
 
 /// The problem of a seed; `only` is the family, else the seed chooses among the first ones, or those that came later.

@@ -5,8 +5,8 @@ use crate::amount::{Amount, Time};
 use crate::cells::Kind;
 use crate::plane::Vector;
 use crate::problem::{
-    Bar, Beyond, Couple, Drawing, Known, Law, Load, Other, Problem, Section, Shape, Spring, clamp,
-    hold, moved, on, side, steps,
+    Bar, Beyond, Couple, Drawing, Gives, Known, Law, Load, Other, Problem, Section, Shape, Spring,
+    clamp, hold, moved, on, side, steps,
 };
 use crate::raw::Mesh;
 
@@ -333,6 +333,7 @@ pub fn bar(scene: &mut Scene) {
         at: [0.0, h],
         stiffness,
         to: None,
+        gives: None,
     };
     let mut barred = scene.problem.clone();
     scene.problem.bodies[1].more.bar = Some(spring.clone());
@@ -342,6 +343,55 @@ pub fn bar(scene: &mut Scene) {
     });
     otherwise(scene, "bar", barred, 1e-6);
     scene.holds("pressed down within its sole, drawn by a spring");
+}
+
+/// A block on a floor that is held at its right side, and drawn to and fro beside a bar to a wall that yields, slackens, or does both.
+pub fn yielding(scene: &mut Scene) {
+    let count = scene.random.pick(&[1, 3, 6]);
+    scene.problem.times = steps(count);
+    let (w, h) = (
+        scene.random.between(0.5, 1.5),
+        scene.random.between(0.3, 1.0),
+    );
+    scene.block("floor", [-0.2, -0.5], [w + 0.2, 0.0], 3);
+    scene.block("block", [0.0, 0.0], [w, h], 3);
+    let apart = scene.random.between(0.3, 1.0);
+    scene.block("wall", [-apart - 0.4, 0.1], [-apart, h], 3);
+    scene.problem.bodies[0].supports.push(clamp(on("bottom")));
+    scene.problem.bodies[1].supports.push(clamp(on("right")));
+    scene.problem.bodies[2].supports.push(clamp(on("right")));
+    let law = scene.law(0.4);
+    scene.touch(side("block", "bottom"), side("floor", "top"), law);
+    let p = scene.strain * scene.random.between(0.2, 1.0);
+    let time = Time::Wave(
+        scene.random.between(0.5, 2.5),
+        scene.random.between(0.0, 6.0),
+    );
+    let pull = p * scene.random.between(-2.0, 2.0);
+    let (slack, yields) = scene
+        .random
+        .pick(&[(false, true), (true, true), (true, false)]);
+    let block = &mut scene.problem.bodies[1];
+    let stiffness = scene.random.magnitude(0.1, 10.0) * block.thickness;
+    let most = stiffness * scene.strain * w * scene.random.magnitude(0.01, 1.0);
+    block.loads.push(Load::Traction {
+        side: "left".to_string(),
+        field: [Amount::timed(pull, time), Amount::from(0.0)],
+    });
+    block.loads.push(Load::Traction {
+        side: "top".to_string(),
+        field: [Amount::from(0.0), Amount::from(-p)],
+    });
+    block.more.bar = Some(Bar {
+        at: [0.0, h],
+        stiffness,
+        to: Some(("wall".to_string(), [-apart, h])),
+        gives: Some(Gives {
+            slack,
+            most: yields.then_some(most),
+        }),
+    });
+    scene.holds("held at its right side");
 }
 
 /// A block on a floor, both of cells that grow a thousandfold and more from one side to the other.

@@ -1,4 +1,17 @@
-//! Nodes of joints that part or slip, after a step and within it.
+//! Nodes of joints (`system/joints.rs`) that part or slip, after a step and within it.
+//!
+//! A shear that a whole joint bears may lift a node off, and without it the node is pressed on again: then neither a whole nor a
+//! parted joint is in equilibrium there. On the way to the load of the step it has parted, which cannot be undone: it is lost
+//! in this step already, and what its friction bears is the answer.
+//!
+//! A gap or a slip is one where it is more than what the answer is known to: rounding of displacements, and of forces in what
+//! they displace, and what the largest error that the certificate lets pass in a force closes or opens at the node by itself,
+//!
+//! ```text
+//!   |gap| > ε (max|u| + Fᵢᵢ max|λ|) + 10 tolerances · cᵢ max|λ|,      cᵢ = Σ b²/K
+//! ```
+//!
+//! with the forces of what contacts couple with it, and the dofs b/K of the row. Fᵢᵢ is large where supports are weak, cᵢ is not.
 
 use crate::contact::InterfaceNode;
 use crate::dual::{FORCE_LIMIT, NONE, ROUNDING};

@@ -1,34 +1,4 @@
-//! What stands in what: the deformed outer surfaces of all bodies against each other and against rigid obstacles, whoever named a
-//! contact between them.
-//!
-//! ```text
-//!   grown(x) = max(0, −φ(x + u)) − max(0, −φ₀(x))          φ the signed distance from what may be stood in, now and at first
-//! ```
-//!
-//! Conditions of a contact hold between what lay opposite at first, and where a contact is named. Neither tells what becomes of a
-//! body that travels, nor of two that no contact keeps apart. So the nodes of every outer surface are looked up in every other
-//! body as it has moved; and edges that pass through it, half way between where they come in and go out. What an answer of small
-//! displacements may overlap, and no more, is
-//!
-//! ```text
-//!   allowed = 10 × what the meshes of a contact resolve there          dents and bends of the gap, see `between`
-//!           + 2 (b₁ + b₂)                          b = hθ/8, how far polygons are off the curves that they stand for, as drawn or
-//!                                                  as bent: facets of second order are looked at as polygons; where no contact
-//!                                                  is named, of hollow ones alone, whose chords lie in what is beside the body
-//!           + s (‖∇u₁‖ + ‖∇u₂‖)                    rotations by angles instead of their sines, over a motion s past each other
-//!           + a given clearance that the meshes lack + rounding
-//! ```
-//!
-//! The first and the last but one hold at the sides of contacts alone. The third is of second order in the displacements, as the
-//! theory is of first: a body that travels without a strain gets none of it. What lay deeper than it has moved since was drawn
-//! so. What lies beside excluded nodes is told by a warning of its own, as is what a contact would hold that is not there. Where
-//! a clearance is given, what meshes do no farther than that from the sides, and from what goes on from these without an edge,
-//! says nothing. Bodies that are drawn to meet at edges alone have no sides there that a contact could name: what overlaps is
-//! narrow by the motion, and is left as long as that is small beside the facets.
-//!
-//! An obstacle is there for the side that its contact names, and no other: a plane may stand for a punch. Nodes alone can stand in
-//! it: the second term does not count, and of the first the tenth part where each node has a condition of its own, and nothing
-//! where a node of the side has none. Beside them stands what the normal of the obstacle turns by along the motion.
+//! Where a body stands in what it should not: what a solution tells of it. It is found in `march/intrusion.rs`.
 
 use crate::dual::Figure;
 use crate::fem::{Short, show};

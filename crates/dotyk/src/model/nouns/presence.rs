@@ -1,16 +1,5 @@
-//! Stages: bodies, supports and contacts that come and go. A stage is what of a model is there at a time, as a model of its
-//! own, with what the load steps before have left:
-//!
-//! * a body that appears is free of stress and fits what it touches: the gaps of its contacts count from the displacements
-//!   u_a of the bodies that were there, g₀ + B u_a, in normal and tangential rows;
-//! * a support that appears holds the nodes of its body where they are;
-//! * a spring or a bar that appears bears nothing there, but for the prestress of a bar, which in its first step pulls with that
-//!   alone, whatever gives;
-//! * friction counts from where the sides of a contact were when its stage began, B u of the last step in whatever directions the
-//!   tangents are now: a support that leaves a side leaves the slips under it, a contact or an obstacle that comes has none;
-//! * a joint that comes, between bodies one of which comes or not, is whole where its sides are not apart then, g₀ + B (u_a − u);
-//! * a body that goes leaves, where it is released, the forces −Bᵀλ of its last step on its neighbours, times what is left
-//!   of them at a time.
+//! Stages: bodies, supports and contacts that come and go. A stage is what of a model is there at a time, as a model of its own;
+//! what load steps leave to those after them stands in `system/track.rs`.
 //!
 //! A thing is there in the steps whose time t lies in from ≤ t < until; in the first step nothing has appeared.
 

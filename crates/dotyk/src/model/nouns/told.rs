@@ -1,4 +1,4 @@
-//! Warnings that say the same, told once.
+//! Words of messages: names in a row, and warnings that say the same, told once.
 //!
 //! A warning begins with what it is about, `body "b1"` or `contact "c1", "c2" and 3 more`, and goes on with a sentence that has
 //! figures. Two are of a kind where they differ in names and figures alone.

@@ -1,4 +1,5 @@
-//! Section forces N, V, M: on cuts across a body with two long sides, by equilibrium.
+//! Section forces N, V, M of bodies with two long sides: the cuts, what pushes on either part, and the resultant of what is ahead of a cut.
+//! Signs stand with the noun, `nouns/section.rs`.
 
 use crate::fem::{Ahead, Analysis, Body, Push};
 use crate::geometry::{Groups, Point, add_scaled, padded, sub};

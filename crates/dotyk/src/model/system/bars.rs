@@ -1,4 +1,4 @@
-//! Where bars lie: their points, and how these move with the bodies.
+//! Where bars (`nouns/bar.rs`) lie: their points, and how these move with the bodies.
 
 use crate::fem::{Analysis, completed, side_points};
 use crate::geometry::{Point, add_scaled, distance, dot, sub};

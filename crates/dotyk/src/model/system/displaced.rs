@@ -1,4 +1,4 @@
-//! All bodies and rigid parts under some contact forces, displaced.
+//! All bodies and rigid parts, displaced under some contact forces, and what of that each contact sees.
 
 use crate::contact::Moved;
 use crate::geometry::{Point, sub};

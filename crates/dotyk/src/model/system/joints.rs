@@ -12,18 +12,7 @@
 //! is lost from the next step on, for good. One whose sides are apart when it comes, be it by a clearance or because they have parted
 //! before, was never whole; one of a body that is fitted to what has moved is.
 //!
-//! A shear that a whole joint bears may lift a node off, and without it the node is pressed on again: then neither a whole nor a
-//! parted joint is in equilibrium there. On the way to the load of the step it has parted, which cannot be undone: it is lost
-//! in this step already, and what its friction bears is the answer.
-//!
-//! A gap or a slip is one where it is more than what the answer is known to: rounding of displacements, and of forces in what
-//! they displace, and what the largest error that the certificate lets pass in a force closes or opens at the node by itself,
-//!
-//! ```text
-//!   |gap| > ε (max|u| + Fᵢᵢ max|λ|) + 10 tolerances · cᵢ max|λ|,      cᵢ = Σ b²/K
-//! ```
-//!
-//! with the forces of what contacts couple with it, and the dofs b/K of the row. Fᵢᵢ is large where supports are weak, cᵢ is not.
+//! What is lost after a step and within it stands in `march/torn.rs`.
 
 use crate::contact::{ContactError, InterfaceNode};
 use crate::fem::show;

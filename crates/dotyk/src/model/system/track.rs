@@ -1,4 +1,15 @@
-//! What load steps leave to those after them.
+//! What load steps leave to those after them, where bodies, supports and contacts come and go:
+//!
+//! * a body that appears is free of stress and fits what it touches: the gaps of its contacts count from the displacements
+//!   u_a of the bodies that were there, g₀ + B u_a, in normal and tangential rows;
+//! * a support that appears holds the nodes of its body where they are;
+//! * a spring or a bar that appears bears nothing there, but for the prestress of a bar, which in its first step pulls with that
+//!   alone, whatever gives;
+//! * friction counts from where the sides of a contact were when its stage began, B u of the last step in whatever directions the
+//!   tangents are now: a support that leaves a side leaves the slips under it, a contact or an obstacle that comes has none;
+//! * a joint that comes, between bodies one of which comes or not, is whole where its sides are not apart then, g₀ + B (u_a − u);
+//! * a body that goes leaves, where it is released, the forces −Bᵀλ of its last step on its neighbours, times what is left
+//!   of them at a time.
 
 use crate::fem::History;
 use crate::geometry::{Point, add_scaled, distance};
