@@ -103,7 +103,6 @@ pub fn weld(model: &Model<2>) -> Result<Body<2>, String> {
         initial: first.initial.clone(),
         active: first.active,
         release: first.release.clone(),
-        history: Default::default(),
         supports: [first, second].into_iter().flat_map(supports).collect(),
         springs: [first, second].into_iter().flat_map(springs).collect(),
         loads: [first, second].into_iter().flat_map(loads).collect(),

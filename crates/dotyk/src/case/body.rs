@@ -16,7 +16,7 @@ use crate::case::surface::true_surface;
 use crate::geometry::Field;
 use crate::mesh::Mesh;
 use crate::model::{
-    Active, Analysis, Body, Elastic, Formulation, History, Initial, Load, Material, Place, Support,
+    Active, Analysis, Body, Elastic, Formulation, Initial, Load, Material, Place, Support,
 };
 
 const FORMULATIONS: [(&str, Formulation); 2] = [
@@ -86,7 +86,6 @@ where
         initial,
         active,
         release,
-        history: History::default(),
         supports: supports.concat(),
         springs: springs.concat(),
         loads: loads.concat(),

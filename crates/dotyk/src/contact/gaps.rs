@@ -138,7 +138,6 @@ pub(super) mod tests {
             initial: crate::fem::Initial::default(),
             active: Default::default(),
             release: None,
-            history: Default::default(),
             supports: Vec::new(),
             springs: Vec::new(),
             loads: Vec::new(),

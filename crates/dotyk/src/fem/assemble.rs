@@ -6,7 +6,7 @@ use crate::fem::enhanced::has_modes;
 use crate::fem::error::{FemError, show};
 use crate::fem::loads::{NodalLoads, nodal_loads};
 use crate::fem::modes::{RigidBasis, carried_motion, free_modes};
-use crate::fem::nouns::{Analysis, Body, Elastic, Formulation, Material};
+use crate::fem::nouns::{Analysis, Body, Elastic, Formulation, History, Material};
 use crate::fem::springs::{spring_loads, spring_stiffness, sprung_directions};
 use crate::fem::supports::{Constraints, ON_AXIS};
 use crate::geometry::{Point, add_scaled, dot, norm};
@@ -43,6 +43,8 @@ pub struct BodySystem<const D: usize> {
     pub frames: BTreeMap<usize, [[f64; D]; D]>,
     /// Rigid motions that the supports leave free: R, one column (D·n,) each, largest displacement 1.
     pub modes: Vec<Vec<f64>>,
+    /// What load steps before have left of its supports, springs and neighbours.
+    pub(crate) history: History<D>,
 }
 
 impl<const D: usize> Body<D> {
@@ -117,6 +119,16 @@ pub fn assemble<const D: usize>(
     analysis: Analysis,
     time: f64,
 ) -> Result<BodySystem<D>, FemError> {
+    assemble_after(body, History::default(), analysis, time)
+}
+
+/// The same, with what load steps before have left of what holds it.
+pub(crate) fn assemble_after<const D: usize>(
+    body: &Body<D>,
+    history: History<D>,
+    analysis: Analysis,
+    time: f64,
+) -> Result<BodySystem<D>, FemError> {
     body.check_materials()?;
     if (analysis == Analysis::Solid) != (D == 3) {
         return Err(FemError::Dimension {
@@ -131,7 +143,7 @@ pub fn assemble<const D: usize>(
     if analysis == Analysis::Axisymmetric {
         check_radii(body)?;
     }
-    let constraints = Constraints::new(body, analysis, time)?;
+    let constraints = Constraints::new((body, &history), analysis, time)?;
     let frames = frames(&constraints);
     let blocks: Vec<Connectivity<'_>> = body
         .mesh
@@ -162,7 +174,7 @@ pub fn assemble<const D: usize>(
             *value = 0.0;
         }
     }
-    let driving = Driving::new(body, analysis, time, &constraints, &frames)?;
+    let driving = Driving::new((body, &history), analysis, time, (&constraints, &frames))?;
     Ok(BodySystem {
         graph,
         stiffness,
@@ -175,6 +187,7 @@ pub fn assemble<const D: usize>(
         lift: driving.lift,
         frames,
         modes,
+        history,
     })
 }
 
@@ -199,22 +212,21 @@ struct Driving {
 
 impl Driving {
     fn new<const D: usize>(
-        body: &Body<D>,
+        (body, history): (&Body<D>, &History<D>),
         analysis: Analysis,
         time: f64,
-        constraints: &Constraints<D>,
-        frames: &BTreeMap<usize, [[f64; D]; D]>,
+        (constraints, frames): (&Constraints<D>, &BTreeMap<usize, [[f64; D]; D]>),
     ) -> Result<Self, FemError> {
         let NodalLoads {
             forces: mut load,
             largest: largest_load,
             rounding,
-        } = nodal_loads(body, analysis, time)?;
+        } = nodal_loads((body, history), analysis, time)?;
         let mut prescribed = vec![0.0; load.len()];
         for (dof, value) in held_dofs(constraints, frames) {
             prescribed[dof] = value;
         }
-        for (_, came) in spring_loads(body, analysis)? {
+        for (_, came) in spring_loads((body, history), analysis)? {
             load.iter_mut()
                 .zip(came.iter().flatten())
                 .for_each(|(f, k)| *f += k);
@@ -310,6 +322,7 @@ impl<const D: usize> BodySystem<D> {
             frames: BTreeMap::new(),
             modes: (0..dofs).filter(|&i| !held[i]).map(unit).collect(),
             held,
+            history: History::default(),
         }
     }
 
@@ -319,8 +332,9 @@ impl<const D: usize> BodySystem<D> {
     /// `body` and `analysis` are those that the system was assembled from.
     /// Errors: contradictory supports, values that are not finite.
     pub fn at_time(self, body: &Body<D>, analysis: Analysis, time: f64) -> Result<Self, FemError> {
+        let body = (body, &self.history);
         let constraints = Constraints::new(body, analysis, time)?;
-        let driving = Driving::new(body, analysis, time, &constraints, &self.frames)?;
+        let driving = Driving::new(body, analysis, time, (&constraints, &self.frames))?;
         Ok(Self {
             constraints,
             load: driving.load,

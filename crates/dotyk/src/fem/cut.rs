@@ -26,7 +26,7 @@ use crate::fem::error::FemError;
 use crate::fem::initial::body_degree;
 use crate::fem::internal::{CellForces, Rule};
 use crate::fem::loads::{Amount, Load, side_points};
-use crate::fem::nouns::{Analysis, Body, Place};
+use crate::fem::nouns::{Analysis, Body, History, Place};
 use crate::fem::quadrature::gauss;
 use crate::fem::springs::{Bed, Spring};
 use crate::fem::supports::{nearest_node, side_facets};
@@ -157,7 +157,7 @@ impl<'a, const D: usize> Ahead<'a, D> {
     ///
     /// Errors: a group of cells without a material; a side that is not there.
     pub fn new(
-        (body, analysis): (&'a Body<D>, Analysis),
+        (body, history, analysis): (&'a Body<D>, &'a History<D>, Analysis),
         time: f64,
         displacement: &'a [Point<D>],
         (pushes, bars): (&[Push<D>], &BTreeMap<usize, Point<D>>),
@@ -176,7 +176,7 @@ impl<'a, const D: usize> Ahead<'a, D> {
                     spring,
                     facets: side_facets(mesh, side)?,
                     normals: SideNormals::new(body, side)?,
-                    came: body.history.sprung.get(&place).map(|u| &u[..]),
+                    came: history.sprung.get(&place).map(|u| &u[..]),
                 });
             }
         }
@@ -194,8 +194,8 @@ impl<'a, const D: usize> Ahead<'a, D> {
             push.forces.iter().for_each(|(&node, &f)| forces[node] = f);
             pushed.push(spread(facets, &forces));
         }
-        if !body.history.released.is_empty() {
-            let released = released(body, time);
+        if !history.released.is_empty() {
+            let released = released(body, history, time);
             let left = |facet: &Facet| {
                 let mut nodes = mesh.facet_nodes(*facet);
                 nodes.all(|node| released[node as usize] != [0.0; D])
@@ -535,9 +535,9 @@ fn loads<const D: usize>(
 }
 
 /// Forces (nodes,) that bodies which have gone have left, at a time.
-fn released<const D: usize>(body: &Body<D>, time: f64) -> Vec<Point<D>> {
+fn released<const D: usize>(body: &Body<D>, history: &History<D>, time: f64) -> Vec<Point<D>> {
     let mut sum = vec![[0.0; D]; body.mesh.points().len()];
-    for (left, factor) in &body.history.released {
+    for (left, factor) in &history.released {
         let part = factor.at([0.0; D], time);
         for (sum, force) in sum.iter_mut().zip(left.iter()) {
             *sum = add_scaled(*sum, part, *force);

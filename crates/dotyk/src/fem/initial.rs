@@ -484,11 +484,9 @@ fn carrying<const D: usize>(
 ) -> Result<BTreeSet<usize>, FemError> {
     let mesh = &body.mesh;
     let places = body.held_places().chain(body.loads.iter().map(Load::place));
-    let other_stages = body.history.touched.iter().map(String::as_str);
     let sides = touched
         .iter()
         .copied()
-        .chain(other_stages)
         .chain(body.couples.iter().map(|c| c.side.as_str()));
     let places = places.chain(sides.map(|side| Place::Side(side.to_string())));
     let mut nodes = BTreeSet::new();

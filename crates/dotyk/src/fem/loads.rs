@@ -4,7 +4,7 @@ use crate::fem::borders::Borders;
 use crate::fem::cells::{CellTable, measure};
 use crate::fem::error::FemError;
 use crate::fem::initial::{Components, body_degree};
-use crate::fem::nouns::{Active, Analysis, Body, Place};
+use crate::fem::nouns::{Active, Analysis, Body, History, Place};
 use crate::fem::quadrature::{self, QuadraturePoint};
 use crate::fem::supports::{describe, finite, nearest_node, side_facets};
 use crate::geometry::{Field, Point, add_scaled, norm};
@@ -204,7 +204,7 @@ impl<const D: usize> Size<D> {
 
 /// Nodal forces of all loads of a body at a time.
 pub(crate) fn nodal_loads<const D: usize>(
-    body: &Body<D>,
+    (body, history): (&Body<D>, &History<D>),
     analysis: Analysis,
     time: f64,
 ) -> Result<NodalLoads, FemError> {
@@ -218,7 +218,7 @@ pub(crate) fn nodal_loads<const D: usize>(
         let size = add_load(body, load, analysis, time, &mut forces)?;
         largest = largest.max(size.scale());
     }
-    for (left, factor) in &body.history.released {
+    for (left, factor) in &history.released {
         let mut size = Size::zero();
         let part = finite(factor, [0.0; D], time, || "release".to_string())?;
         if !(-PART..=1.0 + PART).contains(&part) {

@@ -33,7 +33,7 @@ mod surface;
 #[cfg(test)]
 mod tests;
 
-pub(crate) use assemble::{ALONG, completed, largest_coefficient};
+pub(crate) use assemble::{ALONG, assemble_after, completed, largest_coefficient};
 pub use assemble::{BodySystem, assemble};
 pub use borders::Borders;
 pub use couple::{Couple, CoupleKind};
@@ -42,7 +42,8 @@ pub use initial::{Components, Initial, NAMES as COMPONENTS};
 pub use loads::{Amount, Load};
 pub(crate) use loads::{SidePoint, nodal_volumes, side_points, volume_points};
 pub use modes::{RigidBasis, describe_motion, list_motions};
-pub use nouns::{Active, Analysis, Body, Elastic, Formulation, History, Material, Place, Support};
+pub(crate) use nouns::History;
+pub use nouns::{Active, Analysis, Body, Elastic, Formulation, Material, Place, Support};
 pub use springs::{Bed, Spring};
 pub use strength::Strength;
 pub use stress::{principal, recover_spin, recover_strain, recover_stress, von_mises};

@@ -7,7 +7,7 @@ use crate::fem::springs::Spring;
 use crate::fem::strength::Strength;
 use crate::geometry::{Field, Point, Surface};
 use crate::mesh::Mesh;
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeMap;
 use std::sync::Arc;
 
 /// The kind of analysis; D = 2 for all but [`Analysis::Solid`].
@@ -159,20 +159,16 @@ pub enum Formulation {
     Enhanced,
 }
 
-/// What load steps have left of things that come and go; nothing in a model as it is written.
+/// What load steps have left of what holds a body and comes and goes.
 #[derive(Debug, Clone, Default)]
-pub struct History<const D: usize> {
+pub(crate) struct History<const D: usize> {
     /// Supports that came later than the body, by their place among its supports, with the displacements (nodes,) of the
     /// body then.
-    pub(crate) placed: BTreeMap<usize, Arc<[Point<D>]>>,
+    pub placed: BTreeMap<usize, Arc<[Point<D>]>>,
     /// Springs that came later than the body, in the same way.
-    pub(crate) sprung: BTreeMap<usize, Arc<[Point<D>]>>,
-    /// Sides that contacts of some stage touch.
-    pub(crate) touched: BTreeSet<String>,
-    /// Other bodies, by their places, with the name of a contact that is not there.
-    pub(crate) waits: BTreeMap<usize, String>,
+    pub sprung: BTreeMap<usize, Arc<[Point<D>]>>,
     /// Forces (nodes,) of bodies that have gone, each with what is left of it at a time.
-    pub(crate) released: Vec<(Arc<[Point<D>]>, Field)>,
+    pub released: Vec<(Arc<[Point<D>]>, Field)>,
 }
 
 /// One elastic body.
@@ -196,8 +192,6 @@ pub struct Body<const D: usize> {
     pub active: Active,
     /// What is left, at a time after it has gone, of the forces of its contacts on its neighbours; `None`: nothing.
     pub release: Option<Field>,
-    /// What the load steps before have left.
-    pub history: History<D>,
     /// Prescribed displacements.
     pub supports: Vec<Support<D>>,
     /// Springs between it and what does not move.

@@ -14,7 +14,7 @@
 use crate::fem::cells::measure;
 use crate::fem::error::FemError;
 use crate::fem::loads::{SidePoint, points_of_degree, side_points};
-use crate::fem::nouns::{Active, Analysis, Body, Place};
+use crate::fem::nouns::{Active, Analysis, Body, History, Place};
 use crate::fem::supports::nearest_node;
 use crate::fem::surface::SideNormals;
 use crate::geometry::{Point, add_scaled, dot, norm};
@@ -225,10 +225,10 @@ pub(crate) fn spring_forces<const D: usize>(
 
 /// The load of each spring that came later, (nodes,), with its place: K u_a of its own, by which it bears nothing at u_a.
 pub(crate) fn spring_loads<const D: usize>(
-    body: &Body<D>,
+    (body, history): (&Body<D>, &History<D>),
     analysis: Analysis,
 ) -> Result<Vec<(usize, Vec<Point<D>>)>, FemError> {
-    let placed = body.history.sprung.iter();
+    let placed = history.sprung.iter();
     placed
         .map(|(&k, u)| Ok((k, force(body, analysis, &body.springs[k], u)?)))
         .collect()

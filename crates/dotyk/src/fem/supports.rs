@@ -8,7 +8,7 @@
 //! sum, of those that each vₖ is itself left of, and of the largest value that a support prescribes anywhere.
 
 use crate::fem::error::{FemError, show};
-use crate::fem::nouns::{Analysis, Body, Place};
+use crate::fem::nouns::{Analysis, Body, History, Place};
 use crate::geometry::{Field, Point, add_scaled, distance, dot, norm, unit};
 use crate::mesh::{Facet, Mesh};
 use std::collections::{BTreeMap, BTreeSet};
@@ -62,7 +62,11 @@ impl Prescribed {
 impl<const D: usize> Constraints<D> {
     /// Evaluates the supports of a body at a time. On the axis of an axisymmetric analysis the radius cannot change: its
     /// nodes are held along it without a support.
-    pub fn new(body: &Body<D>, analysis: Analysis, time: f64) -> Result<Self, FemError> {
+    pub(crate) fn new(
+        (body, history): (&Body<D>, &History<D>),
+        analysis: Analysis,
+        time: f64,
+    ) -> Result<Self, FemError> {
         let mut constraints = Self {
             nodes: BTreeMap::new(),
         };
@@ -73,7 +77,7 @@ impl<const D: usize> Constraints<D> {
             }
         }
         for (index, support) in body.supports.iter().enumerate() {
-            let placed = body.history.placed.get(&index);
+            let placed = history.placed.get(&index);
             let (nodes, normals) = match &support.place {
                 Place::Side(side) => {
                     let facets = side_facets(&body.mesh, side)?;

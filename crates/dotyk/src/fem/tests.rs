@@ -18,6 +18,20 @@ const ELASTIC: Elastic = Elastic {
 const MU: f64 = 1.0;
 const LAMBDA: f64 = 1.5;
 
+/// The supports of a body, in the plane.
+fn supported(body: &Body<2>, analysis: Analysis) -> Result<Constraints<2>, FemError> {
+    Constraints::new((body, &History::default()), analysis, 0.0)
+}
+
+/// The loads of a body.
+fn loaded<const D: usize>(
+    body: &Body<D>,
+    analysis: Analysis,
+    time: f64,
+) -> Result<NodalLoads, FemError> {
+    nodal_loads((body, &History::default()), analysis, time)
+}
+
 const PLANES: [Analysis; 3] = [
     Analysis::PlaneStrain,
     Analysis::PlaneStress,
@@ -38,7 +52,6 @@ pub(super) fn body<const D: usize>(mesh: Mesh<D>) -> Body<D> {
         initial: Initial::default(),
         active: Active::ALWAYS,
         release: None,
-        history: History::default(),
         supports: Vec::new(),
         springs: Vec::new(),
         loads: Vec::new(),
@@ -559,7 +572,7 @@ fn motions_that_fit_turns_are_turns() {
         ],
         ..on_side("left", [None; 2])
     }];
-    let constraints = Constraints::new(&body, Analysis::PlaneStrain, 0.0).unwrap();
+    let constraints = supported(&body, Analysis::PlaneStrain).unwrap();
     let carried = carried_motion(&body.mesh, &constraints, RigidBasis::Full);
     for (u, &x) in carried.chunks(2).zip(body.mesh.points()) {
         near(u[0], turn(x)[0], 1e-13);
@@ -567,14 +580,14 @@ fn motions_that_fit_turns_are_turns() {
     }
     // pushed by one value everywhere: it moves by that value
     body.supports = vec![on_side("left", [Some(0.1), None])];
-    let constraints = Constraints::new(&body, Analysis::PlaneStrain, 0.0).unwrap();
+    let constraints = supported(&body, Analysis::PlaneStrain).unwrap();
     for u in carried_motion(&body.mesh, &constraints, RigidBasis::Full).chunks(2) {
         near(u[0], 0.1, 1e-14);
         near(u[1], 0.0, 1e-14);
     }
     // of one held point nothing tells a turn
     body.supports = vec![at_point([1.0, 0.0], [Some(0.0), Some(0.0)])];
-    let constraints = Constraints::new(&body, Analysis::PlaneStrain, 0.0).unwrap();
+    let constraints = supported(&body, Analysis::PlaneStrain).unwrap();
     let carried = carried_motion(&body.mesh, &constraints, RigidBasis::Full);
     assert!(carried.iter().all(|u| *u == 0.0));
 }
@@ -785,7 +798,7 @@ fn motions_of_a_free_body_are_pure_ones() {
     let told = |supports: Vec<Support<2>>| -> Vec<String> {
         let mut body = body(mesh.clone());
         body.supports = supports;
-        let constraints = Constraints::new(&body, Analysis::PlaneStrain, 0.0).unwrap();
+        let constraints = supported(&body, Analysis::PlaneStrain).unwrap();
         let modes = free_modes(&mesh, (&constraints, &[]), RigidBasis::Full);
         let points =
             |mode: &Vec<f64>| -> Vec<Point<2>> { mode.chunks(2).map(|u| [u[0], u[1]]).collect() };
@@ -913,7 +926,7 @@ fn nodal_forces_do_the_work_of_the_loads() {
         let mut body = body(rectangle(cell, [3, 2]));
         body.thickness = 0.5;
         let work = |body: &Body<2>, analysis: Analysis, u: &dyn Fn(Point<2>) -> Point<2>| -> f64 {
-            let forces = nodal_loads(body, analysis, 0.0).unwrap().forces;
+            let forces = loaded(body, analysis, 0.0).unwrap().forces;
             let points = body.mesh.points().iter();
             forces
                 .chunks(2)
@@ -977,7 +990,7 @@ fn resultants_are_spread_and_forces_act_at_their_node() {
             forces,
             largest,
             rounding,
-        } = nodal_loads(&body, analysis, 0.5).unwrap();
+        } = loaded(&body, analysis, 0.5).unwrap();
         assert!(rounding.is_empty());
         let total = sum::<2>(&forces);
         near(total[0], 4.5, 1e-13);
@@ -1009,9 +1022,7 @@ fn scale_of_a_load_is_its_resultant_unless_that_is_rounding() {
             "top",
             [Field::constant(0.0), Field::function("step", step)],
         )];
-        nodal_loads(&body, Analysis::PlaneStrain, 0.0)
-            .unwrap()
-            .largest
+        loaded(&body, Analysis::PlaneStrain, 0.0).unwrap().largest
     };
     near(largest(3.0, 1.0), 2.0, 1e-13);
     // resultants of 1.1 and 0.9 thousandths of the magnitudes
@@ -1023,11 +1034,7 @@ fn scale_of_a_load_is_its_resultant_unless_that_is_rounding() {
         traction("top", constants([0.0, 1.0])),
         traction("top", constants([0.0, -1.0])),
     ];
-    let of = |body: &Body<2>| {
-        nodal_loads(body, Analysis::PlaneStrain, 0.0)
-            .unwrap()
-            .largest
-    };
+    let of = |body: &Body<2>| loaded(body, Analysis::PlaneStrain, 0.0).unwrap().largest;
     near(of(&several), 2.0, 1e-13);
     several.body_force = constants([3.0, 4.0]);
     near(of(&several), 10.0, 1e-12);
@@ -1105,7 +1112,7 @@ fn supports_that_agree_are_one_and_others_are_a_contradiction() {
     let new = |supports: Vec<Support<2>>| {
         let mut body = body(rectangle(CellKind::Quad4, [2, 1]));
         body.supports = supports;
-        Constraints::new(&body, Analysis::PlaneStrain, 0.0)
+        supported(&body, Analysis::PlaneStrain)
     };
     let held = |supports: Vec<Support<2>>| new(supports).unwrap().at(0).to_vec();
     let both = held(vec![
@@ -1169,7 +1176,7 @@ fn supports_whose_terms_cancel_agree_to_the_rounding_of_these() {
             .map_points(|[x, y]| [cos * x - sin * y, sin * x + cos * y]);
         let mut body = body(turned.unwrap());
         body.supports = supports;
-        Constraints::new(&body, Analysis::PlaneStrain, 0.0)
+        supported(&body, Analysis::PlaneStrain)
     };
     for k in 1..30 {
         let angle = 0.1 * f64::from(k);
@@ -1203,7 +1210,7 @@ fn an_oblique_condition_counts_beyond_those_that_hold_already() {
         .map_points(|[x, y]| [x + y, y])
         .unwrap();
     let mut body = body(mesh);
-    let new = |body: &Body<2>| Constraints::new(body, Analysis::PlaneStrain, 0.0);
+    let new = |body: &Body<2>| supported(body, Analysis::PlaneStrain);
     body.supports = vec![on_side("bottom", [None, Some(0.2)]), roller("left", 0.1)];
     let constraints = new(&body).unwrap();
     // at (1, 0) both hold: u_y = 0.2 and (−u_x + u_y)/√2 = 0.1
@@ -1244,7 +1251,7 @@ fn the_axis_of_symmetry_holds_without_a_support() {
         .map_points(|[x, y]| [x - 1.0, y])
         .unwrap();
     let mut body = body(mesh);
-    let constraints = Constraints::new(&body, Analysis::Axisymmetric, 0.0).unwrap();
+    let constraints = supported(&body, Analysis::Axisymmetric).unwrap();
     assert_eq!(constraints.nodes.len(), 2);
     for held in constraints.nodes.values() {
         let [h] = held.as_slice() else {
@@ -1254,14 +1261,13 @@ fn the_axis_of_symmetry_holds_without_a_support() {
         assert!(h.supports.is_empty());
     }
     assert!(
-        Constraints::new(&body, Analysis::PlaneStrain, 0.0)
+        supported(&body, Analysis::PlaneStrain)
             .unwrap()
             .nodes
             .is_empty()
     );
     body.supports = vec![on_side("left", [Some(0.1), None])];
-    let Err(FemError::Contradiction { first, .. }) =
-        Constraints::new(&body, Analysis::Axisymmetric, 0.0)
+    let Err(FemError::Contradiction { first, .. }) = supported(&body, Analysis::Axisymmetric)
     else {
         panic!("the axis cannot move");
     };

@@ -78,7 +78,7 @@ fn stages<const D: usize>(run: &Overview<'_, D>) -> Markup {
         let contacts: Vec<&str> = stage.contacts.iter().map(|c| c.name.as_str()).collect();
         let [number, time] = [count(step + 1), number(solution.time)].map(plain);
         let name = run.step_name(step).unwrap_or_default();
-        let bars = stage.bars.iter().map(|bar| match bar.is_tightening() {
+        let bars = solution.bars.iter().map(|bar| match bar.tightening {
             true => format!("{} (tightened)", bar.name),
             false => bar.name.clone(),
         });

@@ -2,13 +2,15 @@
 
 use crate::dual::{Feasibility, NO_WORK};
 use crate::fem::{
-    BodySystem, Constraints, RigidBasis, Short, describe_motion, fit_rigid, list_motions, show,
+    BodySystem, Constraints, History, RigidBasis, Short, describe_motion, fit_rigid, list_motions,
+    show,
 };
 use crate::geometry::{Point, add_scaled, dot, norm};
 use crate::mesh::Mesh;
 use crate::model::march::sliding::sliding;
 use crate::model::nouns::error::{Error, Subject};
 use crate::model::nouns::model::*;
+use crate::model::nouns::presence::Stage;
 use crate::model::nouns::told::{told_in_steps, told_once};
 use crate::model::read::probe::sites;
 use crate::model::read::remarks::{
@@ -22,7 +24,6 @@ use crate::model::system::floating::Floating;
 use crate::model::system::pair::pair_all;
 use crate::model::system::paired::{Kind, Paired, row_ranges};
 use crate::model::system::parts::{couples, first_point};
-use std::collections::BTreeMap;
 use std::fmt;
 use std::ops::Range;
 
@@ -83,7 +84,7 @@ fn fill<const D: usize>(model: &Model<D>, check: &mut Check<D>) -> Result<(), Er
         let mut of_run = Check::default();
         // what was found before a mistake is told, too
         let filled = fill_run(&run, (model, before), &mut of_run);
-        before += run.times.len();
+        before += run.model.times.len();
         check
             .bodies
             .retain(|body| !of_run.bodies.iter().any(|b| b.name == body.name));
@@ -111,16 +112,17 @@ fn fill<const D: usize>(model: &Model<D>, check: &mut Check<D>) -> Result<(), Er
 /// Describes a run at its last load step, then looks at the loads of the steps before; `before` it are so many steps of the
 /// whole model.
 fn fill_run<const D: usize>(
-    model: &Model<D>,
+    stage: &Stage<'_, D>,
     (whole, before): (&Model<D>, usize),
     check: &mut Check<D>,
 ) -> Result<(), Error<D>> {
+    let model = stage.model.as_ref();
     let time = model.last_time();
     let in_step = |error: Error<D>, step: usize| error.in_step(whole, before + step, Vec::new());
     let last = |error: Error<D>| in_step(error, model.times.len());
-    let mut systems = systems(model, none(model), time).map_err(last)?;
+    let mut systems = systems(model, nothing(model), time).map_err(last)?;
     let mut motions = Vec::new();
-    check.warnings.extend(body_remarks(model));
+    check.warnings.extend(body_remarks(stage));
     for (index, body) in model.bodies.iter().enumerate() {
         let loads = Loads::of(model, index, &systems).map_err(last)?;
         let free = free_motions(model.analysis, body, &systems[index], &loads);
@@ -137,9 +139,8 @@ fn fill_run<const D: usize>(
         check.bodies[body].couples.push(found);
     }
     let constraints: Vec<&Constraints<D>> = systems.iter().map(|s| &s.constraints).collect();
-    let mut paired = pair_all(model, &constraints, time).map_err(last)?;
-    let nothing = BTreeMap::new();
-    let dropped = complete(model, &mut systems, (&mut paired, &nothing), time).map_err(last)?;
+    let mut paired = pair_all(stage, &constraints, time).map_err(last)?;
+    let dropped = complete(model, &mut systems, (&mut paired, &|_| None), time).map_err(last)?;
     sites(model, &paired)?;
     lay_out(model)?;
     check.warnings.extend(dropped);
@@ -182,9 +183,10 @@ fn fill_run<const D: usize>(
     Ok(())
 }
 
-/// No system of any body.
-fn none<const D: usize>(model: &Model<D>) -> Vec<Option<BodySystem<D>>> {
-    model.bodies.iter().map(|_| None).collect()
+/// No system of any body, and nothing that is left of what holds it.
+fn nothing<const D: usize>(model: &Model<D>) -> (Vec<Option<BodySystem<D>>>, Vec<History<D>>) {
+    let nothing = model.bodies.iter().map(|_| (None, History::default()));
+    nothing.unzip()
 }
 
 /// Errors: a load that no contact force can balance.

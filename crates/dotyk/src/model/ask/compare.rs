@@ -6,10 +6,13 @@ use crate::model::march::steps::condense_step;
 use crate::model::nouns::error::Error;
 use crate::model::nouns::event::Event;
 use crate::model::nouns::model::{Method, Model};
+use crate::model::nouns::presence::Stage;
 use crate::model::nouns::solution::HistoryPoint;
 use crate::model::system::compliance::DENSE_LIMIT;
 use crate::model::system::condense::{Condensed, assemble};
+use crate::model::system::state::State;
 use crate::solve::{SAFE_STEP, SolveError};
+use std::sync::Arc;
 use std::time::Instant;
 
 /// One run of one method.
@@ -116,10 +119,11 @@ impl<const D: usize> Bench<D> {
         let (stage, condensed) = match model.has_stages() {
             true => {
                 let (stage, (condensed, _)) = condense_step(model, last, DENSE_LIMIT, observe)?;
-                (stage, condensed)
+                (stage.model.into_owned(), condensed)
             }
             false => {
-                let assembled = assemble(model, last, None, observe)?;
+                let from = (last, Arc::new(State::new(model, last, false)));
+                let assembled = assemble(&Stage::whole(model), from, None, observe)?;
                 let condensed = assembled.condense(model, DENSE_LIMIT, observe)?;
                 (model.clone(), condensed)
             }

@@ -127,8 +127,8 @@ macro_rules! doors {
                 if !time.is_finite() {
                     return Err(Error::Times(vec![time]));
                 }
-                let (model, (condensed, view)) = condense_step(self, time, DENSE_LIMIT, &mut |_| {})?;
-                Ok(Dual { model, condensed, view })
+                let (stage, (condensed, view)) = condense_step(self, time, DENSE_LIMIT, &mut |_| {})?;
+                Ok(Dual { stage, condensed, view })
             }
 
             /// The dual problem of the last load step alone, for running or comparing solvers without the model.
@@ -228,7 +228,7 @@ doors!(2 3);
 impl<const D: usize> Dual<D> {
     /// The model, whose tolerance is the limit of certificates.
     pub fn model(&self) -> &Model<D> {
-        &self.model
+        &self.stage.model
     }
 
     /// F, d, Λ, G and e.

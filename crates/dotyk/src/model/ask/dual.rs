@@ -10,7 +10,8 @@ use crate::model::march::judge::{Judged, judge};
 use crate::model::march::objection::objection;
 use crate::model::nouns::error::{Error, Objection};
 use crate::model::nouns::event::Event;
-use crate::model::nouns::model::{Method, Model};
+use crate::model::nouns::model::Method;
+use crate::model::nouns::presence::Stage;
 use crate::model::nouns::solution::Solution;
 use crate::model::read::view::View;
 use crate::model::system::compliance::ASSEMBLED;
@@ -30,7 +31,7 @@ use std::ops::Range;
 /// [`ContactSolution::nodes`](crate::model::ContactSolution::nodes), of a node with friction or a tie the normal force first, then the
 /// tangential ones. Behind them stand the couples, in the order of the bodies. Nodes that face nothing, or whose displacement is prescribed, have none: [`Unknown`] tells each one's place.
 pub struct Dual<const D: usize> {
-    pub(crate) model: Model<D>,
+    pub(crate) stage: Stage<'static, D>,
     pub(crate) condensed: Condensed<D>,
     pub(crate) view: View<D>,
 }
@@ -64,7 +65,7 @@ impl<const D: usize> Dual<D> {
         let mut list = Vec::with_capacity(self.condensed.gaps.len());
         let mut block = 0;
         for (contact, pair) in self.condensed.paired.iter().enumerate() {
-            let points = self.model.bodies[pair.nonmortar.body.0].mesh.points();
+            let points = self.stage.model.bodies[pair.nonmortar.body.0].mesh.points();
             for (place, node) in pair.interface.nodes.iter().enumerate() {
                 let components = (0..D).filter(|&component| node.rows[component].is_some());
                 let before = list.len();
@@ -126,7 +127,7 @@ impl<const D: usize> Dual<D> {
         let columns = parts.map(|(part, body)| {
             let first = last;
             last += body.system.load.len();
-            (part_name(&self.model, part), first..last)
+            (part_name(&self.stage.model, part), first..last)
         });
         columns.collect()
     }
@@ -146,20 +147,21 @@ impl<const D: usize> Dual<D> {
         method: Method,
         observe: &mut dyn FnMut(Event),
     ) -> Result<Multipliers, Error<D>> {
-        let own = std::mem::replace(&mut self.model.solver.method, method);
+        let solver = &mut self.stage.model.to_mut().solver;
+        let own = std::mem::replace(&mut solver.method, method);
         // the certificate may ask for a d that knows the rounding of the displacements; this problem keeps its own
         let shift = self.condensed.problem.shift.clone();
         let start = Start::default();
-        let solved = certified_attempt(&self.model, &mut self.condensed, start, observe);
+        let solved = certified_attempt(&self.stage.model, &mut self.condensed, start, observe);
         self.condensed.problem.shift = shift;
-        self.model.solver.method = own;
+        self.stage.model.to_mut().solver.method = own;
         let (attempt, judged) = solved?;
         let multipliers = attempt.outcome.multipliers.clone();
-        match objection(&self.model, &self.condensed, &attempt, &judged) {
+        match objection(&self.stage.model, &self.condensed, &attempt, &judged) {
             None => Ok(multipliers),
             Some(reason) => {
                 let solution = finish(
-                    &self.model,
+                    &self.stage,
                     (&self.condensed, &self.view),
                     attempt,
                     judged,
@@ -179,10 +181,10 @@ impl<const D: usize> Dual<D> {
     /// The solution with given forces.
     pub(crate) fn recovered(&self, multipliers: &Multipliers) -> Result<Solution<D>, Error<D>> {
         let (attempt, judged) = self.judged(multipliers)?;
-        let objection = objection(&self.model, &self.condensed, &attempt, &judged);
+        let objection = objection(&self.stage.model, &self.condensed, &attempt, &judged);
         let holds = objection.is_none();
         let solution = finish(
-            &self.model,
+            &self.stage,
             (&self.condensed, &self.view),
             attempt,
             judged,
@@ -203,9 +205,9 @@ impl<const D: usize> Dual<D> {
             history: Vec::new(),
             failure: None,
         };
-        let mut judged = judge(&self.model, &self.condensed, &attempt.outcome, None)?;
+        let mut judged = judge(&self.stage.model, &self.condensed, &attempt.outcome, None)?;
         let here = (&self.condensed, &self.view);
-        judged.look_for_intrusion(&self.model, here, &multipliers.lambda);
+        judged.look_for_intrusion(&self.stage, here, &multipliers.lambda);
         Ok((attempt, judged))
     }
 }

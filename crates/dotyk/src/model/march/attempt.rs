@@ -299,7 +299,7 @@ fn run_solver<const D: usize>(
             (*outcome, Some(failure))
         }
         Err(SolveError::Infeasible { direction, factor }) => {
-            let before = condensed.before.as_ref();
+            let before = condensed.state.load.as_ref();
             let admissible = &condensed.problem.admissible;
             let step = before.map(|(time, e)| ([*time, condensed.time], &e[..]));
             let Condensed {
@@ -468,7 +468,10 @@ mod tests {
     use crate::geometry::Field;
     use crate::mesh::{CellKind, Diagonals, Rectangle};
     use crate::model::nouns::model::{CoupleKind, Elastic, Law};
+    use crate::model::nouns::presence::Stage;
     use crate::model::system::condense::assemble;
+    use crate::model::system::state::State;
+    use std::sync::Arc;
 
     #[test]
     fn a_couple_is_named_where_its_forces_changed_most() {
@@ -489,7 +492,8 @@ mod tests {
         couple.displacement = [0.0, -1e-3].map(|u| Some(Field::constant(u)));
         let floor = model.obstacle((body, "bottom"), Field::constant(0.0));
         floor.law = Law::Coulomb(Field::constant(0.2));
-        let assembled = assemble(&model, 1.0, None, &mut |_| {}).unwrap();
+        let state = Arc::new(State::new(&model, 1.0, false));
+        let assembled = assemble(&Stage::whole(&model), (1.0, state), None, &mut |_| {}).unwrap();
         let condensed = assembled.condense(&model, ASSEMBLED, &mut |_| {}).unwrap();
         let rows = condensed.gaps.len();
         for (row, named) in [

@@ -7,6 +7,7 @@ use crate::model::march::judge::{Blur, Judged, blurred, held_to_overlap, left_to
 use crate::model::nouns::bar::Bar;
 use crate::model::nouns::error::Error;
 use crate::model::nouns::model::{Contact, Model};
+use crate::model::nouns::presence::Stage;
 use crate::model::nouns::solution::*;
 use crate::model::nouns::told::named;
 use crate::model::read::assumptions::beyond;
@@ -28,12 +29,13 @@ use std::ops::Range;
 ///
 /// Errors: a group of cells without a material; a probe that cannot be read.
 pub(crate) fn finish<const D: usize>(
-    model: &Model<D>,
+    stage: &Stage<'_, D>,
     (condensed, view): (&Condensed<D>, &View<D>),
     attempt: Attempt<D>,
     judged: Judged<D>,
     converged: bool,
 ) -> Result<Solution<D>, Error<D>> {
+    let model = stage.model.as_ref();
     let Attempt {
         method,
         outcome,
@@ -134,13 +136,13 @@ pub(crate) fn finish<const D: usize>(
             &contacts,
         )?);
     }
-    let sections = section_forces(model, &view.laid, condensed.time, (&bodies, &pushes))?;
+    let sections = section_forces(model, (condensed, &view.laid), (&bodies, &pushes))?;
     let mut solution = Solution {
         time: condensed.time,
         dofs: bodies.iter().map(|body| body.dofs).sum(),
         bodies,
         contacts,
-        bars: bar_solutions(model, &condensed.paired, lambda)?,
+        bars: bar_solutions(stage, &condensed.paired, lambda)?,
         sections,
         certificate,
         overlap,

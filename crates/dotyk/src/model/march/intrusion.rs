@@ -38,6 +38,7 @@ use crate::model::march::between::resolved;
 use crate::model::nouns::ids::SideRef;
 use crate::model::nouns::intrusion::Intrusion;
 use crate::model::nouns::model::{Contact, Gap, Model, Pair};
+use crate::model::nouns::presence::Stage;
 use crate::model::read::view::View;
 use crate::model::system::condense::Condensed;
 use crate::model::system::displaced::{Displaced, moved};
@@ -64,11 +65,12 @@ const COORDINATE: f64 = 8.0 * ROUNDING;
 
 /// The worst intrusions, of each body in each other one and in each obstacle, under the forces `lambda` (m,).
 pub(crate) fn intrusions<const D: usize>(
-    model: &Model<D>,
+    stage: &Stage<'_, D>,
     (condensed, view): (&Condensed<D>, &View<D>),
     displaced: &Displaced<D>,
     lambda: &[f64],
 ) -> Vec<Intrusion<D>> {
+    let model = stage.model.as_ref();
     let skins = view.skins(model);
     let contacts = model.contacts.iter().zip(row_ranges(&condensed.paired));
     let known = contacts.map(|(contact, (rows, pair))| {
@@ -89,10 +91,10 @@ pub(crate) fn intrusions<const D: usize>(
     let pairs = (0..count).flat_map(|a| (0..count).map(move |b| (a, b)));
     let near = |&(a, b): &(usize, usize)| a != b && bodies[a].meets(&bodies[b]);
     let pairs: Vec<(usize, usize)> = pairs.filter(near).collect();
-    let waits = |of: usize, other: usize| model.bodies[of].history.waits.get(&other);
     let between = pairs.into_par_iter().filter_map(|(a, b)| {
         let found = in_body(&bodies, &known, (a, b))?;
-        let waits = waits(a, b).filter(|_| !found.named).cloned();
+        let waits = stage.waits([a, b]).filter(|_| !found.named);
+        let waits = waits.map(str::to_string);
         Some(Intrusion { waits, ..found })
     });
     let deepest: Vec<Intrusion<D>> = between.collect();

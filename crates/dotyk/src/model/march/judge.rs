@@ -17,6 +17,7 @@ use crate::model::march::settle::settle;
 use crate::model::nouns::error::Error;
 use crate::model::nouns::intrusion::Intrusion;
 use crate::model::nouns::model::Model;
+use crate::model::nouns::presence::Stage;
 use crate::model::read::view::View;
 use crate::model::system::bodies::{LoadedBody, add_rows};
 use crate::model::system::condense::Condensed;
@@ -62,11 +63,11 @@ impl<const D: usize> Judged<D> {
     /// force can change it.
     pub fn look_for_intrusion(
         &mut self,
-        model: &Model<D>,
+        stage: &Stage<'_, D>,
         condensed: (&Condensed<D>, &View<D>),
         lambda: &[f64],
     ) {
-        let found = intrusions(model, condensed, &self.displaced, lambda);
+        let found = intrusions(stage, condensed, &self.displaced, lambda);
         self.intrusion = Intrusion::worst(&found);
         self.remarks = found.iter().filter_map(Intrusion::remark).collect();
         self.certificate.overlap = Intrusion::figure(self.intrusion.as_ref());

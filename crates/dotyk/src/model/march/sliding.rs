@@ -71,7 +71,7 @@ pub(crate) fn slides_along<const D: usize>(
     let (bodies, motion) = floating.motion(model, bodies, direction);
     let work = |load: &[f64]| -> f64 { load.iter().zip(direction).map(|(e, z)| e * z).sum() };
     // of the change of load in the step, if it is this change that is too much
-    let of_step = condensed.before.as_ref().and_then(|(time, load)| {
+    let of_step = condensed.state.load.as_ref().and_then(|(time, load)| {
         let (before, now) = (work(load), work(condensed.problem.balance.load()));
         let held = (factor * now - before) / (now - before);
         (0.0..=1.0)

@@ -11,34 +11,19 @@ use crate::model::march::torn;
 use crate::model::nouns::error::{Error, Objection};
 use crate::model::nouns::event::{Event, Lap};
 use crate::model::nouns::model::{Law, Model};
-use crate::model::nouns::solution::Solution;
+use crate::model::nouns::presence::Stage;
+use crate::model::nouns::solution::{Seconds, Solution};
 use crate::model::nouns::told::told_once;
 use crate::model::read::probe::all_probes;
 use crate::model::read::view::View;
 use crate::model::system::compliance::DENSE_LIMIT;
-use crate::model::system::condense::{
-    Condensed, Friction, Staged, advance, again, assemble, restart,
-};
-use crate::model::system::paired::{Kind, initial_gaps, row_ranges};
-use crate::model::system::track::Track;
+use crate::model::system::condense::{Condensed, advance, again, assemble};
+use crate::model::system::paired::{Kind, row_ranges};
+use crate::model::system::state::State;
 use crate::solve::ContactSolver;
-use std::borrow::Cow;
 use std::mem::take;
+use std::sync::Arc;
 use std::time::Instant;
-
-/// How a load step ended: what the next one begins from.
-struct End {
-    multipliers: Multipliers,
-    friction: Friction,
-}
-
-impl End {
-    /// The answer as a starting point. Contacts that bear nothing tell nothing: the solver's own start is better.
-    fn guess(&self) -> Option<&Multipliers> {
-        let touching = self.multipliers.lambda.iter().any(|&force| force != 0.0);
-        touching.then_some(&self.multipliers)
-    }
-}
 
 /// What a run of load steps is given besides the model.
 #[derive(Clone, Copy)]
@@ -69,11 +54,11 @@ pub(crate) fn solve_steps<const D: usize>(
 ) -> Result<Vec<Solution<D>>, Error<D>> {
     check_past(model, given.past)?;
     // what is there at the end is not what was at the beginning
-    let mut reuse = reuse.take().filter(|_| !model.is_staged());
+    let staged = model.is_staged();
+    let mut reuse = reuse.take().filter(|_| !staged);
     let mut march = March {
         here: reuse.as_mut().and_then(|reuse| reuse.take(model)),
-        staged: model.is_staged(),
-        ..March::new(DENSE_LIMIT)
+        ..March::new(staged, DENSE_LIMIT)
     };
     let solved = march.solve(model, given, observe);
     if let (Some(reuse), Some((condensed, view))) = (reuse, march.here) {
@@ -92,22 +77,20 @@ pub(crate) fn condense_step<const D: usize>(
     time: f64,
     dense_limit: usize,
     observe: &mut dyn FnMut(Event),
-) -> Result<(Model<D>, Here<D>), Error<D>> {
-    let mut march = March {
-        staged: model.is_staged() || model.has_stage_at(time),
-        ..March::new(dense_limit)
-    };
+) -> Result<(Stage<'static, D>, Here<D>), Error<D>> {
+    let staged = model.is_staged() || model.has_stage_at(time);
+    let mut march = March::new(staged, dense_limit);
     let smooth = |law: &Law| matches!(law, Law::Frictionless | Law::Tied);
     let rough = !model.contacts.iter().all(|contact| smooth(&contact.law));
     let mut earlier = model.clone();
     earlier.times.retain(|&before| before < time);
-    if rough || march.staged {
+    if rough || staged {
         march.solve(&earlier, Given::NONE, observe)?;
     }
     let step = earlier.times.len() + 1;
     let here = march.next(model, (step, time), observe)?;
-    let stage = march.stage.map_or_else(|| model.clone(), Cow::into_owned);
-    Ok((stage, here))
+    let stage = march.stage.unwrap_or_else(|| Stage::whole(model));
+    Ok((stage.into_owned(), here))
 }
 
 /// A stage at the time of a step, and what its steps are looked at with.
@@ -116,27 +99,25 @@ type Here<const D: usize> = (Condensed<D>, View<D>);
 /// The load steps that are done, and what the next one begins from.
 struct March<'m, const D: usize> {
     done: Vec<Solution<D>>,
+    /// What the last step left.
+    state: Option<State<D>>,
+    /// The stage that is there now.
+    stage: Option<Stage<'m, D>>,
     here: Option<Here<D>>,
-    last: Option<End>,
     dense_limit: usize,
     /// Things come and go between the steps of the whole model.
     staged: bool,
-    /// What has come and gone.
-    track: Option<Track<D>>,
-    /// What is there now.
-    stage: Option<Cow<'m, Model<D>>>,
 }
 
 impl<'m, const D: usize> March<'m, D> {
-    fn new(dense_limit: usize) -> Self {
+    fn new(staged: bool, dense_limit: usize) -> Self {
         Self {
             done: Vec::new(),
-            here: None,
-            last: None,
-            dense_limit,
-            staged: false,
-            track: None,
+            state: None,
             stage: None,
+            here: None,
+            dense_limit,
+            staged,
         }
     }
 
@@ -155,35 +136,31 @@ impl<'m, const D: usize> March<'m, D> {
                 Ok(here) => here,
                 Err(error) => return Err(error.in_step(model, step, take(&mut self.done))),
             };
-            let stage = self.stage.as_deref().unwrap_or(model);
-            let guess = self.last.as_ref().and_then(End::guess);
-            let mut solved = match past.get(index) {
-                Some(done) => {
-                    let past = (step, done, guess);
-                    solve_again(stage, &mut here, past, start, observe)
-                }
-                None => solve_step(stage, &mut here, Start { own, guess }, start, observe),
+            let Some(stage) = &self.stage else {
+                return Err(Error::NoStep);
+            };
+            let solved = match past.get(index) {
+                Some(done) => solve_again(stage, &mut here, (step, done), start, observe),
+                None => solve_step(stage, &mut here, (own, None), start, observe),
             };
             self.here = Some(here);
-            if let (Ok((_, solution, _)), Some(track)) = (&mut solved, &mut self.track) {
-                solution.probes = all_probes(model, take(&mut solution.probes));
-                track.remember(solution);
-            }
-            match solved {
-                Ok((end, solution, None)) => {
-                    self.done.push(solution);
-                    self.last = Some(end);
-                }
-                Ok((_, solution, Some(reason))) => {
-                    return Err(Error::NotConverged {
-                        reason: Box::new(reason),
-                        solution: Box::new(solution),
-                        earlier: take(&mut self.done),
-                    });
-                }
+            let (state, mut solution, objection) = match solved {
+                Ok(solved) => solved,
                 Err(error @ Error::Past { .. }) => return Err(error),
                 Err(error) => return Err(error.in_step(model, step, take(&mut self.done))),
+            };
+            if self.staged {
+                solution.probes = all_probes(model, take(&mut solution.probes));
             }
+            if let Some(reason) = objection {
+                return Err(Error::NotConverged {
+                    reason: Box::new(reason),
+                    solution: Box::new(solution),
+                    earlier: take(&mut self.done),
+                });
+            }
+            self.done.push(solution);
+            self.state = Some(state);
         }
         Ok(())
     }
@@ -195,111 +172,80 @@ impl<'m, const D: usize> March<'m, D> {
         (step, time): (usize, f64),
         observe: &mut dyn FnMut(Event),
     ) -> Result<Here<D>, Error<D>> {
-        if self.changes(model, (step, time)) {
-            return self.begin_stage(time, observe);
-        }
-        let stage = self.stage.as_deref().unwrap_or(model);
-        match (self.here.take(), &self.last) {
-            (Some((before, view)), Some(last)) => {
-                let condensed = advance(stage, before, &last.friction, time, observe)?;
+        let new = || State::new(model, time, self.staged);
+        let mut state = self.state.take().unwrap_or_else(new);
+        let last = self.here.as_ref().map(|(here, _)| &here.paired[..]);
+        let begins = state.go_on(model, (step, time), last) || self.stage.is_none();
+        let stage = self.stage.take().filter(|_| !begins);
+        let stage = self
+            .stage
+            .insert(stage.unwrap_or_else(|| state.stage(model)));
+        let (goes_on, from) = (state.goes_on(), (time, Arc::new(state)));
+        match self.here.take() {
+            // the same stage, be it of a model that was solved before
+            Some((mut here, view)) if !begins || !goes_on => {
+                let view = match goes_on {
+                    true => view,
+                    false => {
+                        here.seconds = Seconds::default();
+                        view.of_same(stage, &here.paired)?
+                    }
+                };
+                Ok((advance(&stage.model, here, from, observe)?, view))
+            }
+            last => {
+                let last = last.map(|(last, _)| last);
+                let assembled = assemble(stage, from, last, observe)?;
+                // what it is looked at with is asked for before anything is factored
+                let view = View::new(stage, &assembled.paired)?;
+                let condensed = assembled.condense(&stage.model, self.dense_limit, observe)?;
                 Ok((condensed, view))
             }
-            (Some((kept, view)), None) => {
-                let view = view.of_same(stage, &kept.paired)?;
-                Ok((restart(stage, kept, time, observe)?, view))
-            }
-            _ => {
-                let first = |track| Staged { track, last: None };
-                let staged = self.track.as_ref().map(first);
-                begin(stage, time, (self.dense_limit, staged), observe)
-            }
         }
-    }
-
-    /// Goes on to a step; whether something comes or goes there.
-    fn changes(&mut self, model: &'m Model<D>, (step, time): (usize, f64)) -> bool {
-        let Some(track) = &mut self.track else {
-            if self.staged {
-                let track = Track::new(model, time);
-                self.stage = Some(track.stage(model));
-                self.track = Some(track);
-            }
-            return false;
-        };
-        let last = self.here.as_ref().zip(self.last.as_ref());
-        let last = last.map(|((here, _), end)| (&here.paired[..], &end.multipliers.lambda[..]));
-        let changes = track.change(model, (step, time), last);
-        if changes {
-            self.stage = Some(track.stage(model));
-        }
-        changes
-    }
-
-    /// The dual problem of the first step of a stage, after the last one.
-    fn begin_stage(
-        &mut self,
-        time: f64,
-        observe: &mut dyn FnMut(Event),
-    ) -> Result<Here<D>, Error<D>> {
-        let (Some(track), Some(stage)) = (&self.track, self.stage.as_deref()) else {
-            return Err(Error::NoStep);
-        };
-        let last = self.here.take().zip(self.last.take());
-        let last = last.map(|((condensed, _), end)| (condensed, end.friction));
-        let staged = Staged { track, last };
-        begin(stage, time, (self.dense_limit, Some(staged)), observe)
     }
 }
 
-/// A stage at its first step. What it is looked at with is asked for before anything is factored.
-fn begin<const D: usize>(
-    stage: &Model<D>,
-    time: f64,
-    (dense_limit, staged): (usize, Option<Staged<'_, D>>),
-    observe: &mut dyn FnMut(Event),
-) -> Result<Here<D>, Error<D>> {
-    let assembled = assemble(stage, time, staged, observe)?;
-    let view = View::new(stage, &assembled.paired)?;
-    Ok((assembled.condense(stage, dense_limit, observe)?, view))
-}
-
-/// The end of a step, its solution, and why it is not an answer.
-type Solved<const D: usize> = (End, Solution<D>, Option<Objection<D>>);
+/// What a step leaves, its solution, and why it is not an answer.
+type Solved<const D: usize> = (State<D>, Solution<D>, Option<Objection<D>>);
 
 /// Solves the contact problem of a step that was solved before: from its forces to the same forces, or from those of the step
 /// before it where some are not recorded.
 fn solve_again<const D: usize>(
-    model: &Model<D>,
+    stage: &Stage<'_, D>,
     here: &mut Here<D>,
-    (step, done, before): (usize, &Past<D>, Option<&Multipliers>),
+    (step, done): (usize, &Past<D>),
     start: Instant,
     observe: &mut dyn FnMut(Event),
 ) -> Result<Solved<D>, Error<D>> {
+    let model = stage.model.as_ref();
     let differs = |what: String| Error::Past { step, what };
     let recorded = recorded(&here.0, model, done).map_err(differs)?;
     let coupled = here.0.paired.len() > model.contacts.len();
-    let from = Start {
-        guess: if coupled { before } else { Some(&recorded) },
-        own: None,
-    };
-    let (end, mut solution, objection) = solve_step(model, here, from, start, observe)?;
+    let guess = (!coupled).then_some(&recorded);
+    let (state, mut solution, objection) = solve_step(stage, here, (None, guess), start, observe)?;
     if let Some(objection) = objection {
         return Err(differs(format!("it has no answer here ({objection})")));
     }
-    same_forces(&here.0, model, &recorded, &end.multipliers).map_err(differs)?;
+    if let Some(found) = &state.forces {
+        same_forces(&here.0, model, &recorded, found).map_err(differs)?;
+    }
     same_bodies((&here.0, model), &done.bodies, &solution.bodies).map_err(differs)?;
     solution.solver.iterations = done.iterations;
-    Ok((end, solution, None))
+    Ok((state, solution, None))
 }
 
-/// Solves the contact problem of one step. What comes out has the reason with it where it is not an answer.
+/// Solves the contact problem of one step, by a solver of the caller's own or by the model's method, from given forces or from those
+/// of the step before. What comes out has the reason with it where it is not an answer.
 fn solve_step<const D: usize>(
-    model: &Model<D>,
+    stage: &Stage<'_, D>,
     (condensed, view): &mut Here<D>,
-    from: Start<'_>,
+    (own, given): (Option<&dyn ContactSolver>, Option<&Multipliers>),
     start: Instant,
     observe: &mut dyn FnMut(Event),
 ) -> Result<Solved<D>, Error<D>> {
+    let (model, state) = (stage.model.as_ref(), Arc::clone(&condensed.state));
+    let guess = given.or_else(|| state.guess());
+    let from = Start { own, guess };
     observe(Event::Stage("contact"));
     let mut lap = Lap::start();
     let (mut attempt, mut judged) = certified_attempt(model, condensed, from, observe)?;
@@ -314,17 +260,17 @@ fn solve_step<const D: usize>(
     observe(Event::Stage("recover"));
     if attempt.failure.is_none() {
         judged.look_for_intrusion(
-            model,
+            stage,
             (condensed, view),
             &attempt.outcome.multipliers.lambda,
         );
     }
     let objection = objection(model, condensed, &attempt, &judged);
-    let multipliers = attempt.outcome.multipliers.clone();
+    let forces = attempt.outcome.multipliers.clone();
     let slip = slip(model, &judged, condensed);
-    let (lost, after) = torn::after(model, condensed, &judged, &multipliers.lambda);
+    let (lost, after) = torn::after(model, condensed, &judged, &forces.lambda);
     let mut solution = finish(
-        model,
+        stage,
         (condensed, view),
         attempt,
         judged,
@@ -332,20 +278,14 @@ fn solve_step<const D: usize>(
     )?;
     solution.warnings.extend(parted.into_iter().chain(after));
     solution.warnings = told_once(solution.warnings);
-    let works = solution.contacts.iter().map(|c| c.dissipated_total);
-    let friction = Friction {
-        slip,
-        dissipated: works.collect(),
-        lost,
-    };
-    let end = End {
-        multipliers,
-        friction,
-    };
+    let mut state = State::clone(&state);
+    let load = condensed.problem.balance.load();
+    let slid = (&slip[..], &lost[..]);
+    state.remember(&mut solution, &condensed.paired, (load, forces), slid);
     condensed.seconds.recover += lap.seconds();
     condensed.seconds.total = start.elapsed().as_secs_f64();
     solution.seconds = condensed.seconds;
-    Ok((end, solution, objection))
+    Ok((state, solution, objection))
 }
 
 /// Relative tangential displacements in the rows under friction, zero in the others, (m,).
@@ -356,11 +296,11 @@ fn slip<const D: usize>(
 ) -> Vec<f64> {
     let mut slip = vec![0.0; condensed.gaps.len()];
     // gap = g₀ + slip at the last step − slip now
-    let undeformed = initial_gaps(&condensed.paired);
+    let before = condensed.state.slips(&condensed.paired);
     for (rows, pair) in row_ranges(&condensed.paired) {
         let slackens = matches!(pair.kind, Kind::Bar(bar) if model.bars[bar].slackens());
         for (row, tangential) in rows.zip(pair.slides()) {
-            let before = condensed.gaps[row] - undeformed[row];
+            let before = before[row];
             let now = before - judged.displaced.gaps[row];
             slip[row] = match (tangential, slackens) {
                 (false, _) => 0.0,

@@ -47,8 +47,6 @@ pub struct Bar<const D: usize> {
     pub radius: Option<f64>,
     /// When it is there, as long as its bodies are.
     pub active: Active,
-    /// It is being tightened: it pulls with its prestress.
-    pub(crate) tightening: bool,
 }
 
 /// Where a bar ends.
@@ -154,7 +152,6 @@ impl<const D: usize> Bar<D> {
             yields: None,
             radius: None,
             active: Active::ALWAYS,
-            tightening: false,
         }
     }
 
@@ -168,11 +165,6 @@ impl<const D: usize> Bar<D> {
         let within = within || self.bond == Bond::Grouted;
         let bodies = self.bodies.iter().copied().filter(move |_| within);
         sides.chain(bodies)
-    }
-
-    /// In this stage of a model it is being tightened: it pulls with its prestress.
-    pub fn is_tightening(&self) -> bool {
-        self.tightening
     }
 
     /// The largest force that it bears.

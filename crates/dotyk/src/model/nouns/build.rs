@@ -53,7 +53,6 @@ impl<const D: usize> Model<D> {
             initial: Initial::default(),
             active: Active::ALWAYS,
             release: None,
-            history: History::default(),
             supports: Vec::new(),
             springs: Vec::new(),
             loads: Vec::new(),

@@ -1,17 +1,16 @@
 //! Stages: bodies, supports and contacts that come and go. A stage is what of a model is there at a time, as a model of its own;
-//! what load steps leave to those after them stands in `system/track.rs`.
+//! what load steps leave to those after them stands in `system/state.rs`.
 //!
 //! A thing is there in the steps whose time t lies in from ≤ t < until; in the first step nothing has appeared.
 
-use crate::fem::{Active, History};
+use crate::fem::Active;
 use crate::model::nouns::bar::{Bar, BarEnd};
 use crate::model::nouns::error::Error;
 use crate::model::nouns::ids::{BodyId, SideRef};
 use crate::model::nouns::model::{Along, Body, Contact, Model, Pair, Probe};
 use crate::model::nouns::section::Section;
 use std::borrow::Cow;
-use std::collections::BTreeMap;
-use std::sync::Arc;
+use std::collections::BTreeSet;
 
 /// What of a model is there at a time.
 #[derive(Debug, Clone, PartialEq)]
@@ -62,12 +61,12 @@ impl Presence {
         }
     }
 
-    /// Everything is there, and nothing is being tightened.
+    /// Everything is there.
     pub fn is_whole(&self) -> bool {
         let all = |list: &[bool]| list.iter().all(|&there| there);
         let mut inner = self.supports.iter().chain(&self.springs);
-        let bars = all(&self.bars) && !self.tightening.contains(&true);
-        all(&self.bodies) && all(&self.contacts) && bars && inner.all(|list| all(list))
+        let lists = [&self.bodies, &self.contacts, &self.bars];
+        lists.into_iter().all(|list| all(list)) && inner.all(|list| all(list))
     }
 }
 
@@ -81,24 +80,94 @@ pub(crate) fn places(there: &[bool]) -> Vec<Option<usize>> {
     there.iter().map(place).collect()
 }
 
-/// What is remembered of some things by their places, by those among the ones that are there.
-pub(crate) fn among<T>(
-    remembered: &BTreeMap<usize, Arc<[T]>>,
-    there: &[bool],
-) -> BTreeMap<usize, Arc<[T]>> {
-    let place = places(there);
-    let found = remembered.iter();
-    found
-        .filter_map(|(k, u)| Some((place[*k]?, Arc::clone(u))))
-        .collect()
-}
-
 /// The elements that are there.
 pub(crate) fn kept<'a, T>(all: &'a [T], there: &'a [bool]) -> impl Iterator<Item = &'a T> {
     all.iter()
         .zip(there)
         .filter(|(_, there)| **there)
         .map(|(one, _)| one)
+}
+
+/// What of a model is there at a time, as a model of its own, and what is known of the rest of it.
+#[derive(Debug, Clone)]
+pub(crate) struct Stage<'m, const D: usize> {
+    /// What is there; borrowed where that is everything.
+    pub model: Cow<'m, Model<D>>,
+    /// Whether each bar is being tightened: it pulls with its prestress.
+    pub tightening: Vec<bool>,
+    /// Contacts that are not there: their names, and sides of bodies that are.
+    pub absent: Vec<(String, Vec<SideRef>)>,
+}
+
+impl<'m, const D: usize> Stage<'m, D> {
+    /// All of a model, at its first step.
+    pub fn whole(model: &'m Model<D>) -> Self {
+        Self {
+            model: Cow::Borrowed(model),
+            tightening: model
+                .bars
+                .iter()
+                .map(|bar| bar.prestress.is_some())
+                .collect(),
+            absent: Vec::new(),
+        }
+    }
+
+    /// That of a model where so much is there.
+    pub fn of(model: &'m Model<D>, there: &Presence) -> Self {
+        let places = places(&there.bodies);
+        let missing = model.contacts.iter().zip(&there.contacts);
+        let missing = missing.filter(|(_, there)| !**there);
+        let absent = missing.map(|(contact, _)| {
+            let sides = contact.pair.sides().into_iter();
+            let sides = sides.filter_map(|side| placed(side, &places)).collect();
+            (contact.name.clone(), sides)
+        });
+        Self {
+            model: match there.is_whole() {
+                true => Cow::Borrowed(model),
+                false => Cow::Owned(model.part(there, None)),
+            },
+            tightening: kept(&there.tightening, &there.bars).copied().collect(),
+            absent: absent.collect(),
+        }
+    }
+
+    /// The same, of nothing that is borrowed.
+    pub fn into_owned(self) -> Stage<'static, D> {
+        Stage {
+            model: Cow::Owned(self.model.into_owned()),
+            tightening: self.tightening,
+            absent: self.absent,
+        }
+    }
+
+    /// Sides of a body that some contact touches, be it there or not.
+    pub fn touched(&self, body: BodyId) -> BTreeSet<&str> {
+        let there = self.model.contacts.iter();
+        let there = there.flat_map(|contact| contact.pair.sides());
+        let absent = self.absent.iter().flat_map(|(_, sides)| sides);
+        let own = there.chain(absent).filter(|side| side.body == body);
+        own.map(|side| side.side.as_str()).collect()
+    }
+
+    /// The contact between two bodies that is not there.
+    pub fn waits(&self, [a, b]: [usize; 2]) -> Option<&str> {
+        let between = |sides: &[SideRef]| match sides {
+            [one, other] => [[a, b], [b, a]].contains(&[one.body.0, other.body.0]),
+            _ => false,
+        };
+        let found = self.absent.iter().rfind(|(_, sides)| between(sides));
+        found.map(|(name, _)| name.as_str())
+    }
+}
+
+/// A side by the place that its body has among those that are there.
+fn placed(side: &SideRef, bodies: &[Option<usize>]) -> Option<SideRef> {
+    Some(SideRef {
+        body: BodyId(bodies[side.body.0]?),
+        side: side.side.clone(),
+    })
 }
 
 impl<const D: usize> Model<D> {
@@ -140,45 +209,13 @@ impl<const D: usize> Model<D> {
         let cut: Vec<bool> = cut.collect();
         let [bodies, contacts, sections, bars] =
             [&there.bodies, &there.contacts, &cut, &there.bars].map(|list| places(list));
-        let side = |side: &SideRef| {
-            Some(SideRef {
-                body: BodyId(bodies[side.body.0]?),
-                side: side.side.clone(),
-            })
-        };
-        let absent = self.contacts.iter().zip(&there.contacts);
-        let absent = absent.filter_map(|(contact, there)| (!there).then_some(contact));
-        let absent: Vec<&Contact<D>> = absent.collect();
-        let waits = |index: usize, contact: &Contact<D>| {
-            let [a, b] = contact.pair.sides()[..] else {
-                return None;
-            };
-            let other = match (a.body.0 == index, b.body.0 == index) {
-                (true, false) => b.body.0,
-                (false, true) => a.body.0,
-                _ => return None,
-            };
-            Some((bodies[other]?, contact.name.clone()))
-        };
+        let side = |side: &SideRef| placed(side, &bodies);
         let body = |(index, body): (usize, &Body<D>)| {
             let supports = kept(&body.supports, &there.supports[index]);
             let springs = kept(&body.springs, &there.springs[index]);
-            let sides = self
-                .contacts
-                .iter()
-                .flat_map(|contact| contact.pair.sides());
-            let own = sides.filter(|side| side.body.0 == index);
             Body {
                 supports: supports.cloned().collect(),
                 springs: springs.cloned().collect(),
-                history: History {
-                    touched: own.map(|side| side.side.clone()).collect(),
-                    waits: absent
-                        .iter()
-                        .filter_map(|&contact| waits(index, contact))
-                        .collect(),
-                    ..History::default()
-                },
                 ..body.clone()
             }
         };
@@ -210,7 +247,7 @@ impl<const D: usize> Model<D> {
                 ..section.clone()
             })
         };
-        let bar = |(bar, &tightening): (&Bar<D>, &bool)| {
+        let bar = |bar: &Bar<D>| {
             let end = |end: &BarEnd<D>| {
                 Some(match end {
                     BarEnd::Side(of) => BarEnd::Side(side(of)?),
@@ -222,12 +259,9 @@ impl<const D: usize> Model<D> {
             Some(Bar {
                 ends: [end(from)?, end(to)?],
                 bodies: named.map(BodyId).collect(),
-                tightening,
                 ..bar.clone()
             })
         };
-        let tightening = kept(&there.tightening, &there.bars);
-        let fixed = kept(&self.bars, &there.bars).zip(tightening);
         let owners = [&bodies, &contacts, &sections, &bars].map(|list| &list[..]);
         let probe = |probe: &Probe<D>| {
             Some(Probe {
@@ -253,7 +287,7 @@ impl<const D: usize> Model<D> {
             contacts: kept(&self.contacts, &there.contacts)
                 .filter_map(contact)
                 .collect(),
-            bars: fixed.filter_map(bar).collect(),
+            bars: kept(&self.bars, &there.bars).filter_map(bar).collect(),
             sections: kept(&self.sections, &cut).filter_map(section).collect(),
             solver: self.solver.clone(),
             probes: self.probes.iter().filter_map(probe).collect(),
@@ -305,9 +339,9 @@ impl<const D: usize> Model<D> {
         Ok(())
     }
 
-    /// Runs of load steps between which nothing comes or goes, each as a model with these steps, without what is left of
+    /// Runs of load steps between which nothing comes or goes, each as a stage with these steps, without what is left of
     /// those before.
-    pub(crate) fn runs(&self) -> Vec<Cow<'_, Self>> {
+    pub(crate) fn runs(&self) -> Vec<Stage<'_, D>> {
         let mut runs: Vec<(Presence, Vec<f64>)> = Vec::new();
         for &time in &self.times {
             let presence = Presence::at(self, time);
@@ -316,14 +350,12 @@ impl<const D: usize> Model<D> {
                 None => runs.push((presence, vec![time])),
             }
         }
-        if let ([_], true) = (&runs[..], runs.iter().all(|(there, _)| there.is_whole())) {
-            return vec![Cow::Borrowed(self)];
-        }
         let run = |(presence, times): (Presence, Vec<f64>)| {
-            Cow::Owned(Self {
-                times,
-                ..self.part(&presence, None)
-            })
+            let mut stage = Stage::of(self, &presence);
+            if stage.model.times != times {
+                stage.model.to_mut().times = times;
+            }
+            stage
         };
         runs.into_iter().map(run).collect()
     }

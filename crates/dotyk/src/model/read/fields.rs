@@ -33,15 +33,14 @@ pub(crate) fn fields<const D: usize>(
 ) -> Result<(Vec<BodySolution<D>>, Vec<ContactSolution<D>>), Error<D>> {
     let shears = shears(&condensed.problem.admissible, lambda);
     let contacts = model.contacts.iter().zip(row_ranges(&condensed.paired));
-    let contacts = contacts.zip(&condensed.dissipated);
-    let contacts = contacts.map(|((contact, (rows, pair)), &dissipated)| {
+    let contacts = contacts.map(|(contact, (rows, pair))| {
         let obstacle = moved(model, pair, &displaced).obstacle;
         let rows = Rows {
             gaps: &displaced.gaps[rows.clone()],
             borne: &lambda[rows.clone()],
             lambda: &pair.forces(&lambda[rows.clone()]),
             shears: &shears[rows],
-            dissipated,
+            dissipated: condensed.state.dissipated(&contact.name),
         };
         contact_solution(
             model,

@@ -6,6 +6,7 @@ use crate::geometry::{Point, distance, unit};
 use crate::mesh::Mesh;
 use crate::model::nouns::ids::{BodyId, SideRef};
 use crate::model::nouns::model::*;
+use crate::model::nouns::presence::Stage;
 use crate::model::nouns::told::{NAMED, named};
 use crate::model::read::unglued::unglued;
 use crate::model::system::paired::Paired;
@@ -80,9 +81,10 @@ pub(crate) fn check_contacts<const D: usize>(
 }
 
 /// What a run should say of bodies, too.
-pub(crate) fn body_remarks<const D: usize>(model: &Model<D>) -> Vec<String> {
+pub(crate) fn body_remarks<const D: usize>(stage: &Stage<'_, D>) -> Vec<String> {
+    let model = stage.model.as_ref();
     let bodies = model.bodies.par_iter().enumerate();
-    let bodies = bodies.flat_map_iter(|(index, _)| of_body(model, BodyId(index)));
+    let bodies = bodies.flat_map_iter(|(index, _)| of_body(stage, BodyId(index)));
     poor_cells(model)
         .into_iter()
         .chain(bodies.collect::<Vec<_>>())
@@ -160,11 +162,12 @@ pub(crate) fn remarks<const D: usize>(contacts: &[ContactCheck<D>]) -> Vec<Strin
 }
 
 /// What the user should know of a body.
-fn of_body<const D: usize>(model: &Model<D>, id: BodyId) -> Vec<String> {
+fn of_body<const D: usize>(stage: &Stage<'_, D>, id: BodyId) -> Vec<String> {
+    let model = stage.model.as_ref();
     let body = &model.bodies[id.0];
     moved_points(body)
         .into_iter()
-        .chain(moving_ground(model, id))
+        .chain(moving_ground(stage, id))
         .chain(out_of_plane(model.analysis, body))
         .chain(unglued(model, id))
         .collect()
@@ -172,11 +175,9 @@ fn of_body<const D: usize>(model: &Model<D>, id: BodyId) -> Vec<String> {
 
 /// A warning about an initial stress that is not in equilibrium with the body force: ground that moves before anything is
 /// done to it.
-fn moving_ground<const D: usize>(model: &Model<D>, id: BodyId) -> Option<String> {
-    let body = &model.bodies[id.0];
-    let sides = model.contacts.iter().flat_map(|c| c.pair.sides());
-    let touched = sides.filter(|side| side.body == id);
-    let touched = touched.map(|side| side.side.as_str()).collect();
+fn moving_ground<const D: usize>(stage: &Stage<'_, D>, id: BodyId) -> Option<String> {
+    let model = stage.model.as_ref();
+    let (body, touched) = (&model.bodies[id.0], stage.touched(id));
     let first = model.times.first().copied().unwrap_or(1.0);
     if let Some((vertical, weight)) = tilted(body, model.analysis, first).ok()? {
         return Some(format!(

@@ -201,22 +201,22 @@ pub(crate) fn pushes<const D: usize>(
     cut.into_iter().map(|of| (of, of_body(of))).collect()
 }
 
-/// The forces of all sections in a solution of bodies at a time; `pushes` are those of [`pushes`].
+/// The forces of all sections in a solution of bodies; `pushes` are those of [`pushes`].
 ///
 /// Errors: a group of cells without a material; an initial stress or strain that is not finite.
 pub(crate) fn section_forces<const D: usize>(
     model: &Model<D>,
-    laid: &[Laid<D>],
-    time: f64,
+    (condensed, laid): (&Condensed<D>, &[Laid<D>]),
     (bodies, pushes): (&[BodySolution<D>], &BTreeMap<usize, Vec<Push<D>>>),
 ) -> Result<Vec<SectionSolution>, Error<D>> {
     let solved = model.sections.iter().zip(laid).map(|(section, laid)| {
         let of = section.body.0;
         let pushes = pushes.get(&of).map_or(&[][..], Vec::as_slice);
         let (body, solution) = (&model.bodies[of], &bodies[of]);
+        let history = &condensed.bodies[of].system.history;
         let ahead = Ahead::new(
-            (body, model.analysis),
-            time,
+            (body, history, model.analysis),
+            condensed.time,
             &solution.displacement,
             (pushes, &solution.bar_forces),
         );

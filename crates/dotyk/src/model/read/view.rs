@@ -4,6 +4,7 @@
 use crate::mesh::Skin;
 use crate::model::nouns::error::Error;
 use crate::model::nouns::model::Model;
+use crate::model::nouns::presence::Stage;
 use crate::model::read::probe::{Site, sites};
 use crate::model::read::remarks::body_remarks;
 use crate::model::read::section::{Laid, lay_out};
@@ -29,11 +30,12 @@ impl<const D: usize> View<D> {
     /// That of a model whose contacts are paired.
     ///
     /// Errors: a probe that has no place, a section that cannot be cut, with its name.
-    pub fn new(model: &Model<D>, paired: &[Paired<D>]) -> Result<Self, Error<D>> {
+    pub fn new(stage: &Stage<'_, D>, paired: &[Paired<D>]) -> Result<Self, Error<D>> {
+        let model = stage.model.as_ref();
         Ok(Self {
             sites: sites(model, paired)?,
             laid: lay_out(model)?,
-            remarks: body_remarks(model),
+            remarks: body_remarks(stage),
             outlines: Outlines::default(),
             skins: OnceLock::new(),
         })
@@ -42,12 +44,12 @@ impl<const D: usize> View<D> {
     /// That of a model with the same bodies and contacts, and other probes, sections or loads.
     ///
     /// Errors: as [`Self::new`].
-    pub fn of_same(self, model: &Model<D>, paired: &[Paired<D>]) -> Result<Self, Error<D>> {
+    pub fn of_same(self, stage: &Stage<'_, D>, paired: &[Paired<D>]) -> Result<Self, Error<D>> {
         let (outlines, skins) = (self.outlines, self.skins);
         Ok(Self {
             outlines,
             skins,
-            ..Self::new(model, paired)?
+            ..Self::new(stage, paired)?
         })
     }
 

@@ -4,7 +4,7 @@
 //! of obstacles; K and B stay.
 
 use crate::contact::Row;
-use crate::fem::{ALONG, BodySystem, assemble, largest_coefficient};
+use crate::fem::{ALONG, BodySystem, History, assemble_after, largest_coefficient};
 use crate::geometry::{Point, add_scaled, dot, norm};
 use crate::linalg::SparseMatrix;
 use crate::model::nouns::error::Error;
@@ -78,22 +78,22 @@ impl<const D: usize> LoadedBody<D> {
     }
 }
 
-/// Assembles all bodies at a time, but for those that have been before, which only take their loads and prescribed
-/// displacements anew; rigid parts follow them.
+/// Assembles all bodies at a time, with what is left of what holds each, but for those that have been before, which only take
+/// their loads and prescribed displacements anew; rigid parts follow them.
 pub(crate) fn systems<const D: usize>(
     model: &Model<D>,
-    before: Vec<Option<BodySystem<D>>>,
+    (before, histories): (Vec<Option<BodySystem<D>>>, Vec<History<D>>),
     time: f64,
 ) -> Result<Vec<BodySystem<D>>, Error<D>> {
     memory::check_meshes(model)?;
-    let system = |(body, before): (&Body<D>, Option<BodySystem<D>>)| {
+    let system = |(body, before, history): (&Body<D>, Option<BodySystem<D>>, History<D>)| {
         let system = match before {
-            Some(before) => before.at_time(body, model.analysis, time),
-            None => assemble(body, model.analysis, time),
+            Some(before) => BodySystem { history, ..before }.at_time(body, model.analysis, time),
+            None => assemble_after(body, history, model.analysis, time),
         };
         system.map_err(|source| Error::in_body(body, source))
     };
-    let bodies = (&model.bodies, before).into_par_iter();
+    let bodies = (&model.bodies, before, histories).into_par_iter();
     let mut systems = bodies.map(system).collect::<Result<Vec<_>, _>>()?;
     systems.extend(rigid_systems(model, time)?);
     Ok(systems)

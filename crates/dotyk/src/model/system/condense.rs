@@ -12,11 +12,11 @@
 
 use crate::dual::DualProblem;
 use crate::fem::{BodySystem, Constraints};
-use crate::geometry::dot;
 use crate::linalg::Cholesky;
 use crate::model::nouns::error::Error;
 use crate::model::nouns::event::{Event, Lap, Work};
 use crate::model::nouns::model::{Method, Model};
+use crate::model::nouns::presence::Stage;
 use crate::model::nouns::solution::Seconds;
 use crate::model::system::admissible::{admissible_set, neighbours};
 use crate::model::system::bodies::{
@@ -27,50 +27,17 @@ use crate::model::system::domains::{coupled, whole};
 use crate::model::system::drive::{complete, driven};
 use crate::model::system::factor::{FactoredBody, Ordered, factor, order};
 use crate::model::system::floating::Floating;
-use crate::model::system::joints::{self, Lost};
+use crate::model::system::joints::restore;
 use crate::model::system::memory::{self, Demand};
 use crate::model::system::pair::pair_all;
-use crate::model::system::paired::{Kind, Paired, initial_gaps, row_ranges};
-use crate::model::system::track::Track;
+use crate::model::system::paired::{Paired, initial_gaps};
+use crate::model::system::state::State;
 use rayon::prelude::*;
-use std::collections::BTreeMap;
 use std::mem::take;
 use std::sync::Arc;
 
 /// Overlaps that are all below this part of the displacements they are differences of mean nothing.
 const ROUNDING: f64 = 1e-12;
-
-/// What friction did up to a step.
-pub(crate) struct Friction {
-    /// Relative tangential displacement in every row under friction, zero in the others, (m,).
-    pub slip: Vec<f64>,
-    /// Work that it has dissipated, by contact.
-    pub dissipated: Vec<f64>,
-    /// Nodes at which joints have parted or slipped, by contact and its nodes; empty of what is no joint.
-    pub lost: Vec<Vec<bool>>,
-}
-
-/// What is known of a stage when it is condensed.
-pub(crate) struct Staged<'a, const D: usize> {
-    /// Displacements that bodies were fitted to, and nodes that other stages touch.
-    pub track: &'a Track<D>,
-    /// The last stage, and what friction did up to its last step.
-    pub last: Option<(Condensed<D>, Friction)>,
-}
-
-/// What the last stage leaves.
-struct Left<const D: usize> {
-    /// Plastic elongations of bars, by their names and rows.
-    elongations: BTreeMap<String, Vec<f64>>,
-    /// Work that friction has dissipated in each contact.
-    dissipated: BTreeMap<String, f64>,
-    /// Nodes of each contact at which a joint has parted or slipped.
-    lost: BTreeMap<String, Lost>,
-    /// Spent so far.
-    seconds: Seconds,
-    /// Bodies that go on, as they were.
-    kept: Vec<Option<Kept<D>>>,
-}
 
 /// A body that goes on from one stage to the next, with the same supports.
 struct Kept<const D: usize> {
@@ -79,35 +46,13 @@ struct Kept<const D: usize> {
     factor: Arc<Cholesky>,
 }
 
-impl<const D: usize> Left<D> {
-    /// Nothing.
-    fn nothing(model: &Model<D>) -> Self {
-        Self {
-            elongations: BTreeMap::new(),
-            dissipated: BTreeMap::new(),
-            lost: BTreeMap::new(),
-            seconds: Seconds::default(),
-            kept: model.bodies.iter().map(|_| None).collect(),
-        }
-    }
-
-    /// That of a stage, of whose bodies these go on.
-    fn of(last: Condensed<D>, friction: &Friction, going_on: &[Option<usize>]) -> Self {
-        let links = row_ranges(&last.paired).filter(|(_, pair)| pair.is_link());
-        let elongations =
-            links.map(|(rows, pair)| (pair.name.clone(), friction.slip[rows].to_vec()));
-        let elongations = elongations.collect();
-        let works = last.paired.iter().zip(&friction.dissipated);
-        let dissipated = works
-            .map(|(pair, &work)| (pair.name.clone(), work))
-            .collect();
-        let lost = last.paired.iter().zip(&friction.lost);
-        let lost = lost.map(|(pair, lost)| (pair.name.clone(), Lost::of(pair, lost)));
-        let lost = lost.collect();
+impl<const D: usize> Kept<D> {
+    /// Those of the last stage that go on, by their places in this one.
+    fn of(last: Condensed<D>, going_on: &[Option<usize>]) -> Vec<Option<Self>> {
         let bodies = last.bodies.into_iter().zip(last.ordered).zip(last.factored);
-        let mut bodies: Vec<Option<Kept<D>>> = bodies
+        let mut bodies: Vec<Option<Self>> = bodies
             .map(|((body, ordered), factored)| {
-                Some(Kept {
+                Some(Self {
                     system: body.system,
                     ordered,
                     factor: factored.factor,
@@ -115,66 +60,8 @@ impl<const D: usize> Left<D> {
             })
             .collect();
         let place = |place: &Option<usize>| bodies[(*place)?].take();
-        Self {
-            elongations,
-            dissipated,
-            lost,
-            seconds: last.seconds,
-            kept: going_on.iter().map(place).collect(),
-        }
+        going_on.iter().map(place).collect()
     }
-}
-
-/// What friction counts from when a stage begins, in all rows (m,): how far the sides of contacts have moved along each other by
-/// then, and the plastic elongations of bars.
-fn slips<const D: usize>(
-    elongations: &BTreeMap<String, Vec<f64>>,
-    paired: &[Paired<D>],
-) -> Vec<f64> {
-    let of_pair = |pair: &Paired<D>| {
-        let tangential = pair.slides();
-        let known = elongations.get(&pair.name).filter(|_| pair.is_link());
-        match known.filter(|known| known.len() == tangential.len()) {
-            Some(known) => known.clone(),
-            None => {
-                let rows = tangential.iter().enumerate();
-                rows.map(|(row, &along)| if along { pair.moved_before(row) } else { 0.0 })
-                    .collect()
-            }
-        }
-    };
-    paired.iter().flat_map(of_pair).collect()
-}
-
-/// Tells contacts where their sides were when their bodies appeared and when the stage begins, and bars what they found.
-///
-/// Errors: a prescribed displacement of an obstacle that is not finite.
-fn place<const D: usize>(
-    model: &Model<D>,
-    paired: &mut [Paired<D>],
-    track: &Track<D>,
-) -> Result<(), Error<D>> {
-    for (contact, pair) in model.contacts.iter().zip(&mut *paired) {
-        pair.began = track.moved(contact, pair)?;
-    }
-    for pair in paired {
-        if let Some(mortar) = &pair.mortar {
-            pair.fit = track.fit(&pair.name, pair.nonmortar.body, mortar.body);
-        }
-        if let (Kind::Bar(_), Some(found)) = (pair.kind, track.found_by_bar(&pair.name)) {
-            let mut came_with = vec![0.0; pair.link.came_with.len()];
-            for (body, rows) in pair.ends() {
-                let Some(Some(u)) = found.get(body) else {
-                    continue;
-                };
-                for (came, row) in came_with.iter_mut().zip(rows) {
-                    *came += row.iter().map(|&(node, c)| dot(c, u[node])).sum::<f64>();
-                }
-            }
-            pair.link.came_with = came_with;
-        }
-    }
-    Ok(())
 }
 
 /// The bodies of a model condensed onto the contact unknowns, at one time.
@@ -191,10 +78,8 @@ pub(crate) struct Condensed<const D: usize> {
     /// Spent so far, earlier steps included.
     pub seconds: Seconds,
     pub time: f64,
-    /// Work that friction dissipated before, by contact.
-    pub dissipated: Vec<f64>,
-    /// Time and e of the step before.
-    pub before: Option<(f64, Vec<f64>)>,
+    /// What it goes on from.
+    pub state: Arc<State<D>>,
 }
 
 /// The bodies of a model at one time with their contacts paired, not yet condensed.
@@ -207,59 +92,56 @@ pub(crate) struct Uncondensed<const D: usize> {
     lasting: Vec<Vec<usize>>,
     /// Order and factor of bodies that have been before.
     kept: Vec<Option<(Arc<Ordered>, Arc<Cholesky>)>>,
-    /// Work that friction dissipated before, by the names of contacts.
-    dissipated: BTreeMap<String, f64>,
     seconds: Seconds,
     time: f64,
+    state: Arc<State<D>>,
 }
 
-/// Assembles the bodies and pairs the contacts of a valid model at a time, in the first stage or after the last one.
+/// Assembles the bodies and pairs the contacts of a stage at a time, from a state; `last` is the stage before it.
 ///
 /// Errors: what cannot be assembled or paired.
 pub(crate) fn assemble<const D: usize>(
-    model: &Model<D>,
-    time: f64,
-    staged: Option<Staged<'_, D>>,
+    stage: &Stage<'_, D>,
+    (time, state): (f64, Arc<State<D>>),
+    last: Option<Condensed<D>>,
     observe: &mut dyn FnMut(Event),
 ) -> Result<Uncondensed<D>, Error<D>> {
-    let track = staged.as_ref().map(|staged| staged.track);
-    let last = staged.and_then(|staged| Some((staged.track.going_on(), staged.last?)));
-    let left = match last {
-        Some((going_on, (last, friction))) => Left::of(last, &friction, &going_on),
-        None => Left::nothing(model),
-    };
-    let mut seconds = left.seconds;
+    let model = stage.model.as_ref();
+    let mut seconds = last
+        .as_ref()
+        .map_or(Seconds::default(), |last| last.seconds);
     let mut lap = Lap::start();
     observe(Event::Stage("assemble"));
-    let (before, kept): (Vec<_>, Vec<_>) = (left.kept.into_iter())
+    let kept = match last {
+        Some(last) => Kept::of(last, &state.going_on()),
+        None => model.bodies.iter().map(|_| None).collect(),
+    };
+    let (before, kept): (Vec<_>, Vec<_>) = kept
+        .into_iter()
         .map(|kept| {
             kept.map_or((None, None), |k| {
                 (Some(k.system), Some((k.ordered, k.factor)))
             })
         })
         .unzip();
-    let mut systems = systems(model, before, time)?;
+    let mut systems = systems(model, (before, state.histories()), time)?;
     let constraints: Vec<&Constraints<D>> = systems.iter().map(|s| &s.constraints).collect();
-    let mut paired = pair_all(model, &constraints, time)?;
-    if let Some(track) = track {
-        place(model, &mut paired, track)?;
-    }
-    let dropped = complete(model, &mut systems, (&mut paired, &left.lost), time)?;
+    let mut paired = pair_all(stage, &constraints, time)?;
+    state.place(model, &mut paired)?;
+    let lost = |name: &str| state.lost(name);
+    let dropped = complete(model, &mut systems, (&mut paired, &lost), time)?;
     turn_to_forces(&mut systems[..model.bodies.len()], &paired);
-    let lasting = track.map_or(vec![Vec::new(); systems.len()], |t| {
-        t.lasting(systems.len())
-    });
     seconds.assemble += lap.seconds();
     Ok(Uncondensed {
-        gaps: gaps_after(&paired, &slips(&left.elongations, &paired)),
-        dissipated: left.dissipated,
+        gaps: gaps_after(&paired, &state.slips(&paired)),
+        lasting: state.lasting(stage, systems.len()),
         systems,
         paired,
         dropped,
-        lasting,
         kept,
         seconds,
         time,
+        state,
     })
 }
 
@@ -281,6 +163,7 @@ impl<const D: usize> Uncondensed<D> {
             dropped,
             mut seconds,
             time,
+            state,
             ..
         } = self;
         let mut lap = Lap::start();
@@ -309,11 +192,6 @@ impl<const D: usize> Uncondensed<D> {
         observe(Event::Stage("condense"));
         let (compliance, parts) = compliance(&bodies, &factored, &ordered, gaps.len(), dense);
         let floating = Floating::new(model, &bodies, &paired)?;
-        let works = model
-            .contacts
-            .iter()
-            .map(|contact| self.dissipated.get(&contact.name));
-        let dissipated = works.map(|work| work.copied().unwrap_or(0.0)).collect();
         let balance = floating.balance.clone();
         let admissible = admissible_set(model, &paired, time)?;
         let shift = overlap(&bodies, &factored, &gaps);
@@ -337,8 +215,7 @@ impl<const D: usize> Uncondensed<D> {
             dropped,
             seconds,
             time,
-            dissipated,
-            before: None,
+            state,
         })
     }
 }
@@ -427,18 +304,20 @@ fn reused(
     each.collect()
 }
 
-/// The same bodies at another time, after a slip: d, e and the friction bounds are taken anew, all else stays.
+/// The same bodies at another time, from another state: d, e and the friction bounds are taken anew, all else stays. A state at
+/// which nothing has been begins a run of its own.
+///
+/// Errors: values that are not finite, a law without meaning.
 pub(crate) fn advance<const D: usize>(
     model: &Model<D>,
     mut here: Condensed<D>,
-    past: &Friction,
-    time: f64,
+    (time, state): (f64, Arc<State<D>>),
     observe: &mut dyn FnMut(Event),
 ) -> Result<Condensed<D>, Error<D>> {
-    here.before = Some((here.time, here.problem.balance.load().to_vec()));
-    here.dissipated = past.dissipated.clone();
-    here.time = time;
-    drive(model, &mut here, (&past.slip, &past.lost), observe)?;
+    let lost = |name: &str| state.lost(name);
+    restore(model, &mut here.paired, &lost);
+    (here.time, here.state) = (time, Arc::clone(&state));
+    drive(model, &mut here, observe)?;
     Ok(here)
 }
 
@@ -451,26 +330,23 @@ pub(crate) fn again<const D: usize>(
     lost: &[Vec<bool>],
     observe: &mut dyn FnMut(Event),
 ) -> Result<(), Error<D>> {
-    let slip = here.gaps.iter().zip(initial_gaps(&here.paired));
-    let slip: Vec<f64> = slip.map(|(then, first)| then - first).collect();
-    drive(model, here, (&slip, lost), observe)
+    for (pair, lost) in here.paired.iter_mut().zip(lost) {
+        pair.lost.clone_from(lost);
+    }
+    drive(model, here, observe)
 }
 
-/// Takes d, e and the friction bounds anew, at the time that is told, after a slip and with what joints have lost.
+/// Takes d, e and the friction bounds anew, at the time and from the state that are told.
 fn drive<const D: usize>(
     model: &Model<D>,
     here: &mut Condensed<D>,
-    (slip, lost): (&[f64], &[Vec<bool>]),
     observe: &mut dyn FnMut(Event),
 ) -> Result<(), Error<D>> {
     let (mut lap, time) = (Lap::start(), here.time);
     observe(Event::Stage("loads"));
-    for (pair, lost) in here.paired.iter_mut().zip(lost) {
-        pair.lost.clone_from(lost);
-    }
     let (bodies, paired) = driven(model, take(&mut here.bodies), take(&mut here.paired), time)?;
     (here.bodies, here.paired) = (bodies, paired);
-    here.gaps = gaps_after(&here.paired, slip);
+    here.gaps = gaps_after(&here.paired, &here.state.slips(&here.paired));
     here.seconds.assemble += lap.seconds();
     observe(Event::Stage("condense"));
     here.factored = (&here.bodies, take(&mut here.factored))
@@ -490,26 +366,6 @@ fn drive<const D: usize>(
     problem.scales = whole(&problem.coupled);
     here.seconds.condense += lap.seconds();
     Ok(())
-}
-
-/// A model of the same stiffness at its first step: stiffness, factors, pairs and F of the other one serve it.
-pub(crate) fn restart<const D: usize>(
-    model: &Model<D>,
-    mut kept: Condensed<D>,
-    time: f64,
-    observe: &mut dyn FnMut(Event),
-) -> Result<Condensed<D>, Error<D>> {
-    kept.seconds = Seconds::default();
-    let nothing = Friction {
-        slip: vec![0.0; kept.gaps.len()],
-        dissipated: vec![0.0; kept.dissipated.len()],
-        lost: joints::whole(model, &kept.paired),
-    };
-    let here = advance(model, kept, &nothing, time, observe)?;
-    Ok(Condensed {
-        before: None,
-        ..here
-    })
 }
 
 /// What the factorisations will take, but for factors that are there.

@@ -6,14 +6,12 @@ use crate::model::nouns::error::Error;
 use crate::model::nouns::model::Model;
 use crate::model::system::bodies::LoadedBody;
 use crate::model::system::dependent::drop_implied;
-use crate::model::system::joints::{Lost, restore, set_offsets};
-use crate::model::system::shared::share_nodes;
-
+use crate::model::system::joints::{Losses, restore, set_offsets};
 use crate::model::system::pair::gaps_at;
 use crate::model::system::paired::Paired;
 use crate::model::system::parts::rigid_systems;
+use crate::model::system::shared::share_nodes;
 use rayon::prelude::*;
-use std::collections::BTreeMap;
 
 /// Bodies and pairs with the loads, prescribed displacements and gaps of another time.
 pub(crate) fn driven<const D: usize>(
@@ -57,7 +55,7 @@ pub(crate) fn driven<const D: usize>(
 pub(crate) fn complete<const D: usize>(
     model: &Model<D>,
     systems: &mut Vec<BodySystem<D>>,
-    (paired, before): (&mut [Paired<D>], &BTreeMap<String, Lost>),
+    (paired, before): (&mut [Paired<D>], &Losses<'_>),
     time: f64,
 ) -> Result<Vec<String>, Error<D>> {
     systems.extend(link_systems(paired));

@@ -22,7 +22,6 @@ use crate::model::nouns::ids::SideRef;
 use crate::model::nouns::model::{Contact, Law, Model};
 use crate::model::system::admissible::prepare_law;
 use crate::model::system::paired::Paired;
-use std::collections::BTreeMap;
 
 /// A gap above this part of what its node stands for is one.
 const GAP: f64 = 1e-9;
@@ -37,7 +36,8 @@ pub(crate) fn joints<'a, const D: usize>(
     contacts.filter(|(_, contact, _)| matches!(contact.law, Law::Cohesive { .. }))
 }
 
-/// What a stage leaves of the nodes of a joint.
+/// What a step leaves of the nodes of a joint.
+#[derive(Debug, Clone)]
 pub(crate) struct Lost {
     /// The side that carried the multipliers: its name, and whether its body is the first of the two.
     side: (String, bool),
@@ -46,7 +46,7 @@ pub(crate) struct Lost {
 }
 
 impl Lost {
-    /// Of a contact of the last stage.
+    /// Of a contact after a step.
     pub fn of<const D: usize>(pair: &Paired<D>, lost: &[bool]) -> Self {
         let nodes = pair.interface.nodes.iter().zip(lost);
         let nodes = nodes.map(|(node, &lost)| {
@@ -78,6 +78,9 @@ impl Lost {
     }
 }
 
+/// Finds what a joint has lost, by the name of its contact.
+pub(crate) type Losses<'a> = dyn Fn(&str) -> Option<&'a Lost> + 'a;
+
 /// Which side carries the multipliers of a contact: bodies keep their order from stage to stage.
 fn carrying<const D: usize>(pair: &Paired<D>) -> (String, bool) {
     let own = &pair.nonmortar;
@@ -107,11 +110,11 @@ pub(crate) fn whole<const D: usize>(model: &Model<D>, paired: &[Paired<D>]) -> V
 pub(crate) fn restore<const D: usize>(
     model: &Model<D>,
     paired: &mut [Paired<D>],
-    before: &BTreeMap<String, Lost>,
+    before: &Losses<'_>,
 ) {
     let new = whole(model, paired);
     for (pair, mut new) in paired.iter_mut().zip(new) {
-        let known = before.get(&pair.name).map(|lost| lost.at(model, pair));
+        let known = before(&pair.name).map(|lost| lost.at(model, pair));
         for (lost, known) in new.iter_mut().zip(known.into_iter().flatten()) {
             *lost = known.unwrap_or(*lost);
         }

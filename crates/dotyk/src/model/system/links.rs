@@ -30,11 +30,12 @@
 use crate::contact::{Coupling, GapShares, Interface, InterfaceNode, Role, Row, frame};
 use crate::dual::Block;
 use crate::fem::pads;
-use crate::geometry::{Point, add_scaled, dot, norm};
+use crate::geometry::{Point, add_scaled, norm};
 use crate::model::nouns::bar::{Bar, BarSolution, BarStation};
 use crate::model::nouns::error::Error;
 use crate::model::nouns::ids::{BodyId, SideRef};
 use crate::model::nouns::model::Model;
+use crate::model::nouns::presence::Stage;
 use crate::model::system::bars::{Anchor, LaidBar, lay_bars};
 use crate::model::system::bodies::LoadedBody;
 use crate::model::system::paired::{Kind, Link, Paired, row_ranges};
@@ -43,7 +44,8 @@ use crate::model::system::parts::{beds, first_link};
 /// Pairs all links of a model.
 ///
 /// Errors: sides that cannot be paired; bars that cannot be laid.
-pub(crate) fn pair_links<const D: usize>(model: &Model<D>) -> Result<Vec<Paired<D>>, Error<D>> {
+pub(crate) fn pair_links<const D: usize>(stage: &Stage<'_, D>) -> Result<Vec<Paired<D>>, Error<D>> {
+    let model = stage.model.as_ref();
     let parts = first_link(model)..;
     let mut paired = Vec::new();
     for (part, bed) in parts.clone().zip(beds(model)) {
@@ -52,7 +54,7 @@ pub(crate) fn pair_links<const D: usize>(model: &Model<D>) -> Result<Vec<Paired<
     let laid = lay_bars(model)?;
     let parts = parts.skip(paired.len());
     let bars = parts.zip(laid.iter().enumerate());
-    let bars = bars.map(|(part, (place, laid))| pair_bar((&model.bars[place], place), laid, part));
+    let bars = bars.map(|(part, (place, laid))| pair_bar(stage, (place, laid), part));
     paired.extend(bars);
     Ok(paired)
 }
@@ -76,13 +78,11 @@ fn pair_bed<const D: usize>(
     let (side, stiffness) = body.springs[place].presses().unwrap_or_default();
     let pads = pads(body, side, model.analysis);
     let pads = pads.map_err(|source| Error::in_body(body, source))?;
-    let came = body.history.sprung.get(&place);
     let mut interface = Interface::empty(Coupling::Normal);
     let mut link = Link::default();
     for (row, pad) in pads.into_iter().enumerate() {
         let along = |n: f64| pad.normal.map(|c| n * c);
         let own: Row<D> = pad.nodes.iter().map(|&(k, n)| (k, along(n))).collect();
-        let came = came.map(|u| own.iter().map(|&(node, c)| dot(c, u[node])).sum());
         let nearest = pad.nodes.iter().max_by(|a, b| a.1.total_cmp(&b.1));
         interface.nodes.push(InterfaceNode {
             node: nearest.map_or(0, |nearest| nearest.0),
@@ -93,7 +93,7 @@ fn pair_bed<const D: usize>(
         });
         interface.nonmortar.push(own);
         interface.mortar.push(less(row, 0));
-        link.came_with.push(came.unwrap_or(0.0));
+        link.came_with.push(0.0);
         link.stiffness
             .push(axis::<D>(0).map(|c| c * stiffness * pad.area));
         link.load.push([0.0; D]);
@@ -164,10 +164,11 @@ fn rows_on<const D: usize>(laid: &LaidBar<D>, body: usize) -> Vec<Row<D>> {
 }
 
 fn pair_bar<const D: usize>(
-    (bar, place): (&Bar<D>, usize),
-    laid: &LaidBar<D>,
+    stage: &Stage<'_, D>,
+    (place, laid): (usize, &LaidBar<D>),
     part: usize,
 ) -> Paired<D> {
+    let (bar, tightening) = (&stage.model.bars[place], stage.tightening[place]);
     let mut bodies: Vec<usize> = laid.anchors.iter().map(|anchor| anchor.body).collect();
     bodies.sort_unstable();
     bodies.dedup();
@@ -190,7 +191,7 @@ fn pair_bar<const D: usize>(
         .iter()
         .map(|&body| (body, rows_on(laid, body)))
         .collect();
-    if bar.tightening {
+    if tightening {
         for (body, rows) in &of_bodies {
             let pulls = rows.iter().flatten();
             let pulls = pulls.map(|&(node, c)| (*body, node, c.map(|c| -prestress * c)));
@@ -199,7 +200,7 @@ fn pair_bar<const D: usize>(
         of_bodies.iter_mut().for_each(|(_, rows)| rows.clear());
     }
     let (block, offset) = bar.law(laid.count);
-    let mut interface = Interface::empty(match block.is_free() || bar.tightening {
+    let mut interface = Interface::empty(match block.is_free() || tightening {
         true => Coupling::Tied,
         false => Coupling::Normal,
     });
@@ -279,10 +280,11 @@ pub(crate) fn part_balance<const D: usize>(
 ///
 /// Errors: bars that cannot be laid.
 pub(crate) fn bar_solutions<const D: usize>(
-    model: &Model<D>,
+    stage: &Stage<'_, D>,
     paired: &[Paired<D>],
     lambda: &[f64],
 ) -> Result<Vec<BarSolution<D>>, Error<D>> {
+    let model = stage.model.as_ref();
     let laid = lay_bars(model)?;
     let solved = row_ranges(paired).filter_map(|(rows, pair)| {
         let Kind::Bar(place) = pair.kind else {
@@ -309,7 +311,7 @@ pub(crate) fn bar_solutions<const D: usize>(
             name: bar.name.clone(),
             length: last,
             stations: stations.collect(),
-            tightening: bar.tightening,
+            tightening: stage.tightening[place],
         })
     });
     Ok(solved.collect())

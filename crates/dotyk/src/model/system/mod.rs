@@ -23,4 +23,4 @@ pub mod parts;
 pub mod reach;
 pub mod recover;
 pub mod shared;
-pub mod track;
+pub mod state;

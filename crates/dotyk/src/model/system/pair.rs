@@ -12,6 +12,7 @@ use crate::mesh::Facet;
 use crate::model::nouns::error::Error;
 use crate::model::nouns::ids::{BodyId, SideRef};
 use crate::model::nouns::model::*;
+use crate::model::nouns::presence::Stage;
 use crate::model::system::choose::{chosen, either_may, finer_than_softer};
 use crate::model::system::links::pair_links;
 use crate::model::system::paired::{Kind, Paired, obstacle_motion, varying_gap};
@@ -23,10 +24,11 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 /// Pairs all contacts, with the gaps at a time, then all couples, then all links.
 pub(crate) fn pair_all<const D: usize>(
-    model: &Model<D>,
+    stage: &Stage<'_, D>,
     constraints: &[&Constraints<D>],
     time: f64,
 ) -> Result<Vec<Paired<D>>, Error<D>> {
+    let model = stage.model.as_ref();
     let contacts = model.contacts.par_iter();
     let contacts = contacts.map(|contact| pair_contact(model, constraints, contact, time));
     let mut paired = contacts.collect::<Result<Vec<_>, _>>()?;
@@ -35,7 +37,7 @@ pub(crate) fn pair_all<const D: usize>(
         let held = constraints[body];
         paired.push(pair_point(model, held, BodyId(body), (couple, part), time)?);
     }
-    paired.extend(pair_links(model)?);
+    paired.extend(pair_links(stage)?);
     Ok(paired)
 }
 

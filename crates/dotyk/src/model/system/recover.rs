@@ -160,7 +160,7 @@ impl<const D: usize> BodyState<D> {
         for force in springs.iter_mut().flatten().flatten() {
             *force = -*force;
         }
-        for (place, came) in spring_loads(body, model.analysis)? {
+        for (place, came) in spring_loads((body, &system.history), model.analysis)? {
             for (force, came) in springs[place].iter_mut().zip(came) {
                 *force = add_scaled(*force, 1.0, came);
             }

@@ -1,0 +1,469 @@
+//! State: what load steps leave to those after them, and all that they leave.
+//!
+//! Where bodies, supports and contacts come and go:
+//!
+//! * a body that appears is free of stress and fits what it touches: the gaps of its contacts count from the displacements
+//!   u_a of the bodies that were there, g₀ + B u_a, in normal and tangential rows;
+//! * a support that appears holds the nodes of its body where they are;
+//! * a spring or a bar that appears bears nothing there, but for the prestress of a bar, which in its first step pulls with that
+//!   alone, whatever gives;
+//! * friction counts from where the sides of a contact were when its stage began, B u of the last step in whatever directions the
+//!   tangents are now: a support that leaves a side leaves the slips under it, a contact or an obstacle that comes has none;
+//! * a joint that comes, between bodies one of which comes or not, is whole where its sides are not apart then, g₀ + B (u_a − u);
+//! * a body that goes leaves, where it is released, the forces −Bᵀλ of its last step on its neighbours, times what is left
+//!   of them at a time.
+//!
+//! All of these u_a are one thing: what bodies had moved when something came.
+
+use crate::dual::Multipliers;
+use crate::fem::History;
+use crate::geometry::{Field, Point, add_scaled, distance, dot};
+use crate::model::nouns::error::Error;
+use crate::model::nouns::ids::{BodyId, SideRef};
+use crate::model::nouns::model::{Contact, Law, Model};
+use crate::model::nouns::presence::{Presence, Stage, places};
+use crate::model::nouns::solution::Solution;
+use crate::model::system::joints::Lost;
+use crate::model::system::paired::{Fit, Kind, Paired, obstacle_motion, row_ranges};
+use rayon::prelude::*;
+use std::collections::{BTreeMap, BTreeSet};
+use std::sync::Arc;
+
+/// Displacements (nodes,) of a body; `None` of one that is not there.
+type Motion<const D: usize> = Option<Arc<[Point<D>]>>;
+
+/// Those of the bodies of a whole model at some moment.
+type Moved<const D: usize> = Arc<[Motion<D>]>;
+
+/// What comes later than the first load step, by its place in the whole model or by its name.
+#[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]
+enum Thing {
+    Body(usize),
+    /// By its body and its place there.
+    Support(usize, usize),
+    /// The same.
+    Spring(usize, usize),
+    /// Between bodies that were there: it holds them as they are.
+    Tie(String),
+    /// It counts from where it begins to hold by itself.
+    Bar(String),
+}
+
+/// When something came.
+#[derive(Debug, Clone)]
+struct Birth<const D: usize> {
+    /// Number of its first step.
+    step: usize,
+    /// What had moved by then.
+    moved: Moved<D>,
+}
+
+/// What a condition between parts keeps.
+#[derive(Debug, Clone, Default)]
+struct Record {
+    /// In the rows of its stage, (m of the condition,): how far its sides have slid, or a bar has been stretched, in rows where a
+    /// bounded force does work; zero in the others. `None`: what displacements tell.
+    slip: Option<Vec<f64>>,
+    /// Work that its friction has dissipated.
+    dissipated: f64,
+    /// Nodes at which a joint has parted or slipped.
+    lost: Option<Lost>,
+}
+
+/// What a load step leaves to the next one, of a whole model; before the first one nothing.
+#[derive(Debug, Clone)]
+pub(crate) struct State<const D: usize> {
+    /// Things come and go, or are tightened.
+    staged: bool,
+    /// What is there.
+    presence: Presence,
+    /// What was there in the last stage.
+    before: Option<Presence>,
+    /// Time of the last step.
+    time: Option<f64>,
+    /// Where it left the bodies.
+    moved: Moved<D>,
+    /// Where it left obstacles, by contact.
+    obstacles: BTreeMap<String, Point<D>>,
+    births: BTreeMap<Thing, Birth<D>>,
+    /// By body, the displacements of what it was fitted to, at its nodes.
+    fitted: Vec<Motion<D>>,
+    /// By body, the forces of neighbours that have gone, each with what is left of it at a time.
+    released: Vec<Vec<(Arc<[Point<D>]>, Field)>>,
+    /// By the names of contacts and links.
+    records: BTreeMap<String, Record>,
+    /// Forces and e of the last step of this stage.
+    pub forces: Option<Multipliers>,
+    pub load: Option<(f64, Vec<f64>)>,
+}
+
+impl<const D: usize> State<D> {
+    /// At the first step of a model, which has several stages or one.
+    pub fn new(model: &Model<D>, time: f64, staged: bool) -> Self {
+        let count = model.bodies.len();
+        Self {
+            staged,
+            presence: Presence::at(model, time),
+            before: None,
+            time: None,
+            moved: vec![None; count].into(),
+            obstacles: BTreeMap::new(),
+            births: BTreeMap::new(),
+            fitted: vec![None; count],
+            released: vec![Vec::new(); count],
+            records: BTreeMap::new(),
+            forces: None,
+            load: None,
+        }
+    }
+
+    /// The stage that it is at.
+    pub fn stage<'m>(&self, model: &'m Model<D>) -> Stage<'m, D> {
+        Stage::of(model, &self.presence)
+    }
+
+    /// Some step has been.
+    pub fn goes_on(&self) -> bool {
+        self.time.is_some()
+    }
+
+    /// The forces as a starting point. Contacts that bear nothing tell nothing: the solver's own start is better.
+    pub fn guess(&self) -> Option<&Multipliers> {
+        let touches = |forces: &&Multipliers| forces.lambda.iter().any(|&force| force != 0.0);
+        self.forces.as_ref().filter(touches)
+    }
+
+    /// Nodes of each of so many parts that contacts of this or another stage touch; none where there is no other one.
+    pub fn lasting(&self, stage: &Stage<'_, D>, parts: usize) -> Vec<Vec<usize>> {
+        let mut nodes = vec![Vec::new(); parts];
+        for (index, body) in stage.model.bodies.iter().enumerate() {
+            let sides = self.staged.then(|| stage.touched(BodyId(index)));
+            let sides = sides.into_iter().flatten();
+            let touched = sides.flat_map(|side| body.mesh.side_nodes(side).unwrap_or_default());
+            let touched: BTreeSet<usize> = touched.map(|node| node as usize).collect();
+            nodes[index] = touched.into_iter().collect();
+        }
+        nodes
+    }
+
+    /// Place of each body of the stage in the whole model.
+    fn whole(&self) -> Vec<usize> {
+        let there = &self.presence.bodies;
+        (0..there.len()).filter(|&body| there[body]).collect()
+    }
+
+    /// Remembers a solved step of the stage: e (r,) and the forces, how far its pairs have slid (m,) and what they have lost; tells
+    /// its bodies what they were fitted to.
+    pub fn remember(
+        &mut self,
+        solution: &mut Solution<D>,
+        paired: &[Paired<D>],
+        (load, forces): (&[f64], Multipliers),
+        (slip, lost): (&[f64], &[Vec<bool>]),
+    ) {
+        self.load = Some((solution.time, load.to_vec()));
+        self.forces = Some(forces);
+        for ((rows, pair), lost) in row_ranges(paired).zip(lost) {
+            let record = self.records.entry(pair.name.clone()).or_default();
+            record.slip = Some(slip[rows].to_vec());
+            record.lost = Some(Lost::of(pair, lost));
+        }
+        self.obstacles.clear();
+        for contact in &solution.contacts {
+            let record = self.records.entry(contact.name.clone()).or_default();
+            record.dissipated = contact.dissipated_total;
+            let moved = contact.obstacle.map(|moved| (contact.name.clone(), moved));
+            self.obstacles.extend(moved);
+        }
+        self.time = Some(solution.time);
+        let mut moved = vec![None; self.moved.len()];
+        for (body, solved) in self.whole().into_iter().zip(&mut solution.bodies) {
+            solved.fitted.clone_from(&self.fitted[body]);
+            moved[body] = Some(Arc::from(solved.displacement.clone()));
+        }
+        self.moved = moved.into();
+    }
+
+    /// Goes on to a step; whether something comes or goes there. `last` are the pairs of the last step.
+    pub fn go_on(
+        &mut self,
+        model: &Model<D>,
+        (step, time): (usize, f64),
+        last: Option<&[Paired<D>]>,
+    ) -> bool {
+        let next = self.staged.then(|| Presence::at(model, time));
+        let Some(next) = next.filter(|next| *next != self.presence) else {
+            return false;
+        };
+        let forces = self.forces.take();
+        self.load = None;
+        if let (Some(paired), Some(forces)) = (last, &forces) {
+            self.release(model, &next, (paired, &forces.lambda));
+            // rows are others now; what is plastic in a bar stays
+            for pair in paired.iter().filter(|pair| !pair.is_link()) {
+                let record = self.records.get_mut(&pair.name);
+                record.into_iter().for_each(|record| record.slip = None);
+            }
+        }
+        for thing in self.new_things(model, &next) {
+            if let Thing::Body(body) = thing {
+                self.fitted[body] = self.fitted_to(model, body);
+            }
+            let moved = self.moved.clone();
+            self.births.insert(thing, Birth { step, moved });
+        }
+        self.before = Some(std::mem::replace(&mut self.presence, next));
+        true
+    }
+
+    /// What comes with the next stage.
+    fn new_things(&self, model: &Model<D>, next: &Presence) -> Vec<Thing> {
+        let now = &self.presence;
+        let comes = |now: &[bool], next: &[bool]| -> Vec<usize> {
+            let places = 0..next.len();
+            places.filter(|&k| next[k] && !now[k]).collect()
+        };
+        let mut things = Vec::new();
+        for body in (0..model.bodies.len()).filter(|&body| next.bodies[body]) {
+            if self.moved[body].is_none() {
+                things.push(Thing::Body(body));
+                continue;
+            }
+            let supports = comes(&now.supports[body], &next.supports[body]).into_iter();
+            things.extend(supports.map(|k| Thing::Support(body, k)));
+            let springs = comes(&now.springs[body], &next.springs[body]).into_iter();
+            things.extend(springs.map(|k| Thing::Spring(body, k)));
+        }
+        for index in comes(&now.contacts, &next.contacts) {
+            let contact = &model.contacts[index];
+            let mut sides = contact.pair.sides().into_iter();
+            let both = sides.all(|side| self.moved[side.body.0].is_some());
+            if both && matches!(contact.law, Law::Tied) {
+                things.push(Thing::Tie(contact.name.clone()));
+            }
+        }
+        let holds = |there: &Presence| -> Vec<bool> {
+            let each = there.bars.iter().zip(&there.tightening);
+            each.map(|(there, tightening)| *there && !tightening)
+                .collect()
+        };
+        let bars = comes(&holds(now), &holds(next)).into_iter();
+        things.extend(bars.map(|bar| Thing::Bar(model.bars[bar].name.clone())));
+        things
+    }
+
+    /// Place in the last stage of each body of this one that has the same supports as there.
+    pub fn going_on(&self) -> Vec<Option<usize>> {
+        let whole = self.whole().into_iter();
+        let Some(before) = &self.before else {
+            return whole.map(|_| None).collect();
+        };
+        let (places, now) = (places(&before.bodies), &self.presence);
+        let same = |body: usize| {
+            before.supports[body] == now.supports[body] && before.springs[body] == now.springs[body]
+        };
+        whole
+            .map(|body| places[body].filter(|_| same(body)))
+            .collect()
+    }
+
+    /// What is left of what holds each body of the stage.
+    pub fn histories(&self) -> Vec<History<D>> {
+        let of_body = |body: usize| {
+            let came = |there: &[bool], thing: fn(usize, usize) -> Thing| {
+                let there = places(there).into_iter().enumerate();
+                let came = there.filter_map(|(k, place)| {
+                    let birth = self.births.get(&thing(body, k))?;
+                    Some((place?, birth.moved[body].clone()?))
+                });
+                came.collect()
+            };
+            History {
+                placed: came(&self.presence.supports[body], Thing::Support),
+                sprung: came(&self.presence.springs[body], Thing::Spring),
+                released: self.released[body].clone(),
+            }
+        };
+        self.whole().into_iter().map(of_body).collect()
+    }
+
+    /// Work that the friction of a contact has dissipated.
+    pub fn dissipated(&self, contact: &str) -> f64 {
+        let record = self.records.get(contact);
+        record.map_or(0.0, |record| record.dissipated)
+    }
+
+    /// What joints have lost, by the names of contacts.
+    pub fn lost(&self, contact: &str) -> Option<&Lost> {
+        self.records.get(contact)?.lost.as_ref()
+    }
+
+    /// What friction counts from, in all rows (m,): how far the sides of contacts have moved along each other, and the plastic
+    /// elongations of bars.
+    pub fn slips(&self, paired: &[Paired<D>]) -> Vec<f64> {
+        let of_pair = |pair: &Paired<D>| {
+            let slides = pair.slides();
+            let known = self.records.get(&pair.name);
+            let known = known.and_then(|record| record.slip.as_ref());
+            match known.filter(|known| known.len() == slides.len()) {
+                Some(known) => known.clone(),
+                None => {
+                    let rows = slides.iter().enumerate();
+                    rows.map(|(row, &along)| if along { pair.moved_before(row) } else { 0.0 })
+                        .collect()
+                }
+            }
+        };
+        paired.iter().flat_map(of_pair).collect()
+    }
+
+    /// Tells the pairs of the stage where their sides were when their bodies appeared and when the stage begins, and links what they
+    /// found.
+    ///
+    /// Errors: a prescribed displacement of an obstacle that is not finite.
+    pub fn place(&self, model: &Model<D>, paired: &mut [Paired<D>]) -> Result<(), Error<D>> {
+        let whole = self.whole();
+        for (contact, pair) in model.contacts.iter().zip(&mut *paired) {
+            pair.began = self.began(&whole, contact, pair)?;
+        }
+        for pair in paired {
+            if let Some(mortar) = &pair.mortar {
+                let [own, other] = [pair.nonmortar.body, mortar.body].map(|id| whole[id.0]);
+                pair.fit = self.fit(&pair.name, own, other);
+            }
+            let birth = match pair.kind {
+                Kind::Bed(place) => self.spring(whole[pair.nonmortar.body.0], place),
+                Kind::Bar(_) => self.births.get(&Thing::Bar(pair.name.clone())),
+                _ => None,
+            };
+            let Some(birth) = birth else { continue };
+            let mut came_with = vec![0.0; pair.link.came_with.len()];
+            for (body, rows) in pair.ends() {
+                let Some(Some(u)) = whole.get(body).map(|&body| &birth.moved[body]) else {
+                    continue;
+                };
+                for (came, row) in came_with.iter_mut().zip(rows) {
+                    *came += row.iter().map(|&(node, c)| dot(c, u[node])).sum::<f64>();
+                }
+            }
+            pair.link.came_with = came_with;
+        }
+        Ok(())
+    }
+
+    /// When a spring of a body came, by its place among those that are there.
+    fn spring(&self, body: usize, place: usize) -> Option<&Birth<D>> {
+        let there = &self.presence.springs[body];
+        let place = (0..there.len()).filter(|&k| there[k]).nth(place)?;
+        self.births.get(&Thing::Spring(body, place))
+    }
+
+    /// Where the two sides of a contact of the stage were at the end of the last step. What is prescribed of an obstacle that
+    /// comes is its way before, too; one that forces move comes as it is drawn.
+    fn began(
+        &self,
+        whole: &[usize],
+        contact: &Contact<D>,
+        pair: &Paired<D>,
+    ) -> Result<Fit<D>, Error<D>> {
+        let Some(time) = self.time else {
+            return Ok(Fit::default());
+        };
+        let moved = |side: &SideRef| self.moved[whole[side.body.0]].clone();
+        let other = match &pair.mortar {
+            Some(mortar) => moved(mortar),
+            None => Some(Arc::from(vec![match self.obstacles.get(&contact.name) {
+                Some(&moved) => moved,
+                None => obstacle_motion(contact, time)?,
+            }])),
+        };
+        Ok(Fit {
+            own: moved(&pair.nonmortar),
+            other,
+        })
+    }
+
+    /// What the sides of a contact between these two bodies were fitted to: the later one to the one that was there.
+    fn fit(&self, contact: &str, own: usize, other: usize) -> Fit<D> {
+        if let Some(birth) = self.births.get(&Thing::Tie(contact.to_string())) {
+            let [own, other] = [own, other].map(|body| birth.moved[body].clone());
+            return Fit { own, other };
+        }
+        let birth = |body: usize| self.births.get(&Thing::Body(body));
+        let appeared = |body: usize| birth(body).map_or(0, |birth| birth.step);
+        let seen = |later: usize, earlier: usize| {
+            let found = birth(later).filter(|_| appeared(later) > appeared(earlier))?;
+            found.moved[earlier].clone()
+        };
+        Fit {
+            own: seen(other, own),
+            other: seen(own, other),
+        }
+    }
+
+    /// At each node of a body that appears, what the nearest node on the other side of its contacts has moved; `None` where it
+    /// touches nothing that was there.
+    fn fitted_to(&self, model: &Model<D>, body: usize) -> Motion<D> {
+        let mut opposite: Vec<(Point<D>, Point<D>)> = Vec::new();
+        for contact in &model.contacts {
+            let sides = contact.pair.sides();
+            if !sides.iter().any(|side| side.body.0 == body) {
+                continue;
+            }
+            for side in sides.into_iter().filter(|side| side.body.0 != body) {
+                let Some(moved) = &self.moved[side.body.0] else {
+                    continue;
+                };
+                let mesh = &model.bodies[side.body.0].mesh;
+                let before = &self.fitted[side.body.0];
+                let nodes = mesh.side_nodes(&side.side).unwrap_or_default();
+                opposite.extend(nodes.into_iter().map(|node| {
+                    let node = node as usize;
+                    let before = before.as_ref().map_or([0.0; D], |before| before[node]);
+                    (mesh.points()[node], add_scaled(moved[node], 1.0, before))
+                }));
+            }
+        }
+        let nearest = |point: &Point<D>| {
+            let apart = |other: &&(Point<D>, Point<D>)| distance(*point, other.0);
+            let found = opposite.iter().min_by(|a, b| apart(a).total_cmp(&apart(b)));
+            found.map(|found| found.1)
+        };
+        let points = model.bodies[body].mesh.points().par_iter();
+        points.map(nearest).collect()
+    }
+
+    /// Leaves the forces of the contacts of released bodies that go to their neighbours that stay.
+    fn release(
+        &mut self,
+        model: &Model<D>,
+        next: &Presence,
+        (paired, lambda): (&[Paired<D>], &[f64]),
+    ) {
+        let whole = self.whole();
+        for (rows, pair) in row_ranges(paired) {
+            let Some(mortar) = &pair.mortar else { continue };
+            let [own, other] = [pair.nonmortar.body, mortar.body].map(|id| whole[id.0]);
+            let interface = &pair.interface;
+            let ends = [
+                (own, other, &interface.nonmortar),
+                (other, own, &interface.mortar),
+            ];
+            for (stays, goes, coefficients) in ends {
+                let Some(factor) = model.bodies[goes].release.clone() else {
+                    continue;
+                };
+                if !next.bodies[stays] || next.bodies[goes] {
+                    continue;
+                }
+                let mut forces = vec![[0.0; D]; model.bodies[stays].mesh.points().len()];
+                for (row, force) in coefficients.iter().zip(pair.forces(&lambda[rows.clone()])) {
+                    for &(node, c) in row {
+                        forces[node] = add_scaled(forces[node], -force, c);
+                    }
+                }
+                self.released[stays].push((forces.into(), factor));
+            }
+        }
+    }
+}
